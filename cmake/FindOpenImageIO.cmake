@@ -1,0 +1,17 @@
+# Finds OpenImageIO through its package configuration and drops include folders that do not exist
+# from the target: Debian 12 names OpenCV's, which the package does not depend on.
+find_package(OpenImageIO CONFIG QUIET)
+foreach(target OpenImageIO::OpenImageIO OpenImageIO::OpenImageIO_Util)
+    if(TARGET ${target})
+        get_target_property(folders ${target} INTERFACE_INCLUDE_DIRECTORIES)
+        set(existing "")
+        foreach(folder IN LISTS folders)
+            if(EXISTS "${folder}")
+                list(APPEND existing "${folder}")
+            endif()
+        endforeach()
+        set_target_properties(${target} PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${existing}")
+    endif()
+endforeach()
+include(FindPackageHandleStandardArgs)
+find_package_handle_standard_args(OpenImageIO CONFIG_MODE)

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// The BVH builder: one 8-wide compressed BVH over any boxes (triangles, chunks, instances), and the
+// plan that cuts a mesh into chunks. Deterministic: the result does not depend on the thread count.
+// Explained in docs/accel.md.
+#pragma once
+
+#include "hdStream/geometry/triangleMesh.h"
+#include "kernels/shared/bvhNode.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace hds {
+
+/// An 8-wide BVH. Items are referenced in leaf order: slot i of the order holds item `order[i]`.
+struct Bvh {
+    std::vector<shared::HdsBvhNode> nodes; ///< root first; empty when there are no items
+    std::vector<std::uint32_t> order;      ///< permutation of the items
+    Bounds bounds;
+};
+
+/// Options of a build.
+struct BvhOptions {
+    std::uint32_t maxLeafItems = HDS_BVH_MAX_LEAF_ITEMS; ///< 1 to 3
+    float traversalCost = 1.0F; ///< of a node, relative to...
+    float itemCost = 0.3F;      ///< ...the cost of testing one item
+};
+
+/// Builds with the surface area heuristic (binned; Wald 2007) and collapses to 8-wide optimally
+/// (Ylitie 2017, section 3.1). Uses all cores. Any finite box is allowed, also flat or equal ones.
+Bvh BuildBvh(const std::vector<Bounds>& items, const BvhOptions& options);
+
+/// Chunks of a mesh: `order` lists triangles, chunk i owns [begin[i], begin[i + 1]).
+struct ChunkPlan {
+    std::vector<std::uint32_t> order;
+    std::vector<std::uint32_t> begin; ///< numChunks + 1 entries
+};
+
+/// Splits triangles into spatially compact chunks of at most `maxTriangles` (SAH, so that chunk
+/// borders are where a BVH over the whole mesh would split too).
+ChunkPlan PlanChunks(const TriangleMesh& mesh, std::uint32_t maxTriangles);
+
+/// A finished geometry page (kernels/shared/geometry.h) with what the chunk's table record needs.
+struct GeometryPage {
+    std::vector<std::uint8_t> bytes;
+    std::uint32_t triangleOffset = 0; ///< 16-byte units
+    std::uint32_t vertexOffset = 0;   ///< 16-byte units
+    std::uint32_t numNodes = 0;
+    Bounds bounds;
+};
+
+/// Builds the chunk's BVH and page. Reorders `chunk` (triangles, primIds) into leaf order and its
+/// vertices (positions, points) into order of first use.
+GeometryPage BuildGeometryPage(ChunkGeometry& chunk);
+
+} // namespace hds

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/accel/nodeQuantise.h"
+
+#include "hdStream/base/error.h"
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace hds {
+namespace {
+
+constexpr int kMinExponent = -126; ///< the smallest scale is a normal float
+constexpr int kMaxExponent = 127;
+
+/// Smallest exponent with 255 * 2^e >= extent.
+int ExponentFor(double extent) {
+    if (!(extent > 0.0)) {
+        return kMinExponent;
+    }
+    int exponent = 0;
+    // extent / 255 = fraction * 2^exponent with fraction in [0.5, 1): 2^exponent is enough.
+    const double fraction = std::frexp(extent / 255.0, &exponent);
+    if (fraction == 0.5 && 255.0 * std::ldexp(1.0, exponent - 1) >= extent) {
+        --exponent;
+    }
+    exponent = exponent < kMinExponent ? kMinExponent : exponent;
+    HDS_VERIFY(exponent <= kMaxExponent, "a box is larger than the node format holds");
+    return exponent;
+}
+
+/// 2^e for e in [kMinExponent, kMaxExponent], and its inverse, as exact doubles.
+double PowerOfTwo(int exponent) {
+    const std::uint64_t bits = static_cast<std::uint64_t>(exponent + 1023) << 52U;
+    double value = 0.0;
+    std::memcpy(&value, &bits, sizeof(value));
+    return value;
+}
+
+/// One axis of one slot. Differences of floats and q * 2^e are compared as doubles.
+struct AxisQuantiser {
+    double origin;
+    double scale;
+    double inverse;
+
+    std::uint32_t Low(float lo) const {
+        const double distance = double{lo} - origin;
+        auto q = static_cast<int>(distance * inverse);
+        q = q > 255 ? 255 : q;
+        while (q > 0 && q * scale > distance) {
+            --q;
+        }
+        HDS_VERIFY(q >= 0 && q * scale <= distance, "a low plane does not contain its box");
+        return static_cast<std::uint32_t>(q);
+    }
+
+    std::uint32_t High(float hi) const {
+        const double distance = double{hi} - origin;
+        auto q = static_cast<int>(std::ceil(distance * inverse));
+        q = q > 255 ? 255 : q;
+        while (q < 255 && q * scale < distance) {
+            ++q;
+        }
+        HDS_VERIFY(q * scale >= distance, "a high plane does not contain its box");
+        return static_cast<std::uint32_t>(q);
+    }
+};
+
+} // namespace
+
+void QuantiseNode(const SlotBox& parent, const std::array<SlotBox, 8>& slots,
+                  std::uint32_t slotMask, shared::HdsBvhNode* node) {
+    node->exponentsImask &= 0xff000000U;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double extent = double{parent.hi[axis]} - double{parent.lo[axis]};
+        const int exponent = ExponentFor(extent);
+        node->origin[axis] = parent.lo[axis];
+        node->exponentsImask |= static_cast<std::uint32_t>(exponent + 127) << (8 * axis);
+        const AxisQuantiser quantiser = {parent.lo[axis], PowerOfTwo(exponent),
+                                         PowerOfTwo(-exponent)};
+        std::uint32_t lo[2] = {0, 0};
+        std::uint32_t hi[2] = {0, 0};
+        for (int slot = 0; slot < 8; ++slot) {
+            const bool isUsed = (slotMask >> slot & 1U) != 0;
+            const std::uint32_t low = isUsed ? quantiser.Low(slots[slot].lo[axis]) : 255U;
+            const std::uint32_t high = isUsed ? quantiser.High(slots[slot].hi[axis]) : 0U;
+            lo[slot / 4] |= low << (8 * (slot % 4));
+            hi[slot / 4] |= high << (8 * (slot % 4));
+        }
+        for (int half = 0; half < 2; ++half) {
+            node->qlo[axis][half] = lo[half];
+            node->qhi[axis][half] = hi[half];
+        }
+    }
+}
+
+DecodedBox DecodeSlot(const shared::HdsBvhNode& node, int slot) {
+    DecodedBox box{};
+    for (int axis = 0; axis < 3; ++axis) {
+        const int exponent = static_cast<int>(node.exponentsImask >> (8 * axis) & 0xffU) - 127;
+        const double scale = std::ldexp(1.0, exponent);
+        const std::uint32_t lo = node.qlo[axis][slot / 4] >> (8 * (slot % 4)) & 0xffU;
+        const std::uint32_t hi = node.qhi[axis][slot / 4] >> (8 * (slot % 4)) & 0xffU;
+        box.lo[axis] = double{node.origin[axis]} + scale * lo;
+        box.hi[axis] = double{node.origin[axis]} + scale * hi;
+    }
+    return box;
+}
+
+std::array<int, 8> AssignSlots(const SlotBox& parent, const std::array<SlotBox, 8>& children,
+                               int count) {
+    float cost[8][8];
+    for (int c = 0; c < count; ++c) {
+        float d[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            // An eighth of the sum of both corners' offsets: it cannot overflow.
+            d[axis] = (children[c].lo[axis] * 0.125F - parent.lo[axis] * 0.125F) +
+                      (children[c].hi[axis] * 0.125F - parent.hi[axis] * 0.125F);
+        }
+        for (int slot = 0; slot < 8; ++slot) {
+            cost[c][slot] = ((slot & 4) != 0 ? -d[0] : d[0]) + ((slot & 2) != 0 ? -d[1] : d[1]) +
+                            ((slot & 1) != 0 ? -d[2] : d[2]);
+        }
+    }
+    std::array<int, 8> slotOf{};
+    std::uint32_t freeSlots = 0xffU;
+    std::uint32_t freeChildren = (1U << count) - 1U;
+    while (freeChildren != 0) {
+        int bestChild = -1;
+        int bestSlot = -1;
+        float best = std::numeric_limits<float>::infinity();
+        for (int c = 0; c < count; ++c) {
+            for (int slot = 0; slot < 8; ++slot) {
+                const bool isFree = (freeChildren >> c & 1U) != 0 && (freeSlots >> slot & 1U) != 0;
+                if (isFree && (bestChild < 0 || cost[c][slot] < best)) {
+                    best = cost[c][slot];
+                    bestChild = c;
+                    bestSlot = slot;
+                }
+            }
+        }
+        slotOf[bestChild] = bestSlot;
+        freeChildren &= ~(1U << bestChild);
+        freeSlots &= ~(1U << bestSlot);
+    }
+    return slotOf;
+}
+
+} // namespace hds

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/accel/sahSplit.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hds {
+namespace {
+
+constexpr int kMaxBins = 32;
+constexpr std::size_t kParallelCount = 65536; ///< ranges from here on are binned by several tasks
+constexpr std::size_t kBlock = 8192;          ///< references a task of a long range handles
+
+/// Maps centres to bins: bin = (centre - offset) * scale, per axis.
+struct BinMapping {
+    Float4 offset;
+    Float4 scale;
+    int numBins = 0;
+    bool isUsable[3] = {};
+
+    BinMapping(const RangeBounds& bounds, std::size_t count) {
+        numBins = count < 12 ? 8 : (count < 1024 ? 16 : kMaxBins);
+        alignas(16) float extent[4];
+        Store(extent, bounds.centreHi - bounds.centreLo);
+        alignas(16) float offsets[4];
+        Store(offsets, bounds.centreLo);
+        alignas(16) float scales[4] = {};
+        for (int axis = 0; axis < 3; ++axis) {
+            // 0.999: the largest centre stays below numBins after rounding.
+            const float candidate = static_cast<float>(numBins) * 0.999F / extent[axis];
+            isUsable[axis] = extent[axis] > 0.0F && std::isfinite(extent[axis]) &&
+                             std::isfinite(candidate) && candidate > 0.0F;
+            scales[axis] = isUsable[axis] ? candidate : 0.0F;
+            // 0 * (centre - 0) is 0, where the extent may be infinite.
+            offsets[axis] = isUsable[axis] ? offsets[axis] : 0.0F;
+        }
+        offset = LoadBox(offsets);
+        scale = LoadBox(scales);
+    }
+
+    void Bins(const BoxRef& ref, std::int32_t* bins) const {
+        StoreInts(bins, (Centre(ref) - offset) * scale);
+    }
+    std::int32_t Bin(const BoxRef& ref, int axis) const {
+        alignas(16) std::int32_t bins[4];
+        Bins(ref, bins);
+        return bins[axis];
+    }
+};
+
+struct Bin {
+    Float4 lo, hi;
+};
+
+struct BinSet {
+    Bin bins[3][kMaxBins];
+    std::uint32_t counts[3][kMaxBins];
+
+    explicit BinSet(int numBins) {
+        const RangeBounds empty;
+        for (int axis = 0; axis < 3; ++axis) {
+            for (int i = 0; i < numBins; ++i) {
+                bins[axis][i] = {empty.lo, empty.hi};
+                counts[axis][i] = 0;
+            }
+        }
+    }
+
+    void Add(const BoxRef* refs, std::size_t count, const BinMapping& mapping) {
+        for (std::size_t i = 0; i < count; ++i) {
+            alignas(16) std::int32_t index[4];
+            mapping.Bins(refs[i], index);
+            const Float4 lo = LoadBox(refs[i].lo);
+            const Float4 hi = LoadBox(refs[i].hi);
+            for (int axis = 0; axis < 3; ++axis) {
+                Bin& bin = bins[axis][index[axis]];
+                bin.lo = Min(bin.lo, lo);
+                bin.hi = Max(bin.hi, hi);
+                ++counts[axis][index[axis]];
+            }
+        }
+    }
+
+    void Merge(const BinSet& other, int numBins) {
+        for (int axis = 0; axis < 3; ++axis) {
+            for (int i = 0; i < numBins; ++i) {
+                bins[axis][i].lo = Min(bins[axis][i].lo, other.bins[axis][i].lo);
+                bins[axis][i].hi = Max(bins[axis][i].hi, other.bins[axis][i].hi);
+                counts[axis][i] += other.counts[axis][i];
+            }
+        }
+    }
+};
+
+struct BestSplit {
+    int axis = -1; ///< -1: none found
+    int bin = 0;   ///< first bin of the right side
+    float cost = std::numeric_limits<float>::infinity();
+};
+
+/// Scans the borders between the bins of one axis; earlier borders and axes win ties.
+void ScanAxis(const BinSet& set, int axis, const BinMapping& mapping, std::size_t minSide,
+              BestSplit* best) {
+    float rightCost[kMaxBins];
+    Bin box = {RangeBounds{}.lo, RangeBounds{}.hi};
+    std::size_t count = 0;
+    for (int i = mapping.numBins - 1; i > 0; --i) {
+        const Bin& bin = set.bins[axis][i];
+        box = {Min(box.lo, bin.lo), Max(box.hi, bin.hi)};
+        count += set.counts[axis][i];
+        rightCost[i] = count >= minSide ? HalfArea(box.lo, box.hi) * static_cast<float>(count)
+                                        : std::numeric_limits<float>::infinity();
+    }
+    box = {RangeBounds{}.lo, RangeBounds{}.hi};
+    count = 0;
+    for (int i = 0; i + 1 < mapping.numBins; ++i) {
+        const Bin& bin = set.bins[axis][i];
+        box = {Min(box.lo, bin.lo), Max(box.hi, bin.hi)};
+        count += set.counts[axis][i];
+        if (count < minSide) {
+            continue;
+        }
+        const float cost = HalfArea(box.lo, box.hi) * static_cast<float>(count) + rightCost[i + 1];
+        if (cost < best->cost) {
+            *best = {axis, i + 1, cost};
+        }
+    }
+}
+
+BestSplit FindSplit(const BoxRef* refs, std::size_t count, const BinMapping& mapping,
+                    std::size_t minSide) {
+    BinSet set(mapping.numBins);
+    if (count < kParallelCount) {
+        set.Add(refs, count, mapping);
+    } else {
+        set = tbb::parallel_reduce(
+            tbb::blocked_range<std::size_t>(0, count, kBlock), set,
+            [&](const tbb::blocked_range<std::size_t>& range, BinSet part) {
+                part.Add(refs + range.begin(), range.size(), mapping);
+                return part;
+            },
+            [&](BinSet a, const BinSet& b) {
+                a.Merge(b, mapping.numBins);
+                return a;
+            });
+    }
+    BestSplit best;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (mapping.isUsable[axis]) {
+            ScanAxis(set, axis, mapping, minSide, &best);
+        }
+    }
+    return best;
+}
+
+/// Two pointers from both ends; grows both sides' bounds on the way.
+template <typename IsLeft>
+SplitResult PartitionSerial(BoxRef* refs, std::size_t count, const IsLeft& isLeft) {
+    SplitResult result;
+    std::size_t low = 0;
+    std::size_t high = count;
+    while (true) {
+        while (low < high && isLeft(refs[low])) {
+            result.left.Grow(refs[low++]);
+        }
+        while (low < high && !isLeft(refs[high - 1])) {
+            result.right.Grow(refs[--high]);
+        }
+        if (low >= high) {
+            break;
+        }
+        std::swap(refs[low], refs[high - 1]);
+    }
+    result.numLeft = low;
+    return result;
+}
+
+/// Stable partition by blocks of fixed size through `scratch`.
+template <typename IsLeft>
+SplitResult PartitionParallel(BoxRef* refs, std::size_t count, const IsLeft& isLeft,
+                              BoxRef* scratch) {
+    const std::size_t numBlocks = (count + kBlock - 1) / kBlock;
+    struct Block {
+        std::size_t numLeft = 0;
+        RangeBounds left, right;
+    };
+    std::vector<Block> blocks(numBlocks);
+    const auto blockEnd = [&](std::size_t b) { return std::min(count, (b + 1) * kBlock); };
+    tbb::parallel_for(std::size_t{0}, numBlocks, [&](std::size_t b) {
+        Block block;
+        for (std::size_t i = b * kBlock; i < blockEnd(b); ++i) {
+            const bool left = isLeft(refs[i]);
+            block.numLeft += left ? 1 : 0;
+            (left ? block.left : block.right).Grow(refs[i]);
+            scratch[i] = refs[i];
+        }
+        blocks[b] = block;
+    });
+    SplitResult result;
+    std::vector<std::size_t> leftStart(numBlocks);
+    for (std::size_t b = 0; b < numBlocks; ++b) {
+        leftStart[b] = result.numLeft;
+        result.numLeft += blocks[b].numLeft;
+        result.left.Grow(blocks[b].left);
+        result.right.Grow(blocks[b].right);
+    }
+    tbb::parallel_for(std::size_t{0}, numBlocks, [&](std::size_t b) {
+        std::size_t left = leftStart[b];
+        std::size_t right = result.numLeft + b * kBlock - leftStart[b];
+        for (std::size_t i = b * kBlock; i < blockEnd(b); ++i) {
+            refs[isLeft(scratch[i]) ? left++ : right++] = scratch[i];
+        }
+    });
+    return result;
+}
+
+/// Cuts at the median of the centres along their widest axis; ties in the centre go by item.
+SplitResult SplitAtMedian(BoxRef* refs, std::size_t count, const RangeBounds& bounds) {
+    alignas(16) float extent[4];
+    Store(extent, bounds.centreHi - bounds.centreLo);
+    const int axis = extent[0] >= extent[1] ? (extent[0] >= extent[2] ? 0 : 2)
+                                            : (extent[1] >= extent[2] ? 1 : 2);
+    const auto key = [axis](const BoxRef& ref) {
+        return ref.lo[axis] * 0.5F + ref.hi[axis] * 0.5F;
+    };
+    SplitResult result;
+    result.numLeft = count / 2;
+    std::nth_element(refs, refs + result.numLeft, refs + count,
+                     [&](const BoxRef& a, const BoxRef& b) {
+                         const float ka = key(a);
+                         const float kb = key(b);
+                         return ka < kb || (ka == kb && a.item < b.item);
+                     });
+    result.left = ComputeRangeBounds(refs, result.numLeft);
+    result.right = ComputeRangeBounds(refs + result.numLeft, count - result.numLeft);
+    return result;
+}
+
+} // namespace
+
+SplitResult SplitRange(BoxRef* refs, std::size_t count, const RangeBounds& bounds,
+                       const SplitOptions& options) {
+    if (count == 2) {
+        SplitResult pair;
+        pair.numLeft = 1;
+        pair.left.Grow(refs[0]);
+        pair.right.Grow(refs[1]);
+        return pair;
+    }
+    if (options.balanced) {
+        return SplitAtMedian(refs, count, bounds);
+    }
+    const BinMapping mapping(bounds, count);
+    const BestSplit best = FindSplit(refs, count, mapping, options.minSide);
+    if (best.axis < 0) {
+        return SplitAtMedian(refs, count, bounds);
+    }
+    const auto isLeft = [&](const BoxRef& ref) { return mapping.Bin(ref, best.axis) < best.bin; };
+    return count >= kParallelCount && options.scratch != nullptr
+               ? PartitionParallel(refs, count, isLeft, options.scratch)
+               : PartitionSerial(refs, count, isLeft);
+}
+
+} // namespace hds

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// A read-only array view that keeps its memory alive through a type-erased owner.
+// Front ends hand VtArrays, numpy arrays or our own vectors to the core without a copy.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace hds {
+
+/// Read-only view of `size()` elements plus shared ownership of whatever holds them.
+/// Copying copies the view and the owner's reference. Thread-safe as std::shared_ptr is.
+template <typename T>
+class SharedSpan {
+public:
+    SharedSpan() = default;
+    SharedSpan(const T* data, std::size_t size, std::shared_ptr<const void> owner)
+        : _data(data), _size(size), _owner(std::move(owner)) {}
+    /// Takes a vector over.
+    SharedSpan(std::vector<T> values) { // NOLINT(google-explicit-constructor): a conversion by design
+        auto held = std::make_shared<const std::vector<T>>(std::move(values));
+        _data = held->data();
+        _size = held->size();
+        _owner = std::move(held);
+    }
+
+    const T* data() const { return _data; }
+    std::size_t size() const { return _size; }
+    bool empty() const { return _size == 0; }
+    const T& operator[](std::size_t i) const { return _data[i]; }
+    const T* begin() const { return _data; }
+    const T* end() const { return _data + _size; }
+
+private:
+    const T* _data = nullptr;
+    std::size_t _size = 0;
+    std::shared_ptr<const void> _owner;
+};
+
+} // namespace hds

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/device/openclHandles.h"
+
+#include <utility>
+
+namespace hds {
+
+namespace {
+
+constexpr std::uint64_t kMinBytes = 16;
+
+} // namespace
+
+Buffer::Buffer(std::shared_ptr<Device> device, std::string label, std::uint64_t bytes,
+               BufferAccess access)
+    : _device(std::move(device)), _label(std::move(label)),
+      _bytes(bytes < kMinBytes ? kMinBytes : bytes) {
+    const cl_mem_flags flags =
+        access == BufferAccess::ReadOnly ? CL_MEM_READ_ONLY : CL_MEM_READ_WRITE;
+    cl_int code = CL_SUCCESS;
+    _memory = clCreateBuffer(_device->GetHandles().context, flags, _bytes, nullptr, &code);
+    if (code != CL_SUCCESS) {
+        _memory = nullptr;
+        throw Error("device memory for " + _label + ": " + std::to_string(_bytes) + " bytes: " +
+                    OpenClErrorName(code) + " (" + std::to_string(code) + "); " +
+                    std::to_string(_device->AllocatedBytes()) + " bytes are in use, one allocation may have " +
+                    std::to_string(_device->Properties().maxAllocationBytes));
+    }
+    _device->CountAllocation(static_cast<std::int64_t>(_bytes));
+}
+
+Buffer::~Buffer() { Release(); }
+
+Buffer::Buffer(Buffer&& other) noexcept { *this = std::move(other); }
+
+Buffer& Buffer::operator=(Buffer&& other) noexcept {
+    if (this != &other) {
+        Release();
+        _device = std::move(other._device);
+        _label = std::move(other._label);
+        _bytes = std::exchange(other._bytes, 0);
+        _memory = std::exchange(other._memory, nullptr);
+    }
+    return *this;
+}
+
+void Buffer::Release() noexcept {
+    if (_memory != nullptr) {
+        clReleaseMemObject(static_cast<cl_mem>(_memory));
+        _device->CountAllocation(-static_cast<std::int64_t>(_bytes));
+        _memory = nullptr;
+    }
+}
+
+void Buffer::Write(const void* data, std::uint64_t bytes, std::uint64_t offset) {
+    HDS_VERIFY(offset + bytes <= _bytes, "write past the end of " + _label);
+    if (bytes == 0) {
+        return;
+    }
+    CheckOpenCl(clEnqueueWriteBuffer(_device->GetHandles().queue, static_cast<cl_mem>(_memory), CL_TRUE,
+                                     offset, bytes, data, 0, nullptr, nullptr),
+                "writing " + _label);
+}
+
+void Buffer::Read(void* data, std::uint64_t bytes, std::uint64_t offset) const {
+    HDS_VERIFY(offset + bytes <= _bytes, "read past the end of " + _label);
+    if (bytes == 0) {
+        return;
+    }
+    CheckOpenCl(clEnqueueReadBuffer(_device->GetHandles().queue, static_cast<cl_mem>(_memory), CL_TRUE,
+                                    offset, bytes, data, 0, nullptr, nullptr),
+                "reading " + _label);
+}
+
+void Buffer::Fill(std::uint32_t pattern, std::uint64_t bytes, std::uint64_t offset) {
+    HDS_VERIFY(offset + bytes <= _bytes, "fill past the end of " + _label);
+    if (bytes > 0) {
+        CheckOpenCl(clEnqueueFillBuffer(_device->GetHandles().queue, static_cast<cl_mem>(_memory),
+                                        &pattern, sizeof(pattern), offset, bytes, 0, nullptr, nullptr),
+                    "filling " + _label);
+    }
+}
+
+} // namespace hds

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/device/device.h"
+
+#include "hdStream/device/openclHandles.h"
+
+#include <algorithm>
+#include <cctype>
+
+namespace hds {
+
+const char* OpenClErrorName(cl_int code) {
+    switch (code) {
+    case CL_DEVICE_NOT_FOUND: return "CL_DEVICE_NOT_FOUND";
+    case CL_DEVICE_NOT_AVAILABLE: return "CL_DEVICE_NOT_AVAILABLE";
+    case CL_COMPILER_NOT_AVAILABLE: return "CL_COMPILER_NOT_AVAILABLE";
+    case CL_MEM_OBJECT_ALLOCATION_FAILURE: return "CL_MEM_OBJECT_ALLOCATION_FAILURE";
+    case CL_OUT_OF_RESOURCES: return "CL_OUT_OF_RESOURCES";
+    case CL_OUT_OF_HOST_MEMORY: return "CL_OUT_OF_HOST_MEMORY";
+    case CL_BUILD_PROGRAM_FAILURE: return "CL_BUILD_PROGRAM_FAILURE";
+    case CL_INVALID_VALUE: return "CL_INVALID_VALUE";
+    case CL_INVALID_BINARY: return "CL_INVALID_BINARY";
+    case CL_INVALID_KERNEL_NAME: return "CL_INVALID_KERNEL_NAME";
+    case CL_INVALID_KERNEL_ARGS: return "CL_INVALID_KERNEL_ARGS";
+    case CL_INVALID_ARG_INDEX: return "CL_INVALID_ARG_INDEX";
+    case CL_INVALID_ARG_SIZE: return "CL_INVALID_ARG_SIZE";
+    case CL_INVALID_WORK_GROUP_SIZE: return "CL_INVALID_WORK_GROUP_SIZE";
+    case CL_INVALID_BUFFER_SIZE: return "CL_INVALID_BUFFER_SIZE";
+    default: return "OpenCL error";
+    }
+}
+
+void CheckOpenCl(cl_int code, const std::string& what) {
+    if (code != CL_SUCCESS) {
+        throw Error(what + ": " + OpenClErrorName(code) + " (" + std::to_string(code) + ")");
+    }
+}
+
+namespace {
+
+std::string DeviceString(cl_device_id device, cl_device_info key) {
+    std::size_t bytes = 0;
+    if (clGetDeviceInfo(device, key, 0, nullptr, &bytes) != CL_SUCCESS || bytes == 0) {
+        return {};
+    }
+    std::string text(bytes, '\0');
+    clGetDeviceInfo(device, key, bytes, text.data(), nullptr);
+    text.resize(bytes - 1);
+    return text;
+}
+
+template <typename T>
+T DeviceValue(cl_device_id device, cl_device_info key) {
+    T value{};
+    clGetDeviceInfo(device, key, sizeof(value), &value, nullptr);
+    return value;
+}
+
+std::string PlatformName(cl_platform_id platform) {
+    std::size_t bytes = 0;
+    if (clGetPlatformInfo(platform, CL_PLATFORM_NAME, 0, nullptr, &bytes) != CL_SUCCESS ||
+        bytes == 0) {
+        return {};
+    }
+    std::string text(bytes, '\0');
+    clGetPlatformInfo(platform, CL_PLATFORM_NAME, bytes, text.data(), nullptr);
+    text.resize(bytes - 1);
+    return text;
+}
+
+struct FoundDevice {
+    cl_platform_id platform;
+    cl_device_id device;
+    DeviceProperties properties;
+};
+
+std::vector<FoundDevice> FindDevices() {
+    std::vector<FoundDevice> found;
+    cl_uint numPlatforms = 0;
+    if (clGetPlatformIDs(0, nullptr, &numPlatforms) != CL_SUCCESS) {
+        return found;
+    }
+    std::vector<cl_platform_id> platforms(numPlatforms);
+    clGetPlatformIDs(numPlatforms, platforms.data(), nullptr);
+    for (cl_platform_id platform : platforms) {
+        cl_uint numDevices = 0;
+        if (clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, nullptr, &numDevices) != CL_SUCCESS) {
+            continue;
+        }
+        std::vector<cl_device_id> devices(numDevices);
+        clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, numDevices, devices.data(), nullptr);
+        for (cl_device_id device : devices) {
+            DeviceProperties properties;
+            properties.name = DeviceString(device, CL_DEVICE_NAME);
+            properties.platform = PlatformName(platform);
+            properties.version = DeviceString(device, CL_DEVICE_VERSION);
+            properties.driverVersion = DeviceString(device, CL_DRIVER_VERSION);
+            properties.memoryBytes = DeviceValue<cl_ulong>(device, CL_DEVICE_GLOBAL_MEM_SIZE);
+            properties.maxAllocationBytes =
+                DeviceValue<cl_ulong>(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE);
+            properties.computeUnits = DeviceValue<cl_uint>(device, CL_DEVICE_MAX_COMPUTE_UNITS);
+            properties.isCpu =
+                (DeviceValue<cl_device_type>(device, CL_DEVICE_TYPE) & CL_DEVICE_TYPE_CPU) != 0;
+            found.push_back({platform, device, properties});
+        }
+    }
+    return found;
+}
+
+bool ContainsIgnoringCase(const std::string& text, const std::string& part) {
+    const auto equal = [](unsigned char a, unsigned char b) {
+        return std::tolower(a) == std::tolower(b);
+    };
+    return std::search(text.begin(), text.end(), part.begin(), part.end(), equal) != text.end();
+}
+
+const FoundDevice* ChooseDevice(const std::vector<FoundDevice>& found, const std::string& name) {
+    if (name.empty()) {
+        const auto gpu = std::find_if(found.begin(), found.end(), [](const FoundDevice& candidate) {
+            return !candidate.properties.isCpu;
+        });
+        return gpu != found.end() ? &*gpu : (found.empty() ? nullptr : &found.front());
+    }
+    const auto match = std::find_if(found.begin(), found.end(), [&](const FoundDevice& candidate) {
+        return ContainsIgnoringCase(candidate.properties.name, name) ||
+               ContainsIgnoringCase(candidate.properties.platform, name);
+    });
+    return match != found.end() ? &*match : nullptr;
+}
+
+} // namespace
+
+std::vector<DeviceProperties> ListDeviceProperties() {
+    std::vector<DeviceProperties> properties;
+    for (const FoundDevice& found : FindDevices()) {
+        properties.push_back(found.properties);
+    }
+    return properties;
+}
+
+Device::Device() : _handles(std::make_unique<Handles>()) {}
+
+Device::~Device() {
+    if (_handles->queue != nullptr) {
+        clReleaseCommandQueue(_handles->queue);
+    }
+    if (_handles->context != nullptr) {
+        clReleaseContext(_handles->context);
+    }
+}
+
+std::shared_ptr<Device> Device::Create(const std::string& name) {
+    const std::vector<FoundDevice> found = FindDevices();
+    if (found.empty()) {
+        throw Error("no OpenCL device: install a driver (on Debian and Ubuntu: pocl-opencl-icd)");
+    }
+    const FoundDevice* chosen = ChooseDevice(found, name);
+    if (chosen == nullptr) {
+        throw Error("--device " + name + ": no OpenCL device has this in its name (see `hdstream devices`)",
+                    ErrorKind::Usage);
+    }
+    std::shared_ptr<Device> device(new Device);
+    device->_properties = chosen->properties;
+    Handles& handles = *device->_handles;
+    handles.platform = chosen->platform;
+    handles.device = chosen->device;
+    cl_int code = CL_SUCCESS;
+    handles.context = clCreateContext(nullptr, 1, &chosen->device, nullptr, nullptr, &code);
+    CheckOpenCl(code, "creating a context on " + chosen->properties.name);
+    handles.queue = clCreateCommandQueue(handles.context, chosen->device, 0, &code);
+    CheckOpenCl(code, "creating a queue on " + chosen->properties.name);
+    return device;
+}
+
+void Device::Finish() { CheckOpenCl(clFinish(_handles->queue), "running kernels on " + _properties.name); }
+
+void Device::CountAllocation(std::int64_t bytes) {
+    _allocatedBytes = static_cast<std::uint64_t>(static_cast<std::int64_t>(_allocatedBytes) + bytes);
+    _peakBytes = std::max(_peakBytes, _allocatedBytes);
+}
+
+} // namespace hds

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+// An OpenCL device with its context and queue. The only layer that includes OpenCL headers; other
+// layers see Device, Buffer and Program.
+// Explained in docs/device.md.
+#pragma once
+
+#include "hdStream/base/error.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace hds {
+
+/// What an OpenCL device says of itself.
+struct DeviceProperties {
+    std::string name;
+    std::string platform;
+    std::string version;       ///< CL_DEVICE_VERSION
+    std::string driverVersion; ///< CL_DRIVER_VERSION
+    std::uint64_t memoryBytes = 0;
+    std::uint64_t maxAllocationBytes = 0;
+    std::uint32_t computeUnits = 0;
+    bool isCpu = false;
+};
+
+/// All devices of all platforms, in the order of the ICD loader. Never throws.
+std::vector<DeviceProperties> ListDeviceProperties();
+
+/// A device, its context and one in-order queue. Externally synchronised.
+class Device {
+public:
+    /// Picks the first device whose name or platform contains `name` (case-insensitive); an empty
+    /// name picks the first GPU, else the first device.
+    /// \throws Error when there is none.
+    static std::shared_ptr<Device> Create(const std::string& name);
+    ~Device();
+    Device(const Device&) = delete;
+    Device& operator=(const Device&) = delete;
+
+    const DeviceProperties& Properties() const { return _properties; }
+
+    /// Blocks until everything queued has run.
+    /// \throws Error when the device reports a failure.
+    void Finish();
+
+    /// Bytes allocated now, and the most that were allocated at once.
+    std::uint64_t AllocatedBytes() const { return _allocatedBytes; }
+    std::uint64_t PeakBytes() const { return _peakBytes; }
+
+    struct Handles; ///< OpenCL objects, for this layer's own files
+    const Handles& GetHandles() const { return *_handles; }
+
+private:
+    friend class Buffer;
+    Device();
+    void CountAllocation(std::int64_t bytes);
+
+    DeviceProperties _properties;
+    std::unique_ptr<Handles> _handles;
+    std::uint64_t _allocatedBytes = 0;
+    std::uint64_t _peakBytes = 0;
+};
+
+/// How kernels use a buffer.
+enum class BufferAccess { ReadOnly, ReadWrite };
+
+/// Device memory. Moves, never copies; freed on destruction. Externally synchronised.
+class Buffer {
+public:
+    Buffer() = default;
+    /// \param label names the buffer in error messages.
+    /// \throws Error with label and size when the device cannot allocate it. Size 0 allocates 16 bytes,
+    /// so that every kernel argument is a valid buffer.
+    Buffer(std::shared_ptr<Device> device, std::string label, std::uint64_t bytes,
+           BufferAccess access = BufferAccess::ReadWrite);
+    ~Buffer();
+    Buffer(Buffer&& other) noexcept;
+    Buffer& operator=(Buffer&& other) noexcept;
+    Buffer(const Buffer&) = delete;
+    Buffer& operator=(const Buffer&) = delete;
+
+    bool IsValid() const { return _memory != nullptr; }
+    std::uint64_t Bytes() const { return _bytes; }
+    const std::string& Label() const { return _label; }
+
+    /// Blocking copies. \throws Error.
+    void Write(const void* data, std::uint64_t bytes, std::uint64_t offset = 0);
+    void Read(void* data, std::uint64_t bytes, std::uint64_t offset = 0) const;
+    /// Queues a fill with a 32-bit pattern; `bytes` is a multiple of 4.
+    void Fill(std::uint32_t pattern, std::uint64_t bytes, std::uint64_t offset = 0);
+
+    void* Memory() const { return _memory; } ///< cl_mem
+
+private:
+    void Release() noexcept;
+
+    std::shared_ptr<Device> _device;
+    std::string _label;
+    std::uint64_t _bytes = 0;
+    void* _memory = nullptr;
+};
+
+/// A buffer that holds a vector's contents; an empty vector gives a valid tiny buffer.
+template <typename T>
+Buffer UploadVector(const std::shared_ptr<Device>& device, const std::string& label,
+                    const std::vector<T>& values) {
+    Buffer buffer(device, label, values.size() * sizeof(T), BufferAccess::ReadOnly);
+    if (!values.empty()) {
+        buffer.Write(values.data(), values.size() * sizeof(T));
+    }
+    return buffer;
+}
+
+} // namespace hds

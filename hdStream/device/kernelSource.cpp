@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+// Include expansion of kernel sources: include-once by path, #line at each switch of file.
+#include "hdStream/device/embeddedKernels.h"
+#include "hdStream/device/program.h"
+
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+namespace hds {
+
+namespace {
+
+/// Every program is compiled with strict arithmetic: bits are part of the contract.
+constexpr const char* kPrologue = "#pragma OPENCL FP_CONTRACT OFF\n";
+
+bool FindEmbedded(const std::string& path, std::string* text) {
+    for (std::size_t i = 0; i < NumEmbeddedKernels(); ++i) {
+        const EmbeddedKernel& file = EmbeddedKernels()[i];
+        if (path == file.path) {
+            text->assign(reinterpret_cast<const char*>(file.bytes), file.size);
+            return true;
+        }
+    }
+    return false;
+}
+
+std::string ReadKernelFile(const std::string& path, const std::string& includer) {
+    std::string text;
+    if (const char* folder = std::getenv("HDSTREAM_KERNEL_DIR"); folder != nullptr && *folder != 0) {
+        std::ifstream file(std::string(folder) + "/" + path, std::ios::binary);
+        if (file) {
+            std::ostringstream contents;
+            contents << file.rdbuf();
+            return contents.str();
+        }
+    } else if (FindEmbedded(path, &text)) {
+        return text;
+    }
+    throw Error("kernel source " + path + " does not exist (included by " + includer + ")");
+}
+
+/// The path of an `#include "path"` line, or empty.
+std::string IncludedPath(const std::string& line) {
+    std::size_t at = line.find_first_not_of(" \t");
+    if (at == std::string::npos || line[at] != '#') {
+        return {};
+    }
+    at = line.find_first_not_of(" \t", at + 1);
+    if (at == std::string::npos || line.compare(at, 7, "include") != 0) {
+        return {};
+    }
+    const std::size_t open = line.find('"', at);
+    const std::size_t close = open == std::string::npos ? open : line.find('"', open + 1);
+    return close == std::string::npos ? std::string() : line.substr(open + 1, close - open - 1);
+}
+
+/// The directive of a line ("if", "ifdef", "ifndef", "endif", "define", ...), or empty.
+std::string Directive(const std::string& line) {
+    std::size_t at = line.find_first_not_of(" \t");
+    if (at == std::string::npos || line[at] != '#') {
+        return {};
+    }
+    at = line.find_first_not_of(" \t", at + 1);
+    const std::size_t end = at == std::string::npos ? at : line.find_first_not_of("abcdefghijklmnopqrstuvwxyz", at);
+    return at == std::string::npos ? std::string() : line.substr(at, end - at);
+}
+
+/// How many conditionals are open at each line, not counting a header's own include guard, which is
+/// the first directive of the file.
+class ConditionalDepth {
+public:
+    void Read(const std::string& line) {
+        const std::string directive = Directive(line);
+        if (directive.empty()) {
+            return;
+        }
+        if (directive.compare(0, 2, "if") == 0) {
+            _depth += _isFirst && directive == "ifndef" ? 0 : 1;
+        } else if (directive == "endif") {
+            --_depth; // the guard's own #endif is the last line: -1 there means nothing
+        }
+        _isFirst = false;
+    }
+    bool IsConditional() const { return _depth > 0; }
+
+private:
+    int _depth = 0;
+    bool _isFirst = true;
+};
+
+using FileSet = std::set<std::string>;
+
+/// Appends a file with its includes. A file comes once; one that was included inside a conditional may
+/// come again outside of it, where its guard decides.
+void Expand(const std::string& path, const std::string& text, FileSet* seen, std::string* out) {
+    *out += "#line 1 \"" + path + "\"\n";
+    std::istringstream lines(text);
+    std::string line;
+    int number = 0;
+    ConditionalDepth depth;
+    while (std::getline(lines, line)) {
+        ++number;
+        depth.Read(line);
+        const std::string included = IncludedPath(line);
+        if (included.empty()) {
+            *out += line;
+            *out += '\n';
+            continue;
+        }
+        // X-macro lists (.def) are meant to be included many times.
+        const bool isList = included.size() > 4 && included.compare(included.size() - 4, 4, ".def") == 0;
+        if (isList || seen->count(included) == 0) {
+            FileSet inside = *seen;
+            FileSet* target = depth.IsConditional() ? &inside : seen;
+            if (!isList) {
+                target->insert(included);
+            }
+            Expand(included, ReadKernelFile(included, path), target, out);
+        }
+        *out += "#line " + std::to_string(number + 1) + " \"" + path + "\"\n";
+    }
+}
+
+} // namespace
+
+std::string ExpandKernelSource(const std::string& root, const std::string* text) {
+    std::string source = kPrologue;
+    FileSet seen;
+    Expand(root, text != nullptr ? *text : ReadKernelFile(root, "the program"), &seen, &source);
+    return source;
+}
+
+} // namespace hds

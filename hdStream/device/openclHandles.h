@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// OpenCL objects behind Device; private to the device layer.
+#pragma once
+
+#include "hdStream/device/device.h"
+
+#define CL_TARGET_OPENCL_VERSION 120
+#include <CL/cl.h>
+
+namespace hds {
+
+struct Device::Handles {
+    cl_platform_id platform = nullptr;
+    cl_device_id device = nullptr;
+    cl_context context = nullptr;
+    cl_command_queue queue = nullptr;
+};
+
+/// The name of an OpenCL error code.
+const char* OpenClErrorName(cl_int code);
+
+/// \throws Error "what: CL_NAME (code)" unless the code is CL_SUCCESS.
+void CheckOpenCl(cl_int code, const std::string& what);
+
+} // namespace hds

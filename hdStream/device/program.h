@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// Kernel programs: sources are embedded, includes are expanded by us (so that the hash of the text is
+// the whole truth), binaries are cached per device, and compiler messages name our files.
+// HDSTREAM_KERNEL_DIR=<dir> reads the sources from a folder instead (for work on kernels).
+// Explained in docs/device.md.
+#pragma once
+
+#include "hdStream/device/device.h"
+#include "hdStream/persist/store.h"
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace hds {
+
+/// Defines of a program: features and tunables, sorted by name ("HDS_FEATURE_CUTOUT" -> "1").
+using ProgramDefines = std::map<std::string, std::string>;
+
+/// The complete text of a root with all includes expanded once, in order, with #line directives.
+/// \param root path below kernels/ ("integrator/shade.cl"), or the text itself when `text` is given.
+/// \throws Error that names the including file when an include does not exist.
+std::string ExpandKernelSource(const std::string& root, const std::string* text = nullptr);
+
+/// A kernel of a program, with a launch helper. Externally synchronised.
+class Kernel {
+public:
+    Kernel() = default;
+    Kernel(std::shared_ptr<Device> device, void* kernel, std::string name);
+    ~Kernel();
+    Kernel(Kernel&& other) noexcept;
+    Kernel& operator=(Kernel&& other) noexcept;
+    Kernel(const Kernel&) = delete;
+    Kernel& operator=(const Kernel&) = delete;
+
+    /// Sets argument `index` (buffers by handle, PODs by value).
+    void SetBuffer(unsigned index, const Buffer& buffer);
+    void SetBytes(unsigned index, const void* data, std::size_t bytes);
+
+    /// Sets all arguments in order and queues the kernel over `numItems` work-items (rounded up to
+    /// the group size; kernels compare get_global_id(0) with their own count).
+    template <typename... Args>
+    void Launch(std::size_t numItems, const Args&... args) {
+        unsigned index = 0;
+        (SetArgument(index++, args), ...);
+        Enqueue(numItems);
+    }
+
+    /// Queues with the arguments as set. No-op for numItems 0.
+    void Enqueue(std::size_t numItems);
+
+private:
+    void SetArgument(unsigned index, const Buffer& buffer) { SetBuffer(index, buffer); }
+    template <typename T>
+    void SetArgument(unsigned index, const T& value) {
+        static_assert(std::is_trivially_copyable_v<T>, "kernel arguments are PODs or buffers");
+        SetBytes(index, &value, sizeof(value));
+    }
+
+    std::shared_ptr<Device> _device;
+    void* _kernel = nullptr;
+    std::string _name;
+    std::size_t _groupSize = 64;
+};
+
+/// A built program. Externally synchronised.
+class Program {
+public:
+    /// Builds from a root of kernels/ or, for tests, from `text` (which may #include kernel modules).
+    /// A cached binary that the device rejects is deleted and rebuilt from source.
+    /// \throws Error with the build log on failure.
+    Program(std::shared_ptr<Device> device, const std::string& root, const ProgramDefines& defines,
+            Store* store = nullptr, const std::string* text = nullptr);
+    ~Program();
+    Program(const Program&) = delete;
+    Program& operator=(const Program&) = delete;
+
+    /// \throws Error when the program has no such kernel.
+    Kernel GetKernel(const std::string& name) const;
+
+    bool IsFromCache() const { return _isFromCache; }
+    double BuildSeconds() const { return _buildSeconds; }
+
+private:
+    bool BuildFromCache(Store* store, const std::string& key, const std::string& options);
+    void BuildFromSource(const std::string& source, const std::string& options);
+    void SaveBinary(Store* store, const std::string& key) const;
+
+    std::shared_ptr<Device> _device;
+    std::string _root;
+    void* _program = nullptr;
+    bool _isFromCache = false;
+    double _buildSeconds = 0.0;
+};
+
+} // namespace hds

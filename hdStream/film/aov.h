@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// The AOVs a render can write, in one table: name, channels, kind, clear value and meaning. The
+// command line, Hydra's AOV descriptors, the film's buffers and the image writer all read it.
+// Explained in docs/film.md.
+#pragma once
+
+#include "hdStream/film/imageLayer.h"
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace hds {
+
+/// How a pixel's samples become its value.
+enum class AovFilter {
+    Weighted, ///< mean of the samples, weighted by the pixel filter
+    First,    ///< value of one sample: averages of depths, positions and ids mean nothing
+    Counter,  ///< the film's own bookkeeping of the pixel
+};
+
+/// One row of the table.
+struct AovInfo {
+    std::string name;                  ///< as in --aovs and HdAovTokens
+    std::vector<std::string> channels; ///< channel names in an EXR; their number is the width
+    bool isInteger = false;            ///< one int32 a pixel instead of floats
+    bool isColor = false;              ///< linear working-space colour: display transforms apply
+    AovFilter filter = AovFilter::Weighted;
+    float clearValue = 0.0f;  ///< every channel of a pixel that hit nothing
+    std::int32_t clearId = 0; ///< likewise for integer AOVs
+    std::string description;  ///< meaning, space and unit
+
+    std::uint32_t NumChannels() const { return static_cast<std::uint32_t>(channels.size()); }
+};
+
+/// All AOVs, in the order they are listed to users. Thread-safe.
+const std::vector<AovInfo>& AovTable();
+
+/// The row of that name; null when there is none.
+const AovInfo* FindAov(const std::string& name);
+
+/// Where a render keeps one of its AOVs.
+struct AovSlot {
+    const AovInfo* info = nullptr;
+    std::uint32_t offset = 0; ///< first channel, in floats (ints for integer AOVs) inside a pixel
+};
+
+/// Layout of a render's resolved AOVs: one buffer of floats and one of int32s, each with all
+/// values of a pixel next to each other, pixels in rows from top to bottom.
+struct AovLayout {
+    std::vector<AovSlot> slots; ///< in the order asked for
+    std::uint32_t floatsPerPixel = 0;
+    std::uint32_t intsPerPixel = 0;
+
+    /// The slot of that AOV; null when it was not asked for.
+    const AovSlot* Find(const std::string& name) const;
+};
+
+/// Lays the AOVs out in the order given.
+/// \throws Error (Usage) that names the AOV, for an unknown or repeated name or an empty list.
+AovLayout MakeAovLayout(const std::vector<std::string>& names);
+
+/// A layer of that size with every pixel at the AOV's clear value.
+ImageLayer MakeClearLayer(const AovInfo& info, std::uint32_t width, std::uint32_t height);
+
+/// Splits resolved buffers (read back from the device) into layers, in the order of the layout.
+/// \param floats [height][width][floatsPerPixel]; may be null when floatsPerPixel is 0
+/// \param ints [height][width][intsPerPixel]; may be null when intsPerPixel is 0
+std::vector<ImageLayer> MakeLayers(const AovLayout& layout, std::uint32_t width,
+                                   std::uint32_t height, const float* floats,
+                                   const std::int32_t* ints);
+
+} // namespace hds

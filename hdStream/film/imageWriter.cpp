@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/film/imageWriter.h"
+
+#include "hdStream/base/error.h"
+#include "hdStream/film/atomicFile.h"
+#include "hdStream/film/quantise.h"
+#include "hdStream/texture/oneLine.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstring>
+#include <functional>
+#include <set>
+
+namespace hds {
+
+namespace {
+
+enum class FileKind { Exr, Png, Jpeg, Tiff, Hdr };
+
+FileKind KindOf(const std::string& file) {
+    const std::size_t dot = file.find_last_of("./\\");
+    std::string extension =
+        dot == std::string::npos || file[dot] != '.' ? "" : file.substr(dot + 1);
+    for (char& c : extension) {
+        c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    }
+    static const std::map<std::string, FileKind> kinds{
+        {"exr", FileKind::Exr},   {"png", FileKind::Png},  {"jpg", FileKind::Jpeg},
+        {"jpeg", FileKind::Jpeg}, {"tif", FileKind::Tiff}, {"tiff", FileKind::Tiff},
+        {"hdr", FileKind::Hdr}};
+    const auto found = kinds.find(extension);
+    if (found == kinds.end()) {
+        throw Error("cannot write '" + file +
+                        "': its extension is none of .exr .png .jpg .tif .hdr",
+                    ErrorKind::Usage);
+    }
+    return found->second;
+}
+
+const char* FormatName(FileKind kind) {
+    switch (kind) {
+    case FileKind::Exr:
+        return "openexr";
+    case FileKind::Png:
+        return "png";
+    case FileKind::Jpeg:
+        return "jpeg";
+    case FileKind::Tiff:
+        return "tiff";
+    case FileKind::Hdr:
+        return "hdr";
+    }
+    return "";
+}
+
+/// Lets an OpenImageIO encoder write into an atomic file.
+class AtomicFileProxy : public OIIO::Filesystem::IOProxy {
+public:
+    AtomicFileProxy(AtomicFile* file, const std::string& name)
+        : IOProxy(name, IOProxy::Write), _file(file) {}
+    const char* proxytype() const override { return "hdstream"; }
+    std::int64_t tell() override { return _file->Tell(); }
+    bool seek(std::int64_t offset) override { return _file->Seek(offset); }
+    std::size_t write(const void* data, std::size_t bytes) override {
+        const std::size_t written = _file->Write(data, bytes);
+        _size = std::max(_size, static_cast<std::size_t>(std::max<std::int64_t>(0, tell())));
+        return written;
+    }
+    std::size_t size() const override { return _size; }
+
+private:
+    AtomicFile* _file;
+    std::size_t _size = 0;
+};
+
+/// What an encoder needs: a spec, and rows in its native layout on demand, so that the image is
+/// never in memory twice.
+struct EncodedImage {
+    OIIO::ImageSpec spec;
+    std::function<void(std::size_t y, char* row)> packRow;
+};
+
+void AddMatrix(OIIO::ImageSpec* spec, const char* name,
+               const std::optional<std::array<double, 16>>& matrix) {
+    if (matrix) {
+        float values[16];
+        std::copy(matrix->begin(), matrix->end(), values);
+        spec->attribute(name, OIIO::TypeMatrix, values);
+    }
+}
+
+void AddMetadata(OIIO::ImageSpec* spec, const ImageMetadata& metadata) {
+    spec->attribute("Software", metadata.software);
+    spec->attribute("DateTime", ""); // else the encoders write the present time
+    spec->attribute("PixelAspectRatio", static_cast<float>(metadata.pixelAspectRatio));
+    if (metadata.samples > 0) {
+        spec->attribute("hdStream:samples", static_cast<int>(metadata.samples));
+    }
+    if (!metadata.camera.empty()) {
+        spec->attribute("hdStream:camera", metadata.camera);
+    }
+    AddMatrix(spec, "worldtocamera", metadata.worldToCamera);
+    AddMatrix(spec, "worldtoNDC", metadata.worldToNdc);
+    for (const auto& [name, text] : metadata.texts) {
+        spec->attribute(name, text);
+    }
+}
+
+void CheckLayers(const std::string& file, const std::vector<ImageLayer>& layers) {
+    if (layers.empty()) {
+        throw Error("cannot write '" + file + "': there is no layer to write");
+    }
+    std::set<std::string> names;
+    for (const ImageLayer& layer : layers) {
+        const std::size_t expected =
+            std::size_t{layer.width} * layer.height * layer.channels.size();
+        HDS_VERIFY(layer.width == layers[0].width && layer.height == layers[0].height,
+                   "layers of different sizes: " + layer.name);
+        HDS_VERIFY((layer.isInteger ? layer.ids.size() : layer.values.size()) == expected,
+                   "layer '" + layer.name + "' does not have width * height * channels values");
+        HDS_VERIFY(names.insert(layer.name).second, "layer '" + layer.name + "' appears twice");
+    }
+    if (layers[0].width == 0 || layers[0].height == 0) {
+        throw Error("cannot write '" + file + "': the image has no pixels");
+    }
+}
+
+/// All layers side by side; every channel has 4 bytes. The layers must outlive the result.
+EncodedImage EncodeExr(const std::vector<ImageLayer>& layers) {
+    EncodedImage image;
+    image.spec = OIIO::ImageSpec(static_cast<int>(layers[0].width),
+                                 static_cast<int>(layers[0].height), 0, OIIO::TypeFloat);
+    image.spec.channelnames.clear();
+    bool hasIntegers = false;
+    for (const ImageLayer& layer : layers) {
+        for (const std::string& channel : layer.channels) {
+            const bool isMain = layer.name == "color";
+            if (isMain && channel == "A") {
+                image.spec.alpha_channel = static_cast<int>(image.spec.channelnames.size());
+            }
+            image.spec.channelnames.push_back(isMain ? channel : layer.name + "." + channel);
+            image.spec.channelformats.push_back(layer.isInteger ? OIIO::TypeUInt32
+                                                                : OIIO::TypeFloat);
+            hasIntegers = hasIntegers || layer.isInteger;
+        }
+    }
+    image.spec.nchannels = static_cast<int>(image.spec.channelnames.size());
+    if (!hasIntegers) {
+        image.spec.channelformats.clear();
+    }
+    image.spec.attribute("compression", "zip");
+    image.spec.attribute("oiio:ColorSpace", "Linear");
+
+    const std::size_t stride = 4 * image.spec.channelnames.size();
+    image.packRow = [&layers, stride](std::size_t y, char* row) {
+        std::size_t offset = 0;
+        for (const ImageLayer& layer : layers) {
+            const std::size_t bytes = 4 * layer.channels.size();
+            const std::size_t width = layer.width;
+            const char* source = layer.isInteger
+                                     ? reinterpret_cast<const char*>(layer.ids.data())
+                                     : reinterpret_cast<const char*>(layer.values.data());
+            source += y * width * bytes;
+            for (std::size_t x = 0; x < width; ++x) {
+                std::memcpy(row + x * stride + offset, source + x * bytes, bytes);
+            }
+            offset += bytes;
+        }
+    };
+    return image;
+}
+
+/// Display-referred 8-bit pixels.
+EncodedImage EncodeDisplay(const ImageLayer& layer, FileKind kind, ColorCorrection correction) {
+    const AlphaMode alphaMode =
+        kind == FileKind::Png ? AlphaMode::Unpremultiplied : AlphaMode::OverBlack;
+    // Data that is no colour (depth, normals) is stored as it is.
+    const bool isColor = layer.name == "color" || layer.name == "albedo";
+    const DisplayTransform transform(isColor ? correction : ColorCorrection::Disabled);
+    QuantisedImage quantised = QuantiseLayer(layer, transform, alphaMode);
+    EncodedImage image;
+    image.spec = OIIO::ImageSpec(static_cast<int>(layer.width), static_cast<int>(layer.height),
+                                 static_cast<int>(quantised.numChannels), OIIO::TypeUInt8);
+    image.spec.attribute("oiio:ColorSpace", transform.IsLinear() ? "Linear" : "sRGB");
+    image.spec.attribute("oiio:UnassociatedAlpha", 1); // the encoder shall not divide again
+    if (kind == FileKind::Jpeg) {
+        image.spec.attribute("compression", "jpeg:95");
+        image.spec.attribute("jpeg:subsampling", "4:4:4");
+    }
+    const std::size_t rowBytes = std::size_t{layer.width} * quantised.numChannels;
+    image.packRow = [values = std::move(quantised.values), rowBytes](std::size_t y, char* row) {
+        std::memcpy(row, &values[y * rowBytes], rowBytes);
+    };
+    return image;
+}
+
+/// Linear float pixels of one layer, which must outlive the result.
+EncodedImage EncodeLinear(const ImageLayer& layer, FileKind kind) {
+    const std::size_t sourceChannels = layer.channels.size();
+    const std::size_t channels =
+        kind == FileKind::Hdr ? 3 : sourceChannels; // .hdr is RGB whatever the layer
+    EncodedImage image;
+    image.spec = OIIO::ImageSpec(static_cast<int>(layer.width), static_cast<int>(layer.height),
+                                 static_cast<int>(channels), OIIO::TypeFloat);
+    image.spec.attribute("oiio:ColorSpace", "Linear");
+    image.spec.attribute("compression", "zip");
+    image.packRow = [&layer, channels, sourceChannels](std::size_t y, char* row) {
+        const float* source = &layer.values[y * layer.width * sourceChannels];
+        for (std::size_t x = 0; x < layer.width; ++x) {
+            for (std::size_t c = 0; c < channels; ++c) {
+                const std::size_t from = std::min(c, sourceChannels - 1); // one channel: gray
+                std::memcpy(row, source + x * sourceChannels + from, sizeof(float));
+                row += sizeof(float);
+            }
+        }
+    };
+    return image;
+}
+
+/// The layer a format with room for one layer stores.
+const ImageLayer& MainLayer(const std::string& file, const std::vector<ImageLayer>& layers) {
+    for (const ImageLayer& layer : layers) {
+        if (layer.name == "color") {
+            return layer;
+        }
+    }
+    if (layers[0].isInteger) {
+        throw Error("cannot write '" + file + "': ids ('" + layers[0].name +
+                        "') can only be stored in an .exr file",
+                    ErrorKind::Usage);
+    }
+    return layers[0];
+}
+
+/// Feeds all rows to an open encoder, in bands that let it compress in parallel.
+bool WriteRows(const EncodedImage& image, OIIO::ImageOutput* output) {
+    constexpr int kBandRows = 256;
+    const std::size_t rowBytes = image.spec.scanline_bytes(true);
+    std::vector<char> band(rowBytes *
+                           static_cast<std::size_t>(std::min(kBandRows, image.spec.height)));
+    for (int y = 0; y < image.spec.height; y += kBandRows) {
+        const int end = std::min(y + kBandRows, image.spec.height);
+        for (int row = y; row < end; ++row) {
+            image.packRow(static_cast<std::size_t>(row),
+                          &band[static_cast<std::size_t>(row - y) * rowBytes]);
+        }
+        if (!output->write_scanlines(y, end, 0, OIIO::TypeUnknown, band.data())) {
+            return false;
+        }
+    }
+    return true;
+}
+
+void EncodeToFile(const std::string& file, FileKind kind, const EncodedImage& image) {
+    AtomicFile atomic(file);
+    AtomicFileProxy proxy(&atomic, file);
+    std::string reason;
+    bool written = false;
+    try {
+        const std::unique_ptr<OIIO::ImageOutput> output =
+            OIIO::ImageOutput::create(FormatName(kind));
+        if (!output || !output->supports("ioproxy")) {
+            OIIO::geterror();
+            throw Error("cannot write '" + file + "': OpenImageIO has no usable writer for it");
+        }
+        output->set_ioproxy(&proxy);
+        written =
+            output->open(file, image.spec) && WriteRows(image, output.get()) && output->close();
+        reason = OneLine(output->geterror());
+    } catch (const Error&) {
+        throw;
+    } catch (const std::exception& failure) {
+        reason = OneLine(failure.what());
+    }
+    // The disk's own reason first: encoders report it as some failure of theirs, or not at all.
+    if (!written) {
+        atomic.ThrowIfFailed();
+        throw Error("cannot write '" + file +
+                    "': " + (reason.empty() ? "encoding failed" : reason));
+    }
+    atomic.Commit();
+}
+
+} // namespace
+
+void CheckImageFile(const std::string& file) {
+    KindOf(file);
+    const AtomicFile probe(file);
+}
+
+std::vector<std::string> WriteImage(const std::string& file, const std::vector<ImageLayer>& layers,
+                                    const ImageWriteOptions& options) {
+    const FileKind kind = KindOf(file);
+    CheckLayers(file, layers);
+    std::vector<std::string> left;
+    EncodedImage image;
+    if (kind == FileKind::Exr) {
+        image = EncodeExr(layers);
+    } else {
+        const ImageLayer& layer = MainLayer(file, layers);
+        for (const ImageLayer& other : layers) {
+            if (&other != &layer) {
+                left.push_back(other.name);
+            }
+        }
+        image = kind == FileKind::Png || kind == FileKind::Jpeg
+                    ? EncodeDisplay(layer, kind, options.colorCorrection)
+                    : EncodeLinear(layer, kind);
+    }
+    AddMetadata(&image.spec, options.metadata);
+    EncodeToFile(file, kind, image);
+    return left;
+}
+
+} // namespace hds

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Writing finished layers to image files: every AOV to an EXR, the colour to other formats.
+// Files appear whole or not at all (atomicFile.h). Bytes are a function of layers and options only.
+// Explained in docs/film.md.
+#pragma once
+
+#include "hdStream/film/displayTransform.h"
+#include "hdStream/film/imageLayer.h"
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace hds {
+
+/// What a file says about the render, where its format can.
+struct ImageMetadata {
+    std::string software = "hdStream";                   ///< name and version of the program
+    std::uint32_t samples = 0;                           ///< per pixel; 0: not said
+    std::string camera;                                  ///< prim path; empty: not said
+    double pixelAspectRatio = 1.0;                       ///< width / height of a pixel
+    std::optional<std::array<double, 16>> worldToCamera; ///< rows of GfMatrix4d (row vectors)
+    std::optional<std::array<double, 16>> worldToNdc;    ///< likewise, with the projection
+    std::map<std::string, std::string> texts;            ///< further named texts
+};
+
+/// Options of WriteImage.
+struct ImageWriteOptions {
+    ColorCorrection colorCorrection = ColorCorrection::Automatic; ///< .png and .jpg only
+    ImageMetadata metadata;
+};
+
+/// Fails early, before hours of rendering: checks that the extension is known and that the folder
+/// takes new files.
+/// \throws Error that names the file: Usage for an unknown extension, else Failure
+void CheckImageFile(const std::string& file);
+
+/// Writes layers of one size.
+///  .exr        all layers, linear float, ids as 32-bit unsigned integers (-1 is 4294967295):
+///  colour
+///              as R, G, B, A (premultiplied), every other layer as NAME.CHANNEL
+///  .png        "color" (else the first layer) display-referred, 8 bits, not premultiplied
+///  .jpg .jpeg  likewise, over black
+///  .tif .tiff  likewise but linear float, premultiplied
+///  .hdr        likewise, without alpha
+/// \return names of the layers that the format has no room for
+/// \throws Error that names the file and the reason; nothing is left behind and an existing file is
+///         kept
+std::vector<std::string> WriteImage(const std::string& file, const std::vector<ImageLayer>& layers,
+                                    const ImageWriteOptions& options = {});
+
+} // namespace hds

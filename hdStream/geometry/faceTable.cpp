@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/geometry/faceTable.h"
+
+#include "hdStream/geometry/polygon.h"
+
+#include <glm/common.hpp>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hds {
+namespace {
+
+/// What one block of faces gives.
+struct BlockResult {
+    std::uint64_t numTriangles = 0;
+    FaceProblems problems;
+    Bounds bounds;
+};
+
+/// A face's vertices.
+struct Face {
+    std::size_t index;
+    std::uint64_t firstCorner;
+    std::uint32_t count;
+};
+
+/// Splits the faces of one block; scratch memory is kept from face to face.
+class BlockSplitter {
+public:
+    BlockSplitter(const MeshDescription& mesh, TriangleMesh& result, std::uint64_t firstTriangle)
+        : _mesh(mesh), _numPoints(mesh.points.size() / 3), _result(result),
+          _firstTriangle(firstTriangle) {}
+
+    void Add(const Face& face) {
+        if (face.count < 3) {
+            ++_block.problems.tooFewVertices;
+        } else if (face.firstCorner + face.count > _mesh.faceVertexIndices.size()) {
+            ++_block.problems.endsEarly;
+        } else if (Load(face)) {
+            _local.resize(face.count - 2);
+            const std::uint32_t count = _splitter.Split(_points.data(), face.count, _local.data());
+            Store(face, count);
+            _block.problems.zeroArea += count == 0 ? 1 : 0;
+        }
+    }
+
+    const BlockResult& Result() const { return _block; }
+
+private:
+    /// Reads the face's points; false (and counted) when one cannot be used.
+    bool Load(const Face& face) {
+        _points.resize(face.count);
+        const std::int32_t* indices = _mesh.faceVertexIndices.data() + face.firstCorner;
+        bool isFinite = true;
+        for (std::uint32_t i = 0; i < face.count; ++i) {
+            if (indices[i] < 0 || static_cast<std::size_t>(indices[i]) >= _numPoints) {
+                ++_block.problems.indexOutOfRange;
+                return false;
+            }
+            const float* p = _mesh.points.data() + std::size_t(indices[i]) * 3;
+            isFinite = isFinite && IsUsablePoint(p);
+            _points[i] = glm::dvec3(p[0], p[1], p[2]);
+        }
+        _block.problems.pointNotFinite += isFinite ? 0 : 1;
+        return isFinite;
+    }
+
+    void Store(const Face& face, std::uint32_t count) {
+        const std::int32_t* indices = _mesh.faceVertexIndices.data() + face.firstCorner;
+        const auto firstCorner = static_cast<std::uint32_t>(face.firstCorner);
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const glm::uvec3 local = _local[i];
+            const std::uint64_t t = _firstTriangle + _block.numTriangles++;
+            _result.triangles[t] = glm::uvec3(indices[local.x], indices[local.y], indices[local.z]);
+            _result.corners[t] = local + firstCorner;
+            _result.faces[t] = static_cast<std::uint32_t>(face.index);
+        }
+        for (std::uint32_t i = 0; count > 0 && i < face.count; ++i) {
+            const glm::vec3 p(_points[i]);
+            _block.bounds.min = glm::min(_block.bounds.min, p);
+            _block.bounds.max = glm::max(_block.bounds.max, p);
+        }
+    }
+
+    const MeshDescription& _mesh;
+    std::size_t _numPoints;
+    TriangleMesh& _result;
+    std::uint64_t _firstTriangle;
+    BlockResult _block;
+    PolygonSplitter _splitter;
+    std::vector<glm::dvec3> _points;
+    std::vector<glm::uvec3> _local;
+};
+
+/// Calls visit(face) for the faces of a block, holes included; `corner` is its first face-vertex.
+template <typename Visit>
+void ForEachFace(const MeshDescription& mesh, std::size_t block, std::uint64_t corner,
+                 Visit visit) {
+    const std::size_t begin = block * FaceTable::kFacesPerBlock;
+    const std::size_t end =
+        std::min(begin + FaceTable::kFacesPerBlock, mesh.faceVertexCounts.size());
+    for (std::size_t f = begin; f < end; ++f) {
+        const auto count = static_cast<std::uint32_t>(std::max(mesh.faceVertexCounts[f], 0));
+        visit(Face{f, corner, count});
+        corner += count;
+    }
+}
+
+/// Turns entries [1..] that hold sizes into running sums.
+void Accumulate(std::vector<std::uint64_t>& begins) {
+    for (std::size_t i = 1; i < begins.size(); ++i) {
+        begins[i] += begins[i - 1];
+    }
+}
+
+/// Closes the gaps that dropped triangles left at the ends of blocks.
+void Compact(const FaceTable& table, const std::vector<BlockResult>& blocks, TriangleMesh& result) {
+    std::uint64_t numTriangles = 0;
+    for (std::size_t block = 0; block < blocks.size(); ++block) {
+        const std::uint64_t begin = table.triangleBegin[block];
+        const std::uint64_t end = begin + blocks[block].numTriangles;
+        if (begin != numTriangles) {
+            const auto move = [&](auto& values) {
+                std::copy(values.begin() + begin, values.begin() + end,
+                          values.begin() + numTriangles);
+            };
+            move(result.triangles);
+            move(result.corners);
+            move(result.faces);
+        }
+        numTriangles += blocks[block].numTriangles;
+    }
+    if (numTriangles == result.triangles.size()) {
+        return;
+    }
+    const auto shrink = [&](auto& values) {
+        values.resize(numTriangles);
+        values.shrink_to_fit();
+    };
+    shrink(result.triangles);
+    shrink(result.corners);
+    shrink(result.faces);
+}
+
+} // namespace
+
+bool IsUsablePoint(const float* point) {
+    // Comparisons with NaN are false.
+    return std::fabs(point[0]) <= kMaxCoordinate && std::fabs(point[1]) <= kMaxCoordinate &&
+           std::fabs(point[2]) <= kMaxCoordinate;
+}
+
+void FaceProblems::Add(const FaceProblems& other) {
+    tooFewVertices += other.tooFewVertices;
+    endsEarly += other.endsEarly;
+    indexOutOfRange += other.indexOutOfRange;
+    pointNotFinite += other.pointNotFinite;
+    zeroArea += other.zeroArea;
+}
+
+FaceTable BuildFaceTable(const MeshDescription& mesh) {
+    FaceTable table;
+    table.numFaces = mesh.faceVertexCounts.size();
+    const std::size_t numBlocks =
+        (table.numFaces + FaceTable::kFacesPerBlock - 1) / FaceTable::kFacesPerBlock;
+    table.cornerBegin.assign(numBlocks + 1, 0);
+    table.triangleBegin.assign(numBlocks + 1, 0);
+    tbb::parallel_for(std::size_t(0), numBlocks, [&](std::size_t block) {
+        std::uint64_t numCorners = 0;
+        ForEachFace(mesh, block, 0, [&](const Face& face) { numCorners += face.count; });
+        table.cornerBegin[block + 1] = numCorners;
+    });
+    Accumulate(table.cornerBegin);
+    table.numCorners = table.cornerBegin.back();
+    const std::size_t numIndices = mesh.faceVertexIndices.size();
+    tbb::parallel_for(std::size_t(0), numBlocks, [&](std::size_t block) {
+        std::uint64_t numTriangles = 0;
+        ForEachFace(mesh, block, table.cornerBegin[block], [&](const Face& face) {
+            const bool isComplete = face.firstCorner + face.count <= numIndices;
+            numTriangles += isComplete && face.count >= 3 ? face.count - 2 : 0;
+        });
+        table.triangleBegin[block + 1] = numTriangles;
+    });
+    Accumulate(table.triangleBegin);
+    return table;
+}
+
+FaceProblems SplitFaces(const MeshDescription& mesh, const FaceTable& table,
+                        const std::vector<std::uint8_t>& isHole, TriangleMesh& result) {
+    result.triangles.resize(table.triangleBegin.back());
+    result.corners.resize(table.triangleBegin.back());
+    result.faces.resize(table.triangleBegin.back());
+    std::vector<BlockResult> blocks(table.NumBlocks());
+    tbb::parallel_for(std::size_t(0), blocks.size(), [&](std::size_t block) {
+        BlockSplitter splitter(mesh, result, table.triangleBegin[block]);
+        ForEachFace(mesh, block, table.cornerBegin[block], [&](const Face& face) {
+            if (isHole.empty() || isHole[face.index] == 0) {
+                splitter.Add(face);
+            }
+        });
+        blocks[block] = splitter.Result();
+    });
+    Compact(table, blocks, result);
+    FaceProblems problems;
+    for (const BlockResult& block : blocks) {
+        problems.Add(block.problems);
+        result.bounds.min = glm::min(result.bounds.min, block.bounds.min);
+        result.bounds.max = glm::max(result.bounds.max, block.bounds.max);
+    }
+    return problems;
+}
+
+} // namespace hds

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// A mesh as the front ends translate it: authored data, nothing interpreted.
+// Explained in docs/architecture.md.
+#pragma once
+
+#include "hdStream/base/sharedSpan.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace hds {
+
+/// Hydra's interpolations of a primvar.
+enum class Interpolation { Constant, Uniform, Varying, Vertex, FaceVarying, Instance };
+
+/// A named array of values on a prim. Values are tuples of 1 to 4 floats (integers are converted).
+struct Primvar {
+    std::string name; ///< without "primvars:"; authored normals are the primvar "normals"
+    Interpolation interpolation = Interpolation::Constant;
+    std::uint32_t numComponents = 1;  ///< 1 to 4
+    SharedSpan<float> values;         ///< [count][numComponents]
+    SharedSpan<std::int32_t> indices; ///< empty: values are used in order
+};
+
+/// A face set with a material of its own.
+struct MeshSubset {
+    std::string name; ///< the subset's prim path
+    SharedSpan<std::int32_t> faces;
+    std::string materialPath; ///< empty: no material
+};
+
+/// OpenSubdiv tags, as authored on the mesh.
+struct SubdivTags {
+    std::string interpolateBoundary = "edgeAndCorner";
+    std::string faceVaryingLinearInterpolation = "cornersPlus1";
+    std::string triangleSubdivisionRule = "catmullClark";
+    SharedSpan<std::int32_t> creaseIndices;
+    SharedSpan<std::int32_t> creaseLengths;
+    SharedSpan<float> creaseSharpnesses;
+    SharedSpan<std::int32_t> cornerIndices;
+    SharedSpan<float> cornerSharpnesses;
+};
+
+/// Topology, points and primvars of a mesh. Object space, float as authored.
+struct MeshDescription {
+    SharedSpan<float> points; ///< [numPoints][3]
+    SharedSpan<std::int32_t> faceVertexCounts;
+    SharedSpan<std::int32_t> faceVertexIndices;
+    SharedSpan<std::int32_t> holeIndices;   ///< faces left out
+    std::string subdivisionScheme = "none"; ///< none, bilinear, catmullClark, loop
+    SubdivTags subdivTags;
+    bool leftHanded = false;
+    bool doubleSided = false;
+    std::vector<Primvar> primvars;
+    std::vector<MeshSubset> subsets;
+};
+
+} // namespace hds

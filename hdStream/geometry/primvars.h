@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Checks primvars against a mesh's topology and reads their values. No array is copied.
+// Internal to geometry. Explained in docs/geometry.md.
+#pragma once
+
+#include "hdStream/geometry/triangleMesh.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace hds {
+
+/// Sizes of the authored topology that primvars must agree with.
+struct TopologySize {
+    std::size_t numPoints = 0;
+    std::size_t numFaces = 0;
+    std::size_t numCorners = 0; ///< sum of faceVertexCounts
+};
+
+/// Number of values that an interpolation asks for.
+std::size_t NumElements(Interpolation interpolation, const TopologySize& size);
+
+/// The primvar as an attribute; nothing, and one warning, when it cannot be used. Varying becomes
+/// Vertex. Values that are not finite are counted in a warning and kept.
+std::optional<MeshAttribute> ValidatePrimvar(const Primvar& primvar, const TopologySize& size,
+                                             const std::string& primPath, Warnings& warnings);
+
+/// Index of the value tuple of an element (point, face or face-vertex; 0 for Constant).
+inline std::size_t ValueIndex(const MeshAttribute& attribute, std::size_t element) {
+    return attribute.indices.empty() ? element
+                                     : static_cast<std::size_t>(attribute.indices[element]);
+}
+
+/// The value tuple of an element.
+inline const float* ValueOf(const MeshAttribute& attribute, std::size_t element) {
+    return attribute.values.data() + ValueIndex(attribute, element) * attribute.numComponents;
+}
+
+} // namespace hds

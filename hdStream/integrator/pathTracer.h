@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// The iterative wavefront: fills a film with path-traced samples, wave by wave.
+// One kernel a stage: generate, intersect, shade, shadow, resolve (kernels/integrator/*.cl).
+// Explained in docs/wavefront.md.
+#pragma once
+
+#include "hdStream/device/program.h"
+#include "hdStream/integrator/renderOptions.h"
+#include "hdStream/integrator/sceneBuffers.h"
+#include "hdStream/scene/commit.h"
+
+#include <memory>
+#include <vector>
+
+namespace hds {
+
+/// Seconds by kind of work (DESIGN.md section 9) and what was traced.
+struct RenderStatistics {
+    double compileSeconds = 0.0;
+    double traceSeconds = 0.0;
+    double shadeSeconds = 0.0;
+    double transferSeconds = 0.0;
+    double renderSeconds = 0.0;     ///< generate to the last resolve
+    double firstImageSeconds = 0.0; ///< since rendering began, first complete 1-sample image
+    std::uint64_t cameraRays = 0;
+    std::uint64_t indirectRays = 0;
+    std::uint64_t shadowRays = 0;
+    std::uint64_t casts = 0;
+    std::uint64_t nanSamples = 0;
+    std::uint64_t endedPasses = 0; ///< rays that passed HDS_MAX_PASSES cut-out surfaces
+    double meanRelativeError = 0.0;
+    std::uint32_t samples = 0; ///< per pixel, the least over all pixels
+    std::uint32_t waveSize = 0;
+    bool isWideTraversal = false;
+    std::uint64_t pathStateBytes = 0;
+    std::uint64_t filmBytes = 0;
+};
+
+/// Renders one committed scene with one set of options. Externally synchronised.
+class PathTracer {
+public:
+    /// Builds the kernels and allocates film and path state.
+    /// \throws Error when memory runs out or a kernel does not build.
+    PathTracer(std::shared_ptr<Device> device, Store* store, const CommittedScene& scene,
+               RenderOptions options);
+    ~PathTracer();
+
+    /// Renders all samples. Blocks; may be called once.
+    RenderResult Render(const ProgressCallback& onProgress);
+
+    /// The AOVs of the options as rendered so far.
+    std::vector<ImageLayer> Layers() const;
+
+    const RenderStatistics& Statistics() const;
+    std::uint64_t PoolBytes() const;  ///< of geometry
+    std::uint64_t TableBytes() const; ///< of the scene's tables
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> _impl;
+};
+
+} // namespace hds

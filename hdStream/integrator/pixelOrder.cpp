@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/integrator/pixelOrder.h"
+
+namespace hds {
+
+namespace {
+
+constexpr std::uint32_t kTileBits = 5;
+constexpr std::uint32_t kTileSize = 1U << kTileBits;
+
+/// Every second bit of a Z-curve index.
+std::uint32_t CompactBits(std::uint32_t index) {
+    std::uint32_t value = 0;
+    for (std::uint32_t bit = 0; bit < kTileBits; ++bit) {
+        value |= ((index >> (2 * bit)) & 1U) << bit;
+    }
+    return value;
+}
+
+} // namespace
+
+std::vector<std::uint32_t> MakePixelOrder(std::uint32_t width, std::uint32_t height) {
+    std::vector<std::uint32_t> pixels;
+    pixels.reserve(std::size_t{width} * height);
+    const std::uint32_t tilesX = (width + kTileSize - 1) / kTileSize;
+    const std::uint32_t tilesY = (height + kTileSize - 1) / kTileSize;
+    for (std::uint32_t tileY = 0; tileY < tilesY; ++tileY) {
+        for (std::uint32_t i = 0; i < tilesX; ++i) {
+            const std::uint32_t tileX = tileY % 2 == 0 ? i : tilesX - 1 - i;
+            for (std::uint32_t z = 0; z < kTileSize * kTileSize; ++z) {
+                const std::uint32_t x = tileX * kTileSize + CompactBits(z);
+                const std::uint32_t y = tileY * kTileSize + CompactBits(z >> 1U);
+                if (x < width && y < height) {
+                    pixels.push_back(y * width + x);
+                }
+            }
+        }
+    }
+    return pixels;
+}
+
+} // namespace hds

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/integrator/stageKernels.h"
+
+#include <string>
+
+namespace hds {
+
+namespace {
+
+/// Every field of the path state takes 16 bytes a path (kernels/shared/pathState.def).
+constexpr std::uint64_t kFieldBytes = 16;
+constexpr std::uint64_t kNumFields = 0
+#define HDS_FIELD(type, name, doc) +1
+#define HDS_CUTOUT_FIELD(type, name, doc)
+#include "kernels/shared/pathState.def"
+#undef HDS_FIELD
+#undef HDS_CUTOUT_FIELD
+    ;
+constexpr std::uint64_t kNumCutoutFields = 0
+#define HDS_FIELD(type, name, doc)
+#define HDS_CUTOUT_FIELD(type, name, doc) +1
+#include "kernels/shared/pathState.def"
+#undef HDS_FIELD
+#undef HDS_CUTOUT_FIELD
+    ;
+
+/// Index of the first scene argument of each kernel: what comes before changes with each launch.
+constexpr unsigned kIntersectArgs = 4;
+constexpr unsigned kShadeArgs = 8;
+constexpr unsigned kShadowArgs = 6;
+constexpr unsigned kAovArgs = 10;
+
+ProgramDefines MakeDefines(const SceneBuffers& scene, const KernelFeatures& features) {
+    return {{"HDS_FEATURE_CUTOUT", features.cutouts ? "1" : "0"},
+            {"HDS_FEATURE_GROUPS", features.groups ? "1" : "0"},
+            {"HDS_NUM_POOLS", std::to_string(scene.Pool().NumBuffers())},
+            {"HDS_TRAVERSAL_WIDE", features.wide ? "1" : "0"}};
+}
+
+} // namespace
+
+StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store, const SceneBuffers& scene,
+                           const KernelFeatures& features)
+    : _pathStateBytes(kFieldBytes * (kNumFields + (features.cutouts ? kNumCutoutFields : 0))) {
+    const ProgramDefines defines = MakeDefines(scene, features);
+    const auto build = [&](const char* root) {
+        auto program = std::make_unique<Program>(device, root, defines, store);
+        _buildSeconds += program->BuildSeconds();
+        return program;
+    };
+    const auto generateProgram = build("integrator/generate.cl");
+    generateSample = generateProgram->GetKernel("generate_sample");
+    generateCentre = generateProgram->GetKernel("generate_centre");
+    intersect = build("integrator/intersect.cl")->GetKernel("intersect_closest");
+    shade = build("integrator/shade.cl")->GetKernel("shade_paths");
+    const auto shadowProgram = build("integrator/shadow.cl");
+    shadowCast = shadowProgram->GetKernel("shadow_cast");
+    aov = build("integrator/aov.cl")->GetKernel("aov_firstHit");
+    resolve = build("integrator/resolve.cl")->GetKernel("resolve_addSamples");
+    const auto filmProgram = build("film/film.cl");
+    develop = filmProgram->GetKernel("film_develop");
+    relativeError = filmProgram->GetKernel("film_relativeError");
+
+    scene.BindGeometry(&intersect, kIntersectArgs);
+    scene.BindScene(&shade, kShadeArgs);
+    scene.BindScene(&shadowCast, kShadowArgs);
+    scene.BindScene(&aov, kAovArgs);
+    if (features.cutouts) {
+        shadowPass = shadowProgram->GetKernel("shadow_pass");
+        scene.BindScene(&shadowPass, kShadowArgs);
+    }
+}
+
+} // namespace hds

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// The programs of the wavefront, specialised by the scene's features, with the scene bound.
+// Features change which code is compiled, never the bits of the image (DESIGN.md section 12.1).
+#pragma once
+
+#include "hdStream/integrator/sceneBuffers.h"
+
+#include <memory>
+
+namespace hds {
+
+/// What the kernels are specialised by.
+struct KernelFeatures {
+    bool cutouts = false; ///< some material may let rays pass
+    bool groups = false;  ///< instances below instances
+    bool wide = false;    ///< 8-wide traversal inside a work-item
+};
+
+/// All kernels of a render. Externally synchronised.
+class StageKernels {
+public:
+    /// \throws Error with the compiler's log when a kernel does not build.
+    StageKernels(const std::shared_ptr<Device>& device, Store* store, const SceneBuffers& scene,
+                 const KernelFeatures& features);
+
+    Kernel generateSample;
+    Kernel generateCentre;
+    Kernel intersect;
+    Kernel shade;
+    Kernel shadowCast;
+    Kernel shadowPass; ///< only with cut-outs
+    Kernel aov;
+    Kernel resolve;
+    Kernel develop;
+    Kernel relativeError;
+
+    /// Bytes of path state a path needs with these features.
+    std::uint64_t PathStateBytes() const { return _pathStateBytes; }
+    double BuildSeconds() const { return _buildSeconds; }
+
+private:
+    std::uint64_t _pathStateBytes;
+    double _buildSeconds = 0.0;
+};
+
+} // namespace hds

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// The persistent cache: content-addressed entries in a folder that several processes may share.
+// Invariant: an entry is either complete and verified, or absent. A cache that cannot be used (no
+// folder, read-only, full disk) is silent after one warning; it never fails a render.
+// Explained in docs/cache-format.md.
+#pragma once
+
+#include "hdStream/base/log.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace hds {
+
+/// Options of a store.
+struct StoreOptions {
+    std::string directory; ///< empty: $HDSTREAM_CACHE_DIR, else $XDG_CACHE_HOME/hdStream, else ~/.cache/hdStream
+    bool enabled = true;
+    std::uint64_t maxBytes = 10ULL << 30U; ///< least recently used entries go first above this
+};
+
+/// Entries by (kind, key). Thread-safe; safe between processes (temporary name, then rename).
+class Store {
+public:
+    Store(StoreOptions options, Warnings* warnings);
+
+    /// The payload, verified against its checksum; a corrupt entry is deleted. Empty: not there.
+    std::optional<std::vector<std::uint8_t>> Load(const std::string& kind, const std::string& key);
+
+    /// Keeps the payload. Failure warns once and switches the store off.
+    void Save(const std::string& kind, const std::string& key, const void* data, std::size_t bytes);
+
+    /// Deletes all entries; returns their bytes.
+    std::uint64_t Clear();
+
+    /// Bytes of all entries.
+    std::uint64_t Size() const;
+
+    const std::string& Directory() const { return _directory; }
+    bool IsEnabled() const { return _enabled; }
+
+private:
+    void Disable(const std::string& reason);
+    void Trim();
+
+    std::string _directory;
+    bool _enabled;
+    std::uint64_t _maxBytes;
+    Warnings* _warnings;
+};
+
+} // namespace hds

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/python/bindings.h"
+#include "hdStream/session/session.h"
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace hds::python {
+
+namespace {
+
+using ReleaseGil = nb::call_guard<nb::gil_scoped_release>;
+
+/// The layer's pixels as a numpy array that keeps the layer alive.
+nb::object PixelsOf(nb::handle self) {
+    const auto& layer = nb::cast<const ImageLayer&>(self);
+    if (layer.isInteger) {
+        const std::size_t shape[2] = {layer.height, layer.width};
+        return nb::cast(
+            nb::ndarray<nb::numpy, const std::int32_t>(layer.ids.data(), 2, shape, self));
+    }
+    const std::size_t shape[3] = {layer.height, layer.width, layer.channels.size()};
+    return nb::cast(nb::ndarray<nb::numpy, const float>(layer.values.data(), 3, shape, self));
+}
+
+/// A copy of an array [height][width][channels] as a layer of floats.
+ImageLayer LayerFromPixels(const std::string& name, const std::vector<std::string>& channels,
+                           const nb::ndarray<const float, nb::ndim<3>, nb::c_contig>& pixels) {
+    if (pixels.shape(2) != channels.size()) {
+        throw nb::value_error("the array's last dimension is not the number of channels");
+    }
+    ImageLayer layer;
+    layer.name = name;
+    layer.channels = channels;
+    layer.height = static_cast<std::uint32_t>(pixels.shape(0));
+    layer.width = static_cast<std::uint32_t>(pixels.shape(1));
+    layer.values.assign(pixels.data(), pixels.data() + pixels.size());
+    return layer;
+}
+
+void BindWriting(nb::module_& module) {
+    nb::class_<ImageLayer>(module, "ImageLayer", "One finished AOV.")
+        .def(
+            "__init__",
+            [](ImageLayer* self, const std::string& name, const std::vector<std::string>& channels,
+               const nb::ndarray<const float, nb::ndim<3>, nb::c_contig>& pixels) {
+                new (self) ImageLayer(LayerFromPixels(name, channels, pixels));
+            },
+            "name"_a, "channels"_a, "pixels"_a)
+        .def_ro("name", &ImageLayer::name)
+        .def_ro("channels", &ImageLayer::channels)
+        .def_ro("isInteger", &ImageLayer::isInteger)
+        .def_ro("width", &ImageLayer::width)
+        .def_ro("height", &ImageLayer::height)
+        .def_prop_ro("pixels", &PixelsOf, "[height][width][channels], or [height][width] of ids.");
+
+    nb::class_<ImageMetadata>(module, "ImageMetadata", "What a file says about the render.")
+        .def(nb::init<>())
+        .def_rw("software", &ImageMetadata::software)
+        .def_rw("samples", &ImageMetadata::samples)
+        .def_rw("camera", &ImageMetadata::camera)
+        .def_rw("pixelAspectRatio", &ImageMetadata::pixelAspectRatio)
+        .def_rw("worldToCamera", &ImageMetadata::worldToCamera)
+        .def_rw("worldToNdc", &ImageMetadata::worldToNdc)
+        .def_rw("texts", &ImageMetadata::texts);
+
+    module.def("CheckImageFile", &CheckImageFile, "file"_a,
+               "Raises Error unless an image can be written to the file.");
+    module.def(
+        "WriteImage",
+        [](const std::string& file, const std::vector<ImageLayer>& layers,
+           const std::string& colorCorrection, const ImageMetadata& metadata) {
+            ImageWriteOptions options;
+            options.colorCorrection = ParseColorCorrection(colorCorrection);
+            options.metadata = metadata;
+            return WriteImage(file, layers, options);
+        },
+        ReleaseGil(), "file"_a, "layers"_a, "colorCorrection"_a = "",
+        "metadata"_a = ImageMetadata(),
+        "Writes layers; returns those that the format cannot hold.");
+
+    nb::class_<AovInfo>(module, "AovInfo", "An AOV that a render can write.")
+        .def_ro("name", &AovInfo::name)
+        .def_ro("channels", &AovInfo::channels)
+        .def_ro("description", &AovInfo::description);
+    module.def("AovTable", &AovTable, "All AOVs.");
+}
+
+void BindComparing(nb::module_& module) {
+    nb::class_<LayerDifference>(module, "LayerDifference", "Difference of one layer.")
+        .def_ro("name", &LayerDifference::name)
+        .def_ro("maxAbs", &LayerDifference::maxAbs)
+        .def_ro("rmse", &LayerDifference::rmse)
+        .def_ro("relMse", &LayerDifference::relMse)
+        .def_ro("psnr", &LayerDifference::psnr)
+        .def_ro("numPixels", &LayerDifference::numPixels)
+        .def_ro("numDifferingPixels", &LayerDifference::numDifferingPixels)
+        .def_ro("numNonFinite", &LayerDifference::numNonFinite);
+    nb::class_<ImageComparison>(module, "ImageComparison", "Difference of two image files.")
+        .def_ro("error", &ImageComparison::error)
+        .def_ro("width", &ImageComparison::width)
+        .def_ro("height", &ImageComparison::height)
+        .def_ro("layers", &ImageComparison::layers)
+        .def("IsAbove", &ImageComparison::IsAbove, "threshold"_a);
+    module.def("CompareImages", &CompareImages, ReleaseGil(), "file"_a, "referenceFile"_a);
+}
+
+} // namespace
+
+void BindImages(nb::module_& module) {
+    BindWriting(module);
+    BindComparing(module);
+}
+
+} // namespace hds::python

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/python/bindings.h"
+#include "hdStream/python/bufferSpan.h"
+
+#include <glm/gtc/type_ptr.hpp>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace hds::python {
+
+namespace {
+
+/// A matrix from 16 doubles in Gf's memory order, which is glm's too (see sceneDescription.h).
+glm::dmat4 MatrixFromBuffer(nb::handle object, const char* what) {
+    const HeldBuffer buffer(object, 'd', sizeof(double), what);
+    if (buffer.numItems() != 16) {
+        throw nb::value_error("a matrix has 16 items");
+    }
+    glm::dmat4 matrix(1.0);
+    std::copy_n(static_cast<const double*>(buffer.data()), 16, glm::value_ptr(matrix));
+    return matrix;
+}
+
+/// A numpy array [4][4] with a copy of the matrix, in Gf's memory order.
+nb::object ArrayFromMatrix(const glm::dmat4& matrix) {
+    const double* items = glm::value_ptr(matrix);
+    return ArrayFromSpan(SharedSpan<double>(std::vector<double>(items, items + 16)), 4);
+}
+
+template <typename Owner>
+void BindMatrix(nb::class_<Owner>& binding, const char* name, glm::dmat4 Owner::*member) {
+    binding.def_prop_rw(
+        name, [member](const Owner& self) { return ArrayFromMatrix(self.*member); },
+        [member, name](Owner& self, nb::handle object) {
+            self.*member = MatrixFromBuffer(object, name);
+        });
+}
+
+void BindPrimvar(nb::module_& module) {
+    nb::enum_<Interpolation>(module, "Interpolation")
+        .value("Constant", Interpolation::Constant)
+        .value("Uniform", Interpolation::Uniform)
+        .value("Varying", Interpolation::Varying)
+        .value("Vertex", Interpolation::Vertex)
+        .value("FaceVarying", Interpolation::FaceVarying)
+        .value("Instance", Interpolation::Instance);
+
+    nb::class_<Primvar> primvar(module, "Primvar", "A named array of values on a prim.");
+    primvar.def(
+        "__init__",
+        [](Primvar* self, const std::string& name, Interpolation interpolation, nb::handle values,
+           nb::handle indices) {
+            auto [span, numComponents] = SpanFromBuffer<float>(values, name.c_str());
+            if (numComponents < 1 || numComponents > 4) {
+                throw nb::value_error("a primvar has 1 to 4 components");
+            }
+            SharedSpan<std::int32_t> indexSpan;
+            if (!indices.is_none()) {
+                indexSpan = SpanFromBuffer<std::int32_t>(indices, name.c_str()).first;
+            }
+            new (self) Primvar{name, interpolation, static_cast<std::uint32_t>(numComponents),
+                               std::move(span), std::move(indexSpan)};
+        },
+        "name"_a, "interpolation"_a, "values"_a, "indices"_a = nb::none(),
+        "`values` is a float32 array [count] or [count][components].");
+    primvar.def_ro("name", &Primvar::name)
+        .def_ro("interpolation", &Primvar::interpolation)
+        .def_ro("numComponents", &Primvar::numComponents)
+        .def_prop_ro(
+            "values",
+            [](const Primvar& self) { return ArrayFromSpan(self.values, self.numComponents); })
+        .def_prop_ro("indices", [](const Primvar& self) { return ArrayFromSpan(self.indices, 1); });
+}
+
+void BindMesh(nb::module_& module) {
+    nb::class_<MeshSubset> subset(module, "MeshSubset", "A face set with a material of its own.");
+    subset.def(nb::init<>())
+        .def_rw("name", &MeshSubset::name)
+        .def_rw("materialPath", &MeshSubset::materialPath);
+    BindSpan(subset, "faces", &MeshSubset::faces, 1);
+
+    nb::class_<SubdivTags> tags(module, "SubdivTags", "OpenSubdiv tags as authored.");
+    tags.def(nb::init<>())
+        .def_rw("interpolateBoundary", &SubdivTags::interpolateBoundary)
+        .def_rw("faceVaryingLinearInterpolation", &SubdivTags::faceVaryingLinearInterpolation)
+        .def_rw("triangleSubdivisionRule", &SubdivTags::triangleSubdivisionRule);
+    BindSpan(tags, "creaseIndices", &SubdivTags::creaseIndices, 1);
+    BindSpan(tags, "creaseLengths", &SubdivTags::creaseLengths, 1);
+    BindSpan(tags, "creaseSharpnesses", &SubdivTags::creaseSharpnesses, 1);
+    BindSpan(tags, "cornerIndices", &SubdivTags::cornerIndices, 1);
+    BindSpan(tags, "cornerSharpnesses", &SubdivTags::cornerSharpnesses, 1);
+
+    nb::class_<MeshDescription> mesh(module, "MeshDescription", "A mesh as authored.");
+    mesh.def(nb::init<>())
+        .def_rw("subdivisionScheme", &MeshDescription::subdivisionScheme)
+        .def_rw("subdivTags", &MeshDescription::subdivTags)
+        .def_rw("leftHanded", &MeshDescription::leftHanded)
+        .def_rw("doubleSided", &MeshDescription::doubleSided)
+        .def_rw("primvars", &MeshDescription::primvars)
+        .def_rw("subsets", &MeshDescription::subsets);
+    BindSpan(mesh, "points", &MeshDescription::points, 3);
+    BindSpan(mesh, "faceVertexCounts", &MeshDescription::faceVertexCounts, 1);
+    BindSpan(mesh, "faceVertexIndices", &MeshDescription::faceVertexIndices, 1);
+    BindSpan(mesh, "holeIndices", &MeshDescription::holeIndices, 1);
+
+    nb::class_<ImplicitShape>(module, "ImplicitShape", "Size of an implicit gprim.")
+        .def(nb::init<>())
+        .def_rw("type", &ImplicitShape::type)
+        .def_rw("axis", &ImplicitShape::axis)
+        .def_rw("size", &ImplicitShape::size)
+        .def_rw("radius", &ImplicitShape::radius)
+        .def_rw("height", &ImplicitShape::height)
+        .def_rw("width", &ImplicitShape::width)
+        .def_rw("length", &ImplicitShape::length);
+    module.def("MakeImplicitMesh", &MakeImplicitMesh, "shape"_a, "The mesh of an implicit gprim.");
+}
+
+void BindPlaced(nb::module_& module) {
+    nb::class_<Placement> placement(module, "Placement",
+                                    "Where a prim is and whether it is drawn.");
+    placement
+        .def(
+            "__init__",
+            [](Placement* self, nb::handle worldFromObject, const std::string& instancerPath,
+               bool visible) {
+                new (self) Placement{MatrixFromBuffer(worldFromObject, "worldFromObject"),
+                                     instancerPath, visible};
+            },
+            "worldFromObject"_a, "instancerPath"_a = "", "visible"_a = true)
+        .def_rw("instancerPath", &Placement::instancerPath)
+        .def_rw("visible", &Placement::visible);
+    BindMatrix(placement, "worldFromObject", &Placement::worldFromObject);
+
+    nb::class_<MeshPrim>(module, "MeshPrim", "A mesh in the scene.")
+        .def(
+            "__init__",
+            [](MeshPrim* self, const MeshDescription& mesh, const Placement& where,
+               const std::string& purpose, const std::string& materialPath) {
+                new (self) MeshPrim;
+                self->placement = where;
+                self->purpose = purpose;
+                self->mesh = mesh;
+                self->materialPath = materialPath;
+            },
+            "mesh"_a, "placement"_a, "purpose"_a = "default", "materialPath"_a = "")
+        .def_rw("placement", &MeshPrim::placement)
+        .def_rw("purpose", &MeshPrim::purpose)
+        .def_rw("mesh", &MeshPrim::mesh)
+        .def_rw("materialPath", &MeshPrim::materialPath)
+        .def_rw("primId", &MeshPrim::primId);
+
+    nb::class_<InstancerPrim> instancer(module, "InstancerPrim", "Places its prototypes.");
+    instancer
+        .def(
+            "__init__",
+            [](InstancerPrim* self, const Placement& where) {
+                new (self) InstancerPrim;
+                self->placement = where;
+            },
+            "placement"_a)
+        .def_rw("placement", &InstancerPrim::placement)
+        .def(
+            "SetInstances",
+            [](InstancerPrim& self, const std::string& prototypePath, nb::handle instances) {
+                self.instancesByPrototype[prototypePath] =
+                    SpanFromBuffer<std::int32_t>(instances, "instances").first;
+            },
+            "prototypePath"_a, "instances"_a, "The instances (int32) that place a prototype.")
+        .def_prop_ro("instancesByPrototype", [](const InstancerPrim& self) {
+            nb::dict result;
+            for (const auto& [path, instances] : self.instancesByPrototype) {
+                result[path.c_str()] = ArrayFromSpan(instances, 1);
+            }
+            return result;
+        });
+    BindSpan(instancer, "instanceTransforms", &InstancerPrim::instanceTransforms, 16);
+}
+
+void BindLight(nb::module_& module) {
+    nb::enum_<LightType>(module, "LightType")
+        .value("Distant", LightType::Distant)
+        .value("Sphere", LightType::Sphere)
+        .value("Rect", LightType::Rect)
+        .value("Disk", LightType::Disk)
+        .value("Cylinder", LightType::Cylinder)
+        .value("Dome", LightType::Dome);
+    nb::class_<LightDescription>(module, "LightDescription", "A UsdLux light as authored.")
+        .def(nb::init<>())
+        .def_rw("type", &LightDescription::type)
+        .def_rw("intensity", &LightDescription::intensity)
+        .def_rw("exposure", &LightDescription::exposure)
+        .def_rw("diffuse", &LightDescription::diffuse)
+        .def_rw("specular", &LightDescription::specular)
+        .def_rw("normalize", &LightDescription::normalize)
+        .def_rw("color", &LightDescription::color)
+        .def_rw("enableColorTemperature", &LightDescription::enableColorTemperature)
+        .def_rw("colorTemperature", &LightDescription::colorTemperature)
+        .def_rw("angle", &LightDescription::angle)
+        .def_rw("radius", &LightDescription::radius)
+        .def_rw("width", &LightDescription::width)
+        .def_rw("height", &LightDescription::height)
+        .def_rw("length", &LightDescription::length)
+        .def_rw("treatAsPoint", &LightDescription::treatAsPoint)
+        .def_rw("treatAsLine", &LightDescription::treatAsLine)
+        .def_rw("textureFormat", &LightDescription::textureFormat)
+        .def_rw("textureFile", &LightDescription::textureFile)
+        .def_rw("visibleToCamera", &LightDescription::visibleToCamera);
+    nb::class_<LightPrim>(module, "LightPrim", "A light in the scene.")
+        .def(
+            "__init__",
+            [](LightPrim* self, const LightDescription& light, const Placement& where) {
+                new (self) LightPrim{where, light};
+            },
+            "light"_a, "placement"_a)
+        .def_rw("placement", &LightPrim::placement)
+        .def_rw("light", &LightPrim::light);
+}
+
+void BindCamera(nb::module_& module) {
+    nb::class_<CameraPrim> camera(module, "CameraPrim", "A camera in the scene.");
+    camera.def(nb::init<>())
+        .def_rw("orthographic", &CameraPrim::orthographic)
+        .def_rw("horizontalAperture", &CameraPrim::horizontalAperture)
+        .def_rw("verticalAperture", &CameraPrim::verticalAperture)
+        .def_rw("horizontalApertureOffset", &CameraPrim::horizontalApertureOffset)
+        .def_rw("verticalApertureOffset", &CameraPrim::verticalApertureOffset)
+        .def_rw("focalLength", &CameraPrim::focalLength)
+        .def_rw("nearClip", &CameraPrim::nearClip)
+        .def_rw("farClip", &CameraPrim::farClip)
+        .def_rw("fStop", &CameraPrim::fStop)
+        .def_rw("focusDistance", &CameraPrim::focusDistance)
+        .def_rw("exposureScale", &CameraPrim::exposureScale);
+    BindMatrix(camera, "worldFromCamera", &CameraPrim::worldFromCamera);
+}
+
+} // namespace
+
+void BindScene(nb::module_& module) {
+    BindPrimvar(module);
+    BindMesh(module);
+    BindPlaced(module);
+    BindLight(module);
+    BindCamera(module);
+    nb::class_<SceneDescription>(module, "SceneDescription", "All prims, by path.")
+        .def_ro("meshes", &SceneDescription::meshes)
+        .def_ro("instancers", &SceneDescription::instancers)
+        .def_ro("lights", &SceneDescription::lights)
+        .def_ro("materials", &SceneDescription::materials)
+        .def_ro("cameras", &SceneDescription::cameras)
+        .def_ro("metersPerUnit", &SceneDescription::metersPerUnit)
+        .def_ro("upAxis", &SceneDescription::upAxis);
+}
+
+} // namespace hds::python

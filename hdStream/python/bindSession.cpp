@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+// Session for Python. Every call that may take long or a lock of the core releases the GIL, and the
+// callbacks take it, so that the core never waits for Python while Python waits for the core.
+#include "hdStream/python/bindings.h"
+#include "hdStream/session/session.h"
+
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <memory>
+#include <optional>
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace hds::python {
+
+namespace {
+
+using ReleaseGil = nb::call_guard<nb::gil_scoped_release>;
+
+/// A Python object that any thread may drop.
+std::shared_ptr<nb::object> ShareObject(nb::object object) {
+    return {new nb::object(std::move(object)), [](nb::object* held) {
+                const nb::gil_scoped_acquire gil;
+                delete held;
+            }};
+}
+
+Session::WarningSink WarningSinkFromPython(nb::object onWarning) {
+    if (onWarning.is_none()) {
+        return {};
+    }
+    return [held = ShareObject(std::move(onWarning))](const std::string& line) {
+        const nb::gil_scoped_acquire gil;
+        try {
+            (*held)(line);
+        } catch (nb::python_error& error) {
+            error.discard_as_unraisable("hdstream: the warning callback");
+        }
+    };
+}
+
+/// Renders without the GIL. The callback (Progress) -> bool and pending signals are looked at on
+/// every progress report; an exception of either stops the render and is raised when it has ended.
+RenderResult Render(Session& session, const Settings& settings, nb::object onProgress) {
+    std::optional<nb::python_error> raised;
+    const auto onReport = [&](const Progress& progress) {
+        const nb::gil_scoped_acquire gil;
+        try {
+            if (PyErr_CheckSignals() != 0) {
+                throw nb::python_error();
+            }
+            return onProgress.is_none() || nb::cast<bool>(onProgress(progress));
+        } catch (nb::python_error& error) {
+            raised.emplace(std::move(error));
+            return false;
+        }
+    };
+    RenderResult result = RenderResult::Stopped;
+    {
+        const nb::gil_scoped_release released;
+        result = session.Render(settings, onReport);
+    }
+    if (raised) {
+        throw nb::python_error(std::move(*raised));
+    }
+    return result;
+}
+
+void BindErrors(nb::module_& module) {
+    static nb::handle failure = nb::exception<Error>(module, "Error", PyExc_RuntimeError).release();
+    static nb::handle usage =
+        PyErr_NewException("hdstream._core.UsageError", failure.ptr(), nullptr);
+    module.attr("UsageError") = usage;
+    nb::register_exception_translator([](const std::exception_ptr& pointer, void*) {
+        try {
+            std::rethrow_exception(pointer);
+        } catch (const Error& error) {
+            const nb::handle type = error.kind() == ErrorKind::Usage ? usage : failure;
+            PyErr_SetString(type.ptr(), error.what());
+        }
+    });
+}
+
+void BindSettings(nb::module_& module) {
+    nb::class_<Settings>(module, "Settings", "All settings of a render.")
+        .def(nb::init<>())
+        .def_rw("camera", &Settings::camera)
+        .def_rw("imageWidth", &Settings::imageWidth)
+        .def_rw("imageHeight", &Settings::imageHeight)
+        .def_rw("pixelAspectRatio", &Settings::pixelAspectRatio)
+        .def_rw("aovs", &Settings::aovs)
+        .def_rw("purposes", &Settings::purposes)
+        .def_rw("samples", &Settings::samples)
+        .def_rw("maxDepth", &Settings::maxDepth)
+        .def_rw("seed", &Settings::seed)
+        .def_rw("timeLimit", &Settings::timeLimit)
+        .def_rw("noise", &Settings::noise)
+        .def_rw("pixelFilter", &Settings::pixelFilter)
+        .def_rw("pixelFilterWidth", &Settings::pixelFilterWidth)
+        .def_rw("russianRoulette", &Settings::russianRoulette)
+        .def_rw("waveSize", &Settings::waveSize)
+        .def_rw("device", &Settings::device)
+        .def_rw("cacheDirectory", &Settings::cacheDirectory)
+        .def_rw("noCache", &Settings::noCache)
+        .def_rw("traversal", &Settings::traversal)
+        .def_rw("chunkBytes", &Settings::chunkBytes);
+}
+
+void BindDevices(nb::module_& module) {
+    nb::class_<DeviceInfo>(module, "DeviceInfo", "An OpenCL device.")
+        .def_ro("name", &DeviceInfo::name)
+        .def_ro("platform", &DeviceInfo::platform)
+        .def_ro("version", &DeviceInfo::version)
+        .def_ro("driverVersion", &DeviceInfo::driverVersion)
+        .def_ro("memoryBytes", &DeviceInfo::memoryBytes)
+        .def_ro("maxAllocationBytes", &DeviceInfo::maxAllocationBytes)
+        .def_ro("computeUnits", &DeviceInfo::computeUnits)
+        .def_ro("isCpu", &DeviceInfo::isCpu);
+    module.def("ListDevices", &ListDevices, ReleaseGil(), "All OpenCL devices of the machine.");
+
+    nb::class_<CacheState>(module, "CacheState", "The persistent cache.")
+        .def_ro("directory", &CacheState::directory)
+        .def_ro("bytes", &CacheState::bytes);
+    module.def("InspectCache", &InspectCache, ReleaseGil(), "directory"_a);
+    module.def("ClearCache", &ClearCache, ReleaseGil(), "directory"_a,
+               "Deletes all entries; returns their bytes.");
+
+    nb::enum_<RenderResult>(module, "RenderResult")
+        .value("Complete", RenderResult::Complete)
+        .value("Stopped", RenderResult::Stopped);
+    nb::class_<Progress>(module, "Progress", "How far a render is.")
+        .def_ro("samplesDone", &Progress::samplesDone)
+        .def_ro("samplesTotal", &Progress::samplesTotal)
+        .def_ro("fraction", &Progress::fraction)
+        .def_ro("secondsElapsed", &Progress::secondsElapsed)
+        .def_ro("secondsLeft", &Progress::secondsLeft);
+}
+
+} // namespace
+
+void BindSession(nb::module_& module) {
+    BindErrors(module);
+    BindSettings(module);
+    BindDevices(module);
+    nb::class_<Session>(module, "Session", "A scene, its device and its film.")
+        .def(
+            "__init__",
+            [](Session* self, nb::object onWarning) {
+                new (self) Session(WarningSinkFromPython(std::move(onWarning)));
+            },
+            "onWarning"_a = nb::none())
+        .def("SetMesh", &Session::SetMesh, "path"_a, "prim"_a)
+        .def("SetInstancer", &Session::SetInstancer, "path"_a, "prim"_a)
+        .def("SetLight", &Session::SetLight, "path"_a, "prim"_a)
+        .def("SetMaterial", &Session::SetMaterial, "path"_a, "network"_a)
+        .def("SetCamera", &Session::SetCamera, "path"_a, "prim"_a)
+        .def("SetStage", &Session::SetStage, "metersPerUnit"_a, "upAxis"_a)
+        .def("Remove", &Session::Remove, "path"_a)
+        .def("Clear", &Session::Clear)
+        .def("Scene", &Session::Scene, nb::rv_policy::reference_internal)
+        .def("Warn", &Session::Warn, ReleaseGil(), "subject"_a, "text"_a)
+        .def("Warnings", &Session::Warnings, ReleaseGil())
+        .def("Dump", &Session::Dump, ReleaseGil())
+        .def("Info", &Session::Info, ReleaseGil())
+        .def("Render", &Render, "settings"_a, "onProgress"_a = nb::none())
+        .def("Layers", &Session::Layers, ReleaseGil())
+        .def("Statistics", &Session::Statistics, ReleaseGil())
+        .def("SetFrontEndTimes", &Session::SetFrontEndTimes, "loadSeconds"_a, "translateSeconds"_a,
+             "sinceStartSeconds"_a);
+}
+
+} // namespace hds::python

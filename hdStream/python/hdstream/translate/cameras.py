@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: Apache-2.0
+"""UsdGeomCamera (through GfCamera) as the core's camera."""
+
+import numpy as np
+from pxr import Gf, UsdGeom
+
+from hdstream import _core
+
+
+def CameraFromGf(gfCamera, exposureScale=1.0):
+    """The core's camera with a GfCamera's values."""
+    camera = _core.CameraPrim()
+    camera.worldFromCamera = np.array(gfCamera.transform)
+    camera.orthographic = gfCamera.projection == Gf.Camera.Orthographic
+    camera.horizontalAperture = gfCamera.horizontalAperture
+    camera.verticalAperture = gfCamera.verticalAperture
+    camera.horizontalApertureOffset = gfCamera.horizontalApertureOffset
+    camera.verticalApertureOffset = gfCamera.verticalApertureOffset
+    camera.focalLength = gfCamera.focalLength
+    camera.nearClip = gfCamera.clippingRange.min
+    camera.farClip = gfCamera.clippingRange.max
+    camera.fStop = gfCamera.fStop
+    camera.focusDistance = gfCamera.focusDistance
+    camera.exposureScale = exposureScale
+    return camera
+
+
+def ReadCamera(prim, timeCode):
+    """The camera of a UsdGeomCamera prim, in world space."""
+    usdCamera = UsdGeom.Camera(prim)
+    return CameraFromGf(usdCamera.GetCamera(timeCode), _ExposureScale(usdCamera, timeCode))
+
+
+def _ExposureScale(usdCamera, timeCode):
+    """Linear factor on radiance: UsdGeom's own formula where this usd-core has it (25.05 on)."""
+    if hasattr(usdCamera, "ComputeLinearExposureScale"):
+        return float(usdCamera.ComputeLinearExposureScale(timeCode))
+    exposure = usdCamera.GetPrim().GetAttribute("exposure").Get(timeCode)
+    return 2.0 ** exposure if exposure else 1.0

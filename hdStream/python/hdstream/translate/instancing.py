@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Native instances and point instancers as the core's instancers; never flattened.
+
+Native instances of one prototype with the same inherited values share an instancer, which takes
+the path of the first of them; what it places is translated once, from the instance proxies of that
+first instance. Instances in another context (below another instancer) get an instancer there.
+"""
+
+import numpy as np
+from pxr import Usd, UsdGeom, Vt
+
+# As UsdImaging: a prototype may be an `over`'s child, so its ancestors need not be defined.
+PROTOTYPE_PREDICATE = Usd.TraverseInstanceProxies(
+    Usd.PrimIsActive & Usd.PrimIsLoaded & Usd.PrimHasDefiningSpecifier & ~Usd.PrimIsAbstract)
+
+
+class InstanceGroup:
+    """Native instances that share an instancer."""
+
+    def __init__(self, firstPrim, state):
+        self.firstPrim = firstPrim
+        self.state = state      # of the first instance, for what its prototype inherits
+        self.matrices = []      # Gf.Matrix4d, context space from instance
+        self.visible = []       # indices of the instances that are drawn
+
+    def Add(self, state):
+        if state.visible:
+            self.visible.append(len(self.matrices))
+        self.matrices.append(state.matrix)
+
+    def Transforms(self):
+        return np.asarray(Vt.Matrix4dArray(self.matrices))
+
+    def VisibleIndices(self):
+        return np.array(self.visible, np.int32)
+
+
+def InheritedKey(state, boundPaths):
+    """Equal for instances whose prototypes look the same; `boundPaths` when collections bind."""
+    primvars = tuple(sorted(entry.key for entry in state.primvars.values()))
+    bindings = boundPaths or tuple(sorted(state.bindings.items()))
+    return state.purpose, state.isPurposeAuthored, primvars, bindings
+
+
+class PointInstances:
+    """Arrays of a UsdGeomPointInstancer at a time."""
+
+    def __init__(self, prim, timeCode):
+        instancer = UsdGeom.PointInstancer(prim)
+        self.prototypePaths = instancer.GetPrototypesRel().GetForwardedTargets()
+        self.problem = ""
+        indices = instancer.GetProtoIndicesAttr().Get(timeCode)
+        positions = instancer.GetPositionsAttr().Get(timeCode)
+        self.numInstances = len(indices) if indices is not None else 0
+        self.transforms = None
+        if not self.numInstances:
+            return
+        if positions is None or len(positions) != self.numInstances:
+            self.problem = (f"{self.numInstances} protoIndices but "
+                            f"{len(positions) if positions is not None else 0} positions")
+            return
+        # The prototype's own transform is part of what it contains.
+        self.transforms = np.asarray(instancer.ComputeInstanceTransformsAtTime(
+            timeCode, timeCode, UsdGeom.PointInstancer.ExcludeProtoXform,
+            UsdGeom.PointInstancer.IgnoreMask))
+        if len(self.transforms) != self.numInstances:
+            self.problem = "orientations, scales or velocities do not match its positions"
+            return
+        self._indices = np.asarray(indices)
+        mask = instancer.ComputeMaskAtTime(timeCode)
+        self._mask = np.array(mask, bool) if len(mask) else None
+        outside = (self._indices < 0) | (self._indices >= len(self.prototypePaths))
+        self.numOutside = int(np.count_nonzero(outside))
+        # Instances by prototype: one stable sort, however many prototypes there are.
+        self._order = np.argsort(self._indices, kind="stable").astype(np.int32)
+        self._bounds = np.searchsorted(self._indices[self._order],
+                                       np.arange(len(self.prototypePaths) + 1))
+
+    def InstancesOf(self, prototypeIndex):
+        """Indices (int32, ascending) of the drawn instances of a prototype."""
+        order = self._order[self._bounds[prototypeIndex]:self._bounds[prototypeIndex + 1]]
+        return order if self._mask is None else np.ascontiguousarray(order[self._mask[order]])
+
+
+def HasInstancePrimvars(prim, names):
+    """True when a point instancer has primvars that vary per instance."""
+    for name in names:
+        if name.startswith("primvars:") and not name.endswith(":indices"):
+            if prim.GetAttribute(name).GetMetadata("interpolation") not in (None, "constant"):
+                return True
+    return False

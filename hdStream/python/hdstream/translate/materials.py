@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: Apache-2.0
+"""UsdShade materials as flat networks of shader nodes, and the materials bound to prims.
+
+Node graphs, interfaces and pass-through connections are followed by UsdShade itself
+(GetValueProducingAttributes), so a node sees either a value or the output of another shader.
+"""
+
+import numpy as np
+from pxr import Sdf, UsdShade
+
+from hdstream import _core
+
+_TERMINALS = ("surface", "displacement", "volume")
+# Bindings of purpose "full" first, then those for all purposes, as every final renderer.
+BINDING_PURPOSE = "full"
+
+
+def FindBoundMaterials(prims, warn):
+    """Paths of the materials bound to `prims`, "" where none is, and the materials by path.
+
+    One call for all prims: UsdShade shares its caches between them and uses all cores.
+    """
+    materials, relationships = UsdShade.MaterialBindingAPI.ComputeBoundMaterials(
+        prims, BINDING_PURPOSE)
+    paths = []
+    primByPath = {}
+    for prim, material, relationship in zip(prims, materials, relationships):
+        if material:
+            path = material.GetPath().pathString
+            primByPath[path] = material.GetPrim()
+            paths.append(path)
+            continue
+        paths.append("")
+        if relationship and relationship.GetTargets():
+            warn(prim, f"bound material {relationship.GetTargets()[0]} does not exist")
+    return paths, primByPath
+
+
+class MaterialReader:
+    """Reads material prims as networks. `warn(prim, text)` gets what cannot be read."""
+
+    def __init__(self, timeCode, assets, warn):
+        self._timeCode = timeCode
+        self._assets = assets
+        self._warn = warn
+
+    def Read(self, prim):
+        """The network of a material; without terminals when it has none of the universal context."""
+        material = UsdShade.Material(prim)
+        terminals = {}
+        nodes = {}
+        pending = []
+        for terminal in _TERMINALS:
+            output = material.GetOutput(terminal)
+            source = _FindSource(output) if output else None
+            if source is not None:
+                terminals[terminal] = _core.Connection(*source[:2])
+                pending.append(source[2])
+        while pending:
+            shader = pending.pop()
+            path = shader.GetPath().pathString
+            if path not in nodes:
+                nodes[path] = self._ReadNode(shader, pending)
+        if "surface" not in terminals:
+            self._warn(prim, self._ReasonWithoutSurface(material))
+        return _core.MaterialNetwork([nodes[path] for path in sorted(nodes)], terminals)
+
+    def _ReadNode(self, prim, pending):
+        shader = UsdShade.Shader(prim)
+        parameters = {}
+        connections = {}
+        for shaderInput in shader.GetInputs():
+            name = shaderInput.GetBaseName()
+            attributes = UsdShade.Utils.GetValueProducingAttributes(shaderInput)
+            if not attributes:
+                continue
+            source = _SourceOf(attributes[0])
+            if source is not None:
+                connections[name] = _core.Connection(*source[:2])
+                pending.append(source[2])
+            else:
+                self._ReadParameter(attributes[0], name, parameters)
+        identifier = shader.GetShaderId() or ""
+        if not identifier:
+            self._warn(prim, "shader without an id")
+        return _core.MaterialNode(prim.GetPath().pathString, identifier, parameters, connections)
+
+    def _ReadParameter(self, attribute, name, parameters):
+        value = attribute.Get(self._timeCode)
+        if value is None:
+            return
+        if isinstance(value, Sdf.AssetPath):
+            parameters[name] = self._assets.Resolve(attribute, value)
+            if attribute.HasColorSpace():
+                parameters["colorSpace:" + name] = attribute.GetColorSpace()
+            return
+        converted = _ParameterFrom(value)
+        if converted is not None:
+            parameters[name] = converted
+
+    @staticmethod
+    def _ReasonWithoutSurface(material):
+        others = sorted({output.GetBaseName() for output in material.GetOutputs()})
+        if any(name.endswith(":surface") for name in others):
+            contexts = ", ".join(name[:-len(":surface")] for name in others
+                                 if name.endswith(":surface"))
+            return f"material has no UsdPreviewSurface, only {contexts}: not supported yet"
+        return "material has no surface"
+
+
+def _ParameterFrom(value):
+    """A UsdShade value as the core's: bool, int, float, list of floats or string."""
+    if isinstance(value, (bool, int, float, str)):
+        return value
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError):
+        return None
+    if array.dtype.kind not in "fiub":
+        return None
+    return [float(item) for item in array.ravel()]
+
+
+def _FindSource(shaderOutput):
+    attributes = UsdShade.Utils.GetValueProducingAttributes(shaderOutput)
+    return _SourceOf(attributes[0]) if attributes else None
+
+
+def _SourceOf(attribute):
+    """(shader path, output name, shader prim) when the attribute is a shader's output."""
+    name, kind = UsdShade.Utils.GetBaseNameAndType(attribute.GetName())
+    if kind != UsdShade.AttributeType.Output:
+        return None
+    prim = attribute.GetPrim()
+    return prim.GetPath().pathString, name, prim

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: Apache-2.0
+"""UsdGeomMesh and the implicit gprims as mesh descriptions. Only authored attributes are read."""
+
+import numpy as np
+
+from hdstream import _core
+from hdstream.translate.primvars import PrimvarsOf
+
+_TAG_ARRAYS = {
+    "creaseIndices": np.int32, "creaseLengths": np.int32, "creaseSharpnesses": np.float32,
+    "cornerIndices": np.int32, "cornerSharpnesses": np.float32,
+}
+_TAG_TOKENS = ("interpolateBoundary", "faceVaryingLinearInterpolation", "triangleSubdivisionRule")
+_TAG_NAMES = frozenset(_TAG_ARRAYS) | frozenset(_TAG_TOKENS)
+
+# Size attributes of the implicit gprims and their fallbacks where the core's differ from the type's.
+IMPLICIT_TYPES = ("Sphere", "Cube", "Cylinder", "Cone", "Capsule", "Plane", "Cylinder_1", "Capsule_1")
+_SHAPE_NUMBERS = ("size", "radius", "height", "width", "length")
+_FALLBACKS = {"Capsule": {"radius": 0.5, "height": 1.0}}
+
+
+def _Array(prim, name, timeCode, itemType):
+    """The value as a contiguous array of the item type, without a copy where it is one already."""
+    value = prim.GetAttribute(name).Get(timeCode)
+    if value is None:
+        return None
+    return np.ascontiguousarray(value, itemType)
+
+
+def _ReadSubdivTags(prim, names, timeCode):
+    tags = _core.SubdivTags()
+    for name in names:
+        if name in _TAG_TOKENS:
+            value = prim.GetAttribute(name).Get(timeCode)
+            if value:
+                setattr(tags, name, value)
+        elif name in _TAG_ARRAYS:
+            value = _Array(prim, name, timeCode, _TAG_ARRAYS[name])
+            if value is not None:
+                setattr(tags, name, value)
+    return tags
+
+
+def _ReadGprim(prim, names, mesh, timeCode):
+    if "orientation" in names:
+        mesh.leftHanded = prim.GetAttribute("orientation").Get(timeCode) == "leftHanded"
+    if "doubleSided" in names:
+        mesh.doubleSided = bool(prim.GetAttribute("doubleSided").Get(timeCode))
+
+
+def ReadMesh(prim, names, inherited, timeCode):
+    """The description of a UsdGeomMesh; None when it has no points or no faces."""
+    points = _Array(prim, "points", timeCode, np.float32)
+    counts = _Array(prim, "faceVertexCounts", timeCode, np.int32)
+    indices = _Array(prim, "faceVertexIndices", timeCode, np.int32)
+    if points is None or counts is None or indices is None or not points.size or not counts.size:
+        return None
+    mesh = _core.MeshDescription()
+    mesh.points = points
+    mesh.faceVertexCounts = counts
+    mesh.faceVertexIndices = indices
+    mesh.subdivisionScheme = "catmullClark"  # UsdGeomMesh's fallback
+    if "subdivisionScheme" in names:
+        mesh.subdivisionScheme = prim.GetAttribute("subdivisionScheme").Get(timeCode) or "none"
+    if "holeIndices" in names:
+        holes = _Array(prim, "holeIndices", timeCode, np.int32)
+        if holes is not None:
+            mesh.holeIndices = holes
+    if not _TAG_NAMES.isdisjoint(names):
+        mesh.subdivTags = _ReadSubdivTags(prim, names, timeCode)
+    _ReadGprim(prim, names, mesh, timeCode)
+    mesh.primvars = PrimvarsOf(prim, names, inherited, timeCode)
+    return mesh
+
+
+def ReadImplicit(prim, typeName, names, inherited, timeCode, warn):
+    """The description of an implicit gprim as OpenUSD's mesh of it."""
+    baseType = typeName[:-2] if typeName.endswith("_1") else typeName
+    shape = _core.ImplicitShape()
+    shape.type = baseType
+    values = dict(_FALLBACKS.get(baseType, {}))
+    for name in _SHAPE_NUMBERS:
+        if name in names:
+            values[name] = prim.GetAttribute(name).Get(timeCode)
+    if typeName != baseType:
+        bottom = prim.GetAttribute("radiusBottom").Get(timeCode)
+        if bottom != prim.GetAttribute("radiusTop").Get(timeCode):
+            warn(prim, f"a {baseType.lower()} with two radii is drawn with radiusBottom only")
+        values["radius"] = bottom
+    for name, value in values.items():
+        if value is not None:
+            setattr(shape, name, value)
+    if "axis" in names:
+        shape.axis = prim.GetAttribute("axis").Get(timeCode) or "Z"
+    mesh = _core.MakeImplicitMesh(shape)
+    _ReadGprim(prim, names, mesh, timeCode)
+    mesh.primvars = mesh.primvars + PrimvarsOf(prim, names, inherited, timeCode)
+    return mesh
+
+
+def ReadSubset(prim, timeCode):
+    """A face subset of the family materialBind; None for any other subset."""
+    if (prim.GetAttribute("familyName").Get() != "materialBind"
+            or prim.GetAttribute("elementType").Get() != "face"):
+        return None
+    faces = _Array(prim, "indices", timeCode, np.int32)
+    if faces is None or not faces.size:
+        return None
+    subset = _core.MeshSubset()
+    subset.faces = faces
+    return subset

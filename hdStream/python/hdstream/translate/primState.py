@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a prim inherits, kept on the traversal's own stack instead of asked for at every prim.
+
+A State is immutable once made and shared by all prims that change nothing.
+"""
+
+from pxr import Gf
+
+IDENTITY = Gf.Matrix4d(1.0)
+_STRONGER = "strongerThanDescendants"
+
+
+class State:
+    """Inherited values at a prim, relative to the space of its Context."""
+
+    __slots__ = ("matrix", "visible", "purpose", "isPurposeAuthored", "primvars", "bindings",
+                 "hasCollections")
+
+    def __init__(self):
+        self.matrix = IDENTITY          # context space from prim, row vectors (Gf)
+        self.visible = True
+        self.purpose = "default"
+        self.isPurposeAuthored = False  # only an authored purpose is inherited
+        self.primvars = {}              # name -> InheritedPrimvar: constant ones only
+        self.bindings = {}              # material purpose -> (target path, strength)
+        self.hasCollections = False     # a collection-based material binding applies
+
+    def Copy(self):
+        copy = State.__new__(State)
+        for name in State.__slots__:
+            setattr(copy, name, getattr(self, name))
+        return copy
+
+    def AddBindings(self, prim, names):
+        """Takes the material bindings authored on `prim` over (this state is still private)."""
+        bindings = dict(self.bindings)
+        for name in names:
+            if not name.startswith("material:binding"):
+                continue
+            if name.startswith("material:binding:collection"):
+                self.hasCollections = True
+                continue
+            purpose = name[len("material:binding"):]
+            inherited = bindings.get(purpose)
+            if inherited and inherited[1] == _STRONGER:
+                continue
+            relationship = prim.GetRelationship(name)
+            targets = relationship.GetTargets() if relationship else []
+            if targets:
+                strength = relationship.GetMetadata("bindMaterialAs") or ""
+                bindings[purpose] = (targets[0].pathString, strength)
+        self.bindings = bindings
+
+
+class Context:
+    """A space that prims are placed in: the world, or the prototypes of one instancer."""
+
+    def __init__(self, instancerPath="", usdRoot="", sceneRoot="", chain=()):
+        self.instancerPath = instancerPath  # scene path of the instancer; empty: the world
+        self.prototypePaths = []            # scene paths of all that the instancer places
+        self.instanceGroups = {}            # key -> InstanceGroup: native instances found here
+        self.chain = chain                  # USD paths of the point instancers around
+        self._usdRoot = usdRoot
+        self._sceneRoot = sceneRoot
+
+    def ScenePath(self, prim):
+        """The prim's path in the scene; differs from USD's only below shared prototypes."""
+        path = prim.GetPath().pathString
+        if self._usdRoot == self._sceneRoot:
+            return path
+        return self._sceneRoot + path[len(self._usdRoot):]

@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Primvars of a prim, its own and the constant ones it inherits.
+
+The rules are UsdGeomPrimvarsAPI's (FindPrimvarsWithInheritance): constant primvars with a value are
+inherited along namespace, an own primvar of the same name wins, and a non-constant one on an
+ancestor ends the inheritance of its name.
+"""
+
+import numpy as np
+
+from hdstream import _core
+
+PREFIX = "primvars:"
+_INDICES = ":indices"
+# Read by systems that the renderer does not have; large and of no use to it.
+_SKIPPED = ("primvars:skel:",)
+_INTERPOLATIONS = {
+    "constant": _core.Interpolation.Constant,
+    "uniform": _core.Interpolation.Uniform,
+    "varying": _core.Interpolation.Varying,
+    "vertex": _core.Interpolation.Vertex,
+    "faceVarying": _core.Interpolation.FaceVarying,
+}
+
+
+class InheritedPrimvar:
+    """A constant primvar and a key that is equal for equal values."""
+
+    __slots__ = ("primvar", "key")
+
+    def __init__(self, primvar, key):
+        self.primvar = primvar
+        self.key = key
+
+
+def FloatRows(value, attribute):
+    """A value as a float32 array [count] or [count][2..4]; None when it is no such tuple.
+
+    Arrays that hold floats already are passed on without a copy.
+    """
+    if value is None or isinstance(value, str):
+        return None
+    if isinstance(value, (bool, int, float)):
+        return np.array([value], np.float32)
+    try:
+        rows = np.asarray(value)
+    except (TypeError, ValueError):
+        return None
+    if rows.dtype.kind not in "fiub" or rows.size == 0:
+        return None
+    if rows.ndim == 1:
+        if type(value).__module__ != "pxr.Vt":  # a single Gf tuple
+            rows = rows.reshape(1, -1)
+        else:
+            elementSize = attribute.GetMetadata("elementSize") or 1
+            if elementSize > 1 and rows.size % elementSize == 0:
+                rows = rows.reshape(-1, elementSize)
+    if rows.ndim > 2 or (rows.ndim == 2 and rows.shape[1] > 4):
+        return None
+    return np.ascontiguousarray(rows, np.float32)
+
+
+def _IsPrimvar(name):
+    return (name.startswith(PREFIX) and not name.endswith(_INDICES)
+            and not name.startswith(_SKIPPED))
+
+
+def ReadPrimvar(prim, name, names, timeCode):
+    """The primvar of attribute `name`, or None when it has no value of a usable type."""
+    attribute = prim.GetAttribute(name)
+    if not attribute:
+        return None
+    rows = FloatRows(attribute.Get(timeCode), attribute)
+    interpolation = _INTERPOLATIONS.get(attribute.GetMetadata("interpolation") or "constant")
+    if rows is None or interpolation is None:
+        return None
+    indices = None
+    if name + _INDICES in names:
+        indices = prim.GetAttribute(name + _INDICES).Get(timeCode)
+    return _core.Primvar(name[len(PREFIX):], interpolation, rows, indices)
+
+
+def InheritFrom(prim, names, inherited, timeCode):
+    """The primvars that children of `prim` inherit; `inherited` itself when nothing changes."""
+    result = inherited
+    for name in names:
+        if not _IsPrimvar(name):
+            continue
+        primvar = ReadPrimvar(prim, name, names, timeCode)
+        if primvar is None:
+            continue
+        if result is inherited:
+            result = dict(inherited)
+        if primvar.interpolation == _core.Interpolation.Constant:
+            key = (primvar.name, primvar.values.tobytes(), primvar.indices.tobytes())
+            result[primvar.name] = InheritedPrimvar(primvar, key)
+        else:
+            result.pop(primvar.name, None)
+    return result
+
+
+def InheritableAbove(prim, timeCode):
+    """The primvars that `prim` inherits from its namespace ancestors, for a traversal from it."""
+    ancestors = []
+    parent = prim.GetParent()
+    while parent and not parent.IsPseudoRoot():
+        ancestors.append(parent)
+        parent = parent.GetParent()
+    inherited = {}
+    for ancestor in reversed(ancestors):
+        inherited = InheritFrom(ancestor, ancestor.GetAuthoredPropertyNames(), inherited, timeCode)
+    return inherited
+
+
+def PrimvarsOf(prim, names, inherited, timeCode):
+    """All primvars of a gprim, its own first, with `normals` as the primvar of that name."""
+    primvars = []
+    own = set()
+    for name in names:
+        if _IsPrimvar(name):
+            primvar = ReadPrimvar(prim, name, names, timeCode)
+            if primvar is not None:
+                own.add(name[len(PREFIX):])
+                primvars.append(primvar)
+    # UsdGeomPointBased: primvars:normals has precedence over the attribute.
+    if "normals" in names and "normals" not in own:
+        normals = _ReadNormals(prim, timeCode)
+        if normals is not None:
+            own.add("normals")
+            primvars.append(normals)
+    primvars.extend(entry.primvar for name, entry in inherited.items() if name not in own)
+    return primvars
+
+
+def _ReadNormals(prim, timeCode):
+    attribute = prim.GetAttribute("normals")
+    rows = FloatRows(attribute.Get(timeCode), attribute)
+    interpolation = _INTERPOLATIONS.get(attribute.GetMetadata("interpolation") or "vertex")
+    if rows is None or interpolation is None:
+        return None
+    return _core.Primvar("normals", interpolation, rows)

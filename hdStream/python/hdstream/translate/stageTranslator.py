@@ -1,0 +1,392 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The traversal of a stage: every prim is visited once, inherited values live on its stack.
+
+Native instances are collected while a context (the world, or the prototypes of an instancer) is
+walked and turned into instancers after it. Materials are found for all meshes at once at the end.
+"""
+
+import gc
+
+import numpy as np
+from pxr import Usd, UsdGeom
+
+from hdstream import _core
+from hdstream.translate import cameras, instancing, lights, materials, meshes, primvars
+from hdstream.translate.assets import AssetResolver
+from hdstream.translate.primState import Context, State
+from hdstream.translate.reports import Reports
+
+_PREDICATE = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
+# Schemas that are drawn by other renderers and skipped here, with a count.
+_SKIPPED_SCHEMAS = ("BasisCurves", "NurbsCurves", "HermiteCurves", "NurbsPatch", "Points",
+                    "TetMesh", "Volume", "ParticleField")
+_DRAW_MODES = ("origin", "bounds", "cards")
+
+
+class _TypeInfo:
+    """What the traversal needs to know of a schema."""
+
+    __slots__ = ("schema", "handler", "isImageable", "isXformable", "isLeaf")
+
+    def __init__(self, prim, schema, handler, isLeaf):
+        self.schema = schema
+        self.handler = handler
+        self.isImageable = prim.IsA(UsdGeom.Imageable)
+        self.isXformable = prim.IsA(UsdGeom.Xformable)
+        self.isLeaf = isLeaf  # a gprim: nothing of use below it inherits primvars or bindings
+
+
+class _PendingMesh:
+    """A mesh that waits for its materials."""
+
+    __slots__ = ("path", "prim", "mesh", "placement", "purpose", "subsets")
+
+    def __init__(self, path, prim, mesh, placement, purpose, subsets):
+        self.path = path
+        self.prim = prim
+        self.mesh = mesh
+        self.placement = placement
+        self.purpose = purpose
+        self.subsets = subsets  # (MeshSubset, prim)
+
+
+class StageTranslator:
+    """Translates one stage at one time code into a session. Used once."""
+
+    def __init__(self, stage, session, timeCode):
+        self._stage = stage
+        self._session = session
+        self._timeCode = Usd.TimeCode(timeCode)
+        self._reports = Reports(session)
+        self._assets = AssetResolver()
+        self._xforms = UsdGeom.XformCache(self._timeCode)
+        self._types = {}
+        self._paths = set()
+        self._pending = []
+        self.numPrims = 0  # prims visited, instance proxies of first instances included
+        self._handlers = self._MakeHandlers()
+
+    def Translate(self):
+        """Fills the session."""
+        # Nothing here makes cycles; without this, scanning 10^5 new objects again and again shows.
+        isCollecting = gc.isenabled()
+        gc.disable()
+        try:
+            self._Translate()
+        finally:
+            if isCollecting:
+                gc.enable()
+
+    def _Translate(self):
+        self._session.SetStage(UsdGeom.GetStageMetersPerUnit(self._stage),
+                               UsdGeom.GetStageUpAxis(self._stage))
+        world = Context()
+        children = self._stage.GetPseudoRoot().GetFilteredChildren(_PREDICATE)
+        self._Walk(children, State(), world)
+        self._SetMeshes()
+        self._reports.Flush()
+
+    # --- Traversal -------------------------------------------------------------------------------
+
+    def _Walk(self, prims, state, context):
+        """Visits prims and all below, then makes instancers of the native instances found."""
+        stack = [(prim, state) for prim in reversed(prims)]
+        while stack:
+            prim, inherited = stack.pop()
+            state = self._Visit(prim, inherited, context)
+            if state is not None:
+                children = prim.GetFilteredChildren(_PREDICATE)
+                for child in reversed(children):
+                    stack.append((child, state))
+        for group in context.instanceGroups.values():
+            self._AddInstanceGroup(group, context)
+
+    def _Visit(self, prim, inherited, context):
+        """Translates a prim; returns the state of its children, None when they are not visited."""
+        self.numPrims += 1
+        info = self._types.get(prim.GetTypeName()) or self._AddType(prim)
+        names = prim.GetAuthoredPropertyNames()
+        state = self._StateOf(prim, info, names, inherited) if names else inherited
+        if info.handler is None:
+            if prim.IsInstance():
+                self._AddInstance(prim, state, context)
+                return None
+            return state
+        return info.handler(prim, info.schema, names, state, context)
+
+    def _StateOf(self, prim, info, names, inherited):
+        """The prim's own state: `inherited` itself when it changes nothing."""
+        state = inherited
+        if info.isXformable and "xformOpOrder" in names:
+            local, resets = self._xforms.GetLocalTransformation(prim)
+            state = inherited.Copy()
+            state.matrix = local if resets else local * inherited.matrix
+        if info.isImageable:
+            if "visibility" in names and prim.GetAttribute("visibility").Get(self._timeCode) == "invisible":
+                state = inherited.Copy() if state is inherited else state
+                state.visible = False
+            if "purpose" in names and prim.GetAttribute("purpose").HasAuthoredValue():
+                state = inherited.Copy() if state is inherited else state
+                state.purpose = prim.GetAttribute("purpose").Get()
+                state.isPurposeAuthored = True
+        if info.isLeaf:
+            return state
+        hasPrimvars = hasBindings = False
+        for name in names:
+            if name.startswith("primvars:"):
+                hasPrimvars = True
+            elif name.startswith("material:binding"):
+                hasBindings = True
+            elif name == "model:drawMode":
+                self._CheckDrawMode(prim)
+        if hasPrimvars:
+            result = primvars.InheritFrom(prim, names, inherited.primvars, self._timeCode)
+            if result is not inherited.primvars:
+                state = inherited.Copy() if state is inherited else state
+                state.primvars = result
+        if hasBindings:
+            state = inherited.Copy() if state is inherited else state
+            state.AddBindings(prim, names)
+        return state
+
+    def _CheckDrawMode(self, prim):
+        if prim.GetAttribute("model:drawMode").Get(self._timeCode) in _DRAW_MODES:
+            self._reports.Count(prim, "draw modes are not supported yet: {count} drawn in full")
+
+    def _MakeHandlers(self):
+        """(schema class, handler) from special to general; prims of no schema here are groups."""
+        handlers = [("Mesh", self._OnMesh), ("PointInstancer", self._OnPointInstancer),
+                    ("Camera", self._OnCamera), ("Subset", self._OnSkipped)]
+        handlers += [(name, self._OnImplicit) for name in meshes.IMPLICIT_TYPES]
+        handlers += [(name, self._OnUnsupported) for name in _SKIPPED_SCHEMAS]
+        handlers += [(name, self._OnLight) for name in lights.LIGHT_TYPES]
+        handlers += [(name, self._OnUnsupported) for name in lights.UNSUPPORTED_LIGHT_TYPES]
+        handlers += [("Material", self._OnSkipped), ("NodeGraph", self._OnSkipped),
+                     ("Shader", self._OnSkipped)]
+        return handlers
+
+    def _AddType(self, prim):
+        """Finds the handler of a type not seen before, through its base schemas."""
+        found = (None, None)
+        for name, handler in self._handlers:
+            schema = _SchemaClass(name)
+            if schema is not None and prim.IsA(schema):
+                found = (name, handler)
+                break
+        info = _TypeInfo(prim, *found, isLeaf=found[1] in (self._OnMesh, self._OnImplicit))
+        self._types[prim.GetTypeName()] = info
+        return info
+
+    # --- Prims -----------------------------------------------------------------------------------
+
+    def _Place(self, prim, state, context):
+        """The scene path of a prim and its placement there; the context's instancer places it."""
+        path = context.ScenePath(prim)
+        if path in self._paths:  # a prototype inside another prototype of the same instancer
+            path = f"{path}{{{len(context.prototypePaths)}}}"
+        self._paths.add(path)
+        if context.instancerPath:
+            context.prototypePaths.append(path)
+        return path, _core.Placement(state.matrix, context.instancerPath, state.visible)
+
+    def _OnMesh(self, prim, schema, names, state, context):
+        mesh = meshes.ReadMesh(prim, names, state.primvars, self._timeCode)
+        if mesh is None:
+            return state
+        if "skel:skeleton" in names:
+            self._reports.Count(prim, "skinning is not supported yet: {count} drawn unskinned")
+        self._CheckMeshLight(prim)
+        self._AddMesh(prim, mesh, state, context)
+        return state
+
+    def _OnImplicit(self, prim, schema, names, state, context):
+        mesh = meshes.ReadImplicit(prim, schema, names, state.primvars, self._timeCode,
+                                   self._reports.Warn)
+        self._AddMesh(prim, mesh, state, context)
+        return state
+
+    def _AddMesh(self, prim, mesh, state, context):
+        subsets = []
+        for child in prim.GetFilteredChildren(_PREDICATE):
+            if child.IsA(UsdGeom.Subset):
+                subset = meshes.ReadSubset(child, self._timeCode)
+                if subset is not None:
+                    subset.name = context.ScenePath(child)
+                    subsets.append((subset, child))
+        path, placement = self._Place(prim, state, context)
+        self._pending.append(_PendingMesh(path, prim, mesh, placement, state.purpose, subsets))
+
+    def _CheckMeshLight(self, prim):
+        if "MeshLightAPI" in prim.GetAppliedSchemas():
+            self._reports.Warn(prim, "MeshLightAPI is not supported yet; drawn as a mesh")
+
+    def _OnLight(self, prim, schema, names, state, context):
+        for feature in lights.UnsupportedFeatures(prim, names, self._timeCode):
+            self._reports.Warn(prim, f"{feature} is not supported yet")
+        light = lights.ReadLight(prim, schema, names, self._timeCode, self._assets)
+        path, placement = self._Place(prim, state, context)
+        pole = lights.PoleTransform(prim, schema)
+        if pole is not None:
+            placement.worldFromObject = np.array(pole * state.matrix)
+        self._session.SetLight(path, _core.LightPrim(light, placement))
+        return state
+
+    def _OnCamera(self, prim, schema, names, state, context):
+        if not context.instancerPath:
+            self._session.SetCamera(context.ScenePath(prim), cameras.ReadCamera(prim, self._timeCode))
+        return state
+
+    def _OnUnsupported(self, prim, schema, names, state, context):
+        if state.visible:
+            self._reports.Count(prim, f"{prim.GetTypeName()} is not supported yet: {{count}} skipped")
+        return state
+
+    def _OnSkipped(self, prim, schema, names, state, context):
+        return None
+
+    # --- Instances -------------------------------------------------------------------------------
+
+    def _AddInstance(self, prim, state, context):
+        """Adds a native instance to the group that shares its prototype's look."""
+        boundPaths = self._BoundPathsBelow(prim) if state.hasCollections else None
+        key = (prim.GetPrototype().GetPath(), instancing.InheritedKey(state, boundPaths))
+        group = context.instanceGroups.get(key)
+        if group is None:
+            group = context.instanceGroups[key] = instancing.InstanceGroup(prim, state)
+        group.Add(state)
+
+    @staticmethod
+    def _BoundPathsBelow(prim):
+        """Materials of all gprims below an instance: collections may tell instances apart."""
+        gprims = [child for child in Usd.PrimRange(prim, _PREDICATE)
+                  if child.IsA(UsdGeom.Gprim) or child.IsA(UsdGeom.Subset)]
+        root = prim.GetPath().pathString
+        paths, _ = materials.FindBoundMaterials(gprims, lambda *_: None)
+        # A material inside the instance is the same one for all instances.
+        return tuple("." + path[len(root):] if path.startswith(root + "/") else path for path in paths)
+
+    def _AddInstanceGroup(self, group, context):
+        path = context.ScenePath(group.firstPrim)
+        inner = Context(path, group.firstPrim.GetPath().pathString, path, context.chain)
+        state = State()
+        state.purpose = group.state.purpose
+        state.isPurposeAuthored = group.state.isPurposeAuthored
+        state.primvars = group.state.primvars
+        state.bindings = group.state.bindings
+        state.hasCollections = group.state.hasCollections
+        self._Walk(group.firstPrim.GetFilteredChildren(_PREDICATE), state, inner)
+        placement = _core.Placement(State().matrix, context.instancerPath)
+        instances = group.VisibleIndices()
+        self._AddInstancer(path, placement, group.Transforms(), context,
+                           [(prototype, instances) for prototype in inner.prototypePaths])
+
+    def _AddInstancer(self, path, placement, transforms, context, instancesByPrototype):
+        if not instancesByPrototype:
+            return
+        instancer = _core.InstancerPrim(placement)
+        instancer.instanceTransforms = transforms
+        for prototype, instances in instancesByPrototype:
+            instancer.SetInstances(prototype, instances)
+        if context.instancerPath:
+            context.prototypePaths.append(path)
+        self._paths.add(path)
+        self._session.SetInstancer(path, instancer)
+
+    def _OnPointInstancer(self, prim, schema, names, state, context):
+        usdPath = prim.GetPath().pathString
+        if usdPath in context.chain:
+            self._reports.Warn(prim, "point instancer is its own prototype; the inner one is skipped")
+            return None
+        arrays = instancing.PointInstances(prim, self._timeCode)
+        if arrays.problem:
+            self._reports.Warn(prim, f"point instancer not drawn: {arrays.problem}")
+        if arrays.problem or not arrays.numInstances:
+            return None
+        if arrays.numOutside:
+            self._reports.Warn(prim, f"{arrays.numOutside} instances have no prototype and are skipped")
+        if instancing.HasInstancePrimvars(prim, names):
+            self._reports.Warn(prim, "primvars per instance are not supported yet")
+        path = context.ScenePath(prim)
+        placed = []
+        for index, prototypePath in enumerate(arrays.prototypePaths):
+            instances = arrays.InstancesOf(index)
+            if len(instances):
+                placed += [(prototype, instances) for prototype in self._WalkPrototype(
+                    prim, path, prototypePath, state, context)]
+        placement = _core.Placement(state.matrix, context.instancerPath, state.visible)
+        self._AddInstancer(path, placement, arrays.transforms, context, placed)
+        return None
+
+    def _WalkPrototype(self, instancer, path, prototypePath, instancerState, context):
+        """Translates a prototype's subtree; returns the scene paths of what it contains."""
+        root = self._stage.GetPrimAtPath(prototypePath)
+        if not root or not instancing.PROTOTYPE_PREDICATE(root):
+            self._reports.Warn(instancer, f"prototype {prototypePath} does not exist or is not defined")
+            return []
+        usdRoot = prototypePath.pathString
+        usdPath = instancer.GetPath().pathString
+        isBelow = usdRoot.startswith(usdPath + "/")
+        sceneRoot = path + (usdRoot[len(usdPath):] if isBelow else "{" + usdRoot + "}")
+        inner = Context(path, usdRoot, sceneRoot, context.chain + (usdPath,))
+        self._Walk([root], self._PrototypeState(root, instancerState), inner)
+        return inner.prototypePaths
+
+    def _PrototypeState(self, root, instancerState):
+        """What a prototype inherits: from its own ancestors; a purpose also from the instancer."""
+        state = State()
+        parent = UsdGeom.Imageable(root.GetParent())
+        info = parent.ComputePurposeInfo() if parent else None
+        if info and info.isInheritable:
+            state.purpose, state.isPurposeAuthored = info.purpose, True
+        else:
+            state.purpose = instancerState.purpose
+            state.isPurposeAuthored = instancerState.isPurposeAuthored
+        state.primvars = primvars.InheritableAbove(root, self._timeCode)
+        ancestor = root.GetParent()
+        chain = []
+        while ancestor and not ancestor.IsPseudoRoot():
+            chain.append(ancestor)
+            ancestor = ancestor.GetParent()
+        for ancestor in reversed(chain):
+            state.AddBindings(ancestor, ancestor.GetAuthoredPropertyNames())
+        return state
+
+    # --- Materials -------------------------------------------------------------------------------
+
+    def _SetMeshes(self):
+        """Binds materials, hands all meshes over, then the materials they use."""
+        prims = []
+        for pending in self._pending:
+            prims.append(pending.prim)
+            prims.extend(child for _, child in pending.subsets)
+        paths, primByPath = materials.FindBoundMaterials(prims, self._reports.Warn)
+        bound = iter(paths)
+        for pending in self._pending:
+            materialPath = next(bound)
+            for subset, _ in pending.subsets:
+                subset.materialPath = next(bound)
+            if pending.subsets:
+                pending.mesh.subsets = [subset for subset, _ in pending.subsets]
+            self._session.SetMesh(pending.path, _core.MeshPrim(pending.mesh, pending.placement,
+                                                               pending.purpose, materialPath))
+        self._pending.clear()
+        reader = materials.MaterialReader(self._timeCode, self._assets, self._reports.Warn)
+        for path, prim in primByPath.items():
+            self._session.SetMaterial(path, reader.Read(prim))
+
+
+def _SchemaClass(name):
+    """The schema class of a name in UsdGeom, UsdLux, UsdShade or UsdVol; None when this usd-core lacks it."""
+    from pxr import UsdLux, UsdShade, UsdVol
+    for module in (UsdGeom, UsdLux, UsdShade, UsdVol):
+        schema = getattr(module, name, None)
+        if schema is not None:
+            return schema
+    return None
+
+
+def TranslateStage(stage, session, timeCode):
+    """Fills `session` with the stage at a time code (a float, or Usd.TimeCode)."""
+    translator = StageTranslator(stage, session, timeCode)
+    translator.Translate()
+    return translator

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/scene/dump.h"
+
+#include "hdStream/base/hash.h"
+
+#include <glm/gtc/type_ptr.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <type_traits>
+
+namespace hds {
+
+namespace {
+
+constexpr std::size_t kMaxListed = 24;
+
+template <typename T>
+std::string Number(T value) {
+    if constexpr (std::is_integral_v<T>) {
+        return std::to_string(value);
+    } else {
+        char text[40];
+        // Adding 0 turns -0 into 0, so that equal values have equal texts.
+        std::snprintf(text, sizeof(text), sizeof(T) == 4 ? "%.9g" : "%.17g", static_cast<double>(value) + 0.0);
+        return text;
+    }
+}
+
+template <typename T>
+std::string Array(const T* values, std::size_t count) {
+    std::string text = "[" + std::to_string(count) + "]";
+    if (count <= kMaxListed) {
+        for (std::size_t i = 0; i < count; ++i) {
+            text += " " + Number(values[i]);
+        }
+        return text;
+    }
+    Hasher hasher;
+    T low = values[0];
+    T high = values[0];
+    for (std::size_t i = 0; i < count; ++i) {
+        const T value = values[i] + T{}; // -0 hashes as 0
+        hasher.Append(&value, sizeof(value));
+        low = std::min(low, value);
+        high = std::max(high, value);
+    }
+    return text + " " + Number(low) + ".." + Number(high) + " #" + hasher.Hex();
+}
+
+template <typename T>
+std::string Array(const SharedSpan<T>& span) {
+    return Array(span.data(), span.size());
+}
+
+const char* InterpolationName(Interpolation interpolation) {
+    switch (interpolation) {
+    case Interpolation::Constant: return "constant";
+    case Interpolation::Uniform: return "uniform";
+    case Interpolation::Varying: return "varying";
+    case Interpolation::Vertex: return "vertex";
+    case Interpolation::FaceVarying: return "faceVarying";
+    case Interpolation::Instance: return "instance";
+    }
+    return "";
+}
+
+const char* LightTypeName(LightType type) {
+    switch (type) {
+    case LightType::Distant: return "distant";
+    case LightType::Sphere: return "sphere";
+    case LightType::Rect: return "rect";
+    case LightType::Disk: return "disk";
+    case LightType::Cylinder: return "cylinder";
+    case LightType::Dome: return "dome";
+    }
+    return "";
+}
+
+/// Collects "  name: value" lines under prim headers.
+class Writer {
+public:
+    void Prim(const std::string& kind, const std::string& path) { _text += kind + " " + path + "\n"; }
+    void Line(const std::string& name, const std::string& value) { _text += "  " + name + ": " + value + "\n"; }
+    template <typename T>
+    void Value(const std::string& name, T value) {
+        Line(name, Number(value));
+    }
+    void Flag(const std::string& name, bool value) { Line(name, value ? "true" : "false"); }
+    void Matrix(const std::string& name, const glm::dmat4& matrix) {
+        Line(name, Array(glm::value_ptr(matrix), 16));
+    }
+    void Placed(const Placement& placement) {
+        Matrix("transform", placement.worldFromObject);
+        if (!placement.instancerPath.empty()) {
+            Line("instancer", placement.instancerPath);
+        }
+        Flag("visible", placement.visible);
+    }
+    std::string Take() { return std::move(_text); }
+
+private:
+    std::string _text;
+};
+
+std::string ParameterText(const ParameterValue& value) {
+    struct Visitor {
+        std::string operator()(bool v) const { return v ? "true" : "false"; }
+        std::string operator()(std::int64_t v) const { return std::to_string(v); }
+        std::string operator()(double v) const { return Number(static_cast<float>(v)); }
+        std::string operator()(const std::vector<float>& v) const { return Array(v.data(), v.size()); }
+        std::string operator()(const std::string& v) const { return '"' + v + '"'; }
+        std::string operator()(const AssetReference& v) const { return '@' + v.authoredPath + '@'; }
+    };
+    return std::visit(Visitor{}, value);
+}
+
+void DumpSubdivision(const MeshDescription& mesh, Writer* out) {
+    const SubdivTags& tags = mesh.subdivTags;
+    out->Line("subdivisionScheme", mesh.subdivisionScheme);
+    if (mesh.subdivisionScheme == "none") {
+        return;
+    }
+    out->Line("interpolateBoundary", tags.interpolateBoundary);
+    out->Line("faceVaryingLinearInterpolation", tags.faceVaryingLinearInterpolation);
+    out->Line("triangleSubdivisionRule", tags.triangleSubdivisionRule);
+    if (!tags.creaseIndices.empty()) {
+        out->Line("creaseIndices", Array(tags.creaseIndices));
+        out->Line("creaseLengths", Array(tags.creaseLengths));
+        out->Line("creaseSharpnesses", Array(tags.creaseSharpnesses));
+    }
+    if (!tags.cornerIndices.empty()) {
+        out->Line("cornerIndices", Array(tags.cornerIndices));
+        out->Line("cornerSharpnesses", Array(tags.cornerSharpnesses));
+    }
+}
+
+void DumpMesh(const std::string& path, const MeshPrim& prim, Writer* out) {
+    const MeshDescription& mesh = prim.mesh;
+    out->Prim("mesh", path);
+    out->Placed(prim.placement);
+    out->Line("purpose", prim.purpose);
+    out->Line("material", prim.materialPath);
+    out->Line("points", Array(mesh.points));
+    out->Line("faceVertexCounts", Array(mesh.faceVertexCounts));
+    out->Line("faceVertexIndices", Array(mesh.faceVertexIndices));
+    if (!mesh.holeIndices.empty()) {
+        out->Line("holeIndices", Array(mesh.holeIndices));
+    }
+    DumpSubdivision(mesh, out);
+    out->Flag("leftHanded", mesh.leftHanded);
+    out->Flag("doubleSided", mesh.doubleSided);
+    std::vector<const Primvar*> primvars;
+    for (const Primvar& primvar : mesh.primvars) {
+        primvars.push_back(&primvar);
+    }
+    std::sort(primvars.begin(), primvars.end(), [](const Primvar* a, const Primvar* b) { return a->name < b->name; });
+    for (const Primvar* primvar : primvars) {
+        out->Line("primvar " + primvar->name, std::string(InterpolationName(primvar->interpolation)) + " x" +
+                                                  std::to_string(primvar->numComponents) + " " + Array(primvar->values) +
+                                                  (primvar->indices.empty() ? "" : " indices " + Array(primvar->indices)));
+    }
+    for (const MeshSubset& subset : mesh.subsets) {
+        out->Line("subset " + subset.name, Array(subset.faces) + " material " + subset.materialPath);
+    }
+}
+
+void DumpInstancer(const std::string& path, const InstancerPrim& prim, Writer* out) {
+    out->Prim("instancer", path);
+    out->Placed(prim.placement);
+    out->Line("instanceTransforms", Array(prim.instanceTransforms));
+    for (const auto& [prototype, instances] : prim.instancesByPrototype) {
+        out->Line("prototype " + prototype, Array(instances));
+    }
+}
+
+void DumpMaterial(const std::string& path, const MaterialNetwork& network, Writer* out) {
+    out->Prim("material", path);
+    for (const auto& [terminal, source] : network.terminals) {
+        out->Line("terminal " + terminal, source.upstreamPath + "." + source.upstreamOutput);
+    }
+    std::vector<const MaterialNode*> nodes;
+    for (const MaterialNode& node : network.nodes) {
+        nodes.push_back(&node);
+    }
+    std::sort(nodes.begin(), nodes.end(),
+              [](const MaterialNode* a, const MaterialNode* b) { return a->path < b->path; });
+    for (const MaterialNode* node : nodes) {
+        out->Line("node " + node->path, node->identifier);
+        for (const auto& [name, value] : node->parameters) {
+            out->Line("  " + name, ParameterText(value));
+        }
+        for (const auto& [name, source] : node->connections) {
+            out->Line("  " + name, "<- " + source.upstreamPath + "." + source.upstreamOutput);
+        }
+    }
+}
+
+void DumpLight(const std::string& path, const LightPrim& prim, Writer* out) {
+    const LightDescription& light = prim.light;
+    out->Prim("light", path);
+    out->Placed(prim.placement);
+    out->Line("type", LightTypeName(light.type));
+    out->Value("intensity", light.intensity);
+    out->Value("exposure", light.exposure);
+    out->Value("diffuse", light.diffuse);
+    out->Value("specular", light.specular);
+    out->Flag("normalize", light.normalize);
+    out->Line("color", Array(light.color.data(), light.color.size()));
+    out->Flag("enableColorTemperature", light.enableColorTemperature);
+    out->Value("colorTemperature", light.colorTemperature);
+    out->Flag("visibleToCamera", light.visibleToCamera);
+    switch (light.type) {
+    case LightType::Distant: out->Value("angle", light.angle); break;
+    case LightType::Sphere:
+        out->Value("radius", light.radius);
+        out->Flag("treatAsPoint", light.treatAsPoint);
+        break;
+    case LightType::Disk: out->Value("radius", light.radius); break;
+    case LightType::Rect:
+        out->Value("width", light.width);
+        out->Value("height", light.height);
+        break;
+    case LightType::Cylinder:
+        out->Value("radius", light.radius);
+        out->Value("length", light.length);
+        out->Flag("treatAsLine", light.treatAsLine);
+        break;
+    case LightType::Dome: out->Line("textureFormat", light.textureFormat); break;
+    }
+    if (!light.textureFile.authoredPath.empty()) {
+        out->Line("textureFile", '@' + light.textureFile.authoredPath + '@');
+    }
+}
+
+void DumpCamera(const std::string& path, const CameraPrim& camera, Writer* out) {
+    out->Prim("camera", path);
+    out->Matrix("transform", camera.worldFromCamera);
+    out->Line("projection", camera.orthographic ? "orthographic" : "perspective");
+    const double values[] = {camera.horizontalAperture, camera.verticalAperture, camera.horizontalApertureOffset,
+                             camera.verticalApertureOffset, camera.focalLength, camera.nearClip, camera.farClip,
+                             camera.fStop, camera.focusDistance, camera.exposureScale};
+    const char* names[] = {"horizontalAperture", "verticalAperture", "horizontalApertureOffset",
+                           "verticalApertureOffset", "focalLength", "nearClip", "farClip",
+                           "fStop", "focusDistance", "exposureScale"};
+    for (std::size_t i = 0; i < std::size(values); ++i) {
+        out->Value(names[i], static_cast<float>(values[i]));
+    }
+}
+
+} // namespace
+
+std::string DumpScene(const SceneDescription& scene) {
+    Writer out;
+    out.Prim("stage", "/");
+    out.Value("metersPerUnit", scene.metersPerUnit);
+    out.Line("upAxis", scene.upAxis);
+    for (const auto& [path, prim] : scene.cameras) {
+        DumpCamera(path, prim, &out);
+    }
+    for (const auto& [path, prim] : scene.instancers) {
+        DumpInstancer(path, prim, &out);
+    }
+    for (const auto& [path, prim] : scene.lights) {
+        DumpLight(path, prim, &out);
+    }
+    for (const auto& [path, network] : scene.materials) {
+        DumpMaterial(path, network, &out);
+    }
+    for (const auto& [path, prim] : scene.meshes) {
+        DumpMesh(path, prim, &out);
+    }
+    return out.Take();
+}
+
+} // namespace hds

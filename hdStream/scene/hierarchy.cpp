@@ -1,0 +1,371 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/scene/hierarchy.h"
+
+#include "hdStream/accel/bvh.h"
+#include "hdStream/scene/transforms.h"
+
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/gtc/type_ptr.hpp>
+#include <glm/matrix.hpp>
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <set>
+
+namespace hds {
+
+namespace {
+
+/// Deepest chain of instancers that is followed; longer ones are cycles in all likelihood.
+constexpr int kMaxChain = 64;
+
+glm::dmat4 InstanceTransform(const InstancerPrim& instancer, std::int32_t index) {
+    return glm::make_mat4(instancer.instanceTransforms.data() + 16 * static_cast<std::size_t>(index));
+}
+
+/// What a group may contain at a path: a mesh or a child instancer.
+struct Member {
+    std::string path;
+    const LeafObject* leaf = nullptr;         ///< a mesh
+    const InstancerPrim* instancer = nullptr; ///< or an instancer
+    glm::dmat4 transform{1.0};                ///< of the member, in its prototype's space
+};
+
+/// Members that an instancer places with the same list of instances: one prototype.
+struct Prototype {
+    SharedSpan<std::int32_t> instances;
+    std::vector<Member> members;
+};
+
+bool SameInstances(const SharedSpan<std::int32_t>& a, const SharedSpan<std::int32_t>& b) {
+    return a.size() == b.size() && (a.data() == b.data() || std::equal(a.begin(), a.end(), b.begin()));
+}
+
+/// A record before its group's BVH gives it a place.
+struct Record {
+    shared::HdsInstance instance;
+    Bounds bounds;
+    std::uint64_t numLeaves = 0;
+};
+
+class Builder {
+public:
+    Builder(const SceneDescription& scene, const std::map<std::string, LeafObject>& leaves,
+            const glm::dvec3& centre, std::uint32_t firstGroup, Warnings& warnings)
+        : _scene(scene), _leaves(leaves), _centre(centre), _firstGroup(firstGroup), _warnings(warnings) {}
+
+    Hierarchy Build() {
+        CollectMembers();
+        _result.groups.resize(1); // the TLAS, filled last
+        std::vector<Record> records;
+        const glm::dmat4 centreFromWorld = glm::translate(glm::dmat4(1.0), -_centre);
+        for (const Member& member : _roots) {
+            AppendMember(member, centreFromWorld, 0, &records);
+        }
+        AppendOwnRecords(centreFromWorld, &records);
+        _result.numLeaves = FinishGroup(std::move(records), 0, &_result.bounds);
+        return std::move(_result);
+    }
+
+private:
+    /// Sorts every drawn mesh and instancer under the instancer that places it, in path order.
+    void CollectMembers() {
+        std::map<std::string, Member> all;
+        for (const auto& [path, leaf] : _leaves) {
+            if (leaf.ownRecord || ChainLength(_scene.meshes.at(path).placement) > HDS_MAX_GROUP_DEPTH) {
+                _ownLeaves.push_back(path);
+                continue;
+            }
+            all[path] = {path, &leaf, nullptr, _scene.meshes.at(path).placement.worldFromObject};
+        }
+        for (const auto& [path, instancer] : _scene.instancers) {
+            if (instancer.placement.visible) {
+                all[path] = {path, nullptr, &instancer, instancer.placement.worldFromObject};
+            }
+        }
+        for (auto& [path, member] : all) {
+            const std::string& parent = member.leaf != nullptr
+                                            ? _scene.meshes.at(path).placement.instancerPath
+                                            : member.instancer->placement.instancerPath;
+            if (parent.empty()) {
+                _roots.push_back(std::move(member));
+            } else {
+                AddToPrototype(parent, std::move(member));
+            }
+        }
+    }
+
+    std::uint32_t ChainLength(const Placement& placement) const {
+        std::uint32_t length = 0;
+        std::string parent = placement.instancerPath;
+        while (!parent.empty() && length < kMaxChain) {
+            ++length;
+            const auto found = _scene.instancers.find(parent);
+            parent = found == _scene.instancers.end() ? std::string() : found->second.placement.instancerPath;
+        }
+        return length;
+    }
+
+    void AddToPrototype(const std::string& parent, Member member) {
+        const auto instancer = _scene.instancers.find(parent);
+        if (instancer == _scene.instancers.end()) {
+            _warnings.Add(member.path, "its instancer " + parent + " does not exist; not drawn");
+            return;
+        }
+        const auto list = instancer->second.instancesByPrototype.find(member.path);
+        if (list == instancer->second.instancesByPrototype.end() || list->second.empty()) {
+            return; // placed nowhere
+        }
+        std::vector<Prototype>& prototypes = _prototypes[parent];
+        for (Prototype& prototype : prototypes) {
+            if (SameInstances(prototype.instances, list->second)) {
+                prototype.members.push_back(std::move(member));
+                return;
+            }
+        }
+        prototypes.push_back({list->second, {std::move(member)}});
+    }
+
+    /// Records of a member in a group whose space is `groupFromPrototype` away from the member's.
+    void AppendMember(const Member& member, const glm::dmat4& groupFromPrototype, std::uint32_t depth,
+                      std::vector<Record>* records) {
+        if (member.leaf != nullptr) {
+            AppendRecord(member, groupFromPrototype, 0, 1, records);
+        } else {
+            AppendInstancer(member, groupFromPrototype, depth, records);
+        }
+    }
+
+    void AppendInstancer(const Member& member, const glm::dmat4& groupFromPrototype, std::uint32_t depth,
+                         std::vector<Record>* records) {
+        if (!_active.insert(member.path).second) {
+            _warnings.Add(member.path, "instancers form a cycle; the inner placement is not drawn");
+            return;
+        }
+        const auto prototypes = _prototypes.find(member.path);
+        if (prototypes != _prototypes.end()) {
+            const glm::dmat4 groupFromInstancer = groupFromPrototype * member.transform;
+            for (const Prototype& prototype : prototypes->second) {
+                AppendPrototype(member, prototype, groupFromInstancer, depth, records);
+            }
+        }
+        _active.erase(member.path);
+    }
+
+    void AppendPrototype(const Member& instancer, const Prototype& prototype,
+                         const glm::dmat4& groupFromInstancer, std::uint32_t depth,
+                         std::vector<Record>* records) {
+        const std::size_t limit = instancer.instancer->instanceTransforms.size() / 16;
+        const Member* only = prototype.members.size() == 1 && prototype.members[0].leaf != nullptr
+                                 ? &prototype.members[0]
+                                 : nullptr;
+        Member group;
+        LeafObject groupObject;
+        std::uint64_t groupLeaves = 1;
+        if (only == nullptr) {
+            groupObject = BuildGroup(prototype, depth + 1, &groupLeaves);
+            group.path = instancer.path;
+            group.leaf = &groupObject;
+            if (groupLeaves == 0) {
+                return;
+            }
+        }
+        const Member& placed = only != nullptr ? *only : group;
+        const auto count = static_cast<std::uint32_t>(prototype.instances.size());
+        const std::size_t first = records->size();
+        records->resize(first + count);
+        std::atomic<std::uint32_t> numBad{0};
+        tbb::parallel_for(std::uint32_t{0}, count, [&](std::uint32_t rank) {
+            const std::int32_t index = prototype.instances[rank];
+            const bool isInRange = index >= 0 && static_cast<std::size_t>(index) < limit;
+            const glm::dmat4 transform =
+                isInRange ? groupFromInstancer * InstanceTransform(*instancer.instancer, index) * placed.transform
+                          : glm::dmat4(0.0);
+            if (!FillRecord(placed, transform, rank, count, groupLeaves, &(*records)[first + rank])) {
+                numBad.fetch_add(1);
+            }
+        });
+        if (numBad > 0) {
+            records->erase(std::remove_if(records->begin() + static_cast<std::ptrdiff_t>(first), records->end(),
+                                          [](const Record& record) { return record.numLeaves == 0; }),
+                           records->end());
+            _warnings.Add(instancer.path, std::to_string(numBad) +
+                                              " instances dropped: singular or non-finite transform, or index out of range");
+        }
+    }
+
+    void AppendRecord(const Member& member, const glm::dmat4& groupFromPrototype, std::uint32_t rank,
+                      std::uint32_t count, std::vector<Record>* records) {
+        Record record;
+        if (FillRecord(member, groupFromPrototype * member.transform, rank, count, 1, &record)) {
+            records->push_back(record);
+        } else {
+            _warnings.Add(member.path, "not drawn: its transform is singular or not finite");
+        }
+    }
+
+    static bool FillRecord(const Member& member, const glm::dmat4& groupFromObject, std::uint32_t rank,
+                           std::uint32_t count, std::uint64_t numLeaves, Record* record) {
+        const LeafObject& leaf = *member.leaf;
+        const glm::dmat4 transform = glm::translate(groupFromObject, leaf.origin);
+        if (!IsUsableTransform(transform)) {
+            record->numLeaves = 0;
+            return false;
+        }
+        shared::HdsInstance& instance = record->instance;
+        const AffineRows inverse = RowsFromMatrix(glm::inverse(transform));
+        const AffineRows forward = RowsFromMatrix(transform);
+        std::copy(inverse.begin(), inverse.end(), instance.objectFromParent);
+        std::copy(forward.begin(), forward.end(), instance.parentFromObject);
+        instance.object = leaf.object;
+        instance.flags = leaf.flags;
+        instance.mesh = leaf.mesh;
+        instance.lightBase = HDS_NONE;
+        instance.instanceCount = count;
+        instance.instanceRank = rank;
+        record->bounds = TransformBounds(transform, leaf.bounds);
+        record->numLeaves = numLeaves;
+        return true;
+    }
+
+    /// A group object that holds a prototype's members; built once per prototype.
+    LeafObject BuildGroup(const Prototype& prototype, std::uint32_t depth, std::uint64_t* numLeaves) {
+        const auto known = _groupByPrototype.find(&prototype);
+        if (known != _groupByPrototype.end()) {
+            *numLeaves = known->second.second;
+            return known->second.first;
+        }
+        _result.depth = std::max(_result.depth, depth);
+        std::vector<Record> records;
+        for (const Member& member : prototype.members) {
+            AppendMember(member, glm::dmat4(1.0), depth, &records);
+        }
+        LeafObject group;
+        group.mesh = HDS_NONE;
+        // Visibility masks are tested on leaves; a group shows what any of its leaves shows.
+        for (const Record& record : records) {
+            group.flags |= record.instance.flags;
+        }
+        const auto index = static_cast<std::uint32_t>(_result.groups.size());
+        _result.groups.emplace_back();
+        *numLeaves = FinishGroup(std::move(records), index, &group.bounds);
+        group.object = _firstGroup + index - 1;
+        _groupByPrototype[&prototype] = {group, *numLeaves};
+        return group;
+    }
+
+    void AppendOwnRecords(const glm::dmat4& centreFromWorld, std::vector<Record>* records) {
+        for (const std::string& path : _ownLeaves) {
+            const LeafObject& leaf = _leaves.at(path);
+            std::vector<glm::dmat4> placements;
+            ForEachPlacement(_scene, path, _scene.meshes.at(path).placement,
+                             [&](const glm::dmat4& placed) { placements.push_back(placed); });
+            const auto count = static_cast<std::uint32_t>(placements.size());
+            for (std::uint32_t rank = 0; rank < count; ++rank) {
+                Member member{path, &leaf, nullptr, placements[rank]};
+                const std::size_t before = records->size();
+                AppendRecord(member, centreFromWorld, rank, count, records);
+                if (records->size() > before && leaf.ownRecord) {
+                    const auto light = static_cast<std::uint32_t>(_result.ownRecords.size());
+                    records->back().instance.lightBase = light; // commit maps it to a light, or to none
+                    _result.ownRecords.push_back(
+                        {path, leaf.mesh, glm::translate(centreFromWorld * placements[rank], leaf.origin), 0});
+                }
+            }
+        }
+    }
+
+    /// Builds the group's BVH, appends its records in leaf order and returns its leaf count.
+    std::uint64_t FinishGroup(std::vector<Record> records, std::uint32_t groupIndex, Bounds* bounds) {
+        std::uint64_t numLeaves = 0;
+        std::vector<Bounds> boxes;
+        boxes.reserve(records.size());
+        for (Record& record : records) {
+            record.instance.pathOffset[0] = static_cast<std::uint32_t>(numLeaves);
+            record.instance.pathOffset[1] = static_cast<std::uint32_t>(numLeaves >> 32U);
+            if (groupIndex == 0 && record.instance.lightBase != HDS_NONE) {
+                _result.ownRecords[record.instance.lightBase].pathIndex = numLeaves;
+            }
+            numLeaves += record.numLeaves;
+            boxes.push_back(record.bounds);
+        }
+        BvhOptions options;
+        options.maxLeafItems = 1;
+        Bvh tree = BuildBvh(boxes, options);
+        if (tree.nodes.empty()) {
+            tree.nodes.emplace_back(); // a root without children
+        }
+        shared::HdsObject& group = _result.groups[groupIndex];
+        group.kind = HDS_OBJECT_GROUP;
+        group.nodeBase = static_cast<std::uint32_t>(_result.nodes.size());
+        group.itemBase = static_cast<std::uint32_t>(_result.instances.size());
+        group.numItems = static_cast<std::uint32_t>(records.size());
+        _result.nodes.insert(_result.nodes.end(), tree.nodes.begin(), tree.nodes.end());
+        _result.instancesByPath.resize(_result.instances.size() + records.size());
+        for (std::uint32_t slot = 0; slot < tree.order.size(); ++slot) {
+            _result.instancesByPath[group.itemBase + tree.order[slot]] = group.itemBase + slot;
+            _result.instances.push_back(records[tree.order[slot]].instance);
+        }
+        *bounds = tree.bounds;
+        return numLeaves;
+    }
+
+    const SceneDescription& _scene;
+    const std::map<std::string, LeafObject>& _leaves;
+    glm::dvec3 _centre;
+    std::uint32_t _firstGroup;
+    Warnings& _warnings;
+    std::vector<Member> _roots;
+    std::vector<std::string> _ownLeaves;
+    std::map<std::string, std::vector<Prototype>> _prototypes;
+    std::map<const Prototype*, std::pair<LeafObject, std::uint64_t>> _groupByPrototype;
+    std::set<std::string> _active; ///< instancers being expanded, against cycles
+    Hierarchy _result;
+};
+
+void ForEachPlacementBelow(const SceneDescription& scene, const std::string& path, const Placement& placement,
+                           const glm::dmat4& prototypeFromObject, int chain,
+                           const std::function<void(const glm::dmat4&)>& onPlacement) {
+    const glm::dmat4 transform = placement.worldFromObject * prototypeFromObject;
+    if (placement.instancerPath.empty()) {
+        onPlacement(transform);
+        return;
+    }
+    const auto found = scene.instancers.find(placement.instancerPath);
+    if (found == scene.instancers.end() || !found->second.placement.visible || chain >= kMaxChain) {
+        return;
+    }
+    const InstancerPrim& instancer = found->second;
+    const auto list = instancer.instancesByPrototype.find(path);
+    if (list == instancer.instancesByPrototype.end()) {
+        return;
+    }
+    // Parent-major: the parent's placements are the outer loop.
+    std::vector<glm::dmat4> parents;
+    ForEachPlacementBelow(scene, found->first, instancer.placement, glm::dmat4(1.0), chain + 1,
+                          [&](const glm::dmat4& parent) { parents.push_back(parent); });
+    const std::size_t limit = instancer.instanceTransforms.size() / 16;
+    for (const glm::dmat4& parent : parents) {
+        for (const std::int32_t index : list->second) {
+            if (index >= 0 && static_cast<std::size_t>(index) < limit) {
+                onPlacement(parent * InstanceTransform(instancer, index) * transform);
+            }
+        }
+    }
+}
+
+} // namespace
+
+void ForEachPlacement(const SceneDescription& scene, const std::string& path, const Placement& placement,
+                      const std::function<void(const glm::dmat4&)>& onPlacement) {
+    ForEachPlacementBelow(scene, path, placement, glm::dmat4(1.0), 0, onPlacement);
+}
+
+Hierarchy BuildHierarchy(const SceneDescription& scene, const std::map<std::string, LeafObject>& leaves,
+                         const glm::dvec3& centre, std::uint32_t firstGroup, Warnings& warnings) {
+    return Builder(scene, leaves, centre, firstGroup, warnings).Build();
+}
+
+} // namespace hds

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/scene/lightCommit.h"
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hds {
+
+namespace {
+
+/// The rounding of float transforms and positions, against the magnitudes that are rounded.
+constexpr int kPositionErrorExponent = -21;
+
+std::vector<PlacedLight> PlaceLights(const SceneDescription& scene, const glm::dvec3& centre) {
+    const glm::dmat4 centreFromWorld = glm::translate(glm::dmat4(1.0), -centre);
+    std::vector<PlacedLight> placed;
+    for (const auto& [path, prim] : scene.lights) {
+        if (!prim.placement.visible) {
+            continue;
+        }
+        const LightDescription& light = prim.light;
+        const std::string& name = path;
+        ForEachPlacement(scene, path, prim.placement, [&](const glm::dmat4& worldFromLight) {
+            placed.push_back({name, light, centreFromWorld * worldFromLight});
+        });
+    }
+    return placed;
+}
+
+/// A material entry that emits the same everywhere.
+bool HasConstantEmission(const shared::HdsMaterial& material) {
+    return (material.flags & HDS_MATERIAL_EMISSIVE) != 0 && material.slots[HDS_INPUT_EMISSIVE_COLOR] == HDS_NONE;
+}
+
+glm::dvec3 EmissionOf(const shared::HdsMaterial& material) {
+    const shared::float4& color = material.constants[HDS_INPUT_EMISSIVE_COLOR];
+    return {color.x, color.y, color.z};
+}
+
+/// Triangles of one instance whose material entry is `entry`, as one light.
+EmissiveMesh MakeEmissiveMesh(const OwnRecord& record, const TriangleMesh& mesh, std::uint32_t entry,
+                              const glm::dvec3& radiance) {
+    EmissiveMesh light;
+    light.name = record.path;
+    light.radiance = radiance;
+    light.twoSided = true;
+    glm::dvec3 reach(0.0);
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+        if ((mesh.materialEntries.empty() ? 0 : mesh.materialEntries[i]) != entry) {
+            continue;
+        }
+        EmissiveMesh::Triangle triangle;
+        triangle.primId = i;
+        for (int k = 0; k < 3; ++k) {
+            const glm::dvec3 position(mesh.positions[mesh.triangles[i][k]]);
+            triangle.p[k] = glm::dvec3(record.worldFromObject * glm::dvec4(position, 1.0));
+            reach = glm::max(reach, glm::abs(position));
+        }
+        light.triangles.push_back(triangle);
+    }
+    glm::dvec3 magnitude = glm::abs(glm::dvec3(record.worldFromObject[3]));
+    for (int column = 0; column < 3; ++column) {
+        magnitude += glm::abs(glm::dvec3(record.worldFromObject[column])) * reach[column];
+    }
+    light.positionError = std::ldexp(glm::length(magnitude), kPositionErrorExponent);
+    return light;
+}
+
+} // namespace
+
+CommittedLights CommitLights(const LightCommitInput& input, ImageLibrary& images, Warnings& warnings) {
+    CommittedLights result;
+    std::vector<PlacedLight> lights = PlaceLights(*input.scene, input.centre);
+    std::vector<EmissiveMesh> emissive;
+    bool isFull = false;
+    for (const OwnRecord& record : *input.ownRecords) {
+        const MeshMaterialInfo& info = (*input.meshInfos)[record.mesh];
+        result.firstEntryByRecord.push_back(static_cast<std::uint32_t>(result.lightByEntry.size()));
+        for (std::uint32_t entry = 0; entry < info.numEntries; ++entry) {
+            result.lightByEntry.push_back(HDS_NONE);
+            const shared::HdsMaterial& material =
+                input.materials->materials[input.materials->meshMaterials[info.materialBase + entry]];
+            if (!HasConstantEmission(material)) {
+                continue; // what it emits is found by BSDF sampling alone
+            }
+            EmissiveMesh light = MakeEmissiveMesh(record, *(*input.meshes)[record.mesh].triangles, entry,
+                                                  EmissionOf(material));
+            if (result.emissiveTriangles + light.triangles.size() > kMaxEmissiveTriangles) {
+                isFull = true;
+            } else if (!light.triangles.empty()) {
+                result.emissiveTriangles += light.triangles.size();
+                result.lightByEntry.back() = static_cast<std::uint32_t>(emissive.size());
+                emissive.push_back(std::move(light));
+            }
+        }
+    }
+    if (isFull) {
+        warnings.Add("", "more than " + std::to_string(kMaxEmissiveTriangles) +
+                             " emissive triangles: the rest glows but is not sampled as lights");
+    }
+    if (lights.empty() && input.ownRecords->empty()) {
+        warnings.Add("", "the stage has no lights: lit by a uniform dome of radiance 1");
+        PlacedLight dome;
+        dome.name = "default dome";
+        dome.light.type = LightType::Dome;
+        lights.push_back(dome);
+    }
+    LightImages readers;
+    readers.loadDome = [&](const AssetReference& asset) { return images.LoadDome(asset); };
+    readers.meanColor = [&](const AssetReference& asset, const std::string& colorSpace) {
+        return images.MeanOf(asset, colorSpace);
+    };
+    result.table = BuildLightTable(lights, emissive, input.sceneRadius, readers, warnings);
+    for (std::uint32_t& light : result.lightByEntry) {
+        if (light != HDS_NONE) {
+            light = result.table.lightByMesh[light];
+        }
+    }
+    return result;
+}
+
+} // namespace hds

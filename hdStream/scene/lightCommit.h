@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lights of the scene and emissive meshes -> the light table.
+#pragma once
+
+#include "hdStream/scene/hierarchy.h"
+#include "hdStream/scene/imageLibrary.h"
+#include "hdStream/scene/materialCommit.h"
+
+namespace hds {
+
+/// Emissive triangles beyond this number are seen but not sampled, with a warning.
+constexpr std::size_t kMaxEmissiveTriangles = 4U << 20U;
+
+/// What the light table is made of, besides the described lights.
+struct LightCommitInput {
+    const SceneDescription* scene = nullptr;
+    glm::dvec3 centre{0.0};
+    double sceneRadius = 1.0;
+    const std::vector<PreparedMesh>* meshes = nullptr; ///< by the mesh index of OwnRecord
+    const std::vector<MeshMaterialInfo>* meshInfos = nullptr;
+    const MaterialCommit* materials = nullptr;
+    const std::vector<OwnRecord>* ownRecords = nullptr;
+};
+
+/// The light table, and which of its lights the material entries of each own record are.
+struct CommittedLights {
+    LightTable table;
+    std::vector<std::uint32_t> firstEntryByRecord; ///< into lightByEntry
+    std::vector<std::uint32_t> lightByEntry;       ///< HDS_NONE: the entry is not sampled
+    std::uint64_t emissiveTriangles = 0;
+};
+
+/// A stage without any light gets a uniform dome of radiance 1, with a warning.
+CommittedLights CommitLights(const LightCommitInput& input, ImageLibrary& images, Warnings& warnings);
+
+} // namespace hds

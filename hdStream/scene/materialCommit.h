@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Materials of the drawn meshes: compiled once, resolved against each mesh's primvars, equal records
+// shared.
+#pragma once
+
+#include "hdStream/scene/imageLibrary.h"
+#include "hdStream/scene/meshCommit.h"
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace hds {
+
+/// What a mesh's material entries say about the mesh.
+struct MeshMaterialInfo {
+    std::uint32_t materialBase = 0; ///< first of its entries in meshMaterials
+    std::uint32_t numEntries = 0;
+    bool hasCutouts = false;        ///< some entry may let rays pass
+    bool isEmissive = false;        ///< some entry emits
+};
+
+/// Collects the records. Externally synchronised.
+class MaterialCommit {
+public:
+    MaterialCommit(const SceneDescription& scene, ImageLibrary& images, Warnings& warnings)
+        : _scene(scene), _images(images), _warnings(warnings) {}
+
+    /// Compiles the materials the meshes use, on all cores.
+    void Compile(const std::vector<const std::pair<const std::string, MeshPrim>*>& prims);
+
+    /// Appends the entries of a mesh: the prim's material, then one for each subset.
+    MeshMaterialInfo AddMesh(const std::string& path, const MeshPrim& prim, const TriangleMesh& triangles);
+
+    std::vector<shared::HdsMaterial> materials;
+    std::vector<std::uint32_t> meshMaterials;
+
+private:
+    std::uint32_t AddRecord(const shared::HdsMaterial& record);
+    const CompiledMaterial& Find(const std::string& materialPath) const;
+
+    const SceneDescription& _scene;
+    ImageLibrary& _images;
+    Warnings& _warnings;
+    std::map<std::string, CompiledMaterial> _compiled; ///< by path; "": no material
+    std::map<std::string, std::uint32_t> _indexByBytes;
+};
+
+} // namespace hds

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/scene/meshCommit.h"
+
+#include "hdStream/scene/transforms.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+namespace hds {
+
+namespace {
+
+PreparedChunk PrepareChunk(const ChunkSource& source, const std::uint32_t* triangles, std::size_t count) {
+    PreparedChunk chunk;
+    ChunkGeometry geometry = source.Gather(triangles, count);
+    chunk.geometry = BuildGeometryPage(geometry);
+    chunk.attributes = BuildAttributePage(source.Mesh(), geometry);
+    chunk.numTriangles = static_cast<std::uint32_t>(count);
+    return chunk;
+}
+
+/// Orders the chunks by the leaves of a BVH over their boxes.
+void BuildTopTree(PreparedMesh* mesh) {
+    std::vector<Bounds> boxes;
+    boxes.reserve(mesh->chunks.size());
+    for (const PreparedChunk& chunk : mesh->chunks) {
+        boxes.push_back(chunk.geometry.bounds);
+    }
+    BvhOptions options;
+    options.maxLeafItems = 1;
+    Bvh tree = BuildBvh(boxes, options);
+    std::vector<PreparedChunk> ordered;
+    ordered.reserve(mesh->chunks.size());
+    for (const std::uint32_t chunk : tree.order) {
+        ordered.push_back(std::move(mesh->chunks[chunk]));
+    }
+    mesh->chunks = std::move(ordered);
+    mesh->topNodes = std::move(tree.nodes);
+}
+
+PreparedMesh PrepareMesh(const std::string& path, const MeshPrim& prim, std::uint64_t chunkBytes,
+                         Warnings& warnings) {
+    PreparedMesh result;
+    result.path = path;
+    result.triangles = Triangulate(prim.mesh, path, warnings);
+    if (result.triangles->triangles.empty()) {
+        return result;
+    }
+    const ChunkSource source(result.triangles);
+    const std::size_t bytesPerTriangle = EstimateBytesPerTriangle(*result.triangles);
+    const auto maxTriangles = static_cast<std::uint32_t>(
+        std::max<std::uint64_t>(1, chunkBytes / std::max<std::size_t>(1, bytesPerTriangle)));
+    const ChunkPlan plan = PlanChunks(*result.triangles, maxTriangles);
+    result.chunks.resize(plan.begin.size() - 1);
+    tbb::parallel_for(std::size_t{0}, result.chunks.size(), [&](std::size_t i) {
+        result.chunks[i] =
+            PrepareChunk(source, plan.order.data() + plan.begin[i], plan.begin[i + 1] - plan.begin[i]);
+    });
+    for (const PreparedChunk& chunk : result.chunks) {
+        ExtendBounds(&result.bounds, chunk.geometry.bounds);
+    }
+    if (result.chunks.size() > 1) {
+        BuildTopTree(&result);
+    }
+    return result;
+}
+
+} // namespace
+
+std::vector<PreparedMesh>
+PrepareMeshes(const std::vector<const std::pair<const std::string, MeshPrim>*>& prims,
+              std::uint64_t chunkBytes, Warnings& warnings) {
+    std::vector<PreparedMesh> prepared(prims.size());
+    tbb::parallel_for(std::size_t{0}, prims.size(), [&](std::size_t i) {
+        prepared[i] = PrepareMesh(prims[i]->first, prims[i]->second, chunkBytes, warnings);
+    });
+    return prepared;
+}
+
+} // namespace hds

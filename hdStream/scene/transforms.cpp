@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/scene/transforms.h"
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hds {
+
+AffineRows RowsFromMatrix(const glm::dmat4& matrix) {
+    AffineRows rows{};
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 4; ++column) {
+            rows[static_cast<std::size_t>(4 * row + column)] = static_cast<float>(matrix[column][row]);
+        }
+    }
+    return rows;
+}
+
+bool IsUsableTransform(const glm::dmat4& matrix) {
+    for (int column = 0; column < 4; ++column) {
+        for (int row = 0; row < 4; ++row) {
+            if (!std::isfinite(matrix[column][row])) {
+                return false;
+            }
+        }
+    }
+    const glm::dmat3 linear(matrix);
+    const double lengths = glm::length(linear[0]) * glm::length(linear[1]) * glm::length(linear[2]);
+    constexpr double kMinRelativeVolume = 1e-12;
+    return lengths > 0.0 && std::abs(glm::determinant(linear)) > kMinRelativeVolume * lengths &&
+           std::isfinite(static_cast<float>(lengths));
+}
+
+Bounds TransformBounds(const glm::dmat4& matrix, const Bounds& bounds) {
+    Bounds result;
+    if (!IsValidBounds(bounds)) {
+        return result;
+    }
+    const glm::dvec3 centre = 0.5 * (glm::dvec3(bounds.min) + glm::dvec3(bounds.max));
+    const glm::dvec3 half = 0.5 * (glm::dvec3(bounds.max) - glm::dvec3(bounds.min));
+    const glm::dvec3 newCentre = glm::dvec3(matrix * glm::dvec4(centre, 1.0));
+    for (int axis = 0; axis < 3; ++axis) {
+        const double reach = std::abs(matrix[0][axis]) * half.x + std::abs(matrix[1][axis]) * half.y +
+                             std::abs(matrix[2][axis]) * half.z;
+        const double margin = std::ldexp(std::abs(newCentre[axis]) + reach, -21);
+        result.min[axis] = static_cast<float>(newCentre[axis] - reach - margin);
+        result.max[axis] = static_cast<float>(newCentre[axis] + reach + margin);
+    }
+    return result;
+}
+
+void ExtendBounds(Bounds* bounds, const Bounds& other) {
+    bounds->min = glm::min(bounds->min, other.min);
+    bounds->max = glm::max(bounds->max, other.max);
+}
+
+} // namespace hds

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Double-precision transforms of the scene and their single-precision rows for the device.
+#pragma once
+
+#include "hdStream/geometry/triangleMesh.h"
+
+#include <glm/mat4x4.hpp>
+
+#include <array>
+
+namespace hds {
+
+/// Rows of an affine transform as device structs hold them: [3][4], row major, for column vectors.
+using AffineRows = std::array<float, 12>;
+
+/// The upper three rows of a matrix, rounded to float.
+AffineRows RowsFromMatrix(const glm::dmat4& matrix);
+
+/// True when all elements are finite and the linear part is invertible in practice: its
+/// determinant is not negligible against the product of its column lengths.
+bool IsUsableTransform(const glm::dmat4& matrix);
+
+/// The box of a transformed box, rounded outwards by 2^-21 of its largest coordinate, which covers
+/// the rounding of the float transform that the device applies to rays.
+Bounds TransformBounds(const glm::dmat4& matrix, const Bounds& bounds);
+
+/// Grows `bounds` by `other`.
+void ExtendBounds(Bounds* bounds, const Bounds& other);
+
+/// False for the empty box.
+inline bool IsValidBounds(const Bounds& bounds) { return bounds.min.x <= bounds.max.x; }
+
+} // namespace hds

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// Settings as users give them -> checked options of the integrator.
+#pragma once
+
+#include "hdStream/integrator/renderOptions.h"
+#include "hdStream/session/settings.h"
+
+namespace hds {
+
+/// Largest width and height of an image.
+constexpr std::uint32_t kMaxImageSize = 32768;
+
+/// \throws Error (usage) that names the option of the first setting that is out of range.
+void CheckSettings(const Settings& settings);
+
+/// Precondition: CheckSettings passed.
+RenderOptions MakeRenderOptions(const Settings& settings, const CameraPrim& camera);
+
+} // namespace hds

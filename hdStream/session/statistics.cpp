@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/session/statistics.h"
+
+#include "hdStream/base/version.h"
+
+#include <nlohmann/json.hpp>
+
+#include <sys/resource.h>
+
+namespace hds {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::uint64_t HostPeakBytes() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024U;
+}
+
+Json TimeSection(const StatisticsInput& in) {
+    const RenderStatistics& render = *in.render;
+    return {{"load", in.loadSeconds},
+            {"translate", in.translateSeconds},
+            {"prepare", in.scene->seconds},
+            {"compile", render.compileSeconds},
+            {"trace", render.traceSeconds},
+            {"service", 0.0},
+            {"transfer", render.transferSeconds},
+            {"shade", render.shadeSeconds},
+            {"firstPixel", in.firstPixelSeconds},
+            {"render", render.renderSeconds},
+            {"total", in.totalSeconds}};
+}
+
+Json GeometrySection(const StatisticsInput& in) {
+    const SceneCounts& counts = in.scene->counts;
+    return {{"mode", "resident"},
+            {"meshes", counts.meshes},
+            {"instances", counts.instances},
+            {"triangles", counts.triangles},
+            {"chunks", counts.chunks},
+            {"bytesTotal", counts.pageBytes},
+            {"budget", in.poolBytes},
+            {"peakBytes", in.poolBytes},
+            {"pinnedBytes", 0},
+            {"alwaysResidentBytes", counts.alwaysResidentBytes},
+            {"uniqueBytesLoaded", counts.pageBytes},
+            {"uploadedBytes", counts.pageBytes},
+            {"uploads", counts.chunks},
+            {"evictions", 0},
+            {"casts", in.render->casts},
+            {"iterations", in.render->casts},
+            {"maxIterationsPerCast", in.render->casts > 0 ? 1 : 0},
+            {"raysRelaunched", 0},
+            {"shadingRefetches", 0},
+            {"chunksTouched", 0},
+            {"chunksBuilt", counts.chunks},
+            {"chunksFromCache", 0},
+            {"estimated", false}};
+}
+
+Json TextureSection(const StatisticsInput& in) {
+    const SceneCounts& counts = in.scene->counts;
+    return {{"mode", "resident"},
+            {"textures", counts.textures},
+            {"bytesSource", counts.textureSourceBytes},
+            {"bytesTotal", 0},
+            {"budget", 0},
+            {"peakBytes", 0},
+            {"linesTotal", 0},
+            {"linesLoaded", 0},
+            {"uniqueBytesLoaded", 0},
+            {"uploadedBytes", 0},
+            {"evictions", 0},
+            {"tableBytes", 0},
+            {"alwaysResidentBytes", 0},
+            {"lookups", 0},
+            {"misses", 0},
+            {"shadePasses", 0},
+            {"shadeIterations", 0},
+            {"fallbackTexels", 0},
+            {"setConflicts", 0}};
+}
+
+} // namespace
+
+std::string MakeStatistics(const StatisticsInput& in) {
+    const RenderStatistics& render = *in.render;
+    const double rays =
+        static_cast<double>(render.cameraRays + render.indirectRays + render.shadowRays);
+    Json stats;
+    stats["version"] = kVersion;
+    stats["device"] = {{"name", in.device->Properties().name}, {"memory", in.device->Properties().memoryBytes}};
+    stats["image"] = {{"width", in.imageWidth}, {"height", in.imageHeight}, {"samples", render.samples}};
+    stats["time"] = TimeSection(in);
+    stats["memory"] = {{"pathState", render.pathStateBytes},
+                       {"film", render.filmBytes},
+                       {"tables", in.tableBytes},
+                       {"devicePeak", in.device->PeakBytes()},
+                       {"hostPeak", HostPeakBytes()}};
+    stats["geometry"] = GeometrySection(in);
+    stats["texture"] = TextureSection(in);
+    stats["rays"] = {{"camera", render.cameraRays},
+                     {"indirect", render.indirectRays},
+                     {"shadow", render.shadowRays},
+                     {"perSecond", render.renderSeconds > 0.0 ? rays / render.renderSeconds : 0.0}};
+    stats["accuracy"] = {{"nanSamples", render.nanSamples},
+                         {"clampedSamples", 0},
+                         {"endedPasses", render.endedPasses},
+                         {"meanRelativeError", render.meanRelativeError}};
+    stats["wave"] = {{"size", render.waveSize}, {"traversal", render.isWideTraversal ? "wide" : "lane"}};
+    stats["warnings"] = in.warnings;
+    return stats.dump(2) + "\n";
+}
+
+std::string MakeInfo(const SceneDescription& scene, const CommittedScene& committed,
+                     const std::vector<std::string>& warnings) {
+    const SceneCounts& counts = committed.counts;
+    Json textures = Json::array();
+    for (const TextureUse& texture : committed.textures) {
+        textures.push_back({{"file", texture.authoredPath},
+                            {"width", texture.width},
+                            {"height", texture.height},
+                            {"channels", texture.channels},
+                            {"bytesSource", texture.bytesSource},
+                            {"error", texture.error}});
+    }
+    Json info;
+    info["meshes"] = counts.meshes;
+    info["instancers"] = scene.instancers.size();
+    info["instances"] = counts.instances;
+    info["triangles"] = counts.triangles;
+    info["chunks"] = counts.chunks;
+    info["geometryBytes"] = counts.pageBytes;
+    info["alwaysResidentBytes"] = counts.alwaysResidentBytes;
+    info["materials"] = scene.materials.size();
+    info["lights"] = scene.lights.size();
+    info["emissiveTriangles"] = counts.emissiveTriangles;
+    info["cameras"] = scene.cameras.size();
+    info["textures"] = textures;
+    info["textureBytesSource"] = counts.textureSourceBytes;
+    info["metersPerUnit"] = scene.metersPerUnit;
+    info["upAxis"] = scene.upAxis;
+    info["warnings"] = warnings;
+    return info.dump(2) + "\n";
+}
+
+} // namespace hds

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// The statistics object of DESIGN.md section 9. Its keys are API; features of later parts are present
+// and zero.
+#pragma once
+
+#include "hdStream/device/device.h"
+#include "hdStream/integrator/pathTracer.h"
+#include "hdStream/scene/commit.h"
+
+#include <string>
+#include <vector>
+
+namespace hds {
+
+/// Everything the object is made of.
+struct StatisticsInput {
+    const Device* device = nullptr;
+    const CommittedScene* scene = nullptr;
+    const RenderStatistics* render = nullptr;
+    std::uint32_t imageWidth = 0;
+    std::uint32_t imageHeight = 0;
+    std::uint64_t poolBytes = 0;
+    std::uint64_t tableBytes = 0;
+    double loadSeconds = 0.0;
+    double translateSeconds = 0.0;
+    double firstPixelSeconds = 0.0;
+    double totalSeconds = 0.0;
+    std::vector<std::string> warnings;
+};
+
+/// JSON text, indented.
+std::string MakeStatistics(const StatisticsInput& input);
+
+/// JSON text of what a scene contains (`hdstream info`).
+std::string MakeInfo(const SceneDescription& scene, const CommittedScene& committed,
+                     const std::vector<std::string>& warnings);
+
+} // namespace hds

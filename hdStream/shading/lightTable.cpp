@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: Apache-2.0
+// Builds the tables of kernels/light from UsdLux lights and emissive meshes.
+#include "hdStream/shading/lightTable.h"
+
+#include "hdStream/shading/lightPlacement.h"
+#include "hdStream/shading/lightUnits.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hds {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// Images wider than this are shrunk: 8192 x 4096 texels take 400 MB with their distribution's 134.
+constexpr std::uint32_t kMaxDomeWidth = 8192;
+
+double Luminance(const glm::dvec3& rgb) {
+    return glm::dot(rgb, glm::dvec3(0.2126, 0.7152, 0.0722));
+}
+
+bool IsFinite(const glm::dvec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+std::uint32_t TypeOf(LightType type) {
+    switch (type) {
+    case LightType::Distant:
+        return HDS_LIGHT_DISTANT;
+    case LightType::Sphere:
+        return HDS_LIGHT_SPHERE;
+    case LightType::Rect:
+        return HDS_LIGHT_RECT;
+    case LightType::Disk:
+        return HDS_LIGHT_DISK;
+    case LightType::Cylinder:
+        return HDS_LIGHT_CYLINDER;
+    case LightType::Dome:
+        break;
+    }
+    return HDS_LIGHT_DOME;
+}
+
+/// Grows the tables light by light; `power` weighs the selection.
+class Builder {
+public:
+    Builder(double sceneRadius, const LightImages& images, Warnings& warnings)
+        : _sceneRadius(sceneRadius), _images(images), _warnings(warnings) {}
+
+    void AddLight(const PlacedLight& placed);
+    void AddMesh(const EmissiveMesh& mesh);
+    LightTable Finish();
+
+private:
+    bool Radiance(const PlacedLight& placed, const shared::HdsLight& light, glm::dvec3* radiance);
+    bool AddDomeImage(const PlacedLight& placed, shared::HdsLight* light, double* meanLuminance);
+    void ApplyRectTexture(const PlacedLight& placed, glm::dvec3* radiance);
+    void WarnIgnored(const PlacedLight& placed);
+    void Push(shared::HdsLight light, const glm::dvec3& radiance, double power);
+
+    double _sceneRadius;
+    const LightImages& _images;
+    Warnings& _warnings;
+    LightTable _table;
+    std::vector<double> _power;
+    std::vector<float> _dataCdf; ///< follows the selection's cdf, whose length is known at the end
+};
+
+void Builder::WarnIgnored(const PlacedLight& placed) {
+    const LightDescription& light = placed.light;
+    if (light.diffuse != 1.0F || light.specular != 1.0F) {
+        _warnings.Add(placed.name, "diffuse and specular multipliers of lights are ignored");
+    }
+    if (light.type == LightType::Dome && !light.textureFile.authoredPath.empty() &&
+        light.textureFormat != "automatic" && light.textureFormat != "latlong") {
+        _warnings.Add(placed.name, "dome texture format " + light.textureFormat +
+                                       " is not supported; read as latlong");
+    }
+}
+
+/// Emission after `normalize`; for delta lights the intensity (sphere) or irradiance (distant).
+/// False: not finite (with a warning) or black.
+bool Builder::Radiance(const PlacedLight& placed, const shared::HdsLight& light,
+                       glm::dvec3* radiance) {
+    const LightDescription& description = placed.light;
+    *radiance = glm::max(LightEmission(description), glm::dvec3(0.0));
+    const bool isPoint = (light.flags & HDS_LIGHT_POINT) != 0;
+    if (description.type == LightType::Distant) {
+        const double irradiance = DistantIrradiance(DistantHalfAngle(description));
+        *radiance /= description.normalize ? irradiance : 1.0;
+    } else if (description.type == LightType::Sphere && isPoint) {
+        /* A sphere's intensity is its radiance times its projected area, a quarter of its area. */
+        *radiance *= description.normalize ? 0.25 : 0.25 * light.area;
+    } else if (description.type != LightType::Dome && description.normalize) {
+        *radiance /= double(light.area);
+    }
+    if (!IsFinite(*radiance)) {
+        _warnings.Add(placed.name, "light's emission is not finite; left out");
+        return false;
+    }
+    return Luminance(*radiance) > 0.0;
+}
+
+void Builder::ApplyRectTexture(const PlacedLight& placed, glm::dvec3* radiance) {
+    const AssetReference& file = placed.light.textureFile;
+    const auto mean = _images.meanColor ? _images.meanColor(file, "auto") : std::nullopt;
+    if (!mean) {
+        _warnings.Add(placed.name, "cannot read " + file.authoredPath + "; light is untextured");
+        return;
+    }
+    _warnings.Add(placed.name, "texture " + file.authoredPath + " is replaced by its mean colour");
+    *radiance *= glm::dvec3((*mean)[0], (*mean)[1], (*mean)[2]);
+}
+
+/// False: cannot be read, the dome stays untextured.
+bool Builder::AddDomeImage(const PlacedLight& placed, shared::HdsLight* light,
+                           double* meanLuminance) {
+    const AssetReference& file = placed.light.textureFile;
+    const auto loaded = _images.loadDome ? _images.loadDome(file) : nullptr;
+    if (!loaded || loaded->width == 0 || loaded->height == 0) {
+        _warnings.Add(placed.name, "cannot read " + file.authoredPath + "; dome is untextured");
+        return false;
+    }
+    DomeImage image = *loaded;
+    if (SanitizeDomeImage(image) > 0) {
+        _warnings.Add(placed.name, file.authoredPath +
+                                       " has values that are negative or not finite; taken as 0");
+    }
+    ShrinkDomeImage(image, kMaxDomeWidth);
+    const DomeTable distribution = BuildDomeTable(image);
+    light->flags |= HDS_LIGHT_TEXTURED;
+    light->dataBase = std::uint32_t(_table.domeTexels.size());
+    light->dataSize[0] = image.width;
+    light->dataSize[1] = image.height;
+    light->cdfBase = std::uint32_t(_dataCdf.size());
+    _table.domeTexels.insert(_table.domeTexels.end(), image.rgb.begin(), image.rgb.end());
+    _dataCdf.insert(_dataCdf.end(), distribution.cdf.begin(), distribution.cdf.end());
+    *meanLuminance = distribution.meanLuminance;
+    return true;
+}
+
+void Builder::Push(shared::HdsLight light, const glm::dvec3& radiance, double power) {
+    for (int i = 0; i < 3; ++i) {
+        light.radiance[i] = float(radiance[i]);
+    }
+    const bool isFar = light.boundRadius >= HDS_LIGHT_FAR;
+    light.strength = float(isFar ? power : power / (4.0 * kPi));
+    _power.push_back(isFar ? power * kPi * _sceneRadius * _sceneRadius : power);
+    _table.lights.push_back(light);
+}
+
+void Builder::AddLight(const PlacedLight& placed) {
+    const LightDescription& description = placed.light;
+    WarnIgnored(placed);
+    shared::HdsLight light{};
+    light.type = TypeOf(description.type);
+    light.flags = description.visibleToCamera ? HDS_LIGHT_VISIBLE : 0U;
+    const bool isPoint =
+        (description.type == LightType::Sphere && description.treatAsPoint) ||
+        (description.type == LightType::Distant && !(DistantHalfAngle(description) > 0.0));
+    light.flags |= isPoint ? HDS_LIGHT_POINT : 0U;
+    if (!PlaceLight(description, placed.worldFromLight, &light)) {
+        _warnings.Add(placed.name, "light has a singular transform or no size; left out");
+        return;
+    }
+    glm::dvec3 radiance;
+    if (!Radiance(placed, light, &radiance)) {
+        return;
+    }
+    const bool isTextured = !description.textureFile.authoredPath.empty();
+    double power = Luminance(radiance) * kPi * light.area;
+    if (description.type == LightType::Distant) {
+        power = Luminance(radiance) * DistantIrradiance(DistantHalfAngle(description));
+    } else if (description.type == LightType::Dome) {
+        double meanLuminance = 1.0;
+        if (isTextured) {
+            AddDomeImage(placed, &light, &meanLuminance);
+        }
+        power = kPi * Luminance(radiance) * meanLuminance;
+    } else if (isPoint) {
+        power = Luminance(radiance) * 4.0 * kPi;
+    } else if (description.type == LightType::Rect && isTextured) {
+        ApplyRectTexture(placed, &radiance);
+        power = Luminance(radiance) * kPi * light.area;
+    }
+    if (power > 0.0) {
+        Push(light, radiance, power);
+    }
+}
+
+void Builder::AddMesh(const EmissiveMesh& mesh) {
+    constexpr double kRounding = 8.0 / 16777216.0; ///< of the float positions and their use
+    _table.lightByMesh.push_back(HDS_NONE);
+    const glm::dvec3 radiance = glm::max(mesh.radiance, glm::dvec3(0.0));
+    if (!IsFinite(radiance)) {
+        _warnings.Add(mesh.name, "emission is not finite; not sampled as a light");
+        return;
+    }
+    shared::HdsLight light{};
+    light.dataBase = std::uint32_t(_table.triangles.size());
+    glm::dvec3 low(1e300);
+    glm::dvec3 high(-1e300);
+    std::vector<double> areas{0.0};
+    for (const EmissiveMesh::Triangle& triangle : mesh.triangles) {
+        const glm::dvec3 e1 = triangle.p[1] - triangle.p[0];
+        const glm::dvec3 e2 = triangle.p[2] - triangle.p[0];
+        const double area = 0.5 * glm::length(glm::cross(e1, e2));
+        if (!(area > 0.0) || !std::isfinite(area)) {
+            continue;
+        }
+        shared::HdsLightTriangle out{};
+        double largest = 0.0;
+        for (int i = 0; i < 3; ++i) {
+            out.p0[i] = float(triangle.p[0][i]);
+            out.e1[i] = float(e1[i]);
+            out.e2[i] = float(e2[i]);
+            largest = std::max({largest, std::abs(triangle.p[0][i]), std::abs(triangle.p[1][i]),
+                                std::abs(triangle.p[2][i])});
+        }
+        out.area = float(area);
+        out.primId = triangle.primId;
+        out.error = float(kRounding * largest + mesh.positionError);
+        for (const glm::dvec3& p : triangle.p) {
+            low = glm::min(low, p);
+            high = glm::max(high, p);
+        }
+        areas.push_back(areas.back() + area);
+        _table.triangles.push_back(out);
+    }
+    const double area = areas.back();
+    if (!(Luminance(radiance) > 0.0) || !(area > 0.0)) {
+        _table.triangles.resize(light.dataBase);
+        return;
+    }
+    light.type = HDS_LIGHT_MESH;
+    light.flags = HDS_LIGHT_VISIBLE | (mesh.twoSided ? HDS_LIGHT_TWO_SIDED : 0U);
+    light.area = float(area);
+    light.dataSize[0] = std::uint32_t(areas.size() - 1);
+    light.cdfBase = std::uint32_t(_dataCdf.size());
+    for (const double sum : areas) {
+        _dataCdf.push_back(float(sum / area));
+    }
+    const glm::dvec3 center = 0.5 * (low + high);
+    for (int i = 0; i < 3; ++i) {
+        light.center[i] = float(center[i]);
+    }
+    light.boundRadius = float(0.5 * glm::length(high - low) * (1.0 + 1e-5));
+    _table.lightByMesh.back() = std::uint32_t(_table.lights.size());
+    Push(light, radiance, Luminance(radiance) * kPi * area * (mesh.twoSided ? 2.0 : 1.0));
+}
+
+LightTable Builder::Finish() {
+    const std::size_t numLights = _table.lights.size();
+    double total = 0.0;
+    for (const double power : _power) {
+        total += power;
+    }
+    _table.cdf.assign(numLights + 1, 0.0F);
+    double running = 0.0;
+    for (std::size_t i = 0; i < numLights; ++i) {
+        running += total > 0.0 ? _power[i] / total : 1.0 / double(numLights);
+        _table.cdf[i + 1] = i + 1 == numLights ? 1.0F : float(std::min(running, 1.0));
+        _table.lights[i].selectPmf = _table.cdf[i + 1] - _table.cdf[i];
+    }
+    for (shared::HdsLight& light : _table.lights) {
+        light.cdfBase += std::uint32_t(numLights + 1);
+    }
+    _table.cdf.insert(_table.cdf.end(), _dataCdf.begin(), _dataCdf.end());
+    return std::move(_table);
+}
+
+} // namespace
+
+LightTable BuildLightTable(const std::vector<PlacedLight>& lights,
+                           const std::vector<EmissiveMesh>& meshes, double sceneRadius,
+                           const LightImages& images, Warnings& warnings) {
+    Builder builder(sceneRadius, images, warnings);
+    for (const PlacedLight& light : lights) {
+        builder.AddLight(light);
+    }
+    for (const EmissiveMesh& mesh : meshes) {
+        builder.AddMesh(mesh);
+    }
+    return builder.Finish();
+}
+
+} // namespace hds

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lights of a scene as the tables of kernels/light: UsdLux lights, and emissive meshes as lights.
+// Deterministic; called by commit, any thread. Explained in docs/shading.md.
+#pragma once
+
+#include "hdStream/base/log.h"
+#include "hdStream/shading/domeTable.h"
+#include "hdStream/shading/lightDescription.h"
+#include "kernels/shared/light.h"
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace hds {
+
+/// A light in its place.
+struct PlacedLight {
+    std::string name; ///< prim path, for warnings
+    LightDescription light;
+    glm::dmat4 worldFromLight{1.0}; ///< relative to the scene centre
+};
+
+/// The emissive triangles of one mesh instance with one radiance.
+struct EmissiveMesh {
+    struct Triangle {
+        glm::dvec3 p[3]; ///< world, relative to the scene centre, in winding order: emits to the
+                         ///< side of cross(p1 - p0, p2 - p0)
+        std::uint32_t primId = 0;
+    };
+    std::string name;
+    std::vector<Triangle> triangles;
+    glm::dvec3 radiance{0.0};
+    bool twoSided = false;
+    /// Bound on the distance between these positions and where rays meet the triangles, besides the
+    /// rounding of the positions themselves: about 2^-21 (|worldFromObject| |p| + |translation|).
+    double positionError = 0.0;
+};
+
+/// Reads images that lights name. Both may be empty; a null or empty answer means "cannot be read".
+struct LightImages {
+    std::function<std::shared_ptr<const DomeImage>(const AssetReference&)> loadDome;
+    std::function<std::optional<std::array<float, 4>>(const AssetReference&,
+                                                      const std::string& sourceColorSpace)>
+        meanColor;
+};
+
+/// Device tables of all lights.
+struct LightTable {
+    std::vector<shared::HdsLight> lights;
+    std::vector<shared::HdsLightTriangle> triangles;
+    std::vector<float> cdf;        ///< lightCdf
+    std::vector<float> domeTexels; ///< packed rgb
+    /// For each emissive mesh of the input its index in `lights`, or HDS_NONE (black or no area).
+    std::vector<std::uint32_t> lightByMesh;
+};
+
+/// Builds the tables. Lights that are black are left out; lights that cannot be rendered (singular
+/// transform, size 0, values not finite) are left out with a warning.
+/// \param sceneRadius radius of a sphere that bounds the scene: it weighs lights at infinity
+/// against the others when there are too many to be weighed per point.
+LightTable BuildLightTable(const std::vector<PlacedLight>& lights,
+                           const std::vector<EmissiveMesh>& meshes, double sceneRadius,
+                           const LightImages& images, Warnings& warnings);
+
+} // namespace hds

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Reads the film: means for display, and which pixels have met their error.
+ * Explained in docs/film.md. */
+#include "film/filmPixel.clh"
+
+/* Writes the sampled AOVs of each pixel; offsets are floats inside a pixel of `out`, HDS_NONE: not
+ * asked for. Global size: number of pixels. */
+kernel void film_develop(global const HdsFilmPixel* film, uint numPixels, global float* out, uint stride,
+                         uint colorOffset, uint alphaOffset, uint varianceOffset, uint countOffset) {
+    uint i = (uint)get_global_id(0);
+    if (i >= numPixels) {
+        return;
+    }
+    HdsFilmPixel pixel = film[i];
+    global float* target = out + (size_t)i * stride;
+    float4 mean = filmPixel_mean(&pixel);
+    if (colorOffset != HDS_NONE) {
+        vstore4(mean, 0, target + colorOffset);
+    }
+    if (alphaOffset != HDS_NONE) {
+        target[alphaOffset] = mean.w;
+    }
+    if (varianceOffset != HDS_NONE) {
+        target[varianceOffset] = filmPixel_variance(&pixel);
+    }
+    if (countOffset != HDS_NONE) {
+        target[countOffset] = (float)pixel.numSamples;
+    }
+}
+
+/* Relative error of each listed pixel: standard error of the mean over the mean, both of luminance;
+ * the mean counts as at least 0.01, the floor of relMSE. Global size: numPixels. */
+kernel void film_relativeError(global const HdsFilmPixel* film, global const uint* pixels, uint numPixels,
+                               global float* errors) {
+    uint i = (uint)get_global_id(0);
+    if (i >= numPixels) {
+        return;
+    }
+    HdsFilmPixel pixel = film[pixels[i]];
+    float mean = fmax(vec_luminance(filmPixel_mean(&pixel).xyz), 0.01f);
+    errors[i] = sqrt(filmPixel_variance(&pixel)) / mean;
+}

@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Starts the paths of a wave. From: nothing. To: the active queue (slot i is item i).
+ * Explained in docs/wavefront.md. */
+#include "integrator/camera.clh"
+#include "integrator/pathState.clh"
+#include "sample/filter.clh"
+#include "sample/sampler.clh"
+
+/* Writes a camera ray and a fresh state to slot i. */
+void generate_start(HdsPaths paths, uint i, constant const HdsFrameParams* frame, HdsCameraRay ray, uint pixel,
+                    uint sample) {
+    path_store_origin(paths, i, (float4)(ray.origin, ray.tMin));
+    path_store_direction(paths, i, (float4)(ray.direction, ray.tMax));
+    path_store_throughput(paths, i, (float4)((float3)(frame->exposureScale), 0.0f));
+    path_store_radiance(paths, i, (float4)(0.0f));
+    path_store_sourceNormal(paths, i, (float4)(0.0f));
+    path_store_status(paths, i, (uint4)(pixel, sample, 0u, 0u));
+#if HDS_FEATURE_CUTOUT
+    path_store_after(paths, i, (uint4)(0u));
+#endif
+}
+
+/* Global size: wave.numPixels * wave.numSamples. */
+kernel void generate_sample(constant const HdsFrameParams* frame, HdsWave wave, global uchar* state, uint numSlots,
+                            global const uint* pixels, global const float* filterTable, global uint* queue) {
+    uint i = (uint)get_global_id(0);
+    if (i >= wave.numPixels * wave.numSamples) {
+        return;
+    }
+    HdsPaths paths = {state, numSlots};
+    uint pixel = pixels[wave.firstPixel + i / wave.numSamples];
+    uint sample = wave.firstSample + i % wave.numSamples;
+    uint x = pixel % frame->imageWidth;
+    uint y = pixel / frame->imageWidth;
+    HdsSampler sampler = sampler_init(x, y, sample, frame->seed);
+    float2 offset = filter_sample2(filterTable, sampler_get2(sampler, HDS_DIM_FILTER));
+    float2 raster = (float2)((float)x + 0.5f + offset.x, (float)y + 0.5f + offset.y);
+    HdsCameraRay ray = camera_generate(frame, raster, sampler_get2(sampler, HDS_DIM_LENS));
+    generate_start(paths, i, frame, ray, pixel, sample);
+    queue[i] = i;
+}
+
+/* One ray through each pixel's centre and the lens' centre, for the AOVs of the first hit. */
+kernel void generate_centre(constant const HdsFrameParams* frame, HdsWave wave, global uchar* state, uint numSlots,
+                            global const uint* pixels, global uint* queue) {
+    uint i = (uint)get_global_id(0);
+    if (i >= wave.numPixels) {
+        return;
+    }
+    HdsPaths paths = {state, numSlots};
+    uint pixel = pixels[wave.firstPixel + i];
+    float2 raster = (float2)((float)(pixel % frame->imageWidth) + 0.5f, (float)(pixel / frame->imageWidth) + 0.5f);
+    HdsCameraRay ray = camera_generate(frame, raster, (float2)(0.5f));
+    generate_start(paths, i, frame, ray, pixel, 0u);
+    queue[i] = i;
+}

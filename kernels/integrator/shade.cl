@@ -1,0 +1,246 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Shades the hits of a cast: lights seen along the ray, emission, one light sample (a shadow ray) and
+ * one BSDF sample (the next ray). From: the active queue after intersect. To: the next active queue
+ * and the shadow queue.
+ * Source: path tracing with next-event estimation and multiple importance sampling by the power
+ * heuristic, Veach 1997, sections 9.2 and 10.3. Explained in docs/wavefront.md. */
+#include "integrator/passThrough.clh"
+#include "integrator/pathState.clh"
+#include "sample/sampler.clh"
+
+/* Bounces before Russian roulette begins. */
+#define HDS_ROULETTE_DEPTH 3u
+
+/* Weight of a sample of density `pdf` when `other` could have made it too; pdf 0 stands for a ray that
+ * only one technique can make. */
+float shade_misWeight(float pdf, float other) {
+    float ratio = other / pdf;
+    return 1.0f / fma(ratio, ratio, 1.0f);
+}
+
+/* A path while its hit is shaded. */
+typedef struct {
+    float3 origin;
+    float3 direction;
+    float3 throughput;
+    float bsdfPdf; /* of direction; 0: no light sample could have made it */
+    float3 sourceNormal;
+    bool isLast; /* only lights count any more */
+    float3 radiance;
+    float alpha;
+    uint4 status;
+    uint depth;
+    float tBegin; /* lights nearer than this were seen before the ray passed a cut-out surface */
+} HdsShadePath;
+
+/* Adds the radiance of lights that the ray crosses before tMax. They do not occlude. */
+void shade_addLights(const HdsLightView* view, float tMax, HdsShadePath* path) {
+    for (uint light = 0u; light < view->numLights; ++light) {
+        float t;
+        bool isSeen = path->depth > 0u || (view->lights[light].flags & HDS_LIGHT_VISIBLE) != 0u;
+        if (!isSeen || !light_intersect(view, light, path->origin, path->direction, tMax, &t) || t < path->tBegin) {
+            continue;
+        }
+        float weight = 1.0f;
+        if (path->bsdfPdf > 0.0f) {
+            weight = shade_misWeight(path->bsdfPdf, light_pdf(view, light, path->origin, path->sourceNormal,
+                                                              path->direction, t));
+        }
+        path->radiance += weight * path->throughput * light_radiance(view, light, path->direction);
+        if (path->depth == 0u) {
+            path->alpha = 1.0f;
+        }
+    }
+}
+
+/* Adds what the surface itself emits towards the ray's origin. */
+void shade_addEmission(const HdsSceneView* scene, const HdsHit* hit, const HdsSurfaceHit* surface, float3 emission,
+                       HdsShadePath* path) {
+    if (!(emission.x > 0.0f || emission.y > 0.0f || emission.z > 0.0f)) {
+        return;
+    }
+    float weight = 1.0f;
+    uint light = surfaceHit_light(scene, surface);
+    if (path->bsdfPdf > 0.0f && light != HDS_NONE) {
+        float cosine = vec_dot(surface->point.normal, path->direction);
+        weight = shade_misWeight(path->bsdfPdf, light_meshPdf(&scene->lights, light, path->origin, path->sourceNormal,
+                                                              hit->t, cosine));
+    }
+    path->radiance += weight * path->throughput * emission;
+}
+
+/* Samples a light; true when a shadow ray was written to slot i. */
+bool shade_sampleLight(const HdsSceneView* scene, const HdsSurfaceHit* surface, const HdsShadingPoint* shading,
+                       const HdsSurface* bsdf, HdsSampler sampler, const HdsShadePath* path, HdsPaths paths, uint i) {
+    float3 origin = offset_origin(&surface->point, shading->geomNormal);
+    HdsLightSample sample;
+    if (!light_sample(&scene->lights, origin, shading->frame.z,
+                      sampler_get1(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LIGHT_SELECT)),
+                      sampler_get2(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LIGHT_UV)), &sample)) {
+        return false;
+    }
+    float pdf;
+    float3 wi = frame_toLocal(&shading->frame, sample.direction);
+    float3 reflected = surface_evaluate(bsdf, shading->wo, wi, &pdf);
+    float weight = sample.isDelta != 0u ? 1.0f : shade_misWeight(sample.pdf, pdf);
+    float3 contribution = path->throughput * reflected * sample.radiance * (weight / sample.pdf);
+    if (!(contribution.x > 0.0f || contribution.y > 0.0f || contribution.z > 0.0f)) {
+        return false;
+    }
+    path_store_shadowOrigin(paths, i, (float4)(origin, sample.distance));
+    path_store_shadowDirection(paths, i, (float4)(sample.direction, 0.0f));
+    path_store_shadowRadiance(paths, i, (float4)(contribution, 0.0f));
+#if HDS_FEATURE_CUTOUT
+    path_store_shadowAfter(paths, i, (uint4)(0u));
+#endif
+    return true;
+}
+
+/* Russian roulette by the throughput; false: the path ends. */
+bool shade_survives(constant const HdsFrameParams* frame, HdsSampler sampler, uint depth, float3* throughput) {
+    if ((frame->flags & HDS_FRAME_ROULETTE) == 0u || depth < HDS_ROULETTE_DEPTH) {
+        return true;
+    }
+    float survival = clamp(vec_maxComponent(*throughput) / frame->exposureScale, 0.05f, 1.0f);
+    if (sampler_get1(sampler, HDS_DIM_BOUNCE(depth, HDS_DIM_ROULETTE)) >= survival) {
+        return false;
+    }
+    *throughput /= survival;
+    return true;
+}
+
+/* Samples the BSDF; true when the next ray was written to slot i. */
+bool shade_sampleBsdf(constant const HdsFrameParams* frame, const HdsSurfaceHit* surface,
+                      const HdsShadingPoint* shading, const HdsSurface* bsdf, HdsSampler sampler,
+                      const HdsShadePath* path, HdsPaths paths, uint i) {
+    float3 wi;
+    float pdf;
+    float3 weight = surface_sample(bsdf, shading->wo,
+                                   sampler_get1(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LOBE_SELECT)),
+                                   sampler_get2(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LOBE_UV)), &wi, &pdf);
+    float3 throughput = path->throughput * weight;
+    bool isLast = path->depth == frame->maxDepth;
+    if (!(pdf > 0.0f) || !(vec_maxComponent(throughput) > 0.0f) ||
+        !shade_survives(frame, sampler, path->depth, &throughput)) {
+        return false;
+    }
+    float3 direction = vec_normalize(frame_toWorld(&shading->frame, wi));
+    path_store_origin(paths, i, (float4)(offset_origin(&surface->point, shading->geomNormal), 0.0f));
+    path_store_direction(paths, i, (float4)(direction, INFINITY));
+    path_store_throughput(paths, i, (float4)(throughput, pdf));
+    path_store_sourceNormal(paths, i, (float4)(shading->frame.z, isLast ? 1.0f : 0.0f));
+    path_store_status(paths, i, (uint4)(path->status.xy, path->depth + 1u, 0u));
+#if HDS_FEATURE_CUTOUT
+    path_store_after(paths, i, (uint4)(0u));
+#endif
+    return true;
+}
+
+HdsShadePath shade_loadPath(HdsPaths paths, uint i) {
+    HdsShadePath path;
+    float4 throughput = path_load_throughput(paths, i);
+    float4 radiance = path_load_radiance(paths, i);
+    float4 sourceNormal = path_load_sourceNormal(paths, i);
+    path.origin = path_load_origin(paths, i).xyz;
+    path.direction = path_load_direction(paths, i).xyz;
+    path.throughput = throughput.xyz;
+    path.bsdfPdf = throughput.w;
+    path.sourceNormal = sourceNormal.xyz;
+    path.isLast = sourceNormal.w > 0.0f;
+    path.radiance = radiance.xyz;
+    path.alpha = radiance.w;
+    path.status = path_load_status(paths, i);
+    path.depth = path.status.z & HDS_PATH_DEPTH_MASK;
+    path.tBegin = 0.0f;
+#if HDS_FEATURE_CUTOUT
+    path.tBegin = as_float(path_load_after(paths, i).x);
+#endif
+    return path;
+}
+
+#if HDS_FEATURE_CUTOUT
+/* Lets the ray go on behind a surface, by chance in proportion to the transparency; the throughput of
+ * either outcome is divided by its probability. \return true when it passed and slot i holds the rest of
+ * the ray; the hit is not shaded then. */
+bool shade_passThrough(const HdsHit* hit, const HdsSurfaceHit* surface, float3 transparency, HdsSampler sampler,
+                       HdsShadePath* path, HdsPaths paths, uint i) {
+    float probability = vec_maxComponent(transparency);
+    if (!(probability > 0.0f)) {
+        return false;
+    }
+    if (path->status.w != 0u) {
+        sampler = sampler_fork(sampler, path->status.w);
+    }
+    if (sampler_get1(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_OPACITY)) >= probability) {
+        path->throughput /= 1.0f - probability;
+        return false;
+    }
+    path->throughput *= transparency / probability;
+    path->status.z += HDS_PATH_ONE_PASS;
+    path->status.w = passThrough_id(path->status.w, hit, surface);
+    path_store_throughput(paths, i, (float4)(path->throughput, path->bsdfPdf));
+    path_store_status(paths, i, path->status);
+    path_store_after(paths, i, passThrough_key(hit, surface));
+    return true;
+}
+#endif
+
+/* Shades a hit; true when slot i holds a ray that goes on. \param[out] hasShadow a shadow ray was written. */
+bool shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* scene, const HdsHit* hit,
+                   HdsShadePath* path, HdsPaths paths, uint i, volatile global uint* counters, bool* hasShadow) {
+    HdsSurfaceHit surface;
+    HdsShadingPoint shading;
+    HdsSurface bsdf;
+    surfaceHit_load(scene, hit, &surface);
+    surfaceHit_shade(scene, &surface, -path->direction, &shading, &bsdf);
+    HdsSampler sampler = sampler_init(path->status.x % frame->imageWidth, path->status.x / frame->imageWidth,
+                                      path->status.y, frame->seed);
+#if HDS_FEATURE_CUTOUT
+    float3 transparency = surface_passThrough(&bsdf, shading.wo.z);
+    if (shade_passThrough(hit, &surface, transparency, sampler, path, paths, i)) {
+        bool mayGoOn = (path->status.z >> HDS_PATH_PASS_SHIFT) < HDS_MAX_PASSES;
+        if (!mayGoOn) {
+            atomic_inc(&counters[HDS_COUNTER_PASSES]);
+        }
+        return mayGoOn;
+    }
+#endif
+    if (path->depth == 0u) {
+        path->alpha = 1.0f;
+    }
+    shade_addEmission(scene, hit, &surface, bsdf.emission, path);
+    if (path->isLast) {
+        return false;
+    }
+    *hasShadow = shade_sampleLight(scene, &surface, &shading, &bsdf, sampler, path, paths, i);
+    return shade_sampleBsdf(frame, &surface, &shading, &bsdf, sampler, path, paths, i);
+}
+
+/* Global size: count. */
+kernel void shade_paths(constant const HdsFrameParams* frame, global uchar* state, uint numSlots,
+                        global const uint* restrict queue, uint count, global uint* restrict nextQueue,
+                        global uint* restrict shadowQueue, volatile global uint* counters, HDS_SCENE_ARGS) {
+    uint item = (uint)get_global_id(0);
+    if (item >= count) {
+        return;
+    }
+    uint i = queue[item];
+    HdsPaths paths = {state, numSlots};
+    HDS_SCENE_VIEW(scene);
+    HdsHit hit = path_loadHit(paths, i);
+    HdsShadePath path = shade_loadPath(paths, i);
+    bool isHit = hit.chunk != HDS_NONE;
+    bool hasShadow = false;
+    bool goesOn = false;
+    shade_addLights(&scene.lights, isHit ? hit.t : INFINITY, &path);
+    if (isHit) {
+        goesOn = shade_surface(frame, &scene, &hit, &path, paths, i, counters, &hasShadow);
+    }
+    path_store_radiance(paths, i, (float4)(path.radiance, path.alpha));
+    if (hasShadow) {
+        queue_append(shadowQueue, &counters[HDS_COUNTER_SHADOW], i);
+    }
+    if (goesOn) {
+        queue_append(nextQueue, &counters[HDS_COUNTER_ACTIVE], i);
+    }
+}

@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Device tables of geometry: instances, objects, meshes, chunks, and the layout of a chunk's two pages.
+ * Always resident: top nodes, instances, objects, meshes, chunk records. In pools: pages.
+ * Explained in docs/architecture.md and docs/accel.md. */
+#ifndef HDS_SHARED_GEOMETRY_H
+#define HDS_SHARED_GEOMETRY_H
+#include "shared/bvhNode.h"
+
+/* Pool addresses are u32 in units of 16 bytes: bits 28..26 select one of 8 buffers of 1 GiB. */
+#define HDS_POOL_UNIT_BYTES 16u
+#define HDS_POOL_BUFFER_SHIFT 26
+#define HDS_POOL_MAX_BUFFERS 8
+#define HDS_NOT_RESIDENT HDS_NONE
+
+/* HdsObject.kind */
+#define HDS_OBJECT_GROUP 0u /* BVH over instances (the TLAS is group object 0) */
+#define HDS_OBJECT_MESH 1u  /* top tree over chunks */
+#define HDS_OBJECT_CHUNK 2u /* a small mesh: one chunk, no top tree */
+
+/* Deepest nesting of groups below the TLAS on the device; deeper hierarchies are flattened by commit. */
+#define HDS_MAX_GROUP_DEPTH 6
+
+/* HdsMesh.flags */
+#define HDS_MESH_DOUBLE_SIDED 1u
+#define HDS_MESH_LEFT_HANDED 2u /* authored winding is left handed: the geometric normal is flipped */
+#define HDS_MESH_EMISSIVE 4u
+
+/* HdsInstance.flags */
+#define HDS_INSTANCE_CUTOUT 1u /* some material of it may let rays pass: its hits are candidates */
+#define HDS_INSTANCE_CAMERA 2u /* seen by camera rays */
+#define HDS_INSTANCE_FLIPPED 4u /* the composed transform mirrors (whole path, leaf records of TLAS only) */
+
+HDS_SHARED_BEGIN
+/* One placement of an object in a group; records of a group lie in the leaf order of its BVH.
+ * Spaces: "parent" is the group's space; for the TLAS it is world space relative to the scene centre. */
+typedef struct {
+    f32 objectFromParent[12]; /* 3 rows of 4, row major: for rays */
+    f32 parentFromObject[12]; /* 3 rows of 4: for shading */
+    u32 object;               /* index into objects */
+    u32 flags;
+    u32 pathOffset[2];        /* low, high: number of leaf instances before this one inside the group,
+                                 counted in scene-path order; sums along a path give the path index */
+    u32 mesh;                 /* index into meshes for a leaf, HDS_NONE for a group */
+    u32 lightBase;            /* first of its material entries in lightByEntry (emissive meshes, which
+                                 have records in the TLAS only), or HDS_NONE */
+    u32 instanceCount;        /* placements of the same prototype by its instancer; 1 when not instanced */
+    u32 instanceRank;         /* which of them this is; both fold along a path into instanceId */
+} HdsInstance;
+HDS_ASSERT_SIZE(HdsInstance, 128);
+
+/* What an instance places. */
+typedef struct {
+    u32 kind;
+    u32 nodeBase; /* GROUP, MESH: first node in topNodes */
+    u32 itemBase; /* GROUP: first instance; MESH, CHUNK: first chunk */
+    u32 numItems;
+} HdsObject;
+HDS_ASSERT_SIZE(HdsObject, 16);
+
+/* Shading side of a mesh prim. */
+typedef struct {
+    u32 materialBase; /* first entry in meshMaterials: entry 0 is the prim's, then one a subset */
+    u32 flags;
+    i32 primId;       /* the front end's id, for the AOV */
+    u32 numPrimvars;  /* user primvar slots after the fixed ones */
+} HdsMesh;
+HDS_ASSERT_SIZE(HdsMesh, 16);
+
+/* Fixed part of a chunk; its addresses are in the residency table chunkAddresses[2 * chunk + page]. */
+typedef struct {
+    u32 triangleOffset; /* from the geometry page's start, 16-byte units: HdsTriangle[] */
+    u32 vertexOffset;   /* likewise: packed f32[3] positions, object space */
+    u32 numTriangles;
+    u32 object;
+} HdsChunk;
+HDS_ASSERT_SIZE(HdsChunk, 16);
+#define HDS_PAGE_GEOMETRY 0u /* nodes (root first), triangles, vertices */
+#define HDS_PAGE_ATTRIBUTES 1u
+
+/* A triangle of a chunk, in the leaf order of the chunk's BVH. */
+typedef struct {
+    u32 vertex[3]; /* chunk-local vertex index */
+    u32 primId;    /* index of the triangle in its object, in order of (authored face, sub-triangle) */
+} HdsTriangle;
+HDS_ASSERT_SIZE(HdsTriangle, 16);
+
+/* A hit, and the key (t, path index, primId) after which a continuing ray goes on. */
+typedef struct {
+    f32 t, u, v;     /* position = (1-u-v) p0 + u p1 + v p2 */
+    u32 triangle;    /* chunk-local triangle */
+    u32 chunk;       /* HDS_NONE: no hit */
+    u32 instance;    /* leaf instance record */
+    u32 pathIndex[2]; /* 64-bit identity of the leaf instance: low, high */
+} HdsHit;
+HDS_ASSERT_SIZE(HdsHit, 32);
+HDS_SHARED_END
+
+/* Attribute page: u32 slot words, padded to 16 bytes, then blocks aligned to 16 bytes.
+ * Slot word: bits 31..29 interpolation, 28..26 components, 25..0 block offset in 16-byte units. */
+#define HDS_ATTR_ABSENT 0u
+#define HDS_ATTR_CONSTANT 1u /* one value */
+#define HDS_ATTR_TRIANGLE 2u /* one value a triangle, leaf order */
+#define HDS_ATTR_VERTEX 3u   /* one value a chunk-local vertex */
+#define HDS_ATTR_CORNER 4u   /* three values a triangle, in the order of HdsTriangle.vertex */
+#define HDS_ATTR_SLOT(interpolation, components, offset)                                           \
+    (((interpolation) << 29) | ((components) << 26) | (offset))
+/* Fixed slots; user primvars follow from HDS_SLOT_USER on, in the mesh's primvar order. */
+#define HDS_SLOT_FACE 0u     /* u32: authored face */
+#define HDS_SLOT_MATERIAL 1u /* u32: entry of the mesh's material list; absent: entry 0 */
+#define HDS_SLOT_NORMAL 2u   /* 3 components, object space, already flipped for left-handed meshes */
+#define HDS_SLOT_USER 3u
+#endif

@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Lights as the light kernels read them. Radiance is linear, in the working space, with intensity,
+ * exposure, colour, temperature and normalize already folded in by hdStream/shading/lightTable.
+ * lightCdf starts with the selection by power: [numLights + 1]. Explained in docs/shading.md. */
+#ifndef HDS_SHARED_LIGHT_H
+#define HDS_SHARED_LIGHT_H
+#include "shared/compat.h"
+
+/* HdsLight.type */
+#define HDS_LIGHT_DISTANT 0u  /* a cone of directions about axis, radiance constant inside */
+#define HDS_LIGHT_SPHERE 1u   /* surface light; any affine transform (ellipsoid) */
+#define HDS_LIGHT_RECT 2u     /* emits along -z of the light's space, one side */
+#define HDS_LIGHT_DISK 3u     /* likewise */
+#define HDS_LIGHT_CYLINDER 4u /* axis x of the light's space, no caps */
+#define HDS_LIGHT_DOME 5u
+#define HDS_LIGHT_MESH 6u /* emissive triangles of one instance: lightTriangles */
+
+/* HdsLight.flags */
+#define HDS_LIGHT_VISIBLE 1u /* seen by camera rays */
+#define HDS_LIGHT_POINT 2u   /* delta position or direction (treatAsPoint, angle 0): only sampled */
+#define HDS_LIGHT_TEXTURED 4u  /* dome with an image */
+#define HDS_LIGHT_TWO_SIDED 8u /* mesh: emits on both sides */
+
+/* Distance of lights at infinity. */
+#define HDS_LIGHT_FAR 3.0e38f
+
+HDS_SHARED_BEGIN
+typedef struct {
+    f32 worldFromLight[12]; /* 3 rows of 4, relative to the scene centre; |determinant| is 1: scale
+                               is folded into params. Distant: a rotation */
+    f32 lightFromWorld[12]; /* its inverse; the translations are not used */
+    f32 radiance[3]; /* scale on the image for a textured dome; point sphere: radiant intensity;
+                        distant with angle 0: irradiance at normal incidence */
+    u32 type;
+    f32 params[4]; /* sphere: radius; rect: width, height; disk: radius; cylinder: radius, length;
+                      distant: 1 - cos(half angle) */
+    f32 area;      /* world area of the shape; mesh: of all its triangles */
+    f32 selectPmf; /* probability that selection by power picks this light */
+    u32 flags;
+    u32 dataBase;    /* dome: texel base in domeTexels; mesh: first triangle in lightTriangles */
+    u32 dataSize[2]; /* dome: width, height; mesh: number of triangles, 0 */
+    u32 cdfBase;     /* in lightCdf: dome: marginal [height + 1], then conditionals
+                        [height][width + 1]; mesh: by area [numTriangles + 1] */
+    f32 strength;    /* luminance; finite: power / (4 pi); at infinity: irradiance */
+    f32 center[3];   /* of a sphere that bounds the emitting shape, world */
+    f32 boundRadius; /* HDS_LIGHT_FAR: at infinity */
+} HdsLight;
+HDS_ASSERT_SIZE(HdsLight, 176);
+
+/* An emissive triangle in world space (relative to the scene centre). */
+typedef struct {
+    f32 p0[3];
+    f32 area;
+    f32 e1[3];
+    u32 primId; /* object triangle index: identity for shadow rays */
+    f32 e2[3];
+    f32 error; /* bound on the error of a point's position, world units */
+} HdsLightTriangle;
+HDS_ASSERT_SIZE(HdsLightTriangle, 48);
+HDS_SHARED_END
+#endif

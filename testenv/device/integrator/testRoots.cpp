@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every program root builds with every single feature, with none and with all: a feature that breaks
+// compilation fails here before any GPU sees it.
+#include "testenv/support/deviceFixture.h"
+
+namespace hds::test {
+namespace {
+
+class Roots : public DeviceFixture {};
+
+const char* const kRoots[] = {"integrator/generate.cl", "integrator/intersect.cl", "integrator/shade.cl",
+                              "integrator/shadow.cl",   "integrator/aov.cl",       "integrator/resolve.cl",
+                              "film/film.cl"};
+const char* const kFeatures[] = {"HDS_FEATURE_CUTOUT", "HDS_FEATURE_GROUPS", "HDS_TRAVERSAL_WIDE"};
+
+ProgramDefines MakeDefines(unsigned bits, unsigned numPools) {
+    ProgramDefines defines{{"HDS_NUM_POOLS", std::to_string(numPools)}};
+    for (unsigned i = 0; i < std::size(kFeatures); ++i) {
+        defines[kFeatures[i]] = (bits >> i & 1U) != 0 ? "1" : "0";
+    }
+    return defines;
+}
+
+TEST_F(Roots, BuildWithEachFeature) {
+    for (const char* root : kRoots) {
+        for (const unsigned bits : {0U, 1U, 2U, 4U, 7U}) {
+            EXPECT_NO_THROW(Program(device, root, MakeDefines(bits, 1))) << root << " features " << bits;
+        }
+    }
+}
+
+TEST_F(Roots, BuildWithAllPools) {
+    EXPECT_NO_THROW(Program(device, "integrator/shade.cl", MakeDefines(7, 8)));
+}
+
+} // namespace
+} // namespace hds::test

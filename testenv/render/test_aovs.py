@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: Apache-2.0
+"""AOVs against ray and plane mathematics of our own in double precision.
+
+An AOV that cannot be averaged holds the value of one sample, anywhere in its pixel: the tests project
+it back and ask that it lies inside that pixel and on the surface.
+"""
+
+import numpy as np
+import pytest
+from pxr import Gf, Usd, UsdGeom
+
+pytest.importorskip("hdstream._core")
+
+import ours
+from stages import author, shapes
+
+WIDTH, HEIGHT, NEAR, FAR = 64, 48, 0.5, 40.0
+_AOVS = ("color", "alpha", "depth", "cameraDepth", "normal", "Neye", "position", "albedo", "primId", "instanceId", "elementId",
+         "variance", "sampleCount")
+
+
+def _Write(path: str, orthographic: bool) -> str:
+    """A wall (two tilted quads in one mesh), a box and two instances of a small box."""
+    stage = author.NewStage(path)
+    wall = shapes.Shape(np.array([[-3.0, -2, -1], [0, -2, 0], [0, 2, 0], [-3, 2, -1], [3, -2, -1], [3, 2, -1]]), np.array([4, 4]),
+                        np.array([0, 1, 2, 3, 1, 4, 5, 2]))
+    author.AddMesh(stage, "/World/A_Wall", wall, color=(0.25, 0.5, 0.75))
+    author.AddMesh(stage, "/World/B_Box", shapes.Box(0.8, 0.8, 0.8), color=(0.5, 0.5, 0.5), translate=(-1, -0.6, 1))
+    instancer = UsdGeom.PointInstancer.Define(stage, "/World/C_Many")
+    author.AddMesh(stage, "/World/C_Many/Prototypes/Small", shapes.Box(0.5, 0.5, 0.5), color=(0.1, 0.2, 0.3))
+    instancer.CreatePrototypesRel().SetTargets(["/World/C_Many/Prototypes/Small"])
+    instancer.CreateProtoIndicesAttr([0, 0])
+    instancer.CreatePositionsAttr([(0.6, -0.6, 1.0), (1.5, 0.5, 0.8)])
+    author.AddLight(stage, "/World/Dome", "Dome", intensity=1.0)
+    camera = author.AddCamera(stage, eye=(0.4, 0.6, 8.0), target=(0, 0, 0), orthographic=orthographic,
+                              width=80.0 if orthographic else 36.0, focalLength=30.0, offset=(2.0, 1.0))
+    camera.CreateClippingRangeAttr(Gf.Vec2f(NEAR, FAR))
+    stage.GetRootLayer().Save()
+    return path
+
+
+@pytest.fixture(scope="module", params=[False, True], ids=["perspective", "orthographic"])
+def Rendered(request, tmp_path_factory):
+    path = _Write(f"{tmp_path_factory.mktemp('aov')}/a.usda", request.param)
+    layers = ours.Render(path, WIDTH, HEIGHT, _AOVS, samples=16).layers
+    stage = Usd.Stage.Open(path)
+    view = np.linalg.inv(np.array(UsdGeom.Camera(stage.GetPrimAtPath("/World/Camera")).ComputeLocalToWorldTransform(0)))
+    return layers, view, request.param
+
+
+def _Hit(layers) -> np.ndarray:
+    return layers["primId"] >= 0
+
+
+def test_position_lies_in_its_pixel(Rendered):
+    layers, view, orthographic = Rendered
+    hit = _Hit(layers)
+    local = layers["position"].astype(float)[hit] @ view[:3, :3] + view[3, :3]
+    scale = 8.0 if orthographic else 3.6 * -local[:, 2] / 3.0
+    x = (local[:, 0] / scale) if orthographic else local[:, 0] / scale
+    y = local[:, 1] / scale
+    offsetX, offsetY = (0.2 / 8.0, 0.1 / 8.0) if orthographic else (0.2 / 3.6, 0.1 / 3.6)
+    column = (x - offsetX + 0.5) * WIDTH
+    row = (0.5 - (y - offsetY) * WIDTH / HEIGHT) * HEIGHT
+    rows, columns = np.nonzero(hit)
+    slack = 1e-3  # pixels: float positions at 8 units
+    assert (column > columns - slack).all() and (column < columns + 1 + slack).all()
+    assert (row > rows - slack).all() and (row < rows + 1 + slack).all()
+
+
+def test_depths_belong_to_the_position(Rendered):
+    layers, view, orthographic = Rendered
+    hit = _Hit(layers)
+    z = -(layers["position"].astype(float)[hit] @ view[:3, :3] + view[3, :3])[:, 2]
+    np.testing.assert_allclose(layers["cameraDepth"][hit].ravel(), z, rtol=1e-5)
+    projected = (z - NEAR) / (FAR - NEAR) if orthographic else (1 / NEAR - 1 / z) / (1 / NEAR - 1 / FAR)
+    np.testing.assert_allclose(layers["depth"][hit].ravel(), projected, rtol=1e-4)
+    assert (layers["depth"][~hit] == 1).all() and np.isinf(layers["cameraDepth"][~hit]).all()
+
+
+def test_normals_are_the_faces(Rendered):
+    """Both normals are unit and equal the plane of the face whose id the pixel holds."""
+    layers, view, _ = Rendered
+    wall = layers["primId"] == 0
+    expected = np.array([[-1.0, 0, 3], [1, 0, 3]]) / np.sqrt(10)
+    np.testing.assert_allclose(layers["normal"][wall], expected[layers["elementId"][wall]], atol=1e-5)
+    hit = _Hit(layers)
+    np.testing.assert_allclose(np.linalg.norm(layers["normal"][hit], axis=-1), 1, atol=1e-5)
+    np.testing.assert_allclose(layers["Neye"][hit], layers["normal"][hit] @ view[:3, :3].astype(np.float32), atol=1e-5)
+
+
+def test_position_is_on_the_wall(Rendered):
+    layers, _, _ = Rendered
+    position = layers["position"].astype(float)[layers["primId"] == 0]
+    np.testing.assert_allclose(position[:, 2], -np.abs(position[:, 0]) / 3, atol=1e-5)
+
+
+def test_ids(Rendered):
+    """Prims count in path order; instances inside their instancer; faces as authored; -1 elsewhere."""
+    layers, _, _ = Rendered
+    assert set(np.unique(layers["primId"])) == {-1, 0, 1, 2}
+    assert set(np.unique(layers["instanceId"][layers["primId"] == 2])) == {0, 1}
+    assert (layers["instanceId"][layers["primId"] < 2] == -1).all()
+    assert set(np.unique(layers["elementId"][layers["primId"] == 0])) == {0, 1}
+    assert (layers["elementId"][layers["primId"] < 0] == -1).all()
+    right = layers["position"][..., 0] > 1.1
+    both = layers["primId"] == 2
+    assert (layers["instanceId"][both & right] == 1).all() and (layers["instanceId"][both & ~right] == 0).all()
+
+
+def test_albedo_alpha_and_count(Rendered):
+    layers, _, _ = Rendered
+    assert (layers["sampleCount"] == 16).all()
+    inside = layers["alpha"][..., 0] == 1
+    wall = (layers["primId"] == 0) & inside
+    pure = wall & _Eroded(wall)
+    np.testing.assert_allclose(layers["albedo"][pure], np.broadcast_to([0.25, 0.5, 0.75], (pure.sum(), 3)), rtol=1e-5)
+    assert (layers["variance"] >= 0).all()
+
+
+def _Eroded(mask: np.ndarray) -> np.ndarray:
+    """Pixels whose eight neighbours are in the mask too: no edge runs through them."""
+    padded = np.pad(mask, 1)
+    return np.all([padded[1 + i : 1 + i + mask.shape[0], 1 + j : 1 + j + mask.shape[1]] for i in (-1, 0, 1) for j in (-1, 0, 1)], 0)

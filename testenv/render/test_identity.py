@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bits are a function of scene, settings and samples, and of nothing else (DESIGN.md section 12).
+
+Every comparison is of all layers, bit for bit, on scenes that use lights, instances and cut-outs.
+"""
+
+import pytest
+
+pytest.importorskip("hdstream._core")
+
+import ours
+from stages.verify import CASES
+
+_AOVS = ("color", "alpha", "depth", "normal", "position", "primId", "instanceId", "elementId", "variance")
+_NAMES = ("fiveLights", "instancing", "surfaceCutout", "surfaceClearcoat", "surfaceEmissive")
+_SIZE = (61, 47)  # odd: no wave or tile ends with a row
+
+
+@pytest.fixture(scope="module", params=_NAMES)
+def Stage(request, tmp_path_factory):
+    return CASES[request.param].Write(f"{tmp_path_factory.mktemp(request.param)}/stage.usda")
+
+
+@pytest.fixture(scope="module")
+def Expected(Stage):
+    return ours.Render(Stage, *_SIZE, _AOVS, samples=20, waveSize=1 << 16).layers
+
+
+def _AssertSameBits(a: dict, b: dict) -> None:
+    assert set(a) == set(b)
+    for name in a:
+        assert a[name].tobytes() == b[name].tobytes(), f"layer {name} differs"
+
+
+@pytest.mark.parametrize("waveSize", [8192, 1 << 16, 1 << 20, 3001])
+def test_wave_size_does_not_matter(Stage, Expected, waveSize):
+    _AssertSameBits(ours.Render(Stage, *_SIZE, _AOVS, samples=20, waveSize=waveSize).layers, Expected)
+
+
+@pytest.mark.parametrize("traversal", ["wide", "lane"])
+def test_traversal_form_does_not_matter(Stage, Expected, traversal):
+    _AssertSameBits(ours.Render(Stage, *_SIZE, _AOVS, samples=20, traversal=traversal).layers, Expected)
+
+
+@pytest.mark.parametrize("threads", [1, 2, 5])
+def test_thread_count_does_not_matter(Stage, Expected, threads):
+    """PoCL reads its thread count once, so each count has a process."""
+    layers = ours.RenderApart(Stage, *_SIZE, {"POCL_MAX_PTHREAD_COUNT": str(threads)}, aovs=list(_AOVS), samples=20, waveSize=1 << 16)
+    _AssertSameBits(layers, Expected)
+
+
+def test_chunk_size_does_not_matter(Stage, Expected):
+    _AssertSameBits(ours.Render(Stage, *_SIZE, _AOVS, samples=20, chunkBytes=1 << 14).layers, Expected)
+
+
+def test_a_second_render_is_the_same(Stage, Expected):
+    """Also with cold and warm caches: the first render filled them."""
+    _AssertSameBits(ours.Render(Stage, *_SIZE, _AOVS, samples=20, noCache=True).layers, Expected)
+
+
+def test_seed_does_matter(Stage, Expected):
+    other = ours.Render(Stage, *_SIZE, _AOVS, samples=20, seed=9).layers
+    assert other["color"].tobytes() != Expected["color"].tobytes()

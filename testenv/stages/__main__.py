@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`python testenv/stages NAME OUT` writes a stage: demo, terrain, forest, meshes or a verification case.
+
+OUT's extension (.usda, .usdc) chooses the format. `terrain`, `forest` and `meshes` take a size as a
+third argument. Without arguments it lists the names.
+"""
+
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
+
+from stages import bench, demo  # noqa: E402
+from stages.verify import CASES  # noqa: E402
+
+_WRITERS = {"demo": demo.WriteDemo, "terrain": bench.WriteTerrain, "forest": bench.WriteForest, "meshes": bench.WriteMeshes}
+
+
+def main(arguments: list[str]) -> int:
+    names = sorted(_WRITERS) + sorted(CASES)
+    if len(arguments) < 2 or arguments[0] not in names:
+        print("usage: python testenv/stages NAME OUT [SIZE]; names: " + " ".join(names), file=sys.stderr)
+        return 2
+    name, path, size = arguments[0], str(pathlib.Path(arguments[1]).resolve()), [int(a) for a in arguments[2:3]]
+    if name in CASES:
+        CASES[name].Write(path)
+    else:
+        _WRITERS[name](path, *size)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "testenv/support/accelScene.h"
+
+#include <glm/common.hpp>
+#include <glm/matrix.hpp>
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+
+namespace hds::test {
+namespace {
+
+/// World box of a transformed box, widened by the rounding of the stored transform.
+Bounds TransformedBounds(const glm::dmat4& matrix, const Bounds& bounds) {
+    glm::dvec3 lo(1e300);
+    glm::dvec3 hi(-1e300);
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec4 p((corner & 1) != 0 ? bounds.max.x : bounds.min.x,
+                           (corner & 2) != 0 ? bounds.max.y : bounds.min.y,
+                           (corner & 4) != 0 ? bounds.max.z : bounds.min.z, 1.0);
+        const glm::dvec3 q(matrix * p);
+        lo = glm::min(lo, q);
+        hi = glm::max(hi, q);
+    }
+    const glm::dvec3 margin = std::ldexp(1.0, -19) * glm::max(glm::abs(lo), glm::abs(hi));
+    Bounds result;
+    result.min = glm::vec3(lo - margin);
+    result.max = glm::vec3(hi + margin);
+    return result;
+}
+
+void StoreRows(const glm::dmat4& matrix, float* rows) {
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 4; ++column) {
+            rows[4 * row + column] = static_cast<float>(matrix[column][row]);
+        }
+    }
+}
+
+GeometryPages MakeProvider(const AccelScene& scene) {
+    GeometryPages provider(static_cast<std::uint32_t>(scene.pages.size()));
+    for (std::uint32_t i = 0; i < scene.pages.size(); ++i) {
+        provider.SetChunk(i, scene.pages[i].bytes, {});
+    }
+    return provider;
+}
+
+BvhOptions TopOptions() {
+    BvhOptions options;
+    options.maxLeafItems = 1;
+    return options;
+}
+
+} // namespace
+
+std::uint32_t AccelScene::AddMesh(const TriangleMesh& mesh, std::uint32_t maxTriangles) {
+    const ChunkSource source(std::make_shared<TriangleMesh>(mesh));
+    const ChunkPlan plan = PlanChunks(mesh, maxTriangles);
+    const std::size_t numChunks = plan.begin.size() - 1;
+    std::vector<GeometryPage> built(numChunks);
+    std::vector<std::uint32_t> numTriangles(numChunks);
+    tbb::parallel_for(std::size_t{0}, numChunks, [&](std::size_t i) {
+        ChunkGeometry chunk =
+            source.Gather(plan.order.data() + plan.begin[i], plan.begin[i + 1] - plan.begin[i]);
+        built[i] = BuildGeometryPage(chunk);
+        numTriangles[i] = static_cast<std::uint32_t>(chunk.triangles.size());
+    });
+    std::vector<Bounds> boxes;
+    Bounds all;
+    for (const GeometryPage& page : built) {
+        boxes.push_back(page.bounds);
+        all.min = glm::min(all.min, page.bounds.min);
+        all.max = glm::max(all.max, page.bounds.max);
+    }
+    const Bvh top = BuildBvh(boxes, TopOptions());
+    const auto object = static_cast<std::uint32_t>(objects.size());
+    objects.push_back({numChunks == 1 ? HDS_OBJECT_CHUNK : HDS_OBJECT_MESH,
+                       static_cast<std::uint32_t>(topNodes.size()),
+                       static_cast<std::uint32_t>(chunks.size()),
+                       static_cast<std::uint32_t>(numChunks)});
+    if (numChunks > 1) {
+        topNodes.insert(topNodes.end(), top.nodes.begin(), top.nodes.end());
+    }
+    for (const std::uint32_t i : top.order) {
+        chunks.push_back({built[i].triangleOffset, built[i].vertexOffset, numTriangles[i], object});
+        pages.push_back(std::move(built[i]));
+    }
+    _bounds.push_back(all);
+    _numLeaves.push_back(1);
+    return object;
+}
+
+std::uint32_t AccelScene::AddGroup(const std::vector<AccelPlacement>& placements) {
+    const auto object = static_cast<std::uint32_t>(objects.size());
+    objects.emplace_back();
+    _bounds.emplace_back();
+    _numLeaves.push_back(0);
+    BuildGroup(object, placements);
+    return object;
+}
+
+void AccelScene::SetRoot(const std::vector<AccelPlacement>& placements) { BuildGroup(0, placements); }
+
+void AccelScene::BuildGroup(std::uint32_t object, const std::vector<AccelPlacement>& placements) {
+    std::vector<shared::HdsInstance> records;
+    std::vector<Bounds> boxes;
+    std::uint64_t numLeaves = 0;
+    for (const AccelPlacement& placement : placements) {
+        shared::HdsInstance record{};
+        StoreRows(glm::inverse(placement.parentFromObject), record.objectFromParent);
+        StoreRows(placement.parentFromObject, record.parentFromObject);
+        record.object = placement.object;
+        record.flags = placement.flags;
+        record.pathOffset[0] = static_cast<std::uint32_t>(numLeaves);
+        record.pathOffset[1] = static_cast<std::uint32_t>(numLeaves >> 32U);
+        record.mesh = objects[placement.object].kind == HDS_OBJECT_GROUP ? HDS_NONE : 0;
+        record.lightBase = HDS_NONE;
+        records.push_back(record);
+        boxes.push_back(TransformedBounds(placement.parentFromObject, _bounds[placement.object]));
+        numLeaves += _numLeaves[placement.object];
+    }
+    const Bvh bvh = BuildBvh(boxes, TopOptions());
+    objects[object] = {HDS_OBJECT_GROUP, static_cast<std::uint32_t>(topNodes.size()),
+                       static_cast<std::uint32_t>(instances.size()),
+                       static_cast<std::uint32_t>(records.size())};
+    topNodes.insert(topNodes.end(), bvh.nodes.begin(), bvh.nodes.end());
+    for (const std::uint32_t i : bvh.order) {
+        instances.push_back(records[i]);
+    }
+    _bounds[object] = bvh.bounds;
+    _numLeaves[object] = numLeaves;
+}
+
+DeviceAccelScene::DeviceAccelScene(const std::shared_ptr<Device>& device, const AccelScene& scene)
+    : _topNodes(UploadVector(device, "top nodes", scene.topNodes)),
+      _instances(UploadVector(device, "instances", scene.instances)),
+      _objects(UploadVector(device, "objects", scene.objects)),
+      _chunks(UploadVector(device, "chunks", scene.chunks)),
+      _pool(device, "geometry", MakeProvider(scene)) {}
+
+void DeviceAccelScene::Bind(Kernel* kernel, unsigned first) const {
+    kernel->SetBuffer(first, _topNodes);
+    kernel->SetBuffer(first + 1, _instances);
+    kernel->SetBuffer(first + 2, _objects);
+    kernel->SetBuffer(first + 3, _chunks);
+    kernel->SetBuffer(first + 4, _pool.Addresses());
+    for (std::uint32_t i = 0; i < kMaxPoolBuffers; ++i) {
+        kernel->SetBuffer(first + 5 + i, _pool.PoolBuffer(i));
+    }
+}
+
+} // namespace hds::test

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// Small scenes for traversal tests and benchmarks, built without the scene layer: meshes, groups and a
+// root group, with all device tables of kernels/shared/geometry.h.
+#pragma once
+
+#include "hdStream/accel/bvh.h"
+#include "hdStream/accel/geometryPages.h"
+#include "hdStream/device/device.h"
+#include "hdStream/device/program.h"
+#include "hdStream/geometry/triangleMesh.h"
+#include "hdStream/stream/residentPool.h"
+#include "kernels/shared/geometry.h"
+
+#include <glm/mat4x4.hpp>
+
+#include <memory>
+#include <vector>
+
+namespace hds::test {
+
+/// A placement in a group.
+struct AccelPlacement {
+    std::uint32_t object = 0;
+    glm::dmat4 parentFromObject{1.0};
+    std::uint32_t flags = HDS_INSTANCE_CAMERA;
+};
+
+/// Tables of a scene. Objects are numbered in the order they are added, from 1 on; object 0 is the
+/// root group.
+class AccelScene {
+public:
+    AccelScene() : objects(1), _bounds(1), _numLeaves(1, 0) {}
+
+    /// A mesh, cut into chunks of at most `maxTriangles`. \return its object.
+    std::uint32_t AddMesh(const TriangleMesh& mesh, std::uint32_t maxTriangles = 12000);
+    /// A group of placements; path indices follow their order. \return its object.
+    std::uint32_t AddGroup(const std::vector<AccelPlacement>& placements);
+    /// Sets the TLAS. Call once, last.
+    void SetRoot(const std::vector<AccelPlacement>& placements);
+
+    std::vector<shared::HdsBvhNode> topNodes;
+    std::vector<shared::HdsInstance> instances;
+    std::vector<shared::HdsObject> objects;
+    std::vector<shared::HdsChunk> chunks;
+    std::vector<GeometryPage> pages; ///< geometry page of each chunk
+
+private:
+    void BuildGroup(std::uint32_t object, const std::vector<AccelPlacement>& placements);
+
+    std::vector<Bounds> _bounds;           ///< of each object
+    std::vector<std::uint64_t> _numLeaves; ///< leaf instances that placing each object makes
+};
+
+/// A scene on a device.
+class DeviceAccelScene {
+public:
+    DeviceAccelScene(const std::shared_ptr<Device>& device, const AccelScene& scene);
+
+    /// Sets HDS_GEOMETRY_ARGS from argument `first` on.
+    void Bind(Kernel* kernel, unsigned first) const;
+    /// Value of HDS_NUM_POOLS.
+    std::uint32_t NumPools() const { return _pool.NumBuffers(); }
+
+private:
+    Buffer _topNodes, _instances, _objects, _chunks;
+    ResidentPool _pool;
+};
+
+} // namespace hds::test

@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs the whole suite, fast stages first: runSuite.py --build FOLDER [-k PATTERN] [STAGE...]
+
+A stage is the layer check, the format check, one GoogleTest program of the build (unit, device, stat)
+or one folder of pytest files below testenv/. Every stage reports through a JUnit file, so that all are
+counted alike; a program that dies before it writes one counts as one failure.
+The last line is `N passed, N failed, N skipped`; the exit code is 1 on a failure or when nothing ran.
+Called by scripts/test; explained in docs/testing.md.
+"""
+
+import argparse
+import collections
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import xml.etree.ElementTree
+
+TESTENV = pathlib.Path(__file__).resolve().parent.parent
+ROOT = TESTENV.parent
+PROGRAMS = ("unit", "device", "stat")
+# pytest folders in running order; folders not named here run before `install`, which builds a wheel.
+FOLDERS = ("support", "stages", "translate", "cli", "render", "stream", "hydra")
+LAST_FOLDERS = ("install",)
+# Other versions of the formatter lay some lines out differently.
+CLANG_FORMAT_MAJOR = "14"
+
+Counts = collections.namedtuple("Counts", "passed failed skipped")
+
+
+def ReadJUnit(path: pathlib.Path) -> Counts:
+    """Counts the cases of a JUnit file as GoogleTest and pytest write it."""
+    passed = failed = skipped = 0
+    for case in xml.etree.ElementTree.parse(path).iter("testcase"):
+        kinds = {child.tag for child in case}
+        if kinds & {"failure", "error"}:
+            failed += 1
+        elif "skipped" in kinds or case.get("status") == "notrun":
+            skipped += 1
+        else:
+            passed += 1
+    return Counts(passed, failed, skipped)
+
+
+def RunReporting(command: list, report: pathlib.Path, environment: dict) -> Counts:
+    """Runs a command that writes `report`. A bad exit without a counted failure is a failure too."""
+    code = subprocess.run(command, env=environment, cwd=ROOT, stdin=subprocess.DEVNULL).returncode
+    try:
+        counts = ReadJUnit(report)
+    except (OSError, xml.etree.ElementTree.ParseError):
+        # pytest: 5 = nothing matched -k.
+        return Counts(0, 0, 0) if code in (0, 5) else Counts(0, 1, 0)
+    if code not in (0, 5) and counts.failed == 0:
+        print(f"{command[0]}: exit code {code} although no test failed", file=sys.stderr)
+        counts = counts._replace(failed=1)
+    return counts
+
+
+def RunCheck(command: list) -> Counts:
+    code = subprocess.run(command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL).returncode
+    return Counts(int(code == 0), int(code != 0), 0)
+
+
+def FormatCommand() -> list:
+    """clang-format over all C++ and kernel files, or nothing where the right version is missing."""
+    for name in (f"clang-format-{CLANG_FORMAT_MAJOR}", "clang-format"):
+        tool = shutil.which(name)
+        if tool and f"version {CLANG_FORMAT_MAJOR}." in subprocess.run(
+                [tool, "--version"], capture_output=True, text=True).stdout:
+            return [sys.executable, str(TESTENV / "support" / "checkFormat.py"), tool]
+    return []
+
+
+def PytestFolders() -> list:
+    found = sorted({path.relative_to(TESTENV).parts[0] for path in TESTENV.glob("*/**/test*.py")}
+                   - set(PROGRAMS) - {"bench"})
+    rank = {name: index for index, name in enumerate(FOLDERS)}
+    rank.update({name: len(FOLDERS) + 1 + index for index, name in enumerate(LAST_FOLDERS)})
+    return sorted(found, key=lambda name: (rank.get(name, len(FOLDERS)), name))
+
+
+def Stages(build: pathlib.Path, pattern: str, environment: dict, reports: pathlib.Path) -> dict:
+    """Stage name -> function that runs it and returns its counts, in running order."""
+    stages = {}
+    if not pattern:
+        stages["layers"] = lambda: RunCheck([sys.executable, ROOT / "cmake" / "CheckLayers.py", ROOT])
+        formatter = FormatCommand()
+        if formatter:
+            stages["format"] = lambda: RunCheck(formatter)
+    for label in PROGRAMS:
+        program = build / "testenv" / f"test{label.capitalize()}"
+        report = reports / f"{label}.xml"
+        command = [program, "--gtest_brief=1", f"--gtest_output=xml:{report}"]
+        if pattern:
+            command.append(f"--gtest_filter=*{pattern}*")
+        if program.exists():
+            stages[label] = lambda c=command, r=report: RunReporting(c, r, environment)
+    for folder in PytestFolders():
+        report = reports / f"{folder}.xml"
+        command = [sys.executable, "-m", "pytest", "-q", "--no-header", "-p", "no:cacheprovider",
+                   f"--junitxml={report}", TESTENV / folder]
+        if pattern:
+            command += ["-k", pattern]
+        stages[folder] = lambda c=command, r=report: RunReporting(c, r, environment)
+    return stages
+
+
+def Main() -> int:
+    parser = argparse.ArgumentParser(prog="scripts/test", description="Builds hdStream and runs its tests.")
+    parser.add_argument("--build", type=pathlib.Path, required=True, help=argparse.SUPPRESS)
+    parser.add_argument("-k", metavar="PATTERN", default="", help="only tests whose name contains PATTERN")
+    parser.add_argument("stages", metavar="STAGE", nargs="*", help="only these: layers, format, unit, device, ...")
+    options = parser.parse_args()
+    total = Counts(0, 0, 0)
+    with tempfile.TemporaryDirectory(prefix="hdstream-test-") as folder:
+        environment = dict(os.environ, HDSTREAM_REQUIRE_DEVICE="1", HDSTREAM_CACHE_DIR=f"{folder}/cache",
+                           PYTHONPATH=str(options.build / "python"), PYTHONDONTWRITEBYTECODE="1")
+        stages = Stages(options.build, options.k, environment, pathlib.Path(folder))
+        unknown = [name for name in options.stages if name not in stages]
+        if unknown:
+            parser.error(f"no such stage: {' '.join(unknown)}; there are: {' '.join(stages)}")
+        for name, run in stages.items():
+            if options.stages and name not in options.stages:
+                continue
+            start = time.monotonic()
+            counts = run()
+            print(f"{name:10s} {counts.passed:5d} passed {counts.failed:3d} failed {counts.skipped:3d} skipped"
+                  f" {time.monotonic() - start:7.1f} s", flush=True)
+            total = Counts(*map(sum, zip(total, counts)))
+    print(f"{total.passed} passed, {total.failed} failed, {total.skipped} skipped")
+    return 0 if total.failed == 0 and total.passed > 0 else 1
+
+
+if __name__ == "__main__":
+    sys.exit(Main())

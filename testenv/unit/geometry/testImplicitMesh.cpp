@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+// Implicit gprims: OpenUSD's point and face counts, closed surfaces, outward normals, and the exact
+// volume of each cage (regular 10-gons between parallel planes).
+#include "hdStream/geometry/implicitMesh.h"
+
+#include "hdStream/base/error.h"
+#include "testenv/unit/geometry/meshFixtures.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <map>
+
+namespace hds::test {
+namespace {
+
+ImplicitShape MakeShape(const std::string& type, const std::string& axis) {
+    ImplicitShape shape;
+    shape.type = type;
+    shape.axis = axis;
+    shape.size = 3.0;
+    shape.radius = 1.25;
+    shape.height = 2.5;
+    shape.width = 4.0;
+    shape.length = 6.0;
+    return shape;
+}
+
+/// Area of a regular 10-gon, relative to the square of its radius.
+const double kTenGon = 5.0 * std::sin(M_PI / 5.0);
+
+/// Volume between two parallel, similar 10-gons of radii a and b (frustum).
+double Frustum(double a, double b, double height) {
+    return kTenGon * height / 3.0 * (a * a + a * b + b * b);
+}
+
+double CageVolume(const ImplicitShape& s) {
+    if (s.type == "Cube") {
+        return s.size * s.size * s.size;
+    }
+    if (s.type == "Cylinder") {
+        return kTenGon * s.radius * s.radius * s.height;
+    }
+    if (s.type == "Cone") {
+        return kTenGon * s.radius * s.radius * s.height / 3.0;
+    }
+    // Sphere: 10 bands over 180 degrees; Capsule: 4 bands over each 90 degrees and a cylinder.
+    const int numBands = s.type == "Sphere" ? 10 : 8;
+    double volume = s.type == "Sphere" ? 0.0 : kTenGon * s.radius * s.radius * s.height;
+    for (int band = 0; band < numBands; ++band) {
+        const double low = M_PI * (double(band) / numBands - 0.5);
+        const double high = M_PI * (double(band + 1) / numBands - 0.5);
+        volume += Frustum(s.radius * std::cos(low), s.radius * std::cos(high),
+                          s.radius * (std::sin(high) - std::sin(low)));
+    }
+    return volume;
+}
+
+double SignedVolume(const TriangleMesh& mesh) {
+    double sum = 0.0;
+    for (const glm::uvec3& t : mesh.triangles) {
+        const glm::dvec3 a(mesh.positions[t.x]);
+        const glm::dvec3 b(mesh.positions[t.y]);
+        const glm::dvec3 c(mesh.positions[t.z]);
+        sum += glm::dot(a, glm::cross(b, c)) / 6.0;
+    }
+    return sum;
+}
+
+using Place = std::array<float, 3>;
+
+/// Number of directed edges, by place, that their opposites do not cancel.
+std::size_t CountOpenEdges(const TriangleMesh& mesh) {
+    std::map<std::pair<Place, Place>, int> edges;
+    for (const glm::uvec3& t : mesh.triangles) {
+        for (int k = 0; k < 3; ++k) {
+            const glm::vec3 a = mesh.positions[t[k]];
+            const glm::vec3 b = mesh.positions[t[(k + 1) % 3]];
+            ++edges[{Place{a.x, a.y, a.z}, Place{b.x, b.y, b.z}}];
+        }
+    }
+    std::size_t numOpen = 0;
+    for (const auto& [edge, count] : edges) {
+        const auto opposite = edges.find({edge.second, edge.first});
+        numOpen += count == 1 && opposite != edges.end() && opposite->second == 1 ? 0 : 1;
+    }
+    return numOpen;
+}
+
+TEST(ImplicitMesh, CountsAndSchemesAreOpenUsds) {
+    struct Expected {
+        const char* type;
+        std::size_t numPoints, numFaces, numCorners;
+        const char* scheme;
+    };
+    // OpenUSD 24.08, pxr/imaging/geomUtil with hdsi/implicitSurfaceSceneIndex's numbers.
+    const Expected cases[] = {
+        {"Sphere", 92, 100, 380, "catmullClark"},  {"Cube", 8, 6, 24, "bilinear"},
+        {"Cylinder", 42, 30, 100, "catmullClark"}, {"Cone", 31, 20, 70, "catmullClark"},
+        {"Capsule", 82, 90, 340, "catmullClark"},  {"Plane", 4, 1, 4, "bilinear"},
+    };
+    for (const Expected& e : cases) {
+        SCOPED_TRACE(e.type);
+        const MeshDescription mesh = MakeImplicitMesh(MakeShape(e.type, "Z"));
+        EXPECT_EQ(mesh.points.size(), 3 * e.numPoints);
+        EXPECT_EQ(mesh.faceVertexCounts.size(), e.numFaces);
+        EXPECT_EQ(mesh.faceVertexIndices.size(), e.numCorners);
+        EXPECT_EQ(mesh.subdivisionScheme, e.scheme);
+        EXPECT_FALSE(mesh.leftHanded);
+    }
+    EXPECT_THROW(MakeImplicitMesh(MakeShape("Torus", "Z")), Error);
+}
+
+TEST(ImplicitMesh, CagesAreClosedAndFaceOutwards) {
+    for (const char* type : {"Sphere", "Cube", "Cylinder", "Cone", "Capsule"}) {
+        for (const char* axis : {"X", "Y", "Z"}) {
+            SCOPED_TRACE(std::string(type) + " " + axis);
+            const ImplicitShape shape = MakeShape(type, axis);
+            const Triangulated run = RunTriangulate(MakeImplicitMesh(shape));
+            EXPECT_TRUE(run.warnings.empty());
+            EXPECT_EQ(CountOpenEdges(*run.mesh), 0U);
+            // Points are rounded to float.
+            EXPECT_NEAR(SignedVolume(*run.mesh), CageVolume(shape), 1e-6 * CageVolume(shape));
+        }
+    }
+}
+
+TEST(ImplicitMesh, AxesAndSizesAreTheGprims) {
+    const std::array<std::string, 3> axes = {"X", "Y", "Z"};
+    for (int axis = 0; axis < 3; ++axis) {
+        for (const char* type : {"Cylinder", "Cone", "Capsule"}) {
+            SCOPED_TRACE(std::string(type) + " " + axes[axis]);
+            const ImplicitShape shape = MakeShape(type, axes[axis]);
+            const Bounds bounds = RunTriangulate(MakeImplicitMesh(shape)).mesh->bounds;
+            const double half =
+                0.5 * shape.height + (std::string(type) == "Capsule" ? shape.radius : 0.0);
+            EXPECT_FLOAT_EQ(bounds.max[axis], half);
+            EXPECT_FLOAT_EQ(bounds.min[axis], -half);
+            // A ring starts on the axis that follows: its width there is the whole diameter.
+            EXPECT_FLOAT_EQ(bounds.max[(axis + 1) % 3], shape.radius);
+            EXPECT_FLOAT_EQ(bounds.min[(axis + 1) % 3], -shape.radius);
+            EXPECT_FLOAT_EQ(bounds.max[(axis + 2) % 3],
+                            shape.radius * std::sin(2.0 * M_PI * 0.2) /* or 0.3 */);
+        }
+    }
+    // The tip of a cone is at +axis.
+    const MeshDescription cone = MakeImplicitMesh(MakeShape("Cone", "Y"));
+    EXPECT_EQ(cone.points[3 * 30 + 1], 1.25F);
+    EXPECT_EQ(cone.points[3 * 30 + 0], 0.0F);
+}
+
+TEST(ImplicitMesh, PlanesFaceTheirAxis) {
+    // UsdGeomPlane: width and length lie along these axes.
+    struct Expected {
+        const char* axis;
+        int normal, width, length;
+    };
+    for (const Expected& e : {Expected{"X", 0, 2, 1}, {"Y", 1, 0, 2}, {"Z", 2, 0, 1}}) {
+        const MeshDescription description = MakeImplicitMesh(MakeShape("Plane", e.axis));
+        EXPECT_TRUE(description.doubleSided);
+        const auto mesh = RunTriangulate(description).mesh;
+        ASSERT_EQ(mesh->triangles.size(), 2U);
+        for (std::size_t t = 0; t < 2; ++t) {
+            EXPECT_EQ(AreaVector(*mesh, t)[e.normal], 12.0);
+        }
+        EXPECT_EQ(mesh->bounds.max[e.width], 2.0F);
+        EXPECT_EQ(mesh->bounds.max[e.length], 3.0F);
+        EXPECT_EQ(mesh->bounds.max[e.normal], 0.0F);
+    }
+}
+
+TEST(ImplicitMesh, SphereCagesShadeRadially) {
+    const auto mesh = RunTriangulate(MakeImplicitMesh(MakeShape("Sphere", "Z"))).mesh;
+    ASSERT_EQ(mesh->normals.values.size(), mesh->positions.size() * 3);
+    for (std::size_t i = 0; i < mesh->positions.size(); ++i) {
+        for (int k = 0; k < 3; ++k) {
+            // Max 1999 is exact on a sphere; points are rounded to float.
+            EXPECT_NEAR(mesh->normals.values[3 * i + k], mesh->positions[i][k] / 1.25, 1e-6);
+        }
+    }
+}
+
+} // namespace
+} // namespace hds::test

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// Oracles: IEC 61966-2-1's formula in long double; the ACEScg matrix as the Academy publishes it
+// (AP1 to linear Rec.709 with Bradford adaptation, ACES 1.x, rounded to 10 digits).
+#include "hdStream/texture/colorDecoder.h"
+#include "hdStream/texture/oneLine.h"
+#include "hdStream/texture/srgb.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace {
+
+TEST(Srgb, EqualsTheStandardAndInvertsItself) {
+    for (int i = -600; i <= 600; ++i) {
+        const long double v = i / 255.0L;
+        const long double a = std::fabs(v);
+        const long double linear =
+            a <= 0.04045L ? a / 12.92L : std::pow((a + 0.055L) / 1.055L, 2.4L);
+        EXPECT_NEAR(hds::LinearFromSrgb(static_cast<double>(v)),
+                    static_cast<double>(std::copysign(linear, v)),
+                    1e-15 * (1 + double(linear)) * 4);
+        // The standard's two pieces meet within 1e-7 only, hence the tolerance of the round trip.
+        EXPECT_NEAR(hds::SrgbFromLinear(hds::LinearFromSrgb(static_cast<double>(v))),
+                    static_cast<double>(v), 2e-7);
+    }
+    EXPECT_EQ(hds::LinearFromSrgb(0.0), 0.0);
+    EXPECT_NEAR(hds::SrgbFromLinear(1.0), 1.0, 1e-15); // 1.055 - 0.055
+    EXPECT_EQ(hds::LinearFromSrgb(1.0), 1.0);
+}
+
+hds::ColorDecoder MakeDecoder(const std::string& space) {
+    std::string warning;
+    hds::ColorDecoder decoder(space, OIIO::ImageSpec(1, 1, 3, OIIO::TypeFloat), &warning);
+    EXPECT_EQ(warning, "");
+    return decoder;
+}
+
+TEST(ColorDecoder, BuiltInSpacesAreWhatTheirNamesSay) {
+    const float input[3] = {0.25f, 0.5f, 0.75f};
+    for (const char* name : {"lin_rec709", "lin_rec709_scene", "lin_srgb"}) {
+        float rgb[3] = {input[0], input[1], input[2]};
+        MakeDecoder(name).DecodeRgb(rgb, 1);
+        for (int c = 0; c < 3; ++c) {
+            EXPECT_EQ(rgb[c], input[c]) << name;
+        }
+    }
+    for (const char* name : {"srgb_texture", "srgb_rec709_scene", "sRGB - Texture"}) {
+        float rgb[3] = {input[0], input[1], input[2]};
+        MakeDecoder(name).DecodeRgb(rgb, 1);
+        for (int c = 0; c < 3; ++c) {
+            // OpenColorIO joins the pieces smoothly at 0.0393, not at 0.04045.
+            EXPECT_NEAR(rgb[c], hds::LinearFromSrgb(input[c]), 2e-6) << name;
+        }
+    }
+    float power[3] = {input[0], input[1], input[2]};
+    MakeDecoder("g22_rec709").DecodeRgb(power, 1);
+    for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(power[c], std::pow(input[c], 2.2), 2e-6);
+    }
+    for (const char* name : {"raw", "data"}) {
+        const hds::ColorDecoder raw = MakeDecoder(name);
+        EXPECT_TRUE(raw.IsPerChannel());
+        EXPECT_EQ(raw.DecodeChannel(0.3), 0.3);
+    }
+}
+
+TEST(ColorDecoder, AcesCgMatrix) {
+    const double matrix[3][3] = {{1.7050509927, -0.6217921207, -0.0832588720},
+                                 {-0.1302564175, 1.1408047366, -0.0105483191},
+                                 {-0.0240033568, -0.1289689761, 1.1529723329}};
+    const float input[3] = {0.25f, 0.5f, 0.75f};
+    for (const char* name : {"ACEScg", "lin_ap1", "lin_ap1_scene"}) {
+        float rgb[3] = {input[0], input[1], input[2]};
+        MakeDecoder(name).DecodeRgb(rgb, 1);
+        for (int row = 0; row < 3; ++row) {
+            const double expected =
+                matrix[row][0] * input[0] + matrix[row][1] * input[1] + matrix[row][2] * input[2];
+            EXPECT_NEAR(rgb[row], expected, 1e-5) << name; // matrices of both use rounded whites
+        }
+    }
+}
+
+TEST(ColorDecoder, SrgbOfFloatsDecodesEachChannel) {
+    float rgb[6] = {0.0f, 0.02f, 0.5f, 1.0f, 2.0f, -0.5f};
+    MakeDecoder("sRGB").DecodeRgb(rgb, 2);
+    const double encoded[6] = {0.0, 0.02, 0.5, 1.0, 2.0, -0.5};
+    for (int i = 0; i < 6; ++i) {
+        EXPECT_NEAR(rgb[i], hds::LinearFromSrgb(encoded[i]), 3e-7 * std::abs(rgb[i]) + 1e-9);
+    }
+}
+
+TEST(OneLine, JoinsLines) {
+    EXPECT_EQ(hds::OneLine("a\nb\r\n\nc\n"), "a; b; c");
+    EXPECT_EQ(hds::OneLine("\n"), "");
+    EXPECT_EQ(hds::OneLine("plain"), "plain");
+}
+
+} // namespace

@@ -1,0 +1,433 @@
+// SPDX-License-Identifier: Apache-2.0
+// Oracles: images are made here from formulas and written with OpenImageIO; their means follow from
+// the stored numbers and the sRGB formula of IEC 61966-2-1 in long double. Lossy files are decoded
+// by OIIO::ImageBuf, another reading path than ImageFile's bands.
+#include "hdStream/texture/imageReader.h"
+
+#include "testenv/support/temporaryFolder.h"
+
+#include <OpenImageIO/imagebuf.h>
+#include <OpenImageIO/imageio.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace {
+
+using hds::test::ReadFile;
+using hds::test::TemporaryFolder;
+using hds::test::WriteFile;
+
+hds::ImageSource Whole(const std::string& file) {
+    return {file, 0, 0, {}};
+}
+
+long double SrgbOracle(long double v) {
+    return v <= 0.04045L ? v / 12.92L : std::pow((v + 0.055L) / 1.055L, 2.4L);
+}
+
+/// A pattern in [0, 1] without symmetry.
+double Pattern(int x, int y, int c, int width, int height) {
+    return std::fmod(0.131 + 0.37 * c + (x + 0.5) / width * 0.61 + (y + 0.5) / height * 0.83, 1.0);
+}
+
+struct Image {
+    OIIO::ImageSpec spec;
+    std::vector<float> values;
+};
+
+Image MakeImage(int width, int height, int channels, OIIO::TypeDesc type) {
+    Image image;
+    image.spec = OIIO::ImageSpec(width, height, channels, type);
+    image.spec.attribute("oiio:UnassociatedAlpha", 1);
+    if (channels == 2) {
+        image.spec.channelnames = {"Y", "A"};
+        image.spec.alpha_channel = 1;
+    }
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            for (int c = 0; c < channels; ++c) {
+                double value = Pattern(x, y, c, width, height);
+                if (type == OIIO::TypeUInt8) {
+                    value = std::round(value * 255) / 255;
+                } else if (type == OIIO::TypeUInt16) {
+                    value = std::round(value * 65535) / 65535;
+                } else if (type == OIIO::TypeHalf) {
+                    value = std::round(value * 1024) / 1024; // exact in half: 10 bits and a sign
+                }
+                image.values.push_back(static_cast<float>(value));
+            }
+        }
+    }
+    return image;
+}
+
+void Write(const std::string& file, const Image& image) {
+    const auto output = OIIO::ImageOutput::create(file);
+    ASSERT_TRUE(output) << OIIO::geterror();
+    ASSERT_TRUE(output->open(file, image.spec)) << output->geterror();
+    ASSERT_TRUE(output->write_image(OIIO::TypeFloat, image.values.data())) << output->geterror();
+    ASSERT_TRUE(output->close()) << output->geterror();
+}
+
+/// Mean of channel c of the stored numbers, decoded.
+long double MeanOracle(const Image& image, int c, bool isSrgb) {
+    long double sum = 0;
+    const auto channels = static_cast<std::size_t>(image.spec.nchannels);
+    const std::size_t count = image.values.size() / channels;
+    for (std::size_t i = 0; i < count; ++i) {
+        const long double value = image.values[i * channels + static_cast<std::size_t>(c)];
+        sum += isSrgb ? SrgbOracle(value) : value;
+    }
+    return sum / static_cast<long double>(count);
+}
+
+struct Case {
+    const char* name;
+    const char* extension;
+    int width, height, channels;
+    OIIO::TypeDesc type;
+    bool isAutoSrgb;
+    double tolerance;
+};
+
+// Lossless files hold the floats of the pattern up to their own rounding: a float rounding of the
+// pattern (6e-8) through the slope of the sRGB curve (< 2.4) stays below 2e-7. .hdr cuts mantissas
+// off at 8 bits: at most 1/128 of a pixel's largest channel, half of that in the mean, times 2.4.
+const Case kCases[] = {
+    {"GrayPng", "png", 17, 9, 1, OIIO::TypeUInt8, false, 2e-7},
+    {"GrayAlphaPng", "png", 17, 9, 2, OIIO::TypeUInt8, false, 2e-7},
+    {"RgbPng", "png", 33, 65, 3, OIIO::TypeUInt8, true, 2e-7},
+    {"RgbaPng", "png", 31, 7, 4, OIIO::TypeUInt8, true, 2e-7},
+    {"OnePixelPng", "png", 1, 1, 3, OIIO::TypeUInt8, true, 2e-7},
+    {"Rgb16Png", "png", 33, 65, 3, OIIO::TypeUInt16, false, 2e-7},
+    {"Rgba16Png", "png", 5, 3, 4, OIIO::TypeUInt16, false, 2e-7},
+    {"RgbTif", "tif", 33, 65, 3, OIIO::TypeUInt8, true, 2e-7},
+    {"Rgba16Tif", "tif", 33, 65, 4, OIIO::TypeUInt16, false, 2e-7},
+    {"FloatTif", "tif", 33, 65, 3, OIIO::TypeFloat, false, 2e-7},
+    {"GrayFloatTif", "tif", 1, 65, 1, OIIO::TypeFloat, false, 2e-7},
+    {"HalfExr", "exr", 33, 65, 3, OIIO::TypeHalf, false, 2e-7},
+    {"FloatRgbaExr", "exr", 65, 33, 4, OIIO::TypeFloat, false, 2e-7},
+    {"GrayHalfExr", "exr", 3, 130, 1, OIIO::TypeHalf, false, 2e-7},
+    {"Tga", "tga", 33, 65, 3, OIIO::TypeUInt8, true, 2e-7},
+    {"SgiWithoutProxy", "sgi", 33, 65, 3, OIIO::TypeUInt8, true, 2e-7},
+    {"Hdr", "hdr", 33, 65, 3, OIIO::TypeFloat, false, 9.4e-3},
+};
+
+class MeanOfFormat : public testing::TestWithParam<Case> {};
+
+TEST_P(MeanOfFormat, EqualsTheFormulaForEveryColourSpace) {
+    const Case& test = GetParam();
+    const TemporaryFolder folder;
+    const std::string file = folder.File(std::string("image.") + test.extension);
+    Image image = MakeImage(test.width, test.height, test.channels, test.type);
+    Write(file, image);
+
+    for (const std::string space : {"auto", "", "raw", "sRGB"}) {
+        const bool isSrgb = space == "sRGB" || (space != "raw" && test.isAutoSrgb);
+        const hds::MeanColorResult mean = hds::MeanColor(Whole(file), space);
+        ASSERT_TRUE(mean.Ok()) << mean.error;
+        EXPECT_EQ(mean.warning, "");
+        EXPECT_EQ(mean.numNonFinite, 0u);
+        const bool isGray = test.channels < 3;
+        for (int c = 0; c < 3; ++c) {
+            EXPECT_NEAR(mean.rgba[static_cast<std::size_t>(c)],
+                        static_cast<double>(MeanOracle(image, isGray ? 0 : c, isSrgb)),
+                        test.tolerance)
+                << space << " channel " << c;
+        }
+        const bool hasAlpha = test.channels == 2 || test.channels == 4;
+        const double alpha =
+            hasAlpha ? static_cast<double>(MeanOracle(image, test.channels - 1, false)) : 1.0;
+        EXPECT_NEAR(mean.rgba[3], alpha, test.tolerance) << space;
+    }
+}
+
+TEST_P(MeanOfFormat, IsDescribedByProbe) {
+    const Case& test = GetParam();
+    const TemporaryFolder folder;
+    const std::string file = folder.File(std::string("image.") + test.extension);
+    Write(file, MakeImage(test.width, test.height, test.channels, test.type));
+    const hds::ImageInfo info = hds::ProbeImage(Whole(file));
+    ASSERT_TRUE(info.Ok()) << info.error;
+    EXPECT_EQ(info.width, static_cast<std::uint32_t>(test.width));
+    EXPECT_EQ(info.height, static_cast<std::uint32_t>(test.height));
+    EXPECT_EQ(info.channels, static_cast<std::uint32_t>(test.channels));
+    EXPECT_EQ(info.channelType, test.type.c_str());
+    EXPECT_EQ(info.autoColorSpace, test.isAutoSrgb ? "sRGB" : "raw");
+    EXPECT_EQ(info.bytesDecoded, static_cast<std::uint64_t>(test.width) * test.height *
+                                     test.channels * test.type.size());
+}
+
+TEST_P(MeanOfFormat, ByteRangeEqualsFile) {
+    const Case& test = GetParam();
+    const TemporaryFolder folder;
+    const std::string file = folder.File(std::string("image.") + test.extension);
+    Write(file, MakeImage(test.width, test.height, test.channels, test.type));
+    const std::string bytes = ReadFile(file);
+    const std::string package = folder.File("package.usdz");
+    WriteFile(package, std::string(67, '\x5a') + bytes + std::string(1000, '\xa5'));
+    const hds::ImageSource range{package, 67, bytes.size(),
+                                 std::string("package.usdz[textures/image.") + test.extension +
+                                     "]"};
+
+    const hds::MeanColorResult expected = hds::MeanColor(Whole(file), "auto");
+    const hds::MeanColorResult mean = hds::MeanColor(range, "auto");
+    ASSERT_TRUE(mean.Ok()) << mean.error;
+    EXPECT_EQ(mean.rgba, expected.rgba);
+    EXPECT_EQ(mean.info.fileFormat, expected.info.fileFormat);
+    const hds::LinearImage image = hds::LoadLinearImage(range, "auto", 0);
+    ASSERT_TRUE(image.Ok()) << image.error;
+    EXPECT_EQ(image.pixels, hds::LoadLinearImage(Whole(file), "auto", 0).pixels);
+}
+
+TEST_P(MeanOfFormat, TruncatedFileIsAnErrorThatNamesIt) {
+    const Case& test = GetParam();
+    const TemporaryFolder folder;
+    const std::string file = folder.File(std::string("image.") + test.extension);
+    // Large enough that a cut is inside the pixels whatever the header's size.
+    Write(file, MakeImage(test.width + 64, test.height + 64, test.channels, test.type));
+    const std::string bytes = ReadFile(file);
+    for (const double fraction : {0.02, 0.5, 0.8}) {
+        WriteFile(file, bytes.substr(0, static_cast<std::size_t>(bytes.size() * fraction)));
+        const hds::MeanColorResult mean = hds::MeanColor(Whole(file), "auto");
+        EXPECT_FALSE(mean.Ok()) << fraction;
+        EXPECT_NE(mean.error.find(file), std::string::npos) << mean.error;
+        EXPECT_EQ(mean.error.find('\n'), std::string::npos) << mean.error;
+        const hds::LinearImage image = hds::LoadLinearImage(Whole(file), "auto", 0);
+        EXPECT_FALSE(image.Ok()) << fraction;
+        EXPECT_TRUE(image.pixels.empty());
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, MeanOfFormat, testing::ValuesIn(kCases),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+TEST(ImageReader, JpegMeanEqualsAnotherDecodersPixels) {
+    const TemporaryFolder folder;
+    const std::string file = folder.File("image.jpg");
+    Write(file, MakeImage(45, 37, 3, OIIO::TypeUInt8));
+    OIIO::ImageBuf buffer(file);
+    ASSERT_TRUE(buffer.read(0, 0, true, OIIO::TypeFloat)) << buffer.geterror();
+    const hds::MeanColorResult mean = hds::MeanColor(Whole(file), "auto");
+    ASSERT_TRUE(mean.Ok()) << mean.error;
+    for (int c = 0; c < 3; ++c) {
+        long double sum = 0;
+        for (int y = 0; y < 37; ++y) {
+            for (int x = 0; x < 45; ++x) {
+                sum += SrgbOracle(buffer.getchannel(x, y, 0, c));
+            }
+        }
+        EXPECT_NEAR(mean.rgba[static_cast<std::size_t>(c)], static_cast<double>(sum / (45 * 37)),
+                    2e-7); // ImageBuf's floats
+    }
+}
+
+TEST(ImageReader, TruncatedJpegIsAnError) {
+    const TemporaryFolder folder;
+    const std::string file = folder.File("image.jpg");
+    Write(file, MakeImage(145, 137, 3, OIIO::TypeUInt8));
+    const std::string bytes = ReadFile(file);
+    WriteFile(file, bytes.substr(0, bytes.size() / 2));
+    const hds::MeanColorResult mean = hds::MeanColor(Whole(file), "auto");
+    EXPECT_FALSE(mean.Ok());
+    EXPECT_NE(mean.error.find(file), std::string::npos) << mean.error;
+}
+
+TEST(ImageReader, ContentDecidesWhenTheExtensionIsWrong) {
+    const TemporaryFolder folder;
+    const std::string png = folder.File("image.png");
+    Write(png, MakeImage(9, 5, 3, OIIO::TypeUInt8));
+    const std::string named = folder.File("image.jpg");
+    WriteFile(named, ReadFile(png));
+    const std::string bare = folder.File("image");
+    WriteFile(bare, ReadFile(png));
+    EXPECT_EQ(hds::MeanColor(Whole(named), "auto").rgba, hds::MeanColor(Whole(png), "auto").rgba);
+    EXPECT_EQ(hds::ProbeImage(Whole(named)).fileFormat, "png");
+    EXPECT_EQ(hds::MeanColor(Whole(bare), "auto").rgba, hds::MeanColor(Whole(png), "auto").rgba);
+}
+
+TEST(ImageReader, AuthoredGammaDecidesAuto) {
+    const TemporaryFolder folder;
+    Image image = MakeImage(9, 5, 3, OIIO::TypeUInt8);
+    image.spec.attribute("oiio:ColorSpace", "Linear"); // writes a gAMA chunk of 1
+    const std::string file = folder.File("linear.png");
+    Write(file, image);
+    EXPECT_EQ(hds::ProbeImage(Whole(file)).autoColorSpace, "raw");
+    EXPECT_NEAR(hds::MeanColor(Whole(file), "auto").rgba[0],
+                static_cast<double>(MeanOracle(image, 0, false)), 2e-7);
+}
+
+TEST(ImageReader, UnknownColourSpaceWarnsAndReadsAsAuto) {
+    const TemporaryFolder folder;
+    const std::string file = folder.File("image.png");
+    Write(file, MakeImage(9, 5, 3, OIIO::TypeUInt8));
+    const hds::MeanColorResult mean = hds::MeanColor(Whole(file), "no such space");
+    ASSERT_TRUE(mean.Ok());
+    EXPECT_NE(mean.warning.find(file), std::string::npos);
+    EXPECT_NE(mean.warning.find("no such space"), std::string::npos);
+    EXPECT_EQ(mean.rgba, hds::MeanColor(Whole(file), "auto").rgba);
+}
+
+TEST(ImageReader, MissingBlueIsZero) {
+    const TemporaryFolder folder;
+    const std::string file = folder.File("two.exr");
+    Image image = MakeImage(9, 5, 2, OIIO::TypeFloat);
+    image.spec.channelnames = {"R", "G"};
+    image.spec.alpha_channel = -1;
+    Write(file, image);
+    const hds::MeanColorResult mean = hds::MeanColor(Whole(file), "auto");
+    EXPECT_NEAR(mean.rgba[1], static_cast<double>(MeanOracle(image, 1, false)), 2e-7);
+    EXPECT_EQ(mean.rgba[2], 0.0);
+    EXPECT_EQ(mean.rgba[3], 1.0);
+}
+
+TEST(ImageReader, ColourIsFoundByNameAmongOtherLayers) {
+    const TemporaryFolder folder;
+    const std::string file = folder.File("layers.exr");
+    Image image = MakeImage(9, 5, 6, OIIO::TypeFloat);
+    image.spec.channelnames = {"depth.Z", "A", "B", "G", "R", "id.x"};
+    image.spec.alpha_channel = 1;
+    Write(file, image);
+    const hds::MeanColorResult mean = hds::MeanColor(Whole(file), "auto");
+    for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(mean.rgba[static_cast<std::size_t>(c)],
+                    static_cast<double>(MeanOracle(image, 4 - c, false)), 2e-7);
+    }
+    EXPECT_NEAR(mean.rgba[3], static_cast<double>(MeanOracle(image, 1, false)), 2e-7);
+}
+
+TEST(ImageReader, TiledImagesReadLikeScanlines) {
+    const TemporaryFolder folder;
+    Image image = MakeImage(130, 70, 3, OIIO::TypeFloat);
+    const std::string scanlines = folder.File("scanlines.exr");
+    Write(scanlines, image);
+    image.spec.tile_width = 32;
+    image.spec.tile_height = 16;
+    const std::string tiles = folder.File("tiles.exr");
+    Write(tiles, image);
+    EXPECT_EQ(hds::LoadLinearImage(Whole(tiles), "auto", 0).pixels,
+              hds::LoadLinearImage(Whole(scanlines), "auto", 0).pixels);
+}
+
+TEST(ImageReader, BadFilesAreErrorsOfOneLineThatNameThem) {
+    const TemporaryFolder folder;
+    const std::string empty = folder.File("empty.png");
+    WriteFile(empty, "");
+    const std::string text = folder.File("text.png");
+    WriteFile(text, "this is no image, whatever its name says\n");
+    const std::string unknown = folder.File("text.txt");
+    WriteFile(unknown, "this is no image either\n");
+    const std::string missing = folder.File("missing.png");
+    for (const std::string& file : {empty, text, unknown, missing, folder.Path()}) {
+        const hds::ImageInfo info = hds::ProbeImage(Whole(file));
+        EXPECT_FALSE(info.Ok()) << file;
+        EXPECT_NE(info.error.find(file), std::string::npos) << info.error;
+        EXPECT_EQ(info.error.find('\n'), std::string::npos) << info.error;
+        EXPECT_EQ(hds::MeanColor(Whole(file), "auto").error, info.error);
+        EXPECT_EQ(hds::LoadLinearImage(Whole(file), "auto", 0).error, info.error);
+    }
+    EXPECT_FALSE(hds::ProbeImage(Whole("")).Ok());
+}
+
+TEST(ImageReader, RangeBeyondTheFileIsAnError) {
+    const TemporaryFolder folder;
+    const std::string file = folder.File("image.png");
+    Write(file, MakeImage(9, 5, 3, OIIO::TypeUInt8));
+    const std::uint64_t size = ReadFile(file).size();
+    EXPECT_FALSE(hds::ProbeImage({file, 1, size, "a.png"}).Ok());
+    EXPECT_FALSE(hds::ProbeImage({file, size + 1, 1, "a.png"}).Ok());
+    EXPECT_FALSE(
+        hds::ProbeImage({file, std::numeric_limits<std::uint64_t>::max(), 2, "a.png"}).Ok());
+    EXPECT_NE(hds::ProbeImage({file, 1, size, "inner.png"}).error.find("inner.png"),
+              std::string::npos);
+}
+
+TEST(ImageReader, HeaderThatClaimsTooMuchIsAnError) {
+    const TemporaryFolder folder;
+    for (const std::string size : {"-Y 100000 +X 100000", "-Y 0 +X 0", "-Y 2000000 +X 2000000"}) {
+        const std::string file = folder.File("claim.hdr");
+        WriteFile(file,
+                  "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n" + size + "\n" + std::string(4096, '\0'));
+        const hds::LinearImage image = hds::LoadLinearImage(Whole(file), "auto", 0);
+        EXPECT_FALSE(image.Ok()) << size;
+        EXPECT_NE(image.error.find(file), std::string::npos) << image.error;
+        EXPECT_FALSE(hds::MeanColor(Whole(file), "auto").Ok()) << size;
+    }
+}
+
+TEST(ImageReader, NonFiniteTexelsAreCountedAndLeftOut) {
+    const TemporaryFolder folder;
+    const std::string file = folder.File("bad.exr");
+    Image image = MakeImage(2, 2, 3, OIIO::TypeFloat);
+    image.values = {1, 1,
+                    1, std::numeric_limits<float>::quiet_NaN(),
+                    2, 2, //
+                    3, std::numeric_limits<float>::infinity(),
+                    3, -4,
+                    4, 4};
+    Write(file, image);
+    const hds::MeanColorResult mean = hds::MeanColor(Whole(file), "auto");
+    ASSERT_TRUE(mean.Ok()) << mean.error;
+    EXPECT_EQ(mean.numNonFinite, 2u);
+    EXPECT_EQ(mean.rgba[0], 0.0); // (1 + 0 + 3 - 4) / 4
+    EXPECT_EQ(mean.rgba[1], 1.75);
+    EXPECT_EQ(mean.rgba[2], 2.5);
+
+    const hds::LinearImage linear = hds::LoadLinearImage(Whole(file), "auto", 0);
+    ASSERT_TRUE(linear.Ok()) << linear.error;
+    EXPECT_EQ(linear.numNonFinite, 2u);
+    EXPECT_EQ(linear.numNegative, 1u);
+    EXPECT_NE(linear.warning.find(file), std::string::npos);
+    EXPECT_EQ(linear.pixels, (std::vector<float>{1, 1, 1, 0, 2, 2, 3, 65504, 3, 0, 4, 4}));
+}
+
+TEST(ImageReader, LatlongLoadsAsStored) {
+    const TemporaryFolder folder;
+    const std::string exr = folder.File("dome.exr");
+    Image image = MakeImage(64, 32, 3, OIIO::TypeFloat);
+    for (float& value : image.values) {
+        value *= 1000.0f;
+    }
+    Write(exr, image);
+    const hds::LinearImage linear = hds::LoadLinearImage(Whole(exr), "auto", 0);
+    ASSERT_TRUE(linear.Ok()) << linear.error;
+    EXPECT_EQ(linear.width, 64u);
+    EXPECT_EQ(linear.height, 32u);
+    EXPECT_EQ(linear.pixels, image.values);
+    EXPECT_EQ(linear.warning, "");
+
+    const std::string png = folder.File("dome.png");
+    const Image bytes = MakeImage(64, 32, 3, OIIO::TypeUInt8);
+    Write(png, bytes);
+    const hds::LinearImage decoded = hds::LoadLinearImage(Whole(png), "auto", 0);
+    ASSERT_EQ(decoded.pixels.size(), bytes.values.size());
+    for (std::size_t i = 0; i < bytes.values.size(); ++i) {
+        ASSERT_NEAR(decoded.pixels[i], static_cast<double>(SrgbOracle(bytes.values[i])), 2e-7);
+    }
+}
+
+TEST(ImageReader, ReductionKeepsTheMeanAndTheLimit) {
+    const TemporaryFolder folder;
+    const std::string file = folder.File("dome.exr");
+    const Image image = MakeImage(127, 63, 3, OIIO::TypeFloat);
+    Write(file, image);
+    for (const std::uint64_t limit : {8000u, 2000u, 513u, 65u, 2u, 1u}) {
+        const hds::LinearImage linear = hds::LoadLinearImage(Whole(file), "auto", limit);
+        ASSERT_TRUE(linear.Ok()) << linear.error;
+        ASSERT_LE(std::uint64_t{linear.width} * linear.height, limit);
+        ASSERT_EQ(linear.pixels.size(), std::size_t{3} * linear.width * linear.height);
+        for (std::size_t c = 0; c < 3; ++c) {
+            double sum = 0.0;
+            for (std::size_t i = c; i < linear.pixels.size(); i += 3) {
+                sum += linear.pixels[i];
+            }
+            // float rounding of the reduced pixels
+            EXPECT_NEAR(sum / (double(linear.width) * linear.height),
+                        static_cast<double>(MeanOracle(image, static_cast<int>(c), false)), 1e-6);
+        }
+    }
+}
+
+} // namespace
