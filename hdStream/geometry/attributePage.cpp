@@ -107,10 +107,15 @@ private:
         return _bytes.data() + offset * kUnit;
     }
 
-    void AddIntegers(std::uint32_t slot, std::uint32_t interpolation,
-                     const std::vector<std::uint32_t>& values) {
-        std::memcpy(AddBlock(slot, interpolation, 1, values.size()), values.data(),
-                    values.size() * sizeof(std::uint32_t));
+    template <typename T>
+    void AddArray(std::uint32_t slot, std::uint32_t interpolation, std::uint32_t numComponents,
+                  const std::vector<T>& values) {
+        static_assert(sizeof(T) == sizeof(std::uint32_t));
+        std::uint8_t* block =
+            AddBlock(slot, interpolation, numComponents, values.size() / numComponents);
+        if (!values.empty()) { // a chunk may be empty, and memcpy wants pointers
+            std::memcpy(block, values.data(), values.size() * sizeof(T));
+        }
     }
 
     void AddFaces() {
@@ -119,7 +124,7 @@ private:
         for (const std::uint32_t primId : _chunk.primIds) {
             faces.push_back(_mesh.faces[primId]);
         }
-        AddIntegers(HDS_SLOT_FACE, HDS_ATTR_TRIANGLE, faces);
+        AddArray(HDS_SLOT_FACE, HDS_ATTR_TRIANGLE, 1, faces);
     }
 
     /// Absent when every triangle has entry 0, one value when all agree.
@@ -136,9 +141,9 @@ private:
             return entry == entries.front();
         });
         if (!isSame) {
-            AddIntegers(HDS_SLOT_MATERIAL, HDS_ATTR_TRIANGLE, entries);
+            AddArray(HDS_SLOT_MATERIAL, HDS_ATTR_TRIANGLE, 1, entries);
         } else if (entries.front() != 0) {
-            AddIntegers(HDS_SLOT_MATERIAL, HDS_ATTR_CONSTANT, {entries.front()});
+            AddArray<std::uint32_t>(HDS_SLOT_MATERIAL, HDS_ATTR_CONSTANT, 1, {entries.front()});
         }
     }
 
@@ -172,8 +177,7 @@ private:
                 }
             }
         }
-        std::memcpy(AddBlock(slot, interpolation, numComponents, numValues), values.data(),
-                    values.size() * sizeof(float));
+        AddArray(slot, interpolation, numComponents, values);
     }
 
     const TriangleMesh& _mesh;
@@ -206,7 +210,7 @@ std::size_t EstimateBytesPerTriangle(const TriangleMesh& mesh) {
                attribute.numComponents * sizeof(float);
     };
     std::size_t bytes = kNodeBytesPerTriangle + sizeof(shared::HdsTriangle);
-    bytes += 3 * 3 * sizeof(float); // positions, three vertices of its own
+    bytes += 9 * sizeof(float);     // positions, three vertices of its own
     bytes += sizeof(std::uint32_t); // authored face
     bytes += mesh.materialEntries.empty() ? 0 : sizeof(std::uint32_t);
     bytes += mesh.normals.values.empty() ? 0 : blockBytes(mesh.normals);

@@ -30,15 +30,13 @@ struct Face {
 class BlockSplitter {
 public:
     BlockSplitter(const MeshDescription& mesh, TriangleMesh& result, std::uint64_t firstTriangle)
-        : _mesh(mesh), _numPoints(mesh.points.size() / 3), _result(result),
-          _firstTriangle(firstTriangle) {}
+        : _mesh(mesh), _result(result), _firstTriangle(firstTriangle) {}
 
     void Add(const Face& face) {
-        if (face.count < 3) {
-            ++_block.problems.tooFewVertices;
-        } else if (face.firstCorner + face.count > _mesh.faceVertexIndices.size()) {
-            ++_block.problems.endsEarly;
-        } else if (Load(face)) {
+        const FaceUse use = CheckFace(_mesh, face.firstCorner, face.count);
+        _block.problems.Count(use);
+        if (use == FaceUse::Usable) {
+            Load(face);
             _local.resize(face.count - 2);
             const std::uint32_t count = _splitter.Split(_points.data(), face.count, _local.data());
             Store(face, count);
@@ -49,22 +47,13 @@ public:
     const BlockResult& Result() const { return _block; }
 
 private:
-    /// Reads the face's points; false (and counted) when one cannot be used.
-    bool Load(const Face& face) {
+    void Load(const Face& face) {
         _points.resize(face.count);
         const std::int32_t* indices = _mesh.faceVertexIndices.data() + face.firstCorner;
-        bool isFinite = true;
         for (std::uint32_t i = 0; i < face.count; ++i) {
-            if (indices[i] < 0 || static_cast<std::size_t>(indices[i]) >= _numPoints) {
-                ++_block.problems.indexOutOfRange;
-                return false;
-            }
             const float* p = _mesh.points.data() + std::size_t(indices[i]) * 3;
-            isFinite = isFinite && IsUsablePoint(p);
             _points[i] = glm::dvec3(p[0], p[1], p[2]);
         }
-        _block.problems.pointNotFinite += isFinite ? 0 : 1;
-        return isFinite;
     }
 
     void Store(const Face& face, std::uint32_t count) {
@@ -85,7 +74,6 @@ private:
     }
 
     const MeshDescription& _mesh;
-    std::size_t _numPoints;
     TriangleMesh& _result;
     std::uint64_t _firstTriangle;
     BlockResult _block;
@@ -150,6 +138,46 @@ bool IsUsablePoint(const float* point) {
     // Comparisons with NaN are false.
     return std::fabs(point[0]) <= kMaxCoordinate && std::fabs(point[1]) <= kMaxCoordinate &&
            std::fabs(point[2]) <= kMaxCoordinate;
+}
+
+FaceUse CheckFace(const MeshDescription& mesh, std::uint64_t firstCorner, std::uint32_t count) {
+    if (count < 3) {
+        return FaceUse::TooFewVertices;
+    }
+    if (firstCorner + count > mesh.faceVertexIndices.size()) {
+        return FaceUse::EndsEarly;
+    }
+    const std::size_t numPoints = mesh.points.size() / 3;
+    const std::int32_t* indices = mesh.faceVertexIndices.data() + firstCorner;
+    bool isFinite = true;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        if (indices[i] < 0 || static_cast<std::size_t>(indices[i]) >= numPoints) {
+            return FaceUse::IndexOutOfRange;
+        }
+        isFinite = isFinite && IsUsablePoint(mesh.points.data() + std::size_t(indices[i]) * 3);
+    }
+    return isFinite ? FaceUse::Usable : FaceUse::PointNotFinite;
+}
+
+void FaceProblems::Count(FaceUse use) {
+    tooFewVertices += use == FaceUse::TooFewVertices ? 1 : 0;
+    endsEarly += use == FaceUse::EndsEarly ? 1 : 0;
+    indexOutOfRange += use == FaceUse::IndexOutOfRange ? 1 : 0;
+    pointNotFinite += use == FaceUse::PointNotFinite ? 1 : 0;
+}
+
+void FaceProblems::Warn(const std::string& primPath, Warnings& warnings) const {
+    const auto warn = [&](std::uint64_t count, const std::string& reason) {
+        if (count > 0) {
+            warnings.Add(primPath, std::to_string(count) + (count == 1 ? " face" : " faces") +
+                                       " dropped: " + reason);
+        }
+    };
+    warn(tooFewVertices, "fewer than 3 vertices");
+    warn(endsEarly, "faceVertexIndices end before them");
+    warn(indexOutOfRange, "point index out of range");
+    warn(pointNotFinite, "point not finite or beyond 1e18");
+    warn(zeroArea, "zero area");
 }
 
 void FaceProblems::Add(const FaceProblems& other) {

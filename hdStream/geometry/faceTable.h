@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace hds {
@@ -17,14 +18,23 @@ constexpr float kMaxCoordinate = 1e18F;
 /// True for a point whose coordinates are finite and not beyond kMaxCoordinate.
 bool IsUsablePoint(const float* point);
 
-/// Faces that were left out, by reason; a face counts for the first that applies.
+/// Whether a face can be used; the first reason that applies.
+enum class FaceUse { Usable, TooFewVertices, EndsEarly, IndexOutOfRange, PointNotFinite };
+
+/// Checks the face whose indices start at `firstCorner`.
+FaceUse CheckFace(const MeshDescription& mesh, std::uint64_t firstCorner, std::uint32_t count);
+
+/// Faces that were left out, by reason.
 struct FaceProblems {
     std::uint64_t tooFewVertices = 0;  ///< faceVertexCounts below 3
     std::uint64_t endsEarly = 0;       ///< faceVertexIndices has no entries left for it
     std::uint64_t indexOutOfRange = 0; ///< a point index is negative or >= numPoints
     std::uint64_t pointNotFinite = 0;  ///< a point is not usable
     std::uint64_t zeroArea = 0;        ///< no triangle of it has an area
+    void Count(FaceUse use);
     void Add(const FaceProblems& other);
+    /// One line per reason that occurred: "3 faces dropped: point index out of range".
+    void Warn(const std::string& primPath, Warnings& warnings) const;
 };
 
 /// Where blocks of kFacesPerBlock faces start.

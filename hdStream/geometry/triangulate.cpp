@@ -20,17 +20,12 @@ namespace {
 using Range = tbb::blocked_range<std::size_t>;
 constexpr std::size_t kGrain = 16384;
 
-/// Collects the warnings of one prim: "3 faces dropped: reason".
+/// The warnings of one prim.
 class PrimLog {
 public:
     PrimLog(const std::string& primPath, Warnings& warnings)
         : _primPath(primPath), _warnings(warnings) {}
     void Warn(const std::string& text) { _warnings.Add(_primPath, text); }
-    void Dropped(std::uint64_t count, const std::string& reason) {
-        if (count > 0) {
-            Warn(std::to_string(count) + (count == 1 ? " face" : " faces") + " dropped: " + reason);
-        }
-    }
     const std::string& PrimPath() const { return _primPath; }
     Warnings& Sink() { return _warnings; }
 
@@ -77,14 +72,6 @@ std::vector<std::uint8_t> MarkHoles(const MeshDescription& mesh, PrimLog& log) {
         log.Warn(std::to_string(numBad) + " holeIndices ignored: out of range");
     }
     return isHole;
-}
-
-void WarnDroppedFaces(const FaceProblems& problems, PrimLog& log) {
-    log.Dropped(problems.tooFewVertices, "fewer than 3 vertices");
-    log.Dropped(problems.endsEarly, "faceVertexIndices end before them");
-    log.Dropped(problems.indexOutOfRange, "point index out of range");
-    log.Dropped(problems.pointNotFinite, "point not finite or beyond 1e18");
-    log.Dropped(problems.zeroArea, "zero area");
 }
 
 /// Where positions are relative to. An axis moves only when the whole mesh lies within a factor 2
@@ -256,7 +243,7 @@ std::shared_ptr<const TriangleMesh> Triangulate(const MeshDescription& mesh,
         log.Warn("mesh dropped: more than 2^32 - 2 faceVertexIndices or faces");
         return result;
     }
-    WarnDroppedFaces(SplitFaces(mesh, table, MarkHoles(mesh, log), *result), log);
+    SplitFaces(mesh, table, MarkHoles(mesh, log), *result).Warn(primPath, warnings);
     FillPositions(mesh, *result);
     if (result->triangles.empty()) {
         return result;

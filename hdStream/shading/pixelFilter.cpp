@@ -14,7 +14,7 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 
 /// Equals HDS_FILTER_TABLE_SIZE of kernels/sample/filter.clh (testPixelFilter compares them).
-constexpr int kTableSize = 1024;
+constexpr int kTableSize = 512;
 
 /// Coefficients of the four-term window. Source: Harris 1978, "On the Use of Windows for Harmonic
 /// Analysis with the Discrete Fourier Transform", minimum 4-term (-92 dB).
@@ -55,14 +55,14 @@ void CheckFilter(const std::string& name, double width) {
 std::vector<float> BuildPixelFilterTable(const std::string& name, double width) {
     CheckFilter(name, width);
     std::vector<float> table(kTableSize + 1);
-    for (int i = 0; i <= kTableSize / 2; ++i) {
-        const double share = double(i) / kTableSize;
+    for (int i = 0; i <= kTableSize; ++i) {
+        const double root = double(i) / kTableSize;
+        const double share = 0.5 * root * root;
         const double x = name == "box" ? share : InvertBlackmanHarris(share);
-        const double offset = i == 0 ? -0.5 * width : (x - 0.5) * width;
-        table[std::size_t(i)] = float(offset);
-        table[std::size_t(kTableSize - i)] = float(-offset);
+        table[std::size_t(i)] = float((x - 0.5) * width);
     }
-    table[kTableSize / 2] = 0.0F;
+    table.front() = float(-0.5 * width);
+    table.back() = 0.0F;
     return table;
 }
 

@@ -17,7 +17,6 @@ namespace hds {
 
 namespace {
 
-constexpr std::uint64_t kBandBytes = 32u << 20;              ///< memory of a band of rows
 constexpr int kRowAlignment = 64;                            ///< multiple of EXR's blocks of rows
 constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 33; ///< a header beyond this is a lie
 constexpr int kMaxChannels = 1024;
@@ -181,7 +180,7 @@ std::string ImageFile::OpenWith(const std::string& format, const ImageSource& so
 }
 
 std::string ImageFile::ReadBands(OIIO::TypeDesc type, int channelBegin, int channelEnd,
-                                 const BandCallback& onBand) {
+                                 const BandCallback& onBand, std::uint64_t bandBytes) {
     std::uint64_t pixelBytes = 0;
     if (type == OIIO::TypeUnknown) {
         pixelBytes = _spec.pixel_bytes(channelBegin, channelEnd, true);
@@ -190,7 +189,7 @@ std::string ImageFile::ReadBands(OIIO::TypeDesc type, int channelBegin, int chan
     }
     const std::uint64_t rowBytes = pixelBytes * Width();
     const int alignment = _spec.tile_height > 0 ? _spec.tile_height : kRowAlignment;
-    const int fitting = static_cast<int>(std::min<std::uint64_t>(kBandBytes / rowBytes, 1u << 20));
+    const int fitting = static_cast<int>(std::min<std::uint64_t>(bandBytes / rowBytes, 1u << 20));
     const int bandRows =
         std::min(_spec.height, std::max(alignment, fitting / alignment * alignment));
     try {

@@ -21,6 +21,8 @@ namespace hds {
 /// Alpha is delivered as the file has it (PNG: not premultiplied).
 class ImageFile {
 public:
+    static constexpr std::uint64_t kBandBytes = 32u << 20; ///< enough to keep decoders busy
+
     /// Rows [y, y + numRows) from the top, pixels interleaved.
     using BandCallback =
         std::function<void(std::uint32_t y, std::uint32_t numRows, const void* pixels)>;
@@ -41,9 +43,10 @@ public:
     /// Reads all rows of channels [channelBegin, channelEnd) in order, converted to `type`
     /// (integers to floats: divided by their maximum); OIIO::TypeUnknown leaves each channel as it
     /// is stored, packed.
+    /// \param bandBytes memory of a band; at least one row of tiles or 64 rows are read at once
     /// \return an error, one line that names the file; empty when all rows were delivered
     std::string ReadBands(OIIO::TypeDesc type, int channelBegin, int channelEnd,
-                          const BandCallback& onBand);
+                          const BandCallback& onBand, std::uint64_t bandBytes = kBandBytes);
 
 private:
     ImageFile() = default;

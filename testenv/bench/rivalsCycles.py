@@ -95,6 +95,7 @@ def _AddLights(target, lights) -> None:
             raise ValueError(f"{light.kind} light is not handled")
         data.color = color
         item = bpy.data.objects.new(f"light{i}", data)
+        item.visible_camera = True
         item.matrix_world = mathutils.Matrix(matrix.T.tolist())
         target.collection.objects.link(item)
 

@@ -5,6 +5,7 @@
 #include "hdStream/geometry/triangleMesh.h"
 
 #include <glm/common.hpp>
+#include <glm/vec4.hpp>
 
 #include <cmath>
 #include <random>

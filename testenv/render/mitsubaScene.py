@@ -148,8 +148,8 @@ def _Sensor(camera: dict, width: int, height: int) -> dict:
     if camera["fStop"] > 0:  # Mitsuba's lens has no film offset
         return {**out, "type": "thinlens", "aperture_radius": float(camera["focal"] / camera["fStop"] / 2),
                 "focus_distance": float(camera["focus"])}
-    return {**out, "type": "perspective", "principal_point_offset_x": float(-camera["offset"][0] / camera["width"]),
-            "principal_point_offset_y": float(camera["offset"][1] / camera["height"])}
+    return {**out, "type": "perspective", "principal_point_offset_x": float(camera["offset"][0] / camera["width"]),
+            "principal_point_offset_y": float(-camera["offset"][1] / camera["height"])}
 
 
 def Load(scene: Scene, width: int, height: int, maxDepth: int, folder: str):

@@ -226,7 +226,7 @@ def _ReadLight(prim, matrix: np.ndarray) -> Light:
     """Radiance by UsdLux's text: intensity * 2^exposure * colour * temperature, over the size factor if
     normalised (distant: pi sin^2 of the half angle, 1 for angle 0)."""
     kind = prim.GetTypeName().replace("Light", "")
-    inputs = {a.GetBaseName(): a.Get() for a in prim.GetAttributes() if a.GetName().startswith("inputs:")}
+    inputs = {a.GetName().split(":", 1)[1]: a.Get() for a in prim.GetAttributes() if a.GetName().startswith("inputs:")}
     radiance = np.array(inputs["color"], float) * inputs["intensity"] * 2.0 ** inputs["exposure"]
     if inputs["enableColorTemperature"]:
         radiance *= np.array(UsdLux.BlackbodyTemperatureAsRgb(inputs["colorTemperature"]))

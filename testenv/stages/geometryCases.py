@@ -64,7 +64,7 @@ def PrimvarColors(stage, folder):
     layouts = [("constant", 1, None), ("uniform", 6, None), ("vertex", 12, None), ("faceVarying", 24, None),
                ("faceVarying", 5, np.arange(24) % 5)]
     for i, (interpolation, count, indices) in enumerate(layouts):
-        mesh = author.AddMesh(stage, f"/World/Grid{i}", grid, translate=(-2.7 + 1.35 * i, 0.8, 0), rotate=(70, 0, 0))
+        mesh = author.AddMesh(stage, f"/World/Grid{i}", grid, doubleSided=True, translate=(-2.7 + 1.35 * i, 0.8, 0), rotate=(70, 0, 0))
         author.AddPrimvar(mesh, "displayColor", Sdf.ValueTypeNames.Color3fArray, interpolation, colors(count), indices)
     _AddSun(stage)
     author.AddCamera(stage, eye=(0, 1.8, 6.2), target=(0, 0.6, 0))
@@ -84,7 +84,7 @@ def AuthoredNormals(stage, folder):
         if i == 3:  # the same surface with reversed winding and leftHanded orientation
             shape = shapes.Shape(grid.points, grid.counts, grid.indices.reshape(-1, 4)[:, ::-1].ravel())
         mesh = author.AddMesh(stage, f"/World/Grid{i}", shapes.Shape(shape.points, shape.counts, shape.indices), material=gloss,
-                              translate=(-2.0 + 1.35 * i, 0.8, 0), rotate=(70, 0, 0))
+                              doubleSided=True, translate=(-2.0 + 1.35 * i, 0.8, 0), rotate=(70, 0, 0))
         normals = bend(source)
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
         mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(normals.astype(np.float32)))
@@ -126,7 +126,8 @@ def Subsets(stage, folder):
     paint = author.AddMaterial(stage, "/World/Paint", diffuseColor=(0.7, 0.1, 0.05), roughness=0.3)
     brass = author.AddMaterial(stage, "/World/Brass", diffuseColor=(0.8, 0.6, 0.2), metallic=1.0, roughness=0.45)
     box = author.AddMesh(stage, "/World/Box", shapes.Box(1.6, 1.6, 1.6), material=base, translate=(-1.1, 0.81, 0), rotate=(0, 35, 0))
-    grid = author.AddMesh(stage, "/World/Grid", shapes.Plane(1.8, 1.6, 6, 6), material=base, translate=(1.3, 0.8, 0), rotate=(70, 0, 0))
+    grid = author.AddMesh(stage, "/World/Grid", shapes.Plane(1.8, 1.6, 6, 6), material=base, doubleSided=True,
+                          translate=(1.3, 0.8, 0), rotate=(70, 0, 0))
     for mesh, name, faces, material in [(box, "paint", [1], paint), (box, "brass", [3, 5], brass),
                                         (grid, "paint", list(range(0, 36, 3)), paint), (grid, "brass", list(range(1, 36, 5)), brass)]:
         faces = [f for f in faces if name != "brass" or mesh is box or f % 3]

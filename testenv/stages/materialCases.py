@@ -105,7 +105,7 @@ def SurfaceReaders(stage, folder):
     readers = {"diffuseColor": ("tint", "float3", (1.0, 0.0, 1.0)), "roughness": ("rough", "float", 0.5),
                "metallic": ("metal", "float", 0.0), "ior": ("missing", "float", 1.7)}
     material = author.AddMaterial(stage, "/World/Patch", readers=readers)
-    mesh = author.AddMesh(stage, "/World/Grid", grid, material=material, translate=(0, 1.0, 0), rotate=(65, 0, 0))
+    mesh = author.AddMesh(stage, "/World/Grid", grid, material=material, doubleSided=True, translate=(0, 1.0, 0), rotate=(65, 0, 0))
     y, x = np.divmod(np.arange(55), 11)
     tint = np.stack([x / 10, 0.2 + 0.15 * y, 1 - x / 10], 1).astype(np.float32)
     author.AddPrimvar(mesh, "tint", Sdf.ValueTypeNames.Color3fArray, "vertex", Vt.Vec3fArray.FromNumpy(tint))
@@ -121,7 +121,7 @@ def SurfaceNormalInput(stage, folder):
     AddStudio(stage)
     for i, normal in enumerate([(0.0, 0.0, 1.0), (0.35, 0.0, 0.94), (0.0, 0.35, 0.94)]):
         material = author.AddMaterial(stage, f"/World/Material{i}", diffuseColor=(0.5, 0.4, 0.3), roughness=0.35, normal=normal)
-        author.AddMesh(stage, f"/World/Tile{i}", shapes.Plane(1.3, 1.6), material=material,
+        author.AddMesh(stage, f"/World/Tile{i}", shapes.Plane(1.3, 1.6), material=material, doubleSided=True,
                        translate=(-1.6 + 1.6 * i, 0.9, 0), rotate=(60, 0, 0))
 
 
@@ -136,15 +136,19 @@ def SurfaceInterior(stage, folder):
 
 
 def AddRoom(stage) -> None:
-    """A 3 x 2.5 x 3 Lambert box open toward the camera, lit by one panel below the ceiling."""
+    """A 3 x 2.5 x 3 Lambert box open toward the camera, lit by one panel in a hole of the ceiling: what
+    passes the panel meets nothing, so that it does not matter whether lights occlude."""
     white, red, green = (0.73, 0.73, 0.73), (0.65, 0.06, 0.05), (0.12, 0.45, 0.1)
     for name, color, width, depth, move, turn in [
             ("Floor", white, 3, 3, (0, 0, 0), (0, 0, 0)), ("Ceiling", white, 3, 3, (0, 2.5, 0), (180, 0, 0)),
             ("Back", white, 3, 2.5, (0, 1.25, -1.5), (90, 0, 0)), ("Left", red, 2.5, 3, (-1.5, 1.25, 0), (0, 0, -90)),
             ("Right", green, 2.5, 3, (1.5, 1.25, 0), (0, 0, 90))]:
-        author.AddMesh(stage, f"/World/{name}", shapes.Plane(width, depth), color=color, translate=move, rotate=turn)
-    author.AddLight(stage, "/World/Panel", "Rect", dict(translate=(0, 2.499, 0), rotate=(-90, 0, 0)), width=1.0, height=0.8,
-                    intensity=8.0)
+        wall = shapes.Plane(width, depth, 3, 3) if name == "Ceiling" else shapes.Plane(width, depth)
+        mesh = author.AddMesh(stage, f"/World/{name}", wall, color=color, translate=move, rotate=turn)
+        if name == "Ceiling":
+            mesh.CreateHoleIndicesAttr([4])
+    author.AddLight(stage, "/World/Panel", "Rect", dict(translate=(0, 2.5, 0), rotate=(-90, 0, 0)), width=1.0, height=1.0,
+                    intensity=6.4)
     author.AddCamera(stage, eye=(0, 1.25, 5.2), target=(0, 1.2, 0), focalLength=38)
 
 

@@ -80,22 +80,21 @@ inline std::vector<float> RandomSquares(std::size_t count, unsigned seed) {
     return values;
 }
 
-/// Directions: x is (1 + cos theta) / 2, y is phi / 2 pi, so the Jacobian is 4 pi everywhere.
+/// Directions: x is theta / pi, y is phi / 2 pi. Even in theta, so that peaks at the pole are wide.
 struct SphereDomain {
-    static constexpr double kJacobian = 12.566370614359172;
+    static constexpr double kPi = 3.141592653589793;
     static Square ToSquare(const double* d) {
-        const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-        const double phi = std::atan2(d[1], d[0]) / 6.283185307179586;
-        return {0.5 + 0.5 * d[2] / length, phi < 0.0 ? phi + 1.0 : phi};
+        const double phi = std::atan2(d[1], d[0]) / (2.0 * kPi);
+        return {std::atan2(std::hypot(d[0], d[1]), d[2]) / kPi, phi < 0.0 ? phi + 1.0 : phi};
     }
     static void FromSquare(const Square& s, float* d) {
-        const double z = 2.0 * s[0] - 1.0;
-        const double r = std::sqrt(std::max(0.0, 1.0 - z * z));
-        const double phi = 6.283185307179586 * s[1];
-        d[0] = float(r * std::cos(phi));
-        d[1] = float(r * std::sin(phi));
-        d[2] = float(z);
+        const double r = std::sin(kPi * s[0]);
+        d[0] = float(r * std::cos(2.0 * kPi * s[1]));
+        d[1] = float(r * std::sin(2.0 * kPi * s[1]));
+        d[2] = float(std::cos(kPi * s[0]));
     }
+    /// Solid angle per unit of the square.
+    static double Jacobian(const Square& s) { return 2.0 * kPi * kPi * std::sin(kPi * s[0]); }
 };
 
 /// The unit disk: x is r^2, y is phi / 2 pi; the Jacobian is pi.

@@ -112,6 +112,35 @@ TEST(ImplicitMesh, CountsAndSchemesAreOpenUsds) {
     EXPECT_THROW(MakeImplicitMesh(MakeShape("Torus", "Z")), Error);
 }
 
+TEST(ImplicitMesh, PointsAreOpenUsds) {
+    // From OpenUSD 24.08, testMeshGenerators/baseline/generatedMeshes_closed.txt: radius 0.5,
+    // height 2, printed with the digits that give the float back. Four units in the last place are
+    // left to the platform's sine and cosine.
+    struct Expected {
+        const char* type;
+        std::size_t point;
+        float x, y, z;
+    };
+    const Expected cases[] = {
+        {"Capsule", 1, 0.19134171F, 0.0F, -1.4619398F},
+        {"Capsule", 4, -0.05912787F, 0.18197678F, -1.4619398F},
+        {"Capsule", 7, -0.15479866F, -0.11246789F, -1.4619398F},
+        {"Cone", 2, 0.4045085F, 0.29389262F, -1.0F},
+        {"Cone", 10, 0.40450847F, -0.29389265F, -1.0F},
+    };
+    for (const Expected& e : cases) {
+        SCOPED_TRACE(std::string(e.type) + " point " + std::to_string(e.point));
+        ImplicitShape shape;
+        shape.type = e.type;
+        shape.radius = 0.5;
+        shape.height = 2.0;
+        const MeshDescription mesh = MakeImplicitMesh(shape);
+        EXPECT_FLOAT_EQ(mesh.points[3 * e.point], e.x);
+        EXPECT_FLOAT_EQ(mesh.points[3 * e.point + 1], e.y);
+        EXPECT_FLOAT_EQ(mesh.points[3 * e.point + 2], e.z);
+    }
+}
+
 TEST(ImplicitMesh, CagesAreClosedAndFaceOutwards) {
     for (const char* type : {"Sphere", "Cube", "Cylinder", "Cone", "Capsule"}) {
         for (const char* axis : {"X", "Y", "Z"}) {

@@ -270,8 +270,8 @@ TEST(Triangulate, BitsDoNotDependOnThreads) {
 
 TEST(Triangulate, GarbageNeverBreaksTheInvariants) {
     std::mt19937 random(23);
-    const auto integer = [&](std::int32_t low, std::int32_t high) {
-        return low + static_cast<std::int32_t>(random() % std::uint32_t(high - low + 1));
+    const auto integer = [&](std::int64_t low, std::int64_t high) {
+        return static_cast<std::int32_t>(low + std::int64_t(random() % (high - low + 1)));
     };
     const float special[] = {kNan, kInf, -kInf, 0.0F, -0.0F, 1e38F, 1e-45F, 3e18F};
     for (int round = 0; round < 3000; ++round) {

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """UsdLux lights as light descriptions: authored inputs, UsdLux's fallbacks, nothing folded in."""
 
-from pxr import Gf, UsdGeom
+from pxr import Gf, Sdf, UsdGeom
 
 from hdstream import _core
 
@@ -24,8 +24,7 @@ _BOOLS = ("normalize", "enableColorTemperature")
 # Inputs of features that are not there yet, and the values at which they do nothing.
 _UNSUPPORTED_INPUTS = {
     "inputs:shaping:focus": ("shaping", (0.0,)),
-    "inputs:shaping:cone:angle": ("shaping", ()),
-    "inputs:shaping:ies:file": ("shaping", ()),
+    "inputs:shaping:ies:file": ("shaping", (None, Sdf.AssetPath())),
     "inputs:shadow:enable": ("shadow", (True,)),
     "inputs:shadow:color": ("shadow", (Gf.Vec3f(0),)),
     "inputs:shadow:distance": ("shadow", (-1.0,)),
@@ -79,10 +78,13 @@ def UnsupportedFeatures(prim, names, timeCode):
             feature, idle = _UNSUPPORTED_INPUTS[name]
             if prim.GetAttribute(name).Get(timeCode) not in idle:
                 features.add(feature)
-        elif name == "light:filters" and prim.GetRelationship(name).HasAuthoredTargets():
-            features.add("light filters")
-        elif name == "portals" and prim.GetRelationship(name).HasAuthoredTargets():
-            features.add("portals")
+        elif name == "inputs:shaping:cone:angle":
+            # A cone of 90 degrees is all of a flat light, and one of 180 of any other.
+            idleAngle = 90.0 if prim.GetTypeName() in ("RectLight", "DiskLight") else 180.0
+            if prim.GetAttribute(name).Get(timeCode) < idleAngle:
+                features.add("shaping")
+        elif name in ("light:filters", "portals") and prim.GetRelationship(name).GetTargets():
+            features.add("light filters" if name == "light:filters" else "portals")
         elif name.startswith(("collection:lightLink:", "collection:shadowLink:")):
             if _IsLinkRestricting(prim, name, timeCode):
                 features.add("light linking")
@@ -93,5 +95,5 @@ def _IsLinkRestricting(prim, name, timeCode):
     if name.endswith(":includeRoot"):
         return prim.GetAttribute(name).Get(timeCode) is False
     if name.endswith((":includes", ":excludes")):
-        return prim.GetRelationship(name).HasAuthoredTargets()
+        return bool(prim.GetRelationship(name).GetTargets())
     return False

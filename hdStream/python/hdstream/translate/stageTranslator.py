@@ -8,9 +8,10 @@ walked and turned into instancers after it. Materials are found for all meshes a
 import gc
 
 import numpy as np
-from pxr import Usd, UsdGeom
+from pxr import Tf, Usd, UsdGeom
 
 from hdstream import _core
+from hdstream.errors import OneLine
 from hdstream.translate import cameras, instancing, lights, materials, meshes, primvars
 from hdstream.translate.assets import AssetResolver
 from hdstream.translate.primState import Context, State
@@ -93,7 +94,11 @@ class StageTranslator:
         stack = [(prim, state) for prim in reversed(prims)]
         while stack:
             prim, inherited = stack.pop()
-            state = self._Visit(prim, inherited, context)
+            try:
+                state = self._Visit(prim, inherited, context)
+            except (Tf.ErrorException, TypeError, ValueError) as error:
+                self._reports.Warn(prim, f"cannot be read: {OneLine(error)}")
+                state = inherited
             if state is not None:
                 children = prim.GetFilteredChildren(_PREDICATE)
                 for child in reversed(children):

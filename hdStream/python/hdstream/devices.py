@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`hdstream devices`."""
+
+from hdstream import _core
+from hdstream.errors import CommandError
+from hdstream.texts import BytesText
+
+
+def Run(args):
+    devices = _core.ListDevices()
+    if not devices:
+        raise CommandError("no OpenCL device found; install a driver, or PoCL for the CPU "
+                           "(Debian: pocl-opencl-icd)")
+    for device in devices:
+        kind = "CPU" if device.isCpu else "GPU"
+        print(f"{device.name}\n  {kind}, {device.computeUnits} compute units, "
+              f"{BytesText(device.memoryBytes)} memory, {BytesText(device.maxAllocationBytes)} an allocation\n"
+              f"  {device.platform}, {device.version}, driver {device.driverVersion}")

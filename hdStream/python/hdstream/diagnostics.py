@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: Apache-2.0
+"""OpenUSD's own errors and warnings as single lines that name the prim or file.
+
+A delegate keeps them off stderr; they are taken and turned into warnings where a session exists.
+"""
+
+import re
+
+from pxr import Tf, UsdUtils
+
+from hdstream.errors import OneLine
+
+_ERROR = re.compile(r"Error in '.*?' at line \d+ in file .*? : '(.*?)'\s*(?=$|\n\s*Error in )", re.DOTALL)
+_PRIM = re.compile(r"^In <([^>]*)>: *(.*)$")
+_ORIGIN = re.compile(r" *\((?:instantiating|recomposing)[^()]*stage on stage @[^@]*@ <[^>]*>\)\.?$")
+
+
+class Diagnostics:
+    """Collects all diagnostics from its creation on."""
+
+    def __init__(self):
+        self._delegate = UsdUtils.CoalescingDiagnosticDelegate()
+
+    def Take(self):
+        """(subject, text) of everything since the last call, each once, in order."""
+        found = {}
+        for diagnostic in self._delegate.TakeUncoalescedDiagnostics():
+            for line in str(diagnostic.commentary).splitlines():
+                entry = _Parse(line.strip())
+                if entry is not None:
+                    found[entry] = None
+        return list(found)
+
+    def WarnOf(self, session):
+        """Passes what was collected on as warnings of the session."""
+        for subject, text in self.Take():
+            session.Warn(subject, text)
+
+
+def _Parse(line):
+    """The prim a diagnostic names, and its text without the addresses of stages in memory."""
+    line = _ORIGIN.sub("", line)
+    if not line:
+        return None
+    match = _PRIM.match(line)
+    return (match.group(1), OneLine(match.group(2))) if match else ("USD", OneLine(line))
+
+
+def MessagesOf(error):
+    """The texts of a Tf.ErrorException, outermost last."""
+    texts = [OneLine(text) for text in _ERROR.findall(str(error))]
+    return texts or [OneLine(error)]
+
+
+TfError = Tf.ErrorException

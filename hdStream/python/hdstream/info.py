@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`hdstream info`: what is in a stage, in prims, triangles and bytes."""
+
+import collections
+import json
+import sys
+
+from hdstream import _core
+from hdstream.errors import CommandError
+from hdstream.texts import BytesText
+
+
+def Run(args):
+    from hdstream.diagnostics import Diagnostics
+    from hdstream.stage import OpenStage
+    from hdstream.translate import TranslateStage
+    session = _core.Session(lambda line: print(f"warning: {line}", file=sys.stderr))
+    diagnostics = Diagnostics()
+    stage = OpenStage(args.stage)
+    diagnostics.WarnOf(session)
+    TranslateStage(stage, session, stage.GetStartTimeCode())
+    diagnostics.WarnOf(session)
+    info = {"stage": args.stage, "primTypes": CountTypes(stage)}
+    info.update(json.loads(session.Info()))
+    info["cameraPaths"] = sorted(session.Scene().cameras)
+    info["startTimeCode"] = stage.GetStartTimeCode()
+    info["endTimeCode"] = stage.GetEndTimeCode()
+    if args.json != "-":
+        _Print(info)
+    if args.json:
+        _WriteJson(info, args.json)
+
+
+def CountTypes(stage):
+    """Prims of each type; those of native instances count once for every instance."""
+    from pxr import Usd
+    counts = collections.Counter()
+    for prim in stage.Traverse(Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)):
+        counts[prim.GetTypeName() or "(no type)"] += 1
+    return dict(sorted(counts.items()))
+
+
+def _WriteJson(info, file):
+    text = json.dumps(info, indent=2) + "\n"
+    if file == "-":
+        sys.stdout.write(text)
+        return
+    try:
+        with open(file, "w", encoding="utf-8") as stream:
+            stream.write(text)
+    except OSError as error:
+        raise CommandError(f"--json {file}: {error.strerror}") from None
+
+
+def _Print(info):
+    print(f"{info['stage']}: up axis {info['upAxis']}, {info['metersPerUnit']:g} m a unit, "
+          f"frames {info['startTimeCode']:g} to {info['endTimeCode']:g}")
+    print("prims       " + (", ".join(f"{count} {name}" for name, count in info["primTypes"].items()) or "none"))
+    print(f"meshes      {info['meshes']}, {info['triangles']} triangles, {BytesText(info['geometryBytes'])}")
+    print(f"instances   {info['instances']} drawn, {info['instancers']} instancers")
+    print(f"materials   {info['materials']}")
+    print(f"lights      {info['lights']}, {info['emissiveTriangles']} emissive triangles")
+    print(f"cameras     {', '.join(info['cameraPaths']) or 'none'}")
+    print(f"textures    {len(info['textures'])}, {BytesText(info['textureBytesSource'])} decoded")
+    for texture in info["textures"]:
+        size = f"{texture['width']}x{texture['height']}x{texture['channels']}, {BytesText(texture['bytesSource'])}"
+        print(f"  {texture['file']}: {texture['error'] or size}")

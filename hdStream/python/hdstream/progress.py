@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The progress bar on stderr: samples a pixel, the share that is done, the time left."""
+
+import os
+import shutil
+import sys
+import time
+
+from hdstream.texts import SecondsText
+
+_INTERVAL = 0.2  # seconds between redraws
+
+
+class ProgressBar:
+    """Draws on a terminal, or when HDSTREAM_PROGRESS=1; else does nothing. Any one thread a time."""
+
+    def __init__(self, isQuiet, label=""):
+        isWanted = sys.stderr.isatty() or os.environ.get("HDSTREAM_PROGRESS") == "1"
+        self._isShown = isWanted and not isQuiet
+        self._label = f"{label} " if label else ""
+        self._lastDraw = 0.0
+        self._length = 0
+
+    def Update(self, progress):
+        now = time.monotonic()
+        if not self._isShown or now - self._lastDraw < _INTERVAL:
+            return
+        self._lastDraw = now
+        text = (f"{progress.samplesDone}/{progress.samplesTotal} samples, "
+                f"{SecondsText(progress.secondsLeft)} left")
+        percent = f"{100.0 * progress.fraction:3.0f}% "
+        room = shutil.get_terminal_size().columns - len(self._label) - len(percent) - len(text) - 4
+        bar = ""
+        if room >= 10:
+            cells = min(room, 40)
+            done = int(round(cells * min(1.0, progress.fraction)))
+            bar = "[" + "#" * done + "." * (cells - done) + "] "
+        self._Draw(self._label + percent + bar + text)
+
+    def Clear(self):
+        """Removes the bar, so that a line can be written."""
+        if self._isShown and self._length:
+            self._Draw("")
+
+    def _Draw(self, line):
+        sys.stderr.write("\r" + line.ljust(self._length) + ("\r" if not line else ""))
+        sys.stderr.flush()
+        self._length = len(line)

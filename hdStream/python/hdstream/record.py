@@ -1,0 +1,254 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`hdstream record`: stage in, images out. Everything that can fail early is checked early."""
+
+import json
+import os
+import sys
+import threading
+import time
+
+from hdstream import _core
+from hdstream.errors import EXIT_INTERRUPTED, EXIT_OK, CommandError, UsageError
+from hdstream.processTime import SecondsSinceStart
+from hdstream.progress import ProgressBar
+from hdstream.texts import SecondsText
+
+_DEFAULT_WIDTH = 960
+_WHOLE_MESH_BYTES = 256 << 20  # largest chunk the core makes (session/settingsCheck.cpp)
+# Options whose feature is not there yet: (attribute, value without effect, what happens instead).
+_IDLE_OPTIONS = (
+    ("residency", ("auto", "resident"), "the whole scene is kept in device memory"),
+    ("geometryMemory", (None,), "the whole scene is kept in device memory"),
+    ("textureMemory", (None,), "textures are replaced by their mean colour"),
+    ("geometryEviction", ("clock",), "nothing is evicted"),
+    ("request", ("last",), "nothing is requested"),
+    ("shadeIterations", (0,), "shading is always exact"),
+    ("hostMemory", (None,), "all prepared data stays in host memory"),
+    ("prepare", ("lazy",), "everything is prepared before the first pixel"),
+    ("subdivision", ("adaptive", "cage"), "meshes are drawn as their cages"),
+    ("complexity", ("low",), "meshes are drawn as their cages"),
+)
+
+
+def Run(args):
+    """Renders all frames; returns the exit code."""
+    recorder = Recorder(args)
+    for timeCode in recorder.outputs.timeCodes:
+        if not recorder.Record(timeCode):
+            return EXIT_INTERRUPTED
+    return EXIT_OK
+
+
+class Recorder:
+    """Renders frames of one stage. Used from the main thread; renders on one of its own."""
+
+    def __init__(self, args):
+        from hdstream.diagnostics import Diagnostics
+        from hdstream.renderSettings import ReadRenderSettings
+        from hdstream.stage import FrameOutputs, OpenStage
+        self._args = args
+        self._warned = set()
+        self._progress = ProgressBar(args.quiet)
+        self._session = _core.Session(self._OnWarning)
+        self._CheckArguments()
+        self._diagnostics = Diagnostics()
+        start = time.perf_counter()
+        self._stage = OpenStage(args.stage, args.mask)
+        self._loadSeconds = time.perf_counter() - start
+        self.outputs = FrameOutputs(self._stage, args.frames, args.defaultTime, args.output)
+        for timeCode in self.outputs.timeCodes:
+            _core.CheckImageFile(self.outputs.FileOf(timeCode))
+        self._renderSettings = ReadRenderSettings(self._stage, args.renderSettingsPrimPath, self._session)
+        for name, idle, instead in _IDLE_OPTIONS:
+            if getattr(args, name) not in idle:
+                self._session.Warn(f"--{name}", f"not supported yet: {instead}")
+
+    def Record(self, timeCode):
+        """Renders and writes one frame; False when it was interrupted."""
+        from hdstream.framing import FindCamera
+        from hdstream.translate import TranslateStage
+        start = time.perf_counter()
+        self._session.Clear()
+        self._diagnostics.WarnOf(self._session)
+        cameraPrim = FindCamera(self._stage, self._args.camera, self._renderSettings.camera)
+        TranslateStage(self._stage, self._session, timeCode)
+        self._diagnostics.WarnOf(self._session)
+        if not self._session.Scene().meshes:
+            self._session.Warn(self._args.stage, "the stage has nothing to draw")
+        settings = self._MakeSettings()
+        camera = self._SetCamera(cameraPrim, timeCode, settings)
+        self._session.SetFrontEndTimes(self._loadSeconds, time.perf_counter() - start, SecondsSinceStart())
+        isComplete = self._Render(settings)
+        self._Write(self.outputs.FileOf(timeCode), timeCode, settings, camera, isComplete)
+        return isComplete
+
+    # --- Settings --------------------------------------------------------------------------------
+
+    def _CheckArguments(self):
+        """Whatever needs no stage."""
+        args = self._args
+        known = [info.name for info in _core.AovTable()]
+        for name in args.aovs or ():
+            if name not in known:
+                raise UsageError(f"--aovs {name}: none of {', '.join(known)}")
+        if args.aovs is not None and not args.aovs:
+            raise UsageError("--aovs: no names")
+        if "#" not in args.output:
+            _core.CheckImageFile(args.output)
+        if args.stats:
+            folder = os.path.dirname(args.stats) or "."
+            if not os.path.isdir(folder) or os.path.isdir(args.stats) or not os.access(folder, os.W_OK):
+                raise CommandError(f"--stats {args.stats}: cannot be written")
+
+    def _MakeSettings(self):
+        """The core's settings: the command line's, else the render settings prim's, else defaults."""
+        args = self._args
+        prim = self._renderSettings
+        settings = _core.Settings()
+        for name, value in prim.values.items():
+            setattr(settings, name, value)
+        settings.purposes = list(args.purposes or _WithDefault(prim.purposes) or settings.purposes)
+        aovs = args.aovs or prim.aovs
+        if aovs:
+            settings.aovs = aovs
+        if prim.pixelAspectRatio:
+            settings.pixelAspectRatio = prim.pixelAspectRatio
+        for option, name in (("samples", "samples"), ("maxDepth", "maxDepth"), ("seed", "seed"),
+                             ("time", "timeLimit"), ("noise", "noise"), ("waveSize", "waveSize"),
+                             ("device", "device"), ("cacheDir", "cacheDirectory")):
+            if getattr(args, option) is not None:
+                setattr(settings, name, getattr(args, option))
+        settings.noCache = settings.noCache or args.noCache
+        if hasattr(args, "chunkSize"):
+            settings.chunkBytes = args.chunkSize or _WHOLE_MESH_BYTES
+        return settings
+
+    def _SetCamera(self, prim, timeCode, settings):
+        """Puts the render camera into the scene, completes the settings; returns the camera."""
+        from pxr import Usd
+        from hdstream.framing import FREE_CAMERA_PATH, MakeFramingCamera
+        from hdstream.renderSettings import ConformCamera
+        from hdstream.translate.cameras import CameraFromGf, ReadCamera
+        usdTime = Usd.TimeCode(timeCode)
+        if prim is None:
+            camera = CameraFromGf(MakeFramingCamera(self._stage, usdTime, settings.purposes))
+            settings.camera = FREE_CAMERA_PATH
+        else:
+            camera = ReadCamera(prim, usdTime)
+            settings.camera = prim.GetPath().pathString
+        if not camera.horizontalAperture > 0.0 or not camera.verticalAperture > 0.0:
+            self._session.Warn(settings.camera, "aperture is not above 0; 20.955 x 15.2908 is used")
+            camera.horizontalAperture, camera.verticalAperture = 20.955, 15.2908
+        if self._renderSettings.disableDepthOfField:
+            camera.fStop = 0.0
+        self._SetImageSize(camera, settings)
+        settings.pixelAspectRatio = ConformCamera(
+            camera, self._renderSettings.conformPolicy, settings.imageWidth, settings.imageHeight,
+            settings.pixelAspectRatio)
+        self._session.SetCamera(settings.camera, camera)
+        return camera
+
+    def _SetImageSize(self, camera, settings):
+        """usdrecord's rule: the height follows from the width and the camera's aspect ratio."""
+        from hdstream.options import MAX_IMAGE_SIZE
+        resolution = self._renderSettings.resolution
+        width, height = self._args.imageWidth, self._args.imageHeight
+        if width is None and height is None and resolution:
+            width, height = resolution
+        width = width or _DEFAULT_WIDTH
+        if height is None:
+            aspect = camera.horizontalAperture / camera.verticalAperture
+            height = max(1, int(settings.pixelAspectRatio * width / aspect))
+        for name, size in (("width", width), ("height", height)):
+            if not 1 <= size <= MAX_IMAGE_SIZE:
+                raise UsageError(f"image {name} {size} is not in 1..{MAX_IMAGE_SIZE}")
+        settings.imageWidth, settings.imageHeight = width, height
+
+    # --- Rendering -------------------------------------------------------------------------------
+
+    def _Render(self, settings):
+        """Renders on a thread, so that Ctrl-C is seen at once; True when it was not interrupted."""
+        isStopping = threading.Event()
+        outcome = []
+
+        def OnProgress(progress):
+            if not isStopping.is_set():
+                self._progress.Update(progress)
+            return not isStopping.is_set()
+
+        def Work():
+            try:
+                self._session.Render(settings, OnProgress)
+            except BaseException as error:  # pylint: disable=broad-except
+                outcome.append(error)
+
+        thread = threading.Thread(target=Work, name="render", daemon=True)
+        thread.start()
+        while thread.is_alive():
+            try:
+                thread.join(0.1)
+            except KeyboardInterrupt:
+                self._progress.Clear()
+                if isStopping.is_set():
+                    os._exit(EXIT_INTERRUPTED)  # asked twice: leave at once, write nothing
+                isStopping.set()
+                print("hdstream record: interrupted; writing what is rendered so far", file=sys.stderr)
+        self._progress.Clear()
+        if outcome:
+            raise outcome[0]
+        return not isStopping.is_set()
+
+    # --- Results ---------------------------------------------------------------------------------
+
+    def _Write(self, file, timeCode, settings, camera, isComplete):
+        statistics = self._session.Statistics()
+        left = _core.WriteImage(file, self._session.Layers(), self._args.colorCorrectionMode,
+                                _MakeMetadata(settings, camera))
+        if left:
+            self._session.Warn(file, f"no room in this format for {', '.join(left)}; use .exr")
+        if self._args.stats:
+            statsFile = self.outputs.StatsFileOf(self._args.stats, timeCode)
+            with open(statsFile, "w", encoding="utf-8") as stream:
+                stream.write(statistics)
+        if not self._args.quiet:
+            values = json.loads(statistics)
+            done = "" if isComplete else " (interrupted)"
+            print(f"{file}: {settings.imageWidth}x{settings.imageHeight}, "
+                  f"{values['image']['samples']} samples, {SecondsText(values['time']['total'])}{done}")
+
+    def _OnWarning(self, line):
+        """Shows a warning once, however many frames have it."""
+        if line not in self._warned:
+            self._warned.add(line)
+            self._progress.Clear()
+            print(f"warning: {line}", file=sys.stderr)
+
+
+def _WithDefault(purposes):
+    if purposes is None:
+        return None
+    return ["default"] + [purpose for purpose in purposes if purpose != "default"]
+
+
+def _MakeMetadata(settings, camera):
+    """What the EXR says of the camera, in Gf's convention (row vectors), as OpenEXR's own names."""
+    from pxr import Gf
+    gfCamera = Gf.Camera()
+    gfCamera.transform = Gf.Matrix4d(camera.worldFromCamera.tolist())
+    gfCamera.projection = Gf.Camera.Orthographic if camera.orthographic else Gf.Camera.Perspective
+    gfCamera.horizontalAperture = camera.horizontalAperture
+    gfCamera.verticalAperture = camera.verticalAperture
+    gfCamera.horizontalApertureOffset = camera.horizontalApertureOffset
+    gfCamera.verticalApertureOffset = camera.verticalApertureOffset
+    gfCamera.focalLength = camera.focalLength
+    gfCamera.clippingRange = Gf.Range1f(camera.nearClip, camera.farClip)
+    frustum = gfCamera.frustum
+    view = frustum.ComputeViewMatrix()
+    metadata = _core.ImageMetadata()
+    metadata.samples = settings.samples
+    metadata.camera = settings.camera
+    metadata.pixelAspectRatio = settings.pixelAspectRatio
+    metadata.worldToCamera = [value for row in view for value in row]
+    projection = view * frustum.ComputeProjectionMatrix()
+    metadata.worldToNdc = [value for row in projection for value in row]
+    return metadata

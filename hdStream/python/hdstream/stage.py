@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Opening a stage and choosing its time codes, as usdrecord does."""
+
+import re
+
+from pxr import Ar, Sdf, Usd, UsdUtils
+
+from hdstream.diagnostics import MessagesOf, TfError
+from hdstream.errors import CommandError, UsageError
+
+_PLACEHOLDER = re.compile(r"^[^#]*(#+(?:\.(#+))?)[^#]*$")
+
+
+def OpenStage(path, maskPaths=()):
+    """The stage, with a population mask when paths are given."""
+    if not Ar.GetResolver().Resolve(path):
+        raise CommandError(f"{path}: no such file")
+    mask = Usd.StagePopulationMask()
+    for maskPath in maskPaths or ():
+        if not Sdf.Path.IsValidPathString(maskPath) or not Sdf.Path(maskPath).IsAbsolutePath():
+            raise UsageError(f"--mask {maskPath}: not an absolute prim path")
+        mask.Add(maskPath)
+    try:
+        stage = Usd.Stage.OpenMasked(path, mask) if maskPaths else Usd.Stage.Open(path)
+    except TfError as error:
+        causes = [text for text in MessagesOf(error) if not text.startswith("Failed to open layer")]
+        raise CommandError(f"{path}: not a USD stage: {causes[0] if causes else 'cannot be read'}") from None
+    if not stage:
+        raise CommandError(f"{path}: not a USD stage")
+    return stage
+
+
+class FrameOutputs:
+    """The time codes to render and the file of each."""
+
+    def __init__(self, stage, frames, isDefaultTime, output):
+        self._output = output
+        match = _PLACEHOLDER.match(output)
+        self._placeholder = match.group(1) if match else None
+        precision = len(match.group(2) or "") if match else 0
+        if "#" in output and not match:
+            raise UsageError(f"{output}: more than one frame placeholder")
+        if frames:
+            self.timeCodes, needed = ParseFrames(frames)
+            if len(self.timeCodes) > 1 and not match:
+                raise UsageError(f"{output}: --frames {frames} needs a frame placeholder such as ####")
+            if match and precision < needed:
+                raise UsageError(f"{output}: --frames {frames} needs a placeholder with {needed} digits "
+                                 f"after the dot, as ####.{'#' * needed}")
+        else:
+            if match:
+                raise UsageError(f"{output}: a frame placeholder needs --frames")
+            default = Usd.TimeCode.Default().GetValue()
+            self.timeCodes = [default if isDefaultTime else stage.GetStartTimeCode()]
+        self._format = f"0{len(self._placeholder)}.{precision}f" if match else ""
+
+    def FileOf(self, timeCode):
+        if not self._placeholder:
+            return self._output
+        return self._output.replace(self._placeholder, format(timeCode, self._format))
+
+    def StatsFileOf(self, file, timeCode):
+        """The statistics file of a frame: a placeholder in its name is honoured too."""
+        match = _PLACEHOLDER.match(file)
+        if not match or not self._placeholder:
+            return file
+        digits = len(match.group(2) or "")
+        return file.replace(match.group(1), format(timeCode, f"0{len(match.group(1))}.{digits}f"))
+
+
+def ParseFrames(spec):
+    """usdrecord's frame specs: (time codes, digits after the dot that tell them apart)."""
+    timeCodes = []
+    precision = 0
+    for part in spec.split(","):
+        try:
+            codes = UsdUtils.TimeCodeRange.CreateFromFrameSpec(part)
+            timeCodes.extend(code.GetValue() for code in codes)
+        except TfError:
+            raise UsageError(f"--frames {part}: not a frame spec such as 101, 101:105 or 101:109x2") from None
+        stride = part.partition("x")[2]
+        precision = max(precision, len(stride.partition(".")[2]))
+    if not timeCodes:
+        raise UsageError(f"--frames {spec}: no frames")
+    return timeCodes, precision

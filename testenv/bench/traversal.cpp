@@ -1,0 +1,348 @@
+// SPDX-License-Identifier: Apache-2.0
+// Traversal against Embree on one thread (issue 2, "what must be shown" 5): Mrays/s of both kernel
+// forms and of Embree, bytes a triangle, build speed; hits are compared while timing.
+// Usage: benchTraversal [--rays N] [--repeat N] [--triangles N] [--scene sphere|foliage]
+//        benchTraversal --watertight N    (leaks of N rays through closed meshes, must be 0)
+// Prints one table row a measurement. Figures are CPU seconds, so that other processes disturb less.
+#include "testenv/bench/traversalEmbree.h"
+#include "testenv/bench/traversalMeshes.h"
+#include "testenv/bench/traversalWatertight.h"
+#include "testenv/support/accelScene.h"
+
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+namespace hds::bench {
+namespace {
+
+const char* const kKernels = R"(
+#include "accel/traverse.clh"
+HdsTraversalRay bench_load(global const float* rays, uint i) {
+    HdsTraversalRay ray;
+    ray.origin = vload3(0, rays + 8u * i);
+    ray.tMin = rays[8u * i + 3u];
+    ray.direction = vload3(0, rays + 8u * i + 4u);
+    ray.tMax = rays[8u * i + 7u];
+    return ray;
+}
+kernel void bench_closest(global const float* rays, uint count, global HdsHit* hits,
+                          HDS_GEOMETRY_ARGS) {
+    const uint i = (uint)get_global_id(0);
+    if (i >= count) {
+        return;
+    }
+    HDS_GEOMETRY_VIEW(view);
+    HdsHit hit;
+    traverse_closest(&view, bench_load(rays, i), 0u, &hit);
+    hits[i] = hit;
+}
+kernel void bench_occluded(global const float* rays, uint count, global uint* results,
+                           HDS_GEOMETRY_ARGS) {
+    const uint i = (uint)get_global_id(0);
+    if (i >= count) {
+        return;
+    }
+    HDS_GEOMETRY_VIEW(view);
+    results[i] = traverse_occluded(&view, bench_load(rays, i)) ? 1u : 0u;
+}
+)";
+
+struct Options {
+    std::size_t numRays = 1U << 20U;
+    std::size_t numTriangles = 1000000;
+    int repeat = 3;
+    std::string scene;
+    std::uint64_t watertightRays = 0;
+};
+
+struct BenchScene {
+    std::string name;
+    std::vector<TriangleMesh> meshes;
+    glm::vec3 eye;
+
+    std::size_t NumTriangles() const {
+        std::size_t count = 0;
+        for (const TriangleMesh& mesh : meshes) {
+            count += mesh.triangles.size();
+        }
+        return count;
+    }
+};
+
+BenchScene SphereScene(std::size_t numTriangles) {
+    const auto rows = static_cast<std::uint32_t>(std::sqrt(static_cast<double>(numTriangles) / 4.0));
+    return {"sphere", {test::BumpySphere(rows + 1), test::Box(2.5F)}, {0.0F, -1.9F, 0.4F}};
+}
+
+BenchScene FoliageScene(std::size_t numTriangles) {
+    return {"foliage",
+            {test::Foliage(static_cast<std::uint32_t>(numTriangles / 2), 5), test::Box(2.5F)},
+            {0.0F, -1.9F, 0.4F}};
+}
+
+std::vector<BenchRay> PrimaryRays(const BenchScene& scene, std::size_t count) {
+    const auto side = static_cast<std::uint32_t>(std::sqrt(static_cast<double>(count)));
+    std::vector<BenchRay> rays;
+    rays.reserve(std::size_t{side} * side);
+    for (std::uint32_t y = 0; y < side; ++y) {
+        for (std::uint32_t x = 0; x < side; ++x) {
+            const float u = (static_cast<float>(x) + 0.5F) / static_cast<float>(side) * 2.0F - 1.0F;
+            const float v = (static_cast<float>(y) + 0.5F) / static_cast<float>(side) * 2.0F - 1.0F;
+            rays.push_back({{scene.eye.x, scene.eye.y, scene.eye.z},
+                            0.0F,
+                            {0.7F * u, 1.0F, -0.7F * v - 0.2F},
+                            INFINITY});
+        }
+    }
+    return rays;
+}
+
+/// Cosine-distributed rays from the primary hits, on the side the primary ray came from.
+std::vector<BenchRay> DiffuseRays(const BenchScene& scene, const std::vector<BenchRay>& primary,
+                                  const std::vector<EmbreeHit>& hits) {
+    std::mt19937 random(11);
+    const auto uniform = [&random] { return static_cast<float>(random() >> 8U) * 0x1p-24F; };
+    std::vector<BenchRay> rays;
+    for (std::size_t i = 0; i < primary.size(); ++i) {
+        if (hits[i].mesh == 0xffffffffU) {
+            continue;
+        }
+        const TriangleMesh& mesh = scene.meshes[hits[i].mesh];
+        const glm::uvec3& t = mesh.triangles[hits[i].triangle];
+        const glm::vec3 a = mesh.positions[t.y] - mesh.positions[t.x];
+        const glm::vec3 b = mesh.positions[t.z] - mesh.positions[t.x];
+        glm::vec3 n(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+        n /= std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
+        const float* d = primary[i].direction;
+        if (n.x * d[0] + n.y * d[1] + n.z * d[2] > 0.0F) {
+            n = -n;
+        }
+        // A point on the unit sphere around the normal's tip.
+        const float z = 2.0F * uniform() - 1.0F;
+        const float phi = 6.2831853F * uniform();
+        const float r = std::sqrt(std::max(0.0F, 1.0F - z * z));
+        const glm::vec3 direction = n + glm::vec3(r * std::cos(phi), r * std::sin(phi), z) * 0.999F;
+        const float* o = primary[i].origin;
+        BenchRay ray{};
+        for (int axis = 0; axis < 3; ++axis) {
+            ray.origin[axis] = o[axis] + hits[i].t * d[axis] + 1e-4F * n[axis];
+            ray.direction[axis] = direction[axis];
+        }
+        ray.tMax = INFINITY;
+        rays.push_back(ray);
+    }
+    return rays;
+}
+
+/// Best rate of several runs of `run`, in million rays a CPU second.
+template <typename Run>
+double MeasureMrays(std::size_t numRays, int repeat, const Run& run) {
+    double best = 1e30;
+    for (int i = 0; i < repeat; ++i) {
+        const double start = ProcessSeconds();
+        run();
+        best = std::min(best, ProcessSeconds() - start);
+    }
+    return static_cast<double>(numRays) / best * 1e-6;
+}
+
+/// Our kernels on a device.
+class OurScene {
+public:
+    OurScene(const std::shared_ptr<Device>& device, const test::AccelScene& scene, bool wide)
+        : _device(device), _scene(device, scene) {
+        const std::string text = kKernels;
+        _program = std::make_unique<Program>(
+            device, "bench.cl",
+            ProgramDefines{{"HDS_TRAVERSAL_WIDE", wide ? "1" : "0"},
+                           {"HDS_FEATURE_GROUPS", "0"},
+                           {"HDS_FEATURE_CUTOUT", "0"},
+                           {"HDS_NUM_POOLS", std::to_string(_scene.NumPools())}},
+            nullptr, &text);
+    }
+
+    template <typename Result>
+    std::vector<Result> Run(const char* name, const std::vector<BenchRay>& rays, int repeat,
+                            double* mrays) {
+        const Buffer input = UploadVector(_device, "rays", rays);
+        const Buffer output(_device, "results", rays.size() * sizeof(Result));
+        const auto count = static_cast<std::uint32_t>(rays.size());
+        Kernel kernel = _program->GetKernel(name);
+        kernel.SetBuffer(0, input);
+        kernel.SetBytes(1, &count, sizeof(count));
+        kernel.SetBuffer(2, output);
+        _scene.Bind(&kernel, 3);
+        kernel.Enqueue(rays.size());
+        _device->Finish();
+        *mrays = MeasureMrays(rays.size(), repeat, [&] {
+            kernel.Enqueue(rays.size());
+            _device->Finish();
+        });
+        std::vector<Result> results(rays.size());
+        output.Read(results.data(), results.size() * sizeof(Result));
+        return results;
+    }
+
+private:
+    std::shared_ptr<Device> _device;
+    test::DeviceAccelScene _scene;
+    std::unique_ptr<Program> _program;
+};
+
+/// Rays on which presence or distance differ by more than Embree's own rounding allows.
+std::size_t CountDifferences(const std::vector<shared::HdsHit>& ours,
+                             const std::vector<EmbreeHit>& theirs) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < ours.size(); ++i) {
+        const bool isHit = ours[i].chunk != HDS_NONE;
+        const bool isTheirs = theirs[i].mesh != 0xffffffffU;
+        const float tolerance = 1e-4F * (1.0F + std::fabs(theirs[i].t));
+        count += isHit != isTheirs ||
+                         (isHit && std::fabs(ours[i].t - theirs[i].t) > tolerance)
+                     ? 1
+                     : 0;
+    }
+    return count;
+}
+
+void PrintBytes(const BenchScene& scene, const test::AccelScene& ours, double buildSeconds,
+                const EmbreeScene& standard, const EmbreeScene& compact) {
+    std::size_t nodes = ours.topNodes.size() * sizeof(shared::HdsBvhNode);
+    std::size_t leaves = 0;
+    for (const shared::HdsChunk& chunk : ours.chunks) {
+        nodes += std::size_t{chunk.triangleOffset} * HDS_POOL_UNIT_BYTES;
+        leaves += chunk.numTriangles * sizeof(shared::HdsTriangle);
+    }
+    const auto triangles = static_cast<double>(scene.NumTriangles());
+    std::printf("%s: %.0f triangles, %zu chunks\n", scene.name.c_str(), triangles,
+                ours.chunks.size());
+    std::printf("  bytes/triangle    ours nodes %.1f, nodes + leaves %.1f; Embree default %.1f, "
+                "compact+robust %.1f\n",
+                static_cast<double>(nodes) / triangles,
+                static_cast<double>(nodes + leaves) / triangles,
+                static_cast<double>(standard.Bytes()) / triangles,
+                static_cast<double>(compact.Bytes()) / triangles);
+    std::printf("  build             ours %.2f Mtriangles/s wall (plan, gather, pages, tops), "
+                "Embree default %.2f, compact+robust %.2f (one thread)\n",
+                triangles / buildSeconds * 1e-6, triangles / standard.BuildSeconds() * 1e-6,
+                triangles / compact.BuildSeconds() * 1e-6);
+}
+
+void PrintRow(const char* what, double wide, double lane, double standard, double compact,
+              std::size_t differences, std::size_t numRays) {
+    std::printf("  %-16s  wide %.2f  lane %.2f  Embree default %.2f  compact+robust %.2f Mrays/s; "
+                "wide/default %.2f  wide/compact %.2f; differing %zu of %zu\n",
+                what, wide, lane, standard, compact, wide / standard, wide / compact, differences,
+                numRays);
+    std::fflush(stdout);
+}
+
+void RunScene(const std::shared_ptr<Device>& device, const BenchScene& scene,
+              const Options& options) {
+    const auto start = std::chrono::steady_clock::now();
+    test::AccelScene ours;
+    std::vector<test::AccelPlacement> placements;
+    for (const TriangleMesh& mesh : scene.meshes) {
+        placements.push_back({ours.AddMesh(mesh), glm::dmat4(1.0), HDS_INSTANCE_CAMERA});
+    }
+    ours.SetRoot(placements);
+    const std::chrono::duration<double> buildTime = std::chrono::steady_clock::now() - start;
+    const EmbreeScene standard(scene.meshes, false);
+    const EmbreeScene compact(scene.meshes, true);
+    PrintBytes(scene, ours, buildTime.count(), standard, compact);
+
+    OurScene wide(device, ours, true);
+    OurScene lane(device, ours, false);
+    const std::vector<BenchRay> primary = PrimaryRays(scene, options.numRays);
+    const std::vector<BenchRay> diffuse = DiffuseRays(scene, primary, compact.Closest(primary));
+    for (const bool isPrimary : {true, false}) {
+        const std::vector<BenchRay>& rays = isPrimary ? primary : diffuse;
+        double rates[4] = {};
+        std::vector<EmbreeHit> hits;
+        rates[2] = MeasureMrays(rays.size(), options.repeat, [&] { hits = standard.Closest(rays); });
+        const auto ourHits =
+            wide.Run<shared::HdsHit>("bench_closest", rays, options.repeat, &rates[0]);
+        rates[3] = MeasureMrays(rays.size(), options.repeat, [&] { hits = compact.Closest(rays); });
+        const auto laneHits =
+            lane.Run<shared::HdsHit>("bench_closest", rays, options.repeat, &rates[1]);
+        if (std::memcmp(ourHits.data(), laneHits.data(), ourHits.size() * sizeof(ourHits[0])) != 0) {
+            std::printf("  THE TWO FORMS DIFFER\n");
+        }
+        PrintRow(isPrimary ? "primary closest" : "diffuse closest", rates[0], rates[1], rates[2],
+                 rates[3], CountDifferences(ourHits, hits), rays.size());
+
+        std::vector<std::uint8_t> blocked;
+        std::vector<BenchRay> finite = rays;
+        for (BenchRay& ray : finite) {
+            ray.tMax = 1.0F;
+        }
+        rates[2] =
+            MeasureMrays(rays.size(), options.repeat, [&] { blocked = standard.Occluded(finite); });
+        rates[3] =
+            MeasureMrays(rays.size(), options.repeat, [&] { blocked = compact.Occluded(finite); });
+        const auto ourBlocked =
+            wide.Run<std::uint32_t>("bench_occluded", finite, options.repeat, &rates[0]);
+        lane.Run<std::uint32_t>("bench_occluded", finite, options.repeat, &rates[1]);
+        std::size_t differences = 0;
+        for (std::size_t i = 0; i < blocked.size(); ++i) {
+            differences += (ourBlocked[i] != 0) != (blocked[i] != 0) ? 1 : 0;
+        }
+        PrintRow(isPrimary ? "primary any hit" : "diffuse any hit", rates[0], rates[1], rates[2],
+                 rates[3], differences, rays.size());
+    }
+}
+
+bool ParseOptions(int argc, char** argv, Options* options) {
+    for (int i = 1; i + 1 < argc; i += 2) {
+        const std::string name = argv[i];
+        const char* value = argv[i + 1];
+        if (name == "--rays") {
+            options->numRays = std::strtoull(value, nullptr, 10);
+        } else if (name == "--repeat") {
+            options->repeat = std::atoi(value);
+        } else if (name == "--triangles") {
+            options->numTriangles = std::strtoull(value, nullptr, 10);
+        } else if (name == "--scene") {
+            options->scene = value;
+        } else if (name == "--watertight") {
+            options->watertightRays = std::strtoull(value, nullptr, 10);
+        } else {
+            return false;
+        }
+    }
+    return argc % 2 == 1;
+}
+
+int Main(int argc, char** argv) {
+    Options options;
+    if (!ParseOptions(argc, argv, &options)) {
+        std::fprintf(stderr, "usage: benchTraversal [--rays N] [--repeat N] [--triangles N] "
+                             "[--scene sphere|foliage] | --watertight N\n");
+        return 2;
+    }
+    if (options.watertightRays > 0) {
+        return RunWatertight(Device::Create(""), options.watertightRays) == 0 ? 0 : 1;
+    }
+    // One worker for the kernels; read by PoCL when the device is made.
+    setenv("POCL_MAX_PTHREAD_COUNT", "1", 0);
+    const std::shared_ptr<Device> device = Device::Create("");
+    std::printf("device: %s\n", device->Properties().name.c_str());
+    if (options.scene != "foliage") {
+        RunScene(device, SphereScene(options.numTriangles), options);
+    }
+    if (options.scene != "sphere") {
+        RunScene(device, FoliageScene(options.numTriangles), options);
+    }
+    return 0;
+}
+
+} // namespace
+} // namespace hds::bench
+
+int main(int argc, char** argv) { return hds::bench::Main(argc, argv); }

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// Embree 3 as the yardstick of the traversal benchmark: the same meshes, the same rays, one thread.
+#pragma once
+
+#include "hdStream/geometry/triangleMesh.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace hds::bench {
+
+/// A ray as the benchmark's kernels read it; tMin is 0 and tMax infinite where nothing else is said.
+struct BenchRay {
+    float origin[3];
+    float tMin;
+    float direction[3];
+    float tMax;
+};
+static_assert(sizeof(BenchRay) == 32);
+
+/// What Embree answers.
+struct EmbreeHit {
+    float t;
+    std::uint32_t mesh;     ///< 0xffffffff: no hit
+    std::uint32_t triangle;
+};
+
+/// A committed Embree scene. One thread.
+class EmbreeScene {
+public:
+    /// \param compactRobust RTC_SCENE_FLAG_COMPACT | ROBUST, else the default flags.
+    EmbreeScene(const std::vector<TriangleMesh>& meshes, bool compactRobust);
+    ~EmbreeScene();
+    EmbreeScene(const EmbreeScene&) = delete;
+    EmbreeScene& operator=(const EmbreeScene&) = delete;
+
+    std::vector<EmbreeHit> Closest(const std::vector<BenchRay>& rays) const;
+    std::vector<std::uint8_t> Occluded(const std::vector<BenchRay>& rays) const;
+
+    /// Bytes that Embree allocated for the hierarchy (vertices and indices are shared with us).
+    std::size_t Bytes() const { return _bytes; }
+    /// CPU seconds of the commit.
+    double BuildSeconds() const { return _buildSeconds; }
+
+private:
+    void* _device = nullptr;
+    void* _scene = nullptr;
+    std::size_t _bytes = 0;
+    double _buildSeconds = 0.0;
+};
+
+/// CPU seconds that this process has used in all threads: unlike wall time it does not count what
+/// other processes take.
+double ProcessSeconds();
+
+} // namespace hds::bench

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+// Programs: includes come once and name our files in errors; binaries are cached and verified.
+#include "testenv/support/deviceFixture.h"
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace hds::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ProgramTest : public DeviceFixture {};
+
+std::size_t CountOf(const std::string& text, const std::string& part) {
+    std::size_t count = 0;
+    for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
+        ++count;
+    }
+    return count;
+}
+
+TEST(KernelSource, AFileComesOnce) {
+    const std::string text = "#include \"math/vector.clh\"\n#include \"shared/geometry.h\"\n#include \"math/vector.clh\"\n";
+    const std::string source = ExpandKernelSource("test.cl", &text);
+    EXPECT_EQ(CountOf(source, "#define HDS_SHARED_COMPAT_H"), 1U);
+    EXPECT_EQ(CountOf(source, "#line 1 \"math/vector.clh\""), 1U);
+}
+
+TEST(KernelSource, AConditionalIncludeHidesNothing) {
+    // The first include is in a branch that is not taken; the second must still bring the file.
+    const std::string text = "#if 0\n#include \"math/vector.clh\"\n#endif\n#include \"math/vector.clh\"\n";
+    const std::string source = ExpandKernelSource("test.cl", &text);
+    EXPECT_EQ(CountOf(source, "#line 1 \"math/vector.clh\""), 2U);
+}
+
+TEST(KernelSource, AMissingIncludeNamesBothFiles) {
+    const std::string text = "#include \"no/such.clh\"\n";
+    try {
+        ExpandKernelSource("test.cl", &text);
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("no/such.clh"), std::string::npos);
+        EXPECT_NE(std::string(error.what()).find("test.cl"), std::string::npos);
+    }
+}
+
+TEST_F(ProgramTest, CompilerErrorsNameOurFileAndLine) {
+    try {
+        Build("#include \"math/vector.clh\"\nkernel void k(global int* x) {\n    x[0] = nonsense;\n}\n");
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("test.cl:3"), std::string::npos) << error.what();
+    }
+}
+
+TEST_F(ProgramTest, BinariesAreCachedPerTextAndDefines) {
+    const fs::path folder = fs::temp_directory_path() / ("hdsProgram-" + std::to_string(::getpid()));
+    fs::remove_all(folder);
+    Warnings warnings;
+    Store store({folder.string()}, &warnings);
+    const std::string text = "kernel void fill(global int* x) { x[get_global_id(0)] = VALUE; }\n";
+    const auto run = [&](const char* value, bool expectCached) {
+        Program program(device, "test.cl", {{"VALUE", value}}, &store, &text);
+        EXPECT_EQ(program.IsFromCache(), expectCached) << value;
+        Buffer out = Allocate(64 * sizeof(int));
+        program.GetKernel("fill").Launch(64, out);
+        EXPECT_EQ(Download<int>(out, 64), std::vector<int>(64, std::stoi(value)));
+    };
+    run("3", false);
+    run("3", true);
+    run("4", false);
+    for (const auto& entry : fs::directory_iterator(folder)) { // corrupt all: rebuilt, not trusted
+        fs::resize_file(entry.path(), fs::file_size(entry.path()) - 1);
+    }
+    run("3", false);
+    run("3", true);
+    fs::remove_all(folder);
+    EXPECT_TRUE(warnings.Lines().empty());
+}
+
+TEST_F(ProgramTest, BuffersCopyWhatTheySay) {
+    std::vector<int> values(1000);
+    for (int i = 0; i < 1000; ++i) {
+        values[static_cast<std::size_t>(i)] = i * i;
+    }
+    Buffer buffer = Upload(values);
+    EXPECT_EQ(Download<int>(buffer, 1000), values);
+    buffer.Fill(7, 400, 40);
+    std::fill(values.begin() + 10, values.begin() + 110, 7);
+    EXPECT_EQ(Download<int>(buffer, 1000), values);
+    Buffer empty(device, "empty", 0);
+    empty.Write(nullptr, 0);
+    EXPECT_TRUE(empty.IsValid());
+}
+
+TEST_F(ProgramTest, AnImpossibleAllocationNamesTheBuffer) {
+    try {
+        const Buffer buffer(device, "the giant", std::uint64_t{1} << 50U);
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("the giant"), std::string::npos);
+    }
+}
+
+TEST(DeviceChoice, AnUnknownNameIsAUsageError) {
+    if (!SharedTestDevice()) {
+        GTEST_SKIP() << "SKIPPED LOUDLY: no OpenCL device on this machine";
+    }
+    try {
+        Device::Create("no such device");
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::Usage);
+    }
+}
+
+} // namespace
+} // namespace hds::test

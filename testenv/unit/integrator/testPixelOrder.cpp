@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every pixel comes exactly once, whatever the size, and neighbours in the list are near in the image.
+#include "hdStream/integrator/pixelOrder.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace hds {
+namespace {
+
+TEST(PixelOrder, IsAPermutation) {
+    const std::pair<std::uint32_t, std::uint32_t> sizes[] = {{1, 1}, {1, 77}, {77, 1}, {33, 65}, {64, 32}, {160, 120}};
+    for (const auto& [width, height] : sizes) {
+        std::vector<std::uint32_t> pixels = MakePixelOrder(width, height);
+        std::sort(pixels.begin(), pixels.end());
+        std::vector<std::uint32_t> all(std::size_t{width} * height);
+        std::iota(all.begin(), all.end(), 0U);
+        EXPECT_EQ(pixels, all) << width << "x" << height;
+    }
+}
+
+TEST(PixelOrder, ARunOf1024IsATile) {
+    const std::uint32_t width = 96;
+    const std::vector<std::uint32_t> pixels = MakePixelOrder(width, 64);
+    for (std::size_t first = 0; first < pixels.size(); first += 1024) {
+        std::uint32_t low[2] = {~0U, ~0U};
+        std::uint32_t high[2] = {0, 0};
+        for (std::size_t i = first; i < first + 1024; ++i) {
+            const std::uint32_t at[2] = {pixels[i] % width, pixels[i] / width};
+            for (int axis = 0; axis < 2; ++axis) {
+                low[axis] = std::min(low[axis], at[axis]);
+                high[axis] = std::max(high[axis], at[axis]);
+            }
+        }
+        EXPECT_EQ(high[0] - low[0], 31U);
+        EXPECT_EQ(high[1] - low[1], 31U);
+    }
+}
+
+} // namespace
+} // namespace hds
