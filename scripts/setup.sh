@@ -5,7 +5,7 @@
 # Explained in docs/building.md.
 # shellcheck shell=bash
 
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
+root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd -P)
 state=$root/.setup
 build=$root/build/release
 # Debian's python3-dev belongs to this interpreter, whatever else PATH holds.
@@ -16,7 +16,7 @@ packages=(
     g++ cmake ninja-build python3-dev python3-venv
     pocl-opencl-icd ocl-icd-opencl-dev
     libopenimageio-dev openimageio-tools # the tools only because OpenImageIO's CMake file insists on them
-    libopencolorio-dev libtbb-dev libglm-dev nlohmann-json3-dev libgtest-dev
+    libopencolorio-dev libosd-dev libtbb-dev libglm-dev nlohmann-json3-dev libgtest-dev
 )
 
 Say() { echo "hdStream: $*" >&2; }
@@ -66,7 +66,8 @@ InstallPackages() {
     Say "installing ${#missing[@]} system packages with apt-get (about 3 minutes, up to 300 MB)"
     local apt=("${asRoot[@]}" env DEBIAN_FRONTEND=noninteractive NEEDRESTART_MODE=a
                apt-get -y -q -o DPkg::Lock::Timeout=600 -o Acquire::Retries=3)
-    Step aptUpdate "${apt[@]}" update
+    # A broken source of somebody else is no reason to stop: the installation tells.
+    "${apt[@]}" update >"$state/aptUpdate.log" 2>&1 </dev/null || true
     # --no-remove: another OpenCL loader or driver of the user's must not be replaced.
     Step apt "${apt[@]}" install --no-install-recommends --no-remove "${missing[@]}"
 }
@@ -114,7 +115,7 @@ Announce() {
 # Build TARGET: brings a target up to date; about 0.1 s when it is.
 Build() {
     if ! ninja -C "$build" "$1" </dev/null 2>&1 | Announce >"$state/build.log"; then
-        grep -E -A 12 'FAILED|error:' "$state/build.log" | head -n 40 >&2 || true
+        grep -E -A 12 'FAILED|CMake Error|error:' "$state/build.log" | head -n 40 >&2 || true
         Fail "the build failed; the full log is $state/build.log"
     fi
 }

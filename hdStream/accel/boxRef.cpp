@@ -13,11 +13,13 @@ namespace {
 
 constexpr std::size_t kGrain = 16384; ///< items a task handles at least
 
+/// An empty box (an instance of nothing) becomes the point 0.
 BoxRef MakeRef(const glm::vec3& lo, const glm::vec3& hi, std::size_t item) {
     BoxRef ref{};
+    const bool isEmpty = !(lo.x <= hi.x && lo.y <= hi.y && lo.z <= hi.z);
     for (int axis = 0; axis < 3; ++axis) {
-        ref.lo[axis] = lo[axis] + 0.0F; // -0 becomes +0
-        ref.hi[axis] = hi[axis] + 0.0F;
+        ref.lo[axis] = isEmpty ? 0.0F : lo[axis] + 0.0F; // -0 becomes +0
+        ref.hi[axis] = isEmpty ? 0.0F : hi[axis] + 0.0F;
     }
     ref.item = static_cast<std::uint32_t>(item);
     return ref;

@@ -27,7 +27,8 @@ struct BvhOptions {
 };
 
 /// Builds with the surface area heuristic (binned; Wald 2007) and collapses to 8-wide optimally
-/// (Ylitie 2017, section 3.1). Uses all cores. Any finite box is allowed, also flat or equal ones.
+/// (Ylitie 2017, section 3.1). Uses all cores. Any finite box is allowed, also flat, equal or empty
+/// ones (min > max: never hit, kept as a point). At most HDS_BVH_MAX_DEPTH nodes lie on a path.
 Bvh BuildBvh(const std::vector<Bounds>& items, const BvhOptions& options);
 
 /// Chunks of a mesh: `order` lists triangles, chunk i owns [begin[i], begin[i + 1]).

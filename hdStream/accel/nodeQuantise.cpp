@@ -3,6 +3,7 @@
 
 #include "hdStream/base/error.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -13,8 +14,22 @@ namespace {
 constexpr int kMinExponent = -126; ///< the smallest scale is a normal float
 constexpr int kMaxExponent = 127;
 
-/// Smallest exponent with 255 * 2^e >= extent.
-int ExponentFor(double extent) {
+/// a - b, exactly: the rounded difference and what it lacks. Source: Knuth 1997, TAOCP 2, 4.2.2,
+/// theorem B.
+struct Difference {
+    double value;
+    double error;
+
+    Difference(float a, float b) : value(double{a} - double{b}) {
+        const double minusB = value - double{a};
+        error = (double{a} - (value - minusB)) - (double{b} + minusB);
+    }
+};
+
+/// Smallest exponent with 255 * 2^e >= the difference.
+int ExponentFor(const Difference& difference) {
+    const double extent =
+        difference.error > 0.0 ? std::nextafter(difference.value, HUGE_VAL) : difference.value;
     if (!(extent > 0.0)) {
         return kMinExponent;
     }
@@ -37,31 +52,37 @@ double PowerOfTwo(int exponent) {
     return value;
 }
 
-/// One axis of one slot. Differences of floats and q * 2^e are compared as doubles.
+/// The planes of one axis; q * scale is exact in a double.
 struct AxisQuantiser {
-    double origin;
+    float origin;
     double scale;
     double inverse;
 
     std::uint32_t Low(float lo) const {
-        const double distance = double{lo} - origin;
-        auto q = static_cast<int>(distance * inverse);
-        q = q > 255 ? 255 : q;
-        while (q > 0 && q * scale > distance) {
+        const Difference distance(lo, origin);
+        const auto isBeyond = [&](int q) {
+            return q * scale > distance.value ||
+                   (q * scale == distance.value && distance.error < 0.0);
+        };
+        int q = std::min(static_cast<int>(distance.value * inverse), 255);
+        while (q > 0 && isBeyond(q)) {
             --q;
         }
-        HDS_VERIFY(q >= 0 && q * scale <= distance, "a low plane does not contain its box");
+        HDS_VERIFY(q >= 0 && !isBeyond(q), "a low plane does not contain its box");
         return static_cast<std::uint32_t>(q);
     }
 
     std::uint32_t High(float hi) const {
-        const double distance = double{hi} - origin;
-        auto q = static_cast<int>(std::ceil(distance * inverse));
-        q = q > 255 ? 255 : q;
-        while (q < 255 && q * scale < distance) {
+        const Difference distance(hi, origin);
+        const auto isShort = [&](int q) {
+            return q * scale < distance.value ||
+                   (q * scale == distance.value && distance.error > 0.0);
+        };
+        int q = std::min(static_cast<int>(std::ceil(distance.value * inverse)), 255);
+        while (q < 255 && isShort(q)) {
             ++q;
         }
-        HDS_VERIFY(q * scale >= distance, "a high plane does not contain its box");
+        HDS_VERIFY(!isShort(q), "a high plane does not contain its box");
         return static_cast<std::uint32_t>(q);
     }
 };
@@ -72,8 +93,7 @@ void QuantiseNode(const SlotBox& parent, const std::array<SlotBox, 8>& slots,
                   std::uint32_t slotMask, shared::HdsBvhNode* node) {
     node->exponentsImask &= 0xff000000U;
     for (int axis = 0; axis < 3; ++axis) {
-        const double extent = double{parent.hi[axis]} - double{parent.lo[axis]};
-        const int exponent = ExponentFor(extent);
+        const int exponent = ExponentFor(Difference(parent.hi[axis], parent.lo[axis]));
         node->origin[axis] = parent.lo[axis];
         node->exponentsImask |= static_cast<std::uint32_t>(exponent + 127) << (8 * axis);
         const AxisQuantiser quantiser = {parent.lo[axis], PowerOfTwo(exponent),

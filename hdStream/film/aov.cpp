@@ -11,84 +11,46 @@ namespace {
 
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
+using Channels = std::vector<std::string>;
+
+AovInfo Color(const char* name, const Channels& channels, AovFilter filter,
+              const char* description) {
+    return {name, channels, false, true, filter, 0.0f, 0, description};
+}
+
+AovInfo Data(const char* name, const Channels& channels, AovFilter filter, float clearValue,
+             const char* description) {
+    return {name, channels, false, false, filter, clearValue, 0, description};
+}
+
+AovInfo Integer(const char* name, const char* channel, AovFilter filter, std::int32_t clearId,
+                const char* description) {
+    return {name, {channel}, true, false, filter, 0.0f, clearId, description};
+}
+
 std::vector<AovInfo> MakeTable() {
-    const std::vector<std::string> rgb{"R", "G", "B"};
-    const std::vector<std::string> xyz{"X", "Y", "Z"};
+    const Channels xyz{"X", "Y", "Z"};
+    const AovFilter first = AovFilter::First;
     return {
-        {"color",
-         {"R", "G", "B", "A"},
-         false,
-         true,
-         AovFilter::Weighted,
-         0.0f,
-         0,
-         "radiance in the working space, premultiplied by alpha"},
-        {"alpha",
-         {"A"},
-         false,
-         false,
-         AovFilter::Weighted,
-         0.0f,
-         0,
-         "coverage of the pixel by geometry, 0 to 1"},
-        {"depth",
-         {"Z"},
-         false,
-         false,
-         AovFilter::First,
-         1.0f,
-         0,
-         "depth after projection, 0 at the near and 1 at the far clipping plane"},
-        {"cameraDepth",
-         {"Z"},
-         false,
-         false,
-         AovFilter::First,
-         kFar,
-         0,
-         "distance along the camera's -Z axis in scene units; infinite where nothing is hit"},
-        {"normal", xyz, false, false, AovFilter::First, 0.0f, 0,
-         "shading normal in world space, unit length"},
-        {"Neye", xyz, false, false, AovFilter::First, 0.0f, 0,
-         "shading normal in camera space, unit length"},
-        {"position", xyz, false, false, AovFilter::First, 0.0f, 0,
-         "position of the hit in world space, scene units"},
-        {"albedo", rgb, false, true, AovFilter::Weighted, 0.0f, 0,
-         "directional albedo of the first hit's material"},
-        {"primId",
-         {"id"},
-         true,
-         false,
-         AovFilter::First,
-         0.0f,
-         -1,
-         "prim, -1 where nothing is hit"},
-        {"instanceId",
-         {"id"},
-         true,
-         false,
-         AovFilter::First,
-         0.0f,
-         -1,
-         "instance inside its instancer, -1 where nothing is hit or not instanced"},
-        {"elementId",
-         {"id"},
-         true,
-         false,
-         AovFilter::First,
-         0.0f,
-         -1,
-         "authored face, -1 where nothing is hit"},
-        {"variance", rgb, false, false, AovFilter::Counter, 0.0f, 0,
-         "estimated variance of the pixel's color (of the mean, not of one sample)"},
-        {"sampleCount",
-         {"count"},
-         true,
-         false,
-         AovFilter::Counter,
-         0.0f,
-         0,
-         "samples taken in the pixel"},
+        Color("color", {"R", "G", "B", "A"}, AovFilter::Weighted,
+              "radiance in the working space, premultiplied by alpha"),
+        Data("alpha", {"A"}, AovFilter::Weighted, 0.0f,
+             "coverage of the pixel by geometry, 0 to 1"),
+        Data("depth", {"Z"}, first, 1.0f,
+             "depth after projection, 0 at the near and 1 at the far clipping plane"),
+        Data("cameraDepth", {"Z"}, first, kFar,
+             "distance along the camera's -Z axis in scene units; infinite where nothing is hit"),
+        Data("normal", xyz, first, 0.0f, "shading normal in world space, unit length"),
+        Data("Neye", xyz, first, 0.0f, "shading normal in camera space, unit length"),
+        Data("position", xyz, first, 0.0f, "position of the hit in world space, scene units"),
+        Color("albedo", {"R", "G", "B"}, first, "directional albedo of the first hit's material"),
+        Integer("primId", "id", first, -1, "prim, -1 where nothing is hit"),
+        Integer("instanceId", "id", first, -1,
+                "instance inside its instancer, -1 where nothing is hit or not instanced"),
+        Integer("elementId", "id", first, -1, "authored face, -1 where nothing is hit"),
+        Data("variance", {"Y"}, AovFilter::Counter, 0.0f,
+             "estimated variance of the pixel's luminance (of the mean, not of one sample)"),
+        Integer("sampleCount", "count", AovFilter::Counter, 0, "samples taken in the pixel"),
     };
 }
 
@@ -125,12 +87,11 @@ AovLayout MakeAovLayout(const std::vector<std::string>& names) {
     for (const std::string& name : names) {
         const AovInfo* info = FindAov(name);
         if (!info) {
-            std::string known;
+            std::string message = "--aovs: there is no AOV '" + name + "' (there are";
             for (const AovInfo& row : AovTable()) {
-                known += (known.empty() ? "" : ", ") + row.name;
+                message.append(" ").append(row.name);
             }
-            throw Error("--aovs: there is no AOV '" + name + "' (there are " + known + ")",
-                        ErrorKind::Usage);
+            throw Error(message + ")", ErrorKind::Usage);
         }
         if (layout.Find(name)) {
             throw Error("--aovs: '" + name + "' is named twice", ErrorKind::Usage);

@@ -16,7 +16,7 @@ namespace hds {
 /// How a pixel's samples become its value.
 enum class AovFilter {
     Weighted, ///< mean of the samples, weighted by the pixel filter
-    First,    ///< value of one sample: averages of depths, positions and ids mean nothing
+    First,    ///< of the ray through the pixel's centre: averages of depths and ids mean nothing
     Counter,  ///< the film's own bookkeeping of the pixel
 };
 

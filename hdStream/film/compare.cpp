@@ -60,7 +60,7 @@ double FromHalf(std::uint16_t bits) {
 }
 
 /// The number a stored value stands for. 32-bit integers are ids and stand for themselves.
-double ValueOf(const char* at, OIIO::TypeDesc type) {
+double ValueOf(const char* at, const OIIO::TypeDesc& type) {
     switch (type.basetype) {
     case OIIO::TypeDesc::UINT8:
         return Load<std::uint8_t>(at) / 255.0;

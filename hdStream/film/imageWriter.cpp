@@ -2,6 +2,7 @@
 #include "hdStream/film/imageWriter.h"
 
 #include "hdStream/base/error.h"
+#include "hdStream/film/aov.h"
 #include "hdStream/film/atomicFile.h"
 #include "hdStream/film/quantise.h"
 #include "hdStream/texture/oneLine.h"
@@ -179,8 +180,9 @@ EncodedImage EncodeDisplay(const ImageLayer& layer, FileKind kind, ColorCorrecti
     const AlphaMode alphaMode =
         kind == FileKind::Png ? AlphaMode::Unpremultiplied : AlphaMode::OverBlack;
     // Data that is no colour (depth, normals) is stored as it is.
-    const bool isColor = layer.name == "color" || layer.name == "albedo";
-    const DisplayTransform transform(isColor ? correction : ColorCorrection::Disabled);
+    const AovInfo* info = FindAov(layer.name);
+    const DisplayTransform transform(info && info->isColor ? correction
+                                                           : ColorCorrection::Disabled);
     QuantisedImage quantised = QuantiseLayer(layer, transform, alphaMode);
     EncodedImage image;
     image.spec = OIIO::ImageSpec(static_cast<int>(layer.width), static_cast<int>(layer.height),

@@ -6,6 +6,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace hds {
 
@@ -32,7 +33,8 @@ std::uint8_t QuantiseUnit(float value) {
     if (!(value > 0.0f)) { // NaN too
         return 0;
     }
-    return static_cast<std::uint8_t>(std::min(1.0, static_cast<double>(value)) * 255.0 + 0.5);
+    return static_cast<std::uint8_t>(
+        std::floor(std::min(1.0, static_cast<double>(value)) * 255.0 + 0.5));
 }
 
 QuantisedImage QuantiseLayer(const ImageLayer& layer, const DisplayTransform& transform,

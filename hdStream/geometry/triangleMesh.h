@@ -52,9 +52,12 @@ struct TriangleMesh {
 /// Validates and triangulates. Bad content warns with `primPath`, is counted and dropped:
 /// out-of-range indices, NaN or infinite points, faces with fewer than 3 vertices, zero-area
 /// triangles, primvars of wrong length. Never throws on content; an unusable mesh has no triangles.
-/// Cost: O(face vertices), ear clipping for concave faces.
+/// \param refineLevel above 0, catmullClark, loop and bilinear meshes are subdivided so many times
+/// (at most 8), with points and normals of the limit surface; 0 draws the cage. `faces` stay
+/// authored faces. Cost: O(face vertices), ear clipping for concave faces.
 std::shared_ptr<const TriangleMesh> Triangulate(const MeshDescription& mesh,
-                                                const std::string& primPath, Warnings& warnings);
+                                                const std::string& primPath, Warnings& warnings,
+                                                int refineLevel = 0);
 
 /// A chunk's geometry: a subset of a mesh's triangles with local vertices.
 struct ChunkGeometry {

@@ -3,6 +3,7 @@
 #include "hdStream/geometry/faceTable.h"
 #include "hdStream/geometry/normals.h"
 #include "hdStream/geometry/primvars.h"
+#include "hdStream/geometry/subdivide.h"
 #include "hdStream/geometry/triangleMesh.h"
 
 #include <glm/common.hpp>
@@ -37,6 +38,10 @@ private:
 /// True for schemes whose cage is the surface: faceted unless normals are authored.
 bool IsPolygonal(const std::string& scheme) {
     return scheme != "catmullClark" && scheme != "loop";
+}
+
+bool IsSubdivided(const std::string& scheme) {
+    return scheme == "catmullClark" || scheme == "loop" || scheme == "bilinear";
 }
 
 void CheckHeader(const MeshDescription& mesh, const FaceTable& table, PrimLog& log) {
@@ -228,31 +233,62 @@ void FillNormals(const MeshDescription& mesh, const TopologySize& size, Triangle
     }
 }
 
-} // namespace
-
-std::shared_ptr<const TriangleMesh> Triangulate(const MeshDescription& mesh,
-                                                const std::string& primPath, Warnings& warnings) {
-    const auto result = std::make_shared<TriangleMesh>();
-    result->leftHanded = mesh.leftHanded;
-    result->doubleSided = mesh.doubleSided;
-    PrimLog log(primPath, warnings);
+/// Everything but material entries. Authored faces are the description's own.
+void Interpret(const MeshDescription& mesh, TriangleMesh& result, PrimLog& log) {
     const FaceTable table = BuildFaceTable(mesh);
     CheckHeader(mesh, table, log);
     // HDS_NONE and HDS_NOT_RESIDENT take the last value; corners are counted in 32 bits too.
     if (mesh.faceVertexIndices.size() >= 0xffffffffU || table.numFaces >= 0xffffffffU) {
         log.Warn("mesh dropped: more than 2^32 - 2 faceVertexIndices or faces");
-        return result;
+        return;
     }
-    SplitFaces(mesh, table, MarkHoles(mesh, log), *result).Warn(primPath, warnings);
-    FillPositions(mesh, *result);
-    if (result->triangles.empty()) {
-        return result;
+    SplitFaces(mesh, table, MarkHoles(mesh, log), result).Warn(log.PrimPath(), log.Sink());
+    FillPositions(mesh, result);
+    if (!result.triangles.empty()) {
+        const TopologySize size{mesh.points.size() / 3, table.numFaces,
+                                static_cast<std::size_t>(table.numCorners)};
+        FillAttributes(mesh, size, result, log);
+        FillNormals(mesh, size, result, log);
     }
-    const TopologySize size{mesh.points.size() / 3, table.numFaces,
-                            static_cast<std::size_t>(table.numCorners)};
-    FillMaterialEntries(mesh, *result, log);
-    FillAttributes(mesh, size, *result, log);
-    FillNormals(mesh, size, *result, log);
+}
+
+/// The same for a refined cage; false when it cannot be refined.
+bool InterpretRefined(const MeshDescription& mesh, int refineLevel, TriangleMesh& result,
+                      PrimLog& log) {
+    const auto refined = RefineMesh(mesh, refineLevel, log.PrimPath(), log.Sink());
+    if (!refined) {
+        return false;
+    }
+    CheckHeader(mesh, BuildFaceTable(mesh), log);
+    MarkHoles(mesh, log);
+    // The authored content has had its warnings; faces and normals that the surface makes
+    // degenerate, as at a cone's tip, are nobody's mistake.
+    Warnings unheard;
+    PrimLog silent(log.PrimPath(), unheard);
+    Interpret(refined->mesh, result, silent);
+    for (std::uint32_t& face : result.faces) {
+        face = refined->authoredFaces[face];
+    }
+    return true;
+}
+
+} // namespace
+
+std::shared_ptr<const TriangleMesh> Triangulate(const MeshDescription& mesh,
+                                                const std::string& primPath, Warnings& warnings,
+                                                int refineLevel) {
+    const auto result = std::make_shared<TriangleMesh>();
+    result->leftHanded = mesh.leftHanded;
+    result->doubleSided = mesh.doubleSided;
+    PrimLog log(primPath, warnings);
+    const bool isRefined = refineLevel > 0 && IsSubdivided(mesh.subdivisionScheme) &&
+                           InterpretRefined(mesh, refineLevel, *result, log);
+    if (!isRefined) {
+        Interpret(mesh, *result, log);
+    }
+    if (!result->triangles.empty()) {
+        FillMaterialEntries(mesh, *result, log);
+    }
     return result;
 }
 

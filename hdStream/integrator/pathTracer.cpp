@@ -280,8 +280,9 @@ struct PathTracer::Impl {
             const AovSlot* slot = layout.Find(name);
             return slot != nullptr ? slot->offset : HDS_NONE;
         };
-        kernels.develop.Launch(numPixels, film, numPixels, floats, layout.floatsPerPixel, offset("color"),
-                               offset("alpha"), offset("variance"), offset("sampleCount"));
+        kernels.develop.Launch(numPixels, film, numPixels, floats, layout.floatsPerPixel, ints,
+                               layout.intsPerPixel, offset("color"), offset("alpha"), offset("variance"),
+                               offset("sampleCount"));
         shared::HdsAovOffsets offsets{};
         offsets.floatStride = layout.floatsPerPixel;
         offsets.intStride = layout.intsPerPixel;

@@ -18,6 +18,7 @@ SceneBuffers::SceneBuffers(const std::shared_ptr<Device>& device, const Committe
     _materials = table("materials", scene.materials);
     _lightByEntry = table("lights by material entry", scene.lightByEntry);
     _lights = table("lights", scene.lights.lights);
+    _lightNodes = table("light tree", scene.lights.nodes);
     _lightTriangles = table("light triangles", scene.lights.triangles);
     _lightCdf = table("light distributions", scene.lights.cdf);
     _domeTexels = table("dome texels", scene.lights.domeTexels);
@@ -48,7 +49,7 @@ unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first) const {
 unsigned SceneBuffers::BindScene(Kernel* kernel, unsigned first) const {
     first = BindGeometry(kernel, first);
     for (const Buffer* buffer : {&_instancesByPath, &_meshes, &_meshMaterials, &_materials, &_lightByEntry, &_lights,
-                                 &_lightTriangles, &_lightCdf, &_domeTexels}) {
+                                 &_lightNodes, &_lightTriangles, &_lightCdf, &_domeTexels}) {
         kernel->SetBuffer(first++, *buffer);
     }
     kernel->SetBytes(first++, &_numLights, sizeof(_numLights));

@@ -40,6 +40,7 @@ private:
     Buffer _materials;
     Buffer _lightByEntry;
     Buffer _lights;
+    Buffer _lightNodes;
     Buffer _lightTriangles;
     Buffer _lightCdf;
     Buffer _domeTexels;

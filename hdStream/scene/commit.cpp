@@ -42,7 +42,7 @@ public:
             }
         }
         _materials.Compile(drawn);
-        _prepared = PrepareMeshes(drawn, _options.chunkBytes, _warnings);
+        _prepared = PrepareMeshes(drawn, _options.meshes, _warnings);
         _result->objects.emplace_back(); // the TLAS
         std::uint32_t numChunks = 0;
         for (const PreparedMesh& mesh : _prepared) {
@@ -131,16 +131,12 @@ private:
         _result->hasGroups = hierarchy.depth > 0;
         _result->counts.instances = hierarchy.numLeaves;
         _ownRecords = std::move(hierarchy.ownRecords);
-        if (IsValidBounds(hierarchy.bounds)) {
-            _radius = 0.5 * glm::length(glm::dvec3(hierarchy.bounds.max) - glm::dvec3(hierarchy.bounds.min));
-        }
     }
 
     void AddLights() {
         LightCommitInput input;
         input.scene = &_scene;
         input.centre = _result->centre;
-        input.sceneRadius = _radius;
         input.meshes = &_prepared;
         input.meshInfos = &_meshInfos;
         input.materials = &_materials;
@@ -184,7 +180,6 @@ private:
     std::vector<MeshMaterialInfo> _meshInfos; ///< by mesh index
     std::map<std::string, LeafObject> _leaves;
     std::vector<OwnRecord> _ownRecords;
-    double _radius = 1.0;
 };
 
 } // namespace

@@ -5,6 +5,7 @@
 
 #include "hdStream/accel/geometryPages.h"
 #include "hdStream/base/log.h"
+#include "hdStream/scene/meshCommit.h"
 #include "hdStream/scene/sceneDescription.h"
 #include "hdStream/shading/lightTable.h"
 #include "kernels/shared/geometry.h"
@@ -20,7 +21,7 @@ namespace hds {
 /// What decides which prims are drawn and how they are cut.
 struct CommitOptions {
     std::vector<std::string> purposes; ///< drawn besides "default"
-    std::uint64_t chunkBytes = 1U << 20U;
+    MeshOptions meshes;
 };
 
 /// Counts for the statistics and `hdstream info`.

@@ -132,7 +132,7 @@ private:
     void AppendMember(const Member& member, const glm::dmat4& groupFromPrototype, std::uint32_t depth,
                       std::vector<Record>* records) {
         if (member.leaf != nullptr) {
-            AppendRecord(member, groupFromPrototype, 0, 1, records);
+            AppendRecord(member, groupFromPrototype, 0, 0, records);
         } else {
             AppendInstancer(member, groupFromPrototype, depth, records);
         }
@@ -262,8 +262,10 @@ private:
             std::vector<glm::dmat4> placements;
             ForEachPlacement(_scene, path, _scene.meshes.at(path).placement,
                              [&](const glm::dmat4& placed) { placements.push_back(placed); });
-            const auto count = static_cast<std::uint32_t>(placements.size());
-            for (std::uint32_t rank = 0; rank < count; ++rank) {
+            const auto numPlacements = static_cast<std::uint32_t>(placements.size());
+            const bool isInstanced = !_scene.meshes.at(path).placement.instancerPath.empty();
+            const std::uint32_t count = isInstanced ? numPlacements : 0;
+            for (std::uint32_t rank = 0; rank < numPlacements; ++rank) {
                 Member member{path, &leaf, nullptr, placements[rank]};
                 const std::size_t before = records->size();
                 AppendRecord(member, centreFromWorld, rank, count, records);

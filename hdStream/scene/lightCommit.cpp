@@ -113,7 +113,7 @@ CommittedLights CommitLights(const LightCommitInput& input, ImageLibrary& images
     readers.meanColor = [&](const AssetReference& asset, const std::string& colorSpace) {
         return images.MeanOf(asset, colorSpace);
     };
-    result.table = BuildLightTable(lights, emissive, input.sceneRadius, readers, warnings);
+    result.table = BuildLightTable(lights, emissive, readers, warnings);
     for (std::uint32_t& light : result.lightByEntry) {
         if (light != HDS_NONE) {
             light = result.table.lightByMesh[light];

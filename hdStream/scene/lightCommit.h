@@ -15,7 +15,6 @@ constexpr std::size_t kMaxEmissiveTriangles = 4U << 20U;
 struct LightCommitInput {
     const SceneDescription* scene = nullptr;
     glm::dvec3 centre{0.0};
-    double sceneRadius = 1.0;
     const std::vector<PreparedMesh>* meshes = nullptr; ///< by the mesh index of OwnRecord
     const std::vector<MeshMaterialInfo>* meshInfos = nullptr;
     const MaterialCommit* materials = nullptr;

@@ -39,18 +39,19 @@ void BuildTopTree(PreparedMesh* mesh) {
     mesh->topNodes = std::move(tree.nodes);
 }
 
-PreparedMesh PrepareMesh(const std::string& path, const MeshPrim& prim, std::uint64_t chunkBytes,
+PreparedMesh PrepareMesh(const std::string& path, const MeshPrim& prim, const MeshOptions& options,
                          Warnings& warnings) {
     PreparedMesh result;
     result.path = path;
-    result.triangles = Triangulate(prim.mesh, path, warnings);
+    const std::uint32_t level = ChooseRefineLevel(options, prim.mesh.faceVertexCounts.size());
+    result.triangles = Triangulate(prim.mesh, path, warnings, static_cast<int>(level));
     if (result.triangles->triangles.empty()) {
         return result;
     }
     const ChunkSource source(result.triangles);
     const std::size_t bytesPerTriangle = EstimateBytesPerTriangle(*result.triangles);
     const auto maxTriangles = static_cast<std::uint32_t>(
-        std::max<std::uint64_t>(1, chunkBytes / std::max<std::size_t>(1, bytesPerTriangle)));
+        std::max<std::uint64_t>(1, options.chunkBytes / std::max<std::size_t>(1, bytesPerTriangle)));
     const ChunkPlan plan = PlanChunks(*result.triangles, maxTriangles);
     result.chunks.resize(plan.begin.size() - 1);
     tbb::parallel_for(std::size_t{0}, result.chunks.size(), [&](std::size_t i) {
@@ -66,14 +67,31 @@ PreparedMesh PrepareMesh(const std::string& path, const MeshPrim& prim, std::uin
     return result;
 }
 
+/// Bounds of Subdivision::Adaptive.
+constexpr std::uint32_t kMaxAdaptiveLevel = 3;
+constexpr std::size_t kMaxAdaptiveFaces = std::size_t{1} << 17U;
+
 } // namespace
+
+std::uint32_t ChooseRefineLevel(const MeshOptions& options, std::size_t numFaces) {
+    switch (options.subdivision) {
+    case Subdivision::Cage: return 0;
+    case Subdivision::Complexity: return options.refineLevel;
+    case Subdivision::Adaptive: break;
+    }
+    std::uint32_t level = 0;
+    while (level < kMaxAdaptiveLevel && (numFaces << (2 * (level + 1))) <= kMaxAdaptiveFaces) {
+        ++level;
+    }
+    return level;
+}
 
 std::vector<PreparedMesh>
 PrepareMeshes(const std::vector<const std::pair<const std::string, MeshPrim>*>& prims,
-              std::uint64_t chunkBytes, Warnings& warnings) {
+              const MeshOptions& options, Warnings& warnings) {
     std::vector<PreparedMesh> prepared(prims.size());
     tbb::parallel_for(std::size_t{0}, prims.size(), [&](std::size_t i) {
-        prepared[i] = PrepareMesh(prims[i]->first, prims[i]->second, chunkBytes, warnings);
+        prepared[i] = PrepareMesh(prims[i]->first, prims[i]->second, options, warnings);
     });
     return prepared;
 }

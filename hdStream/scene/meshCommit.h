@@ -28,8 +28,26 @@ struct PreparedMesh {
     Bounds bounds; ///< relative to triangles->origin
 };
 
+/// How subdivision surfaces are drawn (DESIGN.md section 4.8).
+enum class Subdivision {
+    Adaptive,   ///< close to the limit surface: the level of a mesh follows from its size, see below
+    Complexity, ///< one level for all meshes
+    Cage,       ///< as authored, not subdivided
+};
+
+/// How meshes are prepared.
+struct MeshOptions {
+    std::uint64_t chunkBytes = 1U << 20U; ///< upper bound of a chunk's pages
+    Subdivision subdivision = Subdivision::Adaptive;
+    std::uint32_t refineLevel = 0; ///< for Subdivision::Complexity
+};
+
+/// Refine level of a subdivision mesh. Adaptive: the finest up to 3 that keeps the mesh below 2^17
+/// faces, so that small cages become round and large ones, which are fine already, stay in bounds.
+std::uint32_t ChooseRefineLevel(const MeshOptions& options, std::size_t numFaces);
+
 /// Prepares the meshes on all cores. An unusable mesh has no chunks.
 std::vector<PreparedMesh> PrepareMeshes(const std::vector<const std::pair<const std::string, MeshPrim>*>& prims,
-                                        std::uint64_t chunkBytes, Warnings& warnings);
+                                        const MeshOptions& options, Warnings& warnings);
 
 } // namespace hds

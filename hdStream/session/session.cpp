@@ -17,13 +17,6 @@ double SecondsSince(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-CommitOptions MakeCommitOptions(const Settings& settings) {
-    CommitOptions options;
-    options.purposes = settings.purposes;
-    options.chunkBytes = settings.chunkBytes;
-    return options;
-}
-
 } // namespace
 
 std::vector<DeviceInfo> ListDevices() {

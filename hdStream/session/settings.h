@@ -26,6 +26,8 @@ struct Settings {
     std::string pixelFilter = "blackmanHarris"; ///< or "box"
     double pixelFilterWidth = 3.0;   ///< pixels, full width (box: 1 is the pixel itself)
     bool russianRoulette = true;
+    std::string subdivision = "adaptive"; ///< adaptive, complexity (refineLevel everywhere) or cage
+    std::uint32_t refineLevel = 0;   ///< for subdivision "complexity"
     std::uint32_t waveSize = 0;      ///< paths in flight; 0: the device's measured default
     std::string device;              ///< part of its name; empty: the first GPU, else the first CPU
     std::string cacheDirectory;      ///< empty: HDSTREAM_CACHE_DIR or the platform's

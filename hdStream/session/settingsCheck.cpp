@@ -12,6 +12,7 @@ namespace {
 /// Most bounces; path depths are kept in 16 bits together with their sampling dimensions.
 constexpr std::uint32_t kMaxDepth = 4096;
 constexpr std::uint32_t kMaxWaveSize = 1U << 24U;
+constexpr std::uint32_t kMaxRefineLevel = 8;
 constexpr std::uint64_t kMinChunkBytes = 4U << 10U;
 constexpr std::uint64_t kMaxChunkBytes = 256U << 20U;
 
@@ -50,6 +51,19 @@ TraversalForm FindTraversal(const std::string& name) {
     Fail("traversal", name + " is none of auto, wide, lane");
 }
 
+Subdivision FindSubdivision(const std::string& name) {
+    if (name == "adaptive") {
+        return Subdivision::Adaptive;
+    }
+    if (name == "complexity") {
+        return Subdivision::Complexity;
+    }
+    if (name == "cage") {
+        return Subdivision::Cage;
+    }
+    Fail("--subdivision", name + " is none of adaptive, complexity, cage");
+}
+
 } // namespace
 
 void CheckSettings(const Settings& settings) {
@@ -68,6 +82,8 @@ void CheckSettings(const Settings& settings) {
     }
     MakeAovLayout(settings.aovs);
     FindTraversal(settings.traversal);
+    FindSubdivision(settings.subdivision);
+    CheckRange("--complexity", settings.refineLevel, 0, kMaxRefineLevel);
 }
 
 RenderOptions MakeRenderOptions(const Settings& settings, const CameraPrim& camera) {
@@ -87,6 +103,15 @@ RenderOptions MakeRenderOptions(const Settings& settings, const CameraPrim& came
     options.russianRoulette = settings.russianRoulette;
     options.waveSize = settings.waveSize;
     options.traversal = FindTraversal(settings.traversal);
+    return options;
+}
+
+CommitOptions MakeCommitOptions(const Settings& settings) {
+    CommitOptions options;
+    options.purposes = settings.purposes;
+    options.meshes.chunkBytes = settings.chunkBytes;
+    options.meshes.subdivision = FindSubdivision(settings.subdivision);
+    options.meshes.refineLevel = settings.refineLevel;
     return options;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "hdStream/integrator/renderOptions.h"
+#include "hdStream/scene/commit.h"
 #include "hdStream/session/settings.h"
 
 namespace hds {
@@ -15,5 +16,8 @@ void CheckSettings(const Settings& settings);
 
 /// Precondition: CheckSettings passed.
 RenderOptions MakeRenderOptions(const Settings& settings, const CameraPrim& camera);
+
+/// Precondition: CheckSettings passed.
+CommitOptions MakeCommitOptions(const Settings& settings);
 
 } // namespace hds

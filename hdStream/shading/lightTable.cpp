@@ -3,6 +3,7 @@
 #include "hdStream/shading/lightTable.h"
 
 #include "hdStream/shading/lightPlacement.h"
+#include "hdStream/shading/lightTree.h"
 #include "hdStream/shading/lightUnits.h"
 
 #include <glm/common.hpp>
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace hds {
 
@@ -47,11 +49,10 @@ std::uint32_t TypeOf(LightType type) {
     return HDS_LIGHT_DOME;
 }
 
-/// Grows the tables light by light; `power` weighs the selection.
+/// Grows the tables light by light.
 class Builder {
 public:
-    Builder(double sceneRadius, const LightImages& images, Warnings& warnings)
-        : _sceneRadius(sceneRadius), _images(images), _warnings(warnings) {}
+    Builder(const LightImages& images, Warnings& warnings) : _images(images), _warnings(warnings) {}
 
     void AddLight(const PlacedLight& placed);
     void AddMesh(const EmissiveMesh& mesh);
@@ -64,12 +65,9 @@ private:
     void WarnIgnored(const PlacedLight& placed);
     void Push(shared::HdsLight light, const glm::dvec3& radiance, double power);
 
-    double _sceneRadius;
     const LightImages& _images;
     Warnings& _warnings;
     LightTable _table;
-    std::vector<double> _power;
-    std::vector<float> _dataCdf; ///< follows the selection's cdf, whose length is known at the end
 };
 
 void Builder::WarnIgnored(const PlacedLight& placed) {
@@ -138,9 +136,9 @@ bool Builder::AddDomeImage(const PlacedLight& placed, shared::HdsLight* light,
     light->dataBase = std::uint32_t(_table.domeTexels.size());
     light->dataSize[0] = image.width;
     light->dataSize[1] = image.height;
-    light->cdfBase = std::uint32_t(_dataCdf.size());
+    light->cdfBase = std::uint32_t(_table.cdf.size());
     _table.domeTexels.insert(_table.domeTexels.end(), image.rgb.begin(), image.rgb.end());
-    _dataCdf.insert(_dataCdf.end(), distribution.cdf.begin(), distribution.cdf.end());
+    _table.cdf.insert(_table.cdf.end(), distribution.cdf.begin(), distribution.cdf.end());
     *meanLuminance = distribution.meanLuminance;
     return true;
 }
@@ -151,7 +149,6 @@ void Builder::Push(shared::HdsLight light, const glm::dvec3& radiance, double po
     }
     const bool isFar = light.boundRadius >= HDS_LIGHT_FAR;
     light.strength = float(isFar ? power : power / (4.0 * kPi));
-    _power.push_back(isFar ? power * kPi * _sceneRadius * _sceneRadius : power);
     _table.lights.push_back(light);
 }
 
@@ -242,9 +239,9 @@ void Builder::AddMesh(const EmissiveMesh& mesh) {
     light.flags = HDS_LIGHT_VISIBLE | (mesh.twoSided ? HDS_LIGHT_TWO_SIDED : 0U);
     light.area = float(area);
     light.dataSize[0] = std::uint32_t(areas.size() - 1);
-    light.cdfBase = std::uint32_t(_dataCdf.size());
+    light.cdfBase = std::uint32_t(_table.cdf.size());
     for (const double sum : areas) {
-        _dataCdf.push_back(float(sum / area));
+        _table.cdf.push_back(float(sum / area));
     }
     const glm::dvec3 center = 0.5 * (low + high);
     for (int i = 0; i < 3; ++i) {
@@ -255,32 +252,33 @@ void Builder::AddMesh(const EmissiveMesh& mesh) {
     Push(light, radiance, Luminance(radiance) * kPi * area * (mesh.twoSided ? 2.0 : 1.0));
 }
 
+/// Puts lights at infinity first, as selection wants them, and builds the tree over the others.
 LightTable Builder::Finish() {
-    const std::size_t numLights = _table.lights.size();
-    double total = 0.0;
-    for (const double power : _power) {
-        total += power;
+    std::vector<std::uint32_t> order(_table.lights.size());
+    std::iota(order.begin(), order.end(), 0U);
+    std::stable_partition(order.begin(), order.end(), [&](std::uint32_t i) {
+        return _table.lights[i].boundRadius >= HDS_LIGHT_FAR;
+    });
+    std::vector<shared::HdsLight> lights;
+    std::vector<std::uint32_t> newIndex(order.size());
+    for (const std::uint32_t old : order) {
+        newIndex[old] = std::uint32_t(lights.size());
+        lights.push_back(_table.lights[old]);
     }
-    _table.cdf.assign(numLights + 1, 0.0F);
-    double running = 0.0;
-    for (std::size_t i = 0; i < numLights; ++i) {
-        running += total > 0.0 ? _power[i] / total : 1.0 / double(numLights);
-        _table.cdf[i + 1] = i + 1 == numLights ? 1.0F : float(std::min(running, 1.0));
-        _table.lights[i].selectPmf = _table.cdf[i + 1] - _table.cdf[i];
+    _table.lights = std::move(lights);
+    for (std::uint32_t& light : _table.lightByMesh) {
+        light = light == HDS_NONE ? HDS_NONE : newIndex[light];
     }
-    for (shared::HdsLight& light : _table.lights) {
-        light.cdfBase += std::uint32_t(numLights + 1);
-    }
-    _table.cdf.insert(_table.cdf.end(), _dataCdf.begin(), _dataCdf.end());
+    _table.nodes = BuildLightTree(_table.lights);
     return std::move(_table);
 }
 
 } // namespace
 
 LightTable BuildLightTable(const std::vector<PlacedLight>& lights,
-                           const std::vector<EmissiveMesh>& meshes, double sceneRadius,
-                           const LightImages& images, Warnings& warnings) {
-    Builder builder(sceneRadius, images, warnings);
+                           const std::vector<EmissiveMesh>& meshes, const LightImages& images,
+                           Warnings& warnings) {
+    Builder builder(images, warnings);
     for (const PlacedLight& light : lights) {
         builder.AddLight(light);
     }

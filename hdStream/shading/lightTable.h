@@ -52,7 +52,8 @@ struct LightImages {
 
 /// Device tables of all lights.
 struct LightTable {
-    std::vector<shared::HdsLight> lights;
+    std::vector<shared::HdsLight> lights;    ///< those at infinity first
+    std::vector<shared::HdsLightNode> nodes; ///< the light tree
     std::vector<shared::HdsLightTriangle> triangles;
     std::vector<float> cdf;        ///< lightCdf
     std::vector<float> domeTexels; ///< packed rgb
@@ -62,10 +63,8 @@ struct LightTable {
 
 /// Builds the tables. Lights that are black are left out; lights that cannot be rendered (singular
 /// transform, size 0, values not finite) are left out with a warning.
-/// \param sceneRadius radius of a sphere that bounds the scene: it weighs lights at infinity
-/// against the others when there are too many to be weighed per point.
 LightTable BuildLightTable(const std::vector<PlacedLight>& lights,
-                           const std::vector<EmissiveMesh>& meshes, double sceneRadius,
-                           const LightImages& images, Warnings& warnings);
+                           const std::vector<EmissiveMesh>& meshes, const LightImages& images,
+                           Warnings& warnings);
 
 } // namespace hds

@@ -33,7 +33,7 @@ std::string WriteTemporary(const std::vector<char>& bytes, const std::string& ex
     const std::string name = "hdstream-" + std::to_string(random()) + "-" +
                              std::to_string(random()) + "-" + std::to_string(counter++) +
                              (extension.empty() ? "" : "." + extension);
-    const std::string path = (folder / name).string();
+    std::string path = (folder / name).string();
     std::ofstream file(path, std::ios::binary);
     file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     file.close();
@@ -179,7 +179,7 @@ std::string ImageFile::OpenWith(const std::string& format, const ImageSource& so
     return wrong.empty() ? std::string() : Error(wrong);
 }
 
-std::string ImageFile::ReadBands(OIIO::TypeDesc type, int channelBegin, int channelEnd,
+std::string ImageFile::ReadBands(const OIIO::TypeDesc& type, int channelBegin, int channelEnd,
                                  const BandCallback& onBand, std::uint64_t bandBytes) {
     std::uint64_t pixelBytes = 0;
     if (type == OIIO::TypeUnknown) {

@@ -45,7 +45,7 @@ public:
     /// is stored, packed.
     /// \param bandBytes memory of a band; at least one row of tiles or 64 rows are read at once
     /// \return an error, one line that names the file; empty when all rows were delivered
-    std::string ReadBands(OIIO::TypeDesc type, int channelBegin, int channelEnd,
+    std::string ReadBands(const OIIO::TypeDesc& type, int channelBegin, int channelEnd,
                           const BandCallback& onBand, std::uint64_t bandBytes = kBandBytes);
 
 private:

@@ -89,7 +89,7 @@ std::string HistogramMean(ImageFile& file, const ColorDecoder& decoder,
                                                    std::vector<std::uint64_t>(kNumValues, 0));
     const OIIO::TypeDesc type(sizeof(T) == 1 ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::UINT16);
     const std::uint64_t width = file.Width();
-    const std::string error = file.ReadBands(
+    std::string error = file.ReadBands(
         type, begin, channels.End(), [&](std::uint32_t, std::uint32_t rows, const void* data) {
             const T* values = static_cast<const T*>(data);
             for (int c = 0; c < stride; ++c) {
@@ -147,13 +147,13 @@ std::vector<float> DecodeTable(const ColorDecoder& decoder) {
 
 /// Reads rows of channels of type T; `decodeRow` turns them into linear RGB.
 template <typename T, typename DecodeRow>
-std::string LoadRows(ImageFile& file, OIIO::TypeDesc type, const ColorChannels& channels,
+std::string LoadRows(ImageFile& file, const OIIO::TypeDesc& type, const ColorChannels& channels,
                      const DecodeRow& decodeRow, LinearImage* image) {
     const auto stride = static_cast<std::size_t>(channels.End() - channels.Begin());
     const std::uint32_t width = file.Width();
     BoxFilter filter(width, file.Height(), image->width, image->height);
     std::vector<float> rgb(std::size_t{3} * width);
-    const std::string error = file.ReadBands(
+    std::string error = file.ReadBands(
         type, channels.Begin(), channels.End(),
         [&](std::uint32_t, std::uint32_t rows, const void* data) {
             for (std::uint32_t row = 0; row < rows; ++row) {
@@ -167,8 +167,8 @@ std::string LoadRows(ImageFile& file, OIIO::TypeDesc type, const ColorChannels& 
 }
 
 template <typename T>
-std::string LoadIntegerRows(ImageFile& file, OIIO::TypeDesc type, const ColorDecoder& decoder,
-                            LinearImage* image) {
+std::string LoadIntegerRows(ImageFile& file, const OIIO::TypeDesc& type,
+                            const ColorDecoder& decoder, LinearImage* image) {
     const ColorChannels channels = FindColorChannels(file.Spec());
     const std::vector<float> table = DecodeTable<T>(decoder);
     const int begin = channels.Begin();
@@ -190,10 +190,11 @@ std::string LoadFloatRows(ImageFile& file, const ColorDecoder& decoder, LinearIm
     const auto stride = static_cast<std::size_t>(channels.End() - begin);
     const std::uint32_t width = file.Width();
     const auto decodeRow = [&](const float* pixel, float* rgb) {
-        for (std::uint32_t x = 0; x < width; ++x, pixel += stride) {
-            rgb[3 * x] = pixel[channels.red - begin];
-            rgb[3 * x + 1] = pixel[channels.green - begin];
-            rgb[3 * x + 2] = channels.blue < 0 ? 0.0f : pixel[channels.blue - begin];
+        float* out = rgb;
+        for (std::uint32_t x = 0; x < width; ++x, pixel += stride, out += 3) {
+            out[0] = pixel[channels.red - begin];
+            out[1] = pixel[channels.green - begin];
+            out[2] = channels.blue < 0 ? 0.0f : pixel[channels.blue - begin];
         }
         decoder.DecodeRgb(rgb, width);
     };

@@ -3,16 +3,17 @@
  * Explained in docs/film.md. */
 #include "film/filmPixel.clh"
 
-/* Writes the sampled AOVs of each pixel; offsets are floats inside a pixel of `out`, HDS_NONE: not
- * asked for. Global size: number of pixels. */
-kernel void film_develop(global const HdsFilmPixel* film, uint numPixels, global float* out, uint stride,
-                         uint colorOffset, uint alphaOffset, uint varianceOffset, uint countOffset) {
+/* Writes the sampled AOVs of each pixel; offsets are values inside a pixel of `floats` or `ints`,
+ * HDS_NONE: not asked for. Global size: number of pixels. */
+kernel void film_develop(global const HdsFilmPixel* film, uint numPixels, global float* floats, uint floatStride,
+                         global int* ints, uint intStride, uint colorOffset, uint alphaOffset,
+                         uint varianceOffset, uint countOffset) {
     uint i = (uint)get_global_id(0);
     if (i >= numPixels) {
         return;
     }
     HdsFilmPixel pixel = film[i];
-    global float* target = out + (size_t)i * stride;
+    global float* target = floats + (size_t)i * floatStride;
     float4 mean = filmPixel_mean(&pixel);
     if (colorOffset != HDS_NONE) {
         vstore4(mean, 0, target + colorOffset);
@@ -24,7 +25,7 @@ kernel void film_develop(global const HdsFilmPixel* film, uint numPixels, global
         target[varianceOffset] = filmPixel_variance(&pixel);
     }
     if (countOffset != HDS_NONE) {
-        target[countOffset] = (float)pixel.numSamples;
+        ints[(size_t)i * intStride + countOffset] = (int)pixel.numSamples;
     }
 }
 

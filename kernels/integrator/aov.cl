@@ -69,7 +69,7 @@ void aov_storeHit(constant const HdsFrameParams* frame, const HdsSceneView* scen
     aov_store3(pixel, offsets.position, surface->point.position + vload3(0, offsets.centre));
     aov_store3(pixel, offsets.albedo, surface_albedo(bsdf, cosO));
     aov_storeId(ids, offsets.primId, scene->meshes[surface->mesh].primId);
-    aov_storeId(ids, offsets.instanceId, (int)surface->instanceId);
+    aov_storeId(ids, offsets.instanceId, surface->instanceId);
     aov_storeId(ids, offsets.elementId,
                 (int)attributes_readInteger(surface->attributes, HDS_SLOT_FACE, surface->at.triangle, 0u));
 }

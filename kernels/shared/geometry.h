@@ -43,7 +43,7 @@ typedef struct {
     u32 mesh;                 /* index into meshes for a leaf, HDS_NONE for a group */
     u32 lightBase;            /* first of its material entries in lightByEntry (emissive meshes, which
                                  have records in the TLAS only), or HDS_NONE */
-    u32 instanceCount;        /* placements of the same prototype by its instancer; 1 when not instanced */
+    u32 instanceCount;        /* placements of the same prototype by its instancer; 0: none places it */
     u32 instanceRank;         /* which of them this is; both fold along a path into instanceId */
 } HdsInstance;
 HDS_ASSERT_SIZE(HdsInstance, 128);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Lights as the light kernels read them. Radiance is linear, in the working space, with intensity,
  * exposure, colour, temperature and normalize already folded in by hdStream/shading/lightTable.
- * lightCdf starts with the selection by power: [numLights + 1]. Explained in docs/shading.md. */
+ * Lights at infinity come first. Explained in docs/shading.md. */
 #ifndef HDS_SHARED_LIGHT_H
 #define HDS_SHARED_LIGHT_H
 #include "shared/compat.h"
@@ -35,7 +35,7 @@ typedef struct {
     f32 params[4]; /* sphere: radius; rect: width, height; disk: radius; cylinder: radius, length;
                       distant: 1 - cos(half angle) */
     f32 area;      /* world area of the shape; mesh: of all its triangles */
-    f32 selectPmf; /* probability that selection by power picks this light */
+    u32 treePath;  /* finite lights: bit i is the child to take at level i of the light tree */
     u32 flags;
     u32 dataBase;    /* dome: texel base in domeTexels; mesh: first triangle in lightTriangles */
     u32 dataSize[2]; /* dome: width, height; mesh: number of triangles, 0 */
@@ -46,6 +46,17 @@ typedef struct {
     f32 boundRadius; /* HDS_LIGHT_FAR: at infinity */
 } HdsLight;
 HDS_ASSERT_SIZE(HdsLight, 176);
+
+/* A node of the light tree, the root first: a sphere that bounds the finite lights below it. */
+typedef struct {
+    f32 center[3];
+    f32 radius;
+    f32 strength; /* sum of the lights' */
+    u32 child[2]; /* node, or HDS_LIGHT_LEAF | light */
+    u32 pad0;
+} HdsLightNode;
+HDS_ASSERT_SIZE(HdsLightNode, 32);
+#define HDS_LIGHT_LEAF 0x80000000u
 
 /* An emissive triangle in world space (relative to the scene centre). */
 typedef struct {

@@ -5,9 +5,9 @@
 //        benchTraversal --watertight N    (leaks of N rays through closed meshes, must be 0)
 // Prints one table row a measurement. Figures are CPU seconds, so that other processes disturb less.
 #include "testenv/bench/traversalEmbree.h"
-#include "testenv/bench/traversalMeshes.h"
-#include "testenv/bench/traversalWatertight.h"
 #include "testenv/support/accelScene.h"
+#include "testenv/support/traversalMeshes.h"
+#include "testenv/support/watertight.h"
 
 #include <tbb/global_control.h>
 
@@ -163,7 +163,7 @@ public:
             ProgramDefines{{"HDS_TRAVERSAL_WIDE", wide ? "1" : "0"},
                            {"HDS_FEATURE_GROUPS", "0"},
                            {"HDS_FEATURE_CUTOUT", "0"},
-                           {"HDS_NUM_POOLS", std::to_string(_scene.NumPools())}},
+                           {"HDS_NUM_POOLS", "1"}},
             nullptr, &text);
     }
 
@@ -298,6 +298,27 @@ void RunScene(const std::shared_ptr<Device>& device, const BenchScene& scene,
     }
 }
 
+/// Shares the rays among the cases and both forms. \return leaks.
+std::uint64_t RunWatertight(std::uint64_t numRays) {
+    const std::shared_ptr<Device> device = Device::Create("");
+    const std::vector<test::WatertightCase> cases = test::MakeWatertightCases();
+    const std::uint64_t raysPerRun = numRays / (2 * cases.size()) + 1;
+    std::uint64_t total = 0;
+    for (const bool wide : {true, false}) {
+        test::LeakCounter counter(device, wide);
+        for (const test::WatertightCase& watertight : cases) {
+            const std::uint64_t leaks = counter.Count(watertight, raysPerRun);
+            std::printf("%-36s %-4s  %llu rays  %llu leaks\n", watertight.name.c_str(),
+                        wide ? "wide" : "lane", static_cast<unsigned long long>(raysPerRun),
+                        static_cast<unsigned long long>(leaks));
+            std::fflush(stdout);
+            total += leaks;
+        }
+    }
+    std::printf("leaks in all: %llu\n", static_cast<unsigned long long>(total));
+    return total;
+}
+
 bool ParseOptions(int argc, char** argv, Options* options) {
     for (int i = 1; i + 1 < argc; i += 2) {
         const std::string name = argv[i];
@@ -327,7 +348,7 @@ int Main(int argc, char** argv) {
         return 2;
     }
     if (options.watertightRays > 0) {
-        return RunWatertight(Device::Create(""), options.watertightRays) == 0 ? 0 : 1;
+        return RunWatertight(options.watertightRays) == 0 ? 0 : 1;
     }
     // One worker for the kernels; read by PoCL when the device is made.
     setenv("POCL_MAX_PTHREAD_COUNT", "1", 0);

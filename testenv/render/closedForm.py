@@ -88,5 +88,49 @@ def EnclosureRadiance(emission: float, albedo: float, fraction: float, bounces: 
     return total
 
 
+def PreviewAlbedo(cosine, rgb, roughness=0.5, metallic=0.0, clearcoat=0.0, clearcoatRoughness=0.01, ior=1.5,
+                  specularColor=None, steps: int = 600) -> np.ndarray:
+    """Directional albedo [3] of UsdPreviewSurface as docs/shading.md states it, seen at `cosine`: midpoint
+    rule over the half vector's hemisphere for the lobes of GGX, over directions for the diffuse one.
+    `specularColor` selects the specular workflow."""
+    z = (np.arange(steps) + 0.5) / steps
+    phi = 2 * np.pi * (np.arange(steps) + 0.5) / steps
+    view = np.array([np.sqrt(1 - cosine**2), 0.0, cosine])
+    color, r2 = np.array(rgb, float), ((1 - ior) / (1 + ior)) ** 2
+    if specularColor is None:
+        tint = 1 - metallic + metallic * color
+        f0, f90, diffuse = (1 - metallic) * r2 * tint + metallic * tint, tint, color * (1 - metallic)
+    else:
+        f0, f90, diffuse = np.array(specularColor, float), np.ones(3), color
+
+    def Fresnels(cosVH):
+        schlick = np.clip(1 - cosVH, 0, 1)[..., None] ** 5
+        return f0 + (f90 - f0) * schlick, clearcoat * (r2 + (1 - r2) * schlick)
+
+    gz, gp = np.meshgrid(z, phi, indexing="ij")
+    sine = np.sqrt(1 - gz**2)
+    light = np.stack([sine * np.cos(gp), sine * np.sin(gp), gz], -1)
+    half = light + view
+    fresnel, coat = Fresnels(half @ view / np.linalg.norm(half, axis=-1))
+    total = ((1 - fresnel) * (1 - coat) * gz[..., None]).mean((0, 1)) * 2 * diffuse
+
+    def GgxLobe(rough, weigh):
+        """Integral of D G2 / (4 cosV) weigh over light directions, over (u, phi) with D cosH = du / pi."""
+        a2 = max(rough, 0.01) ** 4
+        cosH2 = (1 - gz) / (1 + (a2 - 1) * gz)
+        h = np.stack([np.sqrt(1 - cosH2) * np.cos(gp), np.sqrt(1 - cosH2) * np.sin(gp), np.sqrt(cosH2)], -1)
+        vh = h @ view
+        cosL = 2 * vh * h[..., 2] - view[2]
+        good = (vh > 0) & (cosL > 0)
+        cosL = np.where(good, cosL, 1.0)
+        smith = lambda c: np.sqrt(a2 + (1 - a2) * c * c)
+        g2 = 2 * view[2] * cosL / (cosL * smith(view[2]) + view[2] * smith(cosL))  # Heitz 2014, eq. 99
+        weight = np.where(good, g2 * vh / (view[2] * h[..., 2]), 0.0)
+        return (weight[..., None] * weigh(*Fresnels(vh))).mean((0, 1))
+
+    total = total + GgxLobe(roughness, lambda fresnel, coat: fresnel * (1 - coat))
+    return total + (GgxLobe(clearcoatRoughness, lambda fresnel, coat: coat) if clearcoat > 0 else 0.0)
+
+
 def _Unit(v) -> np.ndarray:
     return np.asarray(v, float) / np.linalg.norm(v)

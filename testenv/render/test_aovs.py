@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """AOVs against ray and plane mathematics of our own in double precision.
 
-An AOV that cannot be averaged holds the value of one sample, anywhere in its pixel: the tests project
-it back and ask that it lies inside that pixel and on the surface.
+First-hit AOVs are seen through the pixel's centre: the tests project positions back and ask that they
+lie there and on the surface.
 """
 
 import numpy as np
@@ -52,7 +52,7 @@ def _Hit(layers) -> np.ndarray:
     return layers["primId"] >= 0
 
 
-def test_position_lies_in_its_pixel(Rendered):
+def test_position_is_at_the_pixel_centre(Rendered):
     layers, view, orthographic = Rendered
     hit = _Hit(layers)
     local = layers["position"].astype(float)[hit] @ view[:3, :3] + view[3, :3]
@@ -63,9 +63,9 @@ def test_position_lies_in_its_pixel(Rendered):
     column = (x - offsetX + 0.5) * WIDTH
     row = (0.5 - (y - offsetY) * WIDTH / HEIGHT) * HEIGHT
     rows, columns = np.nonzero(hit)
-    slack = 1e-3  # pixels: float positions at 8 units
-    assert (column > columns - slack).all() and (column < columns + 1 + slack).all()
-    assert (row > rows - slack).all() and (row < rows + 1 + slack).all()
+    # 1e-3 pixels: float positions at a distance of 8 units.
+    np.testing.assert_allclose(column, columns + 0.5, atol=1e-3)
+    np.testing.assert_allclose(row, rows + 0.5, atol=1e-3)
 
 
 def test_depths_belong_to_the_position(Rendered):

@@ -9,6 +9,7 @@ import pytest
 
 pytest.importorskip("mitsuba")
 
+import closedForm
 import mitsubaScene
 import plateCases
 from stageReader import ReadStage
@@ -68,31 +69,4 @@ def test_plugin_albedo_equals_quadrature(roughness, metallic, clearcoat, ior):
         si.wi = si.to_local(mi.Vector3f(*map(float, view)))
         _, weight = bsdf.sample(mi.BSDFContext(), si, sampler.next_1d(), sampler.next_2d())
         sampled = np.array(dr.mean(weight, axis=1)).ravel()
-        np.testing.assert_allclose(sampled, _Albedo(view, rgb, roughness, metallic, clearcoat, ior), rtol=5e-3)
-
-
-def _Albedo(view, rgb, roughness, metallic, clearcoat, ior, steps: int = 600) -> np.ndarray:
-    """Integral of value * cosine over the upper hemisphere, midpoint rule in (cos, phi)."""
-    z = (np.arange(steps) + 0.5) / steps
-    phi = 2 * np.pi * (np.arange(2 * steps) + 0.5) / (2 * steps)
-    gz, gp = np.meshgrid(z, phi, indexing="ij")
-    s = np.sqrt(1 - gz**2)
-    light = np.stack([s * np.cos(gp), s * np.sin(gp), gz], -1)
-    half = light + view
-    half /= np.linalg.norm(half, axis=-1, keepdims=True)
-    schlick = np.clip(1 - half @ view, 0, 1)[..., None] ** 5
-    color, r2 = np.array(rgb), ((1 - ior) / (1 + ior)) ** 2
-    tint = 1 - metallic + metallic * color
-    f0 = (1 - metallic) * r2 * tint + metallic * tint
-    fresnel = f0 + (tint - f0) * schlick
-
-    def Ggx(rough):
-        a2 = rough**4
-        d = a2 / (np.pi * (half[..., 2] ** 2 * (a2 - 1) + 1) ** 2)
-        root = lambda c: np.sqrt(a2 + (1 - a2) * c * c)  # Heitz 2014, eq. 99 as a fraction
-        return (d * 0.5 / (gz * root(view[2]) + view[2] * root(gz)))[..., None]
-
-    coat = clearcoat * (r2 + (1 - r2) * schlick)
-    base = color * (1 - metallic) * (1 - fresnel) / np.pi + fresnel * Ggx(roughness)
-    value = base * (1 - coat) + coat * Ggx(0.3)
-    return (value * gz[..., None]).sum((0, 1)) * (2 * np.pi / (2 * steps)) / steps
+        np.testing.assert_allclose(sampled, closedForm.PreviewAlbedo(cosine, rgb, roughness, metallic, clearcoat, 0.3, ior), rtol=5e-3)

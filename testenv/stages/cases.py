@@ -25,7 +25,7 @@ class Case:
     height: int = 90
     pixelAspectRatio: float = 1.0  # width / height of a pixel
     maxDepth: int = 4
-    samples: int = 256  # of hdStream
+    samples: int = 128  # of hdStream
     referenceSamples: int = 4096
     passThrough: bool = False  # straight-through opacity: Mitsuba counts those events as bounces
 

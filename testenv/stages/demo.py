@@ -13,7 +13,7 @@ from . import author, shapes
 
 
 def WriteDemo(path) -> None:
-    """Writes the scene; the camera is /World/Camera."""
+    """Writes the scene; the camera is /World/main_cam, usdrecord's default."""
     stage = author.NewStage(path)
     materials = _Materials(stage)
     _AddBackdrop(stage, materials)
@@ -21,7 +21,7 @@ def WriteDemo(path) -> None:
     _AddSculpture(stage, materials)
     _AddBeads(stage, materials)
     _AddLights(stage, materials)
-    camera = author.AddCamera(stage, eye=(0.6, 3.1, 13.0), target=(0.15, 1.28, 0), focalLength=50.0, width=32.0, aspect=16 / 9)
+    camera = author.AddCamera(stage, "/World/main_cam", eye=(0.6, 3.1, 13.0), target=(0.15, 1.28, 0), focalLength=50.0, width=32.0, aspect=16 / 9)
     camera.CreateFStopAttr(16.0)  # lens radius 0.16 units
     camera.CreateFocusDistanceAttr(12.6)
     stage.GetRootLayer().Save()

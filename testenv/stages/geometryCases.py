@@ -70,7 +70,7 @@ def PrimvarColors(stage, folder):
     author.AddCamera(stage, eye=(0, 1.8, 6.2), target=(0, 0.6, 0))
 
 
-@AddCase(samples=256)
+@AddCase()
 def AuthoredNormals(stage, folder):
     """Authored normals that differ from the geometry: vertex, faceVarying, uniform; and left handed."""
     author.AddMesh(stage, "/World/Ground", shapes.Plane(8, 8), color=(0.4, 0.4, 0.4))
@@ -118,7 +118,7 @@ def _Reversed(shape: shapes.Shape) -> np.ndarray:
     return np.concatenate([shape.indices[e - c : e][::-1] for e, c in zip(ends, shape.counts)])
 
 
-@AddCase(samples=256)
+@AddCase()
 def Subsets(stage, folder):
     """GeomSubsets with materials of their own over a bound mesh."""
     author.AddMesh(stage, "/World/Ground", shapes.Plane(8, 8), color=(0.5, 0.5, 0.5))

@@ -67,7 +67,7 @@ def DiskLight(stage, folder):
                     intensity=20.0, enableColorTemperature=True, colorTemperature=3500.0)
 
 
-@AddCase(lambert=True)
+@AddCase(lambert=True, referenceSamples=16384)
 def CylinderLight(stage, folder):
     AddBlocks(stage)
     author.AddLight(stage, "/World/Tube", "Cylinder", dict(translate=(-0.5, 4.3, 1.8), rotate=(0, 25, 10)), radius=0.12,
@@ -95,7 +95,7 @@ def SkyImage(width: int = 1024) -> np.ndarray:
     return sky + lobe((-1, 0.2, 0.3), 12)[..., None] * np.array([0.3, 1.5, 0.5])
 
 
-@AddCase(lambert=True)
+@AddCase(lambert=True, samples=256)
 def DomeLatlong(stage, folder):
     sky = SkyImage()
     imageFile.WriteExr(f"{folder}/sky.exr", {c: sky[..., i] for i, c in enumerate("RGB")}, half=False)
@@ -116,7 +116,7 @@ def FiveLights(stage, folder):
     author.AddLight(stage, "/World/Dome", "Dome", intensity=0.1)
 
 
-@AddCase(lambert=True, samples=64)
+@AddCase(lambert=True)
 def LightsSeen(stage, folder):
     """Every finite light in view on black: its radiance and its outline in camera rays."""
     author.AddLight(stage, "/World/Lamp", "Sphere", dict(translate=(-1.7, 0.9, 0)), radius=0.6, intensity=1.5)

@@ -21,12 +21,12 @@ def SurfaceDiffuse(stage, folder):
     _Row(stage, [dict(diffuseColor=c) for c in [(0.8, 0.1, 0.1), (0.18, 0.18, 0.18), (0.1, 0.3, 0.8), (0.9, 0.9, 0.9)]])
 
 
-@AddCase(samples=512)
+@AddCase(samples=256)
 def SurfaceMetallic(stage, folder):
     _Row(stage, [dict(metallic=m) for m in (0.0, 0.35, 0.7, 1.0)], diffuseColor=(0.9, 0.6, 0.25), roughness=0.35)
 
 
-@AddCase(samples=512)
+@AddCase()
 def SurfaceRoughness(stage, folder):
     _Row(stage, [dict(roughness=r) for r in (0.12, 0.3, 0.6, 1.0)], diffuseColor=(0.05, 0.15, 0.1), ior=1.8)
 
@@ -36,25 +36,25 @@ def SurfaceRoughMetal(stage, folder):
     _Row(stage, [dict(roughness=r) for r in (0.1, 0.3, 0.6, 1.0)], diffuseColor=(0.85, 0.85, 0.8), metallic=1.0)
 
 
-@AddCase(samples=512)
+@AddCase(samples=256)
 def SurfaceSpecularWorkflow(stage, folder):
     _Row(stage, [dict(specularColor=c, roughness=r) for c, r in
                  [((0, 0, 0), 0.5), ((0.04, 0.04, 0.04), 0.3), ((0.5, 0.2, 0.05), 0.3), ((0.9, 0.8, 0.6), 0.5)]],
          diffuseColor=(0.2, 0.2, 0.4), useSpecularWorkflow=1)
 
 
-@AddCase(samples=512)
+@AddCase(samples=256)
 def SurfaceClearcoat(stage, folder):
     _Row(stage, [dict(clearcoat=c, clearcoatRoughness=r) for c, r in [(0.0, 0.1), (0.5, 0.15), (1.0, 0.15), (1.0, 0.5)]],
          diffuseColor=(0.6, 0.08, 0.05), roughness=0.6)
 
 
-@AddCase(samples=512)
+@AddCase()
 def SurfaceIor(stage, folder):
     _Row(stage, [dict(ior=i) for i in (1.0, 1.33, 1.8, 2.6)], diffuseColor=(0.1, 0.1, 0.12), roughness=0.3)
 
 
-@AddCase(passThrough=True, maxDepth=12, samples=512)
+@AddCase(passThrough=True, maxDepth=12)
 def SurfaceOpacity(stage, folder):
     """Straight-through transparency: cards of opacity 1/4, 1/2 and 3/4 before a Lambert set, and a ball."""
     author.AddMesh(stage, "/World/Ground", shapes.Plane(14, 14), color=(0.3, 0.3, 0.3))
@@ -69,7 +69,7 @@ def SurfaceOpacity(stage, folder):
     author.AddCamera(stage, eye=(0, 1.7, 6.2), target=(0, 0.62, 0))
 
 
-@AddCase(passThrough=True, maxDepth=12, samples=512)
+@AddCase(passThrough=True, maxDepth=12)
 def SurfaceCutout(stage, folder):
     """opacityThreshold with displayOpacity through a primvar reader: per face and per vertex."""
     AddStudio(stage)
@@ -86,7 +86,7 @@ def SurfaceCutout(stage, folder):
                       Vt.FloatArray.FromNumpy((0.5 + 0.5 * np.sin(1.3 * x) * np.cos(1.1 * y)).astype(np.float32)))
 
 
-@AddCase(samples=512)
+@AddCase(samples=384)
 def SurfaceEmissive(stage, folder):
     """Emissive surfaces that also reflect, next to others that only receive."""
     author.AddMesh(stage, "/World/Ground", shapes.Plane(14, 14), color=(0.35, 0.35, 0.35))
@@ -97,7 +97,7 @@ def SurfaceEmissive(stage, folder):
     author.AddLight(stage, "/World/Dome", "Dome", intensity=0.1)
 
 
-@AddCase(samples=256)
+@AddCase()
 def SurfaceReaders(stage, folder):
     """Every kind of input from primvars: colour by vertex, roughness and metallic by face."""
     AddStudio(stage)
@@ -115,7 +115,7 @@ def SurfaceReaders(stage, folder):
     author.AddPrimvar(mesh, "metal", Sdf.ValueTypeNames.FloatArray, "uniform", Vt.FloatArray([0.0, 1.0]), indices=j % 2)
 
 
-@AddCase(samples=256)
+@AddCase()
 def SurfaceNormalInput(stage, folder):
     """A constant tangent-space normal on a tilted plane whose `st` fixes the tangent frame."""
     AddStudio(stage)
@@ -125,7 +125,7 @@ def SurfaceNormalInput(stage, folder):
                        translate=(-1.6 + 1.6 * i, 0.9, 0), rotate=(60, 0, 0))
 
 
-@AddCase(samples=256)
+@AddCase(samples=512)
 def SurfaceInterior(stage, folder):
     """Glossy and metal things in a lit box: several bounces between all of them."""
     AddRoom(stage)
@@ -152,7 +152,7 @@ def AddRoom(stage) -> None:
     author.AddCamera(stage, eye=(0, 1.25, 5.2), target=(0, 1.2, 0), focalLength=38)
 
 
-@AddCase(lambert=True, maxDepth=8)
+@AddCase(lambert=True, maxDepth=8, samples=256)
 def LambertRoom(stage, folder):
     AddRoom(stage)
     author.AddMesh(stage, "/World/Box", shapes.Box(0.8, 1.3, 0.8), color=(0.73, 0.73, 0.73), translate=(-0.5, 0.651, -0.4),

@@ -12,6 +12,9 @@ namespace {
 
 /// World box of a transformed box, widened by the rounding of the stored transform.
 Bounds TransformedBounds(const glm::dmat4& matrix, const Bounds& bounds) {
+    if (bounds.min.x > bounds.max.x) {
+        return bounds; // nothing inside
+    }
     glm::dvec3 lo(1e300);
     glm::dvec3 hi(-1e300);
     for (int corner = 0; corner < 8; ++corner) {
@@ -35,14 +38,6 @@ void StoreRows(const glm::dmat4& matrix, float* rows) {
             rows[4 * row + column] = static_cast<float>(matrix[column][row]);
         }
     }
-}
-
-GeometryPages MakeProvider(const AccelScene& scene) {
-    GeometryPages provider(static_cast<std::uint32_t>(scene.pages.size()));
-    for (std::uint32_t i = 0; i < scene.pages.size(); ++i) {
-        provider.SetChunk(i, scene.pages[i].bytes, {});
-    }
-    return provider;
 }
 
 BvhOptions TopOptions() {
@@ -131,21 +126,40 @@ void AccelScene::BuildGroup(std::uint32_t object, const std::vector<AccelPlaceme
     _numLeaves[object] = numLeaves;
 }
 
-DeviceAccelScene::DeviceAccelScene(const std::shared_ptr<Device>& device, const AccelScene& scene)
+DeviceAccelScene::DeviceAccelScene(const std::shared_ptr<Device>& device, const AccelScene& scene,
+                                   const AccelUpload& upload)
     : _topNodes(UploadVector(device, "top nodes", scene.topNodes)),
       _instances(UploadVector(device, "instances", scene.instances)),
       _objects(UploadVector(device, "objects", scene.objects)),
       _chunks(UploadVector(device, "chunks", scene.chunks)),
-      _pool(device, "geometry", MakeProvider(scene)) {}
+      _numInstances(static_cast<std::uint32_t>(scene.instances.size())) {
+    std::vector<std::uint32_t> addresses(2 * scene.chunks.size(), HDS_NOT_RESIDENT);
+    std::array<std::vector<std::uint8_t>, HDS_POOL_MAX_BUFFERS> pools;
+    for (std::size_t i = 0; i < scene.pages.size(); ++i) {
+        const std::size_t pool = i % upload.numPools;
+        addresses[2 * i + HDS_PAGE_GEOMETRY] =
+            static_cast<std::uint32_t>(pool << HDS_POOL_BUFFER_SHIFT |
+                                       pools[pool].size() / HDS_POOL_UNIT_BYTES);
+        pools[pool].insert(pools[pool].end(), scene.pages[i].bytes.begin(),
+                           scene.pages[i].bytes.end());
+    }
+    for (const std::uint32_t chunk : upload.missing) {
+        addresses[2 * std::size_t{chunk} + HDS_PAGE_GEOMETRY] = HDS_NOT_RESIDENT;
+    }
+    _addresses = UploadVector(device, "chunk addresses", addresses);
+    for (std::size_t i = 0; i < pools.size(); ++i) {
+        _pools[i] = UploadVector(device, "pool", pools[i]);
+    }
+}
 
 void DeviceAccelScene::Bind(Kernel* kernel, unsigned first) const {
     kernel->SetBuffer(first, _topNodes);
     kernel->SetBuffer(first + 1, _instances);
     kernel->SetBuffer(first + 2, _objects);
     kernel->SetBuffer(first + 3, _chunks);
-    kernel->SetBuffer(first + 4, _pool.Addresses());
-    for (std::uint32_t i = 0; i < kMaxPoolBuffers; ++i) {
-        kernel->SetBuffer(first + 5 + i, _pool.PoolBuffer(i));
+    kernel->SetBuffer(first + 4, _addresses);
+    for (unsigned i = 0; i < _pools.size(); ++i) {
+        kernel->SetBuffer(first + 5 + i, _pools[i]);
     }
 }
 

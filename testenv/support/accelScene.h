@@ -4,15 +4,14 @@
 #pragma once
 
 #include "hdStream/accel/bvh.h"
-#include "hdStream/accel/geometryPages.h"
 #include "hdStream/device/device.h"
 #include "hdStream/device/program.h"
 #include "hdStream/geometry/triangleMesh.h"
-#include "hdStream/stream/residentPool.h"
 #include "kernels/shared/geometry.h"
 
 #include <glm/mat4x4.hpp>
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -51,19 +50,26 @@ private:
     std::vector<std::uint64_t> _numLeaves; ///< leaf instances that placing each object makes
 };
 
+/// How a scene lies in the pools.
+struct AccelUpload {
+    std::uint32_t numPools = 1;         ///< chunks go to the pools in turn
+    std::vector<std::uint32_t> missing; ///< chunks that are not resident
+};
+
 /// A scene on a device.
 class DeviceAccelScene {
 public:
-    DeviceAccelScene(const std::shared_ptr<Device>& device, const AccelScene& scene);
+    DeviceAccelScene(const std::shared_ptr<Device>& device, const AccelScene& scene,
+                     const AccelUpload& upload = {});
 
     /// Sets HDS_GEOMETRY_ARGS from argument `first` on.
     void Bind(Kernel* kernel, unsigned first) const;
-    /// Value of HDS_NUM_POOLS.
-    std::uint32_t NumPools() const { return _pool.NumBuffers(); }
+    std::uint32_t NumInstances() const { return _numInstances; }
 
 private:
-    Buffer _topNodes, _instances, _objects, _chunks;
-    ResidentPool _pool;
+    Buffer _topNodes, _instances, _objects, _chunks, _addresses;
+    std::array<Buffer, HDS_POOL_MAX_BUFFERS> _pools;
+    std::uint32_t _numInstances = 0;
 };
 
 } // namespace hds::test

@@ -28,6 +28,9 @@ LAST_FOLDERS = ("install",)
 # Other versions of the formatter lay some lines out differently.
 CLANG_FORMAT_MAJOR = "14"
 
+PYTEST_NOTHING_RAN = 5  # pytest's exit code when -k matches nothing
+STAGE_LIMIT_SECONDS = 3600  # a hanging stage must not hang the suite
+
 Counts = collections.namedtuple("Counts", "passed failed skipped")
 
 
@@ -45,22 +48,38 @@ def ReadJUnit(path: pathlib.Path) -> Counts:
     return Counts(passed, failed, skipped)
 
 
+def RunQuietly(command: list, environment: dict) -> int:
+    """Runs a command; shows what it said when it failed, else only which tests it skipped and why."""
+    try:
+        result = subprocess.run(command, env=environment, cwd=ROOT, stdin=subprocess.DEVNULL,
+                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=STAGE_LIMIT_SECONDS)
+        code, output = result.returncode, result.stdout.decode(errors="replace")
+    except subprocess.TimeoutExpired as error:
+        code, output = 124, (error.stdout or b"").decode(errors="replace") + f"\nstopped after {STAGE_LIMIT_SECONDS} s"
+    if code not in (0, PYTEST_NOTHING_RAN):
+        print(f"\n{output}")
+    else:
+        skips = [line for line in output.splitlines() if line.startswith(("SKIPPED", "[  SKIPPED ]"))]
+        print("".join(f"\n{line}" for line in skips), end="\n" if skips else "")
+    return code
+
+
 def RunReporting(command: list, report: pathlib.Path, environment: dict) -> Counts:
     """Runs a command that writes `report`. A bad exit without a counted failure is a failure too."""
-    code = subprocess.run(command, env=environment, cwd=ROOT, stdin=subprocess.DEVNULL).returncode
+    code = RunQuietly(command, environment)
+    isGood = code in (0, PYTEST_NOTHING_RAN)
     try:
         counts = ReadJUnit(report)
     except (OSError, xml.etree.ElementTree.ParseError):
-        # pytest: 5 = nothing matched -k.
-        return Counts(0, 0, 0) if code in (0, 5) else Counts(0, 1, 0)
-    if code not in (0, 5) and counts.failed == 0:
-        print(f"{command[0]}: exit code {code} although no test failed", file=sys.stderr)
+        return Counts(0, 0 if isGood else 1, 0)
+    if not isGood and counts.failed == 0:
+        print(f"exit code {code} although no test failed")
         counts = counts._replace(failed=1)
     return counts
 
 
 def RunCheck(command: list) -> Counts:
-    code = subprocess.run(command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL).returncode
+    code = RunQuietly(command, dict(os.environ))
     return Counts(int(code == 0), int(code != 0), 0)
 
 
@@ -100,7 +119,7 @@ def Stages(build: pathlib.Path, pattern: str, environment: dict, reports: pathli
             stages[label] = lambda c=command, r=report: RunReporting(c, r, environment)
     for folder in PytestFolders():
         report = reports / f"{folder}.xml"
-        command = [sys.executable, "-m", "pytest", "-q", "--no-header", "-p", "no:cacheprovider",
+        command = [sys.executable, "-m", "pytest", "-q", "-rs", "--no-header", "-p", "no:cacheprovider",
                    f"--junitxml={report}", TESTENV / folder]
         if pattern:
             command += ["-k", pattern]
@@ -125,9 +144,10 @@ def Main() -> int:
         for name, run in stages.items():
             if options.stages and name not in options.stages:
                 continue
+            print(f"{name:10s}", end="", flush=True)
             start = time.monotonic()
             counts = run()
-            print(f"{name:10s} {counts.passed:5d} passed {counts.failed:3d} failed {counts.skipped:3d} skipped"
+            print(f" {counts.passed:5d} passed {counts.failed:3d} failed {counts.skipped:3d} skipped"
                   f" {time.monotonic() - start:7.1f} s", flush=True)
             total = Counts(*map(sum, zip(total, counts)))
     print(f"{total.passed} passed, {total.failed} failed, {total.skipped} skipped")

@@ -14,6 +14,7 @@ from hdstream.progress import ProgressBar
 from hdstream.texts import SecondsText
 
 _DEFAULT_WIDTH = 960
+_REFINE_LEVELS = {"low": 0, "medium": 1, "high": 2, "veryhigh": 3}
 _WHOLE_MESH_BYTES = 256 << 20  # largest chunk the core makes (session/settingsCheck.cpp)
 # Options whose feature is not there yet: (attribute, value without effect, what happens instead).
 _IDLE_OPTIONS = (
@@ -25,8 +26,6 @@ _IDLE_OPTIONS = (
     ("shadeIterations", (0,), "shading is always exact"),
     ("hostMemory", (None,), "all prepared data stays in host memory"),
     ("prepare", ("lazy",), "everything is prepared before the first pixel"),
-    ("subdivision", ("adaptive", "cage"), "meshes are drawn as their cages"),
-    ("complexity", ("low",), "meshes are drawn as their cages"),
 )
 
 
@@ -107,6 +106,8 @@ class Recorder:
         settings = _core.Settings()
         for name, value in prim.values.items():
             setattr(settings, name, value)
+        settings.subdivision = args.subdivision
+        settings.refineLevel = _REFINE_LEVELS[args.complexity]
         settings.purposes = list(args.purposes or _WithDefault(prim.purposes) or settings.purposes)
         aovs = args.aovs or prim.aovs
         if aovs:
@@ -169,6 +170,7 @@ class Recorder:
     def _Render(self, settings):
         """Renders on a thread, so that Ctrl-C is seen at once; True when it was not interrupted."""
         isStopping = threading.Event()
+        isDone = threading.Event()
         outcome = []
 
         def OnProgress(progress):
@@ -181,12 +183,14 @@ class Recorder:
                 self._session.Render(settings, OnProgress)
             except BaseException as error:  # pylint: disable=broad-except
                 outcome.append(error)
+            finally:
+                isDone.set()
 
-        thread = threading.Thread(target=Work, name="render", daemon=True)
-        thread.start()
-        while thread.is_alive():
+        threading.Thread(target=Work, name="render", daemon=True).start()
+        # Not Thread.join: when it is interrupted, Python 3.11 takes the thread for finished.
+        while not isDone.is_set():
             try:
-                thread.join(0.1)
+                isDone.wait(0.1)
             except KeyboardInterrupt:
                 self._progress.Clear()
                 if isStopping.is_set():
@@ -208,8 +212,7 @@ class Recorder:
             self._session.Warn(file, f"no room in this format for {', '.join(left)}; use .exr")
         if self._args.stats:
             statsFile = self.outputs.StatsFileOf(self._args.stats, timeCode)
-            with open(statsFile, "w", encoding="utf-8") as stream:
-                stream.write(statistics)
+            _WriteText("--stats", statsFile, statistics)
         if not self._args.quiet:
             values = json.loads(statistics)
             done = "" if isComplete else " (interrupted)"
@@ -222,6 +225,14 @@ class Recorder:
             self._warned.add(line)
             self._progress.Clear()
             print(f"warning: {line}", file=sys.stderr)
+
+
+def _WriteText(option, file, text):
+    try:
+        with open(file, "w", encoding="utf-8") as stream:
+            stream.write(text)
+    except OSError as error:
+        raise CommandError(f"{option} {file}: {error.strerror}") from None
 
 
 def _WithDefault(purposes):

@@ -40,7 +40,7 @@ class FrameOutputs:
         precision = len(match.group(2) or "") if match else 0
         if "#" in output and not match:
             raise UsageError(f"{output}: more than one frame placeholder")
-        if frames:
+        if frames is not None:
             self.timeCodes, needed = ParseFrames(frames)
             if len(self.timeCodes) > 1 and not match:
                 raise UsageError(f"{output}: --frames {frames} needs a frame placeholder such as ####")

@@ -188,7 +188,7 @@ private:
     /// and Mori 1974) takes the steep ends of that interval.
     static glm::dvec3 MicrofacetAlbedo(double cosO, double a,
                                        const std::function<glm::dvec3(double)>& fresnel) {
-        constexpr int kPhiSteps = 1024;
+        constexpr int kPhiSteps = 512;
         constexpr int kSteps = 32;
         constexpr double kStep = 0.1;
         const double sinO = std::sqrt(1.0 - cosO * cosO);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kTolerance = 0.005; // of the requirement
 constexpr std::uint32_t kChunks = 64;
-constexpr std::uint32_t kSamplesPerChunk = 2048;
+constexpr std::uint32_t kSamplesPerChunk = 1024;
 
 const char* const kKernels = R"(
 #include "sample/sampler.clh"

@@ -47,7 +47,8 @@ void Walk(const Hierarchy& tables, std::uint32_t firstGroup, std::uint32_t group
         EXPECT_TRUE(i == 0 ? before == 0 : before > previous); // instancesByPath is in path order
         previous = before;
         const glm::dmat4 child = world * MatrixOf(record.parentFromObject);
-        const std::uint32_t childId = id * record.instanceCount + record.instanceRank;
+        const std::uint32_t childId =
+            record.instanceCount == 0 ? id : id * record.instanceCount + record.instanceRank;
         if (record.mesh != HDS_NONE) {
             leaves->push_back({record.mesh, offset + before, childId, glm::dvec3(child[3])});
         } else {

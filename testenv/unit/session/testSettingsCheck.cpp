@@ -36,6 +36,8 @@ TEST(SettingsCheck, NamesTheOption) {
     ExpectNamed("--waveSize", [](Settings* s) { s->waveSize = 1; });
     ExpectNamed("--chunkSize", [](Settings* s) { s->chunkBytes = 1; });
     ExpectNamed("pixelAspectRatio", [](Settings* s) { s->pixelAspectRatio = 0.0; });
+    ExpectNamed("--subdivision", [](Settings* s) { s->subdivision = "some"; });
+    ExpectNamed("--complexity", [](Settings* s) { s->refineLevel = 9; });
     ExpectNamed("noSuchAov", [](Settings* s) { s->aovs = {"color", "noSuchAov"}; });
     ExpectNamed("traversal", [](Settings* s) { s->traversal = "sideways"; });
 }

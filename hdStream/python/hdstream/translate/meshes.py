@@ -55,6 +55,8 @@ def ReadMesh(prim, names, inherited, timeCode):
     indices = _Array(prim, "faceVertexIndices", timeCode, np.int32)
     if points is None or counts is None or indices is None or not points.size or not counts.size:
         return None
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise ValueError("points are not vectors of three numbers")
     mesh = _core.MeshDescription()
     mesh.points = points
     mesh.faceVertexCounts = counts

@@ -4,8 +4,12 @@
 A State is immutable once made and shared by all prims that change nothing.
 """
 
-from pxr import Gf
+from pxr import Gf, Usd
 
+PREDICATE = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
+# As UsdImaging: a prototype may be an `over`'s child, so its ancestors need not be defined.
+PROTOTYPE_PREDICATE = Usd.TraverseInstanceProxies(
+    Usd.PrimIsActive & Usd.PrimIsLoaded & Usd.PrimHasDefiningSpecifier & ~Usd.PrimIsAbstract)
 IDENTITY = Gf.Matrix4d(1.0)
 _STRONGER = "strongerThanDescendants"
 
@@ -60,6 +64,8 @@ class Context:
         self.prototypePaths = []            # scene paths of all that the instancer places
         self.instanceGroups = {}            # key -> InstanceGroup: native instances found here
         self.chain = chain                  # USD paths of the point instancers around
+        # Below an `over` nothing is defined; the prototypes of point instancers may be there.
+        self.predicate = PROTOTYPE_PREDICATE if chain else PREDICATE
         self._usdRoot = usdRoot
         self._sceneRoot = sceneRoot
 

@@ -48,13 +48,14 @@ def FloatRows(value, attribute):
         return None
     if rows.dtype.kind not in "fiub" or rows.size == 0:
         return None
-    if rows.ndim == 1:
-        if type(value).__module__ != "pxr.Vt":  # a single Gf tuple
-            rows = rows.reshape(1, -1)
-        else:
-            elementSize = attribute.GetMetadata("elementSize") or 1
-            if elementSize > 1 and rows.size % elementSize == 0:
-                rows = rows.reshape(-1, elementSize)
+    if type(value).__module__ != "pxr.Vt":  # a single Gf value; matrices are no tuples
+        if rows.ndim != 1:
+            return None
+        rows = rows.reshape(1, -1)
+    elif rows.ndim == 1:
+        elementSize = attribute.GetMetadata("elementSize") or 1
+        if elementSize > 1 and rows.size % elementSize == 0:
+            rows = rows.reshape(-1, elementSize)
     if rows.ndim > 2 or (rows.ndim == 2 and rows.shape[1] > 4):
         return None
     return np.ascontiguousarray(rows, np.float32)

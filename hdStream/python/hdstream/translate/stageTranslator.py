@@ -8,16 +8,18 @@ walked and turned into instancers after it. Materials are found for all meshes a
 import gc
 
 import numpy as np
-from pxr import Tf, Usd, UsdGeom
+from pxr import Kind, Tf, Usd, UsdGeom
 
 from hdstream import _core
 from hdstream.errors import OneLine
-from hdstream.translate import cameras, instancing, lights, materials, meshes, primvars
+from hdstream.translate import cameras, lights, meshes, primvars
 from hdstream.translate.assets import AssetResolver
-from hdstream.translate.primState import Context, State
+from hdstream.translate.instancers import Instancers
+from hdstream.translate.materials import MaterialReader
+from hdstream.translate.meshBatch import MeshBatch
+from hdstream.translate.primState import PREDICATE, Context, State
 from hdstream.translate.reports import Reports
 
-_PREDICATE = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 # Schemas that are drawn by other renderers and skipped here, with a count.
 _SKIPPED_SCHEMAS = ("BasisCurves", "NurbsCurves", "HermiteCurves", "NurbsPatch", "Points",
                     "TetMesh", "Volume", "ParticleField")
@@ -37,20 +39,6 @@ class _TypeInfo:
         self.isLeaf = isLeaf  # a gprim: nothing of use below it inherits primvars or bindings
 
 
-class _PendingMesh:
-    """A mesh that waits for its materials."""
-
-    __slots__ = ("path", "prim", "mesh", "placement", "purpose", "subsets")
-
-    def __init__(self, path, prim, mesh, placement, purpose, subsets):
-        self.path = path
-        self.prim = prim
-        self.mesh = mesh
-        self.placement = placement
-        self.purpose = purpose
-        self.subsets = subsets  # (MeshSubset, prim)
-
-
 class StageTranslator:
     """Translates one stage at one time code into a session. Used once."""
 
@@ -63,7 +51,8 @@ class StageTranslator:
         self._xforms = UsdGeom.XformCache(self._timeCode)
         self._types = {}
         self._paths = set()
-        self._pending = []
+        self._meshes = MeshBatch(session, self._reports.Warn)
+        self._instancers = Instancers(self, stage, session, self._timeCode, self._reports)
         self.numPrims = 0  # prims visited, instance proxies of first instances included
         self._handlers = self._MakeHandlers()
 
@@ -82,14 +71,17 @@ class StageTranslator:
         self._session.SetStage(UsdGeom.GetStageMetersPerUnit(self._stage),
                                UsdGeom.GetStageUpAxis(self._stage))
         world = Context()
-        children = self._stage.GetPseudoRoot().GetFilteredChildren(_PREDICATE)
-        self._Walk(children, State(), world)
-        self._SetMeshes()
+        children = self._stage.GetPseudoRoot().GetFilteredChildren(PREDICATE)
+        self.Walk(children, State(), world)
+        primByPath = self._meshes.Flush()
+        reader = MaterialReader(self._timeCode, self._assets, self._reports.Warn)
+        for path, prim in primByPath.items():
+            self._session.SetMaterial(path, reader.Read(prim))
         self._reports.Flush()
 
     # --- Traversal -------------------------------------------------------------------------------
 
-    def _Walk(self, prims, state, context):
+    def Walk(self, prims, state, context):
         """Visits prims and all below, then makes instancers of the native instances found."""
         stack = [(prim, state) for prim in reversed(prims)]
         while stack:
@@ -100,11 +92,11 @@ class StageTranslator:
                 self._reports.Warn(prim, f"cannot be read: {OneLine(error)}")
                 state = inherited
             if state is not None:
-                children = prim.GetFilteredChildren(_PREDICATE)
+                children = prim.GetFilteredChildren(context.predicate)
                 for child in reversed(children):
                     stack.append((child, state))
         for group in context.instanceGroups.values():
-            self._AddInstanceGroup(group, context)
+            self._instancers.AddGroup(group, context)
 
     def _Visit(self, prim, inherited, context):
         """Translates a prim; returns the state of its children, None when they are not visited."""
@@ -114,7 +106,7 @@ class StageTranslator:
         state = self._StateOf(prim, info, names, inherited) if names else inherited
         if info.handler is None:
             if prim.IsInstance():
-                self._AddInstance(prim, state, context)
+                self._instancers.AddInstance(prim, state, context)
                 return None
             return state
         return info.handler(prim, info.schema, names, state, context)
@@ -155,12 +147,15 @@ class StageTranslator:
         return state
 
     def _CheckDrawMode(self, prim):
-        if prim.GetAttribute("model:drawMode").Get(self._timeCode) in _DRAW_MODES:
+        """UsdGeomModelAPI: a draw mode holds where it is applied, and on components."""
+        if (prim.GetAttribute("model:drawMode").Get(self._timeCode) in _DRAW_MODES
+                and (prim.GetAttribute("model:applyDrawMode").Get(self._timeCode)
+                     or prim.GetKind() == Kind.Tokens.component)):
             self._reports.Count(prim, "draw modes are not supported yet: {count} drawn in full")
 
     def _MakeHandlers(self):
         """(schema class, handler) from special to general; prims of no schema here are groups."""
-        handlers = [("Mesh", self._OnMesh), ("PointInstancer", self._OnPointInstancer),
+        handlers = [("Mesh", self._OnMesh), ("PointInstancer", self._instancers.AddPointInstancer),
                     ("Camera", self._OnCamera), ("Subset", self._OnSkipped)]
         handlers += [(name, self._OnImplicit) for name in meshes.IMPLICIT_TYPES]
         handlers += [(name, self._OnUnsupported) for name in _SKIPPED_SCHEMAS]
@@ -184,12 +179,17 @@ class StageTranslator:
 
     # --- Prims -----------------------------------------------------------------------------------
 
-    def _Place(self, prim, state, context):
-        """The scene path of a prim and its placement there; the context's instancer places it."""
+    def ReservePath(self, prim, context):
+        """The scene path of a prim, which no other prim will get."""
         path = context.ScenePath(prim)
         if path in self._paths:  # a prototype inside another prototype of the same instancer
-            path = f"{path}{{{len(context.prototypePaths)}}}"
+            path = f"{path}{{{len(self._paths)}}}"
         self._paths.add(path)
+        return path
+
+    def _Place(self, prim, state, context):
+        """The scene path of a prim and its placement; the context's instancer, if any, places it."""
+        path = self.ReservePath(prim, context)
         if context.instancerPath:
             context.prototypePaths.append(path)
         return path, _core.Placement(state.matrix, context.instancerPath, state.visible)
@@ -212,14 +212,14 @@ class StageTranslator:
 
     def _AddMesh(self, prim, mesh, state, context):
         subsets = []
-        for child in prim.GetFilteredChildren(_PREDICATE):
+        for child in prim.GetFilteredChildren(context.predicate):
             if child.IsA(UsdGeom.Subset):
                 subset = meshes.ReadSubset(child, self._timeCode)
                 if subset is not None:
                     subset.name = context.ScenePath(child)
                     subsets.append((subset, child))
         path, placement = self._Place(prim, state, context)
-        self._pending.append(_PendingMesh(path, prim, mesh, placement, state.purpose, subsets))
+        self._meshes.Add(path, prim, _core.MeshPrim(mesh, placement, state.purpose), subsets)
 
     def _CheckMeshLight(self, prim):
         if "MeshLightAPI" in prim.GetAppliedSchemas():
@@ -248,136 +248,6 @@ class StageTranslator:
 
     def _OnSkipped(self, prim, schema, names, state, context):
         return None
-
-    # --- Instances -------------------------------------------------------------------------------
-
-    def _AddInstance(self, prim, state, context):
-        """Adds a native instance to the group that shares its prototype's look."""
-        boundPaths = self._BoundPathsBelow(prim) if state.hasCollections else None
-        key = (prim.GetPrototype().GetPath(), instancing.InheritedKey(state, boundPaths))
-        group = context.instanceGroups.get(key)
-        if group is None:
-            group = context.instanceGroups[key] = instancing.InstanceGroup(prim, state)
-        group.Add(state)
-
-    @staticmethod
-    def _BoundPathsBelow(prim):
-        """Materials of all gprims below an instance: collections may tell instances apart."""
-        gprims = [child for child in Usd.PrimRange(prim, _PREDICATE)
-                  if child.IsA(UsdGeom.Gprim) or child.IsA(UsdGeom.Subset)]
-        root = prim.GetPath().pathString
-        paths, _ = materials.FindBoundMaterials(gprims, lambda *_: None)
-        # A material inside the instance is the same one for all instances.
-        return tuple("." + path[len(root):] if path.startswith(root + "/") else path for path in paths)
-
-    def _AddInstanceGroup(self, group, context):
-        path = context.ScenePath(group.firstPrim)
-        inner = Context(path, group.firstPrim.GetPath().pathString, path, context.chain)
-        state = State()
-        state.purpose = group.state.purpose
-        state.isPurposeAuthored = group.state.isPurposeAuthored
-        state.primvars = group.state.primvars
-        state.bindings = group.state.bindings
-        state.hasCollections = group.state.hasCollections
-        self._Walk(group.firstPrim.GetFilteredChildren(_PREDICATE), state, inner)
-        placement = _core.Placement(State().matrix, context.instancerPath)
-        instances = group.VisibleIndices()
-        self._AddInstancer(path, placement, group.Transforms(), context,
-                           [(prototype, instances) for prototype in inner.prototypePaths])
-
-    def _AddInstancer(self, path, placement, transforms, context, instancesByPrototype):
-        if not instancesByPrototype:
-            return
-        instancer = _core.InstancerPrim(placement)
-        instancer.instanceTransforms = transforms
-        for prototype, instances in instancesByPrototype:
-            instancer.SetInstances(prototype, instances)
-        if context.instancerPath:
-            context.prototypePaths.append(path)
-        self._paths.add(path)
-        self._session.SetInstancer(path, instancer)
-
-    def _OnPointInstancer(self, prim, schema, names, state, context):
-        usdPath = prim.GetPath().pathString
-        if usdPath in context.chain:
-            self._reports.Warn(prim, "point instancer is its own prototype; the inner one is skipped")
-            return None
-        arrays = instancing.PointInstances(prim, self._timeCode)
-        if arrays.problem:
-            self._reports.Warn(prim, f"point instancer not drawn: {arrays.problem}")
-        if arrays.problem or not arrays.numInstances:
-            return None
-        if arrays.numOutside:
-            self._reports.Warn(prim, f"{arrays.numOutside} instances have no prototype and are skipped")
-        if instancing.HasInstancePrimvars(prim, names):
-            self._reports.Warn(prim, "primvars per instance are not supported yet")
-        path = context.ScenePath(prim)
-        placed = []
-        for index, prototypePath in enumerate(arrays.prototypePaths):
-            instances = arrays.InstancesOf(index)
-            if len(instances):
-                placed += [(prototype, instances) for prototype in self._WalkPrototype(
-                    prim, path, prototypePath, state, context)]
-        placement = _core.Placement(state.matrix, context.instancerPath, state.visible)
-        self._AddInstancer(path, placement, arrays.transforms, context, placed)
-        return None
-
-    def _WalkPrototype(self, instancer, path, prototypePath, instancerState, context):
-        """Translates a prototype's subtree; returns the scene paths of what it contains."""
-        root = self._stage.GetPrimAtPath(prototypePath)
-        if not root or not instancing.PROTOTYPE_PREDICATE(root):
-            self._reports.Warn(instancer, f"prototype {prototypePath} does not exist or is not defined")
-            return []
-        usdRoot = prototypePath.pathString
-        usdPath = instancer.GetPath().pathString
-        isBelow = usdRoot.startswith(usdPath + "/")
-        sceneRoot = path + (usdRoot[len(usdPath):] if isBelow else "{" + usdRoot + "}")
-        inner = Context(path, usdRoot, sceneRoot, context.chain + (usdPath,))
-        self._Walk([root], self._PrototypeState(root, instancerState), inner)
-        return inner.prototypePaths
-
-    def _PrototypeState(self, root, instancerState):
-        """What a prototype inherits: from its own ancestors; a purpose also from the instancer."""
-        state = State()
-        parent = UsdGeom.Imageable(root.GetParent())
-        info = parent.ComputePurposeInfo() if parent else None
-        if info and info.isInheritable:
-            state.purpose, state.isPurposeAuthored = info.purpose, True
-        else:
-            state.purpose = instancerState.purpose
-            state.isPurposeAuthored = instancerState.isPurposeAuthored
-        state.primvars = primvars.InheritableAbove(root, self._timeCode)
-        ancestor = root.GetParent()
-        chain = []
-        while ancestor and not ancestor.IsPseudoRoot():
-            chain.append(ancestor)
-            ancestor = ancestor.GetParent()
-        for ancestor in reversed(chain):
-            state.AddBindings(ancestor, ancestor.GetAuthoredPropertyNames())
-        return state
-
-    # --- Materials -------------------------------------------------------------------------------
-
-    def _SetMeshes(self):
-        """Binds materials, hands all meshes over, then the materials they use."""
-        prims = []
-        for pending in self._pending:
-            prims.append(pending.prim)
-            prims.extend(child for _, child in pending.subsets)
-        paths, primByPath = materials.FindBoundMaterials(prims, self._reports.Warn)
-        bound = iter(paths)
-        for pending in self._pending:
-            materialPath = next(bound)
-            for subset, _ in pending.subsets:
-                subset.materialPath = next(bound)
-            if pending.subsets:
-                pending.mesh.subsets = [subset for subset, _ in pending.subsets]
-            self._session.SetMesh(pending.path, _core.MeshPrim(pending.mesh, pending.placement,
-                                                               pending.purpose, materialPath))
-        self._pending.clear()
-        reader = materials.MaterialReader(self._timeCode, self._assets, self._reports.Warn)
-        for path, prim in primByPath.items():
-            self._session.SetMaterial(path, reader.Read(prim))
 
 
 def _SchemaClass(name):

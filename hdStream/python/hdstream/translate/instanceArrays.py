@@ -1,17 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Native instances and point instancers as the core's instancers; never flattened.
-
-Native instances of one prototype with the same inherited values share an instancer, which takes
-the path of the first of them; what it places is translated once, from the instance proxies of that
-first instance. Instances in another context (below another instancer) get an instancer there.
-"""
+"""Arrays of instances: of a group of native instances, and of a point instancer."""
 
 import numpy as np
-from pxr import Usd, UsdGeom, Vt
-
-# As UsdImaging: a prototype may be an `over`'s child, so its ancestors need not be defined.
-PROTOTYPE_PREDICATE = Usd.TraverseInstanceProxies(
-    Usd.PrimIsActive & Usd.PrimIsLoaded & Usd.PrimHasDefiningSpecifier & ~Usd.PrimIsAbstract)
+from pxr import UsdGeom, Vt
 
 
 class InstanceGroup:

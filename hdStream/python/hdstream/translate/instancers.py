@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Native instances and point instancers as the core's instancers; never flattened.
+
+Native instances of one prototype that inherit the same values share an instancer, which takes the
+path of the first of them; what it places is translated once, from the instance proxies of that
+first instance. Instances in another context (below another instancer) get an instancer there.
+Prims below a point instancer are drawn as its prototypes only; prototypes elsewhere are drawn
+where they are as well, as UsdGeomPointInstancer says ("Processing and Not Processing Prototypes").
+"""
+
+from pxr import Usd, UsdGeom
+
+from hdstream import _core
+from hdstream.translate import primvars
+from hdstream.translate.instanceArrays import (HasInstancePrimvars, InheritedKey, InstanceGroup,
+                                               PointInstances)
+from hdstream.translate.materials import FindBoundMaterials
+from hdstream.translate.primState import PREDICATE, PROTOTYPE_PREDICATE, Context, State
+
+
+class Instancers:
+    """Adds instancers to a session; walks their prototypes with the stage's translator."""
+
+    def __init__(self, translator, stage, session, timeCode, reports):
+        self._translator = translator
+        self._stage = stage
+        self._session = session
+        self._timeCode = timeCode
+        self._reports = reports
+
+    def AddInstance(self, prim, state, context):
+        """Adds a native instance to the group that shares its prototype's look."""
+        boundPaths = self._BoundPathsBelow(prim) if state.hasCollections else None
+        key = (prim.GetPrototype().GetPath(), InheritedKey(state, boundPaths))
+        group = context.instanceGroups.get(key)
+        if group is None:
+            group = context.instanceGroups[key] = InstanceGroup(prim, state)
+        group.Add(state)
+
+    @staticmethod
+    def _BoundPathsBelow(prim):
+        """Materials of all gprims below an instance: collections may tell instances apart."""
+        gprims = [child for child in Usd.PrimRange(prim, PREDICATE)
+                  if child.IsA(UsdGeom.Gprim) or child.IsA(UsdGeom.Subset)]
+        root = prim.GetPath().pathString
+        paths, _ = FindBoundMaterials(gprims, lambda *_: None)
+        # A material inside the instance is the same one for all instances.
+        return tuple("." + path[len(root):] if path.startswith(root + "/") else path for path in paths)
+
+    def AddGroup(self, group, context):
+        """Makes the instancer of a group of native instances and translates what it places."""
+        path = self._translator.ReservePath(group.firstPrim, context)
+        inner = Context(path, group.firstPrim.GetPath().pathString, path, context.chain)
+        state = State()
+        state.purpose = group.state.purpose
+        state.isPurposeAuthored = group.state.isPurposeAuthored
+        state.primvars = group.state.primvars
+        state.bindings = group.state.bindings
+        state.hasCollections = group.state.hasCollections
+        self._translator.Walk(group.firstPrim.GetFilteredChildren(inner.predicate), state, inner)
+        placement = _core.Placement(State().matrix, context.instancerPath)
+        instances = group.VisibleIndices()
+        self._AddInstancer(path, placement, group.Transforms(), context,
+                           [(prototype, instances) for prototype in inner.prototypePaths])
+
+    def _AddInstancer(self, path, placement, transforms, context, instancesByPrototype):
+        if not instancesByPrototype:
+            return
+        instancer = _core.InstancerPrim(placement)
+        instancer.instanceTransforms = transforms
+        for prototype, instances in instancesByPrototype:
+            instancer.SetInstances(prototype, instances)
+        if context.instancerPath:
+            context.prototypePaths.append(path)
+        self._session.SetInstancer(path, instancer)
+
+    def AddPointInstancer(self, prim, schema, names, state, context):
+        """Makes the instancer of a UsdGeomPointInstancer; a handler of the traversal."""
+        usdPath = prim.GetPath().pathString
+        if usdPath in context.chain:
+            self._reports.Warn(prim, "point instancer is its own prototype; the inner one is skipped")
+            return None
+        arrays = PointInstances(prim, self._timeCode)
+        if arrays.problem:
+            self._reports.Warn(prim, f"point instancer not drawn: {arrays.problem}")
+        if arrays.problem or not arrays.numInstances:
+            return None
+        if arrays.numOutside:
+            self._reports.Warn(prim, f"{arrays.numOutside} instances have no prototype and are skipped")
+        if HasInstancePrimvars(prim, names):
+            self._reports.Warn(prim, "primvars per instance are not supported yet")
+        path = self._translator.ReservePath(prim, context)
+        placed = []
+        for index, prototypePath in enumerate(arrays.prototypePaths):
+            instances = arrays.InstancesOf(index)
+            if len(instances):
+                placed += [(prototype, instances) for prototype in self._WalkPrototype(
+                    prim, path, prototypePath, state, context)]
+        placement = _core.Placement(state.matrix, context.instancerPath, state.visible)
+        self._AddInstancer(path, placement, arrays.transforms, context, placed)
+        return None
+
+    def _WalkPrototype(self, instancer, path, prototypePath, instancerState, context):
+        """Translates a prototype's subtree; returns the scene paths of what it contains."""
+        root = self._stage.GetPrimAtPath(prototypePath)
+        if not root or not PROTOTYPE_PREDICATE(root):
+            self._reports.Warn(instancer, f"prototype {prototypePath} does not exist or is not defined")
+            return []
+        usdRoot = prototypePath.pathString
+        usdPath = instancer.GetPath().pathString
+        isBelow = usdRoot.startswith(usdPath + "/")
+        sceneRoot = path + (usdRoot[len(usdPath):] if isBelow else "{" + usdRoot + "}")
+        inner = Context(path, usdRoot, sceneRoot, context.chain + (usdPath,))
+        self._translator.Walk([root], self._PrototypeState(root, instancerState), inner)
+        return inner.prototypePaths
+
+    def _PrototypeState(self, root, instancerState):
+        """What a prototype inherits: from its own ancestors; a purpose also from the instancer."""
+        state = State()
+        parent = UsdGeom.Imageable(root.GetParent())
+        info = parent.ComputePurposeInfo() if parent else None
+        if info and info.isInheritable:
+            state.purpose, state.isPurposeAuthored = info.purpose, True
+        else:
+            state.purpose = instancerState.purpose
+            state.isPurposeAuthored = instancerState.isPurposeAuthored
+        state.primvars = primvars.InheritableAbove(root, self._timeCode)
+        ancestor = root.GetParent()
+        chain = []
+        while ancestor and not ancestor.IsPseudoRoot():
+            chain.append(ancestor)
+            ancestor = ancestor.GetParent()
+        for ancestor in reversed(chain):
+            state.AddBindings(ancestor, ancestor.GetAuthoredPropertyNames())
+        return state

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Broken scene content renders: a warning a prim, exit code 0, an image of finite numbers."""
+
+import pytest
+
+from cliCase import SCENE, SMALL, Run, WriteStage
+
+MESH = """def Mesh "{name}"
+{{
+    int[] faceVertexCounts = {counts}
+    int[] faceVertexIndices = {indices}
+    point3f[] points = {points}
+    uniform token subdivisionScheme = "none"
+    {more}
+}}
+"""
+POINTS = "[(-1, -1, 1), (1, -1, 1), (0, 1, 1)]"
+
+
+def BadMesh(counts="[3]", indices="[0, 1, 2]", points=POINTS, more=""):
+    return MESH.format(name="Bad", counts=counts, indices=indices, points=points, more=more)
+
+
+MATRIX = "matrix4d xformOp:transform = {}\nuniform token[] xformOpOrder = [\"xformOp:transform\"]"
+SURFACE = """def Material "Look"
+{{
+    token outputs:surface.connect = </Look/Surface.outputs:surface>
+    def Shader "Surface"
+    {{
+        uniform token info:id = "{identifier}"
+        {inputs}
+        token outputs:surface
+    }}
+    def Shader "Texture"
+    {{
+        uniform token info:id = "UsdUVTexture"
+        asset inputs:file = @none/such.png@
+        float3 outputs:rgb
+    }}
+}}
+"""
+
+
+def Bound(identifier, inputs=""):
+    mesh = BadMesh(more="rel material:binding = </Look>").replace(
+        '"Bad"', '"Bad" (prepend apiSchemas = ["MaterialBindingAPI"])')
+    return mesh + SURFACE.format(identifier=identifier, inputs=inputs)
+
+
+@pytest.mark.parametrize("body, subject", [
+    (BadMesh(indices="[0, 1, 7]"), "/Bad"),
+    (BadMesh(indices="[0, 1, -1]"), "/Bad"),
+    (BadMesh(counts="[3, 3]"), "/Bad"),
+    (BadMesh(counts="[-3]"), "/Bad"),
+    (BadMesh(points="[(nan, 0, 0), (1, 0, 0), (0, 1, 0)]"), "/Bad"),
+    (BadMesh(points="[(inf, 0, 0), (1, 0, 0), (0, 1, 0)]"), "/Bad"),
+    (BadMesh(points="[(0, 0, 0), (0, 0, 0), (0, 0, 0)]"), "/Bad"),
+    (BadMesh(more=MATRIX.format("((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 0, 0), (0, 0, 0, 1))")), "/Bad"),
+    (BadMesh(more=MATRIX.format("((0, 0, 0, 0), (0, 0, 0, 0), (0, 0, 0, 0), (0, 0, 0, 1))")), "/Bad"),
+    (BadMesh(more=MATRIX.format("((nan, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))")), "/Bad"),
+    (Bound("NoSuchShader"), "/Look"),
+    (Bound("UsdPreviewSurface", "color3f inputs:diffuseColor.connect = </Look/Texture.outputs:rgb>"), "/Look"),
+    ('def DomeLight "Sky" { asset inputs:texture:file = @none/sky.exr@\n}\n', "/Sky"),
+    ('def "Ref" (references = @none.usda@) { }\n', "/Ref"),
+])
+def test_bad_content_warns_and_renders(tmp_path, body, subject):
+    result = Run("record", WriteStage(tmp_path, SCENE + body), tmp_path / "o.exr", *SMALL)
+    assert result.code == 0 and not result.errors, result.text
+    assert any(line.startswith(subject) for line in result.warnings), result.text
+    assert Finite(tmp_path / "o.exr")
+
+
+def Finite(path):
+    from hdstream import _core
+    comparison = _core.CompareImages(str(path), str(path))
+    assert not comparison.error
+    return all(layer.numNonFinite == 0 for layer in comparison.layers)
+
+
+def test_empty_stage(tmp_path):
+    result = Run("record", WriteStage(tmp_path, ""), tmp_path / "o.exr", *SMALL)
+    assert result.code == 0 and not result.errors, result.text
+    assert any("nothing to draw" in line for line in result.warnings), result.text
+    assert Finite(tmp_path / "o.exr")
+    assert Run("info", WriteStage(tmp_path, "")).code == 0
+
+
+@pytest.mark.parametrize("body", [
+    'def Camera "main_cam" { float focalLength = 0\n}\n',
+    'def Camera "main_cam" { float horizontalAperture = 0\n}\n',
+    'def Camera "main_cam" { float2 clippingRange = (0, 0)\n}\n',
+])
+def test_degenerate_cameras_do_not_crash(tmp_path, body):
+    from cliCase import TRIANGLE
+    result = Run("record", WriteStage(tmp_path, TRIANGLE + body), tmp_path / "o.exr", *SMALL)
+    assert result.code in (0, 1) and "Traceback" not in result.text, result.text

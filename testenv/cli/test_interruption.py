@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Ctrl-C keeps what is rendered so far; a full disk is one line and leaves nothing half-written."""
+
+import os
+import resource
+import signal
+import subprocess
+import time
+
+from cliCase import SECONDS, SMALL, AssertFails, Command, Result, Run, WriteStage
+
+ENDLESS = ["-w", "64", "--samples", str(1 << 20), "--maxDepth", "1"]
+
+
+def StartRendering(stage, output, *options):
+    """A render that would take hours, once its first samples are done."""
+    process = subprocess.Popen(Command("record", stage, output, *ENDLESS, *options),
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                               env=dict(os.environ, HDSTREAM_PROGRESS="1"))
+    seen = ""
+    deadline = time.monotonic() + SECONDS
+    while "samples" not in seen and time.monotonic() < deadline:
+        seen += os.read(process.stderr.fileno(), 4096).decode()
+        assert process.poll() is None, seen
+    return process
+
+
+def test_ctrl_c_writes_what_is_rendered(tmp_path):
+    output, stats = tmp_path / "o.exr", tmp_path / "s.json"
+    process = StartRendering(WriteStage(tmp_path), output, "--stats", stats)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=SECONDS)
+    result = Result(process.returncode, out, err)
+    assert result.code == 130, result.text
+    assert "interrupted" in err and "Traceback" not in err
+    from hdstream import _core
+    image = _core.CompareImages(str(output), str(output))
+    assert not image.error and (image.width, image.height) == (64, 46)
+    assert all(layer.numNonFinite == 0 for layer in image.layers)
+    assert stats.exists()
+
+
+def test_ctrl_c_before_rendering(tmp_path):
+    """While the stage is opened and translated: one line, no image, no traceback."""
+    process = subprocess.Popen(Command("record", WriteStage(tmp_path), tmp_path / "o.exr", *ENDLESS),
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    time.sleep(0.25)
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=SECONDS)
+    # Python itself may still be starting, and dies of the signal then.
+    assert process.returncode in (130, -signal.SIGINT)
+    assert process.returncode != 130 or "Traceback" not in err
+
+
+def LimitFileSize():
+    """No file may grow above 1000 bytes, as on a disk that is full."""
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+
+
+def test_full_disk(tmp_path):
+    stage = WriteStage(tmp_path)
+    output = tmp_path / "o.exr"
+    assert Run("record", stage, output, *SMALL).code == 0
+    before = output.read_bytes()
+    result = Run("record", stage, output, "-w", "256", "--samples", "1", preexec_fn=LimitFileSize)
+    AssertFails(result, 1, "o.exr")
+    assert output.read_bytes() == before, "the old image is kept"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["o.exr", "scene.usda"]
+
+
+def test_full_disk_for_statistics(tmp_path):
+    result = Run("record", WriteStage(tmp_path), tmp_path / "o.png", "-w", "8", "--samples", "1",
+                 "--stats", "/dev/full")
+    AssertFails(result, 1, "/dev/full")
+    assert (tmp_path / "o.png").exists()

@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What `record` writes: files, sizes, layers, frames, statistics, and settings in their order."""
+
+import json
+
+import pytest
+
+from cliCase import SCENE, SMALL, TRIANGLE, AssertFails, Run, RunHere, WriteStage
+
+SETTINGS = SCENE + """def RenderSettings "Settings"
+{
+    int2 resolution = (12, 6)
+    rel camera = </Wide>
+    rel products = </Product>
+    int hdstream:samples = 3
+    int hdstream:nonsense = 1
+    uniform token[] includedPurposes = ["default", "proxy"]
+}
+def RenderProduct "Product"
+{
+    rel orderedVars = [</Ci>, </Depth>, </Odd>]
+}
+def RenderVar "Ci"
+{
+    uniform string sourceName = "Ci"
+}
+def RenderVar "Depth"
+{
+    uniform string sourceName = "depth"
+}
+def RenderVar "Odd"
+{
+    uniform string sourceName = "odd"
+}
+"""
+
+
+def Image(path):
+    """(width, height, layer names) of an image, read by comparing it with itself."""
+    from hdstream import _core
+    result = _core.CompareImages(str(path), str(path))
+    assert not result.error, result.error
+    return result.width, result.height, [layer.name for layer in result.layers]
+
+
+def test_image_size_follows_usdrecord(tmp_path):
+    stage = WriteStage(tmp_path)
+    # 20.955 x 15.2908 is the fallback film back; the height is rounded down.
+    for options, size in (
+            (["-w", "16"], (16, 11)),
+            (["-w", "16", "--camera", "Wide"], (16, 4)),
+            (["-w", "16", "--imageHeight", "5"], (16, 5)),
+            (["-w", "1", "--camera", "/Wide"], (1, 1))):
+        result = Run("record", stage, tmp_path / "o.exr", "--samples", "1", *options)
+        assert result.code == 0 and not result.errors, result.text
+        assert Image(tmp_path / "o.exr")[:2] == size
+
+
+@pytest.mark.parametrize("name", ["o.exr", "o.png", "o.jpg"])
+def test_formats(tmp_path, name):
+    assert Run("record", WriteStage(tmp_path), tmp_path / name, *SMALL).code == 0
+    assert Image(tmp_path / name)[0] == 8
+
+
+def test_aovs_become_layers(tmp_path):
+    from hdstream import _core
+    names = [info.name for info in _core.AovTable()]
+    result = Run("record", WriteStage(tmp_path), tmp_path / "o.exr", *SMALL, "--aovs", ",".join(names))
+    assert result.code == 0, result.text
+    assert set(Image(tmp_path / "o.exr")[2]) == set(names)
+    result = Run("record", WriteStage(tmp_path), tmp_path / "o.png", *SMALL, "--aovs", "color,depth")
+    assert result.code == 0 and any("depth" in line and "o.png" in line for line in result.warnings), result.text
+
+
+def test_frames_are_numbered(tmp_path):
+    stage = WriteStage(tmp_path)
+    result = Run("record", stage, tmp_path / "o.###.exr", *SMALL, "-f", "1:5x2,9")
+    assert result.code == 0, result.text
+    assert sorted(path.name for path in tmp_path.glob("*.exr")) == [
+        "o.001.exr", "o.003.exr", "o.005.exr", "o.009.exr"]
+    result = Run("record", stage, tmp_path / "h.##.#.png", *SMALL, "-f", "1:2x0.5",
+                 "--stats", tmp_path / "s.##.#.json")
+    assert result.code == 0, result.text
+    assert sorted(path.name for path in tmp_path.glob("h.*")) == ["h.01.0.png", "h.01.5.png", "h.02.0.png"]
+    assert sorted(path.name for path in tmp_path.glob("s.*.json")) == ["s.01.0.json", "s.01.5.json", "s.02.0.json"]
+
+
+def test_frames_differ_where_the_stage_moves(tmp_path):
+    """The triangle is in view at 1 and out of view at 2; depth tells without noise."""
+    moving = SCENE.replace('def Mesh "Triangle"\n{', 'def Mesh "Triangle"\n{\n'
+                           'double3 xformOp:translate.timeSamples = { 1: (0, 0, 0), 2: (0, 1000, 0)}\n'
+                           'uniform token[] xformOpOrder = ["xformOp:translate"]')
+    stage = tmp_path / "moving.usda"
+    stage.write_text("#usda 1.0\n" + moving, encoding="utf-8")
+    result = Run("record", stage, tmp_path / "o.#.exr", *SMALL, "-f", "1:2", "--aovs", "primId")
+    assert result.code == 0, result.text
+    from hdstream import _core
+    layer, = _core.CompareImages(str(tmp_path / "o.1.exr"), str(tmp_path / "o.2.exr")).layers
+    assert layer.numDifferingPixels > 0
+
+
+def test_statistics_have_all_sections(tmp_path):
+    result = Run("record", WriteStage(tmp_path), tmp_path / "o.exr", *SMALL, "--stats", tmp_path / "s.json")
+    assert result.code == 0, result.text
+    stats = json.loads((tmp_path / "s.json").read_text(encoding="utf-8"))
+    assert {"version", "device", "image", "time", "memory", "geometry", "texture", "rays", "accuracy",
+            "warnings"} <= set(stats)
+    assert stats["image"] == {"width": 8, "height": 5, "samples": 1}
+    assert 0 < stats["time"]["translate"] < stats["time"]["firstPixel"] <= stats["time"]["total"]
+
+
+def test_render_settings_fill_what_options_leave_open(tmp_path):
+    stage = WriteStage(tmp_path, SETTINGS)
+    stats = tmp_path / "s.json"
+    result = Run("record", stage, tmp_path / "o.exr", "-rs", "/Settings", "--stats", stats)
+    assert result.code == 0, result.text
+    assert Image(tmp_path / "o.exr") == (12, 6, ["color", "depth"])
+    assert json.loads(stats.read_text(encoding="utf-8"))["image"]["samples"] == 3
+    assert any("hdstream:nonsense" in line for line in result.warnings)
+    assert any(line.startswith("/Odd: ") for line in result.warnings)
+    result = Run("record", stage, tmp_path / "o.exr", "-rs", "/Settings", "-w", "20", "--imageHeight", "4",
+                 "--samples", "2", "--aovs", "color", "--stats", stats)
+    assert Image(tmp_path / "o.exr") == (20, 4, ["color"])
+    assert json.loads(stats.read_text(encoding="utf-8"))["image"]["samples"] == 2
+
+
+def test_render_settings_of_the_stage_are_used(tmp_path):
+    stage = WriteStage(tmp_path, SETTINGS, header='(\n    renderSettingsPrimPath = "/Settings"\n)')
+    assert Run("record", stage, tmp_path / "o.exr").code == 0
+    assert Image(tmp_path / "o.exr")[:2] == (12, 6)
+
+
+def test_purposes_and_masks_limit_what_is_drawn(tmp_path):
+    body = SCENE + TRIANGLE.replace('"Triangle"\n{', '"Proxy"\n{\nuniform token purpose = "proxy"')
+    stage = WriteStage(tmp_path, body)
+    counts = []
+    for options in ([], ["--purposes", "proxy"], ["--mask", "/Proxy,/main_cam", "--purposes", "proxy"],
+                    ["--mask", "/main_cam"]):
+        result = Run("record", stage, tmp_path / "o.exr", *SMALL, *options, "--stats", tmp_path / "s.json")
+        assert result.code == 0, result.text
+        counts.append(json.loads((tmp_path / "s.json").read_text(encoding="utf-8"))["geometry"]["meshes"])
+    assert counts == [1, 2, 1, 0]
+
+
+def test_options_of_features_to_come_warn_and_change_nothing(tmp_path):
+    stage = WriteStage(tmp_path)
+    assert Run("record", stage, tmp_path / "a.exr", *SMALL).warnings == []
+    result = Run("record", stage, tmp_path / "b.exr", *SMALL, "--residency", "stream", "--geometryMemory", "30%",
+                 "--textureMemory", "512M", "--prepare", "eager", "--disableCameraLight", "--chunkSize", "64K")
+    assert result.code == 0, result.text
+    assert sorted(line.partition(":")[0] for line in result.warnings) == [
+        "--geometryMemory", "--prepare", "--residency", "--textureMemory"]
+    same = RunHere("compare", tmp_path / "a.exr", tmp_path / "b.exr", "--threshold", "0")
+    assert same.code == 0, same.text
+
+
+def test_quiet_and_progress(tmp_path):
+    stage = WriteStage(tmp_path)
+    loud = {"HDSTREAM_PROGRESS": "1"}
+    assert "samples" in Run("record", stage, tmp_path / "o.exr", *SMALL, environment=loud).text
+    result = Run("record", stage, tmp_path / "o.exr", *SMALL, "--quiet", environment=loud)
+    assert result.code == 0 and not result.out and not result.errors
+
+
+def test_framed_and_default_lit_stage(tmp_path):
+    """Without camera and light: framed, lit by the default dome, and one warning says so."""
+    result = Run("record", WriteStage(tmp_path, TRIANGLE), tmp_path / "o.exr", *SMALL)
+    assert result.code == 0, result.text
+    assert len(result.warnings) == 1 and "light" in result.warnings[0]
+
+
+def test_compare_and_threshold(tmp_path):
+    stage = WriteStage(tmp_path)
+    for name, seed in (("a", "1"), ("b", "1"), ("c", "2")):
+        assert Run("record", stage, tmp_path / f"{name}.exr", "-w", "16", "--samples", "2", "--seed", seed).code == 0
+    same = RunHere("compare", tmp_path / "a.exr", tmp_path / "b.exr", "--threshold", "0")
+    assert same.code == 0 and "color" in same.out and not same.errors, same.text
+    unlike = RunHere("compare", tmp_path / "a.exr", tmp_path / "c.exr", "--threshold", "0")
+    assert unlike.code == 1 and not unlike.errors, unlike.text
+    assert RunHere("compare", tmp_path / "a.exr", tmp_path / "c.exr").code == 0
+    AssertFails(RunHere("compare", tmp_path / "a.exr", tmp_path / "none.exr"), 1, "none.exr")

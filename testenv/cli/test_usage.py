@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Wrong usage and bad files: one line that names the option or file, and the right exit code."""
+
+import os
+
+import pytest
+
+from cliCase import SMALL, AssertFails, Run, RunHere, WriteStage
+
+
+@pytest.mark.parametrize("arguments, part", [
+    ([], "COMMAND"),
+    (["paint"], "paint"),
+    (["record"], "STAGE"),
+    (["record", "a.usda", "b.exr", "--imageWidth", "0"], "0 is not in 1..32768"),
+    (["record", "a.usda", "b.exr", "-w", "100000", "--imageHeight", "100000"], "100000 is not in 1..32768"),
+    (["record", "a.usda", "b.exr", "--imageHeight", "100000"], "--imageHeight"),
+    (["record", "a.usda", "b.exr", "-w", "ten"], "'ten' is not a whole number"),
+    (["record", "a.usda", "b.exr", "--samples", "0"], "--samples"),
+    (["record", "a.usda", "b.exr", "--maxDepth", "-1"], "--maxDepth"),
+    (["record", "a.usda", "b.exr", "--seed", "-1"], "--seed"),
+    (["record", "a.usda", "b.exr", "--time", "nan"], "--time"),
+    (["record", "a.usda", "b.exr", "--noise", "-0.5"], "--noise"),
+    (["record", "a.usda", "b.exr", "--complexity", "extreme"], "extreme"),
+    (["record", "a.usda", "b.exr", "--residency", "nowhere"], "nowhere"),
+    (["record", "a.usda", "b.exr", "--geometryMemory", "12Q"], "--geometryMemory"),
+    (["record", "a.usda", "b.exr", "--textureMemory", "130%"], "130%"),
+    (["record", "a.usda", "b.exr", "--hostMemory", "0"], "--hostMemory"),
+    (["record", "a.usda", "b.exr", "--chunkSize", "big"], "--chunkSize"),
+    (["record", "a.usda", "b.exr", "--waveSize", "1"], "--waveSize"),
+    (["record", "a.usda", "b.exr", "--purposes", "render,none"], "'none'"),
+    (["record", "a.usda", "b.exr", "--aovs", "color,colour"], "colour"),
+    (["record", "a.usda", "b.exr", "--aovs", ","], "--aovs"),
+    (["record", "a.usda", "b.exr", "--frames", "1", "--defaultTime"], "--defaultTime"),
+    (["record", "a.usda", "b.exr", "--cam", "x"], "--cam"),
+    (["record", "a.usda", "b.gif"], "b.gif"),
+    (["record", "a.usda", "noExtension"], "noExtension"),
+    (["compare", "a.exr"], "B"),
+    (["compare", "a.exr", "b.exr", "--threshold", "x"], "--threshold"),
+    (["cache", "--empty"], "--empty"),
+])
+def test_wrong_usage_is_exit_code_2(arguments, part):
+    AssertFails(RunHere(*arguments), 2, part)
+
+
+@pytest.mark.parametrize("arguments, part", [
+    (["--frames", "1:x"], "1:x"),
+    (["--frames", ""], "--frames"),
+    (["--frames", "1:3"], "placeholder"),
+    (["--camera", "nobody"], "--camera nobody"),
+    (["--camera", "/Triangle"], "--camera /Triangle"),
+    (["--mask", "relative"], "--mask relative"),
+    (["--renderSettingsPrimPath", "/None"], "/None"),
+])
+def test_wrong_usage_for_a_stage(tmp_path, arguments, part):
+    stage = WriteStage(tmp_path)
+    AssertFails(RunHere("record", stage, tmp_path / "o.exr", *SMALL, *arguments), 2, part)
+
+
+def test_placeholder_needs_frames_and_digits(tmp_path):
+    stage = WriteStage(tmp_path)
+    AssertFails(RunHere("record", stage, tmp_path / "o.##.exr", *SMALL), 2, "--frames")
+    AssertFails(RunHere("record", stage, tmp_path / "o.##.exr", *SMALL, "-f", "1:2x0.25"), 2, "####.##")
+    AssertFails(RunHere("record", stage, tmp_path / "o.#.#.a#.exr", *SMALL, "-f", "1:2"), 2, "placeholder")
+
+
+@pytest.mark.parametrize("command", ["record", "info"])
+def test_missing_and_unreadable_stages(tmp_path, command):
+    output = [tmp_path / "o.exr", *SMALL] if command == "record" else []
+    AssertFails(RunHere(command, tmp_path / "none.usda", *output), 1, "none.usda", "no such file")
+    broken = tmp_path / "broken.usda"
+    broken.write_text("#usda 1.0\ndef Mesh {", encoding="utf-8")
+    AssertFails(RunHere(command, broken, *output), 1, "broken.usda")
+    notUsd = tmp_path / "picture.png"
+    notUsd.write_bytes(b"\x89PNG")
+    AssertFails(RunHere(command, notUsd, *output), 1, "picture.png", "not a USD stage")
+    for name in ("binary.usd", "binary.usdc", "binary.usda", "binary.usdz"):
+        (tmp_path / name).write_bytes(bytes(range(256)) * 4)
+        AssertFails(RunHere(command, tmp_path / name, *output), 1, name)
+    (tmp_path / "empty.usda").write_bytes(b"")
+    AssertFails(RunHere(command, tmp_path / "empty.usda", *output), 1, "empty.usda")
+    AssertFails(RunHere(command, tmp_path, *output), 1, tmp_path)
+
+
+def test_unwritable_output_is_found_before_rendering(tmp_path):
+    stage = WriteStage(tmp_path)
+    AssertFails(RunHere("record", stage, tmp_path / "none" / "o.exr", *SMALL), 1, "none")
+    (tmp_path / "folder.exr").mkdir()
+    AssertFails(RunHere("record", stage, tmp_path / "folder.exr", *SMALL), 1, "folder.exr")
+    AssertFails(RunHere("record", stage, tmp_path / "o.exr", *SMALL, "--stats", tmp_path / "none" / "s.json"),
+                1, "--stats", "s.json")
+    assert not (tmp_path / "o.exr").exists()
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+def test_read_only_folder(tmp_path):
+    stage = WriteStage(tmp_path)
+    folder = tmp_path / "readOnly"
+    folder.mkdir(mode=0o555)
+    AssertFails(Run("record", stage, folder / "o.exr", *SMALL), 1, "o.exr")
+
+
+def test_no_opencl_device(tmp_path):
+    """The loader looks for drivers in a folder that has none."""
+    empty = tmp_path / "vendors"
+    empty.mkdir()
+    environment = {"OCL_ICD_VENDORS": str(empty), "OPENCL_VENDOR_PATH": str(empty), "OCL_ICD_FILENAMES": ""}
+    AssertFails(Run("devices", environment=environment), 1, "no OpenCL device")
+    AssertFails(Run("record", WriteStage(tmp_path), tmp_path / "o.exr", *SMALL, environment=environment),
+                1, "no OpenCL device")
+
+
+def test_unknown_device(tmp_path):
+    AssertFails(Run("record", WriteStage(tmp_path), tmp_path / "o.exr", *SMALL, "--device", "Abacus"),
+                2, "Abacus")
+
+
+def test_help_and_version_exit_with_0():
+    for arguments in (["--help"], ["record", "--help"], ["info", "--help"], ["--version"]):
+        result = RunHere(*arguments)
+        assert result.code == 0 and not result.errors and result.out
+
+
+def test_help_needs_neither_usd_nor_the_core():
+    """Startup stays fast: parsing imports no heavy module."""
+    import subprocess
+    import sys
+    code = ("import sys, hdstream.cli as c\n"
+            "try: c.Main(['record', '--help'])\nexcept SystemExit: pass\n"
+            "assert not {'pxr', 'numpy', 'hdstream._core'} & set(sys.modules), 'imported'")
+    subprocess.run([sys.executable, "-c", code], check=True, stdout=subprocess.DEVNULL)

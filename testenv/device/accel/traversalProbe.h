@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+// Runs the traversal's entry points over arrays of rays, and a brute-force kernel that tests every
+// triangle of every instance without any hierarchy.
+#pragma once
+
+#include "testenv/support/accelScene.h"
+#include "testenv/support/deviceFixture.h"
+
+#include <glm/vec3.hpp>
+
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace hds::test {
+
+/// A ray as the probe's kernels read it.
+struct ProbeRay {
+    float origin[3];
+    float tMin;
+    float direction[3];
+    float tMax;
+};
+static_assert(sizeof(ProbeRay) == 32);
+
+/// The key after which hits count, as kernels take it: bits of t, path index low and high, primId.
+struct ProbeKey {
+    std::uint32_t word[4] = {0, 0, 0, 0};
+};
+
+inline const char* const kProbeText = R"(
+#include "accel/traverse.clh"
+HdsTraversalRay probe_load(global const float* rays, uint i) {
+    HdsTraversalRay ray;
+    ray.origin = vload3(0, rays + 8u * i);
+    ray.tMin = rays[8u * i + 3u];
+    ray.direction = vload3(0, rays + 8u * i + 4u);
+    ray.tMax = rays[8u * i + 7u];
+    return ray;
+}
+kernel void probe_closest(global const float* rays, uint count, global HdsHit* hits, uint flagMask,
+                          global const uint4* after, HDS_GEOMETRY_ARGS) {
+    const uint i = (uint)get_global_id(0);
+    if (i >= count) {
+        return;
+    }
+    HDS_GEOMETRY_VIEW(view);
+    HdsHit hit;
+#if HDS_FEATURE_CUTOUT
+    traverse_closestAfter(&view, probe_load(rays, i), flagMask, after[i], &hit);
+#else
+    traverse_closest(&view, probe_load(rays, i), flagMask, &hit);
+#endif
+    hits[i] = hit;
+}
+/* Hit: the candidate. Its triangle is 0xfffffffe when the ray is blocked. */
+kernel void probe_occluded(global const float* rays, uint count, global HdsHit* hits, uint flagMask,
+                           global const uint4* after, HDS_GEOMETRY_ARGS) {
+    const uint i = (uint)get_global_id(0);
+    if (i >= count) {
+        return;
+    }
+    HDS_GEOMETRY_VIEW(view);
+    HdsHit hit = hit_none();
+#if HDS_FEATURE_CUTOUT
+    const bool isBlocked = traverse_occludedAfter(&view, probe_load(rays, i), after[i], &hit);
+#else
+    const bool isBlocked = traverse_occluded(&view, probe_load(rays, i));
+#endif
+    if (isBlocked) {
+        hit = hit_none();
+        hit.triangle = 0xfffffffeu;
+    }
+    hits[i] = hit;
+}
+/* Every triangle of every instance; scenes without groups. flagMask carries the instance count. */
+kernel void probe_bruteForce(global const float* rays, uint count, global HdsHit* hits,
+                             uint numInstances, global const uint4* after, HDS_GEOMETRY_ARGS) {
+    const uint i = (uint)get_global_id(0);
+    if (i >= count) {
+        return;
+    }
+    HDS_GEOMETRY_VIEW(view);
+    const HdsTraversalRay ray = probe_load(rays, i);
+    HdsBest best = hit_begin(&ray, after[i]);
+    for (uint n = 0u; n < numInstances; ++n) {
+        global const HdsInstance* instance = view.instances + n;
+        const HdsObject object = view.objects[instance->object];
+        float3 origin = ray.origin;
+        float3 direction = ray.direction;
+        ray_toObject(&origin, &direction, instance);
+        const HdsShear shear = triangle_shear(origin, direction);
+        HdsLeafInstance leaf =
+            leaf_instance(n, instance->flags, leaf_pathOffset(instance), false, &ray, &best);
+        for (uint c = object.itemBase; c < object.itemBase + object.numItems; ++c) {
+            const HdsResidentChunk chunk =
+                leaf_chunk(&view, c, scene_pageAddress(&view, c, HDS_PAGE_GEOMETRY));
+            for (uint t = 0u; t < view.chunks[c].numTriangles; ++t) {
+                const HdsTriangle triangle = chunk.triangles[t];
+                HdsTriangleHit found;
+                if (triangle_intersect(&shear, chunk.vertices + 3u * triangle.vertex[0],
+                                       chunk.vertices + 3u * triangle.vertex[1],
+                                       chunk.vertices + 3u * triangle.vertex[2], best.tMin,
+                                       leaf.limit, &found)) {
+                    leaf_accept(&leaf, c, t, triangle.primId, &found, ray.tMax, &best);
+                }
+            }
+        }
+    }
+    HdsHit hit;
+    hit_end(&best, &hit);
+    hits[i] = hit;
+}
+)";
+
+/// Kernels of one form with all features on, unless `defines` says otherwise.
+class TraversalProbe {
+public:
+    TraversalProbe(const std::shared_ptr<Device>& device, bool wide, ProgramDefines defines = {})
+        : _device(device) {
+        defines.emplace("HDS_TRAVERSAL_WIDE", wide ? "1" : "0");
+        defines.emplace("HDS_NUM_POOLS", "1");
+        const std::string text = kProbeText;
+        _program = std::make_unique<Program>(device, "probe.cl", defines, nullptr, &text);
+    }
+
+    std::vector<shared::HdsHit> Closest(const DeviceAccelScene& scene,
+                                        const std::vector<ProbeRay>& rays,
+                                        std::uint32_t flagMask = 0,
+                                        const std::vector<ProbeKey>& after = {}) const {
+        return Run("probe_closest", scene, rays, flagMask, after);
+    }
+    std::vector<shared::HdsHit> Occluded(const DeviceAccelScene& scene,
+                                         const std::vector<ProbeRay>& rays,
+                                         const std::vector<ProbeKey>& after = {}) const {
+        return Run("probe_occluded", scene, rays, 0, after);
+    }
+    std::vector<shared::HdsHit> BruteForce(const DeviceAccelScene& scene,
+                                           const std::vector<ProbeRay>& rays,
+                                           const std::vector<ProbeKey>& after = {}) const {
+        return Run("probe_bruteForce", scene, rays, scene.NumInstances(), after);
+    }
+
+private:
+    std::vector<shared::HdsHit> Run(const char* name, const DeviceAccelScene& scene,
+                                    const std::vector<ProbeRay>& rays, std::uint32_t number,
+                                    std::vector<ProbeKey> after) const {
+        after.resize(rays.size());
+        const auto count = static_cast<std::uint32_t>(rays.size());
+        const Buffer input = UploadVector(_device, "rays", rays);
+        const Buffer keys = UploadVector(_device, "keys", after);
+        const Buffer output(_device, "hits", rays.size() * sizeof(shared::HdsHit));
+        Kernel kernel = _program->GetKernel(name);
+        kernel.SetBuffer(0, input);
+        kernel.SetBytes(1, &count, sizeof(count));
+        kernel.SetBuffer(2, output);
+        kernel.SetBytes(3, &number, sizeof(number));
+        kernel.SetBuffer(4, keys);
+        scene.Bind(&kernel, 5);
+        kernel.Enqueue(rays.size());
+        _device->Finish();
+        std::vector<shared::HdsHit> hits(rays.size());
+        output.Read(hits.data(), hits.size() * sizeof(hits[0]));
+        return hits;
+    }
+
+    std::shared_ptr<Device> _device;
+    std::unique_ptr<Program> _program;
+};
+
+constexpr std::uint32_t kBlocked = 0xfffffffeU; ///< HdsHit.triangle of a blocked ray
+
+inline bool IsHit(const shared::HdsHit& hit) { return hit.chunk != HDS_NONE; }
+inline std::uint64_t PathOf(const shared::HdsHit& hit) {
+    return std::uint64_t{hit.pathIndex[1]} << 32U | hit.pathIndex[0];
+}
+
+/// Uniform numbers in [-1, 1), the same on every platform.
+class UniformSource {
+public:
+    explicit UniformSource(std::uint32_t seed) : _random(seed) {}
+    float operator()() { return static_cast<float>(_random() >> 8U) * 0x1p-23F - 1.0F; }
+    glm::vec3 Vector() {
+        const float x = (*this)();
+        const float y = (*this)();
+        return {x, y, (*this)()};
+    }
+
+private:
+    std::mt19937 _random;
+};
+
+inline ProbeRay MakeProbeRay(const glm::vec3& origin, const glm::vec3& direction,
+                             float tMax = INFINITY, float tMin = 0.0F) {
+    return {{origin.x, origin.y, origin.z}, tMin, {direction.x, direction.y, direction.z}, tMax};
+}
+
+} // namespace hds::test

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+// Light tables on a device and kernels that call kernels/light over arrays of points and
+// directions.
+#pragma once
+
+#include "hdStream/shading/lightTable.h"
+#include "testenv/support/deviceFixture.h"
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <array>
+#include <cstring>
+#include <string>
+#include <vector>
+
+namespace hds::test {
+
+/// What light_sample and, for the direction it returned, light_intersect and light_pdf said.
+struct LightSampleResult {
+    glm::dvec3 direction{0.0};
+    double distance = 0.0;
+    glm::dvec3 radiance{0.0};
+    double pdf = 0.0;
+    std::uint32_t light = HDS_NONE;
+    bool isDelta = false;
+    bool isValid = false;
+    bool isHit = false; ///< light_intersect found that light
+    double hitDistance = 0.0;
+    double hitPdf = 0.0; ///< light_pdf of the hit
+};
+
+inline const char* const kLightKernels = R"(
+#include "light/light.clh"
+#include "sample/sampler.clh"
+kernel void sampleAll(HDS_LIGHT_PARAMETERS, global const float* points, global const float* normals,
+                      global const float* us, global float* out, uint count) {
+    uint i = (uint)get_global_id(0);
+    if (i >= count) return;
+    HDS_LIGHT_VIEW(view);
+    float3 p = vload3(i, points);
+    float3 n = vload3(i, normals);
+    HdsLightSample s;
+    s.direction = (float3)(0.0f);
+    s.radiance = (float3)(0.0f);
+    s.distance = 0.0f;
+    s.pdf = 0.0f;
+    s.light = HDS_NONE;
+    s.isDelta = 0u;
+    bool isValid = light_sample(&view, p, n, us[4 * i], vload2(2 * i + 1, us), &s);
+    float t = 0.0f;
+    bool isHit = isValid && light_intersect(&view, s.light, p, s.direction, INFINITY, &t);
+    float hitPdf = isHit ? light_pdf(&view, s.light, p, n, s.direction, t) : 0.0f;
+    global float* o = out + 16 * i;
+    vstore3(s.direction, 0, o);
+    o[3] = s.distance;
+    vstore3(s.radiance, 0, o + 4);
+    o[7] = s.pdf;
+    o[8] = as_float(s.light);
+    o[9] = s.isDelta != 0u ? 1.0f : 0.0f;
+    o[10] = isValid ? 1.0f : 0.0f;
+    o[11] = isHit ? 1.0f : 0.0f;
+    o[12] = t;
+    o[13] = hitPdf;
+}
+/* For each direction: distance at which the light is hit (negative: not), density and radiance. */
+kernel void intersectAll(HDS_LIGHT_PARAMETERS, uint light, global const float* points,
+                         global const float* normals, global const float* directions, uint onePoint,
+                         global float* out, uint count) {
+    uint i = (uint)get_global_id(0);
+    if (i >= count) return;
+    HDS_LIGHT_VIEW(view);
+    uint at = onePoint != 0u ? 0u : i;
+    float3 p = vload3(at, points);
+    float3 d = vload3(i, directions);
+    float t;
+    bool isHit = light_intersect(&view, light, p, d, INFINITY, &t);
+    out[3 * i] = isHit ? t : -1.0f;
+    out[3 * i + 1] = isHit ? light_pdf(&view, light, p, vload3(at, normals), d, t) : 0.0f;
+    out[3 * i + 2] = isHit ? light_radiance(&view, light, d).x : 0.0f;
+}
+/* Irradiance by light sampling, and by cosine-weighted directions that look for lights. */
+kernel void irradiances(HDS_LIGHT_PARAMETERS, global const float* points,
+                        global const float* normals, uint perItem, uint itemsPerPoint,
+                        global float* out, uint count) {
+    uint i = (uint)get_global_id(0);
+    if (i >= count) return;
+    HDS_LIGHT_VIEW(view);
+    uint point = i / itemsPerPoint;
+    float3 p = vload3(point, points);
+    float3 n = vload3(point, normals);
+    HdsFrame frame = frame_fromNormal(n);
+    float direct = 0.0f;
+    float gathered = 0.0f;
+    for (uint k = 0; k < perItem; ++k) {
+        HdsSampler sampler = sampler_init(point, 0u, (i % itemsPerPoint) * perItem + k, 9u);
+        HdsLightSample s;
+        if (light_sample(&view, p, n, sampler_get1(sampler, 0u), sampler_get2(sampler, 1u), &s)) {
+            direct += s.radiance.x * fmax(vec_dot(s.direction, n), 0.0f) / s.pdf;
+        }
+        float3 d = frame_toWorld(&frame, warp_cosineHemisphere(sampler_get2(sampler, 2u)));
+        for (uint light = 0u; light < view.numLights; ++light) {
+            float t;
+            if (light_intersect(&view, light, p, d, INFINITY, &t)) {
+                gathered += HDS_PI * light_radiance(&view, light, d).x;
+            }
+        }
+    }
+    out[2 * i] = direct / (float)perItem;
+    out[2 * i + 1] = gathered / (float)perItem;
+}
+kernel void selections(HDS_LIGHT_PARAMETERS, global const float* points, global const float* normals,
+                       global float* out, uint count) {
+    uint i = (uint)get_global_id(0);
+    if (i >= count) return;
+    HDS_LIGHT_VIEW(view);
+    for (uint light = 0u; light < numLights; ++light) {
+        out[i * numLights + light] =
+            light_selectPmf(&view, light, vload3(i, points), vload3(i, normals));
+    }
+}
+)";
+
+/// A fixture that holds one table at a time.
+class LightFixture : public DeviceFixture {
+protected:
+    void SetUp() override {
+        DeviceFixture::SetUp();
+        if (device) {
+            _program = Build(kLightKernels);
+        }
+    }
+
+    void SetTable(const LightTable& table) {
+        _lights = Upload(table.lights);
+        _nodes = Upload(table.nodes);
+        _triangles = Upload(table.triangles);
+        _cdf = Upload(table.cdf);
+        _texels = Upload(table.domeTexels);
+        _numLights = std::uint32_t(table.lights.size());
+    }
+    /// Builds the table of lights; expects no warning.
+    LightTable SetLights(const std::vector<PlacedLight>& lights, const LightImages& images = {}) {
+        Warnings warnings;
+        const LightTable table = BuildLightTable(lights, {}, images, warnings);
+        EXPECT_EQ(warnings.Lines(), std::vector<std::string>());
+        SetTable(table);
+        return table;
+    }
+
+    std::vector<LightSampleResult> Sample(const std::vector<float>& points,
+                                          const std::vector<float>& normals,
+                                          const std::vector<float>& us) {
+        const std::size_t count = points.size() / 3;
+        const Buffer pointBuffer = Upload(points);
+        const Buffer normalBuffer = Upload(normals);
+        const Buffer usBuffer = Upload(us);
+        const Buffer out = Allocate(count * 16 * sizeof(float));
+        _program->GetKernel("sampleAll")
+            .Launch(count, _lights, _nodes, _triangles, _cdf, _texels, _numLights, pointBuffer,
+                    normalBuffer, usBuffer, out, std::uint32_t(count));
+        const std::vector<float> values = Download<float>(out, count * 16);
+        std::vector<LightSampleResult> results(count);
+        for (std::size_t i = 0; i < count; ++i) {
+            const float* v = &values[16 * i];
+            LightSampleResult& r = results[i];
+            r.direction = {v[0], v[1], v[2]};
+            r.distance = v[3];
+            r.radiance = {v[4], v[5], v[6]};
+            r.pdf = v[7];
+            std::memcpy(&r.light, &v[8], sizeof(r.light));
+            r.isDelta = v[9] > 0.0F;
+            r.isValid = v[10] > 0.0F;
+            r.isHit = v[11] > 0.0F;
+            r.hitDistance = v[12];
+            r.hitPdf = v[13];
+        }
+        return results;
+    }
+
+    /// distance (-1: no hit), density, red radiance for each direction from one or many points.
+    std::vector<float> Intersect(std::uint32_t light, const std::vector<float>& points,
+                                 const std::vector<float>& normals,
+                                 const std::vector<float>& directions) {
+        const std::size_t count = directions.size() / 3;
+        const Buffer pointBuffer = Upload(points);
+        const Buffer normalBuffer = Upload(normals);
+        const Buffer directionBuffer = Upload(directions);
+        const Buffer out = Allocate(count * 3 * sizeof(float));
+        _program->GetKernel("intersectAll")
+            .Launch(count, _lights, _nodes, _triangles, _cdf, _texels, _numLights, light,
+                    pointBuffer, normalBuffer, directionBuffer,
+                    std::uint32_t(points.size() == 3 ? 1 : 0), out, std::uint32_t(count));
+        return Download<float>(out, count * 3);
+    }
+
+    /// {by light sampling, by gathering} for each point.
+    std::vector<std::array<double, 2>> Irradiance(const std::vector<float>& points,
+                                                  const std::vector<float>& normals,
+                                                  std::uint32_t samplesPerPoint) {
+        constexpr std::uint32_t kItemsPerPoint = 64;
+        const std::size_t count = points.size() / 3;
+        const std::size_t items = count * kItemsPerPoint;
+        const Buffer pointBuffer = Upload(points);
+        const Buffer normalBuffer = Upload(normals);
+        const Buffer out = Allocate(items * 2 * sizeof(float));
+        _program->GetKernel("irradiances")
+            .Launch(items, _lights, _nodes, _triangles, _cdf, _texels, _numLights, pointBuffer,
+                    normalBuffer, samplesPerPoint / kItemsPerPoint, kItemsPerPoint, out,
+                    std::uint32_t(items));
+        const std::vector<float> values = Download<float>(out, items * 2);
+        std::vector<std::array<double, 2>> sums(count, {0.0, 0.0});
+        for (std::size_t i = 0; i < items; ++i) {
+            sums[i / kItemsPerPoint][0] += double(values[2 * i]) / kItemsPerPoint;
+            sums[i / kItemsPerPoint][1] += double(values[2 * i + 1]) / kItemsPerPoint;
+        }
+        return sums;
+    }
+
+    /// Probabilities of all lights at each point.
+    std::vector<float> Selections(const std::vector<float>& points,
+                                  const std::vector<float>& normals) {
+        const std::size_t count = points.size() / 3;
+        const Buffer pointBuffer = Upload(points);
+        const Buffer normalBuffer = Upload(normals);
+        const Buffer out = Allocate(count * _numLights * sizeof(float));
+        _program->GetKernel("selections")
+            .Launch(count, _lights, _nodes, _triangles, _cdf, _texels, _numLights, pointBuffer,
+                    normalBuffer, out, std::uint32_t(count));
+        return Download<float>(out, count * _numLights);
+    }
+
+private:
+    std::unique_ptr<Program> _program;
+    Buffer _lights;
+    Buffer _nodes;
+    Buffer _triangles;
+    Buffer _cdf;
+    Buffer _texels;
+    std::uint32_t _numLights = 0;
+};
+
+/// A light of a type with radiance 1 (white, intensity 1) at the origin.
+inline PlacedLight MakeLight(LightType type) {
+    PlacedLight placed;
+    placed.name = "/light";
+    placed.light.type = type;
+    return placed;
+}
+
+inline void Append(std::vector<float>& values, const glm::dvec3& v) {
+    values.insert(values.end(), {float(v.x), float(v.y), float(v.z)});
+}
+
+} // namespace hds::test

@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: Apache-2.0
+// kernels/light: samples hit the light they aim at, with the density of that hit; intersections
+// equal double precision; selection is a probability that is zero only where light cannot reach.
+#include "testenv/device/light/lightFixture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace hds::test {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+glm::dvec3 RandomUnit(std::mt19937& generator) {
+    std::normal_distribution<double> normal;
+    return glm::normalize(glm::dvec3(normal(generator), normal(generator), normal(generator)));
+}
+
+glm::dmat4 RandomTransform(std::mt19937& generator, bool isSheared) {
+    std::uniform_real_distribution<double> uniform;
+    glm::dmat4 m = glm::translate(glm::dmat4(1.0), 5.0 * RandomUnit(generator));
+    m = glm::rotate(m, 3.0 * uniform(generator), RandomUnit(generator));
+    m = glm::scale(m, glm::dvec3(0.5) +
+                          glm::dvec3(uniform(generator), uniform(generator), uniform(generator)));
+    if (isSheared) {
+        m[1] += 0.4 * m[0];
+    }
+    return m;
+}
+
+std::vector<float> RandomUnits(std::mt19937& generator, std::size_t count) {
+    std::vector<float> values(count);
+    for (float& value : values) {
+        value = float(generator() >> 8) * 0x1p-24F;
+    }
+    return values;
+}
+
+/// The nearest hit of the emitting side in light space, or 0.
+double ReferenceHit(const LightDescription& light, const glm::dvec3& o, const glm::dvec3& d) {
+    const double radius = light.radius;
+    if (light.type == LightType::Rect || light.type == LightType::Disk) {
+        const glm::dvec3 p = o - d * (o.z / d.z);
+        const bool isInside =
+            light.type == LightType::Disk
+                ? p.x * p.x + p.y * p.y <= radius * radius
+                : std::abs(p.x) <= 0.5 * light.width && std::abs(p.y) <= 0.5 * light.height;
+        return o.z < 0.0 && d.z > 0.0 && isInside ? -o.z / d.z : 0.0;
+    }
+    const glm::dvec3 across(light.type == LightType::Cylinder ? 0.0 : 1.0, 1.0, 1.0);
+    const double a = glm::dot(d * across, d);
+    const double b = glm::dot(o * across, d);
+    const double c = glm::dot(o * across, o) - radius * radius;
+    const double discriminant = b * b - a * c;
+    if (c <= 0.0 || discriminant < 0.0 || b >= 0.0) {
+        return 0.0;
+    }
+    const double t = (-b - std::sqrt(discriminant)) / a;
+    const bool isInside =
+        light.type == LightType::Sphere || std::abs(o.x + t * d.x) <= 0.5 * light.length;
+    return isInside ? t : 0.0;
+}
+
+class LightTest : public LightFixture {
+protected:
+    /// Densities of sample and hit agree: within 1e-5 for half of them, 1 % for 99 %. Grazing
+    /// hits of curved lights amplify the direction's rounding without bound.
+    static void ExpectEqualDensities(const std::vector<LightSampleResult>& results,
+                                     LightType type) {
+        std::vector<double> errors;
+        for (const LightSampleResult& r : results) {
+            if (r.isValid && r.isHit) {
+                errors.push_back(std::abs(r.hitPdf - r.pdf) / r.pdf);
+            }
+        }
+        std::sort(errors.begin(), errors.end());
+        ASSERT_FALSE(errors.empty());
+        EXPECT_LT(errors[errors.size() / 2], 1e-5) << int(type);
+        EXPECT_LT(errors[errors.size() * 99 / 100], 1e-2) << int(type);
+    }
+};
+
+const LightType kShapes[] = {LightType::Sphere, LightType::Rect, LightType::Disk,
+                             LightType::Cylinder};
+
+TEST_F(LightTest, SamplesHitTheirLightWithTheirDensity) {
+    std::mt19937 generator(41);
+    constexpr std::size_t kCount = 20000;
+    for (const LightType type : {LightType::Sphere, LightType::Rect, LightType::Disk,
+                                 LightType::Cylinder, LightType::Distant, LightType::Dome}) {
+        for (int trial = 0; trial < 6; ++trial) {
+            PlacedLight light = MakeLight(type);
+            light.worldFromLight = RandomTransform(generator, trial % 2 == 1);
+            const glm::dvec3 origin(light.worldFromLight[3]);
+            SetLights({light});
+            std::vector<float> points;
+            std::vector<float> normals;
+            for (std::size_t i = 0; i < kCount; ++i) {
+                const double distance = std::exp(6.0 * double(generator()) / 4294967296.0 - 1.0);
+                Append(points, origin + distance * RandomUnit(generator));
+                Append(normals, RandomUnit(generator));
+            }
+            const auto results = Sample(points, normals, RandomUnits(generator, kCount * 4));
+            std::size_t numValid = 0;
+            std::size_t numMissed = 0;
+            for (const LightSampleResult& r : results) {
+                if (!r.isValid) {
+                    continue;
+                }
+                ++numValid;
+                ASSERT_NEAR(glm::length(r.direction), 1.0, 1e-6);
+                ASSERT_GT(r.pdf, 0.0);
+                ASSERT_EQ(r.light, 0U);
+                if (!r.isHit) {
+                    ++numMissed; // a sample on the outline, rounded to the other side
+                    continue;
+                }
+                if (r.distance < 1e30) {
+                    ASSERT_NEAR(r.hitDistance, r.distance, 2e-3 * r.distance + 1e-4) << int(type);
+                }
+            }
+            EXPECT_GT(numValid, kCount / 20) << int(type);
+            EXPECT_LT(numMissed, numValid / 500 + 2) << int(type);
+            ExpectEqualDensities(results, type);
+        }
+    }
+}
+
+TEST_F(LightTest, IntersectionsEqualDoublePrecision) {
+    std::mt19937 generator(42);
+    constexpr std::size_t kCount = 50000;
+    for (const LightType type : kShapes) {
+        PlacedLight light = MakeLight(type);
+        light.light.radius = 0.7F;
+        light.light.length = 2.0F;
+        light.light.width = 1.5F;
+        light.worldFromLight = RandomTransform(generator, true);
+        SetLights({light});
+        const glm::dmat4 inverse = glm::inverse(light.worldFromLight);
+        std::vector<float> points;
+        std::vector<float> directions;
+        for (std::size_t i = 0; i < kCount; ++i) {
+            const glm::dvec3 p = glm::dvec3(light.worldFromLight[3]) + 6.0 * RandomUnit(generator);
+            const glm::dvec3 target =
+                glm::dvec3(light.worldFromLight[3]) + 1.5 * RandomUnit(generator);
+            Append(points, p);
+            Append(directions, glm::normalize(target - p));
+        }
+        const std::vector<float> hits = Intersect(0, points, points, directions);
+        std::size_t numHits = 0;
+        std::size_t numDifferent = 0;
+        for (std::size_t i = 0; i < kCount; ++i) {
+            const glm::dvec3 o(
+                inverse * glm::dvec4(points[3 * i], points[3 * i + 1], points[3 * i + 2], 1.0));
+            const glm::dvec3 d(inverse * glm::dvec4(directions[3 * i], directions[3 * i + 1],
+                                                    directions[3 * i + 2], 0.0));
+            const double expected = ReferenceHit(light.light, o, d);
+            const double found = hits[3 * i];
+            if ((expected > 0.0) != (found > 0.0)) {
+                ++numDifferent; // the outline, within rounding
+            } else if (expected > 0.0) {
+                ++numHits;
+                ASSERT_NEAR(found, expected, 5e-4 * expected) << int(type);
+            }
+        }
+        EXPECT_GT(numHits, kCount / 200) << int(type);
+        EXPECT_LT(numDifferent, numHits / 1000 + 2) << int(type);
+    }
+}
+
+TEST_F(LightTest, LightsAreOneSided) {
+    for (const LightType type : kShapes) {
+        PlacedLight light = MakeLight(type);
+        light.light.radius = 1.0F;
+        SetLights({light});
+        // From inside a sphere or cylinder, from +z of a flat light: nothing.
+        const bool isFlat = type == LightType::Rect || type == LightType::Disk;
+        const std::vector<float> point = {0.0F, 0.1F, isFlat ? 2.0F : 0.2F};
+        const std::vector<float> direction = {0.0F, 0.0F, -1.0F};
+        EXPECT_LT(Intersect(0, point, point, direction)[0], 0.0F) << int(type);
+        EXPECT_FALSE(Sample(point, {0, 0, 0}, {0.1F, 0, 0.3F, 0.4F})[0].isValid) << int(type);
+    }
+}
+
+TEST_F(LightTest, DeltaLightsAreSampledAndNeverHit) {
+    PlacedLight point = MakeLight(LightType::Sphere);
+    point.light.treatAsPoint = true;
+    SetLights({point});
+    const auto result = Sample({0, 0, -3}, {0, 0, 1}, {0.5F, 0, 0.5F, 0.5F})[0];
+    EXPECT_TRUE(result.isValid && result.isDelta && !result.isHit);
+    EXPECT_NEAR(result.distance, 3.0, 1e-6);
+    EXPECT_NEAR(result.radiance.x, kPi * 0.25 / 9.0, 1e-6);
+    EXPECT_EQ(result.pdf, 1.0);
+}
+
+TEST_F(LightTest, MeshSamplesEndInFrontOfTheirTriangle) {
+    EmissiveMesh mesh;
+    mesh.radiance = glm::dvec3(1.0);
+    const glm::dvec3 p[3] = {
+        {1000.1, 2000.3, 500.7}, {1001.7, 2000.1, 500.2}, {1000.9, 2001.8, 501.0}};
+    mesh.triangles.push_back({{p[0], p[1], p[2]}, 0});
+    mesh.twoSided = true;
+    Warnings warnings;
+    SetTable(BuildLightTable({}, {mesh}, {}, warnings));
+    const glm::dvec3 n = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]));
+    std::mt19937 generator(43);
+    constexpr std::size_t kCount = 20000;
+    std::vector<float> points;
+    for (std::size_t i = 0; i < kCount; ++i) {
+        const double distance = std::exp(8.0 * double(generator()) / 4294967296.0 - 3.0);
+        Append(points, p[0] + distance * RandomUnit(generator));
+    }
+    const std::vector<float> normals(points.size(), 0.0F);
+    const auto results = Sample(points, normals, RandomUnits(generator, kCount * 4));
+    const double area = 0.5 * glm::length(glm::cross(p[1] - p[0], p[2] - p[0]));
+    std::size_t numValid = 0;
+    for (std::size_t i = 0; i < kCount; ++i) {
+        const LightSampleResult& r = results[i];
+        if (!r.isValid) {
+            continue; // the point lies in the triangle's plane, within its error
+        }
+        ++numValid;
+        const glm::dvec3 from(points[3 * i], points[3 * i + 1], points[3 * i + 2]);
+        const double side = glm::dot(n, from - p[0]);
+        const double endSide = glm::dot(n, from + r.direction * r.distance - p[0]);
+        ASSERT_GT(endSide * side, 0.0) << "the shadow ray crosses its light";
+        const double cosine = std::abs(glm::dot(n, r.direction));
+        ASSERT_NEAR(r.pdf, r.distance * r.distance / (area * cosine), 2e-2 * r.pdf + 1e-6);
+    }
+    EXPECT_GT(numValid, kCount * 9 / 10);
+}
+
+TEST_F(LightTest, SelectionIsAProbabilityThatMatchesItsChoices) {
+    std::mt19937 generator(44);
+    for (const std::size_t numLights : {std::size_t(7), std::size_t(50), std::size_t(300)}) {
+        std::vector<PlacedLight> lights;
+        for (std::size_t i = 0; i < numLights; ++i) {
+            PlacedLight light = MakeLight(kShapes[i % 4]);
+            light.light.intensity = float(i + 1);
+            light.worldFromLight = RandomTransform(generator, false);
+            lights.push_back(light);
+        }
+        lights.back() = MakeLight(LightType::Distant);
+        lights.back().light.intensity = 100.0F;
+        SetLights(lights);
+        const glm::dvec3 point(0.3, 0.2, -0.4);
+        const glm::dvec3 normal(0.0); // with a normal a descent may end without a light
+        std::vector<float> points;
+        std::vector<float> normals;
+        constexpr std::size_t kCount = 200000;
+        for (std::size_t i = 0; i < kCount; ++i) {
+            Append(points, point);
+            Append(normals, normal);
+        }
+        const std::vector<float> pmf =
+            Selections({points[0], points[1], points[2]}, {normals[0], normals[1], normals[2]});
+        double sum = 0.0;
+        for (const float p : pmf) {
+            sum += p;
+        }
+        // A descent ends without a light where a node's bound promised what no light of it keeps
+        // (flat lights that face away): that mass is missing, and only in the tree.
+        EXPECT_NEAR(sum, 1.0, numLights > 32 ? 0.05 : 1e-5);
+        EXPECT_LT(sum, 1.0 + 1e-5);
+        std::vector<double> chosen(numLights, 0.0);
+        double none = 0.0;
+        for (const LightSampleResult& r :
+             Sample(points, normals, RandomUnits(generator, kCount * 4))) {
+            (r.light == HDS_NONE ? none : chosen[r.light]) += 1.0;
+        }
+        const double lost = (1.0 - sum) * kCount;
+        EXPECT_NEAR(none, lost, 5.0 * std::sqrt(std::max(lost, 0.0)) + 3.0);
+        for (std::size_t i = 0; i < numLights; ++i) {
+            const double expected = double(pmf[i]) * kCount;
+            EXPECT_NEAR(chosen[i], expected, 5.0 * std::sqrt(expected) + 1.0) << "light " << i;
+        }
+    }
+}
+
+TEST_F(LightTest, ManyLightsAreChosenByWhatTheyContribute) {
+    // A street of 1000 equal spheres: the nearest is worth most, whatever its power's share.
+    std::vector<PlacedLight> lights;
+    for (int i = 0; i < 1000; ++i) {
+        PlacedLight light = MakeLight(LightType::Sphere);
+        light.light.radius = 0.05F;
+        light.worldFromLight = glm::translate(glm::dmat4(1.0), {double(i), 0.0, 0.0});
+        lights.push_back(light);
+    }
+    const LightTable table = SetLights(lights);
+    for (const int nearest : {0, 333, 999}) {
+        const std::vector<float> pmf =
+            Selections({float(nearest), 0.0F, 1.0F}, {0.0F, 0.0F, -1.0F});
+        double sum = 0.0;
+        for (const float p : pmf) {
+            sum += p;
+        }
+        EXPECT_NEAR(sum, 1.0, 1e-4);
+        // Irradiance of light i is in proportion to 1 / (1 + i^2)^(3/2); its share of all is about
+        // one half. A descent by bounds cannot reach that, but must be far above 1 / 1000.
+        EXPECT_GT(pmf[std::size_t(nearest)], 0.1) << nearest;
+    }
+}
+
+TEST_F(LightTest, SelectionIsZeroOnlyWhereNoLightArrives) {
+    PlacedLight rect = MakeLight(LightType::Rect); // emits towards -z
+    PlacedLight sphere = MakeLight(LightType::Sphere);
+    sphere.worldFromLight = glm::translate(glm::dmat4(1.0), {0.0, 0.0, 5.0});
+    SetLights({rect, sphere});
+    const std::vector<float> behind = Selections({0, 0, 1}, {0, 0, 1});
+    EXPECT_EQ(behind[0], 0.0F); // behind the rect
+    EXPECT_EQ(behind[1], 1.0F);
+    const std::vector<float> below = Selections({0, 0, 1}, {0, 0, -1});
+    EXPECT_EQ(below[1], 0.0F); // the sphere is under the horizon
+    // A sphere whose centre is below the horizon, but not all of it.
+    const std::vector<float> edge = Selections({0, 0, 4.2F}, {0.96F, 0, -0.28F});
+    EXPECT_GT(edge[1], 0.0F);
+}
+
+} // namespace
+} // namespace hds::test

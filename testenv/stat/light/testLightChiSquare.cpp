@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: Apache-2.0
+// light_sample follows the density that light_pdf states, for each type of light: chi-square tests.
+// Each light has a domain of its own on which its density has no edges: points of its surface, or
+// directions of its cone.
+#include "testenv/device/light/lightFixture.h"
+#include "testenv/stat/chiSquare.h"
+
+#include <functional>
+
+namespace hds::test {
+namespace {
+
+constexpr std::size_t kNumSamples = 400000;
+constexpr double kPi = 3.14159265358979323846;
+
+/// How the light's directions cover the unit square, in double precision.
+struct LightDomain {
+    /// From a direction (unit) and the lit point's hit.
+    std::function<Square(const glm::dvec3& direction, const glm::dvec3& hit)> toSquare;
+    std::function<glm::dvec3(const Square&)> fromSquare;     ///< a direction, any length
+    std::function<double(const Square&)> solidAngleOfSquare; ///< per unit of the square
+};
+
+/// A surface p(s) with outward area normal: the domain of area lights.
+LightDomain SurfaceDomain(const glm::dvec3& point,
+                          const std::function<glm::dvec3(const Square&)>& surface,
+                          const std::function<glm::dvec3(const Square&)>& areaNormal,
+                          const std::function<Square(const glm::dvec3&)>& inverse) {
+    LightDomain domain;
+    domain.toSquare = [inverse](const glm::dvec3&, const glm::dvec3& hit) { return inverse(hit); };
+    domain.fromSquare = [=](const Square& s) { return surface(s) - point; };
+    domain.solidAngleOfSquare = [=](const Square& s) {
+        const glm::dvec3 v = surface(s) - point;
+        const double length = glm::length(v);
+        return std::max(0.0, -glm::dot(v, areaNormal(s))) / (length * length * length);
+    };
+    return domain;
+}
+
+/// A cone of directions about an axis, in a space M away from the world's.
+LightDomain ConeDomain(const glm::dmat3& m, const glm::dvec3& axis, double oneMinusCos) {
+    const glm::dvec3 z = glm::normalize(axis);
+    const glm::dvec3 x = glm::normalize(
+        glm::cross(std::abs(z.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0), z));
+    const glm::dmat3 frame(x, glm::cross(z, x), z);
+    const glm::dmat3 inverse = glm::inverse(m);
+    const auto local = [=](const Square& s) {
+        const double k = s[0] * oneMinusCos;
+        const double r = std::sqrt(k * (2.0 - k));
+        const double phi = 2.0 * kPi * s[1];
+        return frame * glm::dvec3(r * std::cos(phi), r * std::sin(phi), 1.0 - k);
+    };
+    LightDomain domain;
+    domain.fromSquare = [=](const Square& s) { return m * local(s); };
+    domain.solidAngleOfSquare = [=](const Square& s) {
+        const double stretch = glm::length(m * local(s));
+        return 2.0 * kPi * oneMinusCos * std::abs(glm::determinant(m)) /
+               (stretch * stretch * stretch);
+    };
+    domain.toSquare = [=](const glm::dvec3& direction, const glm::dvec3&) {
+        const glm::dvec3 d = glm::transpose(frame) * glm::normalize(inverse * direction);
+        const glm::dvec2 side(d.x, d.y);
+        const double squared = glm::dot(side, side);
+        const double k = squared / (1.0 + std::abs(d.z)); // 1 - |cos|
+        const double share = (d.z >= 0.0 ? k : 2.0 - k) / oneMinusCos;
+        // Float directions may lie outside by a rounding.
+        return Square{std::min(share, 1.0 - 1e-9 + std::max(0.0, share - 1.0 - 1e-3)),
+                      DiskDomain::ToSquare(d.x, d.y)[1]};
+    };
+    return domain;
+}
+
+class LightChiSquareTest : public LightFixture {
+protected:
+    void Check(const std::string& name, const glm::dvec3& point, const glm::dvec3& normal,
+               const LightDomain& domain, unsigned seed) {
+        std::vector<float> points;
+        std::vector<float> normals;
+        for (std::size_t i = 0; i < kNumSamples; ++i) {
+            Append(points, point);
+            Append(normals, normal);
+        }
+        const std::vector<LightSampleResult> results =
+            Sample(points, normals, RandomSquares(kNumSamples * 2, seed));
+        std::vector<Square> samples;
+        for (const LightSampleResult& r : results) {
+            if (r.isValid) {
+                samples.push_back(domain.toSquare(r.direction, point + r.distance * r.direction));
+            }
+        }
+        ExpectChiSquare(name, samples, kNumSamples, Densities(point, normal, domain));
+    }
+
+private:
+    std::vector<double> Densities(const glm::dvec3& point, const glm::dvec3& normal,
+                                  const LightDomain& domain) {
+        const std::vector<Square> squares = DensityPoints();
+        std::vector<float> directions;
+        for (const Square& s : squares) {
+            Append(directions, glm::normalize(domain.fromSquare(s)));
+        }
+        std::vector<float> at;
+        std::vector<float> facing;
+        Append(at, point);
+        Append(facing, normal);
+        const std::vector<float> hits = Intersect(0, at, facing, directions);
+        std::vector<double> densities;
+        for (std::size_t i = 0; i < squares.size(); ++i) {
+            densities.push_back(hits[3 * i + 1] * domain.solidAngleOfSquare(squares[i]));
+        }
+        return densities;
+    }
+};
+
+glm::dmat4 Rotation() {
+    return glm::rotate(glm::translate(glm::dmat4(1.0), {1.0, -2.0, 0.5}), 0.7, {0.3, 1.0, 0.5});
+}
+
+TEST_F(LightChiSquareTest, Sphere) {
+    PlacedLight light = MakeLight(LightType::Sphere);
+    light.light.radius = 1.0F;
+    for (const bool isEllipsoid : {false, true}) {
+        light.worldFromLight =
+            glm::scale(Rotation(), isEllipsoid ? glm::dvec3(2.0, 0.6, 1.0) : glm::dvec3(1.5));
+        SetLights({light});
+        const glm::dmat3 m(light.worldFromLight);
+        for (const double distance : {1.2, 5.0, 300.0}) {
+            const glm::dvec3 q = distance * glm::normalize(glm::dvec3(0.5, -0.6, 0.4));
+            const glm::dvec3 point(light.worldFromLight * glm::dvec4(q, 1.0));
+            const double oneMinusCos = 1.0 - std::sqrt(1.0 - 1.0 / (distance * distance));
+            Check("sphere", point, glm::dvec3(0.0), ConeDomain(m, -q, oneMinusCos),
+                  300 + unsigned(distance) + (isEllipsoid ? 1000U : 0U));
+        }
+    }
+}
+
+TEST_F(LightChiSquareTest, RectAndDisk) {
+    unsigned seed = 400;
+    for (const bool isSheared : {false, true}) {
+        glm::dmat4 m = glm::scale(Rotation(), {1.3, 0.8, 1.0});
+        if (isSheared) {
+            m[1] += 0.5 * m[0];
+        }
+        const glm::dmat4 inverse = glm::inverse(m);
+        const glm::dvec3 cross = glm::cross(glm::dvec3(m[0]), glm::dvec3(m[1]));
+        for (const glm::dvec3& q : {glm::dvec3(0.2, 0.1, -0.4), glm::dvec3(3.0, 1.0, -0.7),
+                                    glm::dvec3(1.0, -2.0, -20.0)}) {
+            const glm::dvec3 point(m * glm::dvec4(q, 1.0));
+            PlacedLight rect = MakeLight(LightType::Rect);
+            rect.light.width = 2.0F;
+            rect.light.height = 1.0F;
+            rect.worldFromLight = m;
+            SetLights({rect});
+            const auto onRect = [=](const Square& s) {
+                return glm::dvec3(m * glm::dvec4(2.0 * s[0] - 1.0, s[1] - 0.5, 0.0, 1.0));
+            };
+            Check("rect", point, glm::dvec3(0.0),
+                  SurfaceDomain(
+                      point, onRect, [=](const Square&) { return -2.0 * cross; },
+                      [=](const glm::dvec3& hit) {
+                          const glm::dvec4 p = inverse * glm::dvec4(hit, 1.0);
+                          return Square{0.5 * p.x + 0.5, p.y + 0.5};
+                      }),
+                  seed++);
+            PlacedLight disk = MakeLight(LightType::Disk);
+            disk.light.radius = 1.0F;
+            disk.worldFromLight = m;
+            SetLights({disk});
+            const auto onDisk = [=](const Square& s) {
+                const double r = std::sqrt(s[0]);
+                const double phi = 2.0 * kPi * s[1];
+                return glm::dvec3(m * glm::dvec4(r * std::cos(phi), r * std::sin(phi), 0.0, 1.0));
+            };
+            Check("disk", point, glm::dvec3(0.0),
+                  SurfaceDomain(
+                      point, onDisk, [=](const Square&) { return -kPi * cross; },
+                      [=](const glm::dvec3& hit) {
+                          const glm::dvec4 p = inverse * glm::dvec4(hit, 1.0);
+                          return DiskDomain::ToSquare(p.x, p.y);
+                      }),
+                  seed++);
+        }
+    }
+}
+
+TEST_F(LightChiSquareTest, Cylinder) {
+    unsigned seed = 500;
+    const double radius = 0.5;
+    PlacedLight light = MakeLight(LightType::Cylinder);
+    light.light.radius = float(radius);
+    light.light.length = 2.0F;
+    for (const double stretch : {1.0, 2.0}) {
+        const glm::dmat4 m = glm::scale(Rotation(), {1.0, stretch, 1.0});
+        const glm::dmat4 inverse = glm::inverse(m);
+        light.worldFromLight = m;
+        SetLights({light});
+        for (const glm::dvec3& q : {glm::dvec3(0.2, 0.5, -0.7), glm::dvec3(1.6, 0.1, -0.9),
+                                    glm::dvec3(10.0, -40.0, 20.0)}) {
+            const glm::dvec3 point(m * glm::dvec4(q, 1.0));
+            // The visible arc alone, so that no bin is cut by its end.
+            const double toward = std::atan2(q.z, q.y);
+            const double halfArc = std::acos(radius / std::hypot(q.y, q.z));
+            const auto normalAt = [=](const Square& s) {
+                const double phi = toward + (2.0 * s[0] - 1.0) * halfArc;
+                return glm::dvec3(0.0, std::cos(phi), std::sin(phi));
+            };
+            const auto onSurface = [=](const Square& s) {
+                return glm::dvec3(
+                    m *
+                    glm::dvec4(glm::dvec3(2.0 * s[1] - 1.0, 0.0, 0.0) + radius * normalAt(s), 1.0));
+            };
+            const auto areaNormal = [=](const Square& s) {
+                const glm::dmat3 linear(m);
+                return glm::transpose(glm::inverse(linear)) * normalAt(s) *
+                       (glm::determinant(linear) * 2.0 * halfArc * radius * 2.0);
+            };
+            Check("cylinder", point, glm::dvec3(0.0),
+                  SurfaceDomain(point, onSurface, areaNormal,
+                                [=](const glm::dvec3& hit) {
+                                    const glm::dvec4 p = inverse * glm::dvec4(hit, 1.0);
+                                    const double turns =
+                                        (std::atan2(p.z, p.y) - toward) / (2.0 * kPi);
+                                    const double phi =
+                                        2.0 * kPi * (turns - std::floor(turns + 0.5));
+                                    return Square{0.5 + 0.5 * phi / halfArc, 0.5 * p.x + 0.5};
+                                }),
+                  seed++);
+        }
+    }
+}
+
+TEST_F(LightChiSquareTest, Distant) {
+    unsigned seed = 600;
+    for (const double angle : {0.53, 60.0, 270.0}) {
+        PlacedLight light = MakeLight(LightType::Distant);
+        light.light.angle = float(angle);
+        light.worldFromLight = Rotation();
+        SetLights({light});
+        const double half = 0.5 * double(float(angle)) * kPi / 180.0;
+        Check("distant", {3, 4, 5}, glm::dvec3(0.0),
+              ConeDomain(glm::dmat3(1.0), glm::dvec3(light.worldFromLight[2]),
+                         2.0 * std::pow(std::sin(0.5 * half), 2.0)),
+              seed++);
+    }
+}
+
+/// SphereDomain about the frame's z axis, in a space M away from the world's.
+LightDomain WholeSphereDomain(const glm::dmat3& m) {
+    const glm::dmat3 inverse = glm::inverse(m);
+    LightDomain domain;
+    const auto local = [](const Square& s) {
+        const double r = std::sin(kPi * s[0]);
+        const double phi = 2.0 * kPi * s[1];
+        return glm::dvec3(r * std::cos(phi), r * std::sin(phi), std::cos(kPi * s[0]));
+    };
+    domain.toSquare = [=](const glm::dvec3& direction, const glm::dvec3&) {
+        const glm::dvec3 d = inverse * direction;
+        return SphereDomain::ToSquare(&d.x);
+    };
+    domain.fromSquare = [=](const Square& s) { return m * local(s); };
+    domain.solidAngleOfSquare = [=](const Square& s) {
+        const double stretch = glm::length(m * local(s));
+        return SphereDomain::Jacobian(s) * std::abs(glm::determinant(m)) /
+               (stretch * stretch * stretch);
+    };
+    return domain;
+}
+
+TEST_F(LightChiSquareTest, UniformDome) {
+    SetLights({MakeLight(LightType::Dome)});
+    const glm::dvec3 n = glm::normalize(glm::dvec3(0.3, -0.5, 0.8));
+    const glm::dvec3 x = glm::normalize(glm::cross(n, glm::dvec3(1, 0, 0)));
+    const glm::dmat3 frame(x, glm::cross(n, x), n);
+    Check("dome above a normal", {0, 0, 0}, n, WholeSphereDomain(frame), 700);
+    Check("dome all around", {0, 0, 0}, glm::dvec3(0.0), WholeSphereDomain(frame), 701);
+}
+
+TEST_F(LightChiSquareTest, ImageDomeAlsoUnderAnAffineTransform) {
+    // Texel borders coincide with those of the bins' subdivisions; a bright spot and black rows.
+    DomeImage image;
+    image.width = 32;
+    image.height = 32;
+    std::mt19937 generator(7);
+    for (std::uint32_t y = 0; y < 32; ++y) {
+        for (std::uint32_t x = 0; x < 32; ++x) {
+            float value = float(generator() >> 8) * 0x1p-24F;
+            value = y > 24 ? 0.0F : value;
+            value = x == 5 && y == 9 ? 40.0F : value;
+            image.rgb.insert(image.rgb.end(), 3, value);
+        }
+    }
+    LightImages images;
+    images.loadDome = [&](const AssetReference&) { return std::make_shared<DomeImage>(image); };
+    PlacedLight light = MakeLight(LightType::Dome);
+    light.light.textureFile.authoredPath = "dome.exr";
+    // The domain's pole is the image's: (x, y, z) of the domain is (z, x, y) of light space.
+    const glm::dmat3 poleUp(glm::dvec3(0, 0, 1), glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0));
+    unsigned seed = 710;
+    for (const glm::dvec3& scale : {glm::dvec3(1.0), glm::dvec3(1.0, 0.5, -2.0)}) {
+        light.worldFromLight = glm::scale(Rotation(), scale);
+        SetLights({light}, images);
+        Check("image dome", {0, 0, 0}, glm::dvec3(0.0),
+              WholeSphereDomain(glm::dmat3(light.worldFromLight) * poleUp), seed++);
+    }
+}
+
+TEST_F(LightChiSquareTest, MeshLight) {
+    // A parallelogram of two triangles; the density on a hit is light_meshPdf's formula, which
+    // testLight.cpp compares with the sample's.
+    EmissiveMesh mesh;
+    mesh.radiance = glm::dvec3(1.0);
+    const glm::dvec3 base(-1.0, -0.5, 3.0);
+    const glm::dvec3 e1(2.0, 0.2, 0.4);
+    const glm::dvec3 e2(0.3, 1.5, -0.2);
+    mesh.triangles.push_back({{base, base + e2, base + e1}, 0});
+    mesh.triangles.push_back({{base + e1, base + e2, base + e1 + e2}, 1});
+    Warnings warnings;
+    SetTable(BuildLightTable({}, {mesh}, {}, warnings));
+    const std::size_t count = kNumSamples;
+    std::vector<float> points(count * 3, 0.0F);
+    std::vector<float> normals(count * 3, 0.0F);
+    const auto results = Sample(points, normals, RandomSquares(count * 2, 720));
+    const glm::dmat3 toSquare = glm::inverse(glm::dmat3(e1, e2, glm::cross(e1, e2)));
+    std::vector<Square> samples;
+    for (const LightSampleResult& r : results) {
+        ASSERT_TRUE(r.isValid);
+        const glm::dvec3 s = toSquare * (r.direction * r.distance - base);
+        samples.push_back({s.x, s.y});
+    }
+    ExpectChiSquare("mesh", samples, count, std::vector<double>(DensityPoints().size(), 1.0));
+}
+
+} // namespace
+} // namespace hds::test

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Odd scene content becomes a warning that names the prim, never an exception."""
+
+import pytest
+from pxr import Usd, UsdGeom
+
+from hdstream.diagnostics import Diagnostics
+from translateCase import StageOf, Translate
+
+TRIANGLE = """int[] faceVertexCounts = [3]
+int[] faceVertexIndices = [0, 1, 2]
+point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+"""
+
+
+def WarningsOf(text):
+    diagnostics = Diagnostics()
+    session = Translate(StageOf(text))
+    diagnostics.WarnOf(session)
+    return session.Warnings()
+
+
+@pytest.mark.parametrize("text, expected", [
+    ('def Mesh "M" { int points = 7\nint[] faceVertexCounts = [3]\nint[] faceVertexIndices = [0, 1, 2] }',
+     "/M: cannot be read"),
+    ('def PointInstancer "P" { int[] protoIndices = [0, 0]\npoint3f[] positions = [(0, 0, 0)]\nrel prototypes = </P/S>\n'
+     'def Sphere "S" {} }', "/P: point instancer not drawn: 2 protoIndices but 1 positions"),
+    ('def PointInstancer "P" { int[] protoIndices = [0]\npoint3f[] positions = [(0, 0, 0)]\nrel prototypes = </None> }',
+     "/P: prototype /None does not exist"),
+    ('def PointInstancer "P" { int[] protoIndices = [0, 3, -1]\npoint3f[] positions = [(0,0,0), (1,0,0), (2,0,0)]\n'
+     'rel prototypes = </P/S>\ndef Sphere "S" {} }', "/P: 2 instances have no prototype"),
+    ('def PointInstancer "P" { int[] protoIndices = [0]\npoint3f[] positions = [(0, 0, 0)]\nrel prototypes = </P> }',
+     "/P: point instancer is its own prototype"),
+    ('def PointInstancer "P" { int[] protoIndices = [0]\npoint3f[] positions = [(0, 0, 0)]\nrel prototypes = </P/S>\n'
+     'color3f[] primvars:displayColor = [(1, 0, 0)] (interpolation = "vertex")\ndef Sphere "S" {} }',
+     "/P: primvars per instance are not supported yet"),
+    ('def Volume "V" {}', "/V: Volume is not supported yet: 1 prim skipped"),
+    ('def Points "A" {}\ndef Points "B" {}', "/A: Points is not supported yet: 2 prims skipped"),
+    (f'def Mesh "M" (prepend apiSchemas = ["MeshLightAPI"]) {{ {TRIANGLE} }}', "/M: MeshLightAPI is not supported yet"),
+    ('def RectLight "L" { rel light:filters = </F> }', "/L: light filters is not supported yet"),
+    ('def SphereLight "L" { bool collection:lightLink:includeRoot = 0 }', "/L: light linking is not supported yet"),
+    ('def "R" (references = @none.usda@) {}', "/R: Could not open asset @none.usda@"),
+])
+def test_one_line_names_the_prim(text, expected):
+    warnings = WarningsOf(text)
+    assert len([line for line in warnings if line.startswith(expected)]) == 1, warnings
+    assert all("\n" not in line for line in warnings)
+
+
+@pytest.mark.parametrize("text", [
+    "", 'def "A" {}', 'def Mesh "M" {}', f'def Mesh "M" {{ {TRIANGLE} }}', 'def Camera "C" {}',
+    'def RectLight "L" (prepend apiSchemas = ["ShapingAPI"]) { float inputs:shaping:cone:angle = 90 }',
+])
+def test_ordinary_scenes_have_no_warnings(text):
+    assert WarningsOf(text) == []
+
+
+def test_a_bad_prim_does_not_hide_its_children():
+    text = (f'def Mesh "M" {{ int points = 7\nint[] faceVertexCounts = [3]\nint[] faceVertexIndices = [0, 1, 2]\n'
+            f'def Mesh "Child" {{ {TRIANGLE} }} }}')
+    assert list(Translate(StageOf(text)).Scene().meshes) == ["/M/Child"]
+
+
+def test_deep_hierarchies_are_walked():
+    """Deeper than Python's recursion limit."""
+    stage = Usd.Stage.CreateInMemory()
+    path = ""
+    for level in range(1500):
+        path += f"/g{level}"
+    stage.DefinePrim(path, "Xform")
+    UsdGeom.Sphere.Define(stage, path + "/ball")
+    assert len(Translate(stage).Scene().meshes) == 1

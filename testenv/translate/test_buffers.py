@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Arrays are shared, not copied, and released on the main thread whichever thread drops them."""
+
+import gc
+import threading
+import time
+import weakref
+
+import numpy as np
+import pytest
+from pxr import Vt
+
+from hdstream import _core
+
+
+def MakePrim(points):
+    mesh = _core.MeshDescription()
+    mesh.points = points
+    return _core.MeshPrim(mesh, _core.Placement(np.eye(4)))
+
+
+def AddressOf(array):
+    return array.__array_interface__["data"][0]
+
+
+def test_arrays_are_not_copied():
+    points = np.zeros((4, 3), np.float32)
+    mesh = _core.MeshDescription()
+    mesh.points = points
+    assert AddressOf(mesh.points) == AddressOf(points)
+    vt = Vt.Vec3fArray(5)
+    mesh.points = vt
+    assert AddressOf(mesh.points) == AddressOf(np.asarray(vt))
+    session = _core.Session()
+    session.SetMesh("/M", _core.MeshPrim(mesh, _core.Placement(np.eye(4))))
+    assert AddressOf(session.Scene().meshes["/M"].mesh.points) == AddressOf(np.asarray(vt))
+
+
+def test_returned_arrays_are_read_only():
+    mesh = _core.MeshDescription()
+    mesh.points = np.zeros((1, 3), np.float32)
+    assert not mesh.points.flags.writeable
+
+
+@pytest.mark.parametrize("bad", [
+    np.zeros((2, 3)), np.zeros((2, 3), np.int32), np.zeros((3, 4), np.float32)[:, :3], [[0, 0, 0]], None])
+def test_other_arrays_are_refused(bad):
+    with pytest.raises(TypeError):
+        _core.MeshDescription().points = bad
+
+
+def test_incomplete_rows_are_refused():
+    with pytest.raises(ValueError):
+        _core.MeshDescription().points = np.zeros(4, np.float32)
+
+
+class Tracked(np.ndarray):
+    """An array that can be watched going away."""
+
+
+@pytest.mark.parametrize("isOtherThread", [False, True])
+def test_arrays_are_released(isOtherThread):
+    """Session.Clear drops its arrays without the GIL, as worker threads of the core do."""
+    points = np.zeros((1000, 3), np.float32).view(Tracked)
+    alive = weakref.ref(points)
+    session = _core.Session()
+    session.SetMesh("/M", MakePrim(points))
+    del points
+    gc.collect()
+    assert alive() is not None
+    if isOtherThread:
+        thread = threading.Thread(target=session.Clear)
+        thread.start()
+        thread.join()
+    else:
+        session.Clear()
+    deadline = time.monotonic() + 20  # only a lost release takes so long
+    while alive() is not None and time.monotonic() < deadline:
+        time.sleep(0.001)
+    assert alive() is None and _core.NumBuffersToRelease() == 0
+
+
+def test_many_arrays_dropped_at_once_are_all_released():
+    """More than Python's own list of pending calls holds (32)."""
+    session = _core.Session()
+    alive = []
+    for index in range(500):
+        points = np.zeros((3, 3), np.float32).view(Tracked)
+        alive.append(weakref.ref(points))
+        session.SetMesh(f"/M{index}", MakePrim(points))
+    del points
+    session.Clear()
+    deadline = time.monotonic() + 20
+    while any(ref() is not None for ref in alive) and time.monotonic() < deadline:
+        time.sleep(0.001)
+    assert all(ref() is None for ref in alive)
+
+
+def test_warnings_reach_the_callback_from_any_thread():
+    lines = []
+    session = _core.Session(lines.append)
+    threads = [threading.Thread(target=session.Warn, args=(f"/p{i % 4}", "text")) for i in range(32)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert sorted(lines) == [f"/p{i}: text" for i in range(4)] == session.Warnings()

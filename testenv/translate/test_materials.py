@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bound materials are those UsdShade computes for every drawn prim, instances included; assets are
+found inside packages at the byte where they are stored."""
+
+import numpy as np
+import pytest
+from pxr import Ar, Sdf, Usd, UsdGeom, UsdShade, UsdUtils
+
+from hdstream.translate.assets import AssetResolver, FindInPackage
+from translateCase import StageOf, Translate
+
+
+def RandomBindings(seed):
+    """Instances of one prototype below parents that bind in every way UsdShade knows."""
+    rng = np.random.default_rng(seed)
+    stage = Usd.Stage.CreateInMemory()
+    materials = []
+    for index in range(4):
+        material = UsdShade.Material.Define(stage, f"/Looks/M{index}")
+        shader = UsdShade.Shader.Define(stage, f"/Looks/M{index}/S")
+        shader.SetShaderId("UsdPreviewSurface")
+        material.CreateSurfaceOutput().ConnectToSource(shader.CreateOutput("surface", Sdf.ValueTypeNames.Token))
+        materials.append(material)
+    stage.CreateClassPrim("/_proto")
+    for index in range(3):
+        UsdGeom.Sphere.Define(stage, f"/_proto/ball{index}")
+    BindSome(stage, ["/_proto/ball0", "/_proto/ball1"], materials, rng, 0.5)
+    paths = ["/World"]
+    UsdGeom.Xform.Define(stage, "/World")
+    for group in range(2):
+        UsdGeom.Xform.Define(stage, f"/World/g{group}")
+        paths.append(f"/World/g{group}")
+        for index in range(4):
+            path = f"/World/g{group}/i{index}"
+            prim = UsdGeom.Xform.Define(stage, path).GetPrim()
+            prim.GetReferences().AddInternalReference("/_proto")
+            prim.SetInstanceable(True)
+            # The position names the instance.
+            UsdGeom.Xformable(prim).AddTranslateOp().Set((group * 10 + index, 0, 0))
+            paths.append(path)
+    BindSome(stage, paths, materials, rng, 0.4)
+    if seed % 2:
+        root = stage.GetPrimAtPath("/World")
+        api = Usd.CollectionAPI.Apply(root, "some")
+        api.CreateIncludesRel().AddTarget("/World/g1/i1")
+        api.CreateIncludesRel().AddTarget("/World/g0/i2/ball2")
+        UsdShade.MaterialBindingAPI.Apply(root).Bind(api, materials[3])
+    return stage
+
+
+def BindSome(stage, paths, materials, rng, share):
+    for path in paths:
+        if rng.random() > share:
+            continue
+        binding = UsdShade.MaterialBindingAPI.Apply(stage.GetPrimAtPath(path))
+        strength = (UsdShade.Tokens.strongerThanDescendants if rng.random() < 0.3
+                    else UsdShade.Tokens.weakerThanDescendants)
+        purpose = "full" if rng.random() < 0.4 else UsdShade.Tokens.allPurpose
+        binding.Bind(materials[int(rng.integers(0, 3))], strength, purpose)
+
+
+def FoundMaterials(scene):
+    """(instance number, leaf name, material) of every placed mesh."""
+    found = set()
+    for path, mesh in scene.meshes.items():
+        instancer = scene.instancers[mesh.placement.instancerPath]
+        for index in instancer.instancesByPrototype[path]:
+            found.add((int(instancer.instanceTransforms[index][12]), path.rpartition("/")[2], mesh.materialPath))
+    return found
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_every_instance_has_its_bound_material(seed):
+    stage = RandomBindings(seed)
+    expected = set()
+    for prim in stage.Traverse(Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)):
+        if prim.IsA(UsdGeom.Sphere):
+            material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("full")
+            number = int(prim.GetParent().GetAttribute("xformOp:translate").Get()[0])
+            expected.add((number, prim.GetName(), str(material.GetPath()) if material else ""))
+    scene = Translate(stage).Scene()
+    assert FoundMaterials(scene) == expected
+    assert set(scene.materials) == {material for *_, material in expected if material}
+
+
+def test_equal_looking_instances_share_an_instancer():
+    stage = StageOf("""
+        class "P" { def Sphere "S" {} }
+        def Xform "A" (instanceable = true; references = </P>) { color3f[] primvars:displayColor = [(1, 0, 0)] }
+        def Xform "B" (instanceable = true; references = </P>) { color3f[] primvars:displayColor = [(1, 0, 0)] }
+        def Xform "C" (instanceable = true; references = </P>) { color3f[] primvars:displayColor = [(0, 1, 0)] }
+    """)
+    assert sorted(Translate(stage).Scene().instancers) == ["/A", "/C"]
+
+
+def MakePackage(folder, nested):
+    """A usdz file with an image and a stage, inside a second package when `nested`."""
+    image = bytes(range(256)) * 5
+    (folder / "tex").mkdir()
+    (folder / "tex" / "image.png").write_bytes(image)
+    text = """#usda 1.0
+def Material "M" {
+    token outputs:surface.connect = </M/S.outputs:surface>
+    def Shader "S" {
+        uniform token info:id = "UsdPreviewSurface"
+        color3f inputs:diffuseColor.connect = </M/T.outputs:rgb>
+        token outputs:surface
+    }
+    def Shader "T" {
+        uniform token info:id = "UsdUVTexture"
+        asset inputs:file = @tex/image.png@
+        float3 outputs:rgb
+    }
+}
+def Sphere "Ball" (prepend apiSchemas = ["MaterialBindingAPI"]) {
+    rel material:binding = </M>
+}
+"""
+    (folder / "scene.usda").write_text(text, encoding="utf-8")
+    package = folder / "inner.usdz"
+    with Sdf.ZipFileWriter.CreateNew(str(package)) as writer:
+        writer.AddFile(str(folder / "scene.usda"), "scene.usda")
+        writer.AddFile(str(folder / "tex" / "image.png"), "tex/image.png")
+    if not nested:
+        return str(package), image
+    outer = folder / "outer.usdz"
+    (folder / "root.usda").write_text('#usda 1.0\ndef "R" (references = @inner.usdz@</M>) {}\n'
+                                      'def "B" (references = @inner.usdz@</Ball>) {}\n', encoding="utf-8")
+    with Sdf.ZipFileWriter.CreateNew(str(outer)) as writer:
+        writer.AddFile(str(folder / "root.usda"), "root.usda")
+        writer.AddFile(str(package), "inner.usdz")
+    return str(outer), image
+
+
+@pytest.mark.parametrize("nested", [False, True])
+def test_textures_in_packages_are_byte_ranges(tmp_path, nested):
+    package, image = MakePackage(tmp_path, nested)
+    stage = Usd.Stage.Open(package)
+    attribute = stage.GetPrimAtPath("/R/T" if nested else "/M/T").GetAttribute("inputs:file")
+    if nested:
+        # The reference reaches the material only: its texture is at /R/T.
+        assert attribute.Get().resolvedPath == Ar.JoinPackageRelativePath([package, "inner.usdz", "tex/image.png"])
+    reference = AssetResolver().Resolve(attribute, attribute.Get())
+    assert reference.file == package and reference.size == len(image)
+    with open(reference.file, "rb") as stream:
+        stream.seek(reference.offset)
+        assert stream.read(reference.size) == image
+    if not nested:
+        info = Sdf.ZipFile.Open(package).GetFileInfo("tex/image.png")
+        assert (reference.offset, reference.size) == (info.dataOffset, info.size)
+
+
+def test_packages_that_cannot_be_read_raise_oserror(tmp_path):
+    package, _ = MakePackage(tmp_path, False)
+    with pytest.raises(OSError):
+        FindInPackage(package, "tex/none.png")
+    (tmp_path / "broken.usdz").write_bytes(b"no zip")
+    with pytest.raises(OSError):
+        FindInPackage(str(tmp_path / "broken.usdz"), "a.png")
+
+
+def test_udim_pattern_is_resolved(tmp_path):
+    (tmp_path / "t.1001.png").write_bytes(b"x")
+    (tmp_path / "s.usda").write_text('#usda 1.0\ndef Shader "T" {\nasset inputs:file = @./t.<UDIM>.png@\n}\n',
+                                     encoding="utf-8")
+    stage = Usd.Stage.Open(str(tmp_path / "s.usda"))
+    attribute = stage.GetPrimAtPath("/T").GetAttribute("inputs:file")
+    reference = AssetResolver().Resolve(attribute, attribute.Get())
+    assert reference.file == str(tmp_path / "t.<UDIM>.png")

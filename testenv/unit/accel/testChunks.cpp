@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+// The chunk plan partitions a mesh; a geometry page holds the chunk's triangles in leaf order under a
+// sound BVH, with the layout of kernels/shared/geometry.h.
+#include "hdStream/accel/bvh.h"
+#include "kernels/shared/geometry.h"
+#include "testenv/support/traversalMeshes.h"
+#include "testenv/unit/accel/bvhCheck.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cstring>
+#include <set>
+
+namespace hds::test {
+namespace {
+
+TEST(ChunkPlan, PartitionsTheMesh) {
+    const TriangleMesh mesh = BumpySphere(50);
+    for (const std::uint32_t maxTriangles : {1U, 3U, 100U, 4000U, 1000000U}) {
+        const ChunkPlan plan = PlanChunks(mesh, maxTriangles);
+        ASSERT_EQ(plan.order.size(), mesh.triangles.size());
+        EXPECT_EQ(std::set<std::uint32_t>(plan.order.begin(), plan.order.end()).size(),
+                  mesh.triangles.size());
+        ASSERT_GE(plan.begin.size(), 2U);
+        EXPECT_EQ(plan.begin.front(), 0U);
+        EXPECT_EQ(plan.begin.back(), mesh.triangles.size());
+        for (std::size_t i = 0; i + 1 < plan.begin.size(); ++i) {
+            const std::uint32_t count = plan.begin[i + 1] - plan.begin[i];
+            EXPECT_GE(count, plan.begin.size() == 2 ? 1 : std::max(1U, maxTriangles / 4));
+            EXPECT_LE(count, maxTriangles);
+        }
+    }
+}
+
+TEST(ChunkPlan, TakesAMeshWithoutTriangles) {
+    const ChunkPlan plan = PlanChunks(TriangleMesh{}, 100);
+    EXPECT_TRUE(plan.order.empty());
+    EXPECT_EQ(plan.begin, std::vector<std::uint32_t>{0});
+}
+
+// All triangles at one place cannot be told apart: they are still cut to size.
+TEST(ChunkPlan, CutsEqualTriangles) {
+    TriangleMesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh.triangles.assign(5000, {0, 1, 2});
+    const ChunkPlan plan = PlanChunks(mesh, 128);
+    for (std::size_t i = 0; i + 1 < plan.begin.size(); ++i) {
+        EXPECT_LE(plan.begin[i + 1] - plan.begin[i], 128U);
+    }
+}
+
+TEST(ChunkPlan, DoesNotDependOnTheThreadCount) {
+    const TriangleMesh mesh = BumpySphere(160);
+    const auto plan = [&](std::size_t threads) {
+        const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+        return PlanChunks(mesh, 2000);
+    };
+    const ChunkPlan one = plan(1);
+    const ChunkPlan four = plan(4);
+    EXPECT_EQ(one.order, four.order);
+    EXPECT_EQ(one.begin, four.begin);
+}
+
+ChunkGeometry WholeMesh(const TriangleMesh& mesh) {
+    ChunkGeometry chunk;
+    chunk.positions = mesh.positions;
+    chunk.triangles = mesh.triangles;
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+        chunk.primIds.push_back(i);
+    }
+    for (std::uint32_t i = 0; i < mesh.positions.size(); ++i) {
+        chunk.points.push_back(i);
+    }
+    return chunk;
+}
+
+TEST(GeometryPage, HoldsTheChunkInLeafOrder) {
+    const TriangleMesh mesh = BumpySphere(20);
+    ChunkGeometry chunk = WholeMesh(mesh);
+    const GeometryPage page = BuildGeometryPage(chunk);
+
+    EXPECT_EQ(page.bytes.size() % HDS_POOL_UNIT_BYTES, 0U);
+    EXPECT_EQ(std::size_t{page.triangleOffset} * HDS_POOL_UNIT_BYTES,
+              page.numNodes * sizeof(shared::HdsBvhNode));
+    const std::size_t vertexAt = std::size_t{page.vertexOffset} * HDS_POOL_UNIT_BYTES;
+    // A vertex is read as 16 bytes.
+    ASSERT_GE(page.bytes.size(), vertexAt + chunk.positions.size() * sizeof(glm::vec3) + 4);
+
+    std::vector<shared::HdsBvhNode> nodes(page.numNodes);
+    std::memcpy(nodes.data(), page.bytes.data(), nodes.size() * sizeof(nodes[0]));
+    std::vector<shared::HdsTriangle> triangles(mesh.triangles.size());
+    std::memcpy(triangles.data(), page.bytes.data() + vertexAt - triangles.size() * 16,
+                triangles.size() * sizeof(triangles[0]));
+    std::vector<Bounds> boxes;
+    std::uint32_t nextNew = 0;
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+        EXPECT_EQ(triangles[i].primId, chunk.primIds[i]);
+        Bounds box;
+        for (int corner = 0; corner < 3; ++corner) {
+            const std::uint32_t vertex = triangles[i].vertex[corner];
+            EXPECT_EQ(vertex, chunk.triangles[i][corner]);
+            ASSERT_LE(vertex, nextNew) << "vertices are numbered in order of first use";
+            nextNew = std::max(nextNew, vertex + 1);
+            glm::vec3 position;
+            std::memcpy(&position.x, page.bytes.data() + vertexAt + 12 * std::size_t{vertex}, 12);
+            const std::uint32_t point = mesh.triangles[triangles[i].primId][corner];
+            EXPECT_EQ(position, mesh.positions[point]);
+            EXPECT_EQ(chunk.points[vertex], point);
+            box.min = glm::min(box.min, position);
+            box.max = glm::max(box.max, position);
+        }
+        boxes.push_back(box);
+    }
+    const BvhFacts facts = BvhWalker(nodes, boxes).Walk();
+    EXPECT_EQ(facts.numMalformed + facts.numOutside, 0U);
+    EXPECT_EQ(facts.timesSeen, std::vector<std::uint32_t>(boxes.size(), 1));
+}
+
+TEST(GeometryPage, TakesOneToThreeTriangles) {
+    for (std::uint32_t count = 1; count <= 3; ++count) {
+        TriangleMesh mesh = BumpySphere(4);
+        mesh.triangles.resize(count);
+        ChunkGeometry chunk = WholeMesh(mesh);
+        const GeometryPage page = BuildGeometryPage(chunk);
+        EXPECT_EQ(page.numNodes, 1U);
+        EXPECT_LE(chunk.positions.size(), 3 * count) << "unused vertices are dropped";
+    }
+}
+
+// The bar of the node format: at most 26 bytes of nodes a triangle on a dense mesh.
+TEST(GeometryPage, StaysBelowTheNodeBudget) {
+    const TriangleMesh mesh = BumpySphere(60);
+    ChunkGeometry chunk = WholeMesh(mesh);
+    const GeometryPage page = BuildGeometryPage(chunk);
+    EXPECT_LE(page.numNodes * sizeof(shared::HdsBvhNode), 26 * mesh.triangles.size());
+}
+
+} // namespace
+} // namespace hds::test

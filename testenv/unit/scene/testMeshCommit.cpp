@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// Prepared meshes keep every triangle exactly once within the chunk bound; refine levels stay in bounds.
+#include "hdStream/scene/meshCommit.h"
+
+#include "kernels/shared/geometry.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+namespace hds {
+namespace {
+
+/// A grid of quads in the plane z = 0.
+MeshPrim Grid(std::int32_t size, const std::string& scheme) {
+    MeshPrim prim;
+    std::vector<float> points;
+    std::vector<std::int32_t> counts;
+    std::vector<std::int32_t> indices;
+    for (std::int32_t y = 0; y <= size; ++y) {
+        for (std::int32_t x = 0; x <= size; ++x) {
+            points.insert(points.end(), {static_cast<float>(x), static_cast<float>(y), 0.0F});
+        }
+    }
+    for (std::int32_t y = 0; y < size; ++y) {
+        for (std::int32_t x = 0; x < size; ++x) {
+            const std::int32_t corner = y * (size + 1) + x;
+            counts.push_back(4);
+            indices.insert(indices.end(), {corner, corner + 1, corner + size + 2, corner + size + 1});
+        }
+    }
+    prim.mesh.points = std::move(points);
+    prim.mesh.faceVertexCounts = std::move(counts);
+    prim.mesh.faceVertexIndices = std::move(indices);
+    prim.mesh.subdivisionScheme = scheme;
+    return prim;
+}
+
+std::vector<PreparedMesh> Prepare(const MeshPrim& prim, const MeshOptions& options) {
+    const std::pair<const std::string, MeshPrim> entry{"/grid", prim};
+    Warnings warnings;
+    return PrepareMeshes({&entry}, options, warnings);
+}
+
+TEST(MeshCommit, EveryTriangleIsInOneChunkWithinTheBound) {
+    for (const std::uint64_t chunkBytes : {std::uint64_t{4096}, std::uint64_t{16384}, std::uint64_t{1} << 20U}) {
+        MeshOptions options;
+        options.chunkBytes = chunkBytes;
+        const auto meshes = Prepare(Grid(40, "none"), options);
+        std::vector<int> seen(40 * 40 * 2, 0);
+        for (const PreparedChunk& chunk : meshes[0].chunks) {
+            EXPECT_LE(chunk.geometry.bytes.size() + chunk.attributes.size(), chunkBytes);
+            const std::uint8_t* triangles = chunk.geometry.bytes.data() + chunk.geometry.triangleOffset * 16;
+            for (std::uint32_t i = 0; i < chunk.numTriangles; ++i) {
+                shared::HdsTriangle triangle;
+                std::memcpy(&triangle, triangles + i * sizeof(triangle), sizeof(triangle));
+                ASSERT_LT(triangle.primId, seen.size());
+                ++seen[triangle.primId];
+            }
+        }
+        EXPECT_EQ(seen, std::vector<int>(seen.size(), 1));
+        EXPECT_EQ(meshes[0].topNodes.empty(), meshes[0].chunks.size() == 1);
+    }
+}
+
+TEST(MeshCommit, SubdivisionFollowsTheOption) {
+    MeshOptions options;
+    const auto numTriangles = [&](Subdivision subdivision, std::uint32_t level, const char* scheme) {
+        options.subdivision = subdivision;
+        options.refineLevel = level;
+        return Prepare(Grid(4, scheme), options)[0].triangles->triangles.size();
+    };
+    EXPECT_EQ(numTriangles(Subdivision::Cage, 2, "catmullClark"), 32U);
+    EXPECT_EQ(numTriangles(Subdivision::Complexity, 0, "catmullClark"), 32U);
+    EXPECT_EQ(numTriangles(Subdivision::Complexity, 2, "catmullClark"), 32U * 16U);
+    EXPECT_EQ(numTriangles(Subdivision::Adaptive, 0, "catmullClark"), 32U * 64U);
+    EXPECT_EQ(numTriangles(Subdivision::Adaptive, 0, "none"), 32U);
+}
+
+TEST(MeshCommit, AdaptiveLevelsStayBelowTheirBound) {
+    const MeshOptions options;
+    for (std::size_t faces = 1; faces < (std::size_t{1} << 20U); faces = faces * 3 + 1) {
+        const std::uint32_t level = ChooseRefineLevel(options, faces);
+        EXPECT_LE(level, 3U);
+        EXPECT_TRUE(level == 0 || (faces << (2 * level)) <= (std::size_t{1} << 17U)) << faces;
+    }
+}
+
+} // namespace
+} // namespace hds

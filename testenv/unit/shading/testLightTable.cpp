@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: Apache-2.0
+// Light tables: units, placement, selection by power, and what is left out.
+#include "hdStream/shading/lightTable.h"
+
+#include <gtest/gtest.h>
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <cmath>
+
+namespace hds {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+PlacedLight Make(LightType type) {
+    PlacedLight placed;
+    placed.name = "/light";
+    placed.light.type = type;
+    return placed;
+}
+
+LightTable Build(const std::vector<PlacedLight>& lights, Warnings& warnings,
+                 const LightImages& images = {}) {
+    return BuildLightTable(lights, {}, images, warnings);
+}
+
+/// The table's only light; expects no warning.
+shared::HdsLight BuildOne(const PlacedLight& light) {
+    Warnings warnings;
+    const LightTable table = Build({light}, warnings);
+    EXPECT_TRUE(warnings.Lines().empty());
+    EXPECT_EQ(table.lights.size(), 1U);
+    return table.lights.empty() ? shared::HdsLight{} : table.lights[0];
+}
+
+double Determinant(const float* r) {
+    return r[0] * (double(r[5]) * r[10] - double(r[6]) * r[9]) -
+           r[1] * (double(r[4]) * r[10] - double(r[6]) * r[8]) +
+           r[2] * (double(r[4]) * r[9] - double(r[5]) * r[8]);
+}
+
+TEST(LightTableTest, ScaleMovesIntoTheSizes) {
+    for (const double scale : {1e-6, 1.0, 1e6}) {
+        for (const LightType type :
+             {LightType::Sphere, LightType::Rect, LightType::Disk, LightType::Cylinder}) {
+            PlacedLight light = Make(type);
+            light.worldFromLight = glm::scale(
+                glm::rotate(glm::translate(glm::dmat4(1.0), {1.0, 2.0, 3.0}), 0.5, {1.0, 1.0, 0.0}),
+                glm::dvec3(scale));
+            const shared::HdsLight out = BuildOne(light);
+            EXPECT_NEAR(std::abs(Determinant(out.worldFromLight)), 1.0, 1e-6) << int(type);
+            EXPECT_NEAR(std::abs(Determinant(out.lightFromWorld)), 1.0, 1e-6) << int(type);
+            const double size = type == LightType::Rect ? 1.0 : 0.5;
+            EXPECT_NEAR(out.params[0], size * scale, 1e-6 * scale) << int(type);
+            EXPECT_FLOAT_EQ(out.center[1], 2.0F);
+            EXPECT_GE(out.boundRadius, float(size * scale * 0.5));
+        }
+    }
+}
+
+TEST(LightTableTest, BoundsContainTheShape) {
+    PlacedLight light = Make(LightType::Sphere);
+    light.worldFromLight =
+        glm::scale(glm::rotate(glm::dmat4(1.0), 0.7, {1.0, 0.2, 0.4}), {4.0, 0.1, 1.0});
+    const shared::HdsLight out = BuildOne(light);
+    EXPECT_GE(out.boundRadius, 2.0F);
+    EXPECT_LE(out.boundRadius, 2.0F * 1.2F);
+}
+
+TEST(LightTableTest, FlatLightsIgnoreTheirThirdAxis) {
+    PlacedLight light = Make(LightType::Rect);
+    light.worldFromLight = glm::scale(glm::dmat4(1.0), {2.0, 3.0, 0.0});
+    const shared::HdsLight flat = BuildOne(light);
+    EXPECT_FLOAT_EQ(flat.params[0], 2.0F);
+    EXPECT_FLOAT_EQ(flat.params[1], 3.0F);
+    EXPECT_FLOAT_EQ(flat.worldFromLight[10], 1.0F);
+    light.worldFromLight = glm::scale(glm::dmat4(1.0), {2.0, 3.0, -5.0});
+    EXPECT_FLOAT_EQ(BuildOne(light).worldFromLight[10], -1.0F) << "a mirrored light emits to +z";
+}
+
+TEST(LightTableTest, NormalizeDividesByTheWorldArea) {
+    PlacedLight light = Make(LightType::Rect);
+    light.light.width = 2.0F;
+    light.light.intensity = 6.0F;
+    light.light.normalize = true;
+    light.worldFromLight = glm::scale(glm::dmat4(1.0), glm::dvec3(3.0));
+    EXPECT_FLOAT_EQ(BuildOne(light).radiance[0], 6.0F / 18.0F);
+
+    PlacedLight sun = Make(LightType::Distant);
+    sun.light.angle = 10.0F;
+    sun.light.normalize = true;
+    const double sine = std::sin(5.0 * kPi / 180.0);
+    EXPECT_NEAR(BuildOne(sun).radiance[0], 1.0 / (kPi * sine * sine), 1e-3);
+
+    PlacedLight dome = Make(LightType::Dome);
+    dome.light.normalize = true; // has no size
+    EXPECT_FLOAT_EQ(BuildOne(dome).radiance[0], 1.0F);
+}
+
+TEST(LightTableTest, DeltaLightsAreFlagged) {
+    PlacedLight sun = Make(LightType::Distant);
+    sun.light.angle = 0.0F;
+    EXPECT_TRUE(BuildOne(sun).flags & HDS_LIGHT_POINT);
+    PlacedLight point = Make(LightType::Sphere);
+    point.light.treatAsPoint = true;
+    const shared::HdsLight out = BuildOne(point);
+    EXPECT_TRUE(out.flags & HDS_LIGHT_POINT);
+    EXPECT_NEAR(out.radiance[0], kPi * 0.25, 1e-6); // radiance times projected area
+    EXPECT_FALSE(BuildOne(Make(LightType::Sphere)).flags & HDS_LIGHT_POINT);
+    PlacedLight hidden = Make(LightType::Sphere);
+    hidden.light.visibleToCamera = false;
+    EXPECT_FALSE(BuildOne(hidden).flags & HDS_LIGHT_VISIBLE);
+}
+
+TEST(LightTableTest, DistantLightsComeAgainstTheirDirection) {
+    PlacedLight sun = Make(LightType::Distant);
+    sun.worldFromLight = glm::rotate(glm::dmat4(1.0), -kPi / 2.0, {1.0, 0.0, 0.0});
+    const shared::HdsLight out = BuildOne(sun); // emits along -y
+    EXPECT_NEAR(out.worldFromLight[6], 1.0F, 1e-6F);
+    EXPECT_NEAR(Determinant(out.worldFromLight), 1.0, 1e-6);
+}
+
+TEST(LightTableTest, StrengthIsPowerOrIrradiance) {
+    PlacedLight rect = Make(LightType::Rect);
+    rect.light.intensity = 3.0F; // power 3 pi, intensity if it were even: 3 / 4
+    EXPECT_FLOAT_EQ(BuildOne(rect).strength, 0.75F);
+    PlacedLight dome = Make(LightType::Dome);
+    dome.light.intensity = 0.5F;
+    EXPECT_FLOAT_EQ(BuildOne(dome).strength, float(0.5 * kPi));
+    PlacedLight sun = Make(LightType::Distant);
+    sun.light.normalize = true;
+    EXPECT_FLOAT_EQ(BuildOne(sun).strength, 1.0F);
+    PlacedLight point = Make(LightType::Sphere);
+    point.light.treatAsPoint = true;
+    EXPECT_FLOAT_EQ(BuildOne(point).strength, float(kPi * 0.25));
+}
+
+TEST(LightTableTest, LightsAtInfinityComeFirst) {
+    EmissiveMesh mesh;
+    mesh.radiance = glm::dvec3(1.0);
+    mesh.triangles.push_back({{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}}, 0});
+    Warnings warnings;
+    const LightTable table = BuildLightTable({Make(LightType::Rect), Make(LightType::Dome),
+                                              Make(LightType::Sphere), Make(LightType::Distant)},
+                                             {mesh}, {}, warnings);
+    const std::uint32_t expected[] = {HDS_LIGHT_DOME, HDS_LIGHT_DISTANT, HDS_LIGHT_RECT,
+                                      HDS_LIGHT_SPHERE, HDS_LIGHT_MESH};
+    ASSERT_EQ(table.lights.size(), 5U);
+    for (std::size_t i = 0; i < 5; ++i) {
+        EXPECT_EQ(table.lights[i].type, expected[i]);
+    }
+    EXPECT_EQ(table.lightByMesh[0], 4U);
+}
+
+/// Walks the tree: every light inside all nodes above it, strengths, paths.
+class TreeWalk {
+public:
+    std::vector<int> seen; ///< visits of each light
+
+    explicit TreeWalk(const LightTable& table) : seen(table.lights.size(), 0), _table(table) {}
+
+    void Visit(std::uint32_t child, std::uint32_t path, std::uint32_t depth) {
+        if ((child & HDS_LIGHT_LEAF) != 0) {
+            VisitLight(child & ~HDS_LIGHT_LEAF, path);
+            return;
+        }
+        const shared::HdsLightNode& node = _table.nodes[child];
+        EXPECT_LE(depth, 8U);
+        EXPECT_NEAR(node.strength, Strength(node.child[0]) + Strength(node.child[1]),
+                    1e-5 * node.strength);
+        _above.push_back(&node);
+        Visit(node.child[0], path, depth + 1);
+        Visit(node.child[1], path | (1U << depth), depth + 1);
+        _above.pop_back();
+    }
+
+private:
+    double Strength(std::uint32_t child) const {
+        return (child & HDS_LIGHT_LEAF) != 0 ? _table.lights[child & ~HDS_LIGHT_LEAF].strength
+                                             : _table.nodes[child].strength;
+    }
+    void VisitLight(std::uint32_t index, std::uint32_t path) {
+        const shared::HdsLight& light = _table.lights[index];
+        ++seen[index];
+        EXPECT_EQ(light.treePath, path);
+        for (const shared::HdsLightNode* node : _above) {
+            const double distance = std::hypot(double(light.center[0]) - node->center[0],
+                                               double(light.center[1]) - node->center[1],
+                                               double(light.center[2]) - node->center[2]);
+            EXPECT_LE(distance + light.boundRadius, node->radius);
+        }
+    }
+    const LightTable& _table;
+    std::vector<const shared::HdsLightNode*> _above;
+};
+
+TEST(LightTableTest, TheTreeHoldsEachFiniteLightOnce) {
+    std::vector<PlacedLight> lights{Make(LightType::Dome)};
+    for (int i = 0; i < 200; ++i) {
+        lights.push_back(Make(LightType::Sphere));
+        lights.back().light.intensity = float(i + 1);
+        // Some coincide.
+        lights.back().worldFromLight = glm::translate(
+            glm::dmat4(1.0), glm::dvec3(i % 13, (i / 13) % 5, 100.0 * std::sin(i / 3)));
+    }
+    Warnings warnings;
+    const LightTable table = Build(lights, warnings);
+    ASSERT_EQ(table.nodes.size(), 199U);
+    TreeWalk walk(table);
+    walk.Visit(0, 0, 0);
+    EXPECT_EQ(walk.seen[0], 0) << "the dome is not in the tree";
+    for (std::size_t i = 1; i < walk.seen.size(); ++i) {
+        EXPECT_EQ(walk.seen[i], 1);
+    }
+    EXPECT_TRUE(Build({Make(LightType::Sphere)}, warnings).nodes.empty());
+}
+
+TEST(LightTableTest, WhatCannotBeRenderedIsLeftOutWithAWarning) {
+    Warnings warnings;
+    PlacedLight singular = Make(LightType::Sphere);
+    singular.worldFromLight = glm::scale(glm::dmat4(1.0), {1.0, 0.0, 1.0});
+    PlacedLight sizeless = Make(LightType::Disk);
+    sizeless.name = "/sizeless";
+    sizeless.light.radius = 0.0F;
+    PlacedLight infinite = Make(LightType::Rect);
+    infinite.name = "/infinite";
+    infinite.light.exposure = 1e9F;
+    PlacedLight nan = Make(LightType::Rect);
+    nan.name = "/nan";
+    nan.worldFromLight[3][0] = std::nan("");
+    const LightTable table = Build({singular, sizeless, infinite, nan}, warnings);
+    EXPECT_TRUE(table.lights.empty());
+    EXPECT_EQ(warnings.Lines().size(), 4U);
+
+    PlacedLight black = Make(LightType::Rect);
+    black.light.intensity = 0.0F;
+    Warnings none;
+    EXPECT_TRUE(Build({black}, none).lights.empty());
+    EXPECT_TRUE(none.Lines().empty()) << "black is not an error";
+}
+
+TEST(LightTableTest, IgnoredInputsWarn) {
+    Warnings warnings;
+    PlacedLight light = Make(LightType::Rect);
+    light.light.specular = 0.5F;
+    light.light.textureFile.authoredPath = "missing.png";
+    EXPECT_EQ(Build({light}, warnings).lights.size(), 1U);
+    EXPECT_EQ(warnings.Lines().size(), 2U);
+}
+
+TEST(LightTableTest, ImagesOfRectsAndDomes) {
+    LightImages images;
+    images.meanColor = [](const AssetReference&, const std::string&) {
+        return std::optional<std::array<float, 4>>({0.5F, 0.25F, 0.125F, 1.0F});
+    };
+    images.loadDome = [](const AssetReference&) {
+        auto image = std::make_shared<DomeImage>();
+        image->width = 4;
+        image->height = 2;
+        image->rgb.assign(24, 2.0F);
+        image->rgb[0] = std::nanf("");
+        return image;
+    };
+    Warnings warnings;
+    PlacedLight rect = Make(LightType::Rect);
+    rect.light.textureFile.authoredPath = "a.png";
+    PlacedLight dome = Make(LightType::Dome);
+    dome.light.textureFile.authoredPath = "b.exr";
+    const LightTable table = Build({rect, dome}, warnings, images);
+    EXPECT_FLOAT_EQ(table.lights[1].radiance[1], 0.25F);
+    EXPECT_TRUE(table.lights[0].flags & HDS_LIGHT_TEXTURED);
+    EXPECT_EQ(table.cdf.size(), 3U + 2U * 5U);
+    EXPECT_EQ(table.domeTexels.size(), 24U);
+    EXPECT_EQ(table.domeTexels[0], 0.0F) << "NaN becomes black";
+    EXPECT_EQ(warnings.Lines().size(), 2U);
+
+    Warnings missing;
+    const LightTable untextured = Build({dome}, missing);
+    EXPECT_FALSE(untextured.lights[0].flags & HDS_LIGHT_TEXTURED);
+    EXPECT_EQ(missing.Lines().size(), 1U);
+}
+
+TEST(LightTableTest, EmissiveMeshesBecomeLights) {
+    EmissiveMesh mesh;
+    mesh.name = "/mesh";
+    mesh.radiance = glm::dvec3(2.0);
+    mesh.triangles.push_back({{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}}, 7});
+    mesh.triangles.push_back({{{0, 0, 0}, {0, 0, 0}, {0, 2, 0}}, 8}); // no area
+    mesh.triangles.push_back({{{0, 0, 0}, {4, 0, 0}, {0, 3, 0}}, 9});
+    EmissiveMesh black = mesh;
+    black.radiance = glm::dvec3(0.0);
+    Warnings warnings;
+    const LightTable table = BuildLightTable({Make(LightType::Rect)}, {black, mesh}, {}, warnings);
+    ASSERT_EQ(table.lightByMesh, (std::vector<std::uint32_t>{HDS_NONE, 1U}));
+    const shared::HdsLight& light = table.lights[1];
+    EXPECT_EQ(light.type, HDS_LIGHT_MESH);
+    EXPECT_FLOAT_EQ(light.area, 8.0F);
+    EXPECT_EQ(light.dataSize[0], 2U);
+    ASSERT_EQ(table.triangles.size(), 2U);
+    EXPECT_EQ(table.triangles[1].primId, 9U);
+    EXPECT_FLOAT_EQ(table.cdf[light.cdfBase + 1], 0.25F);
+    EXPECT_FLOAT_EQ(table.cdf[light.cdfBase + 2], 1.0F);
+    EXPECT_GE(light.boundRadius, 2.5F);
+}
+
+} // namespace
+} // namespace hds
