@@ -22,8 +22,8 @@ struct Bvh {
 /// Options of a build.
 struct BvhOptions {
     std::uint32_t maxLeafItems = HDS_BVH_MAX_LEAF_ITEMS; ///< 1 to 3
-    float traversalCost = 1.0F; ///< of a node, relative to...
-    float itemCost = 0.3F;      ///< ...the cost of testing one item
+    float traversalCost = 1.0F;                          ///< of a node, relative to...
+    float itemCost = 0.3F;                               ///< ...the cost of testing one item
 };
 
 /// Builds with the surface area heuristic (binned; Wald 2007) and collapses to 8-wide optimally

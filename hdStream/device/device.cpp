@@ -2,9 +2,11 @@
 #include "hdStream/device/device.h"
 
 #include "hdStream/device/openclHandles.h"
+#include "hdStream/device/poclCache.h"
 
 #include <algorithm>
 #include <cctype>
+#include <mutex>
 
 namespace hds {
 
@@ -74,6 +76,8 @@ struct FoundDevice {
 };
 
 std::vector<FoundDevice> FindDevices() {
+    static std::once_flag once;
+    std::call_once(once, EnsurePoclCache);
     std::vector<FoundDevice> found;
     cl_uint numPlatforms = 0;
     if (clGetPlatformIDs(0, nullptr, &numPlatforms) != CL_SUCCESS) {

@@ -48,6 +48,15 @@ bool ChooseWide(const RenderOptions& options, const DeviceProperties& properties
                                                     : options.traversal == TraversalForm::Wide;
 }
 
+/// AOVs that one ray through each pixel's centre gives.
+const char* const kFirstHitAovs[] = {"depth",    "cameraDepth", "normal", "Neye",      "position",
+                                     "albedo",   "primId",      "instanceId", "elementId"};
+
+bool NeedsFirstHits(const AovLayout& layout) {
+    return std::any_of(std::begin(kFirstHitAovs), std::end(kFirstHitAovs),
+                       [&](const char* name) { return layout.Find(name) != nullptr; });
+}
+
 } // namespace
 
 struct PathTracer::Impl {
@@ -56,7 +65,8 @@ struct PathTracer::Impl {
         : device(std::move(theDevice)), scene(theScene), options(std::move(theOptions)),
           waveSize(ChooseWaveSize(options, device->Properties())), buffers(device, scene),
           kernels(device, store, buffers,
-                  {scene.hasCutouts, scene.hasGroups, ChooseWide(options, device->Properties())}) {
+                  {scene.hasCutouts, scene.hasGroups, ChooseWide(options, device->Properties()),
+                   NeedsFirstHits(options.aovs)}) {
         numPixels = options.imageWidth * options.imageHeight;
         const shared::HdsFrameParams params = MakeFrameParams(
             options, scene.centre, static_cast<std::uint32_t>(scene.lights.lights.size()));
@@ -298,10 +308,7 @@ struct PathTracer::Impl {
         offsets.centre[0] = static_cast<float>(scene.centre.x);
         offsets.centre[1] = static_cast<float>(scene.centre.y);
         offsets.centre[2] = static_cast<float>(scene.centre.z);
-        const std::uint32_t firstHit[] = {offsets.depth,    offsets.cameraDepth, offsets.normal,
-                                          offsets.normalEye, offsets.position,   offsets.albedo,
-                                          offsets.primId,   offsets.instanceId,  offsets.elementId};
-        if (std::any_of(std::begin(firstHit), std::end(firstHit), [](std::uint32_t o) { return o != HDS_NONE; })) {
+        if (NeedsFirstHits(layout)) {
             RenderFirstHits(floats, ints, offsets);
         }
         std::vector<float> hostFloats(std::size_t{numPixels} * layout.floatsPerPixel);

@@ -55,7 +55,6 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store, 
     shade = build("integrator/shade.cl")->GetKernel("shade_paths");
     const auto shadowProgram = build("integrator/shadow.cl");
     shadowCast = shadowProgram->GetKernel("shadow_cast");
-    aov = build("integrator/aov.cl")->GetKernel("aov_firstHit");
     resolve = build("integrator/resolve.cl")->GetKernel("resolve_addSamples");
     const auto filmProgram = build("film/film.cl");
     develop = filmProgram->GetKernel("film_develop");
@@ -64,7 +63,10 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store, 
     scene.BindGeometry(&intersect, kIntersectArgs);
     scene.BindScene(&shade, kShadeArgs);
     scene.BindScene(&shadowCast, kShadowArgs);
-    scene.BindScene(&aov, kAovArgs);
+    if (features.firstHits) {
+        aov = build("integrator/aov.cl")->GetKernel("aov_firstHit");
+        scene.BindScene(&aov, kAovArgs);
+    }
     if (features.cutouts) {
         shadowPass = shadowProgram->GetKernel("shadow_pass");
         scene.BindScene(&shadowPass, kShadowArgs);

@@ -14,6 +14,7 @@ struct KernelFeatures {
     bool cutouts = false; ///< some material may let rays pass
     bool groups = false;  ///< instances below instances
     bool wide = false;    ///< 8-wide traversal inside a work-item
+    bool firstHits = false; ///< first-hit AOVs are asked for: `aov` is built
 };
 
 /// All kernels of a render. Externally synchronised.
@@ -29,7 +30,7 @@ public:
     Kernel shade;
     Kernel shadowCast;
     Kernel shadowPass; ///< only with cut-outs
-    Kernel aov;
+    Kernel aov; ///< only with first-hit AOVs
     Kernel resolve;
     Kernel develop;
     Kernel relativeError;

@@ -14,6 +14,12 @@ ImageSource SourceOf(const AssetReference& asset) {
     return {asset.file, asset.offset, asset.size, asset.authoredPath};
 }
 
+/// Equal for equal images; files that were not found are told apart by what the scene calls them.
+std::string KeyOf(const AssetReference& asset) {
+    const std::string& name = asset.file.empty() ? asset.authoredPath : asset.file;
+    return name + '\n' + std::to_string(asset.offset) + '\n' + std::to_string(asset.size);
+}
+
 TextureUse UseOf(const AssetReference& asset, const ImageInfo& info, const std::string& error) {
     return {asset.authoredPath, info.width, info.height, info.channels, info.bytesDecoded, error};
 }
@@ -22,12 +28,11 @@ TextureUse UseOf(const AssetReference& asset, const ImageInfo& info, const std::
 
 void ImageLibrary::Record(const AssetReference& asset, const TextureUse& use) {
     const std::lock_guard<std::mutex> lock(_mutex);
-    _uses[asset.authoredPath] = use;
+    _uses[KeyOf(asset)] = use;
 }
 
 std::optional<std::array<float, 4>> ImageLibrary::MeanOf(const AssetReference& asset, const std::string& colorSpace) {
-    const std::string key =
-        asset.file + '\n' + std::to_string(asset.offset) + '\n' + std::to_string(asset.size) + '\n' + colorSpace;
+    const std::string key = KeyOf(asset) + '\n' + colorSpace;
     {
         const std::lock_guard<std::mutex> lock(_mutex);
         const auto known = _means.find(key);

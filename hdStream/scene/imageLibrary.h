@@ -23,7 +23,7 @@ public:
     /// A dome's image; null when it cannot be read (the caller warns).
     std::shared_ptr<const DomeImage> LoadDome(const AssetReference& asset);
 
-    /// All images asked for, by authored path.
+    /// All images asked for, each once, in the order of their files.
     std::vector<TextureUse> Uses() const;
 
 private:
@@ -31,7 +31,7 @@ private:
 
     Warnings& _warnings;
     mutable std::mutex _mutex;
-    std::map<std::string, TextureUse> _uses;
+    std::map<std::string, TextureUse> _uses; ///< by file and range
     std::map<std::string, std::optional<std::array<float, 4>>> _means; ///< by file, range and colour space
 };
 

@@ -70,7 +70,7 @@ void ShrinkDomeImage(DomeImage& image, std::uint32_t maxWidth) {
         tbb::parallel_for(std::uint32_t(0), half.height, [&](std::uint32_t y) {
             const std::size_t stride = std::size_t(image.width) * 3;
             for (std::uint32_t x = 0; x < half.width; ++x) {
-                const float* p = &image.rgb[2 * y * stride + std::size_t(x) * 6];
+                const float* p = &image.rgb[std::size_t(y) * 2 * stride + std::size_t(x) * 6];
                 float* out = &half.rgb[(std::size_t(y) * half.width + x) * 3];
                 for (int c = 0; c < 3; ++c) {
                     out[c] = 0.25F * (p[c] + p[c + 3] + p[c + stride] + p[c + stride + 3]);

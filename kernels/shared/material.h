@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
- * A UsdPreviewSurface material as the shade kernel reads it. Each input is a constant or comes from a
- * primvar of the mesh; the pair (material, mesh layout) is resolved by commit, so slots are final.
- * Explained in docs/shading.md. */
+ * A UsdPreviewSurface material as the shade kernel reads it. Each input is a constant or comes from
+ * a primvar of the mesh; the pair (material, mesh layout) is resolved by commit, so slots are
+ * final. Explained in docs/shading.md. */
 #ifndef HDS_SHARED_MATERIAL_H
 #define HDS_SHARED_MATERIAL_H
 #include "shared/compat.h"
@@ -22,7 +22,7 @@
 
 /* HdsMaterial.flags */
 #define HDS_MATERIAL_SPECULAR_WORKFLOW 1u
-#define HDS_MATERIAL_CUTOUT 2u   /* opacity may be below 1 */
+#define HDS_MATERIAL_CUTOUT 2u /* opacity may be below 1 */
 #define HDS_MATERIAL_EMISSIVE 4u
 #define HDS_MATERIAL_NORMAL 8u   /* the normal input is not (0,0,1) */
 #define HDS_MATERIAL_LAMBERT 16u /* no specular lobe at all: a mesh without bound material */

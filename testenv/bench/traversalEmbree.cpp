@@ -17,7 +17,9 @@ bool CountBytes(void* bytes, ssize_t change, bool /*post*/) {
     return true;
 }
 
-RTCScene AsScene(void* scene) { return static_cast<RTCScene>(scene); }
+RTCScene AsScene(void* scene) {
+    return static_cast<RTCScene>(scene);
+}
 
 RTCRay MakeRay(const BenchRay& source) {
     RTCRay ray{};
@@ -52,8 +54,8 @@ EmbreeScene::EmbreeScene(const std::vector<TriangleMesh>& meshes, bool compactRo
     RTCScene scene = rtcNewScene(device);
     _scene = scene;
     if (compactRobust) {
-        rtcSetSceneFlags(scene, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_COMPACT |
-                                                           RTC_SCENE_FLAG_ROBUST));
+        rtcSetSceneFlags(
+            scene, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_COMPACT | RTC_SCENE_FLAG_ROBUST));
     }
     std::size_t bufferBytes = 0;
     for (const TriangleMesh& mesh : meshes) {

@@ -10,7 +10,8 @@
 
 namespace hds::bench {
 
-/// A ray as the benchmark's kernels read it; tMin is 0 and tMax infinite where nothing else is said.
+/// A ray as the benchmark's kernels read it; tMin is 0 and tMax infinite where nothing else is
+/// said.
 struct BenchRay {
     float origin[3];
     float tMin;
@@ -22,7 +23,7 @@ static_assert(sizeof(BenchRay) == 32);
 /// What Embree answers.
 struct EmbreeHit {
     float t;
-    std::uint32_t mesh;     ///< 0xffffffff: no hit
+    std::uint32_t mesh; ///< 0xffffffff: no hit
     std::uint32_t triangle;
 };
 

@@ -7,7 +7,13 @@ from cliCase import AssertFails, Run, RunHere, WriteStage
 
 NESTED = """class "Leaf"
 {
-    def Cube "Box" {}
+    def Mesh "Strip"
+    {
+        int[] faceVertexCounts = [4, 3]
+        int[] faceVertexIndices = [0, 1, 2, 3, 2, 1, 4]
+        point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (2, 0, 0)]
+        uniform token subdivisionScheme = "none"
+    }
     def Mesh "Quad"
     {
         int[] faceVertexCounts = [4]
@@ -50,12 +56,12 @@ def test_info_counts_through_the_hierarchy(tmp_path):
     result = Run("info", stage, "--json", tmp_path / "i.json")
     assert result.code == 0 and not result.errors, result.text
     info = json.loads((tmp_path / "i.json").read_text(encoding="utf-8"))
-    # 3 pairs of 2 leaves of 2 gprims, and 5 sheets; unique: box (6 quads), quad, sheet.
+    # 3 pairs of 2 leaves of 2 meshes, and 5 sheets; unique: strip, quad, sheet.
     assert info["instances"] == 3 * 2 * 2 + 5
-    assert info["meshes"] == 3 and info["triangles"] == 12 + 2 + 1
-    assert info["primTypes"]["Cube"] == 6 and info["primTypes"]["Camera"] == 1
+    assert info["meshes"] == 3 and info["triangles"] == 3 + 2 + 1
+    assert info["primTypes"]["Mesh"] == 3 * 2 * 2 + 1 and info["primTypes"]["Camera"] == 1
     assert info["cameraPaths"] == ["/World/Cam"] and info["lights"] == 1
-    assert "15 triangles" in result.out and "17 drawn" in result.out
+    assert "6 triangles" in result.out and "17 drawn" in result.out
 
 
 def test_info_as_json_on_stdout(tmp_path):

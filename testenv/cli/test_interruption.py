@@ -20,8 +20,9 @@ def StartRendering(stage, output, *options):
     seen = ""
     deadline = time.monotonic() + SECONDS
     while "samples" not in seen and time.monotonic() < deadline:
-        seen += os.read(process.stderr.fileno(), 4096).decode()
-        assert process.poll() is None, seen
+        text = os.read(process.stderr.fileno(), 4096).decode()
+        seen += text
+        assert text, f"it ended early: {seen}"
     return process
 
 

@@ -154,6 +154,17 @@ def test_options_of_features_to_come_warn_and_change_nothing(tmp_path):
     assert same.code == 0, same.text
 
 
+def test_default_time(tmp_path):
+    """-d renders the default value, no option the one at startTimeCode."""
+    body = SCENE.replace("double3 xformOp:translate = (0, 0, 8)",
+                         "double3 xformOp:translate = (0, 0, 8)\ndouble3 xformOp:translate.timeSamples = { 4: (99, 0, 8)}")
+    stage = tmp_path / "times.usda"
+    stage.write_text("#usda 1.0\n(\n    startTimeCode = 4\n)\n" + body, encoding="utf-8")
+    assert Run("record", stage, tmp_path / "start.exr", *SMALL, "--aovs", "primId").code == 0
+    assert Run("record", stage, tmp_path / "default.exr", *SMALL, "--aovs", "primId", "-d").code == 0
+    assert RunHere("compare", tmp_path / "start.exr", tmp_path / "default.exr", "--threshold", "0").code == 1
+
+
 def test_quiet_and_progress(tmp_path):
     stage = WriteStage(tmp_path)
     loud = {"HDSTREAM_PROGRESS": "1"}

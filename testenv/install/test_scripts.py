@@ -4,7 +4,7 @@
 import pathlib
 
 import pytest
-from conftest import ROOT, CleanEnvironment, Run
+from installCase import ROOT, CleanEnvironment, Run
 
 RENDER = ROOT / "scripts" / "render"
 

@@ -7,7 +7,7 @@ import sys
 import zipfile
 
 import numpy as np
-from conftest import ROOT, CleanEnvironment, Run
+from installCase import ROOT, CleanEnvironment, Run
 from stages.imageFile import ReadExr
 
 PACKAGE = ROOT / "hdStream" / "python" / "hdstream"

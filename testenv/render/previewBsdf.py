@@ -15,10 +15,10 @@ _COLORS = ("diffuseColor", "specularColor")
 _SCALARS = ("metallic", "roughness", "clearcoat", "clearcoatRoughness", "opacity", "opacityThreshold", "ior")
 
 
-def _GgxD(cosH, alpha):
-    a2 = alpha * alpha
-    d = cosH * cosH * (a2 - 1) + 1
-    return a2 / (dr.pi * d * d)
+def _GgxD(h, alpha):
+    """With the half vector's own components: 1 - cosH^2 would lose all digits for small alpha."""
+    d = (h.x * h.x + h.y * h.y) / (alpha * alpha) + h.z * h.z
+    return dr.rcp(dr.pi * alpha * alpha * d * d)
 
 
 def _SmithLambda(cosine, alpha):
@@ -26,15 +26,15 @@ def _SmithLambda(cosine, alpha):
     return 0.5 * (dr.sqrt(1 + alpha * alpha * dr.maximum(1 - c2, 0) / c2) - 1)
 
 
-def _GgxValue(cosV, cosL, cosH, alpha):
+def _GgxValue(cosV, cosL, h, alpha):
     """D * G2 / (4 cosV), that is, the lobe without Fresnel times cosL."""
     g2 = dr.rcp(1 + _SmithLambda(cosV, alpha) + _SmithLambda(cosL, alpha))
-    return _GgxD(cosH, alpha) * g2 / (4 * cosV)
+    return _GgxD(h, alpha) * g2 / (4 * cosV)
 
 
-def _GgxPdf(cosV, cosH, alpha):
+def _GgxPdf(cosV, h, alpha):
     """Density over directions of visible-normal sampling: D G1 / (4 cosV)."""
-    return _GgxD(cosH, alpha) / ((1 + _SmithLambda(cosV, alpha)) * 4 * cosV)
+    return _GgxD(h, alpha) / ((1 + _SmithLambda(cosV, alpha)) * 4 * cosV)
 
 
 def _SampleVisibleNormal(v, alpha, u):
@@ -123,14 +123,14 @@ class PreviewSurface(mi.BSDF):
     def _Evaluate(self, values, v, l, chances, active):
         """(value * cosine, pdf) of the reflecting lobes for local directions above the surface."""
         h = dr.normalize(v + l)
-        cosVH, cosH = dr.maximum(dr.dot(v, h), 0), dr.maximum(h.z, 0)
+        cosVH = dr.maximum(dr.dot(v, h), 0)
         fresnel = _Schlick(values["f0"], values["f90"], cosVH)
         coat = values["clearcoat"] * _Schlick(values["coatF0"], mi.Float(1), cosVH)
         value = values["diffuse"] * (1 - fresnel) * (l.z / dr.pi)
-        value += fresnel * _GgxValue(v.z, l.z, cosH, values["alpha"])
-        value = value * (1 - coat) + coat * _GgxValue(v.z, l.z, cosH, values["coatAlpha"])
-        pdf = chances[0] * l.z / dr.pi + chances[1] * _GgxPdf(v.z, cosH, values["alpha"])
-        pdf += chances[2] * _GgxPdf(v.z, cosH, values["coatAlpha"])
+        value += fresnel * _GgxValue(v.z, l.z, h, values["alpha"])
+        value = value * (1 - coat) + coat * _GgxValue(v.z, l.z, h, values["coatAlpha"])
+        pdf = chances[0] * l.z / dr.pi + chances[1] * _GgxPdf(v.z, h, values["alpha"])
+        pdf += chances[2] * _GgxPdf(v.z, h, values["coatAlpha"])
         good = active & (v.z > 0) & (l.z > 0) & ~values["cutAway"]
         return dr.select(good, value, 0), dr.select(good, pdf, 0)
 

@@ -94,7 +94,9 @@ std::uint32_t AccelScene::AddGroup(const std::vector<AccelPlacement>& placements
     return object;
 }
 
-void AccelScene::SetRoot(const std::vector<AccelPlacement>& placements) { BuildGroup(0, placements); }
+void AccelScene::SetRoot(const std::vector<AccelPlacement>& placements) {
+    BuildGroup(0, placements);
+}
 
 void AccelScene::BuildGroup(std::uint32_t object, const std::vector<AccelPlacement>& placements) {
     std::vector<shared::HdsInstance> records;
@@ -137,9 +139,8 @@ DeviceAccelScene::DeviceAccelScene(const std::shared_ptr<Device>& device, const 
     std::array<std::vector<std::uint8_t>, HDS_POOL_MAX_BUFFERS> pools;
     for (std::size_t i = 0; i < scene.pages.size(); ++i) {
         const std::size_t pool = i % upload.numPools;
-        addresses[2 * i + HDS_PAGE_GEOMETRY] =
-            static_cast<std::uint32_t>(pool << HDS_POOL_BUFFER_SHIFT |
-                                       pools[pool].size() / HDS_POOL_UNIT_BYTES);
+        addresses[2 * i + HDS_PAGE_GEOMETRY] = static_cast<std::uint32_t>(
+            pool << HDS_POOL_BUFFER_SHIFT | pools[pool].size() / HDS_POOL_UNIT_BYTES);
         pools[pool].insert(pools[pool].end(), scene.pages[i].bytes.begin(),
                            scene.pages[i].bytes.end());
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small scenes for traversal tests and benchmarks, built without the scene layer: meshes, groups and a
-// root group, with all device tables of kernels/shared/geometry.h.
+// Small scenes for traversal tests and benchmarks, built without the scene layer: meshes, groups
+// and a root group, with all device tables of kernels/shared/geometry.h.
 #pragma once
 
 #include "hdStream/accel/bvh.h"

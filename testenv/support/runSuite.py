@@ -65,13 +65,14 @@ def RunQuietly(command: list, environment: dict) -> int:
 
 
 def RunReporting(command: list, report: pathlib.Path, environment: dict) -> Counts:
-    """Runs a command that writes `report`. A bad exit without a counted failure is a failure too."""
+    """Runs a command that writes `report`. A bad end without a counted failure is a failure too."""
     code = RunQuietly(command, environment)
     isGood = code in (0, PYTEST_NOTHING_RAN)
     try:
         counts = ReadJUnit(report)
     except (OSError, xml.etree.ElementTree.ParseError):
-        return Counts(0, 0 if isGood else 1, 0)
+        print("the test program wrote no complete report")
+        return Counts(0, 1, 0)
     if not isGood and counts.failed == 0:
         print(f"exit code {code} although no test failed")
         counts = counts._replace(failed=1)

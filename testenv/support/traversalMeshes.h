@@ -12,8 +12,8 @@
 
 namespace hds::test {
 
-/// A closed sphere with bumps, about 4 * rows^2 triangles: rings share their vertices all around, and
-/// each pole is one vertex.
+/// A closed sphere with bumps, about 4 * rows^2 triangles: rings share their vertices all around,
+/// and each pole is one vertex.
 inline TriangleMesh BumpySphere(std::uint32_t rows, float bump = 0.03F) {
     constexpr double kPi = 3.14159265358979323846;
     TriangleMesh mesh;
@@ -68,8 +68,8 @@ inline TriangleMesh Box(float extent) {
     return mesh;
 }
 
-/// Leaves in the unit ball: `numLeaves` pairs of triangles of random direction, and of sizes that vary
-/// by a factor of ten.
+/// Leaves in the unit ball: `numLeaves` pairs of triangles of random direction, and of sizes that
+/// vary by a factor of ten.
 inline TriangleMesh Foliage(std::uint32_t numLeaves, std::uint32_t seed) {
     TriangleMesh mesh;
     std::mt19937 random(seed);

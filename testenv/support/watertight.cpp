@@ -111,12 +111,12 @@ void BuildScene(const WatertightCase& watertight, AccelScene* scene, glm::dmat4*
 std::vector<WatertightCase> MakeWatertightCases() {
     const glm::dmat4 one(1.0);
     const glm::dmat4 turned = glm::rotate(one, 0.7, glm::dvec3(1.0, 2.0, 3.0));
-    const glm::dmat4 stretched =
-        turned * glm::scale(one, glm::dvec3(0.05, 3.0, 40.0)) * glm::rotate(one, 0.3, glm::dvec3(1, 0, 1));
+    const glm::dmat4 stretched = turned * glm::scale(one, glm::dvec3(0.05, 3.0, 40.0)) *
+                                 glm::rotate(one, 0.3, glm::dvec3(1, 0, 1));
     const glm::dmat4 far = glm::translate(one, glm::dvec3(1e6, -2e6, 3e6)) * turned *
                            glm::scale(one, glm::dvec3(100.0));
-    const glm::dmat4 tiny = glm::translate(one, glm::dvec3(0.1, 0.2, -0.3)) *
-                            glm::scale(one, glm::dvec3(1e-4));
+    const glm::dmat4 tiny =
+        glm::translate(one, glm::dvec3(0.1, 0.2, -0.3)) * glm::scale(one, glm::dvec3(1e-4));
     const glm::dmat4 mirrored = glm::scale(turned, glm::dvec3(-1.0, 1.0, 1.0));
     const TriangleMesh smooth = BumpySphere(48, 0.0F);
     const TriangleMesh bumpy = BumpySphere(120, 0.05F);
@@ -130,7 +130,10 @@ std::vector<WatertightCase> MakeWatertightCases() {
         {"bumpy sphere, nested", bumpy, 0.8F, 700, {turned, mirrored, turned}},
         {"box", Box(1.0F), 0.9F, 700, {one}},
         {"box, stretched", Box(1.0F), 0.9F, 700, {stretched}},
-        {"needle sphere", Scaled(smooth, glm::vec3(1.0F, 1.0F, 1e4F), glm::vec3(0.0F)), 0.9F, 700,
+        {"needle sphere",
+         Scaled(smooth, glm::vec3(1.0F, 1.0F, 1e4F), glm::vec3(0.0F)),
+         0.9F,
+         700,
          {turned}},
     };
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counts rays that leak out of closed meshes: rays start inside and are aimed at vertices, at edges, in
-// axis-parallel and in random directions, so every one must hit. Rays are made on the device.
+// Counts rays that leak out of closed meshes: rays start inside and are aimed at vertices, at
+// edges, in axis-parallel and in random directions, so every one must hit. Rays are made on the
+// device.
 #pragma once
 
 #include "testenv/support/accelScene.h"
@@ -15,7 +16,7 @@ struct WatertightCase {
     std::string name;
     TriangleMesh mesh;
     float innerRadius = 0.5F;
-    std::uint32_t maxTriangles = 700; ///< a chunk; small, so that many edges are chunk borders
+    std::uint32_t maxTriangles = 700;   ///< a chunk; small, so that many edges are chunk borders
     std::vector<glm::dmat4> transforms; ///< from the root to the mesh, one group a level
 };
 
@@ -33,7 +34,7 @@ public:
 
 private:
     std::shared_ptr<Device> _device;
-    std::unique_ptr<Program> _flatProgram;   ///< without groups
+    std::unique_ptr<Program> _flatProgram; ///< without groups
     std::unique_ptr<Program> _nestedProgram;
 };
 

@@ -143,7 +143,7 @@ def _AddUsdrecordOptions(command):
     group.add_argument("--imageHeight", type=options.ImageSize, metavar="N",
                        help="pixels (default: from the camera's aspect ratio)")
     group.add_argument("--complexity", "-c", choices=("low", "medium", "high", "veryhigh"),
-                       default="low", help="refine level 0 to 3 with --subdivision complexity")
+                       help="refine level 0 to 3 with --subdivision complexity (default low)")
     group.add_argument("--colorCorrectionMode", "-color", default="",
                        choices=("disabled", "sRGB", "openColorIO"),
                        help="for .png and .jpg (default: OpenColorIO when $OCIO is set, else sRGB)")
@@ -174,24 +174,29 @@ def _AddQualityOptions(command):
 
 def _AddStreamingOptions(command):
     group = command.add_argument_group("memory and streaming")
-    group.add_argument("--residency", choices=("auto", "resident", "stream", "mapped"), default="auto")
-    group.add_argument("--subdivision", choices=("adaptive", "complexity", "cage"), default="adaptive")
+    group.add_argument("--residency", choices=("auto", "resident", "stream", "mapped"), default="auto",
+                       help="whole scene in device memory, or loaded on demand (default auto)")
+    group.add_argument("--subdivision", choices=("adaptive", "complexity", "cage"),
+                       help="limit surface, uniform level, or cage as it is (default adaptive)")
     group.add_argument("--hostMemory", type=options.Bytes, metavar="SIZE",
                        help="bound on prepared data in host memory")
     group.add_argument("--geometryMemory", type=options.BytesOrPercent, metavar="SIZE",
                        help="device memory for geometry: bytes (K, M, G) or a percentage")
     group.add_argument("--textureMemory", type=options.BytesOrPercent, metavar="SIZE",
                        help="device memory for textures: bytes (K, M, G) or a percentage")
-    group.add_argument("--geometryEviction", choices=("clock", "flush"), default="clock")
+    group.add_argument("--geometryEviction", choices=("clock", "flush"), default="clock",
+                       help="what makes room for geometry (default clock)")
     group.add_argument("--chunkSize", type=options.BytesOrMesh, metavar="SIZE|mesh",
                        default=argparse.SUPPRESS,
                        help="upper bound of a unit of geometry (default 1M)")
-    group.add_argument("--request", choices=("last", "first"), default="last")
+    group.add_argument("--request", choices=("last", "first"), default="last",
+                       help="ask for missing geometry after a ray's walk or at once (default last)")
     group.add_argument("--waveSize", type=options.IntegerIn(16, _MAX_WAVE), metavar="N",
                        help="paths in flight (default: measured for the device)")
     group.add_argument("--shadeIterations", type=options.IntegerIn(0, 64), metavar="N", default=0,
                        help="0: until all texels are exact")
-    group.add_argument("--prepare", choices=("lazy", "eager"), default="lazy")
+    group.add_argument("--prepare", choices=("lazy", "eager"), default="lazy",
+                       help="prepare on first use or all before rendering (default lazy)")
 
 
 def _AddEnvironmentOptions(command):

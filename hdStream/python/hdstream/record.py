@@ -43,7 +43,6 @@ class Recorder:
 
     def __init__(self, args):
         from hdstream.diagnostics import Diagnostics
-        from hdstream.renderSettings import ReadRenderSettings
         from hdstream.stage import FrameOutputs, OpenStage
         self._args = args
         self._warned = set()
@@ -57,18 +56,18 @@ class Recorder:
         self.outputs = FrameOutputs(self._stage, args.frames, args.defaultTime, args.output)
         for timeCode in self.outputs.timeCodes:
             _core.CheckImageFile(self.outputs.FileOf(timeCode))
-        self._renderSettings = ReadRenderSettings(self._stage, args.renderSettingsPrimPath, self._session)
-        for name, idle, instead in _IDLE_OPTIONS:
-            if getattr(args, name) not in idle:
-                self._session.Warn(f"--{name}", f"not supported yet: {instead}")
+        self._stageWarnings = self._diagnostics.Take()
+        self._renderSettings = None
 
     def Record(self, timeCode):
         """Renders and writes one frame; False when it was interrupted."""
         from hdstream.framing import FindCamera
+        from hdstream.renderSettings import ReadRenderSettings
         from hdstream.translate import TranslateStage
         start = time.perf_counter()
         self._session.Clear()
-        self._diagnostics.WarnOf(self._session)
+        self._WarnOfStage()
+        self._renderSettings = ReadRenderSettings(self._stage, self._args.renderSettingsPrimPath, self._session)
         cameraPrim = FindCamera(self._stage, self._args.camera, self._renderSettings.camera)
         TranslateStage(self._stage, self._session, timeCode)
         self._diagnostics.WarnOf(self._session)
@@ -80,6 +79,14 @@ class Recorder:
         isComplete = self._Render(settings)
         self._Write(self.outputs.FileOf(timeCode), timeCode, settings, camera, isComplete)
         return isComplete
+
+    def _WarnOfStage(self):
+        """What holds for all frames; the statistics of each have it."""
+        for subject, text in self._stageWarnings:
+            self._session.Warn(subject, text)
+        for name, idle, instead in _IDLE_OPTIONS:
+            if getattr(self._args, name) not in idle:
+                self._session.Warn(f"--{name}", f"not supported yet: {instead}")
 
     # --- Settings --------------------------------------------------------------------------------
 
@@ -106,8 +113,6 @@ class Recorder:
         settings = _core.Settings()
         for name, value in prim.values.items():
             setattr(settings, name, value)
-        settings.subdivision = args.subdivision
-        settings.refineLevel = _REFINE_LEVELS[args.complexity]
         settings.purposes = list(args.purposes or _WithDefault(prim.purposes) or settings.purposes)
         aovs = args.aovs or prim.aovs
         if aovs:
@@ -116,9 +121,12 @@ class Recorder:
             settings.pixelAspectRatio = prim.pixelAspectRatio
         for option, name in (("samples", "samples"), ("maxDepth", "maxDepth"), ("seed", "seed"),
                              ("time", "timeLimit"), ("noise", "noise"), ("waveSize", "waveSize"),
-                             ("device", "device"), ("cacheDir", "cacheDirectory")):
+                             ("device", "device"), ("cacheDir", "cacheDirectory"),
+                             ("subdivision", "subdivision")):
             if getattr(args, option) is not None:
                 setattr(settings, name, getattr(args, option))
+        if args.complexity is not None:
+            settings.refineLevel = _REFINE_LEVELS[args.complexity]
         settings.noCache = settings.noCache or args.noCache
         if hasattr(args, "chunkSize"):
             settings.chunkBytes = args.chunkSize or _WHOLE_MESH_BYTES

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays that go on after a key enumerate every hit once, in the order of (t, path index, primId); shadow
-// rays tell opaque blockers from cut-out candidates.
+// Rays that go on after a key enumerate every hit once, in the order of (t, path index, primId);
+// shadow rays tell opaque blockers from cut-out candidates.
 #include "testenv/device/accel/traversalProbe.h"
 #include "testenv/support/traversalMeshes.h"
 
@@ -40,8 +40,8 @@ AccelScene LayeredScene(std::uint32_t flags) {
     for (std::uint32_t layer = 0; layer < 10; ++layer) {
         const auto z = static_cast<float>(layer / 2);
         const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-        for (const glm::vec3& corner : {glm::vec3(-1, -1, z), glm::vec3(1, -1, z),
-                                        glm::vec3(1, 1, z), glm::vec3(-1, 1, z)}) {
+        for (const glm::vec3& corner :
+             {glm::vec3(-1, -1, z), glm::vec3(1, -1, z), glm::vec3(1, 1, z), glm::vec3(-1, 1, z)}) {
             mesh.positions.push_back(corner);
         }
         mesh.triangles.emplace_back(first, first + 1, first + 2);
@@ -51,7 +51,8 @@ AccelScene LayeredScene(std::uint32_t flags) {
     const std::uint32_t layers = scene.AddMesh(mesh, 4);
     glm::dmat4 shifted(1.0);
     shifted[3].z = 2.0;
-    scene.SetRoot({{layers, glm::dmat4(1.0), flags}, {layers, shifted, flags},
+    scene.SetRoot({{layers, glm::dmat4(1.0), flags},
+                   {layers, shifted, flags},
                    {layers, glm::dmat4(1.0), flags}});
     return scene;
 }

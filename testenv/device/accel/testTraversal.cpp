@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Traversal finds what testing every triangle finds: the same bits as a kernel without hierarchy, and
-// the same hits as double precision on the host.
+// Traversal finds what testing every triangle finds: the same bits as a kernel without hierarchy,
+// and the same hits as double precision on the host.
 #include "testenv/device/accel/traversalProbe.h"
 #include "testenv/support/traversalMeshes.h"
 
@@ -25,7 +25,8 @@ std::size_t CountDifferentBits(const Hits& a, const Hits& b) {
 
 /// Meshes of one and of many chunks under random affine maps, some of them equal.
 struct MixedScene {
-    std::vector<TriangleMesh> meshes = {BumpySphere(24), Foliage(700, 3), BumpySphere(3), Box(0.7F)};
+    std::vector<TriangleMesh> meshes = {BumpySphere(24), Foliage(700, 3), BumpySphere(3),
+                                        Box(0.7F)};
     std::vector<std::uint32_t> meshOf; ///< [placement]
     std::vector<AccelPlacement> placements;
     AccelScene scene;
@@ -110,8 +111,8 @@ TEST_F(Traversal, VariantsGiveTheSameBits) {
         for (const ProgramDefines& defines :
              {ProgramDefines{{"HDS_FEATURE_GROUPS", "0"}, {"HDS_FEATURE_CUTOUT", "0"}},
               ProgramDefines{{"HDS_FEATURE_GROUPS", "1"}, {"HDS_FEATURE_CUTOUT", "0"}}}) {
-            EXPECT_EQ(CountDifferentBits(
-                          TraversalProbe(device, wide, defines).Closest(scene, rays), expected),
+            EXPECT_EQ(CountDifferentBits(TraversalProbe(device, wide, defines).Closest(scene, rays),
+                                         expected),
                       0U);
         }
         for (const char* numPools : {"3", "8"}) {
@@ -150,8 +151,8 @@ double HostClosest(const MixedScene& mixed, const ProbeRay& ray, double* margin)
             const double t = glm::dot(e2, q) / determinant;
             const double inside = std::min({u, v, 1.0 - u - v});
             // Grazing triangles magnify what the ray's rounding does to their barycentrics.
-            const double slope = std::abs(determinant) /
-                                 (glm::length(glm::cross(e1, e2)) * glm::length(d));
+            const double slope =
+                std::abs(determinant) / (glm::length(glm::cross(e1, e2)) * glm::length(d));
             *margin = std::min(*margin, std::abs(inside) * slope);
             if (inside >= 0.0 && t > ray.tMin && t < ray.tMax) {
                 best = std::min(best, t);
@@ -175,8 +176,8 @@ TEST_F(Traversal, MatchesDoublePrecision) {
     for (std::size_t i = 0; i < rays.size(); ++i) {
         double margin = 0.0;
         const double expected = HostClosest(mixed, rays[i], &margin);
-        // Single precision decides an edge up to about 2^-24 * distance / size of the triangle, here
-        // below 1e-5; such rays are left out.
+        // Single precision decides an edge up to about 2^-24 * distance / size of the triangle,
+        // here below 1e-5; such rays are left out.
         if (margin < 1e-5) {
             continue;
         }
@@ -214,7 +215,8 @@ TEST_F(Traversal, TiesGoToTheSmallerKey) {
     UniformSource uniform(17);
     std::vector<ProbeRay> rays;
     for (int i = 0; i < 500; ++i) {
-        rays.push_back(MakeProbeRay({0.9F * uniform(), 0.9F * uniform(), 1.0F}, {0.0F, 0.0F, -1.0F}));
+        rays.push_back(
+            MakeProbeRay({0.9F * uniform(), 0.9F * uniform(), 1.0F}, {0.0F, 0.0F, -1.0F}));
     }
     rays.push_back(MakeProbeRay({0.0F, 0.0F, 1.0F}, {0.0F, 0.0F, -1.0F})); // on the diagonal
     for (const bool wide : {true, false}) {
@@ -272,7 +274,8 @@ TEST_F(Traversal, NestedGroupsMatchFlattened) {
     for (int i = 0; i < 4000; ++i) {
         // Origins on a coarse grid stay exact in every space.
         const glm::vec3 origin = glm::round(12.0F * uniform.Vector());
-        rays.push_back(MakeProbeRay(origin, glm::round(64.0F * (uniform.Vector() - origin / 16.0F))));
+        rays.push_back(
+            MakeProbeRay(origin, glm::round(64.0F * (uniform.Vector() - origin / 16.0F))));
     }
     for (const bool wide : {true, false}) {
         const TraversalProbe probe(device, wide);

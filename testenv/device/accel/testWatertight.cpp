@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // No ray leaves a closed mesh without a hit: through edges and vertices, along axes, across chunk
-// borders, under any transform. HDSTREAM_TEST_RAYS sets the number of rays (default 10^6 in all; the
-// benchmark program runs 10^8).
+// borders, under any transform. HDSTREAM_TEST_RAYS sets the number of rays (default 10^6 in all;
+// the benchmark program runs 10^8).
 #include "testenv/support/deviceFixture.h"
 #include "testenv/support/watertight.h"
 
@@ -14,7 +14,8 @@ class Watertight : public DeviceFixture {};
 
 TEST_F(Watertight, ClosedMeshesDoNotLeak) {
     const char* setting = std::getenv("HDSTREAM_TEST_RAYS");
-    const std::uint64_t numRays = setting != nullptr ? std::strtoull(setting, nullptr, 10) : 1000000;
+    const std::uint64_t numRays =
+        setting != nullptr ? std::strtoull(setting, nullptr, 10) : 1000000;
     const std::vector<WatertightCase> cases = MakeWatertightCases();
     for (const bool wide : {true, false}) {
         LeakCounter counter(device, wide);

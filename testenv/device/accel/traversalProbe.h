@@ -171,7 +171,9 @@ private:
 
 constexpr std::uint32_t kBlocked = 0xfffffffeU; ///< HdsHit.triangle of a blocked ray
 
-inline bool IsHit(const shared::HdsHit& hit) { return hit.chunk != HDS_NONE; }
+inline bool IsHit(const shared::HdsHit& hit) {
+    return hit.chunk != HDS_NONE;
+}
 inline std::uint64_t PathOf(const shared::HdsHit& hit) {
     return std::uint64_t{hit.pathIndex[1]} << 32U | hit.pathIndex[0];
 }

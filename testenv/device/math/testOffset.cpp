@@ -16,6 +16,7 @@ namespace {
 constexpr int kLevels = 2; ///< nested instances above a triangle
 
 const char* const kSource = R"(
+#include "accel/triangle.clh"
 #include "math/offset.clh"
 kernel void offsets(global const float* triangles, global const float* uv,
                     global const float* parentFromChild, global const float* childFromParent,
@@ -44,6 +45,11 @@ kernel void offsets(global const float* triangles, global const float* uv,
     }
     vstore3(origin, 2 * i, inObject);
     vstore3(d, 2 * i + 1, inObject);
+    HdsShear shear = triangle_shear(origin, d);
+    HdsTriangleHit hit;
+    global const float* p0 = triangles + 9 * i;
+    bool isHit = triangle_intersect(&shear, p0, p0 + 3, p0 + 6, 0.0f, INFINITY, &hit);
+    sides[i] = isHit ? 2.0f * sides[i] : sides[i];
 }
 )";
 
@@ -135,6 +141,7 @@ protected:
         const std::vector<float> rays = Download<float>(local, count * 6);
         std::size_t wrongSide = 0;
         std::size_t rehits = 0;
+        std::size_t rehitsByTest = 0;
         for (std::size_t i = 0; i < count; ++i) {
             const glm::dvec3 p0 = Load(cases.triangles, 3 * i);
             const glm::dvec3 e1 = Load(cases.triangles, 3 * i + 1) - p0;
@@ -142,6 +149,7 @@ protected:
             const glm::dvec3 n = glm::normalize(glm::cross(e1, e2));
             const glm::dvec3 origin = Load(rays, 2 * i);
             const glm::dvec3 direction = Load(rays, 2 * i + 1);
+            rehitsByTest += std::abs(sides[i]) > 1.5F ? 1 : 0;
             const double height = glm::dot(n, origin - p0) * sides[i];
             const double climb = glm::dot(n, direction) * sides[i];
             wrongSide += height > 0.0 ? 0 : 1;
@@ -161,6 +169,7 @@ protected:
         }
         EXPECT_EQ(wrongSide, 0U);
         EXPECT_EQ(rehits, 0U);
+        EXPECT_EQ(rehitsByTest, 0U);
     }
 
 private:

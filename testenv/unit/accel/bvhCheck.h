@@ -15,10 +15,11 @@ namespace hds::test {
 
 /// What a walk found.
 struct BvhFacts {
-    std::uint32_t depth = 0;               ///< nodes on the longest path
-    std::vector<std::uint32_t> timesSeen; ///< [numItems] leaf references of each position of the order
-    std::uint64_t numOutside = 0;          ///< items that stick out of a box above them
-    std::uint64_t numMalformed = 0;        ///< meta bytes or indices that break the format
+    std::uint32_t depth = 0; ///< nodes on the longest path
+    std::vector<std::uint32_t>
+        timesSeen;                  ///< [numItems] leaf references of each position of the order
+    std::uint64_t numOutside = 0;   ///< items that stick out of a box above them
+    std::uint64_t numMalformed = 0; ///< meta bytes or indices that break the format
 };
 
 class BvhWalker {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The builder holds every item once, in conservative boxes, at bounded depth, whatever the items and
-// the number of threads.
+// The builder holds every item once, in conservative boxes, at bounded depth, whatever the items
+// and the number of threads.
 #include "testenv/unit/accel/bvhCheck.h"
 
 #include <glm/common.hpp>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The chunk plan partitions a mesh; a geometry page holds the chunk's triangles in leaf order under a
-// sound BVH, with the layout of kernels/shared/geometry.h.
+// The chunk plan partitions a mesh; a geometry page holds the chunk's triangles in leaf order under
+// a sound BVH, with the layout of kernels/shared/geometry.h.
 #include "hdStream/accel/bvh.h"
 #include "kernels/shared/geometry.h"
 #include "testenv/support/traversalMeshes.h"

@@ -29,13 +29,16 @@ struct Quantised {
     }
 };
 
-SlotBox MakeBox(float lo, float hi) { return {{lo, lo, lo, 0.0F}, {hi, hi, hi, 0.0F}}; }
+SlotBox MakeBox(float lo, float hi) {
+    return {{lo, lo, lo, 0.0F}, {hi, hi, hi, 0.0F}};
+}
 
 /// Containment is exact: differences of floats and q * 2^e are compared in long double.
 void ExpectConservative(const Quantised& q, int count) {
     for (int slot = 0; slot < count; ++slot) {
         for (int axis = 0; axis < 3; ++axis) {
-            const int exponent = static_cast<int>(q.node.exponentsImask >> (8 * axis) & 0xffU) - 127;
+            const int exponent =
+                static_cast<int>(q.node.exponentsImask >> (8 * axis) & 0xffU) - 127;
             const long double step = std::ldexp(1.0L, exponent);
             const long double origin = q.node.origin[axis];
             const auto lo = q.node.qlo[axis][slot / 4] >> (8 * (slot % 4)) & 0xffU;
@@ -77,7 +80,8 @@ TEST(NodeQuantise, ContainsRandomBoxesOfAnyScale) {
 // The scale is the smallest power of two that reaches the far side with 255 steps.
 TEST(NodeQuantise, ChoosesTheExponentAtTheBoundary) {
     const auto exponentOf = [](float extent) {
-        return static_cast<int>(Quantised({MakeBox(0.0F, extent)}).node.exponentsImask & 0xffU) - 127;
+        return static_cast<int>(Quantised({MakeBox(0.0F, extent)}).node.exponentsImask & 0xffU) -
+               127;
     };
     EXPECT_EQ(exponentOf(255.0F), 0);
     EXPECT_EQ(exponentOf(std::nextafter(255.0F, 256.0F)), 1);

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: Apache-2.0
+"""When a render stops: error target, time limit, interruption. What is kept is exact for its samples."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("hdstream._core")
+
+import ours
+from stages.verify import CASES
+
+_SIZE = (64, 48)
+
+
+@pytest.fixture(scope="module")
+def Stage(tmp_path_factory):
+    return CASES["fiveLights"].Write(f"{tmp_path_factory.mktemp('stopping')}/stage.usda")
+
+
+def _Counts(picture) -> np.ndarray:
+    return np.asarray(picture.layers["sampleCount"])
+
+
+def test_noise_stops_pixels_at_block_borders(Stage):
+    picture = ours.Render(Stage, *_SIZE, ("color", "sampleCount", "variance"), samples=256, noise=0.05)
+    counts = _Counts(picture)
+    assert counts.min() >= 32 and counts.max() <= 256
+    assert np.all(counts % 16 == 0)
+    assert counts.min() < counts.max(), "some pixels are easier than others"
+    luminance = picture.rgb @ (0.2126, 0.7152, 0.0722)
+    error = np.sqrt(picture.layers["variance"][..., 0]) / np.maximum(luminance, 0.01)
+    stopped = counts < 256
+    assert np.all(error[stopped] <= 0.05 * 1.001)  # the estimate is summed in float
+
+
+def test_a_stopped_pixel_has_the_bits_of_that_many_samples(Stage):
+    adaptive = ours.Render(Stage, *_SIZE, ("color", "sampleCount"), samples=64, noise=0.08)
+    counts = _Counts(adaptive)
+    assert counts.min() < 64
+    for samples in np.unique(counts):
+        plain = ours.Render(Stage, *_SIZE, samples=int(samples)).layers["color"]
+        mask = counts == samples
+        assert adaptive.layers["color"][mask].tobytes() == plain[mask].tobytes()
+
+
+@pytest.mark.parametrize("waveSize", [4096, 777])
+def test_waves_do_not_change_what_stops(Stage, waveSize):
+    a = ours.Render(Stage, *_SIZE, ("color", "sampleCount"), samples=64, noise=0.08)
+    b = ours.Render(Stage, *_SIZE, ("color", "sampleCount"), samples=64, noise=0.08, waveSize=waveSize)
+    assert a.layers["color"].tobytes() == b.layers["color"].tobytes()
+    assert np.array_equal(_Counts(a), _Counts(b))
+
+
+def test_a_time_limit_keeps_whole_samples(Stage):
+    picture = ours.Render(Stage, *_SIZE, ("color", "sampleCount"), samples=1 << 20, timeLimit=1.0)
+    counts = _Counts(picture)
+    assert 1 <= counts.min() and counts.max() < 1 << 20
+    exact = ours.Render(Stage, *_SIZE, samples=int(counts.max())).layers["color"]
+    mask = counts == counts.max()
+    assert mask.any() and picture.layers["color"][mask].tobytes() == exact[mask].tobytes()
+
+
+def test_stopping_from_the_callback_keeps_what_is_there(Stage):
+    from hdstream import _core
+    from hdstream.translate import TranslateStage
+    from pxr import Usd
+
+    session = _core.Session()
+    TranslateStage(Usd.Stage.Open(str(Stage)), session, Usd.TimeCode.Default())
+    settings = _core.Settings()
+    settings.camera, settings.imageWidth, settings.imageHeight, settings.samples = "/World/Camera", *_SIZE, 1 << 16
+    settings.aovs = ["color", "sampleCount"]
+    reports = []
+    result = session.Render(settings, lambda progress: reports.append(progress.fraction) or len(reports) < 3)
+    assert result == _core.RenderResult.Stopped
+    assert len(reports) == 3 and reports == sorted(reports)
+    layers = {layer.name: np.array(layer.pixels) for layer in session.Layers()}
+    assert layers["sampleCount"].max() > 0 and np.isfinite(layers["color"]).all()
