@@ -36,7 +36,11 @@ Session::WarningSink WarningSinkFromPython(nb::object onWarning) {
         try {
             (*held)(line);
         } catch (nb::python_error& error) {
-            error.discard_as_unraisable("hdstream: the warning callback");
+            if (error.matches(PyExc_KeyboardInterrupt)) {
+                PyErr_SetInterrupt(); // Ctrl-C is not the callback's: raise it where Python goes on
+            } else {
+                error.discard_as_unraisable("hdstream: the warning callback");
+            }
         }
     };
 }

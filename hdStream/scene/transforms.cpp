@@ -9,6 +9,13 @@
 
 namespace hds {
 
+namespace {
+
+/// Derived in docs/accel.md, "Padding".
+constexpr int kMarginExponent = -19;
+
+} // namespace
+
 AffineRows RowsFromMatrix(const glm::dmat4& matrix) {
     AffineRows rows{};
     for (int row = 0; row < 3; ++row) {
@@ -45,7 +52,7 @@ Bounds TransformBounds(const glm::dmat4& matrix, const Bounds& bounds) {
     for (int axis = 0; axis < 3; ++axis) {
         const double reach = std::abs(matrix[0][axis]) * half.x + std::abs(matrix[1][axis]) * half.y +
                              std::abs(matrix[2][axis]) * half.z;
-        const double margin = std::ldexp(std::abs(newCentre[axis]) + reach, -21);
+        const double margin = std::ldexp(std::abs(newCentre[axis]) + reach, kMarginExponent);
         result.min[axis] = static_cast<float>(newCentre[axis] - reach - margin);
         result.max[axis] = static_cast<float>(newCentre[axis] + reach + margin);
     }

@@ -20,7 +20,7 @@ AffineRows RowsFromMatrix(const glm::dmat4& matrix);
 /// determinant is not negligible against the product of its column lengths.
 bool IsUsableTransform(const glm::dmat4& matrix);
 
-/// The box of a transformed box, rounded outwards by 2^-21 of its largest coordinate, which covers
+/// The box of a transformed box, rounded outwards by 2^-19 of its largest coordinate, which covers
 /// the rounding of the float transform that the device applies to rays.
 Bounds TransformBounds(const glm::dmat4& matrix, const Bounds& bounds);
 

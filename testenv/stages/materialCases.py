@@ -36,6 +36,17 @@ def SurfaceRoughMetal(stage, folder):
     _Row(stage, [dict(roughness=r) for r in (0.1, 0.3, 0.6, 1.0)], diffuseColor=(0.85, 0.85, 0.8), metallic=1.0)
 
 
+@AddCase(samples=512)
+def SurfaceSmooth(stage, folder):
+    """Roughness down to 0 (metal and dielectric) and the default clearcoat roughness. A dim key light: its
+    caustics would need more samples than a test has."""
+    AddStudio(stage, key=1.0)
+    AddBallRow(stage, [author.AddMaterial(stage, f"/World/Material{i}", **inputs) for i, inputs in enumerate([
+        dict(diffuseColor=(0.9, 0.8, 0.7), metallic=1.0, roughness=0.0), dict(diffuseColor=(0.4, 0.1, 0.1), roughness=0.0),
+        dict(diffuseColor=(0.1, 0.2, 0.4), roughness=0.03, ior=2.0),
+        dict(diffuseColor=(0.2, 0.4, 0.2), roughness=0.7, clearcoat=1.0)])])
+
+
 @AddCase(samples=256)
 def SurfaceSpecularWorkflow(stage, folder):
     _Row(stage, [dict(specularColor=c, roughness=r) for c, r in

@@ -9,6 +9,7 @@ import time
 
 from hdstream import _core
 from hdstream.errors import EXIT_INTERRUPTED, EXIT_OK, CommandError, UsageError
+from hdstream.interruption import Interruption
 from hdstream.processTime import SecondsSinceStart
 from hdstream.progress import ProgressBar
 from hdstream.texts import SecondsText
@@ -31,20 +32,22 @@ _IDLE_OPTIONS = (
 
 def Run(args):
     """Renders all frames; returns the exit code."""
-    recorder = Recorder(args)
-    for timeCode in recorder.outputs.timeCodes:
-        if not recorder.Record(timeCode):
-            return EXIT_INTERRUPTED
+    with Interruption() as interruption:
+        recorder = Recorder(args, interruption)
+        for timeCode in recorder.outputs.timeCodes:
+            if not recorder.Record(timeCode):
+                return EXIT_INTERRUPTED
     return EXIT_OK
 
 
 class Recorder:
     """Renders frames of one stage. Used from the main thread; renders on one of its own."""
 
-    def __init__(self, args):
+    def __init__(self, args, interruption):
         from hdstream.diagnostics import Diagnostics
         from hdstream.stage import FrameOutputs, OpenStage
         self._args = args
+        self._interruption = interruption
         self._warned = set()
         self._progress = ProgressBar(args.quiet)
         self._session = _core.Session(self._OnWarning)
@@ -76,6 +79,7 @@ class Recorder:
         settings = self._MakeSettings()
         camera = self._SetCamera(cameraPrim, timeCode, settings)
         self._session.SetFrontEndTimes(self._loadSeconds, time.perf_counter() - start, SecondsSinceStart())
+        self._interruption.Check()
         isComplete = self._Render(settings)
         self._Write(self.outputs.FileOf(timeCode), timeCode, settings, camera, isComplete)
         return isComplete
@@ -200,10 +204,10 @@ class Recorder:
             try:
                 isDone.wait(0.1)
             except KeyboardInterrupt:
-                self._progress.Clear()
-                if isStopping.is_set():
-                    os._exit(EXIT_INTERRUPTED)  # asked twice: leave at once, write nothing
+                pass  # kept by the interruption
+            if self._interruption.isRequested and not isStopping.is_set():
                 isStopping.set()
+                self._progress.Clear()
                 print("hdstream record: interrupted; writing what is rendered so far", file=sys.stderr)
         self._progress.Clear()
         if outcome:

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Ctrl-C that is never lost.
+
+Python raises KeyboardInterrupt wherever the main thread is, also inside callbacks of C++ libraries,
+which swallow it. So the request is kept as well, and asked for where work can stop.
+"""
+
+import os
+import signal
+
+from hdstream.errors import EXIT_INTERRUPTED
+
+
+class Interruption:
+    """Keeps SIGINT while it is entered. The second one ends the process at once."""
+
+    def __init__(self):
+        self.isRequested = False
+        self._before = None
+
+    def __enter__(self):
+        try:
+            self._before = signal.signal(signal.SIGINT, self._OnSignal)
+        except ValueError:  # not the main thread: there is no Ctrl-C to see
+            self._before = None
+        return self
+
+    def __exit__(self, *_):
+        if self._before is not None:
+            signal.signal(signal.SIGINT, self._before)
+
+    def Check(self):
+        """Raises KeyboardInterrupt when one was requested."""
+        if self.isRequested:
+            raise KeyboardInterrupt
+
+    def _OnSignal(self, number, frame):
+        if self.isRequested:
+            os._exit(EXIT_INTERRUPTED)
+        self.isRequested = True
+        raise KeyboardInterrupt
