@@ -115,7 +115,7 @@ Announce() {
 # Build TARGET: brings a target up to date; about 0.1 s when it is.
 Build() {
     if ! ninja -C "$build" "$1" </dev/null 2>&1 | Announce >"$state/build.log"; then
-        grep -E -A 12 'FAILED|CMake Error|error:' "$state/build.log" | head -n 40 >&2 || true
+        grep -E -A 12 'FAILED|CMake Error|error:' "$state/build.log" | cut -c1-300 | head -n 40 >&2 || true
         Fail "the build failed; the full log is $state/build.log"
     fi
 }

@@ -55,7 +55,7 @@ def WritePlate(name: str, folder: str) -> str:
     author.AddCamera(stage, eye=(0, 0.2, 0), target=(0, 0, 0), up=(0, 0, -1), width=_SIZE * 10,
                      orthographic=True)
     if plate.inputs.get("textureFile"):
-        sky = lightCases.SkyImage(256)
+        sky = lightCases.SkyImage(1024)
         imageFile.WriteExr(f"{folder}/sky.exr", {c: sky[..., i] for i, c in enumerate("RGB")}, half=False)
     author.AddLight(stage, "/World/Light", plate.kind, plate.placement, **plate.inputs)
     stage.GetRootLayer().Save()

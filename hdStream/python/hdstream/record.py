@@ -218,6 +218,10 @@ class Recorder:
 
     def _Write(self, file, timeCode, settings, camera, isComplete):
         statistics = self._session.Statistics()
+        values = json.loads(statistics)
+        if not isComplete and values["image"]["samples"] == 0:
+            print(f"hdstream record: {file}: not written, no sample of every pixel is done", file=sys.stderr)
+            return
         left = _core.WriteImage(file, self._session.Layers(), self._args.colorCorrectionMode,
                                 _MakeMetadata(settings, camera))
         if left:
@@ -226,7 +230,6 @@ class Recorder:
             statsFile = self.outputs.StatsFileOf(self._args.stats, timeCode)
             _WriteText("--stats", statsFile, statistics)
         if not self._args.quiet:
-            values = json.loads(statistics)
             done = "" if isComplete else " (interrupted)"
             print(f"{file}: {settings.imageWidth}x{settings.imageHeight}, "
                   f"{values['image']['samples']} samples, {SecondsText(values['time']['total'])}{done}")
