@@ -17,6 +17,12 @@ double SecondsSince(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+void CheckRendered(const PathTracer* tracer) {
+    if (tracer == nullptr) {
+        throw Error("nothing has been rendered yet");
+    }
+}
+
 } // namespace
 
 std::vector<DeviceInfo> ListDevices() {
@@ -141,12 +147,12 @@ RenderResult Session::Render(const Settings& settings, const ProgressCallback& o
 }
 
 std::vector<ImageLayer> Session::Layers() const {
-    HDS_VERIFY(_impl->tracer != nullptr, "Layers before Render");
+    CheckRendered(_impl->tracer.get());
     return _impl->tracer->Layers();
 }
 
 std::string Session::Statistics() const {
-    HDS_VERIFY(_impl->tracer != nullptr, "Statistics before Render");
+    CheckRendered(_impl->tracer.get());
     StatisticsInput input = _impl->statistics;
     input.warnings = _impl->warnings.Lines();
     return MakeStatistics(input);

@@ -82,10 +82,12 @@ public:
     /// \throws Error when there is no device, memory runs out, or a setting is wrong.
     RenderResult Render(const Settings& settings, const ProgressCallback& onProgress = {});
 
-    /// The film as rendered so far, one layer an AOV of the settings. Valid after Render.
+    /// The film as rendered so far, one layer an AOV of the settings.
+    /// \throws Error before the first Render.
     std::vector<ImageLayer> Layers() const;
 
     /// Statistics of the last render as JSON text (DESIGN.md section 9).
+    /// \throws Error before the first Render.
     std::string Statistics() const;
 
     /// Seconds the front end spent, for the statistics ("load", "translate") and the process start

@@ -157,7 +157,8 @@ def test_options_of_features_to_come_warn_and_change_nothing(tmp_path):
 def test_default_time(tmp_path):
     """-d renders the default value, no option the one at startTimeCode."""
     body = SCENE.replace("double3 xformOp:translate = (0, 0, 8)",
-                         "double3 xformOp:translate = (0, 0, 8)\ndouble3 xformOp:translate.timeSamples = { 4: (99, 0, 8)}")
+                         "double3 xformOp:translate = (0, 0, 8)\n"
+                         "double3 xformOp:translate.timeSamples = { 4: (99, 0, 8)}")
     stage = tmp_path / "times.usda"
     stage.write_text("#usda 1.0\n(\n    startTimeCode = 4\n)\n" + body, encoding="utf-8")
     assert Run("record", stage, tmp_path / "start.exr", *SMALL, "--aovs", "primId").code == 0

@@ -23,8 +23,8 @@ def WarningsOf(text):
 @pytest.mark.parametrize("text, expected", [
     ('def Mesh "M" { int points = 7\nint[] faceVertexCounts = [3]\nint[] faceVertexIndices = [0, 1, 2] }',
      "/M: cannot be read"),
-    ('def PointInstancer "P" { int[] protoIndices = [0, 0]\npoint3f[] positions = [(0, 0, 0)]\nrel prototypes = </P/S>\n'
-     'def Sphere "S" {} }', "/P: point instancer not drawn: 2 protoIndices but 1 positions"),
+    ('def PointInstancer "P" { int[] protoIndices = [0, 0]\npoint3f[] positions = [(0, 0, 0)]\n'
+     'rel prototypes = </P/S>\ndef Sphere "S" {} }', "/P: point instancer not drawn: 2 protoIndices but 1 positions"),
     ('def PointInstancer "P" { int[] protoIndices = [0]\npoint3f[] positions = [(0, 0, 0)]\nrel prototypes = </None> }',
      "/P: prototype /None does not exist"),
     ('def PointInstancer "P" { int[] protoIndices = [0, 3, -1]\npoint3f[] positions = [(0,0,0), (1,0,0), (2,0,0)]\n'

@@ -4,7 +4,7 @@ found inside packages at the byte where they are stored."""
 
 import numpy as np
 import pytest
-from pxr import Ar, Sdf, Usd, UsdGeom, UsdShade, UsdUtils
+from pxr import Ar, Sdf, Usd, UsdGeom, UsdShade
 
 from hdstream.translate.assets import AssetResolver, FindInPackage
 from translateCase import StageOf, Translate
