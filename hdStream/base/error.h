@@ -14,7 +14,8 @@ enum class ErrorKind {
     Failure, ///< rendering, device, disk or memory failed: exit code 1
 };
 
-/// An error of the environment. The message is one line that names the file, option, prim or device.
+/// An error of the environment. The message is one line that names the file, option, prim or
+/// device.
 class Error : public std::runtime_error {
 public:
     explicit Error(const std::string& message, ErrorKind kind = ErrorKind::Failure)
@@ -32,9 +33,9 @@ private:
 } // namespace hds
 
 /// Checks an invariant of our own code, in every build type; the message prints its operands.
-#define HDS_VERIFY(condition, message)                                                             \
-    do {                                                                                           \
-        if (!(condition)) {                                                                        \
-            ::hds::FailVerify(#condition, __FILE__, __LINE__, (message));                          \
-        }                                                                                          \
+#define HDS_VERIFY(condition, message)                                    \
+    do {                                                                  \
+        if (!(condition)) {                                               \
+            ::hds::FailVerify(#condition, __FILE__, __LINE__, (message)); \
+        }                                                                 \
     } while (false)

@@ -19,7 +19,8 @@ public:
     SharedSpan(const T* data, std::size_t size, std::shared_ptr<const void> owner)
         : _data(data), _size(size), _owner(std::move(owner)) {}
     /// Takes a vector over.
-    SharedSpan(std::vector<T> values) { // NOLINT(google-explicit-constructor): a conversion by design
+    SharedSpan(
+        std::vector<T> values) { // NOLINT(google-explicit-constructor): a conversion by design
         auto held = std::make_shared<const std::vector<T>>(std::move(values));
         _data = held->data();
         _size = held->size();

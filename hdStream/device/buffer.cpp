@@ -21,17 +21,22 @@ Buffer::Buffer(std::shared_ptr<Device> device, std::string label, std::uint64_t 
     _memory = clCreateBuffer(_device->GetHandles().context, flags, _bytes, nullptr, &code);
     if (code != CL_SUCCESS) {
         _memory = nullptr;
-        throw Error("device memory for " + _label + ": " + std::to_string(_bytes) + " bytes: " +
-                    OpenClErrorName(code) + " (" + std::to_string(code) + "); " +
-                    std::to_string(_device->AllocatedBytes()) + " bytes are in use, one allocation may have " +
+        throw Error("device memory for " + _label + ": " + std::to_string(_bytes) +
+                    " bytes: " + OpenClErrorName(code) + " (" + std::to_string(code) + "); " +
+                    std::to_string(_device->AllocatedBytes()) +
+                    " bytes are in use, one allocation may have " +
                     std::to_string(_device->Properties().maxAllocationBytes));
     }
     _device->CountAllocation(static_cast<std::int64_t>(_bytes));
 }
 
-Buffer::~Buffer() { Release(); }
+Buffer::~Buffer() {
+    Release();
+}
 
-Buffer::Buffer(Buffer&& other) noexcept { *this = std::move(other); }
+Buffer::Buffer(Buffer&& other) noexcept {
+    *this = std::move(other);
+}
 
 Buffer& Buffer::operator=(Buffer&& other) noexcept {
     if (this != &other) {
@@ -57,8 +62,8 @@ void Buffer::Write(const void* data, std::uint64_t bytes, std::uint64_t offset) 
     if (bytes == 0) {
         return;
     }
-    CheckOpenCl(clEnqueueWriteBuffer(_device->GetHandles().queue, static_cast<cl_mem>(_memory), CL_TRUE,
-                                     offset, bytes, data, 0, nullptr, nullptr),
+    CheckOpenCl(clEnqueueWriteBuffer(_device->GetHandles().queue, static_cast<cl_mem>(_memory),
+                                     CL_TRUE, offset, bytes, data, 0, nullptr, nullptr),
                 "writing " + _label);
 }
 
@@ -67,8 +72,8 @@ void Buffer::Read(void* data, std::uint64_t bytes, std::uint64_t offset) const {
     if (bytes == 0) {
         return;
     }
-    CheckOpenCl(clEnqueueReadBuffer(_device->GetHandles().queue, static_cast<cl_mem>(_memory), CL_TRUE,
-                                    offset, bytes, data, 0, nullptr, nullptr),
+    CheckOpenCl(clEnqueueReadBuffer(_device->GetHandles().queue, static_cast<cl_mem>(_memory),
+                                    CL_TRUE, offset, bytes, data, 0, nullptr, nullptr),
                 "reading " + _label);
 }
 
@@ -76,7 +81,8 @@ void Buffer::Fill(std::uint32_t pattern, std::uint64_t bytes, std::uint64_t offs
     HDS_VERIFY(offset + bytes <= _bytes, "fill past the end of " + _label);
     if (bytes > 0) {
         CheckOpenCl(clEnqueueFillBuffer(_device->GetHandles().queue, static_cast<cl_mem>(_memory),
-                                        &pattern, sizeof(pattern), offset, bytes, 0, nullptr, nullptr),
+                                        &pattern, sizeof(pattern), offset, bytes, 0, nullptr,
+                                        nullptr),
                     "filling " + _label);
     }
 }

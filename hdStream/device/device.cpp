@@ -12,22 +12,38 @@ namespace hds {
 
 const char* OpenClErrorName(cl_int code) {
     switch (code) {
-    case CL_DEVICE_NOT_FOUND: return "CL_DEVICE_NOT_FOUND";
-    case CL_DEVICE_NOT_AVAILABLE: return "CL_DEVICE_NOT_AVAILABLE";
-    case CL_COMPILER_NOT_AVAILABLE: return "CL_COMPILER_NOT_AVAILABLE";
-    case CL_MEM_OBJECT_ALLOCATION_FAILURE: return "CL_MEM_OBJECT_ALLOCATION_FAILURE";
-    case CL_OUT_OF_RESOURCES: return "CL_OUT_OF_RESOURCES";
-    case CL_OUT_OF_HOST_MEMORY: return "CL_OUT_OF_HOST_MEMORY";
-    case CL_BUILD_PROGRAM_FAILURE: return "CL_BUILD_PROGRAM_FAILURE";
-    case CL_INVALID_VALUE: return "CL_INVALID_VALUE";
-    case CL_INVALID_BINARY: return "CL_INVALID_BINARY";
-    case CL_INVALID_KERNEL_NAME: return "CL_INVALID_KERNEL_NAME";
-    case CL_INVALID_KERNEL_ARGS: return "CL_INVALID_KERNEL_ARGS";
-    case CL_INVALID_ARG_INDEX: return "CL_INVALID_ARG_INDEX";
-    case CL_INVALID_ARG_SIZE: return "CL_INVALID_ARG_SIZE";
-    case CL_INVALID_WORK_GROUP_SIZE: return "CL_INVALID_WORK_GROUP_SIZE";
-    case CL_INVALID_BUFFER_SIZE: return "CL_INVALID_BUFFER_SIZE";
-    default: return "OpenCL error";
+    case CL_DEVICE_NOT_FOUND:
+        return "CL_DEVICE_NOT_FOUND";
+    case CL_DEVICE_NOT_AVAILABLE:
+        return "CL_DEVICE_NOT_AVAILABLE";
+    case CL_COMPILER_NOT_AVAILABLE:
+        return "CL_COMPILER_NOT_AVAILABLE";
+    case CL_MEM_OBJECT_ALLOCATION_FAILURE:
+        return "CL_MEM_OBJECT_ALLOCATION_FAILURE";
+    case CL_OUT_OF_RESOURCES:
+        return "CL_OUT_OF_RESOURCES";
+    case CL_OUT_OF_HOST_MEMORY:
+        return "CL_OUT_OF_HOST_MEMORY";
+    case CL_BUILD_PROGRAM_FAILURE:
+        return "CL_BUILD_PROGRAM_FAILURE";
+    case CL_INVALID_VALUE:
+        return "CL_INVALID_VALUE";
+    case CL_INVALID_BINARY:
+        return "CL_INVALID_BINARY";
+    case CL_INVALID_KERNEL_NAME:
+        return "CL_INVALID_KERNEL_NAME";
+    case CL_INVALID_KERNEL_ARGS:
+        return "CL_INVALID_KERNEL_ARGS";
+    case CL_INVALID_ARG_INDEX:
+        return "CL_INVALID_ARG_INDEX";
+    case CL_INVALID_ARG_SIZE:
+        return "CL_INVALID_ARG_SIZE";
+    case CL_INVALID_WORK_GROUP_SIZE:
+        return "CL_INVALID_WORK_GROUP_SIZE";
+    case CL_INVALID_BUFFER_SIZE:
+        return "CL_INVALID_BUFFER_SIZE";
+    default:
+        return "OpenCL error";
     }
 }
 
@@ -159,7 +175,8 @@ std::shared_ptr<Device> Device::Create(const std::string& name) {
     }
     const FoundDevice* chosen = ChooseDevice(found, name);
     if (chosen == nullptr) {
-        throw Error("--device " + name + ": no OpenCL device has this in its name (see `hdstream devices`)",
+        throw Error("--device " + name +
+                        ": no OpenCL device has this in its name (see `hdstream devices`)",
                     ErrorKind::Usage);
     }
     std::shared_ptr<Device> device(new Device);
@@ -175,10 +192,13 @@ std::shared_ptr<Device> Device::Create(const std::string& name) {
     return device;
 }
 
-void Device::Finish() { CheckOpenCl(clFinish(_handles->queue), "running kernels on " + _properties.name); }
+void Device::Finish() {
+    CheckOpenCl(clFinish(_handles->queue), "running kernels on " + _properties.name);
+}
 
 void Device::CountAllocation(std::int64_t bytes) {
-    _allocatedBytes = static_cast<std::uint64_t>(static_cast<std::int64_t>(_allocatedBytes) + bytes);
+    _allocatedBytes =
+        static_cast<std::uint64_t>(static_cast<std::int64_t>(_allocatedBytes) + bytes);
     _peakBytes = std::max(_peakBytes, _allocatedBytes);
 }
 

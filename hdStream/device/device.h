@@ -72,8 +72,8 @@ class Buffer {
 public:
     Buffer() = default;
     /// \param label names the buffer in error messages.
-    /// \throws Error with label and size when the device cannot allocate it. Size 0 allocates 16 bytes,
-    /// so that every kernel argument is a valid buffer.
+    /// \throws Error with label and size when the device cannot allocate it. Size 0 allocates 16
+    /// bytes, so that every kernel argument is a valid buffer.
     Buffer(std::shared_ptr<Device> device, std::string label, std::uint64_t bytes,
            BufferAccess access = BufferAccess::ReadWrite);
     ~Buffer();

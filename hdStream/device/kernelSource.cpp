@@ -29,7 +29,8 @@ bool FindEmbedded(const std::string& path, std::string* text) {
 
 std::string ReadKernelFile(const std::string& path, const std::string& includer) {
     std::string text;
-    if (const char* folder = std::getenv("HDSTREAM_KERNEL_DIR"); folder != nullptr && *folder != 0) {
+    if (const char* folder = std::getenv("HDSTREAM_KERNEL_DIR");
+        folder != nullptr && *folder != 0) {
         std::ifstream file(std::string(folder) + "/" + path, std::ios::binary);
         if (file) {
             std::ostringstream contents;
@@ -64,7 +65,8 @@ std::string Directive(const std::string& line) {
         return {};
     }
     at = line.find_first_not_of(" \t", at + 1);
-    const std::size_t end = at == std::string::npos ? at : line.find_first_not_of("abcdefghijklmnopqrstuvwxyz", at);
+    const std::size_t end =
+        at == std::string::npos ? at : line.find_first_not_of("abcdefghijklmnopqrstuvwxyz", at);
     return at == std::string::npos ? std::string() : line.substr(at, end - at);
 }
 
@@ -93,8 +95,8 @@ private:
 
 using FileSet = std::set<std::string>;
 
-/// Appends a file with its includes. A file comes once; one that was included inside a conditional may
-/// come again outside of it, where its guard decides.
+/// Appends a file with its includes. A file comes once; one that was included inside a conditional
+/// may come again outside of it, where its guard decides.
 void Expand(const std::string& path, const std::string& text, FileSet* seen, std::string* out) {
     *out += "#line 1 \"" + path + "\"\n";
     std::istringstream lines(text);
@@ -111,7 +113,8 @@ void Expand(const std::string& path, const std::string& text, FileSet* seen, std
             continue;
         }
         // X-macro lists (.def) are meant to be included many times.
-        const bool isList = included.size() > 4 && included.compare(included.size() - 4, 4, ".def") == 0;
+        const bool isList =
+            included.size() > 4 && included.compare(included.size() - 4, 4, ".def") == 0;
         if (isList || seen->count(included) == 0) {
             FileSet inside = *seen;
             FileSet* target = depth.IsConditional() ? &inside : seen;

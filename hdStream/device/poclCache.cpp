@@ -40,7 +40,8 @@ void EnsurePoclCache() {
         return;
     }
     std::error_code error;
-    const fs::path own = fs::temp_directory_path(error) / ("hdStream-pocl-" + std::to_string(::getuid()));
+    const fs::path own =
+        fs::temp_directory_path(error) / ("hdStream-pocl-" + std::to_string(::getuid()));
     if (!error && CanWrite(own)) {
         ::setenv("POCL_CACHE_DIR", own.c_str(), 1);
     }

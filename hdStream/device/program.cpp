@@ -15,7 +15,9 @@ constexpr const char* kBinaryKind = "kernel";
 /// Raised when the way programs are built changes.
 constexpr std::uint64_t kKernelAbi = 1;
 
-cl_program AsProgram(void* program) { return static_cast<cl_program>(program); }
+cl_program AsProgram(void* program) {
+    return static_cast<cl_program>(program);
+}
 
 std::string BuildLog(cl_program program, cl_device_id device) {
     std::size_t bytes = 0;
@@ -75,12 +77,13 @@ bool Program::BuildFromCache(Store* store, const std::string& key, const std::st
     const unsigned char* data = binary->data();
     cl_int status = CL_SUCCESS;
     cl_int code = CL_SUCCESS;
-    cl_program program =
-        clCreateProgramWithBinary(handles.context, 1, &handles.device, &bytes, &data, &status, &code);
+    cl_program program = clCreateProgramWithBinary(handles.context, 1, &handles.device, &bytes,
+                                                   &data, &status, &code);
     if (code != CL_SUCCESS) {
         return false;
     }
-    if (clBuildProgram(program, 1, &handles.device, options.c_str(), nullptr, nullptr) != CL_SUCCESS) {
+    if (clBuildProgram(program, 1, &handles.device, options.c_str(), nullptr, nullptr) !=
+        CL_SUCCESS) {
         clReleaseProgram(program);
         return false;
     }
@@ -100,8 +103,8 @@ void Program::BuildFromSource(const std::string& source, const std::string& opti
     if (code != CL_SUCCESS) {
         const std::string log = BuildLog(program, handles.device);
         clReleaseProgram(program);
-        throw Error("building " + _root + " for " + _device->Properties().name + " with " + options +
-                    ": " + OpenClErrorName(code) + "\n" + log);
+        throw Error("building " + _root + " for " + _device->Properties().name + " with " +
+                    options + ": " + OpenClErrorName(code) + "\n" + log);
     }
     _program = program;
 }
@@ -111,15 +114,15 @@ void Program::SaveBinary(Store* store, const std::string& key) const {
         return;
     }
     std::size_t bytes = 0;
-    if (clGetProgramInfo(AsProgram(_program), CL_PROGRAM_BINARY_SIZES, sizeof(bytes), &bytes, nullptr) !=
-            CL_SUCCESS ||
+    if (clGetProgramInfo(AsProgram(_program), CL_PROGRAM_BINARY_SIZES, sizeof(bytes), &bytes,
+                         nullptr) != CL_SUCCESS ||
         bytes == 0) {
         return;
     }
     std::vector<unsigned char> binary(bytes);
     unsigned char* pointer = binary.data();
-    if (clGetProgramInfo(AsProgram(_program), CL_PROGRAM_BINARIES, sizeof(pointer), &pointer, nullptr) ==
-        CL_SUCCESS) {
+    if (clGetProgramInfo(AsProgram(_program), CL_PROGRAM_BINARIES, sizeof(pointer), &pointer,
+                         nullptr) == CL_SUCCESS) {
         store->Save(kBinaryKind, key, binary.data(), binary.size());
     }
 }
@@ -140,7 +143,9 @@ Kernel::~Kernel() {
     }
 }
 
-Kernel::Kernel(Kernel&& other) noexcept { *this = std::move(other); }
+Kernel::Kernel(Kernel&& other) noexcept {
+    *this = std::move(other);
+}
 
 Kernel& Kernel::operator=(Kernel&& other) noexcept {
     std::swap(_device, other._device);
@@ -166,8 +171,8 @@ void Kernel::Enqueue(std::size_t numItems) {
         return;
     }
     const std::size_t global = (numItems + _groupSize - 1) / _groupSize * _groupSize;
-    CheckOpenCl(clEnqueueNDRangeKernel(_device->GetHandles().queue, static_cast<cl_kernel>(_kernel), 1,
-                                       nullptr, &global, &_groupSize, 0, nullptr, nullptr),
+    CheckOpenCl(clEnqueueNDRangeKernel(_device->GetHandles().queue, static_cast<cl_kernel>(_kernel),
+                                       1, nullptr, &global, &_groupSize, 0, nullptr, nullptr),
                 "launching " + _name);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Kernel programs: sources are embedded, includes are expanded by us (so that the hash of the text is
-// the whole truth), binaries are cached per device, and compiler messages name our files.
+// Kernel programs: sources are embedded, includes are expanded by us (so that the hash of the text
+// is the whole truth), binaries are cached per device, and compiler messages name our files.
 // HDSTREAM_KERNEL_DIR=<dir> reads the sources from a folder instead (for work on kernels).
 // Explained in docs/device.md.
 #pragma once
@@ -19,8 +19,8 @@ namespace hds {
 using ProgramDefines = std::map<std::string, std::string>;
 
 /// The complete text of a root with all includes expanded once, in order, with #line directives.
-/// \param root path below kernels/ ("integrator/shade.cl"), or the text itself when `text` is given.
-/// \throws Error that names the including file when an include does not exist.
+/// \param root path below kernels/ ("integrator/shade.cl"), or the text itself when `text` is
+/// given. \throws Error that names the including file when an include does not exist.
 std::string ExpandKernelSource(const std::string& root, const std::string* text = nullptr);
 
 /// A kernel of a program, with a launch helper. Externally synchronised.
@@ -67,8 +67,8 @@ private:
 /// A built program. Externally synchronised.
 class Program {
 public:
-    /// Builds from a root of kernels/ or, for tests, from `text` (which may #include kernel modules).
-    /// A cached binary that the device rejects is deleted and rebuilt from source.
+    /// Builds from a root of kernels/ or, for tests, from `text` (which may #include kernel
+    /// modules). A cached binary that the device rejects is deleted and rebuilt from source.
     /// \throws Error with the build log on failure.
     Program(std::shared_ptr<Device> device, const std::string& root, const ProgramDefines& defines,
             Store* store = nullptr, const std::string* text = nullptr);

@@ -46,7 +46,8 @@ shared::HdsFrameParams MakeFrameParams(const RenderOptions& options, const glm::
     params.farClip = static_cast<float>(camera.farClip);
     const bool hasLens = camera.fStop > 0.0 && camera.focusDistance > 0.0;
     params.lensRadius =
-        hasLens ? static_cast<float>(0.5 * kUnitsPerTenth * camera.focalLength / camera.fStop) : 0.0F;
+        hasLens ? static_cast<float>(0.5 * kUnitsPerTenth * camera.focalLength / camera.fStop)
+                : 0.0F;
     params.focusDistance = static_cast<float>(camera.focusDistance);
     params.exposureScale = static_cast<float>(camera.exposureScale);
     params.flags = (camera.orthographic ? HDS_FRAME_ORTHOGRAPHIC : 0U) |

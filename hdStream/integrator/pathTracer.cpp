@@ -49,8 +49,8 @@ bool ChooseWide(const RenderOptions& options, const DeviceProperties& properties
 }
 
 /// AOVs that one ray through each pixel's centre gives.
-const char* const kFirstHitAovs[] = {"depth",    "cameraDepth", "normal", "Neye",      "position",
-                                     "albedo",   "primId",      "instanceId", "elementId"};
+const char* const kFirstHitAovs[] = {"depth",  "cameraDepth", "normal",     "Neye",     "position",
+                                     "albedo", "primId",      "instanceId", "elementId"};
 
 bool NeedsFirstHits(const AovLayout& layout) {
     return std::any_of(std::begin(kFirstHitAovs), std::end(kFirstHitAovs),
@@ -114,7 +114,9 @@ struct PathTracer::Impl {
         return values;
     }
 
-    void ClearCounter(std::uint32_t counter) { counters.Fill(0, sizeof(std::uint32_t), counter * sizeof(std::uint32_t)); }
+    void ClearCounter(std::uint32_t counter) {
+        counters.Fill(0, sizeof(std::uint32_t), counter * sizeof(std::uint32_t));
+    }
 
     /// Casts shadow rays until each is decided; what arrives is added to the paths.
     void CastShadows(std::uint32_t count) {
@@ -125,14 +127,17 @@ struct PathTracer::Impl {
             statistics.shadowRays += count;
             ++statistics.casts;
             if (!scene.hasCutouts) {
-                kernels.shadowCast.Launch(count, paths, waveSize, queues[present], count, queues[next], counters);
+                kernels.shadowCast.Launch(count, paths, waveSize, queues[present], count,
+                                          queues[next], counters);
                 break;
             }
             ClearCounter(HDS_COUNTER_SHADOW);
-            kernels.shadowCast.Launch(count, paths, waveSize, queues[present], count, queues[next], counters);
+            kernels.shadowCast.Launch(count, paths, waveSize, queues[present], count, queues[next],
+                                      counters);
             const std::uint32_t candidates = ReadCounters()[HDS_COUNTER_SHADOW];
             ClearCounter(HDS_COUNTER_SHADOW);
-            kernels.shadowPass.Launch(candidates, paths, waveSize, queues[next], candidates, queues[present], counters);
+            kernels.shadowPass.Launch(candidates, paths, waveSize, queues[next], candidates,
+                                      queues[present], counters);
             count = candidates > 0 ? ReadCounters()[HDS_COUNTER_SHADOW] : 0;
         }
         device->Finish();
@@ -142,7 +147,8 @@ struct PathTracer::Impl {
     void RenderWave(const shared::HdsWave& wave) {
         std::uint32_t present = 0;
         std::uint32_t active = wave.numPixels * wave.numSamples;
-        kernels.generateSample.Launch(active, frame, wave, paths, waveSize, pixels, filter, queues[present]);
+        kernels.generateSample.Launch(active, frame, wave, paths, waveSize, pixels, filter,
+                                      queues[present]);
         statistics.cameraRays += active;
         bool isFirst = true;
         while (active > 0) {
@@ -154,8 +160,8 @@ struct PathTracer::Impl {
             const Timer timer;
             ClearCounter(HDS_COUNTER_ACTIVE);
             ClearCounter(HDS_COUNTER_SHADOW);
-            kernels.shade.Launch(active, frame, paths, waveSize, queues[present], active, queues[1 - present],
-                                 queues[kShadowQueue], counters);
+            kernels.shade.Launch(active, frame, paths, waveSize, queues[present], active,
+                                 queues[1 - present], queues[kShadowQueue], counters);
             const auto counts = ReadCounters();
             statistics.shadeSeconds += timer.Seconds();
             CastShadows(counts[HDS_COUNTER_SHADOW]);
@@ -196,7 +202,8 @@ struct PathTracer::Impl {
         progress.samplesTotal = options.samples;
         progress.fraction = std::min(1.0, samplesEquivalent / options.samples);
         progress.secondsElapsed = seconds;
-        progress.secondsLeft = progress.fraction > 0.0 ? seconds * (1.0 - progress.fraction) / progress.fraction : 0.0;
+        progress.secondsLeft =
+            progress.fraction > 0.0 ? seconds * (1.0 - progress.fraction) / progress.fraction : 0.0;
         if (options.timeLimit > 0.0) {
             progress.secondsLeft = std::min(progress.secondsLeft, options.timeLimit - seconds);
         }
@@ -232,7 +239,8 @@ struct PathTracer::Impl {
         bool isStopped = false;
         while (done < options.samples && !activePixels.empty() && !isStopped) {
             // One sample first, for a first image; then up to the border of the block, then blocks.
-            const std::uint32_t border = done == 0 ? 1 : (done / HDS_SAMPLE_BLOCK + 1) * HDS_SAMPLE_BLOCK;
+            const std::uint32_t border =
+                done == 0 ? 1 : (done / HDS_SAMPLE_BLOCK + 1) * HDS_SAMPLE_BLOCK;
             const std::uint32_t passEnd = std::min({options.samples, border, done + waveSize});
             isStopped = !RenderPass(done, passEnd - done, timer, onProgress);
             if (!isStopped) {
@@ -241,7 +249,8 @@ struct PathTracer::Impl {
             if (done == 1 && statistics.firstImageSeconds == 0.0) {
                 statistics.firstImageSeconds = timer.Seconds();
             }
-            if (options.noise > 0.0 && done >= kMinAdaptiveSamples && done % HDS_SAMPLE_BLOCK == 0 && !isStopped) {
+            if (options.noise > 0.0 && done >= kMinAdaptiveSamples &&
+                done % HDS_SAMPLE_BLOCK == 0 && !isStopped) {
                 DropConvergedPixels();
             }
         }
@@ -256,13 +265,15 @@ struct PathTracer::Impl {
         for (const float error : errors) {
             sum += std::isfinite(error) ? error : 0.0;
         }
-        statistics.meanRelativeError = errors.empty() ? 0.0 : sum / static_cast<double>(errors.size());
+        statistics.meanRelativeError =
+            errors.empty() ? 0.0 : sum / static_cast<double>(errors.size());
         const bool timeIsUp = options.timeLimit > 0.0 && timer.Seconds() >= options.timeLimit;
         return isStopped && !timeIsUp ? RenderResult::Stopped : RenderResult::Complete;
     }
 
     /// First-hit AOVs through pixel centres, wave by wave.
-    void RenderFirstHits(const Buffer& floats, const Buffer& ints, const shared::HdsAovOffsets& offsets) {
+    void RenderFirstHits(const Buffer& floats, const Buffer& ints,
+                         const shared::HdsAovOffsets& offsets) {
         const auto pixelCount = static_cast<std::uint32_t>(activePixels.size());
         for (std::uint32_t first = 0; first < pixelCount; first += waveSize) {
             const std::uint32_t count = std::min(waveSize, pixelCount - first);
@@ -273,8 +284,8 @@ struct PathTracer::Impl {
             while (active > 0) {
                 Intersect(present, active);
                 ClearCounter(HDS_COUNTER_ACTIVE);
-                kernels.aov.Launch(active, frame, paths, waveSize, queues[present], active, queues[1 - present],
-                                   counters, floats, ints, offsets);
+                kernels.aov.Launch(active, frame, paths, waveSize, queues[present], active,
+                                   queues[1 - present], counters, floats, ints, offsets);
                 active = ReadCounters()[HDS_COUNTER_ACTIVE];
                 present = 1 - present;
             }
@@ -284,15 +295,17 @@ struct PathTracer::Impl {
     std::vector<ImageLayer> Layers() {
         const Timer timer;
         const AovLayout& layout = options.aovs;
-        Buffer floats(device, "AOV floats", std::uint64_t{numPixels} * layout.floatsPerPixel * sizeof(float));
-        Buffer ints(device, "AOV ids", std::uint64_t{numPixels} * layout.intsPerPixel * sizeof(std::int32_t));
+        Buffer floats(device, "AOV floats",
+                      std::uint64_t{numPixels} * layout.floatsPerPixel * sizeof(float));
+        Buffer ints(device, "AOV ids",
+                    std::uint64_t{numPixels} * layout.intsPerPixel * sizeof(std::int32_t));
         const auto offset = [&](const char* name) {
             const AovSlot* slot = layout.Find(name);
             return slot != nullptr ? slot->offset : HDS_NONE;
         };
         kernels.develop.Launch(numPixels, film, numPixels, floats, layout.floatsPerPixel, ints,
-                               layout.intsPerPixel, offset("color"), offset("alpha"), offset("variance"),
-                               offset("sampleCount"));
+                               layout.intsPerPixel, offset("color"), offset("alpha"),
+                               offset("variance"), offset("sampleCount"));
         shared::HdsAovOffsets offsets{};
         offsets.floatStride = layout.floatsPerPixel;
         offsets.intStride = layout.intsPerPixel;
@@ -317,7 +330,8 @@ struct PathTracer::Impl {
         floats.Read(hostFloats.data(), hostFloats.size() * sizeof(float));
         ints.Read(hostInts.data(), hostInts.size() * sizeof(std::int32_t));
         statistics.transferSeconds += timer.Seconds();
-        return MakeLayers(layout, options.imageWidth, options.imageHeight, hostFloats.data(), hostInts.data());
+        return MakeLayers(layout, options.imageWidth, options.imageHeight, hostFloats.data(),
+                          hostInts.data());
     }
 
     static constexpr std::uint32_t kShadowQueue = 2; ///< queues 0, 1: paths; 2, 3: shadow rays
@@ -346,14 +360,24 @@ PathTracer::PathTracer(std::shared_ptr<Device> device, Store* store, const Commi
 
 PathTracer::~PathTracer() = default;
 
-RenderResult PathTracer::Render(const ProgressCallback& onProgress) { return _impl->Render(onProgress); }
+RenderResult PathTracer::Render(const ProgressCallback& onProgress) {
+    return _impl->Render(onProgress);
+}
 
-std::vector<ImageLayer> PathTracer::Layers() const { return _impl->Layers(); }
+std::vector<ImageLayer> PathTracer::Layers() const {
+    return _impl->Layers();
+}
 
-const RenderStatistics& PathTracer::Statistics() const { return _impl->statistics; }
+const RenderStatistics& PathTracer::Statistics() const {
+    return _impl->statistics;
+}
 
-std::uint64_t PathTracer::PoolBytes() const { return _impl->buffers.Pool().Bytes(); }
+std::uint64_t PathTracer::PoolBytes() const {
+    return _impl->buffers.Pool().Bytes();
+}
 
-std::uint64_t PathTracer::TableBytes() const { return _impl->buffers.TableBytes(); }
+std::uint64_t PathTracer::TableBytes() const {
+    return _impl->buffers.TableBytes();
+}
 
 } // namespace hds

@@ -26,8 +26,8 @@ SceneBuffers::SceneBuffers(const std::shared_ptr<Device>& device, const Committe
     _tableBytes += _pool.Addresses().Bytes();
 }
 
-Buffer SceneBuffers::Table(const std::shared_ptr<Device>& device, const char* label, const void* data,
-                           std::size_t bytes) {
+Buffer SceneBuffers::Table(const std::shared_ptr<Device>& device, const char* label,
+                           const void* data, std::size_t bytes) {
     Buffer buffer(device, label, bytes, BufferAccess::ReadOnly);
     if (bytes > 0) {
         buffer.Write(data, bytes);
@@ -37,7 +37,8 @@ Buffer SceneBuffers::Table(const std::shared_ptr<Device>& device, const char* la
 }
 
 unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first) const {
-    for (const Buffer* buffer : {&_topNodes, &_instances, &_objects, &_chunks, &_pool.Addresses()}) {
+    for (const Buffer* buffer :
+         {&_topNodes, &_instances, &_objects, &_chunks, &_pool.Addresses()}) {
         kernel->SetBuffer(first++, *buffer);
     }
     for (std::uint32_t i = 0; i < kMaxPoolBuffers; ++i) {
@@ -48,8 +49,9 @@ unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first) const {
 
 unsigned SceneBuffers::BindScene(Kernel* kernel, unsigned first) const {
     first = BindGeometry(kernel, first);
-    for (const Buffer* buffer : {&_instancesByPath, &_meshes, &_meshMaterials, &_materials, &_lightByEntry, &_lights,
-                                 &_lightNodes, &_lightTriangles, &_lightCdf, &_domeTexels}) {
+    for (const Buffer* buffer :
+         {&_instancesByPath, &_meshes, &_meshMaterials, &_materials, &_lightByEntry, &_lights,
+          &_lightNodes, &_lightTriangles, &_lightCdf, &_domeTexels}) {
         kernel->SetBuffer(first++, *buffer);
     }
     kernel->SetBytes(first++, &_numLights, sizeof(_numLights));

@@ -26,7 +26,8 @@ public:
     std::uint64_t TableBytes() const { return _tableBytes; }
 
 private:
-    Buffer Table(const std::shared_ptr<Device>& device, const char* label, const void* data, std::size_t bytes);
+    Buffer Table(const std::shared_ptr<Device>& device, const char* label, const void* data,
+                 std::size_t bytes);
 
     std::uint64_t _tableBytes = 0;
     ResidentPool _pool;

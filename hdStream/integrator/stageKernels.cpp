@@ -39,8 +39,8 @@ ProgramDefines MakeDefines(const SceneBuffers& scene, const KernelFeatures& feat
 
 } // namespace
 
-StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store, const SceneBuffers& scene,
-                           const KernelFeatures& features)
+StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
+                           const SceneBuffers& scene, const KernelFeatures& features)
     : _pathStateBytes(kFieldBytes * (kNumFields + (features.cutouts ? kNumCutoutFields : 0))) {
     const ProgramDefines defines = MakeDefines(scene, features);
     const auto build = [&](const char* root) {

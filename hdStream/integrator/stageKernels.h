@@ -11,9 +11,9 @@ namespace hds {
 
 /// What the kernels are specialised by.
 struct KernelFeatures {
-    bool cutouts = false; ///< some material may let rays pass
-    bool groups = false;  ///< instances below instances
-    bool wide = false;    ///< 8-wide traversal inside a work-item
+    bool cutouts = false;   ///< some material may let rays pass
+    bool groups = false;    ///< instances below instances
+    bool wide = false;      ///< 8-wide traversal inside a work-item
     bool firstHits = false; ///< first-hit AOVs are asked for: `aov` is built
 };
 
@@ -30,7 +30,7 @@ public:
     Kernel shade;
     Kernel shadowCast;
     Kernel shadowPass; ///< only with cut-outs
-    Kernel aov; ///< only with first-hit AOVs
+    Kernel aov;        ///< only with first-hit AOVs
     Kernel resolve;
     Kernel develop;
     Kernel relativeError;

@@ -16,7 +16,8 @@ namespace hds {
 
 /// Options of a store.
 struct StoreOptions {
-    std::string directory; ///< empty: $HDSTREAM_CACHE_DIR, else $XDG_CACHE_HOME/hdStream, else ~/.cache/hdStream
+    std::string directory; ///< empty: $HDSTREAM_CACHE_DIR, else $XDG_CACHE_HOME/hdStream, else
+                           ///< ~/.cache/hdStream
     bool enabled = true;
     std::uint64_t maxBytes = 10ULL << 30U; ///< least recently used entries go first above this
 };

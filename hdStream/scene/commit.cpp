@@ -72,8 +72,10 @@ private:
         shared::HdsMesh mesh{};
         mesh.materialBase = info.materialBase;
         mesh.flags = (triangles.doubleSided ? HDS_MESH_DOUBLE_SIDED : 0U) |
-                     (triangles.leftHanded ? HDS_MESH_LEFT_HANDED : 0U) | (info.isEmissive ? HDS_MESH_EMISSIVE : 0U);
-        mesh.primId = entry.second.primId >= 0 ? entry.second.primId : static_cast<std::int32_t>(index);
+                     (triangles.leftHanded ? HDS_MESH_LEFT_HANDED : 0U) |
+                     (info.isEmissive ? HDS_MESH_EMISSIVE : 0U);
+        mesh.primId =
+            entry.second.primId >= 0 ? entry.second.primId : static_cast<std::int32_t>(index);
         mesh.numPrimvars = static_cast<std::uint32_t>(triangles.attributes.size());
         _result->meshes.push_back(mesh);
         const std::uint32_t object = AddObject(prepared);
@@ -102,7 +104,8 @@ private:
         object.itemBase = static_cast<std::uint32_t>(_result->chunks.size());
         object.numItems = static_cast<std::uint32_t>(prepared->chunks.size());
         _result->objects.push_back(object);
-        _result->topNodes.insert(_result->topNodes.end(), prepared->topNodes.begin(), prepared->topNodes.end());
+        _result->topNodes.insert(_result->topNodes.end(), prepared->topNodes.begin(),
+                                 prepared->topNodes.end());
         for (PreparedChunk& chunk : prepared->chunks) {
             shared::HdsChunk record{};
             record.triangleOffset = chunk.geometry.triangleOffset;
@@ -117,15 +120,18 @@ private:
     }
 
     void AddHierarchy() {
-        Hierarchy hierarchy = BuildHierarchy(_scene, _leaves, _result->centre,
-                                             static_cast<std::uint32_t>(_result->objects.size()), _warnings);
+        Hierarchy hierarchy =
+            BuildHierarchy(_scene, _leaves, _result->centre,
+                           static_cast<std::uint32_t>(_result->objects.size()), _warnings);
         const auto nodeBase = static_cast<std::uint32_t>(_result->topNodes.size());
         for (shared::HdsObject& group : hierarchy.groups) {
             group.nodeBase += nodeBase;
         }
         _result->objects[0] = hierarchy.groups[0];
-        _result->objects.insert(_result->objects.end(), hierarchy.groups.begin() + 1, hierarchy.groups.end());
-        _result->topNodes.insert(_result->topNodes.end(), hierarchy.nodes.begin(), hierarchy.nodes.end());
+        _result->objects.insert(_result->objects.end(), hierarchy.groups.begin() + 1,
+                                hierarchy.groups.end());
+        _result->topNodes.insert(_result->topNodes.end(), hierarchy.nodes.begin(),
+                                 hierarchy.nodes.end());
         _result->instances = std::move(hierarchy.instances);
         _result->instancesByPath = std::move(hierarchy.instancesByPath);
         _result->hasGroups = hierarchy.depth > 0;
@@ -159,10 +165,11 @@ private:
         for (std::uint32_t page = 0; page < _result->pages->NumPages(); ++page) {
             counts.pageBytes += _result->pages->PageBytes(page);
         }
-        counts.alwaysResidentBytes = _result->topNodes.size() * sizeof(shared::HdsBvhNode) +
-                                     _result->instances.size() * (sizeof(shared::HdsInstance) + sizeof(std::uint32_t)) +
-                                     _result->objects.size() * sizeof(shared::HdsObject) +
-                                     _result->chunks.size() * (sizeof(shared::HdsChunk) + 2 * sizeof(std::uint32_t));
+        counts.alwaysResidentBytes =
+            _result->topNodes.size() * sizeof(shared::HdsBvhNode) +
+            _result->instances.size() * (sizeof(shared::HdsInstance) + sizeof(std::uint32_t)) +
+            _result->objects.size() * sizeof(shared::HdsObject) +
+            _result->chunks.size() * (sizeof(shared::HdsChunk) + 2 * sizeof(std::uint32_t));
         counts.textures = _result->textures.size();
         for (const TextureUse& texture : _result->textures) {
             counts.textureSourceBytes += texture.bytesSource;
@@ -184,8 +191,8 @@ private:
 
 } // namespace
 
-std::unique_ptr<CommittedScene> CommitScene(const SceneDescription& scene, const CommitOptions& options,
-                                            Warnings& warnings) {
+std::unique_ptr<CommittedScene> CommitScene(const SceneDescription& scene,
+                                            const CommitOptions& options, Warnings& warnings) {
     return Committer(scene, options, warnings).Run();
 }
 

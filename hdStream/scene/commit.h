@@ -30,7 +30,7 @@ struct SceneCounts {
     std::uint64_t instances = 0; ///< leaf instances
     std::uint64_t triangles = 0; ///< unique
     std::uint64_t chunks = 0;
-    std::uint64_t pageBytes = 0;       ///< what resident mode uploads
+    std::uint64_t pageBytes = 0;           ///< what resident mode uploads
     std::uint64_t alwaysResidentBytes = 0; ///< nodes above the chunks, records, tables
     std::uint64_t textures = 0;
     std::uint64_t textureSourceBytes = 0; ///< decoded base levels
@@ -62,7 +62,7 @@ struct CommittedScene {
     std::unique_ptr<GeometryPages> pages;
     LightTable lights;
     std::vector<std::uint32_t> lightByEntry; ///< lights of emissive material entries
-    std::vector<TextureUse> textures; ///< by authored path
+    std::vector<TextureUse> textures;        ///< by authored path
     bool hasCutouts = false;
     bool hasGroups = false; ///< instances below instances
     SceneCounts counts;
@@ -70,7 +70,7 @@ struct CommittedScene {
 };
 
 /// Interprets the scene. Content problems warn and fall back; nothing throws for them.
-std::unique_ptr<CommittedScene> CommitScene(const SceneDescription& scene, const CommitOptions& options,
-                                            Warnings& warnings);
+std::unique_ptr<CommittedScene> CommitScene(const SceneDescription& scene,
+                                            const CommitOptions& options, Warnings& warnings);
 
 } // namespace hds

@@ -23,7 +23,8 @@ std::string Number(T value) {
     } else {
         char text[40];
         // Adding 0 turns -0 into 0, so that equal values have equal texts.
-        std::snprintf(text, sizeof(text), sizeof(T) == 4 ? "%.9g" : "%.17g", static_cast<double>(value) + 0.0);
+        std::snprintf(text, sizeof(text), sizeof(T) == 4 ? "%.9g" : "%.17g",
+                      static_cast<double>(value) + 0.0);
         return text;
     }
 }
@@ -56,24 +57,36 @@ std::string Array(const SharedSpan<T>& span) {
 
 const char* InterpolationName(Interpolation interpolation) {
     switch (interpolation) {
-    case Interpolation::Constant: return "constant";
-    case Interpolation::Uniform: return "uniform";
-    case Interpolation::Varying: return "varying";
-    case Interpolation::Vertex: return "vertex";
-    case Interpolation::FaceVarying: return "faceVarying";
-    case Interpolation::Instance: return "instance";
+    case Interpolation::Constant:
+        return "constant";
+    case Interpolation::Uniform:
+        return "uniform";
+    case Interpolation::Varying:
+        return "varying";
+    case Interpolation::Vertex:
+        return "vertex";
+    case Interpolation::FaceVarying:
+        return "faceVarying";
+    case Interpolation::Instance:
+        return "instance";
     }
     return "";
 }
 
 const char* LightTypeName(LightType type) {
     switch (type) {
-    case LightType::Distant: return "distant";
-    case LightType::Sphere: return "sphere";
-    case LightType::Rect: return "rect";
-    case LightType::Disk: return "disk";
-    case LightType::Cylinder: return "cylinder";
-    case LightType::Dome: return "dome";
+    case LightType::Distant:
+        return "distant";
+    case LightType::Sphere:
+        return "sphere";
+    case LightType::Rect:
+        return "rect";
+    case LightType::Disk:
+        return "disk";
+    case LightType::Cylinder:
+        return "cylinder";
+    case LightType::Dome:
+        return "dome";
     }
     return "";
 }
@@ -81,8 +94,12 @@ const char* LightTypeName(LightType type) {
 /// Collects "  name: value" lines under prim headers.
 class Writer {
 public:
-    void Prim(const std::string& kind, const std::string& path) { _text += kind + " " + path + "\n"; }
-    void Line(const std::string& name, const std::string& value) { _text += "  " + name + ": " + value + "\n"; }
+    void Prim(const std::string& kind, const std::string& path) {
+        _text += kind + " " + path + "\n";
+    }
+    void Line(const std::string& name, const std::string& value) {
+        _text += "  " + name + ": " + value + "\n";
+    }
     template <typename T>
     void Value(const std::string& name, T value) {
         Line(name, Number(value));
@@ -109,7 +126,9 @@ std::string ParameterText(const ParameterValue& value) {
         std::string operator()(bool v) const { return v ? "true" : "false"; }
         std::string operator()(std::int64_t v) const { return std::to_string(v); }
         std::string operator()(double v) const { return Number(static_cast<float>(v)); }
-        std::string operator()(const std::vector<float>& v) const { return Array(v.data(), v.size()); }
+        std::string operator()(const std::vector<float>& v) const {
+            return Array(v.data(), v.size());
+        }
         std::string operator()(const std::string& v) const { return '"' + v + '"'; }
         std::string operator()(const AssetReference& v) const { return '@' + v.authoredPath + '@'; }
     };
@@ -155,14 +174,17 @@ void DumpMesh(const std::string& path, const MeshPrim& prim, Writer* out) {
     for (const Primvar& primvar : mesh.primvars) {
         primvars.push_back(&primvar);
     }
-    std::sort(primvars.begin(), primvars.end(), [](const Primvar* a, const Primvar* b) { return a->name < b->name; });
+    std::sort(primvars.begin(), primvars.end(),
+              [](const Primvar* a, const Primvar* b) { return a->name < b->name; });
     for (const Primvar* primvar : primvars) {
-        out->Line("primvar " + primvar->name, std::string(InterpolationName(primvar->interpolation)) + " x" +
-                                                  std::to_string(primvar->numComponents) + " " + Array(primvar->values) +
-                                                  (primvar->indices.empty() ? "" : " indices " + Array(primvar->indices)));
+        out->Line("primvar " + primvar->name,
+                  std::string(InterpolationName(primvar->interpolation)) + " x" +
+                      std::to_string(primvar->numComponents) + " " + Array(primvar->values) +
+                      (primvar->indices.empty() ? "" : " indices " + Array(primvar->indices)));
     }
     for (const MeshSubset& subset : mesh.subsets) {
-        out->Line("subset " + subset.name, Array(subset.faces) + " material " + subset.materialPath);
+        out->Line("subset " + subset.name,
+                  Array(subset.faces) + " material " + subset.materialPath);
     }
 }
 
@@ -212,12 +234,16 @@ void DumpLight(const std::string& path, const LightPrim& prim, Writer* out) {
     out->Value("colorTemperature", light.colorTemperature);
     out->Flag("visibleToCamera", light.visibleToCamera);
     switch (light.type) {
-    case LightType::Distant: out->Value("angle", light.angle); break;
+    case LightType::Distant:
+        out->Value("angle", light.angle);
+        break;
     case LightType::Sphere:
         out->Value("radius", light.radius);
         out->Flag("treatAsPoint", light.treatAsPoint);
         break;
-    case LightType::Disk: out->Value("radius", light.radius); break;
+    case LightType::Disk:
+        out->Value("radius", light.radius);
+        break;
     case LightType::Rect:
         out->Value("width", light.width);
         out->Value("height", light.height);
@@ -227,7 +253,9 @@ void DumpLight(const std::string& path, const LightPrim& prim, Writer* out) {
         out->Value("length", light.length);
         out->Flag("treatAsLine", light.treatAsLine);
         break;
-    case LightType::Dome: out->Line("textureFormat", light.textureFormat); break;
+    case LightType::Dome:
+        out->Line("textureFormat", light.textureFormat);
+        break;
     }
     if (!light.textureFile.authoredPath.empty()) {
         out->Line("textureFile", '@' + light.textureFile.authoredPath + '@');
@@ -238,12 +266,26 @@ void DumpCamera(const std::string& path, const CameraPrim& camera, Writer* out) 
     out->Prim("camera", path);
     out->Matrix("transform", camera.worldFromCamera);
     out->Line("projection", camera.orthographic ? "orthographic" : "perspective");
-    const double values[] = {camera.horizontalAperture, camera.verticalAperture, camera.horizontalApertureOffset,
-                             camera.verticalApertureOffset, camera.focalLength, camera.nearClip, camera.farClip,
-                             camera.fStop, camera.focusDistance, camera.exposureScale};
-    const char* names[] = {"horizontalAperture", "verticalAperture", "horizontalApertureOffset",
-                           "verticalApertureOffset", "focalLength", "nearClip", "farClip",
-                           "fStop", "focusDistance", "exposureScale"};
+    const double values[] = {camera.horizontalAperture,
+                             camera.verticalAperture,
+                             camera.horizontalApertureOffset,
+                             camera.verticalApertureOffset,
+                             camera.focalLength,
+                             camera.nearClip,
+                             camera.farClip,
+                             camera.fStop,
+                             camera.focusDistance,
+                             camera.exposureScale};
+    const char* names[] = {"horizontalAperture",
+                           "verticalAperture",
+                           "horizontalApertureOffset",
+                           "verticalApertureOffset",
+                           "focalLength",
+                           "nearClip",
+                           "farClip",
+                           "fStop",
+                           "focusDistance",
+                           "exposureScale"};
     for (std::size_t i = 0; i < std::size(values); ++i) {
         out->Value(names[i], static_cast<float>(values[i]));
     }

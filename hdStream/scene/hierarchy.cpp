@@ -22,7 +22,8 @@ namespace {
 constexpr int kMaxChain = 64;
 
 glm::dmat4 InstanceTransform(const InstancerPrim& instancer, std::int32_t index) {
-    return glm::make_mat4(instancer.instanceTransforms.data() + 16 * static_cast<std::size_t>(index));
+    return glm::make_mat4(instancer.instanceTransforms.data() +
+                          16 * static_cast<std::size_t>(index));
 }
 
 /// What a group may contain at a path: a mesh or a child instancer.
@@ -40,7 +41,8 @@ struct Prototype {
 };
 
 bool SameInstances(const SharedSpan<std::int32_t>& a, const SharedSpan<std::int32_t>& b) {
-    return a.size() == b.size() && (a.data() == b.data() || std::equal(a.begin(), a.end(), b.begin()));
+    return a.size() == b.size() &&
+           (a.data() == b.data() || std::equal(a.begin(), a.end(), b.begin()));
 }
 
 /// A record before its group's BVH gives it a place.
@@ -54,7 +56,8 @@ class Builder {
 public:
     Builder(const SceneDescription& scene, const std::map<std::string, LeafObject>& leaves,
             const glm::dvec3& centre, std::uint32_t firstGroup, Warnings& warnings)
-        : _scene(scene), _leaves(leaves), _centre(centre), _firstGroup(firstGroup), _warnings(warnings) {}
+        : _scene(scene), _leaves(leaves), _centre(centre), _firstGroup(firstGroup),
+          _warnings(warnings) {}
 
     Hierarchy Build() {
         CollectMembers();
@@ -74,7 +77,8 @@ private:
     void CollectMembers() {
         std::map<std::string, Member> all;
         for (const auto& [path, leaf] : _leaves) {
-            if (leaf.ownRecord || ChainLength(_scene.meshes.at(path).placement) > HDS_MAX_GROUP_DEPTH) {
+            if (leaf.ownRecord ||
+                ChainLength(_scene.meshes.at(path).placement) > HDS_MAX_GROUP_DEPTH) {
                 _ownLeaves.push_back(path);
                 continue;
             }
@@ -103,7 +107,8 @@ private:
         while (!parent.empty() && length < kMaxChain) {
             ++length;
             const auto found = _scene.instancers.find(parent);
-            parent = found == _scene.instancers.end() ? std::string() : found->second.placement.instancerPath;
+            parent = found == _scene.instancers.end() ? std::string()
+                                                      : found->second.placement.instancerPath;
         }
         return length;
     }
@@ -129,8 +134,8 @@ private:
     }
 
     /// Records of a member in a group whose space is `groupFromPrototype` away from the member's.
-    void AppendMember(const Member& member, const glm::dmat4& groupFromPrototype, std::uint32_t depth,
-                      std::vector<Record>* records) {
+    void AppendMember(const Member& member, const glm::dmat4& groupFromPrototype,
+                      std::uint32_t depth, std::vector<Record>* records) {
         if (member.leaf != nullptr) {
             AppendRecord(member, groupFromPrototype, 0, 0, records);
         } else {
@@ -138,8 +143,8 @@ private:
         }
     }
 
-    void AppendInstancer(const Member& member, const glm::dmat4& groupFromPrototype, std::uint32_t depth,
-                         std::vector<Record>* records) {
+    void AppendInstancer(const Member& member, const glm::dmat4& groupFromPrototype,
+                         std::uint32_t depth, std::vector<Record>* records) {
         if (!_active.insert(member.path).second) {
             _warnings.Add(member.path, "instancers form a cycle; the inner placement is not drawn");
             return;
@@ -181,23 +186,29 @@ private:
             const std::int32_t index = prototype.instances[rank];
             const bool isInRange = index >= 0 && static_cast<std::size_t>(index) < limit;
             const glm::dmat4 transform =
-                isInRange ? groupFromInstancer * InstanceTransform(*instancer.instancer, index) * placed.transform
+                isInRange ? groupFromInstancer * InstanceTransform(*instancer.instancer, index) *
+                                placed.transform
                           : glm::dmat4(0.0);
-            if (!FillRecord(placed, transform, rank, count, groupLeaves, &(*records)[first + rank])) {
+            if (!FillRecord(placed, transform, rank, count, groupLeaves,
+                            &(*records)[first + rank])) {
                 numBad.fetch_add(1);
             }
         });
         if (numBad > 0) {
-            records->erase(std::remove_if(records->begin() + static_cast<std::ptrdiff_t>(first), records->end(),
-                                          [](const Record& record) { return record.numLeaves == 0; }),
-                           records->end());
-            _warnings.Add(instancer.path, std::to_string(numBad) +
-                                              " instances dropped: singular or non-finite transform, or index out of range");
+            records->erase(
+                std::remove_if(records->begin() + static_cast<std::ptrdiff_t>(first),
+                               records->end(),
+                               [](const Record& record) { return record.numLeaves == 0; }),
+                records->end());
+            _warnings.Add(
+                instancer.path,
+                std::to_string(numBad) +
+                    " instances dropped: singular or non-finite transform, or index out of range");
         }
     }
 
-    void AppendRecord(const Member& member, const glm::dmat4& groupFromPrototype, std::uint32_t rank,
-                      std::uint32_t count, std::vector<Record>* records) {
+    void AppendRecord(const Member& member, const glm::dmat4& groupFromPrototype,
+                      std::uint32_t rank, std::uint32_t count, std::vector<Record>* records) {
         Record record;
         if (FillRecord(member, groupFromPrototype * member.transform, rank, count, 1, &record)) {
             records->push_back(record);
@@ -206,8 +217,9 @@ private:
         }
     }
 
-    static bool FillRecord(const Member& member, const glm::dmat4& groupFromObject, std::uint32_t rank,
-                           std::uint32_t count, std::uint64_t numLeaves, Record* record) {
+    static bool FillRecord(const Member& member, const glm::dmat4& groupFromObject,
+                           std::uint32_t rank, std::uint32_t count, std::uint64_t numLeaves,
+                           Record* record) {
         const LeafObject& leaf = *member.leaf;
         const glm::dmat4 transform = glm::translate(groupFromObject, leaf.origin);
         if (!IsUsableTransform(transform)) {
@@ -231,7 +243,8 @@ private:
     }
 
     /// A group object that holds a prototype's members; built once per prototype.
-    LeafObject BuildGroup(const Prototype& prototype, std::uint32_t depth, std::uint64_t* numLeaves) {
+    LeafObject BuildGroup(const Prototype& prototype, std::uint32_t depth,
+                          std::uint64_t* numLeaves) {
         const auto known = _groupByPrototype.find(&prototype);
         if (known != _groupByPrototype.end()) {
             *numLeaves = known->second.second;
@@ -271,16 +284,19 @@ private:
                 AppendRecord(member, centreFromWorld, rank, count, records);
                 if (records->size() > before && leaf.ownRecord) {
                     const auto light = static_cast<std::uint32_t>(_result.ownRecords.size());
-                    records->back().instance.lightBase = light; // commit maps it to a light, or to none
+                    records->back().instance.lightBase =
+                        light; // commit maps it to a light, or to none
                     _result.ownRecords.push_back(
-                        {path, leaf.mesh, glm::translate(centreFromWorld * placements[rank], leaf.origin), 0});
+                        {path, leaf.mesh,
+                         glm::translate(centreFromWorld * placements[rank], leaf.origin), 0});
                 }
             }
         }
     }
 
     /// Builds the group's BVH, appends its records in leaf order and returns its leaf count.
-    std::uint64_t FinishGroup(std::vector<Record> records, std::uint32_t groupIndex, Bounds* bounds) {
+    std::uint64_t FinishGroup(std::vector<Record> records, std::uint32_t groupIndex,
+                              Bounds* bounds) {
         std::uint64_t numLeaves = 0;
         std::vector<Bounds> boxes;
         boxes.reserve(records.size());
@@ -327,9 +343,9 @@ private:
     Hierarchy _result;
 };
 
-void ForEachPlacementBelow(const SceneDescription& scene, const std::string& path, const Placement& placement,
-                           const glm::dmat4& prototypeFromObject, int chain,
-                           const std::function<void(const glm::dmat4&)>& onPlacement) {
+void ForEachPlacementBelow(const SceneDescription& scene, const std::string& path,
+                           const Placement& placement, const glm::dmat4& prototypeFromObject,
+                           int chain, const std::function<void(const glm::dmat4&)>& onPlacement) {
     const glm::dmat4 transform = placement.worldFromObject * prototypeFromObject;
     if (placement.instancerPath.empty()) {
         onPlacement(transform);
@@ -360,13 +376,15 @@ void ForEachPlacementBelow(const SceneDescription& scene, const std::string& pat
 
 } // namespace
 
-void ForEachPlacement(const SceneDescription& scene, const std::string& path, const Placement& placement,
+void ForEachPlacement(const SceneDescription& scene, const std::string& path,
+                      const Placement& placement,
                       const std::function<void(const glm::dmat4&)>& onPlacement) {
     ForEachPlacementBelow(scene, path, placement, glm::dmat4(1.0), 0, onPlacement);
 }
 
-Hierarchy BuildHierarchy(const SceneDescription& scene, const std::map<std::string, LeafObject>& leaves,
-                         const glm::dvec3& centre, std::uint32_t firstGroup, Warnings& warnings) {
+Hierarchy BuildHierarchy(const SceneDescription& scene,
+                         const std::map<std::string, LeafObject>& leaves, const glm::dvec3& centre,
+                         std::uint32_t firstGroup, Warnings& warnings) {
     return Builder(scene, leaves, centre, firstGroup, warnings).Build();
 }
 

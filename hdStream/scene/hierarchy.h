@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Instancers -> groups and the TLAS. The hierarchy is kept: a group is built once however often it is
-// placed. Flattened are only leaves that must have a record of their own in the TLAS (emissive
+// Instancers -> groups and the TLAS. The hierarchy is kept: a group is built once however often it
+// is placed. Flattened are only leaves that must have a record of their own in the TLAS (emissive
 // meshes) and chains deeper than HDS_MAX_GROUP_DEPTH.
 // Explained in docs/architecture.md, "Instances".
 #pragma once
@@ -21,10 +21,10 @@ namespace hds {
 struct LeafObject {
     std::uint32_t object = 0;
     std::uint32_t mesh = 0;
-    std::uint32_t flags = 0;   ///< HDS_INSTANCE_*
-    glm::dvec3 origin{0.0};    ///< object-space origin of the device positions
-    Bounds bounds;             ///< relative to origin
-    bool ownRecord = false;    ///< needs a record in the TLAS
+    std::uint32_t flags = 0; ///< HDS_INSTANCE_*
+    glm::dvec3 origin{0.0};  ///< object-space origin of the device positions
+    Bounds bounds;           ///< relative to origin
+    bool ownRecord = false;  ///< needs a record in the TLAS
 };
 
 /// One placement in the TLAS of a leaf that asked for its own record.
@@ -37,29 +37,32 @@ struct OwnRecord {
 
 /// Device tables of the hierarchy. Object 0 is the TLAS.
 struct Hierarchy {
-    std::vector<shared::HdsBvhNode> nodes;         ///< of all groups
-    std::vector<shared::HdsObject> groups;         ///< nodeBase into nodes, itemBase into instances
-    std::vector<shared::HdsInstance> instances;    ///< group by group, leaf order of its BVH
-    std::vector<std::uint32_t> instancesByPath;    ///< per group, records in the order of pathOffset
+    std::vector<shared::HdsBvhNode> nodes;      ///< of all groups
+    std::vector<shared::HdsObject> groups;      ///< nodeBase into nodes, itemBase into instances
+    std::vector<shared::HdsInstance> instances; ///< group by group, leaf order of its BVH
+    std::vector<std::uint32_t> instancesByPath; ///< per group, records in the order of pathOffset
     std::vector<OwnRecord> ownRecords;
-    std::uint64_t numLeaves = 0;                   ///< leaf instances in the scene
-    std::uint32_t depth = 0;                       ///< groups below the TLAS on the longest path
-    Bounds bounds;                                 ///< of the TLAS
+    std::uint64_t numLeaves = 0; ///< leaf instances in the scene
+    std::uint32_t depth = 0;     ///< groups below the TLAS on the longest path
+    Bounds bounds;               ///< of the TLAS
 };
 
 /// Builds the hierarchy of all drawn meshes.
 /// \param leaves the drawn meshes by path.
 /// \param centre scene centre, subtracted from world positions in double.
-/// \param firstGroup index of the first group after the TLAS in the object table (the TLAS is object
+/// \param firstGroup index of the first group after the TLAS in the object table (the TLAS is
+/// object
 ///        0, the leaves' objects come between).
 /// Prims with singular or non-finite transforms are dropped with a warning.
-Hierarchy BuildHierarchy(const SceneDescription& scene, const std::map<std::string, LeafObject>& leaves,
-                         const glm::dvec3& centre, std::uint32_t firstGroup, Warnings& warnings);
+Hierarchy BuildHierarchy(const SceneDescription& scene,
+                         const std::map<std::string, LeafObject>& leaves, const glm::dvec3& centre,
+                         std::uint32_t firstGroup, Warnings& warnings);
 
 /// Placements of an instancer in world space (its own and its ancestors' instances composed,
 /// parent-major) for the prototype `path`; calls `onPlacement(worldFromPrototype)` for each. For
 /// lights, bounds and leaves with a record of their own.
-void ForEachPlacement(const SceneDescription& scene, const std::string& path, const Placement& placement,
+void ForEachPlacement(const SceneDescription& scene, const std::string& path,
+                      const Placement& placement,
                       const std::function<void(const glm::dmat4& worldFromObject)>& onPlacement);
 
 } // namespace hds

@@ -31,7 +31,8 @@ void ImageLibrary::Record(const AssetReference& asset, const TextureUse& use) {
     _uses[KeyOf(asset)] = use;
 }
 
-std::optional<std::array<float, 4>> ImageLibrary::MeanOf(const AssetReference& asset, const std::string& colorSpace) {
+std::optional<std::array<float, 4>> ImageLibrary::MeanOf(const AssetReference& asset,
+                                                         const std::string& colorSpace) {
     const std::string key = KeyOf(asset) + '\n' + colorSpace;
     {
         const std::lock_guard<std::mutex> lock(_mutex);
@@ -71,7 +72,8 @@ std::shared_ptr<const DomeImage> ImageLibrary::LoadDome(const AssetReference& as
         _warnings.Add("", image.warning);
     }
     if (image.numNonFinite > 0) {
-        _warnings.Add(asset.authoredPath, std::to_string(image.numNonFinite) + " values are not finite and were replaced");
+        _warnings.Add(asset.authoredPath, std::to_string(image.numNonFinite) +
+                                              " values are not finite and were replaced");
     }
     if (!image.Ok()) {
         return nullptr;

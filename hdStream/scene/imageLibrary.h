@@ -18,7 +18,8 @@ public:
     explicit ImageLibrary(Warnings& warnings) : _warnings(warnings) {}
 
     /// The mean colour in linear light; empty when the image cannot be read (the caller warns).
-    std::optional<std::array<float, 4>> MeanOf(const AssetReference& asset, const std::string& colorSpace);
+    std::optional<std::array<float, 4>> MeanOf(const AssetReference& asset,
+                                               const std::string& colorSpace);
 
     /// A dome's image; null when it cannot be read (the caller warns).
     std::shared_ptr<const DomeImage> LoadDome(const AssetReference& asset);
@@ -32,7 +33,8 @@ private:
     Warnings& _warnings;
     mutable std::mutex _mutex;
     std::map<std::string, TextureUse> _uses; ///< by file and range
-    std::map<std::string, std::optional<std::array<float, 4>>> _means; ///< by file, range and colour space
+    std::map<std::string, std::optional<std::array<float, 4>>>
+        _means; ///< by file, range and colour space
 };
 
 } // namespace hds

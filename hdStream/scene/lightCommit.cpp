@@ -32,7 +32,8 @@ std::vector<PlacedLight> PlaceLights(const SceneDescription& scene, const glm::d
 
 /// A material entry that emits the same everywhere.
 bool HasConstantEmission(const shared::HdsMaterial& material) {
-    return (material.flags & HDS_MATERIAL_EMISSIVE) != 0 && material.slots[HDS_INPUT_EMISSIVE_COLOR] == HDS_NONE;
+    return (material.flags & HDS_MATERIAL_EMISSIVE) != 0 &&
+           material.slots[HDS_INPUT_EMISSIVE_COLOR] == HDS_NONE;
 }
 
 glm::dvec3 EmissionOf(const shared::HdsMaterial& material) {
@@ -41,8 +42,8 @@ glm::dvec3 EmissionOf(const shared::HdsMaterial& material) {
 }
 
 /// Triangles of one instance whose material entry is `entry`, as one light.
-EmissiveMesh MakeEmissiveMesh(const OwnRecord& record, const TriangleMesh& mesh, std::uint32_t entry,
-                              const glm::dvec3& radiance) {
+EmissiveMesh MakeEmissiveMesh(const OwnRecord& record, const TriangleMesh& mesh,
+                              std::uint32_t entry, const glm::dvec3& radiance) {
     EmissiveMesh light;
     light.name = record.path;
     light.radiance = radiance;
@@ -71,7 +72,8 @@ EmissiveMesh MakeEmissiveMesh(const OwnRecord& record, const TriangleMesh& mesh,
 
 } // namespace
 
-CommittedLights CommitLights(const LightCommitInput& input, ImageLibrary& images, Warnings& warnings) {
+CommittedLights CommitLights(const LightCommitInput& input, ImageLibrary& images,
+                             Warnings& warnings) {
     CommittedLights result;
     std::vector<PlacedLight> lights = PlaceLights(*input.scene, input.centre);
     std::vector<EmissiveMesh> emissive;
@@ -82,12 +84,13 @@ CommittedLights CommitLights(const LightCommitInput& input, ImageLibrary& images
         for (std::uint32_t entry = 0; entry < info.numEntries; ++entry) {
             result.lightByEntry.push_back(HDS_NONE);
             const shared::HdsMaterial& material =
-                input.materials->materials[input.materials->meshMaterials[info.materialBase + entry]];
+                input.materials
+                    ->materials[input.materials->meshMaterials[info.materialBase + entry]];
             if (!HasConstantEmission(material)) {
                 continue; // what it emits is found by BSDF sampling alone
             }
-            EmissiveMesh light = MakeEmissiveMesh(record, *(*input.meshes)[record.mesh].triangles, entry,
-                                                  EmissionOf(material));
+            EmissiveMesh light = MakeEmissiveMesh(record, *(*input.meshes)[record.mesh].triangles,
+                                                  entry, EmissionOf(material));
             if (result.emissiveTriangles + light.triangles.size() > kMaxEmissiveTriangles) {
                 isFull = true;
             } else if (!light.triangles.empty()) {

@@ -30,6 +30,7 @@ struct CommittedLights {
 };
 
 /// A stage without any light gets a uniform dome of radiance 1, with a warning.
-CommittedLights CommitLights(const LightCommitInput& input, ImageLibrary& images, Warnings& warnings);
+CommittedLights CommitLights(const LightCommitInput& input, ImageLibrary& images,
+                             Warnings& warnings);
 
 } // namespace hds

@@ -5,7 +5,8 @@
 
 namespace hds {
 
-void MaterialCommit::Compile(const std::vector<const std::pair<const std::string, MeshPrim>*>& prims) {
+void MaterialCommit::Compile(
+    const std::vector<const std::pair<const std::string, MeshPrim>*>& prims) {
     _compiled[""] = DisplayColorMaterial();
     std::vector<const std::pair<const std::string, MaterialNetwork>*> networks;
     const auto use = [&](const std::string& primPath, const std::string& materialPath) {
@@ -15,7 +16,8 @@ void MaterialCommit::Compile(const std::vector<const std::pair<const std::string
         _compiled[materialPath] = DisplayColorMaterial();
         const auto found = _scene.materials.find(materialPath);
         if (found == _scene.materials.end()) {
-            _warnings.Add(primPath, "its material " + materialPath + " does not exist; drawn with displayColor");
+            _warnings.Add(primPath, "its material " + materialPath +
+                                        " does not exist; drawn with displayColor");
             return;
         }
         networks.push_back(&*found);
@@ -26,7 +28,8 @@ void MaterialCommit::Compile(const std::vector<const std::pair<const std::string
             use(prim->first, subset.materialPath);
         }
     }
-    const MeanColorCallback meanColor = [this](const AssetReference& asset, const std::string& colorSpace) {
+    const MeanColorCallback meanColor = [this](const AssetReference& asset,
+                                               const std::string& colorSpace) {
         return _images.MeanOf(asset, colorSpace);
     };
     std::vector<CompiledMaterial> results(networks.size());
@@ -44,7 +47,8 @@ const CompiledMaterial& MaterialCommit::Find(const std::string& materialPath) co
 
 std::uint32_t MaterialCommit::AddRecord(const shared::HdsMaterial& record) {
     const std::string bytes(reinterpret_cast<const char*>(&record), sizeof(record));
-    const auto [found, isNew] = _indexByBytes.emplace(bytes, static_cast<std::uint32_t>(materials.size()));
+    const auto [found, isNew] =
+        _indexByBytes.emplace(bytes, static_cast<std::uint32_t>(materials.size()));
     if (isNew) {
         materials.push_back(record);
     }
@@ -60,7 +64,8 @@ MeshMaterialInfo MaterialCommit::AddMesh(const std::string& path, const MeshPrim
     MeshMaterialInfo info;
     info.materialBase = static_cast<std::uint32_t>(meshMaterials.size());
     const auto add = [&](const std::string& materialPath) {
-        const shared::HdsMaterial record = ResolveMaterial(Find(materialPath), names, path, _warnings);
+        const shared::HdsMaterial record =
+            ResolveMaterial(Find(materialPath), names, path, _warnings);
         info.hasCutouts = info.hasCutouts || (record.flags & HDS_MATERIAL_CUTOUT) != 0;
         info.isEmissive = info.isEmissive || (record.flags & HDS_MATERIAL_EMISSIVE) != 0;
         meshMaterials.push_back(AddRecord(record));

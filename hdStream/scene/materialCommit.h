@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Materials of the drawn meshes: compiled once, resolved against each mesh's primvars, equal records
-// shared.
+// Materials of the drawn meshes: compiled once, resolved against each mesh's primvars, equal
+// records shared.
 #pragma once
 
 #include "hdStream/scene/imageLibrary.h"
@@ -16,8 +16,8 @@ namespace hds {
 struct MeshMaterialInfo {
     std::uint32_t materialBase = 0; ///< first of its entries in meshMaterials
     std::uint32_t numEntries = 0;
-    bool hasCutouts = false;        ///< some entry may let rays pass
-    bool isEmissive = false;        ///< some entry emits
+    bool hasCutouts = false; ///< some entry may let rays pass
+    bool isEmissive = false; ///< some entry emits
 };
 
 /// Collects the records. Externally synchronised.
@@ -30,7 +30,8 @@ public:
     void Compile(const std::vector<const std::pair<const std::string, MeshPrim>*>& prims);
 
     /// Appends the entries of a mesh: the prim's material, then one for each subset.
-    MeshMaterialInfo AddMesh(const std::string& path, const MeshPrim& prim, const TriangleMesh& triangles);
+    MeshMaterialInfo AddMesh(const std::string& path, const MeshPrim& prim,
+                             const TriangleMesh& triangles);
 
     std::vector<shared::HdsMaterial> materials;
     std::vector<std::uint32_t> meshMaterials;

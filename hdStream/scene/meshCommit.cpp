@@ -11,7 +11,8 @@ namespace hds {
 
 namespace {
 
-PreparedChunk PrepareChunk(const ChunkSource& source, const std::uint32_t* triangles, std::size_t count) {
+PreparedChunk PrepareChunk(const ChunkSource& source, const std::uint32_t* triangles,
+                           std::size_t count) {
     PreparedChunk chunk;
     ChunkGeometry geometry = source.Gather(triangles, count);
     chunk.geometry = BuildGeometryPage(geometry);
@@ -50,13 +51,13 @@ PreparedMesh PrepareMesh(const std::string& path, const MeshPrim& prim, const Me
     }
     const ChunkSource source(result.triangles);
     const std::size_t bytesPerTriangle = EstimateBytesPerTriangle(*result.triangles);
-    const auto maxTriangles = static_cast<std::uint32_t>(
-        std::max<std::uint64_t>(1, options.chunkBytes / std::max<std::size_t>(1, bytesPerTriangle)));
+    const auto maxTriangles = static_cast<std::uint32_t>(std::max<std::uint64_t>(
+        1, options.chunkBytes / std::max<std::size_t>(1, bytesPerTriangle)));
     const ChunkPlan plan = PlanChunks(*result.triangles, maxTriangles);
     result.chunks.resize(plan.begin.size() - 1);
     tbb::parallel_for(std::size_t{0}, result.chunks.size(), [&](std::size_t i) {
-        result.chunks[i] =
-            PrepareChunk(source, plan.order.data() + plan.begin[i], plan.begin[i + 1] - plan.begin[i]);
+        result.chunks[i] = PrepareChunk(source, plan.order.data() + plan.begin[i],
+                                        plan.begin[i + 1] - plan.begin[i]);
     });
     for (const PreparedChunk& chunk : result.chunks) {
         ExtendBounds(&result.bounds, chunk.geometry.bounds);
@@ -75,9 +76,12 @@ constexpr std::size_t kMaxAdaptiveFaces = std::size_t{1} << 17U;
 
 std::uint32_t ChooseRefineLevel(const MeshOptions& options, std::size_t numFaces) {
     switch (options.subdivision) {
-    case Subdivision::Cage: return 0;
-    case Subdivision::Complexity: return options.refineLevel;
-    case Subdivision::Adaptive: break;
+    case Subdivision::Cage:
+        return 0;
+    case Subdivision::Complexity:
+        return options.refineLevel;
+    case Subdivision::Adaptive:
+        break;
     }
     std::uint32_t level = 0;
     while (level < kMaxAdaptiveLevel && (numFaces << (2 * (level + 1))) <= kMaxAdaptiveFaces) {

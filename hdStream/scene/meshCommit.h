@@ -23,14 +23,14 @@ struct PreparedChunk {
 struct PreparedMesh {
     std::string path;
     std::shared_ptr<const TriangleMesh> triangles;
-    std::vector<PreparedChunk> chunks; ///< in the leaf order of the top tree
+    std::vector<PreparedChunk> chunks;        ///< in the leaf order of the top tree
     std::vector<shared::HdsBvhNode> topNodes; ///< empty for a single chunk
-    Bounds bounds; ///< relative to triangles->origin
+    Bounds bounds;                            ///< relative to triangles->origin
 };
 
 /// How subdivision surfaces are drawn (DESIGN.md section 4.8).
 enum class Subdivision {
-    Adaptive,   ///< close to the limit surface: the level of a mesh follows from its size, see below
+    Adaptive, ///< close to the limit surface: the level of a mesh follows from its size, see below
     Complexity, ///< one level for all meshes
     Cage,       ///< as authored, not subdivided
 };
@@ -47,7 +47,8 @@ struct MeshOptions {
 std::uint32_t ChooseRefineLevel(const MeshOptions& options, std::size_t numFaces);
 
 /// Prepares the meshes on all cores. An unusable mesh has no chunks.
-std::vector<PreparedMesh> PrepareMeshes(const std::vector<const std::pair<const std::string, MeshPrim>*>& prims,
-                                        const MeshOptions& options, Warnings& warnings);
+std::vector<PreparedMesh>
+PrepareMeshes(const std::vector<const std::pair<const std::string, MeshPrim>*>& prims,
+              const MeshOptions& options, Warnings& warnings);
 
 } // namespace hds

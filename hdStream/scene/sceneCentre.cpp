@@ -35,7 +35,8 @@ void ExtendByLeaf(const glm::dmat4& worldFromObject, const LeafObject& leaf, Dou
 
 } // namespace
 
-glm::dvec3 ChooseSceneCentre(const SceneDescription& scene, const std::map<std::string, LeafObject>& leaves) {
+glm::dvec3 ChooseSceneCentre(const SceneDescription& scene,
+                             const std::map<std::string, LeafObject>& leaves) {
     DoubleBounds bounds;
     for (const auto& [path, leaf] : leaves) {
         const Placement& placement = scene.meshes.at(path).placement;
@@ -48,8 +49,8 @@ glm::dvec3 ChooseSceneCentre(const SceneDescription& scene, const std::map<std::
             continue;
         }
         for (std::size_t i = 0; i + 16 <= instancer.instanceTransforms.size(); i += 16) {
-            const glm::dmat4 transform =
-                instancer.placement.worldFromObject * glm::make_mat4(instancer.instanceTransforms.data() + i);
+            const glm::dmat4 transform = instancer.placement.worldFromObject *
+                                         glm::make_mat4(instancer.instanceTransforms.data() + i);
             bounds.Extend(glm::dvec3(transform[3]));
         }
     }

@@ -33,12 +33,14 @@ struct MeshPrim {
     int primId = -1;          ///< the front end's id for the AOV; -1: order of path
 };
 
-/// An instancer: places its prototypes (meshes, lights or instancers that name it as instancerPath).
-/// worldFromPrototype(i) = parent instance * worldFromInstancer * instanceTransforms[i].
+/// An instancer: places its prototypes (meshes, lights or instancers that name it as
+/// instancerPath). worldFromPrototype(i) = parent instance * worldFromInstancer *
+/// instanceTransforms[i].
 struct InstancerPrim {
-    Placement placement;               ///< of the instancer itself (maybe below another instancer)
+    Placement placement; ///< of the instancer itself (maybe below another instancer)
     SharedSpan<double> instanceTransforms; ///< [numInstances][16], memory as glm::dmat4
-    /// Instances that place a prototype, by the path of the prototype (prim that names this instancer).
+    /// Instances that place a prototype, by the path of the prototype (prim that names this
+    /// instancer).
     std::map<std::string, SharedSpan<std::int32_t>> instancesByPrototype;
 };
 
@@ -48,7 +50,8 @@ struct LightPrim {
     LightDescription light;
 };
 
-/// A camera. Lengths of the film back and the focal length are in tenths of a scene unit (as UsdGeom).
+/// A camera. Lengths of the film back and the focal length are in tenths of a scene unit (as
+/// UsdGeom).
 struct CameraPrim {
     glm::dmat4 worldFromCamera{1.0};
     bool orthographic = false;
@@ -61,7 +64,8 @@ struct CameraPrim {
     double farClip = 1000000.0; ///< scene units
     double fStop = 0.0;         ///< 0: pinhole
     double focusDistance = 0.0; ///< scene units; 0: pinhole
-    double exposureScale = 1.0; ///< linear factor on radiance, 2^exposure and the photographic terms
+    double exposureScale =
+        1.0; ///< linear factor on radiance, 2^exposure and the photographic terms
 };
 
 /// Everything, by prim path. std::map keeps the order of paths, which is the order of identity.

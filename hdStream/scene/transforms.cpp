@@ -20,7 +20,8 @@ AffineRows RowsFromMatrix(const glm::dmat4& matrix) {
     AffineRows rows{};
     for (int row = 0; row < 3; ++row) {
         for (int column = 0; column < 4; ++column) {
-            rows[static_cast<std::size_t>(4 * row + column)] = static_cast<float>(matrix[column][row]);
+            rows[static_cast<std::size_t>(4 * row + column)] =
+                static_cast<float>(matrix[column][row]);
         }
     }
     return rows;
@@ -50,7 +51,8 @@ Bounds TransformBounds(const glm::dmat4& matrix, const Bounds& bounds) {
     const glm::dvec3 half = 0.5 * (glm::dvec3(bounds.max) - glm::dvec3(bounds.min));
     const glm::dvec3 newCentre = glm::dvec3(matrix * glm::dvec4(centre, 1.0));
     for (int axis = 0; axis < 3; ++axis) {
-        const double reach = std::abs(matrix[0][axis]) * half.x + std::abs(matrix[1][axis]) * half.y +
+        const double reach = std::abs(matrix[0][axis]) * half.x +
+                             std::abs(matrix[1][axis]) * half.y +
                              std::abs(matrix[2][axis]) * half.z;
         const double margin = std::ldexp(std::abs(newCentre[axis]) + reach, kMarginExponent);
         result.min[axis] = static_cast<float>(newCentre[axis] - reach - margin);

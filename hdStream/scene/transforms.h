@@ -28,6 +28,8 @@ Bounds TransformBounds(const glm::dmat4& matrix, const Bounds& bounds);
 void ExtendBounds(Bounds* bounds, const Bounds& other);
 
 /// False for the empty box.
-inline bool IsValidBounds(const Bounds& bounds) { return bounds.min.x <= bounds.max.x; }
+inline bool IsValidBounds(const Bounds& bounds) {
+    return bounds.min.x <= bounds.max.x;
+}
 
 } // namespace hds

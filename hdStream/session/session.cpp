@@ -26,13 +26,7 @@ void CheckRendered(const PathTracer* tracer) {
 } // namespace
 
 std::vector<DeviceInfo> ListDevices() {
-    std::vector<DeviceInfo> devices;
-    for (const DeviceProperties& properties : ListDeviceProperties()) {
-        devices.push_back({properties.name, properties.platform, properties.version, properties.driverVersion,
-                           properties.memoryBytes, properties.maxAllocationBytes, properties.computeUnits,
-                           properties.isCpu});
-    }
-    return devices;
+    return ListDeviceProperties();
 }
 
 CacheState InspectCache(const std::string& directory) {
@@ -40,7 +34,9 @@ CacheState InspectCache(const std::string& directory) {
     return {store.Directory(), store.Size()};
 }
 
-std::uint64_t ClearCache(const std::string& directory) { return Store({directory, true}, nullptr).Clear(); }
+std::uint64_t ClearCache(const std::string& directory) {
+    return Store({directory, true}, nullptr).Clear();
+}
 
 struct Session::Impl {
     explicit Impl(WarningSink onWarning) : warnings(std::move(onWarning)) {}
@@ -60,19 +56,25 @@ Session::Session(WarningSink onWarning) : _impl(std::make_unique<Impl>(std::move
 
 Session::~Session() = default;
 
-void Session::SetMesh(const std::string& path, MeshPrim prim) { _impl->description.meshes[path] = std::move(prim); }
+void Session::SetMesh(const std::string& path, MeshPrim prim) {
+    _impl->description.meshes[path] = std::move(prim);
+}
 
 void Session::SetInstancer(const std::string& path, InstancerPrim prim) {
     _impl->description.instancers[path] = std::move(prim);
 }
 
-void Session::SetLight(const std::string& path, LightPrim prim) { _impl->description.lights[path] = std::move(prim); }
+void Session::SetLight(const std::string& path, LightPrim prim) {
+    _impl->description.lights[path] = std::move(prim);
+}
 
 void Session::SetMaterial(const std::string& path, MaterialNetwork network) {
     _impl->description.materials[path] = std::move(network);
 }
 
-void Session::SetCamera(const std::string& path, CameraPrim prim) { _impl->description.cameras[path] = prim; }
+void Session::SetCamera(const std::string& path, CameraPrim prim) {
+    _impl->description.cameras[path] = prim;
+}
 
 void Session::SetStage(double metersPerUnit, const std::string& upAxis) {
     _impl->description.metersPerUnit = metersPerUnit;
@@ -93,16 +95,25 @@ void Session::Clear() {
     _impl->warnings.Clear();
 }
 
-const SceneDescription& Session::Scene() const { return _impl->description; }
+const SceneDescription& Session::Scene() const {
+    return _impl->description;
+}
 
-void Session::Warn(const std::string& subject, const std::string& text) { _impl->warnings.Add(subject, text); }
+void Session::Warn(const std::string& subject, const std::string& text) {
+    _impl->warnings.Add(subject, text);
+}
 
-std::vector<std::string> Session::Warnings() const { return _impl->warnings.Lines(); }
+std::vector<std::string> Session::Warnings() const {
+    return _impl->warnings.Lines();
+}
 
-std::string Session::Dump() const { return DumpScene(_impl->description); }
+std::string Session::Dump() const {
+    return DumpScene(_impl->description);
+}
 
 std::string Session::Info() const {
-    const auto scene = CommitScene(_impl->description, MakeCommitOptions(Settings()), _impl->warnings);
+    const auto scene =
+        CommitScene(_impl->description, MakeCommitOptions(Settings()), _impl->warnings);
     return MakeInfo(_impl->description, *scene, _impl->warnings.Lines());
 }
 
@@ -112,7 +123,8 @@ RenderResult Session::Render(const Settings& settings, const ProgressCallback& o
     CheckSettings(settings);
     const auto camera = impl.description.cameras.find(settings.camera);
     if (camera == impl.description.cameras.end()) {
-        throw Error("--camera " + settings.camera + ": the stage has no such camera", ErrorKind::Usage);
+        throw Error("--camera " + settings.camera + ": the stage has no such camera",
+                    ErrorKind::Usage);
     }
     RenderOptions options = MakeRenderOptions(settings, camera->second);
 
@@ -122,16 +134,19 @@ RenderResult Session::Render(const Settings& settings, const ProgressCallback& o
         impl.device = Device::Create(settings.device);
         impl.deviceName = settings.device;
     }
-    impl.store = std::make_unique<Store>(StoreOptions{settings.cacheDirectory, !settings.noCache}, &impl.warnings);
+    impl.store = std::make_unique<Store>(StoreOptions{settings.cacheDirectory, !settings.noCache},
+                                         &impl.warnings);
     impl.scene = CommitScene(impl.description, MakeCommitOptions(settings), impl.warnings);
-    impl.tracer = std::make_unique<PathTracer>(impl.device, impl.store.get(), *impl.scene, std::move(options));
+    impl.tracer = std::make_unique<PathTracer>(impl.device, impl.store.get(), *impl.scene,
+                                               std::move(options));
     const double beforeRendering = SecondsSince(start);
     const RenderResult result = impl.tracer->Render(onProgress);
 
     const RenderStatistics& rendered = impl.tracer->Statistics();
     if (rendered.endedPasses > 0) {
-        impl.warnings.Add("", std::to_string(rendered.endedPasses) +
-                                  " rays ended after passing the most cut-out surfaces that one ray may pass");
+        impl.warnings.Add(
+            "", std::to_string(rendered.endedPasses) +
+                    " rays ended after passing the most cut-out surfaces that one ray may pass");
     }
     StatisticsInput& statistics = impl.statistics;
     statistics.device = impl.device.get();
@@ -141,7 +156,8 @@ RenderResult Session::Render(const Settings& settings, const ProgressCallback& o
     statistics.imageHeight = settings.imageHeight;
     statistics.poolBytes = impl.tracer->PoolBytes();
     statistics.tableBytes = impl.tracer->TableBytes();
-    statistics.firstPixelSeconds = impl.sinceStartSeconds + beforeRendering + rendered.firstImageSeconds;
+    statistics.firstPixelSeconds =
+        impl.sinceStartSeconds + beforeRendering + rendered.firstImageSeconds;
     statistics.totalSeconds = impl.sinceStartSeconds + SecondsSince(start);
     return result;
 }
@@ -158,7 +174,8 @@ std::string Session::Statistics() const {
     return MakeStatistics(input);
 }
 
-void Session::SetFrontEndTimes(double loadSeconds, double translateSeconds, double sinceStartSeconds) {
+void Session::SetFrontEndTimes(double loadSeconds, double translateSeconds,
+                               double sinceStartSeconds) {
     _impl->statistics.loadSeconds = loadSeconds;
     _impl->statistics.translateSeconds = translateSeconds;
     _impl->sinceStartSeconds = sinceStartSeconds;

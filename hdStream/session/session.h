@@ -4,9 +4,10 @@
 #pragma once
 
 #include "hdStream/base/error.h"
-#include "hdStream/geometry/implicitMesh.h"
+#include "hdStream/device/device.h"
 #include "hdStream/film/compare.h"
 #include "hdStream/film/imageWriter.h"
+#include "hdStream/geometry/implicitMesh.h"
 #include "hdStream/integrator/renderOptions.h"
 #include "hdStream/scene/sceneDescription.h"
 #include "hdStream/session/settings.h"
@@ -20,16 +21,7 @@
 namespace hds {
 
 /// An OpenCL device as `hdstream devices` lists it.
-struct DeviceInfo {
-    std::string name;
-    std::string platform;
-    std::string version;
-    std::string driverVersion;
-    std::uint64_t memoryBytes = 0;
-    std::uint64_t maxAllocationBytes = 0;
-    std::uint32_t computeUnits = 0;
-    bool isCpu = false;
-};
+using DeviceInfo = DeviceProperties;
 
 /// All OpenCL devices of the machine. Never throws: no device gives an empty list.
 std::vector<DeviceInfo> ListDevices();

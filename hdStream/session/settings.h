@@ -18,21 +18,21 @@ struct Settings {
     double pixelAspectRatio = 1.0;   ///< width / height of a pixel
     std::vector<std::string> aovs{"color"};
     std::vector<std::string> purposes{"default", "render"}; ///< drawn, besides "default"
-    std::uint32_t samples = 64;      ///< per pixel
-    std::uint32_t maxDepth = 8;      ///< bounces after the first hit
+    std::uint32_t samples = 64;                             ///< per pixel
+    std::uint32_t maxDepth = 8;                             ///< bounces after the first hit
     std::uint32_t seed = 0;
-    double timeLimit = 0.0;          ///< seconds; 0: none
-    double noise = 0.0;              ///< relative error per pixel at which it stops; 0: never
+    double timeLimit = 0.0; ///< seconds; 0: none
+    double noise = 0.0;     ///< relative error per pixel at which it stops; 0: never
     std::string pixelFilter = "blackmanHarris"; ///< or "box"
-    double pixelFilterWidth = 3.0;   ///< pixels, full width (box: 1 is the pixel itself)
+    double pixelFilterWidth = 3.0;              ///< pixels, full width (box: 1 is the pixel itself)
     bool russianRoulette = true;
     std::string subdivision = "adaptive"; ///< adaptive, complexity (refineLevel everywhere) or cage
-    std::uint32_t refineLevel = 0;   ///< for subdivision "complexity"
-    std::uint32_t waveSize = 0;      ///< paths in flight; 0: the device's measured default
-    std::string device;              ///< part of its name; empty: the first GPU, else the first CPU
-    std::string cacheDirectory;      ///< empty: HDSTREAM_CACHE_DIR or the platform's
+    std::uint32_t refineLevel = 0;        ///< for subdivision "complexity"
+    std::uint32_t waveSize = 0;           ///< paths in flight; 0: the device's measured default
+    std::string device;         ///< part of its name; empty: the first GPU, else the first CPU
+    std::string cacheDirectory; ///< empty: HDSTREAM_CACHE_DIR or the platform's
     bool noCache = false;
-    std::string traversal = "auto";  ///< auto, wide (8-wide vectors), lane (one lane a ray)
+    std::string traversal = "auto";     ///< auto, wide (8-wide vectors), lane (one lane a ray)
     std::uint64_t chunkBytes = 1 << 20; ///< upper bound of a chunk's pages
 };
 

@@ -26,9 +26,11 @@ void CheckSize(const std::string& option, std::uint32_t size) {
     }
 }
 
-void CheckRange(const std::string& option, std::uint64_t value, std::uint64_t low, std::uint64_t high) {
+void CheckRange(const std::string& option, std::uint64_t value, std::uint64_t low,
+                std::uint64_t high) {
     if (value < low || value > high) {
-        Fail(option, std::to_string(value) + " is not in " + std::to_string(low) + ".." + std::to_string(high));
+        Fail(option, std::to_string(value) + " is not in " + std::to_string(low) + ".." +
+                         std::to_string(high));
     }
 }
 

@@ -92,8 +92,10 @@ std::string MakeStatistics(const StatisticsInput& in) {
         static_cast<double>(render.cameraRays + render.indirectRays + render.shadowRays);
     Json stats;
     stats["version"] = kVersion;
-    stats["device"] = {{"name", in.device->Properties().name}, {"memory", in.device->Properties().memoryBytes}};
-    stats["image"] = {{"width", in.imageWidth}, {"height", in.imageHeight}, {"samples", render.samples}};
+    stats["device"] = {{"name", in.device->Properties().name},
+                       {"memory", in.device->Properties().memoryBytes}};
+    stats["image"] = {
+        {"width", in.imageWidth}, {"height", in.imageHeight}, {"samples", render.samples}};
     stats["time"] = TimeSection(in);
     stats["memory"] = {{"pathState", render.pathStateBytes},
                        {"film", render.filmBytes},
@@ -110,7 +112,8 @@ std::string MakeStatistics(const StatisticsInput& in) {
                          {"clampedSamples", 0},
                          {"endedPasses", render.endedPasses},
                          {"meanRelativeError", render.meanRelativeError}};
-    stats["wave"] = {{"size", render.waveSize}, {"traversal", render.isWideTraversal ? "wide" : "lane"}};
+    stats["wave"] = {{"size", render.waveSize},
+                     {"traversal", render.isWideTraversal ? "wide" : "lane"}};
     stats["warnings"] = in.warnings;
     return stats.dump(2) + "\n";
 }

@@ -10,7 +10,8 @@
 namespace hds {
 
 static_assert(kMaxPoolBuffers == HDS_POOL_MAX_BUFFERS, "the kernels' signature");
-static_assert(kMaxPoolBufferBytes == (std::uint64_t{HDS_POOL_UNIT_BYTES} << HDS_POOL_BUFFER_SHIFT), "address format");
+static_assert(kMaxPoolBufferBytes == (std::uint64_t{HDS_POOL_UNIT_BYTES} << HDS_POOL_BUFFER_SHIFT),
+              "address format");
 
 namespace {
 
@@ -20,7 +21,8 @@ struct Placement {
     std::vector<std::uint64_t> bufferBytes;
 };
 
-Placement PlacePages(const PageProvider& provider, std::uint64_t bufferLimit, const std::string& label) {
+Placement PlacePages(const PageProvider& provider, std::uint64_t bufferLimit,
+                     const std::string& label) {
     Placement placement;
     placement.addresses.resize(provider.NumPages(), HDS_NOT_RESIDENT);
     placement.bufferBytes.push_back(0);
@@ -35,8 +37,8 @@ Placement PlacePages(const PageProvider& provider, std::uint64_t bufferLimit, co
         }
         if (bytes > bufferLimit || placement.bufferBytes.size() > kMaxPoolBuffers) {
             throw Error(label + ": the scene does not fit the device's memory (" +
-                        std::to_string(kMaxPoolBuffers) + " buffers of " + std::to_string(bufferLimit) +
-                        " bytes)");
+                        std::to_string(kMaxPoolBuffers) + " buffers of " +
+                        std::to_string(bufferLimit) + " bytes)");
         }
         const auto buffer = static_cast<std::uint32_t>(placement.bufferBytes.size() - 1);
         placement.addresses[page] =
@@ -50,7 +52,9 @@ Placement PlacePages(const PageProvider& provider, std::uint64_t bufferLimit, co
 /// Uploads go through a staging block, so that many small pages cost few transfers.
 class StagedUpload {
 public:
-    StagedUpload(Buffer* buffer, std::uint64_t blockBytes) : _buffer(buffer) { _block.reserve(blockBytes); }
+    StagedUpload(Buffer* buffer, std::uint64_t blockBytes) : _buffer(buffer) {
+        _block.reserve(blockBytes);
+    }
     void Append(const std::uint8_t* data, std::uint64_t bytes) {
         if (_block.size() + bytes > _block.capacity()) {
             Flush();
@@ -89,7 +93,8 @@ ResidentPool::ResidentPool(const std::shared_ptr<Device>& device, const std::str
     std::uint32_t page = 0;
     for (std::uint32_t i = 0; i < kMaxPoolBuffers; ++i) {
         const std::uint64_t bytes = i < _numBuffers ? placement.bufferBytes[i] : 0;
-        _buffers[i] = Buffer(device, label + " pool " + std::to_string(i), bytes, BufferAccess::ReadOnly);
+        _buffers[i] =
+            Buffer(device, label + " pool " + std::to_string(i), bytes, BufferAccess::ReadOnly);
         _bytes += bytes;
         StagedUpload upload(&_buffers[i], kStagingBytes);
         for (; page < provider.NumPages(); ++page) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Resident mode (DESIGN.md section 4.6): every page is uploaded once and stays. The address table has
-// the form that the streaming pool will publish, so kernels see no difference.
-// Explained in docs/architecture.md.
+// Resident mode (DESIGN.md section 4.6): every page is uploaded once and stays. The address table
+// has the form that the streaming pool will publish, so kernels see no difference. Explained in
+// docs/architecture.md.
 #pragma once
 
 #include "hdStream/device/device.h"

@@ -5,9 +5,9 @@
 
 /* Writes the sampled AOVs of each pixel; offsets are values inside a pixel of `floats` or `ints`,
  * HDS_NONE: not asked for. Global size: number of pixels. */
-kernel void film_develop(global const HdsFilmPixel* film, uint numPixels, global float* floats, uint floatStride,
-                         global int* ints, uint intStride, uint colorOffset, uint alphaOffset,
-                         uint varianceOffset, uint countOffset) {
+kernel void film_develop(global const HdsFilmPixel* film, uint numPixels, global float* floats,
+                         uint floatStride, global int* ints, uint intStride, uint colorOffset,
+                         uint alphaOffset, uint varianceOffset, uint countOffset) {
     uint i = (uint)get_global_id(0);
     if (i >= numPixels) {
         return;
@@ -31,8 +31,8 @@ kernel void film_develop(global const HdsFilmPixel* film, uint numPixels, global
 
 /* Relative error of each listed pixel: standard error of the mean over the mean, both of luminance;
  * the mean counts as at least 0.01, the floor of relMSE. Global size: numPixels. */
-kernel void film_relativeError(global const HdsFilmPixel* film, global const uint* pixels, uint numPixels,
-                               global float* errors) {
+kernel void film_relativeError(global const HdsFilmPixel* film, global const uint* pixels,
+                               uint numPixels, global float* errors) {
     uint i = (uint)get_global_id(0);
     if (i >= numPixels) {
         return;

@@ -1,27 +1,32 @@
 /* SPDX-License-Identifier: Apache-2.0
  * First-hit AOVs: one ray through each pixel's centre and the lens' centre; surfaces that let
- * everything pass are not there. From: the active queue after intersect. To: the AOV buffers, and the
- * next active queue for rays that passed.
- * Explained in docs/film.md. */
+ * everything pass are not there. From: the active queue after intersect. To: the AOV buffers, and
+ * the next active queue for rays that passed. Explained in docs/film.md. */
 #include "integrator/passThrough.clh"
 #include "integrator/pathState.clh"
 
 /* Depth along the camera's -z, and the [0,1] depth of its clip range. */
 float2 aov_depths(constant const HdsFrameParams* frame, float3 position) {
-    float3 axis = -(float3)(frame->worldFromCamera[2], frame->worldFromCamera[6], frame->worldFromCamera[10]);
-    float3 eye = (float3)(frame->worldFromCamera[3], frame->worldFromCamera[7], frame->worldFromCamera[11]);
+    float3 axis =
+        -(float3)(frame->worldFromCamera[2], frame->worldFromCamera[6], frame->worldFromCamera[10]);
+    float3 eye =
+        (float3)(frame->worldFromCamera[3], frame->worldFromCamera[7], frame->worldFromCamera[11]);
     float z = vec_dot(position - eye, axis) / vec_dot(axis, axis);
     float n = frame->nearClip;
     float f = frame->farClip;
-    float clip = (frame->flags & HDS_FRAME_ORTHOGRAPHIC) != 0u ? (z - n) / (f - n) : f * (z - n) / (z * (f - n));
+    float clip = (frame->flags & HDS_FRAME_ORTHOGRAPHIC) != 0u ? (z - n) / (f - n)
+                                                               : f * (z - n) / (z * (f - n));
     return (float2)(z, clip);
 }
 
 /* World direction in camera space, for a camera transform that may scale. */
 float3 aov_toEye(constant const HdsFrameParams* frame, float3 v) {
-    float3 x = (float3)(frame->worldFromCamera[0], frame->worldFromCamera[4], frame->worldFromCamera[8]);
-    float3 y = (float3)(frame->worldFromCamera[1], frame->worldFromCamera[5], frame->worldFromCamera[9]);
-    float3 z = (float3)(frame->worldFromCamera[2], frame->worldFromCamera[6], frame->worldFromCamera[10]);
+    float3 x =
+        (float3)(frame->worldFromCamera[0], frame->worldFromCamera[4], frame->worldFromCamera[8]);
+    float3 y =
+        (float3)(frame->worldFromCamera[1], frame->worldFromCamera[5], frame->worldFromCamera[9]);
+    float3 z =
+        (float3)(frame->worldFromCamera[2], frame->worldFromCamera[6], frame->worldFromCamera[10]);
     return vec_normalize((float3)(vec_dot(v, x), vec_dot(v, y), vec_dot(v, z)));
 }
 
@@ -55,8 +60,9 @@ void aov_storeMiss(HdsAovOffsets offsets, global float* pixel, global int* ids) 
     aov_storeId(ids, offsets.elementId, -1);
 }
 
-void aov_storeHit(constant const HdsFrameParams* frame, const HdsSceneView* scene, const HdsSurfaceHit* surface,
-                  const HdsSurface* bsdf, float cosO, HdsAovOffsets offsets, global float* pixel, global int* ids) {
+void aov_storeHit(constant const HdsFrameParams* frame, const HdsSceneView* scene,
+                  const HdsSurfaceHit* surface, const HdsSurface* bsdf, float cosO,
+                  HdsAovOffsets offsets, global float* pixel, global int* ids) {
     float2 depths = aov_depths(frame, surface->point.position);
     float3 normal = surface->shadingNormal;
     if (!(vec_lengthSquared(normal) > 0.0f)) {
@@ -70,15 +76,17 @@ void aov_storeHit(constant const HdsFrameParams* frame, const HdsSceneView* scen
     aov_store3(pixel, offsets.albedo, surface_albedo(bsdf, cosO));
     aov_storeId(ids, offsets.primId, scene->meshes[surface->mesh].primId);
     aov_storeId(ids, offsets.instanceId, surface->instanceId);
-    aov_storeId(ids, offsets.elementId,
-                (int)attributes_readInteger(surface->attributes, HDS_SLOT_FACE, surface->at.triangle, 0u));
+    aov_storeId(
+        ids, offsets.elementId,
+        (int)attributes_readInteger(surface->attributes, HDS_SLOT_FACE, surface->at.triangle, 0u));
 }
 
 /* Global size: count. */
 kernel void aov_firstHit(constant const HdsFrameParams* frame, global uchar* state, uint numSlots,
-                         global const uint* restrict queue, uint count, global uint* restrict nextQueue,
-                         volatile global uint* counters, global float* floats, global int* ints,
-                         HdsAovOffsets offsets, HDS_SCENE_ARGS) {
+                         global const uint* restrict queue, uint count,
+                         global uint* restrict nextQueue, volatile global uint* counters,
+                         global float* floats, global int* ints, HdsAovOffsets offsets,
+                         HDS_SCENE_ARGS) {
     uint item = (uint)get_global_id(0);
     if (item >= count) {
         return;

@@ -7,8 +7,8 @@
 #include "sample/sampler.clh"
 
 /* Writes a camera ray and a fresh state to slot i. */
-void generate_start(HdsPaths paths, uint i, constant const HdsFrameParams* frame, HdsCameraRay ray, uint pixel,
-                    uint sample) {
+void generate_start(HdsPaths paths, uint i, constant const HdsFrameParams* frame, HdsCameraRay ray,
+                    uint pixel, uint sample) {
     path_store_origin(paths, i, (float4)(ray.origin, ray.tMin));
     path_store_direction(paths, i, (float4)(ray.direction, ray.tMax));
     path_store_throughput(paths, i, (float4)((float3)(frame->exposureScale), 0.0f));
@@ -21,8 +21,9 @@ void generate_start(HdsPaths paths, uint i, constant const HdsFrameParams* frame
 }
 
 /* Global size: wave.numPixels * wave.numSamples. */
-kernel void generate_sample(constant const HdsFrameParams* frame, HdsWave wave, global uchar* state, uint numSlots,
-                            global const uint* pixels, global const float* filterTable, global uint* queue) {
+kernel void generate_sample(constant const HdsFrameParams* frame, HdsWave wave, global uchar* state,
+                            uint numSlots, global const uint* pixels,
+                            global const float* filterTable, global uint* queue) {
     uint i = (uint)get_global_id(0);
     if (i >= wave.numPixels * wave.numSamples) {
         return;
@@ -41,15 +42,16 @@ kernel void generate_sample(constant const HdsFrameParams* frame, HdsWave wave, 
 }
 
 /* One ray through each pixel's centre and the lens' centre, for the AOVs of the first hit. */
-kernel void generate_centre(constant const HdsFrameParams* frame, HdsWave wave, global uchar* state, uint numSlots,
-                            global const uint* pixels, global uint* queue) {
+kernel void generate_centre(constant const HdsFrameParams* frame, HdsWave wave, global uchar* state,
+                            uint numSlots, global const uint* pixels, global uint* queue) {
     uint i = (uint)get_global_id(0);
     if (i >= wave.numPixels) {
         return;
     }
     HdsPaths paths = {state, numSlots};
     uint pixel = pixels[wave.firstPixel + i];
-    float2 raster = (float2)((float)(pixel % frame->imageWidth) + 0.5f, (float)(pixel / frame->imageWidth) + 0.5f);
+    float2 raster = (float2)((float)(pixel % frame->imageWidth) + 0.5f,
+                             (float)(pixel / frame->imageWidth) + 0.5f);
     HdsCameraRay ray = camera_generate(frame, raster, (float2)(0.5f));
     generate_start(paths, i, frame, ray, pixel, 0u);
     queue[i] = i;

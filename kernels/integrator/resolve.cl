@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0
- * Adds the samples of a finished wave to the film, one work-item a pixel, in the order of samples: the
- * sums do not depend on how samples were spread over waves. From: path radiance. To: film.
+ * Adds the samples of a finished wave to the film, one work-item a pixel, in the order of samples:
+ * the sums do not depend on how samples were spread over waves. From: path radiance. To: film.
  * Explained in docs/film.md. */
 #include "film/filmPixel.clh"
 #include "integrator/pathState.clh"
 
 /* Global size: wave.numPixels. */
-kernel void resolve_addSamples(HdsWave wave, global uchar* state, uint numSlots, global const uint* pixels,
-                               global HdsFilmPixel* film, volatile global uint* counters) {
+kernel void resolve_addSamples(HdsWave wave, global uchar* state, uint numSlots,
+                               global const uint* pixels, global HdsFilmPixel* film,
+                               volatile global uint* counters) {
     uint i = (uint)get_global_id(0);
     if (i >= wave.numPixels) {
         return;

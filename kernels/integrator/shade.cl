@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0
- * Shades the hits of a cast: lights seen along the ray, emission, one light sample (a shadow ray) and
- * one BSDF sample (the next ray). From: the active queue after intersect. To: the next active queue
- * and the shadow queue.
- * Source: path tracing with next-event estimation and multiple importance sampling by the power
- * heuristic, Veach 1997, sections 9.2 and 10.3. Explained in docs/wavefront.md. */
+ * Shades the hits of a cast: lights seen along the ray, emission, one light sample (a shadow ray)
+ * and one BSDF sample (the next ray). From: the active queue after intersect. To: the next active
+ * queue and the shadow queue. Source: path tracing with next-event estimation and multiple
+ * importance sampling by the power heuristic, Veach 1997, sections 9.2 and 10.3. Explained in
+ * docs/wavefront.md. */
 #include "integrator/passThrough.clh"
 #include "integrator/pathState.clh"
 #include "sample/sampler.clh"
@@ -11,8 +11,8 @@
 /* Bounces before Russian roulette begins. */
 #define HDS_ROULETTE_DEPTH 3u
 
-/* Weight of a sample of density `pdf` when `other` could have made it too; pdf 0 stands for a ray that
- * only one technique can make. */
+/* Weight of a sample of density `pdf` when `other` could have made it too; pdf 0 stands for a ray
+ * that only one technique can make. */
 float shade_misWeight(float pdf, float other) {
     float ratio = other / pdf;
     return 1.0f / fma(ratio, ratio, 1.0f);
@@ -38,13 +38,15 @@ void shade_addLights(const HdsLightView* view, float tMax, HdsShadePath* path) {
     for (uint light = 0u; light < view->numLights; ++light) {
         float t;
         bool isSeen = path->depth > 0u || (view->lights[light].flags & HDS_LIGHT_VISIBLE) != 0u;
-        if (!isSeen || !light_intersect(view, light, path->origin, path->direction, tMax, &t) || t < path->tBegin) {
+        if (!isSeen || !light_intersect(view, light, path->origin, path->direction, tMax, &t) ||
+            t < path->tBegin) {
             continue;
         }
         float weight = 1.0f;
         if (path->bsdfPdf > 0.0f) {
-            weight = shade_misWeight(path->bsdfPdf, light_pdf(view, light, path->origin, path->sourceNormal,
-                                                              path->direction, t));
+            weight =
+                shade_misWeight(path->bsdfPdf, light_pdf(view, light, path->origin,
+                                                         path->sourceNormal, path->direction, t));
         }
         path->radiance += weight * path->throughput * light_radiance(view, light, path->direction);
         if (path->depth == 0u) {
@@ -54,8 +56,8 @@ void shade_addLights(const HdsLightView* view, float tMax, HdsShadePath* path) {
 }
 
 /* Adds what the surface itself emits towards the ray's origin. */
-void shade_addEmission(const HdsSceneView* scene, const HdsHit* hit, const HdsSurfaceHit* surface, float3 emission,
-                       HdsShadePath* path) {
+void shade_addEmission(const HdsSceneView* scene, const HdsHit* hit, const HdsSurfaceHit* surface,
+                       float3 emission, HdsShadePath* path) {
     if (!(emission.x > 0.0f || emission.y > 0.0f || emission.z > 0.0f)) {
         return;
     }
@@ -63,20 +65,22 @@ void shade_addEmission(const HdsSceneView* scene, const HdsHit* hit, const HdsSu
     uint light = surfaceHit_light(scene, surface);
     if (path->bsdfPdf > 0.0f && light != HDS_NONE) {
         float cosine = vec_dot(surface->point.normal, path->direction);
-        weight = shade_misWeight(path->bsdfPdf, light_meshPdf(&scene->lights, light, path->origin, path->sourceNormal,
-                                                              hit->t, cosine));
+        weight = shade_misWeight(path->bsdfPdf, light_meshPdf(&scene->lights, light, path->origin,
+                                                              path->sourceNormal, hit->t, cosine));
     }
     path->radiance += weight * path->throughput * emission;
 }
 
 /* Samples a light; true when a shadow ray was written to slot i. */
-bool shade_sampleLight(const HdsSceneView* scene, const HdsSurfaceHit* surface, const HdsShadingPoint* shading,
-                       const HdsSurface* bsdf, HdsSampler sampler, const HdsShadePath* path, HdsPaths paths, uint i) {
+bool shade_sampleLight(const HdsSceneView* scene, const HdsSurfaceHit* surface,
+                       const HdsShadingPoint* shading, const HdsSurface* bsdf, HdsSampler sampler,
+                       const HdsShadePath* path, HdsPaths paths, uint i) {
     float3 origin = offset_origin(&surface->point, shading->geomNormal);
     HdsLightSample sample;
     if (!light_sample(&scene->lights, origin, shading->frame.z,
                       sampler_get1(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LIGHT_SELECT)),
-                      sampler_get2(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LIGHT_UV)), &sample)) {
+                      sampler_get2(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LIGHT_UV)),
+                      &sample)) {
         return false;
     }
     float pdf;
@@ -97,7 +101,8 @@ bool shade_sampleLight(const HdsSceneView* scene, const HdsSurfaceHit* surface, 
 }
 
 /* Russian roulette by the throughput; false: the path ends. */
-bool shade_survives(constant const HdsFrameParams* frame, HdsSampler sampler, uint depth, float3* throughput) {
+bool shade_survives(constant const HdsFrameParams* frame, HdsSampler sampler, uint depth,
+                    float3* throughput) {
     if ((frame->flags & HDS_FRAME_ROULETTE) == 0u || depth < HDS_ROULETTE_DEPTH) {
         return true;
     }
@@ -115,9 +120,9 @@ bool shade_sampleBsdf(constant const HdsFrameParams* frame, const HdsSurfaceHit*
                       const HdsShadePath* path, HdsPaths paths, uint i) {
     float3 wi;
     float pdf;
-    float3 weight = surface_sample(bsdf, shading->wo,
-                                   sampler_get1(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LOBE_SELECT)),
-                                   sampler_get2(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LOBE_UV)), &wi, &pdf);
+    float3 weight = surface_sample(
+        bsdf, shading->wo, sampler_get1(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LOBE_SELECT)),
+        sampler_get2(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LOBE_UV)), &wi, &pdf);
     float3 throughput = path->throughput * weight;
     bool isLast = path->depth == frame->maxDepth;
     if (!(pdf > 0.0f) || !(vec_maxComponent(throughput) > 0.0f) ||
@@ -125,7 +130,8 @@ bool shade_sampleBsdf(constant const HdsFrameParams* frame, const HdsSurfaceHit*
         return false;
     }
     float3 direction = vec_normalize(frame_toWorld(&shading->frame, wi));
-    path_store_origin(paths, i, (float4)(offset_origin(&surface->point, shading->geomNormal), 0.0f));
+    path_store_origin(paths, i,
+                      (float4)(offset_origin(&surface->point, shading->geomNormal), 0.0f));
     path_store_direction(paths, i, (float4)(direction, INFINITY));
     path_store_throughput(paths, i, (float4)(throughput, pdf));
     path_store_sourceNormal(paths, i, (float4)(shading->frame.z, isLast ? 1.0f : 0.0f));
@@ -159,11 +165,11 @@ HdsShadePath shade_loadPath(HdsPaths paths, uint i) {
 }
 
 #if HDS_FEATURE_CUTOUT
-/* Lets the ray go on behind a surface, by chance in proportion to the transparency; the throughput of
- * either outcome is divided by its probability. \return true when it passed and slot i holds the rest of
- * the ray; the hit is not shaded then. */
-bool shade_passThrough(const HdsHit* hit, const HdsSurfaceHit* surface, float3 transparency, HdsSampler sampler,
-                       HdsShadePath* path, HdsPaths paths, uint i) {
+/* Lets the ray go on behind a surface, by chance in proportion to the transparency; the throughput
+ * of either outcome is divided by its probability. \return true when it passed and slot i holds the
+ * rest of the ray; the hit is not shaded then. */
+bool shade_passThrough(const HdsHit* hit, const HdsSurfaceHit* surface, float3 transparency,
+                       HdsSampler sampler, HdsShadePath* path, HdsPaths paths, uint i) {
     float probability = vec_maxComponent(transparency);
     if (!(probability > 0.0f)) {
         return false;
@@ -185,16 +191,19 @@ bool shade_passThrough(const HdsHit* hit, const HdsSurfaceHit* surface, float3 t
 }
 #endif
 
-/* Shades a hit; true when slot i holds a ray that goes on. \param[out] hasShadow a shadow ray was written. */
-bool shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* scene, const HdsHit* hit,
-                   HdsShadePath* path, HdsPaths paths, uint i, volatile global uint* counters, bool* hasShadow) {
+/* Shades a hit; true when slot i holds a ray that goes on. \param[out] hasShadow a shadow ray was
+ * written. */
+bool shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* scene,
+                   const HdsHit* hit, HdsShadePath* path, HdsPaths paths, uint i,
+                   volatile global uint* counters, bool* hasShadow) {
     HdsSurfaceHit surface;
     HdsShadingPoint shading;
     HdsSurface bsdf;
     surfaceHit_load(scene, hit, &surface);
     surfaceHit_shade(scene, &surface, -path->direction, &shading, &bsdf);
-    HdsSampler sampler = sampler_init(path->status.x % frame->imageWidth, path->status.x / frame->imageWidth,
-                                      path->status.y, frame->seed);
+    HdsSampler sampler =
+        sampler_init(path->status.x % frame->imageWidth, path->status.x / frame->imageWidth,
+                     path->status.y, frame->seed);
 #if HDS_FEATURE_CUTOUT
     float3 transparency = surface_passThrough(&bsdf, shading.wo.z);
     if (shade_passThrough(hit, &surface, transparency, sampler, path, paths, i)) {
@@ -218,8 +227,9 @@ bool shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
 
 /* Global size: count. */
 kernel void shade_paths(constant const HdsFrameParams* frame, global uchar* state, uint numSlots,
-                        global const uint* restrict queue, uint count, global uint* restrict nextQueue,
-                        global uint* restrict shadowQueue, volatile global uint* counters, HDS_SCENE_ARGS) {
+                        global const uint* restrict queue, uint count,
+                        global uint* restrict nextQueue, global uint* restrict shadowQueue,
+                        volatile global uint* counters, HDS_SCENE_ARGS) {
     uint item = (uint)get_global_id(0);
     if (item >= count) {
         return;

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
- * Shadow rays. shadow_cast adds what arrives unhindered; a ray that meets a cut-out surface becomes a
- * candidate, which shadow_pass dims by the transparency there and sends on. From: the shadow queue. To:
- * path radiance, or the candidate queue and back.
- * Explained in docs/wavefront.md. */
+ * Shadow rays. shadow_cast adds what arrives unhindered; a ray that meets a cut-out surface becomes
+ * a candidate, which shadow_pass dims by the transparency there and sends on. From: the shadow
+ * queue. To: path radiance, or the candidate queue and back. Explained in docs/wavefront.md. */
 #include "accel/traverse.clh"
 #include "integrator/passThrough.clh"
 #include "integrator/pathState.clh"
@@ -14,8 +13,9 @@ void shadow_addRadiance(HdsPaths paths, uint i) {
 }
 
 /* Global size: count. Appends candidates (only with cut-outs). */
-kernel void shadow_cast(global uchar* state, uint numSlots, global const uint* restrict queue, uint count,
-                        global uint* restrict candidateQueue, volatile global uint* counters, HDS_SCENE_ARGS) {
+kernel void shadow_cast(global uchar* state, uint numSlots, global const uint* restrict queue,
+                        uint count, global uint* restrict candidateQueue,
+                        volatile global uint* counters, HDS_SCENE_ARGS) {
     uint item = (uint)get_global_id(0);
     if (item >= count) {
         return;
@@ -49,8 +49,10 @@ kernel void shadow_cast(global uchar* state, uint numSlots, global const uint* r
 
 #if HDS_FEATURE_CUTOUT
 /* Global size: count. Appends rays of which something is left. */
-kernel void shadow_pass(global uchar* state, uint numSlots, global const uint* restrict candidateQueue, uint count,
-                        global uint* restrict queue, volatile global uint* counters, HDS_SCENE_ARGS) {
+kernel void shadow_pass(global uchar* state, uint numSlots,
+                        global const uint* restrict candidateQueue, uint count,
+                        global uint* restrict queue, volatile global uint* counters,
+                        HDS_SCENE_ARGS) {
     uint item = (uint)get_global_id(0);
     if (item >= count) {
         return;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Types and macros that let one header be read by C++17 and by OpenCL C 1.2.
- * Invariant: shared structs hold only u32, i32, u64, f32, float4 and fixed arrays of them, in rows of
- * 16 bytes, so that every compiler gives them the same layout (testenv/device/device/testLayout.cpp).
- * Explained in docs/device.md. */
+ * Invariant: shared structs hold only u32, i32, u64, f32, float4 and fixed arrays of them, in rows
+ * of 16 bytes, so that every compiler gives them the same layout
+ * (testenv/device/device/testLayout.cpp). Explained in docs/device.md. */
 #ifndef HDS_SHARED_COMPAT_H
 #define HDS_SHARED_COMPAT_H
 
@@ -21,10 +21,9 @@ typedef float f32;
 #include <type_traits>
 #define HDS_SHARED_BEGIN namespace hds::shared {
 #define HDS_SHARED_END }
-#define HDS_ASSERT_SIZE(T, n)                                                                      \
-    static_assert(sizeof(T) == (n) && std::is_standard_layout_v<T> &&                              \
-                      std::is_trivially_copyable_v<T>,                                             \
-                  #T)
+#define HDS_ASSERT_SIZE(T, n) \
+    static_assert(            \
+        sizeof(T) == (n) && std::is_standard_layout_v<T> && std::is_trivially_copyable_v<T>, #T)
 namespace hds::shared {
 using u8 = std::uint8_t;
 using u32 = std::uint32_t;

@@ -5,8 +5,8 @@
 #define HDS_SHARED_FRAME_H
 #include "shared/compat.h"
 
-/* Samples of a pixel are summed in order inside aligned blocks of this many; block sums are added in
- * order. Farms and resumed renders split at block borders (DESIGN.md section 12.2). */
+/* Samples of a pixel are summed in order inside aligned blocks of this many; block sums are added
+ * in order. Farms and resumed renders split at block borders (DESIGN.md section 12.2). */
 #define HDS_SAMPLE_BLOCK 16u
 
 /* HdsFrameParams.flags */
@@ -18,19 +18,19 @@
 #define HDS_MAX_PASSES 1024u
 
 /* Device counters (u32 each). */
-#define HDS_COUNTER_ACTIVE 0   /* paths that go on to the next cast */
-#define HDS_COUNTER_SHADOW 1   /* shadow rays to cast */
-#define HDS_COUNTER_NAN 2      /* samples that were not finite and count as black */
-#define HDS_COUNTER_PASSES 3   /* rays ended by HDS_MAX_PASSES */
+#define HDS_COUNTER_ACTIVE 0 /* paths that go on to the next cast */
+#define HDS_COUNTER_SHADOW 1 /* shadow rays to cast */
+#define HDS_COUNTER_NAN 2    /* samples that were not finite and count as black */
+#define HDS_COUNTER_PASSES 3 /* rays ended by HDS_MAX_PASSES */
 #define HDS_NUM_COUNTERS 4
 
 HDS_SHARED_BEGIN
 /* Camera space: x right, y up, looking along -z; world space is relative to the scene centre. */
 typedef struct {
     f32 worldFromCamera[12]; /* 3 rows of 4 */
-    f32 filmOrigin[2];       /* raster (0,0), the top left corner, at distance 1 (orthographic: at any) */
-    f32 filmStep[2];         /* of one pixel; y is negative: rows go down */
-    f32 nearClip;            /* scene units along -z */
+    f32 filmOrigin[2]; /* raster (0,0), the top left corner, at distance 1 (orthographic: at any) */
+    f32 filmStep[2];   /* of one pixel; y is negative: rows go down */
+    f32 nearClip;      /* scene units along -z */
     f32 farClip;
     f32 lensRadius;    /* scene units; 0: pinhole */
     f32 focusDistance; /* scene units along -z */
@@ -45,7 +45,8 @@ typedef struct {
 } HdsFrameParams;
 HDS_ASSERT_SIZE(HdsFrameParams, 112);
 
-/* A wave: slot i is sample firstSample + i % numSamples of pixel pixels[firstPixel + i / numSamples]. */
+/* A wave: slot i is sample firstSample + i % numSamples of pixel pixels[firstPixel + i /
+ * numSamples]. */
 typedef struct {
     u32 firstPixel; /* in the list of active pixels */
     u32 numPixels;
@@ -56,8 +57,8 @@ HDS_ASSERT_SIZE(HdsWave, 16);
 
 /* A pixel of the film. Sums are of finite samples, radiance premultiplied. */
 typedef struct {
-    float4 sum;      /* of finished blocks: r, g, b, alpha */
-    float4 blockSum; /* of the present block */
+    float4 sum;                /* of finished blocks: r, g, b, alpha */
+    float4 blockSum;           /* of the present block */
     f32 luminanceSquares;      /* of finished blocks */
     f32 blockLuminanceSquares; /* of the present block */
     u32 numSamples;
@@ -65,7 +66,8 @@ typedef struct {
 } HdsFilmPixel;
 HDS_ASSERT_SIZE(HdsFilmPixel, 48);
 
-/* Where the first-hit AOVs lie inside a pixel of the float and the int buffer; HDS_NONE: not asked for. */
+/* Where the first-hit AOVs lie inside a pixel of the float and the int buffer; HDS_NONE: not asked
+ * for. */
 typedef struct {
     u32 floatStride;
     u32 intStride;

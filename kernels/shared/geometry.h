@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
- * Device tables of geometry: instances, objects, meshes, chunks, and the layout of a chunk's two pages.
- * Always resident: top nodes, instances, objects, meshes, chunk records. In pools: pages.
+ * Device tables of geometry: instances, objects, meshes, chunks, and the layout of a chunk's two
+ * pages. Always resident: top nodes, instances, objects, meshes, chunk records. In pools: pages.
  * Explained in docs/architecture.md and docs/accel.md. */
 #ifndef HDS_SHARED_GEOMETRY_H
 #define HDS_SHARED_GEOMETRY_H
@@ -17,34 +17,39 @@
 #define HDS_OBJECT_MESH 1u  /* top tree over chunks */
 #define HDS_OBJECT_CHUNK 2u /* a small mesh: one chunk, no top tree */
 
-/* Deepest nesting of groups below the TLAS on the device; deeper hierarchies are flattened by commit. */
+/* Deepest nesting of groups below the TLAS on the device; deeper hierarchies are flattened by
+ * commit. */
 #define HDS_MAX_GROUP_DEPTH 6
 
 /* HdsMesh.flags */
 #define HDS_MESH_DOUBLE_SIDED 1u
-#define HDS_MESH_LEFT_HANDED 2u /* authored winding is left handed: the geometric normal is flipped */
+#define HDS_MESH_LEFT_HANDED \
+    2u /* authored winding is left handed: the geometric normal is flipped */
 #define HDS_MESH_EMISSIVE 4u
 
 /* HdsInstance.flags */
-#define HDS_INSTANCE_CUTOUT 1u /* some material of it may let rays pass: its hits are candidates */
+#define HDS_INSTANCE_CUTOUT 1u /* some material of it may let rays pass: its hits are candidates \
+                                */
 #define HDS_INSTANCE_CAMERA 2u /* seen by camera rays */
-#define HDS_INSTANCE_FLIPPED 4u /* the composed transform mirrors (whole path, leaf records of TLAS only) */
+#define HDS_INSTANCE_FLIPPED \
+    4u /* the composed transform mirrors (whole path, leaf records of TLAS only) */
 
 HDS_SHARED_BEGIN
 /* One placement of an object in a group; records of a group lie in the leaf order of its BVH.
- * Spaces: "parent" is the group's space; for the TLAS it is world space relative to the scene centre. */
+ * Spaces: "parent" is the group's space; for the TLAS it is world space relative to the scene
+ * centre. */
 typedef struct {
     f32 objectFromParent[12]; /* 3 rows of 4, row major: for rays */
     f32 parentFromObject[12]; /* 3 rows of 4: for shading */
     u32 object;               /* index into objects */
     u32 flags;
-    u32 pathOffset[2];        /* low, high: number of leaf instances before this one inside the group,
-                                 counted in scene-path order; sums along a path give the path index */
-    u32 mesh;                 /* index into meshes for a leaf, HDS_NONE for a group */
-    u32 lightBase;            /* first of its material entries in lightByEntry (emissive meshes, which
-                                 have records in the TLAS only), or HDS_NONE */
-    u32 instanceCount;        /* placements of the same prototype by its instancer; 0: none places it */
-    u32 instanceRank;         /* which of them this is; both fold along a path into instanceId */
+    u32 pathOffset[2]; /* low, high: number of leaf instances before this one inside the group,
+                          counted in scene-path order; sums along a path give the path index */
+    u32 mesh;          /* index into meshes for a leaf, HDS_NONE for a group */
+    u32 lightBase;     /* first of its material entries in lightByEntry (emissive meshes, which
+                          have records in the TLAS only), or HDS_NONE */
+    u32 instanceCount; /* placements of the same prototype by its instancer; 0: none places it */
+    u32 instanceRank;  /* which of them this is; both fold along a path into instanceId */
 } HdsInstance;
 HDS_ASSERT_SIZE(HdsInstance, 128);
 
@@ -61,12 +66,13 @@ HDS_ASSERT_SIZE(HdsObject, 16);
 typedef struct {
     u32 materialBase; /* first entry in meshMaterials: entry 0 is the prim's, then one a subset */
     u32 flags;
-    i32 primId;       /* the front end's id, for the AOV */
-    u32 numPrimvars;  /* user primvar slots after the fixed ones */
+    i32 primId;      /* the front end's id, for the AOV */
+    u32 numPrimvars; /* user primvar slots after the fixed ones */
 } HdsMesh;
 HDS_ASSERT_SIZE(HdsMesh, 16);
 
-/* Fixed part of a chunk; its addresses are in the residency table chunkAddresses[2 * chunk + page]. */
+/* Fixed part of a chunk; its addresses are in the residency table chunkAddresses[2 * chunk + page].
+ */
 typedef struct {
     u32 triangleOffset; /* from the geometry page's start, 16-byte units: HdsTriangle[] */
     u32 vertexOffset;   /* likewise: packed f32[3] positions, object space */
@@ -80,16 +86,16 @@ HDS_ASSERT_SIZE(HdsChunk, 16);
 /* A triangle of a chunk, in the leaf order of the chunk's BVH. */
 typedef struct {
     u32 vertex[3]; /* chunk-local vertex index */
-    u32 primId;    /* index of the triangle in its object, in order of (authored face, sub-triangle) */
+    u32 primId; /* index of the triangle in its object, in order of (authored face, sub-triangle) */
 } HdsTriangle;
 HDS_ASSERT_SIZE(HdsTriangle, 16);
 
 /* A hit, and the key (t, path index, primId) after which a continuing ray goes on. */
 typedef struct {
-    f32 t, u, v;     /* position = (1-u-v) p0 + u p1 + v p2 */
-    u32 triangle;    /* chunk-local triangle */
-    u32 chunk;       /* HDS_NONE: no hit */
-    u32 instance;    /* leaf instance record */
+    f32 t, u, v;      /* position = (1-u-v) p0 + u p1 + v p2 */
+    u32 triangle;     /* chunk-local triangle */
+    u32 chunk;        /* HDS_NONE: no hit */
+    u32 instance;     /* leaf instance record */
     u32 pathIndex[2]; /* 64-bit identity of the leaf instance: low, high */
 } HdsHit;
 HDS_ASSERT_SIZE(HdsHit, 32);
@@ -102,11 +108,12 @@ HDS_SHARED_END
 #define HDS_ATTR_TRIANGLE 2u /* one value a triangle, leaf order */
 #define HDS_ATTR_VERTEX 3u   /* one value a chunk-local vertex */
 #define HDS_ATTR_CORNER 4u   /* three values a triangle, in the order of HdsTriangle.vertex */
-#define HDS_ATTR_SLOT(interpolation, components, offset)                                           \
+#define HDS_ATTR_SLOT(interpolation, components, offset) \
     (((interpolation) << 29) | ((components) << 26) | (offset))
 /* Fixed slots; user primvars follow from HDS_SLOT_USER on, in the mesh's primvar order. */
 #define HDS_SLOT_FACE 0u     /* u32: authored face */
 #define HDS_SLOT_MATERIAL 1u /* u32: entry of the mesh's material list; absent: entry 0 */
-#define HDS_SLOT_NORMAL 2u   /* 3 components, object space, already flipped for left-handed meshes */
+#define HDS_SLOT_NORMAL 2u   /* 3 components, object space, already flipped for left-handed meshes \
+                              */
 #define HDS_SLOT_USER 3u
 #endif

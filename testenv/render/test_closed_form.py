@@ -14,6 +14,7 @@ pytest.importorskip("hdstream._core")
 import closedForm
 import ours
 import plateCases
+import stageReader
 from stages import author, geometryCases, shapes
 
 
@@ -26,6 +27,44 @@ def test_light_on_plate(name, tmp_path):
     assert picture.mean((0, 1)) == pytest.approx(expected.mean((0, 1)), rel=2e-3)
     blocks = lambda a: a.reshape(6, 6, 8, 6, 3).mean((1, 3))
     np.testing.assert_allclose(blocks(picture), blocks(expected), rtol=5e-3, atol=1e-3 * expected.max())
+
+
+def test_many_lights_on_plate(tmp_path):
+    """However lights are selected, none is lost or counted twice: 60 spheres and 20 panels, of powers over
+    three orders of magnitude, some of them hidden behind the plate."""
+    rng = np.random.default_rng(4)
+    stage = author.NewStage(f"{tmp_path}/a.usda")
+    author.AddMesh(stage, "/World/Plate", shapes.Plane(60, 60), color=(plateCases.ALBEDO,) * 3)
+    author.AddCamera(stage, eye=(0, 0.2, 0), target=(0, 0, 0), up=(0, 0, -1), width=40.0, orthographic=True)
+    for i in range(80):
+        place = rng.uniform((-8, 0.6, -8), (8, 4, 8))
+        intensity = float(10 ** rng.uniform(-1, 2))
+        if i % 10 == 9:
+            place[1] *= -1
+        if i < 60:
+            author.AddLight(stage, f"/World/L{i}", "Sphere", dict(translate=place), radius=float(rng.uniform(0.05, 0.3)),
+                            intensity=intensity)
+        else:
+            author.AddLight(stage, f"/World/L{i}", "Rect", dict(translate=place, rotate=(-90, 0, 0)), width=0.5, height=0.3,
+                            intensity=intensity)
+    stage.GetRootLayer().Save()
+    x, z = np.meshgrid((np.arange(plateCases.WIDTH) + 0.5) / 12 - 2, (np.arange(plateCases.HEIGHT) + 0.5) / 12 - 1.5)
+    points = np.stack([x.ravel(), 0 * x.ravel(), z.ravel()], -1)
+    expected = np.zeros(len(points))
+    up = np.array([0.0, 1.0, 0.0])
+    for light in stageReader.ReadStage(f"{tmp_path}/a.usda").lights:
+        if light.matrix[3, 1] < 0:
+            continue
+        if light.kind == "Sphere":
+            factor = closedForm.IrradianceOfSphere(points, up, light.matrix[3, :3], light.inputs["radius"])
+        else:
+            factor = closedForm.IrradianceOfRect(points, up, light.matrix, 0.5, 0.3, steps=8)
+        expected += factor * light.radiance[0] * plateCases.ALBEDO / np.pi
+    expected = expected.reshape(plateCases.HEIGHT, plateCases.WIDTH)
+    picture = ours.Render(f"{tmp_path}/a.usda", plateCases.WIDTH, plateCases.HEIGHT, samples=1024, maxDepth=0).rgb[..., 0]
+    assert picture.mean() == pytest.approx(expected.mean(), rel=3e-3)
+    blocks = lambda a: a.reshape(6, 6, 8, 6).mean((1, 3))
+    np.testing.assert_allclose(blocks(picture), blocks(expected), rtol=0.015)
 
 
 def _Furnace(path: str, build) -> str:

@@ -20,27 +20,32 @@ struct Field {
     std::size_t size;
 };
 
-#define HDS_TEST_FIELD(type, member) Field{#type, #member, offsetof(shared::type, member), sizeof(shared::type)}
+#define HDS_TEST_FIELD(type, member)                                         \
+    Field {                                                                  \
+#type, #member, offsetof(shared::type, member), sizeof(shared::type) \
+    }
 
 TEST_F(Layout, MatchesTheHost) {
     const Field fields[] = {
-        HDS_TEST_FIELD(HdsBvhNode, childBase),      HDS_TEST_FIELD(HdsBvhNode, qhi),
-        HDS_TEST_FIELD(HdsInstance, object),        HDS_TEST_FIELD(HdsInstance, instanceRank),
-        HDS_TEST_FIELD(HdsObject, numItems),        HDS_TEST_FIELD(HdsMesh, numPrimvars),
-        HDS_TEST_FIELD(HdsChunk, object),           HDS_TEST_FIELD(HdsTriangle, primId),
-        HDS_TEST_FIELD(HdsHit, pathIndex),          HDS_TEST_FIELD(HdsMaterial, slots),
-        HDS_TEST_FIELD(HdsMaterial, flags),         HDS_TEST_FIELD(HdsLight, type),
-        HDS_TEST_FIELD(HdsLight, strength),         HDS_TEST_FIELD(HdsLightTriangle, error),
-        HDS_TEST_FIELD(HdsFrameParams, flags),      HDS_TEST_FIELD(HdsFrameParams, pad0),
-        HDS_TEST_FIELD(HdsWave, numSamples),        HDS_TEST_FIELD(HdsFilmPixel, numSamples),
+        HDS_TEST_FIELD(HdsBvhNode, childBase), HDS_TEST_FIELD(HdsBvhNode, qhi),
+        HDS_TEST_FIELD(HdsInstance, object),   HDS_TEST_FIELD(HdsInstance, instanceRank),
+        HDS_TEST_FIELD(HdsObject, numItems),   HDS_TEST_FIELD(HdsMesh, numPrimvars),
+        HDS_TEST_FIELD(HdsChunk, object),      HDS_TEST_FIELD(HdsTriangle, primId),
+        HDS_TEST_FIELD(HdsHit, pathIndex),     HDS_TEST_FIELD(HdsMaterial, slots),
+        HDS_TEST_FIELD(HdsMaterial, flags),    HDS_TEST_FIELD(HdsLight, type),
+        HDS_TEST_FIELD(HdsLight, strength),    HDS_TEST_FIELD(HdsLightTriangle, error),
+        HDS_TEST_FIELD(HdsFrameParams, flags), HDS_TEST_FIELD(HdsFrameParams, pad0),
+        HDS_TEST_FIELD(HdsWave, numSamples),   HDS_TEST_FIELD(HdsFilmPixel, numSamples),
         HDS_TEST_FIELD(HdsAovOffsets, centre),
     };
-    std::string text = "#include \"shared/frame.h\"\n#include \"shared/geometry.h\"\n#include \"shared/light.h\"\n"
-                       "#include \"shared/material.h\"\nkernel void probe(global uint* out) {\n";
+    std::string text =
+        "#include \"shared/frame.h\"\n#include \"shared/geometry.h\"\n#include \"shared/light.h\"\n"
+        "#include \"shared/material.h\"\nkernel void probe(global uint* out) {\n";
     for (std::size_t i = 0; i < std::size(fields); ++i) {
         const std::string type = fields[i].type;
-        text += "  { private " + type + " x; out[" + std::to_string(2 * i) + "] = (uint)((private uchar*)&x." +
-                fields[i].member + " - (private uchar*)&x); out[" + std::to_string(2 * i + 1) + "] = (uint)sizeof(" +
+        text += "  { private " + type + " x; out[" + std::to_string(2 * i) +
+                "] = (uint)((private uchar*)&x." + fields[i].member +
+                " - (private uchar*)&x); out[" + std::to_string(2 * i + 1) + "] = (uint)sizeof(" +
                 type + "); }\n";
     }
     text += "}\n";

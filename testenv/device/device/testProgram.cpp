@@ -23,7 +23,8 @@ std::size_t CountOf(const std::string& text, const std::string& part) {
 }
 
 TEST(KernelSource, AFileComesOnce) {
-    const std::string text = "#include \"math/vector.clh\"\n#include \"shared/geometry.h\"\n#include \"math/vector.clh\"\n";
+    const std::string text = "#include \"math/vector.clh\"\n#include "
+                             "\"shared/geometry.h\"\n#include \"math/vector.clh\"\n";
     const std::string source = ExpandKernelSource("test.cl", &text);
     EXPECT_EQ(CountOf(source, "#define HDS_SHARED_COMPAT_H"), 1U);
     EXPECT_EQ(CountOf(source, "#line 1 \"math/vector.clh\""), 1U);
@@ -31,7 +32,8 @@ TEST(KernelSource, AFileComesOnce) {
 
 TEST(KernelSource, AConditionalIncludeHidesNothing) {
     // The first include is in a branch that is not taken; the second must still bring the file.
-    const std::string text = "#if 0\n#include \"math/vector.clh\"\n#endif\n#include \"math/vector.clh\"\n";
+    const std::string text =
+        "#if 0\n#include \"math/vector.clh\"\n#endif\n#include \"math/vector.clh\"\n";
     const std::string source = ExpandKernelSource("test.cl", &text);
     EXPECT_EQ(CountOf(source, "#line 1 \"math/vector.clh\""), 2U);
 }
@@ -49,7 +51,8 @@ TEST(KernelSource, AMissingIncludeNamesBothFiles) {
 
 TEST_F(ProgramTest, CompilerErrorsNameOurFileAndLine) {
     try {
-        Build("#include \"math/vector.clh\"\nkernel void k(global int* x) {\n    x[0] = nonsense;\n}\n");
+        Build("#include \"math/vector.clh\"\nkernel void k(global int* x) {\n    x[0] = "
+              "nonsense;\n}\n");
         FAIL();
     } catch (const Error& error) {
         EXPECT_NE(std::string(error.what()).find("test.cl:3"), std::string::npos) << error.what();
@@ -57,7 +60,8 @@ TEST_F(ProgramTest, CompilerErrorsNameOurFileAndLine) {
 }
 
 TEST_F(ProgramTest, BinariesAreCachedPerTextAndDefines) {
-    const fs::path folder = fs::temp_directory_path() / ("hdsProgram-" + std::to_string(::getpid()));
+    const fs::path folder =
+        fs::temp_directory_path() / ("hdsProgram-" + std::to_string(::getpid()));
     fs::remove_all(folder);
     Warnings warnings;
     Store store({folder.string()}, &warnings);

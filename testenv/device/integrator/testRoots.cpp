@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every program root builds with every single feature, with none and with all: a feature that breaks
-// compilation fails here before any GPU sees it.
+// Every program root builds with every single feature, with none and with all: a feature that
+// breaks compilation fails here before any GPU sees it.
 #include "testenv/support/deviceFixture.h"
 
 namespace hds::test {
@@ -8,8 +8,12 @@ namespace {
 
 class Roots : public DeviceFixture {};
 
-const char* const kRoots[] = {"integrator/generate.cl", "integrator/intersect.cl", "integrator/shade.cl",
-                              "integrator/shadow.cl",   "integrator/aov.cl",       "integrator/resolve.cl",
+const char* const kRoots[] = {"integrator/generate.cl",
+                              "integrator/intersect.cl",
+                              "integrator/shade.cl",
+                              "integrator/shadow.cl",
+                              "integrator/aov.cl",
+                              "integrator/resolve.cl",
                               "film/film.cl"};
 const char* const kFeatures[] = {"HDS_FEATURE_CUTOUT", "HDS_FEATURE_GROUPS", "HDS_TRAVERSAL_WIDE"};
 
@@ -24,7 +28,8 @@ ProgramDefines MakeDefines(unsigned bits, unsigned numPools) {
 TEST_F(Roots, BuildWithEachFeature) {
     for (const char* root : kRoots) {
         for (const unsigned bits : {0U, 1U, 2U, 4U, 7U}) {
-            EXPECT_NO_THROW(Program(device, root, MakeDefines(bits, 1))) << root << " features " << bits;
+            EXPECT_NO_THROW(Program(device, root, MakeDefines(bits, 1)))
+                << root << " features " << bits;
         }
     }
 }

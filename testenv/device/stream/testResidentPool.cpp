@@ -42,7 +42,8 @@ TEST_F(ResidentPoolTest, PagesLieWhereTheTableSays) {
         }
         ASSERT_EQ(addresses[page] >> HDS_POOL_BUFFER_SHIFT, 0U);
         const std::uint64_t at = std::uint64_t{addresses[page]} * HDS_POOL_UNIT_BYTES;
-        EXPECT_TRUE(std::equal(pages.Page(page), pages.Page(page) + pages.PageBytes(page), memory.begin() + static_cast<std::ptrdiff_t>(at)))
+        EXPECT_TRUE(std::equal(pages.Page(page), pages.Page(page) + pages.PageBytes(page),
+                               memory.begin() + static_cast<std::ptrdiff_t>(at)))
             << "page " << page;
         total += pages.PageBytes(page);
     }

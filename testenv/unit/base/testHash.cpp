@@ -18,8 +18,8 @@ std::string HexOf(std::initializer_list<std::string_view> texts) {
 }
 
 TEST(Hash, TellsSplitsAndOrdersApart) {
-    const std::set<std::string> values{HexOf({"ab", "c"}), HexOf({"a", "bc"}), HexOf({"abc"}), HexOf({"c", "ab"}),
-                                       HexOf({"", "abc"}), HexOf({})};
+    const std::set<std::string> values{HexOf({"ab", "c"}), HexOf({"a", "bc"}), HexOf({"abc"}),
+                                       HexOf({"c", "ab"}), HexOf({"", "abc"}), HexOf({})};
     EXPECT_EQ(values.size(), 6U);
     EXPECT_EQ(HexOf({"ab", "c"}), HexOf({"ab", "c"}));
 }

@@ -59,12 +59,14 @@ TEST(CameraFrame, OrthographicInSceneUnitsAndLensInTenths) {
     options.camera.orthographic = false;
     options.camera.fStop = 2.0;
     options.camera.focusDistance = 10.0;
-    EXPECT_FLOAT_EQ(MakeFrameParams(options, glm::dvec3(0.0), 0).lensRadius, 1.25F); // 50 / 10 / 2 / 2
+    EXPECT_FLOAT_EQ(MakeFrameParams(options, glm::dvec3(0.0), 0).lensRadius,
+                    1.25F); // 50 / 10 / 2 / 2
 }
 
 TEST(CameraFrame, TheCentreIsTakenOffInDouble) {
     RenderOptions options = OptionsOf(300, 200);
-    options.camera.worldFromCamera = glm::translate(glm::dmat4(1.0), glm::dvec3(1e9 + 0.25, 0.0, 0.0));
+    options.camera.worldFromCamera =
+        glm::translate(glm::dmat4(1.0), glm::dvec3(1e9 + 0.25, 0.0, 0.0));
     const auto params = MakeFrameParams(options, glm::dvec3(1e9, 0.0, 0.0), 0);
     EXPECT_EQ(params.worldFromCamera[3], 0.25F);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every pixel comes exactly once, whatever the size, and neighbours in the list are near in the image.
+// Every pixel comes exactly once, whatever the size, and neighbours in the list are near in the
+// image.
 #include "hdStream/integrator/pixelOrder.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +12,8 @@ namespace hds {
 namespace {
 
 TEST(PixelOrder, IsAPermutation) {
-    const std::pair<std::uint32_t, std::uint32_t> sizes[] = {{1, 1}, {1, 77}, {77, 1}, {33, 65}, {64, 32}, {160, 120}};
+    const std::pair<std::uint32_t, std::uint32_t> sizes[] = {{1, 1},   {1, 77},  {77, 1},
+                                                             {33, 65}, {64, 32}, {160, 120}};
     for (const auto& [width, height] : sizes) {
         std::vector<std::uint32_t> pixels = MakePixelOrder(width, height);
         std::sort(pixels.begin(), pixels.end());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An entry is complete and verified, or absent; a cache that cannot be used warns once and is silent.
+// An entry is complete and verified, or absent; a cache that cannot be used warns once and is
+// silent.
 #include "hdStream/persist/store.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +27,9 @@ protected:
     }
     void TearDown() override { fs::remove_all(folder); }
 
-    Store Open(std::uint64_t maxBytes = 1U << 20U) { return {{folder.string(), true, maxBytes}, &warnings}; }
+    Store Open(std::uint64_t maxBytes = 1U << 20U) {
+        return {{folder.string(), true, maxBytes}, &warnings};
+    }
     fs::path OnlyEntry() const {
         fs::path found;
         for (const auto& entry : fs::directory_iterator(folder)) {
@@ -78,7 +81,8 @@ TEST_F(StoreTest, EveryFlippedByteIsFoundAndTheEntryDeleted) {
             file.put(byte);
         }
         const auto loaded = Open().Load("kind", "key");
-        // The checksum's padding is the one place where a flip may go unnoticed: the data are right then.
+        // The checksum's padding is the one place where a flip may go unnoticed: the data are right
+        // then.
         if (loaded.has_value()) {
             EXPECT_EQ(*loaded, data) << "byte " << at;
         } else {

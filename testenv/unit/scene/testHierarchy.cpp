@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The hierarchy places the same leaves as a plain flattening of the instancers, and every leaf has a
-// path index of its own.
+// The hierarchy places the same leaves as a plain flattening of the instancers, and every leaf has
+// a path index of its own.
 #include "hdStream/scene/hierarchy.h"
 
 #include "hdStream/scene/transforms.h"
@@ -36,14 +36,17 @@ glm::dmat4 MatrixOf(const float* rows) {
     return matrix;
 }
 
-void Walk(const Hierarchy& tables, std::uint32_t firstGroup, std::uint32_t group, const glm::dmat4& world,
-          std::uint64_t offset, std::uint32_t id, std::vector<Leaf>* leaves) {
+void Walk(const Hierarchy& tables, std::uint32_t firstGroup, std::uint32_t group,
+          const glm::dmat4& world, std::uint64_t offset, std::uint32_t id,
+          std::vector<Leaf>* leaves) {
     const shared::HdsObject& object = tables.groups[group];
     ASSERT_EQ(object.kind, HDS_OBJECT_GROUP);
     std::uint64_t previous = 0;
     for (std::uint32_t i = 0; i < object.numItems; ++i) {
-        const shared::HdsInstance& record = tables.instances[tables.instancesByPath[object.itemBase + i]];
-        const std::uint64_t before = (std::uint64_t{record.pathOffset[1]} << 32U) | record.pathOffset[0];
+        const shared::HdsInstance& record =
+            tables.instances[tables.instancesByPath[object.itemBase + i]];
+        const std::uint64_t before =
+            (std::uint64_t{record.pathOffset[1]} << 32U) | record.pathOffset[0];
         EXPECT_TRUE(i == 0 ? before == 0 : before > previous); // instancesByPath is in path order
         previous = before;
         const glm::dmat4 child = world * MatrixOf(record.parentFromObject);
@@ -52,7 +55,8 @@ void Walk(const Hierarchy& tables, std::uint32_t firstGroup, std::uint32_t group
         if (record.mesh != HDS_NONE) {
             leaves->push_back({record.mesh, offset + before, childId, glm::dvec3(child[3])});
         } else {
-            Walk(tables, firstGroup, record.object - firstGroup + 1, child, offset + before, childId, leaves);
+            Walk(tables, firstGroup, record.object - firstGroup + 1, child, offset + before,
+                 childId, leaves);
         }
     }
 }
@@ -77,7 +81,8 @@ public:
             std::vector<double> transforms;
             for (int k = 0; k < 1 + Pick(4); ++k) {
                 const glm::dmat4 matrix = RandomTransform();
-                transforms.insert(transforms.end(), glm::value_ptr(matrix), glm::value_ptr(matrix) + 16);
+                transforms.insert(transforms.end(), glm::value_ptr(matrix),
+                                  glm::value_ptr(matrix) + 16);
             }
             instancer.instanceTransforms = std::move(transforms);
             scene.instancers["/I" + std::to_string(i)] = std::move(instancer);
@@ -103,7 +108,8 @@ private:
     double Real() { return static_cast<double>(_random() % 2001U) / 100.0 - 10.0; }
 
     glm::dmat4 RandomTransform() {
-        const glm::dmat4 moved = glm::translate(glm::dmat4(1.0), glm::dvec3(Real(), Real(), Real()));
+        const glm::dmat4 moved =
+            glm::translate(glm::dmat4(1.0), glm::dvec3(Real(), Real(), Real()));
         return glm::rotate(moved, Real(), glm::normalize(glm::dvec3(1.0, 0.5, 11.0 + Real())));
     }
     /// Below one of the instancers 0 .. limit-1, or free.
@@ -143,20 +149,25 @@ TEST(Hierarchy, EqualsAFlattening) {
         Walk(tables, kFirstGroup, 0, glm::dmat4(1.0), 0, 0, &found);
         ASSERT_EQ(found.size(), tables.numLeaves);
         for (std::size_t i = 0; i < found.size(); ++i) {
-            EXPECT_EQ(found[i].pathIndex, i) << "seed " << seed; // unique, and in the order of the walk
+            EXPECT_EQ(found[i].pathIndex, i)
+                << "seed " << seed; // unique, and in the order of the walk
         }
         for (const auto& [path, leaf] : stage.leaves) {
             std::vector<glm::dvec3> expected;
-            ForEachPlacement(stage.scene, path, stage.scene.meshes.at(path).placement,
-                             [&](const glm::dmat4& world) { expected.push_back(glm::dvec3(world[3])); });
+            ForEachPlacement(
+                stage.scene, path, stage.scene.meshes.at(path).placement,
+                [&](const glm::dmat4& world) { expected.push_back(glm::dvec3(world[3])); });
             std::vector<Leaf> ours;
-            std::copy_if(found.begin(), found.end(), std::back_inserter(ours),
-                         [mesh = leaf.mesh](const Leaf& candidate) { return candidate.mesh == mesh; });
+            std::copy_if(
+                found.begin(), found.end(), std::back_inserter(ours),
+                [mesh = leaf.mesh](const Leaf& candidate) { return candidate.mesh == mesh; });
             ASSERT_EQ(ours.size(), expected.size()) << path << " seed " << seed;
-            std::sort(ours.begin(), ours.end(), [](const Leaf& a, const Leaf& b) { return a.instanceId < b.instanceId; });
+            std::sort(ours.begin(), ours.end(),
+                      [](const Leaf& a, const Leaf& b) { return a.instanceId < b.instanceId; });
             for (std::size_t i = 0; i < ours.size(); ++i) {
                 EXPECT_EQ(ours[i].instanceId, i); // parent-major, without gaps
-                EXPECT_LT(glm::length(ours[i].position - expected[i]), 1e-4) << path << " seed " << seed;
+                EXPECT_LT(glm::length(ours[i].position - expected[i]), 1e-4)
+                    << path << " seed " << seed;
             }
         }
         EXPECT_TRUE(warnings.Lines().empty());
@@ -181,7 +192,8 @@ TEST(Hierarchy, AMillionInstancesCostRecordsOnly) {
     instancer.instanceTransforms = std::move(transforms);
     instancer.instancesByPrototype["/M"] = std::move(all);
     Warnings warnings;
-    const Hierarchy tables = BuildHierarchy(scene, {{"/M", UnitLeaf(0)}}, glm::dvec3(0.0), 2, warnings);
+    const Hierarchy tables =
+        BuildHierarchy(scene, {{"/M", UnitLeaf(0)}}, glm::dvec3(0.0), 2, warnings);
     EXPECT_EQ(tables.groups.size(), 1U);
     EXPECT_EQ(tables.instances.size(), kCount);
     EXPECT_LT(tables.nodes.size() * sizeof(shared::HdsBvhNode), 64 * kCount);
@@ -189,7 +201,8 @@ TEST(Hierarchy, AMillionInstancesCostRecordsOnly) {
 
 TEST(Hierarchy, BadPlacementsAreDroppedAndNamed) {
     SceneDescription scene;
-    scene.meshes["/singular"].placement.worldFromObject = glm::scale(glm::dmat4(1.0), glm::dvec3(1.0, 0.0, 1.0));
+    scene.meshes["/singular"].placement.worldFromObject =
+        glm::scale(glm::dmat4(1.0), glm::dvec3(1.0, 0.0, 1.0));
     scene.meshes["/nan"].placement.worldFromObject[3][0] = std::nan("");
     scene.meshes["/good"];
     scene.meshes["/orphan"].placement.instancerPath = "/missing";
@@ -211,7 +224,8 @@ TEST(Hierarchy, CyclesEnd) {
     SceneDescription scene;
     for (const char* path : {"/A", "/B"}) {
         InstancerPrim& instancer = scene.instancers[path];
-        instancer.instanceTransforms = std::vector<double>(glm::value_ptr(glm::dmat4(1.0)), glm::value_ptr(glm::dmat4(1.0)) + 16);
+        instancer.instanceTransforms = std::vector<double>(glm::value_ptr(glm::dmat4(1.0)),
+                                                           glm::value_ptr(glm::dmat4(1.0)) + 16);
         instancer.placement.instancerPath = path[1] == 'A' ? "/B" : "/A";
         instancer.instancesByPrototype[path[1] == 'A' ? "/B" : "/A"] = std::vector<std::int32_t>{0};
     }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prepared meshes keep every triangle exactly once within the chunk bound; refine levels stay in bounds.
+// Prepared meshes keep every triangle exactly once within the chunk bound; refine levels stay in
+// bounds.
 #include "hdStream/scene/meshCommit.h"
 
 #include "kernels/shared/geometry.h"
@@ -26,7 +27,8 @@ MeshPrim Grid(std::int32_t size, const std::string& scheme) {
         for (std::int32_t x = 0; x < size; ++x) {
             const std::int32_t corner = y * (size + 1) + x;
             counts.push_back(4);
-            indices.insert(indices.end(), {corner, corner + 1, corner + size + 2, corner + size + 1});
+            indices.insert(indices.end(),
+                           {corner, corner + 1, corner + size + 2, corner + size + 1});
         }
     }
     prim.mesh.points = std::move(points);
@@ -43,14 +45,16 @@ std::vector<PreparedMesh> Prepare(const MeshPrim& prim, const MeshOptions& optio
 }
 
 TEST(MeshCommit, EveryTriangleIsInOneChunkWithinTheBound) {
-    for (const std::uint64_t chunkBytes : {std::uint64_t{4096}, std::uint64_t{16384}, std::uint64_t{1} << 20U}) {
+    for (const std::uint64_t chunkBytes :
+         {std::uint64_t{4096}, std::uint64_t{16384}, std::uint64_t{1} << 20U}) {
         MeshOptions options;
         options.chunkBytes = chunkBytes;
         const auto meshes = Prepare(Grid(40, "none"), options);
         std::vector<int> seen(40 * 40 * 2, 0);
         for (const PreparedChunk& chunk : meshes[0].chunks) {
             EXPECT_LE(chunk.geometry.bytes.size() + chunk.attributes.size(), chunkBytes);
-            const std::uint8_t* triangles = chunk.geometry.bytes.data() + chunk.geometry.triangleOffset * 16;
+            const std::uint8_t* triangles =
+                chunk.geometry.bytes.data() + chunk.geometry.triangleOffset * 16;
             for (std::uint32_t i = 0; i < chunk.numTriangles; ++i) {
                 shared::HdsTriangle triangle;
                 std::memcpy(&triangle, triangles + i * sizeof(triangle), sizeof(triangle));
@@ -65,7 +69,8 @@ TEST(MeshCommit, EveryTriangleIsInOneChunkWithinTheBound) {
 
 TEST(MeshCommit, SubdivisionFollowsTheOption) {
     MeshOptions options;
-    const auto numTriangles = [&](Subdivision subdivision, std::uint32_t level, const char* scheme) {
+    const auto numTriangles = [&](Subdivision subdivision, std::uint32_t level,
+                                  const char* scheme) {
         options.subdivision = subdivision;
         options.refineLevel = level;
         return Prepare(Grid(4, scheme), options)[0].triangles->triangles.size();

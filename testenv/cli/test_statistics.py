@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+"""--stats: the keys are API (DESIGN.md section 9), and the figures agree with the render."""
+
+import json
+
+import pytest
+
+from cliCase import SMALL, Run, WriteStage
+
+_KEYS = {
+    "device": "name memory",
+    "image": "width height samples",
+    "time": "load translate prepare compile trace service transfer shade firstPixel render total",
+    "memory": "pathState film tables devicePeak hostPeak",
+    "geometry": "mode meshes instances triangles chunks bytesTotal budget peakBytes pinnedBytes alwaysResidentBytes "
+    "uniqueBytesLoaded uploadedBytes uploads evictions casts iterations maxIterationsPerCast raysRelaunched "
+    "shadingRefetches chunksTouched chunksBuilt chunksFromCache estimated",
+    "texture": "mode textures bytesSource bytesTotal budget peakBytes linesTotal linesLoaded uniqueBytesLoaded "
+    "uploadedBytes evictions tableBytes alwaysResidentBytes lookups misses shadePasses shadeIterations fallbackTexels "
+    "setConflicts",
+    "rays": "camera indirect shadow perSecond",
+    "accuracy": "nanSamples clampedSamples meanRelativeError",
+}
+
+
+@pytest.fixture(scope="module")
+def Statistics(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("statistics")
+    stage = WriteStage(folder)
+    file = folder / "stats.json"
+    done = Run("record", stage, folder / "out.exr", *SMALL, "--stats", file)
+    assert done.code == 0, done.text
+    return json.loads(file.read_text())
+
+
+def test_every_key_is_there(Statistics):
+    for section, names in _KEYS.items():
+        assert set(names.split()) <= set(Statistics[section]), section
+    assert isinstance(Statistics["version"], str) and isinstance(Statistics["warnings"], list)
+
+
+def test_figures_agree_with_the_render(Statistics):
+    image, rays, time = Statistics["image"], Statistics["rays"], Statistics["time"]
+    assert rays["camera"] == image["width"] * image["height"] * image["samples"]
+    assert Statistics["geometry"]["triangles"] == 1 and Statistics["geometry"]["instances"] == 1
+    assert Statistics["geometry"]["mode"] == "resident"
+    assert Statistics["memory"]["devicePeak"] >= Statistics["memory"]["pathState"] + Statistics["memory"]["film"]
+    assert time["trace"] + time["shade"] <= time["render"] <= time["total"]
+    assert time["firstPixel"] <= time["total"]
+    assert Statistics["accuracy"]["nanSamples"] == 0
