@@ -47,7 +47,7 @@ Program::Program(std::shared_ptr<Device> device, const std::string& root,
     const std::string source = ExpandKernelSource(root, text);
     std::string options = "-cl-std=CL1.2";
     for (const auto& [name, value] : defines) {
-        options += " -D" + name + "=" + value;
+        options.append(" -D").append(name).append("=").append(value);
     }
     const std::string key = BinaryKey(*_device, source, options);
     _isFromCache = BuildFromCache(store, key, options);

@@ -20,7 +20,7 @@ AffineRows RowsFromMatrix(const glm::dmat4& matrix) {
     AffineRows rows{};
     for (int row = 0; row < 3; ++row) {
         for (int column = 0; column < 4; ++column) {
-            rows[static_cast<std::size_t>(4 * row + column)] =
+            rows[4 * static_cast<std::size_t>(row) + static_cast<std::size_t>(column)] =
                 static_cast<float>(matrix[column][row]);
         }
     }

@@ -73,7 +73,7 @@ void Session::SetMaterial(const std::string& path, MaterialNetwork network) {
 }
 
 void Session::SetCamera(const std::string& path, CameraPrim prim) {
-    _impl->description.cameras[path] = prim;
+    _impl->description.cameras[path] = std::move(prim);
 }
 
 void Session::SetStage(double metersPerUnit, const std::string& upAxis) {

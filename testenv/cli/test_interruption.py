@@ -14,11 +14,16 @@ from cliCase import SECONDS, SMALL, AssertFails, Command, Result, Run, WriteStag
 ENDLESS = ["-w", "64", "--samples", str(1 << 20), "--maxDepth", "1"]
 
 
+def DefaultInterrupt():
+    """Ctrl-C works in the child even where this process ignores it, as background jobs do."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def StartRendering(stage, output, *options):
     """A render that would take hours, once its first samples are done."""
     process = subprocess.Popen(Command("record", stage, output, *ENDLESS, *options),
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                               env=dict(os.environ, HDSTREAM_PROGRESS="1"))
+                               env=dict(os.environ, HDSTREAM_PROGRESS="1"), preexec_fn=DefaultInterrupt)
     seen = ""
     deadline = time.monotonic() + SECONDS
     while "samples" not in seen and time.monotonic() < deadline:
@@ -50,7 +55,8 @@ def test_ctrl_c_before_rendering(tmp_path, seconds):
     output = tmp_path / "o.exr"
     output.write_bytes(b"old")
     process = subprocess.Popen(Command("record", WriteStage(tmp_path), output, *ENDLESS), text=True,
-                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=dict(os.environ, **caches))
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=dict(os.environ, **caches),
+                               preexec_fn=DefaultInterrupt)
     time.sleep(seconds)
     process.send_signal(signal.SIGINT)
     _, err = process.communicate(timeout=SECONDS)

@@ -30,10 +30,10 @@ mount -t sysfs sys "$folder/sys"
 mount --rbind /dev "$folder/dev"
 mount --make-rslave "$folder/dev"
 
-rm -rf "$folder/root/hdStream" "$folder/root/.cache"
-git clone -q "$repository" "$folder/root/hdStream"
+rm -rf "$folder/srv/hdStream" "$folder/srv/.cache"
+git clone -q "$repository" "$folder/srv/hdStream"
 In() {
-    env -i HOME=/root LANG=C.UTF-8 PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin CI=true \
+    env -i HOME=/srv LANG=C.UTF-8 PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin CI=true \
         ${PIP_DEFAULT_TIMEOUT:+PIP_DEFAULT_TIMEOUT=$PIP_DEFAULT_TIMEOUT} chroot "$folder" "$@"
 }
 Timed() {
@@ -50,6 +50,6 @@ if In sh -c 'command -v c++ cmake ninja pip'; then
     echo "this machine is not clean" >&2
     exit 1
 fi
-Timed /root/hdStream/scripts/render
-Timed /root/hdStream/scripts/render
-Timed bash /root/hdStream/.ci/run
+Timed /srv/hdStream/scripts/render
+Timed /srv/hdStream/scripts/render
+Timed bash /srv/hdStream/.ci/run
