@@ -252,6 +252,18 @@ void Interpret(const MeshDescription& mesh, TriangleMesh& result, PrimLog& log) 
     }
 }
 
+/// Makes a uniform attribute that has one index a refined face one with an index an authored face:
+/// all faces that a cage face was refined into have the same value.
+void AddressByAuthoredFace(const RefinedMesh& refined, std::size_t numAuthoredFaces,
+                           MeshAttribute& attribute) {
+    std::vector<std::int32_t> indices(numAuthoredFaces, 0); // holes keep 0 and are never asked for
+    for (std::size_t face = 0; face < refined.authoredFaces.size(); ++face) {
+        indices[refined.authoredFaces[face]] =
+            attribute.indices.empty() ? static_cast<std::int32_t>(face) : attribute.indices[face];
+    }
+    attribute.indices = std::move(indices);
+}
+
 /// The same for a refined cage; false when it cannot be refined.
 bool InterpretRefined(const MeshDescription& mesh, int refineLevel, TriangleMesh& result,
                       PrimLog& log) {
@@ -268,6 +280,11 @@ bool InterpretRefined(const MeshDescription& mesh, int refineLevel, TriangleMesh
     Interpret(refined->mesh, result, silent);
     for (std::uint32_t& face : result.faces) {
         face = refined->authoredFaces[face];
+    }
+    for (MeshAttribute& attribute : result.attributes) {
+        if (attribute.interpolation == Interpolation::Uniform) {
+            AddressByAuthoredFace(*refined, mesh.faceVertexCounts.size(), attribute);
+        }
     }
     return true;
 }

@@ -7,7 +7,7 @@ lie there and on the surface.
 
 import numpy as np
 import pytest
-from pxr import Gf, Usd, UsdGeom
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, Vt
 
 pytest.importorskip("hdstream._core")
 
@@ -122,3 +122,31 @@ def _Eroded(mask: np.ndarray) -> np.ndarray:
     """Pixels whose eight neighbours are in the mask too: no edge runs through them."""
     padded = np.pad(mask, 1)
     return np.all([padded[1 + i : 1 + i + mask.shape[0], 1 + j : 1 + j + mask.shape[1]] for i in (-1, 0, 1) for j in (-1, 0, 1)], 0)
+
+
+@pytest.mark.parametrize("scheme", ["none", "bilinear", "catmullClark"])
+def test_uniform_values_survive_subdivision(scheme, tmp_path):
+    """Each face keeps its own colour and its own material subset, whatever it is refined into."""
+    colors = [(0.75, 0.25, 0.25), (0.25, 0.75, 0.25), (0.25, 0.25, 0.75)]
+    stage = author.NewStage(f"{tmp_path}/a.usda")
+    plane = shapes.Plane(4.5, 1.5, 1, 3)
+    bare = shapes.Shape(plane.points, plane.counts, plane.indices)
+    mesh = author.AddMesh(stage, "/World/A", bare, rotate=(90, 0, 0), translate=(0, 0.9, 0))
+    author.AddPrimvar(mesh, "displayColor", Sdf.ValueTypeNames.Color3fArray, "uniform", Vt.Vec3fArray(colors))
+    parts = author.AddMesh(stage, "/World/B", bare, rotate=(90, 0, 0), translate=(0, -0.9, 0))
+    for face, color in enumerate(colors):
+        material = author.AddMaterial(stage, f"/World/M{face}", diffuseColor=color, ior=1.0, roughness=1.0)
+        subset = UsdShade.MaterialBindingAPI.Apply(parts.GetPrim()).CreateMaterialBindSubset(f"s{face}", Vt.IntArray([face]))
+        author.Bind(subset, material)
+    for prim in (mesh, parts):
+        prim.GetSubdivisionSchemeAttr().Set(scheme)
+    author.AddLight(stage, "/World/Dome", "Dome", intensity=1.0)
+    author.AddCamera(stage, eye=(0, 0, 8))
+    stage.GetRootLayer().Save()
+    layers = ours.Render(f"{tmp_path}/a.usda", 64, 48, ("albedo", "primId", "elementId"), samples=1).layers
+    for prim in (0, 1):
+        for face, color in enumerate(colors):
+            pick = (layers["primId"] == prim) & (layers["elementId"] == face)
+            assert pick.sum() > 20
+            # 0.1: the specular lobe's small share; the colours are 0.5 apart.
+            np.testing.assert_allclose(layers["albedo"][pick], np.broadcast_to(color, (pick.sum(), 3)), atol=0.1 if prim else 1e-5)

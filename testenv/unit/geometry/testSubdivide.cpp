@@ -213,9 +213,12 @@ TEST(Subdivide, PrimvarsFollowThePoints) {
             }
         }
     }
-    ASSERT_EQ(c.indices.size(), 96U);
-    for (std::size_t f = 0; f < 96; ++f) {
-        EXPECT_EQ(c.values[c.indices[f]], byFace[f / 16]);
+    // Read as the attribute page reads it: by the triangle's authored face.
+    ASSERT_EQ(refined->faces.size(), 2U * 96U);
+    for (std::size_t t = 0; t < refined->faces.size(); ++t) {
+        const std::uint32_t face = refined->faces[t];
+        EXPECT_EQ(face, t / 2 / 16);
+        EXPECT_EQ(c.values[c.indices[face]], byFace[face]);
     }
 }
 
