@@ -28,11 +28,8 @@
 #define HDS_MESH_EMISSIVE 4u
 
 /* HdsInstance.flags */
-#define HDS_INSTANCE_CUTOUT 1u /* some material of it may let rays pass: its hits are candidates \
-                                */
+#define HDS_INSTANCE_CUTOUT 1u /* some material may let rays pass: hits are candidates */
 #define HDS_INSTANCE_CAMERA 2u /* seen by camera rays */
-#define HDS_INSTANCE_FLIPPED \
-    4u /* the composed transform mirrors (whole path, leaf records of TLAS only) */
 
 HDS_SHARED_BEGIN
 /* One placement of an object in a group; records of a group lie in the leaf order of its BVH.
@@ -113,7 +110,6 @@ HDS_SHARED_END
 /* Fixed slots; user primvars follow from HDS_SLOT_USER on, in the mesh's primvar order. */
 #define HDS_SLOT_FACE 0u     /* u32: authored face */
 #define HDS_SLOT_MATERIAL 1u /* u32: entry of the mesh's material list; absent: entry 0 */
-#define HDS_SLOT_NORMAL 2u   /* 3 components, object space, already flipped for left-handed meshes \
-                              */
+#define HDS_SLOT_NORMAL 2u   /* 3 components, object space, towards the authored front */
 #define HDS_SLOT_USER 3u
 #endif
