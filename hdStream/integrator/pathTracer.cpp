@@ -172,16 +172,19 @@ struct PathTracer::Impl {
         device->Finish();
     }
 
-    /// Samples [firstSample, firstSample + numSamples) of all active pixels.
+    /// Samples [firstSample, firstSample + numSamples) of all active pixels; true when all are
+    /// done. \param[out] isStopped the render is to end.
     bool RenderPass(std::uint32_t firstSample, std::uint32_t numSamples, const Timer& timer,
-                    const ProgressCallback& onProgress) {
+                    const ProgressCallback& onProgress, bool* isStopped) {
         const auto pixelCount = static_cast<std::uint32_t>(activePixels.size());
         const std::uint32_t pixelsPerWave = std::max(1U, waveSize / numSamples);
         for (std::uint32_t first = 0; first < pixelCount; first += pixelsPerWave) {
             const std::uint32_t count = std::min(pixelsPerWave, pixelCount - first);
             RenderWave({first, count, firstSample, numSamples});
             const double passFraction = static_cast<double>(first + count) / pixelCount;
-            if (!Report(firstSample, firstSample + passFraction * numSamples, timer, onProgress)) {
+            *isStopped =
+                !Report(firstSample, firstSample + passFraction * numSamples, timer, onProgress);
+            if (*isStopped && first + count < pixelCount) {
                 return false;
             }
         }
@@ -242,8 +245,7 @@ struct PathTracer::Impl {
             const std::uint32_t border =
                 done == 0 ? 1 : (done / HDS_SAMPLE_BLOCK + 1) * HDS_SAMPLE_BLOCK;
             const std::uint32_t passEnd = std::min({options.samples, border, done + waveSize});
-            isStopped = !RenderPass(done, passEnd - done, timer, onProgress);
-            if (!isStopped) {
+            if (RenderPass(done, passEnd - done, timer, onProgress, &isStopped)) {
                 done = passEnd;
             }
             if (done == 1 && statistics.firstImageSeconds == 0.0) {

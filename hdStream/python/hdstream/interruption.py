@@ -2,7 +2,8 @@
 """Ctrl-C that is never lost.
 
 Python raises KeyboardInterrupt wherever the main thread is, also inside callbacks of C++ libraries,
-which swallow it. So the request is kept as well, and asked for where work can stop.
+which swallow it. So before there is anything to keep (modules load, the stage is read) the process ends
+at once, and later the request is kept as well, and asked for where work can stop.
 """
 
 import os
@@ -16,6 +17,7 @@ class Interruption:
 
     def __init__(self):
         self.isRequested = False
+        self.hasWork = False  # something is rendered that an interruption must not lose
         self._before = None
 
     def __enter__(self):
@@ -35,7 +37,9 @@ class Interruption:
             raise KeyboardInterrupt
 
     def _OnSignal(self, number, frame):
-        if self.isRequested:
+        if not self.hasWork:
+            os.write(2, b"hdstream record: interrupted\n")
+        if self.isRequested or not self.hasWork:
             os._exit(EXIT_INTERRUPTED)
         self.isRequested = True
         raise KeyboardInterrupt

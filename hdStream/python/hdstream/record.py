@@ -198,6 +198,7 @@ class Recorder:
             finally:
                 isDone.set()
 
+        self._interruption.hasWork = True
         threading.Thread(target=Work, name="render", daemon=True).start()
         # Not Thread.join: when it is interrupted, Python 3.11 takes the thread for finished.
         while not isDone.is_set():
