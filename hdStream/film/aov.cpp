@@ -3,6 +3,7 @@
 
 #include "hdStream/base/error.h"
 
+#include <cstring>
 #include <limits>
 
 namespace hds {
@@ -54,6 +55,24 @@ std::vector<AovInfo> MakeTable() {
     };
 }
 
+bool IsPrimvarAov(const std::string& name) {
+    const std::size_t length = std::strlen(kPrimvarAovPrefix);
+    return name.size() > length && name.compare(0, length, kPrimvarAovPrefix) == 0;
+}
+
+std::shared_ptr<const AovInfo> MakePrimvarAov(const std::string& name) {
+    return std::make_shared<const AovInfo>(
+        Data(name.c_str(), {"X", "Y", "Z"}, AovFilter::First, 0.0F, "a primvar of the first hit"));
+}
+
+[[noreturn]] void FailUnknown(const std::string& name) {
+    std::string message = "--aovs: there is no AOV '" + name + "' (there are";
+    for (const AovInfo& row : AovTable()) {
+        message.append(" ").append(row.name);
+    }
+    throw Error(message + " " + kPrimvarAovPrefix + "NAME)", ErrorKind::Usage);
+}
+
 } // namespace
 
 const std::vector<AovInfo>& AovTable() {
@@ -85,20 +104,30 @@ AovLayout MakeAovLayout(const std::vector<std::string>& names) {
     }
     AovLayout layout;
     for (const std::string& name : names) {
-        const AovInfo* info = FindAov(name);
-        if (!info) {
-            std::string message = "--aovs: there is no AOV '" + name + "' (there are";
-            for (const AovInfo& row : AovTable()) {
-                message.append(" ").append(row.name);
-            }
-            throw Error(message + ")", ErrorKind::Usage);
-        }
         if (layout.Find(name)) {
             throw Error("--aovs: '" + name + "' is named twice", ErrorKind::Usage);
         }
+        if (IsPrimvarAov(name)) {
+            layout.primvars.push_back(name.substr(std::strlen(kPrimvarAovPrefix)));
+            layout.slots.push_back({MakePrimvarAov(name), 0});
+            continue;
+        }
+        const AovInfo* info = FindAov(name);
+        if (!info) {
+            FailUnknown(name);
+        }
         std::uint32_t& used = info->isInteger ? layout.intsPerPixel : layout.floatsPerPixel;
-        layout.slots.push_back({info, used});
+        // The table lives as long as the process: nothing is owned.
+        layout.slots.push_back(
+            {std::shared_ptr<const AovInfo>(std::shared_ptr<void>(), info), used});
         used += info->NumChannels();
+    }
+    layout.primvarOffset = layout.floatsPerPixel;
+    for (AovSlot& slot : layout.slots) {
+        if (IsPrimvarAov(slot.info->name)) {
+            slot.offset = layout.floatsPerPixel;
+            layout.floatsPerPixel += slot.info->NumChannels();
+        }
     }
     return layout;
 }
@@ -117,6 +146,27 @@ ImageLayer MakeClearLayer(const AovInfo& info, std::uint32_t width, std::uint32_
         layer.values.assign(numValues, info.clearValue);
     }
     return layer;
+}
+
+void FillPreview(ImageLayer* layer, std::uint32_t stride) {
+    const auto fill = [&](auto& values) {
+        const std::size_t channels = values.size() / (std::size_t{layer->width} * layer->height);
+        for (std::uint32_t y = 0; y < layer->height; ++y) {
+            for (std::uint32_t x = 0; x < layer->width; ++x) {
+                const std::size_t from =
+                    std::size_t{y - y % stride} * layer->width + (x - x % stride);
+                const std::size_t to = std::size_t{y} * layer->width + x;
+                for (std::size_t c = 0; from != to && c < channels; ++c) {
+                    values[to * channels + c] = values[from * channels + c];
+                }
+            }
+        }
+    };
+    if (layer->isInteger) {
+        fill(layer->ids);
+    } else {
+        fill(layer->values);
+    }
 }
 
 std::vector<ImageLayer> MakeLayers(const AovLayout& layout, std::uint32_t width,

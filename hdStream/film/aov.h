@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -40,9 +41,12 @@ const std::vector<AovInfo>& AovTable();
 /// The row of that name; null when there is none.
 const AovInfo* FindAov(const std::string& name);
 
+/// AOVs of this prefix show a primvar of the first hit (three floats; 0 where there is none).
+constexpr const char* kPrimvarAovPrefix = "primvars:";
+
 /// Where a render keeps one of its AOVs.
 struct AovSlot {
-    const AovInfo* info = nullptr;
+    std::shared_ptr<const AovInfo> info;
     std::uint32_t offset = 0; ///< first channel, in floats (ints for integer AOVs) inside a pixel
 };
 
@@ -52,6 +56,9 @@ struct AovLayout {
     std::vector<AovSlot> slots; ///< in the order asked for
     std::uint32_t floatsPerPixel = 0;
     std::uint32_t intsPerPixel = 0;
+    /// Names of the primvars that are AOVs; they lie one after another from primvarOffset on.
+    std::vector<std::string> primvars;
+    std::uint32_t primvarOffset = 0;
 
     /// The slot of that AOV; null when it was not asked for.
     const AovSlot* Find(const std::string& name) const;
@@ -63,6 +70,10 @@ AovLayout MakeAovLayout(const std::vector<std::string>& names);
 
 /// A layer of that size with every pixel at the AOV's clear value.
 ImageLayer MakeClearLayer(const AovInfo& info, std::uint32_t width, std::uint32_t height);
+
+/// Shows a layer of which only the pixels with coordinates that are multiples of `stride` are
+/// known: each of them fills the square of pixels to its right and below.
+void FillPreview(ImageLayer* layer, std::uint32_t stride);
 
 /// Splits resolved buffers (read back from the device) into layers, in the order of the layout.
 /// \param floats [height][width][floatsPerPixel]; may be null when floatsPerPixel is 0

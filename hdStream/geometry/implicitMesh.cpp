@@ -215,7 +215,6 @@ MeshDescription MakePlane(const ImplicitShape& shape) {
     }
     builder.AddFace({0, 1, 2, 3});
     MeshDescription mesh = builder.Finish("bilinear");
-    mesh.doubleSided = true;
     return mesh;
 }
 

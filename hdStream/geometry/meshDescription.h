@@ -23,11 +23,10 @@ struct Primvar {
     SharedSpan<std::int32_t> indices; ///< empty: values are used in order
 };
 
-/// A face set with a material of its own.
+/// A face set that may have a material of its own (MeshPrim::subsetMaterialPaths).
 struct MeshSubset {
     std::string name; ///< the subset's prim path
     SharedSpan<std::int32_t> faces;
-    std::string materialPath; ///< empty: no material
 };
 
 /// OpenSubdiv tags, as authored on the mesh.
@@ -51,7 +50,6 @@ struct MeshDescription {
     std::string subdivisionScheme = "none"; ///< none, bilinear, catmullClark, loop
     SubdivTags subdivTags;
     bool leftHanded = false;
-    bool doubleSided = false;
     std::vector<Primvar> primvars;
     std::vector<MeshSubset> subsets;
 };

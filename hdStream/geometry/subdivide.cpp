@@ -268,7 +268,6 @@ public:
         result.mesh.faceVertexCounts = std::move(counts);
         result.mesh.faceVertexIndices = std::move(indices);
         result.mesh.leftHanded = _mesh.leftHanded;
-        result.mesh.doubleSided = _mesh.doubleSided;
     }
 
     void AddPointsAndNormals() {

@@ -45,7 +45,6 @@ struct TriangleMesh {
     MeshAttribute normals; ///< authored or computed (Vertex, Uniform or FaceVarying), already
                            ///< flipped for left-handed meshes; values empty: flat
     bool leftHanded = false;
-    bool doubleSided = false;
     Bounds bounds; ///< relative to origin
 };
 

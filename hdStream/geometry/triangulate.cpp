@@ -296,7 +296,6 @@ std::shared_ptr<const TriangleMesh> Triangulate(const MeshDescription& mesh,
                                                 int refineLevel) {
     const auto result = std::make_shared<TriangleMesh>();
     result->leftHanded = mesh.leftHanded;
-    result->doubleSided = mesh.doubleSided;
     PrimLog log(primPath, warnings);
     const bool isRefined = refineLevel > 0 && IsSubdivided(mesh.subdivisionScheme) &&
                            InterpretRefined(mesh, refineLevel, *result, log);

@@ -4,6 +4,7 @@
 #include "hdStream/scene/transforms.h"
 
 #include <glm/gtc/matrix_transform.hpp>
+#include <glm/matrix.hpp>
 
 #include <algorithm>
 
@@ -11,8 +12,67 @@ namespace hds {
 
 namespace {
 
-/// UsdGeomCamera gives apertures and focal length in tenths of a scene unit.
-constexpr double kUnitsPerTenth = 0.1;
+/// The film back after conforming, and the display window it fills.
+struct Film {
+    double width = 0.0;
+    double height = 0.0;
+    double left = 0.0; ///< display window, pixels, y down
+    double top = 0.0;
+    double windowWidth = 0.0;
+    double windowHeight = 0.0;
+};
+
+Film ConformFilm(const RenderOptions& options) {
+    const auto& window = options.displayWindow;
+    Film film;
+    film.width = static_cast<double>(options.camera.horizontalAperture);
+    film.height = static_cast<double>(options.camera.verticalAperture);
+    film.left = window[0];
+    film.top = window[1];
+    film.windowWidth = window[2] - window[0];
+    film.windowHeight = window[3] - window[1];
+    const double imageAspect = options.pixelAspectRatio * film.windowWidth / film.windowHeight;
+    const bool isImageWider = film.width / film.height < imageAspect;
+    bool adjustsWidth = isImageWider;
+    switch (options.conformPolicy) {
+    case ConformPolicy::ExpandAperture:
+        break;
+    case ConformPolicy::CropAperture:
+        adjustsWidth = !isImageWider;
+        break;
+    case ConformPolicy::AdjustApertureWidth:
+        adjustsWidth = true;
+        break;
+    case ConformPolicy::AdjustApertureHeight:
+        adjustsWidth = false;
+        break;
+    case ConformPolicy::AdjustPixelAspectRatio:
+        return film;
+    }
+    if (adjustsWidth) {
+        film.width = film.height * imageAspect;
+    } else {
+        film.height = film.width / imageAspect;
+    }
+    return film;
+}
+
+/// Planes of camera space as planes of world space relative to the scene centre. A plane is a row
+/// vector: it is carried by the inverse of the transform that carries points.
+void SetClipPlanes(const CameraPrim& camera, const glm::dmat4& worldFromCamera,
+                   shared::HdsFrameParams* params) {
+    const glm::dmat4 cameraFromWorld = glm::inverse(worldFromCamera);
+    for (const glm::dvec4& plane : camera.clippingPlanes) {
+        if (params->numClipPlanes == HDS_MAX_CLIP_PLANES) {
+            break; // CheckCamera has warned
+        }
+        const glm::dvec4 world = plane * cameraFromWorld;
+        for (int i = 0; i < 4; ++i) {
+            params->clipPlanes[params->numClipPlanes][i] = static_cast<float>(world[i]);
+        }
+        ++params->numClipPlanes;
+    }
+}
 
 } // namespace
 
@@ -20,36 +80,33 @@ shared::HdsFrameParams MakeFrameParams(const RenderOptions& options, const glm::
                                        std::uint32_t numLights) {
     const CameraPrim& camera = options.camera;
     shared::HdsFrameParams params{};
-    const AffineRows rows =
-        RowsFromMatrix(glm::translate(glm::dmat4(1.0), -centre) * camera.worldFromCamera);
+    const glm::dmat4 worldFromCamera =
+        glm::translate(glm::dmat4(1.0), -centre) * camera.worldFromCamera;
+    const AffineRows rows = RowsFromMatrix(worldFromCamera);
     std::copy(rows.begin(), rows.end(), params.worldFromCamera);
 
-    double width = camera.horizontalAperture;
-    double height = camera.verticalAperture;
-    const double imageAspect =
-        options.pixelAspectRatio * options.imageWidth / static_cast<double>(options.imageHeight);
-    if (width / height < imageAspect) {
-        width = height * imageAspect;
-    } else {
-        height = width / imageAspect;
-    }
+    const Film film = ConformFilm(options);
     // On the plane at distance 1 for a perspective, in scene units for an orthographic camera.
-    const double scale = camera.orthographic ? kUnitsPerTenth : 1.0 / camera.focalLength;
-    const double left = (camera.horizontalApertureOffset - 0.5 * width) * scale;
-    const double top = (camera.verticalApertureOffset + 0.5 * height) * scale;
-    params.filmOrigin[0] = static_cast<float>(left);
-    params.filmOrigin[1] = static_cast<float>(top);
-    params.filmStep[0] = static_cast<float>(width * scale / options.imageWidth);
-    params.filmStep[1] = static_cast<float>(-height * scale / options.imageHeight);
+    const double scale = camera.orthographic ? 1.0 : 1.0 / static_cast<double>(camera.focalLength);
+    const double left =
+        (static_cast<double>(camera.horizontalApertureOffset) - 0.5 * film.width) * scale;
+    const double top =
+        (static_cast<double>(camera.verticalApertureOffset) + 0.5 * film.height) * scale;
+    const double stepX = film.width * scale / film.windowWidth;
+    const double stepY = -film.height * scale / film.windowHeight;
+    params.filmOrigin[0] = static_cast<float>(left - film.left * stepX);
+    params.filmOrigin[1] = static_cast<float>(top - film.top * stepY);
+    params.filmStep[0] = static_cast<float>(stepX);
+    params.filmStep[1] = static_cast<float>(stepY);
 
-    params.nearClip = static_cast<float>(camera.nearClip);
-    params.farClip = static_cast<float>(camera.farClip);
-    const bool hasLens = camera.fStop > 0.0 && camera.focusDistance > 0.0;
-    params.lensRadius =
-        hasLens ? static_cast<float>(0.5 * kUnitsPerTenth * camera.focalLength / camera.fStop)
-                : 0.0F;
-    params.focusDistance = static_cast<float>(camera.focusDistance);
-    params.exposureScale = static_cast<float>(camera.exposureScale);
+    params.nearClip = camera.nearClip;
+    params.farClip = camera.farClip;
+    const bool hasLens = camera.fStop > 0.0F && camera.focusDistance > 0.0F;
+    params.lensRadius = hasLens ? static_cast<float>(0.5 * static_cast<double>(camera.focalLength) /
+                                                     static_cast<double>(camera.fStop))
+                                : 0.0F;
+    params.focusDistance = camera.focusDistance;
+    params.exposureScale = camera.exposureScale;
     params.flags = (camera.orthographic ? HDS_FRAME_ORTHOGRAPHIC : 0U) |
                    (options.russianRoulette ? HDS_FRAME_ROULETTE : 0U);
     params.imageWidth = options.imageWidth;
@@ -57,6 +114,9 @@ shared::HdsFrameParams MakeFrameParams(const RenderOptions& options, const glm::
     params.seed = options.seed;
     params.maxDepth = options.maxDepth;
     params.numLights = numLights;
+    params.dataWindowMin[0] = options.dataWindowMin[0];
+    params.dataWindowMin[1] = options.dataWindowMin[1];
+    SetClipPlanes(camera, worldFromCamera, &params);
     return params;
 }
 

@@ -9,8 +9,7 @@
 
 namespace hds {
 
-/// Frame constants of a render. The film back is conformed to the image as UsdRender's
-/// expandAperture: the aperture grows in the direction in which the image is longer.
+/// Frame constants of a render. The film back is conformed to the display window by the policy.
 /// \param centre scene centre, subtracted in double.
 /// \param numLights entries of the light table.
 shared::HdsFrameParams MakeFrameParams(const RenderOptions& options, const glm::dvec3& centre,

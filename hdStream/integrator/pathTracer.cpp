@@ -2,6 +2,7 @@
 #include "hdStream/integrator/pathTracer.h"
 
 #include "hdStream/integrator/cameraFrame.h"
+#include "hdStream/integrator/filmBuffers.h"
 #include "hdStream/integrator/pixelOrder.h"
 #include "hdStream/integrator/stageKernels.h"
 #include "hdStream/shading/pixelFilter.h"
@@ -11,6 +12,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace hds {
@@ -48,61 +50,96 @@ bool ChooseWide(const RenderOptions& options, const DeviceProperties& properties
                                                     : options.traversal == TraversalForm::Wide;
 }
 
-/// AOVs that one ray through each pixel's centre gives.
-const char* const kFirstHitAovs[] = {"depth",  "cameraDepth", "normal",     "Neye",     "position",
-                                     "albedo", "primId",      "instanceId", "elementId"};
-
-bool NeedsFirstHits(const AovLayout& layout) {
-    return std::any_of(std::begin(kFirstHitAovs), std::end(kFirstHitAovs),
-                       [&](const char* name) { return layout.Find(name) != nullptr; });
-}
-
 } // namespace
 
 struct PathTracer::Impl {
-    Impl(std::shared_ptr<Device> theDevice, Store* store, const CommittedScene& theScene,
-         RenderOptions theOptions)
-        : device(std::move(theDevice)), scene(theScene), options(std::move(theOptions)),
-          waveSize(ChooseWaveSize(options, device->Properties())), buffers(device, scene),
-          kernels(device, store, buffers,
-                  {scene.hasCutouts, scene.hasGroups, ChooseWide(options, device->Properties()),
-                   NeedsFirstHits(options.aovs)}) {
-        numPixels = options.imageWidth * options.imageHeight;
-        const shared::HdsFrameParams params = MakeFrameParams(
-            options, scene.centre, static_cast<std::uint32_t>(scene.lights.lights.size()));
-        frame = Buffer(device, "frame constants", sizeof(params), BufferAccess::ReadOnly);
-        frame.Write(&params, sizeof(params));
-        const std::vector<float> filterTable =
-            BuildPixelFilterTable(options.pixelFilter, options.pixelFilterWidth);
-        filter = UploadVector(device, "pixel filter", filterTable);
-        paths = Buffer(device, "path state", std::uint64_t{waveSize} * kernels.PathStateBytes());
-        for (Buffer& queue : queues) {
-            queue = Buffer(device, "ray queue", std::uint64_t{waveSize} * sizeof(std::uint32_t));
-        }
+    Impl(std::shared_ptr<Device> theDevice, Store* theStore)
+        : device(std::move(theDevice)), store(theStore), buffers(device), film(device) {
         counters = Buffer(device, "counters", HDS_NUM_COUNTERS * sizeof(std::uint32_t));
+        frame = Buffer(device, "frame constants", sizeof(shared::HdsFrameParams),
+                       BufferAccess::ReadOnly);
+    }
+
+    bool SetScene(const CommittedScene& newScene) {
+        scene = nullptr;
+        if (!buffers.Update(newScene)) {
+            return false;
+        }
+        scene = &newScene;
+        ++sceneNumber;
+        return true;
+    }
+
+    void Begin(RenderOptions newOptions) {
+        options = std::move(newOptions);
+        statistics = {};
+        previewStride = 0;
+        ReadyKernels();
+        ReadyPathState();
+        const shared::HdsFrameParams params = MakeFrameParams(
+            options, scene->centre, static_cast<std::uint32_t>(scene->lights->lights.size()));
+        frame.Write(&params, sizeof(params));
+        filter = UploadVector(device, "pixel filter",
+                              BuildPixelFilterTable(options.pixelFilter, options.pixelFilterWidth));
         counters.Fill(0, HDS_NUM_COUNTERS * sizeof(std::uint32_t));
-        film = Buffer(device, "film", std::uint64_t{numPixels} * sizeof(shared::HdsFilmPixel));
-        film.Fill(0, film.Bytes());
-        SetActivePixels(MakePixelOrder(options.imageWidth, options.imageHeight));
-        statistics.compileSeconds = kernels.BuildSeconds();
+        film.Reset(options.aovs, options.imageWidth, options.imageHeight);
+        statistics.filmBytes = film.Bytes();
+        if (pixelOrder.empty() || orderWidth != options.imageWidth ||
+            orderHeight != options.imageHeight) {
+            orderWidth = options.imageWidth;
+            orderHeight = options.imageHeight;
+            pixelOrder = MakePixelOrder(orderWidth, orderHeight);
+            previewOrder = MakePreviewOrder(pixelOrder, orderWidth);
+        }
+    }
+
+    void ReadyKernels() {
+        const KernelFeatures features{
+            scene->hasCutouts, scene->hasGroups, ChooseWide(options, device->Properties()),
+            NeedsFirstHits(options.aovs), buffers.Pool().NumBuffers() > 1};
+        auto built = std::find_if(builtKernels.begin(), builtKernels.end(), [&](const auto& entry) {
+            return entry.first->Features() == features;
+        });
+        if (built == builtKernels.end()) {
+            builtKernels.emplace_back(std::make_unique<StageKernels>(device, store, features), 0);
+            built = std::prev(builtKernels.end());
+            statistics.compileSeconds = built->first->BuildSeconds();
+        }
+        kernels = built->first.get();
+        if (built->second != sceneNumber) {
+            kernels->Bind(buffers);
+            built->second = sceneNumber;
+        }
+        statistics.isWideTraversal = features.wide;
+    }
+
+    void ReadyPathState() {
+        waveSize = ChooseWaveSize(options, device->Properties());
+        const std::uint64_t bytes = std::uint64_t{waveSize} * kernels->PathStateBytes();
+        if (!paths.IsValid() || paths.Bytes() != bytes) {
+            paths = Buffer(); // frees first
+            paths = Buffer(device, "path state", bytes);
+            for (Buffer& queue : queues) {
+                queue =
+                    Buffer(device, "ray queue", std::uint64_t{waveSize} * sizeof(std::uint32_t));
+            }
+        }
         statistics.waveSize = waveSize;
-        statistics.isWideTraversal = ChooseWide(options, device->Properties());
         statistics.pathStateBytes = paths.Bytes();
         for (const Buffer& queue : queues) {
             statistics.pathStateBytes += queue.Bytes();
         }
-        statistics.filmBytes = film.Bytes();
     }
 
-    void SetActivePixels(std::vector<std::uint32_t> list) {
+    void SetActivePixels(const std::vector<std::uint32_t>& list) {
         pixels = UploadVector(device, "active pixels", list);
-        activePixels = std::move(list);
+        activePixels = list;
     }
 
     /// Traces the active paths of queue `queue` to their closest hits.
     void Intersect(std::uint32_t queue, std::uint32_t count) {
         const Timer timer;
-        kernels.intersect.Launch(count, paths, waveSize, queues[queue], count);
+        kernels->intersect.Launch(count, paths, waveSize, queues[queue], count);
         device->Finish();
         statistics.traceSeconds += timer.Seconds();
         ++statistics.casts;
@@ -126,18 +163,18 @@ struct PathTracer::Impl {
         while (count > 0) {
             statistics.shadowRays += count;
             ++statistics.casts;
-            if (!scene.hasCutouts) {
-                kernels.shadowCast.Launch(count, paths, waveSize, queues[present], count,
-                                          queues[next], counters);
+            if (!scene->hasCutouts) {
+                kernels->shadowCast.Launch(count, paths, waveSize, queues[present], count,
+                                           queues[next], counters);
                 break;
             }
             ClearCounter(HDS_COUNTER_SHADOW);
-            kernels.shadowCast.Launch(count, paths, waveSize, queues[present], count, queues[next],
-                                      counters);
+            kernels->shadowCast.Launch(count, paths, waveSize, queues[present], count, queues[next],
+                                       counters);
             const std::uint32_t candidates = ReadCounters()[HDS_COUNTER_SHADOW];
             ClearCounter(HDS_COUNTER_SHADOW);
-            kernels.shadowPass.Launch(candidates, paths, waveSize, queues[next], candidates,
-                                      queues[present], counters);
+            kernels->shadowPass.Launch(candidates, paths, waveSize, queues[next], candidates,
+                                       queues[present], counters);
             count = candidates > 0 ? ReadCounters()[HDS_COUNTER_SHADOW] : 0;
         }
         device->Finish();
@@ -147,8 +184,8 @@ struct PathTracer::Impl {
     void RenderWave(const shared::HdsWave& wave) {
         std::uint32_t present = 0;
         std::uint32_t active = wave.numPixels * wave.numSamples;
-        kernels.generateSample.Launch(active, frame, wave, paths, waveSize, pixels, filter,
-                                      queues[present]);
+        kernels->generateSample.Launch(active, frame, wave, paths, waveSize, pixels, filter,
+                                       queues[present]);
         statistics.cameraRays += active;
         bool isFirst = true;
         while (active > 0) {
@@ -160,40 +197,73 @@ struct PathTracer::Impl {
             const Timer timer;
             ClearCounter(HDS_COUNTER_ACTIVE);
             ClearCounter(HDS_COUNTER_SHADOW);
-            kernels.shade.Launch(active, frame, paths, waveSize, queues[present], active,
-                                 queues[1 - present], queues[kShadowQueue], counters);
+            kernels->shade.Launch(active, frame, paths, waveSize, queues[present], active,
+                                  queues[1 - present], queues[kShadowQueue], counters);
             const auto counts = ReadCounters();
             statistics.shadeSeconds += timer.Seconds();
             CastShadows(counts[HDS_COUNTER_SHADOW]);
             active = counts[HDS_COUNTER_ACTIVE];
             present = 1 - present;
         }
-        kernels.resolve.Launch(wave.numPixels, wave, paths, waveSize, pixels, film, counters);
+        kernels->resolve.Launch(wave.numPixels, wave, paths, waveSize, pixels, film.Film(),
+                                counters);
         device->Finish();
     }
 
-    /// Samples [firstSample, firstSample + numSamples) of all active pixels; true when all are
-    /// done. \param[out] isStopped the render is to end.
-    bool RenderPass(std::uint32_t firstSample, std::uint32_t numSamples, const Timer& timer,
-                    const ProgressCallback& onProgress, bool* isStopped) {
-        const auto pixelCount = static_cast<std::uint32_t>(activePixels.size());
+    /// Samples [firstSample, firstSample + numSamples) of the active pixels [begin, end); true when
+    /// all are done. \param[out] isStopped the render is to end.
+    bool RenderPixels(std::uint32_t begin, std::uint32_t end, std::uint32_t firstSample,
+                      std::uint32_t numSamples, const Timer& timer,
+                      const ProgressCallback& onProgress, bool* isStopped) {
         const std::uint32_t pixelsPerWave = std::max(1U, waveSize / numSamples);
-        for (std::uint32_t first = 0; first < pixelCount; first += pixelsPerWave) {
-            const std::uint32_t count = std::min(pixelsPerWave, pixelCount - first);
+        for (std::uint32_t first = begin; first < end; first += pixelsPerWave) {
+            const std::uint32_t count = std::min(pixelsPerWave, end - first);
             RenderWave({first, count, firstSample, numSamples});
-            const double passFraction = static_cast<double>(first + count) / pixelCount;
+            const double passFraction =
+                static_cast<double>(first + count) / static_cast<double>(activePixels.size());
             *isStopped =
                 !Report(firstSample, firstSample + passFraction * numSamples, timer, onProgress);
-            if (*isStopped && first + count < pixelCount) {
+            if (*isStopped && first + count < end) {
                 return false;
             }
         }
         return true;
     }
 
+    /// The first sample of all pixels, from coarse to fine, so that there is a picture at once.
+    bool RenderPreview(const Timer& timer, const ProgressCallback& onProgress, bool* isStopped) {
+        SetActivePixels(previewOrder.pixels);
+        std::uint32_t begin = 0;
+        for (std::size_t i = 0; i < previewOrder.ends.size(); ++i) {
+            const std::uint32_t end = previewOrder.ends[i];
+            if (!RenderPixels(begin, end, 0, 1, timer, onProgress, isStopped) ||
+                (*isStopped && end < activePixels.size())) {
+                return false;
+            }
+            previewStride = kPreviewStrides[i];
+            begin = end;
+        }
+        SetActivePixels(pixelOrder);
+        statistics.firstImageSeconds = timer.Seconds();
+        if (!*isStopped) {
+            *isStopped = !Report(1, 1.0, timer, onProgress);
+        }
+        return true;
+    }
+
+    /// Where the pass after `done` samples ends: doubling inside the first block, so that pictures
+    /// follow each other soon, then block by block.
+    std::uint32_t PassEnd(std::uint32_t done) const {
+        const std::uint32_t border =
+            done < HDS_SAMPLE_BLOCK ? 2 * done : (done / HDS_SAMPLE_BLOCK + 1) * HDS_SAMPLE_BLOCK;
+        return std::min({options.samples, border, done + waveSize});
+    }
+
     bool Report(std::uint32_t samplesDone, double samplesEquivalent, const Timer& timer,
-                const ProgressCallback& onProgress) const {
+                const ProgressCallback& onProgress) {
         const double seconds = timer.Seconds();
+        statistics.renderSeconds = seconds;
+        statistics.samples = samplesDone;
         if (options.timeLimit > 0.0 && seconds >= options.timeLimit && samplesDone > 0) {
             return false;
         }
@@ -205,6 +275,7 @@ struct PathTracer::Impl {
         progress.samplesTotal = options.samples;
         progress.fraction = std::min(1.0, samplesEquivalent / options.samples);
         progress.secondsElapsed = seconds;
+        progress.previewStride = previewStride;
         progress.secondsLeft =
             progress.fraction > 0.0 ? seconds * (1.0 - progress.fraction) / progress.fraction : 0.0;
         if (options.timeLimit > 0.0) {
@@ -216,7 +287,7 @@ struct PathTracer::Impl {
     std::vector<float> RelativeErrors() {
         const auto count = static_cast<std::uint32_t>(activePixels.size());
         Buffer errors(device, "pixel errors", std::uint64_t{count} * sizeof(float));
-        kernels.relativeError.Launch(count, film, pixels, count, errors);
+        kernels->relativeError.Launch(count, film.Film(), pixels, count, errors);
         std::vector<float> values(count);
         errors.Read(values.data(), values.size() * sizeof(float));
         return values;
@@ -232,24 +303,19 @@ struct PathTracer::Impl {
             }
         }
         if (rest.size() < activePixels.size()) {
-            SetActivePixels(std::move(rest));
+            SetActivePixels(rest);
         }
     }
 
     RenderResult Render(const ProgressCallback& onProgress) {
         const Timer timer;
-        std::uint32_t done = 0;
         bool isStopped = false;
+        std::uint32_t done = RenderPreview(timer, onProgress, &isStopped) ? 1 : 0;
         while (done < options.samples && !activePixels.empty() && !isStopped) {
-            // One sample first, for a first image; then up to the border of the block, then blocks.
-            const std::uint32_t border =
-                done == 0 ? 1 : (done / HDS_SAMPLE_BLOCK + 1) * HDS_SAMPLE_BLOCK;
-            const std::uint32_t passEnd = std::min({options.samples, border, done + waveSize});
-            if (RenderPass(done, passEnd - done, timer, onProgress, &isStopped)) {
+            const std::uint32_t passEnd = PassEnd(done);
+            if (RenderPixels(0, static_cast<std::uint32_t>(activePixels.size()), done,
+                             passEnd - done, timer, onProgress, &isStopped)) {
                 done = passEnd;
-            }
-            if (done == 1 && statistics.firstImageSeconds == 0.0) {
-                statistics.firstImageSeconds = timer.Seconds();
             }
             if (options.noise > 0.0 && done >= kMinAdaptiveSamples &&
                 done % HDS_SAMPLE_BLOCK == 0 && !isStopped) {
@@ -261,7 +327,7 @@ struct PathTracer::Impl {
         const auto values = ReadCounters();
         statistics.nanSamples = values[HDS_COUNTER_NAN];
         statistics.endedPasses = values[HDS_COUNTER_PASSES];
-        SetActivePixels(MakePixelOrder(options.imageWidth, options.imageHeight));
+        SetActivePixels(pixelOrder);
         const std::vector<float> errors = RelativeErrors();
         double sum = 0.0;
         for (const float error : errors) {
@@ -274,100 +340,103 @@ struct PathTracer::Impl {
     }
 
     /// First-hit AOVs through pixel centres, wave by wave.
-    void RenderFirstHits(const Buffer& floats, const Buffer& ints,
-                         const shared::HdsAovOffsets& offsets) {
-        const auto pixelCount = static_cast<std::uint32_t>(activePixels.size());
+    void RenderFirstHits() {
+        const shared::HdsAovOffsets offsets = film.FirstHitOffsets(scene->centre);
+        const Buffer primvarSlots =
+            UploadVector(device, "primvar slots", PrimvarSlots(options.aovs.primvars));
+        const Buffer order = UploadVector(device, "all pixels", pixelOrder);
+        const auto pixelCount = static_cast<std::uint32_t>(pixelOrder.size());
         for (std::uint32_t first = 0; first < pixelCount; first += waveSize) {
             const std::uint32_t count = std::min(waveSize, pixelCount - first);
             const shared::HdsWave wave{first, count, 0, 1};
-            kernels.generateCentre.Launch(count, frame, wave, paths, waveSize, pixels, queues[0]);
+            kernels->generateCentre.Launch(count, frame, wave, paths, waveSize, order, queues[0]);
             std::uint32_t present = 0;
             std::uint32_t active = count;
             while (active > 0) {
                 Intersect(present, active);
                 ClearCounter(HDS_COUNTER_ACTIVE);
-                kernels.aov.Launch(active, frame, paths, waveSize, queues[present], active,
-                                   queues[1 - present], counters, floats, ints, offsets);
+                kernels->aov.Launch(active, frame, paths, waveSize, queues[present], active,
+                                    queues[1 - present], counters, film.Floats(), film.Ints(),
+                                    offsets, primvarSlots);
                 active = ReadCounters()[HDS_COUNTER_ACTIVE];
                 present = 1 - present;
             }
         }
+        film.SetHasFirstHits();
     }
 
-    std::vector<ImageLayer> Layers() {
-        const Timer timer;
-        const AovLayout& layout = options.aovs;
-        Buffer floats(device, "AOV floats",
-                      std::uint64_t{numPixels} * layout.floatsPerPixel * sizeof(float));
-        Buffer ints(device, "AOV ids",
-                    std::uint64_t{numPixels} * layout.intsPerPixel * sizeof(std::int32_t));
-        const auto offset = [&](const char* name) {
-            const AovSlot* slot = layout.Find(name);
-            return slot != nullptr ? slot->offset : HDS_NONE;
-        };
-        kernels.develop.Launch(numPixels, film, numPixels, floats, layout.floatsPerPixel, ints,
-                               layout.intsPerPixel, offset("color"), offset("alpha"),
-                               offset("variance"), offset("sampleCount"));
-        shared::HdsAovOffsets offsets{};
-        offsets.floatStride = layout.floatsPerPixel;
-        offsets.intStride = layout.intsPerPixel;
-        offsets.depth = offset("depth");
-        offsets.cameraDepth = offset("cameraDepth");
-        offsets.normal = offset("normal");
-        offsets.normalEye = offset("Neye");
-        offsets.position = offset("position");
-        offsets.albedo = offset("albedo");
-        offsets.primId = offset("primId");
-        offsets.instanceId = offset("instanceId");
-        offsets.elementId = offset("elementId");
-        offsets.centre[0] = static_cast<float>(scene.centre.x);
-        offsets.centre[1] = static_cast<float>(scene.centre.y);
-        offsets.centre[2] = static_cast<float>(scene.centre.z);
-        if (NeedsFirstHits(layout)) {
-            RenderFirstHits(floats, ints, offsets);
+    /// [numMeshes][names.size()] attribute slot of each primvar, or HDS_NONE.
+    std::vector<std::uint32_t> PrimvarSlots(const std::vector<std::string>& names) const {
+        std::vector<std::uint32_t> slots;
+        for (const std::vector<AttributeName>* attributes : scene->meshAttributes) {
+            for (const std::string& name : names) {
+                const auto found = std::find_if(
+                    attributes->begin(), attributes->end(),
+                    [&](const AttributeName& candidate) { return candidate.name == name; });
+                const auto index = static_cast<std::uint32_t>(found - attributes->begin());
+                slots.push_back(found == attributes->end() ? HDS_NONE : HDS_SLOT_USER + index);
+            }
         }
-        std::vector<float> hostFloats(std::size_t{numPixels} * layout.floatsPerPixel);
-        std::vector<std::int32_t> hostInts(std::size_t{numPixels} * layout.intsPerPixel);
-        device->Finish();
-        floats.Read(hostFloats.data(), hostFloats.size() * sizeof(float));
-        ints.Read(hostInts.data(), hostInts.size() * sizeof(std::int32_t));
+        return slots;
+    }
+
+    std::vector<ImageLayer> Layers(bool withFirstHits) {
+        const Timer timer;
+        if (withFirstHits && film.NeedsFirstHits() && !film.HasFirstHits() && previewStride > 0) {
+            RenderFirstHits();
+        }
+        std::vector<ImageLayer> layers = film.Develop(kernels, previewStride);
         statistics.transferSeconds += timer.Seconds();
-        return MakeLayers(layout, options.imageWidth, options.imageHeight, hostFloats.data(),
-                          hostInts.data());
+        return layers;
     }
 
     static constexpr std::uint32_t kShadowQueue = 2; ///< queues 0, 1: paths; 2, 3: shadow rays
 
     std::shared_ptr<Device> device;
-    const CommittedScene& scene;
+    Store* store;
+    const CommittedScene* scene = nullptr;
     RenderOptions options;
-    std::uint32_t waveSize;
+    std::uint32_t waveSize = 0;
     SceneBuffers buffers;
-    StageKernels kernels;
-    std::uint32_t numPixels = 0;
+    FilmBuffers film;
+    std::uint64_t sceneNumber = 0; ///< counts scenes
+    /// Kernels of all features met so far, with the number of the scene they are bound to.
+    std::vector<std::pair<std::unique_ptr<StageKernels>, std::uint64_t>> builtKernels;
+    StageKernels* kernels = nullptr; ///< those of the present render
+    std::vector<std::uint32_t> pixelOrder;
+    PreviewOrder previewOrder;
+    std::uint32_t orderWidth = 0;
+    std::uint32_t orderHeight = 0;
+    std::uint32_t previewStride = 0; ///< as Progress::previewStride
     std::vector<std::uint32_t> activePixels;
     Buffer frame;
     Buffer filter;
     Buffer paths;
     std::array<Buffer, 4> queues;
     Buffer counters;
-    Buffer film;
     Buffer pixels;
     RenderStatistics statistics;
 };
 
-PathTracer::PathTracer(std::shared_ptr<Device> device, Store* store, const CommittedScene& scene,
-                       RenderOptions options)
-    : _impl(std::make_unique<Impl>(std::move(device), store, scene, std::move(options))) {}
+PathTracer::PathTracer(std::shared_ptr<Device> device, Store* store)
+    : _impl(std::make_unique<Impl>(std::move(device), store)) {}
 
 PathTracer::~PathTracer() = default;
+
+bool PathTracer::SetScene(const CommittedScene& scene) {
+    return _impl->SetScene(scene);
+}
+
+void PathTracer::Begin(RenderOptions options) {
+    _impl->Begin(std::move(options));
+}
 
 RenderResult PathTracer::Render(const ProgressCallback& onProgress) {
     return _impl->Render(onProgress);
 }
 
-std::vector<ImageLayer> PathTracer::Layers() const {
-    return _impl->Layers();
+std::vector<ImageLayer> PathTracer::Layers(bool withFirstHits) {
+    return _impl->Layers(withFirstHits);
 }
 
 const RenderStatistics& PathTracer::Statistics() const {
@@ -376,6 +445,10 @@ const RenderStatistics& PathTracer::Statistics() const {
 
 std::uint64_t PathTracer::PoolBytes() const {
     return _impl->buffers.Pool().Bytes();
+}
+
+std::uint64_t PathTracer::UploadedBytes() const {
+    return _impl->buffers.Pool().UploadedBytes();
 }
 
 std::uint64_t PathTracer::TableBytes() const {

@@ -36,24 +36,33 @@ struct RenderStatistics {
     std::uint64_t filmBytes = 0;
 };
 
-/// Renders one committed scene with one set of options. Externally synchronised.
+/// Renders committed scenes, one after another, on one device: what they share (pages, tables,
+/// kernels, path state) stays there. Externally synchronised.
 class PathTracer {
 public:
-    /// Builds the kernels and allocates film and path state.
-    /// \throws Error when memory runs out or a kernel does not build.
-    PathTracer(std::shared_ptr<Device> device, Store* store, const CommittedScene& scene,
-               RenderOptions options);
+    /// \param store of kernel binaries; may be null.
+    PathTracer(std::shared_ptr<Device> device, Store* store);
     ~PathTracer();
 
-    /// Renders all samples. Blocks; may be called once.
+    /// Uploads a scene, which must live until the next call. \return false when a new path tracer
+    /// is needed for it (SceneBuffers::Update). \throws Error when it does not fit the device.
+    bool SetScene(const CommittedScene& scene);
+
+    /// Readies a black film, path state and kernels for a render of the scene.
+    /// \throws Error when memory runs out or a kernel does not build.
+    void Begin(RenderOptions options);
+
+    /// Renders all samples. Blocks; once after each Begin.
     RenderResult Render(const ProgressCallback& onProgress);
 
-    /// The AOVs of the options as rendered so far.
-    std::vector<ImageLayer> Layers() const;
+    /// The AOVs of the options as rendered so far, also inside onProgress. \param withFirstHits
+    /// traces the rays that find first-hit AOVs if that has not been done since Begin.
+    std::vector<ImageLayer> Layers(bool withFirstHits);
 
     const RenderStatistics& Statistics() const;
-    std::uint64_t PoolBytes() const;  ///< of geometry
-    std::uint64_t TableBytes() const; ///< of the scene's tables
+    std::uint64_t PoolBytes() const;     ///< of geometry
+    std::uint64_t UploadedBytes() const; ///< of geometry, since the path tracer was made
+    std::uint64_t TableBytes() const;    ///< of the scene's tables
 
 private:
     struct Impl;

@@ -39,4 +39,21 @@ std::vector<std::uint32_t> MakePixelOrder(std::uint32_t width, std::uint32_t hei
     return pixels;
 }
 
+PreviewOrder MakePreviewOrder(const std::vector<std::uint32_t>& order, std::uint32_t width) {
+    PreviewOrder result;
+    result.pixels.reserve(order.size());
+    std::uint32_t coarser = 0;
+    for (const std::uint32_t stride : kPreviewStrides) {
+        for (const std::uint32_t pixel : order) {
+            const std::uint32_t bits = (pixel % width) | (pixel / width);
+            if (bits % stride == 0 && (coarser == 0 || bits % coarser != 0)) {
+                result.pixels.push_back(pixel);
+            }
+        }
+        result.ends.push_back(static_cast<std::uint32_t>(result.pixels.size()));
+        coarser = stride;
+    }
+    return result;
+}
+
 } // namespace hds

@@ -5,6 +5,7 @@
 #include "hdStream/film/aov.h"
 #include "hdStream/scene/sceneDescription.h"
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -18,12 +19,25 @@ enum class TraversalForm {
     Lane, ///< one lane a ray
 };
 
+/// How an aperture of another aspect ratio is fitted to the display window (UsdRender's
+/// aspectRatioConformPolicy).
+enum class ConformPolicy {
+    ExpandAperture,         ///< the aperture grows in the direction in which the image is longer
+    CropAperture,           ///< it shrinks in the other
+    AdjustApertureWidth,    ///< the aperture's height holds
+    AdjustApertureHeight,   ///< its width holds
+    AdjustPixelAspectRatio, ///< the aperture fills the display window, whatever shape pixels get
+};
+
 /// Options of a render; units and defaults as in session/settings.h.
 struct RenderOptions {
     CameraPrim camera;
     std::uint32_t imageWidth = 0;
     std::uint32_t imageHeight = 0;
     double pixelAspectRatio = 1.0;
+    std::array<double, 4> displayWindow{}; ///< left, top, right, bottom
+    std::array<std::int32_t, 2> dataWindowMin{};
+    ConformPolicy conformPolicy = ConformPolicy::ExpandAperture;
     AovLayout aovs;
     std::uint32_t samples = 64;
     std::uint32_t maxDepth = 8;
@@ -44,6 +58,9 @@ struct Progress {
     double fraction = 0.0;       ///< of all work
     double secondsElapsed = 0.0; ///< since rendering began
     double secondsLeft = 0.0;    ///< estimate
+    /// While the first sample goes from coarse to fine: pixels whose coordinates are multiples of
+    /// this have it. 1: all pixels; 0: none, the scene is being prepared.
+    std::uint32_t previewStride = 0;
 };
 
 /// Return false to stop; what was rendered so far stays in the film.

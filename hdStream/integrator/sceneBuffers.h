@@ -6,15 +6,21 @@
 #include "hdStream/scene/commit.h"
 #include "hdStream/stream/residentPool.h"
 
+#include <array>
 #include <memory>
 
 namespace hds {
 
-/// Buffers of all scene tables. Externally synchronised.
+/// Buffers of all scene tables, kept from one version of the scene to the next. Externally
+/// synchronised.
 class SceneBuffers {
 public:
-    /// Uploads everything. Blocks. \throws Error when it does not fit.
-    SceneBuffers(const std::shared_ptr<Device>& device, const CommittedScene& scene);
+    explicit SceneBuffers(std::shared_ptr<Device> device);
+
+    /// Uploads what is new in `scene`. Blocks. \return false when the pages of edited scenes have
+    /// scattered the pool: start again with new SceneBuffers and pages that were not dropped.
+    /// \throws Error when the scene does not fit the device.
+    bool Update(const CommittedScene& scene);
 
     /// Sets the arguments of HDS_GEOMETRY_ARGS from `first` on; returns the next free index.
     unsigned BindGeometry(Kernel* kernel, unsigned first) const;
@@ -23,28 +29,35 @@ public:
     unsigned BindScene(Kernel* kernel, unsigned first) const;
 
     const ResidentPool& Pool() const { return _pool; }
-    std::uint64_t TableBytes() const { return _tableBytes; }
+    std::uint64_t TableBytes() const;
 
 private:
-    Buffer Table(const std::shared_ptr<Device>& device, const char* label, const void* data,
-                 std::size_t bytes);
+    /// The tables in device memory, in the order of the constructor's labels.
+    enum Table {
+        TopNodes,
+        Instances,
+        InstancesByPath,
+        Objects,
+        Chunks,
+        Meshes,
+        MeshMaterials,
+        Materials,
+        LightByEntry,
+        Lights,
+        LightNodes,
+        LightTriangles,
+        LightCdf,
+        DomeTexels,
+        NumTables
+    };
 
-    std::uint64_t _tableBytes = 0;
+    template <typename T>
+    void Upload(Table table, const std::vector<T>& values);
+
+    std::shared_ptr<Device> _device;
     ResidentPool _pool;
-    Buffer _topNodes;
-    Buffer _instances;
-    Buffer _instancesByPath;
-    Buffer _objects;
-    Buffer _chunks;
-    Buffer _meshes;
-    Buffer _meshMaterials;
-    Buffer _materials;
-    Buffer _lightByEntry;
-    Buffer _lights;
-    Buffer _lightNodes;
-    Buffer _lightTriangles;
-    Buffer _lightCdf;
-    Buffer _domeTexels;
+    std::array<Buffer, NumTables> _tables;
+    std::shared_ptr<const LightTable> _lights; ///< what the light tables hold
     std::uint32_t _numLights = 0;
 };
 

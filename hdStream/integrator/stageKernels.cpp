@@ -28,21 +28,22 @@ constexpr std::uint64_t kNumCutoutFields = 0
 constexpr unsigned kIntersectArgs = 4;
 constexpr unsigned kShadeArgs = 8;
 constexpr unsigned kShadowArgs = 6;
-constexpr unsigned kAovArgs = 10;
+constexpr unsigned kAovArgs = 11;
 
-ProgramDefines MakeDefines(const SceneBuffers& scene, const KernelFeatures& features) {
+ProgramDefines MakeDefines(const KernelFeatures& features) {
     return {{"HDS_FEATURE_CUTOUT", features.cutouts ? "1" : "0"},
             {"HDS_FEATURE_GROUPS", features.groups ? "1" : "0"},
-            {"HDS_NUM_POOLS", std::to_string(scene.Pool().NumBuffers())},
+            {"HDS_NUM_POOLS", std::to_string(features.manyPools ? kMaxPoolBuffers : 1)},
             {"HDS_TRAVERSAL_WIDE", features.wide ? "1" : "0"}};
 }
 
 } // namespace
 
 StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
-                           const SceneBuffers& scene, const KernelFeatures& features)
-    : _pathStateBytes(kFieldBytes * (kNumFields + (features.cutouts ? kNumCutoutFields : 0))) {
-    const ProgramDefines defines = MakeDefines(scene, features);
+                           const KernelFeatures& features)
+    : _features(features),
+      _pathStateBytes(kFieldBytes * (kNumFields + (features.cutouts ? kNumCutoutFields : 0))) {
+    const ProgramDefines defines = MakeDefines(features);
     const auto build = [&](const char* root) {
         auto program = std::make_unique<Program>(device, root, defines, store);
         _buildSeconds += program->BuildSeconds();
@@ -59,16 +60,22 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
     const auto filmProgram = build("film/film.cl");
     develop = filmProgram->GetKernel("film_develop");
     relativeError = filmProgram->GetKernel("film_relativeError");
-
-    scene.BindGeometry(&intersect, kIntersectArgs);
-    scene.BindScene(&shade, kShadeArgs);
-    scene.BindScene(&shadowCast, kShadowArgs);
     if (features.firstHits) {
         aov = build("integrator/aov.cl")->GetKernel("aov_firstHit");
-        scene.BindScene(&aov, kAovArgs);
     }
     if (features.cutouts) {
         shadowPass = shadowProgram->GetKernel("shadow_pass");
+    }
+}
+
+void StageKernels::Bind(const SceneBuffers& scene) {
+    scene.BindGeometry(&intersect, kIntersectArgs);
+    scene.BindScene(&shade, kShadeArgs);
+    scene.BindScene(&shadowCast, kShadowArgs);
+    if (_features.firstHits) {
+        scene.BindScene(&aov, kAovArgs);
+    }
+    if (_features.cutouts) {
         scene.BindScene(&shadowPass, kShadowArgs);
     }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The programs of the wavefront, specialised by the scene's features, with the scene bound.
+// The programs of the wavefront, specialised by the scene's features.
 // Features change which code is compiled, never the bits of the image (DESIGN.md section 12.1).
 #pragma once
 
@@ -15,14 +15,23 @@ struct KernelFeatures {
     bool groups = false;    ///< instances below instances
     bool wide = false;      ///< 8-wide traversal inside a work-item
     bool firstHits = false; ///< first-hit AOVs are asked for: `aov` is built
+    bool manyPools = false; ///< the scene's pages lie in more than one pool buffer
+
+    bool operator==(const KernelFeatures& other) const {
+        return cutouts == other.cutouts && groups == other.groups && wide == other.wide &&
+               firstHits == other.firstHits && manyPools == other.manyPools;
+    }
 };
 
 /// All kernels of a render. Externally synchronised.
 class StageKernels {
 public:
     /// \throws Error with the compiler's log when a kernel does not build.
-    StageKernels(const std::shared_ptr<Device>& device, Store* store, const SceneBuffers& scene,
+    StageKernels(const std::shared_ptr<Device>& device, Store* store,
                  const KernelFeatures& features);
+
+    /// Binds a scene to all kernels that read it; again after each SceneBuffers::Update.
+    void Bind(const SceneBuffers& scene);
 
     Kernel generateSample;
     Kernel generateCentre;
@@ -38,8 +47,10 @@ public:
     /// Bytes of path state a path needs with these features.
     std::uint64_t PathStateBytes() const { return _pathStateBytes; }
     double BuildSeconds() const { return _buildSeconds; }
+    const KernelFeatures& Features() const { return _features; }
 
 private:
+    KernelFeatures _features;
     std::uint64_t _pathStateBytes;
     double _buildSeconds = 0.0;
 };

@@ -9,6 +9,9 @@
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <array>
+#include <map>
+#include <memory>
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -80,10 +83,8 @@ void BindPrimvar(nb::module_& module) {
 }
 
 void BindMesh(nb::module_& module) {
-    nb::class_<MeshSubset> subset(module, "MeshSubset", "A face set with a material of its own.");
-    subset.def(nb::init<>())
-        .def_rw("name", &MeshSubset::name)
-        .def_rw("materialPath", &MeshSubset::materialPath);
+    nb::class_<MeshSubset> subset(module, "MeshSubset", "A face set.");
+    subset.def(nb::init<>()).def_rw("name", &MeshSubset::name);
     BindSpan(subset, "faces", &MeshSubset::faces, 1);
 
     nb::class_<SubdivTags> tags(module, "SubdivTags", "OpenSubdiv tags as authored.");
@@ -102,7 +103,6 @@ void BindMesh(nb::module_& module) {
         .def_rw("subdivisionScheme", &MeshDescription::subdivisionScheme)
         .def_rw("subdivTags", &MeshDescription::subdivTags)
         .def_rw("leftHanded", &MeshDescription::leftHanded)
-        .def_rw("doubleSided", &MeshDescription::doubleSided)
         .def_rw("primvars", &MeshDescription::primvars)
         .def_rw("subsets", &MeshDescription::subsets);
     BindSpan(mesh, "points", &MeshDescription::points, 3);
@@ -129,15 +129,29 @@ void BindPlaced(nb::module_& module) {
         .def(
             "__init__",
             [](Placement* self, nb::handle worldFromObject, const std::string& instancerPath,
-               bool visible) {
+               nb::handle instances, bool visible) {
+                SharedSpan<std::int32_t> span;
+                if (!instances.is_none()) {
+                    span = SpanFromBuffer<std::int32_t>(instances, "instances").first;
+                }
                 new (self) Placement{MatrixFromBuffer(worldFromObject, "worldFromObject"),
-                                     instancerPath, visible};
+                                     instancerPath, std::move(span), visible};
             },
-            "worldFromObject"_a, "instancerPath"_a = "", "visible"_a = true)
+            "worldFromObject"_a, "instancerPath"_a = "", "instances"_a = nb::none(),
+            "visible"_a = true,
+            "`instances` (int32): which instances of the instancer place the prim.")
         .def_rw("instancerPath", &Placement::instancerPath)
         .def_rw("visible", &Placement::visible);
     BindMatrix(placement, "worldFromObject", &Placement::worldFromObject);
+    BindSpan(placement, "instances", &Placement::instances, 1);
 
+    nb::enum_<CullStyle>(module, "CullStyle", "Which faces camera rays do not see.")
+        .value("DontCare", CullStyle::DontCare)
+        .value("Nothing", CullStyle::Nothing)
+        .value("Back", CullStyle::Back)
+        .value("Front", CullStyle::Front)
+        .value("BackUnlessDoubleSided", CullStyle::BackUnlessDoubleSided)
+        .value("FrontUnlessDoubleSided", CullStyle::FrontUnlessDoubleSided);
     nb::class_<MeshPrim>(module, "MeshPrim", "A mesh in the scene.")
         .def(
             "__init__",
@@ -146,13 +160,18 @@ void BindPlaced(nb::module_& module) {
                 new (self) MeshPrim;
                 self->placement = where;
                 self->purpose = purpose;
-                self->mesh = mesh;
+                self->mesh = std::make_shared<const MeshDescription>(mesh); // shares the arrays
                 self->materialPath = materialPath;
             },
             "mesh"_a, "placement"_a, "purpose"_a = "default", "materialPath"_a = "")
         .def_rw("placement", &MeshPrim::placement)
         .def_rw("purpose", &MeshPrim::purpose)
-        .def_rw("mesh", &MeshPrim::mesh)
+        .def_prop_ro(
+            "mesh", [](const MeshPrim& self) -> const MeshDescription& { return *self.mesh; },
+            nb::rv_policy::reference_internal)
+        .def_rw("doubleSided", &MeshPrim::doubleSided)
+        .def_rw("cullStyle", &MeshPrim::cullStyle)
+        .def_rw("subsetMaterialPaths", &MeshPrim::subsetMaterialPaths)
         .def_rw("materialPath", &MeshPrim::materialPath)
         .def_rw("primId", &MeshPrim::primId);
 
@@ -165,21 +184,7 @@ void BindPlaced(nb::module_& module) {
                 self->placement = where;
             },
             "placement"_a)
-        .def_rw("placement", &InstancerPrim::placement)
-        .def(
-            "SetInstances",
-            [](InstancerPrim& self, const std::string& prototypePath, nb::handle instances) {
-                self.instancesByPrototype[prototypePath] =
-                    SpanFromBuffer<std::int32_t>(instances, "instances").first;
-            },
-            "prototypePath"_a, "instances"_a, "The instances (int32) that place a prototype.")
-        .def_prop_ro("instancesByPrototype", [](const InstancerPrim& self) {
-            nb::dict result;
-            for (const auto& [path, instances] : self.instancesByPrototype) {
-                result[path.c_str()] = ArrayFromSpan(instances, 1);
-            }
-            return result;
-        });
+        .def_rw("placement", &InstancerPrim::placement);
     BindSpan(instancer, "instanceTransforms", &InstancerPrim::instanceTransforms, 16);
 }
 
@@ -236,7 +241,22 @@ void BindCamera(nb::module_& module) {
         .def_rw("farClip", &CameraPrim::farClip)
         .def_rw("fStop", &CameraPrim::fStop)
         .def_rw("focusDistance", &CameraPrim::focusDistance)
-        .def_rw("exposureScale", &CameraPrim::exposureScale);
+        .def_rw("exposureScale", &CameraPrim::exposureScale)
+        .def_prop_rw(
+            "clippingPlanes",
+            [](const CameraPrim& self) {
+                std::vector<std::array<double, 4>> planes;
+                for (const glm::dvec4& plane : self.clippingPlanes) {
+                    planes.push_back({plane.x, plane.y, plane.z, plane.w});
+                }
+                return planes;
+            },
+            [](CameraPrim& self, const std::vector<std::array<double, 4>>& planes) {
+                self.clippingPlanes.clear();
+                for (const auto& plane : planes) {
+                    self.clippingPlanes.emplace_back(plane[0], plane[1], plane[2], plane[3]);
+                }
+            });
     BindMatrix(camera, "worldFromCamera", &CameraPrim::worldFromCamera);
 }
 
@@ -252,10 +272,15 @@ void BindScene(nb::module_& module) {
         .def_ro("meshes", &SceneDescription::meshes)
         .def_ro("instancers", &SceneDescription::instancers)
         .def_ro("lights", &SceneDescription::lights)
-        .def_ro("materials", &SceneDescription::materials)
-        .def_ro("cameras", &SceneDescription::cameras)
-        .def_ro("metersPerUnit", &SceneDescription::metersPerUnit)
-        .def_ro("upAxis", &SceneDescription::upAxis);
+        .def_prop_ro("materials",
+                     [](const SceneDescription& self) {
+                         std::map<std::string, MaterialNetwork> networks;
+                         for (const auto& [path, network] : self.materials) {
+                             networks[path] = *network;
+                         }
+                         return networks;
+                     })
+        .def_ro("cameras", &SceneDescription::cameras);
 }
 
 } // namespace hds::python

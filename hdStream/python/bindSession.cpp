@@ -3,8 +3,11 @@
 // callbacks take it, so that the core never waits for Python while Python waits for the core.
 #include "hdStream/python/bindings.h"
 #include "hdStream/session/session.h"
+#include "hdStream/session/settingsTable.h"
 
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
 #include <memory>
@@ -94,6 +97,11 @@ void BindSettings(nb::module_& module) {
         .def_rw("imageWidth", &Settings::imageWidth)
         .def_rw("imageHeight", &Settings::imageHeight)
         .def_rw("pixelAspectRatio", &Settings::pixelAspectRatio)
+        .def_rw("displayWindow", &Settings::displayWindow)
+        .def_rw("dataWindowMin", &Settings::dataWindowMin)
+        .def_rw("conformPolicy", &Settings::conformPolicy)
+        .def_rw("cullStyle", &Settings::cullStyle)
+        .def_rw("domeVisible", &Settings::domeVisible)
         .def_rw("aovs", &Settings::aovs)
         .def_rw("purposes", &Settings::purposes)
         .def_rw("samples", &Settings::samples)
@@ -112,6 +120,31 @@ void BindSettings(nb::module_& module) {
         .def_rw("noCache", &Settings::noCache)
         .def_rw("traversal", &Settings::traversal)
         .def_rw("chunkBytes", &Settings::chunkBytes);
+}
+
+void BindSettingsTable(nb::module_& module) {
+    nb::enum_<SettingKind>(module, "SettingKind")
+        .value("Bool", SettingKind::Bool)
+        .value("Integer", SettingKind::Integer)
+        .value("Number", SettingKind::Number)
+        .value("Bytes", SettingKind::Bytes)
+        .value("Text", SettingKind::Text)
+        .value("Choice", SettingKind::Choice)
+        .value("Names", SettingKind::Names);
+    nb::class_<SettingInfo>(module, "SettingInfo", "A row of the settings table.")
+        .def_ro("name", &SettingInfo::name)
+        .def_ro("option", &SettingInfo::option)
+        .def_ro("label", &SettingInfo::label)
+        .def_ro("description", &SettingInfo::description)
+        .def_ro("kind", &SettingInfo::kind)
+        .def_ro("choices", &SettingInfo::choices)
+        .def_ro("minimum", &SettingInfo::minimum)
+        .def_ro("maximum", &SettingInfo::maximum)
+        .def_ro("isUserSetting", &SettingInfo::isUserSetting);
+    module.def("SettingTable", &SettingTable, "All settings, in the order they are shown.");
+    module.def("GetSetting", &GetSetting, "settings"_a, "name"_a);
+    module.def("SetSetting", &SetSetting, "settings"_a, "name"_a, "value"_a,
+               "Sets a checked value; raises UsageError.");
 }
 
 void BindDevices(nb::module_& module) {
@@ -141,7 +174,8 @@ void BindDevices(nb::module_& module) {
         .def_ro("samplesTotal", &Progress::samplesTotal)
         .def_ro("fraction", &Progress::fraction)
         .def_ro("secondsElapsed", &Progress::secondsElapsed)
-        .def_ro("secondsLeft", &Progress::secondsLeft);
+        .def_ro("secondsLeft", &Progress::secondsLeft)
+        .def_ro("previewStride", &Progress::previewStride);
 }
 
 } // namespace
@@ -149,6 +183,7 @@ void BindDevices(nb::module_& module) {
 void BindSession(nb::module_& module) {
     BindErrors(module);
     BindSettings(module);
+    BindSettingsTable(module);
     BindDevices(module);
     nb::class_<Session>(module, "Session", "A scene, its device and its film.")
         .def(
@@ -160,9 +195,13 @@ void BindSession(nb::module_& module) {
         .def("SetMesh", &Session::SetMesh, "path"_a, "prim"_a)
         .def("SetInstancer", &Session::SetInstancer, "path"_a, "prim"_a)
         .def("SetLight", &Session::SetLight, "path"_a, "prim"_a)
-        .def("SetMaterial", &Session::SetMaterial, "path"_a, "network"_a)
+        .def(
+            "SetMaterial",
+            [](Session& self, const std::string& path, MaterialNetwork network) {
+                self.SetMaterial(path, std::make_shared<const MaterialNetwork>(std::move(network)));
+            },
+            "path"_a, "network"_a)
         .def("SetCamera", &Session::SetCamera, "path"_a, "prim"_a)
-        .def("SetStage", &Session::SetStage, "metersPerUnit"_a, "upAxis"_a)
         .def("Remove", &Session::Remove, "path"_a)
         .def("Clear", &Session::Clear, ReleaseGil())
         .def("Scene", &Session::Scene, nb::rv_policy::reference_internal)
@@ -171,7 +210,9 @@ void BindSession(nb::module_& module) {
         .def("Dump", &Session::Dump, ReleaseGil())
         .def("Info", &Session::Info, ReleaseGil())
         .def("Render", &Render, "settings"_a, "onProgress"_a = nb::none())
-        .def("Layers", &Session::Layers, ReleaseGil())
+        .def("HasImage", &Session::HasImage)
+        .def("Layers", &Session::Layers, ReleaseGil(), "withFirstHits"_a = true)
+        .def("FlushTextures", &Session::FlushTextures, ReleaseGil())
         .def("Statistics", &Session::Statistics, ReleaseGil())
         .def("SetFrontEndTimes", &Session::SetFrontEndTimes, "loadSeconds"_a, "translateSeconds"_a,
              "sinceStartSeconds"_a);

@@ -2,10 +2,8 @@
 #include "hdStream/scene/commit.h"
 
 #include "hdStream/scene/hierarchy.h"
-#include "hdStream/scene/imageLibrary.h"
 #include "hdStream/scene/lightCommit.h"
 #include "hdStream/scene/materialCommit.h"
-#include "hdStream/scene/meshCommit.h"
 #include "hdStream/scene/sceneCentre.h"
 #include "hdStream/scene/transforms.h"
 
@@ -18,22 +16,40 @@ namespace hds {
 
 namespace {
 
-using MeshEntry = std::pair<const std::string, MeshPrim>;
+using MeshEntry = MeshStore::Entry;
 
 bool IsDrawn(const MeshPrim& prim, const std::vector<std::string>& purposes) {
-    return prim.placement.visible &&
-           (prim.purpose == "default" ||
-            std::find(purposes.begin(), purposes.end(), prim.purpose) != purposes.end());
+    return prim.mesh && prim.placement.visible &&
+           std::find(purposes.begin(), purposes.end(), prim.purpose) != purposes.end();
+}
+
+/// HDS_MESH_CULL_* of a mesh.
+std::uint32_t CullFlags(const MeshPrim& prim, CullStyle fallback) {
+    switch (prim.cullStyle == CullStyle::DontCare ? fallback : prim.cullStyle) {
+    case CullStyle::Back:
+        return HDS_MESH_CULL_BACK;
+    case CullStyle::Front:
+        return HDS_MESH_CULL_FRONT;
+    case CullStyle::BackUnlessDoubleSided:
+        return prim.doubleSided ? 0U : HDS_MESH_CULL_BACK;
+    case CullStyle::FrontUnlessDoubleSided:
+        return prim.doubleSided ? 0U : HDS_MESH_CULL_FRONT;
+    case CullStyle::DontCare:
+    case CullStyle::Nothing:
+        break;
+    }
+    return 0U;
 }
 
 /// Carries one commit through its steps.
 class Committer {
 public:
-    Committer(const SceneDescription& scene, const CommitOptions& options, Warnings& warnings)
-        : _scene(scene), _options(options), _warnings(warnings), _images(warnings),
-          _materials(scene, _images, warnings), _result(std::make_unique<CommittedScene>()) {}
+    Committer(const SceneDescription& scene, const CommitOptions& options, CommitCache* cache,
+              Warnings& warnings)
+        : _scene(scene), _options(options), _cache(*cache), _warnings(warnings),
+          _materials(scene, cache->images, warnings), _result(std::make_unique<CommittedScene>()) {}
 
-    std::unique_ptr<CommittedScene> Run() {
+    std::unique_ptr<CommittedScene> Run(const CancelCallback& isCancelled) {
         const auto start = std::chrono::steady_clock::now();
         std::vector<const MeshEntry*> drawn;
         for (const MeshEntry& entry : _scene.meshes) {
@@ -41,23 +57,21 @@ public:
                 drawn.push_back(&entry);
             }
         }
-        _materials.Compile(drawn);
-        _prepared = PrepareMeshes(drawn, _options.meshes, _warnings);
-        _result->objects.emplace_back(); // the TLAS
-        std::uint32_t numChunks = 0;
-        for (const PreparedMesh& mesh : _prepared) {
-            numChunks += static_cast<std::uint32_t>(mesh.chunks.size());
+        _cache.images.BeginCommit();
+        if (!_cache.meshes.Prepare(_scene, drawn, _options.meshes, _warnings, isCancelled)) {
+            return nullptr;
         }
-        _result->pages = std::make_unique<GeometryPages>(numChunks);
+        _materials.Compile(drawn);
+        AddObjects();
         for (std::size_t i = 0; i < drawn.size(); ++i) {
-            AddMesh(*drawn[i], &_prepared[i], static_cast<std::uint32_t>(i));
+            AddMesh(*drawn[i], static_cast<std::uint32_t>(i));
         }
         _result->centre = ChooseSceneCentre(_scene, _leaves);
         AddHierarchy();
         AddLights();
         _result->materials = std::move(_materials.materials);
         _result->meshMaterials = std::move(_materials.meshMaterials);
-        _result->textures = _images.Uses();
+        _result->textures = _cache.images.Uses();
         Count();
         _result->seconds =
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -65,58 +79,67 @@ public:
     }
 
 private:
-    void AddMesh(const MeshEntry& entry, PreparedMesh* prepared, std::uint32_t index) {
-        const TriangleMesh& triangles = *prepared->triangles;
-        const MeshMaterialInfo info = _materials.AddMesh(entry.first, entry.second, triangles);
+    /// Objects, chunks and pages of all prepared meshes: one that is hidden keeps its pages.
+    void AddObjects() {
+        _result->objects.emplace_back(); // the TLAS
+        _result->pages = std::make_unique<GeometryPages>();
+        _cache.meshes.ForEach([&](const std::string& path, const PreparedMesh& prepared) {
+            AddObject(path, prepared);
+        });
+    }
+
+    void AddObject(const std::string& path, const PreparedMesh& prepared) {
+        const auto index = static_cast<std::uint32_t>(_result->objects.size());
+        _objectByPath[path] = index;
+        shared::HdsObject object{};
+        object.kind = prepared.topNodes.empty() ? HDS_OBJECT_CHUNK : HDS_OBJECT_MESH;
+        object.nodeBase = static_cast<std::uint32_t>(_result->topNodes.size());
+        object.itemBase = static_cast<std::uint32_t>(_result->chunks.size());
+        object.numItems = static_cast<std::uint32_t>(prepared.chunks.size());
+        _result->objects.push_back(object);
+        _result->topNodes.insert(_result->topNodes.end(), prepared.topNodes.begin(),
+                                 prepared.topNodes.end());
+        for (const PreparedChunk& chunk : prepared.chunks) {
+            shared::HdsChunk record{};
+            record.triangleOffset = chunk.triangleOffset;
+            record.vertexOffset = chunk.vertexOffset;
+            record.numTriangles = chunk.numTriangles;
+            record.object = index;
+            _result->pages->AddChunk(chunk.geometry, chunk.attributes);
+            _result->chunks.push_back(record);
+        }
+    }
+
+    void AddMesh(const MeshEntry& entry, std::uint32_t index) {
+        const auto& [path, prim] = entry;
+        const PreparedMesh& prepared = _cache.meshes.Find(path);
+        const MeshMaterialInfo info = _materials.AddMesh(path, prim, prepared);
+        const std::uint32_t cullFlags = CullFlags(prim, _options.cullStyle);
         _meshInfos.push_back(info);
         shared::HdsMesh mesh{};
         mesh.materialBase = info.materialBase;
-        mesh.flags = (triangles.doubleSided ? HDS_MESH_DOUBLE_SIDED : 0U) |
-                     (triangles.leftHanded ? HDS_MESH_LEFT_HANDED : 0U) |
-                     (info.isEmissive ? HDS_MESH_EMISSIVE : 0U);
-        mesh.primId =
-            entry.second.primId >= 0 ? entry.second.primId : static_cast<std::int32_t>(index);
-        mesh.numPrimvars = static_cast<std::uint32_t>(triangles.attributes.size());
+        mesh.flags = (prim.doubleSided ? HDS_MESH_DOUBLE_SIDED : 0U) |
+                     (prepared.leftHanded ? HDS_MESH_LEFT_HANDED : 0U) |
+                     (info.isEmissive ? HDS_MESH_EMISSIVE : 0U) | cullFlags;
+        mesh.primId = prim.primId >= 0 ? prim.primId : static_cast<std::int32_t>(index);
+        mesh.numPrimvars = static_cast<std::uint32_t>(prepared.attributes.size());
         _result->meshes.push_back(mesh);
-        const std::uint32_t object = AddObject(prepared);
-        if (prepared->chunks.empty()) {
+        _result->meshAttributes.push_back(&prepared.attributes);
+        if (prepared.chunks.empty()) {
             return;
         }
+        const bool mayPass = info.hasCutouts || cullFlags != 0;
         LeafObject leaf;
-        leaf.object = object;
+        leaf.object = _objectByPath.at(path);
         leaf.mesh = index;
-        leaf.flags = HDS_INSTANCE_CAMERA | (info.hasCutouts ? HDS_INSTANCE_CUTOUT : 0U);
-        leaf.origin = triangles.origin;
-        leaf.bounds = prepared->bounds;
+        leaf.flags = HDS_INSTANCE_CAMERA | (mayPass ? HDS_INSTANCE_CUTOUT : 0U);
+        leaf.origin = prepared.origin;
+        leaf.bounds = prepared.bounds;
         leaf.ownRecord = info.isEmissive;
-        _leaves[entry.first] = leaf;
-        _result->hasCutouts = _result->hasCutouts || info.hasCutouts;
-        _result->counts.triangles += triangles.triangles.size();
+        _leaves[path] = leaf;
+        _result->hasCutouts = _result->hasCutouts || mayPass;
+        _result->counts.triangles += prepared.numTriangles;
         ++_result->counts.meshes;
-    }
-
-    /// Appends the mesh's object, chunks and pages; the pages leave `prepared`.
-    std::uint32_t AddObject(PreparedMesh* prepared) {
-        const auto index = static_cast<std::uint32_t>(_result->objects.size());
-        shared::HdsObject object{};
-        object.kind = prepared->topNodes.empty() ? HDS_OBJECT_CHUNK : HDS_OBJECT_MESH;
-        object.nodeBase = static_cast<std::uint32_t>(_result->topNodes.size());
-        object.itemBase = static_cast<std::uint32_t>(_result->chunks.size());
-        object.numItems = static_cast<std::uint32_t>(prepared->chunks.size());
-        _result->objects.push_back(object);
-        _result->topNodes.insert(_result->topNodes.end(), prepared->topNodes.begin(),
-                                 prepared->topNodes.end());
-        for (PreparedChunk& chunk : prepared->chunks) {
-            shared::HdsChunk record{};
-            record.triangleOffset = chunk.geometry.triangleOffset;
-            record.vertexOffset = chunk.geometry.vertexOffset;
-            record.numTriangles = chunk.numTriangles;
-            record.object = index;
-            _result->pages->SetChunk(static_cast<std::uint32_t>(_result->chunks.size()),
-                                     std::move(chunk.geometry.bytes), std::move(chunk.attributes));
-            _result->chunks.push_back(record);
-        }
-        return index;
     }
 
     void AddHierarchy() {
@@ -143,12 +166,12 @@ private:
         LightCommitInput input;
         input.scene = &_scene;
         input.centre = _result->centre;
-        input.meshes = &_prepared;
+        input.domeVisible = _options.domeVisible;
         input.meshInfos = &_meshInfos;
         input.materials = &_materials;
         input.ownRecords = &_ownRecords;
-        CommittedLights lights = CommitLights(input, _images, _warnings);
-        _result->lights = std::move(lights.table);
+        CommittedLights lights = CommitLights(input, &_cache, _warnings);
+        _result->lights = _cache.lights;
         _result->lightByEntry = std::move(lights.lightByEntry);
         _result->counts.emissiveTriangles = lights.emissiveTriangles;
         // The hierarchy left the index of the own record.
@@ -175,15 +198,16 @@ private:
             counts.textureSourceBytes += texture.bytesSource;
         }
         counts.lights = _scene.lights.size();
+        counts.chunksBuilt = _cache.meshes.NumChunksBuilt();
     }
 
     const SceneDescription& _scene;
     const CommitOptions& _options;
+    CommitCache& _cache;
     Warnings& _warnings;
-    ImageLibrary _images;
     MaterialCommit _materials;
     std::unique_ptr<CommittedScene> _result;
-    std::vector<PreparedMesh> _prepared;
+    std::map<std::string, std::uint32_t> _objectByPath;
     std::vector<MeshMaterialInfo> _meshInfos; ///< by mesh index
     std::map<std::string, LeafObject> _leaves;
     std::vector<OwnRecord> _ownRecords;
@@ -192,8 +216,9 @@ private:
 } // namespace
 
 std::unique_ptr<CommittedScene> CommitScene(const SceneDescription& scene,
-                                            const CommitOptions& options, Warnings& warnings) {
-    return Committer(scene, options, warnings).Run();
+                                            const CommitOptions& options, CommitCache* cache,
+                                            Warnings& warnings, const CancelCallback& isCancelled) {
+    return Committer(scene, options, cache, warnings).Run(isCancelled);
 }
 
 } // namespace hds

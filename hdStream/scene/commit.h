@@ -5,7 +5,8 @@
 
 #include "hdStream/accel/geometryPages.h"
 #include "hdStream/base/log.h"
-#include "hdStream/scene/meshCommit.h"
+#include "hdStream/scene/imageLibrary.h"
+#include "hdStream/scene/meshStore.h"
 #include "hdStream/scene/sceneDescription.h"
 #include "hdStream/shading/lightTable.h"
 #include "kernels/shared/geometry.h"
@@ -20,8 +21,25 @@ namespace hds {
 
 /// What decides which prims are drawn and how they are cut.
 struct CommitOptions {
-    std::vector<std::string> purposes; ///< drawn besides "default"
+    std::vector<std::string> purposes;        ///< drawn
+    CullStyle cullStyle = CullStyle::Nothing; ///< of meshes that say DontCare
+    bool domeVisible = true;                  ///< domes are seen by camera rays
     MeshOptions meshes;
+
+    bool operator==(const CommitOptions& other) const {
+        return purposes == other.purposes && cullStyle == other.cullStyle &&
+               domeVisible == other.domeVisible && meshes == other.meshes;
+    }
+};
+
+/// What commits of one scene share: whatever did not change is not made again. Results do not
+/// depend on what is in it. Externally synchronised.
+struct CommitCache {
+    explicit CommitCache(Warnings& warnings) : images(warnings) {}
+    MeshStore meshes;
+    ImageLibrary images;
+    std::string lightKey; ///< all that `lights` is made of
+    std::shared_ptr<const LightTable> lights;
 };
 
 /// Counts for the statistics and `hdstream info`.
@@ -30,22 +48,13 @@ struct SceneCounts {
     std::uint64_t instances = 0; ///< leaf instances
     std::uint64_t triangles = 0; ///< unique
     std::uint64_t chunks = 0;
+    std::uint64_t chunksBuilt = 0;         ///< since the session began
     std::uint64_t pageBytes = 0;           ///< what resident mode uploads
     std::uint64_t alwaysResidentBytes = 0; ///< nodes above the chunks, records, tables
     std::uint64_t textures = 0;
     std::uint64_t textureSourceBytes = 0; ///< decoded base levels
     std::uint64_t lights = 0;
     std::uint64_t emissiveTriangles = 0;
-};
-
-/// An image that a material or light names.
-struct TextureUse {
-    std::string authoredPath;
-    std::uint32_t width = 0;
-    std::uint32_t height = 0;
-    std::uint32_t channels = 0;
-    std::uint64_t bytesSource = 0; ///< decoded base level, as read
-    std::string error;             ///< empty: it can be read
 };
 
 /// Host images of the device tables. Immutable.
@@ -56,11 +65,14 @@ struct CommittedScene {
     std::vector<std::uint32_t> instancesByPath;
     std::vector<shared::HdsObject> objects; ///< 0: the TLAS
     std::vector<shared::HdsMesh> meshes;
+    /// User primvars of each mesh, in the order of their slots; owned by the cache, valid until the
+    /// next commit.
+    std::vector<const std::vector<AttributeName>*> meshAttributes;
     std::vector<std::uint32_t> meshMaterials;
     std::vector<shared::HdsMaterial> materials;
     std::vector<shared::HdsChunk> chunks;
     std::unique_ptr<GeometryPages> pages;
-    LightTable lights;
+    std::shared_ptr<const LightTable> lights;
     std::vector<std::uint32_t> lightByEntry; ///< lights of emissive material entries
     std::vector<TextureUse> textures;        ///< by authored path
     bool hasCutouts = false;
@@ -70,7 +82,10 @@ struct CommittedScene {
 };
 
 /// Interprets the scene. Content problems warn and fall back; nothing throws for them.
+/// \return null when `isCancelled` said so.
 std::unique_ptr<CommittedScene> CommitScene(const SceneDescription& scene,
-                                            const CommitOptions& options, Warnings& warnings);
+                                            const CommitOptions& options, CommitCache* cache,
+                                            Warnings& warnings,
+                                            const CancelCallback& isCancelled = {});
 
 } // namespace hds

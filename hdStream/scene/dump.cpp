@@ -91,6 +91,24 @@ const char* LightTypeName(LightType type) {
     return "";
 }
 
+const char* CullStyleName(CullStyle style) {
+    switch (style) {
+    case CullStyle::DontCare:
+        return "dontCare";
+    case CullStyle::Nothing:
+        return "nothing";
+    case CullStyle::Back:
+        return "back";
+    case CullStyle::Front:
+        return "front";
+    case CullStyle::BackUnlessDoubleSided:
+        return "backUnlessDoubleSided";
+    case CullStyle::FrontUnlessDoubleSided:
+        return "frontUnlessDoubleSided";
+    }
+    return "";
+}
+
 /// Collects "  name: value" lines under prim headers.
 class Writer {
 public:
@@ -112,6 +130,7 @@ public:
         Matrix("transform", placement.worldFromObject);
         if (!placement.instancerPath.empty()) {
             Line("instancer", placement.instancerPath);
+            Line("instances", Array(placement.instances));
         }
         Flag("visible", placement.visible);
     }
@@ -156,7 +175,7 @@ void DumpSubdivision(const MeshDescription& mesh, Writer* out) {
 }
 
 void DumpMesh(const std::string& path, const MeshPrim& prim, Writer* out) {
-    const MeshDescription& mesh = prim.mesh;
+    const MeshDescription& mesh = *prim.mesh;
     out->Prim("mesh", path);
     out->Placed(prim.placement);
     out->Line("purpose", prim.purpose);
@@ -169,7 +188,10 @@ void DumpMesh(const std::string& path, const MeshPrim& prim, Writer* out) {
     }
     DumpSubdivision(mesh, out);
     out->Flag("leftHanded", mesh.leftHanded);
-    out->Flag("doubleSided", mesh.doubleSided);
+    out->Flag("doubleSided", prim.doubleSided);
+    if (prim.cullStyle != CullStyle::DontCare) {
+        out->Line("cullStyle", CullStyleName(prim.cullStyle));
+    }
     std::vector<const Primvar*> primvars;
     for (const Primvar& primvar : mesh.primvars) {
         primvars.push_back(&primvar);
@@ -182,9 +204,11 @@ void DumpMesh(const std::string& path, const MeshPrim& prim, Writer* out) {
                       std::to_string(primvar->numComponents) + " " + Array(primvar->values) +
                       (primvar->indices.empty() ? "" : " indices " + Array(primvar->indices)));
     }
-    for (const MeshSubset& subset : mesh.subsets) {
-        out->Line("subset " + subset.name,
-                  Array(subset.faces) + " material " + subset.materialPath);
+    for (std::size_t i = 0; i < mesh.subsets.size(); ++i) {
+        const bool hasMaterial = i < prim.subsetMaterialPaths.size();
+        out->Line("subset " + mesh.subsets[i].name,
+                  Array(mesh.subsets[i].faces) + " material " +
+                      (hasMaterial ? prim.subsetMaterialPaths[i] : std::string()));
     }
 }
 
@@ -192,9 +216,6 @@ void DumpInstancer(const std::string& path, const InstancerPrim& prim, Writer* o
     out->Prim("instancer", path);
     out->Placed(prim.placement);
     out->Line("instanceTransforms", Array(prim.instanceTransforms));
-    for (const auto& [prototype, instances] : prim.instancesByPrototype) {
-        out->Line("prototype " + prototype, Array(instances));
-    }
 }
 
 void DumpMaterial(const std::string& path, const MaterialNetwork& network, Writer* out) {
@@ -266,16 +287,16 @@ void DumpCamera(const std::string& path, const CameraPrim& camera, Writer* out) 
     out->Prim("camera", path);
     out->Matrix("transform", camera.worldFromCamera);
     out->Line("projection", camera.orthographic ? "orthographic" : "perspective");
-    const double values[] = {camera.horizontalAperture,
-                             camera.verticalAperture,
-                             camera.horizontalApertureOffset,
-                             camera.verticalApertureOffset,
-                             camera.focalLength,
-                             camera.nearClip,
-                             camera.farClip,
-                             camera.fStop,
-                             camera.focusDistance,
-                             camera.exposureScale};
+    const float values[] = {camera.horizontalAperture,
+                            camera.verticalAperture,
+                            camera.horizontalApertureOffset,
+                            camera.verticalApertureOffset,
+                            camera.focalLength,
+                            camera.nearClip,
+                            camera.farClip,
+                            camera.fStop,
+                            camera.focusDistance,
+                            camera.exposureScale};
     const char* names[] = {"horizontalAperture",
                            "verticalAperture",
                            "horizontalApertureOffset",
@@ -287,7 +308,10 @@ void DumpCamera(const std::string& path, const CameraPrim& camera, Writer* out) 
                            "focusDistance",
                            "exposureScale"};
     for (std::size_t i = 0; i < std::size(values); ++i) {
-        out->Value(names[i], static_cast<float>(values[i]));
+        out->Value(names[i], values[i]);
+    }
+    for (const glm::dvec4& plane : camera.clippingPlanes) {
+        out->Line("clippingPlane", Array(glm::value_ptr(plane), 4));
     }
 }
 
@@ -295,9 +319,6 @@ void DumpCamera(const std::string& path, const CameraPrim& camera, Writer* out) 
 
 std::string DumpScene(const SceneDescription& scene) {
     Writer out;
-    out.Prim("stage", "/");
-    out.Value("metersPerUnit", scene.metersPerUnit);
-    out.Line("upAxis", scene.upAxis);
     for (const auto& [path, prim] : scene.cameras) {
         DumpCamera(path, prim, &out);
     }
@@ -308,7 +329,7 @@ std::string DumpScene(const SceneDescription& scene) {
         DumpLight(path, prim, &out);
     }
     for (const auto& [path, network] : scene.materials) {
-        DumpMaterial(path, network, &out);
+        DumpMaterial(path, *network, &out);
     }
     for (const auto& [path, prim] : scene.meshes) {
         DumpMesh(path, prim, &out);

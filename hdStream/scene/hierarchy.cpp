@@ -119,18 +119,20 @@ private:
             _warnings.Add(member.path, "its instancer " + parent + " does not exist; not drawn");
             return;
         }
-        const auto list = instancer->second.instancesByPrototype.find(member.path);
-        if (list == instancer->second.instancesByPrototype.end() || list->second.empty()) {
+        const SharedSpan<std::int32_t>& instances =
+            member.leaf != nullptr ? _scene.meshes.at(member.path).placement.instances
+                                   : member.instancer->placement.instances;
+        if (instances.empty()) {
             return; // placed nowhere
         }
         std::vector<Prototype>& prototypes = _prototypes[parent];
         for (Prototype& prototype : prototypes) {
-            if (SameInstances(prototype.instances, list->second)) {
+            if (SameInstances(prototype.instances, instances)) {
                 prototype.members.push_back(std::move(member));
                 return;
             }
         }
-        prototypes.push_back({list->second, {std::move(member)}});
+        prototypes.push_back({instances, {std::move(member)}});
     }
 
     /// Records of a member in a group whose space is `groupFromPrototype` away from the member's.
@@ -273,7 +275,7 @@ private:
         for (const std::string& path : _ownLeaves) {
             const LeafObject& leaf = _leaves.at(path);
             std::vector<glm::dmat4> placements;
-            ForEachPlacement(_scene, path, _scene.meshes.at(path).placement,
+            ForEachPlacement(_scene, _scene.meshes.at(path).placement,
                              [&](const glm::dmat4& placed) { placements.push_back(placed); });
             const auto numPlacements = static_cast<std::uint32_t>(placements.size());
             const bool isInstanced = !_scene.meshes.at(path).placement.instancerPath.empty();
@@ -343,9 +345,9 @@ private:
     Hierarchy _result;
 };
 
-void ForEachPlacementBelow(const SceneDescription& scene, const std::string& path,
-                           const Placement& placement, const glm::dmat4& prototypeFromObject,
-                           int chain, const std::function<void(const glm::dmat4&)>& onPlacement) {
+void ForEachPlacementBelow(const SceneDescription& scene, const Placement& placement,
+                           const glm::dmat4& prototypeFromObject, int chain,
+                           const std::function<void(const glm::dmat4&)>& onPlacement) {
     const glm::dmat4 transform = placement.worldFromObject * prototypeFromObject;
     if (placement.instancerPath.empty()) {
         onPlacement(transform);
@@ -356,17 +358,13 @@ void ForEachPlacementBelow(const SceneDescription& scene, const std::string& pat
         return;
     }
     const InstancerPrim& instancer = found->second;
-    const auto list = instancer.instancesByPrototype.find(path);
-    if (list == instancer.instancesByPrototype.end()) {
-        return;
-    }
     // Parent-major: the parent's placements are the outer loop.
     std::vector<glm::dmat4> parents;
-    ForEachPlacementBelow(scene, found->first, instancer.placement, glm::dmat4(1.0), chain + 1,
+    ForEachPlacementBelow(scene, instancer.placement, glm::dmat4(1.0), chain + 1,
                           [&](const glm::dmat4& parent) { parents.push_back(parent); });
     const std::size_t limit = instancer.instanceTransforms.size() / 16;
     for (const glm::dmat4& parent : parents) {
-        for (const std::int32_t index : list->second) {
+        for (const std::int32_t index : placement.instances) {
             if (index >= 0 && static_cast<std::size_t>(index) < limit) {
                 onPlacement(parent * InstanceTransform(instancer, index) * transform);
             }
@@ -376,10 +374,9 @@ void ForEachPlacementBelow(const SceneDescription& scene, const std::string& pat
 
 } // namespace
 
-void ForEachPlacement(const SceneDescription& scene, const std::string& path,
-                      const Placement& placement,
+void ForEachPlacement(const SceneDescription& scene, const Placement& placement,
                       const std::function<void(const glm::dmat4&)>& onPlacement) {
-    ForEachPlacementBelow(scene, path, placement, glm::dmat4(1.0), 0, onPlacement);
+    ForEachPlacementBelow(scene, placement, glm::dmat4(1.0), 0, onPlacement);
 }
 
 Hierarchy BuildHierarchy(const SceneDescription& scene,

@@ -59,10 +59,9 @@ Hierarchy BuildHierarchy(const SceneDescription& scene,
                          std::uint32_t firstGroup, Warnings& warnings);
 
 /// Placements of an instancer in world space (its own and its ancestors' instances composed,
-/// parent-major) for the prototype `path`; calls `onPlacement(worldFromPrototype)` for each. For
+/// parent-major) for a prim; calls `onPlacement(worldFromPrototype)` for each. For
 /// lights, bounds and leaves with a record of their own.
-void ForEachPlacement(const SceneDescription& scene, const std::string& path,
-                      const Placement& placement,
+void ForEachPlacement(const SceneDescription& scene, const Placement& placement,
                       const std::function<void(const glm::dmat4& worldFromObject)>& onPlacement);
 
 } // namespace hds

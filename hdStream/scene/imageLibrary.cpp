@@ -26,11 +26,6 @@ TextureUse UseOf(const AssetReference& asset, const ImageInfo& info, const std::
 
 } // namespace
 
-void ImageLibrary::Record(const AssetReference& asset, const TextureUse& use) {
-    const std::lock_guard<std::mutex> lock(_mutex);
-    _uses[KeyOf(asset)] = use;
-}
-
 std::optional<std::array<float, 4>> ImageLibrary::MeanOf(const AssetReference& asset,
                                                          const std::string& colorSpace) {
     const std::string key = KeyOf(asset) + '\n' + colorSpace;
@@ -38,36 +33,51 @@ std::optional<std::array<float, 4>> ImageLibrary::MeanOf(const AssetReference& a
         const std::lock_guard<std::mutex> lock(_mutex);
         const auto known = _means.find(key);
         if (known != _means.end()) {
-            return known->second;
+            _uses[KeyOf(asset)] = known->second.use;
+            return known->second.value;
         }
     }
-    std::optional<std::array<float, 4>> mean;
-    if (asset.file.empty()) {
-        Record(asset, UseOf(asset, {}, "the file does not exist"));
-    } else {
-        const MeanColorResult result = MeanColor(SourceOf(asset), colorSpace);
-        Record(asset, UseOf(asset, result.info, result.error));
-        if (result.Ok()) {
-            mean = std::array<float, 4>{};
-            for (std::size_t i = 0; i < 4; ++i) {
-                (*mean)[i] = static_cast<float>(result.rgba[i]);
-            }
-        }
-        if (!result.warning.empty()) {
-            _warnings.Add("", result.warning);
-        }
-    }
+    Mean mean = ReadMean(asset, colorSpace);
     const std::lock_guard<std::mutex> lock(_mutex);
-    return _means.emplace(key, mean).first->second;
+    _uses[KeyOf(asset)] = mean.use;
+    return _means.emplace(key, std::move(mean)).first->second.value;
+}
+
+ImageLibrary::Mean ImageLibrary::ReadMean(const AssetReference& asset,
+                                          const std::string& colorSpace) {
+    if (asset.file.empty()) {
+        return {std::nullopt, UseOf(asset, {}, "the file does not exist")};
+    }
+    const MeanColorResult result = MeanColor(SourceOf(asset), colorSpace);
+    if (!result.warning.empty()) {
+        _warnings.Add("", result.warning);
+    }
+    Mean mean{std::nullopt, UseOf(asset, result.info, result.error)};
+    if (result.Ok()) {
+        mean.value = std::array<float, 4>{};
+        for (std::size_t i = 0; i < 4; ++i) {
+            (*mean.value)[i] = static_cast<float>(result.rgba[i]);
+        }
+    }
+    return mean;
 }
 
 std::shared_ptr<const DomeImage> ImageLibrary::LoadDome(const AssetReference& asset) {
+    const std::string key = KeyOf(asset);
+    const std::lock_guard<std::mutex> lock(_mutex);
+    if (_domeKey != key) {
+        _dome = ReadDome(asset);
+        _domeKey = key;
+    }
+    _uses[key] = _dome.use;
+    return _dome.image;
+}
+
+ImageLibrary::Dome ImageLibrary::ReadDome(const AssetReference& asset) {
     if (asset.file.empty()) {
-        Record(asset, UseOf(asset, {}, "the file does not exist"));
-        return nullptr;
+        return {nullptr, UseOf(asset, {}, "the file does not exist")};
     }
     LinearImage image = LoadLinearImage(SourceOf(asset), "auto", kMaxDomeTexels);
-    Record(asset, UseOf(asset, image.info, image.error));
     if (!image.warning.empty()) {
         _warnings.Add("", image.warning);
     }
@@ -75,14 +85,20 @@ std::shared_ptr<const DomeImage> ImageLibrary::LoadDome(const AssetReference& as
         _warnings.Add(asset.authoredPath, std::to_string(image.numNonFinite) +
                                               " values are not finite and were replaced");
     }
-    if (!image.Ok()) {
-        return nullptr;
+    Dome dome{nullptr, UseOf(asset, image.info, image.error)};
+    if (image.Ok()) {
+        auto pixels = std::make_shared<DomeImage>();
+        pixels->width = image.width;
+        pixels->height = image.height;
+        pixels->rgb = std::move(image.pixels);
+        dome.image = std::move(pixels);
     }
-    auto dome = std::make_shared<DomeImage>();
-    dome->width = image.width;
-    dome->height = image.height;
-    dome->rgb = std::move(image.pixels);
     return dome;
+}
+
+void ImageLibrary::BeginCommit() {
+    const std::lock_guard<std::mutex> lock(_mutex);
+    _uses.clear();
 }
 
 std::vector<TextureUse> ImageLibrary::Uses() const {
@@ -92,6 +108,13 @@ std::vector<TextureUse> ImageLibrary::Uses() const {
         uses.push_back(use);
     }
     return uses;
+}
+
+void ImageLibrary::Clear() {
+    const std::lock_guard<std::mutex> lock(_mutex);
+    _means.clear();
+    _domeKey.clear();
+    _dome = {};
 }
 
 } // namespace hds

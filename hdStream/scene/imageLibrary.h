@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Images that materials and lights name: read once each, problems warned about once.
+// Images that materials and lights name: read once each, problems warned about once. Kept from
+// commit to commit.
 #pragma once
 
 #include "hdStream/base/log.h"
-#include "hdStream/scene/commit.h"
 #include "hdStream/shading/lightTable.h"
 #include "hdStream/shading/materialCompiler.h"
 
@@ -11,6 +11,16 @@
 #include <mutex>
 
 namespace hds {
+
+/// An image that a material or light names.
+struct TextureUse {
+    std::string authoredPath;
+    std::uint32_t width = 0;
+    std::uint32_t height = 0;
+    std::uint32_t channels = 0;
+    std::uint64_t bytesSource = 0; ///< decoded base level, as read
+    std::string error;             ///< empty: it can be read
+};
 
 /// Mean colours and dome images by file. Thread-safe.
 class ImageLibrary {
@@ -24,17 +34,34 @@ public:
     /// A dome's image; null when it cannot be read (the caller warns).
     std::shared_ptr<const DomeImage> LoadDome(const AssetReference& asset);
 
-    /// All images asked for, each once, in the order of their files.
+    /// Starts a new list of uses.
+    void BeginCommit();
+
+    /// All images asked for since BeginCommit, each once, in the order of their files.
     std::vector<TextureUse> Uses() const;
 
+    /// Forgets all images: the next question reads the file again.
+    void Clear();
+
 private:
-    void Record(const AssetReference& asset, const TextureUse& use);
+    struct Mean {
+        std::optional<std::array<float, 4>> value;
+        TextureUse use;
+    };
+    struct Dome {
+        std::shared_ptr<const DomeImage> image;
+        TextureUse use;
+    };
+
+    Mean ReadMean(const AssetReference& asset, const std::string& colorSpace);
+    Dome ReadDome(const AssetReference& asset);
 
     Warnings& _warnings;
     mutable std::mutex _mutex;
     std::map<std::string, TextureUse> _uses; ///< by file and range
-    std::map<std::string, std::optional<std::array<float, 4>>>
-        _means; ///< by file, range and colour space
+    std::map<std::string, Mean> _means;      ///< by file, range and colour space
+    std::string _domeKey;                    ///< of the dome read last, the only one that is kept
+    Dome _dome;
 };
 
 } // namespace hds

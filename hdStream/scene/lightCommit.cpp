@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
+#include <utility>
 
 namespace hds {
 
@@ -14,16 +16,20 @@ namespace {
 /// The rounding of float transforms and positions, against the magnitudes that are rounded.
 constexpr int kPositionErrorExponent = -21;
 
-std::vector<PlacedLight> PlaceLights(const SceneDescription& scene, const glm::dvec3& centre) {
+std::vector<PlacedLight> PlaceLights(const SceneDescription& scene, const glm::dvec3& centre,
+                                     bool domeVisible) {
     const glm::dmat4 centreFromWorld = glm::translate(glm::dmat4(1.0), -centre);
     std::vector<PlacedLight> placed;
     for (const auto& [path, prim] : scene.lights) {
         if (!prim.placement.visible) {
             continue;
         }
-        const LightDescription& light = prim.light;
+        LightDescription light = prim.light;
+        if (light.type == LightType::Dome) {
+            light.visibleToCamera = light.visibleToCamera && domeVisible;
+        }
         const std::string& name = path;
-        ForEachPlacement(scene, path, prim.placement, [&](const glm::dmat4& worldFromLight) {
+        ForEachPlacement(scene, prim.placement, [&](const glm::dmat4& worldFromLight) {
             placed.push_back({name, light, centreFromWorld * worldFromLight});
         });
     }
@@ -70,12 +76,104 @@ EmissiveMesh MakeEmissiveMesh(const OwnRecord& record, const TriangleMesh& mesh,
     return light;
 }
 
+/// All that a light table is made of, as bytes.
+class KeyWriter {
+public:
+    template <typename T>
+    void Add(const T& value) {
+        static_assert(std::is_arithmetic_v<T> || std::is_enum_v<T>, "no padding, no pointers");
+        _key.append(reinterpret_cast<const char*>(&value), sizeof(value));
+    }
+    void Add(const std::string& text) {
+        Add(text.size());
+        _key += text;
+    }
+    void Add(const AssetReference& asset) {
+        Add(asset.authoredPath);
+        Add(asset.file);
+        Add(asset.offset);
+        Add(asset.size);
+    }
+    void Add(const LightDescription& light) {
+        Add(light.type);
+        for (const float value :
+             {light.intensity, light.exposure, light.diffuse, light.specular, light.color[0],
+              light.color[1], light.color[2], light.colorTemperature, light.angle, light.radius,
+              light.width, light.height, light.length}) {
+            Add(value);
+        }
+        for (const bool flag : {light.normalize, light.enableColorTemperature, light.treatAsPoint,
+                                light.treatAsLine, light.visibleToCamera}) {
+            Add(flag);
+        }
+        Add(light.textureFormat);
+        Add(light.textureFile);
+    }
+    void Add(const PlacedLight& light) {
+        Add(light.name);
+        Add(light.light);
+        for (int column = 0; column < 4; ++column) {
+            Add(light.worldFromLight[column]);
+        }
+    }
+    void Add(const EmissiveMesh& mesh) {
+        Add(mesh.name);
+        Add(mesh.radiance);
+        Add(mesh.twoSided);
+        Add(mesh.positionError);
+        Add(mesh.triangles.size());
+        for (const EmissiveMesh::Triangle& triangle : mesh.triangles) {
+            Add(triangle.primId);
+            for (const glm::dvec3& corner : triangle.p) {
+                Add(corner);
+            }
+        }
+    }
+    std::string Take() { return std::move(_key); }
+
+private:
+    void Add(const glm::dvec3& v) {
+        for (int i = 0; i < 3; ++i) {
+            Add(v[i]);
+        }
+    }
+    void Add(const glm::dvec4& v) {
+        for (int i = 0; i < 4; ++i) {
+            Add(v[i]);
+        }
+    }
+    std::string _key;
+};
+
+void UpdateTable(const std::vector<PlacedLight>& lights, const std::vector<EmissiveMesh>& emissive,
+                 CommitCache* cache, Warnings& warnings) {
+    KeyWriter writer;
+    for (const PlacedLight& light : lights) {
+        writer.Add(light);
+    }
+    for (const EmissiveMesh& mesh : emissive) {
+        writer.Add(mesh);
+    }
+    std::string key = writer.Take();
+    LightImages readers;
+    readers.loadDome = [&](const AssetReference& asset) { return cache->images.LoadDome(asset); };
+    readers.meanColor = [&](const AssetReference& asset, const std::string& colorSpace) {
+        return cache->images.MeanOf(asset, colorSpace);
+    };
+    if (cache->lights && key == cache->lightKey) {
+        return;
+    }
+    cache->lights =
+        std::make_shared<const LightTable>(BuildLightTable(lights, emissive, readers, warnings));
+    cache->lightKey = std::move(key);
+}
+
 } // namespace
 
-CommittedLights CommitLights(const LightCommitInput& input, ImageLibrary& images,
+CommittedLights CommitLights(const LightCommitInput& input, CommitCache* cache,
                              Warnings& warnings) {
     CommittedLights result;
-    std::vector<PlacedLight> lights = PlaceLights(*input.scene, input.centre);
+    std::vector<PlacedLight> lights = PlaceLights(*input.scene, input.centre, input.domeVisible);
     std::vector<EmissiveMesh> emissive;
     bool isFull = false;
     for (const OwnRecord& record : *input.ownRecords) {
@@ -89,8 +187,9 @@ CommittedLights CommitLights(const LightCommitInput& input, ImageLibrary& images
             if (!HasConstantEmission(material)) {
                 continue; // what it emits is found by BSDF sampling alone
             }
-            EmissiveMesh light = MakeEmissiveMesh(record, *(*input.meshes)[record.mesh].triangles,
-                                                  entry, EmissionOf(material));
+            EmissiveMesh light =
+                MakeEmissiveMesh(record, *cache->meshes.Triangles(record.path, warnings), entry,
+                                 EmissionOf(material));
             if (result.emissiveTriangles + light.triangles.size() > kMaxEmissiveTriangles) {
                 isFull = true;
             } else if (!light.triangles.empty()) {
@@ -109,17 +208,13 @@ CommittedLights CommitLights(const LightCommitInput& input, ImageLibrary& images
         PlacedLight dome;
         dome.name = "default dome";
         dome.light.type = LightType::Dome;
+        dome.light.visibleToCamera = input.domeVisible;
         lights.push_back(dome);
     }
-    LightImages readers;
-    readers.loadDome = [&](const AssetReference& asset) { return images.LoadDome(asset); };
-    readers.meanColor = [&](const AssetReference& asset, const std::string& colorSpace) {
-        return images.MeanOf(asset, colorSpace);
-    };
-    result.table = BuildLightTable(lights, emissive, readers, warnings);
+    UpdateTable(lights, emissive, cache, warnings);
     for (std::uint32_t& light : result.lightByEntry) {
         if (light != HDS_NONE) {
-            light = result.table.lightByMesh[light];
+            light = cache->lights->lightByMesh[light];
         }
     }
     return result;

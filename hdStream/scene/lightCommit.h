@@ -2,8 +2,8 @@
 // Lights of the scene and emissive meshes -> the light table.
 #pragma once
 
+#include "hdStream/scene/commit.h"
 #include "hdStream/scene/hierarchy.h"
-#include "hdStream/scene/imageLibrary.h"
 #include "hdStream/scene/materialCommit.h"
 
 namespace hds {
@@ -15,22 +15,21 @@ constexpr std::size_t kMaxEmissiveTriangles = 4U << 20U;
 struct LightCommitInput {
     const SceneDescription* scene = nullptr;
     glm::dvec3 centre{0.0};
-    const std::vector<PreparedMesh>* meshes = nullptr; ///< by the mesh index of OwnRecord
-    const std::vector<MeshMaterialInfo>* meshInfos = nullptr;
+    bool domeVisible = true;
+    const std::vector<MeshMaterialInfo>* meshInfos = nullptr; ///< by the mesh index of OwnRecord
     const MaterialCommit* materials = nullptr;
     const std::vector<OwnRecord>* ownRecords = nullptr;
 };
 
-/// The light table, and which of its lights the material entries of each own record are.
+/// Which lights of the table the material entries of each own record are.
 struct CommittedLights {
-    LightTable table;
     std::vector<std::uint32_t> firstEntryByRecord; ///< into lightByEntry
     std::vector<std::uint32_t> lightByEntry;       ///< HDS_NONE: the entry is not sampled
     std::uint64_t emissiveTriangles = 0;
 };
 
+/// Leaves the light table in the cache; it is made anew only when what it is made of has changed.
 /// A stage without any light gets a uniform dome of radiance 1, with a warning.
-CommittedLights CommitLights(const LightCommitInput& input, ImageLibrary& images,
-                             Warnings& warnings);
+CommittedLights CommitLights(const LightCommitInput& input, CommitCache* cache, Warnings& warnings);
 
 } // namespace hds

@@ -8,7 +8,8 @@ namespace hds {
 void MaterialCommit::Compile(
     const std::vector<const std::pair<const std::string, MeshPrim>*>& prims) {
     _compiled[""] = DisplayColorMaterial();
-    std::vector<const std::pair<const std::string, MaterialNetwork>*> networks;
+    std::vector<const std::pair<const std::string, std::shared_ptr<const MaterialNetwork>>*>
+        networks;
     const auto use = [&](const std::string& primPath, const std::string& materialPath) {
         if (materialPath.empty() || _compiled.count(materialPath) > 0) {
             return;
@@ -24,8 +25,8 @@ void MaterialCommit::Compile(
     };
     for (const auto* prim : prims) {
         use(prim->first, prim->second.materialPath);
-        for (const MeshSubset& subset : prim->second.mesh.subsets) {
-            use(prim->first, subset.materialPath);
+        for (const std::string& materialPath : prim->second.subsetMaterialPaths) {
+            use(prim->first, materialPath);
         }
     }
     const MeanColorCallback meanColor = [this](const AssetReference& asset,
@@ -34,7 +35,8 @@ void MaterialCommit::Compile(
     };
     std::vector<CompiledMaterial> results(networks.size());
     tbb::parallel_for(std::size_t{0}, networks.size(), [&](std::size_t i) {
-        results[i] = CompileMaterial(networks[i]->second, networks[i]->first, meanColor, _warnings);
+        results[i] =
+            CompileMaterial(*networks[i]->second, networks[i]->first, meanColor, _warnings);
     });
     for (std::size_t i = 0; i < networks.size(); ++i) {
         _compiled[networks[i]->first] = std::move(results[i]);
@@ -56,25 +58,23 @@ std::uint32_t MaterialCommit::AddRecord(const shared::HdsMaterial& record) {
 }
 
 MeshMaterialInfo MaterialCommit::AddMesh(const std::string& path, const MeshPrim& prim,
-                                         const TriangleMesh& triangles) {
-    std::vector<AttributeName> names;
-    for (const MeshAttribute& attribute : triangles.attributes) {
-        names.push_back({attribute.name, attribute.numComponents});
-    }
+                                         const PreparedMesh& prepared) {
     MeshMaterialInfo info;
     info.materialBase = static_cast<std::uint32_t>(meshMaterials.size());
     const auto add = [&](const std::string& materialPath) {
         const shared::HdsMaterial record =
-            ResolveMaterial(Find(materialPath), names, path, _warnings);
+            ResolveMaterial(Find(materialPath), prepared.attributes, path, _warnings);
         info.hasCutouts = info.hasCutouts || (record.flags & HDS_MATERIAL_CUTOUT) != 0;
         info.isEmissive = info.isEmissive || (record.flags & HDS_MATERIAL_EMISSIVE) != 0;
         meshMaterials.push_back(AddRecord(record));
         ++info.numEntries;
     };
     add(prim.materialPath);
-    for (const MeshSubset& subset : prim.mesh.subsets) {
+    for (std::size_t i = 0; i < prim.mesh->subsets.size(); ++i) {
         // A subset without a material of its own shows the prim's.
-        add(subset.materialPath.empty() ? prim.materialPath : subset.materialPath);
+        const bool hasOwn =
+            i < prim.subsetMaterialPaths.size() && !prim.subsetMaterialPaths[i].empty();
+        add(hasOwn ? prim.subsetMaterialPaths[i] : prim.materialPath);
     }
     return info;
 }

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "hdStream/scene/imageLibrary.h"
-#include "hdStream/scene/meshCommit.h"
+#include "hdStream/scene/meshStore.h"
 
 #include <map>
 #include <string>
@@ -31,7 +31,7 @@ public:
 
     /// Appends the entries of a mesh: the prim's material, then one for each subset.
     MeshMaterialInfo AddMesh(const std::string& path, const MeshPrim& prim,
-                             const TriangleMesh& triangles);
+                             const PreparedMesh& prepared);
 
     std::vector<shared::HdsMaterial> materials;
     std::vector<std::uint32_t> meshMaterials;

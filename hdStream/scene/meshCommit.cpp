@@ -13,11 +13,15 @@ namespace {
 
 PreparedChunk PrepareChunk(const ChunkSource& source, const std::uint32_t* triangles,
                            std::size_t count) {
-    PreparedChunk chunk;
     ChunkGeometry geometry = source.Gather(triangles, count);
-    chunk.geometry = BuildGeometryPage(geometry);
-    chunk.attributes = BuildAttributePage(source.Mesh(), geometry);
+    GeometryPage page = BuildGeometryPage(geometry);
+    PreparedChunk chunk;
+    chunk.triangleOffset = page.triangleOffset;
+    chunk.vertexOffset = page.vertexOffset;
     chunk.numTriangles = static_cast<std::uint32_t>(count);
+    chunk.bounds = page.bounds;
+    chunk.geometry = std::make_shared<PreparedPage>(std::move(page.bytes));
+    chunk.attributes = std::make_shared<PreparedPage>(BuildAttributePage(source.Mesh(), geometry));
     return chunk;
 }
 
@@ -26,7 +30,7 @@ void BuildTopTree(PreparedMesh* mesh) {
     std::vector<Bounds> boxes;
     boxes.reserve(mesh->chunks.size());
     for (const PreparedChunk& chunk : mesh->chunks) {
-        boxes.push_back(chunk.geometry.bounds);
+        boxes.push_back(chunk.bounds);
     }
     BvhOptions options;
     options.maxLeafItems = 1;
@@ -38,34 +42,6 @@ void BuildTopTree(PreparedMesh* mesh) {
     }
     mesh->chunks = std::move(ordered);
     mesh->topNodes = std::move(tree.nodes);
-}
-
-PreparedMesh PrepareMesh(const std::string& path, const MeshPrim& prim, const MeshOptions& options,
-                         Warnings& warnings) {
-    PreparedMesh result;
-    result.path = path;
-    const std::uint32_t level = ChooseRefineLevel(options, prim.mesh.faceVertexCounts.size());
-    result.triangles = Triangulate(prim.mesh, path, warnings, static_cast<int>(level));
-    if (result.triangles->triangles.empty()) {
-        return result;
-    }
-    const ChunkSource source(result.triangles);
-    const std::size_t bytesPerTriangle = EstimateBytesPerTriangle(*result.triangles);
-    const auto maxTriangles = static_cast<std::uint32_t>(std::max<std::uint64_t>(
-        1, options.chunkBytes / std::max<std::size_t>(1, bytesPerTriangle)));
-    const ChunkPlan plan = PlanChunks(*result.triangles, maxTriangles);
-    result.chunks.resize(plan.begin.size() - 1);
-    tbb::parallel_for(std::size_t{0}, result.chunks.size(), [&](std::size_t i) {
-        result.chunks[i] = PrepareChunk(source, plan.order.data() + plan.begin[i],
-                                        plan.begin[i + 1] - plan.begin[i]);
-    });
-    for (const PreparedChunk& chunk : result.chunks) {
-        ExtendBounds(&result.bounds, chunk.geometry.bounds);
-    }
-    if (result.chunks.size() > 1) {
-        BuildTopTree(&result);
-    }
-    return result;
 }
 
 /// Bounds of Subdivision::Adaptive.
@@ -90,14 +66,44 @@ std::uint32_t ChooseRefineLevel(const MeshOptions& options, std::size_t numFaces
     return level;
 }
 
-std::vector<PreparedMesh>
-PrepareMeshes(const std::vector<const std::pair<const std::string, MeshPrim>*>& prims,
-              const MeshOptions& options, Warnings& warnings) {
-    std::vector<PreparedMesh> prepared(prims.size());
-    tbb::parallel_for(std::size_t{0}, prims.size(), [&](std::size_t i) {
-        prepared[i] = PrepareMesh(prims[i]->first, prims[i]->second, options, warnings);
+std::shared_ptr<const TriangleMesh> TriangulateMesh(const std::string& path,
+                                                    const MeshDescription& mesh,
+                                                    const MeshOptions& options,
+                                                    Warnings& warnings) {
+    const std::uint32_t level = ChooseRefineLevel(options, mesh.faceVertexCounts.size());
+    return Triangulate(mesh, path, warnings, static_cast<int>(level));
+}
+
+PreparedMesh PrepareMesh(const std::string& path, const MeshDescription& mesh,
+                         const MeshOptions& options, Warnings& warnings) {
+    PreparedMesh result;
+    const auto triangles = TriangulateMesh(path, mesh, options, warnings);
+    result.leftHanded = triangles->leftHanded;
+    result.origin = triangles->origin;
+    result.numTriangles = triangles->triangles.size();
+    for (const MeshAttribute& attribute : triangles->attributes) {
+        result.attributes.push_back({attribute.name, attribute.numComponents});
+    }
+    if (triangles->triangles.empty()) {
+        return result;
+    }
+    const ChunkSource source(triangles);
+    const std::size_t bytesPerTriangle = EstimateBytesPerTriangle(*triangles);
+    const auto maxTriangles = static_cast<std::uint32_t>(std::max<std::uint64_t>(
+        1, options.chunkBytes / std::max<std::size_t>(1, bytesPerTriangle)));
+    const ChunkPlan plan = PlanChunks(*triangles, maxTriangles);
+    result.chunks.resize(plan.begin.size() - 1);
+    tbb::parallel_for(std::size_t{0}, result.chunks.size(), [&](std::size_t i) {
+        result.chunks[i] = PrepareChunk(source, plan.order.data() + plan.begin[i],
+                                        plan.begin[i + 1] - plan.begin[i]);
     });
-    return prepared;
+    for (const PreparedChunk& chunk : result.chunks) {
+        ExtendBounds(&result.bounds, chunk.bounds);
+    }
+    if (result.chunks.size() > 1) {
+        BuildTopTree(&result);
+    }
+    return result;
 }
 
 } // namespace hds

@@ -9,9 +9,10 @@
 #include "hdStream/shading/materialNetwork.h"
 
 #include <glm/mat4x4.hpp>
+#include <glm/vec4.hpp>
 
 #include <map>
-#include <optional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -21,16 +22,32 @@ namespace hds {
 struct Placement {
     glm::dmat4 worldFromObject{1.0}; ///< below an instancer: prototype space from object
     std::string instancerPath;       ///< empty: not instanced
+    /// Below an instancer: which of its instances place this prim, in the order of instanceId.
+    SharedSpan<std::int32_t> instances;
     bool visible = true;
 };
 
-/// A mesh prim.
+/// Which faces camera rays do not see (Hydra's cull styles). All other rays see every face.
+enum class CullStyle {
+    DontCare, ///< as the render's settings say
+    Nothing,
+    Back,
+    Front,
+    BackUnlessDoubleSided,
+    FrontUnlessDoubleSided,
+};
+
+/// A mesh prim. Two prims with the same `mesh` pointer have the same geometry, and so has a prim
+/// that is replaced by one with the same pointer: only a new pointer makes commit prepare again.
 struct MeshPrim {
     Placement placement;
     std::string purpose = "default"; ///< default, render, proxy, guide
-    MeshDescription mesh;
+    std::shared_ptr<const MeshDescription> mesh;
+    bool doubleSided = false;
+    CullStyle cullStyle = CullStyle::DontCare;
     std::string materialPath; ///< empty: no material bound, displayColor Lambert
-    int primId = -1;          ///< the front end's id for the AOV; -1: order of path
+    std::vector<std::string> subsetMaterialPaths; ///< parallel to mesh->subsets; empty: the prim's
+    int primId = -1; ///< the front end's id for the AOV; -1: order of path
 };
 
 /// An instancer: places its prototypes (meshes, lights or instancers that name it as
@@ -39,9 +56,6 @@ struct MeshPrim {
 struct InstancerPrim {
     Placement placement; ///< of the instancer itself (maybe below another instancer)
     SharedSpan<double> instanceTransforms; ///< [numInstances][16], memory as glm::dmat4
-    /// Instances that place a prototype, by the path of the prototype (prim that names this
-    /// instancer).
-    std::map<std::string, SharedSpan<std::int32_t>> instancesByPrototype;
 };
 
 /// A light prim.
@@ -50,22 +64,22 @@ struct LightPrim {
     LightDescription light;
 };
 
-/// A camera. Lengths of the film back and the focal length are in tenths of a scene unit (as
-/// UsdGeom).
+/// A camera as HdCamera gives it: all lengths in scene units, as floats.
 struct CameraPrim {
     glm::dmat4 worldFromCamera{1.0};
     bool orthographic = false;
-    double horizontalAperture = 20.955;
-    double verticalAperture = 15.2908;
-    double horizontalApertureOffset = 0.0;
-    double verticalApertureOffset = 0.0;
-    double focalLength = 50.0;
-    double nearClip = 1.0;      ///< scene units
-    double farClip = 1000000.0; ///< scene units
-    double fStop = 0.0;         ///< 0: pinhole
-    double focusDistance = 0.0; ///< scene units; 0: pinhole
-    double exposureScale =
-        1.0; ///< linear factor on radiance, 2^exposure and the photographic terms
+    float horizontalAperture = 2.0955F;
+    float verticalAperture = 1.52908F;
+    float horizontalApertureOffset = 0.0F;
+    float verticalApertureOffset = 0.0F;
+    float focalLength = 5.0F;
+    float nearClip = 1.0F;
+    float farClip = 1000000.0F;
+    float fStop = 0.0F;         ///< 0: pinhole
+    float focusDistance = 0.0F; ///< 0: pinhole
+    float exposureScale = 1.0F; ///< linear factor on radiance: 2^exposure and photographic terms
+    /// Half-spaces that camera rays see, dot(plane, (x, y, z, 1)) >= 0 in camera space.
+    std::vector<glm::dvec4> clippingPlanes;
 };
 
 /// Everything, by prim path. std::map keeps the order of paths, which is the order of identity.
@@ -73,10 +87,8 @@ struct SceneDescription {
     std::map<std::string, MeshPrim> meshes;
     std::map<std::string, InstancerPrim> instancers;
     std::map<std::string, LightPrim> lights;
-    std::map<std::string, MaterialNetwork> materials;
+    std::map<std::string, std::shared_ptr<const MaterialNetwork>> materials;
     std::map<std::string, CameraPrim> cameras;
-    double metersPerUnit = 0.01;
-    std::string upAxis = "Y"; ///< "Y" or "Z"
 };
 
 } // namespace hds

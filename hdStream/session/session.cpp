@@ -7,6 +7,7 @@
 #include "hdStream/session/statistics.h"
 
 #include <chrono>
+#include <optional>
 #include <utility>
 
 namespace hds {
@@ -17,11 +18,11 @@ double SecondsSince(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-void CheckRendered(const PathTracer* tracer) {
-    if (tracer == nullptr) {
-        throw Error("nothing has been rendered yet");
-    }
-}
+/// What the present commit was made of.
+struct CommitKey {
+    std::uint64_t sceneVersion = 0;
+    CommitOptions options;
+};
 
 } // namespace
 
@@ -39,15 +40,73 @@ std::uint64_t ClearCache(const std::string& directory) {
 }
 
 struct Session::Impl {
-    explicit Impl(WarningSink onWarning) : warnings(std::move(onWarning)) {}
+    explicit Impl(WarningSink onWarning) : warnings(std::move(onWarning)), cache(warnings) {}
+
+    void ReadyDevice(const Settings& settings) {
+        if (!device || deviceName != settings.device) {
+            Discard();
+            device.reset(); // frees its memory first
+            device = Device::Create(settings.device);
+            deviceName = settings.device;
+        }
+        if (!store || cacheDirectory != settings.cacheDirectory || noCache != settings.noCache) {
+            Discard(); // the tracer holds the store
+            store = std::make_unique<Store>(
+                StoreOptions{settings.cacheDirectory, !settings.noCache}, &warnings);
+            cacheDirectory = settings.cacheDirectory;
+            noCache = settings.noCache;
+        }
+    }
+
+    /// Everything in device memory and what only makes sense with it: pages that are there are
+    /// nowhere else.
+    void Discard() {
+        tracer.reset();
+        scene.reset();
+        committed.reset();
+        cache.meshes.Clear();
+    }
+
+    /// The scene in device memory. \return false when it was cancelled.
+    bool Commit(const Settings& settings, const CancelCallback& isCancelled) {
+        const CommitOptions commitOptions = MakeCommitOptions(settings);
+        if (tracer && committed && committed->sceneVersion == sceneVersion &&
+            committed->options == commitOptions) {
+            return true;
+        }
+        committed.reset();
+        for (int attempt = 0; attempt < 2; ++attempt) {
+            if (!tracer) {
+                cache.meshes.Clear();
+                tracer = std::make_unique<PathTracer>(device, store.get());
+            }
+            auto next = CommitScene(description, commitOptions, &cache, warnings, isCancelled);
+            if (!next) {
+                return false;
+            }
+            if (tracer->SetScene(*next)) {
+                scene = std::move(next);
+                committed = CommitKey{sceneVersion, commitOptions};
+                return true;
+            }
+            Discard(); // edits have scattered the pool
+        }
+        throw Error("geometry: the scene does not fit the device's memory");
+    }
 
     hds::Warnings warnings;
     SceneDescription description;
+    std::uint64_t sceneVersion = 1; ///< counts edits
     std::shared_ptr<Device> device;
     std::string deviceName; ///< what `device` was asked for by
     std::unique_ptr<Store> store;
+    std::string cacheDirectory; ///< what `store` was made with
+    bool noCache = false;
+    CommitCache cache;
     std::unique_ptr<CommittedScene> scene;
+    std::optional<CommitKey> committed; ///< what `scene` and the tracer's device tables hold
     std::unique_ptr<PathTracer> tracer;
+    bool hasFilm = false; ///< the tracer has begun a render
     StatisticsInput statistics;
     double sinceStartSeconds = 0.0;
 };
@@ -58,27 +117,26 @@ Session::~Session() = default;
 
 void Session::SetMesh(const std::string& path, MeshPrim prim) {
     _impl->description.meshes[path] = std::move(prim);
+    ++_impl->sceneVersion;
 }
 
 void Session::SetInstancer(const std::string& path, InstancerPrim prim) {
     _impl->description.instancers[path] = std::move(prim);
+    ++_impl->sceneVersion;
 }
 
 void Session::SetLight(const std::string& path, LightPrim prim) {
     _impl->description.lights[path] = std::move(prim);
+    ++_impl->sceneVersion;
 }
 
-void Session::SetMaterial(const std::string& path, MaterialNetwork network) {
+void Session::SetMaterial(const std::string& path, std::shared_ptr<const MaterialNetwork> network) {
     _impl->description.materials[path] = std::move(network);
+    ++_impl->sceneVersion;
 }
 
 void Session::SetCamera(const std::string& path, CameraPrim prim) {
-    _impl->description.cameras[path] = std::move(prim);
-}
-
-void Session::SetStage(double metersPerUnit, const std::string& upAxis) {
-    _impl->description.metersPerUnit = metersPerUnit;
-    _impl->description.upAxis = upAxis;
+    _impl->description.cameras[path] = std::move(prim); // no part of a commit
 }
 
 void Session::Remove(const std::string& path) {
@@ -88,11 +146,13 @@ void Session::Remove(const std::string& path) {
     scene.lights.erase(path);
     scene.materials.erase(path);
     scene.cameras.erase(path);
+    ++_impl->sceneVersion;
 }
 
 void Session::Clear() {
     _impl->description = {};
     _impl->warnings.Clear();
+    ++_impl->sceneVersion;
 }
 
 const SceneDescription& Session::Scene() const {
@@ -112,8 +172,9 @@ std::string Session::Dump() const {
 }
 
 std::string Session::Info() const {
+    CommitCache cache(_impl->warnings);
     const auto scene =
-        CommitScene(_impl->description, MakeCommitOptions(Settings()), _impl->warnings);
+        CommitScene(_impl->description, MakeCommitOptions(Settings()), &cache, _impl->warnings);
     return MakeInfo(_impl->description, *scene, _impl->warnings.Lines());
 }
 
@@ -126,28 +187,19 @@ RenderResult Session::Render(const Settings& settings, const ProgressCallback& o
         throw Error("--camera " + settings.camera + ": the stage has no such camera",
                     ErrorKind::Usage);
     }
-    RenderOptions options = MakeRenderOptions(settings, camera->second);
-
-    impl.tracer.reset(); // frees the device memory of the last render first
-    impl.scene.reset();
-    if (!impl.device || impl.deviceName != settings.device) {
-        impl.device = Device::Create(settings.device);
-        impl.deviceName = settings.device;
+    impl.hasFilm = false;
+    impl.ReadyDevice(settings);
+    const CancelCallback isCancelled = [&] {
+        Progress progress;
+        progress.samplesTotal = settings.samples;
+        return onProgress && !onProgress(progress);
+    };
+    if (!impl.Commit(settings, isCancelled)) {
+        return RenderResult::Stopped;
     }
-    impl.store = std::make_unique<Store>(StoreOptions{settings.cacheDirectory, !settings.noCache},
-                                         &impl.warnings);
-    impl.scene = CommitScene(impl.description, MakeCommitOptions(settings), impl.warnings);
-    impl.tracer = std::make_unique<PathTracer>(impl.device, impl.store.get(), *impl.scene,
-                                               std::move(options));
-    const double beforeRendering = SecondsSince(start);
-    const RenderResult result = impl.tracer->Render(onProgress);
-
+    impl.tracer->Begin(MakeRenderOptions(settings, camera->second));
+    impl.hasFilm = true;
     const RenderStatistics& rendered = impl.tracer->Statistics();
-    if (rendered.endedPasses > 0) {
-        impl.warnings.Add(
-            "", std::to_string(rendered.endedPasses) +
-                    " rays ended after passing the most cut-out surfaces that one ray may pass");
-    }
     StatisticsInput& statistics = impl.statistics;
     statistics.device = impl.device.get();
     statistics.scene = impl.scene.get();
@@ -155,20 +207,41 @@ RenderResult Session::Render(const Settings& settings, const ProgressCallback& o
     statistics.imageWidth = settings.imageWidth;
     statistics.imageHeight = settings.imageHeight;
     statistics.poolBytes = impl.tracer->PoolBytes();
+    statistics.uploadedBytes = impl.tracer->UploadedBytes();
     statistics.tableBytes = impl.tracer->TableBytes();
-    statistics.firstPixelSeconds =
-        impl.sinceStartSeconds + beforeRendering + rendered.firstImageSeconds;
+    statistics.beforeRenderingSeconds = impl.sinceStartSeconds + SecondsSince(start);
+    const RenderResult result = impl.tracer->Render(onProgress);
+    if (rendered.endedPasses > 0) {
+        impl.warnings.Add(
+            "", std::to_string(rendered.endedPasses) +
+                    " rays ended after passing the most cut-out surfaces that one ray may pass");
+    }
     statistics.totalSeconds = impl.sinceStartSeconds + SecondsSince(start);
     return result;
 }
 
-std::vector<ImageLayer> Session::Layers() const {
-    CheckRendered(_impl->tracer.get());
-    return _impl->tracer->Layers();
+std::vector<ImageLayer> Session::Layers(bool withFirstHits) const {
+    if (!_impl->hasFilm) {
+        throw Error("nothing has been rendered yet");
+    }
+    return _impl->tracer->Layers(withFirstHits);
+}
+
+bool Session::HasImage() const {
+    return _impl->hasFilm;
+}
+
+void Session::FlushTextures() {
+    _impl->cache.images.Clear();
+    _impl->cache.lightKey.clear();
+    _impl->cache.lights.reset();
+    ++_impl->sceneVersion;
 }
 
 std::string Session::Statistics() const {
-    CheckRendered(_impl->tracer.get());
+    if (!_impl->hasFilm) {
+        throw Error("nothing has been rendered yet");
+    }
     StatisticsInput input = _impl->statistics;
     input.warnings = _impl->warnings.Lines();
     return MakeStatistics(input);

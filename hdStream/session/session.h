@@ -37,7 +37,8 @@ CacheState InspectCache(const std::string& directory);
 /// Deletes all entries; returns their bytes.
 std::uint64_t ClearCache(const std::string& directory);
 
-/// A scene, its device and its film. Externally synchronised: one thread at a time.
+/// A scene, its device and its film. Externally synchronised: one thread at a time; RenderThread
+/// owns one for front ends that edit while it renders.
 class Session {
 public:
     using WarningSink = std::function<void(const std::string& line)>;
@@ -49,12 +50,12 @@ public:
     Session& operator=(const Session&) = delete;
 
     // --- Scene edits: each replaces the prim of that path, or removes it. -----------------------
+    // Cheap whatever the prim: what is expensive to prepare is shared through pointers (MeshPrim).
     void SetMesh(const std::string& path, MeshPrim prim);
     void SetInstancer(const std::string& path, InstancerPrim prim);
     void SetLight(const std::string& path, LightPrim prim);
-    void SetMaterial(const std::string& path, MaterialNetwork network);
+    void SetMaterial(const std::string& path, std::shared_ptr<const MaterialNetwork> network);
     void SetCamera(const std::string& path, CameraPrim prim);
-    void SetStage(double metersPerUnit, const std::string& upAxis);
     void Remove(const std::string& path);
     void Clear();
     const SceneDescription& Scene() const;
@@ -70,13 +71,24 @@ public:
     std::string Info() const;
 
     // --- Rendering -------------------------------------------------------------------------------
-    /// Renders from scratch with the settings. Blocks. Stops early when `onProgress` returns false.
+    /// Renders with the settings from the first sample on. Blocks. Stops early when `onProgress`
+    /// returns false; that is asked while the scene is prepared too. What did not change since the
+    /// last call is kept: prepared meshes, images, light tables, device memory, kernels.
     /// \throws Error when there is no device, memory runs out, or a setting is wrong.
     RenderResult Render(const Settings& settings, const ProgressCallback& onProgress = {});
 
-    /// The film as rendered so far, one layer an AOV of the settings.
+    /// The film as rendered so far, one layer an AOV of the settings. May be called inside
+    /// onProgress. \param withFirstHits false: the AOVs of the first hit are left at their clear
+    /// values unless they are there already (finding them takes a ray a pixel).
     /// \throws Error before the first Render.
-    std::vector<ImageLayer> Layers() const;
+    std::vector<ImageLayer> Layers(bool withFirstHits = true) const;
+
+    /// True when Layers and Statistics have something to say: a render has begun, and the scene of
+    /// the last one was not cancelled while it was prepared.
+    bool HasImage() const;
+
+    /// Forgets what was read from image files, so that the next Render reads them again.
+    void FlushTextures();
 
     /// Statistics of the last render as JSON text (DESIGN.md section 9).
     /// \throws Error before the first Render.

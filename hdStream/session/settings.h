@@ -3,6 +3,7 @@
 // settings prim, Hydra's descriptors and docs/settings.md all come from it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <variant>
@@ -13,13 +14,24 @@ namespace hds {
 /// All settings; each member has a row in SettingTable().
 struct Settings {
     std::string camera;              ///< prim path; must be in the scene
-    std::uint32_t imageWidth = 960;  ///< pixels
-    std::uint32_t imageHeight = 540; ///< pixels
+    std::uint32_t imageWidth = 960;  ///< pixels of the image (the data window)
+    std::uint32_t imageHeight = 540; ///< pixels of the image (the data window)
     double pixelAspectRatio = 1.0;   ///< width / height of a pixel
+    /// What the camera's aperture is fitted to: left, top, right, bottom in pixels, y down; all 0:
+    /// the image. Larger than the image for a crop, smaller for an overscan.
+    std::array<double, 4> displayWindow{};
+    /// The image's upper left pixel, in the pixels of the display window. Samples are keyed by
+    /// these coordinates, so a crop has the bits of the full image.
+    std::array<std::int32_t, 2> dataWindowMin{};
+    /// How an aperture of another aspect ratio is fitted to the display window: expandAperture,
+    /// cropAperture, adjustApertureWidth, adjustApertureHeight, adjustPixelAspectRatio.
+    std::string conformPolicy = "expandAperture";
     std::vector<std::string> aovs{"color"};
-    std::vector<std::string> purposes{"default", "render"}; ///< drawn, besides "default"
-    std::uint32_t samples = 64;                             ///< per pixel
-    std::uint32_t maxDepth = 8;                             ///< bounces after the first hit
+    std::vector<std::string> purposes{"default", "render"}; ///< drawn
+    std::string cullStyle = "nothing"; ///< of meshes that have none: see CullStyle
+    bool domeVisible = true;           ///< domes are seen by camera rays
+    std::uint32_t samples = 64;        ///< per pixel
+    std::uint32_t maxDepth = 8;        ///< bounces after the first hit
     std::uint32_t seed = 0;
     double timeLimit = 0.0; ///< seconds; 0: none
     double noise = 0.0;     ///< relative error per pixel at which it stops; 0: never
@@ -28,12 +40,15 @@ struct Settings {
     bool russianRoulette = true;
     std::string subdivision = "adaptive"; ///< adaptive, complexity (refineLevel everywhere) or cage
     std::uint32_t refineLevel = 0;        ///< for subdivision "complexity"
-    std::uint32_t waveSize = 0;           ///< paths in flight; 0: the device's measured default
+    std::uint32_t waveSize = 0; ///< paths in flight, at least 16; 0: the device's own default
     std::string device;         ///< part of its name; empty: the first GPU, else the first CPU
     std::string cacheDirectory; ///< empty: HDSTREAM_CACHE_DIR or the platform's
     bool noCache = false;
     std::string traversal = "auto";     ///< auto, wide (8-wide vectors), lane (one lane a ray)
     std::uint64_t chunkBytes = 1 << 20; ///< upper bound of a chunk's pages
+
+    bool operator==(const Settings& other) const;
+    bool operator!=(const Settings& other) const { return !(*this == other); }
 };
 
 } // namespace hds

@@ -29,7 +29,7 @@ Json TimeSection(const StatisticsInput& in) {
             {"service", 0.0},
             {"transfer", render.transferSeconds},
             {"shade", render.shadeSeconds},
-            {"firstPixel", in.firstPixelSeconds},
+            {"firstPixel", in.beforeRenderingSeconds + render.firstImageSeconds},
             {"render", render.renderSeconds},
             {"total", in.totalSeconds}};
 }
@@ -47,7 +47,7 @@ Json GeometrySection(const StatisticsInput& in) {
             {"pinnedBytes", 0},
             {"alwaysResidentBytes", counts.alwaysResidentBytes},
             {"uniqueBytesLoaded", counts.pageBytes},
-            {"uploadedBytes", counts.pageBytes},
+            {"uploadedBytes", in.uploadedBytes},
             {"uploads", counts.chunks},
             {"evictions", 0},
             {"casts", in.render->casts},
@@ -56,7 +56,7 @@ Json GeometrySection(const StatisticsInput& in) {
             {"raysRelaunched", 0},
             {"shadingRefetches", 0},
             {"chunksTouched", 0},
-            {"chunksBuilt", counts.chunks},
+            {"chunksBuilt", counts.chunksBuilt},
             {"chunksFromCache", 0},
             {"estimated", false}};
 }
@@ -144,8 +144,6 @@ std::string MakeInfo(const SceneDescription& scene, const CommittedScene& commit
     info["cameras"] = scene.cameras.size();
     info["textures"] = textures;
     info["textureBytesSource"] = counts.textureSourceBytes;
-    info["metersPerUnit"] = scene.metersPerUnit;
-    info["upAxis"] = scene.upAxis;
     info["warnings"] = warnings;
     return info.dump(2) + "\n";
 }

@@ -20,10 +20,11 @@ struct StatisticsInput {
     std::uint32_t imageWidth = 0;
     std::uint32_t imageHeight = 0;
     std::uint64_t poolBytes = 0;
+    std::uint64_t uploadedBytes = 0; ///< of geometry, in this session
     std::uint64_t tableBytes = 0;
     double loadSeconds = 0.0;
     double translateSeconds = 0.0;
-    double firstPixelSeconds = 0.0;
+    double beforeRenderingSeconds = 0.0; ///< from process start, or the edit, to the first ray
     double totalSeconds = 0.0;
     std::vector<std::string> warnings;
 };

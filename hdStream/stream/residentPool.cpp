@@ -5,7 +5,8 @@
 #include "kernels/shared/geometry.h"
 
 #include <algorithm>
-#include <cstring>
+#include <unordered_set>
+#include <utility>
 
 namespace hds {
 
@@ -15,52 +16,21 @@ static_assert(kMaxPoolBufferBytes == (std::uint64_t{HDS_POOL_UNIT_BYTES} << HDS_
 
 namespace {
 
-/// Places pages one after another; none straddles two buffers.
-struct Placement {
-    std::vector<std::uint32_t> addresses;
-    std::vector<std::uint64_t> bufferBytes;
-};
-
-Placement PlacePages(const PageProvider& provider, std::uint64_t bufferLimit,
-                     const std::string& label) {
-    Placement placement;
-    placement.addresses.resize(provider.NumPages(), HDS_NOT_RESIDENT);
-    placement.bufferBytes.push_back(0);
-    for (std::uint32_t page = 0; page < provider.NumPages(); ++page) {
-        const std::uint64_t bytes = provider.PageBytes(page);
-        if (bytes == 0) {
-            continue;
-        }
-        HDS_VERIFY(bytes % HDS_POOL_UNIT_BYTES == 0, label + " page " + std::to_string(page));
-        if (placement.bufferBytes.back() + bytes > bufferLimit) {
-            placement.bufferBytes.push_back(0);
-        }
-        if (bytes > bufferLimit || placement.bufferBytes.size() > kMaxPoolBuffers) {
-            throw Error(label + ": the scene does not fit the device's memory (" +
-                        std::to_string(kMaxPoolBuffers) + " buffers of " +
-                        std::to_string(bufferLimit) + " bytes)");
-        }
-        const auto buffer = static_cast<std::uint32_t>(placement.bufferBytes.size() - 1);
-        placement.addresses[page] =
-            (buffer << HDS_POOL_BUFFER_SHIFT) |
-            static_cast<std::uint32_t>(placement.bufferBytes.back() / HDS_POOL_UNIT_BYTES);
-        placement.bufferBytes.back() += bytes;
-    }
-    return placement;
-}
-
-/// Uploads go through a staging block, so that many small pages cost few transfers.
+/// Pages that follow each other in a buffer go through a staging block, so that many small ones
+/// cost few transfers.
 class StagedUpload {
 public:
-    StagedUpload(Buffer* buffer, std::uint64_t blockBytes) : _buffer(buffer) {
-        _block.reserve(blockBytes);
-    }
-    void Append(const std::uint8_t* data, std::uint64_t bytes) {
-        if (_block.size() + bytes > _block.capacity()) {
+    explicit StagedUpload(std::uint64_t blockBytes) { _block.reserve(blockBytes); }
+    void Append(Buffer* buffer, std::uint64_t offset, const std::uint8_t* data,
+                std::uint64_t bytes) {
+        const bool follows = buffer == _buffer && offset == _offset + _block.size();
+        if (!follows || _block.size() + bytes > _block.capacity()) {
             Flush();
+            _buffer = buffer;
+            _offset = offset;
         }
         if (bytes > _block.capacity()) {
-            _buffer->Write(data, bytes, _offset);
+            buffer->Write(data, bytes, offset);
             _offset += bytes;
             return;
         }
@@ -75,38 +45,138 @@ public:
     }
 
 private:
-    Buffer* _buffer;
-    std::uint64_t _offset = 0;
+    Buffer* _buffer = nullptr;
+    std::uint64_t _offset = 0; ///< of the block
     std::vector<std::uint8_t> _block;
 };
 
 constexpr std::uint64_t kStagingBytes = 4U << 20U;
+/// A buffer that is added later is at least this part of the pool, so that many small edits do not
+/// use up the buffers.
+constexpr std::uint64_t kGrowthShare = 8;
 
 } // namespace
 
-ResidentPool::ResidentPool(const std::shared_ptr<Device>& device, const std::string& label,
-                           const PageProvider& provider) {
-    const std::uint64_t limit =
-        std::min(kMaxPoolBufferBytes, device->Properties().maxAllocationBytes);
-    const Placement placement = PlacePages(provider, limit, label);
-    _numBuffers = static_cast<std::uint32_t>(placement.bufferBytes.size());
-    std::uint32_t page = 0;
-    for (std::uint32_t i = 0; i < kMaxPoolBuffers; ++i) {
-        const std::uint64_t bytes = i < _numBuffers ? placement.bufferBytes[i] : 0;
-        _buffers[i] =
-            Buffer(device, label + " pool " + std::to_string(i), bytes, BufferAccess::ReadOnly);
-        _bytes += bytes;
-        StagedUpload upload(&_buffers[i], kStagingBytes);
-        for (; page < provider.NumPages(); ++page) {
-            const std::uint32_t address = placement.addresses[page];
-            if (address != HDS_NOT_RESIDENT && (address >> HDS_POOL_BUFFER_SHIFT) != i) {
-                break;
-            }
-            upload.Append(provider.Page(page), provider.PageBytes(page));
-        }
-        upload.Flush();
+ResidentPool::ResidentPool(std::shared_ptr<Device> device, std::string label)
+    : _device(std::move(device)), _label(std::move(label)),
+      _bufferLimit(std::min(kMaxPoolBufferBytes, _device->Properties().maxAllocationBytes) /
+                   HDS_POOL_UNIT_BYTES * HDS_POOL_UNIT_BYTES) {
+    for (Buffer& buffer : _buffers) {
+        buffer = Buffer(_device, _label + " pool", 0, BufferAccess::ReadOnly);
     }
-    _addresses = UploadVector(device, label + " addresses", placement.addresses);
+    _addresses = Buffer(_device, _label + " addresses", 0, BufferAccess::ReadOnly);
+}
+
+bool ResidentPool::Update(const PageProvider& provider) {
+    RemoveOthers(provider);
+    std::uint64_t bytesToCome = 0;
+    for (std::uint32_t page = 0; page < provider.NumPages(); ++page) {
+        if (_pages.count(provider.PageId(page)) == 0) {
+            bytesToCome += provider.PageBytes(page);
+        }
+    }
+    std::vector<std::uint32_t> addresses(provider.NumPages(), HDS_NOT_RESIDENT);
+    StagedUpload upload(kStagingBytes);
+    for (std::uint32_t page = 0; page < provider.NumPages(); ++page) {
+        const std::uint64_t bytes = provider.PageBytes(page);
+        if (bytes == 0) {
+            continue;
+        }
+        HDS_VERIFY(bytes % HDS_POOL_UNIT_BYTES == 0, _label + " page " + std::to_string(page));
+        const auto [known, isNew] = _pages.emplace(provider.PageId(page), Range());
+        if (isNew) {
+            if (!Place(bytes, bytesToCome, &known->second)) {
+                _pages.erase(known);
+                return false;
+            }
+            upload.Append(&_buffers[known->second.buffer], known->second.offset,
+                          provider.Page(page), bytes);
+            provider.Drop(page);
+            bytesToCome -= bytes;
+            _uploadedBytes += bytes;
+        }
+        addresses[page] = (known->second.buffer << HDS_POOL_BUFFER_SHIFT) |
+                          static_cast<std::uint32_t>(known->second.offset / HDS_POOL_UNIT_BYTES);
+    }
+    upload.Flush();
+    _addresses = UploadVector(_device, _label + " addresses", addresses);
+    return true;
+}
+
+void ResidentPool::RemoveOthers(const PageProvider& provider) {
+    if (_pages.empty()) {
+        return;
+    }
+    std::unordered_set<std::uint64_t> wanted;
+    for (std::uint32_t page = 0; page < provider.NumPages(); ++page) {
+        wanted.insert(provider.PageId(page));
+    }
+    for (auto page = _pages.begin(); page != _pages.end();) {
+        if (wanted.count(page->first) > 0) {
+            ++page;
+        } else {
+            Free(page->second);
+            page = _pages.erase(page);
+        }
+    }
+}
+
+/// First fit; a new buffer when no free range is large enough.
+bool ResidentPool::Place(std::uint64_t bytes, std::uint64_t bytesToCome, Range* range) {
+    for (std::uint32_t attempt = 0; attempt < 2; ++attempt) {
+        for (std::uint32_t buffer = 0; buffer < _numBuffers; ++buffer) {
+            auto& ranges = _free[buffer];
+            const auto found =
+                std::find_if(ranges.begin(), ranges.end(),
+                             [&](const auto& candidate) { return candidate.second >= bytes; });
+            if (found == ranges.end()) {
+                continue;
+            }
+            *range = {buffer, found->first, bytes};
+            const std::uint64_t rest = found->second - bytes;
+            ranges.erase(found);
+            if (rest > 0) {
+                ranges[range->offset + bytes] = rest;
+            }
+            return true;
+        }
+        if (!AddBuffer(bytes, bytesToCome)) {
+            return false;
+        }
+    }
+    return false;
+}
+
+bool ResidentPool::AddBuffer(std::uint64_t bytes, std::uint64_t bytesToCome) {
+    if (bytes > _bufferLimit || _numBuffers == kMaxPoolBuffers) {
+        return false;
+    }
+    std::uint64_t size = std::max(bytesToCome, _bytes / kGrowthShare);
+    size = std::min(size / HDS_POOL_UNIT_BYTES * HDS_POOL_UNIT_BYTES, _bufferLimit);
+    const std::uint32_t index = _numBuffers;
+    _buffers[index] =
+        Buffer(_device, _label + " pool " + std::to_string(index), size, BufferAccess::ReadOnly);
+    _free[index] = {{0, size}};
+    ++_numBuffers;
+    _bytes += size;
+    return true;
+}
+
+void ResidentPool::Free(const Range& range) {
+    auto& ranges = _free[range.buffer];
+    std::uint64_t begin = range.offset;
+    std::uint64_t end = range.offset + range.bytes;
+    const auto next = ranges.lower_bound(begin);
+    if (next != ranges.end() && next->first == end) {
+        end += next->second;
+    }
+    auto previous = next;
+    if (previous != ranges.begin() && (--previous)->first + previous->second == begin) {
+        begin = previous->first;
+        ranges.erase(previous);
+    }
+    ranges.erase(range.offset + range.bytes);
+    ranges[begin] = end - begin;
 }
 
 } // namespace hds

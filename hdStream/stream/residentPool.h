@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Resident mode (DESIGN.md section 4.6): every page is uploaded once and stays. The address table
-// has the form that the streaming pool will publish, so kernels see no difference. Explained in
-// docs/architecture.md.
+// Resident mode (DESIGN.md section 4.6): every page is uploaded once and stays as long as the scene
+// has it. The address table has the form that the streaming pool will publish, so kernels see no
+// difference. Explained in docs/architecture.md.
 #pragma once
 
 #include "hdStream/device/device.h"
 #include "hdStream/stream/pageProvider.h"
 
 #include <array>
+#include <map>
 #include <memory>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 namespace hds {
@@ -21,23 +23,48 @@ constexpr std::uint64_t kMaxPoolBufferBytes = 1ULL << 30U;
 /// Device memory that holds all pages of a provider. Externally synchronised.
 class ResidentPool {
 public:
-    /// Uploads all pages. Blocks.
-    /// \throws Error when they do not fit the device, with the bytes needed.
-    ResidentPool(const std::shared_ptr<Device>& device, const std::string& label,
-                 const PageProvider& provider);
+    /// An empty pool. \param label names it in error messages.
+    ResidentPool(std::shared_ptr<Device> device, std::string label);
+
+    /// Makes the pool hold the pages of `provider`: pages it holds already (by id) stay where they
+    /// are, those the provider lacks leave, new ones are uploaded and dropped from the provider.
+    /// Blocks. \return false when there is no room left in its buffers, which many edits may have
+    /// scattered; the pool is of no use then, and a new one needs pages that were not dropped.
+    bool Update(const PageProvider& provider);
 
     /// Address of each page in units of 16 bytes (0xffffffff: the page does not exist).
     const Buffer& Addresses() const { return _addresses; }
     /// Buffer `i` of the signature; unused ones are tiny but valid.
     const Buffer& PoolBuffer(std::uint32_t i) const { return _buffers[i]; }
     std::uint32_t NumBuffers() const { return _numBuffers; }
+    std::uint64_t BufferLimit() const { return _bufferLimit; }
+    /// Bytes of device memory.
     std::uint64_t Bytes() const { return _bytes; }
+    /// Bytes uploaded since the pool was made.
+    std::uint64_t UploadedBytes() const { return _uploadedBytes; }
 
 private:
+    struct Range {
+        std::uint32_t buffer = 0;
+        std::uint64_t offset = 0;
+        std::uint64_t bytes = 0;
+    };
+
+    void RemoveOthers(const PageProvider& provider);
+    bool Place(std::uint64_t bytes, std::uint64_t bytesToCome, Range* range);
+    bool AddBuffer(std::uint64_t bytes, std::uint64_t bytesToCome);
+    void Free(const Range& range);
+
+    std::shared_ptr<Device> _device;
+    std::string _label;
+    std::uint64_t _bufferLimit;
     std::array<Buffer, kMaxPoolBuffers> _buffers;
+    std::array<std::map<std::uint64_t, std::uint64_t>, kMaxPoolBuffers> _free; ///< offset -> bytes
+    std::unordered_map<std::uint64_t, Range> _pages;                           ///< by page id
     Buffer _addresses;
     std::uint32_t _numBuffers = 0;
     std::uint64_t _bytes = 0;
+    std::uint64_t _uploadedBytes = 0;
 };
 
 } // namespace hds

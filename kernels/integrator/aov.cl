@@ -58,11 +58,15 @@ void aov_storeMiss(HdsAovOffsets offsets, global float* pixel, global int* ids) 
     aov_storeId(ids, offsets.primId, -1);
     aov_storeId(ids, offsets.instanceId, -1);
     aov_storeId(ids, offsets.elementId, -1);
+    for (uint k = 0u; k < offsets.numPrimvars; ++k) {
+        aov_store3(pixel, offsets.primvars + 3u * k, (float3)(0.0f));
+    }
 }
 
 void aov_storeHit(constant const HdsFrameParams* frame, const HdsSceneView* scene,
                   const HdsSurfaceHit* surface, const HdsSurface* bsdf, float cosO,
-                  HdsAovOffsets offsets, global float* pixel, global int* ids) {
+                  HdsAovOffsets offsets, global const uint* primvarSlots, global float* pixel,
+                  global int* ids) {
     float2 depths = aov_depths(frame, surface->point.position);
     float3 normal = surface->shadingNormal;
     if (!(vec_lengthSquared(normal) > 0.0f)) {
@@ -79,6 +83,14 @@ void aov_storeHit(constant const HdsFrameParams* frame, const HdsSceneView* scen
     aov_storeId(
         ids, offsets.elementId,
         (int)attributes_readInteger(surface->attributes, HDS_SLOT_FACE, surface->at.triangle, 0u));
+    for (uint k = 0u; k < offsets.numPrimvars; ++k) {
+        uint slot = primvarSlots[surface->mesh * offsets.numPrimvars + k];
+        float4 value = (float4)(0.0f);
+        if (slot != HDS_NONE) {
+            value = attributes_read(surface->attributes, slot, &surface->at, value);
+        }
+        aov_store3(pixel, offsets.primvars + 3u * k, value.xyz);
+    }
 }
 
 /* Global size: count. */
@@ -86,7 +98,7 @@ kernel void aov_firstHit(constant const HdsFrameParams* frame, global uchar* sta
                          global const uint* restrict queue, uint count,
                          global uint* restrict nextQueue, volatile global uint* counters,
                          global float* floats, global int* ints, HdsAovOffsets offsets,
-                         HDS_SCENE_ARGS) {
+                         global const uint* primvarSlots, HDS_SCENE_ARGS) {
     uint item = (uint)get_global_id(0);
     if (item >= count) {
         return;
@@ -108,8 +120,9 @@ kernel void aov_firstHit(constant const HdsFrameParams* frame, global uchar* sta
     surfaceHit_load(&scene, &hit, &surface);
     surfaceHit_shade(&scene, &surface, -path_load_direction(paths, i).xyz, &shading, &bsdf);
 #if HDS_FEATURE_CUTOUT
-    if (vec_minComponent(surface_passThrough(&bsdf, shading.wo.z)) >= 1.0f &&
-        (status.z >> HDS_PATH_PASS_SHIFT) < HDS_MAX_PASSES) {
+    bool isPassed = vec_minComponent(surface_passThrough(&bsdf, shading.wo.z)) >= 1.0f ||
+                    passThrough_isCulled(&scene, &surface, path_load_direction(paths, i).xyz);
+    if (isPassed && (status.z >> HDS_PATH_PASS_SHIFT) < HDS_MAX_PASSES) {
         status.z += HDS_PATH_ONE_PASS;
         path_store_status(paths, i, status);
         path_store_after(paths, i, passThrough_key(&hit, &surface));
@@ -117,5 +130,5 @@ kernel void aov_firstHit(constant const HdsFrameParams* frame, global uchar* sta
         return;
     }
 #endif
-    aov_storeHit(frame, &scene, &surface, &bsdf, shading.wo.z, offsets, pixel, ids);
+    aov_storeHit(frame, &scene, &surface, &bsdf, shading.wo.z, offsets, primvarSlots, pixel, ids);
 }

@@ -3,8 +3,8 @@
  * Explained in docs/wavefront.md. */
 #include "integrator/camera.clh"
 #include "integrator/pathState.clh"
+#include "integrator/pixelSampler.clh"
 #include "sample/filter.clh"
-#include "sample/sampler.clh"
 
 /* Writes a camera ray and a fresh state to slot i. */
 void generate_start(HdsPaths paths, uint i, constant const HdsFrameParams* frame, HdsCameraRay ray,
@@ -31,11 +31,11 @@ kernel void generate_sample(constant const HdsFrameParams* frame, HdsWave wave, 
     HdsPaths paths = {state, numSlots};
     uint pixel = pixels[wave.firstPixel + i / wave.numSamples];
     uint sample = wave.firstSample + i % wave.numSamples;
-    uint x = pixel % frame->imageWidth;
-    uint y = pixel / frame->imageWidth;
-    HdsSampler sampler = sampler_init(x, y, sample, frame->seed);
+    int2 position = pixel_position(frame, pixel);
+    HdsSampler sampler = pixel_sampler(frame, pixel, sample);
     float2 offset = filter_sample2(filterTable, sampler_get2(sampler, HDS_DIM_FILTER));
-    float2 raster = (float2)((float)x + 0.5f + offset.x, (float)y + 0.5f + offset.y);
+    float2 raster =
+        (float2)((float)position.x + 0.5f + offset.x, (float)position.y + 0.5f + offset.y);
     HdsCameraRay ray = camera_generate(frame, raster, sampler_get2(sampler, HDS_DIM_LENS));
     generate_start(paths, i, frame, ray, pixel, sample);
     queue[i] = i;
@@ -50,8 +50,8 @@ kernel void generate_centre(constant const HdsFrameParams* frame, HdsWave wave, 
     }
     HdsPaths paths = {state, numSlots};
     uint pixel = pixels[wave.firstPixel + i];
-    float2 raster = (float2)((float)(pixel % frame->imageWidth) + 0.5f,
-                             (float)(pixel / frame->imageWidth) + 0.5f);
+    int2 position = pixel_position(frame, pixel);
+    float2 raster = (float2)((float)position.x + 0.5f, (float)position.y + 0.5f);
     HdsCameraRay ray = camera_generate(frame, raster, (float2)(0.5f));
     generate_start(paths, i, frame, ray, pixel, 0u);
     queue[i] = i;

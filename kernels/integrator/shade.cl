@@ -6,7 +6,7 @@
  * docs/wavefront.md. */
 #include "integrator/passThrough.clh"
 #include "integrator/pathState.clh"
-#include "sample/sampler.clh"
+#include "integrator/pixelSampler.clh"
 
 /* Bounces before Russian roulette begins. */
 #define HDS_ROULETTE_DEPTH 3u
@@ -201,11 +201,12 @@ bool shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
     HdsSurface bsdf;
     surfaceHit_load(scene, hit, &surface);
     surfaceHit_shade(scene, &surface, -path->direction, &shading, &bsdf);
-    HdsSampler sampler =
-        sampler_init(path->status.x % frame->imageWidth, path->status.x / frame->imageWidth,
-                     path->status.y, frame->seed);
+    HdsSampler sampler = pixel_sampler(frame, path->status.x, path->status.y);
 #if HDS_FEATURE_CUTOUT
     float3 transparency = surface_passThrough(&bsdf, shading.wo.z);
+    if (path->depth == 0u && passThrough_isCulled(scene, &surface, path->direction)) {
+        transparency = (float3)(1.0f);
+    }
     if (shade_passThrough(hit, &surface, transparency, sampler, path, paths, i)) {
         bool mayGoOn = (path->status.z >> HDS_PATH_PASS_SHIFT) < HDS_MAX_PASSES;
         if (!mayGoOn) {

@@ -17,6 +17,9 @@
  * and is counted. */
 #define HDS_MAX_PASSES 1024u
 
+/* Most clipping planes of a camera. */
+#define HDS_MAX_CLIP_PLANES 8
+
 /* Device counters (u32 each). */
 #define HDS_COUNTER_ACTIVE 0 /* paths that go on to the next cast */
 #define HDS_COUNTER_SHADOW 1 /* shadow rays to cast */
@@ -28,22 +31,26 @@ HDS_SHARED_BEGIN
 /* Camera space: x right, y up, looking along -z; world space is relative to the scene centre. */
 typedef struct {
     f32 worldFromCamera[12]; /* 3 rows of 4 */
-    f32 filmOrigin[2]; /* raster (0,0), the top left corner, at distance 1 (orthographic: at any) */
-    f32 filmStep[2];   /* of one pixel; y is negative: rows go down */
-    f32 nearClip;      /* scene units along -z */
+    f32 filmOrigin[2];       /* raster (0,0) at distance 1 (orthographic: at any) */
+    f32 filmStep[2];         /* of one pixel; y is negative: rows go down */
+    f32 nearClip;            /* scene units along -z */
     f32 farClip;
     f32 lensRadius;    /* scene units; 0: pinhole */
     f32 focusDistance; /* scene units along -z */
     f32 exposureScale; /* factor on radiance */
     u32 flags;
-    u32 imageWidth;
+    u32 imageWidth; /* of the data window */
     u32 imageHeight;
     u32 seed;
     u32 maxDepth; /* bounces after the first hit */
     u32 numLights;
-    u32 pad0;
+    u32 numClipPlanes;
+    i32 dataWindowMin[2]; /* upper left pixel of the data window; rasters and samples count from the
+                             display window's, so that a crop has the bits of the full image */
+    u32 pad0[2];
+    f32 clipPlanes[HDS_MAX_CLIP_PLANES][4]; /* camera rays see dot(plane, (p, 1)) >= 0, world */
 } HdsFrameParams;
-HDS_ASSERT_SIZE(HdsFrameParams, 112);
+HDS_ASSERT_SIZE(HdsFrameParams, 256);
 
 /* A wave: slot i is sample firstSample + i % numSamples of pixel pixels[firstPixel + i /
  * numSamples]. */
@@ -80,9 +87,9 @@ typedef struct {
     u32 primId;
     u32 instanceId;
     u32 elementId;
-    u32 pad0;
-    f32 centre[3]; /* world position of the device's origin, added to positions */
-    u32 pad1;
+    u32 primvars;    /* of the first primvar AOV; the others follow, three floats each */
+    f32 centre[3];   /* world position of the device's origin, added to positions */
+    u32 numPrimvars; /* primvar AOVs; their slots: primvarSlots[mesh * numPrimvars + i] */
 } HdsAovOffsets;
 HDS_ASSERT_SIZE(HdsAovOffsets, 64);
 HDS_SHARED_END

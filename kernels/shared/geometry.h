@@ -26,6 +26,8 @@
 #define HDS_MESH_LEFT_HANDED \
     2u /* authored winding is left handed: the geometric normal is flipped */
 #define HDS_MESH_EMISSIVE 4u
+#define HDS_MESH_CULL_BACK 8u /* camera rays do not see back faces */
+#define HDS_MESH_CULL_FRONT 16u
 
 /* HdsInstance.flags */
 #define HDS_INSTANCE_CUTOUT 1u /* some material may let rays pass: hits are candidates */

@@ -21,7 +21,9 @@ import xml.etree.ElementTree
 
 TESTENV = pathlib.Path(__file__).resolve().parent.parent
 ROOT = TESTENV.parent
-PROGRAMS = ("unit", "device", "stat")
+# GoogleTest programs: stage -> path in the build folder.
+PROGRAMS = {"unit": "testenv/testUnit", "device": "testenv/testDevice", "stat": "testenv/testStat",
+            "hydraHost": "testenv/hydra/testHydra"}
 # pytest folders in running order; folders not named here run before `install`, which builds a wheel.
 FOLDERS = ("support", "stages", "translate", "cli", "render", "stream", "hydra")
 LAST_FOLDERS = ("install",)
@@ -110,8 +112,8 @@ def Stages(build: pathlib.Path, pattern: str, environment: dict, reports: pathli
         formatter = FormatCommand()
         if formatter:
             stages["format"] = lambda: RunCheck(formatter)
-    for label in PROGRAMS:
-        program = build / "testenv" / f"test{label.capitalize()}"
+    for label, place in PROGRAMS.items():
+        program = build / place
         report = reports / f"{label}.xml"
         command = [program, "--gtest_brief=1", f"--gtest_output=xml:{report}"]
         if pattern:
@@ -137,7 +139,8 @@ def Main() -> int:
     total = Counts(0, 0, 0)
     with tempfile.TemporaryDirectory(prefix="hdstream-test-") as folder:
         environment = dict(os.environ, HDSTREAM_REQUIRE_DEVICE="1", HDSTREAM_CACHE_DIR=f"{folder}/cache",
-                           PYTHONPATH=str(options.build / "python"), PYTHONDONTWRITEBYTECODE="1")
+                           PYTHONPATH=str(options.build / "python"), PYTHONDONTWRITEBYTECODE="1",
+                           HDSTREAM_TEST_BUILD=str(options.build))
         stages = Stages(options.build, options.k, environment, pathlib.Path(folder))
         unknown = [name for name in options.stages if name not in stages]
         if unknown:

@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which camera renders, what frames a stage without one, and how settings conform the film back."""
+"""Which camera renders, what frames a stage without one, data windows, and units."""
 
 import math
 
+import numpy as np
 import pytest
 from pxr import Gf, Usd, UsdGeom
 
 from hdstream.errors import CommandError
 from hdstream.framing import FindCamera, MakeFramingCamera
-from hdstream.renderSettings import ConformCamera
+from hdstream.renderSettings import DataWindow
 from hdstream.translate.cameras import CameraFromGf, ReadCamera
 from translateCase import StageOf
 
@@ -72,18 +73,27 @@ def test_framing_without_usable_bounds_is_finite(body):
     assert all(math.isfinite(value) for row in camera.transform for value in row)
 
 
-@pytest.mark.parametrize("policy, expected", [
-    ("expandAperture", (20, 10, 1.0)),
-    ("cropAperture", (10, 10, 1.0)),
-    ("adjustApertureWidth", (10, 10, 1.0)),
-    ("adjustApertureHeight", (20, 20, 1.0)),
-    ("adjustPixelAspectRatio", (20, 10, 2.0)),
+@pytest.mark.parametrize("window, expected", [
+    ((0, 0, 1, 1), (0, 0, 100, 50)),
+    ((0.1, 0.2, 0.5, 0.8), (10, 10, 50, 40)),       # y is up in NDC, down in pixels
+    ((-0.1, 0.0, 1.1, 1.0), (-10, 0, 110, 50)),     # overscan
+    ((0.104, 0, 0.106, 1), (10, 0, 11, 50)),        # one column: the centre of pixel 10 is at 0.105
+    ((0.106, 0, 0.114, 1), (11, 0, 11, 50)),        # no centre inside: empty
 ])
-def test_conform_policies(policy, expected):
-    """A 2:1 film back on a square image: UsdRenderSettingsBase's text of each policy."""
-    camera = CameraFromGf(Gf.Camera(horizontalAperture=20, verticalAperture=10))
-    ratio = ConformCamera(camera, policy, 100, 100, 1.0)
-    assert (camera.horizontalAperture, camera.verticalAperture, ratio) == expected
+def test_data_window_holds_the_pixels_whose_centres_it_holds(window, expected):
+    assert DataWindow(window, 100, 50) == expected
+
+
+def test_lengths_are_hydras_floats():
+    """HdCamera's lengths: USD's floats times 0.1f, as floats."""
+    gfCamera = Gf.Camera(horizontalAperture=20.955, verticalAperture=15.2908, focalLength=35.3)
+    gfCamera.clippingPlanes = [Gf.Vec4f(0.0, 0.0, -1.0, -2.5)]
+    camera = CameraFromGf(gfCamera)
+    tenth = np.float32(0.1)
+    assert camera.horizontalAperture == np.float32(20.955) * tenth
+    assert camera.verticalAperture == np.float32(15.2908) * tenth
+    assert camera.focalLength == np.float32(35.3) * tenth
+    assert camera.clippingPlanes == [[0.0, 0.0, -1.0, -2.5]]
 
 
 def test_exposure_is_usds_own_formula():

@@ -187,8 +187,8 @@ def ExpandedLeaves(scene):
     """(leaf, world matrix) of every drawn mesh, by the contract of hdStream/scene/sceneDescription.h."""
     meshes, instancers = scene.meshes, scene.instancers
 
-    def Placements(path, placement):
-        """World matrices (row vectors) of whatever is at `path`."""
+    def Placements(placement):
+        """World matrices (row vectors) of whatever is placed so."""
         local = placement.worldFromObject
         if not placement.instancerPath:
             return [local]
@@ -196,14 +196,13 @@ def ExpandedLeaves(scene):
         if not instancer.placement.visible:
             return []
         transforms = instancer.instanceTransforms.reshape(-1, 4, 4)
-        instances = instancer.instancesByPrototype.get(path, [])
         return [local @ transforms[index] @ parent
-                for parent in Placements(placement.instancerPath, instancer.placement)
-                for index in instances]
+                for parent in Placements(instancer.placement)
+                for index in placement.instances]
 
     return [(int(mesh.mesh.points[0][0]), matrix)
-            for path, mesh in meshes.items() if mesh.placement.visible
-            for matrix in Placements(path, mesh.placement)]
+            for mesh in meshes.values() if mesh.placement.visible
+            for matrix in Placements(mesh.placement)]
 
 
 def AssertSameLeaves(found, expected):
@@ -264,4 +263,4 @@ def test_a_million_instances_are_arrays():
     found = scene.instancers["/Points"]
     assert found.instanceTransforms.shape == (count, 16)
     np.testing.assert_array_equal(found.instanceTransforms[:, 12:15], positions.astype(np.float64))
-    np.testing.assert_array_equal(found.instancesByPrototype["/Points/Ball"], np.flatnonzero(indices == 1))
+    np.testing.assert_array_equal(scene.meshes["/Points/Ball"].placement.instances, np.flatnonzero(indices == 1))

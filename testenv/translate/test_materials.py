@@ -64,7 +64,7 @@ def FoundMaterials(scene):
     found = set()
     for path, mesh in scene.meshes.items():
         instancer = scene.instancers[mesh.placement.instancerPath]
-        for index in instancer.instancesByPrototype[path]:
+        for index in mesh.placement.instances:
             found.add((int(instancer.instanceTransforms[index][12]), path.rpartition("/")[2], mesh.materialPath))
     return found
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command line `hdstream` (docs/command-line.md): parser and dispatch.
 
-Commands are imported when they run: parsing and --help need neither USD nor the core.
+Commands are imported when they run; the options of `record` come from the core's settings table,
+which is loaded for that command only.
 """
 
 import argparse
@@ -12,9 +13,7 @@ from hdstream import options
 from hdstream.errors import (EXIT_FAILURE, EXIT_INTERRUPTED, EXIT_OK, EXIT_USAGE, CommandError,
                              OneLine)
 
-_MAX_SAMPLES = 1 << 24
-_MAX_DEPTH = 4096
-_MAX_WAVE = 1 << 24
+_COMPLEXITIES = ("low", "medium", "high", "veryhigh")
 
 
 class _Parser(argparse.ArgumentParser):
@@ -26,7 +25,8 @@ class _Parser(argparse.ArgumentParser):
 
 def Main(arguments=None):
     """Runs a command; returns the exit code. Never shows a traceback for a user's error."""
-    args = _MakeParser().parse_args(arguments)
+    arguments = sys.argv[1:] if arguments is None else list(arguments)
+    args = _MakeParser("record" in arguments[:1]).parse_args(arguments)
     try:
         return args.command(args) or EXIT_OK
     except CommandError as error:
@@ -64,13 +64,15 @@ def _FailUnexpected(args, error):
                        f"{type(error).__name__}: {OneLine(error)}", EXIT_FAILURE)
 
 
-def _MakeParser():
+def _MakeParser(hasRecord):
     parser = _Parser(prog="hdstream", description="Path-traces USD stages on OpenCL devices.",
                      allow_abbrev=False)
     parser.add_argument("--version", action="version", version=_Version())
     commands = parser.add_subparsers(dest="name", required=True, metavar="COMMAND",
                                      parser_class=_Parser)
-    _AddRecord(commands)
+    record = _AddCommand(commands, "record", "render a stage to image files")
+    if hasRecord:
+        _AddRecordOptions(record)
     _AddInfo(commands)
     _AddCompare(commands)
     _AddCommand(commands, "devices", "list the OpenCL devices")
@@ -118,36 +120,39 @@ def _AddCompare(commands):
                          help="exit with 1 when the relMSE of any layer is above T")
 
 
-def _AddRecord(commands):
-    command = _AddCommand(commands, "record", "render a stage to image files")
+def _AddRecordOptions(command):
     command.add_argument("stage", metavar="STAGE", help="USD file")
     command.add_argument("output", metavar="OUT",
                          help="image file, .exr, .png or .jpg; #### is the frame")
-    _AddUsdrecordOptions(command)
-    _AddQualityOptions(command)
-    _AddStreamingOptions(command)
-    _AddEnvironmentOptions(command)
+    _AddUsdrecordOptions(command.add_argument_group("what to render (usdrecord's names)"))
+    quality = command.add_argument_group("when to stop")
+    for name in ("samples", "maxDepth", "seed", "timeLimit", "noise", "aovs"):
+        options.AddSetting(quality, name)
+    _AddStreamingOptions(command.add_argument_group("memory and streaming"))
+    machine = command.add_argument_group("machine and reports")
+    for name in ("device", "cacheDirectory", "noCache"):
+        options.AddSetting(machine, name)
+    machine.add_argument("--stats", metavar="FILE", help="write statistics as JSON")
+    machine.add_argument("--quiet", action="store_true", help="no progress bar")
 
 
-def _AddUsdrecordOptions(command):
-    group = command.add_argument_group("what to render (usdrecord's names)")
-    group.add_argument("--camera", "-cam", metavar="CAMERA",
+def _AddUsdrecordOptions(group):
+    options.AddSetting(group, "camera", "-cam",
                        help="name or path of a camera prim (default: main_cam, else the stage is framed)")
     frames = group.add_mutually_exclusive_group()
     frames.add_argument("--frames", "-f", metavar="SPEC[,SPEC...]",
                         help="time codes: 101, 101:105, 105:101, 101:109x2, 101:104x0.5")
     frames.add_argument("--defaultTime", "-d", action="store_true",
                         help="render at the default time (default: the stage's startTimeCode)")
-    group.add_argument("--imageWidth", "-w", type=options.ImageSize, metavar="N",
-                       help="pixels (default 960)")
-    group.add_argument("--imageHeight", type=options.ImageSize, metavar="N",
-                       help="pixels (default: from the camera's aspect ratio)")
-    group.add_argument("--complexity", "-c", choices=("low", "medium", "high", "veryhigh"),
-                       help="refine level 0 to 3 with --subdivision complexity (default low)")
+    options.AddSetting(group, "imageWidth", "-w")
+    options.AddSetting(group, "imageHeight", help="pixels (default: from the camera's aspect ratio)")
+    options.AddSetting(group, "refineLevel", "-c", type=_Complexity, metavar="WORD",
+                       help="low, medium, high, veryhigh: refine level 0 to 3 with --subdivision "
+                            "complexity (default low)")
     group.add_argument("--colorCorrectionMode", "-color", default="",
                        choices=("disabled", "sRGB", "openColorIO"),
                        help="for .png and .jpg (default: OpenColorIO when $OCIO is set, else sRGB)")
-    group.add_argument("--purposes", type=options.Purposes, metavar="PURPOSE[,PURPOSE...]",
+    options.AddSetting(group, "purposes", type=options.Purposes,
                        help="drawn besides default: render, proxy, guide (default render)")
     group.add_argument("--mask", type=options.Names, metavar="PATH[,PATH...]",
                        help="only these prims, their descendants and ancestors")
@@ -157,27 +162,17 @@ def _AddUsdrecordOptions(command):
                        help="accepted; no camera light is ever added")
 
 
-def _AddQualityOptions(command):
-    group = command.add_argument_group("when to stop")
-    group.add_argument("--samples", type=options.IntegerIn(1, _MAX_SAMPLES), metavar="N",
-                       help="per pixel (default 64)")
-    group.add_argument("--maxDepth", type=options.IntegerIn(0, _MAX_DEPTH), metavar="N",
-                       help="bounces after the first hit (default 8)")
-    group.add_argument("--seed", type=options.IntegerIn(0, 0xFFFFFFFF), metavar="N",
-                       help="of the random numbers (default 0)")
-    group.add_argument("--time", type=options.NotNegative, metavar="SECONDS", help="time limit")
-    group.add_argument("--noise", type=options.NotNegative, metavar="T",
-                       help="relative error at which a pixel is done")
-    group.add_argument("--aovs", type=options.Names, metavar="NAME[,NAME...]",
-                       help="layers of the EXR (default color)")
+def _Complexity(text):
+    """usdrecord's word for a refine level."""
+    if text not in _COMPLEXITIES:
+        raise argparse.ArgumentTypeError(f"{text!r} is none of {', '.join(_COMPLEXITIES)}")
+    return _COMPLEXITIES.index(text)
 
 
-def _AddStreamingOptions(command):
-    group = command.add_argument_group("memory and streaming")
+def _AddStreamingOptions(group):
     group.add_argument("--residency", choices=("auto", "resident", "stream", "mapped"), default="auto",
                        help="whole scene in device memory, or loaded on demand (default auto)")
-    group.add_argument("--subdivision", choices=("adaptive", "complexity", "cage"),
-                       help="limit surface, uniform level, or cage as it is (default adaptive)")
+    options.AddSetting(group, "subdivision")
     group.add_argument("--hostMemory", type=options.Bytes, metavar="SIZE",
                        help="bound on prepared data in host memory")
     group.add_argument("--geometryMemory", type=options.BytesOrPercent, metavar="SIZE",
@@ -186,24 +181,11 @@ def _AddStreamingOptions(command):
                        help="device memory for textures: bytes (K, M, G) or a percentage")
     group.add_argument("--geometryEviction", choices=("clock", "flush"), default="clock",
                        help="what makes room for geometry (default clock)")
-    group.add_argument("--chunkSize", type=options.BytesOrMesh, metavar="SIZE|mesh",
-                       default=argparse.SUPPRESS,
-                       help="upper bound of a unit of geometry (default 1M)")
+    options.AddSetting(group, "chunkBytes", type=options.ChunkBytes, metavar="SIZE|mesh")
     group.add_argument("--request", choices=("last", "first"), default="last",
                        help="ask for missing geometry after a ray's walk or at once (default last)")
-    group.add_argument("--waveSize", type=options.IntegerIn(16, _MAX_WAVE), metavar="N",
-                       help="paths in flight (default: measured for the device)")
+    options.AddSetting(group, "waveSize")
     group.add_argument("--shadeIterations", type=options.IntegerIn(0, 64), metavar="N", default=0,
                        help="0: until all texels are exact")
     group.add_argument("--prepare", choices=("lazy", "eager"), default="lazy",
                        help="prepare on first use or all before rendering (default lazy)")
-
-
-def _AddEnvironmentOptions(command):
-    group = command.add_argument_group("machine and reports")
-    group.add_argument("--device", metavar="NAME", help="OpenCL device by part of its name")
-    group.add_argument("--cacheDir", metavar="DIR",
-                       help="persistent cache (default: $HDSTREAM_CACHE_DIR, else the platform's)")
-    group.add_argument("--noCache", action="store_true", help="use no persistent cache")
-    group.add_argument("--stats", metavar="FILE", help="write statistics as JSON")
-    group.add_argument("--quiet", action="store_true", help="no progress bar")

@@ -11,6 +11,7 @@ from hdstream.texts import BytesText
 
 
 def Run(args):
+    from pxr import UsdGeom
     from hdstream.diagnostics import Diagnostics
     from hdstream.stage import OpenStage
     from hdstream.translate import TranslateStage
@@ -20,7 +21,8 @@ def Run(args):
     diagnostics.WarnOf(session)
     TranslateStage(stage, session, stage.GetStartTimeCode())
     diagnostics.WarnOf(session)
-    info = {"stage": args.stage, "primTypes": CountTypes(stage)}
+    info = {"stage": args.stage, "upAxis": UsdGeom.GetStageUpAxis(stage),
+            "metersPerUnit": UsdGeom.GetStageMetersPerUnit(stage), "primTypes": CountTypes(stage)}
     info.update(json.loads(session.Info()))
     info["cameraPaths"] = sorted(session.Scene().cameras)
     info["startTimeCode"] = stage.GetStartTimeCode()

@@ -7,8 +7,6 @@ Functions that argparse calls raise argparse.ArgumentTypeError; it adds the opti
 import argparse
 import math
 
-# As kMaxImageSize of hdStream/session/settingsCheck.h, checked here before a stage is opened.
-MAX_IMAGE_SIZE = 32768
 _SUFFIXES = {"": 1, "K": 1 << 10, "M": 1 << 20, "G": 1 << 30, "T": 1 << 40}
 PURPOSES = ("default", "render", "proxy", "guide")
 
@@ -31,9 +29,6 @@ def IntegerIn(low, high):
         return value
 
     return Parse
-
-
-ImageSize = IntegerIn(1, MAX_IMAGE_SIZE)
 
 
 def NotNegative(text):
@@ -66,9 +61,12 @@ def BytesOrPercent(text):
     return "percent", value
 
 
-def BytesOrMesh(text):
-    """Bytes, or None for "mesh": a chunk is a whole mesh."""
-    return None if text == "mesh" else Bytes(text)
+def ChunkBytes(text):
+    """Bytes, or "mesh" for the largest chunk there is: a chunk is a whole mesh."""
+    if text != "mesh":
+        return Bytes(text)
+    from hdstream import _core
+    return next(int(row.maximum) for row in _core.SettingTable() if row.name == "chunkBytes")
 
 
 def Names(text):
@@ -83,3 +81,54 @@ def Purposes(text):
         if name not in PURPOSES:
             raise argparse.ArgumentTypeError(f"{name!r} is none of {', '.join(PURPOSES)}")
     return ["default"] + [name for name in names if name != "default"]
+
+
+def AddSetting(group, name, *aliases, **overrides):
+    """Adds the option of a setting, as the core's table describes it; None when it is not given."""
+    from hdstream import _core
+    info = next(row for row in _core.SettingTable() if row.name == name)
+    keywords = {"dest": name, "default": None, "help": _HelpOf(info)}
+    kind = info.kind
+    if kind == _core.SettingKind.Bool:
+        keywords.update(action="store_true")
+    elif kind == _core.SettingKind.Choice:
+        keywords.update(choices=tuple(info.choices))
+    else:
+        parsers = {
+            _core.SettingKind.Integer: (_IntegerOf(info), "N"),
+            _core.SettingKind.Number: (_NumberOf(info), "SECONDS" if name == "timeLimit" else "T"),
+            _core.SettingKind.Bytes: (Bytes, "SIZE"),
+            _core.SettingKind.Names: (Names, "NAME[,NAME...]"),
+            _core.SettingKind.Text: (str, "DIR" if name == "cacheDirectory" else "NAME"),
+        }
+        parse, metavar = parsers[kind]
+        keywords.update(type=parse, metavar=metavar)
+    keywords.update(overrides)
+    group.add_argument(info.option, *aliases, **{key: value for key, value in keywords.items()
+                                                 if key in ("default", "dest") or value is not None})
+
+
+def _HelpOf(info):
+    from hdstream import _core
+    default = _core.GetSetting(_core.Settings(), info.name)
+    if isinstance(default, list):
+        default = ",".join(default)
+    isShown = default not in ("", False, 0, 0.0)
+    # argparse formats help with %.
+    return (info.description + (f" (default {default})" if isShown else "")).replace("%", "%%")
+
+
+def _IntegerOf(info):
+    return IntegerIn(int(info.minimum), int(info.maximum))
+
+
+def _NumberOf(info):
+    """Numbers in the setting's range."""
+
+    def Parse(text):
+        value = NotNegative(text) if info.minimum == 0.0 else _Number(text, float)
+        if not info.minimum <= value <= info.maximum:
+            raise argparse.ArgumentTypeError(f"{text!r} is not in {info.minimum:g}..{info.maximum:g}")
+        return value
+
+    return Parse

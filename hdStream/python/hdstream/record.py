@@ -15,8 +15,8 @@ from hdstream.progress import ProgressBar
 from hdstream.texts import SecondsText
 
 _DEFAULT_WIDTH = 960
-_REFINE_LEVELS = {"low": 0, "medium": 1, "high": 2, "veryhigh": 3}
-_WHOLE_MESH_BYTES = 256 << 20  # largest chunk the core makes (session/settingsCheck.cpp)
+# Settings that _SetCamera completes from the camera and the render settings prim.
+_FRAMED = ("camera", "imageWidth", "imageHeight")
 # Options whose feature is not there yet: (attribute, value without effect, what happens instead).
 _IDLE_OPTIONS = (
     ("residency", ("auto", "resident"), "the whole scene is kept in device memory"),
@@ -116,31 +116,22 @@ class Recorder:
         prim = self._renderSettings
         settings = _core.Settings()
         for name, value in prim.values.items():
-            setattr(settings, name, value)
-        settings.purposes = list(args.purposes or _WithDefault(prim.purposes) or settings.purposes)
-        aovs = args.aovs or prim.aovs
-        if aovs:
-            settings.aovs = aovs
+            _core.SetSetting(settings, name, value)
+        settings.purposes = list(_WithDefault(prim.purposes) or settings.purposes)
+        if prim.aovs:
+            settings.aovs = prim.aovs
         if prim.pixelAspectRatio:
             settings.pixelAspectRatio = prim.pixelAspectRatio
-        for option, name in (("samples", "samples"), ("maxDepth", "maxDepth"), ("seed", "seed"),
-                             ("time", "timeLimit"), ("noise", "noise"), ("waveSize", "waveSize"),
-                             ("device", "device"), ("cacheDir", "cacheDirectory"),
-                             ("subdivision", "subdivision")):
-            if getattr(args, option) is not None:
-                setattr(settings, name, getattr(args, option))
-        if args.complexity is not None:
-            settings.refineLevel = _REFINE_LEVELS[args.complexity]
-        settings.noCache = settings.noCache or args.noCache
-        if hasattr(args, "chunkSize"):
-            settings.chunkBytes = args.chunkSize or _WHOLE_MESH_BYTES
+        for info in _core.SettingTable():
+            value = getattr(args, info.name, None)
+            if value is not None and info.name not in _FRAMED:
+                _core.SetSetting(settings, info.name, value)
         return settings
 
     def _SetCamera(self, prim, timeCode, settings):
         """Puts the render camera into the scene, completes the settings; returns the camera."""
         from pxr import Usd
         from hdstream.framing import FREE_CAMERA_PATH, MakeFramingCamera
-        from hdstream.renderSettings import ConformCamera
         from hdstream.translate.cameras import CameraFromGf, ReadCamera
         usdTime = Usd.TimeCode(timeCode)
         if prim is None:
@@ -151,19 +142,17 @@ class Recorder:
             settings.camera = prim.GetPath().pathString
         if not camera.horizontalAperture > 0.0 or not camera.verticalAperture > 0.0:
             self._session.Warn(settings.camera, "aperture is not above 0; 20.955 x 15.2908 is used")
-            camera.horizontalAperture, camera.verticalAperture = 20.955, 15.2908
+            camera.horizontalAperture, camera.verticalAperture = 2.0955, 1.52908
         if self._renderSettings.disableDepthOfField:
             camera.fStop = 0.0
         self._SetImageSize(camera, settings)
-        settings.pixelAspectRatio = ConformCamera(
-            camera, self._renderSettings.conformPolicy, settings.imageWidth, settings.imageHeight,
-            settings.pixelAspectRatio)
+        settings.conformPolicy = self._renderSettings.conformPolicy
+        self._SetDataWindow(settings)
         self._session.SetCamera(settings.camera, camera)
         return camera
 
     def _SetImageSize(self, camera, settings):
         """usdrecord's rule: the height follows from the width and the camera's aspect ratio."""
-        from hdstream.options import MAX_IMAGE_SIZE
         resolution = self._renderSettings.resolution
         width, height = self._args.imageWidth, self._args.imageHeight
         if width is None and height is None and resolution:
@@ -172,10 +161,23 @@ class Recorder:
         if height is None:
             aspect = camera.horizontalAperture / camera.verticalAperture
             height = max(1, int(settings.pixelAspectRatio * width / aspect))
-        for name, size in (("width", width), ("height", height)):
-            if not 1 <= size <= MAX_IMAGE_SIZE:
-                raise UsageError(f"image {name} {size} is not in 1..{MAX_IMAGE_SIZE}")
-        settings.imageWidth, settings.imageHeight = width, height
+        _core.SetSetting(settings, "imageWidth", width)
+        _core.SetSetting(settings, "imageHeight", height)
+
+    def _SetDataWindow(self, settings):
+        """The render settings' data window: the image is that part of the full image."""
+        from hdstream.renderSettings import DataWindow
+        windowNDC = self._renderSettings.dataWindowNDC
+        if windowNDC is None:
+            return
+        width, height = settings.imageWidth, settings.imageHeight
+        left, top, right, bottom = DataWindow(windowNDC, width, height)
+        if right <= left or bottom <= top:
+            self._session.Warn(self._renderSettings.path, "dataWindowNDC holds no pixel; ignored")
+            return
+        settings.displayWindow = [0.0, 0.0, float(width), float(height)]
+        settings.dataWindowMin = [left, top]
+        settings.imageWidth, settings.imageHeight = right - left, bottom - top
 
     # --- Rendering -------------------------------------------------------------------------------
 
@@ -186,7 +188,8 @@ class Recorder:
         outcome = []
 
         def OnProgress(progress):
-            if not isStopping.is_set():
+            # There is something to show, and to write, once every pixel has a sample.
+            if progress.previewStride == 1 and not isStopping.is_set():
                 self._progress.Update(progress)
             return not isStopping.is_set()
 
@@ -218,9 +221,9 @@ class Recorder:
     # --- Results ---------------------------------------------------------------------------------
 
     def _Write(self, file, timeCode, settings, camera, isComplete):
-        statistics = self._session.Statistics()
-        values = json.loads(statistics)
-        if not isComplete and values["image"]["samples"] == 0:
+        statistics = self._session.Statistics() if self._session.HasImage() else ""
+        values = json.loads(statistics) if statistics else None
+        if not isComplete and (values is None or values["image"]["samples"] == 0):
             print(f"hdstream record: {file}: not written, no sample of every pixel is done", file=sys.stderr)
             return
         left = _core.WriteImage(file, self._session.Layers(), self._args.colorCorrectionMode,
@@ -263,11 +266,9 @@ def _MakeMetadata(settings, camera):
     gfCamera = Gf.Camera()
     gfCamera.transform = Gf.Matrix4d(camera.worldFromCamera.tolist())
     gfCamera.projection = Gf.Camera.Orthographic if camera.orthographic else Gf.Camera.Perspective
-    gfCamera.horizontalAperture = camera.horizontalAperture
-    gfCamera.verticalAperture = camera.verticalAperture
-    gfCamera.horizontalApertureOffset = camera.horizontalApertureOffset
-    gfCamera.verticalApertureOffset = camera.verticalApertureOffset
-    gfCamera.focalLength = camera.focalLength
+    for name in ("horizontalAperture", "verticalAperture", "horizontalApertureOffset",
+                 "verticalApertureOffset", "focalLength"):
+        setattr(gfCamera, name, 10.0 * getattr(camera, name))  # tenths of a scene unit
     gfCamera.clippingRange = Gf.Range1f(camera.nearClip, camera.farClip)
     frustum = gfCamera.frustum
     view = frustum.ComputeViewMatrix()

@@ -5,10 +5,13 @@ The first raster product's own opinions have precedence over the settings prim's
 UsdRenderComputeSpec. Attributes "hdstream:NAME" set the core's setting of that name.
 """
 
+import math
+
+import numpy as np
 from pxr import Sdf, UsdRender
 
 from hdstream import _core
-from hdstream.errors import UsageError
+from hdstream.errors import OneLine, UsageError
 
 NAMESPACE = "hdstream:"
 # Names of usual sources of render vars for our AOVs; an AOV's own name always works.
@@ -27,6 +30,7 @@ class RenderSettings:
         self.resolution = None
         self.pixelAspectRatio = None
         self.conformPolicy = "expandAperture"
+        self.dataWindowNDC = None  # (left, bottom, right, top) of the resolution, y up
         self.purposes = None
         self.disableDepthOfField = False
         self.aovs = []
@@ -73,6 +77,7 @@ def _ReadCommon(prim, settings):
     settings.resolution = Authored("resolution") or settings.resolution
     settings.pixelAspectRatio = Authored("pixelAspectRatio") or settings.pixelAspectRatio
     settings.conformPolicy = Authored("aspectRatioConformPolicy") or settings.conformPolicy
+    settings.dataWindowNDC = Authored("dataWindowNDC") or settings.dataWindowNDC
     isDisabled = Authored("disableDepthOfField")
     if isDisabled is not None:
         settings.disableDepthOfField = isDisabled
@@ -91,36 +96,32 @@ def _ReadVars(stage, product, settings, session):
 
 
 def _ReadNamespace(prim, settings, session):
-    defaults = _core.Settings()
+    userSettings = {info.name for info in _core.SettingTable() if info.isUserSetting}
     for name in prim.GetAuthoredPropertyNames():
         if not name.startswith(NAMESPACE):
             continue
         setting = name[len(NAMESPACE):]
-        value = prim.GetAttribute(name).Get()
-        default = getattr(defaults, setting, None)
-        if default is None or value is None:
+        attribute = prim.GetAttribute(name)
+        value = attribute.Get() if attribute else None
+        if setting not in userSettings or value is None:
             session.Warn(prim.GetPath().pathString, f"{name} is no setting of the renderer; ignored")
             continue
+        if attribute.GetTypeName() == Sdf.ValueTypeNames.Float:
+            value = float(str(np.float32(value)))  # as it was written: 0.1, not 0.100000001490116
         try:
-            settings.values[setting] = list(value) if isinstance(default, list) else type(default)(value)
-        except (TypeError, ValueError):
-            session.Warn(prim.GetPath().pathString, f"{name}: {value!r} is not a {type(default).__name__}; ignored")
+            _core.SetSetting(_core.Settings(), setting, value)
+            settings.values[setting] = value
+        except (TypeError, _core.UsageError) as error:
+            session.Warn(prim.GetPath().pathString, f"{name}: {value!r} is of no use ({OneLine(error)}); ignored")
 
 
-def ConformCamera(camera, policy, width, height, pixelAspectRatio):
-    """Applies UsdRender's aspectRatioConformPolicy; returns the pixel aspect ratio to render with.
+def DataWindow(windowNDC, width, height):
+    """The pixels (left, top, right, bottom) of a UsdRender dataWindowNDC, y down.
 
-    The core expands the aperture that is too small, which is the fallback policy; the others
-    change the aperture or the pixels so that nothing is left for it to do.
+    UsdRenderSettingsBase: a pixel is in the data window when its centre is in the NDC rectangle.
     """
-    aspect = camera.horizontalAperture / camera.verticalAperture
-    if policy == "adjustPixelAspectRatio":
-        return aspect * height / width
-    imageAspect = pixelAspectRatio * width / height
-    if policy == "cropAperture":
-        policy = "adjustApertureWidth" if imageAspect < aspect else "adjustApertureHeight"
-    if policy == "adjustApertureWidth":
-        camera.horizontalAperture = camera.verticalAperture * imageAspect
-    elif policy == "adjustApertureHeight":
-        camera.verticalAperture = camera.horizontalAperture / imageAspect
-    return pixelAspectRatio
+    def First(coordinate, size):
+        return math.ceil(coordinate * size - 0.5)
+
+    left, bottom, right, top = windowNDC
+    return First(left, width), First(1.0 - top, height), First(right, width), First(1.0 - bottom, height)

@@ -34,7 +34,7 @@ TEST_F(Layout, MatchesTheHost) {
         HDS_TEST_FIELD(HdsHit, pathIndex),     HDS_TEST_FIELD(HdsMaterial, slots),
         HDS_TEST_FIELD(HdsMaterial, flags),    HDS_TEST_FIELD(HdsLight, type),
         HDS_TEST_FIELD(HdsLight, strength),    HDS_TEST_FIELD(HdsLightTriangle, error),
-        HDS_TEST_FIELD(HdsFrameParams, flags), HDS_TEST_FIELD(HdsFrameParams, pad0),
+        HDS_TEST_FIELD(HdsFrameParams, flags), HDS_TEST_FIELD(HdsFrameParams, clipPlanes),
         HDS_TEST_FIELD(HdsWave, numSamples),   HDS_TEST_FIELD(HdsFilmPixel, numSamples),
         HDS_TEST_FIELD(HdsAovOffsets, centre),
     };

@@ -110,8 +110,7 @@ MeshDescription MakeDeviceMesh() {
                   {1, 1.5F, 0},
                   {2, 2, 0}},
                  {4, 4, 3, 5, 3}, {0, 1, 4, 3, 1, 2, 5, 4, 3, 4, 7, 3, 7, 5, 8, 6, 4, 5, 7});
-    mesh.subsets = {{"a", std::vector<std::int32_t>{1, 3}, ""},
-                    {"b", std::vector<std::int32_t>{4}, ""}};
+    mesh.subsets = {{"a", std::vector<std::int32_t>{1, 3}}, {"b", std::vector<std::int32_t>{4}}};
     return mesh;
 }
 

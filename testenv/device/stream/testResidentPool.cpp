@@ -1,59 +1,127 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every page is found, whole, at its address; missing pages say so.
+// Every page is found, whole, at its address, also after edits; missing pages say so.
 #include "hdStream/stream/residentPool.h"
 #include "kernels/shared/geometry.h"
 #include "testenv/support/deviceFixture.h"
 
+#include <algorithm>
+#include <numeric>
+#include <random>
+
 namespace hds::test {
 namespace {
 
-/// Pages of odd counts of 16 bytes, some of them absent; byte i of page p is a function of both.
+/// Page of id i: an odd count of 16 bytes, or none; its bytes are a function of i.
+std::vector<std::uint8_t> BytesOf(std::uint64_t id) {
+    std::vector<std::uint8_t> bytes(id % 5 == 3 ? 0 : 16 * (1 + (id * 7919) % 63));
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+        bytes[i] = static_cast<std::uint8_t>(id * 31 + i);
+    }
+    return bytes;
+}
+
 class FakePages : public PageProvider {
 public:
-    explicit FakePages(std::uint32_t count) {
-        for (std::uint32_t page = 0; page < count; ++page) {
-            std::vector<std::uint8_t> bytes(page % 5 == 3 ? 0 : 16 * (1 + (page * 7919) % 63));
-            for (std::size_t i = 0; i < bytes.size(); ++i) {
-                bytes[i] = static_cast<std::uint8_t>(page * 31 + i);
-            }
-            _pages.push_back(std::move(bytes));
+    explicit FakePages(std::vector<std::uint64_t> ids) : _ids(std::move(ids)) {
+        for (const std::uint64_t id : _ids) {
+            _pages.push_back(BytesOf(id));
+            _total += _pages.back().size();
         }
     }
-    std::uint32_t NumPages() const override { return static_cast<std::uint32_t>(_pages.size()); }
-    std::uint64_t PageBytes(std::uint32_t page) const override { return _pages[page].size(); }
+    std::uint32_t NumPages() const override { return static_cast<std::uint32_t>(_ids.size()); }
+    std::uint64_t PageBytes(std::uint32_t page) const override {
+        return BytesOf(_ids[page]).size();
+    }
+    std::uint64_t PageId(std::uint32_t page) const override { return _ids[page]; }
     const std::uint8_t* Page(std::uint32_t page) const override { return _pages[page].data(); }
+    void Drop(std::uint32_t page) const override { _pages[page].clear(); }
+    std::uint64_t TotalBytes() const { return _total; }
 
 private:
-    std::vector<std::vector<std::uint8_t>> _pages;
+    std::vector<std::uint64_t> _ids;
+    mutable std::vector<std::vector<std::uint8_t>> _pages;
+    std::uint64_t _total = 0;
 };
 
-class ResidentPoolTest : public DeviceFixture {};
+std::vector<std::uint64_t> Range(std::uint64_t begin, std::uint64_t end) {
+    std::vector<std::uint64_t> ids(end - begin);
+    std::iota(ids.begin(), ids.end(), begin);
+    return ids;
+}
+
+class ResidentPoolTest : public DeviceFixture {
+protected:
+    void ExpectPages(const ResidentPool& pool, const std::vector<std::uint64_t>& ids) {
+        const auto addresses = Download<std::uint32_t>(pool.Addresses(), ids.size());
+        std::vector<std::vector<std::uint8_t>> memory;
+        for (std::uint32_t i = 0; i < pool.NumBuffers(); ++i) {
+            memory.push_back(
+                Download<std::uint8_t>(pool.PoolBuffer(i), pool.PoolBuffer(i).Bytes()));
+        }
+        for (std::size_t page = 0; page < ids.size(); ++page) {
+            const std::vector<std::uint8_t> expected = BytesOf(ids[page]);
+            if (expected.empty()) {
+                EXPECT_EQ(addresses[page], HDS_NOT_RESIDENT);
+                continue;
+            }
+            const std::uint32_t buffer = addresses[page] >> HDS_POOL_BUFFER_SHIFT;
+            ASSERT_LT(buffer, memory.size());
+            const std::uint64_t at =
+                std::uint64_t{addresses[page] & ((1U << HDS_POOL_BUFFER_SHIFT) - 1U)} *
+                HDS_POOL_UNIT_BYTES;
+            ASSERT_LE(at + expected.size(), memory[buffer].size());
+            EXPECT_TRUE(std::equal(expected.begin(), expected.end(),
+                                   memory[buffer].begin() + static_cast<std::ptrdiff_t>(at)))
+                << "page " << ids[page];
+        }
+    }
+};
 
 TEST_F(ResidentPoolTest, PagesLieWhereTheTableSays) {
-    const FakePages pages(1001);
-    const ResidentPool pool(device, "fake", pages);
-    const auto addresses = Download<std::uint32_t>(pool.Addresses(), pages.NumPages());
-    const auto memory = Download<std::uint8_t>(pool.PoolBuffer(0), pool.Bytes());
-    std::uint64_t total = 0;
-    for (std::uint32_t page = 0; page < pages.NumPages(); ++page) {
-        if (pages.PageBytes(page) == 0) {
-            EXPECT_EQ(addresses[page], HDS_NOT_RESIDENT);
-            continue;
-        }
-        ASSERT_EQ(addresses[page] >> HDS_POOL_BUFFER_SHIFT, 0U);
-        const std::uint64_t at = std::uint64_t{addresses[page]} * HDS_POOL_UNIT_BYTES;
-        EXPECT_TRUE(std::equal(pages.Page(page), pages.Page(page) + pages.PageBytes(page),
-                               memory.begin() + static_cast<std::ptrdiff_t>(at)))
-            << "page " << page;
-        total += pages.PageBytes(page);
-    }
-    EXPECT_EQ(pool.Bytes(), total);
+    const FakePages pages(Range(0, 1001));
+    ResidentPool pool(device, "fake");
+    ASSERT_TRUE(pool.Update(pages));
+    ExpectPages(pool, Range(0, 1001));
+    EXPECT_EQ(pool.Bytes(), pages.TotalBytes());
     EXPECT_EQ(pool.NumBuffers(), 1U);
 }
 
+TEST_F(ResidentPoolTest, EditsUploadOnlyNewPagesAndReuseRoom) {
+    ResidentPool pool(device, "fake");
+    ASSERT_TRUE(pool.Update(FakePages(Range(0, 400))));
+    std::uint64_t uploaded = pool.UploadedBytes();
+    ASSERT_TRUE(pool.Update(FakePages(Range(0, 400))));
+    EXPECT_EQ(pool.UploadedBytes(), uploaded); // nothing is new
+    std::mt19937 random(3);
+    std::uint64_t next = 400;
+    std::vector<std::uint64_t> ids = Range(0, 400);
+    for (int edit = 0; edit < 200; ++edit) {
+        std::uint64_t fresh = 0;
+        for (int k = 0; k < 1 + static_cast<int>(random() % 8); ++k) {
+            fresh += BytesOf(next).size();
+            ids[random() % ids.size()] = next++;
+        }
+        std::shuffle(ids.begin(), ids.end(), random);
+        ASSERT_TRUE(pool.Update(FakePages(ids))) << "edit " << edit;
+        EXPECT_LE(pool.UploadedBytes(), uploaded + fresh);
+        uploaded = pool.UploadedBytes();
+        ExpectPages(pool, ids);
+    }
+    EXPECT_LE(pool.Bytes(), 3 * FakePages(ids).TotalBytes()); // room is used again
+}
+
+TEST_F(ResidentPoolTest, ADroppedPageIsNotAskedForAgain) {
+    const FakePages pages(Range(0, 50));
+    ResidentPool pool(device, "fake");
+    ASSERT_TRUE(pool.Update(pages));
+    ASSERT_TRUE(pool.Update(pages)); // the provider has dropped all bytes by now
+    ExpectPages(pool, Range(0, 50));
+}
+
 TEST_F(ResidentPoolTest, NoPagesIsValid) {
-    const FakePages pages(0);
-    const ResidentPool pool(device, "fake", pages);
+    const FakePages pages(Range(0, 0));
+    ResidentPool pool(device, "fake");
+    ASSERT_TRUE(pool.Update(pages));
     EXPECT_EQ(pool.Bytes(), 0U);
     for (std::uint32_t i = 0; i < kMaxPoolBuffers; ++i) {
         EXPECT_TRUE(pool.PoolBuffer(i).IsValid());

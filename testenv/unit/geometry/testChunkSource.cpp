@@ -162,8 +162,8 @@ TEST(AttributePage, SlotsFollowTheOrderOfNames) {
 
 TEST(AttributePage, MaterialsAreAbsentConstantOrPerTriangle) {
     MeshDescription description = MakeFlatGrid(4);
-    description.subsets = {{"a", std::vector<std::int32_t>{4, 5, 6, 7}, ""},
-                           {"b", std::vector<std::int32_t>{10}, ""}};
+    description.subsets = {{"a", std::vector<std::int32_t>{4, 5, 6, 7}},
+                           {"b", std::vector<std::int32_t>{10}}};
     const auto mesh = RunTriangulate(description).mesh;
     const auto pageOf = [&](std::uint32_t begin, std::uint32_t end) {
         return PageReader(BuildAttributePage(*mesh, GatherRange(mesh, begin, end)));
@@ -207,7 +207,7 @@ TEST(AttributePage, EstimateBoundsBothPages) {
     MeshDescription description = MakeMixedMesh();
     AddAllPrimvars(description, random);
     description.subdivisionScheme = "catmullClark"; // computed vertex normals
-    description.subsets = {{"a", std::vector<std::int32_t>{0}, ""}};
+    description.subsets = {{"a", std::vector<std::int32_t>{0}}};
     const auto mesh = RunTriangulate(description).mesh;
     const std::size_t estimate = EstimateBytesPerTriangle(*mesh);
     const std::size_t headerAndPadding = (HDS_SLOT_USER + mesh->attributes.size()) * (4 + 16);

@@ -122,7 +122,7 @@ TEST(Subdivide, CubeCornersGoToTheirLimit) {
 TEST(Subdivide, FacesStayAuthoredAndInOrder) {
     MeshDescription mesh = MakeCubeCage();
     mesh.holeIndices = std::vector<std::int32_t>{2};
-    mesh.subsets = {{"a", std::vector<std::int32_t>{4, 1}, ""}};
+    mesh.subsets = {{"a", std::vector<std::int32_t>{4, 1}}};
     const Triangulated run = Refine(mesh, 2);
     EXPECT_TRUE(run.warnings.empty());
     std::map<std::uint32_t, int> numByFace;

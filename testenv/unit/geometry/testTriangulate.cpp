@@ -161,16 +161,16 @@ TEST(Triangulate, HolesAreLeftOut) {
 
 TEST(Triangulate, SubsetsGiveMaterialEntries) {
     MeshDescription mesh = MakeRow(4);
-    mesh.subsets = {{"/World/mesh/a", std::vector<std::int32_t>{3, 1}, "/a"},
-                    {"/World/mesh/b", std::vector<std::int32_t>{1, 2, 4, -2}, "/b"},
-                    {"/World/mesh/none", {}, "/c"}};
+    mesh.subsets = {{"/World/mesh/a", std::vector<std::int32_t>{3, 1}},
+                    {"/World/mesh/b", std::vector<std::int32_t>{1, 2, 4, -2}},
+                    {"/World/mesh/none", {}}};
     const Triangulated result = RunTriangulate(mesh);
     EXPECT_EQ(result.mesh->materialEntries, (std::vector<std::uint32_t>{0, 0, 1, 1, 2, 2, 1, 1}));
     EXPECT_EQ(
         result.warnings,
         (Lines{"/World/mesh: subset /World/mesh/b: 1 faces ignored: taken by an earlier subset",
                "/World/mesh: subset /World/mesh/b: 2 faces ignored: out of range"}));
-    mesh.subsets = {{"/World/mesh/none", {}, "/c"}};
+    mesh.subsets = {{"/World/mesh/none", {}}};
     EXPECT_TRUE(RunTriangulate(mesh).mesh->materialEntries.empty());
 }
 
@@ -178,11 +178,9 @@ TEST(Triangulate, LeftHandedKeepsTheWinding) {
     MeshDescription mesh = MakeRow(2);
     const auto right = RunTriangulate(mesh).mesh;
     mesh.leftHanded = true;
-    mesh.doubleSided = true;
     const auto left = RunTriangulate(mesh).mesh;
     EXPECT_EQ(left->triangles, right->triangles);
     EXPECT_TRUE(left->leftHanded);
-    EXPECT_TRUE(left->doubleSided);
     EXPECT_FALSE(right->leftHanded);
 }
 
@@ -295,7 +293,7 @@ TEST(Triangulate, GarbageNeverBreaksTheInvariants) {
         mesh.faceVertexCounts = counts;
         mesh.faceVertexIndices = indices;
         mesh.holeIndices = std::vector<std::int32_t>(random() % 3, integer(-2, 12));
-        mesh.subsets = {{"a", std::vector<std::int32_t>(random() % 4, integer(-2, 12)), ""}};
+        mesh.subsets = {{"a", std::vector<std::int32_t>(random() % 4, integer(-2, 12))}};
         Primvar primvar;
         primvar.name = random() % 2 == 0 ? "normals" : "st";
         primvar.interpolation = static_cast<Interpolation>(random() % 6);

@@ -41,5 +41,26 @@ TEST(PixelOrder, ARunOf1024IsATile) {
     }
 }
 
+TEST(PixelOrder, PreviewsGoFromCoarseToFine) {
+    for (const auto& [width, height] :
+         {std::pair<std::uint32_t, std::uint32_t>{1, 1}, {5, 3}, {33, 65}, {96, 64}}) {
+        const std::vector<std::uint32_t> order = MakePixelOrder(width, height);
+        const PreviewOrder preview = MakePreviewOrder(order, width);
+        ASSERT_EQ(preview.ends.size(), std::size(kPreviewStrides));
+        EXPECT_EQ(preview.ends.back(), order.size());
+        EXPECT_TRUE(std::is_permutation(order.begin(), order.end(), preview.pixels.begin(),
+                                        preview.pixels.end()));
+        for (std::size_t level = 0; level < preview.ends.size(); ++level) {
+            const std::uint32_t stride = kPreviewStrides[level];
+            EXPECT_EQ(preview.ends[level],
+                      ((width + stride - 1) / stride) * ((height + stride - 1) / stride));
+            for (std::uint32_t i = 0; i < preview.ends[level]; ++i) {
+                EXPECT_EQ(preview.pixels[i] % width % stride, 0U);
+                EXPECT_EQ(preview.pixels[i] / width % stride, 0U);
+            }
+        }
+    }
+}
+
 } // namespace
 } // namespace hds

@@ -4,35 +4,46 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 namespace hds {
 namespace {
 
-MeshPrim Triangle(float z) {
-    MeshPrim prim;
-    prim.mesh.points = std::vector<float>{0, 0, z, 1, 0, z, 0, 1, z};
-    prim.mesh.faceVertexCounts = std::vector<std::int32_t>{3};
-    prim.mesh.faceVertexIndices = std::vector<std::int32_t>{0, 1, 2};
-    return prim;
+MeshDescription Triangle(float z) {
+    MeshDescription mesh;
+    mesh.points = std::vector<float>{0, 0, z, 1, 0, z, 0, 1, z};
+    mesh.faceVertexCounts = std::vector<std::int32_t>{3};
+    mesh.faceVertexIndices = std::vector<std::int32_t>{0, 1, 2};
+    return mesh;
+}
+
+void SetMesh(SceneDescription* scene, const std::string& path, MeshDescription mesh) {
+    scene->meshes[path].mesh = std::make_shared<const MeshDescription>(std::move(mesh));
 }
 
 TEST(Dump, EqualValuesGiveEqualText) {
     SceneDescription a;
-    a.meshes["/A"] = Triangle(0.0F);
-    a.meshes["/B"] = Triangle(1.0F);
+    SetMesh(&a, "/A", Triangle(0.0F));
+    SetMesh(&a, "/B", Triangle(1.0F));
     SceneDescription b;
-    b.meshes["/B"] = Triangle(1.0F);
-    b.meshes["/A"] = Triangle(-0.0F);
+    SetMesh(&b, "/B", Triangle(1.0F));
+    SetMesh(&b, "/A", Triangle(-0.0F));
     EXPECT_EQ(DumpScene(a), DumpScene(b));
-    Primvar x{"x", Interpolation::Constant, 1, std::vector<float>{1.0F}, {}};
-    Primvar y{"y", Interpolation::Constant, 1, std::vector<float>{2.0F}, {}};
-    a.meshes["/A"].mesh.primvars = {x, y};
-    b.meshes["/A"].mesh.primvars = {y, x};
+    const Primvar x{"x", Interpolation::Constant, 1, std::vector<float>{1.0F}, {}};
+    const Primvar y{"y", Interpolation::Constant, 1, std::vector<float>{2.0F}, {}};
+    MeshDescription forward = Triangle(0.0F);
+    forward.primvars = {x, y};
+    MeshDescription backward = Triangle(0.0F);
+    backward.primvars = {y, x};
+    SetMesh(&a, "/A", forward);
+    SetMesh(&b, "/A", backward);
     EXPECT_EQ(DumpScene(a), DumpScene(b));
 }
 
 TEST(Dump, EveryDifferenceShows) {
     SceneDescription base;
-    base.meshes["/A"] = Triangle(0.0F);
+    SetMesh(&base, "/A", Triangle(0.0F));
+    base.meshes["/A"].placement.instancerPath = "/I";
     base.lights["/L"];
     base.cameras["/C"];
     const std::string text = DumpScene(base);
@@ -41,19 +52,34 @@ TEST(Dump, EveryDifferenceShows) {
         edit(&scene);
         return DumpScene(scene) != text;
     };
-    EXPECT_TRUE(changed([](SceneDescription* s) { s->meshes["/A"] = Triangle(1e-30F); }));
-    EXPECT_TRUE(changed([](SceneDescription* s) { s->meshes["/A"].mesh.leftHanded = true; }));
-    EXPECT_TRUE(changed([](SceneDescription* s) { s->meshes["/A"].placement.visible = false; }));
-    EXPECT_TRUE(changed([](SceneDescription* s) { s->meshes["/A"].materialPath = "/m"; }));
+    const auto meshChanged = [&](auto edit) {
+        return changed([&](SceneDescription* s) { edit(&s->meshes["/A"]); });
+    };
+    EXPECT_TRUE(changed([](SceneDescription* s) { SetMesh(s, "/A", Triangle(1e-30F)); }));
+    EXPECT_TRUE(changed([](SceneDescription* s) {
+        MeshDescription mesh = Triangle(0.0F);
+        mesh.leftHanded = true;
+        SetMesh(s, "/A", mesh);
+    }));
+    EXPECT_TRUE(meshChanged([](MeshPrim* p) { p->placement.visible = false; }));
+    EXPECT_TRUE(meshChanged([](MeshPrim* p) { p->placement.instances = std::vector<int>{2}; }));
+    EXPECT_TRUE(meshChanged([](MeshPrim* p) { p->materialPath = "/m"; }));
+    EXPECT_TRUE(meshChanged([](MeshPrim* p) { p->doubleSided = true; }));
+    EXPECT_TRUE(meshChanged([](MeshPrim* p) { p->cullStyle = CullStyle::Back; }));
     EXPECT_TRUE(changed([](SceneDescription* s) { s->lights["/L"].light.intensity = 2.0F; }));
-    EXPECT_TRUE(changed([](SceneDescription* s) { s->cameras["/C"].fStop = 2.0; }));
-    EXPECT_TRUE(changed([](SceneDescription* s) { s->upAxis = "Z"; }));
+    EXPECT_TRUE(changed([](SceneDescription* s) { s->cameras["/C"].fStop = 2.0F; }));
+    EXPECT_TRUE(changed([](SceneDescription* s) {
+        s->cameras["/C"].clippingPlanes = {glm::dvec4(0.0, 0.0, -1.0, 1.0)};
+    }));
     // Long arrays are hashed: one bit in the middle shows.
     std::vector<float> points(3000, 1.0F);
-    base.meshes["/A"].mesh.points = points;
+    MeshDescription longMesh = Triangle(0.0F);
+    longMesh.points = points;
+    SetMesh(&base, "/A", longMesh);
     const std::string longText = DumpScene(base);
     points[1500] = 1.0000001F;
-    base.meshes["/A"].mesh.points = points;
+    longMesh.points = points;
+    SetMesh(&base, "/A", longMesh);
     EXPECT_NE(DumpScene(base), longText);
 }
 

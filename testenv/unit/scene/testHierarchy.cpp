@@ -92,11 +92,11 @@ public:
             scene.meshes[path].placement = RandomPlacement(numInstancers);
             leaves[path] = UnitLeaf(static_cast<std::uint32_t>(m));
         }
-        for (const auto& [path, prim] : scene.meshes) {
-            PlacePrototype(path, prim.placement.instancerPath);
+        for (auto& [path, prim] : scene.meshes) {
+            Place(&prim.placement);
         }
-        for (const auto& [path, prim] : scene.instancers) {
-            PlacePrototype(path, prim.placement.instancerPath);
+        for (auto& [path, prim] : scene.instancers) {
+            Place(&prim.placement);
         }
     }
 
@@ -122,17 +122,17 @@ private:
         }
         return placement;
     }
-    void PlacePrototype(const std::string& path, const std::string& instancerPath) {
-        if (instancerPath.empty()) {
+    void Place(Placement* placement) {
+        if (placement->instancerPath.empty()) {
             return;
         }
-        InstancerPrim& instancer = scene.instancers[instancerPath];
+        const InstancerPrim& instancer = scene.instancers[placement->instancerPath];
         std::vector<std::int32_t> all(instancer.instanceTransforms.size() / 16);
         std::iota(all.begin(), all.end(), 0);
         if (Pick(2) == 0 && all.size() > 1) {
             all.erase(all.begin() + Pick(static_cast<int>(all.size()))); // a list of its own
         }
-        instancer.instancesByPrototype[path] = std::move(all);
+        placement->instances = std::move(all);
     }
 
     std::mt19937 _random;
@@ -155,7 +155,7 @@ TEST(Hierarchy, EqualsAFlattening) {
         for (const auto& [path, leaf] : stage.leaves) {
             std::vector<glm::dvec3> expected;
             ForEachPlacement(
-                stage.scene, path, stage.scene.meshes.at(path).placement,
+                stage.scene, stage.scene.meshes.at(path).placement,
                 [&](const glm::dmat4& world) { expected.push_back(glm::dvec3(world[3])); });
             std::vector<Leaf> ours;
             std::copy_if(
@@ -190,7 +190,7 @@ TEST(Hierarchy, AMillionInstancesCostRecordsOnly) {
         all[i] = static_cast<std::int32_t>(i);
     }
     instancer.instanceTransforms = std::move(transforms);
-    instancer.instancesByPrototype["/M"] = std::move(all);
+    scene.meshes["/M"].placement.instances = std::move(all);
     Warnings warnings;
     const Hierarchy tables =
         BuildHierarchy(scene, {{"/M", UnitLeaf(0)}}, glm::dvec3(0.0), 2, warnings);
@@ -227,7 +227,7 @@ TEST(Hierarchy, CyclesEnd) {
         instancer.instanceTransforms = std::vector<double>(glm::value_ptr(glm::dmat4(1.0)),
                                                            glm::value_ptr(glm::dmat4(1.0)) + 16);
         instancer.placement.instancerPath = path[1] == 'A' ? "/B" : "/A";
-        instancer.instancesByPrototype[path[1] == 'A' ? "/B" : "/A"] = std::vector<std::int32_t>{0};
+        instancer.placement.instances = std::vector<std::int32_t>{0};
     }
     Warnings warnings;
     const Hierarchy tables = BuildHierarchy(scene, {}, glm::dvec3(0.0), 1, warnings);

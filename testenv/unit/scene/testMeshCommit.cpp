@@ -13,8 +13,8 @@ namespace hds {
 namespace {
 
 /// A grid of quads in the plane z = 0.
-MeshPrim Grid(std::int32_t size, const std::string& scheme) {
-    MeshPrim prim;
+MeshDescription Grid(std::int32_t size, const std::string& scheme) {
+    MeshDescription mesh;
     std::vector<float> points;
     std::vector<std::int32_t> counts;
     std::vector<std::int32_t> indices;
@@ -31,17 +31,16 @@ MeshPrim Grid(std::int32_t size, const std::string& scheme) {
                            {corner, corner + 1, corner + size + 2, corner + size + 1});
         }
     }
-    prim.mesh.points = std::move(points);
-    prim.mesh.faceVertexCounts = std::move(counts);
-    prim.mesh.faceVertexIndices = std::move(indices);
-    prim.mesh.subdivisionScheme = scheme;
-    return prim;
+    mesh.points = std::move(points);
+    mesh.faceVertexCounts = std::move(counts);
+    mesh.faceVertexIndices = std::move(indices);
+    mesh.subdivisionScheme = scheme;
+    return mesh;
 }
 
-std::vector<PreparedMesh> Prepare(const MeshPrim& prim, const MeshOptions& options) {
-    const std::pair<const std::string, MeshPrim> entry{"/grid", prim};
+PreparedMesh Prepare(const MeshDescription& mesh, const MeshOptions& options) {
     Warnings warnings;
-    return PrepareMeshes({&entry}, options, warnings);
+    return PrepareMesh("/grid", mesh, options, warnings);
 }
 
 TEST(MeshCommit, EveryTriangleIsInOneChunkWithinTheBound) {
@@ -49,12 +48,11 @@ TEST(MeshCommit, EveryTriangleIsInOneChunkWithinTheBound) {
          {std::uint64_t{4096}, std::uint64_t{16384}, std::uint64_t{1} << 20U}) {
         MeshOptions options;
         options.chunkBytes = chunkBytes;
-        const auto meshes = Prepare(Grid(40, "none"), options);
+        const PreparedMesh mesh = Prepare(Grid(40, "none"), options);
         std::vector<int> seen(40 * 40 * 2, 0);
-        for (const PreparedChunk& chunk : meshes[0].chunks) {
-            EXPECT_LE(chunk.geometry.bytes.size() + chunk.attributes.size(), chunkBytes);
-            const std::uint8_t* triangles =
-                chunk.geometry.bytes.data() + chunk.geometry.triangleOffset * 16;
+        for (const PreparedChunk& chunk : mesh.chunks) {
+            EXPECT_LE(chunk.geometry->Bytes() + chunk.attributes->Bytes(), chunkBytes);
+            const std::uint8_t* triangles = chunk.geometry->Data() + chunk.triangleOffset * 16;
             for (std::uint32_t i = 0; i < chunk.numTriangles; ++i) {
                 shared::HdsTriangle triangle;
                 std::memcpy(&triangle, triangles + i * sizeof(triangle), sizeof(triangle));
@@ -63,7 +61,7 @@ TEST(MeshCommit, EveryTriangleIsInOneChunkWithinTheBound) {
             }
         }
         EXPECT_EQ(seen, std::vector<int>(seen.size(), 1));
-        EXPECT_EQ(meshes[0].topNodes.empty(), meshes[0].chunks.size() == 1);
+        EXPECT_EQ(mesh.topNodes.empty(), mesh.chunks.size() == 1);
     }
 }
 
@@ -73,7 +71,7 @@ TEST(MeshCommit, SubdivisionFollowsTheOption) {
                                   const char* scheme) {
         options.subdivision = subdivision;
         options.refineLevel = level;
-        return Prepare(Grid(4, scheme), options)[0].triangles->triangles.size();
+        return Prepare(Grid(4, scheme), options).numTriangles;
     };
     EXPECT_EQ(numTriangles(Subdivision::Cage, 2, "catmullClark"), 32U);
     EXPECT_EQ(numTriangles(Subdivision::Complexity, 0, "catmullClark"), 32U);

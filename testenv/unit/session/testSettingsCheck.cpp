@@ -33,7 +33,7 @@ TEST(SettingsCheck, NamesTheOption) {
     ExpectNamed("--maxDepth", [](Settings* s) { s->maxDepth = 1U << 20U; });
     ExpectNamed("--time", [](Settings* s) { s->timeLimit = -1.0; });
     ExpectNamed("--noise", [](Settings* s) { s->noise = std::nan(""); });
-    ExpectNamed("--waveSize", [](Settings* s) { s->waveSize = 1; });
+    ExpectNamed("--waveSize", [](Settings* s) { s->waveSize = 1U << 31U; });
     ExpectNamed("--chunkSize", [](Settings* s) { s->chunkBytes = 1; });
     ExpectNamed("pixelAspectRatio", [](Settings* s) { s->pixelAspectRatio = 0.0; });
     ExpectNamed("--subdivision", [](Settings* s) { s->subdivision = "some"; });

@@ -7,22 +7,31 @@ from pxr import Gf, UsdGeom
 from hdstream import _core
 
 
+# GfCamera's apertures and focal lengths are in tenths of a scene unit; Hydra multiplies as floats.
+_TENTH = np.float32(0.1)
+
+
 def CameraFromGf(gfCamera, exposureScale=1.0):
-    """The core's camera with a GfCamera's values."""
+    """The core's camera with a GfCamera's values, with HdCamera's floats in scene units."""
     camera = _core.CameraPrim()
     camera.worldFromCamera = np.array(gfCamera.transform)
     camera.orthographic = gfCamera.projection == Gf.Camera.Orthographic
-    camera.horizontalAperture = gfCamera.horizontalAperture
-    camera.verticalAperture = gfCamera.verticalAperture
-    camera.horizontalApertureOffset = gfCamera.horizontalApertureOffset
-    camera.verticalApertureOffset = gfCamera.verticalApertureOffset
-    camera.focalLength = gfCamera.focalLength
+    camera.horizontalAperture = _SceneUnits(gfCamera.horizontalAperture)
+    camera.verticalAperture = _SceneUnits(gfCamera.verticalAperture)
+    camera.horizontalApertureOffset = _SceneUnits(gfCamera.horizontalApertureOffset)
+    camera.verticalApertureOffset = _SceneUnits(gfCamera.verticalApertureOffset)
+    camera.focalLength = _SceneUnits(gfCamera.focalLength)
     camera.nearClip = gfCamera.clippingRange.min
     camera.farClip = gfCamera.clippingRange.max
     camera.fStop = gfCamera.fStop
     camera.focusDistance = gfCamera.focusDistance
     camera.exposureScale = exposureScale
+    camera.clippingPlanes = [list(plane) for plane in gfCamera.clippingPlanes]
     return camera
+
+
+def _SceneUnits(tenths):
+    return float(np.float32(tenths) * _TENTH)
 
 
 def ReadCamera(prim, timeCode):

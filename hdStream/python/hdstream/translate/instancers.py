@@ -50,7 +50,8 @@ class Instancers:
     def AddGroup(self, group, context):
         """Makes the instancer of a group of native instances and translates what it places."""
         path = self._translator.ReservePath(group.firstPrim, context)
-        inner = Context(path, group.firstPrim.GetPath().pathString, path, context.chain)
+        inner = Context(path, group.VisibleIndices(), group.firstPrim.GetPath().pathString, path,
+                        context.chain)
         state = State()
         state.purpose = group.state.purpose
         state.isPurposeAuthored = group.state.isPurposeAuthored
@@ -58,20 +59,14 @@ class Instancers:
         state.bindings = group.state.bindings
         state.hasCollections = group.state.hasCollections
         self._translator.Walk(group.firstPrim.GetFilteredChildren(inner.predicate), state, inner)
-        placement = _core.Placement(State().matrix, context.instancerPath)
-        instances = group.VisibleIndices()
-        self._AddInstancer(path, placement, group.Transforms(), context,
-                           [(prototype, instances) for prototype in inner.prototypePaths])
+        placement = _core.Placement(State().matrix, context.instancerPath, context.instances)
+        if inner.isPlacing:
+            self._AddInstancer(path, placement, group.Transforms(), context)
 
-    def _AddInstancer(self, path, placement, transforms, context, instancesByPrototype):
-        if not instancesByPrototype:
-            return
+    def _AddInstancer(self, path, placement, transforms, context):
         instancer = _core.InstancerPrim(placement)
         instancer.instanceTransforms = transforms
-        for prototype, instances in instancesByPrototype:
-            instancer.SetInstances(prototype, instances)
-        if context.instancerPath:
-            context.prototypePaths.append(path)
+        context.isPlacing = True
         self._session.SetInstancer(path, instancer)
 
     def AddPointInstancer(self, prim, schema, names, state, context):
@@ -90,29 +85,29 @@ class Instancers:
         if HasInstancePrimvars(prim, names):
             self._reports.Warn(prim, "primvars per instance are not supported yet")
         path = self._translator.ReservePath(prim, context)
-        placed = []
+        isPlacing = False
         for index, prototypePath in enumerate(arrays.prototypePaths):
             instances = arrays.InstancesOf(index)
-            if len(instances):
-                placed += [(prototype, instances) for prototype in self._WalkPrototype(
-                    prim, path, prototypePath, state, context)]
-        placement = _core.Placement(state.matrix, context.instancerPath, state.visible)
-        self._AddInstancer(path, placement, arrays.transforms, context, placed)
+            if len(instances) and self._WalkPrototype(prim, path, prototypePath, instances, state, context):
+                isPlacing = True
+        if isPlacing:
+            placement = _core.Placement(state.matrix, context.instancerPath, context.instances, state.visible)
+            self._AddInstancer(path, placement, arrays.transforms, context)
         return None
 
-    def _WalkPrototype(self, instancer, path, prototypePath, instancerState, context):
-        """Translates a prototype's subtree; returns the scene paths of what it contains."""
+    def _WalkPrototype(self, instancer, path, prototypePath, instances, instancerState, context):
+        """Translates a prototype's subtree; true when it contains something to place."""
         root = self._stage.GetPrimAtPath(prototypePath)
         if not root or not PROTOTYPE_PREDICATE(root):
             self._reports.Warn(instancer, f"prototype {prototypePath} does not exist or is not defined")
-            return []
+            return False
         usdRoot = prototypePath.pathString
         usdPath = instancer.GetPath().pathString
         isBelow = usdRoot.startswith(usdPath + "/")
         sceneRoot = path + (usdRoot[len(usdPath):] if isBelow else "{" + usdRoot + "}")
-        inner = Context(path, usdRoot, sceneRoot, context.chain + (usdPath,))
+        inner = Context(path, instances, usdRoot, sceneRoot, context.chain + (usdPath,))
         self._translator.Walk([root], self._PrototypeState(root, instancerState), inner)
-        return inner.prototypePaths
+        return inner.isPlacing
 
     def _PrototypeState(self, root, instancerState):
         """What a prototype inherits: from its own ancestors; a purpose also from the instancer."""

@@ -10,25 +10,23 @@ class MeshBatch:
     def __init__(self, session, warn):
         self._session = session
         self._warn = warn
-        self._entries = []  # (scene path, prim, MeshPrim, [(MeshSubset, prim)])
+        self._entries = []  # (scene path, prim, MeshPrim, prims of its subsets)
 
-    def Add(self, path, prim, meshPrim, subsets):
-        self._entries.append((path, prim, meshPrim, subsets))
+    def Add(self, path, prim, meshPrim, subsetPrims):
+        self._entries.append((path, prim, meshPrim, subsetPrims))
 
     def Flush(self):
         """Binds materials and hands the meshes over; returns the bound material prims by path."""
         prims = []
-        for _, prim, _, subsets in self._entries:
+        for _, prim, _, subsetPrims in self._entries:
             prims.append(prim)
-            prims.extend(child for _, child in subsets)
+            prims.extend(subsetPrims)
         paths, primByPath = FindBoundMaterials(prims, self._warn)
         bound = iter(paths)
-        for path, _, meshPrim, subsets in self._entries:
+        for path, _, meshPrim, subsetPrims in self._entries:
             meshPrim.materialPath = next(bound)
-            for subset, _ in subsets:
-                subset.materialPath = next(bound)
-            if subsets:
-                meshPrim.mesh.subsets = [subset for subset, _ in subsets]
+            if subsetPrims:
+                meshPrim.subsetMaterialPaths = [next(bound) for _ in subsetPrims]
             self._session.SetMesh(path, meshPrim)
         self._entries.clear()
         return primByPath

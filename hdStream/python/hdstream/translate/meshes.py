@@ -41,11 +41,9 @@ def _ReadSubdivTags(prim, names, timeCode):
     return tags
 
 
-def _ReadGprim(prim, names, mesh, timeCode):
+def _ReadOrientation(prim, names, mesh, timeCode):
     if "orientation" in names:
         mesh.leftHanded = prim.GetAttribute("orientation").Get(timeCode) == "leftHanded"
-    if "doubleSided" in names:
-        mesh.doubleSided = bool(prim.GetAttribute("doubleSided").Get(timeCode))
 
 
 def ReadMesh(prim, names, inherited, timeCode):
@@ -70,7 +68,7 @@ def ReadMesh(prim, names, inherited, timeCode):
             mesh.holeIndices = holes
     if not _TAG_NAMES.isdisjoint(names):
         mesh.subdivTags = _ReadSubdivTags(prim, names, timeCode)
-    _ReadGprim(prim, names, mesh, timeCode)
+    _ReadOrientation(prim, names, mesh, timeCode)
     mesh.primvars = PrimvarsOf(prim, names, inherited, timeCode)
     return mesh
 
@@ -95,7 +93,7 @@ def ReadImplicit(prim, typeName, names, inherited, timeCode, warn):
     if "axis" in names:
         shape.axis = prim.GetAttribute("axis").Get(timeCode) or "Z"
     mesh = _core.MakeImplicitMesh(shape)
-    _ReadGprim(prim, names, mesh, timeCode)
+    _ReadOrientation(prim, names, mesh, timeCode)
     mesh.primvars = mesh.primvars + PrimvarsOf(prim, names, inherited, timeCode)
     return mesh
 

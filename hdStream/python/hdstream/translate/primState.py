@@ -59,9 +59,10 @@ class State:
 class Context:
     """A space that prims are placed in: the world, or the prototypes of one instancer."""
 
-    def __init__(self, instancerPath="", usdRoot="", sceneRoot="", chain=()):
+    def __init__(self, instancerPath="", instances=None, usdRoot="", sceneRoot="", chain=()):
         self.instancerPath = instancerPath  # scene path of the instancer; empty: the world
-        self.prototypePaths = []            # scene paths of all that the instancer places
+        self.instances = instances          # int32: those of its instances that place what is here
+        self.isPlacing = False              # some prim is placed here
         self.instanceGroups = {}            # key -> InstanceGroup: native instances found here
         self.chain = chain                  # USD paths of the point instancers around
         # Below an `over` nothing is defined; the prototypes of point instancers may be there.

@@ -68,8 +68,6 @@ class StageTranslator:
                 gc.enable()
 
     def _Translate(self):
-        self._session.SetStage(UsdGeom.GetStageMetersPerUnit(self._stage),
-                               UsdGeom.GetStageUpAxis(self._stage))
         world = Context()
         children = self._stage.GetPseudoRoot().GetFilteredChildren(PREDICATE)
         self.Walk(children, State(), world)
@@ -191,8 +189,8 @@ class StageTranslator:
         """The scene path of a prim and its placement; the context's instancer, if any, places it."""
         path = self.ReservePath(prim, context)
         if context.instancerPath:
-            context.prototypePaths.append(path)
-        return path, _core.Placement(state.matrix, context.instancerPath, state.visible)
+            context.isPlacing = True
+        return path, _core.Placement(state.matrix, context.instancerPath, context.instances, state.visible)
 
     def _OnMesh(self, prim, schema, names, state, context):
         mesh = meshes.ReadMesh(prim, names, state.primvars, self._timeCode)
@@ -201,25 +199,32 @@ class StageTranslator:
         if "skel:skeleton" in names:
             self._reports.Count(prim, "skinning is not supported yet: {count} drawn unskinned")
         self._CheckMeshLight(prim)
-        self._AddMesh(prim, mesh, state, context)
+        self._AddMesh(prim, names, mesh, state, context)
         return state
 
     def _OnImplicit(self, prim, schema, names, state, context):
         mesh = meshes.ReadImplicit(prim, schema, names, state.primvars, self._timeCode,
                                    self._reports.Warn)
-        self._AddMesh(prim, mesh, state, context)
+        self._AddMesh(prim, names, mesh, state, context)
         return state
 
-    def _AddMesh(self, prim, mesh, state, context):
+    def _AddMesh(self, prim, names, mesh, state, context):
         subsets = []
+        subsetPrims = []
         for child in prim.GetFilteredChildren(context.predicate):
             if child.IsA(UsdGeom.Subset):
                 subset = meshes.ReadSubset(child, self._timeCode)
                 if subset is not None:
                     subset.name = context.ScenePath(child)
-                    subsets.append((subset, child))
+                    subsets.append(subset)
+                    subsetPrims.append(child)
+        if subsets:
+            mesh.subsets = subsets
         path, placement = self._Place(prim, state, context)
-        self._meshes.Add(path, prim, _core.MeshPrim(mesh, placement, state.purpose), subsets)
+        meshPrim = _core.MeshPrim(mesh, placement, state.purpose)
+        if "doubleSided" in names:
+            meshPrim.doubleSided = bool(prim.GetAttribute("doubleSided").Get(self._timeCode))
+        self._meshes.Add(path, prim, meshPrim, subsetPrims)
 
     def _CheckMeshLight(self, prim):
         if "MeshLightAPI" in prim.GetAppliedSchemas():

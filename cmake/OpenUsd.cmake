@@ -1,0 +1,85 @@
+# hds_find_openusd(RESULT): finds OpenUSD with imaging (24.11 or later) and sets RESULT to TRUE or FALSE.
+# Where: pxr_DIR, PXR_ROOT (variables of CMake or the environment), CMAKE_PREFIX_PATH, the system's
+# folders, /opt/* and /usr/local/*. Its imported targets exist in the calling folder and below, so each
+# folder that links them calls this.
+set(HDSTREAM_BUILD_HYDRA AUTO CACHE STRING "Build the Hydra render delegate: AUTO (where OpenUSD with imaging is found), ON or OFF")
+set_property(CACHE HDSTREAM_BUILD_HYDRA PROPERTY STRINGS AUTO ON OFF)
+
+# A build of OpenUSD whose own dependencies are missing ends a configuration with an error, so AUTO
+# looks at it in a project of its own first.
+function(_hds_probe_openusd result)
+    set(folder "${PROJECT_BINARY_DIR}/probeOpenUsd")
+    file(REMOVE "${folder}/found.cmake")
+    string(REPLACE ";" "\\;" prefixes "${CMAKE_PREFIX_PATH}")
+    execute_process(
+        COMMAND "${CMAKE_COMMAND}" -S "${PROJECT_SOURCE_DIR}/cmake/probeOpenUsd" -B "${folder}"
+                -G "${CMAKE_GENERATOR}" "-DCMAKE_MAKE_PROGRAM=${CMAKE_MAKE_PROGRAM}"
+                "-DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER}" "-DCMAKE_PREFIX_PATH=${prefixes}"
+                "-DHINTS=${_hds_openusd_hints}"
+        OUTPUT_VARIABLE output ERROR_VARIABLE output RESULT_VARIABLE status)
+    file(WRITE "${folder}/log.txt" "${output}")
+    set(${result} FALSE PARENT_SCOPE)
+    if(status EQUAL 0 AND EXISTS "${folder}/found.cmake")
+        include("${folder}/found.cmake")
+        set(${result} TRUE PARENT_SCOPE)
+        set(found_dir "${found_dir}" PARENT_SCOPE)
+    endif()
+endfunction()
+
+function(hds_find_openusd result)
+    set(${result} FALSE PARENT_SCOPE)
+    if(NOT HDSTREAM_BUILD_HYDRA OR (SKBUILD AND HDSTREAM_BUILD_HYDRA STREQUAL "AUTO"))
+        return()
+    endif()
+    file(GLOB configs /opt/*/pxrConfig.cmake /usr/local/*/pxrConfig.cmake)
+    set(_hds_openusd_hints ${pxr_DIR} ${PXR_ROOT} $ENV{pxr_DIR} $ENV{PXR_ROOT})
+    foreach(config IN LISTS configs)
+        get_filename_component(prefix "${config}" DIRECTORY)
+        list(APPEND _hds_openusd_hints "${prefix}")
+    endforeach()
+    if(HDSTREAM_BUILD_HYDRA STREQUAL "AUTO")
+        get_property(known GLOBAL PROPERTY HDSTREAM_OPENUSD_PROBED SET)
+        if(NOT known)
+            _hds_probe_openusd(isFound)
+            set_property(GLOBAL PROPERTY HDSTREAM_OPENUSD_PROBED "${isFound};${found_dir}")
+            if(NOT isFound)
+                message(STATUS "**********************************************************************")
+                message(STATUS "* No OpenUSD with imaging (24.11 or later): the Hydra render delegate *")
+                message(STATUS "* is NOT built. Name one with -DPXR_ROOT=PREFIX (docs/hydra.md).      *")
+                message(STATUS "**********************************************************************")
+                message(STATUS "  what was tried: ${PROJECT_BINARY_DIR}/probeOpenUsd/log.txt")
+            endif()
+        endif()
+        get_property(probed GLOBAL PROPERTY HDSTREAM_OPENUSD_PROBED)
+        list(GET probed 0 isFound)
+        if(NOT isFound)
+            return()
+        endif()
+        list(GET probed 1 pxr_DIR)
+    endif()
+    # pxrConfig.cmake asks for the Python it was built with, unless another one is known already.
+    foreach(name Python3_EXECUTABLE Python3_LIBRARY Python3_INCLUDE_DIR Python3_VERSION)
+        unset(${name})
+    endforeach()
+    find_package(pxr CONFIG REQUIRED HINTS ${_hds_openusd_hints})
+    include("${PROJECT_SOURCE_DIR}/cmake/probeOpenUsd/CheckTargets.cmake")
+    hds_check_openusd(problem)
+    if(problem)
+        message(FATAL_ERROR "OpenUSD in ${pxr_DIR}: ${problem}")
+    endif()
+    get_property(isTold GLOBAL PROPERTY HDSTREAM_OPENUSD_TOLD SET)
+    if(NOT isTold)
+        message(STATUS "OpenUSD ${PXR_MAJOR_VERSION}.${PXR_MINOR_VERSION}.${PXR_PATCH_VERSION}: ${pxr_DIR}")
+        set_property(GLOBAL PROPERTY HDSTREAM_OPENUSD_TOLD TRUE)
+    endif()
+    set(${result} TRUE PARENT_SCOPE)
+endfunction()
+
+# The libraries named, or the one library of a monolithic build.
+function(hds_link_openusd target)
+    if(TARGET usd_ms)
+        target_link_libraries(${target} PRIVATE usd_ms)
+    else()
+        target_link_libraries(${target} PRIVATE ${ARGN})
+    endif()
+endfunction()

@@ -1,0 +1,10 @@
+# hds_check_openusd(PROBLEM): what a found OpenUSD lacks for the Hydra render delegate; empty: nothing.
+function(hds_check_openusd problem)
+    set(${problem} "" PARENT_SCOPE)
+    math(EXPR version "${PXR_MAJOR_VERSION} * 10000 + ${PXR_MINOR_VERSION} * 100 + ${PXR_PATCH_VERSION}")
+    if(version LESS 2411)
+        set(${problem} "version ${version} is older than 2411" PARENT_SCOPE)
+    elseif(NOT TARGET usd_ms AND NOT (TARGET hd AND TARGET hdsi))
+        set(${problem} "built without imaging" PARENT_SCOPE)
+    endif()
+endfunction()

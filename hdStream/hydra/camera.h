@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "hdStream/scene/sceneDescription.h"
+
+#include <pxr/imaging/hd/camera.h>
+#include <pxr/pxr.h>
+
+#include <string>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+/// A camera of Hydra on its way into the core. Its path in the scene is its id.
+class HdStreamCamera final : public HdCamera {
+public:
+    explicit HdStreamCamera(const SdfPath& id);
+
+    void Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
+              HdDirtyBits* dirtyBits) override;
+    void Finalize(HdRenderParam* renderParam) override;
+};
+
+/// The core's camera with the values of one of Hydra's: lengths in scene units, as they are.
+hds::CameraPrim HdStreamCameraFrom(const HdCamera& camera);
+
+PXR_NAMESPACE_CLOSE_SCOPE

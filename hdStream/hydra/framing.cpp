@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/hydra/framing.h"
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+CameraUtilFraming HdStreamFramingOf(const HdRenderPassState& state) {
+    if (state.GetFraming().IsValid()) {
+        return state.GetFraming();
+    }
+    const GfVec4f& viewport = state.GetViewport();
+    return CameraUtilFraming(
+        GfRect2i(GfVec2i(0), static_cast<int>(viewport[2]), static_cast<int>(viewport[3])));
+}
+
+void HdStreamApplyFraming(const CameraUtilFraming& framing, hds::Settings* settings) {
+    const GfRect2i& data = framing.dataWindow;
+    const GfRange2f& display = framing.displayWindow;
+    settings->imageWidth = static_cast<std::uint32_t>(data.GetWidth());
+    settings->imageHeight = static_cast<std::uint32_t>(data.GetHeight());
+    settings->pixelAspectRatio = static_cast<double>(framing.pixelAspectRatio);
+    settings->dataWindowMin = {data.GetMinX(), data.GetMinY()};
+    const bool isWholeImage = data.GetMinX() == 0 && data.GetMinY() == 0 &&
+                              display == GfRange2f(GfVec2f(0.0F),
+                                                   GfVec2f(static_cast<float>(data.GetWidth()),
+                                                           static_cast<float>(data.GetHeight())));
+    if (isWholeImage) {
+        settings->displayWindow = {};
+        return;
+    }
+    settings->displayWindow = {
+        static_cast<double>(display.GetMin()[0]), static_cast<double>(display.GetMin()[1]),
+        static_cast<double>(display.GetMax()[0]), static_cast<double>(display.GetMax()[1])};
+}
+
+std::string HdStreamConformPolicy(CameraUtilConformWindowPolicy policy) {
+    switch (policy) {
+    case CameraUtilMatchVertically:
+        return "adjustApertureWidth";
+    case CameraUtilMatchHorizontally:
+        return "adjustApertureHeight";
+    case CameraUtilCrop:
+        return "cropAperture";
+    case CameraUtilDontConform:
+        return "adjustPixelAspectRatio";
+    case CameraUtilFit:
+        break;
+    }
+    return "expandAperture";
+}
+
+PXR_NAMESPACE_CLOSE_SCOPE

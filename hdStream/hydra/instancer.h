@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// Instancers, one level each: the hierarchy of Hydra is kept, nothing is multiplied out.
+#pragma once
+
+#include "hdStream/scene/sceneDescription.h"
+
+#include <pxr/imaging/hd/instancer.h>
+#include <pxr/imaging/hd/renderIndex.h>
+#include <pxr/pxr.h>
+
+#include <map>
+#include <mutex>
+#include <string>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+class HdStreamRenderParam;
+
+/// An instancer of Hydra on its way into the core. Synced by the prims it places, under the lock
+/// that Hydra has for each instancer.
+class HdStreamInstancer final : public HdInstancer {
+public:
+    HdStreamInstancer(HdSceneDelegate* delegate, const SdfPath& id);
+
+    HdDirtyBits GetInitialDirtyBitsMask() const override;
+    void Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
+              HdDirtyBits* dirtyBits) override;
+    void Finalize(HdRenderParam* renderParam) override;
+
+    /// The instancer's path in the core's scene; found once. Thread-safe.
+    const std::string& ScenePath(HdStreamRenderParam* param);
+
+    /// Sets the instancer's path of a prim's placement. Returns true when that changed it.
+    static bool UpdatePathOf(HdRenderIndex& index, const SdfPath& instancerId,
+                             HdStreamRenderParam* param, hds::Placement* placement);
+
+    /// Reads which instances of its instancer place a prim.
+    static void ReadInstances(HdSceneDelegate* delegate, const SdfPath& instancerId,
+                              const SdfPath& prototypeId, hds::Placement* placement);
+
+private:
+    void _SyncPrimvars(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits);
+
+    std::once_flag _hasScenePath;
+    std::string _scenePath;
+    std::map<TfToken, VtValue> _values; ///< transforms and their parts, per instance
+    hds::InstancerPrim _prim;
+};
+
+PXR_NAMESPACE_CLOSE_SCOPE

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/hydra/light.h"
+
+#include "hdStream/hydra/arrays.h"
+#include "hdStream/hydra/instancer.h"
+#include "hdStream/hydra/lightParameters.h"
+#include "hdStream/hydra/renderParam.h"
+#include "hdStream/hydra/scenePaths.h"
+
+#include <pxr/imaging/hd/sceneDelegate.h>
+#include <pxr/imaging/hd/tokens.h>
+
+#include <utility>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+HdStreamLight::HdStreamLight(const SdfPath& id, const TfToken& typeId, hds::LightType type)
+    : HdLight(id), _typeId(typeId), _type(type) {}
+
+HdDirtyBits HdStreamLight::GetInitialDirtyBitsMask() const {
+    return AllDirty;
+}
+
+void HdStreamLight::Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
+                         HdDirtyBits* dirtyBits) {
+    auto* param = static_cast<HdStreamRenderParam*>(renderParam);
+    const HdDirtyBits bits = *dirtyBits;
+    _UpdateInstancer(delegate, dirtyBits);
+    HdInstancer::_SyncInstancerAndParents(delegate->GetRenderIndex(), GetInstancerId());
+    _SyncPlacement(delegate, param, bits);
+    if (bits & (DirtyParams | DirtyResource | DirtyShadowParams | DirtyCollection)) {
+        _SyncParameters(delegate, param);
+    }
+    param->Push([path = _scenePath, prim = _prim](hds::Session& session) mutable {
+        session.SetLight(path, std::move(prim));
+    });
+    *dirtyBits = Clean;
+}
+
+void HdStreamLight::_SyncPlacement(HdSceneDelegate* delegate, HdStreamRenderParam* param,
+                                   HdDirtyBits bits) {
+    const SdfPath& id = GetId();
+    hds::Placement& placement = _prim.placement;
+    HdStreamInstancer::UpdatePathOf(delegate->GetRenderIndex(), GetInstancerId(), param,
+                                    &placement);
+    if (_scenePath.empty()) {
+        _scenePath = param->ReservePath(
+            HdStreamScenePath(delegate, id, GetInstancerId(), placement.instancerPath), id);
+    }
+    if (bits & DirtyInstancer) { // Lights have no bit of their own for instance indices.
+        HdStreamInstancer::ReadInstances(delegate, GetInstancerId(), id, &placement);
+    }
+    if (bits & (DirtyTransform | DirtyParams)) {
+        // The dome offset turns a dome's pole to its pole axis (UsdLuxDomeLight_1).
+        const GfMatrix4d offset = delegate->GetLightParamValue(id, HdLightTokens->domeOffset)
+                                      .GetWithDefault(GfMatrix4d(1.0));
+        placement.worldFromObject = HdStreamToGlm(offset * delegate->GetTransform(id));
+    }
+    if (bits & DirtyParams) {
+        placement.visible = delegate->GetVisible(id);
+    }
+}
+
+void HdStreamLight::_SyncParameters(HdSceneDelegate* delegate, HdStreamRenderParam* param) {
+    _prim.light = HdStreamReadLight(delegate, GetId(), _typeId, _type);
+    if (_typeId == HdPrimTypeTokens->simpleLight) {
+        return; // The application's own: nobody can act on a warning about it.
+    }
+    for (const std::string& feature :
+         HdStreamUnsupportedLightFeatures(delegate, GetId(), _type)) {
+        param->Warn(SdfPath(_scenePath), feature + " is not supported yet");
+    }
+}
+
+void HdStreamLight::Finalize(HdRenderParam* renderParam) {
+    auto* param = static_cast<HdStreamRenderParam*>(renderParam);
+    if (!_scenePath.empty()) {
+        param->Push([path = _scenePath](hds::Session& session) { session.Remove(path); });
+        param->ReleasePath(_scenePath);
+        _scenePath.clear();
+    }
+}
+
+HdStreamUnsupportedLight::HdStreamUnsupportedLight(const SdfPath& id, const TfToken& typeId)
+    : HdSprim(id), _typeId(typeId) {}
+
+HdDirtyBits HdStreamUnsupportedLight::GetInitialDirtyBitsMask() const {
+    return HdLight::DirtyParams;
+}
+
+void HdStreamUnsupportedLight::Sync(HdSceneDelegate*, HdRenderParam* renderParam,
+                                    HdDirtyBits* dirtyBits) {
+    if (*dirtyBits & HdLight::DirtyParams) {
+        static_cast<HdStreamRenderParam*>(renderParam)
+            ->Warn(GetId(), _typeId.GetString() + " is not supported yet; left out");
+    }
+    *dirtyBits = HdLight::Clean;
+}
+
+PXR_NAMESPACE_CLOSE_SCOPE

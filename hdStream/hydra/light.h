@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "hdStream/scene/sceneDescription.h"
+
+#include <pxr/imaging/hd/light.h>
+#include <pxr/pxr.h>
+
+#include <string>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+class HdStreamRenderParam;
+
+/// A light of Hydra on its way into the core. Synced in parallel with other lights.
+class HdStreamLight final : public HdLight {
+public:
+    HdStreamLight(const SdfPath& id, const TfToken& typeId, hds::LightType type);
+
+    HdDirtyBits GetInitialDirtyBitsMask() const override;
+    void Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
+              HdDirtyBits* dirtyBits) override;
+    void Finalize(HdRenderParam* renderParam) override;
+
+private:
+    void _SyncPlacement(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits);
+    void _SyncParameters(HdSceneDelegate* delegate, HdStreamRenderParam* param);
+
+    TfToken _typeId;
+    hds::LightType _type;
+    std::string _scenePath; ///< empty until the first Sync
+    hds::LightPrim _prim;
+};
+
+/// A light that the core cannot render: warns once and is left out.
+class HdStreamUnsupportedLight final : public HdSprim {
+public:
+    HdStreamUnsupportedLight(const SdfPath& id, const TfToken& typeId);
+
+    HdDirtyBits GetInitialDirtyBitsMask() const override;
+    void Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
+              HdDirtyBits* dirtyBits) override;
+
+private:
+    TfToken _typeId;
+};
+
+PXR_NAMESPACE_CLOSE_SCOPE

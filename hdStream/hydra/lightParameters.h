@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// UsdLux lights as light descriptions: values as they are, UsdLux's fallbacks, nothing folded in.
+#pragma once
+
+#include "hdStream/shading/lightDescription.h"
+
+#include <pxr/imaging/hd/sceneDelegate.h>
+#include <pxr/pxr.h>
+
+#include <optional>
+#include <set>
+#include <string>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+/// The core's type of a light prim; none for types it does not render. "simpleLight" is the
+/// application's camera light, which has the values of a distant light.
+std::optional<hds::LightType> HdStreamFindLightType(const TfToken& typeId);
+
+/// The description of a light. Thread-safe during Sync.
+hds::LightDescription HdStreamReadLight(HdSceneDelegate* delegate, const SdfPath& id,
+                                        const TfToken& typeId, hds::LightType type);
+
+/// Names of features of a light that the core does not have yet.
+std::set<std::string> HdStreamUnsupportedLightFeatures(HdSceneDelegate* delegate, const SdfPath& id,
+                                                       hds::LightType type);
+
+PXR_NAMESPACE_CLOSE_SCOPE

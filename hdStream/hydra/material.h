@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <pxr/imaging/hd/material.h>
+#include <pxr/pxr.h>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+/// A material of Hydra on its way into the core. Its path in the scene is its id. Synced in parallel
+/// with other materials.
+class HdStreamMaterial final : public HdMaterial {
+public:
+    explicit HdStreamMaterial(const SdfPath& id);
+
+    HdDirtyBits GetInitialDirtyBitsMask() const override;
+    void Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
+              HdDirtyBits* dirtyBits) override;
+    void Finalize(HdRenderParam* renderParam) override;
+};
+
+PXR_NAMESPACE_CLOSE_SCOPE

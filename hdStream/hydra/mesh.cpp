@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/hydra/mesh.h"
+
+#include "hdStream/hydra/arrays.h"
+#include "hdStream/hydra/instancer.h"
+#include "hdStream/hydra/primvars.h"
+#include "hdStream/hydra/renderParam.h"
+#include "hdStream/hydra/scenePaths.h"
+
+#include <pxr/imaging/hd/changeTracker.h>
+#include <pxr/imaging/hd/sceneDelegate.h>
+#include <pxr/imaging/hd/tokens.h>
+#include <pxr/imaging/pxOsd/tokens.h>
+
+#include <algorithm>
+#include <utility>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+namespace {
+
+constexpr HdDirtyBits kGeometryBits =
+    HdChangeTracker::DirtyPoints | HdChangeTracker::DirtyTopology |
+    HdChangeTracker::DirtySubdivTags | HdChangeTracker::DirtyPrimvar |
+    HdChangeTracker::DirtyNormals | HdChangeTracker::DirtyWidths |
+    HdChangeTracker::DirtyComputationPrimvarDesc;
+
+constexpr HdDirtyBits kAllBits =
+    kGeometryBits | HdChangeTracker::InitRepr | HdChangeTracker::DirtyTransform |
+    HdChangeTracker::DirtyVisibility | HdChangeTracker::DirtyDoubleSided |
+    HdChangeTracker::DirtyCullStyle | HdChangeTracker::DirtyMaterialId |
+    HdChangeTracker::DirtyPrimID | HdChangeTracker::DirtyInstancer |
+    HdChangeTracker::DirtyInstanceIndex | HdChangeTracker::DirtyDisplayStyle |
+    HdChangeTracker::DirtyRenderTag | HdChangeTracker::DirtyExtent | HdChangeTracker::DirtyRepr;
+
+hds::CullStyle CullStyleFrom(HdCullStyle style) {
+    switch (style) {
+    case HdCullStyleNothing:
+        return hds::CullStyle::Nothing;
+    case HdCullStyleBack:
+        return hds::CullStyle::Back;
+    case HdCullStyleFront:
+        return hds::CullStyle::Front;
+    case HdCullStyleBackUnlessDoubleSided:
+        return hds::CullStyle::BackUnlessDoubleSided;
+    case HdCullStyleFrontUnlessDoubleSided:
+        return hds::CullStyle::FrontUnlessDoubleSided;
+    default:
+        return hds::CullStyle::DontCare;
+    }
+}
+
+/// Hydra's name of the default purpose is another one.
+std::string PurposeFrom(const TfToken& renderTag) {
+    const bool isDefault = renderTag.IsEmpty() || renderTag == HdRenderTagTokens->geometry;
+    return isDefault ? "default" : renderTag.GetString();
+}
+
+void SetUnlessEmpty(const TfToken& token, std::string* text) {
+    if (!token.IsEmpty()) {
+        *text = token.GetString();
+    }
+}
+
+hds::SubdivTags SubdivTagsFrom(const PxOsdSubdivTags& tags) {
+    hds::SubdivTags result;
+    SetUnlessEmpty(tags.GetVertexInterpolationRule(), &result.interpolateBoundary);
+    SetUnlessEmpty(tags.GetFaceVaryingInterpolationRule(), &result.faceVaryingLinearInterpolation);
+    SetUnlessEmpty(tags.GetTriangleSubdivision(), &result.triangleSubdivisionRule);
+    result.creaseIndices = HdStreamShareArray<std::int32_t>(tags.GetCreaseIndices());
+    result.creaseLengths = HdStreamShareArray<std::int32_t>(tags.GetCreaseLengths());
+    result.creaseSharpnesses = HdStreamShareArray<float>(tags.GetCreaseWeights());
+    result.cornerIndices = HdStreamShareArray<std::int32_t>(tags.GetCornerIndices());
+    result.cornerSharpnesses = HdStreamShareArray<float>(tags.GetCornerWeights());
+    return result;
+}
+
+bool IsEqual(const hds::SubdivTags& a, const hds::SubdivTags& b) {
+    return a.interpolateBoundary == b.interpolateBoundary &&
+           a.faceVaryingLinearInterpolation == b.faceVaryingLinearInterpolation &&
+           a.triangleSubdivisionRule == b.triangleSubdivisionRule &&
+           HdStreamEqual(a.creaseIndices, b.creaseIndices) &&
+           HdStreamEqual(a.creaseLengths, b.creaseLengths) &&
+           HdStreamEqual(a.creaseSharpnesses, b.creaseSharpnesses) &&
+           HdStreamEqual(a.cornerIndices, b.cornerIndices) &&
+           HdStreamEqual(a.cornerSharpnesses, b.cornerSharpnesses);
+}
+
+/// Comparing costs a pass over memory; preparing the same geometry again costs far more.
+bool IsEqual(const hds::MeshDescription& a, const hds::MeshDescription& b) {
+    return a.subdivisionScheme == b.subdivisionScheme && a.leftHanded == b.leftHanded &&
+           HdStreamEqual(a.points, b.points) &&
+           HdStreamEqual(a.faceVertexCounts, b.faceVertexCounts) &&
+           HdStreamEqual(a.faceVertexIndices, b.faceVertexIndices) &&
+           HdStreamEqual(a.holeIndices, b.holeIndices) && IsEqual(a.subdivTags, b.subdivTags) &&
+           HdStreamEqual(a.primvars, b.primvars) &&
+           std::equal(a.subsets.begin(), a.subsets.end(), b.subsets.begin(), b.subsets.end(),
+                      [](const hds::MeshSubset& left, const hds::MeshSubset& right) {
+                          return left.name == right.name && HdStreamEqual(left.faces, right.faces);
+                      });
+}
+
+} // namespace
+
+HdStreamMesh::HdStreamMesh(const SdfPath& id) : HdMesh(id) {}
+
+HdDirtyBits HdStreamMesh::GetInitialDirtyBitsMask() const {
+    return kAllBits;
+}
+
+HdDirtyBits HdStreamMesh::_PropagateDirtyBits(HdDirtyBits bits) const {
+    return bits;
+}
+
+void HdStreamMesh::_InitRepr(const TfToken& reprToken, HdDirtyBits*) {
+    // Draw items serve rasterisers; Hydra wants a repr to exist all the same.
+    const auto found = std::find_if(_reprs.begin(), _reprs.end(), _ReprComparator(reprToken));
+    if (found == _reprs.end()) {
+        _reprs.emplace_back(reprToken, HdReprSharedPtr());
+    }
+}
+
+void HdStreamMesh::Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
+                        HdDirtyBits* dirtyBits, const TfToken&) {
+    auto* param = static_cast<HdStreamRenderParam*>(renderParam);
+    HdDirtyBits bits = *dirtyBits;
+    if (bits & HdChangeTracker::DirtyComputationPrimvarDesc) {
+        bits |= HdChangeTracker::DirtyPoints | HdChangeTracker::DirtyNormals |
+                HdChangeTracker::DirtyPrimvar;
+    }
+    _UpdateVisibility(delegate, dirtyBits);
+    _prim.placement.visible = IsVisible();
+    if (!IsVisible()) {
+        if (_isInScene && (bits & HdChangeTracker::DirtyVisibility)) {
+            _Push(param);
+        }
+        *dirtyBits &= ~(HdChangeTracker::DirtyVisibility | HdChangeTracker::NewRepr |
+                        HdChangeTracker::InitRepr);
+        return;
+    }
+    _UpdateInstancer(delegate, dirtyBits);
+    HdInstancer::_SyncInstancerAndParents(delegate->GetRenderIndex(), GetInstancerId());
+    _SyncPlacement(delegate, param, bits);
+    _SyncLook(delegate, param, bits);
+    if (bits & kGeometryBits) {
+        _SyncGeometry(delegate, bits);
+    }
+    _Push(param);
+    *dirtyBits = HdChangeTracker::Clean;
+}
+
+void HdStreamMesh::_SyncPlacement(HdSceneDelegate* delegate, HdStreamRenderParam* param,
+                                  HdDirtyBits bits) {
+    const SdfPath& id = GetId();
+    hds::Placement& placement = _prim.placement;
+    const bool isMoved = HdStreamInstancer::UpdatePathOf(delegate->GetRenderIndex(),
+                                                         GetInstancerId(), param, &placement);
+    if (_scenePath.empty()) {
+        _scenePath = param->ReservePath(
+            HdStreamScenePath(delegate, id, GetInstancerId(), placement.instancerPath), id);
+    }
+    if (bits & HdChangeTracker::DirtyTransform) {
+        placement.worldFromObject = HdStreamToGlm(delegate->GetTransform(id));
+    }
+    if (isMoved || (bits & HdChangeTracker::DirtyInstanceIndex)) {
+        HdStreamInstancer::ReadInstances(delegate, GetInstancerId(), id, &placement);
+    }
+}
+
+void HdStreamMesh::_SyncLook(HdSceneDelegate* delegate, HdStreamRenderParam* param,
+                             HdDirtyBits bits) {
+    const SdfPath& id = GetId();
+    if (bits & HdChangeTracker::DirtyMaterialId) {
+        SetMaterialId(delegate->GetMaterialId(id));
+        _prim.materialPath = GetMaterialId().GetString();
+    }
+    if (bits & HdChangeTracker::DirtyDoubleSided) {
+        _prim.doubleSided = IsDoubleSided(delegate);
+    }
+    if (bits & HdChangeTracker::DirtyCullStyle) {
+        _prim.cullStyle = CullStyleFrom(GetCullStyle(delegate));
+    }
+    if (bits & HdChangeTracker::DirtyDisplayStyle) {
+        param->SetRefineLevel(GetDisplayStyle(delegate).refineLevel);
+    }
+    _prim.purpose = PurposeFrom(HdRprim::GetRenderTag());
+    _prim.primId = GetPrimId();
+}
+
+void HdStreamMesh::_SyncGeometry(HdSceneDelegate* delegate, HdDirtyBits bits) {
+    auto mesh = _prim.mesh ? std::make_shared<hds::MeshDescription>(*_prim.mesh)
+                           : std::make_shared<hds::MeshDescription>();
+    if (bits & HdChangeTracker::DirtyTopology) {
+        _SyncTopology(delegate, mesh.get());
+    }
+    if (bits & HdChangeTracker::DirtySubdivTags) {
+        mesh->subdivTags = SubdivTagsFrom(delegate->GetSubdivTags(GetId()));
+    }
+    if (HdChangeTracker::IsAnyPrimvarDirty(bits, GetId())) {
+        HdStreamSyncPrimvars(delegate, GetId(), bits, &mesh->points, &mesh->primvars);
+    }
+    if (!_prim.mesh || !IsEqual(*mesh, *_prim.mesh)) {
+        _prim.mesh = std::move(mesh);
+    }
+}
+
+void HdStreamMesh::_SyncTopology(HdSceneDelegate* delegate, hds::MeshDescription* mesh) {
+    const HdMeshTopology topology = GetMeshTopology(delegate);
+    mesh->faceVertexCounts = HdStreamShareArray<std::int32_t>(topology.GetFaceVertexCounts());
+    mesh->faceVertexIndices = HdStreamShareArray<std::int32_t>(topology.GetFaceVertexIndices());
+    mesh->holeIndices = HdStreamShareArray<std::int32_t>(topology.GetHoleIndices());
+    mesh->subdivisionScheme =
+        topology.GetScheme().IsEmpty() ? "none" : topology.GetScheme().GetString();
+    mesh->leftHanded = topology.GetOrientation() == HdTokens->leftHanded;
+    mesh->subsets.clear();
+    _prim.subsetMaterialPaths.clear();
+    for (const HdGeomSubset& subset : topology.GetGeomSubsets()) {
+        if (subset.type == HdGeomSubset::TypeFaceSet && !subset.indices.empty()) {
+            mesh->subsets.push_back({_scenePath + "/" + subset.id.GetName(),
+                                     HdStreamShareArray<std::int32_t>(subset.indices)});
+            _prim.subsetMaterialPaths.push_back(subset.materialId.GetString());
+        }
+    }
+}
+
+void HdStreamMesh::_Push(HdStreamRenderParam* param) {
+    const bool isDrawable = _prim.mesh && !_prim.mesh->points.empty() &&
+                            !_prim.mesh->faceVertexCounts.empty();
+    if (isDrawable) {
+        param->Push([path = _scenePath, prim = _prim](hds::Session& session) mutable {
+            session.SetMesh(path, std::move(prim));
+        });
+    } else if (_isInScene) {
+        param->Push([path = _scenePath](hds::Session& session) { session.Remove(path); });
+    }
+    _isInScene = isDrawable;
+}
+
+void HdStreamMesh::UpdateRenderTag(HdSceneDelegate* delegate, HdRenderParam* renderParam) {
+    HdMesh::UpdateRenderTag(delegate, renderParam);
+    std::string purpose = PurposeFrom(HdRprim::GetRenderTag());
+    if (purpose != _prim.purpose) {
+        _prim.purpose = std::move(purpose);
+        if (_isInScene) {
+            _Push(static_cast<HdStreamRenderParam*>(renderParam));
+        }
+    }
+}
+
+void HdStreamMesh::Finalize(HdRenderParam* renderParam) {
+    auto* param = static_cast<HdStreamRenderParam*>(renderParam);
+    if (_isInScene) {
+        param->Push([path = _scenePath](hds::Session& session) { session.Remove(path); });
+        _isInScene = false;
+    }
+    if (!_scenePath.empty()) {
+        param->ReleasePath(_scenePath);
+        _scenePath.clear();
+    }
+    _prim.mesh.reset();
+}
+
+PXR_NAMESPACE_CLOSE_SCOPE

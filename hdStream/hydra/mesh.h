@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Meshes. What changes without the geometry (transform, visibility, material, purpose, cull style,
+// instances) keeps the pointer to the description, and with it all that the core has prepared.
+#pragma once
+
+#include "hdStream/scene/sceneDescription.h"
+
+#include <pxr/imaging/hd/mesh.h>
+#include <pxr/pxr.h>
+
+#include <memory>
+#include <string>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+class HdStreamRenderParam;
+
+/// A mesh of Hydra on its way into the core. Synced in parallel with other prims, without a lock.
+class HdStreamMesh final : public HdMesh {
+public:
+    explicit HdStreamMesh(const SdfPath& id);
+
+    HdDirtyBits GetInitialDirtyBitsMask() const override;
+    /// Pulls what is dirty and queues an edit. While the mesh is invisible nothing but its
+    /// visibility is pulled; the other bits stay dirty.
+    void Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam, HdDirtyBits* dirtyBits,
+              const TfToken& reprToken) override;
+    void UpdateRenderTag(HdSceneDelegate* delegate, HdRenderParam* renderParam) override;
+    void Finalize(HdRenderParam* renderParam) override;
+
+protected:
+    HdDirtyBits _PropagateDirtyBits(HdDirtyBits bits) const override;
+    void _InitRepr(const TfToken& reprToken, HdDirtyBits* dirtyBits) override;
+
+private:
+    void _SyncPlacement(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits);
+    void _SyncLook(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits);
+    void _SyncGeometry(HdSceneDelegate* delegate, HdDirtyBits bits);
+    void _SyncTopology(HdSceneDelegate* delegate, hds::MeshDescription* mesh);
+    /// Queues the prim as it is now, or its removal when there is nothing to draw.
+    void _Push(HdStreamRenderParam* param);
+
+    std::string _scenePath; ///< empty until the first Sync
+    hds::MeshPrim _prim;
+    bool _isInScene = false;
+};
+
+PXR_NAMESPACE_CLOSE_SCOPE

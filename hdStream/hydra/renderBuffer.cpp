@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/hydra/renderBuffer.h"
+
+#include "hdStream/film/aov.h"
+#include "hdStream/hydra/floatValues.h"
+#include "hdStream/hydra/pixelWriter.h"
+
+#include <pxr/base/gf/vec3i.h>
+#include <pxr/base/tf/diagnostic.h>
+
+#include <algorithm>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+namespace {
+
+const hds::ImageLayer* FindLayer(const hds::FilmImage& image, const std::string& name,
+                                 const GfRect2i& window) {
+    for (const hds::ImageLayer& layer : image.layers) {
+        if (layer.name == name) {
+            const bool fits = static_cast<int>(layer.width) == window.GetWidth() &&
+                              static_cast<int>(layer.height) == window.GetHeight();
+            return fits ? &layer : nullptr;
+        }
+    }
+    return nullptr;
+}
+
+/// What a pixel is where nothing is rendered: the binding's clear value, else the AOV's own.
+HdStreamPixel ClearPixel(const std::string& aovName, const VtValue& clearValue) {
+    const hds::AovInfo* info = hds::FindAov(aovName);
+    HdStreamPixel pixel;
+    pixel.isInteger = info && info->isInteger;
+    pixel.id = info ? info->clearId : 0;
+    if (info && !info->isColor) {
+        pixel.values.fill(info->clearValue);
+    }
+    if (clearValue.IsHolding<int>()) {
+        pixel.id = clearValue.UncheckedGet<int>();
+    } else if (const std::optional<HdStreamFloatRows> rows = HdStreamGetFloatRows(clearValue)) {
+        std::copy_n(rows->values.begin(), rows->numComponents, pixel.values.begin());
+    }
+    return pixel;
+}
+
+/// A pixel of a layer; colour is composited over the clear colour, both premultiplied.
+HdStreamPixel PixelOf(const hds::ImageLayer& layer, std::size_t index, bool isColor,
+                      const HdStreamPixel& clear) {
+    HdStreamPixel pixel;
+    if (layer.isInteger) {
+        pixel.isInteger = true;
+        pixel.id = layer.ids[index];
+        return pixel;
+    }
+    const std::size_t numChannels = layer.channels.size();
+    pixel.values[3] = 1.0F;
+    std::copy_n(layer.values.data() + index * numChannels, std::min<std::size_t>(numChannels, 4),
+                pixel.values.begin());
+    if (isColor) {
+        const float uncovered = 1.0F - pixel.values[3];
+        for (std::size_t c = 0; c < 4; ++c) {
+            pixel.values[c] += uncovered * clear.values[c];
+        }
+    }
+    return pixel;
+}
+
+} // namespace
+
+/// The image is held weakly, so that a buffer nobody looks at keeps no film alive.
+struct HdStreamRenderBuffer::Shown {
+    std::weak_ptr<const hds::FilmImage> image;
+    bool isNothing = true; ///< no image, or one without the layer
+    std::string aovName;
+    GfRect2i dataWindow;
+    VtValue clearValue;
+
+    bool IsImage(const std::shared_ptr<const hds::FilmImage>& other) const {
+        return other && !isNothing && !image.owner_before(other) && !other.owner_before(image);
+    }
+};
+
+HdStreamRenderBuffer::HdStreamRenderBuffer(const SdfPath& id) : HdRenderBuffer(id) {}
+
+HdStreamRenderBuffer::~HdStreamRenderBuffer() = default;
+
+bool HdStreamRenderBuffer::Allocate(const GfVec3i& dimensions, HdFormat format, bool) {
+    if (dimensions[0] < 0 || dimensions[1] < 0 || dimensions[2] != 1 ||
+        !HdStreamIsWritableFormat(format)) {
+        TF_WARN("%s: a render buffer of %d x %d x %d pixels of format %d cannot be allocated",
+                GetId().GetText(), dimensions[0], dimensions[1], dimensions[2],
+                static_cast<int>(format));
+        return false;
+    }
+    const std::lock_guard<std::mutex> lock(_mutex);
+    _Deallocate();
+    _width = static_cast<unsigned int>(dimensions[0]);
+    _height = static_cast<unsigned int>(dimensions[1]);
+    _format = format;
+    _pixels.assign(std::size_t{_width} * _height * HdDataSizeOfFormat(format), 0);
+    return true;
+}
+
+void HdStreamRenderBuffer::_Deallocate() {
+    _width = 0;
+    _height = 0;
+    _format = HdFormatInvalid;
+    _pixels = {};
+    _shown.reset();
+    _numMappers.store(0);
+    _isConverged.store(false);
+}
+
+void* HdStreamRenderBuffer::Map() {
+    const std::lock_guard<std::mutex> lock(_mutex);
+    if (_pixels.empty()) {
+        return nullptr;
+    }
+    ++_numMappers;
+    return _pixels.data();
+}
+
+void HdStreamRenderBuffer::Unmap() {
+    const std::lock_guard<std::mutex> lock(_mutex);
+    if (_numMappers.load() > 0) {
+        --_numMappers;
+    }
+}
+
+HdStreamShowResult HdStreamRenderBuffer::Show(const std::shared_ptr<const hds::FilmImage>& image,
+                                              const std::string& aovName,
+                                              const GfRect2i& dataWindow,
+                                              const VtValue& clearValue) {
+    const std::lock_guard<std::mutex> lock(_mutex);
+    const hds::ImageLayer* layer = image ? FindLayer(*image, aovName, dataWindow) : nullptr;
+    const HdStreamShowResult result =
+        layer ? HdStreamShowResult::Shown : HdStreamShowResult::Missing;
+    const VtValue& clear = clearValue.IsEmpty() && _shown ? _shown->clearValue : clearValue;
+    const bool isSame = _shown && _shown->aovName == aovName &&
+                        _shown->dataWindow == dataWindow && _shown->clearValue == clear &&
+                        (layer ? _shown->IsImage(image) : _shown->isNothing);
+    if (isSame) {
+        return result;
+    }
+    if (_numMappers.load() > 0) {
+        return HdStreamShowResult::Mapped;
+    }
+    const hds::AovInfo* info = hds::FindAov(aovName);
+    const bool isComposited = info && info->isColor && info->NumChannels() == 4;
+    _Write(layer, dataWindow, isComposited, ClearPixel(aovName, clear));
+    auto shown = std::make_unique<Shown>();
+    shown->isNothing = layer == nullptr;
+    shown->aovName = aovName;
+    shown->dataWindow = dataWindow;
+    shown->clearValue = clear;
+    shown->image = image;
+    _shown = std::move(shown);
+    return result;
+}
+
+void HdStreamRenderBuffer::_Write(const hds::ImageLayer* layer, const GfRect2i& dataWindow,
+                                  bool isColor, const HdStreamPixel& clear) {
+    const std::size_t rowBytes = _width * HdDataSizeOfFormat(_format);
+    std::vector<HdStreamPixel> row(_width, clear);
+    for (unsigned int y = 0; y < _height; ++y) {
+        const int imageY = static_cast<int>(y) - dataWindow.GetMinY();
+        const bool isInside =
+            layer && imageY >= 0 && imageY < static_cast<int>(layer->height);
+        for (unsigned int x = 0; x < _width; ++x) {
+            const int imageX = static_cast<int>(x) - dataWindow.GetMinX();
+            if (isInside && imageX >= 0 && imageX < static_cast<int>(layer->width)) {
+                const std::size_t index =
+                    static_cast<std::size_t>(imageY) * layer->width + static_cast<std::size_t>(imageX);
+                row[x] = PixelOf(*layer, index, isColor, clear);
+            } else {
+                row[x] = clear;
+            }
+        }
+        // Images go from top to bottom, Hydra's buffers from bottom to top.
+        HdStreamWritePixels(_format, row.data(), row.size(),
+                            _pixels.data() + (_height - 1 - y) * rowBytes);
+    }
+}
+
+PXR_NAMESPACE_CLOSE_SCOPE

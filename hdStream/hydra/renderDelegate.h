@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// The render delegate: makes prims, keeps settings, controls the render thread. It only translates;
+// what a scene means is decided in the core. Explained in docs/hydra.md.
+#pragma once
+
+#include "hdStream/hydra/renderParam.h"
+#include "hdStream/hydra/settingsBridge.h"
+
+#include <pxr/imaging/hd/renderDelegate.h>
+#include <pxr/imaging/hd/resourceRegistry.h>
+#include <pxr/pxr.h>
+
+#include <memory>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+/// One renderer of one render index. Delegates share nothing: several may live at once, and one may
+/// go while others render. Application's thread only, but for Sync of the prims it makes.
+class HdStreamRenderDelegate final : public HdRenderDelegate {
+public:
+    explicit HdStreamRenderDelegate(const HdRenderSettingsMap& settings);
+    /// Ends the render and waits for that.
+    ~HdStreamRenderDelegate() override;
+
+    HdStreamRenderParam& Param() const { return *_param; }
+
+    /// Settings of the application and the scene, without what a render pass decides.
+    hds::Settings ComposeSettings();
+
+    /// Writes the scene to the file of HDSTREAM_DUMP_SCENE, the first time.
+    void DumpOnce();
+
+    // --- HdRenderDelegate ------------------------------------------------------------------------
+    const TfTokenVector& GetSupportedRprimTypes() const override;
+    /// In the order in which they are synced: materials before lights and cameras.
+    const TfTokenVector& GetSupportedSprimTypes() const override;
+    const TfTokenVector& GetSupportedBprimTypes() const override;
+    HdRenderParam* GetRenderParam() const override { return _param.get(); }
+    HdResourceRegistrySharedPtr GetResourceRegistry() const override { return _resourceRegistry; }
+
+    void SetRenderSetting(const TfToken& key, const VtValue& value) override;
+    VtValue GetRenderSetting(const TfToken& key) const override;
+    HdRenderSettingDescriptorList GetRenderSettingDescriptors() const override;
+    VtDictionary GetRenderStats() const override;
+    HdContainerDataSourceHandle GetCapabilities() const override;
+
+    bool IsPauseSupported() const override { return true; }
+    bool IsPaused() const override;
+    bool Pause() override;
+    bool Resume() override;
+    bool IsStopSupported() const override { return true; }
+    bool IsStopped() const override;
+    bool Stop(bool blocking) override;
+    bool Restart() override;
+
+    HdRenderPassSharedPtr CreateRenderPass(HdRenderIndex* index,
+                                           const HdRprimCollection& collection) override;
+    HdInstancer* CreateInstancer(HdSceneDelegate* delegate, const SdfPath& id) override;
+    void DestroyInstancer(HdInstancer* instancer) override;
+    HdRprim* CreateRprim(const TfToken& typeId, const SdfPath& id) override;
+    void DestroyRprim(HdRprim* rprim) override;
+    HdSprim* CreateSprim(const TfToken& typeId, const SdfPath& id) override;
+    HdSprim* CreateFallbackSprim(const TfToken& typeId) override;
+    void DestroySprim(HdSprim* sprim) override;
+    HdBprim* CreateBprim(const TfToken& typeId, const SdfPath& id) override;
+    HdBprim* CreateFallbackBprim(const TfToken& typeId) override;
+    void DestroyBprim(HdBprim* bprim) override;
+
+    /// Hands the edits of all synced prims to the render thread; returns at once.
+    void CommitResources(HdChangeTracker* tracker) override;
+
+    TfToken GetMaterialBindingPurpose() const override;
+    TfTokenVector GetMaterialRenderContexts() const override;
+    TfTokenVector GetRenderSettingsNamespaces() const override;
+    bool IsPrimvarFilteringNeeded() const override { return false; }
+    bool IsParallelSyncEnabled(const TfToken& primType) const override;
+    HdAovDescriptor GetDefaultAovDescriptor(const TfToken& name) const override;
+    HdCommandDescriptors GetCommandDescriptors() const override;
+    bool InvokeCommand(const TfToken& command, const HdCommandArgs& arguments) override;
+
+private:
+
+    HdStreamSettingsBridge _settings;
+    hds::Settings _composed;
+    unsigned int _composedVersion = 0;      ///< of the application's settings
+    unsigned int _composedSceneVersion = 0; ///< of the scene's
+    bool _isComposed = false;
+    bool _isDumped = false;
+    HdResourceRegistrySharedPtr _resourceRegistry;
+    std::unique_ptr<HdStreamRenderParam> _param;
+};
+
+PXR_NAMESPACE_CLOSE_SCOPE

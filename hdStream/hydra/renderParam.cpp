@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/hydra/renderParam.h"
+
+#include <pxr/base/tf/diagnostic.h>
+
+#include <utility>
+#include <vector>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+namespace {
+
+/// More lines than this help nobody; all of them are in the statistics.
+constexpr unsigned int kMaxWarningsPrinted = 100;
+
+} // namespace
+
+HdStreamRenderParam::HdStreamRenderParam()
+    : _thread([this](const std::string& line) { _warnings.push(line); }) {}
+
+HdStreamRenderParam::~HdStreamRenderParam() {
+    PrintWarnings();
+}
+
+void HdStreamRenderParam::Push(hds::RenderThread::Edit edit) {
+    _edits.push(std::move(edit));
+}
+
+void HdStreamRenderParam::Commit() {
+    std::vector<hds::RenderThread::Edit> edits;
+    hds::RenderThread::Edit edit;
+    while (_edits.try_pop(edit)) {
+        edits.push_back(std::move(edit));
+    }
+    if (!edits.empty()) {
+        _thread.Post(std::move(edits));
+    }
+}
+
+void HdStreamRenderParam::Warn(const SdfPath& prim, const std::string& text) {
+    Push([path = prim.GetString(), text](hds::Session& session) { session.Warn(path, text); });
+}
+
+void HdStreamRenderParam::PrintWarnings() {
+    std::string line;
+    while (_warnings.try_pop(line)) {
+        ++_numWarningsPrinted;
+        if (_numWarningsPrinted <= kMaxWarningsPrinted) {
+            TF_WARN("%s", line.c_str());
+        } else if (_numWarningsPrinted == kMaxWarningsPrinted + 1) {
+            TF_WARN("Stream: more warnings are in the render statistics only");
+        }
+    }
+}
+
+std::string HdStreamRenderParam::ReservePath(const std::string& wanted, const SdfPath& id) {
+    if (_idByScenePath.insert({wanted, id})) {
+        return wanted;
+    }
+    std::string path = wanted + "{" + id.GetString() + "}";
+    _idByScenePath.insert({path, id});
+    return path;
+}
+
+void HdStreamRenderParam::ReleasePath(const std::string& path) {
+    _idByScenePath.erase(path);
+}
+
+void HdStreamRenderParam::SetSceneSettings(const SdfPath& owner, const VtDictionary& settings) {
+    if (_sceneSettingsOwner == owner && _sceneSettings == settings) {
+        return;
+    }
+    _sceneSettingsOwner = owner;
+    _sceneSettings = settings;
+    ++_sceneSettingsVersion;
+}
+
+void HdStreamRenderParam::ClearSceneSettings(const SdfPath& owner) {
+    if (_sceneSettingsOwner == owner) {
+        SetSceneSettings(SdfPath(), VtDictionary());
+    }
+}
+
+PXR_NAMESPACE_CLOSE_SCOPE

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// What all prims and passes of a delegate share: the core's render thread and the way edits take to
+// it. Prims are synced on many threads and only push; nobody waits for the render thread.
+// Explained in docs/hydra.md.
+#pragma once
+
+#include "hdStream/session/renderThread.h"
+
+#include <pxr/base/vt/dictionary.h>
+#include <pxr/imaging/hd/renderDelegate.h>
+#include <pxr/pxr.h>
+#include <pxr/usd/sdf/path.h>
+
+#include <tbb/concurrent_hash_map.h>
+#include <tbb/concurrent_queue.h>
+
+#include <atomic>
+#include <string>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+/// Owned by the delegate, outlives its prims. Thread-safe except where noted.
+class HdStreamRenderParam final : public HdRenderParam {
+public:
+    HdStreamRenderParam();
+    ~HdStreamRenderParam() override;
+
+    hds::RenderThread& Thread() { return _thread; }
+
+    /// Queues an edit for the next Commit. Lock-free.
+    void Push(hds::RenderThread::Edit edit);
+
+    /// Hands all queued edits to the render thread as one version. Application's thread only.
+    void Commit();
+
+    /// A warning about scene content: printed once per text, and part of the statistics.
+    void Warn(const SdfPath& prim, const std::string& text);
+
+    /// Prints warnings that arrived since the last call. Application's thread only: printing on the
+    /// render thread could meet a diagnostic delegate that waits for a lock the application holds.
+    void PrintWarnings();
+
+    /// Reserves a path of the scene for a prim of Hydra: `wanted`, or a path made unique with the
+    /// prim's id when another prim has it.
+    std::string ReservePath(const std::string& wanted, const SdfPath& id);
+    void ReleasePath(const std::string& path);
+
+    /// The refine level that Hydra gives its meshes; the same for all of them.
+    void SetRefineLevel(int level) { _refineLevel.store(level, std::memory_order_relaxed); }
+    int RefineLevel() const { return _refineLevel.load(std::memory_order_relaxed); }
+
+    // --- Settings of the scene's active render settings prim; application's thread only. ---
+    /// \param owner the prim; settings of a prim that is not active are empty.
+    void SetSceneSettings(const SdfPath& owner, const VtDictionary& settings);
+    void ClearSceneSettings(const SdfPath& owner);
+    const VtDictionary& SceneSettings() const { return _sceneSettings; }
+    /// Changes with every change of the scene's settings.
+    unsigned int SceneSettingsVersion() const { return _sceneSettingsVersion; }
+
+private:
+    tbb::concurrent_queue<hds::RenderThread::Edit> _edits;
+    tbb::concurrent_queue<std::string> _warnings;
+    tbb::concurrent_hash_map<std::string, SdfPath> _idByScenePath;
+    std::atomic<int> _refineLevel{0};
+    VtDictionary _sceneSettings;
+    SdfPath _sceneSettingsOwner;
+    unsigned int _sceneSettingsVersion = 0;
+    unsigned int _numWarningsPrinted = 0;
+    hds::RenderThread _thread; ///< last: joined before what its edits and warnings use goes
+};
+
+PXR_NAMESPACE_CLOSE_SCOPE

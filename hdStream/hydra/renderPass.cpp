@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/hydra/renderPass.h"
+
+#include "hdStream/film/aov.h"
+#include "hdStream/hydra/aovs.h"
+#include "hdStream/hydra/arrays.h"
+#include "hdStream/hydra/camera.h"
+#include "hdStream/hydra/framing.h"
+#include "hdStream/hydra/renderBuffer.h"
+#include "hdStream/hydra/renderDelegate.h"
+#include "hdStream/hydra/renderParam.h"
+
+#include <pxr/base/gf/camera.h>
+#include <pxr/base/tf/diagnostic.h>
+#include <pxr/imaging/hd/tokens.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+namespace {
+
+const std::string kMatrixCameraPath = "/hdStreamMatrixCamera";
+
+/// Purposes that render tags stand for, in one order whatever that of the tags. No tags: all.
+std::vector<std::string> PurposesFrom(const TfTokenVector& renderTags) {
+    static const std::pair<TfToken, const char*> purposes[] = {
+        {HdRenderTagTokens->geometry, "default"},
+        {HdRenderTagTokens->render, "render"},
+        {HdRenderTagTokens->proxy, "proxy"},
+        {HdRenderTagTokens->guide, "guide"},
+    };
+    std::vector<std::string> result;
+    for (const auto& [tag, purpose] : purposes) {
+        if (renderTags.empty() ||
+            std::find(renderTags.begin(), renderTags.end(), tag) != renderTags.end()) {
+            result.emplace_back(purpose);
+        }
+    }
+    return result;
+}
+
+std::string CullStyleName(HdCullStyle style) {
+    switch (style) {
+    case HdCullStyleBack:
+        return "back";
+    case HdCullStyleFront:
+        return "front";
+    case HdCullStyleBackUnlessDoubleSided:
+        return "backUnlessDoubleSided";
+    case HdCullStyleFrontUnlessDoubleSided:
+        return "frontUnlessDoubleSided";
+    default:
+        return "nothing";
+    }
+}
+
+/// The layers that the bindings want, each once.
+std::vector<std::string> AovsFrom(const HdRenderPassAovBindingVector& bindings) {
+    std::vector<std::string> names;
+    for (const HdRenderPassAovBinding& binding : bindings) {
+        const std::string& name = binding.aovName.GetString();
+        if (HdStreamAovDescriptor(binding.aovName).format != HdFormatInvalid &&
+            std::find(names.begin(), names.end(), name) == names.end()) {
+            names.push_back(name);
+        }
+    }
+    return names;
+}
+
+/// A camera that projects as two matrices of OpenGL's kind do.
+hds::CameraPrim CameraFromMatrices(const GfMatrix4d& worldToView, const GfMatrix4d& projection) {
+    GfCamera source;
+    source.SetFromViewAndProjectionMatrix(worldToView, projection);
+    const auto aperture = static_cast<float>(GfCamera::APERTURE_UNIT);
+    hds::CameraPrim camera;
+    camera.worldFromCamera = HdStreamToGlm(source.GetTransform());
+    camera.orthographic = source.GetProjection() == GfCamera::Orthographic;
+    camera.horizontalAperture = source.GetHorizontalAperture() * aperture;
+    camera.verticalAperture = source.GetVerticalAperture() * aperture;
+    camera.horizontalApertureOffset = source.GetHorizontalApertureOffset() * aperture;
+    camera.verticalApertureOffset = source.GetVerticalApertureOffset() * aperture;
+    camera.focalLength =
+        source.GetFocalLength() * static_cast<float>(GfCamera::FOCAL_LENGTH_UNIT);
+    camera.nearClip = source.GetClippingRange().GetMin();
+    camera.farClip = source.GetClippingRange().GetMax();
+    return camera;
+}
+
+HdStreamRenderBuffer* BufferOf(const HdRenderPassAovBinding& binding, HdRenderIndex* index) {
+    HdRenderBuffer* buffer = binding.renderBuffer;
+    if (!buffer && !binding.renderBufferId.IsEmpty()) {
+        buffer = static_cast<HdRenderBuffer*>(
+            index->GetBprim(HdPrimTypeTokens->renderBuffer, binding.renderBufferId));
+    }
+    return static_cast<HdStreamRenderBuffer*>(buffer);
+}
+
+} // namespace
+
+HdStreamRenderPass::HdStreamRenderPass(HdRenderIndex* index, const HdRprimCollection& collection,
+                                       HdStreamRenderDelegate* delegate)
+    : HdRenderPass(index, collection), _delegate(delegate) {}
+
+void HdStreamRenderPass::_Execute(const HdRenderPassStateSharedPtr& state,
+                                  const TfTokenVector& renderTags) {
+    HdStreamRenderParam& param = _delegate->Param();
+    param.PrintWarnings();
+    const hds::Settings settings = _MakeSettings(*state, renderTags);
+    if (settings.aovs.empty() || settings.imageWidth == 0 || settings.imageHeight == 0) {
+        _isConverged = true; // Nothing is asked for.
+        return;
+    }
+    _delegate->DumpOnce();
+    param.Thread().SetSettings(settings);
+    _Show(*state);
+}
+
+hds::Settings HdStreamRenderPass::_MakeSettings(const HdRenderPassState& state,
+                                                const TfTokenVector& renderTags) {
+    hds::Settings settings = _delegate->ComposeSettings();
+    HdStreamApplyFraming(HdStreamFramingOf(state), &settings);
+    settings.conformPolicy = HdStreamConformPolicy(state.GetWindowPolicy());
+    settings.camera = _CameraPath(state, &settings);
+    settings.purposes = PurposesFrom(renderTags);
+    settings.cullStyle = CullStyleName(state.GetCullStyle());
+    settings.aovs = AovsFrom(state.GetAovBindings());
+    return settings;
+}
+
+std::string HdStreamRenderPass::_CameraPath(const HdRenderPassState& state,
+                                            hds::Settings* settings) {
+    if (const HdCamera* camera = state.GetCamera()) {
+        return camera->GetId().GetString();
+    }
+    // The projection has been fitted to the image already.
+    settings->conformPolicy = HdStreamConformPolicy(CameraUtilDontConform);
+    const GfMatrix4d worldToView = state.GetWorldToViewMatrix();
+    const GfMatrix4d projection = state.GetProjectionMatrix();
+    if (worldToView != _worldToView || projection != _projection) {
+        _worldToView = worldToView;
+        _projection = projection;
+        HdStreamRenderParam& param = _delegate->Param();
+        param.Push([camera = CameraFromMatrices(worldToView, projection)](hds::Session& session) {
+            session.SetCamera(kMatrixCameraPath, camera);
+        });
+        param.Commit();
+    }
+    return kMatrixCameraPath;
+}
+
+void HdStreamRenderPass::_Show(const HdRenderPassState& state) {
+    hds::RenderThread& thread = _delegate->Param().Thread();
+    // In this order: what is newest now is at least what made it converge.
+    const bool isConverged = thread.IsConverged();
+    const std::shared_ptr<const hds::FilmImage> image = thread.Newest();
+    if (image) {
+        _Report(*image);
+    }
+    const GfRect2i dataWindow = HdStreamFramingOf(state).dataWindow;
+    bool isMapped = false;
+    for (const HdRenderPassAovBinding& binding : state.GetAovBindings()) {
+        if (HdStreamRenderBuffer* buffer = BufferOf(binding, GetRenderIndex())) {
+            const HdStreamShowResult result =
+                buffer->Show(image, binding.aovName.GetString(), dataWindow, binding.clearValue);
+            isMapped |= result == HdStreamShowResult::Mapped;
+            buffer->SetConverged(isConverged && result != HdStreamShowResult::Mapped);
+        }
+    }
+    _isConverged = isConverged && !isMapped;
+}
+
+void HdStreamRenderPass::_Report(const hds::FilmImage& image) {
+    if (image.error != _reported) {
+        _reported = image.error;
+        if (!image.error.empty()) {
+            TF_RUNTIME_ERROR("Stream: %s", image.error.c_str());
+        }
+    }
+}
+
+PXR_NAMESPACE_CLOSE_SCOPE

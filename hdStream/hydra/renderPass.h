@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// The render pass: tells the render thread what to render and shows what it has published. Never
+// waits for it.
+#pragma once
+
+#include "hdStream/session/renderThread.h"
+
+#include <pxr/base/gf/matrix4d.h>
+#include <pxr/imaging/hd/renderPass.h>
+#include <pxr/imaging/hd/renderPassState.h>
+#include <pxr/pxr.h>
+
+#include <memory>
+#include <string>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+class HdStreamRenderDelegate;
+
+/// A pass over the whole scene. Application's thread only.
+class HdStreamRenderPass final : public HdRenderPass {
+public:
+    HdStreamRenderPass(HdRenderIndex* index, const HdRprimCollection& collection,
+                       HdStreamRenderDelegate* delegate);
+
+    /// True once the final image, or an error, was shown in the bound buffers.
+    bool IsConverged() const override { return _isConverged; }
+
+protected:
+    void _Execute(const HdRenderPassStateSharedPtr& state,
+                  const TfTokenVector& renderTags) override;
+
+private:
+    hds::Settings _MakeSettings(const HdRenderPassState& state, const TfTokenVector& renderTags);
+    /// The scene path of the pass's camera; one made of its matrices when it has none.
+    std::string _CameraPath(const HdRenderPassState& state, hds::Settings* settings);
+    void _Show(const HdRenderPassState& state);
+    /// Reports an image's error, once while it lasts.
+    void _Report(const hds::FilmImage& image);
+
+    HdStreamRenderDelegate* _delegate;
+    GfMatrix4d _worldToView{0.0}; ///< of the camera made of matrices
+    GfMatrix4d _projection{0.0};
+    std::string _reported; ///< the error that was reported last
+    bool _isConverged = false;
+};
+
+PXR_NAMESPACE_CLOSE_SCOPE

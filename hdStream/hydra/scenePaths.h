@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// The paths that prims get in the core's scene: those of USD where Hydra can tell them, so that both
+// front ends name a prim alike (docs/hydra.md, "Names of prims").
+#pragma once
+
+#include <pxr/imaging/hd/sceneDelegate.h>
+#include <pxr/pxr.h>
+#include <pxr/usd/sdf/path.h>
+
+#include <string>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+/// The path of a prim. Below native instances: its path in the first instance. Below a point
+/// instancer: its USD path when it lies below the instancer, else "INSTANCER{PATH}". Hydra's id,
+/// which is unique, where neither is known. Thread-safe during Sync.
+/// \param delegate the one that syncs the prim
+/// \param instancerId empty: not instanced
+/// \param instancerPath scene path of the instancer
+std::string HdStreamScenePath(HdSceneDelegate* delegate, const SdfPath& id,
+                              const SdfPath& instancerId, const std::string& instancerPath);
+
+/// The path of an instancer: of the first native instance it stands for, or its own.
+std::string HdStreamInstancerScenePath(HdSceneDelegate* delegate, const SdfPath& id,
+                                       const SdfPath& parentId, const std::string& parentPath);
+
+/// The legacy scene delegate that a prim comes from; null when scene indices made it.
+HdSceneDelegate* HdStreamFindLegacyDelegate(HdSceneDelegate* delegate, const SdfPath& id);
+
+PXR_NAMESPACE_CLOSE_SCOPE

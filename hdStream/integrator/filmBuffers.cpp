@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/integrator/filmBuffers.h"
+
+#include <algorithm>
+
+namespace hds {
+
+namespace {
+
+void Resize(const std::shared_ptr<Device>& device, const char* label, std::uint64_t bytes,
+            Buffer* buffer) {
+    if (!buffer->IsValid() || buffer->Bytes() != bytes) {
+        *buffer = Buffer(); // frees first
+        *buffer = Buffer(device, label, bytes);
+    }
+}
+
+std::uint32_t OffsetOf(const AovLayout& layout, const char* name) {
+    const AovSlot* slot = layout.Find(name);
+    return slot != nullptr ? slot->offset : HDS_NONE;
+}
+
+} // namespace
+
+bool NeedsFirstHits(const AovLayout& layout) {
+    return std::any_of(layout.slots.begin(), layout.slots.end(),
+                       [](const AovSlot& slot) { return slot.info->filter == AovFilter::First; });
+}
+
+void FilmBuffers::Reset(const AovLayout& layout, std::uint32_t width, std::uint32_t height) {
+    _layout = layout;
+    _width = width;
+    _height = height;
+    _hasFirstHits = false;
+    const std::uint64_t numPixels = std::uint64_t{width} * height;
+    Resize(_device, "film", numPixels * sizeof(shared::HdsFilmPixel), &_film);
+    _film.Fill(0, _film.Bytes());
+    Resize(_device, "AOV floats", numPixels * layout.floatsPerPixel * sizeof(float), &_floats);
+    Resize(_device, "AOV ids", numPixels * layout.intsPerPixel * sizeof(std::int32_t), &_ints);
+}
+
+bool FilmBuffers::NeedsFirstHits() const {
+    return hds::NeedsFirstHits(_layout);
+}
+
+shared::HdsAovOffsets FilmBuffers::FirstHitOffsets(const glm::dvec3& centre) const {
+    shared::HdsAovOffsets offsets{};
+    offsets.floatStride = _layout.floatsPerPixel;
+    offsets.intStride = _layout.intsPerPixel;
+    offsets.depth = OffsetOf(_layout, "depth");
+    offsets.cameraDepth = OffsetOf(_layout, "cameraDepth");
+    offsets.normal = OffsetOf(_layout, "normal");
+    offsets.normalEye = OffsetOf(_layout, "Neye");
+    offsets.position = OffsetOf(_layout, "position");
+    offsets.albedo = OffsetOf(_layout, "albedo");
+    offsets.primId = OffsetOf(_layout, "primId");
+    offsets.instanceId = OffsetOf(_layout, "instanceId");
+    offsets.elementId = OffsetOf(_layout, "elementId");
+    offsets.primvars = _layout.primvarOffset;
+    offsets.numPrimvars = static_cast<std::uint32_t>(_layout.primvars.size());
+    for (int i = 0; i < 3; ++i) {
+        offsets.centre[i] = static_cast<float>(centre[i]);
+    }
+    return offsets;
+}
+
+std::vector<ImageLayer> FilmBuffers::Develop(StageKernels* kernels, std::uint32_t previewStride) {
+    std::vector<ImageLayer> layers;
+    if (previewStride == 0) {
+        for (const AovSlot& slot : _layout.slots) {
+            layers.push_back(MakeClearLayer(*slot.info, _width, _height));
+        }
+        return layers;
+    }
+    const std::uint32_t numPixels = _width * _height;
+    kernels->develop.Launch(numPixels, _film, numPixels, _floats, _layout.floatsPerPixel, _ints,
+                            _layout.intsPerPixel, OffsetOf(_layout, "color"),
+                            OffsetOf(_layout, "alpha"), OffsetOf(_layout, "variance"),
+                            OffsetOf(_layout, "sampleCount"));
+    std::vector<float> floats(std::size_t{numPixels} * _layout.floatsPerPixel);
+    std::vector<std::int32_t> ints(std::size_t{numPixels} * _layout.intsPerPixel);
+    _device->Finish();
+    _floats.Read(floats.data(), floats.size() * sizeof(float));
+    _ints.Read(ints.data(), ints.size() * sizeof(std::int32_t));
+    layers = MakeLayers(_layout, _width, _height, floats.data(), ints.data());
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+        const AovInfo& info = *_layout.slots[i].info;
+        if (info.filter == AovFilter::First && !_hasFirstHits) {
+            layers[i] = MakeClearLayer(info, _width, _height);
+        } else if (info.filter == AovFilter::Weighted && previewStride > 1) {
+            FillPreview(&layers[i], previewStride);
+        }
+    }
+    return layers;
+}
+
+} // namespace hds

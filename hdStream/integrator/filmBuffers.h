@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// The film in device memory and its AOVs on the way to host memory.
+// Explained in docs/film.md.
+#pragma once
+
+#include "hdStream/device/device.h"
+#include "hdStream/film/aov.h"
+#include "hdStream/integrator/stageKernels.h"
+#include "kernels/shared/frame.h"
+
+#include <memory>
+#include <vector>
+
+namespace hds {
+
+/// Sums of samples, and the AOVs developed from them or found by first hits. Externally
+/// synchronised.
+class FilmBuffers {
+public:
+    explicit FilmBuffers(std::shared_ptr<Device> device) : _device(std::move(device)) {}
+
+    /// A black film of that size with buffers for the AOVs. Keeps memory of the same size.
+    void Reset(const AovLayout& layout, std::uint32_t width, std::uint32_t height);
+
+    const Buffer& Film() const { return _film; }
+    const Buffer& Floats() const { return _floats; }
+    const Buffer& Ints() const { return _ints; }
+    std::uint64_t Bytes() const { return _film.Bytes(); }
+
+    /// Where the kernel `aov` writes. \param centre of the scene, world space.
+    shared::HdsAovOffsets FirstHitOffsets(const glm::dvec3& centre) const;
+
+    /// Some AOV is found by first hits / they have all been found since Reset.
+    bool NeedsFirstHits() const;
+    bool HasFirstHits() const { return _hasFirstHits; }
+    void SetHasFirstHits() { _hasFirstHits = true; }
+
+    /// All AOVs of the layout. Blocks. Those of first hits are at their clear values until they
+    /// have been found. \param previewStride as Progress::previewStride; 0 gives clear values.
+    std::vector<ImageLayer> Develop(StageKernels* kernels, std::uint32_t previewStride);
+
+private:
+    std::shared_ptr<Device> _device;
+    AovLayout _layout;
+    std::uint32_t _width = 0;
+    std::uint32_t _height = 0;
+    Buffer _film;
+    Buffer _floats;
+    Buffer _ints;
+    bool _hasFirstHits = false;
+};
+
+/// True when some AOV of the layout is found by a ray through each pixel's centre.
+bool NeedsFirstHits(const AovLayout& layout);
+
+} // namespace hds

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/scene/meshStore.h"
+
+#include <tbb/parallel_for.h>
+
+#include <atomic>
+#include <thread>
+
+namespace hds {
+
+namespace {
+
+/// One worker may take one mesh at a time: meshes differ in size by orders of magnitude.
+constexpr std::size_t kGrain = 1;
+
+} // namespace
+
+bool MeshStore::Prepare(const SceneDescription& scene, const std::vector<const Entry*>& drawn,
+                        const MeshOptions& options, Warnings& warnings,
+                        const CancelCallback& isCancelled) {
+    if (!(options == _options)) {
+        _items.clear();
+        _options = options;
+    }
+    for (auto item = _items.begin(); item != _items.end();) {
+        const auto prim = scene.meshes.find(item->first);
+        const bool isCurrent =
+            prim != scene.meshes.end() && prim->second.mesh == item->second.description;
+        item = isCurrent ? std::next(item) : _items.erase(item);
+    }
+    std::vector<const Entry*> missing;
+    for (const Entry* entry : drawn) {
+        if (_items.count(entry->first) == 0) {
+            missing.push_back(entry);
+        }
+    }
+    std::vector<std::shared_ptr<const PreparedMesh>> prepared(missing.size());
+    std::atomic<bool> isStopped{false};
+    const std::thread::id caller = std::this_thread::get_id();
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, missing.size(), kGrain),
+        [&](const tbb::blocked_range<std::size_t>& range) {
+            if (std::this_thread::get_id() == caller && isCancelled && isCancelled()) {
+                isStopped = true;
+            }
+            for (std::size_t i = range.begin(); i < range.end() && !isStopped; ++i) {
+                prepared[i] = std::make_shared<const PreparedMesh>(
+                    PrepareMesh(missing[i]->first, *missing[i]->second.mesh, options, warnings));
+            }
+        });
+    for (std::size_t i = 0; i < missing.size(); ++i) {
+        if (prepared[i]) {
+            ++_numPrepared;
+            _numChunksBuilt += prepared[i]->chunks.size();
+            _items[missing[i]->first] = {missing[i]->second.mesh, prepared[i], nullptr};
+        }
+    }
+    return !isStopped;
+}
+
+const PreparedMesh& MeshStore::Find(const std::string& path) const {
+    return *_items.at(path).prepared;
+}
+
+std::shared_ptr<const TriangleMesh> MeshStore::Triangles(const std::string& path,
+                                                         Warnings& warnings) {
+    Item& item = _items.at(path);
+    if (!item.triangles) {
+        item.triangles = TriangulateMesh(path, *item.description, _options, warnings);
+    }
+    return item.triangles;
+}
+
+} // namespace hds

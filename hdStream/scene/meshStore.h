@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Prepared meshes, kept from commit to commit: a mesh is prepared again only when its description
+// or the options are others.
+#pragma once
+
+#include "hdStream/scene/meshCommit.h"
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace hds {
+
+/// Asked between pieces of work, on the thread that commits; true: give up.
+using CancelCallback = std::function<bool()>;
+
+/// By prim path. Externally synchronised.
+class MeshStore {
+public:
+    using Entry = std::pair<const std::string, MeshPrim>;
+
+    /// Prepares those of `drawn` that are not prepared yet, on all cores, and forgets the meshes
+    /// that `scene` has no more. What is hidden stays prepared. \return false when it was
+    /// cancelled; what is prepared by then is kept.
+    bool Prepare(const SceneDescription& scene, const std::vector<const Entry*>& drawn,
+                 const MeshOptions& options, Warnings& warnings, const CancelCallback& isCancelled);
+
+    /// Precondition: it was among `drawn`.
+    const PreparedMesh& Find(const std::string& path) const;
+
+    /// The triangles of a mesh, made again from its description. Few meshes need them: lights.
+    std::shared_ptr<const TriangleMesh> Triangles(const std::string& path, Warnings& warnings);
+
+    /// Every prepared mesh, also those that are not drawn now, in the order of paths.
+    template <typename Function>
+    void ForEach(Function function) const {
+        for (const auto& [path, item] : _items) {
+            function(path, *item.prepared);
+        }
+    }
+
+    void Clear() { _items.clear(); }
+
+    /// Meshes prepared since the store was made.
+    std::uint64_t NumPrepared() const { return _numPrepared; }
+    /// Chunks built since the store was made.
+    std::uint64_t NumChunksBuilt() const { return _numChunksBuilt; }
+
+private:
+    struct Item {
+        std::shared_ptr<const MeshDescription> description;
+        std::shared_ptr<const PreparedMesh> prepared;
+        std::shared_ptr<const TriangleMesh> triangles; ///< once asked for
+    };
+
+    MeshOptions _options;
+    std::map<std::string, Item> _items;
+    std::uint64_t _numPrepared = 0;
+    std::uint64_t _numChunksBuilt = 0;
+};
+
+} // namespace hds

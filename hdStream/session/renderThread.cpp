@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/session/renderThread.h"
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <future>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+namespace hds {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Images follow each other at least this far apart, and so that making them takes at most this
+/// part of the time.
+constexpr std::chrono::milliseconds kMinInterval(100);
+constexpr int kMaxImageShare = 10;
+
+} // namespace
+
+struct RenderThread::Impl {
+    explicit Impl(Session::WarningSink onWarning) : session(std::move(onWarning)) {}
+
+    // --- Render thread --------------------------------------------------------------------------
+
+    void Run() {
+        std::unique_lock<std::mutex> lock(mutex);
+        while (true) {
+            changed.wait(lock, [&] { return quits || !inbox.empty() || HasWork(); });
+            if (quits) {
+                return;
+            }
+            ApplyEdits(&lock);
+            if (HasWork() && inbox.empty()) {
+                RenderVersion(&lock);
+            }
+        }
+    }
+
+    /// Precondition: locked.
+    bool HasWork() const {
+        return hasSettings && !isStopped && !isPaused && doneVersion != version;
+    }
+
+    /// Edits may throw nothing but what Call hands to its caller.
+    void ApplyEdits(std::unique_lock<std::mutex>* lock) {
+        std::vector<Edit> edits;
+        edits.swap(inbox);
+        lock->unlock();
+        for (const Edit& edit : edits) {
+            edit(session);
+        }
+        edits.clear(); // frees what they held outside the lock
+        lock->lock();
+    }
+
+    void RenderVersion(std::unique_lock<std::mutex>* lock) {
+        const std::uint64_t rendered = version;
+        const Settings present = settings;
+        isRendering = true;
+        lock->unlock();
+        std::shared_ptr<FilmImage> last;
+        bool isDone = true;
+        try {
+            Publisher publisher(this, rendered);
+            const RenderResult result = session.Render(
+                present, [&](const Progress& progress) { return publisher.Report(progress); });
+            isDone = result == RenderResult::Complete;
+            if (isDone) {
+                last = publisher.MakeImage(true);
+                last->isFinal = true;
+            }
+        } catch (const std::exception& error) {
+            last = std::make_shared<FilmImage>();
+            last->version = rendered;
+            last->error = error.what();
+            last->isFinal = true;
+        }
+        lock->lock();
+        isRendering = false;
+        if (isDone) {
+            doneVersion = rendered;
+            newest = std::move(last);
+        }
+        changed.notify_all();
+    }
+
+    /// Decides when images are made while one version is rendered.
+    class Publisher {
+    public:
+        Publisher(Impl* impl, std::uint64_t version) : _impl(impl), _version(version) {}
+
+        /// The progress callback; waits while paused. \return false when the render is to end.
+        bool Report(const Progress& progress) {
+            if (!_impl->MayGoOn(_version)) {
+                return false;
+            }
+            _progress = progress;
+            if (progress.previewStride == 0 || !IsDue()) {
+                return true;
+            }
+            const auto start = Clock::now();
+            auto image = MakeImage(progress.previewStride == 1);
+            const auto end = Clock::now();
+            _nextTime =
+                end + std::max<Clock::duration>(kMinInterval, kMaxImageShare * (end - start));
+            _shownStride = progress.previewStride;
+            const std::lock_guard<std::mutex> lock(_impl->mutex);
+            if (_impl->version == _version) {
+                _impl->newest = std::move(image);
+            }
+            return true;
+        }
+
+        std::shared_ptr<FilmImage> MakeImage(bool withFirstHits) {
+            auto image = std::make_shared<FilmImage>();
+            image->version = _version;
+            image->layers = _impl->session.Layers(withFirstHits);
+            image->progress = _progress;
+            image->statistics = _impl->session.Statistics();
+            return image;
+        }
+
+    private:
+        bool IsDue() const {
+            return _progress.previewStride != _shownStride || Clock::now() >= _nextTime;
+        }
+
+        Impl* _impl;
+        std::uint64_t _version;
+        Progress _progress;
+        std::uint32_t _shownStride = 0;
+        Clock::time_point _nextTime{};
+    };
+
+    /// Waits while paused. \return false when another version, or none, is to be rendered.
+    bool MayGoOn(std::uint64_t rendered) {
+        std::unique_lock<std::mutex> lock(mutex);
+        const auto isAsked = [&] {
+            return quits || isStopped || version != rendered || !inbox.empty();
+        };
+        changed.wait(lock, [&] { return !isPaused || isAsked(); });
+        return !isAsked();
+    }
+
+    // --- State; everything but the session is guarded by the mutex ------------------------------
+    Session session; ///< touched by the render thread only
+    mutable std::mutex mutex;
+    std::condition_variable changed;
+    std::vector<Edit> inbox;
+    Settings settings;
+    bool hasSettings = false;
+    bool isPaused = false;
+    bool isStopped = false;
+    bool isRendering = false;
+    bool quits = false;
+    std::uint64_t version = 0;
+    std::uint64_t doneVersion = 0; ///< rendered to its end
+    std::shared_ptr<const FilmImage> newest;
+    std::thread thread; ///< last: it uses all the rest
+};
+
+RenderThread::RenderThread(Session::WarningSink onWarning)
+    : _impl(std::make_unique<Impl>(std::move(onWarning))) {
+    _impl->thread = std::thread([impl = _impl.get()] { impl->Run(); });
+}
+
+RenderThread::~RenderThread() {
+    {
+        const std::lock_guard<std::mutex> lock(_impl->mutex);
+        _impl->quits = true;
+    }
+    _impl->changed.notify_all();
+    _impl->thread.join();
+}
+
+std::uint64_t RenderThread::Post(std::vector<Edit> edits) {
+    const std::lock_guard<std::mutex> lock(_impl->mutex);
+    if (!edits.empty()) {
+        _impl->inbox.insert(_impl->inbox.end(), std::make_move_iterator(edits.begin()),
+                            std::make_move_iterator(edits.end()));
+        ++_impl->version;
+        _impl->changed.notify_all();
+    }
+    return _impl->version;
+}
+
+std::uint64_t RenderThread::SetSettings(const Settings& settings) {
+    const std::lock_guard<std::mutex> lock(_impl->mutex);
+    if (!_impl->hasSettings || _impl->settings != settings) {
+        _impl->settings = settings;
+        _impl->hasSettings = true;
+        ++_impl->version;
+        _impl->changed.notify_all();
+    }
+    return _impl->version;
+}
+
+std::uint64_t RenderThread::Version() const {
+    const std::lock_guard<std::mutex> lock(_impl->mutex);
+    return _impl->version;
+}
+
+std::shared_ptr<const FilmImage> RenderThread::Newest() const {
+    const std::lock_guard<std::mutex> lock(_impl->mutex);
+    return _impl->newest;
+}
+
+bool RenderThread::IsConverged() const {
+    const std::lock_guard<std::mutex> lock(_impl->mutex);
+    return _impl->isStopped ||
+           (_impl->newest && _impl->newest->isFinal && _impl->newest->version == _impl->version);
+}
+
+void RenderThread::Pause() {
+    const std::lock_guard<std::mutex> lock(_impl->mutex);
+    _impl->isPaused = true;
+}
+
+void RenderThread::Resume() {
+    {
+        const std::lock_guard<std::mutex> lock(_impl->mutex);
+        _impl->isPaused = false;
+    }
+    _impl->changed.notify_all();
+}
+
+void RenderThread::Stop(bool isBlocking) {
+    std::unique_lock<std::mutex> lock(_impl->mutex);
+    _impl->isStopped = true;
+    _impl->changed.notify_all();
+    if (isBlocking) {
+        _impl->changed.wait(lock, [&] { return !_impl->isRendering; });
+    }
+}
+
+void RenderThread::Restart() {
+    {
+        const std::lock_guard<std::mutex> lock(_impl->mutex);
+        _impl->isStopped = false;
+        _impl->isPaused = false;
+        ++_impl->version;
+    }
+    _impl->changed.notify_all();
+}
+
+bool RenderThread::IsPaused() const {
+    const std::lock_guard<std::mutex> lock(_impl->mutex);
+    return _impl->isPaused;
+}
+
+bool RenderThread::IsStopped() const {
+    const std::lock_guard<std::mutex> lock(_impl->mutex);
+    return _impl->isStopped;
+}
+
+void RenderThread::Call(const Edit& function) {
+    std::promise<void> done;
+    {
+        const std::lock_guard<std::mutex> lock(_impl->mutex);
+        _impl->inbox.emplace_back([&](Session& session) {
+            try {
+                function(session);
+                done.set_value();
+            } catch (...) {
+                done.set_exception(std::current_exception());
+            }
+        });
+    }
+    _impl->changed.notify_all();
+    done.get_future().get();
+}
+
+} // namespace hds

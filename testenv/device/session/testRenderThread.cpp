@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+// Edits while rendering end in the image of the edited scene; control is latched; errors converge.
+#include "hdStream/session/renderThread.h"
+
+#include "testenv/support/deviceFixture.h"
+#include "testenv/support/sessionScene.h"
+
+#include <chrono>
+#include <thread>
+
+namespace hds::test {
+namespace {
+
+constexpr std::chrono::seconds kGuard(120); ///< far beyond any render here
+
+class RenderThreadTest : public DeviceFixture {
+protected:
+    static void WaitUntilConverged(const RenderThread& thread) {
+        const auto end = std::chrono::steady_clock::now() + kGuard;
+        while (!thread.IsConverged() && std::chrono::steady_clock::now() < end) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        }
+        ASSERT_TRUE(thread.IsConverged());
+    }
+    static std::shared_ptr<const FilmImage> WaitForAnImage(const RenderThread& thread,
+                                                           std::uint64_t version) {
+        const auto end = std::chrono::steady_clock::now() + kGuard;
+        while (std::chrono::steady_clock::now() < end) {
+            auto image = thread.Newest();
+            if (image && image->version >= version) {
+                return image;
+            }
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+        ADD_FAILURE() << "no image of version " << version;
+        return nullptr;
+    }
+    static std::vector<ImageLayer> Direct(const std::function<void(Session&)>& edit) {
+        Session session;
+        FillSession(&session);
+        edit(session);
+        session.Render(MakeSettings());
+        return session.Layers();
+    }
+    static RenderThread::Edit MoveBall(double x) {
+        return [x](Session& session) {
+            MeshPrim ball = session.Scene().meshes.at("/ball");
+            ball.placement.worldFromObject = Move(x, 0.8, 0.0);
+            session.SetMesh("/ball", ball);
+        };
+    }
+    static RenderThread::Edit Fill() {
+        return [](Session& session) { FillSession(&session); };
+    }
+    static Settings LongSettings() {
+        Settings settings = MakeSettings();
+        settings.samples = 1U << 20U;
+        return settings;
+    }
+};
+
+TEST_F(RenderThreadTest, RendersWhatASessionRenders) {
+    RenderThread thread;
+    thread.Post({Fill()});
+    thread.SetSettings(MakeSettings());
+    WaitUntilConverged(thread);
+    EXPECT_TRUE(SameLayers(thread.Newest()->layers, Direct([](Session&) {})));
+    EXPECT_NE(thread.Newest()->statistics.find("\"geometry\""), std::string::npos);
+}
+
+TEST_F(RenderThreadTest, EditsWhileRenderingEndInTheEditedImage) {
+    RenderThread thread;
+    thread.Post({Fill()});
+    thread.SetSettings(LongSettings());
+    for (int i = 0; i < 40; ++i) {
+        thread.Post({MoveBall(0.05 * i)});
+        if (i % 3 == 0) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(i));
+        }
+    }
+    WaitForAnImage(thread, thread.Version());
+    EXPECT_FALSE(thread.IsConverged());
+    thread.SetSettings(MakeSettings());
+    WaitUntilConverged(thread);
+    EXPECT_TRUE(SameLayers(thread.Newest()->layers, Direct(MoveBall(0.05 * 39))));
+}
+
+TEST_F(RenderThreadTest, EqualSettingsDoNotStartAgain) {
+    RenderThread thread;
+    thread.Post({Fill()});
+    const std::uint64_t version = thread.SetSettings(MakeSettings());
+    WaitUntilConverged(thread);
+    EXPECT_EQ(thread.SetSettings(MakeSettings()), version);
+    EXPECT_EQ(thread.Post({}), version);
+    EXPECT_TRUE(thread.IsConverged());
+}
+
+TEST_F(RenderThreadTest, PauseKeepsTheFilm) {
+    RenderThread thread;
+    thread.Pause();
+    EXPECT_TRUE(thread.IsPaused());
+    thread.Post({Fill()});
+    thread.SetSettings(MakeSettings());
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    EXPECT_EQ(thread.Newest(), nullptr);
+    thread.Resume();
+    WaitForAnImage(thread, 1);
+    thread.Pause();
+    thread.Resume();
+    WaitUntilConverged(thread);
+    EXPECT_TRUE(SameLayers(thread.Newest()->layers, Direct([](Session&) {})));
+}
+
+TEST_F(RenderThreadTest, StopIsLatchedAcrossEdits) {
+    RenderThread thread;
+    thread.Post({Fill()});
+    thread.SetSettings(LongSettings());
+    WaitForAnImage(thread, 1);
+    thread.Stop(true);
+    EXPECT_TRUE(thread.IsStopped());
+    EXPECT_TRUE(thread.IsConverged());
+    const std::uint64_t shown = thread.Newest()->version;
+    const std::uint64_t version = thread.Post({MoveBall(1.0)});
+    thread.SetSettings(MakeSettings());
+    thread.Call([](Session&) {}); // whatever an edit could have started has been seen by now
+    EXPECT_EQ(thread.Newest()->version, shown);
+    thread.Restart();
+    EXPECT_FALSE(thread.IsStopped());
+    WaitForAnImage(thread, version + 1);
+    WaitUntilConverged(thread);
+    EXPECT_TRUE(SameLayers(thread.Newest()->layers, Direct(MoveBall(1.0))));
+}
+
+TEST_F(RenderThreadTest, ErrorsConvergeAndAreNotTheEnd) {
+    RenderThread thread;
+    thread.Post({Fill()});
+    Settings wrong = MakeSettings();
+    wrong.camera = "/nowhere";
+    thread.SetSettings(wrong);
+    WaitUntilConverged(thread);
+    EXPECT_NE(thread.Newest()->error.find("/nowhere"), std::string::npos);
+    thread.SetSettings(MakeSettings());
+    WaitUntilConverged(thread);
+    EXPECT_EQ(thread.Newest()->error, "");
+    EXPECT_FALSE(thread.Newest()->layers.empty());
+}
+
+TEST_F(RenderThreadTest, CallRunsBetweenRendersAndRethrows) {
+    RenderThread thread;
+    thread.Post({Fill()});
+    thread.SetSettings(LongSettings());
+    std::string dump;
+    thread.Call([&](Session& session) { dump = session.Dump(); });
+    EXPECT_NE(dump.find("/ground"), std::string::npos);
+    EXPECT_THROW(thread.Call([](Session&) { throw Error("no"); }), Error);
+    WaitForAnImage(thread, thread.Version()); // it goes on
+}
+
+TEST_F(RenderThreadTest, DestructionWhileRendering) {
+    for (int i = 0; i < 5; ++i) {
+        RenderThread thread;
+        thread.Post({Fill()});
+        thread.SetSettings(LongSettings());
+        std::this_thread::sleep_for(std::chrono::milliseconds(30 * i));
+    }
+}
+
+TEST_F(RenderThreadTest, TwoAtOnce) {
+    RenderThread a;
+    RenderThread b;
+    a.Post({Fill()});
+    b.Post({Fill(), MoveBall(1.0)});
+    a.SetSettings(MakeSettings());
+    b.SetSettings(MakeSettings());
+    WaitUntilConverged(a);
+    WaitUntilConverged(b);
+    EXPECT_TRUE(SameLayers(a.Newest()->layers, Direct([](Session&) {})));
+    EXPECT_TRUE(SameLayers(b.Newest()->layers, Direct(MoveBall(1.0))));
+}
+
+} // namespace
+} // namespace hds::test

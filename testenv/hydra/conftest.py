@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the tests of the Hydra plug-in need: an OpenUSD with imaging, the plug-in, an X server.
+
+Every missing piece skips the tests that need it, with its reason in the report and once more in the
+terminal summary. $HDSTREAM_TEST_RENDERER lets the machinery run with another renderer (Embree).
+"""
+
+import importlib.util
+import os
+import pathlib
+import shutil
+import sys
+
+import pytest
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import openUsd as openUsdModule  # noqa: E402
+
+if importlib.util.find_spec("hdstream") is None:
+    sys.path.insert(0, str(openUsdModule.BuildFolder() / "python"))
+
+_reasons = []
+
+
+def _Skip(reason):
+    if reason not in _reasons:
+        _reasons.append(reason)
+    pytest.skip(reason)
+
+
+def pytest_terminal_summary(terminalreporter):
+    for reason in _reasons:
+        terminalreporter.write_line(f"HYDRA TESTS SKIPPED: {reason}", yellow=True)
+
+
+@pytest.fixture(scope="session")
+def openUsd():
+    found, reason = openUsdModule.FindOpenUsd()
+    return found or _Skip(reason)
+
+
+@pytest.fixture(scope="session")
+def renderer():
+    """The display name of the renderer under test."""
+    return os.environ.get("HDSTREAM_TEST_RENDERER", "Stream")
+
+
+@pytest.fixture(scope="session")
+def plugin(renderer):
+    """The plug-in's folder of resources."""
+    folder, reason = openUsdModule.FindPlugin()
+    if not folder and renderer == "Stream":
+        _Skip(reason)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def isStream(renderer):
+    return renderer == "Stream"
+
+
+@pytest.fixture(scope="session")
+def windowed(openUsd):
+    """The words that start a program under an X server of its own, with OpenUSD's GUI modules at hand."""
+    if not openUsd.HasModules("PySide6.QtOpenGLWidgets", "OpenGL.GL"):
+        _Skip(f"{openUsd.python} has no PySide6 and PyOpenGL: usdview cannot run")
+    if not shutil.which("xvfb-run"):
+        _Skip("xvfb-run is missing: usdview has no screen")
+    return ["xvfb-run", "-a", "-s", "-screen 0 1280x1024x24 +extension GLX"]

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs a wrapped stage through both front ends, usdrecord with the plug-in and `hdstream record`, and
+compares their scenes (dumps) and pictures. Used by the tests and by testenv/bench/hydraScenes.py.
+"""
+
+import collections
+import os
+import pathlib
+import sys
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from openUsd import OpenUsd, Result, RunProgram
+from stages.imageFile import ReadExr
+from wrapperStage import Wrapper
+
+HERE = pathlib.Path(__file__).resolve().parent
+# UsdImagingGLEngine adds a camera of its own, used or not.
+_HOST_PRIMS = "camera /_UsdImaging_"
+MODES = ("legacy", "sceneIndex")  # how UsdImagingGLEngine hands a stage over
+
+
+@dataclass
+class FrontEnds:
+    """The two programs. plugin: the plug-in's resources; None for a renderer of OpenUSD's own."""
+
+    openUsd: OpenUsd
+    plugin: pathlib.Path | None
+    renderer: str = "Stream"
+    mode: str = "legacy"
+    windowed: list = field(default_factory=list)  # words that give a program a screen: uses the GPU path
+
+    def RunUsdrecord(self, wrapper: Wrapper, picture, dump=None, seconds=600, **environment) -> Result:
+        """Renders with usdrecord. dump: the plug-in writes its scene there."""
+        if self.mode == "sceneIndex":
+            environment["USDIMAGINGGL_ENGINE_ENABLE_SCENE_INDEX"] = "1"
+        if dump:
+            environment["HDSTREAM_DUMP_SCENE"] = str(dump)
+        command = [*self.windowed, *self.openUsd.Program("usdrecord"), "--renderer", self.renderer,
+                   *wrapper.UsdrecordOptions(usesGpu=bool(self.windowed)), wrapper.path, picture]
+        return RunProgram(command, self.openUsd.Environment(self.plugin, **environment), seconds)
+
+    @staticmethod
+    def RunRecord(wrapper: Wrapper, picture, seconds=600, options=()) -> Result:
+        command = [sys.executable, "-m", "hdstream", "record", wrapper.path, picture, *wrapper.RecordOptions(), *options]
+        return RunProgram(command, _OwnEnvironment(), seconds)
+
+    @staticmethod
+    def RunDump(wrapper: Wrapper, dump, seconds=600) -> Result:
+        """Writes usd-core's scene dump, and its warnings to DUMP.warnings."""
+        return RunProgram([sys.executable, HERE / "dumpStage.py", wrapper.path, dump], _OwnEnvironment(), seconds)
+
+
+def _OwnEnvironment() -> dict:
+    """Child processes find the hdstream that this one found."""
+    return dict(os.environ, PYTHONPATH=os.pathsep.join(path for path in sys.path if path), PYTHONFAULTHANDLER="1")
+
+
+# --- Pictures --------------------------------------------------------------------------------------
+
+
+def ReadColor(path) -> np.ndarray:
+    """[height][width][RGBA] of an EXR file, with its own bits."""
+    channels = ReadExr(path)
+    return np.stack([channels[name] for name in "RGBA"], -1)
+
+
+@dataclass
+class Difference:
+    """How two pictures differ."""
+
+    numPixels: int
+    numUnlike: int  # pixels with any other bits
+    maxAbs: float
+    problem: str = ""  # sizes that differ; a channel that is not finite on one side
+
+    @property
+    def isEqual(self) -> bool:
+        return self.numUnlike == 0 and not self.problem
+
+    def __str__(self):
+        return self.problem or f"{self.numUnlike} of {self.numPixels} pixels unlike, max abs {self.maxAbs:.3g}"
+
+
+def ComparePictures(first, second) -> Difference:
+    a, b = ReadColor(first), ReadColor(second)
+    if a.shape != b.shape:
+        return Difference(0, 0, 0.0, f"{a.shape[1]}x{a.shape[0]} against {b.shape[1]}x{b.shape[0]} pixels")
+    unlike = (a.view(np.uint32) != b.view(np.uint32)).any(-1)
+    with np.errstate(invalid="ignore"):
+        maxAbs = float(np.nanmax(np.abs(a - b), initial=0.0))
+    return Difference(unlike.size, int(unlike.sum()), maxAbs)
+
+
+# --- Scenes ----------------------------------------------------------------------------------------
+
+
+def ParseDump(text: str) -> dict:
+    """{"mesh /Path": {"points": "..."}}; parameters of material nodes belong to their node's line."""
+    prims, prim, outer = {}, None, ""
+    for line in text.splitlines():
+        if not line.startswith(" "):
+            prim = prims.setdefault(line, {})
+            continue
+        name, _, value = line.strip().partition(": ")
+        if not line.startswith("    "):
+            outer = name
+        else:
+            name = f"{outer} {name}"
+        prim[name] = value
+    return prims
+
+
+def CompareDumps(record: str, hydra: str) -> list[str]:
+    """Readable differences, the same kind of difference of many prims as one line; empty: equal."""
+    if record == hydra:
+        return []
+    first, second = ParseDump(record), ParseDump(hydra)
+    second = {name: prim for name, prim in second.items() if not name.startswith(_HOST_PRIMS)}
+    if list(first.items()) == list(second.items()):
+        return []
+    found = collections.defaultdict(list)  # kind of difference -> examples
+    for name in first.keys() - second.keys():
+        found[f"{name.split()[0]} only in hdstream record"].append(name.split(" ", 1)[1])
+    for name in second.keys() - first.keys():
+        found[f"{name.split()[0]} only in Hydra"].append(name.split(" ", 1)[1])
+    for name in first.keys() & second.keys():
+        kind, path = name.split(" ", 1)
+        for key in first[name].keys() | second[name].keys():
+            values = first[name].get(key, "(none)"), second[name].get(key, "(none)")
+            if values[0] != values[1]:
+                found[f"{kind}.{_KeyKind(key)}"].append(f"{path} {key}: {_Clip(values[0])} != {_Clip(values[1])}")
+    lines = [f"{kind}, {len(examples)}: {min(examples)}" for kind, examples in sorted(found.items())]
+    return lines or ["the order of lines differs"]
+
+
+def _KeyKind(key: str) -> str:
+    """A line's name without what differs from prim to prim: node and subset paths."""
+    words = key.split()
+    if words[0] in ("node", "subset"):
+        return " ".join([words[0], *words[2:]])
+    return key
+
+
+def _Clip(text: str, length: int = 120) -> str:
+    return text if len(text) <= length else text[:length] + "..."

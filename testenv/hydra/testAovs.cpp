@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+// The AOVs of the first hit against brute force in double precision.
+#include "hydraTest.h"
+
+#include <pxr/imaging/hd/rprim.h>
+
+namespace hydraHost {
+
+namespace {
+
+/// The prim id Hydra gave to a prim.
+int PrimId(Host& host, const SdfPath& path) {
+    return host.Index().GetRprim(path)->GetPrimId();
+}
+
+const std::vector<AovRequest> kAllAovs{
+    HdAovTokens->color,     HdAovTokens->depth,  HdAovTokens->primId,     HdAovTokens->instanceId,
+    HdAovTokens->elementId, HdAovTokens->normal, HdAovTokens->cameraDepth};
+
+using Aovs = HydraTest;
+
+TEST_F(Aovs, IdsAreHydrasAndBackgroundIsMinusOne) {
+    Host host(ThreeMeshes(), Quick(kAllAovs));
+    ASSERT_TRUE(host.RenderUntilConverged());
+    const Oracle oracle(host);
+    ExpectInts(host.Read(HdAovTokens->primId), oracle,
+               [&host](const OracleHit& hit) { return hit.isHit ? PrimId(host, hit.prim) : -1; });
+    ExpectInts(host.Read(HdAovTokens->instanceId), oracle,
+               [](const OracleHit& hit) { return hit.isHit ? hit.instance : -1; });
+}
+
+TEST_F(Aovs, ElementIdIsTheAuthoredFace) {
+    Host host(ThreeMeshes(), Quick(kAllAovs));
+    ASSERT_TRUE(host.RenderUntilConverged());
+    ExpectInts(host.Read(HdAovTokens->elementId), Oracle(host),
+               [](const OracleHit& hit) { return hit.isHit ? hit.face : -1; });
+}
+
+TEST_F(Aovs, DepthIsProjectedOfTheHitAndOneBehind) {
+    Host host(ThreeMeshes(), Quick(kAllAovs));
+    ASSERT_TRUE(host.RenderUntilConverged());
+    const Oracle oracle(host);
+    // Float32 depth near 1 resolves 6e-8; the projection is done in float by some renderers.
+    ExpectFloats(host.Read(HdAovTokens->depth), oracle, 0, 2e-6,
+                 [](const OracleHit& hit) { return hit.isHit ? hit.depth : 1.0; });
+    const Image cameraDepth = host.Read(HdAovTokens->cameraDepth);
+    const double clear = double(cameraDepth.Float(0, 0));
+    ExpectFloats(cameraDepth, oracle, 0, 1e-5,
+                 [clear](const OracleHit& hit) { return hit.isHit ? hit.cameraDepth : clear; });
+}
+
+TEST_F(Aovs, NormalsAreOfWorldSpaceAndUnitLength) {
+    SceneData scene = ThreeMeshes();
+    // A sheared, mirrored and scaled transform: normals need the inverse transpose.
+    GprimData& cube = scene.gprims.at(SdfPath("/cube"));
+    GfMatrix4d shear(1.0);
+    shear[1][0] = 0.6;
+    shear[2][2] = -0.7;
+    cube.transform = shear * cube.transform;
+    Host host(scene, Quick(kAllAovs));
+    ASSERT_TRUE(host.RenderUntilConverged());
+    const Oracle oracle(host);
+    const GfVec3f clear = host.Delegate()
+                              .GetDefaultAovDescriptor(HdAovTokens->normal)
+                              .clearValue.GetWithDefault<GfVec3f>();
+    for (int component = 0; component < 3; ++component) {
+        ExpectFloats(host.Read(HdAovTokens->normal), oracle, component, 2e-5,
+                     [component, clear](const OracleHit& hit) {
+                         return hit.isHit ? hit.normal[component] : double(clear[component]);
+                     });
+    }
+}
+
+TEST_F(Aovs, EyeNormalsAreOfCameraSpace) {
+    SceneData scene = ThreeMeshes();
+    CameraData& camera = scene.cameras.at(SdfPath("/camera"));
+    camera.transform =
+        GfMatrix4d(1.0).SetRotate(GfRotation(GfVec3d(0, 0, 1), 90.0)) * camera.transform;
+    Host host(scene, Quick({HdAovTokens->color, HdAovTokens->Neye}));
+    ASSERT_TRUE(host.RenderUntilConverged());
+    const GfMatrix4d viewFromWorld = host.Task().State().GetWorldToViewMatrix();
+    const GfVec3f clear = host.Delegate()
+                              .GetDefaultAovDescriptor(HdAovTokens->Neye)
+                              .clearValue.GetWithDefault<GfVec3f>();
+    const Oracle oracle(host);
+    for (int component = 0; component < 3; ++component) {
+        ExpectFloats(host.Read(HdAovTokens->Neye), oracle, component, 2e-5,
+                     [component, clear, &viewFromWorld](const OracleHit& hit) {
+                         return hit.isHit ? viewFromWorld.TransformDir(hit.normal)[component]
+                                          : double(clear[component]);
+                     });
+    }
+}
+
+TEST_F(Aovs, ElementIdOfRefinedMeshesAndHolesIsTheAuthoredFace) {
+    SceneData scene = EmptyScene();
+    // Bilinear subdivision keeps the surface, so that the oracle knows it; face 4 is a hole.
+    GprimData grid = MakeGrid(1.3F, 1.0F, 4, 3);
+    grid.mesh =
+        HdMeshTopology(TfToken("bilinear"), HdTokens->rightHanded, grid.mesh.GetFaceVertexCounts(),
+                       grid.mesh.GetFaceVertexIndices(), VtIntArray{4});
+    grid.refineLevel = 2;
+    grid.transform = GfMatrix4d(1.0).SetRotate(GfRotation(GfVec3d(0.2, 1, 0), 20.0));
+    scene.gprims[SdfPath("/grid")] = grid;
+    HostOptions options = Quick({HdAovTokens->color, HdAovTokens->elementId});
+    options.settings[TfToken("subdivision")] = VtValue(std::string("complexity"));
+    Host host(scene, options);
+    ASSERT_TRUE(host.RenderUntilConverged());
+    ExpectInts(host.Read(HdAovTokens->elementId), Oracle(host),
+               [](const OracleHit& hit) { return hit.isHit ? hit.face : -1; });
+}
+
+TEST_F(Aovs, PrimIdFollowsItsEdit) {
+    Host host(ThreeMeshes(), Quick({HdAovTokens->color, HdAovTokens->primId}));
+    ASSERT_TRUE(host.RenderUntilConverged());
+    // As the index does when it compacts ids; 2^24 + 1 is no float.
+    const SdfPath cube("/cube");
+    const_cast<HdRprim*>(host.Index().GetRprim(cube))->SetPrimId((1 << 24) + 1);
+    host.Index().GetChangeTracker().MarkRprimDirty(cube, HdChangeTracker::DirtyPrimID);
+    ASSERT_TRUE(host.RenderUntilConverged());
+    ExpectInts(host.Read(HdAovTokens->primId), Oracle(host),
+               [&host](const OracleHit& hit) { return hit.isHit ? PrimId(host, hit.prim) : -1; });
+}
+
+TEST_F(Aovs, PrimvarIsInterpolated) {
+    SceneData scene = EmptyScene();
+    GprimData grid = MakeGrid(1.3F, 1.0F, 2, 2);
+    // A linear function of the position has the same value however it is interpolated.
+    VtVec3fArray colors;
+    for (const GfVec3f& point :
+         grid.FindPrimvar(HdTokens->points)->value.UncheckedGet<VtVec3fArray>()) {
+        colors.push_back(GfVec3f(point[0] * 0.25F + 0.5F, point[1] * 0.25F + 0.5F, 0.125F));
+    }
+    grid.SetPrimvar("displayColor", HdInterpolationVertex, VtValue(colors),
+                    HdPrimvarRoleTokens->color);
+    scene.gprims[SdfPath("/grid")] = grid;
+    const TfToken aov("primvars:displayColor");
+    Host host(scene, Quick({HdAovTokens->color, aov}));
+    ASSERT_TRUE(host.RenderUntilConverged());
+    const Oracle oracle(host);
+    for (int component = 0; component < 2; ++component) {
+        ExpectFloats(host.Read(aov), oracle, component, 1e-5, [component](const OracleHit& hit) {
+            return hit.isHit ? hit.position[component] * 0.25 + 0.5 : 0.0;
+        });
+    }
+}
+
+} // namespace
+
+} // namespace hydraHost

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// Render buffers: allocation, mapping, replacement.
+#include "hydraTest.h"
+
+#include <pxr/base/tf/errorMark.h>
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+
+namespace hydraHost {
+
+namespace {
+
+/// Buffers without a scene delegate, as applications allocate them directly.
+class Buffers : public HydraTest {
+protected:
+    void SetUp() override {
+        HydraTest::SetUp();
+        if (!IsSkipped()) {
+            _host = std::make_unique<Host>(EmptyScene(), Quick());
+            _buffer = static_cast<HdRenderBuffer*>(
+                _host->Delegate().CreateBprim(HdPrimTypeTokens->renderBuffer, SdfPath("/own")));
+            ASSERT_NE(_buffer, nullptr);
+        }
+    }
+    void TearDown() override {
+        if (_buffer) {
+            _buffer->Finalize(_host->Delegate().GetRenderParam());
+            _host->Delegate().DestroyBprim(_buffer);
+        }
+    }
+    std::unique_ptr<Host> _host;
+    HdRenderBuffer* _buffer = nullptr;
+};
+
+TEST_F(Buffers, AllocateAllFormatsAskedFor) {
+    for (const HdFormat format : {HdFormatUNorm8Vec4, HdFormatFloat16Vec4, HdFormatFloat32Vec4,
+                                  HdFormatFloat32, HdFormatFloat32Vec3, HdFormatInt32}) {
+        EXPECT_TRUE(_buffer->Allocate(GfVec3i(5, 3, 1), format, false));
+        EXPECT_EQ(_buffer->GetFormat(), format);
+        EXPECT_EQ(_buffer->GetWidth(), 5U);
+        EXPECT_EQ(_buffer->GetHeight(), 3U);
+        EXPECT_EQ(_buffer->GetDepth(), 1U);
+        EXPECT_FALSE(_buffer->IsMapped());
+        ASSERT_NE(_buffer->Map(), nullptr);
+        EXPECT_TRUE(_buffer->IsMapped());
+        _buffer->Unmap();
+        EXPECT_FALSE(_buffer->IsMapped());
+    }
+}
+
+TEST_F(Buffers, AllocateReplacesWhenOnlyTheShapeChanges) {
+    ASSERT_TRUE(_buffer->Allocate(GfVec3i(12, 4, 1), HdFormatFloat32Vec4, false));
+    ASSERT_TRUE(_buffer->Allocate(GfVec3i(4, 12, 1), HdFormatFloat32Vec4, false));
+    EXPECT_EQ(_buffer->GetWidth(), 4U);
+    EXPECT_EQ(_buffer->GetHeight(), 12U);
+    // Equal bytes, another format.
+    ASSERT_TRUE(_buffer->Allocate(GfVec3i(4, 12, 1), HdFormatFloat32, false));
+    ASSERT_TRUE(_buffer->Allocate(GfVec3i(4, 12, 1), HdFormatInt32, false));
+    EXPECT_EQ(_buffer->GetFormat(), HdFormatInt32);
+}
+
+TEST_F(Buffers, WrongRequestsFail) {
+    TfErrorMark mark;
+    EXPECT_FALSE(_buffer->Allocate(GfVec3i(-1, 4, 1), HdFormatFloat32Vec4, false));
+    EXPECT_FALSE(_buffer->Allocate(GfVec3i(4, 4, 1), HdFormatInvalid, false));
+    mark.Clear();
+}
+
+TEST_F(Buffers, MapIsCountedAndThreadSafe) {
+    ASSERT_TRUE(_buffer->Allocate(GfVec3i(64, 64, 1), HdFormatFloat32Vec4, false));
+    void* outer = _buffer->Map();
+    ASSERT_NE(outer, nullptr);
+    std::vector<std::thread> threads;
+    std::atomic<int> numWrong{0};
+    for (int thread = 0; thread < 4; ++thread) {
+        threads.emplace_back([this, outer, &numWrong] {
+            for (int i = 0; i < 1000; ++i) {
+                numWrong += _buffer->Map() != outer;
+                numWrong += !_buffer->IsMapped();
+                _buffer->Unmap();
+            }
+        });
+    }
+    for (std::thread& thread : threads) {
+        thread.join();
+    }
+    EXPECT_EQ(numWrong, 0);
+    EXPECT_TRUE(_buffer->IsMapped()) << "the outer map is still held";
+    _buffer->Unmap();
+    EXPECT_FALSE(_buffer->IsMapped());
+}
+
+using BoundBuffers = HydraTest;
+
+TEST_F(BoundBuffers, MappedPixelsStayWhileTheRenderGoesOn) {
+    Host host(ThreeMeshes(), Quick({HdAovTokens->color}, 1000000));
+    HdRenderBuffer* buffer = nullptr;
+    ASSERT_TRUE(host.FrameUntil([&] { return host.Statistic("numCompletedSamples") >= 1.0; }));
+    buffer = host.Buffer(HdAovTokens->color);
+    buffer->Resolve();
+    const auto* pixels = static_cast<const std::uint8_t*>(buffer->Map());
+    ASSERT_NE(pixels, nullptr);
+    const size_t numBytes = size_t(64) * 48 * HdDataSizeOfFormat(buffer->GetFormat());
+    const std::vector<std::uint8_t> first(pixels, pixels + numBytes);
+    const double samples = host.Statistic("numCompletedSamples");
+    ASSERT_TRUE(
+        host.FrameUntil([&] { return host.Statistic("numCompletedSamples") >= samples + 2.0; }));
+    EXPECT_TRUE(std::equal(first.begin(), first.end(), pixels));
+    buffer->Unmap();
+}
+
+TEST_F(BoundBuffers, AovsMayBeReplacedWhileRendering) {
+    const HostOptions options = Quick({HdAovTokens->color}, 8);
+    Host host(ThreeMeshes(), options);
+    for (int round = 0; round < 10; ++round) {
+        host.SetAovs({HdAovTokens->depth, HdAovTokens->normal});
+        host.Frame();
+        host.SetAovs({HdAovTokens->color});
+        host.SetSize(64 - round, 48 + round);
+        host.Frame();
+    }
+    host.SetSize(64, 48);
+    EXPECT_EQ(host.Render(), RenderFresh(host, options));
+}
+
+TEST_F(BoundBuffers, BitsDoNotDependOnTheOtherAovs) {
+    Host alone(ThreeMeshes(), Quick());
+    Host together(ThreeMeshes(), Quick({HdAovTokens->normal, HdAovTokens->depth, HdAovTokens->color,
+                                        HdAovTokens->primId}));
+    EXPECT_EQ(together.Render(), alone.Render());
+}
+
+} // namespace
+
+} // namespace hydraHost

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+// The life of prims: added, removed, added again; primvars that vanish; computed primvars.
+#include "hydraTest.h"
+
+#include <pxr/imaging/hd/changeTracker.h>
+#include <pxr/imaging/hd/extComputation.h>
+
+namespace hydraHost {
+
+namespace {
+
+using Prims = HydraTest;
+
+const SdfPath kCube("/cube");
+const SdfPath kNgons("/ngons");
+
+TEST_F(Prims, AddedLaterEqualsThereFromTheStart) {
+    const HostOptions options = Quick();
+    const SceneData all = ThreeMeshes();
+    SceneData some = all;
+    some.gprims.erase(kCube);
+    some.materials.erase(SdfPath("/materials/green"));
+    Host host(some, options);
+    ASSERT_TRUE(host.RenderUntilConverged());
+    // The binding comes before its material.
+    host.Scene().SetGprim(kCube, all.gprims.at(kCube));
+    host.Frame();
+    host.Scene().SetMaterial(SdfPath("/materials/green"),
+                             all.materials.at(SdfPath("/materials/green")));
+    EXPECT_EQ(host.Render(), RenderFresh(host, options));
+}
+
+TEST_F(Prims, AddedAgainUnderTheSamePathIsTheNewPrim) {
+    const HostOptions options = Quick();
+    Host host(ThreeMeshes(), options);
+    const Image before = host.Render();
+    host.Scene().Remove(kCube);
+    GprimData other = MakeGrid(0.6F, 0.6F);
+    other.transform = Translation(1.0, 0.5, 0.0);
+    host.Scene().SetGprim(kCube, other);
+    const Image after = host.Render();
+    EXPECT_NE(after, before);
+    EXPECT_EQ(after, RenderFresh(host, options));
+}
+
+TEST_F(Prims, RemovedAndAddedAgainHasTheFirstBits) {
+    Host host(ThreeMeshes(), Quick());
+    const Image before = host.Render();
+    const GprimData cube = host.Scene().Data().gprims.at(kCube);
+    host.Scene().Remove(kCube);
+    EXPECT_NE(host.Render(), before);
+    host.Scene().SetGprim(kCube, cube);
+    EXPECT_EQ(host.Render(), before);
+}
+
+TEST_F(Prims, RemovedMaterialLeavesItsPrimsDrawn) {
+    const HostOptions options = Quick();
+    Host host(ThreeMeshes(), options);
+    const Image before = host.Render();
+    host.Scene().Remove(SdfPath("/materials/green"));
+    const Image after = host.Render();
+    EXPECT_NE(after, before);
+    EXPECT_EQ(after, RenderFresh(host, options));
+}
+
+TEST_F(Prims, RemovedPrimvarVanishes) {
+    const TfToken aov("primvars:displayColor");
+    const HostOptions options = Quick({HdAovTokens->color, aov});
+    SceneData scene = EmptyScene();
+    const GprimData plain = MakeGrid(1.2F, 1.0F);
+    GprimData painted = plain;
+    painted.SetPrimvar("displayColor", HdInterpolationConstant,
+                       VtValue(VtVec3fArray{GfVec3f(1.0F, 0.0F, 0.0F)}),
+                       HdPrimvarRoleTokens->color);
+    scene.gprims[SdfPath("/grid")] = painted;
+    Host host(scene, options);
+    const Image before = host.Render(aov);
+    ASSERT_EQ(before.width, 64);
+    EXPECT_EQ(before.Float(32, 24), 1.0F);
+    host.Scene().SetGprim(SdfPath("/grid"), plain, HdChangeTracker::DirtyPrimvar);
+    const Image after = host.Render(aov);
+    EXPECT_EQ(after, RenderFresh(host, options, aov));
+    EXPECT_NE(after.Float(32, 24), 1.0F);
+}
+
+TEST_F(Prims, RemovedNormalsVanish) {
+    const HostOptions options = Quick({HdAovTokens->color, HdAovTokens->normal});
+    SceneData scene = EmptyScene();
+    const GprimData plain = MakeGrid(1.2F, 1.0F);
+    GprimData bent = plain;
+    const GfVec3f normal = GfVec3f(0.6F, 0.0F, 0.8F);
+    bent.SetPrimvar("normals", HdInterpolationVertex, VtValue(VtVec3fArray(4, normal)),
+                    HdPrimvarRoleTokens->normal);
+    scene.gprims[SdfPath("/grid")] = bent;
+    Host host(scene, options);
+    EXPECT_NEAR(host.Render(HdAovTokens->normal).Float(32, 24, 0), 0.6F, 1e-5F);
+    host.Scene().SetGprim(SdfPath("/grid"), plain, HdChangeTracker::DirtyNormals);
+    EXPECT_NEAR(host.Render(HdAovTokens->normal).Float(32, 24, 0), 0.0F, 1e-6F);
+}
+
+TEST_F(Prims, InterpolationMayChange) {
+    const TfToken aov("primvars:displayColor");
+    const HostOptions options = Quick({HdAovTokens->color, aov});
+    SceneData scene = EmptyScene();
+    GprimData grid = MakeGrid(1.2F, 1.0F, 2, 1);
+    grid.SetPrimvar("displayColor", HdInterpolationConstant,
+                    VtValue(VtVec3fArray(1, GfVec3f(0.5F))), HdPrimvarRoleTokens->color);
+    scene.gprims[SdfPath("/grid")] = grid;
+    Host host(scene, options);
+    ASSERT_TRUE(host.RenderUntilConverged());
+    grid.SetPrimvar("displayColor", HdInterpolationUniform,
+                    VtValue(VtVec3fArray{GfVec3f(0.25F), GfVec3f(0.75F)}),
+                    HdPrimvarRoleTokens->color);
+    host.Scene().SetGprim(SdfPath("/grid"), grid, HdChangeTracker::DirtyPrimvar);
+    const Image image = host.Render(aov);
+    EXPECT_EQ(image.Float(24, 24), 0.25F);
+    EXPECT_EQ(image.Float(40, 24), 0.75F);
+    // Too short an array is a warning, never a crash.
+    grid.SetPrimvar("displayColor", HdInterpolationVertex, VtValue(VtVec3fArray(2, GfVec3f(0.5F))),
+                    HdPrimvarRoleTokens->color);
+    host.Scene().SetGprim(SdfPath("/grid"), grid, HdChangeTracker::DirtyPrimvar);
+    EXPECT_TRUE(host.RenderUntilConverged());
+}
+
+TEST_F(Prims, ComputedPointsEqualAuthoredOnes) {
+    const HostOptions options = Quick();
+    const SdfPath computation("/computation");
+    const TfToken rest("rest");
+    const TfToken output("skinned");
+    const GprimData authored = ThreeMeshes().gprims.at(kNgons);
+    const auto points =
+        const_cast<GprimData&>(authored).FindPrimvar(HdTokens->points)->value.Get<VtVec3fArray>();
+
+    SceneData scene = ThreeMeshes();
+    ComputationData data;
+    data.inputs[rest] = VtValue(points);
+    data.inputs[TfToken("shift")] = VtValue(GfVec3f(0.0F));
+    data.output = output;
+    data.numElements = points.size();
+    data.run = [rest](const std::map<TfToken, VtValue>& inputs) {
+        VtVec3fArray moved = inputs.at(rest).Get<VtVec3fArray>();
+        for (GfVec3f& point : moved) {
+            point += inputs.at(TfToken("shift")).Get<GfVec3f>();
+        }
+        return VtValue(moved);
+    };
+    scene.computations[computation] = data;
+    GprimData computed = authored;
+    computed.primvars.clear();
+    computed.computedPrimvars = {HdExtComputationPrimvarDescriptor(
+        HdTokens->points, HdInterpolationVertex, HdPrimvarRoleTokens->point, computation, output,
+        HdTupleType{HdTypeFloatVec3, 1})};
+    scene.gprims[kNgons] = computed;
+    Host host(scene, options);
+    Host plain(ThreeMeshes(), options);
+    const Image first = host.Render();
+    EXPECT_EQ(first, plain.Render());
+
+    data.inputs[TfToken("shift")] = VtValue(GfVec3f(0.3F, 0.2F, 0.1F));
+    host.Scene().SetComputation(computation, data, HdExtComputation::DirtySceneInput);
+    host.Scene().SetGprim(kNgons, computed, HdChangeTracker::DirtyPoints);
+    const Image moved = host.Render();
+    EXPECT_NE(moved, first);
+    EXPECT_EQ(moved, RenderFresh(host, options));
+}
+
+TEST_F(Prims, OrderOfInsertionDoesNotMatter) {
+    const SceneData scene = ThreeMeshes();
+    Host forward(scene, Quick());
+    SceneData noGprims = scene;
+    noGprims.gprims.clear();
+    Host backward(noGprims, Quick());
+    for (auto gprim = scene.gprims.rbegin(); gprim != scene.gprims.rend(); ++gprim) {
+        backward.Scene().SetGprim(gprim->first, gprim->second);
+        backward.Frame();
+    }
+    EXPECT_EQ(backward.Render(), forward.Render());
+}
+
+TEST_F(Prims, CurvesPointsAndBadMeshesAreAcceptedBesideMeshes) {
+    SceneData scene = ThreeMeshes();
+    GprimData curves;
+    curves.type = HdPrimTypeTokens->basisCurves;
+    curves.curves = HdBasisCurvesTopology(HdTokens->linear, TfToken(), HdTokens->nonperiodic,
+                                          VtIntArray{3}, VtIntArray());
+    curves.SetPrimvar(
+        "points", HdInterpolationVertex,
+        VtValue(VtVec3fArray{GfVec3f(-1, 1.2F, 0), GfVec3f(0, 1.3F, 0), GfVec3f(1, 1.2F, 0)}));
+    scene.gprims[SdfPath("/curves")] = curves;
+    GprimData dots = curves;
+    dots.type = HdPrimTypeTokens->points;
+    scene.gprims[SdfPath("/dots")] = dots;
+    scene.gprims[SdfPath("/empty")] = MakeMesh({}, {}, {});
+    scene.gprims[SdfPath("/outOfRange")] = MakeMesh({{0, 0, 0}, {1, 0, 0}}, {3}, {0, 1, 7});
+    scene.gprims[SdfPath("/counts")] = MakeMesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {4}, {0, 1, 2});
+    Host host(scene, Quick());
+    EXPECT_TRUE(host.RenderUntilConverged());
+}
+
+} // namespace
+
+} // namespace hydraHost

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+"""usdrecord with the plug-in gives the scene and the picture of `hdstream record`, to the bit.
+
+Both run on generated stages, through both ways in which OpenUSD hands a stage to a renderer. The pictures
+are read by testenv's own EXR reader.
+"""
+
+import numpy as np
+import pytest
+
+from brokenStages import BROKEN
+from frontEnds import MODES, ComparePictures, CompareDumps, FrontEnds, ReadColor
+from openUsd import RunProgram
+from stages.verify import CASES
+from viewStage import WriteViewStage
+from wrapperStage import WriteWrapper
+
+WIDTH = 64  # pixels
+SETTINGS = {"samples": 2, "maxDepth": 3, "seed": 7, "noCache": True}
+# The project's stages that differ in what a front end must translate; and the one of the usdview test,
+# which has all purposes, an implicit prim and native instances.
+STAGES = ["instancing", "subsets", "primvarColors", "authoredNormals", "upAxisZ", "cameraOrthographic",
+          "cameraDepthOfField", "cameraOffsets", "cameraExposure", "sphereLightScaled", "rectLightNormalized",
+          "domeLatlong", "fiveLights", "surfaceReaders", "surfaceCutout", "surfaceNormalInput", "purposes"]
+PURPOSES = {"purposes": ("proxy", "guide")}
+
+
+def WriteCase(name, path):
+    if name == "purposes":
+        WriteViewStage(path)
+    else:
+        CASES[name].Write(path)
+
+
+@pytest.fixture(params=MODES)
+def frontEnds(request, openUsd, plugin, renderer):
+    return FrontEnds(openUsd, plugin, renderer, request.param)
+
+
+def Prepare(name, folder, **settings):
+    WriteCase(name, folder / f"{name}.usda")
+    return WriteWrapper(folder / f"{name}.usda", folder / "wrapper.usda", WIDTH,
+                        purposes=PURPOSES.get(name, ("render",)), **{**SETTINGS, **settings})
+
+
+@pytest.mark.parametrize("name", STAGES)
+def test_scene_and_picture_are_those_of_hdstream_record(name, frontEnds, isStream, tmp_path):
+    """Equal dumps, so that a picture that is equal by chance does not pass; equal bits of the picture."""
+    wrapper = Prepare(name, tmp_path)
+    ours, theirs = tmp_path / "record.exr", tmp_path / "hydra.exr"
+    record = frontEnds.RunRecord(wrapper, ours)
+    assert record.code == 0, record.output
+    hydra = frontEnds.RunUsdrecord(wrapper, theirs, tmp_path / "hydra.txt")
+    assert hydra.code == 0, hydra.output
+    assert ReadColor(theirs)[..., :3].max() > 0.0
+    if not isStream:
+        return
+    dump = frontEnds.RunDump(wrapper, tmp_path / "record.txt")
+    assert dump.code == 0, dump.output
+    differences = CompareDumps((tmp_path / "record.txt").read_text(), (tmp_path / "hydra.txt").read_text())
+    assert not differences, "\n".join(differences)
+    difference = ComparePictures(ours, theirs)
+    assert difference.isEqual, difference
+
+
+def test_the_gpu_path_of_usdrecord_gives_the_same_bits(frontEnds, windowed, isStream, tmp_path):
+    """With a GPU the picture goes through a texture of OpenGL and comes back as it was."""
+    if not isStream:
+        pytest.skip("another renderer's buffers have 8 bits")
+    wrapper = Prepare("subsets", tmp_path)
+    assert frontEnds.RunUsdrecord(wrapper, tmp_path / "cpu.exr").code == 0
+    frontEnds.windowed = windowed
+    result = frontEnds.RunUsdrecord(wrapper, tmp_path / "gpu.exr")
+    assert result.code == 0, result.output
+    assert ComparePictures(tmp_path / "cpu.exr", tmp_path / "gpu.exr").isEqual
+
+
+@pytest.mark.parametrize("setting, value", [("samples", 5), ("maxDepth", 0), ("seed", 8), ("pixelFilter", "box")])
+def test_settings_of_the_render_settings_prim_count(setting, value, frontEnds, isStream, tmp_path):
+    """Each changes the picture, and to what `hdstream record` makes of it."""
+    if not isStream:
+        pytest.skip("only Stream knows these settings")
+    (tmp_path / "base").mkdir()
+    base, changed = Prepare("subsets", tmp_path / "base"), Prepare("subsets", tmp_path, **{setting: value})
+    for wrapper, name in ((base, "base.exr"), (changed, "changed.exr")):
+        result = frontEnds.RunUsdrecord(wrapper, tmp_path / name)
+        assert result.code == 0, result.output
+    assert frontEnds.RunRecord(changed, tmp_path / "record.exr").code == 0
+    assert ComparePictures(tmp_path / "changed.exr", tmp_path / "record.exr").isEqual
+    assert not np.array_equal(ReadColor(tmp_path / "base.exr"), ReadColor(tmp_path / "changed.exr"))
+
+
+def test_hdstream_compare_reads_what_usdrecord_wrote(frontEnds, isStream, tmp_path):
+    from hdstream import _core
+    wrapper = Prepare("subsets", tmp_path)
+    assert frontEnds.RunUsdrecord(wrapper, tmp_path / "hydra.exr").code == 0
+    assert frontEnds.RunRecord(wrapper, tmp_path / "record.exr").code == 0
+    comparison = _core.CompareImages(str(tmp_path / "hydra.exr"), str(tmp_path / "record.exr"))
+    assert comparison.error == "" and [layer.name for layer in comparison.layers] == ["color"]
+    if isStream:
+        assert comparison.layers[0].numDifferingPixels == 0
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_broken_scenes_end_well(name, frontEnds, tmp_path):
+    """No crash, no hang, no error of the plug-in's own making: a picture, or exit code 1."""
+    (tmp_path / "broken.usda").write_text(BROKEN[name])
+    wrapper = WriteWrapper(tmp_path / "broken.usda", tmp_path / "wrapper.usda", 32, **SETTINGS)
+    result = frontEnds.RunUsdrecord(wrapper, tmp_path / "out.exr", seconds=120)
+    assert result.code in (0, 1), result.output
+    ours = [line for line in result.output.splitlines() if "Error" in line and "/hdStream/" in line]
+    assert "Traceback" not in result.output and not ours, result.output
+    if result.code == 0:
+        assert ReadColor(tmp_path / "out.exr").shape[1] == 32
+
+
+def test_wrong_files_are_errors(openUsd, plugin, renderer, tmp_path):
+    """usdrecord's own errors, with the plug-in loaded: exit codes, not crashes."""
+    (tmp_path / "bad.usda").write_text("this is no USD")
+    for words in (["bad.usda", "out.exr"], ["missing.usda", "out.exr"]):
+        result = RunProgram([*openUsd.Program("usdrecord"), "--disableGpu", "--renderer", renderer, *words],
+                            openUsd.Environment(plugin), 120, cwd=tmp_path)
+        assert 0 < result.code < 124, (words, result.output)
+
+
+def test_the_list_of_renderers_names_ours(openUsd, plugin, renderer, tmp_path):
+    result = RunProgram([*openUsd.Program("usdrecord"), "--help"], openUsd.Environment(plugin), 120)
+    assert result.code == 0 and renderer in result.output

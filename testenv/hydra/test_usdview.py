@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A user's session in usdview: renderer, cameras, edits, purposes, picks, buffers, reload, end.
+
+usdview runs once a mode, under an X server of its own, with usdviewScript.py; the tests judge its pictures. A
+converged picture is a function of the scene, so what is undone must give the same bits. $HDSTREAM_VIEW_OUT
+names a folder that keeps the pictures, else they go with pytest's temporary folder.
+"""
+
+import json
+import os
+import pathlib
+
+import numpy as np
+import pytest
+
+from frontEnds import MODES
+from openUsd import RunProgram
+from viewStage import TARGETS, WriteViewStage
+
+HERE = pathlib.Path(__file__).resolve().parent
+SECONDS = 900  # two dozen pictures at a few seconds, with kernels to build
+SAMPLES = 4  # per pixel; every comparison is of equal seeds
+# Step -> the step it must differ from. What it shows has moved, changed colour or is gone.
+CHANGES = {
+    "orbit": "start", "otherCamera": "start", "transform": "start", "camera": "start", "material": "start",
+    "light": "start", "radius": "start", "points": "start", "instances": "start", "visibility": "start",
+    "removed": "start", "purposeProxy": "purposeRender", "purposeGuide": "purposeProxy", "selected": "picked",
+    "reloaded": "start",
+}
+# Step -> the step it must equal to the bit.
+UNDONE = {
+    "orbitUndone": "start", "otherCameraUndone": "start", "transformUndone": "start", "cameraUndone": "start",
+    "materialUndone": "start", "lightUndone": "start", "radiusUndone": "start", "pointsUndone": "start",
+    "instancesUndone": "start", "visibilityUndone": "start", "removedUndone": "start", "purposeRender": "start",
+    "purposeRenderAgain": "start", "picked": "start", "selectionCleared": "start", "aovColor": "start",
+    "resumed": "start", "backFromGL": "start", "backFromEmbree": "start", "switched": "start",
+    "reloadedUndone": "start", "reopened": "start",
+}
+# Words that programs print when something is wrong inside.
+BAD_WORDS = ("Traceback", "Coding Error", "coding error", "Runtime Error", "ERROR: Usdview", "Fatal", "Segmentation")
+
+
+class Session:
+    """What one run of usdview left."""
+
+    def __init__(self, folder, result):
+        self.folder = folder
+        self.result = result
+        report = folder / "report.json"
+        self.report = json.loads(report.read_text()) if report.is_file() else None
+
+    def Picture(self, step) -> np.ndarray:
+        """[height][width][RGBA] of 8 bits."""
+        if step not in self.report["steps"]:
+            pytest.skip(f"step {step} was not made: there is no such renderer or buffer")
+        info = self.report["steps"][step]
+        return np.fromfile(self.folder / f"{step}.raw", np.uint8).reshape(info["height"], info["width"], 4)
+
+
+@pytest.fixture(scope="module", params=MODES)
+def session(request, openUsd, plugin, renderer, windowed, tmp_path_factory):
+    folder = pathlib.Path(os.environ.get("HDSTREAM_VIEW_OUT") or tmp_path_factory.mktemp("usdview")) / request.param
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "report.json").unlink(missing_ok=True)
+    stage = folder / "stage.usda"
+    stage.unlink(missing_ok=True)
+    WriteViewStage(stage)
+    job = folder / "job.json"
+    job.write_text(json.dumps({"out": str(folder), "renderer": renderer, "samples": SAMPLES,
+                               "picks": {name: target[0] for name, target in TARGETS.items()}}))
+    command = [*windowed, *openUsd.Program("testusdview"), "--testScript", HERE / "usdviewScript.py", stage]
+    environment = openUsd.Environment(plugin, HDSTREAM_VIEW_JOB=str(job))
+    if request.param == "sceneIndex":
+        environment["USDIMAGINGGL_ENGINE_ENABLE_SCENE_INDEX"] = "1"
+    result = RunProgram(command, environment, SECONDS)
+    (folder / "output.txt").write_text(result.output)
+    return Session(folder, result)
+
+
+def test_usdview_comes_to_a_good_end(session):
+    """All steps are made, usdview closes while it renders, and nothing is reported broken."""
+    assert session.result.code == 0 and session.report is not None, session.result.output[-4000:]
+    lines = [line for line in session.result.output.splitlines() if any(word in line for word in BAD_WORDS)]
+    assert not lines, lines[:10]
+
+
+@pytest.fixture
+def finished(session):
+    if session.report is None:
+        pytest.skip("usdview came to a bad end (test_usdview_comes_to_a_good_end)")
+    return session
+
+
+def test_the_first_picture_shows_the_stage(finished):
+    """Colours of the box, the ball and the prop are where the camera sees them."""
+    picture = finished.Picture("start").astype(int)
+    assert len(np.unique(picture.reshape(-1, 4), axis=0)) > 200
+    red = (picture[..., 0] > 1.5 * picture[..., 1]) & (picture[..., 0] > 1.5 * picture[..., 2])
+    blue = (picture[..., 2] > 1.3 * picture[..., 0]) & (picture[..., 2] > 1.1 * picture[..., 1])
+    assert red[:, :160].sum() > 300 and red[:, 200:].sum() < 0.2 * red[:, :160].sum()
+    assert blue[80:180, 120:200].sum() > 300
+
+
+@pytest.mark.parametrize("step", CHANGES)
+def test_a_change_is_seen(finished, step):
+    before, after = finished.Picture(CHANGES[step]).astype(int), finished.Picture(step).astype(int)
+    # Pixels that changed by more than what noise at these samples does to a grey ground.
+    assert (np.abs(before - after).max(-1) > 12).sum() > 50
+
+
+@pytest.mark.parametrize("step", UNDONE)
+def test_what_is_undone_gives_the_same_bits(finished, step):
+    expected, found = finished.Picture(UNDONE[step]), finished.Picture(step)
+    numUnlike = int((expected != found).any(-1).sum())
+    assert numUnlike == 0, f"{numUnlike} pixels of {step} differ from {UNDONE[step]}"
+
+
+@pytest.mark.parametrize("name", TARGETS)
+def test_a_pick_gives_the_prim_under_the_pointer(finished, name):
+    point, path, instance = TARGETS[name]
+    pick = finished.report["picks"][name]
+    assert (pick["path"], pick["instance"]) == (path, instance)
+    # On the surface in front of the point, which is at most the shape's radius away.
+    assert np.linalg.norm(np.subtract(pick["hit"], point)) < 0.75
+
+
+def test_a_click_selects(finished):
+    assert finished.report["clicked"] == [TARGETS["mesh"][1]]
+
+
+@pytest.mark.parametrize("step", ["aov_depth", "aov_normal", "aov_primId"])
+def test_other_buffers_are_shown(finished, step):
+    colours = np.unique(finished.Picture(step)[60:].reshape(-1, 4), axis=0)
+    assert len(colours) > (3 if step == "aov_primId" else 30)

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Prints docs/settings.md from the core's settings table: settingsPage.py > docs/settings.md"""
+
+from hdstream import _core
+
+HEAD = """# Settings
+
+One table (hdStream/session/settingsTable.cpp) describes every setting. The options of `hdstream record`, the attributes
+`hdstream:NAME` of UsdRenderSettings prims (both front ends), and the render settings that Hydra hosts show all come from
+it. This page is written by `python testenv/support/settingsPage.py`.
+
+Those in the second table are decided by the host of the plug-in (image size, camera, purposes ...), so Hydra shows no
+control for them and render settings prims have attributes of their own.
+"""
+
+
+def _RangeOf(info):
+    kind = _core.SettingKind
+    if info.kind == kind.Choice:
+        return ", ".join(info.choices)
+    if info.kind == kind.Bool:
+        return "true, false"
+    if info.kind in (kind.Integer, kind.Number, kind.Bytes):
+        return f"{info.minimum:.10g} to {info.maximum:.10g}"
+    return {kind.Text: "text", kind.Names: "names"}[info.kind]
+
+
+def _DefaultOf(info):
+    value = _core.GetSetting(_core.Settings(), info.name)
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, list):
+        return ", ".join(value)
+    return f"{value:.10g}" if isinstance(value, float) else str(value)
+
+
+def _Table(rows):
+    lines = ["| setting | option | default | values | meaning |", "|---|---|---|---|---|"]
+    for info in rows:
+        option = f"`{info.option}`" if info.option else ""
+        lines.append(f"| `{info.name}` | {option} | {_DefaultOf(info)} | {_RangeOf(info)} | {info.description} |")
+    return "\n".join(lines) + "\n"
+
+
+def PageText():
+    table = _core.SettingTable()
+    user = _Table([info for info in table if info.isUserSetting])
+    host = _Table([info for info in table if not info.isUserSetting])
+    return f"{HEAD}\n{user}\n{host}"
+
+
+if __name__ == "__main__":
+    print(PageText(), end="")

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// A mesh is prepared again when, and only when, its description or the options are others.
+#include "hdStream/scene/meshStore.h"
+
+#include <gtest/gtest.h>
+
+namespace hds {
+namespace {
+
+std::shared_ptr<const MeshDescription> Triangle(float size) {
+    auto mesh = std::make_shared<MeshDescription>();
+    mesh->points = std::vector<float>{0, 0, 0, size, 0, 0, 0, size, 0};
+    mesh->faceVertexCounts = std::vector<std::int32_t>{3};
+    mesh->faceVertexIndices = std::vector<std::int32_t>{0, 1, 2};
+    return mesh;
+}
+
+class MeshStoreTest : public ::testing::Test {
+protected:
+    bool Prepare(const CancelCallback& isCancelled = {}) {
+        std::vector<const MeshStore::Entry*> drawn;
+        for (const auto& entry : scene.meshes) {
+            if (entry.second.placement.visible) {
+                drawn.push_back(&entry);
+            }
+        }
+        return store.Prepare(scene, drawn, options, warnings, isCancelled);
+    }
+    std::size_t Count() const {
+        std::size_t count = 0;
+        store.ForEach([&](const std::string&, const PreparedMesh&) { ++count; });
+        return count;
+    }
+
+    SceneDescription scene;
+    MeshOptions options;
+    Warnings warnings;
+    MeshStore store;
+};
+
+TEST_F(MeshStoreTest, EditsThatLeaveTheDescriptionPrepareNothing) {
+    scene.meshes["/a"].mesh = Triangle(1.0F);
+    scene.meshes["/b"].mesh = Triangle(2.0F);
+    ASSERT_TRUE(Prepare());
+    EXPECT_EQ(store.NumPrepared(), 2U);
+    const PreparedPage* page = store.Find("/a").chunks[0].geometry.get();
+    scene.meshes["/a"].placement.worldFromObject[3][0] = 5.0;
+    scene.meshes["/a"].materialPath = "/m";
+    scene.meshes["/a"].doubleSided = true;
+    scene.meshes["/b"].placement.visible = false;
+    ASSERT_TRUE(Prepare());
+    EXPECT_EQ(store.NumPrepared(), 2U);
+    EXPECT_EQ(Count(), 2U); // hidden, but kept
+    EXPECT_EQ(store.Find("/a").chunks[0].geometry.get(), page);
+    scene.meshes["/b"].placement.visible = true;
+    ASSERT_TRUE(Prepare());
+    EXPECT_EQ(store.NumPrepared(), 2U);
+}
+
+TEST_F(MeshStoreTest, NewDescriptionsAndOptionsPrepareAgain) {
+    scene.meshes["/a"].mesh = Triangle(1.0F);
+    scene.meshes["/b"].mesh = Triangle(2.0F);
+    ASSERT_TRUE(Prepare());
+    const std::uint64_t before = store.Find("/a").chunks[0].geometry->Id();
+    scene.meshes["/a"].mesh = Triangle(3.0F);
+    ASSERT_TRUE(Prepare());
+    EXPECT_EQ(store.NumPrepared(), 3U);
+    EXPECT_NE(store.Find("/a").chunks[0].geometry->Id(), before);
+    EXPECT_EQ(store.Find("/a").bounds.max.x - store.Find("/a").bounds.min.x, 3.0F);
+    options.chunkBytes = 8192;
+    ASSERT_TRUE(Prepare());
+    EXPECT_EQ(store.NumPrepared(), 5U);
+    options.refineLevel = 2; // means nothing to adaptive subdivision
+    ASSERT_TRUE(Prepare());
+    EXPECT_EQ(store.NumPrepared(), 5U);
+}
+
+TEST_F(MeshStoreTest, RemovedMeshesLeaveAndHiddenOnesAreNotPrepared) {
+    scene.meshes["/a"].mesh = Triangle(1.0F);
+    scene.meshes["/b"].mesh = Triangle(2.0F);
+    scene.meshes["/b"].placement.visible = false;
+    ASSERT_TRUE(Prepare());
+    EXPECT_EQ(Count(), 1U);
+    scene.meshes.erase("/a");
+    ASSERT_TRUE(Prepare());
+    EXPECT_EQ(Count(), 0U);
+}
+
+TEST_F(MeshStoreTest, CancellingKeepsWhatIsPrepared) {
+    for (int i = 0; i < 64; ++i) {
+        scene.meshes["/" + std::to_string(i)].mesh = Triangle(1.0F + static_cast<float>(i));
+    }
+    int asked = 0;
+    EXPECT_FALSE(Prepare([&] { return ++asked > 1; }));
+    EXPECT_LT(store.NumPrepared(), 64U);
+    const std::uint64_t before = store.NumPrepared();
+    ASSERT_TRUE(Prepare());
+    EXPECT_EQ(store.NumPrepared(), 64U);
+    EXPECT_LE(before, 64U);
+    EXPECT_EQ(Count(), 64U);
+}
+
+TEST_F(MeshStoreTest, TrianglesComeBackFromTheDescription) {
+    scene.meshes["/a"].mesh = Triangle(1.0F);
+    ASSERT_TRUE(Prepare());
+    const auto triangles = store.Triangles("/a", warnings);
+    ASSERT_EQ(triangles->triangles.size(), store.Find("/a").numTriangles);
+    EXPECT_EQ(store.Triangles("/a", warnings), triangles);
+}
+
+} // namespace
+} // namespace hds

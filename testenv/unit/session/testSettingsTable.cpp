@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+// The table reaches every setting, keeps values, and refuses what is out of range.
+#include "hdStream/session/settingsTable.h"
+
+#include "hdStream/base/error.h"
+#include "hdStream/session/settingsCheck.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <set>
+
+namespace hds {
+namespace {
+
+/// Another legal value than the present one.
+SettingValue OtherValue(const SettingInfo& info, const SettingValue& present) {
+    switch (info.kind) {
+    case SettingKind::Bool:
+        return !std::get<bool>(present);
+    case SettingKind::Integer:
+    case SettingKind::Bytes: {
+        const auto low = static_cast<std::int64_t>(info.minimum);
+        return std::get<std::int64_t>(present) == low ? low + 1 : low;
+    }
+    case SettingKind::Number:
+        return std::get<double>(present) == info.maximum ? info.minimum : info.maximum;
+    case SettingKind::Text:
+        return std::get<std::string>(present) + "x";
+    case SettingKind::Choice:
+        return std::get<std::string>(present) == info.choices[0] ? info.choices[1]
+                                                                 : info.choices[0];
+    case SettingKind::Names:
+        return std::vector<std::string>{"alpha"};
+    }
+    return present;
+}
+
+void ExpectRefused(const std::string& name, const SettingValue& value, const std::string& subject) {
+    Settings settings;
+    try {
+        SetSetting(&settings, name, value);
+        ADD_FAILURE() << name << " was accepted";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::Usage);
+        EXPECT_EQ(std::string(error.what()).find(subject + ": "), 0U) << error.what();
+    }
+    EXPECT_EQ(settings, Settings());
+}
+
+TEST(SettingsTable, EverySettingChangesOneMemberAndReadsBack) {
+    std::set<std::string> names;
+    for (const SettingInfo& info : SettingTable()) {
+        EXPECT_TRUE(names.insert(info.name).second) << info.name;
+        EXPECT_FALSE(info.label.empty() || info.description.empty()) << info.name;
+        Settings settings;
+        const SettingValue other = OtherValue(info, GetSetting(settings, info.name));
+        SetSetting(&settings, info.name, other);
+        EXPECT_NE(settings, Settings()) << info.name;
+        EXPECT_EQ(GetSetting(settings, info.name), other) << info.name;
+        for (const SettingInfo& unchanged : SettingTable()) {
+            if (unchanged.name != info.name) {
+                EXPECT_EQ(GetSetting(settings, unchanged.name),
+                          GetSetting(Settings(), unchanged.name));
+            }
+        }
+    }
+}
+
+TEST(SettingsTable, HasARowForEveryMember) {
+    // A member that is added without a row makes the struct grow: give it a row, then correct this.
+    struct Mirror {
+        std::string camera;
+        std::uint32_t imageWidth, imageHeight;
+        double pixelAspectRatio;
+        std::array<double, 4> displayWindow;       // no row: framing
+        std::array<std::int32_t, 2> dataWindowMin; // no row: framing
+        std::string conformPolicy;
+        std::vector<std::string> aovs, purposes;
+        std::string cullStyle;
+        bool domeVisible;
+        std::uint32_t samples, maxDepth, seed;
+        double timeLimit, noise;
+        std::string pixelFilter;
+        double pixelFilterWidth;
+        bool russianRoulette;
+        std::string subdivision;
+        std::uint32_t refineLevel, waveSize;
+        std::string device, cacheDirectory;
+        bool noCache;
+        std::string traversal;
+        std::uint64_t chunkBytes;
+    };
+    EXPECT_EQ(sizeof(Settings), sizeof(Mirror));
+    EXPECT_EQ(SettingTable().size(), 25U);
+}
+
+TEST(SettingsTable, DefaultsAreLegal) {
+    for (const SettingInfo& info : SettingTable()) {
+        EXPECT_NO_THROW(CheckSettingValue(info, GetSetting(Settings(), info.name))) << info.name;
+    }
+    EXPECT_NO_THROW(CheckSettings(Settings()));
+}
+
+TEST(SettingsTable, RefusesWhatIsOutOfRangeOrOfAnotherType) {
+    ExpectRefused("samples", std::int64_t{0}, "--samples");
+    ExpectRefused("samples", std::string("many"), "--samples");
+    ExpectRefused("samples", 1.5, "--samples");
+    ExpectRefused("noise", std::nan(""), "--noise");
+    ExpectRefused("timeLimit", -1.0, "--time");
+    ExpectRefused("subdivision", std::string("some"), "--subdivision");
+    ExpectRefused("domeVisible", std::int64_t{1}, "domeVisible");
+    ExpectRefused("aovs", std::string("color"), "--aovs");
+    ExpectRefused("noSuchSetting", true, "noSuchSetting");
+}
+
+TEST(SettingsTable, NumbersConvertWhenTheyKeepTheirValue) {
+    Settings settings;
+    SetSetting(&settings, "samples", 16.0);
+    EXPECT_EQ(settings.samples, 16U);
+    SetSetting(&settings, "noise", std::int64_t{1});
+    EXPECT_EQ(settings.noise, 1.0);
+}
+
+} // namespace
+} // namespace hds
