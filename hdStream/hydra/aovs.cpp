@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/hydra/aovs.h"
 
-#include "hdStream/film/aov.h"
+#include "hdStream/session/session.h"
 
 #include <pxr/base/gf/vec3f.h>
 #include <pxr/base/gf/vec4f.h>

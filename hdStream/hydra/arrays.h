@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vt and Gf values as the core's: arrays are shared, never copied, where their items are of the same
-// type. Thread-safe.
+// Vt and Gf values as the core's: arrays are shared, never copied, where their items are of the
+// same type. Thread-safe.
 #pragma once
 
-#include "hdStream/base/sharedSpan.h"
+#include "hdStream/session/session.h"
 
 #include <pxr/base/gf/matrix4d.h>
 #include <pxr/base/vt/array.h>

@@ -2,7 +2,7 @@
 // Assets as (file, offset, size), resolved while syncing so that the core needs no resolver.
 #pragma once
 
-#include "hdStream/shading/materialNetwork.h"
+#include "hdStream/session/session.h"
 
 #include <pxr/pxr.h>
 #include <pxr/usd/sdf/assetPath.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "hdStream/scene/sceneDescription.h"
+#include "hdStream/session/session.h"
 
 #include <pxr/imaging/hd/camera.h>
 #include <pxr/pxr.h>

@@ -2,7 +2,7 @@
 // Values of any numeric Vt type as rows of floats, the core's form of primvars and points.
 #pragma once
 
-#include "hdStream/base/sharedSpan.h"
+#include "hdStream/session/session.h"
 
 #include <pxr/base/vt/value.h>
 #include <pxr/pxr.h>

@@ -18,18 +18,23 @@ void HdStreamApplyFraming(const CameraUtilFraming& framing, hds::Settings* setti
     settings->imageWidth = static_cast<std::uint32_t>(data.GetWidth());
     settings->imageHeight = static_cast<std::uint32_t>(data.GetHeight());
     settings->pixelAspectRatio = static_cast<double>(framing.pixelAspectRatio);
-    settings->dataWindowMin = {data.GetMinX(), data.GetMinY()};
-    const bool isWholeImage = data.GetMinX() == 0 && data.GetMinY() == 0 &&
-                              display == GfRange2f(GfVec2f(0.0F),
-                                                   GfVec2f(static_cast<float>(data.GetWidth()),
-                                                           static_cast<float>(data.GetHeight())));
+    // Pixels are counted from the display window's corner, so that a crop whose host counts from
+    // its own corner has the bits of the whole image.
+    const int left = static_cast<int>(std::floor(display.GetMin()[0]));
+    const int top = static_cast<int>(std::floor(display.GetMin()[1]));
+    settings->dataWindowMin = {data.GetMinX() - left, data.GetMinY() - top};
+    const bool isWholeImage =
+        data.GetMinX() == 0 && data.GetMinY() == 0 &&
+        display == GfRange2f(GfVec2f(0.0F), GfVec2f(static_cast<float>(data.GetWidth()),
+                                                    static_cast<float>(data.GetHeight())));
     if (isWholeImage) {
         settings->displayWindow = {};
         return;
     }
-    settings->displayWindow = {
-        static_cast<double>(display.GetMin()[0]), static_cast<double>(display.GetMin()[1]),
-        static_cast<double>(display.GetMax()[0]), static_cast<double>(display.GetMax()[1])};
+    settings->displayWindow = {static_cast<double>(display.GetMin()[0]) - left,
+                               static_cast<double>(display.GetMin()[1]) - top,
+                               static_cast<double>(display.GetMax()[0]) - left,
+                               static_cast<double>(display.GetMax()[1]) - top};
 }
 
 std::string HdStreamConformPolicy(CameraUtilConformWindowPolicy policy) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The framing of a render pass as settings: which pixels are rendered, and how the camera's aperture
-// is fitted to them.
+// The framing of a render pass as settings: which pixels are rendered, and how the camera's
+// aperture is fitted to them.
 #pragma once
 
 #include "hdStream/session/settings.h"

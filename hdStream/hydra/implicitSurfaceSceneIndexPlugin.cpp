@@ -17,11 +17,11 @@ PXR_NAMESPACE_OPEN_SCOPE
 namespace {
 
 HdContainerDataSourceHandle MakeArguments() {
-    const HdDataSourceBaseHandle toMesh = HdRetainedTypedSampledDataSource<TfToken>::New(
-        HdsiImplicitSurfaceSceneIndexTokens->toMesh);
-    std::vector<TfToken> names{HdPrimTypeTokens->sphere,   HdPrimTypeTokens->cube,
-                               HdPrimTypeTokens->cone,     HdPrimTypeTokens->cylinder,
-                               HdPrimTypeTokens->capsule,  HdPrimTypeTokens->plane};
+    const HdDataSourceBaseHandle toMesh =
+        HdRetainedTypedSampledDataSource<TfToken>::New(HdsiImplicitSurfaceSceneIndexTokens->toMesh);
+    std::vector<TfToken> names{HdPrimTypeTokens->sphere,  HdPrimTypeTokens->cube,
+                               HdPrimTypeTokens->cone,    HdPrimTypeTokens->cylinder,
+                               HdPrimTypeTokens->capsule, HdPrimTypeTokens->plane};
     const std::vector<HdDataSourceBaseHandle> values(names.size(), toMesh);
     return HdRetainedContainerDataSource::New(names.size(), names.data(), values.data());
 }

@@ -2,7 +2,7 @@
 // The transforms of an instancer's instances from the parts that Hydra keeps them in.
 #pragma once
 
-#include "hdStream/base/sharedSpan.h"
+#include "hdStream/session/session.h"
 
 #include <pxr/base/vt/value.h>
 #include <pxr/pxr.h>

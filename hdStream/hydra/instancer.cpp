@@ -25,8 +25,7 @@ const std::string& HdStreamInstancer::ScenePath(HdStreamRenderParam* param) {
         hds::Placement parent;
         UpdatePathOf(delegate->GetRenderIndex(), parentId, param, &parent);
         _scenePath = param->ReservePath(
-            HdStreamInstancerScenePath(delegate, GetId(), parentId, parent.instancerPath),
-            GetId());
+            HdStreamInstancerScenePath(delegate, GetId(), parentId, parent.instancerPath), GetId());
     });
     return _scenePath;
 }
@@ -63,8 +62,7 @@ void HdStreamInstancer::Sync(HdSceneDelegate* delegate, HdRenderParam* renderPar
     _UpdateInstancer(delegate, dirtyBits);
     ScenePath(param);
     hds::Placement& placement = _prim.placement;
-    const bool isMoved =
-        UpdatePathOf(delegate->GetRenderIndex(), GetParentId(), param, &placement);
+    const bool isMoved = UpdatePathOf(delegate->GetRenderIndex(), GetParentId(), param, &placement);
     if (isMoved || (bits & HdChangeTracker::DirtyInstanceIndex)) {
         ReadInstances(delegate, GetParentId(), GetId(), &placement);
     }
@@ -78,16 +76,22 @@ void HdStreamInstancer::Sync(HdSceneDelegate* delegate, HdRenderParam* renderPar
         placement.visible = delegate->GetVisible(GetId());
     }
     if (HdChangeTracker::IsAnyPrimvarDirty(bits, GetId())) {
-        _SyncPrimvars(delegate, param, bits);
+        SyncPrimvars(delegate, param, bits);
     }
-    param->Push([path = _scenePath, prim = _prim](hds::Session& session) mutable {
-        session.SetInstancer(path, std::move(prim));
-    });
+    const bool isPlacing = !_prim.instanceTransforms.empty() && IsPlaced(placement);
+    if (isPlacing) {
+        param->Push([path = _scenePath, prim = _prim](hds::Session& session) mutable {
+            session.SetInstancer(path, std::move(prim));
+        });
+    } else if (_isInScene) {
+        param->Push([path = _scenePath](hds::Session& session) { session.Remove(path); });
+    }
+    _isInScene = isPlacing;
     *dirtyBits = HdChangeTracker::Clean;
 }
 
-void HdStreamInstancer::_SyncPrimvars(HdSceneDelegate* delegate, HdStreamRenderParam* param,
-                                      HdDirtyBits bits) {
+void HdStreamInstancer::SyncPrimvars(HdSceneDelegate* delegate, HdStreamRenderParam* param,
+                                     HdDirtyBits bits) {
     const SdfPath& id = GetId();
     const TfTokenVector& transforms = GetBuiltinPrimvarNames();
     std::map<TfToken, VtValue> values;
@@ -115,8 +119,11 @@ void HdStreamInstancer::_SyncPrimvars(HdSceneDelegate* delegate, HdStreamRenderP
 
 void HdStreamInstancer::Finalize(HdRenderParam* renderParam) {
     auto* param = static_cast<HdStreamRenderParam*>(renderParam);
-    if (!_scenePath.empty()) {
+    if (_isInScene) {
         param->Push([path = _scenePath](hds::Session& session) { session.Remove(path); });
+        _isInScene = false;
+    }
+    if (!_scenePath.empty()) {
         param->ReleasePath(_scenePath);
         _scenePath.clear();
     }

@@ -2,7 +2,7 @@
 // Instancers, one level each: the hierarchy of Hydra is kept, nothing is multiplied out.
 #pragma once
 
-#include "hdStream/scene/sceneDescription.h"
+#include "hdStream/session/session.h"
 
 #include <pxr/imaging/hd/instancer.h>
 #include <pxr/imaging/hd/renderIndex.h>
@@ -38,13 +38,19 @@ public:
     static void ReadInstances(HdSceneDelegate* delegate, const SdfPath& instancerId,
                               const SdfPath& prototypeId, hds::Placement* placement);
 
+    /// True for a prim that is drawn at least once: not instanced, or by some instance.
+    static bool IsPlaced(const hds::Placement& placement) {
+        return placement.instancerPath.empty() || !placement.instances.empty();
+    }
+
 private:
-    void _SyncPrimvars(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits);
+    void SyncPrimvars(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits);
 
     std::once_flag _hasScenePath;
     std::string _scenePath;
     std::map<TfToken, VtValue> _values; ///< transforms and their parts, per instance
     hds::InstancerPrim _prim;
+    bool _isInScene = false;
 };
 
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -27,26 +27,28 @@ void HdStreamLight::Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
     const HdDirtyBits bits = *dirtyBits;
     _UpdateInstancer(delegate, dirtyBits);
     HdInstancer::_SyncInstancerAndParents(delegate->GetRenderIndex(), GetInstancerId());
-    _SyncPlacement(delegate, param, bits);
+    SyncPlacement(delegate, param, bits);
     if (bits & (DirtyParams | DirtyResource | DirtyShadowParams | DirtyCollection)) {
-        _SyncParameters(delegate, param);
+        SyncParameters(delegate, param);
     }
-    param->Push([path = _scenePath, prim = _prim](hds::Session& session) mutable {
-        session.SetLight(path, std::move(prim));
-    });
+    const bool isPlaced = HdStreamInstancer::IsPlaced(_prim.placement);
+    if (isPlaced) {
+        param->Push([path = _scenePath, prim = _prim](hds::Session& session) mutable {
+            session.SetLight(path, std::move(prim));
+        });
+    } else if (_isInScene) {
+        param->Push([path = _scenePath](hds::Session& session) { session.Remove(path); });
+    }
+    _isInScene = isPlaced;
     *dirtyBits = Clean;
 }
 
-void HdStreamLight::_SyncPlacement(HdSceneDelegate* delegate, HdStreamRenderParam* param,
-                                   HdDirtyBits bits) {
+void HdStreamLight::SyncPlacement(HdSceneDelegate* delegate, HdStreamRenderParam* param,
+                                  HdDirtyBits bits) {
     const SdfPath& id = GetId();
     hds::Placement& placement = _prim.placement;
     HdStreamInstancer::UpdatePathOf(delegate->GetRenderIndex(), GetInstancerId(), param,
                                     &placement);
-    if (_scenePath.empty()) {
-        _scenePath = param->ReservePath(
-            HdStreamScenePath(delegate, id, GetInstancerId(), placement.instancerPath), id);
-    }
     if (bits & DirtyInstancer) { // Lights have no bit of their own for instance indices.
         HdStreamInstancer::ReadInstances(delegate, GetInstancerId(), id, &placement);
     }
@@ -59,23 +61,29 @@ void HdStreamLight::_SyncPlacement(HdSceneDelegate* delegate, HdStreamRenderPara
     if (bits & DirtyParams) {
         placement.visible = delegate->GetVisible(id);
     }
+    if (_scenePath.empty()) {
+        _scenePath =
+            param->ReservePath(HdStreamScenePath(delegate, id, GetInstancerId(), placement), id);
+    }
 }
 
-void HdStreamLight::_SyncParameters(HdSceneDelegate* delegate, HdStreamRenderParam* param) {
+void HdStreamLight::SyncParameters(HdSceneDelegate* delegate, HdStreamRenderParam* param) {
     _prim.light = HdStreamReadLight(delegate, GetId(), _typeId, _type);
     if (_typeId == HdPrimTypeTokens->simpleLight) {
         return; // The application's own: nobody can act on a warning about it.
     }
-    for (const std::string& feature :
-         HdStreamUnsupportedLightFeatures(delegate, GetId(), _type)) {
+    for (const std::string& feature : HdStreamUnsupportedLightFeatures(delegate, GetId(), _type)) {
         param->Warn(SdfPath(_scenePath), feature + " is not supported yet");
     }
 }
 
 void HdStreamLight::Finalize(HdRenderParam* renderParam) {
     auto* param = static_cast<HdStreamRenderParam*>(renderParam);
-    if (!_scenePath.empty()) {
+    if (_isInScene) {
         param->Push([path = _scenePath](hds::Session& session) { session.Remove(path); });
+        _isInScene = false;
+    }
+    if (!_scenePath.empty()) {
         param->ReleasePath(_scenePath);
         _scenePath.clear();
     }

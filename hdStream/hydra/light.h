@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "hdStream/scene/sceneDescription.h"
+#include "hdStream/session/session.h"
 
 #include <pxr/imaging/hd/light.h>
 #include <pxr/pxr.h>
@@ -23,13 +23,14 @@ public:
     void Finalize(HdRenderParam* renderParam) override;
 
 private:
-    void _SyncPlacement(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits);
-    void _SyncParameters(HdSceneDelegate* delegate, HdStreamRenderParam* param);
+    void SyncPlacement(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits);
+    void SyncParameters(HdSceneDelegate* delegate, HdStreamRenderParam* param);
 
     TfToken _typeId;
     hds::LightType _type;
     std::string _scenePath; ///< empty until the first Sync
     hds::LightPrim _prim;
+    bool _isInScene = false;
 };
 
 /// A light that the core cannot render: warns once and is left out.

@@ -2,7 +2,7 @@
 // UsdLux lights as light descriptions: values as they are, UsdLux's fallbacks, nothing folded in.
 #pragma once
 
-#include "hdStream/shading/lightDescription.h"
+#include "hdStream/session/session.h"
 
 #include <pxr/imaging/hd/sceneDelegate.h>
 #include <pxr/pxr.h>

@@ -3,6 +3,7 @@
 
 #include "hdStream/hydra/materialParameters.h"
 #include "hdStream/hydra/renderParam.h"
+#include "hdStream/hydra/scenePaths.h"
 
 #include <pxr/imaging/hd/sceneDelegate.h>
 
@@ -21,16 +22,19 @@ void HdStreamMaterial::Sync(HdSceneDelegate* delegate, HdRenderParam* renderPara
                             HdDirtyBits* dirtyBits) {
     if (*dirtyBits & AllDirty) {
         auto* param = static_cast<HdStreamRenderParam*>(renderParam);
+        if (_scenePath.empty()) {
+            _scenePath = HdStreamMaterialScenePath(delegate, GetId());
+        }
         const VtValue resource = delegate->GetMaterialResource(GetId());
         auto network = std::make_shared<hds::MaterialNetwork>(
             resource.IsHolding<HdMaterialNetworkMap>()
-                ? HdStreamMaterialNetworkFrom(GetId(),
+                ? HdStreamMaterialNetworkFrom(SdfPath(_scenePath), GetId(),
                                               resource.UncheckedGet<HdMaterialNetworkMap>())
                 : hds::MaterialNetwork());
         if (network->terminals.count("surface") == 0) {
-            param->Warn(GetId(), "material has no surface");
+            param->Warn(SdfPath(_scenePath), "material has no surface");
         }
-        param->Push([path = GetId().GetString(), network](hds::Session& session) {
+        param->Push([path = _scenePath, network](hds::Session& session) {
             session.SetMaterial(path, network);
         });
     }
@@ -38,8 +42,10 @@ void HdStreamMaterial::Sync(HdSceneDelegate* delegate, HdRenderParam* renderPara
 }
 
 void HdStreamMaterial::Finalize(HdRenderParam* renderParam) {
-    static_cast<HdStreamRenderParam*>(renderParam)
-        ->Push([path = GetId().GetString()](hds::Session& session) { session.Remove(path); });
+    if (!_scenePath.empty()) {
+        static_cast<HdStreamRenderParam*>(renderParam)
+            ->Push([path = _scenePath](hds::Session& session) { session.Remove(path); });
+    }
 }
 
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -4,10 +4,11 @@
 #include <pxr/imaging/hd/material.h>
 #include <pxr/pxr.h>
 
+#include <string>
+
 PXR_NAMESPACE_OPEN_SCOPE
 
-/// A material of Hydra on its way into the core. Its path in the scene is its id. Synced in parallel
-/// with other materials.
+/// A material of Hydra on its way into the core. Synced in parallel with other materials.
 class HdStreamMaterial final : public HdMaterial {
 public:
     explicit HdStreamMaterial(const SdfPath& id);
@@ -16,6 +17,9 @@ public:
     void Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
               HdDirtyBits* dirtyBits) override;
     void Finalize(HdRenderParam* renderParam) override;
+
+private:
+    std::string _scenePath; ///< empty until the first Sync
 };
 
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -44,17 +44,31 @@ bool IsMetadata(const std::string& name) {
     return TfStringStartsWith(name, "typeName:") || TfStringStartsWith(name, "colorSpace:");
 }
 
-hds::MaterialNode NodeFrom(const std::string& path, const SdfPath& materialId,
+/// Paths of nodes: relative to the material or absolute in Hydra, absolute in the scene.
+class NodePaths {
+public:
+    NodePaths(const SdfPath& scenePath, const SdfPath& materialId)
+        : _scenePath(scenePath), _materialId(materialId) {}
+
+    std::string operator()(const SdfPath& node) const {
+        return node.MakeAbsolutePath(_scenePath).ReplacePrefix(_materialId, _scenePath).GetString();
+    }
+
+private:
+    const SdfPath& _scenePath;
+    const SdfPath& _materialId;
+};
+
+hds::MaterialNode NodeFrom(const SdfPath& path, const NodePaths& paths,
                            const HdMaterialNode2& source) {
     hds::MaterialNode node;
-    node.path = path;
+    node.path = paths(path);
     node.identifier = source.nodeTypeId.GetString();
     for (const auto& [input, connections] : source.inputConnections) {
         if (!connections.empty()) {
             const HdMaterialConnection2& first = connections.front();
-            node.connections[input.GetString()] = {
-                first.upstreamNode.MakeAbsolutePath(materialId).GetString(),
-                first.upstreamOutputName.GetString()};
+            node.connections[input.GetString()] = {paths(first.upstreamNode),
+                                                   first.upstreamOutputName.GetString()};
         }
     }
     for (const auto& [input, value] : source.parameters) {
@@ -69,10 +83,9 @@ hds::MaterialNode NodeFrom(const std::string& path, const SdfPath& materialId,
         if (std::holds_alternative<hds::AssetReference>(*parameter)) {
             const std::string key = "colorSpace:" + name;
             const auto space = source.parameters.find(TfToken(key));
-            if (space != source.parameters.end()) {
-                if (Parameter text = HdStreamParameterFrom(space->second)) {
-                    node.parameters[key] = std::move(*text);
-                }
+            if (space != source.parameters.end() && space->second.IsHolding<TfToken>() &&
+                !space->second.UncheckedGet<TfToken>().IsEmpty()) {
+                node.parameters[key] = space->second.UncheckedGet<TfToken>().GetString();
             }
         }
         node.parameters[name] = std::move(*parameter);
@@ -106,17 +119,17 @@ std::optional<hds::ParameterValue> HdStreamParameterFrom(const VtValue& value) {
     return result;
 }
 
-hds::MaterialNetwork HdStreamMaterialNetworkFrom(const SdfPath& materialId,
+hds::MaterialNetwork HdStreamMaterialNetworkFrom(const SdfPath& scenePath,
+                                                 const SdfPath& materialId,
                                                  const HdMaterialNetworkMap& map) {
+    const NodePaths paths(scenePath, materialId);
     const HdMaterialNetwork2 source = HdConvertToHdMaterialNetwork2(map);
     hds::MaterialNetwork network;
     for (const auto& [name, connection] : source.terminals) {
-        network.terminals[name.GetString()] = {
-            connection.upstreamNode.MakeAbsolutePath(materialId).GetString(), name.GetString()};
+        network.terminals[name.GetString()] = {paths(connection.upstreamNode), name.GetString()};
     }
     for (const auto& [path, node] : source.nodes) {
-        network.nodes.push_back(
-            NodeFrom(path.MakeAbsolutePath(materialId).GetString(), materialId, node));
+        network.nodes.push_back(NodeFrom(path, paths, node));
     }
     return network;
 }

@@ -132,7 +132,7 @@ void HdStreamMesh::Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
     _prim.placement.visible = IsVisible();
     if (!IsVisible()) {
         if (_isInScene && (bits & HdChangeTracker::DirtyVisibility)) {
-            _Push(param);
+            Push(param);
         }
         *dirtyBits &= ~(HdChangeTracker::DirtyVisibility | HdChangeTracker::NewRepr |
                         HdChangeTracker::InitRepr);
@@ -140,39 +140,39 @@ void HdStreamMesh::Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
     }
     _UpdateInstancer(delegate, dirtyBits);
     HdInstancer::_SyncInstancerAndParents(delegate->GetRenderIndex(), GetInstancerId());
-    _SyncPlacement(delegate, param, bits);
-    _SyncLook(delegate, param, bits);
+    SyncPlacement(delegate, param, bits);
+    SyncLook(delegate, param, bits);
     if (bits & kGeometryBits) {
-        _SyncGeometry(delegate, bits);
+        SyncGeometry(delegate, bits);
     }
-    _Push(param);
+    Push(param);
     *dirtyBits = HdChangeTracker::Clean;
 }
 
-void HdStreamMesh::_SyncPlacement(HdSceneDelegate* delegate, HdStreamRenderParam* param,
-                                  HdDirtyBits bits) {
+void HdStreamMesh::SyncPlacement(HdSceneDelegate* delegate, HdStreamRenderParam* param,
+                                 HdDirtyBits bits) {
     const SdfPath& id = GetId();
     hds::Placement& placement = _prim.placement;
     const bool isMoved = HdStreamInstancer::UpdatePathOf(delegate->GetRenderIndex(),
                                                          GetInstancerId(), param, &placement);
-    if (_scenePath.empty()) {
-        _scenePath = param->ReservePath(
-            HdStreamScenePath(delegate, id, GetInstancerId(), placement.instancerPath), id);
-    }
     if (bits & HdChangeTracker::DirtyTransform) {
         placement.worldFromObject = HdStreamToGlm(delegate->GetTransform(id));
     }
     if (isMoved || (bits & HdChangeTracker::DirtyInstanceIndex)) {
         HdStreamInstancer::ReadInstances(delegate, GetInstancerId(), id, &placement);
     }
+    if (_scenePath.empty()) {
+        _scenePath =
+            param->ReservePath(HdStreamScenePath(delegate, id, GetInstancerId(), placement), id);
+    }
 }
 
-void HdStreamMesh::_SyncLook(HdSceneDelegate* delegate, HdStreamRenderParam* param,
-                             HdDirtyBits bits) {
+void HdStreamMesh::SyncLook(HdSceneDelegate* delegate, HdStreamRenderParam* param,
+                            HdDirtyBits bits) {
     const SdfPath& id = GetId();
     if (bits & HdChangeTracker::DirtyMaterialId) {
         SetMaterialId(delegate->GetMaterialId(id));
-        _prim.materialPath = GetMaterialId().GetString();
+        _prim.materialPath = HdStreamMaterialScenePath(delegate, GetMaterialId());
     }
     if (bits & HdChangeTracker::DirtyDoubleSided) {
         _prim.doubleSided = IsDoubleSided(delegate);
@@ -187,11 +187,11 @@ void HdStreamMesh::_SyncLook(HdSceneDelegate* delegate, HdStreamRenderParam* par
     _prim.primId = GetPrimId();
 }
 
-void HdStreamMesh::_SyncGeometry(HdSceneDelegate* delegate, HdDirtyBits bits) {
+void HdStreamMesh::SyncGeometry(HdSceneDelegate* delegate, HdDirtyBits bits) {
     auto mesh = _prim.mesh ? std::make_shared<hds::MeshDescription>(*_prim.mesh)
                            : std::make_shared<hds::MeshDescription>();
     if (bits & HdChangeTracker::DirtyTopology) {
-        _SyncTopology(delegate, mesh.get());
+        SyncTopology(delegate, mesh.get());
     }
     if (bits & HdChangeTracker::DirtySubdivTags) {
         mesh->subdivTags = SubdivTagsFrom(delegate->GetSubdivTags(GetId()));
@@ -204,7 +204,7 @@ void HdStreamMesh::_SyncGeometry(HdSceneDelegate* delegate, HdDirtyBits bits) {
     }
 }
 
-void HdStreamMesh::_SyncTopology(HdSceneDelegate* delegate, hds::MeshDescription* mesh) {
+void HdStreamMesh::SyncTopology(HdSceneDelegate* delegate, hds::MeshDescription* mesh) {
     const HdMeshTopology topology = GetMeshTopology(delegate);
     mesh->faceVertexCounts = HdStreamShareArray<std::int32_t>(topology.GetFaceVertexCounts());
     mesh->faceVertexIndices = HdStreamShareArray<std::int32_t>(topology.GetFaceVertexIndices());
@@ -218,14 +218,16 @@ void HdStreamMesh::_SyncTopology(HdSceneDelegate* delegate, hds::MeshDescription
         if (subset.type == HdGeomSubset::TypeFaceSet && !subset.indices.empty()) {
             mesh->subsets.push_back({_scenePath + "/" + subset.id.GetName(),
                                      HdStreamShareArray<std::int32_t>(subset.indices)});
-            _prim.subsetMaterialPaths.push_back(subset.materialId.GetString());
+            _prim.subsetMaterialPaths.push_back(
+                HdStreamMaterialScenePath(delegate, subset.materialId));
         }
     }
 }
 
-void HdStreamMesh::_Push(HdStreamRenderParam* param) {
+void HdStreamMesh::Push(HdStreamRenderParam* param) {
     const bool isDrawable = _prim.mesh && !_prim.mesh->points.empty() &&
-                            !_prim.mesh->faceVertexCounts.empty();
+                            !_prim.mesh->faceVertexCounts.empty() &&
+                            HdStreamInstancer::IsPlaced(_prim.placement);
     if (isDrawable) {
         param->Push([path = _scenePath, prim = _prim](hds::Session& session) mutable {
             session.SetMesh(path, std::move(prim));
@@ -242,7 +244,7 @@ void HdStreamMesh::UpdateRenderTag(HdSceneDelegate* delegate, HdRenderParam* ren
     if (purpose != _prim.purpose) {
         _prim.purpose = std::move(purpose);
         if (_isInScene) {
-            _Push(static_cast<HdStreamRenderParam*>(renderParam));
+            Push(static_cast<HdStreamRenderParam*>(renderParam));
         }
     }
 }

@@ -3,7 +3,7 @@
 // instances) keeps the pointer to the description, and with it all that the core has prepared.
 #pragma once
 
-#include "hdStream/scene/sceneDescription.h"
+#include "hdStream/session/session.h"
 
 #include <pxr/imaging/hd/mesh.h>
 #include <pxr/pxr.h>
@@ -33,12 +33,12 @@ protected:
     void _InitRepr(const TfToken& reprToken, HdDirtyBits* dirtyBits) override;
 
 private:
-    void _SyncPlacement(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits);
-    void _SyncLook(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits);
-    void _SyncGeometry(HdSceneDelegate* delegate, HdDirtyBits bits);
-    void _SyncTopology(HdSceneDelegate* delegate, hds::MeshDescription* mesh);
+    void SyncPlacement(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits);
+    void SyncLook(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits);
+    void SyncGeometry(HdSceneDelegate* delegate, HdDirtyBits bits);
+    void SyncTopology(HdSceneDelegate* delegate, hds::MeshDescription* mesh);
     /// Queues the prim as it is now, or its removal when there is nothing to draw.
-    void _Push(HdStreamRenderParam* param);
+    void Push(HdStreamRenderParam* param);
 
     std::string _scenePath; ///< empty until the first Sync
     hds::MeshPrim _prim;

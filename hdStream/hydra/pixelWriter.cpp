@@ -33,9 +33,8 @@ Item Convert(const HdStreamPixel& pixel, std::size_t component) {
                 pixel.id, std::numeric_limits<Item>::lowest(), std::numeric_limits<Item>::max()));
         }
     }
-    const float value = pixel.isInteger
-                            ? (component == 0 ? static_cast<float>(pixel.id) : 0.0F)
-                            : pixel.values[component];
+    const float value = pixel.isInteger ? (component == 0 ? static_cast<float>(pixel.id) : 0.0F)
+                                        : pixel.values[component];
     if constexpr (isNormalised) {
         const float scale = static_cast<float>(std::numeric_limits<Item>::max());
         const float low = std::is_signed_v<Item> ? -1.0F : 0.0F;

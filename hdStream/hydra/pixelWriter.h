@@ -21,9 +21,9 @@ struct HdStreamPixel {
 /// True for the formats that HdStreamWritePixel knows.
 bool HdStreamIsWritableFormat(HdFormat format);
 
-/// Writes pixels one after the other. Components beyond the format's are dropped; normalised formats
-/// clamp, integer ones round. An integer in a format of four bytes keeps its bits (picking reads them
-/// so). Precondition: the format is writable.
+/// Writes pixels one after the other. Components beyond the format's are dropped; normalised
+/// formats clamp, integer ones round. An integer in a format of four bytes keeps its bits (picking
+/// reads them so). Precondition: the format is writable.
 void HdStreamWritePixels(HdFormat format, const HdStreamPixel* pixels, std::size_t count,
                          void* target);
 

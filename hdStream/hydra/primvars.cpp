@@ -17,14 +17,13 @@ PXR_NAMESPACE_OPEN_SCOPE
 
 namespace {
 
-constexpr std::array<std::pair<HdInterpolation, hds::Interpolation>, 5>
-    kInterpolations{{
-        {HdInterpolationConstant, hds::Interpolation::Constant},
-        {HdInterpolationUniform, hds::Interpolation::Uniform},
-        {HdInterpolationVarying, hds::Interpolation::Varying},
-        {HdInterpolationVertex, hds::Interpolation::Vertex},
-        {HdInterpolationFaceVarying, hds::Interpolation::FaceVarying},
-    }};
+constexpr std::array<std::pair<HdInterpolation, hds::Interpolation>, 5> kInterpolations{{
+    {HdInterpolationConstant, hds::Interpolation::Constant},
+    {HdInterpolationUniform, hds::Interpolation::Uniform},
+    {HdInterpolationVarying, hds::Interpolation::Varying},
+    {HdInterpolationVertex, hds::Interpolation::Vertex},
+    {HdInterpolationFaceVarying, hds::Interpolation::FaceVarying},
+}};
 
 /// Attributes of motion blur that UsdImaging lists as primvars, and what only skinning reads.
 bool IsSkipped(const std::string& name) {
@@ -47,13 +46,13 @@ public:
     void Read() {
         bool hasPoints = false;
         for (const auto& [hydra, core] : kInterpolations) {
-            hasPoints |= _ReadComputed(hydra, core);
+            hasPoints |= ReadComputed(hydra, core);
             for (const HdPrimvarDescriptor& descriptor :
                  _delegate->GetPrimvarDescriptors(_id, hydra)) {
                 if (descriptor.name == HdTokens->points) {
-                    hasPoints |= _ReadPoints();
+                    hasPoints |= ReadPoints();
                 } else {
-                    _ReadAuthored(descriptor.name, core);
+                    ReadAuthored(descriptor.name, core);
                 }
             }
         }
@@ -63,66 +62,66 @@ public:
     }
 
 private:
-    bool _IsDirty(const TfToken& name) const {
+    bool IsDirty(const TfToken& name) const {
         return HdChangeTracker::IsPrimvarDirty(_dirtyBits, _id, name);
     }
 
     /// Returns true when points are computed.
-    bool _ReadComputed(HdInterpolation hydra, hds::Interpolation core) {
+    bool ReadComputed(HdInterpolation hydra, hds::Interpolation core) {
         const HdExtComputationPrimvarDescriptorVector descriptors =
             _delegate->GetExtComputationPrimvarDescriptors(_id, hydra);
         HdExtComputationPrimvarDescriptorVector dirty;
         for (const HdExtComputationPrimvarDescriptor& descriptor : descriptors) {
             _computed.push_back(descriptor.name);
-            if (_IsDirty(descriptor.name)) {
+            if (IsDirty(descriptor.name)) {
                 dirty.push_back(descriptor);
             } else if (descriptor.name != HdTokens->points) {
-                _Keep(descriptor.name);
+                Keep(descriptor.name);
             }
         }
         if (!dirty.empty()) {
             for (const auto& [name, value] :
                  HdExtComputationUtils::GetComputedPrimvarValues(dirty, _delegate)) {
                 if (name == HdTokens->points) {
-                    _SetPoints(value);
+                    SetPoints(value);
                 } else {
-                    _Add(name, core, value, {});
+                    Add(name, core, value, {});
                 }
             }
         }
-        return _IsComputed(HdTokens->points);
+        return IsComputed(HdTokens->points);
     }
 
-    bool _IsComputed(const TfToken& name) const {
+    bool IsComputed(const TfToken& name) const {
         return std::find(_computed.begin(), _computed.end(), name) != _computed.end();
     }
 
-    bool _ReadPoints() {
-        if (!_IsComputed(HdTokens->points) && _IsDirty(HdTokens->points)) {
-            _SetPoints(_delegate->Get(_id, HdTokens->points));
+    bool ReadPoints() {
+        if (!IsComputed(HdTokens->points) && IsDirty(HdTokens->points)) {
+            SetPoints(_delegate->Get(_id, HdTokens->points));
         }
         return true;
     }
 
-    void _SetPoints(const VtValue& value) {
+    void SetPoints(const VtValue& value) {
         const std::optional<HdStreamFloatRows> rows = HdStreamGetFloatRows(value);
         *_points = rows && rows->numComponents == 3 ? rows->values : hds::SharedSpan<float>();
     }
 
-    void _ReadAuthored(const TfToken& name, hds::Interpolation core) {
-        if (_IsComputed(name) || IsSkipped(name.GetString())) {
+    void ReadAuthored(const TfToken& name, hds::Interpolation core) {
+        if (IsComputed(name) || IsSkipped(name.GetString())) {
             return;
         }
-        if (!_IsDirty(name)) {
-            _Keep(name);
+        if (!IsDirty(name)) {
+            Keep(name);
             return;
         }
         VtIntArray indices;
         const VtValue value = _delegate->GetIndexedPrimvar(_id, name, &indices);
-        _Add(name, core, value, indices);
+        Add(name, core, value, indices);
     }
 
-    void _Keep(const TfToken& name) {
+    void Keep(const TfToken& name) {
         const auto found = std::find_if(_old.begin(), _old.end(), [&](const hds::Primvar& primvar) {
             return primvar.name == name.GetString();
         });
@@ -131,8 +130,8 @@ private:
         }
     }
 
-    void _Add(const TfToken& name, hds::Interpolation core, const VtValue& value,
-              const VtIntArray& indices) {
+    void Add(const TfToken& name, hds::Interpolation core, const VtValue& value,
+             const VtIntArray& indices) {
         std::optional<HdStreamFloatRows> rows = HdStreamGetFloatRows(value);
         if (rows) {
             _new->push_back({name.GetString(), core, rows->numComponents, std::move(rows->values),

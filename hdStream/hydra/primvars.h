@@ -2,7 +2,7 @@
 // Primvars of a prim as the core's, computed ones (skinning) included.
 #pragma once
 
-#include "hdStream/geometry/meshDescription.h"
+#include "hdStream/session/session.h"
 
 #include <pxr/imaging/hd/sceneDelegate.h>
 #include <pxr/imaging/hd/types.h>

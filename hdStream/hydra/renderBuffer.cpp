@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/hydra/renderBuffer.h"
 
-#include "hdStream/film/aov.h"
 #include "hdStream/hydra/floatValues.h"
 #include "hdStream/hydra/pixelWriter.h"
+#include "hdStream/session/session.h"
 
 #include <pxr/base/gf/vec3i.h>
 #include <pxr/base/tf/diagnostic.h>
 
 #include <algorithm>
+#include <cstring>
 
 PXR_NAMESPACE_OPEN_SCOPE
 
@@ -63,6 +64,30 @@ HdStreamPixel PixelOf(const hds::ImageLayer& layer, std::size_t index, bool isCo
         }
     }
     return pixel;
+}
+
+/// True when the layer's rows are the buffer's, byte for byte.
+bool IsCopied(const hds::ImageLayer& layer, HdFormat format, bool isColor,
+              const HdStreamPixel& clear) {
+    if (layer.isInteger) {
+        return format == HdFormatInt32;
+    }
+    const bool isSameFormat = HdGetComponentFormat(format) == HdFormatFloat32 &&
+                              HdGetComponentCount(format) == layer.channels.size();
+    return isSameFormat && (!isColor || clear.values == decltype(clear.values){});
+}
+
+/// Bytes [first, last) of a row of the layer.
+void CopyRow(const hds::ImageLayer& layer, std::size_t y, std::size_t first, std::size_t last,
+             unsigned char* target) {
+    const std::size_t channels = layer.isInteger ? 1 : layer.channels.size();
+    const std::size_t begin = (y * layer.width + first) * channels;
+    const std::size_t count = (last - first) * channels;
+    if (layer.isInteger) {
+        std::memcpy(target, layer.ids.data() + begin, count * sizeof(std::int32_t));
+    } else {
+        std::memcpy(target, layer.values.data() + begin, count * sizeof(float));
+    }
 }
 
 } // namespace
@@ -136,8 +161,8 @@ HdStreamShowResult HdStreamRenderBuffer::Show(const std::shared_ptr<const hds::F
     const HdStreamShowResult result =
         layer ? HdStreamShowResult::Shown : HdStreamShowResult::Missing;
     const VtValue& clear = clearValue.IsEmpty() && _shown ? _shown->clearValue : clearValue;
-    const bool isSame = _shown && _shown->aovName == aovName &&
-                        _shown->dataWindow == dataWindow && _shown->clearValue == clear &&
+    const bool isSame = _shown && _shown->aovName == aovName && _shown->dataWindow == dataWindow &&
+                        _shown->clearValue == clear &&
                         (layer ? _shown->IsImage(image) : _shown->isNothing);
     if (isSame) {
         return result;
@@ -147,7 +172,7 @@ HdStreamShowResult HdStreamRenderBuffer::Show(const std::shared_ptr<const hds::F
     }
     const hds::AovInfo* info = hds::FindAov(aovName);
     const bool isComposited = info && info->isColor && info->NumChannels() == 4;
-    _Write(layer, dataWindow, isComposited, ClearPixel(aovName, clear));
+    Write(layer, dataWindow, isComposited, ClearPixel(aovName, clear));
     auto shown = std::make_unique<Shown>();
     shown->isNothing = layer == nullptr;
     shown->aovName = aovName;
@@ -158,27 +183,41 @@ HdStreamShowResult HdStreamRenderBuffer::Show(const std::shared_ptr<const hds::F
     return result;
 }
 
-void HdStreamRenderBuffer::_Write(const hds::ImageLayer* layer, const GfRect2i& dataWindow,
-                                  bool isColor, const HdStreamPixel& clear) {
-    const std::size_t rowBytes = _width * HdDataSizeOfFormat(_format);
+void HdStreamRenderBuffer::Write(const hds::ImageLayer* layer, const GfRect2i& dataWindow,
+                                 bool isColor, const HdStreamPixel& clear) {
+    const std::size_t pixelBytes = HdDataSizeOfFormat(_format);
+    const std::size_t rowBytes = _width * pixelBytes;
     std::vector<HdStreamPixel> row(_width, clear);
+    const bool isCopied = layer && IsCopied(*layer, _format, isColor, clear);
+    const int width = static_cast<int>(_width);
+    const int begin = std::clamp(dataWindow.GetMinX(), 0, width);
+    const int end = std::clamp(dataWindow.GetMaxX() + 1, begin, width);
     for (unsigned int y = 0; y < _height; ++y) {
         const int imageY = static_cast<int>(y) - dataWindow.GetMinY();
-        const bool isInside =
-            layer && imageY >= 0 && imageY < static_cast<int>(layer->height);
+        const bool isInside = layer && imageY >= 0 && imageY < static_cast<int>(layer->height);
+        // Images go from top to bottom, Hydra's buffers from bottom to top.
+        unsigned char* target = _pixels.data() + (_height - 1 - y) * rowBytes;
+        if (isInside && isCopied) {
+            if (begin > 0 || end < width) {
+                HdStreamWritePixels(_format, row.data(), row.size(), target); // still clear
+            }
+            CopyRow(*layer, static_cast<std::size_t>(imageY),
+                    static_cast<std::size_t>(begin - dataWindow.GetMinX()),
+                    static_cast<std::size_t>(end - dataWindow.GetMinX()),
+                    target + static_cast<std::size_t>(begin) * pixelBytes);
+            continue;
+        }
         for (unsigned int x = 0; x < _width; ++x) {
             const int imageX = static_cast<int>(x) - dataWindow.GetMinX();
             if (isInside && imageX >= 0 && imageX < static_cast<int>(layer->width)) {
-                const std::size_t index =
-                    static_cast<std::size_t>(imageY) * layer->width + static_cast<std::size_t>(imageX);
+                const std::size_t index = static_cast<std::size_t>(imageY) * layer->width +
+                                          static_cast<std::size_t>(imageX);
                 row[x] = PixelOf(*layer, index, isColor, clear);
             } else {
                 row[x] = clear;
             }
         }
-        // Images go from top to bottom, Hydra's buffers from bottom to top.
-        HdStreamWritePixels(_format, row.data(), row.size(),
-                            _pixels.data() + (_height - 1 - y) * rowBytes);
+        HdStreamWritePixels(_format, row.data(), row.size(), target);
     }
 }
 

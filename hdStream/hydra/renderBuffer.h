@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Render buffers: host memory that render passes fill from published images. The render thread never
-// writes to them, so a buffer may be reallocated or go at any time.
+// Render buffers: host memory that render passes fill from published images. The render thread
+// never writes to them, so a buffer may be reallocated or go at any time.
 #pragma once
 
-#include "hdStream/film/imageLayer.h"
 #include "hdStream/session/renderThread.h"
+#include "hdStream/session/session.h"
 
 #include <pxr/base/gf/rect2i.h>
 #include <pxr/imaging/hd/renderBuffer.h>
@@ -26,15 +26,15 @@ enum class HdStreamShowResult {
     Mapped,  ///< somebody reads the buffer; it is as it was
 };
 
-/// A render buffer. Map, Unmap and the queries are thread-safe; all else is the application's thread
-/// only.
+/// A render buffer. Map, Unmap and the queries are thread-safe; all else is the application's
+/// thread only.
 class HdStreamRenderBuffer final : public HdRenderBuffer {
 public:
     explicit HdStreamRenderBuffer(const SdfPath& id);
     ~HdStreamRenderBuffer() override;
 
-    /// Any format of Hydra. Starts anew whenever dimensions or format change; the contents are zeros
-    /// until the next Show.
+    /// Any format of Hydra. Starts anew whenever dimensions or format change; the contents are
+    /// zeros until the next Show.
     bool Allocate(const GfVec3i& dimensions, HdFormat format, bool multiSampled) override;
     unsigned int GetWidth() const override { return _width; }
     unsigned int GetHeight() const override { return _height; }
@@ -66,8 +66,8 @@ protected:
 
 private:
     struct Shown; ///< what the contents were made from
-    void _Write(const hds::ImageLayer* layer, const GfRect2i& dataWindow, bool isColor,
-                const HdStreamPixel& clear);
+    void Write(const hds::ImageLayer* layer, const GfRect2i& dataWindow, bool isColor,
+               const HdStreamPixel& clear);
 
     unsigned int _width = 0;
     unsigned int _height = 0;

@@ -91,13 +91,12 @@ const TfTokenVector& HdStreamRenderDelegate::GetSupportedRprimTypes() const {
 
 const TfTokenVector& HdStreamRenderDelegate::GetSupportedSprimTypes() const {
     static const TfTokenVector types = [] {
-        TfTokenVector result{
-            HdPrimTypeTokens->material,      HdPrimTypeTokens->extComputation,
-            HdPrimTypeTokens->coordSys,      HdPrimTypeTokens->camera,
-            HdPrimTypeTokens->simpleLight,   HdPrimTypeTokens->distantLight,
-            HdPrimTypeTokens->sphereLight,   HdPrimTypeTokens->rectLight,
-            HdPrimTypeTokens->diskLight,     HdPrimTypeTokens->cylinderLight,
-            HdPrimTypeTokens->domeLight};
+        TfTokenVector result{HdPrimTypeTokens->material,    HdPrimTypeTokens->extComputation,
+                             HdPrimTypeTokens->coordSys,    HdPrimTypeTokens->camera,
+                             HdPrimTypeTokens->simpleLight, HdPrimTypeTokens->distantLight,
+                             HdPrimTypeTokens->sphereLight, HdPrimTypeTokens->rectLight,
+                             HdPrimTypeTokens->diskLight,   HdPrimTypeTokens->cylinderLight,
+                             HdPrimTypeTokens->domeLight};
         result.insert(result.end(), UnsupportedLightTypes().begin(), UnsupportedLightTypes().end());
         return result;
     }();
@@ -163,8 +162,7 @@ HdBprim* HdStreamRenderDelegate::CreateFallbackBprim(const TfToken& typeId) {
     return CreateBprim(typeId, SdfPath::EmptyPath());
 }
 
-HdInstancer* HdStreamRenderDelegate::CreateInstancer(HdSceneDelegate* delegate,
-                                                     const SdfPath& id) {
+HdInstancer* HdStreamRenderDelegate::CreateInstancer(HdSceneDelegate* delegate, const SdfPath& id) {
     return new HdStreamInstancer(delegate, id);
 }
 

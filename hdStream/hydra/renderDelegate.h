@@ -79,7 +79,6 @@ public:
     bool InvokeCommand(const TfToken& command, const HdCommandArgs& arguments) override;
 
 private:
-
     HdStreamSettingsBridge _settings;
     hds::Settings _composed;
     unsigned int _composedVersion = 0;      ///< of the application's settings

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/hydra/renderPass.h"
 
-#include "hdStream/film/aov.h"
 #include "hdStream/hydra/aovs.h"
 #include "hdStream/hydra/arrays.h"
 #include "hdStream/hydra/camera.h"
@@ -9,6 +8,7 @@
 #include "hdStream/hydra/renderBuffer.h"
 #include "hdStream/hydra/renderDelegate.h"
 #include "hdStream/hydra/renderParam.h"
+#include "hdStream/session/session.h"
 
 #include <pxr/base/gf/camera.h>
 #include <pxr/base/tf/diagnostic.h>
@@ -82,8 +82,7 @@ hds::CameraPrim CameraFromMatrices(const GfMatrix4d& worldToView, const GfMatrix
     camera.verticalAperture = source.GetVerticalAperture() * aperture;
     camera.horizontalApertureOffset = source.GetHorizontalApertureOffset() * aperture;
     camera.verticalApertureOffset = source.GetVerticalApertureOffset() * aperture;
-    camera.focalLength =
-        source.GetFocalLength() * static_cast<float>(GfCamera::FOCAL_LENGTH_UNIT);
+    camera.focalLength = source.GetFocalLength() * static_cast<float>(GfCamera::FOCAL_LENGTH_UNIT);
     camera.nearClip = source.GetClippingRange().GetMin();
     camera.farClip = source.GetClippingRange().GetMax();
     return camera;
@@ -108,30 +107,30 @@ void HdStreamRenderPass::_Execute(const HdRenderPassStateSharedPtr& state,
                                   const TfTokenVector& renderTags) {
     HdStreamRenderParam& param = _delegate->Param();
     param.PrintWarnings();
-    const hds::Settings settings = _MakeSettings(*state, renderTags);
+    const hds::Settings settings = MakeSettings(*state, renderTags);
     if (settings.aovs.empty() || settings.imageWidth == 0 || settings.imageHeight == 0) {
         _isConverged = true; // Nothing is asked for.
         return;
     }
     _delegate->DumpOnce();
     param.Thread().SetSettings(settings);
-    _Show(*state);
+    Show(*state);
 }
 
-hds::Settings HdStreamRenderPass::_MakeSettings(const HdRenderPassState& state,
-                                                const TfTokenVector& renderTags) {
+hds::Settings HdStreamRenderPass::MakeSettings(const HdRenderPassState& state,
+                                               const TfTokenVector& renderTags) {
     hds::Settings settings = _delegate->ComposeSettings();
     HdStreamApplyFraming(HdStreamFramingOf(state), &settings);
     settings.conformPolicy = HdStreamConformPolicy(state.GetWindowPolicy());
-    settings.camera = _CameraPath(state, &settings);
+    settings.camera = CameraPath(state, &settings);
     settings.purposes = PurposesFrom(renderTags);
     settings.cullStyle = CullStyleName(state.GetCullStyle());
     settings.aovs = AovsFrom(state.GetAovBindings());
     return settings;
 }
 
-std::string HdStreamRenderPass::_CameraPath(const HdRenderPassState& state,
-                                            hds::Settings* settings) {
+std::string HdStreamRenderPass::CameraPath(const HdRenderPassState& state,
+                                           hds::Settings* settings) {
     if (const HdCamera* camera = state.GetCamera()) {
         return camera->GetId().GetString();
     }
@@ -151,13 +150,13 @@ std::string HdStreamRenderPass::_CameraPath(const HdRenderPassState& state,
     return kMatrixCameraPath;
 }
 
-void HdStreamRenderPass::_Show(const HdRenderPassState& state) {
+void HdStreamRenderPass::Show(const HdRenderPassState& state) {
     hds::RenderThread& thread = _delegate->Param().Thread();
     // In this order: what is newest now is at least what made it converge.
     const bool isConverged = thread.IsConverged();
     const std::shared_ptr<const hds::FilmImage> image = thread.Newest();
     if (image) {
-        _Report(*image);
+        Report(*image);
     }
     const GfRect2i dataWindow = HdStreamFramingOf(state).dataWindow;
     bool isMapped = false;
@@ -172,7 +171,7 @@ void HdStreamRenderPass::_Show(const HdRenderPassState& state) {
     _isConverged = isConverged && !isMapped;
 }
 
-void HdStreamRenderPass::_Report(const hds::FilmImage& image) {
+void HdStreamRenderPass::Report(const hds::FilmImage& image) {
     if (image.error != _reported) {
         _reported = image.error;
         if (!image.error.empty()) {

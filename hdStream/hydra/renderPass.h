@@ -31,12 +31,12 @@ protected:
                   const TfTokenVector& renderTags) override;
 
 private:
-    hds::Settings _MakeSettings(const HdRenderPassState& state, const TfTokenVector& renderTags);
+    hds::Settings MakeSettings(const HdRenderPassState& state, const TfTokenVector& renderTags);
     /// The scene path of the pass's camera; one made of its matrices when it has none.
-    std::string _CameraPath(const HdRenderPassState& state, hds::Settings* settings);
-    void _Show(const HdRenderPassState& state);
+    std::string CameraPath(const HdRenderPassState& state, hds::Settings* settings);
+    void Show(const HdRenderPassState& state);
     /// Reports an image's error, once while it lasts.
-    void _Report(const hds::FilmImage& image);
+    void Report(const hds::FilmImage& image);
 
     HdStreamRenderDelegate* _delegate;
     GfMatrix4d _worldToView{0.0}; ///< of the camera made of matrices

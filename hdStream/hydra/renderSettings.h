@@ -6,9 +6,9 @@
 
 PXR_NAMESPACE_OPEN_SCOPE
 
-/// A render settings prim: while it is the scene's active one, its "hdstream:" attributes hold where
-/// the application has not set the same setting. Camera, resolution and outputs are the host's to
-/// pass on.
+/// A render settings prim: while it is the scene's active one, its "hdstream:" attributes hold
+/// where the application has not set the same setting. Camera, resolution and outputs are the
+/// host's to pass on.
 class HdStreamRenderSettings final : public HdRenderSettings {
 public:
     explicit HdStreamRenderSettings(const SdfPath& id);

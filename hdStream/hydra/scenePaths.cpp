@@ -17,46 +17,52 @@ SdfPath OriginOf(const HdSceneIndexPrim& prim) {
     return schema ? schema.GetOriginPath(HdPrimOriginSchemaTokens->scenePath) : SdfPath();
 }
 
-SdfPath FirstInstanceOf(const HdSceneIndexBaseRefPtr& scene, const SdfPath& instancer,
-                        const SdfPath& prototype);
+/// The instancer of a prim; empty: none.
+SdfPath InstancerOf(const HdSceneIndexPrim& prim) {
+    const HdInstancedBySchema schema = HdInstancedBySchema::GetFromParent(prim.dataSource);
+    const HdPathArrayDataSourceHandle source = schema ? schema.GetPaths() : nullptr;
+    const VtArray<SdfPath> paths = source ? source->GetTypedValue(0.0F) : VtArray<SdfPath>();
+    return paths.empty() ? SdfPath() : paths.front();
+}
+
+/// Where the first native instance of an instancer is; empty for point instancers.
+SdfPath FirstLocationOf(const HdSceneIndexBaseRefPtr& scene, const SdfPath& instancer) {
+    HdInstancerTopologySchema topology =
+        HdInstancerTopologySchema::GetFromParent(scene->GetPrim(instancer).dataSource);
+    const HdPathArrayDataSourceHandle source = topology ? topology.GetInstanceLocations() : nullptr;
+    const VtArray<SdfPath> locations = source ? source->GetTypedValue(0.0F) : VtArray<SdfPath>();
+    return locations.empty() ? SdfPath() : locations.front();
+}
+
+/// The origin of something inside the prim `path`, made absolute through the first instance of each
+/// level; empty when it is not known.
+SdfPath ThroughInstances(const HdSceneIndexBaseRefPtr& scene, SdfPath path, SdfPath origin) {
+    while (!origin.IsEmpty() && !origin.IsAbsolutePath()) {
+        const SdfPath instancer = InstancerOf(scene->GetPrim(path));
+        if (instancer.IsEmpty()) {
+            return {};
+        }
+        const SdfPath location = FirstLocationOf(scene, instancer);
+        if (!location.IsEmpty()) { // Point instancers add nothing to the path.
+            const SdfPath above = OriginOf(scene->GetPrim(location));
+            origin = above.IsEmpty() ? above : above.AppendPath(origin);
+        }
+        path = instancer;
+    }
+    return origin;
+}
 
 /// The prim's USD path through the first instance of each level; empty when it is not known.
 SdfPath FullOrigin(const HdSceneIndexBaseRefPtr& scene, const SdfPath& path) {
-    const HdSceneIndexPrim prim = scene->GetPrim(path);
-    const SdfPath origin = OriginOf(prim);
-    if (origin.IsEmpty() || origin.IsAbsolutePath()) {
-        return origin;
-    }
-    const HdInstancedBySchema instancedBy = HdInstancedBySchema::GetFromParent(prim.dataSource);
-    const HdPathArrayDataSourceHandle paths = instancedBy ? instancedBy.GetPaths() : nullptr;
-    const VtArray<SdfPath> instancers = paths ? paths->GetTypedValue(0.0F) : VtArray<SdfPath>();
-    if (instancers.empty()) {
-        return {};
-    }
-    const SdfPath instance = FirstInstanceOf(scene, instancers.front(), path);
-    return instance.IsEmpty() ? SdfPath() : origin.MakeAbsolutePath(instance);
+    return ThroughInstances(scene, path, OriginOf(scene->GetPrim(path)));
 }
 
-/// The USD path of the first native instance that draws a prototype; empty for point instancers.
-SdfPath FirstInstanceOf(const HdSceneIndexBaseRefPtr& scene, const SdfPath& instancer,
-                        const SdfPath& prototype) {
-    HdInstancerTopologySchema topology =
-        HdInstancerTopologySchema::GetFromParent(scene->GetPrim(instancer).dataSource);
-    const HdPathArrayDataSourceHandle source =
-        topology ? topology.GetInstanceLocations() : nullptr;
-    const VtArray<SdfPath> locations = source ? source->GetTypedValue(0.0F) : VtArray<SdfPath>();
-    if (locations.empty()) {
-        return {};
-    }
-    std::size_t first = 0;
-    if (!prototype.IsEmpty()) {
-        const VtArray<int> indices = topology.ComputeInstanceIndicesForProto(prototype);
-        if (!indices.empty() && indices[0] >= 0 &&
-            static_cast<std::size_t>(indices[0]) < locations.size()) {
-            first = static_cast<std::size_t>(indices[0]);
-        }
-    }
-    return FullOrigin(scene, locations[first]);
+/// The USD path of the first native instance of an instancer; empty for point instancers.
+SdfPath FirstInstanceOf(const HdSceneIndexBaseRefPtr& scene, const SdfPath& instancer) {
+    const SdfPath location = FirstLocationOf(scene, instancer);
+    return location.IsEmpty()
+               ? SdfPath()
+               : ThroughInstances(scene, instancer, OriginOf(scene->GetPrim(location)));
 }
 
 /// How the Python front end names what a point instancer places.
@@ -80,19 +86,22 @@ HdSceneDelegate* HdStreamFindLegacyDelegate(HdSceneDelegate* delegate, const Sdf
 }
 
 std::string HdStreamScenePath(HdSceneDelegate* delegate, const SdfPath& id,
-                              const SdfPath& instancerId, const std::string& instancerPath) {
-    if (instancerId.IsEmpty()) {
+                              const SdfPath& instancerId, const hds::Placement& placement) {
+    if (instancerId.IsEmpty() || placement.instances.empty()) {
         return id.GetString();
     }
     SdfPath path;
     if (HdSceneDelegate* legacy = HdStreamFindLegacyDelegate(delegate, id)) {
         HdInstancerContext context;
         path = legacy->GetScenePrimPath(id, 0, &context);
+        if (context.empty() && !path.IsEmpty()) {
+            return path.GetString(); // native instances only
+        }
     } else {
         path = FullOrigin(delegate->GetRenderIndex().GetTerminalSceneIndex(), id);
     }
     return path.IsEmpty() || path == id ? id.GetString()
-                                        : BelowInstancer(path.GetString(), instancerPath);
+                                        : BelowInstancer(path.GetString(), placement.instancerPath);
 }
 
 std::string HdStreamInstancerScenePath(HdSceneDelegate* delegate, const SdfPath& id,
@@ -101,7 +110,7 @@ std::string HdStreamInstancerScenePath(HdSceneDelegate* delegate, const SdfPath&
         return id.GetString(); // UsdImaging takes the first instance's path.
     }
     const HdSceneIndexBaseRefPtr scene = delegate->GetRenderIndex().GetTerminalSceneIndex();
-    SdfPath path = FirstInstanceOf(scene, id, SdfPath());
+    SdfPath path = FirstInstanceOf(scene, id);
     if (path.IsEmpty()) {
         path = FullOrigin(scene, id);
     }
@@ -109,6 +118,12 @@ std::string HdStreamInstancerScenePath(HdSceneDelegate* delegate, const SdfPath&
         return id.GetString();
     }
     return parentId.IsEmpty() ? path.GetString() : BelowInstancer(path.GetString(), parentPath);
+}
+
+std::string HdStreamMaterialScenePath(HdSceneDelegate* delegate, const SdfPath& id) {
+    const HdSceneIndexBaseRefPtr scene = delegate->GetRenderIndex().GetTerminalSceneIndex();
+    const SdfPath path = scene && !id.IsEmpty() ? FullOrigin(scene, id) : SdfPath();
+    return path.IsEmpty() ? id.GetString() : path.GetString();
 }
 
 PXR_NAMESPACE_CLOSE_SCOPE

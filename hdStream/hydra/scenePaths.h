@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The paths that prims get in the core's scene: those of USD where Hydra can tell them, so that both
-// front ends name a prim alike (docs/hydra.md, "Names of prims").
+// The paths that prims get in the core's scene: those of USD where Hydra can tell them, so that
+// both front ends name a prim alike (docs/hydra.md, "Names of prims").
 #pragma once
+
+#include "hdStream/session/session.h"
 
 #include <pxr/imaging/hd/sceneDelegate.h>
 #include <pxr/pxr.h>
@@ -16,13 +18,18 @@ PXR_NAMESPACE_OPEN_SCOPE
 /// which is unique, where neither is known. Thread-safe during Sync.
 /// \param delegate the one that syncs the prim
 /// \param instancerId empty: not instanced
-/// \param instancerPath scene path of the instancer
+/// \param placement its instancer's scene path and its instances; the id is the path of a prim
+/// that no instance draws yet
 std::string HdStreamScenePath(HdSceneDelegate* delegate, const SdfPath& id,
-                              const SdfPath& instancerId, const std::string& instancerPath);
+                              const SdfPath& instancerId, const hds::Placement& placement);
 
 /// The path of an instancer: of the first native instance it stands for, or its own.
 std::string HdStreamInstancerScenePath(HdSceneDelegate* delegate, const SdfPath& id,
                                        const SdfPath& parentId, const std::string& parentPath);
+
+/// The path of a material: its id, and below native instances that in the first instance where
+/// scene indices tell it.
+std::string HdStreamMaterialScenePath(HdSceneDelegate* delegate, const SdfPath& id);
 
 /// The legacy scene delegate that a prim comes from; null when scene indices made it.
 HdSceneDelegate* HdStreamFindLegacyDelegate(HdSceneDelegate* delegate, const SdfPath& id);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/hydra/settingsBridge.h"
 
-#include "hdStream/base/error.h"
+#include "hdStream/session/session.h"
 
 #include <pxr/base/tf/stringUtils.h>
 #include <pxr/base/vt/types.h>
@@ -82,8 +82,8 @@ VtValue VtFrom(const hds::SettingValue& value) {
     struct Visitor {
         VtValue operator()(bool v) const { return VtValue(v); }
         VtValue operator()(std::int64_t v) const {
-            const bool fits = v >= std::numeric_limits<int>::min() &&
-                              v <= std::numeric_limits<int>::max();
+            const bool fits =
+                v >= std::numeric_limits<int>::min() && v <= std::numeric_limits<int>::max();
             return fits ? VtValue(static_cast<int>(v)) : VtValue(v);
         }
         VtValue operator()(double v) const { return VtValue(static_cast<float>(v)); }
@@ -122,8 +122,8 @@ HdRenderSettingDescriptorList HdStreamSettingsBridge::Descriptors() {
     const hds::Settings defaults;
     for (const hds::SettingInfo& info : hds::SettingTable()) {
         if (info.isUserSetting) {
-            descriptors.push_back({info.label, TfToken(info.name),
-                                   VtFrom(hds::GetSetting(defaults, info.name))});
+            descriptors.push_back(
+                {info.label, TfToken(info.name), VtFrom(hds::GetSetting(defaults, info.name))});
         }
     }
     return descriptors;
@@ -169,8 +169,7 @@ bool HdStreamSettingsBridge::Set(const TfToken& key, const VtValue& value, std::
 
 VtValue HdStreamSettingsBridge::Get(const std::string& name) const {
     const auto found = _values.find(name);
-    return VtFrom(found != _values.end() ? found->second
-                                         : hds::GetSetting(hds::Settings(), name));
+    return VtFrom(found != _values.end() ? found->second : hds::GetSetting(hds::Settings(), name));
 }
 
 hds::Settings HdStreamSettingsBridge::Compose(const VtDictionary& sceneSettings,

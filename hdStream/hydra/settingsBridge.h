@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Render settings between Hydra (tokens and VtValues) and the core's table of settings. Explained in
-// docs/hydra.md, "Settings".
+// Render settings between Hydra (tokens and VtValues) and the core's table of settings. Explained
+// in docs/hydra.md, "Settings".
 #pragma once
 
 #include "hdStream/session/settingsTable.h"

@@ -174,12 +174,17 @@ void DumpSubdivision(const MeshDescription& mesh, Writer* out) {
     }
 }
 
-void DumpMesh(const std::string& path, const MeshPrim& prim, Writer* out) {
+void DumpMesh(const std::string& path, const MeshPrim& prim, const SceneDescription& scene,
+              Writer* out) {
+    // A material that does not exist is none: front ends see dangling bindings differently.
+    const auto existing = [&](const std::string& materialPath) {
+        return scene.materials.count(materialPath) > 0 ? materialPath : std::string();
+    };
     const MeshDescription& mesh = *prim.mesh;
     out->Prim("mesh", path);
     out->Placed(prim.placement);
     out->Line("purpose", prim.purpose);
-    out->Line("material", prim.materialPath);
+    out->Line("material", existing(prim.materialPath));
     out->Line("points", Array(mesh.points));
     out->Line("faceVertexCounts", Array(mesh.faceVertexCounts));
     out->Line("faceVertexIndices", Array(mesh.faceVertexIndices));
@@ -208,7 +213,7 @@ void DumpMesh(const std::string& path, const MeshPrim& prim, Writer* out) {
         const bool hasMaterial = i < prim.subsetMaterialPaths.size();
         out->Line("subset " + mesh.subsets[i].name,
                   Array(mesh.subsets[i].faces) + " material " +
-                      (hasMaterial ? prim.subsetMaterialPaths[i] : std::string()));
+                      (hasMaterial ? existing(prim.subsetMaterialPaths[i]) : std::string()));
     }
 }
 
@@ -332,7 +337,7 @@ std::string DumpScene(const SceneDescription& scene) {
         DumpMaterial(path, *network, &out);
     }
     for (const auto& [path, prim] : scene.meshes) {
-        DumpMesh(path, prim, &out);
+        DumpMesh(path, prim, scene, &out);
     }
     return out.Take();
 }

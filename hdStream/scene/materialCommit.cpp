@@ -72,8 +72,8 @@ MeshMaterialInfo MaterialCommit::AddMesh(const std::string& path, const MeshPrim
     add(prim.materialPath);
     for (std::size_t i = 0; i < prim.mesh->subsets.size(); ++i) {
         // A subset without a material of its own shows the prim's.
-        const bool hasOwn =
-            i < prim.subsetMaterialPaths.size() && !prim.subsetMaterialPaths[i].empty();
+        const bool hasOwn = i < prim.subsetMaterialPaths.size() &&
+                            _scene.materials.count(prim.subsetMaterialPaths[i]) > 0;
         add(hasOwn ? prim.subsetMaterialPaths[i] : prim.materialPath);
     }
     return info;

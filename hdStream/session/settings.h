@@ -20,8 +20,8 @@ struct Settings {
     /// What the camera's aperture is fitted to: left, top, right, bottom in pixels, y down; all 0:
     /// the image. Larger than the image for a crop, smaller for an overscan.
     std::array<double, 4> displayWindow{};
-    /// The image's upper left pixel, in the pixels of the display window. Samples are keyed by
-    /// these coordinates, so a crop has the bits of the full image.
+    /// The image's upper left pixel, in the same coordinates. Samples are keyed by their pixel's
+    /// distance from the display window's corner, so a crop has the bits of the full image.
     std::array<std::int32_t, 2> dataWindowMin{};
     /// How an aperture of another aspect ratio is fitted to the display window: expandAperture,
     /// cropAperture, adjustApertureWidth, adjustApertureHeight, adjustPixelAspectRatio.

@@ -6,10 +6,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace hds {
 
 namespace {
+
+/// Largest coordinate of a display window, in pixels.
+constexpr double kMaxWindow = 1e8;
 
 /// The index of a checked choice: the tables' order is the enumerations'.
 template <typename Enum>
@@ -37,6 +41,12 @@ void CheckSettings(const Settings& settings) {
                        settings.displayWindow[3] > settings.displayWindow[1])) {
         throw Error("displayWindow: it is empty", ErrorKind::Usage);
     }
+    for (const double corner : settings.displayWindow) {
+        if (!(std::abs(corner) <= kMaxWindow)) {
+            throw Error("displayWindow: " + std::to_string(corner) + " is out of range",
+                        ErrorKind::Usage);
+        }
+    }
     MakeAovLayout(settings.aovs);
 }
 
@@ -52,6 +62,14 @@ RenderOptions MakeRenderOptions(const Settings& settings, const CameraPrim& came
                                  static_cast<double>(settings.imageHeight)};
     }
     options.dataWindowMin = settings.dataWindowMin;
+    // Counted from the display window's own corner, so that a crop has the bits of the full image
+    // however the host numbers its pixels.
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+        const double corner = std::floor(options.displayWindow[axis]);
+        options.displayWindow[axis] -= corner;
+        options.displayWindow[axis + 2] -= corner;
+        options.dataWindowMin[axis] -= static_cast<std::int32_t>(corner);
+    }
     options.conformPolicy = EnumOf<ConformPolicy>("conformPolicy", settings.conformPolicy);
     options.aovs = MakeAovLayout(settings.aovs);
     options.samples = settings.samples;

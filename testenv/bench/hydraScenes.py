@@ -39,7 +39,7 @@ from realScenes import FindStages  # noqa: E402
 from stages.imageFile import ReadExr  # noqa: E402
 from wrapperStage import Wrapper  # noqa: E402
 
-SEEDS = (1, 2)
+SEEDS = (0, 1)
 BLOCK = 8  # pixels
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # as the variance AOV weighs
 _FIELDS = ("stage", "status", "scene", "picture", "pixelsUnlike", "maxAbs", "blocks", "passed", "within3", "maxZ",
@@ -75,7 +75,8 @@ class StageRun:
         """The wrapper, made in a process of its own: opening the stage may crash. None: it does not open."""
         path = self.folder / f"{name}.usda"
         path.unlink(missing_ok=True)
-        job = dict(stage=str(self.stage), out=str(path), width=self.options.size, samples=samples, seed=seed)
+        job = dict(stage=str(self.stage), out=str(path), width=self.options.size, samples=samples, seed=seed,
+                   mode=self.options.mode)
         result = RunProgram([sys.executable, __file__, "--wrap", json.dumps(job)], None, self.options.limit)
         (self.folder / f"{name}.log").write_text(result.output)
         if result.code == 0:
@@ -126,7 +127,8 @@ class StageRun:
         if not (self.folder / "hydra.txt").exists():
             self.row["scene"] = "none"
             return self._Fail("the renderer wrote no dump")
-        differences = CompareDumps((self.folder / "record.txt").read_text(), (self.folder / "hydra.txt").read_text())
+        differences = CompareDumps((self.folder / "record.txt").read_text(), (self.folder / "hydra.txt").read_text(),
+                                   wrapper.purposes)
         (self.folder / "scene.diff").write_text("".join(f"{line}\n" for line in differences))
         self.row["scene"] = f"{len(differences)} kinds" if differences else "equal"
         if differences:
@@ -179,7 +181,7 @@ def WrapInThisProcess(job: dict) -> int:
     """Exit code 2: the stage does not open."""
     from wrapperStage import WriteWrapper
     try:
-        wrapper = WriteWrapper(job["stage"], job["out"], job["width"], samples=job["samples"], seed=job["seed"])
+        wrapper = WriteWrapper(job.pop("stage"), job.pop("out"), job.pop("width"), **job)
     except CommandError as error:
         print(error)
         return 2

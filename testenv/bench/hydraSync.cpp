@@ -133,19 +133,23 @@ bool ShowsEdit(const Image& image, const Image& before) {
 }
 
 /// From an edit of a converged image to the first frame whose buffer shows it, as an application
-/// that redraws as fast as it can sees it.
+/// that redraws as fast as it can sees it. \return NaN when the renderer never shows such edits.
 double TimeEdit(Host& host, const std::function<void(SyntheticScene&)>& edit) {
     host.RenderUntilConverged();
     const Image before = host.Read();
+    constexpr double kSecondsToShow = 5.0;
     const double start = Now();
     edit(host.Scene());
-    do {
+    while (Now() - start < kSecondsToShow) {
         host.Frame();
         // An application draws the frame now; without a rest the loop would take the renderer's
         // CPU.
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    } while (!ShowsEdit(host.Read(), before));
-    return (Now() - start) * 1e3;
+        if (ShowsEdit(host.Read(), before)) {
+            return (Now() - start) * 1e3;
+        }
+    }
+    return std::nan("");
 }
 
 void MeasureEdits(const SceneData& scene, const Options& options, Samples* samples) {
@@ -196,10 +200,12 @@ void Print(const Samples& samples, const Options& options) {
     for (const auto& [figure, byRenderer] : samples) {
         std::printf("| %s |", figure.c_str());
         for (const TfToken& renderer : options.renderers) {
-            std::printf(" %.1f |", Median(byRenderer.at(renderer)));
+            const double median = Median(byRenderer.at(renderer));
+            std::isnan(median) ? std::printf(" not shown |") : std::printf(" %.1f |", median);
         }
         const double reference = Median(byRenderer.at(options.renderers.back()));
-        std::printf(" %.2f |\n", Median(byRenderer.at(options.renderers.front())) / reference);
+        const double ratio = Median(byRenderer.at(options.renderers.front())) / reference;
+        std::isnan(ratio) ? std::printf(" |\n") : std::printf(" %.2f |\n", ratio);
     }
 }
 

@@ -56,7 +56,8 @@ class Test:
 def ReadTests(source: pathlib.Path) -> list[Test]:
     text = (source / "CMakeLists.txt").read_text()
     tests = []
-    for name, body in re.findall(r"pxr_register_test\((\w+)(.*?)\n\s*\)", text, re.S):
+    for body in text.split("pxr_register_test(")[1:]:
+        name = body.split(None, 1)[0]
         words = re.search(r'COMMAND "(.*?)"', body, re.S).group(1).split()
         comparison = re.search(r"IMAGE_DIFF_COMPARE((?:\s+\S+\.png)+)", body)
         if pathlib.Path(words[0]).name != _PROGRAM or not comparison or any(text in name for text in _LEFT_OUT):
@@ -66,8 +67,19 @@ def ReadTests(source: pathlib.Path) -> list[Test]:
         folder = re.search(r"TESTENV (\w+)", body)
         folder = source / "testenv" / (folder.group(1) if folder else name).replace("_SceneIndex", "")
         baselines = [folder / "baseline" / picture for picture in comparison.group(1).split()][:_MAX_VIEWS]
+        _KeepTimesOf(baselines, words)
         tests.append(Test(name, folder, words[1:], baselines, "ENABLE_SCENE_INDEX=1" in body or "SCENE_INDEX=true" in body))
     return tests
+
+
+def _KeepTimesOf(baselines: list[pathlib.Path], words: list[str]) -> None:
+    """Leaves in the arguments the time codes whose pictures are compared: name_001.png is that of time 1."""
+    if "-times" not in words:
+        return
+    first = words.index("-times") + 1
+    end = next((index for index in range(first, len(words)) if words[index][:2].strip("-").isalpha()), len(words))
+    compared = [path.stem.rsplit("_", 1)[1] for path in baselines]
+    words[first:end] = [time for time in words[first:end] if time.rjust(3, "0") in compared]
 
 
 class Runner:

@@ -6,7 +6,7 @@ Runs in OpenUSD's Python under an X server. The job holds that program's argumen
 (one a time code or complexity) and the renderer. Deviations from the program, which lights with fixed-function
 lights that only Storm knows: "-lighting" without "-sceneLights" is a distant light from the same direction
 whose irradiance is pi (so that a Lambert surface shows albedo * cosine) and a dome of 0.2; complexity is a
-uniform subdivision level; domes do not hide the clear colour. Values go to 8 bits as they are, clamped.
+uniform subdivision level; domes hide the clear colour with "-sceneLights" only. Values go to 8 bits as they are, clamped.
 """
 
 import json
@@ -169,7 +169,7 @@ def main(job):
     SetCamera(engine, stage, arguments, translation, width, height)
     SetFraming(engine, arguments, width, height)
     parameters = MakeParameters(arguments)
-    for name, value in {"samples": job["samples"], "subdivision": "complexity", "domeLightCameraVisibility": False}.items():
+    for name, value in {"samples": job["samples"], "subdivision": "complexity", "domeLightCameraVisibility": arguments.Has("sceneLights")}.items():
         engine.SetRendererSetting(name, value)
     engine.SetRendererAov(arguments.Text("rendererAov", "color"))
     times = arguments.Numbers("times") or [None]

@@ -103,7 +103,7 @@ def ParseDump(text: str) -> dict:
         if not line.startswith(" "):
             prim = prims.setdefault(line, {})
             continue
-        name, _, value = line.strip().partition(": ")
+        name, _, value = line.lstrip().partition(": ")
         if not line.startswith("    "):
             outer = name
         else:
@@ -112,11 +112,16 @@ def ParseDump(text: str) -> dict:
     return prims
 
 
-def CompareDumps(record: str, hydra: str) -> list[str]:
-    """Readable differences, the same kind of difference of many prims as one line; empty: equal."""
+def CompareDumps(record: str, hydra: str, purposes=("render", "proxy", "guide")) -> list[str]:
+    """Readable differences, the same kind of difference of many prims as one line; empty: equal.
+
+    purposes: those drawn. Hydra never shows a renderer the others' meshes, `hdstream record` reads all.
+    """
     if record == hydra:
         return []
     first, second = ParseDump(record), ParseDump(hydra)
+    first = {name: prim for name, prim in first.items()
+             if name in second or prim.get("purpose", "default") in ("default", *purposes)}
     second = {name: prim for name, prim in second.items() if not name.startswith(_HOST_PRIMS)}
     if list(first.items()) == list(second.items()):
         return []

@@ -103,7 +103,7 @@ Oracle::Oracle(Host& host) {
         if (!gprim.isVisible || gprim.type != HdPrimTypeTokens->mesh) {
             continue;
         }
-        int instance = 0;
+        int instance = gprim.instancer.IsEmpty() ? -1 : 0;
         for (const GfMatrix4d& world : FlattenInstances(scene, gprim.instancer, path)) {
             _AddMesh(path, gprim, gprim.transform * world, instance++);
         }

@@ -17,8 +17,8 @@ struct OracleHit {
     /// The pixel is too near to an edge, or to a second surface at the same depth, to compare.
     bool isAmbiguous = false;
     SdfPath prim;
-    int instance = 0; ///< parent-major rank
-    int face = 0;     ///< authored
+    int instance = -1; ///< parent-major rank; -1: not below an instancer
+    int face = 0;      ///< authored
     GfVec3d position{0.0};
     GfVec3d normal{0.0};      ///< world space, geometric, unit length, by orientation
     double depth = 1.0;       ///< clip z mapped to [0, 1]

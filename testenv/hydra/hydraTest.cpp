@@ -120,8 +120,9 @@ void ExpectFloats(const Image& image, const Oracle& oracle, int component, doubl
                   const std::function<double(const OracleHit&)>& expected) {
     ForPixels(image, oracle, [&](int x, int y, const OracleHit& hit) {
         const double value = double(image.Float(x, y, component));
-        return std::abs(value - expected(hit)) <= tolerance ? std::string()
-                                                            : Mismatch(value, expected(hit));
+        const double wanted = expected(hit);
+        const bool isRight = value == wanted || std::abs(value - wanted) <= tolerance;
+        return isRight ? std::string() : Mismatch(value, wanted);
     });
 }
 

@@ -116,7 +116,9 @@ TEST_F(Aovs, PrimIdFollowsItsEdit) {
     // As the index does when it compacts ids; 2^24 + 1 is no float.
     const SdfPath cube("/cube");
     const_cast<HdRprim*>(host.Index().GetRprim(cube))->SetPrimId((1 << 24) + 1);
-    host.Index().GetChangeTracker().MarkRprimDirty(cube, HdChangeTracker::DirtyPrimID);
+    // Scene-index emulation drops DirtyPrimID, so that the new id comes with the next edit.
+    host.Index().GetChangeTracker().MarkRprimDirty(cube, HdChangeTracker::DirtyPrimID |
+                                                             HdChangeTracker::DirtyTransform);
     ASSERT_TRUE(host.RenderUntilConverged());
     ExpectInts(host.Read(HdAovTokens->primId), Oracle(host),
                [&host](const OracleHit& hit) { return hit.isHit ? PrimId(host, hit.prim) : -1; });

@@ -182,12 +182,20 @@ TEST_F(Delegate, StatisticsHaveTheKeysOfTheDesignAndOfHydra) {
 }
 
 TEST_F(Delegate, CommandsWorkAndUnknownOnesDoNot) {
-    Host host(ThreeMeshes(), Quick());
+    const std::string folder = ::testing::TempDir() + "hydraCommands";
+    HostOptions options = Quick();
+    options.settings[TfToken("cacheDirectory")] = VtValue(folder); // clearCache must not meet ours
+    Host host(ThreeMeshes(), options);
     const Image before = host.Render();
     const HdCommandDescriptors commands = host.Delegate().GetCommandDescriptors();
     EXPECT_FALSE(commands.empty());
     for (const HdCommandDescriptor& command : commands) {
-        EXPECT_TRUE(host.Delegate().InvokeCommand(command.commandName)) << command.commandName;
+        HdCommandArgs arguments;
+        for (const HdCommandArgDescriptor& argument : command.commandArgs) {
+            arguments[argument.argName] = VtValue(folder + ".txt");
+        }
+        EXPECT_TRUE(host.Delegate().InvokeCommand(command.commandName, arguments))
+            << command.commandName;
         EXPECT_EQ(host.Render(), before) << command.commandName;
     }
     EXPECT_FALSE(host.Delegate().InvokeCommand(TfToken("nonsense")));

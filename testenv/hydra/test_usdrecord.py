@@ -37,16 +37,16 @@ def frontEnds(request, openUsd, plugin, renderer):
     return FrontEnds(openUsd, plugin, renderer, request.param)
 
 
-def Prepare(name, folder, **settings):
+def Prepare(name, folder, frontEnds, **settings):
     WriteCase(name, folder / f"{name}.usda")
-    return WriteWrapper(folder / f"{name}.usda", folder / "wrapper.usda", WIDTH,
+    return WriteWrapper(folder / f"{name}.usda", folder / "wrapper.usda", WIDTH, mode=frontEnds.mode,
                         purposes=PURPOSES.get(name, ("render",)), **{**SETTINGS, **settings})
 
 
 @pytest.mark.parametrize("name", STAGES)
 def test_scene_and_picture_are_those_of_hdstream_record(name, frontEnds, isStream, tmp_path):
     """Equal dumps, so that a picture that is equal by chance does not pass; equal bits of the picture."""
-    wrapper = Prepare(name, tmp_path)
+    wrapper = Prepare(name, tmp_path, frontEnds)
     ours, theirs = tmp_path / "record.exr", tmp_path / "hydra.exr"
     record = frontEnds.RunRecord(wrapper, ours)
     assert record.code == 0, record.output
@@ -57,7 +57,8 @@ def test_scene_and_picture_are_those_of_hdstream_record(name, frontEnds, isStrea
         return
     dump = frontEnds.RunDump(wrapper, tmp_path / "record.txt")
     assert dump.code == 0, dump.output
-    differences = CompareDumps((tmp_path / "record.txt").read_text(), (tmp_path / "hydra.txt").read_text())
+    differences = CompareDumps((tmp_path / "record.txt").read_text(), (tmp_path / "hydra.txt").read_text(),
+                               wrapper.purposes)
     assert not differences, "\n".join(differences)
     difference = ComparePictures(ours, theirs)
     assert difference.isEqual, difference
@@ -67,7 +68,7 @@ def test_the_gpu_path_of_usdrecord_gives_the_same_bits(frontEnds, windowed, isSt
     """With a GPU the picture goes through a texture of OpenGL and comes back as it was."""
     if not isStream:
         pytest.skip("another renderer's buffers have 8 bits")
-    wrapper = Prepare("subsets", tmp_path)
+    wrapper = Prepare("subsets", tmp_path, frontEnds)
     assert frontEnds.RunUsdrecord(wrapper, tmp_path / "cpu.exr").code == 0
     frontEnds.windowed = windowed
     result = frontEnds.RunUsdrecord(wrapper, tmp_path / "gpu.exr")
@@ -81,7 +82,8 @@ def test_settings_of_the_render_settings_prim_count(setting, value, frontEnds, i
     if not isStream:
         pytest.skip("only Stream knows these settings")
     (tmp_path / "base").mkdir()
-    base, changed = Prepare("subsets", tmp_path / "base"), Prepare("subsets", tmp_path, **{setting: value})
+    base = Prepare("subsets", tmp_path / "base", frontEnds)
+    changed = Prepare("subsets", tmp_path, frontEnds, **{setting: value})
     for wrapper, name in ((base, "base.exr"), (changed, "changed.exr")):
         result = frontEnds.RunUsdrecord(wrapper, tmp_path / name)
         assert result.code == 0, result.output
@@ -92,7 +94,7 @@ def test_settings_of_the_render_settings_prim_count(setting, value, frontEnds, i
 
 def test_hdstream_compare_reads_what_usdrecord_wrote(frontEnds, isStream, tmp_path):
     from hdstream import _core
-    wrapper = Prepare("subsets", tmp_path)
+    wrapper = Prepare("subsets", tmp_path, frontEnds)
     assert frontEnds.RunUsdrecord(wrapper, tmp_path / "hydra.exr").code == 0
     assert frontEnds.RunRecord(wrapper, tmp_path / "record.exr").code == 0
     comparison = _core.CompareImages(str(tmp_path / "hydra.exr"), str(tmp_path / "record.exr"))

@@ -9,14 +9,14 @@ from pxr import Gf, Usd, UsdGeom, Vt
 from stages import author, shapes
 
 # Shape -> (a world point on or in it that "/World/Camera" sees unhidden, path that a pick there gives,
-# index of the instance, 0 without one).
+# index of the instance, None: not instanced).
 TARGETS = {
-    "mesh": ((-1.5, 0.5, 0.0), "/World/Box", 0),
-    "implicit": ((0.0, 0.5, 0.5), "/World/Ball", 0),
-    "purpose": ((1.5, 0.4, 0.0), "/World/Prop/Render", 0),
+    "mesh": ((-1.5, 0.5, 0.0), "/World/Box", None),
+    "implicit": ((0.0, 0.5, 0.5), "/World/Ball", None),
+    "purpose": ((1.5, 0.4, 0.0), "/World/Prop/Render", None),
     "pointInstance": ((1.0, 1.8, -1.0), "/World/Scatter/Prototype", 2),
     "nativeInstance": ((-1.0, 0.3, 1.5), "/World/CopyB/Geometry", 1),
-    "ground": ((2.6, 0.0, 1.6), "/World/Ground", 0),
+    "ground": ((2.6, 0.0, 1.6), "/World/Ground", None),
 }
 
 
@@ -32,7 +32,7 @@ def WriteViewStage(path) -> None:
     author.Place(ball, translate=(0, 0.5, 0.5))
     _AddPurposes(stage)
     _AddInstances(stage, green)
-    author.AddLight(stage, "/World/Sun", "Distant", dict(rotate=(-50, 25, 0)), intensity=2.0, angle=1.0)
+    author.AddLight(stage, "/World/Sun", "Distant", dict(rotate=(-50, 25, 0)), intensity=2.0, angle=1.0, normalize=True)
     author.AddLight(stage, "/World/Sky", "Dome", intensity=0.4)
     author.AddCamera(stage, "/World/Camera", eye=(0, 3, 7), target=(0, 0.7, 0))
     author.AddCamera(stage, "/World/Side", eye=(7, 2, 1), target=(0, 0.7, 0))

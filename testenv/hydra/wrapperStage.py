@@ -11,7 +11,10 @@ about it:
               the near plane at 1: the wrapper's camera is always named
   size        --imageWidth; the height is width / aspect ratio of the aperture in float32, cut off, and at
               least 1, whatever the render settings' resolution: UsdrecordHeight gives it, for --imageHeight
-  time        first the stage's startTimeCode, which is the rule of `hdstream record` too
+  conforming  whatever the render settings say, legacy imaging fits the camera's height to the image's and
+              leaves the width to follow, scene-index imaging fits as HdCamera does by default; where the
+              height above is exact, roundings differ between the two: the wrapper says which one holds
+  time        the stage's startTimeCode, which is the rule of `hdstream record` too
   purposes    default is "proxy" where ours is "render": always named
   lights      adds a light at the camera unless --disableCameraLight
   domes       light, but are drawn only with --enableDomeLightVisibility
@@ -34,6 +37,7 @@ from hdstream.framing import FREE_CAMERA_PATH, FindCamera, MakeFramingCamera
 from hdstream.stage import OpenStage
 
 SETTINGS_PATH = "/Render/hdStreamTest"
+_CONFORM_POLICIES = {"legacy": "adjustApertureWidth", "sceneIndex": "expandAperture"}
 # Metadata of a root layer that its sublayers' opinions do not reach.
 _ROOT_METADATA = ("upAxis", "metersPerUnit", "kilogramsPerUnit", "startTimeCode", "endTimeCode", "timeCodesPerSecond",
                   "framesPerSecond", "defaultPrim", "expressionVariables", "colorConfiguration",
@@ -63,10 +67,12 @@ class Wrapper:
                 "--purposes", ",".join(self.purposes), "--renderSettingsPrimPath", SETTINGS_PATH, "--quiet"]
 
 
-def WriteWrapper(stagePath, out, width: int, camera: str = "", purposes=("render",), **settings) -> Wrapper:
+def WriteWrapper(stagePath, out, width: int, camera: str = "", purposes=("render",), mode: str = "legacy",
+                 **settings) -> Wrapper:
     """Writes the wrapper of a stage to `out` (.usda).
 
     camera: name or path; else main_cam, else the stage's first camera, else one that frames it
+    mode: one of frontEnds.MODES
     settings: core settings: samples, seed ...
 
     Raises what opening the stage raises (hdstream.errors.CommandError for a broken one).
@@ -82,7 +88,7 @@ def WriteWrapper(stagePath, out, width: int, camera: str = "", purposes=("render
         free = UsdGeom.Camera.Define(stage, FREE_CAMERA_PATH)
         free.SetFromCamera(MakeFramingCamera(original, timeCode, ["default", *purposes]), Usd.TimeCode.Default())
         prim = free.GetPrim()
-    _AuthorSettings(stage, prim.GetPath(), settings)
+    _AuthorSettings(stage, prim.GetPath(), mode, settings)
     layer.Save()
     height = UsdrecordHeight(UsdGeom.Camera(prim), timeCode, width)
     return Wrapper(pathlib.Path(out), prim.GetPath().pathString, width, height, list(purposes))
@@ -108,8 +114,9 @@ def _CopyMetadata(stage: Usd.Stage, layer: Sdf.Layer) -> None:
     layer.pseudoRoot.SetInfo("renderSettingsPrimPath", SETTINGS_PATH)
 
 
-def _AuthorSettings(stage: Usd.Stage, cameraPath: Sdf.Path, settings: dict) -> None:
+def _AuthorSettings(stage: Usd.Stage, cameraPath: Sdf.Path, mode: str, settings: dict) -> None:
     prim = UsdRender.Settings.Define(stage, SETTINGS_PATH)
     prim.CreateCameraRel().SetTargets([cameraPath])
+    prim.CreateAspectRatioConformPolicyAttr(_CONFORM_POLICIES[mode])
     for name, value in settings.items():
         prim.GetPrim().CreateAttribute(f"hdstream:{name}", _TYPES[type(value)], True).Set(value)

@@ -7,6 +7,8 @@ import sys
 import threading
 import time
 
+import numpy as np
+
 from hdstream import _core
 from hdstream.errors import EXIT_INTERRUPTED, EXIT_OK, CommandError, UsageError
 from hdstream.interruption import Interruption
@@ -130,28 +132,30 @@ class Recorder:
 
     def _SetCamera(self, prim, timeCode, settings):
         """Puts the render camera into the scene, completes the settings; returns the camera."""
-        from pxr import Usd
+        from pxr import Gf, Usd, UsdGeom
         from hdstream.framing import FREE_CAMERA_PATH, MakeFramingCamera
         from hdstream.translate.cameras import CameraFromGf, ReadCamera
         usdTime = Usd.TimeCode(timeCode)
         if prim is None:
-            camera = CameraFromGf(MakeFramingCamera(self._stage, usdTime, settings.purposes))
+            gfCamera = MakeFramingCamera(self._stage, usdTime, settings.purposes)
+            camera = CameraFromGf(gfCamera)
             settings.camera = FREE_CAMERA_PATH
         else:
+            gfCamera = UsdGeom.Camera(prim).GetCamera(usdTime)
             camera = ReadCamera(prim, usdTime)
             settings.camera = prim.GetPath().pathString
         if not camera.horizontalAperture > 0.0 or not camera.verticalAperture > 0.0:
             self._session.Warn(settings.camera, "aperture is not above 0; 20.955 x 15.2908 is used")
+            gfCamera = Gf.Camera()
             camera.horizontalAperture, camera.verticalAperture = 2.0955, 1.52908
         if self._renderSettings.disableDepthOfField:
             camera.fStop = 0.0
-        self._SetImageSize(camera, settings)
-        settings.conformPolicy = self._renderSettings.conformPolicy
+        self._SetImageSize(gfCamera.aspectRatio, settings)
         self._SetDataWindow(settings)
         self._session.SetCamera(settings.camera, camera)
         return camera
 
-    def _SetImageSize(self, camera, settings):
+    def _SetImageSize(self, aspect, settings):
         """usdrecord's rule: the height follows from the width and the camera's aspect ratio."""
         resolution = self._renderSettings.resolution
         width, height = self._args.imageWidth, self._args.imageHeight
@@ -159,8 +163,11 @@ class Recorder:
             width, height = resolution
         width = width or _DEFAULT_WIDTH
         if height is None:
-            aspect = camera.horizontalAperture / camera.verticalAperture
-            height = max(1, int(settings.pixelAspectRatio * width / aspect))
+            # As usdrecord: cut off, computed with floats; what the rounding leaves is the width's.
+            pixels = np.float32(settings.pixelAspectRatio) * np.float32(width)
+            height = max(1, int(pixels / np.float32(aspect)))
+            settings.conformPolicy = "adjustApertureWidth"
+        settings.conformPolicy = self._renderSettings.conformPolicy or settings.conformPolicy
         _core.SetSetting(settings, "imageWidth", width)
         _core.SetSetting(settings, "imageHeight", height)
 

@@ -29,7 +29,7 @@ class RenderSettings:
         self.camera = None
         self.resolution = None
         self.pixelAspectRatio = None
-        self.conformPolicy = "expandAperture"
+        self.conformPolicy = None
         self.dataWindowNDC = None  # (left, bottom, right, top) of the resolution, y up
         self.purposes = None
         self.disableDepthOfField = False

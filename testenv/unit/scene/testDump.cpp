@@ -44,6 +44,7 @@ TEST(Dump, EveryDifferenceShows) {
     SceneDescription base;
     SetMesh(&base, "/A", Triangle(0.0F));
     base.meshes["/A"].placement.instancerPath = "/I";
+    base.materials["/m"] = std::make_shared<const MaterialNetwork>();
     base.lights["/L"];
     base.cameras["/C"];
     const std::string text = DumpScene(base);

@@ -38,6 +38,8 @@ TEST(SettingsCheck, NamesTheOption) {
     ExpectNamed("pixelAspectRatio", [](Settings* s) { s->pixelAspectRatio = 0.0; });
     ExpectNamed("--subdivision", [](Settings* s) { s->subdivision = "some"; });
     ExpectNamed("--complexity", [](Settings* s) { s->refineLevel = 9; });
+    ExpectNamed("displayWindow", [](Settings* s) { s->displayWindow = {0.0, 0.0, 1e300, 1.0}; });
+    ExpectNamed("displayWindow", [](Settings* s) { s->displayWindow = {5.0, 0.0, 5.0, 1.0}; });
     ExpectNamed("noSuchAov", [](Settings* s) { s->aovs = {"color", "noSuchAov"}; });
     ExpectNamed("traversal", [](Settings* s) { s->traversal = "sideways"; });
 }

@@ -6,24 +6,29 @@ from pxr import UsdGeom, Vt
 
 
 class InstanceGroup:
-    """Native instances that share an instancer."""
+    """Native instances that share an instancer, in the order of their paths as UsdImaging has them."""
 
     def __init__(self, firstPrim, state):
         self.firstPrim = firstPrim
         self.state = state      # of the first instance, for what its prototype inherits
-        self.matrices = []      # Gf.Matrix4d, context space from instance
-        self.visible = []       # indices of the instances that are drawn
+        self._instances = []    # (Sdf.Path, Gf.Matrix4d: context space from instance, is drawn)
+        self._isSorted = False
 
-    def Add(self, state):
-        if state.visible:
-            self.visible.append(len(self.matrices))
-        self.matrices.append(state.matrix)
+    def Add(self, prim, state):
+        self._instances.append((prim.GetPath(), state.matrix, state.visible))
+
+    def _Sorted(self):
+        if not self._isSorted:
+            self._instances.sort(key=lambda instance: instance[0])
+            self._isSorted = True
+        return self._instances
 
     def Transforms(self):
-        return np.asarray(Vt.Matrix4dArray(self.matrices))
+        return np.asarray(Vt.Matrix4dArray([matrix for _, matrix, _ in self._Sorted()]))
 
     def VisibleIndices(self):
-        return np.array(self.visible, np.int32)
+        return np.array([index for index, (_, _, isVisible) in enumerate(self._Sorted()) if isVisible],
+                        np.int32)
 
 
 def InheritedKey(state, boundPaths):

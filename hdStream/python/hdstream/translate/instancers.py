@@ -35,7 +35,7 @@ class Instancers:
         group = context.instanceGroups.get(key)
         if group is None:
             group = context.instanceGroups[key] = InstanceGroup(prim, state)
-        group.Add(state)
+        group.Add(prim, state)
 
     @staticmethod
     def _BoundPathsBelow(prim):

@@ -2,6 +2,7 @@
 """UsdGeomMesh and the implicit gprims as mesh descriptions. Only authored attributes are read."""
 
 import numpy as np
+from pxr import Vt
 
 from hdstream import _core
 from hdstream.translate.primvars import PrimvarsOf
@@ -48,13 +49,15 @@ def _ReadOrientation(prim, names, mesh, timeCode):
 
 def ReadMesh(prim, names, inherited, timeCode):
     """The description of a UsdGeomMesh; None when it has no points or no faces."""
+    points = prim.GetAttribute("points").Get(timeCode)
+    if points is not None and not isinstance(points, Vt.Vec3fArray):
+        # UsdImaging draws none of these either.
+        raise ValueError(f"points are of type {type(points).__name__}, not point3f[]")
     points = _Array(prim, "points", timeCode, np.float32)
     counts = _Array(prim, "faceVertexCounts", timeCode, np.int32)
     indices = _Array(prim, "faceVertexIndices", timeCode, np.int32)
     if points is None or counts is None or indices is None or not points.size or not counts.size:
         return None
-    if points.ndim != 2 or points.shape[1] != 3:
-        raise ValueError("points are not vectors of three numbers")
     mesh = _core.MeshDescription()
     mesh.points = points
     mesh.faceVertexCounts = counts

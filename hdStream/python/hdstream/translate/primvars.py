@@ -7,6 +7,7 @@ ancestor ends the inheritance of its name.
 """
 
 import numpy as np
+from pxr import Vt
 
 from hdstream import _core
 
@@ -135,7 +136,10 @@ def PrimvarsOf(prim, names, inherited, timeCode):
 
 def _ReadNormals(prim, timeCode):
     attribute = prim.GetAttribute("normals")
-    rows = FloatRows(attribute.Get(timeCode), attribute)
+    value = attribute.Get(timeCode)
+    if not isinstance(value, Vt.Vec3fArray):
+        return None  # as UsdImaging: UsdGeomPointBased has normal3f[] normals
+    rows = FloatRows(value, attribute)
     interpolation = _INTERPOLATIONS.get(attribute.GetMetadata("interpolation") or "vertex")
     if rows is None or interpolation is None:
         return None
