@@ -7,9 +7,16 @@
 #include <pxr/imaging/hd/renderIndex.h>
 #include <pxr/imaging/hd/sceneIndex.h>
 
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
 PXR_NAMESPACE_OPEN_SCOPE
 
 namespace {
+
+/// Instances that are asked for their paths in search of a name.
+constexpr std::size_t kMaxInstancesAsked = 4096;
 
 /// Where scene indices say a prim comes from; relative inside a USD prototype, or empty.
 SdfPath OriginOf(const HdSceneIndexPrim& prim) {
@@ -73,6 +80,24 @@ std::string BelowInstancer(const std::string& usdPath, const std::string& instan
     return instancerPath + "{" + usdPath + "}";
 }
 
+/// Of the paths that a prim below native instances has, the one inside the instance that gave the
+/// instancer its id; `first`, that of the first instance, where there is none among the first few
+/// thousand.
+SdfPath PathBelow(HdSceneDelegate* legacy, const SdfPath& id, const SdfPath& instancerId,
+                  const SdfPath& first, std::size_t numInstances) {
+    if (first.HasPrefix(instancerId)) {
+        return first;
+    }
+    std::vector<int> indices(std::min(numInstances, kMaxInstancesAsked));
+    std::iota(indices.begin(), indices.end(), 0);
+    for (const SdfPath& path : legacy->GetScenePrimPaths(id, indices, nullptr)) {
+        if (path.HasPrefix(instancerId)) {
+            return path;
+        }
+    }
+    return first;
+}
+
 } // namespace
 
 HdSceneDelegate* HdStreamFindLegacyDelegate(HdSceneDelegate* delegate, const SdfPath& id) {
@@ -94,8 +119,8 @@ std::string HdStreamScenePath(HdSceneDelegate* delegate, const SdfPath& id,
     if (HdSceneDelegate* legacy = HdStreamFindLegacyDelegate(delegate, id)) {
         HdInstancerContext context;
         path = legacy->GetScenePrimPath(id, 0, &context);
-        if (context.empty() && !path.IsEmpty()) {
-            return path.GetString(); // native instances only
+        if (context.empty() && !path.IsEmpty()) { // native instances only
+            return PathBelow(legacy, id, instancerId, path, placement.instances.size()).GetString();
         }
     } else {
         path = FullOrigin(delegate->GetRenderIndex().GetTerminalSceneIndex(), id);

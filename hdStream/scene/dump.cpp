@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <set>
 #include <type_traits>
 
 namespace hds {
@@ -132,7 +133,6 @@ public:
             Line("instancer", placement.instancerPath);
             Line("instances", Array(placement.instances));
         }
-        Flag("visible", placement.visible);
     }
     std::string Take() { return std::move(_text); }
 
@@ -320,6 +320,34 @@ void DumpCamera(const std::string& path, const CameraPrim& camera, Writer* out) 
     }
 }
 
+/// Visible, and so are all instancers above.
+bool IsShown(const SceneDescription& scene, const Placement& placement) {
+    const Placement* present = &placement;
+    for (std::size_t level = 0; level <= scene.instancers.size(); ++level) {
+        if (!present->visible) {
+            return false;
+        }
+        const auto parent = scene.instancers.find(present->instancerPath);
+        if (parent == scene.instancers.end()) {
+            return true;
+        }
+        present = &parent->second.placement;
+    }
+    return true; // a cycle, which commit warns about
+}
+
+/// Materials of the meshes that are shown.
+std::set<std::string> BoundMaterials(const SceneDescription& scene) {
+    std::set<std::string> bound;
+    for (const auto& [path, prim] : scene.meshes) {
+        if (IsShown(scene, prim.placement)) {
+            bound.insert(prim.materialPath);
+            bound.insert(prim.subsetMaterialPaths.begin(), prim.subsetMaterialPaths.end());
+        }
+    }
+    return bound;
+}
+
 } // namespace
 
 std::string DumpScene(const SceneDescription& scene) {
@@ -328,16 +356,25 @@ std::string DumpScene(const SceneDescription& scene) {
         DumpCamera(path, prim, &out);
     }
     for (const auto& [path, prim] : scene.instancers) {
-        DumpInstancer(path, prim, &out);
+        if (IsShown(scene, prim.placement)) {
+            DumpInstancer(path, prim, &out);
+        }
     }
     for (const auto& [path, prim] : scene.lights) {
-        DumpLight(path, prim, &out);
+        if (IsShown(scene, prim.placement)) {
+            DumpLight(path, prim, &out);
+        }
     }
+    const std::set<std::string> bound = BoundMaterials(scene);
     for (const auto& [path, network] : scene.materials) {
-        DumpMaterial(path, *network, &out);
+        if (bound.count(path) > 0) {
+            DumpMaterial(path, *network, &out);
+        }
     }
     for (const auto& [path, prim] : scene.meshes) {
-        DumpMesh(path, prim, scene, &out);
+        if (IsShown(scene, prim.placement)) {
+            DumpMesh(path, prim, scene, &out);
+        }
     }
     return out.Take();
 }

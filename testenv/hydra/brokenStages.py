@@ -32,11 +32,12 @@ _MATERIAL_LOOP = """def Material "L"
     }
 }
 """
-# No loop of prototypes: OpenUSD 24.11 itself overflows the stack on one, with any renderer.
+# No loop of prototypes, which overflows the stack of OpenUSD 24.11's UsdImaging with any renderer, and no
+# negative index, which it reads from before its arrays.
 _PROTOTYPE_BEYOND = """def PointInstancer "P"
 {
     rel prototypes = [</P/Q>, </P/Missing>]
-    int[] protoIndices = [0, 7, 1, -1]
+    int[] protoIndices = [0, 7, 1]
     point3f[] positions = [(0, 0, 0)]
     def Sphere "Q"
     {

@@ -39,6 +39,8 @@ SceneData EmptyScene() {
 
 SceneData ThreeMeshes() {
     SceneData scene = EmptyScene();
+    // Not the dome that a scene without lights gets.
+    scene.lights[SdfPath("/dome")] = MakeDome(GfVec3f(0.6F, 0.7F, 0.9F));
     const auto addMaterial = [&scene](const char* name, const GfVec3f& diffuse) {
         const SdfPath path = SdfPath("/materials").AppendChild(TfToken(name));
         scene.materials[path] = MakeMaterial(diffuse);

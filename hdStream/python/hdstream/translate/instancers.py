@@ -50,8 +50,7 @@ class Instancers:
     def AddGroup(self, group, context):
         """Makes the instancer of a group of native instances and translates what it places."""
         path = self._translator.ReservePath(group.firstPrim, context)
-        inner = Context(path, group.VisibleIndices(), group.firstPrim.GetPath().pathString, path,
-                        context.chain)
+        inner = Context(path, group.VisibleIndices(), context.chain)
         state = State()
         state.purpose = group.state.purpose
         state.isPurposeAuthored = group.state.isPurposeAuthored
@@ -101,11 +100,7 @@ class Instancers:
         if not root or not PROTOTYPE_PREDICATE(root):
             self._reports.Warn(instancer, f"prototype {prototypePath} does not exist or is not defined")
             return False
-        usdRoot = prototypePath.pathString
-        usdPath = instancer.GetPath().pathString
-        isBelow = usdRoot.startswith(usdPath + "/")
-        sceneRoot = path + (usdRoot[len(usdPath):] if isBelow else "{" + usdRoot + "}")
-        inner = Context(path, instances, usdRoot, sceneRoot, context.chain + (usdPath,))
+        inner = Context(path, instances, context.chain + (instancer.GetPath().pathString,))
         self._translator.Walk([root], self._PrototypeState(root, instancerState), inner)
         return inner.isPlacing
 

@@ -59,7 +59,7 @@ class State:
 class Context:
     """A space that prims are placed in: the world, or the prototypes of one instancer."""
 
-    def __init__(self, instancerPath="", instances=None, usdRoot="", sceneRoot="", chain=()):
+    def __init__(self, instancerPath="", instances=None, chain=()):
         self.instancerPath = instancerPath  # scene path of the instancer; empty: the world
         self.instances = instances          # int32: those of its instances that place what is here
         self.isPlacing = False              # some prim is placed here
@@ -67,12 +67,10 @@ class Context:
         self.chain = chain                  # USD paths of the point instancers around
         # Below an `over` nothing is defined; the prototypes of point instancers may be there.
         self.predicate = PROTOTYPE_PREDICATE if chain else PREDICATE
-        self._usdRoot = usdRoot
-        self._sceneRoot = sceneRoot
 
     def ScenePath(self, prim):
-        """The prim's path in the scene; differs from USD's only below shared prototypes."""
+        """The prim's path in the scene: USD's, named after the instancer where it lies outside of it."""
         path = prim.GetPath().pathString
-        if self._usdRoot == self._sceneRoot:
+        if not self.instancerPath or path.startswith(self.instancerPath + "/"):
             return path
-        return self._sceneRoot + path[len(self._usdRoot):]
+        return f"{self.instancerPath}{{{path}}}"
