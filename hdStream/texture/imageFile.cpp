@@ -11,6 +11,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <mutex>
 #include <random>
 
 namespace hds {
@@ -20,6 +21,10 @@ namespace {
 constexpr int kRowAlignment = 64;                            ///< multiple of EXR's blocks of rows
 constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 33; ///< a header beyond this is a lie
 constexpr int kMaxChannels = 1024;
+
+/// Held while a reader opens its file: OpenImageIO's decoder of ICC profiles, which runs then, adds
+/// to static tables without a lock before version 3 (2.4: icc.cpp, tag and colour space names).
+std::mutex openMutex;
 
 /// A file with those bytes in the system's folder for temporary files; empty on failure.
 std::string WriteTemporary(const std::vector<char>& bytes, const std::string& extension) {
@@ -167,6 +172,7 @@ std::string ImageFile::OpenWith(const std::string& format, const ImageSource& so
     bool opened = false;
     std::string reason;
     try {
+        const std::lock_guard<std::mutex> lock(openMutex);
         opened = _input->open(file, _spec, config);
     } catch (const std::exception& failure) {
         reason = failure.what();

@@ -21,7 +21,7 @@ namespace hds {
 /// Alpha is delivered as the file has it (PNG: not premultiplied).
 class ImageFile {
 public:
-    static constexpr std::uint64_t kBandBytes = 32u << 20; ///< enough to keep decoders busy
+    static constexpr std::uint64_t kBandBytes = 1u << 20; ///< enough to keep decoders busy
 
     /// Rows [y, y + numRows) from the top, pixels interleaved.
     using BandCallback =

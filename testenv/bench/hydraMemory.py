@@ -9,6 +9,7 @@ SCENES has chess/chess_preview.usda and bookstore/bookstore.usda. Needs usdrecor
 import argparse
 import os
 import pathlib
+import statistics
 import subprocess
 import sys
 import time
@@ -16,6 +17,7 @@ import time
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdRender, Vt
 
 _COPIES = 50
+_REPEATS = 5
 
 
 def _AddCamera(stage: Usd.Stage, eye: Gf.Vec3d, target: Gf.Vec3d) -> None:
@@ -44,7 +46,8 @@ def _NewStage(path: pathlib.Path, like: pathlib.Path | None) -> Usd.Stage:
 
 def _Bounds(path: pathlib.Path) -> Gf.Range3d:
     cache = UsdGeom.BBoxCache(Usd.TimeCode.EarliestTime(), ["default", "render"])
-    return cache.ComputeWorldBound(Usd.Stage.Open(str(path)).GetPseudoRoot()).ComputeAlignedRange()
+    stage = Usd.Stage.Open(str(path))
+    return cache.ComputeWorldBound(stage.GetPseudoRoot()).ComputeAlignedRange()
 
 
 def MakeEmpty(path: pathlib.Path) -> None:
@@ -62,7 +65,7 @@ def MakeCopies(path: pathlib.Path, scene: pathlib.Path, subdivision: str, sample
     instancer = UsdGeom.PointInstancer.Define(stage, "/copies")
     prototype = stage.DefinePrim("/copies/prototypes/scene")
     source = Usd.Stage.Open(str(scene))
-    root = source.GetDefaultPrim()
+    root = source.GetDefaultPrim() or source.GetPseudoRoot().GetChildren()[0]
     prototype.GetReferences().AddReference(str(scene), root.GetPath())
     instancer.CreatePrototypesRel().AddTarget(prototype.GetPath())
     isYUp = UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.y
@@ -90,7 +93,12 @@ def MakeWhole(path: pathlib.Path, scene: pathlib.Path, subdivision: str, samples
 
 
 def Record(stage: pathlib.Path, image: pathlib.Path, renderer: str, samples: int) -> tuple[float, float]:
-    """Renders a stage; peak resident MB and seconds."""
+    """Renders a stage some times; the medians of peak resident MB and of seconds."""
+    runs = [_RecordOnce(stage, image, renderer, samples) for _ in range(_REPEATS)]
+    return statistics.median(mb for mb, _ in runs), statistics.median(seconds for _, seconds in runs)
+
+
+def _RecordOnce(stage: pathlib.Path, image: pathlib.Path, renderer: str, samples: int) -> tuple[float, float]:
     command = ["usdrecord", "--disableGpu", "--renderer", renderer, "--imageWidth", "320", "--camera", "/main_cam",
                "--complexity", "low", "--renderSettingsPrimPath", "/Render/settings", str(stage), str(image)]
     environment = {**os.environ, "HDEMBREE_SAMPLES_TO_CONVERGENCE": str(samples)}

@@ -10,8 +10,10 @@
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <limits>
+#include <thread>
 
 namespace {
 
@@ -428,6 +430,57 @@ TEST(ImageReader, ReductionKeepsTheMeanAndTheLimit) {
                         static_cast<double>(MeanOracle(image, static_cast<int>(c), false)), 1e-6);
         }
     }
+}
+
+/// An ICC profile of a header and `numTags` text tags whose names no profile has.
+std::vector<unsigned char> MakeProfile(int file, int numTags) {
+    const std::size_t textBegin = 132 + 12 * static_cast<std::size_t>(numTags);
+    std::vector<unsigned char> profile(textBegin + 16);
+    const auto put = [&profile](std::size_t at, std::uint32_t value) {
+        for (std::size_t i = 0; i < 4; ++i) {
+            profile[at + i] = static_cast<unsigned char>(value >> (24 - 8 * i));
+        }
+    };
+    put(0, static_cast<std::uint32_t>(profile.size()));
+    put(36, 0x61637370); // "acsp"
+    put(128, static_cast<std::uint32_t>(numTags));
+    for (int tag = 0; tag < numTags; ++tag) {
+        const std::size_t entry = 132 + 12 * static_cast<std::size_t>(tag);
+        put(entry, 0x78000000U + static_cast<std::uint32_t>(file * numTags + tag));
+        put(entry + 4, static_cast<std::uint32_t>(textBegin));
+        put(entry + 8, 16);
+    }
+    put(textBegin, 0x74657874); // "text"
+    return profile;
+}
+
+TEST(ImageReader, ProfilesMayBeReadByManyThreads) {
+    // OpenImageIO 2.4 crashes here when files are opened side by side.
+    const TemporaryFolder folder;
+    constexpr int kNumFiles = 200;
+    for (int file = 0; file < kNumFiles; ++file) {
+        Image image = MakeImage(8, 8, 3, OIIO::TypeUInt8);
+        const std::vector<unsigned char> profile = MakeProfile(file, 60);
+        image.spec.attribute(
+            "ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, static_cast<int>(profile.size())),
+            profile.data());
+        Write(folder.File(std::to_string(file) + ".jpg"), image);
+    }
+    std::atomic<int> next{0};
+    std::atomic<int> numRead{0};
+    std::vector<std::thread> threads;
+    for (int thread = 0; thread < 8; ++thread) {
+        threads.emplace_back([&] {
+            for (int file = next++; file < kNumFiles; file = next++) {
+                numRead +=
+                    hds::MeanColor(Whole(folder.File(std::to_string(file) + ".jpg")), "auto").Ok();
+            }
+        });
+    }
+    for (std::thread& thread : threads) {
+        thread.join();
+    }
+    EXPECT_EQ(numRead, kNumFiles);
 }
 
 } // namespace
