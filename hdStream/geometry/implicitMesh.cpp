@@ -95,24 +95,24 @@ private:
     std::vector<std::int32_t> _indices;
 };
 
-/// Points of a circle of the given radius, counter-clockwise from the x axis.
-std::array<glm::vec2, kSides> MakeRing(float radius) {
+/// Points of the unit circle, counter-clockwise from the x axis.
+std::array<glm::vec2, kSides> MakeRing() {
     std::array<glm::vec2, kSides> ring;
     for (int i = 0; i < kSides; ++i) {
         const float angle = (float(i) / float(kSides)) * static_cast<float>(2.0 * kPi);
-        ring[i] = glm::vec2(radius * std::cos(angle), radius * std::sin(angle));
+        ring[i] = glm::vec2(std::cos(angle), std::sin(angle));
     }
     return ring;
 }
 
 MeshDescription MakeSphere(const ImplicitShape& shape) {
     const auto radius = static_cast<float>(shape.radius);
-    const auto ring = MakeRing(radius);
+    const auto ring = MakeRing();
     MeshBuilder builder;
     builder.AddPoint(0.0F, 0.0F, -radius);
     for (int i = 1; i < kSphereRings; ++i) {
         const auto latitude = static_cast<float>(((float(i) / float(kSphereRings)) - 0.5) * kPi);
-        builder.AddRing(ring, std::cos(latitude), radius * std::sin(latitude));
+        builder.AddRing(ring, radius * std::cos(latitude), radius * std::sin(latitude));
     }
     builder.AddPoint(0.0F, 0.0F, radius);
     builder.AddTube(kSphereRings - 2, Cap::Shared, Cap::Shared);
@@ -122,7 +122,7 @@ MeshDescription MakeSphere(const ImplicitShape& shape) {
 MeshDescription MakeCylinder(const ImplicitShape& shape) {
     const auto radius = static_cast<float>(shape.radius);
     const auto top = static_cast<float>(0.5 * static_cast<float>(shape.height));
-    const auto ring = MakeRing(1.0F);
+    const auto ring = MakeRing();
     MeshBuilder builder;
     builder.AddPoint(0.0F, 0.0F, -top);
     builder.AddRing(ring, radius, -top);
@@ -137,11 +137,12 @@ MeshDescription MakeCylinder(const ImplicitShape& shape) {
 
 MeshDescription MakeCone(const ImplicitShape& shape) {
     const auto top = static_cast<float>(0.5 * static_cast<float>(shape.height));
-    const auto ring = MakeRing(static_cast<float>(shape.radius));
+    const auto radius = static_cast<float>(shape.radius);
+    const auto ring = MakeRing();
     MeshBuilder builder;
     builder.AddPoint(0.0F, 0.0F, -top);
-    builder.AddRing(ring, 1.0F, -top);
-    builder.AddRing(ring, 1.0F, -top);
+    builder.AddRing(ring, radius, -top);
+    builder.AddRing(ring, radius, -top);
     builder.AddRing(ring, 0.0F, top); // the tip, once per side: no smoothing across it
     builder.AddTube(1, Cap::Separate, Cap::None);
     builder.Orient(shape.axis);
@@ -151,7 +152,7 @@ MeshDescription MakeCone(const ImplicitShape& shape) {
 MeshDescription MakeCapsule(const ImplicitShape& shape) {
     const auto radius = static_cast<float>(shape.radius);
     const double half = 0.5 * static_cast<float>(shape.height);
-    const auto ring = MakeRing(1.0F);
+    const auto ring = MakeRing();
     const auto quarter = static_cast<float>(0.5 * kPi);
     MeshBuilder builder;
     builder.AddPoint(0.0F, 0.0F, static_cast<float>(-(radius + half)));

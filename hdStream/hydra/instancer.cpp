@@ -2,7 +2,9 @@
 #include "hdStream/hydra/instancer.h"
 
 #include "hdStream/hydra/arrays.h"
+#include "hdStream/hydra/floatValues.h"
 #include "hdStream/hydra/instanceTransforms.h"
+#include "hdStream/hydra/primvars.h"
 #include "hdStream/hydra/renderParam.h"
 #include "hdStream/hydra/scenePaths.h"
 
@@ -11,9 +13,30 @@
 #include <pxr/imaging/hd/tokens.h>
 
 #include <algorithm>
+#include <iterator>
+#include <optional>
 #include <utility>
 
 PXR_NAMESPACE_OPEN_SCOPE
+
+namespace {
+
+/// Adds a primvar that is neither motion nor something without floats.
+void ReadPrimvar(HdSceneDelegate* delegate, const SdfPath& id, const TfToken& name,
+                 std::vector<hds::Primvar>* primvars) {
+    if (HdStreamIsSkippedPrimvar(name) || name == HdTokens->points) {
+        return;
+    }
+    if (std::optional<HdStreamFloatRows> rows = HdStreamGetFloatRows(delegate->Get(id, name))) {
+        primvars->push_back({name.GetString(),
+                             hds::Interpolation::Instance,
+                             rows->numComponents,
+                             std::move(rows->values),
+                             {}});
+    }
+}
+
+} // namespace
 
 HdStreamInstancer::HdStreamInstancer(HdSceneDelegate* delegate, const SdfPath& id)
     : HdInstancer(delegate, id) {}
@@ -70,14 +93,16 @@ void HdStreamInstancer::Sync(HdSceneDelegate* delegate, HdRenderParam* renderPar
         placement.worldFromObject = HdStreamToGlm(delegate->GetInstancerTransform(GetId()));
     }
     // Legacy delegates fold an instancer's visibility into what it places, and GetVisible would be
-    // that of the first native instance only.
-    if ((bits & HdChangeTracker::DirtyVisibility) &&
+    // that of the first native instance only. Scene indices say nothing of it to instancers;
+    // HdStreamInstancerVisibilitySceneIndex lets their instances change with it.
+    if ((bits & (HdChangeTracker::DirtyVisibility | HdChangeTracker::DirtyInstanceIndex)) &&
         !HdStreamFindLegacyDelegate(delegate, GetId())) {
         placement.visible = delegate->GetVisible(GetId());
     }
     if (HdChangeTracker::IsAnyPrimvarDirty(bits, GetId())) {
-        SyncPrimvars(delegate, param, bits);
+        SyncPrimvars(delegate, bits);
     }
+    ShareLevel(param);
     const bool isPlacing = !_prim.instanceTransforms.empty() && IsPlaced(placement);
     if (isPlacing) {
         param->Push([path = _scenePath, prim = _prim](hds::Session& session) mutable {
@@ -90,31 +115,72 @@ void HdStreamInstancer::Sync(HdSceneDelegate* delegate, HdRenderParam* renderPar
     *dirtyBits = HdChangeTracker::Clean;
 }
 
-void HdStreamInstancer::SyncPrimvars(HdSceneDelegate* delegate, HdStreamRenderParam* param,
-                                     HdDirtyBits bits) {
+void HdStreamInstancer::SyncPrimvars(HdSceneDelegate* delegate, HdDirtyBits bits) {
     const SdfPath& id = GetId();
     const TfTokenVector& transforms = GetBuiltinPrimvarNames();
     std::map<TfToken, VtValue> values;
-    bool hasOthers = false;
+    std::vector<hds::Primvar> primvars;
     for (const HdPrimvarDescriptor& descriptor :
          delegate->GetPrimvarDescriptors(id, HdInterpolationInstance)) {
         const TfToken& name = descriptor.name;
+        const bool isDirty = HdChangeTracker::IsPrimvarDirty(bits, id, name);
         if (std::find(transforms.begin(), transforms.end(), name) == transforms.end()) {
-            hasOthers = true;
-        } else if (HdChangeTracker::IsPrimvarDirty(bits, id, name)) {
+            if (isDirty) {
+                ReadPrimvar(delegate, id, name, &primvars);
+            } else {
+                std::copy_if(_primvars.begin(), _primvars.end(), std::back_inserter(primvars),
+                             [&name](const hds::Primvar& primvar) { return primvar.name == name; });
+            }
+        } else if (isDirty) {
             values[name] = delegate->Get(id, name);
         } else if (const auto found = _values.find(name); found != _values.end()) {
             values.insert(*found);
         }
     }
-    if (hasOthers) {
-        param->Warn(SdfPath(_scenePath), "primvars per instance are not supported yet");
-    }
+    _primvars = std::move(primvars);
     _values = std::move(values);
     _prim.instanceTransforms = HdStreamInstanceTransforms(
         _values[HdInstancerTokens->instanceTranslations],
         _values[HdInstancerTokens->instanceRotations], _values[HdInstancerTokens->instanceScales],
         _values[HdInstancerTokens->instanceTransforms]);
+}
+
+void HdStreamInstancer::ShareLevel(HdStreamRenderParam* param) {
+    const std::size_t numInstances = _prim.instanceTransforms.size() / 16;
+    auto level = std::make_shared<HdStreamInstanceLevel>();
+    level->placements = _prim.placement.instances;
+    for (const hds::Primvar& primvar : _primvars) {
+        const std::size_t numValues = primvar.values.size() / primvar.numComponents;
+        if (numValues == numInstances) {
+            level->primvars.push_back(primvar);
+        } else if (numInstances > 0) {
+            param->Push([path = _scenePath, text = "primvar " + primvar.name + " has " +
+                                                   std::to_string(numValues) + " values for " +
+                                                   std::to_string(numInstances) +
+                                                   " instances; ignored"](hds::Session& session) {
+                session.Warn(path, text);
+            });
+        }
+    }
+    const std::lock_guard<std::mutex> lock(_levelMutex);
+    _level = std::move(level);
+}
+
+HdStreamInstanceLevels HdStreamInstancer::Levels(HdRenderIndex& index, const SdfPath& instancerId) {
+    HdStreamInstanceLevels levels;
+    for (SdfPath id = instancerId; !id.IsEmpty();) {
+        const auto* instancer = static_cast<const HdStreamInstancer*>(index.GetInstancer(id));
+        if (!instancer) {
+            break;
+        }
+        const std::lock_guard<std::mutex> lock(instancer->_levelMutex);
+        if (!instancer->_level) {
+            break;
+        }
+        levels.push_back(instancer->_level);
+        id = instancer->GetParentId();
+    }
+    return levels;
 }
 
 void HdStreamInstancer::Finalize(HdRenderParam* renderParam) {

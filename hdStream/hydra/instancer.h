@@ -2,6 +2,7 @@
 // Instancers, one level each: the hierarchy of Hydra is kept, nothing is multiplied out.
 #pragma once
 
+#include "hdStream/hydra/instancePrimvars.h"
 #include "hdStream/session/session.h"
 
 #include <pxr/imaging/hd/instancer.h>
@@ -9,8 +10,10 @@
 #include <pxr/pxr.h>
 
 #include <map>
+#include <memory>
 #include <mutex>
 #include <string>
+#include <vector>
 
 PXR_NAMESPACE_OPEN_SCOPE
 
@@ -38,19 +41,28 @@ public:
     static void ReadInstances(HdSceneDelegate* delegate, const SdfPath& instancerId,
                               const SdfPath& prototypeId, hds::Placement* placement);
 
+    /// What an instancer and those above it know of their instances. Thread-safe; all of them must
+    /// have been synced, as by _SyncInstancerAndParents.
+    static HdStreamInstanceLevels Levels(HdRenderIndex& index, const SdfPath& instancerId);
+
     /// True for a prim that is drawn at least once: not instanced, or by some instance.
     static bool IsPlaced(const hds::Placement& placement) {
         return placement.instancerPath.empty() || !placement.instances.empty();
     }
 
 private:
-    void SyncPrimvars(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits);
+    void SyncPrimvars(HdSceneDelegate* delegate, HdDirtyBits bits);
+    /// Lets others see the primvars and the placement as they are now.
+    void ShareLevel(HdStreamRenderParam* param);
 
     std::once_flag _hasScenePath;
     std::string _scenePath;
-    std::map<TfToken, VtValue> _values; ///< transforms and their parts, per instance
+    std::map<TfToken, VtValue> _values;  ///< transforms and their parts, per instance
+    std::vector<hds::Primvar> _primvars; ///< the others, whatever their number of values
     hds::InstancerPrim _prim;
     bool _isInScene = false;
+    mutable std::mutex _levelMutex;
+    std::shared_ptr<const HdStreamInstanceLevel> _level;
 };
 
 PXR_NAMESPACE_CLOSE_SCOPE

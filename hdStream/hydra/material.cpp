@@ -3,7 +3,6 @@
 
 #include "hdStream/hydra/materialParameters.h"
 #include "hdStream/hydra/renderParam.h"
-#include "hdStream/hydra/scenePaths.h"
 
 #include <pxr/imaging/hd/sceneDelegate.h>
 
@@ -23,7 +22,7 @@ void HdStreamMaterial::Sync(HdSceneDelegate* delegate, HdRenderParam* renderPara
     if (*dirtyBits & AllDirty) {
         auto* param = static_cast<HdStreamRenderParam*>(renderParam);
         if (_scenePath.empty()) {
-            _scenePath = HdStreamMaterialScenePath(delegate, GetId());
+            _scenePath = param->MaterialPath(delegate, GetId());
         }
         const VtValue resource = delegate->GetMaterialResource(GetId());
         auto network = std::make_shared<hds::MaterialNetwork>(

@@ -13,6 +13,7 @@
 #include <pxr/imaging/pxOsd/tokens.h>
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 PXR_NAMESPACE_OPEN_SCOPE
@@ -25,6 +26,10 @@ constexpr HdDirtyBits kGeometryBits =
     HdChangeTracker::DirtyNormals | HdChangeTracker::DirtyWidths |
     HdChangeTracker::DirtyComputationPrimvarDesc;
 
+/// What may change how instances split the mesh.
+constexpr HdDirtyBits kVariantBits =
+    kGeometryBits | HdChangeTracker::DirtyInstancer | HdChangeTracker::DirtyInstanceIndex;
+
 constexpr HdDirtyBits kAllBits =
     kGeometryBits | HdChangeTracker::InitRepr | HdChangeTracker::DirtyTransform |
     HdChangeTracker::DirtyVisibility | HdChangeTracker::DirtyDoubleSided |
@@ -32,6 +37,17 @@ constexpr HdDirtyBits kAllBits =
     HdChangeTracker::DirtyPrimID | HdChangeTracker::DirtyInstancer |
     HdChangeTracker::DirtyInstanceIndex | HdChangeTracker::DirtyDisplayStyle |
     HdChangeTracker::DirtyRenderTag | HdChangeTracker::DirtyExtent | HdChangeTracker::DirtyRepr;
+
+/// Faces that are not drawn, in ascending order when some are invisible: holes, and what a host
+/// hides, whose neighbours are shaped as if it were there, as around holes.
+VtIntArray HiddenFaces(const HdMeshTopology& topology) {
+    if (topology.GetInvisibleFaces().empty()) {
+        return topology.GetHoleIndices();
+    }
+    std::set<int> faces(topology.GetHoleIndices().cbegin(), topology.GetHoleIndices().cend());
+    faces.insert(topology.GetInvisibleFaces().cbegin(), topology.GetInvisibleFaces().cend());
+    return VtIntArray(faces.begin(), faces.end());
+}
 
 hds::CullStyle CullStyleFrom(HdCullStyle style) {
     switch (style) {
@@ -100,6 +116,17 @@ bool IsEqual(const hds::MeshDescription& a, const hds::MeshDescription& b) {
                       });
 }
 
+/// Bits are set for more than has changed: with display styles, reprs, and refine levels too.
+bool IsEqual(const hds::MeshPrim& a, const hds::MeshPrim& b) {
+    return a.mesh == b.mesh && a.placement.visible == b.placement.visible &&
+           a.placement.worldFromObject == b.placement.worldFromObject &&
+           a.placement.instancerPath == b.placement.instancerPath &&
+           HdStreamEqual(a.placement.instances, b.placement.instances) && a.purpose == b.purpose &&
+           a.doubleSided == b.doubleSided && a.cullStyle == b.cullStyle &&
+           a.materialPath == b.materialPath && a.subsetMaterialPaths == b.subsetMaterialPaths &&
+           a.primId == b.primId;
+}
+
 } // namespace
 
 HdStreamMesh::HdStreamMesh(const SdfPath& id) : HdMesh(id) {}
@@ -128,10 +155,11 @@ void HdStreamMesh::Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
         bits |= HdChangeTracker::DirtyPoints | HdChangeTracker::DirtyNormals |
                 HdChangeTracker::DirtyPrimvar;
     }
+    const hds::MeshPrim before = _prim;
     _UpdateVisibility(delegate, dirtyBits);
     _prim.placement.visible = IsVisible();
     if (!IsVisible()) {
-        if (_isInScene && (bits & HdChangeTracker::DirtyVisibility)) {
+        if (_variants.IsInScene() && (bits & HdChangeTracker::DirtyVisibility)) {
             Push(param);
         }
         *dirtyBits &= ~(HdChangeTracker::DirtyVisibility | HdChangeTracker::NewRepr |
@@ -143,9 +171,12 @@ void HdStreamMesh::Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
     SyncPlacement(delegate, param, bits);
     SyncLook(delegate, param, bits);
     if (bits & kGeometryBits) {
-        SyncGeometry(delegate, bits);
+        SyncGeometry(delegate, param, bits);
     }
-    Push(param);
+    const bool isSplitAnew = (bits & kVariantBits) && SyncVariants(delegate, param);
+    if (isSplitAnew || !_variants.IsInScene() || !IsEqual(_prim, before)) {
+        Push(param);
+    }
     *dirtyBits = HdChangeTracker::Clean;
 }
 
@@ -172,7 +203,7 @@ void HdStreamMesh::SyncLook(HdSceneDelegate* delegate, HdStreamRenderParam* para
     const SdfPath& id = GetId();
     if (bits & HdChangeTracker::DirtyMaterialId) {
         SetMaterialId(delegate->GetMaterialId(id));
-        _prim.materialPath = HdStreamMaterialScenePath(delegate, GetMaterialId());
+        _prim.materialPath = param->MaterialPath(delegate, GetMaterialId());
     }
     if (bits & HdChangeTracker::DirtyDoubleSided) {
         _prim.doubleSided = IsDoubleSided(delegate);
@@ -187,11 +218,12 @@ void HdStreamMesh::SyncLook(HdSceneDelegate* delegate, HdStreamRenderParam* para
     _prim.primId = GetPrimId();
 }
 
-void HdStreamMesh::SyncGeometry(HdSceneDelegate* delegate, HdDirtyBits bits) {
+void HdStreamMesh::SyncGeometry(HdSceneDelegate* delegate, HdStreamRenderParam* param,
+                                HdDirtyBits bits) {
     auto mesh = _prim.mesh ? std::make_shared<hds::MeshDescription>(*_prim.mesh)
                            : std::make_shared<hds::MeshDescription>();
     if (bits & HdChangeTracker::DirtyTopology) {
-        SyncTopology(delegate, mesh.get());
+        SyncTopology(delegate, param, mesh.get());
     }
     if (bits & HdChangeTracker::DirtySubdivTags) {
         mesh->subdivTags = SubdivTagsFrom(delegate->GetSubdivTags(GetId()));
@@ -204,11 +236,12 @@ void HdStreamMesh::SyncGeometry(HdSceneDelegate* delegate, HdDirtyBits bits) {
     }
 }
 
-void HdStreamMesh::SyncTopology(HdSceneDelegate* delegate, hds::MeshDescription* mesh) {
+void HdStreamMesh::SyncTopology(HdSceneDelegate* delegate, HdStreamRenderParam* param,
+                                hds::MeshDescription* mesh) {
     const HdMeshTopology topology = GetMeshTopology(delegate);
     mesh->faceVertexCounts = HdStreamShareArray<std::int32_t>(topology.GetFaceVertexCounts());
     mesh->faceVertexIndices = HdStreamShareArray<std::int32_t>(topology.GetFaceVertexIndices());
-    mesh->holeIndices = HdStreamShareArray<std::int32_t>(topology.GetHoleIndices());
+    mesh->holeIndices = HdStreamShareArray<std::int32_t>(HiddenFaces(topology));
     mesh->subdivisionScheme =
         topology.GetScheme().IsEmpty() ? "none" : topology.GetScheme().GetString();
     mesh->leftHanded = topology.GetOrientation() == HdTokens->leftHanded;
@@ -218,24 +251,36 @@ void HdStreamMesh::SyncTopology(HdSceneDelegate* delegate, hds::MeshDescription*
         if (subset.type == HdGeomSubset::TypeFaceSet && !subset.indices.empty()) {
             mesh->subsets.push_back({_scenePath + "/" + subset.id.GetName(),
                                      HdStreamShareArray<std::int32_t>(subset.indices)});
-            _prim.subsetMaterialPaths.push_back(
-                HdStreamMaterialScenePath(delegate, subset.materialId));
+            _prim.subsetMaterialPaths.push_back(param->MaterialPath(delegate, subset.materialId));
         }
     }
+}
+
+bool HdStreamMesh::SyncVariants(HdSceneDelegate* delegate, HdStreamRenderParam* param) {
+    static const std::vector<hds::Primvar> none;
+    const hds::Placement& placement = _prim.placement;
+    HdStreamInstanceGroups groups = HdStreamGroupInstances(
+        HdStreamInstancer::Levels(delegate->GetRenderIndex(), GetInstancerId()),
+        placement.instances, _prim.mesh ? _prim.mesh->primvars : none);
+    const auto warn = [param](const std::string& path, const char* text) {
+        param->Push([path, text](hds::Session& session) { session.Warn(path, text); });
+    };
+    if (groups.hasTooMany) {
+        warn(placement.instancerPath,
+             "primvars per instance of more than 64 different values are not supported yet");
+    }
+    if (groups.variesAbove) {
+        warn(_scenePath, "primvars that differ between instances of an outer instancer are not "
+                         "supported yet; those of the first are used");
+    }
+    return _variants.Update(_prim.mesh, std::move(groups));
 }
 
 void HdStreamMesh::Push(HdStreamRenderParam* param) {
     const bool isDrawable = _prim.mesh && !_prim.mesh->points.empty() &&
                             !_prim.mesh->faceVertexCounts.empty() &&
                             HdStreamInstancer::IsPlaced(_prim.placement);
-    if (isDrawable) {
-        param->Push([path = _scenePath, prim = _prim](hds::Session& session) mutable {
-            session.SetMesh(path, std::move(prim));
-        });
-    } else if (_isInScene) {
-        param->Push([path = _scenePath](hds::Session& session) { session.Remove(path); });
-    }
-    _isInScene = isDrawable;
+    _variants.Push(param, GetId(), _scenePath, _prim, isDrawable);
 }
 
 void HdStreamMesh::UpdateRenderTag(HdSceneDelegate* delegate, HdRenderParam* renderParam) {
@@ -243,7 +288,7 @@ void HdStreamMesh::UpdateRenderTag(HdSceneDelegate* delegate, HdRenderParam* ren
     std::string purpose = PurposeFrom(HdRprim::GetRenderTag());
     if (purpose != _prim.purpose) {
         _prim.purpose = std::move(purpose);
-        if (_isInScene) {
+        if (_variants.IsInScene()) {
             Push(static_cast<HdStreamRenderParam*>(renderParam));
         }
     }
@@ -251,10 +296,7 @@ void HdStreamMesh::UpdateRenderTag(HdSceneDelegate* delegate, HdRenderParam* ren
 
 void HdStreamMesh::Finalize(HdRenderParam* renderParam) {
     auto* param = static_cast<HdStreamRenderParam*>(renderParam);
-    if (_isInScene) {
-        param->Push([path = _scenePath](hds::Session& session) { session.Remove(path); });
-        _isInScene = false;
-    }
+    _variants.Finalize(param, _scenePath);
     if (!_scenePath.empty()) {
         param->ReleasePath(_scenePath);
         _scenePath.clear();

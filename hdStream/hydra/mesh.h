@@ -3,6 +3,7 @@
 // instances) keeps the pointer to the description, and with it all that the core has prepared.
 #pragma once
 
+#include "hdStream/hydra/meshVariants.h"
 #include "hdStream/session/session.h"
 
 #include <pxr/imaging/hd/mesh.h>
@@ -35,14 +36,17 @@ protected:
 private:
     void SyncPlacement(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits);
     void SyncLook(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits);
-    void SyncGeometry(HdSceneDelegate* delegate, HdDirtyBits bits);
-    void SyncTopology(HdSceneDelegate* delegate, hds::MeshDescription* mesh);
+    void SyncGeometry(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits);
+    void SyncTopology(HdSceneDelegate* delegate, HdStreamRenderParam* param,
+                      hds::MeshDescription* mesh);
+    /// Splits the mesh by the primvars of its instances. \return true when that changed anything.
+    bool SyncVariants(HdSceneDelegate* delegate, HdStreamRenderParam* param);
     /// Queues the prim as it is now, or its removal when there is nothing to draw.
     void Push(HdStreamRenderParam* param);
 
     std::string _scenePath; ///< empty until the first Sync
     hds::MeshPrim _prim;
-    bool _isInScene = false;
+    HdStreamMeshVariants _variants; ///< of the prim, in the scene
 };
 
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -25,14 +25,6 @@ constexpr std::array<std::pair<HdInterpolation, hds::Interpolation>, 5> kInterpo
     {HdInterpolationFaceVarying, hds::Interpolation::FaceVarying},
 }};
 
-/// Attributes of motion blur that UsdImaging lists as primvars, and what only skinning reads.
-bool IsSkipped(const std::string& name) {
-    static const char* const names[] = {"velocities", "accelerations", "nonlinearSampleCount",
-                                        "blurScale"};
-    return TfStringStartsWith(name, "skel:") ||
-           std::find(std::begin(names), std::end(names), name) != std::end(names);
-}
-
 /// One pass over a prim's primvars.
 class Reader {
 public:
@@ -73,7 +65,8 @@ private:
         HdExtComputationPrimvarDescriptorVector dirty;
         for (const HdExtComputationPrimvarDescriptor& descriptor : descriptors) {
             _computed.push_back(descriptor.name);
-            if (IsDirty(descriptor.name)) {
+            // Scene indices say only that some computed primvar is dirty, of points too.
+            if (IsDirty(descriptor.name) || (_dirtyBits & HdChangeTracker::DirtyPrimvar)) {
                 dirty.push_back(descriptor);
             } else if (descriptor.name != HdTokens->points) {
                 Keep(descriptor.name);
@@ -109,7 +102,7 @@ private:
     }
 
     void ReadAuthored(const TfToken& name, hds::Interpolation core) {
-        if (IsComputed(name) || IsSkipped(name.GetString())) {
+        if (IsComputed(name) || HdStreamIsSkippedPrimvar(name)) {
             return;
         }
         if (!IsDirty(name)) {
@@ -149,6 +142,13 @@ private:
 };
 
 } // namespace
+
+bool HdStreamIsSkippedPrimvar(const TfToken& name) {
+    static const char* const names[] = {"velocities", "angularVelocities", "accelerations",
+                                        "nonlinearSampleCount", "blurScale"};
+    return TfStringStartsWith(name.GetString(), "skel:") ||
+           std::find(std::begin(names), std::end(names), name.GetString()) != std::end(names);
+}
 
 void HdStreamSyncPrimvars(HdSceneDelegate* delegate, const SdfPath& id, HdDirtyBits dirtyBits,
                           hds::SharedSpan<float>* points, std::vector<hds::Primvar>* primvars) {

@@ -4,6 +4,7 @@
 
 #include "hdStream/session/session.h"
 
+#include <pxr/base/tf/token.h>
 #include <pxr/imaging/hd/sceneDelegate.h>
 #include <pxr/imaging/hd/types.h>
 #include <pxr/pxr.h>
@@ -17,6 +18,9 @@ PXR_NAMESPACE_OPEN_SCOPE
 /// the prim has no longer. Thread-safe during Sync, as is all of a scene delegate.
 void HdStreamSyncPrimvars(HdSceneDelegate* delegate, const SdfPath& id, HdDirtyBits dirtyBits,
                           hds::SharedSpan<float>* points, std::vector<hds::Primvar>* primvars);
+
+/// Attributes of motion blur that UsdImaging lists as primvars, and what only skinning reads.
+bool HdStreamIsSkippedPrimvar(const TfToken& name);
 
 /// True when two lists hold the same primvars in the same order.
 bool HdStreamEqual(const std::vector<hds::Primvar>& a, const std::vector<hds::Primvar>& b);

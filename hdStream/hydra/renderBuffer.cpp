@@ -90,6 +90,19 @@ void CopyRow(const hds::ImageLayer& layer, std::size_t y, std::size_t first, std
     }
 }
 
+/// Bytes [first, last) of a row of a colour layer over the clear colour; floats in and out.
+void CompositeRow(const hds::ImageLayer& layer, std::size_t y, std::size_t first, std::size_t last,
+                  const HdStreamPixel& clear, unsigned char* target) {
+    const float* source = layer.values.data() + (y * layer.width + first) * 4;
+    auto* pixels = reinterpret_cast<float*>(target);
+    for (std::size_t i = 0; i < 4 * (last - first); i += 4) {
+        const float uncovered = 1.0F - source[i + 3];
+        for (std::size_t c = 0; c < 4; ++c) {
+            pixels[i + c] = source[i + c] + uncovered * clear.values[c];
+        }
+    }
+}
+
 } // namespace
 
 /// The image is held weakly, so that a buffer nobody looks at keeps no film alive.
@@ -189,6 +202,7 @@ void HdStreamRenderBuffer::Write(const hds::ImageLayer* layer, const GfRect2i& d
     const std::size_t rowBytes = _width * pixelBytes;
     std::vector<HdStreamPixel> row(_width, clear);
     const bool isCopied = layer && IsCopied(*layer, _format, isColor, clear);
+    const bool isComposited = layer && isColor && _format == HdFormatFloat32Vec4;
     const int width = static_cast<int>(_width);
     const int begin = std::clamp(dataWindow.GetMinX(), 0, width);
     const int end = std::clamp(dataWindow.GetMaxX() + 1, begin, width);
@@ -197,14 +211,18 @@ void HdStreamRenderBuffer::Write(const hds::ImageLayer* layer, const GfRect2i& d
         const bool isInside = layer && imageY >= 0 && imageY < static_cast<int>(layer->height);
         // Images go from top to bottom, Hydra's buffers from bottom to top.
         unsigned char* target = _pixels.data() + (_height - 1 - y) * rowBytes;
-        if (isInside && isCopied) {
+        if (isInside && (isCopied || isComposited)) {
             if (begin > 0 || end < width) {
                 HdStreamWritePixels(_format, row.data(), row.size(), target); // still clear
             }
-            CopyRow(*layer, static_cast<std::size_t>(imageY),
-                    static_cast<std::size_t>(begin - dataWindow.GetMinX()),
-                    static_cast<std::size_t>(end - dataWindow.GetMinX()),
-                    target + static_cast<std::size_t>(begin) * pixelBytes);
+            const auto first = static_cast<std::size_t>(begin - dataWindow.GetMinX());
+            const auto last = static_cast<std::size_t>(end - dataWindow.GetMinX());
+            unsigned char* inside = target + static_cast<std::size_t>(begin) * pixelBytes;
+            if (isCopied) {
+                CopyRow(*layer, static_cast<std::size_t>(imageY), first, last, inside);
+            } else {
+                CompositeRow(*layer, static_cast<std::size_t>(imageY), first, last, clear, inside);
+            }
             continue;
         }
         for (unsigned int x = 0; x < _width; ++x) {

@@ -24,6 +24,8 @@
 #include <pxr/imaging/hd/tokens.h>
 
 #include <algorithm>
+#include <set>
+#include <utility>
 
 PXR_NAMESPACE_OPEN_SCOPE
 
@@ -72,6 +74,24 @@ hds::Settings HdStreamRenderDelegate::ComposeSettings() {
         settings.refineLevel = static_cast<std::uint32_t>(std::max(0, _param->RefineLevel()));
     }
     return settings;
+}
+
+std::vector<std::string> HdStreamRenderDelegate::UnionOfAovs(const HdRenderPass* pass,
+                                                             std::vector<std::string> aovs) {
+    if (aovs.empty()) {
+        _aovsByPass.erase(pass);
+        return {};
+    }
+    _aovsByPass[pass] = std::move(aovs);
+    std::set<std::string> all;
+    for (const auto& [other, names] : _aovsByPass) {
+        all.insert(names.begin(), names.end());
+    }
+    return {all.begin(), all.end()};
+}
+
+void HdStreamRenderDelegate::ForgetAovs(const HdRenderPass* pass) {
+    _aovsByPass.erase(pass);
 }
 
 void HdStreamRenderDelegate::DumpOnce() {
@@ -238,7 +258,13 @@ TfTokenVector HdStreamRenderDelegate::GetRenderSettingsNamespaces() const {
 }
 
 VtDictionary HdStreamRenderDelegate::GetRenderStats() const {
-    return HdStreamRenderStats(_param->Thread().Newest().get());
+    const std::shared_ptr<const hds::FilmImage> image = _param->Thread().Newest();
+    const bool isSame = !_statsImage.owner_before(image) && !image.owner_before(_statsImage);
+    if (!isSame) { // Hosts ask often.
+        _stats = HdStreamRenderStats(image.get());
+        _statsImage = image;
+    }
+    return _stats;
 }
 
 HdContainerDataSourceHandle HdStreamRenderDelegate::GetCapabilities() const {

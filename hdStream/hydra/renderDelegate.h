@@ -10,7 +10,10 @@
 #include <pxr/imaging/hd/resourceRegistry.h>
 #include <pxr/pxr.h>
 
+#include <map>
 #include <memory>
+#include <string>
+#include <vector>
 
 PXR_NAMESPACE_OPEN_SCOPE
 
@@ -26,6 +29,11 @@ public:
 
     /// Settings of the application and the scene, without what a render pass decides.
     hds::Settings ComposeSettings();
+
+    /// Passes of a view are rendered at once: what they all want, each once, given what `pass`
+    /// wants now. Empty: it wants nothing.
+    std::vector<std::string> UnionOfAovs(const HdRenderPass* pass, std::vector<std::string> aovs);
+    void ForgetAovs(const HdRenderPass* pass);
 
     /// Writes the scene to the file of HDSTREAM_DUMP_SCENE, the first time.
     void DumpOnce();
@@ -85,6 +93,9 @@ private:
     unsigned int _composedSceneVersion = 0; ///< of the scene's
     bool _isComposed = false;
     bool _isDumped = false;
+    std::map<const HdRenderPass*, std::vector<std::string>> _aovsByPass;
+    mutable std::weak_ptr<const hds::FilmImage> _statsImage; ///< that `_stats` are of
+    mutable VtDictionary _stats;
     HdResourceRegistrySharedPtr _resourceRegistry;
     std::unique_ptr<HdStreamRenderParam> _param;
 };

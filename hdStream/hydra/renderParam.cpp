@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/hydra/renderParam.h"
 
+#include "hdStream/hydra/scenePaths.h"
+
 #include <pxr/base/tf/diagnostic.h>
 
 #include <utility>
@@ -64,6 +66,22 @@ std::string HdStreamRenderParam::ReservePath(const std::string& wanted, const Sd
 
 void HdStreamRenderParam::ReleasePath(const std::string& path) {
     _idByScenePath.erase(path);
+}
+
+std::string HdStreamRenderParam::MaterialPath(HdSceneDelegate* delegate, const SdfPath& id) {
+    if (id.IsEmpty()) {
+        return {};
+    }
+    decltype(_materialPathById)::const_accessor known;
+    if (_materialPathById.find(known, id.GetString())) {
+        return known->second;
+    }
+    const std::string wanted = HdStreamMaterialScenePath(delegate, id);
+    decltype(_materialPathById)::accessor added;
+    if (_materialPathById.insert(added, id.GetString())) {
+        added->second = ReservePath(wanted, id);
+    }
+    return added->second;
 }
 
 void HdStreamRenderParam::SetSceneSettings(const SdfPath& owner, const VtDictionary& settings) {

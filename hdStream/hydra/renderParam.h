@@ -45,6 +45,10 @@ public:
     std::string ReservePath(const std::string& wanted, const SdfPath& id);
     void ReleasePath(const std::string& path);
 
+    /// The scene path of a material, the same for the delegate's life, so that what binds it and
+    /// the material itself agree whenever they ask. Empty for an empty id.
+    std::string MaterialPath(HdSceneDelegate* delegate, const SdfPath& id);
+
     /// The refine level that Hydra gives its meshes; the same for all of them.
     void SetRefineLevel(int level) { _refineLevel.store(level, std::memory_order_relaxed); }
     int RefineLevel() const { return _refineLevel.load(std::memory_order_relaxed); }
@@ -61,6 +65,7 @@ private:
     tbb::concurrent_queue<hds::RenderThread::Edit> _edits;
     tbb::concurrent_queue<std::string> _warnings;
     tbb::concurrent_hash_map<std::string, SdfPath> _idByScenePath;
+    tbb::concurrent_hash_map<std::string, std::string> _materialPathById;
     std::atomic<int> _refineLevel{0};
     VtDictionary _sceneSettings;
     SdfPath _sceneSettingsOwner;

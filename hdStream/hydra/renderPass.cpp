@@ -15,6 +15,8 @@
 #include <pxr/imaging/hd/tokens.h>
 
 #include <algorithm>
+#include <atomic>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -22,9 +24,14 @@ PXR_NAMESPACE_OPEN_SCOPE
 
 namespace {
 
-const std::string kMatrixCameraPath = "/hdStreamMatrixCamera";
+/// The path of a new pass's own camera.
+std::string NewMatrixCameraPath() {
+    static std::atomic<unsigned int> count{0};
+    return "/hdStreamMatrixCamera" + std::to_string(count++);
+}
 
-/// Purposes that render tags stand for, in one order whatever that of the tags. No tags: all.
+/// Purposes that render tags stand for, in one order whatever that of the tags; a host's own tags
+/// are purposes of their own. No tags: all.
 std::vector<std::string> PurposesFrom(const TfTokenVector& renderTags) {
     static const std::pair<TfToken, const char*> purposes[] = {
         {HdRenderTagTokens->geometry, "default"},
@@ -39,6 +46,15 @@ std::vector<std::string> PurposesFrom(const TfTokenVector& renderTags) {
             result.emplace_back(purpose);
         }
     }
+    const std::size_t numKnown = result.size();
+    for (const TfToken& tag : renderTags) {
+        const bool isKnown = std::any_of(std::begin(purposes), std::end(purposes),
+                                         [&](const auto& entry) { return entry.first == tag; });
+        if (!isKnown && !tag.IsEmpty()) {
+            result.push_back(tag.GetString());
+        }
+    }
+    std::sort(result.begin() + static_cast<std::ptrdiff_t>(numKnown), result.end());
     return result;
 }
 
@@ -101,7 +117,16 @@ HdStreamRenderBuffer* BufferOf(const HdRenderPassAovBinding& binding, HdRenderIn
 
 HdStreamRenderPass::HdStreamRenderPass(HdRenderIndex* index, const HdRprimCollection& collection,
                                        HdStreamRenderDelegate* delegate)
-    : HdRenderPass(index, collection), _delegate(delegate) {}
+    : HdRenderPass(index, collection), _delegate(delegate), _cameraPath(NewMatrixCameraPath()) {}
+
+HdStreamRenderPass::~HdStreamRenderPass() {
+    _delegate->ForgetAovs(this);
+    if (_hasCamera) {
+        _delegate->Param().Push([path = _cameraPath](hds::Session& session) { //
+            session.Remove(path);
+        });
+    }
+}
 
 void HdStreamRenderPass::_Execute(const HdRenderPassStateSharedPtr& state,
                                   const TfTokenVector& renderTags) {
@@ -109,7 +134,7 @@ void HdStreamRenderPass::_Execute(const HdRenderPassStateSharedPtr& state,
     param.PrintWarnings();
     const hds::Settings settings = MakeSettings(*state, renderTags);
     if (settings.aovs.empty() || settings.imageWidth == 0 || settings.imageHeight == 0) {
-        _isConverged = true; // Nothing is asked for.
+        SetConverged(*state); // Nothing is asked for.
         return;
     }
     _delegate->DumpOnce();
@@ -125,8 +150,17 @@ hds::Settings HdStreamRenderPass::MakeSettings(const HdRenderPassState& state,
     settings.camera = CameraPath(state, &settings);
     settings.purposes = PurposesFrom(renderTags);
     settings.cullStyle = CullStyleName(state.GetCullStyle());
-    settings.aovs = AovsFrom(state.GetAovBindings());
+    settings.aovs = _delegate->UnionOfAovs(this, AovsFrom(state.GetAovBindings()));
     return settings;
+}
+
+void HdStreamRenderPass::SetConverged(const HdRenderPassState& state) {
+    for (const HdRenderPassAovBinding& binding : state.GetAovBindings()) {
+        if (HdStreamRenderBuffer* buffer = BufferOf(binding, GetRenderIndex())) {
+            buffer->SetConverged(true);
+        }
+    }
+    _isConverged = true;
 }
 
 std::string HdStreamRenderPass::CameraPath(const HdRenderPassState& state,
@@ -138,16 +172,16 @@ std::string HdStreamRenderPass::CameraPath(const HdRenderPassState& state,
     settings->conformPolicy = HdStreamConformPolicy(CameraUtilDontConform);
     const GfMatrix4d worldToView = state.GetWorldToViewMatrix();
     const GfMatrix4d projection = state.GetProjectionMatrix();
-    if (worldToView != _worldToView || projection != _projection) {
+    if (!_hasCamera || worldToView != _worldToView || projection != _projection) {
+        _hasCamera = true;
         _worldToView = worldToView;
         _projection = projection;
         HdStreamRenderParam& param = _delegate->Param();
-        param.Push([camera = CameraFromMatrices(worldToView, projection)](hds::Session& session) {
-            session.SetCamera(kMatrixCameraPath, camera);
-        });
+        param.Push([path = _cameraPath, camera = CameraFromMatrices(worldToView, projection)](
+                       hds::Session& session) { session.SetCamera(path, camera); });
         param.Commit();
     }
-    return kMatrixCameraPath;
+    return _cameraPath;
 }
 
 void HdStreamRenderPass::Show(const HdRenderPassState& state) {

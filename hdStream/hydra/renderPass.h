@@ -22,6 +22,7 @@ class HdStreamRenderPass final : public HdRenderPass {
 public:
     HdStreamRenderPass(HdRenderIndex* index, const HdRprimCollection& collection,
                        HdStreamRenderDelegate* delegate);
+    ~HdStreamRenderPass() override;
 
     /// True once the final image, or an error, was shown in the bound buffers.
     bool IsConverged() const override { return _isConverged; }
@@ -35,11 +36,15 @@ private:
     /// The scene path of the pass's camera; one made of its matrices when it has none.
     std::string CameraPath(const HdRenderPassState& state, hds::Settings* settings);
     void Show(const HdRenderPassState& state);
+    /// What is bound will not change.
+    void SetConverged(const HdRenderPassState& state);
     /// Reports an image's error, once while it lasts.
     void Report(const hds::FilmImage& image);
 
     HdStreamRenderDelegate* _delegate;
-    GfMatrix4d _worldToView{0.0}; ///< of the camera made of matrices
+    const std::string _cameraPath; ///< of the camera made of matrices
+    bool _hasCamera = false;       ///< it was made
+    GfMatrix4d _worldToView{0.0};
     GfMatrix4d _projection{0.0};
     std::string _reported; ///< the error that was reported last
     bool _isConverged = false;

@@ -236,17 +236,24 @@ struct PathTracer::Impl {
         std::uint32_t begin = 0;
         for (std::size_t i = 0; i < previewOrder.ends.size(); ++i) {
             const std::uint32_t end = previewOrder.ends[i];
-            if (!RenderPixels(begin, end, 0, 1, timer, onProgress, isStopped) ||
-                (*isStopped && end < activePixels.size())) {
+            if (!RenderPixels(begin, end, 0, 1, timer, onProgress, isStopped)) {
                 return false;
             }
             previewStride = kPreviewStrides[i];
             begin = end;
-        }
-        SetActivePixels(pixelOrder);
-        statistics.firstImageSeconds = timer.Seconds();
-        if (!*isStopped) {
-            *isStopped = !Report(1, 1.0, timer, onProgress);
+            const bool isWhole = end == activePixels.size();
+            if (isWhole) {
+                SetActivePixels(pixelOrder);
+                statistics.firstImageSeconds = timer.Seconds();
+            }
+            if (!*isStopped) {
+                const double fraction =
+                    static_cast<double>(end) / static_cast<double>(previewOrder.pixels.size());
+                *isStopped = !Report(isWhole ? 1 : 0, fraction, timer, onProgress);
+            }
+            if (*isStopped) {
+                return isWhole;
+            }
         }
         return true;
     }

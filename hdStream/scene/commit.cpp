@@ -47,7 +47,8 @@ public:
     Committer(const SceneDescription& scene, const CommitOptions& options, CommitCache* cache,
               Warnings& warnings)
         : _scene(scene), _options(options), _cache(*cache), _warnings(warnings),
-          _materials(scene, cache->images, warnings), _result(std::make_unique<CommittedScene>()) {}
+          _materials(scene, &cache->materials, cache->images, warnings),
+          _result(std::make_unique<CommittedScene>()) {}
 
     std::unique_ptr<CommittedScene> Run(const CancelCallback& isCancelled) {
         const auto start = std::chrono::steady_clock::now();
@@ -62,9 +63,15 @@ public:
             return nullptr;
         }
         _materials.Compile(drawn);
+        if (isCancelled && isCancelled()) {
+            return nullptr;
+        }
         AddObjects();
         for (std::size_t i = 0; i < drawn.size(); ++i) {
             AddMesh(*drawn[i], static_cast<std::uint32_t>(i));
+        }
+        if (isCancelled && isCancelled()) {
+            return nullptr;
         }
         _result->centre = ChooseSceneCentre(_scene, _leaves);
         AddHierarchy();

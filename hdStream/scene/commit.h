@@ -6,6 +6,7 @@
 #include "hdStream/accel/geometryPages.h"
 #include "hdStream/base/log.h"
 #include "hdStream/scene/imageLibrary.h"
+#include "hdStream/scene/materialCommit.h"
 #include "hdStream/scene/meshStore.h"
 #include "hdStream/scene/sceneDescription.h"
 #include "hdStream/shading/lightTable.h"
@@ -38,6 +39,7 @@ struct CommitCache {
     explicit CommitCache(Warnings& warnings) : images(warnings) {}
     MeshStore meshes;
     ImageLibrary images;
+    MaterialCache materials;
     std::string lightKey; ///< all that `lights` is made of
     std::shared_ptr<const LightTable> lights;
 };

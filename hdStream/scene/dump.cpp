@@ -176,9 +176,9 @@ void DumpSubdivision(const MeshDescription& mesh, Writer* out) {
 
 void DumpMesh(const std::string& path, const MeshPrim& prim, const SceneDescription& scene,
               Writer* out) {
-    // A material that does not exist is none: front ends see dangling bindings differently.
+    // Front ends see dangling bindings, and materials without a surface, differently.
     const auto existing = [&](const std::string& materialPath) {
-        return scene.materials.count(materialPath) > 0 ? materialPath : std::string();
+        return HasSurface(scene, materialPath) ? materialPath : std::string();
     };
     const MeshDescription& mesh = *prim.mesh;
     out->Prim("mesh", path);
@@ -367,7 +367,7 @@ std::string DumpScene(const SceneDescription& scene) {
     }
     const std::set<std::string> bound = BoundMaterials(scene);
     for (const auto& [path, network] : scene.materials) {
-        if (bound.count(path) > 0) {
+        if (bound.count(path) > 0 && HasSurface(scene, path)) {
             DumpMaterial(path, *network, &out);
         }
     }

@@ -21,6 +21,10 @@ namespace {
 /// Deepest chain of instancers that is followed; longer ones are cycles in all likelihood.
 constexpr int kMaxChain = 64;
 
+/// In a list of instances: places nothing, but counts for the ranks of those after it, for meshes
+/// of which the front end has made several with instances of one list (primvars per instance).
+constexpr std::int32_t kGap = -1;
+
 glm::dmat4 InstanceTransform(const InstancerPrim& instancer, std::int32_t index) {
     return glm::make_mat4(instancer.instanceTransforms.data() +
                           16 * static_cast<std::size_t>(index));
@@ -43,6 +47,41 @@ struct Prototype {
 bool SameInstances(const SharedSpan<std::int32_t>& a, const SharedSpan<std::int32_t>& b) {
     return a.size() == b.size() &&
            (a.data() == b.data() || std::equal(a.begin(), a.end(), b.begin()));
+}
+
+/// A prim in world space. id: its parent-major instanceId; -1: not instanced.
+struct Placed {
+    glm::dmat4 worldFromObject;
+    std::int64_t id = -1;
+};
+
+/// Parent-major: the parent's placements are the outer loop.
+std::vector<Placed> PlacementsOf(const SceneDescription& scene, const Placement& placement,
+                                 int chain) {
+    if (placement.instancerPath.empty()) {
+        return {{placement.worldFromObject, -1}};
+    }
+    const auto found = scene.instancers.find(placement.instancerPath);
+    if (found == scene.instancers.end() || !found->second.placement.visible || chain >= kMaxChain) {
+        return {};
+    }
+    const InstancerPrim& instancer = found->second;
+    const std::size_t limit = instancer.instanceTransforms.size() / 16;
+    const SharedSpan<std::int32_t>& instances = placement.instances;
+    const auto count = static_cast<std::int64_t>(instances.size());
+    std::vector<Placed> placements;
+    for (const Placed& parent : PlacementsOf(scene, instancer.placement, chain + 1)) {
+        for (std::size_t rank = 0; rank < instances.size(); ++rank) {
+            const std::int32_t index = instances[rank];
+            if (index >= 0 && static_cast<std::size_t>(index) < limit) {
+                placements.push_back(
+                    {parent.worldFromObject * InstanceTransform(instancer, index) *
+                         placement.worldFromObject,
+                     std::max<std::int64_t>(parent.id, 0) * count + std::int64_t(rank)});
+            }
+        }
+    }
+    return placements;
 }
 
 /// A record before its group's BVH gives it a place.
@@ -184,6 +223,7 @@ private:
         const std::size_t first = records->size();
         records->resize(first + count);
         std::atomic<std::uint32_t> numBad{0};
+        std::atomic<bool> isComplete{true};
         tbb::parallel_for(std::uint32_t{0}, count, [&](std::uint32_t rank) {
             const std::int32_t index = prototype.instances[rank];
             const bool isInRange = index >= 0 && static_cast<std::size_t>(index) < limit;
@@ -193,15 +233,18 @@ private:
                           : glm::dmat4(0.0);
             if (!FillRecord(placed, transform, rank, count, groupLeaves,
                             &(*records)[first + rank])) {
-                numBad.fetch_add(1);
+                isComplete = false;
+                numBad += index == kGap ? 0 : 1;
             }
         });
-        if (numBad > 0) {
+        if (!isComplete) {
             records->erase(
                 std::remove_if(records->begin() + static_cast<std::ptrdiff_t>(first),
                                records->end(),
                                [](const Record& record) { return record.numLeaves == 0; }),
                 records->end());
+        }
+        if (numBad > 0) {
             _warnings.Add(
                 instancer.path,
                 std::to_string(numBad) +
@@ -274,23 +317,20 @@ private:
     void AppendOwnRecords(const glm::dmat4& centreFromWorld, std::vector<Record>* records) {
         for (const std::string& path : _ownLeaves) {
             const LeafObject& leaf = _leaves.at(path);
-            std::vector<glm::dmat4> placements;
-            ForEachPlacement(_scene, _scene.meshes.at(path).placement,
-                             [&](const glm::dmat4& placed) { placements.push_back(placed); });
-            const auto numPlacements = static_cast<std::uint32_t>(placements.size());
-            const bool isInstanced = !_scene.meshes.at(path).placement.instancerPath.empty();
-            const std::uint32_t count = isInstanced ? numPlacements : 0;
-            for (std::uint32_t rank = 0; rank < numPlacements; ++rank) {
-                Member member{path, &leaf, nullptr, placements[rank]};
+            for (const Placed& placed : PlacementsOf(_scene, _scene.meshes.at(path).placement, 0)) {
+                Member member{path, &leaf, nullptr, placed.worldFromObject};
                 const std::size_t before = records->size();
-                AppendRecord(member, centreFromWorld, rank, count, records);
+                // A record of the TLAS: its rank is the id, whatever the count.
+                AppendRecord(member, centreFromWorld,
+                             static_cast<std::uint32_t>(std::max<std::int64_t>(placed.id, 0)),
+                             placed.id < 0 ? 0 : 1, records);
                 if (records->size() > before && leaf.ownRecord) {
                     const auto light = static_cast<std::uint32_t>(_result.ownRecords.size());
                     records->back().instance.lightBase =
                         light; // commit maps it to a light, or to none
                     _result.ownRecords.push_back(
                         {path, leaf.mesh,
-                         glm::translate(centreFromWorld * placements[rank], leaf.origin), 0});
+                         glm::translate(centreFromWorld * placed.worldFromObject, leaf.origin), 0});
                 }
             }
         }
@@ -345,38 +385,13 @@ private:
     Hierarchy _result;
 };
 
-void ForEachPlacementBelow(const SceneDescription& scene, const Placement& placement,
-                           const glm::dmat4& prototypeFromObject, int chain,
-                           const std::function<void(const glm::dmat4&)>& onPlacement) {
-    const glm::dmat4 transform = placement.worldFromObject * prototypeFromObject;
-    if (placement.instancerPath.empty()) {
-        onPlacement(transform);
-        return;
-    }
-    const auto found = scene.instancers.find(placement.instancerPath);
-    if (found == scene.instancers.end() || !found->second.placement.visible || chain >= kMaxChain) {
-        return;
-    }
-    const InstancerPrim& instancer = found->second;
-    // Parent-major: the parent's placements are the outer loop.
-    std::vector<glm::dmat4> parents;
-    ForEachPlacementBelow(scene, instancer.placement, glm::dmat4(1.0), chain + 1,
-                          [&](const glm::dmat4& parent) { parents.push_back(parent); });
-    const std::size_t limit = instancer.instanceTransforms.size() / 16;
-    for (const glm::dmat4& parent : parents) {
-        for (const std::int32_t index : placement.instances) {
-            if (index >= 0 && static_cast<std::size_t>(index) < limit) {
-                onPlacement(parent * InstanceTransform(instancer, index) * transform);
-            }
-        }
-    }
-}
-
 } // namespace
 
 void ForEachPlacement(const SceneDescription& scene, const Placement& placement,
                       const std::function<void(const glm::dmat4&)>& onPlacement) {
-    ForEachPlacementBelow(scene, placement, glm::dmat4(1.0), 0, onPlacement);
+    for (const Placed& placed : PlacementsOf(scene, placement, 0)) {
+        onPlacement(placed.worldFromObject);
+    }
 }
 
 Hierarchy BuildHierarchy(const SceneDescription& scene,

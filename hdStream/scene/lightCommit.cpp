@@ -203,7 +203,8 @@ CommittedLights CommitLights(const LightCommitInput& input, CommitCache* cache,
         warnings.Add("", "more than " + std::to_string(kMaxEmissiveTriangles) +
                              " emissive triangles: the rest glows but is not sampled as lights");
     }
-    if (lights.empty() && input.ownRecords->empty()) {
+    // Lights that are all hidden leave the scene dark.
+    if (input.scene->lights.empty() && input.ownRecords->empty()) {
         warnings.Add("", "the stage has no lights: lit by a uniform dome of radiance 1");
         PlacedLight dome;
         dome.name = "default dome";

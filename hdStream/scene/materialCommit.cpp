@@ -3,25 +3,57 @@
 
 #include <tbb/parallel_for.h>
 
+#include <iterator>
+#include <string_view>
+
 namespace hds {
+
+namespace {
+
+/// True for the paths that OpenUSD's draw modes bind the faces of a card to: with legacy scene
+/// delegates also where a card has no texture, so that there is no such material. A front end
+/// cannot tell these from materials that arrive later; displayColor is what is meant.
+bool IsOfCard(const std::string& materialPath) {
+    static constexpr std::string_view kName = "/subsetMaterial";
+    const std::size_t slash = materialPath.rfind('/');
+    if (slash == std::string::npos || materialPath.compare(slash, kName.size(), kName) != 0) {
+        return false;
+    }
+    const std::string_view face = std::string_view(materialPath).substr(slash + kName.size());
+    return face.size() == 4 && face[0] >= 'X' && face[0] <= 'Z' &&
+           (face.substr(1) == "Pos" || face.substr(1) == "Neg");
+}
+
+} // namespace
 
 void MaterialCommit::Compile(
     const std::vector<const std::pair<const std::string, MeshPrim>*>& prims) {
-    _compiled[""] = DisplayColorMaterial();
+    _compiled[""] = &_displayColor;
     std::vector<const std::pair<const std::string, std::shared_ptr<const MaterialNetwork>>*>
-        networks;
+        missing;
     const auto use = [&](const std::string& primPath, const std::string& materialPath) {
-        if (materialPath.empty() || _compiled.count(materialPath) > 0) {
+        if (_compiled.count(materialPath) > 0) {
             return;
         }
-        _compiled[materialPath] = DisplayColorMaterial();
+        const CompiledMaterial*& compiled = _compiled[materialPath];
+        compiled = &_displayColor;
         const auto found = _scene.materials.find(materialPath);
         if (found == _scene.materials.end()) {
-            _warnings.Add(primPath, "its material " + materialPath +
-                                        " does not exist; drawn with displayColor");
+            if (!IsOfCard(materialPath)) {
+                _warnings.Add(primPath, "its material " + materialPath +
+                                            " does not exist; drawn with displayColor");
+            }
             return;
         }
-        networks.push_back(&*found);
+        CachedMaterial& cached = _cache[materialPath];
+        compiled = &cached.compiled;
+        if (cached.network != found->second) {
+            missing.push_back(&*found);
+            return;
+        }
+        for (const auto& [asset, colorSpace] : cached.images) {
+            _images.MeanOf(asset, colorSpace); // counts as used
+        }
     };
     for (const auto* prim : prims) {
         use(prim->first, prim->second.materialPath);
@@ -29,22 +61,31 @@ void MaterialCommit::Compile(
             use(prim->first, materialPath);
         }
     }
-    const MeanColorCallback meanColor = [this](const AssetReference& asset,
-                                               const std::string& colorSpace) {
-        return _images.MeanOf(asset, colorSpace);
-    };
-    std::vector<CompiledMaterial> results(networks.size());
-    tbb::parallel_for(std::size_t{0}, networks.size(), [&](std::size_t i) {
-        results[i] =
-            CompileMaterial(*networks[i]->second, networks[i]->first, meanColor, _warnings);
+    tbb::parallel_for(std::size_t{0}, missing.size(), [&](std::size_t i) {
+        _cache.at(missing[i]->first) = CompileNetwork(missing[i]->first, missing[i]->second);
     });
-    for (std::size_t i = 0; i < networks.size(); ++i) {
-        _compiled[networks[i]->first] = std::move(results[i]);
+    for (auto cached = _cache.begin(); cached != _cache.end();) {
+        const bool isGone = _scene.materials.count(cached->first) == 0;
+        cached = isGone ? _cache.erase(cached) : std::next(cached);
     }
 }
 
+CachedMaterial
+MaterialCommit::CompileNetwork(const std::string& path,
+                               const std::shared_ptr<const MaterialNetwork>& network) {
+    CachedMaterial result;
+    result.network = network;
+    const MeanColorCallback meanColor = [&](const AssetReference& asset,
+                                            const std::string& colorSpace) {
+        result.images.emplace_back(asset, colorSpace);
+        return _images.MeanOf(asset, colorSpace);
+    };
+    result.compiled = CompileMaterial(*network, path, meanColor, _warnings);
+    return result;
+}
+
 const CompiledMaterial& MaterialCommit::Find(const std::string& materialPath) const {
-    return _compiled.at(materialPath);
+    return *_compiled.at(materialPath);
 }
 
 std::uint32_t MaterialCommit::AddRecord(const shared::HdsMaterial& record) {
@@ -72,8 +113,8 @@ MeshMaterialInfo MaterialCommit::AddMesh(const std::string& path, const MeshPrim
     add(prim.materialPath);
     for (std::size_t i = 0; i < prim.mesh->subsets.size(); ++i) {
         // A subset without a material of its own shows the prim's.
-        const bool hasOwn = i < prim.subsetMaterialPaths.size() &&
-                            _scene.materials.count(prim.subsetMaterialPaths[i]) > 0;
+        const bool hasOwn =
+            i < prim.subsetMaterialPaths.size() && HasSurface(_scene, prim.subsetMaterialPaths[i]);
         add(hasOwn ? prim.subsetMaterialPaths[i] : prim.materialPath);
     }
     return info;

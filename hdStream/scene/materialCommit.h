@@ -20,13 +20,24 @@ struct MeshMaterialInfo {
     bool isEmissive = false; ///< some entry emits
 };
 
+/// A compiled material and what it was made of.
+struct CachedMaterial {
+    std::shared_ptr<const MaterialNetwork> network;
+    CompiledMaterial compiled;
+    std::vector<std::pair<AssetReference, std::string>> images; ///< read, and their colour spaces
+};
+
+/// By path. Networks are told apart by identity.
+using MaterialCache = std::map<std::string, CachedMaterial>;
+
 /// Collects the records. Externally synchronised.
 class MaterialCommit {
 public:
-    MaterialCommit(const SceneDescription& scene, ImageLibrary& images, Warnings& warnings)
-        : _scene(scene), _images(images), _warnings(warnings) {}
+    MaterialCommit(const SceneDescription& scene, MaterialCache* cache, ImageLibrary& images,
+                   Warnings& warnings)
+        : _scene(scene), _cache(*cache), _images(images), _warnings(warnings) {}
 
-    /// Compiles the materials the meshes use, on all cores.
+    /// Compiles the materials the meshes use, on all cores, unless the cache has them.
     void Compile(const std::vector<const std::pair<const std::string, MeshPrim>*>& prims);
 
     /// Appends the entries of a mesh: the prim's material, then one for each subset.
@@ -39,11 +50,15 @@ public:
 private:
     std::uint32_t AddRecord(const shared::HdsMaterial& record);
     const CompiledMaterial& Find(const std::string& materialPath) const;
+    CachedMaterial CompileNetwork(const std::string& path,
+                                  const std::shared_ptr<const MaterialNetwork>& network);
 
     const SceneDescription& _scene;
+    MaterialCache& _cache;
     ImageLibrary& _images;
     Warnings& _warnings;
-    std::map<std::string, CompiledMaterial> _compiled; ///< by path; "": no material
+    std::map<std::string, const CompiledMaterial*> _compiled; ///< by path; "": no material
+    CompiledMaterial _displayColor = DisplayColorMaterial();
     std::map<std::string, std::uint32_t> _indexByBytes;
 };
 

@@ -23,6 +23,7 @@ struct Placement {
     glm::dmat4 worldFromObject{1.0}; ///< below an instancer: prototype space from object
     std::string instancerPath;       ///< empty: not instanced
     /// Below an instancer: which of its instances place this prim, in the order of instanceId.
+    /// -1 places nothing and counts in that order.
     SharedSpan<std::int32_t> instances;
     bool visible = true;
 };
@@ -90,5 +91,11 @@ struct SceneDescription {
     std::map<std::string, std::shared_ptr<const MaterialNetwork>> materials;
     std::map<std::string, CameraPrim> cameras;
 };
+
+/// True when there is such a material and it has a surface: binding any other is binding none.
+inline bool HasSurface(const SceneDescription& scene, const std::string& materialPath) {
+    const auto found = scene.materials.find(materialPath);
+    return found != scene.materials.end() && found->second->terminals.count("surface") > 0;
+}
 
 } // namespace hds

@@ -95,9 +95,14 @@ struct RenderThread::Impl {
     public:
         Publisher(Impl* impl, std::uint64_t version) : _impl(impl), _version(version) {}
 
-        /// The progress callback; waits while paused. \return false when the render is to end.
+        /// The progress callback; waits while paused. \return false when the render is to end. A
+        /// render that has a film ends with its first picture at the earliest, outdated as it is:
+        /// edits that follow each other faster than that would freeze the view.
         bool Report(const Progress& progress) {
-            if (!_impl->MayGoOn(_version)) {
+            const bool goesOn = _impl->MayGoOn(_version);
+            const bool owesPicture =
+                _shownStride == 0 && _impl->session.HasImage() && !_impl->MustEnd();
+            if (!goesOn && !owesPicture) {
                 return false;
             }
             _progress = progress;
@@ -111,10 +116,8 @@ struct RenderThread::Impl {
                 end + std::max<Clock::duration>(kMinInterval, kMaxImageShare * (end - start));
             _shownStride = progress.previewStride;
             const std::lock_guard<std::mutex> lock(_impl->mutex);
-            if (_impl->version == _version) {
-                _impl->newest = std::move(image);
-            }
-            return true;
+            _impl->newest = std::move(image);
+            return goesOn;
         }
 
         std::shared_ptr<FilmImage> MakeImage(bool withFirstHits) {
@@ -146,6 +149,12 @@ struct RenderThread::Impl {
         };
         changed.wait(lock, [&] { return !isPaused || isAsked(); });
         return !isAsked();
+    }
+
+    /// True when nobody wants a picture any more.
+    bool MustEnd() const {
+        const std::lock_guard<std::mutex> lock(mutex);
+        return quits || isStopped;
     }
 
     // --- State; everything but the session is guarded by the mutex ------------------------------

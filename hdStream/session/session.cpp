@@ -14,6 +14,9 @@ namespace hds {
 
 namespace {
 
+/// Lines in the statistics, which are made for every image that is shown.
+constexpr std::size_t kMaxWarnings = 1000;
+
 double SecondsSince(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -92,6 +95,40 @@ struct Session::Impl {
             Discard(); // edits have scattered the pool
         }
         throw Error("geometry: the scene does not fit the device's memory");
+    }
+
+    RenderResult Render(const Settings& settings, const CameraPrim& camera,
+                        const ProgressCallback& onProgress) {
+        const auto start = std::chrono::steady_clock::now();
+        ReadyDevice(settings);
+        const CancelCallback isCancelled = [&] {
+            Progress progress;
+            progress.samplesTotal = settings.samples;
+            return onProgress && !onProgress(progress);
+        };
+        if (!Commit(settings, isCancelled)) {
+            return RenderResult::Stopped;
+        }
+        tracer->Begin(MakeRenderOptions(settings, camera));
+        hasFilm = true;
+        const RenderStatistics& rendered = tracer->Statistics();
+        statistics.device = device.get();
+        statistics.scene = scene.get();
+        statistics.render = &rendered;
+        statistics.imageWidth = settings.imageWidth;
+        statistics.imageHeight = settings.imageHeight;
+        statistics.poolBytes = tracer->PoolBytes();
+        statistics.uploadedBytes = tracer->UploadedBytes();
+        statistics.tableBytes = tracer->TableBytes();
+        statistics.beforeRenderingSeconds = sinceStartSeconds + SecondsSince(start);
+        const RenderResult result = tracer->Render(onProgress);
+        if (rendered.endedPasses > 0) {
+            warnings.Add("", std::to_string(rendered.endedPasses) +
+                                 " rays ended after passing the most cut-out surfaces that one "
+                                 "ray may pass");
+        }
+        statistics.totalSeconds = sinceStartSeconds + SecondsSince(start);
+        return result;
     }
 
     hds::Warnings warnings;
@@ -180,7 +217,6 @@ std::string Session::Info() const {
 
 RenderResult Session::Render(const Settings& settings, const ProgressCallback& onProgress) {
     Impl& impl = *_impl;
-    const auto start = std::chrono::steady_clock::now();
     CheckSettings(settings);
     const auto camera = impl.description.cameras.find(settings.camera);
     if (camera == impl.description.cameras.end()) {
@@ -188,36 +224,15 @@ RenderResult Session::Render(const Settings& settings, const ProgressCallback& o
                     ErrorKind::Usage);
     }
     impl.hasFilm = false;
-    impl.ReadyDevice(settings);
-    const CancelCallback isCancelled = [&] {
-        Progress progress;
-        progress.samplesTotal = settings.samples;
-        return onProgress && !onProgress(progress);
-    };
-    if (!impl.Commit(settings, isCancelled)) {
-        return RenderResult::Stopped;
+    try {
+        return impl.Render(settings, camera->second, onProgress);
+    } catch (...) {
+        // What is in device memory is not known, and contexts that ran out of it may be of no use.
+        impl.hasFilm = false;
+        impl.Discard();
+        impl.device.reset();
+        throw;
     }
-    impl.tracer->Begin(MakeRenderOptions(settings, camera->second));
-    impl.hasFilm = true;
-    const RenderStatistics& rendered = impl.tracer->Statistics();
-    StatisticsInput& statistics = impl.statistics;
-    statistics.device = impl.device.get();
-    statistics.scene = impl.scene.get();
-    statistics.render = &rendered;
-    statistics.imageWidth = settings.imageWidth;
-    statistics.imageHeight = settings.imageHeight;
-    statistics.poolBytes = impl.tracer->PoolBytes();
-    statistics.uploadedBytes = impl.tracer->UploadedBytes();
-    statistics.tableBytes = impl.tracer->TableBytes();
-    statistics.beforeRenderingSeconds = impl.sinceStartSeconds + SecondsSince(start);
-    const RenderResult result = impl.tracer->Render(onProgress);
-    if (rendered.endedPasses > 0) {
-        impl.warnings.Add(
-            "", std::to_string(rendered.endedPasses) +
-                    " rays ended after passing the most cut-out surfaces that one ray may pass");
-    }
-    statistics.totalSeconds = impl.sinceStartSeconds + SecondsSince(start);
-    return result;
 }
 
 std::vector<ImageLayer> Session::Layers(bool withFirstHits) const {
@@ -233,6 +248,7 @@ bool Session::HasImage() const {
 
 void Session::FlushTextures() {
     _impl->cache.images.Clear();
+    _impl->cache.materials.clear();
     _impl->cache.lightKey.clear();
     _impl->cache.lights.reset();
     ++_impl->sceneVersion;
@@ -244,6 +260,11 @@ std::string Session::Statistics() const {
     }
     StatisticsInput input = _impl->statistics;
     input.warnings = _impl->warnings.Lines();
+    if (input.warnings.size() > kMaxWarnings) {
+        const std::size_t numMore = input.warnings.size() - kMaxWarnings;
+        input.warnings.resize(kMaxWarnings);
+        input.warnings.push_back("and " + std::to_string(numMore) + " more warnings");
+    }
     return MakeStatistics(input);
 }
 

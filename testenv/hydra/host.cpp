@@ -10,6 +10,7 @@
 #include <pxr/imaging/hd/rendererPluginRegistry.h>
 #include <pxr/imaging/hd/rprimCollection.h>
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 
@@ -59,17 +60,22 @@ Host::Host(const SceneData& scene, const HostOptions& options)
     _scene = std::make_unique<SyntheticScene>(_index.get(), SdfPath::AbsoluteRootPath());
     _scene->Insert(scene);
     HdRprimCollection collection(HdTokens->geometry, HdReprSelector(HdReprTokens->refined));
-    _task = std::make_shared<RenderTask>(_renderer->CreateRenderPass(_index.get(), collection),
+    const std::size_t numTasks = options.hasTaskPerAov ? options.aovs.size() : 1;
+    for (std::size_t i = 0; i < numTasks; ++i) {
+        auto task =
+            std::make_shared<RenderTask>(_renderer->CreateRenderPass(_index.get(), collection),
                                          _renderer->CreateRenderPassState());
-    _task->SetCamera(SdfPath("/camera"));
-    _task->SetRenderTags({HdRenderTagTokens->geometry, HdRenderTagTokens->render});
+        task->SetCamera(SdfPath("/camera"));
+        task->SetRenderTags({HdRenderTagTokens->geometry, HdRenderTagTokens->render});
+        _tasks.push_back(std::move(task));
+    }
     SetAovs(options.aovs);
     SetSize(_width, _height);
 }
 
 Host::~Host() {
     // As applications do: tasks, then the scene's prims, the index, and the renderer last.
-    _task.reset();
+    _tasks.clear();
     _index->Clear();
     _scene.reset();
     _index.reset();
@@ -80,15 +86,18 @@ void Host::SetAovs(const std::vector<AovRequest>& aovs) {
         _scene->RemoveBuffer(BufferPath(aov.name));
     }
     _aovs = aovs;
-    HdRenderPassAovBindingVector bindings;
-    for (const AovRequest& aov : _aovs) {
-        HdRenderPassAovBinding& binding = bindings.emplace_back();
+    std::vector<HdRenderPassAovBindingVector> bindings(_tasks.size());
+    for (std::size_t i = 0; i < _aovs.size(); ++i) {
+        const AovRequest& aov = _aovs[i];
+        HdRenderPassAovBinding& binding = bindings[i % _tasks.size()].emplace_back();
         binding.aovName = aov.name;
         binding.renderBufferId = BufferPath(aov.name);
         binding.clearValue =
             aov.clearValue.value_or(_renderer->GetDefaultAovDescriptor(aov.name).clearValue);
     }
-    _task->SetAovBindings(bindings);
+    for (std::size_t i = 0; i < _tasks.size(); ++i) {
+        _tasks[i]->SetAovBindings(bindings[i]);
+    }
     _SetBuffers();
 }
 
@@ -110,7 +119,9 @@ void Host::SetSize(int width, int height) {
 }
 
 void Host::SetFraming(const CameraUtilFraming& framing) {
-    _task->State().SetFraming(framing);
+    for (const auto& task : _tasks) {
+        task->State().SetFraming(framing);
+    }
 }
 
 void Host::SetSetting(const char* name, const VtValue& value) {
@@ -118,9 +129,14 @@ void Host::SetSetting(const char* name, const VtValue& value) {
 }
 
 bool Host::Frame() {
-    HdTaskSharedPtrVector tasks{_task};
+    HdTaskSharedPtrVector tasks(_tasks.begin(), _tasks.end());
     _engine.Execute(_index.get(), &tasks);
-    return _task->IsConverged();
+    return _IsConverged();
+}
+
+bool Host::_IsConverged() const {
+    return std::all_of(_tasks.begin(), _tasks.end(),
+                       [](const auto& task) { return task->IsConverged(); });
 }
 
 bool Host::FrameUntil(const std::function<bool()>& condition) {
@@ -136,7 +152,7 @@ bool Host::FrameUntil(const std::function<bool()>& condition) {
 }
 
 bool Host::RenderUntilConverged() {
-    return FrameUntil([this] { return _task->IsConverged(); });
+    return FrameUntil([this] { return _IsConverged(); });
 }
 
 HdRenderBuffer* Host::Buffer(const TfToken& aov) {

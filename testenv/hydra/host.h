@@ -41,6 +41,7 @@ struct HostOptions {
     int width = 64;
     int height = 48;
     std::vector<AovRequest> aovs{HdAovTokens->color};
+    bool hasTaskPerAov = false; ///< a task and a render pass for each, else one for all
 };
 
 /// Externally synchronised. Several may live in one process, each on its own thread.
@@ -56,7 +57,7 @@ public:
     HdRenderDelegate& Delegate() { return *_renderer.Get(); }
     HdRenderIndex& Index() { return *_index; }
     SyntheticScene& Scene() { return *_scene; }
-    RenderTask& Task() { return *_task; }
+    RenderTask& Task() { return *_tasks.front(); }
 
     /// Replaces the AOVs: old buffers are destroyed, new ones created.
     void SetAovs(const std::vector<AovRequest>& aovs);
@@ -66,7 +67,7 @@ public:
     void SetSetting(const char* name, const VtValue& value);
 
     /// One frame of the application: sync, commit, execute.
-    /// \return whether the render pass says that it has converged.
+    /// \return whether all render passes say that they have converged.
     bool Frame();
     /// Frames until convergence. \return false when it took longer than any render here may.
     bool RenderUntilConverged();
@@ -85,11 +86,12 @@ public:
 
 private:
     void _SetBuffers();
+    bool _IsConverged() const;
 
     HdPluginRenderDelegateUniqueHandle _renderer;
     std::unique_ptr<HdRenderIndex> _index;
     std::unique_ptr<SyntheticScene> _scene;
-    std::shared_ptr<RenderTask> _task;
+    std::vector<std::shared_ptr<RenderTask>> _tasks; ///< at least one
     HdEngine _engine;
     std::vector<AovRequest> _aovs;
     int _width;

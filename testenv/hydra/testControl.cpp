@@ -187,6 +187,28 @@ TEST_F(Control, ResumedRenderHasTheBitsOfAnUninterruptedOne) {
     EXPECT_EQ(host.Render(), RenderFresh(host, options));
 }
 
+TEST_F(Control, PassesOfOneFrameMayDifferInTheirOutputs) {
+    HostOptions options = Quick({HdAovTokens->color, HdAovTokens->primId, HdAovTokens->depth}, 4);
+    Host one(ThreeMeshes(), options);
+    options.hasTaskPerAov = true;
+    Host several(ThreeMeshes(), options);
+    for (const AovRequest& aov : options.aovs) {
+        EXPECT_EQ(several.Render(aov.name), one.Render(aov.name)) << aov.name;
+    }
+}
+
+TEST_F(Control, WhatTheSceneDoesNotHaveDoesNotRestart) {
+    Host host(ThreeMeshes(), Quick());
+    ASSERT_TRUE(host.RenderUntilConverged());
+    for (const HdDirtyBits bits : {HdChangeTracker::DirtyRepr, HdChangeTracker::DirtyDisplayStyle,
+                                   HdChangeTracker::DirtyExtent, HdChangeTracker::DirtyPoints}) {
+        host.Index().GetChangeTracker().MarkAllRprimsDirty(bits);
+        EXPECT_TRUE(host.Frame());
+    }
+    MoveCube(host, -0.5);
+    EXPECT_FALSE(host.Frame());
+}
+
 TEST_F(Control, SameFrameAgainDoesNotRestart) {
     Host host(ThreeMeshes(), ClearedQuick(kEndless));
     ASSERT_TRUE(host.FrameUntil([&] { return host.Statistic("numCompletedSamples") >= 3.0; }));

@@ -177,6 +177,215 @@ TEST_F(Instancers, InstanceMatricesAreRead) {
     ExpectOracle(host);
 }
 
+// --- Primvars per instance ---
+
+const SdfPath kRow("/row");
+const SdfPath kTile("/row/tile");
+const TfToken kColor("displayColor");
+const TfToken kColorAov("primvars:displayColor");
+const GfVec3f kRed(0.75F, 0.125F, 0.25F);
+const GfVec3f kBlue(0.125F, 0.25F, 0.875F);
+
+/// Six tiles beside each other, the fourth not drawn.
+SceneData RowScene(const std::vector<GfVec3f>& colors) {
+    SceneData scene = EmptyScene();
+    InstancerData row;
+    VtVec3fArray places;
+    for (int i = 0; i < 6; ++i) {
+        places.push_back(GfVec3f(float(i) * 0.6F - 1.5F, float(i % 2) * 0.3F, 0.0F));
+    }
+    row.primvars = {InstancePrimvar(HdInstancerTokens->instanceTranslations, VtValue(places))};
+    if (!colors.empty()) {
+        row.primvars.push_back(
+            InstancePrimvar(kColor, VtValue(VtVec3fArray(colors.begin(), colors.end()))));
+    }
+    row.indicesByPrototype = {{kTile, {0, 1, 2, 4, 5}}};
+    scene.instancers[kRow] = row;
+    GprimData tile = MakeGrid(0.25F, 0.4F);
+    tile.instancer = kRow;
+    scene.gprims[kTile] = tile;
+    return scene;
+}
+
+const std::vector<AovRequest> kColorAovs{HdAovTokens->color, HdAovTokens->primId,
+                                         HdAovTokens->instanceId, HdAovTokens->depth, kColorAov};
+
+/// The image has these colours at the drawn instances, and ids and depths are the oracle's.
+void ExpectColors(Host& host, const std::vector<GfVec3f>& colorByInstance) {
+    ExpectOracle(host);
+    const Oracle oracle(host);
+    for (int component = 0; component < 3; ++component) {
+        ExpectFloats(host.Read(kColorAov), oracle, component, 1e-6, [&](const OracleHit& hit) {
+            return hit.isHit ? double(colorByInstance[size_t(hit.instance)][component]) : 0.0;
+        });
+    }
+}
+
+/// Lines of the statistics that contain a text.
+int NumWarnings(Host& host, const std::string& text) {
+    int count = 0;
+    const VtDictionary stats = host.Delegate().GetRenderStats();
+    const VtValue* lines = stats.GetValueAtPath("warnings");
+    if (lines && lines->IsHolding<std::vector<VtValue>>()) {
+        for (const VtValue& line : lines->UncheckedGet<std::vector<VtValue>>()) {
+            count += line.Get<std::string>().find(text) != std::string::npos;
+        }
+    }
+    return count;
+}
+
+void SetColors(Host& host, const SdfPath& path, const std::vector<GfVec3f>& colors) {
+    InstancerData data = host.Scene().Data().instancers.at(path);
+    for (PrimvarData& primvar : data.primvars) {
+        if (primvar.name == kColor) {
+            primvar.value = VtValue(VtVec3fArray(colors.begin(), colors.end()));
+        }
+    }
+    host.Scene().SetInstancer(path, data, HdChangeTracker::DirtyPrimvar);
+}
+
+TEST_F(Instancers, EqualValuesAreAConstantPrimvar) {
+    Host host(RowScene(std::vector<GfVec3f>(6, kRed)), Quick(kColorAovs));
+    ExpectColors(host, std::vector<GfVec3f>(5, kRed));
+    Host plain(RowScene({}), Quick(kColorAovs));
+    ASSERT_TRUE(plain.RenderUntilConverged());
+    EXPECT_EQ(host.Statistic("geometry.chunksBuilt"), plain.Statistic("geometry.chunksBuilt"));
+}
+
+TEST_F(Instancers, ValuesPerInstanceAreSeenWhereTheyBelong) {
+    Host host(RowScene({kRed, kBlue, kRed, kRed, kBlue, kRed}), Quick(kColorAovs));
+    ExpectColors(host, {kRed, kBlue, kRed, kBlue, kRed});
+}
+
+TEST_F(Instancers, ValuesOfAMeshWin) {
+    SceneData scene = RowScene({kRed, kBlue, kRed, kRed, kBlue, kRed});
+    const GfVec3f green(0.0F, 0.5F, 0.0F);
+    scene.gprims.at(kTile).SetPrimvar("displayColor", HdInterpolationConstant,
+                                      VtValue(VtVec3fArray{green}), HdPrimvarRoleTokens->color);
+    Host host(scene, Quick(kColorAovs));
+    ExpectColors(host, std::vector<GfVec3f>(5, green));
+}
+
+TEST_F(Instancers, EditsOfValuesReachTheMeshes) {
+    const HostOptions options = Quick(kColorAovs);
+    Host host(RowScene({kRed, kBlue, kRed, kRed, kBlue, kRed}), options);
+    ExpectColors(host, {kRed, kBlue, kRed, kBlue, kRed});
+    const double built = host.Statistic("geometry.chunksBuilt");
+
+    InstancerData moved = host.Scene().Data().instancers.at(kRow);
+    moved.transform = Translation(0.0, 0.3, 0.1);
+    host.Scene().SetInstancer(kRow, moved, HdChangeTracker::DirtyTransform);
+    ExpectColors(host, {kRed, kBlue, kRed, kBlue, kRed});
+    EXPECT_LE(host.Statistic("geometry.chunksBuilt"), built);
+
+    moved.indicesByPrototype = {{kTile, {0, 1, 4, 5}}};
+    host.Scene().SetInstancer(kRow, moved, HdChangeTracker::DirtyInstanceIndex);
+    ExpectColors(host, {kRed, kBlue, kBlue, kRed});
+    EXPECT_LE(host.Statistic("geometry.chunksBuilt"), built);
+    EXPECT_EQ(host.Read(), RenderFresh(host, options));
+
+    SetColors(host, kRow, {kRed, kRed, kRed, kRed, kBlue, kRed}); // the same two groups
+    ExpectColors(host, {kRed, kRed, kBlue, kRed});
+    EXPECT_LE(host.Statistic("geometry.chunksBuilt"), built);
+    EXPECT_EQ(host.Read(), RenderFresh(host, options));
+
+    const GfVec3f green(0.0F, 0.5F, 0.0F);
+    SetColors(host, kRow, {green, kRed, kRed, kRed, kBlue, kRed});
+    ExpectColors(host, {green, kRed, kBlue, kRed});
+    EXPECT_EQ(host.Read(), RenderFresh(host, options));
+
+    SetColors(host, kRow, std::vector<GfVec3f>(6, kBlue));
+    ExpectColors(host, std::vector<GfVec3f>(4, kBlue));
+    EXPECT_EQ(host.Read(), RenderFresh(host, options));
+
+    InstancerData plain = host.Scene().Data().instancers.at(kRow);
+    plain.primvars.pop_back();
+    host.Scene().SetInstancer(kRow, plain, HdChangeTracker::DirtyPrimvar);
+    ExpectColors(host, std::vector<GfVec3f>(4, GfVec3f(0.0F)));
+    EXPECT_EQ(host.Read(), RenderFresh(host, options));
+    EXPECT_EQ(NumWarnings(host, ""), 0);
+}
+
+TEST_F(Instancers, SplitMeshesThatGlowKeepTheirIds) {
+    SceneData scene = RowScene({kRed, kBlue, kRed, kRed, kBlue, kRed});
+    scene.materials[SdfPath("/glow")] = MakeMaterial(GfVec3f(0.5F), GfVec3f(1.0F));
+    scene.gprims.at(kTile).material = SdfPath("/glow");
+    Host host(scene, Quick(kColorAovs));
+    ExpectColors(host, {kRed, kBlue, kRed, kBlue, kRed});
+}
+
+TEST_F(Instancers, SplitMeshesMayGoAndComeBack) {
+    const HostOptions options = Quick(kColorAovs);
+    Host host(RowScene({kRed, kBlue, kRed, kRed, kBlue, kRed}), options);
+    const Image before = host.Render();
+    const GprimData tile = host.Scene().Data().gprims.at(kTile);
+    host.Scene().Remove(kTile);
+    const Image empty = host.Render();
+    EXPECT_NE(empty, before);
+    host.Scene().SetGprim(kTile, tile);
+    EXPECT_EQ(host.Render(), before);
+    GprimData hidden = tile;
+    hidden.isVisible = false;
+    host.Scene().SetGprim(kTile, hidden, HdChangeTracker::DirtyVisibility);
+    EXPECT_EQ(host.Render(), empty);
+    SetColors(host, kRow, std::vector<GfVec3f>(6, kRed));
+    host.Scene().SetGprim(kTile, tile, HdChangeTracker::DirtyVisibility);
+    ExpectColors(host, std::vector<GfVec3f>(5, kRed));
+    EXPECT_EQ(host.Read(), RenderFresh(host, options));
+}
+
+TEST_F(Instancers, ValuesOfOuterInstancersCountWhereTheyAreEqual) {
+    SceneData scene = NestedScene();
+    const auto colors = [](const GfVec3f& first, const GfVec3f& second, const GfVec3f& third) {
+        return InstancePrimvar(kColor, VtValue(VtVec3fArray{first, second, third}));
+    };
+    scene.instancers.at(kOuter).primvars.push_back(colors(kRed, kRed, kBlue));
+    const std::string warning = "instances of an outer instancer";
+    {
+        Host host(scene, Quick(kColorAovs));
+        ExpectOracle(host);
+        const Oracle oracle(host);
+        ExpectFloats(host.Read(kColorAov), oracle, 0, 1e-6, [](const OracleHit& hit) {
+            return !hit.isHit ? 0.0 : double(hit.prim == kLeaf ? kRed[0] : kBlue[0]);
+        });
+        EXPECT_EQ(NumWarnings(host, warning), 0);
+    }
+    scene.instancers.at(kOuter).primvars.back() = colors(kRed, kBlue, kBlue);
+    Host host(scene, Quick(kColorAovs));
+    ExpectOracle(host);
+    EXPECT_EQ(NumWarnings(host, warning), 1);
+}
+
+TEST_F(Instancers, TooManyValuesAreAWarning) {
+    SceneData scene = RowScene({});
+    InstancerData& row = scene.instancers.at(kRow);
+    VtVec3fArray places;
+    VtVec3fArray colors;
+    std::vector<int> indices;
+    for (int i = 0; i < 65; ++i) {
+        places.push_back(GfVec3f(float(i % 13) * 0.3F - 1.8F, float(i / 13) * 0.5F - 1.0F, 0.0F));
+        colors.push_back(GfVec3f(float(i) / 128.0F, 0.5F, 0.5F));
+        indices.push_back(i);
+    }
+    row.primvars = {InstancePrimvar(HdInstancerTokens->instanceTranslations, VtValue(places)),
+                    InstancePrimvar(kColor, VtValue(colors))};
+    row.indicesByPrototype = {{kTile, VtIntArray(indices.begin(), indices.end())}};
+    GprimData tile = MakeGrid(0.12F, 0.2F);
+    tile.instancer = kRow;
+    scene.gprims[kTile] = tile;
+    const std::string warning = "/row: primvars per instance of more than 64 different values";
+    Host host(scene, Quick(kColorAovs));
+    ExpectColors(host, std::vector<GfVec3f>(65, GfVec3f(0.0F)));
+    EXPECT_EQ(NumWarnings(host, warning), 1);
+
+    indices.pop_back(); // 64 are drawn
+    scene.instancers.at(kRow).indicesByPrototype = {
+        {kTile, VtIntArray(indices.begin(), indices.end())}};
+    Host fewer(scene, Quick(kColorAovs));
+    ExpectColors(fewer, {colors.begin(), colors.end()});
+    EXPECT_EQ(NumWarnings(fewer, warning), 0);
+}
+
 } // namespace
 
 } // namespace hydraHost

@@ -83,6 +83,21 @@ TEST_F(Prims, RemovedPrimvarVanishes) {
     EXPECT_NE(after.Float(32, 24), 1.0F);
 }
 
+TEST_F(Prims, InvisibleFacesAreHoles) {
+    const auto render = [](const VtIntArray& holes, const VtIntArray& invisible) {
+        SceneData scene = EmptyScene();
+        GprimData grid = MakeGrid(1.2F, 1.0F, 2, 2);
+        grid.mesh.SetHoleIndices(holes);
+        grid.mesh.SetInvisibleFaces(invisible);
+        scene.gprims[SdfPath("/grid")] = grid;
+        return Host(scene, Quick()).Render();
+    };
+    const Image expected = render({0, 3}, {});
+    EXPECT_EQ(render({}, {3, 0}), expected);
+    EXPECT_EQ(render({0}, {3, 0}), expected);
+    EXPECT_NE(render({0}, {}), expected);
+}
+
 TEST_F(Prims, RemovedNormalsVanish) {
     const HostOptions options = Quick({HdAovTokens->color, HdAovTokens->normal});
     SceneData scene = EmptyScene();

@@ -24,14 +24,14 @@ SAMPLES = 4  # per pixel; every comparison is of equal seeds
 CHANGES = {
     "orbit": "start", "otherCamera": "start", "transform": "start", "camera": "start", "material": "start",
     "light": "start", "radius": "start", "points": "start", "instances": "start", "visibility": "start",
-    "removed": "start", "purposeProxy": "purposeRender", "purposeGuide": "purposeProxy", "selected": "picked",
+    "instancerHidden": "start", "removed": "start", "purposeProxy": "purposeRender", "purposeGuide": "purposeProxy", "selected": "picked",
     "reloaded": "start",
 }
 # Step -> the step it must equal to the bit.
 UNDONE = {
     "orbitUndone": "start", "otherCameraUndone": "start", "transformUndone": "start", "cameraUndone": "start",
     "materialUndone": "start", "lightUndone": "start", "radiusUndone": "start", "pointsUndone": "start",
-    "instancesUndone": "start", "visibilityUndone": "start", "removedUndone": "start", "purposeRender": "start",
+    "instancesUndone": "start", "visibilityUndone": "start", "instancerHiddenUndone": "start", "removedUndone": "start", "purposeRender": "start",
     "purposeRenderAgain": "start", "picked": "start", "selectionCleared": "start", "aovColor": "start",
     "resumed": "start", "backFromGL": "start", "backFromEmbree": "start", "switched": "start",
     "reloadedUndone": "start", "reopened": "start",

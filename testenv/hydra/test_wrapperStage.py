@@ -57,6 +57,15 @@ def test_differences_of_scenes_are_found():
     assert CompareDumps("a /\nb /\n", "b /\na /\n") == ["the order of lines differs"]
 
 
+def test_prototypes_have_the_names_of_their_instances():
+    """Legacy names of materials inside native instances; a prototype of two instances is a difference."""
+    record = "material /I/Looks/m\nmaterial /J/Looks/m\nmesh /I/a\n  material: /I/Looks/m\nmesh /J/b\n  material: /J/Looks/m\n"
+    hydra = record.replace("/I/Looks", "/__Prototype_2/Looks").replace("/J/Looks", "/__Prototype_1/Looks")
+    assert CompareDumps(record, hydra) == []
+    assert CompareDumps(record, hydra.replace("/__Prototype_1", "/__Prototype_2")) != []
+    assert CompareDumps(record, hydra.replace("Prototype_1/Looks", "Prototype_1/Other")) != []
+
+
 def test_one_other_bit_of_a_picture_is_found(tmp_path):
     pixels = np.full((4, 5), 0.25, np.float32)
     WriteExr(tmp_path / "a.exr", {name: pixels for name in "RGBA"}, half=False)

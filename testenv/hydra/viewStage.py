@@ -49,12 +49,18 @@ def _AddPurposes(stage: Usd.Stage) -> None:
 
 
 def _AddInstances(stage: Usd.Stage, material) -> None:
-    """Three points of a point instancer, and two native instances of a class prim."""
+    """Point instancers, and two native instances of a class prim."""
     scatter = UsdGeom.PointInstancer.Define(stage, "/World/Scatter")
     author.AddMesh(stage, "/World/Scatter/Prototype", shapes.Box(0.5, 0.5, 0.5), material=material)
     scatter.CreatePrototypesRel().SetTargets(["/World/Scatter/Prototype"])
     scatter.CreateProtoIndicesAttr([0, 0, 0])
     scatter.CreatePositionsAttr(Vt.Vec3fArray([(-1, 1.8, -1), (0, 1.8, -1), (1, 1.8, -1)]))
+    # A prototype outside of its instancer, drawn in its own place too.
+    author.AddMesh(stage, "/World/Marble", shapes.Sphere(0.25, 16, 32), color=(0.6, 0.2, 0.7), translate=(2.4, 0.25, 1.6))
+    row = UsdGeom.PointInstancer.Define(stage, "/World/Row")
+    row.CreatePrototypesRel().SetTargets(["/World/Marble"])
+    row.CreateProtoIndicesAttr([0, 0])
+    row.CreatePositionsAttr(Vt.Vec3fArray([(-3, 0.25, 1), (-3, 0.25, 2)]))
     stage.CreateClassPrim("/Copy")
     author.AddMesh(stage, "/Copy/Geometry", shapes.Sphere(0.3, 32, 64), color=(0.9, 0.5, 0.2))
     for name, x in (("CopyA", -2.2), ("CopyB", -1.0)):

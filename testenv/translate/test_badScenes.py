@@ -32,8 +32,16 @@ def WarningsOf(text):
     ('def PointInstancer "P" { int[] protoIndices = [0]\npoint3f[] positions = [(0, 0, 0)]\nrel prototypes = </P> }',
      "/P: point instancer is its own prototype"),
     ('def PointInstancer "P" { int[] protoIndices = [0]\npoint3f[] positions = [(0, 0, 0)]\nrel prototypes = </P/S>\n'
-     'color3f[] primvars:displayColor = [(1, 0, 0)] (interpolation = "vertex")\ndef Sphere "S" {} }',
-     "/P: primvars per instance are not supported yet"),
+     'float[] primvars:a = [1, 2] (interpolation = "vertex")\ndef Sphere "S" {} }',
+     "/P: primvar a has 2 values for 1 instances; ignored"),
+    (f'def PointInstancer "P" {{ int[] protoIndices = {[0] * 65}\npoint3f[] positions = {[(0, 0, 0)] * 65}\n'
+     f'rel prototypes = </P/S>\nfloat[] primvars:a = {list(range(65))} (interpolation = "vertex")\n'
+     'def Sphere "S" {}\ndef Cube "T" {} }',
+     "/P: primvars per instance of more than 64 different values are not supported yet"),
+    ('def PointInstancer "P" { int[] protoIndices = [0, 0]\npoint3f[] positions = [(0, 0, 0), (1, 0, 0)]\n'
+     'rel prototypes = </P/Q>\nfloat[] primvars:a = [1, 2] (interpolation = "vertex")\n'
+     'def PointInstancer "Q" { int[] protoIndices = [0]\npoint3f[] positions = [(0, 0, 0)]\nrel prototypes = </P/Q/S>\n'
+     'def Sphere "S" {} } }', "/P/Q/S: primvars that differ between instances of an outer instancer"),
     ('def Volume "V" {}', "/V: Volume is not supported yet: 1 prim skipped"),
     ('def Points "A" {}\ndef Points "B" {}', "/A: Points is not supported yet: 2 prims skipped"),
     (f'def Mesh "M" (prepend apiSchemas = ["MeshLightAPI"]) {{ {TRIANGLE} }}', "/M: MeshLightAPI is not supported yet"),

@@ -6,6 +6,7 @@
 #include "testenv/support/sessionScene.h"
 
 #include <chrono>
+#include <set>
 #include <thread>
 
 namespace hds::test {
@@ -83,6 +84,26 @@ TEST_F(RenderThreadTest, EditsWhileRenderingEndInTheEditedImage) {
     thread.SetSettings(MakeSettings());
     WaitUntilConverged(thread);
     EXPECT_TRUE(SameLayers(thread.Newest()->layers, Direct(MoveBall(0.05 * 39))));
+}
+
+TEST_F(RenderThreadTest, EditsThatNeverPauseShowPictures) {
+    RenderThread thread;
+    thread.Post({Fill()});
+    thread.SetSettings(LongSettings());
+    WaitForAnImage(thread, 1);
+    const std::uint64_t first = thread.Version();
+    std::set<std::uint64_t> shown;
+    const auto end = std::chrono::steady_clock::now() + kGuard;
+    for (int i = 0; shown.size() < 5 && std::chrono::steady_clock::now() < end; ++i) {
+        thread.Post({MoveBall(0.001 * i)});
+        std::this_thread::sleep_for(std::chrono::microseconds(500));
+        const std::uint64_t version = thread.Newest()->version;
+        EXPECT_LE(version, thread.Version());
+        if (version > first) {
+            shown.insert(version);
+        }
+    }
+    EXPECT_EQ(shown.size(), 5U);
 }
 
 TEST_F(RenderThreadTest, EqualSettingsDoNotStartAgain) {

@@ -40,11 +40,28 @@ TEST(Dump, EqualValuesGiveEqualText) {
     EXPECT_EQ(DumpScene(a), DumpScene(b));
 }
 
+TEST(Dump, WhatNobodySeesIsLeftOut) {
+    SceneDescription base;
+    SetMesh(&base, "/A", Triangle(0.0F));
+    const std::string text = DumpScene(base);
+    base.meshes["/A"].materialPath = "/m";
+    EXPECT_EQ(DumpScene(base), text);
+    base.materials["/m"] = std::make_shared<const MaterialNetwork>(); // no surface
+    EXPECT_EQ(DumpScene(base), text);
+    SetMesh(&base, "/B", Triangle(0.0F));
+    base.meshes["/B"].placement.visible = false;
+    EXPECT_EQ(DumpScene(base), text);
+    base.meshes["/B"].placement.visible = true;
+    EXPECT_NE(DumpScene(base), text);
+}
+
 TEST(Dump, EveryDifferenceShows) {
     SceneDescription base;
     SetMesh(&base, "/A", Triangle(0.0F));
     base.meshes["/A"].placement.instancerPath = "/I";
-    base.materials["/m"] = std::make_shared<const MaterialNetwork>();
+    MaterialNetwork material;
+    material.terminals["surface"];
+    base.materials["/m"] = std::make_shared<const MaterialNetwork>(material);
     base.lights["/L"];
     base.cameras["/C"];
     const std::string text = DumpScene(base);

@@ -76,12 +76,3 @@ class PointInstances:
         """Indices (int32, ascending) of the drawn instances of a prototype."""
         order = self._order[self._bounds[prototypeIndex]:self._bounds[prototypeIndex + 1]]
         return order if self._mask is None else np.ascontiguousarray(order[self._mask[order]])
-
-
-def HasInstancePrimvars(prim, names):
-    """True when a point instancer has primvars that vary per instance."""
-    for name in names:
-        if name.startswith("primvars:") and not name.endswith(":indices"):
-            if prim.GetAttribute(name).GetMetadata("interpolation") not in (None, "constant"):
-                return True
-    return False

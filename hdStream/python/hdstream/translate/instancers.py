@@ -12,8 +12,8 @@ from pxr import Usd, UsdGeom
 
 from hdstream import _core
 from hdstream.translate import primvars
-from hdstream.translate.instanceArrays import (HasInstancePrimvars, InheritedKey, InstanceGroup,
-                                               PointInstances)
+from hdstream.translate.instanceArrays import InheritedKey, InstanceGroup, PointInstances
+from hdstream.translate.instancePrimvars import InstanceLevel, InstanceLevels, ReadInstancePrimvars
 from hdstream.translate.materials import FindBoundMaterials
 from hdstream.translate.primState import PREDICATE, PROTOTYPE_PREDICATE, Context, State
 
@@ -27,6 +27,11 @@ class Instancers:
         self._session = session
         self._timeCode = timeCode
         self._reports = reports
+        self._levels = InstanceLevels(translator, session)
+
+    def Split(self, path, prim, meshPrim):
+        """(path, MeshPrim) for each group of a mesh's instances that have equal primvars."""
+        return self._levels.Split(path, prim, meshPrim)
 
     def AddInstance(self, prim, state, context):
         """Adds a native instance to the group that shares its prototype's look."""
@@ -51,6 +56,7 @@ class Instancers:
         """Makes the instancer of a group of native instances and translates what it places."""
         path = self._translator.ReservePath(group.firstPrim, context)
         inner = Context(path, group.VisibleIndices(), context.chain)
+        self._levels.Add(path, InstanceLevel(context.instancerPath, context.instances))
         state = State()
         state.purpose = group.state.purpose
         state.isPurposeAuthored = group.state.isPurposeAuthored
@@ -81,9 +87,9 @@ class Instancers:
             return None
         if arrays.numOutside:
             self._reports.Warn(prim, f"{arrays.numOutside} instances have no prototype and are skipped")
-        if HasInstancePrimvars(prim, names):
-            self._reports.Warn(prim, "primvars per instance are not supported yet")
         path = self._translator.ReservePath(prim, context)
+        rowsByName = ReadInstancePrimvars(prim, names, arrays.numInstances, self._timeCode, self._reports.Warn)
+        self._levels.Add(path, InstanceLevel(context.instancerPath, context.instances, rowsByName))
         isPlacing = False
         for index, prototypePath in enumerate(arrays.prototypePaths):
             instances = arrays.InstancesOf(index)

@@ -2,7 +2,7 @@
 """UsdGeomMesh and the implicit gprims as mesh descriptions. Only authored attributes are read."""
 
 import numpy as np
-from pxr import Vt
+from pxr import Usd, UsdGeom, Vt
 
 from hdstream import _core
 from hdstream.translate.primvars import PrimvarsOf
@@ -42,18 +42,21 @@ def _ReadSubdivTags(prim, names, timeCode):
     return tags
 
 
-def _ReadOrientation(prim, names, mesh, timeCode):
-    if "orientation" in names:
-        mesh.leftHanded = prim.GetAttribute("orientation").Get(timeCode) == "leftHanded"
-
-
-def ReadMesh(prim, names, inherited, timeCode):
-    """The description of a UsdGeomMesh; None when it has no points or no faces."""
+def _ReadPoints(prim, names, timeCode):
+    """[count][3]; between samples, where velocities take the points of the sample before."""
     points = prim.GetAttribute("points").Get(timeCode)
     if points is not None and not isinstance(points, Vt.Vec3fArray):
         # UsdImaging draws none of these either.
         raise ValueError(f"points are of type {type(points).__name__}, not point3f[]")
-    points = _Array(prim, "points", timeCode, np.float32)
+    if "velocities" in names and points and Usd.TimeCode(timeCode).IsNumeric():
+        moved = UsdGeom.PointBased(prim).ComputePointsAtTime(timeCode, timeCode)
+        points = moved if moved and len(moved) == len(points) else points
+    return None if points is None else np.asarray(points)
+
+
+def ReadMesh(prim, names, inherited, timeCode):
+    """The description of a UsdGeomMesh; None when it has no points or no faces."""
+    points = _ReadPoints(prim, names, timeCode)
     counts = _Array(prim, "faceVertexCounts", timeCode, np.int32)
     indices = _Array(prim, "faceVertexIndices", timeCode, np.int32)
     if points is None or counts is None or indices is None or not points.size or not counts.size:
@@ -71,7 +74,8 @@ def ReadMesh(prim, names, inherited, timeCode):
             mesh.holeIndices = holes
     if not _TAG_NAMES.isdisjoint(names):
         mesh.subdivTags = _ReadSubdivTags(prim, names, timeCode)
-    _ReadOrientation(prim, names, mesh, timeCode)
+    if "orientation" in names:
+        mesh.leftHanded = prim.GetAttribute("orientation").Get(timeCode) == "leftHanded"
     mesh.primvars = PrimvarsOf(prim, names, inherited, timeCode)
     return mesh
 
@@ -96,7 +100,6 @@ def ReadImplicit(prim, typeName, names, inherited, timeCode, warn):
     if "axis" in names:
         shape.axis = prim.GetAttribute("axis").Get(timeCode) or "Z"
     mesh = _core.MakeImplicitMesh(shape)
-    _ReadOrientation(prim, names, mesh, timeCode)
     mesh.primvars = mesh.primvars + PrimvarsOf(prim, names, inherited, timeCode)
     return mesh
 

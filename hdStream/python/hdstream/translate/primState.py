@@ -18,7 +18,7 @@ class State:
     """Inherited values at a prim, relative to the space of its Context."""
 
     __slots__ = ("matrix", "visible", "purpose", "isPurposeAuthored", "primvars", "bindings",
-                 "hasCollections")
+                 "hasCollections", "drawMode")
 
     def __init__(self):
         self.matrix = IDENTITY          # context space from prim, row vectors (Gf)
@@ -28,6 +28,7 @@ class State:
         self.primvars = {}              # name -> InheritedPrimvar: constant ones only
         self.bindings = {}              # material purpose -> (target path, strength)
         self.hasCollections = False     # a collection-based material binding applies
+        self.drawMode = ""              # UsdGeomModelAPI; empty: default
 
     def Copy(self):
         copy = State.__new__(State)
@@ -64,9 +65,21 @@ class Context:
         self.instances = instances          # int32: those of its instances that place what is here
         self.isPlacing = False              # some prim is placed here
         self.instanceGroups = {}            # key -> InstanceGroup: native instances found here
+        self.standInGroups = {}             # the same of instances that a draw mode replaces
+        self.contextsByDrawMode = {}        # draw mode -> Context: collects the instances that inherit it
         self.chain = chain                  # USD paths of the point instancers around
         # Below an `over` nothing is defined; the prototypes of point instancers may be there.
         self.predicate = PROTOTYPE_PREDICATE if chain else PREDICATE
+
+    def OfDrawMode(self, drawMode):
+        """Where instances that inherit a draw mode are grouped: below them others may be replaced."""
+        if not drawMode:
+            return self
+        found = self.contextsByDrawMode.get(drawMode)
+        if found is None:
+            found = Context(self.instancerPath, self.instances, self.chain)
+            self.contextsByDrawMode[drawMode] = found
+        return found
 
     def ScenePath(self, prim):
         """The prim's path in the scene: USD's, named after the instancer where it lies outside of it."""

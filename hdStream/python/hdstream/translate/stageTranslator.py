@@ -8,11 +8,11 @@ walked and turned into instancers after it. Materials are found for all meshes a
 import gc
 
 import numpy as np
-from pxr import Kind, Tf, Usd, UsdGeom
+from pxr import Tf, Usd, UsdGeom
 
 from hdstream import _core
 from hdstream.errors import OneLine
-from hdstream.translate import cameras, lights, meshes, primvars
+from hdstream.translate import cameras, drawModes, lights, meshes, primvars
 from hdstream.translate.assets import AssetResolver
 from hdstream.translate.instancers import Instancers
 from hdstream.translate.materials import MaterialReader
@@ -23,7 +23,6 @@ from hdstream.translate.reports import Reports
 # Schemas that are drawn by other renderers and skipped here, with a count.
 _SKIPPED_SCHEMAS = ("BasisCurves", "NurbsCurves", "HermiteCurves", "NurbsPatch", "Points",
                     "TetMesh", "Volume", "ParticleField")
-_DRAW_MODES = ("origin", "bounds", "cards")
 
 
 class _TypeInfo:
@@ -52,6 +51,7 @@ class StageTranslator:
         self._types = {}
         self._paths = set()
         self._meshes = MeshBatch(session, self._reports.Warn)
+        self._drawModes = drawModes.DrawModes(self, session, self._timeCode, self._assets, self._reports)
         self._instancers = Instancers(self, stage, session, self._timeCode, self._reports)
         self.numPrims = 0  # prims visited, instance proxies of first instances included
         self._handlers = self._MakeHandlers()
@@ -81,6 +81,10 @@ class StageTranslator:
 
     def Walk(self, prims, state, context):
         """Visits prims and all below, then makes instancers of the native instances found."""
+        drawMode = self._drawModes.InheritedBy(prims[0]) if prims else ""
+        if drawMode:
+            state = state.Copy()
+            state.drawMode = drawMode
         stack = [(prim, state) for prim in reversed(prims)]
         while stack:
             prim, inherited = stack.pop()
@@ -93,8 +97,11 @@ class StageTranslator:
                 children = prim.GetFilteredChildren(context.predicate)
                 for child in reversed(children):
                     stack.append((child, state))
-        for group in context.instanceGroups.values():
-            self._instancers.AddGroup(group, context)
+        for found in (context, *context.contextsByDrawMode.values()):
+            for group in found.instanceGroups.values():
+                self._instancers.AddGroup(group, context)
+        for group in context.standInGroups.values():
+            self._drawModes.AddGroup(group, context)
 
     def _Visit(self, prim, inherited, context):
         """Translates a prim; returns the state of its children, None when they are not visited."""
@@ -102,9 +109,12 @@ class StageTranslator:
         info = self._types.get(prim.GetTypeName()) or self._AddType(prim)
         names = prim.GetAuthoredPropertyNames()
         state = self._StateOf(prim, info, names, inherited) if names else inherited
+        if state.drawMode and self._drawModes.IsApplied(prim):
+            self._drawModes.Add(prim, names, state, context)
+            return None
         if info.handler is None:
             if prim.IsInstance():
-                self._instancers.AddInstance(prim, state, context)
+                self._instancers.AddInstance(prim, state, context.OfDrawMode(state.drawMode))
                 return None
             return state
         return info.handler(prim, info.schema, names, state, context)
@@ -124,6 +134,11 @@ class StageTranslator:
                 state = inherited.Copy() if state is inherited else state
                 state.purpose = prim.GetAttribute("purpose").Get()
                 state.isPurposeAuthored = True
+        if drawModes.ATTRIBUTE in names:
+            drawMode = self._drawModes.ModeOf(prim, inherited.drawMode)
+            if drawMode != inherited.drawMode:
+                state = inherited.Copy() if state is inherited else state
+                state.drawMode = drawMode
         if info.isLeaf:
             return state
         hasPrimvars = hasBindings = False
@@ -132,8 +147,6 @@ class StageTranslator:
                 hasPrimvars = True
             elif name.startswith("material:binding"):
                 hasBindings = True
-            elif name == "model:drawMode":
-                self._CheckDrawMode(prim)
         if hasPrimvars:
             result = primvars.InheritFrom(prim, names, inherited.primvars, self._timeCode)
             if result is not inherited.primvars:
@@ -143,13 +156,6 @@ class StageTranslator:
             state = inherited.Copy() if state is inherited else state
             state.AddBindings(prim, names)
         return state
-
-    def _CheckDrawMode(self, prim):
-        """UsdGeomModelAPI: a draw mode holds where it is applied, and on components."""
-        if (prim.GetAttribute("model:drawMode").Get(self._timeCode) in _DRAW_MODES
-                and (prim.GetAttribute("model:applyDrawMode").Get(self._timeCode)
-                     or prim.GetKind() == Kind.Tokens.component)):
-            self._reports.Count(prim, "draw modes are not supported yet: {count} drawn in full")
 
     def _MakeHandlers(self):
         """(schema class, handler) from special to general; prims of no schema here are groups."""
@@ -222,9 +228,10 @@ class StageTranslator:
             mesh.subsets = subsets
         path, placement = self._Place(prim, state, context)
         meshPrim = _core.MeshPrim(mesh, placement, state.purpose)
-        if "doubleSided" in names:
+        if "doubleSided" in names or prim.GetTypeName() == "Plane":  # whose fallback is true
             meshPrim.doubleSided = bool(prim.GetAttribute("doubleSided").Get(self._timeCode))
-        self._meshes.Add(path, prim, meshPrim, subsetPrims)
+        for splitPath, splitPrim in self._instancers.Split(path, prim, meshPrim):
+            self._meshes.Add(splitPath, prim, splitPrim, subsetPrims)
 
     def _CheckMeshLight(self, prim):
         if "MeshLightAPI" in prim.GetAppliedSchemas():

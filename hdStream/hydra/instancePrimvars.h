@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Primvars per instance. The core has none: instances of a mesh are grouped by their values, and
+// each group is drawn as a mesh of its own, with constant primvars.
+#pragma once
+
+#include "hdStream/session/session.h"
+
+#include <pxr/pxr.h>
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+/// What an instancer knows of its instances. Immutable once it is shared.
+struct HdStreamInstanceLevel {
+    std::vector<hds::Primvar> primvars;       ///< values [numInstances][numComponents]
+    hds::SharedSpan<std::int32_t> placements; ///< instances of its parent that place the instancer
+};
+
+/// An instancer and those above it, the innermost first.
+using HdStreamInstanceLevels = std::vector<std::shared_ptr<const HdStreamInstanceLevel>>;
+
+/// The instances of a mesh that have equal values.
+struct HdStreamInstanceGroup {
+    std::vector<hds::Primvar> primvars; ///< constant
+    /// As long as the mesh's own list, with -1 for instances of other groups: a rank in it is what
+    /// instanceId counts.
+    hds::SharedSpan<std::int32_t> instances;
+};
+
+struct HdStreamInstanceGroups {
+    std::vector<HdStreamInstanceGroup> groups; ///< at least one, in the order of first instances
+    bool hasTooMany = false;  ///< one group without values, for more than 64 different ones
+    bool variesAbove = false; ///< values of an outer instancer differ; the first ones are taken
+};
+
+/// Groups the instances of a mesh by the bits of their values. Of primvars of one name those of the
+/// mesh itself win, then those of the inner instancer.
+HdStreamInstanceGroups HdStreamGroupInstances(const HdStreamInstanceLevels& levels,
+                                              const hds::SharedSpan<std::int32_t>& instances,
+                                              const std::vector<hds::Primvar>& own);
+
+PXR_NAMESPACE_CLOSE_SCOPE

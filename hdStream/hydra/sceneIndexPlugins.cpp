@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/hydra/sceneIndexPlugins.h"
+
+#include "hdStream/hydra/instancerVisibilitySceneIndex.h"
+#include "hdStream/hydra/rendererPlugin.h"
+
+#include <pxr/base/tf/registryManager.h>
+#include <pxr/base/tf/token.h>
+#include <pxr/base/vt/array.h>
+#include <pxr/imaging/hd/dependencyForwardingSceneIndex.h>
+#include <pxr/imaging/hd/materialBindingsSchema.h>
+#include <pxr/imaging/hd/retainedDataSource.h>
+#include <pxr/imaging/hd/sceneIndexPluginRegistry.h>
+#include <pxr/imaging/hd/tokens.h>
+#include <pxr/imaging/hdsi/implicitSurfaceSceneIndex.h>
+#include <pxr/imaging/hdsi/materialBindingResolvingSceneIndex.h>
+#include <pxr/imaging/hdsi/nurbsApproximatingSceneIndex.h>
+#include <pxr/imaging/hdsi/renderSettingsFilteringSceneIndex.h>
+#include <pxr/imaging/hdsi/tetMeshConversionSceneIndex.h>
+#include <pxr/imaging/hdsi/velocityMotionResolvingSceneIndex.h>
+
+#include <vector>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+namespace {
+
+/// Behind all else that hosts insert, as for OpenUSD's own renderers.
+constexpr HdSceneIndexPluginRegistry::InsertionPhase kLastPhase = 1000;
+/// Hydra's scene does not tell its time codes per second; this is UsdStage's default, and Storm's.
+constexpr float kTimeCodesPerSecond = 24.0F;
+
+HdContainerDataSourceHandle RenderSettingsArguments() {
+    return HdRetainedContainerDataSource::New(
+        HdsiRenderSettingsFilteringSceneIndexTokens->namespacePrefixes,
+        HdRetainedTypedSampledDataSource<VtArray<TfToken>>::New(
+            VtArray<TfToken>{TfToken("hdstream:")}));
+}
+
+HdContainerDataSourceHandle ImplicitSurfaceArguments() {
+    const HdDataSourceBaseHandle toMesh =
+        HdRetainedTypedSampledDataSource<TfToken>::New(HdsiImplicitSurfaceSceneIndexTokens->toMesh);
+    std::vector<TfToken> names{HdPrimTypeTokens->sphere,  HdPrimTypeTokens->cube,
+                               HdPrimTypeTokens->cone,    HdPrimTypeTokens->cylinder,
+                               HdPrimTypeTokens->capsule, HdPrimTypeTokens->plane};
+    const std::vector<HdDataSourceBaseHandle> values(names.size(), toMesh);
+    return HdRetainedContainerDataSource::New(names.size(), names.data(), values.data());
+}
+
+HdContainerDataSourceHandle VelocityArguments() {
+    return HdRetainedContainerDataSource::New(
+        TfToken("fps"), HdRetainedTypedSampledDataSource<float>::New(kTimeCodesPerSecond));
+}
+
+void Register(const char* name, HdSceneIndexPluginRegistry::InsertionPhase phase,
+              HdSceneIndexPluginRegistry::InsertionOrder order) {
+    HdSceneIndexPluginRegistry::GetInstance().RegisterSceneIndexForRenderer(
+        kHdStreamDisplayName, TfToken(name), nullptr, phase, order);
+}
+
+} // namespace
+
+TF_REGISTRY_FUNCTION(TfType) {
+    HdSceneIndexPluginRegistry::Define<HdStreamSceneIndexPlugin>();
+    HdSceneIndexPluginRegistry::Define<HdStreamDependencySceneIndexPlugin>();
+}
+
+TF_REGISTRY_FUNCTION(HdSceneIndexPlugin) {
+    Register("HdStreamSceneIndexPlugin", 0, HdSceneIndexPluginRegistry::InsertionOrderAtStart);
+    Register("HdStreamDependencySceneIndexPlugin", kLastPhase,
+             HdSceneIndexPluginRegistry::InsertionOrderAtEnd);
+}
+
+HdStreamSceneIndexPlugin::HdStreamSceneIndexPlugin() = default;
+
+HdSceneIndexBaseRefPtr
+HdStreamSceneIndexPlugin::_AppendSceneIndex(const HdSceneIndexBaseRefPtr& inputScene,
+                                            const HdContainerDataSourceHandle&) {
+    HdSceneIndexBaseRefPtr scene =
+        HdsiRenderSettingsFilteringSceneIndex::New(inputScene, RenderSettingsArguments());
+    scene = HdsiImplicitSurfaceSceneIndex::New(scene, ImplicitSurfaceArguments());
+    scene = HdsiNurbsApproximatingSceneIndex::New(scene);
+    scene = HdsiTetMeshConversionSceneIndex::New(scene);
+    scene = HdsiVelocityMotionResolvingSceneIndex::New(scene, VelocityArguments());
+    scene = HdsiMaterialBindingResolvingSceneIndex::New(
+        scene, {HdTokens->full, HdMaterialBindingsSchemaTokens->allPurpose},
+        HdMaterialBindingsSchemaTokens->allPurpose);
+    return HdStreamInstancerVisibilitySceneIndex::New(scene);
+}
+
+HdStreamDependencySceneIndexPlugin::HdStreamDependencySceneIndexPlugin() = default;
+
+HdSceneIndexBaseRefPtr
+HdStreamDependencySceneIndexPlugin::_AppendSceneIndex(const HdSceneIndexBaseRefPtr& inputScene,
+                                                      const HdContainerDataSourceHandle&) {
+    return HdDependencyForwardingSceneIndex::New(inputScene);
+}
+
+PXR_NAMESPACE_CLOSE_SCOPE

@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Primvars per instance of point instancers.
+
+The core has none: a mesh whose instances have different values is added once for each combination of
+values, with constant primvars, as hdStream/hydra/instancePrimvars.cpp and meshVariants.cpp do.
+"""
+
+import numpy as np
+
+from hdstream import _core
+from hdstream.translate import primvars
+
+MAX_GROUPS = 64  # each is prepared as a mesh of its own
+# UsdGeomPointInstancer: these have an element an instance, constant and uniform ones have a single one.
+_INSTANCE_RATE = (_core.Interpolation.Varying, _core.Interpolation.Vertex, _core.Interpolation.FaceVarying)
+_NOT_READ = ("primvars:points", "primvars:velocities", "primvars:angularVelocities", "primvars:accelerations",
+             "primvars:nonlinearSampleCount", "primvars:blurScale")
+
+
+class InstanceLevel:
+    """What an instancer knows of its instances."""
+
+    def __init__(self, parent, placements, rowsByName=None):
+        self.parent = parent          # scene path of the instancer above; empty: none
+        self.placements = placements  # int32: instances of the parent that place the instancer
+        self.rowsByName = rowsByName or {}  # float32 [numInstances][components]
+
+
+def ReadInstancePrimvars(prim, names, numInstances, timeCode, warn):
+    """Primvars of a point instancer that have a value an instance: name -> rows."""
+    rowsByName = {}
+    for name in names:
+        if (not name.startswith(primvars.PREFIX) or name.endswith(":indices")
+                or name.startswith("primvars:skel:") or name in _NOT_READ):
+            continue
+        primvar = primvars.ReadPrimvar(prim, name, names, timeCode)
+        if primvar is None or primvar.interpolation not in _INSTANCE_RATE:
+            continue
+        rows = primvar.values.reshape(-1, primvar.numComponents)
+        if primvar.indices.size:
+            if primvar.indices.min() < 0 or primvar.indices.max() >= len(rows):
+                continue
+            rows = rows[primvar.indices]
+        if len(rows) == numInstances:
+            rowsByName[primvar.name] = np.ascontiguousarray(rows)
+        else:
+            warn(prim, f"primvar {primvar.name} has {len(rows)} values for {numInstances} instances; ignored")
+    return rowsByName
+
+
+class InstanceGroups:
+    """The instances of a mesh by the bits of their values, in the order of first instances.
+
+    groups: (constant primvars, int32 instances) each. The instances of other groups are -1: a rank in
+    the list is what instanceId counts.
+    """
+
+    def __init__(self, levels, instances, ownNames):
+        self.hasTooMany = False
+        self.variesAbove = False
+        taken = set(ownNames)
+        shared = []
+        varying = {}
+        for depth, level in enumerate(levels):
+            for name, rows in level.rowsByName.items():
+                if name in taken:
+                    continue
+                taken.add(name)
+                if depth == 0:
+                    varying[name] = rows
+                elif len(levels[depth - 1].placements):
+                    placed = rows[levels[depth - 1].placements]
+                    shared.append(_Constant(name, placed[0]))
+                    bits = placed.view(np.uint32)
+                    self.variesAbove |= bool((bits != bits[0]).any())
+        self.groups = [(shared, instances)]
+        if varying:
+            self._Split(varying, shared, instances)
+
+    def _Split(self, varying, shared, instances):
+        bits = np.ascontiguousarray(np.concatenate([rows[instances] for rows in varying.values()], 1)).view(np.uint32)
+        _, firsts, groupByRank = np.unique(bits, axis=0, return_index=True, return_inverse=True)
+        if len(firsts) > MAX_GROUPS:
+            self.hasTooMany = True
+            self.groups = [([], instances)]
+            return
+        self.groups = []
+        for group in np.argsort(firsts):
+            constants = [_Constant(name, rows[instances[firsts[group]]]) for name, rows in varying.items()]
+            members = np.where(groupByRank.reshape(-1) == group, instances, np.int32(-1)).astype(np.int32)
+            self.groups.append((constants + shared, members))
+
+
+def _Constant(name, row):
+    return _core.Primvar(name, _core.Interpolation.Constant, np.array(row, np.float32).reshape(1, -1))
+
+
+class InstanceLevels:
+    """All instancers of a translation; splits the meshes they place."""
+
+    def __init__(self, translator, session):
+        self._translator = translator
+        self._session = session
+        self._levelByPath = {}
+        self._hasValues = False
+
+    def Add(self, path, level):
+        self._levelByPath[path] = level
+        self._hasValues |= bool(level.rowsByName)
+
+    def Split(self, path, prim, meshPrim):
+        """(path, MeshPrim) for each group of instances of a mesh that have equal values."""
+        where = meshPrim.placement
+        levels = self._LevelsOf(where.instancerPath) if self._hasValues else []
+        if not any(level.rowsByName for level in levels) or not len(where.instances):
+            return [(path, meshPrim)]
+        own = {primvar.name for primvar in meshPrim.mesh.primvars}
+        split = InstanceGroups(levels, where.instances, own)
+        if split.hasTooMany:
+            self._session.Warn(where.instancerPath, "primvars per instance of more than 64 different values are "
+                                                    "not supported yet")
+        if split.variesAbove:
+            self._session.Warn(path, "primvars that differ between instances of an outer instancer are not "
+                                     "supported yet; those of the first are used")
+        result = []
+        for index, (constants, instances) in enumerate(split.groups):
+            name = self._translator.ReservePath(prim, _FixedPath(f"{path}{{{index}}}")) if index else path
+            result.append((name, _Copy(meshPrim, constants, instances) if constants else meshPrim))
+        return result
+
+    def _LevelsOf(self, instancerPath):
+        """The levels of an instancer and those above, the innermost first."""
+        levels = []
+        while instancerPath:
+            level = self._levelByPath[instancerPath]
+            levels.append(level)
+            instancerPath = level.parent
+        return levels
+
+
+class _FixedPath:
+    """A context of one path."""
+
+    def __init__(self, path):
+        self._path = path
+
+    def ScenePath(self, prim):
+        return self._path
+
+
+_SHARED_ATTRIBUTES = ("points", "faceVertexCounts", "faceVertexIndices", "holeIndices", "subdivisionScheme",
+                      "subdivTags", "leftHanded", "subsets")
+
+
+def _Copy(meshPrim, constants, instances):
+    """The mesh with more primvars, placed by these instances; arrays are shared."""
+    mesh = _core.MeshDescription()
+    for name in _SHARED_ATTRIBUTES:
+        setattr(mesh, name, getattr(meshPrim.mesh, name))
+    mesh.primvars = meshPrim.mesh.primvars + constants
+    where = meshPrim.placement
+    copy = _core.MeshPrim(mesh, _core.Placement(where.worldFromObject, where.instancerPath, instances, where.visible),
+                          meshPrim.purpose)
+    copy.doubleSided = meshPrim.doubleSided
+    return copy

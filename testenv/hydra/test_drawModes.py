@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Draw modes of models: usdrecord with the plug-in draws the cards of `hdstream record`, to the bit."""
+
+import pathlib
+import re
+
+import pytest
+
+from drawModeStage import WriteDrawModeStage
+from frontEnds import MODES, CompareDumps, ComparePictures, FrontEnds, ReadColor
+from wrapperStage import WriteWrapper
+
+TEXTURES = pathlib.Path(__file__).resolve().parents[1] / "translate" / "drawModes"
+
+
+@pytest.fixture(params=MODES)
+def frontEnds(request, openUsd, plugin, renderer):
+    return FrontEnds(openUsd, plugin, renderer, request.param)
+
+
+def Prepare(folder, mode):
+    WriteDrawModeStage(folder / "scene.usda", TEXTURES, hasInstances=mode == "legacy")
+    return WriteWrapper(folder / "scene.usda", folder / "wrapper.usda", 96, mode=mode, samples=4, maxDepth=3, seed=7,
+                        noCache=True)
+
+
+def test_cards_are_those_of_hdstream_record(frontEnds, isStream, tmp_path):
+    """Scene indices call the mesh of a card `cardsMesh`, below the model; so its dump is another one."""
+    if not isStream:
+        pytest.skip("only Stream writes dumps")
+    wrapper = Prepare(tmp_path, frontEnds.mode)
+    ours, theirs = tmp_path / "record.exr", tmp_path / "hydra.exr"
+    record = frontEnds.RunRecord(wrapper, ours)
+    assert record.code == 0, record.output
+    hydra = frontEnds.RunUsdrecord(wrapper, theirs, tmp_path / "hydra.txt")
+    assert hydra.code == 0, hydra.output
+    assert ReadColor(theirs)[..., :3].max() > 0.0
+    dump = frontEnds.RunDump(wrapper, tmp_path / "record.txt")
+    assert dump.code == 0, dump.output
+    if frontEnds.mode == "legacy":
+        differences = CompareDumps((tmp_path / "record.txt").read_text(), (tmp_path / "hydra.txt").read_text(),
+                                   wrapper.purposes)
+        assert not differences, "\n".join(differences)
+    assert ComparePictures(ours, theirs).isEqual, ComparePictures(ours, theirs)
+    # Lines are left out by both with the same words, and nobody misses the materials of bare cards.
+    for name in ("Bounds", "Origin"):
+        for output in (record.output, hydra.output):
+            found = re.findall(rf"/World/{name}[/\w]*: basisCurves is not supported yet; left out", output)
+            assert len(found) == 1, output
+    assert "does not exist" not in record.output + hydra.output
