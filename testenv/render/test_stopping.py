@@ -70,9 +70,34 @@ def test_stopping_from_the_callback_keeps_what_is_there(Stage):
     settings = _core.Settings()
     settings.camera, settings.imageWidth, settings.imageHeight, settings.samples = "/World/Camera", *_SIZE, 1 << 16
     settings.aovs = ["color", "sampleCount"]
-    reports = []
-    result = session.Render(settings, lambda progress: reports.append(progress.fraction) or len(reports) < 3)
-    assert result == _core.RenderResult.Stopped
-    assert len(reports) == 3 and reports == sorted(reports)
+    fractions = []
+    strides = []
+
+    def OnProgress(progress):
+        fractions.append(progress.fraction)
+        strides.append(progress.previewStride)
+        return progress.previewStride != 1
+
+    assert session.Render(settings, OnProgress) == _core.RenderResult.Stopped
+    assert session.HasImage()
+    assert fractions == sorted(fractions)
+    assert strides[0] == 0 and strides[-1] == 1 and strides.count(1) == 1
     layers = {layer.name: np.array(layer.pixels) for layer in session.Layers()}
     assert layers["sampleCount"].max() > 0 and np.isfinite(layers["color"]).all()
+
+
+def test_stopping_while_the_scene_is_prepared_leaves_no_picture(Stage):
+    from hdstream import _core
+    from hdstream.translate import TranslateStage
+    from pxr import Usd
+
+    session = _core.Session()
+    TranslateStage(Usd.Stage.Open(str(Stage)), session, Usd.TimeCode.Default())
+    settings = _core.Settings()
+    settings.camera, settings.imageWidth, settings.imageHeight, settings.samples = "/World/Camera", *_SIZE, 2
+    assert session.Render(settings, lambda progress: False) == _core.RenderResult.Stopped
+    assert not session.HasImage()
+    with pytest.raises(_core.Error, match="nothing has been rendered yet"):
+        session.Layers()
+    assert session.Render(settings) == _core.RenderResult.Complete
+    assert session.HasImage()
