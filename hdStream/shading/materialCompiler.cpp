@@ -83,7 +83,9 @@ const MaterialNode* FindSurface(const MaterialNetwork& network, const NetworkEva
         return nullptr;
     }
     if (node->identifier != "UsdPreviewSurface") {
-        warnings.Add(materialPath, "surface shader " + node->identifier + " of " + node->path +
+        const std::string what = node->identifier.empty() ? node->path + ", which has no shader id,"
+                                                          : node->identifier + " of " + node->path;
+        warnings.Add(materialPath, "surface shader " + what +
                                        " is not supported; displayColor is used");
         return nullptr;
     }
