@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/device/openclHandles.h"
 
+#include <tbb/parallel_for_each.h>
+
+#include <algorithm>
+#include <cstring>
 #include <utility>
 
 namespace hds {
@@ -75,6 +79,40 @@ void Buffer::Read(void* data, std::uint64_t bytes, std::uint64_t offset) const {
     CheckOpenCl(clEnqueueReadBuffer(_device->GetHandles().queue, static_cast<cl_mem>(_memory),
                                     CL_TRUE, offset, bytes, data, 0, nullptr, nullptr),
                 "reading " + _label);
+}
+
+void Buffer::WriteMany(const std::vector<BufferCopy>& copies) {
+    if (copies.empty()) {
+        return;
+    }
+    std::uint64_t begin = _bytes;
+    std::uint64_t end = 0;
+    for (const BufferCopy& copy : copies) {
+        HDS_VERIFY(copy.offset + copy.bytes <= _bytes, "write past the end of " + _label);
+        begin = std::min(begin, copy.offset);
+        end = std::max(end, copy.offset + copy.bytes);
+    }
+    if (!_device->Properties().isCpu) {
+        for (const BufferCopy& copy : copies) {
+            Write(copy.data, copy.bytes, copy.offset);
+        }
+        return;
+    }
+    // What is between the pieces keeps its contents: the map is for reading too. It costs nothing
+    // where the device's memory is the host's.
+    cl_command_queue queue = _device->GetHandles().queue;
+    cl_int code = CL_SUCCESS;
+    auto* target = static_cast<std::uint8_t*>(
+        clEnqueueMapBuffer(queue, static_cast<cl_mem>(_memory), CL_TRUE, CL_MAP_READ | CL_MAP_WRITE,
+                           begin, end - begin, 0, nullptr, nullptr, &code));
+    CheckOpenCl(code, "mapping " + _label);
+    tbb::parallel_for_each(copies.begin(), copies.end(), [&](const BufferCopy& copy) {
+        std::memcpy(target + (copy.offset - begin), copy.data, copy.bytes);
+    });
+    CheckOpenCl(
+        clEnqueueUnmapMemObject(queue, static_cast<cl_mem>(_memory), target, 0, nullptr, nullptr),
+        "unmapping " + _label);
+    _device->Finish();
 }
 
 void Buffer::Fill(std::uint32_t pattern, std::uint64_t bytes, std::uint64_t offset) {

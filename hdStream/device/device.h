@@ -64,6 +64,13 @@ private:
     std::uint64_t _peakBytes = 0;
 };
 
+/// A piece of host memory and where it goes in a buffer. Bytes.
+struct BufferCopy {
+    const void* data = nullptr;
+    std::uint64_t bytes = 0;
+    std::uint64_t offset = 0;
+};
+
 /// How kernels use a buffer.
 enum class BufferAccess { ReadOnly, ReadWrite };
 
@@ -89,6 +96,9 @@ public:
     /// Blocking copies. \throws Error.
     void Write(const void* data, std::uint64_t bytes, std::uint64_t offset = 0);
     void Read(void* data, std::uint64_t bytes, std::uint64_t offset = 0) const;
+    /// Blocking copy of many pieces, in any order; they do not overlap. On CPU devices all cores
+    /// copy into the buffer itself. \throws Error.
+    void WriteMany(const std::vector<BufferCopy>& copies);
     /// Queues a fill with a 32-bit pattern; `bytes` is a multiple of 4.
     void Fill(std::uint32_t pattern, std::uint64_t bytes, std::uint64_t offset = 0);
 

@@ -22,6 +22,11 @@ namespace {
 /// Paths in flight when the user does not say. Measured: docs/performance.md, "Wave size".
 constexpr std::uint32_t kWaveSizeCpu = 16U << 10U;
 constexpr std::uint32_t kWaveSizeGpu = 1U << 20U;
+/// While geometry streams a chunk that is transferred serves all paths of the wave. Path state
+/// takes the memory that the pool does not, so that both together are no more than resident
+/// geometry.
+constexpr std::uint32_t kMinWaveSizeStreaming = 1U << 17U;
+constexpr std::uint32_t kMaxWaveSizeStreaming = 1U << 20U;
 /// Fewest samples before the error estimate of a pixel is believed.
 constexpr std::uint32_t kMinAdaptiveSamples = 2 * HDS_SAMPLE_BLOCK;
 
@@ -35,11 +40,17 @@ private:
     std::chrono::steady_clock::time_point _start = std::chrono::steady_clock::now();
 };
 
-std::uint32_t ChooseWaveSize(const RenderOptions& options, const DeviceProperties& properties) {
+/// \param spareSlots paths whose state fits the memory that streaming geometry saves; 0: resident.
+std::uint32_t ChooseWaveSize(const RenderOptions& options, const DeviceProperties& properties,
+                             std::uint64_t spareSlots) {
     const std::uint64_t pixels = std::uint64_t{options.imageWidth} * options.imageHeight;
     std::uint64_t size = options.waveSize;
     if (size == 0) {
         size = properties.isCpu ? kWaveSizeCpu : kWaveSizeGpu;
+        if (spareSlots > 0) {
+            size =
+                std::clamp<std::uint64_t>(spareSlots, kMinWaveSizeStreaming, kMaxWaveSizeStreaming);
+        }
         size = std::min(size, std::max<std::uint64_t>(pixels * options.samples, HDS_SAMPLE_BLOCK));
     }
     return static_cast<std::uint32_t>(std::max<std::uint64_t>(size, HDS_SAMPLE_BLOCK));
@@ -60,11 +71,12 @@ struct PathTracer::Impl {
                        BufferAccess::ReadOnly);
     }
 
-    bool SetScene(const CommittedScene& newScene) {
+    bool SetScene(const CommittedScene& newScene, const ResidencyOptions& newResidency) {
         scene = nullptr;
-        if (!buffers.Update(newScene)) {
+        if (!buffers.Update(newScene, newResidency)) {
             return false;
         }
+        requestsFirst = newResidency.requestsFirst;
         scene = &newScene;
         ++sceneNumber;
         return true;
@@ -94,9 +106,14 @@ struct PathTracer::Impl {
     }
 
     void ReadyKernels() {
-        const KernelFeatures features{
-            scene->hasCutouts, scene->hasGroups, ChooseWide(options, device->Properties()),
-            NeedsFirstHits(options.aovs), buffers.Pool().NumBuffers() > 1};
+        KernelFeatures features;
+        features.cutouts = scene->hasCutouts;
+        features.groups = scene->hasGroups;
+        features.wide = ChooseWide(options, device->Properties());
+        features.firstHits = NeedsFirstHits(options.aovs);
+        features.manyPools = buffers.NumPoolBuffers() > 1;
+        features.streaming = buffers.IsStreaming();
+        features.requestsFirst = features.streaming && requestsFirst;
         auto built = std::find_if(builtKernels.begin(), builtKernels.end(), [&](const auto& entry) {
             return entry.first->Features() == features;
         });
@@ -114,7 +131,13 @@ struct PathTracer::Impl {
     }
 
     void ReadyPathState() {
-        waveSize = ChooseWaveSize(options, device->Properties());
+        // Path state, queues of rays and of those that wait.
+        const std::uint64_t bytesPerSlot =
+            kernels->PathStateBytes() + sizeof(std::uint32_t) * (queues.size() + waitQueues.size());
+        const std::uint64_t savedBytes =
+            scene->counts.pageBytes - std::min(scene->counts.pageBytes, buffers.PoolBytes());
+        waveSize = ChooseWaveSize(options, device->Properties(),
+                                  buffers.IsStreaming() ? 1 + savedBytes / bytesPerSlot : 0);
         const std::uint64_t bytes = std::uint64_t{waveSize} * kernels->PathStateBytes();
         if (!paths.IsValid() || paths.Bytes() != bytes) {
             paths = Buffer(); // frees first
@@ -124,9 +147,20 @@ struct PathTracer::Impl {
                     Buffer(device, "ray queue", std::uint64_t{waveSize} * sizeof(std::uint32_t));
             }
         }
+        const std::uint64_t waitBytes =
+            buffers.IsStreaming() ? std::uint64_t{waveSize} * sizeof(std::uint32_t) : 0;
+        for (Buffer& queue : waitQueues) {
+            if (!queue.IsValid() || queue.Bytes() < waitBytes) {
+                queue = Buffer(); // frees first
+                queue = Buffer(device, "queue of waiting rays", waitBytes);
+            }
+        }
         statistics.waveSize = waveSize;
         statistics.pathStateBytes = paths.Bytes();
         for (const Buffer& queue : queues) {
+            statistics.pathStateBytes += queue.Bytes();
+        }
+        for (const Buffer& queue : waitQueues) {
             statistics.pathStateBytes += queue.Bytes();
         }
     }
@@ -136,13 +170,102 @@ struct PathTracer::Impl {
         activePixels = list;
     }
 
-    /// Traces the active paths of queue `queue` to their closest hits.
-    void Intersect(std::uint32_t queue, std::uint32_t count) {
+    /// Launches a kernel that needs all pages of the chunks that were hit, over the items of
+    /// `queue` until none waits for pages: launch(queue, count, waitQueue).
+    template <typename Launch>
+    void RunWithPages(const Buffer& queue, std::uint32_t count, Launch launch) {
+        if (!buffers.IsStreaming()) {
+            launch(queue, count, waitQueues[0]);
+            return;
+        }
+        StreamingPool& pool = buffers.Streaming();
+        const Buffer* items = &queue;
+        for (std::uint32_t iteration = 0; count > 0; ++iteration) {
+            const Buffer& waiting = waitQueues[iteration % 2];
+            ClearCounter(HDS_COUNTER_WAITING);
+            launch(*items, count, waiting);
+            count = ReadCounters()[HDS_COUNTER_WAITING];
+            items = &waiting;
+            if (count > 0) {
+                const std::uint64_t before = pool.Statistics().uploads;
+                pool.ServiceGroups();
+                statistics.shadingRefetches += pool.Statistics().uploads - before;
+            }
+        }
+    }
+
+    /// Rays of one kind in a cast, with the queues of those that wait for a chunk.
+    struct CastRays {
+        const Buffer* queue = nullptr;
+        std::uint32_t count = 0;
+        std::array<const Buffer*, 2> waiting{};
+    };
+
+    /// Launches what is left of `rays`; afterwards that is the rays that wait for a chunk.
+    /// launch(queue, count, isResumed, waitQueue).
+    template <typename Launch>
+    void IterateCast(std::uint32_t iteration, CastRays* rays, Launch launch) {
+        if (rays->count == 0) {
+            return;
+        }
+        const Buffer& waiting = *rays->waiting[iteration % 2];
+        if (!buffers.IsStreaming()) {
+            launch(*rays->queue, rays->count, 0U, waiting);
+            rays->count = 0;
+            return;
+        }
+        ClearCounter(HDS_COUNTER_WAITING);
+        launch(*rays->queue, rays->count, iteration > 0 ? 1U : 0U, waiting);
+        rays->queue = &waiting;
+        rays->count = ReadCounters()[HDS_COUNTER_WAITING];
+        statistics.raysRelaunched += rays->count;
+    }
+
+    /// One cast: path rays to their closest hits and shadow rays to whatever is in their way, until
+    /// none waits for a chunk. Both kinds share what is loaded.
+    void Cast(const Buffer& pathQueue, std::uint32_t numPaths, const Buffer& shadowQueue,
+              std::uint32_t numShadows, const Buffer& candidateQueue) {
         const Timer timer;
-        kernels->intersect.Launch(count, paths, waveSize, queues[queue], count);
-        device->Finish();
-        statistics.traceSeconds += timer.Seconds();
+        const double serviceSeconds = ServiceSeconds();
+        CastRays pathRays{&pathQueue, numPaths, {&waitQueues[0], &waitQueues[1]}};
+        CastRays shadowRays{&shadowQueue, numShadows, {&waitQueues[2], &waitQueues[3]}};
+        statistics.shadowRays += numShadows;
         ++statistics.casts;
+        if (buffers.IsStreaming()) {
+            buffers.Streaming().BeginCast();
+        }
+        ClearCounter(HDS_COUNTER_SHADOW); // counts candidates from here on
+        std::uint32_t iterations = 0;
+        while (pathRays.count + shadowRays.count > 0) {
+            if (iterations > 0) {
+                buffers.Streaming().ServiceCast();
+            }
+            IterateCast(iterations, &shadowRays,
+                        [&](const Buffer& queue, std::uint32_t count, std::uint32_t isResumed,
+                            const Buffer& waiting) {
+                            kernels->shadowCast.Launch(count, paths, waveSize, queue, count,
+                                                       isResumed, waiting, candidateQueue,
+                                                       counters);
+                        });
+            IterateCast(iterations, &pathRays,
+                        [&](const Buffer& queue, std::uint32_t count, std::uint32_t isResumed,
+                            const Buffer& waiting) {
+                            kernels->intersect.Launch(count, paths, waveSize, queue, count,
+                                                      isResumed, waiting, counters);
+                        });
+            ++iterations;
+        }
+        device->Finish();
+        statistics.iterations += iterations;
+        statistics.maxIterationsPerCast = std::max(statistics.maxIterationsPerCast, iterations);
+        statistics.traceSeconds += timer.Seconds() - (ServiceSeconds() - serviceSeconds);
+    }
+
+    /// Seconds that services have taken so far: part of the time of whatever waits for them.
+    double ServiceSeconds() const {
+        return buffers.IsStreaming() ? buffers.Streaming().Statistics().serviceSeconds +
+                                           buffers.Streaming().Statistics().transferSeconds
+                                     : 0.0;
     }
 
     std::array<std::uint32_t, HDS_NUM_COUNTERS> ReadCounters() const {
@@ -155,54 +278,57 @@ struct PathTracer::Impl {
         counters.Fill(0, sizeof(std::uint32_t), counter * sizeof(std::uint32_t));
     }
 
-    /// Casts shadow rays until each is decided; what arrives is added to the paths.
-    void CastShadows(std::uint32_t count) {
-        const Timer timer;
+    /// Casts the rays of queue `next` and the shadow rays that shading has made. Shadow rays that
+    /// meet cut-out surfaces go on in casts of their own until each is decided.
+    void CastNext(std::uint32_t next, std::uint32_t numPaths, std::uint32_t numShadows) {
         std::uint32_t present = kShadowQueue;
-        std::uint32_t next = kShadowQueue + 1;
-        while (count > 0) {
-            statistics.shadowRays += count;
-            ++statistics.casts;
-            if (!scene->hasCutouts) {
-                kernels->shadowCast.Launch(count, paths, waveSize, queues[present], count,
-                                           queues[next], counters);
+        std::uint32_t other = kShadowQueue + 1;
+        Cast(queues[next], numPaths, queues[present], numShadows, queues[other]);
+        while (scene->hasCutouts && numShadows > 0) {
+            const std::uint32_t candidates = ReadCounters()[HDS_COUNTER_SHADOW];
+            if (candidates == 0) {
                 break;
             }
+            const Timer timer;
+            const double serviceSeconds = ServiceSeconds();
             ClearCounter(HDS_COUNTER_SHADOW);
-            kernels->shadowCast.Launch(count, paths, waveSize, queues[present], count, queues[next],
-                                       counters);
-            const std::uint32_t candidates = ReadCounters()[HDS_COUNTER_SHADOW];
-            ClearCounter(HDS_COUNTER_SHADOW);
-            kernels->shadowPass.Launch(candidates, paths, waveSize, queues[next], candidates,
-                                       queues[present], counters);
-            count = candidates > 0 ? ReadCounters()[HDS_COUNTER_SHADOW] : 0;
+            RunWithPages(queues[other], candidates,
+                         [&](const Buffer& items, std::uint32_t count, const Buffer& waiting) {
+                             kernels->shadowPass.Launch(count, paths, waveSize, items, count,
+                                                        waiting, queues[present], counters);
+                         });
+            numShadows = ReadCounters()[HDS_COUNTER_SHADOW];
+            statistics.traceSeconds += timer.Seconds() - (ServiceSeconds() - serviceSeconds);
+            if (numShadows > 0) {
+                Cast(queues[next], 0, queues[present], numShadows, queues[other]);
+            }
         }
-        device->Finish();
-        statistics.traceSeconds += timer.Seconds();
     }
 
     void RenderWave(const shared::HdsWave& wave) {
         std::uint32_t present = 0;
         std::uint32_t active = wave.numPixels * wave.numSamples;
+        std::uint32_t numShadows = 0;
         kernels->generateSample.Launch(active, frame, wave, paths, waveSize, pixels, filter,
                                        queues[present]);
         statistics.cameraRays += active;
-        bool isFirst = true;
-        while (active > 0) {
-            if (!isFirst) {
-                statistics.indirectRays += active;
-            }
-            isFirst = false;
-            Intersect(present, active);
+        while (active + numShadows > 0) {
+            CastNext(present, active, numShadows);
             const Timer timer;
+            const double serviceSeconds = ServiceSeconds();
             ClearCounter(HDS_COUNTER_ACTIVE);
             ClearCounter(HDS_COUNTER_SHADOW);
-            kernels->shade.Launch(active, frame, paths, waveSize, queues[present], active,
-                                  queues[1 - present], queues[kShadowQueue], counters);
+            RunWithPages(queues[present], active,
+                         [&](const Buffer& items, std::uint32_t count, const Buffer& waiting) {
+                             kernels->shade.Launch(count, frame, paths, waveSize, items, count,
+                                                   waiting, queues[1 - present],
+                                                   queues[kShadowQueue], counters);
+                         });
             const auto counts = ReadCounters();
-            statistics.shadeSeconds += timer.Seconds();
-            CastShadows(counts[HDS_COUNTER_SHADOW]);
+            statistics.shadeSeconds += timer.Seconds() - (ServiceSeconds() - serviceSeconds);
             active = counts[HDS_COUNTER_ACTIVE];
+            numShadows = counts[HDS_COUNTER_SHADOW];
+            statistics.indirectRays += active;
             present = 1 - present;
         }
         kernels->resolve.Launch(wave.numPixels, wave, paths, waveSize, pixels, film.Film(),
@@ -258,11 +384,26 @@ struct PathTracer::Impl {
         return true;
     }
 
-    /// Where the pass after `done` samples ends: doubling inside the first block, so that pictures
-    /// follow each other soon, then block by block.
+    /// The first sample of all pixels at once, for those who look at no picture before the last.
+    bool RenderFirstSample(const Timer& timer, const ProgressCallback& onProgress,
+                           bool* isStopped) {
+        SetActivePixels(pixelOrder);
+        if (!RenderPixels(0, static_cast<std::uint32_t>(activePixels.size()), 0, 1, timer,
+                          onProgress, isStopped)) {
+            return false;
+        }
+        previewStride = 1;
+        statistics.firstImageSeconds = timer.Seconds();
+        *isStopped = *isStopped || !Report(1, 1.0, timer, onProgress);
+        return true;
+    }
+
+    /// Where the pass after `done` samples ends: block by block; for those who look at pictures
+    /// doubling inside the first block, so that pictures follow each other soon.
     std::uint32_t PassEnd(std::uint32_t done) const {
+        const bool isDoubling = options.showsPreviews && done < HDS_SAMPLE_BLOCK;
         const std::uint32_t border =
-            done < HDS_SAMPLE_BLOCK ? 2 * done : (done / HDS_SAMPLE_BLOCK + 1) * HDS_SAMPLE_BLOCK;
+            isDoubling ? 2 * done : (done / HDS_SAMPLE_BLOCK + 1) * HDS_SAMPLE_BLOCK;
         return std::min({options.samples, border, done + waveSize});
     }
 
@@ -317,7 +458,10 @@ struct PathTracer::Impl {
     RenderResult Render(const ProgressCallback& onProgress) {
         const Timer timer;
         bool isStopped = false;
-        std::uint32_t done = RenderPreview(timer, onProgress, &isStopped) ? 1 : 0;
+        const bool hasFirst = options.showsPreviews
+                                  ? RenderPreview(timer, onProgress, &isStopped)
+                                  : RenderFirstSample(timer, onProgress, &isStopped);
+        std::uint32_t done = hasFirst ? 1 : 0;
         while (done < options.samples && !activePixels.empty() && !isStopped) {
             const std::uint32_t passEnd = PassEnd(done);
             if (RenderPixels(0, static_cast<std::uint32_t>(activePixels.size()), done,
@@ -360,11 +504,15 @@ struct PathTracer::Impl {
             std::uint32_t present = 0;
             std::uint32_t active = count;
             while (active > 0) {
-                Intersect(present, active);
+                Cast(queues[present], active, queues[kShadowQueue], 0, queues[kShadowQueue + 1]);
                 ClearCounter(HDS_COUNTER_ACTIVE);
-                kernels->aov.Launch(active, frame, paths, waveSize, queues[present], active,
-                                    queues[1 - present], counters, film.Floats(), film.Ints(),
-                                    offsets, primvarSlots);
+                RunWithPages(
+                    queues[present], active,
+                    [&](const Buffer& items, std::uint32_t numItems, const Buffer& waiting) {
+                        kernels->aov.Launch(numItems, frame, paths, waveSize, items, numItems,
+                                            waiting, queues[1 - present], counters, film.Floats(),
+                                            film.Ints(), offsets, primvarSlots);
+                    });
                 active = ReadCounters()[HDS_COUNTER_ACTIVE];
                 present = 1 - present;
             }
@@ -405,6 +553,7 @@ struct PathTracer::Impl {
     RenderOptions options;
     std::uint32_t waveSize = 0;
     SceneBuffers buffers;
+    bool requestsFirst = false;
     FilmBuffers film;
     std::uint64_t sceneNumber = 0; ///< counts scenes
     /// Kernels of all features met so far, with the number of the scene they are bound to.
@@ -420,6 +569,7 @@ struct PathTracer::Impl {
     Buffer filter;
     Buffer paths;
     std::array<Buffer, 4> queues;
+    std::array<Buffer, 4> waitQueues; ///< of rays that wait for chunks: path rays', shadow rays'
     Buffer counters;
     Buffer pixels;
     RenderStatistics statistics;
@@ -430,8 +580,8 @@ PathTracer::PathTracer(std::shared_ptr<Device> device, Store* store)
 
 PathTracer::~PathTracer() = default;
 
-bool PathTracer::SetScene(const CommittedScene& scene) {
-    return _impl->SetScene(scene);
+bool PathTracer::SetScene(const CommittedScene& scene, const ResidencyOptions& residency) {
+    return _impl->SetScene(scene, residency);
 }
 
 void PathTracer::Begin(RenderOptions options) {
@@ -451,11 +601,15 @@ const RenderStatistics& PathTracer::Statistics() const {
 }
 
 std::uint64_t PathTracer::PoolBytes() const {
-    return _impl->buffers.Pool().Bytes();
+    return _impl->buffers.PoolBytes();
 }
 
 std::uint64_t PathTracer::UploadedBytes() const {
-    return _impl->buffers.Pool().UploadedBytes();
+    return _impl->buffers.UploadedBytes();
+}
+
+const StreamingStatistics* PathTracer::Streaming() const {
+    return _impl->buffers.IsStreaming() ? &_impl->buffers.Streaming().Statistics() : nullptr;
 }
 
 std::uint64_t PathTracer::TableBytes() const {

@@ -26,6 +26,10 @@ struct RenderStatistics {
     std::uint64_t indirectRays = 0;
     std::uint64_t shadowRays = 0;
     std::uint64_t casts = 0;
+    std::uint64_t iterations = 0; ///< launches of casts while geometry streams
+    std::uint32_t maxIterationsPerCast = 0;
+    std::uint64_t raysRelaunched = 0;
+    std::uint64_t shadingRefetches = 0; ///< pages loaded for shading
     std::uint64_t nanSamples = 0;
     std::uint64_t endedPasses = 0; ///< rays that passed HDS_MAX_PASSES cut-out surfaces
     double meanRelativeError = 0.0;
@@ -46,7 +50,7 @@ public:
 
     /// Uploads a scene, which must live until the next call. \return false when a new path tracer
     /// is needed for it (SceneBuffers::Update). \throws Error when it does not fit the device.
-    bool SetScene(const CommittedScene& scene);
+    bool SetScene(const CommittedScene& scene, const ResidencyOptions& residency);
 
     /// Readies a black film, path state and kernels for a render of the scene.
     /// \throws Error when memory runs out or a kernel does not build.
@@ -60,9 +64,10 @@ public:
     std::vector<ImageLayer> Layers(bool withFirstHits);
 
     const RenderStatistics& Statistics() const;
-    std::uint64_t PoolBytes() const;     ///< of geometry
-    std::uint64_t UploadedBytes() const; ///< of geometry, since the path tracer was made
-    std::uint64_t TableBytes() const;    ///< of the scene's tables
+    std::uint64_t PoolBytes() const;              ///< of geometry
+    std::uint64_t UploadedBytes() const;          ///< of geometry, since the path tracer was made
+    const StreamingStatistics* Streaming() const; ///< of geometry; null when it is resident
+    std::uint64_t TableBytes() const;             ///< of the scene's tables
 
 private:
     struct Impl;

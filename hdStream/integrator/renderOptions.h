@@ -4,6 +4,7 @@
 
 #include "hdStream/film/aov.h"
 #include "hdStream/scene/sceneDescription.h"
+#include "hdStream/stream/streamingPool.h"
 
 #include <array>
 #include <cstdint>
@@ -49,6 +50,33 @@ struct RenderOptions {
     bool russianRoulette = true;
     std::uint32_t waveSize = 0;
     TraversalForm traversal = TraversalForm::Auto;
+    /// Someone looks at the film while it is rendered: the first sample goes from coarse to fine,
+    /// and passes begin short. The final picture is the same.
+    bool showsPreviews = false;
+};
+
+/// Where geometry lives on the device (DESIGN.md section 4.6).
+enum class ResidencyMode {
+    Auto,     ///< Resident when all of it fits the budget, else Stream
+    Resident, ///< all of it, uploaded once
+    Stream,   ///< what rays ask for, in a pool of the budget's size
+};
+
+/// How geometry is kept on the device.
+struct ResidencyOptions {
+    ResidencyMode mode = ResidencyMode::Auto;
+    /// Of the pool in bytes; 0: a share of the device's memory.
+    std::uint64_t budgetBytes = 0;
+    /// Of the pool as a share of all bytes that could be streamed, instead of budgetBytes; 0: none.
+    double budgetShare = 0.0;
+    Eviction eviction = Eviction::Clock;
+    bool requestsFirst = false; ///< rays ask for the first missing chunk they meet, not the nearest
+
+    bool operator==(const ResidencyOptions& other) const {
+        return mode == other.mode && budgetBytes == other.budgetBytes &&
+               budgetShare == other.budgetShare && eviction == other.eviction &&
+               requestsFirst == other.requestsFirst;
+    }
 };
 
 /// Progress while rendering.

@@ -27,11 +27,12 @@ const char* const kLabels[] = {"top nodes",
 /// A table that has become smaller than this part of its buffer gets a smaller one.
 constexpr std::uint64_t kShrinkFactor = 4;
 constexpr std::uint64_t kSmallBytes = 64U << 10U;
+/// Part of the device's memory that a pool may take when the user does not say.
+constexpr std::uint64_t kBudgetDivisor = 4;
 
 } // namespace
 
-SceneBuffers::SceneBuffers(std::shared_ptr<Device> device)
-    : _device(std::move(device)), _pool(_device, "geometry") {
+SceneBuffers::SceneBuffers(std::shared_ptr<Device> device) : _device(std::move(device)) {
     static_assert(std::size(kLabels) == NumTables, "a label for each table");
 }
 
@@ -49,15 +50,52 @@ void SceneBuffers::Upload(Table table, const std::vector<T>& values) {
     }
 }
 
-bool SceneBuffers::Update(const CommittedScene& scene) {
-    const bool isFirst = _pool.NumBuffers() == 0;
-    if (!_pool.Update(*scene.pages)) {
-        if (isFirst) {
-            throw Error("geometry: " + std::to_string(scene.counts.pageBytes) +
-                        " bytes do not fit the device's memory (" +
-                        std::to_string(kMaxPoolBuffers) + " buffers of " +
-                        std::to_string(_pool.BufferLimit()) + " bytes)");
+/// Bytes of a streaming pool.
+std::uint64_t SceneBuffers::Budget(const ResidencyOptions& residency,
+                                   std::uint64_t totalBytes) const {
+    if (residency.budgetShare > 0.0) {
+        return static_cast<std::uint64_t>(residency.budgetShare * static_cast<double>(totalBytes));
+    }
+    return residency.budgetBytes > 0 ? residency.budgetBytes
+                                     : _device->Properties().memoryBytes / kBudgetDivisor;
+}
+
+bool SceneBuffers::UpdatePages(const CommittedScene& scene, const ResidencyOptions& residency) {
+    const std::uint64_t totalBytes = scene.counts.pageBytes;
+    const std::uint64_t budget = Budget(residency, totalBytes);
+    const bool streams = residency.mode == ResidencyMode::Stream ||
+                         (residency.mode == ResidencyMode::Auto && totalBytes > budget);
+    if (streams) {
+        if (_resident) {
+            return false; // its pages are in device memory only
         }
+        if (!_streaming || !(_residency == residency)) {
+            _streaming = nullptr; // frees first
+            _streaming = std::make_unique<StreamingPool>(_device, "geometry", residency.eviction);
+            _residency = residency;
+        }
+        _streaming->Update(*scene.pages, budget);
+        return true;
+    }
+    _streaming = nullptr;
+    const bool isFirst = !_resident;
+    if (isFirst) {
+        _resident = std::make_unique<ResidentPool>(_device, "geometry");
+    }
+    if (_resident->Update(*scene.pages)) {
+        return true;
+    }
+    if (isFirst) {
+        throw Error("geometry: " + std::to_string(totalBytes) +
+                    " bytes do not fit the device's memory (" + std::to_string(kMaxPoolBuffers) +
+                    " buffers of " + std::to_string(_resident->BufferLimit()) +
+                    " bytes); --residency stream needs less");
+    }
+    return false;
+}
+
+bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& residency) {
+    if (!UpdatePages(scene, residency)) {
         return false;
     }
     Upload(TopNodes, scene.topNodes);
@@ -81,8 +119,24 @@ bool SceneBuffers::Update(const CommittedScene& scene) {
     return true;
 }
 
+std::uint32_t SceneBuffers::NumPoolBuffers() const {
+    return _streaming ? _streaming->NumBuffers() : _resident ? _resident->NumBuffers() : 0;
+}
+
+std::uint64_t SceneBuffers::PoolBytes() const {
+    return _streaming ? _streaming->Bytes() : _resident ? _resident->Bytes() : 0;
+}
+
+std::uint64_t SceneBuffers::UploadedBytes() const {
+    return _streaming  ? _streaming->Statistics().uploadedBytes
+           : _resident ? _resident->UploadedBytes()
+                       : 0;
+}
+
 std::uint64_t SceneBuffers::TableBytes() const {
-    std::uint64_t bytes = _pool.Addresses().Bytes();
+    std::uint64_t bytes = _streaming  ? _streaming->TableBytes()
+                          : _resident ? _resident->Addresses().Bytes()
+                                      : 0;
     for (const Buffer& buffer : _tables) {
         bytes += buffer.Bytes();
     }
@@ -93,9 +147,15 @@ unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first) const {
     for (const Table table : {TopNodes, Instances, Objects, Chunks}) {
         kernel->SetBuffer(first++, _tables[table]);
     }
-    kernel->SetBuffer(first++, _pool.Addresses());
+    kernel->SetBuffer(first++, _streaming ? _streaming->Addresses() : _resident->Addresses());
     for (std::uint32_t i = 0; i < kMaxPoolBuffers; ++i) {
-        kernel->SetBuffer(first++, _pool.PoolBuffer(i));
+        kernel->SetBuffer(first++,
+                          _streaming ? _streaming->PoolBuffer(i) : _resident->PoolBuffer(i));
+    }
+    if (_streaming) {
+        kernel->SetBuffer(first++, _streaming->Requests());
+        kernel->SetBuffer(first++, _streaming->RequestCounts());
+        kernel->SetBuffer(first++, _streaming->Stamps());
     }
     return first;
 }

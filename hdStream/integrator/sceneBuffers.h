@@ -3,8 +3,10 @@
 #pragma once
 
 #include "hdStream/device/program.h"
+#include "hdStream/integrator/renderOptions.h"
 #include "hdStream/scene/commit.h"
 #include "hdStream/stream/residentPool.h"
+#include "hdStream/stream/streamingPool.h"
 
 #include <array>
 #include <memory>
@@ -17,10 +19,11 @@ class SceneBuffers {
 public:
     explicit SceneBuffers(std::shared_ptr<Device> device);
 
-    /// Uploads what is new in `scene`. Blocks. \return false when the pages of edited scenes have
-    /// scattered the pool: start again with new SceneBuffers and pages that were not dropped.
+    /// Uploads what is new in `scene`, which must live until the next call. Blocks. \return false
+    /// when the pages of edited scenes have scattered the pool, or geometry was resident and is to
+    /// be streamed: start again with new SceneBuffers and pages that were not dropped.
     /// \throws Error when the scene does not fit the device.
-    bool Update(const CommittedScene& scene);
+    bool Update(const CommittedScene& scene, const ResidencyOptions& residency);
 
     /// Sets the arguments of HDS_GEOMETRY_ARGS from `first` on; returns the next free index.
     unsigned BindGeometry(Kernel* kernel, unsigned first) const;
@@ -28,7 +31,13 @@ public:
     /// Sets the arguments of HDS_SCENE_ARGS (geometry, materials, lights) from `first` on.
     unsigned BindScene(Kernel* kernel, unsigned first) const;
 
-    const ResidentPool& Pool() const { return _pool; }
+    bool IsStreaming() const { return _streaming != nullptr; }
+    /// \pre IsStreaming.
+    StreamingPool& Streaming() { return *_streaming; }
+    const StreamingPool& Streaming() const { return *_streaming; }
+    std::uint32_t NumPoolBuffers() const;
+    std::uint64_t PoolBytes() const;
+    std::uint64_t UploadedBytes() const; ///< of geometry
     std::uint64_t TableBytes() const;
 
 private:
@@ -51,11 +60,15 @@ private:
         NumTables
     };
 
+    std::uint64_t Budget(const ResidencyOptions& residency, std::uint64_t totalBytes) const;
+    bool UpdatePages(const CommittedScene& scene, const ResidencyOptions& residency);
     template <typename T>
     void Upload(Table table, const std::vector<T>& values);
 
     std::shared_ptr<Device> _device;
-    ResidentPool _pool;
+    std::unique_ptr<ResidentPool> _resident;   ///< one of both, from the first Update on
+    std::unique_ptr<StreamingPool> _streaming; ///< likewise
+    ResidencyOptions _residency;               ///< what _streaming was made with
     std::array<Buffer, NumTables> _tables;
     std::shared_ptr<const LightTable> _lights; ///< what the light tables hold
     std::uint32_t _numLights = 0;

@@ -9,31 +9,32 @@ namespace {
 
 /// Every field of the path state takes 16 bytes a path (kernels/shared/pathState.def).
 constexpr std::uint64_t kFieldBytes = 16;
-constexpr std::uint64_t kNumFields = 0
-#define HDS_FIELD(type, name, doc) +1
-#define HDS_CUTOUT_FIELD(type, name, doc)
+
+std::uint64_t NumPathFields(const KernelFeatures& features) {
+    std::uint64_t count = 0;
+#define HDS_FIELD(type, name, doc) ++count;
+#define HDS_CUTOUT_FIELD(type, name, doc) count += features.cutouts ? 1 : 0;
+#define HDS_STREAMING_FIELD(type, name, doc) count += features.streaming ? 1 : 0;
 #include "kernels/shared/pathState.def"
 #undef HDS_FIELD
 #undef HDS_CUTOUT_FIELD
-    ;
-constexpr std::uint64_t kNumCutoutFields = 0
-#define HDS_FIELD(type, name, doc)
-#define HDS_CUTOUT_FIELD(type, name, doc) +1
-#include "kernels/shared/pathState.def"
-#undef HDS_FIELD
-#undef HDS_CUTOUT_FIELD
-    ;
+#undef HDS_STREAMING_FIELD
+    return count;
+}
 
 /// Index of the first scene argument of each kernel: what comes before changes with each launch.
-constexpr unsigned kIntersectArgs = 4;
-constexpr unsigned kShadeArgs = 8;
-constexpr unsigned kShadowArgs = 6;
-constexpr unsigned kAovArgs = 11;
+constexpr unsigned kIntersectArgs = 7;
+constexpr unsigned kShadeArgs = 9;
+constexpr unsigned kShadowCastArgs = 8;
+constexpr unsigned kShadowPassArgs = 7;
+constexpr unsigned kAovArgs = 12;
 
 ProgramDefines MakeDefines(const KernelFeatures& features) {
     return {{"HDS_FEATURE_CUTOUT", features.cutouts ? "1" : "0"},
             {"HDS_FEATURE_GROUPS", features.groups ? "1" : "0"},
             {"HDS_NUM_POOLS", std::to_string(features.manyPools ? kMaxPoolBuffers : 1)},
+            {"HDS_FEATURE_STREAMING", features.streaming ? "1" : "0"},
+            {"HDS_REQUEST_FIRST", features.requestsFirst ? "1" : "0"},
             {"HDS_TRAVERSAL_WIDE", features.wide ? "1" : "0"}};
 }
 
@@ -41,8 +42,7 @@ ProgramDefines MakeDefines(const KernelFeatures& features) {
 
 StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
                            const KernelFeatures& features)
-    : _features(features),
-      _pathStateBytes(kFieldBytes * (kNumFields + (features.cutouts ? kNumCutoutFields : 0))) {
+    : _features(features), _pathStateBytes(kFieldBytes * NumPathFields(features)) {
     const ProgramDefines defines = MakeDefines(features);
     const auto build = [&](const char* root) {
         auto program = std::make_unique<Program>(device, root, defines, store);
@@ -71,12 +71,12 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
 void StageKernels::Bind(const SceneBuffers& scene) {
     scene.BindGeometry(&intersect, kIntersectArgs);
     scene.BindScene(&shade, kShadeArgs);
-    scene.BindScene(&shadowCast, kShadowArgs);
+    scene.BindScene(&shadowCast, kShadowCastArgs);
     if (_features.firstHits) {
         scene.BindScene(&aov, kAovArgs);
     }
     if (_features.cutouts) {
-        scene.BindScene(&shadowPass, kShadowArgs);
+        scene.BindScene(&shadowPass, kShadowPassArgs);
     }
 }
 

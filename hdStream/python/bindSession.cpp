@@ -119,7 +119,11 @@ void BindSettings(nb::module_& module) {
         .def_rw("cacheDirectory", &Settings::cacheDirectory)
         .def_rw("noCache", &Settings::noCache)
         .def_rw("traversal", &Settings::traversal)
-        .def_rw("chunkBytes", &Settings::chunkBytes);
+        .def_rw("chunkBytes", &Settings::chunkBytes)
+        .def_rw("residency", &Settings::residency)
+        .def_rw("geometryMemory", &Settings::geometryMemory)
+        .def_rw("geometryEviction", &Settings::geometryEviction)
+        .def_rw("request", &Settings::request);
 }
 
 void BindSettingsTable(nb::module_& module) {

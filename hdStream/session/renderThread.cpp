@@ -69,7 +69,8 @@ struct RenderThread::Impl {
         try {
             Publisher publisher(this, rendered);
             const RenderResult result = session.Render(
-                present, [&](const Progress& progress) { return publisher.Report(progress); });
+                present, [&](const Progress& progress) { return publisher.Report(progress); },
+                true);
             isDone = result == RenderResult::Complete;
             if (isDone) {
                 last = publisher.MakeImage(true);

@@ -25,6 +25,7 @@ double SecondsSince(std::chrono::steady_clock::time_point start) {
 struct CommitKey {
     std::uint64_t sceneVersion = 0;
     CommitOptions options;
+    ResidencyOptions residency;
 };
 
 } // namespace
@@ -73,8 +74,9 @@ struct Session::Impl {
     /// The scene in device memory. \return false when it was cancelled.
     bool Commit(const Settings& settings, const CancelCallback& isCancelled) {
         const CommitOptions commitOptions = MakeCommitOptions(settings);
+        const ResidencyOptions residency = MakeResidencyOptions(settings);
         if (tracer && committed && committed->sceneVersion == sceneVersion &&
-            committed->options == commitOptions) {
+            committed->options == commitOptions && committed->residency == residency) {
             return true;
         }
         committed.reset();
@@ -87,18 +89,18 @@ struct Session::Impl {
             if (!next) {
                 return false;
             }
-            if (tracer->SetScene(*next)) {
+            if (tracer->SetScene(*next, residency)) {
                 scene = std::move(next);
-                committed = CommitKey{sceneVersion, commitOptions};
+                committed = CommitKey{sceneVersion, commitOptions, residency};
                 return true;
             }
-            Discard(); // edits have scattered the pool
+            Discard(); // edits have scattered the pool, or pages are needed that it alone holds
         }
         throw Error("geometry: the scene does not fit the device's memory");
     }
 
     RenderResult Render(const Settings& settings, const CameraPrim& camera,
-                        const ProgressCallback& onProgress) {
+                        const ProgressCallback& onProgress, bool showsPreviews) {
         const auto start = std::chrono::steady_clock::now();
         ReadyDevice(settings);
         const CancelCallback isCancelled = [&] {
@@ -109,7 +111,9 @@ struct Session::Impl {
         if (!Commit(settings, isCancelled)) {
             return RenderResult::Stopped;
         }
-        tracer->Begin(MakeRenderOptions(settings, camera));
+        RenderOptions options = MakeRenderOptions(settings, camera);
+        options.showsPreviews = showsPreviews;
+        tracer->Begin(std::move(options));
         hasFilm = true;
         const RenderStatistics& rendered = tracer->Statistics();
         statistics.device = device.get();
@@ -118,6 +122,7 @@ struct Session::Impl {
         statistics.imageWidth = settings.imageWidth;
         statistics.imageHeight = settings.imageHeight;
         statistics.poolBytes = tracer->PoolBytes();
+        statistics.streaming = tracer->Streaming();
         statistics.uploadedBytes = tracer->UploadedBytes();
         statistics.tableBytes = tracer->TableBytes();
         statistics.beforeRenderingSeconds = sinceStartSeconds + SecondsSince(start);
@@ -215,7 +220,8 @@ std::string Session::Info() const {
     return MakeInfo(_impl->description, *scene, _impl->warnings.Lines());
 }
 
-RenderResult Session::Render(const Settings& settings, const ProgressCallback& onProgress) {
+RenderResult Session::Render(const Settings& settings, const ProgressCallback& onProgress,
+                             bool showsPreviews) {
     Impl& impl = *_impl;
     CheckSettings(settings);
     const auto camera = impl.description.cameras.find(settings.camera);
@@ -225,7 +231,7 @@ RenderResult Session::Render(const Settings& settings, const ProgressCallback& o
     }
     impl.hasFilm = false;
     try {
-        return impl.Render(settings, camera->second, onProgress);
+        return impl.Render(settings, camera->second, onProgress, showsPreviews);
     } catch (...) {
         // What is in device memory is not known, and contexts that ran out of it may be of no use.
         impl.hasFilm = false;

@@ -75,7 +75,10 @@ public:
     /// returns false; that is asked while the scene is prepared too. What did not change since the
     /// last call is kept: prepared meshes, images, light tables, device memory, kernels.
     /// \throws Error when there is no device, memory runs out, or a setting is wrong.
-    RenderResult Render(const Settings& settings, const ProgressCallback& onProgress = {});
+    /// \param showsPreviews someone looks at the film in onProgress: it is filled from coarse to
+    /// fine. The final picture is the same.
+    RenderResult Render(const Settings& settings, const ProgressCallback& onProgress = {},
+                        bool showsPreviews = false);
 
     /// The film as rendered so far, one layer an AOV of the settings. May be called inside
     /// onProgress. \param withFirstHits false: the AOVs of the first hit are left at their clear

@@ -18,6 +18,9 @@ void CheckSettings(const Settings& settings);
 RenderOptions MakeRenderOptions(const Settings& settings, const CameraPrim& camera);
 
 /// Precondition: CheckSettings passed.
+ResidencyOptions MakeResidencyOptions(const Settings& settings);
+
+/// Precondition: CheckSettings passed.
 CommitOptions MakeCommitOptions(const Settings& settings);
 
 } // namespace hds

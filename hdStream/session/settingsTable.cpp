@@ -165,6 +165,23 @@ std::vector<Row> UserRows() {
         MakeRow(&S::chunkBytes,
                 Ranged(K::Bytes, "chunkBytes", "--chunkSize", "Chunk size",
                        "upper bound of a unit of geometry", kMinChunkBytes, kMaxChunkBytes)),
+        MakeRow(&S::residency,
+                OneOf("residency", "--residency", "Residency",
+                      "geometry in device memory: all of it, what rays ask for, or whichever fits",
+                      {"auto", "resident", "stream"})),
+        MakeRow(&S::geometryMemory,
+                Info(K::Text, "geometryMemory", "--geometryMemory", "Geometry memory",
+                     "pool for geometry that streams: bytes (K, M, G) or a percentage of all of "
+                     "it; empty: a quarter of the device's memory")),
+        MakeRow(&S::geometryEviction,
+                OneOf("geometryEviction", "--geometryEviction", "Geometry eviction",
+                      "what leaves a full pool: what was used least recently, or everything",
+                      {"clock", "flush"})),
+        MakeRow(&S::request,
+                OneOf("request", "--request", "Request",
+                      "the missing chunk a ray asks for: the nearest after its walk, or the first "
+                      "it meets",
+                      {"last", "first"})),
     };
 }
 

@@ -26,8 +26,9 @@ Json TimeSection(const StatisticsInput& in) {
             {"prepare", in.scene->seconds},
             {"compile", render.compileSeconds},
             {"trace", render.traceSeconds},
-            {"service", 0.0},
-            {"transfer", render.transferSeconds},
+            {"service", in.streaming != nullptr ? in.streaming->serviceSeconds : 0.0},
+            {"transfer", render.transferSeconds +
+                             (in.streaming != nullptr ? in.streaming->transferSeconds : 0.0)},
             {"shade", render.shadeSeconds},
             {"firstPixel", in.beforeRenderingSeconds + render.firstImageSeconds},
             {"render", render.renderSeconds},
@@ -36,7 +37,18 @@ Json TimeSection(const StatisticsInput& in) {
 
 Json GeometrySection(const StatisticsInput& in) {
     const SceneCounts& counts = in.scene->counts;
-    return {{"mode", "resident"},
+    const RenderStatistics& render = *in.render;
+    // What resident mode has done, in the words of streaming.
+    StreamingStatistics pool;
+    pool.uploadedBytes = in.uploadedBytes;
+    pool.uploads = 2 * counts.chunks;
+    pool.uniqueBytes = counts.pageBytes;
+    std::uint64_t iterations = render.casts;
+    if (in.streaming != nullptr) {
+        pool = *in.streaming;
+        iterations = render.iterations;
+    }
+    return {{"mode", in.streaming != nullptr ? "stream" : "resident"},
             {"meshes", counts.meshes},
             {"instances", counts.instances},
             {"triangles", counts.triangles},
@@ -46,16 +58,17 @@ Json GeometrySection(const StatisticsInput& in) {
             {"peakBytes", in.poolBytes},
             {"pinnedBytes", 0},
             {"alwaysResidentBytes", counts.alwaysResidentBytes},
-            {"uniqueBytesLoaded", counts.pageBytes},
-            {"uploadedBytes", in.uploadedBytes},
-            {"uploads", counts.chunks},
-            {"evictions", 0},
-            {"casts", in.render->casts},
-            {"iterations", in.render->casts},
-            {"maxIterationsPerCast", in.render->casts > 0 ? 1 : 0},
-            {"raysRelaunched", 0},
-            {"shadingRefetches", 0},
-            {"chunksTouched", 0},
+            {"uniqueBytesLoaded", pool.uniqueBytes},
+            {"uploadedBytes", pool.uploadedBytes},
+            {"uploads", pool.uploads},
+            {"evictions", pool.evictions},
+            {"casts", render.casts},
+            {"iterations", iterations},
+            {"maxIterationsPerCast",
+             in.streaming != nullptr ? render.maxIterationsPerCast : (render.casts > 0 ? 1U : 0U)},
+            {"raysRelaunched", render.raysRelaunched},
+            {"shadingRefetches", render.shadingRefetches},
+            {"chunksTouched", pool.chunksUsed},
             {"chunksBuilt", counts.chunksBuilt},
             {"chunksFromCache", 0},
             {"estimated", false}};

@@ -20,7 +20,8 @@ struct StatisticsInput {
     std::uint32_t imageWidth = 0;
     std::uint32_t imageHeight = 0;
     std::uint64_t poolBytes = 0;
-    std::uint64_t uploadedBytes = 0; ///< of geometry, in this session
+    const StreamingStatistics* streaming = nullptr; ///< null: geometry is resident
+    std::uint64_t uploadedBytes = 0;                ///< of geometry, in this session
     std::uint64_t tableBytes = 0;
     double loadSeconds = 0.0;
     double translateSeconds = 0.0;

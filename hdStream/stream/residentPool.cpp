@@ -2,17 +2,12 @@
 #include "hdStream/stream/residentPool.h"
 
 #include "hdStream/base/error.h"
-#include "kernels/shared/geometry.h"
 
 #include <algorithm>
 #include <unordered_set>
 #include <utility>
 
 namespace hds {
-
-static_assert(kMaxPoolBuffers == HDS_POOL_MAX_BUFFERS, "the kernels' signature");
-static_assert(kMaxPoolBufferBytes == (std::uint64_t{HDS_POOL_UNIT_BYTES} << HDS_POOL_BUFFER_SHIFT),
-              "address format");
 
 namespace {
 
@@ -83,7 +78,7 @@ bool ResidentPool::Update(const PageProvider& provider) {
             continue;
         }
         HDS_VERIFY(bytes % HDS_POOL_UNIT_BYTES == 0, _label + " page " + std::to_string(page));
-        const auto [known, isNew] = _pages.emplace(provider.PageId(page), Range());
+        const auto [known, isNew] = _pages.emplace(provider.PageId(page), PoolRange());
         if (isNew) {
             if (!Place(bytes, bytesToCome, &known->second)) {
                 _pages.erase(known);
@@ -95,8 +90,7 @@ bool ResidentPool::Update(const PageProvider& provider) {
             bytesToCome -= bytes;
             _uploadedBytes += bytes;
         }
-        addresses[page] = (known->second.buffer << HDS_POOL_BUFFER_SHIFT) |
-                          static_cast<std::uint32_t>(known->second.offset / HDS_POOL_UNIT_BYTES);
+        addresses[page] = known->second.Address();
     }
     upload.Flush();
     _addresses = UploadVector(_device, _label + " addresses", addresses);
@@ -115,68 +109,30 @@ void ResidentPool::RemoveOthers(const PageProvider& provider) {
         if (wanted.count(page->first) > 0) {
             ++page;
         } else {
-            Free(page->second);
+            _ranges.Free(page->second);
             page = _pages.erase(page);
         }
     }
 }
 
-/// First fit; a new buffer when no free range is large enough.
-bool ResidentPool::Place(std::uint64_t bytes, std::uint64_t bytesToCome, Range* range) {
-    for (std::uint32_t attempt = 0; attempt < 2; ++attempt) {
-        for (std::uint32_t buffer = 0; buffer < _numBuffers; ++buffer) {
-            auto& ranges = _free[buffer];
-            const auto found =
-                std::find_if(ranges.begin(), ranges.end(),
-                             [&](const auto& candidate) { return candidate.second >= bytes; });
-            if (found == ranges.end()) {
-                continue;
-            }
-            *range = {buffer, found->first, bytes};
-            const std::uint64_t rest = found->second - bytes;
-            ranges.erase(found);
-            if (rest > 0) {
-                ranges[range->offset + bytes] = rest;
-            }
-            return true;
-        }
-        if (!AddBuffer(bytes, bytesToCome)) {
-            return false;
-        }
-    }
-    return false;
+/// A new buffer when no free range is large enough.
+bool ResidentPool::Place(std::uint64_t bytes, std::uint64_t bytesToCome, PoolRange* range) {
+    return _ranges.Allocate(bytes, range) ||
+           (AddBuffer(bytes, bytesToCome) && _ranges.Allocate(bytes, range));
 }
 
 bool ResidentPool::AddBuffer(std::uint64_t bytes, std::uint64_t bytesToCome) {
-    if (bytes > _bufferLimit || _numBuffers == kMaxPoolBuffers) {
+    if (bytes > _bufferLimit || _ranges.NumBuffers() == kMaxPoolBuffers) {
         return false;
     }
     std::uint64_t size = std::max(bytesToCome, _bytes / kGrowthShare);
     size = std::min(size / HDS_POOL_UNIT_BYTES * HDS_POOL_UNIT_BYTES, _bufferLimit);
-    const std::uint32_t index = _numBuffers;
+    const std::uint32_t index = _ranges.NumBuffers();
     _buffers[index] =
         Buffer(_device, _label + " pool " + std::to_string(index), size, BufferAccess::ReadOnly);
-    _free[index] = {{0, size}};
-    ++_numBuffers;
+    _ranges.AddBuffer(size);
     _bytes += size;
     return true;
-}
-
-void ResidentPool::Free(const Range& range) {
-    auto& ranges = _free[range.buffer];
-    std::uint64_t begin = range.offset;
-    std::uint64_t end = range.offset + range.bytes;
-    const auto next = ranges.lower_bound(begin);
-    if (next != ranges.end() && next->first == end) {
-        end += next->second;
-    }
-    auto previous = next;
-    if (previous != ranges.begin() && (--previous)->first + previous->second == begin) {
-        begin = previous->first;
-        ranges.erase(previous);
-    }
-    ranges.erase(range.offset + range.bytes);
-    ranges[begin] = end - begin;
 }
 
 } // namespace hds

@@ -6,19 +6,15 @@
 
 #include "hdStream/device/device.h"
 #include "hdStream/stream/pageProvider.h"
+#include "hdStream/stream/rangeAllocator.h"
 
 #include <array>
-#include <map>
 #include <memory>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
 namespace hds {
-
-/// Most pool buffers in a kernel's signature, and the most bytes of one.
-constexpr std::uint32_t kMaxPoolBuffers = 8;
-constexpr std::uint64_t kMaxPoolBufferBytes = 1ULL << 30U;
 
 /// Device memory that holds all pages of a provider. Externally synchronised.
 class ResidentPool {
@@ -36,7 +32,7 @@ public:
     const Buffer& Addresses() const { return _addresses; }
     /// Buffer `i` of the signature; unused ones are tiny but valid.
     const Buffer& PoolBuffer(std::uint32_t i) const { return _buffers[i]; }
-    std::uint32_t NumBuffers() const { return _numBuffers; }
+    std::uint32_t NumBuffers() const { return _ranges.NumBuffers(); }
     std::uint64_t BufferLimit() const { return _bufferLimit; }
     /// Bytes of device memory.
     std::uint64_t Bytes() const { return _bytes; }
@@ -44,25 +40,17 @@ public:
     std::uint64_t UploadedBytes() const { return _uploadedBytes; }
 
 private:
-    struct Range {
-        std::uint32_t buffer = 0;
-        std::uint64_t offset = 0;
-        std::uint64_t bytes = 0;
-    };
-
     void RemoveOthers(const PageProvider& provider);
-    bool Place(std::uint64_t bytes, std::uint64_t bytesToCome, Range* range);
+    bool Place(std::uint64_t bytes, std::uint64_t bytesToCome, PoolRange* range);
     bool AddBuffer(std::uint64_t bytes, std::uint64_t bytesToCome);
-    void Free(const Range& range);
 
     std::shared_ptr<Device> _device;
     std::string _label;
     std::uint64_t _bufferLimit;
     std::array<Buffer, kMaxPoolBuffers> _buffers;
-    std::array<std::map<std::uint64_t, std::uint64_t>, kMaxPoolBuffers> _free; ///< offset -> bytes
-    std::unordered_map<std::uint64_t, Range> _pages;                           ///< by page id
+    RangeAllocator _ranges;
+    std::unordered_map<std::uint64_t, PoolRange> _pages; ///< by page id
     Buffer _addresses;
-    std::uint32_t _numBuffers = 0;
     std::uint64_t _bytes = 0;
     std::uint64_t _uploadedBytes = 0;
 };

@@ -96,9 +96,9 @@ void aov_storeHit(constant const HdsFrameParams* frame, const HdsSceneView* scen
 /* Global size: count. */
 kernel void aov_firstHit(constant const HdsFrameParams* frame, global uchar* state, uint numSlots,
                          global const uint* restrict queue, uint count,
-                         global uint* restrict nextQueue, volatile global uint* counters,
-                         global float* floats, global int* ints, HdsAovOffsets offsets,
-                         global const uint* primvarSlots, HDS_SCENE_ARGS) {
+                         global uint* restrict waitQueue, global uint* restrict nextQueue,
+                         volatile global uint* counters, global float* floats, global int* ints,
+                         HdsAovOffsets offsets, global const uint* primvarSlots, HDS_SCENE_ARGS) {
     uint item = (uint)get_global_id(0);
     if (item >= count) {
         return;
@@ -112,6 +112,9 @@ kernel void aov_firstHit(constant const HdsFrameParams* frame, global uchar* sta
     global int* ids = ints + (size_t)status.x * offsets.intStride;
     if (hit.chunk == HDS_NONE) {
         aov_storeMiss(offsets, pixel, ids);
+        return;
+    }
+    if (surfaceHit_waits(&scene, &hit, waitQueue, counters, i)) {
         return;
     }
     HdsSurfaceHit surface;

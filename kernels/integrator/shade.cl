@@ -226,11 +226,13 @@ bool shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
     return shade_sampleBsdf(frame, &surface, &shading, &bsdf, sampler, path, paths, i);
 }
 
-/* Global size: count. */
+/* Global size: count. Appends paths that go on, shadow rays, and paths that wait for their hit's
+ * pages. */
 kernel void shade_paths(constant const HdsFrameParams* frame, global uchar* state, uint numSlots,
                         global const uint* restrict queue, uint count,
-                        global uint* restrict nextQueue, global uint* restrict shadowQueue,
-                        volatile global uint* counters, HDS_SCENE_ARGS) {
+                        global uint* restrict waitQueue, global uint* restrict nextQueue,
+                        global uint* restrict shadowQueue, volatile global uint* counters,
+                        HDS_SCENE_ARGS) {
     uint item = (uint)get_global_id(0);
     if (item >= count) {
         return;
@@ -239,8 +241,11 @@ kernel void shade_paths(constant const HdsFrameParams* frame, global uchar* stat
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
     HdsHit hit = path_loadHit(paths, i);
-    HdsShadePath path = shade_loadPath(paths, i);
     bool isHit = hit.chunk != HDS_NONE;
+    if (isHit && surfaceHit_waits(&scene, &hit, waitQueue, counters, i)) {
+        return;
+    }
+    HdsShadePath path = shade_loadPath(paths, i);
     bool hasShadow = false;
     bool goesOn = false;
     shade_addLights(&scene.lights, isHit ? hit.t : INFINITY, &path);

@@ -12,10 +12,43 @@ void shadow_addRadiance(HdsPaths paths, uint i) {
     path_store_radiance(paths, i, radiance);
 }
 
-/* Global size: count. Appends candidates (only with cut-outs). */
+#if HDS_FEATURE_STREAMING
+/* One iteration of a shadow ray. \return true when it arrives, or has met a candidate; false when
+ * it is blocked or waits. */
+bool shadow_iterate(const HdsGeometryView* view, HdsTraversalRay ray, HdsPaths paths, uint i,
+                    uint isResumed, global uint* waitQueue, volatile global uint* counters,
+                    HdsHit* candidate) {
+    uint4 after = (uint4)(0u);
+    uint primId = 0u;
+    *candidate = hit_none();
+#if HDS_FEATURE_CUTOUT
+    uint4 pending = path_load_pending(paths, i);
+    after = path_load_shadowAfter(paths, i);
+    primId = pending.y;
+    if (isResumed != 0u) {
+        *candidate = path_loadCandidate(paths, i);
+    }
+#endif
+    const uint state = traverse_iterateOccluded(view, ray, after, candidate, &primId);
+    if (state == HDS_RAY_WAITS) {
+#if HDS_FEATURE_CUTOUT
+        pending.y = primId;
+        path_storeCandidate(paths, i, candidate);
+        path_store_pending(paths, i, pending);
+#endif
+        queue_append(waitQueue, &counters[HDS_COUNTER_WAITING], i);
+    }
+    return state == HDS_RAY_DECIDED;
+}
+#endif
+
+/* Global size: count. Appends candidates (only with cut-outs), and rays that wait for a chunk (only
+ * while geometry streams). \param isResumed the rays have waited: candidates are those found so
+ * far. */
 kernel void shadow_cast(global uchar* state, uint numSlots, global const uint* restrict queue,
-                        uint count, global uint* restrict candidateQueue,
-                        volatile global uint* counters, HDS_SCENE_ARGS) {
+                        uint count, uint isResumed, global uint* restrict waitQueue,
+                        global uint* restrict candidateQueue, volatile global uint* counters,
+                        HDS_SCENE_ARGS) {
     uint item = (uint)get_global_id(0);
     if (item >= count) {
         return;
@@ -29,14 +62,16 @@ kernel void shadow_cast(global uchar* state, uint numSlots, global const uint* r
     ray.direction = path_load_shadowDirection(paths, i).xyz;
     ray.tMin = 0.0f;
     ray.tMax = origin.w;
-#if HDS_FEATURE_CUTOUT
+#if HDS_FEATURE_CUTOUT || HDS_FEATURE_STREAMING
     HdsHit candidate;
-    if (traverse_occludedAfter(&scene.geometry, ray, path_load_shadowAfter(paths, i), &candidate)) {
+#endif
+#if HDS_FEATURE_STREAMING
+    if (!shadow_iterate(&scene.geometry, ray, paths, i, isResumed, waitQueue, counters,
+                        &candidate)) {
         return;
     }
-    if (candidate.chunk != HDS_NONE) {
-        path_storeCandidate(paths, i, &candidate);
-        queue_append(candidateQueue, &counters[HDS_COUNTER_SHADOW], i);
+#elif HDS_FEATURE_CUTOUT
+    if (traverse_occludedAfter(&scene.geometry, ray, path_load_shadowAfter(paths, i), &candidate)) {
         return;
     }
 #else
@@ -44,15 +79,23 @@ kernel void shadow_cast(global uchar* state, uint numSlots, global const uint* r
         return;
     }
 #endif
+#if HDS_FEATURE_CUTOUT
+    if (candidate.chunk != HDS_NONE) {
+        path_storeCandidate(paths, i, &candidate);
+        queue_append(candidateQueue, &counters[HDS_COUNTER_SHADOW], i);
+        return;
+    }
+#endif
     shadow_addRadiance(paths, i);
 }
 
 #if HDS_FEATURE_CUTOUT
-/* Global size: count. Appends rays of which something is left. */
+/* Global size: count. Appends rays of which something is left, and candidates that wait for their
+ * pages. */
 kernel void shadow_pass(global uchar* state, uint numSlots,
                         global const uint* restrict candidateQueue, uint count,
-                        global uint* restrict queue, volatile global uint* counters,
-                        HDS_SCENE_ARGS) {
+                        global uint* restrict waitQueue, global uint* restrict queue,
+                        volatile global uint* counters, HDS_SCENE_ARGS) {
     uint item = (uint)get_global_id(0);
     if (item >= count) {
         return;
@@ -61,6 +104,9 @@ kernel void shadow_pass(global uchar* state, uint numSlots,
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
     HdsHit hit = path_loadCandidate(paths, i);
+    if (surfaceHit_waits(&scene, &hit, waitQueue, counters, i)) {
+        return;
+    }
     float4 direction = path_load_shadowDirection(paths, i);
     HdsSurfaceHit surface;
     HdsShadingPoint shading;

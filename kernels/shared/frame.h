@@ -21,11 +21,12 @@
 #define HDS_MAX_CLIP_PLANES 8
 
 /* Device counters (u32 each). */
-#define HDS_COUNTER_ACTIVE 0 /* paths that go on to the next cast */
-#define HDS_COUNTER_SHADOW 1 /* shadow rays to cast */
-#define HDS_COUNTER_NAN 2    /* samples that were not finite and count as black */
-#define HDS_COUNTER_PASSES 3 /* rays ended by HDS_MAX_PASSES */
-#define HDS_NUM_COUNTERS 4
+#define HDS_COUNTER_ACTIVE 0  /* paths that go on to the next cast */
+#define HDS_COUNTER_SHADOW 1  /* shadow rays to cast */
+#define HDS_COUNTER_NAN 2     /* samples that were not finite and count as black */
+#define HDS_COUNTER_PASSES 3  /* rays ended by HDS_MAX_PASSES */
+#define HDS_COUNTER_WAITING 4 /* items that wait for pages */
+#define HDS_NUM_COUNTERS 5
 
 HDS_SHARED_BEGIN
 /* Camera space: x right, y up, looking along -z; world space is relative to the scene centre. */

@@ -5,12 +5,7 @@
 #ifndef HDS_SHARED_GEOMETRY_H
 #define HDS_SHARED_GEOMETRY_H
 #include "shared/bvhNode.h"
-
-/* Pool addresses are u32 in units of 16 bytes: bits 28..26 select one of 8 buffers of 1 GiB. */
-#define HDS_POOL_UNIT_BYTES 16u
-#define HDS_POOL_BUFFER_SHIFT 26
-#define HDS_POOL_MAX_BUFFERS 8
-#define HDS_NOT_RESIDENT HDS_NONE
+#include "shared/residency.h"
 
 /* HdsObject.kind */
 #define HDS_OBJECT_GROUP 0u /* BVH over instances (the TLAS is group object 0) */

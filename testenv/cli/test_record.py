@@ -145,13 +145,31 @@ def test_purposes_and_masks_limit_what_is_drawn(tmp_path):
 def test_options_of_features_to_come_warn_and_change_nothing(tmp_path):
     stage = WriteStage(tmp_path)
     assert Run("record", stage, tmp_path / "a.exr", *SMALL).warnings == []
-    result = Run("record", stage, tmp_path / "b.exr", *SMALL, "--residency", "stream", "--geometryMemory", "30%",
-                 "--textureMemory", "512M", "--prepare", "eager", "--disableCameraLight", "--chunkSize", "64K")
+    result = Run("record", stage, tmp_path / "b.exr", *SMALL, "--textureMemory", "512M", "--prepare", "eager",
+                 "--hostMemory", "1G", "--disableCameraLight", "--chunkSize", "64K")
     assert result.code == 0, result.text
-    assert sorted(line.partition(":")[0] for line in result.warnings) == [
-        "--geometryMemory", "--prepare", "--residency", "--textureMemory"]
+    assert sorted(line.partition(":")[0] for line in result.warnings) == ["--hostMemory", "--prepare", "--textureMemory"]
     same = RunHere("compare", tmp_path / "a.exr", tmp_path / "b.exr", "--threshold", "0")
     assert same.code == 0, same.text
+
+
+def test_streamed_geometry_gives_the_same_image(tmp_path):
+    stage = WriteStage(tmp_path)
+    assert Run("record", stage, tmp_path / "a.exr", *SMALL, "--residency", "resident").code == 0
+    for number, options in enumerate((["--geometryMemory", "100%"], ["--geometryMemory", "64K", "--geometryEviction", "flush"],
+                                      ["--request", "first", "--chunkSize", "mesh"])):
+        path = tmp_path / f"b{number}.exr"
+        result = Run("record", stage, path, *SMALL, "--residency", "stream", *options, "--stats", tmp_path / "s.json")
+        assert result.code == 0 and result.warnings == [], result.text
+        statistics = json.loads((tmp_path / "s.json").read_text(encoding="utf-8"))["geometry"]
+        assert statistics["mode"] == "stream" and 0 < statistics["uploadedBytes"]
+        assert RunHere("compare", tmp_path / "a.exr", path, "--threshold", "0").code == 0
+
+
+def test_a_pool_that_is_too_small_is_one_line(tmp_path):
+    result = Run("record", WriteStage(tmp_path), tmp_path / "o.exr", *SMALL, "--residency", "stream", "--geometryMemory", "16")
+    AssertFails(result, 1, "--geometryMemory", "16 bytes cannot hold the largest chunk")
+    assert not (tmp_path / "o.exr").exists()
 
 
 def test_default_time(tmp_path):

@@ -162,6 +162,21 @@ TEST_P(Edits, GiveTheBitsOfAFreshDelegate) {
     }
 }
 
+TEST_P(Edits, GiveTheBitsOfResidentGeometryWhileItStreams) {
+    const EditCase editCase = Cases()[GetParam()];
+    SCOPED_TRACE(editCase.name);
+    HostOptions options = Quick();
+    options.settings[TfToken("residency")] = VtValue(std::string("stream"));
+    options.settings[TfToken("geometryMemory")] = VtValue(std::string("70%"));
+    options.settings[TfToken("chunkBytes")] = VtValue(4096);
+    Host host(ThreeMeshes(), options);
+    ASSERT_GT(host.Render().width, 0);
+    EXPECT_GT(host.Statistic("geometry.uploads"), 0.0);
+    EXPECT_LT(host.Statistic("geometry.budget"), host.Statistic("geometry.bytesTotal"));
+    editCase.edit(host.Scene());
+    EXPECT_EQ(host.Render(), RenderFresh(host, Quick()));
+}
+
 INSTANTIATE_TEST_SUITE_P(All, Edits, ::testing::Range(size_t(0), Cases().size()),
                          [](const ::testing::TestParamInfo<size_t>& paramInfo) {
                              std::string name = Cases()[paramInfo.param].name;

@@ -170,20 +170,16 @@ def _Complexity(text):
 
 
 def _AddStreamingOptions(group):
-    group.add_argument("--residency", choices=("auto", "resident", "stream", "mapped"), default="auto",
-                       help="whole scene in device memory, or loaded on demand (default auto)")
+    options.AddSetting(group, "residency")
     options.AddSetting(group, "subdivision")
     group.add_argument("--hostMemory", type=options.Bytes, metavar="SIZE",
                        help="bound on prepared data in host memory")
-    group.add_argument("--geometryMemory", type=options.BytesOrPercent, metavar="SIZE",
-                       help="device memory for geometry: bytes (K, M, G) or a percentage")
+    options.AddSetting(group, "geometryMemory", type=options.MemorySize, metavar="SIZE|N%")
     group.add_argument("--textureMemory", type=options.BytesOrPercent, metavar="SIZE",
                        help="device memory for textures: bytes (K, M, G) or a percentage")
-    group.add_argument("--geometryEviction", choices=("clock", "flush"), default="clock",
-                       help="what makes room for geometry (default clock)")
+    options.AddSetting(group, "geometryEviction")
     options.AddSetting(group, "chunkBytes", type=options.ChunkBytes, metavar="SIZE|mesh")
-    group.add_argument("--request", choices=("last", "first"), default="last",
-                       help="ask for missing geometry after a ray's walk or at once (default last)")
+    options.AddSetting(group, "request")
     options.AddSetting(group, "waveSize")
     group.add_argument("--shadeIterations", type=options.IntegerIn(0, 64), metavar="N", default=0,
                        help="0: until all texels are exact")

@@ -61,6 +61,12 @@ def BytesOrPercent(text):
     return "percent", value
 
 
+def MemorySize(text):
+    """BytesOrPercent as the core's settings have it: the text itself."""
+    BytesOrPercent(text)
+    return text
+
+
 def ChunkBytes(text):
     """Bytes, or "mesh" for the largest chunk there is: a chunk is a whole mesh."""
     if text != "mesh":

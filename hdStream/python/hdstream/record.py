@@ -21,11 +21,7 @@ _DEFAULT_WIDTH = 960
 _FRAMED = ("camera", "imageWidth", "imageHeight")
 # Options whose feature is not there yet: (attribute, value without effect, what happens instead).
 _IDLE_OPTIONS = (
-    ("residency", ("auto", "resident"), "the whole scene is kept in device memory"),
-    ("geometryMemory", (None,), "the whole scene is kept in device memory"),
     ("textureMemory", (None,), "textures are replaced by their mean colour"),
-    ("geometryEviction", ("clock",), "nothing is evicted"),
-    ("request", ("last",), "nothing is requested"),
     ("shadeIterations", (0,), "shading is always exact"),
     ("hostMemory", (None,), "all prepared data stays in host memory"),
     ("prepare", ("lazy",), "everything is prepared before the first pixel"),

@@ -1,53 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every page is found, whole, at its address, also after edits; missing pages say so.
 #include "hdStream/stream/residentPool.h"
-#include "kernels/shared/geometry.h"
 #include "testenv/support/deviceFixture.h"
+#include "testenv/support/fakePages.h"
 
 #include <algorithm>
-#include <numeric>
 #include <random>
 
 namespace hds::test {
 namespace {
-
-/// Page of id i: an odd count of 16 bytes, or none; its bytes are a function of i.
-std::vector<std::uint8_t> BytesOf(std::uint64_t id) {
-    std::vector<std::uint8_t> bytes(id % 5 == 3 ? 0 : 16 * (1 + (id * 7919) % 63));
-    for (std::size_t i = 0; i < bytes.size(); ++i) {
-        bytes[i] = static_cast<std::uint8_t>(id * 31 + i);
-    }
-    return bytes;
-}
-
-class FakePages : public PageProvider {
-public:
-    explicit FakePages(std::vector<std::uint64_t> ids) : _ids(std::move(ids)) {
-        for (const std::uint64_t id : _ids) {
-            _pages.push_back(BytesOf(id));
-            _total += _pages.back().size();
-        }
-    }
-    std::uint32_t NumPages() const override { return static_cast<std::uint32_t>(_ids.size()); }
-    std::uint64_t PageBytes(std::uint32_t page) const override {
-        return BytesOf(_ids[page]).size();
-    }
-    std::uint64_t PageId(std::uint32_t page) const override { return _ids[page]; }
-    const std::uint8_t* Page(std::uint32_t page) const override { return _pages[page].data(); }
-    void Drop(std::uint32_t page) const override { _pages[page].clear(); }
-    std::uint64_t TotalBytes() const { return _total; }
-
-private:
-    std::vector<std::uint64_t> _ids;
-    mutable std::vector<std::vector<std::uint8_t>> _pages;
-    std::uint64_t _total = 0;
-};
-
-std::vector<std::uint64_t> Range(std::uint64_t begin, std::uint64_t end) {
-    std::vector<std::uint64_t> ids(end - begin);
-    std::iota(ids.begin(), ids.end(), begin);
-    return ids;
-}
 
 class ResidentPoolTest : public DeviceFixture {
 protected:

@@ -91,9 +91,10 @@ TEST(SettingsTable, HasARowForEveryMember) {
         bool noCache;
         std::string traversal;
         std::uint64_t chunkBytes;
+        std::string residency, geometryMemory, geometryEviction, request;
     };
     EXPECT_EQ(sizeof(Settings), sizeof(Mirror));
-    EXPECT_EQ(SettingTable().size(), 25U);
+    EXPECT_EQ(SettingTable().size(), 29U);
 }
 
 TEST(SettingsTable, DefaultsAreLegal) {

@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/stream/streamingPool.h"
+
+#include "hdStream/base/error.h"
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <unordered_map>
+#include <utility>
+
+namespace hds {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double SecondsSince(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+std::uint32_t GroupOf(std::uint32_t page) {
+    return page / StreamingPool::kGroupPages;
+}
+
+} // namespace
+
+StreamingPool::StreamingPool(std::shared_ptr<Device> device, std::string label, Eviction eviction)
+    : _device(std::move(device)), _label(std::move(label)), _eviction(eviction) {
+    for (Buffer& buffer : _buffers) {
+        buffer = Buffer(_device, _label + " pool", 0, BufferAccess::ReadOnly);
+    }
+}
+
+void StreamingPool::Update(const PageProvider& provider, std::uint64_t budgetBytes) {
+    _provider = &provider;
+    std::unordered_map<std::uint64_t, PageState> known;
+    for (std::size_t page = 0; page < _ids.size(); ++page) {
+        known.emplace(_ids[page], _pages[page]);
+    }
+    _ids.assign(provider.NumPages(), 0);
+    _pages.assign(provider.NumPages(), {});
+    std::uint64_t totalBytes = 0;
+    for (std::uint32_t page = 0; page < provider.NumPages(); ++page) {
+        _ids[page] = provider.PageId(page);
+        totalBytes += provider.PageBytes(page);
+        const auto found = known.find(_ids[page]);
+        if (found != known.end()) {
+            _pages[page] = found->second;
+            known.erase(found);
+        }
+    }
+    for (const auto& [id, state] : known) {
+        if (state.range.bytes > 0) {
+            _ranges.Free(state.range);
+        }
+    }
+    CheckFits(budgetBytes);
+    const std::uint64_t wanted = std::min(budgetBytes, totalBytes);
+    if (wanted > _bytes || budgetBytes < _bytes) {
+        AllocateBuffers(wanted);
+    }
+    MakeTables();
+}
+
+/// The largest group must fit the largest buffer, so that each service can load one.
+void StreamingPool::CheckFits(std::uint64_t budgetBytes) const {
+    std::uint64_t largest = 0;
+    for (std::uint32_t first = 0; first < _provider->NumPages(); first += kGroupPages) {
+        std::uint64_t bytes = 0;
+        for (std::uint32_t page = first; page < first + kGroupPages; ++page) {
+            bytes += _provider->PageBytes(page);
+        }
+        largest = std::max(largest, bytes);
+    }
+    const std::uint64_t bufferLimit =
+        std::min(kMaxPoolBufferBytes, _device->Properties().maxAllocationBytes);
+    if (largest > std::min(budgetBytes, bufferLimit)) {
+        throw Error("--" + _label +
+                    "Memory: " + std::to_string(std::min(budgetBytes, bufferLimit)) +
+                    " bytes cannot hold the largest chunk, which takes " + std::to_string(largest) +
+                    " (--chunkSize makes chunks smaller)");
+    }
+}
+
+/// Makes buffers of `bytes` in all; what was resident leaves.
+void StreamingPool::AllocateBuffers(std::uint64_t bytes) {
+    for (Buffer& buffer : _buffers) {
+        buffer = Buffer(); // frees first
+    }
+    _ranges = {};
+    _bytes = 0;
+    for (PageState& page : _pages) {
+        _statistics.evictions += page.range.bytes > 0 ? 1 : 0;
+        page.range = {};
+    }
+    const std::uint64_t limit =
+        std::min(kMaxPoolBufferBytes, _device->Properties().maxAllocationBytes) /
+        HDS_POOL_UNIT_BYTES * HDS_POOL_UNIT_BYTES;
+    bytes = bytes / HDS_POOL_UNIT_BYTES * HDS_POOL_UNIT_BYTES;
+    for (std::uint32_t i = 0; i < kMaxPoolBuffers; ++i) {
+        const std::uint64_t size = std::min(limit, bytes - _bytes);
+        _buffers[i] =
+            Buffer(_device, _label + " pool " + std::to_string(i), size, BufferAccess::ReadOnly);
+        if (size > 0) {
+            _ranges.AddBuffer(size);
+            _bytes += size;
+        }
+    }
+}
+
+void StreamingPool::MakeTables() {
+    const std::uint64_t bytes = _pages.size() * sizeof(std::uint32_t);
+    _table = Buffer(_device, _label + " residency table", bytes, BufferAccess::ReadOnly);
+    _requests =
+        Buffer(_device, _label + " requests", bytes + HDS_REQUEST_HEADER * sizeof(std::uint32_t));
+    _requestCounts = Buffer(_device, _label + " request counts", bytes);
+    _stamps = Buffer(_device, _label + " use stamps", bytes);
+    _requests.Fill(0, HDS_REQUEST_HEADER * sizeof(std::uint32_t));
+    _requestCounts.Fill(0, _requestCounts.Bytes());
+    _stamps.Fill(0, _stamps.Bytes());
+    PublishTable();
+}
+
+std::uint64_t StreamingPool::TableBytes() const {
+    return _table.Bytes() + _requests.Bytes() + _requestCounts.Bytes() + _stamps.Bytes();
+}
+
+void StreamingPool::BeginCast() {
+    ++_epoch;
+    _requests.Write(&_epoch, sizeof(_epoch), HDS_REQUEST_EPOCH * sizeof(std::uint32_t));
+    bool isChanged = false;
+    for (PageState& page : _pages) {
+        isChanged = isChanged || page.isDone;
+        page.isDone = false;
+    }
+    if (isChanged) {
+        PublishTable();
+    }
+}
+
+void StreamingPool::ServiceCast() {
+    const auto start = Clock::now();
+    for (PageState& page : _pages) {
+        page.isDone = page.isDone || page.range.bytes > 0;
+        page.isProtected = false;
+    }
+    _hasVictims = false;
+    for (const Request& request : TakeRequests()) {
+        if (!Place(request.page)) {
+            break;
+        }
+        _pages[request.page].wanted = request.count;
+    }
+    HDS_VERIFY(!_queued.empty(), _label + ": nothing was loaded");
+    _statistics.serviceSeconds += SecondsSince(start);
+    LoadQueued();
+}
+
+void StreamingPool::ServiceGroups() {
+    const auto start = Clock::now();
+    for (PageState& page : _pages) {
+        page.isProtected = false;
+    }
+    _hasVictims = false;
+    for (const Request& request : TakeRequests()) {
+        const std::uint32_t first = GroupOf(request.page) * kGroupPages;
+        if (PlaceGroup(first, request.count)) {
+            continue;
+        }
+        if (!_queued.empty()) {
+            break;
+        }
+        // What was kept of the group lies in the way of the rest: begin with an empty pool.
+        for (std::uint32_t page = 0; page < _pages.size(); ++page) {
+            Remove(page);
+        }
+        PlaceGroup(first, request.count);
+        break;
+    }
+    HDS_VERIFY(!_queued.empty(), _label + ": nothing was loaded");
+    _statistics.serviceSeconds += SecondsSince(start);
+    LoadQueued();
+}
+
+/// Places what is missing of the group that begins with page `first`. \return false, with nothing
+/// placed, when there is no room for all of it.
+bool StreamingPool::PlaceGroup(std::uint32_t first, std::uint32_t wanted) {
+    std::array<bool, kGroupPages> isNeeded{};
+    for (std::uint32_t i = 0; i < kGroupPages; ++i) {
+        // Before anything leaves for the others.
+        isNeeded[i] = !IsResident(first + i) && _provider->PageBytes(first + i) > 0;
+        _pages[first + i].isProtected = _pages[first + i].isProtected || IsResident(first + i);
+    }
+    const std::size_t numQueued = _queued.size();
+    for (std::uint32_t i = 0; i < kGroupPages; ++i) {
+        if (!isNeeded[i]) {
+            continue;
+        }
+        if (!Place(first + i)) {
+            while (_queued.size() > numQueued) {
+                _ranges.Free(_pages[_queued.back()].range);
+                _pages[_queued.back()].range = {};
+                _queued.pop_back();
+            }
+            return false;
+        }
+        _pages[first + i].wanted = wanted;
+    }
+    return true;
+}
+
+/// What kernels have asked for, most wanted first; clears the requests.
+std::vector<StreamingPool::Request> StreamingPool::TakeRequests() {
+    std::uint32_t count = 0;
+    _requests.Read(&count, sizeof(count), HDS_REQUEST_NUM_PAGES * sizeof(std::uint32_t));
+    std::vector<std::uint32_t> list(count);
+    _requests.Read(list.data(), count * sizeof(std::uint32_t),
+                   HDS_REQUEST_HEADER * sizeof(std::uint32_t));
+    std::vector<std::uint32_t> counts(_pages.size());
+    _requestCounts.Read(counts.data(), counts.size() * sizeof(std::uint32_t));
+    std::vector<Request> requests;
+    for (const std::uint32_t page : list) {
+        requests.push_back({page, counts[page]});
+    }
+    std::sort(requests.begin(), requests.end(), [](const Request& a, const Request& b) {
+        return a.count != b.count ? a.count > b.count : a.page < b.page;
+    });
+    _requestCounts.Fill(0, _requestCounts.Bytes());
+    const std::uint32_t zero = 0;
+    _requests.Write(&zero, sizeof(zero), HDS_REQUEST_NUM_PAGES * sizeof(std::uint32_t));
+    return requests;
+}
+
+/// Finds room for a page, evicting others, and queues it. \return false when all that could leave
+/// has left.
+bool StreamingPool::Place(std::uint32_t page) {
+    PageState& state = _pages[page];
+    while (!_ranges.Allocate(_provider->PageBytes(page), &state.range)) {
+        if (!Evict()) {
+            state.range = {};
+            return false;
+        }
+    }
+    state.isProtected = true;
+    _queued.push_back(page);
+    return true;
+}
+
+/// Lists the pages that may leave in this service, as a heap: few of many leave.
+void StreamingPool::ListVictims() {
+    _hasVictims = true;
+    _victims.clear();
+    std::vector<std::uint32_t> stamps(_pages.size());
+    _stamps.Read(stamps.data(), stamps.size() * sizeof(std::uint32_t));
+    for (std::uint32_t page = 0; page < _pages.size(); ++page) {
+        if (IsResident(page) && !_pages[page].isProtected) {
+            _victims.push_back({stamps[page], _pages[page].wanted, page});
+        }
+    }
+    std::make_heap(_victims.begin(), _victims.end(), std::greater<>());
+}
+
+/// Makes one page leave, or all (flush). \return false when none may.
+bool StreamingPool::Evict() {
+    if (!_hasVictims) {
+        ListVictims();
+    }
+    bool isAny = false;
+    while (!_victims.empty() && (!isAny || _eviction == Eviction::Flush)) {
+        std::pop_heap(_victims.begin(), _victims.end(), std::greater<>());
+        const std::uint32_t page = _victims.back().page;
+        _victims.pop_back();
+        if (!_pages[page].isProtected) {
+            isAny = Remove(page) || isAny;
+        }
+    }
+    return isAny;
+}
+
+/// \return false when the page is not resident.
+bool StreamingPool::Remove(std::uint32_t page) {
+    if (!IsResident(page)) {
+        return false;
+    }
+    _ranges.Free(_pages[page].range);
+    _pages[page].range = {};
+    ++_statistics.evictions;
+    return true;
+}
+
+void StreamingPool::LoadQueued() {
+    const auto start = Clock::now();
+    std::array<std::vector<BufferCopy>, kMaxPoolBuffers> copies;
+    for (const std::uint32_t page : _queued) {
+        const PoolRange& range = _pages[page].range;
+        copies[range.buffer].push_back({_provider->Page(page), range.bytes, range.offset});
+        _statistics.uploadedBytes += range.bytes;
+        ++_statistics.uploads;
+        if (!_pages[page].wasLoaded) {
+            const std::uint32_t first = GroupOf(page) * kGroupPages;
+            const bool isFirst =
+                std::none_of(_pages.begin() + first, _pages.begin() + first + kGroupPages,
+                             [](const PageState& state) { return state.wasLoaded; });
+            _statistics.chunksUsed += isFirst ? 1 : 0;
+            _pages[page].wasLoaded = true;
+            _statistics.uniqueBytes += range.bytes;
+        }
+    }
+    for (std::uint32_t buffer = 0; buffer < NumBuffers(); ++buffer) {
+        _buffers[buffer].WriteMany(copies[buffer]);
+    }
+    _queued.clear();
+    PublishTable(); // only now: words are read by whatever is launched next
+    _statistics.transferSeconds += SecondsSince(start);
+}
+
+void StreamingPool::PublishTable() {
+    std::vector<std::uint32_t> words(_pages.size());
+    for (std::size_t page = 0; page < words.size(); ++page) {
+        const PageState& state = _pages[page];
+        words[page] = (state.range.bytes > 0 ? state.range.Address() : HDS_NOT_RESIDENT) |
+                      (state.isDone ? HDS_PAGE_DONE : 0U);
+    }
+    _table.Write(words.data(), words.size() * sizeof(std::uint32_t));
+}
+
+} // namespace hds

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+// Streaming mode (DESIGN.md section 4.4, 4.5): a pool of fixed size holds those pages that kernels
+// have asked for; others leave when room is needed. Explained in docs/streaming.md.
+#pragma once
+
+#include "hdStream/device/device.h"
+#include "hdStream/stream/pageProvider.h"
+#include "hdStream/stream/rangeAllocator.h"
+
+#include <array>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace hds {
+
+/// Which pages leave when there is no room.
+enum class Eviction {
+    Clock, ///< those that were used least recently; of equally recent ones those fewest asked for
+    Flush, ///< all of them (the report's rule)
+};
+
+/// What a streaming pool has done since it was made. Bytes, seconds and counts of pages.
+struct StreamingStatistics {
+    std::uint64_t uploadedBytes = 0;
+    std::uint64_t uploads = 0;
+    std::uint64_t uniqueBytes = 0; ///< of pages loaded at least once
+    std::uint64_t evictions = 0;
+    std::uint64_t chunksUsed = 0; ///< groups of which a page was loaded at least once
+    double serviceSeconds = 0.0;  ///< reading requests, choosing, publishing
+    double transferSeconds = 0.0;
+};
+
+/// Device memory that holds some pages of a provider. Pages come in groups of kGroupPages with
+/// numbers that follow each other, which shading needs together. Externally synchronised.
+///
+/// A cast goes: BeginCast; launch; then, as long as items wait for pages, ServiceCast and launch
+/// again over them. Other launches that need whole groups: launch; while items wait, ServiceGroups
+/// and launch again. Each service loads at least one page (group) that was asked for.
+class StreamingPool {
+public:
+    static constexpr std::uint32_t kGroupPages = 2;
+
+    /// An empty pool. \param label names it in error messages.
+    StreamingPool(std::shared_ptr<Device> device, std::string label, Eviction eviction);
+
+    /// Serves the pages of `provider`, which must live until the next call, from at most
+    /// `budgetBytes` of device memory. Pages that are resident stay (known by their ids).
+    /// \throws Error that names the option --LABELMemory when the largest group does not fit.
+    void Update(const PageProvider& provider, std::uint64_t budgetBytes);
+
+    /// Begins a cast: no page is done.
+    void BeginCast();
+    /// After an iteration: the pages that were resident in it are done, those asked for most are
+    /// loaded. Blocks.
+    void ServiceCast();
+    /// Loads groups that were asked for, whole. Blocks.
+    void ServiceGroups();
+
+    /// The residency table (kernels/shared/residency.h).
+    const Buffer& Addresses() const { return _table; }
+    const Buffer& Requests() const { return _requests; }
+    const Buffer& RequestCounts() const { return _requestCounts; }
+    const Buffer& Stamps() const { return _stamps; }
+    /// Buffer `i` of the signature; unused ones are tiny but valid.
+    const Buffer& PoolBuffer(std::uint32_t i) const { return _buffers[i]; }
+    std::uint32_t NumBuffers() const { return _ranges.NumBuffers(); }
+    /// Bytes of device memory for pages, and for the tables that streaming needs.
+    std::uint64_t Bytes() const { return _bytes; }
+    std::uint64_t TableBytes() const;
+    const StreamingStatistics& Statistics() const { return _statistics; }
+
+private:
+    struct Request {
+        std::uint32_t page = 0;
+        std::uint32_t count = 0;
+    };
+    struct PageState {
+        PoolRange range;          ///< bytes 0: not resident
+        std::uint32_t wanted = 0; ///< how many asked for it when it was loaded
+        bool isProtected = false; ///< loaded, or found resident and needed, in this service
+        bool isDone = false;      ///< of the present cast
+        bool wasLoaded = false;   ///< at any time
+    };
+
+    /// A page that may leave. Ordered by what leaves first.
+    struct Victim {
+        std::uint32_t stamp = 0; ///< cast of its last use
+        std::uint32_t wanted = 0;
+        std::uint32_t page = 0;
+
+        bool operator>(const Victim& other) const {
+            return std::tie(stamp, wanted, page) > std::tie(other.stamp, other.wanted, other.page);
+        }
+    };
+
+    bool IsResident(std::uint32_t page) const { return _pages[page].range.bytes > 0; }
+    void CheckFits(std::uint64_t budgetBytes) const;
+    void AllocateBuffers(std::uint64_t bytes);
+    void MakeTables();
+    std::vector<Request> TakeRequests();
+    bool PlaceGroup(std::uint32_t first, std::uint32_t wanted);
+    bool Place(std::uint32_t page);
+    void ListVictims();
+    bool Evict();
+    bool Remove(std::uint32_t page);
+    void LoadQueued();
+    void PublishTable();
+
+    std::shared_ptr<Device> _device;
+    std::string _label;
+    Eviction _eviction;
+    const PageProvider* _provider = nullptr;
+    RangeAllocator _ranges;
+    std::array<Buffer, kMaxPoolBuffers> _buffers;
+    std::uint64_t _bytes = 0;
+    Buffer _table;
+    Buffer _requests;
+    Buffer _requestCounts;
+    Buffer _stamps;
+    std::uint32_t _epoch = 0; ///< counts casts
+    std::vector<PageState> _pages;
+    std::vector<std::uint64_t> _ids;
+    std::vector<Victim> _victims;       ///< of this service: a heap, the first to leave on top
+    bool _hasVictims = false;           ///< they are listed
+    std::vector<std::uint32_t> _queued; ///< placed, to be loaded
+    StreamingStatistics _statistics;
+};
+
+} // namespace hds

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Time of streamed geometry over resident: geometryStreaming.py [STAGE...] [options]
+
+For each stage (default: those of testenv/stages/streaming.py, in sizes of some 100 MB), in one run: resident geometry at
+its best wave size, then pools of several percentages of all bytes with either eviction, and the report's own design
+(whole meshes as units, flush, first request). Prints a table in Markdown a stage. `ratio` is time.render over that of
+resident, medians of --repeats runs that take turns; every picture must have the bits of the resident one.
+Stages are USD files with their camera after a colon: scene.usda:/World/Camera.
+"""
+
+import argparse
+import json
+import pathlib
+
+import sys
+import tempfile
+
+import numpy as np
+
+TESTENV = pathlib.Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(TESTENV)]
+
+from hdstream import _core  # noqa: E402
+from hdstream.translate import TranslateStage  # noqa: E402
+from pxr import Usd  # noqa: E402
+from stages import bench, streaming  # noqa: E402
+
+_POOLS = (100, 79, 50, 30, 15, 5, 2)
+_REPORT_POOLS = (100, 79, 30)
+_RESIDENT_WAVES = (1 << 13, 1 << 14, 1 << 15, 1 << 16)
+_MESH_CHUNK = next(int(row.maximum) for row in _core.SettingTable() if row.name == "chunkBytes")
+GENERATED = {
+    "hugeMesh": lambda path: bench.WriteTerrain(path, cells=1000),
+    "manyMeshes": lambda path: bench.WriteMeshes(path, meshes=60_000),
+    "manyInstances": lambda path: bench.WriteForest(path, instances=300_000),
+    "overlap": lambda path: streaming.WriteOverlap(path, meshes=24, rings=220),
+    "nested": lambda path: streaming.WriteNested(path, rings=400),
+}
+
+
+class Scene:
+    """A stage in a session; renders of it with settings."""
+
+    def __init__(self, path: str, camera: str, args):
+        self.session = _core.Session()
+        self.camera, self.args = camera, args
+        TranslateStage(Usd.Stage.Open(path), self.session, Usd.TimeCode.Default())
+
+    def Render(self, samples=None, **settings):
+        """(color bytes, statistics)."""
+        options = _core.Settings()
+        options.camera = self.camera
+        options.imageWidth, options.imageHeight = self.args.width, self.args.width * 9 // 16
+        options.samples = samples or self.args.samples
+        options.chunkBytes = self.args.chunkSize
+        for name, value in settings.items():
+            setattr(options, name, value)
+        self.session.Render(options)
+        pixels = next(np.array(layer.pixels) for layer in self.session.Layers() if layer.name == "color")
+        return pixels.tobytes(), json.loads(self.session.Statistics())
+
+
+def Measure(scene: Scene, variants: dict, repeats: int) -> dict:
+    """{name: statistics of the median run} of variants that take turns; a first short render of each warms kernels."""
+    runs = {name: [] for name in variants}
+    pictures = set()
+    for turn in range(repeats + 1):
+        for name, settings in variants.items():
+            if name not in runs:
+                continue
+            try:
+                picture, figures = scene.Render(samples=1 if turn == 0 else None, **settings)
+            except _core.Error as error:
+                print(f"<!-- {name}: {error} -->")
+                del runs[name]
+                continue
+            if turn > 0:
+                pictures.add(picture)
+                runs[name].append(figures)
+    assert len(pictures) == 1, "the pictures differ"
+    return {name: sorted(found, key=lambda run: run["time"]["render"])[len(found) // 2] for name, found in runs.items()}
+
+
+def Row(name: str, run: dict, resident: dict) -> str:
+    time, geometry, memory = run["time"], run["geometry"], run["memory"]
+    device = geometry["budget"] + memory["pathState"] + memory["tables"]
+    residentDevice = resident["geometry"]["budget"] + resident["memory"]["pathState"] + resident["memory"]["tables"]
+    cells = [name, f"{time['render']:.2f}", f"{time['render'] / resident['time']['render']:.2f}",
+             f"{device / residentDevice:.2f}",
+             " ".join(f"{time[key]:.2f}" for key in ("trace", "shade", "service", "transfer")),
+             f"{geometry['uploadedBytes'] / max(1, geometry['uniqueBytesLoaded']):.1f}",
+             f"{geometry['iterations'] / max(1, geometry['casts']):.1f} / {geometry['maxIterationsPerCast']}",
+             f"{geometry['raysRelaunched'] / 1e6:.2f}", f"{geometry['shadingRefetches']}", f"{run['wave']['size']}"]
+    return "| " + " | ".join(cells) + " |"
+
+
+def RunStage(name: str, path: str, camera: str, args) -> None:
+    scene = Scene(path, camera, args)
+    waves = {f"{wave}": dict(residency="resident", waveSize=wave) for wave in _RESIDENT_WAVES}
+    best = min(Measure(scene, waves, 1).items(), key=lambda item: item[1]["time"]["render"])[0]
+    variants = {"resident": dict(residency="resident", waveSize=int(best))}
+    resident = Measure(scene, variants, args.repeats)["resident"]
+    streams = {}
+    for pool in args.pools:
+        for eviction in ("clock", "flush") if args.flush else ("clock",):
+            streams[f"{pool} % {eviction}"] = dict(
+                residency="stream", geometryMemory=f"{pool}%", geometryEviction=eviction, waveSize=args.waveSize)
+    runs = Measure(scene, {**streams}, args.repeats)
+    again = Measure(scene, variants, args.repeats)["resident"]
+    resident = min(resident, again, key=lambda run: run["time"]["render"])
+    geometry = resident["geometry"]
+    touched = max(run["geometry"]["chunksTouched"] for run in runs.values()) / geometry["chunks"]
+    print(f"\n### {name}\n\n{geometry['triangles']} triangles, {geometry['instances']} instances, {geometry['chunks']} chunks, "
+          f"{geometry['bytesTotal'] / 1e6:.1f} MB, always resident {geometry['alwaysResidentBytes'] / 1e6:.2f} MB, "
+          f"{100 * touched:.0f} % of the chunks touched; {args.width} pixels wide, {args.samples} samples, "
+          f"resident wave {best}\n")
+    print("| pool | s | ratio | device memory | trace, shade, service, transfer | loaded / unique | iterations a cast: "
+          "mean / max | relaunched, M | refetches | wave |")
+    print("|---|---|---|---|---|---|---|---|---|---|")
+    for label, run in {"resident": resident, **runs}.items():
+        print(Row(label, run, resident))
+    if args.report:
+        report = Scene(path, camera, args)
+        common = dict(residency="stream", chunkBytes=_MESH_CHUNK, geometryEviction="flush", request="first", waveSize=args.waveSize)
+        found = Measure(report, {f"{pool} % report's design": dict(common, geometryMemory=f"{pool}%") for pool in _REPORT_POOLS}, 1)
+        for label, run in found.items():
+            print(Row(label, run, resident))
+    sys.stdout.flush()
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("stages", nargs="*", default=list(GENERATED), help="FILE:CAMERA, or the name of a generated one")
+    parser.add_argument("--width", type=int, default=480)
+    parser.add_argument("--samples", type=int, default=16)
+    parser.add_argument("--chunkSize", type=int, default=1 << 18, help="bytes")
+    parser.add_argument("--waveSize", type=int, default=0)
+    parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--pools", type=lambda text: [int(word) for word in text.split(",")], default=_POOLS)
+    parser.add_argument("--flush", action="store_true", help="also with flush eviction")
+    parser.add_argument("--report", action="store_true", help="also the report's design")
+    args = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        for stage in args.stages:
+            path, _, camera = stage.partition(":")
+            if stage in GENERATED:
+                path, camera = f"{folder}/{stage}.usdc", "/World/Camera"
+                GENERATED[stage](path)
+            RunStage(stage, path, camera, args)
+
+
+if __name__ == "__main__":
+    main()

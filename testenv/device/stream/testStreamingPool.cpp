@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: Apache-2.0
+// What kernels ask for is there, whole, after the service; the budget holds; the right pages leave.
+#include "hdStream/stream/streamingPool.h"
+#include "testenv/support/deviceFixture.h"
+#include "testenv/support/fakePages.h"
+
+#include <algorithm>
+#include <random>
+
+namespace hds::test {
+namespace {
+
+const char* const kProbeText = R"(
+#define HDS_FEATURE_STREAMING 1
+#include "stream/residency.clh"
+/* Item i asks for page[i], or marks it as used. */
+kernel void probe_use(global const uint* pages, uint count, uint isRequest HDS_RESIDENCY_ARGS) {
+    const uint i = (uint)get_global_id(0);
+    if (i >= count) {
+        return;
+    }
+    HdsResidencyView view;
+    HDS_RESIDENCY_VIEW(view);
+    if (isRequest != 0u) {
+        residency_request(&view, pages[i]);
+    } else {
+        residency_touch(&view, pages[i]);
+    }
+}
+)";
+
+using Pages = std::vector<std::uint32_t>;
+
+class StreamingPoolTest : public DeviceFixture {
+protected:
+    void SetUp() override {
+        DeviceFixture::SetUp();
+        if (device) {
+            program = Build(kProbeText);
+            probe = program->GetKernel("probe_use");
+        }
+    }
+
+    void Use(const StreamingPool& pool, const Pages& pages, std::uint32_t isRequest) {
+        const Buffer list = Upload(pages);
+        const auto count = static_cast<std::uint32_t>(pages.size());
+        probe.Launch(count, list, count, isRequest, pool.Requests(), pool.RequestCounts(),
+                     pool.Stamps());
+        device->Finish();
+    }
+    void Ask(const StreamingPool& pool, const Pages& pages) { Use(pool, pages, 1); }
+    void Touch(const StreamingPool& pool, const Pages& pages) { Use(pool, pages, 0); }
+
+    /// Words of the table; checks the bytes of every page that is resident.
+    std::vector<std::uint32_t> Table(const StreamingPool& pool,
+                                     const std::vector<std::uint64_t>& ids) {
+        auto words = Download<std::uint32_t>(pool.Addresses(), ids.size());
+        std::vector<std::vector<std::uint8_t>> memory;
+        for (std::uint32_t i = 0; i < pool.NumBuffers(); ++i) {
+            memory.push_back(
+                Download<std::uint8_t>(pool.PoolBuffer(i), pool.PoolBuffer(i).Bytes()));
+        }
+        for (std::size_t page = 0; page < ids.size(); ++page) {
+            const std::uint32_t address = words[page] & ~HDS_PAGE_DONE;
+            if (address == HDS_NOT_RESIDENT) {
+                continue;
+            }
+            const std::vector<std::uint8_t> expected = BytesOf(ids[page]);
+            const std::uint32_t buffer = address >> HDS_POOL_BUFFER_SHIFT;
+            const std::uint64_t at =
+                std::uint64_t{address & ((1U << HDS_POOL_BUFFER_SHIFT) - 1U)} * HDS_POOL_UNIT_BYTES;
+            EXPECT_LT(buffer, memory.size());
+            EXPECT_LE(at + expected.size(), memory[buffer].size());
+            EXPECT_TRUE(std::equal(expected.begin(), expected.end(),
+                                   memory[buffer].begin() + static_cast<std::ptrdiff_t>(at)))
+                << "page " << page;
+        }
+        return words;
+    }
+
+    static Pages Resident(const std::vector<std::uint32_t>& words) {
+        Pages pages;
+        for (std::uint32_t page = 0; page < words.size(); ++page) {
+            if ((words[page] & ~HDS_PAGE_DONE) != HDS_NOT_RESIDENT) {
+                pages.push_back(page);
+            }
+        }
+        return pages;
+    }
+
+    std::unique_ptr<Program> program;
+    Kernel probe;
+};
+
+/// Pages of 160 bytes each.
+std::vector<std::uint64_t> EqualIds(std::size_t count) {
+    std::vector<std::uint64_t> ids;
+    for (std::uint64_t id = 1; ids.size() < count; ++id) {
+        if (BytesOf(id).size() == 160) {
+            ids.push_back(id);
+        }
+    }
+    return ids;
+}
+
+TEST_F(StreamingPoolTest, LoadsWhatIsAskedForMost) {
+    const std::vector<std::uint64_t> ids = EqualIds(8);
+    const FakePages pages(ids);
+    StreamingPool pool(device, "fake", Eviction::Clock);
+    pool.Update(pages, 3 * 160 + 100);
+    EXPECT_LE(pool.Bytes(), 3U * 160 + 100);
+    pool.BeginCast();
+    Ask(pool, {5, 1, 5, 7, 2, 7, 5, 7, 7, 1});
+    pool.ServiceCast();
+    EXPECT_EQ(Resident(Table(pool, ids)), (Pages{1, 5, 7}));
+    EXPECT_EQ(pool.Statistics().uploads, 3U);
+    EXPECT_EQ(pool.Statistics().uploadedBytes, 480U);
+    EXPECT_EQ(pool.Statistics().evictions, 0U);
+}
+
+TEST_F(StreamingPoolTest, WhatWasVisitedIsDoneUntilTheNextCast) {
+    const std::vector<std::uint64_t> ids = EqualIds(8);
+    const FakePages pages(ids);
+    StreamingPool pool(device, "fake", Eviction::Clock);
+    pool.Update(pages, 2 * 160);
+    pool.BeginCast();
+    Ask(pool, {0, 1});
+    pool.ServiceCast();
+    Touch(pool, {0, 1});
+    Ask(pool, {2});
+    pool.ServiceCast(); // 0 and 1 are done; one of them leaves for 2
+    const std::vector<std::uint32_t> words = Table(pool, ids);
+    EXPECT_NE(words[0] & HDS_PAGE_DONE, 0U);
+    EXPECT_NE(words[1] & HDS_PAGE_DONE, 0U);
+    EXPECT_EQ(words[2] & HDS_PAGE_DONE, 0U);
+    EXPECT_EQ(words[3], HDS_NOT_RESIDENT);
+    pool.BeginCast();
+    for (const std::uint32_t word : Table(pool, ids)) {
+        EXPECT_EQ(word & HDS_PAGE_DONE, 0U);
+    }
+}
+
+TEST_F(StreamingPoolTest, TheLeastRecentlyUsedLeaveThenThoseLeastWanted) {
+    const std::vector<std::uint64_t> ids = EqualIds(10);
+    const FakePages pages(ids);
+    StreamingPool pool(device, "fake", Eviction::Clock);
+    pool.Update(pages, 4 * 160);
+    pool.BeginCast();
+    Ask(pool, {0, 1, 1, 1, 2, 2, 3});
+    pool.ServiceCast();
+    Touch(pool, {0, 1, 2, 3});
+    pool.BeginCast();
+    Touch(pool, {0, 1, 2}); // 3 is the oldest
+    Ask(pool, {4, 4, 5});
+    pool.ServiceCast(); // 3 leaves, then 0: fewest asked for it
+    EXPECT_EQ(Resident(Table(pool, ids)), (Pages{1, 2, 4, 5}));
+    EXPECT_EQ(pool.Statistics().evictions, 2U);
+}
+
+TEST_F(StreamingPoolTest, FlushMakesAllLeave) {
+    const std::vector<std::uint64_t> ids = EqualIds(10);
+    const FakePages pages(ids);
+    StreamingPool pool(device, "fake", Eviction::Flush);
+    pool.Update(pages, 4 * 160);
+    pool.BeginCast();
+    Ask(pool, {0, 1, 2, 3});
+    pool.ServiceCast();
+    Ask(pool, {7});
+    pool.ServiceCast();
+    EXPECT_EQ(Resident(Table(pool, ids)), (Pages{7}));
+    EXPECT_EQ(pool.Statistics().evictions, 4U);
+}
+
+TEST_F(StreamingPoolTest, GroupsComeWhole) {
+    const std::vector<std::uint64_t> ids = EqualIds(10);
+    const FakePages pages(ids);
+    StreamingPool pool(device, "fake", Eviction::Clock);
+    pool.Update(pages, 3 * 160);
+    pool.BeginCast();
+    Ask(pool, {4, 6});
+    pool.ServiceCast();
+    Touch(pool, {4, 6});
+    Ask(pool, {1, 1, 5}); // page 0 comes with 1; the room that is left is too small for 4 and 5
+    pool.ServiceGroups();
+    const Pages resident = Resident(Table(pool, ids));
+    EXPECT_TRUE(std::count(resident.begin(), resident.end(), 0U) == 1 &&
+                std::count(resident.begin(), resident.end(), 1U) == 1);
+    Ask(pool, {5});
+    pool.ServiceGroups(); // 4 may be there already: it stays
+    const Pages after = Resident(Table(pool, ids));
+    EXPECT_TRUE(std::count(after.begin(), after.end(), 4U) == 1 &&
+                std::count(after.begin(), after.end(), 5U) == 1);
+}
+
+TEST_F(StreamingPoolTest, APoolOfOneGroupServesEverything) {
+    const std::vector<std::uint64_t> ids = Range(0, 400); // all sizes, some pages are empty
+    const FakePages pages(ids);
+    std::uint64_t largest = 0;
+    for (std::size_t page = 0; page < ids.size(); page += 2) {
+        largest = std::max<std::uint64_t>(largest, pages.PageBytes(std::uint32_t(page)) +
+                                                       pages.PageBytes(std::uint32_t(page) + 1));
+    }
+    for (const Eviction eviction : {Eviction::Clock, Eviction::Flush}) {
+        StreamingPool pool(device, "fake", eviction);
+        pool.Update(pages, largest);
+        EXPECT_EQ(pool.Bytes(), largest);
+        std::mt19937 random(11);
+        for (int round = 0; round < 100; ++round) {
+            const std::uint32_t page = random() % 400;
+            if (pages.PageBytes(page) == 0) {
+                continue;
+            }
+            const auto isThere = [&](std::uint32_t which) {
+                return pages.PageBytes(which) == 0 ||
+                       (Table(pool, ids)[which] & ~HDS_PAGE_DONE) != HDS_NOT_RESIDENT;
+            };
+            if (isThere(page) && isThere(page ^ 1U)) {
+                continue;
+            }
+            Ask(pool, {isThere(page) ? page ^ 1U : page});
+            pool.ServiceGroups();
+            EXPECT_TRUE(isThere(page) && isThere(page ^ 1U));
+        }
+    }
+}
+
+TEST_F(StreamingPoolTest, RandomUseKeepsTheBudget) {
+    const std::vector<std::uint64_t> ids = Range(0, 1000);
+    const FakePages pages(ids);
+    for (const Eviction eviction : {Eviction::Clock, Eviction::Flush}) {
+        const std::uint64_t before = device->AllocatedBytes();
+        StreamingPool pool(device, "fake", eviction);
+        const std::uint64_t budget = pages.TotalBytes() / 7;
+        pool.Update(pages, budget);
+        std::mt19937 random(5);
+        for (int cast = 0; cast < 20; ++cast) {
+            pool.BeginCast();
+            for (int iteration = 0; iteration < 5; ++iteration) {
+                Pages asked;
+                const std::vector<std::uint32_t> words = Table(pool, ids);
+                std::uint64_t residentBytes = 0;
+                for (std::uint32_t page = 0; page < words.size(); ++page) {
+                    const bool isResident = (words[page] & ~HDS_PAGE_DONE) != HDS_NOT_RESIDENT;
+                    residentBytes += isResident ? pages.PageBytes(page) : 0;
+                    if (words[page] == HDS_NOT_RESIDENT && pages.PageBytes(page) > 0 &&
+                        random() % 10 == 0) {
+                        asked.insert(asked.end(), 1 + random() % 3, page);
+                    }
+                }
+                EXPECT_LE(residentBytes, budget);
+                if (asked.empty()) {
+                    break;
+                }
+                Ask(pool, asked);
+                const std::uint64_t uploads = pool.Statistics().uploads;
+                pool.ServiceCast();
+                EXPECT_GT(pool.Statistics().uploads, uploads);
+            }
+        }
+        EXPECT_LE(pool.Bytes(), budget);
+        EXPECT_LE(device->AllocatedBytes() - before,
+                  budget + pool.TableBytes() + kMaxPoolBuffers * 16);
+        EXPECT_GE(pool.Statistics().uploadedBytes, pool.Statistics().uniqueBytes);
+        EXPECT_LE(pool.Statistics().uniqueBytes, pages.TotalBytes());
+    }
+}
+
+TEST_F(StreamingPoolTest, EditsKeepWhatIsResident) {
+    std::vector<std::uint64_t> ids = EqualIds(12);
+    const std::vector<std::uint64_t> all = ids;
+    ids.resize(8);
+    const FakePages pages(ids);
+    StreamingPool pool(device, "fake", Eviction::Clock);
+    pool.Update(pages, 4 * 160);
+    pool.BeginCast();
+    Ask(pool, {0, 1, 2, 3});
+    pool.ServiceCast();
+    const std::vector<std::uint64_t> edited = {all[9], all[3], all[10], all[1], all[11], all[6]};
+    const FakePages other(edited);
+    pool.Update(other, 4 * 160);
+    EXPECT_EQ(Resident(Table(pool, edited)), (Pages{1, 3}));
+    EXPECT_EQ(pool.Statistics().uploads, 4U);
+    Ask(pool, {0, 5});
+    pool.ServiceCast();
+    EXPECT_EQ(Resident(Table(pool, edited)), (Pages{0, 1, 3, 5}));
+}
+
+TEST_F(StreamingPoolTest, AGroupThatDoesNotFitIsAnErrorThatNamesTheOption) {
+    const std::vector<std::uint64_t> ids = EqualIds(4);
+    const FakePages pages(ids);
+    StreamingPool pool(device, "fake", Eviction::Clock);
+    try {
+        pool.Update(pages, 319);
+        FAIL() << "no error";
+    } catch (const Error& error) {
+        const std::string text = error.what();
+        EXPECT_NE(text.find("--fakeMemory"), std::string::npos) << text;
+        EXPECT_NE(text.find("320"), std::string::npos) << text;
+    }
+}
+
+TEST_F(StreamingPoolTest, NoPagesIsValid) {
+    const FakePages pages(Range(0, 0));
+    StreamingPool pool(device, "fake", Eviction::Clock);
+    pool.Update(pages, 1000);
+    EXPECT_EQ(pool.Bytes(), 0U);
+    pool.BeginCast();
+}
+
+} // namespace
+} // namespace hds::test
