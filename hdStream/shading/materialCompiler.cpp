@@ -85,8 +85,8 @@ const MaterialNode* FindSurface(const MaterialNetwork& network, const NetworkEva
     if (node->identifier != "UsdPreviewSurface") {
         const std::string what = node->identifier.empty() ? node->path + ", which has no shader id,"
                                                           : node->identifier + " of " + node->path;
-        warnings.Add(materialPath, "surface shader " + what +
-                                       " is not supported; displayColor is used");
+        warnings.Add(materialPath,
+                     "surface shader " + what + " is not supported; displayColor is used");
         return nullptr;
     }
     return node;

@@ -19,14 +19,21 @@ double SecondsSince(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+std::uint64_t RoundDown(std::uint64_t bytes) {
+    return bytes / HDS_POOL_UNIT_BYTES * HDS_POOL_UNIT_BYTES;
+}
+
 std::uint32_t GroupOf(std::uint32_t page) {
     return page / StreamingPool::kGroupPages;
 }
 
 } // namespace
 
-StreamingPool::StreamingPool(std::shared_ptr<Device> device, std::string label, Eviction eviction)
-    : _device(std::move(device)), _label(std::move(label)), _eviction(eviction) {
+StreamingPool::StreamingPool(std::shared_ptr<Device> device, std::string label, Eviction eviction,
+                             std::uint64_t bufferLimit)
+    : _device(std::move(device)), _label(std::move(label)), _eviction(eviction),
+      _bufferLimit(RoundDown(
+          std::min({bufferLimit, kMaxPoolBufferBytes, _device->Properties().maxAllocationBytes}))) {
     for (Buffer& buffer : _buffers) {
         buffer = Buffer(_device, _label + " pool", 0, BufferAccess::ReadOnly);
     }
@@ -56,7 +63,8 @@ void StreamingPool::Update(const PageProvider& provider, std::uint64_t budgetByt
         }
     }
     CheckFits(budgetBytes);
-    const std::uint64_t wanted = std::min(budgetBytes, totalBytes);
+    const std::uint64_t wanted =
+        std::min(RoundDown(std::min(budgetBytes, totalBytes)), kMaxPoolBuffers * _bufferLimit);
     if (wanted > _bytes || budgetBytes < _bytes) {
         AllocateBuffers(wanted);
     }
@@ -73,11 +81,9 @@ void StreamingPool::CheckFits(std::uint64_t budgetBytes) const {
         }
         largest = std::max(largest, bytes);
     }
-    const std::uint64_t bufferLimit =
-        std::min(kMaxPoolBufferBytes, _device->Properties().maxAllocationBytes);
-    if (largest > std::min(budgetBytes, bufferLimit)) {
+    if (largest > std::min(budgetBytes, _bufferLimit)) {
         throw Error("--" + _label +
-                    "Memory: " + std::to_string(std::min(budgetBytes, bufferLimit)) +
+                    "Memory: " + std::to_string(std::min(budgetBytes, _bufferLimit)) +
                     " bytes cannot hold the largest chunk, which takes " + std::to_string(largest) +
                     " (--chunkSize makes chunks smaller)");
     }
@@ -94,12 +100,8 @@ void StreamingPool::AllocateBuffers(std::uint64_t bytes) {
         _statistics.evictions += page.range.bytes > 0 ? 1 : 0;
         page.range = {};
     }
-    const std::uint64_t limit =
-        std::min(kMaxPoolBufferBytes, _device->Properties().maxAllocationBytes) /
-        HDS_POOL_UNIT_BYTES * HDS_POOL_UNIT_BYTES;
-    bytes = bytes / HDS_POOL_UNIT_BYTES * HDS_POOL_UNIT_BYTES;
     for (std::uint32_t i = 0; i < kMaxPoolBuffers; ++i) {
-        const std::uint64_t size = std::min(limit, bytes - _bytes);
+        const std::uint64_t size = std::min(_bufferLimit, bytes - _bytes);
         _buffers[i] =
             Buffer(_device, _label + " pool " + std::to_string(i), size, BufferAccess::ReadOnly);
         if (size > 0) {

@@ -42,8 +42,10 @@ class StreamingPool {
 public:
     static constexpr std::uint32_t kGroupPages = 2;
 
-    /// An empty pool. \param label names it in error messages.
-    StreamingPool(std::shared_ptr<Device> device, std::string label, Eviction eviction);
+    /// An empty pool. \param label names it in error messages. \param bufferLimit most bytes of one
+    /// buffer, if the device does not ask for less.
+    StreamingPool(std::shared_ptr<Device> device, std::string label, Eviction eviction,
+                  std::uint64_t bufferLimit = kMaxPoolBufferBytes);
 
     /// Serves the pages of `provider`, which must live until the next call, from at most
     /// `budgetBytes` of device memory. Pages that are resident stay (known by their ids).
@@ -111,6 +113,7 @@ private:
     std::shared_ptr<Device> _device;
     std::string _label;
     Eviction _eviction;
+    std::uint64_t _bufferLimit;
     const PageProvider* _provider = nullptr;
     RangeAllocator _ranges;
     std::array<Buffer, kMaxPoolBuffers> _buffers;

@@ -265,6 +265,40 @@ TEST_F(StreamingPoolTest, RandomUseKeepsTheBudget) {
     }
 }
 
+TEST_F(StreamingPoolTest, SeveralBuffersServeLikeOne) {
+    const std::vector<std::uint64_t> ids = EqualIds(40);
+    const FakePages pages(ids);
+    StreamingPool pool(device, "fake", Eviction::Clock, 5 * 160);
+    pool.Update(pages, 12 * 160);
+    EXPECT_EQ(pool.NumBuffers(), 3U);
+    EXPECT_EQ(pool.Bytes(), 12U * 160);
+    for (std::uint32_t first = 0; first < 40; first += 10) {
+        pool.BeginCast();
+        Pages asked;
+        for (std::uint32_t page = first; page < first + 10; ++page) {
+            asked.push_back(page);
+        }
+        Ask(pool, asked);
+        pool.ServiceCast();
+        const Pages resident = Resident(Table(pool, ids));
+        EXPECT_EQ(resident.size(), first == 0 ? 10U : 12U);
+        EXPECT_TRUE(std::includes(resident.begin(), resident.end(), asked.begin(), asked.end()));
+    }
+}
+
+TEST_F(StreamingPoolTest, AnEditOfEqualSizeMovesNothing) {
+    std::vector<std::uint64_t> ids = EqualIds(8);
+    const FakePages pages(ids);
+    StreamingPool pool(device, "fake", Eviction::Clock);
+    pool.Update(pages, 4 * 160 + 7); // not a whole number of units
+    pool.BeginCast();
+    Ask(pool, {0, 1, 2});
+    pool.ServiceCast();
+    pool.Update(pages, 4 * 160 + 7);
+    EXPECT_EQ(Resident(Table(pool, ids)), (Pages{0, 1, 2}));
+    EXPECT_EQ(pool.Statistics().evictions, 0U);
+}
+
 TEST_F(StreamingPoolTest, EditsKeepWhatIsResident) {
     std::vector<std::uint64_t> ids = EqualIds(12);
     const std::vector<std::uint64_t> all = ids;
