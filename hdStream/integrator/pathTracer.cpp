@@ -24,7 +24,7 @@ constexpr std::uint32_t kWaveSizeCpu = 16U << 10U;
 constexpr std::uint32_t kWaveSizeGpu = 1U << 20U;
 /// While geometry streams a chunk that is transferred serves all paths of the wave. Path state
 /// takes the memory that the pool does not, so that both together are no more than resident
-/// geometry.
+/// geometry. Where someone looks at previews, edits wait for a wave, and the least is taken.
 constexpr std::uint32_t kMinWaveSizeStreaming = 1U << 17U;
 constexpr std::uint32_t kMaxWaveSizeStreaming = 1U << 20U;
 /// Fewest samples before the error estimate of a pixel is believed.
@@ -48,8 +48,10 @@ std::uint32_t ChooseWaveSize(const RenderOptions& options, const DevicePropertie
     if (size == 0) {
         size = properties.isCpu ? kWaveSizeCpu : kWaveSizeGpu;
         if (spareSlots > 0) {
-            size =
-                std::clamp<std::uint64_t>(spareSlots, kMinWaveSizeStreaming, kMaxWaveSizeStreaming);
+            size = options.showsPreviews
+                       ? kMinWaveSizeStreaming
+                       : std::clamp<std::uint64_t>(spareSlots, kMinWaveSizeStreaming,
+                                                   kMaxWaveSizeStreaming);
         }
         size = std::min(size, std::max<std::uint64_t>(pixels * options.samples, HDS_SAMPLE_BLOCK));
     }
