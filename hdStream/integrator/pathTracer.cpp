@@ -5,6 +5,7 @@
 #include "hdStream/integrator/filmBuffers.h"
 #include "hdStream/integrator/pixelOrder.h"
 #include "hdStream/integrator/stageKernels.h"
+#include "hdStream/integrator/waveSize.h"
 #include "hdStream/shading/pixelFilter.h"
 #include "kernels/shared/frame.h"
 
@@ -19,14 +20,6 @@ namespace hds {
 
 namespace {
 
-/// Paths in flight when the user does not say. Measured: docs/performance.md, "Wave size".
-constexpr std::uint32_t kWaveSizeCpu = 16U << 10U;
-constexpr std::uint32_t kWaveSizeGpu = 1U << 20U;
-/// While geometry streams a chunk that is transferred serves all paths of the wave. Path state
-/// takes the memory that the pool does not, so that both together are no more than resident
-/// geometry. Where someone looks at previews, edits wait for a wave, and the least is taken.
-constexpr std::uint32_t kMinWaveSizeStreaming = 1U << 17U;
-constexpr std::uint32_t kMaxWaveSizeStreaming = 1U << 20U;
 /// Fewest samples before the error estimate of a pixel is believed.
 constexpr std::uint32_t kMinAdaptiveSamples = 2 * HDS_SAMPLE_BLOCK;
 
@@ -39,24 +32,6 @@ public:
 private:
     std::chrono::steady_clock::time_point _start = std::chrono::steady_clock::now();
 };
-
-/// \param spareSlots paths whose state fits the memory that streaming geometry saves; 0: resident.
-std::uint32_t ChooseWaveSize(const RenderOptions& options, const DeviceProperties& properties,
-                             std::uint64_t spareSlots) {
-    const std::uint64_t pixels = std::uint64_t{options.imageWidth} * options.imageHeight;
-    std::uint64_t size = options.waveSize;
-    if (size == 0) {
-        size = properties.isCpu ? kWaveSizeCpu : kWaveSizeGpu;
-        if (spareSlots > 0) {
-            size = options.showsPreviews
-                       ? kMinWaveSizeStreaming
-                       : std::clamp<std::uint64_t>(spareSlots, kMinWaveSizeStreaming,
-                                                   kMaxWaveSizeStreaming);
-        }
-        size = std::min(size, std::max<std::uint64_t>(pixels * options.samples, HDS_SAMPLE_BLOCK));
-    }
-    return static_cast<std::uint32_t>(std::max<std::uint64_t>(size, HDS_SAMPLE_BLOCK));
-}
 
 bool ChooseWide(const RenderOptions& options, const DeviceProperties& properties) {
     return options.traversal == TraversalForm::Auto ? properties.isCpu

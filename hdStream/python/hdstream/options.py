@@ -52,7 +52,7 @@ def Bytes(text):
 
 
 def BytesOrPercent(text):
-    """Bytes, or a percentage as a negative fraction of no unit: ("percent", 30.0)."""
+    """("bytes", N), or for a text that ends with %: ("percent", 30.0)."""
     if not text.endswith("%"):
         return "bytes", Bytes(text)
     value = _Number(text[:-1], float)

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/integrator/waveSize.h"
+
+#include "kernels/shared/frame.h"
+
+#include <algorithm>
+
+namespace hds {
+
+namespace {
+
+/// Paths in flight when the user does not say. Measured: docs/performance.md, "Wave size".
+constexpr std::uint32_t kWaveSizeCpu = 16U << 10U;
+constexpr std::uint32_t kWaveSizeGpu = 1U << 20U;
+/// While geometry streams a chunk that is transferred serves all paths of the wave. Path state
+/// takes the memory that the pool does not, so that both together are no more than resident
+/// geometry. Where someone looks at previews, edits wait for a wave, and the least is taken.
+constexpr std::uint32_t kMinWaveSizeStreaming = 1U << 17U;
+constexpr std::uint32_t kMaxWaveSizeStreaming = 1U << 20U;
+
+} // namespace
+
+std::uint32_t ChooseWaveSize(const RenderOptions& options, const DeviceProperties& properties,
+                             std::uint64_t spareSlots) {
+    const std::uint64_t pixels = std::uint64_t{options.imageWidth} * options.imageHeight;
+    std::uint64_t size = options.waveSize;
+    if (size == 0) {
+        size = properties.isCpu ? kWaveSizeCpu : kWaveSizeGpu;
+        if (spareSlots > 0) {
+            size = options.showsPreviews
+                       ? kMinWaveSizeStreaming
+                       : std::clamp<std::uint64_t>(spareSlots, kMinWaveSizeStreaming,
+                                                   kMaxWaveSizeStreaming);
+        }
+        size = std::min(size, std::max<std::uint64_t>(pixels * options.samples, HDS_SAMPLE_BLOCK));
+    }
+    return static_cast<std::uint32_t>(std::max<std::uint64_t>(size, HDS_SAMPLE_BLOCK));
+}
+
+} // namespace hds

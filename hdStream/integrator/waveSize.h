@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// How many paths are in flight. It changes speed and memory, never bits.
+// Explained in docs/wavefront.md and docs/streaming.md.
+#pragma once
+
+#include "hdStream/device/device.h"
+#include "hdStream/integrator/renderOptions.h"
+
+#include <cstdint>
+
+namespace hds {
+
+/// The wave size of the options, or one that suits the device; at least a block of samples, at most
+/// all samples of the image. \param spareSlots paths whose state fits the memory that streaming
+/// geometry saves; 0: geometry is resident.
+std::uint32_t ChooseWaveSize(const RenderOptions& options, const DeviceProperties& properties,
+                             std::uint64_t spareSlots);
+
+} // namespace hds
