@@ -9,16 +9,26 @@
 namespace hds {
 namespace {
 
-/// Applies the BVH's order to triangles and primIds.
-void ReorderTriangles(const std::vector<std::uint32_t>& order, ChunkGeometry* chunk) {
-    std::vector<glm::uvec3> triangles(order.size());
-    std::vector<std::uint32_t> primIds(order.size());
-    for (std::size_t i = 0; i < order.size(); ++i) {
-        triangles[i] = chunk->triangles[order[i]];
-        primIds[i] = chunk->primIds[order[i]];
+template <typename T>
+void Permute(const std::vector<std::uint32_t>& order, std::vector<T>* values) {
+    if (values->empty()) {
+        return;
     }
-    chunk->triangles = std::move(triangles);
-    chunk->primIds = std::move(primIds);
+    std::vector<T> permuted;
+    permuted.reserve(order.size());
+    for (const std::uint32_t from : order) {
+        permuted.push_back((*values)[from]);
+    }
+    *values = std::move(permuted);
+}
+
+/// Applies the BVH's order to all that there is one of a triangle.
+void ReorderTriangles(const std::vector<std::uint32_t>& order, ChunkGeometry* chunk) {
+    Permute(order, &chunk->triangles);
+    Permute(order, &chunk->primIds);
+    Permute(order, &chunk->faces);
+    Permute(order, &chunk->corners);
+    Permute(order, &chunk->materialEntries);
 }
 
 /// Renumbers vertices in the order of first use; vertices that no triangle uses are dropped.

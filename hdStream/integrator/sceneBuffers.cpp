@@ -60,21 +60,22 @@ std::uint64_t SceneBuffers::Budget(const ResidencyOptions& residency,
                                      : _device->Properties().memoryBytes / kBudgetDivisor;
 }
 
+bool SceneBuffers::WillStream(const ResidencyOptions& residency, std::uint64_t totalBytes) const {
+    return residency.mode == ResidencyMode::Stream ||
+           (residency.mode == ResidencyMode::Auto && totalBytes > Budget(residency, totalBytes));
+}
+
 bool SceneBuffers::UpdatePages(const CommittedScene& scene, const ResidencyOptions& residency) {
-    const std::uint64_t totalBytes = scene.counts.pageBytes;
+    const std::uint64_t totalBytes = scene.pages->TotalBytes();
     const std::uint64_t budget = Budget(residency, totalBytes);
-    const bool streams = residency.mode == ResidencyMode::Stream ||
-                         (residency.mode == ResidencyMode::Auto && totalBytes > budget);
-    if (streams) {
-        if (_resident) {
-            return false; // its pages are in device memory only
-        }
+    if (WillStream(residency, totalBytes)) {
+        _resident = nullptr;
         if (!_streaming || !(_residency == residency)) {
             _streaming = nullptr; // frees first
             _streaming = std::make_unique<StreamingPool>(_device, "geometry", residency.eviction);
             _residency = residency;
         }
-        _streaming->Update(*scene.pages, budget);
+        _streaming->Update(scene.pages.get(), budget);
         return true;
     }
     _streaming = nullptr;
@@ -82,7 +83,7 @@ bool SceneBuffers::UpdatePages(const CommittedScene& scene, const ResidencyOptio
     if (isFirst) {
         _resident = std::make_unique<ResidentPool>(_device, "geometry");
     }
-    if (_resident->Update(*scene.pages)) {
+    if (_resident->Update(scene.pages.get())) {
         return true;
     }
     if (isFirst) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/session/session.h"
 
+#include "hdStream/base/machine.h"
 #include "hdStream/integrator/pathTracer.h"
 #include "hdStream/scene/dump.h"
 #include "hdStream/session/settingsCheck.h"
@@ -16,6 +17,12 @@ namespace {
 
 /// Lines in the statistics, which are made for every image that is shown.
 constexpr std::size_t kMaxWarnings = 1000;
+
+/// Bytes of prepared pages that may stay in host memory.
+std::uint64_t HostBytes(const Settings& settings) {
+    constexpr std::uint64_t kDivisor = 4;
+    return settings.hostMemory > 0 ? settings.hostMemory : MachineMemoryBytes() / kDivisor;
+}
 
 double SecondsSince(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -62,13 +69,11 @@ struct Session::Impl {
         }
     }
 
-    /// Everything in device memory and what only makes sense with it: pages that are there are
-    /// nowhere else.
+    /// Everything in device memory.
     void Discard() {
         tracer.reset();
         scene.reset();
         committed.reset();
-        cache.meshes.Clear();
     }
 
     /// The scene in device memory. \return false when it was cancelled.
@@ -80,23 +85,33 @@ struct Session::Impl {
             return true;
         }
         committed.reset();
-        for (int attempt = 0; attempt < 2; ++attempt) {
-            if (!tracer) {
-                cache.meshes.Clear();
-                tracer = std::make_unique<PathTracer>(device, store.get());
-            }
-            auto next = CommitScene(description, commitOptions, &cache, warnings, isCancelled);
-            if (!next) {
-                return false;
-            }
-            if (tracer->SetScene(*next, residency)) {
-                scene = std::move(next);
-                committed = CommitKey{sceneVersion, commitOptions, residency};
-                return true;
-            }
-            Discard(); // edits have scattered the pool, or pages are needed that it alone holds
+        cache.pages.SetLimit(HostBytes(settings));
+        const double secondsBefore = cache.pages.Seconds();
+        auto next = CommitScene(description, commitOptions, &cache, warnings, isCancelled);
+        if (!next) {
+            return false;
         }
-        throw Error("geometry: the scene does not fit the device's memory");
+        if (!tracer) {
+            tracer = std::make_unique<PathTracer>(device, store.get());
+        }
+        const bool isEager =
+            settings.prepare == "eager" || tracer->NeedsAllPages(*next, residency);
+        if (isEager && !next->pages->PrepareAll(isCancelled)) {
+            return false;
+        }
+        if (!tracer->SetScene(*next, residency)) {
+            // Edits have scattered the pool: a new one has the same pages in fewer places.
+            tracer.reset();
+            tracer = std::make_unique<PathTracer>(device, store.get());
+            if (!tracer->SetScene(*next, residency)) {
+                throw Error("geometry: the scene does not fit the device's memory");
+            }
+        }
+        scene = std::move(next);
+        committed = CommitKey{sceneVersion, commitOptions, residency};
+        statistics.pages = &cache.pages;
+        statistics.prepareSecondsBefore = secondsBefore;
+        return true;
     }
 
     RenderResult Render(const Settings& settings, const CameraPrim& camera,

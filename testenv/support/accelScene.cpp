@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "testenv/support/accelScene.h"
 
+#include "hdStream/accel/chunkPlan.h"
+#include "testenv/support/meshSource.h"
+
 #include <glm/common.hpp>
 #include <glm/matrix.hpp>
 #include <tbb/parallel_for.h>
@@ -49,14 +52,14 @@ BvhOptions TopOptions() {
 } // namespace
 
 std::uint32_t AccelScene::AddMesh(const TriangleMesh& mesh, std::uint32_t maxTriangles) {
-    const ChunkSource source(std::make_shared<TriangleMesh>(mesh));
-    const ChunkPlan plan = PlanChunks(mesh, maxTriangles);
-    const std::size_t numChunks = plan.begin.size() - 1;
+    const auto source = SourceOf(mesh);
+    const ChunkPlan plan = PlanChunks(*source, maxTriangles);
+    const std::size_t numChunks = plan.NumChunks();
     std::vector<GeometryPage> built(numChunks);
     std::vector<std::uint32_t> numTriangles(numChunks);
     tbb::parallel_for(std::size_t{0}, numChunks, [&](std::size_t i) {
         ChunkGeometry chunk =
-            source.Gather(plan.order.data() + plan.begin[i], plan.begin[i + 1] - plan.begin[i]);
+            source->Gather(plan.units.data() + plan.begin[i], plan.begin[i + 1] - plan.begin[i]);
         built[i] = BuildGeometryPage(chunk);
         numTriangles[i] = static_cast<std::uint32_t>(chunk.triangles.size());
     });

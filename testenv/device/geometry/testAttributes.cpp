@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The attribute reader on the device gives the authored values, interpolated: against a reader in
 // double that follows UsdGeom's text and finds face-vertices by position.
+#include "hdStream/geometry/attributePage.h"
+#include "hdStream/geometry/triangleMeshSource.h"
 #include "testenv/support/deviceFixture.h"
 #include "testenv/unit/geometry/meshFixtures.h"
 
@@ -53,8 +55,8 @@ protected:
         mesh = run.mesh;
         std::vector<std::uint32_t> primIds(mesh->triangles.size());
         std::iota(primIds.rbegin(), primIds.rend(), 0);
-        chunk = ChunkSource(mesh).Gather(primIds.data(), primIds.size());
-        const auto page = BuildAttributePage(*mesh, chunk);
+        chunk = TriangleMeshSource(mesh).Gather(primIds.data(), primIds.size());
+        const auto page = BuildAttributePage(chunk);
         std::vector<shared::HdsTriangle> triangles;
         std::mt19937 random(3);
         for (std::size_t t = 0; t < chunk.triangles.size(); ++t) {

@@ -2,7 +2,9 @@
 // The chunk plan partitions a mesh; a geometry page holds the chunk's triangles in leaf order under
 // a sound BVH, with the layout of kernels/shared/geometry.h.
 #include "hdStream/accel/bvh.h"
+#include "hdStream/accel/chunkPlan.h"
 #include "kernels/shared/geometry.h"
+#include "testenv/support/meshSource.h"
 #include "testenv/support/traversalMeshes.h"
 #include "testenv/unit/accel/bvhCheck.h"
 
@@ -15,28 +17,32 @@
 namespace hds::test {
 namespace {
 
+ChunkPlan Plan(const TriangleMesh& mesh, std::uint32_t maxTriangles) {
+    return PlanChunks(*SourceOf(mesh), maxTriangles);
+}
+
 TEST(ChunkPlan, PartitionsTheMesh) {
     const TriangleMesh mesh = BumpySphere(50);
     for (const std::uint32_t maxTriangles : {1U, 3U, 100U, 4000U, 1000000U}) {
-        const ChunkPlan plan = PlanChunks(mesh, maxTriangles);
-        ASSERT_EQ(plan.order.size(), mesh.triangles.size());
-        EXPECT_EQ(std::set<std::uint32_t>(plan.order.begin(), plan.order.end()).size(),
+        const ChunkPlan plan = Plan(mesh, maxTriangles);
+        ASSERT_EQ(plan.units.size(), mesh.triangles.size());
+        EXPECT_EQ(std::set<std::uint32_t>(plan.units.begin(), plan.units.end()).size(),
                   mesh.triangles.size());
         ASSERT_GE(plan.begin.size(), 2U);
         EXPECT_EQ(plan.begin.front(), 0U);
         EXPECT_EQ(plan.begin.back(), mesh.triangles.size());
         for (std::size_t i = 0; i + 1 < plan.begin.size(); ++i) {
             const std::uint32_t count = plan.begin[i + 1] - plan.begin[i];
-            EXPECT_GE(count, plan.begin.size() == 2 ? 1 : std::max(1U, maxTriangles / 4));
             EXPECT_LE(count, maxTriangles);
+            EXPECT_EQ(count, plan.counts[i]);
         }
     }
 }
 
 TEST(ChunkPlan, TakesAMeshWithoutTriangles) {
-    const ChunkPlan plan = PlanChunks(TriangleMesh{}, 100);
-    EXPECT_TRUE(plan.order.empty());
-    EXPECT_EQ(plan.begin, std::vector<std::uint32_t>{0});
+    const ChunkPlan plan = Plan(TriangleMesh{}, 100);
+    EXPECT_TRUE(plan.units.empty());
+    EXPECT_EQ(plan.NumChunks(), 0U);
 }
 
 // All triangles at one place cannot be told apart: they are still cut to size.
@@ -44,7 +50,7 @@ TEST(ChunkPlan, CutsEqualTriangles) {
     TriangleMesh mesh;
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     mesh.triangles.assign(5000, {0, 1, 2});
-    const ChunkPlan plan = PlanChunks(mesh, 128);
+    const ChunkPlan plan = Plan(mesh, 128);
     for (std::size_t i = 0; i + 1 < plan.begin.size(); ++i) {
         EXPECT_LE(plan.begin[i + 1] - plan.begin[i], 128U);
     }
@@ -54,11 +60,11 @@ TEST(ChunkPlan, DoesNotDependOnTheThreadCount) {
     const TriangleMesh mesh = BumpySphere(160);
     const auto plan = [&](std::size_t threads) {
         const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-        return PlanChunks(mesh, 2000);
+        return Plan(mesh, 2000);
     };
     const ChunkPlan one = plan(1);
     const ChunkPlan four = plan(4);
-    EXPECT_EQ(one.order, four.order);
+    EXPECT_EQ(one.units, four.units);
     EXPECT_EQ(one.begin, four.begin);
 }
 
