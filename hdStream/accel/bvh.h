@@ -5,7 +5,7 @@
 #pragma once
 
 #include "hdStream/geometry/triangleMesh.h"
-#include "kernels/shared/bvhNode.h"
+#include "kernels/shared/geometry.h"
 
 #include <cstdint>
 #include <vector>
@@ -37,21 +37,21 @@ struct ChunkPlan {
     std::vector<std::uint32_t> begin; ///< numChunks + 1 entries
 };
 
-/// Splits triangles into spatially compact chunks of at most `maxTriangles` (SAH, so that chunk
-/// borders are where a BVH over the whole mesh would split too).
-ChunkPlan PlanChunks(const TriangleMesh& mesh, std::uint32_t maxTriangles);
+/// Splits triangles into spatially compact chunks of at most `maxTriangles` with at most
+/// `maxVertices` different vertices (SAH, so that chunk borders are where a BVH over the whole mesh
+/// would split too).
+ChunkPlan PlanChunks(const TriangleMesh& mesh, std::uint32_t maxTriangles,
+                     std::uint32_t maxVertices = HDS_MAX_CHUNK_VERTICES);
 
-/// A finished geometry page (kernels/shared/geometry.h) with what the chunk's table record needs.
+/// A finished geometry page (kernels/shared/geometry.h).
 struct GeometryPage {
     std::vector<std::uint8_t> bytes;
-    std::uint32_t triangleOffset = 0; ///< 16-byte units
-    std::uint32_t vertexOffset = 0;   ///< 16-byte units
     std::uint32_t numNodes = 0;
     Bounds bounds;
 };
 
 /// Builds the chunk's BVH and page. Reorders `chunk` (triangles, primIds) into leaf order and its
-/// vertices (positions, points) into order of first use.
+/// vertices (positions, points) into order of first use. \pre at most HDS_MAX_CHUNK_VERTICES.
 GeometryPage BuildGeometryPage(ChunkGeometry& chunk);
 
 } // namespace hds

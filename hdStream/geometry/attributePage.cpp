@@ -209,7 +209,7 @@ std::size_t EstimateBytesPerTriangle(const TriangleMesh& mesh) {
         return MaxValuesPerTriangle(PageInterpolation(attribute.interpolation)) *
                attribute.numComponents * sizeof(float);
     };
-    std::size_t bytes = kNodeBytesPerTriangle + sizeof(shared::HdsTriangle);
+    std::size_t bytes = kNodeBytesPerTriangle + sizeof(shared::HdsTriangle) + sizeof(std::uint32_t);
     bytes += 9 * sizeof(float);     // positions, three vertices of its own
     bytes += sizeof(std::uint32_t); // authored face
     bytes += mesh.materialEntries.empty() ? 0 : sizeof(std::uint32_t);

@@ -47,7 +47,6 @@ private:
         Instances,
         InstancesByPath,
         Objects,
-        Chunks,
         Meshes,
         MeshMaterials,
         Materials,

@@ -101,19 +101,13 @@ private:
         shared::HdsObject object{};
         object.kind = prepared.topNodes.empty() ? HDS_OBJECT_CHUNK : HDS_OBJECT_MESH;
         object.nodeBase = static_cast<std::uint32_t>(_result->topNodes.size());
-        object.itemBase = static_cast<std::uint32_t>(_result->chunks.size());
+        object.itemBase = _result->pages->NumPages() / 2;
         object.numItems = static_cast<std::uint32_t>(prepared.chunks.size());
         _result->objects.push_back(object);
         _result->topNodes.insert(_result->topNodes.end(), prepared.topNodes.begin(),
                                  prepared.topNodes.end());
         for (const PreparedChunk& chunk : prepared.chunks) {
-            shared::HdsChunk record{};
-            record.triangleOffset = chunk.triangleOffset;
-            record.vertexOffset = chunk.vertexOffset;
-            record.numTriangles = chunk.numTriangles;
-            record.object = index;
             _result->pages->AddChunk(chunk.geometry, chunk.attributes);
-            _result->chunks.push_back(record);
         }
     }
 
@@ -191,7 +185,7 @@ private:
 
     void Count() {
         SceneCounts& counts = _result->counts;
-        counts.chunks = _result->chunks.size();
+        counts.chunks = _result->pages->NumPages() / 2;
         for (std::uint32_t page = 0; page < _result->pages->NumPages(); ++page) {
             counts.pageBytes += _result->pages->PageBytes(page);
         }
@@ -199,7 +193,7 @@ private:
             _result->topNodes.size() * sizeof(shared::HdsBvhNode) +
             _result->instances.size() * (sizeof(shared::HdsInstance) + sizeof(std::uint32_t)) +
             _result->objects.size() * sizeof(shared::HdsObject) +
-            _result->chunks.size() * (sizeof(shared::HdsChunk) + 2 * sizeof(std::uint32_t));
+            _result->pages->NumPages() * sizeof(std::uint32_t);
         counts.textures = _result->textures.size();
         for (const TextureUse& texture : _result->textures) {
             counts.textureSourceBytes += texture.bytesSource;

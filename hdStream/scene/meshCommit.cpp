@@ -16,9 +16,6 @@ PreparedChunk PrepareChunk(const ChunkSource& source, const std::uint32_t* trian
     ChunkGeometry geometry = source.Gather(triangles, count);
     GeometryPage page = BuildGeometryPage(geometry);
     PreparedChunk chunk;
-    chunk.triangleOffset = page.triangleOffset;
-    chunk.vertexOffset = page.vertexOffset;
-    chunk.numTriangles = static_cast<std::uint32_t>(count);
     chunk.bounds = page.bounds;
     chunk.geometry = std::make_shared<PreparedPage>(std::move(page.bytes));
     chunk.attributes = std::make_shared<PreparedPage>(BuildAttributePage(source.Mesh(), geometry));

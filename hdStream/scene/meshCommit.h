@@ -18,9 +18,6 @@ namespace hds {
 struct PreparedChunk {
     std::shared_ptr<PreparedPage> geometry;
     std::shared_ptr<PreparedPage> attributes;
-    std::uint32_t triangleOffset = 0; ///< 16-byte units, in the geometry page
-    std::uint32_t vertexOffset = 0;   ///< likewise
-    std::uint32_t numTriangles = 0;
     Bounds bounds; ///< relative to the mesh's origin
 };
 

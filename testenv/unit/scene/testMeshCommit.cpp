@@ -3,11 +3,9 @@
 // bounds.
 #include "hdStream/scene/meshCommit.h"
 
-#include "kernels/shared/geometry.h"
+#include "testenv/support/pageView.h"
 
 #include <gtest/gtest.h>
-
-#include <cstring>
 
 namespace hds {
 namespace {
@@ -52,12 +50,9 @@ TEST(MeshCommit, EveryTriangleIsInOneChunkWithinTheBound) {
         std::vector<int> seen(40 * 40 * 2, 0);
         for (const PreparedChunk& chunk : mesh.chunks) {
             EXPECT_LE(chunk.geometry->Bytes() + chunk.attributes->Bytes(), chunkBytes);
-            const std::uint8_t* triangles = chunk.geometry->Data() + chunk.triangleOffset * 16;
-            for (std::uint32_t i = 0; i < chunk.numTriangles; ++i) {
-                shared::HdsTriangle triangle;
-                std::memcpy(&triangle, triangles + i * sizeof(triangle), sizeof(triangle));
-                ASSERT_LT(triangle.primId, seen.size());
-                ++seen[triangle.primId];
+            for (const std::uint32_t primId : test::PageView(chunk.geometry->Data()).primIds) {
+                ASSERT_LT(primId, seen.size());
+                ++seen[primId];
             }
         }
         EXPECT_EQ(seen, std::vector<int>(seen.size(), 1));
