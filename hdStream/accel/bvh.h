@@ -5,7 +5,7 @@
 #pragma once
 
 #include "hdStream/geometry/chunkSource.h"
-#include "kernels/shared/bvhNode.h"
+#include "kernels/shared/geometry.h"
 
 #include <cstdint>
 #include <vector>
@@ -31,17 +31,15 @@ struct BvhOptions {
 /// ones (min > max: never hit, kept as a point). At most HDS_BVH_MAX_DEPTH nodes lie on a path.
 Bvh BuildBvh(const std::vector<Bounds>& items, const BvhOptions& options);
 
-/// A finished geometry page (kernels/shared/geometry.h) with what the chunk's table record needs.
+/// A finished geometry page (kernels/shared/geometry.h).
 struct GeometryPage {
     std::vector<std::uint8_t> bytes;
-    std::uint32_t triangleOffset = 0; ///< 16-byte units
-    std::uint32_t vertexOffset = 0;   ///< 16-byte units
     std::uint32_t numNodes = 0;
     Bounds bounds;
 };
 
 /// Builds the chunk's BVH and page. Reorders the triangles of `chunk` into leaf order and its
-/// vertices into order of first use.
+/// vertices into order of first use. \pre at most HDS_MAX_CHUNK_VERTICES.
 GeometryPage BuildGeometryPage(ChunkGeometry& chunk);
 
 } // namespace hds

@@ -216,9 +216,12 @@ std::vector<std::uint32_t> DrawnUnits(const ChunkSource& source) {
 
 } // namespace
 
-ChunkPlan PlanChunks(const ChunkSource& source, std::uint32_t maxTriangles) {
-    HDS_VERIFY(maxTriangles > 0, std::to_string(maxTriangles));
-    maxTriangles = std::min(maxTriangles, kMaxChunkTriangles);
+ChunkPlan PlanChunks(const ChunkSource& source, std::uint32_t maxTriangles,
+                     std::uint32_t maxVertices) {
+    HDS_VERIFY(maxTriangles > 0 && maxVertices >= 3, std::to_string(maxTriangles));
+    if (source.NumVertices() > maxVertices) {
+        maxTriangles = std::min(maxTriangles, maxVertices / 3);
+    }
     ChunkPlan plan;
     std::vector<std::uint32_t> units = DrawnUnits(source);
     if (units.empty()) {

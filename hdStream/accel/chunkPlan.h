@@ -3,14 +3,12 @@
 #pragma once
 
 #include "hdStream/geometry/chunkSource.h"
+#include "kernels/shared/geometry.h"
 
 #include <cstdint>
 #include <vector>
 
 namespace hds {
-
-/// Most triangles of a chunk, however large its pages may be: vertices are counted in 21 bits.
-constexpr std::uint32_t kMaxChunkTriangles = (1U << 21U) / 3U;
 
 /// Chunks of a mesh: chunk i owns units[begin[i] .. begin[i + 1]).
 struct ChunkPlan {
@@ -23,9 +21,10 @@ struct ChunkPlan {
 };
 
 /// Groups the units into spatially compact chunks of at most `maxTriangles` (at least 1; a unit of
-/// more is a chunk of its own). Units are sorted into the cells of a grid, and the grid is cut by
+/// more is a chunk of its own) and at most `maxVertices` different vertices. Units are sorted into the cells of a grid, and the grid is cut by
 /// the surface area heuristic until each part is small enough: two passes over the units,
 /// whatever the number of chunks. Deterministic; uses all cores.
-ChunkPlan PlanChunks(const ChunkSource& source, std::uint32_t maxTriangles);
+ChunkPlan PlanChunks(const ChunkSource& source, std::uint32_t maxTriangles,
+                     std::uint32_t maxVertices = HDS_MAX_CHUNK_VERTICES);
 
 } // namespace hds

@@ -70,7 +70,8 @@ TriangleBytes EstimateTriangle(const std::vector<MeshAttribute>& attributes,
         bytes += blockBytes(attribute.interpolation, attribute.numComponents);
     }
     const double geometry =
-        nodeBytes + sizeof(shared::HdsTriangle) + verticesPerTriangle * sizeof(glm::vec3);
+        nodeBytes + sizeof(shared::HdsTriangle) + sizeof(std::uint32_t) + // primId
+        verticesPerTriangle * sizeof(glm::vec3);
     return {static_cast<std::uint32_t>(std::ceil(geometry)),
             static_cast<std::uint32_t>(std::ceil(bytes))};
 }

@@ -70,6 +70,8 @@ public:
     std::uint32_t NumUnits() const { return _numUnits; }
     /// Upper bound; exact for polygons.
     std::uint64_t NumTriangles() const { return _numTriangles; }
+    /// Upper bound of the different vertices of all triangles.
+    std::uint64_t NumVertices() const { return _numVertices; }
     bool IsLeftHanded() const { return _isLeftHanded; }
     /// User primvars, in the order of their slots: sorted by name.
     const std::vector<AttributeFormat>& Attributes() const { return _attributes; }
@@ -91,6 +93,7 @@ protected:
     Bounds _bounds;
     std::uint32_t _numUnits = 0;
     std::uint64_t _numTriangles = 0;
+    std::uint64_t _numVertices = 0;
     bool _isLeftHanded = false;
     std::vector<AttributeFormat> _attributes;
     TriangleBytes _boundBytes;

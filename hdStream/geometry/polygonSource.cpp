@@ -104,6 +104,7 @@ public:
         if (!IsCountable(*_mesh, table, _log)) {
             return;
         }
+        _numVertices = _mesh->points.size() / 3;
         _size = {_mesh->points.size() / 3, table.numFaces, std::size_t(table.numCorners)};
         FindCorners(table);
         Outline(table, MarkHoles(*_mesh, _log));

@@ -17,6 +17,7 @@ TriangleMeshSource::TriangleMeshSource(std::shared_ptr<const TriangleMesh> mesh)
     _origin = _mesh->origin;
     _bounds = _mesh->bounds;
     _numTriangles = _mesh->triangles.size();
+    _numVertices = _mesh->positions.size();
     _numUnits = static_cast<std::uint32_t>(_numTriangles);
     _isLeftHanded = _mesh->leftHanded;
     for (const MeshAttribute& attribute : _mesh->attributes) {

@@ -9,20 +9,11 @@ namespace hds {
 
 namespace {
 
-const char* const kLabels[] = {"top nodes",
-                               "instances",
-                               "instances by path",
-                               "objects",
-                               "chunks",
-                               "meshes",
-                               "mesh materials",
-                               "materials",
-                               "lights by material entry",
-                               "lights",
-                               "light tree",
-                               "light triangles",
-                               "light distributions",
-                               "dome texels"};
+const char* const kLabels[] = {
+    "top nodes",  "instances",      "instances by path", "objects",
+    "meshes",     "mesh materials", "materials",         "lights by material entry",
+    "lights",     "light tree",     "light triangles",   "light distributions",
+    "dome texels"};
 
 /// A table that has become smaller than this part of its buffer gets a smaller one.
 constexpr std::uint64_t kShrinkFactor = 4;
@@ -103,7 +94,6 @@ bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& r
     Upload(Instances, scene.instances);
     Upload(InstancesByPath, scene.instancesByPath);
     Upload(Objects, scene.objects);
-    Upload(Chunks, scene.chunks);
     Upload(Meshes, scene.meshes);
     Upload(MeshMaterials, scene.meshMaterials);
     Upload(Materials, scene.materials);
@@ -145,7 +135,7 @@ std::uint64_t SceneBuffers::TableBytes() const {
 }
 
 unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first) const {
-    for (const Table table : {TopNodes, Instances, Objects, Chunks}) {
+    for (const Table table : {TopNodes, Instances, Objects}) {
         kernel->SetBuffer(first++, _tables[table]);
     }
     kernel->SetBuffer(first++, _streaming ? _streaming->Addresses() : _resident->Addresses());

@@ -49,7 +49,6 @@ private:
         Instances,
         InstancesByPath,
         Objects,
-        Chunks,
         Meshes,
         MeshMaterials,
         Materials,

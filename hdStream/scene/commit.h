@@ -72,7 +72,6 @@ struct CommittedScene {
     std::vector<const std::vector<AttributeName>*> meshAttributes;
     std::vector<std::uint32_t> meshMaterials;
     std::vector<shared::HdsMaterial> materials;
-    std::vector<shared::HdsChunk> chunks;
     std::unique_ptr<GeometryPages> pages; ///< prepared when they are needed; in the cache's memory
     std::shared_ptr<const LightTable> lights;
     std::vector<std::uint32_t> lightByEntry; ///< lights of emissive material entries

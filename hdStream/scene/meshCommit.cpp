@@ -7,6 +7,7 @@
 #include "hdStream/scene/transforms.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace hds {
 
@@ -77,7 +78,7 @@ PreparedMesh PrepareMesh(const std::string& path, std::shared_ptr<const MeshDesc
         return result;
     }
     const std::uint64_t maxTriangles = std::clamp<std::uint64_t>(
-        options.chunkBytes / source->MeanBytes().Both(), 1, kMaxChunkTriangles);
+        options.chunkBytes / source->MeanBytes().Both(), 1, std::numeric_limits<std::uint32_t>::max());
     ChunkPlan plan = PlanChunks(*source, static_cast<std::uint32_t>(maxTriangles));
     for (const Bounds& bounds : plan.bounds) {
         ExtendBounds(&result.bounds, bounds);

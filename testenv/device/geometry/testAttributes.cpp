@@ -8,6 +8,7 @@
 
 #include "kernels/shared/geometry.h"
 
+#include <glm/vec4.hpp>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -57,11 +58,11 @@ protected:
         std::iota(primIds.rbegin(), primIds.rend(), 0);
         chunk = TriangleMeshSource(mesh).Gather(primIds.data(), primIds.size());
         const auto page = BuildAttributePage(chunk);
-        std::vector<shared::HdsTriangle> triangles;
+        std::vector<glm::uvec4> triangles;
         std::mt19937 random(3);
         for (std::size_t t = 0; t < chunk.triangles.size(); ++t) {
             const glm::uvec3 v = chunk.triangles[t];
-            triangles.push_back({{v.x, v.y, v.z}, chunk.primIds[t]});
+            triangles.emplace_back(v, 0U);
             for (int i = 0; i < 40; ++i) {
                 float u = float(random() % 4097) / 4096.0F;
                 float w = float(random() % 4097) / 4096.0F;

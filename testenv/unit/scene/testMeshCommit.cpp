@@ -3,11 +3,9 @@
 // bounds.
 #include "hdStream/scene/meshCommit.h"
 
-#include "kernels/shared/geometry.h"
+#include "testenv/support/pageView.h"
 
 #include <gtest/gtest.h>
-
-#include <cstring>
 
 namespace hds {
 namespace {
