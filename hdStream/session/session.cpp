@@ -2,6 +2,7 @@
 #include "hdStream/session/session.h"
 
 #include "hdStream/integrator/pathTracer.h"
+#include "hdStream/persist/pageStore.h"
 #include "hdStream/scene/dump.h"
 #include "hdStream/session/settingsCheck.h"
 #include "hdStream/session/statistics.h"
@@ -21,6 +22,11 @@ double SecondsSince(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+/// The folder's page store as files: its index is not read.
+PageStore UnopenedPages(const std::string& directory) {
+    return {{directory, false}, nullptr};
+}
+
 /// What the present commit was made of.
 struct CommitKey {
     std::uint64_t sceneVersion = 0;
@@ -36,11 +42,11 @@ std::vector<DeviceInfo> ListDevices() {
 
 CacheState InspectCache(const std::string& directory) {
     const Store store({directory, true}, nullptr);
-    return {store.Directory(), store.Size()};
+    return {store.Directory(), store.Size() + UnopenedPages(directory).Size()};
 }
 
 std::uint64_t ClearCache(const std::string& directory) {
-    return Store({directory, true}, nullptr).Clear();
+    return Store({directory, true}, nullptr).Clear() + UnopenedPages(directory).Clear();
 }
 
 struct Session::Impl {
