@@ -3,6 +3,7 @@
 
 #include "hdStream/base/machine.h"
 #include "hdStream/integrator/pathTracer.h"
+#include "hdStream/persist/pageStore.h"
 #include "hdStream/scene/dump.h"
 #include "hdStream/session/settingsCheck.h"
 #include "hdStream/session/statistics.h"
@@ -28,6 +29,11 @@ double SecondsSince(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+/// The folder's page store as files: its index is not read.
+PageStore UnopenedPages(const std::string& directory) {
+    return {{directory, false}, nullptr};
+}
+
 /// What the present commit was made of.
 struct CommitKey {
     std::uint64_t sceneVersion = 0;
@@ -43,11 +49,11 @@ std::vector<DeviceInfo> ListDevices() {
 
 CacheState InspectCache(const std::string& directory) {
     const Store store({directory, true}, nullptr);
-    return {store.Directory(), store.Size()};
+    return {store.Directory(), store.Size() + UnopenedPages(directory).Size()};
 }
 
 std::uint64_t ClearCache(const std::string& directory) {
-    return Store({directory, true}, nullptr).Clear();
+    return Store({directory, true}, nullptr).Clear() + UnopenedPages(directory).Clear();
 }
 
 struct Session::Impl {
