@@ -181,17 +181,13 @@ bool PageSegment::Trim() {
 }
 
 std::optional<StoredPage> PageSegment::Reserve(std::uint64_t bytes, bool* hasFailed) {
-    if (!Trim()) {
-        *hasFailed = true;
-        return std::nullopt;
-    }
     const bool isBlockFull = _nextSlot == kBlockSlots - 1;
     const std::uint64_t room = _capacity - _end;
     const std::uint64_t overhead = isBlockFull ? kBlockBytes : 0;
     if (room < overhead || bytes > room - overhead || AlignPage(bytes) > room - overhead) {
         return std::nullopt;
     }
-    if (isBlockFull && !StartBlock()) {
+    if (!Trim() || (isBlockFull && !StartBlock())) {
         *hasFailed = true;
         return std::nullopt;
     }

@@ -56,7 +56,7 @@ public:
 
     /// Bytes that a new segment must have for one page.
     static std::uint64_t CapacityFor(std::uint64_t pageBytes) {
-        return 2 * kBlockBytes + AlignPage(pageBytes);
+        return kBlockBytes + AlignPage(pageBytes);
     }
 
     bool IsWriter() const { return _isWriter; }

@@ -10,10 +10,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <mutex>
 #include <shared_mutex>
+#include <system_error>
 #include <unordered_map>
 #include <utility>
 
@@ -28,12 +28,18 @@ constexpr std::uint64_t kSegmentsPerStore = 8;
 /// Times a name is tried for a new segment; another process may take its file away each time.
 constexpr int kCreateAttempts = 8;
 
+std::string ErrnoText() {
+    return std::system_category().message(errno);
+}
+
+/// A page in the index.
 struct KnownPage {
     StoredPage stored;
     std::uint32_t segment = 0;
     bool isVerified = false;
 };
 
+/// A page to read or write without a lock; its segment stays open meanwhile.
 struct FoundPage {
     StoredPage stored;
     std::uint32_t number = 0;
@@ -158,14 +164,15 @@ bool PageStore::Impl::ReadyWriter() {
 void PageStore::Impl::DropRemovedSegments() {
     const std::unique_lock<std::shared_mutex> lock(mutex);
     std::vector<bool> isDropped(segments.size(), false);
+    bool isAnyDropped = false;
     for (std::size_t i = 0; i < segments.size(); ++i) {
         std::shared_ptr<PageSegment>& segment = segments[i];
         if (segment != nullptr && !segment->IsUsed() && segment->IsUnlinked()) {
-            isDropped[i] = true;
+            isDropped[i] = isAnyDropped = true;
             segment.reset(); // closing it gives the disk's room back
         }
     }
-    for (auto it = pages.begin(); it != pages.end();) {
+    for (auto it = pages.begin(); isAnyDropped && it != pages.end();) {
         it = isDropped[it->second.segment] ? pages.erase(it) : std::next(it);
     }
 }
@@ -185,7 +192,7 @@ std::shared_ptr<PageSegment> PageStore::Impl::CreateSegment(std::uint64_t capaci
             break;
         }
     }
-    StopWriting(std::strerror(errno));
+    StopWriting(ErrnoText());
     return nullptr;
 }
 
@@ -224,7 +231,7 @@ std::optional<FoundPage> PageStore::Impl::Reserve(std::uint64_t bytes) {
             }
         }
         if (hasFailed) {
-            StopWriting(std::strerror(errno));
+            StopWriting(ErrnoText());
             return std::nullopt;
         }
         if (attempt > 0 || isFull || !StartSegment(bytes)) {
@@ -289,7 +296,7 @@ bool PageStore::Save(const PageKey& key, const void* data, std::size_t bytes) {
     page->stored.checksum = checksum;
     page->segment->MarkUsed();
     if (!page->segment->Write(key, page->stored, data)) {
-        _impl->StopWriting(std::strerror(errno));
+        _impl->StopWriting(ErrnoText());
         ++_impl->pagesNotKept;
         return false;
     }

@@ -21,7 +21,7 @@ namespace hds {
 struct PageStoreOptions {
     std::string directory;                    ///< as ResolveCacheDirectory takes it
     bool enabled = true;                      ///< false: nothing is found, nothing is kept
-    std::uint64_t maxBytes = 64ULL << 30U;    ///< of all segments; see PageStore about leaving
+    std::uint64_t maxBytes = 32ULL << 30U;    ///< of all segments; see PageStore about leaving
     std::uint64_t segmentBytes = 1ULL << 30U; ///< of a new segment, at most an eighth of maxBytes
 };
 

@@ -4,10 +4,9 @@
 #pragma once
 
 #include "hdStream/persist/pageStore.h"
+#include "testenv/support/temporaryFolder.h"
 
 #include <gtest/gtest.h>
-
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -34,15 +33,6 @@ inline std::vector<std::uint8_t> TestPage(std::uint64_t number, std::size_t byte
 
 class PageStoreTest : public ::testing::Test {
 protected:
-    void SetUp() override {
-        // A path with spaces and letters outside of ASCII, for all tests.
-        folder = std::filesystem::temp_directory_path() /
-                 ("hds pages \xc3\xa4\xe7\x94\xbb " + std::to_string(::getpid()) + "-" +
-                  ::testing::UnitTest::GetInstance()->current_test_info()->name());
-        std::filesystem::remove_all(folder);
-    }
-    void TearDown() override { std::filesystem::remove_all(folder); }
-
     PageStoreOptions Options(std::uint64_t segmentBytes = 1U << 20U) const {
         PageStoreOptions options;
         options.directory = folder.string();
@@ -83,7 +73,9 @@ protected:
         ASSERT_TRUE(file.good());
     }
 
-    std::filesystem::path folder;
+    test::TemporaryFolder temporary;
+    /// With spaces and letters outside of ASCII, for all tests; the store makes it.
+    std::filesystem::path folder = temporary.File("hds pages \xc3\xa4\xe7\x94\xbb");
     Warnings warnings;
 };
 
