@@ -4,6 +4,7 @@
 #pragma once
 
 #include "hdStream/accel/chunkPlan.h"
+#include "hdStream/persist/pageStore.h"
 #include "kernels/shared/geometry.h"
 
 #include <array>
@@ -17,6 +18,8 @@ namespace hds {
 struct ChunkedMesh {
     std::shared_ptr<const ChunkSource> source;
     ChunkPlan plan;
+    std::shared_ptr<PageStore> store; ///< of finished pages; may be null
+    PageKey key;                      ///< of all that source and plan are made of
 };
 
 /// Pages HDS_PAGE_GEOMETRY and HDS_PAGE_ATTRIBUTES of a chunk. Different objects may be used by
@@ -32,15 +35,22 @@ public:
     /// Exact once made, before that an upper bound.
     std::uint64_t Bytes(std::uint32_t page) const { return _bytes[page]; }
     bool IsExact() const { return _isExact; }
+    /// Looks for exact sizes in the store.
+    void FindSizes();
     const std::vector<std::uint8_t>& Data(std::uint32_t page) const { return _data[page]; }
     bool HasData(std::uint32_t page) const { return !_data[page].empty(); }
     std::uint64_t DataBytes() const { return _data[0].size() + _data[1].size(); }
 
-    /// Makes both pages.
-    void Build();
+    /// Makes the pages that are asked for ready: from the store, or else both are built and kept
+    /// there. \param isWanted one flag a page. \return whether they were built.
+    bool Prepare(const std::array<bool, kNumPages>& isWanted);
     void Drop(std::uint32_t page) { std::vector<std::uint8_t>().swap(_data[page]); }
 
 private:
+    PageKey KeyOf(std::uint32_t page) const;
+    bool Load(const std::array<bool, kNumPages>& isWanted);
+    void Build();
+
     std::shared_ptr<const ChunkedMesh> _mesh;
     std::uint32_t _chunk;
     std::uint64_t _firstId;

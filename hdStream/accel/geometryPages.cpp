@@ -13,8 +13,13 @@ namespace {
 /// Bytes of the chunks that are prepared between two questions whether to go on.
 constexpr std::uint64_t kBatchBytes = 64U << 20U;
 
-bool IsWhole(const ChunkPages& chunk) {
-    return chunk.HasData(HDS_PAGE_GEOMETRY) && chunk.HasData(HDS_PAGE_ATTRIBUTES);
+bool HasAll(const PreparedPages::Wanted& wanted) {
+    for (std::uint32_t page = 0; page < ChunkPages::kNumPages; ++page) {
+        if (wanted.isWanted[page] && !wanted.chunk->HasData(page)) {
+            return false;
+        }
+    }
+    return true;
 }
 
 std::uint64_t BytesOf(const ChunkPages& chunk) {
@@ -23,33 +28,41 @@ std::uint64_t BytesOf(const ChunkPages& chunk) {
 
 } // namespace
 
-void PreparedPages::Prepare(const std::vector<std::shared_ptr<ChunkPages>>& chunks) {
+void PreparedPages::Prepare(const std::vector<Wanted>& wanted) {
     const auto start = std::chrono::steady_clock::now();
-    std::vector<std::shared_ptr<ChunkPages>> missing;
+    std::vector<const Wanted*> missing;
     std::uint64_t bytesToCome = 0;
-    for (const auto& chunk : chunks) {
-        const auto place = _places.find(chunk.get());
-        if (place != _places.end() && IsWhole(*chunk)) {
-            _order.splice(_order.end(), _order, place->second); // used last
-            continue;
-        }
+    for (const Wanted& one : wanted) {
+        ChunkPages& chunk = *one.chunk;
+        const auto place = _places.find(&chunk);
         if (place != _places.end()) {
-            Remove(place->second);
+            _order.splice(_order.end(), _order, place->second); // used last
         }
-        missing.push_back(chunk);
-        bytesToCome += BytesOf(*chunk);
+        if (!HasAll(one)) {
+            missing.push_back(&one);
+            bytesToCome += BytesOf(chunk) - chunk.DataBytes();
+        }
     }
-    const std::size_t numKept = chunks.size() - missing.size();
+    const std::size_t numKept = wanted.size();
     while (_bytes + bytesToCome > _limit && _order.size() > numKept) {
         Remove(_order.begin());
     }
-    tbb::parallel_for(std::size_t{0}, missing.size(),
-                      [&](std::size_t i) { missing[i]->Build(); });
-    for (const auto& chunk : missing) {
-        _bytes += chunk->DataBytes();
-        _places[chunk.get()] = _order.insert(_order.end(), chunk);
+    std::vector<std::uint64_t> bytesBefore;
+    for (const Wanted* one : missing) {
+        bytesBefore.push_back(one->chunk->DataBytes());
     }
-    _numBuilt += missing.size();
+    std::vector<std::uint8_t> isBuilt(missing.size());
+    tbb::parallel_for(std::size_t{0}, missing.size(), [&](std::size_t i) {
+        isBuilt[i] = missing[i]->chunk->Prepare(missing[i]->isWanted) ? 1 : 0;
+    });
+    for (std::size_t i = 0; i < missing.size(); ++i) {
+        const std::shared_ptr<ChunkPages>& chunk = missing[i]->chunk;
+        _bytes += chunk->DataBytes() - bytesBefore[i];
+        if (_places.count(chunk.get()) == 0) {
+            _places[chunk.get()] = _order.insert(_order.end(), chunk);
+        }
+        ++(isBuilt[i] != 0 ? _numBuilt : _numLoaded);
+    }
     _seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
@@ -82,7 +95,7 @@ void PreparedPages::Clear() {
 }
 
 bool GeometryPages::PrepareAll(const std::function<bool()>& isCancelled) {
-    std::vector<std::shared_ptr<ChunkPages>> batch;
+    std::vector<PreparedPages::Wanted> batch;
     std::uint64_t bytes = 0;
     for (std::size_t i = 0; i <= _chunks.size(); ++i) {
         if (i == _chunks.size() || bytes >= kBatchBytes) {
@@ -93,9 +106,13 @@ bool GeometryPages::PrepareAll(const std::function<bool()>& isCancelled) {
             batch.clear();
             bytes = 0;
         }
-        // One whose size is known need not be made again only because it was forgotten.
-        if (i < _chunks.size() && !_chunks[i]->IsExact()) {
-            batch.push_back(_chunks[i]);
+        if (i == _chunks.size()) {
+            break;
+        }
+        // One whose size is known need not be made only to be forgotten.
+        _chunks[i]->FindSizes();
+        if (!_chunks[i]->IsExact()) {
+            batch.push_back({_chunks[i], {true, true}});
             bytes += BytesOf(*_chunks[i]);
         }
     }
@@ -116,17 +133,16 @@ std::uint64_t GeometryPages::TotalBytes(bool* isExact) const {
 }
 
 void GeometryPages::Prepare(const std::vector<std::uint32_t>& pages) {
-    std::vector<std::uint32_t> numbers;
-    for (const std::uint32_t page : pages) {
-        numbers.push_back(page / ChunkPages::kNumPages);
+    std::vector<std::uint32_t> sorted = pages;
+    std::sort(sorted.begin(), sorted.end());
+    std::vector<PreparedPages::Wanted> wanted;
+    for (const std::uint32_t page : sorted) {
+        if (wanted.empty() || wanted.back().chunk != ChunkOf(page)) {
+            wanted.push_back({ChunkOf(page), {}});
+        }
+        wanted.back().isWanted[page % ChunkPages::kNumPages] = true;
     }
-    std::sort(numbers.begin(), numbers.end());
-    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-    std::vector<std::shared_ptr<ChunkPages>> chunks;
-    for (const std::uint32_t number : numbers) {
-        chunks.push_back(_chunks[number]);
-    }
-    _prepared.Prepare(chunks);
+    _prepared.Prepare(wanted);
 }
 
 } // namespace hds

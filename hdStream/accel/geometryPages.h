@@ -21,16 +21,24 @@ public:
     /// \param bytes bound; what is needed at once may exceed it.
     void SetLimit(std::uint64_t bytes) { _limit = bytes; }
 
-    /// Makes the pages of some chunks ready, on all cores, and forgets others.
-    void Prepare(const std::vector<std::shared_ptr<ChunkPages>>& chunks);
+    /// A chunk with those of its pages that are wanted.
+    struct Wanted {
+        std::shared_ptr<ChunkPages> chunk;
+        std::array<bool, ChunkPages::kNumPages> isWanted{};
+    };
+
+    /// Makes pages ready, on all cores, and forgets others. Each chunk occurs once.
+    void Prepare(const std::vector<Wanted>& wanted);
     /// A chunk lost a page.
     void Drop(const std::shared_ptr<ChunkPages>& chunk, std::uint32_t page);
 
     void Clear();
 
     std::uint64_t Bytes() const { return _bytes; }
-    /// Chunks built, and seconds spent with it, since the object was made.
+    /// Chunks built, chunks read from the store, and seconds spent with both, since the object was
+    /// made.
     std::uint64_t NumBuilt() const { return _numBuilt; }
+    std::uint64_t NumLoaded() const { return _numLoaded; }
     double Seconds() const { return _seconds; }
 
 private:
@@ -42,6 +50,7 @@ private:
     Order _order; ///< used last comes last
     std::unordered_map<const ChunkPages*, Order::iterator> _places;
     std::uint64_t _numBuilt = 0;
+    std::uint64_t _numLoaded = 0;
     double _seconds = 0.0;
 };
 

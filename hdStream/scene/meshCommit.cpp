@@ -4,6 +4,7 @@
 #include "hdStream/accel/bvh.h"
 #include "hdStream/geometry/polygonSource.h"
 #include "hdStream/geometry/triangleMeshSource.h"
+#include "hdStream/scene/meshKey.h"
 #include "hdStream/scene/transforms.h"
 
 #include <algorithm>
@@ -65,9 +66,10 @@ std::uint32_t ChooseRefineLevel(const MeshOptions& options, std::size_t numFaces
 }
 
 PreparedMesh PrepareMesh(const std::string& path, std::shared_ptr<const MeshDescription> mesh,
-                         const MeshOptions& options, Warnings& warnings) {
+                         const MeshOptions& options, std::shared_ptr<PageStore> store,
+                         Warnings& warnings) {
     PreparedMesh result;
-    const auto source = MakeSource(path, std::move(mesh), options, warnings);
+    const auto source = MakeSource(path, mesh, options, warnings);
     result.leftHanded = source->IsLeftHanded();
     result.origin = source->Origin();
     result.numTriangles = source->NumTriangles();
@@ -83,8 +85,9 @@ PreparedMesh PrepareMesh(const std::string& path, std::shared_ptr<const MeshDesc
     for (const Bounds& bounds : plan.bounds) {
         ExtendBounds(&result.bounds, bounds);
     }
-    result.mesh =
-        std::make_shared<const ChunkedMesh>(ChunkedMesh{source, std::move(plan)});
+    const PageKey key = store ? MakeMeshKey(*mesh, options) : PageKey();
+    result.mesh = std::make_shared<const ChunkedMesh>(
+        ChunkedMesh{source, std::move(plan), std::move(store), key});
     BuildTopTree(&result);
     return result;
 }

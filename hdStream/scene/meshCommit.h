@@ -50,9 +50,10 @@ std::uint32_t ChooseRefineLevel(const MeshOptions& options, std::size_t numFaces
 
 /// Checks a mesh, cuts it into chunks and builds its top tree, on all cores if it is large; makes no
 /// triangles. An unusable mesh has no chunks. \param path subject of the warnings, which must
-/// outlive the result.
+/// outlive the result. \param store of finished pages; may be null.
 PreparedMesh PrepareMesh(const std::string& path, std::shared_ptr<const MeshDescription> mesh,
-                         const MeshOptions& options, Warnings& warnings);
+                         const MeshOptions& options, std::shared_ptr<PageStore> store,
+                         Warnings& warnings);
 
 /// All triangles of a prepared mesh.
 ChunkGeometry GatherAll(const PreparedMesh& mesh);

@@ -45,7 +45,8 @@ bool MeshStore::Prepare(const SceneDescription& scene, const std::vector<const E
             }
             for (std::size_t i = range.begin(); i < range.end() && !isStopped; ++i) {
                 prepared[i] = std::make_shared<const PreparedMesh>(
-                    PrepareMesh(missing[i]->first, missing[i]->second.mesh, options, warnings));
+                    PrepareMesh(missing[i]->first, missing[i]->second.mesh, options, _pageStore,
+                                warnings));
             }
         });
     for (std::size_t i = 0; i < missing.size(); ++i) {

@@ -42,6 +42,12 @@ public:
         }
     }
 
+    /// Finished pages go there and come from there; null: nowhere. Forgets all meshes.
+    void SetPageStore(std::shared_ptr<PageStore> pageStore) {
+        _items.clear();
+        _pageStore = std::move(pageStore);
+    }
+
     /// Meshes prepared since the store was made.
     std::uint64_t NumPrepared() const { return _numPrepared; }
 
@@ -52,6 +58,7 @@ private:
         std::shared_ptr<const ChunkGeometry> triangles; ///< once asked for
     };
 
+    std::shared_ptr<PageStore> _pageStore;
     MeshOptions _options;
     std::map<std::string, Item> _items;
     std::uint64_t _numPrepared = 0;

@@ -72,6 +72,10 @@ struct Session::Impl {
                 StoreOptions{settings.cacheDirectory, !settings.noCache}, &warnings);
             cacheDirectory = settings.cacheDirectory;
             noCache = settings.noCache;
+            cache.pages.Clear();
+            cache.meshes.SetPageStore(
+                noCache ? nullptr
+                        : std::make_shared<PageStore>(PageStoreOptions{cacheDirectory}, &warnings));
         }
     }
 

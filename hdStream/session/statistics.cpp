@@ -72,7 +72,7 @@ Json GeometrySection(const StatisticsInput& in) {
             {"shadingRefetches", render.shadingRefetches},
             {"chunksTouched", pool.chunksUsed},
             {"chunksBuilt", in.pages->NumBuilt()},
-            {"chunksFromCache", 0},
+            {"chunksFromCache", in.pages->NumLoaded()},
             {"estimated", !isExact}};
 }
 

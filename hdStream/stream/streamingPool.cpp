@@ -155,7 +155,7 @@ void StreamingPool::ServiceCast() {
         page.isProtected = false;
     }
     _hasVictims = false;
-    PlaceInBatches(TakeRequests(), [&](const Request& request) {
+    PlaceInBatches(TakeRequests(), 1, [&](const Request& request) {
         if (!Place(request.page)) {
             return false;
         }
@@ -172,7 +172,7 @@ void StreamingPool::ServiceGroups() {
         page.isProtected = false;
     }
     _hasVictims = false;
-    PlaceInBatches(TakeRequests(), [&](const Request& request) {
+    PlaceInBatches(TakeRequests(), kGroupPages, [&](const Request& request) {
         const std::uint32_t first = GroupOf(request.page) * kGroupPages;
         if (PlaceGroup(first, request.count)) {
             return true;
@@ -199,9 +199,9 @@ void StreamingPool::EndService(Clock::time_point start, const StreamingStatistic
 }
 
 /// Places requests, the first ones first, until placeRequest(request) says that there is no more
-/// room; those that can fit are prepared together.
+/// room; those that can fit are prepared together. \param numPages of a request: 1, or its group.
 template <typename PlaceRequest>
-void StreamingPool::PlaceInBatches(const std::vector<Request>& requests,
+void StreamingPool::PlaceInBatches(const std::vector<Request>& requests, std::uint32_t numPages,
                                    PlaceRequest placeRequest) {
     _placedBytes = 0;
     std::size_t next = 0;
@@ -213,8 +213,11 @@ void StreamingPool::PlaceInBatches(const std::vector<Request>& requests,
         std::uint64_t bytes = 0;
         const std::size_t first = next;
         for (; next < requests.size() && (batch.empty() || bytes < room); ++next) {
-            batch.push_back(requests[next].page);
-            bytes += GroupBytes(GroupOf(requests[next].page) * kGroupPages);
+            const std::uint32_t begin = requests[next].page / numPages * numPages;
+            for (std::uint32_t page = begin; page < begin + numPages; ++page) {
+                batch.push_back(page);
+                bytes += _provider->PageBytes(page);
+            }
         }
         const auto start = Clock::now();
         _provider->Prepare(batch);

@@ -108,7 +108,8 @@ private:
     void MakeTables();
     std::vector<Request> TakeRequests();
     template <typename PlaceRequest>
-    void PlaceInBatches(const std::vector<Request>& requests, PlaceRequest placeRequest);
+    void PlaceInBatches(const std::vector<Request>& requests, std::uint32_t numPages,
+                        PlaceRequest placeRequest);
     void EndService(Clock::time_point start, const StreamingStatistics& before);
     bool PlaceGroup(std::uint32_t first, std::uint32_t wanted);
     bool Place(std::uint32_t page);

@@ -38,7 +38,7 @@ MeshDescription Grid(std::int32_t size, const std::string& scheme) {
 
 PreparedMesh Prepare(const MeshDescription& mesh, const MeshOptions& options) {
     static Warnings warnings; // outlives the meshes
-    return PrepareMesh("/grid", std::make_shared<MeshDescription>(mesh), options, warnings);
+    return PrepareMesh("/grid", std::make_shared<MeshDescription>(mesh), options, nullptr, warnings);
 }
 
 TEST(MeshCommit, EveryTriangleIsInOneChunkWithinTheBound) {
@@ -52,7 +52,7 @@ TEST(MeshCommit, EveryTriangleIsInOneChunkWithinTheBound) {
             const std::uint64_t bound =
                 chunk->Bytes(HDS_PAGE_GEOMETRY) + chunk->Bytes(HDS_PAGE_ATTRIBUTES);
             EXPECT_FALSE(chunk->IsExact());
-            chunk->Build();
+            EXPECT_TRUE(chunk->Prepare({true, true}));
             const std::uint64_t bytes =
                 chunk->Bytes(HDS_PAGE_GEOMETRY) + chunk->Bytes(HDS_PAGE_ATTRIBUTES);
             EXPECT_TRUE(chunk->IsExact());
