@@ -15,18 +15,14 @@ namespace {
 /// How much of its size a hull of cage points grows by: end caps of OpenSubdiv may leave the hull.
 constexpr double kHullMargin = 1.0 / 64.0;
 
-/// Control points of the cubic patch of a part of a regular quad, [v][u], by its corners'
-/// derivatives.
-std::array<glm::dvec3, 16> BezierPoints(const FaceSurface& surface, const PatternBox& part) {
-    std::array<glm::dvec3, 16> net;
-    const glm::dvec2 third = (part.high - part.low) / 3.0;
+/// Control points of the cubic patch of a regular quad, [v][u], by its corners' derivatives.
+std::vector<glm::dvec3> BezierPoints(const FaceSurface& surface) {
+    std::vector<glm::dvec3> net(16);
     for (int y = 0; y < 2; ++y) {
         for (int x = 0; x < 2; ++x) {
-            const glm::dvec2 at(x == 0 ? part.low.x : part.high.x,
-                                y == 0 ? part.low.y : part.high.y);
-            const SurfaceFrame2 f = surface.Frame2({0, at});
-            const double u = x == 0 ? third.x : -third.x;
-            const double v = y == 0 ? third.y : -third.y;
+            const SurfaceFrame2 f = surface.Frame2({0, glm::dvec2(x, y)});
+            const double u = (x == 0 ? 1.0 : -1.0) / 3.0;
+            const double v = (y == 0 ? 1.0 : -1.0) / 3.0;
             const auto to = [&](int dx, int dy) -> glm::dvec3& {
                 return net[std::size_t(4 * (y == 0 ? dy : 3 - dy) + (x == 0 ? dx : 3 - dx))];
             };
@@ -39,6 +35,39 @@ std::array<glm::dvec3, 16> BezierPoints(const FaceSurface& surface, const Patter
     return net;
 }
 
+/// The blossom of a cubic (de Casteljau with a parameter of its own in each step).
+glm::dvec3 Blossom(const glm::dvec3* points, std::size_t stride, double t0, double t1, double t2) {
+    const auto mix = [](const glm::dvec3& a, const glm::dvec3& b, double t) {
+        return a + t * (b - a);
+    };
+    const glm::dvec3 a = mix(points[0], points[stride], t0);
+    const glm::dvec3 b = mix(points[stride], points[2 * stride], t0);
+    const glm::dvec3 c = mix(points[2 * stride], points[3 * stride], t0);
+    return mix(mix(a, b, t1), mix(b, c, t1), t2);
+}
+
+/// Control points of a part of a patch.
+std::array<glm::dvec3, 16> Restrict(const std::vector<glm::dvec3>& net, const PatternBox& part) {
+    std::array<glm::dvec3, 16> rows;
+    std::array<glm::dvec3, 16> result;
+    const auto at = [&](int axis, std::size_t i, std::size_t step) {
+        return step < i ? part.high[axis] : part.low[axis];
+    };
+    for (std::size_t line = 0; line < 4; ++line) {
+        for (std::size_t i = 0; i < 4; ++i) {
+            rows[4 * line + i] =
+                Blossom(net.data() + 4 * line, 1, at(0, i, 0), at(0, i, 1), at(0, i, 2));
+        }
+    }
+    for (std::size_t line = 0; line < 4; ++line) {
+        for (std::size_t i = 0; i < 4; ++i) {
+            result[4 * i + line] =
+                Blossom(rows.data() + line, 4, at(1, i, 0), at(1, i, 1), at(1, i, 2));
+        }
+    }
+    return result;
+}
+
 } // namespace
 
 void ExactBox::Add(const glm::dvec3& point) {
@@ -47,13 +76,17 @@ void ExactBox::Add(const glm::dvec3& point) {
 }
 
 FaceMeter::FaceMeter(const SubdivModel& model, int face)
-    : _model(model), _face(face), _shape(model.Shape(face)), _surface(model, face) {}
+    : _model(model), _face(face), _shape(model.Shape(face)), _surface(model, face) {
+    if (IsBezier()) {
+        _net = BezierPoints(_surface);
+    }
+}
 
 ExactBox FaceMeter::BoxOver(const PatternBox& part) const {
     ExactBox box;
     double margin = 1e-6;
     if (IsBezier()) {
-        for (const glm::dvec3& point : BezierPoints(_surface, part)) {
+        for (const glm::dvec3& point : Restrict(_net, part)) {
             box.Add(point);
         }
     } else {
@@ -91,13 +124,7 @@ void FaceMeter::RequestLevels(const DicingOptions& options, double bump,
                               std::uint8_t* levels) const {
     const auto numEdges = static_cast<std::uint32_t>(_model.Cage().counts[_face]);
     const Screen screen(options.view);
-    std::vector<glm::dvec3> points;
-    if (IsBezier()) {
-        const auto net = BezierPoints(_surface, {});
-        points.assign(net.begin(), net.end());
-    } else {
-        points = SamplePoints();
-    }
+    std::vector<glm::dvec3> points = IsBezier() ? _net : SamplePoints();
     for (glm::dvec3& point : points) {
         point = screen.ToCamera(point);
     }

@@ -41,6 +41,7 @@ private:
     int _face;
     FaceShape _shape;
     FaceSurface _surface;
+    std::vector<glm::dvec3> _net; ///< of a regular quad: Bezier points [v][u]
 };
 
 } // namespace hds
