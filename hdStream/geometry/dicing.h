@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// How finely a subdivision surface is cut: one rate, a power of two, per edge of the cage. A pure
+// function of the mesh, the limits and a recorded dicing camera. Explained in docs/geometry.md.
+#pragma once
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+
+#include <cstdint>
+
+namespace hds {
+
+/// What a dicing camera sees, and where the object's finest instance is. The camera looks along -z.
+struct DicingView {
+    glm::dmat4 cameraFromObject{1.0};
+    bool isOrthographic = false;
+    /// The image's borders: at distance 1 (perspective), or of every distance (orthographic).
+    glm::dvec2 windowMin{-1.0};
+    glm::dvec2 windowMax{1.0};
+    glm::dvec2 imageSize{0.0}; ///< pixels; 0: nothing is on screen
+    double nearClip = 1e-3;    ///< distances below count as this
+
+    bool operator==(const DicingView& other) const {
+        return cameraFromObject == other.cameraFromObject &&
+               isOrthographic == other.isOrthographic && windowMin == other.windowMin &&
+               windowMax == other.windowMax && imageSize == other.imageSize &&
+               nearClip == other.nearClip;
+    }
+};
+
+/// Rates of a mesh. All edges get 2^level segments (uniform), or as many as they need on screen.
+struct DicingOptions {
+    bool isAdaptive = false;
+    /// Uniform: of every edge. Adaptive: of the finest. At most kMaxDicingLevel.
+    std::uint32_t level = 2;
+    DicingView view; ///< adaptive only, as the bounds below
+
+    double maxErrorPixels = 0.1;      ///< distance of the triangles from the limit surface
+    double maxTurnDegrees = 8.0;      ///< between the normals of an edge's ends
+    double maxEdgePixels = 64.0;      ///< length of a triangle's side
+    double maxBumpPixels = 4.0;       ///< the same where displacement varies
+    std::uint32_t offScreenLevel = 1; ///< of the finest edge of a face that is not seen
+
+    bool operator==(const DicingOptions& other) const {
+        return isAdaptive == other.isAdaptive && level == other.level && view == other.view &&
+               maxErrorPixels == other.maxErrorPixels && maxTurnDegrees == other.maxTurnDegrees &&
+               maxEdgePixels == other.maxEdgePixels && maxBumpPixels == other.maxBumpPixels &&
+               offScreenLevel == other.offScreenLevel;
+    }
+};
+
+/// Finest level of both modes.
+constexpr std::uint32_t kMaxDicingLevel = 8;
+/// Bound of adaptive dicing unless told otherwise.
+constexpr std::uint32_t kAdaptiveLevel = 6;
+
+} // namespace hds

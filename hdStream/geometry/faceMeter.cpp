@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/geometry/faceMeter.h"
+
+#include "hdStream/geometry/edgeDemand.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <array>
+
+namespace hds {
+namespace {
+
+/// How much of its size a hull of cage points grows by: end caps of OpenSubdiv may leave the hull.
+constexpr double kHullMargin = 1.0 / 64.0;
+
+/// Control points of the cubic patch of a regular quad, [v][u], by its corners' derivatives.
+std::vector<glm::dvec3> BezierPoints(const FaceSurface& surface) {
+    std::vector<glm::dvec3> net(16);
+    for (int y = 0; y < 2; ++y) {
+        for (int x = 0; x < 2; ++x) {
+            const SurfaceFrame2 f = surface.Frame2({0, glm::dvec2(x, y)});
+            const double u = (x == 0 ? 1.0 : -1.0) / 3.0;
+            const double v = (y == 0 ? 1.0 : -1.0) / 3.0;
+            const auto to = [&](int dx, int dy) -> glm::dvec3& {
+                return net[std::size_t(4 * (y == 0 ? dy : 3 - dy) + (x == 0 ? dx : 3 - dx))];
+            };
+            to(0, 0) = f.point;
+            to(1, 0) = f.point + u * f.tangentU;
+            to(0, 1) = f.point + v * f.tangentV;
+            to(1, 1) = f.point + u * f.tangentU + v * f.tangentV + u * v * f.uv;
+        }
+    }
+    return net;
+}
+
+/// The blossom of a cubic (de Casteljau with a parameter of its own in each step).
+glm::dvec3 Blossom(const glm::dvec3* points, std::size_t stride, double t0, double t1, double t2) {
+    const auto mix = [](const glm::dvec3& a, const glm::dvec3& b, double t) {
+        return a + t * (b - a);
+    };
+    const glm::dvec3 a = mix(points[0], points[stride], t0);
+    const glm::dvec3 b = mix(points[stride], points[2 * stride], t0);
+    const glm::dvec3 c = mix(points[2 * stride], points[3 * stride], t0);
+    return mix(mix(a, b, t1), mix(b, c, t1), t2);
+}
+
+/// Control points of a part of a patch.
+std::array<glm::dvec3, 16> Restrict(const std::vector<glm::dvec3>& net, const PatternBox& part) {
+    std::array<glm::dvec3, 16> rows;
+    std::array<glm::dvec3, 16> result;
+    const auto at = [&](int axis, std::size_t i, std::size_t step) {
+        return step < i ? part.high[axis] : part.low[axis];
+    };
+    for (std::size_t line = 0; line < 4; ++line) {
+        for (std::size_t i = 0; i < 4; ++i) {
+            rows[4 * line + i] =
+                Blossom(net.data() + 4 * line, 1, at(0, i, 0), at(0, i, 1), at(0, i, 2));
+        }
+    }
+    for (std::size_t line = 0; line < 4; ++line) {
+        for (std::size_t i = 0; i < 4; ++i) {
+            result[4 * i + line] =
+                Blossom(rows.data() + line, 4, at(1, i, 0), at(1, i, 1), at(1, i, 2));
+        }
+    }
+    return result;
+}
+
+} // namespace
+
+void ExactBox::Add(const glm::dvec3& point) {
+    min = glm::min(min, point);
+    max = glm::max(max, point);
+}
+
+FaceMeter::FaceMeter(const SubdivModel& model, int face)
+    : _model(model), _face(face), _shape(model.Shape(face)), _surface(model, face) {
+    if (IsBezier()) {
+        _net = BezierPoints(_surface);
+    }
+}
+
+ExactBox FaceMeter::BoxOver(const PatternBox& part) const {
+    ExactBox box;
+    double margin = 1e-6;
+    if (IsBezier()) {
+        for (const glm::dvec3& point : Restrict(_net, part)) {
+            box.Add(point);
+        }
+    } else {
+        std::vector<int> points;
+        _surface.ControlPoints(points);
+        for (const int point : points) {
+            const float* p = _model.Mesh().points.data() + 3 * std::size_t(point);
+            box.Add({p[0], p[1], p[2]});
+        }
+        margin = kHullMargin;
+    }
+    const double pad = margin * glm::length(box.max - box.min);
+    box.min -= pad;
+    box.max += pad;
+    return box;
+}
+
+/// Samples of a surface that is not one patch, per grid [v][u] or, of a triangle, row by row.
+std::vector<glm::dvec3> FaceMeter::SamplePoints() const {
+    std::vector<glm::dvec3> points;
+    const std::uint32_t numGrids =
+        _shape == FaceShape::SubQuads ? std::uint32_t(_model.Cage().counts[_face]) : 1;
+    const int n = _shape == FaceShape::SubQuads ? 3 : 5;
+    for (std::uint32_t grid = 0; grid < numGrids; ++grid) {
+        for (int y = 0; y < n; ++y) {
+            for (int x = 0; x < (_shape == FaceShape::Triangle ? n - y : n); ++x) {
+                points.push_back(_surface.Point({int(grid), glm::dvec2(x, y) / double(n - 1)}));
+            }
+        }
+    }
+    return points;
+}
+
+void FaceMeter::RequestLevels(const DicingOptions& options, double bump,
+                              std::uint8_t* levels) const {
+    const auto numEdges = static_cast<std::uint32_t>(_model.Cage().counts[_face]);
+    const Screen screen(options.view);
+    std::vector<glm::dvec3> points = IsBezier() ? _net : SamplePoints();
+    for (glm::dvec3& point : points) {
+        point = screen.ToCamera(point);
+    }
+    DicingOptions limits = options;
+    if (screen.IsOutside(points)) {
+        limits.level = std::min(options.level, options.offScreenLevel);
+    }
+    if (_shape == FaceShape::Quad) {
+        const std::size_t n = IsBezier() ? 4 : 5;
+        const GridDemand demand = IsBezier() ? MeasureGrid(points.data(), n, 3.0, 6.0)
+                                             : MeasureGrid(points.data(), n, 4.0, 16.0);
+        const std::size_t first[] = {0, n - 1, n * (n - 1), 0};
+        const std::size_t stride[] = {1, n, 1, n};
+        for (std::uint32_t edge = 0; edge < 4; ++edge) {
+            const double pixels =
+                screen.PixelsPerUnit(points.data() + first[edge], n, stride[edge]);
+            levels[edge] = LevelOf(edge % 2 == 0 ? demand.u : demand.v, pixels, bump, limits);
+        }
+        return;
+    }
+    EdgeDemand all;
+    if (_shape == FaceShape::Triangle) {
+        all = MeasureTriangle(points.data());
+    } else {
+        for (std::uint32_t grid = 0; grid < numEdges; ++grid) {
+            const GridDemand demand = MeasureGrid(points.data() + 9 * grid, 3, 4.0, 16.0);
+            all.Add(demand.u);
+            all.Add(demand.v);
+        }
+    }
+    const double pixels = screen.PixelsPerUnit(points.data(), points.size(), 1);
+    std::fill(levels, levels + numEdges, LevelOf(all, pixels, bump, limits));
+}
+
+} // namespace hds

@@ -1,0 +1,326 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/geometry/subdivDice.h"
+
+#include "hdStream/geometry/dicing.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <unordered_map>
+
+namespace hds {
+namespace {
+
+namespace Far = OpenSubdiv::Far;
+
+constexpr std::uint32_t kNone = 0xffffffffU;
+/// primIds are 32 bits; the last value means none.
+constexpr std::uint64_t kMaxTriangles = 0xffffffffU;
+
+void Append(const glm::dvec3& value, std::vector<float>& values) {
+    values.insert(values.end(), {float(value.x), float(value.y), float(value.z)});
+}
+
+/// Builds a chunk, unit by unit.
+class ChunkBuilder {
+public:
+    explicit ChunkBuilder(const SubdivDice& dice)
+        : _dice(dice), _model(*dice.model), _points(_model, dice.displacement, dice.entries) {
+        for (const SubdivPrimvar& primvar : _model.Primvars()) {
+            _hasCornerValues =
+                _hasCornerValues || primvar.attribute.interpolation == Interpolation::FaceVarying;
+        }
+        _values.resize(_model.Primvars().size());
+    }
+
+    void AddUnit(std::uint32_t unit) {
+        const int face = _dice.FaceOf(unit);
+        StartFace(face);
+        const DicePattern pattern(_model.Shape(face), std::uint32_t(_levels.size()),
+                                  _levels.data());
+        if (_isNewFace) {
+            _vertexOf.assign(pattern.NumVertices(), kNone);
+            _cornerOf.assign(pattern.NumVertices(), kNone);
+        }
+        _triangles.clear();
+        pattern.AddTile(unit - _dice.faceUnits[std::size_t(face)], _triangles);
+        const std::uint32_t authored = _model.Cage().faces[std::size_t(face)];
+        for (std::size_t i = 0; i < _triangles.size(); ++i) {
+            glm::uvec3 triangle;
+            glm::uvec3 corners;
+            for (int k = 0; k < 3; ++k) {
+                triangle[k] = Vertex(pattern, _triangles[i][k]);
+                corners[k] = _cornerOf[_triangles[i][k]];
+            }
+            if (!HasArea(triangle)) {
+                continue;
+            }
+            _chunk.triangles.push_back(triangle);
+            _chunk.corners.push_back(corners);
+            _chunk.primIds.push_back(_dice.unitTriangles[unit] + std::uint32_t(i));
+            _chunk.faces.push_back(authored);
+            if (!_dice.entries.empty()) {
+                _chunk.materialEntries.push_back(_dice.entries[authored]);
+            }
+        }
+    }
+
+    ChunkGeometry Finish() {
+        _chunk.points.resize(_chunk.positions.size());
+        for (std::size_t i = 0; i < _chunk.points.size(); ++i) {
+            _chunk.points[i] = static_cast<std::uint32_t>(i);
+        }
+        FinishNormals();
+        for (std::size_t i = 0; i < _values.size(); ++i) {
+            MeshAttribute attribute = _model.Primvars()[i].attribute;
+            const Interpolation interpolation = attribute.interpolation;
+            if (interpolation == Interpolation::Vertex || interpolation == Interpolation::Varying ||
+                interpolation == Interpolation::FaceVarying) {
+                attribute.values = std::move(_values[i]);
+                attribute.indices = {};
+            }
+            if (interpolation == Interpolation::Varying) {
+                attribute.interpolation = Interpolation::Vertex;
+            }
+            _chunk.attributes.push_back(std::move(attribute));
+        }
+        return std::move(_chunk);
+    }
+
+private:
+    void StartFace(int face) {
+        _isNewFace = face != _face;
+        if (_isNewFace) {
+            _face = face;
+            _dice.FaceLevels(face, _levels);
+        }
+    }
+
+    /// Chunk vertex of a vertex of the face's pattern.
+    std::uint32_t Vertex(const DicePattern& pattern, std::uint32_t index) {
+        std::uint32_t& vertex = _vertexOf[index];
+        if (vertex != kNone) {
+            return vertex;
+        }
+        const PatternVertex location = pattern.Locate(index);
+        switch (location.kind) {
+        case PatternVertex::Kind::Corner:
+            vertex = CornerVertex(location.index);
+            break;
+        case PatternVertex::Kind::Edge:
+            vertex = EdgeVertex(location);
+            break;
+        case PatternVertex::Kind::Inside:
+            vertex = AddVertex(_points.Inside({_face, location.at}), {_face, location.at});
+            break;
+        }
+        _cornerOf[index] = AddCorner(location, vertex);
+        return vertex;
+    }
+
+    std::uint32_t CornerVertex(std::uint32_t corner) {
+        const int point = _model.Level().GetFaceVertices(_face)[int(corner)];
+        const auto [found, isNew] = _shared.emplace(std::uint64_t(point), 0U);
+        if (isNew) {
+            found->second = AddVertex(_points.Vertex(point), _points.AtVertex(point));
+        }
+        return found->second;
+    }
+
+    std::uint32_t EdgeVertex(const PatternVertex& location) {
+        const Far::TopologyLevel& level = _model.Level();
+        const int edge = level.GetFaceEdges(_face)[int(location.index)];
+        const std::uint32_t rate = 1U << _levels[location.index];
+        const bool isForward =
+            level.GetFaceVertices(_face)[int(location.index)] == level.GetEdgeVertices(edge)[0];
+        const std::uint32_t step = isForward ? location.step : rate - location.step;
+        const std::uint64_t key =
+            (std::uint64_t(edge) << DicePattern::kMaxLevel | step) | std::uint64_t(1) << 63U;
+        const auto [found, isNew] = _shared.emplace(key, 0U);
+        if (isNew) {
+            const double t = double(step) / double(rate);
+            found->second = AddVertex(_points.Edge(edge, t), _points.OnEdge(edge, t));
+        }
+        return found->second;
+    }
+
+    std::uint32_t AddVertex(const SurfacePoint& point, const FaceLocation& owner) {
+        const auto vertex = static_cast<std::uint32_t>(_chunk.positions.size());
+        _chunk.positions.emplace_back(point.position - _dice.origin);
+        if (!_model.IsFlat()) {
+            Append(point.normal, _normals);
+        }
+        const int vertexSize = _model.VertexRows().rowSize;
+        const int varyingSize = _model.VaryingRows().rowSize;
+        FaceSurface& surface = _points.Surface(owner.face);
+        if (vertexSize > 0) {
+            _vertexRow.resize(std::size_t(vertexSize));
+            surface.VertexValues(owner.at, _vertexRow.data());
+        }
+        if (varyingSize > 0) {
+            _varyingRow.resize(std::size_t(varyingSize));
+            surface.VaryingValues(owner.at, _varyingRow.data());
+        }
+        for (std::size_t i = 0; i < _values.size(); ++i) {
+            const SubdivPrimvar& primvar = _model.Primvars()[i];
+            if (primvar.attribute.interpolation == Interpolation::Vertex) {
+                AppendRow(_vertexRow, primvar, _values[i]);
+            } else if (primvar.attribute.interpolation == Interpolation::Varying) {
+                AppendRow(_varyingRow, primvar, _values[i]);
+            }
+        }
+        return vertex;
+    }
+
+    static void AppendRow(const std::vector<double>& row, const SubdivPrimvar& primvar,
+                          std::vector<float>& values) {
+        for (std::uint32_t c = 0; c < primvar.attribute.numComponents; ++c) {
+            values.push_back(float(row[std::size_t(primvar.offset) + c]));
+        }
+    }
+
+    /// What the face has at a vertex of its own: faceVarying values, the normal of its side.
+    std::uint32_t AddCorner(const PatternVertex& location, std::uint32_t vertex) {
+        const auto corner = static_cast<std::uint32_t>(_cornerNormals.size());
+        _cornerNormals.push_back(static_cast<std::int32_t>(vertex));
+        if (const glm::dvec3* side = SideNormal(location)) {
+            _cornerNormals.back() = -1 - static_cast<std::int32_t>(_sideNormals.size() / 3);
+            Append(*side, _sideNormals);
+        }
+        if (_hasCornerValues) {
+            for (std::size_t i = 0; i < _values.size(); ++i) {
+                const SubdivPrimvar& primvar = _model.Primvars()[i];
+                if (primvar.channel >= 0) {
+                    _vertexRow.resize(std::max<std::size_t>(4, _vertexRow.size()));
+                    _points.Surface(_face).ChannelValues(primvar.channel, location.at,
+                                                         _vertexRow.data());
+                    AppendRow(_vertexRow, primvar, _values[i]);
+                }
+            }
+        }
+        return corner;
+    }
+
+    /// Null where all faces share the vertex's normal.
+    const glm::dvec3* SideNormal(const PatternVertex& location) {
+        const Far::TopologyLevel& level = _model.Level();
+        const auto index = static_cast<int>(location.index);
+        if (_model.IsFlat() || location.kind == PatternVertex::Kind::Inside) {
+            return nullptr;
+        }
+        if (location.kind == PatternVertex::Kind::Edge) {
+            if (!_model.IsSharpEdge(level.GetFaceEdges(_face)[index])) {
+                return nullptr;
+            }
+            _sideNormal = _points.EdgeSideNormal({_face, location.at});
+            return &_sideNormal;
+        }
+        const int point = level.GetFaceVertices(_face)[index];
+        if (!_model.IsSharpVertex(point)) {
+            return nullptr;
+        }
+        _sideNormal = _points.VertexSideNormal(point, _face);
+        return &_sideNormal;
+    }
+
+    /// As Triangulate: no area once rounded to float.
+    bool HasArea(const glm::uvec3& triangle) const {
+        const glm::dvec3 p0(_chunk.positions[triangle.x]);
+        const glm::vec3 cross(glm::cross(glm::dvec3(_chunk.positions[triangle.y]) - p0,
+                                         glm::dvec3(_chunk.positions[triangle.z]) - p0));
+        return cross != glm::vec3(0.0F);
+    }
+
+    void FinishNormals() {
+        if (_model.IsFlat()) {
+            return;
+        }
+        MeshAttribute& normals = _chunk.normals;
+        normals.name = "normals";
+        normals.numComponents = 3;
+        normals.interpolation = Interpolation::Vertex;
+        if (!_sideNormals.empty()) {
+            const auto numVertices = static_cast<std::int32_t>(_chunk.positions.size());
+            for (std::int32_t& index : _cornerNormals) {
+                index = index >= 0 ? index : numVertices - 1 - index;
+            }
+            _normals.insert(_normals.end(), _sideNormals.begin(), _sideNormals.end());
+            normals.interpolation = Interpolation::FaceVarying;
+            normals.indices = std::move(_cornerNormals);
+        }
+        normals.values = std::move(_normals);
+    }
+
+    const SubdivDice& _dice;
+    const SubdivModel& _model;
+    SubdivPoints _points;
+    ChunkGeometry _chunk;
+    bool _hasCornerValues = false;
+
+    int _face = -1;
+    bool _isNewFace = false;
+    std::vector<std::uint8_t> _levels;
+    std::vector<std::uint32_t> _vertexOf; ///< [pattern vertices] chunk vertex
+    std::vector<std::uint32_t> _cornerOf; ///< [pattern vertices] chunk corner
+    std::vector<glm::uvec3> _triangles;
+    std::unordered_map<std::uint64_t, std::uint32_t> _shared; ///< of cage vertices and edges
+
+    std::vector<float> _normals;              ///< [vertices][3]
+    std::vector<std::int32_t> _cornerNormals; ///< [corners] vertex, or -1 - side normal
+    std::vector<float> _sideNormals;
+    std::vector<std::vector<float>> _values; ///< by primvar
+    std::vector<double> _vertexRow;
+    std::vector<double> _varyingRow;
+    glm::dvec3 _sideNormal{0.0};
+};
+
+} // namespace
+
+void SubdivDice::FaceLevels(int face, std::vector<std::uint8_t>& levels) const {
+    const Far::ConstIndexArray edges = model->Level().GetFaceEdges(face);
+    levels.resize(std::size_t(edges.size()));
+    for (int i = 0; i < edges.size(); ++i) {
+        levels[std::size_t(i)] = edgeLevels[std::size_t(edges[i])];
+    }
+}
+
+std::uint64_t SubdivDice::NumberUnits() {
+    const auto numFaces = static_cast<int>(model->NumFaces());
+    std::vector<std::uint8_t> levels;
+    for (std::uint8_t bound = kMaxDicingLevel;; --bound) {
+        for (std::uint8_t& level : edgeLevels) {
+            level = std::min(level, bound);
+        }
+        faceUnits.assign(1, 0);
+        unitTriangles.assign(1, 0);
+        std::uint64_t sum = 0;
+        for (int face = 0; face < numFaces && sum < kMaxTriangles; ++face) {
+            if (model->IsDrawn(face)) {
+                FaceLevels(face, levels);
+                const DicePattern pattern(model->Shape(face), std::uint32_t(levels.size()),
+                                          levels.data());
+                for (std::uint32_t tile = 0; tile < pattern.NumTiles(); ++tile) {
+                    sum += pattern.TileTriangles(tile);
+                    unitTriangles.push_back(static_cast<std::uint32_t>(sum));
+                }
+            }
+            faceUnits.push_back(static_cast<std::uint32_t>(unitTriangles.size() - 1));
+        }
+        if (sum < kMaxTriangles || bound == 0) {
+            return sum;
+        }
+    }
+}
+
+int SubdivDice::FaceOf(std::uint32_t unit) const {
+    const auto next = std::upper_bound(faceUnits.begin(), faceUnits.end(), unit);
+    return static_cast<int>(next - faceUnits.begin()) - 1;
+}
+
+ChunkGeometry DiceUnits(const SubdivDice& dice, const std::uint32_t* units, std::size_t count) {
+    ChunkBuilder builder(dice);
+    std::for_each(units, units + count, [&](std::uint32_t unit) { builder.AddUnit(unit); });
+    return builder.Finish();
+}
+
+} // namespace hds

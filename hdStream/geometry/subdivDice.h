@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// A subdivided mesh with its rates and units, and the triangles of some of its units. Internal to
+// geometry. Explained in docs/geometry.md.
+#pragma once
+
+#include "hdStream/geometry/subdivPoints.h"
+
+#include <memory>
+#include <vector>
+
+namespace hds {
+
+/// What units are made from. Immutable; any number of threads may read it.
+struct SubdivDice {
+    std::unique_ptr<const SubdivModel> model;
+    SubdivDisplacement displacement;
+    std::vector<std::uint32_t> entries;       ///< material entry by authored face; empty: all 0
+    std::vector<std::uint8_t> edgeLevels;     ///< [cage edges]
+    std::vector<std::uint32_t> faceUnits;     ///< [cage faces + 1] first unit
+    std::vector<std::uint32_t> unitTriangles; ///< [units + 1] first primId
+    glm::dvec3 origin{0.0};
+
+    /// Fills faceUnits and unitTriangles from edgeLevels; lowers the highest levels until primIds
+    /// can be counted. \return the triangles, an upper bound.
+    std::uint64_t NumberUnits();
+    /// Levels of a cage face's edges. \param levels of at least its size.
+    void FaceLevels(int face, std::vector<std::uint8_t>& levels) const;
+    /// The cage face of a unit.
+    int FaceOf(std::uint32_t unit) const;
+};
+
+/// The triangles of some units, in their order.
+ChunkGeometry DiceUnits(const SubdivDice& dice, const std::uint32_t* units, std::size_t count);
+
+} // namespace hds

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/geometry/subdivSource.h"
+
+#include "hdStream/base/error.h"
+#include "hdStream/geometry/attributePage.h"
+#include "hdStream/geometry/faceMeter.h"
+#include "hdStream/geometry/meshContent.h"
+#include "hdStream/geometry/subdivDice.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace hds {
+namespace {
+
+namespace Far = OpenSubdiv::Far;
+using Range = tbb::blocked_range<int>;
+constexpr int kGrain = 64;
+
+/// A box relative to the origin, rounded outwards. The owner of a shared point may have it a
+/// rounding error away from where another face has it.
+Bounds RoundOut(const ExactBox& box, const glm::dvec3& origin) {
+    Bounds bounds;
+    if (box.min.x > box.max.x) {
+        return bounds;
+    }
+    const auto infinity = std::numeric_limits<float>::infinity();
+    for (int axis = 0; axis < 3; ++axis) {
+        const double slack = 1e-12 * std::max(std::fabs(box.min[axis]), std::fabs(box.max[axis]));
+        bounds.min[axis] = std::nextafter(float(box.min[axis] - origin[axis] - slack), -infinity);
+        bounds.max[axis] = std::nextafter(float(box.max[axis] - origin[axis] + slack), infinity);
+    }
+    return bounds;
+}
+
+class SubdivSource final : public ChunkSource {
+public:
+    SubdivSource(std::unique_ptr<const SubdivModel> model, const std::string& primPath,
+                 const DicingOptions& options, const Displacement& displacement,
+                 Warnings& warnings) {
+        _dice.model = std::move(model);
+        PrimLog log(primPath, warnings);
+        _dice.entries = AssignSubsets(Model().Mesh(), log);
+        _isLeftHanded = Model().Mesh().leftHanded;
+        BindDisplacement(displacement);
+        DescribePages();
+        std::vector<ExactBox> faceBoxes(Model().NumFaces());
+        MeasureFaces(options, faceBoxes);
+        ChooseOrigin(faceBoxes);
+        _numTriangles = _dice.NumberUnits();
+        _numUnits = static_cast<std::uint32_t>(_dice.unitTriangles.size() - 1);
+        MeasureUnits(faceBoxes);
+    }
+
+    std::uint32_t UnitTriangles(std::uint32_t unit) const override {
+        return _dice.unitTriangles[unit + 1] - _dice.unitTriangles[unit];
+    }
+
+    Bounds UnitBounds(std::uint32_t unit) const override { return _unitBounds[unit]; }
+
+    ChunkGeometry Gather(const std::uint32_t* units, std::size_t count) const override {
+        for (std::size_t i = 0; i < count; ++i) {
+            HDS_VERIFY(units[i] < _numUnits,
+                       "unit " + std::to_string(units[i]) + " of " + std::to_string(_numUnits));
+        }
+        return DiceUnits(_dice, units, count);
+    }
+
+private:
+    const SubdivModel& Model() const { return *_dice.model; }
+
+    void BindDisplacement(const Displacement& displacement) {
+        std::vector<MeshAttribute> attributes;
+        for (const SubdivPrimvar& primvar : Model().Primvars()) {
+            attributes.push_back(primvar.attribute);
+        }
+        std::uint32_t last = 0;
+        for (const std::uint32_t entry : _dice.entries) {
+            last = std::max(last, entry);
+        }
+        _dice.displacement.owner = displacement;
+        _dice.displacement.amounts = BindAmounts(displacement, attributes);
+        _dice.displacement.range =
+            RangeOf(_dice.displacement.amounts, attributes, last >= displacement.size());
+    }
+
+    void DescribePages() {
+        std::vector<MeshAttribute> attributes;
+        for (const SubdivPrimvar& primvar : Model().Primvars()) {
+            attributes.push_back(primvar.attribute);
+            _attributes.push_back({primvar.attribute.name, primvar.attribute.numComponents});
+        }
+        const auto normals =
+            Model().IsFlat() ? std::nullopt : std::optional<Interpolation>(Interpolation::Vertex);
+        _bytesPerTriangle = EstimateBytesPerTriangle(attributes, normals, !_dice.entries.empty());
+    }
+
+    /// Boxes of the faces' limit surfaces, and the levels of all edges.
+    void MeasureFaces(const DicingOptions& options, std::vector<ExactBox>& boxes) {
+        const Far::TopologyLevel& level = Model().Level();
+        const auto uniform = static_cast<std::uint8_t>(
+            options.isAdaptive ? 0 : std::min(options.level, kMaxDicingLevel));
+        std::vector<std::atomic<std::uint8_t>> levels(std::size_t(level.GetNumEdges()));
+        const double bump = _dice.displacement.range.high - _dice.displacement.range.low;
+        tbb::parallel_for(Range(0, level.GetNumFaces(), kGrain), [&](const Range& range) {
+            std::vector<std::uint8_t> requests;
+            for (int face = range.begin(); face < range.end(); ++face) {
+                if (!Model().IsDrawn(face)) {
+                    continue;
+                }
+                const FaceMeter meter(Model(), face);
+                boxes[std::size_t(face)] = meter.Box();
+                if (!options.isAdaptive) {
+                    continue;
+                }
+                const Far::ConstIndexArray edges = level.GetFaceEdges(face);
+                requests.resize(std::size_t(edges.size()));
+                meter.RequestLevels(options, bump, requests.data());
+                for (int i = 0; i < edges.size(); ++i) {
+                    std::atomic<std::uint8_t>& highest = levels[std::size_t(edges[i])];
+                    std::uint8_t seen = highest.load();
+                    while (seen < requests[std::size_t(i)] &&
+                           !highest.compare_exchange_weak(seen, requests[std::size_t(i)])) {
+                    }
+                }
+            }
+        });
+        _dice.edgeLevels.assign(levels.begin(), levels.end());
+        if (!options.isAdaptive) {
+            std::fill(_dice.edgeLevels.begin(), _dice.edgeLevels.end(), uniform);
+        }
+    }
+
+    void ChooseOrigin(const std::vector<ExactBox>& boxes) {
+        ExactBox all;
+        for (const ExactBox& box : boxes) {
+            all.min = glm::min(all.min, box.min);
+            all.max = glm::max(all.max, box.max);
+        }
+        if (all.min.x <= all.max.x) {
+            _dice.origin = glm::dvec3(hds::ChooseOrigin(RoundOut(all, glm::dvec3(0.0))));
+        }
+        _origin = _dice.origin;
+    }
+
+    void MeasureUnits(const std::vector<ExactBox>& faceBoxes) {
+        _unitBounds.resize(_numUnits);
+        const double reach = std::max(std::fabs(_dice.displacement.range.low),
+                                      std::fabs(_dice.displacement.range.high));
+        const auto bounds = [&](ExactBox box) {
+            box.min -= reach;
+            box.max += reach;
+            return RoundOut(box, _origin);
+        };
+        tbb::parallel_for(Range(0, int(Model().NumFaces()), kGrain), [&](const Range& range) {
+            std::vector<std::uint8_t> levels;
+            for (int face = range.begin(); face < range.end(); ++face) {
+                const std::uint32_t begin = _dice.faceUnits[std::size_t(face)];
+                const std::uint32_t end = _dice.faceUnits[std::size_t(face) + 1];
+                if (end - begin == 1) {
+                    _unitBounds[begin] = bounds(faceBoxes[std::size_t(face)]);
+                }
+                if (end - begin < 2) {
+                    continue;
+                }
+                _dice.FaceLevels(face, levels);
+                const DicePattern pattern(Model().Shape(face), std::uint32_t(levels.size()),
+                                          levels.data());
+                const FaceMeter meter(Model(), face);
+                for (std::uint32_t unit = begin; unit < end; ++unit) {
+                    _unitBounds[unit] = bounds(meter.BoxOver(pattern.TileBox(unit - begin)));
+                }
+            }
+        });
+        for (const Bounds& unit : _unitBounds) {
+            _bounds.min = glm::min(_bounds.min, unit.min);
+            _bounds.max = glm::max(_bounds.max, unit.max);
+        }
+    }
+
+    SubdivDice _dice;
+    std::vector<Bounds> _unitBounds;
+};
+
+} // namespace
+
+bool IsSubdivisionScheme(const std::string& scheme) {
+    return scheme == "catmullClark" || scheme == "loop" || scheme == "bilinear";
+}
+
+std::shared_ptr<const ChunkSource> MakeSubdivSource(std::shared_ptr<const MeshDescription> mesh,
+                                                    const std::string& primPath,
+                                                    const DicingOptions& options,
+                                                    const Displacement& displacement,
+                                                    Warnings& warnings) {
+    auto model = SubdivModel::Make(std::move(mesh), primPath, warnings);
+    if (!model) {
+        return nullptr;
+    }
+    return std::make_shared<SubdivSource>(std::move(model), primPath, options, displacement,
+                                          warnings);
+}
+
+} // namespace hds

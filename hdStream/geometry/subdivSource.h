@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// A subdivision surface as a source of chunks: diced per edge, evaluated on the limit surface,
+// displaced. A unit is a cage face, or a tile of one that is cut finely. Explained in
+// docs/geometry.md.
+#pragma once
+
+#include "hdStream/base/log.h"
+#include "hdStream/geometry/chunkSource.h"
+#include "hdStream/geometry/dicing.h"
+#include "hdStream/geometry/displacement.h"
+
+#include <memory>
+#include <string>
+
+namespace hds {
+
+/// True for catmullClark, loop and bilinear.
+bool IsSubdivisionScheme(const std::string& scheme);
+
+/// Checks the mesh, chooses rates and measures the units; evaluates no triangle.
+/// \return null, with a warning, when OpenSubdiv refuses the mesh: its cage is drawn as polygons
+/// then. Null too when no face can be used, with the warnings of MakePolygonSource. Never throws on
+/// content.
+/// \param warnings must outlive the source: values of primvars are looked at when the first chunk
+/// is gathered. Cost: one evaluation of OpenSubdiv per cage face, on all cores.
+/// Precondition: IsSubdivisionScheme(mesh->subdivisionScheme).
+std::shared_ptr<const ChunkSource> MakeSubdivSource(std::shared_ptr<const MeshDescription> mesh,
+                                                    const std::string& primPath,
+                                                    const DicingOptions& options,
+                                                    const Displacement& displacement,
+                                                    Warnings& warnings);
+
+} // namespace hds
