@@ -42,7 +42,8 @@ SegmentHeader MakeSegmentHeader(std::uint64_t capacity) {
 bool IsValid(const SegmentHeader& header) {
     return std::memcmp(header.magic, kMagic, sizeof(kMagic)) == 0 &&
            header.version == kPageFormatVersion && header.endianMark == kEndianMark &&
-           header.capacity >= kBlockBytes && header.checksum == HeaderChecksum(header);
+           header.capacity >= kBlockBytes && header.capacity % kPageAlignment == 0 &&
+           header.checksum == HeaderChecksum(header);
 }
 
 void Seal(IndexEntry* entry, std::uint64_t slot) {

@@ -27,7 +27,7 @@ struct SegmentHeader {
     char magic[8];
     std::uint32_t version;
     std::uint32_t endianMark;
-    std::uint64_t capacity; ///< bytes that the segment may grow to
+    std::uint64_t capacity; ///< bytes that the segment may grow to, a multiple of kPageAlignment
     std::uint64_t reserved[4];
     std::uint64_t checksum; ///< of all before
 };
@@ -43,7 +43,7 @@ enum class EntryKind : std::uint32_t {
 /// A slot of the index.
 struct IndexEntry {
     PageKey key;
-    std::uint64_t offset; ///< of the payload in the file, a multiple of kPageAlignment
+    std::uint64_t offset; ///< of the payload or block in the file, a multiple of kPageAlignment
     std::uint64_t bytes;
     std::uint64_t payloadChecksum;
     EntryKind kind;

@@ -162,6 +162,7 @@ void PageSegment::ReadEntry(const IndexEntry& entry, std::uint64_t slot, std::ui
 bool PageSegment::StartBlock() {
     IndexEntry link{};
     link.offset = _end;
+    link.bytes = kBlockBytes;
     link.kind = EntryKind::Link;
     const std::uint64_t slot = _block + (kBlockSlots - 1) * kSlotBytes;
     Seal(&link, slot);

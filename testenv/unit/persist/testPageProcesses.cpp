@@ -7,6 +7,7 @@
 
 #include <csignal>
 #include <functional>
+#include <memory>
 #include <random>
 
 namespace hds {
@@ -117,13 +118,19 @@ TEST_F(PageProcessesTest, AFileIsNotContinuedWhileItsWriterLives) {
 }
 
 TEST_F(PageProcessesTest, AForkedChildReadsButLeavesTheFileToItsParent) {
-    PageStore store(Options(), &warnings);
-    EXPECT_TRUE(Save(&store, 1, 1000));
-    EXPECT_NE(store.SegmentData(0), nullptr);
-    EXPECT_EQ(StatusOf(Start([&] { return IsRight(&store, 1, 1000) && !Save(&store, 2, 1000); })),
+    auto store = std::make_unique<PageStore>(Options(), &warnings);
+    EXPECT_TRUE(Save(store.get(), 1, 1000));
+    EXPECT_NE(store->SegmentData(0), nullptr);
+    const auto mappedBytes = std::filesystem::file_size(OnlyFile());
+    EXPECT_EQ(StatusOf(Start([&] {
+                  const bool isRight = IsRight(store.get(), 1, 1000) && !Save(store.get(), 2, 1000);
+                  store.reset();
+                  return isRight;
+              })),
               0);
-    EXPECT_TRUE(Save(&store, 2, 1000));
-    EXPECT_TRUE(Has(&store, 2, 1000));
+    EXPECT_EQ(std::filesystem::file_size(OnlyFile()), mappedBytes);
+    EXPECT_TRUE(Save(store.get(), 2, 1000));
+    EXPECT_TRUE(Has(store.get(), 2, 1000));
 }
 
 } // namespace

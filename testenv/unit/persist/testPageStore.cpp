@@ -71,6 +71,15 @@ TEST_F(PageStoreTest, APageLargerThanASegmentIsKept) {
     EXPECT_TRUE(Has(&store, 1, 3U << 20U));
 }
 
+TEST_F(PageStoreTest, APageThatIsThereIsNotWrittenAgain) {
+    PageStore store(Options(), &warnings);
+    EXPECT_TRUE(Save(&store, 1, 100000));
+    const std::uint64_t size = store.Size();
+    EXPECT_TRUE(Save(&store, 1, 100000));
+    EXPECT_EQ(store.Size(), size);
+    EXPECT_EQ(store.Statistics().pagesSaved, 1U);
+}
+
 TEST_F(PageStoreTest, ADisabledStoreIsEmptyAndTouchesNothing) {
     PageStoreOptions options = Options();
     options.enabled = false;
@@ -155,6 +164,33 @@ TEST_F(PageStoreTest, ManyThreadsSaveAndLoadTheSamePages) {
     for (std::uint64_t number = 0; number < kPages; ++number) {
         EXPECT_TRUE(Has(&next, number, 50 + number * 11));
     }
+}
+
+TEST_F(PageStoreTest, ClearingWhileOthersSaveAndLoadLeavesRightPages) {
+    PageStore store(Options(256U << 10U), &warnings);
+    std::atomic<bool> isDone{false};
+    std::vector<std::thread> threads;
+    for (std::uint64_t t = 0; t < 3; ++t) {
+        threads.emplace_back([&, t] {
+            for (std::uint64_t i = t; !isDone; ++i) {
+                EXPECT_TRUE(Save(&store, i % 300, 1000));
+                Has(&store, (i * 7) % 300, 1000); // there or not, but right
+                store.Locate(TestKey((i * 11) % 300));
+            }
+        });
+    }
+    for (int i = 0; i < 20; ++i) {
+        while (store.Statistics().pagesSaved < static_cast<std::uint64_t>(i) * 50) {
+            std::this_thread::yield();
+        }
+        store.Clear();
+    }
+    isDone = true;
+    for (std::thread& thread : threads) {
+        thread.join();
+    }
+    EXPECT_EQ(store.Statistics().pagesRejected, 0U);
+    EXPECT_TRUE(warnings.Lines().empty());
 }
 
 TEST_F(PageStoreTest, ClearFreesEverythingAndSavingGoesOn) {
