@@ -100,7 +100,8 @@ private:
         }
         const auto normals =
             Model().IsFlat() ? std::nullopt : std::optional<Interpolation>(Interpolation::Vertex);
-        _bytesPerTriangle = EstimateBytesPerTriangle(attributes, normals, !_dice.entries.empty());
+        _boundBytes = BoundTriangleBytes(attributes, normals, !_dice.entries.empty());
+        _meanBytes = MeanTriangleBytes(attributes, normals, !_dice.entries.empty(), 1.0);
     }
 
     /// Boxes of the faces' limit surfaces, and the levels of all edges.
