@@ -4,7 +4,7 @@
 #pragma once
 
 #include "hdStream/accel/simd4.h"
-#include "hdStream/geometry/triangleMesh.h"
+#include "hdStream/geometry/chunkSource.h"
 
 #include <cstdint>
 #include <limits>

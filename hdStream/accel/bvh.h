@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The BVH builder: one 8-wide compressed BVH over any boxes (triangles, chunks, instances), and the
-// plan that cuts a mesh into chunks. Deterministic: the result does not depend on the thread count.
+// The BVH builder: one 8-wide compressed BVH over any boxes (triangles, chunks, instances).
+// Deterministic: the result does not depend on the thread count.
 // Explained in docs/accel.md.
 #pragma once
 
-#include "hdStream/geometry/triangleMesh.h"
-#include "kernels/shared/bvhNode.h"
+#include "hdStream/geometry/chunkSource.h"
+#include "kernels/shared/geometry.h"
 
 #include <cstdint>
 #include <vector>
@@ -31,27 +31,15 @@ struct BvhOptions {
 /// ones (min > max: never hit, kept as a point). At most HDS_BVH_MAX_DEPTH nodes lie on a path.
 Bvh BuildBvh(const std::vector<Bounds>& items, const BvhOptions& options);
 
-/// Chunks of a mesh: `order` lists triangles, chunk i owns [begin[i], begin[i + 1]).
-struct ChunkPlan {
-    std::vector<std::uint32_t> order;
-    std::vector<std::uint32_t> begin; ///< numChunks + 1 entries
-};
-
-/// Splits triangles into spatially compact chunks of at most `maxTriangles` (SAH, so that chunk
-/// borders are where a BVH over the whole mesh would split too).
-ChunkPlan PlanChunks(const TriangleMesh& mesh, std::uint32_t maxTriangles);
-
-/// A finished geometry page (kernels/shared/geometry.h) with what the chunk's table record needs.
+/// A finished geometry page (kernels/shared/geometry.h).
 struct GeometryPage {
     std::vector<std::uint8_t> bytes;
-    std::uint32_t triangleOffset = 0; ///< 16-byte units
-    std::uint32_t vertexOffset = 0;   ///< 16-byte units
     std::uint32_t numNodes = 0;
     Bounds bounds;
 };
 
-/// Builds the chunk's BVH and page. Reorders `chunk` (triangles, primIds) into leaf order and its
-/// vertices (positions, points) into order of first use.
+/// Builds the chunk's BVH and page. Reorders the triangles of `chunk` into leaf order and its
+/// vertices into order of first use. \pre at most HDS_MAX_CHUNK_VERTICES.
 GeometryPage BuildGeometryPage(ChunkGeometry& chunk);
 
 } // namespace hds

@@ -1,72 +1,243 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cuts a mesh into chunks: the top of the binary tree that a build over the whole mesh would make.
-#include "hdStream/accel/bvh.h"
-#include "hdStream/accel/sahSplit.h"
+#include "hdStream/accel/chunkPlan.h"
+
+#include "hdStream/accel/unitGrid.h"
 #include "hdStream/base/error.h"
 
-#include <tbb/parallel_invoke.h>
+#include <glm/common.hpp>
+
+#include <algorithm>
+#include <array>
+#include <limits>
 
 namespace hds {
 namespace {
 
-constexpr std::size_t kTaskCount = 32768;
+/// Cells a chunk should have: more cells cut better and cost more.
+constexpr std::size_t kCellsPerChunk = 512;
 
-class ChunkPlanner {
+using Cells = std::vector<GridCell>;
+using CellRange = std::pair<Cells::iterator, Cells::iterator>;
+
+/// Where to cut a range of cells.
+struct Cut {
+    int axis = -1; ///< -1: nowhere
+    std::uint32_t plane = 0;
+};
+
+/// A box of cells, in cells.
+struct CellBox {
+    std::array<std::uint32_t, 3> low;
+    std::array<std::uint32_t, 3> high;
+
+    CellBox() {
+        low.fill(std::numeric_limits<std::uint32_t>::max());
+        high.fill(0);
+    }
+    void Grow(const CellBox& other) {
+        for (int axis = 0; axis < 3; ++axis) {
+            low[axis] = std::min(low[axis], other.low[axis]);
+            high[axis] = std::max(high[axis], other.high[axis]);
+        }
+    }
+    void Grow(const GridCell& cell) {
+        for (int axis = 0; axis < 3; ++axis) {
+            low[axis] = std::min<std::uint32_t>(low[axis], cell.at[axis]);
+            high[axis] = std::max<std::uint32_t>(high[axis], cell.at[axis]);
+        }
+    }
+    double HalfArea(const glm::dvec3& cellSize) const {
+        if (low[0] > high[0]) {
+            return 0.0;
+        }
+        glm::dvec3 size;
+        for (int axis = 0; axis < 3; ++axis) {
+            size[axis] = (high[axis] - low[axis] + 1.0) * cellSize[axis];
+        }
+        return size.x * size.y + size.y * size.z + size.z * size.x;
+    }
+};
+
+/// Cuts the units of one grid.
+class Planner {
 public:
-    ChunkPlanner(const TriangleMesh& mesh, std::uint32_t maxTriangles)
-        : _refs(MakeRefs(mesh.positions, mesh.triangles)), _scratch(_refs.size()),
-          _isBegin(_refs.size(), 0), _maxTriangles(maxTriangles) {}
+    Planner(const ChunkSource& source, std::uint32_t maxTriangles, ChunkPlan* plan)
+        : _source(source), _maxTriangles(maxTriangles), _plan(*plan) {}
 
-    ChunkPlan Plan() {
-        ChunkPlan plan;
-        if (!_refs.empty()) {
-            Cut(0, _refs.size(), ComputeRangeBounds(_refs.data(), _refs.size()));
+    /// Appends the chunks of `units`, which lie in `bounds` and have `numTriangles`.
+    void Plan(std::vector<std::uint32_t> units, const Bounds& bounds, std::uint64_t numTriangles) {
+        const UnitGrid grid(_source, std::move(units), bounds,
+                            kCellsPerChunk * (numTriangles / _maxTriangles + 1));
+        if (grid.Cells().size() == 1) {
+            CutByOrder(grid.Units()); // all centres are at about one place
+            return;
         }
-        plan.order.reserve(_refs.size());
-        for (std::size_t i = 0; i < _refs.size(); ++i) {
-            if (_isBegin[i] != 0) {
-                plan.begin.push_back(static_cast<std::uint32_t>(i));
+        Cells cells = grid.Cells();
+        std::vector<std::size_t> ends;
+        CutCells(cells, 0, cells.size(), grid.CellSize(), &ends);
+        const std::vector<std::uint32_t> ordered = grid.OrderUnits(cells);
+        std::size_t unit = 0;
+        std::size_t cell = 0;
+        for (const std::size_t end : ends) {
+            const std::size_t first = unit;
+            Bounds box;
+            std::uint64_t weight = 0;
+            const bool isOneCell = end - cell == 1;
+            for (; cell < end; ++cell) {
+                unit += cells[cell].numUnits;
+                weight += cells[cell].numTriangles;
+                box.min = glm::min(box.min, cells[cell].bounds.min);
+                box.max = glm::max(box.max, cells[cell].bounds.max);
             }
-            plan.order.push_back(_refs[i].item);
+            if (isOneCell && weight > _maxTriangles && unit - first > 1) {
+                Plan({ordered.begin() + static_cast<std::ptrdiff_t>(first),
+                      ordered.begin() + static_cast<std::ptrdiff_t>(unit)},
+                     box, weight);
+            } else {
+                AddChunk(ordered.data() + first, unit - first, box, weight);
+            }
         }
-        plan.begin.push_back(static_cast<std::uint32_t>(_refs.size()));
-        return plan;
     }
 
 private:
-    /// Recursion ends: every cut takes at least a quarter of a chunk off, or halves the range.
-    void Cut(std::size_t begin, std::size_t count, const RangeBounds& bounds) {
-        if (count <= _maxTriangles) {
-            _isBegin[begin] = 1;
-            return;
-        }
-        SplitOptions options;
-        options.minSide = std::max<std::size_t>(1, _maxTriangles / 4);
-        options.scratch = _scratch.data() + begin;
-        const SplitResult split = SplitRange(_refs.data() + begin, count, bounds, options);
-        const auto cutLeft = [&] { Cut(begin, split.numLeft, split.left); };
-        const auto cutRight = [&] {
-            Cut(begin + split.numLeft, count - split.numLeft, split.right);
-        };
-        if (count >= kTaskCount) {
-            tbb::parallel_invoke(cutLeft, cutRight);
-        } else {
-            cutLeft();
-            cutRight();
-        }
+    void AddChunk(const std::uint32_t* units, std::size_t count, const Bounds& bounds,
+                  std::uint64_t numTriangles) {
+        _plan.begin.push_back(static_cast<std::uint32_t>(_plan.units.size()));
+        _plan.units.insert(_plan.units.end(), units, units + count);
+        _plan.bounds.push_back(bounds);
+        _plan.counts.push_back(static_cast<std::uint32_t>(numTriangles));
     }
 
-    std::vector<BoxRef> _refs;
-    std::vector<BoxRef> _scratch;
-    std::vector<std::uint8_t> _isBegin; ///< [numTriangles] 1: a chunk begins here
+    void CutByOrder(const std::vector<std::uint32_t>& units) {
+        std::size_t first = 0;
+        std::uint64_t numTriangles = 0;
+        Bounds box;
+        for (std::size_t i = 0; i < units.size(); ++i) {
+            const std::uint32_t added = _source.UnitTriangles(units[i]);
+            if (i > first && numTriangles + added > _maxTriangles) {
+                AddChunk(units.data() + first, i - first, box, numTriangles);
+                first = i;
+                numTriangles = 0;
+                box = {};
+            }
+            const Bounds bounds = _source.UnitBounds(units[i]);
+            box.min = glm::min(box.min, bounds.min);
+            box.max = glm::max(box.max, bounds.max);
+            numTriangles += added;
+        }
+        AddChunk(units.data() + first, units.size() - first, box, numTriangles);
+    }
+
+    /// Reorders cells[begin, end) so that chunks are contiguous; appends where they end.
+    void CutCells(Cells& cells, std::size_t begin, std::size_t end, const glm::dvec3& cellSize,
+                  std::vector<std::size_t>* ends) {
+        std::uint64_t weight = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+            weight += cells[i].numTriangles;
+        }
+        if (weight <= _maxTriangles || end - begin == 1) {
+            ends->push_back(end);
+            return;
+        }
+        const auto first = cells.begin() + static_cast<std::ptrdiff_t>(begin);
+        const auto last = cells.begin() + static_cast<std::ptrdiff_t>(end);
+        const Cut cut = FindCut({first, last}, weight, cellSize);
+        const auto middle = std::stable_partition(first, last, [&](const GridCell& cell) {
+            return cell.at[cut.axis] < cut.plane;
+        });
+        const auto split = static_cast<std::size_t>(middle - cells.begin());
+        CutCells(cells, begin, split, cellSize, ends);
+        CutCells(cells, split, end, cellSize, ends);
+    }
+
+    /// The plane between slices of cells with the least sum of weight times area; a side with less
+    /// than a quarter of a chunk is avoided where it can be.
+    Cut FindCut(CellRange range, std::uint64_t weight, const glm::dvec3& cellSize) const {
+        CellBox all;
+        for (auto cell = range.first; cell != range.second; ++cell) {
+            all.Grow(*cell);
+        }
+        Cut best;
+        double bestCost = std::numeric_limits<double>::infinity();
+        for (int axis = 0; axis < 3; ++axis) {
+            const std::uint32_t low = all.low[axis];
+            const std::size_t numSlices = all.high[axis] - low + 1;
+            std::vector<std::uint64_t> weights(numSlices, 0);
+            std::vector<CellBox> boxes(numSlices);
+            for (auto cell = range.first; cell != range.second; ++cell) {
+                weights[cell->at[axis] - low] += cell->numTriangles;
+                boxes[cell->at[axis] - low].Grow(*cell);
+            }
+            std::vector<double> rightAreas(numSlices);
+            CellBox right;
+            for (std::size_t i = numSlices; i-- > 1;) {
+                right.Grow(boxes[i]);
+                rightAreas[i] = right.HalfArea(cellSize);
+            }
+            CellBox left;
+            std::uint64_t leftWeight = 0;
+            for (std::size_t i = 1; i < numSlices; ++i) {
+                left.Grow(boxes[i - 1]);
+                leftWeight += weights[i - 1];
+                const std::uint64_t rightWeight = weight - leftWeight;
+                double cost = static_cast<double>(leftWeight) * left.HalfArea(cellSize) +
+                              static_cast<double>(rightWeight) * rightAreas[i];
+                if (std::min(leftWeight, rightWeight) < _maxTriangles / 4) {
+                    cost += kSmallSidePenalty * static_cast<double>(weight) *
+                            all.HalfArea(cellSize);
+                }
+                if (cost < bestCost) {
+                    bestCost = cost;
+                    best = {axis, low + static_cast<std::uint32_t>(i)};
+                }
+            }
+        }
+        return best;
+    }
+
+    /// Above any sum of weight times area.
+    static constexpr double kSmallSidePenalty = 4.0;
+
+    const ChunkSource& _source;
     std::uint32_t _maxTriangles;
+    ChunkPlan& _plan;
 };
+
+std::vector<std::uint32_t> DrawnUnits(const ChunkSource& source) {
+    std::vector<std::uint32_t> units;
+    units.reserve(source.NumUnits());
+    for (std::uint32_t unit = 0; unit < source.NumUnits(); ++unit) {
+        if (source.UnitTriangles(unit) > 0) {
+            units.push_back(unit);
+        }
+    }
+    return units;
+}
 
 } // namespace
 
-ChunkPlan PlanChunks(const TriangleMesh& mesh, std::uint32_t maxTriangles) {
-    HDS_VERIFY(maxTriangles > 0, std::to_string(maxTriangles));
-    return ChunkPlanner(mesh, maxTriangles).Plan();
+ChunkPlan PlanChunks(const ChunkSource& source, std::uint32_t maxTriangles,
+                     std::uint32_t maxVertices) {
+    HDS_VERIFY(maxTriangles > 0 && maxVertices >= 3, std::to_string(maxTriangles));
+    if (source.NumVertices() > maxVertices) {
+        maxTriangles = std::min(maxTriangles, maxVertices / 3);
+    }
+    ChunkPlan plan;
+    std::vector<std::uint32_t> units = DrawnUnits(source);
+    if (units.empty()) {
+        return plan;
+    }
+    if (source.NumTriangles() <= maxTriangles) {
+        plan.begin = {0};
+        plan.bounds = {source.AllBounds()};
+        plan.counts = {static_cast<std::uint32_t>(source.NumTriangles())};
+        plan.units = std::move(units);
+    } else {
+        Planner(source, maxTriangles, &plan)
+            .Plan(std::move(units), source.AllBounds(), source.NumTriangles());
+    }
+    plan.begin.push_back(static_cast<std::uint32_t>(plan.units.size()));
+    return plan;
 }
 
 } // namespace hds

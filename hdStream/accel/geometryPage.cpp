@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The geometry page of a chunk: nodes, triangles in leaf order, vertices in order of first use.
+// The geometry page of a chunk: header, nodes, triangles in leaf order, vertices in order of first
+// use.
 #include "hdStream/accel/bvh.h"
 #include "hdStream/accel/wideBvh.h"
+#include "hdStream/base/error.h"
 #include "kernels/shared/geometry.h"
 
 #include <cstring>
@@ -9,16 +11,26 @@
 namespace hds {
 namespace {
 
-/// Applies the BVH's order to triangles and primIds.
-void ReorderTriangles(const std::vector<std::uint32_t>& order, ChunkGeometry* chunk) {
-    std::vector<glm::uvec3> triangles(order.size());
-    std::vector<std::uint32_t> primIds(order.size());
-    for (std::size_t i = 0; i < order.size(); ++i) {
-        triangles[i] = chunk->triangles[order[i]];
-        primIds[i] = chunk->primIds[order[i]];
+template <typename T>
+void Permute(const std::vector<std::uint32_t>& order, std::vector<T>* values) {
+    if (values->empty()) {
+        return;
     }
-    chunk->triangles = std::move(triangles);
-    chunk->primIds = std::move(primIds);
+    std::vector<T> permuted;
+    permuted.reserve(order.size());
+    for (const std::uint32_t from : order) {
+        permuted.push_back((*values)[from]);
+    }
+    *values = std::move(permuted);
+}
+
+/// Applies the BVH's order to all that there is one of a triangle.
+void ReorderTriangles(const std::vector<std::uint32_t>& order, ChunkGeometry* chunk) {
+    Permute(order, &chunk->triangles);
+    Permute(order, &chunk->primIds);
+    Permute(order, &chunk->faces);
+    Permute(order, &chunk->corners);
+    Permute(order, &chunk->materialEntries);
 }
 
 /// Renumbers vertices in the order of first use; vertices that no triangle uses are dropped.
@@ -47,36 +59,65 @@ std::size_t AlignUnit(std::size_t bytes) {
     return (bytes + HDS_POOL_UNIT_BYTES - 1) / HDS_POOL_UNIT_BYTES * HDS_POOL_UNIT_BYTES;
 }
 
+shared::HdsTriangle PackTriangle(const glm::uvec3& corners) {
+    return {std::uint64_t{corners.x} | std::uint64_t{corners.y} << HDS_VERTEX_BITS |
+            std::uint64_t{corners.z} << (2U * HDS_VERTEX_BITS)};
+}
+
+/// Appends arrays to a page, each from a multiple of 16 bytes on.
+class PageWriter {
+public:
+    /// \return the offset in units of 16 bytes.
+    template <typename T>
+    std::uint32_t Append(const std::vector<T>& values) {
+        const std::size_t begin = AlignUnit(_bytes.size());
+        _bytes.resize(begin + values.size() * sizeof(T));
+        if (!values.empty()) {
+            std::memcpy(_bytes.data() + begin, values.data(), values.size() * sizeof(T));
+        }
+        return static_cast<std::uint32_t>(begin / HDS_POOL_UNIT_BYTES);
+    }
+    /// \param spareBytes that may be read behind the last array.
+    std::vector<std::uint8_t> Finish(const shared::HdsPageHeader& header, std::size_t spareBytes) {
+        _bytes.resize(AlignUnit(_bytes.size() + spareBytes));
+        std::memcpy(_bytes.data(), &header, sizeof(header));
+        return std::move(_bytes);
+    }
+
+private:
+    std::vector<std::uint8_t> _bytes = std::vector<std::uint8_t>(sizeof(shared::HdsPageHeader));
+};
+
 } // namespace
 
 GeometryPage BuildGeometryPage(ChunkGeometry& chunk) {
     std::vector<BoxRef> refs = MakeRefs(chunk.positions, chunk.triangles);
-    const Bvh bvh = BuildWideBvh(refs, BvhOptions{});
+    Bvh bvh = BuildWideBvh(refs, BvhOptions{});
+    if (bvh.nodes.empty()) {
+        bvh.nodes.emplace_back(); // all of a unit's triangles may turn out to have no area
+    }
     ReorderTriangles(bvh.order, &chunk);
     ReorderVertices(&chunk);
+    HDS_VERIFY(chunk.positions.size() <= HDS_MAX_CHUNK_VERTICES,
+               std::to_string(chunk.positions.size()) + " vertices");
 
+    std::vector<shared::HdsTriangle> triangles;
+    triangles.reserve(chunk.triangles.size());
+    for (const glm::uvec3& corners : chunk.triangles) {
+        triangles.push_back(PackTriangle(corners));
+    }
+    PageWriter writer;
+    shared::HdsPageHeader header{};
+    writer.Append(bvh.nodes);
+    header.triangles = writer.Append(triangles);
+    header.primIds = writer.Append(chunk.primIds);
+    header.vertices = writer.Append(chunk.positions);
+    header.numTriangles = static_cast<std::uint32_t>(triangles.size());
     GeometryPage page;
+    // Kernels read a vertex as four floats: the last one must not end the page.
+    page.bytes = writer.Finish(header, sizeof(float));
     page.bounds = bvh.bounds;
     page.numNodes = static_cast<std::uint32_t>(bvh.nodes.size());
-    const std::size_t nodeBytes = bvh.nodes.size() * sizeof(shared::HdsBvhNode);
-    const std::size_t triangleBytes = chunk.triangles.size() * sizeof(shared::HdsTriangle);
-    const std::size_t vertexBytes = chunk.positions.size() * sizeof(glm::vec3);
-    page.triangleOffset = static_cast<std::uint32_t>(nodeBytes / HDS_POOL_UNIT_BYTES);
-    page.vertexOffset =
-        static_cast<std::uint32_t>((nodeBytes + triangleBytes) / HDS_POOL_UNIT_BYTES);
-    // Kernels read a vertex as four floats: the last one must not end the page.
-    page.bytes.resize(AlignUnit(nodeBytes + triangleBytes + vertexBytes + sizeof(float)));
-    std::memcpy(page.bytes.data(), bvh.nodes.data(), nodeBytes);
-    for (std::size_t i = 0; i < chunk.triangles.size(); ++i) {
-        const glm::uvec3& t = chunk.triangles[i];
-        const shared::HdsTriangle triangle = {{t.x, t.y, t.z}, chunk.primIds[i]};
-        std::memcpy(page.bytes.data() + nodeBytes + i * sizeof(triangle), &triangle,
-                    sizeof(triangle));
-    }
-    if (vertexBytes != 0) {
-        std::memcpy(page.bytes.data() + nodeBytes + triangleBytes, chunk.positions.data(),
-                    vertexBytes);
-    }
     return page;
 }
 

@@ -1,21 +1,148 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/accel/geometryPages.h"
 
-#include <atomic>
-#include <utility>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <chrono>
 
 namespace hds {
 
 namespace {
 
-std::uint64_t NextPageId() {
-    static std::atomic<std::uint64_t> next{1};
-    return next.fetch_add(1, std::memory_order_relaxed);
+/// Bytes of the chunks that are prepared between two questions whether to go on.
+constexpr std::uint64_t kBatchBytes = 64U << 20U;
+
+bool HasAll(const PreparedPages::Wanted& wanted) {
+    for (std::uint32_t page = 0; page < ChunkPages::kNumPages; ++page) {
+        if (wanted.isWanted[page] && !wanted.chunk->HasData(page)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+std::uint64_t BytesOf(const ChunkPages& chunk) {
+    return chunk.Bytes(HDS_PAGE_GEOMETRY) + chunk.Bytes(HDS_PAGE_ATTRIBUTES);
 }
 
 } // namespace
 
-PreparedPage::PreparedPage(std::vector<std::uint8_t> data)
-    : _id(NextPageId()), _bytes(data.size()), _data(std::move(data)) {}
+void PreparedPages::Prepare(const std::vector<Wanted>& wanted) {
+    const auto start = std::chrono::steady_clock::now();
+    std::vector<const Wanted*> missing;
+    std::uint64_t bytesToCome = 0;
+    for (const Wanted& one : wanted) {
+        ChunkPages& chunk = *one.chunk;
+        const auto place = _places.find(&chunk);
+        if (place != _places.end()) {
+            _order.splice(_order.end(), _order, place->second); // used last
+        }
+        if (!HasAll(one)) {
+            missing.push_back(&one);
+            bytesToCome += BytesOf(chunk) - chunk.DataBytes();
+        }
+    }
+    const std::size_t numKept = wanted.size();
+    while (_bytes + bytesToCome > _limit && _order.size() > numKept) {
+        Remove(_order.begin());
+    }
+    std::vector<std::uint64_t> bytesBefore;
+    for (const Wanted* one : missing) {
+        bytesBefore.push_back(one->chunk->DataBytes());
+    }
+    std::vector<std::uint8_t> isBuilt(missing.size());
+    tbb::parallel_for(std::size_t{0}, missing.size(), [&](std::size_t i) {
+        isBuilt[i] = missing[i]->chunk->Prepare(missing[i]->isWanted) ? 1 : 0;
+    });
+    for (std::size_t i = 0; i < missing.size(); ++i) {
+        const std::shared_ptr<ChunkPages>& chunk = missing[i]->chunk;
+        _bytes += chunk->DataBytes() - bytesBefore[i];
+        if (_places.count(chunk.get()) == 0) {
+            _places[chunk.get()] = _order.insert(_order.end(), chunk);
+        }
+        ++(isBuilt[i] != 0 ? _numBuilt : _numLoaded);
+    }
+    _seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void PreparedPages::Drop(const std::shared_ptr<ChunkPages>& chunk, std::uint32_t page) {
+    const auto place = _places.find(chunk.get());
+    if (place == _places.end()) {
+        return;
+    }
+    _bytes -= chunk->Data(page).size();
+    chunk->Drop(page);
+    if (chunk->DataBytes() == 0) {
+        Remove(place->second);
+    }
+}
+
+/// Forgets what is left of a chunk.
+void PreparedPages::Remove(Order::iterator place) {
+    ChunkPages& chunk = **place;
+    _bytes -= chunk.DataBytes();
+    chunk.Drop(HDS_PAGE_GEOMETRY);
+    chunk.Drop(HDS_PAGE_ATTRIBUTES);
+    _places.erase(&chunk);
+    _order.erase(place);
+}
+
+void PreparedPages::Clear() {
+    while (!_order.empty()) {
+        Remove(_order.begin());
+    }
+}
+
+bool GeometryPages::PrepareAll(const std::function<bool()>& isCancelled) {
+    std::vector<PreparedPages::Wanted> batch;
+    std::uint64_t bytes = 0;
+    for (std::size_t i = 0; i <= _chunks.size(); ++i) {
+        if (i == _chunks.size() || bytes >= kBatchBytes) {
+            if (isCancelled && isCancelled()) {
+                return false;
+            }
+            _prepared.Prepare(batch);
+            batch.clear();
+            bytes = 0;
+        }
+        if (i == _chunks.size()) {
+            break;
+        }
+        // One whose size is known need not be made only to be forgotten.
+        _chunks[i]->FindSizes();
+        if (!_chunks[i]->IsExact()) {
+            batch.push_back({_chunks[i], {true, true}});
+            bytes += BytesOf(*_chunks[i]);
+        }
+    }
+    return true;
+}
+
+std::uint64_t GeometryPages::TotalBytes(bool* isExact) const {
+    std::uint64_t bytes = 0;
+    bool allExact = true;
+    for (const auto& chunk : _chunks) {
+        bytes += BytesOf(*chunk);
+        allExact = allExact && chunk->IsExact();
+    }
+    if (isExact != nullptr) {
+        *isExact = allExact;
+    }
+    return bytes;
+}
+
+void GeometryPages::Prepare(const std::vector<std::uint32_t>& pages) {
+    std::vector<std::uint32_t> sorted = pages;
+    std::sort(sorted.begin(), sorted.end());
+    std::vector<PreparedPages::Wanted> wanted;
+    for (const std::uint32_t page : sorted) {
+        if (wanted.empty() || wanted.back().chunk != ChunkOf(page)) {
+            wanted.push_back({ChunkOf(page), {}});
+        }
+        wanted.back().isWanted[page % ChunkPages::kNumPages] = true;
+    }
+    _prepared.Prepare(wanted);
+}
 
 } // namespace hds

@@ -3,47 +3,98 @@
 // 2 * chunk + 1 its attribute page (kernels/shared/geometry.h).
 #pragma once
 
+#include "hdStream/accel/chunkPages.h"
 #include "hdStream/stream/pageProvider.h"
 
+#include <functional>
+#include <list>
 #include <memory>
+#include <unordered_map>
 #include <vector>
 
 namespace hds {
 
-/// Bytes of a page with an identity. Shared by the scene versions that have the page.
-class PreparedPage {
+/// Prepared pages in host memory, of all versions of a scene: those used last, up to a bound.
+/// Externally synchronised.
+class PreparedPages {
 public:
-    /// Takes the bytes and an id that no other page of the process has.
-    explicit PreparedPage(std::vector<std::uint8_t> data);
+    /// \param bytes bound; what is needed at once may exceed it.
+    void SetLimit(std::uint64_t bytes) { _limit = bytes; }
 
-    std::uint64_t Id() const { return _id; }
+    /// A chunk with those of its pages that are wanted.
+    struct Wanted {
+        std::shared_ptr<ChunkPages> chunk;
+        std::array<bool, ChunkPages::kNumPages> isWanted{};
+    };
+
+    /// Makes pages ready, on all cores, and forgets others. Each chunk occurs once.
+    void Prepare(const std::vector<Wanted>& wanted);
+    /// A chunk lost a page.
+    void Drop(const std::shared_ptr<ChunkPages>& chunk, std::uint32_t page);
+
+    void Clear();
+
     std::uint64_t Bytes() const { return _bytes; }
-    const std::uint8_t* Data() const { return _data.data(); }
-    void Drop() { std::vector<std::uint8_t>().swap(_data); }
+    /// Chunks built, chunks read from the store, and seconds spent with both, since the object was
+    /// made.
+    std::uint64_t NumBuilt() const { return _numBuilt; }
+    std::uint64_t NumLoaded() const { return _numLoaded; }
+    double Seconds() const { return _seconds; }
 
 private:
-    std::uint64_t _id;
-    std::uint64_t _bytes;
-    std::vector<std::uint8_t> _data; ///< empty once dropped
+    using Order = std::list<std::shared_ptr<ChunkPages>>;
+    void Remove(Order::iterator place);
+
+    std::uint64_t _limit = ~std::uint64_t{0};
+    std::uint64_t _bytes = 0;
+    Order _order; ///< used last comes last
+    std::unordered_map<const ChunkPages*, Order::iterator> _places;
+    std::uint64_t _numBuilt = 0;
+    std::uint64_t _numLoaded = 0;
+    double _seconds = 0.0;
 };
 
-/// Prepared pages of all chunks, in chunk order.
+/// Pages of all chunks of a scene version, in chunk order.
 class GeometryPages final : public PageProvider {
 public:
-    void AddChunk(std::shared_ptr<PreparedPage> geometry,
-                  std::shared_ptr<PreparedPage> attributes) {
-        _pages.push_back(std::move(geometry));
-        _pages.push_back(std::move(attributes));
+    /// \param prepared must outlive the object.
+    explicit GeometryPages(PreparedPages* prepared) : _prepared(*prepared) {}
+
+    void AddChunk(std::shared_ptr<ChunkPages> chunk) { _chunks.push_back(std::move(chunk)); }
+
+    /// Prepares all chunks once, so that all sizes are exact; what host memory cannot hold is
+    /// forgotten again. \return false when `isCancelled` said so.
+    bool PrepareAll(const std::function<bool()>& isCancelled);
+
+    /// Bytes of all pages. \param[out] isExact whether they are no upper bound.
+    std::uint64_t TotalBytes(bool* isExact = nullptr) const;
+
+    std::uint32_t NumChunks() const { return static_cast<std::uint32_t>(_chunks.size()); }
+    std::uint32_t NumPages() const override {
+        return ChunkPages::kNumPages * static_cast<std::uint32_t>(_chunks.size());
+    }
+    std::uint64_t PageBytes(std::uint32_t page) const override {
+        return ChunkOf(page)->Bytes(page % ChunkPages::kNumPages);
+    }
+    bool IsExact(std::uint32_t page) const override { return ChunkOf(page)->IsExact(); }
+    std::uint64_t PageId(std::uint32_t page) const override {
+        return ChunkOf(page)->Id(page % ChunkPages::kNumPages);
+    }
+    void Prepare(const std::vector<std::uint32_t>& pages) override;
+    const std::uint8_t* Page(std::uint32_t page) const override {
+        return ChunkOf(page)->Data(page % ChunkPages::kNumPages).data();
+    }
+    void Drop(std::uint32_t page) override {
+        _prepared.Drop(ChunkOf(page), page % ChunkPages::kNumPages);
     }
 
-    std::uint32_t NumPages() const override { return static_cast<std::uint32_t>(_pages.size()); }
-    std::uint64_t PageBytes(std::uint32_t page) const override { return _pages[page]->Bytes(); }
-    std::uint64_t PageId(std::uint32_t page) const override { return _pages[page]->Id(); }
-    const std::uint8_t* Page(std::uint32_t page) const override { return _pages[page]->Data(); }
-    void Drop(std::uint32_t page) const override { _pages[page]->Drop(); }
-
 private:
-    std::vector<std::shared_ptr<PreparedPage>> _pages;
+    const std::shared_ptr<ChunkPages>& ChunkOf(std::uint32_t page) const {
+        return _chunks[page / ChunkPages::kNumPages];
+    }
+
+    PreparedPages& _prepared;
+    std::vector<std::shared_ptr<ChunkPages>> _chunks;
 };
 
 } // namespace hds

@@ -5,6 +5,7 @@
 #include "hdStream/accel/nodeQuantise.h"
 #include "hdStream/base/error.h"
 
+#include <algorithm>
 #include <cstring>
 #include <optional>
 

@@ -3,7 +3,7 @@
 // bytes. Layout: kernels/shared/geometry.h; reader: kernels/shading/attributes.clh.
 #include "hdStream/base/error.h"
 #include "hdStream/geometry/primvars.h"
-#include "hdStream/geometry/triangleMesh.h"
+#include "hdStream/geometry/attributePage.h"
 #include "kernels/shared/geometry.h"
 
 #include <glm/geometric.hpp>
@@ -16,10 +16,6 @@ namespace hds {
 namespace {
 
 constexpr std::size_t kUnit = HDS_POOL_UNIT_BYTES;
-/// Bytes of a BVH of a chunk per triangle that planning allows for: no leaf of PlanChunks' builds
-/// is emptier on average (docs/accel.md has the measured figures, about 20).
-constexpr std::size_t kNodeBytesPerTriangle = 32;
-
 std::size_t RoundUp(std::size_t bytes) {
     return (bytes + kUnit - 1) / kUnit * kUnit;
 }
@@ -41,17 +37,43 @@ std::uint32_t PageInterpolation(Interpolation interpolation) {
     return HDS_ATTR_CONSTANT;
 }
 
-/// Most values a triangle can add to a block of this interpolation.
-std::size_t MaxValuesPerTriangle(std::uint32_t interpolation) {
+/// Values a triangle adds to a block of this interpolation.
+double ValuesPerTriangle(std::uint32_t interpolation, double verticesPerTriangle) {
     switch (interpolation) {
     case HDS_ATTR_TRIANGLE:
-        return 1;
+        return 1.0;
     case HDS_ATTR_VERTEX:
+        return verticesPerTriangle;
     case HDS_ATTR_CORNER:
-        return 3;
+        return 3.0;
     default:
-        return 0;
+        return 0.0;
     }
+}
+
+/// Bytes of a chunk's BVH per triangle: no build is emptier on average; measured on dense meshes
+/// (docs/accel.md).
+constexpr double kMostNodeBytes = 32.0;
+constexpr double kMeanNodeBytes = 22.0;
+
+TriangleBytes EstimateTriangle(const std::vector<MeshAttribute>& attributes,
+                               std::optional<Interpolation> normals, bool hasMaterials,
+                               double verticesPerTriangle, double nodeBytes) {
+    const auto blockBytes = [&](Interpolation interpolation, std::uint32_t numComponents) {
+        return ValuesPerTriangle(PageInterpolation(interpolation), verticesPerTriangle) *
+               numComponents * sizeof(float);
+    };
+    double bytes = sizeof(std::uint32_t); // authored face
+    bytes += hasMaterials ? sizeof(std::uint32_t) : 0.0;
+    bytes += normals ? blockBytes(*normals, 3) : 0.0;
+    for (const MeshAttribute& attribute : attributes) {
+        bytes += blockBytes(attribute.interpolation, attribute.numComponents);
+    }
+    const double geometry =
+        nodeBytes + sizeof(shared::HdsTriangle) + sizeof(std::uint32_t) + // primId
+        verticesPerTriangle * sizeof(glm::vec3);
+    return {static_cast<std::uint32_t>(std::ceil(geometry)),
+            static_cast<std::uint32_t>(std::ceil(bytes))};
 }
 
 /// Values that are not finite read as 0 (Triangulate has warned).
@@ -72,19 +94,19 @@ void CopyUnit(const float* from, float* to) {
 /// Writes the page slot by slot.
 class PageBuilder {
 public:
-    PageBuilder(const TriangleMesh& mesh, const ChunkGeometry& chunk)
-        : _mesh(mesh), _chunk(chunk),
-          _bytes(RoundUp((HDS_SLOT_USER + mesh.attributes.size()) * sizeof(std::uint32_t))) {}
+    explicit PageBuilder(const ChunkGeometry& chunk)
+        : _chunk(chunk),
+          _bytes(RoundUp((HDS_SLOT_USER + chunk.attributes.size()) * sizeof(std::uint32_t))) {}
 
     std::vector<std::uint8_t> Build() {
-        AddFaces();
+        AddArray(HDS_SLOT_FACE, HDS_ATTR_TRIANGLE, 1, _chunk.faces);
         AddMaterials();
-        if (!_mesh.normals.values.empty()) {
-            AddValues(HDS_SLOT_NORMAL, _mesh.normals,
+        if (!_chunk.normals.values.empty()) {
+            AddValues(HDS_SLOT_NORMAL, _chunk.normals,
                       [](const float* from, float* to) { CopyUnit(from, to); });
         }
-        for (std::size_t i = 0; i < _mesh.attributes.size(); ++i) {
-            const MeshAttribute& attribute = _mesh.attributes[i];
+        for (std::size_t i = 0; i < _chunk.attributes.size(); ++i) {
+            const MeshAttribute& attribute = _chunk.attributes[i];
             AddValues(static_cast<std::uint32_t>(HDS_SLOT_USER + i), attribute,
                       [&](const float* from, float* to) {
                           CopyFinite(from, attribute.numComponents, to);
@@ -118,24 +140,11 @@ private:
         }
     }
 
-    void AddFaces() {
-        std::vector<std::uint32_t> faces;
-        faces.reserve(_chunk.primIds.size());
-        for (const std::uint32_t primId : _chunk.primIds) {
-            faces.push_back(_mesh.faces[primId]);
-        }
-        AddArray(HDS_SLOT_FACE, HDS_ATTR_TRIANGLE, 1, faces);
-    }
-
     /// Absent when every triangle has entry 0, one value when all agree.
     void AddMaterials() {
-        if (_mesh.materialEntries.empty() || _chunk.primIds.empty()) {
+        const std::vector<std::uint32_t>& entries = _chunk.materialEntries;
+        if (entries.empty()) {
             return;
-        }
-        std::vector<std::uint32_t> entries;
-        entries.reserve(_chunk.primIds.size());
-        for (const std::uint32_t primId : _chunk.primIds) {
-            entries.push_back(_mesh.materialEntries[primId]);
         }
         const bool isSame = std::all_of(entries.begin(), entries.end(), [&](std::uint32_t entry) {
             return entry == entries.front();
@@ -155,7 +164,7 @@ private:
         const std::size_t numValues = interpolation == HDS_ATTR_CONSTANT ? 1
                                       : interpolation == HDS_ATTR_VERTEX
                                           ? _chunk.points.size()
-                                          : numTriangles * MaxValuesPerTriangle(interpolation);
+                                          : interpolation == HDS_ATTR_TRIANGLE ? numTriangles : 3 * numTriangles;
         std::vector<float> values(numValues * numComponents);
         float* to = values.data();
         const auto add = [&](std::size_t element) {
@@ -167,57 +176,43 @@ private:
         } else if (interpolation == HDS_ATTR_VERTEX) {
             std::for_each(_chunk.points.begin(), _chunk.points.end(), add);
         } else if (interpolation == HDS_ATTR_TRIANGLE) {
-            for (const std::uint32_t primId : _chunk.primIds) {
-                add(_mesh.faces[primId]);
-            }
+            std::for_each(_chunk.faces.begin(), _chunk.faces.end(), add);
         } else {
-            for (const std::uint32_t primId : _chunk.primIds) {
+            for (const glm::uvec3& corners : _chunk.corners) {
                 for (int k = 0; k < 3; ++k) {
-                    add(_mesh.corners[primId][k]);
+                    add(corners[k]);
                 }
             }
         }
         AddArray(slot, interpolation, numComponents, values);
     }
 
-    const TriangleMesh& _mesh;
     const ChunkGeometry& _chunk;
     std::vector<std::uint8_t> _bytes;
 };
 
-/// The page's corner blocks rely on chunks that keep the order of a triangle's vertices.
-void VerifyOrder(const TriangleMesh& mesh, const ChunkGeometry& chunk) {
-    for (std::size_t i = 0; i < chunk.primIds.size(); ++i) {
-        const glm::uvec3 local = chunk.triangles[i];
-        const glm::uvec3 points(chunk.points[local.x], chunk.points[local.y],
-                                chunk.points[local.z]);
-        HDS_VERIFY(points == mesh.triangles[chunk.primIds[i]],
-                   "chunk triangle " + std::to_string(i) + " is not the mesh's triangle " +
-                       std::to_string(chunk.primIds[i]));
-    }
-}
-
 } // namespace
 
-std::vector<std::uint8_t> BuildAttributePage(const TriangleMesh& mesh, const ChunkGeometry& chunk) {
-    VerifyOrder(mesh, chunk);
-    return PageBuilder(mesh, chunk).Build();
+std::vector<std::uint8_t> BuildAttributePage(const ChunkGeometry& chunk) {
+    return PageBuilder(chunk).Build();
 }
 
-std::size_t EstimateBytesPerTriangle(const TriangleMesh& mesh) {
-    const auto blockBytes = [](const MeshAttribute& attribute) {
-        return MaxValuesPerTriangle(PageInterpolation(attribute.interpolation)) *
-               attribute.numComponents * sizeof(float);
-    };
-    std::size_t bytes = kNodeBytesPerTriangle + sizeof(shared::HdsTriangle);
-    bytes += 9 * sizeof(float);     // positions, three vertices of its own
-    bytes += sizeof(std::uint32_t); // authored face
-    bytes += mesh.materialEntries.empty() ? 0 : sizeof(std::uint32_t);
-    bytes += mesh.normals.values.empty() ? 0 : blockBytes(mesh.normals);
-    for (const MeshAttribute& attribute : mesh.attributes) {
-        bytes += blockBytes(attribute);
-    }
-    return bytes;
+double VerticesPerTriangle(std::size_t numPoints, std::size_t numTriangles) {
+    constexpr double kBorder = 1.25;
+    return std::min(3.0, kBorder * static_cast<double>(numPoints) /
+                             static_cast<double>(std::max<std::size_t>(1, numTriangles)));
+}
+
+TriangleBytes MeanTriangleBytes(const std::vector<MeshAttribute>& attributes,
+                                std::optional<Interpolation> normals, bool hasMaterials,
+                                double verticesPerTriangle) {
+    return EstimateTriangle(attributes, normals, hasMaterials, verticesPerTriangle,
+                            kMeanNodeBytes);
+}
+
+TriangleBytes BoundTriangleBytes(const std::vector<MeshAttribute>& attributes,
+                                 std::optional<Interpolation> normals, bool hasMaterials) {
+    return EstimateTriangle(attributes, normals, hasMaterials, 3.0, kMostNodeBytes);
 }
 
 } // namespace hds

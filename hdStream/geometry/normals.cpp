@@ -131,6 +131,18 @@ bool IsUsableNormal(const float* normal) {
            (normal[0] != 0.0F || normal[1] != 0.0F || normal[2] != 0.0F);
 }
 
+bool HasUnusableNormals(const MeshAttribute& normals) {
+    return tbb::parallel_reduce(
+        Range(0, normals.values.size() / 3, kGrain), false,
+        [&](const Range& range, bool found) {
+            for (std::size_t i = range.begin(); i < range.end() && !found; ++i) {
+                found = !IsUsableNormal(normals.values.data() + 3 * i);
+            }
+            return found;
+        },
+        std::logical_or<>());
+}
+
 glm::dvec3 FaceNormal(const TriangleMesh& mesh, std::size_t triangle) {
     const glm::uvec3 t = mesh.triangles[triangle];
     const glm::dvec3 p0(mesh.positions[t.x]);

@@ -30,6 +30,9 @@ MeshAttribute ComputeSmoothNormals(const TriangleMesh& mesh);
 std::size_t RepairNormals(const TriangleMesh& mesh, const TopologySize& size,
                           MeshAttribute& normals);
 
+/// Whether any value is a normal that cannot be used.
+bool HasUnusableNormals(const MeshAttribute& normals);
+
 /// False for a direction that is zero or not finite.
 bool IsUsableNormal(const float* normal);
 

@@ -117,13 +117,17 @@ std::optional<MeshAttribute> ValidatePrimvar(const Primvar& primvar, const Topol
             attribute.values = FirstOf(primvar.values, numComponents);
         }
     }
+    return attribute;
+}
+
+void WarnNotFinite(const MeshAttribute& attribute, const std::string& primPath,
+                   Warnings& warnings) {
     const std::size_t numNotFinite =
         CountIf(attribute.values, [](float value) { return !std::isfinite(value); });
     if (numNotFinite > 0) {
-        warnings.Add(primPath, label + ": " + std::to_string(numNotFinite) +
+        warnings.Add(primPath, "primvar \"" + attribute.name + "\": " + std::to_string(numNotFinite) +
                                    " floats are not finite, read as 0");
     }
-    return attribute;
 }
 
 } // namespace hds

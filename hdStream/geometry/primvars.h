@@ -23,9 +23,13 @@ struct TopologySize {
 std::size_t NumElements(Interpolation interpolation, const TopologySize& size);
 
 /// The primvar as an attribute; nothing, and one warning, when it cannot be used. Varying becomes
-/// Vertex. Values that are not finite are counted in a warning and kept.
+/// Vertex. Values that are not finite are kept.
 std::optional<MeshAttribute> ValidatePrimvar(const Primvar& primvar, const TopologySize& size,
                                              const std::string& primPath, Warnings& warnings);
+
+/// One warning with the number of values that are not finite, if there are any. Reads all values.
+void WarnNotFinite(const MeshAttribute& attribute, const std::string& primPath,
+                   Warnings& warnings);
 
 /// Index of the value tuple of an element (point, face or face-vertex; 0 for Constant).
 inline std::size_t ValueIndex(const MeshAttribute& attribute, std::size_t element) {

@@ -391,6 +391,7 @@ std::vector<CheckedPrimvar> CheckPrimvars(const MeshDescription& mesh, const Sub
         if (!attribute) {
             continue;
         }
+        WarnNotFinite(*attribute, primPath, warnings);
         CheckedPrimvar entry{std::move(*attribute), primvar.interpolation, -1};
         if (primvar.interpolation == Interpolation::FaceVarying) {
             entry.channel = static_cast<int>(channels.size());

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mesh description interpreted once: validated, triangulated, with normals and primvars ready to
-// be cut into chunks. Immutable after Triangulate; any number of threads may read it. Explained in
-// docs/geometry.md.
+// A whole mesh interpreted at once: validated, triangulated, with normals and primvars. Immutable
+// after Triangulate; any number of threads may read it. Explained in docs/geometry.md.
 #pragma once
 
 #include "hdStream/base/log.h"
-#include "hdStream/geometry/meshDescription.h"
+#include "hdStream/geometry/chunkSource.h"
 
 #include <glm/vec3.hpp>
 
@@ -15,22 +14,6 @@
 #include <vector>
 
 namespace hds {
-
-/// Axis-aligned box; empty when min > max.
-struct Bounds {
-    glm::vec3 min{1e30F};
-    glm::vec3 max{-1e30F};
-};
-
-/// A primvar after validation. `corner` values are addressed by face-vertex index, `vertex` by
-/// point.
-struct MeshAttribute {
-    std::string name;
-    Interpolation interpolation = Interpolation::Constant; ///< Varying has become Vertex
-    std::uint32_t numComponents = 1;
-    SharedSpan<float> values;
-    SharedSpan<std::int32_t> indices; ///< empty: direct
-};
 
 /// Triangles in the order of (authored face, sub-triangle); the index of a triangle is its primId.
 struct TriangleMesh {
@@ -57,32 +40,5 @@ struct TriangleMesh {
 std::shared_ptr<const TriangleMesh> Triangulate(const MeshDescription& mesh,
                                                 const std::string& primPath, Warnings& warnings,
                                                 int refineLevel = 0);
-
-/// A chunk's geometry: a subset of a mesh's triangles with local vertices.
-struct ChunkGeometry {
-    std::vector<glm::vec3> positions;   ///< local vertices
-    std::vector<glm::uvec3> triangles;  ///< local vertex indices
-    std::vector<std::uint32_t> primIds; ///< [numTriangles] index into TriangleMesh::triangles
-    std::vector<std::uint32_t> points;  ///< [numLocalVertices] point index of a local vertex
-};
-
-/// Where a chunk's triangles come from: an immutable snapshot. Today a triangulated mesh; part 3
-/// adds subdivision and displacement behind the same interface. Thread-safe.
-class ChunkSource {
-public:
-    explicit ChunkSource(std::shared_ptr<const TriangleMesh> mesh) : _mesh(std::move(mesh)) {}
-    const TriangleMesh& Mesh() const { return *_mesh; }
-    /// Gathers the triangles `primIds` (any order is kept).
-    ChunkGeometry Gather(const std::uint32_t* primIds, std::size_t count) const;
-
-private:
-    std::shared_ptr<const TriangleMesh> _mesh;
-};
-
-/// The attribute page (kernels/shared/geometry.h) of a chunk whose triangles are in final order.
-std::vector<std::uint8_t> BuildAttributePage(const TriangleMesh& mesh, const ChunkGeometry& chunk);
-
-/// Upper bound of the bytes a triangle adds to both pages, used to plan chunks.
-std::size_t EstimateBytesPerTriangle(const TriangleMesh& mesh);
 
 } // namespace hds

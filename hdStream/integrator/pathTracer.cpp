@@ -111,8 +111,8 @@ struct PathTracer::Impl {
         // Path state, queues of rays and of those that wait.
         const std::uint64_t bytesPerSlot =
             kernels->PathStateBytes() + sizeof(std::uint32_t) * (queues.size() + waitQueues.size());
-        const std::uint64_t savedBytes =
-            scene->counts.pageBytes - std::min(scene->counts.pageBytes, buffers.PoolBytes());
+        const std::uint64_t totalBytes = scene->pages->TotalBytes();
+        const std::uint64_t savedBytes = totalBytes - std::min(totalBytes, buffers.PoolBytes());
         waveSize = ChooseWaveSize(options, device->Properties(),
                                   buffers.IsStreaming() ? 1 + savedBytes / bytesPerSlot : 0);
         const std::uint64_t bytes = std::uint64_t{waveSize} * kernels->PathStateBytes();
@@ -556,6 +556,12 @@ PathTracer::PathTracer(std::shared_ptr<Device> device, Store* store)
     : _impl(std::make_unique<Impl>(std::move(device), store)) {}
 
 PathTracer::~PathTracer() = default;
+
+bool PathTracer::NeedsAllPages(const CommittedScene& scene,
+                               const ResidencyOptions& residency) const {
+    return residency.budgetShare > 0.0 ||
+           !_impl->buffers.WillStream(residency, scene.pages->TotalBytes());
+}
 
 bool PathTracer::SetScene(const CommittedScene& scene, const ResidencyOptions& residency) {
     return _impl->SetScene(scene, residency);

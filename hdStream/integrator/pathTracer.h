@@ -48,6 +48,10 @@ public:
     PathTracer(std::shared_ptr<Device> device, Store* store);
     ~PathTracer();
 
+    /// Whether SetScene asks for all pages of a scene, or for the sizes of all: they are better
+    /// prepared before.
+    bool NeedsAllPages(const CommittedScene& scene, const ResidencyOptions& residency) const;
+
     /// Uploads a scene, which must live until the next call. \return false when a new path tracer
     /// is needed for it (SceneBuffers::Update). \throws Error when it does not fit the device.
     bool SetScene(const CommittedScene& scene, const ResidencyOptions& residency);

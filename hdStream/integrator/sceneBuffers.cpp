@@ -9,20 +9,11 @@ namespace hds {
 
 namespace {
 
-const char* const kLabels[] = {"top nodes",
-                               "instances",
-                               "instances by path",
-                               "objects",
-                               "chunks",
-                               "meshes",
-                               "mesh materials",
-                               "materials",
-                               "lights by material entry",
-                               "lights",
-                               "light tree",
-                               "light triangles",
-                               "light distributions",
-                               "dome texels"};
+const char* const kLabels[] = {
+    "top nodes",  "instances",      "instances by path", "objects",
+    "meshes",     "mesh materials", "materials",         "lights by material entry",
+    "lights",     "light tree",     "light triangles",   "light distributions",
+    "dome texels"};
 
 /// A table that has become smaller than this part of its buffer gets a smaller one.
 constexpr std::uint64_t kShrinkFactor = 4;
@@ -60,21 +51,22 @@ std::uint64_t SceneBuffers::Budget(const ResidencyOptions& residency,
                                      : _device->Properties().memoryBytes / kBudgetDivisor;
 }
 
+bool SceneBuffers::WillStream(const ResidencyOptions& residency, std::uint64_t totalBytes) const {
+    return residency.mode == ResidencyMode::Stream ||
+           (residency.mode == ResidencyMode::Auto && totalBytes > Budget(residency, totalBytes));
+}
+
 bool SceneBuffers::UpdatePages(const CommittedScene& scene, const ResidencyOptions& residency) {
-    const std::uint64_t totalBytes = scene.counts.pageBytes;
+    const std::uint64_t totalBytes = scene.pages->TotalBytes();
     const std::uint64_t budget = Budget(residency, totalBytes);
-    const bool streams = residency.mode == ResidencyMode::Stream ||
-                         (residency.mode == ResidencyMode::Auto && totalBytes > budget);
-    if (streams) {
-        if (_resident) {
-            return false; // its pages are in device memory only
-        }
+    if (WillStream(residency, totalBytes)) {
+        _resident = nullptr;
         if (!_streaming || !(_residency == residency)) {
             _streaming = nullptr; // frees first
             _streaming = std::make_unique<StreamingPool>(_device, "geometry", residency.eviction);
             _residency = residency;
         }
-        _streaming->Update(*scene.pages, budget);
+        _streaming->Update(scene.pages.get(), budget);
         return true;
     }
     _streaming = nullptr;
@@ -82,7 +74,7 @@ bool SceneBuffers::UpdatePages(const CommittedScene& scene, const ResidencyOptio
     if (isFirst) {
         _resident = std::make_unique<ResidentPool>(_device, "geometry");
     }
-    if (_resident->Update(*scene.pages)) {
+    if (_resident->Update(scene.pages.get())) {
         return true;
     }
     if (isFirst) {
@@ -102,7 +94,6 @@ bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& r
     Upload(Instances, scene.instances);
     Upload(InstancesByPath, scene.instancesByPath);
     Upload(Objects, scene.objects);
-    Upload(Chunks, scene.chunks);
     Upload(Meshes, scene.meshes);
     Upload(MeshMaterials, scene.meshMaterials);
     Upload(Materials, scene.materials);
@@ -144,7 +135,7 @@ std::uint64_t SceneBuffers::TableBytes() const {
 }
 
 unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first) const {
-    for (const Table table : {TopNodes, Instances, Objects, Chunks}) {
+    for (const Table table : {TopNodes, Instances, Objects}) {
         kernel->SetBuffer(first++, _tables[table]);
     }
     kernel->SetBuffer(first++, _streaming ? _streaming->Addresses() : _resident->Addresses());

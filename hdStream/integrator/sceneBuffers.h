@@ -31,6 +31,8 @@ public:
     /// Sets the arguments of HDS_SCENE_ARGS (geometry, materials, lights) from `first` on.
     unsigned BindScene(Kernel* kernel, unsigned first) const;
 
+    /// Whether Update makes geometry of `totalBytes` stream.
+    bool WillStream(const ResidencyOptions& residency, std::uint64_t totalBytes) const;
     bool IsStreaming() const { return _streaming != nullptr; }
     /// \pre IsStreaming.
     StreamingPool& Streaming() { return *_streaming; }
@@ -47,7 +49,6 @@ private:
         Instances,
         InstancesByPath,
         Objects,
-        Chunks,
         Meshes,
         MeshMaterials,
         Materials,

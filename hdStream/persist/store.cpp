@@ -2,12 +2,12 @@
 #include "hdStream/persist/store.h"
 
 #include "hdStream/base/hash.h"
+#include "hdStream/persist/cacheDirectory.h"
 
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr char kMagic[8] = {'h', 'd', 's', 'C', 'a', 'c', 'h', 'e'};
-constexpr std::uint32_t kFormatVersion = 1;
+constexpr std::uint32_t kFormatVersion = 2;
 constexpr const char* kExtension = ".hdsc";
 
 /// The fixed start of every entry; the payload follows.
@@ -35,19 +35,6 @@ std::string Checksum(const void* data, std::size_t bytes) {
     Hasher hasher;
     hasher.Append(data, bytes);
     return hasher.Hex();
-}
-
-std::string DefaultDirectory() {
-    if (const char* own = std::getenv("HDSTREAM_CACHE_DIR"); own != nullptr && *own != 0) {
-        return own;
-    }
-    if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg != nullptr && *xdg != 0) {
-        return std::string(xdg) + "/hdStream";
-    }
-    if (const char* home = std::getenv("HOME"); home != nullptr && *home != 0) {
-        return std::string(home) + "/.cache/hdStream";
-    }
-    return {};
 }
 
 struct Entry {
@@ -72,8 +59,8 @@ std::vector<Entry> ListEntries(const std::string& directory) {
 } // namespace
 
 Store::Store(StoreOptions options, Warnings* warnings)
-    : _directory(options.directory.empty() ? DefaultDirectory() : std::move(options.directory)),
-      _enabled(options.enabled), _maxBytes(options.maxBytes), _warnings(warnings) {
+    : _directory(ResolveCacheDirectory(options.directory)), _enabled(options.enabled),
+      _maxBytes(options.maxBytes), _warnings(warnings) {
     if (_directory.empty()) {
         _enabled = false;
     }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The persistent cache: content-addressed entries in a folder that several processes may share.
+// The persistent cache's few large entries: a file each, in a folder that several processes may
+// share. Many small pages are pageStore.h's.
 // Invariant: an entry is either complete and verified, or absent. A cache that cannot be used (no
 // folder, read-only, full disk) is silent after one warning; it never fails a render.
 // Explained in docs/cache-format.md.
@@ -16,8 +17,7 @@ namespace hds {
 
 /// Options of a store.
 struct StoreOptions {
-    std::string directory; ///< empty: $HDSTREAM_CACHE_DIR, else $XDG_CACHE_HOME/hdStream, else
-                           ///< ~/.cache/hdStream
+    std::string directory; ///< as ResolveCacheDirectory takes it
     bool enabled = true;
     std::uint64_t maxBytes = 10ULL << 30U; ///< least recently used entries go first above this
 };

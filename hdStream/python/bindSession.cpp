@@ -123,7 +123,9 @@ void BindSettings(nb::module_& module) {
         .def_rw("residency", &Settings::residency)
         .def_rw("geometryMemory", &Settings::geometryMemory)
         .def_rw("geometryEviction", &Settings::geometryEviction)
-        .def_rw("request", &Settings::request);
+        .def_rw("request", &Settings::request)
+        .def_rw("hostMemory", &Settings::hostMemory)
+        .def_rw("prepare", &Settings::prepare);
 }
 
 void BindSettingsTable(nb::module_& module) {

@@ -89,7 +89,7 @@ private:
     /// Objects, chunks and pages of all prepared meshes: one that is hidden keeps its pages.
     void AddObjects() {
         _result->objects.emplace_back(); // the TLAS
-        _result->pages = std::make_unique<GeometryPages>();
+        _result->pages = std::make_unique<GeometryPages>(&_cache.pages);
         _cache.meshes.ForEach([&](const std::string& path, const PreparedMesh& prepared) {
             AddObject(path, prepared);
         });
@@ -101,19 +101,13 @@ private:
         shared::HdsObject object{};
         object.kind = prepared.topNodes.empty() ? HDS_OBJECT_CHUNK : HDS_OBJECT_MESH;
         object.nodeBase = static_cast<std::uint32_t>(_result->topNodes.size());
-        object.itemBase = static_cast<std::uint32_t>(_result->chunks.size());
+        object.itemBase = _result->pages->NumChunks();
         object.numItems = static_cast<std::uint32_t>(prepared.chunks.size());
         _result->objects.push_back(object);
         _result->topNodes.insert(_result->topNodes.end(), prepared.topNodes.begin(),
                                  prepared.topNodes.end());
-        for (const PreparedChunk& chunk : prepared.chunks) {
-            shared::HdsChunk record{};
-            record.triangleOffset = chunk.triangleOffset;
-            record.vertexOffset = chunk.vertexOffset;
-            record.numTriangles = chunk.numTriangles;
-            record.object = index;
-            _result->pages->AddChunk(chunk.geometry, chunk.attributes);
-            _result->chunks.push_back(record);
+        for (const std::shared_ptr<ChunkPages>& chunk : prepared.chunks) {
+            _result->pages->AddChunk(chunk);
         }
     }
 
@@ -191,21 +185,17 @@ private:
 
     void Count() {
         SceneCounts& counts = _result->counts;
-        counts.chunks = _result->chunks.size();
-        for (std::uint32_t page = 0; page < _result->pages->NumPages(); ++page) {
-            counts.pageBytes += _result->pages->PageBytes(page);
-        }
+        counts.chunks = _result->pages->NumChunks();
         counts.alwaysResidentBytes =
             _result->topNodes.size() * sizeof(shared::HdsBvhNode) +
             _result->instances.size() * (sizeof(shared::HdsInstance) + sizeof(std::uint32_t)) +
             _result->objects.size() * sizeof(shared::HdsObject) +
-            _result->chunks.size() * (sizeof(shared::HdsChunk) + 2 * sizeof(std::uint32_t));
+            _result->pages->NumPages() * sizeof(std::uint32_t);
         counts.textures = _result->textures.size();
         for (const TextureUse& texture : _result->textures) {
             counts.textureSourceBytes += texture.bytesSource;
         }
         counts.lights = _scene.lights.size();
-        counts.chunksBuilt = _cache.meshes.NumChunksBuilt();
     }
 
     const SceneDescription& _scene;

@@ -38,6 +38,7 @@ struct CommitOptions {
 struct CommitCache {
     explicit CommitCache(Warnings& warnings) : images(warnings) {}
     MeshStore meshes;
+    PreparedPages pages;
     ImageLibrary images;
     MaterialCache materials;
     std::string lightKey; ///< all that `lights` is made of
@@ -48,10 +49,8 @@ struct CommitCache {
 struct SceneCounts {
     std::uint64_t meshes = 0;
     std::uint64_t instances = 0; ///< leaf instances
-    std::uint64_t triangles = 0; ///< unique
+    std::uint64_t triangles = 0; ///< unique; an upper bound where surfaces are subdivided
     std::uint64_t chunks = 0;
-    std::uint64_t chunksBuilt = 0;         ///< since the session began
-    std::uint64_t pageBytes = 0;           ///< what resident mode uploads
     std::uint64_t alwaysResidentBytes = 0; ///< nodes above the chunks, records, tables
     std::uint64_t textures = 0;
     std::uint64_t textureSourceBytes = 0; ///< decoded base levels
@@ -59,7 +58,8 @@ struct SceneCounts {
     std::uint64_t emissiveTriangles = 0;
 };
 
-/// Host images of the device tables. Immutable.
+/// Host images of the device tables. Immutable but for pages that are prepared. The cache must
+/// outlive it.
 struct CommittedScene {
     glm::dvec3 centre{0.0}; ///< world position of the device's origin
     std::vector<shared::HdsBvhNode> topNodes;
@@ -72,8 +72,7 @@ struct CommittedScene {
     std::vector<const std::vector<AttributeName>*> meshAttributes;
     std::vector<std::uint32_t> meshMaterials;
     std::vector<shared::HdsMaterial> materials;
-    std::vector<shared::HdsChunk> chunks;
-    std::unique_ptr<GeometryPages> pages;
+    std::unique_ptr<GeometryPages> pages; ///< prepared when they are needed; in the cache's memory
     std::shared_ptr<const LightTable> lights;
     std::vector<std::uint32_t> lightByEntry; ///< lights of emissive material entries
     std::vector<TextureUse> textures;        ///< by authored path

@@ -273,9 +273,7 @@ private:
         }
         shared::HdsInstance& instance = record->instance;
         const AffineRows inverse = RowsFromMatrix(glm::inverse(transform));
-        const AffineRows forward = RowsFromMatrix(transform);
         std::copy(inverse.begin(), inverse.end(), instance.objectFromParent);
-        std::copy(forward.begin(), forward.end(), instance.parentFromObject);
         instance.object = leaf.object;
         instance.flags = leaf.flags;
         instance.mesh = leaf.mesh;

@@ -48,7 +48,7 @@ glm::dvec3 EmissionOf(const shared::HdsMaterial& material) {
 }
 
 /// Triangles of one instance whose material entry is `entry`, as one light.
-EmissiveMesh MakeEmissiveMesh(const OwnRecord& record, const TriangleMesh& mesh,
+EmissiveMesh MakeEmissiveMesh(const OwnRecord& record, const ChunkGeometry& mesh,
                               std::uint32_t entry, const glm::dvec3& radiance) {
     EmissiveMesh light;
     light.name = record.path;
@@ -60,7 +60,7 @@ EmissiveMesh MakeEmissiveMesh(const OwnRecord& record, const TriangleMesh& mesh,
             continue;
         }
         EmissiveMesh::Triangle triangle;
-        triangle.primId = i;
+        triangle.primId = mesh.primIds[i];
         for (int k = 0; k < 3; ++k) {
             const glm::dvec3 position(mesh.positions[mesh.triangles[i][k]]);
             triangle.p[k] = glm::dvec3(record.worldFromObject * glm::dvec4(position, 1.0));
@@ -188,7 +188,7 @@ CommittedLights CommitLights(const LightCommitInput& input, CommitCache* cache,
                 continue; // what it emits is found by BSDF sampling alone
             }
             EmissiveMesh light =
-                MakeEmissiveMesh(record, *cache->meshes.Triangles(record.path, warnings), entry,
+                MakeEmissiveMesh(record, cache->meshes.Triangles(record.path), entry,
                                  EmissionOf(material));
             if (result.emissiveTriangles + light.triangles.size() > kMaxEmissiveTriangles) {
                 isFull = true;

@@ -1,52 +1,51 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/meshCommit.h"
 
+#include "hdStream/accel/bvh.h"
+#include "hdStream/geometry/polygonSource.h"
+#include "hdStream/geometry/triangleMeshSource.h"
+#include "hdStream/scene/meshKey.h"
 #include "hdStream/scene/transforms.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
+#include <limits>
 
 namespace hds {
 
 namespace {
 
-PreparedChunk PrepareChunk(const ChunkSource& source, const std::uint32_t* triangles,
-                           std::size_t count) {
-    ChunkGeometry geometry = source.Gather(triangles, count);
-    GeometryPage page = BuildGeometryPage(geometry);
-    PreparedChunk chunk;
-    chunk.triangleOffset = page.triangleOffset;
-    chunk.vertexOffset = page.vertexOffset;
-    chunk.numTriangles = static_cast<std::uint32_t>(count);
-    chunk.bounds = page.bounds;
-    chunk.geometry = std::make_shared<PreparedPage>(std::move(page.bytes));
-    chunk.attributes = std::make_shared<PreparedPage>(BuildAttributePage(source.Mesh(), geometry));
-    return chunk;
-}
-
-/// Orders the chunks by the leaves of a BVH over their boxes.
+/// Makes the chunks, ordered by the leaves of a BVH over their boxes.
 void BuildTopTree(PreparedMesh* mesh) {
-    std::vector<Bounds> boxes;
-    boxes.reserve(mesh->chunks.size());
-    for (const PreparedChunk& chunk : mesh->chunks) {
-        boxes.push_back(chunk.bounds);
+    const std::vector<Bounds>& boxes = mesh->mesh->plan.bounds;
+    const auto addChunk = [&](std::uint32_t chunk) {
+        mesh->chunks.push_back(std::make_shared<ChunkPages>(mesh->mesh, chunk));
+    };
+    if (boxes.size() == 1) {
+        addChunk(0);
+        return;
     }
     BvhOptions options;
     options.maxLeafItems = 1;
     Bvh tree = BuildBvh(boxes, options);
-    std::vector<PreparedChunk> ordered;
-    ordered.reserve(mesh->chunks.size());
-    for (const std::uint32_t chunk : tree.order) {
-        ordered.push_back(std::move(mesh->chunks[chunk]));
-    }
-    mesh->chunks = std::move(ordered);
+    std::for_each(tree.order.begin(), tree.order.end(), addChunk);
     mesh->topNodes = std::move(tree.nodes);
 }
 
 /// Bounds of Subdivision::Adaptive.
 constexpr std::uint32_t kMaxAdaptiveLevel = 3;
 constexpr std::size_t kMaxAdaptiveFaces = std::size_t{1} << 17U;
+
+std::shared_ptr<const ChunkSource> MakeSource(const std::string& path,
+                                              std::shared_ptr<const MeshDescription> mesh,
+                                              const MeshOptions& options, Warnings& warnings) {
+    const std::uint32_t level = ChooseRefineLevel(options, mesh->faceVertexCounts.size());
+    const std::string& scheme = mesh->subdivisionScheme;
+    if (level > 0 && (scheme == "catmullClark" || scheme == "loop" || scheme == "bilinear")) {
+        return std::make_shared<const TriangleMeshSource>(
+            Triangulate(*mesh, path, warnings, static_cast<int>(level)));
+    }
+    return MakePolygonSource(std::move(mesh), path, warnings);
+}
 
 } // namespace
 
@@ -66,44 +65,36 @@ std::uint32_t ChooseRefineLevel(const MeshOptions& options, std::size_t numFaces
     return level;
 }
 
-std::shared_ptr<const TriangleMesh> TriangulateMesh(const std::string& path,
-                                                    const MeshDescription& mesh,
-                                                    const MeshOptions& options,
-                                                    Warnings& warnings) {
-    const std::uint32_t level = ChooseRefineLevel(options, mesh.faceVertexCounts.size());
-    return Triangulate(mesh, path, warnings, static_cast<int>(level));
-}
-
-PreparedMesh PrepareMesh(const std::string& path, const MeshDescription& mesh,
-                         const MeshOptions& options, Warnings& warnings) {
+PreparedMesh PrepareMesh(const std::string& path, std::shared_ptr<const MeshDescription> mesh,
+                         const MeshOptions& options, std::shared_ptr<PageStore> store,
+                         Warnings& warnings) {
     PreparedMesh result;
-    const auto triangles = TriangulateMesh(path, mesh, options, warnings);
-    result.leftHanded = triangles->leftHanded;
-    result.origin = triangles->origin;
-    result.numTriangles = triangles->triangles.size();
-    for (const MeshAttribute& attribute : triangles->attributes) {
+    const auto source = MakeSource(path, mesh, options, warnings);
+    result.leftHanded = source->IsLeftHanded();
+    result.origin = source->Origin();
+    result.numTriangles = source->NumTriangles();
+    for (const AttributeFormat& attribute : source->Attributes()) {
         result.attributes.push_back({attribute.name, attribute.numComponents});
     }
-    if (triangles->triangles.empty()) {
+    if (result.numTriangles == 0) {
         return result;
     }
-    const ChunkSource source(triangles);
-    const std::size_t bytesPerTriangle = EstimateBytesPerTriangle(*triangles);
-    const auto maxTriangles = static_cast<std::uint32_t>(std::max<std::uint64_t>(
-        1, options.chunkBytes / std::max<std::size_t>(1, bytesPerTriangle)));
-    const ChunkPlan plan = PlanChunks(*triangles, maxTriangles);
-    result.chunks.resize(plan.begin.size() - 1);
-    tbb::parallel_for(std::size_t{0}, result.chunks.size(), [&](std::size_t i) {
-        result.chunks[i] = PrepareChunk(source, plan.order.data() + plan.begin[i],
-                                        plan.begin[i + 1] - plan.begin[i]);
-    });
-    for (const PreparedChunk& chunk : result.chunks) {
-        ExtendBounds(&result.bounds, chunk.bounds);
+    const std::uint64_t maxTriangles = std::clamp<std::uint64_t>(
+        options.chunkBytes / source->MeanBytes().Both(), 1, std::numeric_limits<std::uint32_t>::max());
+    ChunkPlan plan = PlanChunks(*source, static_cast<std::uint32_t>(maxTriangles));
+    for (const Bounds& bounds : plan.bounds) {
+        ExtendBounds(&result.bounds, bounds);
     }
-    if (result.chunks.size() > 1) {
-        BuildTopTree(&result);
-    }
+    const PageKey key = store ? MakeMeshKey(*mesh, options) : PageKey();
+    result.mesh = std::make_shared<const ChunkedMesh>(
+        ChunkedMesh{source, std::move(plan), std::move(store), key});
+    BuildTopTree(&result);
     return result;
+}
+
+ChunkGeometry GatherAll(const PreparedMesh& mesh) {
+    const std::vector<std::uint32_t>& units = mesh.mesh->plan.units;
+    return mesh.mesh->source->Gather(units.data(), units.size());
 }
 
 } // namespace hds

@@ -2,8 +2,7 @@
 // A mesh -> chunks and pages.
 #pragma once
 
-#include "hdStream/accel/bvh.h"
-#include "hdStream/accel/geometryPages.h"
+#include "hdStream/accel/chunkPages.h"
 #include "hdStream/base/log.h"
 #include "hdStream/scene/sceneDescription.h"
 #include "hdStream/shading/materialCompiler.h"
@@ -14,26 +13,16 @@
 
 namespace hds {
 
-/// A chunk as prepared for a pool.
-struct PreparedChunk {
-    std::shared_ptr<PreparedPage> geometry;
-    std::shared_ptr<PreparedPage> attributes;
-    std::uint32_t triangleOffset = 0; ///< 16-byte units, in the geometry page
-    std::uint32_t vertexOffset = 0;   ///< likewise
-    std::uint32_t numTriangles = 0;
-    Bounds bounds; ///< relative to the mesh's origin
-};
-
-/// A mesh, prepared: triangulated, cut into chunks, with its top tree. The triangles themselves are
-/// not kept: what is drawn lies in the pages.
+/// A mesh, checked and cut into chunks that are not made yet, with its top tree.
 struct PreparedMesh {
     std::vector<AttributeName> attributes; ///< user primvars, in the order of their slots
     bool leftHanded = false;
-    glm::dvec3 origin{0.0}; ///< object-space point that all positions are relative to
-    std::uint64_t numTriangles = 0;
-    std::vector<PreparedChunk> chunks;        ///< in the leaf order of the top tree
-    std::vector<shared::HdsBvhNode> topNodes; ///< empty for a single chunk
-    Bounds bounds;                            ///< relative to origin
+    glm::dvec3 origin{0.0};         ///< object-space point that all positions are relative to
+    std::uint64_t numTriangles = 0; ///< upper bound; exact for polygons
+    std::shared_ptr<const ChunkedMesh> mesh; ///< null: nothing can be drawn
+    std::vector<std::shared_ptr<ChunkPages>> chunks; ///< in the leaf order of the top tree
+    std::vector<shared::HdsBvhNode> topNodes;        ///< empty for a single chunk
+    Bounds bounds;                                   ///< relative to origin
 };
 
 /// How subdivision surfaces are drawn (DESIGN.md section 4.8).
@@ -59,13 +48,14 @@ struct MeshOptions {
 /// faces, so that small cages become round and large ones, which are fine already, stay in bounds.
 std::uint32_t ChooseRefineLevel(const MeshOptions& options, std::size_t numFaces);
 
-/// Triangles of a mesh at its refine level. \param path subject of the warnings.
-std::shared_ptr<const TriangleMesh> TriangulateMesh(const std::string& path,
-                                                    const MeshDescription& mesh,
-                                                    const MeshOptions& options, Warnings& warnings);
+/// Checks a mesh, cuts it into chunks and builds its top tree, on all cores if it is large; makes no
+/// triangles. An unusable mesh has no chunks. \param path subject of the warnings, which must
+/// outlive the result. \param store of finished pages; may be null.
+PreparedMesh PrepareMesh(const std::string& path, std::shared_ptr<const MeshDescription> mesh,
+                         const MeshOptions& options, std::shared_ptr<PageStore> store,
+                         Warnings& warnings);
 
-/// Prepares a mesh, on all cores if it is large. An unusable mesh has no chunks.
-PreparedMesh PrepareMesh(const std::string& path, const MeshDescription& mesh,
-                         const MeshOptions& options, Warnings& warnings);
+/// All triangles of a prepared mesh.
+ChunkGeometry GatherAll(const PreparedMesh& mesh);
 
 } // namespace hds

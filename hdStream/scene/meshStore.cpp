@@ -45,13 +45,13 @@ bool MeshStore::Prepare(const SceneDescription& scene, const std::vector<const E
             }
             for (std::size_t i = range.begin(); i < range.end() && !isStopped; ++i) {
                 prepared[i] = std::make_shared<const PreparedMesh>(
-                    PrepareMesh(missing[i]->first, *missing[i]->second.mesh, options, warnings));
+                    PrepareMesh(missing[i]->first, missing[i]->second.mesh, options, _pageStore,
+                                warnings));
             }
         });
     for (std::size_t i = 0; i < missing.size(); ++i) {
         if (prepared[i]) {
             ++_numPrepared;
-            _numChunksBuilt += prepared[i]->chunks.size();
             _items[missing[i]->first] = {missing[i]->second.mesh, prepared[i], nullptr};
         }
     }
@@ -62,13 +62,12 @@ const PreparedMesh& MeshStore::Find(const std::string& path) const {
     return *_items.at(path).prepared;
 }
 
-std::shared_ptr<const TriangleMesh> MeshStore::Triangles(const std::string& path,
-                                                         Warnings& warnings) {
+const ChunkGeometry& MeshStore::Triangles(const std::string& path) {
     Item& item = _items.at(path);
     if (!item.triangles) {
-        item.triangles = TriangulateMesh(path, *item.description, _options, warnings);
+        item.triangles = std::make_shared<const ChunkGeometry>(GatherAll(*item.prepared));
     }
-    return item.triangles;
+    return *item.triangles;
 }
 
 } // namespace hds

@@ -30,8 +30,9 @@ public:
     /// Precondition: it was among `drawn`.
     const PreparedMesh& Find(const std::string& path) const;
 
-    /// The triangles of a mesh, made again from its description. Few meshes need them: lights.
-    std::shared_ptr<const TriangleMesh> Triangles(const std::string& path, Warnings& warnings);
+    /// All triangles of a mesh, kept once asked for. Few meshes need them: lights.
+    /// Precondition: it was among `drawn` and has chunks.
+    const ChunkGeometry& Triangles(const std::string& path);
 
     /// Every prepared mesh, also those that are not drawn now, in the order of paths.
     template <typename Function>
@@ -41,24 +42,26 @@ public:
         }
     }
 
-    void Clear() { _items.clear(); }
+    /// Finished pages go there and come from there; null: nowhere. Forgets all meshes.
+    void SetPageStore(std::shared_ptr<PageStore> pageStore) {
+        _items.clear();
+        _pageStore = std::move(pageStore);
+    }
 
     /// Meshes prepared since the store was made.
     std::uint64_t NumPrepared() const { return _numPrepared; }
-    /// Chunks built since the store was made.
-    std::uint64_t NumChunksBuilt() const { return _numChunksBuilt; }
 
 private:
     struct Item {
         std::shared_ptr<const MeshDescription> description;
         std::shared_ptr<const PreparedMesh> prepared;
-        std::shared_ptr<const TriangleMesh> triangles; ///< once asked for
+        std::shared_ptr<const ChunkGeometry> triangles; ///< once asked for
     };
 
+    std::shared_ptr<PageStore> _pageStore;
     MeshOptions _options;
     std::map<std::string, Item> _items;
     std::uint64_t _numPrepared = 0;
-    std::uint64_t _numChunksBuilt = 0;
 };
 
 } // namespace hds

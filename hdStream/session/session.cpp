@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/session/session.h"
 
+#include "hdStream/base/machine.h"
 #include "hdStream/integrator/pathTracer.h"
+#include "hdStream/persist/pageStore.h"
 #include "hdStream/scene/dump.h"
 #include "hdStream/session/settingsCheck.h"
 #include "hdStream/session/statistics.h"
@@ -17,8 +19,19 @@ namespace {
 /// Lines in the statistics, which are made for every image that is shown.
 constexpr std::size_t kMaxWarnings = 1000;
 
+/// Bytes of prepared pages that may stay in host memory.
+std::uint64_t HostBytes(const Settings& settings) {
+    constexpr std::uint64_t kDivisor = 4;
+    return settings.hostMemory > 0 ? settings.hostMemory : MachineMemoryBytes() / kDivisor;
+}
+
 double SecondsSince(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// The folder's page store as files: its index is not read.
+PageStore UnopenedPages(const std::string& directory) {
+    return {{directory, false}, nullptr};
 }
 
 /// What the present commit was made of.
@@ -36,11 +49,11 @@ std::vector<DeviceInfo> ListDevices() {
 
 CacheState InspectCache(const std::string& directory) {
     const Store store({directory, true}, nullptr);
-    return {store.Directory(), store.Size()};
+    return {store.Directory(), store.Size() + UnopenedPages(directory).Size()};
 }
 
 std::uint64_t ClearCache(const std::string& directory) {
-    return Store({directory, true}, nullptr).Clear();
+    return Store({directory, true}, nullptr).Clear() + UnopenedPages(directory).Clear();
 }
 
 struct Session::Impl {
@@ -59,16 +72,18 @@ struct Session::Impl {
                 StoreOptions{settings.cacheDirectory, !settings.noCache}, &warnings);
             cacheDirectory = settings.cacheDirectory;
             noCache = settings.noCache;
+            cache.pages.Clear();
+            cache.meshes.SetPageStore(
+                noCache ? nullptr
+                        : std::make_shared<PageStore>(PageStoreOptions{cacheDirectory}, &warnings));
         }
     }
 
-    /// Everything in device memory and what only makes sense with it: pages that are there are
-    /// nowhere else.
+    /// Everything in device memory.
     void Discard() {
         tracer.reset();
         scene.reset();
         committed.reset();
-        cache.meshes.Clear();
     }
 
     /// The scene in device memory. \return false when it was cancelled.
@@ -80,23 +95,33 @@ struct Session::Impl {
             return true;
         }
         committed.reset();
-        for (int attempt = 0; attempt < 2; ++attempt) {
-            if (!tracer) {
-                cache.meshes.Clear();
-                tracer = std::make_unique<PathTracer>(device, store.get());
-            }
-            auto next = CommitScene(description, commitOptions, &cache, warnings, isCancelled);
-            if (!next) {
-                return false;
-            }
-            if (tracer->SetScene(*next, residency)) {
-                scene = std::move(next);
-                committed = CommitKey{sceneVersion, commitOptions, residency};
-                return true;
-            }
-            Discard(); // edits have scattered the pool, or pages are needed that it alone holds
+        cache.pages.SetLimit(HostBytes(settings));
+        const double secondsBefore = cache.pages.Seconds();
+        auto next = CommitScene(description, commitOptions, &cache, warnings, isCancelled);
+        if (!next) {
+            return false;
         }
-        throw Error("geometry: the scene does not fit the device's memory");
+        if (!tracer) {
+            tracer = std::make_unique<PathTracer>(device, store.get());
+        }
+        const bool isEager =
+            settings.prepare == "eager" || tracer->NeedsAllPages(*next, residency);
+        if (isEager && !next->pages->PrepareAll(isCancelled)) {
+            return false;
+        }
+        if (!tracer->SetScene(*next, residency)) {
+            // Edits have scattered the pool: a new one has the same pages in fewer places.
+            tracer.reset();
+            tracer = std::make_unique<PathTracer>(device, store.get());
+            if (!tracer->SetScene(*next, residency)) {
+                throw Error("geometry: the scene does not fit the device's memory");
+            }
+        }
+        scene = std::move(next);
+        committed = CommitKey{sceneVersion, commitOptions, residency};
+        statistics.pages = &cache.pages;
+        statistics.prepareSecondsBefore = secondsBefore;
+        return true;
     }
 
     RenderResult Render(const Settings& settings, const CameraPrim& camera,

@@ -14,7 +14,8 @@ auto Members(const Settings& s) {
                     s.domeVisible, s.samples, s.maxDepth, s.seed, s.timeLimit, s.noise,
                     s.pixelFilter, s.pixelFilterWidth, s.russianRoulette, s.subdivision,
                     s.refineLevel, s.waveSize, s.device, s.cacheDirectory, s.noCache, s.traversal,
-                    s.chunkBytes, s.residency, s.geometryMemory, s.geometryEviction, s.request);
+                    s.chunkBytes, s.residency, s.geometryMemory, s.geometryEviction, s.request,
+                    s.hostMemory, s.prepare);
 }
 
 } // namespace

@@ -52,6 +52,8 @@ struct Settings {
     std::string geometryMemory;
     std::string geometryEviction = "clock"; ///< or "flush"
     std::string request = "last";           ///< chunk a ray asks for after its walk, or "first"
+    std::uint64_t hostMemory = 0;  ///< bytes of prepared pages kept; 0: a quarter of the machine's
+    std::string prepare = "lazy";  ///< pages when rays ask for them, or "eager": all at first
 
     bool operator==(const Settings& other) const;
     bool operator!=(const Settings& other) const { return !(*this == other); }

@@ -80,6 +80,7 @@ constexpr double kMaxSeed = std::numeric_limits<std::uint32_t>::max();
 constexpr double kMaxRefineLevel = 8;
 constexpr double kMinChunkBytes = 4U << 10U;
 constexpr double kMaxChunkBytes = 256U << 20U;
+constexpr double kMaxHostBytes = 1ULL << 50U;
 
 /// What to render: the hosts of the plug-in decide these.
 std::vector<Row> HostRows() {
@@ -182,6 +183,14 @@ std::vector<Row> UserRows() {
                       "the missing chunk a ray asks for: the nearest after its walk, or the first "
                       "it meets",
                       {"last", "first"})),
+        MakeRow(&S::hostMemory,
+                Ranged(K::Bytes, "hostMemory", "--hostMemory", "Host memory",
+                       "bound on prepared geometry kept in host memory; 0: a quarter of it", 0,
+                       kMaxHostBytes)),
+        MakeRow(&S::prepare, OneOf("prepare", "--prepare", "Prepare",
+                                   "geometry that streams is prepared when rays ask for it, or all "
+                                   "of it before the first one",
+                                   {"lazy", "eager"})),
     };
 }
 

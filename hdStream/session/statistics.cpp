@@ -23,7 +23,7 @@ Json TimeSection(const StatisticsInput& in) {
     const RenderStatistics& render = *in.render;
     return {{"load", in.loadSeconds},
             {"translate", in.translateSeconds},
-            {"prepare", in.scene->seconds},
+            {"prepare", in.scene->seconds + in.pages->Seconds() - in.prepareSecondsBefore},
             {"compile", render.compileSeconds},
             {"trace", render.traceSeconds},
             {"service", in.streaming != nullptr ? in.streaming->serviceSeconds : 0.0},
@@ -42,7 +42,9 @@ Json GeometrySection(const StatisticsInput& in) {
     StreamingStatistics pool;
     pool.uploadedBytes = in.uploadedBytes;
     pool.uploads = 2 * counts.chunks;
-    pool.uniqueBytes = counts.pageBytes;
+    bool isExact = false;
+    const std::uint64_t bytesTotal = in.scene->pages->TotalBytes(&isExact);
+    pool.uniqueBytes = bytesTotal;
     std::uint64_t iterations = render.casts;
     if (in.streaming != nullptr) {
         pool = *in.streaming;
@@ -53,7 +55,7 @@ Json GeometrySection(const StatisticsInput& in) {
             {"instances", counts.instances},
             {"triangles", counts.triangles},
             {"chunks", counts.chunks},
-            {"bytesTotal", counts.pageBytes},
+            {"bytesTotal", bytesTotal},
             {"budget", in.poolBytes},
             {"peakBytes", in.poolBytes},
             {"pinnedBytes", 0},
@@ -69,9 +71,9 @@ Json GeometrySection(const StatisticsInput& in) {
             {"raysRelaunched", render.raysRelaunched},
             {"shadingRefetches", render.shadingRefetches},
             {"chunksTouched", pool.chunksUsed},
-            {"chunksBuilt", counts.chunksBuilt},
-            {"chunksFromCache", 0},
-            {"estimated", false}};
+            {"chunksBuilt", in.pages->NumBuilt()},
+            {"chunksFromCache", in.pages->NumLoaded()},
+            {"estimated", !isExact}};
 }
 
 Json TextureSection(const StatisticsInput& in) {
@@ -149,7 +151,7 @@ std::string MakeInfo(const SceneDescription& scene, const CommittedScene& commit
     info["instances"] = counts.instances;
     info["triangles"] = counts.triangles;
     info["chunks"] = counts.chunks;
-    info["geometryBytes"] = counts.pageBytes;
+    info["geometryBytes"] = committed.pages->TotalBytes();
     info["alwaysResidentBytes"] = counts.alwaysResidentBytes;
     info["materials"] = scene.materials.size();
     info["lights"] = scene.lights.size();

@@ -16,6 +16,8 @@ namespace hds {
 struct StatisticsInput {
     const Device* device = nullptr;
     const CommittedScene* scene = nullptr;
+    const PreparedPages* pages = nullptr;
+    double prepareSecondsBefore = 0.0; ///< PreparedPages::Seconds before this scene's commit
     const RenderStatistics* render = nullptr;
     std::uint32_t imageWidth = 0;
     std::uint32_t imageHeight = 0;

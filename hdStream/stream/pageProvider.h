@@ -6,22 +6,28 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace hds {
 
-/// A source of pages. Implementations are thread-safe; but for Drop they are immutable.
+/// A source of pages, which are prepared when they are needed. Externally synchronised.
 class PageProvider {
 public:
     virtual ~PageProvider() = default;
     virtual std::uint32_t NumPages() const = 0;
-    /// Bytes of a page, a multiple of 16; 0 for a page that does not exist.
+    /// Bytes of a page, a multiple of 16: exact once it has been prepared, before that an upper
+    /// bound. 0 for a page that does not exist.
     virtual std::uint64_t PageBytes(std::uint32_t page) const = 0;
+    /// Whether PageBytes is exact.
+    virtual bool IsExact(std::uint32_t page) const = 0;
     /// What tells pages apart across providers: two pages with the same id have the same bytes.
     virtual std::uint64_t PageId(std::uint32_t page) const = 0;
-    /// The page's bytes; valid until the next call from this thread.
+    /// Makes the bytes of some pages ready, on all cores. Afterwards those of others may be gone.
+    virtual void Prepare(const std::vector<std::uint32_t>& pages) = 0;
+    /// The bytes of a page of the last Prepare, valid until the next one.
     virtual const std::uint8_t* Page(std::uint32_t page) const = 0;
-    /// A pool holds the page for good: its bytes need not be kept, Page is not called again.
-    virtual void Drop(std::uint32_t page) const = 0;
+    /// A pool holds the page for good: its bytes need not be kept. They can be prepared again.
+    virtual void Drop(std::uint32_t page) = 0;
 };
 
 } // namespace hds

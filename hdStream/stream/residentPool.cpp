@@ -46,6 +46,8 @@ private:
 };
 
 constexpr std::uint64_t kStagingBytes = 4U << 20U;
+/// Bytes of the pages that are prepared together.
+constexpr std::uint64_t kBatchBytes = 64U << 20U;
 /// A buffer that is added later is at least this part of the pool, so that many small edits do not
 /// use up the buffers.
 constexpr std::uint64_t kGrowthShare = 8;
@@ -62,38 +64,61 @@ ResidentPool::ResidentPool(std::shared_ptr<Device> device, std::string label)
     _addresses = Buffer(_device, _label + " addresses", 0, BufferAccess::ReadOnly);
 }
 
-bool ResidentPool::Update(const PageProvider& provider) {
-    RemoveOthers(provider);
+bool ResidentPool::Update(PageProvider* provider) {
+    RemoveOthers(*provider);
+    _missing.clear();
     std::uint64_t bytesToCome = 0;
-    for (std::uint32_t page = 0; page < provider.NumPages(); ++page) {
-        if (_pages.count(provider.PageId(page)) == 0) {
-            bytesToCome += provider.PageBytes(page);
+    for (std::uint32_t page = 0; page < provider->NumPages(); ++page) {
+        if (provider->PageBytes(page) > 0 && _pages.count(provider->PageId(page)) == 0) {
+            _missing.push_back(page);
+            bytesToCome += provider->PageBytes(page);
         }
     }
-    std::vector<std::uint32_t> addresses(provider.NumPages(), HDS_NOT_RESIDENT);
+    for (std::size_t begin = 0; begin < _missing.size();) {
+        std::vector<std::uint32_t> batch;
+        std::uint64_t bytes = 0;
+        for (; begin < _missing.size() && bytes < kBatchBytes; ++begin) {
+            batch.push_back(_missing[begin]);
+            bytes += provider->PageBytes(_missing[begin]);
+        }
+        provider->Prepare(batch);
+        if (!Upload(provider, batch, bytesToCome)) {
+            return false;
+        }
+        bytesToCome -= bytes;
+    }
+    std::vector<std::uint32_t> addresses(provider->NumPages(), HDS_NOT_RESIDENT);
+    for (std::uint32_t page = 0; page < provider->NumPages(); ++page) {
+        const auto known = _pages.find(provider->PageId(page));
+        if (known != _pages.end()) {
+            addresses[page] = known->second.Address();
+        }
+    }
+    _addresses = UploadVector(_device, _label + " addresses", addresses);
+    return true;
+}
+
+/// Uploads prepared pages. \return false when there is no room.
+bool ResidentPool::Upload(PageProvider* provider, const std::vector<std::uint32_t>& pages,
+                          std::uint64_t bytesToCome) {
     StagedUpload upload(kStagingBytes);
-    for (std::uint32_t page = 0; page < provider.NumPages(); ++page) {
-        const std::uint64_t bytes = provider.PageBytes(page);
-        if (bytes == 0) {
-            continue;
-        }
+    for (const std::uint32_t page : pages) {
+        const std::uint64_t bytes = provider->PageBytes(page);
         HDS_VERIFY(bytes % HDS_POOL_UNIT_BYTES == 0, _label + " page " + std::to_string(page));
-        const auto [known, isNew] = _pages.emplace(provider.PageId(page), PoolRange());
-        if (isNew) {
-            if (!Place(bytes, bytesToCome, &known->second)) {
-                _pages.erase(known);
-                return false;
-            }
-            upload.Append(&_buffers[known->second.buffer], known->second.offset,
-                          provider.Page(page), bytes);
-            provider.Drop(page);
-            bytesToCome -= bytes;
-            _uploadedBytes += bytes;
+        const auto [known, isNew] = _pages.emplace(provider->PageId(page), PoolRange());
+        if (!isNew) {
+            continue; // two pages with one id
         }
-        addresses[page] = known->second.Address();
+        if (!Place(bytes, bytesToCome, &known->second)) {
+            _pages.erase(known);
+            return false;
+        }
+        upload.Append(&_buffers[known->second.buffer], known->second.offset, provider->Page(page),
+                      bytes);
+        provider->Drop(page);
+        _uploadedBytes += bytes;
     }
     upload.Flush();
-    _addresses = UploadVector(_device, _label + " addresses", addresses);
     return true;
 }
 

@@ -23,10 +23,10 @@ public:
     ResidentPool(std::shared_ptr<Device> device, std::string label);
 
     /// Makes the pool hold the pages of `provider`: pages it holds already (by id) stay where they
-    /// are, those the provider lacks leave, new ones are uploaded and dropped from the provider.
-    /// Blocks. \return false when there is no room left in its buffers, which many edits may have
-    /// scattered; the pool is of no use then, and a new one needs pages that were not dropped.
-    bool Update(const PageProvider& provider);
+    /// are, those the provider lacks leave, new ones are prepared, uploaded and dropped from the
+    /// provider. Blocks. \return false when there is no room left in its buffers, which many edits
+    /// may have scattered; the pool is of no use then.
+    bool Update(PageProvider* provider);
 
     /// Address of each page in units of 16 bytes (0xffffffff: the page does not exist).
     const Buffer& Addresses() const { return _addresses; }
@@ -41,6 +41,8 @@ public:
 
 private:
     void RemoveOthers(const PageProvider& provider);
+    bool Upload(PageProvider* provider, const std::vector<std::uint32_t>& pages,
+                std::uint64_t bytesToCome);
     bool Place(std::uint64_t bytes, std::uint64_t bytesToCome, PoolRange* range);
     bool AddBuffer(std::uint64_t bytes, std::uint64_t bytesToCome);
 
@@ -50,6 +52,7 @@ private:
     std::array<Buffer, kMaxPoolBuffers> _buffers;
     RangeAllocator _ranges;
     std::unordered_map<std::uint64_t, PoolRange> _pages; ///< by page id
+    std::vector<std::uint32_t> _missing; ///< pages of this update
     Buffer _addresses;
     std::uint64_t _bytes = 0;
     std::uint64_t _uploadedBytes = 0;

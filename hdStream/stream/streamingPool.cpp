@@ -13,10 +13,8 @@ namespace hds {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-double SecondsSince(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
+double SecondsSince(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 std::uint64_t RoundDown(std::uint64_t bytes) {
@@ -39,8 +37,9 @@ StreamingPool::StreamingPool(std::shared_ptr<Device> device, std::string label, 
     }
 }
 
-void StreamingPool::Update(const PageProvider& provider, std::uint64_t budgetBytes) {
-    _provider = &provider;
+void StreamingPool::Update(PageProvider* theProvider, std::uint64_t budgetBytes) {
+    _provider = theProvider;
+    const PageProvider& provider = *_provider;
     std::unordered_map<std::uint64_t, PageState> known;
     for (std::size_t page = 0; page < _ids.size(); ++page) {
         known.emplace(_ids[page], _pages[page]);
@@ -71,19 +70,26 @@ void StreamingPool::Update(const PageProvider& provider, std::uint64_t budgetByt
     MakeTables();
 }
 
+std::uint64_t StreamingPool::GroupBytes(std::uint32_t first) const {
+    std::uint64_t bytes = 0;
+    for (std::uint32_t page = first; page < first + kGroupPages; ++page) {
+        bytes += _provider->PageBytes(page);
+    }
+    return bytes;
+}
+
 /// The largest group must fit the largest buffer, so that each service can load one.
-void StreamingPool::CheckFits(std::uint64_t budgetBytes) const {
+void StreamingPool::CheckFits(std::uint64_t budgetBytes) {
+    const std::uint64_t limit = std::min(budgetBytes, _bufferLimit);
     std::uint64_t largest = 0;
     for (std::uint32_t first = 0; first < _provider->NumPages(); first += kGroupPages) {
-        std::uint64_t bytes = 0;
-        for (std::uint32_t page = first; page < first + kGroupPages; ++page) {
-            bytes += _provider->PageBytes(page);
+        if (GroupBytes(first) > limit && !_provider->IsExact(first)) {
+            _provider->Prepare({first}); // one by one: few are so large
         }
-        largest = std::max(largest, bytes);
+        largest = std::max(largest, GroupBytes(first));
     }
-    if (largest > std::min(budgetBytes, _bufferLimit)) {
-        throw Error("--" + _label +
-                    "Memory: " + std::to_string(std::min(budgetBytes, _bufferLimit)) +
+    if (largest > limit) {
+        throw Error("--" + _label + "Memory: " + std::to_string(limit) +
                     " bytes cannot hold the largest chunk, which takes " + std::to_string(largest) +
                     " (--chunkSize makes chunks smaller)");
     }
@@ -143,46 +149,83 @@ void StreamingPool::BeginCast() {
 
 void StreamingPool::ServiceCast() {
     const auto start = Clock::now();
+    const StreamingStatistics before = _statistics;
     for (PageState& page : _pages) {
         page.isDone = page.isDone || page.range.bytes > 0;
         page.isProtected = false;
     }
     _hasVictims = false;
-    for (const Request& request : TakeRequests()) {
+    PlaceInBatches(TakeRequests(), 1, [&](const Request& request) {
         if (!Place(request.page)) {
-            break;
+            return false;
         }
         _pages[request.page].wanted = request.count;
-    }
-    HDS_VERIFY(!_queued.empty(), _label + ": nothing was loaded");
-    _statistics.serviceSeconds += SecondsSince(start);
-    LoadQueued();
+        return true;
+    });
+    EndService(start, before);
 }
 
 void StreamingPool::ServiceGroups() {
     const auto start = Clock::now();
+    const StreamingStatistics before = _statistics;
     for (PageState& page : _pages) {
         page.isProtected = false;
     }
     _hasVictims = false;
-    for (const Request& request : TakeRequests()) {
+    PlaceInBatches(TakeRequests(), kGroupPages, [&](const Request& request) {
         const std::uint32_t first = GroupOf(request.page) * kGroupPages;
         if (PlaceGroup(first, request.count)) {
-            continue;
+            return true;
         }
-        if (!_queued.empty()) {
-            break;
+        if (_placedBytes == 0) {
+            // What was kept of the group lies in the way of the rest: begin with an empty pool.
+            for (std::uint32_t page = 0; page < _pages.size(); ++page) {
+                Remove(page);
+            }
+            PlaceGroup(first, request.count);
         }
-        // What was kept of the group lies in the way of the rest: begin with an empty pool.
-        for (std::uint32_t page = 0; page < _pages.size(); ++page) {
-            Remove(page);
-        }
-        PlaceGroup(first, request.count);
-        break;
-    }
-    HDS_VERIFY(!_queued.empty(), _label + ": nothing was loaded");
-    _statistics.serviceSeconds += SecondsSince(start);
+        return false;
+    });
+    EndService(start, before);
+}
+
+/// Loads the last batch; tells seconds apart.
+void StreamingPool::EndService(Clock::time_point start, const StreamingStatistics& before) {
+    HDS_VERIFY(_placedBytes > 0, _label + ": nothing was loaded");
     LoadQueued();
+    _statistics.serviceSeconds += SecondsSince(start) -
+                                  (_statistics.prepareSeconds - before.prepareSeconds) -
+                                  (_statistics.transferSeconds - before.transferSeconds);
+}
+
+/// Places requests, the first ones first, until placeRequest(request) says that there is no more
+/// room; those that can fit are prepared together. \param numPages of a request: 1, or its group.
+template <typename PlaceRequest>
+void StreamingPool::PlaceInBatches(const std::vector<Request>& requests, std::uint32_t numPages,
+                                   PlaceRequest placeRequest) {
+    _placedBytes = 0;
+    std::size_t next = 0;
+    bool isOver = false;
+    while (next < requests.size() && !isOver) {
+        LoadQueued(); // what is prepared next may take the place of what is prepared now
+        const std::uint64_t room = _bytes - _placedBytes;
+        std::vector<std::uint32_t> batch;
+        std::uint64_t bytes = 0;
+        const std::size_t first = next;
+        for (; next < requests.size() && (batch.empty() || bytes < room); ++next) {
+            const std::uint32_t begin = requests[next].page / numPages * numPages;
+            for (std::uint32_t page = begin; page < begin + numPages; ++page) {
+                batch.push_back(page);
+                bytes += _provider->PageBytes(page);
+            }
+        }
+        const auto start = Clock::now();
+        _provider->Prepare(batch);
+        _statistics.prepareSeconds += SecondsSince(start);
+        for (std::size_t i = first; i < next && !isOver; ++i) {
+            isOver = !placeRequest(requests[i]);
+        }
+    }
 }
 
 /// Places what is missing of the group that begins with page `first`. \return false, with nothing
@@ -201,6 +244,7 @@ bool StreamingPool::PlaceGroup(std::uint32_t first, std::uint32_t wanted) {
         }
         if (!Place(first + i)) {
             while (_queued.size() > numQueued) {
+                _placedBytes -= _pages[_queued.back()].range.bytes;
                 _ranges.Free(_pages[_queued.back()].range);
                 _pages[_queued.back()].range = {};
                 _queued.pop_back();
@@ -245,6 +289,7 @@ bool StreamingPool::Place(std::uint32_t page) {
         }
     }
     state.isProtected = true;
+    _placedBytes += state.range.bytes;
     _queued.push_back(page);
     return true;
 }
@@ -292,6 +337,9 @@ bool StreamingPool::Remove(std::uint32_t page) {
 }
 
 void StreamingPool::LoadQueued() {
+    if (_queued.empty()) {
+        return;
+    }
     const auto start = Clock::now();
     std::array<std::vector<BufferCopy>, kMaxPoolBuffers> copies;
     for (const std::uint32_t page : _queued) {

@@ -8,6 +8,7 @@
 #include "hdStream/stream/rangeAllocator.h"
 
 #include <array>
+#include <chrono>
 #include <memory>
 #include <string>
 #include <tuple>
@@ -28,6 +29,7 @@ struct StreamingStatistics {
     std::uint64_t uniqueBytes = 0; ///< of pages loaded at least once
     std::uint64_t evictions = 0;
     std::uint64_t chunksUsed = 0; ///< groups of which a page was loaded at least once
+    double prepareSeconds = 0.0;  ///< making the bytes of pages
     double serviceSeconds = 0.0;  ///< reading requests, choosing, publishing
     double transferSeconds = 0.0;
 };
@@ -48,9 +50,10 @@ public:
                   std::uint64_t bufferLimit = kMaxPoolBufferBytes);
 
     /// Serves the pages of `provider`, which must live until the next call, from at most
-    /// `budgetBytes` of device memory. Pages that are resident stay (known by their ids).
+    /// `budgetBytes` of device memory. Pages that are resident stay (known by their ids). Groups
+    /// that may not fit are prepared, so that their sizes are known.
     /// \throws Error that names the option --LABELMemory when the largest group does not fit.
-    void Update(const PageProvider& provider, std::uint64_t budgetBytes);
+    void Update(PageProvider* provider, std::uint64_t budgetBytes);
 
     /// Begins a cast: no page is done.
     void BeginCast();
@@ -74,6 +77,7 @@ public:
     const StreamingStatistics& Statistics() const { return _statistics; }
 
 private:
+    using Clock = std::chrono::steady_clock;
     struct Request {
         std::uint32_t page = 0;
         std::uint32_t count = 0;
@@ -98,10 +102,15 @@ private:
     };
 
     bool IsResident(std::uint32_t page) const { return _pages[page].range.bytes > 0; }
-    void CheckFits(std::uint64_t budgetBytes) const;
+    std::uint64_t GroupBytes(std::uint32_t first) const;
+    void CheckFits(std::uint64_t budgetBytes);
     void AllocateBuffers(std::uint64_t bytes);
     void MakeTables();
     std::vector<Request> TakeRequests();
+    template <typename PlaceRequest>
+    void PlaceInBatches(const std::vector<Request>& requests, std::uint32_t numPages,
+                        PlaceRequest placeRequest);
+    void EndService(Clock::time_point start, const StreamingStatistics& before);
     bool PlaceGroup(std::uint32_t first, std::uint32_t wanted);
     bool Place(std::uint32_t page);
     void ListVictims();
@@ -114,7 +123,7 @@ private:
     std::string _label;
     Eviction _eviction;
     std::uint64_t _bufferLimit;
-    const PageProvider* _provider = nullptr;
+    PageProvider* _provider = nullptr;
     RangeAllocator _ranges;
     std::array<Buffer, kMaxPoolBuffers> _buffers;
     std::uint64_t _bytes = 0;
@@ -127,7 +136,8 @@ private:
     std::vector<std::uint64_t> _ids;
     std::vector<Victim> _victims;       ///< of this service: a heap, the first to leave on top
     bool _hasVictims = false;           ///< they are listed
-    std::vector<std::uint32_t> _queued; ///< placed, to be loaded
+    std::vector<std::uint32_t> _queued; ///< placed and prepared, to be loaded
+    std::uint64_t _placedBytes = 0;     ///< in this service
     StreamingStatistics _statistics;
 };
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
- * Device tables of geometry: instances, objects, meshes, chunks, and the layout of a chunk's two
- * pages. Always resident: top nodes, instances, objects, meshes, chunk records. In pools: pages.
+ * Device tables of geometry: instances, objects, meshes, and the layout of a chunk's two pages.
+ * Always resident: top nodes, instances, objects, meshes. In pools: pages.
  * Explained in docs/architecture.md and docs/accel.md. */
 #ifndef HDS_SHARED_GEOMETRY_H
 #define HDS_SHARED_GEOMETRY_H
@@ -33,8 +33,8 @@ HDS_SHARED_BEGIN
  * Spaces: "parent" is the group's space; for the TLAS it is world space relative to the scene
  * centre. */
 typedef struct {
-    f32 objectFromParent[12]; /* 3 rows of 4, row major: for rays */
-    f32 parentFromObject[12]; /* 3 rows of 4: for shading */
+    f32 objectFromParent[12]; /* 3 rows of 4, row major; the map outwards is its inverse
+                                 (math/inverse.clh) */
     u32 object;               /* index into objects */
     u32 flags;
     u32 pathOffset[2]; /* low, high: number of leaf instances before this one inside the group,
@@ -45,7 +45,7 @@ typedef struct {
     u32 instanceCount; /* placements of the same prototype by its instancer; 0: none places it */
     u32 instanceRank;  /* which of them this is; both fold along a path into instanceId */
 } HdsInstance;
-HDS_ASSERT_SIZE(HdsInstance, 128);
+HDS_ASSERT_SIZE(HdsInstance, 80);
 
 /* What an instance places. */
 typedef struct {
@@ -65,24 +65,30 @@ typedef struct {
 } HdsMesh;
 HDS_ASSERT_SIZE(HdsMesh, 16);
 
-/* Fixed part of a chunk; its addresses are in the residency table chunkAddresses[2 * chunk + page].
+/* A chunk has two pages; their addresses are in the residency table chunkAddresses[2 * chunk +
+ * page].
  */
-typedef struct {
-    u32 triangleOffset; /* from the geometry page's start, 16-byte units: HdsTriangle[] */
-    u32 vertexOffset;   /* likewise: packed f32[3] positions, object space */
-    u32 numTriangles;
-    u32 object;
-} HdsChunk;
-HDS_ASSERT_SIZE(HdsChunk, 16);
-#define HDS_PAGE_GEOMETRY 0u /* nodes (root first), triangles, vertices */
+#define HDS_PAGE_GEOMETRY 0u
 #define HDS_PAGE_ATTRIBUTES 1u
 
-/* A triangle of a chunk, in the leaf order of the chunk's BVH. */
+/* Begins a geometry page; the nodes of the chunk's BVH follow, root first. Offsets are from the
+ * page's start, in units of 16 bytes. */
 typedef struct {
-    u32 vertex[3]; /* chunk-local vertex index */
-    u32 primId; /* index of the triangle in its object, in order of (authored face, sub-triangle) */
+    u32 triangles; /* offset of HdsTriangle[], in the leaf order of the BVH */
+    u32 primIds; /* offset of u32[]: of each triangle its index in the object, in order of (authored
+                    face, sub-triangle) */
+    u32 vertices; /* offset of packed f32[3] positions, object space */
+    u32 numTriangles;
+} HdsPageHeader;
+HDS_ASSERT_SIZE(HdsPageHeader, 16);
+
+/* A triangle of a chunk: its three chunk-local vertex indices. */
+typedef struct {
+    u64 vertices; /* corner k in bits 21 k to 21 k + 20 */
 } HdsTriangle;
-HDS_ASSERT_SIZE(HdsTriangle, 16);
+HDS_ASSERT_SIZE(HdsTriangle, 8);
+#define HDS_VERTEX_BITS 21
+#define HDS_MAX_CHUNK_VERTICES (1u << HDS_VERTEX_BITS)
 
 /* A hit, and the key (t, path index, primId) after which a continuing ray goes on. */
 typedef struct {
@@ -101,7 +107,7 @@ HDS_SHARED_END
 #define HDS_ATTR_CONSTANT 1u /* one value */
 #define HDS_ATTR_TRIANGLE 2u /* one value a triangle, leaf order */
 #define HDS_ATTR_VERTEX 3u   /* one value a chunk-local vertex */
-#define HDS_ATTR_CORNER 4u   /* three values a triangle, in the order of HdsTriangle.vertex */
+#define HDS_ATTR_CORNER 4u   /* three values a triangle, in the order of its corners */
 #define HDS_ATTR_SLOT(interpolation, components, offset) \
     (((interpolation) << 29) | ((components) << 26) | (offset))
 /* Fixed slots; user primvars follow from HDS_SLOT_USER on, in the mesh's primvar order. */

@@ -213,13 +213,15 @@ void PrintBytes(const BenchScene& scene, const test::AccelScene& ours, double wa
                 double cpuSeconds, const EmbreeScene& standard, const EmbreeScene& compact) {
     std::size_t nodes = ours.topNodes.size() * sizeof(shared::HdsBvhNode);
     std::size_t leaves = 0;
-    for (const shared::HdsChunk& chunk : ours.chunks) {
-        nodes += std::size_t{chunk.triangleOffset} * HDS_POOL_UNIT_BYTES;
-        leaves += chunk.numTriangles * sizeof(shared::HdsTriangle);
+    for (const GeometryPage& page : ours.pages) {
+        shared::HdsPageHeader header{};
+        std::memcpy(&header, page.bytes.data(), sizeof(header));
+        nodes += page.numNodes * sizeof(shared::HdsBvhNode);
+        leaves += header.numTriangles * (sizeof(shared::HdsTriangle) + sizeof(std::uint32_t));
     }
     const auto triangles = static_cast<double>(scene.NumTriangles());
     std::printf("%s: %.0f triangles, %zu chunks\n", scene.name.c_str(), triangles,
-                ours.chunks.size());
+                ours.pages.size());
     std::printf("  bytes/triangle    ours nodes %.1f, nodes + leaves %.1f; Embree default %.1f, "
                 "compact+robust %.1f\n",
                 static_cast<double>(nodes) / triangles,

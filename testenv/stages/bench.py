@@ -10,7 +10,7 @@ from pxr import Gf, Sdf, UsdGeom, Vt
 from . import author, shapes
 
 
-def _Bumps(x, z):
+def Bumps(x, z):
     """A sum of octaves of sines: rough enough for incoherent rays, cheap and free of data."""
     height = np.zeros_like(x)
     for octave in range(6):
@@ -29,18 +29,18 @@ def _Finish(stage, eye, target) -> None:
 def WriteTerrain(path, cells: int = 800) -> None:
     """2 * cells^2 triangles of terrain with three balls on it (1.28 M triangles by default)."""
     stage = author.NewStage(path)
-    author.AddMesh(stage, "/World/Terrain", shapes.HeightField(60.0, cells, _Bumps), color=(0.45, 0.5, 0.3))
+    author.AddMesh(stage, "/World/Terrain", shapes.HeightField(60.0, cells, Bumps), color=(0.45, 0.5, 0.3))
     for i, x in enumerate((-6.0, 0.0, 6.0)):
         author.AddMesh(stage, f"/World/Ball{i}", shapes.Sphere(1.5, 64, 128), color=(0.7, 0.5, 0.3), translate=(x, 3.5, 0))
     _Finish(stage, (0, 9, 26), (0, 1, 0))
 
 
-def _Tree(rng) -> shapes.Shape:
-    """A trunk and a crown of some 700 random leaves: about 3000 triangles."""
+def _Tree(rng, leaves: int = 1400) -> shapes.Shape:
+    """A trunk and a crown of random leaves of two triangles: about 3000 triangles."""
     trunk = shapes.Lathe([0.12, 0.07, 0.0], [0.0, 1.2, 2.2], 12, [1, 1, 1], [0.05, 0.05, 0.05])
     leaf = np.array([[-0.06, 0, 0], [0, 0, 0.03], [0.06, 0, 0], [0, 0.16, 0.02]])
     parts = [trunk]
-    for _ in range(1400):
+    for _ in range(leaves):
         direction = rng.normal(size=3)
         direction /= np.linalg.norm(direction)
         frame = np.linalg.qr(rng.normal(size=(3, 3)))[0]
@@ -49,16 +49,18 @@ def _Tree(rng) -> shapes.Shape:
     return shapes.Merged([shapes.Shape(p.points, p.counts, p.indices) for p in parts])
 
 
-def WriteForest(path, instances: int = 1_000_000) -> None:
-    """`instances` of one tree in a PointInstancer over a ground."""
+def WriteForest(path, instances: int = 1_000_000, species: int = 1, leaves: int = 1400) -> None:
+    """`instances` of one tree, or of several, in a PointInstancer over a ground."""
     stage = author.NewStage(path)
     rng = np.random.default_rng(3)
     side = 1.6 * np.sqrt(instances)
     author.AddMesh(stage, "/World/Ground", shapes.Plane(side + 40, side + 40), color=(0.3, 0.25, 0.2))
     instancer = UsdGeom.PointInstancer.Define(stage, "/World/Forest")
-    author.AddMesh(stage, "/World/Forest/Prototypes/Tree", _Tree(rng), color=(0.2, 0.4, 0.12), doubleSided=True)
-    instancer.CreatePrototypesRel().SetTargets([Sdf.Path("/World/Forest/Prototypes/Tree")])
-    instancer.CreateProtoIndicesAttr(Vt.IntArray.FromNumpy(np.zeros(instances, np.int32)))
+    trees = [f"/World/Forest/Prototypes/Tree{i}" for i in range(species)]
+    for tree in trees:
+        author.AddMesh(stage, tree, _Tree(rng, leaves), color=(0.2, 0.4, 0.12), doubleSided=True)
+    instancer.CreatePrototypesRel().SetTargets([Sdf.Path(tree) for tree in trees])
+    instancer.CreateProtoIndicesAttr(Vt.IntArray.FromNumpy((np.arange(instances) % species).astype(np.int32)))
     place = rng.uniform(-side / 2, side / 2, (instances, 2))
     positions = np.stack([place[:, 0], np.zeros(instances), place[:, 1]], 1).astype(np.float32)
     instancer.CreatePositionsAttr(Vt.Vec3fArray.FromNumpy(positions))

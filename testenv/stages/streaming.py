@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stages that are hard on geometry streaming: what the benches have (one huge mesh, many small ones, many
-instances), chunks that lie inside each other, deep nesting. Deterministic."""
+instances, a grove), chunks that lie inside each other, deep nesting. Deterministic."""
 
 import numpy as np
 from pxr import Gf, Sdf, UsdGeom, Vt
 
-from . import author, bench, shapes
+from . import author, bench, grove, shapes
 
 
 def WriteOverlap(path, meshes: int = 24, rings: int = 32) -> None:
@@ -62,7 +62,8 @@ def WriteNested(path, depth: int = 4, copies: int = 6, rings: int = 48) -> None:
 CASES = {
     "hugeMesh": lambda path: bench.WriteTerrain(path, cells=140),
     "manyMeshes": lambda path: bench.WriteMeshes(path, meshes=1500),
-    "manyInstances": lambda path: bench.WriteForest(path, instances=3000),
+    "manyInstances": lambda path: bench.WriteForest(path, instances=3000, species=5),
     "overlap": WriteOverlap,
     "nested": WriteNested,
+    "grove": lambda path: grove.WriteGrove(path, 60_000, 6_000),
 }

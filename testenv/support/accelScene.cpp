@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "testenv/support/accelScene.h"
 
+#include "hdStream/accel/chunkPlan.h"
+#include "testenv/support/meshSource.h"
+
 #include <glm/common.hpp>
 #include <glm/matrix.hpp>
 #include <tbb/parallel_for.h>
@@ -49,16 +52,14 @@ BvhOptions TopOptions() {
 } // namespace
 
 std::uint32_t AccelScene::AddMesh(const TriangleMesh& mesh, std::uint32_t maxTriangles) {
-    const ChunkSource source(std::make_shared<TriangleMesh>(mesh));
-    const ChunkPlan plan = PlanChunks(mesh, maxTriangles);
-    const std::size_t numChunks = plan.begin.size() - 1;
+    const auto source = SourceOf(mesh);
+    const ChunkPlan plan = PlanChunks(*source, maxTriangles);
+    const std::size_t numChunks = plan.NumChunks();
     std::vector<GeometryPage> built(numChunks);
-    std::vector<std::uint32_t> numTriangles(numChunks);
     tbb::parallel_for(std::size_t{0}, numChunks, [&](std::size_t i) {
         ChunkGeometry chunk =
-            source.Gather(plan.order.data() + plan.begin[i], plan.begin[i + 1] - plan.begin[i]);
+            source->Gather(plan.units.data() + plan.begin[i], plan.begin[i + 1] - plan.begin[i]);
         built[i] = BuildGeometryPage(chunk);
-        numTriangles[i] = static_cast<std::uint32_t>(chunk.triangles.size());
     });
     std::vector<Bounds> boxes;
     Bounds all;
@@ -71,13 +72,12 @@ std::uint32_t AccelScene::AddMesh(const TriangleMesh& mesh, std::uint32_t maxTri
     const auto object = static_cast<std::uint32_t>(objects.size());
     objects.push_back({numChunks == 1 ? HDS_OBJECT_CHUNK : HDS_OBJECT_MESH,
                        static_cast<std::uint32_t>(topNodes.size()),
-                       static_cast<std::uint32_t>(chunks.size()),
+                       static_cast<std::uint32_t>(pages.size()),
                        static_cast<std::uint32_t>(numChunks)});
     if (numChunks > 1) {
         topNodes.insert(topNodes.end(), top.nodes.begin(), top.nodes.end());
     }
     for (const std::uint32_t i : top.order) {
-        chunks.push_back({built[i].triangleOffset, built[i].vertexOffset, numTriangles[i], object});
         pages.push_back(std::move(built[i]));
     }
     _bounds.push_back(all);
@@ -105,7 +105,6 @@ void AccelScene::BuildGroup(std::uint32_t object, const std::vector<AccelPlaceme
     for (const AccelPlacement& placement : placements) {
         shared::HdsInstance record{};
         StoreRows(glm::inverse(placement.parentFromObject), record.objectFromParent);
-        StoreRows(placement.parentFromObject, record.parentFromObject);
         record.object = placement.object;
         record.flags = placement.flags;
         record.pathOffset[0] = static_cast<std::uint32_t>(numLeaves);
@@ -133,9 +132,8 @@ DeviceAccelScene::DeviceAccelScene(const std::shared_ptr<Device>& device, const 
     : _topNodes(UploadVector(device, "top nodes", scene.topNodes)),
       _instances(UploadVector(device, "instances", scene.instances)),
       _objects(UploadVector(device, "objects", scene.objects)),
-      _chunks(UploadVector(device, "chunks", scene.chunks)),
       _numInstances(static_cast<std::uint32_t>(scene.instances.size())) {
-    std::vector<std::uint32_t> addresses(2 * scene.chunks.size(), HDS_NOT_RESIDENT);
+    std::vector<std::uint32_t> addresses(2 * scene.pages.size(), HDS_NOT_RESIDENT);
     std::array<std::vector<std::uint8_t>, HDS_POOL_MAX_BUFFERS> pools;
     for (std::size_t i = 0; i < scene.pages.size(); ++i) {
         const std::size_t pool = i % upload.numPools;
@@ -157,10 +155,9 @@ void DeviceAccelScene::Bind(Kernel* kernel, unsigned first) const {
     kernel->SetBuffer(first, _topNodes);
     kernel->SetBuffer(first + 1, _instances);
     kernel->SetBuffer(first + 2, _objects);
-    kernel->SetBuffer(first + 3, _chunks);
-    kernel->SetBuffer(first + 4, _addresses);
+    kernel->SetBuffer(first + 3, _addresses);
     for (unsigned i = 0; i < _pools.size(); ++i) {
-        kernel->SetBuffer(first + 5 + i, _pools[i]);
+        kernel->SetBuffer(first + 4 + i, _pools[i]);
     }
 }
 

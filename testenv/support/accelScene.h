@@ -40,7 +40,6 @@ public:
     std::vector<shared::HdsBvhNode> topNodes;
     std::vector<shared::HdsInstance> instances;
     std::vector<shared::HdsObject> objects;
-    std::vector<shared::HdsChunk> chunks;
     std::vector<GeometryPage> pages; ///< geometry page of each chunk
 
 private:
@@ -67,7 +66,7 @@ public:
     std::uint32_t NumInstances() const { return _numInstances; }
 
 private:
-    Buffer _topNodes, _instances, _objects, _chunks, _addresses;
+    Buffer _topNodes, _instances, _objects, _addresses;
     std::array<Buffer, HDS_POOL_MAX_BUFFERS> _pools;
     std::uint32_t _numInstances = 0;
 };

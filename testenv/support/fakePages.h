@@ -21,10 +21,10 @@ inline std::vector<std::uint8_t> BytesOf(std::uint64_t id) {
 
 class FakePages : public PageProvider {
 public:
-    explicit FakePages(std::vector<std::uint64_t> ids) : _ids(std::move(ids)) {
+    explicit FakePages(std::vector<std::uint64_t> ids)
+        : _ids(std::move(ids)), _pages(_ids.size()) {
         for (const std::uint64_t id : _ids) {
-            _pages.push_back(BytesOf(id));
-            _total += _pages.back().size();
+            _total += BytesOf(id).size();
         }
     }
     std::uint32_t NumPages() const override { return static_cast<std::uint32_t>(_ids.size()); }
@@ -33,13 +33,22 @@ public:
     }
     std::uint64_t PageId(std::uint32_t page) const override { return _ids[page]; }
     const std::uint8_t* Page(std::uint32_t page) const override { return _pages[page].data(); }
-    void Drop(std::uint32_t page) const override { _pages[page].clear(); }
+    bool IsExact(std::uint32_t) const override { return true; }
+    void Prepare(const std::vector<std::uint32_t>& pages) override {
+        for (const std::uint32_t page : pages) {
+            _pages[page] = BytesOf(_ids[page]);
+            ++_numPrepared;
+        }
+    }
+    void Drop(std::uint32_t page) override { _pages[page].clear(); }
     std::uint64_t TotalBytes() const { return _total; }
+    std::size_t NumPrepared() const { return _numPrepared; }
 
 private:
     std::vector<std::uint64_t> _ids;
-    mutable std::vector<std::vector<std::uint8_t>> _pages;
+    std::vector<std::vector<std::uint8_t>> _pages;
     std::uint64_t _total = 0;
+    std::size_t _numPrepared = 0;
 };
 
 /// Ids begin, begin + 1, ... end - 1.

@@ -172,8 +172,7 @@ def _Complexity(text):
 def _AddStreamingOptions(group):
     options.AddSetting(group, "residency")
     options.AddSetting(group, "subdivision")
-    group.add_argument("--hostMemory", type=options.Bytes, metavar="SIZE",
-                       help="bound on prepared data in host memory")
+    options.AddSetting(group, "hostMemory")
     options.AddSetting(group, "geometryMemory", type=options.MemorySize, metavar="SIZE|N%")
     group.add_argument("--textureMemory", type=options.BytesOrPercent, metavar="SIZE",
                        help="device memory for textures: bytes (K, M, G) or a percentage")
@@ -183,5 +182,4 @@ def _AddStreamingOptions(group):
     options.AddSetting(group, "waveSize")
     group.add_argument("--shadeIterations", type=options.IntegerIn(0, 64), metavar="N", default=0,
                        help="0: until all texels are exact")
-    group.add_argument("--prepare", choices=("lazy", "eager"), default="lazy",
-                       help="prepare on first use or all before rendering (default lazy)")
+    options.AddSetting(group, "prepare")

@@ -23,8 +23,6 @@ _FRAMED = ("camera", "imageWidth", "imageHeight")
 _IDLE_OPTIONS = (
     ("textureMemory", (None,), "textures are replaced by their mean colour"),
     ("shadeIterations", (0,), "shading is always exact"),
-    ("hostMemory", (None,), "all prepared data stays in host memory"),
-    ("prepare", ("lazy",), "everything is prepared before the first pixel"),
 )
 
 

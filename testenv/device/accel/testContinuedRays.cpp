@@ -15,10 +15,7 @@ using Hits = std::vector<shared::HdsHit>;
 using Key = std::tuple<float, std::uint64_t, std::uint32_t>;
 
 std::uint32_t PrimIdOf(const AccelScene& scene, const shared::HdsHit& hit) {
-    shared::HdsTriangle triangle{};
-    const GeometryPage& page = scene.pages[hit.chunk];
-    std::memcpy(&triangle, page.bytes.data() + 16 * (page.triangleOffset + hit.triangle), 16);
-    return triangle.primId;
+    return PageView(scene.pages[hit.chunk].bytes.data()).primIds[hit.triangle];
 }
 
 Key KeyOf(const AccelScene& scene, const shared::HdsHit& hit) {

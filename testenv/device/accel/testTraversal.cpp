@@ -228,11 +228,8 @@ TEST_F(Traversal, TiesGoToTheSmallerKey) {
             const float x = rays[i].origin[0];
             const float y = rays[i].origin[1];
             const std::uint32_t half = y > x ? 1 : 0;
-            shared::HdsTriangle triangle{};
-            const GeometryPage& page = built.pages[hits[i].chunk];
-            std::memcpy(&triangle,
-                        page.bytes.data() + 16 * (page.triangleOffset + hits[i].triangle), 16);
-            EXPECT_EQ(triangle.primId, half) << "ray " << i;
+            const PageView page(built.pages[hits[i].chunk].bytes.data());
+            EXPECT_EQ(page.primIds[hits[i].triangle], half) << "ray " << i;
         }
     }
 }
@@ -314,7 +311,7 @@ TEST_F(Traversal, SkipsChunksThatAreNotResident) {
     const MixedScene mixed;
     const std::vector<ProbeRay> rays = MixedRays(2000);
     AccelUpload upload;
-    for (std::uint32_t chunk = 0; chunk < mixed.scene.chunks.size(); ++chunk) {
+    for (std::uint32_t chunk = 0; chunk < mixed.scene.pages.size(); ++chunk) {
         if (chunk % 2 == 0) {
             upload.missing.push_back(chunk);
         }

@@ -5,6 +5,7 @@
 
 #include "testenv/support/accelScene.h"
 #include "testenv/support/deviceFixture.h"
+#include "testenv/support/pageView.h"
 
 #include <glm/vec3.hpp>
 
@@ -96,14 +97,14 @@ kernel void probe_bruteForce(global const float* rays, uint count, global HdsHit
         for (uint c = object.itemBase; c < object.itemBase + object.numItems; ++c) {
             const HdsResidentChunk chunk =
                 leaf_chunk(&view, c, scene_pageAddress(&view, c, HDS_PAGE_GEOMETRY));
-            for (uint t = 0u; t < view.chunks[c].numTriangles; ++t) {
+            for (uint t = 0u; t < chunk.page->numTriangles; ++t) {
                 const HdsTriangle triangle = chunk.triangles[t];
                 HdsTriangleHit found;
-                if (triangle_intersect(&shear, chunk.vertices + 3u * triangle.vertex[0],
-                                       chunk.vertices + 3u * triangle.vertex[1],
-                                       chunk.vertices + 3u * triangle.vertex[2], best.tMin,
+                if (triangle_intersect(&shear, chunk.vertices + 3u * page_corner(triangle, 0u),
+                                       chunk.vertices + 3u * page_corner(triangle, 1u),
+                                       chunk.vertices + 3u * page_corner(triangle, 2u), best.tMin,
                                        leaf.limit, &found)) {
-                    leaf_accept(&leaf, c, t, triangle.primId, &found, ray.tMax, &best);
+                    leaf_accept(&leaf, c, t, page_primIds(chunk.page)[t], &found, ray.tMax, &best);
                 }
             }
         }

@@ -27,15 +27,15 @@ struct Field {
 
 TEST_F(Layout, MatchesTheHost) {
     const Field fields[] = {
-        HDS_TEST_FIELD(HdsBvhNode, childBase), HDS_TEST_FIELD(HdsBvhNode, qhi),
-        HDS_TEST_FIELD(HdsInstance, object),   HDS_TEST_FIELD(HdsInstance, instanceRank),
-        HDS_TEST_FIELD(HdsObject, numItems),   HDS_TEST_FIELD(HdsMesh, numPrimvars),
-        HDS_TEST_FIELD(HdsChunk, object),      HDS_TEST_FIELD(HdsTriangle, primId),
-        HDS_TEST_FIELD(HdsHit, pathIndex),     HDS_TEST_FIELD(HdsMaterial, slots),
-        HDS_TEST_FIELD(HdsMaterial, flags),    HDS_TEST_FIELD(HdsLight, type),
-        HDS_TEST_FIELD(HdsLight, strength),    HDS_TEST_FIELD(HdsLightTriangle, error),
-        HDS_TEST_FIELD(HdsFrameParams, flags), HDS_TEST_FIELD(HdsFrameParams, clipPlanes),
-        HDS_TEST_FIELD(HdsWave, numSamples),   HDS_TEST_FIELD(HdsFilmPixel, numSamples),
+        HDS_TEST_FIELD(HdsBvhNode, childBase),   HDS_TEST_FIELD(HdsBvhNode, qhi),
+        HDS_TEST_FIELD(HdsInstance, object),     HDS_TEST_FIELD(HdsInstance, instanceRank),
+        HDS_TEST_FIELD(HdsObject, numItems),     HDS_TEST_FIELD(HdsMesh, numPrimvars),
+        HDS_TEST_FIELD(HdsPageHeader, vertices), HDS_TEST_FIELD(HdsTriangle, vertices),
+        HDS_TEST_FIELD(HdsHit, pathIndex),       HDS_TEST_FIELD(HdsMaterial, slots),
+        HDS_TEST_FIELD(HdsMaterial, flags),      HDS_TEST_FIELD(HdsLight, type),
+        HDS_TEST_FIELD(HdsLight, strength),      HDS_TEST_FIELD(HdsLightTriangle, error),
+        HDS_TEST_FIELD(HdsFrameParams, flags),   HDS_TEST_FIELD(HdsFrameParams, clipPlanes),
+        HDS_TEST_FIELD(HdsWave, numSamples),     HDS_TEST_FIELD(HdsFilmPixel, numSamples),
         HDS_TEST_FIELD(HdsAovOffsets, centre),
     };
     std::string text =

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The attribute reader on the device gives the authored values, interpolated: against a reader in
 // double that follows UsdGeom's text and finds face-vertices by position.
+#include "hdStream/geometry/attributePage.h"
+#include "hdStream/geometry/triangleMeshSource.h"
 #include "testenv/support/deviceFixture.h"
 #include "testenv/unit/geometry/meshFixtures.h"
 
 #include "kernels/shared/geometry.h"
 
+#include <glm/vec4.hpp>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -53,13 +56,13 @@ protected:
         mesh = run.mesh;
         std::vector<std::uint32_t> primIds(mesh->triangles.size());
         std::iota(primIds.rbegin(), primIds.rend(), 0);
-        chunk = ChunkSource(mesh).Gather(primIds.data(), primIds.size());
-        const auto page = BuildAttributePage(*mesh, chunk);
-        std::vector<shared::HdsTriangle> triangles;
+        chunk = TriangleMeshSource(mesh).Gather(primIds.data(), primIds.size());
+        const auto page = BuildAttributePage(chunk);
+        std::vector<glm::uvec4> triangles;
         std::mt19937 random(3);
         for (std::size_t t = 0; t < chunk.triangles.size(); ++t) {
             const glm::uvec3 v = chunk.triangles[t];
-            triangles.push_back({{v.x, v.y, v.z}, chunk.primIds[t]});
+            triangles.emplace_back(v, 0U);
             for (int i = 0; i < 40; ++i) {
                 float u = float(random() % 4097) / 4096.0F;
                 float w = float(random() % 4097) / 4096.0F;

@@ -17,9 +17,10 @@ constexpr int kLevels = 2; ///< nested instances above a triangle
 
 const char* const kSource = R"(
 #include "accel/triangle.clh"
+#include "math/inverse.clh"
 #include "math/offset.clh"
 kernel void offsets(global const float* triangles, global const float* uv,
-                    global const float* parentFromChild, global const float* childFromParent,
+                    global const float* childFromParent,
                     global const float* directions, uint levels, global float* origins,
                     global float* inObject, global float* sides,
                     uint count) {
@@ -28,8 +29,8 @@ kernel void offsets(global const float* triangles, global const float* uv,
     HdsSurfacePoint point = offset_begin(vload3(3 * i, triangles), vload3(3 * i + 1, triangles),
                                          vload3(3 * i + 2, triangles), uv[2 * i], uv[2 * i + 1]);
     for (uint level = 0; level < levels; ++level) {
-        HdsTransform outward = transform_load(parentFromChild + (i * levels + level) * 12);
         HdsTransform inward = transform_load(childFromParent + (i * levels + level) * 12);
+        HdsTransform outward = transform_inverse(&inward);
         offset_toParent(&point, &outward, &inward);
     }
     offset_finish(&point);
@@ -56,7 +57,6 @@ kernel void offsets(global const float* triangles, global const float* uv,
 struct Cases {
     std::vector<float> triangles;
     std::vector<float> uv;
-    std::vector<float> outward;
     std::vector<float> inward;
     std::vector<float> directions;
 };
@@ -79,7 +79,8 @@ void AppendRows(const glm::dmat4& m, std::vector<float>& rows) {
     }
 }
 
-/// A rotation, a (not uniform) scale of 1e-6 to 1e6 and a translation of up to 1e7.
+/// A rotation, a (not uniform) scale of 1e-6 to 1e6, some of them mirrored or sheared, and a
+/// translation of up to 1e7.
 glm::dmat4 RandomTransform(std::mt19937& generator) {
     const double scale = LogUniform(generator, 1e-6, 1e6);
     const glm::dvec3 scales(scale * LogUniform(generator, 0.3, 3.0),
@@ -87,7 +88,13 @@ glm::dmat4 RandomTransform(std::mt19937& generator) {
     const glm::dvec3 translation = RandomUnit(generator) * LogUniform(generator, 1e-3, 1e7);
     glm::dmat4 m = glm::translate(glm::dmat4(1.0), translation);
     m = glm::rotate(m, LogUniform(generator, 0.01, 3.0), RandomUnit(generator));
-    return glm::scale(m, scales);
+    m = glm::scale(m, generator() % 4 == 0 ? -scales : scales);
+    if (generator() % 4 == 0) {
+        glm::dmat4 shear(1.0);
+        shear[1][0] = LogUniform(generator, 0.01, 2.0);
+        m = m * shear;
+    }
+    return m;
 }
 
 Cases RandomCases(std::size_t count, int levels, unsigned seed) {
@@ -105,7 +112,6 @@ Cases RandomCases(std::size_t count, int levels, unsigned seed) {
         cases.uv.insert(cases.uv.end(), {float(1.0 - root), float(v)});
         for (int level = 0; level < levels; ++level) {
             const glm::dmat4 m = RandomTransform(generator);
-            AppendRows(m, cases.outward);
             AppendRows(glm::inverse(m), cases.inward);
         }
     }
@@ -128,13 +134,12 @@ protected:
         auto program = Build(kSource);
         const Buffer triangles = Upload(cases.triangles);
         const Buffer uv = Upload(cases.uv);
-        const Buffer outward = Upload(cases.outward);
         const Buffer inward = Upload(cases.inward);
         const Buffer directions = Upload(cases.directions);
         const Buffer origins = Allocate(count * 3 * sizeof(float));
         const Buffer local = Allocate(count * 6 * sizeof(float));
         const Buffer sideBuffer = Allocate(count * sizeof(float));
-        program->GetKernel("offsets").Launch(count, triangles, uv, outward, inward, directions,
+        program->GetKernel("offsets").Launch(count, triangles, uv, inward, directions,
                                              std::uint32_t(levels), origins, local, sideBuffer,
                                              std::uint32_t(count));
         const std::vector<float> sides = Download<float>(sideBuffer, count);
@@ -222,7 +227,7 @@ TEST_F(OffsetTest, OffsetIsScaleFreeAndSmall) {
         const Buffer origins = Allocate(16);
         const Buffer local = Allocate(32);
         const Buffer sides = Allocate(16);
-        program->GetKernel("offsets").Launch(1, triangles, barycentrics, none, none, directions,
+        program->GetKernel("offsets").Launch(1, triangles, barycentrics, none, directions,
                                              std::uint32_t(0), origins, local, sides,
                                              std::uint32_t(1));
         const std::vector<float> origin = Download<float>(origins, 3);

@@ -39,9 +39,9 @@ protected:
 };
 
 TEST_F(ResidentPoolTest, PagesLieWhereTheTableSays) {
-    const FakePages pages(Range(0, 1001));
+    FakePages pages(Range(0, 1001));
     ResidentPool pool(device, "fake");
-    ASSERT_TRUE(pool.Update(pages));
+    ASSERT_TRUE(pool.Update(&pages));
     ExpectPages(pool, Range(0, 1001));
     EXPECT_EQ(pool.Bytes(), pages.TotalBytes());
     EXPECT_EQ(pool.NumBuffers(), 1U);
@@ -49,9 +49,12 @@ TEST_F(ResidentPoolTest, PagesLieWhereTheTableSays) {
 
 TEST_F(ResidentPoolTest, EditsUploadOnlyNewPagesAndReuseRoom) {
     ResidentPool pool(device, "fake");
-    ASSERT_TRUE(pool.Update(FakePages(Range(0, 400))));
+    FakePages first(Range(0, 400));
+    ASSERT_TRUE(pool.Update(&first));
     std::uint64_t uploaded = pool.UploadedBytes();
-    ASSERT_TRUE(pool.Update(FakePages(Range(0, 400))));
+    FakePages second(Range(0, 400));
+    ASSERT_TRUE(pool.Update(&second));
+    EXPECT_EQ(second.NumPrepared(), 0U);
     EXPECT_EQ(pool.UploadedBytes(), uploaded); // nothing is new
     std::mt19937 random(3);
     std::uint64_t next = 400;
@@ -63,7 +66,8 @@ TEST_F(ResidentPoolTest, EditsUploadOnlyNewPagesAndReuseRoom) {
             ids[random() % ids.size()] = next++;
         }
         std::shuffle(ids.begin(), ids.end(), random);
-        ASSERT_TRUE(pool.Update(FakePages(ids))) << "edit " << edit;
+        FakePages edited(ids);
+        ASSERT_TRUE(pool.Update(&edited)) << "edit " << edit;
         EXPECT_LE(pool.UploadedBytes(), uploaded + fresh);
         uploaded = pool.UploadedBytes();
         ExpectPages(pool, ids);
@@ -71,18 +75,21 @@ TEST_F(ResidentPoolTest, EditsUploadOnlyNewPagesAndReuseRoom) {
     EXPECT_LE(pool.Bytes(), 3 * FakePages(ids).TotalBytes()); // room is used again
 }
 
-TEST_F(ResidentPoolTest, ADroppedPageIsNotAskedForAgain) {
-    const FakePages pages(Range(0, 50));
+TEST_F(ResidentPoolTest, APageIsPreparedOnce) {
+    FakePages pages(Range(0, 50));
     ResidentPool pool(device, "fake");
-    ASSERT_TRUE(pool.Update(pages));
-    ASSERT_TRUE(pool.Update(pages)); // the provider has dropped all bytes by now
+    ASSERT_TRUE(pool.Update(&pages));
+    const std::size_t numPrepared = pages.NumPrepared();
+    EXPECT_LE(numPrepared, 50U);
+    ASSERT_TRUE(pool.Update(&pages)); // the provider has dropped all bytes by now
+    EXPECT_EQ(pages.NumPrepared(), numPrepared);
     ExpectPages(pool, Range(0, 50));
 }
 
 TEST_F(ResidentPoolTest, NoPagesIsValid) {
-    const FakePages pages(Range(0, 0));
+    FakePages pages(Range(0, 0));
     ResidentPool pool(device, "fake");
-    ASSERT_TRUE(pool.Update(pages));
+    ASSERT_TRUE(pool.Update(&pages));
     EXPECT_EQ(pool.Bytes(), 0U);
     for (std::uint32_t i = 0; i < kMaxPoolBuffers; ++i) {
         EXPECT_TRUE(pool.PoolBuffer(i).IsValid());

@@ -105,9 +105,9 @@ std::vector<std::uint64_t> EqualIds(std::size_t count) {
 
 TEST_F(StreamingPoolTest, LoadsWhatIsAskedForMost) {
     const std::vector<std::uint64_t> ids = EqualIds(8);
-    const FakePages pages(ids);
+    FakePages pages(ids);
     StreamingPool pool(device, "fake", Eviction::Clock);
-    pool.Update(pages, 3 * 160 + 100);
+    pool.Update(&pages, 3 * 160 + 100);
     EXPECT_LE(pool.Bytes(), 3U * 160 + 100);
     pool.BeginCast();
     Ask(pool, {5, 1, 5, 7, 2, 7, 5, 7, 7, 1});
@@ -120,9 +120,9 @@ TEST_F(StreamingPoolTest, LoadsWhatIsAskedForMost) {
 
 TEST_F(StreamingPoolTest, WhatWasVisitedIsDoneUntilTheNextCast) {
     const std::vector<std::uint64_t> ids = EqualIds(8);
-    const FakePages pages(ids);
+    FakePages pages(ids);
     StreamingPool pool(device, "fake", Eviction::Clock);
-    pool.Update(pages, 2 * 160);
+    pool.Update(&pages, 2 * 160);
     pool.BeginCast();
     Ask(pool, {0, 1});
     pool.ServiceCast();
@@ -142,9 +142,9 @@ TEST_F(StreamingPoolTest, WhatWasVisitedIsDoneUntilTheNextCast) {
 
 TEST_F(StreamingPoolTest, TheLeastRecentlyUsedLeaveThenThoseLeastWanted) {
     const std::vector<std::uint64_t> ids = EqualIds(10);
-    const FakePages pages(ids);
+    FakePages pages(ids);
     StreamingPool pool(device, "fake", Eviction::Clock);
-    pool.Update(pages, 4 * 160);
+    pool.Update(&pages, 4 * 160);
     pool.BeginCast();
     Ask(pool, {0, 1, 1, 1, 2, 2, 3});
     pool.ServiceCast();
@@ -159,9 +159,9 @@ TEST_F(StreamingPoolTest, TheLeastRecentlyUsedLeaveThenThoseLeastWanted) {
 
 TEST_F(StreamingPoolTest, FlushMakesAllLeave) {
     const std::vector<std::uint64_t> ids = EqualIds(10);
-    const FakePages pages(ids);
+    FakePages pages(ids);
     StreamingPool pool(device, "fake", Eviction::Flush);
-    pool.Update(pages, 4 * 160);
+    pool.Update(&pages, 4 * 160);
     pool.BeginCast();
     Ask(pool, {0, 1, 2, 3});
     pool.ServiceCast();
@@ -173,9 +173,9 @@ TEST_F(StreamingPoolTest, FlushMakesAllLeave) {
 
 TEST_F(StreamingPoolTest, GroupsComeWhole) {
     const std::vector<std::uint64_t> ids = EqualIds(10);
-    const FakePages pages(ids);
+    FakePages pages(ids);
     StreamingPool pool(device, "fake", Eviction::Clock);
-    pool.Update(pages, 3 * 160);
+    pool.Update(&pages, 3 * 160);
     pool.BeginCast();
     Ask(pool, {4, 6});
     pool.ServiceCast();
@@ -194,7 +194,7 @@ TEST_F(StreamingPoolTest, GroupsComeWhole) {
 
 TEST_F(StreamingPoolTest, APoolOfOneGroupServesEverything) {
     const std::vector<std::uint64_t> ids = Range(0, 400); // all sizes, some pages are empty
-    const FakePages pages(ids);
+    FakePages pages(ids);
     std::uint64_t largest = 0;
     for (std::size_t page = 0; page < ids.size(); page += 2) {
         largest = std::max<std::uint64_t>(largest, pages.PageBytes(std::uint32_t(page)) +
@@ -202,7 +202,7 @@ TEST_F(StreamingPoolTest, APoolOfOneGroupServesEverything) {
     }
     for (const Eviction eviction : {Eviction::Clock, Eviction::Flush}) {
         StreamingPool pool(device, "fake", eviction);
-        pool.Update(pages, largest);
+        pool.Update(&pages, largest);
         EXPECT_EQ(pool.Bytes(), largest);
         std::mt19937 random(11);
         for (int round = 0; round < 100; ++round) {
@@ -226,12 +226,12 @@ TEST_F(StreamingPoolTest, APoolOfOneGroupServesEverything) {
 
 TEST_F(StreamingPoolTest, RandomUseKeepsTheBudget) {
     const std::vector<std::uint64_t> ids = Range(0, 1000);
-    const FakePages pages(ids);
+    FakePages pages(ids);
     for (const Eviction eviction : {Eviction::Clock, Eviction::Flush}) {
         const std::uint64_t before = device->AllocatedBytes();
         StreamingPool pool(device, "fake", eviction);
         const std::uint64_t budget = pages.TotalBytes() / 7;
-        pool.Update(pages, budget);
+        pool.Update(&pages, budget);
         std::mt19937 random(5);
         for (int cast = 0; cast < 20; ++cast) {
             pool.BeginCast();
@@ -267,9 +267,9 @@ TEST_F(StreamingPoolTest, RandomUseKeepsTheBudget) {
 
 TEST_F(StreamingPoolTest, SeveralBuffersServeLikeOne) {
     const std::vector<std::uint64_t> ids = EqualIds(40);
-    const FakePages pages(ids);
+    FakePages pages(ids);
     StreamingPool pool(device, "fake", Eviction::Clock, 5 * 160);
-    pool.Update(pages, 12 * 160);
+    pool.Update(&pages, 12 * 160);
     EXPECT_EQ(pool.NumBuffers(), 3U);
     EXPECT_EQ(pool.Bytes(), 12U * 160);
     for (std::uint32_t first = 0; first < 40; first += 10) {
@@ -288,13 +288,13 @@ TEST_F(StreamingPoolTest, SeveralBuffersServeLikeOne) {
 
 TEST_F(StreamingPoolTest, AnEditOfEqualSizeMovesNothing) {
     std::vector<std::uint64_t> ids = EqualIds(8);
-    const FakePages pages(ids);
+    FakePages pages(ids);
     StreamingPool pool(device, "fake", Eviction::Clock);
-    pool.Update(pages, 4 * 160 + 7); // not a whole number of units
+    pool.Update(&pages, 4 * 160 + 7); // not a whole number of units
     pool.BeginCast();
     Ask(pool, {0, 1, 2});
     pool.ServiceCast();
-    pool.Update(pages, 4 * 160 + 7);
+    pool.Update(&pages, 4 * 160 + 7);
     EXPECT_EQ(Resident(Table(pool, ids)), (Pages{0, 1, 2}));
     EXPECT_EQ(pool.Statistics().evictions, 0U);
 }
@@ -303,15 +303,15 @@ TEST_F(StreamingPoolTest, EditsKeepWhatIsResident) {
     std::vector<std::uint64_t> ids = EqualIds(12);
     const std::vector<std::uint64_t> all = ids;
     ids.resize(8);
-    const FakePages pages(ids);
+    FakePages pages(ids);
     StreamingPool pool(device, "fake", Eviction::Clock);
-    pool.Update(pages, 4 * 160);
+    pool.Update(&pages, 4 * 160);
     pool.BeginCast();
     Ask(pool, {0, 1, 2, 3});
     pool.ServiceCast();
     const std::vector<std::uint64_t> edited = {all[9], all[3], all[10], all[1], all[11], all[6]};
-    const FakePages other(edited);
-    pool.Update(other, 4 * 160);
+    FakePages other(edited);
+    pool.Update(&other, 4 * 160);
     EXPECT_EQ(Resident(Table(pool, edited)), (Pages{1, 3}));
     EXPECT_EQ(pool.Statistics().uploads, 4U);
     Ask(pool, {0, 5});
@@ -321,10 +321,10 @@ TEST_F(StreamingPoolTest, EditsKeepWhatIsResident) {
 
 TEST_F(StreamingPoolTest, AGroupThatDoesNotFitIsAnErrorThatNamesTheOption) {
     const std::vector<std::uint64_t> ids = EqualIds(4);
-    const FakePages pages(ids);
+    FakePages pages(ids);
     StreamingPool pool(device, "fake", Eviction::Clock);
     try {
-        pool.Update(pages, 319);
+        pool.Update(&pages, 319);
         FAIL() << "no error";
     } catch (const Error& error) {
         const std::string text = error.what();
@@ -334,9 +334,9 @@ TEST_F(StreamingPoolTest, AGroupThatDoesNotFitIsAnErrorThatNamesTheOption) {
 }
 
 TEST_F(StreamingPoolTest, NoPagesIsValid) {
-    const FakePages pages(Range(0, 0));
+    FakePages pages(Range(0, 0));
     StreamingPool pool(device, "fake", Eviction::Clock);
-    pool.Update(pages, 1000);
+    pool.Update(&pages, 1000);
     EXPECT_EQ(pool.Bytes(), 0U);
     pool.BeginCast();
 }

@@ -2,7 +2,10 @@
 // The chunk plan partitions a mesh; a geometry page holds the chunk's triangles in leaf order under
 // a sound BVH, with the layout of kernels/shared/geometry.h.
 #include "hdStream/accel/bvh.h"
+#include "hdStream/accel/chunkPlan.h"
 #include "kernels/shared/geometry.h"
+#include "testenv/support/meshSource.h"
+#include "testenv/support/pageView.h"
 #include "testenv/support/traversalMeshes.h"
 #include "testenv/unit/accel/bvhCheck.h"
 
@@ -15,28 +18,53 @@
 namespace hds::test {
 namespace {
 
+ChunkPlan Plan(const TriangleMesh& mesh, std::uint32_t maxTriangles) {
+    return PlanChunks(*SourceOf(mesh), maxTriangles);
+}
+
 TEST(ChunkPlan, PartitionsTheMesh) {
     const TriangleMesh mesh = BumpySphere(50);
     for (const std::uint32_t maxTriangles : {1U, 3U, 100U, 4000U, 1000000U}) {
-        const ChunkPlan plan = PlanChunks(mesh, maxTriangles);
-        ASSERT_EQ(plan.order.size(), mesh.triangles.size());
-        EXPECT_EQ(std::set<std::uint32_t>(plan.order.begin(), plan.order.end()).size(),
+        const ChunkPlan plan = Plan(mesh, maxTriangles);
+        ASSERT_EQ(plan.units.size(), mesh.triangles.size());
+        EXPECT_EQ(std::set<std::uint32_t>(plan.units.begin(), plan.units.end()).size(),
                   mesh.triangles.size());
         ASSERT_GE(plan.begin.size(), 2U);
         EXPECT_EQ(plan.begin.front(), 0U);
         EXPECT_EQ(plan.begin.back(), mesh.triangles.size());
         for (std::size_t i = 0; i + 1 < plan.begin.size(); ++i) {
             const std::uint32_t count = plan.begin[i + 1] - plan.begin[i];
-            EXPECT_GE(count, plan.begin.size() == 2 ? 1 : std::max(1U, maxTriangles / 4));
             EXPECT_LE(count, maxTriangles);
+            EXPECT_EQ(count, plan.counts[i]);
         }
     }
 }
 
 TEST(ChunkPlan, TakesAMeshWithoutTriangles) {
-    const ChunkPlan plan = PlanChunks(TriangleMesh{}, 100);
-    EXPECT_TRUE(plan.order.empty());
-    EXPECT_EQ(plan.begin, std::vector<std::uint32_t>{0});
+    const ChunkPlan plan = Plan(TriangleMesh{}, 100);
+    EXPECT_TRUE(plan.units.empty());
+    EXPECT_EQ(plan.NumChunks(), 0U);
+}
+
+// A triangle's word has room for so many vertices only, however large a chunk may be otherwise.
+TEST(ChunkPlan, BoundsTheVerticesOfAChunk) {
+    const TriangleMesh mesh = BumpySphere(50);
+    const std::uint32_t maxVertices = 700;
+    for (const std::uint32_t maxTriangles : {400U, 1500U, 0xffffffffU}) {
+        const ChunkPlan plan = PlanChunks(*SourceOf(mesh), maxTriangles, maxVertices);
+        EXPECT_EQ(plan.units.size(), mesh.triangles.size());
+        for (std::size_t i = 0; i + 1 < plan.begin.size(); ++i) {
+            std::set<std::uint32_t> vertices;
+            for (std::uint32_t k = plan.begin[i]; k < plan.begin[i + 1]; ++k) {
+                for (int corner = 0; corner < 3; ++corner) {
+                    vertices.insert(mesh.triangles[plan.units[k]][corner]);
+                }
+            }
+            EXPECT_LE(vertices.size(), maxVertices);
+            EXPECT_GE(vertices.size(), maxVertices / 16) << "chunks are not cut finer than needed";
+            EXPECT_LE(plan.begin[i + 1] - plan.begin[i], maxTriangles);
+        }
+    }
 }
 
 // All triangles at one place cannot be told apart: they are still cut to size.
@@ -44,7 +72,7 @@ TEST(ChunkPlan, CutsEqualTriangles) {
     TriangleMesh mesh;
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     mesh.triangles.assign(5000, {0, 1, 2});
-    const ChunkPlan plan = PlanChunks(mesh, 128);
+    const ChunkPlan plan = Plan(mesh, 128);
     for (std::size_t i = 0; i + 1 < plan.begin.size(); ++i) {
         EXPECT_LE(plan.begin[i + 1] - plan.begin[i], 128U);
     }
@@ -54,11 +82,11 @@ TEST(ChunkPlan, DoesNotDependOnTheThreadCount) {
     const TriangleMesh mesh = BumpySphere(160);
     const auto plan = [&](std::size_t threads) {
         const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-        return PlanChunks(mesh, 2000);
+        return Plan(mesh, 2000);
     };
     const ChunkPlan one = plan(1);
     const ChunkPlan four = plan(4);
-    EXPECT_EQ(one.order, four.order);
+    EXPECT_EQ(one.units, four.units);
     EXPECT_EQ(one.begin, four.begin);
 }
 
@@ -81,30 +109,30 @@ TEST(GeometryPage, HoldsTheChunkInLeafOrder) {
     const GeometryPage page = BuildGeometryPage(chunk);
 
     EXPECT_EQ(page.bytes.size() % HDS_POOL_UNIT_BYTES, 0U);
-    EXPECT_EQ(std::size_t{page.triangleOffset} * HDS_POOL_UNIT_BYTES,
-              page.numNodes * sizeof(shared::HdsBvhNode));
-    const std::size_t vertexAt = std::size_t{page.vertexOffset} * HDS_POOL_UNIT_BYTES;
+    const PageView view(page.bytes.data());
+    ASSERT_EQ(view.header.numTriangles, mesh.triangles.size());
+    EXPECT_EQ(std::size_t{view.header.triangles} * HDS_POOL_UNIT_BYTES,
+              sizeof(view.header) + page.numNodes * sizeof(shared::HdsBvhNode));
+    const std::size_t vertexAt = std::size_t{view.header.vertices} * HDS_POOL_UNIT_BYTES;
     // A vertex is read as 16 bytes.
     ASSERT_GE(page.bytes.size(), vertexAt + chunk.positions.size() * sizeof(glm::vec3) + 4);
 
     std::vector<shared::HdsBvhNode> nodes(page.numNodes);
-    std::memcpy(nodes.data(), page.bytes.data(), nodes.size() * sizeof(nodes[0]));
-    std::vector<shared::HdsTriangle> triangles(mesh.triangles.size());
-    std::memcpy(triangles.data(), page.bytes.data() + vertexAt - triangles.size() * 16,
-                triangles.size() * sizeof(triangles[0]));
+    std::memcpy(nodes.data(), page.bytes.data() + sizeof(view.header),
+                nodes.size() * sizeof(nodes[0]));
     std::vector<Bounds> boxes;
     std::uint32_t nextNew = 0;
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
-        EXPECT_EQ(triangles[i].primId, chunk.primIds[i]);
+    EXPECT_EQ(view.primIds, chunk.primIds);
+    for (std::size_t i = 0; i < view.triangles.size(); ++i) {
         Bounds box;
         for (int corner = 0; corner < 3; ++corner) {
-            const std::uint32_t vertex = triangles[i].vertex[corner];
+            const std::uint32_t vertex = view.triangles[i][corner];
             EXPECT_EQ(vertex, chunk.triangles[i][corner]);
             ASSERT_LE(vertex, nextNew) << "vertices are numbered in order of first use";
             nextNew = std::max(nextNew, vertex + 1);
             glm::vec3 position;
             std::memcpy(&position.x, page.bytes.data() + vertexAt + 12 * std::size_t{vertex}, 12);
-            const std::uint32_t point = mesh.triangles[triangles[i].primId][corner];
+            const std::uint32_t point = mesh.triangles[view.primIds[i]][corner];
             EXPECT_EQ(position, mesh.positions[point]);
             EXPECT_EQ(chunk.points[vertex], point);
             box.min = glm::min(box.min, position);

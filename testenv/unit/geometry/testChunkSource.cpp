@@ -3,6 +3,8 @@
 // reader written from the page's documented layout, against one written from UsdGeom's text.
 #include "testenv/unit/geometry/meshFixtures.h"
 
+#include "hdStream/geometry/attributePage.h"
+#include "hdStream/geometry/triangleMeshSource.h"
 #include "kernels/shared/geometry.h"
 
 #include <gtest/gtest.h>
@@ -62,7 +64,7 @@ ChunkGeometry GatherRange(const std::shared_ptr<const TriangleMesh>& mesh, std::
                           std::uint32_t end) {
     std::vector<std::uint32_t> primIds(end - begin);
     std::iota(primIds.rbegin(), primIds.rend(), begin);
-    return ChunkSource(mesh).Gather(primIds.data(), primIds.size());
+    return TriangleMeshSource(mesh).Gather(primIds.data(), primIds.size());
 }
 
 /// Quads, a triangle and a concave pentagon in one mesh.
@@ -98,7 +100,7 @@ TEST(ChunkSource, GatherKeepsTrianglesAndNumbersVerticesOnce) {
         }
     }
     EXPECT_EQ(numSeen, chunk.positions.size());
-    EXPECT_TRUE(ChunkSource(mesh).Gather(nullptr, 0).triangles.empty());
+    EXPECT_TRUE(TriangleMeshSource(mesh).Gather(nullptr, 0).triangles.empty());
 }
 
 TEST(AttributePage, EveryInterpolationReadsTheAuthoredValues) {
@@ -114,7 +116,7 @@ TEST(AttributePage, EveryInterpolationReadsTheAuthoredValues) {
     ASSERT_EQ(numTriangles, 9U);
     for (const std::uint32_t begin : {0U, 3U}) {
         const ChunkGeometry chunk = GatherRange(mesh, begin, numTriangles);
-        const auto bytes = BuildAttributePage(*mesh, chunk);
+        const auto bytes = BuildAttributePage(chunk);
         EXPECT_EQ(bytes.size() % 16, 0U);
         const PageReader page(bytes);
         for (std::size_t t = 0; t < chunk.triangles.size(); ++t) {
@@ -151,7 +153,7 @@ TEST(AttributePage, SlotsFollowTheOrderOfNames) {
     EXPECT_EQ(run.warnings,
               std::vector<std::string>{"/World/mesh: 1 primvars ignored: repeated name"});
     const ChunkGeometry chunk = GatherRange(run.mesh, 0, 2);
-    const PageReader page(BuildAttributePage(*run.mesh, chunk));
+    const PageReader page(BuildAttributePage(chunk));
     for (std::uint32_t i = 0; i < 3; ++i) {
         EXPECT_EQ(page.Kind(HDS_SLOT_USER + i), HDS_ATTR_CONSTANT);
         EXPECT_EQ(page.Value(HDS_SLOT_USER + i, chunk, 0, 0, 0), float(i + 1));
@@ -166,7 +168,7 @@ TEST(AttributePage, MaterialsAreAbsentConstantOrPerTriangle) {
                            {"b", std::vector<std::int32_t>{10}}};
     const auto mesh = RunTriangulate(description).mesh;
     const auto pageOf = [&](std::uint32_t begin, std::uint32_t end) {
-        return PageReader(BuildAttributePage(*mesh, GatherRange(mesh, begin, end)));
+        return PageReader(BuildAttributePage(GatherRange(mesh, begin, end)));
     };
     EXPECT_EQ(pageOf(0, 8).Kind(HDS_SLOT_MATERIAL), HDS_ATTR_ABSENT);
     EXPECT_EQ(pageOf(8, 16).Kind(HDS_SLOT_MATERIAL), HDS_ATTR_CONSTANT);
@@ -192,7 +194,7 @@ TEST(AttributePage, UnusableValuesReadAsZero) {
               std::vector<std::string>{"/World/mesh: primvar \"displayColor\": 2 floats "
                                        "are not finite, read as 0"});
     const ChunkGeometry chunk = GatherRange(run.mesh, 0, 2);
-    const PageReader page(BuildAttributePage(*run.mesh, chunk));
+    const PageReader page(BuildAttributePage(chunk));
     const float expected[] = {1, 0, 3, 0};
     for (std::size_t t = 0; t < 2; ++t) {
         for (int k = 0; k < 3; ++k) {
@@ -209,14 +211,14 @@ TEST(AttributePage, EstimateBoundsBothPages) {
     description.subdivisionScheme = "catmullClark"; // computed vertex normals
     description.subsets = {{"a", std::vector<std::int32_t>{0}}};
     const auto mesh = RunTriangulate(description).mesh;
-    const std::size_t estimate = EstimateBytesPerTriangle(*mesh);
+    const std::size_t estimate = TriangleMeshSource(mesh).BoundBytes().Both();
     const std::size_t headerAndPadding = (HDS_SLOT_USER + mesh->attributes.size()) * (4 + 16);
     for (std::uint32_t t = 0; t < mesh->triangles.size(); ++t) {
         // A chunk of one triangle shares no vertices: the worst case.
         const ChunkGeometry chunk = GatherRange(mesh, t, t + 1);
-        const std::size_t bytes = BuildAttributePage(*mesh, chunk).size() +
+        const std::size_t bytes = BuildAttributePage(chunk).size() +
                                   chunk.positions.size() * sizeof(glm::vec3) +
-                                  sizeof(shared::HdsTriangle);
+                                  sizeof(shared::HdsTriangle) + sizeof(std::uint32_t);
         EXPECT_LE(bytes, estimate + headerAndPadding);
     }
 }
@@ -274,7 +276,7 @@ TEST(Primvars, LongConstantsGiveTheirFirstValue) {
                   std::vector<std::string>{"/World/mesh: primvar \"displayColor\": constant with 2 "
                                            "values, the first is used"});
         const ChunkGeometry chunk = GatherRange(run.mesh, 0, 2);
-        const PageReader page(BuildAttributePage(*run.mesh, chunk));
+        const PageReader page(BuildAttributePage(chunk));
         for (std::uint32_t c = 0; c < 3; ++c) {
             EXPECT_EQ(page.Value(HDS_SLOT_USER, chunk, 0, 0, c), float(c + (isIndexed ? 4 : 1)));
         }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shading normals: which are used, where they point, and that every one that is read is a
 // direction.
+#include "hdStream/geometry/attributePage.h"
+#include "hdStream/geometry/triangleMeshSource.h"
 #include "testenv/unit/geometry/meshFixtures.h"
 
 #include "kernels/shared/geometry.h"
@@ -178,8 +180,8 @@ TEST(Normals, UnusableOnesBecomeFaceNormalsAndPagesHoldUnitVectors) {
                     run.warnings.end())
             << count;
         const std::uint32_t primIds[] = {3, 2, 1, 0};
-        const ChunkGeometry chunk = ChunkSource(run.mesh).Gather(primIds, 4);
-        const auto page = BuildAttributePage(*run.mesh, chunk);
+        const ChunkGeometry chunk = TriangleMeshSource(run.mesh).Gather(primIds, 4);
+        const auto page = BuildAttributePage(chunk);
         for (std::size_t t = 0; t < 4; ++t) {
             const std::uint32_t face = run.mesh->faces[primIds[t]];
             for (int k = 0; k < 3; ++k) {

@@ -2,6 +2,9 @@
 // What Triangulate keeps, drops and says: hostile content gives exact counts and one line each.
 #include "testenv/unit/geometry/meshFixtures.h"
 
+#include "hdStream/geometry/attributePage.h"
+#include "hdStream/geometry/triangleMeshSource.h"
+
 #include <gtest/gtest.h>
 
 #include <tbb/global_control.h>
@@ -318,9 +321,8 @@ TEST(Triangulate, GarbageNeverBreaksTheInvariants) {
             ASSERT_TRUE(t == 0 || result->faces[t] >= result->faces[t - 1]);
             primIds.push_back(t);
         }
-        const ChunkSource source(result);
-        const auto chunk = source.Gather(primIds.data(), primIds.size());
-        BuildAttributePage(*result, chunk);
+        const TriangleMeshSource source(result);
+        BuildAttributePage(source.Gather(primIds.data(), primIds.size()));
     }
 }
 

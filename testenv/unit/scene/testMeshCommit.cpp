@@ -3,11 +3,9 @@
 // bounds.
 #include "hdStream/scene/meshCommit.h"
 
-#include "kernels/shared/geometry.h"
+#include "testenv/support/pageView.h"
 
 #include <gtest/gtest.h>
-
-#include <cstring>
 
 namespace hds {
 namespace {
@@ -39,8 +37,8 @@ MeshDescription Grid(std::int32_t size, const std::string& scheme) {
 }
 
 PreparedMesh Prepare(const MeshDescription& mesh, const MeshOptions& options) {
-    Warnings warnings;
-    return PrepareMesh("/grid", mesh, options, warnings);
+    static Warnings warnings; // outlives the meshes
+    return PrepareMesh("/grid", std::make_shared<MeshDescription>(mesh), options, nullptr, warnings);
 }
 
 TEST(MeshCommit, EveryTriangleIsInOneChunkWithinTheBound) {
@@ -49,18 +47,29 @@ TEST(MeshCommit, EveryTriangleIsInOneChunkWithinTheBound) {
         MeshOptions options;
         options.chunkBytes = chunkBytes;
         const PreparedMesh mesh = Prepare(Grid(40, "none"), options);
-        std::vector<int> seen(40 * 40 * 2, 0);
-        for (const PreparedChunk& chunk : mesh.chunks) {
-            EXPECT_LE(chunk.geometry->Bytes() + chunk.attributes->Bytes(), chunkBytes);
-            const std::uint8_t* triangles = chunk.geometry->Data() + chunk.triangleOffset * 16;
-            for (std::uint32_t i = 0; i < chunk.numTriangles; ++i) {
-                shared::HdsTriangle triangle;
-                std::memcpy(&triangle, triangles + i * sizeof(triangle), sizeof(triangle));
-                ASSERT_LT(triangle.primId, seen.size());
-                ++seen[triangle.primId];
+        std::vector<int> seen(40 * 40, 0);
+        for (const std::shared_ptr<ChunkPages>& chunk : mesh.chunks) {
+            const std::uint64_t bound =
+                chunk->Bytes(HDS_PAGE_GEOMETRY) + chunk->Bytes(HDS_PAGE_ATTRIBUTES);
+            EXPECT_FALSE(chunk->IsExact());
+            EXPECT_TRUE(chunk->Prepare({true, true}));
+            const std::uint64_t bytes =
+                chunk->Bytes(HDS_PAGE_GEOMETRY) + chunk->Bytes(HDS_PAGE_ATTRIBUTES);
+            EXPECT_TRUE(chunk->IsExact());
+            EXPECT_EQ(bytes, chunk->DataBytes());
+            EXPECT_LE(bytes, bound);
+            EXPECT_LE(bytes, chunkBytes);
+        }
+        const ChunkPlan& plan = mesh.mesh->plan;
+        for (std::size_t i = 0; i < plan.NumChunks(); ++i) {
+            const ChunkGeometry geometry = mesh.mesh->source->Gather(
+                plan.units.data() + plan.begin[i], plan.begin[i + 1] - plan.begin[i]);
+            EXPECT_EQ(geometry.triangles.size(), plan.counts[i]);
+            for (const std::uint32_t face : geometry.faces) {
+                ++seen.at(face);
             }
         }
-        EXPECT_EQ(seen, std::vector<int>(seen.size(), 1));
+        EXPECT_EQ(seen, std::vector<int>(seen.size(), 2));
         EXPECT_EQ(mesh.topNodes.empty(), mesh.chunks.size() == 1);
     }
 }

@@ -43,7 +43,7 @@ TEST_F(MeshStoreTest, EditsThatLeaveTheDescriptionPrepareNothing) {
     scene.meshes["/b"].mesh = Triangle(2.0F);
     ASSERT_TRUE(Prepare());
     EXPECT_EQ(store.NumPrepared(), 2U);
-    const PreparedPage* page = store.Find("/a").chunks[0].geometry.get();
+    const ChunkPages* chunk = store.Find("/a").chunks[0].get();
     scene.meshes["/a"].placement.worldFromObject[3][0] = 5.0;
     scene.meshes["/a"].materialPath = "/m";
     scene.meshes["/a"].doubleSided = true;
@@ -51,7 +51,7 @@ TEST_F(MeshStoreTest, EditsThatLeaveTheDescriptionPrepareNothing) {
     ASSERT_TRUE(Prepare());
     EXPECT_EQ(store.NumPrepared(), 2U);
     EXPECT_EQ(Count(), 2U); // hidden, but kept
-    EXPECT_EQ(store.Find("/a").chunks[0].geometry.get(), page);
+    EXPECT_EQ(store.Find("/a").chunks[0].get(), chunk);
     scene.meshes["/b"].placement.visible = true;
     ASSERT_TRUE(Prepare());
     EXPECT_EQ(store.NumPrepared(), 2U);
@@ -61,11 +61,11 @@ TEST_F(MeshStoreTest, NewDescriptionsAndOptionsPrepareAgain) {
     scene.meshes["/a"].mesh = Triangle(1.0F);
     scene.meshes["/b"].mesh = Triangle(2.0F);
     ASSERT_TRUE(Prepare());
-    const std::uint64_t before = store.Find("/a").chunks[0].geometry->Id();
+    const std::uint64_t before = store.Find("/a").chunks[0]->Id(HDS_PAGE_GEOMETRY);
     scene.meshes["/a"].mesh = Triangle(3.0F);
     ASSERT_TRUE(Prepare());
     EXPECT_EQ(store.NumPrepared(), 3U);
-    EXPECT_NE(store.Find("/a").chunks[0].geometry->Id(), before);
+    EXPECT_NE(store.Find("/a").chunks[0]->Id(HDS_PAGE_GEOMETRY), before);
     EXPECT_EQ(store.Find("/a").bounds.max.x - store.Find("/a").bounds.min.x, 3.0F);
     options.chunkBytes = 8192;
     ASSERT_TRUE(Prepare());
@@ -103,9 +103,9 @@ TEST_F(MeshStoreTest, CancellingKeepsWhatIsPrepared) {
 TEST_F(MeshStoreTest, TrianglesComeBackFromTheDescription) {
     scene.meshes["/a"].mesh = Triangle(1.0F);
     ASSERT_TRUE(Prepare());
-    const auto triangles = store.Triangles("/a", warnings);
-    ASSERT_EQ(triangles->triangles.size(), store.Find("/a").numTriangles);
-    EXPECT_EQ(store.Triangles("/a", warnings), triangles);
+    const ChunkGeometry& triangles = store.Triangles("/a");
+    ASSERT_EQ(triangles.triangles.size(), store.Find("/a").numTriangles);
+    EXPECT_EQ(&store.Triangles("/a"), &triangles);
 }
 
 } // namespace

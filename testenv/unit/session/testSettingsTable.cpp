@@ -92,9 +92,11 @@ TEST(SettingsTable, HasARowForEveryMember) {
         std::string traversal;
         std::uint64_t chunkBytes;
         std::string residency, geometryMemory, geometryEviction, request;
+        std::uint64_t hostMemory;
+        std::string prepare;
     };
     EXPECT_EQ(sizeof(Settings), sizeof(Mirror));
-    EXPECT_EQ(SettingTable().size(), 29U);
+    EXPECT_EQ(SettingTable().size(), 31U);
 }
 
 TEST(SettingsTable, DefaultsAreLegal) {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hdStream/base/error.h"
-#include "hdStream/geometry/triangleMesh.h"
+// Local numbers for the points of a chunk. Internal to geometry.
+#pragma once
 
-#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
 
 namespace hds {
-namespace {
 
 /// Gives points local numbers in order of first use. Open addressing with linear probing; a table
 /// of at least twice the number of points, so that runs stay short.
@@ -45,31 +46,5 @@ private:
     };
     std::vector<Slot> _slots;
 };
-
-} // namespace
-
-ChunkGeometry ChunkSource::Gather(const std::uint32_t* primIds, std::size_t count) const {
-    ChunkGeometry chunk;
-    chunk.primIds.assign(primIds, primIds + count);
-    chunk.triangles.resize(count);
-    const std::size_t maxPoints = std::min(count * 3, _mesh->positions.size());
-    chunk.points.reserve(maxPoints);
-    PointNumbering numbering(maxPoints);
-    for (std::size_t i = 0; i < count; ++i) {
-        HDS_VERIFY(primIds[i] < _mesh->triangles.size(),
-                   "triangle " + std::to_string(primIds[i]) + " of " +
-                       std::to_string(_mesh->triangles.size()));
-        const glm::uvec3 triangle = _mesh->triangles[primIds[i]];
-        for (int k = 0; k < 3; ++k) {
-            chunk.triangles[i][k] = numbering.Number(triangle[k], chunk.points);
-        }
-    }
-    chunk.points.shrink_to_fit();
-    chunk.positions.reserve(chunk.points.size());
-    for (const std::uint32_t point : chunk.points) {
-        chunk.positions.push_back(_mesh->positions[point]);
-    }
-    return chunk;
-}
 
 } // namespace hds

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/accel/chunkPages.h"
+
+#include "hdStream/accel/bvh.h"
+#include "hdStream/geometry/attributePage.h"
+
+#include <atomic>
+#include <utility>
+
+namespace hds {
+
+namespace {
+
+/// Bytes of a page that do not grow with its triangles: header and root; slot word and padding.
+constexpr std::uint64_t kFixedBytes = 128;
+/// Changes whenever the same mesh gives other pages: part of the keys in the store.
+constexpr std::uint64_t kPageFormat = 1;
+
+std::uint64_t NextIds() {
+    static std::atomic<std::uint64_t> next{1};
+    return next.fetch_add(ChunkPages::kNumPages, std::memory_order_relaxed);
+}
+
+std::uint64_t RoundUp(std::uint64_t bytes) {
+    return (bytes + HDS_POOL_UNIT_BYTES - 1) / HDS_POOL_UNIT_BYTES * HDS_POOL_UNIT_BYTES;
+}
+
+} // namespace
+
+ChunkPages::ChunkPages(std::shared_ptr<const ChunkedMesh> mesh, std::uint32_t chunk)
+    : _mesh(std::move(mesh)), _chunk(chunk), _firstId(NextIds()) {
+    const std::uint64_t count = _mesh->plan.counts[chunk];
+    const TriangleBytes& bytes = _mesh->source->BoundBytes();
+    // Each block of attributes is padded.
+    const std::uint64_t padding = kFixedBytes * (1 + _mesh->source->Attributes().size());
+    _bytes[HDS_PAGE_GEOMETRY] = RoundUp(count * bytes.geometry + kFixedBytes);
+    _bytes[HDS_PAGE_ATTRIBUTES] = RoundUp(count * bytes.attributes + padding);
+}
+
+PageKey ChunkPages::KeyOf(std::uint32_t page) const {
+    Hasher hasher;
+    hasher.Append(kPageFormat);
+    hasher.Append(_mesh->key.words[0]);
+    hasher.Append(_mesh->key.words[1]);
+    hasher.Append(std::uint64_t{_chunk} * kNumPages + page);
+    return MakePageKey(hasher);
+}
+
+void ChunkPages::FindSizes() {
+    if (!_mesh->store || _isExact) {
+        return;
+    }
+    const auto geometry = _mesh->store->Bytes(KeyOf(HDS_PAGE_GEOMETRY));
+    const auto attributes = _mesh->store->Bytes(KeyOf(HDS_PAGE_ATTRIBUTES));
+    if (geometry && attributes) {
+        _bytes = {*geometry, *attributes};
+        _isExact = true;
+    }
+}
+
+bool ChunkPages::Prepare(const std::array<bool, kNumPages>& isWanted) {
+    if (Load(isWanted)) {
+        return false;
+    }
+    Build();
+    for (std::uint32_t page = 0; page < kNumPages && _mesh->store; ++page) {
+        _mesh->store->Save(KeyOf(page), _data[page].data(), _data[page].size());
+    }
+    return true;
+}
+
+/// \return whether all that is wanted is there now.
+bool ChunkPages::Load(const std::array<bool, kNumPages>& isWanted) {
+    FindSizes();
+    for (std::uint32_t page = 0; page < kNumPages; ++page) {
+        if (!isWanted[page] || HasData(page)) {
+            continue;
+        }
+        if (!_mesh->store || !_mesh->store->Load(KeyOf(page), &_data[page])) {
+            return false;
+        }
+        _bytes[page] = _data[page].size();
+    }
+    return true;
+}
+
+void ChunkPages::Build() {
+    const ChunkPlan& plan = _mesh->plan;
+    ChunkGeometry chunk = _mesh->source->Gather(plan.units.data() + plan.begin[_chunk],
+                                                plan.begin[_chunk + 1] - plan.begin[_chunk]);
+    _data[HDS_PAGE_GEOMETRY] = BuildGeometryPage(chunk).bytes;
+    _data[HDS_PAGE_ATTRIBUTES] = BuildAttributePage(chunk);
+    for (std::uint32_t page = 0; page < kNumPages; ++page) {
+        _bytes[page] = _data[page].size();
+    }
+    _isExact = true;
+}
+
+} // namespace hds

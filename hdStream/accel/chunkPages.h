@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// A chunk's two pages, made when they are first needed. Shared by the scene versions that have the
+// chunk. Explained in docs/accel.md.
+#pragma once
+
+#include "hdStream/accel/chunkPlan.h"
+#include "hdStream/persist/pageStore.h"
+#include "kernels/shared/geometry.h"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace hds {
+
+/// A mesh and how it is cut: what its chunks are made from. Immutable.
+struct ChunkedMesh {
+    std::shared_ptr<const ChunkSource> source;
+    ChunkPlan plan;
+    std::shared_ptr<PageStore> store; ///< of finished pages; may be null
+    PageKey key;                      ///< of all that source and plan are made of
+};
+
+/// Pages HDS_PAGE_GEOMETRY and HDS_PAGE_ATTRIBUTES of a chunk. Different objects may be used by
+/// different threads at once, one object by one thread.
+class ChunkPages {
+public:
+    static constexpr std::uint32_t kNumPages = 2;
+
+    /// Takes ids that no other page of the process has. \param chunk of the mesh's plan.
+    ChunkPages(std::shared_ptr<const ChunkedMesh> mesh, std::uint32_t chunk);
+
+    std::uint64_t Id(std::uint32_t page) const { return _firstId + page; }
+    /// Exact once made, before that an upper bound.
+    std::uint64_t Bytes(std::uint32_t page) const { return _bytes[page]; }
+    bool IsExact() const { return _isExact; }
+    /// Looks for exact sizes in the store.
+    void FindSizes();
+    const std::vector<std::uint8_t>& Data(std::uint32_t page) const { return _data[page]; }
+    bool HasData(std::uint32_t page) const { return !_data[page].empty(); }
+    std::uint64_t DataBytes() const { return _data[0].size() + _data[1].size(); }
+
+    /// Makes the pages that are asked for ready: from the store, or else both are built and kept
+    /// there. \param isWanted one flag a page. \return whether they were built.
+    bool Prepare(const std::array<bool, kNumPages>& isWanted);
+    void Drop(std::uint32_t page) { std::vector<std::uint8_t>().swap(_data[page]); }
+
+private:
+    PageKey KeyOf(std::uint32_t page) const;
+    bool Load(const std::array<bool, kNumPages>& isWanted);
+    void Build();
+
+    std::shared_ptr<const ChunkedMesh> _mesh;
+    std::uint32_t _chunk;
+    std::uint64_t _firstId;
+    bool _isExact = false;
+    std::array<std::uint64_t, kNumPages> _bytes{};
+    std::array<std::vector<std::uint8_t>, kNumPages> _data; ///< empty: not there now
+};
+
+} // namespace hds

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// The plan that cuts a mesh into chunks, made before any triangle is. Explained in docs/accel.md.
+#pragma once
+
+#include "hdStream/geometry/chunkSource.h"
+#include "kernels/shared/geometry.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace hds {
+
+/// Chunks of a mesh: chunk i owns units[begin[i] .. begin[i + 1]).
+struct ChunkPlan {
+    std::vector<std::uint32_t> units;  ///< a permutation of the units that are drawn
+    std::vector<std::uint32_t> begin;  ///< numChunks + 1 entries
+    std::vector<Bounds> bounds;        ///< [numChunks] holds the units
+    std::vector<std::uint32_t> counts; ///< [numChunks] triangles, upper bounds
+
+    std::size_t NumChunks() const { return bounds.size(); }
+};
+
+/// Groups the units into spatially compact chunks of at most `maxTriangles` (at least 1; a unit of
+/// more is a chunk of its own) and at most `maxVertices` different vertices. Units are sorted into the cells of a grid, and the grid is cut by
+/// the surface area heuristic until each part is small enough: two passes over the units,
+/// whatever the number of chunks. Deterministic; uses all cores.
+ChunkPlan PlanChunks(const ChunkSource& source, std::uint32_t maxTriangles,
+                     std::uint32_t maxVertices = HDS_MAX_CHUNK_VERTICES);
+
+} // namespace hds

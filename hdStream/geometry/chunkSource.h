@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the triangles of chunks come from: an immutable snapshot of a mesh, cut into units that can
+// be prepared apart from each other. What a plan needs (boxes, counts) is cheap; triangles are made
+// when a chunk is. Explained in docs/geometry.md.
+#pragma once
+
+#include "hdStream/geometry/meshDescription.h"
+
+#include <glm/vec3.hpp>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace hds {
+
+/// Axis-aligned box; empty when min > max.
+struct Bounds {
+    glm::vec3 min{1e30F};
+    glm::vec3 max{-1e30F};
+};
+
+/// A primvar after validation. The interpolation says what an element is: a point (Vertex; Varying
+/// has become Vertex), an authored face (Uniform), a face-vertex (FaceVarying).
+struct MeshAttribute {
+    std::string name;
+    Interpolation interpolation = Interpolation::Constant;
+    std::uint32_t numComponents = 1;
+    SharedSpan<float> values;
+    SharedSpan<std::int32_t> indices; ///< empty: direct
+};
+
+/// What a mesh's pages hold of a user primvar.
+struct AttributeFormat {
+    std::string name;
+    std::uint32_t numComponents = 1;
+};
+
+/// Bytes that a triangle adds to each page of a chunk.
+struct TriangleBytes {
+    std::uint32_t geometry = 0; ///< nodes, indices, vertices
+    std::uint32_t attributes = 0;
+    std::uint32_t Both() const { return geometry + attributes; }
+};
+
+/// A chunk's triangles, with all values that its pages hold.
+struct ChunkGeometry {
+    std::vector<glm::vec3> positions;  ///< [numVertices] relative to the source's origin
+    std::vector<glm::uvec3> triangles; ///< [numTriangles] vertices, authored winding
+    /// [numTriangles] unique in the mesh; ascending in (authored face, sub-triangle)
+    std::vector<std::uint32_t> primIds;
+    std::vector<std::uint32_t> faces;           ///< [numTriangles] authored face
+    std::vector<std::uint32_t> materialEntries; ///< [numTriangles] 0 = prim, 1 + subset; empty: 0
+    std::vector<std::uint32_t> points;          ///< [numVertices] element of Vertex attributes
+    std::vector<glm::uvec3> corners;       ///< [numTriangles] elements of FaceVarying attributes
+    std::vector<MeshAttribute> attributes; ///< as ChunkSource::Attributes
+    MeshAttribute normals; ///< object space, towards the authored front; values empty: flat
+};
+
+/// A mesh ready to be cut into chunks. Immutable, thread-safe; results depend on nothing but what
+/// the source was made of. Units are numbered in the order of authored faces.
+class ChunkSource {
+public:
+    virtual ~ChunkSource() = default;
+
+    /// Object-space point that positions and boxes are relative to.
+    const glm::dvec3& Origin() const { return _origin; }
+    /// Holds all units; empty when nothing can be drawn.
+    const Bounds& AllBounds() const { return _bounds; }
+    std::uint32_t NumUnits() const { return _numUnits; }
+    /// Upper bound; exact for polygons.
+    std::uint64_t NumTriangles() const { return _numTriangles; }
+    /// Upper bound of the different vertices of all triangles.
+    std::uint64_t NumVertices() const { return _numVertices; }
+    bool IsLeftHanded() const { return _isLeftHanded; }
+    /// User primvars, in the order of their slots: sorted by name.
+    const std::vector<AttributeFormat>& Attributes() const { return _attributes; }
+    /// Upper bound of what a triangle adds to the pages of a chunk.
+    const TriangleBytes& BoundBytes() const { return _boundBytes; }
+    /// About what it adds where vertices are shared as they are on the mesh's average.
+    const TriangleBytes& MeanBytes() const { return _meanBytes; }
+
+    /// Upper bound; 0 for a unit that is not drawn.
+    virtual std::uint32_t UnitTriangles(std::uint32_t unit) const = 0;
+    /// Holds the unit's triangles; empty for one that is not drawn.
+    virtual Bounds UnitBounds(std::uint32_t unit) const = 0;
+    /// The triangles of some units, in their order. Same units, same bits, whatever was asked
+    /// before.
+    virtual ChunkGeometry Gather(const std::uint32_t* units, std::size_t count) const = 0;
+
+protected:
+    glm::dvec3 _origin{0.0};
+    Bounds _bounds;
+    std::uint32_t _numUnits = 0;
+    std::uint64_t _numTriangles = 0;
+    std::uint64_t _numVertices = 0;
+    bool _isLeftHanded = false;
+    std::vector<AttributeFormat> _attributes;
+    TriangleBytes _boundBytes;
+    TriangleBytes _meanBytes;
+};
+
+} // namespace hds

@@ -1,0 +1,361 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/geometry/polygonSource.h"
+
+#include "hdStream/base/error.h"
+#include "hdStream/geometry/attributePage.h"
+#include "hdStream/geometry/meshContent.h"
+#include "hdStream/geometry/normals.h"
+#include "hdStream/geometry/pointNumbering.h"
+#include "hdStream/geometry/polygon.h"
+#include "hdStream/geometry/triangleMesh.h"
+
+#include <glm/common.hpp>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <mutex>
+#include <utility>
+
+namespace hds {
+namespace {
+
+/// Most triangles of a unit: faces with more are cut into parts, so that chunks stay small.
+constexpr std::uint32_t kMaxUnitTriangles = 256;
+
+struct Face {
+    std::uint32_t firstCorner = 0;
+    std::uint32_t count = 0;
+};
+
+/// The first triangle of a part of a face.
+struct FacePart {
+    std::uint32_t face = 0;
+    std::uint32_t firstTriangle = 0;
+};
+
+/// Reads faces and cuts them; scratch memory is kept from face to face. One object per thread.
+class FaceCutter {
+public:
+    explicit FaceCutter(const MeshDescription& mesh) : _mesh(mesh) {}
+
+    void Load(const Face& face) {
+        _count = face.count;
+        _points.resize(face.count);
+        const std::int32_t* indices = _mesh.faceVertexIndices.data() + face.firstCorner;
+        for (std::uint32_t i = 0; i < face.count; ++i) {
+            const float* p = _mesh.points.data() + std::size_t(indices[i]) * 3;
+            _points[i] = glm::dvec3(p[0], p[1], p[2]);
+        }
+    }
+
+    /// Triangles of the loaded face, as numbers of its vertices.
+    const glm::uvec3* Cut(std::uint32_t* numTriangles) {
+        _triangles.resize(_count - 2);
+        *numTriangles = _splitter.Split(_points.data(), _count, _triangles.data());
+        return _triangles.data();
+    }
+
+    /// The number of triangles that Cut makes.
+    std::uint32_t Count() {
+        // Whichever diagonal a quad is cut along: nothing is lost.
+        const glm::dvec3* p = _points.data();
+        if (_count == 4 && !IsDegenerate(p[0], p[1], p[2]) && !IsDegenerate(p[0], p[2], p[3]) &&
+            !IsDegenerate(p[0], p[1], p[3]) && !IsDegenerate(p[1], p[2], p[3])) {
+            return 2;
+        }
+        std::uint32_t count = 0;
+        Cut(&count);
+        return count;
+    }
+
+    void Extend(Bounds* bounds) const {
+        for (const glm::dvec3& point : _points) {
+            bounds->min = glm::min(bounds->min, glm::vec3(point));
+            bounds->max = glm::max(bounds->max, glm::vec3(point));
+        }
+    }
+
+private:
+    const MeshDescription& _mesh;
+    std::uint32_t _count = 0;
+    PolygonSplitter _splitter;
+    std::vector<glm::dvec3> _points;
+    std::vector<glm::uvec3> _triangles;
+};
+
+/// What a block of faces comes to.
+struct BlockOutline {
+    FaceProblems problems;
+    Bounds bounds; ///< authored
+    std::uint64_t numTriangles = 0;
+    std::vector<std::uint32_t> leftOut; ///< faces that are not drawn
+    std::vector<FacePart> parts;
+};
+
+class PolygonSource final : public ChunkSource {
+public:
+    PolygonSource(std::shared_ptr<const MeshDescription> mesh, const std::string& primPath,
+                  Warnings& warnings)
+        : _mesh(std::move(mesh)), _log(primPath, warnings) {
+        const FaceTable table = BuildFaceTable(*_mesh);
+        CheckHeader(*_mesh, table, _log);
+        _isLeftHanded = _mesh->leftHanded;
+        if (!IsCountable(*_mesh, table, _log)) {
+            return;
+        }
+        _numVertices = _mesh->points.size() / 3;
+        _size = {_mesh->points.size() / 3, table.numFaces, std::size_t(table.numCorners)};
+        FindCorners(table);
+        Outline(table, MarkHoles(*_mesh, _log));
+        if (_numTriangles > 0) {
+            ReadAttributes();
+        }
+    }
+
+    std::uint32_t UnitTriangles(std::uint32_t unit) const override {
+        const FacePart part = PartOf(unit);
+        return IsLeftOut(part.face) ? 0
+                                    : std::min(kMaxUnitTriangles, FaceAt(part.face).count - 2 -
+                                                                      part.firstTriangle);
+    }
+
+    Bounds UnitBounds(std::uint32_t unit) const override {
+        const std::uint32_t index = PartOf(unit).face;
+        Bounds bounds;
+        if (IsLeftOut(index)) {
+            return bounds;
+        }
+        const Face face = FaceAt(index);
+        const std::int32_t* indices = _mesh->faceVertexIndices.data() + face.firstCorner;
+        for (std::uint32_t i = 0; i < face.count; ++i) {
+            const float* p = _mesh->points.data() + std::size_t(indices[i]) * 3;
+            bounds.min = glm::min(bounds.min, glm::vec3(p[0], p[1], p[2]));
+            bounds.max = glm::max(bounds.max, glm::vec3(p[0], p[1], p[2]));
+        }
+        const glm::vec3 origin(_origin); // exact, and so are the differences
+        bounds.min -= origin;
+        bounds.max -= origin;
+        return bounds;
+    }
+
+    ChunkGeometry Gather(const std::uint32_t* units, std::size_t count) const override {
+        std::call_once(_isRead, [this] {
+            // Whoever waits here may hold a task of this very mesh: steal none.
+            tbb::this_task_arena::isolate([this] { ReadValues(); });
+        });
+        ChunkGeometry chunk;
+        std::size_t maxTriangles = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            maxTriangles += UnitTriangles(units[i]);
+        }
+        chunk.attributes = _values;
+        chunk.normals = _normals;
+        chunk.triangles.reserve(maxTriangles);
+        chunk.primIds.reserve(maxTriangles);
+        chunk.faces.reserve(maxTriangles);
+        chunk.corners.reserve(maxTriangles);
+        PointNumbering numbering(std::min(maxTriangles * 3, _size.numPoints));
+        FaceCutter cutter(*_mesh);
+        for (std::size_t i = 0; i < count; ++i) {
+            GatherUnit(units[i], cutter, numbering, chunk);
+        }
+        chunk.positions.reserve(chunk.points.size());
+        const glm::vec3 origin(_origin);
+        for (const std::uint32_t point : chunk.points) {
+            const float* p = _mesh->points.data() + std::size_t(point) * 3;
+            chunk.positions.push_back(glm::vec3(p[0], p[1], p[2]) - origin);
+        }
+        return chunk;
+    }
+
+private:
+    bool IsLeftOut(std::uint32_t face) const { return !_isLeftOut.empty() && _isLeftOut[face]; }
+
+    Face FaceAt(std::uint32_t face) const {
+        if (_cornerBegin.empty()) {
+            return {face * _faceSize, _faceSize};
+        }
+        return {_cornerBegin[face], _cornerBegin[face + 1] - _cornerBegin[face]};
+    }
+
+    FacePart PartOf(std::uint32_t unit) const {
+        HDS_VERIFY(unit < _numUnits, std::to_string(unit) + " of " + std::to_string(_numUnits));
+        const auto numFaces = static_cast<std::uint32_t>(_size.numFaces);
+        return unit < numFaces ? FacePart{unit, 0} : _parts[unit - numFaces];
+    }
+
+    /// Where the face-vertices of each face begin; nothing is kept when all faces are alike.
+    void FindCorners(const FaceTable& table) {
+        const auto& counts = _mesh->faceVertexCounts;
+        _faceSize = counts.empty() ? 0U : static_cast<std::uint32_t>(std::max(counts[0], 0));
+        const bool isUniform = std::all_of(counts.begin(), counts.end(),
+                                           [&](std::int32_t n) { return n == counts[0]; });
+        if (isUniform) {
+            return;
+        }
+        _cornerBegin.resize(table.numFaces + 1);
+        tbb::parallel_for(std::size_t{0}, table.NumBlocks(), [&](std::size_t block) {
+            auto corner = static_cast<std::uint32_t>(table.cornerBegin[block]);
+            const std::size_t begin = block * FaceTable::kFacesPerBlock;
+            const std::size_t end = std::min(begin + FaceTable::kFacesPerBlock, table.numFaces);
+            for (std::size_t face = begin; face < end; ++face) {
+                _cornerBegin[face] = corner;
+                corner += static_cast<std::uint32_t>(std::max(counts[face], 0));
+            }
+        });
+        _cornerBegin.back() = static_cast<std::uint32_t>(table.numCorners);
+    }
+
+    void OutlineFace(std::uint32_t index, FaceCutter& cutter, BlockOutline& block) const {
+        const Face face = FaceAt(index);
+        const FaceUse use = CheckFace(*_mesh, face.firstCorner, face.count);
+        block.problems.Count(use);
+        std::uint32_t numTriangles = 0;
+        if (use == FaceUse::Usable) {
+            cutter.Load(face);
+            numTriangles = cutter.Count();
+            block.problems.zeroArea += numTriangles == 0 ? 1 : 0;
+        }
+        if (numTriangles == 0) {
+            block.leftOut.push_back(index);
+            return;
+        }
+        cutter.Extend(&block.bounds);
+        block.numTriangles += numTriangles;
+        for (std::uint32_t first = kMaxUnitTriangles; first < face.count - 2;
+             first += kMaxUnitTriangles) {
+            block.parts.push_back({index, first});
+        }
+    }
+
+    /// What is drawn, and where it is.
+    void Outline(const FaceTable& table, const std::vector<std::uint8_t>& isHole) {
+        std::vector<BlockOutline> blocks(table.NumBlocks());
+        tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t block) {
+            FaceCutter cutter(*_mesh);
+            const std::size_t begin = block * FaceTable::kFacesPerBlock;
+            const std::size_t end = std::min(begin + FaceTable::kFacesPerBlock, table.numFaces);
+            for (std::size_t face = begin; face < end; ++face) {
+                if (!isHole.empty() && isHole[face] != 0) {
+                    blocks[block].leftOut.push_back(static_cast<std::uint32_t>(face));
+                } else {
+                    OutlineFace(static_cast<std::uint32_t>(face), cutter, blocks[block]);
+                }
+            }
+        });
+        FaceProblems problems;
+        for (const BlockOutline& block : blocks) {
+            problems.Add(block.problems);
+            _numTriangles += block.numTriangles;
+            _bounds.min = glm::min(_bounds.min, block.bounds.min);
+            _bounds.max = glm::max(_bounds.max, block.bounds.max);
+            _parts.insert(_parts.end(), block.parts.begin(), block.parts.end());
+            if (!block.leftOut.empty()) {
+                _isLeftOut.resize(table.numFaces);
+            }
+            for (const std::uint32_t face : block.leftOut) {
+                _isLeftOut[face] = true;
+            }
+        }
+        problems.Warn(_log.PrimPath(), _log.Sink());
+        if (_numTriangles > 0) {
+            const glm::vec3 origin = ChooseOrigin(_bounds);
+            _origin = glm::dvec3(origin);
+            _bounds.min -= origin;
+            _bounds.max -= origin;
+            _numUnits = static_cast<std::uint32_t>(table.numFaces + _parts.size());
+        }
+    }
+
+    void ReadAttributes() {
+        _entries = AssignSubsets(*_mesh, _log);
+        _values = CollectAttributes(*_mesh, _size, _log);
+        for (const MeshAttribute& attribute : _values) {
+            _attributes.push_back({attribute.name, attribute.numComponents});
+        }
+        std::optional<Interpolation> normals;
+        if (!IsPolygonal(_mesh->subdivisionScheme)) {
+            normals = Interpolation::Vertex;
+        } else if (auto authored = AuthoredNormals(*_mesh, _size, _log)) {
+            normals = authored->interpolation;
+            _normals = std::move(*authored);
+        }
+        _boundBytes = BoundTriangleBytes(_values, normals, !_entries.empty());
+        _meanBytes = MeanTriangleBytes(_values, normals, !_entries.empty(),
+                                       VerticesPerTriangle(_size.numPoints, _numTriangles));
+    }
+
+    /// All that must read every value of the mesh; before the first chunk.
+    void ReadValues() const {
+        for (const MeshAttribute& attribute : _values) {
+            WarnNotFinite(attribute, _log.PrimPath(), _log.Sink());
+        }
+        const bool isSmooth = !IsPolygonal(_mesh->subdivisionScheme);
+        const bool isAuthored =
+            !_normals.values.empty() && _normals.interpolation != Interpolation::Constant;
+        if (isAuthored) {
+            WarnNotFinite(_normals, _log.PrimPath(), _log.Sink());
+        }
+        if (!isSmooth && !(isAuthored && HasUnusableNormals(_normals))) {
+            return;
+        }
+        Warnings unheard;
+        const auto whole = Triangulate(*_mesh, _log.PrimPath(), unheard);
+        if (isSmooth) {
+            _normals = whole->normals;
+        } else {
+            RepairAuthoredNormals(*whole, _size, _normals, _log);
+        }
+    }
+
+    void GatherUnit(std::uint32_t unit, FaceCutter& cutter, PointNumbering& numbering,
+                    ChunkGeometry& chunk) const {
+        const FacePart part = PartOf(unit);
+        if (IsLeftOut(part.face)) {
+            return;
+        }
+        const Face face = FaceAt(part.face);
+        cutter.Load(face);
+        std::uint32_t numTriangles = 0;
+        const glm::uvec3* triangles = cutter.Cut(&numTriangles);
+        const std::uint32_t end = std::min(numTriangles, part.firstTriangle + kMaxUnitTriangles);
+        const std::int32_t* indices = _mesh->faceVertexIndices.data() + face.firstCorner;
+        for (std::uint32_t i = part.firstTriangle; i < end; ++i) {
+            glm::uvec3 local;
+            for (int k = 0; k < 3; ++k) {
+                const auto point = static_cast<std::uint32_t>(indices[triangles[i][k]]);
+                local[k] = numbering.Number(point, chunk.points);
+            }
+            chunk.triangles.push_back(local);
+            chunk.primIds.push_back(face.firstCorner + i); // a face has fewer triangles than corners
+            chunk.faces.push_back(part.face);
+            chunk.corners.push_back(triangles[i] + face.firstCorner);
+            if (!_entries.empty()) {
+                chunk.materialEntries.push_back(_entries[part.face]);
+            }
+        }
+    }
+
+    std::shared_ptr<const MeshDescription> _mesh;
+    mutable PrimLog _log;
+    TopologySize _size;
+    std::uint32_t _faceSize = 0;             ///< when all faces are alike
+    std::vector<std::uint32_t> _cornerBegin; ///< [numFaces + 1], else
+    std::vector<bool> _isLeftOut;            ///< [numFaces]; empty: none
+    std::vector<FacePart> _parts;            ///< units beyond the faces
+    std::vector<std::uint32_t> _entries;     ///< [numFaces] material entries; empty: all 0
+    std::vector<MeshAttribute> _values;      ///< user primvars
+    mutable std::once_flag _isRead;
+    mutable MeshAttribute _normals; ///< final once ReadValues has run
+};
+
+} // namespace
+
+std::shared_ptr<const ChunkSource>
+MakePolygonSource(std::shared_ptr<const MeshDescription> mesh, const std::string& primPath,
+                  Warnings& warnings) {
+    return std::make_shared<const PolygonSource>(std::move(mesh), primPath, warnings);
+}
+
+} // namespace hds

@@ -1,0 +1,384 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/persist/pageStore.h"
+
+#include "hdStream/persist/cacheDirectory.h"
+#include "hdStream/persist/pageFolder.h"
+#include "hdStream/persist/pageSegment.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <filesystem>
+#include <mutex>
+#include <shared_mutex>
+#include <system_error>
+#include <unordered_map>
+#include <utility>
+
+namespace hds {
+
+namespace {
+
+/// New segments are no smaller than this.
+constexpr std::uint64_t kMinSegmentBytes = 256U << 10U;
+/// New segments are at most this part of the whole, so that the oldest can leave one by one.
+constexpr std::uint64_t kSegmentsPerStore = 8;
+/// Times a name is tried for a new segment; another process may take its file away each time.
+constexpr int kCreateAttempts = 8;
+
+std::string ErrnoText() {
+    return std::system_category().message(errno);
+}
+
+/// A page in the index.
+struct KnownPage {
+    StoredPage stored;
+    std::uint32_t segment = 0;
+    bool isVerified = false;
+};
+
+/// A page to read or write without a lock; its segment stays open meanwhile.
+struct FoundPage {
+    StoredPage stored;
+    std::uint32_t number = 0;
+    bool isVerified = false;
+    std::shared_ptr<PageSegment> segment;
+};
+
+} // namespace
+
+/// Locks: writeMutex before mutex. writeMutex serialises who takes room in the segment that is
+/// appended to; mutex guards the index and the list of segments.
+struct PageStore::Impl {
+    Impl(PageStoreOptions asked, Warnings* sink)
+        : options(std::move(asked)), warnings(sink), process(::getpid()) {}
+
+    void OpenSegments();
+    void AddSegment(std::shared_ptr<PageSegment> segment, const std::vector<IndexedPage>& indexed);
+    std::optional<FoundPage> Find(const PageKey& key) const;
+    void Reject(const PageKey& key, const FoundPage& page);
+    std::optional<FoundPage> Reserve(std::uint64_t bytes);
+    bool ReadyWriter();
+    bool StartSegment(std::uint64_t pageBytes);
+    std::shared_ptr<PageSegment> CreateSegment(std::uint64_t capacity);
+    void DropRemovedSegments();
+    void StopWriting(const std::string& reason);
+
+    PageStoreOptions options;
+    Warnings* warnings;
+    int process; ///< a forked child reads, but does not append to its parent's segment
+    std::atomic<bool> isWriting{false};
+
+    mutable std::shared_mutex mutex;
+    std::unordered_map<PageKey, KnownPage> pages;
+    std::vector<std::shared_ptr<PageSegment>> segments; ///< by number; null: gone
+
+    std::mutex writeMutex;
+    std::shared_ptr<PageSegment> writer;
+    std::uint32_t writerNumber = 0;
+    bool isFull = false; ///< no room for another segment
+
+    std::atomic<std::uint64_t> pagesLoaded{0};
+    std::atomic<std::uint64_t> bytesLoaded{0};
+    std::atomic<std::uint64_t> pagesSaved{0};
+    std::atomic<std::uint64_t> bytesSaved{0};
+    std::atomic<std::uint64_t> pagesRejected{0};
+    std::atomic<std::uint64_t> pagesNotKept{0};
+};
+
+void PageStore::Impl::OpenSegments() {
+    const std::uint64_t taken = TrimSegments(options.directory, options.maxBytes);
+    std::uint64_t mayGrowBy = options.maxBytes - std::min(options.maxBytes, taken);
+    std::vector<IndexedPage> indexed;
+    for (const std::string& path : ListSegments(options.directory)) {
+        indexed.clear();
+        std::shared_ptr<PageSegment> segment = PageSegment::Open(path, mayGrowBy, &indexed);
+        if (segment == nullptr) {
+            continue;
+        }
+        if (segment->IsWriter()) {
+            mayGrowBy = 0; // one is enough
+            writer = segment;
+            writerNumber = static_cast<std::uint32_t>(segments.size());
+        }
+        AddSegment(std::move(segment), indexed);
+    }
+}
+
+void PageStore::Impl::AddSegment(std::shared_ptr<PageSegment> segment,
+                                 const std::vector<IndexedPage>& indexed) {
+    const std::unique_lock<std::shared_mutex> lock(mutex);
+    const auto number = static_cast<std::uint32_t>(segments.size());
+    pagesRejected += segment->DamagedEntries();
+    segments.push_back(std::move(segment));
+    pages.reserve(pages.size() + indexed.size());
+    for (const IndexedPage& page : indexed) {
+        pages[page.key] = {page.page, number, false};
+    }
+}
+
+std::optional<FoundPage> PageStore::Impl::Find(const PageKey& key) const {
+    const std::shared_lock<std::shared_mutex> lock(mutex);
+    const auto found = pages.find(key);
+    if (found == pages.end()) {
+        return std::nullopt;
+    }
+    const KnownPage& page = found->second;
+    return FoundPage{page.stored, page.segment, page.isVerified, segments[page.segment]};
+}
+
+void PageStore::Impl::Reject(const PageKey& key, const FoundPage& page) {
+    {
+        const std::unique_lock<std::shared_mutex> lock(mutex);
+        const auto found = pages.find(key);
+        if (found == pages.end() || found->second.segment != page.number ||
+            found->second.stored.offset != page.stored.offset) {
+            return; // by another thread already
+        }
+        pages.erase(found);
+    }
+    ++pagesRejected;
+    page.segment->Reject(key, page.stored);
+}
+
+void PageStore::Impl::StopWriting(const std::string& reason) {
+    if (isWriting.exchange(false) && warnings != nullptr) {
+        warnings->Add(options.directory, "no more pages are kept in the cache: " + reason);
+    }
+}
+
+bool PageStore::Impl::ReadyWriter() {
+    if (writer != nullptr && writer->IsUnlinked()) {
+        std::error_code error;
+        if (!std::filesystem::is_directory(options.directory, error)) {
+            StopWriting("the folder was removed");
+            return false;
+        }
+        writer.reset(); // the cache was cleared
+    }
+    return true;
+}
+
+void PageStore::Impl::DropRemovedSegments() {
+    const std::unique_lock<std::shared_mutex> lock(mutex);
+    std::vector<bool> isDropped(segments.size(), false);
+    bool isAnyDropped = false;
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+        std::shared_ptr<PageSegment>& segment = segments[i];
+        if (segment != nullptr && !segment->IsUsed() && segment->IsUnlinked()) {
+            isDropped[i] = isAnyDropped = true;
+            segment.reset(); // closing it gives the disk's room back
+        }
+    }
+    for (auto it = pages.begin(); isAnyDropped && it != pages.end();) {
+        it = isDropped[it->second.segment] ? pages.erase(it) : std::next(it);
+    }
+}
+
+std::shared_ptr<PageSegment> PageStore::Impl::CreateSegment(std::uint64_t capacity) {
+    std::error_code error;
+    std::filesystem::create_directories(options.directory, error);
+    if (error) {
+        StopWriting(error.message());
+        return nullptr;
+    }
+    for (int i = 0; i < kCreateAttempts; ++i) {
+        if (auto segment = PageSegment::Create(NewSegmentPath(options.directory), capacity)) {
+            return segment;
+        }
+        if (errno != EEXIST) {
+            break;
+        }
+    }
+    StopWriting(ErrnoText());
+    return nullptr;
+}
+
+bool PageStore::Impl::StartSegment(std::uint64_t pageBytes) {
+    const std::uint64_t usual = AlignPage(std::max(
+        kMinSegmentBytes, std::min(options.segmentBytes, options.maxBytes / kSegmentsPerStore)));
+    const std::uint64_t capacity = AlignPage(std::max(usual, PageSegment::CapacityFor(pageBytes)));
+    const std::uint64_t room = options.maxBytes - std::min(options.maxBytes, capacity);
+    const bool hasRoom =
+        TrimSegments(options.directory, room) <= room && options.maxBytes >= capacity;
+    DropRemovedSegments();
+    if (!hasRoom) {
+        isFull = capacity == usual; // a page that is larger may be the only one without room
+        return false;
+    }
+    writer = CreateSegment(capacity);
+    if (writer == nullptr) {
+        return false;
+    }
+    writer->MarkUsed();
+    writerNumber = static_cast<std::uint32_t>(segments.size());
+    AddSegment(writer, {});
+    return true;
+}
+
+std::optional<FoundPage> PageStore::Impl::Reserve(std::uint64_t bytes) {
+    const std::lock_guard<std::mutex> lock(writeMutex);
+    if (!isWriting || !ReadyWriter()) {
+        return std::nullopt;
+    }
+    for (int attempt = 0; attempt < 2; ++attempt) {
+        bool hasFailed = false;
+        if (writer != nullptr) {
+            if (const auto stored = writer->Reserve(bytes, &hasFailed)) {
+                return FoundPage{*stored, writerNumber, true, writer};
+            }
+        }
+        if (hasFailed) {
+            StopWriting(ErrnoText());
+            return std::nullopt;
+        }
+        if (attempt > 0 || isFull || !StartSegment(bytes)) {
+            return std::nullopt;
+        }
+    }
+    return std::nullopt;
+}
+
+PageStore::PageStore(PageStoreOptions options, Warnings* warnings) {
+    options.directory = ResolveCacheDirectory(options.directory);
+    options.enabled = options.enabled && !options.directory.empty();
+    _impl = std::make_unique<Impl>(std::move(options), warnings);
+    if (_impl->options.enabled) {
+        _impl->isWriting = true;
+        _impl->OpenSegments();
+    }
+}
+
+PageStore::~PageStore() = default;
+
+bool PageStore::Contains(const PageKey& key) const {
+    const std::shared_lock<std::shared_mutex> lock(_impl->mutex);
+    return _impl->pages.count(key) > 0;
+}
+
+std::optional<std::uint64_t> PageStore::Bytes(const PageKey& key) const {
+    const auto page = _impl->Find(key);
+    return page ? std::optional<std::uint64_t>(page->stored.bytes) : std::nullopt;
+}
+
+bool PageStore::Load(const PageKey& key, std::vector<std::uint8_t>* bytes) {
+    const auto page = _impl->Find(key);
+    if (!page) {
+        return false;
+    }
+    page->segment->MarkUsed();
+    bytes->resize(page->stored.bytes);
+    if (!page->segment->Read(page->stored, bytes->data())) {
+        _impl->Reject(key, *page);
+        return false;
+    }
+    ++_impl->pagesLoaded;
+    _impl->bytesLoaded += page->stored.bytes;
+    return true;
+}
+
+bool PageStore::Save(const PageKey& key, const void* data, std::size_t bytes) {
+    if (Contains(key)) {
+        return true;
+    }
+    if (!_impl->isWriting || _impl->process != ::getpid()) {
+        ++_impl->pagesNotKept;
+        return false;
+    }
+    const std::uint64_t checksum = PayloadChecksum(data, bytes);
+    auto page = _impl->Reserve(bytes);
+    if (!page) {
+        ++_impl->pagesNotKept;
+        return false;
+    }
+    page->stored.checksum = checksum;
+    page->segment->MarkUsed();
+    if (!page->segment->Write(key, page->stored, data)) {
+        _impl->StopWriting(ErrnoText());
+        ++_impl->pagesNotKept;
+        return false;
+    }
+    ++_impl->pagesSaved;
+    _impl->bytesSaved += bytes;
+    const std::unique_lock<std::shared_mutex> lock(_impl->mutex);
+    if (_impl->segments[page->number] != nullptr) { // else Clear() came in between
+        _impl->pages.emplace(key, KnownPage{page->stored, page->number, true});
+    }
+    return true;
+}
+
+std::optional<PageLocation> PageStore::Locate(const PageKey& key) {
+    const auto page = _impl->Find(key);
+    if (!page) {
+        return std::nullopt;
+    }
+    page->segment->MarkUsed();
+    if (!page->isVerified) {
+        if (!page->segment->Verify(page->stored)) {
+            _impl->Reject(key, *page);
+            return std::nullopt;
+        }
+        const std::unique_lock<std::shared_mutex> lock(_impl->mutex);
+        if (const auto found = _impl->pages.find(key); found != _impl->pages.end()) {
+            found->second.isVerified = true;
+        }
+    }
+    return PageLocation{page->number, page->stored.offset, page->stored.bytes};
+}
+
+const std::uint8_t* PageStore::SegmentData(std::uint32_t segment) {
+    const std::lock_guard<std::mutex> writeLock(_impl->writeMutex);
+    const std::unique_lock<std::shared_mutex> lock(_impl->mutex);
+    if (segment >= _impl->segments.size() || _impl->segments[segment] == nullptr) {
+        return nullptr;
+    }
+    _impl->segments[segment]->MarkUsed();
+    return _impl->segments[segment]->Map();
+}
+
+std::uint64_t PageStore::SegmentBytes(std::uint32_t segment) const {
+    const std::shared_lock<std::shared_mutex> lock(_impl->mutex);
+    const bool isThere = segment < _impl->segments.size() && _impl->segments[segment] != nullptr;
+    return isThere ? _impl->segments[segment]->MappedBytes() : 0;
+}
+
+PageStoreStatistics PageStore::Statistics() const {
+    PageStoreStatistics statistics;
+    statistics.pagesLoaded = _impl->pagesLoaded;
+    statistics.bytesLoaded = _impl->bytesLoaded;
+    statistics.pagesSaved = _impl->pagesSaved;
+    statistics.bytesSaved = _impl->bytesSaved;
+    statistics.pagesRejected = _impl->pagesRejected;
+    statistics.pagesNotKept = _impl->pagesNotKept;
+    return statistics;
+}
+
+std::uint64_t PageStore::Size() const {
+    return hds::SegmentBytes(_impl->options.directory);
+}
+
+std::uint64_t PageStore::Clear() {
+    const std::lock_guard<std::mutex> writeLock(_impl->writeMutex);
+    const std::unique_lock<std::shared_mutex> lock(_impl->mutex);
+    _impl->pages.clear();
+    _impl->writer.reset();
+    _impl->isFull = false;
+    for (std::shared_ptr<PageSegment>& segment : _impl->segments) {
+        if (segment != nullptr && !segment->IsMapped()) {
+            segment.reset();
+        }
+    }
+    return RemoveSegments(_impl->options.directory);
+}
+
+const std::string& PageStore::Directory() const {
+    return _impl->options.directory;
+}
+
+bool PageStore::IsWriting() const {
+    return _impl->isWriting;
+}
+
+} // namespace hds

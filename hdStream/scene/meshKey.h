@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the pages of a mesh are known by in the persistent cache.
+#pragma once
+
+#include "hdStream/persist/pageKey.h"
+#include "hdStream/scene/meshCommit.h"
+
+namespace hds {
+
+/// Hash of all that the mesh's pages are made of: description and options. Reads every array, on
+/// all cores.
+PageKey MakeMeshKey(const MeshDescription& mesh, const MeshOptions& options);
+
+} // namespace hds

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pages come back as they were saved, in this process and the next, by copy and through mappings.
+#include "testenv/unit/persist/pageFixtures.h"
+
+#include "hdStream/persist/pageFormat.h"
+
+#include <atomic>
+#include <cstring>
+#include <thread>
+
+namespace hds {
+namespace {
+
+/// Sizes around every boundary of the format.
+const std::vector<std::size_t> kSizes = {0, 1, 63, 64, 65, 100, 4096, 65535, 65536, 65537, 300000};
+
+TEST_F(PageStoreTest, PagesComeBackInTheNextProcess) {
+    {
+        PageStore store(Options(), &warnings);
+        for (std::size_t i = 0; i < kSizes.size(); ++i) {
+            EXPECT_FALSE(store.Contains(TestKey(i)));
+            EXPECT_TRUE(Save(&store, i, kSizes[i]));
+            EXPECT_TRUE(Has(&store, i, kSizes[i]));
+        }
+        EXPECT_EQ(store.Statistics().pagesSaved, kSizes.size());
+    }
+    PageStore store(Options(), &warnings);
+    for (std::size_t i = 0; i < kSizes.size(); ++i) {
+        EXPECT_TRUE(store.Contains(TestKey(i)));
+        EXPECT_EQ(store.Bytes(TestKey(i)), kSizes[i]);
+        EXPECT_TRUE(Has(&store, i, kSizes[i]));
+    }
+    EXPECT_FALSE(store.Contains(TestKey(99)));
+    EXPECT_FALSE(store.Bytes(TestKey(99)).has_value());
+    EXPECT_FALSE(store.Locate(TestKey(99)).has_value());
+    EXPECT_EQ(store.Statistics().pagesLoaded, kSizes.size());
+    EXPECT_EQ(store.Statistics().pagesRejected, 0U);
+    EXPECT_TRUE(warnings.Lines().empty());
+}
+
+TEST_F(PageStoreTest, IndexesOfManyBlocksAndSegmentsAreRead) {
+    const std::uint64_t count = 3 * kBlockSlots + 17;
+    {
+        PageStore store(Options(512U << 10U), &warnings);
+        for (std::uint64_t i = 0; i < count; ++i) {
+            ASSERT_TRUE(Save(&store, i, 100 + i % 300));
+        }
+    }
+    EXPECT_GE(Files().size(), 2U);
+    PageStore store(Options(), &warnings);
+    for (std::uint64_t i = 0; i < count; ++i) {
+        ASSERT_TRUE(Has(&store, i, 100 + i % 300)) << i;
+    }
+}
+
+TEST_F(PageStoreTest, ShortRunsContinueOneFile) {
+    for (std::uint64_t run = 0; run < 20; ++run) {
+        PageStore store(Options(), &warnings);
+        EXPECT_TRUE(Save(&store, run, 1000));
+    }
+    OnlyFile();
+    PageStore store(Options(), &warnings);
+    for (std::uint64_t run = 0; run < 20; ++run) {
+        EXPECT_TRUE(Has(&store, run, 1000));
+    }
+}
+
+TEST_F(PageStoreTest, APageLargerThanASegmentIsKept) {
+    PageStore store(Options(256U << 10U), &warnings);
+    EXPECT_TRUE(Save(&store, 1, 3U << 20U));
+    EXPECT_TRUE(Has(&store, 1, 3U << 20U));
+}
+
+TEST_F(PageStoreTest, APageThatIsThereIsNotWrittenAgain) {
+    PageStore store(Options(), &warnings);
+    EXPECT_TRUE(Save(&store, 1, 100000));
+    const std::uint64_t size = store.Size();
+    EXPECT_TRUE(Save(&store, 1, 100000));
+    EXPECT_EQ(store.Size(), size);
+    EXPECT_EQ(store.Statistics().pagesSaved, 1U);
+}
+
+TEST_F(PageStoreTest, ADisabledStoreIsEmptyAndTouchesNothing) {
+    PageStoreOptions options = Options();
+    options.enabled = false;
+    PageStore store(options, &warnings);
+    EXPECT_FALSE(Save(&store, 1, 100));
+    EXPECT_FALSE(Has(&store, 1, 100));
+    EXPECT_FALSE(std::filesystem::exists(folder));
+    EXPECT_TRUE(warnings.Lines().empty());
+}
+
+TEST_F(PageStoreTest, OpeningAnAbsentFolderMakesNone) {
+    PageStore store(Options(), &warnings);
+    EXPECT_FALSE(Has(&store, 1, 100));
+    EXPECT_EQ(store.Size(), 0U);
+    EXPECT_FALSE(std::filesystem::exists(folder));
+}
+
+TEST_F(PageStoreTest, TheMappingHasThePagesAlsoThoseSavedLater) {
+    {
+        PageStore store(Options(), &warnings);
+        EXPECT_TRUE(Save(&store, 1, 5000));
+    }
+    // The second store appends to the file of the first, with its mapping made before.
+    PageStore store(Options(), &warnings);
+    const auto first = store.Locate(TestKey(1));
+    ASSERT_TRUE(first.has_value());
+    const std::uint8_t* data = store.SegmentData(first->segment);
+    ASSERT_NE(data, nullptr);
+    EXPECT_TRUE(Save(&store, 2, 70000));
+    for (std::uint64_t number : {1, 2}) {
+        const auto page = store.Locate(TestKey(number));
+        ASSERT_TRUE(page.has_value());
+        EXPECT_EQ(page->segment, first->segment);
+        EXPECT_EQ(page->offset % 64, 0U);
+        ASSERT_LE(page->offset + page->bytes, store.SegmentBytes(page->segment));
+        const auto expected = TestPage(number, page->bytes);
+        EXPECT_EQ(std::memcmp(data + page->offset, expected.data(), expected.size()), 0);
+    }
+    EXPECT_EQ(store.SegmentData(first->segment), data);
+    EXPECT_EQ(store.SegmentData(first->segment + 1), nullptr);
+}
+
+TEST_F(PageStoreTest, TheMappedLengthIsGivenBackAtTheEnd) {
+    {
+        PageStore store(Options(), &warnings);
+        EXPECT_TRUE(Save(&store, 1, 5000));
+        EXPECT_NE(store.SegmentData(0), nullptr);
+        EXPECT_EQ(std::filesystem::file_size(OnlyFile()), 1U << 20U);
+    }
+    EXPECT_LT(std::filesystem::file_size(OnlyFile()), 100000U);
+    PageStore store(Options(), &warnings);
+    EXPECT_TRUE(Has(&store, 1, 5000));
+}
+
+TEST_F(PageStoreTest, ManyThreadsSaveAndLoadTheSamePages) {
+    PageStore store(Options(512U << 10U), &warnings);
+    constexpr std::uint64_t kPages = 400;
+    std::atomic<std::uint64_t> loaded{0};
+    std::vector<std::thread> threads;
+    for (std::uint64_t t = 0; t < 4; ++t) {
+        threads.emplace_back([&, t] {
+            for (std::uint64_t i = 0; i < kPages; ++i) {
+                const std::uint64_t number = (i * 7 + t * 100) % kPages;
+                EXPECT_TRUE(Save(&store, number, 50 + number * 11));
+                EXPECT_TRUE(Has(&store, number, 50 + number * 11));
+                const auto page = store.Locate(TestKey(number));
+                ASSERT_TRUE(page.has_value());
+                const std::uint8_t* data = store.SegmentData(page->segment);
+                ASSERT_NE(data, nullptr);
+                const auto expected = TestPage(number, page->bytes);
+                EXPECT_EQ(std::memcmp(data + page->offset, expected.data(), expected.size()), 0);
+                ++loaded;
+            }
+        });
+    }
+    for (std::thread& thread : threads) {
+        thread.join();
+    }
+    EXPECT_EQ(loaded, 4 * kPages);
+    EXPECT_EQ(store.Statistics().pagesRejected, 0U);
+    PageStore next(Options(), &warnings);
+    for (std::uint64_t number = 0; number < kPages; ++number) {
+        EXPECT_TRUE(Has(&next, number, 50 + number * 11));
+    }
+}
+
+TEST_F(PageStoreTest, ClearingWhileOthersSaveAndLoadLeavesRightPages) {
+    PageStore store(Options(256U << 10U), &warnings);
+    std::atomic<bool> isDone{false};
+    std::vector<std::thread> threads;
+    for (std::uint64_t t = 0; t < 3; ++t) {
+        threads.emplace_back([&, t] {
+            for (std::uint64_t i = t; !isDone; ++i) {
+                EXPECT_TRUE(Save(&store, i % 300, 1000));
+                Has(&store, (i * 7) % 300, 1000); // there or not, but right
+                store.Locate(TestKey((i * 11) % 300));
+            }
+        });
+    }
+    for (int i = 0; i < 20; ++i) {
+        while (store.Statistics().pagesSaved < static_cast<std::uint64_t>(i) * 50) {
+            std::this_thread::yield();
+        }
+        store.Clear();
+    }
+    isDone = true;
+    for (std::thread& thread : threads) {
+        thread.join();
+    }
+    EXPECT_EQ(store.Statistics().pagesRejected, 0U);
+    EXPECT_TRUE(warnings.Lines().empty());
+}
+
+TEST_F(PageStoreTest, ClearFreesEverythingAndSavingGoesOn) {
+    PageStore store(Options(), &warnings);
+    EXPECT_TRUE(Save(&store, 1, 5000));
+    EXPECT_GE(store.Size(), 5000U);
+    EXPECT_GE(PageStore(Options(), &warnings).Clear(), 5000U); // as `hdstream cache --clear`
+    EXPECT_EQ(store.Size(), 0U);
+    EXPECT_TRUE(Save(&store, 2, 5000)); // into a new file
+    EXPECT_TRUE(Has(&store, 2, 5000));
+    {
+        PageStore next(Options(), &warnings);
+        EXPECT_FALSE(Has(&next, 1, 5000));
+        EXPECT_TRUE(Has(&next, 2, 5000));
+    }
+    EXPECT_GE(store.Clear(), 5000U);
+    EXPECT_FALSE(Has(&store, 2, 5000));
+    EXPECT_TRUE(Save(&store, 3, 5000));
+    EXPECT_TRUE(Has(&store, 3, 5000));
+    EXPECT_TRUE(warnings.Lines().empty());
+}
+
+} // namespace
+} // namespace hds
