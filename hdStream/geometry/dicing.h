@@ -19,12 +19,14 @@ struct DicingView {
     glm::dvec2 windowMax{1.0};
     glm::dvec2 imageSize{0.0}; ///< pixels; 0: nothing is on screen
     double nearClip = 1e-3;    ///< distances below count as this
+    /// Nothing else of the object is on screen: what this instance hides from the image is coarse.
+    bool isOnlyInstance = true;
 
     bool operator==(const DicingView& other) const {
         return cameraFromObject == other.cameraFromObject &&
                isOrthographic == other.isOrthographic && windowMin == other.windowMin &&
                windowMax == other.windowMax && imageSize == other.imageSize &&
-               nearClip == other.nearClip;
+               nearClip == other.nearClip && isOnlyInstance == other.isOnlyInstance;
     }
 };
 
@@ -35,8 +37,8 @@ struct DicingOptions {
     std::uint32_t level = 2;
     DicingView view; ///< adaptive only, as the bounds below
 
-    double maxErrorPixels = 0.1;      ///< distance of the triangles from the limit surface
-    double maxTurnDegrees = 8.0;      ///< between the normals of an edge's ends
+    double maxErrorPixels = 0.25;     ///< distance of the triangles from the limit surface
+    double maxTurnDegrees = 15.0;     ///< between the normals of an edge's ends
     double maxEdgePixels = 64.0;      ///< length of a triangle's side
     double maxBumpPixels = 4.0;       ///< the same where displacement varies
     std::uint32_t offScreenLevel = 1; ///< of the finest edge of a face that is not seen

@@ -5,7 +5,6 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace hds {
@@ -13,40 +12,90 @@ namespace {
 
 constexpr double kRadians = 3.14159265358979323846 / 180.0;
 /// Turns matter on segments of more pixels than this.
-constexpr double kTurnPixels = 2.0;
+constexpr double kTurnPixels = 4.0;
 
 /// Points on a line of constant parameter.
 struct Line {
     const glm::dvec3* points;
     std::size_t count;
     std::size_t stride;
-    double first;
-    double second;
+    const glm::dvec3& operator[](std::size_t i) const { return points[i * stride]; }
 };
 
-EdgeDemand Measure(const Line& line) {
-    EdgeDemand demand;
-    const auto at = [&](std::size_t i) { return line.points[i * line.stride]; };
-    const glm::dvec3 whole = at(line.count - 1) - at(0);
+/// Turn and length, and the largest second difference.
+/// \param first, second what makes derivatives of first and second differences.
+double MeasureShape(const Line& line, double first, double second, EdgeDemand& demand) {
+    const glm::dvec3 whole = line[line.count - 1] - line[0];
     const double square = glm::dot(whole, whole);
     double shortest = 1e300;
     double across = 0.0;
+    double largest = 0.0;
     for (std::size_t i = 0; i + 1 < line.count; ++i) {
-        const double length = glm::length(at(i + 1) - at(i));
+        const double length = glm::length(line[i + 1] - line[i]);
         demand.length += length;
         shortest = std::min(shortest, length);
         if (i > 0) {
-            const glm::dvec3 bend = at(i + 1) - 2.0 * at(i) + at(i - 1);
-            demand.error = std::max(demand.error, glm::length(bend));
+            const glm::dvec3 bend = line[i + 1] - 2.0 * line[i] + line[i - 1];
+            largest = std::max(largest, glm::length(bend));
             const double along = square > 0.0 ? glm::dot(bend, whole) / square : 0.0;
             across = std::max(across, glm::length(bend - along * whole));
         }
     }
-    // The distance of a curve from its chord is at most an eighth of its second derivative.
-    demand.error *= line.second / 8.0;
-    demand.turn = shortest > 0.0 ? line.second * across / (line.first * shortest) : 0.0;
-    demand.length *= line.first / double(line.count - 1);
+    demand.length *= first / double(line.count - 1);
+    demand.turn = shortest > 0.0 ? second * across / (first * shortest) : 0.0;
+    return largest;
+}
+
+/// The distance of a curve from its chord is at most an eighth of its second derivative.
+EdgeDemand MeasureCubic(const Line& line) {
+    EdgeDemand demand;
+    double error = MeasureShape(line, 3.0, 6.0, demand) * 6.0 / 8.0;
+    for (double& e : demand.errors) {
+        e = error;
+        error /= 4.0;
+    }
     return demand;
+}
+
+/// Distances of the samples from chords between some of them; beyond, as for a cubic between
+/// neighbours. A line of half an edge has its levels one below. \param fullCells of the longest
+/// line of the face, a power of two.
+EdgeDemand MeasureSampled(const Line& line, std::size_t fullCells, bool isHalf) {
+    EdgeDemand demand;
+    const std::size_t numCells = line.count - 1;
+    const double cells = double(fullCells) * (isHalf ? 2.0 : 1.0);
+    double error = MeasureShape(line, cells, cells * cells, demand) / 8.0;
+    std::size_t level = isHalf ? 1 : 0;
+    for (std::size_t step = fullCells; step > 1 && level < demand.errors.size(); step /= 2) {
+        for (std::size_t i = 0; i < numCells; ++i) {
+            const std::size_t begin = i / step * step;
+            // The last chord of a row of a triangle may be shorter.
+            const std::size_t end = std::min(begin + step, numCells);
+            const double t = double(i - begin) / double(end - begin);
+            const glm::dvec3 chord = line[begin] + t * (line[end] - line[begin]);
+            demand.errors[level] = std::max(demand.errors[level], glm::length(line[i] - chord));
+        }
+        ++level;
+    }
+    for (; level < demand.errors.size(); ++level) {
+        demand.errors[level] = error;
+        error /= 4.0;
+    }
+    if (isHalf) {
+        demand.errors[0] = 4.0 * demand.errors[1];
+    }
+    return demand;
+}
+
+/// A twisted quad bends along its diagonal.
+void AddTwist(const glm::dvec3* net, std::size_t n, double cells, GridDemand& demand) {
+    double error =
+        cells * glm::length(net[0] - net[n - 1] - net[n * (n - 1)] + net[n * n - 1]) / 4.0;
+    for (std::size_t level = 0; level < demand.u.errors.size(); ++level) {
+        demand.u.errors[level] = std::max(demand.u.errors[level], error);
+        demand.v.errors[level] = std::max(demand.v.errors[level], error);
+        error /= 4.0;
+    }
 }
 
 } // namespace
@@ -86,50 +135,50 @@ bool Screen::IsOutside(const std::vector<glm::dvec3>& points) const {
 }
 
 void EdgeDemand::Add(const EdgeDemand& other) {
-    error = std::max(error, other.error);
+    for (std::size_t level = 0; level < errors.size(); ++level) {
+        errors[level] = std::max(errors[level], other.errors[level]);
+    }
     turn = std::max(turn, other.turn);
     length = std::max(length, other.length);
 }
 
-GridDemand MeasureGrid(const glm::dvec3* net, std::size_t n, double first, double second) {
+GridDemand MeasureBezier(const glm::dvec3* net) {
     GridDemand demand;
-    for (std::size_t i = 0; i < n; ++i) {
-        demand.u.Add(Measure({net + n * i, n, 1, first, second}));
-        demand.v.Add(Measure({net + i, n, n, first, second}));
+    for (std::size_t i = 0; i < 4; ++i) {
+        demand.u.Add(MeasureCubic({net + 4 * i, 4, 1}));
+        demand.v.Add(MeasureCubic({net + i, 4, 4}));
     }
-    // A twisted quad bends along its diagonal.
-    const double cells = first * first / double((n - 1) * (n - 1));
-    const double twist =
-        glm::length(net[0] - net[n - 1] - net[n * (n - 1)] + net[n * n - 1]) * cells / 4.0;
-    demand.u.error = std::max(demand.u.error, twist);
-    demand.v.error = std::max(demand.v.error, twist);
+    AddTwist(net, 4, 1.0, demand);
     return demand;
 }
 
-EdgeDemand MeasureTriangle(const glm::dvec3* net) {
-    const auto index = [](std::size_t x, std::size_t y) { return 5 * y - y * (y - 1) / 2 + x; };
+GridDemand MeasureSamples(const glm::dvec3* net, std::size_t n, bool isHalf) {
+    GridDemand demand;
+    for (std::size_t i = 0; i < n; ++i) {
+        demand.u.Add(MeasureSampled({net + n * i, n, 1}, n - 1, isHalf));
+        demand.v.Add(MeasureSampled({net + i, n, n}, n - 1, isHalf));
+    }
+    AddTwist(net, n, isHalf ? 4.0 : 1.0, demand);
+    return demand;
+}
+
+EdgeDemand MeasureTriangle(const glm::dvec3* net, std::size_t n) {
+    const auto at = [&](std::size_t x, std::size_t y) { return net[n * y - y * (y - 1) / 2 + x]; };
     EdgeDemand demand;
-    std::array<glm::dvec3, 5> line;
-    const auto add = [&](std::size_t count) {
-        if (count > 1) {
-            // `whole` of a short line is its own: lengths are per parameter, so none is too long.
-            demand.Add(Measure({line.data(), count, 1, 4.0, 16.0}));
+    std::vector<glm::dvec3> lines[3];
+    for (std::size_t row = 0; row + 1 < n; ++row) {
+        const std::size_t count = n - row;
+        for (std::vector<glm::dvec3>& line : lines) {
+            line.clear();
         }
-    };
-    for (std::size_t row = 0; row < 4; ++row) {
-        const std::size_t count = 5 - row;
         for (std::size_t i = 0; i < count; ++i) {
-            line[i] = net[index(i, row)];
+            lines[0].push_back(at(i, row));
+            lines[1].push_back(at(row, i));
+            lines[2].push_back(at(count - 1 - i, i));
         }
-        add(count);
-        for (std::size_t i = 0; i < count; ++i) {
-            line[i] = net[index(row, i)];
+        for (const std::vector<glm::dvec3>& line : lines) {
+            demand.Add(MeasureSampled({line.data(), count, 1}, n - 1, false));
         }
-        add(count);
-        for (std::size_t i = 0; i < count; ++i) {
-            line[i] = net[index(count - 1 - i, i)];
-        }
-        add(count);
     }
     return demand;
 }
@@ -138,17 +187,19 @@ std::uint8_t LevelOf(const EdgeDemand& demand, double pixels, double bump,
                      const DicingOptions& options) {
     const double length = demand.length * pixels;
     const double turn = demand.turn / (options.maxTurnDegrees * kRadians);
-    double rate = std::sqrt(demand.error * pixels / options.maxErrorPixels);
-    rate = std::max(rate, std::min(turn, length / kTurnPixels));
+    double rate = std::min(turn, length / kTurnPixels);
     rate = std::max(rate, length / options.maxEdgePixels);
     if (bump * pixels > options.maxErrorPixels) {
         rate = std::max(rate, length / options.maxBumpPixels);
     }
-    if (!(rate > 1.0)) { // also NaN
-        return 0;
+    const std::uint32_t bound = std::min(options.level, kMaxDicingLevel);
+    std::uint32_t level = 0;
+    // Not a number asks for nothing.
+    while (level < bound &&
+           (double(1U << level) < rate || demand.errors[level] * pixels > options.maxErrorPixels)) {
+        ++level;
     }
-    const double bound = std::min(options.level, kMaxDicingLevel);
-    return static_cast<std::uint8_t>(std::min(std::ceil(std::log2(rate)), bound));
+    return static_cast<std::uint8_t>(level);
 }
 
 } // namespace hds

@@ -7,6 +7,7 @@
 
 #include <glm/vec3.hpp>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -29,10 +30,11 @@ private:
     double _pixels; ///< of a unit length at distance 1
 };
 
-/// Of a curve of unit parameter length, if it is drawn as one segment.
+/// What the curves along an edge ask for.
 struct EdgeDemand {
-    double error = 0.0; ///< distance from the chord
-    double turn = 0.0;  ///< radians
+    /// Distance of the curve from 2^level chords.
+    std::array<double, kMaxDicingLevel + 1> errors{};
+    double turn = 0.0; ///< radians per unit parameter, where it is largest
     double length = 0.0;
     void Add(const EdgeDemand& other);
 };
@@ -43,12 +45,14 @@ struct GridDemand {
     EdgeDemand v;
 };
 
-/// \param net [n][n] points: samples, or control points of a polynomial patch.
-/// \param first, second what makes derivatives of first and second differences.
-GridDemand MeasureGrid(const glm::dvec3* net, std::size_t n, double first, double second);
+/// \param net [4][4] Bezier points of a whole face.
+GridDemand MeasureBezier(const glm::dvec3* net);
 
-/// \param net rows of 5, 4, 3, 2 and 1 samples.
-EdgeDemand MeasureTriangle(const glm::dvec3* net);
+/// \param net [n][n] samples, n - 1 a power of two. \param isHalf they cover half of each edge.
+GridDemand MeasureSamples(const glm::dvec3* net, std::size_t n, bool isHalf);
+
+/// \param net rows of n, n - 1, ... 1 samples, n - 1 a power of two.
+EdgeDemand MeasureTriangle(const glm::dvec3* net, std::size_t n);
 
 /// Level of an edge whose segments are within the bounds. \param pixels of a unit length.
 /// \param bump how much displacement varies.

@@ -5,6 +5,7 @@
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <opensubdiv/sdc/crease.h>
 
 #include <algorithm>
 #include <array>
@@ -104,12 +105,31 @@ ExactBox FaceMeter::BoxOver(const PatternBox& part) const {
     return box;
 }
 
+/// Samples along the side of a face, or of a sub-face. Semi-sharp edges bend the surface within
+/// 2^-sharpness of their length.
+int FaceMeter::NumSamples() const {
+    const auto& level = _model.Level();
+    const auto isSemiSharp = [](float sharpness) {
+        return sharpness > 0.0F && sharpness < OpenSubdiv::Sdc::Crease::SHARPNESS_INFINITE;
+    };
+    const auto vertices = level.GetFaceVertices(_face);
+    bool isBent = false;
+    for (int i = 0; i < vertices.size(); ++i) {
+        isBent = isBent || isSemiSharp(level.GetVertexSharpness(vertices[i]));
+        const auto edges = level.GetVertexEdges(vertices[i]);
+        for (int e = 0; e < edges.size(); ++e) {
+            isBent = isBent || isSemiSharp(level.GetEdgeSharpness(edges[e]));
+        }
+    }
+    const int numCells = isBent ? 16 : 4;
+    return (_shape == FaceShape::SubQuads ? numCells / 2 : numCells) + 1;
+}
+
 /// Samples of a surface that is not one patch, per grid [v][u] or, of a triangle, row by row.
-std::vector<glm::dvec3> FaceMeter::SamplePoints() const {
+std::vector<glm::dvec3> FaceMeter::SamplePoints(int n) const {
     std::vector<glm::dvec3> points;
     const std::uint32_t numGrids =
         _shape == FaceShape::SubQuads ? std::uint32_t(_model.Cage().counts[_face]) : 1;
-    const int n = _shape == FaceShape::SubQuads ? 3 : 5;
     for (std::uint32_t grid = 0; grid < numGrids; ++grid) {
         for (int y = 0; y < n; ++y) {
             for (int x = 0; x < (_shape == FaceShape::Triangle ? n - y : n); ++x) {
@@ -124,18 +144,19 @@ void FaceMeter::RequestLevels(const DicingOptions& options, double bump,
                               std::uint8_t* levels) const {
     const auto numEdges = static_cast<std::uint32_t>(_model.Cage().counts[_face]);
     const Screen screen(options.view);
-    std::vector<glm::dvec3> points = IsBezier() ? _net : SamplePoints();
+    const int numSamples = IsBezier() ? 4 : NumSamples();
+    std::vector<glm::dvec3> points = IsBezier() ? _net : SamplePoints(numSamples);
     for (glm::dvec3& point : points) {
         point = screen.ToCamera(point);
     }
     DicingOptions limits = options;
-    if (screen.IsOutside(points)) {
+    if (options.view.isOnlyInstance && screen.IsOutside(points)) {
         limits.level = std::min(options.level, options.offScreenLevel);
     }
+    const auto n = std::size_t(numSamples);
     if (_shape == FaceShape::Quad) {
-        const std::size_t n = IsBezier() ? 4 : 5;
-        const GridDemand demand = IsBezier() ? MeasureGrid(points.data(), n, 3.0, 6.0)
-                                             : MeasureGrid(points.data(), n, 4.0, 16.0);
+        const GridDemand demand =
+            IsBezier() ? MeasureBezier(points.data()) : MeasureSamples(points.data(), n, false);
         const std::size_t first[] = {0, n - 1, n * (n - 1), 0};
         const std::size_t stride[] = {1, n, 1, n};
         for (std::uint32_t edge = 0; edge < 4; ++edge) {
@@ -147,10 +168,10 @@ void FaceMeter::RequestLevels(const DicingOptions& options, double bump,
     }
     EdgeDemand all;
     if (_shape == FaceShape::Triangle) {
-        all = MeasureTriangle(points.data());
+        all = MeasureTriangle(points.data(), n);
     } else {
         for (std::uint32_t grid = 0; grid < numEdges; ++grid) {
-            const GridDemand demand = MeasureGrid(points.data() + 9 * grid, 3, 4.0, 16.0);
+            const GridDemand demand = MeasureSamples(points.data() + n * n * grid, n, true);
             all.Add(demand.u);
             all.Add(demand.v);
         }

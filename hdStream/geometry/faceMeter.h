@@ -34,7 +34,8 @@ public:
     void RequestLevels(const DicingOptions& options, double bump, std::uint8_t* levels) const;
 
 private:
-    std::vector<glm::dvec3> SamplePoints() const;
+    int NumSamples() const;
+    std::vector<glm::dvec3> SamplePoints(int n) const;
     bool IsBezier() const { return _shape == FaceShape::Quad && _surface.IsRegular(); }
 
     const SubdivModel& _model;

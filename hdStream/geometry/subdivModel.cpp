@@ -66,6 +66,13 @@ std::unique_ptr<const SubdivModel> SubdivModel::Make(std::shared_ptr<const MeshD
     model->_mesh = std::move(mesh);
     model->_primPath = primPath;
     model->_warnings = &warnings;
+    PrimLog log(primPath, warnings);
+    const FaceTable table = BuildFaceTable(*model->_mesh);
+    CheckHeader(*model->_mesh, table, log);
+    if (!IsCountable(*model->_mesh, table, log)) {
+        return nullptr;
+    }
+    MarkHoles(*model->_mesh, log); // for its warning: the cage has its holes from the authored list
     model->_cage = BuildSubdivCage(*model->_mesh, primPath, warnings);
     if (model->_cage.faces.empty()) {
         return nullptr;

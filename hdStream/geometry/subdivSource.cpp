@@ -41,7 +41,7 @@ Bounds RoundOut(const ExactBox& box, const glm::dvec3& origin) {
     return bounds;
 }
 
-class SubdivSource final : public ChunkSource {
+class SubdivSource final : public SubdivChunkSource {
 public:
     SubdivSource(std::unique_ptr<const SubdivModel> model, const std::string& primPath,
                  const DicingOptions& options, const Displacement& displacement,
@@ -65,6 +65,8 @@ public:
     }
 
     Bounds UnitBounds(std::uint32_t unit) const override { return _unitBounds[unit]; }
+
+    const std::vector<std::uint8_t>& EdgeLevels() const override { return _dice.edgeLevels; }
 
     ChunkGeometry Gather(const std::uint32_t* units, std::size_t count) const override {
         for (std::size_t i = 0; i < count; ++i) {
@@ -197,11 +199,10 @@ bool IsSubdivisionScheme(const std::string& scheme) {
     return scheme == "catmullClark" || scheme == "loop" || scheme == "bilinear";
 }
 
-std::shared_ptr<const ChunkSource> MakeSubdivSource(std::shared_ptr<const MeshDescription> mesh,
-                                                    const std::string& primPath,
-                                                    const DicingOptions& options,
-                                                    const Displacement& displacement,
-                                                    Warnings& warnings) {
+std::shared_ptr<const SubdivChunkSource>
+MakeSubdivSource(std::shared_ptr<const MeshDescription> mesh, const std::string& primPath,
+                 const DicingOptions& options, const Displacement& displacement,
+                 Warnings& warnings) {
     auto model = SubdivModel::Make(std::move(mesh), primPath, warnings);
     if (!model) {
         return nullptr;

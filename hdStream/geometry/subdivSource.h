@@ -11,11 +11,20 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace hds {
 
 /// True for catmullClark, loop and bilinear.
 bool IsSubdivisionScheme(const std::string& scheme);
+
+/// A source that knows its rates.
+class SubdivChunkSource : public ChunkSource {
+public:
+    /// Level of each edge of the cage, in OpenSubdiv's order. With the mesh and its displacement
+    /// they are all that the chunks depend on, whatever camera they were chosen for.
+    virtual const std::vector<std::uint8_t>& EdgeLevels() const = 0;
+};
 
 /// Checks the mesh, chooses rates and measures the units; evaluates no triangle.
 /// \return null, with a warning, when OpenSubdiv refuses the mesh: its cage is drawn as polygons
@@ -24,10 +33,9 @@ bool IsSubdivisionScheme(const std::string& scheme);
 /// \param warnings must outlive the source: values of primvars are looked at when the first chunk
 /// is gathered. Cost: one evaluation of OpenSubdiv per cage face, on all cores.
 /// Precondition: IsSubdivisionScheme(mesh->subdivisionScheme).
-std::shared_ptr<const ChunkSource> MakeSubdivSource(std::shared_ptr<const MeshDescription> mesh,
-                                                    const std::string& primPath,
-                                                    const DicingOptions& options,
-                                                    const Displacement& displacement,
-                                                    Warnings& warnings);
+std::shared_ptr<const SubdivChunkSource>
+MakeSubdivSource(std::shared_ptr<const MeshDescription> mesh, const std::string& primPath,
+                 const DicingOptions& options, const Displacement& displacement,
+                 Warnings& warnings);
 
 } // namespace hds

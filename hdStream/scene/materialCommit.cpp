@@ -98,24 +98,37 @@ std::uint32_t MaterialCommit::AddRecord(const shared::HdsMaterial& record) {
     return found->second;
 }
 
+/// The material of each entry: the prim's, then one for each subset.
+std::vector<std::string> MaterialCommit::EntryPaths(const MeshPrim& prim) const {
+    std::vector<std::string> paths = {prim.materialPath};
+    for (std::size_t i = 0; i < prim.mesh->subsets.size(); ++i) {
+        // A subset without a material of its own shows the prim's.
+        const bool hasOwn =
+            i < prim.subsetMaterialPaths.size() && HasSurface(_scene, prim.subsetMaterialPaths[i]);
+        paths.push_back(hasOwn ? prim.subsetMaterialPaths[i] : prim.materialPath);
+    }
+    return paths;
+}
+
+std::vector<DisplacementInput> MaterialCommit::DisplacementsOf(const MeshPrim& prim) const {
+    std::vector<DisplacementInput> displacements;
+    for (const std::string& materialPath : EntryPaths(prim)) {
+        displacements.push_back(Find(materialPath).displacement);
+    }
+    return displacements;
+}
+
 MeshMaterialInfo MaterialCommit::AddMesh(const std::string& path, const MeshPrim& prim,
                                          const PreparedMesh& prepared) {
     MeshMaterialInfo info;
     info.materialBase = static_cast<std::uint32_t>(meshMaterials.size());
-    const auto add = [&](const std::string& materialPath) {
+    for (const std::string& materialPath : EntryPaths(prim)) {
         const shared::HdsMaterial record =
             ResolveMaterial(Find(materialPath), prepared.attributes, path, _warnings);
         info.hasCutouts = info.hasCutouts || (record.flags & HDS_MATERIAL_CUTOUT) != 0;
         info.isEmissive = info.isEmissive || (record.flags & HDS_MATERIAL_EMISSIVE) != 0;
         meshMaterials.push_back(AddRecord(record));
         ++info.numEntries;
-    };
-    add(prim.materialPath);
-    for (std::size_t i = 0; i < prim.mesh->subsets.size(); ++i) {
-        // A subset without a material of its own shows the prim's.
-        const bool hasOwn =
-            i < prim.subsetMaterialPaths.size() && HasSurface(_scene, prim.subsetMaterialPaths[i]);
-        add(hasOwn ? prim.subsetMaterialPaths[i] : prim.materialPath);
     }
     return info;
 }

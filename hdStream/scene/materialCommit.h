@@ -44,12 +44,16 @@ public:
     MeshMaterialInfo AddMesh(const std::string& path, const MeshPrim& prim,
                              const PreparedMesh& prepared);
 
+    /// By material entry, as AddMesh adds them. Precondition: compiled.
+    std::vector<DisplacementInput> DisplacementsOf(const MeshPrim& prim) const;
+
     std::vector<shared::HdsMaterial> materials;
     std::vector<std::uint32_t> meshMaterials;
 
 private:
     std::uint32_t AddRecord(const shared::HdsMaterial& record);
     const CompiledMaterial& Find(const std::string& materialPath) const;
+    std::vector<std::string> EntryPaths(const MeshPrim& prim) const;
     CachedMaterial CompileNetwork(const std::string& path,
                                   const std::shared_ptr<const MaterialNetwork>& network);
 

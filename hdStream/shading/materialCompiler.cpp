@@ -92,13 +92,26 @@ const MaterialNode* FindSurface(const MaterialNetwork& network, const NetworkEva
     return node;
 }
 
-void WarnDisplacement(NetworkEvaluator& evaluator, const MaterialNode& surface,
-                      const std::string& materialPath, Warnings& warnings) {
-    const bool isConnected = surface.connections.count("displacement") != 0;
-    const InputValue value = evaluator.Parameter(surface, "displacement");
-    if (isConnected || (value.kind == InputValue::Kind::Constant && value.value[0] != 0.0F)) {
-        warnings.Add(materialPath, "displacement is ignored");
+/// Constants and primvars; what reads a texture warns and is ignored.
+DisplacementInput FindDisplacement(NetworkEvaluator& evaluator, const MaterialNode& surface,
+                                   const std::string& materialPath, Warnings& warnings) {
+    DisplacementInput displacement;
+    const auto connection = surface.connections.find("displacement");
+    if (connection != surface.connections.end()) {
+        const MaterialNode* source = evaluator.FindNode(connection->second.upstreamPath);
+        if (source != nullptr && source->identifier == "UsdUVTexture") {
+            warnings.Add(materialPath, "displacement by a texture is ignored");
+            return displacement;
+        }
     }
+    const InputValue value = evaluator.Evaluate(surface, "displacement");
+    if (value.kind != InputValue::Kind::None) {
+        displacement.constant = value.value[0];
+    }
+    if (value.kind == InputValue::Kind::Primvar) {
+        displacement.primvar = value.primvar;
+    }
+    return displacement;
 }
 
 bool HasSlot(const shared::HdsMaterial& m, std::uint32_t input) {
@@ -152,7 +165,7 @@ CompiledMaterial CompileMaterial(const MaterialNetwork& network, const std::stri
     if (workflow.kind == InputValue::Kind::Constant && workflow.value[0] != 0.0F) {
         material.constants.flags |= HDS_MATERIAL_SPECULAR_WORKFLOW;
     }
-    WarnDisplacement(evaluator, *surface, materialPath, warnings);
+    material.displacement = FindDisplacement(evaluator, *surface, materialPath, warnings);
     return material;
 }
 

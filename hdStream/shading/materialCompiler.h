@@ -29,10 +29,21 @@ struct PrimvarReader {
     std::uint32_t numComponents = 1; ///< it needs: 1 or 3
 };
 
+/// How far a material moves the surface along its normal, object-space units.
+struct DisplacementInput {
+    float constant = 0.0F; ///< also where the mesh has no such primvar
+    std::string primvar;   ///< without "primvars:", its first component; empty: the constant
+
+    bool operator==(const DisplacementInput& other) const {
+        return constant == other.constant && primvar == other.primvar;
+    }
+};
+
 /// A material before it is bound: constants hold the readers' fallbacks, all slots are HDS_NONE.
 struct CompiledMaterial {
     shared::HdsMaterial constants{};
     std::vector<PrimvarReader> readers;
+    DisplacementInput displacement;
 };
 
 /// An attribute of a mesh as materials see it; its slot is HDS_SLOT_USER + its index in the list.

@@ -16,8 +16,8 @@ namespace hds::test {
 
 /// A source with everything it says.
 struct Diced {
-    std::shared_ptr<const ChunkSource> source; ///< null: refused
-    ChunkGeometry chunk;                       ///< of all units
+    std::shared_ptr<const SubdivChunkSource> source; ///< null: refused
+    ChunkGeometry chunk;                             ///< of all units
     std::vector<std::string> warnings;
 };
 

@@ -147,5 +147,197 @@ TEST(SubdivSource, OpenCagesFollowEveryBoundaryRule) {
     }
 }
 
+/// Elements of an attribute at a triangle's corner.
+const float* ValueAt(const ChunkGeometry& chunk, const MeshAttribute& attribute, std::size_t t,
+                     int k) {
+    std::size_t element = 0;
+    switch (attribute.interpolation) {
+    case Interpolation::Vertex:
+        element = chunk.points[chunk.triangles[t][k]];
+        break;
+    case Interpolation::FaceVarying:
+        element = chunk.corners[t][k];
+        break;
+    case Interpolation::Uniform:
+        element = chunk.faces[t];
+        break;
+    default:
+        break;
+    }
+    if (!attribute.indices.empty()) {
+        element = std::size_t(attribute.indices[element]);
+    }
+    return attribute.values.data() + element * attribute.numComponents;
+}
+
+TEST(SubdivSource, FaceVaryingValuesFollowTheirOwnTopology) {
+    // Seams: every fifth corner has a value of its own, the others share one a point.
+    std::mt19937 random(13);
+    const char* const rules[] = {"none",         "cornersOnly", "cornersPlus1",
+                                 "cornersPlus2", "boundaries",  "all"};
+    for (int round = 0; round < 12; ++round) {
+        SCOPED_TRACE(rules[round % 6]);
+        MeshDescription mesh = MakeRandomCage(random, round >= 6);
+        mesh.subdivTags.faceVaryingLinearInterpolation = rules[round % 6];
+        std::vector<glm::dvec2> uv;
+        std::vector<int> indices;
+        std::map<int, int> shared;
+        for (const int point : mesh.faceVertexIndices) {
+            const bool isOwn = random() % 5 == 0;
+            if (isOwn || shared.count(point) == 0) {
+                if (!isOwn) {
+                    shared[point] = int(uv.size());
+                }
+                indices.push_back(int(uv.size()));
+                uv.emplace_back(float(random() % 1000) / 1000.0F, float(random() % 1000) / 1000.0F);
+            } else {
+                indices.push_back(shared[point]);
+            }
+        }
+        Primvar primvar;
+        primvar.name = "st";
+        primvar.interpolation = Interpolation::FaceVarying;
+        primvar.numComponents = 2;
+        std::vector<float> values;
+        for (const glm::dvec2& v : uv) {
+            values.insert(values.end(), {float(v.x), float(v.y)});
+        }
+        primvar.values = values;
+        primvar.indices = std::vector<std::int32_t>(indices.begin(), indices.end());
+        mesh.primvars = {primvar};
+        const Diced diced = DiceUniform(mesh, 2);
+        const LimitLevel limit = RefineToLimit(mesh, 2, uv, indices);
+        const PointFinder finder(limit.points);
+        ASSERT_EQ(diced.chunk.attributes.size(), 1U);
+        std::map<std::pair<int, int>, std::vector<glm::dvec2>> expected; // by cage face and point
+        for (std::size_t f = 0; f < limit.faces.size(); ++f) {
+            for (std::size_t k = 0; k < limit.faces[f].size(); ++k) {
+                expected[{limit.cageFaces[f], limit.faces[f][k]}].push_back(limit.uvs[f][k]);
+            }
+        }
+        for (std::size_t t = 0; t < diced.chunk.triangles.size(); ++t) {
+            for (int k = 0; k < 3; ++k) {
+                const auto near = finder.Near(PositionOf(diced, diced.chunk.triangles[t][k]), 2e-6);
+                ASSERT_EQ(near.size(), 1U);
+                const float* st = ValueAt(diced.chunk, diced.chunk.attributes[0], t, k);
+                double distance = 1.0;
+                for (const glm::dvec2& v :
+                     expected[{int(diced.chunk.faces[t]), int(near.front())}]) {
+                    distance = std::min(distance, glm::length(v - glm::dvec2(st[0], st[1])));
+                }
+                ASSERT_LT(distance, 2e-3); // near extraordinary values end caps approximate
+            }
+        }
+    }
+}
+
+TEST(SubdivSource, PrimvarsFollowThePoints) {
+    // A vertex primvar that repeats the points must stay equal to them; x as a varying one is the
+    // bilinear cage's; uniform and constant values stay with their faces.
+    MeshDescription mesh = MakeCube();
+    Primvar vertex;
+    vertex.name = "a";
+    vertex.interpolation = Interpolation::Vertex;
+    vertex.numComponents = 3;
+    vertex.values = mesh.points;
+    Primvar varying = vertex;
+    varying.name = "b";
+    varying.interpolation = Interpolation::Varying;
+    Primvar uniform;
+    uniform.name = "c";
+    uniform.interpolation = Interpolation::Uniform;
+    uniform.values = std::vector<float>{10, 11, 12};
+    uniform.indices = std::vector<std::int32_t>{0, 1, 2, 2, 1, 0};
+    Primvar constant;
+    constant.name = "d";
+    constant.values = std::vector<float>{7};
+    mesh.primvars = {varying, uniform, constant, vertex};
+    const Diced diced = DiceUniform(mesh, 2);
+    MeshDescription linear = MakeCube();
+    linear.subdivisionScheme = "bilinear";
+    const Diced cage = DiceUniform(linear, 2);
+    EXPECT_TRUE(cage.chunk.normals.values.empty());
+    ASSERT_EQ(diced.chunk.attributes.size(), 4U);
+    ASSERT_EQ(cage.chunk.triangles, diced.chunk.triangles);
+    const float byFace[] = {10, 11, 12, 12, 11, 10};
+    for (std::size_t t = 0; t < diced.chunk.triangles.size(); ++t) {
+        EXPECT_EQ(*ValueAt(diced.chunk, diced.chunk.attributes[2], t, 0),
+                  byFace[diced.chunk.faces[t]]);
+        EXPECT_EQ(*ValueAt(diced.chunk, diced.chunk.attributes[3], t, 0), 7.0F);
+        for (int k = 0; k < 3; ++k) {
+            const std::uint32_t point = diced.chunk.triangles[t][k];
+            for (int axis = 0; axis < 3; ++axis) {
+                EXPECT_EQ(ValueAt(diced.chunk, diced.chunk.attributes[0], t, k)[axis],
+                          diced.chunk.positions[point][axis]);
+                EXPECT_NEAR(ValueAt(diced.chunk, diced.chunk.attributes[1], t, k)[axis],
+                            cage.chunk.positions[point][axis], 1e-6);
+            }
+        }
+    }
+}
+
+TEST(SubdivSource, SharpCreasesKeepTheCubeAndItsNormals) {
+    MeshDescription mesh = MakeCube();
+    std::vector<std::int32_t> creases;
+    for (std::size_t f = 0; f < 6; ++f) {
+        for (std::size_t k = 0; k < 4; ++k) {
+            creases.push_back(mesh.faceVertexIndices[4 * f + k]);
+            creases.push_back(mesh.faceVertexIndices[4 * f + (k + 1) % 4]);
+        }
+    }
+    mesh.subdivTags.creaseLengths = std::vector<std::int32_t>(24, 2);
+    mesh.subdivTags.creaseSharpnesses = std::vector<float>(24, 10.0F);
+    mesh.subdivTags.creaseIndices = creases;
+    const Diced diced = DiceUniform(mesh, 3);
+    EXPECT_TRUE(diced.warnings.empty());
+    ASSERT_EQ(diced.chunk.normals.interpolation, Interpolation::FaceVarying);
+    double area = 0.0;
+    for (std::size_t t = 0; t < diced.chunk.triangles.size(); ++t) {
+        const glm::uvec3 triangle = diced.chunk.triangles[t];
+        const glm::dvec3 p0 = PositionOf(diced, triangle.x);
+        const glm::dvec3 cross =
+            glm::cross(PositionOf(diced, triangle.y) - p0, PositionOf(diced, triangle.z) - p0);
+        area += 0.5 * glm::length(cross);
+        for (int k = 0; k < 3; ++k) {
+            EXPECT_LT(glm::length(NormalOf(diced.chunk, t, k) - glm::normalize(cross)), 1e-5);
+        }
+    }
+    EXPECT_NEAR(area, 24.0, 1e-5);
+}
+
+TEST(SubdivSource, CubeCornersGoToTheirLimit) {
+    // Halstead, Kass, DeRose 1993: limit = (n^2 v + 4 sum of edge ends + sum of face diagonals) /
+    // (n (n + 5)); for the corner (1,1,1) of a cube, n = 3: (9 + 4 - 1) / 24 = 1/2 per coordinate.
+    // At level 0 as well.
+    for (std::uint32_t level = 0; level < 3; ++level) {
+        const Diced diced = DiceUniform(MakeCube(), level);
+        int numFound = 0;
+        for (const glm::vec3& p : diced.chunk.positions) {
+            const glm::vec3 distance = glm::abs(glm::abs(p) - 0.5F);
+            numFound += std::max({distance.x, distance.y, distance.z}) < 1e-6F ? 1 : 0;
+        }
+        EXPECT_EQ(numFound, 8);
+        EXPECT_EQ(diced.chunk.triangles.size(), 12U << (2 * level));
+    }
+}
+
+TEST(SubdivSource, FacesAndSubsetsStayAuthored) {
+    MeshDescription mesh = MakeCube();
+    mesh.holeIndices = std::vector<std::int32_t>{2, 17};
+    mesh.subsets = {{"a", std::vector<std::int32_t>{4, 1}}};
+    const Diced diced = DiceUniform(mesh, 2);
+    EXPECT_EQ(diced.warnings,
+              std::vector<std::string>{"/World/mesh: 1 holeIndices ignored: out of range"});
+    std::map<std::uint32_t, int> numByFace;
+    for (std::size_t t = 0; t < diced.chunk.triangles.size(); ++t) {
+        const std::uint32_t face = diced.chunk.faces[t];
+        ++numByFace[face];
+        EXPECT_EQ(diced.chunk.primIds[t], t);
+        EXPECT_EQ(diced.chunk.materialEntries[t], face == 4 || face == 1 ? 1U : 0U);
+    }
+    EXPECT_EQ(numByFace,
+              (std::map<std::uint32_t, int>{{0, 32}, {1, 32}, {3, 32}, {4, 32}, {5, 32}}));
+}
+
 } // namespace
 } // namespace hds::test

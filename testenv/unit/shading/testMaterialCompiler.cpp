@@ -233,13 +233,30 @@ TEST(MaterialCompilerTest, UnknownUpstreamNodesKeepTheAuthoredValue) {
     }
 }
 
-TEST(MaterialCompilerTest, DisplacementWarnsOnce) {
-    MaterialNetwork network = Preview();
-    Surface(network).parameters["displacement"] = 0.1;
+TEST(MaterialCompilerTest, DisplacementIsAConstantOrAPrimvar) {
     Warnings warnings;
+    EXPECT_EQ(Compile(Preview(), warnings).displacement, DisplacementInput());
+    MaterialNetwork constant = Preview();
+    Surface(constant).parameters["displacement"] = 0.25;
+    EXPECT_EQ(Compile(constant, warnings).displacement, (DisplacementInput{0.25F, ""}));
+    MaterialNetwork reader = Preview();
+    Surface(reader).connections["displacement"] = {"/m/reader", "result"};
+    MaterialNode& node = AddNode(reader, "/m/reader", "UsdPrimvarReader_float");
+    node.parameters["varname"] = std::string("bumps");
+    node.parameters["fallback"] = 0.5;
+    EXPECT_EQ(Compile(reader, warnings).displacement, (DisplacementInput{0.5F, "bumps"}));
+    EXPECT_TRUE(warnings.Lines().empty());
+}
+
+TEST(MaterialCompilerTest, DisplacementByATextureWarnsOnce) {
+    MaterialNetwork network = Preview();
+    Surface(network).connections["displacement"] = {"/m/texture", "r"};
+    AddNode(network, "/m/texture", "UsdUVTexture");
+    Warnings warnings;
+    EXPECT_EQ(Compile(network, warnings).displacement, DisplacementInput());
     Compile(network, warnings);
-    Compile(network, warnings);
-    EXPECT_EQ(warnings.Lines().size(), 1U);
+    EXPECT_EQ(warnings.Lines(),
+              std::vector<std::string>{"/m: displacement by a texture is ignored"});
 }
 
 } // namespace

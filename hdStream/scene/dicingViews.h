@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a recorded dicing camera sees of each subdivided mesh: the view of its finest instance.
+// Explained in docs/geometry.md.
+#pragma once
+
+#include "hdStream/geometry/dicing.h"
+#include "hdStream/scene/sceneDescription.h"
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace hds {
+
+/// The camera that rates are chosen for. It stays when the render's camera moves, until the scene
+/// is diced again.
+struct DicingCamera {
+    glm::dmat4 worldFromCamera{1.0};
+    bool isOrthographic = false;
+    glm::dvec2 windowMin{-1.0}; ///< as DicingView's
+    glm::dvec2 windowMax{1.0};
+    glm::dvec2 imageSize{0.0}; ///< pixels
+    double nearClip = 1e-3;
+
+    bool operator==(const DicingCamera& other) const {
+        return worldFromCamera == other.worldFromCamera && isOrthographic == other.isOrthographic &&
+               windowMin == other.windowMin && windowMax == other.windowMax &&
+               imageSize == other.imageSize && nearClip == other.nearClip;
+    }
+};
+
+/// Views by prim path, of those of `meshes` that have a subdivision scheme. Prototypes that are
+/// placed alike share the search: it costs one matrix product per instance, and no memory. The
+/// finest instance is the one on screen whose pixels are smallest, by the sphere around what is
+/// placed; without any on screen, the one nearest to it.
+std::map<std::string, DicingView>
+FindDicingViews(const SceneDescription& scene,
+                const std::vector<const std::pair<const std::string, MeshPrim>*>& meshes,
+                const DicingCamera& camera);
+
+} // namespace hds

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+// Adaptive rates: triangles stay within the promised distance of the limit surface on screen, what
+// is far or beside the image stays coarse, and rates do not depend on threads.
+#include "hdStream/geometry/subdivDice.h"
+#include "testenv/unit/geometry/subdivFixtures.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+
+namespace hds::test {
+namespace {
+
+DicingOptions MakeOptions(const glm::dvec3& objectFromCamera) {
+    DicingOptions options;
+    options.isAdaptive = true;
+    options.level = kAdaptiveLevel;
+    options.view.imageSize = {640.0, 480.0};
+    options.view.windowMin = {-0.5, -0.375};
+    options.view.windowMax = {0.5, 0.375};
+    options.view.cameraFromObject[3] = glm::dvec4(objectFromCamera, 1.0);
+    return options;
+}
+
+/// Distance of a point from a triangle.
+double Distance(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b,
+                const glm::dvec3& c) {
+    const glm::dvec3 normal = glm::cross(b - a, c - a);
+    const glm::dvec3 corners[] = {a, b, c};
+    double distance = 1e300;
+    bool isInside = glm::length(normal) > 0.0;
+    for (int k = 0; k < 3; ++k) {
+        const glm::dvec3 from = corners[k];
+        const glm::dvec3 edge = corners[(k + 1) % 3] - from;
+        isInside = isInside && glm::dot(glm::cross(edge, p - from), normal) >= 0.0;
+        const double t = glm::clamp(glm::dot(p - from, edge) / glm::dot(edge, edge), 0.0, 1.0);
+        distance = std::min(distance, glm::length(p - from - t * edge));
+    }
+    return isInside ? std::min(distance, std::fabs(glm::dot(p - a, glm::normalize(normal))))
+                    : distance;
+}
+
+TEST(Dicing, TrianglesAreNearTheLimitOnScreen) {
+    // Points of a much finer level of OpenSubdiv's refinement, each against the triangles of its
+    // face: at most half a pixel away, the bar that is asked for.
+    std::mt19937 random(31);
+    for (int round = 0; round < 6; ++round) {
+        SCOPED_TRACE(round);
+        MeshDescription mesh = MakeRandomCage(random, round % 3 == 2);
+        if (round >= 3) {
+            AddRandomTags(mesh, random);
+            mesh.subdivTags.interpolateBoundary = "edgeAndCorner";
+        }
+        const glm::dvec3 eye(0.3, 0.2, -6.0);
+        const DicingOptions options = MakeOptions(eye);
+        const Diced diced = DiceAll(mesh, options);
+        const LimitLevel limit = RefineToLimit(mesh, 5);
+        std::vector<std::vector<std::size_t>> byFace(mesh.faceVertexCounts.size());
+        for (std::size_t t = 0; t < diced.chunk.triangles.size(); ++t) {
+            byFace[diced.chunk.faces[t]].push_back(t);
+        }
+        double worst = 0.0;
+        for (std::size_t f = 0; f < limit.faces.size(); f += 7) {
+            const glm::dvec3 p = limit.points[std::size_t(limit.faces[f][0])];
+            double distance = 1e300;
+            for (const std::size_t t : byFace[std::size_t(limit.cageFaces[f])]) {
+                const glm::uvec3 v = diced.chunk.triangles[t];
+                distance = std::min(distance, Distance(p, glm::dvec3(diced.chunk.positions[v.x]),
+                                                       glm::dvec3(diced.chunk.positions[v.y]),
+                                                       glm::dvec3(diced.chunk.positions[v.z])));
+            }
+            worst = std::max(worst, distance * 640.0 / -(p.z + eye.z));
+        }
+        EXPECT_LT(worst, 0.5);
+        // Far fewer triangles than the uniform level; semi-sharp edges need more.
+        EXPECT_LT(diced.chunk.triangles.size(),
+                  DiceUniform(mesh, kAdaptiveLevel).source->NumTriangles() / (round < 3 ? 10 : 2));
+    }
+}
+
+TEST(Dicing, WhatIsFarOrUnseenStaysCoarse) {
+    const MeshDescription cube = MakeCube();
+    const auto numTriangles = [&](const glm::dvec3& at) {
+        return DiceAll(cube, MakeOptions(at)).chunk.triangles.size();
+    };
+    const std::size_t near = numTriangles({0, 0, -3});
+    const std::size_t farther = numTriangles({0, 0, -30});
+    EXPECT_GT(near, 3 * farther);
+    EXPECT_GT(farther, 12U);
+    EXPECT_EQ(numTriangles({0, 0, -30000}), 12U);
+    EXPECT_LE(numTriangles({30, 0, -3}), 48U);
+    EXPECT_LE(numTriangles({0, 0, 30}), 48U);
+    // Another instance may show what this one has beside the image.
+    DicingOptions shared = MakeOptions({30, 0, -3});
+    shared.view.isOnlyInstance = false;
+    EXPECT_GT(DiceAll(cube, shared).chunk.triangles.size(), 48U);
+    // From within, the level is the bound.
+    DicingOptions inside = MakeOptions({0, 0, 0});
+    inside.view.windowMin = glm::dvec2(-1e9);
+    inside.view.windowMax = glm::dvec2(1e9);
+    inside.view.imageSize = glm::dvec2(1e15);
+    inside.level = 3;
+    inside.view.isOnlyInstance = false;
+    EXPECT_EQ(DiceAll(cube, inside).chunk.triangles.size(), 12U << 6U);
+}
+
+TEST(Dicing, FlatFacesNeedNoTriangles) {
+    MeshDescription sheet = MakeFlatGrid(3);
+    sheet.subdivisionScheme = "bilinear";
+    EXPECT_EQ(DiceAll(sheet, MakeOptions({-0.5, -0.5, -30})).chunk.triangles.size(), 18U);
+}
+
+TEST(Dicing, ResultsDoNotDependOnThreads) {
+    std::mt19937 random(33);
+    MeshDescription mesh = MakeRandomCage(random, false);
+    AddRandomTags(mesh, random);
+    const DicingOptions options = MakeOptions({0.3, 0.2, -6.0});
+    const Diced many = DiceAll(mesh, options);
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, 1);
+    const Diced one = DiceAll(mesh, options);
+    EXPECT_EQ(many.chunk.positions, one.chunk.positions);
+    EXPECT_EQ(many.chunk.triangles, one.chunk.triangles);
+    EXPECT_EQ(many.chunk.primIds, one.chunk.primIds);
+    EXPECT_EQ(many.source->EdgeLevels(), one.source->EdgeLevels());
+}
+
+TEST(Dicing, LevelsFallUntilTrianglesCanBeCounted) {
+    std::mt19937 random(34);
+    Warnings warnings;
+    SubdivDice dice;
+    dice.model = SubdivModel::Make(
+        std::make_shared<MeshDescription>(MakeGrid(256, [](float, float) { return 0.0F; })),
+        "/World/mesh", warnings);
+    dice.edgeLevels.assign(std::size_t(dice.model->Level().GetNumEdges()), kMaxDicingLevel);
+    EXPECT_EQ(dice.NumberUnits(), std::uint64_t(65536) * 2 * 128 * 128);
+    EXPECT_EQ(dice.edgeLevels[0], 7);
+}
+
+} // namespace
+} // namespace hds::test
