@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/commit.h"
 
+#include "hdStream/geometry/subdivSource.h"
 #include "hdStream/scene/hierarchy.h"
 #include "hdStream/scene/lightCommit.h"
 #include "hdStream/scene/materialCommit.h"
@@ -59,10 +60,10 @@ public:
             }
         }
         _cache.images.BeginCommit();
-        if (!_cache.meshes.Prepare(_scene, drawn, _options.meshes, _warnings, isCancelled)) {
+        _materials.Compile(drawn);
+        if (!_cache.meshes.Prepare(_scene, InputsOf(drawn), _warnings, isCancelled)) {
             return nullptr;
         }
-        _materials.Compile(drawn);
         if (isCancelled && isCancelled()) {
             return nullptr;
         }
@@ -86,6 +87,34 @@ public:
     }
 
 private:
+    /// What the drawn meshes are made of.
+    std::vector<MeshStore::Drawn> InputsOf(const std::vector<const MeshEntry*>& drawn) const {
+        std::map<std::string, DicingView> views;
+        const bool isAdaptive = _options.subdivision == Subdivision::Adaptive;
+        if (isAdaptive && _options.dicingCamera) {
+            views = FindDicingViews(_scene, drawn, *_options.dicingCamera);
+        }
+        const bool isDiced = isAdaptive || (_options.subdivision == Subdivision::Complexity &&
+                                            _options.refineLevel > 0);
+        std::vector<MeshStore::Drawn> inputs;
+        for (const MeshEntry* entry : drawn) {
+            MeshInputs input;
+            input.mesh = entry->second.mesh;
+            input.chunkBytes = _options.chunkBytes;
+            if (isDiced && IsSubdivisionScheme(input.mesh->subdivisionScheme)) {
+                input.dicing.emplace();
+                input.dicing->isAdaptive = isAdaptive;
+                input.dicing->level = isAdaptive ? kAdaptiveLevel : _options.refineLevel;
+                const auto view = views.find(entry->first);
+                if (view != views.end()) {
+                    input.dicing->view = view->second;
+                }
+            }
+            inputs.emplace_back(&entry->first, std::move(input));
+        }
+        return inputs;
+    }
+
     /// Objects, chunks and pages of all prepared meshes: one that is hidden keeps its pages.
     void AddObjects() {
         _result->objects.emplace_back(); // the TLAS

@@ -5,6 +5,7 @@
 
 #include "hdStream/accel/geometryPages.h"
 #include "hdStream/base/log.h"
+#include "hdStream/scene/dicingViews.h"
 #include "hdStream/scene/imageLibrary.h"
 #include "hdStream/scene/materialCommit.h"
 #include "hdStream/scene/meshStore.h"
@@ -16,20 +17,34 @@
 #include <glm/vec3.hpp>
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace hds {
+
+/// How subdivision surfaces are drawn (DESIGN.md section 4.8).
+enum class Subdivision {
+    Adaptive,   ///< the limit surface, as fine as its size on the dicing camera's image asks for
+    Complexity, ///< one level for all meshes; 0: as Cage
+    Cage,       ///< as authored, not subdivided
+};
 
 /// What decides which prims are drawn and how they are cut.
 struct CommitOptions {
     std::vector<std::string> purposes;        ///< drawn
     CullStyle cullStyle = CullStyle::Nothing; ///< of meshes that say DontCare
     bool domeVisible = true;                  ///< domes are seen by camera rays
-    MeshOptions meshes;
+    std::uint64_t chunkBytes = 1U << 20U; ///< about what the pages of a chunk take at most
+    Subdivision subdivision = Subdivision::Adaptive;
+    std::uint32_t refineLevel = 0; ///< for Subdivision::Complexity
+    /// For Subdivision::Adaptive; nothing: no surface is on screen.
+    std::optional<DicingCamera> dicingCamera;
 
     bool operator==(const CommitOptions& other) const {
         return purposes == other.purposes && cullStyle == other.cullStyle &&
-               domeVisible == other.domeVisible && meshes == other.meshes;
+               domeVisible == other.domeVisible && chunkBytes == other.chunkBytes &&
+               subdivision == other.subdivision && refineLevel == other.refineLevel &&
+               dicingCamera == other.dicingCamera;
     }
 };
 

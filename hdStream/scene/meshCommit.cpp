@@ -3,7 +3,7 @@
 
 #include "hdStream/accel/bvh.h"
 #include "hdStream/geometry/polygonSource.h"
-#include "hdStream/geometry/triangleMeshSource.h"
+#include "hdStream/geometry/subdivSource.h"
 #include "hdStream/scene/meshKey.h"
 #include "hdStream/scene/transforms.h"
 
@@ -31,45 +31,23 @@ void BuildTopTree(PreparedMesh* mesh) {
     mesh->topNodes = std::move(tree.nodes);
 }
 
-/// Bounds of Subdivision::Adaptive.
-constexpr std::uint32_t kMaxAdaptiveLevel = 3;
-constexpr std::size_t kMaxAdaptiveFaces = std::size_t{1} << 17U;
-
-std::shared_ptr<const ChunkSource> MakeSource(const std::string& path,
-                                              std::shared_ptr<const MeshDescription> mesh,
-                                              const MeshOptions& options, Warnings& warnings) {
-    const std::uint32_t level = ChooseRefineLevel(options, mesh->faceVertexCounts.size());
-    const std::string& scheme = mesh->subdivisionScheme;
-    if (level > 0 && (scheme == "catmullClark" || scheme == "loop" || scheme == "bilinear")) {
-        return std::make_shared<const TriangleMeshSource>(
-            Triangulate(*mesh, path, warnings, static_cast<int>(level)));
+std::shared_ptr<const ChunkSource> MakeSource(const std::string& path, const MeshInputs& inputs,
+                                              Warnings& warnings) {
+    if (inputs.dicing) {
+        auto source = MakeSubdivSource(inputs.mesh, path, *inputs.dicing, {}, warnings);
+        if (source) {
+            return source;
+        }
     }
-    return MakePolygonSource(std::move(mesh), path, warnings);
+    return MakePolygonSource(inputs.mesh, path, warnings);
 }
 
 } // namespace
 
-std::uint32_t ChooseRefineLevel(const MeshOptions& options, std::size_t numFaces) {
-    switch (options.subdivision) {
-    case Subdivision::Cage:
-        return 0;
-    case Subdivision::Complexity:
-        return options.refineLevel;
-    case Subdivision::Adaptive:
-        break;
-    }
-    std::uint32_t level = 0;
-    while (level < kMaxAdaptiveLevel && (numFaces << (2 * (level + 1))) <= kMaxAdaptiveFaces) {
-        ++level;
-    }
-    return level;
-}
-
-PreparedMesh PrepareMesh(const std::string& path, std::shared_ptr<const MeshDescription> mesh,
-                         const MeshOptions& options, std::shared_ptr<PageStore> store,
-                         Warnings& warnings) {
+PreparedMesh PrepareMesh(const std::string& path, const MeshInputs& inputs,
+                         std::shared_ptr<PageStore> store, Warnings& warnings) {
     PreparedMesh result;
-    const auto source = MakeSource(path, mesh, options, warnings);
+    const auto source = MakeSource(path, inputs, warnings);
     result.leftHanded = source->IsLeftHanded();
     result.origin = source->Origin();
     result.numTriangles = source->NumTriangles();
@@ -80,12 +58,12 @@ PreparedMesh PrepareMesh(const std::string& path, std::shared_ptr<const MeshDesc
         return result;
     }
     const std::uint64_t maxTriangles = std::clamp<std::uint64_t>(
-        options.chunkBytes / source->MeanBytes().Both(), 1, std::numeric_limits<std::uint32_t>::max());
+        inputs.chunkBytes / source->MeanBytes().Both(), 1, std::numeric_limits<std::uint32_t>::max());
     ChunkPlan plan = PlanChunks(*source, static_cast<std::uint32_t>(maxTriangles));
     for (const Bounds& bounds : plan.bounds) {
         ExtendBounds(&result.bounds, bounds);
     }
-    const PageKey key = store ? MakeMeshKey(*mesh, options) : PageKey();
+    const PageKey key = store ? MakeMeshKey(inputs) : PageKey();
     result.mesh = std::make_shared<const ChunkedMesh>(
         ChunkedMesh{source, std::move(plan), std::move(store), key});
     BuildTopTree(&result);

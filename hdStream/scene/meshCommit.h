@@ -4,10 +4,12 @@
 
 #include "hdStream/accel/chunkPages.h"
 #include "hdStream/base/log.h"
+#include "hdStream/geometry/dicing.h"
 #include "hdStream/scene/sceneDescription.h"
 #include "hdStream/shading/materialCompiler.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,35 +27,23 @@ struct PreparedMesh {
     Bounds bounds;                                   ///< relative to origin
 };
 
-/// How subdivision surfaces are drawn (DESIGN.md section 4.8).
-enum class Subdivision {
-    Adaptive, ///< close to the limit surface: the level of a mesh follows from its size, see below
-    Complexity, ///< one level for all meshes
-    Cage,       ///< as authored, not subdivided
-};
+/// All that the pages of a mesh are made of.
+struct MeshInputs {
+    std::shared_ptr<const MeshDescription> mesh;
+    std::uint64_t chunkBytes = 1U << 20U; ///< about what the pages of a chunk take at most
+    /// Of a mesh with a subdivision scheme; nothing: its cage is drawn as polygons.
+    std::optional<DicingOptions> dicing;
 
-/// How meshes are prepared.
-struct MeshOptions {
-    std::uint64_t chunkBytes = 1U << 20U; ///< upper bound of a chunk's pages
-    Subdivision subdivision = Subdivision::Adaptive;
-    std::uint32_t refineLevel = 0; ///< for Subdivision::Complexity
-
-    bool operator==(const MeshOptions& other) const {
-        return chunkBytes == other.chunkBytes && subdivision == other.subdivision &&
-               (subdivision != Subdivision::Complexity || refineLevel == other.refineLevel);
+    bool operator==(const MeshInputs& other) const {
+        return mesh == other.mesh && chunkBytes == other.chunkBytes && dicing == other.dicing;
     }
 };
-
-/// Refine level of a subdivision mesh. Adaptive: the finest up to 3 that keeps the mesh below 2^17
-/// faces, so that small cages become round and large ones, which are fine already, stay in bounds.
-std::uint32_t ChooseRefineLevel(const MeshOptions& options, std::size_t numFaces);
 
 /// Checks a mesh, cuts it into chunks and builds its top tree, on all cores if it is large; makes no
 /// triangles. An unusable mesh has no chunks. \param path subject of the warnings, which must
 /// outlive the result. \param store of finished pages; may be null.
-PreparedMesh PrepareMesh(const std::string& path, std::shared_ptr<const MeshDescription> mesh,
-                         const MeshOptions& options, std::shared_ptr<PageStore> store,
-                         Warnings& warnings);
+PreparedMesh PrepareMesh(const std::string& path, const MeshInputs& inputs,
+                         std::shared_ptr<PageStore> store, Warnings& warnings);
 
 /// All triangles of a prepared mesh.
 ChunkGeometry GatherAll(const PreparedMesh& mesh);

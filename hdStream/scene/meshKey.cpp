@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/meshKey.h"
 
+#include <cstring>
+
 namespace hds {
 
 namespace {
@@ -57,10 +59,31 @@ public:
             Add(subset.faces); // names are no part of pages
         }
     }
-    void Add(const MeshOptions& options) {
-        Add(options.chunkBytes);
-        Add(static_cast<std::uint64_t>(options.subdivision));
-        Add(options.refineLevel);
+    void Add(double value) {
+        std::uint64_t bits = 0;
+        std::memcpy(&bits, &value, sizeof(bits));
+        Add(bits);
+    }
+    void Add(const DicingOptions& dicing) {
+        Add(std::uint64_t{dicing.isAdaptive ? 1U : 0U});
+        Add(std::uint64_t{dicing.level});
+        if (!dicing.isAdaptive) {
+            return;
+        }
+        const DicingView& view = dicing.view;
+        for (int column = 0; column < 4; ++column) {
+            for (int row = 0; row < 4; ++row) {
+                Add(view.cameraFromObject[column][row]);
+            }
+        }
+        for (const double value :
+             {view.windowMin.x, view.windowMin.y, view.windowMax.x, view.windowMax.y,
+              view.imageSize.x, view.imageSize.y, view.nearClip, dicing.maxErrorPixels,
+              dicing.maxTurnDegrees, dicing.maxEdgePixels, dicing.maxBumpPixels}) {
+            Add(value);
+        }
+        Add(std::uint64_t{(view.isOrthographic ? 1U : 0U) | (view.isOnlyInstance ? 2U : 0U)});
+        Add(std::uint64_t{dicing.offScreenLevel});
     }
     PageKey Key() const { return MakePageKey(_hasher); }
 
@@ -70,10 +93,13 @@ private:
 
 } // namespace
 
-PageKey MakeMeshKey(const MeshDescription& mesh, const MeshOptions& options) {
+PageKey MakeMeshKey(const MeshInputs& inputs) {
     KeyHasher hasher;
-    hasher.Add(mesh);
-    hasher.Add(options);
+    hasher.Add(*inputs.mesh);
+    hasher.Add(inputs.chunkBytes);
+    if (inputs.dicing) {
+        hasher.Add(*inputs.dicing);
+    }
     return hasher.Key();
 }
 

@@ -7,8 +7,7 @@
 
 namespace hds {
 
-/// Hash of all that the mesh's pages are made of: description and options. Reads every array, on
-/// all cores.
-PageKey MakeMeshKey(const MeshDescription& mesh, const MeshOptions& options);
+/// Hash of all that the mesh's pages are made of. Reads every array, on all cores.
+PageKey MakeMeshKey(const MeshInputs& inputs);
 
 } // namespace hds

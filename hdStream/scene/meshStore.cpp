@@ -15,23 +15,19 @@ constexpr std::size_t kGrain = 1;
 
 } // namespace
 
-bool MeshStore::Prepare(const SceneDescription& scene, const std::vector<const Entry*>& drawn,
-                        const MeshOptions& options, Warnings& warnings,
-                        const CancelCallback& isCancelled) {
-    if (!(options == _options)) {
-        _items.clear();
-        _options = options;
-    }
+bool MeshStore::Prepare(const SceneDescription& scene, const std::vector<Drawn>& drawn,
+                        Warnings& warnings, const CancelCallback& isCancelled) {
     for (auto item = _items.begin(); item != _items.end();) {
         const auto prim = scene.meshes.find(item->first);
         const bool isCurrent =
-            prim != scene.meshes.end() && prim->second.mesh == item->second.description;
+            prim != scene.meshes.end() && prim->second.mesh == item->second.inputs.mesh;
         item = isCurrent ? std::next(item) : _items.erase(item);
     }
-    std::vector<const Entry*> missing;
-    for (const Entry* entry : drawn) {
-        if (_items.count(entry->first) == 0) {
-            missing.push_back(entry);
+    std::vector<const Drawn*> missing;
+    for (const Drawn& one : drawn) {
+        const auto item = _items.find(*one.first);
+        if (item == _items.end() || !(item->second.inputs == one.second)) {
+            missing.push_back(&one);
         }
     }
     std::vector<std::shared_ptr<const PreparedMesh>> prepared(missing.size());
@@ -45,14 +41,13 @@ bool MeshStore::Prepare(const SceneDescription& scene, const std::vector<const E
             }
             for (std::size_t i = range.begin(); i < range.end() && !isStopped; ++i) {
                 prepared[i] = std::make_shared<const PreparedMesh>(
-                    PrepareMesh(missing[i]->first, missing[i]->second.mesh, options, _pageStore,
-                                warnings));
+                    PrepareMesh(*missing[i]->first, missing[i]->second, _pageStore, warnings));
             }
         });
     for (std::size_t i = 0; i < missing.size(); ++i) {
         if (prepared[i]) {
             ++_numPrepared;
-            _items[missing[i]->first] = {missing[i]->second.mesh, prepared[i], nullptr};
+            _items[*missing[i]->first] = {missing[i]->second, prepared[i], nullptr};
         }
     }
     return !isStopped;

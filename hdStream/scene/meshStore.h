@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prepared meshes, kept from commit to commit: a mesh is prepared again only when its description
-// or the options are others.
+// Prepared meshes, kept from commit to commit: a mesh is prepared again only when what it is made
+// of has changed.
 #pragma once
 
 #include "hdStream/scene/meshCommit.h"
@@ -21,11 +21,14 @@ class MeshStore {
 public:
     using Entry = std::pair<const std::string, MeshPrim>;
 
-    /// Prepares those of `drawn` that are not prepared yet, on all cores, and forgets the meshes
+    /// A drawn mesh and what it is to be made of.
+    using Drawn = std::pair<const std::string*, MeshInputs>;
+
+    /// Prepares those of `drawn` that are not prepared so yet, on all cores, and forgets the meshes
     /// that `scene` has no more. What is hidden stays prepared. \return false when it was
     /// cancelled; what is prepared by then is kept.
-    bool Prepare(const SceneDescription& scene, const std::vector<const Entry*>& drawn,
-                 const MeshOptions& options, Warnings& warnings, const CancelCallback& isCancelled);
+    bool Prepare(const SceneDescription& scene, const std::vector<Drawn>& drawn,
+                 Warnings& warnings, const CancelCallback& isCancelled);
 
     /// Precondition: it was among `drawn`.
     const PreparedMesh& Find(const std::string& path) const;
@@ -53,13 +56,12 @@ public:
 
 private:
     struct Item {
-        std::shared_ptr<const MeshDescription> description;
+        MeshInputs inputs;
         std::shared_ptr<const PreparedMesh> prepared;
         std::shared_ptr<const ChunkGeometry> triangles; ///< once asked for
     };
 
     std::shared_ptr<PageStore> _pageStore;
-    MeshOptions _options;
     std::map<std::string, Item> _items;
     std::uint64_t _numPrepared = 0;
 };

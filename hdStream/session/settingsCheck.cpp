@@ -151,9 +151,9 @@ CommitOptions MakeCommitOptions(const Settings& settings) {
     options.cullStyle = static_cast<CullStyle>(EnumOf<int>("cullStyle", settings.cullStyle) +
                                                static_cast<int>(CullStyle::Nothing));
     options.domeVisible = settings.domeVisible;
-    options.meshes.chunkBytes = settings.chunkBytes;
-    options.meshes.subdivision = EnumOf<Subdivision>("subdivision", settings.subdivision);
-    options.meshes.refineLevel = settings.refineLevel;
+    options.chunkBytes = settings.chunkBytes;
+    options.subdivision = EnumOf<Subdivision>("subdivision", settings.subdivision);
+    options.refineLevel = options.subdivision == Subdivision::Complexity ? settings.refineLevel : 0;
     return options;
 }
 
