@@ -128,9 +128,13 @@ std::uint64_t StreamingPool::TableBytes() const {
     return _table.Bytes() + _requests.Bytes() + _requestCounts.Bytes() + _stamps.Bytes();
 }
 
-void StreamingPool::BeginCast() {
+void StreamingPool::BeginEpoch() {
     ++_epoch;
     _requests.Write(&_epoch, sizeof(_epoch), HDS_REQUEST_EPOCH * sizeof(std::uint32_t));
+}
+
+void StreamingPool::BeginCast() {
+    BeginEpoch();
     bool isChanged = false;
     for (PageState& page : _pages) {
         isChanged = isChanged || page.isDone;
@@ -159,7 +163,7 @@ void StreamingPool::ServiceCast() {
     LoadQueued();
 }
 
-void StreamingPool::ServiceGroups() {
+void StreamingPool::Service() {
     const auto start = Clock::now();
     for (PageState& page : _pages) {
         page.isProtected = false;
@@ -167,7 +171,8 @@ void StreamingPool::ServiceGroups() {
     _hasVictims = false;
     for (const Request& request : TakeRequests()) {
         const std::uint32_t first = GroupOf(request.page) * kGroupPages;
-        if (PlaceGroup(first, request.count)) {
+        const bool isGroup = request.page == first + kGroupPages - 1;
+        if (isGroup ? PlaceGroup(first, request.count) : PlaceWanted(request)) {
             continue;
         }
         if (!_queued.empty()) {
@@ -183,6 +188,19 @@ void StreamingPool::ServiceGroups() {
     HDS_VERIFY(!_queued.empty(), _label + ": nothing was loaded");
     _statistics.serviceSeconds += SecondsSince(start);
     LoadQueued();
+    BeginEpoch();
+}
+
+bool StreamingPool::PlaceWanted(const Request& request) {
+    if (IsResident(request.page)) {
+        _pages[request.page].isProtected = true; // came with its group
+        return true;
+    }
+    if (!Place(request.page)) {
+        return false;
+    }
+    _pages[request.page].wanted = request.count;
+    return true;
 }
 
 /// Places what is missing of the group that begins with page `first`. \return false, with nothing
@@ -200,6 +218,7 @@ bool StreamingPool::PlaceGroup(std::uint32_t first, std::uint32_t wanted) {
             continue;
         }
         if (!Place(first + i)) {
+            _statistics.groupUploads -= _queued.size() - numQueued;
             while (_queued.size() > numQueued) {
                 _ranges.Free(_pages[_queued.back()].range);
                 _pages[_queued.back()].range = {};
@@ -208,6 +227,7 @@ bool StreamingPool::PlaceGroup(std::uint32_t first, std::uint32_t wanted) {
             return false;
         }
         _pages[first + i].wanted = wanted;
+        ++_statistics.groupUploads;
     }
     return true;
 }
