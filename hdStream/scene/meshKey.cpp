@@ -38,7 +38,7 @@ public:
     void Add(const Primvar& primvar) {
         Add(primvar.name);
         Add(static_cast<std::uint64_t>(primvar.interpolation));
-        Add(primvar.numComponents);
+        Add(std::uint64_t{primvar.numComponents});
         Add(primvar.values);
         Add(primvar.indices);
     }
