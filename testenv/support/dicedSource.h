@@ -10,7 +10,7 @@
 
 namespace hds::test {
 
-/// Star-shaped about the origin, outside of the ball of radius 0.5. \param scheme catmullClark or
+/// Star-shaped about the origin, outside of the ball of radius 0.9. \param scheme catmullClark or
 /// loop.
 std::shared_ptr<const ChunkSource> MakeDicedSource(const std::string& scheme);
 

@@ -145,7 +145,7 @@ std::vector<WatertightCase> MakeWatertightCases() {
         diced.name = std::string("displaced and creased, ") + scheme;
         diced.source = MakeDicedSource(scheme);
         diced.mesh = GatherMesh(*diced.source);
-        diced.innerRadius = 0.5F;
+        diced.innerRadius = 0.8F;
         diced.maxTriangles = 200;
         diced.transforms = {turned};
         cases.push_back(diced);
