@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kRadians = 3.14159265358979323846 / 180.0;
 /// Turns matter on segments of more pixels than this.
-constexpr double kTurnPixels = 4.0;
+constexpr double kTurnPixels = 1.0;
 
 /// Points on a line of constant parameter.
 struct Line {

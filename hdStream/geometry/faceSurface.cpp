@@ -42,10 +42,16 @@ FacePoint FaceCentre(FaceShape shape) {
 FaceSurface::FaceSurface(const SubdivModel& model, int face)
     : _model(model), _face(face), _shape(model.Shape(face)) {
     model.Surfaces().InitVertexSurface(face, &_surface);
-    _points.resize(3 * std::size_t(_surface.GetNumPatchPoints()));
-    _surface.GatherControlPoints(model.Mesh().points.data(), PointDescriptor(3), _points.data(),
-                                 PointDescriptor(3));
-    _surface.ComputePatchPoints(_points.data(), PointDescriptor(3));
+}
+
+const double* FaceSurface::Points() const {
+    if (_points.empty()) {
+        _points.resize(3 * std::size_t(_surface.GetNumPatchPoints()));
+        _surface.GatherControlPoints(_model.Mesh().points.data(), PointDescriptor(3),
+                                     _points.data(), PointDescriptor(3));
+        _surface.ComputePatchPoints(_points.data(), PointDescriptor(3));
+    }
+    return _points.data();
 }
 
 std::array<double, 2> FaceSurface::Coordinates(const FacePoint& at) const {
@@ -60,20 +66,20 @@ std::array<double, 2> FaceSurface::Coordinates(const FacePoint& at) const {
 
 glm::dvec3 FaceSurface::Point(const FacePoint& at) const {
     glm::dvec3 point;
-    _surface.Evaluate(Coordinates(at).data(), _points.data(), PointDescriptor(3), &point.x);
+    _surface.Evaluate(Coordinates(at).data(), Points(), PointDescriptor(3), &point.x);
     return point;
 }
 
 SurfaceFrame FaceSurface::Frame(const FacePoint& at) const {
     SurfaceFrame frame;
-    _surface.Evaluate(Coordinates(at).data(), _points.data(), PointDescriptor(3), &frame.point.x,
+    _surface.Evaluate(Coordinates(at).data(), Points(), PointDescriptor(3), &frame.point.x,
                       &frame.tangentU.x, &frame.tangentV.x);
     return frame;
 }
 
 SurfaceFrame2 FaceSurface::Frame2(const FacePoint& at) const {
     SurfaceFrame2 frame;
-    _surface.Evaluate(Coordinates(at).data(), _points.data(), PointDescriptor(3), &frame.point.x,
+    _surface.Evaluate(Coordinates(at).data(), Points(), PointDescriptor(3), &frame.point.x,
                       &frame.tangentU.x, &frame.tangentV.x, &frame.uu.x, &frame.uv.x, &frame.vv.x);
     return frame;
 }

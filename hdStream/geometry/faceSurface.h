@@ -59,6 +59,7 @@ private:
     };
 
     std::array<double, 2> Coordinates(const FacePoint& at) const;
+    const double* Points() const;
     void Prepare(const ValueRows& rows, Prepared& prepared) const;
     void Evaluate(const Prepared& prepared, const FacePoint& at, double* values) const;
 
@@ -66,7 +67,7 @@ private:
     int _face;
     FaceShape _shape;
     Surface _surface;
-    std::vector<double> _points;
+    mutable std::vector<double> _points; ///< patch points, once something is evaluated
     std::unique_ptr<Prepared> _vertex;
     std::unique_ptr<Prepared> _varying;
     std::vector<std::unique_ptr<Prepared>> _channels;

@@ -52,13 +52,16 @@ BvhOptions TopOptions() {
 } // namespace
 
 std::uint32_t AccelScene::AddMesh(const TriangleMesh& mesh, std::uint32_t maxTriangles) {
-    const auto source = SourceOf(mesh);
-    const ChunkPlan plan = PlanChunks(*source, maxTriangles);
+    return AddSource(*SourceOf(mesh), maxTriangles);
+}
+
+std::uint32_t AccelScene::AddSource(const ChunkSource& source, std::uint32_t maxTriangles) {
+    const ChunkPlan plan = PlanChunks(source, maxTriangles);
     const std::size_t numChunks = plan.NumChunks();
     std::vector<GeometryPage> built(numChunks);
     tbb::parallel_for(std::size_t{0}, numChunks, [&](std::size_t i) {
         ChunkGeometry chunk =
-            source->Gather(plan.units.data() + plan.begin[i], plan.begin[i + 1] - plan.begin[i]);
+            source.Gather(plan.units.data() + plan.begin[i], plan.begin[i + 1] - plan.begin[i]);
         built[i] = BuildGeometryPage(chunk);
     });
     std::vector<Bounds> boxes;

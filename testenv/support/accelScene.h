@@ -32,6 +32,8 @@ public:
 
     /// A mesh, cut into chunks of at most `maxTriangles`. \return its object.
     std::uint32_t AddMesh(const TriangleMesh& mesh, std::uint32_t maxTriangles = 12000);
+    /// The same of a source of chunks.
+    std::uint32_t AddSource(const ChunkSource& source, std::uint32_t maxTriangles);
     /// A group of placements; path indices follow their order. \return its object.
     std::uint32_t AddGroup(const std::vector<AccelPlacement>& placements);
     /// Sets the TLAS. Call once, last.

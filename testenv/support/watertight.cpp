@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "testenv/support/watertight.h"
 
+#include "testenv/support/dicedSource.h"
 #include "testenv/support/traversalMeshes.h"
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -94,7 +95,9 @@ TriangleMesh Scaled(TriangleMesh mesh, glm::vec3 scale, glm::vec3 offset) {
 
 /// The mesh under its transforms, one group a level. `world` becomes the whole transform.
 void BuildScene(const WatertightCase& watertight, AccelScene* scene, glm::dmat4* world) {
-    std::uint32_t object = scene->AddMesh(watertight.mesh, watertight.maxTriangles);
+    std::uint32_t object = watertight.source
+                               ? scene->AddSource(*watertight.source, watertight.maxTriangles)
+                               : scene->AddMesh(watertight.mesh, watertight.maxTriangles);
     for (std::size_t level = watertight.transforms.size(); level-- > 0;) {
         *world = watertight.transforms[level] * *world;
         const std::vector<AccelPlacement> placed = {{object, watertight.transforms[level], 0}};
@@ -120,22 +123,34 @@ std::vector<WatertightCase> MakeWatertightCases() {
     const glm::dmat4 mirrored = glm::scale(turned, glm::dvec3(-1.0, 1.0, 1.0));
     const TriangleMesh smooth = BumpySphere(48, 0.0F);
     const TriangleMesh bumpy = BumpySphere(120, 0.05F);
-    return {
-        {"sphere", smooth, 0.9F, 700, {one}},
-        {"bumpy sphere, rotated", bumpy, 0.8F, 700, {turned}},
-        {"bumpy sphere, stretched", bumpy, 0.8F, 700, {stretched}},
-        {"bumpy sphere, far away", bumpy, 0.8F, 700, {far}},
-        {"bumpy sphere, tiny", bumpy, 0.8F, 700, {tiny}},
-        {"bumpy sphere, mirrored, one chunk", bumpy, 0.8F, 1000000, {mirrored}},
-        {"bumpy sphere, nested", bumpy, 0.8F, 700, {turned, mirrored, turned}},
-        {"box", Box(1.0F), 0.9F, 700, {one}},
-        {"box, stretched", Box(1.0F), 0.9F, 700, {stretched}},
+    std::vector<WatertightCase> cases = {
+        {"sphere", smooth, 0.9F, 700, {one}, nullptr},
+        {"bumpy sphere, rotated", bumpy, 0.8F, 700, {turned}, nullptr},
+        {"bumpy sphere, stretched", bumpy, 0.8F, 700, {stretched}, nullptr},
+        {"bumpy sphere, far away", bumpy, 0.8F, 700, {far}, nullptr},
+        {"bumpy sphere, tiny", bumpy, 0.8F, 700, {tiny}, nullptr},
+        {"bumpy sphere, mirrored, one chunk", bumpy, 0.8F, 1000000, {mirrored}, nullptr},
+        {"bumpy sphere, nested", bumpy, 0.8F, 700, {turned, mirrored, turned}, nullptr},
+        {"box", Box(1.0F), 0.9F, 700, {one}, nullptr},
+        {"box, stretched", Box(1.0F), 0.9F, 700, {stretched}, nullptr},
         {"needle sphere",
          Scaled(smooth, glm::vec3(1.0F, 1.0F, 1e4F), glm::vec3(0.0F)),
          0.9F,
          700,
-         {turned}},
+         {turned},
+         nullptr},
     };
+    for (const char* scheme : {"catmullClark", "loop"}) {
+        WatertightCase diced;
+        diced.name = std::string("displaced and creased, ") + scheme;
+        diced.source = MakeDicedSource(scheme);
+        diced.mesh = GatherMesh(*diced.source);
+        diced.innerRadius = 0.8F;
+        diced.maxTriangles = 200;
+        diced.transforms = {turned};
+        cases.push_back(diced);
+    }
+    return cases;
 }
 
 LeakCounter::LeakCounter(std::shared_ptr<Device> device, bool wide) : _device(std::move(device)) {

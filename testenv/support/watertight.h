@@ -18,9 +18,12 @@ struct WatertightCase {
     float innerRadius = 0.5F;
     std::uint32_t maxTriangles = 700;   ///< a chunk; small, so that many edges are chunk borders
     std::vector<glm::dmat4> transforms; ///< from the root to the mesh, one group a level
+    /// Where chunks come from, if not from the mesh, which then has all its triangles to aim at.
+    std::shared_ptr<const ChunkSource> source;
 };
 
-/// Spheres, bumps, a box with long edges; rotated, stretched, nested, far away, tiny.
+/// Spheres, bumps, a box with long edges; rotated, stretched, nested, far away, tiny. Diced
+/// surfaces: displaced, creased, with edges of very different rates.
 std::vector<WatertightCase> MakeWatertightCases();
 
 /// Casts rays with one form of the traversal.
