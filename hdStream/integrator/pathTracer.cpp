@@ -240,9 +240,11 @@ struct PathTracer::Impl {
 
     /// Seconds that services have taken so far: part of the time of whatever waits for them.
     double ServiceSeconds() const {
-        return buffers.IsStreaming() ? buffers.Streaming().Statistics().serviceSeconds +
-                                           buffers.Streaming().Statistics().transferSeconds
-                                     : 0.0;
+        if (!buffers.IsStreaming()) {
+            return 0.0;
+        }
+        const StreamingStatistics& pool = buffers.Streaming().Statistics();
+        return pool.serviceSeconds + pool.prepareSeconds + pool.transferSeconds;
     }
 
     std::array<std::uint32_t, HDS_NUM_COUNTERS> ReadCounters() const {
