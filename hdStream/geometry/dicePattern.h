@@ -54,6 +54,8 @@ public:
     DicePattern(FaceShape shape, std::uint32_t numEdges, const std::uint8_t* levels);
 
     std::uint32_t NumVertices() const { return _numVertices; }
+    /// Those that no other face has.
+    std::uint32_t NumInside() const { return _numVertices - _firstInside; }
     std::uint32_t NumTiles() const;
     /// Upper bound; exact for a face of one tile.
     std::uint32_t TileTriangles(std::uint32_t tile) const;

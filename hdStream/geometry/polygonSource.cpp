@@ -96,8 +96,8 @@ struct BlockOutline {
 class PolygonSource final : public ChunkSource {
 public:
     PolygonSource(std::shared_ptr<const MeshDescription> mesh, const std::string& primPath,
-                  Warnings& warnings)
-        : _mesh(std::move(mesh)), _log(primPath, warnings) {
+                  const Displacement& displacement, Warnings& warnings)
+        : _mesh(std::move(mesh)), _displacement(displacement), _log(primPath, warnings) {
         const FaceTable table = BuildFaceTable(*_mesh);
         CheckHeader(*_mesh, table, _log);
         _isLeftHanded = _mesh->leftHanded;
@@ -134,8 +134,8 @@ public:
             bounds.max = glm::max(bounds.max, glm::vec3(p[0], p[1], p[2]));
         }
         const glm::vec3 origin(_origin); // exact, and so are the differences
-        bounds.min -= origin;
-        bounds.max -= origin;
+        bounds.min -= origin + _reach;
+        bounds.max -= origin - _reach;
         return bounds;
     }
 
@@ -164,7 +164,8 @@ public:
         const glm::vec3 origin(_origin);
         for (const std::uint32_t point : chunk.points) {
             const float* p = _mesh->points.data() + std::size_t(point) * 3;
-            chunk.positions.push_back(glm::vec3(p[0], p[1], p[2]) - origin);
+            chunk.positions.push_back(_moved.empty() ? glm::vec3(p[0], p[1], p[2]) - origin
+                                                     : _moved[point]);
         }
         return chunk;
     }
@@ -281,9 +282,42 @@ private:
             normals = authored->interpolation;
             _normals = std::move(*authored);
         }
+        if (!_displacement.empty()) {
+            SetReach();
+        }
         _boundBytes = BoundTriangleBytes(_values, normals, !_entries.empty());
         _meanBytes = MeanTriangleBytes(_values, normals, !_entries.empty(),
                                        VerticesPerTriangle(_size.numPoints, _numTriangles));
+    }
+
+    /// How far displacement moves points at most, with the rounding of what is moved.
+    void SetReach() {
+        const std::size_t numEntries = 1 + _mesh->subsets.size();
+        const AmountRange range = RangeOf(BindAmounts(_displacement, _values), _values,
+                                          _displacement.size() < numEntries);
+        const glm::vec3 far = glm::max(glm::abs(_bounds.min), glm::abs(_bounds.max));
+        const double most = std::max(std::abs(range.low), std::abs(range.high));
+        constexpr double kRounding = 1.0 / (1U << 20U);
+        _reach = static_cast<float>(
+            most + kRounding * (most + static_cast<double>(std::max({far.x, far.y, far.z}))));
+        _bounds.min -= _reach;
+        _bounds.max += _reach;
+    }
+
+    /// Moves all points along the smooth normals of the mesh as it was.
+    void Displace(TriangleMesh whole) const {
+        const MeshAttribute smooth = ComputeSmoothNormals(whole);
+        const std::vector<float> amounts = PointAmounts(*_mesh, _entries, _values, _displacement);
+        for (std::size_t i = 0; i < whole.positions.size(); ++i) {
+            const float* n = ValueOf(smooth, i);
+            whole.positions[i] = glm::vec3(glm::dvec3(whole.positions[i]) +
+                                           static_cast<double>(amounts[i]) *
+                                               glm::dvec3(n[0], n[1], n[2]));
+        }
+        if (!_normals.values.empty() || !IsPolygonal(_mesh->subdivisionScheme)) {
+            _normals = ComputeSmoothNormals(whole);
+        }
+        _moved = std::move(whole.positions);
     }
 
     /// All that must read every value of the mesh; before the first chunk.
@@ -297,12 +331,15 @@ private:
         if (isAuthored) {
             WarnNotFinite(_normals, _log.PrimPath(), _log.Sink());
         }
-        if (!isSmooth && !(isAuthored && HasUnusableNormals(_normals))) {
+        const bool mustRepair = isAuthored && HasUnusableNormals(_normals);
+        if (!isSmooth && !mustRepair && _displacement.empty()) {
             return;
         }
         Warnings unheard;
         const auto whole = Triangulate(*_mesh, _log.PrimPath(), unheard);
-        if (isSmooth) {
+        if (!_displacement.empty()) {
+            Displace(*whole);
+        } else if (isSmooth) {
             _normals = whole->normals;
         } else {
             RepairAuthoredNormals(*whole, _size, _normals, _log);
@@ -338,6 +375,8 @@ private:
     }
 
     std::shared_ptr<const MeshDescription> _mesh;
+    Displacement _displacement;
+    float _reach = 0.0F; ///< of displacement
     mutable PrimLog _log;
     TopologySize _size;
     std::uint32_t _faceSize = 0;             ///< when all faces are alike
@@ -347,15 +386,17 @@ private:
     std::vector<std::uint32_t> _entries;     ///< [numFaces] material entries; empty: all 0
     std::vector<MeshAttribute> _values;      ///< user primvars
     mutable std::once_flag _isRead;
-    mutable MeshAttribute _normals; ///< final once ReadValues has run
+    mutable MeshAttribute _normals;        ///< final once ReadValues has run
+    mutable std::vector<glm::vec3> _moved; ///< [numPoints] displaced; empty: as authored
 };
 
 } // namespace
 
 std::shared_ptr<const ChunkSource>
 MakePolygonSource(std::shared_ptr<const MeshDescription> mesh, const std::string& primPath,
-                  Warnings& warnings) {
-    return std::make_shared<const PolygonSource>(std::move(mesh), primPath, warnings);
+                  const Displacement& displacement, Warnings& warnings) {
+    return std::make_shared<const PolygonSource>(std::move(mesh), primPath, displacement,
+                                                 warnings);
 }
 
 } // namespace hds

@@ -5,6 +5,7 @@
 
 #include "hdStream/base/log.h"
 #include "hdStream/geometry/chunkSource.h"
+#include "hdStream/geometry/displacement.h"
 
 #include <memory>
 #include <string>
@@ -16,9 +17,10 @@ namespace hds {
 /// primvars of wrong length. Never throws on content; an unusable mesh has empty bounds. Values of
 /// primvars are looked at when the first chunk is gathered, with their warnings.
 /// Cost: one pass over the faces, on all cores.
-/// \param warnings must outlive the source.
+/// \param displacement moves the points along smooth normals; shading normals are those of the moved
+/// triangles then. \param warnings must outlive the source.
 std::shared_ptr<const ChunkSource>
 MakePolygonSource(std::shared_ptr<const MeshDescription> mesh, const std::string& primPath,
-                  Warnings& warnings);
+                  const Displacement& displacement, Warnings& warnings);
 
 } // namespace hds

@@ -284,30 +284,33 @@ void SubdivDice::FaceLevels(int face, std::vector<std::uint8_t>& levels) const {
     }
 }
 
-std::uint64_t SubdivDice::NumberUnits() {
+SubdivDice::Counts SubdivDice::NumberUnits() {
     const auto numFaces = static_cast<int>(model->NumFaces());
     std::vector<std::uint8_t> levels;
     for (std::uint8_t bound = kMaxDicingLevel;; --bound) {
+        Counts counts;
+        counts.vertices = static_cast<std::uint64_t>(model->Level().GetNumVertices());
         for (std::uint8_t& level : edgeLevels) {
             level = std::min(level, bound);
+            counts.vertices += (1U << level) - 1U;
         }
         faceUnits.assign(1, 0);
         unitTriangles.assign(1, 0);
-        std::uint64_t sum = 0;
-        for (int face = 0; face < numFaces && sum < kMaxTriangles; ++face) {
+        for (int face = 0; face < numFaces && counts.triangles < kMaxTriangles; ++face) {
             if (model->IsDrawn(face)) {
                 FaceLevels(face, levels);
                 const DicePattern pattern(model->Shape(face), std::uint32_t(levels.size()),
                                           levels.data());
+                counts.vertices += pattern.NumInside();
                 for (std::uint32_t tile = 0; tile < pattern.NumTiles(); ++tile) {
-                    sum += pattern.TileTriangles(tile);
-                    unitTriangles.push_back(static_cast<std::uint32_t>(sum));
+                    counts.triangles += pattern.TileTriangles(tile);
+                    unitTriangles.push_back(static_cast<std::uint32_t>(counts.triangles));
                 }
             }
             faceUnits.push_back(static_cast<std::uint32_t>(unitTriangles.size() - 1));
         }
-        if (sum < kMaxTriangles || bound == 0) {
-            return sum;
+        if (counts.triangles < kMaxTriangles || bound == 0) {
+            return counts;
         }
     }
 }

@@ -20,9 +20,15 @@ struct SubdivDice {
     std::vector<std::uint32_t> unitTriangles; ///< [units + 1] first primId
     glm::dvec3 origin{0.0};
 
+    /// Upper bounds of all units together.
+    struct Counts {
+        std::uint64_t triangles = 0;
+        std::uint64_t vertices = 0; ///< shared ones once
+    };
+
     /// Fills faceUnits and unitTriangles from edgeLevels; lowers the highest levels until primIds
-    /// can be counted. \return the triangles, an upper bound.
-    std::uint64_t NumberUnits();
+    /// can be counted.
+    Counts NumberUnits();
     /// Levels of a cage face's edges. \param levels of at least its size.
     void FaceLevels(int face, std::vector<std::uint8_t>& levels) const;
     /// The cage face of a unit.

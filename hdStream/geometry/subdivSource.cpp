@@ -51,13 +51,15 @@ public:
         _dice.entries = AssignSubsets(Model().Mesh(), log);
         _isLeftHanded = Model().Mesh().leftHanded;
         BindDisplacement(displacement);
-        DescribePages();
         std::vector<ExactBox> faceBoxes(Model().NumFaces());
         MeasureFaces(options, faceBoxes);
         ChooseOrigin(faceBoxes);
-        _numTriangles = _dice.NumberUnits();
+        const SubdivDice::Counts counts = _dice.NumberUnits();
+        _numTriangles = counts.triangles;
+        _numVertices = counts.vertices;
         _numUnits = static_cast<std::uint32_t>(_dice.unitTriangles.size() - 1);
         MeasureUnits(faceBoxes);
+        DescribePages();
     }
 
     std::uint32_t UnitTriangles(std::uint32_t unit) const override {
@@ -100,10 +102,15 @@ private:
             attributes.push_back(primvar.attribute);
             _attributes.push_back({primvar.attribute.name, primvar.attribute.numComponents});
         }
-        const auto normals =
-            Model().IsFlat() ? std::nullopt : std::optional<Interpolation>(Interpolation::Vertex);
-        _boundBytes = BoundTriangleBytes(attributes, normals, !_dice.entries.empty());
-        _meanBytes = MeanTriangleBytes(attributes, normals, !_dice.entries.empty(), 1.0);
+        const auto normalsAs = [&](Interpolation interpolation) {
+            return Model().IsFlat() ? std::nullopt : std::optional<Interpolation>(interpolation);
+        };
+        // Chunks with a crease have normals per corner.
+        _boundBytes = BoundTriangleBytes(attributes, normalsAs(Interpolation::FaceVarying),
+                                         !_dice.entries.empty());
+        _meanBytes =
+            MeanTriangleBytes(attributes, normalsAs(Interpolation::Vertex), !_dice.entries.empty(),
+                              VerticesPerTriangle(_numVertices, _numTriangles));
     }
 
     /// Boxes of the faces' limit surfaces, and the levels of all edges.

@@ -34,11 +34,8 @@ struct TriangleMesh {
 /// Validates and triangulates. Bad content warns with `primPath`, is counted and dropped:
 /// out-of-range indices, NaN or infinite points, faces with fewer than 3 vertices, zero-area
 /// triangles, primvars of wrong length. Never throws on content; an unusable mesh has no triangles.
-/// \param refineLevel above 0, catmullClark, loop and bilinear meshes are subdivided so many times
-/// (at most 8), with points and normals of the limit surface; 0 draws the cage. `faces` stay
-/// authored faces. Cost: O(face vertices), ear clipping for concave faces.
+/// Surfaces are drawn as their cages. Cost: O(face vertices), ear clipping for concave faces.
 std::shared_ptr<const TriangleMesh> Triangulate(const MeshDescription& mesh,
-                                                const std::string& primPath, Warnings& warnings,
-                                                int refineLevel = 0);
+                                                const std::string& primPath, Warnings& warnings);
 
 } // namespace hds

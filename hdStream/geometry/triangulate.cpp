@@ -2,7 +2,6 @@
 // Triangulate: the steps from an authored mesh to a TriangleMesh, and the warnings of each.
 #include "hdStream/geometry/meshContent.h"
 #include "hdStream/geometry/normals.h"
-#include "hdStream/geometry/subdivide.h"
 #include "hdStream/geometry/triangleMesh.h"
 
 #include <glm/common.hpp>
@@ -16,10 +15,6 @@ namespace {
 
 using Range = tbb::blocked_range<std::size_t>;
 constexpr std::size_t kGrain = 16384;
-
-bool IsSubdivided(const std::string& scheme) {
-    return scheme == "catmullClark" || scheme == "loop" || scheme == "bilinear";
-}
 
 void FillPositions(const MeshDescription& mesh, TriangleMesh& result) {
     if (result.triangles.empty()) {
@@ -91,56 +86,14 @@ void Interpret(const MeshDescription& mesh, TriangleMesh& result, PrimLog& log) 
     }
 }
 
-/// Makes a uniform attribute that has one index a refined face one with an index an authored face:
-/// all faces that a cage face was refined into have the same value.
-void AddressByAuthoredFace(const RefinedMesh& refined, std::size_t numAuthoredFaces,
-                           MeshAttribute& attribute) {
-    std::vector<std::int32_t> indices(numAuthoredFaces, 0); // holes keep 0 and are never asked for
-    for (std::size_t face = 0; face < refined.authoredFaces.size(); ++face) {
-        indices[refined.authoredFaces[face]] =
-            attribute.indices.empty() ? static_cast<std::int32_t>(face) : attribute.indices[face];
-    }
-    attribute.indices = std::move(indices);
-}
-
-/// The same for a refined cage; false when it cannot be refined.
-bool InterpretRefined(const MeshDescription& mesh, int refineLevel, TriangleMesh& result,
-                      PrimLog& log) {
-    const auto refined = RefineMesh(mesh, refineLevel, log.PrimPath(), log.Sink());
-    if (!refined) {
-        return false;
-    }
-    CheckHeader(mesh, BuildFaceTable(mesh), log);
-    MarkHoles(mesh, log);
-    // The authored content has had its warnings; faces and normals that the surface makes
-    // degenerate, as at a cone's tip, are nobody's mistake.
-    Warnings unheard;
-    PrimLog silent(log.PrimPath(), unheard);
-    Interpret(refined->mesh, result, silent);
-    for (std::uint32_t& face : result.faces) {
-        face = refined->authoredFaces[face];
-    }
-    for (MeshAttribute& attribute : result.attributes) {
-        if (attribute.interpolation == Interpolation::Uniform) {
-            AddressByAuthoredFace(*refined, mesh.faceVertexCounts.size(), attribute);
-        }
-    }
-    return true;
-}
-
 } // namespace
 
 std::shared_ptr<const TriangleMesh> Triangulate(const MeshDescription& mesh,
-                                                const std::string& primPath, Warnings& warnings,
-                                                int refineLevel) {
+                                                const std::string& primPath, Warnings& warnings) {
     const auto result = std::make_shared<TriangleMesh>();
     result->leftHanded = mesh.leftHanded;
     PrimLog log(primPath, warnings);
-    const bool isRefined = refineLevel > 0 && IsSubdivided(mesh.subdivisionScheme) &&
-                           InterpretRefined(mesh, refineLevel, *result, log);
-    if (!isRefined) {
-        Interpret(mesh, *result, log);
-    }
+    Interpret(mesh, *result, log);
     if (!result->triangles.empty()) {
         FillMaterialEntries(mesh, *result, log);
     }

@@ -12,9 +12,6 @@ namespace hds {
 
 namespace {
 
-/// Dicing divides by distances from the camera, which has clipped nothing when it stands in a mesh.
-constexpr double kLeastNearClip = 1e-3;
-
 /// The film back after conforming, and the display window it fills.
 struct Film {
     double width = 0.0;
@@ -77,36 +74,7 @@ void SetClipPlanes(const CameraPrim& camera, const glm::dmat4& worldFromCamera,
     }
 }
 
-/// The display window on the film: on the plane at distance 1 for a perspective, in scene units for
-/// an orthographic camera. y up.
-struct FilmWindow {
-    double left = 0.0;
-    double top = 0.0;
-    double width = 0.0;
-    double height = 0.0;
-};
-
-FilmWindow PlaceFilm(const CameraPrim& camera, const Film& film) {
-    const double scale = camera.orthographic ? 1.0 : 1.0 / static_cast<double>(camera.focalLength);
-    return {(static_cast<double>(camera.horizontalApertureOffset) - 0.5 * film.width) * scale,
-            (static_cast<double>(camera.verticalApertureOffset) + 0.5 * film.height) * scale,
-            film.width * scale, film.height * scale};
-}
-
 } // namespace
-
-DicingCamera MakeDicingCamera(const RenderOptions& options) {
-    const Film film = ConformFilm(options);
-    const FilmWindow window = PlaceFilm(options.camera, film);
-    DicingCamera camera;
-    camera.worldFromCamera = options.camera.worldFromCamera;
-    camera.isOrthographic = options.camera.orthographic;
-    camera.windowMin = {window.left, window.top - window.height};
-    camera.windowMax = {window.left + window.width, window.top};
-    camera.imageSize = {film.windowWidth, film.windowHeight};
-    camera.nearClip = std::max(kLeastNearClip, static_cast<double>(options.camera.nearClip));
-    return camera;
-}
 
 shared::HdsFrameParams MakeFrameParams(const RenderOptions& options, const glm::dvec3& centre,
                                        std::uint32_t numLights) {
@@ -118,11 +86,16 @@ shared::HdsFrameParams MakeFrameParams(const RenderOptions& options, const glm::
     std::copy(rows.begin(), rows.end(), params.worldFromCamera);
 
     const Film film = ConformFilm(options);
-    const FilmWindow window = PlaceFilm(camera, film);
-    const double stepX = window.width / film.windowWidth;
-    const double stepY = -window.height / film.windowHeight;
-    params.filmOrigin[0] = static_cast<float>(window.left - film.left * stepX);
-    params.filmOrigin[1] = static_cast<float>(window.top - film.top * stepY);
+    // On the plane at distance 1 for a perspective, in scene units for an orthographic camera.
+    const double scale = camera.orthographic ? 1.0 : 1.0 / static_cast<double>(camera.focalLength);
+    const double left =
+        (static_cast<double>(camera.horizontalApertureOffset) - 0.5 * film.width) * scale;
+    const double top =
+        (static_cast<double>(camera.verticalApertureOffset) + 0.5 * film.height) * scale;
+    const double stepX = film.width * scale / film.windowWidth;
+    const double stepY = -film.height * scale / film.windowHeight;
+    params.filmOrigin[0] = static_cast<float>(left - film.left * stepX);
+    params.filmOrigin[1] = static_cast<float>(top - film.top * stepY);
     params.filmStep[0] = static_cast<float>(stepX);
     params.filmStep[1] = static_cast<float>(stepY);
 

@@ -3,16 +3,11 @@
 #pragma once
 
 #include "hdStream/integrator/renderOptions.h"
-#include "hdStream/scene/dicingViews.h"
 #include "kernels/shared/frame.h"
 
 #include <glm/vec3.hpp>
 
 namespace hds {
-
-/// What the render's camera sees, to dice surfaces for: the whole display window, so that a crop
-/// has the rates of the full image.
-DicingCamera MakeDicingCamera(const RenderOptions& options);
 
 /// Frame constants of a render. The film back is conformed to the display window by the policy.
 /// \param centre scene centre, subtracted in double.

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/integrator/pathTracer.h"
 
+#include "hdStream/base/timer.h"
 #include "hdStream/integrator/cameraFrame.h"
 #include "hdStream/integrator/filmBuffers.h"
 #include "hdStream/integrator/pixelOrder.h"
 #include "hdStream/integrator/stageKernels.h"
 #include "hdStream/integrator/waveSize.h"
+#include "hdStream/integrator/waveTracer.h"
 #include "hdStream/shading/pixelFilter.h"
 #include "kernels/shared/frame.h"
 
 #include <algorithm>
-#include <array>
-#include <chrono>
 #include <cmath>
 #include <iterator>
 #include <utility>
@@ -23,16 +23,6 @@ namespace {
 /// Fewest samples before the error estimate of a pixel is believed.
 constexpr std::uint32_t kMinAdaptiveSamples = 2 * HDS_SAMPLE_BLOCK;
 
-class Timer {
-public:
-    double Seconds() const {
-        return std::chrono::duration<double>(std::chrono::steady_clock::now() - _start).count();
-    }
-
-private:
-    std::chrono::steady_clock::time_point _start = std::chrono::steady_clock::now();
-};
-
 bool ChooseWide(const RenderOptions& options, const DeviceProperties& properties) {
     return options.traversal == TraversalForm::Auto ? properties.isCpu
                                                     : options.traversal == TraversalForm::Wide;
@@ -42,8 +32,8 @@ bool ChooseWide(const RenderOptions& options, const DeviceProperties& properties
 
 struct PathTracer::Impl {
     Impl(std::shared_ptr<Device> theDevice, Store* theStore)
-        : device(std::move(theDevice)), store(theStore), buffers(device), film(device) {
-        counters = Buffer(device, "counters", HDS_NUM_COUNTERS * sizeof(std::uint32_t));
+        : device(std::move(theDevice)), store(theStore), buffers(device), film(device),
+          tracer(device, &buffers, &statistics) {
         frame = Buffer(device, "frame constants", sizeof(shared::HdsFrameParams),
                        BufferAccess::ReadOnly);
     }
@@ -70,7 +60,7 @@ struct PathTracer::Impl {
         frame.Write(&params, sizeof(params));
         filter = UploadVector(device, "pixel filter",
                               BuildPixelFilterTable(options.pixelFilter, options.pixelFilterWidth));
-        counters.Fill(0, HDS_NUM_COUNTERS * sizeof(std::uint32_t));
+        tracer.ClearCounters();
         film.Reset(options.aovs, options.imageWidth, options.imageHeight);
         statistics.filmBytes = film.Bytes();
         if (pixelOrder.empty() || orderWidth != options.imageWidth ||
@@ -108,38 +98,15 @@ struct PathTracer::Impl {
     }
 
     void ReadyPathState() {
-        // Path state, queues of rays and of those that wait.
         const std::uint64_t bytesPerSlot =
-            kernels->PathStateBytes() + sizeof(std::uint32_t) * (queues.size() + waitQueues.size());
+            kernels->PathStateBytes() + WaveTracer::QueueBytes(kernels->Features());
         const std::uint64_t totalBytes = scene->pages->TotalBytes();
         const std::uint64_t savedBytes = totalBytes - std::min(totalBytes, buffers.PoolBytes());
-        waveSize = ChooseWaveSize(options, device->Properties(),
-                                  buffers.IsStreaming() ? 1 + savedBytes / bytesPerSlot : 0);
-        const std::uint64_t bytes = std::uint64_t{waveSize} * kernels->PathStateBytes();
-        if (!paths.IsValid() || paths.Bytes() != bytes) {
-            paths = Buffer(); // frees first
-            paths = Buffer(device, "path state", bytes);
-            for (Buffer& queue : queues) {
-                queue =
-                    Buffer(device, "ray queue", std::uint64_t{waveSize} * sizeof(std::uint32_t));
-            }
-        }
-        const std::uint64_t waitBytes =
-            buffers.IsStreaming() ? std::uint64_t{waveSize} * sizeof(std::uint32_t) : 0;
-        for (Buffer& queue : waitQueues) {
-            if (!queue.IsValid() || queue.Bytes() < waitBytes) {
-                queue = Buffer(); // frees first
-                queue = Buffer(device, "queue of waiting rays", waitBytes);
-            }
-        }
+        const std::uint32_t waveSize =
+            ChooseWaveSize(options, device->Properties(),
+                           buffers.IsStreaming() ? 1 + savedBytes / bytesPerSlot : 0);
+        tracer.Ready(kernels, scene->hasCutouts, waveSize, TileSize(device->Properties()));
         statistics.waveSize = waveSize;
-        statistics.pathStateBytes = paths.Bytes();
-        for (const Buffer& queue : queues) {
-            statistics.pathStateBytes += queue.Bytes();
-        }
-        for (const Buffer& queue : waitQueues) {
-            statistics.pathStateBytes += queue.Bytes();
-        }
     }
 
     void SetActivePixels(const std::vector<std::uint32_t>& list) {
@@ -147,171 +114,24 @@ struct PathTracer::Impl {
         activePixels = list;
     }
 
-    /// Launches a kernel that needs all pages of the chunks that were hit, over the items of
-    /// `queue` until none waits for pages: launch(queue, count, waitQueue).
-    template <typename Launch>
-    void RunWithPages(const Buffer& queue, std::uint32_t count, Launch launch) {
-        if (!buffers.IsStreaming()) {
-            launch(queue, count, waitQueues[0]);
-            return;
-        }
-        StreamingPool& pool = buffers.Streaming();
-        const Buffer* items = &queue;
-        for (std::uint32_t iteration = 0; count > 0; ++iteration) {
-            const Buffer& waiting = waitQueues[iteration % 2];
-            ClearCounter(HDS_COUNTER_WAITING);
-            launch(*items, count, waiting);
-            count = ReadCounters()[HDS_COUNTER_WAITING];
-            items = &waiting;
-            if (count > 0) {
-                const std::uint64_t before = pool.Statistics().uploads;
-                pool.ServiceGroups();
-                statistics.shadingRefetches += pool.Statistics().uploads - before;
-            }
-        }
-    }
-
-    /// Rays of one kind in a cast, with the queues of those that wait for a chunk.
-    struct CastRays {
-        const Buffer* queue = nullptr;
-        std::uint32_t count = 0;
-        std::array<const Buffer*, 2> waiting{};
-    };
-
-    /// Launches what is left of `rays`; afterwards that is the rays that wait for a chunk.
-    /// launch(queue, count, isResumed, waitQueue).
-    template <typename Launch>
-    void IterateCast(std::uint32_t iteration, CastRays* rays, Launch launch) {
-        if (rays->count == 0) {
-            return;
-        }
-        const Buffer& waiting = *rays->waiting[iteration % 2];
-        if (!buffers.IsStreaming()) {
-            launch(*rays->queue, rays->count, 0U, waiting);
-            rays->count = 0;
-            return;
-        }
-        ClearCounter(HDS_COUNTER_WAITING);
-        launch(*rays->queue, rays->count, iteration > 0 ? 1U : 0U, waiting);
-        rays->queue = &waiting;
-        rays->count = ReadCounters()[HDS_COUNTER_WAITING];
-        statistics.raysRelaunched += rays->count;
-    }
-
-    /// One cast: path rays to their closest hits and shadow rays to whatever is in their way, until
-    /// none waits for a chunk. Both kinds share what is loaded.
-    void Cast(const Buffer& pathQueue, std::uint32_t numPaths, const Buffer& shadowQueue,
-              std::uint32_t numShadows, const Buffer& candidateQueue) {
-        const Timer timer;
-        const double serviceSeconds = ServiceSeconds();
-        CastRays pathRays{&pathQueue, numPaths, {&waitQueues[0], &waitQueues[1]}};
-        CastRays shadowRays{&shadowQueue, numShadows, {&waitQueues[2], &waitQueues[3]}};
-        statistics.shadowRays += numShadows;
-        ++statistics.casts;
-        if (buffers.IsStreaming()) {
-            buffers.Streaming().BeginCast();
-        }
-        ClearCounter(HDS_COUNTER_SHADOW); // counts candidates from here on
-        std::uint32_t iterations = 0;
-        while (pathRays.count + shadowRays.count > 0) {
-            if (iterations > 0) {
-                buffers.Streaming().ServiceCast();
-            }
-            IterateCast(iterations, &shadowRays,
-                        [&](const Buffer& queue, std::uint32_t count, std::uint32_t isResumed,
-                            const Buffer& waiting) {
-                            kernels->shadowCast.Launch(count, paths, waveSize, queue, count,
-                                                       isResumed, waiting, candidateQueue,
-                                                       counters);
-                        });
-            IterateCast(iterations, &pathRays,
-                        [&](const Buffer& queue, std::uint32_t count, std::uint32_t isResumed,
-                            const Buffer& waiting) {
-                            kernels->intersect.Launch(count, paths, waveSize, queue, count,
-                                                      isResumed, waiting, counters);
-                        });
-            ++iterations;
-        }
-        device->Finish();
-        statistics.iterations += iterations;
-        statistics.maxIterationsPerCast = std::max(statistics.maxIterationsPerCast, iterations);
-        statistics.traceSeconds += timer.Seconds() - (ServiceSeconds() - serviceSeconds);
-    }
-
-    /// Seconds that services have taken so far: part of the time of whatever waits for them.
-    double ServiceSeconds() const {
-        if (!buffers.IsStreaming()) {
-            return 0.0;
-        }
-        const StreamingStatistics& pool = buffers.Streaming().Statistics();
-        return pool.serviceSeconds + pool.prepareSeconds + pool.transferSeconds;
-    }
-
-    std::array<std::uint32_t, HDS_NUM_COUNTERS> ReadCounters() const {
-        std::array<std::uint32_t, HDS_NUM_COUNTERS> values{};
-        counters.Read(values.data(), sizeof(values));
-        return values;
-    }
-
-    void ClearCounter(std::uint32_t counter) {
-        counters.Fill(0, sizeof(std::uint32_t), counter * sizeof(std::uint32_t));
-    }
-
-    /// Casts the rays of queue `next` and the shadow rays that shading has made. Shadow rays that
-    /// meet cut-out surfaces go on in casts of their own until each is decided.
-    void CastNext(std::uint32_t next, std::uint32_t numPaths, std::uint32_t numShadows) {
-        std::uint32_t present = kShadowQueue;
-        std::uint32_t other = kShadowQueue + 1;
-        Cast(queues[next], numPaths, queues[present], numShadows, queues[other]);
-        while (scene->hasCutouts && numShadows > 0) {
-            const std::uint32_t candidates = ReadCounters()[HDS_COUNTER_SHADOW];
-            if (candidates == 0) {
-                break;
-            }
-            const Timer timer;
-            const double serviceSeconds = ServiceSeconds();
-            ClearCounter(HDS_COUNTER_SHADOW);
-            RunWithPages(queues[other], candidates,
-                         [&](const Buffer& items, std::uint32_t count, const Buffer& waiting) {
-                             kernels->shadowPass.Launch(count, paths, waveSize, items, count,
-                                                        waiting, queues[present], counters);
-                         });
-            numShadows = ReadCounters()[HDS_COUNTER_SHADOW];
-            statistics.traceSeconds += timer.Seconds() - (ServiceSeconds() - serviceSeconds);
-            if (numShadows > 0) {
-                Cast(queues[next], 0, queues[present], numShadows, queues[other]);
-            }
-        }
-    }
-
     void RenderWave(const shared::HdsWave& wave) {
-        std::uint32_t present = 0;
-        std::uint32_t active = wave.numPixels * wave.numSamples;
-        std::uint32_t numShadows = 0;
-        kernels->generateSample.Launch(active, frame, wave, paths, waveSize, pixels, filter,
-                                       queues[present]);
-        statistics.cameraRays += active;
-        while (active + numShadows > 0) {
-            CastNext(present, active, numShadows);
-            const Timer timer;
-            const double serviceSeconds = ServiceSeconds();
-            ClearCounter(HDS_COUNTER_ACTIVE);
-            ClearCounter(HDS_COUNTER_SHADOW);
-            RunWithPages(queues[present], active,
-                         [&](const Buffer& items, std::uint32_t count, const Buffer& waiting) {
-                             kernels->shade.Launch(count, frame, paths, waveSize, items, count,
-                                                   waiting, queues[1 - present],
-                                                   queues[kShadowQueue], counters);
-                         });
-            const auto counts = ReadCounters();
-            statistics.shadeSeconds += timer.Seconds() - (ServiceSeconds() - serviceSeconds);
-            active = counts[HDS_COUNTER_ACTIVE];
-            numShadows = counts[HDS_COUNTER_SHADOW];
-            statistics.indirectRays += active;
-            present = 1 - present;
-        }
+        const std::uint32_t numSlots = wave.numPixels * wave.numSamples;
+        const Buffer& paths = tracer.Paths();
+        const std::uint32_t waveSize = tracer.WaveSize();
+        statistics.cameraRays += numSlots;
+        tracer.Trace(
+            numSlots,
+            [&](std::uint32_t first, std::uint32_t count, const Buffer& queue) {
+                kernels->generateSample.Launch(count, frame, wave, first, count, paths, waveSize,
+                                               pixels, filter, queue);
+            },
+            [&](const Buffer& queue, std::uint32_t first, std::uint32_t count,
+                const Buffer& waiting, const Buffer& next) {
+                kernels->shade.Launch(count, frame, paths, waveSize, queue, first, count, waiting,
+                                      next, tracer.ShadowQueue(), tracer.Counters());
+            });
         kernels->resolve.Launch(wave.numPixels, wave, paths, waveSize, pixels, film.Film(),
-                                counters);
+                                tracer.Counters());
         device->Finish();
     }
 
@@ -320,7 +140,7 @@ struct PathTracer::Impl {
     bool RenderPixels(std::uint32_t begin, std::uint32_t end, std::uint32_t firstSample,
                       std::uint32_t numSamples, const Timer& timer,
                       const ProgressCallback& onProgress, bool* isStopped) {
-        const std::uint32_t pixelsPerWave = std::max(1U, waveSize / numSamples);
+        const std::uint32_t pixelsPerWave = std::max(1U, tracer.WaveSize() / numSamples);
         for (std::uint32_t first = begin; first < end; first += pixelsPerWave) {
             const std::uint32_t count = std::min(pixelsPerWave, end - first);
             RenderWave({first, count, firstSample, numSamples});
@@ -383,7 +203,7 @@ struct PathTracer::Impl {
         const bool isDoubling = options.showsPreviews && done < HDS_SAMPLE_BLOCK;
         const std::uint32_t border =
             isDoubling ? 2 * done : (done / HDS_SAMPLE_BLOCK + 1) * HDS_SAMPLE_BLOCK;
-        return std::min({options.samples, border, done + waveSize});
+        return std::min({options.samples, border, done + tracer.WaveSize()});
     }
 
     bool Report(std::uint32_t samplesDone, double samplesEquivalent, const Timer& timer,
@@ -454,7 +274,7 @@ struct PathTracer::Impl {
         }
         statistics.renderSeconds = timer.Seconds();
         statistics.samples = done;
-        const auto values = ReadCounters();
+        const auto values = tracer.ReadCounters();
         statistics.nanSamples = values[HDS_COUNTER_NAN];
         statistics.endedPasses = values[HDS_COUNTER_PASSES];
         SetActivePixels(pixelOrder);
@@ -476,25 +296,23 @@ struct PathTracer::Impl {
             UploadVector(device, "primvar slots", PrimvarSlots(options.aovs.primvars));
         const Buffer order = UploadVector(device, "all pixels", pixelOrder);
         const auto pixelCount = static_cast<std::uint32_t>(pixelOrder.size());
-        for (std::uint32_t first = 0; first < pixelCount; first += waveSize) {
-            const std::uint32_t count = std::min(waveSize, pixelCount - first);
-            const shared::HdsWave wave{first, count, 0, 1};
-            kernels->generateCentre.Launch(count, frame, wave, paths, waveSize, order, queues[0]);
-            std::uint32_t present = 0;
-            std::uint32_t active = count;
-            while (active > 0) {
-                Cast(queues[present], active, queues[kShadowQueue], 0, queues[kShadowQueue + 1]);
-                ClearCounter(HDS_COUNTER_ACTIVE);
-                RunWithPages(
-                    queues[present], active,
-                    [&](const Buffer& items, std::uint32_t numItems, const Buffer& waiting) {
-                        kernels->aov.Launch(numItems, frame, paths, waveSize, items, numItems,
-                                            waiting, queues[1 - present], counters, film.Floats(),
-                                            film.Ints(), offsets, primvarSlots);
-                    });
-                active = ReadCounters()[HDS_COUNTER_ACTIVE];
-                present = 1 - present;
-            }
+        const Buffer& paths = tracer.Paths();
+        const std::uint32_t waveSize = tracer.WaveSize();
+        for (std::uint32_t firstPixel = 0; firstPixel < pixelCount; firstPixel += waveSize) {
+            const std::uint32_t numPixels = std::min(waveSize, pixelCount - firstPixel);
+            const shared::HdsWave wave{firstPixel, numPixels, 0, 1};
+            tracer.Trace(
+                numPixels,
+                [&](std::uint32_t first, std::uint32_t count, const Buffer& queue) {
+                    kernels->generateCentre.Launch(count, frame, wave, first, count, paths,
+                                                   waveSize, order, queue);
+                },
+                [&](const Buffer& queue, std::uint32_t first, std::uint32_t count,
+                    const Buffer& waiting, const Buffer& next) {
+                    kernels->aov.Launch(count, frame, paths, waveSize, queue, first, count, waiting,
+                                        next, tracer.Counters(), film.Floats(), film.Ints(),
+                                        offsets, primvarSlots);
+                });
         }
         film.SetHasFirstHits();
     }
@@ -524,13 +342,10 @@ struct PathTracer::Impl {
         return layers;
     }
 
-    static constexpr std::uint32_t kShadowQueue = 2; ///< queues 0, 1: paths; 2, 3: shadow rays
-
     std::shared_ptr<Device> device;
     Store* store;
     const CommittedScene* scene = nullptr;
     RenderOptions options;
-    std::uint32_t waveSize = 0;
     SceneBuffers buffers;
     bool requestsFirst = false;
     FilmBuffers film;
@@ -546,12 +361,9 @@ struct PathTracer::Impl {
     std::vector<std::uint32_t> activePixels;
     Buffer frame;
     Buffer filter;
-    Buffer paths;
-    std::array<Buffer, 4> queues;
-    std::array<Buffer, 4> waitQueues; ///< of rays that wait for chunks: path rays', shadow rays'
-    Buffer counters;
     Buffer pixels;
     RenderStatistics statistics;
+    WaveTracer tracer;
 };
 
 PathTracer::PathTracer(std::shared_ptr<Device> device, Store* store)

@@ -6,6 +6,7 @@
 
 #include "hdStream/device/program.h"
 #include "hdStream/integrator/renderOptions.h"
+#include "hdStream/integrator/renderStatistics.h"
 #include "hdStream/integrator/sceneBuffers.h"
 #include "hdStream/scene/commit.h"
 
@@ -13,32 +14,6 @@
 #include <vector>
 
 namespace hds {
-
-/// Seconds by kind of work (DESIGN.md section 9) and what was traced.
-struct RenderStatistics {
-    double compileSeconds = 0.0;
-    double traceSeconds = 0.0;
-    double shadeSeconds = 0.0;
-    double transferSeconds = 0.0;
-    double renderSeconds = 0.0;     ///< generate to the last resolve
-    double firstImageSeconds = 0.0; ///< since rendering began, first complete 1-sample image
-    std::uint64_t cameraRays = 0;
-    std::uint64_t indirectRays = 0;
-    std::uint64_t shadowRays = 0;
-    std::uint64_t casts = 0;
-    std::uint64_t iterations = 0; ///< launches of casts while geometry streams
-    std::uint32_t maxIterationsPerCast = 0;
-    std::uint64_t raysRelaunched = 0;
-    std::uint64_t shadingRefetches = 0; ///< pages loaded for shading
-    std::uint64_t nanSamples = 0;
-    std::uint64_t endedPasses = 0; ///< rays that passed HDS_MAX_PASSES cut-out surfaces
-    double meanRelativeError = 0.0;
-    std::uint32_t samples = 0; ///< per pixel, the least over all pixels
-    std::uint32_t waveSize = 0;
-    bool isWideTraversal = false;
-    std::uint64_t pathStateBytes = 0;
-    std::uint64_t filmBytes = 0;
-};
 
 /// Renders committed scenes, one after another, on one device: what they share (pages, tables,
 /// kernels, path state) stays there. Externally synchronised.

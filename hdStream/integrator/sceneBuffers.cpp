@@ -135,7 +135,7 @@ std::uint64_t SceneBuffers::TableBytes() const {
 }
 
 unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first) const {
-    for (const Table table : {TopNodes, Instances, Objects}) {
+    for (const Table table : {TopNodes, Instances, InstancesByPath, Objects}) {
         kernel->SetBuffer(first++, _tables[table]);
     }
     kernel->SetBuffer(first++, _streaming ? _streaming->Addresses() : _resident->Addresses());
@@ -153,8 +153,8 @@ unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first) const {
 
 unsigned SceneBuffers::BindScene(Kernel* kernel, unsigned first) const {
     first = BindGeometry(kernel, first);
-    for (const Table table : {InstancesByPath, Meshes, MeshMaterials, Materials, LightByEntry,
-                              Lights, LightNodes, LightTriangles, LightCdf, DomeTexels}) {
+    for (const Table table : {Meshes, MeshMaterials, Materials, LightByEntry, Lights, LightNodes,
+                              LightTriangles, LightCdf, DomeTexels}) {
         kernel->SetBuffer(first++, _tables[table]);
     }
     kernel->SetBytes(first++, &_numLights, sizeof(_numLights));

@@ -15,19 +15,23 @@ std::uint64_t NumPathFields(const KernelFeatures& features) {
 #define HDS_FIELD(type, name, doc) ++count;
 #define HDS_CUTOUT_FIELD(type, name, doc) count += features.cutouts ? 1 : 0;
 #define HDS_STREAMING_FIELD(type, name, doc) count += features.streaming ? 1 : 0;
+#define HDS_LIST_FIELD(type, name, doc) count += features.HasLists() ? 1 : 0;
 #include "kernels/shared/pathState.def"
 #undef HDS_FIELD
 #undef HDS_CUTOUT_FIELD
 #undef HDS_STREAMING_FIELD
+#undef HDS_LIST_FIELD
     return count;
 }
 
 /// Index of the first scene argument of each kernel: what comes before changes with each launch.
 constexpr unsigned kIntersectArgs = 7;
-constexpr unsigned kShadeArgs = 9;
-constexpr unsigned kShadowCastArgs = 8;
-constexpr unsigned kShadowPassArgs = 7;
-constexpr unsigned kAovArgs = 12;
+constexpr unsigned kIntersectResumeArgs = 7;
+constexpr unsigned kShadeArgs = 10;
+constexpr unsigned kShadowCastArgs = 9;
+constexpr unsigned kShadowResumeArgs = 9;
+constexpr unsigned kShadowPassArgs = 9;
+constexpr unsigned kAovArgs = 13;
 
 ProgramDefines MakeDefines(const KernelFeatures& features) {
     return {{"HDS_FEATURE_CUTOUT", features.cutouts ? "1" : "0"},
@@ -52,7 +56,8 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
     const auto generateProgram = build("integrator/generate.cl");
     generateSample = generateProgram->GetKernel("generate_sample");
     generateCentre = generateProgram->GetKernel("generate_centre");
-    intersect = build("integrator/intersect.cl")->GetKernel("intersect_closest");
+    const auto intersectProgram = build("integrator/intersect.cl");
+    intersect = intersectProgram->GetKernel("intersect_closest");
     shade = build("integrator/shade.cl")->GetKernel("shade_paths");
     const auto shadowProgram = build("integrator/shadow.cl");
     shadowCast = shadowProgram->GetKernel("shadow_cast");
@@ -66,6 +71,10 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
     if (features.cutouts) {
         shadowPass = shadowProgram->GetKernel("shadow_pass");
     }
+    if (features.HasLists()) {
+        intersectResume = intersectProgram->GetKernel("intersect_resume");
+        shadowResume = shadowProgram->GetKernel("shadow_resume");
+    }
 }
 
 void StageKernels::Bind(const SceneBuffers& scene) {
@@ -77,6 +86,10 @@ void StageKernels::Bind(const SceneBuffers& scene) {
     }
     if (_features.cutouts) {
         scene.BindScene(&shadowPass, kShadowPassArgs);
+    }
+    if (_features.HasLists()) {
+        scene.BindGeometry(&intersectResume, kIntersectResumeArgs);
+        scene.BindScene(&shadowResume, kShadowResumeArgs);
     }
 }
 

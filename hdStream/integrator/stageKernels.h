@@ -19,6 +19,9 @@ struct KernelFeatures {
     bool streaming = false;     ///< pages may be missing
     bool requestsFirst = false; ///< as ResidencyOptions::requestsFirst
 
+    /// Rays that wait keep lists of the chunks they wait for.
+    bool HasLists() const { return streaming && !requestsFirst; }
+
     bool operator==(const KernelFeatures& other) const {
         return cutouts == other.cutouts && groups == other.groups && wide == other.wide &&
                firstHits == other.firstHits && manyPools == other.manyPools &&
@@ -41,8 +44,10 @@ public:
     Kernel intersect;
     Kernel shade;
     Kernel shadowCast;
-    Kernel shadowPass; ///< only with cut-outs
-    Kernel aov;        ///< only with first-hit AOVs
+    Kernel shadowPass;      ///< only with cut-outs
+    Kernel aov;             ///< only with first-hit AOVs
+    Kernel intersectResume; ///< only with lists
+    Kernel shadowResume;    ///< only with lists
     Kernel resolve;
     Kernel develop;
     Kernel relativeError;

@@ -37,4 +37,8 @@ std::uint32_t ChooseWaveSize(const RenderOptions& options, const DevicePropertie
     return static_cast<std::uint32_t>(std::max<std::uint64_t>(size, HDS_SAMPLE_BLOCK));
 }
 
+std::uint32_t TileSize(const DeviceProperties& properties) {
+    return properties.isCpu ? kWaveSizeCpu : kWaveSizeGpu;
+}
+
 } // namespace hds

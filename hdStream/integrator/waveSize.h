@@ -16,4 +16,8 @@ namespace hds {
 std::uint32_t ChooseWaveSize(const RenderOptions& options, const DeviceProperties& properties,
                              std::uint64_t spareSlots);
 
+/// Paths of a wave that are traced together while nothing waits: as many as suit the device's
+/// caches.
+std::uint32_t TileSize(const DeviceProperties& properties);
+
 } // namespace hds

@@ -101,6 +101,7 @@ private:
             MeshInputs input;
             input.mesh = entry->second.mesh;
             input.chunkBytes = _options.chunkBytes;
+            input.displacements = _materials.DisplacementsOf(entry->second);
             if (isDiced && IsSubdivisionScheme(input.mesh->subdivisionScheme)) {
                 input.dicing.emplace();
                 input.dicing->isAdaptive = isAdaptive;

@@ -4,6 +4,7 @@
 #include "hdStream/accel/bvh.h"
 #include "hdStream/geometry/polygonSource.h"
 #include "hdStream/geometry/subdivSource.h"
+#include "hdStream/scene/meshDisplacement.h"
 #include "hdStream/scene/meshKey.h"
 #include "hdStream/scene/transforms.h"
 
@@ -33,13 +34,14 @@ void BuildTopTree(PreparedMesh* mesh) {
 
 std::shared_ptr<const ChunkSource> MakeSource(const std::string& path, const MeshInputs& inputs,
                                               Warnings& warnings) {
+    const Displacement displacement = MakeDisplacement(inputs.displacements);
     if (inputs.dicing) {
-        auto source = MakeSubdivSource(inputs.mesh, path, *inputs.dicing, {}, warnings);
+        auto source = MakeSubdivSource(inputs.mesh, path, *inputs.dicing, displacement, warnings);
         if (source) {
             return source;
         }
     }
-    return MakePolygonSource(inputs.mesh, path, warnings);
+    return MakePolygonSource(inputs.mesh, path, displacement, warnings);
 }
 
 } // namespace

@@ -33,9 +33,11 @@ struct MeshInputs {
     std::uint64_t chunkBytes = 1U << 20U; ///< about what the pages of a chunk take at most
     /// Of a mesh with a subdivision scheme; nothing: its cage is drawn as polygons.
     std::optional<DicingOptions> dicing;
+    std::vector<DisplacementInput> displacements; ///< by material entry
 
     bool operator==(const MeshInputs& other) const {
-        return mesh == other.mesh && chunkBytes == other.chunkBytes && dicing == other.dicing;
+        return mesh == other.mesh && chunkBytes == other.chunkBytes && dicing == other.dicing &&
+               displacements == other.displacements;
     }
 };
 

@@ -38,7 +38,7 @@ public:
     void Add(const Primvar& primvar) {
         Add(primvar.name);
         Add(static_cast<std::uint64_t>(primvar.interpolation));
-        Add(primvar.numComponents);
+        Add(std::uint64_t{primvar.numComponents});
         Add(primvar.values);
         Add(primvar.indices);
     }
@@ -85,6 +85,10 @@ public:
         Add(std::uint64_t{(view.isOrthographic ? 1U : 0U) | (view.isOnlyInstance ? 2U : 0U)});
         Add(std::uint64_t{dicing.offScreenLevel});
     }
+    void Add(const DisplacementInput& displacement) {
+        Add(static_cast<double>(displacement.constant));
+        Add(displacement.primvar);
+    }
     PageKey Key() const { return MakePageKey(_hasher); }
 
 private:
@@ -99,6 +103,10 @@ PageKey MakeMeshKey(const MeshInputs& inputs) {
     hasher.Add(inputs.chunkBytes);
     if (inputs.dicing) {
         hasher.Add(*inputs.dicing);
+    }
+    hasher.Add(std::uint64_t{inputs.displacements.size()});
+    for (const DisplacementInput& displacement : inputs.displacements) {
+        hasher.Add(displacement);
     }
     return hasher.Key();
 }

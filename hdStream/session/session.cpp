@@ -2,6 +2,7 @@
 #include "hdStream/session/session.h"
 
 #include "hdStream/base/machine.h"
+#include "hdStream/integrator/dicingCamera.h"
 #include "hdStream/integrator/pathTracer.h"
 #include "hdStream/persist/pageStore.h"
 #include "hdStream/scene/dump.h"
@@ -88,7 +89,8 @@ struct Session::Impl {
 
     /// The scene in device memory. \return false when it was cancelled.
     bool Commit(const Settings& settings, const CancelCallback& isCancelled) {
-        const CommitOptions commitOptions = MakeCommitOptions(settings);
+        CommitOptions commitOptions = MakeCommitOptions(settings);
+        commitOptions.dicingCamera = dicingCamera;
         const ResidencyOptions residency = MakeResidencyOptions(settings);
         if (tracer && committed && committed->sceneVersion == sceneVersion &&
             committed->options == commitOptions && committed->residency == residency) {
@@ -133,11 +135,14 @@ struct Session::Impl {
             progress.samplesTotal = settings.samples;
             return onProgress && !onProgress(progress);
         };
+        RenderOptions options = MakeRenderOptions(settings, camera);
+        options.showsPreviews = showsPreviews;
+        if (!dicingCamera) {
+            dicingCamera = MakeDicingCamera(options);
+        }
         if (!Commit(settings, isCancelled)) {
             return RenderResult::Stopped;
         }
-        RenderOptions options = MakeRenderOptions(settings, camera);
-        options.showsPreviews = showsPreviews;
         tracer->Begin(std::move(options));
         hasFilm = true;
         const RenderStatistics& rendered = tracer->Statistics();
@@ -170,6 +175,7 @@ struct Session::Impl {
     std::string cacheDirectory; ///< what `store` was made with
     bool noCache = false;
     CommitCache cache;
+    std::optional<DicingCamera> dicingCamera; ///< of the first render of the scene
     std::unique_ptr<CommittedScene> scene;
     std::optional<CommitKey> committed; ///< what `scene` and the tracer's device tables hold
     std::unique_ptr<PathTracer> tracer;
@@ -220,6 +226,11 @@ void Session::Clear() {
     _impl->description = {};
     _impl->warnings.Clear();
     ++_impl->sceneVersion;
+    Redice();
+}
+
+void Session::Redice() {
+    _impl->dicingCamera.reset();
 }
 
 const SceneDescription& Session::Scene() const {

@@ -58,6 +58,9 @@ public:
     void SetCamera(const std::string& path, CameraPrim prim);
     void Remove(const std::string& path);
     void Clear();
+    /// Surfaces are diced for the camera of the next render (until then for that of the scene's first
+    /// one: moving the camera changes no geometry).
+    void Redice();
     const SceneDescription& Scene() const;
 
     /// A warning of the front end joins the core's own.

@@ -69,7 +69,7 @@ Json GeometrySection(const StatisticsInput& in) {
             {"maxIterationsPerCast",
              in.streaming != nullptr ? render.maxIterationsPerCast : (render.casts > 0 ? 1U : 0U)},
             {"raysRelaunched", render.raysRelaunched},
-            {"shadingRefetches", render.shadingRefetches},
+            {"shadingRefetches", pool.groupUploads},
             {"chunksTouched", pool.chunksUsed},
             {"chunksBuilt", in.pages->NumBuilt()},
             {"chunksFromCache", in.pages->NumLoaded()},

@@ -134,9 +134,13 @@ std::uint64_t StreamingPool::TableBytes() const {
     return _table.Bytes() + _requests.Bytes() + _requestCounts.Bytes() + _stamps.Bytes();
 }
 
-void StreamingPool::BeginCast() {
+void StreamingPool::BeginEpoch() {
     ++_epoch;
     _requests.Write(&_epoch, sizeof(_epoch), HDS_REQUEST_EPOCH * sizeof(std::uint32_t));
+}
+
+void StreamingPool::BeginCast() {
+    BeginEpoch();
     bool isChanged = false;
     for (PageState& page : _pages) {
         isChanged = isChanged || page.isDone;
@@ -155,38 +159,20 @@ void StreamingPool::ServiceCast() {
         page.isProtected = false;
     }
     _hasVictims = false;
-    PlaceInBatches(TakeRequests(), 1, [&](const Request& request) {
-        if (!Place(request.page)) {
-            return false;
-        }
-        _pages[request.page].wanted = request.count;
-        return true;
-    });
+    PlaceInBatches(TakeRequests(), false);
     EndService(start, before);
 }
 
-void StreamingPool::ServiceGroups() {
+void StreamingPool::Service() {
     const auto start = Clock::now();
     const StreamingStatistics before = _statistics;
     for (PageState& page : _pages) {
         page.isProtected = false;
     }
     _hasVictims = false;
-    PlaceInBatches(TakeRequests(), kGroupPages, [&](const Request& request) {
-        const std::uint32_t first = GroupOf(request.page) * kGroupPages;
-        if (PlaceGroup(first, request.count)) {
-            return true;
-        }
-        if (_placedBytes == 0) {
-            // What was kept of the group lies in the way of the rest: begin with an empty pool.
-            for (std::uint32_t page = 0; page < _pages.size(); ++page) {
-                Remove(page);
-            }
-            PlaceGroup(first, request.count);
-        }
-        return false;
-    });
+    PlaceInBatches(TakeRequests(), true);
     EndService(start, before);
+    BeginEpoch();
 }
 
 /// Loads the last batch; tells seconds apart.
@@ -198,11 +184,12 @@ void StreamingPool::EndService(Clock::time_point start, const StreamingStatistic
                                   (_statistics.transferSeconds - before.transferSeconds);
 }
 
-/// Places requests, the first ones first, until placeRequest(request) says that there is no more
-/// room; those that can fit are prepared together. \param numPages of a request: 1, or its group.
-template <typename PlaceRequest>
-void StreamingPool::PlaceInBatches(const std::vector<Request>& requests, std::uint32_t numPages,
-                                   PlaceRequest placeRequest) {
+/// Places requests, the first ones first, until there is no more room; those that can fit are
+/// prepared together. \param withGroups the last page of a group stands for all of it.
+void StreamingPool::PlaceInBatches(const std::vector<Request>& requests, bool withGroups) {
+    const auto isGroup = [&](const Request& request) {
+        return withGroups && request.page % kGroupPages == kGroupPages - 1;
+    };
     _placedBytes = 0;
     std::size_t next = 0;
     bool isOver = false;
@@ -213,8 +200,9 @@ void StreamingPool::PlaceInBatches(const std::vector<Request>& requests, std::ui
         std::uint64_t bytes = 0;
         const std::size_t first = next;
         for (; next < requests.size() && (batch.empty() || bytes < room); ++next) {
-            const std::uint32_t begin = requests[next].page / numPages * numPages;
-            for (std::uint32_t page = begin; page < begin + numPages; ++page) {
+            const std::uint32_t last = requests[next].page;
+            for (std::uint32_t page = isGroup(requests[next]) ? last + 1 - kGroupPages : last;
+                 page <= last; ++page) {
                 batch.push_back(page);
                 bytes += _provider->PageBytes(page);
             }
@@ -223,9 +211,36 @@ void StreamingPool::PlaceInBatches(const std::vector<Request>& requests, std::ui
         _provider->Prepare(batch);
         _statistics.prepareSeconds += SecondsSince(start);
         for (std::size_t i = first; i < next && !isOver; ++i) {
-            isOver = !placeRequest(requests[i]);
+            isOver = !PlaceRequest(requests[i], isGroup(requests[i]));
         }
     }
+}
+
+/// \return false when there is no room left.
+bool StreamingPool::PlaceRequest(const Request& request, bool isGroup) {
+    if (!isGroup) {
+        if (IsResident(request.page)) {
+            _pages[request.page].isProtected = true; // came with its group
+            return true;
+        }
+        if (!Place(request.page)) {
+            return false;
+        }
+        _pages[request.page].wanted = request.count;
+        return true;
+    }
+    const std::uint32_t first = GroupOf(request.page) * kGroupPages;
+    if (PlaceGroup(first, request.count)) {
+        return true;
+    }
+    if (_placedBytes == 0) {
+        // What was kept of the group lies in the way of the rest: begin with an empty pool.
+        for (std::uint32_t page = 0; page < _pages.size(); ++page) {
+            Remove(page);
+        }
+        PlaceGroup(first, request.count);
+    }
+    return false;
 }
 
 /// Places what is missing of the group that begins with page `first`. \return false, with nothing
@@ -243,6 +258,7 @@ bool StreamingPool::PlaceGroup(std::uint32_t first, std::uint32_t wanted) {
             continue;
         }
         if (!Place(first + i)) {
+            _statistics.groupUploads -= _queued.size() - numQueued;
             while (_queued.size() > numQueued) {
                 _placedBytes -= _pages[_queued.back()].range.bytes;
                 _ranges.Free(_pages[_queued.back()].range);
@@ -252,6 +268,7 @@ bool StreamingPool::PlaceGroup(std::uint32_t first, std::uint32_t wanted) {
             return false;
         }
         _pages[first + i].wanted = wanted;
+        ++_statistics.groupUploads;
     }
     return true;
 }

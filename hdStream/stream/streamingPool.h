@@ -26,7 +26,8 @@ enum class Eviction {
 struct StreamingStatistics {
     std::uint64_t uploadedBytes = 0;
     std::uint64_t uploads = 0;
-    std::uint64_t uniqueBytes = 0; ///< of pages loaded at least once
+    std::uint64_t uniqueBytes = 0;  ///< of pages loaded at least once
+    std::uint64_t groupUploads = 0; ///< of pages of groups that were asked for whole
     std::uint64_t evictions = 0;
     std::uint64_t chunksUsed = 0; ///< groups of which a page was loaded at least once
     double prepareSeconds = 0.0;  ///< making the bytes of pages
@@ -37,9 +38,9 @@ struct StreamingStatistics {
 /// Device memory that holds some pages of a provider. Pages come in groups of kGroupPages with
 /// numbers that follow each other, which shading needs together. Externally synchronised.
 ///
-/// A cast goes: BeginCast; launch; then, as long as items wait for pages, ServiceCast and launch
-/// again over them. Other launches that need whole groups: launch; while items wait, ServiceGroups
-/// and launch again. Each service loads at least one page (group) that was asked for.
+/// Launch; then, as long as items wait for pages, Service and launch again over them. Rays that
+/// walk again each time: BeginCast; launch; then ServiceCast instead. Each service loads at least
+/// one page (group) that was asked for.
 class StreamingPool {
 public:
     static constexpr std::uint32_t kGroupPages = 2;
@@ -60,8 +61,9 @@ public:
     /// After an iteration: the pages that were resident in it are done, those asked for most are
     /// loaded. Blocks.
     void ServiceCast();
-    /// Loads groups that were asked for, whole. Blocks.
-    void ServiceGroups();
+    /// Loads what was asked for most: a page, or by its last page a whole group. Nothing is done.
+    /// Blocks.
+    void Service();
 
     /// The residency table (kernels/shared/residency.h).
     const Buffer& Addresses() const { return _table; }
@@ -107,10 +109,10 @@ private:
     void AllocateBuffers(std::uint64_t bytes);
     void MakeTables();
     std::vector<Request> TakeRequests();
-    template <typename PlaceRequest>
-    void PlaceInBatches(const std::vector<Request>& requests, std::uint32_t numPages,
-                        PlaceRequest placeRequest);
+    void PlaceInBatches(const std::vector<Request>& requests, bool withGroups);
+    bool PlaceRequest(const Request& request, bool isGroup);
     void EndService(Clock::time_point start, const StreamingStatistics& before);
+    void BeginEpoch();
     bool PlaceGroup(std::uint32_t first, std::uint32_t wanted);
     bool Place(std::uint32_t page);
     void ListVictims();
@@ -131,7 +133,7 @@ private:
     Buffer _requests;
     Buffer _requestCounts;
     Buffer _stamps;
-    std::uint32_t _epoch = 0; ///< counts casts
+    std::uint32_t _epoch = 0; ///< counts casts and services
     std::vector<PageState> _pages;
     std::vector<std::uint64_t> _ids;
     std::vector<Victim> _victims;       ///< of this service: a heap, the first to leave on top

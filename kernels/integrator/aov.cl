@@ -93,9 +93,9 @@ void aov_storeHit(constant const HdsFrameParams* frame, const HdsSceneView* scen
     }
 }
 
-/* Global size: count. */
+/* Global size: count, items [first, first + count) of the queue. */
 kernel void aov_firstHit(constant const HdsFrameParams* frame, global uchar* state, uint numSlots,
-                         global const uint* restrict queue, uint count,
+                         global const uint* restrict queue, uint first, uint count,
                          global uint* restrict waitQueue, global uint* restrict nextQueue,
                          volatile global uint* counters, global float* floats, global int* ints,
                          HdsAovOffsets offsets, global const uint* primvarSlots, HDS_SCENE_ARGS) {
@@ -103,9 +103,14 @@ kernel void aov_firstHit(constant const HdsFrameParams* frame, global uchar* sta
     if (item >= count) {
         return;
     }
-    uint i = queue[item];
+    uint i = queue[first + item];
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
+#if HDS_WAIT_LISTS
+    if (path_loadWaits(paths, i) != 0u) {
+        return;
+    }
+#endif
     HdsHit hit = path_loadHit(paths, i);
     uint4 status = path_load_status(paths, i);
     global float* pixel = floats + (size_t)status.x * offsets.floatStride;
@@ -114,7 +119,7 @@ kernel void aov_firstHit(constant const HdsFrameParams* frame, global uchar* sta
         aov_storeMiss(offsets, pixel, ids);
         return;
     }
-    if (surfaceHit_waits(&scene, &hit, waitQueue, counters, i)) {
+    if (surfaceHit_waits(&scene, &hit, waitQueue, counters, HDS_COUNTER_WAITING_HITS, i)) {
         return;
     }
     HdsSurfaceHit surface;

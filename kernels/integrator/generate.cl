@@ -20,14 +20,16 @@ void generate_start(HdsPaths paths, uint i, constant const HdsFrameParams* frame
 #endif
 }
 
-/* Global size: wave.numPixels * wave.numSamples. */
-kernel void generate_sample(constant const HdsFrameParams* frame, HdsWave wave, global uchar* state,
-                            uint numSlots, global const uint* pixels,
-                            global const float* filterTable, global uint* queue) {
-    uint i = (uint)get_global_id(0);
-    if (i >= wave.numPixels * wave.numSamples) {
+/* Global size: count, slots [first, first + count) of the wave. */
+kernel void generate_sample(constant const HdsFrameParams* frame, HdsWave wave, uint first,
+                            uint count, global uchar* state, uint numSlots,
+                            global const uint* pixels, global const float* filterTable,
+                            global uint* queue) {
+    uint item = (uint)get_global_id(0);
+    if (item >= count) {
         return;
     }
+    uint i = first + item;
     HdsPaths paths = {state, numSlots};
     uint pixel = pixels[wave.firstPixel + i / wave.numSamples];
     uint sample = wave.firstSample + i % wave.numSamples;
@@ -38,21 +40,23 @@ kernel void generate_sample(constant const HdsFrameParams* frame, HdsWave wave, 
         (float2)((float)position.x + 0.5f + offset.x, (float)position.y + 0.5f + offset.y);
     HdsCameraRay ray = camera_generate(frame, raster, sampler_get2(sampler, HDS_DIM_LENS));
     generate_start(paths, i, frame, ray, pixel, sample);
-    queue[i] = i;
+    queue[item] = i;
 }
 
 /* One ray through each pixel's centre and the lens' centre, for the AOVs of the first hit. */
-kernel void generate_centre(constant const HdsFrameParams* frame, HdsWave wave, global uchar* state,
-                            uint numSlots, global const uint* pixels, global uint* queue) {
-    uint i = (uint)get_global_id(0);
-    if (i >= wave.numPixels) {
+kernel void generate_centre(constant const HdsFrameParams* frame, HdsWave wave, uint first,
+                            uint count, global uchar* state, uint numSlots,
+                            global const uint* pixels, global uint* queue) {
+    uint item = (uint)get_global_id(0);
+    if (item >= count) {
         return;
     }
+    uint i = first + item;
     HdsPaths paths = {state, numSlots};
     uint pixel = pixels[wave.firstPixel + i];
     int2 position = pixel_position(frame, pixel);
     float2 raster = (float2)((float)position.x + 0.5f, (float)position.y + 0.5f);
     HdsCameraRay ray = camera_generate(frame, raster, (float2)(0.5f));
     generate_start(paths, i, frame, ray, pixel, 0u);
-    queue[i] = i;
+    queue[item] = i;
 }

@@ -226,10 +226,10 @@ bool shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
     return shade_sampleBsdf(frame, &surface, &shading, &bsdf, sampler, path, paths, i);
 }
 
-/* Global size: count. Appends paths that go on, shadow rays, and paths that wait for their hit's
- * pages. */
+/* Global size: count, items [first, first + count) of the queue. Appends paths that go on, shadow
+ * rays, and paths that wait for their hit's pages. Paths whose rays wait are left out. */
 kernel void shade_paths(constant const HdsFrameParams* frame, global uchar* state, uint numSlots,
-                        global const uint* restrict queue, uint count,
+                        global const uint* restrict queue, uint first, uint count,
                         global uint* restrict waitQueue, global uint* restrict nextQueue,
                         global uint* restrict shadowQueue, volatile global uint* counters,
                         HDS_SCENE_ARGS) {
@@ -237,12 +237,17 @@ kernel void shade_paths(constant const HdsFrameParams* frame, global uchar* stat
     if (item >= count) {
         return;
     }
-    uint i = queue[item];
+    uint i = queue[first + item];
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
+#if HDS_WAIT_LISTS
+    if (path_loadWaits(paths, i) != 0u) {
+        return;
+    }
+#endif
     HdsHit hit = path_loadHit(paths, i);
     bool isHit = hit.chunk != HDS_NONE;
-    if (isHit && surfaceHit_waits(&scene, &hit, waitQueue, counters, i)) {
+    if (isHit && surfaceHit_waits(&scene, &hit, waitQueue, counters, HDS_COUNTER_WAITING_HITS, i)) {
         return;
     }
     HdsShadePath path = shade_loadPath(paths, i);
@@ -259,4 +264,9 @@ kernel void shade_paths(constant const HdsFrameParams* frame, global uchar* stat
     if (goesOn) {
         queue_append(nextQueue, &counters[HDS_COUNTER_ACTIVE], i);
     }
+#if HDS_WAIT_LISTS
+    if (hasShadow && !goesOn) {
+        path_storeWaits(paths, i, HDS_PATH_ENDED);
+    }
+#endif
 }

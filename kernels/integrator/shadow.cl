@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Shadow rays. shadow_cast adds what arrives unhindered; a ray that meets a cut-out surface becomes
  * a candidate, which shadow_pass dims by the transparency there and sends on. From: the shadow
- * queue. To: path radiance, or the candidate queue and back. Explained in docs/wavefront.md. */
+ * queue. To: path radiance, or the candidate queue and back; while geometry streams also to the
+ * queues of what waits. Explained in docs/wavefront.md. */
 #include "accel/traverse.clh"
 #include "integrator/passThrough.clh"
 #include "integrator/pathState.clh"
@@ -12,43 +13,98 @@ void shadow_addRadiance(HdsPaths paths, uint i) {
     path_store_radiance(paths, i, radiance);
 }
 
-#if HDS_FEATURE_STREAMING
-/* One iteration of a shadow ray. \return true when it arrives, or has met a candidate; false when
- * it is blocked or waits. */
-bool shadow_iterate(const HdsGeometryView* view, HdsTraversalRay ray, HdsPaths paths, uint i,
-                    uint isResumed, global uint* waitQueue, volatile global uint* counters,
-                    HdsHit* candidate) {
-    uint4 after = (uint4)(0u);
+HdsTraversalRay shadow_loadRay(HdsPaths paths, uint i) {
+    float4 origin = path_load_shadowOrigin(paths, i);
+    HdsTraversalRay ray;
+    ray.origin = origin.xyz;
+    ray.direction = path_load_shadowDirection(paths, i).xyz;
+    ray.tMin = 0.0f;
+    ray.tMax = origin.w;
+    return ray;
+}
+
+uint4 shadow_after(HdsPaths paths, uint i) {
+#if HDS_FEATURE_CUTOUT
+    return path_load_shadowAfter(paths, i);
+#else
+    return (uint4)(0u);
+#endif
+}
+
+/* A shadow ray is over: its slot may be shaded when it has waited for that. Shadow rays of a first
+ * launch have not, but for those that passed cut-out surfaces. */
+void shadow_end(HdsPaths paths, uint i, global uint* readyQueue, volatile global uint* counters) {
+#if HDS_WAIT_LISTS
+    if ((path_loadWaits(paths, i) & HDS_PATH_SHADOW_WAITS) != 0u) {
+        path_endWait(paths, i, HDS_PATH_SHADOW_WAITS, readyQueue, counters);
+    }
+#endif
+}
+
+/* A ray that nothing opaque blocks arrives, or has a candidate. */
+void shadow_arrive(HdsPaths paths, uint i, const HdsHit* candidate, global uint* candidateQueue,
+                   global uint* readyQueue, volatile global uint* counters) {
+#if HDS_FEATURE_CUTOUT
+    if (candidate->chunk != HDS_NONE) {
+        path_storeCandidate(paths, i, candidate);
+        queue_append(candidateQueue, &counters[HDS_COUNTER_SHADOW], i);
+        return;
+    }
+#endif
+    shadow_addRadiance(paths, i);
+    shadow_end(paths, i, readyQueue, counters);
+}
+
+#if HDS_WAIT_LISTS
+/* Keeps what a shadow ray that waits goes on with. */
+void shadow_storeWait(HdsPaths paths, uint i, const HdsHit* candidate, uint primId,
+                      const HdsWaitList* list, global uint* waitQueue,
+                      volatile global uint* counters) {
+    uint4 pending = path_load_pending(paths, i);
+    pending.y = primId;
+    pending.w = list->size;
+    path_store_pending(paths, i, pending);
+#if HDS_FEATURE_CUTOUT
+    path_storeCandidate(paths, i, candidate);
+#endif
+    path_storeList(paths, i, pathField_shadowWaitBound, list);
+    path_storeWaits(paths, i, path_loadWaits(paths, i) | HDS_PATH_SHADOW_WAITS);
+    queue_append(waitQueue, &counters[HDS_COUNTER_WAITING_SHADOWS], i);
+}
+#elif HDS_FEATURE_STREAMING
+/* One iteration of a shadow ray. \return HDS_RAY_*. */
+uint shadow_iterate(const HdsGeometryView* view, HdsPaths paths, uint i, uint isResumed,
+                    global uint* waitQueue, volatile global uint* counters, HdsHit* candidate) {
     uint primId = 0u;
     *candidate = hit_none();
 #if HDS_FEATURE_CUTOUT
     uint4 pending = path_load_pending(paths, i);
-    after = path_load_shadowAfter(paths, i);
     primId = pending.y;
     if (isResumed != 0u) {
         *candidate = path_loadCandidate(paths, i);
     }
 #endif
-    const uint state = traverse_iterateOccluded(view, ray, after, candidate, &primId);
+    const uint state = streamed_iterateOccluded(view, shadow_loadRay(paths, i),
+                                                shadow_after(paths, i), candidate, &primId);
     if (state == HDS_RAY_WAITS) {
 #if HDS_FEATURE_CUTOUT
         pending.y = primId;
         path_storeCandidate(paths, i, candidate);
         path_store_pending(paths, i, pending);
 #endif
-        queue_append(waitQueue, &counters[HDS_COUNTER_WAITING], i);
+        queue_append(waitQueue, &counters[HDS_COUNTER_WAITING_SHADOWS], i);
     }
-    return state == HDS_RAY_DECIDED;
+    return state;
 }
 #endif
 
-/* Global size: count. Appends candidates (only with cut-outs), and rays that wait for a chunk (only
- * while geometry streams). \param isResumed the rays have waited: candidates are those found so
- * far. */
+/* Global size: count. Appends candidates (only with cut-outs) and, while geometry streams, rays
+ * that wait for a chunk and slots that are ready. \param isResumed the rays have waited: candidates
+ * are those found so far (only without lists). */
 kernel void shadow_cast(global uchar* state, uint numSlots, global const uint* restrict queue,
                         uint count, uint isResumed, global uint* restrict waitQueue,
-                        global uint* restrict candidateQueue, volatile global uint* counters,
-                        HDS_SCENE_ARGS) {
+                        global uint* restrict candidateQueue, global uint* restrict readyQueue,
+                        volatile global uint* counters, HDS_SCENE_ARGS) {
     uint item = (uint)get_global_id(0);
     if (item >= count) {
         return;
@@ -56,55 +112,93 @@ kernel void shadow_cast(global uchar* state, uint numSlots, global const uint* r
     uint i = queue[item];
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
-    float4 origin = path_load_shadowOrigin(paths, i);
-    HdsTraversalRay ray;
-    ray.origin = origin.xyz;
-    ray.direction = path_load_shadowDirection(paths, i).xyz;
-    ray.tMin = 0.0f;
-    ray.tMax = origin.w;
-#if HDS_FEATURE_CUTOUT || HDS_FEATURE_STREAMING
     HdsHit candidate;
-#endif
-#if HDS_FEATURE_STREAMING
-    if (!shadow_iterate(&scene.geometry, ray, paths, i, isResumed, waitQueue, counters,
-                        &candidate)) {
-        return;
+#if HDS_WAIT_LISTS
+    HdsWaitList list;
+    uint primId;
+    const uint found = streamed_beginOccluded(&scene.geometry, shadow_loadRay(paths, i),
+                                              shadow_after(paths, i), &candidate, &primId, &list);
+    if (found == HDS_RAY_WAITS) {
+        shadow_storeWait(paths, i, &candidate, primId, &list, waitQueue, counters);
     }
+    const bool isBlocked = found == HDS_RAY_BLOCKED;
+    const bool arrives = found == HDS_RAY_DECIDED;
+#elif HDS_FEATURE_STREAMING
+    const uint found =
+        shadow_iterate(&scene.geometry, paths, i, isResumed, waitQueue, counters, &candidate);
+    const bool isBlocked = found == HDS_RAY_BLOCKED;
+    const bool arrives = found == HDS_RAY_DECIDED;
 #elif HDS_FEATURE_CUTOUT
-    if (traverse_occludedAfter(&scene.geometry, ray, path_load_shadowAfter(paths, i), &candidate)) {
-        return;
-    }
+    const bool isBlocked = traverse_occludedAfter(&scene.geometry, shadow_loadRay(paths, i),
+                                                  shadow_after(paths, i), &candidate);
+    const bool arrives = !isBlocked;
 #else
-    if (traverse_occluded(&scene.geometry, ray)) {
-        return;
-    }
+    const bool isBlocked = traverse_occluded(&scene.geometry, shadow_loadRay(paths, i));
+    const bool arrives = !isBlocked;
 #endif
+    if (arrives) {
+        shadow_arrive(paths, i, &candidate, candidateQueue, readyQueue, counters);
+    }
 #if HDS_FEATURE_CUTOUT
-    if (candidate.chunk != HDS_NONE) {
-        path_storeCandidate(paths, i, &candidate);
-        queue_append(candidateQueue, &counters[HDS_COUNTER_SHADOW], i);
-        return;
+    if (isBlocked) {
+        shadow_end(paths, i, readyQueue, counters);
     }
 #endif
-    shadow_addRadiance(paths, i);
 }
 
-#if HDS_FEATURE_CUTOUT
-/* Global size: count. Appends rays of which something is left, and candidates that wait for their
- * pages. */
-kernel void shadow_pass(global uchar* state, uint numSlots,
-                        global const uint* restrict candidateQueue, uint count,
-                        global uint* restrict waitQueue, global uint* restrict queue,
-                        volatile global uint* counters, HDS_SCENE_ARGS) {
+#if HDS_WAIT_LISTS
+/* Global size: count, items [first, first + count) of the queue. Goes on with shadow rays that have
+ * waited. Appends as shadow_cast. */
+kernel void shadow_resume(global uchar* state, uint numSlots, global const uint* restrict queue,
+                          uint first, uint count, global uint* restrict waitQueue,
+                          global uint* restrict candidateQueue, global uint* restrict readyQueue,
+                          volatile global uint* counters, HDS_SCENE_ARGS) {
     uint item = (uint)get_global_id(0);
     if (item >= count) {
         return;
     }
-    uint i = candidateQueue[item];
+    uint i = queue[first + item];
+    HdsPaths paths = {state, numSlots};
+    HDS_SCENE_VIEW(scene);
+    uint4 pending = path_load_pending(paths, i);
+    uint primId = pending.y;
+    HdsWaitList list = path_loadList(paths, i, pathField_shadowWaitBound, pending.w);
+    HdsHit candidate = hit_none();
+#if HDS_FEATURE_CUTOUT
+    candidate = path_loadCandidate(paths, i);
+#endif
+    const uint found = streamed_resumeOccluded(&scene.geometry, shadow_loadRay(paths, i),
+                                               shadow_after(paths, i), &candidate, &primId, &list);
+    if (found == HDS_RAY_WAITS) {
+        shadow_storeWait(paths, i, &candidate, primId, &list, waitQueue, counters);
+    } else if (found == HDS_RAY_BLOCKED) {
+        shadow_end(paths, i, readyQueue, counters);
+    } else {
+        shadow_arrive(paths, i, &candidate, candidateQueue, readyQueue, counters);
+    }
+}
+#endif
+
+#if HDS_FEATURE_CUTOUT
+/* Global size: count. Appends rays of which something is left and, while geometry streams,
+ * candidates that wait for their pages and slots that are ready. */
+kernel void shadow_pass(global uchar* state, uint numSlots,
+                        global const uint* restrict candidateQueue, uint first, uint count,
+                        global uint* restrict waitQueue, global uint* restrict queue,
+                        global uint* restrict readyQueue, volatile global uint* counters,
+                        HDS_SCENE_ARGS) {
+    uint item = (uint)get_global_id(0);
+    if (item >= count) {
+        return;
+    }
+    uint i = candidateQueue[first + item];
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
     HdsHit hit = path_loadCandidate(paths, i);
-    if (surfaceHit_waits(&scene, &hit, waitQueue, counters, i)) {
+    if (surfaceHit_waits(&scene, &hit, waitQueue, counters, HDS_COUNTER_WAITING_CANDIDATES, i)) {
+#if HDS_WAIT_LISTS
+        path_storeWaits(paths, i, path_loadWaits(paths, i) | HDS_PATH_SHADOW_WAITS);
+#endif
         return;
     }
     float4 direction = path_load_shadowDirection(paths, i);
@@ -115,11 +209,13 @@ kernel void shadow_pass(global uchar* state, uint numSlots,
     surfaceHit_shade(&scene, &surface, -direction.xyz, &shading, &bsdf);
     float3 left = path_load_shadowRadiance(paths, i).xyz * surface_passThrough(&bsdf, shading.wo.z);
     if (!(vec_maxComponent(left) > 0.0f)) {
+        shadow_end(paths, i, readyQueue, counters);
         return;
     }
     direction.w += 1.0f;
     if (direction.w >= (float)HDS_MAX_PASSES) {
         atomic_inc(&counters[HDS_COUNTER_PASSES]);
+        shadow_end(paths, i, readyQueue, counters);
         return;
     }
     path_store_shadowRadiance(paths, i, (float4)(left, 0.0f));

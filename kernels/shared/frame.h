@@ -25,8 +25,13 @@
 #define HDS_COUNTER_SHADOW 1  /* shadow rays to cast */
 #define HDS_COUNTER_NAN 2     /* samples that were not finite and count as black */
 #define HDS_COUNTER_PASSES 3  /* rays ended by HDS_MAX_PASSES */
-#define HDS_COUNTER_WAITING 4 /* items that wait for pages */
-#define HDS_NUM_COUNTERS 5
+/* While geometry streams: what waits for pages, and what may be shaded after it has waited. */
+#define HDS_COUNTER_WAITING_RAYS 4
+#define HDS_COUNTER_WAITING_SHADOWS 5
+#define HDS_COUNTER_WAITING_HITS 6
+#define HDS_COUNTER_WAITING_CANDIDATES 7
+#define HDS_COUNTER_READY 8
+#define HDS_NUM_COUNTERS 9
 
 HDS_SHARED_BEGIN
 /* Camera space: x right, y up, looking along -z; world space is relative to the scene centre. */

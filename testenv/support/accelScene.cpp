@@ -120,7 +120,10 @@ void AccelScene::BuildGroup(std::uint32_t object, const std::vector<AccelPlaceme
                        static_cast<std::uint32_t>(instances.size()),
                        static_cast<std::uint32_t>(records.size())};
     topNodes.insert(topNodes.end(), bvh.nodes.begin(), bvh.nodes.end());
+    const auto first = static_cast<std::uint32_t>(instances.size());
+    instancesByPath.resize(first + records.size());
     for (const std::uint32_t i : bvh.order) {
+        instancesByPath[first + i] = static_cast<std::uint32_t>(instances.size());
         instances.push_back(records[i]);
     }
     _bounds[object] = bvh.bounds;
@@ -131,6 +134,7 @@ DeviceAccelScene::DeviceAccelScene(const std::shared_ptr<Device>& device, const 
                                    const AccelUpload& upload)
     : _topNodes(UploadVector(device, "top nodes", scene.topNodes)),
       _instances(UploadVector(device, "instances", scene.instances)),
+      _instancesByPath(UploadVector(device, "instances by path", scene.instancesByPath)),
       _objects(UploadVector(device, "objects", scene.objects)),
       _numInstances(static_cast<std::uint32_t>(scene.instances.size())) {
     std::vector<std::uint32_t> addresses(2 * scene.pages.size(), HDS_NOT_RESIDENT);
@@ -154,10 +158,11 @@ DeviceAccelScene::DeviceAccelScene(const std::shared_ptr<Device>& device, const 
 void DeviceAccelScene::Bind(Kernel* kernel, unsigned first) const {
     kernel->SetBuffer(first, _topNodes);
     kernel->SetBuffer(first + 1, _instances);
-    kernel->SetBuffer(first + 2, _objects);
-    kernel->SetBuffer(first + 3, _addresses);
+    kernel->SetBuffer(first + 2, _instancesByPath);
+    kernel->SetBuffer(first + 3, _objects);
+    kernel->SetBuffer(first + 4, _addresses);
     for (unsigned i = 0; i < _pools.size(); ++i) {
-        kernel->SetBuffer(first + 4 + i, _pools[i]);
+        kernel->SetBuffer(first + 5 + i, _pools[i]);
     }
 }
 

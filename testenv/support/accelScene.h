@@ -39,6 +39,7 @@ public:
 
     std::vector<shared::HdsBvhNode> topNodes;
     std::vector<shared::HdsInstance> instances;
+    std::vector<std::uint32_t> instancesByPath;
     std::vector<shared::HdsObject> objects;
     std::vector<GeometryPage> pages; ///< geometry page of each chunk
 
@@ -66,7 +67,7 @@ public:
     std::uint32_t NumInstances() const { return _numInstances; }
 
 private:
-    Buffer _topNodes, _instances, _objects, _addresses;
+    Buffer _topNodes, _instances, _instancesByPath, _objects, _addresses;
     std::array<Buffer, HDS_POOL_MAX_BUFFERS> _pools;
     std::uint32_t _numInstances = 0;
 };

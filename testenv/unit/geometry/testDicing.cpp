@@ -133,7 +133,7 @@ TEST(Dicing, LevelsFallUntilTrianglesCanBeCounted) {
         std::make_shared<MeshDescription>(MakeGrid(256, [](float, float) { return 0.0F; })),
         "/World/mesh", warnings);
     dice.edgeLevels.assign(std::size_t(dice.model->Level().GetNumEdges()), kMaxDicingLevel);
-    EXPECT_EQ(dice.NumberUnits(), std::uint64_t(65536) * 2 * 128 * 128);
+    EXPECT_EQ(dice.NumberUnits().triangles, std::uint64_t(65536) * 2 * 128 * 128);
     EXPECT_EQ(dice.edgeLevels[0], 7);
 }
 

@@ -7,6 +7,7 @@
 #include "hdStream/geometry/primvars.h"
 #include "testenv/unit/geometry/meshFixtures.h"
 
+#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>
 
@@ -20,8 +21,10 @@ namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-std::shared_ptr<const ChunkSource> SourceOf(const MeshDescription& mesh, Warnings& warnings) {
-    return MakePolygonSource(std::make_shared<MeshDescription>(mesh), "/World/mesh", warnings);
+std::shared_ptr<const ChunkSource> SourceOf(const MeshDescription& mesh, Warnings& warnings,
+                                            const Displacement& displacement = {}) {
+    return MakePolygonSource(std::make_shared<MeshDescription>(mesh), "/World/mesh", displacement,
+                             warnings);
 }
 
 std::vector<std::uint32_t> AllUnits(const ChunkSource& source) {
@@ -224,6 +227,47 @@ TEST(PolygonSource, NormalsAreThoseOfTheWholeMesh) {
             }
         }
         EXPECT_EQ(warnings.Lines(), whole.warnings);
+    }
+}
+
+// A flat grid moves as a whole along its normal; a primvar makes it a height field.
+TEST(PolygonSource, DisplacementMovesPointsAlongTheNormal) {
+    for (const bool isLeftHanded : {false, true}) {
+        MeshDescription mesh = MakeFlatGrid(8);
+        mesh.leftHanded = isLeftHanded;
+        const std::size_t numPoints = mesh.points.size() / 3;
+        std::vector<float> heights(numPoints);
+        for (std::size_t i = 0; i < numPoints; ++i) {
+            heights[i] = 0.25F * static_cast<float>(i % 5) - 0.5F;
+        }
+        Primvar primvar;
+        primvar.name = "height";
+        primvar.interpolation = Interpolation::Vertex;
+        primvar.values = heights;
+        mesh.primvars = {primvar};
+        Warnings warnings;
+        const auto flat = SourceOf(mesh, warnings);
+        const auto displaced = SourceOf(mesh, warnings, {MakePrimvarAmount("height", 0.0)});
+        for (const std::uint32_t unit : AllUnits(*displaced)) {
+            const ChunkGeometry before = flat->Gather(&unit, 1);
+            const ChunkGeometry after = displaced->Gather(&unit, 1);
+            const Bounds box = displaced->UnitBounds(unit);
+            ASSERT_EQ(before.points, after.points);
+            const glm::vec3 cross =
+                glm::cross(before.positions[before.triangles[0].y] - before.positions[before.triangles[0].x],
+                           before.positions[before.triangles[0].z] - before.positions[before.triangles[0].x]);
+            const glm::vec3 normal = glm::normalize(cross) * (isLeftHanded ? -1.0F : 1.0F);
+            for (std::size_t i = 0; i < after.positions.size(); ++i) {
+                const glm::vec3 expected =
+                    before.positions[i] + normal * heights[before.points[i]];
+                EXPECT_LT(glm::length(after.positions[i] - expected), 1e-5F);
+                for (int axis = 0; axis < 3; ++axis) {
+                    EXPECT_GE(after.positions[i][axis], box.min[axis]);
+                    EXPECT_LE(after.positions[i][axis], box.max[axis]);
+                }
+            }
+        }
+        EXPECT_TRUE(warnings.Lines().empty());
     }
 }
 

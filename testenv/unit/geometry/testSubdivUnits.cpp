@@ -221,6 +221,9 @@ TEST(SubdivUnits, BoxesHoldTheTriangles) {
             }
         }
         EXPECT_EQ(sum, source->NumTriangles());
+        std::vector<std::uint32_t> all(source->NumUnits());
+        std::iota(all.begin(), all.end(), 0U);
+        EXPECT_LE(source->Gather(all.data(), all.size()).positions.size(), source->NumVertices());
     }
 }
 

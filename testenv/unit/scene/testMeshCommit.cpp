@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prepared meshes keep every triangle exactly once within the chunk bound; refine levels stay in
-// bounds.
+// Prepared meshes keep every triangle exactly once within the chunk bound; their names in the cache
+// follow what they are made of.
 #include "hdStream/scene/meshCommit.h"
+
+#include "hdStream/scene/meshKey.h"
 
 #include "testenv/support/pageView.h"
 
@@ -36,17 +38,18 @@ MeshDescription Grid(std::int32_t size, const std::string& scheme) {
     return mesh;
 }
 
-PreparedMesh Prepare(const MeshDescription& mesh, const MeshOptions& options) {
+PreparedMesh Prepare(const MeshDescription& mesh, MeshInputs inputs) {
     static Warnings warnings; // outlives the meshes
-    return PrepareMesh("/grid", std::make_shared<MeshDescription>(mesh), options, nullptr, warnings);
+    inputs.mesh = std::make_shared<MeshDescription>(mesh);
+    return PrepareMesh("/grid", inputs, nullptr, warnings);
 }
 
 TEST(MeshCommit, EveryTriangleIsInOneChunkWithinTheBound) {
     for (const std::uint64_t chunkBytes :
          {std::uint64_t{4096}, std::uint64_t{16384}, std::uint64_t{1} << 20U}) {
-        MeshOptions options;
-        options.chunkBytes = chunkBytes;
-        const PreparedMesh mesh = Prepare(Grid(40, "none"), options);
+        MeshInputs inputs;
+        inputs.chunkBytes = chunkBytes;
+        const PreparedMesh mesh = Prepare(Grid(40, "none"), inputs);
         std::vector<int> seen(40 * 40, 0);
         for (const std::shared_ptr<ChunkPages>& chunk : mesh.chunks) {
             const std::uint64_t bound =
@@ -74,27 +77,48 @@ TEST(MeshCommit, EveryTriangleIsInOneChunkWithinTheBound) {
     }
 }
 
-TEST(MeshCommit, SubdivisionFollowsTheOption) {
-    MeshOptions options;
-    const auto numTriangles = [&](Subdivision subdivision, std::uint32_t level,
-                                  const char* scheme) {
-        options.subdivision = subdivision;
-        options.refineLevel = level;
-        return Prepare(Grid(4, scheme), options).numTriangles;
-    };
-    EXPECT_EQ(numTriangles(Subdivision::Cage, 2, "catmullClark"), 32U);
-    EXPECT_EQ(numTriangles(Subdivision::Complexity, 0, "catmullClark"), 32U);
-    EXPECT_EQ(numTriangles(Subdivision::Complexity, 2, "catmullClark"), 32U * 16U);
-    EXPECT_EQ(numTriangles(Subdivision::Adaptive, 0, "catmullClark"), 32U * 64U);
-    EXPECT_EQ(numTriangles(Subdivision::Adaptive, 0, "none"), 32U);
+TEST(MeshCommit, SurfacesAreDicedAsAsked) {
+    MeshInputs inputs;
+    EXPECT_EQ(Prepare(Grid(4, "catmullClark"), inputs).numTriangles, 32U);
+    inputs.dicing.emplace();
+    inputs.dicing->level = 2;
+    EXPECT_EQ(Prepare(Grid(4, "catmullClark"), inputs).numTriangles, 32U * 16U);
 }
 
-TEST(MeshCommit, AdaptiveLevelsStayBelowTheirBound) {
-    const MeshOptions options;
-    for (std::size_t faces = 1; faces < (std::size_t{1} << 20U); faces = faces * 3 + 1) {
-        const std::uint32_t level = ChooseRefineLevel(options, faces);
-        EXPECT_LE(level, 3U);
-        EXPECT_TRUE(level == 0 || (faces << (2 * level)) <= (std::size_t{1} << 17U)) << faces;
+// The same mesh has the same name in the cache; whatever its pages depend on gives another.
+TEST(MeshCommit, KeysFollowEveryInput) {
+    MeshInputs inputs;
+    inputs.mesh = std::make_shared<MeshDescription>(Grid(3, "catmullClark"));
+    std::vector<PageKey> keys = {MakeMeshKey(inputs)};
+    const auto add = [&](const MeshInputs& changed) { keys.push_back(MakeMeshKey(changed)); };
+    MeshInputs other = inputs;
+    other.mesh = std::make_shared<MeshDescription>(Grid(3, "catmullClark"));
+    EXPECT_EQ(MakeMeshKey(other), keys[0]);
+    other.mesh = std::make_shared<MeshDescription>(Grid(3, "loop"));
+    add(other);
+    MeshDescription left = Grid(3, "catmullClark");
+    left.leftHanded = true;
+    other.mesh = std::make_shared<MeshDescription>(left);
+    add(other);
+    other = inputs;
+    other.chunkBytes = 4096;
+    add(other);
+    other = inputs;
+    other.displacements = {{0.25F, ""}};
+    add(other);
+    other.displacements = {{0.25F, "height"}};
+    add(other);
+    other = inputs;
+    other.dicing.emplace();
+    add(other);
+    other.dicing->isAdaptive = true;
+    add(other);
+    other.dicing->view.cameraFromObject[3][2] = -5.0;
+    add(other);
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+        for (std::size_t k = 0; k < i; ++k) {
+            EXPECT_NE(keys[i], keys[k]) << i << " and " << k;
+        }
     }
 }
 

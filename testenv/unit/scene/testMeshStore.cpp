@@ -18,13 +18,14 @@ std::shared_ptr<const MeshDescription> Triangle(float size) {
 class MeshStoreTest : public ::testing::Test {
 protected:
     bool Prepare(const CancelCallback& isCancelled = {}) {
-        std::vector<const MeshStore::Entry*> drawn;
-        for (const auto& entry : scene.meshes) {
-            if (entry.second.placement.visible) {
-                drawn.push_back(&entry);
+        std::vector<MeshStore::Drawn> drawn;
+        for (const auto& [path, prim] : scene.meshes) {
+            if (prim.placement.visible) {
+                inputs.mesh = prim.mesh;
+                drawn.emplace_back(&path, inputs);
             }
         }
-        return store.Prepare(scene, drawn, options, warnings, isCancelled);
+        return store.Prepare(scene, drawn, warnings, isCancelled);
     }
     std::size_t Count() const {
         std::size_t count = 0;
@@ -33,7 +34,7 @@ protected:
     }
 
     SceneDescription scene;
-    MeshOptions options;
+    MeshInputs inputs; ///< but for the mesh
     Warnings warnings;
     MeshStore store;
 };
@@ -67,12 +68,16 @@ TEST_F(MeshStoreTest, NewDescriptionsAndOptionsPrepareAgain) {
     EXPECT_EQ(store.NumPrepared(), 3U);
     EXPECT_NE(store.Find("/a").chunks[0]->Id(HDS_PAGE_GEOMETRY), before);
     EXPECT_EQ(store.Find("/a").bounds.max.x - store.Find("/a").bounds.min.x, 3.0F);
-    options.chunkBytes = 8192;
+    inputs.chunkBytes = 8192;
     ASSERT_TRUE(Prepare());
     EXPECT_EQ(store.NumPrepared(), 5U);
-    options.refineLevel = 2; // means nothing to adaptive subdivision
+    inputs.dicing.emplace();
     ASSERT_TRUE(Prepare());
-    EXPECT_EQ(store.NumPrepared(), 5U);
+    EXPECT_EQ(store.NumPrepared(), 7U);
+    inputs.displacements = {{0.1F, ""}};
+    ASSERT_TRUE(Prepare());
+    ASSERT_TRUE(Prepare());
+    EXPECT_EQ(store.NumPrepared(), 9U);
 }
 
 TEST_F(MeshStoreTest, RemovedMeshesLeaveAndHiddenOnesAreNotPrepared) {

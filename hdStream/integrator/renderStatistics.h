@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a render has done and how long it took.
+#pragma once
+
+#include <cstdint>
+
+namespace hds {
+
+/// Seconds by kind of work (DESIGN.md section 9) and what was traced.
+struct RenderStatistics {
+    double compileSeconds = 0.0;
+    double traceSeconds = 0.0;
+    double shadeSeconds = 0.0;
+    double transferSeconds = 0.0;
+    double renderSeconds = 0.0;     ///< generate to the last resolve
+    double firstImageSeconds = 0.0; ///< since rendering began, first complete 1-sample image
+    std::uint64_t cameraRays = 0;
+    std::uint64_t indirectRays = 0;
+    std::uint64_t shadowRays = 0;
+    /// Sets of rays that are traced to completion together: a bounce of a wave; while geometry
+    /// streams with lists all of a wave.
+    std::uint64_t casts = 0;
+    std::uint64_t iterations = 0; ///< rounds of launches of casts while geometry streams
+    std::uint32_t maxIterationsPerCast = 0;
+    std::uint64_t raysRelaunched = 0;
+    std::uint64_t nanSamples = 0;
+    std::uint64_t endedPasses = 0; ///< rays that passed HDS_MAX_PASSES cut-out surfaces
+    double meanRelativeError = 0.0;
+    std::uint32_t samples = 0; ///< per pixel, the least over all pixels
+    std::uint32_t waveSize = 0;
+    bool isWideTraversal = false;
+    std::uint64_t pathStateBytes = 0;
+    std::uint64_t filmBytes = 0;
+};
+
+} // namespace hds
