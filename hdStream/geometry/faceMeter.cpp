@@ -15,15 +15,20 @@ namespace {
 
 /// How much of its size a hull of cage points grows by: end caps of OpenSubdiv may leave the hull.
 constexpr double kHullMargin = 1.0 / 64.0;
+/// The same for Bezier points, which are computed from derivatives.
+constexpr double kCubicMargin = 1e-6;
 
-/// Control points of the cubic patch of a regular quad, [v][u], by its corners' derivatives.
-std::vector<glm::dvec3> BezierPoints(const FaceSurface& surface) {
+/// Control points of the cubic patch over a part of a quad, [v][u], by its corners' derivatives.
+std::vector<glm::dvec3> BezierPoints(const FaceSurface& surface, const PatternBox& part) {
     std::vector<glm::dvec3> net(16);
+    const glm::dvec2 third = (part.high - part.low) / 3.0;
     for (int y = 0; y < 2; ++y) {
         for (int x = 0; x < 2; ++x) {
-            const SurfaceFrame2 f = surface.Frame2({0, glm::dvec2(x, y)});
-            const double u = (x == 0 ? 1.0 : -1.0) / 3.0;
-            const double v = (y == 0 ? 1.0 : -1.0) / 3.0;
+            const glm::dvec2 at(x == 0 ? part.low.x : part.high.x,
+                                y == 0 ? part.low.y : part.high.y);
+            const SurfaceFrame2 f = surface.Frame2({0, at});
+            const double u = x == 0 ? third.x : -third.x;
+            const double v = y == 0 ? third.y : -third.y;
             const auto to = [&](int dx, int dy) -> glm::dvec3& {
                 return net[std::size_t(4 * (y == 0 ? dy : 3 - dy) + (x == 0 ? dx : 3 - dx))];
             };
@@ -79,35 +84,84 @@ void ExactBox::Add(const glm::dvec3& point) {
 FaceMeter::FaceMeter(const SubdivModel& model, int face)
     : _model(model), _face(face), _shape(model.Shape(face)), _surface(model, face) {
     if (IsBezier()) {
-        _net = BezierPoints(_surface);
+        _net = BezierPoints(_surface, {});
     }
+}
+
+void ExactBox::Add(const ExactBox& other) {
+    min = glm::min(min, other.min);
+    max = glm::max(max, other.max);
+}
+
+void ExactBox::Grow(double part) {
+    const double pad = part * glm::length(max - min);
+    min -= pad;
+    max += pad;
+}
+
+/// Of the cage's points.
+ExactBox FaceMeter::HullBox() const {
+    ExactBox box;
+    std::vector<int> points;
+    _surface.ControlPoints(points);
+    for (const int point : points) {
+        const float* p = _model.Mesh().points.data() + 3 * std::size_t(point);
+        box.Add(glm::dvec3(p[0], p[1], p[2]));
+    }
+    box.Grow(kHullMargin);
+    return box;
+}
+
+/// Adds the part of a dyadic square of an irregular quad. Away from the quad's corners squares are
+/// regular patches: Catmull and Clark 1978 have extraordinary points at vertices only.
+void FaceMeter::AddSquare(const PatternBox& part, const PatternBox& square, int depth,
+                          ExactBox& box) const {
+    const PatternBox common{glm::max(part.low, square.low), glm::min(part.high, square.high)};
+    if (common.low.x >= common.high.x || common.low.y >= common.high.y) {
+        return;
+    }
+    const bool isAtCorner = (square.low.x == 0.0 || square.high.x == 1.0) &&
+                            (square.low.y == 0.0 || square.high.y == 1.0);
+    if (isAtCorner && depth < kSmoothLevel) {
+        const glm::dvec2 half = 0.5 * (square.high - square.low);
+        for (int child = 0; child < 4; ++child) {
+            const glm::dvec2 low = square.low + half * glm::dvec2(child % 2, child / 2);
+            AddSquare(part, {low, low + half}, depth + 1, box);
+        }
+        return;
+    }
+    ExactBox own;
+    for (const glm::dvec3& point : BezierPoints(_surface, common)) {
+        own.Add(point);
+    }
+    // What is left at a corner is not cubic: twice its size, of 1/64 of the face.
+    own.Grow(isAtCorner ? 1.0 : kCubicMargin);
+    box.Add(own);
+}
+
+ExactBox FaceMeter::Box() const {
+    return IsBezier() ? BoxOver({}) : HullBox();
 }
 
 ExactBox FaceMeter::BoxOver(const PatternBox& part) const {
     ExactBox box;
-    double margin = 1e-6;
     if (IsBezier()) {
         for (const glm::dvec3& point : Restrict(_net, part)) {
             box.Add(point);
         }
-    } else {
-        std::vector<int> points;
-        _surface.ControlPoints(points);
-        for (const int point : points) {
-            const float* p = _model.Mesh().points.data() + 3 * std::size_t(point);
-            box.Add({p[0], p[1], p[2]});
-        }
-        margin = kHullMargin;
+        box.Grow(kCubicMargin);
+        return box;
     }
-    const double pad = margin * glm::length(box.max - box.min);
-    box.min -= pad;
-    box.max += pad;
+    if (_shape != FaceShape::Quad || IsBent()) {
+        return HullBox();
+    }
+    AddSquare(part, {}, 0, box);
     return box;
 }
 
-/// Samples along the side of a face, or of a sub-face. Semi-sharp edges bend the surface within
-/// 2^-sharpness of their length.
-int FaceMeter::NumSamples() const {
+/// True beside semi-sharp edges and corners, which bend the surface within 2^-sharpness of their
+/// length.
+bool FaceMeter::IsBent() const {
     const auto& level = _model.Level();
     const auto isSemiSharp = [](float sharpness) {
         return sharpness > 0.0F && sharpness < OpenSubdiv::Sdc::Crease::SHARPNESS_INFINITE;
@@ -121,8 +175,7 @@ int FaceMeter::NumSamples() const {
             isBent = isBent || isSemiSharp(level.GetEdgeSharpness(edges[e]));
         }
     }
-    const int numCells = isBent ? 16 : 4;
-    return (_shape == FaceShape::SubQuads ? numCells / 2 : numCells) + 1;
+    return isBent;
 }
 
 /// Samples of a surface that is not one patch, per grid [v][u] or, of a triangle, row by row.
@@ -144,7 +197,8 @@ void FaceMeter::RequestLevels(const DicingOptions& options, double bump,
                               std::uint8_t* levels) const {
     const auto numEdges = static_cast<std::uint32_t>(_model.Cage().counts[_face]);
     const Screen screen(options.view);
-    const int numSamples = IsBezier() ? 4 : NumSamples();
+    const int numCells = (IsBent() ? 16 : 4) / (_shape == FaceShape::SubQuads ? 2 : 1);
+    const int numSamples = IsBezier() ? 4 : numCells + 1;
     std::vector<glm::dvec3> points = IsBezier() ? _net : SamplePoints(numSamples);
     for (glm::dvec3& point : points) {
         point = screen.ToCamera(point);

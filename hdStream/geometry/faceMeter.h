@@ -16,6 +16,9 @@ struct ExactBox {
     glm::dvec3 min{1e300};
     glm::dvec3 max{-1e300};
     void Add(const glm::dvec3& point);
+    void Add(const ExactBox& other);
+    /// On all sides, by a part of its diagonal.
+    void Grow(double part);
 };
 
 /// Measures one face. Externally synchronised.
@@ -23,10 +26,11 @@ class FaceMeter {
 public:
     FaceMeter(const SubdivModel& model, int face);
 
-    /// Holds the limit surface over all of the face, or over a part of a quad. Regular quads: the
-    /// hull of the Bezier points of the part. Others: the hull of the cage's points, a little
-    /// enlarged, because OpenSubdiv approximates extraordinary corners.
-    ExactBox Box() const { return BoxOver({}); }
+    /// Holds the limit surface of the face. Regular quads: the hull of its Bezier points. Others:
+    /// the hull of the cage's points, a little enlarged, because OpenSubdiv approximates
+    /// extraordinary corners.
+    ExactBox Box() const;
+    /// Of a part of the face, unless it is no quad or has semi-sharp edges: then of all of it.
     ExactBox BoxOver(const PatternBox& part) const;
 
     /// The level that each edge asks for. \param bump how much displacement varies over the face,
@@ -34,7 +38,10 @@ public:
     void RequestLevels(const DicingOptions& options, double bump, std::uint8_t* levels) const;
 
 private:
-    int NumSamples() const;
+    bool IsBent() const;
+    ExactBox HullBox() const;
+    void AddSquare(const PatternBox& part, const PatternBox& square, int depth,
+                   ExactBox& box) const;
     std::vector<glm::dvec3> SamplePoints(int n) const;
     bool IsBezier() const { return _shape == FaceShape::Quad && _surface.IsRegular(); }
 

@@ -16,11 +16,6 @@ namespace {
 namespace Bfr = OpenSubdiv::Bfr;
 namespace Far = OpenSubdiv::Far;
 
-/// How often features are isolated before a surface is approximated; points of rates up to
-/// 2^level are exact (docs/geometry.md has the cost).
-constexpr int kSmoothLevel = 6;
-constexpr int kSharpLevel = 8;
-
 /// Why the mesh cannot be subdivided, or nothing.
 std::string FindObstacle(const MeshDescription& mesh, const SubdivCage& cage) {
     const bool hasOthers =

@@ -18,6 +18,11 @@
 
 namespace hds {
 
+/// How often features are isolated before a surface is approximated; points of rates up to
+/// 2^level are exact (docs/geometry.md has the cost).
+constexpr int kSmoothLevel = 6;
+constexpr int kSharpLevel = 8;
+
 /// A primvar of a subdivided mesh. Uniform and constant ones are not refined.
 struct SubdivPrimvar {
     MeshAttribute attribute; ///< its interpolation is the authored one: Varying stays

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Diced surfaces against the limit masks of uniform refinement: every vertex, normal and
 // face-varying value of a uniform level, for all tags, schemes and kinds of faces.
+#include "hdStream/geometry/implicitMesh.h"
 #include "testenv/unit/geometry/subdivFixtures.h"
 
 #include <gtest/gtest.h>
@@ -337,6 +338,99 @@ TEST(SubdivSource, FacesAndSubsetsStayAuthored) {
     }
     EXPECT_EQ(numByFace,
               (std::map<std::uint32_t, int>{{0, 32}, {1, 32}, {3, 32}, {4, 32}, {5, 32}}));
+}
+
+/// Values (derivative 0) or slopes (1) of the four cubic B-splines that are not zero at t in [0,
+/// 1].
+std::array<double, 4> BSpline(double t, int derivative) {
+    const double s = 1.0 - t;
+    if (derivative == 0) {
+        return {s * s * s / 6.0, (3 * t * t * t - 6 * t * t + 4) / 6.0,
+                (-3 * t * t * t + 3 * t * t + 3 * t + 1) / 6.0, t * t * t / 6.0};
+    }
+    return {-s * s / 2.0, (3 * t * t - 4 * t) / 2.0, (-3 * t * t + 2 * t + 1) / 2.0, t * t / 2.0};
+}
+
+/// The bicubic patch of a grid of (n + 1)^2 points in cell (x, y) of its interior.
+glm::dvec3 EvaluateGrid(const MeshDescription& grid, int n, double s, double t, int ds, int dt) {
+    const int x = std::min(static_cast<int>(s), n - 2);
+    const int y = std::min(static_cast<int>(t), n - 2);
+    const auto bs = BSpline(s - x, ds);
+    const auto bt = BSpline(t - y, dt);
+    glm::dvec3 sum(0.0);
+    for (int j = 0; j < 4; ++j) {
+        for (int i = 0; i < 4; ++i) {
+            const float* p = grid.points.data() + 3 * ((y - 1 + j) * (n + 1) + x - 1 + i);
+            sum += bs[std::size_t(i)] * bt[std::size_t(j)] * glm::dvec3(p[0], p[1], p[2]);
+        }
+    }
+    return sum;
+}
+
+TEST(SubdivSource, RegularGridsAreBicubicBSplines) {
+    // Stam 1998: regular regions of a Catmull-Clark surface are uniform bicubic B-splines. x and y
+    // of the grid are linear, so that a vertex tells its own parameters.
+    constexpr int n = 6;
+    for (const bool isLeftHanded : {false, true}) {
+        MeshDescription grid =
+            MakeGrid(n, [](float s, float t) { return 0.4F * std::sin(9.0F * s) * t + s * s; });
+        grid.subdivisionScheme = "catmullClark";
+        grid.leftHanded = isLeftHanded;
+        const Diced diced = DiceUniform(grid, 4);
+        EXPECT_EQ(diced.source->IsLeftHanded(), isLeftHanded);
+        int numInside = 0;
+        for (std::size_t i = 0; i < diced.chunk.positions.size(); ++i) {
+            const glm::dvec3 p(diced.chunk.positions[i]);
+            const double s = p.x * n;
+            const double t = p.y * n;
+            if (s < 1.001 || s > n - 1.001 || t < 1.001 || t > n - 1.001) {
+                continue; // the boundary has other rules
+            }
+            ++numInside;
+            // Positions are rounded to float; the height changes by at most 4 per unit of s.
+            EXPECT_NEAR(p.z, EvaluateGrid(grid, n, s, t, 0, 0).z, 2e-6);
+            const glm::dvec3 normal = glm::normalize(
+                glm::cross(EvaluateGrid(grid, n, s, t, 1, 0), EvaluateGrid(grid, n, s, t, 0, 1)));
+            const float* computed = diced.chunk.normals.values.data() + 3 * i;
+            const double side = isLeftHanded ? -1.0 : 1.0;
+            EXPECT_LT(
+                glm::length(glm::dvec3(computed[0], computed[1], computed[2]) - side * normal),
+                1e-5);
+        }
+        EXPECT_EQ(numInside, 63 * 63);
+    }
+}
+
+TEST(SubdivSource, ImplicitShapesAreRound) {
+    ImplicitShape shape;
+    shape.type = "Sphere";
+    const Diced sphere = DiceUniform(MakeImplicitMesh(shape), 3);
+    EXPECT_TRUE(sphere.warnings.empty());
+    // The limit lies inside the cage, whose points are on the sphere; 10 sides lose about 5 %.
+    for (const glm::vec3& p : sphere.chunk.positions) {
+        EXPECT_LT(glm::length(p), 1.0F);
+        EXPECT_GT(glm::length(p), 0.9F);
+    }
+    for (const char* type : {"Cone", "Cylinder", "Capsule", "Cube", "Plane"}) {
+        shape.type = type;
+        EXPECT_TRUE(DiceUniform(MakeImplicitMesh(shape), 2).warnings.empty()) << type;
+    }
+}
+
+TEST(SubdivSource, FarCagesKeepTheirDetail) {
+    MeshDescription cube = MakeCube();
+    std::vector<float> points(cube.points.begin(), cube.points.end());
+    for (float& p : points) {
+        p += 1048576.0F;
+    }
+    cube.points = points;
+    const Diced far = DiceUniform(cube, 3);
+    const Diced near = DiceUniform(MakeCube(), 3);
+    ASSERT_EQ(far.chunk.positions.size(), near.chunk.positions.size());
+    for (std::size_t i = 0; i < far.chunk.positions.size(); ++i) {
+        const glm::dvec3 moved = PositionOf(far, i) - 1048576.0;
+        EXPECT_LT(glm::length(moved - PositionOf(near, i)), 1e-6);
+    }
 }
 
 } // namespace
