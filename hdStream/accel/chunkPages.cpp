@@ -69,6 +69,21 @@ bool ChunkPages::Prepare(const std::array<bool, kNumPages>& isWanted) {
     return true;
 }
 
+bool ChunkPages::Locate(std::uint32_t page, MappedPage* mapped) {
+    if (!_mesh->store) {
+        return false;
+    }
+    const auto location = _mesh->store->Locate(KeyOf(page));
+    if (!location) {
+        return false;
+    }
+    mapped->file = _mesh->store->SegmentData(location->segment);
+    mapped->fileBytes = _mesh->store->SegmentBytes(location->segment);
+    mapped->offset = location->offset;
+    _bytes[page] = location->bytes;
+    return mapped->file != nullptr;
+}
+
 /// \return whether all that is wanted is there now.
 bool ChunkPages::Load(const std::array<bool, kNumPages>& isWanted) {
     FindSizes();

@@ -5,6 +5,7 @@
 
 #include "hdStream/accel/chunkPlan.h"
 #include "hdStream/persist/pageStore.h"
+#include "hdStream/stream/pageProvider.h"
 #include "kernels/shared/geometry.h"
 
 #include <array>
@@ -44,6 +45,8 @@ public:
     /// Makes the pages that are asked for ready: from the store, or else both are built and kept
     /// there. \param isWanted one flag a page. \return whether they were built.
     bool Prepare(const std::array<bool, kNumPages>& isWanted);
+    /// Where a page lies in the store, mapped. \return false when it is not there.
+    bool Locate(std::uint32_t page, MappedPage* mapped);
     void Drop(std::uint32_t page) { std::vector<std::uint8_t>().swap(_data[page]); }
 
 private:

@@ -84,6 +84,9 @@ public:
     const std::uint8_t* Page(std::uint32_t page) const override {
         return ChunkOf(page)->Data(page % ChunkPages::kNumPages).data();
     }
+    bool Locate(std::uint32_t page, MappedPage* mapped) override {
+        return ChunkOf(page)->Locate(page % ChunkPages::kNumPages, mapped);
+    }
     void Drop(std::uint32_t page) override {
         _prepared.Drop(ChunkOf(page), page % ChunkPages::kNumPages);
     }

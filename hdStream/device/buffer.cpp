@@ -19,10 +19,25 @@ Buffer::Buffer(std::shared_ptr<Device> device, std::string label, std::uint64_t 
                BufferAccess access)
     : _device(std::move(device)), _label(std::move(label)),
       _bytes(bytes < kMinBytes ? kMinBytes : bytes) {
-    const cl_mem_flags flags =
-        access == BufferAccess::ReadOnly ? CL_MEM_READ_ONLY : CL_MEM_READ_WRITE;
+    Create(access == BufferAccess::ReadOnly ? CL_MEM_READ_ONLY : CL_MEM_READ_WRITE, nullptr);
+    _device->CountAllocation(static_cast<std::int64_t>(_bytes));
+}
+
+Buffer Buffer::OfHostMemory(std::shared_ptr<Device> device, std::string label, const void* data,
+                            std::uint64_t bytes) {
+    Buffer buffer;
+    buffer._device = std::move(device);
+    buffer._label = std::move(label);
+    buffer._bytes = bytes;
+    buffer._isHostMemory = true;
+    // Kernels only read it; the interface takes no const pointer.
+    buffer.Create(CL_MEM_READ_ONLY | CL_MEM_USE_HOST_PTR, const_cast<void*>(data));
+    return buffer;
+}
+
+void Buffer::Create(std::uint64_t flags, void* hostMemory) {
     cl_int code = CL_SUCCESS;
-    _memory = clCreateBuffer(_device->GetHandles().context, flags, _bytes, nullptr, &code);
+    _memory = clCreateBuffer(_device->GetHandles().context, flags, _bytes, hostMemory, &code);
     if (code != CL_SUCCESS) {
         _memory = nullptr;
         throw Error("device memory for " + _label + ": " + std::to_string(_bytes) +
@@ -31,7 +46,6 @@ Buffer::Buffer(std::shared_ptr<Device> device, std::string label, std::uint64_t 
                     " bytes are in use, one allocation may have " +
                     std::to_string(_device->Properties().maxAllocationBytes));
     }
-    _device->CountAllocation(static_cast<std::int64_t>(_bytes));
 }
 
 Buffer::~Buffer() {
@@ -48,6 +62,7 @@ Buffer& Buffer::operator=(Buffer&& other) noexcept {
         _device = std::move(other._device);
         _label = std::move(other._label);
         _bytes = std::exchange(other._bytes, 0);
+        _isHostMemory = other._isHostMemory;
         _memory = std::exchange(other._memory, nullptr);
     }
     return *this;
@@ -56,7 +71,9 @@ Buffer& Buffer::operator=(Buffer&& other) noexcept {
 void Buffer::Release() noexcept {
     if (_memory != nullptr) {
         clReleaseMemObject(static_cast<cl_mem>(_memory));
-        _device->CountAllocation(-static_cast<std::int64_t>(_bytes));
+        if (!_isHostMemory) {
+            _device->CountAllocation(-static_cast<std::int64_t>(_bytes));
+        }
         _memory = nullptr;
     }
 }

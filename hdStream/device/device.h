@@ -83,6 +83,10 @@ public:
     /// bytes, so that every kernel argument is a valid buffer.
     Buffer(std::shared_ptr<Device> device, std::string label, std::uint64_t bytes,
            BufferAccess access = BufferAccess::ReadWrite);
+    /// Memory of the host that kernels read in place, on CPU devices without a copy; it must outlive
+    /// the buffer. Counts as no device memory. \throws Error as above.
+    static Buffer OfHostMemory(std::shared_ptr<Device> device, std::string label, const void* data,
+                               std::uint64_t bytes);
     ~Buffer();
     Buffer(Buffer&& other) noexcept;
     Buffer& operator=(Buffer&& other) noexcept;
@@ -105,11 +109,13 @@ public:
     void* Memory() const { return _memory; } ///< cl_mem
 
 private:
+    void Create(std::uint64_t flags, void* hostMemory);
     void Release() noexcept;
 
     std::shared_ptr<Device> _device;
     std::string _label;
     std::uint64_t _bytes = 0;
+    bool _isHostMemory = false;
     void* _memory = nullptr;
 };
 

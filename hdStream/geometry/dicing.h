@@ -20,6 +20,7 @@ struct DicingView {
     glm::dvec2 imageSize{0.0}; ///< pixels; 0: nothing is on screen
     double nearClip = 1e-3;    ///< distances below count as this
     /// Nothing else of the object is on screen: what this instance hides from the image is coarse.
+    /// Else rates follow from distances, whatever the image shows.
     bool isOnlyInstance = true;
 
     bool operator==(const DicingView& other) const {

@@ -103,6 +103,8 @@ void AddTwist(const glm::dvec3* net, std::size_t n, double cells, GridDemand& de
 Screen::Screen(const DicingView& view) : _view(view) {
     const glm::dvec2 size = view.windowMax - view.windowMin;
     _pixels = std::max(view.imageSize.x / size.x, view.imageSize.y / size.y);
+    const glm::dvec2 far = glm::max(glm::abs(view.windowMin), glm::abs(view.windowMax));
+    _leastCosine = 1.0 / std::sqrt(1.0 + glm::dot(far, far));
 }
 
 glm::dvec3 Screen::ToCamera(const glm::dvec3& point) const {
@@ -116,7 +118,11 @@ double Screen::PixelsPerUnit(const glm::dvec3* points, std::size_t count,
     }
     double nearest = 1e300;
     for (std::size_t i = 0; i < count; ++i) {
-        nearest = std::min(nearest, -points[i * stride].z);
+        // Depth; what other instances, or a camera that turns, may bring on screen is not nearer
+        // than its distance lets it be.
+        const glm::dvec3& p = points[i * stride];
+        nearest =
+            std::min(nearest, _view.isOnlyInstance ? -p.z : glm::length(p) * _leastCosine);
     }
     return _pixels / std::max(nearest, _view.nearClip);
 }

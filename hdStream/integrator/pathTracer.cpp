@@ -373,6 +373,9 @@ PathTracer::~PathTracer() = default;
 
 bool PathTracer::NeedsAllPages(const CommittedScene& scene,
                                const ResidencyOptions& residency) const {
+    if (residency.mode == ResidencyMode::Mapped) {
+        return false; // it prepares what is in no file
+    }
     return residency.budgetShare > 0.0 ||
            !_impl->buffers.WillStream(residency, scene.pages->TotalBytes());
 }
@@ -407,6 +410,10 @@ std::uint64_t PathTracer::UploadedBytes() const {
 
 const StreamingStatistics* PathTracer::Streaming() const {
     return _impl->buffers.IsStreaming() ? &_impl->buffers.Streaming().Statistics() : nullptr;
+}
+
+bool PathTracer::IsMapped() const {
+    return _impl->buffers.IsMapped();
 }
 
 std::uint64_t PathTracer::TableBytes() const {

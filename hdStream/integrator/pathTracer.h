@@ -46,6 +46,8 @@ public:
     std::uint64_t PoolBytes() const;              ///< of geometry
     std::uint64_t UploadedBytes() const;          ///< of geometry, since the path tracer was made
     const StreamingStatistics* Streaming() const; ///< of geometry; null when it is resident
+    /// Whether geometry is read in mapped files.
+    bool IsMapped() const;
     std::uint64_t TableBytes() const;             ///< of the scene's tables
 
 private:

@@ -60,6 +60,7 @@ enum class ResidencyMode {
     Auto,     ///< Resident when all of it fits the budget, else Stream
     Resident, ///< all of it, uploaded once
     Stream,   ///< what rays ask for, in a pool of the budget's size
+    Mapped,   ///< read where the persistent cache has it (CPU devices)
 };
 
 /// How geometry is kept on the device.

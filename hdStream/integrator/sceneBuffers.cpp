@@ -59,6 +59,11 @@ bool SceneBuffers::WillStream(const ResidencyOptions& residency, std::uint64_t t
 bool SceneBuffers::UpdatePages(const CommittedScene& scene, const ResidencyOptions& residency) {
     const std::uint64_t totalBytes = scene.pages->TotalBytes();
     const std::uint64_t budget = Budget(residency, totalBytes);
+    if (residency.mode == ResidencyMode::Mapped) {
+        UpdateMapped(scene);
+        return true;
+    }
+    _mapped = nullptr;
     if (WillStream(residency, totalBytes)) {
         _resident = nullptr;
         if (!_streaming || !(_residency == residency)) {
@@ -86,6 +91,19 @@ bool SceneBuffers::UpdatePages(const CommittedScene& scene, const ResidencyOptio
     return false;
 }
 
+void SceneBuffers::UpdateMapped(const CommittedScene& scene) {
+    if (!_device->Properties().isCpu) {
+        throw Error("--residency mapped: needs a CPU device, " + _device->Properties().name +
+                    " is none");
+    }
+    _resident = nullptr;
+    _streaming = nullptr;
+    if (!_mapped) {
+        _mapped = std::make_unique<MappedPool>(_device, "geometry");
+    }
+    _mapped->Update(scene.pages.get());
+}
+
 bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& residency) {
     if (!UpdatePages(scene, residency)) {
         return false;
@@ -111,7 +129,10 @@ bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& r
 }
 
 std::uint32_t SceneBuffers::NumPoolBuffers() const {
-    return _streaming ? _streaming->NumBuffers() : _resident ? _resident->NumBuffers() : 0;
+    return _streaming  ? _streaming->NumBuffers()
+           : _mapped   ? _mapped->NumBuffers()
+           : _resident ? _resident->NumBuffers()
+                       : 0;
 }
 
 std::uint64_t SceneBuffers::PoolBytes() const {
@@ -126,6 +147,7 @@ std::uint64_t SceneBuffers::UploadedBytes() const {
 
 std::uint64_t SceneBuffers::TableBytes() const {
     std::uint64_t bytes = _streaming  ? _streaming->TableBytes()
+                          : _mapped   ? _mapped->Addresses().Bytes()
                           : _resident ? _resident->Addresses().Bytes()
                                       : 0;
     for (const Buffer& buffer : _tables) {
@@ -138,10 +160,13 @@ unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first) const {
     for (const Table table : {TopNodes, Instances, InstancesByPath, Objects}) {
         kernel->SetBuffer(first++, _tables[table]);
     }
-    kernel->SetBuffer(first++, _streaming ? _streaming->Addresses() : _resident->Addresses());
+    kernel->SetBuffer(first++, _streaming ? _streaming->Addresses()
+                               : _mapped  ? _mapped->Addresses()
+                                          : _resident->Addresses());
     for (std::uint32_t i = 0; i < kMaxPoolBuffers; ++i) {
-        kernel->SetBuffer(first++,
-                          _streaming ? _streaming->PoolBuffer(i) : _resident->PoolBuffer(i));
+        kernel->SetBuffer(first++, _streaming ? _streaming->PoolBuffer(i)
+                                   : _mapped  ? _mapped->PoolBuffer(i)
+                                              : _resident->PoolBuffer(i));
     }
     if (_streaming) {
         kernel->SetBuffer(first++, _streaming->Requests());

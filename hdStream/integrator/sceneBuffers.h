@@ -5,6 +5,7 @@
 #include "hdStream/device/program.h"
 #include "hdStream/integrator/renderOptions.h"
 #include "hdStream/scene/commit.h"
+#include "hdStream/stream/mappedPool.h"
 #include "hdStream/stream/residentPool.h"
 #include "hdStream/stream/streamingPool.h"
 
@@ -20,8 +21,7 @@ public:
     explicit SceneBuffers(std::shared_ptr<Device> device);
 
     /// Uploads what is new in `scene`, which must live until the next call. Blocks. \return false
-    /// when the pages of edited scenes have scattered the pool, or geometry was resident and is to
-    /// be streamed: start again with new SceneBuffers and pages that were not dropped.
+    /// when the pages of edited scenes have scattered the pool: start again with new SceneBuffers.
     /// \throws Error when the scene does not fit the device.
     bool Update(const CommittedScene& scene, const ResidencyOptions& residency);
 
@@ -34,6 +34,7 @@ public:
     /// Whether Update makes geometry of `totalBytes` stream.
     bool WillStream(const ResidencyOptions& residency, std::uint64_t totalBytes) const;
     bool IsStreaming() const { return _streaming != nullptr; }
+    bool IsMapped() const { return _mapped != nullptr; }
     /// \pre IsStreaming.
     StreamingPool& Streaming() { return *_streaming; }
     const StreamingPool& Streaming() const { return *_streaming; }
@@ -62,13 +63,15 @@ private:
     };
 
     std::uint64_t Budget(const ResidencyOptions& residency, std::uint64_t totalBytes) const;
+    void UpdateMapped(const CommittedScene& scene);
     bool UpdatePages(const CommittedScene& scene, const ResidencyOptions& residency);
     template <typename T>
     void Upload(Table table, const std::vector<T>& values);
 
     std::shared_ptr<Device> _device;
-    std::unique_ptr<ResidentPool> _resident;   ///< one of both, from the first Update on
+    std::unique_ptr<ResidentPool> _resident;   ///< one of the three, from the first Update on
     std::unique_ptr<StreamingPool> _streaming; ///< likewise
+    std::unique_ptr<MappedPool> _mapped;       ///< likewise
     ResidencyOptions _residency;               ///< what _streaming was made with
     std::array<Buffer, NumTables> _tables;
     std::shared_ptr<const LightTable> _lights; ///< what the light tables hold

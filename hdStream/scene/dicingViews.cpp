@@ -186,7 +186,7 @@ std::map<std::string, DicingView> FindDicingViews(const SceneDescription& scene,
         });
         for (const MeshEntry* entry : groups[i].meshes) {
             DicingView view = ViewOf(camera);
-            view.isOnlyInstance = numOnScreen <= 1;
+            view.isOnlyInstance = camera.isStill && numOnScreen <= 1;
             view.cameraFromObject =
                 cameraFromWorld * worldFromPrototype * entry->second.placement.worldFromObject;
             views[i].push_back(view);

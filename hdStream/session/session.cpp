@@ -151,6 +151,7 @@ struct Session::Impl {
         statistics.imageHeight = settings.imageHeight;
         statistics.poolBytes = tracer->PoolBytes();
         statistics.streaming = tracer->Streaming();
+        statistics.isMapped = tracer->IsMapped();
         statistics.uploadedBytes = tracer->UploadedBytes();
         statistics.tableBytes = tracer->TableBytes();
         statistics.beforeRenderingSeconds = sinceStartSeconds + SecondsSince(start);

@@ -46,7 +46,7 @@ struct Settings {
     bool noCache = false;
     std::string traversal = "auto";     ///< auto, wide (8-wide vectors), lane (one lane a ray)
     std::uint64_t chunkBytes = 1 << 20; ///< upper bound of a chunk's pages
-    std::string residency = "auto";     ///< auto, resident, stream
+    std::string residency = "auto";     ///< auto, resident, stream, mapped
     /// Pool for geometry that streams: bytes with suffix K, M or G, or a percentage of all that
     /// could be streamed ("30%"); empty: a quarter of the device's memory.
     std::string geometryMemory;

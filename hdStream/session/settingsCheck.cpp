@@ -97,6 +97,10 @@ void CheckSettings(const Settings& settings) {
     }
     MakeAovLayout(settings.aovs);
     ParseMemory("--geometryMemory", settings.geometryMemory);
+    if (settings.residency == "mapped" && settings.noCache) {
+        throw Error("--residency mapped: needs the persistent cache, which --noCache switches off",
+                    ErrorKind::Usage);
+    }
 }
 
 RenderOptions MakeRenderOptions(const Settings& settings, const CameraPrim& camera) {

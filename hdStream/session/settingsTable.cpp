@@ -168,8 +168,9 @@ std::vector<Row> UserRows() {
                        "upper bound of a unit of geometry", kMinChunkBytes, kMaxChunkBytes)),
         MakeRow(&S::residency,
                 OneOf("residency", "--residency", "Residency",
-                      "geometry in device memory: all of it, what rays ask for, or whichever fits",
-                      {"auto", "resident", "stream"})),
+                      "geometry in device memory: all of it, what rays ask for, whichever fits, or "
+                      "none (mapped: CPU devices read the cache's files in place)",
+                      {"auto", "resident", "stream", "mapped"})),
         MakeRow(&S::geometryMemory,
                 Info(K::Text, "geometryMemory", "--geometryMemory", "Geometry memory",
                      "pool for geometry that streams: bytes (K, M, G) or a percentage of all of "

@@ -50,7 +50,7 @@ Json GeometrySection(const StatisticsInput& in) {
         pool = *in.streaming;
         iterations = render.iterations;
     }
-    return {{"mode", in.streaming != nullptr ? "stream" : "resident"},
+    return {{"mode", in.streaming != nullptr ? "stream" : in.isMapped ? "mapped" : "resident"},
             {"meshes", counts.meshes},
             {"instances", counts.instances},
             {"triangles", counts.triangles},

@@ -22,7 +22,8 @@ struct StatisticsInput {
     std::uint32_t imageWidth = 0;
     std::uint32_t imageHeight = 0;
     std::uint64_t poolBytes = 0;
-    const StreamingStatistics* streaming = nullptr; ///< null: geometry is resident
+    const StreamingStatistics* streaming = nullptr; ///< null: geometry is resident or mapped
+    bool isMapped = false;
     std::uint64_t uploadedBytes = 0;                ///< of geometry, in this session
     std::uint64_t tableBytes = 0;
     double loadSeconds = 0.0;

@@ -10,6 +10,13 @@
 
 namespace hds {
 
+/// A page in a file that is mapped into memory.
+struct MappedPage {
+    const std::uint8_t* file = nullptr; ///< its first byte; mapped as long as the process needs it
+    std::uint64_t fileBytes = 0;
+    std::uint64_t offset = 0; ///< of the page, a multiple of 16
+};
+
 /// A source of pages, which are prepared when they are needed. Externally synchronised.
 class PageProvider {
 public:
@@ -26,6 +33,8 @@ public:
     virtual void Prepare(const std::vector<std::uint32_t>& pages) = 0;
     /// The bytes of a page of the last Prepare, valid until the next one.
     virtual const std::uint8_t* Page(std::uint32_t page) const = 0;
+    /// Where a page lies in the persistent cache. \return false when it is not there.
+    virtual bool Locate(std::uint32_t page, MappedPage* mapped) = 0;
     /// A pool holds the page for good: its bytes need not be kept. They can be prepared again.
     virtual void Drop(std::uint32_t page) = 0;
 };

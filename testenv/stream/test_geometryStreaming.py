@@ -69,3 +69,20 @@ def test_auto_streams_only_what_does_not_fit(Scene):
     assert layers["color"].tobytes() == Scene.layers["color"].tobytes()
     _, statistics = Scene.Render(residency="auto", geometryMemory="100%")
     assert statistics["geometry"]["mode"] == "resident"
+
+
+def test_mapped_pages_give_the_same_bits(Scene, tmp_path):
+    """Read where the persistent cache has them: cold, warm, and nothing of it is device memory."""
+    for isWarm in (False, True):
+        fresh = Scene.Fresh()
+        layers, statistics = fresh.Render(residency="mapped", cacheDirectory=str(tmp_path))
+        for name, pixels in layers.items():
+            assert pixels.tobytes() == Scene.layers[name].tobytes(), f"layer {name} differs"
+        geometry = statistics["geometry"]
+        assert geometry["mode"] == "mapped" and geometry["budget"] == 0
+        assert geometry["chunksBuilt"] == (0 if isWarm else geometry["chunks"])
+
+
+def test_mapped_needs_the_cache(Scene):
+    with pytest.raises(Scene.core.Error, match="--residency mapped: needs the persistent cache"):
+        Scene.Render(residency="mapped", noCache=True)

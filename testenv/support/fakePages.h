@@ -22,7 +22,7 @@ inline std::vector<std::uint8_t> BytesOf(std::uint64_t id) {
 class FakePages : public PageProvider {
 public:
     explicit FakePages(std::vector<std::uint64_t> ids)
-        : _ids(std::move(ids)), _pages(_ids.size()) {
+        : _ids(std::move(ids)), _pages(_ids.size()), _isKept(_ids.size()) {
         for (const std::uint64_t id : _ids) {
             _total += BytesOf(id).size();
         }
@@ -37,8 +37,27 @@ public:
     void Prepare(const std::vector<std::uint32_t>& pages) override {
         for (const std::uint32_t page : pages) {
             _pages[page] = BytesOf(_ids[page]);
+            _isKept[page] = true;
             ++_numPrepared;
         }
+    }
+    bool Locate(std::uint32_t page, MappedPage* mapped) override {
+        if (_file.empty() || !_isKept[page]) {
+            return false;
+        }
+        *mapped = {_file.data(), _file.size(), _offsets[page]};
+        return true;
+    }
+    /// Gives pages that have been prepared places in a file of their own.
+    void MapPages() {
+        _file.reserve(_total + 64); // stays where it is
+        _offsets.resize(_ids.size());
+        for (std::size_t page = 0; page < _ids.size(); ++page) {
+            const std::vector<std::uint8_t> bytes = BytesOf(_ids[page]);
+            _offsets[page] = _file.size();
+            _file.insert(_file.end(), bytes.begin(), bytes.end());
+        }
+        _file.resize(_file.size() + 64);
     }
     void Drop(std::uint32_t page) override { _pages[page].clear(); }
     std::uint64_t TotalBytes() const { return _total; }
@@ -47,6 +66,9 @@ public:
 private:
     std::vector<std::uint64_t> _ids;
     std::vector<std::vector<std::uint8_t>> _pages;
+    std::vector<bool> _isKept;       ///< in the file, once prepared
+    std::vector<std::uint8_t> _file; ///< empty: no page can be located
+    std::vector<std::uint64_t> _offsets;
     std::uint64_t _total = 0;
     std::size_t _numPrepared = 0;
 };
