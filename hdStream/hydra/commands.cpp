@@ -14,6 +14,7 @@ PXR_NAMESPACE_OPEN_SCOPE
 // clang-format off
 TF_DEFINE_PRIVATE_TOKENS(_tokens,
     (flushTextures)
+    (redice)
     (clearCache)
     (dumpScene)
     (file)
@@ -24,6 +25,7 @@ HdCommandDescriptors HdStreamCommandDescriptors() {
     return {
         HdCommandDescriptor(_tokens->flushTextures,
                             "Forgets what was read from image files and reads them again"),
+        HdCommandDescriptor(_tokens->redice, "Dices subdivision surfaces for the present camera"),
         HdCommandDescriptor(_tokens->clearCache, "Deletes the files of the persistent cache"),
         HdCommandDescriptor(_tokens->dumpScene, "Writes the scene as text to a file",
                             {HdCommandArgDescriptor(_tokens->file, VtValue(std::string()))}),
@@ -34,6 +36,11 @@ bool HdStreamInvokeCommand(HdStreamRenderParam* param, const std::string& cacheD
                            const TfToken& command, const HdCommandArgs& arguments) {
     if (command == _tokens->flushTextures) {
         param->Push([](hds::Session& session) { session.FlushTextures(); });
+        param->Commit();
+        return true;
+    }
+    if (command == _tokens->redice) {
+        param->Push([](hds::Session& session) { session.Redice(); });
         param->Commit();
         return true;
     }

@@ -74,9 +74,11 @@ void WaveTracer::ClearCounter(std::uint32_t counter, std::uint32_t count) {
 
 /// Seconds that services have taken so far: part of the time of whatever waits for them.
 double WaveTracer::ServiceSeconds() const {
-    return _buffers->IsStreaming() ? _buffers->Streaming().Statistics().serviceSeconds +
-                                         _buffers->Streaming().Statistics().transferSeconds
-                                   : 0.0;
+    if (!_buffers->IsStreaming()) {
+        return 0.0;
+    }
+    const StreamingStatistics& pool = _buffers->Streaming().Statistics();
+    return pool.serviceSeconds + pool.prepareSeconds + pool.transferSeconds;
 }
 
 void WaveTracer::CountIterations(std::uint32_t iterations) {

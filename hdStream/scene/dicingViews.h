@@ -21,11 +21,13 @@ struct DicingCamera {
     glm::dvec2 windowMax{1.0};
     glm::dvec2 imageSize{0.0}; ///< pixels
     double nearClip = 1e-3;
+    bool isStill = true; ///< what it does not see stays coarse; else it may turn to see it
 
     bool operator==(const DicingCamera& other) const {
         return worldFromCamera == other.worldFromCamera && isOrthographic == other.isOrthographic &&
                windowMin == other.windowMin && windowMax == other.windowMax &&
-               imageSize == other.imageSize && nearClip == other.nearClip;
+               imageSize == other.imageSize && nearClip == other.nearClip &&
+               isStill == other.isStill;
     }
 };
 

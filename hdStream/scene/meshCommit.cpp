@@ -73,7 +73,8 @@ PreparedMesh PrepareMesh(const std::string& path, const MeshInputs& inputs,
 }
 
 ChunkGeometry GatherAll(const PreparedMesh& mesh) {
-    const std::vector<std::uint32_t>& units = mesh.mesh->plan.units;
+    std::vector<std::uint32_t> units = mesh.mesh->plan.units;
+    std::sort(units.begin(), units.end());
     return mesh.mesh->source->Gather(units.data(), units.size());
 }
 

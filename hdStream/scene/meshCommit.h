@@ -47,7 +47,7 @@ struct MeshInputs {
 PreparedMesh PrepareMesh(const std::string& path, const MeshInputs& inputs,
                          std::shared_ptr<PageStore> store, Warnings& warnings);
 
-/// All triangles of a prepared mesh.
+/// All triangles of a prepared mesh, in an order that does not depend on its chunks.
 ChunkGeometry GatherAll(const PreparedMesh& mesh);
 
 } // namespace hds

@@ -137,9 +137,7 @@ struct Session::Impl {
         };
         RenderOptions options = MakeRenderOptions(settings, camera);
         options.showsPreviews = showsPreviews;
-        if (!dicingCamera) {
-            dicingCamera = MakeDicingCamera(options);
-        }
+        ChooseDicingCamera(options);
         if (!Commit(settings, isCancelled)) {
             return RenderResult::Stopped;
         }
@@ -164,6 +162,18 @@ struct Session::Impl {
         }
         statistics.totalSeconds = sinceStartSeconds + SecondsSince(start);
         return result;
+    }
+
+    /// Geometry keeps the first camera's dicing. Once a camera has moved where someone looks on, it
+    /// is diced for one that may turn anywhere, and then stays.
+    void ChooseDicingCamera(const RenderOptions& options) {
+        DicingCamera camera = MakeDicingCamera(options);
+        if (!dicingCamera) {
+            dicingCamera = camera;
+        } else if (options.showsPreviews && dicingCamera->isStill && !(camera == *dicingCamera)) {
+            camera.isStill = false;
+            dicingCamera = camera;
+        }
     }
 
     hds::Warnings warnings;
@@ -230,7 +240,7 @@ void Session::Clear() {
 }
 
 void Session::Redice() {
-    _impl->dicingCamera.reset();
+    _impl->dicingCamera.reset(); // a part of what a commit is made of
 }
 
 const SceneDescription& Session::Scene() const {

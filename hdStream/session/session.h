@@ -58,8 +58,8 @@ public:
     void SetCamera(const std::string& path, CameraPrim prim);
     void Remove(const std::string& path);
     void Clear();
-    /// Surfaces are diced for the camera of the next render (until then for that of the scene's first
-    /// one: moving the camera changes no geometry).
+    /// Surfaces are diced for the camera of the next render. Until then they keep the rates of the
+    /// scene's first camera; those that the first move of an interactive one gives.
     void Redice();
     const SceneDescription& Scene() const;
 

@@ -2,8 +2,9 @@
 """A grove: as many different trees as the wanted number of triangles takes, none of them an instance.
 
 Each tree is one mesh of about 50 000 triangles: a bent trunk, branches, curled leaves. Two cameras: /World/Camera
-looks at the grove from outside, /World/Inside stands among the trees. Deterministic; numpy does the work, so that
-20 million triangles take a minute.
+looks at the grove from outside, /World/Inside stands among the trees. Light reaches nearly every tree, so that both
+touch nearly all of it; with walls, higher than trees, around gardens the inner one touches one garden. Deterministic;
+numpy does the work, so that 20 million triangles take a minute.
 """
 
 import numpy as np
@@ -13,6 +14,8 @@ from . import author, bench, shapes
 
 TREE_TRIANGLES = 50_000
 _SPACING = 7.0
+_LANE = 8.0  # further apart stand trees on two sides of a wall
+_WALL_HEIGHT = 12.0
 
 
 def _GridQuads(rows: int, columns: int, copies: int) -> np.ndarray:
@@ -80,25 +83,46 @@ def _Tree(rng, triangles: int) -> shapes.Shape:
     return shapes.Shape(np.concatenate([points for points, _ in parts]), np.full(len(indices) // 4, 4), indices)
 
 
-def WriteGrove(path, triangles: int = 20_000_000, treeTriangles: int = TREE_TRIANGLES) -> None:
-    """About `triangles` unique triangles in trees of about `treeTriangles`, on uneven ground."""
+def _AddWalls(stage, at: np.ndarray) -> None:
+    """Walls along both axes at these coordinates."""
+    length = at[-1] - at[0]
+    middle = (at[-1] + at[0]) / 2
+    for i, place in enumerate(at):
+        for axis, size, where in (("X", (0.4, _WALL_HEIGHT, length), (place, 0, middle)),
+                                  ("Z", (length, _WALL_HEIGHT, 0.4), (middle, 0, place))):
+            author.AddMesh(stage, f"/World/Walls/{axis}{i}", shapes.Box(*size), color=(0.5, 0.45, 0.4),
+                           translate=(where[0], _WALL_HEIGHT / 2 - 2, where[2]))
+
+
+def WriteGrove(path, triangles: int = 20_000_000, treeTriangles: int = TREE_TRIANGLES, gardens: int = 0) -> None:
+    """About `triangles` unique triangles in trees of about `treeTriangles`, on uneven ground. `gardens`: so many
+    walled gardens a side; 0: no walls."""
     stage = author.NewStage(path)
     rng = np.random.default_rng(17)
     count = max(1, round(triangles / treeTriangles))
     columns = int(np.ceil(np.sqrt(count)))
-    side = columns * _SPACING
+    perGarden = -(-columns // max(1, gardens))
+    lines = _SPACING * np.arange(columns) + _LANE * (np.arange(columns) // perGarden)  # of trees
+    lines -= (lines[0] + lines[-1]) / 2
+    side = lines[-1] - lines[0] + _SPACING
     ground = shapes.HeightField(side + 60, max(2, min(400, 8 * columns)), bench.Bumps)
     ground.points[:, 1] *= 0.2
     author.AddMesh(stage, "/World/Ground", ground, color=(0.25, 0.2, 0.12))
     for i in range(count):
-        x = (i % columns - (columns - 1) / 2) * _SPACING + rng.uniform(-2, 2)
-        z = (i // columns - (columns - 1) / 2) * _SPACING + rng.uniform(-2, 2)
+        x = lines[i % columns] + rng.uniform(-2, 2)
+        z = lines[i // columns] + rng.uniform(-2, 2)
         shade = rng.uniform(0.7, 1.3)
         mesh = author.AddMesh(stage, f"/World/Trees/Tree{i}", _Tree(rng, treeTriangles), doubleSided=True,
                               color=(0.16 * shade, 0.34 * shade, 0.1), translate=(x, 0.2 * bench.Bumps(x, z), z))
         mesh.CreateExtentAttr(Vt.Vec3fArray([Gf.Vec3f(-8, -1, -8), Gf.Vec3f(8, 9, 8)]))
     author.AddLight(stage, "/World/Sun", "Distant", dict(rotate=(-40, 30, 0)), intensity=2.0, angle=1.0, normalize=True)
     author.AddLight(stage, "/World/Dome", "Dome", intensity=0.6, color=(0.7, 0.85, 1.0))
-    author.AddCamera(stage, "/World/Camera", eye=(0, 5.0, side / 2 + 9), target=(0, 2.5, 0), aspect=16 / 9)
-    author.AddCamera(stage, "/World/Inside", eye=(_SPACING / 2, 2.2, _SPACING / 2), target=(3, 2.6, -9), aspect=16 / 9)
+    inside, height = _SPACING / 2, 5.0
+    if gardens > 0:
+        firsts = lines[::perGarden]
+        halfGap = (_SPACING + _LANE) / 2
+        _AddWalls(stage, np.append(firsts, lines[-1] + 2 * halfGap) - halfGap)
+        inside, height = firsts[len(firsts) // 2] + _SPACING / 2, 1.5 * _WALL_HEIGHT
+    author.AddCamera(stage, "/World/Camera", eye=(0, height, side / 2 + 9), target=(0, 2.5, 0), aspect=16 / 9)
+    author.AddCamera(stage, "/World/Inside", eye=(inside, 2.2, inside), target=(inside - 0.5, 2.6, inside - 12.5), aspect=16 / 9)
     stage.GetRootLayer().Save()

@@ -4,77 +4,11 @@
 The oracle is the resident mode, whose pictures testenv/render compares with closed forms and other renderers.
 """
 
-import json
-
-import numpy as np
 import pytest
 
 pytest.importorskip("hdstream._core")
 
-from stages import streaming
-
-_AOVS = ["color", "depth", "normal", "primId", "instanceId", "elementId", "primvars:displayColor", "variance"]
-_SIZE = (61, 43)  # odd: no wave ends with a row
-_SAMPLES = 3
-_CHUNK_BYTES = 4096
 _POOLS = ("100%", "79%", "50%", "30%", "15%", "5%", "2%")
-
-
-class Case:
-    """A stage in a session of its own, and its picture with resident geometry."""
-
-    def __init__(self, path):
-        from hdstream import _core
-        from hdstream.translate import TranslateStage
-        from pxr import Usd
-
-        self.core = _core
-        self.path = path
-        self.session = _core.Session()
-        TranslateStage(Usd.Stage.Open(path), self.session, Usd.TimeCode.Default())
-
-    def Fresh(self):
-        """The same in a new session."""
-        return Case(self.path)
-
-    def RenderResident(self):
-        self.layers, self.statistics = self.Render(residency="resident")
-        return self
-
-    def Render(self, **settings):
-        options = self.core.Settings()
-        options.camera, options.imageWidth, options.imageHeight = "/World/Camera", *_SIZE
-        options.aovs, options.samples, options.chunkBytes = _AOVS, _SAMPLES, _CHUNK_BYTES
-        for name, value in settings.items():
-            setattr(options, name, value)
-        assert self.session.Render(options) == self.core.RenderResult.Complete
-        layers = {layer.name: np.array(layer.pixels) for layer in self.session.Layers()}
-        return layers, json.loads(self.session.Statistics())
-
-    def AssertStreams(self, **settings):
-        """Renders with streaming; checks bits and accounts. Returns geometry's statistics."""
-        layers, statistics = self.Render(residency="stream", **settings)
-        assert set(layers) == set(self.layers)
-        for name, pixels in layers.items():
-            assert pixels.tobytes() == self.layers[name].tobytes(), f"layer {name} differs"
-        geometry = statistics["geometry"]
-        assert geometry["mode"] == "stream"
-        assert geometry["bytesTotal"] == self.statistics["geometry"]["bytesTotal"]
-        assert 0 < geometry["uniqueBytesLoaded"] <= min(geometry["bytesTotal"], geometry["uploadedBytes"])
-        assert geometry["peakBytes"] <= geometry["budget"]
-        assert geometry["iterations"] >= geometry["casts"] > 0
-        assert 0 < geometry["chunksTouched"] <= geometry["chunks"]
-        # What is resident at any time fits: only what has left can be loaded again.
-        if geometry["evictions"] == 0:
-            assert geometry["uploadedBytes"] == geometry["uniqueBytesLoaded"] <= geometry["budget"]
-        return geometry
-
-
-@pytest.fixture(scope="module", params=list(streaming.CASES))
-def Scene(request, tmp_path_factory):
-    path = f"{tmp_path_factory.mktemp(request.param)}/stage.usda"
-    streaming.CASES[request.param](path)
-    return Case(path).RenderResident()
 
 
 @pytest.mark.parametrize("eviction", ["clock", "flush"])

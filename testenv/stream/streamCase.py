@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A stage rendered with streamed geometry, against its picture with resident geometry."""
+
+import json
+import pathlib
+import shutil
+
+import numpy as np
+
+AOVS = ["color", "depth", "normal", "primId", "instanceId", "elementId", "primvars:displayColor", "variance"]
+SIZE = (61, 43)  # odd: no wave ends with a row
+SAMPLES = 3
+CHUNK_BYTES = 4096
+
+
+def ColdCache(folder) -> str:
+    """A cache folder without pages. It has the kernels of the common one, which take longer than a test."""
+    from hdstream import _core
+
+    folder = pathlib.Path(folder)
+    folder.mkdir()
+    for kernel in pathlib.Path(_core.InspectCache("").directory).glob("kernel-*.hdsc"):
+        shutil.copy(kernel, folder)
+    return str(folder)
+
+
+def Segments(cache) -> list:
+    """The files of a cache folder that hold pages."""
+    return sorted(pathlib.Path(cache).glob("pages-*.hdsp"))
+
+
+class Case:
+    """A stage in a session of its own, and its picture with resident geometry."""
+
+    def __init__(self, path, camera="/World/Camera"):
+        from hdstream import _core
+        from hdstream.translate import TranslateStage
+        from pxr import Usd
+
+        self.core, self.path, self.camera = _core, str(path), camera
+        self.layers = self.statistics = None
+        self.isEdited = False  # a pool counts what it has loaded in all versions of a scene
+        self.session = _core.Session()
+        TranslateStage(Usd.Stage.Open(self.path), self.session, Usd.TimeCode.Default())
+
+    def Fresh(self):
+        """The same in a new session, whose accounts begin at 0."""
+        case = Case(self.path, self.camera)
+        case.layers, case.statistics = self.layers, self.statistics
+        return case
+
+    def RenderResident(self, **settings):
+        self.layers, self.statistics = self.Render(residency="resident", **settings)
+        return self
+
+    def Start(self, onProgress=None, **settings):
+        """The result of a render, complete or not."""
+        options = self.core.Settings()
+        options.camera, options.imageWidth, options.imageHeight = self.camera, *SIZE
+        options.aovs, options.samples, options.chunkBytes = AOVS, SAMPLES, CHUNK_BYTES
+        for name, value in settings.items():
+            setattr(options, name, value)
+        return self.session.Render(options, onProgress)
+
+    def Render(self, onProgress=None, **settings):
+        """(layers by name, statistics)"""
+        assert self.Start(onProgress, **settings) == self.core.RenderResult.Complete
+        layers = {layer.name: np.array(layer.pixels) for layer in self.session.Layers()}
+        return layers, json.loads(self.session.Statistics())
+
+    def AssertBits(self, layers):
+        assert set(layers) == set(self.layers)
+        for name, pixels in layers.items():
+            assert pixels.tobytes() == self.layers[name].tobytes(), f"layer {name} differs"
+
+    def AssertStreams(self, onProgress=None, **settings):
+        """Renders with streaming; checks bits and accounts. Returns geometry's statistics."""
+        layers, statistics = self.Render(onProgress, residency="stream", **settings)
+        self.AssertBits(layers)
+        geometry = statistics["geometry"]
+        assert geometry["mode"] == "stream"
+        if geometry["estimated"]:
+            assert geometry["bytesTotal"] >= self.statistics["geometry"]["bytesTotal"]
+        else:
+            assert geometry["bytesTotal"] == self.statistics["geometry"]["bytesTotal"]
+        assert geometry["uniqueBytesLoaded"] <= geometry["uploadedBytes"]
+        assert self.isEdited or geometry["uniqueBytesLoaded"] <= geometry["bytesTotal"]
+        assert (geometry["chunksTouched"] > 0) == (geometry["uniqueBytesLoaded"] > 0)
+        assert geometry["peakBytes"] <= geometry["budget"]
+        assert geometry["iterations"] >= geometry["casts"] > 0
+        assert self.isEdited or geometry["chunksTouched"] <= geometry["chunks"]
+        # What is resident at any time fits: only what has left can be loaded again.
+        if geometry["evictions"] == 0:
+            assert geometry["uploadedBytes"] == geometry["uniqueBytesLoaded"] <= geometry["budget"]
+        return geometry
