@@ -11,7 +11,9 @@ DicePattern::DicePattern(FaceShape shape, std::uint32_t numEdges, const std::uin
     : _shape(shape), _numEdges(numEdges), _levels(levels) {
     _firstInside = numEdges;
     std::uint32_t highest = 1;
+    _firstOnEdge.reserve(numEdges);
     for (std::uint32_t edge = 0; edge < numEdges; ++edge) {
+        _firstOnEdge.push_back(_firstInside);
         _firstInside += Rate(edge) - 1;
         highest = std::max(highest, Rate(edge));
     }
@@ -160,8 +162,14 @@ void DicePattern::AddTile(std::uint32_t tile, std::vector<glm::uvec3>& triangles
     } else if (_shape == FaceShape::Quad && (_rate.x == 1 || _rate.y == 1)) {
         AddBand(tile, triangles);
     } else {
-        for (std::uint32_t edge = 0; edge < _numEdges; ++edge) {
-            AddStrip(tile, edge, triangles);
+        if (_shape == FaceShape::SubQuads && !_isOneTile) { // two strips reach a sub-quad
+            const std::uint32_t subFace = CellsOf(tile).subFace;
+            AddStrip(tile, (subFace + _numEdges - 1) % _numEdges, triangles);
+            AddStrip(tile, subFace, triangles);
+        } else {
+            for (std::uint32_t edge = 0; edge < _numEdges; ++edge) {
+                AddStrip(tile, edge, triangles);
+            }
         }
         AddInside(tile, triangles);
     }
@@ -239,15 +247,13 @@ void DicePattern::AddStrip(std::uint32_t tile, std::uint32_t edge,
 }
 
 void DicePattern::AddInside(std::uint32_t tile, std::vector<glm::uvec3>& triangles) const {
-    const std::uint32_t numSubFaces = _shape == FaceShape::SubQuads ? _numEdges : 1;
-    for (std::uint32_t subFace = 0; subFace < numSubFaces; ++subFace) {
-        TileCells cells{subFace, glm::uvec2(0), _rate};
-        if (!_isOneTile) {
-            cells = CellsOf(tile);
-            if (cells.subFace != subFace) {
-                continue;
-            }
-        }
+    TileCells cells{0, glm::uvec2(0), _rate};
+    std::uint32_t endSubFace = _shape == FaceShape::SubQuads ? _numEdges : 1;
+    if (!_isOneTile) {
+        cells = CellsOf(tile);
+        endSubFace = cells.subFace + 1;
+    }
+    for (std::uint32_t subFace = cells.subFace; subFace < endSubFace; ++subFace) {
         const glm::uvec2 low = glm::max(cells.low, glm::uvec2(1));
         // Sub-quads have no strips along the lines to the centre.
         const std::uint32_t border = _shape == FaceShape::SubQuads ? 0 : 1;
@@ -299,11 +305,7 @@ std::uint32_t DicePattern::OuterVertex(std::uint32_t edge, std::uint32_t step) c
     if (step == 0 || step == Rate(edge)) {
         return step == 0 ? edge : (edge + 1) % _numEdges;
     }
-    std::uint32_t first = _numEdges;
-    for (std::uint32_t e = 0; e < edge; ++e) {
-        first += Rate(e) - 1;
-    }
-    return first + step - 1;
+    return _firstOnEdge[edge] + step - 1;
 }
 
 /// Vertex `step` of the row beside an edge; steps are those of the inside's rate.
@@ -402,12 +404,11 @@ PatternVertex DicePattern::Locate(std::uint32_t vertex) const {
     result.index = vertex;
     if (vertex >= _numEdges) {
         result.kind = PatternVertex::Kind::Edge;
-        result.index = 0;
-        std::uint32_t step = vertex - _numEdges;
-        for (; step >= Rate(result.index) - 1; ++result.index) {
-            step -= Rate(result.index) - 1;
-        }
-        result.step = step + 1;
+        // The last edge that starts at or before the vertex has it: edges without any share their
+        // start with the next.
+        const auto next = std::upper_bound(_firstOnEdge.begin(), _firstOnEdge.end(), vertex);
+        result.index = static_cast<std::uint32_t>(next - _firstOnEdge.begin()) - 1;
+        result.step = vertex - _firstOnEdge[result.index] + 1;
     }
     const double t = double(result.step) / double(Rate(result.index));
     result.at = EdgePoint(_shape, _numEdges, result.index, t);

@@ -50,7 +50,7 @@ public:
     static constexpr std::uint32_t kTileCells = 8;
     static constexpr std::uint32_t kMaxLevel = 8;
 
-    /// \param levels [numEdges], at most kMaxLevel.
+    /// \param levels [numEdges], at most kMaxLevel; must outlive the pattern.
     DicePattern(FaceShape shape, std::uint32_t numEdges, const std::uint8_t* levels);
 
     std::uint32_t NumVertices() const { return _numVertices; }
@@ -98,7 +98,8 @@ private:
     FaceShape _shape;
     std::uint32_t _numEdges;
     const std::uint8_t* _levels;
-    glm::uvec2 _rate{1}; ///< of the inside; SubQuads: of a sub-face
+    std::vector<std::uint32_t> _firstOnEdge; ///< [edges] first vertex inside of an edge
+    glm::uvec2 _rate{1};                     ///< of the inside; SubQuads: of a sub-face
     std::uint32_t _firstInside = 0;
     std::uint32_t _numVertices = 0;
     glm::uvec2 _numTiles{1}; ///< of a sub-face; Triangle: x of the first row

@@ -41,7 +41,7 @@ FacePoint FaceCentre(FaceShape shape) {
 
 FaceSurface::FaceSurface(const SubdivModel& model, int face)
     : _model(model), _face(face), _shape(model.Shape(face)) {
-    model.Surfaces().InitVertexSurface(face, &_surface);
+    model.Surfaces(face).InitVertexSurface(face, &_surface);
 }
 
 const double* FaceSurface::Points() const {
@@ -140,7 +140,7 @@ void FaceSurface::VertexValues(const FacePoint& at, double* values) {
 void FaceSurface::VaryingValues(const FacePoint& at, double* values) {
     if (!_varying) {
         _varying = std::make_unique<Prepared>();
-        _model.Surfaces().InitVaryingSurface(_face, &_varying->surface);
+        _model.Surfaces(_face).InitVaryingSurface(_face, &_varying->surface);
         Prepare(_model.VaryingRows(), *_varying);
     }
     Evaluate(*_varying, at, values);
@@ -151,7 +151,7 @@ void FaceSurface::ChannelValues(int channel, const FacePoint& at, double* values
     std::unique_ptr<Prepared>& prepared = _channels[channel];
     if (!prepared) {
         prepared = std::make_unique<Prepared>();
-        _model.Surfaces().InitFaceVaryingSurface(_face, &prepared->surface, channel);
+        _model.Surfaces(_face).InitFaceVaryingSurface(_face, &prepared->surface, channel);
         Prepare(_model.ChannelRows(channel), *prepared);
     }
     Evaluate(*prepared, at, values);

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <optional>
 #include <unordered_map>
 
 namespace hds {
@@ -36,12 +37,7 @@ public:
     void AddUnit(std::uint32_t unit) {
         const int face = _dice.FaceOf(unit);
         StartFace(face);
-        const DicePattern pattern(_model.Shape(face), std::uint32_t(_levels.size()),
-                                  _levels.data());
-        if (_isNewFace) {
-            _vertexOf.assign(pattern.NumVertices(), kNone);
-            _cornerOf.assign(pattern.NumVertices(), kNone);
-        }
+        const DicePattern& pattern = *_pattern;
         _triangles.clear();
         pattern.AddTile(unit - _dice.faceUnits[std::size_t(face)], _triangles);
         const std::uint32_t authored = _model.Cage().faces[std::size_t(face)];
@@ -89,11 +85,14 @@ public:
 
 private:
     void StartFace(int face) {
-        _isNewFace = face != _face;
-        if (_isNewFace) {
-            _face = face;
-            _dice.FaceLevels(face, _levels);
+        if (face == _face) {
+            return;
         }
+        _face = face;
+        _dice.FaceLevels(face, _levels);
+        _pattern.emplace(_model.Shape(face), std::uint32_t(_levels.size()), _levels.data());
+        _vertexOf.assign(_pattern->NumVertices(), kNone);
+        _cornerOf.assign(_pattern->NumVertices(), kNone);
     }
 
     /// Chunk vertex of a vertex of the face's pattern.
@@ -258,8 +257,8 @@ private:
     bool _hasCornerValues = false;
 
     int _face = -1;
-    bool _isNewFace = false;
     std::vector<std::uint8_t> _levels;
+    std::optional<DicePattern> _pattern;
     std::vector<std::uint32_t> _vertexOf; ///< [pattern vertices] chunk vertex
     std::vector<std::uint32_t> _cornerOf; ///< [pattern vertices] chunk corner
     std::vector<glm::uvec3> _triangles;

@@ -24,8 +24,8 @@ std::string FindObstacle(const MeshDescription& mesh, const SubdivCage& cage) {
         return "loop needs triangles only";
     }
     if (std::any_of(cage.counts.begin(), cage.counts.end(),
-                    [](int count) { return count > Bfr::Limits::MaxFaceSize(); })) {
-        return "a face has too many vertices";
+                    [](int count) { return count > kMaxEdges; })) {
+        return "a face has more than " + std::to_string(kMaxEdges) + " edges";
     }
     return {};
 }
@@ -78,14 +78,21 @@ std::unique_ptr<const SubdivModel> SubdivModel::Make(std::shared_ptr<const MeshD
         model->_refiner = CreateRefiner(*model->_mesh, model->_cage, model->_channels);
         obstacle = model->_refiner ? "" : "OpenSubdiv refuses its topology";
     }
+    if (obstacle.empty() && model->_refiner->GetMaxValence() > kMaxEdges) {
+        obstacle = "a point has more than " + std::to_string(kMaxEdges) + " edges";
+    }
     if (!obstacle.empty()) {
         warnings.Add(primPath, "not subdivided: " + obstacle);
         return nullptr;
     }
-    Factory::Options options;
-    options.SetApproxLevelSmooth(kSmoothLevel);
-    options.SetApproxLevelSharp(kSharpLevel);
-    model->_factory = std::make_unique<Factory>(*model->_refiner, options);
+    const auto makeFactory = [&](int smoothLevel, int sharpLevel) {
+        Factory::Options options;
+        options.SetApproxLevelSmooth(smoothLevel);
+        options.SetApproxLevelSharp(sharpLevel);
+        return std::make_unique<Factory>(*model->_refiner, options);
+    };
+    model->_factory = makeFactory(kSmoothLevel, kSharpLevel);
+    model->_crowdedFactory = makeFactory(kCrowdedLevel, kCrowdedLevel);
     model->MarkTopology();
     return model;
 }
@@ -94,8 +101,15 @@ std::unique_ptr<const SubdivModel> SubdivModel::Make(std::shared_ptr<const MeshD
 void SubdivModel::MarkTopology() {
     const Far::TopologyLevel& level = Level();
     _isDrawn.resize(NumFaces());
+    _isCrowded.resize(NumFaces());
     tbb::parallel_for(0, level.GetNumFaces(), [&](int face) {
         _isDrawn[face] = _factory->FaceHasLimitSurface(face) ? 1 : 0;
+        const Far::ConstIndexArray vertices = level.GetFaceVertices(face);
+        bool isCrowded = vertices.size() > kCrowdedEdges;
+        for (int i = 0; i < vertices.size() && !isCrowded; ++i) {
+            isCrowded = level.GetVertexEdges(vertices[i]).size() > kCrowdedEdges;
+        }
+        _isCrowded[face] = isCrowded ? 1 : 0;
     });
     _isSharpVertex.resize(std::size_t(level.GetNumVertices()));
     tbb::parallel_for(0, level.GetNumVertices(), [&](int vertex) {

@@ -22,6 +22,12 @@ namespace hds {
 /// 2^level are exact (docs/geometry.md has the cost).
 constexpr int kSmoothLevel = 6;
 constexpr int kSharpLevel = 8;
+/// The same beside crowded vertices, or in faces with many: OpenSubdiv's cost grows with the cube
+/// of their edges.
+constexpr int kCrowdedLevel = 2;
+constexpr int kCrowdedEdges = 32;
+/// With more edges at a vertex or a face, the cage is drawn.
+constexpr int kMaxEdges = 512;
 
 /// A primvar of a subdivided mesh. Uniform and constant ones are not refined.
 struct SubdivPrimvar {
@@ -52,7 +58,10 @@ public:
 
     const MeshDescription& Mesh() const { return *_mesh; }
     const SubdivCage& Cage() const { return _cage; }
-    const Factory& Surfaces() const { return *_factory; }
+    /// What makes the surfaces of a face.
+    const Factory& Surfaces(int face) const {
+        return _isCrowded[face] != 0 ? *_crowdedFactory : *_factory;
+    }
     const OpenSubdiv::Far::TopologyLevel& Level() const { return _refiner->GetLevel(0); }
     /// Sorted by name.
     const std::vector<SubdivPrimvar>& Primvars() const { return _primvars; }
@@ -92,7 +101,9 @@ private:
     std::vector<SubdivPrimvar> _primvars;
     std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> _refiner;
     std::unique_ptr<Factory> _factory;
+    std::unique_ptr<Factory> _crowdedFactory;
     std::vector<std::uint8_t> _isDrawn;       ///< [faces]
+    std::vector<std::uint8_t> _isCrowded;     ///< [faces]
     std::vector<std::uint8_t> _isSharpVertex; ///< [points]
     std::string _primPath;
     Warnings* _warnings = nullptr;

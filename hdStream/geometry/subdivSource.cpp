@@ -175,10 +175,12 @@ private:
             for (int face = range.begin(); face < range.end(); ++face) {
                 const std::uint32_t begin = _dice.faceUnits[std::size_t(face)];
                 const std::uint32_t end = _dice.faceUnits[std::size_t(face) + 1];
-                if (end - begin == 1) {
-                    _unitBounds[begin] = bounds(faceBoxes[std::size_t(face)]);
+                if (end - begin == 1 || Model().Shape(face) != FaceShape::Quad) {
+                    std::fill(_unitBounds.begin() + begin, _unitBounds.begin() + end,
+                              bounds(faceBoxes[std::size_t(face)]));
+                    continue;
                 }
-                if (end - begin < 2) {
+                if (begin == end) {
                     continue;
                 }
                 _dice.FaceLevels(face, levels);

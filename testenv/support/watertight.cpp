@@ -19,9 +19,10 @@ uint leak_hash(uint x) {
     x = (x ^ (x >> 15)) * 0x846ca68bu;
     return x ^ (x >> 16);
 }
+/* A counter, hashed: it has no short cycles, in which leak_ball would never end. */
 float leak_uniform(uint* state) {
-    *state = leak_hash(*state + 0x9e3779b9u);
-    return (float)(*state >> 8) * 5.9604644775390625e-8f;
+    *state += 0x6d2b79f5u;
+    return (float)(leak_hash(*state) >> 8) * 5.9604644775390625e-8f;
 }
 float3 leak_ball(uint* state, float radius) {
     float3 p = (float3)(2.0f);

@@ -83,6 +83,47 @@ TEST(SubdivHostile, SingleAndDegenerateFaces) {
     EXPECT_TRUE(DiceUniform(line, 2).chunk.triangles.empty());
 }
 
+TEST(SubdivHostile, CrowdedPointsAndFaces) {
+    // A disc and a cone of n sides; with too many, the cage is drawn.
+    const auto makeCone = [](int n, bool hasTip) {
+        std::vector<glm::vec3> points;
+        std::vector<std::int32_t> counts;
+        std::vector<std::int32_t> indices;
+        for (int i = 0; i < n; ++i) {
+            const double angle = 6.283185307179586 * i / n;
+            points.emplace_back(std::cos(angle), std::sin(angle), 0.0);
+            if (hasTip) {
+                counts.push_back(3);
+                indices.insert(indices.end(), {i, (i + 1) % n, n});
+            } else {
+                indices.push_back(i);
+            }
+        }
+        if (hasTip) {
+            points.emplace_back(0.0F, 0.0F, 1.0F);
+        } else {
+            counts.push_back(n);
+        }
+        MeshDescription mesh = MakeMesh(points, counts, indices);
+        mesh.subdivisionScheme = "catmullClark";
+        return mesh;
+    };
+    for (const bool hasTip : {false, true}) {
+        const Diced diced = DiceUniform(makeCone(80, hasTip), 2);
+        ASSERT_TRUE(diced.source);
+        EXPECT_EQ(diced.chunk.triangles.size(), 80U * 8 * (hasTip ? 3 : 1));
+        for (const glm::vec3& p : diced.chunk.positions) {
+            EXPECT_LT(glm::length(p), 1.01F);
+        }
+        const Diced refused = DiceUniform(makeCone(513, hasTip), 2);
+        EXPECT_FALSE(refused.source);
+        EXPECT_EQ(refused.warnings,
+                  std::vector<std::string>{"/World/mesh: not subdivided: a " +
+                                           std::string(hasTip ? "point" : "face") +
+                                           " has more than 512 edges"});
+    }
+}
+
 TEST(SubdivHostile, NonManifoldCagesStayWhole) {
     // Three sheets on one edge, and two cubes that share a point.
     MeshDescription fan = MakeMesh({{0, 0, 0},
