@@ -9,6 +9,7 @@ filled, give the time of a ray without streaming; they are left out above --resi
 
 import argparse
 import gc
+import json
 import pathlib
 import sys
 import tempfile
@@ -50,21 +51,22 @@ def Figures(run: dict, size: int, resident=None) -> dict:
             "perRayResident": MicrosecondsPerRay(resident) if resident else None,
             "pool": geometry["budget"], "alwaysResident": geometry["alwaysResidentBytes"], "pathState": memory["pathState"],
             "tables": memory["tables"], "devicePeak": memory["devicePeak"], "hostPeak": memory["hostPeak"],
-            "touched": geometry["chunksTouched"], "built": geometry["chunksBuilt"], "uploaded": geometry["uploadedBytes"]}
+            "touched": geometry["chunksTouched"], "built": geometry["chunksBuilt"], "uploaded": geometry["uploadedBytes"],
+            "cpu": run["cpuSeconds"]}
 
 
 def Row(row: dict) -> str:
     allowed = 0.005 * row["bytes"] + 100 * row["instances"]
     resident = f"{row['perRayResident']:.2f}" if row["perRayResident"] else "-"
     cells = [f"{row['size']:,}", f"{row['triangles']:,}", f"{row['chunks']:,}", f"{row['bytes'] / 1e6:.1f}", f"{row['translate']:.2f}",
-             f"{row['prepare']:.2f}", f"{row['render']:.2f}", f"{row['perRay']:.2f}", resident,
+             f"{row['prepare']:.2f}", f"{row['render']:.2f}", f"{row['cpu']:.1f}", f"{row['perRay']:.2f}", resident,
              *(f"{row[name] / 1e6:.1f}" for name in ("pool", "alwaysResident")), f"{row['alwaysResident'] / allowed:.2f}",
              *(f"{row[name] / 1e6:.1f}" for name in ("tables", "pathState", "devicePeak", "hostPeak"))]
     return "| " + " | ".join(cells) + " |"
 
 
-HEAD = ("| size | triangles | chunks | page MB | read USD s | prepare s | render s | us a ray | resident | pool MB | always "
-        "resident MB | of what is allowed | tables MB | path state MB | device peak MB | host peak MB |\n" + "|---" * 16 + "|")
+HEAD = ("| size | triangles | chunks | page MB | read USD s | prepare s | render s | CPU s of the process | us a ray | resident | pool MB | always "
+        "resident MB | of what is allowed | tables MB | path state MB | device peak MB | host peak MB |\n" + "|---" * 17 + "|")
 
 
 def Measure(kind: str, sizes, args) -> list:
@@ -115,10 +117,15 @@ def main() -> None:
     parser.add_argument("--residentLimit", type=float, default=2.5e7, help="largest size that is also rendered resident")
     parser.add_argument("--limit", type=float, default=3600, help="seconds for one render")
     parser.add_argument("--out", type=pathlib.Path, help="folder of the charts")
+    parser.add_argument("--rows", type=pathlib.Path, help="JSON file that keeps rows, so that sizes can be measured apart")
     parser.add_argument("--scratch", help="folder for stages and caches")
     args = parser.parse_args()
     for kind in args.kinds:
-        rows = Measure(kind, args.sizes or _KINDS[kind][1], args)
+        kept = json.loads(args.rows.read_text()) if args.rows and args.rows.exists() else {}
+        rows = {row["size"]: row for row in kept.get(kind, []) + Measure(kind, args.sizes or _KINDS[kind][1], args)}
+        rows = sorted(rows.values(), key=lambda row: row["size"])
+        if args.rows:
+            args.rows.write_text(json.dumps({**kept, kind: rows}))
         if args.out and len(rows) > 1:
             args.out.mkdir(parents=True, exist_ok=True)
             SaveCharts(kind, rows, args.out)

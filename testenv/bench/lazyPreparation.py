@@ -67,6 +67,7 @@ def Measure(stage: str, camera: str, maxDepth: int, args, folder: pathlib.Path) 
              f"{seconds['eager']:.2f}", f"{seconds['lazy']:.2f}", f"{seconds['lazy'] / seconds['eager']:.3f}",
              f"{1.2 * touched + 0.02:.3f}", f"{seconds['warm']:.2f}", f"{readWarm:.2f}"]
     cells += [f"{cold['time']['prepare']:.2f}", f"{readCold:.2f}"] if cold else ["not measured", ""]
+    cells.append(" ".join(f"{run['cpuSeconds']:.1f}" for run in (eager, lazy, warm)))
     return cells
 
 
@@ -80,7 +81,7 @@ def main() -> None:
     parser.add_argument("--maxDepth", type=lambda text: [int(word) for word in text.split(",")], default=[8, 0])
     args = parser.parse_args()
     print("| stage, camera | bounces | MB | touched: chunks | bytes | eager s | lazy s | ratio | target | warm s | "
-          "read s | files not in memory: s | read s |\n" + "|---" * 13 + "|", flush=True)
+          "read s | files not in memory: s | read s | CPU s of the processes |\n" + "|---" * 14 + "|", flush=True)
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         stages = [(stage.rpartition(":")[0], stage.rpartition(":")[2].split(",")) for stage in args.stage]

@@ -5,6 +5,7 @@ Run them with PYTHONPATH=build/release/python."""
 import json
 import os
 import pathlib
+import resource
 import shutil
 import subprocess
 import sys
@@ -18,13 +19,15 @@ class RunFailed(RuntimeError):
 
 
 def Record(stage, cacheDirectory, limitSeconds=SECONDS, **options) -> dict:
-    """Statistics of one render, with `pictureBytes` added; options by their name on the command line."""
+    """Statistics of one render; options by their name on the command line. Added are `pictureBytes`, and `cpuSeconds` of
+    the whole process, which other work on the machine disturbs less than it does times. One at a time."""
     with tempfile.TemporaryDirectory() as folder:
         picture, statistics = f"{folder}/picture.exr", f"{folder}/statistics.json"
         command = [sys.executable, "-m", "hdstream", "record", str(stage), picture, "--quiet", "--stats", statistics,
                    "--cacheDir", str(cacheDirectory)]
         for name, value in options.items():
             command += [f"--{name}", str(value)]
+        before = _CpuSecondsOfChildren()
         try:
             done = subprocess.run(command, capture_output=True, text=True, timeout=limitSeconds)
         except subprocess.TimeoutExpired as error:
@@ -32,8 +35,14 @@ def Record(stage, cacheDirectory, limitSeconds=SECONDS, **options) -> dict:
         if done.returncode != 0:
             raise RunFailed(f"exit code {done.returncode}: {done.stderr.strip().splitlines()[-1:]}")
         values = json.loads(pathlib.Path(statistics).read_text())
+        values["cpuSeconds"] = _CpuSecondsOfChildren() - before
         values["pictureBytes"] = pathlib.Path(picture).read_bytes()
         return values
+
+
+def _CpuSecondsOfChildren() -> float:
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
 
 
 def FreshCache(folder, kernelsFrom="") -> pathlib.Path:

@@ -33,10 +33,10 @@ SMALL = {
     "hugeMesh": lambda path: bench.WriteTerrain(path, cells=270),
     "manyMeshes": lambda path: bench.WriteMeshes(path, meshes=12_000),
     "manyInstances": lambda path: bench.WriteForest(path, instances=20_000, species=66),
-    "overlap": lambda path: streaming.WriteOverlap(path, meshes=24, rings=44),
-    "nested": lambda path: streaming.WriteNested(path, rings=210),
-    "grove": lambda path: grove.WriteGrove(path, 180_000, 18_000),
-    "gardens": lambda path: grove.WriteGrove(path, 110_000, 4_000, gardens=3),
+    "overlap": lambda path: streaming.WriteOverlap(path, meshes=24, rings=45),
+    "nested": lambda path: streaming.WriteNested(path, rings=212),
+    "grove": lambda path: grove.WriteGrove(path, 165_000, 18_000),
+    "gardens": lambda path: grove.WriteGrove(path, 85_000, 4_000, gardens=3),
 }
 LARGE = {
     "grove20M": lambda path: grove.WriteGrove(path),
