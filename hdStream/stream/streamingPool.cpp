@@ -23,6 +23,10 @@ std::uint64_t RoundDown(std::uint64_t bytes) {
     return bytes / HDS_POOL_UNIT_BYTES * HDS_POOL_UNIT_BYTES;
 }
 
+/// A page makes others leave only when at least this part as many ask for it as for the page that
+/// most ask for: the others come later, when more wait for them (docs/streaming.md).
+constexpr std::uint32_t kLeastWantedShare = 16;
+
 std::uint32_t GroupOf(std::uint32_t page) {
     return page / StreamingPool::kGroupPages;
 }
@@ -56,6 +60,7 @@ void StreamingPool::Update(const PageProvider& provider, std::uint64_t budgetByt
             _pages[page] = found->second;
             known.erase(found);
         }
+        _pages[page].bytes = provider.PageBytes(page);
     }
     for (const auto& [id, state] : known) {
         if (state.range.bytes > 0) {
@@ -121,6 +126,11 @@ void StreamingPool::MakeTables() {
     _requests.Fill(0, HDS_REQUEST_HEADER * sizeof(std::uint32_t));
     _requestCounts.Fill(0, _requestCounts.Bytes());
     _stamps.Fill(0, _stamps.Bytes());
+    _words.resize(_pages.size());
+    _scratch.resize(_pages.size());
+    for (std::uint32_t page = 0; page < _pages.size(); ++page) {
+        UpdateWord(page);
+    }
     PublishTable();
 }
 
@@ -136,9 +146,12 @@ void StreamingPool::BeginEpoch() {
 void StreamingPool::BeginCast() {
     BeginEpoch();
     bool isChanged = false;
-    for (PageState& page : _pages) {
-        isChanged = isChanged || page.isDone;
-        page.isDone = false;
+    for (std::uint32_t page = 0; page < _pages.size(); ++page) {
+        if (_pages[page].isDone) {
+            isChanged = true;
+            _pages[page].isDone = false;
+            UpdateWord(page);
+        }
     }
     if (isChanged) {
         PublishTable();
@@ -147,10 +160,13 @@ void StreamingPool::BeginCast() {
 
 void StreamingPool::ServiceCast() {
     const auto start = Clock::now();
-    for (PageState& page : _pages) {
-        page.isDone = page.isDone || page.range.bytes > 0;
-        page.isProtected = false;
+    for (std::uint32_t page = 0; page < _pages.size(); ++page) {
+        if (IsResident(page) && !_pages[page].isDone) {
+            _pages[page].isDone = true;
+            UpdateWord(page);
+        }
     }
+    ++_service;
     _hasVictims = false;
     for (const Request& request : TakeRequests()) {
         if (!Place(request.page)) {
@@ -165,24 +181,24 @@ void StreamingPool::ServiceCast() {
 
 void StreamingPool::Service() {
     const auto start = Clock::now();
-    for (PageState& page : _pages) {
-        page.isProtected = false;
-    }
+    ++_service;
     _hasVictims = false;
-    for (const Request& request : TakeRequests()) {
-        const std::uint32_t first = GroupOf(request.page) * kGroupPages;
-        const bool isGroup = request.page == first + kGroupPages - 1;
-        if (isGroup ? PlaceGroup(first, request.count) : PlaceWanted(request)) {
-            continue;
-        }
-        if (!_queued.empty()) {
+    const std::vector<Request> requests = TakeRequests();
+    for (const Request& request : requests) {
+        if (_eviction == Eviction::Clock && _hasVictims &&
+            request.count < requests[0].count / kLeastWantedShare) {
             break;
         }
-        // What was kept of the group lies in the way of the rest: begin with an empty pool.
-        for (std::uint32_t page = 0; page < _pages.size(); ++page) {
-            Remove(page);
+        if (PlaceWanted(request)) {
+            continue;
         }
-        PlaceGroup(first, request.count);
+        if (_queued.empty()) {
+            // What was kept of the group lies in the way of the rest: begin with an empty pool.
+            for (std::uint32_t page = 0; page < _pages.size(); ++page) {
+                Remove(page);
+            }
+            PlaceWanted(request);
+        }
         break;
     }
     HDS_VERIFY(!_queued.empty(), _label + ": nothing was loaded");
@@ -191,9 +207,14 @@ void StreamingPool::Service() {
     BeginEpoch();
 }
 
+/// Places a page, or the group whose last page it is. \return as Place.
 bool StreamingPool::PlaceWanted(const Request& request) {
+    const std::uint32_t first = GroupOf(request.page) * kGroupPages;
+    if (request.page == first + kGroupPages - 1) {
+        return PlaceGroup(first, request.count);
+    }
     if (IsResident(request.page)) {
-        _pages[request.page].isProtected = true; // came with its group
+        Protect(request.page); // came with its group
         return true;
     }
     if (!Place(request.page)) {
@@ -209,8 +230,10 @@ bool StreamingPool::PlaceGroup(std::uint32_t first, std::uint32_t wanted) {
     std::array<bool, kGroupPages> isNeeded{};
     for (std::uint32_t i = 0; i < kGroupPages; ++i) {
         // Before anything leaves for the others.
-        isNeeded[i] = !IsResident(first + i) && _provider->PageBytes(first + i) > 0;
-        _pages[first + i].isProtected = _pages[first + i].isProtected || IsResident(first + i);
+        isNeeded[i] = !IsResident(first + i) && _pages[first + i].bytes > 0;
+        if (IsResident(first + i)) {
+            Protect(first + i);
+        }
     }
     const std::size_t numQueued = _queued.size();
     for (std::uint32_t i = 0; i < kGroupPages; ++i) {
@@ -239,7 +262,7 @@ std::vector<StreamingPool::Request> StreamingPool::TakeRequests() {
     std::vector<std::uint32_t> list(count);
     _requests.Read(list.data(), count * sizeof(std::uint32_t),
                    HDS_REQUEST_HEADER * sizeof(std::uint32_t));
-    std::vector<std::uint32_t> counts(_pages.size());
+    std::vector<std::uint32_t>& counts = _scratch;
     _requestCounts.Read(counts.data(), counts.size() * sizeof(std::uint32_t));
     std::vector<Request> requests;
     for (const std::uint32_t page : list) {
@@ -258,13 +281,13 @@ std::vector<StreamingPool::Request> StreamingPool::TakeRequests() {
 /// has left.
 bool StreamingPool::Place(std::uint32_t page) {
     PageState& state = _pages[page];
-    while (!_ranges.Allocate(_provider->PageBytes(page), &state.range)) {
+    while (!_ranges.Allocate(state.bytes, &state.range)) {
         if (!Evict()) {
             state.range = {};
             return false;
         }
     }
-    state.isProtected = true;
+    Protect(page);
     _queued.push_back(page);
     return true;
 }
@@ -273,10 +296,10 @@ bool StreamingPool::Place(std::uint32_t page) {
 void StreamingPool::ListVictims() {
     _hasVictims = true;
     _victims.clear();
-    std::vector<std::uint32_t> stamps(_pages.size());
+    std::vector<std::uint32_t>& stamps = _scratch;
     _stamps.Read(stamps.data(), stamps.size() * sizeof(std::uint32_t));
     for (std::uint32_t page = 0; page < _pages.size(); ++page) {
-        if (IsResident(page) && !_pages[page].isProtected) {
+        if ((_words[page] & ~HDS_PAGE_DONE) != HDS_NOT_RESIDENT && !IsProtected(page)) {
             _victims.push_back({stamps[page], _pages[page].wanted, page});
         }
     }
@@ -293,7 +316,7 @@ bool StreamingPool::Evict() {
         std::pop_heap(_victims.begin(), _victims.end(), std::greater<>());
         const std::uint32_t page = _victims.back().page;
         _victims.pop_back();
-        if (!_pages[page].isProtected) {
+        if (!IsProtected(page)) {
             isAny = Remove(page) || isAny;
         }
     }
@@ -307,6 +330,7 @@ bool StreamingPool::Remove(std::uint32_t page) {
     }
     _ranges.Free(_pages[page].range);
     _pages[page].range = {};
+    UpdateWord(page);
     ++_statistics.evictions;
     return true;
 }
@@ -317,6 +341,7 @@ void StreamingPool::LoadQueued() {
     for (const std::uint32_t page : _queued) {
         const PoolRange& range = _pages[page].range;
         copies[range.buffer].push_back({_provider->Page(page), range.bytes, range.offset});
+        UpdateWord(page);
         _statistics.uploadedBytes += range.bytes;
         ++_statistics.uploads;
         if (!_pages[page].wasLoaded) {
@@ -337,14 +362,14 @@ void StreamingPool::LoadQueued() {
     _statistics.transferSeconds += SecondsSince(start);
 }
 
+void StreamingPool::UpdateWord(std::uint32_t page) {
+    const PageState& state = _pages[page];
+    _words[page] = (state.range.bytes > 0 ? state.range.Address() : HDS_NOT_RESIDENT) |
+                   (state.isDone ? HDS_PAGE_DONE : 0U);
+}
+
 void StreamingPool::PublishTable() {
-    std::vector<std::uint32_t> words(_pages.size());
-    for (std::size_t page = 0; page < words.size(); ++page) {
-        const PageState& state = _pages[page];
-        words[page] = (state.range.bytes > 0 ? state.range.Address() : HDS_NOT_RESIDENT) |
-                      (state.isDone ? HDS_PAGE_DONE : 0U);
-    }
-    _table.Write(words.data(), words.size() * sizeof(std::uint32_t));
+    _table.Write(_words.data(), _words.size() * sizeof(std::uint32_t));
 }
 
 } // namespace hds
