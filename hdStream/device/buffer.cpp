@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/device/openclHandles.h"
 
-#include <tbb/parallel_for_each.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cstring>
@@ -123,8 +123,10 @@ void Buffer::WriteMany(const std::vector<BufferCopy>& copies) {
         clEnqueueMapBuffer(queue, static_cast<cl_mem>(_memory), CL_TRUE, CL_MAP_READ | CL_MAP_WRITE,
                            begin, end - begin, 0, nullptr, nullptr, &code));
     CheckOpenCl(code, "mapping " + _label);
-    tbb::parallel_for_each(copies.begin(), copies.end(), [&](const BufferCopy& copy) {
-        std::memcpy(target + (copy.offset - begin), copy.data, copy.bytes);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, copies.size()), [&](const auto& range) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            std::memcpy(target + (copies[i].offset - begin), copies[i].data, copies[i].bytes);
+        }
     });
     CheckOpenCl(
         clEnqueueUnmapMemObject(queue, static_cast<cl_mem>(_memory), target, 0, nullptr, nullptr),

@@ -296,6 +296,7 @@ struct PathTracer::Impl {
             UploadVector(device, "primvar slots", PrimvarSlots(options.aovs.primvars));
         const Buffer order = UploadVector(device, "all pixels", pixelOrder);
         const auto pixelCount = static_cast<std::uint32_t>(pixelOrder.size());
+        const std::uint64_t indirectRays = statistics.indirectRays; // counts those of pictures
         const Buffer& paths = tracer.Paths();
         const std::uint32_t waveSize = tracer.WaveSize();
         for (std::uint32_t firstPixel = 0; firstPixel < pixelCount; firstPixel += waveSize) {
@@ -314,6 +315,7 @@ struct PathTracer::Impl {
                                         offsets, primvarSlots);
                 });
         }
+        statistics.indirectRays = indirectRays;
         film.SetHasFirstHits();
     }
 

@@ -12,11 +12,14 @@ namespace {
 /// Paths in flight when the user does not say. Measured: docs/performance.md, "Wave size".
 constexpr std::uint32_t kWaveSizeCpu = 16U << 10U;
 constexpr std::uint32_t kWaveSizeGpu = 1U << 20U;
-/// While geometry streams a chunk that is transferred serves all paths of the wave. Path state
-/// takes the memory that the pool does not, so that both together are no more than resident
-/// geometry. Where someone looks at previews, edits wait for a wave, and the least is taken.
-constexpr std::uint32_t kMinWaveSizeStreaming = 1U << 17U;
-constexpr std::uint32_t kMaxWaveSizeStreaming = 1U << 20U;
+/// While geometry streams path state takes the memory that the pool does not, so that both together
+/// are no more than resident geometry. A page that is transferred serves all that waits of a wave;
+/// on CPUs more than so many paths only leave the caches (docs/streaming.md). Where someone looks
+/// at previews, edits wait for a wave, and the least is taken.
+constexpr std::uint32_t kMinWaveSizeStreamingCpu = 1U << 15U;
+constexpr std::uint32_t kMaxWaveSizeStreamingCpu = 1U << 16U;
+constexpr std::uint32_t kMinWaveSizeStreamingGpu = 1U << 17U;
+constexpr std::uint32_t kMaxWaveSizeStreamingGpu = 1U << 20U;
 
 } // namespace
 
@@ -27,10 +30,11 @@ std::uint32_t ChooseWaveSize(const RenderOptions& options, const DevicePropertie
     if (size == 0) {
         size = properties.isCpu ? kWaveSizeCpu : kWaveSizeGpu;
         if (spareSlots > 0) {
-            size = options.showsPreviews
-                       ? kMinWaveSizeStreaming
-                       : std::clamp<std::uint64_t>(spareSlots, kMinWaveSizeStreaming,
-                                                   kMaxWaveSizeStreaming);
+            const std::uint64_t least =
+                properties.isCpu ? kMinWaveSizeStreamingCpu : kMinWaveSizeStreamingGpu;
+            const std::uint64_t most =
+                properties.isCpu ? kMaxWaveSizeStreamingCpu : kMaxWaveSizeStreamingGpu;
+            size = options.showsPreviews ? least : std::clamp(spareSlots, least, most);
         }
         size = std::min(size, std::max<std::uint64_t>(pixels * options.samples, HDS_SAMPLE_BLOCK));
     }

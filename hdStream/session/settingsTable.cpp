@@ -181,8 +181,8 @@ std::vector<Row> UserRows() {
                       {"clock", "flush"})),
         MakeRow(&S::request,
                 OneOf("request", "--request", "Request",
-                      "the missing chunk a ray asks for: the nearest after its walk, or the first "
-                      "it meets",
+                      "the missing chunks a ray asks for: the nearest in its way after its walk, "
+                      "or the first it meets",
                       {"last", "first"})),
         MakeRow(&S::hostMemory,
                 Ranged(K::Bytes, "hostMemory", "--hostMemory", "Host memory",

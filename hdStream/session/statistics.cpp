@@ -50,6 +50,9 @@ Json GeometrySection(const StatisticsInput& in) {
         pool = *in.streaming;
         iterations = render.iterations;
     }
+    // Requests, their counts, stamps of use.
+    const std::uint64_t streamingTableBytes =
+        in.streaming != nullptr ? 3 * sizeof(std::uint32_t) * in.scene->pages->NumPages() : 0;
     return {{"mode", in.streaming != nullptr ? "stream" : in.isMapped ? "mapped" : "resident"},
             {"meshes", counts.meshes},
             {"instances", counts.instances},
@@ -59,7 +62,7 @@ Json GeometrySection(const StatisticsInput& in) {
             {"budget", in.poolBytes},
             {"peakBytes", in.poolBytes},
             {"pinnedBytes", 0},
-            {"alwaysResidentBytes", counts.alwaysResidentBytes},
+            {"alwaysResidentBytes", counts.alwaysResidentBytes + streamingTableBytes},
             {"uniqueBytesLoaded", pool.uniqueBytes},
             {"uploadedBytes", pool.uploadedBytes},
             {"uploads", pool.uploads},

@@ -21,6 +21,10 @@ std::uint64_t RoundDown(std::uint64_t bytes) {
     return bytes / HDS_POOL_UNIT_BYTES * HDS_POOL_UNIT_BYTES;
 }
 
+/// A page makes others leave only when at least this part as many ask for it as for the page that
+/// most ask for: the others come later, when more wait for them (docs/streaming.md).
+constexpr std::uint32_t kLeastWantedShare = 16;
+
 std::uint32_t GroupOf(std::uint32_t page) {
     return page / StreamingPool::kGroupPages;
 }
@@ -62,6 +66,9 @@ void StreamingPool::Update(PageProvider* theProvider, std::uint64_t budgetBytes)
         }
     }
     CheckFits(budgetBytes);
+    for (std::uint32_t page = 0; page < provider.NumPages(); ++page) {
+        _pages[page].bytes = provider.PageBytes(page);
+    }
     const std::uint64_t wanted =
         std::min(RoundDown(std::min(budgetBytes, totalBytes)), kMaxPoolBuffers * _bufferLimit);
     if (wanted > _bytes || budgetBytes < _bytes) {
@@ -127,6 +134,11 @@ void StreamingPool::MakeTables() {
     _requests.Fill(0, HDS_REQUEST_HEADER * sizeof(std::uint32_t));
     _requestCounts.Fill(0, _requestCounts.Bytes());
     _stamps.Fill(0, _stamps.Bytes());
+    _words.resize(_pages.size());
+    _scratch.resize(_pages.size());
+    for (std::uint32_t page = 0; page < _pages.size(); ++page) {
+        UpdateWord(page);
+    }
     PublishTable();
 }
 
@@ -142,9 +154,12 @@ void StreamingPool::BeginEpoch() {
 void StreamingPool::BeginCast() {
     BeginEpoch();
     bool isChanged = false;
-    for (PageState& page : _pages) {
-        isChanged = isChanged || page.isDone;
-        page.isDone = false;
+    for (std::uint32_t page = 0; page < _pages.size(); ++page) {
+        if (_pages[page].isDone) {
+            isChanged = true;
+            _pages[page].isDone = false;
+            UpdateWord(page);
+        }
     }
     if (isChanged) {
         PublishTable();
@@ -154,10 +169,13 @@ void StreamingPool::BeginCast() {
 void StreamingPool::ServiceCast() {
     const auto start = Clock::now();
     const StreamingStatistics before = _statistics;
-    for (PageState& page : _pages) {
-        page.isDone = page.isDone || page.range.bytes > 0;
-        page.isProtected = false;
+    for (std::uint32_t page = 0; page < _pages.size(); ++page) {
+        if (IsResident(page) && !_pages[page].isDone) {
+            _pages[page].isDone = true;
+            UpdateWord(page);
+        }
     }
+    ++_service;
     _hasVictims = false;
     PlaceInBatches(TakeRequests(), false);
     EndService(start, before);
@@ -166,9 +184,7 @@ void StreamingPool::ServiceCast() {
 void StreamingPool::Service() {
     const auto start = Clock::now();
     const StreamingStatistics before = _statistics;
-    for (PageState& page : _pages) {
-        page.isProtected = false;
-    }
+    ++_service;
     _hasVictims = false;
     PlaceInBatches(TakeRequests(), true);
     EndService(start, before);
@@ -204,43 +220,49 @@ void StreamingPool::PlaceInBatches(const std::vector<Request>& requests, bool wi
             for (std::uint32_t page = isGroup(requests[next]) ? last + 1 - kGroupPages : last;
                  page <= last; ++page) {
                 batch.push_back(page);
-                bytes += _provider->PageBytes(page);
+                bytes += _pages[page].bytes;
             }
         }
         const auto start = Clock::now();
         _provider->Prepare(batch);
         _statistics.prepareSeconds += SecondsSince(start);
+        for (const std::uint32_t page : batch) {
+            _pages[page].bytes = _provider->PageBytes(page); // exact now
+        }
         for (std::size_t i = first; i < next && !isOver; ++i) {
-            isOver = !PlaceRequest(requests[i], isGroup(requests[i]));
+            // Hardly wanted pages do not make others leave.
+            isOver = (withGroups && _eviction == Eviction::Clock && _hasVictims &&
+                      requests[i].count < requests[0].count / kLeastWantedShare) ||
+                     !PlaceRequest(requests[i], isGroup(requests[i]));
         }
     }
 }
 
 /// \return false when there is no room left.
 bool StreamingPool::PlaceRequest(const Request& request, bool isGroup) {
-    if (!isGroup) {
-        if (IsResident(request.page)) {
-            _pages[request.page].isProtected = true; // came with its group
+    const std::uint32_t first = GroupOf(request.page) * kGroupPages;
+    if (isGroup) {
+        if (PlaceGroup(first, request.count)) {
             return true;
         }
-        if (!Place(request.page)) {
-            return false;
+        if (_placedBytes == 0) {
+            // What was kept of the group lies in the way of the rest: begin with an empty pool.
+            for (std::uint32_t page = 0; page < _pages.size(); ++page) {
+                Remove(page);
+            }
+            PlaceGroup(first, request.count);
         }
-        _pages[request.page].wanted = request.count;
+        return false;
+    }
+    if (IsResident(request.page)) {
+        Protect(request.page); // came with its group
         return true;
     }
-    const std::uint32_t first = GroupOf(request.page) * kGroupPages;
-    if (PlaceGroup(first, request.count)) {
-        return true;
+    if (!Place(request.page)) {
+        return false;
     }
-    if (_placedBytes == 0) {
-        // What was kept of the group lies in the way of the rest: begin with an empty pool.
-        for (std::uint32_t page = 0; page < _pages.size(); ++page) {
-            Remove(page);
-        }
-        PlaceGroup(first, request.count);
-    }
-    return false;
+    _pages[request.page].wanted = request.count;
+    return true;
 }
 
 /// Places what is missing of the group that begins with page `first`. \return false, with nothing
@@ -249,8 +271,10 @@ bool StreamingPool::PlaceGroup(std::uint32_t first, std::uint32_t wanted) {
     std::array<bool, kGroupPages> isNeeded{};
     for (std::uint32_t i = 0; i < kGroupPages; ++i) {
         // Before anything leaves for the others.
-        isNeeded[i] = !IsResident(first + i) && _provider->PageBytes(first + i) > 0;
-        _pages[first + i].isProtected = _pages[first + i].isProtected || IsResident(first + i);
+        isNeeded[i] = !IsResident(first + i) && _pages[first + i].bytes > 0;
+        if (IsResident(first + i)) {
+            Protect(first + i);
+        }
     }
     const std::size_t numQueued = _queued.size();
     for (std::uint32_t i = 0; i < kGroupPages; ++i) {
@@ -280,7 +304,7 @@ std::vector<StreamingPool::Request> StreamingPool::TakeRequests() {
     std::vector<std::uint32_t> list(count);
     _requests.Read(list.data(), count * sizeof(std::uint32_t),
                    HDS_REQUEST_HEADER * sizeof(std::uint32_t));
-    std::vector<std::uint32_t> counts(_pages.size());
+    std::vector<std::uint32_t>& counts = _scratch;
     _requestCounts.Read(counts.data(), counts.size() * sizeof(std::uint32_t));
     std::vector<Request> requests;
     for (const std::uint32_t page : list) {
@@ -299,13 +323,13 @@ std::vector<StreamingPool::Request> StreamingPool::TakeRequests() {
 /// has left.
 bool StreamingPool::Place(std::uint32_t page) {
     PageState& state = _pages[page];
-    while (!_ranges.Allocate(_provider->PageBytes(page), &state.range)) {
+    while (!_ranges.Allocate(state.bytes, &state.range)) {
         if (!Evict()) {
             state.range = {};
             return false;
         }
     }
-    state.isProtected = true;
+    Protect(page);
     _placedBytes += state.range.bytes;
     _queued.push_back(page);
     return true;
@@ -315,10 +339,10 @@ bool StreamingPool::Place(std::uint32_t page) {
 void StreamingPool::ListVictims() {
     _hasVictims = true;
     _victims.clear();
-    std::vector<std::uint32_t> stamps(_pages.size());
+    std::vector<std::uint32_t>& stamps = _scratch;
     _stamps.Read(stamps.data(), stamps.size() * sizeof(std::uint32_t));
     for (std::uint32_t page = 0; page < _pages.size(); ++page) {
-        if (IsResident(page) && !_pages[page].isProtected) {
+        if ((_words[page] & ~HDS_PAGE_DONE) != HDS_NOT_RESIDENT && !IsProtected(page)) {
             _victims.push_back({stamps[page], _pages[page].wanted, page});
         }
     }
@@ -335,7 +359,7 @@ bool StreamingPool::Evict() {
         std::pop_heap(_victims.begin(), _victims.end(), std::greater<>());
         const std::uint32_t page = _victims.back().page;
         _victims.pop_back();
-        if (!_pages[page].isProtected) {
+        if (!IsProtected(page)) {
             isAny = Remove(page) || isAny;
         }
     }
@@ -349,6 +373,7 @@ bool StreamingPool::Remove(std::uint32_t page) {
     }
     _ranges.Free(_pages[page].range);
     _pages[page].range = {};
+    UpdateWord(page);
     ++_statistics.evictions;
     return true;
 }
@@ -362,6 +387,7 @@ void StreamingPool::LoadQueued() {
     for (const std::uint32_t page : _queued) {
         const PoolRange& range = _pages[page].range;
         copies[range.buffer].push_back({_provider->Page(page), range.bytes, range.offset});
+        UpdateWord(page);
         _statistics.uploadedBytes += range.bytes;
         ++_statistics.uploads;
         if (!_pages[page].wasLoaded) {
@@ -382,14 +408,14 @@ void StreamingPool::LoadQueued() {
     _statistics.transferSeconds += SecondsSince(start);
 }
 
+void StreamingPool::UpdateWord(std::uint32_t page) {
+    const PageState& state = _pages[page];
+    _words[page] = (state.range.bytes > 0 ? state.range.Address() : HDS_NOT_RESIDENT) |
+                   (state.isDone ? HDS_PAGE_DONE : 0U);
+}
+
 void StreamingPool::PublishTable() {
-    std::vector<std::uint32_t> words(_pages.size());
-    for (std::size_t page = 0; page < words.size(); ++page) {
-        const PageState& state = _pages[page];
-        words[page] = (state.range.bytes > 0 ? state.range.Address() : HDS_NOT_RESIDENT) |
-                      (state.isDone ? HDS_PAGE_DONE : 0U);
-    }
-    _table.Write(words.data(), words.size() * sizeof(std::uint32_t));
+    _table.Write(_words.data(), _words.size() * sizeof(std::uint32_t));
 }
 
 } // namespace hds

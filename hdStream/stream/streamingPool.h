@@ -85,11 +85,12 @@ private:
         std::uint32_t count = 0;
     };
     struct PageState {
-        PoolRange range;          ///< bytes 0: not resident
-        std::uint32_t wanted = 0; ///< how many asked for it when it was loaded
-        bool isProtected = false; ///< loaded, or found resident and needed, in this service
-        bool isDone = false;      ///< of the present cast
-        bool wasLoaded = false;   ///< at any time
+        PoolRange range;               ///< bytes 0: not resident
+        std::uint64_t bytes = 0;       ///< of the page
+        std::uint32_t wanted = 0;      ///< how many asked for it when it was loaded
+        std::uint32_t protectedIn = 0; ///< last service that loaded it or found it needed
+        bool isDone = false;           ///< of the present cast
+        bool wasLoaded = false;        ///< at any time
     };
 
     /// A page that may leave. Ordered by what leaves first.
@@ -106,6 +107,8 @@ private:
     bool IsResident(std::uint32_t page) const { return _pages[page].range.bytes > 0; }
     std::uint64_t GroupBytes(std::uint32_t first) const;
     void CheckFits(std::uint64_t budgetBytes);
+    bool IsProtected(std::uint32_t page) const { return _pages[page].protectedIn == _service; }
+    void Protect(std::uint32_t page) { _pages[page].protectedIn = _service; }
     void AllocateBuffers(std::uint64_t bytes);
     void MakeTables();
     std::vector<Request> TakeRequests();
@@ -119,6 +122,7 @@ private:
     bool Evict();
     bool Remove(std::uint32_t page);
     void LoadQueued();
+    void UpdateWord(std::uint32_t page);
     void PublishTable();
 
     std::shared_ptr<Device> _device;
@@ -133,7 +137,10 @@ private:
     Buffer _requests;
     Buffer _requestCounts;
     Buffer _stamps;
-    std::uint32_t _epoch = 0; ///< counts casts and services
+    std::uint32_t _service = 0;          ///< counts services
+    std::vector<std::uint32_t> _words;   ///< of the residency table
+    std::vector<std::uint32_t> _scratch; ///< a number a page, read from the device
+    std::uint32_t _epoch = 0;            ///< counts casts and services
     std::vector<PageState> _pages;
     std::vector<std::uint64_t> _ids;
     std::vector<Victim> _victims;       ///< of this service: a heap, the first to leave on top

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+// A ray that waits for chunks comes to the result of the walk with everything resident, whatever is
+// resident when, in both forms, also when its list of missing chunks is much too short.
+#include "testenv/device/accel/traversalProbe.h"
+#include "testenv/support/traversalMeshes.h"
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <cstring>
+#include <random>
+
+namespace hds::test {
+namespace {
+
+/// What a ray keeps from launch to launch.
+struct RayState {
+    shared::HdsHit hit;
+    std::uint32_t visits[HDS_WAIT_LIST][4];
+    std::uint32_t bound[4];
+    std::uint32_t size, primId, state, isShadow;
+};
+
+const char* const kText = R"(
+#include "accel/traverse.clh"
+typedef struct {
+    HdsHit hit;
+    uint4 visits[HDS_WAIT_LIST];
+    uint4 bound;
+    uint size, primId, state, isShadow;
+} RayState;
+kernel void probe_stream(global const float* rays, uint count, uint isFirst, global RayState* states,
+                         HDS_GEOMETRY_ARGS) {
+    const uint i = (uint)get_global_id(0);
+    if (i >= count) {
+        return;
+    }
+    HDS_GEOMETRY_VIEW(view);
+    HdsTraversalRay ray;
+    ray.origin = vload3(0, rays + 8u * i);
+    ray.tMin = rays[8u * i + 3u];
+    ray.direction = vload3(0, rays + 8u * i + 4u);
+    ray.tMax = rays[8u * i + 7u];
+    RayState s = states[i];
+    HdsWaitList list = wait_begin();
+    const uint4 none = (uint4)(0u);
+    if (isFirst != 0u) {
+        s.state = s.isShadow != 0u
+                      ? streamed_beginOccluded(&view, ray, none, &s.hit, &s.primId, &list)
+                      : streamed_beginClosest(&view, ray, 0u, none, &s.hit, &s.primId, &list);
+    } else if (s.state == HDS_RAY_WAITS) {
+        list.size = s.size;
+        list.bound = s.bound;
+        for (uint k = 0u; k < s.size; ++k) {
+            list.visits[k] = s.visits[k];
+        }
+        s.state = s.isShadow != 0u
+                      ? streamed_resumeOccluded(&view, ray, none, &s.hit, &s.primId, &list)
+                      : streamed_resumeClosest(&view, ray, 0u, none, &s.hit, &s.primId, &list);
+    }
+    s.size = list.size;
+    s.bound = list.bound;
+    for (uint k = 0u; k < list.size; ++k) {
+        s.visits[k] = list.visits[k];
+    }
+    states[i] = s;
+}
+)";
+
+constexpr std::uint32_t kRayBlocked = 2; ///< HDS_RAY_BLOCKED
+constexpr std::uint32_t kRayWaits = 1;   ///< HDS_RAY_WAITS
+
+/// Overlapping bumpy balls of many small chunks, in groups and alone, half of them cut-outs.
+AccelScene OverlappingScene(bool hasGroups) {
+    AccelScene scene;
+    const std::uint32_t ball = scene.AddMesh(BumpySphere(24), 60);
+    const std::uint32_t small = scene.AddMesh(BumpySphere(6), 1000); // one chunk
+    UniformSource uniform(3);
+    std::vector<AccelPlacement> placements;
+    for (int i = 0; i < 12; ++i) {
+        glm::dmat4 matrix = glm::translate(glm::dmat4(1.0), 0.3 * glm::dvec3(uniform.Vector()));
+        matrix = glm::rotate(matrix, 3.0 * uniform(), glm::dvec3(1.0, 0.5, 0.2));
+        placements.push_back({i % 3 == 0 ? small : ball,
+                              glm::scale(matrix, glm::dvec3(1.0 + 0.1 * i)),
+                              HDS_INSTANCE_CAMERA | (i % 2 == 0 ? HDS_INSTANCE_CUTOUT : 0U)});
+    }
+    if (hasGroups) {
+        const std::uint32_t group = scene.AddGroup(placements);
+        glm::dmat4 shifted(1.0);
+        shifted[3].x = 0.5;
+        placements = {{group, glm::dmat4(1.0)}, {group, shifted}, {ball, shifted}};
+    }
+    scene.SetRoot(placements);
+    return scene;
+}
+
+class StreamedRays : public DeviceFixture {
+protected:
+    void Check(bool isWide, bool hasGroups) {
+        const AccelScene built = OverlappingScene(hasGroups);
+        const DeviceAccelScene all(device, built);
+        const std::vector<ProbeRay> rays = Rays(600);
+        const ProgramDefines features = {{"HDS_FEATURE_GROUPS", hasGroups ? "1" : "0"}};
+        const TraversalProbe oracle(device, isWide, features);
+        const auto hits = oracle.Closest(all, rays);
+        const auto shadows = oracle.Occluded(all, rays);
+        const std::vector<RayState> states = Stream(built, rays, isWide, hasGroups);
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            EXPECT_EQ(std::memcmp(&states[i].hit, &hits[i], sizeof(hits[i])), 0) << "ray " << i;
+            const RayState& shadow = states[rays.size() + i];
+            const bool isBlocked = shadows[i].triangle == kBlocked;
+            EXPECT_EQ(shadow.state == kRayBlocked, isBlocked) << "shadow ray " << i;
+            EXPECT_TRUE(isBlocked || std::memcmp(&shadow.hit, &shadows[i], sizeof(hits[i])) == 0)
+                << "shadow ray " << i;
+        }
+    }
+
+private:
+    static std::vector<ProbeRay> Rays(std::size_t count) {
+        UniformSource uniform(29);
+        std::vector<ProbeRay> rays;
+        for (std::size_t i = 0; i < count; ++i) { // from outside, and from inside many boxes
+            const glm::vec3 origin = (i % 2 == 0 ? 4.0F : 0.5F) * uniform.Vector();
+            const glm::vec3 target = i % 2 == 0 ? uniform.Vector() : origin + uniform.Vector();
+            rays.push_back(MakeProbeRay(origin, target - origin, i % 7 == 0 ? 1.5F : INFINITY));
+        }
+        return rays;
+    }
+
+    /// States of all rays as closest, then of all as shadow rays, once none waits. In each launch
+    /// only few chunks are resident, others than before.
+    std::vector<RayState> Stream(const AccelScene& built, std::vector<ProbeRay> rays, bool isWide,
+                                 bool hasGroups) {
+        const ProgramDefines defines = {{"HDS_TRAVERSAL_WIDE", isWide ? "1" : "0"},
+                                        {"HDS_FEATURE_GROUPS", hasGroups ? "1" : "0"},
+                                        {"HDS_FEATURE_STREAMING", "1"},
+                                        {"HDS_NUM_POOLS", "1"}};
+        const std::string text = kText;
+        const Program program(device, "streamed.cl", defines, nullptr, &text);
+        Kernel kernel = program.GetKernel("probe_stream");
+        std::vector<RayState> states(2 * rays.size());
+        for (std::size_t i = rays.size(); i < states.size(); ++i) {
+            states[i].isShadow = 1;
+        }
+        rays.insert(rays.end(), rays.begin(), rays.end());
+        const Buffer input = Upload(rays);
+        const Buffer output = Upload(states);
+        const std::uint64_t tableBytes = 2 * built.pages.size() * sizeof(std::uint32_t);
+        const Buffer requests = Zeros(tableBytes + HDS_REQUEST_HEADER * sizeof(std::uint32_t));
+        const Buffer counts = Zeros(tableBytes);
+        const Buffer stamps = Zeros(tableBytes);
+        const auto count = static_cast<std::uint32_t>(rays.size());
+        std::mt19937 random(5);
+        bool isWaiting = true;
+        for (std::uint32_t launch = 0; isWaiting && launch < 2000; ++launch) {
+            AccelUpload upload;
+            for (std::uint32_t chunk = 0; chunk < built.pages.size(); ++chunk) {
+                if (random() % 8 != 0) {
+                    upload.missing.push_back(chunk);
+                }
+            }
+            const DeviceAccelScene scene(device, built, upload);
+            const std::uint32_t isFirst = launch == 0 ? 1 : 0;
+            kernel.SetBuffer(0, input);
+            kernel.SetBytes(1, &count, sizeof(count));
+            kernel.SetBytes(2, &isFirst, sizeof(isFirst));
+            kernel.SetBuffer(3, output);
+            scene.Bind(&kernel, 4);
+            const unsigned next = 4 + 5 + HDS_POOL_MAX_BUFFERS;
+            kernel.SetBuffer(next, requests);
+            kernel.SetBuffer(next + 1, counts);
+            kernel.SetBuffer(next + 2, stamps);
+            kernel.Enqueue(count);
+            device->Finish();
+            states = Download<RayState>(output, states.size());
+            isWaiting = false;
+            for (const RayState& state : states) {
+                isWaiting = isWaiting || state.state == kRayWaits;
+            }
+        }
+        EXPECT_FALSE(isWaiting) << "every ray comes to an end";
+        return states;
+    }
+
+    Buffer Zeros(std::uint64_t bytes) { return Upload(std::vector<std::uint8_t>(bytes)); }
+};
+
+TEST_F(StreamedRays, WideFormEqualsTheResidentWalk) {
+    Check(true, false);
+}
+TEST_F(StreamedRays, LaneFormEqualsTheResidentWalk) {
+    Check(false, false);
+}
+TEST_F(StreamedRays, WideFormEqualsTheResidentWalkInGroups) {
+    Check(true, true);
+}
+TEST_F(StreamedRays, LaneFormEqualsTheResidentWalkInGroups) {
+    Check(false, true);
+}
+
+} // namespace
+} // namespace hds::test
