@@ -142,9 +142,8 @@ private:
         const auto first = cells.begin() + static_cast<std::ptrdiff_t>(begin);
         const auto last = cells.begin() + static_cast<std::ptrdiff_t>(end);
         const Cut cut = FindCut({first, last}, weight, cellSize);
-        const auto middle = std::stable_partition(first, last, [&](const GridCell& cell) {
-            return cell.at[cut.axis] < cut.plane;
-        });
+        const auto middle = std::stable_partition(
+            first, last, [&](const GridCell& cell) { return cell.at[cut.axis] < cut.plane; });
         const auto split = static_cast<std::size_t>(middle - cells.begin());
         CutCells(cells, begin, split, cellSize, ends);
         CutCells(cells, split, end, cellSize, ends);
@@ -183,8 +182,8 @@ private:
                 double cost = static_cast<double>(leftWeight) * left.HalfArea(cellSize) +
                               static_cast<double>(rightWeight) * rightAreas[i];
                 if (std::min(leftWeight, rightWeight) < _maxTriangles / 4) {
-                    cost += kSmallSidePenalty * static_cast<double>(weight) *
-                            all.HalfArea(cellSize);
+                    cost +=
+                        kSmallSidePenalty * static_cast<double>(weight) * all.HalfArea(cellSize);
                 }
                 if (cost < bestCost) {
                     bestCost = cost;

@@ -21,9 +21,9 @@ struct ChunkPlan {
 };
 
 /// Groups the units into spatially compact chunks of at most `maxTriangles` (at least 1; a unit of
-/// more is a chunk of its own) and at most `maxVertices` different vertices. Units are sorted into the cells of a grid, and the grid is cut by
-/// the surface area heuristic until each part is small enough: two passes over the units,
-/// whatever the number of chunks. Deterministic; uses all cores.
+/// more is a chunk of its own) and at most `maxVertices` different vertices. Units are sorted into
+/// the cells of a grid, and the grid is cut by the surface area heuristic until each part is small
+/// enough: two passes over the units, whatever the number of chunks. Deterministic; uses all cores.
 ChunkPlan PlanChunks(const ChunkSource& source, std::uint32_t maxTriangles,
                      std::uint32_t maxVertices = HDS_MAX_CHUNK_VERTICES);
 

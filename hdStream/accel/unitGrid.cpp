@@ -86,8 +86,7 @@ void UnitGrid::ChooseCells(const Bounds& bounds, std::size_t numCells) {
             ++numAxes;
         }
     }
-    const double side =
-        numAxes > 0 ? longest * std::pow(volume / wanted, 1.0 / numAxes) : 1.0;
+    const double side = numAxes > 0 ? longest * std::pow(volume / wanted, 1.0 / numAxes) : 1.0;
     for (int axis = 0; axis < 3; ++axis) {
         const double cells = side > 0.0 ? std::floor(extent[axis] / side) : 0.0;
         _size[axis] = static_cast<std::uint32_t>(std::clamp(cells, 1.0, 65535.0));

@@ -83,8 +83,8 @@ public:
     /// bytes, so that every kernel argument is a valid buffer.
     Buffer(std::shared_ptr<Device> device, std::string label, std::uint64_t bytes,
            BufferAccess access = BufferAccess::ReadWrite);
-    /// Memory of the host that kernels read in place, on CPU devices without a copy; it must outlive
-    /// the buffer. Counts as no device memory. \throws Error as above.
+    /// Memory of the host that kernels read in place, on CPU devices without a copy; it must
+    /// outlive the buffer. Counts as no device memory. \throws Error as above.
     static Buffer OfHostMemory(std::shared_ptr<Device> device, std::string label, const void* data,
                                std::uint64_t bytes);
     ~Buffer();

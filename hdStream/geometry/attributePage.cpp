@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The attribute page of a chunk: slot words, then one block of values per slot, each aligned to 16
 // bytes. Layout: kernels/shared/geometry.h; reader: kernels/shading/attributes.clh.
+#include "hdStream/geometry/attributePage.h"
 #include "hdStream/base/error.h"
 #include "hdStream/geometry/primvars.h"
-#include "hdStream/geometry/attributePage.h"
 #include "kernels/shared/geometry.h"
 
 #include <glm/geometric.hpp>
@@ -69,9 +69,9 @@ TriangleBytes EstimateTriangle(const std::vector<MeshAttribute>& attributes,
     for (const MeshAttribute& attribute : attributes) {
         bytes += blockBytes(attribute.interpolation, attribute.numComponents);
     }
-    const double geometry =
-        nodeBytes + sizeof(shared::HdsTriangle) + sizeof(std::uint32_t) + // primId
-        verticesPerTriangle * sizeof(glm::vec3);
+    const double geometry = nodeBytes + sizeof(shared::HdsTriangle) +
+                            sizeof(std::uint32_t) + // primId
+                            verticesPerTriangle * sizeof(glm::vec3);
     return {static_cast<std::uint32_t>(std::ceil(geometry)),
             static_cast<std::uint32_t>(std::ceil(bytes))};
 }
@@ -161,10 +161,10 @@ private:
         const std::uint32_t interpolation = PageInterpolation(attribute.interpolation);
         const std::uint32_t numComponents = attribute.numComponents;
         const std::size_t numTriangles = _chunk.primIds.size();
-        const std::size_t numValues = interpolation == HDS_ATTR_CONSTANT ? 1
-                                      : interpolation == HDS_ATTR_VERTEX
-                                          ? _chunk.points.size()
-                                          : interpolation == HDS_ATTR_TRIANGLE ? numTriangles : 3 * numTriangles;
+        const std::size_t numValues = interpolation == HDS_ATTR_CONSTANT   ? 1
+                                      : interpolation == HDS_ATTR_VERTEX   ? _chunk.points.size()
+                                      : interpolation == HDS_ATTR_TRIANGLE ? numTriangles
+                                                                           : 3 * numTriangles;
         std::vector<float> values(numValues * numComponents);
         float* to = values.data();
         const auto add = [&](std::size_t element) {
@@ -206,8 +206,7 @@ double VerticesPerTriangle(std::size_t numPoints, std::size_t numTriangles) {
 TriangleBytes MeanTriangleBytes(const std::vector<MeshAttribute>& attributes,
                                 std::optional<Interpolation> normals, bool hasMaterials,
                                 double verticesPerTriangle) {
-    return EstimateTriangle(attributes, normals, hasMaterials, verticesPerTriangle,
-                            kMeanNodeBytes);
+    return EstimateTriangle(attributes, normals, hasMaterials, verticesPerTriangle, kMeanNodeBytes);
 }
 
 TriangleBytes BoundTriangleBytes(const std::vector<MeshAttribute>& attributes,

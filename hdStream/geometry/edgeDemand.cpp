@@ -121,8 +121,7 @@ double Screen::PixelsPerUnit(const glm::dvec3* points, std::size_t count,
         // Depth; what other instances, or a camera that turns, may bring on screen is not nearer
         // than its distance lets it be.
         const glm::dvec3& p = points[i * stride];
-        nearest =
-            std::min(nearest, _view.isOnlyInstance ? -p.z : glm::length(p) * _leastCosine);
+        nearest = std::min(nearest, _view.isOnlyInstance ? -p.z : glm::length(p) * _leastCosine);
     }
     return _pixels / std::max(nearest, _view.nearClip);
 }

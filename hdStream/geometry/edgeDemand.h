@@ -27,7 +27,7 @@ public:
 
 private:
     const DicingView& _view;
-    double _pixels; ///< of a unit length at distance 1
+    double _pixels;            ///< of a unit length at distance 1
     double _leastCosine = 1.0; ///< of the angle between the view and a corner of the image
 };
 

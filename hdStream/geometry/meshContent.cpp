@@ -107,8 +107,8 @@ std::vector<std::uint32_t> AssignSubsets(const MeshDescription& mesh, PrimLog& l
                      " faces ignored: taken by an earlier subset");
         }
     }
-    const bool isAllZero = std::all_of(entries.begin(), entries.end(),
-                                       [](std::uint32_t entry) { return entry == 0; });
+    const bool isAllZero =
+        std::all_of(entries.begin(), entries.end(), [](std::uint32_t entry) { return entry == 0; });
     return isAllZero ? std::vector<std::uint32_t>() : entries;
 }
 

@@ -115,9 +115,9 @@ public:
 
     std::uint32_t UnitTriangles(std::uint32_t unit) const override {
         const FacePart part = PartOf(unit);
-        return IsLeftOut(part.face) ? 0
-                                    : std::min(kMaxUnitTriangles, FaceAt(part.face).count - 2 -
-                                                                      part.firstTriangle);
+        return IsLeftOut(part.face)
+                   ? 0
+                   : std::min(kMaxUnitTriangles, FaceAt(part.face).count - 2 - part.firstTriangle);
     }
 
     Bounds UnitBounds(std::uint32_t unit) const override {
@@ -310,9 +310,9 @@ private:
         const std::vector<float> amounts = PointAmounts(*_mesh, _entries, _values, _displacement);
         for (std::size_t i = 0; i < whole.positions.size(); ++i) {
             const float* n = ValueOf(smooth, i);
-            whole.positions[i] = glm::vec3(glm::dvec3(whole.positions[i]) +
-                                           static_cast<double>(amounts[i]) *
-                                               glm::dvec3(n[0], n[1], n[2]));
+            whole.positions[i] =
+                glm::vec3(glm::dvec3(whole.positions[i]) +
+                          static_cast<double>(amounts[i]) * glm::dvec3(n[0], n[1], n[2]));
         }
         if (!_normals.values.empty() || !IsPolygonal(_mesh->subdivisionScheme)) {
             _normals = ComputeSmoothNormals(whole);
@@ -365,7 +365,8 @@ private:
                 local[k] = numbering.Number(point, chunk.points);
             }
             chunk.triangles.push_back(local);
-            chunk.primIds.push_back(face.firstCorner + i); // a face has fewer triangles than corners
+            chunk.primIds.push_back(face.firstCorner +
+                                    i); // a face has fewer triangles than corners
             chunk.faces.push_back(part.face);
             chunk.corners.push_back(triangles[i] + face.firstCorner);
             if (!_entries.empty()) {
@@ -392,11 +393,11 @@ private:
 
 } // namespace
 
-std::shared_ptr<const ChunkSource>
-MakePolygonSource(std::shared_ptr<const MeshDescription> mesh, const std::string& primPath,
-                  const Displacement& displacement, Warnings& warnings) {
-    return std::make_shared<const PolygonSource>(std::move(mesh), primPath, displacement,
-                                                 warnings);
+std::shared_ptr<const ChunkSource> MakePolygonSource(std::shared_ptr<const MeshDescription> mesh,
+                                                     const std::string& primPath,
+                                                     const Displacement& displacement,
+                                                     Warnings& warnings) {
+    return std::make_shared<const PolygonSource>(std::move(mesh), primPath, displacement, warnings);
 }
 
 } // namespace hds

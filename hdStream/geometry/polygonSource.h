@@ -17,10 +17,11 @@ namespace hds {
 /// primvars of wrong length. Never throws on content; an unusable mesh has empty bounds. Values of
 /// primvars are looked at when the first chunk is gathered, with their warnings.
 /// Cost: one pass over the faces, on all cores.
-/// \param displacement moves the points along smooth normals; shading normals are those of the moved
-/// triangles then. \param warnings must outlive the source.
-std::shared_ptr<const ChunkSource>
-MakePolygonSource(std::shared_ptr<const MeshDescription> mesh, const std::string& primPath,
-                  const Displacement& displacement, Warnings& warnings);
+/// \param displacement moves the points along smooth normals; shading normals are those of the
+/// moved triangles then. \param warnings must outlive the source.
+std::shared_ptr<const ChunkSource> MakePolygonSource(std::shared_ptr<const MeshDescription> mesh,
+                                                     const std::string& primPath,
+                                                     const Displacement& displacement,
+                                                     Warnings& warnings);
 
 } // namespace hds

@@ -125,7 +125,8 @@ void WarnNotFinite(const MeshAttribute& attribute, const std::string& primPath,
     const std::size_t numNotFinite =
         CountIf(attribute.values, [](float value) { return !std::isfinite(value); });
     if (numNotFinite > 0) {
-        warnings.Add(primPath, "primvar \"" + attribute.name + "\": " + std::to_string(numNotFinite) +
+        warnings.Add(primPath, "primvar \"" + attribute.name +
+                                   "\": " + std::to_string(numNotFinite) +
                                    " floats are not finite, read as 0");
     }
 }

@@ -28,8 +28,7 @@ std::optional<MeshAttribute> ValidatePrimvar(const Primvar& primvar, const Topol
                                              const std::string& primPath, Warnings& warnings);
 
 /// One warning with the number of values that are not finite, if there are any. Reads all values.
-void WarnNotFinite(const MeshAttribute& attribute, const std::string& primPath,
-                   Warnings& warnings);
+void WarnNotFinite(const MeshAttribute& attribute, const std::string& primPath, Warnings& warnings);
 
 /// Index of the value tuple of an element (point, face or face-vertex; 0 for Constant).
 inline std::size_t ValueIndex(const MeshAttribute& attribute, std::size_t element) {

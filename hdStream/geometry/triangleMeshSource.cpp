@@ -52,12 +52,11 @@ ChunkGeometry TriangleMeshSource::Gather(const std::uint32_t* units, std::size_t
     chunk.normals = _mesh->normals;
     PointNumbering numbering(std::min(count * 3, _mesh->positions.size()));
     for (std::size_t i = 0; i < count; ++i) {
-        HDS_VERIFY(units[i] < _mesh->triangles.size(),
-                   "triangle " + std::to_string(units[i]) + " of " +
-                       std::to_string(_mesh->triangles.size()));
+        HDS_VERIFY(units[i] < _mesh->triangles.size(), "triangle " + std::to_string(units[i]) +
+                                                           " of " +
+                                                           std::to_string(_mesh->triangles.size()));
         for (int k = 0; k < 3; ++k) {
-            chunk.triangles[i][k] =
-                numbering.Number(_mesh->triangles[units[i]][k], chunk.points);
+            chunk.triangles[i][k] = numbering.Number(_mesh->triangles[units[i]][k], chunk.points);
         }
         chunk.faces.push_back(_mesh->faces[units[i]]);
         chunk.corners.push_back(_mesh->corners[units[i]]);

@@ -73,6 +73,9 @@ hds::Settings HdStreamRenderDelegate::ComposeSettings() {
     if (settings.subdivision == "complexity" && !_settings.IsSet("refineLevel")) {
         settings.refineLevel = static_cast<std::uint32_t>(std::max(0, _param->RefineLevel()));
     }
+    // usdrecord and farms say no; hosts in which someone moves the camera say nothing.
+    settings.cameraMoves =
+        HdRenderDelegate::GetRenderSetting<bool>(HdRenderSettingsTokens->enableInteractive, true);
     return settings;
 }
 

@@ -48,7 +48,7 @@ public:
     const StreamingStatistics* Streaming() const; ///< of geometry; null when it is resident
     /// Whether geometry is read in mapped files.
     bool IsMapped() const;
-    std::uint64_t TableBytes() const;             ///< of the scene's tables
+    std::uint64_t TableBytes() const; ///< of the scene's tables
 
 private:
     struct Impl;

@@ -101,6 +101,7 @@ void BindSettings(nb::module_& module) {
         .def_rw("dataWindowMin", &Settings::dataWindowMin)
         .def_rw("conformPolicy", &Settings::conformPolicy)
         .def_rw("cullStyle", &Settings::cullStyle)
+        .def_rw("cameraMoves", &Settings::cameraMoves)
         .def_rw("domeVisible", &Settings::domeVisible)
         .def_rw("aovs", &Settings::aovs)
         .def_rw("purposes", &Settings::purposes)

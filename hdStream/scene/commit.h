@@ -34,7 +34,7 @@ struct CommitOptions {
     std::vector<std::string> purposes;        ///< drawn
     CullStyle cullStyle = CullStyle::Nothing; ///< of meshes that say DontCare
     bool domeVisible = true;                  ///< domes are seen by camera rays
-    std::uint64_t chunkBytes = 1U << 20U; ///< about what the pages of a chunk take at most
+    std::uint64_t chunkBytes = 1U << 20U;     ///< about what the pages of a chunk take at most
     Subdivision subdivision = Subdivision::Adaptive;
     std::uint32_t refineLevel = 0; ///< for Subdivision::Complexity
     /// For Subdivision::Adaptive; nothing: no surface is on screen.

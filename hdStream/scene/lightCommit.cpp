@@ -187,9 +187,8 @@ CommittedLights CommitLights(const LightCommitInput& input, CommitCache* cache,
             if (!HasConstantEmission(material)) {
                 continue; // what it emits is found by BSDF sampling alone
             }
-            EmissiveMesh light =
-                MakeEmissiveMesh(record, cache->meshes.Triangles(record.path), entry,
-                                 EmissionOf(material));
+            EmissiveMesh light = MakeEmissiveMesh(record, cache->meshes.Triangles(record.path),
+                                                  entry, EmissionOf(material));
             if (result.emissiveTriangles + light.triangles.size() > kMaxEmissiveTriangles) {
                 isFull = true;
             } else if (!light.triangles.empty()) {

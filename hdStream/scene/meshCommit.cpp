@@ -59,8 +59,9 @@ PreparedMesh PrepareMesh(const std::string& path, const MeshInputs& inputs,
     if (result.numTriangles == 0) {
         return result;
     }
-    const std::uint64_t maxTriangles = std::clamp<std::uint64_t>(
-        inputs.chunkBytes / source->MeanBytes().Both(), 1, std::numeric_limits<std::uint32_t>::max());
+    const std::uint64_t maxTriangles =
+        std::clamp<std::uint64_t>(inputs.chunkBytes / source->MeanBytes().Both(), 1,
+                                  std::numeric_limits<std::uint32_t>::max());
     ChunkPlan plan = PlanChunks(*source, static_cast<std::uint32_t>(maxTriangles));
     for (const Bounds& bounds : plan.bounds) {
         ExtendBounds(&result.bounds, bounds);

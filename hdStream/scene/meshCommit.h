@@ -21,7 +21,7 @@ struct PreparedMesh {
     bool leftHanded = false;
     glm::dvec3 origin{0.0};         ///< object-space point that all positions are relative to
     std::uint64_t numTriangles = 0; ///< upper bound; exact for polygons
-    std::shared_ptr<const ChunkedMesh> mesh; ///< null: nothing can be drawn
+    std::shared_ptr<const ChunkedMesh> mesh;         ///< null: nothing can be drawn
     std::vector<std::shared_ptr<ChunkPages>> chunks; ///< in the leaf order of the top tree
     std::vector<shared::HdsBvhNode> topNodes;        ///< empty for a single chunk
     Bounds bounds;                                   ///< relative to origin
@@ -41,8 +41,8 @@ struct MeshInputs {
     }
 };
 
-/// Checks a mesh, cuts it into chunks and builds its top tree, on all cores if it is large; makes no
-/// triangles. An unusable mesh has no chunks. \param path subject of the warnings, which must
+/// Checks a mesh, cuts it into chunks and builds its top tree, on all cores if it is large; makes
+/// no triangles. An unusable mesh has no chunks. \param path subject of the warnings, which must
 /// outlive the result. \param store of finished pages; may be null.
 PreparedMesh PrepareMesh(const std::string& path, const MeshInputs& inputs,
                          std::shared_ptr<PageStore> store, Warnings& warnings);

@@ -27,8 +27,8 @@ public:
     /// Prepares those of `drawn` that are not prepared so yet, on all cores, and forgets the meshes
     /// that `scene` has no more. What is hidden stays prepared. \return false when it was
     /// cancelled; what is prepared by then is kept.
-    bool Prepare(const SceneDescription& scene, const std::vector<Drawn>& drawn,
-                 Warnings& warnings, const CancelCallback& isCancelled);
+    bool Prepare(const SceneDescription& scene, const std::vector<Drawn>& drawn, Warnings& warnings,
+                 const CancelCallback& isCancelled);
 
     /// Precondition: it was among `drawn`.
     const PreparedMesh& Find(const std::string& path) const;

@@ -106,8 +106,7 @@ struct Session::Impl {
         if (!tracer) {
             tracer = std::make_unique<PathTracer>(device, store.get());
         }
-        const bool isEager =
-            settings.prepare == "eager" || tracer->NeedsAllPages(*next, residency);
+        const bool isEager = settings.prepare == "eager" || tracer->NeedsAllPages(*next, residency);
         if (isEager && !next->pages->PrepareAll(isCancelled)) {
             return false;
         }
@@ -137,7 +136,10 @@ struct Session::Impl {
         };
         RenderOptions options = MakeRenderOptions(settings, camera);
         options.showsPreviews = showsPreviews;
-        ChooseDicingCamera(options);
+        if (!dicingCamera || dicingCamera->isStill == settings.cameraMoves) {
+            dicingCamera = MakeDicingCamera(options);
+            dicingCamera->isStill = !settings.cameraMoves;
+        }
         if (!Commit(settings, isCancelled)) {
             return RenderResult::Stopped;
         }
@@ -163,18 +165,6 @@ struct Session::Impl {
         }
         statistics.totalSeconds = sinceStartSeconds + SecondsSince(start);
         return result;
-    }
-
-    /// Geometry keeps the first camera's dicing. Once a camera has moved where someone looks on, it
-    /// is diced for one that may turn anywhere, and then stays.
-    void ChooseDicingCamera(const RenderOptions& options) {
-        DicingCamera camera = MakeDicingCamera(options);
-        if (!dicingCamera) {
-            dicingCamera = camera;
-        } else if (options.showsPreviews && dicingCamera->isStill && !(camera == *dicingCamera)) {
-            camera.isStill = false;
-            dicingCamera = camera;
-        }
     }
 
     hds::Warnings warnings;

@@ -59,7 +59,7 @@ public:
     void Remove(const std::string& path);
     void Clear();
     /// Surfaces are diced for the camera of the next render. Until then they keep the rates of the
-    /// scene's first camera; those that the first move of an interactive one gives.
+    /// scene's first camera: moving it changes no geometry.
     void Redice();
     const SceneDescription& Scene() const;
 

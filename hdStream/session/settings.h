@@ -29,6 +29,7 @@ struct Settings {
     std::vector<std::string> aovs{"color"};
     std::vector<std::string> purposes{"default", "render"}; ///< drawn
     std::string cullStyle = "nothing"; ///< of meshes that have none: see CullStyle
+    bool cameraMoves = false;          ///< dice for a camera that may turn anywhere
     bool domeVisible = true;           ///< domes are seen by camera rays
     std::uint32_t samples = 64;        ///< per pixel
     std::uint32_t maxDepth = 8;        ///< bounces after the first hit
@@ -52,8 +53,8 @@ struct Settings {
     std::string geometryMemory;
     std::string geometryEviction = "clock"; ///< or "flush"
     std::string request = "last";           ///< chunk a ray asks for after its walk, or "first"
-    std::uint64_t hostMemory = 0;  ///< bytes of prepared pages kept; 0: a quarter of the machine's
-    std::string prepare = "lazy";  ///< pages when rays ask for them, or "eager": all at first
+    std::uint64_t hostMemory = 0; ///< bytes of prepared pages kept; 0: a quarter of the machine's
+    std::string prepare = "lazy"; ///< pages when rays ask for them, or "eager": all at first
 
     bool operator==(const Settings& other) const;
     bool operator!=(const Settings& other) const { return !(*this == other); }

@@ -112,6 +112,9 @@ std::vector<Row> HostRows() {
                              "faces that camera rays do not see, of meshes that do not say",
                              {"nothing", "back", "front", "backUnlessDoubleSided",
                               "frontUnlessDoubleSided"}))),
+        MakeRow(&S::cameraMoves,
+                OfHost(Info(K::Bool, "cameraMoves", "", "Camera moves",
+                            "what the first camera does not see is diced finely too"))),
     };
 }
 

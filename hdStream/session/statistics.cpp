@@ -53,7 +53,9 @@ Json GeometrySection(const StatisticsInput& in) {
     // Requests, their counts, stamps of use.
     const std::uint64_t streamingTableBytes =
         in.streaming != nullptr ? 3 * sizeof(std::uint32_t) * in.scene->pages->NumPages() : 0;
-    return {{"mode", in.streaming != nullptr ? "stream" : in.isMapped ? "mapped" : "resident"},
+    return {{"mode", in.streaming != nullptr ? "stream"
+                     : in.isMapped           ? "mapped"
+                                             : "resident"},
             {"meshes", counts.meshes},
             {"instances", counts.instances},
             {"triangles", counts.triangles},

@@ -24,7 +24,7 @@ struct StatisticsInput {
     std::uint64_t poolBytes = 0;
     const StreamingStatistics* streaming = nullptr; ///< null: geometry is resident or mapped
     bool isMapped = false;
-    std::uint64_t uploadedBytes = 0;                ///< of geometry, in this session
+    std::uint64_t uploadedBytes = 0; ///< of geometry, in this session
     std::uint64_t tableBytes = 0;
     double loadSeconds = 0.0;
     double translateSeconds = 0.0;

@@ -23,8 +23,8 @@ public:
     MappedPool(std::shared_ptr<Device> device, std::string label);
 
     /// Serves all pages of `provider`; those that are in no file are prepared, which puts them
-    /// there. Blocks. \throws Error when the cache cannot hold them, or spreads them over more files
-    /// than there are buffers.
+    /// there. Blocks. \throws Error when the cache cannot hold them, or spreads them over more
+    /// files than there are buffers.
     void Update(PageProvider* provider);
 
     /// As ResidentPool's.

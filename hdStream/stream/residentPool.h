@@ -52,7 +52,7 @@ private:
     std::array<Buffer, kMaxPoolBuffers> _buffers;
     RangeAllocator _ranges;
     std::unordered_map<std::uint64_t, PoolRange> _pages; ///< by page id
-    std::vector<std::uint32_t> _missing; ///< pages of this update
+    std::vector<std::uint32_t> _missing;                 ///< pages of this update
     Buffer _addresses;
     std::uint64_t _bytes = 0;
     std::uint64_t _uploadedBytes = 0;

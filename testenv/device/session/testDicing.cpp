@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// When a session dices anew: the first camera's rates stay, whatever a still or moving camera does;
-// an interactive camera that moves is diced for once, all around; Redice takes the present one.
+// When a session dices anew: the first camera's rates stay wherever it moves; one that is said to
+// move is diced for all around; Redice takes the present one.
 #include "hdStream/session/session.h"
 #include "testenv/support/deviceFixture.h"
 #include "testenv/support/sessionScene.h"
@@ -26,7 +26,7 @@ protected:
     }
 
     /// Triangles after a render from a place on the z axis. \param isAway it looks away.
-    std::uint64_t Triangles(double distance, bool isAway, bool showsPreviews) {
+    std::uint64_t Triangles(double distance, bool isAway) {
         CameraPrim camera;
         camera.worldFromCamera = glm::translate(glm::dmat4(1.0), glm::dvec3(0.0, 0.0, distance));
         if (isAway) {
@@ -34,8 +34,7 @@ protected:
                 glm::rotate(camera.worldFromCamera, 3.141592653589793, glm::dvec3(0, 1, 0));
         }
         session.SetCamera("/camera", camera);
-        const ProgressCallback goOn = [](const Progress&) { return true; };
-        EXPECT_EQ(session.Render(settings, goOn, showsPreviews), RenderResult::Complete);
+        EXPECT_EQ(session.Render(settings), RenderResult::Complete);
         return nlohmann::json::parse(session.Statistics())["geometry"]["triangles"];
     }
 
@@ -44,23 +43,23 @@ protected:
 };
 
 TEST_F(SessionDicing, TheFirstCamerasRatesStay) {
-    const std::uint64_t near = Triangles(4.0, false, false);
+    const std::uint64_t near = Triangles(4.0, false);
     EXPECT_GT(near, 2U * 36U);
-    EXPECT_EQ(Triangles(400.0, false, false), near);
-    EXPECT_EQ(Triangles(4.0, true, false), near);
+    EXPECT_EQ(Triangles(400.0, false), near);
+    EXPECT_EQ(Triangles(4.0, true), near);
     session.Redice();
-    EXPECT_LT(Triangles(400.0, false, false), near);
+    EXPECT_LT(Triangles(400.0, false), near);
     session.Redice();
-    EXPECT_EQ(Triangles(4.0, false, false), near);
+    EXPECT_EQ(Triangles(4.0, false), near);
 }
 
-TEST_F(SessionDicing, AnInteractiveCameraIsDicedForOnceItMoves) {
-    const std::uint64_t away = Triangles(4.0, true, true);
-    EXPECT_EQ(Triangles(4.0, true, true), away); // it has not moved
-    const std::uint64_t moved = Triangles(4.0, false, true);
-    EXPECT_GT(moved, away);
-    EXPECT_EQ(Triangles(4.0, true, true), moved); // and may turn back
-    EXPECT_EQ(Triangles(400.0, false, true), moved);
+TEST_F(SessionDicing, AMovingCameraIsDicedForAllAround) {
+    const std::uint64_t away = Triangles(4.0, true);
+    settings.cameraMoves = true;
+    const std::uint64_t allAround = Triangles(4.0, true);
+    EXPECT_GT(allAround, away);
+    EXPECT_EQ(Triangles(4.0, false), allAround);
+    EXPECT_EQ(Triangles(400.0, false), allAround);
 }
 
 } // namespace

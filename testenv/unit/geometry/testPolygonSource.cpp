@@ -253,13 +253,12 @@ TEST(PolygonSource, DisplacementMovesPointsAlongTheNormal) {
             const ChunkGeometry after = displaced->Gather(&unit, 1);
             const Bounds box = displaced->UnitBounds(unit);
             ASSERT_EQ(before.points, after.points);
-            const glm::vec3 cross =
-                glm::cross(before.positions[before.triangles[0].y] - before.positions[before.triangles[0].x],
-                           before.positions[before.triangles[0].z] - before.positions[before.triangles[0].x]);
+            const glm::vec3 cross = glm::cross(
+                before.positions[before.triangles[0].y] - before.positions[before.triangles[0].x],
+                before.positions[before.triangles[0].z] - before.positions[before.triangles[0].x]);
             const glm::vec3 normal = glm::normalize(cross) * (isLeftHanded ? -1.0F : 1.0F);
             for (std::size_t i = 0; i < after.positions.size(); ++i) {
-                const glm::vec3 expected =
-                    before.positions[i] + normal * heights[before.points[i]];
+                const glm::vec3 expected = before.positions[i] + normal * heights[before.points[i]];
                 EXPECT_LT(glm::length(after.positions[i] - expected), 1e-5F);
                 for (int axis = 0; axis < 3; ++axis) {
                     EXPECT_GE(after.positions[i][axis], box.min[axis]);

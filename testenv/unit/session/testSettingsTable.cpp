@@ -79,7 +79,7 @@ TEST(SettingsTable, HasARowForEveryMember) {
         std::string conformPolicy;
         std::vector<std::string> aovs, purposes;
         std::string cullStyle;
-        bool domeVisible;
+        bool cameraMoves, domeVisible;
         std::uint32_t samples, maxDepth, seed;
         double timeLimit, noise;
         std::string pixelFilter;
@@ -96,7 +96,7 @@ TEST(SettingsTable, HasARowForEveryMember) {
         std::string prepare;
     };
     EXPECT_EQ(sizeof(Settings), sizeof(Mirror));
-    EXPECT_EQ(SettingTable().size(), 31U);
+    EXPECT_EQ(SettingTable().size(), 32U);
 }
 
 TEST(SettingsTable, DefaultsAreLegal) {
