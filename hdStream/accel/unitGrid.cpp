@@ -15,6 +15,8 @@ constexpr double kMaxGridCells = 1U << 17U;
 /// Grid cells for each one that is to have units: a surface meets about the square of the cells
 /// along an axis out of their cube.
 constexpr double kGridExponent = 1.5;
+/// Fewest units of the mesh for each grid cell.
+constexpr std::size_t kUnitsPerCell = 4;
 /// Blocks of units are counted apart from each other, by different threads.
 constexpr std::size_t kMinBlockSize = 1U << 14U;
 constexpr std::size_t kMaxBlocks = 8;
@@ -74,8 +76,10 @@ void UnitGrid::CollectCells(const std::vector<CellCount>& counts) {
 void UnitGrid::ChooseCells(const Bounds& bounds, std::size_t numCells) {
     _low = bounds.min;
     const glm::dvec3 extent = glm::dvec3(bounds.max) - glm::dvec3(bounds.min);
+    // Empty cells cost as much as full ones.
     const double wanted =
-        std::min(kMaxGridCells, std::pow(static_cast<double>(numCells), kGridExponent));
+        std::min({kMaxGridCells, static_cast<double>(_units.size() / kUnitsPerCell + 1),
+                  std::pow(static_cast<double>(numCells), kGridExponent)});
     // The side of a cube of which `wanted` fill the box, flat axes left out.
     double volume = 1.0;
     int numAxes = 0;

@@ -23,7 +23,8 @@ struct GridCell {
 /// Sorts units by counting, in one pass; the result does not depend on the number of threads.
 class UnitGrid {
 public:
-    /// \param bounds holds the units. \param numCells about how many cells with units to aim at.
+    /// \param bounds holds the units. \param numCells about how many cells with units to aim at,
+    /// where there are so many units.
     UnitGrid(const ChunkSource& source, std::vector<std::uint32_t> units, const Bounds& bounds,
              std::size_t numCells);
 
