@@ -8,13 +8,10 @@ namespace {
 
 class Roots : public DeviceFixture {};
 
-const char* const kRoots[] = {"integrator/generate.cl",
-                              "integrator/intersect.cl",
-                              "integrator/shade.cl",
-                              "integrator/shadow.cl",
-                              "integrator/aov.cl",
-                              "integrator/resolve.cl",
-                              "film/film.cl"};
+const char* const kRoots[] = {"integrator/generate.cl", "integrator/intersect.cl",
+                              "integrator/shade.cl",    "integrator/shadow.cl",
+                              "integrator/aov.cl",      "integrator/resolve.cl",
+                              "film/film.cl",           "texture/cacheFill.cl"};
 const char* const kFeatures[] = {"HDS_FEATURE_CUTOUT", "HDS_FEATURE_GROUPS", "HDS_TRAVERSAL_WIDE"};
 
 ProgramDefines MakeDefines(unsigned bits, unsigned numPools) {
