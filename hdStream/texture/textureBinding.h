@@ -17,6 +17,7 @@ struct TextureBinding {
     std::array<const Buffer*, HDS_SLOT_MAX_BUFFERS> pools{};
     const Buffer* requests = nullptr; ///< null: all lines are there
     const Buffer* stamps = nullptr;   ///< likewise
+    const Buffer* waiting = nullptr;  ///< likewise
 
     /// Sets the arguments from `first` on; returns the next free index.
     unsigned Bind(Kernel* kernel, unsigned first) const {
@@ -28,6 +29,7 @@ struct TextureBinding {
         if (requests != nullptr) {
             kernel->SetBuffer(first++, *requests);
             kernel->SetBuffer(first++, *stamps);
+            kernel->SetBuffer(first++, *waiting);
         }
         return first;
     }

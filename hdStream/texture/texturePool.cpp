@@ -149,6 +149,28 @@ void TexturePool::MakeRequests() {
     _setSize = setSize;
 }
 
+void TexturePool::ReserveItems(std::uint32_t numItems) {
+    const std::uint64_t bytes = (1 + std::uint64_t{numItems}) * kWord;
+    if (_waiting.Bytes() < bytes) {
+        _waiting = Buffer(); // frees first
+        _waiting = Buffer(_device, "items that wait for texels", bytes);
+        ++_generation;
+    }
+    _waiting.Fill(0, kWord);
+}
+
+std::vector<std::uint32_t> TexturePool::TakeWaiting() {
+    std::uint32_t count = 0;
+    _waiting.Read(&count, kWord);
+    std::vector<std::uint32_t> items(count);
+    if (count > 0) {
+        _waiting.Read(items.data(), items.size() * kWord, kWord);
+        _waiting.Fill(0, kWord);
+        std::sort(items.begin(), items.end());
+    }
+    return items;
+}
+
 void TexturePool::SetAccepts(bool accepts) {
     if (accepts != _accepts) {
         _accepts = accepts;
@@ -375,13 +397,14 @@ TextureBinding TexturePool::Binding() const {
     _buffers->FillBinding(&binding);
     binding.requests = &_requests;
     binding.stamps = &_stamps;
+    binding.waiting = &_waiting;
     return binding;
 }
 
 std::uint64_t TexturePool::TableBytes() const {
     std::uint64_t bytes = _buffers ? _buffers->UnusedBytes() : 0;
-    for (const Buffer* buffer :
-         {&_records, &_lineTable, &_requests, &_stamps, &_staging, &_copies, &_updates}) {
+    for (const Buffer* buffer : {&_records, &_lineTable, &_requests, &_stamps, &_waiting, &_staging,
+                                 &_copies, &_updates}) {
         bytes += buffer->Bytes();
     }
     return bytes;

@@ -46,6 +46,11 @@ public:
     /// \throws Error that names the option --textureMemory when these do not fit.
     void Update(LineProvider* provider, std::uint64_t budgetBytes, std::uint32_t linesPerItem);
 
+    /// Makes room for so many items that wait. \pre none waits.
+    void ReserveItems(std::uint32_t numItems);
+    /// The items that wait since the last call, in order.
+    std::vector<std::uint32_t> TakeWaiting();
+
     /// Whether the launches to come take coarser mips for lines that are missing: only items of
     /// whose texture nothing is loaded yet wait.
     void SetAccepts(bool accepts);
@@ -100,6 +105,7 @@ private:
     Buffer _lineTable;
     Buffer _requests;
     Buffer _stamps;
+    Buffer _waiting;
     Buffer _staging; ///< lines on their way
     Buffer _copies;
     Buffer _updates;

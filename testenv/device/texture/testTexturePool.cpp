@@ -17,8 +17,7 @@ const char* const kProbeText = R"(
 /* Item queue[first + id] reads its taps (texture, mip, x, y); results are written when all are
  * there. */
 kernel void probe_read(global const uint4* taps, uint numTaps, global const uint* queue,
-                       uint count, global uint* results, volatile global uint* counter,
-                       global uint* waiting, HDS_TEXTURE_ARGS) {
+                       uint count, global uint* results, HDS_TEXTURE_ARGS) {
     const uint id = (uint)get_global_id(0);
     if (id >= count) {
         return;
@@ -33,7 +32,7 @@ kernel void probe_read(global const uint4* taps, uint numTaps, global const uint
     }
     if (isMissing) {
         texture_count(&view);
-        waiting[atomic_inc(counter)] = item;
+        texture_wait(&view, item);
         return;
     }
     for (uint i = 0u; i < numTaps; ++i) {
@@ -106,18 +105,17 @@ protected:
         }
     }
 
-    /// Launches items; those that wait come back.
-    template <typename Pool>
-    std::vector<std::uint32_t> Launch(const Pool& pool, const std::vector<std::uint32_t>& items) {
+    void Launch(const TextureBinding& binding, const std::vector<std::uint32_t>& items) {
         const Buffer queue = Upload(items);
-        Buffer counter = Allocate(4);
-        counter.Fill(0, 4);
-        const Buffer waiting = Allocate(items.size() * 4);
-        pool.Binding().Bind(&probe, 7);
-        probe.Launch(items.size(), *taps, numTaps, queue, static_cast<std::uint32_t>(items.size()),
-                     *results, counter, waiting);
-        const auto count = Download<std::uint32_t>(counter, 1)[0];
-        return Download<std::uint32_t>(waiting, count);
+        binding.Bind(&probe, 5);
+        probe.Launch(items.size(), tapBuffer, numTaps, queue,
+                     static_cast<std::uint32_t>(items.size()), resultBuffer);
+        device->Finish();
+    }
+    /// Launches items; those that wait come back.
+    std::vector<std::uint32_t> Launch(TexturePool* pool, const std::vector<std::uint32_t>& items) {
+        Launch(pool->Binding(), items);
+        return pool->TakeWaiting();
     }
 
     /// Reads all taps, numTaps an item, until none waits or has waited `iterations` times.
@@ -127,19 +125,16 @@ protected:
         const auto numItems = static_cast<std::uint32_t>(list.size() / numTaps);
         tapBuffer = Upload(list);
         resultBuffer = Allocate(list.size() * 4);
-        taps = &tapBuffer;
-        results = &resultBuffer;
         std::vector<std::uint32_t> items(numItems);
-        for (std::uint32_t i = 0; i < numItems; ++i) {
-            items[i] = i;
-        }
-        TexelWaiters waiters(numItems, Launch(*pool, items));
+        std::iota(items.begin(), items.end(), 0U);
+        pool->ReserveItems(numItems);
+        TexelWaiters waiters(numItems, Launch(pool, items));
         numServices = 0;
         while (!waiters.IsEmpty()) {
             waiters.Continue(pool->Service());
             ++numServices;
             pool->SetAccepts(iterations > 0 && numServices >= iterations);
-            waiters.Return(Launch(*pool, waiters.Take()));
+            waiters.Return(Launch(pool, waiters.Take()));
             EXPECT_LT(numServices, 20000);
             if (numServices >= 20000) {
                 break;
@@ -164,8 +159,6 @@ protected:
     std::uint32_t numTaps = 1;
     Buffer tapBuffer;
     Buffer resultBuffer;
-    Buffer* taps = nullptr;
-    Buffer* results = nullptr;
     int numServices = 0;
 };
 
@@ -290,14 +283,14 @@ TEST_F(TexturePoolTest, AcceptedTexelsComeFromTheNearestCoarserMip) {
     pool.SetAccepts(true);
     numTaps = 1;
     tapBuffer = Upload(std::vector<Tap>{fine});
-    EXPECT_TRUE(Launch(pool, {0}).empty());
+    EXPECT_TRUE(Launch(&pool, {0}).empty());
     EXPECT_EQ(Download<std::uint32_t>(resultBuffer, 1)[0], Expected(textures, coarse));
     pool.SetAccepts(false);
     pool.CollectCounts();
     EXPECT_EQ(pool.Statistics().fallbackTexels, 2U); // looks twice
     // What it asked for comes with the next service.
     EXPECT_EQ(pool.Service().numLoaded, 1U);
-    EXPECT_TRUE(Launch(pool, {0}).empty());
+    EXPECT_TRUE(Launch(&pool, {0}).empty());
     EXPECT_EQ(Download<std::uint32_t>(resultBuffer, 1)[0], Expected(textures, fine));
 }
 
@@ -361,7 +354,7 @@ TEST_F(TexturePoolTest, RequestsOfAStoppedRenderAreForgotten) {
     pool.Update(&before, 1U << 20U, 8);
     Read(&pool, {{0, 0, 0, 0}}, 1);
     tapBuffer = Upload(std::vector<Tap>{{0, 0, 100, 100}});
-    EXPECT_EQ(Launch(pool, {0}).size(), 1U); // asks, and nobody answers
+    EXPECT_EQ(Launch(&pool, {0}).size(), 1U); // asks, and nobody answers
     FakeTextures after({{71, 128, 128}});
     pool.Update(&after, 1U << 20U, 8);
     EXPECT_EQ(pool.Service().numLoaded, 0U);
@@ -397,11 +390,9 @@ TEST_F(TexturePoolTest, ResidentTexturesReadTheSame) {
     numTaps = 1;
     tapBuffer = Upload(list);
     resultBuffer = Allocate(list.size() * 4);
-    taps = &tapBuffer;
-    results = &resultBuffer;
     std::vector<std::uint32_t> items(list.size());
     std::iota(items.begin(), items.end(), 0U);
-    EXPECT_TRUE(Launch(resident, items).empty());
+    Launch(resident.Binding(), items);
     ExpectExact(textures, list, Download<std::uint32_t>(resultBuffer, list.size()));
     resident.Update(&textures);
     EXPECT_EQ(textures.numOpens, textures.NumTextures());
