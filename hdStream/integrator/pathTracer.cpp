@@ -53,6 +53,9 @@ struct PathTracer::Impl {
         options = std::move(newOptions);
         statistics = {};
         previewStride = 0;
+        if (buffers.SetMipBias(static_cast<float>(options.mipBias))) {
+            ++sceneNumber;
+        }
         ReadyKernels();
         ReadyPathState();
         const shared::HdsFrameParams params = MakeFrameParams(
@@ -75,6 +78,9 @@ struct PathTracer::Impl {
     void ReadyKernels() {
         KernelFeatures features;
         features.cutouts = scene->hasCutouts;
+        features.programs = buffers.HasPrograms();
+        features.textures = buffers.HasTextures();
+        features.manyTexturePools = buffers.Textures().NumBuffers() > 1;
         features.groups = scene->hasGroups;
         features.wide = ChooseWide(options, device->Properties());
         features.firstHits = NeedsFirstHits(options.aovs);
@@ -351,7 +357,7 @@ struct PathTracer::Impl {
     SceneBuffers buffers;
     bool requestsFirst = false;
     FilmBuffers film;
-    std::uint64_t sceneNumber = 0; ///< counts scenes
+    std::uint64_t sceneNumber = 0; ///< counts what kernels are bound to
     /// Kernels of all features met so far, with the number of the scene they are bound to.
     std::vector<std::pair<std::unique_ptr<StageKernels>, std::uint64_t>> builtKernels;
     StageKernels* kernels = nullptr; ///< those of the present render

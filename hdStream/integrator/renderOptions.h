@@ -48,6 +48,7 @@ struct RenderOptions {
     std::string pixelFilter;
     double pixelFilterWidth = 3.0;
     bool russianRoulette = true;
+    double mipBias = 0.0; ///< mips that texture look-ups are moved by
     std::uint32_t waveSize = 0;
     TraversalForm traversal = TraversalForm::Auto;
     /// Someone looks at the film while it is rendered: the first sample goes from coarse to fine,

@@ -180,8 +180,17 @@ kernel void shadow_resume(global uchar* state, uint numSlots, global const uint*
 #endif
 
 #if HDS_FEATURE_CUTOUT
+/* A candidate waits for its pages or texels. */
+void shadow_waitForHit(HdsPaths paths, uint i, global uint* waitQueue,
+                       volatile global uint* counters) {
+#if HDS_WAIT_LISTS
+    path_storeWaits(paths, i, path_loadWaits(paths, i) | HDS_PATH_SHADOW_WAITS);
+#endif
+    queue_append(waitQueue, &counters[HDS_COUNTER_WAITING_CANDIDATES], i);
+}
+
 /* Global size: count. Appends rays of which something is left and, while geometry streams,
- * candidates that wait for their pages and slots that are ready. */
+ * candidates that wait for their pages or texels and slots that are ready. */
 kernel void shadow_pass(global uchar* state, uint numSlots,
                         global const uint* restrict candidateQueue, uint first, uint count,
                         global uint* restrict waitQueue, global uint* restrict queue,
@@ -195,19 +204,25 @@ kernel void shadow_pass(global uchar* state, uint numSlots,
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
     HdsHit hit = path_loadCandidate(paths, i);
-    if (surfaceHit_waits(&scene, &hit, waitQueue, counters, HDS_COUNTER_WAITING_CANDIDATES, i)) {
-#if HDS_WAIT_LISTS
-        path_storeWaits(paths, i, path_loadWaits(paths, i) | HDS_PATH_SHADOW_WAITS);
-#endif
+#if HDS_FEATURE_STREAMING
+    if (!scene_hasPages(&scene.geometry, hit.chunk)) {
+        shadow_waitForHit(paths, i, waitQueue, counters);
         return;
     }
+#endif
     float4 direction = path_load_shadowDirection(paths, i);
     HdsSurfaceHit surface;
-    HdsShadingPoint shading;
-    HdsSurface bsdf;
     surfaceHit_load(&scene, &hit, &surface);
-    surfaceHit_shade(&scene, &surface, -direction.xyz, &shading, &bsdf);
-    float3 left = path_load_shadowRadiance(paths, i).xyz * surface_passThrough(&bsdf, shading.wo.z);
+    float4 radiance = path_load_shadowRadiance(paths, i);
+#if HDS_FEATURE_TEXTURES
+    surface.coneWidth = cones_width(cones_atHit(cones_unpack(radiance.w), hit.t, false));
+#endif
+    float3 share;
+    if (!surfaceHit_passThrough(&scene, &surface, -direction.xyz, &share)) {
+        shadow_waitForHit(paths, i, waitQueue, counters);
+        return;
+    }
+    float3 left = radiance.xyz * share;
     if (!(vec_maxComponent(left) > 0.0f)) {
         shadow_end(paths, i, readyQueue, counters);
         return;
@@ -218,7 +233,7 @@ kernel void shadow_pass(global uchar* state, uint numSlots,
         shadow_end(paths, i, readyQueue, counters);
         return;
     }
-    path_store_shadowRadiance(paths, i, (float4)(left, 0.0f));
+    path_store_shadowRadiance(paths, i, (float4)(left, radiance.w));
     path_store_shadowDirection(paths, i, direction);
     path_store_shadowAfter(paths, i, passThrough_key(&hit, &surface));
     queue_append(queue, &counters[HDS_COUNTER_SHADOW], i);

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// The textures of a committed scene in device memory, whole and uncompressed, and their place in
+// the kernels' signatures (HDS_SCENE_TEXTURE_ARGS). Explained in docs/texturing.md.
+#pragma once
+
+#include "hdStream/device/program.h"
+#include "hdStream/scene/commit.h"
+#include "kernels/shared/texture.h"
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace hds {
+
+/// Kept from one version of the scene to the next: a texture is decoded once. Externally
+/// synchronised.
+class TextureBuffers {
+public:
+    explicit TextureBuffers(std::shared_ptr<Device> device);
+
+    /// Decodes and uploads what is new, on all cores; images that cannot be decoded are reported
+    /// and give their nodes' fallbacks. Blocks. \throws Error when they do not fit the device.
+    void Update(const CommittedScene& scene);
+
+    /// Mips that look-ups are moved by; positive: coarser.
+    void SetMipBias(float bias) { _mipBias = bias; }
+    float MipBias() const { return _mipBias; }
+
+    /// Sets HDS_SCENE_TEXTURE_ARGS from `first` on; returns the next free index.
+    unsigned Bind(Kernel* kernel, unsigned first) const;
+
+    std::uint32_t NumBuffers() const { return static_cast<std::uint32_t>(_buffers.size()); }
+    std::uint64_t Bytes() const; ///< of texels
+
+private:
+    void Add(const CommittedScene& scene, const std::vector<std::uint32_t>& missing);
+    void Place(const std::string& key, shared::HdsTexture record,
+               const std::vector<std::uint8_t>& texels);
+    void StartBuffer(std::uint64_t bytes);
+
+    std::shared_ptr<Device> _device;
+    Buffer _records;
+    Buffer _srgb;
+    Buffer _none; ///< stands for buffers that are not there
+    std::vector<Buffer> _buffers;
+    std::uint64_t _usedBytes = 0;                      ///< of the last buffer
+    std::map<std::string, shared::HdsTexture> _placed; ///< by TextureKey
+    float _mipBias = 0.0F;
+};
+
+} // namespace hds
