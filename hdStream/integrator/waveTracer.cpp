@@ -25,7 +25,8 @@ void Resize(Buffer* buffer, const std::shared_ptr<Device>& device, const char* l
 
 WaveTracer::WaveTracer(std::shared_ptr<Device> device, SceneBuffers* buffers,
                        RenderStatistics* statistics)
-    : _device(std::move(device)), _buffers(buffers), _statistics(statistics) {
+    : _device(std::move(device)), _buffers(buffers), _statistics(statistics),
+      _texels(_device, buffers, statistics) {
     _counters = Buffer(_device, "counters", HDS_NUM_COUNTERS * sizeof(std::uint32_t));
 }
 
@@ -35,12 +36,13 @@ std::uint64_t WaveTracer::QueueBytes(const KernelFeatures& features) {
 }
 
 void WaveTracer::Ready(StageKernels* kernels, bool hasCutouts, std::uint32_t waveSize,
-                       std::uint32_t tileSize) {
+                       std::uint32_t tileSize, std::uint32_t shadeIterations) {
     _kernels = kernels;
     _hasCutouts = hasCutouts;
     _hasLists = kernels->Features().HasLists();
     _waveSize = waveSize;
     _tileSize = _hasLists ? std::min(waveSize, tileSize) : waveSize;
+    _texels.Ready(kernels, _tileSize, shadeIterations);
     Resize(&_paths, _device, "path state", waveSize * kernels->PathStateBytes());
     _statistics->pathStateBytes = _paths.Bytes();
     for (Buffer& queue : _queues) {
@@ -75,10 +77,10 @@ void WaveTracer::ClearCounter(std::uint32_t counter, std::uint32_t count) {
 /// Seconds that services have taken so far: part of the time of whatever waits for them.
 double WaveTracer::ServiceSeconds() const {
     if (!_buffers->IsStreaming()) {
-        return 0.0;
+        return _texels.Seconds();
     }
     const StreamingStatistics& pool = _buffers->Streaming().Statistics();
-    return pool.serviceSeconds + pool.prepareSeconds + pool.transferSeconds;
+    return pool.serviceSeconds + pool.prepareSeconds + pool.transferSeconds + _texels.Seconds();
 }
 
 void WaveTracer::CountIterations(std::uint32_t iterations) {
@@ -134,6 +136,9 @@ void WaveTracer::ShadeItems(const Buffer& queue, std::uint32_t first, std::uint3
     ClearCounter(HDS_COUNTER_ACTIVE);
     ClearCounter(HDS_COUNTER_SHADOW);
     shade(queue, first, count, WaitQueue(WaitingHits), _queues[1 - _present]);
+    _texels.Finish(count, [&](const Buffer& items, std::uint32_t numItems) {
+        shade(items, 0, numItems, WaitQueue(WaitingHits), _queues[1 - _present]);
+    });
 }
 
 /// One cast of the paths of queue _present and of the shadow rays that shading has made. Shadow
@@ -185,7 +190,11 @@ void WaveTracer::PassCandidates(std::uint32_t numShadows) {
         if (_buffers->IsStreaming() && !_hasLists) {
             IterateWithPages(WaitingCandidates, candidates, numCandidates, pass);
         } else {
-            pass(candidates, numCandidates, WaitQueue(WaitingCandidates));
+            const Buffer& waiting = WaitQueue(WaitingCandidates);
+            pass(candidates, numCandidates, waiting);
+            _texels.Finish(numCandidates, [&](const Buffer& items, std::uint32_t numItems) {
+                pass(items, numItems, waiting);
+            });
         }
         numShadows = ReadCounters()[HDS_COUNTER_SHADOW];
         _statistics->shadowRays += numShadows;
@@ -217,13 +226,14 @@ void WaveTracer::ResumeAll(const Shade& shade) {
         ClearCounter(HDS_COUNTER_WAITING_RAYS, NumWaiting);
         ClearCounter(HDS_COUNTER_READY);
         const Timer timer;
+        const double texelSeconds = _texels.Seconds();
         _kernels->intersectResume.Launch(waiting[WaitingRays], _paths, _waveSize,
                                          queues[WaitingRays], waiting[WaitingRays],
                                          WaitQueue(WaitingRays), _ready, _counters);
         ResumeShadows(queues[WaitingShadows], waiting[WaitingShadows]);
         ResumeCandidates(queues[WaitingCandidates], waiting[WaitingCandidates]);
         _device->Finish();
-        _statistics->traceSeconds += timer.Seconds();
+        _statistics->traceSeconds += timer.Seconds() - (_texels.Seconds() - texelSeconds);
         ShadeAll(queues[WaitingHits], 0, waiting[WaitingHits], shade);
         ResumeReady(shade);
     }
@@ -247,9 +257,15 @@ void WaveTracer::ResumeCandidates(const Buffer& queue, std::uint32_t count) {
     for (std::uint32_t first = 0; first < count; first += _tileSize) {
         const std::uint32_t numItems = std::min(_tileSize, count - first);
         ClearCounter(HDS_COUNTER_SHADOW);
-        _kernels->shadowPass.Launch(numItems, _paths, _waveSize, queue, first, numItems,
-                                    WaitQueue(WaitingCandidates), _queues[kShadowQueue], _ready,
-                                    _counters);
+        const auto pass = [&](const Buffer& items, std::uint32_t begin, std::uint32_t size) {
+            _kernels->shadowPass.Launch(size, _paths, _waveSize, items, begin, size,
+                                        WaitQueue(WaitingCandidates), _queues[kShadowQueue], _ready,
+                                        _counters);
+        };
+        pass(queue, first, numItems);
+        _texels.Finish(numItems, [&](const Buffer& items, std::uint32_t size) {
+            pass(items, 0, size);
+        });
         const std::uint32_t numShadows = ReadCounters()[HDS_COUNTER_SHADOW];
         _statistics->shadowRays += numShadows;
         ClearCounter(HDS_COUNTER_SHADOW);
@@ -263,9 +279,10 @@ void WaveTracer::ShadeAll(const Buffer& queue, std::uint32_t begin, std::uint32_
                           const Shade& shade) {
     for (std::uint32_t first = begin; first < end; first += _tileSize) {
         const Timer timer;
+        const double texelSeconds = _texels.Seconds();
         ShadeItems(queue, first, std::min(_tileSize, end - first), shade);
         const auto counts = ReadCounters();
-        _statistics->shadeSeconds += timer.Seconds();
+        _statistics->shadeSeconds += timer.Seconds() - (_texels.Seconds() - texelSeconds);
         _statistics->indirectRays += counts[HDS_COUNTER_ACTIVE];
         _present = 1 - _present;
         RunTile(counts[HDS_COUNTER_ACTIVE], counts[HDS_COUNTER_SHADOW], shade);
@@ -321,6 +338,9 @@ void WaveTracer::IterateWithPages(Waiting kind, const Buffer& queue, std::uint32
         ClearCounter(HDS_COUNTER_WAITING_RAYS, NumWaiting);
         const Buffer& waiting = WaitQueue(kind);
         launch(*items, count, waiting);
+        _texels.Finish(count, [&](const Buffer& missed, std::uint32_t numMissed) {
+            launch(missed, numMissed, waiting);
+        });
         count = ReadCounters()[HDS_COUNTER_WAITING_RAYS + kind];
         items = &waiting;
         _waitSide = 1 - _waitSide;

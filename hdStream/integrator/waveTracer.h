@@ -6,6 +6,7 @@
 
 #include "hdStream/integrator/renderStatistics.h"
 #include "hdStream/integrator/stageKernels.h"
+#include "hdStream/integrator/texelLoop.h"
 #include "kernels/shared/frame.h"
 
 #include <array>
@@ -28,6 +29,7 @@ public:
     WaveTracer(std::shared_ptr<Device> device, SceneBuffers* buffers, RenderStatistics* statistics);
 
     /// Readies buffers for waves of at most `waveSize` paths, traced in tiles of `tileSize`.
+    /// \param shadeIterations as RenderOptions::shadeIterations.
     /// \throws Error when memory runs out.
     void Ready(StageKernels* kernels, bool hasCutouts, std::uint32_t waveSize,
                std::uint32_t tileSize);
@@ -91,6 +93,7 @@ private:
     Buffer _paths;
     std::array<Buffer, 4> _queues;
     std::array<std::array<Buffer, NumWaiting>, 2> _waitQueues; ///< one side is read, one filled
+    TexelLoop _texels;
     Buffer _ready; ///< slots that may be shaded after they have waited
     Buffer _counters;
 };

@@ -79,6 +79,10 @@ public:
         AddLights();
         _result->materials = std::move(_materials.materials);
         _result->meshMaterials = std::move(_materials.meshMaterials);
+        _result->programs = std::move(_materials.programs);
+        _result->maxLookups = _materials.maxLookups;
+        _result->textureTable = std::move(_materials.textures);
+        _result->images = &_cache.images;
         _result->textures = _cache.images.Uses();
         Count();
         _result->seconds =

@@ -87,10 +87,15 @@ struct CommittedScene {
     std::vector<const std::vector<AttributeName>*> meshAttributes;
     std::vector<std::uint32_t> meshMaterials;
     std::vector<shared::HdsMaterial> materials;
+    std::vector<std::uint32_t> programs;       ///< of the materials (kernels/shared/program.h)
+    std::vector<MaterialTexture> textureTable; ///< what programs look up, by index
+    std::uint32_t maxLookups = 0;              ///< of textures in one program
+    std::unique_ptr<LineProvider> textureLines; ///< of textureTable; opened when they are needed
+    ImageLibrary* images = nullptr;            ///< the cache's
     std::unique_ptr<GeometryPages> pages; ///< prepared when they are needed; in the cache's memory
     std::shared_ptr<const LightTable> lights;
     std::vector<std::uint32_t> lightByEntry; ///< lights of emissive material entries
-    std::vector<TextureUse> textures;        ///< by authored path
+    std::vector<TextureUse> textures;        ///< images of materials and lights
     bool hasCutouts = false;
     bool hasGroups = false; ///< instances below instances
     SceneCounts counts;

@@ -133,6 +133,7 @@ RenderOptions MakeRenderOptions(const Settings& settings, const CameraPrim& came
     options.pixelFilter = settings.pixelFilter;
     options.pixelFilterWidth = settings.pixelFilterWidth;
     options.russianRoulette = settings.russianRoulette;
+    options.mipBias = settings.mipBias;
     options.waveSize = settings.waveSize;
     options.traversal = EnumOf<TraversalForm>("traversal", settings.traversal);
     return options;

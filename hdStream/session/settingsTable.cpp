@@ -72,6 +72,7 @@ SettingInfo OfHost(SettingInfo info) {
 constexpr double kMaxSeconds = 1e9;
 constexpr double kMaxError = 1e6;
 constexpr double kMaxFilterWidth = 64.0;
+constexpr double kMaxMipBias = 16.0;
 constexpr double kMaxPixelAspect = 1000.0;
 /// Path depths are kept in 16 bits together with their sampling dimensions.
 constexpr double kMaxDepth = 4096;
@@ -146,6 +147,9 @@ std::vector<Row> UserRows() {
         MakeRow(&S::russianRoulette,
                 Info(K::Bool, "russianRoulette", "", "Russian roulette",
                      "dim paths end by chance; switching it off changes the noise only")),
+        MakeRow(&S::mipBias, Ranged(K::Number, "mipBias", "", "Mip bias",
+                                    "mips that texture look-ups are moved by; positive: coarser",
+                                    -kMaxMipBias, kMaxMipBias)),
         MakeRow(&S::subdivision, OneOf("subdivision", "--subdivision", "Subdivision",
                                        "limit surface, uniform level, or cage as it is",
                                        {"adaptive", "complexity", "cage"})),

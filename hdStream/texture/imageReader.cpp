@@ -22,6 +22,12 @@ ImageInfo DescribeImage(const ImageFile& file) {
     info.fileFormat = file.FormatName();
     info.channelType = spec.format.c_str();
     info.autoColorSpace = AutoColorSpace(spec);
+    info.hasAlpha = FindColorChannels(spec).alpha >= 0;
+    // "black,periodic": s, then t; one mode is for both.
+    const std::string wraps = spec.get_string_attribute("wrapmodes");
+    const std::size_t comma = wraps.find(',');
+    info.wrapS = wraps.substr(0, comma);
+    info.wrapT = comma == std::string::npos ? wraps : wraps.substr(comma + 1);
     info.bytesDecoded = std::uint64_t{info.width} * info.height * spec.pixel_bytes(true);
     return info;
 }

@@ -23,6 +23,7 @@ kernel void probe_read(global const uint4* taps, uint numTaps, global const uint
         return;
     }
     const uint item = queue[id];
+    HdsTextureView view;
     HDS_TEXTURE_VIEW(view);
     bool isMissing = false;
     for (uint i = 0u; i < numTaps; ++i) {
