@@ -29,6 +29,7 @@ void SceneTextures::Update(const CommittedScene& scene, const ResidencyOptions& 
     _plain = isPlain ? std::move(_plain) : nullptr;
     _resident = isResident ? std::move(_resident) : nullptr;
     _pool = isStreamed ? std::move(_pool) : nullptr;
+    _budgetBytes = isStreamed ? Budget(scene, residency) : 0;
     if (isPlain) {
         _plain = _plain ? std::move(_plain) : std::make_unique<PlainTextureBuffers>(_device);
         _plain->Update(scene);
@@ -37,7 +38,7 @@ void SceneTextures::Update(const CommittedScene& scene, const ResidencyOptions& 
         _resident->Update(scene.textureLines.get());
     } else if (isStreamed) {
         _pool = _pool ? std::move(_pool) : std::make_unique<TexturePool>(_device, _store);
-        _pool->Update(scene.textureLines.get(), Budget(scene, residency),
+        _pool->Update(scene.textureLines.get(), _budgetBytes,
                       kLinesPerLookup * std::max(1U, scene.maxLookups));
     }
 }
@@ -52,8 +53,8 @@ std::uint64_t SceneTextures::Budget(const CommittedScene& scene,
         scene.textureLines->Open(all);
         double bytes = 0.0;
         for (const std::uint32_t texture : all) {
-            bytes += static_cast<double>(scene.textureLines->Record(texture).numLines) *
-                     HDS_LINE_BYTES;
+            bytes +=
+                static_cast<double>(scene.textureLines->Record(texture).numLines) * HDS_LINE_BYTES;
         }
         return static_cast<std::uint64_t>(residency.textureBudgetShare * bytes);
     }
@@ -76,10 +77,7 @@ std::uint32_t SceneTextures::NumBuffers() const {
 }
 
 std::uint64_t SceneTextures::Bytes() const {
-    return _plain      ? _plain->Bytes()
-           : _resident ? _resident->Bytes()
-           : _pool     ? _pool->Bytes()
-                       : 0;
+    return _plain ? _plain->Bytes() : _resident ? _resident->Bytes() : _pool ? _pool->Bytes() : 0;
 }
 
 std::uint64_t SceneTextures::TableBytes() const {

@@ -39,6 +39,10 @@ public:
     /// Bytes of device memory for texels, and for what it takes to find them.
     std::uint64_t Bytes() const;
     std::uint64_t TableBytes() const;
+    /// Bytes that it may take, 0: what there is.
+    std::uint64_t BudgetBytes() const { return _budgetBytes; }
+    /// Bytes of lines that are never given away.
+    std::uint64_t PinnedBytes() const { return _pool ? _pool->PinnedBytes() : 0; }
     TextureStatistics Statistics() const;
 
 private:
@@ -49,6 +53,7 @@ private:
     std::unique_ptr<TexturePool> _pool;          ///< one of the three, if there are textures
     std::unique_ptr<ResidentTextures> _resident; ///< likewise
     std::unique_ptr<PlainTextureBuffers> _plain; ///< likewise
+    std::uint64_t _budgetBytes = 0;
     float _mipBias = 0.0F;
 };
 

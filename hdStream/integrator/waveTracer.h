@@ -32,7 +32,7 @@ public:
     /// \param shadeIterations as RenderOptions::shadeIterations.
     /// \throws Error when memory runs out.
     void Ready(StageKernels* kernels, bool hasCutouts, std::uint32_t waveSize,
-               std::uint32_t tileSize);
+               std::uint32_t tileSize, std::uint32_t shadeIterations);
 
     /// Traces slots [0, numSlots) to completion.
     void Trace(std::uint32_t numSlots, const Generate& generate, const Shade& shade);

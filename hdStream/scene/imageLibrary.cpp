@@ -168,6 +168,18 @@ void ImageLibrary::Clear() {
     _means.clear();
     _domeKey.clear();
     _dome = {};
+    ++_epoch;
+}
+
+std::uint64_t ImageLibrary::Epoch() const {
+    const std::lock_guard<std::mutex> lock(_mutex);
+    return _epoch;
+}
+
+std::optional<TextureUse> ImageLibrary::FindUse(const AssetReference& asset) const {
+    const std::lock_guard<std::mutex> lock(_mutex);
+    const auto use = _uses.find(KeyOf(asset));
+    return use == _uses.end() ? std::nullopt : std::make_optional(use->second);
 }
 
 } // namespace hds

@@ -56,8 +56,13 @@ public:
     /// All images asked for since BeginCommit, each once, in the order of their files.
     std::vector<TextureUse> Uses() const;
 
+    /// What was asked for since BeginCommit of one of them; empty: nothing.
+    std::optional<TextureUse> FindUse(const AssetReference& asset) const;
+
     /// Forgets all images: the next question reads the file again.
     void Clear();
+    /// Counts how often that was done: images of another epoch may have changed.
+    std::uint64_t Epoch() const;
 
 private:
     struct Header {
@@ -84,6 +89,7 @@ private:
     std::map<std::string, Mean> _means;      ///< by file, range and colour space
     std::string _domeKey;                    ///< of the dome read last, the only one that is kept
     Dome _dome;
+    std::uint64_t _epoch = 0;
 };
 
 } // namespace hds

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/materialCommit.h"
 
+#include "hdStream/shading/programWriter.h"
+
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <iterator>
 #include <string_view>
 

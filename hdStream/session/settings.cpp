@@ -14,8 +14,9 @@ auto Members(const Settings& s) {
                     s.cameraMoves, s.domeVisible, s.samples, s.maxDepth, s.seed, s.timeLimit,
                     s.noise, s.pixelFilter, s.pixelFilterWidth, s.russianRoulette, s.mipBias,
                     s.subdivision, s.refineLevel, s.waveSize, s.device, s.cacheDirectory, s.noCache,
-                    s.traversal, s.chunkBytes, s.residency, s.geometryMemory, s.geometryEviction,
-                    s.request, s.hostMemory, s.prepare);
+                    s.traversal, s.chunkBytes, s.residency, s.geometryMemory, s.textureMemory,
+                    s.geometryEviction, s.request, s.shadeIterations, s.plainTextures, s.hostMemory,
+                    s.prepare);
 }
 
 } // namespace

@@ -12,7 +12,7 @@
 namespace hds {
 
 /// A line of a texture, counted from the texture's line 0.
-struct TextureLine {
+struct LineId {
     std::uint32_t texture = 0;
     std::uint32_t line = 0;
 };
@@ -37,7 +37,7 @@ public:
     virtual shared::HdsTexture Record(std::uint32_t texture) const = 0;
     /// Copies lines of textures that were opened, one after the other, to `bytes`
     /// [lines.size()][HDS_LINE_BYTES]. Blocks.
-    virtual void Read(const std::vector<TextureLine>& lines, std::uint8_t* bytes) = 0;
+    virtual void Read(const std::vector<LineId>& lines, std::uint8_t* bytes) = 0;
 };
 
 } // namespace hds

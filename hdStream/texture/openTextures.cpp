@@ -65,7 +65,17 @@ void OpenTextures::Add(const LineProvider& provider, std::uint32_t texture) {
     _numLiveLines += record.numLines;
 }
 
-TextureLine OpenTextures::Find(std::uint32_t line) const {
+std::vector<std::uint32_t> OpenTextures::Open() const {
+    std::vector<std::uint32_t> textures;
+    for (std::uint32_t texture = 0; texture < _records.size(); ++texture) {
+        if (IsOpen(texture)) {
+            textures.push_back(texture);
+        }
+    }
+    return textures;
+}
+
+LineId OpenTextures::Find(std::uint32_t line) const {
     auto range = std::upper_bound(
         _ranges.begin(), _ranges.end(), line,
         [](std::uint32_t value, const Range& candidate) { return value < candidate.firstLine; });

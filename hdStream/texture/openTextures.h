@@ -29,8 +29,10 @@ public:
     bool IsOpen(std::uint32_t texture) const {
         return (_records[texture].flags & HDS_TEXTURE_CLOSED) == 0;
     }
+    /// Those that are open, in order.
+    std::vector<std::uint32_t> Open() const;
     /// The texture that has a line. \pre there is one.
-    TextureLine Find(std::uint32_t line) const;
+    LineId Find(std::uint32_t line) const;
     const std::vector<shared::HdsTexture>& Records() const { return _records; }
     /// Numbers below this one have been given.
     std::uint32_t NumLines() const { return _numLines; }

@@ -59,7 +59,7 @@ void ResidentTextures::UploadLines(LineProvider* provider) {
     const double readBefore = _statistics.readSeconds;
     const std::uint32_t numLines = _textures.NumLines();
     std::vector<std::uint8_t> bytes(std::size_t{std::min(numLines, kBatchLines)} * HDS_LINE_BYTES);
-    std::vector<TextureLine> lines;
+    std::vector<LineId> lines;
     for (std::uint32_t first = 0; first < numLines; first += kBatchLines) {
         lines.clear();
         for (std::uint32_t line = first; line < std::min(numLines, first + kBatchLines); ++line) {

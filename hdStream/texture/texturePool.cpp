@@ -79,6 +79,7 @@ void TexturePool::Update(LineProvider* provider, std::uint64_t budgetBytes,
     } else {
         RemoveLines(gone);
     }
+    _provider->Open(_textures.Open());
     HDS_VERIFY(Bytes() <= budgetBytes, "texture pool larger than its budget");
     MakeRequests();      // those of a render that was stopped mean other lines now
     _records = Buffer(); // frees first
@@ -267,7 +268,7 @@ void TexturePool::LoadAll(const std::vector<Load>& loads, Outcome* outcome) {
 }
 
 void TexturePool::LoadBatch(const std::vector<Load>& loads, Outcome* outcome) {
-    std::vector<TextureLine> lines;
+    std::vector<LineId> lines;
     for (const Load& load : loads) {
         lines.push_back(_textures.Find(load.line));
     }

@@ -94,8 +94,11 @@ public:
         }
     }
     shared::HdsTexture Record(std::uint32_t texture) const override { return _records[texture]; }
-    void Read(const std::vector<TextureLine>& lines, std::uint8_t* bytes) override {
-        for (const TextureLine& line : lines) {
+    /// Whether a texture was read before it was opened.
+    bool isMisused = false;
+    void Read(const std::vector<LineId>& lines, std::uint8_t* bytes) override {
+        for (const LineId& line : lines) {
+            isMisused = isMisused || opened.count(line.texture) == 0;
             for (std::uint32_t word = 0; word < kLineWords; ++word) {
                 const std::uint32_t value = FakeWord(_textures[line.texture].id, line.line, word);
                 std::memcpy(bytes, &value, sizeof(value));

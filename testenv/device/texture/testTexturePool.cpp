@@ -55,7 +55,7 @@ struct Tap {
 };
 
 /// Where a tap lies, and what it reads.
-TextureLine LineOf(const FakeTextures& textures, const Tap& tap, std::uint32_t* word) {
+LineId LineOf(const FakeTextures& textures, const Tap& tap, std::uint32_t* word) {
     const shared::HdsTexture record = textures.Record(tap.texture);
     const shared::HdsTexelPlace place =
         shared::texture_place(record.width, record.format, record.flags, record.numLines,
@@ -66,7 +66,7 @@ TextureLine LineOf(const FakeTextures& textures, const Tap& tap, std::uint32_t* 
 
 std::uint32_t Expected(const FakeTextures& textures, const Tap& tap) {
     std::uint32_t word = 0;
-    const TextureLine line = LineOf(textures, tap, &word);
+    const LineId line = LineOf(textures, tap, &word);
     return FakeWord(textures.TextureId(tap.texture), line.line, word);
 }
 
@@ -148,6 +148,7 @@ protected:
 
     static void ExpectExact(const FakeTextures& textures, const std::vector<Tap>& list,
                             const std::vector<std::uint32_t>& values) {
+        EXPECT_FALSE(textures.isMisused);
         std::size_t numWrong = 0;
         for (std::size_t i = 0; i < list.size(); ++i) {
             numWrong += values[i] != Expected(textures, list[i]) ? 1 : 0;
