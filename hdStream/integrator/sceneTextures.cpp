@@ -26,18 +26,30 @@ void SceneTextures::Update(const CommittedScene& scene, const ResidencyOptions& 
     const bool isResident = isNeeded && !isPlain && residency.mode == ResidencyMode::Resident;
     const bool isStreamed = isNeeded && !isPlain && !isResident;
     // Frees what is not wanted any more first.
-    _plain = isPlain ? std::move(_plain) : nullptr;
-    _resident = isResident ? std::move(_resident) : nullptr;
-    _pool = isStreamed ? std::move(_pool) : nullptr;
+    if (!isPlain) {
+        _plain = nullptr;
+    }
+    if (!isResident) {
+        _resident = nullptr;
+    }
+    if (!isStreamed) {
+        _pool = nullptr;
+    }
     _budgetBytes = isStreamed ? Budget(scene, residency) : 0;
     if (isPlain) {
-        _plain = _plain ? std::move(_plain) : std::make_unique<PlainTextureBuffers>(_device);
+        if (!_plain) {
+            _plain = std::make_unique<PlainTextureBuffers>(_device);
+        }
         _plain->Update(scene);
     } else if (isResident) {
-        _resident = _resident ? std::move(_resident) : std::make_unique<ResidentTextures>(_device);
+        if (!_resident) {
+            _resident = std::make_unique<ResidentTextures>(_device);
+        }
         _resident->Update(scene.textureLines.get());
     } else if (isStreamed) {
-        _pool = _pool ? std::move(_pool) : std::make_unique<TexturePool>(_device, _store);
+        if (!_pool) {
+            _pool = std::make_unique<TexturePool>(_device, _store);
+        }
         _pool->Update(scene.textureLines.get(), _budgetBytes,
                       kLinesPerLookup * std::max(1U, scene.maxLookups));
     }

@@ -81,7 +81,9 @@ void TexturePool::Update(LineProvider* provider, std::uint64_t budgetBytes,
     }
     _provider->Open(_textures.Open());
     HDS_VERIFY(Bytes() <= budgetBytes, "texture pool larger than its budget");
-    MakeRequests();      // those of a render that was stopped mean other lines now
+    // Requests and items of a render that was stopped mean something else now.
+    MakeRequests();
+    ReserveItems(0);
     _records = Buffer(); // frees first
     _records = UploadVector(_device, "textures", _textures.Records());
     PublishTable();
