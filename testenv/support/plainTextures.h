@@ -24,6 +24,9 @@ public:
     std::uint32_t Add(std::uint32_t width, std::uint32_t height, std::uint32_t format,
                       std::uint32_t flags, std::uint32_t seed);
 
+    /// As a texture whose image cannot be decoded.
+    void MakeUnreadable(std::uint32_t texture) { _records[texture].numMips = 0; }
+
     const std::vector<shared::HdsTexture>& Records() const { return _records; }
     const std::vector<std::uint8_t>& Texels() const { return _bytes; }
     static std::vector<float> Srgb();
