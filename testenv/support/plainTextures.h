@@ -25,6 +25,9 @@ public:
     std::uint32_t Add(std::uint32_t width, std::uint32_t height, std::uint32_t format, bool isGray,
                       std::uint32_t seed);
 
+    /// As a texture whose image cannot be decoded.
+    void MakeUnreadable(std::uint32_t texture) { _records[texture].flags = HDS_TEXTURE_MISSING; }
+
     const std::vector<shared::HdsTexture>& Records() const { return _records; }
     const std::vector<std::uint8_t>& Texels() const { return _bytes; }
     static std::vector<float> Srgb();
