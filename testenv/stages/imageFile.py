@@ -64,9 +64,9 @@ def WriteExr(path, channels: dict, half: bool = True) -> None:
         stream.write(b"".join(blocks))
 
 
-def WritePng(path, pixels: np.ndarray) -> None:
-    """Writes [height][width][1 to 4] of uint8 or uint16: gray, gray and alpha, RGB, RGBA. Source: PNG
-    specification, W3C 2003 (ISO/IEC 15948)."""
+def WritePng(path, pixels: np.ndarray, level: int = 9) -> None:
+    """Writes [height][width][1 to 4] of uint8 or uint16: gray, gray and alpha, RGB, RGBA. `level` of
+    deflate: 0 stores. Source: PNG specification, W3C 2003 (ISO/IEC 15948)."""
     height, width, channels = pixels.shape
     bits = 8 * pixels.dtype.itemsize
     rows = pixels.astype(pixels.dtype.newbyteorder(">")).reshape(height, -1)
@@ -76,7 +76,7 @@ def WritePng(path, pixels: np.ndarray) -> None:
     with open(path, "wb") as stream:
         stream.write(b"\x89PNG\r\n\x1a\n")
         stream.write(chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, bits, colorType, 0, 0, 0)))
-        stream.write(chunk(b"IDAT", zlib.compress(raw, 9)) + chunk(b"IEND", b""))
+        stream.write(chunk(b"IDAT", zlib.compress(raw, level)) + chunk(b"IEND", b""))
 
 
 def _ReadHeader(data: bytes) -> tuple[dict, int]:

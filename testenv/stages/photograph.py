@@ -1,33 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures with the statistics of photographs, in any number, each different; and a PNG writer for them.
+"""Pictures with the statistics of photographs, in any number, each different.
 
 Amplitudes fall with one over the frequency, as in natural images (Field 1987, "Relations between the statistics of
 natural images and the response properties of cortical cells"); regions of different colours meet in sharp edges; fine
 grain lies over all. Deterministic: picture `index` of a size is the same wherever it is made.
 """
 
-import struct
-import zlib
-
 import numpy as np
 
 _FIELDS = 4
-
-
-def WritePng(path, pixels: np.ndarray, level: int = 1) -> None:
-    """8 or 16 bits, [height][width] gray or [height][width][3 or 4]. \\param level of zlib: 0 stores."""
-    height, width = pixels.shape[:2]
-    colorType = {1: 0, 2: 4, 3: 2, 4: 6}[1 if pixels.ndim == 2 else pixels.shape[2]]
-    rows = pixels.astype(pixels.dtype.newbyteorder(">")).reshape(height, -1).view(np.uint8)
-    raw = np.concatenate([np.zeros((height, 1), np.uint8), rows], axis=1)
-
-    def Chunk(kind: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    header = struct.pack(">IIBBBBB", width, height, 8 * pixels.dtype.itemsize, colorType, 0, 0, 0)
-    with open(path, "wb") as stream:
-        stream.write(b"\x89PNG\r\n\x1a\n" + Chunk(b"IHDR", header)
-                     + Chunk(b"IDAT", zlib.compress(raw.tobytes(), level)) + Chunk(b"IEND", b""))
 
 
 def _Field(rng, size: int) -> np.ndarray:

@@ -11,9 +11,9 @@ import os
 import pathlib
 
 import numpy as np
-from pxr import Gf, Sdf, UsdShade
 
-from . import author, photograph, shapes
+from . import author, imageFile, photograph, shapes
+from .textured import AddTexturedMaterial
 
 RING = 26
 COUNT = 962
@@ -28,7 +28,7 @@ def _WriteRange(folder: str, size: int, begin: int, end: int, level: int) -> Non
         target = pathlib.Path(folder) / f"photo{index:04d}.png"
         if not target.exists():
             partial = target.with_suffix(".part")
-            photograph.WritePng(partial, photographs.Make(index), level)
+            imageFile.WritePng(partial, photographs.Make(index), level)
             partial.rename(target)
 
 
@@ -44,25 +44,6 @@ def WriteTextures(folder, count: int, size: int, level: int = 0) -> None:
         for job in [pool.submit(_WriteRange, str(folder), size, begin, end, level)
                     for begin, end in zip(borders, borders[1:])]:
             job.result()
-
-
-def AddTexturedMaterial(stage, path: str, file: str) -> UsdShade.Material:
-    """A dull UsdPreviewSurface whose diffuse colour is a texture, looked up by `st`."""
-    material = author.AddMaterial(stage, path, roughness=0.7)
-    reader = UsdShade.Shader.Define(stage, path + "/Reader")
-    reader.CreateIdAttr("UsdPrimvarReader_float2")
-    reader.CreateInput("varname", Sdf.ValueTypeNames.String).Set("st")
-    texture = UsdShade.Shader.Define(stage, path + "/Texture")
-    texture.CreateIdAttr("UsdUVTexture")
-    texture.CreateInput("file", Sdf.ValueTypeNames.Asset).Set(Sdf.AssetPath(file))
-    texture.CreateInput("st", Sdf.ValueTypeNames.Float2).ConnectToSource(
-        reader.CreateOutput("result", Sdf.ValueTypeNames.Float2))
-    texture.CreateInput("wrapS", Sdf.ValueTypeNames.Token).Set("clamp")
-    texture.CreateInput("wrapT", Sdf.ValueTypeNames.Token).Set("clamp")
-    surface = UsdShade.Shader(stage.GetPrimAtPath(path + "/Surface"))
-    surface.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).ConnectToSource(
-        texture.CreateOutput("rgb", Sdf.ValueTypeNames.Float3))
-    return material
 
 
 def _Card(index: int) -> shapes.Shape:
@@ -89,7 +70,8 @@ def WriteTextureStress(path, count: int = COUNT, size: int = SIZE, level: int = 
     WriteTextures(folder, count, size, level)
     stage = author.NewStage(str(path))
     for index in range(count):
-        material = AddTexturedMaterial(stage, f"/World/Materials/Photo{index}", f"./{folder.name}/photo{index:04d}.png")
+        material = AddTexturedMaterial(stage, f"/World/Materials/Photo{index}", dict(
+            diffuseColor=(f"./{folder.name}/photo{index:04d}.png", "rgb")), wrap="clamp", roughness=0.7)
         author.AddMesh(stage, f"/World/Cards/Card{index}", _Card(index), material=material, doubleSided=True)
     depth = _SPACING * -(-count // RING)
     mirror = author.AddMaterial(stage, "/World/Materials/Mirror", metallic=1.0, roughness=0.05,
