@@ -9,11 +9,6 @@
 
 namespace hds::bench {
 
-/// Bits a texel of the report's scheme. \param deltaBits of a difference
-inline double ReportBits(std::uint32_t channels, int deltaBits) {
-    return channels * (deltaBits + (8.0 + 3.0) / 16.0); // base and shift once a block
-}
-
 /// Bits of a difference at our rate, half of 8 bits a channel: 4 in an opaque block of four
 /// channels, whose alpha needs none, else 3.
 inline int ReportDeltaBits(const std::uint8_t* texels, std::uint32_t channels) {

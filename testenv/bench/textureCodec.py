@@ -64,7 +64,7 @@ def PrintSummary(rows: list) -> None:
     print("| scheme | rate | median dB | mean dB | worst dB | normal maps, mean error in degrees: mean, worst |\n" + "|---" * 6 + "|")
     for name, key in (("report's", "report"), ("ours", "ours"), ("4 bits a channel", "plain4")):
         values = [row[key] for row in rated]
-        angles = [row[f"{key}Degrees"] for row in normals] if f"{key}Degrees" in rows[0] else []
+        angles = [row[f"{key}Degrees"] for row in normals if row["channels"] == 4] if f"{key}Degrees" in rows[0] else []
         text = f"{statistics.mean(angles):.3f}, {max(angles):.3f}" if angles else "-"
         print(f"| {name} | 1:2 | {statistics.median(values):.1f} | {statistics.mean(values):.1f} | {min(values):.1f} | {text} |")
     print("| none | 1:1 | exact | exact | exact | 0 |")
