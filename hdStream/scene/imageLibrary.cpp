@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/imageLibrary.h"
 
+#include "hdStream/texture/plainTexture.h"
 #include "hdStream/texture/udim.h"
 
 namespace hds {
@@ -114,6 +115,30 @@ ImageLibrary::Mean ImageLibrary::ReadMean(const AssetReference& asset,
     return mean;
 }
 
+std::shared_ptr<const HeightImage> ImageLibrary::LoadHeights(const MaterialTexture& texture,
+                                                             std::uint32_t channel) {
+    const std::lock_guard<std::mutex> lock(_mutex);
+    std::weak_ptr<const HeightImage>& known =
+        _heights[TextureKey(texture) + '\n' + std::to_string(channel)];
+    if (auto image = known.lock()) {
+        return image;
+    }
+    PlainTexture plain = LoadPlainTexture(SourceOf(texture.file), texture.colorSpace);
+    if (!plain.warning.empty()) {
+        _warnings.Add("", plain.warning);
+    }
+    if (!plain.error.empty()) {
+        _warnings.Add("", plain.error);
+        return nullptr;
+    }
+    auto image = std::make_shared<HeightImage>();
+    image->width = plain.record.width;
+    image->height = plain.record.height;
+    image->values = BaseChannel(plain, channel);
+    known = image;
+    return image;
+}
+
 std::shared_ptr<const DomeImage> ImageLibrary::LoadDome(const AssetReference& asset) {
     const std::string key = KeyOf(asset);
     const std::lock_guard<std::mutex> lock(_mutex);
@@ -166,6 +191,7 @@ void ImageLibrary::Clear() {
     const std::lock_guard<std::mutex> lock(_mutex);
     _headers.clear();
     _means.clear();
+    _heights.clear();
     _domeKey.clear();
     _dome = {};
 }

@@ -47,6 +47,10 @@ public:
     std::optional<std::array<float, 4>> MeanOf(const AssetReference& asset,
                                                const std::string& colorSpace);
 
+    /// One channel of an image in linear light; null when it cannot be read (the caller warns).
+    std::shared_ptr<const HeightImage> LoadHeights(const MaterialTexture& texture,
+                                                   std::uint32_t channel);
+
     /// A dome's image; null when it cannot be read (the caller warns).
     std::shared_ptr<const DomeImage> LoadDome(const AssetReference& asset);
 
@@ -82,7 +86,9 @@ private:
     std::map<std::string, TextureUse> _uses; ///< by file and range
     std::map<std::string, Header> _headers;  ///< by file and range
     std::map<std::string, Mean> _means;      ///< by file, range and colour space
-    std::string _domeKey;                    ///< of the dome read last, the only one that is kept
+    /// By texture and channel, as long as some mesh uses it.
+    std::map<std::string, std::weak_ptr<const HeightImage>> _heights;
+    std::string _domeKey; ///< of the dome read last, the only one that is kept
     Dome _dome;
 };
 

@@ -139,6 +139,9 @@ std::vector<DisplacementInput> MaterialCommit::DisplacementsOf(const MeshPrim& p
     std::vector<DisplacementInput> displacements;
     for (const std::string& materialPath : EntryPaths(prim)) {
         displacements.push_back(Find(materialPath).displacement);
+        if (auto& lookup = displacements.back().lookup) {
+            lookup->image = _images.LoadHeights(lookup->texture, lookup->channel);
+        }
     }
     return displacements;
 }

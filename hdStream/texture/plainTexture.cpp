@@ -171,6 +171,24 @@ PlainTexture LoadPlainTexture(const ImageSource& source, const std::string& colo
     return texture;
 }
 
+std::vector<float> BaseChannel(const PlainTexture& texture, std::uint32_t channel) {
+    const std::size_t count = std::size_t{texture.record.width} * texture.record.height;
+    std::vector<float> values(count);
+    if (texture.record.format != HDS_TEXEL_RGBA8) {
+        const auto* texels = reinterpret_cast<const float*>(texture.texels.data());
+        for (std::size_t i = 0; i < count; ++i) {
+            values[i] = texels[kChannels * i + channel];
+        }
+        return values;
+    }
+    const bool isSrgb = (texture.record.flags & HDS_TEXTURE_SRGB) != 0 && channel < 3;
+    for (std::size_t i = 0; i < count; ++i) {
+        const double encoded = texture.texels[kChannels * i + channel] / 255.0;
+        values[i] = static_cast<float>(isSrgb ? LinearFromSrgb(encoded) : encoded);
+    }
+    return values;
+}
+
 std::array<float, 256> SrgbTable() {
     std::array<float, 256> table{};
     for (std::size_t i = 0; i < table.size(); ++i) {

@@ -25,6 +25,9 @@ struct PlainTexture {
 /// bad content. Values that are not finite become 0. \param colorSpace as MeanColor
 PlainTexture LoadPlainTexture(const ImageSource& source, const std::string& colorSpace);
 
+/// One channel of mip 0 in linear light, rows from the top.
+std::vector<float> BaseChannel(const PlainTexture& texture, std::uint32_t channel);
+
 /// Linear light of the 256 codes of 8-bit sRGB.
 std::array<float, 256> SrgbTable();
 
