@@ -13,8 +13,6 @@ namespace {
 
 /// Bytes of a page that do not grow with its triangles: header and root; slot word and padding.
 constexpr std::uint64_t kFixedBytes = 128;
-/// Changes whenever the same mesh gives other pages: part of the keys in the store.
-constexpr std::uint64_t kPageFormat = 1;
 
 std::uint64_t NextIds() {
     static std::atomic<std::uint64_t> next{1};
@@ -29,29 +27,21 @@ std::uint64_t RoundUp(std::uint64_t bytes) {
 
 ChunkPages::ChunkPages(std::shared_ptr<const ChunkedMesh> mesh, std::uint32_t chunk)
     : _mesh(std::move(mesh)), _chunk(chunk), _firstId(NextIds()) {
-    const std::uint64_t count = _mesh->plan.counts[chunk];
-    const TriangleBytes& bytes = _mesh->source->BoundBytes();
+    const MeshOutline& outline = _mesh->Outline();
+    const std::uint64_t count = outline.numInChunk[chunk];
+    const TriangleBytes& bytes = outline.boundBytes;
     // Each block of attributes is padded.
-    const std::uint64_t padding = kFixedBytes * (1 + _mesh->source->Attributes().size());
+    const std::uint64_t padding = kFixedBytes * (1 + outline.attributes.size());
     _bytes[HDS_PAGE_GEOMETRY] = RoundUp(count * bytes.geometry + kFixedBytes);
     _bytes[HDS_PAGE_ATTRIBUTES] = RoundUp(count * bytes.attributes + padding);
 }
 
-PageKey ChunkPages::KeyOf(std::uint32_t page) const {
-    Hasher hasher;
-    hasher.Append(kPageFormat);
-    hasher.Append(_mesh->key.words[0]);
-    hasher.Append(_mesh->key.words[1]);
-    hasher.Append(std::uint64_t{_chunk} * kNumPages + page);
-    return MakePageKey(hasher);
-}
-
 void ChunkPages::FindSizes() {
-    if (!_mesh->store || _isExact) {
+    if (!_mesh->Store() || _isExact) {
         return;
     }
-    const auto geometry = _mesh->store->Bytes(KeyOf(HDS_PAGE_GEOMETRY));
-    const auto attributes = _mesh->store->Bytes(KeyOf(HDS_PAGE_ATTRIBUTES));
+    const auto geometry = _mesh->Store()->Bytes(KeyOf(HDS_PAGE_GEOMETRY));
+    const auto attributes = _mesh->Store()->Bytes(KeyOf(HDS_PAGE_ATTRIBUTES));
     if (geometry && attributes) {
         _bytes = {*geometry, *attributes};
         _isExact = true;
@@ -63,22 +53,22 @@ bool ChunkPages::Prepare(const std::array<bool, kNumPages>& isWanted) {
         return false;
     }
     Build();
-    for (std::uint32_t page = 0; page < kNumPages && _mesh->store; ++page) {
-        _mesh->store->Save(KeyOf(page), _data[page].data(), _data[page].size());
+    for (std::uint32_t page = 0; page < kNumPages && _mesh->Store(); ++page) {
+        _mesh->Store()->Save(KeyOf(page), _data[page].data(), _data[page].size());
     }
     return true;
 }
 
 bool ChunkPages::Locate(std::uint32_t page, MappedPage* mapped) {
-    if (!_mesh->store) {
+    if (!_mesh->Store()) {
         return false;
     }
-    const auto location = _mesh->store->Locate(KeyOf(page));
+    const auto location = _mesh->Store()->Locate(KeyOf(page));
     if (!location) {
         return false;
     }
-    mapped->file = _mesh->store->SegmentData(location->segment);
-    mapped->fileBytes = _mesh->store->SegmentBytes(location->segment);
+    mapped->file = _mesh->Store()->SegmentData(location->segment);
+    mapped->fileBytes = _mesh->Store()->SegmentBytes(location->segment);
     mapped->offset = location->offset;
     _bytes[page] = location->bytes;
     return mapped->file != nullptr;
@@ -91,7 +81,7 @@ bool ChunkPages::Load(const std::array<bool, kNumPages>& isWanted) {
         if (!isWanted[page] || HasData(page)) {
             continue;
         }
-        if (!_mesh->store || !_mesh->store->Load(KeyOf(page), &_data[page])) {
+        if (!_mesh->Store() || !_mesh->Store()->Load(KeyOf(page), &_data[page])) {
             return false;
         }
         _bytes[page] = _data[page].size();
@@ -100,9 +90,9 @@ bool ChunkPages::Load(const std::array<bool, kNumPages>& isWanted) {
 }
 
 void ChunkPages::Build() {
-    const ChunkPlan& plan = _mesh->plan;
-    ChunkGeometry chunk = _mesh->source->Gather(plan.units.data() + plan.begin[_chunk],
-                                                plan.begin[_chunk + 1] - plan.begin[_chunk]);
+    const ChunkPlan& plan = _mesh->Plan();
+    ChunkGeometry chunk = _mesh->Source().Gather(plan.units.data() + plan.begin[_chunk],
+                                                 plan.begin[_chunk + 1] - plan.begin[_chunk]);
     _data[HDS_PAGE_GEOMETRY] = BuildGeometryPage(chunk).bytes;
     _data[HDS_PAGE_ATTRIBUTES] = BuildAttributePage(chunk);
     for (std::uint32_t page = 0; page < kNumPages; ++page) {

@@ -3,8 +3,7 @@
 // chunk. Explained in docs/accel.md.
 #pragma once
 
-#include "hdStream/accel/chunkPlan.h"
-#include "hdStream/persist/pageStore.h"
+#include "hdStream/accel/chunkedMesh.h"
 #include "hdStream/stream/pageProvider.h"
 #include "kernels/shared/geometry.h"
 
@@ -15,21 +14,13 @@
 
 namespace hds {
 
-/// A mesh and how it is cut: what its chunks are made from. Immutable.
-struct ChunkedMesh {
-    std::shared_ptr<const ChunkSource> source;
-    ChunkPlan plan;
-    std::shared_ptr<PageStore> store; ///< of finished pages; may be null
-    PageKey key;                      ///< of all that source and plan are made of
-};
-
 /// Pages HDS_PAGE_GEOMETRY and HDS_PAGE_ATTRIBUTES of a chunk. Different objects may be used by
 /// different threads at once, one object by one thread.
 class ChunkPages {
 public:
     static constexpr std::uint32_t kNumPages = 2;
 
-    /// Takes ids that no other page of the process has. \param chunk of the mesh's plan.
+    /// Takes ids that no other page of the process has. \param chunk of the mesh.
     ChunkPages(std::shared_ptr<const ChunkedMesh> mesh, std::uint32_t chunk);
 
     std::uint64_t Id(std::uint32_t page) const { return _firstId + page; }
@@ -50,7 +41,9 @@ public:
     void Drop(std::uint32_t page) { std::vector<std::uint8_t>().swap(_data[page]); }
 
 private:
-    PageKey KeyOf(std::uint32_t page) const;
+    PageKey KeyOf(std::uint32_t page) const {
+        return _mesh->PartKey(std::uint64_t{_chunk} * kNumPages + page);
+    }
     bool Load(const std::array<bool, kNumPages>& isWanted);
     void Build();
 

@@ -11,6 +11,13 @@ void Warnings::Add(const std::string& subject, const std::string& text) {
     }
 }
 
+bool Warnings::Has(const std::string& subject) const {
+    const std::string start = subject + ": ";
+    const std::lock_guard<std::mutex> lock(_mutex);
+    const auto line = _lines.lower_bound(start);
+    return line != _lines.end() && line->compare(0, start.size(), start) == 0;
+}
+
 std::vector<std::string> Warnings::Lines() const {
     const std::lock_guard<std::mutex> lock(_mutex);
     return {_lines.begin(), _lines.end()};

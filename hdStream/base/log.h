@@ -21,6 +21,9 @@ public:
     /// Records "subject: text" unless it is known already.
     void Add(const std::string& subject, const std::string& text);
 
+    /// Whether there is a line of this subject.
+    bool Has(const std::string& subject) const;
+
     /// All lines, sorted, so that their order does not depend on threads.
     std::vector<std::string> Lines() const;
 

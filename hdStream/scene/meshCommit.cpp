@@ -9,15 +9,17 @@
 #include "hdStream/scene/transforms.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace hds {
 
 namespace {
 
+/// A mesh of fewer triangles is looked at as fast as its outline is read.
+constexpr std::uint64_t kMinKeptOutline = 256;
+
 /// Makes the chunks, ordered by the leaves of a BVH over their boxes.
 void BuildTopTree(PreparedMesh* mesh) {
-    const std::vector<Bounds>& boxes = mesh->mesh->plan.bounds;
+    const std::vector<Bounds>& boxes = mesh->mesh->Outline().chunkBounds;
     const auto addChunk = [&](std::uint32_t chunk) {
         mesh->chunks.push_back(std::make_shared<ChunkPages>(mesh->mesh, chunk));
     };
@@ -48,35 +50,35 @@ std::shared_ptr<const ChunkSource> MakeSource(const std::string& path, const Mes
 
 PreparedMesh PrepareMesh(const std::string& path, const MeshInputs& inputs,
                          std::shared_ptr<PageStore> store, Warnings& warnings) {
+    const PageKey key = store ? MakeMeshKey(inputs) : PageKey();
+    const auto mesh = std::make_shared<const ChunkedMesh>(
+        [path, inputs, &warnings] { return MakeSource(path, inputs, warnings); }, inputs.chunkBytes,
+        std::move(store), key);
+    const MeshOutline& outline = mesh->Outline();
+    if (outline.numTriangles >= kMinKeptOutline && !warnings.Has(path)) {
+        mesh->SaveOutline();
+    }
     PreparedMesh result;
-    const auto source = MakeSource(path, inputs, warnings);
-    result.leftHanded = source->IsLeftHanded();
-    result.origin = source->Origin();
-    result.numTriangles = source->NumTriangles();
-    for (const AttributeFormat& attribute : source->Attributes()) {
+    result.leftHanded = outline.isLeftHanded;
+    result.origin = outline.origin;
+    result.numTriangles = outline.numTriangles;
+    for (const AttributeFormat& attribute : outline.attributes) {
         result.attributes.push_back({attribute.name, attribute.numComponents});
     }
-    if (result.numTriangles == 0) {
-        return result;
+    if (result.numTriangles > 0) {
+        for (const Bounds& bounds : outline.chunkBounds) {
+            ExtendBounds(&result.bounds, bounds);
+        }
+        result.mesh = mesh;
+        BuildTopTree(&result);
     }
-    const std::uint64_t maxTriangles =
-        std::clamp<std::uint64_t>(inputs.chunkBytes / source->MeanBytes().Both(), 1,
-                                  std::numeric_limits<std::uint32_t>::max());
-    ChunkPlan plan = PlanChunks(*source, static_cast<std::uint32_t>(maxTriangles));
-    for (const Bounds& bounds : plan.bounds) {
-        ExtendBounds(&result.bounds, bounds);
-    }
-    const PageKey key = store ? MakeMeshKey(inputs) : PageKey();
-    result.mesh = std::make_shared<const ChunkedMesh>(
-        ChunkedMesh{source, std::move(plan), std::move(store), key});
-    BuildTopTree(&result);
     return result;
 }
 
 ChunkGeometry GatherAll(const PreparedMesh& mesh) {
-    std::vector<std::uint32_t> units = mesh.mesh->plan.units;
+    std::vector<std::uint32_t> units = mesh.mesh->Plan().units;
     std::sort(units.begin(), units.end());
-    return mesh.mesh->source->Gather(units.data(), units.size());
+    return mesh.mesh->Source().Gather(units.data(), units.size());
 }
 
 } // namespace hds

@@ -121,10 +121,19 @@ class Viewer:
     def UseCamera(self, path):
         self.app._cameraSelectionChanged(self.stage.GetPrimAtPath(path))
 
+    def Redice(self):
+        """Dices surfaces for the present camera, as a user does with the renderer's command: else they keep the rates
+        of the first camera that the renderer has drawn."""
+        self.Events()
+        for command in self.view.GetRendererCommands():
+            if command.commandName == "redice":
+                self.view.InvokeRendererCommand(command)
+
 
 def SelectingAndOrbiting(viewer, renderer):
     viewer.UseCamera("/World/Camera")
     viewer.SelectRenderer(renderer)
+    viewer.Redice()
     viewer.Shoot("start")
     viewer.Drag((160, 120), (220, 130))
     viewer.Shoot("orbit")
@@ -232,6 +241,7 @@ def Switching(viewer, renderer):
             viewer.SelectRenderer(other)
             viewer.Shoot(f"renderer{other}")
             viewer.SelectRenderer(renderer)
+            viewer.Redice()
             viewer.Shoot(f"backFrom{other}")
     for _ in range(3):
         viewer.view._renderer.SetRendererSetting("samples", 4096)
@@ -241,6 +251,7 @@ def Switching(viewer, renderer):
         viewer.Events(0.1)
         viewer.SelectRenderer(renderer)
     viewer.UseCamera("/World/Camera")
+    viewer.Redice()
     viewer.Shoot("switched")
 
 
@@ -259,6 +270,7 @@ def Reloading(viewer, renderer):
     viewer.Converge()
     viewer.SelectRenderer(renderer)
     viewer.UseCamera("/World/Camera")
+    viewer.Redice()
     viewer.Shoot("reopened")
 
 

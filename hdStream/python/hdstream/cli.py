@@ -12,6 +12,7 @@ import sys
 from hdstream import options
 from hdstream.errors import (EXIT_FAILURE, EXIT_INTERRUPTED, EXIT_OK, EXIT_USAGE, CommandError,
                              OneLine)
+from hdstream.interruption import Interruption
 
 _COMPLEXITIES = ("low", "medium", "high", "veryhigh")
 
@@ -26,7 +27,8 @@ class _Parser(argparse.ArgumentParser):
 def Main(arguments=None):
     """Runs a command; returns the exit code. Never shows a traceback for a user's error."""
     arguments = sys.argv[1:] if arguments is None else list(arguments)
-    args = _MakeParser("record" in arguments[:1]).parse_args(arguments)
+    with Interruption():  # the core is loaded for its settings
+        args = _MakeParser("record" in arguments[:1]).parse_args(arguments)
     try:
         return args.command(args) or EXIT_OK
     except CommandError as error:

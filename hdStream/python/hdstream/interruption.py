@@ -38,7 +38,7 @@ class Interruption:
 
     def _OnSignal(self, number, frame):
         if not self.hasWork:
-            os.write(2, b"hdstream record: interrupted\n")
+            os.write(2, b"hdstream: interrupted\n")
         if self.isRequested or not self.hasWork:
             os._exit(EXIT_INTERRUPTED)
         self.isRequested = True

@@ -6,6 +6,7 @@
 #include "hdStream/scene/meshKey.h"
 
 #include "testenv/support/pageView.h"
+#include "testenv/support/temporaryFolder.h"
 
 #include <gtest/gtest.h>
 
@@ -63,9 +64,9 @@ TEST(MeshCommit, EveryTriangleIsInOneChunkWithinTheBound) {
             EXPECT_LE(bytes, bound);
             EXPECT_LE(bytes, chunkBytes);
         }
-        const ChunkPlan& plan = mesh.mesh->plan;
+        const ChunkPlan& plan = mesh.mesh->Plan();
         for (std::size_t i = 0; i < plan.NumChunks(); ++i) {
-            const ChunkGeometry geometry = mesh.mesh->source->Gather(
+            const ChunkGeometry geometry = mesh.mesh->Source().Gather(
                 plan.units.data() + plan.begin[i], plan.begin[i + 1] - plan.begin[i]);
             EXPECT_EQ(geometry.triangles.size(), plan.counts[i]);
             for (const std::uint32_t face : geometry.faces) {
@@ -74,6 +75,78 @@ TEST(MeshCommit, EveryTriangleIsInOneChunkWithinTheBound) {
         }
         EXPECT_EQ(seen, std::vector<int>(seen.size(), 2));
         EXPECT_EQ(mesh.topNodes.empty(), mesh.chunks.size() == 1);
+    }
+}
+
+/// The prepared grid with a store in `folder`, and a chunk of it made ready.
+PreparedMesh PrepareStored(const MeshDescription& grid, const std::string& folder,
+                           Warnings* warnings) {
+    PageStoreOptions options;
+    options.directory = folder;
+    MeshInputs inputs;
+    inputs.chunkBytes = 4096;
+    inputs.mesh = std::make_shared<MeshDescription>(grid);
+    return PrepareMesh("/grid", inputs, std::make_shared<PageStore>(options, warnings), *warnings);
+}
+
+TEST(MeshCommit, ASecondRunTakesTheOutlineFromTheStore) {
+    const test::TemporaryFolder folder;
+    Warnings warnings;
+    const MeshDescription grid = Grid(40, "none");
+    const PreparedMesh first = PrepareStored(grid, folder.Path(), &warnings);
+    ASSERT_GT(first.chunks.size(), 10U);
+    EXPECT_TRUE(first.chunks[3]->Prepare({true, true}));
+    const auto page = first.chunks[3]->Data(HDS_PAGE_GEOMETRY);
+
+    const PreparedMesh second = PrepareStored(grid, folder.Path(), &warnings);
+    EXPECT_EQ(SerializeOutline(second.mesh->Outline()), SerializeOutline(first.mesh->Outline()));
+    ASSERT_EQ(second.topNodes.size(), first.topNodes.size());
+    EXPECT_EQ(std::memcmp(second.topNodes.data(), first.topNodes.data(),
+                          first.topNodes.size() * sizeof(first.topNodes[0])),
+              0);
+    EXPECT_FALSE(second.chunks[3]->Prepare({true, true})) << "its pages are in the store";
+    EXPECT_EQ(second.chunks[3]->Data(HDS_PAGE_GEOMETRY), page);
+    EXPECT_TRUE(second.chunks[4]->Prepare({true, true})) << "made by the source, after all";
+    EXPECT_TRUE(first.chunks[4]->Prepare({true, true}) ||
+                first.chunks[4]->Data(HDS_PAGE_GEOMETRY) ==
+                    second.chunks[4]->Data(HDS_PAGE_GEOMETRY));
+}
+
+TEST(MeshCommit, AMeshWithWarningsWarnsAgainInTheNextRun) {
+    const test::TemporaryFolder folder;
+    MeshDescription grid = Grid(40, "none");
+    std::vector<float> points(grid.points.begin(), grid.points.end());
+    points[3] = std::numeric_limits<float>::quiet_NaN();
+    grid.points = std::move(points);
+    for (int run = 0; run < 2; ++run) {
+        Warnings warnings;
+        const PreparedMesh mesh = PrepareStored(grid, folder.Path(), &warnings);
+        EXPECT_GT(mesh.chunks.size(), 1U);
+        EXPECT_EQ(warnings.Lines().size(), 1U);
+        EXPECT_TRUE(warnings.Has("/grid"));
+        EXPECT_FALSE(warnings.Has("/gri"));
+    }
+}
+
+TEST(MeshCommit, BytesThatAreNoOutlineGiveNone) {
+    MeshOutline outline;
+    outline.numTriangles = 7;
+    outline.attributes = {{"st", 2}, {"displayColor", 3}};
+    outline.chunkBounds.resize(3);
+    outline.numInChunk = {1, 2, 4};
+    const std::vector<std::uint8_t> bytes = SerializeOutline(outline);
+    const auto again = ParseOutline(bytes);
+    ASSERT_TRUE(again);
+    EXPECT_EQ(SerializeOutline(*again), bytes);
+    EXPECT_EQ(again->attributes[1].name, "displayColor");
+    EXPECT_EQ(again->numInChunk, outline.numInChunk);
+    for (std::size_t length = 0; length < bytes.size(); ++length) {
+        EXPECT_FALSE(ParseOutline({bytes.begin(), bytes.begin() + std::ptrdiff_t(length)}));
+    }
+    for (std::size_t i = 0; i + 8 <= bytes.size(); i += 4) {
+        std::vector<std::uint8_t> wrong = bytes;
+        std::fill_n(wrong.begin() + std::ptrdiff_t(i), 8, std::uint8_t{0xff});
+        ParseOutline(wrong); // whatever it gives, it reads nothing beyond the end
     }
 }
 
