@@ -33,7 +33,7 @@ TextureUse UseOf(const AssetReference& asset, const ImageInfo& info, const std::
 
 } // namespace
 
-std::string TextureKey(const MaterialTexture& texture) {
+std::string MaterialTextureKey(const MaterialTexture& texture) {
     return KeyOf(texture.file) + '\n' + texture.colorSpace;
 }
 
@@ -119,11 +119,11 @@ std::shared_ptr<const HeightImage> ImageLibrary::LoadHeights(const MaterialTextu
                                                              std::uint32_t channel) {
     const std::lock_guard<std::mutex> lock(_mutex);
     std::weak_ptr<const HeightImage>& known =
-        _heights[TextureKey(texture) + '\n' + std::to_string(channel)];
+        _heights[MaterialTextureKey(texture) + '\n' + std::to_string(channel)];
     if (auto image = known.lock()) {
         return image;
     }
-    PlainTexture plain = LoadPlainTexture(SourceOf(texture.file), texture.colorSpace);
+    PlainChannel plain = LoadPlainChannel(SourceOf(texture.file), texture.colorSpace, channel);
     if (!plain.warning.empty()) {
         _warnings.Add("", plain.warning);
     }
@@ -132,9 +132,9 @@ std::shared_ptr<const HeightImage> ImageLibrary::LoadHeights(const MaterialTextu
         return nullptr;
     }
     auto image = std::make_shared<HeightImage>();
-    image->width = plain.record.width;
-    image->height = plain.record.height;
-    image->values = BaseChannel(plain, channel);
+    image->width = plain.width;
+    image->height = plain.height;
+    image->values = std::move(plain.values);
     known = image;
     return image;
 }

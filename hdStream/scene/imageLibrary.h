@@ -25,8 +25,8 @@ struct TextureUse {
 
 ImageSource SourceOf(const AssetReference& asset);
 
-/// Equal for equal images in equal colour spaces.
-std::string TextureKey(const MaterialTexture& texture);
+/// Equal for equal images in equal colour spaces, whatever channels are read.
+std::string MaterialTextureKey(const MaterialTexture& texture);
 
 /// What materials and lights know of images, by file. Thread-safe.
 class ImageLibrary {

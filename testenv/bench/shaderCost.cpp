@@ -171,14 +171,14 @@ int main(int argc, char** argv) {
     Program program(device, "shaderCost.cl", {{"HDS_NUM_TEXTURE_POOLS", "1"}}, nullptr, &text);
     test::PlainTextures textures;
     for (std::uint32_t seed = 0; seed < 3; ++seed) {
-        textures.Add(1024, 1024, HDS_TEXEL_RGBA8, seed == 0 ? HDS_TEXTURE_SRGB : 0U, seed + 1);
+        textures.Add(1024, 1024, HDS_TEXEL_U8 | 2U | (seed == 0 ? HDS_TEXEL_SRGB : 0U),
+                     HDS_SWIZZLE_RGBA, seed + 1);
     }
     shared::HdsMaterial material{};
     for (shared::float4& constant : material.constants) {
         constant = {0.5F, 0.5F, 0.5F, 1.0F};
     }
     const Buffer records = UploadVector(device, "textures", textures.Records());
-    const Buffer srgb = UploadVector(device, "srgb", test::PlainTextures::Srgb());
     const Buffer texels = UploadVector(device, "texels", textures.Texels());
     const Buffer materials =
         UploadVector(device, "material", std::vector<shared::HdsMaterial>{material});
@@ -196,8 +196,8 @@ int main(int argc, char** argv) {
             for (auto& [name, kernel] : kernels) {
                 const Buffer out(device, "out", kCount * 4 * sizeof(float));
                 const Timer timer;
-                kernel.Launch(kCount, HDS_TEST_TEXTURE_ARGS(records, srgb, texels), materials,
-                              words, page, withBsdf, out, kCount);
+                kernel.Launch(kCount, HDS_TEST_TEXTURE_ARGS(records, texels), materials, words,
+                              page, withBsdf, out, kCount);
                 device->Finish();
                 const double seconds = timer.Seconds();
                 const std::string key = name + (withBsdf != 0 ? "WithBsdf" : "");
