@@ -8,7 +8,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 namespace hds {
@@ -20,15 +19,26 @@ constexpr std::size_t kBatch = 8;
 /// Size of a buffer, unless a texture is larger or the device allows less.
 constexpr std::uint64_t kBufferBytes = 256U << 20U;
 
+TextureRequest RequestOf(const MaterialTexture& texture) {
+    TextureRequest request;
+    request.colorSpace = texture.colorSpace;
+    request.channels = texture.channels;
+    return request;
+}
+
+/// Textures that differ in what is read of them are stored apart.
+std::string PlacedKey(const MaterialTexture& texture) {
+    return MaterialTextureKey(texture) + '\n' + std::to_string(texture.channels);
+}
+
 std::uint64_t Aligned(std::uint64_t bytes) {
     return (bytes + HDS_POOL_UNIT_BYTES - 1) / HDS_POOL_UNIT_BYTES * HDS_POOL_UNIT_BYTES;
 }
 
 } // namespace
 
-PlainTextureBuffers::PlainTextureBuffers(std::shared_ptr<Device> device) : _device(std::move(device)) {
-    const std::array<float, 256> srgb = SrgbTable();
-    _srgb = UploadVector(_device, "sRGB table", std::vector<float>(srgb.begin(), srgb.end()));
+PlainTextureBuffers::PlainTextureBuffers(std::shared_ptr<Device> device)
+    : _device(std::move(device)) {
     _none = Buffer(_device, "no texels", 0, BufferAccess::ReadOnly);
     _records = Buffer(_device, "textures", 0, BufferAccess::ReadOnly);
 }
@@ -36,7 +46,7 @@ PlainTextureBuffers::PlainTextureBuffers(std::shared_ptr<Device> device) : _devi
 void PlainTextureBuffers::Update(const CommittedScene& scene) {
     std::vector<std::uint32_t> missing;
     for (std::uint32_t i = 0; i < scene.textureTable.size(); ++i) {
-        if (_placed.count(TextureKey(scene.textureTable[i])) == 0) {
+        if (_placed.count(PlacedKey(scene.textureTable[i])) == 0) {
             missing.push_back(i);
         }
     }
@@ -58,19 +68,20 @@ void PlainTextureBuffers::Update(const CommittedScene& scene) {
     }
     std::vector<shared::HdsTexture> records;
     for (const MaterialTexture& texture : scene.textureTable) {
-        records.push_back(_placed.at(TextureKey(texture)));
+        records.push_back(_placed.at(PlacedKey(texture)));
     }
     _records = UploadVector(_device, "textures", records);
 }
 
 /// Decodes and places textures of the scene, batch by batch.
-void PlainTextureBuffers::Add(const CommittedScene& scene, const std::vector<std::uint32_t>& missing) {
+void PlainTextureBuffers::Add(const CommittedScene& scene,
+                              const std::vector<std::uint32_t>& missing) {
     for (std::size_t begin = 0; begin < missing.size(); begin += kBatch) {
         const std::size_t count = std::min(kBatch, missing.size() - begin);
         std::vector<PlainTexture> loaded(count);
         tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
             const MaterialTexture& texture = scene.textureTable[missing[begin + i]];
-            loaded[i] = LoadPlainTexture(SourceOf(texture.file), texture.colorSpace);
+            loaded[i] = LoadPlainTexture(SourceOf(texture.file), RequestOf(texture));
         });
         for (std::size_t i = 0; i < count; ++i) {
             for (const std::string& problem : {loaded[i].error, loaded[i].warning}) {
@@ -78,14 +89,14 @@ void PlainTextureBuffers::Add(const CommittedScene& scene, const std::vector<std
                     scene.images->Report(problem);
                 }
             }
-            Place(TextureKey(scene.textureTable[missing[begin + i]]), loaded[i].record,
+            Place(PlacedKey(scene.textureTable[missing[begin + i]]), loaded[i].record,
                   loaded[i].texels);
         }
     }
 }
 
 void PlainTextureBuffers::Place(const std::string& key, shared::HdsTexture record,
-                           const std::vector<std::uint8_t>& texels) {
+                                const std::vector<std::uint8_t>& texels) {
     const std::uint64_t bytes = Aligned(texels.size());
     if (bytes > 0) {
         if (_buffers.empty() || _usedBytes + bytes > _buffers.back().Bytes()) {
@@ -124,7 +135,6 @@ std::uint64_t PlainTextureBuffers::Bytes() const {
 
 unsigned PlainTextureBuffers::Bind(Kernel* kernel, unsigned first) const {
     kernel->SetBuffer(first++, _records);
-    kernel->SetBuffer(first++, _srgb);
     for (std::uint32_t i = 0; i < kMaxPoolBuffers; ++i) {
         kernel->SetBuffer(first++, i < _buffers.size() ? _buffers[i] : _none);
     }

@@ -40,11 +40,10 @@ private:
 
     std::shared_ptr<Device> _device;
     Buffer _records;
-    Buffer _srgb;
     Buffer _none; ///< stands for buffers that are not there
     std::vector<Buffer> _buffers;
     std::uint64_t _usedBytes = 0;                      ///< of the last buffer
-    std::map<std::string, shared::HdsTexture> _placed; ///< by TextureKey
+    std::map<std::string, shared::HdsTexture> _placed; ///< by image, colour space and channels
 };
 
 } // namespace hds

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/imageLibrary.h"
 
+#include "hdStream/texture/plainTexture.h"
 #include "hdStream/texture/udim.h"
 
 namespace hds {
@@ -32,7 +33,7 @@ TextureUse UseOf(const AssetReference& asset, const ImageInfo& info, const std::
 
 } // namespace
 
-std::string TextureKey(const MaterialTexture& texture) {
+std::string MaterialTextureKey(const MaterialTexture& texture) {
     return KeyOf(texture.file) + '\n' + texture.colorSpace;
 }
 
@@ -114,6 +115,30 @@ ImageLibrary::Mean ImageLibrary::ReadMean(const AssetReference& asset,
     return mean;
 }
 
+std::shared_ptr<const HeightImage> ImageLibrary::LoadHeights(const MaterialTexture& texture,
+                                                             std::uint32_t channel) {
+    const std::lock_guard<std::mutex> lock(_mutex);
+    std::weak_ptr<const HeightImage>& known =
+        _heights[MaterialTextureKey(texture) + '\n' + std::to_string(channel)];
+    if (auto image = known.lock()) {
+        return image;
+    }
+    PlainChannel plain = LoadPlainChannel(SourceOf(texture.file), texture.colorSpace, channel);
+    if (!plain.warning.empty()) {
+        _warnings.Add("", plain.warning);
+    }
+    if (!plain.error.empty()) {
+        _warnings.Add("", plain.error);
+        return nullptr;
+    }
+    auto image = std::make_shared<HeightImage>();
+    image->width = plain.width;
+    image->height = plain.height;
+    image->values = std::move(plain.values);
+    known = image;
+    return image;
+}
+
 std::shared_ptr<const DomeImage> ImageLibrary::LoadDome(const AssetReference& asset) {
     const std::string key = KeyOf(asset);
     const std::lock_guard<std::mutex> lock(_mutex);
@@ -166,6 +191,7 @@ void ImageLibrary::Clear() {
     const std::lock_guard<std::mutex> lock(_mutex);
     _headers.clear();
     _means.clear();
+    _heights.clear();
     _domeKey.clear();
     _dome = {};
     ++_epoch;

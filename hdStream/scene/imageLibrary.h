@@ -25,8 +25,8 @@ struct TextureUse {
 
 ImageSource SourceOf(const AssetReference& asset);
 
-/// Equal for equal images in equal colour spaces.
-std::string TextureKey(const MaterialTexture& texture);
+/// Equal for equal images in equal colour spaces, whatever channels are read.
+std::string MaterialTextureKey(const MaterialTexture& texture);
 
 /// What materials and lights know of images, by file. Thread-safe.
 class ImageLibrary {
@@ -46,6 +46,10 @@ public:
     /// The mean colour in linear light; empty when the image cannot be read (the caller warns).
     std::optional<std::array<float, 4>> MeanOf(const AssetReference& asset,
                                                const std::string& colorSpace);
+
+    /// One channel of an image in linear light; null when it cannot be read (the caller warns).
+    std::shared_ptr<const HeightImage> LoadHeights(const MaterialTexture& texture,
+                                                   std::uint32_t channel);
 
     /// A dome's image; null when it cannot be read (the caller warns).
     std::shared_ptr<const DomeImage> LoadDome(const AssetReference& asset);
@@ -87,7 +91,9 @@ private:
     std::map<std::string, TextureUse> _uses; ///< by file and range
     std::map<std::string, Header> _headers;  ///< by file and range
     std::map<std::string, Mean> _means;      ///< by file, range and colour space
-    std::string _domeKey;                    ///< of the dome read last, the only one that is kept
+    /// By texture and channel, as long as some mesh uses it.
+    std::map<std::string, std::weak_ptr<const HeightImage>> _heights;
+    std::string _domeKey; ///< of the dome read last, the only one that is kept
     Dome _dome;
     std::uint64_t _epoch = 0;
 };

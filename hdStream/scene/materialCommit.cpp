@@ -117,11 +117,12 @@ std::uint32_t MaterialCommit::AddProgram(const std::vector<std::uint32_t>& words
 std::vector<std::uint32_t> MaterialCommit::AddTextures(const CompiledMaterial& material) {
     std::vector<std::uint32_t> indices;
     for (const MaterialTexture& texture : material.textures) {
-        const auto [found, isNew] =
-            _textureByKey.emplace(TextureKey(texture), static_cast<std::uint32_t>(textures.size()));
+        const auto [found, isNew] = _textureByKey.emplace(
+            MaterialTextureKey(texture), static_cast<std::uint32_t>(textures.size()));
         if (isNew) {
             textures.push_back(texture);
         }
+        textures[found->second].channels |= texture.channels;
         indices.push_back(found->second);
     }
     return indices;
@@ -143,6 +144,9 @@ std::vector<DisplacementInput> MaterialCommit::DisplacementsOf(const MeshPrim& p
     std::vector<DisplacementInput> displacements;
     for (const std::string& materialPath : EntryPaths(prim)) {
         displacements.push_back(Find(materialPath).displacement);
+        if (auto& lookup = displacements.back().lookup) {
+            lookup->image = _images.LoadHeights(lookup->texture, lookup->channel);
+        }
     }
     return displacements;
 }

@@ -44,7 +44,7 @@ public:
     MeshMaterialInfo AddMesh(const std::string& path, const MeshPrim& prim,
                              const PreparedMesh& prepared);
 
-    /// By material entry, as AddMesh adds them. Precondition: compiled.
+    /// By material entry, as AddMesh adds them; reads images of heights. Precondition: compiled.
     std::vector<DisplacementInput> DisplacementsOf(const MeshPrim& prim) const;
 
     std::vector<shared::HdsMaterial> materials;

@@ -42,8 +42,10 @@ std::vector<TextureImage> MakeTextureImages(const std::vector<MaterialTexture>& 
         TextureImage image;
         image.source = SourceOf(texture.file);
         image.request.colorSpace = texture.colorSpace;
+        image.request.channels = texture.channels;
         Hasher hasher;
-        hasher.Append(TextureKey(texture));
+        hasher.Append(MaterialTextureKey(texture));
+        hasher.Append(std::uint64_t{texture.channels});
         hasher.Append(library.Epoch());
         image.id = hasher.Words()[0];
         if (const std::optional<TextureUse> use = library.FindUse(texture.file)) {

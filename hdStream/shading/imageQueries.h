@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace hds {
@@ -38,7 +39,8 @@ struct ImageQueries {
 /// An image in a colour space: what commit makes a texture of.
 struct MaterialTexture {
     AssetReference file;
-    std::string colorSpace; ///< "raw", "sRGB", "auto" or a named space
+    std::string colorSpace;     ///< "raw", "sRGB", "auto" or a named space
+    std::uint32_t channels = 0; ///< outputs that are read: bit 0 R to bit 3 A
 };
 
 } // namespace hds

@@ -105,7 +105,51 @@ const MaterialNode* FindSurface(const MaterialNetwork& network, const NetworkEva
     return node;
 }
 
-/// Constants and primvars; what reads a texture warns and is ignored.
+/// A look-up of one image, at coordinates that are a primvar or constant transforms of one.
+std::optional<DisplacementInput> LookupDisplacement(const ShaderValue& value,
+                                                    const std::vector<MaterialTexture>& textures) {
+    const ShaderExpression& expression = *value.expression;
+    const std::vector<ShaderValue>& operands = expression.operands;
+    if (expression.kind != ShaderExpression::Kind::Texture ||
+        (expression.lookup & HDS_LOOKUP_UDIM) != 0 ||
+        !std::all_of(operands.begin() + 1, operands.end(), IsConstant)) {
+        return std::nullopt;
+    }
+    const std::uint32_t channel = value.channel == HDS_CHANNEL_ALL ? 0 : value.channel;
+    DisplacementLookup lookup;
+    lookup.texture = textures[expression.tiles[0]];
+    lookup.channel = channel;
+    lookup.wrapS = expression.lookup & 3U;
+    lookup.wrapT = expression.lookup >> 2U & 3U;
+    lookup.scale = ConstantOf(operands[2])[channel];
+    lookup.bias = ConstantOf(operands[3])[channel];
+    const ShaderExpression* st = operands[0].expression.get();
+    while (st->kind == ShaderExpression::Kind::Transform2d &&
+           std::all_of(st->operands.begin() + 1, st->operands.end(), IsConstant)) {
+        const std::array<double, 6> inner =
+            Transform2dRows(ConstantOf(st->operands[1])[0], ConstantOf(st->operands[2]),
+                            ConstantOf(st->operands[3]));
+        std::array<double, 6>& m = lookup.rows;
+        m = {m[0] * inner[0] + m[1] * inner[3],        m[0] * inner[1] + m[1] * inner[4],
+             m[0] * inner[2] + m[1] * inner[5] + m[2], m[3] * inner[0] + m[4] * inner[3],
+             m[3] * inner[1] + m[4] * inner[4],        m[3] * inner[2] + m[4] * inner[5] + m[5]};
+        st = st->operands[0].expression.get();
+    }
+    DisplacementInput result;
+    result.constant = ConstantOf(operands[1])[channel];
+    if (st->kind == ShaderExpression::Kind::Primvar && IsConstant(st->operands[0])) {
+        result.primvar = st->primvar;
+        lookup.missing = {ConstantOf(st->operands[0])[0], ConstantOf(st->operands[0])[1]};
+    } else if (st->kind == ShaderExpression::Kind::Constant) {
+        lookup.missing = {st->constant[0], st->constant[1]};
+    } else {
+        return std::nullopt;
+    }
+    result.lookup = std::move(lookup);
+    return result;
+}
+
+/// Constants, primvars and look-ups; what else there is warns and is ignored.
 DisplacementInput FindDisplacement(NetworkEvaluator& evaluator, const MaterialNode& surface,
                                    const std::string& materialPath, Warnings& warnings) {
     DisplacementInput displacement;
@@ -120,8 +164,10 @@ DisplacementInput FindDisplacement(NetworkEvaluator& evaluator, const MaterialNo
                IsConstant(expression.operands[0])) {
         displacement.constant = ConstantOf(expression.operands[0])[0];
         displacement.primvar = expression.primvar;
+    } else if (auto lookup = LookupDisplacement(value, evaluator.Textures())) {
+        displacement = std::move(*lookup);
     } else {
-        warnings.Add(materialPath, "displacement by a texture is ignored");
+        warnings.Add(materialPath, "displacement by such a network is ignored");
     }
     return displacement;
 }
@@ -246,7 +292,7 @@ CompiledMaterial CompileMaterial(const MaterialNetwork& network, const std::stri
     if (IsConstant(workflow) && ConstantOf(workflow)[0] != 0.0F) {
         material.constants.flags |= HDS_MATERIAL_SPECULAR_WORKFLOW;
     }
-    material.textures = evaluator.Textures();
+    material.textures = evaluator.Textures(); // without what only displaces
     material.displacement = FindDisplacement(evaluator, *surface, materialPath, warnings);
     return material;
 }

@@ -12,18 +12,48 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace hds {
 
+/// One channel of an image in linear light, rows from the top. Filled in by commit.
+struct HeightImage {
+    std::uint32_t width = 0;
+    std::uint32_t height = 0;
+    std::vector<float> values;
+};
+
+/// An amount that is looked up: value * scale + bias.
+struct DisplacementLookup {
+    MaterialTexture texture;
+    std::uint32_t channel = 0;
+    std::uint32_t wrapS = HDS_WRAP_BLACK; ///< HDS_WRAP_*
+    std::uint32_t wrapT = HDS_WRAP_BLACK;
+    std::array<double, 6> rows{1, 0, 0, 0, 1, 0}; ///< coordinates = rows * (primvar, 1)
+    std::array<float, 2> missing{}; ///< stands for the primvar where the mesh has none
+    float scale = 1.0F;
+    float bias = 0.0F;
+    std::shared_ptr<const HeightImage> image; ///< null until commit has read it
+
+    bool operator==(const DisplacementLookup& other) const {
+        return image == other.image && channel == other.channel && wrapS == other.wrapS &&
+               wrapT == other.wrapT && rows == other.rows && missing == other.missing &&
+               scale == other.scale && bias == other.bias;
+    }
+};
+
 /// How far a material moves the surface along its normal, object-space units.
 struct DisplacementInput {
-    float constant = 0.0F; ///< also where the mesh has no such primvar
-    std::string primvar;   ///< without "primvars:", its first component; empty: the constant
+    float constant = 0.0F; ///< also where the mesh has no such primvar, or the image is unreadable
+    std::string primvar;   ///< without "primvars:"; empty: the constant
+    /// Nothing: the primvar's first component is the amount; else its first two are coordinates.
+    std::optional<DisplacementLookup> lookup = {};
 
     bool operator==(const DisplacementInput& other) const {
-        return constant == other.constant && primvar == other.primvar;
+        return constant == other.constant && primvar == other.primvar && lookup == other.lookup;
     }
 };
 

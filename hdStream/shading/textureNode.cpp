@@ -54,7 +54,7 @@ std::uint32_t NetworkEvaluator::AddTexture(const MaterialNode& node, const Asset
     if (found != _textures.end()) {
         return static_cast<std::uint32_t>(found - _textures.begin());
     }
-    _textures.push_back({file, space});
+    _textures.push_back({file, space, 0});
     return static_cast<std::uint32_t>(_textures.size() - 1);
 }
 
@@ -150,11 +150,17 @@ ShaderValue NetworkEvaluator::EvaluateTexture(const MaterialNode& node, const st
     }
     const ShaderValue& value = known->second;
     const bool isLookup = value.expression->kind == ShaderExpression::Kind::Texture;
+    const std::uint32_t channels = isOne ? 1U << channel : output == "rgb" ? 7U : 15U;
     if (isOne && channel == 3 && isLookup && !_hasAlpha.at(node.path)) {
         const ShaderValue& scale = value.expression->operands[2];
         const ShaderValue& bias = value.expression->operands[3];
         if (IsConstant(scale) && IsConstant(bias)) {
             return MakeConstant({ConstantOf(scale)[3] + ConstantOf(bias)[3], 0.0F, 0.0F, 1.0F}, 1);
+        }
+    }
+    for (const std::uint32_t tile : value.expression->tiles) {
+        if (tile != HDS_NONE) {
+            _textures[tile].channels |= channels;
         }
     }
     if (isOne) {

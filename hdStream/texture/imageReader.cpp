@@ -215,6 +215,7 @@ ImageInfo DescribeImage(const ImageFile& file) {
     info.fileFormat = file.FormatName();
     info.channelType = spec.format.c_str();
     info.autoColorSpace = AutoColorSpace(spec);
+    info.hasAlpha = FindColorChannels(spec).alpha >= 0;
     // "black,periodic": s, then t; one mode is for both.
     const std::string wraps = spec.get_string_attribute("wrapmodes");
     const std::size_t comma = wraps.find(',');

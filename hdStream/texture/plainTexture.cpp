@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/texture/plainTexture.h"
 
-#include "hdStream/texture/colorDecoder.h"
-#include "hdStream/texture/imageFile.h"
-#include "hdStream/texture/srgb.h"
+#include "hdStream/texture/halvingFilter.h"
+#include "hdStream/texture/textureBuild.h"
+#include "hdStream/texture/textureLayout.h"
+#include "hdStream/texture/textureRows.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
+#include <exception>
+#include <functional>
 #include <memory>
 #include <new>
 
@@ -15,184 +16,154 @@ namespace hds {
 
 namespace {
 
-constexpr std::size_t kChannels = 4;
-constexpr std::uint32_t kChannelsLog2 = 2;
-/// So that mips count their texels in 32 bits.
-constexpr std::uint64_t kMaxTexels = std::uint64_t{1} << 31U;
+constexpr std::uint64_t kUnitBytes = 16;
 
-/// RGBA in linear light.
-struct Level {
-    std::uint32_t width = 0;
-    std::uint32_t height = 0;
-    std::vector<float> texels;
-};
-
-/// Halves one axis by area: target i of n covers sources [i * size / n, (i + 1) * size / n).
-/// \param stride floats from a texel to the next on the axis. \param add adds weight * source.
-template <typename Add>
-void CoverAxis(std::uint32_t size, std::uint32_t target, const Add& add) {
-    for (std::uint64_t i = 0; i < target; ++i) {
-        const std::uint64_t begin = i * size;
-        const std::uint64_t end = begin + size;
-        for (std::uint64_t j = begin / target; j * target < end; ++j) {
-            const std::uint64_t overlap =
-                std::min(end, (j + 1) * target) - std::max(begin, j * target);
-            add(i, j, static_cast<float>(static_cast<double>(overlap) / size));
-        }
-    }
-}
-
-Level Halve(const Level& source) {
-    Level wide{std::max(1U, source.width / 2), source.height, {}};
-    wide.texels.resize(kChannels * wide.width * wide.height);
-    CoverAxis(source.width, wide.width, [&](std::uint64_t i, std::uint64_t j, float weight) {
-        for (std::size_t row = 0; row < source.height; ++row) {
-            const float* from = &source.texels[kChannels * (row * source.width + j)];
-            float* to = &wide.texels[kChannels * (row * wide.width + i)];
-            for (std::size_t c = 0; c < kChannels; ++c) {
-                to[c] += weight * from[c];
-            }
-        }
-    });
-    Level result{wide.width, std::max(1U, source.height / 2), {}};
-    result.texels.resize(kChannels * result.width * result.height);
-    const std::size_t rowFloats = kChannels * wide.width;
-    CoverAxis(wide.height, result.height, [&](std::uint64_t i, std::uint64_t j, float weight) {
-        const float* from = &wide.texels[j * rowFloats];
-        float* to = &result.texels[i * rowFloats];
-        for (std::size_t k = 0; k < rowFloats; ++k) {
-            to[k] += weight * from[k];
-        }
-    });
-    return result;
-}
-
-class Loader {
+/// Mips that fill as rows arrive; each level hands its rows on to the next level's filter.
+class PlainChain {
 public:
-    Loader(ImageFile& file, const ColorDecoder& decoder, PlainTexture* texture)
-        : _file(file), _decoder(decoder), _texture(*texture),
-          _channels(FindColorChannels(file.Spec())) {
-        _isEightBit = decoder.IsPerChannel() && file.Spec().format == OIIO::TypeUInt8;
-        const bool isSrgb = _isEightBit && decoder.DecodeChannel(0.5) != 0.5;
-        _texture.record.width = file.Width();
-        _texture.record.height = file.Height();
-        _texture.record.format = kChannelsLog2 | (_isEightBit ? HDS_TEXEL_U8 : HDS_TEXEL_FLOAT) |
-                                 (isSrgb ? HDS_TEXEL_SRGB : 0U);
-        _texture.record.swizzle = HDS_SWIZZLE_RGBA;
+    explicit PlainChain(PlainTexture* texture)
+        : _record(texture->record), _texels(texture->texels), _converter(_record.format),
+          _texelBytes(TexelBytes(_record.format)) {
+        const std::uint32_t channels = 1U << (_record.format & HDS_TEXEL_CHANNELS_LOG2_MASK);
+        std::uint64_t units = 0;
+        for (std::uint32_t mip = 0; mip < _record.numMips; ++mip) {
+            const std::uint32_t width = shared::texture_mipSize(_record.width, mip);
+            const std::uint32_t height = shared::texture_mipSize(_record.height, mip);
+            texture->record.mipBlock[mip] = static_cast<std::uint32_t>(units);
+            _levels.push_back(
+                {width, units * kUnitBytes, 0, HalvingFilter(width, height, channels)});
+            const std::uint64_t bytes = std::uint64_t{width} * height * _texelBytes;
+            units += (bytes + kUnitBytes - 1) / kUnitBytes;
+        }
+        _texels.resize(units * kUnitBytes);
     }
 
-    void Run() {
-        Level level = ReadBase();
-        if (!_texture.error.empty()) {
-            return;
+    /// Takes the next row of a mip. \param stored null: `linear` has to be converted
+    void AddRow(std::size_t mip, const std::uint8_t* stored, const float* linear) {
+        Level& level = _levels[mip];
+        const std::uint64_t rowBytes = std::uint64_t{level.width} * _texelBytes;
+        std::uint8_t* to = &_texels[level.offset + level.nextRow++ * rowBytes];
+        if (stored != nullptr) {
+            std::copy_n(stored, rowBytes, to);
+        } else {
+            _converter.Convert(linear, level.width, to);
         }
-        while (true) {
-            _texture.record.mipBlock[_texture.record.numMips] = _numTexels;
-            ++_texture.record.numMips;
-            _numTexels += level.width * level.height;
-            Append(level);
-            if (level.width == 1 && level.height == 1) {
-                return;
+        if (mip + 1 < _levels.size()) {
+            if (const float* next = level.toNext.AddRow(linear)) {
+                AddRow(mip + 1, nullptr, next);
             }
-            level = Halve(level);
         }
     }
 
 private:
-    Level ReadBase() {
-        Level level{_file.Width(), _file.Height(), {}};
-        level.texels.resize(kChannels * level.width * level.height);
-        const int begin = _channels.Begin();
-        const auto stride = static_cast<std::size_t>(_channels.End() - begin);
-        std::vector<float> rgb(std::size_t{3} * level.width);
-        _texture.error = _file.ReadBands(
-            OIIO::TypeFloat, begin, _channels.End(),
-            [&](std::uint32_t y, std::uint32_t rows, const void* data) {
-                const auto* pixel = static_cast<const float*>(data);
-                for (std::uint32_t row = 0; row < rows; ++row) {
-                    float* to = &level.texels[kChannels * level.width * (y + row)];
-                    for (std::uint32_t x = 0; x < level.width; ++x, pixel += stride) {
-                        rgb[3 * x] = Finite(pixel[_channels.red - begin]);
-                        rgb[3 * x + 1] = Finite(pixel[_channels.green - begin]);
-                        rgb[3 * x + 2] =
-                            _channels.blue < 0 ? 0.0F : Finite(pixel[_channels.blue - begin]);
-                        to[kChannels * x + 3] =
-                            _channels.alpha < 0 ? 1.0F : Finite(pixel[_channels.alpha - begin]);
-                    }
-                    _decoder.DecodeRgb(rgb.data(), level.width);
-                    for (std::uint32_t x = 0; x < level.width; ++x) {
-                        std::copy_n(&rgb[3 * x], 3, &to[kChannels * x]);
-                    }
-                }
-            });
-        return level;
-    }
+    struct Level {
+        std::uint32_t width;
+        std::uint64_t offset; ///< bytes
+        std::uint64_t nextRow;
+        HalvingFilter toNext;
+    };
 
-    static float Finite(float value) { return std::isfinite(value) ? value : 0.0F; }
-
-    void Append(const Level& level) {
-        if (!_isEightBit) {
-            const auto* bytes = reinterpret_cast<const std::uint8_t*>(level.texels.data());
-            _texture.texels.insert(_texture.texels.end(), bytes,
-                                   bytes + level.texels.size() * sizeof(float));
-            return;
-        }
-        const bool isSrgb = (_texture.record.format & HDS_TEXEL_SRGB) != 0;
-        for (std::size_t i = 0; i < level.texels.size(); ++i) {
-            const double value = level.texels[i];
-            const double encoded = isSrgb && i % kChannels != 3 ? SrgbFromLinear(value) : value;
-            _texture.texels.push_back(
-                static_cast<std::uint8_t>(std::clamp(encoded * 255.0 + 0.5, 0.0, 255.0)));
-        }
-    }
-
-    ImageFile& _file;
-    const ColorDecoder& _decoder;
-    PlainTexture& _texture;
-    ColorChannels _channels;
-    bool _isEightBit = false;
-    std::uint32_t _numTexels = 0; ///< of the mips so far
+    const shared::HdsTexture& _record;
+    std::vector<std::uint8_t>& _texels;
+    TexelConverter _converter;
+    std::uint32_t _texelBytes;
+    std::vector<Level> _levels;
 };
 
-void Load(ImageFile& file, const std::string& colorSpace, PlainTexture* texture) {
-    if (std::max(file.Width(), file.Height()) > HDS_TEXTURE_MAX_SIZE ||
-        std::uint64_t{file.Width()} * file.Height() > kMaxTexels) {
-        texture->error = file.Name() + ": it is too large to be loaded whole";
-        return;
-    }
-    const ColorDecoder decoder(colorSpace, file.Spec(), &texture->warning);
-    if (!texture->warning.empty()) {
-        texture->warning = file.Name() + ": " + texture->warning;
+/// What is read of a file, and a consumer of its rows.
+using BeginRows = std::function<TextureRows::RowsCallback(const ImageFile&, const TextureForm&)>;
+
+/// Reads an image as rows. \return an error or empty
+std::string ReadRows(const ImageSource& source, const TextureRequest& request, std::string* warning,
+                     const BeginRows& begin) {
+    std::string error;
+    const std::unique_ptr<ImageFile> file = ImageFile::Open(source, &error);
+    if (!file) {
+        return error;
     }
     try {
-        Loader(file, decoder, texture).Run();
+        const ColorDecoder decoder(request.colorSpace, file->Spec(), warning);
+        TextureForm form = ChooseTextureForm(*file, decoder, request);
+        error = SettleForm(file.get(), decoder, &form);
+        if (error.empty()) {
+            TexelRepairs repairs;
+            error = TextureRows(file.get(), &decoder, form).Read(begin(*file, form), &repairs);
+            *warning = warning->empty() ? WarningOf(repairs) : *warning;
+        }
     } catch (const std::bad_alloc&) {
-        texture->error = file.Name() + ": there is not enough memory to load it";
+        error = file->Name() + ": there is not enough memory to load it";
+    } catch (const std::exception& failure) {
+        error = file->Name() + ": " + failure.what();
     }
+    if (!warning->empty()) {
+        *warning = file->Name() + ": " + *warning;
+    }
+    return error;
 }
 
 } // namespace
 
-PlainTexture LoadPlainTexture(const ImageSource& source, const std::string& colorSpace) {
+PlainTexture LoadPlainTexture(const ImageSource& source, const TextureRequest& request) {
     PlainTexture texture;
-    const std::unique_ptr<ImageFile> file = ImageFile::Open(source, &texture.error);
-    if (file) {
-        Load(*file, colorSpace, &texture);
-    }
+    std::unique_ptr<PlainChain> chain;
+    std::string tooLarge;
+    texture.error = ReadRows(
+        source, request, &texture.warning, [&](const ImageFile& file, const TextureForm& form) {
+            if (const auto record = RecordOf(file, form, &tooLarge)) {
+                texture.record = *record;
+                chain = std::make_unique<PlainChain>(&texture);
+            }
+            return [&](std::uint32_t numRows, const std::uint8_t* stored, const float* linear) {
+                if (!chain) {
+                    return;
+                }
+                const std::size_t width = texture.record.width;
+                const std::size_t texelBytes = TexelBytes(texture.record.format);
+                const std::uint32_t channelsLog2 =
+                    texture.record.format & HDS_TEXEL_CHANNELS_LOG2_MASK;
+                for (std::size_t row = 0; row < numRows; ++row) {
+                    chain->AddRow(0, stored + row * width * texelBytes,
+                                  linear + (row * width << channelsLog2));
+                }
+            };
+        });
+    texture.error = texture.error.empty() ? tooLarge : texture.error;
     if (!texture.error.empty()) {
-        texture.record = {};
+        texture.record = MakeTextureLayout(1, 1, HDS_TEXEL_U8);
         texture.record.flags = HDS_TEXTURE_MISSING;
         texture.texels.clear();
     }
     return texture;
 }
 
-std::array<float, 256> SrgbTable() {
-    std::array<float, 256> table{};
-    for (std::size_t i = 0; i < table.size(); ++i) {
-        table[i] = static_cast<float>(LinearFromSrgb(static_cast<double>(i) / 255.0));
+PlainChannel LoadPlainChannel(const ImageSource& source, const std::string& colorSpace,
+                              std::uint32_t channel) {
+    PlainChannel result;
+    TextureRequest request;
+    request.colorSpace = colorSpace;
+    result.error = ReadRows(
+        source, request, &result.warning, [&](const ImageFile& file, const TextureForm& form) {
+            result.width = file.Width();
+            result.height = file.Height();
+            result.values.reserve(std::size_t{result.width} * result.height);
+            // The component of a decoded texel that the output is; what is not stored is 0, 0,
+            // 0, 1.
+            const std::uint32_t component = form.swizzle >> (2 * channel) & 3U;
+            const std::uint32_t stored = 1U << (form.format & HDS_TEXEL_CHANNELS_LOG2_MASK);
+            return [&result, component, stored](std::uint32_t numRows, const std::uint8_t*,
+                                                const float* linear) {
+                const std::size_t count = std::size_t{numRows} * result.width;
+                for (std::size_t i = 0; i < count; ++i) {
+                    const float missing = component == 3 ? 1.0F : 0.0F;
+                    result.values.push_back(component < stored ? linear[i * stored + component]
+                                                               : missing);
+                }
+            };
+        });
+    if (!result.error.empty()) {
+        result.values.clear();
     }
-    return table;
+    return result;
 }
 
 } // namespace hds

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 namespace hds {
 
@@ -20,12 +19,24 @@ struct Candidate {
     int error = 0; ///< sum of square errors
 };
 
+/// The least code whose range holds `range`.
+std::uint32_t CodeOfRange(std::uint32_t range) {
+    std::uint32_t code = std::min<std::uint32_t>(range, HDS_CODEC_EXACT_RANGE);
+    if (range > HDS_CODEC_EXACT_RANGE) {
+        code += (range - HDS_CODEC_EXACT_RANGE) *
+                (HDS_CODEC_MAX_RANGE_CODE - HDS_CODEC_EXACT_RANGE) / (255 - HDS_CODEC_EXACT_RANGE);
+    }
+    return shared::codec_rangeOfCode(code) < range ? code + 1 : code;
+}
+
+/// The nearest integer, without the call that std::lround is. \param value above -4096
+int Rounded(float value) {
+    return static_cast<int>(value + 4096.5f) - 4096;
+}
+
 Candidate FitInterval(const std::array<int, 16>& values, int low, int range) {
     Candidate candidate;
-    std::uint32_t code = 0;
-    while (shared::codec_rangeOfCode(code) < static_cast<std::uint32_t>(range)) {
-        ++code;
-    }
+    const std::uint32_t code = CodeOfRange(static_cast<std::uint32_t>(range));
     const int coded = static_cast<int>(shared::codec_rangeOfCode(code));
     candidate.head = (static_cast<std::uint32_t>(low) << 1) | (code << 9);
     const float scale = coded > 0 ? kLastIndex / static_cast<float>(coded) : 0.0f;
@@ -45,23 +56,30 @@ Candidate FitInterval(const std::array<int, 16>& values, int low, int range) {
 Candidate FitRamp(const std::array<int, 16>& values, float slopeX, float slopeY,
                   std::uint32_t stepCode) {
     const float step = static_cast<float>(shared::codec_rampStep[stepCode]);
-    const int qx = std::clamp(static_cast<int>(std::lround(slopeX / step)), -4, 3);
-    const int qy = std::clamp(static_cast<int>(std::lround(slopeY / step)), -4, 3);
+    const float inverse = 1.0f / step;
+    const int qx = std::clamp(Rounded(slopeX * inverse), -4, 3);
+    const int qy = std::clamp(Rounded(slopeY * inverse), -4, 3);
     std::array<float, 16> rest;
     for (std::size_t i = 0; i < 16; ++i) {
         const int x = 2 * static_cast<int>(i % 4) - 3;
         const int y = 2 * static_cast<int>(i / 4) - 3;
         rest[i] = static_cast<float>(values[i]) - 0.5f * step * static_cast<float>(qx * x + qy * y);
     }
-    const auto [low, high] = std::minmax_element(rest.begin(), rest.end());
-    const int base = std::clamp(static_cast<int>(std::lround((*low + *high) * 0.125f)), 0, 63);
+    float low = rest[0];
+    float high = rest[0];
+    for (const float value : rest) {
+        low = std::min(low, value);
+        high = std::max(high, value);
+    }
+    const int base = std::clamp(Rounded((low + high) * 0.125f), 0, 63);
     Candidate candidate;
     candidate.head = 1u | (static_cast<std::uint32_t>(base) << 1) |
                      (static_cast<std::uint32_t>(qx + 4) << 7) |
                      (static_cast<std::uint32_t>(qy + 4) << 10) | (stepCode << 13);
     for (std::uint32_t i = 0; i < 16; ++i) {
-        const float position = (rest[i] - 4.0f * static_cast<float>(base)) / step + 4.0f;
-        const int q = std::clamp(static_cast<int>(std::floor(position)), 0, kLastIndex);
+        // The middle of the window is between indices 3 and 4.
+        const float position = (rest[i] - 4.0f * static_cast<float>(base)) * inverse + 4.0f;
+        const int q = static_cast<int>(std::min(std::max(position, 0.0f), kLastIndex + 0.5f));
         const int value = static_cast<int>(shared::codec_ramp(static_cast<std::uint32_t>(base), qx,
                                                               qy, shared::codec_rampStep[stepCode],
                                                               static_cast<std::uint32_t>(q), i));

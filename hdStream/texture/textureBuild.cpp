@@ -98,20 +98,6 @@ std::string Named(const ImageFile& file, const std::string& warning) {
     return warning.empty() ? warning : file.Name() + ": " + warning;
 }
 
-/// Decides what depends on the values. \return an error or empty
-std::string SettleForm(ImageFile* file, const ColorDecoder& decoder, TextureForm* form) {
-    if (!form->dependsOnRange) {
-        return {};
-    }
-    double largest = 0.0;
-    std::string error = TextureRows(file, &decoder, *form).FindRange(&largest);
-    if (FitsHalf(largest)) {
-        form->format = (form->format & ~HDS_TEXEL_TYPE_MASK) | HDS_TEXEL_HALF;
-    }
-    form->dependsOnRange = false;
-    return error;
-}
-
 BuiltTexture Build(const ImageSource& source, const TextureRequest& request,
                    const std::shared_ptr<PageStore>& store, const PageKey& key) {
     std::string error;
@@ -149,10 +135,8 @@ BuiltTexture Build(const ImageSource& source, const TextureRequest& request,
     }
     description.numNonFinite = repairs.numNonFinite;
     description.numClamped = repairs.numClamped;
-    if (description.warning.empty() && repairs.numNonFinite + repairs.numClamped > 0) {
-        description.warning = std::to_string(repairs.numNonFinite) + " NaN or infinite and " +
-                              std::to_string(repairs.numClamped) +
-                              " too large values were replaced";
+    if (description.warning.empty()) {
+        description.warning = WarningOf(repairs);
     }
     description.warning = Named(*file, description.warning);
     return built;

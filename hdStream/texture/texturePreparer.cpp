@@ -74,7 +74,9 @@ std::shared_ptr<const PreparedTexture> TexturePreparer::Prepare(const ImageSourc
             key = before;
         }
         _numBuilt.fetch_add(1, std::memory_order_relaxed);
-        if (key && _store && isStable && result.description.error.empty()) {
+        // Only beside lines that are all in the store: else the next process would find no lines.
+        if (key && _store && isStable && result.description.error.empty() &&
+            result.lines->HostBytes() == 0) {
             SaveDescription(_store.get(), *key, result.description);
         }
     }

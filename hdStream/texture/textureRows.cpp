@@ -177,4 +177,24 @@ std::string TextureRows::Read(const RowsCallback& onRows, TexelRepairs* repairs)
                : ReadCodes<std::uint16_t>(OIIO::TypeUInt16, onRows);
 }
 
+std::string WarningOf(const TexelRepairs& repairs) {
+    return repairs.numNonFinite + repairs.numClamped == 0
+               ? std::string()
+               : std::to_string(repairs.numNonFinite) + " NaN or infinite and " +
+                     std::to_string(repairs.numClamped) + " too large values were replaced";
+}
+
+std::string SettleForm(ImageFile* file, const ColorDecoder& decoder, TextureForm* form) {
+    if (!form->dependsOnRange) {
+        return {};
+    }
+    double largest = 0.0;
+    std::string error = TextureRows(file, &decoder, *form).FindRange(&largest);
+    if (FitsHalf(largest)) {
+        form->format = (form->format & ~HDS_TEXEL_TYPE_MASK) | HDS_TEXEL_HALF;
+    }
+    form->dependsOnRange = false;
+    return error;
+}
+
 } // namespace hds

@@ -35,6 +35,13 @@ struct TexelRepairs {
     std::uint64_t numClamped = 0;   ///< beyond what the stored format holds, after decoding
 };
 
+/// One line without the file's name; empty when nothing was replaced.
+std::string WarningOf(const TexelRepairs& repairs);
+
+/// Decides what of a form depends on the values. \return an error, one line that names the file,
+/// or empty
+std::string SettleForm(ImageFile* file, const ColorDecoder& decoder, TextureForm* form);
+
 /// Reads one file. One thread.
 class TextureRows {
 public:

@@ -137,21 +137,24 @@ void WriteScalar32(const Coded& coded, std::uint32_t* block) {
 void EncodeColor16(const void* texels, std::uint32_t type, std::uint32_t* block) {
     const Channel alpha = LoadChannel(texels, type, 3, 4);
     const auto [low, high] = std::minmax_element(alpha.order.begin(), alpha.order.end());
-    const std::uint32_t numBits = *low == *high ? 8 : 6;
-    std::fill_n(block, 16, 0u);
-    for (std::size_t c = 0; c < 4; ++c) {
+    const bool isAlphaConstant = *low == *high;
+    const std::uint32_t numBits = isAlphaConstant ? 8 : 6;
+    std::array<std::uint32_t, 16> index{};
+    for (std::uint32_t c = 0; c < 4; ++c) {
         Coded coded = c < 3 ? CodeColor(LoadChannel(texels, type, c, 4), type, numBits)
                             : CodeLinear(alpha, numBits);
-        if (c == 3 && numBits == 8) {
+        if (c == 3 && isAlphaConstant) { // equal bits are the mark: the two zeros are not
             coded.second = coded.first;
         }
         block[c] = coded.first | (coded.second << 16);
-        for (std::size_t i = 0; i < 16 && !(c == 3 && numBits == 8); ++i) {
-            const std::size_t begin = numBits * c;
-            for (std::size_t bit = begin; bit < begin + numBits; ++bit) {
-                const std::uint32_t value = (coded.q[i] >> (bit - begin)) & 1u;
-                block[4 + 4 * (bit / 8) + i / 4] |= value << (8 * (i % 4) + bit % 8);
-            }
+        for (std::size_t i = 0; i < 16 && (c < 3 || !isAlphaConstant); ++i) {
+            index[i] |= coded.q[i] << (numBits * c);
+        }
+    }
+    std::fill_n(block + 4, 12, 0u);
+    for (std::size_t i = 0; i < 16; ++i) {
+        for (std::size_t plane = 0; plane < 3; ++plane) {
+            block[4 + 4 * plane + i / 4] |= ((index[i] >> (8 * plane)) & 255u) << (8 * (i % 4));
         }
     }
 }

@@ -1,24 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
-// The block scheme as the report words it (a representative value and differences), at the same
-// rate as ours: per channel a base, a power-of-two shift and 4-bit differences, or 3-bit ones where
-// no more fit: one or two channels, alpha that varies. Only for comparison: nothing renders with
-// it.
+// The block scheme as the report words it (a representative value and differences): per channel a
+// base, a power-of-two shift and differences of so many bits; and plain quantisation, the least
+// that a codec must beat. Only for comparison: nothing renders with them.
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 
 namespace hds::bench {
 
-/// The texels of a block as they come back. \param channels 1, 2 (3-bit differences) or 4
-inline void RoundTripReport(const std::uint8_t* texels, std::uint32_t channels,
-                            std::uint8_t* decoded) {
-    bool isOpaque = channels == 4;
-    for (std::uint32_t i = 0; i < 16 && isOpaque; ++i) {
-        isOpaque = texels[i * channels + 3] == texels[3];
+/// Bits of a difference at our rate, half of 8 bits a channel: 4 in an opaque block of four
+/// channels, whose alpha needs none, else 3.
+inline int ReportDeltaBits(const std::uint8_t* texels, std::uint32_t channels) {
+    for (std::uint32_t i = 0; i < 16 && channels == 4; ++i) {
+        if (texels[i * channels + 3] != texels[3]) {
+            return 3;
+        }
     }
-    const int last = isOpaque ? 15 : 7;
+    return channels == 4 ? 4 : 3;
+}
+
+/// The texels of a block as they come back.
+inline void RoundTripReport(const std::uint8_t* texels, std::uint32_t channels, int deltaBits,
+                            std::uint8_t* decoded) {
+    const int last = (1 << deltaBits) - 1;
     for (std::uint32_t c = 0; c < channels; ++c) {
         int low = 255;
         int high = 0;
@@ -35,6 +40,16 @@ inline void RoundTripReport(const std::uint8_t* texels, std::uint32_t channels,
             decoded[i * channels + c] =
                 static_cast<std::uint8_t>(std::min(255, low + (delta << shift)));
         }
+    }
+}
+
+/// As RoundTripReport, every channel rounded to `bits` bits.
+inline void RoundTripPlain(const std::uint8_t* texels, std::uint32_t channels, int bits,
+                           std::uint8_t* decoded) {
+    const int last = (1 << bits) - 1;
+    for (std::uint32_t i = 0; i < 16 * channels; ++i) {
+        const int code = (texels[i] * last + 127) / 255;
+        decoded[i] = static_cast<std::uint8_t>((code * 255 + last / 2) / last);
     }
 }
 

@@ -1,33 +1,44 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the texture codec loses, image by image, and how fast it encodes: benchTextureCodec FILES.
-// One CSV row an image; testenv/bench/textureCodec.py makes the table and the chart of it. Square
-// errors are of the stored codes of the colour channels, all texels of the finest level; the angle
-// is of vectors 2 c / 255 - 1. Images that are not stored with 8 bits are left out.
+// What the texture codec loses, image by image, and how fast it is: benchTextureCodec FILES. One
+// CSV row an image; testenv/bench/textureCodec.py makes the table and the chart of it. PSNR is of
+// the stored codes of the colour channels, all texels of the finest level; the angle is of vectors
+// 2 c / 255 - 1. Speeds are bytes of the decoded image by second of CPU time: of the encoder alone,
+// and of preparing the texture as a whole (decoding the file, filtering, encoding) without a store.
+// Images that are not of 8 bits are left out.
 #include "kernels/shared/textureCodec.h"
-#include "hdStream/base/timer.h"
 #include "hdStream/texture/blockEncoder.h"
 #include "hdStream/texture/imageFile.h"
+#include "hdStream/texture/texturePreparer.h"
 #include "testenv/bench/reportCodec.h"
+
+#include <tbb/task_arena.h>
 
 #include <cmath>
 #include <cstdio>
+#include <ctime>
+#include <string>
 #include <vector>
 
 namespace {
 
 using hds::shared::HdsTexel8;
 
+/// Of a difference of the report's scheme and of plainly rounded codes: error against rate.
+constexpr int kCurveBits[] = {2, 3, 4, 5, 6};
+
 struct Image {
     std::uint32_t width = 0;
     std::uint32_t height = 0;
     std::uint32_t channels = 0; ///< stored: 1, 2, 4
     std::uint32_t colors = 0;   ///< of them are measured
+    bool isNormalMap = false;   ///< by its name
     std::vector<std::uint8_t> texels;
 };
 
 /// Sums over the texels of an image.
 struct Loss {
     double squares = 0.0;
+    double count = 0.0; ///< values in it
     double radians = 0.0;
 };
 
@@ -39,6 +50,7 @@ bool Load(const char* path, Image* image) {
     }
     const hds::ColorChannels order = hds::FindColorChannels(file->Spec());
     const bool isGray = order.red == order.green;
+    image->isNormalMap = std::string(path).find("ormal") != std::string::npos;
     image->width = file->Width();
     image->height = file->Height();
     image->colors = isGray ? 1 : (order.blue < 0 ? 2 : 3);
@@ -106,57 +118,126 @@ void Compare(const Image& image, std::uint32_t blockX, std::uint32_t blockY,
             continue;
         }
         for (std::uint32_t c = 0; c < image.colors; ++c) {
-            const double error =
-                double(texels[i * image.channels + c]) - decoded[i * image.channels + c];
+            const std::size_t at = std::size_t{i} * image.channels + c;
+            const double error = double(texels[at]) - decoded[at];
             loss->squares += error * error;
         }
-        if (image.colors == 3) {
+        loss->count += image.colors;
+        if (image.isNormalMap && image.colors == 3) {
             loss->radians += Angle(&texels[std::size_t{4} * i], &decoded[std::size_t{4} * i]);
         }
     }
 }
 
-double Psnr(const Image& image, double squares) {
-    const double count = double(image.width) * image.height * image.colors;
-    return squares == 0.0 ? 999.0 : 10.0 * std::log10(255.0 * 255.0 * count / squares);
+double Psnr(const Loss& loss) {
+    return loss.squares == 0.0 ? 999.0
+                               : 10.0 * std::log10(255.0 * 255.0 * loss.count / loss.squares);
+}
+
+double Degrees(const Loss& loss) {
+    return loss.radians * 180.0 / std::acos(-1.0) / (loss.count / 3.0);
+}
+
+/// An image in blocks, in scan order.
+struct Blocks {
+    std::uint32_t across = 0;
+    std::uint32_t count = 0;
+    std::vector<std::uint8_t> texels;
+};
+
+Blocks CutBlocks(const Image& image) {
+    Blocks blocks;
+    blocks.across = (image.width + 3) / 4;
+    blocks.count = blocks.across * ((image.height + 3) / 4);
+    blocks.texels.resize(std::size_t{16} * image.channels * blocks.count);
+    for (std::uint32_t i = 0; i < blocks.count; ++i) {
+        Fetch(image, i % blocks.across, i / blocks.across,
+              &blocks.texels[std::size_t{16} * image.channels * i]);
+    }
+    return blocks;
+}
+
+/// Of every `stride`-th block. \param roundTrip (index of a block, its texels, decoded texels)
+template <typename RoundTrip>
+Loss MeasureLoss(const Image& image, const Blocks& blocks, std::uint32_t stride,
+                 const RoundTrip& roundTrip) {
+    Loss loss;
+    for (std::uint32_t i = 0; i < blocks.count; i += stride) {
+        const std::uint8_t* texels = &blocks.texels[std::size_t{16} * image.channels * i];
+        std::uint8_t decoded[64];
+        roundTrip(i, texels, decoded);
+        Compare(image, i % blocks.across, i / blocks.across, texels, decoded, &loss);
+    }
+    return loss;
+}
+
+/// CPU time of this process: other work on the machine disturbs it less than it does the clock.
+double CpuSeconds() {
+    return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+double PrepareSeconds(const char* path) {
+    const double begin = CpuSeconds();
+    tbb::task_arena(1).execute([&] {
+        hds::TextureRequest request;
+        request.colorSpace = "auto";
+        hds::TexturePreparer(nullptr).Prepare({path, 0, 0, ""}, request);
+    });
+    return std::max(CpuSeconds() - begin, 1e-6);
+}
+
+/// Error against rate, of every eighth block.
+void PrintCurve(const Image& image, const Blocks& blocks) {
+    for (const int bits : kCurveBits) {
+        const Loss delta = MeasureLoss(image, blocks, 8,
+                                       [&](std::uint32_t, const std::uint8_t* t, std::uint8_t* d) {
+                                           hds::bench::RoundTripReport(t, image.channels, bits, d);
+                                       });
+        const Loss plain = MeasureLoss(image, blocks, 8,
+                                       [&](std::uint32_t, const std::uint8_t* t, std::uint8_t* d) {
+                                           hds::bench::RoundTripPlain(t, image.channels, bits, d);
+                                       });
+        std::printf(",%.3f,%.3f", Psnr(delta), Psnr(plain));
+    }
+    std::printf("\n");
+    std::fflush(stdout);
 }
 
 void Measure(const char* path, const Image& image) {
-    const std::uint32_t across = (image.width + 3) / 4;
-    const std::uint32_t down = (image.height + 3) / 4;
-    const std::uint32_t format = HDS_TEXEL_U8 | (image.channels == 4 ? 2u : image.channels - 1);
+    const Blocks blocks = CutBlocks(image);
+    const std::uint32_t channels = image.channels;
+    const std::uint32_t format = HDS_TEXEL_U8 | (channels == 4 ? 2u : channels - 1);
     const std::size_t words = (1u << hds::shared::texel_blockBytesLog2(format)) / 4;
-    std::vector<std::uint32_t> blocks(words * across * down);
-    std::vector<std::uint8_t> source(std::size_t{16} * image.channels * across * down);
-    for (std::uint32_t i = 0; i < across * down; ++i) {
-        Fetch(image, i % across, i / across, &source[std::size_t{16} * image.channels * i]);
+    std::vector<std::uint32_t> encoded(words * blocks.count);
+    const double begin = CpuSeconds();
+    for (std::size_t i = 0; i < blocks.count; ++i) {
+        hds::EncodeBlock(format, &blocks.texels[16 * channels * i], &encoded[words * i]);
     }
-    const hds::Timer timer;
-    for (std::size_t i = 0; i < std::size_t{across} * down; ++i) {
-        hds::EncodeBlock(format, &source[16 * image.channels * i], &blocks[words * i]);
-    }
-    const double seconds = timer.Seconds();
-    Loss ours;
-    Loss report;
-    for (std::uint32_t i = 0; i < across * down; ++i) {
-        const std::uint8_t* texels = &source[std::size_t{16} * image.channels * i];
-        std::uint8_t decoded[64];
-        Decode(&blocks[words * i], image.channels, decoded);
-        Compare(image, i % across, i / across, texels, decoded, &ours);
-        hds::bench::RoundTripReport(texels, image.channels, decoded);
-        Compare(image, i % across, i / across, texels, decoded, &report);
-    }
-    const double degrees = 180.0 / std::acos(-1.0) / (double(image.width) * image.height);
-    std::printf("%s,%u,%u,%u,%.3f,%.3f,%.4f,%.4f,%.1f\n", path, image.width, image.height,
-                image.channels, Psnr(image, ours.squares), Psnr(image, report.squares),
-                ours.radians * degrees, report.radians * degrees,
-                1e-6 * double(source.size()) / seconds);
+    const double seconds = std::max(CpuSeconds() - begin, 1e-6);
+    const Loss ours = MeasureLoss(image, blocks, 1,
+                                  [&](std::uint32_t i, const std::uint8_t*, std::uint8_t* decoded) {
+                                      Decode(&encoded[words * i], channels, decoded);
+                                  });
+    const Loss report =
+        MeasureLoss(image, blocks, 1, [&](std::uint32_t, const std::uint8_t* t, std::uint8_t* d) {
+            hds::bench::RoundTripReport(t, channels, hds::bench::ReportDeltaBits(t, channels), d);
+        });
+    const double megabytes = 1e-6 * double(image.texels.size());
+    std::printf("%s,%u,%u,%u,%.3f,%.3f,%.4f,%.4f,%.1f,%.1f", path, image.width, image.height,
+                channels, Psnr(ours), Psnr(report), Degrees(ours), Degrees(report),
+                megabytes / seconds, megabytes / PrepareSeconds(path));
+    PrintCurve(image, blocks);
 }
 
 } // namespace
 
 int main(int argc, char** argv) {
-    std::printf("file,width,height,channels,ours,report,oursDegrees,reportDegrees,MBps\n");
+    std::printf("file,width,height,channels,ours,report,oursDegrees,reportDegrees,encodeMBps,"
+                "prepareMBps");
+    for (const int bits : kCurveBits) {
+        std::printf(",report%d,plain%d", bits, bits);
+    }
+    std::printf("\n");
     for (int i = 1; i < argc; ++i) {
         Image image;
         if (Load(argv[i], &image)) {

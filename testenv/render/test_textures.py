@@ -329,3 +329,21 @@ def test_bits_do_not_depend_on_how_it_is_rendered(tmp_path):
         layers = render(**settings)
         for name in expected:
             assert layers[name].tobytes() == expected[name].tobytes(), (settings, name)
+
+
+def test_displacement_by_a_texture_moves_the_surface(tmp_path):
+    """A ramp of heights, turned and scaled by a transform, raises a plate to a plane of known height everywhere."""
+    heights = np.repeat(np.arange(16, dtype=np.float32)[None, :, None] / 16, 3, -1)
+    _WriteExr(f"{tmp_path}/h.exr", heights)
+    stage = author.NewStage(f"{tmp_path}/a.usda")
+    material = author.AddMaterial(stage, "/World/M", diffuseColor=(0.5, 0.5, 0.5))
+    turned = AddTransform(material, "X", AddReader(material, "R", "float2", "st"), -90.0, (0.5, 0.5), (0.25, 0.75))
+    Connect(material, "displacement", AddTexture(material, "T", st=turned, file="./h.exr", scale=(0.8, 1, 1, 1), bias=(0.1, 0, 0, 0)), "r")
+    author.AddMesh(stage, "/World/Plate", shapes.Plane(4, 3, 30, 40), material=material)
+    AddTopCamera(stage)
+    stage.GetRootLayer().Save()
+    picture = ours.Render(f"{tmp_path}/a.usda", WIDTH, HEIGHT, ("color", "position"), samples=1)
+    position = picture.layers["position"]
+    t = 0.5 - position[..., 2] / 3  # of the plate; s of the look-up is t / 2 + 0.25
+    expected = 0.8 * ((t / 2 + 0.25) * 16 - 0.5) / 16 + 0.1
+    np.testing.assert_allclose(position[..., 1], expected, atol=1e-4)

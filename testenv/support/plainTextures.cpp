@@ -99,52 +99,46 @@ glm::dvec4 Bilinear(const PlainTextures& textures, std::uint32_t texture, std::u
 } // namespace
 
 std::uint32_t PlainTextures::Add(std::uint32_t width, std::uint32_t height, std::uint32_t format,
-                                 bool isGray, std::uint32_t seed) {
+                                 std::uint32_t swizzle, std::uint32_t seed) {
     std::mt19937 generator(seed);
-    _bytes.resize((_bytes.size() + HDS_POOL_UNIT_BYTES - 1) / HDS_POOL_UNIT_BYTES *
-                  HDS_POOL_UNIT_BYTES);
-    const std::uint32_t channels = 1U << (format & HDS_TEXEL_CHANNELS_LOG2_MASK);
+    const auto align = [&] {
+        _bytes.resize((_bytes.size() + HDS_POOL_UNIT_BYTES - 1) / HDS_POOL_UNIT_BYTES *
+                      HDS_POOL_UNIT_BYTES);
+        return static_cast<std::uint32_t>(_bytes.size() / HDS_POOL_UNIT_BYTES);
+    };
     shared::HdsTexture record{};
     record.width = width;
     record.height = height;
-    record.format = format | (isGray && channels == 2 ? HDS_TEXEL_SECOND_IS_ALPHA : 0U);
-    record.swizzle = !isGray         ? HDS_SWIZZLE_RGBA
-                     : channels == 2 ? HDS_SWIZZLE_GRAY_ALPHA
-                                     : HDS_SWIZZLE_GRAY;
-    record.firstLine = static_cast<std::uint32_t>(_bytes.size() / HDS_POOL_UNIT_BYTES);
-    std::uint32_t numTexels = 0;
+    record.format = format;
+    record.swizzle = swizzle;
+    record.firstLine = align();
+    const int channels = 1 << (format & HDS_TEXEL_CHANNELS_LOG2_MASK);
     auto& mips = _values.emplace_back();
     for (glm::ivec2 size(width, height);;
          size = glm::ivec2(std::max(1, size.x / 2), std::max(1, size.y / 2))) {
         auto& values = mips.emplace_back();
+        record.mipBlock[record.numMips++] = align() - record.firstLine;
         for (int i = 0; i < size.x * size.y; ++i) {
             glm::dvec4 stored(0.0, 0.0, 0.0, 1.0);
-            for (std::uint32_t c = 0; c < channels; ++c) {
+            for (int c = 0; c < channels; ++c) {
                 const double value = AppendChannel(format, generator, &_bytes);
-                const bool isAlpha = c == 3 || (isGray && c == 1);
+                const bool isAlpha =
+                    c == 3 || (c == 1 && (format & HDS_TEXEL_SECOND_IS_ALPHA) != 0);
                 const bool isEncoded = (format & HDS_TEXEL_SRGB) != 0 && !isAlpha;
-                stored[static_cast<int>(c)] = isEncoded ? FromSrgb(value) : value;
+                stored[c] = isEncoded ? FromSrgb(value) : value;
             }
-            values.push_back(
-                isGray ? glm::dvec4(stored.x, stored.x, stored.x, channels == 2 ? stored.y : 1.0)
-                       : stored);
+            glm::dvec4 shown;
+            for (int c = 0; c < 4; ++c) {
+                shown[c] = stored[static_cast<int>(swizzle >> (2 * c) & 3U)];
+            }
+            values.push_back(shown);
         }
-        record.mipBlock[record.numMips++] = numTexels;
-        numTexels += static_cast<std::uint32_t>(size.x * size.y);
         if (size == glm::ivec2(1, 1)) {
             break;
         }
     }
     _records.push_back(record);
     return static_cast<std::uint32_t>(_records.size() - 1);
-}
-
-std::vector<float> PlainTextures::Srgb() {
-    std::vector<float> table;
-    for (int i = 0; i < 256; ++i) {
-        table.push_back(static_cast<float>(FromSrgb(i / 255.0)));
-    }
-    return table;
 }
 
 glm::ivec2 PlainTextures::MipSize(const shared::HdsTexture& record, std::uint32_t mip) {

@@ -15,24 +15,22 @@
 namespace hds::test {
 
 /// Arguments of a kernel's HDS_TEXTURE_ARGS for one buffer, in the order of the macro.
-#define HDS_TEST_TEXTURE_ARGS(records, srgb, texels) \
-    records, srgb, texels, texels, texels, texels, texels, texels, texels, texels
+#define HDS_TEST_TEXTURE_ARGS(records, texels) \
+    records, texels, texels, texels, texels, texels, texels, texels, texels
 
 class PlainTextures {
 public:
-    /// Adds a texture of random texels. \param isGray the first channel shows as gray, a second one
-    /// is alpha. \return its index.
-    std::uint32_t Add(std::uint32_t width, std::uint32_t height, std::uint32_t format, bool isGray,
-                      std::uint32_t seed);
+    /// Adds a texture of random texels. \return its index.
+    std::uint32_t Add(std::uint32_t width, std::uint32_t height, std::uint32_t format,
+                      std::uint32_t swizzle, std::uint32_t seed);
 
     /// As a texture whose image cannot be decoded.
     void MakeUnreadable(std::uint32_t texture) { _records[texture].flags = HDS_TEXTURE_MISSING; }
 
     const std::vector<shared::HdsTexture>& Records() const { return _records; }
     const std::vector<std::uint8_t>& Texels() const { return _bytes; }
-    static std::vector<float> Srgb();
 
-    /// A texel in linear light, gray and missing channels expanded as look-ups show them.
+    /// A texel in linear light, as look-ups show it.
     glm::dvec4 Texel(std::uint32_t texture, std::uint32_t mip, int x, int y) const;
     static glm::ivec2 MipSize(const shared::HdsTexture& record, std::uint32_t mip);
 

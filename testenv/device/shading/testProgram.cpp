@@ -19,8 +19,8 @@ namespace hds::test {
 namespace {
 
 const char* const kSource = R"(
-#define HDS_FEATURE_TEXTURES 1
 #define HDS_TEXTURE_PLAIN 1
+#define HDS_FEATURE_TEXTURES 1
 #include "shading/program.clh"
 kernel void run(HDS_TEXTURE_ARGS, global const uint* program, global const uint* page,
                 global const float* in, uint isMask, global float4* out, uint count) {
@@ -109,7 +109,7 @@ protected:
         if (IsSkipped()) {
             return;
         }
-        texture = textures.Add(64, 32, HDS_TEXEL_FLOAT | 2U, false, 11);
+        texture = textures.Add(64, 32, HDS_TEXEL_FLOAT | 2U, HDS_SWIZZLE_RGBA, 11);
         std::mt19937 generator(3);
         std::uniform_real_distribution<float> unit(0.0F, 1.0F);
         for (int i = 0; i < 200; ++i) {
@@ -132,15 +132,14 @@ protected:
                       {p.uv.x, p.uv.y, p.footprint.x, p.footprint.y, p.footprint.z, p.footprint.w});
         }
         const Buffer records = Upload(textures.Records());
-        const Buffer srgb = Upload(PlainTextures::Srgb());
         const Buffer texels = Upload(textures.Texels());
         const Buffer program = Upload(words.words);
         const Buffer page = Upload(Page());
         const Buffer input = Upload(in);
         const Buffer out = Allocate(points.size() * sizeof(Values));
-        _program->GetKernel("run").Launch(
-            points.size(), HDS_TEST_TEXTURE_ARGS(records, srgb, texels), program, page, input,
-            std::uint32_t(isMask ? 1 : 0), out, std::uint32_t(points.size()));
+        _program->GetKernel("run").Launch(points.size(), HDS_TEST_TEXTURE_ARGS(records, texels),
+                                          program, page, input, std::uint32_t(isMask ? 1 : 0), out,
+                                          std::uint32_t(points.size()));
         return Download<Values>(out, points.size());
     }
 
@@ -276,7 +275,7 @@ TEST_F(ProgramKernelTest, ParametersMayComeFromTheStack) {
 }
 
 TEST_F(ProgramKernelTest, TilesAreFoundByTheirNumber) {
-    const std::uint32_t other = textures.Add(8, 8, HDS_TEXEL_FLOAT | 2U, false, 12);
+    const std::uint32_t other = textures.Add(8, 8, HDS_TEXEL_FLOAT | 2U, HDS_SWIZZLE_RGBA, 12);
     const std::uint32_t wraps = HDS_LOOKUP_WRAPS(HDS_WRAP_CLAMP, HDS_WRAP_CLAMP);
     Words words;
     words.Op(HDS_OP_COORDINATES, kStSlot);
@@ -309,7 +308,7 @@ TEST_F(ProgramKernelTest, TilesAreFoundByTheirNumber) {
 TEST_F(ProgramKernelTest, WhatIsNoTileOrCannotBeReadIsAHole) {
     PlainTextures empty;
     textures = empty;
-    textures.Add(1, 1, HDS_TEXEL_FLOAT | 2U, false, 1);
+    textures.Add(1, 1, HDS_TEXEL_FLOAT | 2U, HDS_SWIZZLE_RGBA, 1);
     const glm::vec2 coordinates[] = {{-0.5F, 0.5F}, {0.5F, -1e-7F},   {10.5F, 0.5F},
                                      {NAN, 0.5F},   {INFINITY, 0.0F}, {0.5F, 1e30F}};
     for (const glm::vec2& st : coordinates) {

@@ -14,8 +14,6 @@
 namespace hds::test {
 namespace {
 
-constexpr std::uint32_t kFloats = HDS_TEXEL_FLOAT | 2U; ///< RGBA
-
 const char* const kSource = R"(
 #define HDS_TEXTURE_PLAIN 1
 #include "texture/lookup.clh"
@@ -52,14 +50,12 @@ protected:
                                  query.axes.w});
         }
         const Buffer records = Upload(textures.Records());
-        const Buffer srgb = Upload(PlainTextures::Srgb());
         const Buffer texels = Upload(textures.Texels());
         const Buffer input = Upload(in);
         const Buffer out = Allocate(queries.size() * sizeof(glm::vec4));
-        _program->GetKernel("look").Launch(queries.size(),
-                                           HDS_TEST_TEXTURE_ARGS(records, srgb, texels), texture,
-                                           std::uint32_t(HDS_LOOKUP_WRAPS(wrapS, wrapT)), input,
-                                           bias, out, std::uint32_t(queries.size()));
+        _program->GetKernel("look").Launch(queries.size(), HDS_TEST_TEXTURE_ARGS(records, texels),
+                                           texture, std::uint32_t(HDS_LOOKUP_WRAPS(wrapS, wrapT)),
+                                           input, bias, out, std::uint32_t(queries.size()));
         return Download<glm::vec4>(out, queries.size());
     }
 
@@ -101,26 +97,22 @@ private:
 
 TEST_F(LookupTest, EveryFormatIsDecoded) {
     const std::vector<Query> queries = RandomQueries(300, 1.0F);
-    for (const std::uint32_t type :
-         {HDS_TEXEL_U8, HDS_TEXEL_U16, HDS_TEXEL_HALF, HDS_TEXEL_FLOAT}) {
+    const std::uint32_t swizzles[] = {HDS_SWIZZLE_GRAY, HDS_SWIZZLE_GRAY_ALPHA, HDS_SWIZZLE_RGBA};
+    for (const std::uint32_t type : {HDS_TEXEL_U8, HDS_TEXEL_U8 | HDS_TEXEL_SRGB,
+                                     HDS_TEXEL_U8 | HDS_TEXEL_SRGB | HDS_TEXEL_SECOND_IS_ALPHA,
+                                     HDS_TEXEL_U16, HDS_TEXEL_HALF, HDS_TEXEL_FLOAT}) {
         for (std::uint32_t channelsLog2 = 0; channelsLog2 < 3; ++channelsLog2) {
-            for (const std::uint32_t encoding : {0U, HDS_TEXEL_SRGB}) {
-                for (const bool isGray : {false, true}) {
-                    if ((type >= HDS_TEXEL_HALF && encoding != 0) || (isGray && channelsLog2 == 2)) {
-                        continue;
-                    }
-                    const std::uint32_t format = type | channelsLog2 | encoding;
-                    const std::uint32_t texture =
-                        textures.Add(5, 3, format, isGray, format + (isGray ? 100 : 0));
-                    ExpectReference(texture, HDS_WRAP_REPEAT, HDS_WRAP_CLAMP, queries, 2e-5);
-                }
+            for (const std::uint32_t swizzle : {swizzles[channelsLog2], HDS_SWIZZLE_RGBA}) {
+                const std::uint32_t texture =
+                    textures.Add(5, 3, type | channelsLog2, swizzle, type + channelsLog2);
+                ExpectReference(texture, HDS_WRAP_REPEAT, HDS_WRAP_CLAMP, queries, 2e-5);
             }
         }
     }
 }
 
 TEST_F(LookupTest, WrapModesAreIndependent) {
-    const std::uint32_t texture = textures.Add(7, 4, kFloats, false, 1);
+    const std::uint32_t texture = textures.Add(7, 4, HDS_TEXEL_FLOAT | 2U, HDS_SWIZZLE_RGBA, 1);
     const std::vector<Query> queries = RandomQueries(500, 3.5F);
     for (std::uint32_t wrapS = HDS_WRAP_BLACK; wrapS <= HDS_WRAP_MIRROR; ++wrapS) {
         for (std::uint32_t wrapT = HDS_WRAP_BLACK; wrapT <= HDS_WRAP_MIRROR; ++wrapT) {
@@ -133,13 +125,14 @@ TEST_F(LookupTest, SizesOfAnyKindHaveAllMips) {
     const std::vector<Query> queries = RandomQueries(300, 1.5F);
     const glm::uvec2 sizes[] = {{1, 1}, {1, 9}, {17, 1}, {2, 2}, {31, 33}, {64, 16}, {127, 5}};
     for (const glm::uvec2& size : sizes) {
-        const std::uint32_t texture = textures.Add(size.x, size.y, HDS_TEXEL_U8 | 2U, false, size.x);
+        const std::uint32_t texture =
+            textures.Add(size.x, size.y, HDS_TEXEL_U8 | 2U, HDS_SWIZZLE_RGBA, size.x);
         ExpectReference(texture, HDS_WRAP_REPEAT, HDS_WRAP_MIRROR, queries, 1e-4);
     }
 }
 
 TEST_F(LookupTest, CoordinatesFarAwayWrapAsNearOnes) {
-    const std::uint32_t texture = textures.Add(8, 8, kFloats, false, 3);
+    const std::uint32_t texture = textures.Add(8, 8, HDS_TEXEL_FLOAT | 2U, HDS_SWIZZLE_RGBA, 3);
     std::vector<Query> queries;
     for (const float far : {1e6F, -1e6F, 1e4F, -1e4F, 3e9F, -1e30F, 3.4e38F}) {
         for (int i = 0; i < 16; ++i) {
@@ -165,7 +158,7 @@ TEST_F(LookupTest, CoordinatesFarAwayWrapAsNearOnes) {
 }
 
 TEST_F(LookupTest, CoordinatesAndFootprintsThatAreNotFinite) {
-    const std::uint32_t texture = textures.Add(8, 8, kFloats, false, 4);
+    const std::uint32_t texture = textures.Add(8, 8, HDS_TEXEL_FLOAT | 2U, HDS_SWIZZLE_RGBA, 4);
     const glm::vec4 small(1e-4F, 0.0F, 0.0F, 1e-4F);
     const std::vector<Query> queries = {{{NAN, 0.5F}, small},
                                         {{0.5F, NAN}, small},
@@ -184,7 +177,7 @@ TEST_F(LookupTest, CoordinatesAndFootprintsThatAreNotFinite) {
 }
 
 TEST_F(LookupTest, TheLevelFollowsTheMinorAxisUpToTheAnisotropy) {
-    const std::uint32_t texture = textures.Add(256, 256, kFloats, false, 5);
+    const std::uint32_t texture = textures.Add(256, 256, HDS_TEXEL_FLOAT | 2U, HDS_SWIZZLE_RGBA, 5);
     const double texel = 1.0 / 256.0;
     const auto at = [&](double major, double minor, double angle) {
         const glm::dvec2 axis(std::cos(angle), std::sin(angle));

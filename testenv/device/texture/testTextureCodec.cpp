@@ -14,8 +14,9 @@ namespace {
 const char* const kDecode = R"(
 #include "texture/codec.clh"
 kernel void decode(global const uint* lines, uint format, uint width, uint height,
-                   global float* texels) {
+                   global float* texels, uint count) {
     uint i = (uint)get_global_id(0);
+    if (i >= count) return;
     uint texel = i % (width * height);
     float4 value = codec_texel(lines + (i / (width * height)) * (HDS_LINE_BYTES / 4), format,
                                texel % width, texel / width);
@@ -28,6 +29,7 @@ const char* const kPlace = R"(
 kernel void place(global const HdsTexture* textures, uint mip, uint width, uint height,
                   global uint* places) {
     uint i = (uint)get_global_id(0);
+    if (i >= width * height) return;
     HdsTexelPlace p = texture_place(textures[0].width, textures[0].format, textures[0].flags,
                                     textures[0].numLines, textures[0].mipBlock[mip], mip,
                                     i % width, i / width);
@@ -60,7 +62,8 @@ TEST_F(TextureCodec, DecodesToTheHostsBits) {
         const std::size_t numTexels = kNumLines * width * height;
         const Buffer input = Upload(lines);
         const Buffer output = Allocate(numTexels * sizeof(shared::float4));
-        program->GetKernel("decode").Launch(numTexels, input, format, width, height, output);
+        program->GetKernel("decode").Launch(numTexels, input, format, width, height, output,
+                                            std::uint32_t(numTexels));
         const auto texels = Download<shared::float4>(output, numTexels);
         for (std::size_t i = 0; i < numTexels; ++i) {
             const std::uint32_t texel = static_cast<std::uint32_t>(i % (width * height));

@@ -85,6 +85,7 @@ TEST(SettingsTable, HasARowForEveryMember) {
         std::string pixelFilter;
         double pixelFilterWidth;
         bool russianRoulette;
+        double mipBias;
         std::string subdivision;
         std::uint32_t refineLevel, waveSize;
         std::string device, cacheDirectory;
@@ -96,7 +97,7 @@ TEST(SettingsTable, HasARowForEveryMember) {
         std::string prepare;
     };
     EXPECT_EQ(sizeof(Settings), sizeof(Mirror));
-    EXPECT_EQ(SettingTable().size(), 32U);
+    EXPECT_EQ(SettingTable().size(), 33U);
 }
 
 TEST(SettingsTable, DefaultsAreLegal) {

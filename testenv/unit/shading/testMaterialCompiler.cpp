@@ -262,26 +262,53 @@ TEST(MaterialCompilerTest, DisplacementIsAConstantOrAPrimvar) {
     EXPECT_EQ(Compile(Preview(), warnings).displacement, DisplacementInput());
     MaterialNetwork constant = Preview();
     Surface(constant).parameters["displacement"] = 0.25;
-    EXPECT_EQ(Compile(constant, warnings).displacement, (DisplacementInput{0.25F, ""}));
+    EXPECT_EQ(Compile(constant, warnings).displacement, (DisplacementInput{0.25F, "", {}}));
     MaterialNetwork reader = Preview();
     Surface(reader).connections["displacement"] = {"/m/reader", "result"};
     MaterialNode& node = AddNode(reader, "/m/reader", "UsdPrimvarReader_float");
     node.parameters["varname"] = std::string("bumps");
     node.parameters["fallback"] = 0.5;
-    EXPECT_EQ(Compile(reader, warnings).displacement, (DisplacementInput{0.5F, "bumps"}));
+    EXPECT_EQ(Compile(reader, warnings).displacement, (DisplacementInput{0.5F, "bumps", {}}));
     EXPECT_TRUE(warnings.Lines().empty());
 }
 
-TEST(MaterialCompilerTest, DisplacementByATextureWarnsOnce) {
+TEST(MaterialCompilerTest, DisplacementMayBeLookedUp) {
     MaterialNetwork network = Preview();
-    Surface(network).connections["displacement"] = {"/m/texture", "r"};
-    AddNode(network, "/m/texture", "UsdUVTexture").parameters["file"] =
-        AssetReference{"a.png", "a.png", 0, 0};
+    network.nodes.reserve(8);
+    Surface(network).connections["displacement"] = {"/m/t", "g"};
+    MaterialNode& texture = AddTexture(network, "a.png");
+    texture.parameters["wrapS"] = std::string("repeat");
+    texture.parameters["scale"] = std::vector<float>{1.0F, 2.0F, 3.0F, 4.0F};
+    texture.parameters["bias"] = std::vector<float>{0.1F, 0.2F, 0.3F, 0.4F};
+    texture.parameters["fallback"] = std::vector<float>{5.0F, 6.0F, 7.0F, 8.0F};
+    texture.connections["st"] = {"/m/x", "result"};
+    MaterialNode& outer = AddNode(network, "/m/x", "UsdTransform2d");
+    outer.connections["in"] = {"/m/y", "result"};
+    outer.parameters["translation"] = std::vector<float>{0.5F, 0.25F};
+    MaterialNode& inner = AddNode(network, "/m/y", "UsdTransform2d");
+    inner.connections["in"] = {"/m/r", "result"};
+    inner.parameters["scale"] = std::vector<float>{2.0F, 4.0F};
+    AddNode(network, "/m/r", "UsdPrimvarReader_float2").parameters["varname"] = std::string("st");
     Warnings warnings;
-    EXPECT_EQ(Compile(network, warnings).displacement, DisplacementInput());
-    Compile(network, warnings);
-    EXPECT_EQ(warnings.Lines(),
-              std::vector<std::string>{"/m: displacement by a texture is ignored"});
+    const CompiledMaterial m = Compile(network, warnings);
+    EXPECT_EQ(m.displacement.primvar, "st");
+    EXPECT_FLOAT_EQ(m.displacement.constant, 6.0F);
+    ASSERT_TRUE(m.displacement.lookup);
+    const DisplacementLookup& lookup = *m.displacement.lookup;
+    EXPECT_EQ(lookup.texture.file.file, "a.png");
+    EXPECT_EQ(lookup.channel, 1U);
+    EXPECT_EQ(lookup.wrapS, HDS_WRAP_REPEAT);
+    EXPECT_EQ(lookup.wrapT, HDS_WRAP_BLACK);
+    EXPECT_EQ(lookup.rows, (std::array<double, 6>{2, 0, 0.5, 0, 4, 0.25}));
+    EXPECT_FLOAT_EQ(lookup.scale, 2.0F);
+    EXPECT_FLOAT_EQ(lookup.bias, 0.2F);
+    EXPECT_TRUE(m.textures.empty()) << "no kernel reads it";
+    EXPECT_TRUE(warnings.Lines().empty());
+
+    texture.connections["scale"] = {"/m/r", "result"};
+    const CompiledMaterial other = Compile(network, warnings);
+    EXPECT_FALSE(other.displacement.lookup);
+    EXPECT_EQ(warnings.Lines().back(), "/m: displacement by such a network is ignored");
 }
 
 } // namespace

@@ -25,7 +25,7 @@ const Kind kKinds[] = {
     {"png", OIIO::TypeUInt8, 1, "raw", HDS_TEXEL_U8 | 0u, 0.1, 0.004},
     {"png", OIIO::TypeUInt8, 2, "raw", HDS_TEXEL_U8 | 1u, 0.1, 0.004},
     {"png", OIIO::TypeUInt8, 3, "raw", HDS_TEXEL_U8 | 2u, 0.2, 0.004},
-    {"png", OIIO::TypeUInt8, 4, "raw", HDS_TEXEL_U8 | 2u, 0.3, 0.004},
+    {"png", OIIO::TypeUInt8, 4, "raw", HDS_TEXEL_U8 | 2u, 0.55, 0.004},
     {"png", OIIO::TypeUInt8, 3, "sRGB", HDS_TEXEL_U8 | 2u | HDS_TEXEL_SRGB, 0.3, 0.01},
     {"png", OIIO::TypeUInt8, 1, "sRGB", HDS_TEXEL_U8 | 0u | HDS_TEXEL_SRGB, 0.2, 0.01},
     {"png", OIIO::TypeUInt8, 2, "sRGB",
@@ -33,12 +33,12 @@ const Kind kKinds[] = {
     {"png", OIIO::TypeUInt16, 1, "raw", HDS_TEXEL_U16 | 0u, 0.0081, 2e-5},
     {"png", OIIO::TypeUInt16, 3, "raw", HDS_TEXEL_U16 | 2u, 0.0021, 2e-5},
     {"png", OIIO::TypeUInt16, 4, "raw", HDS_TEXEL_U16 | 2u, 0.0081, 2e-5},
-    {"png", OIIO::TypeUInt16, 3, "sRGB", HDS_TEXEL_HALF | 2u, 0.004, 5e-4},
+    {"png", OIIO::TypeUInt16, 3, "sRGB", HDS_TEXEL_HALF | 2u, 0.02, 5e-4},
     {"exr", OIIO::TypeHalf, 1, "raw", HDS_TEXEL_HALF | 0u, 0.0081, 5e-4},
-    {"exr", OIIO::TypeHalf, 3, "raw", HDS_TEXEL_HALF | 2u, 0.004, 5e-4},
-    {"exr", OIIO::TypeHalf, 4, "auto", HDS_TEXEL_HALF | 2u, 0.016, 5e-4},
+    {"exr", OIIO::TypeHalf, 3, "raw", HDS_TEXEL_HALF | 2u, 0.02, 5e-4},
+    {"exr", OIIO::TypeHalf, 4, "auto", HDS_TEXEL_HALF | 2u, 0.05, 5e-4},
     {"tif", OIIO::TypeFloat, 1, "raw", HDS_TEXEL_FLOAT | 0u, 1.3e-4, 1e-6},
-    {"exr", OIIO::TypeFloat, 3, "raw", HDS_TEXEL_HALF | 2u, 0.004, 5e-4},
+    {"exr", OIIO::TypeFloat, 3, "raw", HDS_TEXEL_HALF | 2u, 0.02, 5e-4},
 };
 
 class PreparedKind : public TextureTest, public ::testing::WithParamInterface<Kind> {};

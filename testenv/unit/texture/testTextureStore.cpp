@@ -211,6 +211,20 @@ TEST_F(TextureStoreTest, ManyThreadsPrepareATextureOnce) {
     }
 }
 
+TEST_F(TextureStoreTest, AFullStoreMeansHostMemory) {
+    const std::string path = WriteImage("image.png", 300, 200, 4, OIIO::TypeUInt8);
+    PageStoreOptions options;
+    options.directory = folder.File("small");
+    options.maxBytes = 100000; // one group of lines, no more
+    for (int process = 0; process < 2; ++process) {
+        TexturePreparer preparer(std::make_shared<PageStore>(options, &warnings), &warnings);
+        const auto texture = preparer.Prepare({path, 0, 0, ""}, Request("raw"));
+        EXPECT_EQ(preparer.NumBuilt(), 1u);
+        EXPECT_GT(texture->HostBytes(), 0u);
+        EXPECT_EQ(AllLines(*texture), AllLines(*Prepare(path)));
+    }
+}
+
 TEST_F(TextureStoreTest, EstimatesAreRecords) {
     const std::string path = WriteImage("image.png", 300, 200, 4, OIIO::TypeUInt16);
     const auto estimate = TexturePreparer::Estimate({path, 0, 0, ""}, Request("raw"));
