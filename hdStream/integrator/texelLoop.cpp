@@ -27,6 +27,7 @@ void TexelLoop::Ready(StageKernels* kernels, std::uint32_t maxItems, std::uint32
         _queue = Buffer(_device, "queue of what texels have come for", bytes);
     }
     pool->ReserveItems(maxItems);
+    pool->SetAccepts(false); // a render that failed may have left it
     _kernels->Bind(*_buffers);
 }
 

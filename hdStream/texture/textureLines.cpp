@@ -35,6 +35,8 @@ std::uint64_t TextureLines::TotalLines() const {
     for (std::size_t i = 0; i < _images.size(); ++i) {
         if (_textures[i]) {
             lines += _textures[i]->NumLines();
+        } else if (_images[i].maxLines != kUnknown) {
+            lines += _images[i].maxLines;
         } else {
             const auto record = TexturePreparer::Estimate(_images[i].source, _images[i].request);
             lines += record ? record->numLines : 1; // the fallback

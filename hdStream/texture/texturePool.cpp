@@ -93,10 +93,10 @@ void TexturePool::Update(LineProvider* provider, std::uint64_t budgetBytes,
 /// Makes an empty pool.
 void TexturePool::MakePool(const SlotPlan& plan) {
     _statistics.evictions += _slots ? _slots->NumUsed() : 0;
+    _slots = nullptr; // until all is there: memory may run out
     _sharedSlots.clear();
     _table.Clear();
     _table.Reserve(std::max(1U, _textures.NumLines()));
-    _slots = std::make_unique<LineSlots>(plan);
     const std::uint32_t numSlots = plan.NumSlots();
     if (!_buffers || _buffers->NumSlots() != numSlots) {
         _buffers = nullptr; // frees first
@@ -113,6 +113,7 @@ void TexturePool::MakePool(const SlotPlan& plan) {
     _copies = Buffer(_device, "texture line copies", numStaged * sizeof(shared::HdsLineCopy));
     _updates =
         Buffer(_device, "texture table updates", kMaxUpdates * sizeof(shared::HdsTableUpdate));
+    _slots = std::make_unique<LineSlots>(plan);
 }
 
 /// Takes lines of textures that have gone out of their slots.

@@ -49,6 +49,14 @@ def _WriteImages(folder: pathlib.Path) -> None:
     imageFile.WriteExr(folder / "rough.exr", {"Y": (0.15 + 0.5 * holes).astype(np.float32)})
 
 
+def _Ball() -> shapes.Shape:
+    """A ball with coordinates: twice around, once up."""
+    ball = shapes.Sphere(0.7, 48, 96)
+    x, y, z = ball.points.T / 0.7
+    st = np.stack([np.arctan2(z, x) / np.pi, np.arcsin(np.clip(y, -1, 1)) / np.pi + 0.5], 1)
+    return shapes.Shape(ball.points, ball.counts, ball.indices, ball.normals, st)
+
+
 def WriteTextured(path) -> None:
     """The stage, and its images in the folder `images` beside it."""
     _WriteImages(pathlib.Path(path).parent / "images")
@@ -72,7 +80,7 @@ def WriteTextured(path) -> None:
         stage, "/World/Looks/Bumpy", dict(diffuseColor=("./images/photo2.png", "rgb"), normal=(
             "./images/bumps.png", "rgb", dict(sourceColorSpace="raw", scale=(2.0, 2.0, 2.0, 1.0),
                                               bias=(-1.0, -1.0, -1.0, 0.0)))), roughness=0.3)
-    author.AddMesh(stage, "/World/Bumpy", shapes.Sphere(0.7, 48, 96), material=look, translate=(-1.9, -0.3, 1.0))
+    author.AddMesh(stage, "/World/Bumpy", _Ball(), material=look, translate=(-1.9, -0.3, 1.0))
     mirror = author.AddMaterial(stage, "/World/Looks/Mirror", metallic=1.0, roughness=0.02, diffuseColor=(0.9, 0.9, 0.9))
     author.AddMesh(stage, "/World/Mirror", shapes.Sphere(0.7, 48, 96), material=mirror, translate=(1.7, -0.3, 1.2))
     author.AddLight(stage, "/World/Dome", "Dome", intensity=0.4)

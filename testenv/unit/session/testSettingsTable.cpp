@@ -92,12 +92,14 @@ TEST(SettingsTable, HasARowForEveryMember) {
         bool noCache;
         std::string traversal;
         std::uint64_t chunkBytes;
-        std::string residency, geometryMemory, geometryEviction, request;
+        std::string residency, geometryMemory, textureMemory, geometryEviction, request;
+        std::uint32_t shadeIterations;
+        bool plainTextures;
         std::uint64_t hostMemory;
         std::string prepare;
     };
     EXPECT_EQ(sizeof(Settings), sizeof(Mirror));
-    EXPECT_EQ(SettingTable().size(), 33U);
+    EXPECT_EQ(SettingTable().size(), 36U);
 }
 
 TEST(SettingsTable, DefaultsAreLegal) {

@@ -2,6 +2,7 @@
 // Networks with textures to programs: what is looked up and how, outputs, transforms, UDIM sets,
 // folding, sharing and limits. Programs are read back by a disassembler of this file.
 #include "hdStream/shading/materialCompiler.h"
+#include "hdStream/shading/programWriter.h"
 #include "kernels/shared/geometry.h"
 
 #include <gtest/gtest.h>
@@ -384,6 +385,20 @@ TEST_F(ProgramTest, WhatIsTooDeepForTheMachineKeepsTheDefault) {
     EXPECT_FLOAT_EQ(resolved.record.constants[HDS_INPUT_DIFFUSE_COLOR].x, 0.18F);
     ASSERT_EQ(_warnings.Lines().size(), 1U);
     EXPECT_EQ(_warnings.Lines()[0].rfind("/mesh", 0), 0U);
+}
+
+TEST(ShaderProgram, LookUpsAreCounted) {
+    // Operands that look like look-ups are none.
+    std::vector<std::uint32_t> words = {
+        HDS_OP_CONSTANT, 7, 7, 7, 7, HDS_OP_AFFINE, 7, 7, 7, 7, 7, 7};
+    EXPECT_EQ(CountLookups(words), 0U);
+    words.insert(words.end(), {HDS_OP_TEXTURE, 3, 7, 7, 7});
+    words.insert(words.end(), 12, 7);
+    words.insert(words.end(), {HDS_OP(HDS_OP_TEXTURE, HDS_LOOKUP_POPS), 1, 7, HDS_OP_MASK_END});
+    words.insert(words.end(), {HDS_OP_TEXTURE, 0});
+    words.insert(words.end(), 12, 0);
+    words.push_back(HDS_OP_END);
+    EXPECT_EQ(CountLookups(words), 3U);
 }
 
 } // namespace
