@@ -26,6 +26,7 @@ using namespace hds;
 
 const char* const kSource = R"(
 #define HDS_FEATURE_TEXTURES 1
+#define HDS_TEXTURE_PLAIN 1
 #include "shading/program.clh"
 #include "shading/material.clh"
 
