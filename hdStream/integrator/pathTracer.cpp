@@ -32,7 +32,7 @@ bool ChooseWide(const RenderOptions& options, const DeviceProperties& properties
 
 struct PathTracer::Impl {
     Impl(std::shared_ptr<Device> theDevice, Store* theStore)
-        : device(std::move(theDevice)), store(theStore), buffers(device), film(device),
+        : device(std::move(theDevice)), store(theStore), buffers(device, store), film(device),
           tracer(device, &buffers, &statistics) {
         frame = Buffer(device, "frame constants", sizeof(shared::HdsFrameParams),
                        BufferAccess::ReadOnly);
@@ -53,6 +53,9 @@ struct PathTracer::Impl {
         options = std::move(newOptions);
         statistics = {};
         previewStride = 0;
+        if (buffers.SetMipBias(static_cast<float>(options.mipBias))) {
+            ++sceneNumber;
+        }
         ReadyKernels();
         ReadyPathState();
         const shared::HdsFrameParams params = MakeFrameParams(
@@ -75,6 +78,11 @@ struct PathTracer::Impl {
     void ReadyKernels() {
         KernelFeatures features;
         features.cutouts = scene->hasCutouts;
+        features.programs = buffers.HasPrograms();
+        features.textures = buffers.HasTextures();
+        features.manyTexturePools = buffers.Textures().NumBuffers() > 1;
+        features.textureStreaming = buffers.Textures().Pool() != nullptr;
+        features.plainTextures = buffers.Textures().IsPlain();
         features.groups = scene->hasGroups;
         features.wide = ChooseWide(options, device->Properties());
         features.firstHits = NeedsFirstHits(options.aovs);
@@ -105,7 +113,8 @@ struct PathTracer::Impl {
         const std::uint32_t waveSize =
             ChooseWaveSize(options, device->Properties(),
                            buffers.IsStreaming() ? 1 + savedBytes / bytesPerSlot : 0);
-        tracer.Ready(kernels, scene->hasCutouts, waveSize, TileSize(device->Properties()));
+        tracer.Ready(kernels, scene->hasCutouts, waveSize, TileSize(device->Properties()),
+                     options.shadeIterations);
         statistics.waveSize = waveSize;
     }
 
@@ -134,6 +143,14 @@ struct PathTracer::Impl {
         kernels->resolve.Launch(wave.numPixels, wave, paths, waveSize, pixels, film.Film(),
                                 tracer.Counters());
         device->Finish();
+        CollectTexelCounts();
+    }
+
+    /// Before they overflow.
+    void CollectTexelCounts() {
+        if (TexturePool* pool = buffers.Textures().Pool()) {
+            pool->CollectCounts();
+        }
     }
 
     /// Samples [firstSample, firstSample + numSamples) of the active pixels [begin, end); true when
@@ -318,6 +335,7 @@ struct PathTracer::Impl {
                 });
         }
         statistics.indirectRays = indirectRays;
+        CollectTexelCounts();
         film.SetHasFirstHits();
     }
 
@@ -353,7 +371,7 @@ struct PathTracer::Impl {
     SceneBuffers buffers;
     bool requestsFirst = false;
     FilmBuffers film;
-    std::uint64_t sceneNumber = 0; ///< counts scenes
+    std::uint64_t sceneNumber = 0; ///< counts what kernels are bound to
     /// Kernels of all features met so far, with the number of the scene they are bound to.
     std::vector<std::pair<std::unique_ptr<StageKernels>, std::uint64_t>> builtKernels;
     StageKernels* kernels = nullptr; ///< those of the present render
@@ -418,6 +436,10 @@ const StreamingStatistics* PathTracer::Streaming() const {
 
 bool PathTracer::IsMapped() const {
     return _impl->buffers.IsMapped();
+}
+
+const SceneTextures& PathTracer::Textures() const {
+    return _impl->buffers.Textures();
 }
 
 std::uint64_t PathTracer::TableBytes() const {

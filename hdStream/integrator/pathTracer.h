@@ -48,6 +48,7 @@ public:
     const StreamingStatistics* Streaming() const; ///< of geometry; null when it is resident
     /// Whether geometry is read in mapped files.
     bool IsMapped() const;
+    const SceneTextures& Textures() const;
     std::uint64_t TableBytes() const; ///< of the scene's tables
 
 private:

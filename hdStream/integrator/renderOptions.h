@@ -48,6 +48,9 @@ struct RenderOptions {
     std::string pixelFilter;
     double pixelFilterWidth = 3.0;
     bool russianRoulette = true;
+    double mipBias = 0.0; ///< mips that texture look-ups are moved by
+    /// Launches after which coarser mips are taken for texels that are missing; 0: never.
+    std::uint32_t shadeIterations = 0;
     std::uint32_t waveSize = 0;
     TraversalForm traversal = TraversalForm::Auto;
     /// Someone looks at the film while it is rendered: the first sample goes from coarse to fine,
@@ -55,7 +58,8 @@ struct RenderOptions {
     bool showsPreviews = false;
 };
 
-/// Where geometry lives on the device (DESIGN.md section 4.6).
+/// Where geometry and textures live on the device (DESIGN.md sections 4.6 and 5). Textures stream
+/// unless they are to be resident: what nobody sees is never opened.
 enum class ResidencyMode {
     Auto,     ///< Resident when all of it fits the budget, else Stream
     Resident, ///< all of it, uploaded once
@@ -63,7 +67,7 @@ enum class ResidencyMode {
     Mapped,   ///< read where the persistent cache has it (CPU devices)
 };
 
-/// How geometry is kept on the device.
+/// How geometry and textures are kept on the device.
 struct ResidencyOptions {
     ResidencyMode mode = ResidencyMode::Auto;
     /// Of the pool in bytes; 0: a share of the device's memory.
@@ -72,11 +76,18 @@ struct ResidencyOptions {
     double budgetShare = 0.0;
     Eviction eviction = Eviction::Clock;
     bool requestsFirst = false; ///< rays ask for the first missing chunk they meet, not the nearest
+    /// Of the pool for textures, as budgetBytes and budgetShare.
+    std::uint64_t textureBudgetBytes = 0;
+    double textureBudgetShare = 0.0;
+    bool plainTextures = false; ///< whole and uncompressed, to compare with
 
     bool operator==(const ResidencyOptions& other) const {
         return mode == other.mode && budgetBytes == other.budgetBytes &&
                budgetShare == other.budgetShare && eviction == other.eviction &&
-               requestsFirst == other.requestsFirst;
+               requestsFirst == other.requestsFirst &&
+               textureBudgetBytes == other.textureBudgetBytes &&
+               textureBudgetShare == other.textureBudgetShare &&
+               plainTextures == other.plainTextures;
     }
 };
 

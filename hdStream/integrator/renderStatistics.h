@@ -23,6 +23,10 @@ struct RenderStatistics {
     std::uint64_t iterations = 0; ///< rounds of launches of casts while geometry streams
     std::uint32_t maxIterationsPerCast = 0;
     std::uint64_t raysRelaunched = 0;
+    /// While textures stream: launches that evaluate materials, without and with those of items
+    /// that had to come again.
+    std::uint64_t shadePasses = 0;
+    std::uint64_t shadeIterations = 0;
     std::uint64_t nanSamples = 0;
     std::uint64_t endedPasses = 0; ///< rays that passed HDS_MAX_PASSES cut-out surfaces
     double meanRelativeError = 0.0;

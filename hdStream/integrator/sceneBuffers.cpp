@@ -10,10 +10,10 @@ namespace hds {
 namespace {
 
 const char* const kLabels[] = {
-    "top nodes",  "instances",      "instances by path", "objects",
-    "meshes",     "mesh materials", "materials",         "lights by material entry",
-    "lights",     "light tree",     "light triangles",   "light distributions",
-    "dome texels"};
+    "top nodes",   "instances",      "instances by path", "objects",
+    "meshes",      "mesh materials", "materials",         "lights by material entry",
+    "lights",      "light tree",     "light triangles",   "light distributions",
+    "dome texels", "programs"};
 
 /// A table that has become smaller than this part of its buffer gets a smaller one.
 constexpr std::uint64_t kShrinkFactor = 4;
@@ -23,7 +23,8 @@ constexpr std::uint64_t kBudgetDivisor = 4;
 
 } // namespace
 
-SceneBuffers::SceneBuffers(std::shared_ptr<Device> device) : _device(std::move(device)) {
+SceneBuffers::SceneBuffers(std::shared_ptr<Device> device, Store* store)
+    : _device(std::move(device)), _textures(_device, store) {
     static_assert(std::size(kLabels) == NumTables, "a label for each table");
 }
 
@@ -116,6 +117,10 @@ bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& r
     Upload(MeshMaterials, scene.meshMaterials);
     Upload(Materials, scene.materials);
     Upload(LightByEntry, scene.lightByEntry);
+    Upload(Programs, scene.programs);
+    _textures.Update(scene, residency);
+    _hasPrograms = !scene.programs.empty();
+    _hasTextures = !scene.textureTable.empty();
     if (_lights != scene.lights) {
         Upload(Lights, scene.lights->lights);
         Upload(LightNodes, scene.lights->nodes);
@@ -153,7 +158,7 @@ std::uint64_t SceneBuffers::TableBytes() const {
     for (const Buffer& buffer : _tables) {
         bytes += buffer.Bytes();
     }
-    return bytes;
+    return bytes + _textures.TableBytes();
 }
 
 unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first) const {
@@ -183,7 +188,16 @@ unsigned SceneBuffers::BindScene(Kernel* kernel, unsigned first) const {
         kernel->SetBuffer(first++, _tables[table]);
     }
     kernel->SetBytes(first++, &_numLights, sizeof(_numLights));
-    return first;
+    if (_hasPrograms) {
+        kernel->SetBuffer(first++, _tables[Programs]);
+    }
+    return _hasTextures ? _textures.Bind(kernel, first) : first;
+}
+
+bool SceneBuffers::SetMipBias(float bias) {
+    const bool isNew = bias != _textures.MipBias();
+    _textures.SetMipBias(bias);
+    return isNew;
 }
 
 } // namespace hds

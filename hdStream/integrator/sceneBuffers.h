@@ -4,6 +4,7 @@
 
 #include "hdStream/device/program.h"
 #include "hdStream/integrator/renderOptions.h"
+#include "hdStream/integrator/sceneTextures.h"
 #include "hdStream/scene/commit.h"
 #include "hdStream/stream/mappedPool.h"
 #include "hdStream/stream/residentPool.h"
@@ -18,7 +19,8 @@ namespace hds {
 /// synchronised.
 class SceneBuffers {
 public:
-    explicit SceneBuffers(std::shared_ptr<Device> device);
+    /// \param store keeps compiled kernels, may be null.
+    SceneBuffers(std::shared_ptr<Device> device, Store* store);
 
     /// Uploads what is new in `scene`, which must live until the next call. Blocks. \return false
     /// when the pages of edited scenes have scattered the pool: start again with new SceneBuffers.
@@ -28,8 +30,17 @@ public:
     /// Sets the arguments of HDS_GEOMETRY_ARGS from `first` on; returns the next free index.
     unsigned BindGeometry(Kernel* kernel, unsigned first) const;
 
-    /// Sets the arguments of HDS_SCENE_ARGS (geometry, materials, lights) from `first` on.
+    /// Sets the arguments of HDS_SCENE_ARGS (geometry, materials, lights, and with programs and
+    /// textures those) from `first` on.
     unsigned BindScene(Kernel* kernel, unsigned first) const;
+
+    /// Whether some material has a program, and whether some program looks textures up.
+    bool HasPrograms() const { return _hasPrograms; }
+    bool HasTextures() const { return _hasTextures; }
+    /// \return true when it has changed: kernels have to be bound again.
+    bool SetMipBias(float bias);
+    SceneTextures& Textures() { return _textures; }
+    const SceneTextures& Textures() const { return _textures; }
 
     /// Whether Update makes geometry of `totalBytes` stream.
     bool WillStream(const ResidencyOptions& residency, std::uint64_t totalBytes) const;
@@ -59,6 +70,7 @@ private:
         LightTriangles,
         LightCdf,
         DomeTexels,
+        Programs,
         NumTables
     };
 
@@ -76,6 +88,9 @@ private:
     std::array<Buffer, NumTables> _tables;
     std::shared_ptr<const LightTable> _lights; ///< what the light tables hold
     std::uint32_t _numLights = 0;
+    SceneTextures _textures;
+    bool _hasPrograms = false;
+    bool _hasTextures = false;
 };
 
 } // namespace hds

@@ -11,21 +11,29 @@ namespace hds {
 
 /// What the kernels are specialised by.
 struct KernelFeatures {
-    bool cutouts = false;       ///< some material may let rays pass
-    bool groups = false;        ///< instances below instances
-    bool wide = false;          ///< 8-wide traversal inside a work-item
-    bool firstHits = false;     ///< first-hit AOVs are asked for: `aov` is built
-    bool manyPools = false;     ///< the scene's pages lie in more than one pool buffer
-    bool streaming = false;     ///< pages may be missing
-    bool requestsFirst = false; ///< as ResidencyOptions::requestsFirst
+    bool cutouts = false;          ///< some material may let rays pass
+    bool programs = false;         ///< some material has a program
+    bool textures = false;         ///< some program looks textures up; implies programs
+    bool manyTexturePools = false; ///< texels lie in more than one buffer
+    bool textureStreaming = false; ///< lines of textures may be missing
+    bool plainTextures = false;    ///< textures without lines
+    bool groups = false;           ///< instances below instances
+    bool wide = false;             ///< 8-wide traversal inside a work-item
+    bool firstHits = false;        ///< first-hit AOVs are asked for: `aov` is built
+    bool manyPools = false;        ///< the scene's pages lie in more than one pool buffer
+    bool streaming = false;        ///< pages may be missing
+    bool requestsFirst = false;    ///< as ResidencyOptions::requestsFirst
 
     /// Rays that wait keep lists of the chunks they wait for.
     bool HasLists() const { return streaming && !requestsFirst; }
 
     bool operator==(const KernelFeatures& other) const {
-        return cutouts == other.cutouts && groups == other.groups && wide == other.wide &&
-               firstHits == other.firstHits && manyPools == other.manyPools &&
-               streaming == other.streaming && requestsFirst == other.requestsFirst;
+        return cutouts == other.cutouts && programs == other.programs &&
+               textures == other.textures && manyTexturePools == other.manyTexturePools &&
+               textureStreaming == other.textureStreaming && plainTextures == other.plainTextures &&
+               groups == other.groups && wide == other.wide && firstHits == other.firstHits &&
+               manyPools == other.manyPools && streaming == other.streaming &&
+               requestsFirst == other.requestsFirst;
     }
 };
 

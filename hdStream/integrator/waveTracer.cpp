@@ -28,7 +28,8 @@ void Resize(Buffer* buffer, const std::shared_ptr<Device>& device, const char* l
 
 WaveTracer::WaveTracer(std::shared_ptr<Device> device, SceneBuffers* buffers,
                        RenderStatistics* statistics)
-    : _device(std::move(device)), _buffers(buffers), _statistics(statistics) {
+    : _device(std::move(device)), _buffers(buffers), _statistics(statistics),
+      _texels(_device, buffers, statistics) {
     _counters = Buffer(_device, "counters", HDS_NUM_COUNTERS * sizeof(std::uint32_t));
 }
 
@@ -38,12 +39,13 @@ std::uint64_t WaveTracer::QueueBytes(const KernelFeatures& features) {
 }
 
 void WaveTracer::Ready(StageKernels* kernels, bool hasCutouts, std::uint32_t waveSize,
-                       std::uint32_t tileSize) {
+                       std::uint32_t tileSize, std::uint32_t shadeIterations) {
     _kernels = kernels;
     _hasCutouts = hasCutouts;
     _hasLists = kernels->Features().HasLists();
     _waveSize = waveSize;
     _tileSize = _hasLists ? std::min(waveSize, tileSize) : waveSize;
+    _texels.Ready(kernels, _waveSize, shadeIterations);
     Resize(&_paths, _device, "path state", waveSize * kernels->PathStateBytes());
     _statistics->pathStateBytes = _paths.Bytes();
     for (std::uint32_t i = 0; i < kNumQueues; ++i) {
@@ -79,10 +81,10 @@ void WaveTracer::ClearCounter(std::uint32_t counter, std::uint32_t count) {
 /// Seconds that services have taken so far: part of the time of whatever waits for them.
 double WaveTracer::ServiceSeconds() const {
     if (!_buffers->IsStreaming()) {
-        return 0.0;
+        return _texels.Seconds();
     }
     const StreamingStatistics& pool = _buffers->Streaming().Statistics();
-    return pool.serviceSeconds + pool.prepareSeconds + pool.transferSeconds;
+    return pool.serviceSeconds + pool.prepareSeconds + pool.transferSeconds + _texels.Seconds();
 }
 
 void WaveTracer::CountIterations(std::uint32_t iterations) {
@@ -152,6 +154,16 @@ void WaveTracer::TraceWithLists(std::uint32_t numSlots, const Generate& generate
     CountIterations(iterations);
 }
 
+/// Shades items of a queue, again where texels were missing; paths that go on come to `next`.
+void WaveTracer::ShadeItems(const Buffer& queue, std::uint32_t count, const Buffer& next,
+                            const Shade& shade) {
+    const Buffer& waiting = WaitQueue(WaitingHits);
+    shade(queue, count, waiting, next);
+    _texels.Finish(count, [&](const Buffer& items, std::uint32_t numItems) {
+        shade(items, numItems, waiting, next);
+    });
+}
+
 /// Shades the paths of queue _present, which becomes the queue of those that go on.
 WaveTracer::Counts WaveTracer::ShadeNext(std::uint32_t active, const Shade& shade) {
     const Timer timer;
@@ -164,7 +176,7 @@ WaveTracer::Counts WaveTracer::ShadeNext(std::uint32_t active, const Shade& shad
                              shade(items, count, waiting, _queues[1 - _present]);
                          });
     } else if (active > 0) {
-        shade(_queues[_present], active, WaitQueue(WaitingHits), _queues[1 - _present]);
+        ShadeItems(_queues[_present], active, _queues[1 - _present], shade);
     }
     const Counts counts = ReadCounters();
     _present = 1 - _present;
@@ -226,7 +238,11 @@ void WaveTracer::PassCandidates(std::uint32_t numShadows, std::uint32_t shadowQu
         if (_buffers->IsStreaming() && !_hasLists) {
             IterateWithPages(WaitingCandidates, candidates, numCandidates, pass);
         } else {
-            pass(candidates, numCandidates, WaitQueue(WaitingCandidates));
+            const Buffer& waiting = WaitQueue(WaitingCandidates);
+            pass(candidates, numCandidates, waiting);
+            _texels.Finish(numCandidates, [&](const Buffer& items, std::uint32_t numItems) {
+                pass(items, numItems, waiting);
+            });
         }
         numShadows = ReadCounters()[HDS_COUNTER_SHADOW];
         _statistics->shadowRays += numShadows;
@@ -251,6 +267,7 @@ WaveTracer::Counts WaveTracer::ServiceAndResume(const Counts& counts, const Shad
     _waitSide = 1 - _waitSide;
     ClearCounter(HDS_COUNTER_WAITING_RAYS, NumWaiting);
     const Timer timer;
+    const double texelSeconds = _texels.Seconds();
     if (waiting[WaitingRays] > 0) {
         _kernels->intersectResume.Launch(waiting[WaitingRays], _paths, _waveSize,
                                          queues[WaitingRays], waiting[WaitingRays],
@@ -259,7 +276,7 @@ WaveTracer::Counts WaveTracer::ServiceAndResume(const Counts& counts, const Shad
     ResumeShadows(queues[WaitingShadows], waiting[WaitingShadows]);
     ResumeCandidates(queues[WaitingCandidates], waiting[WaitingCandidates]);
     Counts resumed = ReadCounters();
-    _statistics->traceSeconds += timer.Seconds();
+    _statistics->traceSeconds += timer.Seconds() - (_texels.Seconds() - texelSeconds);
     for (const std::uint32_t counter : {HDS_COUNTER_ACTIVE, HDS_COUNTER_SHADOW}) {
         resumed[counter] = counts[counter];
         _counters.Fill(counts[counter], sizeof(std::uint32_t), counter * sizeof(std::uint32_t));
@@ -272,18 +289,19 @@ WaveTracer::Counts WaveTracer::ServiceAndResume(const Counts& counts, const Shad
 WaveTracer::Counts WaveTracer::ShadeReady(const Counts& counts, const Buffer* hits,
                                           std::uint32_t numHits, const Shade& shade) {
     const Timer timer;
+    const double texelSeconds = _texels.Seconds();
     const std::uint32_t numReady = counts[HDS_COUNTER_READY];
     const Buffer& next = _queues[_present];
     if (numHits > 0) {
-        shade(*hits, numHits, WaitQueue(WaitingHits), next);
+        ShadeItems(*hits, numHits, next, shade);
     }
     if (numReady > 0) {
-        shade(_ready, numReady, WaitQueue(WaitingHits), next);
+        ShadeItems(_ready, numReady, next, shade);
         ClearCounter(HDS_COUNTER_READY);
     }
     const Counts after = ReadCounters();
     _statistics->indirectRays += after[HDS_COUNTER_ACTIVE] - counts[HDS_COUNTER_ACTIVE];
-    _statistics->shadeSeconds += timer.Seconds();
+    _statistics->shadeSeconds += timer.Seconds() - (_texels.Seconds() - texelSeconds);
     return after;
 }
 
@@ -302,9 +320,13 @@ void WaveTracer::ResumeCandidates(const Buffer& queue, std::uint32_t count) {
         return;
     }
     ClearCounter(HDS_COUNTER_SHADOW);
-    _kernels->shadowPass.Launch(count, _paths, _waveSize, queue, count,
-                                WaitQueue(WaitingCandidates), _queues[kResumedQueue], _ready,
-                                _counters);
+    const auto pass = [&](const Buffer& items, std::uint32_t numItems) {
+        _kernels->shadowPass.Launch(numItems, _paths, _waveSize, items, numItems,
+                                    WaitQueue(WaitingCandidates), _queues[kResumedQueue], _ready,
+                                    _counters);
+    };
+    pass(queue, count);
+    _texels.Finish(count, pass);
     const std::uint32_t numShadows = ReadCounters()[HDS_COUNTER_SHADOW];
     _statistics->shadowRays += numShadows;
     ClearCounter(HDS_COUNTER_SHADOW);
@@ -350,6 +372,9 @@ void WaveTracer::IterateWithPages(Waiting kind, const Buffer& queue, std::uint32
         ClearCounter(HDS_COUNTER_WAITING_RAYS, NumWaiting);
         const Buffer& waiting = WaitQueue(kind);
         launch(*items, count, waiting);
+        _texels.Finish(count, [&](const Buffer& missed, std::uint32_t numMissed) {
+            launch(missed, numMissed, waiting);
+        });
         count = ReadCounters()[HDS_COUNTER_WAITING_RAYS + kind];
         items = &waiting;
         _waitSide = 1 - _waitSide;

@@ -6,6 +6,7 @@
 
 #include "hdStream/integrator/renderStatistics.h"
 #include "hdStream/integrator/stageKernels.h"
+#include "hdStream/integrator/texelLoop.h"
 #include "kernels/shared/frame.h"
 
 #include <array>
@@ -31,9 +32,10 @@ public:
     WaveTracer(std::shared_ptr<Device> device, SceneBuffers* buffers, RenderStatistics* statistics);
 
     /// Readies buffers for waves of at most `waveSize` paths, begun in tiles of `tileSize`.
+    /// \param shadeIterations as RenderOptions::shadeIterations.
     /// \throws Error when memory runs out.
     void Ready(StageKernels* kernels, bool hasCutouts, std::uint32_t waveSize,
-               std::uint32_t tileSize);
+               std::uint32_t tileSize, std::uint32_t shadeIterations);
 
     /// Traces slots [0, numSlots) to completion.
     void Trace(std::uint32_t numSlots, const Generate& generate, const Shade& shade);
@@ -65,6 +67,8 @@ private:
     void LaunchRays(const Buffer& queue, std::uint32_t count, std::uint32_t isResumed);
     void LaunchShadows(const Buffer& queue, std::uint32_t count, std::uint32_t shadowQueue,
                        std::uint32_t isResumed);
+    void ShadeItems(const Buffer& queue, std::uint32_t count, const Buffer& next,
+                    const Shade& shade);
     Counts ShadeNext(std::uint32_t active, const Shade& shade);
     Counts ShadeReady(const Counts& counts, const Buffer* hits, std::uint32_t numHits,
                       const Shade& shade);
@@ -91,6 +95,7 @@ private:
     Buffer _paths;
     std::array<Buffer, kNumQueues> _queues;
     std::array<std::array<Buffer, NumWaiting>, 2> _waitQueues; ///< one side is read, one filled
+    TexelLoop _texels;
     Buffer _ready; ///< slots that may be shaded after they have waited
     Buffer _counters;
 };

@@ -6,6 +6,7 @@
 #include "hdStream/scene/lightCommit.h"
 #include "hdStream/scene/materialCommit.h"
 #include "hdStream/scene/sceneCentre.h"
+#include "hdStream/scene/textureImages.h"
 #include "hdStream/scene/transforms.h"
 
 #include <glm/geometric.hpp>
@@ -79,6 +80,12 @@ public:
         AddLights();
         _result->materials = std::move(_materials.materials);
         _result->meshMaterials = std::move(_materials.meshMaterials);
+        _result->programs = std::move(_materials.programs);
+        _result->maxLookups = _materials.maxLookups;
+        _result->textureTable = std::move(_materials.textures);
+        _result->images = &_cache.images;
+        _result->textureLines = std::make_unique<TextureLines>(
+            _cache.textures, MakeTextureImages(_result->textureTable, _cache.images));
         _result->textures = _cache.images.Uses();
         Count();
         _result->seconds =

@@ -11,6 +11,7 @@
 #include "hdStream/scene/meshStore.h"
 #include "hdStream/scene/sceneDescription.h"
 #include "hdStream/shading/lightTable.h"
+#include "hdStream/texture/textureLines.h"
 #include "kernels/shared/geometry.h"
 #include "kernels/shared/material.h"
 
@@ -51,12 +52,14 @@ struct CommitOptions {
 /// What commits of one scene share: whatever did not change is not made again. Results do not
 /// depend on what is in it. Externally synchronised.
 struct CommitCache {
-    explicit CommitCache(Warnings& warnings) : images(warnings) {}
+    explicit CommitCache(Warnings& warnings)
+        : images(warnings), textures(std::make_shared<TexturePreparer>(nullptr, &warnings)) {}
     MeshStore meshes;
     PreparedPages pages;
     ImageLibrary images;
     MaterialCache materials;
-    std::string lightKey; ///< all that `lights` is made of
+    std::shared_ptr<TexturePreparer> textures; ///< never null
+    std::string lightKey;                      ///< all that `lights` is made of
     std::shared_ptr<const LightTable> lights;
 };
 
@@ -87,10 +90,15 @@ struct CommittedScene {
     std::vector<const std::vector<AttributeName>*> meshAttributes;
     std::vector<std::uint32_t> meshMaterials;
     std::vector<shared::HdsMaterial> materials;
+    std::vector<std::uint32_t> programs;        ///< of the materials (kernels/shared/program.h)
+    std::vector<MaterialTexture> textureTable;  ///< what programs look up, by index
+    std::uint32_t maxLookups = 0;               ///< of textures in one program
+    std::unique_ptr<TextureLines> textureLines; ///< of textureTable; opened when they are needed
+    ImageLibrary* images = nullptr;             ///< the cache's
     std::unique_ptr<GeometryPages> pages; ///< prepared when they are needed; in the cache's memory
     std::shared_ptr<const LightTable> lights;
     std::vector<std::uint32_t> lightByEntry; ///< lights of emissive material entries
-    std::vector<TextureUse> textures;        ///< by authored path
+    std::vector<TextureUse> textures;        ///< images of materials and lights
     bool hasCutouts = false;
     bool hasGroups = false; ///< instances below instances
     SceneCounts counts;

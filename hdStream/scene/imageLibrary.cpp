@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/imageLibrary.h"
 
-#include "hdStream/texture/imageReader.h"
+#include "hdStream/texture/plainTexture.h"
+#include "hdStream/texture/udim.h"
 
 namespace hds {
 
@@ -10,14 +11,20 @@ namespace {
 /// A dome keeps at most this many texels; larger images are box filtered in linear light.
 constexpr std::uint64_t kMaxDomeTexels = 8192ULL * 4096ULL;
 
-ImageSource SourceOf(const AssetReference& asset) {
-    return {asset.file, asset.offset, asset.size, asset.authoredPath};
-}
-
 /// Equal for equal images; files that were not found are told apart by what the scene calls them.
 std::string KeyOf(const AssetReference& asset) {
     const std::string& name = asset.file.empty() ? asset.authoredPath : asset.file;
     return name + '\n' + std::to_string(asset.offset) + '\n' + std::to_string(asset.size);
+}
+
+/// HDS_WRAP_* of a file's wrap mode as OpenImageIO calls it.
+std::optional<std::uint32_t> WrapFrom(const std::string& mode) {
+    static const std::map<std::string, std::uint32_t> kModes = {{"black", HDS_WRAP_BLACK},
+                                                                {"clamp", HDS_WRAP_CLAMP},
+                                                                {"periodic", HDS_WRAP_REPEAT},
+                                                                {"mirror", HDS_WRAP_MIRROR}};
+    const auto found = kModes.find(mode);
+    return found == kModes.end() ? std::nullopt : std::make_optional(found->second);
 }
 
 TextureUse UseOf(const AssetReference& asset, const ImageInfo& info, const std::string& error) {
@@ -25,6 +32,52 @@ TextureUse UseOf(const AssetReference& asset, const ImageInfo& info, const std::
 }
 
 } // namespace
+
+std::string MaterialTextureKey(const MaterialTexture& texture) {
+    return KeyOf(texture.file) + '\n' + texture.colorSpace;
+}
+
+ImageSource SourceOf(const AssetReference& asset) {
+    return {asset.file, asset.offset, asset.size, asset.authoredPath};
+}
+
+std::optional<ImageFacts> ImageLibrary::Probe(const AssetReference& asset) {
+    const std::string key = KeyOf(asset);
+    {
+        const std::lock_guard<std::mutex> lock(_mutex);
+        const auto known = _headers.find(key);
+        if (known != _headers.end()) {
+            _uses[key] = known->second.use;
+            return known->second.facts;
+        }
+    }
+    Header header = ReadHeader(asset);
+    const std::lock_guard<std::mutex> lock(_mutex);
+    _uses[key] = header.use;
+    return _headers.emplace(key, std::move(header)).first->second.facts;
+}
+
+ImageLibrary::Header ImageLibrary::ReadHeader(const AssetReference& asset) {
+    if (asset.file.empty()) {
+        return {std::nullopt, UseOf(asset, {}, "the file does not exist")};
+    }
+    const ImageInfo info = ProbeImage(SourceOf(asset));
+    Header header{std::nullopt, UseOf(asset, info, info.error)};
+    if (info.Ok()) {
+        header.facts = ImageFacts{info.hasAlpha, WrapFrom(info.wrapS), WrapFrom(info.wrapT)};
+    }
+    return header;
+}
+
+std::vector<UdimTile> ImageLibrary::FindTiles(const AssetReference& pattern) {
+    std::vector<UdimTile> tiles;
+    for (const UdimFile& file : FindUdimFiles(pattern.file)) {
+        const std::string name =
+            pattern.authoredPath + " (" + std::to_string(kFirstUdim + file.index) + ")";
+        tiles.push_back({file.index, {name, file.path, 0, 0}});
+    }
+    return tiles;
+}
 
 std::optional<std::array<float, 4>> ImageLibrary::MeanOf(const AssetReference& asset,
                                                          const std::string& colorSpace) {
@@ -60,6 +113,30 @@ ImageLibrary::Mean ImageLibrary::ReadMean(const AssetReference& asset,
         }
     }
     return mean;
+}
+
+std::shared_ptr<const HeightImage> ImageLibrary::LoadHeights(const MaterialTexture& texture,
+                                                             std::uint32_t channel) {
+    const std::lock_guard<std::mutex> lock(_mutex);
+    std::weak_ptr<const HeightImage>& known =
+        _heights[MaterialTextureKey(texture) + '\n' + std::to_string(channel)];
+    if (auto image = known.lock()) {
+        return image;
+    }
+    PlainChannel plain = LoadPlainChannel(SourceOf(texture.file), texture.colorSpace, channel);
+    if (!plain.warning.empty()) {
+        _warnings.Add("", plain.warning);
+    }
+    if (!plain.error.empty()) {
+        _warnings.Add("", plain.error);
+        return nullptr;
+    }
+    auto image = std::make_shared<HeightImage>();
+    image->width = plain.width;
+    image->height = plain.height;
+    image->values = std::move(plain.values);
+    known = image;
+    return image;
 }
 
 std::shared_ptr<const DomeImage> ImageLibrary::LoadDome(const AssetReference& asset) {
@@ -112,9 +189,23 @@ std::vector<TextureUse> ImageLibrary::Uses() const {
 
 void ImageLibrary::Clear() {
     const std::lock_guard<std::mutex> lock(_mutex);
+    _headers.clear();
     _means.clear();
+    _heights.clear();
     _domeKey.clear();
     _dome = {};
+    ++_epoch;
+}
+
+std::uint64_t ImageLibrary::Epoch() const {
+    const std::lock_guard<std::mutex> lock(_mutex);
+    return _epoch;
+}
+
+std::optional<TextureUse> ImageLibrary::FindUse(const AssetReference& asset) const {
+    const std::lock_guard<std::mutex> lock(_mutex);
+    const auto use = _uses.find(KeyOf(asset));
+    return use == _uses.end() ? std::nullopt : std::make_optional(use->second);
 }
 
 } // namespace hds

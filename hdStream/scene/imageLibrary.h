@@ -6,6 +6,7 @@
 #include "hdStream/base/log.h"
 #include "hdStream/shading/lightTable.h"
 #include "hdStream/shading/materialCompiler.h"
+#include "hdStream/texture/imageReader.h"
 
 #include <map>
 #include <mutex>
@@ -22,14 +23,33 @@ struct TextureUse {
     std::string error;             ///< empty: it can be read
 };
 
-/// Mean colours and dome images by file. Thread-safe.
+ImageSource SourceOf(const AssetReference& asset);
+
+/// Equal for equal images in equal colour spaces, whatever channels are read.
+std::string MaterialTextureKey(const MaterialTexture& texture);
+
+/// What materials and lights know of images, by file. Thread-safe.
 class ImageLibrary {
 public:
     explicit ImageLibrary(Warnings& warnings) : _warnings(warnings) {}
 
+    /// What materials need to know of an image; empty when it cannot be read (the caller warns).
+    /// Reads its header.
+    std::optional<ImageFacts> Probe(const AssetReference& asset);
+
+    /// The files of a UDIM pattern, by index.
+    static std::vector<UdimTile> FindTiles(const AssetReference& pattern);
+
+    /// Warns of an image whose texels are not what its header promised; one line that names it.
+    void Report(const std::string& problem) { _warnings.Add("", problem); }
+
     /// The mean colour in linear light; empty when the image cannot be read (the caller warns).
     std::optional<std::array<float, 4>> MeanOf(const AssetReference& asset,
                                                const std::string& colorSpace);
+
+    /// One channel of an image in linear light; null when it cannot be read (the caller warns).
+    std::shared_ptr<const HeightImage> LoadHeights(const MaterialTexture& texture,
+                                                   std::uint32_t channel);
 
     /// A dome's image; null when it cannot be read (the caller warns).
     std::shared_ptr<const DomeImage> LoadDome(const AssetReference& asset);
@@ -40,10 +60,19 @@ public:
     /// All images asked for since BeginCommit, each once, in the order of their files.
     std::vector<TextureUse> Uses() const;
 
+    /// What was asked for since BeginCommit of one of them; empty: nothing.
+    std::optional<TextureUse> FindUse(const AssetReference& asset) const;
+
     /// Forgets all images: the next question reads the file again.
     void Clear();
+    /// Counts how often that was done: images of another epoch may have changed.
+    std::uint64_t Epoch() const;
 
 private:
+    struct Header {
+        std::optional<ImageFacts> facts;
+        TextureUse use;
+    };
     struct Mean {
         std::optional<std::array<float, 4>> value;
         TextureUse use;
@@ -53,15 +82,20 @@ private:
         TextureUse use;
     };
 
+    static Header ReadHeader(const AssetReference& asset);
     Mean ReadMean(const AssetReference& asset, const std::string& colorSpace);
     Dome ReadDome(const AssetReference& asset);
 
     Warnings& _warnings;
     mutable std::mutex _mutex;
     std::map<std::string, TextureUse> _uses; ///< by file and range
+    std::map<std::string, Header> _headers;  ///< by file and range
     std::map<std::string, Mean> _means;      ///< by file, range and colour space
-    std::string _domeKey;                    ///< of the dome read last, the only one that is kept
+    /// By texture and channel, as long as some mesh uses it.
+    std::map<std::string, std::weak_ptr<const HeightImage>> _heights;
+    std::string _domeKey; ///< of the dome read last, the only one that is kept
     Dome _dome;
+    std::uint64_t _epoch = 0;
 };
 
 } // namespace hds

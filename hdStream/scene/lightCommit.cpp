@@ -39,7 +39,8 @@ std::vector<PlacedLight> PlaceLights(const SceneDescription& scene, const glm::d
 /// A material entry that emits the same everywhere.
 bool HasConstantEmission(const shared::HdsMaterial& material) {
     return (material.flags & HDS_MATERIAL_EMISSIVE) != 0 &&
-           material.slots[HDS_INPUT_EMISSIVE_COLOR] == HDS_NONE;
+           material.slots[HDS_INPUT_EMISSIVE_COLOR] == HDS_NONE &&
+           (material.programInputs >> HDS_INPUT_EMISSIVE_COLOR & 1U) == 0;
 }
 
 glm::dvec3 EmissionOf(const shared::HdsMaterial& material) {

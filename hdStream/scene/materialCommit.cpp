@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/materialCommit.h"
 
+#include "hdStream/shading/programWriter.h"
+
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <iterator>
 #include <string_view>
 
@@ -51,8 +54,8 @@ void MaterialCommit::Compile(
             missing.push_back(&*found);
             return;
         }
-        for (const auto& [asset, colorSpace] : cached.images) {
-            _images.MeanOf(asset, colorSpace); // counts as used
+        for (const AssetReference& asset : cached.images) {
+            _images.Probe(asset); // counts as used
         }
     };
     for (const auto* prim : prims) {
@@ -75,12 +78,13 @@ MaterialCommit::CompileNetwork(const std::string& path,
                                const std::shared_ptr<const MaterialNetwork>& network) {
     CachedMaterial result;
     result.network = network;
-    const MeanColorCallback meanColor = [&](const AssetReference& asset,
-                                            const std::string& colorSpace) {
-        result.images.emplace_back(asset, colorSpace);
-        return _images.MeanOf(asset, colorSpace);
+    ImageQueries queries;
+    queries.probe = [&](const AssetReference& asset) {
+        result.images.push_back(asset);
+        return _images.Probe(asset);
     };
-    result.compiled = CompileMaterial(*network, path, meanColor, _warnings);
+    queries.findTiles = ImageLibrary::FindTiles;
+    result.compiled = CompileMaterial(*network, path, queries, _warnings);
     return result;
 }
 
@@ -96,6 +100,32 @@ std::uint32_t MaterialCommit::AddRecord(const shared::HdsMaterial& record) {
         materials.push_back(record);
     }
     return found->second;
+}
+
+/// First word of the program in `programs`.
+std::uint32_t MaterialCommit::AddProgram(const std::vector<std::uint32_t>& words) {
+    const auto [found, isNew] =
+        _programByWords.emplace(words, static_cast<std::uint32_t>(programs.size()));
+    if (isNew) {
+        programs.insert(programs.end(), words.begin(), words.end());
+        maxLookups = std::max(maxLookups, CountLookups(words));
+    }
+    return found->second;
+}
+
+/// Index in `textures` of each texture of a material.
+std::vector<std::uint32_t> MaterialCommit::AddTextures(const CompiledMaterial& material) {
+    std::vector<std::uint32_t> indices;
+    for (const MaterialTexture& texture : material.textures) {
+        const auto [found, isNew] = _textureByKey.emplace(
+            MaterialTextureKey(texture), static_cast<std::uint32_t>(textures.size()));
+        if (isNew) {
+            textures.push_back(texture);
+        }
+        textures[found->second].channels |= texture.channels;
+        indices.push_back(found->second);
+    }
+    return indices;
 }
 
 /// The material of each entry: the prim's, then one for each subset.
@@ -114,6 +144,9 @@ std::vector<DisplacementInput> MaterialCommit::DisplacementsOf(const MeshPrim& p
     std::vector<DisplacementInput> displacements;
     for (const std::string& materialPath : EntryPaths(prim)) {
         displacements.push_back(Find(materialPath).displacement);
+        if (auto& lookup = displacements.back().lookup) {
+            lookup->image = _images.LoadHeights(lookup->texture, lookup->channel);
+        }
     }
     return displacements;
 }
@@ -123,8 +156,13 @@ MeshMaterialInfo MaterialCommit::AddMesh(const std::string& path, const MeshPrim
     MeshMaterialInfo info;
     info.materialBase = static_cast<std::uint32_t>(meshMaterials.size());
     for (const std::string& materialPath : EntryPaths(prim)) {
-        const shared::HdsMaterial record =
-            ResolveMaterial(Find(materialPath), prepared.attributes, path, _warnings);
+        const CompiledMaterial& compiled = Find(materialPath);
+        ResolvedMaterial resolved =
+            ResolveMaterial(compiled, AddTextures(compiled), prepared.attributes, path, _warnings);
+        shared::HdsMaterial& record = resolved.record;
+        if (!resolved.program.empty()) {
+            record.program = AddProgram(resolved.program);
+        }
         info.hasCutouts = info.hasCutouts || (record.flags & HDS_MATERIAL_CUTOUT) != 0;
         info.isEmissive = info.isEmissive || (record.flags & HDS_MATERIAL_EMISSIVE) != 0;
         meshMaterials.push_back(AddRecord(record));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Materials of the drawn meshes: compiled once, resolved against each mesh's primvars, equal
-// records shared.
+// Materials of the drawn meshes: compiled once, resolved against each mesh's primvars; equal
+// records, programs and textures shared.
 #pragma once
 
 #include "hdStream/scene/imageLibrary.h"
@@ -24,7 +24,7 @@ struct MeshMaterialInfo {
 struct CachedMaterial {
     std::shared_ptr<const MaterialNetwork> network;
     CompiledMaterial compiled;
-    std::vector<std::pair<AssetReference, std::string>> images; ///< read, and their colour spaces
+    std::vector<AssetReference> images; ///< asked for, readable or not
 };
 
 /// By path. Networks are told apart by identity.
@@ -44,14 +44,19 @@ public:
     MeshMaterialInfo AddMesh(const std::string& path, const MeshPrim& prim,
                              const PreparedMesh& prepared);
 
-    /// By material entry, as AddMesh adds them. Precondition: compiled.
+    /// By material entry, as AddMesh adds them; reads images of heights. Precondition: compiled.
     std::vector<DisplacementInput> DisplacementsOf(const MeshPrim& prim) const;
 
     std::vector<shared::HdsMaterial> materials;
     std::vector<std::uint32_t> meshMaterials;
+    std::vector<std::uint32_t> programs;   ///< of all materials, one after another
+    std::vector<MaterialTexture> textures; ///< that programs read, each once
+    std::uint32_t maxLookups = 0;          ///< of textures in one program
 
 private:
     std::uint32_t AddRecord(const shared::HdsMaterial& record);
+    std::uint32_t AddProgram(const std::vector<std::uint32_t>& words);
+    std::vector<std::uint32_t> AddTextures(const CompiledMaterial& material);
     const CompiledMaterial& Find(const std::string& materialPath) const;
     std::vector<std::string> EntryPaths(const MeshPrim& prim) const;
     CachedMaterial CompileNetwork(const std::string& path,
@@ -64,6 +69,8 @@ private:
     std::map<std::string, const CompiledMaterial*> _compiled; ///< by path; "": no material
     CompiledMaterial _displayColor = DisplayColorMaterial();
     std::map<std::string, std::uint32_t> _indexByBytes;
+    std::map<std::vector<std::uint32_t>, std::uint32_t> _programByWords;
+    std::map<std::string, std::uint32_t> _textureByKey;
 };
 
 } // namespace hds

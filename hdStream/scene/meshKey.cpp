@@ -88,6 +88,26 @@ public:
     void Add(const DisplacementInput& displacement) {
         Add(static_cast<double>(displacement.constant));
         Add(displacement.primvar);
+        Add(std::uint64_t{displacement.lookup ? 1U : 0U});
+        if (displacement.lookup) {
+            Add(*displacement.lookup);
+        }
+    }
+    /// The heights themselves: a file that changes makes other pages.
+    void Add(const DisplacementLookup& lookup) {
+        Add(std::uint64_t{lookup.wrapS | lookup.wrapT << 8U});
+        for (const double entry : lookup.rows) {
+            Add(entry);
+        }
+        for (const float value :
+             {lookup.missing[0], lookup.missing[1], lookup.scale, lookup.bias}) {
+            Add(static_cast<double>(value));
+        }
+        if (lookup.image) {
+            Add(std::uint64_t{lookup.image->width});
+            const std::size_t bytes = lookup.image->values.size() * sizeof(float);
+            AppendParallel(&_hasher, lookup.image->values.data(), bytes);
+        }
     }
     PageKey Key() const { return MakePageKey(_hasher); }
 

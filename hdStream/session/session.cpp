@@ -74,9 +74,11 @@ struct Session::Impl {
             cacheDirectory = settings.cacheDirectory;
             noCache = settings.noCache;
             cache.pages.Clear();
-            cache.meshes.SetPageStore(
+            const auto pageStore =
                 noCache ? nullptr
-                        : std::make_shared<PageStore>(PageStoreOptions{cacheDirectory}, &warnings));
+                        : std::make_shared<PageStore>(PageStoreOptions{cacheDirectory}, &warnings);
+            cache.meshes.SetPageStore(pageStore);
+            cache.textures = std::make_shared<TexturePreparer>(pageStore, &warnings);
         }
     }
 
@@ -154,6 +156,7 @@ struct Session::Impl {
         statistics.poolBytes = tracer->PoolBytes();
         statistics.streaming = tracer->Streaming();
         statistics.isMapped = tracer->IsMapped();
+        statistics.textures = &tracer->Textures();
         statistics.uploadedBytes = tracer->UploadedBytes();
         statistics.tableBytes = tracer->TableBytes();
         statistics.beforeRenderingSeconds = sinceStartSeconds + SecondsSince(start);

@@ -39,6 +39,7 @@ struct Settings {
     std::string pixelFilter = "blackmanHarris"; ///< or "box"
     double pixelFilterWidth = 3.0;              ///< pixels, full width (box: 1 is the pixel itself)
     bool russianRoulette = true;
+    double mipBias = 0.0; ///< mips that texture look-ups are moved by; positive: coarser
     std::string subdivision = "adaptive"; ///< adaptive, complexity (refineLevel everywhere) or cage
     std::uint32_t refineLevel = 0;        ///< for subdivision "complexity"
     std::uint32_t waveSize = 0; ///< paths in flight, at least 16; 0: the device's own default
@@ -51,8 +52,13 @@ struct Settings {
     /// Pool for geometry that streams: bytes with suffix K, M or G, or a percentage of all that
     /// could be streamed ("30%"); empty: a quarter of the device's memory.
     std::string geometryMemory;
+    std::string textureMemory;              ///< likewise for textures
     std::string geometryEviction = "clock"; ///< or "flush"
     std::string request = "last";           ///< chunk a ray asks for after its walk, or "first"
+    /// Times that a point is shaded before coarser mips are taken for texels that are not there
+    /// yet; 0: until all are.
+    std::uint32_t shadeIterations = 0;
+    bool plainTextures = false;   ///< textures whole and uncompressed, to compare with
     std::uint64_t hostMemory = 0; ///< bytes of prepared pages kept; 0: a quarter of the machine's
     std::string prepare = "lazy"; ///< pages when rays ask for them, or "eager": all at first
 

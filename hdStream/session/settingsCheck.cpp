@@ -97,6 +97,7 @@ void CheckSettings(const Settings& settings) {
     }
     MakeAovLayout(settings.aovs);
     ParseMemory("--geometryMemory", settings.geometryMemory);
+    ParseMemory("--textureMemory", settings.textureMemory);
     if (settings.residency == "mapped" && settings.noCache) {
         throw Error("--residency mapped: needs the persistent cache, which --noCache switches off",
                     ErrorKind::Usage);
@@ -133,6 +134,8 @@ RenderOptions MakeRenderOptions(const Settings& settings, const CameraPrim& came
     options.pixelFilter = settings.pixelFilter;
     options.pixelFilterWidth = settings.pixelFilterWidth;
     options.russianRoulette = settings.russianRoulette;
+    options.mipBias = settings.mipBias;
+    options.shadeIterations = settings.shadeIterations;
     options.waveSize = settings.waveSize;
     options.traversal = EnumOf<TraversalForm>("traversal", settings.traversal);
     return options;
@@ -146,6 +149,10 @@ ResidencyOptions MakeResidencyOptions(const Settings& settings) {
     options.budgetShare = memory.share;
     options.eviction = EnumOf<Eviction>("geometryEviction", settings.geometryEviction);
     options.requestsFirst = settings.request == "first";
+    const MemorySize textures = ParseMemory("--textureMemory", settings.textureMemory);
+    options.textureBudgetBytes = textures.bytes;
+    options.textureBudgetShare = textures.share;
+    options.plainTextures = settings.plainTextures;
     return options;
 }
 

@@ -72,6 +72,8 @@ SettingInfo OfHost(SettingInfo info) {
 constexpr double kMaxSeconds = 1e9;
 constexpr double kMaxError = 1e6;
 constexpr double kMaxFilterWidth = 64.0;
+constexpr double kMaxMipBias = 16.0;
+constexpr double kMaxShadeIterations = 64.0;
 constexpr double kMaxPixelAspect = 1000.0;
 /// Path depths are kept in 16 bits together with their sampling dimensions.
 constexpr double kMaxDepth = 4096;
@@ -146,6 +148,9 @@ std::vector<Row> UserRows() {
         MakeRow(&S::russianRoulette,
                 Info(K::Bool, "russianRoulette", "", "Russian roulette",
                      "dim paths end by chance; switching it off changes the noise only")),
+        MakeRow(&S::mipBias, Ranged(K::Number, "mipBias", "", "Mip bias",
+                                    "mips that texture look-ups are moved by; positive: coarser",
+                                    -kMaxMipBias, kMaxMipBias)),
         MakeRow(&S::subdivision, OneOf("subdivision", "--subdivision", "Subdivision",
                                        "limit surface, uniform level, or cage as it is",
                                        {"adaptive", "complexity", "cage"})),
@@ -169,15 +174,19 @@ std::vector<Row> UserRows() {
         MakeRow(&S::chunkBytes,
                 Ranged(K::Bytes, "chunkBytes", "--chunkSize", "Chunk size",
                        "upper bound of a unit of geometry", kMinChunkBytes, kMaxChunkBytes)),
-        MakeRow(&S::residency,
-                OneOf("residency", "--residency", "Residency",
-                      "geometry in device memory: all of it, what rays ask for, whichever fits, or "
-                      "none (mapped: CPU devices read the cache's files in place)",
-                      {"auto", "resident", "stream", "mapped"})),
+        MakeRow(&S::residency, OneOf("residency", "--residency", "Residency",
+                                     "geometry and textures in device memory: all, what rays ask "
+                                     "for, whichever fits, or "
+                                     "none (mapped: CPU devices read the cache's files in place)",
+                                     {"auto", "resident", "stream", "mapped"})),
         MakeRow(&S::geometryMemory,
                 Info(K::Text, "geometryMemory", "--geometryMemory", "Geometry memory",
                      "pool for geometry that streams: bytes (K, M, G) or a percentage of all of "
                      "it; empty: a quarter of the device's memory")),
+        MakeRow(&S::textureMemory,
+                Info(K::Text, "textureMemory", "--textureMemory", "Texture memory",
+                     "pool for textures that stream: bytes (K, M, G) or a percentage of all of "
+                     "them; empty: a quarter of the device's memory")),
         MakeRow(&S::geometryEviction,
                 OneOf("geometryEviction", "--geometryEviction", "Geometry eviction",
                       "what leaves a full pool: what was used least recently, or everything",
@@ -187,6 +196,14 @@ std::vector<Row> UserRows() {
                       "the missing chunks a ray asks for: the nearest in its way after its walk, "
                       "or the first it meets",
                       {"last", "first"})),
+        MakeRow(&S::shadeIterations,
+                Ranged(K::Integer, "shadeIterations", "--shadeIterations", "Shade iterations",
+                       "times that a point is shaded before coarser mips are taken for texels "
+                       "that are not there yet; 0: until all are",
+                       0, kMaxShadeIterations)),
+        MakeRow(&S::plainTextures,
+                Info(K::Bool, "plainTextures", "", "Plain textures",
+                     "textures whole and uncompressed in device memory, to compare with")),
         MakeRow(&S::hostMemory,
                 Ranged(K::Bytes, "hostMemory", "--hostMemory", "Host memory",
                        "bound on prepared geometry kept in host memory; 0: a quarter of it", 0,

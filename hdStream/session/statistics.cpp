@@ -21,12 +21,15 @@ std::uint64_t HostPeakBytes() {
 
 Json TimeSection(const StatisticsInput& in) {
     const RenderStatistics& render = *in.render;
+    const TextureStatistics textures = in.textures->Statistics();
     return {{"load", in.loadSeconds},
             {"translate", in.translateSeconds},
-            {"prepare", in.scene->seconds + in.pages->Seconds() - in.prepareSecondsBefore},
+            {"prepare", in.scene->seconds + in.pages->Seconds() - in.prepareSecondsBefore +
+                            textures.openSeconds},
             {"compile", render.compileSeconds},
             {"trace", render.traceSeconds},
-            {"service", in.streaming != nullptr ? in.streaming->serviceSeconds : 0.0},
+            {"service", (in.streaming != nullptr ? in.streaming->serviceSeconds : 0.0) +
+                            textures.serviceSeconds + textures.readSeconds},
             {"transfer", render.transferSeconds +
                              (in.streaming != nullptr ? in.streaming->transferSeconds : 0.0)},
             {"shade", render.shadeSeconds},
@@ -83,25 +86,30 @@ Json GeometrySection(const StatisticsInput& in) {
 
 Json TextureSection(const StatisticsInput& in) {
     const SceneCounts& counts = in.scene->counts;
-    return {{"mode", "resident"},
+    const SceneTextures& textures = *in.textures;
+    const TextureStatistics cache = textures.Statistics();
+    const std::uint64_t linesTotal = in.scene->textureLines->TotalLines();
+    return {{"mode", textures.Pool() != nullptr ? "stream"
+                     : textures.IsPlain()       ? "plain"
+                                                : "resident"},
             {"textures", counts.textures},
             {"bytesSource", counts.textureSourceBytes},
-            {"bytesTotal", 0},
-            {"budget", 0},
-            {"peakBytes", 0},
-            {"linesTotal", 0},
-            {"linesLoaded", 0},
-            {"uniqueBytesLoaded", 0},
-            {"uploadedBytes", 0},
-            {"evictions", 0},
-            {"tableBytes", 0},
-            {"alwaysResidentBytes", 0},
-            {"lookups", 0},
-            {"misses", 0},
-            {"shadePasses", 0},
-            {"shadeIterations", 0},
-            {"fallbackTexels", 0},
-            {"setConflicts", 0}};
+            {"bytesTotal", linesTotal * HDS_LINE_BYTES},
+            {"budget", textures.Pool() != nullptr ? textures.BudgetBytes() : textures.Bytes()},
+            {"peakBytes", textures.Bytes()},
+            {"linesTotal", linesTotal},
+            {"linesLoaded", cache.linesLoaded},
+            {"uniqueBytesLoaded", cache.uniqueBytesLoaded},
+            {"uploadedBytes", cache.uploadedBytes},
+            {"evictions", cache.evictions},
+            {"tableBytes", textures.TableBytes()},
+            {"alwaysResidentBytes", textures.PinnedBytes()},
+            {"lookups", cache.lookups},
+            {"misses", cache.misses},
+            {"shadePasses", in.render->shadePasses},
+            {"shadeIterations", in.render->shadeIterations},
+            {"fallbackTexels", cache.fallbackTexels},
+            {"setConflicts", cache.setConflicts}};
 }
 
 } // namespace

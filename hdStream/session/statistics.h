@@ -25,6 +25,7 @@ struct StatisticsInput {
     const StreamingStatistics* streaming = nullptr; ///< null: geometry is resident or mapped
     bool isMapped = false;
     std::uint64_t uploadedBytes = 0; ///< of geometry, in this session
+    const SceneTextures* textures = nullptr;
     std::uint64_t tableBytes = 0;
     double loadSeconds = 0.0;
     double translateSeconds = 0.0;

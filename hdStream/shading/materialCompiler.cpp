@@ -3,10 +3,13 @@
 #include "hdStream/shading/materialCompiler.h"
 
 #include "hdStream/shading/networkEvaluator.h"
+#include "hdStream/shading/programWriter.h"
+#include "hdStream/shading/valueResolver.h"
 #include "kernels/shared/geometry.h"
 
 #include <algorithm>
-#include <cmath>
+#include <memory>
+#include <utility>
 
 namespace hds {
 
@@ -38,7 +41,7 @@ void SetConstant(shared::HdsMaterial& material, std::uint32_t input,
     material.constants[input] = {value[0], value[1], value[2], value[3]};
 }
 
-/// All constants at the specification's defaults, no slots, no flags.
+/// All constants at the specification's defaults, no slots, no program, no flags.
 CompiledMaterial DefaultMaterial() {
     CompiledMaterial material;
     for (std::uint32_t i = 0; i < HDS_NUM_INPUTS; ++i) {
@@ -46,28 +49,38 @@ CompiledMaterial DefaultMaterial() {
         SetConstant(material.constants, i, {value[0], value[1], value[2], 1.0F});
         material.constants.slots[i] = HDS_NONE;
     }
+    material.constants.program = HDS_NONE;
     return material;
 }
 
-/// Puts a value into an input: one component spreads over a colour, a scalar takes the first of
-/// many.
-void SetInput(CompiledMaterial& material, std::uint32_t input, const InputValue& value,
-              const MaterialNode& node, const std::string& materialPath, Warnings& warnings) {
+/// One component spreads over a colour, a scalar takes the first of many. Empty: a wrong type.
+ShaderValue FitToInput(std::uint32_t input, ShaderValue value) {
     const InputRow& row = kInputs[input];
-    const bool isShort = row.numComponents == 3 && value.numComponents < 3;
-    const bool isSpread = isShort && value.numComponents == 1 && input != HDS_INPUT_NORMAL;
-    if (isShort && (!isSpread || value.kind == InputValue::Kind::Primvar)) {
-        warnings.Add(materialPath,
-                     std::string("input ") + row.name + " of " + node.path + " has a wrong type");
-        return;
+    if (row.numComponents == 1 || value.numComponents >= 3) {
+        return value;
     }
-    std::array<float, 4> constant = value.value;
-    if (isSpread) {
-        constant = {constant[0], constant[0], constant[0], 1.0F};
+    if (value.numComponents != 1 || input == HDS_INPUT_NORMAL) {
+        return {};
     }
-    SetConstant(material.constants, input, constant);
-    if (value.kind == InputValue::Kind::Primvar) {
-        material.readers.push_back({input, value.primvar, row.numComponents});
+    if (IsConstant(value)) {
+        const float x = ConstantOf(value)[0];
+        return MakeConstant({x, x, x, 1.0F}, 3);
+    }
+    value.channel = value.channel == HDS_CHANNEL_ALL ? 0 : value.channel;
+    return value;
+}
+
+/// Puts a value into an input: a constant, or what is resolved for each mesh.
+void SetInput(CompiledMaterial& material, std::uint32_t input, const ShaderValue& value,
+              const MaterialNode& node, const std::string& materialPath, Warnings& warnings) {
+    const ShaderValue fitted = FitToInput(input, value);
+    if (!fitted) {
+        warnings.Add(materialPath, std::string("input ") + kInputs[input].name + " of " +
+                                       node.path + " has a wrong type");
+    } else if (IsConstant(fitted)) {
+        SetConstant(material.constants, input, ConstantOf(fitted));
+    } else {
+        material.values[input] = fitted;
     }
 }
 
@@ -92,48 +105,162 @@ const MaterialNode* FindSurface(const MaterialNetwork& network, const NetworkEva
     return node;
 }
 
-/// Constants and primvars; what reads a texture warns and is ignored.
+/// A look-up of one image, at coordinates that are a primvar or constant transforms of one.
+std::optional<DisplacementInput> LookupDisplacement(const ShaderValue& value,
+                                                    const std::vector<MaterialTexture>& textures) {
+    const ShaderExpression& expression = *value.expression;
+    const std::vector<ShaderValue>& operands = expression.operands;
+    if (expression.kind != ShaderExpression::Kind::Texture ||
+        (expression.lookup & HDS_LOOKUP_UDIM) != 0 ||
+        !std::all_of(operands.begin() + 1, operands.end(), IsConstant)) {
+        return std::nullopt;
+    }
+    const std::uint32_t channel = value.channel == HDS_CHANNEL_ALL ? 0 : value.channel;
+    DisplacementLookup lookup;
+    lookup.texture = textures[expression.tiles[0]];
+    lookup.channel = channel;
+    lookup.wrapS = expression.lookup & 3U;
+    lookup.wrapT = expression.lookup >> 2U & 3U;
+    lookup.scale = ConstantOf(operands[2])[channel];
+    lookup.bias = ConstantOf(operands[3])[channel];
+    const ShaderExpression* st = operands[0].expression.get();
+    while (st->kind == ShaderExpression::Kind::Transform2d &&
+           std::all_of(st->operands.begin() + 1, st->operands.end(), IsConstant)) {
+        const std::array<double, 6> inner =
+            Transform2dRows(ConstantOf(st->operands[1])[0], ConstantOf(st->operands[2]),
+                            ConstantOf(st->operands[3]));
+        std::array<double, 6>& m = lookup.rows;
+        m = {m[0] * inner[0] + m[1] * inner[3],        m[0] * inner[1] + m[1] * inner[4],
+             m[0] * inner[2] + m[1] * inner[5] + m[2], m[3] * inner[0] + m[4] * inner[3],
+             m[3] * inner[1] + m[4] * inner[4],        m[3] * inner[2] + m[4] * inner[5] + m[5]};
+        st = st->operands[0].expression.get();
+    }
+    DisplacementInput result;
+    result.constant = ConstantOf(operands[1])[channel];
+    if (st->kind == ShaderExpression::Kind::Primvar && IsConstant(st->operands[0])) {
+        result.primvar = st->primvar;
+        lookup.missing = {ConstantOf(st->operands[0])[0], ConstantOf(st->operands[0])[1]};
+    } else if (st->kind == ShaderExpression::Kind::Constant) {
+        lookup.missing = {st->constant[0], st->constant[1]};
+    } else {
+        return std::nullopt;
+    }
+    result.lookup = std::move(lookup);
+    return result;
+}
+
+/// Constants, primvars and look-ups; what else there is warns and is ignored.
 DisplacementInput FindDisplacement(NetworkEvaluator& evaluator, const MaterialNode& surface,
                                    const std::string& materialPath, Warnings& warnings) {
     DisplacementInput displacement;
-    const auto connection = surface.connections.find("displacement");
-    if (connection != surface.connections.end()) {
-        const MaterialNode* source = evaluator.FindNode(connection->second.upstreamPath);
-        if (source != nullptr && source->identifier == "UsdUVTexture") {
-            warnings.Add(materialPath, "displacement by a texture is ignored");
-            return displacement;
-        }
+    const ShaderValue value = evaluator.Evaluate(surface, "displacement");
+    if (!value) {
+        return displacement;
     }
-    const InputValue value = evaluator.Evaluate(surface, "displacement");
-    if (value.kind != InputValue::Kind::None) {
-        displacement.constant = value.value[0];
-    }
-    if (value.kind == InputValue::Kind::Primvar) {
-        displacement.primvar = value.primvar;
+    const ShaderExpression& expression = *value.expression;
+    if (IsConstant(value)) {
+        displacement.constant = expression.constant[0];
+    } else if (expression.kind == ShaderExpression::Kind::Primvar &&
+               IsConstant(expression.operands[0])) {
+        displacement.constant = ConstantOf(expression.operands[0])[0];
+        displacement.primvar = expression.primvar;
+    } else if (auto lookup = LookupDisplacement(value, evaluator.Textures())) {
+        displacement = std::move(*lookup);
+    } else {
+        warnings.Add(materialPath, "displacement by such a network is ignored");
     }
     return displacement;
 }
 
-bool HasSlot(const shared::HdsMaterial& m, std::uint32_t input) {
-    return m.slots[input] != HDS_NONE;
+/// Whether an input is no constant.
+bool Varies(const shared::HdsMaterial& m, std::uint32_t input) {
+    return m.slots[input] != HDS_NONE || (m.programInputs >> input & 1U) != 0;
 }
 
-/// Flags that follow from constants and slots.
+/// Flags that follow from constants, slots and what the program sets.
 std::uint32_t DerivedFlags(const shared::HdsMaterial& m) {
     std::uint32_t flags = 0;
-    if (HasSlot(m, HDS_INPUT_OPACITY) || m.constants[HDS_INPUT_OPACITY].x < 1.0F) {
+    if (Varies(m, HDS_INPUT_OPACITY) || m.constants[HDS_INPUT_OPACITY].x < 1.0F) {
         flags |= HDS_MATERIAL_CUTOUT;
     }
+    if (!Varies(m, HDS_INPUT_OPACITY_THRESHOLD) &&
+        m.constants[HDS_INPUT_OPACITY_THRESHOLD].x > 0.0F) {
+        flags |= HDS_MATERIAL_MASK;
+    }
     const shared::float4& emission = m.constants[HDS_INPUT_EMISSIVE_COLOR];
-    if (HasSlot(m, HDS_INPUT_EMISSIVE_COLOR) || emission.x > 0.0F || emission.y > 0.0F ||
+    if (Varies(m, HDS_INPUT_EMISSIVE_COLOR) || emission.x > 0.0F || emission.y > 0.0F ||
         emission.z > 0.0F) {
         flags |= HDS_MATERIAL_EMISSIVE;
     }
     const shared::float4& normal = m.constants[HDS_INPUT_NORMAL];
-    if (HasSlot(m, HDS_INPUT_NORMAL) || normal.x != 0.0F || normal.y != 0.0F) {
+    if (Varies(m, HDS_INPUT_NORMAL) || normal.x != 0.0F || normal.y != 0.0F) {
         flags |= HDS_MATERIAL_NORMAL;
     }
     return flags;
+}
+
+/// Finds slots of a mesh's attributes; those that are too short warn.
+class SlotFinder {
+public:
+    SlotFinder(const std::vector<AttributeName>& attributes, const std::string& meshPath,
+               Warnings& warnings)
+        : _attributes(attributes), _meshPath(meshPath), _warnings(warnings) {}
+
+    std::uint32_t operator()(const std::string& primvar, std::uint32_t numComponents) const {
+        const auto found =
+            std::find_if(_attributes.begin(), _attributes.end(),
+                         [&](const AttributeName& one) { return one.name == primvar; });
+        if (found == _attributes.end()) {
+            return HDS_NONE;
+        }
+        if (found->numComponents < numComponents) {
+            _warnings.Add(_meshPath,
+                          "primvar " + primvar + " has " + std::to_string(found->numComponents) +
+                              " components; its material needs " + std::to_string(numComponents));
+            return HDS_NONE;
+        }
+        return HDS_SLOT_USER + static_cast<std::uint32_t>(found - _attributes.begin());
+    }
+
+private:
+    const std::vector<AttributeName>& _attributes;
+    const std::string& _meshPath;
+    Warnings& _warnings;
+};
+
+ShaderValue MakePrimvar(const char* name, const std::array<float, 4>& fallback,
+                        std::uint32_t numComponents) {
+    auto expression = std::make_shared<ShaderExpression>();
+    expression->kind = ShaderExpression::Kind::Primvar;
+    expression->primvar = name;
+    expression->operands = {MakeConstant(fallback, numComponents)};
+    return {std::move(expression), HDS_CHANNEL_ALL, numComponents};
+}
+
+/// Puts a resolved value where it belongs; `program` collects what is neither constant nor slot.
+void PlaceValue(std::uint32_t input, const ShaderValue& value, const SlotCallback& findSlot,
+                shared::HdsMaterial& record, std::vector<ProgramInput>& program) {
+    if (IsConstant(value)) {
+        std::array<float, 4> constant = ConstantOf(value);
+        if (kInputs[input].numComponents == 3 && value.numComponents == 1) {
+            constant = {constant[0], constant[0], constant[0], 1.0F};
+        }
+        SetConstant(record, input, constant);
+        return;
+    }
+    const ShaderExpression& expression = *value.expression;
+    if (expression.kind == ShaderExpression::Kind::Primvar && value.channel == HDS_CHANNEL_ALL) {
+        record.slots[input] = findSlot(expression.primvar, kInputs[input].numComponents);
+        if (IsConstant(expression.operands[0])) {
+            SetConstant(record, input, ConstantOf(expression.operands[0]));
+        }
+        return;
+    }
+    program.push_back({input, value});
+    record.programInputs |= 1U << input;
+    if (input == HDS_INPUT_NORMAL && expression.kind == ShaderExpression::Kind::Texture) {
+        record.flags |= HDS_MATERIAL_TANGENTS;
+    }
 }
 
 } // namespace
@@ -142,56 +269,59 @@ CompiledMaterial DisplayColorMaterial() {
     CompiledMaterial material = DefaultMaterial();
     SetConstant(material.constants, HDS_INPUT_DIFFUSE_COLOR, {0.5F, 0.5F, 0.5F, 1.0F});
     material.constants.flags = HDS_MATERIAL_LAMBERT;
-    material.readers.push_back({HDS_INPUT_DIFFUSE_COLOR, "displayColor", 3});
-    material.readers.push_back({HDS_INPUT_OPACITY, "displayOpacity", 1});
+    material.values[HDS_INPUT_DIFFUSE_COLOR] =
+        MakePrimvar("displayColor", {0.5F, 0.5F, 0.5F, 1.0F}, 3);
+    material.values[HDS_INPUT_OPACITY] = MakePrimvar("displayOpacity", {1.0F, 0.0F, 0.0F, 1.0F}, 1);
     return material;
 }
 
 CompiledMaterial CompileMaterial(const MaterialNetwork& network, const std::string& materialPath,
-                                 const MeanColorCallback& meanColor, Warnings& warnings) {
-    NetworkEvaluator evaluator(network, materialPath, meanColor, warnings);
+                                 const ImageQueries& images, Warnings& warnings) {
+    NetworkEvaluator evaluator(network, materialPath, images, warnings);
     const MaterialNode* surface = FindSurface(network, evaluator, materialPath, warnings);
     if (surface == nullptr) {
         return DisplayColorMaterial();
     }
     CompiledMaterial material = DefaultMaterial();
     for (std::uint32_t i = 0; i < HDS_NUM_INPUTS; ++i) {
-        const InputValue value = evaluator.Evaluate(*surface, kInputs[i].name);
-        if (value.kind != InputValue::Kind::None) {
+        if (const ShaderValue value = evaluator.Evaluate(*surface, kInputs[i].name)) {
             SetInput(material, i, value, *surface, materialPath, warnings);
         }
     }
-    const InputValue workflow = evaluator.Evaluate(*surface, "useSpecularWorkflow");
-    if (workflow.kind == InputValue::Kind::Constant && workflow.value[0] != 0.0F) {
+    const ShaderValue workflow = evaluator.Evaluate(*surface, "useSpecularWorkflow");
+    if (IsConstant(workflow) && ConstantOf(workflow)[0] != 0.0F) {
         material.constants.flags |= HDS_MATERIAL_SPECULAR_WORKFLOW;
     }
+    material.textures = evaluator.Textures(); // without what only displaces
     material.displacement = FindDisplacement(evaluator, *surface, materialPath, warnings);
     return material;
 }
 
-shared::HdsMaterial ResolveMaterial(const CompiledMaterial& material,
-                                    const std::vector<AttributeName>& attributes,
-                                    const std::string& meshPath, Warnings& warnings) {
-    shared::HdsMaterial result = material.constants;
-    for (const PrimvarReader& reader : material.readers) {
-        const auto found =
-            std::find_if(attributes.begin(), attributes.end(), [&](const AttributeName& attribute) {
-                return attribute.name == reader.primvar;
-            });
-        if (found == attributes.end()) {
-            continue;
+ResolvedMaterial ResolveMaterial(const CompiledMaterial& material,
+                                 const std::vector<std::uint32_t>& textures,
+                                 const std::vector<AttributeName>& attributes,
+                                 const std::string& meshPath, Warnings& warnings) {
+    ResolvedMaterial result;
+    result.record = material.constants;
+    const SlotCallback findSlot = SlotFinder(attributes, meshPath, warnings);
+    ValueResolver resolver(findSlot);
+    std::vector<ProgramInput> inputs;
+    for (std::uint32_t i = 0; i < HDS_NUM_INPUTS; ++i) {
+        if (material.values[i]) {
+            const ShaderValue value =
+                resolver.Resolve(material.values[i], kInputs[i].numComponents);
+            PlaceValue(i, value, findSlot, result.record, inputs);
         }
-        if (found->numComponents < reader.numComponents) {
-            warnings.Add(meshPath, "primvar " + reader.primvar + " has " +
-                                       std::to_string(found->numComponents) + " components; " +
-                                       kInputs[reader.input].name + " needs " +
-                                       std::to_string(reader.numComponents));
-            continue;
-        }
-        result.slots[reader.input] =
-            HDS_SLOT_USER + std::uint32_t(std::distance(attributes.begin(), found));
     }
-    result.flags |= DerivedFlags(result);
+    if (!inputs.empty()) {
+        result.program = WriteProgram(inputs, textures, findSlot);
+        if (result.program.empty()) {
+            warnings.Add(meshPath, "its material is too deep for the shader machine; the inputs "
+                                   "that it computes keep their defaults");
+            result.record.programInputs = 0;
+        }
+    }
+    result.record.flags |= DerivedFlags(result.record);
     return result;
 }
 

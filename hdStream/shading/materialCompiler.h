@@ -1,48 +1,69 @@
 // SPDX-License-Identifier: Apache-2.0
-// Material networks to HdsMaterial records. Two steps: compile a network once; resolve it against
-// the attributes of each mesh it is bound to. Pure functions; any thread.
+// Material networks to HdsMaterial records and programs. Two steps: compile a network once; resolve
+// it against the attributes of each mesh it is bound to. Pure functions; any thread.
 // Bad content warns once, names the material, and falls back to what docs/shading.md defines.
 #pragma once
 
 #include "hdStream/base/log.h"
+#include "hdStream/shading/imageQueries.h"
 #include "hdStream/shading/materialNetwork.h"
+#include "hdStream/shading/shaderExpression.h"
 #include "kernels/shared/material.h"
 
 #include <array>
 #include <cstdint>
-#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace hds {
 
-/// The mean colour of an image in the linear working space; empty: it cannot be read.
-/// \param sourceColorSpace "raw", "sRGB" or "auto".
-using MeanColorCallback = std::function<std::optional<std::array<float, 4>>(
-    const AssetReference& file, const std::string& sourceColorSpace)>;
+/// One channel of an image in linear light, rows from the top. Filled in by commit.
+struct HeightImage {
+    std::uint32_t width = 0;
+    std::uint32_t height = 0;
+    std::vector<float> values;
+};
 
-/// An input that reads a primvar of the mesh.
-struct PrimvarReader {
-    std::uint32_t input = 0;         ///< HDS_INPUT_*
-    std::string primvar;             ///< name without "primvars:"
-    std::uint32_t numComponents = 1; ///< it needs: 1 or 3
+/// An amount that is looked up: value * scale + bias.
+struct DisplacementLookup {
+    MaterialTexture texture;
+    std::uint32_t channel = 0;
+    std::uint32_t wrapS = HDS_WRAP_BLACK; ///< HDS_WRAP_*
+    std::uint32_t wrapT = HDS_WRAP_BLACK;
+    std::array<double, 6> rows{1, 0, 0, 0, 1, 0}; ///< coordinates = rows * (primvar, 1)
+    std::array<float, 2> missing{}; ///< stands for the primvar where the mesh has none
+    float scale = 1.0F;
+    float bias = 0.0F;
+    std::shared_ptr<const HeightImage> image; ///< null until commit has read it
+
+    bool operator==(const DisplacementLookup& other) const {
+        return image == other.image && channel == other.channel && wrapS == other.wrapS &&
+               wrapT == other.wrapT && rows == other.rows && missing == other.missing &&
+               scale == other.scale && bias == other.bias;
+    }
 };
 
 /// How far a material moves the surface along its normal, object-space units.
 struct DisplacementInput {
-    float constant = 0.0F; ///< also where the mesh has no such primvar
-    std::string primvar;   ///< without "primvars:", its first component; empty: the constant
+    float constant = 0.0F; ///< also where the mesh has no such primvar, or the image is unreadable
+    std::string primvar;   ///< without "primvars:"; empty: the constant
+    /// Nothing: the primvar's first component is the amount; else its first two are coordinates.
+    std::optional<DisplacementLookup> lookup = {};
 
     bool operator==(const DisplacementInput& other) const {
-        return constant == other.constant && primvar == other.primvar;
+        return constant == other.constant && primvar == other.primvar && lookup == other.lookup;
     }
 };
 
-/// A material before it is bound: constants hold the readers' fallbacks, all slots are HDS_NONE.
+/// A material before it is bound.
 struct CompiledMaterial {
+    /// Inputs that are constants; slots and program are HDS_NONE.
     shared::HdsMaterial constants{};
-    std::vector<PrimvarReader> readers;
+    /// Inputs that are none, by HDS_INPUT_*; empty: the constant.
+    std::array<ShaderValue, HDS_NUM_INPUTS> values;
+    std::vector<MaterialTexture> textures; ///< what tiles of look-ups name
     DisplacementInput displacement;
 };
 
@@ -53,18 +74,26 @@ struct AttributeName {
 };
 
 /// Compiles a network. A missing or unknown surface gives DisplayColorMaterial().
-/// \param materialPath subject of the warnings. \param meanColor may be empty.
+/// \param materialPath subject of the warnings.
 CompiledMaterial CompileMaterial(const MaterialNetwork& network, const std::string& materialPath,
-                                 const MeanColorCallback& meanColor, Warnings& warnings);
+                                 const ImageQueries& images, Warnings& warnings);
 
 /// The material of meshes without one: Lambert of displayColor (0.5 where there is none, as
 /// UsdImaging) with displayOpacity.
 CompiledMaterial DisplayColorMaterial();
 
-/// Fills the slots and the flags that depend on them. A primvar that the mesh lacks, or whose
-/// component count is wrong, leaves the fallback; the latter warns with `meshPath`.
-shared::HdsMaterial ResolveMaterial(const CompiledMaterial& material,
-                                    const std::vector<AttributeName>& attributes,
-                                    const std::string& meshPath, Warnings& warnings);
+/// A material for the meshes with certain attributes.
+struct ResolvedMaterial {
+    shared::HdsMaterial record{};       ///< its program is HDS_NONE
+    std::vector<std::uint32_t> program; ///< of record.programInputs; empty: none
+};
+
+/// Fills slots, program and the flags that depend on them. A primvar that the mesh lacks, or whose
+/// component count is wrong, gives its reader's fallback; the latter warns with `meshPath`.
+/// \param textures index in the scene of each of the material's textures.
+ResolvedMaterial ResolveMaterial(const CompiledMaterial& material,
+                                 const std::vector<std::uint32_t>& textures,
+                                 const std::vector<AttributeName>& attributes,
+                                 const std::string& meshPath, Warnings& warnings);
 
 } // namespace hds

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Evaluation of UsdPreviewSurface's helper nodes. Source: UsdPreviewSurface specification 2.5.
+// Readers, transforms and connections; look-ups are in textureNode.cpp.
 #include "hdStream/shading/networkEvaluator.h"
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 namespace hds {
 
@@ -11,21 +12,13 @@ namespace {
 
 const std::string kReaderPrefix = "UsdPrimvarReader_";
 
-/// Components of a primvar reader's result by the suffix of its id; 0: not a numeric reader.
+/// Components of a primvar reader's result by the suffix of its id; 0: no number, or too many.
 std::uint32_t ReaderComponents(const std::string& suffix) {
     static const std::map<std::string, std::uint32_t> kComponents = {
         {"float", 1},  {"int", 1},    {"float2", 2}, {"float3", 3},
         {"float4", 4}, {"normal", 3}, {"point", 3},  {"vector", 3}};
     const auto found = kComponents.find(suffix);
     return found == kComponents.end() ? 0 : found->second;
-}
-
-InputValue MakeConstant(const std::array<float, 4>& value, std::uint32_t numComponents) {
-    InputValue result;
-    result.kind = InputValue::Kind::Constant;
-    result.value = value;
-    result.numComponents = numComponents;
-    return result;
 }
 
 /// Numbers of a parameter, or none for text and files.
@@ -48,8 +41,8 @@ std::vector<float> Numbers(const ParameterValue& parameter) {
 } // namespace
 
 NetworkEvaluator::NetworkEvaluator(const MaterialNetwork& network, const std::string& materialPath,
-                                   const MeanColorCallback& meanColor, Warnings& warnings)
-    : _materialPath(materialPath), _meanColor(meanColor), _warnings(warnings) {
+                                   const ImageQueries& images, Warnings& warnings)
+    : _materialPath(materialPath), _images(images), _warnings(warnings) {
     for (const MaterialNode& node : network.nodes) {
         _nodeByPath[node.path] = &node;
     }
@@ -64,7 +57,8 @@ const MaterialNode* NetworkEvaluator::FindNode(const std::string& path) const {
     return found == _nodeByPath.end() ? nullptr : found->second;
 }
 
-InputValue NetworkEvaluator::Parameter(const MaterialNode& node, const std::string& input) {
+/// The authored parameter as numbers; empty when absent, not numeric or not finite (warns).
+ShaderValue NetworkEvaluator::Parameter(const MaterialNode& node, const std::string& input) {
     const auto found = node.parameters.find(input);
     if (found == node.parameters.end()) {
         return {};
@@ -74,18 +68,18 @@ InputValue NetworkEvaluator::Parameter(const MaterialNode& node, const std::stri
         Warn("input " + input + " of " + node.path + " has a wrong type");
         return {};
     }
-    InputValue result = MakeConstant({0.0F, 0.0F, 0.0F, 1.0F}, std::uint32_t(numbers.size()));
+    std::array<float, 4> value{0.0F, 0.0F, 0.0F, 1.0F};
     for (std::size_t i = 0; i < numbers.size(); ++i) {
         if (!std::isfinite(numbers[i])) {
             Warn("input " + input + " of " + node.path + " is not finite");
             return {};
         }
-        result.value[i] = numbers[i];
+        value[i] = numbers[i];
     }
-    return result;
+    return MakeConstant(value, static_cast<std::uint32_t>(numbers.size()));
 }
 
-InputValue NetworkEvaluator::Evaluate(const MaterialNode& node, const std::string& input) {
+ShaderValue NetworkEvaluator::Evaluate(const MaterialNode& node, const std::string& input) {
     const auto found = node.connections.find(input);
     if (found == node.connections.end()) {
         return Parameter(node, input);
@@ -102,14 +96,41 @@ InputValue NetworkEvaluator::Evaluate(const MaterialNode& node, const std::strin
         Warn("the connections of " + node.path + " form a cycle");
         return Parameter(node, input);
     }
-    InputValue result = EvaluateOutput(*upstream, connection.upstreamOutput);
+    ShaderValue result = EvaluateOutput(*upstream, connection.upstreamOutput);
     _visiting.erase(key);
-    return result.kind == InputValue::Kind::None ? Parameter(node, input) : result;
+    return result ? result : Parameter(node, input);
 }
 
-InputValue NetworkEvaluator::EvaluateOutput(const MaterialNode& node, const std::string& output) {
+/// An input of a helper node; what has fewer components than it needs warns and is left out, but
+/// one number spreads over all.
+ShaderValue NetworkEvaluator::EvaluateOr(const MaterialNode& node, const std::string& input,
+                                         const std::array<float, 4>& fallback,
+                                         std::uint32_t numComponents) {
+    const ShaderValue value = Evaluate(node, input);
+    if (!value) {
+        return MakeConstant(fallback, numComponents);
+    }
+    if (value.numComponents == 1 && numComponents > 1) {
+        if (IsConstant(value)) {
+            const float x = ConstantOf(value)[0];
+            return MakeConstant({x, x, x, x}, numComponents);
+        }
+        return {value.expression, value.channel == HDS_CHANNEL_ALL ? 0 : value.channel,
+                numComponents};
+    }
+    if (value.numComponents < std::min(numComponents, 3U)) {
+        Warn("input " + input + " of " + node.path + " has a wrong type");
+        return MakeConstant(fallback, numComponents);
+    }
+    return value;
+}
+
+ShaderValue NetworkEvaluator::EvaluateOutput(const MaterialNode& node, const std::string& output) {
     if (node.identifier == "UsdUVTexture") {
         return EvaluateTexture(node, output);
+    }
+    if (node.identifier == "UsdTransform2d") {
+        return EvaluateTransform2d(node);
     }
     if (node.identifier.compare(0, kReaderPrefix.size(), kReaderPrefix) == 0) {
         return EvaluateReader(node);
@@ -125,91 +146,30 @@ std::string NetworkEvaluator::Text(const MaterialNode& node, const std::string& 
     return text == nullptr ? std::string() : *text;
 }
 
-InputValue NetworkEvaluator::EvaluateReader(const MaterialNode& node) {
+ShaderValue NetworkEvaluator::EvaluateReader(const MaterialNode& node) {
     const std::uint32_t numComponents =
         ReaderComponents(node.identifier.substr(kReaderPrefix.size()));
     if (numComponents == 0) {
-        Warn("shader " + node.identifier + " of " + node.path + " gives no number");
+        Warn("shader " + node.identifier + " of " + node.path + " gives nothing that can be shown");
         return {};
     }
-    InputValue result = Evaluate(node, "fallback");
-    if (result.kind != InputValue::Kind::Constant) {
-        result = MakeConstant({0.0F, 0.0F, 0.0F, 0.0F}, numComponents);
-    }
-    result.numComponents = numComponents;
-    result.primvar = Text(node, "varname");
-    if (result.primvar.empty()) {
+    const ShaderValue fallback = EvaluateOr(node, "fallback", {}, numComponents);
+    const std::string primvar = Text(node, "varname");
+    if (primvar.empty()) {
         Warn(node.path + " names no primvar");
-        return result;
+        return fallback;
     }
-    result.kind = InputValue::Kind::Primvar;
-    return result;
+    auto expression = std::make_shared<ShaderExpression>();
+    expression->kind = ShaderExpression::Kind::Primvar;
+    expression->primvar = primvar;
+    expression->operands = {fallback};
+    return {std::move(expression), HDS_CHANNEL_ALL, numComponents};
 }
 
-std::array<float, 4> NetworkEvaluator::Constant4(const MaterialNode& node, const std::string& input,
-                                                 const std::array<float, 4>& fallback) {
-    const InputValue value = Evaluate(node, input);
-    if (value.kind == InputValue::Kind::None) {
-        return fallback;
-    }
-    if (value.kind == InputValue::Kind::Primvar) {
-        Warn("input " + input + " of " + node.path + " cannot come from a primvar");
-        return fallback;
-    }
-    std::array<float, 4> result = fallback;
-    std::copy_n(value.value.begin(), value.numComponents, result.begin());
-    return result;
-}
-
-/// The image's mean after scale and bias, or the node's fallback.
-std::array<float, 4> NetworkEvaluator::TextureMean(const MaterialNode& node) {
-    const std::array<float, 4> fallback = Constant4(node, "fallback", {0.0F, 0.0F, 0.0F, 1.0F});
-    AssetReference file;
-    if (const auto found = node.parameters.find("file"); found != node.parameters.end()) {
-        if (const auto* asset = std::get_if<AssetReference>(&found->second)) {
-            file = *asset;
-        } else if (const auto* text = std::get_if<std::string>(&found->second)) {
-            file.authoredPath = *text;
-            file.file = *text;
-        }
-    }
-    if (file.authoredPath.empty() && file.file.empty()) {
-        Warn(node.path + " names no image file; its fallback is used");
-        return fallback;
-    }
-    const std::string name = file.authoredPath.empty() ? file.file : file.authoredPath;
-    const std::string space = Text(node, "sourceColorSpace");
-    const auto mean = _meanColor && !file.file.empty()
-                          ? _meanColor(file, space.empty() ? "auto" : space)
-                          : std::nullopt;
-    if (!mean) {
-        Warn("cannot read image " + name + " of " + node.path + "; its fallback is used");
-        return fallback;
-    }
-    Warn("texture " + name + " of " + node.path + " is replaced by its mean colour");
-    const std::array<float, 4> scale = Constant4(node, "scale", {1.0F, 1.0F, 1.0F, 1.0F});
-    const std::array<float, 4> bias = Constant4(node, "bias", {0.0F, 0.0F, 0.0F, 0.0F});
-    std::array<float, 4> result{};
-    for (std::size_t i = 0; i < 4; ++i) {
-        result[i] = (*mean)[i] * scale[i] + bias[i];
-    }
-    return result;
-}
-
-InputValue NetworkEvaluator::EvaluateTexture(const MaterialNode& node, const std::string& output) {
-    const std::array<float, 4> value = TextureMean(node);
-    if (output == "rgb") {
-        return MakeConstant(value, 3);
-    }
-    if (output == "rgba") {
-        return MakeConstant(value, 4);
-    }
-    const std::size_t channel = std::string("rgba").find(output);
-    if (output.size() != 1 || channel == std::string::npos) {
-        Warn(node.path + " has no output " + output);
-        return {};
-    }
-    return MakeConstant({value[channel], 0.0F, 0.0F, 1.0F}, 1);
+ShaderValue NetworkEvaluator::EvaluateTransform2d(const MaterialNode& node) {
+    return MakeTransform2d({EvaluateOr(node, "in", {}, 2), EvaluateOr(node, "rotation", {}, 1),
+                            EvaluateOr(node, "scale", {1.0F, 1.0F, 0.0F, 0.0F}, 2),
+                            EvaluateOr(node, "translation", {}, 2)});
 }
 
 } // namespace hds

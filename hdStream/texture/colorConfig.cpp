@@ -113,6 +113,10 @@ bool HasUserColorConfig() {
     return !EnvironmentConfig().empty();
 }
 
+std::string ColorConfigIdentity() {
+    return ColorConfig()->getCacheID();
+}
+
 OCIO::ConstConfigRcPtr ColorConfig() {
     static std::mutex mutex;
     static std::string loadedName;

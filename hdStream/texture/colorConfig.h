@@ -6,12 +6,18 @@
 
 #include <OpenColorIO/OpenColorIO.h>
 
+#include <string>
+
 namespace hds {
 
 /// The configuration; read again when $OCIO has changed since the last call. Thread-safe as long
 /// as no thread changes the environment meanwhile.
 /// \throws Error that names the file when $OCIO cannot be read
 OCIO_NAMESPACE::ConstConfigRcPtr ColorConfig();
+
+/// A text that changes when the configuration in force, or a file that it uses, does. Thread-safe.
+/// \throws as ColorConfig
+std::string ColorConfigIdentity();
 
 /// Whether $OCIO names a configuration.
 bool HasUserColorConfig();

@@ -27,6 +27,9 @@ public:
     /// Whether each channel is decoded for itself, by DecodeChannel.
     bool IsPerChannel() const { return !_processor; }
 
+    /// Whether the values are sRGB codes; else, if per channel, they are linear or data.
+    bool IsSrgb() const { return _isSrgb; }
+
     /// Linear light of one channel of a colour; per-channel spaces only.
     double DecodeChannel(double encoded) const;
 

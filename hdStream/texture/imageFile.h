@@ -61,6 +61,9 @@ private:
     OIIO::ImageSpec _spec;
 };
 
+/// What an open image is.
+ImageInfo DescribeImage(const ImageFile& file);
+
 /// Which channels of a file are colour and alpha.
 struct ColorChannels {
     int red = 0;

@@ -13,19 +13,6 @@ namespace hds {
 
 namespace {
 
-ImageInfo DescribeImage(const ImageFile& file) {
-    const OIIO::ImageSpec& spec = file.Spec();
-    ImageInfo info;
-    info.width = file.Width();
-    info.height = file.Height();
-    info.channels = static_cast<std::uint32_t>(spec.nchannels);
-    info.fileFormat = file.FormatName();
-    info.channelType = spec.format.c_str();
-    info.autoColorSpace = AutoColorSpace(spec);
-    info.bytesDecoded = std::uint64_t{info.width} * info.height * spec.pixel_bytes(true);
-    return info;
-}
-
 /// Sums RGBA of rows of decoded floats, row by row, so that rounding errors do not grow with the
 /// size of the image and the result does not depend on the bands.
 class FloatMean {
@@ -218,6 +205,25 @@ std::string NamedWarning(const ImageSource& source, const std::string& warning) 
 }
 
 } // namespace
+
+ImageInfo DescribeImage(const ImageFile& file) {
+    const OIIO::ImageSpec& spec = file.Spec();
+    ImageInfo info;
+    info.width = file.Width();
+    info.height = file.Height();
+    info.channels = static_cast<std::uint32_t>(spec.nchannels);
+    info.fileFormat = file.FormatName();
+    info.channelType = spec.format.c_str();
+    info.autoColorSpace = AutoColorSpace(spec);
+    info.hasAlpha = FindColorChannels(spec).alpha >= 0;
+    // "black,periodic": s, then t; one mode is for both.
+    const std::string wraps = spec.get_string_attribute("wrapmodes");
+    const std::size_t comma = wraps.find(',');
+    info.wrapS = wraps.substr(0, comma);
+    info.wrapT = comma == std::string::npos ? wraps : wraps.substr(comma + 1);
+    info.bytesDecoded = std::uint64_t{info.width} * info.height * spec.pixel_bytes(true);
+    return info;
+}
 
 ImageInfo ProbeImage(const ImageSource& source) {
     ImageInfo info;

@@ -27,9 +27,12 @@ struct ImageInfo {
     std::uint32_t width = 0;
     std::uint32_t height = 0;
     std::uint32_t channels = 0;
-    std::string fileFormat;         ///< OpenImageIO's name: "png", "jpeg", "openexr" ...
-    std::string channelType;        ///< "uint8", "uint16", "half", "float" ...
-    std::string autoColorSpace;     ///< what "auto" means for it: "sRGB" or "raw"
+    std::string fileFormat;     ///< OpenImageIO's name: "png", "jpeg", "openexr" ...
+    std::string channelType;    ///< "uint8", "uint16", "half", "float" ...
+    std::string autoColorSpace; ///< what "auto" means for it: "sRGB" or "raw"
+    bool hasAlpha = false;
+    std::string wrapS; ///< "periodic", "black", "clamp", "mirror"; empty: the file does not say
+    std::string wrapT;
     std::uint64_t bytesDecoded = 0; ///< of the base level in memory, as read
 
     bool Ok() const { return error.empty(); }

@@ -126,7 +126,15 @@ kernel void aov_firstHit(constant const HdsFrameParams* frame, global uchar* sta
     HdsShadingPoint shading;
     HdsSurface bsdf;
     surfaceHit_load(&scene, &hit, &surface);
-    surfaceHit_shade(&scene, &surface, -path_load_direction(paths, i).xyz, &shading, &bsdf);
+#if HDS_FEATURE_TEXTURES
+    HdsRayCones cones;
+    cones.pair = path_load_cones(paths, i);
+    surface.coneWidth = cones_width(cones_atHit(cones, hit.t, true));
+#endif
+    if (!surfaceHit_shade(&scene, &surface, -path_load_direction(paths, i).xyz, &shading, &bsdf)) {
+        surfaceHit_waitForTexels(&scene, i);
+        return;
+    }
 #if HDS_FEATURE_CUTOUT
     bool isPassed = vec_minComponent(surface_passThrough(&bsdf, shading.wo.z)) >= 1.0f ||
                     passThrough_isCulled(&scene, &surface, path_load_direction(paths, i).xyz);

@@ -5,6 +5,7 @@
 #include "integrator/pathState.clh"
 #include "integrator/pixelSampler.clh"
 #include "sample/filter.clh"
+#include "texture/rayCone.clh"
 
 /* Writes a camera ray and a fresh state to slot i. */
 void generate_start(HdsPaths paths, uint i, constant const HdsFrameParams* frame, HdsCameraRay ray,
@@ -15,6 +16,9 @@ void generate_start(HdsPaths paths, uint i, constant const HdsFrameParams* frame
     path_store_radiance(paths, i, (float4)(0.0f));
     path_store_sourceNormal(paths, i, (float4)(0.0f));
     path_store_status(paths, i, (uint4)(pixel, sample, 0u, 0u));
+#if HDS_FEATURE_TEXTURES
+    path_store_cones(paths, i, cones_begin(ray.cone.x, ray.cone.y).pair);
+#endif
 #if HDS_FEATURE_CUTOUT
     path_store_after(paths, i, (uint4)(0u));
 #endif

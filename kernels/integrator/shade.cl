@@ -31,7 +31,18 @@ typedef struct {
     uint4 status;
     uint depth;
     float tBegin; /* lights nearer than this were seen before the ray passed a cut-out surface */
+#if HDS_FEATURE_TEXTURES
+    HdsRayCones cones; /* at the hit */
+#endif
 } HdsShadePath;
+
+/* What a path has hit. */
+typedef struct {
+    HdsHit hit;
+    HdsSurfaceHit surface;
+    HdsShadingPoint shading;
+    HdsSurface bsdf;
+} HdsShadeHit;
 
 /* Adds the radiance of lights that the ray crosses before tMax. They do not occlude. */
 void shade_addLights(const HdsLightView* view, float tMax, HdsShadePath* path) {
@@ -71,10 +82,31 @@ void shade_addEmission(const HdsSceneView* scene, const HdsHit* hit, const HdsSu
     path->radiance += weight * path->throughput * emission;
 }
 
+#if HDS_FEATURE_TEXTURES
+/* The cones of a ray that leaves a hit in a direction of that BSDF density. */
+HdsRayCones shade_leavingCones(const HdsShadeHit* at, const HdsShadePath* path, float pdf) {
+    const HdsSurfaceHit* surface = &at->surface;
+    const float3 front = vec_lengthSquared(surface->shadingNormal) > 0.0f ? surface->shadingNormal
+                                                                          : surface->point.normal;
+    const float side = vec_dot(front, path->direction) > 0.0f ? -1.0f : 1.0f;
+    return cones_reflect(path->cones, side * surface->curvature, pdf);
+}
+#endif
+
+/* The packed cone of a shadow ray. */
+float shade_shadowCone(const HdsShadeHit* at, const HdsShadePath* path, float pdf) {
+#if HDS_FEATURE_TEXTURES
+    return cones_pack(shade_leavingCones(at, path, pdf));
+#else
+    return 0.0f;
+#endif
+}
+
 /* Samples a light; true when a shadow ray was written to slot i. */
-bool shade_sampleLight(const HdsSceneView* scene, const HdsSurfaceHit* surface,
-                       const HdsShadingPoint* shading, const HdsSurface* bsdf, HdsSampler sampler,
+bool shade_sampleLight(const HdsSceneView* scene, const HdsShadeHit* at, HdsSampler sampler,
                        const HdsShadePath* path, HdsPaths paths, uint i) {
+    const HdsSurfaceHit* surface = &at->surface;
+    const HdsShadingPoint* shading = &at->shading;
     float3 origin = offset_origin(&surface->point, shading->geomNormal);
     HdsLightSample sample;
     if (!light_sample(&scene->lights, origin, shading->frame.z,
@@ -85,7 +117,7 @@ bool shade_sampleLight(const HdsSceneView* scene, const HdsSurfaceHit* surface,
     }
     float pdf;
     float3 wi = frame_toLocal(&shading->frame, sample.direction);
-    float3 reflected = surface_evaluate(bsdf, shading->wo, wi, &pdf);
+    float3 reflected = surface_evaluate(&at->bsdf, shading->wo, wi, &pdf);
     float weight = sample.isDelta != 0u ? 1.0f : shade_misWeight(sample.pdf, pdf);
     float3 contribution = path->throughput * reflected * sample.radiance * (weight / sample.pdf);
     if (!(contribution.x > 0.0f || contribution.y > 0.0f || contribution.z > 0.0f)) {
@@ -93,7 +125,7 @@ bool shade_sampleLight(const HdsSceneView* scene, const HdsSurfaceHit* surface,
     }
     path_store_shadowOrigin(paths, i, (float4)(origin, sample.distance));
     path_store_shadowDirection(paths, i, (float4)(sample.direction, 0.0f));
-    path_store_shadowRadiance(paths, i, (float4)(contribution, 0.0f));
+    path_store_shadowRadiance(paths, i, (float4)(contribution, shade_shadowCone(at, path, pdf)));
 #if HDS_FEATURE_CUTOUT
     path_store_shadowAfter(paths, i, (uint4)(0u));
 #endif
@@ -115,13 +147,14 @@ bool shade_survives(constant const HdsFrameParams* frame, HdsSampler sampler, ui
 }
 
 /* Samples the BSDF; true when the next ray was written to slot i. */
-bool shade_sampleBsdf(constant const HdsFrameParams* frame, const HdsSurfaceHit* surface,
-                      const HdsShadingPoint* shading, const HdsSurface* bsdf, HdsSampler sampler,
-                      const HdsShadePath* path, HdsPaths paths, uint i) {
+bool shade_sampleBsdf(constant const HdsFrameParams* frame, const HdsShadeHit* at,
+                      HdsSampler sampler, const HdsShadePath* path, HdsPaths paths, uint i) {
+    const HdsShadingPoint* shading = &at->shading;
     float3 wi;
     float pdf;
     float3 weight = surface_sample(
-        bsdf, shading->wo, sampler_get1(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LOBE_SELECT)),
+        &at->bsdf, shading->wo,
+        sampler_get1(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LOBE_SELECT)),
         sampler_get2(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LOBE_UV)), &wi, &pdf);
     float3 throughput = path->throughput * weight;
     bool isLast = path->depth == frame->maxDepth;
@@ -131,11 +164,14 @@ bool shade_sampleBsdf(constant const HdsFrameParams* frame, const HdsSurfaceHit*
     }
     float3 direction = vec_normalize(frame_toWorld(&shading->frame, wi));
     path_store_origin(paths, i,
-                      (float4)(offset_origin(&surface->point, shading->geomNormal), 0.0f));
+                      (float4)(offset_origin(&at->surface.point, shading->geomNormal), 0.0f));
     path_store_direction(paths, i, (float4)(direction, INFINITY));
     path_store_throughput(paths, i, (float4)(throughput, pdf));
     path_store_sourceNormal(paths, i, (float4)(shading->frame.z, isLast ? 1.0f : 0.0f));
     path_store_status(paths, i, (uint4)(path->status.xy, path->depth + 1u, 0u));
+#if HDS_FEATURE_TEXTURES
+    path_store_cones(paths, i, shade_leavingCones(at, path, pdf).pair);
+#endif
 #if HDS_FEATURE_CUTOUT
     path_store_after(paths, i, (uint4)(0u));
 #endif
@@ -191,23 +227,32 @@ bool shade_passThrough(const HdsHit* hit, const HdsSurfaceHit* surface, float3 t
 }
 #endif
 
+/* Reads a hit and evaluates its material. \return false when texels are missing; nothing of the
+ * path has been written by then. */
+bool shade_loadHit(const HdsSceneView* scene, HdsPaths paths, uint i, HdsShadePath* path,
+                   HdsShadeHit* at) {
+    surfaceHit_load(scene, &at->hit, &at->surface);
+#if HDS_FEATURE_TEXTURES
+    HdsRayCones cones;
+    cones.pair = path_load_cones(paths, i);
+    path->cones = cones_atHit(cones, at->hit.t, path->depth == 0u);
+    at->surface.coneWidth = cones_width(path->cones);
+#endif
+    return surfaceHit_shade(scene, &at->surface, -path->direction, &at->shading, &at->bsdf);
+}
+
 /* Shades a hit; true when slot i holds a ray that goes on. \param[out] hasShadow a shadow ray was
  * written. */
 bool shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* scene,
-                   const HdsHit* hit, HdsShadePath* path, HdsPaths paths, uint i,
+                   const HdsShadeHit* at, HdsShadePath* path, HdsPaths paths, uint i,
                    volatile global uint* counters, bool* hasShadow) {
-    HdsSurfaceHit surface;
-    HdsShadingPoint shading;
-    HdsSurface bsdf;
-    surfaceHit_load(scene, hit, &surface);
-    surfaceHit_shade(scene, &surface, -path->direction, &shading, &bsdf);
     HdsSampler sampler = pixel_sampler(frame, path->status.x, path->status.y);
 #if HDS_FEATURE_CUTOUT
-    float3 transparency = surface_passThrough(&bsdf, shading.wo.z);
-    if (path->depth == 0u && passThrough_isCulled(scene, &surface, path->direction)) {
+    float3 transparency = surface_passThrough(&at->bsdf, at->shading.wo.z);
+    if (path->depth == 0u && passThrough_isCulled(scene, &at->surface, path->direction)) {
         transparency = (float3)(1.0f);
     }
-    if (shade_passThrough(hit, &surface, transparency, sampler, path, paths, i)) {
+    if (shade_passThrough(&at->hit, &at->surface, transparency, sampler, path, paths, i)) {
         bool mayGoOn = (path->status.z >> HDS_PATH_PASS_SHIFT) < HDS_MAX_PASSES;
         if (!mayGoOn) {
             atomic_inc(&counters[HDS_COUNTER_PASSES]);
@@ -218,16 +263,16 @@ bool shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
     if (path->depth == 0u) {
         path->alpha = 1.0f;
     }
-    shade_addEmission(scene, hit, &surface, bsdf.emission, path);
+    shade_addEmission(scene, &at->hit, &at->surface, at->bsdf.emission, path);
     if (path->isLast) {
         return false;
     }
-    *hasShadow = shade_sampleLight(scene, &surface, &shading, &bsdf, sampler, path, paths, i);
-    return shade_sampleBsdf(frame, &surface, &shading, &bsdf, sampler, path, paths, i);
+    *hasShadow = shade_sampleLight(scene, at, sampler, path, paths, i);
+    return shade_sampleBsdf(frame, at, sampler, path, paths, i);
 }
 
 /* Global size: count. Appends paths that go on, shadow rays, and paths that wait for their hit's
- * pages. Paths whose rays wait are left out. */
+ * pages or texels. Paths whose rays wait are left out. */
 kernel void shade_paths(constant const HdsFrameParams* frame, global uchar* state, uint numSlots,
                         global const uint* restrict queue, uint count,
                         global uint* restrict waitQueue, global uint* restrict nextQueue,
@@ -245,17 +290,23 @@ kernel void shade_paths(constant const HdsFrameParams* frame, global uchar* stat
         return;
     }
 #endif
-    HdsHit hit = path_loadHit(paths, i);
-    bool isHit = hit.chunk != HDS_NONE;
-    if (isHit && surfaceHit_waits(&scene, &hit, waitQueue, counters, HDS_COUNTER_WAITING_HITS, i)) {
+    HdsShadeHit at;
+    at.hit = path_loadHit(paths, i);
+    bool isHit = at.hit.chunk != HDS_NONE;
+    if (isHit &&
+        surfaceHit_waits(&scene, &at.hit, waitQueue, counters, HDS_COUNTER_WAITING_HITS, i)) {
         return;
     }
     HdsShadePath path = shade_loadPath(paths, i);
+    if (isHit && !shade_loadHit(&scene, paths, i, &path, &at)) {
+        surfaceHit_waitForTexels(&scene, i);
+        return;
+    }
     bool hasShadow = false;
     bool goesOn = false;
-    shade_addLights(&scene.lights, isHit ? hit.t : INFINITY, &path);
+    shade_addLights(&scene.lights, isHit ? at.hit.t : INFINITY, &path);
     if (isHit) {
-        goesOn = shade_surface(frame, &scene, &hit, &path, paths, i, counters, &hasShadow);
+        goesOn = shade_surface(frame, &scene, &at, &path, paths, i, counters, &hasShadow);
     }
     path_store_radiance(paths, i, (float4)(path.radiance, path.alpha));
     if (hasShadow) {

@@ -202,11 +202,17 @@ kernel void shadow_pass(global uchar* state, uint numSlots,
     }
     float4 direction = path_load_shadowDirection(paths, i);
     HdsSurfaceHit surface;
-    HdsShadingPoint shading;
-    HdsSurface bsdf;
     surfaceHit_load(&scene, &hit, &surface);
-    surfaceHit_shade(&scene, &surface, -direction.xyz, &shading, &bsdf);
-    float3 left = path_load_shadowRadiance(paths, i).xyz * surface_passThrough(&bsdf, shading.wo.z);
+    float4 radiance = path_load_shadowRadiance(paths, i);
+#if HDS_FEATURE_TEXTURES
+    surface.coneWidth = cones_width(cones_atHit(cones_unpack(radiance.w), hit.t, false));
+#endif
+    float3 share;
+    if (!surfaceHit_passThrough(&scene, &surface, -direction.xyz, &share)) {
+        surfaceHit_waitForTexels(&scene, i);
+        return;
+    }
+    float3 left = radiance.xyz * share;
     if (!(vec_maxComponent(left) > 0.0f)) {
         shadow_end(paths, i, readyQueue, counters);
         return;
@@ -217,7 +223,7 @@ kernel void shadow_pass(global uchar* state, uint numSlots,
         shadow_end(paths, i, readyQueue, counters);
         return;
     }
-    path_store_shadowRadiance(paths, i, (float4)(left, 0.0f));
+    path_store_shadowRadiance(paths, i, (float4)(left, radiance.w));
     path_store_shadowDirection(paths, i, direction);
     path_store_shadowAfter(paths, i, passThrough_key(&hit, &surface));
     queue_append(queue, &counters[HDS_COUNTER_SHADOW], i);

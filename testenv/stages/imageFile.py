@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A small OpenEXR writer and reader (scan lines; uncompressed, ZIPS, ZIP; half, float, uint).
+"""A small OpenEXR writer and reader (scan lines; uncompressed, ZIPS, ZIP; half, float, uint), and a PNG writer.
 
 Independent of hdStream's image code, so that tests read its pictures with other eyes. Source of the
 format: "OpenEXR File Layout", openexr.com. Not handled: tiles, deep data, several parts, sub-sampling.
@@ -62,6 +62,21 @@ def WriteExr(path, channels: dict, half: bool = True) -> None:
             stream.write(struct.pack("<Q", offset))
             offset += len(block)
         stream.write(b"".join(blocks))
+
+
+def WritePng(path, pixels: np.ndarray, level: int = 9) -> None:
+    """Writes [height][width][1 to 4] of uint8 or uint16: gray, gray and alpha, RGB, RGBA. `level` of
+    deflate: 0 stores. Source: PNG specification, W3C 2003 (ISO/IEC 15948)."""
+    height, width, channels = pixels.shape
+    bits = 8 * pixels.dtype.itemsize
+    rows = pixels.astype(pixels.dtype.newbyteorder(">")).reshape(height, -1)
+    raw = b"".join(b"\0" + row.tobytes() for row in rows)
+    chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    colorType = {1: 0, 2: 4, 3: 2, 4: 6}[channels]
+    with open(path, "wb") as stream:
+        stream.write(b"\x89PNG\r\n\x1a\n")
+        stream.write(chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, bits, colorType, 0, 0, 0)))
+        stream.write(chunk(b"IDAT", zlib.compress(raw, level)) + chunk(b"IEND", b""))
 
 
 def _ReadHeader(data: bytes) -> tuple[dict, int]:

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stages that are hard on geometry streaming: what the benches have (one huge mesh, many small ones, many
-instances, a grove), chunks that lie inside each other, deep nesting. Deterministic."""
+instances, a grove), chunks that lie inside each other, deep nesting, textures. Deterministic."""
 
 import numpy as np
 from pxr import Gf, Sdf, UsdGeom, Vt
 
-from . import author, bench, grove, shapes
+from . import author, bench, grove, shapes, textured
 
 
 def WriteOverlap(path, meshes: int = 24, rings: int = 32) -> None:
@@ -66,4 +66,5 @@ CASES = {
     "overlap": WriteOverlap,
     "nested": WriteNested,
     "grove": lambda path: grove.WriteGrove(path, 60_000, 6_000),
+    "textured": textured.WriteTextured,
 }

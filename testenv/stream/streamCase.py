@@ -88,8 +88,33 @@ class Case:
         assert (geometry["chunksTouched"] > 0) == (geometry["uniqueBytesLoaded"] > 0)
         assert geometry["peakBytes"] <= geometry["budget"]
         assert geometry["iterations"] >= geometry["casts"] > 0
+        self.AssertTextures(statistics["texture"])
         assert self.isEdited or geometry["chunksTouched"] <= geometry["chunks"]
         # What is resident at any time fits: only what has left can be loaded again.
         if geometry["evictions"] == 0:
             assert geometry["uploadedBytes"] == geometry["uniqueBytesLoaded"] <= geometry["budget"]
         return geometry
+
+    def AssertTextures(self, texture):
+        """Accounts of textures that stream."""
+        if texture["textures"] == 0:
+            return
+        assert texture["mode"] == "stream"
+        assert texture["fallbackTexels"] == 0, "final pictures are exact"
+        assert texture["peakBytes"] <= texture["budget"]
+        assert texture["alwaysResidentBytes"] <= texture["peakBytes"]
+        assert texture["uniqueBytesLoaded"] <= texture["uploadedBytes"]
+        assert self.isEdited or texture["uniqueBytesLoaded"] <= texture["bytesTotal"]
+        assert texture["bytesTotal"] == 512 * texture["linesTotal"]
+        assert texture["linesLoaded"] <= texture["linesTotal"]
+        assert 0 < texture["misses"] <= texture["lookups"]
+        assert texture["shadeIterations"] >= texture["shadePasses"] > 0
+        if texture["evictions"] == 0:
+            assert texture["uploadedBytes"] == texture["uniqueBytesLoaded"]
+
+    def AssertStreamsTextures(self, onProgress=None, **settings):
+        """As AssertStreams. Returns the statistics of textures."""
+        layers, statistics = self.Render(onProgress, residency="stream", **settings)
+        self.AssertBits(layers)
+        self.AssertTextures(statistics["texture"])
+        return statistics["texture"]

@@ -176,12 +176,10 @@ def _AddStreamingOptions(group):
     options.AddSetting(group, "subdivision")
     options.AddSetting(group, "hostMemory")
     options.AddSetting(group, "geometryMemory", type=options.MemorySize, metavar="SIZE|N%")
-    group.add_argument("--textureMemory", type=options.BytesOrPercent, metavar="SIZE",
-                       help="device memory for textures: bytes (K, M, G) or a percentage")
+    options.AddSetting(group, "textureMemory", type=options.MemorySize, metavar="SIZE|N%")
     options.AddSetting(group, "geometryEviction")
     options.AddSetting(group, "chunkBytes", type=options.ChunkBytes, metavar="SIZE|mesh")
     options.AddSetting(group, "request")
     options.AddSetting(group, "waveSize")
-    group.add_argument("--shadeIterations", type=options.IntegerIn(0, 64), metavar="N", default=0,
-                       help="0: until all texels are exact")
+    options.AddSetting(group, "shadeIterations")
     options.AddSetting(group, "prepare")

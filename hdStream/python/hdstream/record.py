@@ -19,11 +19,6 @@ from hdstream.texts import SecondsText
 _DEFAULT_WIDTH = 960
 # Settings that _SetCamera completes from the camera and the render settings prim.
 _FRAMED = ("camera", "imageWidth", "imageHeight")
-# Options whose feature is not there yet: (attribute, value without effect, what happens instead).
-_IDLE_OPTIONS = (
-    ("textureMemory", (None,), "textures are replaced by their mean colour"),
-    ("shadeIterations", (0,), "shading is always exact"),
-)
 
 
 def Run(args):
@@ -84,9 +79,6 @@ class Recorder:
         """What holds for all frames; the statistics of each have it."""
         for subject, text in self._stageWarnings:
             self._session.Warn(subject, text)
-        for name, idle, instead in _IDLE_OPTIONS:
-            if getattr(self._args, name) not in idle:
-                self._session.Warn(f"--{name}", f"not supported yet: {instead}")
 
     # --- Settings --------------------------------------------------------------------------------
 

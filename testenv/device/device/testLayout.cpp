@@ -4,6 +4,7 @@
 #include "kernels/shared/geometry.h"
 #include "kernels/shared/light.h"
 #include "kernels/shared/material.h"
+#include "kernels/shared/texture.h"
 #include "testenv/support/deviceFixture.h"
 
 #include <cstddef>
@@ -36,11 +37,12 @@ TEST_F(Layout, MatchesTheHost) {
         HDS_TEST_FIELD(HdsLight, strength),      HDS_TEST_FIELD(HdsLightTriangle, error),
         HDS_TEST_FIELD(HdsFrameParams, flags),   HDS_TEST_FIELD(HdsFrameParams, clipPlanes),
         HDS_TEST_FIELD(HdsWave, numSamples),     HDS_TEST_FIELD(HdsFilmPixel, numSamples),
-        HDS_TEST_FIELD(HdsAovOffsets, centre),
+        HDS_TEST_FIELD(HdsAovOffsets, centre),   HDS_TEST_FIELD(HdsTexture, mipBlock),
     };
     std::string text =
         "#include \"shared/frame.h\"\n#include \"shared/geometry.h\"\n#include \"shared/light.h\"\n"
-        "#include \"shared/material.h\"\nkernel void probe(global uint* out) {\n";
+        "#include \"shared/material.h\"\n#include \"shared/texture.h\"\nkernel void probe(global "
+        "uint* out) {\n";
     for (std::size_t i = 0; i < std::size(fields); ++i) {
         const std::string type = fields[i].type;
         text += "  { private " + type + " x; out[" + std::to_string(2 * i) +

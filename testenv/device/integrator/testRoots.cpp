@@ -8,14 +8,14 @@ namespace {
 
 class Roots : public DeviceFixture {};
 
-const char* const kRoots[] = {"integrator/generate.cl",
-                              "integrator/intersect.cl",
-                              "integrator/shade.cl",
-                              "integrator/shadow.cl",
-                              "integrator/aov.cl",
-                              "integrator/resolve.cl",
-                              "film/film.cl"};
-const char* const kFeatures[] = {"HDS_FEATURE_CUTOUT", "HDS_FEATURE_GROUPS", "HDS_TRAVERSAL_WIDE"};
+const char* const kRoots[] = {"integrator/generate.cl", "integrator/intersect.cl",
+                              "integrator/shade.cl",    "integrator/shadow.cl",
+                              "integrator/aov.cl",      "integrator/resolve.cl",
+                              "film/film.cl",           "texture/cacheFill.cl"};
+const char* const kFeatures[] = {"HDS_FEATURE_CUTOUT",   "HDS_FEATURE_GROUPS",
+                                 "HDS_TRAVERSAL_WIDE",   "HDS_FEATURE_PROGRAMS",
+                                 "HDS_FEATURE_TEXTURES", "HDS_FEATURE_TEXTURE_STREAMING",
+                                 "HDS_TEXTURE_PLAIN"};
 
 ProgramDefines MakeDefines(unsigned bits, unsigned numPools) {
     ProgramDefines defines{{"HDS_NUM_POOLS", std::to_string(numPools)}};
@@ -27,7 +27,7 @@ ProgramDefines MakeDefines(unsigned bits, unsigned numPools) {
 
 TEST_F(Roots, BuildWithEachFeature) {
     for (const char* root : kRoots) {
-        for (const unsigned bits : {0U, 1U, 2U, 4U, 7U}) {
+        for (const unsigned bits : {0U, 1U, 2U, 4U, 8U, 24U, 63U, 88U}) {
             EXPECT_NO_THROW(Program(device, root, MakeDefines(bits, 1)))
                 << root << " features " << bits;
         }
@@ -35,7 +35,7 @@ TEST_F(Roots, BuildWithEachFeature) {
 }
 
 TEST_F(Roots, BuildWithAllPools) {
-    EXPECT_NO_THROW(Program(device, "integrator/shade.cl", MakeDefines(7, 8)));
+    EXPECT_NO_THROW(Program(device, "integrator/shade.cl", MakeDefines(63, 8)));
 }
 
 } // namespace

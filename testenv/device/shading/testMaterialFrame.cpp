@@ -22,7 +22,7 @@ kernel void frames(global const float* in, global float* out, uint count) {
     if (i >= count) return;
     HdsShadingPoint point;
     material_frame(vload3(5 * i, in), vload3(5 * i + 1, in), vload3(5 * i + 2, in),
-                   vload3(5 * i + 3, in), vload3(5 * i + 4, in), &point);
+                   vload3(5 * i + 3, in), (float3)(0.0f), vload3(5 * i + 4, in), &point);
     vstore3(point.frame.z, 4 * i, out);
     vstore3(point.geomNormal, 4 * i + 1, out);
     vstore3(point.geomLocal, 4 * i + 2, out);

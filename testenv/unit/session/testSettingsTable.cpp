@@ -85,18 +85,21 @@ TEST(SettingsTable, HasARowForEveryMember) {
         std::string pixelFilter;
         double pixelFilterWidth;
         bool russianRoulette;
+        double mipBias;
         std::string subdivision;
         std::uint32_t refineLevel, waveSize;
         std::string device, cacheDirectory;
         bool noCache;
         std::string traversal;
         std::uint64_t chunkBytes;
-        std::string residency, geometryMemory, geometryEviction, request;
+        std::string residency, geometryMemory, textureMemory, geometryEviction, request;
+        std::uint32_t shadeIterations;
+        bool plainTextures;
         std::uint64_t hostMemory;
         std::string prepare;
     };
     EXPECT_EQ(sizeof(Settings), sizeof(Mirror));
-    EXPECT_EQ(SettingTable().size(), 32U);
+    EXPECT_EQ(SettingTable().size(), 36U);
 }
 
 TEST(SettingsTable, DefaultsAreLegal) {

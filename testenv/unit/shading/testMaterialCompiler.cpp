@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// UsdPreviewSurface networks to material records: defaults, readers, textures, and bad content.
+// UsdPreviewSurface networks to material records: defaults, readers and bad content. Programs are
+// in testShaderProgram.cpp.
 #include "hdStream/shading/materialCompiler.h"
 
 #include "kernels/shared/geometry.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace hds {
@@ -34,15 +36,47 @@ MaterialNode& AddTexture(MaterialNetwork& network, const std::string& file) {
     return node;
 }
 
-std::optional<std::array<float, 4>> Mean(const AssetReference& file, const std::string& space) {
-    if (file.file == "missing.png") {
-        return std::nullopt;
-    }
-    return std::array<float, 4>{0.1F, 0.2F, 0.4F, space == "raw" ? 0.5F : 0.8F};
+/// Every image can be read but missing.png; opaque.png has no alpha, mirror.png asks to be
+/// mirrored.
+ImageQueries Images() {
+    ImageQueries images;
+    images.probe = [](const AssetReference& file) -> std::optional<ImageFacts> {
+        if (file.file == "missing.png") {
+            return std::nullopt;
+        }
+        ImageFacts facts;
+        facts.hasAlpha = file.file != "opaque.png";
+        if (file.file == "mirror.png") {
+            facts.wrapS = HDS_WRAP_MIRROR;
+            facts.wrapT = HDS_WRAP_CLAMP;
+        }
+        return facts;
+    };
+    images.findTiles = [](const AssetReference& pattern) {
+        std::vector<UdimTile> tiles;
+        if (pattern.file == "skin.<UDIM>.png") {
+            tiles.push_back({0, {"", "skin.1001.png", 0, 0}});
+            tiles.push_back({12, {"", "skin.1013.png", 0, 0}});
+        }
+        return tiles;
+    };
+    return images;
 }
 
 CompiledMaterial Compile(const MaterialNetwork& network, Warnings& warnings) {
-    return CompileMaterial(network, "/m", Mean, warnings);
+    return CompileMaterial(network, "/m", Images(), warnings);
+}
+
+shared::HdsMaterial Resolve(const CompiledMaterial& material,
+                            const std::vector<AttributeName>& attributes, Warnings& warnings) {
+    return ResolveMaterial(material, {}, attributes, "/mesh", warnings).record;
+}
+
+/// Inputs that are no constants.
+std::size_t NumValues(const CompiledMaterial& material) {
+    return static_cast<std::size_t>(
+        std::count_if(material.values.begin(), material.values.end(),
+                      [](const ShaderValue& value) { return bool(value); }));
 }
 
 void ExpectConstant(const CompiledMaterial& material, std::uint32_t input, float x, float y,
@@ -67,8 +101,8 @@ TEST(MaterialCompilerTest, DefaultsAreTheSpecifications) {
     ExpectConstant(m, HDS_INPUT_OPACITY, 1, 0, 0);
     ExpectConstant(m, HDS_INPUT_OPACITY_THRESHOLD, 0, 0, 0);
     ExpectConstant(m, HDS_INPUT_IOR, 1.5F, 0, 0);
-    EXPECT_TRUE(m.readers.empty());
-    EXPECT_EQ(ResolveMaterial(m, {}, "/mesh", warnings).flags, 0U);
+    EXPECT_EQ(NumValues(m), 0U);
+    EXPECT_EQ(Resolve(m, {}, warnings).flags, 0U);
     EXPECT_TRUE(warnings.Lines().empty());
 }
 
@@ -86,9 +120,8 @@ TEST(MaterialCompilerTest, ParametersOfAllTypesAreRead) {
     const CompiledMaterial m = Compile(network, warnings);
     ExpectConstant(m, HDS_INPUT_DIFFUSE_COLOR, 0.1F, 0.2F, 0.3F);
     ExpectConstant(m, HDS_INPUT_METALLIC, 1, 0, 0);
-    EXPECT_EQ(ResolveMaterial(m, {}, "/mesh", warnings).flags,
-              HDS_MATERIAL_SPECULAR_WORKFLOW | HDS_MATERIAL_CUTOUT | HDS_MATERIAL_EMISSIVE |
-                  HDS_MATERIAL_NORMAL);
+    EXPECT_EQ(Resolve(m, {}, warnings).flags, HDS_MATERIAL_SPECULAR_WORKFLOW | HDS_MATERIAL_CUTOUT |
+                                                  HDS_MATERIAL_EMISSIVE | HDS_MATERIAL_NORMAL);
     EXPECT_TRUE(warnings.Lines().empty());
 }
 
@@ -102,52 +135,36 @@ TEST(MaterialCompilerTest, ReadersResolveToSlotsOrFallBack) {
     AddNode(network, "/m/q", "UsdPrimvarReader_float").parameters["varname"] = std::string("mask");
     Warnings warnings;
     const CompiledMaterial m = Compile(network, warnings);
-    ASSERT_EQ(m.readers.size(), 2U);
+    ASSERT_EQ(NumValues(m), 2U);
 
     const shared::HdsMaterial bound =
-        ResolveMaterial(m, {{"a", 1}, {"displayColor", 3}, {"mask", 1}}, "/mesh", warnings);
+        Resolve(m, {{"a", 1}, {"displayColor", 3}, {"mask", 1}}, warnings);
     EXPECT_EQ(bound.slots[HDS_INPUT_DIFFUSE_COLOR], HDS_SLOT_USER + 1);
     EXPECT_EQ(bound.slots[HDS_INPUT_OPACITY], HDS_SLOT_USER + 2);
     EXPECT_TRUE(bound.flags & HDS_MATERIAL_CUTOUT);
 
-    const shared::HdsMaterial unbound = ResolveMaterial(m, {{"a", 1}}, "/mesh", warnings);
+    const shared::HdsMaterial unbound = Resolve(m, {{"a", 1}}, warnings);
     EXPECT_EQ(unbound.slots[HDS_INPUT_DIFFUSE_COLOR], HDS_NONE);
     EXPECT_FLOAT_EQ(unbound.constants[HDS_INPUT_DIFFUSE_COLOR].x, 0.7F);
     EXPECT_FLOAT_EQ(unbound.constants[HDS_INPUT_OPACITY].x, 0.0F) << "a reader's default fallback";
     EXPECT_TRUE(warnings.Lines().empty()) << "a missing primvar is what fallbacks are for";
 
-    ResolveMaterial(m, {{"displayColor", 1}}, "/mesh", warnings);
+    Resolve(m, {{"displayColor", 1}}, warnings);
     ASSERT_EQ(warnings.Lines().size(), 1U);
     EXPECT_EQ(warnings.Lines()[0].rfind("/mesh", 0), 0U);
-}
-
-TEST(MaterialCompilerTest, TexturesBecomeTheirMeanWithOneWarning) {
-    MaterialNetwork network = Preview();
-    Surface(network).connections["diffuseColor"] = {"/m/t", "rgb"};
-    Surface(network).connections["roughness"] = {"/m/t", "g"};
-    Surface(network).connections["opacity"] = {"/m/t", "a"};
-    MaterialNode& texture = AddTexture(network, "wood.png");
-    texture.parameters["scale"] = std::vector<float>{2.0F, 2.0F, 2.0F, 1.0F};
-    texture.parameters["bias"] = std::vector<float>{0.0F, 0.1F, 0.0F, 0.0F};
-    texture.parameters["sourceColorSpace"] = std::string("raw");
-    texture.connections["st"] = {"/m/x", "result"};
-    AddNode(network, "/m/x", "UsdTransform2d");
-    Warnings warnings;
-    const CompiledMaterial m = Compile(network, warnings);
-    ExpectConstant(m, HDS_INPUT_DIFFUSE_COLOR, 0.2F, 0.5F, 0.8F);
-    EXPECT_FLOAT_EQ(m.constants.constants[HDS_INPUT_ROUGHNESS].x, 0.5F);
-    EXPECT_FLOAT_EQ(m.constants.constants[HDS_INPUT_OPACITY].x, 0.5F);
-    ASSERT_EQ(warnings.Lines().size(), 1U);
-    EXPECT_NE(warnings.Lines()[0].find("wood.png"), std::string::npos);
 }
 
 TEST(MaterialCompilerTest, UnreadableTexturesFallBack) {
     MaterialNetwork network = Preview();
     Surface(network).connections["diffuseColor"] = {"/m/t", "rgb"};
+    Surface(network).connections["roughness"] = {"/m/t", "g"};
     AddTexture(network, "missing.png").parameters["fallback"] =
         std::vector<float>{0.3F, 0.2F, 0.1F, 1.0F};
     Warnings warnings;
-    ExpectConstant(Compile(network, warnings), HDS_INPUT_DIFFUSE_COLOR, 0.3F, 0.2F, 0.1F);
+    const CompiledMaterial m = Compile(network, warnings);
+    EXPECT_EQ(NumValues(m), 0U);
+    ExpectConstant(m, HDS_INPUT_DIFFUSE_COLOR, 0.3F, 0.2F, 0.1F);
+    EXPECT_FLOAT_EQ(m.constants.constants[HDS_INPUT_ROUGHNESS].x, 0.2F);
     ASSERT_EQ(warnings.Lines().size(), 1U);
     EXPECT_EQ(warnings.Lines()[0].rfind("/m: ", 0), 0U);
     EXPECT_NE(warnings.Lines()[0].find("missing.png"), std::string::npos);
@@ -171,7 +188,7 @@ TEST(MaterialCompilerTest, UnknownOrMissingSurfacesBecomeDisplayColor) {
         EXPECT_TRUE(m.constants.flags & HDS_MATERIAL_LAMBERT);
         ExpectConstant(m, HDS_INPUT_DIFFUSE_COLOR, 0.5F, 0.5F, 0.5F);
         const shared::HdsMaterial bound =
-            ResolveMaterial(m, {{"displayColor", 3}, {"displayOpacity", 1}}, "/mesh", warnings);
+            Resolve(m, {{"displayColor", 3}, {"displayOpacity", 1}}, warnings);
         EXPECT_EQ(bound.slots[HDS_INPUT_DIFFUSE_COLOR], HDS_SLOT_USER);
         EXPECT_EQ(bound.slots[HDS_INPUT_OPACITY], HDS_SLOT_USER + 1);
     }
@@ -185,7 +202,7 @@ TEST(MaterialCompilerTest, CyclesEndWithAWarning) {
     reader.connections["fallback"] = {"/m/r", "result"};
     Warnings warnings;
     const CompiledMaterial m = Compile(network, warnings);
-    EXPECT_EQ(m.readers.size(), 1U);
+    EXPECT_EQ(NumValues(m), 1U);
     EXPECT_EQ(warnings.Lines().size(), 1U);
 }
 
@@ -194,12 +211,19 @@ TEST(MaterialCompilerTest, ReadersFallBackToWhatTheirFallbackIsConnectedTo) {
     Surface(network).connections["diffuseColor"] = {"/m/r", "result"};
     MaterialNode& reader = AddNode(network, "/m/r", "UsdPrimvarReader_float3");
     reader.parameters["varname"] = std::string("c");
-    reader.connections["fallback"] = {"/m/t", "rgb"};
-    AddTexture(network, "wood.png");
+    reader.connections["fallback"] = {"/m/q", "result"};
+    MaterialNode& other = AddNode(network, "/m/q", "UsdPrimvarReader_float3");
+    other.parameters["varname"] = std::string("d");
+    other.parameters["fallback"] = std::vector<float>{0.1F, 0.2F, 0.4F};
     Warnings warnings;
     const CompiledMaterial m = Compile(network, warnings);
-    ASSERT_EQ(m.readers.size(), 1U);
-    ExpectConstant(m, HDS_INPUT_DIFFUSE_COLOR, 0.1F, 0.2F, 0.4F);
+    EXPECT_EQ(Resolve(m, {{"c", 3}, {"d", 3}}, warnings).slots[HDS_INPUT_DIFFUSE_COLOR],
+              HDS_SLOT_USER);
+    EXPECT_EQ(Resolve(m, {{"d", 3}}, warnings).slots[HDS_INPUT_DIFFUSE_COLOR], HDS_SLOT_USER);
+    const shared::HdsMaterial neither = Resolve(m, {}, warnings);
+    EXPECT_EQ(neither.slots[HDS_INPUT_DIFFUSE_COLOR], HDS_NONE);
+    EXPECT_FLOAT_EQ(neither.constants[HDS_INPUT_DIFFUSE_COLOR].z, 0.4F);
+    EXPECT_TRUE(warnings.Lines().empty());
 }
 
 TEST(MaterialCompilerTest, WrongTypesAndValuesWarnAndKeepTheDefault) {
@@ -238,25 +262,53 @@ TEST(MaterialCompilerTest, DisplacementIsAConstantOrAPrimvar) {
     EXPECT_EQ(Compile(Preview(), warnings).displacement, DisplacementInput());
     MaterialNetwork constant = Preview();
     Surface(constant).parameters["displacement"] = 0.25;
-    EXPECT_EQ(Compile(constant, warnings).displacement, (DisplacementInput{0.25F, ""}));
+    EXPECT_EQ(Compile(constant, warnings).displacement, (DisplacementInput{0.25F, "", {}}));
     MaterialNetwork reader = Preview();
     Surface(reader).connections["displacement"] = {"/m/reader", "result"};
     MaterialNode& node = AddNode(reader, "/m/reader", "UsdPrimvarReader_float");
     node.parameters["varname"] = std::string("bumps");
     node.parameters["fallback"] = 0.5;
-    EXPECT_EQ(Compile(reader, warnings).displacement, (DisplacementInput{0.5F, "bumps"}));
+    EXPECT_EQ(Compile(reader, warnings).displacement, (DisplacementInput{0.5F, "bumps", {}}));
     EXPECT_TRUE(warnings.Lines().empty());
 }
 
-TEST(MaterialCompilerTest, DisplacementByATextureWarnsOnce) {
+TEST(MaterialCompilerTest, DisplacementMayBeLookedUp) {
     MaterialNetwork network = Preview();
-    Surface(network).connections["displacement"] = {"/m/texture", "r"};
-    AddNode(network, "/m/texture", "UsdUVTexture");
+    network.nodes.reserve(8);
+    Surface(network).connections["displacement"] = {"/m/t", "g"};
+    MaterialNode& texture = AddTexture(network, "a.png");
+    texture.parameters["wrapS"] = std::string("repeat");
+    texture.parameters["scale"] = std::vector<float>{1.0F, 2.0F, 3.0F, 4.0F};
+    texture.parameters["bias"] = std::vector<float>{0.1F, 0.2F, 0.3F, 0.4F};
+    texture.parameters["fallback"] = std::vector<float>{5.0F, 6.0F, 7.0F, 8.0F};
+    texture.connections["st"] = {"/m/x", "result"};
+    MaterialNode& outer = AddNode(network, "/m/x", "UsdTransform2d");
+    outer.connections["in"] = {"/m/y", "result"};
+    outer.parameters["translation"] = std::vector<float>{0.5F, 0.25F};
+    MaterialNode& inner = AddNode(network, "/m/y", "UsdTransform2d");
+    inner.connections["in"] = {"/m/r", "result"};
+    inner.parameters["scale"] = std::vector<float>{2.0F, 4.0F};
+    AddNode(network, "/m/r", "UsdPrimvarReader_float2").parameters["varname"] = std::string("st");
     Warnings warnings;
-    EXPECT_EQ(Compile(network, warnings).displacement, DisplacementInput());
-    Compile(network, warnings);
-    EXPECT_EQ(warnings.Lines(),
-              std::vector<std::string>{"/m: displacement by a texture is ignored"});
+    const CompiledMaterial m = Compile(network, warnings);
+    EXPECT_EQ(m.displacement.primvar, "st");
+    EXPECT_FLOAT_EQ(m.displacement.constant, 6.0F);
+    ASSERT_TRUE(m.displacement.lookup);
+    const DisplacementLookup& lookup = *m.displacement.lookup;
+    EXPECT_EQ(lookup.texture.file.file, "a.png");
+    EXPECT_EQ(lookup.channel, 1U);
+    EXPECT_EQ(lookup.wrapS, HDS_WRAP_REPEAT);
+    EXPECT_EQ(lookup.wrapT, HDS_WRAP_BLACK);
+    EXPECT_EQ(lookup.rows, (std::array<double, 6>{2, 0, 0.5, 0, 4, 0.25}));
+    EXPECT_FLOAT_EQ(lookup.scale, 2.0F);
+    EXPECT_FLOAT_EQ(lookup.bias, 0.2F);
+    EXPECT_TRUE(m.textures.empty()) << "no kernel reads it";
+    EXPECT_TRUE(warnings.Lines().empty());
+
+    texture.connections["scale"] = {"/m/r", "result"};
+    const CompiledMaterial other = Compile(network, warnings);
+    EXPECT_FALSE(other.displacement.lookup);
+    EXPECT_EQ(warnings.Lines().back(), "/m: displacement by such a network is ignored");
 }
 
 } // namespace

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/integrator/sceneTextures.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+namespace hds {
+
+namespace {
+
+/// Part of the device's memory that the pool may take when the user does not say.
+constexpr std::uint64_t kBudgetDivisor = 4;
+/// A look-up reads four texels of each of two mips.
+constexpr std::uint32_t kLinesPerLookup = 8;
+
+} // namespace
+
+SceneTextures::SceneTextures(std::shared_ptr<Device> device, Store* store)
+    : _device(std::move(device)), _store(store) {}
+
+void SceneTextures::Update(const CommittedScene& scene, const ResidencyOptions& residency) {
+    const bool isNeeded = !scene.textureTable.empty();
+    const bool isPlain = isNeeded && residency.plainTextures;
+    const bool isResident = isNeeded && !isPlain && residency.mode == ResidencyMode::Resident;
+    const bool isStreamed = isNeeded && !isPlain && !isResident;
+    // Frees what is not wanted any more first.
+    if (!isPlain) {
+        _plain = nullptr;
+    }
+    if (!isResident) {
+        _resident = nullptr;
+    }
+    if (!isStreamed) {
+        _pool = nullptr;
+    }
+    _budgetBytes = isStreamed ? Budget(scene, residency) : 0;
+    if (isPlain) {
+        if (!_plain) {
+            _plain = std::make_unique<PlainTextureBuffers>(_device);
+        }
+        _plain->Update(scene);
+    } else if (isResident) {
+        if (!_resident) {
+            _resident = std::make_unique<ResidentTextures>(_device);
+        }
+        _resident->Update(scene.textureLines.get());
+    } else if (isStreamed) {
+        if (!_pool) {
+            _pool = std::make_unique<TexturePool>(_device, _store);
+        }
+        _pool->Update(scene.textureLines.get(), _budgetBytes,
+                      kLinesPerLookup * std::max(1U, scene.maxLookups));
+    }
+}
+
+/// Bytes of a pool.
+std::uint64_t SceneTextures::Budget(const CommittedScene& scene,
+                                    const ResidencyOptions& residency) const {
+    if (residency.textureBudgetShare > 0.0) {
+        // Only what has been opened says how much it is.
+        std::vector<std::uint32_t> all(scene.textureTable.size());
+        std::iota(all.begin(), all.end(), 0U);
+        scene.textureLines->Open(all);
+        double bytes = 0.0;
+        for (const std::uint32_t texture : all) {
+            bytes +=
+                static_cast<double>(scene.textureLines->Record(texture).numLines) * HDS_LINE_BYTES;
+        }
+        return static_cast<std::uint64_t>(residency.textureBudgetShare * bytes);
+    }
+    return residency.textureBudgetBytes > 0 ? residency.textureBudgetBytes
+                                            : _device->Properties().memoryBytes / kBudgetDivisor;
+}
+
+unsigned SceneTextures::Bind(Kernel* kernel, unsigned first) const {
+    kernel->SetBytes(first++, &_mipBias, sizeof(_mipBias));
+    return _plain      ? _plain->Bind(kernel, first)
+           : _resident ? _resident->Binding().Bind(kernel, first)
+                       : _pool->Binding().Bind(kernel, first);
+}
+
+std::uint32_t SceneTextures::NumBuffers() const {
+    return _plain      ? _plain->NumBuffers()
+           : _resident ? _resident->NumBuffers()
+           : _pool     ? _pool->NumBuffers()
+                       : 0;
+}
+
+std::uint64_t SceneTextures::Bytes() const {
+    return _plain ? _plain->Bytes() : _resident ? _resident->Bytes() : _pool ? _pool->Bytes() : 0;
+}
+
+std::uint64_t SceneTextures::TableBytes() const {
+    return _resident ? _resident->TableBytes() : _pool ? _pool->TableBytes() : 0;
+}
+
+TextureStatistics SceneTextures::Statistics() const {
+    return _resident ? _resident->Statistics() : _pool ? _pool->Statistics() : TextureStatistics{};
+}
+
+} // namespace hds

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// The textures of a committed scene on the device: streamed, resident, or plain to compare with.
+// Explained in docs/texturing.md.
+#pragma once
+
+#include "hdStream/integrator/plainTextureBuffers.h"
+#include "hdStream/integrator/renderOptions.h"
+#include "hdStream/texture/residentTextures.h"
+#include "hdStream/texture/texturePool.h"
+
+#include <memory>
+
+namespace hds {
+
+/// Kept from one version of the scene to the next. Externally synchronised.
+class SceneTextures {
+public:
+    /// \param store keeps compiled kernels, may be null.
+    SceneTextures(std::shared_ptr<Device> device, Store* store);
+
+    /// Makes the scene's textures ready in the form that the options want: all of them, or a pool.
+    /// Blocks. \throws Error when they do not fit the device, or the pool its budget.
+    void Update(const CommittedScene& scene, const ResidencyOptions& residency);
+
+    /// Mips that look-ups are moved by; positive: coarser.
+    void SetMipBias(float bias) { _mipBias = bias; }
+    float MipBias() const { return _mipBias; }
+
+    /// Sets HDS_SCENE_TEXTURE_ARGS from `first` on; returns the next free index.
+    unsigned Bind(Kernel* kernel, unsigned first) const;
+    /// Bind again when this has changed.
+    std::uint64_t Generation() const { return _pool ? _pool->Generation() : 0; }
+
+    bool IsPlain() const { return _plain != nullptr; }
+    /// Null: nothing can be missing.
+    TexturePool* Pool() { return _pool.get(); }
+    const TexturePool* Pool() const { return _pool.get(); }
+    std::uint32_t NumBuffers() const;
+    /// Bytes of device memory for texels, and for what it takes to find them.
+    std::uint64_t Bytes() const;
+    std::uint64_t TableBytes() const;
+    /// Bytes that it may take, 0: what there is.
+    std::uint64_t BudgetBytes() const { return _budgetBytes; }
+    /// Bytes of lines that are never given away.
+    std::uint64_t PinnedBytes() const { return _pool ? _pool->PinnedBytes() : 0; }
+    TextureStatistics Statistics() const;
+
+private:
+    std::uint64_t Budget(const CommittedScene& scene, const ResidencyOptions& residency) const;
+
+    std::shared_ptr<Device> _device;
+    Store* _store;
+    std::unique_ptr<TexturePool> _pool;          ///< one of the three, if there are textures
+    std::unique_ptr<ResidentTextures> _resident; ///< likewise
+    std::unique_ptr<PlainTextureBuffers> _plain; ///< likewise
+    std::uint64_t _budgetBytes = 0;
+    float _mipBias = 0.0F;
+};
+
+} // namespace hds

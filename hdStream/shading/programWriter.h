@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// Expressions -> the words of a program (kernels/shared/program.h) for one mesh. Part of the
+// material compiler. Explained in docs/shading.md.
+#pragma once
+
+#include "hdStream/shading/valueResolver.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace hds {
+
+/// An input and what sets it.
+struct ProgramInput {
+    std::uint32_t input = 0; ///< HDS_INPUT_*
+    ShaderValue value;       ///< of a ValueResolver: its primvars are all there
+};
+
+/// A program that sets the inputs: first those that a mask needs, then HDS_OP_MASK_END, then the
+/// others. An expression that feeds several inputs is evaluated once.
+/// \param textures index in the scene of each texture that tiles name.
+/// \return empty when the expressions are too deep or too long for the machine.
+std::vector<std::uint32_t> WriteProgram(const std::vector<ProgramInput>& inputs,
+                                        const std::vector<std::uint32_t>& textures,
+                                        const SlotCallback& findSlot);
+
+/// Look-ups of textures in a program.
+std::uint32_t CountLookups(const std::vector<std::uint32_t>& program);
+
+} // namespace hds

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the texture cache knows of textures: numbered images whose bytes come in lines of 512.
+// Neither files nor colours are known here. Explained in docs/texturing.md.
+#pragma once
+
+#include "kernels/shared/textureCache.h"
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace hds {
+
+/// A line of a texture, counted from the texture's line 0.
+struct LineId {
+    std::uint32_t texture = 0;
+    std::uint32_t line = 0;
+};
+
+/// The textures of a scene. Each is opened on the first look at it, before that nothing is known of
+/// it. What is wrong with an image is no error here: the provider reports it once and has a texture
+/// of its fallback; a line that cannot be read any more is filled likewise. Externally
+/// synchronised.
+class LineProvider {
+public:
+    static constexpr std::uint64_t kUnknown = std::numeric_limits<std::uint64_t>::max();
+
+    virtual ~LineProvider() = default;
+    virtual std::uint32_t NumTextures() const = 0;
+    /// What tells textures apart across providers: two with the same id have the same lines.
+    virtual std::uint64_t TextureId(std::uint32_t texture) const = 0;
+    /// No less than the lines of all textures; kUnknown when that would take opening them.
+    virtual std::uint64_t MaxLines() const = 0;
+    /// Makes records and lines of some textures ready, on all cores. Blocks.
+    virtual void Open(const std::vector<std::uint32_t>& textures) = 0;
+    /// Record of a texture; its firstLine says nothing. \pre the texture was opened.
+    virtual shared::HdsTexture Record(std::uint32_t texture) const = 0;
+    /// Copies lines of textures that were opened, one after the other, to `bytes`
+    /// [lines.size()][HDS_LINE_BYTES]. Blocks.
+    virtual void Read(const std::vector<LineId>& lines, std::uint8_t* bytes) = 0;
+};
+
+} // namespace hds

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/texture/lineSlots.h"
+
+#include "hdStream/base/error.h"
+#include "kernels/shared/compat.h"
+
+#include <algorithm>
+#include <string>
+
+namespace hds {
+
+namespace {
+
+/// Overflow of pools that are large beside an item's lines: fewer conflicts for 32 KiB.
+constexpr std::uint32_t kOverflow = 64;
+constexpr std::uint32_t kOverflowDivisor = 16;
+constexpr std::uint32_t kPinnedDivisor = 4;
+
+} // namespace
+
+std::uint32_t FewestSlots(std::uint32_t linesPerItem) {
+    return std::max(linesPerItem, SlotPlan::kWays);
+}
+
+std::uint64_t EnoughSlots(std::uint64_t maxLines, std::uint32_t linesPerItem,
+                          std::uint32_t numPinned) {
+    // Up to two sets are lost to rounding and one to an odd count.
+    return maxLines + 3 * SlotPlan::kWays + FewestSlots(linesPerItem) + kOverflow + numPinned;
+}
+
+SlotPlan MakeSlotPlan(std::uint32_t numSlots, std::uint32_t linesPerItem, std::uint32_t numPinned) {
+    const std::uint32_t fewest = FewestSlots(linesPerItem);
+    HDS_VERIFY(numSlots >= fewest, "texture pool smaller than an item's lines");
+    SlotPlan plan;
+    plan.numPinned = std::min(numPinned, (numSlots - fewest) / kPinnedDivisor);
+    const std::uint32_t rest = numSlots - plan.numPinned;
+    // One set can always be used whole; what an item needs beyond must find room beside the sets.
+    const std::uint32_t overflow =
+        std::max(fewest - SlotPlan::kWays, std::min(kOverflow, rest / kOverflowDivisor));
+    plan.numSets = (rest - overflow) / SlotPlan::kWays;
+    // Lines go to sets by their number: an odd count keeps columns of images, whose lines are a
+    // power of two apart, from falling into a few.
+    plan.numSets -= plan.numSets > 2 && plan.numSets % 2 == 0 ? 1 : 0;
+    plan.numOverflow = rest - SlotPlan::kWays * plan.numSets;
+    return plan;
+}
+
+LineSlots::LineSlots(const SlotPlan& plan)
+    : _plan(plan), _lines(plan.NumSlots(), HDS_NONE), _placedIn(plan.NumSlots(), 0) {
+    for (std::uint32_t i = 0; i < plan.numPinned; ++i) {
+        _freePinned.push_back(plan.NumSlots() - 1 - i);
+    }
+}
+
+std::uint32_t LineSlots::FindEmpty(std::uint32_t begin, std::uint32_t end) const {
+    const auto found = std::find(_lines.begin() + begin, _lines.begin() + end, HDS_NONE);
+    return found == _lines.begin() + end ? HDS_NONE
+                                         : static_cast<std::uint32_t>(found - _lines.begin());
+}
+
+/// The slot of [begin, end) that was used least recently, or HDS_NONE when all are in use. Ages
+/// count back from `epoch`, which may have begun anew.
+std::uint32_t LineSlots::FindOldest(std::uint32_t begin, std::uint32_t end, std::uint32_t epoch,
+                                    const std::vector<std::uint32_t>& stamps) const {
+    std::uint32_t oldest = HDS_NONE;
+    std::uint32_t oldestAge = 0;
+    for (std::uint32_t slot = begin; slot < end; ++slot) {
+        const std::uint32_t age = std::min(epoch - stamps[slot], epoch - _placedIn[slot]);
+        if (age > oldestAge) {
+            oldest = slot;
+            oldestAge = age;
+        }
+    }
+    return oldest;
+}
+
+LineSlots::Placement LineSlots::Place(std::uint32_t line, std::uint32_t epoch,
+                                      const ReadStamps& readStamps) {
+    const std::uint32_t begin = _plan.numOverflow + line % _plan.numSets * SlotPlan::kWays;
+    const std::uint32_t end = begin + SlotPlan::kWays;
+    Placement placement{FindEmpty(begin, end), HDS_NONE, false};
+    if (placement.slot == HDS_NONE) {
+        const std::vector<std::uint32_t>& stamps = readStamps();
+        placement.slot = FindOldest(begin, end, epoch, stamps);
+        if (placement.slot == HDS_NONE) {
+            placement.isConflict = true;
+            placement.slot = FindEmpty(0, _plan.numOverflow);
+        }
+        if (placement.slot == HDS_NONE) {
+            placement.slot = FindOldest(0, _plan.numOverflow, epoch, stamps);
+        }
+    }
+    if (placement.slot != HDS_NONE) {
+        placement.evicted = _lines[placement.slot];
+        _numUsed += placement.evicted == HDS_NONE ? 1 : 0;
+        _lines[placement.slot] = line;
+        _placedIn[placement.slot] = epoch;
+    }
+    return placement;
+}
+
+std::uint32_t LineSlots::PlacePinned(std::uint32_t line) {
+    if (_freePinned.empty()) {
+        return HDS_NONE;
+    }
+    const std::uint32_t slot = _freePinned.back();
+    _freePinned.pop_back();
+    ++_numUsed;
+    _lines[slot] = line;
+    return slot;
+}
+
+void LineSlots::Free(std::uint32_t slot) {
+    HDS_VERIFY(_lines[slot] != HDS_NONE, "slot " + std::to_string(slot) + " is empty");
+    _lines[slot] = HDS_NONE;
+    --_numUsed;
+    if (slot >= _plan.NumSlots() - _plan.numPinned) {
+        _freePinned.push_back(slot);
+    }
+}
+
+} // namespace hds

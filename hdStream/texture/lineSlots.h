@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which line lies in which slot of the texture pool: the set-associative part, its overflow, and
+// the slots that are never given away. Explained in docs/texturing.md.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace hds {
+
+/// How a pool's slots are used: first the overflow, then the sets, then the pinned ones.
+struct SlotPlan {
+    static constexpr std::uint32_t kWays = 8;
+
+    std::uint32_t numOverflow = 0;
+    std::uint32_t numSets = 0;
+    std::uint32_t numPinned = 0;
+
+    std::uint32_t NumSlots() const { return numOverflow + kWays * numSets + numPinned; }
+    bool operator==(const SlotPlan& other) const {
+        return numOverflow == other.numOverflow && numSets == other.numSets &&
+               numPinned == other.numPinned;
+    }
+};
+
+/// Fewest slots with which every item can be shaded that reads `linesPerItem` lines.
+std::uint32_t FewestSlots(std::uint32_t linesPerItem);
+
+/// Slots with which `maxLines` lines never come into each other's way.
+std::uint64_t EnoughSlots(std::uint64_t maxLines, std::uint32_t linesPerItem,
+                          std::uint32_t numPinned);
+
+/// Divides `numSlots`: as many as an item needs can be used at once, whatever sets its lines fall
+/// into; at most a quarter of the rest is pinned. \pre numSlots >= FewestSlots(linesPerItem).
+SlotPlan MakeSlotPlan(std::uint32_t numSlots, std::uint32_t linesPerItem, std::uint32_t numPinned);
+
+/// The lines in a pool's slots. 8 bytes a slot. Externally synchronised.
+class LineSlots {
+public:
+    /// Stamps of all slots as kernels have left them; called when a line has to leave.
+    using ReadStamps = std::function<const std::vector<std::uint32_t>&()>;
+
+    /// A slot for a line, and the line that left it.
+    struct Placement {
+        std::uint32_t slot;    ///< HDS_NONE: all that the line may take are in use
+        std::uint32_t evicted; ///< HDS_NONE: the slot was empty
+        bool isConflict;       ///< all of the line's set is in use
+    };
+
+    explicit LineSlots(const SlotPlan& plan);
+
+    /// Finds a slot in the line's set, else in the overflow: an empty one, else the one that was
+    /// used least recently. Lines that were used or placed in `epoch` stay.
+    Placement Place(std::uint32_t line, std::uint32_t epoch, const ReadStamps& readStamps);
+    /// A pinned slot, or HDS_NONE when there is none left. What is in it only leaves by Free.
+    std::uint32_t PlacePinned(std::uint32_t line);
+    /// Empties a slot that is not empty.
+    void Free(std::uint32_t slot);
+
+    /// The line in a slot, or HDS_NONE.
+    std::uint32_t Line(std::uint32_t slot) const { return _lines[slot]; }
+    const SlotPlan& Plan() const { return _plan; }
+    std::uint32_t NumUsed() const { return _numUsed; }
+    std::uint32_t NumPinned() const {
+        return _plan.numPinned - static_cast<std::uint32_t>(_freePinned.size());
+    }
+
+private:
+    std::uint32_t FindEmpty(std::uint32_t begin, std::uint32_t end) const;
+    std::uint32_t FindOldest(std::uint32_t begin, std::uint32_t end, std::uint32_t epoch,
+                             const std::vector<std::uint32_t>& stamps) const;
+
+    SlotPlan _plan;
+    std::vector<std::uint32_t> _lines;
+    std::vector<std::uint32_t> _placedIn; ///< epoch
+    std::vector<std::uint32_t> _freePinned;
+    std::uint32_t _numUsed = 0;
+};
+
+} // namespace hds

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// The lines of one prepared texture, in groups: a group is a page of the persistent store, or,
+// where the store does not take it, memory of its own. So one line is read without the rest of a
+// large texture, and a texture larger than memory can be prepared. Explained in docs/texturing.md,
+// section "Where lines are kept".
+#pragma once
+
+#include "hdStream/persist/pageStore.h"
+#include "kernels/shared/texture.h"
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <vector>
+
+namespace hds {
+
+using TextureLine = std::array<std::uint32_t, HDS_LINE_BYTES / 4>;
+
+/// Filled by one thread at a time; reading a line that is complete is thread-safe.
+class LineStore {
+public:
+    static constexpr std::uint32_t kGroupLines = 128; ///< 64 KiB: what one read of a page verifies
+
+    /// \param store may be null
+    /// \param key of the texture; the key of a group is made of it and of the group's number
+    LineStore(std::shared_ptr<PageStore> store, const PageKey& key, std::uint32_t numLines);
+
+    /// A line to be filled in, zeros at first; stays in place until it is complete.
+    TextureLine* Open(std::uint32_t line);
+    /// Says that lines [first, first + count) are filled in, once each.
+    void Complete(std::uint32_t first, std::uint32_t count);
+
+    /// Copies a line. \return false when its group is not there (any more).
+    bool Read(std::uint32_t line, TextureLine* out) const;
+
+    /// Bytes of memory that groups which the store did not take occupy.
+    std::uint64_t HostBytes() const;
+
+private:
+    struct Group {
+        std::vector<TextureLine> lines; ///< while it is filled, and when the store did not take it
+        std::uint32_t numComplete = 0;
+        mutable std::atomic<const TextureLine*> data{nullptr};
+    };
+
+    std::uint32_t GroupSize(std::uint32_t group) const;
+    PageKey KeyOf(std::uint32_t group) const;
+    const TextureLine* Find(std::uint32_t group) const;
+
+    std::shared_ptr<PageStore> _store;
+    PageKey _key;
+    std::uint32_t _numLines;
+    std::vector<Group> _groups;
+};
+
+} // namespace hds

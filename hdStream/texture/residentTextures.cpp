@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/texture/residentTextures.h"
+
+#include "hdStream/base/error.h"
+#include "hdStream/base/timer.h"
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+#include <utility>
+
+namespace hds {
+
+namespace {
+
+/// Lines read and uploaded at a time: 8 MiB.
+constexpr std::uint32_t kBatchLines = 16384;
+
+} // namespace
+
+ResidentTextures::ResidentTextures(std::shared_ptr<Device> device) : _device(std::move(device)) {
+    _noTable = Buffer(_device, "no texture line table", 0, BufferAccess::ReadOnly);
+}
+
+void ResidentTextures::Update(LineProvider* provider) {
+    std::vector<std::uint64_t> ids;
+    for (std::uint32_t texture = 0; texture < provider->NumTextures(); ++texture) {
+        ids.push_back(provider->TextureId(texture));
+    }
+    if (_buffers && ids == _ids) {
+        return;
+    }
+    _ids = std::move(ids);
+    const Timer timer;
+    std::vector<std::uint32_t> all(provider->NumTextures());
+    std::iota(all.begin(), all.end(), 0U);
+    provider->Open(all);
+    _textures = {};
+    _textures.Update(*provider);
+    for (const std::uint32_t texture : all) {
+        _textures.Add(*provider, texture);
+    }
+    _statistics.openSeconds += timer.Seconds();
+    _statistics.openedTextures += all.size();
+    const std::uint64_t numLines = _textures.NumLines();
+    if (numLines > LineBuffers::MaxSlots(*_device)) {
+        throw Error("textures: " + std::to_string(numLines * HDS_LINE_BYTES) +
+                    " bytes do not fit the device's memory; --residency stream needs less");
+    }
+    _buffers = nullptr; // frees first
+    _buffers = std::make_unique<LineBuffers>(_device, numLines);
+    _records = Buffer();
+    _records = UploadVector(_device, "textures", _textures.Records());
+    UploadLines(provider);
+}
+
+void ResidentTextures::UploadLines(LineProvider* provider) {
+    const Timer timer;
+    const double readBefore = _statistics.readSeconds;
+    const std::uint32_t numLines = _textures.NumLines();
+    std::vector<std::uint8_t> bytes(std::size_t{std::min(numLines, kBatchLines)} * HDS_LINE_BYTES);
+    std::vector<LineId> lines;
+    for (std::uint32_t first = 0; first < numLines; first += kBatchLines) {
+        lines.clear();
+        for (std::uint32_t line = first; line < std::min(numLines, first + kBatchLines); ++line) {
+            lines.push_back(_textures.Find(line));
+        }
+        const Timer readTimer;
+        provider->Read(lines, bytes.data());
+        _statistics.readSeconds += readTimer.Seconds();
+        // Batches end where buffers do.
+        static_assert(LineBuffers::kSlotsPerBuffer % kBatchLines == 0, "batches cross buffers");
+        _buffers->At(first >> HDS_SLOT_BUFFER_SHIFT)
+            .Write(bytes.data(), lines.size() * HDS_LINE_BYTES,
+                   first % LineBuffers::kSlotsPerBuffer * HDS_LINE_BYTES);
+    }
+    _statistics.linesLoaded += numLines;
+    _statistics.uniqueBytesLoaded += std::uint64_t{numLines} * HDS_LINE_BYTES;
+    _statistics.uploadedBytes += std::uint64_t{numLines} * HDS_LINE_BYTES;
+    _statistics.serviceSeconds += timer.Seconds() - (_statistics.readSeconds - readBefore);
+}
+
+TextureBinding ResidentTextures::Binding() const {
+    TextureBinding binding;
+    binding.textures = &_records;
+    binding.lineTable = &_noTable;
+    _buffers->FillBinding(&binding);
+    return binding;
+}
+
+std::uint64_t ResidentTextures::TableBytes() const {
+    return _records.Bytes() + _noTable.Bytes() + (_buffers ? _buffers->UnusedBytes() : 0);
+}
+
+} // namespace hds

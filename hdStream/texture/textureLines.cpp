@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/texture/textureLines.h"
+
+#include <tbb/parallel_for.h>
+
+#include <cstring>
+#include <utility>
+
+namespace hds {
+
+namespace {
+
+/// Lines that a task reads, so that small services are no work for a second core.
+constexpr std::size_t kLinesPerTask = 64;
+
+} // namespace
+
+TextureLines::TextureLines(std::shared_ptr<TexturePreparer> preparer,
+                           std::vector<TextureImage> images)
+    : _preparer(std::move(preparer)), _images(std::move(images)), _textures(_images.size()) {}
+
+std::uint64_t TextureLines::MaxLines() const {
+    std::uint64_t lines = 0;
+    for (std::size_t i = 0; i < _images.size(); ++i) {
+        if (!_textures[i] && _images[i].maxLines == kUnknown) {
+            return kUnknown;
+        }
+        lines += _textures[i] ? _textures[i]->NumLines() : _images[i].maxLines;
+    }
+    return lines;
+}
+
+std::uint64_t TextureLines::TotalLines() const {
+    std::uint64_t lines = 0;
+    for (std::size_t i = 0; i < _images.size(); ++i) {
+        if (_textures[i]) {
+            lines += _textures[i]->NumLines();
+        } else if (_images[i].maxLines != kUnknown) {
+            lines += _images[i].maxLines;
+        } else {
+            const auto record = TexturePreparer::Estimate(_images[i].source, _images[i].request);
+            lines += record ? record->numLines : 1; // the fallback
+        }
+    }
+    return lines;
+}
+
+void TextureLines::Open(const std::vector<std::uint32_t>& textures) {
+    tbb::parallel_for(std::size_t{0}, textures.size(), [&](std::size_t i) {
+        const TextureImage& image = _images[textures[i]];
+        if (!_textures[textures[i]]) {
+            _textures[textures[i]] = _preparer->Prepare(image.source, image.request);
+        }
+    });
+}
+
+void TextureLines::Read(const std::vector<LineId>& lines, std::uint8_t* bytes) {
+    const tbb::blocked_range<std::size_t> all(0, lines.size(), kLinesPerTask);
+    tbb::parallel_for(all, [&](const auto& range) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            TextureLine line;
+            // A line that is lost is black; the preparer has said so.
+            _textures[lines[i].texture]->ReadLine(lines[i].line, &line);
+            std::memcpy(bytes + i * HDS_LINE_BYTES, line.data(), HDS_LINE_BYTES);
+        }
+    });
+}
+
+} // namespace hds

@@ -1,0 +1,421 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/texture/texturePool.h"
+
+#include "hdStream/base/error.h"
+#include "hdStream/base/timer.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <iterator>
+#include <utility>
+
+namespace hds {
+
+namespace {
+
+constexpr std::uint64_t kWord = sizeof(std::uint32_t);
+/// Most lines uploaded at a time: 1 MiB.
+constexpr std::uint32_t kStagedLines = 2048;
+/// Most words of the table changed at a time.
+constexpr std::uint32_t kMaxUpdates = 4 * kStagedLines;
+/// The table's buffer has room for so many more pages before it must grow.
+constexpr std::uint64_t kSparePages = 64;
+/// Most lines of one repeated block that are kept for all who have the same.
+constexpr std::uint32_t kMaxShared = 64;
+/// A repeated block: no line has larger ones (16 texels of four floats at 1:2).
+constexpr std::size_t kBlockBytes = 128;
+/// Stands for all lines that share a slot.
+constexpr std::uint32_t kSharedLine = HDS_REQUEST_TEXTURE;
+/// Numbers of lines of textures that have gone are given up as long as they are fewer than these.
+constexpr std::uint32_t kGoneLines = 1U << 20U;
+
+bool IsRepeated(const std::uint8_t* line) {
+    return std::memcmp(line, line + kBlockBytes, HDS_LINE_BYTES - kBlockBytes) == 0;
+}
+
+std::uint32_t PowerOfTwo(std::uint32_t least) {
+    std::uint32_t power = 1;
+    while (power < least) {
+        power *= 2;
+    }
+    return power;
+}
+
+} // namespace
+
+TexturePool::TexturePool(std::shared_ptr<Device> device, Store* store,
+                         std::uint32_t requestCapacity)
+    : _device(std::move(device)),
+      _program(std::make_unique<Program>(_device, "texture/cacheFill.cl", ProgramDefines{}, store)),
+      _copyLines(_program->GetKernel("fill_copyLines")),
+      _updateTable(_program->GetKernel("fill_updateTable")), _requestCapacity(requestCapacity) {}
+
+void TexturePool::Update(LineProvider* provider, std::uint64_t budgetBytes,
+                         std::uint32_t linesPerItem) {
+    _provider = provider;
+    const std::uint64_t limit =
+        std::min(budgetBytes / HDS_LINE_BYTES, LineBuffers::MaxSlots(*_device));
+    const std::uint64_t fewest = FewestSlots(linesPerItem);
+    if (limit < fewest) {
+        throw Error("--textureMemory: " + std::to_string(budgetBytes) + " bytes cannot hold the " +
+                    std::to_string(linesPerItem) + " texture lines that one surface point can " +
+                    "need; that takes " + std::to_string(fewest * HDS_LINE_BYTES) + " bytes");
+    }
+    const std::uint32_t numPinned = PowerOfTwo(provider->NumTextures() + kMaxShared);
+    const std::uint64_t enough = provider->MaxLines() == LineProvider::kUnknown
+                                     ? limit
+                                     : EnoughSlots(provider->MaxLines(), linesPerItem, numPinned);
+    const SlotPlan plan =
+        MakeSlotPlan(static_cast<std::uint32_t>(std::min(limit, enough)), linesPerItem, numPinned);
+    const std::vector<LineRange> gone = _textures.Update(*provider);
+    if (_textures.NumLines() > 2 * std::uint64_t{_textures.NumLiveLines()} + kGoneLines) {
+        _textures = {}; // numbers begin anew
+        _textures.Update(*provider);
+        _table = {};
+        MakePool(plan);
+    } else if (!_slots || !(_slots->Plan() == plan)) {
+        MakePool(plan);
+    } else {
+        RemoveLines(gone);
+    }
+    _provider->Open(_textures.Open());
+    HDS_VERIFY(Bytes() <= budgetBytes, "texture pool larger than its budget");
+    // Requests and items of a render that was stopped mean something else now.
+    MakeRequests();
+    ReserveItems(0);
+    _records = Buffer(); // frees first
+    _records = UploadVector(_device, "textures", _textures.Records());
+    PublishTable();
+    ++_generation;
+}
+
+/// Makes an empty pool.
+void TexturePool::MakePool(const SlotPlan& plan) {
+    _statistics.evictions += _slots ? _slots->NumUsed() : 0;
+    _slots = nullptr; // until all is there: memory may run out
+    _sharedSlots.clear();
+    _table.Clear();
+    _table.Reserve(std::max(1U, _textures.NumLines()));
+    const std::uint32_t numSlots = plan.NumSlots();
+    if (!_buffers || _buffers->NumSlots() != numSlots) {
+        _buffers = nullptr; // frees first
+        _buffers = std::make_unique<LineBuffers>(_device, numSlots);
+    }
+    const std::uint32_t numStaged = std::min(numSlots, kStagedLines);
+    _stagedBytes.resize(std::size_t{numStaged} * HDS_LINE_BYTES);
+    for (Buffer* buffer : {&_stamps, &_staging, &_copies, &_updates}) {
+        *buffer = Buffer(); // frees first
+    }
+    _stamps = Buffer(_device, "texture use stamps", numSlots * kWord);
+    _stamps.Fill(0, numSlots * kWord);
+    _staging = Buffer(_device, "texture lines on their way", _stagedBytes.size());
+    _copies = Buffer(_device, "texture line copies", numStaged * sizeof(shared::HdsLineCopy));
+    _updates =
+        Buffer(_device, "texture table updates", kMaxUpdates * sizeof(shared::HdsTableUpdate));
+    _slots = std::make_unique<LineSlots>(plan);
+}
+
+/// Takes lines of textures that have gone out of their slots.
+void TexturePool::RemoveLines(const std::vector<LineRange>& ranges) {
+    if (ranges.empty()) {
+        return;
+    }
+    for (std::uint32_t slot = 0; slot < _slots->Plan().NumSlots(); ++slot) {
+        const std::uint32_t line = _slots->Line(slot);
+        const auto range = std::upper_bound(ranges.begin(), ranges.end(), line,
+                                            [](std::uint32_t value, const LineRange& candidate) {
+                                                return value < candidate.first;
+                                            });
+        if (line < kSharedLine && range != ranges.begin() && line < (range - 1)->second) {
+            _slots->Free(slot);
+            _table.Set(line, HDS_NONE);
+        }
+    }
+}
+
+void TexturePool::MakeRequests() {
+    const std::uint32_t capacity =
+        std::min(_requestCapacity, PowerOfTwo(_slots->Plan().NumSlots()));
+    const std::uint32_t setSize = 2 * PowerOfTwo(capacity);
+    const std::uint32_t setBegin = HDS_TEXELS_HEADER + capacity;
+    _requests = Buffer(); // frees first
+    _requests = Buffer(_device, "texture requests", (setBegin + setSize) * kWord);
+    std::array<std::uint32_t, HDS_TEXELS_HEADER> header{};
+    header[HDS_TEXELS_EPOCH] = _epoch;
+    header[HDS_TEXELS_ACCEPT] = _accepts ? 1 : 0;
+    header[HDS_TEXELS_CAPACITY] = capacity;
+    header[HDS_TEXELS_SET_BEGIN] = setBegin;
+    header[HDS_TEXELS_SET_MASK] = setSize - 1;
+    _requests.Write(header.data(), sizeof(header));
+    _requests.Fill(HDS_NONE, setSize * kWord, setBegin * kWord);
+    _setBegin = setBegin;
+    _setSize = setSize;
+}
+
+void TexturePool::ReserveItems(std::uint32_t numItems) {
+    const std::uint64_t bytes = (1 + std::uint64_t{numItems}) * kWord;
+    if (_waiting.Bytes() < bytes) {
+        _waiting = Buffer(); // frees first
+        _waiting = Buffer(_device, "items that wait for texels", bytes);
+        ++_generation;
+    }
+    _waiting.Fill(0, kWord);
+}
+
+std::vector<std::uint32_t> TexturePool::TakeWaiting() {
+    std::uint32_t count = 0;
+    _waiting.Read(&count, kWord);
+    std::vector<std::uint32_t> items(count);
+    if (count > 0) {
+        _waiting.Read(items.data(), items.size() * kWord, kWord);
+        _waiting.Fill(0, kWord);
+        std::sort(items.begin(), items.end());
+    }
+    return items;
+}
+
+void TexturePool::SetAccepts(bool accepts) {
+    if (accepts != _accepts) {
+        _accepts = accepts;
+        const std::uint32_t word = accepts ? 1 : 0;
+        _requests.Write(&word, kWord, HDS_TEXELS_ACCEPT * kWord);
+    }
+}
+
+/// Adds the counters to the statistics and clears them. \return the number of requests.
+std::uint32_t TexturePool::TakeCounts() {
+    std::array<std::uint32_t, HDS_TEXELS_HEADER> header{};
+    _requests.Read(header.data(), sizeof(header));
+    _statistics.droppedRequests += header[HDS_TEXELS_NUM_DROPPED];
+    _statistics.fallbackTexels += header[HDS_TEXELS_NUM_FALLBACKS];
+    for (std::uint32_t i = 0; i < HDS_TEXELS_COUNTERS; ++i) {
+        _statistics.lookups += header[HDS_TEXELS_LOOKUPS + i];
+        _statistics.misses += header[HDS_TEXELS_MISSES + i];
+    }
+    _requests.Fill(0, (HDS_TEXELS_HEADER - HDS_TEXELS_NUM_DROPPED) * kWord,
+                   HDS_TEXELS_NUM_DROPPED * kWord);
+    return std::min(header[HDS_TEXELS_NUM_REQUESTS], header[HDS_TEXELS_CAPACITY]);
+}
+
+void TexturePool::CollectCounts() {
+    TakeCounts();
+}
+
+/// What kernels have asked for, in order; clears the requests and begins an epoch.
+std::vector<std::uint32_t> TexturePool::TakeRequests() {
+    std::vector<std::uint32_t> requests(TakeCounts());
+    _requests.Read(requests.data(), requests.size() * kWord, HDS_TEXELS_HEADER * kWord);
+    if (!requests.empty()) {
+        _requests.Fill(HDS_NONE, _setSize * kWord, _setBegin * kWord);
+        _requests.Fill(0, kWord, HDS_TEXELS_NUM_REQUESTS * kWord);
+    }
+    std::sort(requests.begin(), requests.end());
+    return requests;
+}
+
+TexturePool::Outcome TexturePool::Service() {
+    const Timer timer;
+    const double before = _statistics.openSeconds + _statistics.readSeconds;
+    Outcome outcome;
+    const std::vector<std::uint32_t> requests = TakeRequests();
+    const auto firstTexture =
+        std::lower_bound(requests.begin(), requests.end(), HDS_REQUEST_TEXTURE);
+    std::vector<std::uint32_t> textures;
+    std::transform(firstTexture, requests.end(), std::back_inserter(textures),
+                   [](std::uint32_t request) { return request & ~HDS_REQUEST_TEXTURE; });
+    std::vector<Load> loads;
+    OpenAll(textures, &loads);
+    outcome.numLoaded = static_cast<std::uint32_t>(textures.size());
+    std::transform(requests.begin(), firstTexture, std::back_inserter(loads),
+                   [](std::uint32_t line) {
+                       return Load{line, false};
+                   });
+    _hasStamps = false;
+    LoadAll(loads, &outcome);
+    ++_epoch;
+    _requests.Write(&_epoch, kWord, HDS_TEXELS_EPOCH * kWord);
+    ++_statistics.services;
+    _statistics.serviceSeconds +=
+        timer.Seconds() - (_statistics.openSeconds + _statistics.readSeconds - before);
+    return outcome;
+}
+
+/// Opens textures. \param[out] loads gets the line with the coarsest mips of each.
+void TexturePool::OpenAll(const std::vector<std::uint32_t>& textures, std::vector<Load>* loads) {
+    if (textures.empty()) {
+        return;
+    }
+    const Timer timer;
+    _provider->Open(textures);
+    _statistics.openSeconds += timer.Seconds();
+    for (const std::uint32_t texture : textures) {
+        _textures.Add(*_provider, texture);
+        const shared::HdsTexture& record = _textures.Records()[texture];
+        loads->push_back({record.firstLine + record.numLines - 1, true});
+        _records.Write(&record, sizeof(record), texture * sizeof(record));
+    }
+    _table.Reserve(_textures.NumLines());
+    _statistics.openedTextures += textures.size();
+}
+
+void TexturePool::LoadAll(const std::vector<Load>& loads, Outcome* outcome) {
+    const std::size_t batch = _stagedBytes.size() / HDS_LINE_BYTES;
+    for (std::size_t begin = 0; begin < loads.size(); begin += batch) {
+        const std::size_t end = std::min(loads.size(), begin + batch);
+        LoadBatch({loads.begin() + static_cast<std::ptrdiff_t>(begin),
+                   loads.begin() + static_cast<std::ptrdiff_t>(end)},
+                  outcome);
+    }
+    PublishTable(); // also when textures were opened and none of their lines found room
+}
+
+void TexturePool::LoadBatch(const std::vector<Load>& loads, Outcome* outcome) {
+    std::vector<LineId> lines;
+    for (const Load& load : loads) {
+        lines.push_back(_textures.Find(load.line));
+    }
+    const Timer timer;
+    _provider->Read(lines, _stagedBytes.data());
+    _statistics.readSeconds += timer.Seconds();
+    std::vector<shared::HdsLineCopy> copies;
+    for (std::size_t i = 0; i < loads.size(); ++i) {
+        std::uint8_t* bytes = _stagedBytes.data() + i * HDS_LINE_BYTES;
+        bool needsCopy = true;
+        const std::uint32_t slot = PlaceLine(loads[i], bytes, &needsCopy);
+        if (slot == HDS_NONE) {
+            ++outcome->numDenied;
+            continue;
+        }
+        ++outcome->numLoaded;
+        if (needsCopy) {
+            std::memmove(_stagedBytes.data() + copies.size() * HDS_LINE_BYTES, bytes,
+                         HDS_LINE_BYTES);
+            copies.push_back({static_cast<std::uint32_t>(copies.size()), slot});
+        }
+        if (!_table.Set(loads[i].line, slot)) {
+            ++_statistics.linesLoaded;
+            _statistics.uniqueBytesLoaded += needsCopy ? HDS_LINE_BYTES : 0;
+        }
+    }
+    CopyStaged(std::move(copies));
+    PublishTable(); // only now: words are read by whatever is launched next
+}
+
+/// \param[out] needsCopy false: the slot has these bytes. \return the slot, or HDS_NONE.
+std::uint32_t TexturePool::PlaceLine(const Load& load, const std::uint8_t* bytes, bool* needsCopy) {
+    if (IsRepeated(bytes)) {
+        const std::string block(reinterpret_cast<const char*>(bytes), kBlockBytes);
+        const auto known = _sharedSlots.find(block);
+        if (known != _sharedSlots.end()) {
+            *needsCopy = false;
+            return known->second;
+        }
+        if (_sharedSlots.size() < kMaxShared) {
+            const std::uint32_t slot = _slots->PlacePinned(kSharedLine);
+            if (slot != HDS_NONE) {
+                _sharedSlots.emplace(block, slot);
+                return slot;
+            }
+        }
+    }
+    if (load.isPinned) {
+        const std::uint32_t slot = _slots->PlacePinned(load.line);
+        if (slot != HDS_NONE) {
+            return slot;
+        }
+    }
+    const LineSlots::Placement placement = _slots->Place(
+        load.line, _epoch, [this]() -> const std::vector<std::uint32_t>& { return ReadStamps(); });
+    _statistics.setConflicts += placement.isConflict ? 1 : 0;
+    if (placement.slot != HDS_NONE && placement.evicted != HDS_NONE) {
+        _table.Set(placement.evicted, HDS_NONE);
+        ++_statistics.evictions;
+    }
+    return placement.slot;
+}
+
+const std::vector<std::uint32_t>& TexturePool::ReadStamps() {
+    if (!_hasStamps) {
+        _stampValues.resize(_slots->Plan().NumSlots());
+        _stamps.Read(_stampValues.data(), _stampValues.size() * kWord);
+        _hasStamps = true;
+    }
+    return _stampValues;
+}
+
+/// Sends staged lines [0, copies.size()) to their slots.
+void TexturePool::CopyStaged(std::vector<shared::HdsLineCopy> copies) {
+    if (copies.empty()) {
+        return;
+    }
+    const std::uint64_t bytes = copies.size() * HDS_LINE_BYTES;
+    _staging.Write(_stagedBytes.data(), bytes);
+    _statistics.uploadedBytes += bytes;
+    std::sort(copies.begin(), copies.end(),
+              [](const auto& a, const auto& b) { return a.slot < b.slot; });
+    _copies.Write(copies.data(), copies.size() * sizeof(copies[0]));
+    std::uint32_t first = 0;
+    while (first < copies.size()) {
+        const std::uint32_t buffer = copies[first].slot >> HDS_SLOT_BUFFER_SHIFT;
+        const auto end = std::find_if(copies.begin() + first, copies.end(), [&](const auto& copy) {
+            return copy.slot >> HDS_SLOT_BUFFER_SHIFT != buffer;
+        });
+        const auto count = static_cast<std::uint32_t>(end - copies.begin()) - first;
+        _copyLines.Launch(std::size_t{count} * (HDS_LINE_BYTES / 16), _staging, _copies, first,
+                          count, buffer << HDS_SLOT_BUFFER_SHIFT, _buffers->At(buffer));
+        first += count;
+    }
+}
+
+void TexturePool::PublishTable() {
+    bool isMoved = false;
+    const std::vector<shared::HdsTableUpdate> updates = _table.TakeUpdates(&isMoved);
+    const std::vector<std::uint32_t>& words = _table.Words();
+    const std::uint64_t bytes = words.size() * kWord;
+    if (!_lineTable.IsValid() || _lineTable.Bytes() < bytes) {
+        _lineTable = Buffer(); // frees first
+        const std::uint64_t numWords =
+            words.size() + words.size() / 2 + kSparePages * HDS_LINE_PAGE_WORDS;
+        _lineTable = Buffer(_device, "texture line table", numWords * kWord);
+        isMoved = true;
+        ++_generation;
+    }
+    if (isMoved) {
+        _lineTable.Write(words.data(), bytes);
+        _lineTable.Fill(HDS_NONE, _lineTable.Bytes() - bytes, bytes);
+        return;
+    }
+    for (std::size_t begin = 0; begin < updates.size(); begin += kMaxUpdates) {
+        const auto count =
+            static_cast<std::uint32_t>(std::min<std::size_t>(kMaxUpdates, updates.size() - begin));
+        _updates.Write(&updates[begin], count * sizeof(updates[0]));
+        _updateTable.Launch(count, _updates, count, _lineTable);
+    }
+}
+
+TextureBinding TexturePool::Binding() const {
+    TextureBinding binding;
+    binding.textures = &_records;
+    binding.lineTable = &_lineTable;
+    _buffers->FillBinding(&binding);
+    binding.requests = &_requests;
+    binding.stamps = &_stamps;
+    binding.waiting = &_waiting;
+    return binding;
+}
+
+std::uint64_t TexturePool::TableBytes() const {
+    std::uint64_t bytes = _buffers ? _buffers->UnusedBytes() : 0;
+    for (const Buffer* buffer : {&_records, &_lineTable, &_requests, &_stamps, &_waiting, &_staging,
+                                 &_copies, &_updates}) {
+        bytes += buffer->Bytes();
+    }
+    return bytes;
+}
+
+std::uint64_t TexturePool::PinnedBytes() const {
+    return _slots ? std::uint64_t{_slots->NumPinned()} * HDS_LINE_BYTES : 0;
+}
+
+} // namespace hds

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// Streaming mode of textures (DESIGN.md section 5.2, 5.3): a pool of fixed size holds those lines
+// that kernels have asked for; others leave when room is needed. Explained in docs/texturing.md.
+#pragma once
+
+#include "hdStream/device/program.h"
+#include "hdStream/texture/lineBuffers.h"
+#include "hdStream/texture/lineProvider.h"
+#include "hdStream/texture/lineSlots.h"
+#include "hdStream/texture/lineTable.h"
+#include "hdStream/texture/openTextures.h"
+#include "hdStream/texture/textureStatistics.h"
+
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+namespace hds {
+
+/// Device memory that holds some lines of a provider's textures. Externally synchronised.
+///
+/// Launch; then, as long as items wait for texels, Service and launch again over those that wait.
+/// Kernels mark what they use; a service takes nothing away that was used since the one before. It
+/// ends because lines stay as long as items that wait use them. When a service could not load all
+/// that was asked for, and no item was done since the one before, the pool is too small for so many
+/// items at once: launch fewer. One item alone always finds room.
+class TexturePool {
+public:
+    /// What a service has done.
+    struct Outcome {
+        std::uint32_t numLoaded = 0; ///< lines, and textures that were opened
+        std::uint32_t numDenied = 0; ///< requests that found no room
+    };
+
+    static constexpr std::uint32_t kRequestCapacity = 1U << 16U;
+
+    /// An empty pool. \param store keeps compiled kernels, may be null. \param requestCapacity most
+    /// requests answered at a time; more come again.
+    explicit TexturePool(std::shared_ptr<Device> device, Store* store = nullptr,
+                         std::uint32_t requestCapacity = kRequestCapacity);
+
+    /// Serves the textures of `provider`, which must live until the next call, from at most
+    /// `budgetBytes` of device memory. What is loaded stays, as far as textures are the same (by
+    /// id) and the budget is. \param linesPerItem most lines that an item needs at once.
+    /// \throws Error that names the option --textureMemory when these do not fit.
+    void Update(LineProvider* provider, std::uint64_t budgetBytes, std::uint32_t linesPerItem);
+
+    /// Makes room for so many items that wait. \pre none waits.
+    void ReserveItems(std::uint32_t numItems);
+    /// The items that wait since the last call, in order.
+    std::vector<std::uint32_t> TakeWaiting();
+
+    /// Whether the launches to come take coarser mips for lines that are missing: only items of
+    /// whose texture nothing is loaded yet wait.
+    void SetAccepts(bool accepts);
+    /// Opens textures and loads lines that were asked for. Blocks.
+    Outcome Service();
+    /// Adds what kernels have counted to the statistics. Blocks.
+    void CollectCounts();
+
+    /// Bind again when Generation has changed: buffers have grown.
+    TextureBinding Binding() const;
+    std::uint64_t Generation() const { return _generation; }
+    std::uint32_t NumBuffers() const { return _buffers ? _buffers->NumBuffers() : 0; }
+    /// Bytes of device memory for lines, and for what streaming needs besides.
+    std::uint64_t Bytes() const { return _buffers ? _buffers->Bytes() : 0; }
+    std::uint64_t TableBytes() const;
+    std::uint64_t PinnedBytes() const;
+    const TextureStatistics& Statistics() const { return _statistics; }
+
+private:
+    /// A line that is to be loaded.
+    struct Load {
+        std::uint32_t line = 0;
+        bool isPinned = false;
+    };
+
+    void MakePool(const SlotPlan& plan);
+    void RemoveLines(const std::vector<LineRange>& ranges);
+    void MakeRequests();
+    std::uint32_t TakeCounts();
+    std::vector<std::uint32_t> TakeRequests();
+    void OpenAll(const std::vector<std::uint32_t>& textures, std::vector<Load>* loads);
+    void LoadAll(const std::vector<Load>& loads, Outcome* outcome);
+    void LoadBatch(const std::vector<Load>& loads, Outcome* outcome);
+    std::uint32_t PlaceLine(const Load& load, const std::uint8_t* bytes, bool* needsCopy);
+    void CopyStaged(std::vector<shared::HdsLineCopy> copies);
+    void PublishTable();
+    const std::vector<std::uint32_t>& ReadStamps();
+
+    std::shared_ptr<Device> _device;
+    std::unique_ptr<Program> _program;
+    Kernel _copyLines;
+    Kernel _updateTable;
+    std::uint32_t _requestCapacity;
+    LineProvider* _provider = nullptr;
+    OpenTextures _textures;
+    LineTable _table;
+    std::unique_ptr<LineSlots> _slots;
+    std::unique_ptr<LineBuffers> _buffers;
+    /// Slots of lines of one repeated block, pinned; by that block.
+    std::unordered_map<std::string, std::uint32_t> _sharedSlots;
+    Buffer _records;
+    Buffer _lineTable;
+    Buffer _requests;
+    Buffer _stamps;
+    Buffer _waiting;
+    Buffer _staging; ///< lines on their way
+    Buffer _copies;
+    Buffer _updates;
+    std::vector<std::uint8_t> _stagedBytes;
+    std::vector<std::uint32_t> _stampValues;
+    bool _hasStamps = false; ///< they are read, in this service
+    bool _accepts = false;
+    std::uint32_t _setBegin = 0;
+    std::uint32_t _setSize = 0;
+    std::uint32_t _epoch = 1; ///< counts services
+    std::uint64_t _generation = 0;
+    TextureStatistics _statistics;
+};
+
+} // namespace hds

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// An image file as rows of a texture: the values to store, and the same in linear light for
+// filtering. See textureForm.h.
+#pragma once
+
+#include "hdStream/texture/textureForm.h"
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace hds {
+
+/// Converts linear floats to stored texels. Immutable, thread-safe.
+class TexelConverter {
+public:
+    explicit TexelConverter(std::uint32_t format);
+    /// \param linear [numTexels][channels], finite
+    /// \param stored [numTexels] of TexelBytes(format)
+    void Convert(const float* linear, std::size_t numTexels, std::uint8_t* stored) const;
+
+private:
+    std::uint8_t ByteOf(float linear, bool isEncoded) const;
+
+    std::uint32_t _format;
+    std::uint32_t _numChannels;
+    std::vector<float> _thresholds;   ///< linear value from which on a code is the nearest, sRGB
+    std::vector<std::uint8_t> _guess; ///< the least code of a part of [0, 1)
+};
+
+/// What was found wrong in an image's values and replaced.
+struct TexelRepairs {
+    std::uint64_t numNonFinite = 0; ///< NaN by 0, infinities by +-65504
+    std::uint64_t numClamped = 0;   ///< beyond what the stored format holds, after decoding
+};
+
+/// One line without the file's name; empty when nothing was replaced.
+std::string WarningOf(const TexelRepairs& repairs);
+
+/// Decides what of a form depends on the values. \return an error, one line that names the file,
+/// or empty
+std::string SettleForm(ImageFile* file, const ColorDecoder& decoder, TextureForm* form);
+
+/// Reads one file. One thread.
+class TextureRows {
+public:
+    /// Rows in order from the top. \param stored [numRows][width] texels as TexelConverter's;
+    /// \param linear [numRows][width][channels]
+    using RowsCallback =
+        std::function<void(std::uint32_t numRows, const std::uint8_t* stored, const float* linear)>;
+
+    TextureRows(ImageFile* file, const ColorDecoder* decoder, const TextureForm& form);
+
+    /// The largest magnitude of any value, decoded; reads the file once.
+    /// \return an error, one line that names the file, or empty
+    std::string FindRange(double* largestMagnitude);
+
+    /// Reads the file. \return as FindRange
+    std::string Read(const RowsCallback& onRows, TexelRepairs* repairs);
+
+private:
+    template <typename T>
+    std::string ReadCodes(const OIIO::TypeDesc& type, const RowsCallback& onRows);
+    std::string ReadFloats(const RowsCallback& onRows, TexelRepairs* repairs);
+    void DecodeRow(const float* pixels, float* linear, TexelRepairs* repairs);
+    int Source(std::size_t stored) const;
+
+    ImageFile* _file;
+    const ColorDecoder* _decoder;
+    TextureForm _form;
+    ColorChannels _channels;
+    int _begin = 0; ///< channels of the file that are read
+    int _end = 0;
+    float _limit; ///< of magnitudes
+    std::vector<float> _rgb;
+};
+
+} // namespace hds

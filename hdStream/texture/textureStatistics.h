@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a texture cache has done since it was made (DESIGN.md section 9).
+#pragma once
+
+#include <cstdint>
+
+namespace hds {
+
+/// Bytes, seconds and counts.
+struct TextureStatistics {
+    std::uint64_t openedTextures = 0;
+    std::uint64_t linesLoaded = 0;       ///< different ones
+    std::uint64_t uniqueBytesLoaded = 0; ///< of these; lines that share a slot count once
+    std::uint64_t uploadedBytes = 0;
+    std::uint64_t evictions = 0;
+    std::uint64_t setConflicts = 0;   ///< lines that found all of their set in use
+    std::uint64_t lookups = 0;        ///< texels read, also by items that had to come again
+    std::uint64_t misses = 0;         ///< of these, those whose line was missing
+    std::uint64_t fallbackTexels = 0; ///< of these, those that took a coarser mip for good
+    std::uint64_t services = 0;
+    std::uint64_t droppedRequests = 0; ///< for want of room in the list; they come again
+    double openSeconds = 0.0;          ///< preparing textures
+    double readSeconds = 0.0;          ///< of lines
+    double serviceSeconds = 0.0;       ///< all else
+};
+
+} // namespace hds

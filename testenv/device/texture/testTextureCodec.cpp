@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// The device decodes every texel of every format to the bits that the host decodes, and finds
+// texels at the places that the host finds.
+#include "hdStream/texture/blockEncoder.h"
+#include "kernels/shared/textureCodec.h"
+#include "testenv/support/deviceFixture.h"
+#include "testenv/support/textureFormats.h"
+
+#include <cstring>
+
+namespace hds::test {
+namespace {
+
+const char* const kDecode = R"(
+#include "texture/codec.clh"
+kernel void decode(global const uint* lines, uint format, uint width, uint height,
+                   global float* texels, uint count) {
+    uint i = (uint)get_global_id(0);
+    if (i >= count) return;
+    uint texel = i % (width * height);
+    float4 value = codec_texel(lines + (i / (width * height)) * (HDS_LINE_BYTES / 4), format,
+                               texel % width, texel / width);
+    vstore4(value, i, texels);
+}
+)";
+
+const char* const kPlace = R"(
+#include "texture/codec.clh"
+kernel void place(global const HdsTexture* textures, uint mip, uint width, uint height,
+                  global uint* places) {
+    uint i = (uint)get_global_id(0);
+    if (i >= width * height) return;
+    HdsTexelPlace p = texture_place(textures[0].width, textures[0].format, textures[0].flags,
+                                    textures[0].numLines, textures[0].mipBlock[mip], mip,
+                                    i % width, i / width);
+    places[3 * i] = p.line;
+    places[3 * i + 1] = p.x;
+    places[3 * i + 2] = p.y;
+}
+)";
+
+class TextureCodec : public DeviceFixture {};
+
+/// Lines of random blocks.
+std::vector<std::uint32_t> RandomLines(std::uint32_t format, std::size_t numLines) {
+    std::mt19937 generator(format + 1);
+    const std::size_t blockWords = std::size_t{1} << (shared::texel_blockBytesLog2(format) - 2);
+    std::vector<std::uint32_t> words(numLines * HDS_LINE_BYTES / 4);
+    for (std::size_t at = 0; at < words.size(); at += blockWords) {
+        EncodeBlock(format, RandomBlock(format, generator).data(), &words[at]);
+    }
+    return words;
+}
+
+TEST_F(TextureCodec, DecodesToTheHostsBits) {
+    constexpr std::size_t kNumLines = 64;
+    const auto program = Build(kDecode);
+    for (const std::uint32_t format : AllTexelFormats()) {
+        const std::uint32_t width = 4u << shared::texel_lineWidthLog2(format);
+        const std::uint32_t height = 4u << shared::texel_lineHeightLog2(format);
+        const std::vector<std::uint32_t> lines = RandomLines(format, kNumLines);
+        const std::size_t numTexels = kNumLines * width * height;
+        const Buffer input = Upload(lines);
+        const Buffer output = Allocate(numTexels * sizeof(shared::float4));
+        program->GetKernel("decode").Launch(numTexels, input, format, width, height, output,
+                                            std::uint32_t(numTexels));
+        const auto texels = Download<shared::float4>(output, numTexels);
+        for (std::size_t i = 0; i < numTexels; ++i) {
+            const std::uint32_t texel = static_cast<std::uint32_t>(i % (width * height));
+            const shared::float4 expected =
+                shared::codec_texel(&lines[i / (width * height) * HDS_LINE_BYTES / 4], format,
+                                    texel % width, texel / width);
+            ASSERT_EQ(std::memcmp(&texels[i], &expected, sizeof(expected)), 0)
+                << "format " << format << " texel " << i << ": " << texels[i].x << " for "
+                << expected.x;
+        }
+    }
+}
+
+TEST_F(TextureCodec, FindsTheHostsPlaces) {
+    const auto program = Build(kPlace);
+    for (const std::uint32_t format : {HDS_TEXEL_U8, HDS_TEXEL_HALF | 2u, HDS_TEXEL_FLOAT | 2u}) {
+        const shared::HdsTexture texture = MakeTextureLayout(75, 131, format);
+        const Buffer record = Upload(std::vector<shared::HdsTexture>{texture});
+        for (std::uint32_t mip = 0; mip < texture.numMips; ++mip) {
+            const std::uint32_t width = shared::texture_mipSize(75, mip);
+            const std::uint32_t height = shared::texture_mipSize(131, mip);
+            const Buffer output = Allocate(std::uint64_t{3} * width * height * 4);
+            program->GetKernel("place").Launch(std::size_t{width} * height, record, mip, width,
+                                               height, output);
+            const auto places = Download<std::uint32_t>(output, std::size_t{3} * width * height);
+            for (std::uint32_t i = 0; i < width * height; ++i) {
+                const shared::HdsTexelPlace expected = PlaceOf(texture, mip, i % width, i / width);
+                ASSERT_EQ(places[3 * i], expected.line);
+                ASSERT_EQ(places[3 * i + 1], expected.x);
+                ASSERT_EQ(places[3 * i + 2], expected.y);
+            }
+        }
+    }
+}
+
+} // namespace
+} // namespace hds::test

@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Streamed textures give the bits of resident textures at every budget that holds what one point needs.
+
+The oracle is the resident mode, whose pictures testenv/render compares with definitions.
+"""
+
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+pytest.importorskip("hdstream._core")
+
+from stages import imageFile, textured
+from streamCase import Case, ColdCache
+
+
+@pytest.fixture(scope="module")
+def Textured(tmp_path_factory):
+    path = tmp_path_factory.mktemp("textured") / "stage.usda"
+    textured.WriteTextured(str(path))
+    return Case(path).RenderResident()
+
+
+def _LeastMemory(case) -> int:
+    with pytest.raises(case.core.Error, match="--textureMemory: 512 bytes cannot hold") as error:
+        case.Fresh().Render(residency="stream", textureMemory="512")
+    return int(re.search(r"that takes (\d+) bytes", str(error.value)).group(1))
+
+
+@pytest.mark.parametrize("memory", ["100%", "30%", "5%", "2%", "40K"])
+def test_any_budget_gives_the_same_bits(Textured, memory):
+    texture = Textured.Fresh().AssertStreamsTextures(textureMemory=memory)
+    if memory.endswith("%"):
+        assert texture["budget"] <= float(memory[:-1]) / 100 * texture["bytesTotal"] + 1
+
+
+def test_what_one_point_needs_is_enough(Textured):
+    """And less is an error that says what is needed."""
+    least = _LeastMemory(Textured)
+    texture = Textured.Fresh().AssertStreamsTextures(textureMemory=str(least))
+    assert texture["peakBytes"] == least
+    assert texture["evictions"] > 0 and texture["setConflicts"] > 0, "the pool is far too small for all at once"
+    with pytest.raises(Textured.core.Error, match=f"that takes {least} bytes"):
+        Textured.Fresh().Render(residency="stream", textureMemory=str(least - 1))
+
+
+@pytest.mark.parametrize("settings", [
+    dict(traversal="lane"),
+    dict(waveSize=1000),
+    dict(geometryMemory="20%"),
+    dict(geometryMemory="20%", request="first"),
+    dict(geometryMemory="20%", waveSize=999, geometryEviction="flush"),
+], ids=lambda settings: "-".join(f"{key}={value}" for key, value in settings.items()))
+def test_other_ways_give_the_same_bits(Textured, settings):
+    Textured.Fresh().AssertStreamsTextures(textureMemory="20K", **settings)
+
+
+def test_what_fits_is_loaded_once_and_stays(Textured):
+    case = Textured.Fresh()
+    first = case.AssertStreamsTextures()
+    assert first["evictions"] == 0 and first["setConflicts"] == 0
+    second = case.AssertStreamsTextures(seed=0, cullStyle="nothing")
+    assert second["uploadedBytes"] == first["uploadedBytes"]
+
+
+def test_device_memory_is_what_was_asked_for(Textured):
+    """By the allocator's own account: what is neither the pool nor its tables does not depend on the pool."""
+    others = []
+    for memory in (16 << 10, 64 << 10):
+        _, statistics = Textured.Fresh().Render(residency="stream", textureMemory=str(memory))
+        texture = statistics["texture"]
+        assert texture["peakBytes"] <= memory
+        others.append(statistics["memory"]["devicePeak"] - texture["peakBytes"] - texture["tableBytes"])
+    assert others[0] == others[1]
+
+
+@pytest.mark.parametrize("iterations", [1, 2])
+def test_interactive_pictures_are_blurred_at_worst(Textured, iterations):
+    layers, statistics = Textured.Fresh().Render(residency="stream", shadeIterations=iterations, textureMemory="64K")
+    texture = statistics["texture"]
+    color, exact = layers["color"], Textured.layers["color"]
+    assert texture["fallbackTexels"] > 0 or color.tobytes() == exact.tobytes()
+    assert np.isfinite(color).all()
+    assert np.abs(color - exact).mean() < 0.05 * exact[..., :3].mean()
+
+
+def test_interactive_pictures_become_exact(Textured):
+    """Once all that is seen has been loaded nothing is missing any more."""
+    case = Textured.Fresh()
+    case.Render(residency="stream", shadeIterations=1)
+    case.Render(residency="stream", shadeIterations=1, maxDepth=7)  # asks for what came too late for the first one
+    before = json.loads(case.session.Statistics())["texture"]["fallbackTexels"]
+    layers, statistics = case.Render(residency="stream", shadeIterations=1)
+    assert statistics["texture"]["fallbackTexels"] == before
+    case.AssertBits(layers)
+
+
+def test_threads_do_not_matter(Textured, tmp_path):
+    pictures = []
+    for threads in ("1", "3"):
+        picture = tmp_path / f"{threads}.exr"
+        environment = dict(os.environ, POCL_MAX_PTHREAD_COUNT=threads, POCL_CPU_MAX_CU_COUNT=threads)
+        done = subprocess.run(
+            [sys.executable, "-m", "hdstream", "record", Textured.path, str(picture), "--quiet", "--camera", Textured.camera,
+             "--imageWidth", "61", "--samples", "3", "--residency", "stream", "--textureMemory", "24K"],
+            env=environment, capture_output=True, text=True, timeout=300)
+        assert done.returncode == 0, done.stderr
+        pictures.append(imageFile.ReadExr(picture))
+    for name, plane in pictures[0].items():
+        assert plane.tobytes() == pictures[1][name].tobytes(), name
+
+
+# --- Images that are not what they seem --------------------------------------------------------------
+
+
+def _Copy(case, folder) -> Case:
+    """The stage with images of its own."""
+    folder = pathlib.Path(folder) / "copy"
+    shutil.copytree(pathlib.Path(case.path).parent, folder)
+    return Case(folder / "stage.usda")
+
+
+def _Truncate(path) -> None:
+    data = path.read_bytes()
+    path.write_bytes(data[: len(data) // 3])
+
+
+def test_textures_nobody_sees_are_not_opened(Textured, tmp_path):
+    """An image that is cut off is no news as long as nobody looks at it."""
+    case = _Copy(Textured, tmp_path)
+    from pxr import Usd
+    from hdstream.translate import TranslateStage
+
+    from stages import author, shapes
+    images = pathlib.Path(case.path).parent / "images"
+    shutil.copy(images / "photo0.png", images / "unseen.png")
+    _Truncate(images / "unseen.png")
+    stage = Usd.Stage.Open(case.path)
+    look = textured.AddTexturedMaterial(stage, "/World/Looks/Unseen", dict(diffuseColor=("./images/unseen.png", "rgb")))
+    author.AddMesh(stage, "/World/Unseen", shapes.Plane(0.1, 0.1), material=look, translate=(0, -50, 0))
+    warnings = []
+    case.session = case.core.Session(warnings.append)
+    TranslateStage(stage, case.session, Usd.TimeCode.Default())
+    case.Render(residency="stream")
+    assert warnings == []
+    case.Render(residency="resident")
+    assert len(warnings) == 1 and "unseen.png" in warnings[0]
+
+
+def test_a_file_that_cannot_be_read_is_reported_once(Textured, tmp_path):
+    """The render goes on with the fallback; the file is not read again and again."""
+    case = _Copy(Textured, tmp_path)
+    _Truncate(pathlib.Path(case.path).parent / "images" / "photo1.png")
+    warnings = []
+    from pxr import Usd
+    from hdstream.translate import TranslateStage
+    case.session = case.core.Session(warnings.append)
+    TranslateStage(Usd.Stage.Open(case.path), case.session, Usd.TimeCode.Default())
+    layers, statistics = case.Render(residency="stream", textureMemory="24K")
+    assert len(warnings) == 1 and "photo1.png" in warnings[0]
+    assert np.isfinite(layers["color"]).all()
+    assert layers["color"].tobytes() != Textured.layers["color"].tobytes()
+    again, _ = case.Render(residency="resident")
+    assert again["color"].tobytes() == layers["color"].tobytes()
+    assert len(warnings) == 1
+
+
+@pytest.mark.parametrize("noCache", [False, True])
+def test_a_file_replaced_during_the_render_changes_nothing(Textured, tmp_path, noCache):
+    """What was opened stays as it was, also lines that come later."""
+    case = _Copy(Textured, tmp_path)
+    case.layers = Textured.layers
+    images = pathlib.Path(case.path).parent / "images"
+    replaced = []
+
+    def Replace(progress):
+        if progress.samplesDone >= 1 and not replaced:
+            replaced.append(True)
+            for path in sorted(images.glob("photo*.png")):
+                imageFile.WritePng(path, np.zeros((8, 8, 3), np.uint8))
+        return True
+
+    case.AssertStreamsTextures(Replace, textureMemory="24K", noCache=noCache, cacheDirectory=ColdCache(tmp_path / "cache"))
+    assert replaced
+
+
+def test_a_damaged_cache_is_mended_from_the_file(Textured, tmp_path):
+    case = _Copy(Textured, tmp_path)
+    case.layers = Textured.layers
+    cache = ColdCache(tmp_path / "cache")
+    case.AssertStreamsTextures(textureMemory="24K", cacheDirectory=cache)
+    for path in sorted(pathlib.Path(cache).glob("pages-*.hdsp")):
+        data = bytearray(path.read_bytes())
+        data[len(data) // 2 :: 997] = bytes(len(data[len(data) // 2 :: 997]))
+        path.write_bytes(data)
+    fresh = Case(case.path)
+    fresh.layers = Textured.layers
+    fresh.AssertStreamsTextures(textureMemory="24K", cacheDirectory=cache)
