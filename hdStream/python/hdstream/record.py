@@ -21,7 +21,7 @@ _DEFAULT_WIDTH = 960
 _FRAMED = ("camera", "imageWidth", "imageHeight")
 # Options whose feature is not there yet: (attribute, value without effect, what happens instead).
 _IDLE_OPTIONS = (
-    ("textureMemory", (None,), "textures are replaced by their mean colour"),
+    ("textureMemory", (None,), "textures are kept whole in device memory"),
     ("shadeIterations", (0,), "shading is always exact"),
 )
 
