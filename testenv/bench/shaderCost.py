@@ -30,7 +30,7 @@ from render import textureCases
 
 
 def WriteStage(folder: str, name: str, isTextured: bool, hasSpeck: bool) -> str:
-    """Balls on a ground; textured through four look-ups a hit, or plain with maybe a textured speck below the ground."""
+    """Balls on a ground; four inputs from one look-up, or plain with maybe a textured speck below the ground."""
     stage = author.NewStage(f"{folder}/{name}.usda")
     image = (np.random.default_rng(1).random((512, 512, 4)) * 255).astype(np.uint8)
     imageFile.WritePng(f"{folder}/image.png", image)
