@@ -16,8 +16,6 @@ namespace {
 
 /// Textures decoded together: bounds the host memory.
 constexpr std::size_t kBatch = 8;
-/// Size of a buffer, unless a texture is larger or the device allows less.
-constexpr std::uint64_t kBufferBytes = 256U << 20U;
 
 TextureRequest RequestOf(const MaterialTexture& texture) {
     TextureRequest request;
@@ -83,6 +81,10 @@ void PlainTextureBuffers::Add(const CommittedScene& scene,
             const MaterialTexture& texture = scene.textureTable[missing[begin + i]];
             loaded[i] = LoadPlainTexture(SourceOf(texture.file), RequestOf(texture));
         });
+        std::uint64_t bytesToCome = 0;
+        for (const PlainTexture& texture : loaded) {
+            bytesToCome += Aligned(texture.texels.size());
+        }
         for (std::size_t i = 0; i < count; ++i) {
             for (const std::string& problem : {loaded[i].error, loaded[i].warning}) {
                 if (!problem.empty()) {
@@ -90,17 +92,19 @@ void PlainTextureBuffers::Add(const CommittedScene& scene,
                 }
             }
             Place(PlacedKey(scene.textureTable[missing[begin + i]]), loaded[i].record,
-                  loaded[i].texels);
+                  loaded[i].texels, bytesToCome);
+            bytesToCome -= Aligned(loaded[i].texels.size());
         }
     }
 }
 
 void PlainTextureBuffers::Place(const std::string& key, shared::HdsTexture record,
-                                const std::vector<std::uint8_t>& texels) {
+                                const std::vector<std::uint8_t>& texels,
+                                std::uint64_t bytesToCome) {
     const std::uint64_t bytes = Aligned(texels.size());
     if (bytes > 0) {
         if (_buffers.empty() || _usedBytes + bytes > _buffers.back().Bytes()) {
-            StartBuffer(bytes);
+            StartBuffer(bytes, bytesToCome);
         }
         _buffers.back().Write(texels.data(), texels.size(), _usedBytes);
         record.firstLine = static_cast<std::uint32_t>(
@@ -110,16 +114,17 @@ void PlainTextureBuffers::Place(const std::string& key, shared::HdsTexture recor
     _placed[key] = record;
 }
 
-void PlainTextureBuffers::StartBuffer(std::uint64_t bytes) {
+/// \param bytes it must hold. \param bytesToCome it should hold
+void PlainTextureBuffers::StartBuffer(std::uint64_t bytes, std::uint64_t bytesToCome) {
     const std::uint64_t limit =
         std::min(kMaxPoolBufferBytes, _device->Properties().maxAllocationBytes);
-    // The later, the larger, so that few are enough.
-    const std::uint64_t wanted = std::max(bytes, std::min(limit, kBufferBytes << _buffers.size()));
     if (bytes > limit || _buffers.size() == kMaxPoolBuffers) {
         throw Error("textures: they do not fit the device's memory (" +
                     std::to_string(kMaxPoolBuffers) + " buffers of " + std::to_string(limit) +
                     " bytes)");
     }
+    // At least as much again as there is, so that few are enough.
+    const std::uint64_t wanted = std::clamp(std::max(bytesToCome, Bytes()), bytes, limit);
     _buffers.emplace_back(_device, "texels " + std::to_string(_buffers.size()), wanted,
                           BufferAccess::ReadOnly);
     _usedBytes = 0;

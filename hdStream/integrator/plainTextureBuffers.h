@@ -35,8 +35,8 @@ public:
 private:
     void Add(const CommittedScene& scene, const std::vector<std::uint32_t>& missing);
     void Place(const std::string& key, shared::HdsTexture record,
-               const std::vector<std::uint8_t>& texels);
-    void StartBuffer(std::uint64_t bytes);
+               const std::vector<std::uint8_t>& texels, std::uint64_t bytesToCome);
+    void StartBuffer(std::uint64_t bytes, std::uint64_t bytesToCome);
 
     std::shared_ptr<Device> _device;
     Buffer _records;

@@ -194,6 +194,7 @@ TEST_F(ProgramTest, ATextureIsLookedUpOnceForAllItsOutputs) {
     ASSERT_EQ(_compiled.textures.size(), 1U);
     EXPECT_EQ(_compiled.textures[0].file.file, "a.png");
     EXPECT_EQ(_compiled.textures[0].colorSpace, "auto");
+    EXPECT_EQ(_compiled.textures[0].channels, 15U);
     EXPECT_TRUE(_warnings.Lines().empty());
 }
 
@@ -305,6 +306,7 @@ TEST_F(ProgramTest, UdimSetsHaveHoles) {
     ASSERT_EQ(_compiled.textures.size(), 2U);
     EXPECT_EQ(_compiled.textures[1].file.file, "skin.1004.png");
     EXPECT_EQ(_compiled.textures[1].colorSpace, "raw");
+    EXPECT_EQ(_compiled.textures[1].channels, 7U) << "nobody reads alpha";
     texture.parameters["file"] = AssetReference{"no.<UDIM>.png", "no.<UDIM>.png", 0, 0};
     EXPECT_EQ(Program(), "");
     EXPECT_EQ(_warnings.Lines().size(), 1U);
