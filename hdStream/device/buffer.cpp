@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "hdStream/device/hugePages.h"
 #include "hdStream/device/openclHandles.h"
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cstring>
+#include <memory>
 #include <utility>
 
 namespace hds {
@@ -13,13 +15,32 @@ namespace {
 
 constexpr std::uint64_t kMinBytes = 16;
 
+/// Large pages that an OpenCL buffer lives in: freed when the device has ended all use of it.
+struct HugePages {
+    void* memory;
+    std::uint64_t bytes;
+};
+
+void CL_CALLBACK OnMemoryUnused(cl_mem, void* data) {
+    const std::unique_ptr<HugePages> pages(static_cast<HugePages*>(data));
+    FreeHugePages(pages->memory, pages->bytes);
+}
+
 } // namespace
 
 Buffer::Buffer(std::shared_ptr<Device> device, std::string label, std::uint64_t bytes,
                BufferAccess access)
     : _device(std::move(device)), _label(std::move(label)),
       _bytes(bytes < kMinBytes ? kMinBytes : bytes) {
-    Create(access == BufferAccess::ReadOnly ? CL_MEM_READ_ONLY : CL_MEM_READ_WRITE, nullptr);
+    const std::uint64_t flags =
+        access == BufferAccess::ReadOnly ? CL_MEM_READ_ONLY : CL_MEM_READ_WRITE;
+    const bool isLarge = _bytes >= kMinHugePageBytes && _device->Properties().isCpu;
+    void* pages = isLarge ? AllocateHugePages(_bytes) : nullptr;
+    if (pages != nullptr) {
+        CreateInHugePages(flags, pages);
+    } else {
+        Create(flags, nullptr);
+    }
     _device->CountAllocation(static_cast<std::int64_t>(_bytes));
 }
 
@@ -46,6 +67,19 @@ void Buffer::Create(std::uint64_t flags, void* hostMemory) {
                     " bytes are in use, one allocation may have " +
                     std::to_string(_device->Properties().maxAllocationBytes));
     }
+}
+
+void Buffer::CreateInHugePages(std::uint64_t flags, void* pages) {
+    auto owner = std::make_unique<HugePages>(HugePages{pages, _bytes});
+    try {
+        Create(flags | CL_MEM_USE_HOST_PTR, pages);
+    } catch (...) {
+        FreeHugePages(pages, _bytes);
+        throw;
+    }
+    CheckOpenCl(clSetMemObjectDestructorCallback(static_cast<cl_mem>(_memory), OnMemoryUnused,
+                                                 owner.release()),
+                "device memory for " + _label);
 }
 
 Buffer::~Buffer() {

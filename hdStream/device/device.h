@@ -110,6 +110,7 @@ public:
 
 private:
     void Create(std::uint64_t flags, void* hostMemory);
+    void CreateInHugePages(std::uint64_t flags, void* pages);
     void Release() noexcept;
 
     std::shared_ptr<Device> _device;

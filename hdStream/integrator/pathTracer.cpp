@@ -121,14 +121,15 @@ struct PathTracer::Impl {
         statistics.cameraRays += numSlots;
         tracer.Trace(
             numSlots,
-            [&](std::uint32_t first, std::uint32_t count, const Buffer& queue) {
+            [&](std::uint32_t first, std::uint32_t count, const Buffer& queue,
+                std::uint32_t queueFirst) {
                 kernels->generateSample.Launch(count, frame, wave, first, count, paths, waveSize,
-                                               pixels, filter, queue);
+                                               pixels, filter, queue, queueFirst);
             },
-            [&](const Buffer& queue, std::uint32_t first, std::uint32_t count,
-                const Buffer& waiting, const Buffer& next) {
-                kernels->shade.Launch(count, frame, paths, waveSize, queue, first, count, waiting,
-                                      next, tracer.ShadowQueue(), tracer.Counters());
+            [&](const Buffer& queue, std::uint32_t count, const Buffer& waiting,
+                const Buffer& next) {
+                kernels->shade.Launch(count, frame, paths, waveSize, queue, count, waiting, next,
+                                      tracer.ShadowQueue(), tracer.Counters());
             });
         kernels->resolve.Launch(wave.numPixels, wave, paths, waveSize, pixels, film.Film(),
                                 tracer.Counters());
@@ -304,15 +305,16 @@ struct PathTracer::Impl {
             const shared::HdsWave wave{firstPixel, numPixels, 0, 1};
             tracer.Trace(
                 numPixels,
-                [&](std::uint32_t first, std::uint32_t count, const Buffer& queue) {
+                [&](std::uint32_t first, std::uint32_t count, const Buffer& queue,
+                    std::uint32_t queueFirst) {
                     kernels->generateCentre.Launch(count, frame, wave, first, count, paths,
-                                                   waveSize, order, queue);
+                                                   waveSize, order, queue, queueFirst);
                 },
-                [&](const Buffer& queue, std::uint32_t first, std::uint32_t count,
-                    const Buffer& waiting, const Buffer& next) {
-                    kernels->aov.Launch(count, frame, paths, waveSize, queue, first, count, waiting,
-                                        next, tracer.Counters(), film.Floats(), film.Ints(),
-                                        offsets, primvarSlots);
+                [&](const Buffer& queue, std::uint32_t count, const Buffer& waiting,
+                    const Buffer& next) {
+                    kernels->aov.Launch(count, frame, paths, waveSize, queue, count, waiting, next,
+                                        tracer.Counters(), film.Floats(), film.Ints(), offsets,
+                                        primvarSlots);
                 });
         }
         statistics.indirectRays = indirectRays;

@@ -27,11 +27,11 @@ std::uint64_t NumPathFields(const KernelFeatures& features) {
 /// Index of the first scene argument of each kernel: what comes before changes with each launch.
 constexpr unsigned kIntersectArgs = 7;
 constexpr unsigned kIntersectResumeArgs = 7;
-constexpr unsigned kShadeArgs = 10;
+constexpr unsigned kShadeArgs = 9;
 constexpr unsigned kShadowCastArgs = 9;
-constexpr unsigned kShadowResumeArgs = 9;
-constexpr unsigned kShadowPassArgs = 9;
-constexpr unsigned kAovArgs = 13;
+constexpr unsigned kShadowResumeArgs = 8;
+constexpr unsigned kShadowPassArgs = 8;
+constexpr unsigned kAovArgs = 12;
 
 ProgramDefines MakeDefines(const KernelFeatures& features) {
     return {{"HDS_FEATURE_CUTOUT", features.cutouts ? "1" : "0"},

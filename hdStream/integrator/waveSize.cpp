@@ -10,7 +10,7 @@ namespace hds {
 namespace {
 
 /// Paths in flight when the user does not say. Measured: docs/performance.md, "Wave size".
-constexpr std::uint32_t kWaveSizeCpu = 16U << 10U;
+constexpr std::uint32_t kWaveSizeCpu = 32U << 10U;
 constexpr std::uint32_t kWaveSizeGpu = 1U << 20U;
 /// While geometry streams path state takes the memory that the pool does not, so that both together
 /// are no more than resident geometry. A page that is transferred serves all that waits of a wave;
@@ -26,6 +26,7 @@ constexpr std::uint32_t kMaxWaveSizeStreamingGpu = 1U << 20U;
 std::uint32_t ChooseWaveSize(const RenderOptions& options, const DeviceProperties& properties,
                              std::uint64_t spareSlots) {
     const std::uint64_t pixels = std::uint64_t{options.imageWidth} * options.imageHeight;
+    const std::uint64_t tile = TileSize(properties);
     std::uint64_t size = options.waveSize;
     if (size == 0) {
         size = properties.isCpu ? kWaveSizeCpu : kWaveSizeGpu;
@@ -35,6 +36,7 @@ std::uint32_t ChooseWaveSize(const RenderOptions& options, const DevicePropertie
             const std::uint64_t most =
                 properties.isCpu ? kMaxWaveSizeStreamingCpu : kMaxWaveSizeStreamingGpu;
             size = options.showsPreviews ? least : std::clamp(spareSlots, least, most);
+            size -= size % std::min(size, tile); // no rest that is launched alone
         }
         size = std::min(size, std::max<std::uint64_t>(pixels * options.samples, HDS_SAMPLE_BLOCK));
     }

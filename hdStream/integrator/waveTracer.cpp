@@ -11,6 +11,9 @@ namespace hds {
 namespace {
 
 constexpr std::uint64_t kItemBytes = sizeof(std::uint32_t);
+/// While rays keep lists: launches of less than this part of a tile wait for company. A launch and
+/// the reading of its counters cost what some hundred rays do.
+constexpr std::uint32_t kCompanyPart = 16;
 
 /// Makes or keeps a buffer of exactly so many bytes.
 void Resize(Buffer* buffer, const std::shared_ptr<Device>& device, const char* label,
@@ -30,8 +33,8 @@ WaveTracer::WaveTracer(std::shared_ptr<Device> device, SceneBuffers* buffers,
 }
 
 std::uint64_t WaveTracer::QueueBytes(const KernelFeatures& features) {
-    const std::uint64_t numQueues = features.HasLists() ? 1 + 2 * NumWaiting : 4 + 2 * NumWaiting;
-    return kItemBytes * (features.streaming ? numQueues : 4);
+    const std::uint64_t numWaiting = features.streaming ? 2 * NumWaiting : 0;
+    return kItemBytes * (numWaiting + (features.HasLists() ? kNumQueues + 1 : kResumedQueue));
 }
 
 void WaveTracer::Ready(StageKernels* kernels, bool hasCutouts, std::uint32_t waveSize,
@@ -43,9 +46,10 @@ void WaveTracer::Ready(StageKernels* kernels, bool hasCutouts, std::uint32_t wav
     _tileSize = _hasLists ? std::min(waveSize, tileSize) : waveSize;
     Resize(&_paths, _device, "path state", waveSize * kernels->PathStateBytes());
     _statistics->pathStateBytes = _paths.Bytes();
-    for (Buffer& queue : _queues) {
-        Resize(&queue, _device, "ray queue", _tileSize * kItemBytes);
-        _statistics->pathStateBytes += queue.Bytes();
+    for (std::uint32_t i = 0; i < kNumQueues; ++i) {
+        const bool isUsed = _hasLists || i < kResumedQueue;
+        Resize(&_queues[i], _device, "ray queue", isUsed ? waveSize * kItemBytes : 0);
+        _statistics->pathStateBytes += _queues[i].Bytes();
     }
     const std::uint64_t waitBytes = kernels->Features().streaming ? waveSize * kItemBytes : 0;
     for (auto& side : _waitQueues) {
@@ -58,8 +62,8 @@ void WaveTracer::Ready(StageKernels* kernels, bool hasCutouts, std::uint32_t wav
     _statistics->pathStateBytes += _ready.Bytes();
 }
 
-std::array<std::uint32_t, HDS_NUM_COUNTERS> WaveTracer::ReadCounters() const {
-    std::array<std::uint32_t, HDS_NUM_COUNTERS> values{};
+WaveTracer::Counts WaveTracer::ReadCounters() const {
+    Counts values{};
     _counters.Read(values.data(), sizeof(values));
     return values;
 }
@@ -89,51 +93,84 @@ void WaveTracer::CountIterations(std::uint32_t iterations) {
 
 void WaveTracer::Trace(std::uint32_t numSlots, const Generate& generate, const Shade& shade) {
     if (_hasLists) {
-        ClearCounter(HDS_COUNTER_WAITING_RAYS, NumWaiting);
-        _waitSide = 0;
-    }
-    for (std::uint32_t first = 0; first < numSlots; first += _tileSize) {
-        const std::uint32_t count = std::min(_tileSize, numSlots - first);
-        generate(first, count, _queues[_present]);
-        RunTile(count, 0, shade);
-    }
-    if (_hasLists) {
-        ResumeAll(shade);
+        TraceWithLists(numSlots, generate, shade);
+    } else {
+        generate(0, numSlots, _queues[_present], 0);
+        TraceInStep(numSlots, shade);
     }
 }
 
-/// Traces the paths of queue _present and the shadow rays of the shadow queue until all have ended
-/// or wait.
-void WaveTracer::RunTile(std::uint32_t active, std::uint32_t numShadows, const Shade& shade) {
+/// Traces the paths of queue _present, bounce by bounce, until all have ended.
+void WaveTracer::TraceInStep(std::uint32_t active, const Shade& shade) {
+    std::uint32_t numShadows = 0;
     while (active + numShadows > 0) {
         CastNext(active, numShadows);
-        const Timer timer;
-        const double serviceSeconds = ServiceSeconds();
-        if (_buffers->IsStreaming() && !_hasLists) {
-            ClearCounter(HDS_COUNTER_ACTIVE);
-            ClearCounter(HDS_COUNTER_SHADOW);
-            IterateWithPages(WaitingHits, _queues[_present], active,
-                             [&](const Buffer& items, std::uint32_t count, const Buffer& waiting) {
-                                 shade(items, 0, count, waiting, _queues[1 - _present]);
-                             });
-        } else {
-            ShadeItems(_queues[_present], 0, active, shade);
-        }
-        const auto counts = ReadCounters();
-        _statistics->shadeSeconds += timer.Seconds() - (ServiceSeconds() - serviceSeconds);
+        const Counts counts = ShadeNext(active, shade);
         active = counts[HDS_COUNTER_ACTIVE];
         numShadows = counts[HDS_COUNTER_SHADOW];
-        _statistics->indirectRays += active;
-        _present = 1 - _present;
     }
 }
 
-/// Queues the shading of some items; paths that go on come to the queue that is not present.
-void WaveTracer::ShadeItems(const Buffer& queue, std::uint32_t first, std::uint32_t count,
-                            const Shade& shade) {
+/// Traces slots [0, numSlots), which are not in step: when few go on, new ones or, after a service
+/// of pages, those that have waited join them.
+void WaveTracer::TraceWithLists(std::uint32_t numSlots, const Generate& generate,
+                                const Shade& shade) {
+    ClearCounter(HDS_COUNTER_WAITING_RAYS, NumWaiting);
+    ClearCounter(HDS_COUNTER_READY);
+    _waitSide = 0;
+    Counts counts{};
+    std::uint32_t numBegun = 0;
+    std::uint32_t iterations = 1;
+    while (true) {
+        std::uint32_t active = counts[HDS_COUNTER_ACTIVE];
+        const std::uint32_t numShadows = counts[HDS_COUNTER_SHADOW];
+        const bool isAlone = active + numShadows < _tileSize / kCompanyPart;
+        const bool begins = isAlone && numBegun < numSlots;
+        if (begins) {
+            const std::uint32_t count = std::min(_tileSize, numSlots - numBegun);
+            generate(numBegun, count, _queues[_present], active);
+            numBegun += count;
+            active += count;
+        }
+        if (active + numShadows > 0) {
+            CastNext(active, numShadows);
+            counts = ShadeNext(active, shade);
+        }
+        const auto waiting = counts.begin() + HDS_COUNTER_WAITING_RAYS;
+        const bool isAnyWaiting = std::any_of(waiting, waiting + NumWaiting,
+                                              [](std::uint32_t count) { return count > 0; });
+        if (isAnyWaiting && isAlone && !begins) {
+            counts = ServiceAndResume(counts, shade);
+            ++iterations;
+        } else if (counts[HDS_COUNTER_READY] > 0) {
+            counts = ShadeReady(counts, nullptr, 0, shade);
+        } else if (!isAnyWaiting && numBegun == numSlots &&
+                   counts[HDS_COUNTER_ACTIVE] + counts[HDS_COUNTER_SHADOW] == 0) {
+            break;
+        }
+    }
+    CountIterations(iterations);
+}
+
+/// Shades the paths of queue _present, which becomes the queue of those that go on.
+WaveTracer::Counts WaveTracer::ShadeNext(std::uint32_t active, const Shade& shade) {
+    const Timer timer;
+    const double serviceSeconds = ServiceSeconds();
     ClearCounter(HDS_COUNTER_ACTIVE);
     ClearCounter(HDS_COUNTER_SHADOW);
-    shade(queue, first, count, WaitQueue(WaitingHits), _queues[1 - _present]);
+    if (_buffers->IsStreaming() && !_hasLists) {
+        IterateWithPages(WaitingHits, _queues[_present], active,
+                         [&](const Buffer& items, std::uint32_t count, const Buffer& waiting) {
+                             shade(items, count, waiting, _queues[1 - _present]);
+                         });
+    } else if (active > 0) {
+        shade(_queues[_present], active, WaitQueue(WaitingHits), _queues[1 - _present]);
+    }
+    const Counts counts = ReadCounters();
+    _present = 1 - _present;
+    _statistics->indirectRays += counts[HDS_COUNTER_ACTIVE];
+    _statistics->shadeSeconds += timer.Seconds() - (ServiceSeconds() - serviceSeconds);
+    return counts;
 }
 
 /// One cast of the paths of queue _present and of the shadow rays that shading has made. Shadow
@@ -147,31 +184,35 @@ void WaveTracer::CastNext(std::uint32_t active, std::uint32_t numShadows) {
         IterateCast(active, numShadows);
     } else {
         // Paths first: what a slot's shadow ray waits for is noted beside its hit.
-        Launch({&_queues[_present], active, WaitingRays}, 0);
-        Launch({&_queues[kShadowQueue], numShadows, WaitingShadows}, 0);
+        LaunchRays(_queues[_present], active, 0);
+        LaunchShadows(_queues[kShadowQueue], numShadows, kShadowQueue, 0);
         _statistics->casts += _hasLists ? 0 : 1;
     }
-    PassCandidates(numShadows);
+    PassCandidates(numShadows, kShadowQueue);
     _device->Finish();
     _statistics->traceSeconds += timer.Seconds() - (ServiceSeconds() - serviceSeconds);
 }
 
-void WaveTracer::Launch(const CastRays& rays, std::uint32_t isResumed) {
-    if (rays.kind == WaitingRays) {
-        _kernels->intersect.Launch(rays.count, _paths, _waveSize, *rays.queue, rays.count,
-                                   isResumed, WaitQueue(WaitingRays), _counters);
-    } else {
-        _kernels->shadowCast.Launch(rays.count, _paths, _waveSize, *rays.queue, rays.count,
-                                    isResumed, WaitQueue(WaitingShadows), _queues[kShadowQueue + 1],
-                                    _ready, _counters);
-    }
+/// \param isResumed without lists: the rays have waited.
+void WaveTracer::LaunchRays(const Buffer& queue, std::uint32_t count, std::uint32_t isResumed) {
+    _kernels->intersect.Launch(count, _paths, _waveSize, queue, count, isResumed,
+                               WaitQueue(WaitingRays), _counters);
+}
+
+/// \param shadowQueue candidates come to the queue after it.
+void WaveTracer::LaunchShadows(const Buffer& queue, std::uint32_t count, std::uint32_t shadowQueue,
+                               std::uint32_t isResumed) {
+    _kernels->shadowCast.Launch(count, _paths, _waveSize, queue, count, isResumed,
+                                WaitQueue(WaitingShadows), _queues[shadowQueue + 1], _ready,
+                                _counters);
 }
 
 /// Sends shadow rays on that have met cut-out surfaces, until there are none.
-/// \param numShadows 0: there cannot be any.
-void WaveTracer::PassCandidates(std::uint32_t numShadows) {
-    const Buffer& candidates = _queues[kShadowQueue + 1];
-    const Buffer& shadows = _queues[kShadowQueue];
+/// \param numShadows 0: there cannot be any. \param shadowQueue for those that go on; candidates
+/// are in the one after it.
+void WaveTracer::PassCandidates(std::uint32_t numShadows, std::uint32_t shadowQueue) {
+    const Buffer& shadows = _queues[shadowQueue];
+    const Buffer& candidates = _queues[shadowQueue + 1];
     while (_hasCutouts && numShadows > 0) {
         const std::uint32_t numCandidates = ReadCounters()[HDS_COUNTER_SHADOW];
         if (numCandidates == 0) {
@@ -179,8 +220,8 @@ void WaveTracer::PassCandidates(std::uint32_t numShadows) {
         }
         ClearCounter(HDS_COUNTER_SHADOW);
         const auto pass = [&](const Buffer& items, std::uint32_t count, const Buffer& waiting) {
-            _kernels->shadowPass.Launch(count, _paths, _waveSize, items, 0U, count, waiting,
-                                        shadows, _ready, _counters);
+            _kernels->shadowPass.Launch(count, _paths, _waveSize, items, count, waiting, shadows,
+                                        _ready, _counters);
         };
         if (_buffers->IsStreaming() && !_hasLists) {
             IterateWithPages(WaitingCandidates, candidates, numCandidates, pass);
@@ -193,118 +234,106 @@ void WaveTracer::PassCandidates(std::uint32_t numShadows) {
         if (numShadows > 0 && _buffers->IsStreaming() && !_hasLists) {
             IterateCast(0, numShadows);
         } else {
-            Launch({&shadows, numShadows, WaitingShadows}, 0);
+            LaunchShadows(shadows, numShadows, shadowQueue, 0);
             _statistics->casts += _hasLists ? 0 : 1;
         }
     }
 }
 
-/// Services pages and goes on with what waits for them until nothing does.
-void WaveTracer::ResumeAll(const Shade& shade) {
-    std::uint32_t iterations = 1;
-    while (true) {
-        const auto counts = ReadCounters();
-        std::array<std::uint32_t, NumWaiting> waiting{};
-        std::copy_n(counts.begin() + HDS_COUNTER_WAITING_RAYS, NumWaiting, waiting.begin());
-        if (waiting == std::array<std::uint32_t, NumWaiting>{}) {
-            break;
-        }
-        _buffers->Streaming().Service();
-        ++iterations;
-        _statistics->raysRelaunched += waiting[WaitingRays] + waiting[WaitingShadows];
-        const auto& queues = _waitQueues[_waitSide];
-        _waitSide = 1 - _waitSide;
-        ClearCounter(HDS_COUNTER_WAITING_RAYS, NumWaiting);
-        ClearCounter(HDS_COUNTER_READY);
-        const Timer timer;
+/// Services pages and goes on with what waits for them. Appends to the paths and shadow rays that
+/// go on already. \param counts as after the last launch. \return them now.
+WaveTracer::Counts WaveTracer::ServiceAndResume(const Counts& counts, const Shade& shade) {
+    std::array<std::uint32_t, NumWaiting> waiting{};
+    std::copy_n(counts.begin() + HDS_COUNTER_WAITING_RAYS, NumWaiting, waiting.begin());
+    _buffers->Streaming().Service();
+    _statistics->raysRelaunched += waiting[WaitingRays] + waiting[WaitingShadows];
+    const auto& queues = _waitQueues[_waitSide];
+    _waitSide = 1 - _waitSide;
+    ClearCounter(HDS_COUNTER_WAITING_RAYS, NumWaiting);
+    const Timer timer;
+    if (waiting[WaitingRays] > 0) {
         _kernels->intersectResume.Launch(waiting[WaitingRays], _paths, _waveSize,
                                          queues[WaitingRays], waiting[WaitingRays],
                                          WaitQueue(WaitingRays), _ready, _counters);
-        ResumeShadows(queues[WaitingShadows], waiting[WaitingShadows]);
-        ResumeCandidates(queues[WaitingCandidates], waiting[WaitingCandidates]);
-        _device->Finish();
-        _statistics->traceSeconds += timer.Seconds();
-        ShadeAll(queues[WaitingHits], 0, waiting[WaitingHits], shade);
-        ResumeReady(shade);
     }
-    CountIterations(iterations);
+    ResumeShadows(queues[WaitingShadows], waiting[WaitingShadows]);
+    ResumeCandidates(queues[WaitingCandidates], waiting[WaitingCandidates]);
+    Counts resumed = ReadCounters();
+    _statistics->traceSeconds += timer.Seconds();
+    for (const std::uint32_t counter : {HDS_COUNTER_ACTIVE, HDS_COUNTER_SHADOW}) {
+        resumed[counter] = counts[counter];
+        _counters.Fill(counts[counter], sizeof(std::uint32_t), counter * sizeof(std::uint32_t));
+    }
+    return ShadeReady(resumed, &queues[WaitingHits], waiting[WaitingHits], shade);
 }
 
-/// Candidates of a launch must fit the queue of a tile when there are cut-outs.
-void WaveTracer::ResumeShadows(const Buffer& queue, std::uint32_t count) {
-    const std::uint32_t batch = _hasCutouts ? _tileSize : std::max(1U, count);
-    for (std::uint32_t first = 0; first < count; first += batch) {
-        const std::uint32_t numItems = std::min(batch, count - first);
-        ClearCounter(HDS_COUNTER_SHADOW);
-        _kernels->shadowResume.Launch(numItems, _paths, _waveSize, queue, first, numItems,
-                                      WaitQueue(WaitingShadows), _queues[kShadowQueue + 1], _ready,
-                                      _counters);
-        PassCandidates(numItems);
+/// Shades slots that have become ready, and hits that have waited. Appends to the paths and shadow
+/// rays that go on already.
+WaveTracer::Counts WaveTracer::ShadeReady(const Counts& counts, const Buffer* hits,
+                                          std::uint32_t numHits, const Shade& shade) {
+    const Timer timer;
+    const std::uint32_t numReady = counts[HDS_COUNTER_READY];
+    const Buffer& next = _queues[_present];
+    if (numHits > 0) {
+        shade(*hits, numHits, WaitQueue(WaitingHits), next);
     }
+    if (numReady > 0) {
+        shade(_ready, numReady, WaitQueue(WaitingHits), next);
+        ClearCounter(HDS_COUNTER_READY);
+    }
+    const Counts after = ReadCounters();
+    _statistics->indirectRays += after[HDS_COUNTER_ACTIVE] - counts[HDS_COUNTER_ACTIVE];
+    _statistics->shadeSeconds += timer.Seconds();
+    return after;
+}
+
+void WaveTracer::ResumeShadows(const Buffer& queue, std::uint32_t count) {
+    if (count == 0) {
+        return;
+    }
+    ClearCounter(HDS_COUNTER_SHADOW);
+    _kernels->shadowResume.Launch(count, _paths, _waveSize, queue, count, WaitQueue(WaitingShadows),
+                                  _queues[kResumedQueue + 1], _ready, _counters);
+    PassCandidates(count, kResumedQueue);
 }
 
 void WaveTracer::ResumeCandidates(const Buffer& queue, std::uint32_t count) {
-    for (std::uint32_t first = 0; first < count; first += _tileSize) {
-        const std::uint32_t numItems = std::min(_tileSize, count - first);
-        ClearCounter(HDS_COUNTER_SHADOW);
-        _kernels->shadowPass.Launch(numItems, _paths, _waveSize, queue, first, numItems,
-                                    WaitQueue(WaitingCandidates), _queues[kShadowQueue], _ready,
-                                    _counters);
-        const std::uint32_t numShadows = ReadCounters()[HDS_COUNTER_SHADOW];
-        _statistics->shadowRays += numShadows;
-        ClearCounter(HDS_COUNTER_SHADOW);
-        Launch({&_queues[kShadowQueue], numShadows, WaitingShadows}, 0);
-        PassCandidates(numShadows);
+    if (count == 0) {
+        return;
     }
-}
-
-/// Shades items [begin, end) of a queue and traces what comes of it, tile by tile.
-void WaveTracer::ShadeAll(const Buffer& queue, std::uint32_t begin, std::uint32_t end,
-                          const Shade& shade) {
-    for (std::uint32_t first = begin; first < end; first += _tileSize) {
-        const Timer timer;
-        ShadeItems(queue, first, std::min(_tileSize, end - first), shade);
-        const auto counts = ReadCounters();
-        _statistics->shadeSeconds += timer.Seconds();
-        _statistics->indirectRays += counts[HDS_COUNTER_ACTIVE];
-        _present = 1 - _present;
-        RunTile(counts[HDS_COUNTER_ACTIVE], counts[HDS_COUNTER_SHADOW], shade);
-    }
-}
-
-/// Shades the slots that have become ready, also those that do so meanwhile.
-void WaveTracer::ResumeReady(const Shade& shade) {
-    std::uint32_t done = 0;
-    std::uint32_t end = ReadCounters()[HDS_COUNTER_READY];
-    while (done < end) {
-        ShadeAll(_ready, done, end, shade);
-        done = end;
-        end = ReadCounters()[HDS_COUNTER_READY];
-    }
+    ClearCounter(HDS_COUNTER_SHADOW);
+    _kernels->shadowPass.Launch(count, _paths, _waveSize, queue, count,
+                                WaitQueue(WaitingCandidates), _queues[kResumedQueue], _ready,
+                                _counters);
+    const std::uint32_t numShadows = ReadCounters()[HDS_COUNTER_SHADOW];
+    _statistics->shadowRays += numShadows;
+    ClearCounter(HDS_COUNTER_SHADOW);
+    LaunchShadows(_queues[kResumedQueue], numShadows, kResumedQueue, 0);
+    PassCandidates(numShadows, kResumedQueue);
 }
 
 /// One cast without lists: all rays are launched until none waits for a chunk. Both kinds share
 /// what is loaded.
 void WaveTracer::IterateCast(std::uint32_t active, std::uint32_t numShadows) {
     StreamingPool& pool = _buffers->Streaming();
-    std::array<CastRays, 2> kinds = {CastRays{&_queues[_present], active, WaitingRays},
-                                     CastRays{&_queues[kShadowQueue], numShadows, WaitingShadows}};
+    const Buffer* rays = &_queues[_present];
+    const Buffer* shadows = &_queues[kShadowQueue];
     pool.BeginCast();
     std::uint32_t iterations = 0;
-    while (kinds[0].count + kinds[1].count > 0) {
+    while (active + numShadows > 0) {
         if (iterations > 0) {
             pool.ServiceCast();
         }
+        const std::uint32_t isResumed = iterations > 0 ? 1 : 0;
         ClearCounter(HDS_COUNTER_WAITING_RAYS, NumWaiting);
-        for (CastRays& rays : kinds) {
-            Launch(rays, iterations > 0 ? 1 : 0);
-            rays.queue = &WaitQueue(rays.kind);
-        }
-        const auto counts = ReadCounters();
-        for (CastRays& rays : kinds) {
-            rays.count = counts[HDS_COUNTER_WAITING_RAYS + rays.kind];
-            _statistics->raysRelaunched += rays.count;
-        }
+        LaunchRays(*rays, active, isResumed);
+        LaunchShadows(*shadows, numShadows, kShadowQueue, isResumed);
+        const Counts counts = ReadCounters();
+        active = counts[HDS_COUNTER_WAITING_RAYS];
+        numShadows = counts[HDS_COUNTER_WAITING_SHADOWS];
+        _statistics->raysRelaunched += active + numShadows;
+        rays = &WaitQueue(WaitingRays);
+        shadows = &WaitQueue(WaitingShadows);
         _waitSide = 1 - _waitSide;
         ++iterations;
     }

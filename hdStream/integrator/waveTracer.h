@@ -17,17 +17,20 @@ namespace hds {
 /// Path state and queues of a wave, and the order of launches. Externally synchronised.
 class WaveTracer {
 public:
-    /// Launches the kernel that fills slots [first, first + count) and `queue` with them.
-    using Generate =
-        std::function<void(std::uint32_t first, std::uint32_t count, const Buffer& queue)>;
-    /// Launches the kernel that shades items [first, first + count) of `queue`; it appends paths
-    /// that go on to `next` and those whose pages are missing to `waiting`.
-    using Shade = std::function<void(const Buffer& queue, std::uint32_t first, std::uint32_t count,
+    /// By HDS_COUNTER_*.
+    using Counts = std::array<std::uint32_t, HDS_NUM_COUNTERS>;
+    /// Launches the kernel that fills slots [first, first + count), and `queue` with them from
+    /// `queueFirst` on.
+    using Generate = std::function<void(std::uint32_t first, std::uint32_t count,
+                                        const Buffer& queue, std::uint32_t queueFirst)>;
+    /// Launches the kernel that shades `count` items of `queue`; it appends paths that go on to
+    /// `next` and those whose pages are missing to `waiting`.
+    using Shade = std::function<void(const Buffer& queue, std::uint32_t count,
                                      const Buffer& waiting, const Buffer& next)>;
 
     WaveTracer(std::shared_ptr<Device> device, SceneBuffers* buffers, RenderStatistics* statistics);
 
-    /// Readies buffers for waves of at most `waveSize` paths, traced in tiles of `tileSize`.
+    /// Readies buffers for waves of at most `waveSize` paths, begun in tiles of `tileSize`.
     /// \throws Error when memory runs out.
     void Ready(StageKernels* kernels, bool hasCutouts, std::uint32_t waveSize,
                std::uint32_t tileSize);
@@ -42,35 +45,32 @@ public:
     const Buffer& Paths() const { return _paths; }
     const Buffer& ShadowQueue() const { return _queues[kShadowQueue]; }
     const Buffer& Counters() const { return _counters; }
-    std::array<std::uint32_t, HDS_NUM_COUNTERS> ReadCounters() const;
+    Counts ReadCounters() const;
     void ClearCounters();
 
 private:
     /// What waits for pages, by kind, in the order of HDS_COUNTER_WAITING_*.
     enum Waiting { WaitingRays, WaitingShadows, WaitingHits, WaitingCandidates, NumWaiting };
-    static constexpr std::uint32_t kShadowQueue = 2; ///< queues 0, 1: paths; 2, 3: shadow rays
-
-    /// Rays of one kind in a cast, with the queues of those that wait for a chunk.
-    struct CastRays {
-        const Buffer* queue = nullptr;
-        std::uint32_t count = 0;
-        Waiting kind = WaitingRays;
-    };
+    static constexpr std::uint32_t kShadowQueue = 2;  ///< queues 0, 1: paths; 2, 3: shadow rays
+    static constexpr std::uint32_t kResumedQueue = 4; ///< 4, 5: shadow rays that have waited
+    static constexpr std::uint32_t kNumQueues = 6;
 
     void ClearCounter(std::uint32_t counter, std::uint32_t count = 1);
     double ServiceSeconds() const;
     const Buffer& WaitQueue(Waiting kind) const { return _waitQueues[_waitSide][kind]; }
-    void RunTile(std::uint32_t active, std::uint32_t numShadows, const Shade& shade);
+    void TraceInStep(std::uint32_t active, const Shade& shade);
+    void TraceWithLists(std::uint32_t numSlots, const Generate& generate, const Shade& shade);
     void CastNext(std::uint32_t active, std::uint32_t numShadows);
-    void PassCandidates(std::uint32_t numShadows);
-    void Launch(const CastRays& rays, std::uint32_t isResumed);
-    void ShadeItems(const Buffer& queue, std::uint32_t first, std::uint32_t count,
-                    const Shade& shade);
-    void ShadeAll(const Buffer& queue, std::uint32_t begin, std::uint32_t end, const Shade& shade);
-    void ResumeAll(const Shade& shade);
+    void PassCandidates(std::uint32_t numShadows, std::uint32_t shadowQueue);
+    void LaunchRays(const Buffer& queue, std::uint32_t count, std::uint32_t isResumed);
+    void LaunchShadows(const Buffer& queue, std::uint32_t count, std::uint32_t shadowQueue,
+                       std::uint32_t isResumed);
+    Counts ShadeNext(std::uint32_t active, const Shade& shade);
+    Counts ShadeReady(const Counts& counts, const Buffer* hits, std::uint32_t numHits,
+                      const Shade& shade);
+    Counts ServiceAndResume(const Counts& counts, const Shade& shade);
     void ResumeShadows(const Buffer& queue, std::uint32_t count);
     void ResumeCandidates(const Buffer& queue, std::uint32_t count);
-    void ResumeReady(const Shade& shade);
     void IterateCast(std::uint32_t active, std::uint32_t numShadows);
     template <typename LaunchItems>
     void IterateWithPages(Waiting kind, const Buffer& queue, std::uint32_t count,
@@ -89,7 +89,7 @@ private:
     std::uint32_t _present = 0; ///< queue of the paths that are traced
     std::uint32_t _waitSide = 0;
     Buffer _paths;
-    std::array<Buffer, 4> _queues;
+    std::array<Buffer, kNumQueues> _queues;
     std::array<std::array<Buffer, NumWaiting>, 2> _waitQueues; ///< one side is read, one filled
     Buffer _ready; ///< slots that may be shaded after they have waited
     Buffer _counters;

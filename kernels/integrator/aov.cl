@@ -93,9 +93,9 @@ void aov_storeHit(constant const HdsFrameParams* frame, const HdsSceneView* scen
     }
 }
 
-/* Global size: count, items [first, first + count) of the queue. */
+/* Global size: count. */
 kernel void aov_firstHit(constant const HdsFrameParams* frame, global uchar* state, uint numSlots,
-                         global const uint* restrict queue, uint first, uint count,
+                         global const uint* restrict queue, uint count,
                          global uint* restrict waitQueue, global uint* restrict nextQueue,
                          volatile global uint* counters, global float* floats, global int* ints,
                          HdsAovOffsets offsets, global const uint* primvarSlots, HDS_SCENE_ARGS) {
@@ -103,7 +103,7 @@ kernel void aov_firstHit(constant const HdsFrameParams* frame, global uchar* sta
     if (item >= count) {
         return;
     }
-    uint i = queue[first + item];
+    uint i = queue[item];
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
 #if HDS_WAIT_LISTS

@@ -20,11 +20,11 @@ void generate_start(HdsPaths paths, uint i, constant const HdsFrameParams* frame
 #endif
 }
 
-/* Global size: count, slots [first, first + count) of the wave. */
+/* Global size: count, slots [first, first + count) of the wave. To: queue[queueFirst...]. */
 kernel void generate_sample(constant const HdsFrameParams* frame, HdsWave wave, uint first,
                             uint count, global uchar* state, uint numSlots,
                             global const uint* pixels, global const float* filterTable,
-                            global uint* queue) {
+                            global uint* queue, uint queueFirst) {
     uint item = (uint)get_global_id(0);
     if (item >= count) {
         return;
@@ -40,13 +40,13 @@ kernel void generate_sample(constant const HdsFrameParams* frame, HdsWave wave, 
         (float2)((float)position.x + 0.5f + offset.x, (float)position.y + 0.5f + offset.y);
     HdsCameraRay ray = camera_generate(frame, raster, sampler_get2(sampler, HDS_DIM_LENS));
     generate_start(paths, i, frame, ray, pixel, sample);
-    queue[item] = i;
+    queue[queueFirst + item] = i;
 }
 
 /* One ray through each pixel's centre and the lens' centre, for the AOVs of the first hit. */
 kernel void generate_centre(constant const HdsFrameParams* frame, HdsWave wave, uint first,
                             uint count, global uchar* state, uint numSlots,
-                            global const uint* pixels, global uint* queue) {
+                            global const uint* pixels, global uint* queue, uint queueFirst) {
     uint item = (uint)get_global_id(0);
     if (item >= count) {
         return;
@@ -58,5 +58,5 @@ kernel void generate_centre(constant const HdsFrameParams* frame, HdsWave wave, 
     float2 raster = (float2)((float)position.x + 0.5f, (float)position.y + 0.5f);
     HdsCameraRay ray = camera_generate(frame, raster, (float2)(0.5f));
     generate_start(paths, i, frame, ray, pixel, 0u);
-    queue[item] = i;
+    queue[queueFirst + item] = i;
 }

@@ -226,10 +226,10 @@ bool shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
     return shade_sampleBsdf(frame, &surface, &shading, &bsdf, sampler, path, paths, i);
 }
 
-/* Global size: count, items [first, first + count) of the queue. Appends paths that go on, shadow
- * rays, and paths that wait for their hit's pages. Paths whose rays wait are left out. */
+/* Global size: count. Appends paths that go on, shadow rays, and paths that wait for their hit's
+ * pages. Paths whose rays wait are left out. */
 kernel void shade_paths(constant const HdsFrameParams* frame, global uchar* state, uint numSlots,
-                        global const uint* restrict queue, uint first, uint count,
+                        global const uint* restrict queue, uint count,
                         global uint* restrict waitQueue, global uint* restrict nextQueue,
                         global uint* restrict shadowQueue, volatile global uint* counters,
                         HDS_SCENE_ARGS) {
@@ -237,7 +237,7 @@ kernel void shade_paths(constant const HdsFrameParams* frame, global uchar* stat
     if (item >= count) {
         return;
     }
-    uint i = queue[first + item];
+    uint i = queue[item];
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
 #if HDS_WAIT_LISTS

@@ -147,17 +147,16 @@ kernel void shadow_cast(global uchar* state, uint numSlots, global const uint* r
 }
 
 #if HDS_WAIT_LISTS
-/* Global size: count, items [first, first + count) of the queue. Goes on with shadow rays that have
- * waited. Appends as shadow_cast. */
+/* Global size: count. Goes on with shadow rays that have waited. Appends as shadow_cast. */
 kernel void shadow_resume(global uchar* state, uint numSlots, global const uint* restrict queue,
-                          uint first, uint count, global uint* restrict waitQueue,
+                          uint count, global uint* restrict waitQueue,
                           global uint* restrict candidateQueue, global uint* restrict readyQueue,
                           volatile global uint* counters, HDS_SCENE_ARGS) {
     uint item = (uint)get_global_id(0);
     if (item >= count) {
         return;
     }
-    uint i = queue[first + item];
+    uint i = queue[item];
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
     uint4 pending = path_load_pending(paths, i);
@@ -183,7 +182,7 @@ kernel void shadow_resume(global uchar* state, uint numSlots, global const uint*
 /* Global size: count. Appends rays of which something is left and, while geometry streams,
  * candidates that wait for their pages and slots that are ready. */
 kernel void shadow_pass(global uchar* state, uint numSlots,
-                        global const uint* restrict candidateQueue, uint first, uint count,
+                        global const uint* restrict candidateQueue, uint count,
                         global uint* restrict waitQueue, global uint* restrict queue,
                         global uint* restrict readyQueue, volatile global uint* counters,
                         HDS_SCENE_ARGS) {
@@ -191,7 +190,7 @@ kernel void shadow_pass(global uchar* state, uint numSlots,
     if (item >= count) {
         return;
     }
-    uint i = candidateQueue[first + item];
+    uint i = candidateQueue[item];
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
     HdsHit hit = path_loadCandidate(paths, i);

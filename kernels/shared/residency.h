@@ -17,6 +17,8 @@
 
 /* Most visits to missing chunks that a ray which waits remembers. */
 #define HDS_WAIT_LIST 4
+/* Of them, those of a closest-hit ray, which walks no further until it has made them. */
+#define HDS_WAIT_NEAREST 2
 
 /* The request buffer: a header, then page numbers, each at most once. */
 #define HDS_REQUEST_NUM_PAGES 0
