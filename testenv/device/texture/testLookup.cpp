@@ -102,6 +102,9 @@ TEST_F(LookupTest, EveryFormatIsDecoded) {
                                      HDS_TEXEL_U8 | HDS_TEXEL_SRGB | HDS_TEXEL_SECOND_IS_ALPHA,
                                      HDS_TEXEL_U16, HDS_TEXEL_HALF, HDS_TEXEL_FLOAT}) {
         for (std::uint32_t channelsLog2 = 0; channelsLog2 < 3; ++channelsLog2) {
+            if (channelsLog2 == 2 && (type & HDS_TEXEL_SECOND_IS_ALPHA) != 0) {
+                continue; /* of textures of two channels */
+            }
             for (const std::uint32_t swizzle : {swizzles[channelsLog2], HDS_SWIZZLE_RGBA}) {
                 const std::uint32_t texture =
                     textures.Add(5, 3, type | channelsLog2, swizzle, type + channelsLog2);

@@ -289,6 +289,8 @@ TEST(MaterialCompilerTest, DisplacementMayBeLookedUp) {
     inner.connections["in"] = {"/m/r", "result"};
     inner.parameters["scale"] = std::vector<float>{2.0F, 4.0F};
     AddNode(network, "/m/r", "UsdPrimvarReader_float2").parameters["varname"] = std::string("st");
+    AddNode(network, "/m/scale", "UsdPrimvarReader_float4").parameters["varname"] =
+        std::string("s");
     Warnings warnings;
     const CompiledMaterial m = Compile(network, warnings);
     EXPECT_EQ(m.displacement.primvar, "st");
@@ -305,7 +307,7 @@ TEST(MaterialCompilerTest, DisplacementMayBeLookedUp) {
     EXPECT_TRUE(m.textures.empty()) << "no kernel reads it";
     EXPECT_TRUE(warnings.Lines().empty());
 
-    texture.connections["scale"] = {"/m/r", "result"};
+    texture.connections["scale"] = {"/m/scale", "result"};
     const CompiledMaterial other = Compile(network, warnings);
     EXPECT_FALSE(other.displacement.lookup);
     EXPECT_EQ(warnings.Lines().back(), "/m: displacement by such a network is ignored");
