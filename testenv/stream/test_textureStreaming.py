@@ -127,13 +127,15 @@ def _Copy(case, folder) -> Case:
     return Case(folder / "stage.usda")
 
 
-def _Truncate(path) -> None:
-    data = path.read_bytes()
-    path.write_bytes(data[: len(data) // 3])
+def _Damage(path) -> None:
+    """Its header stays, its texels cannot be read."""
+    data = bytearray(path.read_bytes())
+    data[len(data) // 3 : len(data) // 2] = bytes(len(data) // 2 - len(data) // 3)
+    path.write_bytes(data)
 
 
 def test_textures_nobody_sees_are_not_opened(Textured, tmp_path):
-    """An image that is cut off is no news as long as nobody looks at it."""
+    """An image that is damaged is no news as long as nobody looks at it."""
     case = _Copy(Textured, tmp_path)
     from pxr import Usd
     from hdstream.translate import TranslateStage
@@ -141,7 +143,7 @@ def test_textures_nobody_sees_are_not_opened(Textured, tmp_path):
     from stages import author, shapes
     images = pathlib.Path(case.path).parent / "images"
     shutil.copy(images / "photo0.png", images / "unseen.png")
-    _Truncate(images / "unseen.png")
+    _Damage(images / "unseen.png")
     stage = Usd.Stage.Open(case.path)
     look = textured.AddTexturedMaterial(stage, "/World/Looks/Unseen", dict(diffuseColor=("./images/unseen.png", "rgb")))
     author.AddMesh(stage, "/World/Unseen", shapes.Plane(0.1, 0.1), material=look, translate=(0, -50, 0))
@@ -157,7 +159,7 @@ def test_textures_nobody_sees_are_not_opened(Textured, tmp_path):
 def test_a_file_that_cannot_be_read_is_reported_once(Textured, tmp_path):
     """The render goes on with the fallback; the file is not read again and again."""
     case = _Copy(Textured, tmp_path)
-    _Truncate(pathlib.Path(case.path).parent / "images" / "photo1.png")
+    _Damage(pathlib.Path(case.path).parent / "images" / "photo1.png")
     warnings = []
     from pxr import Usd
     from hdstream.translate import TranslateStage
