@@ -30,8 +30,8 @@ public:
     }
     std::uint64_t TextureId(std::uint32_t texture) const override { return _images[texture].id; }
     std::uint64_t MaxLines() const override;
-    /// All lines: exact for textures that were opened, upper bounds for others. Reads the headers of
-    /// those without one.
+    /// All lines: exact for textures that were opened, upper bounds for others. Reads the headers
+    /// of those without one.
     std::uint64_t TotalLines() const;
     void Open(const std::vector<std::uint32_t>& textures) override;
     shared::HdsTexture Record(std::uint32_t texture) const override {

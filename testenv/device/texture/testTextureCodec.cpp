@@ -24,6 +24,32 @@ kernel void decode(global const uint* lines, uint format, uint width, uint heigh
 }
 )";
 
+/* Four texels of four lines that have little to do with each other. */
+const char* const kDecodeQuad = R"(
+#include "texture/codecQuad.clh"
+kernel void decode(global const uint* lines, uint format, uint width, uint height,
+                   global float* texels, uint count) {
+    uint i = (uint)get_global_id(0);
+    if (i >= count) return;
+    uint at[4] = {i, (i * 7u + 1u) % count, (i + 1u) % count, (i * 31u + 5u) % count};
+    uint x[4], y[4];
+    global const uint* from[4];
+    for (uint k = 0; k < 4u; ++k) {
+        from[k] = lines + (at[k] / (width * height)) * (HDS_LINE_BYTES / 4);
+        x[k] = at[k] % (width * height) % width;
+        y[k] = at[k] % (width * height) / width;
+    }
+    float4 values[4];
+    codec_quad(from, format, vload4(0, x), vload4(0, y), values);
+    bool isEqual = true;
+    for (uint k = 0; k < 4u; ++k) {
+        isEqual = isEqual && all(as_int4(codec_texel(from[k], format, x[k], y[k])) ==
+                                 as_int4(values[k]));
+    }
+    vstore4(isEqual ? values[0] : (float4)(NAN), i, texels);
+}
+)";
+
 const char* const kPlace = R"(
 #include "texture/codec.clh"
 kernel void place(global const HdsTexture* textures, uint mip, uint width, uint height,
@@ -39,7 +65,11 @@ kernel void place(global const HdsTexture* textures, uint mip, uint width, uint 
 }
 )";
 
-class TextureCodec : public DeviceFixture {};
+class TextureCodec : public DeviceFixture {
+protected:
+    /// The program's kernel "decode" against the host, all formats.
+    void ExpectHostsBits(const Program& program);
+};
 
 /// Lines of random blocks.
 std::vector<std::uint32_t> RandomLines(std::uint32_t format, std::size_t numLines) {
@@ -53,8 +83,15 @@ std::vector<std::uint32_t> RandomLines(std::uint32_t format, std::size_t numLine
 }
 
 TEST_F(TextureCodec, DecodesToTheHostsBits) {
+    ExpectHostsBits(*Build(kDecode));
+}
+
+TEST_F(TextureCodec, DecodesFourTexelsToTheBitsOfEach) {
+    ExpectHostsBits(*Build(kDecodeQuad));
+}
+
+void TextureCodec::ExpectHostsBits(const Program& program) {
     constexpr std::size_t kNumLines = 64;
-    const auto program = Build(kDecode);
     for (const std::uint32_t format : AllTexelFormats()) {
         const std::uint32_t width = 4u << shared::texel_lineWidthLog2(format);
         const std::uint32_t height = 4u << shared::texel_lineHeightLog2(format);
@@ -62,8 +99,8 @@ TEST_F(TextureCodec, DecodesToTheHostsBits) {
         const std::size_t numTexels = kNumLines * width * height;
         const Buffer input = Upload(lines);
         const Buffer output = Allocate(numTexels * sizeof(shared::float4));
-        program->GetKernel("decode").Launch(numTexels, input, format, width, height, output,
-                                            std::uint32_t(numTexels));
+        program.GetKernel("decode").Launch(numTexels, input, format, width, height, output,
+                                           std::uint32_t(numTexels));
         const auto texels = Download<shared::float4>(output, numTexels);
         for (std::size_t i = 0; i < numTexels; ++i) {
             const std::uint32_t texel = static_cast<std::uint32_t>(i % (width * height));
