@@ -126,7 +126,7 @@ bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& r
         Upload(LightNodes, scene.lights->nodes);
         Upload(LightTriangles, scene.lights->triangles);
         Upload(LightCdf, scene.lights->cdf);
-        Upload(DomeTexels, scene.lights->domeTexels);
+        Upload(DomeTexels, scene.lights->lightTexels);
         _lights = scene.lights;
         _numLights = static_cast<std::uint32_t>(scene.lights->lights.size());
     }

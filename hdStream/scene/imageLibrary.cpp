@@ -8,8 +8,8 @@ namespace hds {
 
 namespace {
 
-/// A dome keeps at most this many texels; larger images are box filtered in linear light.
-constexpr std::uint64_t kMaxDomeTexels = 8192ULL * 4096ULL;
+/// A light's image keeps at most this many texels; larger images are box filtered in linear light.
+constexpr std::uint64_t kMaxLightTexels = 8192ULL * 4096ULL;
 
 /// Equal for equal images; files that were not found are told apart by what the scene calls them.
 std::string KeyOf(const AssetReference& asset) {
@@ -79,42 +79,6 @@ std::vector<UdimTile> ImageLibrary::FindTiles(const AssetReference& pattern) {
     return tiles;
 }
 
-std::optional<std::array<float, 4>> ImageLibrary::MeanOf(const AssetReference& asset,
-                                                         const std::string& colorSpace) {
-    const std::string key = KeyOf(asset) + '\n' + colorSpace;
-    {
-        const std::lock_guard<std::mutex> lock(_mutex);
-        const auto known = _means.find(key);
-        if (known != _means.end()) {
-            _uses[KeyOf(asset)] = known->second.use;
-            return known->second.value;
-        }
-    }
-    Mean mean = ReadMean(asset, colorSpace);
-    const std::lock_guard<std::mutex> lock(_mutex);
-    _uses[KeyOf(asset)] = mean.use;
-    return _means.emplace(key, std::move(mean)).first->second.value;
-}
-
-ImageLibrary::Mean ImageLibrary::ReadMean(const AssetReference& asset,
-                                          const std::string& colorSpace) {
-    if (asset.file.empty()) {
-        return {std::nullopt, UseOf(asset, {}, "the file does not exist")};
-    }
-    const MeanColorResult result = MeanColor(SourceOf(asset), colorSpace);
-    if (!result.warning.empty()) {
-        _warnings.Add("", result.warning);
-    }
-    Mean mean{std::nullopt, UseOf(asset, result.info, result.error)};
-    if (result.Ok()) {
-        mean.value = std::array<float, 4>{};
-        for (std::size_t i = 0; i < 4; ++i) {
-            (*mean.value)[i] = static_cast<float>(result.rgba[i]);
-        }
-    }
-    return mean;
-}
-
 std::shared_ptr<const HeightImage> ImageLibrary::LoadHeights(const MaterialTexture& texture,
                                                              std::uint32_t channel) {
     const std::lock_guard<std::mutex> lock(_mutex);
@@ -139,22 +103,32 @@ std::shared_ptr<const HeightImage> ImageLibrary::LoadHeights(const MaterialTextu
     return image;
 }
 
-std::shared_ptr<const DomeImage> ImageLibrary::LoadDome(const AssetReference& asset) {
+std::shared_ptr<const LightImage> ImageLibrary::LoadLightImage(const AssetReference& asset) {
     const std::string key = KeyOf(asset);
     const std::lock_guard<std::mutex> lock(_mutex);
-    if (_domeKey != key) {
-        _dome = ReadDome(asset);
-        _domeKey = key;
+    auto known = _ofLights.find(key);
+    if (known == _ofLights.end()) {
+        known = _ofLights.emplace(key, ReadLightImage(asset)).first;
     }
-    _uses[key] = _dome.use;
-    return _dome.image;
+    known->second.isAskedFor = true;
+    _uses[key] = known->second.use;
+    return known->second.image;
 }
 
-ImageLibrary::Dome ImageLibrary::ReadDome(const AssetReference& asset) {
+void ImageLibrary::DropLightImages() {
+    const std::lock_guard<std::mutex> lock(_mutex);
+    for (auto known = _ofLights.begin(); known != _ofLights.end();) {
+        const bool isKept = known->second.isAskedFor;
+        known->second.isAskedFor = false;
+        known = isKept ? std::next(known) : _ofLights.erase(known);
+    }
+}
+
+ImageLibrary::OfLight ImageLibrary::ReadLightImage(const AssetReference& asset) {
     if (asset.file.empty()) {
         return {nullptr, UseOf(asset, {}, "the file does not exist")};
     }
-    LinearImage image = LoadLinearImage(SourceOf(asset), "auto", kMaxDomeTexels);
+    LinearImage image = LoadLinearImage(SourceOf(asset), "auto", kMaxLightTexels);
     if (!image.warning.empty()) {
         _warnings.Add("", image.warning);
     }
@@ -162,15 +136,15 @@ ImageLibrary::Dome ImageLibrary::ReadDome(const AssetReference& asset) {
         _warnings.Add(asset.authoredPath, std::to_string(image.numNonFinite) +
                                               " values are not finite and were replaced");
     }
-    Dome dome{nullptr, UseOf(asset, image.info, image.error)};
+    OfLight light{nullptr, UseOf(asset, image.info, image.error)};
     if (image.Ok()) {
-        auto pixels = std::make_shared<DomeImage>();
+        auto pixels = std::make_shared<LightImage>();
         pixels->width = image.width;
         pixels->height = image.height;
         pixels->rgb = std::move(image.pixels);
-        dome.image = std::move(pixels);
+        light.image = std::move(pixels);
     }
-    return dome;
+    return light;
 }
 
 void ImageLibrary::BeginCommit() {
@@ -190,10 +164,8 @@ std::vector<TextureUse> ImageLibrary::Uses() const {
 void ImageLibrary::Clear() {
     const std::lock_guard<std::mutex> lock(_mutex);
     _headers.clear();
-    _means.clear();
     _heights.clear();
-    _domeKey.clear();
-    _dome = {};
+    _ofLights.clear();
     ++_epoch;
 }
 

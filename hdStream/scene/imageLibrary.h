@@ -43,16 +43,14 @@ public:
     /// Warns of an image whose texels are not what its header promised; one line that names it.
     void Report(const std::string& problem) { _warnings.Add("", problem); }
 
-    /// The mean colour in linear light; empty when the image cannot be read (the caller warns).
-    std::optional<std::array<float, 4>> MeanOf(const AssetReference& asset,
-                                               const std::string& colorSpace);
-
     /// One channel of an image in linear light; null when it cannot be read (the caller warns).
     std::shared_ptr<const HeightImage> LoadHeights(const MaterialTexture& texture,
                                                    std::uint32_t channel);
 
-    /// A dome's image; null when it cannot be read (the caller warns).
-    std::shared_ptr<const DomeImage> LoadDome(const AssetReference& asset);
+    /// A light's image; null when it cannot be read (the caller warns).
+    std::shared_ptr<const LightImage> LoadLightImage(const AssetReference& asset);
+    /// Forgets the images of lights that were not asked for since this was called last.
+    void DropLightImages();
 
     /// Starts a new list of uses.
     void BeginCommit();
@@ -73,28 +71,22 @@ private:
         std::optional<ImageFacts> facts;
         TextureUse use;
     };
-    struct Mean {
-        std::optional<std::array<float, 4>> value;
+    struct OfLight {
+        std::shared_ptr<const LightImage> image;
         TextureUse use;
-    };
-    struct Dome {
-        std::shared_ptr<const DomeImage> image;
-        TextureUse use;
+        bool isAskedFor = false;
     };
 
     static Header ReadHeader(const AssetReference& asset);
-    Mean ReadMean(const AssetReference& asset, const std::string& colorSpace);
-    Dome ReadDome(const AssetReference& asset);
+    OfLight ReadLightImage(const AssetReference& asset);
 
     Warnings& _warnings;
     mutable std::mutex _mutex;
-    std::map<std::string, TextureUse> _uses; ///< by file and range
-    std::map<std::string, Header> _headers;  ///< by file and range
-    std::map<std::string, Mean> _means;      ///< by file, range and colour space
+    std::map<std::string, TextureUse> _uses;  ///< by file and range
+    std::map<std::string, Header> _headers;   ///< by file and range
+    std::map<std::string, OfLight> _ofLights; ///< by file and range
     /// By texture and channel, as long as some mesh uses it.
     std::map<std::string, std::weak_ptr<const HeightImage>> _heights;
-    std::string _domeKey; ///< of the dome read last, the only one that is kept
-    Dome _dome;
     std::uint64_t _epoch = 0;
 };
 

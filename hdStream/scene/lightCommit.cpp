@@ -156,17 +156,21 @@ void UpdateTable(const std::vector<PlacedLight>& lights, const std::vector<Emiss
         writer.Add(mesh);
     }
     std::string key = writer.Take();
-    LightImages readers;
-    readers.loadDome = [&](const AssetReference& asset) { return cache->images.LoadDome(asset); };
-    readers.meanColor = [&](const AssetReference& asset, const std::string& colorSpace) {
-        return cache->images.MeanOf(asset, colorSpace);
-    };
-    if (cache->lights && key == cache->lightKey) {
-        return;
+    if (!cache->lights || key != cache->lightKey) {
+        const auto loadImage = [&](const AssetReference& asset) {
+            return cache->images.LoadLightImage(asset);
+        };
+        cache->lights = std::make_shared<const LightTable>(
+            BuildLightTable(lights, emissive, loadImage, warnings));
+        cache->lightKey = std::move(key);
+    } else {
+        for (const PlacedLight& light : lights) {
+            if (!light.light.textureFile.authoredPath.empty()) {
+                cache->images.LoadLightImage(light.light.textureFile); // it is in use
+            }
+        }
     }
-    cache->lights =
-        std::make_shared<const LightTable>(BuildLightTable(lights, emissive, readers, warnings));
-    cache->lightKey = std::move(key);
+    cache->images.DropLightImages();
 }
 
 } // namespace

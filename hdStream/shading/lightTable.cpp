@@ -22,6 +22,7 @@ constexpr double kPi = 3.14159265358979323846;
 
 /// Images wider than this are shrunk: 8192 x 4096 texels take 400 MB with their distribution's 134.
 constexpr std::uint32_t kMaxDomeWidth = 8192;
+constexpr std::uint32_t kMaxRectWidth = 4096;
 
 double Luminance(const glm::dvec3& rgb) {
     return glm::dot(rgb, glm::dvec3(0.2126, 0.7152, 0.0722));
@@ -52,7 +53,8 @@ std::uint32_t TypeOf(LightType type) {
 /// Grows the tables light by light.
 class Builder {
 public:
-    Builder(const LightImages& images, Warnings& warnings) : _images(images), _warnings(warnings) {}
+    Builder(const LoadLightImage& loadImage, Warnings& warnings)
+        : _loadImage(loadImage), _warnings(warnings) {}
 
     void AddLight(const PlacedLight& placed);
     void AddMesh(const EmissiveMesh& mesh);
@@ -60,12 +62,11 @@ public:
 
 private:
     bool Radiance(const PlacedLight& placed, const shared::HdsLight& light, glm::dvec3* radiance);
-    bool AddDomeImage(const PlacedLight& placed, shared::HdsLight* light, double* meanLuminance);
-    void ApplyRectTexture(const PlacedLight& placed, glm::dvec3* radiance);
+    bool AddImage(const PlacedLight& placed, shared::HdsLight* light, double* meanLuminance);
     void WarnIgnored(const PlacedLight& placed);
     void Push(shared::HdsLight light, const glm::dvec3& radiance, double power);
 
-    const LightImages& _images;
+    const LoadLightImage& _loadImage;
     Warnings& _warnings;
     LightTable _table;
 };
@@ -105,39 +106,30 @@ bool Builder::Radiance(const PlacedLight& placed, const shared::HdsLight& light,
     return Luminance(*radiance) > 0.0;
 }
 
-void Builder::ApplyRectTexture(const PlacedLight& placed, glm::dvec3* radiance) {
+/// False: cannot be read, the light stays untextured. \param meanLuminance of the image, as the
+/// light's power has it
+bool Builder::AddImage(const PlacedLight& placed, shared::HdsLight* light, double* meanLuminance) {
     const AssetReference& file = placed.light.textureFile;
-    const auto mean = _images.meanColor ? _images.meanColor(file, "auto") : std::nullopt;
-    if (!mean) {
-        _warnings.Add(placed.name, "cannot read " + file.authoredPath + "; light is untextured");
-        return;
-    }
-    _warnings.Add(placed.name, "texture " + file.authoredPath + " is replaced by its mean colour");
-    *radiance *= glm::dvec3((*mean)[0], (*mean)[1], (*mean)[2]);
-}
-
-/// False: cannot be read, the dome stays untextured.
-bool Builder::AddDomeImage(const PlacedLight& placed, shared::HdsLight* light,
-                           double* meanLuminance) {
-    const AssetReference& file = placed.light.textureFile;
-    const auto loaded = _images.loadDome ? _images.loadDome(file) : nullptr;
+    const bool isDome = light->type == HDS_LIGHT_DOME;
+    const auto loaded = _loadImage ? _loadImage(file) : nullptr;
     if (!loaded || loaded->width == 0 || loaded->height == 0) {
-        _warnings.Add(placed.name, "cannot read " + file.authoredPath + "; dome is untextured");
+        _warnings.Add(placed.name, "cannot read " + file.authoredPath + "; " +
+                                       (isDome ? "dome" : "light") + " is untextured");
         return false;
     }
-    DomeImage image = *loaded;
-    if (SanitizeDomeImage(image) > 0) {
+    LightImage image = *loaded;
+    if (SanitizeLightImage(image) > 0) {
         _warnings.Add(placed.name, file.authoredPath +
                                        " has values that are negative or not finite; taken as 0");
     }
-    ShrinkDomeImage(image, kMaxDomeWidth);
-    const DomeTable distribution = BuildDomeTable(image);
+    ShrinkLightImage(image, isDome ? kMaxDomeWidth : kMaxRectWidth);
+    const LightImageTable distribution = isDome ? BuildLatLongTable(image) : BuildFlatTable(image);
     light->flags |= HDS_LIGHT_TEXTURED;
-    light->dataBase = std::uint32_t(_table.domeTexels.size());
+    light->dataBase = std::uint32_t(_table.lightTexels.size());
     light->dataSize[0] = image.width;
     light->dataSize[1] = image.height;
     light->cdfBase = std::uint32_t(_table.cdf.size());
-    _table.domeTexels.insert(_table.domeTexels.end(), image.rgb.begin(), image.rgb.end());
+    _table.lightTexels.insert(_table.lightTexels.end(), image.rgb.begin(), image.rgb.end());
     _table.cdf.insert(_table.cdf.end(), distribution.cdf.begin(), distribution.cdf.end());
     *meanLuminance = distribution.meanLuminance;
     return true;
@@ -177,14 +169,15 @@ void Builder::AddLight(const PlacedLight& placed) {
     } else if (description.type == LightType::Dome) {
         double meanLuminance = 1.0;
         if (isTextured) {
-            AddDomeImage(placed, &light, &meanLuminance);
+            AddImage(placed, &light, &meanLuminance);
         }
         power = kPi * Luminance(radiance) * meanLuminance;
     } else if (isPoint) {
         power = Luminance(radiance) * 4.0 * kPi;
     } else if (description.type == LightType::Rect && isTextured) {
-        ApplyRectTexture(placed, &radiance);
-        power = Luminance(radiance) * kPi * light.area;
+        double meanLuminance = 1.0;
+        AddImage(placed, &light, &meanLuminance);
+        power *= meanLuminance;
     }
     if (power > 0.0) {
         Push(light, radiance, power);
@@ -276,9 +269,9 @@ LightTable Builder::Finish() {
 } // namespace
 
 LightTable BuildLightTable(const std::vector<PlacedLight>& lights,
-                           const std::vector<EmissiveMesh>& meshes, const LightImages& images,
+                           const std::vector<EmissiveMesh>& meshes, const LoadLightImage& loadImage,
                            Warnings& warnings) {
-    Builder builder(images, warnings);
+    Builder builder(loadImage, warnings);
     for (const PlacedLight& light : lights) {
         builder.AddLight(light);
     }

@@ -4,8 +4,8 @@
 #pragma once
 
 #include "hdStream/base/log.h"
-#include "hdStream/shading/domeTable.h"
 #include "hdStream/shading/lightDescription.h"
+#include "hdStream/shading/lightImage.h"
 #include "kernels/shared/light.h"
 
 #include <glm/mat4x4.hpp>
@@ -42,21 +42,16 @@ struct EmissiveMesh {
     double positionError = 0.0;
 };
 
-/// Reads images that lights name. Both may be empty; a null or empty answer means "cannot be read".
-struct LightImages {
-    std::function<std::shared_ptr<const DomeImage>(const AssetReference&)> loadDome;
-    std::function<std::optional<std::array<float, 4>>(const AssetReference&,
-                                                      const std::string& sourceColorSpace)>
-        meanColor;
-};
+/// Reads an image that a light names. May be empty; null means "cannot be read".
+using LoadLightImage = std::function<std::shared_ptr<const LightImage>(const AssetReference&)>;
 
 /// Device tables of all lights.
 struct LightTable {
     std::vector<shared::HdsLight> lights;    ///< those at infinity first
     std::vector<shared::HdsLightNode> nodes; ///< the light tree
     std::vector<shared::HdsLightTriangle> triangles;
-    std::vector<float> cdf;        ///< lightCdf
-    std::vector<float> domeTexels; ///< packed rgb
+    std::vector<float> cdf;         ///< lightCdf
+    std::vector<float> lightTexels; ///< packed rgb
     /// For each emissive mesh of the input its index in `lights`, or HDS_NONE (black or no area).
     std::vector<std::uint32_t> lightByMesh;
 };
@@ -64,7 +59,7 @@ struct LightTable {
 /// Builds the tables. Lights that are black are left out; lights that cannot be rendered (singular
 /// transform, size 0, values not finite) are left out with a warning.
 LightTable BuildLightTable(const std::vector<PlacedLight>& lights,
-                           const std::vector<EmissiveMesh>& meshes, const LightImages& images,
+                           const std::vector<EmissiveMesh>& meshes, const LoadLightImage& loadImage,
                            Warnings& warnings);
 
 } // namespace hds

@@ -59,7 +59,8 @@ void shade_addLights(const HdsLightView* view, float tMax, HdsShadePath* path) {
                 shade_misWeight(path->bsdfPdf, light_pdf(view, light, path->origin,
                                                          path->sourceNormal, path->direction, t));
         }
-        path->radiance += weight * path->throughput * light_radiance(view, light, path->direction);
+        path->radiance += weight * path->throughput *
+                          light_radiance(view, light, path->origin, path->direction, t);
         if (path->depth == 0u) {
             path->alpha = 1.0f;
         }

@@ -18,7 +18,7 @@
 /* HdsLight.flags */
 #define HDS_LIGHT_VISIBLE 1u /* seen by camera rays */
 #define HDS_LIGHT_POINT 2u   /* delta position or direction (treatAsPoint, angle 0): only sampled */
-#define HDS_LIGHT_TEXTURED 4u  /* dome with an image */
+#define HDS_LIGHT_TEXTURED 4u  /* dome or rect with an image */
 #define HDS_LIGHT_TWO_SIDED 8u /* mesh: emits on both sides */
 
 /* Distance of lights at infinity. */
@@ -29,7 +29,7 @@ typedef struct {
     f32 worldFromLight[12]; /* 3 rows of 4, relative to the scene centre; |determinant| is 1: scale
                                is folded into params. Distant: a rotation */
     f32 lightFromWorld[12]; /* its inverse; the translations are not used */
-    f32 radiance[3]; /* scale on the image for a textured dome; point sphere: radiant intensity;
+    f32 radiance[3]; /* scale on the image of a textured light; point sphere: radiant intensity;
                         distant with angle 0: irradiance at normal incidence */
     u32 type;
     f32 params[4]; /* sphere: radius; rect: width, height; disk: radius; cylinder: radius, length;
@@ -37,9 +37,9 @@ typedef struct {
     f32 area;      /* world area of the shape; mesh: of all its triangles */
     u32 treePath;  /* finite lights: bit i is the child to take at level i of the light tree */
     u32 flags;
-    u32 dataBase;    /* dome: texel base in domeTexels; mesh: first triangle in lightTriangles */
-    u32 dataSize[2]; /* dome: width, height; mesh: number of triangles, 0 */
-    u32 cdfBase;     /* in lightCdf: dome: marginal [height + 1], then conditionals
+    u32 dataBase;    /* image: texel base in lightTexels; mesh: first triangle in lightTriangles */
+    u32 dataSize[2]; /* image: width, height; mesh: number of triangles, 0 */
+    u32 cdfBase;     /* in lightCdf: image: marginal [height + 1], then conditionals
                         [height][width + 1]; mesh: by area [numTriangles + 1] */
     f32 strength;    /* luminance; finite: power / (4 pi); at infinity: irradiance */
     f32 center[3];   /* of a sphere that bounds the emitting shape, world */

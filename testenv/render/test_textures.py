@@ -191,6 +191,20 @@ def test_a_constant_texture_has_the_bits_of_a_constant(tmp_path):
         assert layer.tobytes() == pictures[1][name].tobytes(), name
 
 
+def test_image_on_a_rect_light(tmp_path):
+    """Its first row is at the light's +y, its first column at +x (UsdLuxRectLight): who looks at the emitting side with
+    +y up sees the image as it is. Here +y is down."""
+    image = _Noise(5, 4)
+    _WriteExr(f"{tmp_path}/a.exr", image)
+    stage = author.NewStage(f"{tmp_path}/a.usda")
+    author.AddLight(stage, "/World/Panel", "Rect", dict(rotate=(90, 0, 0)), width=4.0, height=3.0, intensity=2.0,
+                    textureFile="./a.exr")
+    AddTopCamera(stage)
+    stage.GetRootLayer().Save()
+    expected = 2 * PixelMeans(Bilinear(image, 1 - Coordinates(), "clamp", "clamp"))
+    np.testing.assert_allclose(_Render(f"{tmp_path}/a.usda"), expected, atol=0.02)
+
+
 def _Bump(x, z):
     """A height and its derivatives."""
     a, k = 0.02, 4 * np.pi

@@ -77,7 +77,7 @@ kernel void intersectAll(HDS_LIGHT_PARAMETERS, uint light, global const float* p
     bool isHit = light_intersect(&view, light, p, d, INFINITY, &t);
     out[3 * i] = isHit ? t : -1.0f;
     out[3 * i + 1] = isHit ? light_pdf(&view, light, p, vload3(at, normals), d, t) : 0.0f;
-    out[3 * i + 2] = isHit ? light_radiance(&view, light, d).x : 0.0f;
+    out[3 * i + 2] = isHit ? light_radiance(&view, light, p, d, t).x : 0.0f;
 }
 /* Irradiance by light sampling, and by cosine-weighted directions that look for lights. */
 kernel void irradiances(HDS_LIGHT_PARAMETERS, global const float* points,
@@ -102,7 +102,7 @@ kernel void irradiances(HDS_LIGHT_PARAMETERS, global const float* points,
         for (uint light = 0u; light < view.numLights; ++light) {
             float t;
             if (light_intersect(&view, light, p, d, INFINITY, &t)) {
-                gathered += HDS_PI * light_radiance(&view, light, d).x;
+                gathered += HDS_PI * light_radiance(&view, light, p, d, t).x;
             }
         }
     }
@@ -136,11 +136,12 @@ protected:
         _nodes = Upload(table.nodes);
         _triangles = Upload(table.triangles);
         _cdf = Upload(table.cdf);
-        _texels = Upload(table.domeTexels);
+        _texels = Upload(table.lightTexels);
         _numLights = std::uint32_t(table.lights.size());
     }
     /// Builds the table of lights; expects no warning.
-    LightTable SetLights(const std::vector<PlacedLight>& lights, const LightImages& images = {}) {
+    LightTable SetLights(const std::vector<PlacedLight>& lights,
+                         const LoadLightImage& images = {}) {
         Warnings warnings;
         const LightTable table = BuildLightTable(lights, {}, images, warnings);
         EXPECT_EQ(warnings.Lines(), std::vector<std::string>());

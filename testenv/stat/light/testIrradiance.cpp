@@ -246,15 +246,16 @@ TEST_F(IrradianceTest, UniformDome) {
 
 /// An image of radiance 1 + y (the light's up axis): irradiance pi + 2 pi / 3 n.y.
 TEST_F(IrradianceTest, GradientDome) {
-    DomeImage image;
+    LightImage image;
     image.width = 128;
     image.height = 64;
     for (std::uint32_t y = 0; y < image.height; ++y) {
         const float value = float(1.0 + std::cos(kPi * (y + 0.5) / image.height));
         image.rgb.insert(image.rgb.end(), std::size_t(image.width) * 3, value);
     }
-    LightImages images;
-    images.loadDome = [&](const AssetReference&) { return std::make_shared<DomeImage>(image); };
+    const LoadLightImage images = [&](const AssetReference&) {
+        return std::make_shared<LightImage>(image);
+    };
     PlacedLight light = MakeLight(LightType::Dome);
     light.light.textureFile.authoredPath = "dome.exr";
     light.worldFromLight = glm::rotate(glm::dmat4(1.0), 1.1, {1.0, 0.4, 0.3});
@@ -263,6 +264,41 @@ TEST_F(IrradianceTest, GradientDome) {
     for (const glm::dvec3& n : {glm::dvec3(0, 1, 0), glm::dvec3(0.6, -0.2, 0.4)}) {
         const glm::dvec3 normal = glm::normalize(n);
         Expect("gradient dome", {0, 0, 0}, normal, kPi + 2.0 * kPi / 3.0 * glm::dot(normal, up));
+    }
+}
+
+/// A rect with an image of two columns, 2 and 0, and rows of 1 and 3 times that: bright where +x
+/// and -y of the light are. By midpoints over the light.
+TEST_F(IrradianceTest, RectWithAnImage) {
+    const LightImage image{2, 2, {2, 2, 2, 0, 0, 0, 6, 6, 6, 0, 0, 0}};
+    PlacedLight light = MakeLight(LightType::Rect);
+    light.light.width = 1.6F;
+    light.light.height = 0.8F;
+    light.light.textureFile.authoredPath = "panel.exr";
+    light.worldFromLight = glm::rotate(glm::dmat4(1.0), 0.7, {0.2, 1.0, 0.4});
+    SetLights({light}, [&](const AssetReference&) { return std::make_shared<LightImage>(image); });
+    constexpr int kSteps = 800;
+    const auto lerpAt = [](double c, double first, double second) {
+        return glm::mix(first, second, glm::clamp(2.0 * c - 0.5, 0.0, 1.0));
+    };
+    for (const glm::dvec3& local : {glm::dvec3(0.5, -0.2, -0.3), glm::dvec3(-2.0, 1.0, -1.5)}) {
+        for (const glm::dvec3& facing : {glm::dvec3(0, 0, 1), glm::dvec3(0.7, -0.3, 1.0)}) {
+            const glm::dvec3 normal = glm::normalize(facing);
+            double expected = 0.0;
+            for (int i = 0; i < kSteps; ++i) {
+                for (int j = 0; j < kSteps; ++j) {
+                    const double s = (i + 0.5) / kSteps; // from +x
+                    const double t = (j + 0.5) / kSteps; // from +y
+                    const glm::dvec3 v = glm::dvec3(1.6 * (0.5 - s), 0.8 * (0.5 - t), 0.0) - local;
+                    const double squared = glm::dot(v, v);
+                    expected += lerpAt(s, 2.0, 0.0) * lerpAt(t, 1.0, 3.0) * v.z *
+                                std::max(glm::dot(v, normal), 0.0) / (squared * squared);
+                }
+            }
+            const glm::dmat3 turn(light.worldFromLight);
+            Expect("rect with an image", turn * local, turn * normal,
+                   expected * 1.6 * 0.8 / (kSteps * kSteps));
+        }
     }
 }
 

@@ -150,18 +150,24 @@ TEST_F(LightChiSquareTest, RectAndDisk) {
             rect.light.width = 2.0F;
             rect.light.height = 1.0F;
             rect.worldFromLight = m;
-            SetLights({rect});
             const auto onRect = [=](const Square& s) {
                 return glm::dvec3(m * glm::dvec4(2.0 * s[0] - 1.0, s[1] - 0.5, 0.0, 1.0));
             };
-            Check("rect", point, glm::dvec3(0.0),
-                  SurfaceDomain(
-                      point, onRect, [=](const Square&) { return -2.0 * cross; },
-                      [=](const glm::dvec3& hit) {
-                          const glm::dvec4 p = inverse * glm::dvec4(hit, 1.0);
-                          return Square{0.5 * p.x + 0.5, p.y + 0.5};
-                      }),
-                  seed++);
+            const LightDomain domain = SurfaceDomain(
+                point, onRect, [=](const Square&) { return -2.0 * cross; },
+                [=](const glm::dvec3& hit) {
+                    const glm::dvec4 p = inverse * glm::dvec4(hit, 1.0);
+                    return Square{0.5 * p.x + 0.5, p.y + 0.5};
+                });
+            SetLights({rect});
+            Check("rect", point, glm::dvec3(0.0), domain, seed++);
+            rect.light.textureFile.authoredPath = "panel.exr";
+            SetLights({rect}, [](const AssetReference&) {
+                return std::make_shared<LightImage>(
+                    LightImage{4, 2, {1, 1, 1, 9, 9, 9, 0, 0, 0, 0, 0, 0,
+                                      0, 0, 0, 0, 0, 0, 0, 0, 0, 3, 3, 3}});
+            });
+            Check("rect with an image", point, glm::dvec3(0.0), domain, seed++);
             PlacedLight disk = MakeLight(LightType::Disk);
             disk.light.radius = 1.0F;
             disk.worldFromLight = m;
@@ -277,7 +283,7 @@ TEST_F(LightChiSquareTest, UniformDome) {
 
 TEST_F(LightChiSquareTest, ImageDomeAlsoUnderAnAffineTransform) {
     // Texel borders coincide with those of the bins' subdivisions; a bright spot and black rows.
-    DomeImage image;
+    LightImage image;
     image.width = 32;
     image.height = 32;
     std::mt19937 generator(7);
@@ -289,8 +295,9 @@ TEST_F(LightChiSquareTest, ImageDomeAlsoUnderAnAffineTransform) {
             image.rgb.insert(image.rgb.end(), 3, value);
         }
     }
-    LightImages images;
-    images.loadDome = [&](const AssetReference&) { return std::make_shared<DomeImage>(image); };
+    const LoadLightImage images = [&](const AssetReference&) {
+        return std::make_shared<LightImage>(image);
+    };
     PlacedLight light = MakeLight(LightType::Dome);
     light.light.textureFile.authoredPath = "dome.exr";
     // The domain's pole is the image's: (x, y, z) of the domain is (z, x, y) of light space.

@@ -21,7 +21,7 @@ PlacedLight Make(LightType type) {
 }
 
 LightTable Build(const std::vector<PlacedLight>& lights, Warnings& warnings,
-                 const LightImages& images = {}) {
+                 const LoadLightImage& images = {}) {
     return BuildLightTable(lights, {}, images, warnings);
 }
 
@@ -250,12 +250,8 @@ TEST(LightTableTest, IgnoredInputsWarn) {
 }
 
 TEST(LightTableTest, ImagesOfRectsAndDomes) {
-    LightImages images;
-    images.meanColor = [](const AssetReference&, const std::string&) {
-        return std::optional<std::array<float, 4>>({0.5F, 0.25F, 0.125F, 1.0F});
-    };
-    images.loadDome = [](const AssetReference&) {
-        auto image = std::make_shared<DomeImage>();
+    const LoadLightImage images = [](const AssetReference&) {
+        auto image = std::make_shared<LightImage>();
         image->width = 4;
         image->height = 2;
         image->rgb.assign(24, 2.0F);
@@ -268,11 +264,17 @@ TEST(LightTableTest, ImagesOfRectsAndDomes) {
     PlacedLight dome = Make(LightType::Dome);
     dome.light.textureFile.authoredPath = "b.exr";
     const LightTable table = Build({rect, dome}, warnings, images);
-    EXPECT_FLOAT_EQ(table.lights[1].radiance[1], 0.25F);
-    EXPECT_TRUE(table.lights[0].flags & HDS_LIGHT_TEXTURED);
-    EXPECT_EQ(table.cdf.size(), 3U + 2U * 5U);
-    EXPECT_EQ(table.domeTexels.size(), 24U);
-    EXPECT_EQ(table.domeTexels[0], 0.0F) << "NaN becomes black";
+    for (int i = 0; i < 2; ++i) {
+        const shared::HdsLight& light = table.lights[i];
+        EXPECT_TRUE(light.flags & HDS_LIGHT_TEXTURED);
+        EXPECT_EQ(light.dataSize[0] * 10 + light.dataSize[1], 42U);
+        EXPECT_EQ(table.lightTexels[light.dataBase], 0.0F) << "NaN becomes black";
+        EXPECT_EQ(table.lightTexels[light.dataBase + 1], 2.0F);
+    }
+    EXPECT_EQ(table.cdf.size(), 2U * (3U + 2U * 5U));
+    EXPECT_EQ(table.lightTexels.size(), 2U * 24U);
+    const double luminance = 2.0 * (7.0 + 0.7152 + 0.0722) / 8.0; // of the image, without the red
+    EXPECT_NEAR(table.lights[1].strength, 0.25 * luminance, 1e-5) << "power over 4 pi";
     EXPECT_EQ(warnings.Lines().size(), 2U);
 
     Warnings missing;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cumulative distributions of a dome image.
-#include "hdStream/shading/domeTable.h"
+// Cumulative distributions of a light's image.
+#include "hdStream/shading/lightImage.h"
 
 #include <tbb/parallel_for.h>
 
@@ -17,15 +17,20 @@ double Luminance(const float* rgb) {
     return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
 }
 
+/// What is beside the first and the last column.
+enum class Sides { Wrap, Clamp };
+
 /// Luminance of a row after the horizontal part of the bilinear lookup's integral over a cell: the
 /// tent of a texel lies 6/8 in its own cell and 1/8 in each neighbour's.
-std::vector<double> FilteredRow(const DomeImage& image, std::uint32_t y) {
+std::vector<double> FilteredRow(const LightImage& image, Sides sides, std::uint32_t y) {
     const std::size_t width = image.width;
+    const std::size_t beforeFirst = sides == Sides::Wrap ? width - 1 : 0;
+    const std::size_t afterLast = sides == Sides::Wrap ? 0 : width - 1;
     const float* row = &image.rgb[std::size_t(y) * width * 3];
     std::vector<double> values(width);
     for (std::size_t x = 0; x < width; ++x) {
-        const double left = Luminance(row + (x == 0 ? width - 1 : x - 1) * 3);
-        const double right = Luminance(row + (x + 1 == width ? 0 : x + 1) * 3);
+        const double left = Luminance(row + (x == 0 ? beforeFirst : x - 1) * 3);
+        const double right = Luminance(row + (x + 1 == width ? afterLast : x + 1) * 3);
         values[x] = 0.125 * (left + right) + 0.75 * Luminance(row + x * 3);
     }
     return values;
@@ -50,7 +55,7 @@ double WriteCdf(const std::vector<double>& weights, float* cdf) {
 
 } // namespace
 
-std::size_t SanitizeDomeImage(DomeImage& image) {
+std::size_t SanitizeLightImage(LightImage& image) {
     std::size_t count = 0;
     for (float& value : image.rgb) {
         if (!(value >= 0.0F) || !std::isfinite(value)) {
@@ -61,9 +66,9 @@ std::size_t SanitizeDomeImage(DomeImage& image) {
     return count;
 }
 
-void ShrinkDomeImage(DomeImage& image, std::uint32_t maxWidth) {
+void ShrinkLightImage(LightImage& image, std::uint32_t maxWidth) {
     while (image.width > maxWidth && image.width >= 2 && image.height >= 2) {
-        DomeImage half;
+        LightImage half;
         half.width = image.width / 2;
         half.height = image.height / 2;
         half.rgb.resize(std::size_t(half.width) * half.height * 3);
@@ -81,14 +86,19 @@ void ShrinkDomeImage(DomeImage& image, std::uint32_t maxWidth) {
     }
 }
 
-DomeTable BuildDomeTable(const DomeImage& image) {
+namespace {
+
+/// \param areaOfRow of each cell of a row; the areas of all cells have the sum `area`.
+template <typename AreaOfRow>
+LightImageTable BuildTable(const LightImage& image, Sides sides, double area,
+                           const AreaOfRow& areaOfRow) {
     const std::size_t width = image.width;
     const std::uint32_t height = image.height;
     std::vector<std::vector<double>> rows(height);
     tbb::parallel_for(std::uint32_t(0), height,
-                      [&](std::uint32_t y) { rows[y] = FilteredRow(image, y); });
+                      [&](std::uint32_t y) { rows[y] = FilteredRow(image, sides, y); });
 
-    DomeTable table;
+    LightImageTable table;
     table.cdf.resize(height + 1 + std::size_t(height) * (width + 1));
     std::vector<double> rowWeights(height);
     tbb::parallel_for(std::uint32_t(0), height, [&](std::uint32_t y) {
@@ -99,12 +109,24 @@ DomeTable BuildDomeTable(const DomeImage& image) {
             values[x] = 0.125 * (above[x] + below[x]) + 0.75 * rows[y][x];
         }
         const double sum = WriteCdf(values, &table.cdf[height + 1 + y * (width + 1)]);
-        const double solidAngle = 4.0 * kPi / double(width) * std::sin((y + 0.5) * kPi / height) *
-                                  std::sin(0.5 * kPi / height);
-        rowWeights[y] = sum * solidAngle;
+        rowWeights[y] = sum * areaOfRow(y);
     });
-    table.meanLuminance = WriteCdf(rowWeights, table.cdf.data()) / (4.0 * kPi);
+    table.meanLuminance = WriteCdf(rowWeights, table.cdf.data()) / area;
     return table;
+}
+
+} // namespace
+
+LightImageTable BuildLatLongTable(const LightImage& image) {
+    return BuildTable(image, Sides::Wrap, 4.0 * kPi, [&](std::uint32_t y) {
+        return 4.0 * kPi / double(image.width) * std::sin((y + 0.5) * kPi / image.height) *
+               std::sin(0.5 * kPi / image.height);
+    });
+}
+
+LightImageTable BuildFlatTable(const LightImage& image) {
+    const double cell = 1.0 / (double(image.width) * double(image.height));
+    return BuildTable(image, Sides::Clamp, 1.0, [&](std::uint32_t) { return cell; });
 }
 
 } // namespace hds
