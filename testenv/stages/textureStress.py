@@ -63,15 +63,17 @@ def _Card(index: int) -> shapes.Shape:
                         texcoords=np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]))
 
 
-def WriteTextureStress(path, count: int = COUNT, size: int = SIZE, level: int = 0) -> None:
-    """The stage, and its textures in the folder `textures<size>` beside it."""
+def WriteTextureStress(path, count: int = COUNT, size: int = SIZE, level: int = 0, glows: bool = False) -> None:
+    """The stage, and its textures in the folder `textures<size>` beside it. `glows`: cards emit what their textures say
+    and reflect nothing, so that pictures have no noise but that of where samples fall in a pixel."""
     path = pathlib.Path(path)
     folder = path.parent / f"textures{size}"
     WriteTextures(folder, count, size, level)
     stage = author.NewStage(str(path))
     for index in range(count):
-        material = AddTexturedMaterial(stage, f"/World/Materials/Photo{index}", dict(
-            diffuseColor=(f"./{folder.name}/photo{index:04d}.png", "rgb")), wrap="clamp", roughness=0.7)
+        material = AddTexturedMaterial(stage, f"/World/Materials/Photo{index}", {
+            "emissiveColor" if glows else "diffuseColor": (f"./{folder.name}/photo{index:04d}.png", "rgb")},
+            wrap="clamp", roughness=0.7, **(dict(diffuseColor=(0.0, 0.0, 0.0), metallic=1.0) if glows else {}))
         author.AddMesh(stage, f"/World/Cards/Card{index}", _Card(index), material=material, doubleSided=True)
     depth = _SPACING * -(-count // RING)
     mirror = author.AddMaterial(stage, "/World/Materials/Mirror", metallic=1.0, roughness=0.05,
