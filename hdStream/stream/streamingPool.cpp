@@ -25,6 +25,9 @@ std::uint64_t RoundDown(std::uint64_t bytes) {
 /// most ask for: the others come later, when more wait for them (docs/streaming.md).
 constexpr std::uint32_t kLeastWantedShare = 16;
 
+/// As many pages of the same or a greater age are listed together.
+constexpr std::uint32_t kVictimBatch = 512;
+
 std::uint32_t GroupOf(std::uint32_t page) {
     return page / StreamingPool::kGroupPages;
 }
@@ -335,15 +338,36 @@ bool StreamingPool::Place(std::uint32_t page) {
     return true;
 }
 
-/// Lists the pages that may leave in this service, as a heap: few of many leave.
-void StreamingPool::ListVictims() {
+/// Counts by age what may leave in this service. An age is the number of epochs since the last use.
+void StreamingPool::CountVictims() {
     _hasVictims = true;
     _victims.clear();
+    _numByAge = {};
+    _listedAge = kNumAges;
     std::vector<std::uint32_t>& stamps = _scratch;
     _stamps.Read(stamps.data(), stamps.size() * sizeof(std::uint32_t));
-    for (std::uint32_t page = 0; page < _pages.size(); ++page) {
-        if ((_words[page] & ~HDS_PAGE_DONE) != HDS_NOT_RESIDENT && !IsProtected(page)) {
-            _victims.push_back({stamps[page], _pages[page].wanted, page});
+    for (std::uint32_t page = 0; page < _words.size(); ++page) {
+        if ((_words[page] & ~HDS_PAGE_DONE) != HDS_NOT_RESIDENT) {
+            ++_numByAge[std::min(_epoch - stamps[page], kNumAges - 1)];
+        }
+    }
+}
+
+/// Puts the next younger pages into the heap, as few of many leave: a heap of all would take longer
+/// than what is left of the service.
+void StreamingPool::ListVictims() {
+    const std::uint32_t end = _listedAge;
+    std::uint32_t count = 0;
+    while (_listedAge > 0 && count < kVictimBatch) {
+        count += _numByAge[--_listedAge];
+    }
+    for (std::uint32_t page = 0; count > 0 && page < _words.size(); ++page) {
+        if ((_words[page] & ~HDS_PAGE_DONE) == HDS_NOT_RESIDENT) {
+            continue;
+        }
+        const std::uint32_t age = std::min(_epoch - _scratch[page], kNumAges - 1);
+        if (age >= _listedAge && age < end && !IsProtected(page)) {
+            _victims.push_back({_scratch[page], _pages[page].wanted, page});
         }
     }
     std::make_heap(_victims.begin(), _victims.end(), std::greater<>());
@@ -352,10 +376,17 @@ void StreamingPool::ListVictims() {
 /// Makes one page leave, or all (flush). \return false when none may.
 bool StreamingPool::Evict() {
     if (!_hasVictims) {
-        ListVictims();
+        CountVictims();
     }
     bool isAny = false;
-    while (!_victims.empty() && (!isAny || _eviction == Eviction::Flush)) {
+    while (!isAny || _eviction == Eviction::Flush) {
+        if (_victims.empty()) {
+            if (_listedAge == 0) {
+                break;
+            }
+            ListVictims();
+            continue;
+        }
         std::pop_heap(_victims.begin(), _victims.end(), std::greater<>());
         const std::uint32_t page = _victims.back().page;
         _victims.pop_back();

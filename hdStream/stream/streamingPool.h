@@ -118,6 +118,7 @@ private:
     void BeginEpoch();
     bool PlaceGroup(std::uint32_t first, std::uint32_t wanted);
     bool Place(std::uint32_t page);
+    void CountVictims();
     void ListVictims();
     bool Evict();
     bool Remove(std::uint32_t page);
@@ -143,8 +144,11 @@ private:
     std::uint32_t _epoch = 0;            ///< counts casts and services
     std::vector<PageState> _pages;
     std::vector<std::uint64_t> _ids;
-    std::vector<Victim> _victims;       ///< of this service: a heap, the first to leave on top
-    bool _hasVictims = false;           ///< they are listed
+    static constexpr std::uint32_t kNumAges = 256;
+    std::vector<Victim> _victims; ///< of this service: a heap, the first to leave on top
+    bool _hasVictims = false;     ///< they are counted
+    std::array<std::uint32_t, kNumAges> _numByAge{}; ///< resident pages; the last: all older ones
+    std::uint32_t _listedAge = 0; ///< pages of this age and older ones are, or were, in the heap
     std::vector<std::uint32_t> _queued; ///< placed and prepared, to be loaded
     std::uint64_t _placedBytes = 0;     ///< in this service
     StreamingStatistics _statistics;
