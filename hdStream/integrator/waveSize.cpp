@@ -17,7 +17,7 @@ constexpr std::uint32_t kWaveSizeGpu = 1U << 20U;
 /// on CPUs more than so many paths only leave the caches (docs/streaming.md). Where someone looks
 /// at previews, edits wait for a wave, and the least is taken.
 constexpr std::uint32_t kMinWaveSizeStreamingCpu = 1U << 15U;
-constexpr std::uint32_t kMaxWaveSizeStreamingCpu = 1U << 16U;
+constexpr std::uint32_t kMaxWaveSizeStreamingCpu = 1U << 17U;
 constexpr std::uint32_t kMinWaveSizeStreamingGpu = 1U << 17U;
 constexpr std::uint32_t kMaxWaveSizeStreamingGpu = 1U << 20U;
 

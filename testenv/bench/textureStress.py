@@ -2,13 +2,15 @@
 """The report's stress scene (its figures 5 and 6): lines and bytes of textures loaded against samples per pixel.
 
     textureStress.py FOLDER [--count 962] [--size 2048] [--heights 720,1080,2160] [--samples 1,2,5,10,20,40,64] [--out STEM]
-    textureStress.py FOLDER --budgets 100%,10%,1%,... [--height 720]
+    textureStress.py FOLDER --budgets 100%,10%,1%,... [--heights 720]
+    textureStress.py FOLDER --firstPixel [--heights 720]
 
 The first form renders the stage of testenv/stages/textureStress.py, which it makes in FOLDER, once for each height and
 number of samples, in processes of their own, and draws the charts STEM-lines.svg and STEM-share.svg. The report: 3592 MB of
 textures, all that is needed is loaded after about 20 samples. Bars: at most 0.5 % of bytesTotal at 720p, 2160p loads
 more, no texel falls back. The second form compares budgets with resident textures: pictures have the same bits; times are
-over the resident one's.
+over the resident one's. The third has an empty cache but for kernels and a pool of 64 MB, and looks at a part of the wall: seconds to the first
+complete sample, with textures prepared when they are asked for and with all of them prepared before.
 """
 
 import argparse
@@ -17,7 +19,7 @@ import sys
 
 sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[1])]
 
-from bench.recordRun import Record  # noqa: E402
+from bench.recordRun import FreshCache, Record, Segments  # noqa: E402
 from stages import textureStress  # noqa: E402
 from support.svgChart import Chart  # noqa: E402
 
@@ -77,9 +79,30 @@ def _CompareBudgets(args, stage) -> None:
               flush=True)
 
 
+def _MeasureFirstPixel(args, stage) -> None:
+    print("| textures | first pixel s | opened | MB loaded | cache MB |")
+    print("|---" * 5 + "|", flush=True)
+    warm = args.folder / "kernels"
+    for name, options in (("on demand, 64 MB", dict(residency="stream", textureMemory="64M")),
+                          ("on demand, warm", dict(residency="stream", textureMemory="64M")),
+                          ("all before", dict(residency="resident"))):
+        if not warm.exists():
+            Record(stage, FreshCache(warm), camera="/World/Wall", imageWidth=64, samples=1, residency="stream")
+        cache = args.folder / "first"
+        if "warm" not in name:
+            FreshCache(cache, warm)
+        run = Record(stage, cache, camera="/World/Wall", imageWidth=args.heights[0] * 16 // 9, samples=1,
+                     maxDepth=args.maxDepth, **options)
+        texture = run["texture"]
+        used = sum(path.stat().st_blocks * 512 for path in Segments(cache))
+        print(f"| {name} | {run['time']['firstPixel']:.1f} | {texture.get('opened', '')} | "
+              f"{texture['uploadedBytes'] / 1e6:.1f} | {used / 1e6:.0f} |", flush=True)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("--firstPixel", action="store_true")
     parser.add_argument("--count", type=int, default=textureStress.COUNT)
     parser.add_argument("--size", type=int, default=textureStress.SIZE)
     parser.add_argument("--heights", type=_Integers, default=[720, 1080, 2160])
@@ -94,7 +117,9 @@ def main() -> None:
     stage = args.folder / f"stress{args.count}x{args.size}.usda"
     if not stage.exists():
         textureStress.WriteTextureStress(stage, args.count, args.size)
-    if args.budgets:
+    if args.firstPixel:
+        _MeasureFirstPixel(args, stage)
+    elif args.budgets:
         _CompareBudgets(args, stage)
     else:
         _Grow(args, stage)

@@ -82,4 +82,6 @@ def WriteTextureStress(path, count: int = COUNT, size: int = SIZE, level: int = 
                    translate=(1.2, -1.6, -0.35 * depth))
     author.AddLight(stage, "/World/Dome", "Dome", intensity=1.0)
     author.AddCamera(stage, eye=(0, 0, 2.0), target=(0, 0, -10), focalLength=20.0, aspect=16 / 9)
+    author.AddCamera(stage, path="/World/Wall", eye=(-2.0, 0, -0.5 * depth), target=(4.0, 0.0, -0.5 * depth),
+                     focalLength=30.0, aspect=16 / 9)  # sees few of them
     stage.GetRootLayer().Save()
