@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Time of streamed and resident textures over plain arrays: textureCost.py STAGE CAMERA [--samples 64] [--budgets 10%,1%]
+
+One process, modes take turns: `plain` reads uncompressed arrays in the same kernels, `resident` the cache with all lines, `100 %`
+and the budgets stream them; each of those begins with an empty pool, `warm` is a second render with a pool of 100 %. Least of
+the repeats, without preparing and compiling. Geometry is resident in `plain` and `resident` and streams with room for all of it in
+the others.
+"""
+
+import argparse
+import json
+import pathlib
+import sys
+
+sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[1])]
+
+from hdstream import _core  # noqa: E402
+from hdstream.translate import TranslateStage  # noqa: E402
+from pxr import Usd  # noqa: E402
+
+
+def _Render(session, args, settings) -> dict:
+    options = _core.Settings()
+    options.camera, options.imageWidth, options.samples = args.camera, args.width, args.samples
+    for name, value in settings.items():
+        setattr(options, name, value)
+    session.Render(options)
+    return json.loads(session.Statistics())
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("stage")
+    parser.add_argument("camera")
+    parser.add_argument("--width", type=int, default=480)
+    parser.add_argument("--samples", type=int, default=64)
+    parser.add_argument("--repeats", type=int, default=2)
+    parser.add_argument("--budgets", type=lambda text: text.split(","), default=["10%", "1%"])
+    args = parser.parse_args()
+    session = _core.Session()
+    TranslateStage(Usd.Stage.Open(args.stage), session, Usd.TimeCode.Default())
+    streamed = lambda budget: dict(residency="stream", textureMemory=budget)
+    modes = {"plain": dict(residency="resident", plainTextures=True), "resident": dict(residency="resident"),
+             "100 %": streamed("100%"), "warm": streamed("100%"), **{budget: streamed(budget) for budget in args.budgets}}
+    seconds, textures = {name: [] for name in modes}, {}
+    for turn in range(args.repeats + 1):
+        for name, settings in modes.items():
+            if name == "warm":
+                _Render(session, args, settings)
+            statistics = _Render(session, args, settings)
+            time, textures[name] = statistics["time"], statistics["texture"]
+            if turn > 0:  # the first prepares and compiles
+                seconds[name].append((time["render"] - time["prepare"] - time["compile"], time["shade"]))
+    least = {name: tuple(map(min, zip(*values))) for name, values in seconds.items()}
+    print("| textures | render s | over plain | over resident | shade over plain | lines loaded | MB uploaded | misses per texel read |")
+    print("|---" * 8 + "|")
+    for name, (render, shade) in least.items():
+        texture = textures[name]
+        print(f"| {name} | {render:.2f} | {render / least['plain'][0]:.3f} | {render / least['resident'][0]:.3f} | "
+              f"{shade / least['plain'][1]:.3f} | {texture['linesLoaded']} | {texture['uploadedBytes'] / 1e6:.1f} | "
+              f"{texture['misses'] / max(1, texture['lookups']):.1e} |")
+
+
+if __name__ == "__main__":
+    main()
