@@ -40,6 +40,7 @@ typedef struct {
 typedef struct {
     HdsHit hit;
     HdsSurfaceHit surface;
+    bool isEnd; /* nothing more comes of it, and nothing below is set */
     HdsShadingPoint shading;
     HdsSurface bsdf;
 } HdsShadeHit;
@@ -239,6 +240,10 @@ bool shade_loadHit(const HdsSceneView* scene, HdsPaths paths, uint i, HdsShadePa
     path->cones = cones_atHit(cones, at->hit.t, path->depth == 0u);
     at->surface.coneWidth = cones_width(path->cones);
 #endif
+    at->isEnd = path->isLast && surfaceHit_isDark(scene, &at->surface);
+    if (at->isEnd) {
+        return true;
+    }
     return surfaceHit_shade(scene, &at->surface, -path->direction, &at->shading, &at->bsdf);
 }
 
@@ -247,6 +252,9 @@ bool shade_loadHit(const HdsSceneView* scene, HdsPaths paths, uint i, HdsShadePa
 bool shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* scene,
                    const HdsShadeHit* at, HdsShadePath* path, HdsPaths paths, uint i,
                    volatile global uint* counters, bool* hasShadow) {
+    if (at->isEnd) {
+        return false;
+    }
     HdsSampler sampler = pixel_sampler(frame, path->status.x, path->status.y);
 #if HDS_FEATURE_CUTOUT
     float3 transparency = surface_passThrough(&at->bsdf, at->shading.wo.z);
