@@ -9,8 +9,9 @@ The first form renders the stage of testenv/stages/textureStress.py, which it ma
 number of samples, in processes of their own, and draws the charts STEM-lines.svg and STEM-share.svg. The report: 3592 MB of
 textures, all that is needed is loaded after about 20 samples. Bars: at most 0.5 % of bytesTotal at 720p, 2160p loads
 more, no texel falls back. The second form compares budgets with resident textures: pictures have the same bits; times are
-over the resident one's. The third has an empty cache but for kernels and a pool of 64 MB, and looks at a part of the wall without bounces, which would see all the others: seconds to the first
-complete sample, with textures prepared when they are asked for and with all of them prepared before.
+over the resident one's. The third has an empty cache but for kernels and a small pool, and looks at a part of the wall without bounces,
+which would see all the others: seconds to the first complete sample, with textures prepared when they are asked for and with all of them
+prepared before.
 """
 
 import argparse
@@ -85,7 +86,7 @@ def _MeasureFirstPixel(args, stage) -> None:
     warm = args.folder / "kernels"
     for name, options in (("on demand, 64 MB", dict(residency="stream", textureMemory="64M")),
                           ("on demand, warm", dict(residency="stream", textureMemory="64M")),
-                          ("all before", dict(residency="resident"))):
+                          ("all before", dict(residency="stream", textureMemory="1%"))):  # a share opens all textures
         if not warm.exists():
             Record(stage, FreshCache(warm), camera="/World/Wall", imageWidth=64, samples=1, maxDepth=0, residency="stream")
         cache = args.folder / "first"
