@@ -38,19 +38,23 @@ def _Grow(args, stage) -> None:
     """Lines loaded against samples, a curve for each height."""
     lines = Chart(f"{args.count} textures of {args.size} x {args.size}", "samples per pixel", "MB loaded")
     share = Chart(f"{args.count} textures of {args.size} x {args.size}", "samples per pixel", "% of all lines")
-    print("| height | samples | lines | MB | % of bytesTotal | fallback texels | misses per look-up | pool MB | time.render s |")
-    print("|---" * 9 + "|", flush=True)
+    print("| height | samples | lines | MB | % of bytesTotal | fallback texels | misses per look-up | in samples since the row before "
+          "| pool MB | time.render s |")
+    print("|---" * 10 + "|", flush=True)
     for height in args.heights:
-        megabytes, percents = [], []
+        megabytes, percents, before = [], [], (0, 0)
         for samples in args.samples:
             run = _Render(args, stage, height, samples, residency="stream", textureMemory=args.textureMemory)
             texture = run["texture"]
             assert texture["fallbackTexels"] == 0 and texture["peakBytes"] <= texture["budget"]
             megabytes.append(texture["uniqueBytesLoaded"] / 1e6)
             percents.append(100 * texture["uniqueBytesLoaded"] / texture["bytesTotal"])
+            counts = (texture["misses"], texture["lookups"])
             print(f"| {height} | {samples} | {texture['linesLoaded']} | {megabytes[-1]:.2f} | {percents[-1]:.3f} | "
-                  f"{texture['fallbackTexels']} | {texture['misses'] / texture['lookups']:.2e} | "
+                  f"{texture['fallbackTexels']} | {counts[0] / counts[1]:.2e} | "
+                  f"{(counts[0] - before[0]) / max(1, counts[1] - before[1]):.2e} | "
                   f"{texture['peakBytes'] / 1e6:.0f} | {run['time']['render']:.1f} |", flush=True)
+            before = counts
         lines.Add(f"{height}p", args.samples, megabytes)
         share.Add(f"{height}p", args.samples, percents)
     print(f"<!-- bytesTotal {texture['bytesTotal'] / 1e6:.0f} MB, bytesSource {texture['bytesSource'] / 1e6:.0f} MB -->")
