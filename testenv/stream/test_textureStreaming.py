@@ -18,14 +18,7 @@ import pytest
 pytest.importorskip("hdstream._core")
 
 from stages import imageFile, textured
-from streamCase import Case, ColdCache
-
-
-@pytest.fixture(scope="module")
-def Textured(tmp_path_factory):
-    path = tmp_path_factory.mktemp("textured") / "stage.usda"
-    textured.WriteTextured(str(path))
-    return Case(path).RenderResident()
+from streamCase import ColdCache
 
 
 def _LeastMemory(case) -> int:
@@ -120,13 +113,6 @@ def test_threads_do_not_matter(Textured, tmp_path):
 # --- Images that are not what they seem --------------------------------------------------------------
 
 
-def _Copy(case, folder) -> Case:
-    """The stage with images of its own."""
-    folder = pathlib.Path(folder) / "copy"
-    shutil.copytree(pathlib.Path(case.path).parent, folder)
-    return Case(folder / "stage.usda")
-
-
 def _Damage(path) -> None:
     """Its header stays, its texels cannot be read."""
     data = bytearray(path.read_bytes())
@@ -136,7 +122,7 @@ def _Damage(path) -> None:
 
 def test_textures_nobody_sees_are_not_opened(Textured, tmp_path):
     """An image that is damaged is no news as long as nobody looks at it."""
-    case = _Copy(Textured, tmp_path)
+    case = Textured.Copy(tmp_path)
     from pxr import Usd
     from hdstream.translate import TranslateStage
 
@@ -158,7 +144,7 @@ def test_textures_nobody_sees_are_not_opened(Textured, tmp_path):
 
 def test_a_file_that_cannot_be_read_is_reported_once(Textured, tmp_path):
     """The render goes on with the fallback; the file is not read again and again."""
-    case = _Copy(Textured, tmp_path)
+    case = Textured.Copy(tmp_path)
     _Damage(pathlib.Path(case.path).parent / "images" / "photo1.png")
     warnings = []
     from pxr import Usd
@@ -177,8 +163,7 @@ def test_a_file_that_cannot_be_read_is_reported_once(Textured, tmp_path):
 @pytest.mark.parametrize("noCache", [False, True])
 def test_a_file_replaced_during_the_render_changes_nothing(Textured, tmp_path, noCache):
     """What was opened stays as it was, also lines that come later."""
-    case = _Copy(Textured, tmp_path)
-    case.layers = Textured.layers
+    case = Textured.Copy(tmp_path)
     images = pathlib.Path(case.path).parent / "images"
     replaced = []
 
@@ -194,14 +179,11 @@ def test_a_file_replaced_during_the_render_changes_nothing(Textured, tmp_path, n
 
 
 def test_a_damaged_cache_is_mended_from_the_file(Textured, tmp_path):
-    case = _Copy(Textured, tmp_path)
-    case.layers = Textured.layers
+    case = Textured.Copy(tmp_path)
     cache = ColdCache(tmp_path / "cache")
     case.AssertStreamsTextures(textureMemory="24K", cacheDirectory=cache)
     for path in sorted(pathlib.Path(cache).glob("pages-*.hdsp")):
         data = bytearray(path.read_bytes())
         data[len(data) // 2 :: 997] = bytes(len(data[len(data) // 2 :: 997]))
         path.write_bytes(data)
-    fresh = Case(case.path)
-    fresh.layers = Textured.layers
-    fresh.AssertStreamsTextures(textureMemory="24K", cacheDirectory=cache)
+    case.Fresh().AssertStreamsTextures(textureMemory="24K", cacheDirectory=cache)
