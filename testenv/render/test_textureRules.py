@@ -185,6 +185,7 @@ def _AddColorSpaceRules() -> None:
     _Look("sRGB_floats", FromSrgb(_FLOATS[0]), "r", atol=half, file="./rgb.exr", sourceColorSpace="sRGB")
     _Look("sRGB_alphaIsLinear", _RGBA[3] / 255, "a", file="./rgba.png", sourceColorSpace="sRGB")
     _Look("sRGB_alphaOfTwoIsLinear", _RGBA[3] / 255, "a", file="./grayAlpha.png", sourceColorSpace="sRGB")
+    _Look("sRGB_grayBesideAlpha", FromSrgb(unit[0]), file="./grayAlpha.png", sourceColorSpace="sRGB")
     for name, expected, file in (
             ("8x3", FromSrgb(unit), "rgb.png"), ("8x4", FromSrgb(unit), "rgba.png"), ("8x1", unit[0], "gray.png"),
             ("8x2", unit[0], "grayAlpha.png"), ("16x3", deep, "deep.png"), ("16x1", deep[0], "deepGray.png"),

@@ -144,6 +144,23 @@ TEST_F(PageDamageTest, AFileThatIsCutIsNotAppendedTo) {
     EXPECT_TRUE(warnings.Lines().empty());
 }
 
+TEST_F(PageDamageTest, RejectingAPageDoesNotMakeACutFileLonger) {
+    constexpr std::uint64_t kCount = 1100; // the last ones are in a second block of the index
+    {
+        PageStore store(Options(), &warnings);
+        for (std::uint64_t i = 0; i < kCount; ++i) {
+            ASSERT_TRUE(Save(&store, i, 64));
+        }
+    }
+    PageStore store(Options(), &warnings);
+    std::uint8_t byte = 0;
+    EXPECT_TRUE(store.LoadPart(TestKey(500), 0, 1, &byte));
+    std::filesystem::resize_file(OnlyFile(), kBlockBytes + 128);
+    EXPECT_FALSE(store.LoadPart(TestKey(kCount - 1), 0, 1, &byte));
+    EXPECT_EQ(std::filesystem::file_size(OnlyFile()), kBlockBytes + 128);
+    EXPECT_FALSE(store.LoadPart(TestKey(500), 0, 1, &byte)) << "not zeros of a hole";
+}
+
 TEST_F(PageDamageTest, ATruncatedFileKeepsTheWholePages) {
     const std::uint64_t full = kBlockBytes + (kPages - 1) * 128 + kPageBytes;
     EXPECT_EQ(std::filesystem::file_size(MakeSegment()), full);
