@@ -155,11 +155,12 @@ def test_an_image_edited_to_the_same_size_is_prepared_anew(Textured, tmp_path, o
 def test_paths_with_spaces_and_other_letters(Textured, tmp_path):
     folder = tmp_path / "Ein Fußboden 画"
     folder.mkdir()
-    case, cache = Textured.Copy(folder), ColdCache(folder / "der Cache é")
-    stage = pathlib.Path(case.path)
-    (stage.parent / "images").rename(stage.parent / "Bilder ü 画")
-    stage.write_text(stage.read_text(encoding="utf-8").replace("./images/", "./Bilder ü 画/"), encoding="utf-8")
-    case.Fresh().AssertStreamsTextures(cacheDirectory=cache)
+    text = pathlib.Path(Textured.path).read_text(encoding="utf-8")
+    (folder / "Bühne.usda").write_text(text.replace("./images/", "./Bilder ü 画/"), encoding="utf-8")
+    shutil.copytree(pathlib.Path(Textured.path).parent / "images", folder / "Bilder ü 画")
+    case, cache = Case(folder / "Bühne.usda"), ColdCache(folder / "der Cache é")
+    case.layers, case.statistics = Textured.layers, Textured.statistics
+    case.AssertStreamsTextures(cacheDirectory=cache)
     size = _Bytes(cache)
     assert size > _BLOCK_BYTES
     case.Fresh().AssertStreamsTextures(cacheDirectory=cache)
