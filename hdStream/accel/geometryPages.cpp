@@ -66,6 +66,12 @@ void PreparedPages::Prepare(const std::vector<Wanted>& wanted) {
     _seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+void PreparedPages::BeginStatistics() {
+    _numBuilt = 0;
+    _numLoaded = 0;
+    _seconds = 0.0;
+}
+
 void PreparedPages::Drop(const std::shared_ptr<ChunkPages>& chunk, std::uint32_t page) {
     const auto place = _places.find(chunk.get());
     if (place == _places.end()) {

@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <memory>
 #include <utility>
@@ -14,6 +15,9 @@ namespace hds {
 namespace {
 
 constexpr std::uint64_t kMinBytes = 16;
+
+/// Allocations until one fails (FailAllocation); negative: none does.
+std::atomic<std::int64_t> allocationsLeft{-1};
 
 /// Large pages that an OpenCL buffer lives in: freed when the device has ended all use of it.
 struct HugePages {
@@ -27,6 +31,10 @@ void CL_CALLBACK OnMemoryUnused(cl_mem, void* data) {
 }
 
 } // namespace
+
+void FailAllocation(std::int64_t index) {
+    allocationsLeft = index;
+}
 
 Buffer::Buffer(std::shared_ptr<Device> device, std::string label, std::uint64_t bytes,
                BufferAccess access)
@@ -58,7 +66,11 @@ Buffer Buffer::OfHostMemory(std::shared_ptr<Device> device, std::string label, c
 
 void Buffer::Create(std::uint64_t flags, void* hostMemory) {
     cl_int code = CL_SUCCESS;
-    _memory = clCreateBuffer(_device->GetHandles().context, flags, _bytes, hostMemory, &code);
+    if (allocationsLeft >= 0 && allocationsLeft-- == 0) {
+        code = CL_MEM_OBJECT_ALLOCATION_FAILURE;
+    } else {
+        _memory = clCreateBuffer(_device->GetHandles().context, flags, _bytes, hostMemory, &code);
+    }
     if (code != CL_SUCCESS) {
         _memory = nullptr;
         throw Error("device memory for " + _label + ": " + std::to_string(_bytes) +

@@ -5,6 +5,7 @@ is made again. The oracle is a picture rendered without a cache."""
 import json
 import os
 import pathlib
+import resource
 import shutil
 import subprocess
 import sys
@@ -173,13 +174,13 @@ def test_a_folder_that_cannot_be(Scene, tmp_path):
 # --- Processes -----------------------------------------------------------------------------------
 
 
-def _Record(scene, cache, folder, name):
-    """`hdstream record` of the scene, started."""
+def _Record(scene, cache, folder, name, onStart=None):
+    """`hdstream record` of the scene, started. onStart runs in its process before it."""
     command = [sys.executable, "-m", "hdstream", "record", scene.path, str(folder / f"{name}.exr"), "--quiet",
                "--camera", scene.camera, "--imageWidth", "64", "--imageHeight", "36", "--samples", "2",
                "--chunkSize", str(CHUNK_BYTES), "--residency", "stream", "--geometryMemory", "48K",
                "--hostMemory", "16K", "--cacheDir", str(cache), "--stats", str(folder / f"{name}.json")]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=onStart)
 
 
 def _Finish(process, folder, name):
@@ -201,6 +202,32 @@ def Recorded(Scene, tmp_path_factory):
     start = time.monotonic()
     picture, _ = _Finish(_Record(Scene, ColdCache(folder / "cache"), folder, "alone"), folder, "alone")
     return picture, time.monotonic() - start
+
+
+def _Finished(scene, cache, folder, name, onStart=None):
+    """(picture, geometry's statistics, lines that the command said)"""
+    process = _Record(scene, cache, folder, name, onStart)
+    picture, geometry = _Finish(process, folder, name)
+    return picture, geometry, json.loads((folder / f"{name}.json").read_text())["warnings"]
+
+
+def test_a_full_disk(Scene, Recorded, tmp_path):
+    """Files end at a limit: one warning, the right picture; what was saved by then is used by the next."""
+    cache = ColdCache(tmp_path / "cache")
+    _Finished(Scene, cache, tmp_path, "kernels")  # their binaries are larger than the limit
+    for segment in Segments(cache):
+        segment.unlink()
+
+    def FillDisk():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (2 * _BLOCK_BYTES, 2 * _BLOCK_BYTES))
+
+    picture, geometry, warnings = _Finished(Scene, cache, tmp_path, "full", FillDisk)
+    assert picture == Recorded[0] and geometry["chunksBuilt"] > geometry["chunksTouched"], "pages are made again and again"
+    assert len([line for line in warnings if str(cache) in line]) == 1, warnings
+    [segment] = Segments(cache)
+    assert _BLOCK_BYTES < segment.stat().st_size <= 2 * _BLOCK_BYTES
+    picture, second, _ = _Finished(Scene, cache, tmp_path, "room")
+    assert picture == Recorded[0] and 0 < second["chunksBuilt"] < geometry["chunksTouched"]
 
 
 def test_two_processes_fill_one_cold_cache(Scene, Recorded, tmp_path):

@@ -86,6 +86,44 @@ TEST_F(RenderThreadTest, EditsWhileRenderingEndInTheEditedImage) {
     EXPECT_TRUE(SameLayers(thread.Newest()->layers, Direct(MoveBall(0.05 * 39))));
 }
 
+TEST_F(RenderThreadTest, EditsAndDeletesWhileRequestsAreInFlight) {
+    // A pool of few chunks, so that rays wait all the time; meshes change, go and come back.
+    const auto stream = [](Settings settings) {
+        settings.residency = "stream";
+        settings.geometryMemory = "24K";
+        settings.chunkBytes = 4096;
+        return settings;
+    };
+    const auto setBall = [](int size) {
+        return [size](Session& session) {
+            MeshPrim ball;
+            ball.mesh = MakeGrid(size, 0.4F);
+            ball.placement.worldFromObject = Move(-1.5, 0.8, 0.0);
+            session.SetMesh("/ball", ball);
+        };
+    };
+    const RenderThread::Edit remove = [](Session& session) {
+        session.Remove("/ball");
+        session.Remove("/many/leaf");
+    };
+    RenderThread thread;
+    thread.Post({Fill()});
+    thread.SetSettings(stream(LongSettings()));
+    for (int i = 0; i < 30; ++i) {
+        thread.Post({i % 3 == 1 ? remove : setBall(10 + i)});
+        std::this_thread::sleep_for(std::chrono::milliseconds(7 * (i % 5)));
+    }
+    WaitForAnImage(thread, thread.Version());
+    thread.SetSettings(stream(MakeSettings()));
+    WaitUntilConverged(thread);
+    EXPECT_EQ(thread.Newest()->error, "");
+    const auto result = [&](Session& session) {
+        remove(session);
+        setBall(39)(session);
+    };
+    EXPECT_TRUE(SameLayers(thread.Newest()->layers, Direct(result)));
+}
+
 TEST_F(RenderThreadTest, EditsThatNeverPauseShowPictures) {
     RenderThread thread;
     thread.Post({Fill()});
