@@ -264,16 +264,12 @@ struct PathTracer::Impl {
 
     double TracingSeconds() const { return statistics.traceSeconds + statistics.shadeSeconds; }
 
-    /// After `done` samples: makes geometry that streams resident when that is worth it
-    /// (settling.h). \param secondsPerSample of the last pass. \return false when the render is to
-    /// end.
+    /// Between passes, after `done` samples: makes geometry that streams resident when that is
+    /// worth it (settling.h). \param secondsPerSample of the last pass. \return false when the
+    /// render is to end.
     bool SettleIfWorth(std::uint32_t done, double secondsPerSample, const Timer& timer,
                        const ProgressCallback& onProgress) {
-        if (!buffers.IsStreaming()) {
-            return true;
-        }
-        statistics.streamedSamples = done;
-        if (done == 0 || done == options.samples || !buffers.MaySettle()) {
+        if (done == options.samples || !buffers.MaySettle()) {
             return true;
         }
         const StreamingStatistics pool = buffers.PoolStatistics();
@@ -302,6 +298,7 @@ struct PathTracer::Impl {
         return true;
     }
 
+    /// An estimate; 0: such kernels are there.
     double SecondsToGet(const KernelFeatures& features) {
         if (FindKernels(features) != builtKernels.end()) {
             return 0.0;
@@ -361,6 +358,7 @@ struct PathTracer::Impl {
             const double secondsPerSample = passSeconds / (passEnd - done);
             tracingSeconds += passSeconds;
             done = passEnd;
+            statistics.streamedSamples = buffers.IsStreaming() ? done : statistics.streamedSamples;
             isStopped = isStopped || !SettleIfWorth(done, secondsPerSample, timer, onProgress);
         };
         if (hasFirst) {
