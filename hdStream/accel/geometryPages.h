@@ -28,7 +28,8 @@ public:
         std::array<bool, ChunkPages::kNumPages> isWanted{};
     };
 
-    /// Makes pages ready, on all cores, and forgets others. Each chunk occurs once.
+    /// Makes pages ready, on all cores, and forgets others. Each chunk occurs once. When memory runs
+    /// out it throws, and these are forgotten too.
     void Prepare(const std::vector<Wanted>& wanted);
     /// A chunk lost a page.
     void Drop(const std::shared_ptr<ChunkPages>& chunk, std::uint32_t page);
@@ -47,6 +48,7 @@ public:
 private:
     using Order = std::list<std::shared_ptr<ChunkPages>>;
     void Remove(Order::iterator place);
+    void Forget(ChunkPages& chunk, std::uint64_t countedBytes);
 
     std::uint64_t _limit = ~std::uint64_t{0};
     std::uint64_t _bytes = 0;

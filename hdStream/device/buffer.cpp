@@ -25,6 +25,15 @@ struct HugePages {
     std::uint64_t bytes;
 };
 
+[[noreturn]] void ThrowNoMemory(const Device& device, const std::string& label, std::uint64_t bytes,
+                                cl_int code) {
+    throw Error("device memory for " + label + ": " + std::to_string(bytes) +
+                " bytes: " + OpenClErrorName(code) + " (" + std::to_string(code) + "); " +
+                std::to_string(device.AllocatedBytes()) +
+                " bytes are in use, one allocation may have " +
+                std::to_string(device.Properties().maxAllocationBytes));
+}
+
 void CL_CALLBACK OnMemoryUnused(cl_mem, void* data) {
     const std::unique_ptr<HugePages> pages(static_cast<HugePages*>(data));
     FreeHugePages(pages->memory, pages->bytes);
@@ -43,8 +52,12 @@ Buffer::Buffer(std::shared_ptr<Device> device, std::string label, std::uint64_t 
     const std::uint64_t flags =
         access == BufferAccess::ReadOnly ? CL_MEM_READ_ONLY : CL_MEM_READ_WRITE;
     const bool isLarge = _bytes >= kMinHugePageBytes && _device->Properties().isCpu;
-    void* pages = isLarge ? AllocateHugePages(_bytes) : nullptr;
-    if (pages != nullptr) {
+    if (isLarge) {
+        // PoCL takes memory at the first use and ends the process when there is none.
+        void* pages = AllocateHugePages(_bytes);
+        if (pages == nullptr) {
+            ThrowNoMemory(*_device, _label, _bytes, CL_MEM_OBJECT_ALLOCATION_FAILURE);
+        }
         CreateInHugePages(flags, pages);
     } else {
         Create(flags, nullptr);
@@ -73,11 +86,7 @@ void Buffer::Create(std::uint64_t flags, void* hostMemory) {
     }
     if (code != CL_SUCCESS) {
         _memory = nullptr;
-        throw Error("device memory for " + _label + ": " + std::to_string(_bytes) +
-                    " bytes: " + OpenClErrorName(code) + " (" + std::to_string(code) + "); " +
-                    std::to_string(_device->AllocatedBytes()) +
-                    " bytes are in use, one allocation may have " +
-                    std::to_string(_device->Properties().maxAllocationBytes));
+        ThrowNoMemory(*_device, _label, _bytes, code);
     }
 }
 
