@@ -28,8 +28,8 @@ public:
         std::array<bool, ChunkPages::kNumPages> isWanted{};
     };
 
-    /// Makes pages ready, on all cores, and forgets others. Each chunk occurs once. When memory runs
-    /// out it throws, and these are forgotten too.
+    /// Makes pages ready, on all cores, and forgets others. Each chunk occurs once. When memory
+    /// runs out it throws, and these are forgotten too.
     void Prepare(const std::vector<Wanted>& wanted);
     /// A chunk lost a page.
     void Drop(const std::shared_ptr<ChunkPages>& chunk, std::uint32_t page);
