@@ -16,8 +16,8 @@ struct SettlingCosts {
     std::uint64_t preparedBytes = 0; ///< these pages
 };
 
-/// Seconds until a set of kernels is there that is in the persistent cache, or has to be built: PoCL on
-/// two cores (docs/streaming.md).
+/// Seconds until a set of kernels is there that is in the persistent cache, or has to be built:
+/// PoCL on two cores (docs/streaming.md).
 constexpr double kSecondsOfCachedKernels = 0.3;
 constexpr double kSecondsOfBuiltKernels = 20.0;
 
