@@ -52,9 +52,16 @@ void PreparedPages::Prepare(const std::vector<Wanted>& wanted) {
         bytesBefore.push_back(one->chunk->DataBytes());
     }
     std::vector<std::uint8_t> isBuilt(missing.size());
-    tbb::parallel_for(std::size_t{0}, missing.size(), [&](std::size_t i) {
-        isBuilt[i] = missing[i]->chunk->Prepare(missing[i]->isWanted) ? 1 : 0;
-    });
+    try {
+        tbb::parallel_for(std::size_t{0}, missing.size(), [&](std::size_t i) {
+            isBuilt[i] = missing[i]->chunk->Prepare(missing[i]->isWanted) ? 1 : 0;
+        });
+    } catch (...) { // memory has run out: what was to be made is forgotten
+        for (std::size_t i = 0; i < missing.size(); ++i) {
+            Forget(*missing[i]->chunk, bytesBefore[i]);
+        }
+        throw;
+    }
     for (std::size_t i = 0; i < missing.size(); ++i) {
         const std::shared_ptr<ChunkPages>& chunk = missing[i]->chunk;
         _bytes += chunk->DataBytes() - bytesBefore[i];
@@ -64,6 +71,12 @@ void PreparedPages::Prepare(const std::vector<Wanted>& wanted) {
         ++(isBuilt[i] != 0 ? _numBuilt : _numLoaded);
     }
     _seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void PreparedPages::BeginStatistics() {
+    _numBuilt = 0;
+    _numLoaded = 0;
+    _seconds = 0.0;
 }
 
 void PreparedPages::Drop(const std::shared_ptr<ChunkPages>& chunk, std::uint32_t page) {
@@ -80,12 +93,20 @@ void PreparedPages::Drop(const std::shared_ptr<ChunkPages>& chunk, std::uint32_t
 
 /// Forgets what is left of a chunk.
 void PreparedPages::Remove(Order::iterator place) {
-    ChunkPages& chunk = **place;
-    _bytes -= chunk.DataBytes();
+    const std::shared_ptr<ChunkPages> chunk = *place;
+    Forget(*chunk, chunk->DataBytes());
+}
+
+/// Forgets a chunk's pages, of which so many bytes are counted.
+void PreparedPages::Forget(ChunkPages& chunk, std::uint64_t countedBytes) {
+    _bytes -= countedBytes;
     chunk.Drop(HDS_PAGE_GEOMETRY);
     chunk.Drop(HDS_PAGE_ATTRIBUTES);
-    _places.erase(&chunk);
-    _order.erase(place);
+    const auto place = _places.find(&chunk);
+    if (place != _places.end()) {
+        _order.erase(place->second);
+        _places.erase(place);
+    }
 }
 
 void PreparedPages::Clear() {

@@ -6,6 +6,7 @@
 #include "hdStream/accel/chunkPages.h"
 #include "hdStream/stream/pageProvider.h"
 
+#include <algorithm>
 #include <functional>
 #include <list>
 #include <memory>
@@ -27,7 +28,8 @@ public:
         std::array<bool, ChunkPages::kNumPages> isWanted{};
     };
 
-    /// Makes pages ready, on all cores, and forgets others. Each chunk occurs once.
+    /// Makes pages ready, on all cores, and forgets others. Each chunk occurs once. When memory
+    /// runs out it throws, and these are forgotten too.
     void Prepare(const std::vector<Wanted>& wanted);
     /// A chunk lost a page.
     void Drop(const std::shared_ptr<ChunkPages>& chunk, std::uint32_t page);
@@ -35,8 +37,10 @@ public:
     void Clear();
 
     std::uint64_t Bytes() const { return _bytes; }
-    /// Chunks built, chunks read from the store, and seconds spent with both, since the object was
-    /// made.
+    /// Counts from 0 again.
+    void BeginStatistics();
+    /// Chunks built, chunks read from the store, and seconds spent with both, since
+    /// BeginStatistics.
     std::uint64_t NumBuilt() const { return _numBuilt; }
     std::uint64_t NumLoaded() const { return _numLoaded; }
     double Seconds() const { return _seconds; }
@@ -44,6 +48,7 @@ public:
 private:
     using Order = std::list<std::shared_ptr<ChunkPages>>;
     void Remove(Order::iterator place);
+    void Forget(ChunkPages& chunk, std::uint64_t countedBytes);
 
     std::uint64_t _limit = ~std::uint64_t{0};
     std::uint64_t _bytes = 0;
@@ -60,7 +65,14 @@ public:
     /// \param prepared must outlive the object.
     explicit GeometryPages(PreparedPages* prepared) : _prepared(*prepared) {}
 
-    void AddChunk(std::shared_ptr<ChunkPages> chunk) { _chunks.push_back(std::move(chunk)); }
+    void AddChunk(std::shared_ptr<ChunkPages> chunk) {
+        _chunks.push_back(std::move(chunk));
+        _shouldStay.push_back(false);
+    }
+    /// The pages of chunks [first, first + count) are better kept once loaded.
+    void Keep(std::uint32_t first, std::uint32_t count) {
+        std::fill_n(_shouldStay.begin() + first, count, true);
+    }
 
     /// Prepares all chunks once, so that all sizes are exact; what host memory cannot hold is
     /// forgotten again. \return false when `isCancelled` said so.
@@ -80,6 +92,9 @@ public:
     std::uint64_t PageId(std::uint32_t page) const override {
         return ChunkOf(page)->Id(page % ChunkPages::kNumPages);
     }
+    bool ShouldStay(std::uint32_t page) const override {
+        return _shouldStay[page / ChunkPages::kNumPages];
+    }
     void Prepare(const std::vector<std::uint32_t>& pages) override;
     const std::uint8_t* Page(std::uint32_t page) const override {
         return ChunkOf(page)->Data(page % ChunkPages::kNumPages).data();
@@ -98,6 +113,7 @@ private:
 
     PreparedPages& _prepared;
     std::vector<std::shared_ptr<ChunkPages>> _chunks;
+    std::vector<bool> _shouldStay; ///< by chunk
 };
 
 } // namespace hds

@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <memory>
 #include <utility>
@@ -15,11 +16,23 @@ namespace {
 
 constexpr std::uint64_t kMinBytes = 16;
 
+/// Allocations until one fails (FailAllocation); negative: none does.
+std::atomic<std::int64_t> allocationsLeft{-1};
+
 /// Large pages that an OpenCL buffer lives in: freed when the device has ended all use of it.
 struct HugePages {
     void* memory;
     std::uint64_t bytes;
 };
+
+[[noreturn]] void ThrowNoMemory(const Device& device, const std::string& label, std::uint64_t bytes,
+                                cl_int code) {
+    throw Error("device memory for " + label + ": " + std::to_string(bytes) +
+                " bytes: " + OpenClErrorName(code) + " (" + std::to_string(code) + "); " +
+                std::to_string(device.AllocatedBytes()) +
+                " bytes are in use, one allocation may have " +
+                std::to_string(device.Properties().maxAllocationBytes));
+}
 
 void CL_CALLBACK OnMemoryUnused(cl_mem, void* data) {
     const std::unique_ptr<HugePages> pages(static_cast<HugePages*>(data));
@@ -28,6 +41,10 @@ void CL_CALLBACK OnMemoryUnused(cl_mem, void* data) {
 
 } // namespace
 
+void FailAllocation(std::int64_t index) {
+    allocationsLeft = index;
+}
+
 Buffer::Buffer(std::shared_ptr<Device> device, std::string label, std::uint64_t bytes,
                BufferAccess access)
     : _device(std::move(device)), _label(std::move(label)),
@@ -35,8 +52,12 @@ Buffer::Buffer(std::shared_ptr<Device> device, std::string label, std::uint64_t 
     const std::uint64_t flags =
         access == BufferAccess::ReadOnly ? CL_MEM_READ_ONLY : CL_MEM_READ_WRITE;
     const bool isLarge = _bytes >= kMinHugePageBytes && _device->Properties().isCpu;
-    void* pages = isLarge ? AllocateHugePages(_bytes) : nullptr;
-    if (pages != nullptr) {
+    if (isLarge) {
+        // PoCL takes memory at the first use and ends the process when there is none.
+        void* pages = AllocateHugePages(_bytes);
+        if (pages == nullptr) {
+            ThrowNoMemory(*_device, _label, _bytes, CL_MEM_OBJECT_ALLOCATION_FAILURE);
+        }
         CreateInHugePages(flags, pages);
     } else {
         Create(flags, nullptr);
@@ -58,14 +79,14 @@ Buffer Buffer::OfHostMemory(std::shared_ptr<Device> device, std::string label, c
 
 void Buffer::Create(std::uint64_t flags, void* hostMemory) {
     cl_int code = CL_SUCCESS;
-    _memory = clCreateBuffer(_device->GetHandles().context, flags, _bytes, hostMemory, &code);
+    if (allocationsLeft >= 0 && allocationsLeft-- == 0) {
+        code = CL_MEM_OBJECT_ALLOCATION_FAILURE;
+    } else {
+        _memory = clCreateBuffer(_device->GetHandles().context, flags, _bytes, hostMemory, &code);
+    }
     if (code != CL_SUCCESS) {
         _memory = nullptr;
-        throw Error("device memory for " + _label + ": " + std::to_string(_bytes) +
-                    " bytes: " + OpenClErrorName(code) + " (" + std::to_string(code) + "); " +
-                    std::to_string(_device->AllocatedBytes()) +
-                    " bytes are in use, one allocation may have " +
-                    std::to_string(_device->Properties().maxAllocationBytes));
+        ThrowNoMemory(*_device, _label, _bytes, code);
     }
 }
 

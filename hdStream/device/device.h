@@ -46,9 +46,10 @@ public:
     /// \throws Error when the device reports a failure.
     void Finish();
 
-    /// Bytes allocated now, and the most that were allocated at once.
+    /// Bytes allocated now, and the most that were allocated at once since BeginPeak.
     std::uint64_t AllocatedBytes() const { return _allocatedBytes; }
     std::uint64_t PeakBytes() const { return _peakBytes; }
+    void BeginPeak() { _peakBytes = _allocatedBytes; }
 
     struct Handles; ///< OpenCL objects, for this layer's own files
     const Handles& GetHandles() const { return *_handles; }
@@ -70,6 +71,10 @@ struct BufferCopy {
     std::uint64_t bytes = 0;
     std::uint64_t offset = 0;
 };
+
+/// For tests: of the allocations to come, of any device, number `index` fails as if memory had run
+/// out; -1: none does. Thread-safe.
+void FailAllocation(std::int64_t index);
 
 /// How kernels use a buffer.
 enum class BufferAccess { ReadOnly, ReadWrite };

@@ -8,10 +8,14 @@
 
 namespace hds {
 
-/// From so many bytes on large pages are worth it.
+/// From so many bytes on large pages are worth it, where the system may have any.
+#if defined(__linux__)
 constexpr std::uint64_t kMinHugePageBytes = 4U << 20U;
+#else
+constexpr std::uint64_t kMinHugePageBytes = ~std::uint64_t{0};
+#endif
 
-/// Memory of zeros for which large pages were asked, aligned to them; null when there is none.
+/// Memory of zeros for which large pages were asked, aligned to them; null when memory has run out.
 /// Thread-safe.
 void* AllocateHugePages(std::uint64_t bytes);
 /// \param bytes as given to AllocateHugePages.

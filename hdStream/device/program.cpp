@@ -27,6 +27,14 @@ std::string BuildLog(cl_program program, cl_device_id device) {
     return log;
 }
 
+std::string OptionsOf(const ProgramDefines& defines) {
+    std::string options = "-cl-std=CL1.2";
+    for (const auto& [name, value] : defines) {
+        options.append(" -D").append(name).append("=").append(value);
+    }
+    return options;
+}
+
 std::string BinaryKey(const Device& device, const std::string& source, const std::string& options) {
     const DeviceProperties& properties = device.Properties();
     Hasher hasher;
@@ -45,10 +53,7 @@ Program::Program(std::shared_ptr<Device> device, const std::string& root,
     : _device(std::move(device)), _root(root) {
     const auto start = std::chrono::steady_clock::now();
     const std::string source = ExpandKernelSource(root, text);
-    std::string options = "-cl-std=CL1.2";
-    for (const auto& [name, value] : defines) {
-        options.append(" -D").append(name).append("=").append(value);
-    }
+    const std::string options = OptionsOf(defines);
     const std::string key = BinaryKey(*_device, source, options);
     _isFromCache = BuildFromCache(store, key, options);
     if (!_isFromCache) {
@@ -56,6 +61,12 @@ Program::Program(std::shared_ptr<Device> device, const std::string& root,
         SaveBinary(store, key);
     }
     _buildSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+bool Program::IsInStore(const Device& device, const std::string& root,
+                        const ProgramDefines& defines, const Store& store) {
+    return store.Contains(kBinaryKind,
+                          BinaryKey(device, ExpandKernelSource(root), OptionsOf(defines)));
 }
 
 Program::~Program() {

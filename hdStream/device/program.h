@@ -79,6 +79,10 @@ public:
     /// \throws Error when the program has no such kernel.
     Kernel GetKernel(const std::string& name) const;
 
+    /// Whether the binary of such a program is in the store.
+    static bool IsInStore(const Device& device, const std::string& root,
+                          const ProgramDefines& defines, const Store& store);
+
     bool IsFromCache() const { return _isFromCache; }
     double BuildSeconds() const { return _buildSeconds; }
 

@@ -5,6 +5,7 @@
 #include "hdStream/integrator/cameraFrame.h"
 #include "hdStream/integrator/filmBuffers.h"
 #include "hdStream/integrator/pixelOrder.h"
+#include "hdStream/integrator/settling.h"
 #include "hdStream/integrator/stageKernels.h"
 #include "hdStream/integrator/waveSize.h"
 #include "hdStream/integrator/waveTracer.h"
@@ -31,6 +32,9 @@ bool ChooseWide(const RenderOptions& options, const DeviceProperties& properties
 } // namespace
 
 struct PathTracer::Impl {
+    /// Kernels with the number of the scene they are bound to.
+    using BuiltKernels = std::pair<std::unique_ptr<StageKernels>, std::uint64_t>;
+
     Impl(std::shared_ptr<Device> theDevice, Store* theStore)
         : device(std::move(theDevice)), store(theStore), buffers(device, store), film(device),
           tracer(device, &buffers, &statistics) {
@@ -75,7 +79,8 @@ struct PathTracer::Impl {
         }
     }
 
-    void ReadyKernels() {
+    /// What kernels for the present scene and options have to be able to.
+    KernelFeatures MakeFeatures(bool isStreaming) const {
         KernelFeatures features;
         features.cutouts = scene->hasCutouts;
         features.programs = buffers.HasPrograms();
@@ -87,15 +92,23 @@ struct PathTracer::Impl {
         features.wide = ChooseWide(options, device->Properties());
         features.firstHits = NeedsFirstHits(options.aovs);
         features.manyPools = buffers.NumPoolBuffers() > 1;
-        features.streaming = buffers.IsStreaming();
+        features.streaming = isStreaming;
         features.requestsFirst = features.streaming && requestsFirst;
-        auto built = std::find_if(builtKernels.begin(), builtKernels.end(), [&](const auto& entry) {
-            return entry.first->Features() == features;
-        });
+        return features;
+    }
+
+    std::vector<BuiltKernels>::iterator FindKernels(const KernelFeatures& features) {
+        return std::find_if(builtKernels.begin(), builtKernels.end(),
+                            [&](const auto& entry) { return entry.first->Features() == features; });
+    }
+
+    void ReadyKernels() {
+        const KernelFeatures features = MakeFeatures(buffers.IsStreaming());
+        auto built = FindKernels(features);
         if (built == builtKernels.end()) {
             builtKernels.emplace_back(std::make_unique<StageKernels>(device, store, features), 0);
             built = std::prev(builtKernels.end());
-            statistics.compileSeconds = built->first->BuildSeconds();
+            statistics.compileSeconds += built->first->BuildSeconds();
         }
         kernels = built->first.get();
         if (built->second != sceneNumber) {
@@ -249,6 +262,52 @@ struct PathTracer::Impl {
         return onProgress(progress);
     }
 
+    double TracingSeconds() const { return statistics.traceSeconds + statistics.shadeSeconds; }
+
+    /// Between passes, after `done` samples: makes geometry that streams resident when that is
+    /// worth it (settling.h). \param secondsPerSample of the last pass. \return false when the
+    /// render is to end.
+    bool SettleIfWorth(std::uint32_t done, double secondsPerSample, const Timer& timer,
+                       const ProgressCallback& onProgress) {
+        if (done == options.samples || !buffers.MaySettle()) {
+            return true;
+        }
+        const StreamingStatistics pool = buffers.PoolStatistics();
+        SettlingCosts costs;
+        costs.secondsLeft = secondsPerSample * (options.samples - done);
+        if (options.timeLimit > 0.0) {
+            costs.secondsLeft = std::min(costs.secondsLeft, options.timeLimit - timer.Seconds());
+        }
+        costs.kernelSeconds = SecondsToGet(MakeFeatures(false));
+        costs.missingBytes = buffers.Streaming().MissingBytes();
+        costs.prepareSeconds = pool.prepareSeconds;
+        costs.preparedBytes = pool.uploadedBytes;
+        if (!IsWorthSettling(costs)) {
+            return true;
+        }
+        while (buffers.MaySettle()) {
+            buffers.LoadMissing();
+            if (buffers.IsStreaming() && !Report(done, done, timer, onProgress)) {
+                return false;
+            }
+        }
+        if (!buffers.IsStreaming()) {
+            ReadyKernels();
+            ReadyPathState();
+        }
+        return true;
+    }
+
+    /// An estimate; 0: such kernels are there.
+    double SecondsToGet(const KernelFeatures& features) {
+        if (FindKernels(features) != builtKernels.end()) {
+            return 0.0;
+        }
+        const bool isInStore =
+            store != nullptr && StageKernels::AreInStore(*device, *store, features);
+        return isInStore ? kSecondsOfCachedKernels : kSecondsOfBuiltKernels;
+    }
+
     std::vector<float> RelativeErrors() {
         const auto count = static_cast<std::uint32_t>(activePixels.size());
         Buffer errors(device, "pixel errors", std::uint64_t{count} * sizeof(float));
@@ -272,26 +331,7 @@ struct PathTracer::Impl {
         }
     }
 
-    RenderResult Render(const ProgressCallback& onProgress) {
-        const Timer timer;
-        bool isStopped = false;
-        const bool hasFirst = options.showsPreviews
-                                  ? RenderPreview(timer, onProgress, &isStopped)
-                                  : RenderFirstSample(timer, onProgress, &isStopped);
-        std::uint32_t done = hasFirst ? 1 : 0;
-        while (done < options.samples && !activePixels.empty() && !isStopped) {
-            const std::uint32_t passEnd = PassEnd(done);
-            if (RenderPixels(0, static_cast<std::uint32_t>(activePixels.size()), done,
-                             passEnd - done, timer, onProgress, &isStopped)) {
-                done = passEnd;
-            }
-            if (options.noise > 0.0 && done >= kMinAdaptiveSamples &&
-                done % HDS_SAMPLE_BLOCK == 0 && !isStopped) {
-                DropConvergedPixels();
-            }
-        }
-        statistics.renderSeconds = timer.Seconds();
-        statistics.samples = done;
+    void CountAccuracy() {
         const auto values = tracer.ReadCounters();
         statistics.nanSamples = values[HDS_COUNTER_NAN];
         statistics.endedPasses = values[HDS_COUNTER_PASSES];
@@ -303,6 +343,42 @@ struct PathTracer::Impl {
         }
         statistics.meanRelativeError =
             errors.empty() ? 0.0 : sum / static_cast<double>(errors.size());
+    }
+
+    RenderResult Render(const ProgressCallback& onProgress) {
+        const Timer timer;
+        bool isStopped = false;
+        const bool hasFirst = options.showsPreviews
+                                  ? RenderPreview(timer, onProgress, &isStopped)
+                                  : RenderFirstSample(timer, onProgress, &isStopped);
+        std::uint32_t done = 0;
+        double tracingSeconds = 0.0;
+        const auto endPass = [&](std::uint32_t passEnd) {
+            const double passSeconds = TracingSeconds() - tracingSeconds;
+            const double secondsPerSample = passSeconds / (passEnd - done);
+            tracingSeconds += passSeconds;
+            done = passEnd;
+            statistics.streamedSamples = buffers.IsStreaming() ? done : statistics.streamedSamples;
+            isStopped = isStopped || !SettleIfWorth(done, secondsPerSample, timer, onProgress);
+        };
+        if (hasFirst) {
+            endPass(1);
+        }
+        while (done < options.samples && !activePixels.empty() && !isStopped) {
+            const std::uint32_t passEnd = PassEnd(done);
+            if (RenderPixels(0, static_cast<std::uint32_t>(activePixels.size()), done,
+                             passEnd - done, timer, onProgress, &isStopped)) {
+                endPass(passEnd);
+            }
+            if (options.noise > 0.0 && done >= kMinAdaptiveSamples &&
+                done % HDS_SAMPLE_BLOCK == 0 && !isStopped) {
+                DropConvergedPixels();
+            }
+        }
+        statistics.renderSeconds = timer.Seconds();
+        statistics.samples = done;
+        CountAccuracy();
+        buffers.CountUsed();
         const bool timeIsUp = options.timeLimit > 0.0 && timer.Seconds() >= options.timeLimit;
         return isStopped && !timeIsUp ? RenderResult::Stopped : RenderResult::Complete;
     }
@@ -371,10 +447,9 @@ struct PathTracer::Impl {
     SceneBuffers buffers;
     bool requestsFirst = false;
     FilmBuffers film;
-    std::uint64_t sceneNumber = 0; ///< counts what kernels are bound to
-    /// Kernels of all features met so far, with the number of the scene they are bound to.
-    std::vector<std::pair<std::unique_ptr<StageKernels>, std::uint64_t>> builtKernels;
-    StageKernels* kernels = nullptr; ///< those of the present render
+    std::uint64_t sceneNumber = 0;          ///< counts what kernels are bound to
+    std::vector<BuiltKernels> builtKernels; ///< of all features met so far
+    StageKernels* kernels = nullptr;        ///< those of the present render
     std::vector<std::uint32_t> pixelOrder;
     PreviewOrder previewOrder;
     std::uint32_t orderWidth = 0;
@@ -422,28 +497,12 @@ const RenderStatistics& PathTracer::Statistics() const {
     return _impl->statistics;
 }
 
-std::uint64_t PathTracer::PoolBytes() const {
-    return _impl->buffers.PoolBytes();
+void PathTracer::BeginStatistics() {
+    _impl->buffers.BeginStatistics();
 }
 
-std::uint64_t PathTracer::UploadedBytes() const {
-    return _impl->buffers.UploadedBytes();
-}
-
-const StreamingStatistics* PathTracer::Streaming() const {
-    return _impl->buffers.IsStreaming() ? &_impl->buffers.Streaming().Statistics() : nullptr;
-}
-
-bool PathTracer::IsMapped() const {
-    return _impl->buffers.IsMapped();
-}
-
-const SceneTextures& PathTracer::Textures() const {
-    return _impl->buffers.Textures();
-}
-
-std::uint64_t PathTracer::TableBytes() const {
-    return _impl->buffers.TableBytes();
+const SceneBuffers& PathTracer::Buffers() const {
+    return _impl->buffers;
 }
 
 } // namespace hds

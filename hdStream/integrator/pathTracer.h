@@ -42,14 +42,10 @@ public:
     /// traces the rays that find first-hit AOVs if that has not been done since Begin.
     std::vector<ImageLayer> Layers(bool withFirstHits);
 
+    /// What pools have done counts from 0 again. Before the SetScene of a render.
+    void BeginStatistics();
     const RenderStatistics& Statistics() const;
-    std::uint64_t PoolBytes() const;              ///< of geometry
-    std::uint64_t UploadedBytes() const;          ///< of geometry, since the path tracer was made
-    const StreamingStatistics* Streaming() const; ///< of geometry; null when it is resident
-    /// Whether geometry is read in mapped files.
-    bool IsMapped() const;
-    const SceneTextures& Textures() const;
-    std::uint64_t TableBytes() const; ///< of the scene's tables
+    const SceneBuffers& Buffers() const;
 
 private:
     struct Impl;

@@ -61,7 +61,7 @@ struct RenderOptions {
 /// Where geometry and textures live on the device (DESIGN.md sections 4.6 and 5). Textures stream
 /// unless they are to be resident: what nobody sees is never opened.
 enum class ResidencyMode {
-    Auto,     ///< Resident when all of it fits the budget, else Stream
+    Auto,     ///< Resident when little, or once all of it is in a pool that holds it; else Stream
     Resident, ///< all of it, uploaded once
     Stream,   ///< what rays ask for, in a pool of the budget's size
     Mapped,   ///< read where the persistent cache has it (CPU devices)
@@ -80,6 +80,7 @@ struct ResidencyOptions {
     std::uint64_t textureBudgetBytes = 0;
     double textureBudgetShare = 0.0;
     bool plainTextures = false; ///< whole and uncompressed, to compare with
+    bool preparesAll = false;   ///< all geometry is prepared before the first ray
 
     bool operator==(const ResidencyOptions& other) const {
         return mode == other.mode && budgetBytes == other.budgetBytes &&
@@ -87,7 +88,7 @@ struct ResidencyOptions {
                requestsFirst == other.requestsFirst &&
                textureBudgetBytes == other.textureBudgetBytes &&
                textureBudgetShare == other.textureBudgetShare &&
-               plainTextures == other.plainTextures;
+               plainTextures == other.plainTextures && preparesAll == other.preparesAll;
     }
 };
 

@@ -8,7 +8,7 @@ namespace hds {
 
 /// Seconds by kind of work (DESIGN.md section 9) and what was traced.
 struct RenderStatistics {
-    double compileSeconds = 0.0;
+    double compileSeconds = 0.0; ///< of kernels, also of those that a render changes to
     double traceSeconds = 0.0;
     double shadeSeconds = 0.0;
     double transferSeconds = 0.0;
@@ -20,7 +20,7 @@ struct RenderStatistics {
     /// Sets of rays that are traced to completion together: a bounce of a wave; while geometry
     /// streams with lists all of a wave.
     std::uint64_t casts = 0;
-    std::uint64_t iterations = 0; ///< rounds of launches of casts while geometry streams
+    std::uint64_t iterations = 0; ///< rounds of launches of casts; resident: one each
     std::uint32_t maxIterationsPerCast = 0;
     std::uint64_t raysRelaunched = 0;
     /// While textures stream: launches that evaluate materials, without and with those of items
@@ -30,7 +30,8 @@ struct RenderStatistics {
     std::uint64_t nanSamples = 0;
     std::uint64_t endedPasses = 0; ///< rays that passed HDS_MAX_PASSES cut-out surfaces
     double meanRelativeError = 0.0;
-    std::uint32_t samples = 0; ///< per pixel, the least over all pixels
+    std::uint32_t samples = 0;         ///< per pixel, the least over all pixels
+    std::uint32_t streamedSamples = 0; ///< of these, those rendered while geometry streamed
     std::uint32_t waveSize = 0;
     bool isWideTraversal = false;
     std::uint64_t pathStateBytes = 0;

@@ -20,6 +20,11 @@ constexpr std::uint64_t kShrinkFactor = 4;
 constexpr std::uint64_t kSmallBytes = 64U << 10U;
 /// Part of the device's memory that a pool may take when the user does not say.
 constexpr std::uint64_t kBudgetDivisor = 4;
+/// Geometry of so many bytes is prepared and loaded in a moment (a fifth of a second on two cores):
+/// "auto" does so before the first ray. Explained in docs/streaming.md.
+constexpr std::uint64_t kLittleBytes = 16U << 20U;
+/// Of what is missing, loaded between two questions whether to go on.
+constexpr std::uint64_t kBatchBytes = 64U << 20U;
 
 } // namespace
 
@@ -53,8 +58,44 @@ std::uint64_t SceneBuffers::Budget(const ResidencyOptions& residency,
 }
 
 bool SceneBuffers::WillStream(const ResidencyOptions& residency, std::uint64_t totalBytes) const {
-    return residency.mode == ResidencyMode::Stream ||
-           (residency.mode == ResidencyMode::Auto && totalBytes > Budget(residency, totalBytes));
+    if (residency.mode != ResidencyMode::Auto) {
+        return residency.mode == ResidencyMode::Stream;
+    }
+    // A share of all bytes is known once all is prepared.
+    const bool isPrepared = residency.preparesAll || residency.budgetShare > 0.0;
+    return totalBytes > Budget(residency, totalBytes) || (totalBytes > kLittleBytes && !isPrepared);
+}
+
+void SceneBuffers::UpdateStreaming(const CommittedScene& scene, const ResidencyOptions& residency,
+                                   std::uint64_t budget) {
+    const bool wasSettled = std::exchange(_isSettled, false);
+    _isScattered = false;
+    if (!_streaming || !(_residency == residency)) {
+        _streaming = nullptr; // frees first
+        _streaming = std::make_unique<StreamingPool>(_device, "geometry", residency.eviction);
+        _residency = residency;
+    }
+    _streaming->Update(scene.pages.get(), budget);
+    if (wasSettled && _streaming->MissingBytes() <= kLittleBytes) {
+        while (MaySettle()) {
+            LoadMissing();
+        }
+    }
+}
+
+bool SceneBuffers::MaySettle() const {
+    return IsStreaming() && _residency.mode == ResidencyMode::Auto && !_isScattered &&
+           _streaming->HasRoomForAll();
+}
+
+void SceneBuffers::LoadMissing() {
+    if (!_streaming->LoadMissing(kBatchBytes)) {
+        _isScattered = true;
+    } else if (_streaming->MissingBytes() == 0) {
+        _streaming->CountUsed(); // kernels keep no account from here on
+        _streaming->Settle();
+        _isSettled = true;
+    }
 }
 
 bool SceneBuffers::UpdatePages(const CommittedScene& scene, const ResidencyOptions& residency) {
@@ -67,15 +108,11 @@ bool SceneBuffers::UpdatePages(const CommittedScene& scene, const ResidencyOptio
     _mapped = nullptr;
     if (WillStream(residency, totalBytes)) {
         _resident = nullptr;
-        if (!_streaming || !(_residency == residency)) {
-            _streaming = nullptr; // frees first
-            _streaming = std::make_unique<StreamingPool>(_device, "geometry", residency.eviction);
-            _residency = residency;
-        }
-        _streaming->Update(scene.pages.get(), budget);
+        UpdateStreaming(scene, residency, budget);
         return true;
     }
     _streaming = nullptr;
+    _isSettled = false;
     const bool isFirst = !_resident;
     if (isFirst) {
         _resident = std::make_unique<ResidentPool>(_device, "geometry");
@@ -99,6 +136,7 @@ void SceneBuffers::UpdateMapped(const CommittedScene& scene) {
     }
     _resident = nullptr;
     _streaming = nullptr;
+    _isSettled = false;
     if (!_mapped) {
         _mapped = std::make_unique<MappedPool>(_device, "geometry");
     }
@@ -144,10 +182,36 @@ std::uint64_t SceneBuffers::PoolBytes() const {
     return _streaming ? _streaming->Bytes() : _resident ? _resident->Bytes() : 0;
 }
 
-std::uint64_t SceneBuffers::UploadedBytes() const {
-    return _streaming  ? _streaming->Statistics().uploadedBytes
-           : _resident ? _resident->UploadedBytes()
-                       : 0;
+std::uint64_t SceneBuffers::PinnedBytes() const {
+    return _streaming ? _streaming->PinnedBytes() : 0;
+}
+
+void SceneBuffers::BeginStatistics() {
+    if (_streaming) {
+        _streaming->BeginStatistics();
+    }
+    if (_resident) {
+        _resident->BeginStatistics();
+    }
+    _textures.BeginStatistics();
+}
+
+void SceneBuffers::CountUsed() {
+    if (IsStreaming()) {
+        _streaming->CountUsed();
+    }
+}
+
+StreamingStatistics SceneBuffers::PoolStatistics() const {
+    StreamingStatistics statistics;
+    if (_streaming) {
+        statistics = _streaming->Statistics();
+    } else if (_resident) {
+        statistics.uploads = _resident->Uploads();
+        statistics.uploadedBytes = _resident->UploadedBytes();
+        statistics.uniqueBytes = statistics.uploadedBytes;
+    }
+    return statistics;
 }
 
 std::uint64_t SceneBuffers::TableBytes() const {
@@ -173,7 +237,7 @@ unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first) const {
                                    : _mapped  ? _mapped->PoolBuffer(i)
                                               : _resident->PoolBuffer(i));
     }
-    if (_streaming) {
+    if (IsStreaming()) {
         kernel->SetBuffer(first++, _streaming->Requests());
         kernel->SetBuffer(first++, _streaming->RequestCounts());
         kernel->SetBuffer(first++, _streaming->Stamps());

@@ -42,16 +42,32 @@ public:
     SceneTextures& Textures() { return _textures; }
     const SceneTextures& Textures() const { return _textures; }
 
-    /// Whether Update makes geometry of `totalBytes` stream.
+    /// Whether Update makes geometry of `totalBytes` stream, be it at first only.
     bool WillStream(const ResidencyOptions& residency, std::uint64_t totalBytes) const;
-    bool IsStreaming() const { return _streaming != nullptr; }
+    /// Whether pages of geometry may be missing.
+    bool IsStreaming() const { return _streaming != nullptr && !_isSettled; }
     bool IsMapped() const { return _mapped != nullptr; }
+    /// Whether it lies in a pool made for streaming.
+    bool HasStreamingPool() const { return _streaming != nullptr; }
     /// \pre IsStreaming.
     StreamingPool& Streaming() { return *_streaming; }
     const StreamingPool& Streaming() const { return *_streaming; }
+
+    /// Whether geometry that streams may become resident where it is (ResidencyMode::Auto).
+    bool MaySettle() const;
+    /// Loads some of the pages that are missing, which nobody has asked for. With the last one
+    /// geometry is resident; when there is no room for one it never MaySettle. Blocks.
+    void LoadMissing();
+
+    /// Statistics of geometry and textures count from 0 again.
+    void BeginStatistics();
+    /// Of geometry since then; what resident geometry has done in the words of streaming.
+    StreamingStatistics PoolStatistics() const;
+    /// Adds to them what only the device knows; at the end of a render. Blocks.
+    void CountUsed();
     std::uint32_t NumPoolBuffers() const;
-    std::uint64_t PoolBytes() const;
-    std::uint64_t UploadedBytes() const; ///< of geometry
+    std::uint64_t PoolBytes() const;   ///< of geometry
+    std::uint64_t PinnedBytes() const; ///< of geometry
     std::uint64_t TableBytes() const;
 
 private:
@@ -77,6 +93,8 @@ private:
     std::uint64_t Budget(const ResidencyOptions& residency, std::uint64_t totalBytes) const;
     void UpdateMapped(const CommittedScene& scene);
     bool UpdatePages(const CommittedScene& scene, const ResidencyOptions& residency);
+    void UpdateStreaming(const CommittedScene& scene, const ResidencyOptions& residency,
+                         std::uint64_t budget);
     template <typename T>
     void Upload(Table table, const std::vector<T>& values);
 
@@ -85,6 +103,8 @@ private:
     std::unique_ptr<StreamingPool> _streaming; ///< likewise
     std::unique_ptr<MappedPool> _mapped;       ///< likewise
     ResidencyOptions _residency;               ///< what _streaming was made with
+    bool _isSettled = false;                   ///< _streaming holds all pages for good
+    bool _isScattered = false;                 ///< it has no room for all, until the next Update
     std::array<Buffer, NumTables> _tables;
     std::shared_ptr<const LightTable> _lights; ///< what the light tables hold
     std::uint32_t _numLights = 0;

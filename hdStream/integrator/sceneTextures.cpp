@@ -55,6 +55,15 @@ void SceneTextures::Update(const CommittedScene& scene, const ResidencyOptions& 
     }
 }
 
+void SceneTextures::BeginStatistics() {
+    if (_pool) {
+        _pool->BeginStatistics();
+    }
+    if (_resident) {
+        _resident->BeginStatistics();
+    }
+}
+
 /// Bytes of a pool.
 std::uint64_t SceneTextures::Budget(const CommittedScene& scene,
                                     const ResidencyOptions& residency) const {

@@ -22,6 +22,9 @@ public:
     /// Blocks. \throws Error when they do not fit the device, or the pool its budget.
     void Update(const CommittedScene& scene, const ResidencyOptions& residency);
 
+    /// Statistics count from 0 again.
+    void BeginStatistics();
+
     /// Mips that look-ups are moved by; positive: coarser.
     void SetMipBias(float bias) { _mipBias = bias; }
     float MipBias() const { return _mipBias; }

@@ -50,7 +50,27 @@ ProgramDefines MakeDefines(const KernelFeatures& features) {
         {"HDS_TRAVERSAL_WIDE", features.wide ? "1" : "0"}};
 }
 
+constexpr const char* kGenerate = "integrator/generate.cl";
+constexpr const char* kIntersect = "integrator/intersect.cl";
+constexpr const char* kShade = "integrator/shade.cl";
+constexpr const char* kShadow = "integrator/shadow.cl";
+constexpr const char* kResolve = "integrator/resolve.cl";
+constexpr const char* kFilm = "film/film.cl";
+constexpr const char* kAov = "integrator/aov.cl"; ///< only with first-hit AOVs
+
 } // namespace
+
+bool StageKernels::AreInStore(const Device& device, const Store& store,
+                              const KernelFeatures& features) {
+    const ProgramDefines defines = MakeDefines(features);
+    for (const char* root : {kGenerate, kIntersect, kShade, kShadow, kResolve, kFilm, kAov}) {
+        const bool isUsed = root != kAov || features.firstHits;
+        if (isUsed && !Program::IsInStore(device, root, defines, store)) {
+            return false;
+        }
+    }
+    return true;
+}
 
 StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
                            const KernelFeatures& features)
@@ -61,20 +81,20 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
         _buildSeconds += program->BuildSeconds();
         return program;
     };
-    const auto generateProgram = build("integrator/generate.cl");
+    const auto generateProgram = build(kGenerate);
     generateSample = generateProgram->GetKernel("generate_sample");
     generateCentre = generateProgram->GetKernel("generate_centre");
-    const auto intersectProgram = build("integrator/intersect.cl");
+    const auto intersectProgram = build(kIntersect);
     intersect = intersectProgram->GetKernel("intersect_closest");
-    shade = build("integrator/shade.cl")->GetKernel("shade_paths");
-    const auto shadowProgram = build("integrator/shadow.cl");
+    shade = build(kShade)->GetKernel("shade_paths");
+    const auto shadowProgram = build(kShadow);
     shadowCast = shadowProgram->GetKernel("shadow_cast");
-    resolve = build("integrator/resolve.cl")->GetKernel("resolve_addSamples");
-    const auto filmProgram = build("film/film.cl");
+    resolve = build(kResolve)->GetKernel("resolve_addSamples");
+    const auto filmProgram = build(kFilm);
     develop = filmProgram->GetKernel("film_develop");
     relativeError = filmProgram->GetKernel("film_relativeError");
     if (features.firstHits) {
-        aov = build("integrator/aov.cl")->GetKernel("aov_firstHit");
+        aov = build(kAov)->GetKernel("aov_firstHit");
     }
     if (features.cutouts) {
         shadowPass = shadowProgram->GetKernel("shadow_pass");

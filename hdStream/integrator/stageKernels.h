@@ -44,6 +44,10 @@ public:
     StageKernels(const std::shared_ptr<Device>& device, Store* store,
                  const KernelFeatures& features);
 
+    /// Whether all programs of such kernels are in the store.
+    static bool AreInStore(const Device& device, const Store& store,
+                           const KernelFeatures& features);
+
     /// Binds a scene to all kernels that read it; again after each SceneBuffers::Update.
     void Bind(const SceneBuffers& scene);
 

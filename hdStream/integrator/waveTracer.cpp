@@ -87,6 +87,13 @@ double WaveTracer::ServiceSeconds() const {
     return pool.serviceSeconds + pool.prepareSeconds + pool.transferSeconds + _texels.Seconds();
 }
 
+/// A set of rays that was launched once. With lists it is a part of the wave's.
+void WaveTracer::CountCast() {
+    if (!_hasLists) {
+        CountIterations(1);
+    }
+}
+
 void WaveTracer::CountIterations(std::uint32_t iterations) {
     ++_statistics->casts;
     _statistics->iterations += iterations;
@@ -198,7 +205,7 @@ void WaveTracer::CastNext(std::uint32_t active, std::uint32_t numShadows) {
         // Paths first: what a slot's shadow ray waits for is noted beside its hit.
         LaunchRays(_queues[_present], active, 0);
         LaunchShadows(_queues[kShadowQueue], numShadows, kShadowQueue, 0);
-        _statistics->casts += _hasLists ? 0 : 1;
+        CountCast();
     }
     PassCandidates(numShadows, kShadowQueue);
     _device->Finish();
@@ -251,7 +258,7 @@ void WaveTracer::PassCandidates(std::uint32_t numShadows, std::uint32_t shadowQu
             IterateCast(0, numShadows);
         } else {
             LaunchShadows(shadows, numShadows, shadowQueue, 0);
-            _statistics->casts += _hasLists ? 0 : 1;
+            CountCast();
         }
     }
 }

@@ -79,6 +79,7 @@ private:
     template <typename LaunchItems>
     void IterateWithPages(Waiting kind, const Buffer& queue, std::uint32_t count,
                           LaunchItems launch);
+    void CountCast();
     void CountIterations(std::uint32_t iterations);
 
     std::shared_ptr<Device> _device;

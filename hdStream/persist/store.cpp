@@ -66,12 +66,21 @@ Store::Store(StoreOptions options, Warnings* warnings)
     }
 }
 
+std::string Store::PathOf(const std::string& kind, const std::string& key) const {
+    return (fs::path(_directory) / (kind + "-" + key + kExtension)).string();
+}
+
+bool Store::Contains(const std::string& kind, const std::string& key) const {
+    std::error_code error;
+    return _enabled && fs::exists(PathOf(kind, key), error);
+}
+
 std::optional<std::vector<std::uint8_t>> Store::Load(const std::string& kind,
                                                      const std::string& key) {
     if (!_enabled) {
         return std::nullopt;
     }
-    const fs::path path = fs::path(_directory) / (kind + "-" + key + kExtension);
+    const fs::path path = PathOf(kind, key);
     std::ifstream file(path, std::ios::binary);
     if (!file) {
         return std::nullopt;
@@ -109,7 +118,7 @@ void Store::Save(const std::string& kind, const std::string& key, const void* da
         return;
     }
     static std::atomic<unsigned> counter{0};
-    const fs::path path = fs::path(_directory) / (kind + "-" + key + kExtension);
+    const fs::path path = PathOf(kind, key);
     const fs::path temporary =
         fs::path(_directory) / (kind + "-" + key + "." + std::to_string(getpid()) + "." +
                                 std::to_string(counter.fetch_add(1)) + ".tmp");

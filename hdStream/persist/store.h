@@ -30,6 +30,9 @@ public:
     /// The payload, verified against its checksum; a corrupt entry is deleted. Empty: not there.
     std::optional<std::vector<std::uint8_t>> Load(const std::string& kind, const std::string& key);
 
+    /// Whether there is such an entry; it may be corrupt.
+    bool Contains(const std::string& kind, const std::string& key) const;
+
     /// Keeps the payload. Failure warns once and switches the store off.
     void Save(const std::string& kind, const std::string& key, const void* data, std::size_t bytes);
 
@@ -43,6 +46,7 @@ public:
     bool IsEnabled() const { return _enabled; }
 
 private:
+    std::string PathOf(const std::string& kind, const std::string& key) const;
     void Disable(const std::string& reason);
     void Trim();
 

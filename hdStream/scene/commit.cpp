@@ -174,6 +174,10 @@ private:
         leaf.origin = prepared.origin;
         leaf.bounds = prepared.bounds;
         leaf.ownRecord = info.isEmissive;
+        if (info.isEmissive) {
+            const shared::HdsObject& object = _result->objects[leaf.object];
+            _result->pages->Keep(object.itemBase, object.numItems); // light paths end there
+        }
         _leaves[path] = leaf;
         _result->hasCutouts = _result->hasCutouts || mayPass;
         _result->counts.triangles += prepared.numTriangles;

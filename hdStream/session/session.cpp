@@ -100,7 +100,6 @@ struct Session::Impl {
         }
         committed.reset();
         cache.pages.SetLimit(HostBytes(settings));
-        const double secondsBefore = cache.pages.Seconds();
         auto next = CommitScene(description, commitOptions, &cache, warnings, isCancelled);
         if (!next) {
             return false;
@@ -108,7 +107,7 @@ struct Session::Impl {
         if (!tracer) {
             tracer = std::make_unique<PathTracer>(device, store.get());
         }
-        const bool isEager = settings.prepare == "eager" || tracer->NeedsAllPages(*next, residency);
+        const bool isEager = residency.preparesAll || tracer->NeedsAllPages(*next, residency);
         if (isEager && !next->pages->PrepareAll(isCancelled)) {
             return false;
         }
@@ -122,15 +121,25 @@ struct Session::Impl {
         }
         scene = std::move(next);
         committed = CommitKey{sceneVersion, commitOptions, residency};
-        statistics.pages = &cache.pages;
-        statistics.prepareSecondsBefore = secondsBefore;
+        statistics.commitSeconds = scene->seconds;
         return true;
+    }
+
+    /// What is counted is of the render that begins.
+    void BeginStatistics() {
+        statistics.commitSeconds = 0.0;
+        cache.pages.BeginStatistics();
+        device->BeginPeak();
+        if (tracer) {
+            tracer->BeginStatistics();
+        }
     }
 
     RenderResult Render(const Settings& settings, const CameraPrim& camera,
                         const ProgressCallback& onProgress, bool showsPreviews) {
         const auto start = std::chrono::steady_clock::now();
         ReadyDevice(settings);
+        BeginStatistics();
         const CancelCallback isCancelled = [&] {
             Progress progress;
             progress.samplesTotal = settings.samples;
@@ -150,15 +159,10 @@ struct Session::Impl {
         const RenderStatistics& rendered = tracer->Statistics();
         statistics.device = device.get();
         statistics.scene = scene.get();
-        statistics.render = &rendered;
+        statistics.pages = &cache.pages;
+        statistics.tracer = tracer.get();
         statistics.imageWidth = settings.imageWidth;
         statistics.imageHeight = settings.imageHeight;
-        statistics.poolBytes = tracer->PoolBytes();
-        statistics.streaming = tracer->Streaming();
-        statistics.isMapped = tracer->IsMapped();
-        statistics.textures = &tracer->Textures();
-        statistics.uploadedBytes = tracer->UploadedBytes();
-        statistics.tableBytes = tracer->TableBytes();
         statistics.beforeRenderingSeconds = sinceStartSeconds + SecondsSince(start);
         const RenderResult result = tracer->Render(onProgress);
         if (rendered.endedPasses > 0) {

@@ -153,6 +153,7 @@ ResidencyOptions MakeResidencyOptions(const Settings& settings) {
     options.textureBudgetBytes = textures.bytes;
     options.textureBudgetShare = textures.share;
     options.plainTextures = settings.plainTextures;
+    options.preparesAll = settings.prepare == "eager";
     return options;
 }
 

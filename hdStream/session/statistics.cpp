@@ -20,18 +20,16 @@ std::uint64_t HostPeakBytes() {
 }
 
 Json TimeSection(const StatisticsInput& in) {
-    const RenderStatistics& render = *in.render;
-    const TextureStatistics textures = in.textures->Statistics();
+    const RenderStatistics& render = in.tracer->Statistics();
+    const StreamingStatistics pool = in.tracer->Buffers().PoolStatistics();
+    const TextureStatistics textures = in.tracer->Buffers().Textures().Statistics();
     return {{"load", in.loadSeconds},
             {"translate", in.translateSeconds},
-            {"prepare", in.scene->seconds + in.pages->Seconds() - in.prepareSecondsBefore +
-                            textures.openSeconds},
+            {"prepare", in.commitSeconds + in.pages->Seconds() + textures.openSeconds},
             {"compile", render.compileSeconds},
             {"trace", render.traceSeconds},
-            {"service", (in.streaming != nullptr ? in.streaming->serviceSeconds : 0.0) +
-                            textures.serviceSeconds + textures.readSeconds},
-            {"transfer", render.transferSeconds +
-                             (in.streaming != nullptr ? in.streaming->transferSeconds : 0.0)},
+            {"service", pool.serviceSeconds + textures.serviceSeconds + textures.readSeconds},
+            {"transfer", render.transferSeconds + pool.transferSeconds},
             {"shade", render.shadeSeconds},
             {"firstPixel", in.beforeRenderingSeconds + render.firstImageSeconds},
             {"render", render.renderSeconds},
@@ -40,42 +38,34 @@ Json TimeSection(const StatisticsInput& in) {
 
 Json GeometrySection(const StatisticsInput& in) {
     const SceneCounts& counts = in.scene->counts;
-    const RenderStatistics& render = *in.render;
-    // What resident mode has done, in the words of streaming.
-    StreamingStatistics pool;
-    pool.uploadedBytes = in.uploadedBytes;
-    pool.uploads = 2 * counts.chunks;
+    const RenderStatistics& render = in.tracer->Statistics();
+    const SceneBuffers& buffers = in.tracer->Buffers();
+    const StreamingStatistics pool = buffers.PoolStatistics();
     bool isExact = false;
     const std::uint64_t bytesTotal = in.scene->pages->TotalBytes(&isExact);
-    pool.uniqueBytes = bytesTotal;
-    std::uint64_t iterations = render.casts;
-    if (in.streaming != nullptr) {
-        pool = *in.streaming;
-        iterations = render.iterations;
-    }
     // Requests, their counts, stamps of use.
     const std::uint64_t streamingTableBytes =
-        in.streaming != nullptr ? 3 * sizeof(std::uint32_t) * in.scene->pages->NumPages() : 0;
-    return {{"mode", in.streaming != nullptr ? "stream"
-                     : in.isMapped           ? "mapped"
-                                             : "resident"},
+        buffers.HasStreamingPool() ? 3 * sizeof(std::uint32_t) * in.scene->pages->NumPages() : 0;
+    return {{"mode", buffers.IsStreaming() ? "stream"
+                     : buffers.IsMapped()  ? "mapped"
+                                           : "resident"},
+            {"streamedSamples", render.streamedSamples},
             {"meshes", counts.meshes},
             {"instances", counts.instances},
             {"triangles", counts.triangles},
             {"chunks", counts.chunks},
             {"bytesTotal", bytesTotal},
-            {"budget", in.poolBytes},
-            {"peakBytes", in.poolBytes},
-            {"pinnedBytes", 0},
+            {"budget", buffers.PoolBytes()},
+            {"peakBytes", buffers.PoolBytes()},
+            {"pinnedBytes", buffers.PinnedBytes()},
             {"alwaysResidentBytes", counts.alwaysResidentBytes + streamingTableBytes},
             {"uniqueBytesLoaded", pool.uniqueBytes},
             {"uploadedBytes", pool.uploadedBytes},
             {"uploads", pool.uploads},
             {"evictions", pool.evictions},
             {"casts", render.casts},
-            {"iterations", iterations},
-            {"maxIterationsPerCast",
-             in.streaming != nullptr ? render.maxIterationsPerCast : (render.casts > 0 ? 1U : 0U)},
+            {"iterations", render.iterations},
+            {"maxIterationsPerCast", render.maxIterationsPerCast},
             {"raysRelaunched", render.raysRelaunched},
             {"shadingRefetches", pool.groupUploads},
             {"chunksTouched", pool.chunksUsed},
@@ -86,7 +76,8 @@ Json GeometrySection(const StatisticsInput& in) {
 
 Json TextureSection(const StatisticsInput& in) {
     const SceneCounts& counts = in.scene->counts;
-    const SceneTextures& textures = *in.textures;
+    const SceneTextures& textures = in.tracer->Buffers().Textures();
+    const RenderStatistics& render = in.tracer->Statistics();
     const TextureStatistics cache = textures.Statistics();
     const std::uint64_t linesTotal = in.scene->textureLines->TotalLines();
     return {{"mode", textures.Pool() != nullptr ? "stream"
@@ -106,8 +97,8 @@ Json TextureSection(const StatisticsInput& in) {
             {"alwaysResidentBytes", textures.PinnedBytes()},
             {"lookups", cache.lookups},
             {"misses", cache.misses},
-            {"shadePasses", in.render->shadePasses},
-            {"shadeIterations", in.render->shadeIterations},
+            {"shadePasses", render.shadePasses},
+            {"shadeIterations", render.shadeIterations},
             {"fallbackTexels", cache.fallbackTexels},
             {"setConflicts", cache.setConflicts}};
 }
@@ -115,7 +106,7 @@ Json TextureSection(const StatisticsInput& in) {
 } // namespace
 
 std::string MakeStatistics(const StatisticsInput& in) {
-    const RenderStatistics& render = *in.render;
+    const RenderStatistics& render = in.tracer->Statistics();
     const double rays =
         static_cast<double>(render.cameraRays + render.indirectRays + render.shadowRays);
     Json stats;
@@ -127,7 +118,7 @@ std::string MakeStatistics(const StatisticsInput& in) {
     stats["time"] = TimeSection(in);
     stats["memory"] = {{"pathState", render.pathStateBytes},
                        {"film", render.filmBytes},
-                       {"tables", in.tableBytes},
+                       {"tables", in.tracer->Buffers().TableBytes()},
                        {"devicePeak", in.device->PeakBytes()},
                        {"hostPeak", HostPeakBytes()}};
     stats["geometry"] = GeometrySection(in);

@@ -29,6 +29,8 @@ public:
     virtual bool IsExact(std::uint32_t page) const = 0;
     /// What tells pages apart across providers: two pages with the same id have the same bytes.
     virtual std::uint64_t PageId(std::uint32_t page) const = 0;
+    /// Whether a page is better kept once it has been loaded, as far as a pool has room for such.
+    virtual bool ShouldStay(std::uint32_t page) const = 0;
     /// Makes the bytes of some pages ready, on all cores. Afterwards those of others may be gone.
     virtual void Prepare(const std::vector<std::uint32_t>& pages) = 0;
     /// The bytes of a page of the last Prepare, valid until the next one.

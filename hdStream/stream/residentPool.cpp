@@ -64,6 +64,11 @@ ResidentPool::ResidentPool(std::shared_ptr<Device> device, std::string label)
     _addresses = Buffer(_device, _label + " addresses", 0, BufferAccess::ReadOnly);
 }
 
+void ResidentPool::BeginStatistics() {
+    _uploads = 0;
+    _uploadedBytes = 0;
+}
+
 bool ResidentPool::Update(PageProvider* provider) {
     RemoveOthers(*provider);
     _missing.clear();
@@ -116,6 +121,7 @@ bool ResidentPool::Upload(PageProvider* provider, const std::vector<std::uint32_
         upload.Append(&_buffers[known->second.buffer], known->second.offset, provider->Page(page),
                       bytes);
         provider->Drop(page);
+        ++_uploads;
         _uploadedBytes += bytes;
     }
     upload.Flush();

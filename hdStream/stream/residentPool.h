@@ -36,7 +36,10 @@ public:
     std::uint64_t BufferLimit() const { return _bufferLimit; }
     /// Bytes of device memory.
     std::uint64_t Bytes() const { return _bytes; }
-    /// Bytes uploaded since the pool was made.
+    /// Counts from 0 again.
+    void BeginStatistics();
+    /// Pages uploaded since BeginStatistics, and their bytes.
+    std::uint64_t Uploads() const { return _uploads; }
     std::uint64_t UploadedBytes() const { return _uploadedBytes; }
 
 private:
@@ -55,6 +58,7 @@ private:
     std::vector<std::uint32_t> _missing;                 ///< pages of this update
     Buffer _addresses;
     std::uint64_t _bytes = 0;
+    std::uint64_t _uploads = 0;
     std::uint64_t _uploadedBytes = 0;
 };
 

@@ -28,6 +28,13 @@ constexpr std::uint32_t kLeastWantedShare = 16;
 /// As many pages of the same or a greater age are listed together.
 constexpr std::uint32_t kVictimBatch = 512;
 
+/// A pool that has become too small gets so much more than all pages take, for edits to come.
+constexpr std::uint64_t kSpareDivisor = 8;
+/// Part of a pool that pinned pages may take.
+constexpr std::uint64_t kPinDivisor = 4;
+/// An edit that wants so many times the room for pinned pages empties the pool.
+constexpr std::uint64_t kPinGrowth = 2;
+
 std::uint32_t GroupOf(std::uint32_t page) {
     return page / StreamingPool::kGroupPages;
 }
@@ -68,16 +75,57 @@ void StreamingPool::Update(PageProvider* theProvider, std::uint64_t budgetBytes)
             _ranges.Free(state.range);
         }
     }
-    CheckFits(budgetBytes);
+    const std::uint64_t largest = CheckFits(budgetBytes);
     for (std::uint32_t page = 0; page < provider.NumPages(); ++page) {
         _pages[page].bytes = provider.PageBytes(page);
     }
-    const std::uint64_t wanted =
-        std::min(RoundDown(std::min(budgetBytes, totalBytes)), kMaxPoolBuffers * _bufferLimit);
-    if (wanted > _bytes || budgetBytes < _bytes) {
-        AllocateBuffers(wanted);
+    const std::uint64_t limit = std::min(RoundDown(budgetBytes), kMaxPoolBuffers * _bufferLimit);
+    const bool isKept = std::min(limit, totalBytes) <= _bytes && budgetBytes >= _bytes;
+    const std::uint64_t spare = _bytes > 0 ? totalBytes / kSpareDivisor : 0;
+    const std::uint64_t bytes = isKept ? _bytes : std::min(limit, RoundDown(totalBytes + spare));
+    const std::uint64_t pinLimit = PinLimit(bytes, largest);
+    const std::uint64_t pinned = ChoosePinned(pinLimit);
+    const std::uint64_t apart = _ranges.ApartBytes();
+    if (isKept && apart <= pinLimit && pinned / kPinGrowth <= apart) {
+        ChoosePinned(apart);
+        RemoveUnpinned();
+    } else {
+        AllocateBuffers(bytes, pinned);
     }
     MakeTables();
+}
+
+/// Removes pages that were pinned before an edit from the places of pinned ones.
+void StreamingPool::RemoveUnpinned() {
+    for (std::uint32_t page = 0; page < _pages.size(); ++page) {
+        const PageState& state = _pages[page];
+        if (IsResident(page) && !state.isPinned && _ranges.IsPinned(state.range.Address())) {
+            _ranges.Free(state.range);
+            _pages[page].range = {};
+            ++_statistics.evictions;
+        }
+    }
+}
+
+/// Most bytes of pinned pages in a pool of `bytes`.
+std::uint64_t StreamingPool::PinLimit(std::uint64_t bytes, std::uint64_t largestGroup) const {
+    if (_eviction == Eviction::Flush) {
+        return 0;
+    }
+    return std::min(bytes / kPinDivisor, std::min(bytes, _bufferLimit) - largestGroup);
+}
+
+/// Chooses the first groups that should stay, of at most `limit` bytes in all. \return their bytes.
+std::uint64_t StreamingPool::ChoosePinned(std::uint64_t limit) {
+    std::uint64_t sum = 0;
+    for (std::uint32_t first = 0; first < _pages.size(); first += kGroupPages) {
+        const bool isPinned = _provider->ShouldStay(first) && sum + GroupBytes(first) <= limit;
+        sum += isPinned ? GroupBytes(first) : 0;
+        for (std::uint32_t page = first; page < first + kGroupPages; ++page) {
+            _pages[page].isPinned = isPinned;
+        }
+    }
+    return sum;
 }
 
 std::uint64_t StreamingPool::GroupBytes(std::uint32_t first) const {
@@ -88,8 +136,9 @@ std::uint64_t StreamingPool::GroupBytes(std::uint32_t first) const {
     return bytes;
 }
 
-/// The largest group must fit the largest buffer, so that each service can load one.
-void StreamingPool::CheckFits(std::uint64_t budgetBytes) {
+/// The largest group must fit the largest buffer, so that each service can load one. \return its
+/// bytes.
+std::uint64_t StreamingPool::CheckFits(std::uint64_t budgetBytes) {
     const std::uint64_t limit = std::min(budgetBytes, _bufferLimit);
     std::uint64_t largest = 0;
     for (std::uint32_t first = 0; first < _provider->NumPages(); first += kGroupPages) {
@@ -103,10 +152,11 @@ void StreamingPool::CheckFits(std::uint64_t budgetBytes) {
                     " bytes cannot hold the largest chunk, which takes " + std::to_string(largest) +
                     " (--chunkSize makes chunks smaller)");
     }
+    return largest;
 }
 
-/// Makes buffers of `bytes` in all; what was resident leaves.
-void StreamingPool::AllocateBuffers(std::uint64_t bytes) {
+/// Makes buffers of `bytes` in all, of which `pinnedBytes` are set apart; what was resident leaves.
+void StreamingPool::AllocateBuffers(std::uint64_t bytes, std::uint64_t pinnedBytes) {
     for (Buffer& buffer : _buffers) {
         buffer = Buffer(); // frees first
     }
@@ -125,6 +175,7 @@ void StreamingPool::AllocateBuffers(std::uint64_t bytes) {
             _bytes += size;
         }
     }
+    _ranges.SetApart(pinnedBytes);
 }
 
 void StreamingPool::MakeTables() {
@@ -134,7 +185,9 @@ void StreamingPool::MakeTables() {
         Buffer(_device, _label + " requests", bytes + HDS_REQUEST_HEADER * sizeof(std::uint32_t));
     _requestCounts = Buffer(_device, _label + " request counts", bytes);
     _stamps = Buffer(_device, _label + " use stamps", bytes);
-    _requests.Fill(0, HDS_REQUEST_HEADER * sizeof(std::uint32_t));
+    std::array<std::uint32_t, HDS_REQUEST_HEADER> header{};
+    header[HDS_REQUEST_EPOCH] = _epoch;
+    _requests.Write(header.data(), sizeof(header));
     _requestCounts.Fill(0, _requestCounts.Bytes());
     _stamps.Fill(0, _stamps.Bytes());
     _words.resize(_pages.size());
@@ -226,18 +279,23 @@ void StreamingPool::PlaceInBatches(const std::vector<Request>& requests, bool wi
                 bytes += _pages[page].bytes;
             }
         }
-        const auto start = Clock::now();
-        _provider->Prepare(batch);
-        _statistics.prepareSeconds += SecondsSince(start);
-        for (const std::uint32_t page : batch) {
-            _pages[page].bytes = _provider->PageBytes(page); // exact now
-        }
+        Prepare(batch);
         for (std::size_t i = first; i < next && !isOver; ++i) {
             // Hardly wanted pages do not make others leave.
             isOver = (withGroups && _eviction == Eviction::Clock && _hasVictims &&
                       requests[i].count < requests[0].count / kLeastWantedShare) ||
                      !PlaceRequest(requests[i], isGroup(requests[i]));
         }
+    }
+}
+
+/// Makes the bytes of pages ready.
+void StreamingPool::Prepare(const std::vector<std::uint32_t>& pages) {
+    const auto start = Clock::now();
+    _provider->Prepare(pages);
+    _statistics.prepareSeconds += SecondsSince(start);
+    for (const std::uint32_t page : pages) {
+        _pages[page].bytes = _provider->PageBytes(page); // exact now
     }
 }
 
@@ -251,7 +309,9 @@ bool StreamingPool::PlaceRequest(const Request& request, bool isGroup) {
         if (_placedBytes == 0) {
             // What was kept of the group lies in the way of the rest: begin with an empty pool.
             for (std::uint32_t page = 0; page < _pages.size(); ++page) {
-                Remove(page);
+                if (MayLeave(_words[page])) {
+                    Remove(page);
+                }
             }
             PlaceGroup(first, request.count);
         }
@@ -326,7 +386,7 @@ std::vector<StreamingPool::Request> StreamingPool::TakeRequests() {
 /// has left.
 bool StreamingPool::Place(std::uint32_t page) {
     PageState& state = _pages[page];
-    while (!_ranges.Allocate(state.bytes, &state.range)) {
+    while (!_ranges.Allocate(state.bytes, state.isPinned, &state.range)) {
         if (!Evict()) {
             state.range = {};
             return false;
@@ -347,7 +407,7 @@ void StreamingPool::CountVictims() {
     std::vector<std::uint32_t>& stamps = _scratch;
     _stamps.Read(stamps.data(), stamps.size() * sizeof(std::uint32_t));
     for (std::uint32_t page = 0; page < _words.size(); ++page) {
-        if ((_words[page] & ~HDS_PAGE_DONE) != HDS_NOT_RESIDENT) {
+        if (MayLeave(_words[page])) {
             ++_numByAge[std::min(_epoch - stamps[page], kNumAges - 1)];
         }
     }
@@ -362,7 +422,7 @@ void StreamingPool::ListVictims() {
         count += _numByAge[--_listedAge];
     }
     for (std::uint32_t page = 0; count > 0 && page < _words.size(); ++page) {
-        if ((_words[page] & ~HDS_PAGE_DONE) == HDS_NOT_RESIDENT) {
+        if (!MayLeave(_words[page])) {
             continue;
         }
         const std::uint32_t age = std::min(_epoch - _scratch[page], kNumAges - 1);
@@ -409,7 +469,8 @@ bool StreamingPool::Remove(std::uint32_t page) {
     return true;
 }
 
-void StreamingPool::LoadQueued() {
+/// \param isAskedFor by kernels.
+void StreamingPool::LoadQueued(bool isAskedFor) {
     if (_queued.empty()) {
         return;
     }
@@ -421,14 +482,10 @@ void StreamingPool::LoadQueued() {
         UpdateWord(page);
         _statistics.uploadedBytes += range.bytes;
         ++_statistics.uploads;
-        if (!_pages[page].wasLoaded) {
-            const std::uint32_t first = GroupOf(page) * kGroupPages;
-            const bool isFirst =
-                std::none_of(_pages.begin() + first, _pages.begin() + first + kGroupPages,
-                             [](const PageState& state) { return state.wasLoaded; });
-            _statistics.chunksUsed += isFirst ? 1 : 0;
-            _pages[page].wasLoaded = true;
-            _statistics.uniqueBytes += range.bytes;
+        _statistics.uniqueBytes += _pages[page].wasLoaded ? 0 : range.bytes;
+        _pages[page].wasLoaded = true;
+        if (isAskedFor) {
+            CountGroup(page);
         }
     }
     for (std::uint32_t buffer = 0; buffer < NumBuffers(); ++buffer) {

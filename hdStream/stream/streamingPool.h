@@ -5,7 +5,7 @@
 
 #include "hdStream/device/device.h"
 #include "hdStream/stream/pageProvider.h"
-#include "hdStream/stream/rangeAllocator.h"
+#include "hdStream/stream/poolRanges.h"
 
 #include <array>
 #include <chrono>
@@ -22,14 +22,14 @@ enum class Eviction {
     Flush, ///< all of them (the report's rule)
 };
 
-/// What a streaming pool has done since it was made. Bytes, seconds and counts of pages.
+/// What a streaming pool has done since BeginStatistics. Bytes, seconds and counts of pages.
 struct StreamingStatistics {
     std::uint64_t uploadedBytes = 0;
     std::uint64_t uploads = 0;
     std::uint64_t uniqueBytes = 0;  ///< of pages loaded at least once
     std::uint64_t groupUploads = 0; ///< of pages of groups that were asked for whole
     std::uint64_t evictions = 0;
-    std::uint64_t chunksUsed = 0; ///< groups of which a page was loaded at least once
+    std::uint64_t chunksUsed = 0; ///< groups of which a page was asked for and loaded, or used
     double prepareSeconds = 0.0;  ///< making the bytes of pages
     double serviceSeconds = 0.0;  ///< reading requests, choosing, publishing
     double transferSeconds = 0.0;
@@ -41,6 +41,10 @@ struct StreamingStatistics {
 /// Launch; then, as long as items wait for pages, Service and launch again over them. Rays that
 /// walk again each time: BeginCast; launch; then ServiceCast instead. Each service loads at least
 /// one page (group) that was asked for.
+///
+/// Pages that should stay (PageProvider) are pinned: once loaded they leave with the scene only.
+/// They have a range of their own of at most a quarter of the pool, which leaves room for the
+/// largest group; those beyond it stream like all others. Flush knows no pinned pages.
 class StreamingPool {
 public:
     static constexpr std::uint32_t kGroupPages = 2;
@@ -55,6 +59,22 @@ public:
     /// that may not fit are prepared, so that their sizes are known.
     /// \throws Error that names the option --LABELMemory when the largest group does not fit.
     void Update(PageProvider* provider, std::uint64_t budgetBytes);
+
+    /// Counts from 0 again.
+    void BeginStatistics();
+    /// Adds groups that were used without being loaded to chunksUsed. Blocks.
+    void CountUsed();
+
+    /// Bytes of pages that are not resident; an upper bound while sizes are.
+    std::uint64_t MissingBytes() const;
+    /// Whether all pages fit, as far as their sizes are known.
+    bool HasRoomForAll() const;
+    /// Loads pages that nobody has asked for, about `bytes` of them; none leaves. Blocks.
+    /// \return false when the room that is left is too scattered.
+    bool LoadMissing(std::uint64_t bytes);
+    /// All pages are resident and stay: kernels may read them without asking, and their bytes need
+    /// not be kept elsewhere. \pre MissingBytes() is 0.
+    void Settle();
 
     /// Begins a cast: no page is done.
     void BeginCast();
@@ -76,6 +96,8 @@ public:
     /// Bytes of device memory for pages, and for the tables that streaming needs.
     std::uint64_t Bytes() const { return _bytes; }
     std::uint64_t TableBytes() const;
+    /// Bytes of pinned pages that are resident.
+    std::uint64_t PinnedBytes() const { return _ranges.PinnedBytes(); }
     const StreamingStatistics& Statistics() const { return _statistics; }
 
 private:
@@ -90,7 +112,9 @@ private:
         std::uint32_t wanted = 0;      ///< how many asked for it when it was loaded
         std::uint32_t protectedIn = 0; ///< last service that loaded it or found it needed
         bool isDone = false;           ///< of the present cast
-        bool wasLoaded = false;        ///< at any time
+        bool isPinned = false;         ///< stays once it has found a place among the pinned ones
+        bool wasLoaded = false;        ///< since BeginStatistics
+        bool wasUsed = false;          ///< likewise: its group is counted
     };
 
     /// A page that may leave. Ordered by what leaves first.
@@ -106,12 +130,21 @@ private:
 
     bool IsResident(std::uint32_t page) const { return _pages[page].range.bytes > 0; }
     std::uint64_t GroupBytes(std::uint32_t first) const;
-    void CheckFits(std::uint64_t budgetBytes);
+    std::uint64_t CheckFits(std::uint64_t budgetBytes);
+    std::uint64_t PinLimit(std::uint64_t bytes, std::uint64_t largestGroup) const;
+    std::uint64_t ChoosePinned(std::uint64_t limit);
+    void RemoveUnpinned();
+    /// \param word of the residency table.
+    bool MayLeave(std::uint32_t word) const {
+        return (word & ~HDS_PAGE_DONE) != HDS_NOT_RESIDENT &&
+               !_ranges.IsPinned(word & ~HDS_PAGE_DONE);
+    }
     bool IsProtected(std::uint32_t page) const { return _pages[page].protectedIn == _service; }
     void Protect(std::uint32_t page) { _pages[page].protectedIn = _service; }
-    void AllocateBuffers(std::uint64_t bytes);
+    void AllocateBuffers(std::uint64_t bytes, std::uint64_t pinnedBytes);
     void MakeTables();
     std::vector<Request> TakeRequests();
+    void Prepare(const std::vector<std::uint32_t>& pages);
     void PlaceInBatches(const std::vector<Request>& requests, bool withGroups);
     bool PlaceRequest(const Request& request, bool isGroup);
     void EndService(Clock::time_point start, const StreamingStatistics& before);
@@ -122,7 +155,8 @@ private:
     void ListVictims();
     bool Evict();
     bool Remove(std::uint32_t page);
-    void LoadQueued();
+    void LoadQueued(bool isAskedFor = true);
+    void CountGroup(std::uint32_t page);
     void UpdateWord(std::uint32_t page);
     void PublishTable();
 
@@ -131,7 +165,7 @@ private:
     Eviction _eviction;
     std::uint64_t _bufferLimit;
     PageProvider* _provider = nullptr;
-    RangeAllocator _ranges;
+    PoolRanges _ranges;
     std::array<Buffer, kMaxPoolBuffers> _buffers;
     std::uint64_t _bytes = 0;
     Buffer _table;
@@ -141,7 +175,8 @@ private:
     std::uint32_t _service = 0;          ///< counts services
     std::vector<std::uint32_t> _words;   ///< of the residency table
     std::vector<std::uint32_t> _scratch; ///< a number a page, read from the device
-    std::uint32_t _epoch = 0;            ///< counts casts and services
+    std::uint32_t _epoch = 1;            ///< counts casts and services
+    std::uint32_t _firstEpoch = 1;       ///< since BeginStatistics
     std::vector<PageState> _pages;
     std::vector<std::uint64_t> _ids;
     static constexpr std::uint32_t kNumAges = 256;

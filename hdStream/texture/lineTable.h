@@ -20,8 +20,10 @@ public:
     void Reserve(std::uint32_t numLines);
     /// The slot of a line, or HDS_NONE. \pre line < reserved.
     std::uint32_t Slot(std::uint32_t line) const { return _words[WordOf(line)]; }
-    /// \return whether the line had a slot at any time before. \pre line < reserved.
+    /// \return whether the line had a slot before, since ForgetPast. \pre line < reserved.
     bool Set(std::uint32_t line, std::uint32_t slot);
+    /// From now on no line had a slot before.
+    void ForgetPast() { _wasSet.assign(_words.size(), false); }
     /// No line has a slot any more.
     void Clear();
 
@@ -38,7 +40,7 @@ private:
 
     std::uint32_t _numPages = 0; ///< words of the first level; the empty page follows
     std::vector<std::uint32_t> _words;
-    std::vector<bool> _wasSet;           ///< by word
+    std::vector<bool> _wasSet;           ///< by word, since ForgetPast
     std::vector<std::uint32_t> _changed; ///< words, some more than once
     bool _isMoved = true;
 };

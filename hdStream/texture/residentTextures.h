@@ -23,6 +23,8 @@ public:
     /// Blocks. \throws Error when they do not fit the device.
     void Update(LineProvider* provider);
 
+    /// Counts from 0 again.
+    void BeginStatistics() { _statistics = {}; }
     TextureBinding Binding() const;
     std::uint32_t NumBuffers() const { return _buffers ? _buffers->NumBuffers() : 0; }
     std::uint64_t Bytes() const { return _buffers ? _buffers->Bytes() : 0; }

@@ -153,6 +153,11 @@ void TexturePool::MakeRequests() {
     _setSize = setSize;
 }
 
+void TexturePool::BeginStatistics() {
+    _statistics = {};
+    _table.ForgetPast();
+}
+
 void TexturePool::ReserveItems(std::uint32_t numItems) {
     const std::uint64_t bytes = (1 + std::uint64_t{numItems}) * kWord;
     if (_waiting.Bytes() < bytes) {

@@ -46,6 +46,8 @@ public:
     /// \throws Error that names the option --textureMemory when these do not fit.
     void Update(LineProvider* provider, std::uint64_t budgetBytes, std::uint32_t linesPerItem);
 
+    /// Counts from 0 again.
+    void BeginStatistics();
     /// Makes room for so many items that wait. \pre none waits.
     void ReserveItems(std::uint32_t numItems);
     /// The items that wait since the last call, in order.

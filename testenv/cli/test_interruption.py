@@ -90,3 +90,16 @@ def test_full_disk_for_statistics(tmp_path):
                  "--stats", "/dev/full")
     AssertFails(result, 1, "/dev/full")
     assert (tmp_path / "o.png").exists()
+
+
+def LimitMemory():
+    """So much address space that the command starts, and no more than four gigabytes."""
+    resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30))
+
+
+def test_memory_runs_out(tmp_path):
+    """The path state of so many paths takes six gigabytes."""
+    result = Run("record", WriteStage(tmp_path), tmp_path / "o.exr", *SMALL, "--residency", "stream", "--waveSize", str(1 << 24),
+                 preexec_fn=LimitMemory)
+    AssertFails(result, 1, "device memory for path state", "bytes are in use")
+    assert not (tmp_path / "o.exr").exists()

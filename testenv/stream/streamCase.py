@@ -38,13 +38,13 @@ def Segments(cache) -> list:
     return sorted(pathlib.Path(cache).glob("pages-*.hdsp"))
 
 
-def StartRecord(case, cache, folder, name, *options):
-    """`hdstream record` of a case's stage, started."""
+def StartRecord(case, cache, folder, name, *options, onStart=None):
+    """`hdstream record` of a case's stage, started. onStart runs in its process before it."""
     command = [sys.executable, "-m", "hdstream", "record", case.path, str(folder / f"{name}.exr"), "--quiet",
                "--camera", case.camera, "--imageWidth", "64", "--imageHeight", "36", "--samples", "2",
                "--chunkSize", str(CHUNK_BYTES), "--residency", "stream", "--cacheDir", str(cache),
                "--stats", str(folder / f"{name}.json"), *options]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=onStart)
 
 
 def FinishRecord(process, folder, name):
@@ -58,6 +58,17 @@ def FinishRecord(process, folder, name):
     return (folder / f"{name}.exr").read_bytes(), json.loads((folder / f"{name}.json").read_text())
 
 
+def MovedMesh(core, prim, offset):
+    """A mesh with other points: all its pages are new."""
+    mesh = core.MeshDescription()
+    for name in ("faceVertexCounts", "faceVertexIndices", "holeIndices", "subdivisionScheme", "leftHanded", "primvars"):
+        setattr(mesh, name, getattr(prim.mesh, name))
+    mesh.points = np.array(prim.mesh.points).reshape(-1, 3) + np.float32(offset)
+    result = core.MeshPrim(mesh, prim.placement, prim.purpose, prim.materialPath)
+    result.doubleSided = prim.doubleSided
+    return result
+
+
 class Case:
     """A stage in a session of its own, and its picture with resident geometry."""
 
@@ -68,7 +79,6 @@ class Case:
 
         self.core, self.path, self.camera = _core, str(path), camera
         self.layers = self.statistics = None
-        self.isEdited = False  # a pool counts what it has loaded in all versions of a scene
         self.session = _core.Session()
         TranslateStage(Usd.Stage.Open(self.path), self.session, Usd.TimeCode.Default())
 
@@ -121,12 +131,14 @@ class Case:
         else:
             assert geometry["bytesTotal"] == self.statistics["geometry"]["bytesTotal"]
         assert geometry["uniqueBytesLoaded"] <= geometry["uploadedBytes"]
-        assert self.isEdited or geometry["uniqueBytesLoaded"] <= geometry["bytesTotal"]
-        assert (geometry["chunksTouched"] > 0) == (geometry["uniqueBytesLoaded"] > 0)
+        assert geometry["uniqueBytesLoaded"] <= geometry["bytesTotal"]
+        assert geometry["chunksTouched"] > 0 or geometry["uniqueBytesLoaded"] == 0
+        assert geometry["pinnedBytes"] <= geometry["budget"] // 4
         assert geometry["peakBytes"] <= geometry["budget"]
         assert geometry["iterations"] >= geometry["casts"] > 0
         self.AssertTextures(statistics["texture"])
-        assert self.isEdited or geometry["chunksTouched"] <= geometry["chunks"]
+        assert geometry["chunksTouched"] <= geometry["chunks"]
+        assert geometry["streamedSamples"] == statistics["image"]["samples"]
         # What is resident at any time fits: only what has left can be loaded again.
         if geometry["evictions"] == 0:
             assert geometry["uploadedBytes"] == geometry["uniqueBytesLoaded"] <= geometry["budget"]
@@ -141,10 +153,11 @@ class Case:
         assert texture["peakBytes"] <= texture["budget"]
         assert texture["alwaysResidentBytes"] <= texture["peakBytes"]
         assert texture["uniqueBytesLoaded"] <= texture["uploadedBytes"]
-        assert self.isEdited or texture["uniqueBytesLoaded"] <= texture["bytesTotal"]
+        assert texture["uniqueBytesLoaded"] <= texture["bytesTotal"]
         assert texture["bytesTotal"] == 512 * texture["linesTotal"]
         assert texture["linesLoaded"] <= texture["linesTotal"]
-        assert 0 < texture["misses"] <= texture["lookups"]
+        assert (texture["uploadedBytes"] > 0) <= (texture["misses"] > 0)
+        assert texture["misses"] <= texture["lookups"] > 0
         assert texture["shadeIterations"] >= texture["shadePasses"] > 0
         if texture["evictions"] == 0:
             assert texture["uploadedBytes"] == texture["uniqueBytesLoaded"]

@@ -4,6 +4,7 @@ is made again. The oracle is a picture rendered without a cache."""
 
 import os
 import pathlib
+import resource
 import shutil
 import threading
 import time
@@ -172,8 +173,8 @@ def test_a_folder_that_cannot_be(Scene, tmp_path):
 _LITTLE = ("--geometryMemory", "48K", "--hostMemory", "16K")
 
 
-def _Record(scene, cache, folder, name):
-    return StartRecord(scene, cache, folder, name, *_LITTLE)
+def _Record(scene, cache, folder, name, onStart=None):
+    return StartRecord(scene, cache, folder, name, *_LITTLE, onStart=onStart)
 
 
 def _Finish(process, folder, name):
@@ -189,6 +190,32 @@ def Recorded(Scene, tmp_path_factory):
     start = time.monotonic()
     picture, _ = _Finish(_Record(Scene, ColdCache(folder / "cache"), folder, "alone"), folder, "alone")
     return picture, time.monotonic() - start
+
+
+def _Finished(scene, cache, folder, name, onStart=None):
+    """(picture, geometry's statistics, lines that the command said)"""
+    process = _Record(scene, cache, folder, name, onStart)
+    picture, geometry = _Finish(process, folder, name)
+    return picture, geometry, json.loads((folder / f"{name}.json").read_text())["warnings"]
+
+
+def test_a_full_disk(Scene, Recorded, tmp_path):
+    """Files end at a limit: one warning, the right picture; what was saved by then is used by the next."""
+    cache = ColdCache(tmp_path / "cache")
+    _Finished(Scene, cache, tmp_path, "kernels")  # their binaries are larger than the limit
+    for segment in Segments(cache):
+        segment.unlink()
+
+    def FillDisk():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (2 * _BLOCK_BYTES, 2 * _BLOCK_BYTES))
+
+    picture, geometry, warnings = _Finished(Scene, cache, tmp_path, "full", FillDisk)
+    assert picture == Recorded[0] and geometry["chunksBuilt"] > geometry["chunksTouched"], "pages are made again and again"
+    assert len([line for line in warnings if str(cache) in line]) == 1, warnings
+    [segment] = Segments(cache)
+    assert _BLOCK_BYTES < segment.stat().st_size <= 2 * _BLOCK_BYTES
+    picture, second, _ = _Finished(Scene, cache, tmp_path, "room")
+    assert picture == Recorded[0] and 0 < second["chunksBuilt"] < geometry["chunksTouched"]
 
 
 def test_two_processes_fill_one_cold_cache(Scene, Recorded, tmp_path):

@@ -8,6 +8,9 @@ import pytest
 
 pytest.importorskip("hdstream._core")
 
+from stages import streaming
+from streamCase import Case
+
 _POOLS = ("100%", "79%", "50%", "30%", "15%", "5%", "2%")
 
 
@@ -86,3 +89,20 @@ def test_mapped_pages_give_the_same_bits(Scene, tmp_path):
 def test_mapped_needs_the_cache(Scene):
     with pytest.raises(Scene.core.Error, match="--residency mapped: needs the persistent cache"):
         Scene.Render(residency="mapped", noCache=True)
+
+
+def test_light_geometry_is_pinned(tmp_path):
+    """Up to a quarter of the pool, and not where the report's rule empties it."""
+    streaming.WriteOverlap(str(tmp_path / "stage.usda"), meshes=8, rings=16)
+    case = Case(tmp_path / "stage.usda").RenderResident(noCache=True)
+    for pool in ("100%", "50%", "30%", "15%"):
+        geometry = case.Fresh().AssertStreams(geometryMemory=pool, noCache=True)
+        assert 0 < geometry["pinnedBytes"] <= geometry["budget"] // 4
+        geometry = case.Fresh().AssertStreams(geometryMemory=pool, noCache=True, geometryEviction="flush")
+        assert geometry["pinnedBytes"] == 0
+    dark = dict(case.session.Scene().meshes)
+    glowing = dark["/World/Ball4"]
+    glowing.materialPath = dark["/World/Ball3"].materialPath
+    case.session.SetMesh("/World/Ball4", glowing)
+    case.RenderResident(noCache=True)
+    assert case.AssertStreams(geometryMemory="30%", noCache=True)["pinnedBytes"] == 0, "nothing shines any more"

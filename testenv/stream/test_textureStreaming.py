@@ -4,7 +4,6 @@
 The oracle is the resident mode, whose pictures testenv/render compares with definitions.
 """
 
-import json
 import os
 import pathlib
 import re
@@ -60,7 +59,8 @@ def test_what_fits_is_loaded_once_and_stays(Textured):
     first = case.AssertStreamsTextures()
     assert first["evictions"] == 0 and first["setConflicts"] == 0
     second = case.AssertStreamsTextures(seed=0, cullStyle="nothing")
-    assert second["uploadedBytes"] == first["uploadedBytes"]
+    assert first["uploadedBytes"] > 0 == second["uploadedBytes"] == second["misses"] == second["linesLoaded"]
+    assert second["lookups"] > 0
 
 
 def test_device_memory_is_what_was_asked_for(Textured):
@@ -89,9 +89,8 @@ def test_interactive_pictures_become_exact(Textured):
     case = Textured.Fresh()
     case.Render(residency="stream", shadeIterations=1)
     case.Render(residency="stream", shadeIterations=1, maxDepth=7)  # asks for what came too late for the first one
-    before = json.loads(case.session.Statistics())["texture"]["fallbackTexels"]
     layers, statistics = case.Render(residency="stream", shadeIterations=1)
-    assert statistics["texture"]["fallbackTexels"] == before
+    assert statistics["texture"]["fallbackTexels"] == 0
     case.AssertBits(layers)
 
 

@@ -11,7 +11,7 @@ pytest.importorskip("hdstream._core")
 
 from pxr import Sdf, Vt
 from stages import author, bench, shapes, streaming
-from streamCase import Case
+from streamCase import Case, MovedMesh
 
 _MESH_CHUNK = 256 << 20  # a mesh is one chunk
 
@@ -135,17 +135,6 @@ def test_meshes_of_few_triangles(tmp_path):
 # --- Edits ---------------------------------------------------------------------------------------
 
 
-def _Moved(core, prim, offset):
-    """A mesh with other points."""
-    mesh = core.MeshDescription()
-    for name in ("faceVertexCounts", "faceVertexIndices", "holeIndices", "subdivisionScheme", "leftHanded", "primvars"):
-        setattr(mesh, name, getattr(prim.mesh, name))
-    mesh.points = np.array(prim.mesh.points).reshape(-1, 3) + np.float32(offset)
-    result = core.MeshPrim(mesh, prim.placement, prim.purpose, prim.materialPath)
-    result.doubleSided = prim.doubleSided
-    return result
-
-
 @pytest.mark.parametrize("eviction", ["clock", "flush"])
 @pytest.mark.parametrize("stopsAt", [0, 3], ids=["complete", "stopped"])
 def test_edits_between_renders(tmp_path, eviction, stopsAt):
@@ -156,19 +145,18 @@ def test_edits_between_renders(tmp_path, eviction, stopsAt):
     case, other = Case(path), Case(path)
     meshes = dict(case.session.Scene().meshes)
     settings = dict(noCache=True, geometryMemory="150K", geometryEviction=eviction, hostMemory=1 << 18)
-    moved = _Moved(case.core, meshes["/World/Ball3"], (0.3, 0.2, 0.1))
+    moved = MovedMesh(case.core, meshes["/World/Ball3"], (0.3, 0.2, 0.1))
     hidden = meshes["/World/Ball5"]
     edits = [
         lambda session: session.SetMesh("/World/Ball3", moved),
         lambda session: session.Remove("/World/Ball0"),
-        lambda session: session.SetMesh("/World/New", _Moved(case.core, meshes["/World/Ball1"], (0.5, 0.5, 0.5))),
+        lambda session: session.SetMesh("/World/New", MovedMesh(case.core, meshes["/World/Ball1"], (0.5, 0.5, 0.5))),
         lambda session: (setattr(hidden.placement, "visible", False), session.SetMesh("/World/Ball5", hidden)),
-        lambda session: session.SetMesh("/World/Ball0", _Moved(case.core, meshes["/World/Ball2"], (-0.2, 0.4, 0.0))),
+        lambda session: session.SetMesh("/World/Ball0", MovedMesh(case.core, meshes["/World/Ball2"], (-0.2, 0.4, 0.0))),
         lambda session: (setattr(hidden.placement, "visible", True), session.SetMesh("/World/Ball5", hidden)),
     ]
     case.RenderResident(noCache=True)
     case.AssertStreams(**settings)
-    case.isEdited = True
     for edit in edits:
         if stopsAt > 0:
             reports = iter(range(1000))

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <numeric>
+#include <set>
 #include <vector>
 
 namespace hds::test {
@@ -34,6 +35,10 @@ public:
     std::uint64_t PageId(std::uint32_t page) const override { return _ids[page]; }
     const std::uint8_t* Page(std::uint32_t page) const override { return _pages[page].data(); }
     bool IsExact(std::uint32_t) const override { return true; }
+    bool ShouldStay(std::uint32_t page) const override { return _shouldStay.count(page) > 0; }
+    void Keep(std::vector<std::uint32_t> pages) {
+        _shouldStay = std::set<std::uint32_t>(pages.begin(), pages.end());
+    }
     void Prepare(const std::vector<std::uint32_t>& pages) override {
         for (const std::uint32_t page : pages) {
             _pages[page] = BytesOf(_ids[page]);
@@ -60,12 +65,14 @@ public:
         _file.resize(_file.size() + 64);
     }
     void Drop(std::uint32_t page) override { _pages[page].clear(); }
+    bool HasData(std::uint32_t page) const { return !_pages[page].empty(); }
     std::uint64_t TotalBytes() const { return _total; }
     std::size_t NumPrepared() const { return _numPrepared; }
 
 private:
     std::vector<std::uint64_t> _ids;
     std::vector<std::vector<std::uint8_t>> _pages;
+    std::set<std::uint32_t> _shouldStay;
     std::vector<bool> _isKept;       ///< in the file, once prepared
     std::vector<std::uint8_t> _file; ///< empty: no page can be located
     std::vector<std::uint64_t> _offsets;

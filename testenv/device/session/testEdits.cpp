@@ -23,7 +23,8 @@ MeshPrim MeshOf(const Session& session, const std::string& path) {
     return session.Scene().meshes.at(path);
 }
 
-/// Built, or found in the persistent cache, where an earlier run of the test may have left them.
+/// In the last render: built, or found in the persistent cache, where an earlier run of the test
+/// may have left them.
 std::uint64_t ChunksPrepared(const Session& session) {
     const auto statistics = nlohmann::json::parse(session.Statistics());
     return statistics["geometry"]["chunksBuilt"].get<std::uint64_t>() +
@@ -103,7 +104,6 @@ TEST_F(SessionEdits, GiveTheBitsOfAFreshSession) {
     FillSession(&edited);
     std::vector<ImageLayer> before = RenderOf(&edited, settings);
     for (std::size_t i = 0; i < edits.size(); ++i) {
-        const std::uint64_t chunks = ChunksPrepared(edited);
         edits[i].apply(edited);
         const std::vector<ImageLayer> after = RenderOf(&edited, settings);
         Session fresh;
@@ -113,7 +113,7 @@ TEST_F(SessionEdits, GiveTheBitsOfAFreshSession) {
         }
         EXPECT_TRUE(SameLayers(after, RenderOf(&fresh, settings))) << edits[i].name;
         EXPECT_EQ(!SameLayers(after, before), edits[i].changesImage) << edits[i].name;
-        EXPECT_EQ(ChunksPrepared(edited) > chunks, edits[i].buildsGeometry) << edits[i].name;
+        EXPECT_EQ(ChunksPrepared(edited) > 0, edits[i].buildsGeometry) << edits[i].name;
         before = after;
     }
 }
@@ -123,7 +123,7 @@ TEST_F(SessionEdits, SettingsChangeWithoutTouchingTheScene) {
     FillSession(&session);
     Settings settings = MakeSettings();
     const std::vector<ImageLayer> first = RenderOf(&session, settings);
-    const std::uint64_t chunks = ChunksPrepared(session);
+    EXPECT_GT(ChunksPrepared(session), 0U);
     settings.imageWidth = 37;
     settings.seed = 5;
     settings.aovs = {"color", "normal", "primvars:nothing"};
@@ -131,7 +131,7 @@ TEST_F(SessionEdits, SettingsChangeWithoutTouchingTheScene) {
     EXPECT_EQ(other[0].width, 37U);
     EXPECT_EQ(other.size(), 3U);
     EXPECT_TRUE(SameLayers(RenderOf(&session, MakeSettings()), first));
-    EXPECT_EQ(ChunksPrepared(session), chunks);
+    EXPECT_EQ(ChunksPrepared(session), 0U);
 }
 
 TEST_F(SessionEdits, ACropHasTheBitsOfTheFullImage) {

@@ -5,8 +5,11 @@
 #include "testenv/support/deviceFixture.h"
 #include "testenv/support/sessionScene.h"
 
+#include <nlohmann/json.hpp>
+
 #include <chrono>
 #include <set>
+#include <string>
 #include <thread>
 
 namespace hds::test {
@@ -84,6 +87,75 @@ TEST_F(RenderThreadTest, EditsWhileRenderingEndInTheEditedImage) {
     thread.SetSettings(MakeSettings());
     WaitUntilConverged(thread);
     EXPECT_TRUE(SameLayers(thread.Newest()->layers, Direct(MoveBall(0.05 * 39))));
+}
+
+TEST_F(RenderThreadTest, EditsAndDeletesWhileRequestsAreInFlight) {
+    // A pool of few chunks, so that rays wait all the time; meshes change, go and come back.
+    const auto stream = [](Settings settings) {
+        settings.residency = "stream";
+        settings.geometryMemory = "24K";
+        settings.chunkBytes = 4096;
+        return settings;
+    };
+    const auto setBall = [](int size) {
+        return [size](Session& session) {
+            MeshPrim ball;
+            ball.mesh = MakeGrid(size, 0.4F);
+            ball.placement.worldFromObject = Move(-1.5, 0.8, 0.0);
+            session.SetMesh("/ball", ball);
+        };
+    };
+    const RenderThread::Edit remove = [](Session& session) {
+        session.Remove("/ball");
+        session.Remove("/many/leaf");
+    };
+    RenderThread thread;
+    thread.Post({Fill()});
+    thread.SetSettings(stream(LongSettings()));
+    for (int i = 0; i < 30; ++i) {
+        thread.Post({i % 3 == 1 ? remove : setBall(10 + i)});
+        std::this_thread::sleep_for(std::chrono::milliseconds(7 * (i % 5)));
+    }
+    WaitForAnImage(thread, thread.Version());
+    thread.SetSettings(stream(MakeSettings()));
+    WaitUntilConverged(thread);
+    EXPECT_EQ(thread.Newest()->error, "");
+    const auto result = [&](Session& session) {
+        remove(session);
+        setBall(39)(session);
+    };
+    EXPECT_TRUE(SameLayers(thread.Newest()->layers, Direct(result)));
+}
+
+TEST_F(RenderThreadTest, GeometryBecomesResidentWhileSomeoneLooks) {
+    const RenderThread::Edit setGround = [](Session& session) {
+        MeshPrim ground = session.Scene().meshes.at("/ground");
+        ground.mesh = MakeGrid(700, 0.1F); // too much to be resident from the start
+        session.SetMesh("/ground", ground);
+    };
+    const auto geometry = [](const RenderThread& thread) {
+        return nlohmann::json::parse(thread.Newest()->statistics)["geometry"];
+    };
+    RenderThread thread;
+    thread.Post({Fill(), setGround});
+    thread.SetSettings(LongSettings()); // whose samples repay everything
+    WaitForAnImage(thread, thread.Version());
+    const auto end = std::chrono::steady_clock::now() + kGuard;
+    while (geometry(thread)["mode"] == "stream" && std::chrono::steady_clock::now() < end) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    EXPECT_EQ(geometry(thread)["mode"], "resident");
+    EXPECT_GE(geometry(thread)["streamedSamples"], 1) << "the first picture came before";
+    thread.Post({MoveBall(0.3)});
+    thread.SetSettings(MakeSettings());
+    WaitUntilConverged(thread);
+    EXPECT_EQ(thread.Newest()->error, "");
+    EXPECT_EQ(geometry(thread)["mode"], "resident");
+    EXPECT_EQ(geometry(thread)["streamedSamples"], 0) << "it stays so";
+    EXPECT_TRUE(SameLayers(thread.Newest()->layers, Direct([&](Session& session) {
+                               setGround(session);
+                               MoveBall(0.3)(session);
+                           })));
 }
 
 TEST_F(RenderThreadTest, EditsThatNeverPauseShowPictures) {

@@ -1,107 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // What kernels ask for is there, whole, after the service; the budget holds; the right pages leave.
-#include "hdStream/stream/streamingPool.h"
-#include "testenv/support/deviceFixture.h"
-#include "testenv/support/fakePages.h"
+#include "testenv/device/stream/poolFixture.h"
 
-#include <algorithm>
 #include <random>
 
 namespace hds::test {
 namespace {
-
-const char* const kProbeText = R"(
-#define HDS_FEATURE_STREAMING 1
-#include "stream/residency.clh"
-/* Item i asks for page[i], or marks it as used. */
-kernel void probe_use(global const uint* pages, uint count, uint isRequest HDS_RESIDENCY_ARGS) {
-    const uint i = (uint)get_global_id(0);
-    if (i >= count) {
-        return;
-    }
-    HdsResidencyView view;
-    HDS_RESIDENCY_VIEW(view);
-    if (isRequest != 0u) {
-        residency_request(&view, pages[i]);
-    } else {
-        residency_touch(&view, pages[i]);
-    }
-}
-)";
-
-using Pages = std::vector<std::uint32_t>;
-
-class StreamingPoolTest : public DeviceFixture {
-protected:
-    void SetUp() override {
-        DeviceFixture::SetUp();
-        if (device) {
-            program = Build(kProbeText);
-            probe = program->GetKernel("probe_use");
-        }
-    }
-
-    void Use(const StreamingPool& pool, const Pages& pages, std::uint32_t isRequest) {
-        const Buffer list = Upload(pages);
-        const auto count = static_cast<std::uint32_t>(pages.size());
-        probe.Launch(count, list, count, isRequest, pool.Requests(), pool.RequestCounts(),
-                     pool.Stamps());
-        device->Finish();
-    }
-    void Ask(const StreamingPool& pool, const Pages& pages) { Use(pool, pages, 1); }
-    void Touch(const StreamingPool& pool, const Pages& pages) { Use(pool, pages, 0); }
-
-    /// Words of the table; checks the bytes of every page that is resident.
-    std::vector<std::uint32_t> Table(const StreamingPool& pool,
-                                     const std::vector<std::uint64_t>& ids) {
-        auto words = Download<std::uint32_t>(pool.Addresses(), ids.size());
-        std::vector<std::vector<std::uint8_t>> memory;
-        for (std::uint32_t i = 0; i < pool.NumBuffers(); ++i) {
-            memory.push_back(
-                Download<std::uint8_t>(pool.PoolBuffer(i), pool.PoolBuffer(i).Bytes()));
-        }
-        for (std::size_t page = 0; page < ids.size(); ++page) {
-            const std::uint32_t address = words[page] & ~HDS_PAGE_DONE;
-            if (address == HDS_NOT_RESIDENT) {
-                continue;
-            }
-            const std::vector<std::uint8_t> expected = BytesOf(ids[page]);
-            const std::uint32_t buffer = address >> HDS_POOL_BUFFER_SHIFT;
-            const std::uint64_t at =
-                std::uint64_t{address & ((1U << HDS_POOL_BUFFER_SHIFT) - 1U)} * HDS_POOL_UNIT_BYTES;
-            EXPECT_LT(buffer, memory.size());
-            EXPECT_LE(at + expected.size(), memory[buffer].size());
-            EXPECT_TRUE(std::equal(expected.begin(), expected.end(),
-                                   memory[buffer].begin() + static_cast<std::ptrdiff_t>(at)))
-                << "page " << page;
-        }
-        return words;
-    }
-
-    static Pages Resident(const std::vector<std::uint32_t>& words) {
-        Pages pages;
-        for (std::uint32_t page = 0; page < words.size(); ++page) {
-            if ((words[page] & ~HDS_PAGE_DONE) != HDS_NOT_RESIDENT) {
-                pages.push_back(page);
-            }
-        }
-        return pages;
-    }
-
-    std::unique_ptr<Program> program;
-    Kernel probe;
-};
-
-/// Pages of 160 bytes each.
-std::vector<std::uint64_t> EqualIds(std::size_t count) {
-    std::vector<std::uint64_t> ids;
-    for (std::uint64_t id = 1; ids.size() < count; ++id) {
-        if (BytesOf(id).size() == 160) {
-            ids.push_back(id);
-        }
-    }
-    return ids;
-}
 
 TEST_F(StreamingPoolTest, LoadsWhatIsAskedForMost) {
     const std::vector<std::uint64_t> ids = EqualIds(8);

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/integrator/settling.h"
+
+namespace hds {
+
+namespace {
+
+/// Part of the time of tracing and shading that kernels without streaming code save when nothing is
+/// missing. Measured: docs/streaming.md, "What it costs".
+constexpr double kSavedPart = 0.05;
+/// Of pages, while none has been prepared: two cores build so many.
+constexpr double kSecondsPerByte = 1.0 / 100e6;
+
+} // namespace
+
+bool IsWorthSettling(const SettlingCosts& costs) {
+    const double secondsPerByte =
+        costs.preparedBytes > 0 ? costs.prepareSeconds / static_cast<double>(costs.preparedBytes)
+                                : kSecondsPerByte;
+    return costs.kernelSeconds + secondsPerByte * static_cast<double>(costs.missingBytes) <=
+           kSavedPart * costs.secondsLeft;
+}
+
+} // namespace hds

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether geometry that streams had better become resident in the middle of a render
+// (ResidencyMode::Auto). It changes time, never bits. Explained in docs/streaming.md.
+#pragma once
+
+#include <cstdint>
+
+namespace hds {
+
+/// What is known between two passes of a render.
+struct SettlingCosts {
+    double secondsLeft = 0.0;        ///< of tracing and shading, at the rate of the last pass
+    double kernelSeconds = 0.0;      ///< until kernels without streaming code are there
+    std::uint64_t missingBytes = 0;  ///< pages to be prepared and loaded
+    double prepareSeconds = 0.0;     ///< what preparing pages has taken in this render
+    std::uint64_t preparedBytes = 0; ///< these pages
+};
+
+/// Seconds until a set of kernels is there that is in the persistent cache, or has to be built:
+/// PoCL on two cores (docs/streaming.md).
+constexpr double kSecondsOfCachedKernels = 0.3;
+constexpr double kSecondsOfBuiltKernels = 20.0;
+
+/// Whether what resident kernels save is at least what it takes to have them and all pages.
+bool IsWorthSettling(const SettlingCosts& costs);
+
+} // namespace hds

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a streaming pool does for the whole of a render: it counts what is used, and becomes
+// resident when it holds everything.
+#include "hdStream/base/error.h"
+#include "hdStream/stream/streamingPool.h"
+
+#include <algorithm>
+
+namespace hds {
+
+void StreamingPool::BeginStatistics() {
+    _statistics = {};
+    for (PageState& page : _pages) {
+        page.wasLoaded = false;
+        page.wasUsed = false;
+    }
+    if (_requests.IsValid()) {
+        BeginEpoch();
+        _firstEpoch = _epoch;
+    }
+}
+
+void StreamingPool::CountUsed() {
+    std::vector<std::uint32_t>& stamps = _scratch;
+    _stamps.Read(stamps.data(), stamps.size() * sizeof(std::uint32_t));
+    for (std::uint32_t page = 0; page < _pages.size(); ++page) {
+        if (stamps[page] >= _firstEpoch) {
+            CountGroup(page);
+        }
+    }
+}
+
+/// Counts the group of a page that is used, once.
+void StreamingPool::CountGroup(std::uint32_t page) {
+    PageState& first = _pages[page / kGroupPages * kGroupPages];
+    _statistics.chunksUsed += first.wasUsed ? 0 : 1;
+    first.wasUsed = true;
+}
+
+std::uint64_t StreamingPool::MissingBytes() const {
+    std::uint64_t bytes = 0;
+    for (std::uint32_t page = 0; page < _pages.size(); ++page) {
+        bytes += IsResident(page) ? 0 : _provider->PageBytes(page);
+    }
+    return bytes;
+}
+
+bool StreamingPool::HasRoomForAll() const {
+    std::uint64_t bytes = 0;
+    for (std::uint32_t page = 0; page < _pages.size(); ++page) {
+        bytes += _provider->PageBytes(page);
+    }
+    return bytes <= _bytes;
+}
+
+bool StreamingPool::LoadMissing(std::uint64_t bytes) {
+    std::vector<std::uint32_t> batch;
+    for (std::uint32_t page = 0; page < _pages.size() && bytes > 0; ++page) {
+        if (!IsResident(page) && _provider->PageBytes(page) > 0) {
+            batch.push_back(page);
+            bytes -= std::min(bytes, _provider->PageBytes(page));
+        }
+    }
+    Prepare(batch);
+    bool hasRoom = true;
+    for (const std::uint32_t page : batch) {
+        PageState& state = _pages[page];
+        hasRoom = hasRoom && _ranges.Allocate(state.bytes, state.isPinned, &state.range);
+        if (hasRoom) {
+            _queued.push_back(page);
+        }
+    }
+    LoadQueued(false);
+    return hasRoom;
+}
+
+void StreamingPool::Settle() {
+    HDS_VERIFY(MissingBytes() == 0, _label);
+    BeginCast(); // no word says "done"
+    for (std::uint32_t page = 0; page < _pages.size(); ++page) {
+        _provider->Drop(page);
+    }
+}
+
+} // namespace hds
