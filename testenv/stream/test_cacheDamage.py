@@ -194,9 +194,8 @@ def Recorded(Scene, tmp_path_factory):
 
 def _Finished(scene, cache, folder, name, onStart=None):
     """(picture, geometry's statistics, lines that the command said)"""
-    process = _Record(scene, cache, folder, name, onStart)
-    picture, geometry = _Finish(process, folder, name)
-    return picture, geometry, json.loads((folder / f"{name}.json").read_text())["warnings"]
+    picture, statistics = FinishRecord(_Record(scene, cache, folder, name, onStart), folder, name)
+    return picture, statistics["geometry"], statistics["warnings"]
 
 
 def test_a_full_disk(Scene, Recorded, tmp_path):
