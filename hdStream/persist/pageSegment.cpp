@@ -48,6 +48,7 @@ std::shared_ptr<PageSegment> PageSegment::Open(const std::string& path, std::uin
                           segment->_file.TryLock(kWriterLock, 1, true) == LockResult::Acquired;
     segment->ReadIndex(pages);
     segment->_isWriter = isLocked && segment->IsFitForAppending(mayGrowBy);
+    segment->_written = std::min(segment->_end, segment->_file.Size());
     if (isLocked && !segment->_isWriter) {
         segment->_file.Unlock(kWriterLock, 1);
     }
@@ -209,8 +210,15 @@ bool PageSegment::Write(const PageKey& key, const StoredPage& page, const void* 
     entry.payloadChecksum = page.checksum;
     entry.kind = EntryKind::Page;
     Seal(&entry, page.slot);
-    return _file.Write(page.offset, data, page.bytes) &&
-           _file.Write(page.slot, &entry, sizeof(entry));
+    if (!_file.Write(page.offset, data, page.bytes) ||
+        !_file.Write(page.slot, &entry, sizeof(entry))) {
+        return false;
+    }
+    const std::uint64_t end = page.bytes > 0 ? page.offset + page.bytes : 0;
+    std::uint64_t known = _written.load(std::memory_order_relaxed);
+    while (known < end && !_written.compare_exchange_weak(known, end, std::memory_order_relaxed)) {
+    }
+    return true;
 }
 
 bool PageSegment::Read(const StoredPage& page, std::uint8_t* data) const {
@@ -239,7 +247,8 @@ void PageSegment::Reject(const PageKey& key, const StoredPage& page) const {
     entry.bytes = page.bytes;
     entry.kind = EntryKind::RejectedPage;
     Seal(&entry, page.slot);
-    if (_file.IsWritable()) {
+    // Never longer than it is: see IsCut.
+    if (_file.IsWritable() && page.slot + sizeof(entry) <= _file.Size()) {
         _file.Write(page.slot, &entry, sizeof(entry));
     }
 }

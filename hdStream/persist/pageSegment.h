@@ -66,6 +66,9 @@ public:
     /// Index entries that were found to be wrong when it was opened.
     std::uint64_t DamagedEntries() const { return _damagedEntries; }
     bool IsUnlinked() const { return _file.IsUnlinked(); }
+    /// Whether the file has become shorter than what is in it. It must not be appended to: the hole
+    /// in between would read as pages of zeros.
+    bool IsCut() const { return _file.Size() < _written.load(std::memory_order_relaxed); }
 
     /// From now on no process removes the file for lack of room; it counts as used just now.
     void MarkUsed();
@@ -82,6 +85,12 @@ public:
 
     /// \return false if it cannot be read or is not what was saved.
     bool Read(const StoredPage& page, std::uint8_t* data) const;
+
+    /// Bytes [offset, offset + bytes) of a page that was verified. \return false: cannot be read.
+    bool ReadPart(const StoredPage& page, std::uint64_t offset, std::size_t bytes,
+                  void* data) const {
+        return _file.Read(page.offset + offset, data, bytes);
+    }
 
     /// As Read, without keeping it.
     bool Verify(const StoredPage& page) const;
@@ -118,6 +127,7 @@ private:
     bool _isWriter = false;
     bool _isTrimmed = false; ///< what a dead writer left behind _end is gone
     std::atomic<bool> _isUsed{false};
+    mutable std::atomic<std::uint64_t> _written{0}; ///< end of the last page there, for a writer
     const std::uint8_t* _mapping = nullptr;
 };
 

@@ -58,6 +58,7 @@ struct PageStore::Impl {
     void OpenSegments();
     void AddSegment(std::shared_ptr<PageSegment> segment, const std::vector<IndexedPage>& indexed);
     std::optional<FoundPage> Find(const PageKey& key) const;
+    std::optional<FoundPage> FindVerified(const PageKey& key);
     void Reject(const PageKey& key, const FoundPage& page);
     std::optional<FoundPage> Reserve(std::uint64_t bytes);
     bool ReadyWriter();
@@ -129,6 +130,26 @@ std::optional<FoundPage> PageStore::Impl::Find(const PageKey& key) const {
     return FoundPage{page.stored, page.segment, page.isVerified, segments[page.segment]};
 }
 
+/// A page that is verified now, and marked as used.
+std::optional<FoundPage> PageStore::Impl::FindVerified(const PageKey& key) {
+    const auto page = Find(key);
+    if (!page) {
+        return std::nullopt;
+    }
+    page->segment->MarkUsed();
+    if (!page->isVerified) {
+        if (!page->segment->Verify(page->stored)) {
+            Reject(key, *page);
+            return std::nullopt;
+        }
+        const std::unique_lock<std::shared_mutex> lock(mutex);
+        if (const auto found = pages.find(key); found != pages.end()) {
+            found->second.isVerified = true;
+        }
+    }
+    return page;
+}
+
 void PageStore::Impl::Reject(const PageKey& key, const FoundPage& page) {
     {
         const std::unique_lock<std::shared_mutex> lock(mutex);
@@ -157,6 +178,8 @@ bool PageStore::Impl::ReadyWriter() {
             return false;
         }
         writer.reset(); // the cache was cleared
+    } else if (writer != nullptr && writer->IsCut()) {
+        writer.reset(); // pages that are left in it are read still
     }
     return true;
 }
@@ -309,23 +332,23 @@ bool PageStore::Save(const PageKey& key, const void* data, std::size_t bytes) {
     return true;
 }
 
+bool PageStore::LoadPart(const PageKey& key, std::uint64_t offset, std::size_t bytes, void* data) {
+    const auto page = _impl->FindVerified(key);
+    if (!page || offset > page->stored.bytes || bytes > page->stored.bytes - offset) {
+        return false;
+    }
+    if (!page->segment->ReadPart(page->stored, offset, bytes, data)) {
+        _impl->Reject(key, *page); // the file was cut meanwhile
+        return false;
+    }
+    return true;
+}
+
 std::optional<PageLocation> PageStore::Locate(const PageKey& key) {
-    const auto page = _impl->Find(key);
-    if (!page) {
-        return std::nullopt;
-    }
-    page->segment->MarkUsed();
-    if (!page->isVerified) {
-        if (!page->segment->Verify(page->stored)) {
-            _impl->Reject(key, *page);
-            return std::nullopt;
-        }
-        const std::unique_lock<std::shared_mutex> lock(_impl->mutex);
-        if (const auto found = _impl->pages.find(key); found != _impl->pages.end()) {
-            found->second.isVerified = true;
-        }
-    }
-    return PageLocation{page->number, page->stored.offset, page->stored.bytes};
+    const auto page = _impl->FindVerified(key);
+    return page ? std::make_optional(
+                      PageLocation{page->number, page->stored.offset, page->stored.bytes})
+                : std::nullopt;
 }
 
 const std::uint8_t* PageStore::SegmentData(std::uint32_t segment) {

@@ -64,6 +64,10 @@ public:
     /// damaged: it is forgotten then, `bytes` holds nothing of use, and the caller makes it again.
     bool Load(const PageKey& key, std::vector<std::uint8_t>* bytes);
 
+    /// Copies bytes [offset, offset + bytes) of a page. The page is verified as a whole the first
+    /// time. \return as Load; a part that is not inside the page is absent.
+    bool LoadPart(const PageKey& key, std::uint64_t offset, std::size_t bytes, void* data);
+
     /// Keeps a page; one that is there is left as it is. After a failure (one warning) nothing is
     /// saved any more, what was saved stays readable.
     /// \return whether the page is in the store now.

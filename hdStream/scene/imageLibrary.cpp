@@ -14,11 +14,12 @@ std::string KeyOf(const AssetReference& asset) {
     return name + '\n' + std::to_string(asset.offset) + '\n' + std::to_string(asset.size);
 }
 
-/// HDS_WRAP_* of a file's wrap mode as OpenImageIO calls it.
+/// HDS_WRAP_* of a file's wrap mode as OpenImageIO or UsdUVTexture calls it.
 std::optional<std::uint32_t> WrapFrom(const std::string& mode) {
     static const std::map<std::string, std::uint32_t> kModes = {{"black", HDS_WRAP_BLACK},
                                                                 {"clamp", HDS_WRAP_CLAMP},
                                                                 {"periodic", HDS_WRAP_REPEAT},
+                                                                {"repeat", HDS_WRAP_REPEAT},
                                                                 {"mirror", HDS_WRAP_MIRROR}};
     const auto found = kModes.find(mode);
     return found == kModes.end() ? std::nullopt : std::make_optional(found->second);

@@ -60,6 +60,9 @@ std::string ReadBytes(const ImageSource& source, std::uint64_t wholeFileLimit,
     if (std::filesystem::is_directory(status)) {
         return "is a folder";
     }
+    if (!std::filesystem::is_regular_file(status)) { // opening a pipe would wait for its writer
+        return "is not a file";
+    }
     std::ifstream file(source.file, std::ios::binary | std::ios::ate);
     if (!file) {
         return "cannot be opened for reading";
@@ -246,6 +249,11 @@ ColorChannels FindColorChannels(const OIIO::ImageSpec& spec) {
     };
     ColorChannels channels;
     channels.alpha = spec.alpha_channel >= 0 ? spec.alpha_channel : find('A');
+    if (spec.nchannels == 2 && channels.alpha < 0) { // as UsdUVTexture has it, whatever their names
+        channels.red = channels.green = channels.blue = 0;
+        channels.alpha = 1;
+        return channels;
+    }
     const std::array<int, 3> rgb{find('R'), find('G'), find('B')};
     if (rgb[0] >= 0 && rgb[1] >= 0) {
         channels.red = rgb[0];

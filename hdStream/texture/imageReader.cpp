@@ -23,6 +23,9 @@ ImageInfo DescribeImage(const ImageFile& file) {
     const std::size_t comma = wraps.find(',');
     info.wrapS = wraps.substr(0, comma);
     info.wrapT = comma == std::string::npos ? wraps : wraps.substr(comma + 1);
+    // What UsdUVTexture's text asks for comes first.
+    info.wrapS = spec.get_string_attribute("wrapS", info.wrapS);
+    info.wrapT = spec.get_string_attribute("wrapT", info.wrapT);
     info.bytesDecoded = std::uint64_t{info.width} * info.height * spec.pixel_bytes(true);
     return info;
 }

@@ -27,7 +27,8 @@ struct ImageInfo {
     std::string channelType;    ///< "uint8", "uint16", "half", "float" ...
     std::string autoColorSpace; ///< what "auto" means for it: "sRGB" or "raw"
     bool hasAlpha = false;
-    std::string wrapS; ///< "periodic", "black", "clamp", "mirror"; empty: the file does not say
+    std::string
+        wrapS; ///< "periodic" or "repeat", "black", "clamp", "mirror"; empty: the file does not say
     std::string wrapT;
     std::uint64_t bytesDecoded = 0; ///< of the base level in memory, as read
 

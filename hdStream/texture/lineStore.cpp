@@ -4,7 +4,6 @@
 #include "hdStream/base/error.h"
 
 #include <algorithm>
-#include <cstring>
 
 namespace hds {
 
@@ -41,9 +40,7 @@ void LineStore::Complete(std::uint32_t first, std::uint32_t count) {
             continue;
         }
         HDS_VERIFY(!group.lines.empty(), "a group is complete that nobody has opened");
-        if (_store &&
-            _store->Save(KeyOf(index), group.lines.data(), group.lines.size() * HDS_LINE_BYTES) &&
-            Find(index) != nullptr) {
+        if (_store && Keep(index)) {
             std::vector<TextureLine>().swap(group.lines);
         } else {
             group.data.store(group.lines.data(), std::memory_order_release);
@@ -51,39 +48,31 @@ void LineStore::Complete(std::uint32_t first, std::uint32_t count) {
     }
 }
 
-const TextureLine* LineStore::Find(std::uint32_t index) const {
-    const Group& group = _groups[index];
-    const TextureLine* data = group.data.load(std::memory_order_acquire);
-    if (data != nullptr || !_store) {
-        return data;
+/// Saves a group. One that is there already may turn out to be damaged, and is saved anew then.
+bool LineStore::Keep(std::uint32_t index) const {
+    const std::vector<TextureLine>& lines = _groups[index].lines;
+    for (int attempt = 0; attempt < 2; ++attempt) {
+        if (!_store->Save(KeyOf(index), lines.data(), lines.size() * HDS_LINE_BYTES)) {
+            return false;
+        }
+        if (_store->Locate(KeyOf(index))) {
+            return true;
+        }
     }
-    const auto location = _store->Locate(KeyOf(index));
-    if (!location || location->bytes != std::uint64_t{GroupSize(index)} * HDS_LINE_BYTES) {
-        return nullptr;
-    }
-    const std::uint8_t* segment = _store->SegmentData(location->segment);
-    if (segment == nullptr) {
-        return nullptr;
-    }
-    data = reinterpret_cast<const TextureLine*>(segment + location->offset);
-    group.data.store(data, std::memory_order_release);
-    return data;
+    return false;
 }
 
 bool LineStore::Read(std::uint32_t line, TextureLine* out) const {
-    const TextureLine* group = Find(line / kGroupLines);
+    const std::uint32_t index = line / kGroupLines;
+    const TextureLine* group = _groups[index].data.load(std::memory_order_acquire);
     if (group != nullptr) {
-        std::memcpy(out, group + line % kGroupLines, sizeof(*out));
+        *out = group[line % kGroupLines];
         return true;
     }
-    std::vector<std::uint8_t> bytes; // a segment that cannot be mapped
-    const std::uint32_t index = line / kGroupLines;
-    if (!_store || !_store->Load(KeyOf(index), &bytes) ||
-        bytes.size() != std::size_t{GroupSize(index)} * HDS_LINE_BYTES) {
-        return false;
-    }
-    std::memcpy(out, &bytes[std::size_t{line % kGroupLines} * HDS_LINE_BYTES], sizeof(*out));
-    return true;
+    // Not through a mapping: a file that is cut while it is mapped would be a signal.
+    return _store &&
+           _store->LoadPart(KeyOf(index), std::uint64_t{line % kGroupLines} * HDS_LINE_BYTES,
+                            sizeof(*out), out->data());
 }
 
 std::uint64_t LineStore::HostBytes() const {

@@ -43,12 +43,12 @@ private:
     struct Group {
         std::vector<TextureLine> lines; ///< while it is filled, and when the store did not take it
         std::uint32_t numComplete = 0;
-        mutable std::atomic<const TextureLine*> data{nullptr};
+        std::atomic<const TextureLine*> data{nullptr}; ///< of complete `lines`
     };
 
     std::uint32_t GroupSize(std::uint32_t group) const;
     PageKey KeyOf(std::uint32_t group) const;
-    const TextureLine* Find(std::uint32_t group) const;
+    bool Keep(std::uint32_t group) const;
 
     std::shared_ptr<PageStore> _store;
     PageKey _key;

@@ -15,6 +15,8 @@ namespace {
 
 /// Lines read and uploaded at a time: 8 MiB.
 constexpr std::uint32_t kBatchLines = 16384;
+/// Opened at a time, so that what does not fit is found before all is prepared.
+constexpr std::size_t kBatchTextures = 64;
 
 } // namespace
 
@@ -32,26 +34,37 @@ void ResidentTextures::Update(LineProvider* provider) {
     }
     _ids = std::move(ids);
     const Timer timer;
-    std::vector<std::uint32_t> all(provider->NumTextures());
-    std::iota(all.begin(), all.end(), 0U);
-    provider->Open(all);
-    _textures = {};
-    _textures.Update(*provider);
-    for (const std::uint32_t texture : all) {
-        _textures.Add(*provider, texture);
-    }
-    _statistics.openSeconds += timer.Seconds();
-    _statistics.openedTextures += all.size();
-    const std::uint64_t numLines = _textures.NumLines();
-    if (numLines > LineBuffers::MaxSlots(*_device)) {
-        throw Error("textures: " + std::to_string(numLines * HDS_LINE_BYTES) +
-                    " bytes do not fit the device's memory; --residency stream needs less");
-    }
     _buffers = nullptr; // frees first
-    _buffers = std::make_unique<LineBuffers>(_device, numLines);
+    OpenAll(provider);
+    _statistics.openSeconds += timer.Seconds();
+    _statistics.openedTextures += _ids.size();
+    _buffers = std::make_unique<LineBuffers>(_device, _textures.NumLines());
     _records = Buffer();
     _records = UploadVector(_device, "textures", _textures.Records());
     UploadLines(provider);
+}
+
+void ResidentTextures::OpenAll(LineProvider* provider) {
+    _textures = {};
+    _textures.Update(*provider);
+    std::vector<std::uint32_t> all(provider->NumTextures());
+    std::iota(all.begin(), all.end(), 0U);
+    for (std::size_t begin = 0; begin < all.size(); begin += kBatchTextures) {
+        const std::size_t end = std::min(all.size(), begin + kBatchTextures);
+        const std::vector<std::uint32_t> batch(all.begin() + static_cast<std::ptrdiff_t>(begin),
+                                               all.begin() + static_cast<std::ptrdiff_t>(end));
+        provider->Open(batch);
+        for (const std::uint32_t texture : batch) {
+            _textures.Add(*provider, texture);
+        }
+        const std::uint64_t numLines = _textures.NumLines();
+        if (numLines > LineBuffers::MaxSlots(*_device)) {
+            throw Error("textures: " + std::to_string(numLines * HDS_LINE_BYTES) +
+                        " bytes of the first " + std::to_string(end) + " of " +
+                        std::to_string(all.size()) +
+                        " do not fit the device's memory; --residency stream needs less");
+        }
+    }
 }
 
 void ResidentTextures::UploadLines(LineProvider* provider) {

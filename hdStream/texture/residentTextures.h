@@ -30,6 +30,7 @@ public:
     const TextureStatistics& Statistics() const { return _statistics; }
 
 private:
+    void OpenAll(LineProvider* provider);
     void UploadLines(LineProvider* provider);
 
     std::shared_ptr<Device> _device;

@@ -17,7 +17,7 @@ namespace hds {
 namespace {
 
 /// Bump when preparation gives other bytes for the same file.
-constexpr std::uint64_t kTextureVersion = 1;
+constexpr std::uint64_t kTextureVersion = 2;
 
 bool IsNamedSpace(const std::string& space) {
     return !space.empty() && space != "raw" && space != "sRGB" && space != "auto";

@@ -37,9 +37,9 @@ std::vector<UdimFile> FindUdimFiles(const std::string& pattern) {
         const std::string digits = candidate.substr(at, kDigits);
         const bool isNumber = std::all_of(digits.begin(), digits.end(),
                                           [](unsigned char c) { return c >= '0' && c <= '9'; });
-        if (isNumber && std::stoul(digits) >= kFirstUdim) {
-            files.push_back({static_cast<std::uint32_t>(std::stoul(digits)) - kFirstUdim,
-                             entry->path().string()});
+        const std::uint32_t number = isNumber ? std::uint32_t(std::stoul(digits)) : 0;
+        if (number >= kFirstUdim && number <= kLastUdim) {
+            files.push_back({number - kFirstUdim, entry->path().string()});
         }
     }
     std::sort(files.begin(), files.end(),

@@ -5,7 +5,7 @@ import json
 
 import pytest
 
-from cliCase import SMALL, Run, WriteStage
+from cliCase import SCENE, SMALL, Run, WriteStage
 
 _KEYS = {
     "device": "name memory",
@@ -48,3 +48,15 @@ def test_figures_agree_with_the_render(Statistics):
     assert time["trace"] + time["shade"] <= time["render"] <= time["total"]
     assert time["firstPixel"] <= time["total"]
     assert Statistics["accuracy"]["nanSamples"] == 0
+
+
+@pytest.mark.parametrize("level, triangles", [("low", 2), ("0", 2), ("medium", 8), ("high", 32), ("4", 512)])
+def test_refine_levels_have_names_and_numbers(tmp_path, level, triangles):
+    """A quad is cut into 4^level quads of two triangles."""
+    stage = tmp_path / "quad.usda"
+    stage.write_text('#usda 1.0\n' + SCENE.replace("[3]", "[4]").replace("[0, 1, 2]", "[0, 1, 2, 3]").replace(
+        "(0, 1, 0)]", "(1, 1, 0), (-1, 1, 0)]").replace('"none"', '"catmullClark"'))
+    done = Run("record", stage, tmp_path / "out.exr", *SMALL, "--camera", "main_cam", "--subdivision", "complexity",
+               "--complexity", level, "--stats", tmp_path / "stats.json")
+    assert done.code == 0, done.text
+    assert json.loads((tmp_path / "stats.json").read_text())["geometry"]["triangles"] == triangles

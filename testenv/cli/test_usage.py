@@ -22,6 +22,7 @@ from cliCase import SMALL, AssertFails, Run, RunHere, WriteStage
     (["record", "a.usda", "b.exr", "--time", "nan"], "--time"),
     (["record", "a.usda", "b.exr", "--noise", "-0.5"], "--noise"),
     (["record", "a.usda", "b.exr", "--complexity", "extreme"], "extreme"),
+    (["record", "a.usda", "b.exr", "--complexity", "9"], "'9'"),
     (["record", "a.usda", "b.exr", "--residency", "nowhere"], "nowhere"),
     (["record", "a.usda", "b.exr", "--geometryMemory", "12Q"], "--geometryMemory"),
     (["record", "a.usda", "b.exr", "--textureMemory", "130%"], "130%"),

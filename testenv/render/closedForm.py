@@ -88,6 +88,31 @@ def EnclosureRadiance(emission: float, albedo: float, fraction: float, bounces: 
     return total
 
 
+def PreviewReflected(normal, view, light, diffuseColor=(0.18,) * 3, specularColor=(0.0,) * 3, useSpecularWorkflow=0,
+                     metallic=0.0, roughness=0.5, clearcoat=0.0, clearcoatRoughness=0.01, opacity=1.0, ior=1.5) -> np.ndarray:
+    """f cos [3] of UsdPreviewSurface for unit directions to the viewer and to the light, as its text and docs/shading.md
+    state it: Schlick's Fresnel, GGX of the squared roughness with height-correlated Smith terms."""
+    normal, view, light = (_Unit(v) for v in (normal, view, light))
+    half = _Unit(view + light)
+    cosV, cosL, cosH, e = normal @ view, normal @ light, normal @ half, view @ half
+    color, r2, schlick = np.array(diffuseColor, float) * opacity, ((1 - ior) / (1 + ior)) ** 2, (1 - e) ** 5
+    if useSpecularWorkflow:
+        f0, f90, diffuse = np.array(specularColor, float), np.ones(3), color
+    else:
+        tint = 1 - metallic + metallic * color
+        f0, f90, diffuse = (1 - metallic) * r2 * tint + metallic * tint, tint, color * (1 - metallic)
+
+    def Lobe(rough):
+        a2 = rough**4
+        smith = lambda c: (np.sqrt(1 + a2 * (1 / c**2 - 1)) - 1) / 2
+        distribution = a2 / (np.pi * (cosH**2 * (a2 - 1) + 1) ** 2)
+        return distribution / (1 + smith(cosV) + smith(cosL)) / (4 * cosV)
+
+    fresnel, coat = f0 + (f90 - f0) * schlick, clearcoat * (r2 + (1 - r2) * schlick)
+    base = diffuse * (1 - fresnel) * cosL / np.pi + fresnel * Lobe(roughness)
+    return base * (1 - coat) + coat * Lobe(clearcoatRoughness)
+
+
 def PreviewAlbedo(cosine, rgb, roughness=0.5, metallic=0.0, clearcoat=0.0, clearcoatRoughness=0.01, ior=1.5,
                   specularColor=None, steps: int = 600) -> np.ndarray:
     """Directional albedo [3] of UsdPreviewSurface as docs/shading.md states it, seen at `cosine`: midpoint

@@ -16,11 +16,14 @@ _TYPES = {"file": Sdf.ValueTypeNames.Asset, "scale": Sdf.ValueTypeNames.Float4, 
 
 
 def AddTexture(material, name: str, st=None, **inputs) -> UsdShade.Shader:
-    """A UsdUVTexture below a material; `st` is a shader whose result it reads, by default the primvar st."""
+    """A UsdUVTexture below a material; `st` is a shader whose result it reads, by default the primvar st. Wraps repeat
+    unless they are given; None leaves an input out."""
     path = material.GetPath()
     texture = UsdShade.Shader.Define(material.GetPrim().GetStage(), path.AppendChild(name))
     texture.CreateIdAttr("UsdUVTexture")
-    for key, value in dict(wrapS="repeat", wrapT="repeat", **inputs).items() if "wrapS" not in inputs else inputs.items():
+    for key, value in {"wrapS": "repeat", "wrapT": "repeat", **inputs}.items():
+        if value is None:
+            continue
         value = Gf.Vec4f(*map(float, value)) if isinstance(value, (tuple, list)) else value
         texture.CreateInput(key, _TYPES.get(key, Sdf.ValueTypeNames.Token)).Set(value)
     st = st or AddReader(material, name + "St", "float2", "st")

@@ -34,8 +34,9 @@ def _Unpredict(packed: bytes) -> bytes:
     return out.tobytes()
 
 
-def WriteExr(path, channels: dict, half: bool = True) -> None:
-    """Writes {name: [height][width]} as ZIP-compressed scan lines; half or float for all channels."""
+def WriteExr(path, channels: dict, half: bool = True, texts: dict | None = None) -> None:
+    """Writes {name: [height][width]} as ZIP-compressed scan lines; half or float for all channels. `texts`: string
+    attributes of the header."""
     names = sorted(channels)
     height, width = channels[names[0]].shape
     dtype = _TYPES[1 if half else 2]
@@ -47,7 +48,8 @@ def WriteExr(path, channels: dict, half: bool = True) -> None:
         attribute("dataWindow", "box2i", window), attribute("displayWindow", "box2i", window),
         attribute("lineOrder", "lineOrder", b"\0"), attribute("pixelAspectRatio", "float", struct.pack("<f", 1)),
         attribute("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0)),
-        attribute("screenWindowWidth", "float", struct.pack("<f", 1))]) + b"\0"
+        attribute("screenWindowWidth", "float", struct.pack("<f", 1)),
+        *(attribute(key, "string", text.encode()) for key, text in (texts or {}).items())]) + b"\0"
     planes = np.stack([np.asarray(channels[n]).astype(dtype) for n in names], 1)  # [height][channel][width]
     blocks = []
     for row in range(0, height, 16):
@@ -64,9 +66,10 @@ def WriteExr(path, channels: dict, half: bool = True) -> None:
         stream.write(b"".join(blocks))
 
 
-def WritePng(path, pixels: np.ndarray, level: int = 9) -> None:
+def WritePng(path, pixels: np.ndarray, level: int = 9, gamma: float | None = None, texts: dict | None = None) -> None:
     """Writes [height][width][1 to 4] of uint8 or uint16: gray, gray and alpha, RGB, RGBA. `level` of
-    deflate: 0 stores. Source: PNG specification, W3C 2003 (ISO/IEC 15948)."""
+    deflate: 0 stores. `gamma`: of encoding, 1 or 1 / 2.2. `texts`: by keyword. Source: PNG specification, W3C 2003
+    (ISO/IEC 15948)."""
     height, width, channels = pixels.shape
     bits = 8 * pixels.dtype.itemsize
     rows = pixels.astype(pixels.dtype.newbyteorder(">")).reshape(height, -1)
@@ -76,6 +79,10 @@ def WritePng(path, pixels: np.ndarray, level: int = 9) -> None:
     with open(path, "wb") as stream:
         stream.write(b"\x89PNG\r\n\x1a\n")
         stream.write(chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, bits, colorType, 0, 0, 0)))
+        if gamma is not None:
+            stream.write(chunk(b"gAMA", struct.pack(">I", round(gamma * 100000))))
+        for key, text in (texts or {}).items():
+            stream.write(chunk(b"tEXt", key.encode() + b"\0" + text.encode()))
         stream.write(chunk(b"IDAT", zlib.compress(raw, level)) + chunk(b"IEND", b""))
 
 

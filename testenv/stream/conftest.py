@@ -18,7 +18,7 @@ if importlib.util.find_spec("hdstream") is None:
                 [str(build)] + [path for path in [os.environ.get("PYTHONPATH")] if path])
             break
 
-from stages import streaming  # noqa: E402
+from stages import streaming, textured  # noqa: E402
 
 
 @pytest.fixture(scope="session", params=list(streaming.CASES))
@@ -28,4 +28,14 @@ def Scene(request, tmp_path_factory):
 
     path = tmp_path_factory.mktemp(request.param) / "stage.usda"
     streaming.CASES[request.param](str(path))
+    return Case(path).RenderResident()
+
+
+@pytest.fixture(scope="session")
+def Textured(tmp_path_factory):
+    """The stage of stages/textured.py, rendered with resident textures."""
+    from streamCase import Case
+
+    path = tmp_path_factory.mktemp("textured") / "stage.usda"
+    textured.WriteTextured(str(path))
     return Case(path).RenderResident()

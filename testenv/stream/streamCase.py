@@ -1,32 +1,61 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A stage rendered with streamed geometry, against its picture with resident geometry."""
+"""A stage rendered with streamed geometry and textures, against its picture with resident ones."""
 
 import json
+import os
 import pathlib
 import shutil
+import subprocess
+import sys
 
 import numpy as np
+import pytest
 
 AOVS = ["color", "depth", "normal", "primId", "instanceId", "elementId", "primvars:displayColor", "variance"]
 SIZE = (61, 43)  # odd: no wave ends with a row
 SAMPLES = 3
 CHUNK_BYTES = 4096
+RECORD_SECONDS = 120  # a command that takes longer hangs
 
 
 def ColdCache(folder) -> str:
-    """A cache folder without pages. It has the kernels of the common one, which take longer than a test."""
+    """A cache folder without pages. It has the kernels of the common one, which take longer than a test: their files,
+    where links can be made, since there may be many."""
     from hdstream import _core
 
     folder = pathlib.Path(folder)
     folder.mkdir()
     for kernel in pathlib.Path(_core.InspectCache("").directory).glob("kernel-*.hdsc"):
-        shutil.copy(kernel, folder)
+        try:
+            os.link(kernel, folder / kernel.name)
+        except OSError:
+            shutil.copy(kernel, folder)
     return str(folder)
 
 
 def Segments(cache) -> list:
     """The files of a cache folder that hold pages."""
     return sorted(pathlib.Path(cache).glob("pages-*.hdsp"))
+
+
+def StartRecord(case, cache, folder, name, *options):
+    """`hdstream record` of a case's stage, started."""
+    command = [sys.executable, "-m", "hdstream", "record", case.path, str(folder / f"{name}.exr"), "--quiet",
+               "--camera", case.camera, "--imageWidth", "64", "--imageHeight", "36", "--samples", "2",
+               "--chunkSize", str(CHUNK_BYTES), "--residency", "stream", "--cacheDir", str(cache),
+               "--stats", str(folder / f"{name}.json"), *options]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def FinishRecord(process, folder, name):
+    """(picture file's bytes, statistics) of a command that must succeed."""
+    try:
+        out, err = process.communicate(timeout=RECORD_SECONDS)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        pytest.fail(f"hdstream record hangs: {process.communicate()}")
+    assert process.returncode == 0, out + err
+    return (folder / f"{name}.exr").read_bytes(), json.loads((folder / f"{name}.json").read_text())
 
 
 class Case:
@@ -46,6 +75,14 @@ class Case:
     def Fresh(self):
         """The same in a new session, whose accounts begin at 0."""
         case = Case(self.path, self.camera)
+        case.layers, case.statistics = self.layers, self.statistics
+        return case
+
+    def Copy(self, folder):
+        """The stage, with images of its own."""
+        copy = pathlib.Path(folder) / "copy"
+        shutil.copytree(pathlib.Path(self.path).parent, copy)
+        case = Case(copy / pathlib.Path(self.path).name, self.camera)
         case.layers, case.statistics = self.layers, self.statistics
         return case
 

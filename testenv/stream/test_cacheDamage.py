@@ -2,12 +2,9 @@
 """Whatever happens to the folder of the persistent cache, the picture has the right bits, and what is not in the folder
 is made again. The oracle is a picture rendered without a cache."""
 
-import json
 import os
 import pathlib
 import shutil
-import subprocess
-import sys
 import threading
 import time
 
@@ -17,9 +14,8 @@ import pytest
 pytest.importorskip("hdstream._core")
 
 from stages import streaming
-from streamCase import CHUNK_BYTES, Case, ColdCache, Segments
+from streamCase import RECORD_SECONDS, Case, ColdCache, FinishRecord, Segments, StartRecord
 
-_SECONDS = 120  # a command that takes longer hangs
 _BLOCK_BYTES = 1 << 16  # of a segment's index (docs/cache-format.md)
 # So little memory that pages are read from the cache all the time.
 _THRASH = dict(geometryMemory="40K", hostMemory=1 << 14, waveSize=1 << 11)
@@ -173,25 +169,17 @@ def test_a_folder_that_cannot_be(Scene, tmp_path):
 # --- Processes -----------------------------------------------------------------------------------
 
 
+_LITTLE = ("--geometryMemory", "48K", "--hostMemory", "16K")
+
+
 def _Record(scene, cache, folder, name):
-    """`hdstream record` of the scene, started."""
-    command = [sys.executable, "-m", "hdstream", "record", scene.path, str(folder / f"{name}.exr"), "--quiet",
-               "--camera", scene.camera, "--imageWidth", "64", "--imageHeight", "36", "--samples", "2",
-               "--chunkSize", str(CHUNK_BYTES), "--residency", "stream", "--geometryMemory", "48K",
-               "--hostMemory", "16K", "--cacheDir", str(cache), "--stats", str(folder / f"{name}.json")]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    return StartRecord(scene, cache, folder, name, *_LITTLE)
 
 
 def _Finish(process, folder, name):
-    """(picture file's bytes, geometry's statistics) of a command that must succeed."""
-    try:
-        out, err = process.communicate(timeout=_SECONDS)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        pytest.fail(f"hdstream record hangs: {process.communicate()}")
-    assert process.returncode == 0, out + err
-    statistics = json.loads((folder / f"{name}.json").read_text())
-    return (folder / f"{name}.exr").read_bytes(), statistics["geometry"]
+    """(picture file's bytes, geometry's statistics)"""
+    picture, statistics = FinishRecord(process, folder, name)
+    return picture, statistics["geometry"]
 
 
 @pytest.fixture(scope="module")
@@ -223,14 +211,14 @@ def test_killed_at_random_moments(Scene, Recorded, tmp_path):
     for turn in range(6):
         process = _Record(Scene, cache, tmp_path, f"killed{turn}")
         if turn < 2:  # once pages are written
-            end = time.monotonic() + _SECONDS
+            end = time.monotonic() + RECORD_SECONDS
             while process.poll() is None and not any(segment.stat().st_size > _BLOCK_BYTES for segment in Segments(cache)):
                 assert time.monotonic() < end, "nothing is saved"
                 time.sleep(0.001)
         else:
             time.sleep(rng.uniform(0.5, 1.0) * Recorded[1])
         process.kill()
-        process.communicate(timeout=_SECONDS)
+        process.communicate(timeout=RECORD_SECONDS)
     picture, _ = _Finish(_Record(Scene, cache, tmp_path, "last"), tmp_path, "last")
     assert picture == Recorded[0]
     picture, geometry = _Finish(_Record(Scene, cache, tmp_path, "again"), tmp_path, "again")
@@ -252,5 +240,5 @@ def test_cleared_during_renders(Scene, tmp_path):
             Scene.Fresh().AssertStreams(cacheDirectory=cache, **_THRASH)
     finally:
         isDone.set()
-        thread.join(_SECONDS)
+        thread.join(RECORD_SECONDS)
     _NumBuilt(Scene, cache)

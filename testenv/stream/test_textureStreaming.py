@@ -21,13 +21,6 @@ from stages import imageFile, textured
 from streamCase import Case, ColdCache
 
 
-@pytest.fixture(scope="module")
-def Textured(tmp_path_factory):
-    path = tmp_path_factory.mktemp("textured") / "stage.usda"
-    textured.WriteTextured(str(path))
-    return Case(path).RenderResident()
-
-
 def _LeastMemory(case) -> int:
     with pytest.raises(case.core.Error, match="--textureMemory: 512 bytes cannot hold") as error:
         case.Fresh().Render(residency="stream", textureMemory="512")
@@ -162,13 +155,6 @@ def test_uncompressed_lights_look_the_same(ImageLights):
 # --- Images that are not what they seem --------------------------------------------------------------
 
 
-def _Copy(case, folder) -> Case:
-    """The stage with images of its own."""
-    folder = pathlib.Path(folder) / "copy"
-    shutil.copytree(pathlib.Path(case.path).parent, folder)
-    return Case(folder / "stage.usda")
-
-
 def _Damage(path) -> None:
     """Its header stays, its texels cannot be read."""
     data = bytearray(path.read_bytes())
@@ -178,7 +164,7 @@ def _Damage(path) -> None:
 
 def test_textures_nobody_sees_are_not_opened(Textured, tmp_path):
     """An image that is damaged is no news as long as nobody looks at it."""
-    case = _Copy(Textured, tmp_path)
+    case = Textured.Copy(tmp_path)
     from pxr import Usd
     from hdstream.translate import TranslateStage
 
@@ -200,7 +186,7 @@ def test_textures_nobody_sees_are_not_opened(Textured, tmp_path):
 
 def test_a_file_that_cannot_be_read_is_reported_once(Textured, tmp_path):
     """The render goes on with the fallback; the file is not read again and again."""
-    case = _Copy(Textured, tmp_path)
+    case = Textured.Copy(tmp_path)
     _Damage(pathlib.Path(case.path).parent / "images" / "photo1.png")
     warnings = []
     from pxr import Usd
@@ -219,8 +205,7 @@ def test_a_file_that_cannot_be_read_is_reported_once(Textured, tmp_path):
 @pytest.mark.parametrize("noCache", [False, True])
 def test_a_file_replaced_during_the_render_changes_nothing(Textured, tmp_path, noCache):
     """What was opened stays as it was, also lines that come later."""
-    case = _Copy(Textured, tmp_path)
-    case.layers = Textured.layers
+    case = Textured.Copy(tmp_path)
     images = pathlib.Path(case.path).parent / "images"
     replaced = []
 
@@ -236,14 +221,11 @@ def test_a_file_replaced_during_the_render_changes_nothing(Textured, tmp_path, n
 
 
 def test_a_damaged_cache_is_mended_from_the_file(Textured, tmp_path):
-    case = _Copy(Textured, tmp_path)
-    case.layers = Textured.layers
+    case = Textured.Copy(tmp_path)
     cache = ColdCache(tmp_path / "cache")
     case.AssertStreamsTextures(textureMemory="24K", cacheDirectory=cache)
     for path in sorted(pathlib.Path(cache).glob("pages-*.hdsp")):
         data = bytearray(path.read_bytes())
         data[len(data) // 2 :: 997] = bytes(len(data[len(data) // 2 :: 997]))
         path.write_bytes(data)
-    fresh = Case(case.path)
-    fresh.layers = Textured.layers
-    fresh.AssertStreamsTextures(textureMemory="24K", cacheDirectory=cache)
+    case.Fresh().AssertStreamsTextures(textureMemory="24K", cacheDirectory=cache)

@@ -15,6 +15,7 @@ from hdstream.errors import (EXIT_FAILURE, EXIT_INTERRUPTED, EXIT_OK, EXIT_USAGE
 from hdstream.interruption import Interruption
 
 _COMPLEXITIES = ("low", "medium", "high", "veryhigh")
+_LEVELS = tuple("012345678")
 
 
 class _Parser(argparse.ArgumentParser):
@@ -148,9 +149,9 @@ def _AddUsdrecordOptions(group):
                         help="render at the default time (default: the stage's startTimeCode)")
     options.AddSetting(group, "imageWidth", "-w")
     options.AddSetting(group, "imageHeight", help="pixels (default: from the camera's aspect ratio)")
-    options.AddSetting(group, "refineLevel", "-c", type=_Complexity, metavar="WORD",
-                       help="low, medium, high, veryhigh: refine level 0 to 3 with --subdivision "
-                            "complexity (default low)")
+    options.AddSetting(group, "refineLevel", "-c", type=_Complexity, metavar="WORD|N",
+                       help="refine level 0 to 8 with --subdivision complexity; low, medium, high, veryhigh "
+                            "are 0 to 3 (default low)")
     group.add_argument("--colorCorrectionMode", "-color", default="",
                        choices=("disabled", "sRGB", "openColorIO"),
                        help="for .png and .jpg (default: OpenColorIO when $OCIO is set, else sRGB)")
@@ -165,10 +166,12 @@ def _AddUsdrecordOptions(group):
 
 
 def _Complexity(text):
-    """usdrecord's word for a refine level."""
-    if text not in _COMPLEXITIES:
-        raise argparse.ArgumentTypeError(f"{text!r} is none of {', '.join(_COMPLEXITIES)}")
-    return _COMPLEXITIES.index(text)
+    """A refine level, or usdrecord's word for one."""
+    if text in _COMPLEXITIES:
+        return _COMPLEXITIES.index(text)
+    if text in _LEVELS:
+        return int(text)
+    raise argparse.ArgumentTypeError(f"{text!r} is neither 0 to 8 nor one of {', '.join(_COMPLEXITIES)}")
 
 
 def _AddStreamingOptions(group):

@@ -114,6 +114,53 @@ TEST_F(PageDamageTest, LocatingVerifiesTheFirstTime) {
     EXPECT_EQ(store.Statistics().pagesRejected, 1U);
 }
 
+TEST_F(PageDamageTest, PartsOfADamagedOrCutPageAreAbsent) {
+    const auto path = MakeSegment();
+    FlipByte(path, kBlockBytes + 128 + 5);
+    PageStore store(Options(), &warnings);
+    std::uint8_t byte = 0;
+    EXPECT_TRUE(store.LoadPart(TestKey(0), 7, 1, &byte));
+    EXPECT_EQ(byte, TestPage(0, kPageBytes)[7]);
+    EXPECT_FALSE(store.LoadPart(TestKey(1), 90, 1, &byte)) << "the byte itself is right";
+    EXPECT_TRUE(store.LoadPart(TestKey(2), 90, 1, &byte));
+    std::filesystem::resize_file(path, kBlockBytes + 128);
+    EXPECT_FALSE(store.LoadPart(TestKey(2), 90, 1, &byte)) << "though it was verified before";
+    EXPECT_EQ(store.Statistics().pagesRejected, 2U);
+}
+
+TEST_F(PageDamageTest, AFileThatIsCutIsNotAppendedTo) {
+    const auto path = MakeSegment();
+    std::uint8_t byte = 0;
+    PageStore store(Options(), &warnings);
+    EXPECT_TRUE(store.LoadPart(TestKey(3), 90, 1, &byte));
+    std::filesystem::resize_file(path, kBlockBytes + 128);
+    EXPECT_TRUE(Save(&store, 100, 4096));
+    EXPECT_TRUE(Has(&store, 100, 4096));
+    EXPECT_EQ(std::filesystem::file_size(path), kBlockBytes + 128);
+    EXPECT_EQ(Files().size(), 2U) << "a new segment";
+    EXPECT_FALSE(store.LoadPart(TestKey(3), 90, 1, &byte)) << "not zeros of a hole";
+    EXPECT_TRUE(Save(&store, 3, kPageBytes));
+    EXPECT_TRUE(Has(&store, 3, kPageBytes));
+    EXPECT_TRUE(warnings.Lines().empty());
+}
+
+TEST_F(PageDamageTest, RejectingAPageDoesNotMakeACutFileLonger) {
+    constexpr std::uint64_t kCount = 1100; // the last ones are in a second block of the index
+    {
+        PageStore store(Options(), &warnings);
+        for (std::uint64_t i = 0; i < kCount; ++i) {
+            ASSERT_TRUE(Save(&store, i, 64));
+        }
+    }
+    PageStore store(Options(), &warnings);
+    std::uint8_t byte = 0;
+    EXPECT_TRUE(store.LoadPart(TestKey(500), 0, 1, &byte));
+    std::filesystem::resize_file(OnlyFile(), kBlockBytes + 128);
+    EXPECT_FALSE(store.LoadPart(TestKey(kCount - 1), 0, 1, &byte));
+    EXPECT_EQ(std::filesystem::file_size(OnlyFile()), kBlockBytes + 128);
+    EXPECT_FALSE(store.LoadPart(TestKey(500), 0, 1, &byte)) << "not zeros of a hole";
+}
+
 TEST_F(PageDamageTest, ATruncatedFileKeepsTheWholePages) {
     const std::uint64_t full = kBlockBytes + (kPages - 1) * 128 + kPageBytes;
     EXPECT_EQ(std::filesystem::file_size(MakeSegment()), full);

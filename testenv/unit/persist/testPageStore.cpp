@@ -122,6 +122,26 @@ TEST_F(PageStoreTest, TheMappingHasThePagesAlsoThoseSavedLater) {
     EXPECT_EQ(store.SegmentData(first->segment + 1), nullptr);
 }
 
+TEST_F(PageStoreTest, PartsOfPagesAreReadByThemselves) {
+    constexpr std::size_t kBytes = 1000;
+    const auto whole = TestPage(1, kBytes);
+    {
+        PageStore store(Options(), &warnings);
+        ASSERT_TRUE(Save(&store, 1, kBytes));
+    }
+    PageStore store(Options(), &warnings);
+    std::vector<std::uint8_t> part(100);
+    for (const std::size_t offset : {0U, 1U, 512U, 900U}) {
+        ASSERT_TRUE(store.LoadPart(TestKey(1), offset, part.size(), part.data()));
+        EXPECT_TRUE(std::equal(part.begin(), part.end(),
+                               whole.begin() + static_cast<std::ptrdiff_t>(offset)));
+    }
+    EXPECT_FALSE(store.LoadPart(TestKey(1), 901, part.size(), part.data()));
+    EXPECT_FALSE(store.LoadPart(TestKey(1), ~std::uint64_t{0}, part.size(), part.data()));
+    EXPECT_FALSE(store.LoadPart(TestKey(2), 0, part.size(), part.data()));
+    EXPECT_EQ(store.Statistics().pagesRejected, 0U);
+}
+
 TEST_F(PageStoreTest, TheMappedLengthIsGivenBackAtTheEnd) {
     {
         PageStore store(Options(), &warnings);

@@ -87,7 +87,7 @@ TEST(ColorChannels, AreFoundByNameThenByOrder) {
     EXPECT_EQ(find({"r", "g", "b", "a"}, -1), (std::vector<int>{0, 1, 2, 3}));
     EXPECT_EQ(find({"Y"}, -1), (std::vector<int>{0, 0, 0, -1}));
     EXPECT_EQ(find({"Y", "A"}, 1), (std::vector<int>{0, 0, 0, 1}));
-    EXPECT_EQ(find({"R", "G"}, -1), (std::vector<int>{0, 1, -1, -1}));
+    EXPECT_EQ(find({"R", "G"}, -1), (std::vector<int>{0, 0, 0, 1})); // as UsdUVTexture has two
     EXPECT_EQ(find({"BY", "RY", "Y"}, -1), (std::vector<int>{2, 2, 2, -1}));
     EXPECT_EQ(find({"u", "v", "w"}, -1), (std::vector<int>{0, 1, 2, -1}));
     EXPECT_EQ(find({"A"}, 0), (std::vector<int>{0, 0, 0, -1}));

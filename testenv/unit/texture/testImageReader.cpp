@@ -299,14 +299,56 @@ TEST(ImageReader, UnknownColourSpaceWarnsAndReadsAsAuto) {
 TEST(ImageReader, MissingBlueIsZero) {
     const TemporaryFolder folder;
     const std::string file = folder.File("two.exr");
-    Image image = MakeImage(9, 5, 2, OIIO::TypeFloat);
-    image.spec.channelnames = {"R", "G"};
+    Image image = MakeImage(9, 5, 3, OIIO::TypeFloat);
+    image.spec.channelnames = {"G", "R", "Z"};
     image.spec.alpha_channel = -1;
     Write(file, image);
     const Means mean = MeanColor(Whole(file), "auto");
-    EXPECT_NEAR(mean.rgba[1], static_cast<double>(MeanOracle(image, 1, false)), 2e-7);
+    EXPECT_NEAR(mean.rgba[0], static_cast<double>(MeanOracle(image, 1, false)), 2e-7);
+    EXPECT_NEAR(mean.rgba[1], static_cast<double>(MeanOracle(image, 0, false)), 2e-7);
     EXPECT_EQ(mean.rgba[2], 0.0);
     EXPECT_EQ(mean.rgba[3], 1.0);
+}
+
+TEST(ImageReader, TwoChannelsAreGrayAndAlphaWhateverTheirNames) {
+    const TemporaryFolder folder;
+    const std::string file = folder.File("two.exr");
+    const std::vector<std::string> names[] = {{"R", "G"}, {"A", "Y"}, {"U", "V"}};
+    for (const std::vector<std::string>& pair : names) {
+        Image image = MakeImage(9, 5, 2, OIIO::TypeFloat);
+        image.spec.channelnames = pair;
+        image.spec.alpha_channel = pair[0] == "A" ? 0 : -1;
+        Write(file, image);
+        const int gray = pair[0] == "A" ? 1 : 0;
+        const Means mean = MeanColor(Whole(file), "auto");
+        for (std::size_t c = 0; c < 4; ++c) {
+            const int source = c < 3 ? gray : 1 - gray;
+            EXPECT_NEAR(mean.rgba[c], static_cast<double>(MeanOracle(image, source, false)), 2e-7)
+                << pair[0] << pair[1] << c;
+        }
+        EXPECT_TRUE(hds::ProbeImage(Whole(file)).hasAlpha);
+    }
+}
+
+TEST(ImageReader, WrapModesComeFromWhicheverAttributeNamesThem) {
+    const TemporaryFolder folder;
+    const std::string file = folder.File("image.exr");
+    Image image = MakeImage(9, 5, 3, OIIO::TypeFloat);
+    const auto expect = [&](const char* wrapS, const char* wrapT) {
+        Write(file, image);
+        const hds::ImageInfo info = hds::ProbeImage(Whole(file));
+        EXPECT_EQ(info.wrapS, wrapS);
+        EXPECT_EQ(info.wrapT, wrapT);
+    };
+    expect("", "");
+    image.spec.attribute("wrapmodes", "clamp");
+    expect("clamp", "clamp");
+    image.spec.attribute("wrapmodes", "periodic,mirror");
+    expect("periodic", "mirror");
+    image.spec.attribute("wrapT", "repeat");
+    expect("periodic", "repeat");
+    image.spec.attribute("wrapS", "black");
+    expect("black", "repeat");
 }
 
 TEST(ImageReader, ColourIsFoundByNameAmongOtherLayers) {

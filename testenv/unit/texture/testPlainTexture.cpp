@@ -83,15 +83,15 @@ TEST_F(PlainTextureTest, UnreadableFilesAreMissingTextures) {
 }
 
 TEST_F(PlainTextureTest, UdimFilesAreFoundByTheirNumber) {
-    for (const char* name : {"a.1001.png", "a.1012.png", "a.1000.png", "a.10011.png", "a.100x.png",
-                             "b.1003.png", "a.1002.jpg"}) {
+    for (const char* name : {"a.1001.png", "a.1100.png", "a.1000.png", "a.1101.png", "a.9999.png",
+                             "a.10011.png", "a.100x.png", "b.1003.png", "a.1002.jpg"}) {
         std::ofstream(folder.File(name)) << "x";
     }
     const std::vector<UdimFile> files = FindUdimFiles(folder.File("a.<UDIM>.png"));
     ASSERT_EQ(files.size(), 2U);
     EXPECT_EQ(files[0].index, 0U);
     EXPECT_EQ(files[0].path, folder.File("a.1001.png"));
-    EXPECT_EQ(files[1].index, 11U);
+    EXPECT_EQ(files[1].index, 99U);
     EXPECT_TRUE(FindUdimFiles(folder.File("nowhere/a.<UDIM>.png")).empty());
     EXPECT_TRUE(FindUdimFiles(folder.File("a.1001.png")).empty());
 }

@@ -125,6 +125,50 @@ TEST_F(TextureStoreTest, DamagedLinesAreMadeAgain) {
     EXPECT_FALSE(IsBuilt({path, 0, 0, ""}, Request("raw"))); // and are in the store again
 }
 
+TEST_F(TextureStoreTest, OneRunMendsAllThatIsDamaged) {
+    const std::string path = WriteImage("image.png", 300, 200, 4, OIIO::TypeUInt8);
+    const std::vector<TextureLine> expected = AllLines(*Prepare(path));
+    EXPECT_TRUE(IsBuilt({path, 0, 0, ""}, Request("raw")));
+    for (const auto& entry : std::filesystem::directory_iterator(folder.File("cache"))) {
+        if (entry.path().extension() == ".hdsp") { // all groups, and the description
+            std::string segment = ReadFile(entry.path().string());
+            for (std::size_t at = 65536; at < segment.size(); at += 64) {
+                segment[at] = static_cast<char>(segment[at] ^ 1);
+            }
+            WriteFile(entry.path().string(), segment);
+        }
+    }
+    TexturePreparer preparer(OpenStore(), &warnings);
+    const auto texture = preparer.Prepare({path, 0, 0, ""}, Request("raw"));
+    EXPECT_EQ(preparer.NumBuilt(), 1u);
+    EXPECT_EQ(AllLines(*texture), expected);
+    EXPECT_EQ(texture->HostBytes(), 0u);
+    EXPECT_FALSE(IsBuilt({path, 0, 0, ""}, Request("raw")));
+}
+
+TEST_F(TextureStoreTest, LinesOfAFileThatIsCutAreMadeAgain) {
+    const std::string path = WriteImage("image.png", 300, 200, 4, OIIO::TypeUInt8);
+    const std::vector<TextureLine> expected = AllLines(*Prepare(path));
+    EXPECT_TRUE(IsBuilt({path, 0, 0, ""}, Request("raw")));
+    TexturePreparer preparer(OpenStore(), &warnings);
+    const auto texture = preparer.Prepare({path, 0, 0, ""}, Request("raw"));
+    EXPECT_EQ(AllLines(*texture), expected); // all are verified now
+    for (const auto& entry : std::filesystem::directory_iterator(folder.File("cache"))) {
+        if (entry.path().extension() == ".hdsp") {
+            std::filesystem::resize_file(entry.path(), 65536 + 5000);
+        }
+    }
+    EXPECT_EQ(AllLines(*texture), expected);
+    EXPECT_EQ(warnings.Lines(), std::vector<std::string>());
+}
+
+TEST_F(TextureStoreTest, AnImageOfOneColorIsPreparedOnce) {
+    const std::string path =
+        WriteImage("one.png", 300, 200, 3, OIIO::TypeUInt8, [](int, int, int) { return 0.6; });
+    EXPECT_TRUE(IsBuilt({path, 0, 0, ""}, Request("sRGB")));
+    EXPECT_FALSE(IsBuilt({path, 0, 0, ""}, Request("sRGB")));
+}
+
 TEST_F(TextureStoreTest, DamagedLinesOfALostFileAreBlackAndWarnedOfOnce) {
     const std::string path = WriteImage("image.png", 300, 200, 4, OIIO::TypeUInt8);
     EXPECT_TRUE(IsBuilt({path, 0, 0, ""}, Request("raw")));
