@@ -17,13 +17,6 @@ namespace {
 /// Textures decoded together: bounds the host memory.
 constexpr std::size_t kBatch = 8;
 
-TextureRequest RequestOf(const MaterialTexture& texture) {
-    TextureRequest request;
-    request.colorSpace = texture.colorSpace;
-    request.channels = texture.channels;
-    return request;
-}
-
 /// Textures that differ in what is read of them are stored apart.
 std::string PlacedKey(const MaterialTexture& texture) {
     return MaterialTextureKey(texture) + '\n' + std::to_string(texture.channels);

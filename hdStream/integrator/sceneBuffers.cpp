@@ -10,10 +10,10 @@ namespace hds {
 namespace {
 
 const char* const kLabels[] = {
-    "top nodes",   "instances",      "instances by path", "objects",
-    "meshes",      "mesh materials", "materials",         "lights by material entry",
-    "lights",      "light tree",     "light triangles",   "light distributions",
-    "dome texels", "programs"};
+    "top nodes", "instances",      "instances by path", "objects",
+    "meshes",    "mesh materials", "materials",         "lights by material entry",
+    "lights",    "light tree",     "light triangles",   "light distributions",
+    "programs"};
 
 /// A table that has become smaller than this part of its buffer gets a smaller one.
 constexpr std::uint64_t kShrinkFactor = 4;
@@ -164,7 +164,6 @@ bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& r
         Upload(LightNodes, scene.lights->nodes);
         Upload(LightTriangles, scene.lights->triangles);
         Upload(LightCdf, scene.lights->cdf);
-        Upload(DomeTexels, scene.lights->lightTexels);
         _lights = scene.lights;
         _numLights = static_cast<std::uint32_t>(scene.lights->lights.size());
     }
@@ -248,7 +247,7 @@ unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first) const {
 unsigned SceneBuffers::BindScene(Kernel* kernel, unsigned first) const {
     first = BindGeometry(kernel, first);
     for (const Table table : {Meshes, MeshMaterials, Materials, LightByEntry, Lights, LightNodes,
-                              LightTriangles, LightCdf, DomeTexels}) {
+                              LightTriangles, LightCdf}) {
         kernel->SetBuffer(first++, _tables[table]);
     }
     kernel->SetBytes(first++, &_numLights, sizeof(_numLights));

@@ -34,7 +34,7 @@ public:
     /// textures those) from `first` on.
     unsigned BindScene(Kernel* kernel, unsigned first) const;
 
-    /// Whether some material has a program, and whether some program looks textures up.
+    /// Whether some material has a program, and whether some program or light looks textures up.
     bool HasPrograms() const { return _hasPrograms; }
     bool HasTextures() const { return _hasTextures; }
     /// \return true when it has changed: kernels have to be bound again.
@@ -85,7 +85,6 @@ private:
         LightNodes,
         LightTriangles,
         LightCdf,
-        DomeTexels,
         Programs,
         NumTables
     };

@@ -13,7 +13,7 @@ namespace hds {
 struct KernelFeatures {
     bool cutouts = false;          ///< some material may let rays pass
     bool programs = false;         ///< some material has a program
-    bool textures = false;         ///< some program looks textures up; implies programs
+    bool textures = false;         ///< some program or some light looks textures up
     bool manyTexturePools = false; ///< texels lie in more than one buffer
     bool textureStreaming = false; ///< lines of textures may be missing
     bool plainTextures = false;    ///< textures without lines

@@ -61,6 +61,7 @@ public:
             }
         }
         _cache.images.BeginCommit();
+        _materials.textures = LoadLightTextures(_scene, &_cache);
         _materials.Compile(drawn);
         if (!_cache.meshes.Prepare(_scene, InputsOf(drawn), _warnings, isCancelled)) {
             return nullptr;
@@ -81,7 +82,9 @@ public:
         _result->materials = std::move(_materials.materials);
         _result->meshMaterials = std::move(_materials.meshMaterials);
         _result->programs = std::move(_materials.programs);
-        _result->maxLookups = _materials.maxLookups;
+        // Of lights those along a ray, and the one that is sampled.
+        const std::uint32_t numImages = _result->lights->numImages;
+        _result->maxLookups = _materials.maxLookups + (numImages > 0 ? numImages + 1 : 0);
         _result->textureTable = std::move(_materials.textures);
         _result->images = &_cache.images;
         _result->textureLines = std::make_unique<TextureLines>(

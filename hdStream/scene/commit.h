@@ -91,8 +91,8 @@ struct CommittedScene {
     std::vector<std::uint32_t> meshMaterials;
     std::vector<shared::HdsMaterial> materials;
     std::vector<std::uint32_t> programs;        ///< of the materials (kernels/shared/program.h)
-    std::vector<MaterialTexture> textureTable;  ///< what programs look up, by index
-    std::uint32_t maxLookups = 0;               ///< of textures in one program
+    std::vector<MaterialTexture> textureTable;  ///< of lights, then what programs look up
+    std::uint32_t maxLookups = 0;               ///< of textures to shade a point, at most
     std::unique_ptr<TextureLines> textureLines; ///< of textureTable; opened when they are needed
     ImageLibrary* images = nullptr;             ///< the cache's
     std::unique_ptr<GeometryPages> pages; ///< prepared when they are needed; in the cache's memory

@@ -8,9 +8,6 @@ namespace hds {
 
 namespace {
 
-/// A light's image keeps at most this many texels; larger images are box filtered in linear light.
-constexpr std::uint64_t kMaxLightTexels = 8192ULL * 4096ULL;
-
 /// Equal for equal images; files that were not found are told apart by what the scene calls them.
 std::string KeyOf(const AssetReference& asset) {
     const std::string& name = asset.file.empty() ? asset.authoredPath : asset.file;
@@ -35,11 +32,28 @@ TextureUse UseOf(const AssetReference& asset, const ImageInfo& info, const std::
 } // namespace
 
 std::string MaterialTextureKey(const MaterialTexture& texture) {
-    return KeyOf(texture.file) + '\n' + texture.colorSpace;
+    return KeyOf(texture.file) + '\n' + texture.colorSpace + (texture.isRadiance ? "\nlight" : "");
 }
 
 ImageSource SourceOf(const AssetReference& asset) {
     return {asset.file, asset.offset, asset.size, asset.authoredPath};
+}
+
+TextureRequest RequestOf(const MaterialTexture& texture) {
+    TextureRequest request;
+    request.colorSpace = texture.colorSpace;
+    request.channels = texture.channels;
+    request.isRadiance = texture.isRadiance;
+    return request;
+}
+
+MaterialTexture LightTextureOf(const AssetReference& asset) {
+    MaterialTexture texture;
+    texture.file = asset;
+    texture.colorSpace = "auto";
+    texture.channels = TextureRequest::kRed | TextureRequest::kGreen | TextureRequest::kBlue;
+    texture.isRadiance = true;
+    return texture;
 }
 
 std::optional<ImageFacts> ImageLibrary::Probe(const AssetReference& asset) {
@@ -104,12 +118,13 @@ std::shared_ptr<const HeightImage> ImageLibrary::LoadHeights(const MaterialTextu
     return image;
 }
 
-std::shared_ptr<const LightImage> ImageLibrary::LoadLightImage(const AssetReference& asset) {
+std::shared_ptr<const LightImage> ImageLibrary::LoadLightImage(const AssetReference& asset,
+                                                               TexturePreparer* preparer) {
     const std::string key = KeyOf(asset);
     const std::lock_guard<std::mutex> lock(_mutex);
     auto known = _ofLights.find(key);
     if (known == _ofLights.end()) {
-        known = _ofLights.emplace(key, ReadLightImage(asset)).first;
+        known = _ofLights.emplace(key, ReadLightImage(asset, preparer)).first;
     }
     known->second.isAskedFor = true;
     _uses[key] = known->second.use;
@@ -125,26 +140,30 @@ void ImageLibrary::DropLightImages() {
     }
 }
 
-ImageLibrary::OfLight ImageLibrary::ReadLightImage(const AssetReference& asset) {
-    if (asset.file.empty()) {
-        return {nullptr, UseOf(asset, {}, "the file does not exist")};
+ImageLibrary::OfLight ImageLibrary::ReadLightImage(const AssetReference& asset,
+                                                   TexturePreparer* preparer) {
+    OfLight light;
+    const Header header = ReadHeader(asset);
+    light.use = header.use;
+    if (!header.facts) {
+        return light;
     }
-    LinearImage image = LoadLinearImage(SourceOf(asset), "auto", kMaxLightTexels);
-    if (!image.warning.empty()) {
-        _warnings.Add("", image.warning);
+    light.texture = preparer->Prepare(SourceOf(asset), RequestOf(LightTextureOf(asset)));
+    light.use.error = light.texture->Description().error;
+    auto image = std::make_shared<LightImage>();
+    const shared::HdsTexture& record = light.texture->Record();
+    image->mip = FindTableMip(record.width, record.height);
+    image->width = shared::texture_mipSize(record.width, image->mip);
+    image->height = shared::texture_mipSize(record.height, image->mip);
+    const std::vector<float> rgba = light.texture->DecodeMip(image->mip);
+    if (!light.texture->Ok() || rgba.empty()) {
+        return light;
     }
-    if (image.numNonFinite > 0) {
-        _warnings.Add(asset.authoredPath, std::to_string(image.numNonFinite) +
-                                              " values are not finite and were replaced");
+    image->rgb.reserve(rgba.size() / 4 * 3);
+    for (std::size_t i = 0; i < rgba.size(); i += 4) {
+        image->rgb.insert(image->rgb.end(), {rgba[i], rgba[i + 1], rgba[i + 2]});
     }
-    OfLight light{nullptr, UseOf(asset, image.info, image.error)};
-    if (image.Ok()) {
-        auto pixels = std::make_shared<LightImage>();
-        pixels->width = image.width;
-        pixels->height = image.height;
-        pixels->rgb = std::move(image.pixels);
-        light.image = std::move(pixels);
-    }
+    light.image = std::move(image);
     return light;
 }
 

@@ -6,7 +6,7 @@
 #include "hdStream/base/log.h"
 #include "hdStream/shading/lightTable.h"
 #include "hdStream/shading/materialCompiler.h"
-#include "hdStream/texture/imageReader.h"
+#include "hdStream/texture/texturePreparer.h"
 
 #include <map>
 #include <mutex>
@@ -24,8 +24,12 @@ struct TextureUse {
 };
 
 ImageSource SourceOf(const AssetReference& asset);
+TextureRequest RequestOf(const MaterialTexture& texture);
 
-/// Equal for equal images in equal colour spaces, whatever channels are read.
+/// The texture of an image that a light names.
+MaterialTexture LightTextureOf(const AssetReference& asset);
+
+/// Equal for equal images read in the same way, whatever channels are read.
 std::string MaterialTextureKey(const MaterialTexture& texture);
 
 /// What materials and lights know of images, by file. Thread-safe.
@@ -47,8 +51,10 @@ public:
     std::shared_ptr<const HeightImage> LoadHeights(const MaterialTexture& texture,
                                                    std::uint32_t channel);
 
-    /// A light's image; null when it cannot be read (the caller warns).
-    std::shared_ptr<const LightImage> LoadLightImage(const AssetReference& asset);
+    /// What the distribution of a light's image is made of; null when it cannot be read (the caller
+    /// warns). Prepares the image as a texture, which stays prepared as long as it is in use.
+    std::shared_ptr<const LightImage> LoadLightImage(const AssetReference& asset,
+                                                     TexturePreparer* preparer);
     /// Forgets the images of lights that were not asked for since this was called last.
     void DropLightImages();
 
@@ -72,13 +78,14 @@ private:
         TextureUse use;
     };
     struct OfLight {
+        std::shared_ptr<const PreparedTexture> texture;
         std::shared_ptr<const LightImage> image;
         TextureUse use;
         bool isAskedFor = false;
     };
 
     static Header ReadHeader(const AssetReference& asset);
-    OfLight ReadLightImage(const AssetReference& asset);
+    static OfLight ReadLightImage(const AssetReference& asset, TexturePreparer* preparer);
 
     Warnings& _warnings;
     mutable std::mutex _mutex;

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 #include <type_traits>
 #include <utility>
 
@@ -146,34 +148,72 @@ private:
     std::string _key;
 };
 
+/// Lights of these types show their images.
+bool HasImage(const LightDescription& light) {
+    return (light.type == LightType::Dome || light.type == LightType::Rect) &&
+           !light.textureFile.authoredPath.empty();
+}
+
+/// Images of lights by their place among the scene's textures, which they begin.
+class ImageFinder {
+public:
+    ImageFinder(const std::vector<MaterialTexture>& textures, CommitCache* cache) : _cache(*cache) {
+        for (std::uint32_t i = 0; i < textures.size() && textures[i].isRadiance; ++i) {
+            _indexByKey.emplace(MaterialTextureKey(textures[i]), i);
+        }
+    }
+
+    LightTexture Find(const AssetReference& asset) const {
+        const auto found = _indexByKey.find(MaterialTextureKey(LightTextureOf(asset)));
+        if (found == _indexByKey.end()) {
+            return {};
+        }
+        return {_cache.images.LoadLightImage(asset, _cache.textures.get()), found->second};
+    }
+
+private:
+    CommitCache& _cache;
+    std::map<std::string, std::uint32_t> _indexByKey;
+};
+
 void UpdateTable(const std::vector<PlacedLight>& lights, const std::vector<EmissiveMesh>& emissive,
-                 CommitCache* cache, Warnings& warnings) {
+                 const ImageFinder& images, CommitCache* cache, Warnings& warnings) {
     KeyWriter writer;
     for (const PlacedLight& light : lights) {
         writer.Add(light);
+        writer.Add(HasImage(light.light) ? images.Find(light.light.textureFile).index : 0);
     }
     for (const EmissiveMesh& mesh : emissive) {
         writer.Add(mesh);
     }
     std::string key = writer.Take();
     if (!cache->lights || key != cache->lightKey) {
-        const auto loadImage = [&](const AssetReference& asset) {
-            return cache->images.LoadLightImage(asset);
-        };
+        const auto loadImage = [&](const AssetReference& asset) { return images.Find(asset); };
         cache->lights = std::make_shared<const LightTable>(
             BuildLightTable(lights, emissive, loadImage, warnings));
         cache->lightKey = std::move(key);
-    } else {
-        for (const PlacedLight& light : lights) {
-            if (!light.light.textureFile.authoredPath.empty()) {
-                cache->images.LoadLightImage(light.light.textureFile); // it is in use
-            }
-        }
     }
     cache->images.DropLightImages();
 }
 
 } // namespace
+
+std::vector<MaterialTexture> LoadLightTextures(const SceneDescription& scene, CommitCache* cache) {
+    std::vector<MaterialTexture> textures;
+    std::set<std::string> keys;
+    for (const auto& [path, prim] : scene.lights) {
+        if (!prim.placement.visible || !HasImage(prim.light)) {
+            continue;
+        }
+        const MaterialTexture texture = LightTextureOf(prim.light.textureFile);
+        const bool isReadable =
+            cache->images.LoadLightImage(texture.file, cache->textures.get()) != nullptr;
+        if (isReadable && keys.insert(MaterialTextureKey(texture)).second) {
+            textures.push_back(texture);
+        }
+    }
+    return textures;
+}
 
 CommittedLights CommitLights(const LightCommitInput& input, CommitCache* cache,
                              Warnings& warnings) {
@@ -216,7 +256,7 @@ CommittedLights CommitLights(const LightCommitInput& input, CommitCache* cache,
         dome.light.visibleToCamera = input.domeVisible;
         lights.push_back(dome);
     }
-    UpdateTable(lights, emissive, cache, warnings);
+    UpdateTable(lights, emissive, ImageFinder(input.materials->textures, cache), cache, warnings);
     for (std::uint32_t& light : result.lightByEntry) {
         if (light != HDS_NONE) {
             light = cache->lights->lightByMesh[light];

@@ -11,6 +11,10 @@ namespace hds {
 /// Emissive triangles beyond this number are seen but not sampled, with a warning.
 constexpr std::size_t kMaxEmissiveTriangles = 4U << 20U;
 
+/// The images of the scene's lights that can be read, each once: the first of the scene's textures.
+/// Prepares what is new.
+std::vector<MaterialTexture> LoadLightTextures(const SceneDescription& scene, CommitCache* cache);
+
 /// What the light table is made of, besides the described lights.
 struct LightCommitInput {
     const SceneDescription* scene = nullptr;
@@ -28,7 +32,8 @@ struct CommittedLights {
     std::uint64_t emissiveTriangles = 0;
 };
 
-/// Leaves the light table in the cache; it is made anew only when what it is made of has changed.
+/// Leaves the light table in the cache, and of images of lights those that LoadLightTextures has
+/// loaded before; it is made anew only when what it is made of has changed.
 /// A stage without any light gets a uniform dome of radiance 1, with a warning.
 CommittedLights CommitLights(const LightCommitInput& input, CommitCache* cache, Warnings& warnings);
 

@@ -50,7 +50,7 @@ public:
     std::vector<shared::HdsMaterial> materials;
     std::vector<std::uint32_t> meshMaterials;
     std::vector<std::uint32_t> programs;   ///< of all materials, one after another
-    std::vector<MaterialTexture> textures; ///< that programs read, each once
+    std::vector<MaterialTexture> textures; ///< that programs read, each once, after those of lights
     std::uint32_t maxLookups = 0;          ///< of textures in one program
 
 private:

@@ -41,8 +41,7 @@ std::vector<TextureImage> MakeTextureImages(const std::vector<MaterialTexture>& 
     for (const MaterialTexture& texture : textures) {
         TextureImage image;
         image.source = SourceOf(texture.file);
-        image.request.colorSpace = texture.colorSpace;
-        image.request.channels = texture.channels;
+        image.request = RequestOf(texture);
         Hasher hasher;
         hasher.Append(MaterialTextureKey(texture));
         hasher.Append(std::uint64_t{texture.channels});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The textures of a scene's materials as the texture layer prepares them.
+// The textures of a scene's materials and lights as the texture layer prepares them.
 #pragma once
 
 #include "hdStream/scene/imageLibrary.h"

@@ -41,6 +41,7 @@ struct MaterialTexture {
     AssetReference file;
     std::string colorSpace;     ///< "raw", "sRGB", "auto" or a named space
     std::uint32_t channels = 0; ///< outputs that are read: bit 0 R to bit 3 A
+    bool isRadiance = false;    ///< of a light: no value is negative
 };
 
 } // namespace hds

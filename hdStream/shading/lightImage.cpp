@@ -2,16 +2,23 @@
 // Cumulative distributions of a light's image.
 #include "hdStream/shading/lightImage.h"
 
+#include "kernels/shared/texture.h"
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace hds {
 
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
+constexpr std::uint64_t kMaxCells = 1ULL << 21U;
+constexpr std::uint32_t kMaxCellsInARow = 8192;
+/// Of a cumulative distribution: four times what floats below 1 tell apart, so that cells keep it.
+constexpr double kLeastShare = 1.0 / (1U << 22U);
 
 double Luminance(const float* rgb) {
     return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
@@ -36,57 +43,27 @@ std::vector<double> FilteredRow(const LightImage& image, Sides sides, std::uint3
     return values;
 }
 
-/// Writes the running sums of `weights`, scaled to end at exactly 1, to cdf[0 .. n].
-/// Weights that are all zero become equal. \return the sum.
+/// Writes the running sums of the weights' shares to cdf[0 .. n]; they end at exactly 1, and none
+/// is less than about kLeastShare. Weights that are all zero become equal.
+/// \return the weights' sum.
 double WriteCdf(const std::vector<double>& weights, float* cdf) {
-    double sum = 0.0;
+    const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+    const auto shareOf = [&](double weight) {
+        return sum > 0.0 ? std::max(weight / sum, kLeastShare) : 1.0 / double(weights.size());
+    };
+    double sumOfShares = 0.0;
     for (const double weight : weights) {
-        sum += weight;
+        sumOfShares += shareOf(weight);
     }
     double running = 0.0;
     cdf[0] = 0.0F;
     for (std::size_t i = 0; i < weights.size(); ++i) {
-        running += sum > 0.0 ? weights[i] / sum : 1.0 / double(weights.size());
+        running += shareOf(weights[i]) / sumOfShares;
         cdf[i + 1] = float(std::min(running, 1.0));
     }
     cdf[weights.size()] = 1.0F;
     return sum;
 }
-
-} // namespace
-
-std::size_t SanitizeLightImage(LightImage& image) {
-    std::size_t count = 0;
-    for (float& value : image.rgb) {
-        if (!(value >= 0.0F) || !std::isfinite(value)) {
-            value = 0.0F;
-            ++count;
-        }
-    }
-    return count;
-}
-
-void ShrinkLightImage(LightImage& image, std::uint32_t maxWidth) {
-    while (image.width > maxWidth && image.width >= 2 && image.height >= 2) {
-        LightImage half;
-        half.width = image.width / 2;
-        half.height = image.height / 2;
-        half.rgb.resize(std::size_t(half.width) * half.height * 3);
-        tbb::parallel_for(std::uint32_t(0), half.height, [&](std::uint32_t y) {
-            const std::size_t stride = std::size_t(image.width) * 3;
-            for (std::uint32_t x = 0; x < half.width; ++x) {
-                const float* p = &image.rgb[std::size_t(y) * 2 * stride + std::size_t(x) * 6];
-                float* out = &half.rgb[(std::size_t(y) * half.width + x) * 3];
-                for (int c = 0; c < 3; ++c) {
-                    out[c] = 0.25F * (p[c] + p[c + 3] + p[c + stride] + p[c + stride + 3]);
-                }
-            }
-        });
-        image = std::move(half);
-    }
-}
-
-namespace {
 
 /// \param areaOfRow of each cell of a row; the areas of all cells have the sum `area`.
 template <typename AreaOfRow>
@@ -116,6 +93,20 @@ LightImageTable BuildTable(const LightImage& image, Sides sides, double area,
 }
 
 } // namespace
+
+std::uint32_t FindTableMip(std::uint32_t width, std::uint32_t height) {
+    std::uint32_t mip = 0;
+    const auto isTooLarge = [&] {
+        const std::uint32_t columns = shared::texture_mipSize(width, mip);
+        const std::uint32_t rows = shared::texture_mipSize(height, mip);
+        return std::uint64_t{columns} * rows > kMaxCells ||
+               std::max(columns, rows) > kMaxCellsInARow;
+    };
+    while (isTooLarge()) {
+        ++mip;
+    }
+    return mip;
+}
 
 LightImageTable BuildLatLongTable(const LightImage& image) {
     return BuildTable(image, Sides::Wrap, 4.0 * kPi, [&](std::uint32_t y) {

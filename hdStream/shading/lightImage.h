@@ -3,29 +3,37 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace hds {
 
-/// An image in the linear working space, top row first.
+/// A mip of a light's image in the linear working space, top row first: small enough for a
+/// distribution (FindTableMip).
 struct LightImage {
     std::uint32_t width = 0;
     std::uint32_t height = 0;
-    std::vector<float> rgb; ///< [height][width][3]
+    std::vector<float> rgb; ///< [height][width][3], finite and not negative
+    std::uint32_t mip = 0;  ///< which of the image's it is
 };
 
+/// The image of a light, and its index among the scene's textures.
+struct LightTexture {
+    std::shared_ptr<const LightImage> image; ///< null: it cannot be read
+    std::uint32_t index = 0;
+};
+
+/// The mip of an image that its distribution is made of: the finest of at most 2^21 texels, and of
+/// at most 8192 in a row or a column. 2048 x 1024 cells of a dome are 0.18 degrees wide, a third of
+/// the sun, and take 8 MB.
+std::uint32_t FindTableMip(std::uint32_t width, std::uint32_t height);
+
 /// Distribution of a light's directions or points, in proportion to the luminance of the image's
-/// bilinear lookup.
+/// bilinear lookup; no cell is without a share, since finer mips are looked up too.
 struct LightImageTable {
     std::vector<float> cdf;     ///< marginal [height + 1], then conditionals [height][width + 1]
     double meanLuminance = 0.0; ///< over the sphere of directions, or the image
 };
-
-/// Replaces values that are negative or not finite by 0. \return how many there were.
-std::size_t SanitizeLightImage(LightImage& image);
-
-/// Halves the image (2 x 2 means) until it is at most `maxWidth` wide.
-void ShrinkLightImage(LightImage& image, std::uint32_t maxWidth);
 
 /// For a dome's latitude-longitude image, by solid angle. Cost: O(pixels), on all cores; the result
 /// does not depend on their number. A black image gives a uniform distribution.

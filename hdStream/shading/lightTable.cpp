@@ -20,10 +20,6 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-/// Images wider than this are shrunk: 8192 x 4096 texels take 400 MB with their distribution's 134.
-constexpr std::uint32_t kMaxDomeWidth = 8192;
-constexpr std::uint32_t kMaxRectWidth = 4096;
-
 double Luminance(const glm::dvec3& rgb) {
     return glm::dot(rgb, glm::dvec3(0.2126, 0.7152, 0.0722));
 }
@@ -111,25 +107,21 @@ bool Builder::Radiance(const PlacedLight& placed, const shared::HdsLight& light,
 bool Builder::AddImage(const PlacedLight& placed, shared::HdsLight* light, double* meanLuminance) {
     const AssetReference& file = placed.light.textureFile;
     const bool isDome = light->type == HDS_LIGHT_DOME;
-    const auto loaded = _loadImage ? _loadImage(file) : nullptr;
-    if (!loaded || loaded->width == 0 || loaded->height == 0) {
+    const LightTexture texture = _loadImage ? _loadImage(file) : LightTexture();
+    if (!texture.image) {
         _warnings.Add(placed.name, "cannot read " + file.authoredPath + "; " +
                                        (isDome ? "dome" : "light") + " is untextured");
         return false;
     }
-    LightImage image = *loaded;
-    if (SanitizeLightImage(image) > 0) {
-        _warnings.Add(placed.name, file.authoredPath +
-                                       " has values that are negative or not finite; taken as 0");
-    }
-    ShrinkLightImage(image, isDome ? kMaxDomeWidth : kMaxRectWidth);
+    const LightImage& image = *texture.image;
     const LightImageTable distribution = isDome ? BuildLatLongTable(image) : BuildFlatTable(image);
     light->flags |= HDS_LIGHT_TEXTURED;
-    light->dataBase = std::uint32_t(_table.lightTexels.size());
+    light->dataBase = texture.index;
     light->dataSize[0] = image.width;
     light->dataSize[1] = image.height;
+    light->params[3] = float(image.mip);
     light->cdfBase = std::uint32_t(_table.cdf.size());
-    _table.lightTexels.insert(_table.lightTexels.end(), image.rgb.begin(), image.rgb.end());
+    ++_table.numImages;
     _table.cdf.insert(_table.cdf.end(), distribution.cdf.begin(), distribution.cdf.end());
     *meanLuminance = distribution.meanLuminance;
     return true;

@@ -42,16 +42,16 @@ struct EmissiveMesh {
     double positionError = 0.0;
 };
 
-/// Reads an image that a light names. May be empty; null means "cannot be read".
-using LoadLightImage = std::function<std::shared_ptr<const LightImage>(const AssetReference&)>;
+/// Reads an image that a light names. May be empty.
+using LoadLightImage = std::function<LightTexture(const AssetReference&)>;
 
 /// Device tables of all lights.
 struct LightTable {
     std::vector<shared::HdsLight> lights;    ///< those at infinity first
     std::vector<shared::HdsLightNode> nodes; ///< the light tree
     std::vector<shared::HdsLightTriangle> triangles;
-    std::vector<float> cdf;         ///< lightCdf
-    std::vector<float> lightTexels; ///< packed rgb
+    std::vector<float> cdf;      ///< lightCdf
+    std::uint32_t numImages = 0; ///< of the lights, so many have an image
     /// For each emissive mesh of the input its index in `lights`, or HDS_NONE (black or no area).
     std::vector<std::uint32_t> lightByMesh;
 };

@@ -53,10 +53,6 @@ ColorDecoder::ColorDecoder(const std::string& colorSpace, const OIIO::ImageSpec&
     _isSrgb = space == "sRGB";
 }
 
-double ColorDecoder::DecodeChannel(double encoded) const {
-    return _isSrgb ? LinearFromSrgb(encoded) : encoded;
-}
-
 void ColorDecoder::DecodeRgb(float* rgb, std::size_t numPixels) const {
     if (_processor) {
         OCIO::PackedImageDesc pixels(rgb, static_cast<long>(numPixels), 1, 3);

@@ -24,14 +24,11 @@ public:
     ///        the image is decoded as "auto" instead; else left alone
     ColorDecoder(const std::string& colorSpace, const OIIO::ImageSpec& spec, std::string* warning);
 
-    /// Whether each channel is decoded for itself, by DecodeChannel.
+    /// Whether each channel is decoded for itself, by the sRGB curve or not at all.
     bool IsPerChannel() const { return !_processor; }
 
     /// Whether the values are sRGB codes; else, if per channel, they are linear or data.
     bool IsSrgb() const { return _isSrgb; }
-
-    /// Linear light of one channel of a colour; per-channel spaces only.
-    double DecodeChannel(double encoded) const;
 
     /// Decodes RGB triples in place; any space.
     void DecodeRgb(float* rgb, std::size_t numPixels) const;

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading images of any format OpenImageIO knows, from a file or from a byte range of one (a
-// texture inside a usdz package): what they are, their mean colour, and whole images for dome
-// lights. Nothing here throws for bad content: results carry one line that names the file. All
-// functions are thread-safe and may be called for different images at once. Explained in
-// docs/texturing.md.
+// Images of any format OpenImageIO knows, in a file or in a byte range of one (a texture inside a
+// usdz package): what they are. Nothing here throws for bad content: results carry one line that
+// names the file. Thread-safe. Explained in docs/texturing.md.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
-#include <vector>
 
 namespace hds {
 
@@ -41,41 +37,5 @@ struct ImageInfo {
 
 /// Reads the header only.
 ImageInfo ProbeImage(const ImageSource& source);
-
-/// The mean of an image's texels.
-struct MeanColorResult {
-    std::string error;   ///< one line that names the file; empty when all is well
-    std::string warning; ///< one line, e.g. a colour space nobody knows; often empty
-    std::array<double, 4> rgba{0, 0, 0, 1}; ///< linear working space; alpha 1 when there is none
-    std::uint64_t numNonFinite = 0; ///< channel values that were NaN or infinite, counted as 0
-    ImageInfo info;
-
-    bool Ok() const { return error.empty(); }
-};
-
-/// Mean colour in linear light, summed in double precision. Gray is expanded to RGB; a missing blue
-/// is 0. Channels are averaged each for itself (colour is not weighted by alpha).
-/// \param colorSpace "raw", "sRGB", "auto" (or empty), as UsdUVTexture's sourceColorSpace, or the
-///        name of a space of the OpenColorIO configuration (colorConfig.h)
-MeanColorResult MeanColor(const ImageSource& source, const std::string& colorSpace);
-
-/// An image as linear floats.
-struct LinearImage {
-    std::string error;   ///< one line that names the file; empty when all is well
-    std::string warning; ///< one line; often empty
-    std::uint32_t width = 0;
-    std::uint32_t height = 0;
-    std::vector<float> pixels; ///< RGB [height][width][3], rows from top to bottom, finite and >= 0
-    std::uint64_t numNonFinite = 0; ///< channel values replaced: NaN and -Inf by 0, +Inf by 65504
-    std::uint64_t numNegative = 0;  ///< channel values below 0 that were replaced by 0
-    ImageInfo info;                 ///< of the file, before any downscale
-
-    bool Ok() const { return error.empty(); }
-};
-
-/// Loads radiance (dome and rect lights). Above `maxPixels` (0: no limit) the image is reduced by a
-/// box filter in linear light, which keeps its mean. Memory: the result plus one band of rows.
-LinearImage LoadLinearImage(const ImageSource& source, const std::string& colorSpace,
-                            std::uint64_t maxPixels);
 
 } // namespace hds

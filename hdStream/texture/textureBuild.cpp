@@ -155,6 +155,9 @@ std::optional<PageKey> TextureKey(const ImageSource& source, const TextureReques
     hasher.Append(source.name);
     hasher.Append(request.colorSpace.empty() ? "auto" : request.colorSpace);
     hasher.Append(std::uint64_t{request.channels});
+    if (request.isRadiance) {
+        hasher.Append("radiance");
+    }
     if (IsNamedSpace(request.colorSpace)) {
         try {
             hasher.Append(ColorConfigIdentity());

@@ -87,6 +87,7 @@ TextureForm ChooseTextureForm(const ImageFile& file, const ColorDecoder& decoder
             hasAlpha ? std::vector<int>{0, 1, 2, kAlphaOutput} : std::vector<int>{0, 1, 2, -1};
     }
     TextureForm form;
+    form.isRadiance = request.isRadiance;
     form.numChannels = static_cast<std::uint32_t>(outputs.size());
     std::copy(outputs.begin(), outputs.end(), form.sources.begin());
     form.swizzle = form.numChannels == 4 ? HDS_SWIZZLE_RGBA : SwizzleOf(outputs, isGray);

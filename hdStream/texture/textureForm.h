@@ -25,6 +25,8 @@ struct TextureRequest {
     std::string colorSpace = "auto";
     /// The outputs that anybody reads; what the others are is then undefined.
     std::uint32_t channels = kRed | kGreen | kBlue | kAlpha;
+    /// What a light emits: values below 0 become 0.
+    bool isRadiance = false;
 };
 
 /// A stored format, and where its channels come from.
@@ -37,6 +39,7 @@ struct TextureForm {
     bool isVerbatim = false;
     /// Half or float is to be decided by TextureRows::FindRange.
     bool dependsOnRange = false;
+    bool isRadiance = false; ///< as TextureRequest::isRadiance
 };
 
 /// \param decoder of the image, for the request's colour space

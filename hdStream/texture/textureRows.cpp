@@ -98,7 +98,8 @@ void TextureRows::DecodeRow(const float* pixels, float* linear, TexelRepairs* re
             return v;
         }
         ++repairs->numNonFinite;
-        return std::isnan(v) ? 0.0f : std::copysign(kLargestHalf, v);
+        const bool isDropped = std::isnan(v) || (_form.isRadiance && v < 0.0f);
+        return isDropped ? 0.0f : std::copysign(kLargestHalf, v);
     };
     const bool isMixed = !_decoder->IsPerChannel();
     if (isMixed) {
@@ -126,6 +127,10 @@ void TextureRows::DecodeRow(const float* pixels, float* linear, TexelRepairs* re
             if (!(std::abs(v) <= _limit)) {
                 ++repairs->numClamped;
                 v = std::isnan(v) ? 0.0f : std::copysign(_limit, v);
+            }
+            if (_form.isRadiance && v < 0.0f) {
+                ++repairs->numNegative;
+                v = 0.0f;
             }
             linear[x * _form.numChannels + c] = std::abs(v) < kSmallestNormalFloat ? 0.0f : v;
         }
@@ -178,10 +183,13 @@ std::string TextureRows::Read(const RowsCallback& onRows, TexelRepairs* repairs)
 }
 
 std::string WarningOf(const TexelRepairs& repairs) {
-    return repairs.numNonFinite + repairs.numClamped == 0
-               ? std::string()
-               : std::to_string(repairs.numNonFinite) + " NaN or infinite and " +
-                     std::to_string(repairs.numClamped) + " too large values were replaced";
+    if (repairs.numNonFinite + repairs.numClamped + repairs.numNegative == 0) {
+        return {};
+    }
+    const std::string negative =
+        repairs.numNegative > 0 ? ", " + std::to_string(repairs.numNegative) + " negative" : "";
+    return std::to_string(repairs.numNonFinite) + " NaN or infinite" + negative + " and " +
+           std::to_string(repairs.numClamped) + " too large values were replaced";
 }
 
 std::string SettleForm(ImageFile* file, const ColorDecoder& decoder, TextureForm* form) {

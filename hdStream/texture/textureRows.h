@@ -33,6 +33,7 @@ private:
 struct TexelRepairs {
     std::uint64_t numNonFinite = 0; ///< NaN by 0, infinities by +-65504
     std::uint64_t numClamped = 0;   ///< beyond what the stored format holds, after decoding
+    std::uint64_t numNegative = 0;  ///< of radiance: below 0, by 0
 };
 
 /// One line without the file's name; empty when nothing was replaced.

@@ -7,6 +7,9 @@
 #include "integrator/passThrough.clh"
 #include "integrator/pathState.clh"
 #include "integrator/pixelSampler.clh"
+#if HDS_FEATURE_TEXTURES
+#include "light/imageLookup.clh"
+#endif
 
 /* Bounces before Russian roulette begins. */
 #define HDS_ROULETTE_DEPTH 3u
@@ -30,9 +33,11 @@ typedef struct {
     float alpha;
     uint4 status;
     uint depth;
-    float tBegin; /* lights nearer than this were seen before the ray passed a cut-out surface */
+    float tBegin;   /* lights nearer than this were seen before the ray passed a cut-out surface */
+    bool isMissing; /* texels are: the path waits, and nothing of it may be written */
 #if HDS_FEATURE_TEXTURES
-    HdsRayCones cones; /* at the hit */
+    HdsRayCones cones;    /* at the ray's origin */
+    HdsRayCones hitCones; /* at the hit */
 #endif
 } HdsShadePath;
 
@@ -45,8 +50,24 @@ typedef struct {
     HdsSurface bsdf;
 } HdsShadeHit;
 
+#if HDS_FEATURE_TEXTURES
+/* The factor of a light's image on what a ray sees of it. \param cones at the ray's origin. */
+float3 shade_lookUpLight(const HdsSceneView* scene, uint light, float3 origin, float3 direction,
+                         float t, HdsRayCones cones, bool isCamera, bool* isMissing) {
+    if (!light_hasImage(scene->lights.lights + light)) {
+        return (float3)(1.0f);
+    }
+    const float3 factor =
+        lightImage_lookup(&scene->lights, &scene->textures, light, origin, direction, t, cones,
+                          isCamera, scene->mipBias, isMissing);
+    texture_count(&scene->textures);
+    return factor;
+}
+#endif
+
 /* Adds the radiance of lights that the ray crosses before tMax. They do not occlude. */
-void shade_addLights(const HdsLightView* view, float tMax, HdsShadePath* path) {
+void shade_addLights(const HdsSceneView* scene, float tMax, HdsShadePath* path) {
+    const HdsLightView* view = &scene->lights;
     for (uint light = 0u; light < view->numLights; ++light) {
         float t;
         bool isSeen = path->depth > 0u || (view->lights[light].flags & HDS_LIGHT_VISIBLE) != 0u;
@@ -60,8 +81,12 @@ void shade_addLights(const HdsLightView* view, float tMax, HdsShadePath* path) {
                 shade_misWeight(path->bsdfPdf, light_pdf(view, light, path->origin,
                                                          path->sourceNormal, path->direction, t));
         }
-        path->radiance += weight * path->throughput *
-                          light_radiance(view, light, path->origin, path->direction, t);
+        float3 radiance = light_radiance(view, light);
+#if HDS_FEATURE_TEXTURES
+        radiance *= shade_lookUpLight(scene, light, path->origin, path->direction, t, path->cones,
+                                      path->depth == 0u, &path->isMissing);
+#endif
+        path->radiance += weight * path->throughput * radiance;
         if (path->depth == 0u) {
             path->alpha = 1.0f;
         }
@@ -91,22 +116,13 @@ HdsRayCones shade_leavingCones(const HdsShadeHit* at, const HdsShadePath* path, 
     const float3 front = vec_lengthSquared(surface->shadingNormal) > 0.0f ? surface->shadingNormal
                                                                           : surface->point.normal;
     const float side = vec_dot(front, path->direction) > 0.0f ? -1.0f : 1.0f;
-    return cones_reflect(path->cones, side * surface->curvature, pdf);
+    return cones_reflect(path->hitCones, side * surface->curvature, pdf);
 }
 #endif
 
-/* The packed cone of a shadow ray. */
-float shade_shadowCone(const HdsShadeHit* at, const HdsShadePath* path, float pdf) {
-#if HDS_FEATURE_TEXTURES
-    return cones_pack(shade_leavingCones(at, path, pdf));
-#else
-    return 0.0f;
-#endif
-}
-
-/* Samples a light; true when a shadow ray was written to slot i. */
+/* Samples a light; true when a shadow ray was written to slot i. Sets path->isMissing. */
 bool shade_sampleLight(const HdsSceneView* scene, const HdsShadeHit* at, HdsSampler sampler,
-                       const HdsShadePath* path, HdsPaths paths, uint i) {
+                       HdsShadePath* path, HdsPaths paths, uint i) {
     const HdsSurfaceHit* surface = &at->surface;
     const HdsShadingPoint* shading = &at->shading;
     float3 origin = offset_origin(&surface->point, shading->geomNormal);
@@ -122,12 +138,22 @@ bool shade_sampleLight(const HdsSceneView* scene, const HdsShadeHit* at, HdsSamp
     float3 reflected = surface_evaluate(&at->bsdf, shading->wo, wi, &pdf);
     float weight = sample.isDelta != 0u ? 1.0f : shade_misWeight(sample.pdf, pdf);
     float3 contribution = path->throughput * reflected * sample.radiance * (weight / sample.pdf);
-    if (!(contribution.x > 0.0f || contribution.y > 0.0f || contribution.z > 0.0f)) {
+    float packedCone = 0.0f;
+#if HDS_FEATURE_TEXTURES
+    if (vec_maxComponent(contribution) > 0.0f) {
+        const HdsRayCones cones = shade_leavingCones(at, path, pdf);
+        contribution *= shade_lookUpLight(scene, sample.light, origin, sample.direction,
+                                          sample.distance, cones, false, &path->isMissing);
+        packedCone = cones_pack(cones);
+    }
+#endif
+    if (path->isMissing ||
+        !(contribution.x > 0.0f || contribution.y > 0.0f || contribution.z > 0.0f)) {
         return false;
     }
     path_store_shadowOrigin(paths, i, (float4)(origin, sample.distance));
     path_store_shadowDirection(paths, i, (float4)(sample.direction, 0.0f));
-    path_store_shadowRadiance(paths, i, (float4)(contribution, shade_shadowCone(at, path, pdf)));
+    path_store_shadowRadiance(paths, i, (float4)(contribution, packedCone));
 #if HDS_FEATURE_CUTOUT
     path_store_shadowAfter(paths, i, (uint4)(0u));
 #endif
@@ -199,6 +225,10 @@ HdsShadePath shade_loadPath(HdsPaths paths, uint i) {
 #if HDS_FEATURE_CUTOUT
     path.tBegin = as_float(path_load_after(paths, i).x);
 #endif
+    path.isMissing = false;
+#if HDS_FEATURE_TEXTURES
+    path.cones.pair = path_load_cones(paths, i);
+#endif
     return path;
 }
 
@@ -229,26 +259,22 @@ bool shade_passThrough(const HdsHit* hit, const HdsSurfaceHit* surface, float3 t
 }
 #endif
 
-/* Reads a hit and evaluates its material. \return false when texels are missing; nothing of the
- * path has been written by then. */
-bool shade_loadHit(const HdsSceneView* scene, HdsPaths paths, uint i, HdsShadePath* path,
-                   HdsShadeHit* at) {
+/* Reads a hit and evaluates its material. Sets path->isMissing. */
+void shade_loadHit(const HdsSceneView* scene, HdsShadePath* path, HdsShadeHit* at) {
     surfaceHit_load(scene, &at->hit, &at->surface);
 #if HDS_FEATURE_TEXTURES
-    HdsRayCones cones;
-    cones.pair = path_load_cones(paths, i);
-    path->cones = cones_atHit(cones, at->hit.t, path->depth == 0u);
-    at->surface.coneWidth = cones_width(path->cones);
+    path->hitCones = cones_atHit(path->cones, at->hit.t, path->depth == 0u);
+    at->surface.coneWidth = cones_width(path->hitCones);
 #endif
     at->isEnd = path->isLast && surfaceHit_isDark(scene, &at->surface);
-    if (at->isEnd) {
-        return true;
+    if (!at->isEnd) {
+        path->isMissing =
+            !surfaceHit_shade(scene, &at->surface, -path->direction, &at->shading, &at->bsdf);
     }
-    return surfaceHit_shade(scene, &at->surface, -path->direction, &at->shading, &at->bsdf);
 }
 
-/* Shades a hit; true when slot i holds a ray that goes on. \param[out] hasShadow a shadow ray was
- * written. */
+/* Shades a hit; true when slot i holds a ray that goes on. Sets path->isMissing, and has written
+ * nothing then. \param[out] hasShadow a shadow ray was written. */
 bool shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* scene,
                    const HdsShadeHit* at, HdsShadePath* path, HdsPaths paths, uint i,
                    volatile global uint* counters, bool* hasShadow) {
@@ -277,7 +303,7 @@ bool shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
         return false;
     }
     *hasShadow = shade_sampleLight(scene, at, sampler, path, paths, i);
-    return shade_sampleBsdf(frame, at, sampler, path, paths, i);
+    return !path->isMissing && shade_sampleBsdf(frame, at, sampler, path, paths, i);
 }
 
 /* Global size: count. Appends paths that go on, shadow rays, and paths that wait for their hit's
@@ -307,15 +333,18 @@ kernel void shade_paths(constant const HdsFrameParams* frame, global uchar* stat
         return;
     }
     HdsShadePath path = shade_loadPath(paths, i);
-    if (isHit && !shade_loadHit(&scene, paths, i, &path, &at)) {
-        surfaceHit_waitForTexels(&scene, i);
-        return;
+    if (isHit) {
+        shade_loadHit(&scene, &path, &at);
     }
     bool hasShadow = false;
     bool goesOn = false;
-    shade_addLights(&scene.lights, isHit ? at.hit.t : INFINITY, &path);
-    if (isHit) {
+    shade_addLights(&scene, isHit ? at.hit.t : INFINITY, &path);
+    if (isHit && !path.isMissing) {
         goesOn = shade_surface(frame, &scene, &at, &path, paths, i, counters, &hasShadow);
+    }
+    if (path.isMissing) {
+        surfaceHit_waitForTexels(&scene, i);
+        return;
     }
     path_store_radiance(paths, i, (float4)(path.radiance, path.alpha));
     if (hasShadow) {

@@ -29,16 +29,18 @@ typedef struct {
     f32 worldFromLight[12]; /* 3 rows of 4, relative to the scene centre; |determinant| is 1: scale
                                is folded into params. Distant: a rotation */
     f32 lightFromWorld[12]; /* its inverse; the translations are not used */
-    f32 radiance[3]; /* scale on the image of a textured light; point sphere: radiant intensity;
+    f32 radiance[3]; /* factor on the image of a textured light; point sphere: radiant intensity;
                         distant with angle 0: irradiance at normal incidence */
     u32 type;
     f32 params[4]; /* sphere: radius; rect: width, height; disk: radius; cylinder: radius, length;
-                      distant: 1 - cos(half angle) */
+                      distant: 1 - cos(half angle); with an image, [3]: the coarsest mip that is
+                      looked up, of which its distribution is made */
     f32 area;      /* world area of the shape; mesh: of all its triangles */
     u32 treePath;  /* finite lights: bit i is the child to take at level i of the light tree */
     u32 flags;
-    u32 dataBase;    /* image: texel base in lightTexels; mesh: first triangle in lightTriangles */
-    u32 dataSize[2]; /* image: width, height; mesh: number of triangles, 0 */
+    u32 dataBase;    /* image: its texture; mesh: first triangle in lightTriangles */
+    u32 dataSize[2]; /* image: cells of its distribution, width, height; mesh: number of triangles,
+                        0 */
     u32 cdfBase;     /* in lightCdf: image: marginal [height + 1], then conditionals
                         [height][width + 1]; mesh: by area [numTriangles + 1] */
     f32 strength;    /* luminance; finite: power / (4 pi); at infinity: irradiance */

@@ -12,6 +12,7 @@ import pytest
 
 pytest.importorskip("hdstream._core")
 
+import closedForm
 import ours
 from stages import author, imageFile, shapes
 from textureCases import (
@@ -203,6 +204,46 @@ def test_image_on_a_rect_light(tmp_path):
     stage.GetRootLayer().Save()
     expected = 2 * PixelMeans(Bilinear(image, 1 - Coordinates(), "clamp", "clamp"))
     np.testing.assert_allclose(_Render(f"{tmp_path}/a.usda"), expected, atol=0.02)
+
+
+def _WriteLargeDome(folder, codes: np.ndarray) -> np.ndarray:
+    """A gray dome image of 8 bits, larger than the table that it is sampled by. Returns its radiance."""
+    imageFile.WritePng(f"{folder}/sky.png", codes[..., None], level=1)
+    return codes / 255
+
+
+def test_a_large_dome_is_sharp_in_view(tmp_path):
+    """The camera sees texels of a dome of 8 Mpx, though it is sampled by cells of four, which are all equal here."""
+    codes = np.zeros((2048, 4096), np.uint8)
+    codes[:, ::2] = 255
+    _WriteLargeDome(tmp_path, codes)
+    stage = author.NewStage(f"{tmp_path}/a.usda")
+    author.AddLight(stage, "/World/Dome", "Dome", textureFile="./sky.png")
+    author.AddCamera(stage, eye=(0, 0, 0), target=(0, 0, 1), width=0.5, focalLength=50.0)
+    stage.GetRootLayer().Save()
+    picture = _Render(f"{tmp_path}/a.usda", samples=16)[..., 0]
+    # +z is the image's middle; what is to the right has a lesser longitude, a greater column.
+    x = ((np.arange(WIDTH * 8) + 0.5) / (WIDTH * 8) - 0.5) * 0.01
+    st = np.stack([0.5 + np.arctan(x) / (2 * np.pi), np.full_like(x, 0.5)], -1).reshape(1, 1, WIDTH, 8, 2)
+    expected = PixelMeans(Bilinear(codes[..., None] / 255, st))[0, :, 0]
+    assert expected.max() > 0.9 and expected.min() < 0.1
+    np.testing.assert_allclose(picture.mean(0), expected, atol=0.03)
+
+
+def test_a_large_dome_lights_without_bias(tmp_path):
+    """Light on a plate of a dome with few bright texels, each a quarter of a cell that it is sampled by."""
+    codes = np.zeros((2048, 4096), np.uint8)
+    for y, x in np.random.default_rng(2).integers((100, 0), (900, 4096), (40, 2)):
+        codes[y, x] = 252  # a quarter of it is a code too
+    radiance = _WriteLargeDome(tmp_path, codes)
+    stage = author.NewStage(f"{tmp_path}/a.usda")
+    author.AddMesh(stage, "/World/Plate", shapes.Plane(40, 40), color=(0.5, 0.5, 0.5))
+    author.AddLight(stage, "/World/Dome", "Dome", intensity=1e4, textureFile="./sky.png")
+    AddTopCamera(stage)
+    stage.GetRootLayer().Save()
+    irradiance = closedForm.IrradianceOfLatlong(radiance[..., None], np.array([0.0, 1.0, 0.0]))[0]
+    picture = _Render(f"{tmp_path}/a.usda", samples=256, maxDepth=0)
+    assert picture.mean() == pytest.approx(1e4 * irradiance * 0.5 / np.pi, rel=3e-3)
 
 
 def _Bump(x, z):

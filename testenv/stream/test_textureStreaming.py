@@ -17,7 +17,7 @@ import pytest
 pytest.importorskip("hdstream._core")
 
 from stages import imageFile, textured
-from streamCase import ColdCache
+from streamCase import Case, ColdCache
 
 
 def _LeastMemory(case) -> int:
@@ -107,6 +107,48 @@ def test_threads_do_not_matter(Textured, tmp_path):
         pictures.append(imageFile.ReadExr(picture))
     for name, plane in pictures[0].items():
         assert plane.tobytes() == pictures[1][name].tobytes(), name
+
+
+# --- Images of lights ---------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module", params=[False, True], ids=["imagesOfLightsAlone", "besideTextures"])
+def ImageLights(request, tmp_path_factory):
+    path = tmp_path_factory.mktemp("imageLights") / "stage.usda"
+    textured.WriteImageLights(str(path), request.param)
+    return Case(path).RenderResident()
+
+
+@pytest.mark.parametrize("settings", [
+    dict(textureMemory="100%"),
+    dict(textureMemory="30%"),
+    dict(textureMemory="40K"),
+    dict(textureMemory="40K", traversal="lane", waveSize=1000),
+    dict(textureMemory="40K", geometryMemory="20%"),
+    dict(textureMemory="40K", geometryMemory="20%", request="first"),
+], ids=lambda settings: "-".join(f"{key}={value}" for key, value in settings.items()))
+def test_lights_with_images_stream_the_same_bits(ImageLights, settings):
+    texture = ImageLights.Fresh().AssertStreamsTextures(**settings)
+    assert texture["textures"] >= 2 and texture["linesLoaded"] > 0
+
+
+def test_what_one_point_needs_of_lights_is_enough(ImageLights):
+    """All lights along a ray, one that is sampled, and the surface's textures."""
+    least = _LeastMemory(ImageLights)
+    texture = ImageLights.Fresh().AssertStreamsTextures(textureMemory=str(least))
+    assert texture["peakBytes"] == least and texture["evictions"] > 0
+
+
+def test_mapped_lights_have_the_same_bits(ImageLights, tmp_path):
+    layers, _ = ImageLights.Fresh().Render(residency="mapped", cacheDirectory=ColdCache(tmp_path / "cache"))
+    ImageLights.AssertBits(layers)
+
+
+def test_uncompressed_lights_look_the_same(ImageLights):
+    layers, _ = ImageLights.Fresh().Render(residency="resident", plainTextures=True)
+    color, exact = layers["color"], ImageLights.layers["color"]
+    assert color.tobytes() != exact.tobytes(), "the codec loses something"
+    assert np.abs(color - exact).mean() < 0.01 * exact.mean()
 
 
 # --- Images that are not what they seem --------------------------------------------------------------

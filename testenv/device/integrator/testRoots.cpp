@@ -27,7 +27,7 @@ ProgramDefines MakeDefines(unsigned bits, unsigned numPools) {
 
 TEST_F(Roots, BuildWithEachFeature) {
     for (const char* root : kRoots) {
-        for (const unsigned bits : {0U, 1U, 2U, 4U, 8U, 24U, 63U, 88U}) {
+        for (const unsigned bits : {0U, 1U, 2U, 4U, 8U, 24U, 48U, 63U, 88U}) {
             EXPECT_NO_THROW(Program(device, root, MakeDefines(bits, 1)))
                 << root << " features " << bits;
         }

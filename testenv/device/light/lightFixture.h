@@ -4,7 +4,9 @@
 #pragma once
 
 #include "hdStream/shading/lightTable.h"
+#include "kernels/shared/texture.h"
 #include "testenv/support/deviceFixture.h"
+#include "testenv/support/plainTextures.h"
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
@@ -31,13 +33,31 @@ struct LightSampleResult {
 };
 
 inline const char* const kLightKernels = R"(
-#include "light/light.clh"
+#define HDS_TEXTURE_PLAIN 1
+#define HDS_NUM_TEXTURE_POOLS 1
+#include "light/imageLookup.clh"
 #include "sample/sampler.clh"
-kernel void sampleAll(HDS_LIGHT_PARAMETERS, global const float* points, global const float* normals,
+#define LIGHT_ARGS HDS_LIGHT_PARAMETERS, HDS_TEXTURE_ARGS
+#define LIGHT_VIEW(view)     \
+    HDS_LIGHT_VIEW(view);    \
+    HdsTextureView textures; \
+    HDS_TEXTURE_VIEW(textures)
+/* Radiance of a light that a ray of no width meets at t, with its image. */
+float3 radianceOf(const HdsLightView* view, const HdsTextureView* textures, uint light, float3 p,
+                  float3 d, float t) {
+    float3 radiance = light_radiance(view, light);
+    if (light_hasImage(view->lights + light)) {
+        bool isMissing = false;
+        radiance *= lightImage_lookup(view, textures, light, p, d, t, cones_begin(0.0f, 0.0f),
+                                      false, 0.0f, &isMissing);
+    }
+    return radiance;
+}
+kernel void sampleAll(LIGHT_ARGS, global const float* points, global const float* normals,
                       global const float* us, global float* out, uint count) {
     uint i = (uint)get_global_id(0);
     if (i >= count) return;
-    HDS_LIGHT_VIEW(view);
+    LIGHT_VIEW(view);
     float3 p = vload3(i, points);
     float3 n = vload3(i, normals);
     HdsLightSample s;
@@ -48,6 +68,9 @@ kernel void sampleAll(HDS_LIGHT_PARAMETERS, global const float* points, global c
     s.light = HDS_NONE;
     s.isDelta = 0u;
     bool isValid = light_sample(&view, p, n, us[4 * i], vload2(2 * i + 1, us), &s);
+    if (isValid && light_hasImage(view.lights + s.light)) {
+        s.radiance = radianceOf(&view, &textures, s.light, p, s.direction, s.distance);
+    }
     float t = 0.0f;
     bool isHit = isValid && light_intersect(&view, s.light, p, s.direction, INFINITY, &t);
     float hitPdf = isHit ? light_pdf(&view, s.light, p, n, s.direction, t) : 0.0f;
@@ -64,12 +87,12 @@ kernel void sampleAll(HDS_LIGHT_PARAMETERS, global const float* points, global c
     o[13] = hitPdf;
 }
 /* For each direction: distance at which the light is hit (negative: not), density and radiance. */
-kernel void intersectAll(HDS_LIGHT_PARAMETERS, uint light, global const float* points,
+kernel void intersectAll(LIGHT_ARGS, uint light, global const float* points,
                          global const float* normals, global const float* directions, uint onePoint,
                          global float* out, uint count) {
     uint i = (uint)get_global_id(0);
     if (i >= count) return;
-    HDS_LIGHT_VIEW(view);
+    LIGHT_VIEW(view);
     uint at = onePoint != 0u ? 0u : i;
     float3 p = vload3(at, points);
     float3 d = vload3(i, directions);
@@ -77,15 +100,15 @@ kernel void intersectAll(HDS_LIGHT_PARAMETERS, uint light, global const float* p
     bool isHit = light_intersect(&view, light, p, d, INFINITY, &t);
     out[3 * i] = isHit ? t : -1.0f;
     out[3 * i + 1] = isHit ? light_pdf(&view, light, p, vload3(at, normals), d, t) : 0.0f;
-    out[3 * i + 2] = isHit ? light_radiance(&view, light, p, d, t).x : 0.0f;
+    out[3 * i + 2] = isHit ? radianceOf(&view, &textures, light, p, d, t).x : 0.0f;
 }
 /* Irradiance by light sampling, and by cosine-weighted directions that look for lights. */
-kernel void irradiances(HDS_LIGHT_PARAMETERS, global const float* points,
+kernel void irradiances(LIGHT_ARGS, global const float* points,
                         global const float* normals, uint perItem, uint itemsPerPoint,
                         global float* out, uint count) {
     uint i = (uint)get_global_id(0);
     if (i >= count) return;
-    HDS_LIGHT_VIEW(view);
+    LIGHT_VIEW(view);
     uint point = i / itemsPerPoint;
     float3 p = vload3(point, points);
     float3 n = vload3(point, normals);
@@ -96,13 +119,16 @@ kernel void irradiances(HDS_LIGHT_PARAMETERS, global const float* points,
         HdsSampler sampler = sampler_init(point, 0u, (i % itemsPerPoint) * perItem + k, 9u);
         HdsLightSample s;
         if (light_sample(&view, p, n, sampler_get1(sampler, 0u), sampler_get2(sampler, 1u), &s)) {
-            direct += s.radiance.x * fmax(vec_dot(s.direction, n), 0.0f) / s.pdf;
+            float3 radiance = light_hasImage(view.lights + s.light)
+                                  ? radianceOf(&view, &textures, s.light, p, s.direction, s.distance)
+                                  : s.radiance;
+            direct += radiance.x * fmax(vec_dot(s.direction, n), 0.0f) / s.pdf;
         }
         float3 d = frame_toWorld(&frame, warp_cosineHemisphere(sampler_get2(sampler, 2u)));
         for (uint light = 0u; light < view.numLights; ++light) {
             float t;
             if (light_intersect(&view, light, p, d, INFINITY, &t)) {
-                gathered += HDS_PI * light_radiance(&view, light, p, d, t).x;
+                gathered += HDS_PI * radianceOf(&view, &textures, light, p, d, t).x;
             }
         }
     }
@@ -128,6 +154,7 @@ protected:
         DeviceFixture::SetUp();
         if (device) {
             _program = Build(kLightKernels);
+            SetImage({});
         }
     }
 
@@ -136,16 +163,18 @@ protected:
         _nodes = Upload(table.nodes);
         _triangles = Upload(table.triangles);
         _cdf = Upload(table.cdf);
-        _texels = Upload(table.lightTexels);
         _numLights = std::uint32_t(table.lights.size());
     }
-    /// Builds the table of lights; expects no warning.
-    LightTable SetLights(const std::vector<PlacedLight>& lights,
-                         const LoadLightImage& images = {}) {
+    /// Builds the table of lights; expects no warning. \param image of all that name one
+    LightTable SetLights(const std::vector<PlacedLight>& lights, const LightImage& image = {}) {
+        const LoadLightImage load = [&](const AssetReference&) {
+            return LightTexture{std::make_shared<LightImage>(image), 0};
+        };
         Warnings warnings;
-        const LightTable table = BuildLightTable(lights, {}, images, warnings);
+        const LightTable table = BuildLightTable(lights, {}, load, warnings);
         EXPECT_EQ(warnings.Lines(), std::vector<std::string>());
         SetTable(table);
+        SetImage(image);
         return table;
     }
 
@@ -158,8 +187,9 @@ protected:
         const Buffer usBuffer = Upload(us);
         const Buffer out = Allocate(count * 16 * sizeof(float));
         _program->GetKernel("sampleAll")
-            .Launch(count, _lights, _nodes, _triangles, _cdf, _texels, _numLights, pointBuffer,
-                    normalBuffer, usBuffer, out, std::uint32_t(count));
+            .Launch(count, _lights, _nodes, _triangles, _cdf, _numLights,
+                    HDS_TEST_TEXTURE_ARGS(_records, _texels), pointBuffer, normalBuffer, usBuffer,
+                    out, std::uint32_t(count));
         const std::vector<float> values = Download<float>(out, count * 16);
         std::vector<LightSampleResult> results(count);
         for (std::size_t i = 0; i < count; ++i) {
@@ -189,9 +219,10 @@ protected:
         const Buffer directionBuffer = Upload(directions);
         const Buffer out = Allocate(count * 3 * sizeof(float));
         _program->GetKernel("intersectAll")
-            .Launch(count, _lights, _nodes, _triangles, _cdf, _texels, _numLights, light,
-                    pointBuffer, normalBuffer, directionBuffer,
-                    std::uint32_t(points.size() == 3 ? 1 : 0), out, std::uint32_t(count));
+            .Launch(count, _lights, _nodes, _triangles, _cdf, _numLights,
+                    HDS_TEST_TEXTURE_ARGS(_records, _texels), light, pointBuffer, normalBuffer,
+                    directionBuffer, std::uint32_t(points.size() == 3 ? 1 : 0), out,
+                    std::uint32_t(count));
         return Download<float>(out, count * 3);
     }
 
@@ -206,9 +237,9 @@ protected:
         const Buffer normalBuffer = Upload(normals);
         const Buffer out = Allocate(items * 2 * sizeof(float));
         _program->GetKernel("irradiances")
-            .Launch(items, _lights, _nodes, _triangles, _cdf, _texels, _numLights, pointBuffer,
-                    normalBuffer, samplesPerPoint / kItemsPerPoint, kItemsPerPoint, out,
-                    std::uint32_t(items));
+            .Launch(items, _lights, _nodes, _triangles, _cdf, _numLights,
+                    HDS_TEST_TEXTURE_ARGS(_records, _texels), pointBuffer, normalBuffer,
+                    samplesPerPoint / kItemsPerPoint, kItemsPerPoint, out, std::uint32_t(items));
         const std::vector<float> values = Download<float>(out, items * 2);
         std::vector<std::array<double, 2>> sums(count, {0.0, 0.0});
         for (std::size_t i = 0; i < items; ++i) {
@@ -226,17 +257,34 @@ protected:
         const Buffer normalBuffer = Upload(normals);
         const Buffer out = Allocate(count * _numLights * sizeof(float));
         _program->GetKernel("selections")
-            .Launch(count, _lights, _nodes, _triangles, _cdf, _texels, _numLights, pointBuffer,
-                    normalBuffer, out, std::uint32_t(count));
+            .Launch(count, _lights, _nodes, _triangles, _cdf, _numLights, pointBuffer, normalBuffer,
+                    out, std::uint32_t(count));
         return Download<float>(out, count * _numLights);
     }
 
 private:
+    /// Texture 0: the image alone, in floats.
+    void SetImage(const LightImage& image) {
+        shared::HdsTexture record{};
+        record.width = image.width;
+        record.height = image.height;
+        record.numMips = 1;
+        record.format = HDS_TEXEL_FLOAT | 2U;
+        record.swizzle = HDS_SWIZZLE_RGBA;
+        std::vector<float> texels;
+        for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
+            texels.insert(texels.end(), {image.rgb[i], image.rgb[i + 1], image.rgb[i + 2], 1.0F});
+        }
+        _records = Upload(std::vector<shared::HdsTexture>{record});
+        _texels = Upload(texels);
+    }
+
     std::unique_ptr<Program> _program;
     Buffer _lights;
     Buffer _nodes;
     Buffer _triangles;
     Buffer _cdf;
+    Buffer _records;
     Buffer _texels;
     std::uint32_t _numLights = 0;
 };

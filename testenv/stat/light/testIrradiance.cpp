@@ -253,13 +253,10 @@ TEST_F(IrradianceTest, GradientDome) {
         const float value = float(1.0 + std::cos(kPi * (y + 0.5) / image.height));
         image.rgb.insert(image.rgb.end(), std::size_t(image.width) * 3, value);
     }
-    const LoadLightImage images = [&](const AssetReference&) {
-        return std::make_shared<LightImage>(image);
-    };
     PlacedLight light = MakeLight(LightType::Dome);
     light.light.textureFile.authoredPath = "dome.exr";
     light.worldFromLight = glm::rotate(glm::dmat4(1.0), 1.1, {1.0, 0.4, 0.3});
-    SetLights({light}, images);
+    SetLights({light}, image);
     const glm::dvec3 up(light.worldFromLight[1]);
     for (const glm::dvec3& n : {glm::dvec3(0, 1, 0), glm::dvec3(0.6, -0.2, 0.4)}) {
         const glm::dvec3 normal = glm::normalize(n);
@@ -270,13 +267,13 @@ TEST_F(IrradianceTest, GradientDome) {
 /// A rect with an image of two columns, 2 and 0, and rows of 1 and 3 times that: bright where +x
 /// and -y of the light are. By midpoints over the light.
 TEST_F(IrradianceTest, RectWithAnImage) {
-    const LightImage image{2, 2, {2, 2, 2, 0, 0, 0, 6, 6, 6, 0, 0, 0}};
+    const LightImage image{2, 2, {2, 2, 2, 0, 0, 0, 6, 6, 6, 0, 0, 0}, 0};
     PlacedLight light = MakeLight(LightType::Rect);
     light.light.width = 1.6F;
     light.light.height = 0.8F;
     light.light.textureFile.authoredPath = "panel.exr";
     light.worldFromLight = glm::rotate(glm::dmat4(1.0), 0.7, {0.2, 1.0, 0.4});
-    SetLights({light}, [&](const AssetReference&) { return std::make_shared<LightImage>(image); });
+    SetLights({light}, image);
     constexpr int kSteps = 800;
     const auto lerpAt = [](double c, double first, double second) {
         return glm::mix(first, second, glm::clamp(2.0 * c - 0.5, 0.0, 1.0));

@@ -162,11 +162,11 @@ TEST_F(LightChiSquareTest, RectAndDisk) {
             SetLights({rect});
             Check("rect", point, glm::dvec3(0.0), domain, seed++);
             rect.light.textureFile.authoredPath = "panel.exr";
-            SetLights({rect}, [](const AssetReference&) {
-                return std::make_shared<LightImage>(
-                    LightImage{4, 2, {1, 1, 1, 9, 9, 9, 0, 0, 0, 0, 0, 0,
-                                      0, 0, 0, 0, 0, 0, 0, 0, 0, 3, 3, 3}});
-            });
+            SetLights({rect},
+                      {4,
+                       2,
+                       {1, 1, 1, 9, 9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 3, 3, 3},
+                       0});
             Check("rect with an image", point, glm::dvec3(0.0), domain, seed++);
             PlacedLight disk = MakeLight(LightType::Disk);
             disk.light.radius = 1.0F;
@@ -295,9 +295,6 @@ TEST_F(LightChiSquareTest, ImageDomeAlsoUnderAnAffineTransform) {
             image.rgb.insert(image.rgb.end(), 3, value);
         }
     }
-    const LoadLightImage images = [&](const AssetReference&) {
-        return std::make_shared<LightImage>(image);
-    };
     PlacedLight light = MakeLight(LightType::Dome);
     light.light.textureFile.authoredPath = "dome.exr";
     // The domain's pole is the image's: (x, y, z) of the domain is (z, x, y) of light space.
@@ -305,7 +302,7 @@ TEST_F(LightChiSquareTest, ImageDomeAlsoUnderAnAffineTransform) {
     unsigned seed = 710;
     for (const glm::dvec3& scale : {glm::dvec3(1.0), glm::dvec3(1.0, 0.5, -2.0)}) {
         light.worldFromLight = glm::scale(Rotation(), scale);
-        SetLights({light}, images);
+        SetLights({light}, image);
         Check("image dome", {0, 0, 0}, glm::dvec3(0.0),
               WholeSphereDomain(glm::dmat3(light.worldFromLight) * poleUp), seed++);
     }

@@ -61,7 +61,11 @@ TEST(ColorDecoder, BuiltInSpacesAreWhatTheirNamesSay) {
     for (const char* name : {"raw", "data"}) {
         const hds::ColorDecoder raw = MakeDecoder(name);
         EXPECT_TRUE(raw.IsPerChannel());
-        EXPECT_EQ(raw.DecodeChannel(0.3), 0.3);
+        float rgb[3] = {0.3f, -1.0f, 7.0f};
+        raw.DecodeRgb(rgb, 1);
+        EXPECT_EQ(rgb[0], 0.3f);
+        EXPECT_EQ(rgb[1], -1.0f);
+        EXPECT_EQ(rgb[2], 7.0f);
     }
 }
 

@@ -243,5 +243,31 @@ TEST_F(TextureTest, WideImagesAreFilteredRowByRow) {
     }
 }
 
+TEST_F(TextureTest, RadianceIsFiniteAndNotNegative) {
+    // A block each, so that the codec keeps what preparing made of it.
+    const float infinity = std::numeric_limits<float>::infinity();
+    const std::vector<float> stored = {1.0f, std::numeric_limits<float>::quiet_NaN(), infinity,
+                                       -infinity, -4.0f};
+    const std::vector<float> expected = {1.0f, 0.0f, 65504.0f, 0.0f, 0.0f};
+    const std::string path =
+        WriteImage("sky.exr", 4 * int(stored.size()), 4, 3, OIIO::TypeFloat,
+                   [&](int x, int, int c) { return c == 0 ? stored[std::size_t(x / 4)] : 0.5; });
+    TextureRequest request = Request("auto", 7);
+    request.isRadiance = true;
+    TexturePreparer preparer(OpenStore(), &warnings);
+    const auto texture = preparer.Prepare({path, 0, 0, ""}, request);
+    ASSERT_TRUE(texture->Ok());
+    for (std::uint32_t i = 0; i < stored.size(); ++i) {
+        EXPECT_EQ(Texel(*texture, 0, 4 * i, 0), (std::vector<float>{expected[i], 0.5f, 0.5f, 1.0f}))
+            << i;
+    }
+    ASSERT_EQ(warnings.Lines().size(), 1u);
+    EXPECT_EQ(warnings.Lines()[0],
+              path + ": 48 NaN or infinite, 16 negative and 0 too large values were replaced");
+    request.isRadiance = false;
+    const auto data = preparer.Prepare({path, 0, 0, ""}, request);
+    EXPECT_EQ(Texel(*data, 0, 16, 0)[0], -4.0f) << "another texture, of which the store has none";
+}
+
 } // namespace
 } // namespace hds
