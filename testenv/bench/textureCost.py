@@ -3,7 +3,7 @@
 
 One process, modes take turns: `plain` reads uncompressed arrays in the same kernels, `resident` the cache with all lines, `100 %`
 and the budgets stream them; each of those begins with an empty pool, `warm` is a second render with a pool of 100 %. Least of
-the repeats, without preparing and compiling. Geometry is resident in all of them (`auto`, which streams textures alone where geometry
+the repeats, without preparing and compiling. Geometry is resident in all of them (`auto` with `prepare eager`, which streams textures alone where geometry
 fits).
 """
 
@@ -39,7 +39,7 @@ def main() -> None:
     args = parser.parse_args()
     session = _core.Session()
     TranslateStage(Usd.Stage.Open(args.stage), session, Usd.TimeCode.Default())
-    streamed = lambda budget: dict(residency="auto", textureMemory=budget)
+    streamed = lambda budget: dict(residency="auto", prepare="eager", textureMemory=budget)
     modes = {"plain": dict(residency="resident", plainTextures=True), "resident": dict(residency="resident"),
              "100 %": streamed("100%"), "warm": streamed("100%"), **{budget: streamed(budget) for budget in args.budgets}}
     seconds, textures = {name: [] for name in modes}, {}
