@@ -4,7 +4,9 @@
 import json
 import os
 import pathlib
+import resource
 import shutil
+import signal
 import subprocess
 import sys
 
@@ -38,13 +40,13 @@ def Segments(cache) -> list:
     return sorted(pathlib.Path(cache).glob("pages-*.hdsp"))
 
 
-def StartRecord(case, cache, folder, name, *options, onStart=None):
-    """`hdstream record` of a case's stage, started. onStart runs in its process before it."""
+def StartRecord(case, cache, folder, name, *options):
+    """`hdstream record` of a case's stage, started."""
     command = [sys.executable, "-m", "hdstream", "record", case.path, str(folder / f"{name}.exr"), "--quiet",
                "--camera", case.camera, "--imageWidth", "64", "--imageHeight", "36", "--samples", "2",
                "--chunkSize", str(CHUNK_BYTES), "--residency", "stream", "--cacheDir", str(cache),
                "--stats", str(folder / f"{name}.json"), *options]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=onStart)
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
 def FinishRecord(process, folder, name):
@@ -56,6 +58,28 @@ def FinishRecord(process, folder, name):
         pytest.fail(f"hdstream record hangs: {process.communicate()}")
     assert process.returncode == 0, out + err
     return (folder / f"{name}.exr").read_bytes(), json.loads((folder / f"{name}.json").read_text())
+
+
+class FullDisk:
+    """onProgress of a render: once the first samples are there, files cannot grow beyond the cache's segments and `room`. Kernels
+    are compiled by then: PoCL needs files for that. `with` ends it."""
+
+    def __init__(self, cache, room):
+        self._cache, self._room, self.limit = cache, room, None
+        self._old = resource.getrlimit(resource.RLIMIT_FSIZE)
+
+    def __call__(self, progress):
+        if progress.fraction > 0 and self.limit is None:
+            self.limit = max(path.stat().st_size for path in Segments(self._cache)) + self._room
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # LLVM has taken it; writes shall fail instead
+            resource.setrlimit(resource.RLIMIT_FSIZE, (self.limit, self._old[1]))
+        return True
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        resource.setrlimit(resource.RLIMIT_FSIZE, self._old)
 
 
 def MovedMesh(core, prim, offset):

@@ -4,7 +4,6 @@ is made again. The oracle is a picture rendered without a cache."""
 
 import os
 import pathlib
-import resource
 import shutil
 import threading
 import time
@@ -15,7 +14,7 @@ import pytest
 pytest.importorskip("hdstream._core")
 
 from stages import streaming
-from streamCase import RECORD_SECONDS, Case, ColdCache, FinishRecord, Segments, StartRecord
+from streamCase import RECORD_SECONDS, Case, ColdCache, FinishRecord, FullDisk, Segments, StartRecord
 
 _BLOCK_BYTES = 1 << 16  # of a segment's index (docs/cache-format.md)
 # So little memory that pages are read from the cache all the time.
@@ -173,8 +172,8 @@ def test_a_folder_that_cannot_be(Scene, tmp_path):
 _LITTLE = ("--geometryMemory", "48K", "--hostMemory", "16K")
 
 
-def _Record(scene, cache, folder, name, onStart=None):
-    return StartRecord(scene, cache, folder, name, *_LITTLE, onStart=onStart)
+def _Record(scene, cache, folder, name):
+    return StartRecord(scene, cache, folder, name, *_LITTLE)
 
 
 def _Finish(process, folder, name):
@@ -192,29 +191,18 @@ def Recorded(Scene, tmp_path_factory):
     return picture, time.monotonic() - start
 
 
-def _Finished(scene, cache, folder, name, onStart=None):
-    """(picture, geometry's statistics, lines that the command said)"""
-    picture, statistics = FinishRecord(_Record(scene, cache, folder, name, onStart), folder, name)
-    return picture, statistics["geometry"], statistics["warnings"]
-
-
-def test_a_full_disk(Scene, Recorded, tmp_path):
-    """Files end at a limit: one warning, the right picture; what was saved by then is used by the next."""
-    cache = ColdCache(tmp_path / "cache")
-    _Finished(Scene, cache, tmp_path, "kernels")  # their binaries are larger than the limit
-    for segment in Segments(cache):
-        segment.unlink()
-
-    def FillDisk():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (2 * _BLOCK_BYTES, 2 * _BLOCK_BYTES))
-
-    picture, geometry, warnings = _Finished(Scene, cache, tmp_path, "full", FillDisk)
-    assert picture == Recorded[0] and geometry["chunksBuilt"] > geometry["chunksTouched"], "pages are made again and again"
-    assert len([line for line in warnings if str(cache) in line]) == 1, warnings
+def test_a_disk_that_runs_full(Scene, tmp_path):
+    """One warning, the right picture; what was saved by then is used by the next run."""
+    cache, case = ColdCache(tmp_path / "cache"), Scene.Fresh()
+    with FullDisk(cache, _BLOCK_BYTES) as disk:
+        geometry = case.AssertStreams(disk, cacheDirectory=str(cache), **{**_THRASH, "waveSize": 64})
+    assert geometry["chunksBuilt"] > geometry["chunksTouched"], "pages are made again and again"
+    assert len([line for line in case.session.Warnings() if "no more pages are kept" in line]) == 1, case.session.Warnings()
     [segment] = Segments(cache)
-    assert _BLOCK_BYTES < segment.stat().st_size <= 2 * _BLOCK_BYTES
-    picture, second, _ = _Finished(Scene, cache, tmp_path, "room")
-    assert picture == Recorded[0] and 0 < second["chunksBuilt"] < geometry["chunksTouched"]
+    assert _BLOCK_BYTES < segment.stat().st_size <= disk.limit
+    second = Scene.Fresh().AssertStreams(cacheDirectory=str(cache), **_THRASH)
+    assert 0 < second["chunksBuilt"] < geometry["chunksTouched"]
+    assert sum(path.stat().st_size for path in Segments(cache)) > disk.limit
 
 
 def test_two_processes_fill_one_cold_cache(Scene, Recorded, tmp_path):

@@ -4,9 +4,7 @@ bits of resident textures, or the fallback and one warning. docs/testing.md list
 
 import os
 import pathlib
-import resource
 import shutil
-import signal
 import struct
 import time
 
@@ -19,7 +17,7 @@ from pxr import Usd
 
 from cardStrip import Strip
 from stages import author, imageFile
-from streamCase import RECORD_SECONDS, Case, ColdCache, FinishRecord, Segments, StartRecord
+from streamCase import RECORD_SECONDS, Case, ColdCache, FinishRecord, FullDisk, Segments, StartRecord
 from textureCases import AddTexture, Connect
 
 _BLOCK_BYTES = 1 << 16  # of a segment's index (docs/cache-format.md)
@@ -256,28 +254,17 @@ def test_a_folder_that_cannot_be(Textured, tmp_path):
 def test_a_disk_that_runs_full(Textured, tmp_path, room):
     """Files cannot grow by more than `room` once the first texels have been seen, which ends between two groups of lines
     or in one: one warning, what is saved stays, and a run with room finishes it."""
-    cache, case, limits = ColdCache(tmp_path / "cache"), Textured.Fresh(), []
-    old = resource.getrlimit(resource.RLIMIT_FSIZE)
-
-    def Fill(progress):
-        if progress.fraction > 0 and not limits:  # kernels are compiled: PoCL needs files for that
-            limits.append(_Bytes(cache) + room)
-            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # LLVM has taken it; writes shall fail instead
-            resource.setrlimit(resource.RLIMIT_FSIZE, (limits[0], old[1]))
-        return True
-
-    try:
-        case.AssertStreamsTextures(Fill, cacheDirectory=cache, textureMemory="24K", waveSize=64)
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, old)
+    cache, case = ColdCache(tmp_path / "cache"), Textured.Fresh()
+    with FullDisk(cache, room) as disk:
+        case.AssertStreamsTextures(disk, cacheDirectory=cache, textureMemory="24K", waveSize=64)
     assert len(case.session.Warnings()) == 1 and "no more pages are kept" in case.session.Warnings()[0]
-    assert _Bytes(cache) <= limits[0]
+    assert _Bytes(cache) <= disk.limit
     for _ in range(2):
         before = _Bytes(cache)
         case = Textured.Fresh()
         case.AssertStreamsTextures(cacheDirectory=cache, **_LITTLE)
         assert not case.session.Warnings()
-    assert before == _Bytes(cache) > limits[0]
+    assert before == _Bytes(cache) > disk.limit
 
 
 # --- Processes -----------------------------------------------------------------------------------
