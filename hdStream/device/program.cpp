@@ -162,6 +162,7 @@ Kernel& Kernel::operator=(Kernel&& other) noexcept {
     std::swap(_device, other._device);
     std::swap(_kernel, other._kernel);
     std::swap(_name, other._name);
+    std::swap(_runLength, other._runLength);
     std::swap(_groupSize, other._groupSize);
     return *this;
 }
@@ -177,11 +178,17 @@ void Kernel::SetBytes(unsigned index, const void* data, std::size_t bytes) {
                 _name + " argument " + std::to_string(index));
 }
 
+void Kernel::SetRunLength(std::uint32_t length) {
+    _runLength = length;
+    _groupSize = length > 1 ? 1 : kGroupSize;
+}
+
 void Kernel::Enqueue(std::size_t numItems) {
     if (numItems == 0) {
         return;
     }
-    const std::size_t global = (numItems + _groupSize - 1) / _groupSize * _groupSize;
+    const std::size_t numRuns = (numItems + _runLength - 1) / _runLength;
+    const std::size_t global = (numRuns + _groupSize - 1) / _groupSize * _groupSize;
     CheckOpenCl(clEnqueueNDRangeKernel(_device->GetHandles().queue, static_cast<cl_kernel>(_kernel),
                                        1, nullptr, &global, &_groupSize, 0, nullptr, nullptr),
                 "launching " + _name);

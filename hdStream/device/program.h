@@ -47,6 +47,10 @@ public:
         Enqueue(numItems);
     }
 
+    /// Each work-item takes so many items one after another (kernels/integrator/run.clh); 1 at
+    /// first.
+    void SetRunLength(std::uint32_t length);
+
     /// Queues with the arguments as set. No-op for numItems 0.
     void Enqueue(std::size_t numItems);
 
@@ -58,10 +62,13 @@ private:
         SetBytes(index, &value, sizeof(value));
     }
 
+    static constexpr std::size_t kGroupSize = 64;
+
     std::shared_ptr<Device> _device;
     void* _kernel = nullptr;
     std::string _name;
-    std::size_t _groupSize = 64;
+    std::size_t _runLength = 1;
+    std::size_t _groupSize = kGroupSize;
 };
 
 /// A built program. Externally synchronised.

@@ -35,8 +35,14 @@ constexpr unsigned kShadowResumeArgs = 8;
 constexpr unsigned kShadowPassArgs = 8;
 constexpr unsigned kAovArgs = 12;
 
-ProgramDefines MakeDefines(const KernelFeatures& features) {
+/// Items that a work-item of the kernels of queues takes (kernels/integrator/run.clh).
+std::uint32_t RunLength(const Device& device) {
+    return device.Properties().isCpu ? 32 : 1;
+}
+
+ProgramDefines MakeDefines(const Device& device, const KernelFeatures& features) {
     return {
+        {"HDS_RUN_LENGTH", std::to_string(RunLength(device)) + "u"},
         {"HDS_FEATURE_CUTOUT", features.cutouts ? "1" : "0"},
         {"HDS_FEATURE_PROGRAMS", features.programs ? "1" : "0"},
         {"HDS_FEATURE_TEXTURES", features.textures ? "1" : "0"},
@@ -62,7 +68,7 @@ constexpr const char* kAov = "integrator/aov.cl"; ///< only with first-hit AOVs
 
 bool StageKernels::AreInStore(const Device& device, const Store& store,
                               const KernelFeatures& features) {
-    const ProgramDefines defines = MakeDefines(features);
+    const ProgramDefines defines = MakeDefines(device, features);
     for (const char* root : {kGenerate, kIntersect, kShade, kShadow, kResolve, kFilm, kAov}) {
         const bool isUsed = root != kAov || features.firstHits;
         if (isUsed && !Program::IsInStore(device, root, defines, store)) {
@@ -75,7 +81,7 @@ bool StageKernels::AreInStore(const Device& device, const Store& store,
 StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
                            const KernelFeatures& features)
     : _features(features), _pathStateBytes(kFieldBytes * NumPathFields(features)) {
-    const ProgramDefines defines = MakeDefines(features);
+    const ProgramDefines defines = MakeDefines(*device, features);
     const auto build = [&](const char* root) {
         auto program = std::make_unique<Program>(device, root, defines, store);
         _buildSeconds += program->BuildSeconds();
@@ -102,6 +108,10 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
     if (features.HasLists()) {
         intersectResume = intersectProgram->GetKernel("intersect_resume");
         shadowResume = shadowProgram->GetKernel("shadow_resume");
+    }
+    for (Kernel* kernel :
+         {&intersect, &intersectResume, &shade, &shadowCast, &shadowPass, &shadowResume, &aov}) {
+        kernel->SetRunLength(RunLength(*device));
     }
 }
 

@@ -5,6 +5,7 @@
 #include "hdStream/shading/lightUnits.h"
 
 #include <glm/geometric.hpp>
+#include <glm/gtc/matrix_access.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
@@ -144,12 +145,12 @@ bool HasSize(const LightDescription& light, const double* sizes) {
     }
 }
 
-void WriteRows(const glm::dmat3& linear, const glm::dvec3& translation, float* rows) {
+void WriteRows(const glm::dmat3& linear, const glm::dvec3& last, float* rows) {
     for (int row = 0; row < 3; ++row) {
         for (int column = 0; column < 3; ++column) {
             rows[row * 4 + column] = float(linear[column][row]);
         }
-        rows[row * 4 + 3] = float(translation[row]);
+        rows[row * 4 + 3] = float(last[row]);
     }
 }
 
@@ -171,7 +172,7 @@ bool PlaceLight(const LightDescription& light, const glm::dmat4& worldFromLight,
     }
     const glm::dmat3 inverse = glm::inverse(m);
     WriteRows(m, origin, out->worldFromLight);
-    WriteRows(inverse, -(inverse * origin), out->lightFromWorld);
+    WriteRows(inverse, glm::normalize(glm::row(inverse, 2)), out->lightFromWorld);
     out->params[0] = float(sizes[0]);
     out->params[1] = float(sizes[1]);
     out->area = float(area);

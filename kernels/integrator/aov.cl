@@ -4,6 +4,7 @@
  * the next active queue for rays that passed. Explained in docs/film.md. */
 #include "integrator/passThrough.clh"
 #include "integrator/pathState.clh"
+#include "integrator/run.clh"
 
 /* Depth along the camera's -z, and the [0,1] depth of its clip range. */
 float2 aov_depths(constant const HdsFrameParams* frame, float3 position) {
@@ -93,19 +94,11 @@ void aov_storeHit(constant const HdsFrameParams* frame, const HdsSceneView* scen
     }
 }
 
-/* Global size: count. */
-kernel void aov_firstHit(constant const HdsFrameParams* frame, global uchar* state, uint numSlots,
-                         global const uint* restrict queue, uint count,
-                         global uint* restrict waitQueue, global uint* restrict nextQueue,
-                         volatile global uint* counters, global float* floats, global int* ints,
-                         HdsAovOffsets offsets, global const uint* primvarSlots, HDS_SCENE_ARGS) {
-    uint item = (uint)get_global_id(0);
-    if (item >= count) {
-        return;
-    }
-    uint i = queue[item];
-    HdsPaths paths = {state, numSlots};
-    HDS_SCENE_VIEW(scene);
+/* Writes the first hit of slot i, or appends it to what goes on or waits. */
+void aov_store(constant const HdsFrameParams* frame, const HdsSceneView* scene, HdsPaths paths,
+               uint i, global uint* waitQueue, global uint* nextQueue,
+               volatile global uint* counters, global float* floats, global int* ints,
+               HdsAovOffsets offsets, global const uint* primvarSlots) {
 #if HDS_WAIT_LISTS
     if (path_loadWaits(paths, i) != 0u) {
         return;
@@ -119,25 +112,25 @@ kernel void aov_firstHit(constant const HdsFrameParams* frame, global uchar* sta
         aov_storeMiss(offsets, pixel, ids);
         return;
     }
-    if (surfaceHit_waits(&scene, &hit, waitQueue, counters, HDS_COUNTER_WAITING_HITS, i)) {
+    if (surfaceHit_waits(scene, &hit, waitQueue, counters, HDS_COUNTER_WAITING_HITS, i)) {
         return;
     }
     HdsSurfaceHit surface;
     HdsShadingPoint shading;
     HdsSurface bsdf;
-    surfaceHit_load(&scene, &hit, &surface);
+    surfaceHit_load(scene, &hit, &surface);
 #if HDS_FEATURE_TEXTURES
     HdsRayCones cones;
     cones.pair = path_load_cones(paths, i);
     surface.coneWidth = cones_width(cones_atHit(cones, hit.t, true));
 #endif
-    if (!surfaceHit_shade(&scene, &surface, -path_load_direction(paths, i).xyz, &shading, &bsdf)) {
-        surfaceHit_waitForTexels(&scene, i);
+    if (!surfaceHit_shade(scene, &surface, -path_load_direction(paths, i).xyz, &shading, &bsdf)) {
+        surfaceHit_waitForTexels(scene, i);
         return;
     }
 #if HDS_FEATURE_CUTOUT
     bool isPassed = vec_minComponent(surface_passThrough(&bsdf, shading.wo.z)) >= 1.0f ||
-                    passThrough_isCulled(&scene, &surface, path_load_direction(paths, i).xyz);
+                    passThrough_isCulled(scene, &surface, path_load_direction(paths, i).xyz);
     if (isPassed && (status.z >> HDS_PATH_PASS_SHIFT) < HDS_MAX_PASSES) {
         status.z += HDS_PATH_ONE_PASS;
         path_store_status(paths, i, status);
@@ -146,5 +139,19 @@ kernel void aov_firstHit(constant const HdsFrameParams* frame, global uchar* sta
         return;
     }
 #endif
-    aov_storeHit(frame, &scene, &surface, &bsdf, shading.wo.z, offsets, primvarSlots, pixel, ids);
+    aov_storeHit(frame, scene, &surface, &bsdf, shading.wo.z, offsets, primvarSlots, pixel, ids);
+}
+
+/* Global size: runs of count. */
+kernel void aov_firstHit(constant const HdsFrameParams* frame, global uchar* state, uint numSlots,
+                         global const uint* restrict queue, uint count,
+                         global uint* restrict waitQueue, global uint* restrict nextQueue,
+                         volatile global uint* counters, global float* floats, global int* ints,
+                         HdsAovOffsets offsets, global const uint* primvarSlots, HDS_SCENE_ARGS) {
+    HdsPaths paths = {state, numSlots};
+    HDS_SCENE_VIEW(scene);
+    HDS_FOR_RUN(item, count) {
+        aov_store(frame, &scene, paths, queue[item], waitQueue, nextQueue, counters, floats, ints,
+                  offsets, primvarSlots);
+    }
 }

@@ -4,6 +4,7 @@
  * to the slots that are ready. Divergence: the traversal loop. Explained in docs/wavefront.md. */
 #include "accel/traverse.clh"
 #include "integrator/pathState.clh"
+#include "integrator/run.clh"
 
 HdsTraversalRay intersect_loadRay(HdsPaths paths, uint i) {
     float4 origin = path_load_origin(paths, i);
@@ -44,79 +45,75 @@ void intersect_storeWait(HdsPaths paths, uint i, uint primId, const HdsWaitList*
 }
 #endif
 
-/* Global size: count. Appends rays that wait for a chunk (only while geometry streams).
+/* Global size: runs of count. Appends rays that wait for a chunk (only while geometry streams).
  * \param isResumed the rays have waited: hits are those found so far (only without lists). */
 kernel void intersect_closest(global uchar* state, uint numSlots, global const uint* restrict queue,
                               uint count, uint isResumed, global uint* restrict waitQueue,
                               volatile global uint* counters, HDS_GEOMETRY_ARGS) {
-    uint item = (uint)get_global_id(0);
-    if (item >= count) {
-        return;
-    }
-    uint i = queue[item];
     HdsPaths paths = {state, numSlots};
     HDS_GEOMETRY_VIEW(view);
-    HdsTraversalRay ray = intersect_loadRay(paths, i);
-    uint mask = intersect_flagMask(paths, i);
-    HdsHit hit;
+    HDS_FOR_RUN(item, count) {
+        uint i = queue[item];
+        HdsTraversalRay ray = intersect_loadRay(paths, i);
+        uint mask = intersect_flagMask(paths, i);
+        HdsHit hit;
 #if HDS_WAIT_LISTS
-    HdsWaitList list;
-    uint primId;
-    bool waits = streamed_beginClosest(&view, ray, mask, intersect_after(paths, i), &hit, &primId,
-                                       &list) == HDS_RAY_WAITS;
-    path_storeHit(paths, i, &hit);
-    if (waits) {
-        intersect_storeWait(paths, i, primId, &list, waitQueue, counters);
-    }
+        HdsWaitList list;
+        uint primId;
+        bool waits = streamed_beginClosest(&view, ray, mask, intersect_after(paths, i), &hit,
+                                           &primId, &list) == HDS_RAY_WAITS;
+        path_storeHit(paths, i, &hit);
+        if (waits) {
+            intersect_storeWait(paths, i, primId, &list, waitQueue, counters);
+        }
 #else
 #if HDS_FEATURE_STREAMING
-    /* Holds what the slot's shadow ray needs too. */
-    uint4 pending = path_load_pending(paths, i);
-    hit = isResumed != 0u ? path_loadHit(paths, i) : hit_none();
-    uint primId = pending.x; /* of no meaning without a hit */
-    if (streamed_iterateClosest(&view, ray, mask, intersect_after(paths, i), &hit, &primId) ==
-        HDS_RAY_WAITS) {
-        pending.x = primId;
-        path_store_pending(paths, i, pending);
-        queue_append(waitQueue, &counters[HDS_COUNTER_WAITING_RAYS], i);
-    }
+        /* Holds what the slot's shadow ray needs too. */
+        uint4 pending = path_load_pending(paths, i);
+        hit = isResumed != 0u ? path_loadHit(paths, i) : hit_none();
+        uint primId = pending.x; /* of no meaning without a hit */
+        if (streamed_iterateClosest(&view, ray, mask, intersect_after(paths, i), &hit, &primId) ==
+            HDS_RAY_WAITS) {
+            pending.x = primId;
+            path_store_pending(paths, i, pending);
+            queue_append(waitQueue, &counters[HDS_COUNTER_WAITING_RAYS], i);
+        }
 #elif HDS_FEATURE_CUTOUT
-    traverse_closestAfter(&view, ray, mask, path_load_after(paths, i), &hit);
+        traverse_closestAfter(&view, ray, mask, path_load_after(paths, i), &hit);
 #else
-    traverse_closest(&view, ray, mask, &hit);
+        traverse_closest(&view, ray, mask, &hit);
 #endif
-    path_storeHit(paths, i, &hit);
+        path_storeHit(paths, i, &hit);
 #endif
+    }
 }
 
 #if HDS_WAIT_LISTS
-/* Global size: count. Goes on with rays that have waited. Appends those that wait again, and slots
- * that are ready to be shaded. */
+/* Global size: runs of count. Goes on with rays that have waited. Appends those that wait again,
+ * and slots that are ready to be shaded. */
 kernel void intersect_resume(global uchar* state, uint numSlots, global const uint* restrict queue,
                              uint count, global uint* restrict waitQueue,
                              global uint* restrict readyQueue, volatile global uint* counters,
                              HDS_GEOMETRY_ARGS) {
-    uint item = (uint)get_global_id(0);
-    if (item >= count) {
-        return;
-    }
-    uint i = queue[item];
     HdsPaths paths = {state, numSlots};
     HDS_GEOMETRY_VIEW(view);
-    uint4 pending = path_load_pending(paths, i);
-    uint primId = pending.x;
-    HdsWaitList list = path_loadList(paths, i, pathField_waitBound, pending.z);
-    HdsHit hit = path_loadHit(paths, i);
-    uint waits = path_loadWaits(paths, i);
-    bool goesOnWaiting =
-        streamed_resumeClosest(&view, intersect_loadRay(paths, i), intersect_flagMask(paths, i),
-                               intersect_after(paths, i), &hit, &primId, &list) == HDS_RAY_WAITS;
-    path_storeHit(paths, i, &hit);
-    path_storeWaits(paths, i, waits);
-    if (goesOnWaiting) {
-        intersect_storeWait(paths, i, primId, &list, waitQueue, counters);
-    } else {
-        path_endWait(paths, i, HDS_PATH_RAY_WAITS, readyQueue, counters);
+    HDS_FOR_RUN(item, count) {
+        uint i = queue[item];
+        uint4 pending = path_load_pending(paths, i);
+        uint primId = pending.x;
+        HdsWaitList list = path_loadList(paths, i, pathField_waitBound, pending.z);
+        HdsHit hit = path_loadHit(paths, i);
+        uint waits = path_loadWaits(paths, i);
+        bool goesOnWaiting = streamed_resumeClosest(
+                                 &view, intersect_loadRay(paths, i), intersect_flagMask(paths, i),
+                                 intersect_after(paths, i), &hit, &primId, &list) == HDS_RAY_WAITS;
+        path_storeHit(paths, i, &hit);
+        path_storeWaits(paths, i, waits);
+        if (goesOnWaiting) {
+            intersect_storeWait(paths, i, primId, &list, waitQueue, counters);
+        } else {
+            path_endWait(paths, i, HDS_PATH_RAY_WAITS, readyQueue, counters);
+        }
     }
 }
 #endif

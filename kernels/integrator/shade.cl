@@ -7,6 +7,7 @@
 #include "integrator/passThrough.clh"
 #include "integrator/pathState.clh"
 #include "integrator/pixelSampler.clh"
+#include "integrator/run.clh"
 #if HDS_FEATURE_TEXTURES
 #include "light/imageLookup.clh"
 #endif
@@ -48,6 +49,7 @@ typedef struct {
     bool isEnd; /* nothing more comes of it, and nothing below is set */
     HdsShadingPoint shading;
     HdsSurface bsdf;
+    float3 lobes; /* surface_lobeProbabilities for the viewer */
 } HdsShadeHit;
 
 #if HDS_FEATURE_TEXTURES
@@ -120,6 +122,13 @@ HdsRayCones shade_leavingCones(const HdsShadeHit* at, const HdsShadePath* path, 
 }
 #endif
 
+/* The number that selects a light; a single one takes none. */
+float shade_chooseLight(const HdsSceneView* scene, HdsSampler sampler, uint depth) {
+    return scene->lights.numLights > 1u
+               ? sampler_get1(sampler, HDS_DIM_BOUNCE(depth, HDS_DIM_LIGHT_SELECT))
+               : 0.0f;
+}
+
 /* Samples a light; true when a shadow ray was written to slot i. Sets path->isMissing. */
 bool shade_sampleLight(const HdsSceneView* scene, const HdsShadeHit* at, HdsSampler sampler,
                        HdsShadePath* path, HdsPaths paths, uint i) {
@@ -128,14 +137,14 @@ bool shade_sampleLight(const HdsSceneView* scene, const HdsShadeHit* at, HdsSamp
     float3 origin = offset_origin(&surface->point, shading->geomNormal);
     HdsLightSample sample;
     if (!light_sample(&scene->lights, origin, shading->frame.z,
-                      sampler_get1(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LIGHT_SELECT)),
+                      shade_chooseLight(scene, sampler, path->depth),
                       sampler_get2(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LIGHT_UV)),
                       &sample)) {
         return false;
     }
     float pdf;
     float3 wi = frame_toLocal(&shading->frame, sample.direction);
-    float3 reflected = surface_evaluate(&at->bsdf, shading->wo, wi, &pdf);
+    float3 reflected = surface_evaluate(&at->bsdf, at->lobes, shading->wo, wi, &pdf);
     float weight = sample.isDelta != 0u ? 1.0f : shade_misWeight(sample.pdf, pdf);
     float3 contribution = path->throughput * reflected * sample.radiance * (weight / sample.pdf);
     float packedCone = 0.0f;
@@ -181,8 +190,9 @@ bool shade_sampleBsdf(constant const HdsFrameParams* frame, const HdsShadeHit* a
     float3 wi;
     float pdf;
     float3 weight = surface_sample(
-        &at->bsdf, shading->wo,
-        sampler_get1(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LOBE_SELECT)),
+        &at->bsdf, at->lobes, shading->wo,
+        at->lobes.x < 1.0f ? sampler_get1(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LOBE_SELECT))
+                           : 0.0f,
         sampler_get2(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LOBE_UV)), &wi, &pdf);
     float3 throughput = path->throughput * weight;
     bool isLast = path->depth == frame->maxDepth;
@@ -275,9 +285,9 @@ void shade_loadHit(const HdsSceneView* scene, HdsShadePath* path, HdsShadeHit* a
 
 /* Shades a hit; true when slot i holds a ray that goes on. Sets path->isMissing, and has written
  * nothing then. \param[out] hasShadow a shadow ray was written. */
-bool shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* scene,
-                   const HdsShadeHit* at, HdsShadePath* path, HdsPaths paths, uint i,
-                   volatile global uint* counters, bool* hasShadow) {
+bool shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* scene, HdsShadeHit* at,
+                   HdsShadePath* path, HdsPaths paths, uint i, volatile global uint* counters,
+                   bool* hasShadow) {
     if (at->isEnd) {
         return false;
     }
@@ -302,60 +312,75 @@ bool shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
     if (path->isLast) {
         return false;
     }
+    at->lobes = surface_lobeProbabilities(&at->bsdf, at->shading.wo.z);
     *hasShadow = shade_sampleLight(scene, at, sampler, path, paths, i);
     return !path->isMissing && shade_sampleBsdf(frame, at, sampler, path, paths, i);
 }
 
-/* Global size: count. Appends paths that go on, shadow rays, and paths that wait for their hit's
- * pages or texels. Paths whose rays wait are left out. */
-kernel void shade_paths(constant const HdsFrameParams* frame, global uchar* state, uint numSlots,
-                        global const uint* restrict queue, uint count,
-                        global uint* restrict waitQueue, global uint* restrict nextQueue,
-                        global uint* restrict shadowQueue, volatile global uint* counters,
-                        HDS_SCENE_ARGS) {
-    uint item = (uint)get_global_id(0);
-    if (item >= count) {
-        return;
-    }
-    uint i = queue[item];
-    HdsPaths paths = {state, numSlots};
-    HDS_SCENE_VIEW(scene);
+/* What shading a path has led to. */
+#define HDS_SHADE_GOES_ON 1u /* slot i holds the next ray */
+#define HDS_SHADE_SHADOW 2u  /* slot i holds a shadow ray */
+
+/* Shades the hit of slot i. Appends paths that wait for their hit's pages or texels.
+ * \return HDS_SHADE_* bits. */
+uint shade_path(constant const HdsFrameParams* frame, const HdsSceneView* scene, HdsPaths paths,
+                uint i, global uint* waitQueue, volatile global uint* counters) {
 #if HDS_WAIT_LISTS
     if (path_loadWaits(paths, i) != 0u) {
-        return;
+        return 0u;
     }
 #endif
     HdsShadeHit at;
     at.hit = path_loadHit(paths, i);
     bool isHit = at.hit.chunk != HDS_NONE;
     if (isHit &&
-        surfaceHit_waits(&scene, &at.hit, waitQueue, counters, HDS_COUNTER_WAITING_HITS, i)) {
-        return;
+        surfaceHit_waits(scene, &at.hit, waitQueue, counters, HDS_COUNTER_WAITING_HITS, i)) {
+        return 0u;
     }
     HdsShadePath path = shade_loadPath(paths, i);
     if (isHit) {
-        shade_loadHit(&scene, &path, &at);
+        shade_loadHit(scene, &path, &at);
     }
     bool hasShadow = false;
     bool goesOn = false;
-    shade_addLights(&scene, isHit ? at.hit.t : INFINITY, &path);
+    shade_addLights(scene, isHit ? at.hit.t : INFINITY, &path);
     if (isHit && !path.isMissing) {
-        goesOn = shade_surface(frame, &scene, &at, &path, paths, i, counters, &hasShadow);
+        goesOn = shade_surface(frame, scene, &at, &path, paths, i, counters, &hasShadow);
     }
     if (path.isMissing) {
-        surfaceHit_waitForTexels(&scene, i);
-        return;
+        surfaceHit_waitForTexels(scene, i);
+        return 0u;
     }
     path_store_radiance(paths, i, (float4)(path.radiance, path.alpha));
-    if (hasShadow) {
-        queue_append(shadowQueue, &counters[HDS_COUNTER_SHADOW], i);
-    }
-    if (goesOn) {
-        queue_append(nextQueue, &counters[HDS_COUNTER_ACTIVE], i);
-    }
 #if HDS_WAIT_LISTS
     if (hasShadow && !goesOn) {
         path_storeWaits(paths, i, HDS_PATH_ENDED);
     }
 #endif
+    return (goesOn ? HDS_SHADE_GOES_ON : 0u) | (hasShadow ? HDS_SHADE_SHADOW : 0u);
+}
+
+/* Global size: runs of count. Appends paths that go on, shadow rays, and paths that wait for their
+ * hit's pages or texels. Paths whose rays wait are left out. */
+kernel void shade_paths(constant const HdsFrameParams* frame, global uchar* state, uint numSlots,
+                        global const uint* restrict queue, uint count,
+                        global uint* restrict waitQueue, global uint* restrict nextQueue,
+                        global uint* restrict shadowQueue, volatile global uint* counters,
+                        HDS_SCENE_ARGS) {
+    HdsPaths paths = {state, numSlots};
+    HDS_SCENE_VIEW(scene);
+    HdsRunList next = {0u};
+    HdsRunList shadows = {0u};
+    HDS_FOR_RUN(item, count) {
+        const uint i = queue[item];
+        const uint result = shade_path(frame, &scene, paths, i, waitQueue, counters);
+        if ((result & HDS_SHADE_GOES_ON) != 0u) {
+            run_append(&next, i);
+        }
+        if ((result & HDS_SHADE_SHADOW) != 0u) {
+            run_append(&shadows, i);
+        }
+    }
+    run_flush(&next, nextQueue, &counters[HDS_COUNTER_ACTIVE]);
+    run_flush(&shadows, shadowQueue, &counters[HDS_COUNTER_SHADOW]);
 }

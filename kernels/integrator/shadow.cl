@@ -6,6 +6,7 @@
 #include "accel/traverse.clh"
 #include "integrator/passThrough.clh"
 #include "integrator/pathState.clh"
+#include "integrator/run.clh"
 
 void shadow_addRadiance(HdsPaths paths, uint i) {
     float4 radiance = path_load_radiance(paths, i);
@@ -98,103 +99,91 @@ uint shadow_iterate(const HdsGeometryView* view, HdsPaths paths, uint i, uint is
 }
 #endif
 
-/* Global size: count. Appends candidates (only with cut-outs) and, while geometry streams, rays
- * that wait for a chunk and slots that are ready. \param isResumed the rays have waited: candidates
- * are those found so far (only without lists). */
+/* Global size: runs of count. Appends candidates (only with cut-outs) and, while geometry streams,
+ * rays that wait for a chunk and slots that are ready. \param isResumed the rays have waited:
+ * candidates are those found so far (only without lists). */
 kernel void shadow_cast(global uchar* state, uint numSlots, global const uint* restrict queue,
                         uint count, uint isResumed, global uint* restrict waitQueue,
                         global uint* restrict candidateQueue, global uint* restrict readyQueue,
                         volatile global uint* counters, HDS_SCENE_ARGS) {
-    uint item = (uint)get_global_id(0);
-    if (item >= count) {
-        return;
-    }
-    uint i = queue[item];
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
-    HdsHit candidate;
+    HDS_FOR_RUN(item, count) {
+        uint i = queue[item];
+        HdsHit candidate;
 #if HDS_WAIT_LISTS
-    HdsWaitList list;
-    uint primId;
-    const uint found = streamed_beginOccluded(&scene.geometry, shadow_loadRay(paths, i),
-                                              shadow_after(paths, i), &candidate, &primId, &list);
-    if (found == HDS_RAY_WAITS) {
-        shadow_storeWait(paths, i, &candidate, primId, &list, waitQueue, counters);
-    }
-    const bool isBlocked = found == HDS_RAY_BLOCKED;
-    const bool arrives = found == HDS_RAY_DECIDED;
+        HdsWaitList list;
+        uint primId;
+        const uint found =
+            streamed_beginOccluded(&scene.geometry, shadow_loadRay(paths, i),
+                                   shadow_after(paths, i), &candidate, &primId, &list);
+        if (found == HDS_RAY_WAITS) {
+            shadow_storeWait(paths, i, &candidate, primId, &list, waitQueue, counters);
+        }
+        const bool isBlocked = found == HDS_RAY_BLOCKED;
+        const bool arrives = found == HDS_RAY_DECIDED;
 #elif HDS_FEATURE_STREAMING
-    const uint found =
-        shadow_iterate(&scene.geometry, paths, i, isResumed, waitQueue, counters, &candidate);
-    const bool isBlocked = found == HDS_RAY_BLOCKED;
-    const bool arrives = found == HDS_RAY_DECIDED;
+        const uint found =
+            shadow_iterate(&scene.geometry, paths, i, isResumed, waitQueue, counters, &candidate);
+        const bool isBlocked = found == HDS_RAY_BLOCKED;
+        const bool arrives = found == HDS_RAY_DECIDED;
 #elif HDS_FEATURE_CUTOUT
-    const bool isBlocked = traverse_occludedAfter(&scene.geometry, shadow_loadRay(paths, i),
-                                                  shadow_after(paths, i), &candidate);
-    const bool arrives = !isBlocked;
+        const bool isBlocked = traverse_occludedAfter(&scene.geometry, shadow_loadRay(paths, i),
+                                                      shadow_after(paths, i), &candidate);
+        const bool arrives = !isBlocked;
 #else
-    const bool isBlocked = traverse_occluded(&scene.geometry, shadow_loadRay(paths, i));
-    const bool arrives = !isBlocked;
+        const bool isBlocked = traverse_occluded(&scene.geometry, shadow_loadRay(paths, i));
+        const bool arrives = !isBlocked;
 #endif
-    if (arrives) {
-        shadow_arrive(paths, i, &candidate, candidateQueue, readyQueue, counters);
-    }
+        if (arrives) {
+            shadow_arrive(paths, i, &candidate, candidateQueue, readyQueue, counters);
+        }
 #if HDS_FEATURE_CUTOUT
-    if (isBlocked) {
-        shadow_end(paths, i, readyQueue, counters);
-    }
+        if (isBlocked) {
+            shadow_end(paths, i, readyQueue, counters);
+        }
 #endif
+    }
 }
 
 #if HDS_WAIT_LISTS
-/* Global size: count. Goes on with shadow rays that have waited. Appends as shadow_cast. */
+/* Global size: runs of count. Goes on with shadow rays that have waited. Appends as shadow_cast. */
 kernel void shadow_resume(global uchar* state, uint numSlots, global const uint* restrict queue,
                           uint count, global uint* restrict waitQueue,
                           global uint* restrict candidateQueue, global uint* restrict readyQueue,
                           volatile global uint* counters, HDS_SCENE_ARGS) {
-    uint item = (uint)get_global_id(0);
-    if (item >= count) {
-        return;
-    }
-    uint i = queue[item];
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
-    uint4 pending = path_load_pending(paths, i);
-    uint primId = pending.y;
-    HdsWaitList list = path_loadList(paths, i, pathField_shadowWaitBound, pending.w);
-    HdsHit candidate = hit_none();
+    HDS_FOR_RUN(item, count) {
+        uint i = queue[item];
+        uint4 pending = path_load_pending(paths, i);
+        uint primId = pending.y;
+        HdsWaitList list = path_loadList(paths, i, pathField_shadowWaitBound, pending.w);
+        HdsHit candidate = hit_none();
 #if HDS_FEATURE_CUTOUT
-    candidate = path_loadCandidate(paths, i);
+        candidate = path_loadCandidate(paths, i);
 #endif
-    const uint found = streamed_resumeOccluded(&scene.geometry, shadow_loadRay(paths, i),
-                                               shadow_after(paths, i), &candidate, &primId, &list);
-    if (found == HDS_RAY_WAITS) {
-        shadow_storeWait(paths, i, &candidate, primId, &list, waitQueue, counters);
-    } else if (found == HDS_RAY_BLOCKED) {
-        shadow_end(paths, i, readyQueue, counters);
-    } else {
-        shadow_arrive(paths, i, &candidate, candidateQueue, readyQueue, counters);
+        const uint found =
+            streamed_resumeOccluded(&scene.geometry, shadow_loadRay(paths, i),
+                                    shadow_after(paths, i), &candidate, &primId, &list);
+        if (found == HDS_RAY_WAITS) {
+            shadow_storeWait(paths, i, &candidate, primId, &list, waitQueue, counters);
+        } else if (found == HDS_RAY_BLOCKED) {
+            shadow_end(paths, i, readyQueue, counters);
+        } else {
+            shadow_arrive(paths, i, &candidate, candidateQueue, readyQueue, counters);
+        }
     }
 }
 #endif
 
 #if HDS_FEATURE_CUTOUT
-/* Global size: count. Appends rays of which something is left and, while geometry streams,
- * candidates that wait for their pages and slots that are ready. */
-kernel void shadow_pass(global uchar* state, uint numSlots,
-                        global const uint* restrict candidateQueue, uint count,
-                        global uint* restrict waitQueue, global uint* restrict queue,
-                        global uint* restrict readyQueue, volatile global uint* counters,
-                        HDS_SCENE_ARGS) {
-    uint item = (uint)get_global_id(0);
-    if (item >= count) {
-        return;
-    }
-    uint i = candidateQueue[item];
-    HdsPaths paths = {state, numSlots};
-    HDS_SCENE_VIEW(scene);
+/* Dims the shadow ray of slot i by its candidate, and appends what shadow_pass does. */
+void shadow_passCandidate(const HdsSceneView* scene, HdsPaths paths, uint i, global uint* waitQueue,
+                          global uint* queue, global uint* readyQueue,
+                          volatile global uint* counters) {
     HdsHit hit = path_loadCandidate(paths, i);
-    if (surfaceHit_waits(&scene, &hit, waitQueue, counters, HDS_COUNTER_WAITING_CANDIDATES, i)) {
+    if (surfaceHit_waits(scene, &hit, waitQueue, counters, HDS_COUNTER_WAITING_CANDIDATES, i)) {
 #if HDS_WAIT_LISTS
         path_storeWaits(paths, i, path_loadWaits(paths, i) | HDS_PATH_SHADOW_WAITS);
 #endif
@@ -202,14 +191,14 @@ kernel void shadow_pass(global uchar* state, uint numSlots,
     }
     float4 direction = path_load_shadowDirection(paths, i);
     HdsSurfaceHit surface;
-    surfaceHit_load(&scene, &hit, &surface);
+    surfaceHit_load(scene, &hit, &surface);
     float4 radiance = path_load_shadowRadiance(paths, i);
 #if HDS_FEATURE_TEXTURES
     surface.coneWidth = cones_width(cones_atHit(cones_unpack(radiance.w), hit.t, false));
 #endif
     float3 share;
-    if (!surfaceHit_passThrough(&scene, &surface, -direction.xyz, &share)) {
-        surfaceHit_waitForTexels(&scene, i);
+    if (!surfaceHit_passThrough(scene, &surface, -direction.xyz, &share)) {
+        surfaceHit_waitForTexels(scene, i);
         return;
     }
     float3 left = radiance.xyz * share;
@@ -227,5 +216,20 @@ kernel void shadow_pass(global uchar* state, uint numSlots,
     path_store_shadowDirection(paths, i, direction);
     path_store_shadowAfter(paths, i, passThrough_key(&hit, &surface));
     queue_append(queue, &counters[HDS_COUNTER_SHADOW], i);
+}
+
+/* Global size: runs of count. Appends rays of which something is left and, while geometry streams,
+ * candidates that wait for their pages and slots that are ready. */
+kernel void shadow_pass(global uchar* state, uint numSlots,
+                        global const uint* restrict candidateQueue, uint count,
+                        global uint* restrict waitQueue, global uint* restrict queue,
+                        global uint* restrict readyQueue, volatile global uint* counters,
+                        HDS_SCENE_ARGS) {
+    HdsPaths paths = {state, numSlots};
+    HDS_SCENE_VIEW(scene);
+    HDS_FOR_RUN(item, count) {
+        shadow_passCandidate(&scene, paths, candidateQueue[item], waitQueue, queue, readyQueue,
+                             counters);
+    }
 }
 #endif

@@ -28,7 +28,8 @@ HDS_SHARED_BEGIN
 typedef struct {
     f32 worldFromLight[12]; /* 3 rows of 4, relative to the scene centre; |determinant| is 1: scale
                                is folded into params. Distant: a rotation */
-    f32 lightFromWorld[12]; /* its inverse; the translations are not used */
+    f32 lightFromWorld[12]; /* rows of its inverse; in place of the translation, which is not used:
+                               the unit normal of the planes of constant z, world space */
     f32 radiance[3]; /* factor on the image of a textured light; point sphere: radiant intensity;
                         distant with angle 0: irradiance at normal incidence */
     u32 type;

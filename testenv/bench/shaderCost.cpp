@@ -57,7 +57,7 @@ void finish(const float4* values, float4 tangents, uint withBsdf, global float4*
         material_frame((float3)(0.0f, 0.0f, 1.0f), (float3)(0.0f), values[HDS_INPUT_NORMAL].xyz,
                        tangents.xyy, tangents.zwx, vec_normalize((float3)(0.3f, 0.2f, 0.9f)), &shading);
         surface_setup(&bsdf, &inputs, shading.geomLocal);
-        const float3 value = surface_evaluate(&bsdf, shading.wo,
+        const float3 value = surface_evaluate(&bsdf, surface_lobeProbabilities(&bsdf, shading.wo.z), shading.wo,
                                               vec_normalize((float3)(0.2f, -0.4f, 0.7f)), &pdf);
         sum = (float4)(value, pdf);
     }

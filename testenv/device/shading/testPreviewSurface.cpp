@@ -16,7 +16,8 @@ kernel void evaluateAll(global const float* parameters, global const float* dire
     HdsSurface s = unpackSurface(parameters + 16 * i, vload3(i, geomNormals));
     float pdf;
     float3 value =
-        surface_evaluate(&s, vload3(2 * i, directions), vload3(2 * i + 1, directions), &pdf);
+        surface_evaluate(&s, surface_lobeProbabilities(&s, directions[6 * i + 2]),
+                         vload3(2 * i, directions), vload3(2 * i + 1, directions), &pdf);
     vstore4((float4)(value, pdf), i, out);
 }
 kernel void sampleAll(global const float* parameters, global const float* directions,
@@ -28,9 +29,9 @@ kernel void sampleAll(global const float* parameters, global const float* direct
     float3 wo = vload3(2 * i, directions);
     float3 wi;
     float pdf;
-    float3 weight = surface_sample(&s, wo, us[4 * i], vload2(2 * i + 1, us), &wi, &pdf);
+    float3 weight = surface_sample(&s, surface_lobeProbabilities(&s, wo.z), wo, us[4 * i], vload2(2 * i + 1, us), &wi, &pdf);
     float pdfEvaluated;
-    float3 value = surface_evaluate(&s, wo, wi, &pdfEvaluated);
+    float3 value = surface_evaluate(&s, surface_lobeProbabilities(&s, wo.z), wo, wi, &pdfEvaluated);
     vstore4((float4)(weight * pdf, pdf), 3 * i, out);
     vstore4((float4)(value, pdfEvaluated), 3 * i + 1, out);
     vstore4((float4)(wi, 0.0f), 3 * i + 2, out);
