@@ -207,6 +207,9 @@ class Recorder:
                 self._progress.Clear()
                 print("hdstream record: interrupted; writing what is rendered so far", file=sys.stderr)
         self._progress.Clear()
+        if outcome and isStopping.is_set() and not self._session.HasImage():
+            # The compiler in the device's driver removes its files at SIGINT, and fails for want of them.
+            raise KeyboardInterrupt from outcome[0]
         if outcome:
             raise outcome[0]
         return not isStopping.is_set()
