@@ -55,8 +55,13 @@ Program::Program(std::shared_ptr<Device> device, const std::string& root,
     const std::string source = ExpandKernelSource(root, text);
     const std::string options = OptionsOf(defines);
     const std::string key = BinaryKey(*_device, source, options);
-    _isFromCache = BuildFromCache(store, key, options);
-    if (!_isFromCache) {
+    if (_device->Properties().keepsBinaries) {
+        BuildFromSource(source, options);
+        _isFromCache = store != nullptr && store->Contains(kBinaryKind, key);
+        MarkAsBuilt(store, key);
+    } else if (BuildFromCache(store, key, options)) {
+        _isFromCache = true;
+    } else {
         BuildFromSource(source, options);
         SaveBinary(store, key);
     }
@@ -135,6 +140,13 @@ void Program::SaveBinary(Store* store, const std::string& key) const {
     if (clGetProgramInfo(AsProgram(_program), CL_PROGRAM_BINARIES, sizeof(pointer), &pointer,
                          nullptr) == CL_SUCCESS) {
         store->Save(kBinaryKind, key, binary.data(), binary.size());
+    }
+}
+
+/// The driver has the binary; the store knows only that it was built.
+void Program::MarkAsBuilt(Store* store, const std::string& key) const {
+    if (store != nullptr && !_isFromCache) {
+        store->Save(kBinaryKind, key, nullptr, 0);
     }
 }
 

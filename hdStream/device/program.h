@@ -97,6 +97,7 @@ private:
     bool BuildFromCache(Store* store, const std::string& key, const std::string& options);
     void BuildFromSource(const std::string& source, const std::string& options);
     void SaveBinary(Store* store, const std::string& key) const;
+    void MarkAsBuilt(Store* store, const std::string& key) const;
 
     std::shared_ptr<Device> _device;
     std::string _root;

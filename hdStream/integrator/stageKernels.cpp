@@ -56,12 +56,10 @@ ProgramDefines MakeDefines(const Device& device, const KernelFeatures& features)
         {"HDS_TRAVERSAL_WIDE", features.wide ? "1" : "0"}};
 }
 
-constexpr const char* kGenerate = "integrator/generate.cl";
+constexpr const char* kFrame = "integrator/frame.cl";
 constexpr const char* kIntersect = "integrator/intersect.cl";
 constexpr const char* kShade = "integrator/shade.cl";
 constexpr const char* kShadow = "integrator/shadow.cl";
-constexpr const char* kResolve = "integrator/resolve.cl";
-constexpr const char* kFilm = "film/film.cl";
 constexpr const char* kAov = "integrator/aov.cl"; ///< only with first-hit AOVs
 
 } // namespace
@@ -69,7 +67,7 @@ constexpr const char* kAov = "integrator/aov.cl"; ///< only with first-hit AOVs
 bool StageKernels::AreInStore(const Device& device, const Store& store,
                               const KernelFeatures& features) {
     const ProgramDefines defines = MakeDefines(device, features);
-    for (const char* root : {kGenerate, kIntersect, kShade, kShadow, kResolve, kFilm, kAov}) {
+    for (const char* root : {kFrame, kIntersect, kShade, kShadow, kAov}) {
         const bool isUsed = root != kAov || features.firstHits;
         if (isUsed && !Program::IsInStore(device, root, defines, store)) {
             return false;
@@ -87,18 +85,17 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
         _buildSeconds += program->BuildSeconds();
         return program;
     };
-    const auto generateProgram = build(kGenerate);
-    generateSample = generateProgram->GetKernel("generate_sample");
-    generateCentre = generateProgram->GetKernel("generate_centre");
+    const auto frameProgram = build(kFrame);
+    generateSample = frameProgram->GetKernel("generate_sample");
+    generateCentre = frameProgram->GetKernel("generate_centre");
+    resolve = frameProgram->GetKernel("resolve_addSamples");
+    develop = frameProgram->GetKernel("film_develop");
+    relativeError = frameProgram->GetKernel("film_relativeError");
     const auto intersectProgram = build(kIntersect);
     intersect = intersectProgram->GetKernel("intersect_closest");
     shade = build(kShade)->GetKernel("shade_paths");
     const auto shadowProgram = build(kShadow);
     shadowCast = shadowProgram->GetKernel("shadow_cast");
-    resolve = build(kResolve)->GetKernel("resolve_addSamples");
-    const auto filmProgram = build(kFilm);
-    develop = filmProgram->GetKernel("film_develop");
-    relativeError = filmProgram->GetKernel("film_relativeError");
     if (features.firstHits) {
         aov = build(kAov)->GetKernel("aov_firstHit");
     }

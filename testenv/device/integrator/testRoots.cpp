@@ -8,10 +8,9 @@ namespace {
 
 class Roots : public DeviceFixture {};
 
-const char* const kRoots[] = {"integrator/generate.cl", "integrator/intersect.cl",
-                              "integrator/shade.cl",    "integrator/shadow.cl",
-                              "integrator/aov.cl",      "integrator/resolve.cl",
-                              "film/film.cl",           "texture/cacheFill.cl"};
+const char* const kRoots[] = {"integrator/frame.cl", "integrator/intersect.cl",
+                              "integrator/shade.cl", "integrator/shadow.cl",
+                              "integrator/aov.cl",   "texture/cacheFill.cl"};
 const char* const kFeatures[] = {"HDS_FEATURE_CUTOUT",   "HDS_FEATURE_GROUPS",
                                  "HDS_TRAVERSAL_WIDE",   "HDS_FEATURE_PROGRAMS",
                                  "HDS_FEATURE_TEXTURES", "HDS_FEATURE_TEXTURE_STREAMING",
