@@ -57,7 +57,7 @@ Program::Program(std::shared_ptr<Device> device, const std::string& root,
     const std::string key = BinaryKey(*_device, source, options);
     if (_device->Properties().keepsBinaries) {
         BuildFromSource(source, options);
-        _isFromCache = store != nullptr && store->Contains(kBinaryKind, key);
+        _isFromCache = store != nullptr && store->Load(kBinaryKind, key).has_value();
         MarkAsBuilt(store, key);
     } else if (BuildFromCache(store, key, options)) {
         _isFromCache = true;
