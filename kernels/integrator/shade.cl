@@ -122,10 +122,10 @@ HdsRayCones shade_leavingCones(const HdsShadeHit* at, const HdsShadePath* path, 
 }
 #endif
 
-/* The number that selects a light; a single one takes none. */
+/* The number that selects a light of a tree; other lights take none. */
 float shade_chooseLight(const HdsSceneView* scene, HdsSampler sampler, uint depth) {
-    return scene->lights.numLights > 1u
-               ? sampler_get1(sampler, HDS_DIM_BOUNCE(depth, HDS_DIM_LIGHT_SELECT))
+    return light_hasTree(&scene->lights)
+               ? sampler_get1(sampler, HDS_DIM_BOUNCE(depth, HDS_DIM_LIGHT_TREE))
                : 0.0f;
 }
 
@@ -138,8 +138,7 @@ bool shade_sampleLight(const HdsSceneView* scene, const HdsShadeHit* at, HdsSamp
     HdsLightSample sample;
     if (!light_sample(&scene->lights, origin, shading->frame.z,
                       shade_chooseLight(scene, sampler, path->depth),
-                      sampler_get2(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LIGHT_UV)),
-                      &sample)) {
+                      sampler_get2(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LIGHT)), &sample)) {
         return false;
     }
     float pdf;
@@ -189,11 +188,9 @@ bool shade_sampleBsdf(constant const HdsFrameParams* frame, const HdsShadeHit* a
     const HdsShadingPoint* shading = &at->shading;
     float3 wi;
     float pdf;
-    float3 weight = surface_sample(
-        &at->bsdf, at->lobes, shading->wo,
-        at->lobes.x < 1.0f ? sampler_get1(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LOBE_SELECT))
-                           : 0.0f,
-        sampler_get2(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LOBE_UV)), &wi, &pdf);
+    float3 weight =
+        surface_sample(&at->bsdf, at->lobes, shading->wo,
+                       sampler_get2(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LOBE)), &wi, &pdf);
     float3 throughput = path->throughput * weight;
     bool isLast = path->depth == frame->maxDepth;
     if (!(pdf > 0.0f) || !(vec_maxComponent(throughput) > 0.0f) ||

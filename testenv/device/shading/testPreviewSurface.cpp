@@ -29,9 +29,11 @@ kernel void sampleAll(global const float* parameters, global const float* direct
     float3 wo = vload3(2 * i, directions);
     float3 wi;
     float pdf;
-    float3 weight = surface_sample(&s, surface_lobeProbabilities(&s, wo.z), wo, us[4 * i], vload2(2 * i + 1, us), &wi, &pdf);
+    float3 weight = surface_sample(&s, surface_lobeProbabilities(&s, wo.z), wo,
+                                   vload2(i, us), &wi, &pdf);
     float pdfEvaluated;
-    float3 value = surface_evaluate(&s, surface_lobeProbabilities(&s, wo.z), wo, wi, &pdfEvaluated);
+    float3 value = surface_evaluate(&s, surface_lobeProbabilities(&s, wo.z), wo, wi,
+                                    &pdfEvaluated);
     vstore4((float4)(weight * pdf, pdf), 3 * i, out);
     vstore4((float4)(value, pdfEvaluated), 3 * i + 1, out);
     vstore4((float4)(wi, 0.0f), 3 * i + 2, out);
@@ -119,7 +121,7 @@ protected:
     std::vector<float> Sample(const Cases& cases, unsigned seed) {
         const std::size_t count = cases.parameters.size();
         std::mt19937 generator(seed);
-        std::vector<float> us(count * 4);
+        std::vector<float> us(count * 2);
         for (float& u : us) {
             u = float(generator() >> 8) * 0x1p-24F;
         }

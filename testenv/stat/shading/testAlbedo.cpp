@@ -28,8 +28,8 @@ kernel void albedos(global const float* parameters, global const float* cosines,
         HdsSampler sampler = sampler_init(config, 0u, (i % chunks) * perChunk + k, 1u);
         float3 wi;
         float pdf;
-        sum += surface_sample(&s, surface_lobeProbabilities(&s, wo.z), wo, sampler_get1(sampler, 0u), sampler_get2(sampler, 1u), &wi,
-                              &pdf);
+        sum += surface_sample(&s, surface_lobeProbabilities(&s, wo.z), wo,
+                              sampler_get2(sampler, 1u), &wi, &pdf);
     }
     vstore3(sum / (float)perChunk, i, out);
 }
@@ -40,7 +40,8 @@ kernel void evaluateAll(global const float* parameters, float cosO, global const
     HdsSurface s = unpackSurface(parameters, (float3)(0.0f, 0.0f, 1.0f));
     float3 wo = (float3)(sqrt((1.0f - cosO) * (1.0f + cosO)), 0.0f, cosO);
     float pdf;
-    vstore3(surface_evaluate(&s, surface_lobeProbabilities(&s, wo.z), wo, vload3(i, directions), &pdf), i, out);
+    vstore3(surface_evaluate(&s, surface_lobeProbabilities(&s, wo.z), wo,
+                              vload3(i, directions), &pdf), i, out);
 }
 )";
 

@@ -20,7 +20,8 @@ kernel void sampleAll(global const float* parameters, global const float* geomet
     HdsSurface s = unpackSurface(parameters, vload3(1, geometry));
     float3 wi;
     float pdf;
-    surface_sample(&s, surface_lobeProbabilities(&s, geometry[2]), vload3(0, geometry), us[4 * i], vload2(2 * i + 1, us), &wi, &pdf);
+    surface_sample(&s, surface_lobeProbabilities(&s, geometry[2]), vload3(0, geometry),
+                   vload2(i, us), &wi, &pdf);
     vstore3(pdf > 0.0f ? wi : (float3)(NAN), i, out);
 }
 kernel void pdfAll(global const float* parameters, global const float* geometry,
@@ -29,7 +30,8 @@ kernel void pdfAll(global const float* parameters, global const float* geometry,
     if (i >= count) return;
     HdsSurface s = unpackSurface(parameters, vload3(1, geometry));
     float pdf;
-    surface_evaluate(&s, surface_lobeProbabilities(&s, geometry[2]), vload3(0, geometry), vload3(i, directions), &pdf);
+    surface_evaluate(&s, surface_lobeProbabilities(&s, geometry[2]), vload3(0, geometry),
+                     vload3(i, directions), &pdf);
     out[i] = pdf;
 }
 )";
