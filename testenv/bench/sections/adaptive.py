@@ -10,7 +10,7 @@ from bench.performancePage import Table
 from bench.sceneRun import REFERENCE_SEED, Point, RelMse, Scene, SecondsAt
 from stages import unevenNoise
 
-_FLOOR = 0.01  # of the luminance, as film_relativeError has it
+_FLOOR = 0.01  # below the square of the luminance, as film_relativeError has it
 _LUMINANCE = (0.2126, 0.7152, 0.0722)
 _TAIL = 95  # percentile
 
@@ -49,7 +49,7 @@ def Honesty(pictures: list, reference, noise: float, maxSamples: int) -> list:
     errors, biases, isStopped = [], [], np.stack([picture.counts < maxSamples for picture in pictures])
     for picture in pictures:
         difference = picture.color @ _LUMINANCE - truth
-        errors.append(difference / np.maximum(truth, _FLOOR))
+        errors.append(difference / np.sqrt(truth**2 + _FLOOR))
         biases.append(difference.mean() / truth.mean())
     ofStopped = np.stack(errors)[isStopped]
     ofThem = [None, None]

@@ -39,7 +39,7 @@ def _ShadeIterations(bench) -> list:
     for iterations in bench.Pick((0, 1, 2, 4, 8), (0, 1)):
         label = f"{iterations} iterations" if iterations else "until all are there"
         curves[label] = Curve(Open(), reference, bench.Pick((4, 16, 64), (1, 4)), residency="stream", prepare="eager",
-                              textureMemory=bench.Pick("1M", "64K"), shadeIterations=iterations)
+                              textureMemory=bench.Pick("256K", "64K"), shadeIterations=iterations)
     table = CurveTable("knob-shade-iterations", curves)
     table.head = [*table.head, "texels from coarser mips, of all"]
     for name, points in curves.items():
