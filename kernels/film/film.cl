@@ -29,8 +29,8 @@ kernel void film_develop(global const HdsFilmPixel* film, uint numPixels, global
     }
 }
 
-/* Relative error of each listed pixel: standard error of the mean over the mean, both of luminance;
- * the mean counts as at least 0.01, the floor of relMSE. Global size: numPixels. */
+/* Relative error of each listed pixel, the root of what it adds to relMSE (DESIGN.md section 10):
+ * standard error of the mean over sqrt(mean^2 + 0.01), of luminance. Global size: numPixels. */
 kernel void film_relativeError(global const HdsFilmPixel* film, global const uint* pixels,
                                uint numPixels, global float* errors) {
     uint i = (uint)get_global_id(0);
@@ -38,6 +38,6 @@ kernel void film_relativeError(global const HdsFilmPixel* film, global const uin
         return;
     }
     HdsFilmPixel pixel = film[pixels[i]];
-    float mean = fmax(vec_luminance(filmPixel_mean(&pixel).xyz), 0.01f);
-    errors[i] = sqrt(filmPixel_variance(&pixel)) / mean;
+    float mean = vec_luminance(filmPixel_mean(&pixel).xyz);
+    errors[i] = sqrt(filmPixel_variance(&pixel) / fma(mean, mean, 0.01f));
 }

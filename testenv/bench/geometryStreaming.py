@@ -9,20 +9,15 @@ Stages are USD files with their camera after a colon: scene.usda:/World/Camera.
 """
 
 import argparse
-import json
 import pathlib
-
 import sys
 import tempfile
-
-import numpy as np
 
 TESTENV = pathlib.Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(TESTENV)]
 
+from bench.sceneRun import Scene  # noqa: E402
 from hdstream import _core  # noqa: E402
-from hdstream.translate import TranslateStage  # noqa: E402
-from pxr import Usd  # noqa: E402
 from stages import bench, streaming  # noqa: E402
 
 _POOLS = (100, 79, 50, 30, 15, 5, 2)
@@ -38,29 +33,11 @@ GENERATED = {
 }
 
 
-class Scene:
-    """A stage in a session; renders of it with settings."""
-
-    def __init__(self, path: str, camera: str, args):
-        self.session = _core.Session()
-        self.camera, self.args = camera, args
-        TranslateStage(Usd.Stage.Open(path), self.session, Usd.TimeCode.Default())
-
-    def Render(self, samples=None, **settings):
-        """(color bytes, statistics)."""
-        options = _core.Settings()
-        options.camera = self.camera
-        options.imageWidth, options.imageHeight = self.args.width, self.args.width * 9 // 16
-        options.samples = samples or self.args.samples
-        options.chunkBytes = self.args.chunkSize
-        for name, value in settings.items():
-            setattr(options, name, value)
-        self.session.Render(options)
-        pixels = next(np.array(layer.pixels) for layer in self.session.Layers() if layer.name == "color")
-        return pixels.tobytes(), json.loads(self.session.Statistics())
+def OpenScene(path: str, camera: str, args) -> Scene:
+    return Scene(path, camera, imageWidth=args.width, imageHeight=args.width * 9 // 16, chunkBytes=args.chunkSize)
 
 
-def Measure(scene: Scene, variants: dict, repeats: int) -> dict:
+def Measure(scene: Scene, variants: dict, repeats: int, samples: int) -> dict:
     """{name: statistics of the median run} of variants that take turns; a first short render of each warms kernels."""
     runs = {name: [] for name in variants}
     pictures = set()
@@ -69,13 +46,13 @@ def Measure(scene: Scene, variants: dict, repeats: int) -> dict:
             if name not in runs:
                 continue
             try:
-                picture, figures = scene.Render(samples=1 if turn == 0 else None, **settings)
+                picture, figures = scene.Render(1 if turn == 0 else samples, **settings)
             except _core.Error as error:
                 print(f"<!-- {name}: {error} -->")
                 del runs[name]
                 continue
             if turn > 0:
-                pictures.add(picture)
+                pictures.add(picture.tobytes())
                 runs[name].append(figures)
     assert len(pictures) == 1, "the pictures differ"
     return {name: sorted(found, key=lambda run: run["time"]["render"])[len(found) // 2] for name, found in runs.items()}
@@ -95,18 +72,18 @@ def Row(name: str, run: dict, resident: dict) -> str:
 
 
 def RunStage(name: str, path: str, camera: str, args) -> None:
-    scene = Scene(path, camera, args)
+    scene = OpenScene(path, camera, args)
     waves = {f"{wave}": dict(residency="resident", waveSize=wave) for wave in _RESIDENT_WAVES}
-    best = min(Measure(scene, waves, 1).items(), key=lambda item: item[1]["time"]["render"])[0]
+    best = min(Measure(scene, waves, 1, args.samples).items(), key=lambda item: item[1]["time"]["render"])[0]
     variants = {"resident": dict(residency="resident", waveSize=int(best))}
-    resident = Measure(scene, variants, args.repeats)["resident"]
+    resident = Measure(scene, variants, args.repeats, args.samples)["resident"]
     streams = {}
     for pool in args.pools:
         for eviction in ("clock", "flush") if args.flush else ("clock",):
             streams[f"{pool} % {eviction}"] = dict(
                 residency="stream", geometryMemory=f"{pool}%", geometryEviction=eviction, waveSize=args.waveSize)
-    runs = Measure(scene, {**streams}, args.repeats)
-    again = Measure(scene, variants, args.repeats)["resident"]
+    runs = Measure(scene, streams, args.repeats, args.samples)
+    again = Measure(scene, variants, args.repeats, args.samples)["resident"]
     resident = min(resident, again, key=lambda run: run["time"]["render"])
     geometry = resident["geometry"]
     touched = max(run["geometry"]["chunksTouched"] for run in runs.values()) / geometry["chunks"]
@@ -120,9 +97,10 @@ def RunStage(name: str, path: str, camera: str, args) -> None:
     for label, run in {"resident": resident, **runs}.items():
         print(Row(label, run, resident))
     if args.report:
-        report = Scene(path, camera, args)
+        report = OpenScene(path, camera, args)
         common = dict(residency="stream", chunkBytes=_MESH_CHUNK, geometryEviction="flush", request="first", waveSize=args.waveSize)
-        found = Measure(report, {f"{pool} % report's design": dict(common, geometryMemory=f"{pool}%") for pool in _REPORT_POOLS}, 1)
+        found = Measure(report, {f"{pool} % report's design": dict(common, geometryMemory=f"{pool}%") for pool in _REPORT_POOLS}, 1,
+                        args.samples)
         for label, run in found.items():
             print(Row(label, run, resident))
     sys.stdout.flush()

@@ -90,21 +90,20 @@ def Measure(kind: str, sizes, args) -> list:
     return rows
 
 
-def SaveCharts(kind: str, rows: list, out: pathlib.Path) -> None:
+def Charts(kind: str, rows: list) -> dict:
+    """By the end of their file names."""
     sizes = [row["size"] for row in rows]
     time = Chart(f"Time against {kind}", kind, "seconds")
     for name in ("translate", "prepare", "render"):
         time.Add("read USD" if name == "translate" else name, sizes, [row[name] for row in rows])
-    time.Save(out / f"growth-{kind}-time")
     trace = Chart(f"Tracing against {kind}", kind, "microseconds a ray")
     trace.Add("512 MiB pool", sizes, [row["perRay"] for row in rows])
     trace.Add("resident", sizes, [row["perRayResident"] for row in rows])
-    trace.Save(out / f"growth-{kind}-trace")
     memory = Chart(f"Memory against {kind}", kind, "bytes")
     for label, name in (("all pages", "bytes"), ("pool", "pool"), ("always resident", "alwaysResident"),
                         ("path state", "pathState"), ("host, peak", "hostPeak")):
         memory.Add(label, sizes, [row[name] for row in rows])
-    memory.Save(out / f"growth-{kind}-memory")
+    return {"time": time, "trace": trace, "memory": memory}
 
 
 def main() -> None:
@@ -128,7 +127,8 @@ def main() -> None:
             args.rows.write_text(json.dumps({**kept, kind: rows}))
         if args.out and len(rows) > 1:
             args.out.mkdir(parents=True, exist_ok=True)
-            SaveCharts(kind, rows, args.out)
+            for name, chart in Charts(kind, rows).items():
+                chart.Save(args.out / f"growth-{kind}-{name}")
 
 
 if __name__ == "__main__":

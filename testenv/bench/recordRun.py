@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 
 SECONDS = 3600
 
@@ -18,9 +19,10 @@ class RunFailed(RuntimeError):
     """The command's own message."""
 
 
-def Record(stage, cacheDirectory, limitSeconds=SECONDS, **options) -> dict:
+def Record(stage, cacheDirectory, limitSeconds=SECONDS, environment=None, onPoll=None, **options) -> dict:
     """Statistics of one render; options by their name on the command line. Added are `pictureBytes`, and `cpuSeconds` of
-    the whole process, which other work on the machine disturbs less than it does times. One at a time."""
+    the whole process, which other work on the machine disturbs less than it does times. One at a time. `environment` is
+    added to this process's own; `onPoll(process id)` is called every 20 ms."""
     with tempfile.TemporaryDirectory() as folder:
         picture, statistics = f"{folder}/picture.exr", f"{folder}/statistics.json"
         command = [sys.executable, "-m", "hdstream", "record", str(stage), picture, "--quiet", "--stats", statistics,
@@ -29,15 +31,30 @@ def Record(stage, cacheDirectory, limitSeconds=SECONDS, **options) -> dict:
             command += [f"--{name}", str(value)]
         before = _CpuSecondsOfChildren()
         try:
-            done = subprocess.run(command, capture_output=True, text=True, timeout=limitSeconds)
+            code, said = _Run(command, limitSeconds, {**os.environ, **(environment or {})}, onPoll)
         except subprocess.TimeoutExpired as error:
             raise RunFailed(f"not done after {limitSeconds} s") from error
-        if done.returncode != 0:
-            raise RunFailed(f"exit code {done.returncode}: {done.stderr.strip().splitlines()[-1:]}")
+        if code != 0:
+            raise RunFailed(f"exit code {code}: {said.strip().splitlines()[-1:]}")
         values = json.loads(pathlib.Path(statistics).read_text())
         values["cpuSeconds"] = _CpuSecondsOfChildren() - before
         values["pictureBytes"] = pathlib.Path(picture).read_bytes()
         return values
+
+
+def _Run(command: list, limitSeconds: float, environment: dict, onPoll) -> tuple[int, str]:
+    """(exit code, stderr)."""
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=environment) as process:
+        end = time.monotonic() + limitSeconds
+        try:
+            while onPoll and process.poll() is None and time.monotonic() < end:
+                onPoll(process.pid)
+                time.sleep(0.02)
+            said = process.communicate(timeout=max(0.0, end - time.monotonic()))[1]
+        except BaseException:
+            process.kill()
+            raise
+    return process.returncode, said
 
 
 def _CpuSecondsOfChildren() -> float:

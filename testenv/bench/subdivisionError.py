@@ -51,6 +51,38 @@ def _Angle(normal, reference) -> float:
     return float(np.degrees(np.arctan2(cross, dot)[isHit].mean()))
 
 
+def Measure(args) -> list:
+    """Rows, from the coarsest level to the reference."""
+    args.folder.mkdir(parents=True, exist_ok=True)
+    FreshCache(args.folder / "kernels")
+    Record(args.stage, args.folder / "kernels", camera=args.camera, imageWidth=64, samples=1, aovs="color,normal",
+           residency="stream")
+    levels = sorted(args.levels, reverse=True)
+    reference = _Render(args, subdivision="complexity", complexity=levels[0])
+    runs = {f"uniform {level}": _Render(args, subdivision="complexity", complexity=level) for level in reversed(levels[1:])}
+    runs["cage"] = _Render(args, subdivision="cage")
+    runs["adaptive"] = _Render(args)
+    runs[f"uniform {levels[0]}"] = reference
+    rows = []
+    for name, (colors, normal, run) in runs.items():
+        geometry, time = run["geometry"], run["time"]
+        rows.append(dict(name=name, triangles=geometry["triangles"], built=geometry["chunksBuilt"] / max(1, geometry["chunks"]),
+                         share=geometry["triangles"] / reference[2]["geometry"]["triangles"], prepare=time["prepare"],
+                         render=time["render"], error=_RelMse(colors, reference[0]), angle=_Angle(normal, reference[1])))
+    return rows
+
+
+def ErrorChart(rows: list, key: str, label: str) -> Chart:
+    """Error of all but the reference, which is the last row."""
+    chart = Chart("error of subdivided surfaces", label, "relMSE")
+    uniform = [row for row in rows[:-1] if row["name"].startswith("uniform")]
+    chart.Add("uniform levels", [row[key] for row in uniform], [row["error"] for row in uniform])
+    for row in rows[:-1]:
+        if row not in uniform:
+            chart.Add(row["name"], [row[key]], [row["error"]])
+    return chart
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("stage")
@@ -64,34 +96,15 @@ def main() -> None:
     parser.add_argument("--geometryMemory", default="8G")
     parser.add_argument("--out", help="stem of the charts")
     args = parser.parse_args()
-    args.folder.mkdir(parents=True, exist_ok=True)
-    FreshCache(args.folder / "kernels")
-    Record(args.stage, args.folder / "kernels", camera=args.camera, imageWidth=64, samples=1, aovs="color,normal",
-           residency="stream")
-    levels = sorted(args.levels, reverse=True)
-    reference = _Render(args, subdivision="complexity", complexity=levels[0])
-    runs = {f"uniform {level}": _Render(args, subdivision="complexity", complexity=level) for level in levels[1:]}
-    runs["cage"] = _Render(args, subdivision="cage")
-    runs["adaptive"] = _Render(args)
-    runs[f"uniform {levels[0]}"] = reference
+    rows = Measure(args)
     print("| surfaces | triangles | of the reference's | built | prepare s | render s | relMSE | normal, degrees |")
     print("|---" * 8 + "|")
-    points = {}
-    for name, (colors, normal, run) in runs.items():
-        geometry, time = run["geometry"], run["time"]
-        error = _RelMse(colors, reference[0])
-        points[name] = (geometry["triangles"], time["render"], error)
-        print(f"| {name} | {geometry['triangles']:,} | {geometry['triangles'] / reference[2]['geometry']['triangles']:.2g} | "
-              f"{geometry['chunksBuilt'] / max(1, geometry['chunks']):.2f} | {time['prepare']:.2f} | {time['render']:.2f} | "
-              f"{error:.2g} | {_Angle(normal, reference[1]):.2g} |")
+    for row in rows:
+        print(f"| {row['name']} | {row['triangles']:,} | {row['share']:.2g} | {row['built']:.2f} | {row['prepare']:.2f} | "
+              f"{row['render']:.2f} | {row['error']:.2g} | {row['angle']:.2g} |")
     if args.out:
-        uniform = [points[f"uniform {level}"] for level in sorted(levels)[:-1]]
-        for index, label in enumerate(("triangles", "seconds")):
-            chart = Chart("error of subdivided surfaces", label, "relMSE")
-            chart.Add("uniform levels", [point[index] for point in uniform], [point[2] for point in uniform])
-            for name in ("cage", "adaptive"):
-                chart.Add(name, [points[name][index]], [points[name][2]])
-            chart.Save(f"{args.out}-{label}")
+        ErrorChart(rows, "triangles", "triangles").Save(f"{args.out}-triangles")
+        ErrorChart(rows, "render", "seconds").Save(f"{args.out}-seconds")
 
 
 if __name__ == "__main__":

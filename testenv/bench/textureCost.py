@@ -8,24 +8,12 @@ fits).
 """
 
 import argparse
-import json
 import pathlib
 import sys
 
 sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[1])]
 
-from hdstream import _core  # noqa: E402
-from hdstream.translate import TranslateStage  # noqa: E402
-from pxr import Usd  # noqa: E402
-
-
-def _Render(session, args, settings) -> dict:
-    options = _core.Settings()
-    options.camera, options.imageWidth, options.samples = args.camera, args.width, args.samples
-    for name, value in settings.items():
-        setattr(options, name, value)
-    session.Render(options)
-    return json.loads(session.Statistics())
+from bench.sceneRun import Scene  # noqa: E402
 
 
 def main() -> None:
@@ -37,8 +25,7 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=2)
     parser.add_argument("--budgets", type=lambda text: text.split(","), default=["10%", "1%"])
     args = parser.parse_args()
-    session = _core.Session()
-    TranslateStage(Usd.Stage.Open(args.stage), session, Usd.TimeCode.Default())
+    scene = Scene(args.stage, args.camera, imageWidth=args.width)
     streamed = lambda budget: dict(residency="auto", prepare="eager", textureMemory=budget)
     modes = {"plain": dict(residency="resident", plainTextures=True), "resident": dict(residency="resident"),
              "100 %": streamed("100%"), "warm": streamed("100%"), **{budget: streamed(budget) for budget in args.budgets}}
@@ -46,8 +33,8 @@ def main() -> None:
     for turn in range(args.repeats + 1):
         for name, settings in modes.items():
             if name == "warm":
-                _Render(session, args, settings)
-            statistics = _Render(session, args, settings)
+                scene.Render(args.samples, **settings)
+            _, statistics = scene.Render(args.samples, **settings)
             time, textures[name] = statistics["time"], statistics["texture"]
             if turn > 0:  # the first prepares and compiles
                 seconds[name].append((time["render"] - time["prepare"] - time["compile"], time["shade"]))

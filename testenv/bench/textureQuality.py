@@ -8,34 +8,39 @@ textures prepared before; times are without preparing and compiling. The charts 
 """
 
 import argparse
-import json
 import pathlib
 import sys
 
-import numpy as np
-
 sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[1])]
 
-from hdstream import _core  # noqa: E402
-from hdstream.translate import TranslateStage  # noqa: E402
-from pxr import Usd  # noqa: E402
+from bench.sceneRun import RelMse, Scene, TracingSeconds  # noqa: E402
 from stages import textureStress  # noqa: E402
 from support.svgChart import Chart  # noqa: E402
 
 _BIASES = (-1.0, -0.5, 0.0, 0.5, 1.0)
 
 
-def _Render(args, stage, **settings):
-    session = _core.Session()
-    TranslateStage(stage, session, Usd.TimeCode.Default())
-    options = _core.Settings()
-    options.camera, options.imageWidth, options.imageHeight = "/World/Camera", args.width, args.width * 9 // 16
-    options.maxDepth, options.cacheDirectory = 1, str(args.folder / "cache")
-    for name, value in settings.items():
-        setattr(options, name, value)
-    session.Render(options)
-    color = next(np.array(layer.pixels) for layer in session.Layers() if layer.name == "color")
-    return color[..., :3].astype(np.float64), json.loads(session.Statistics())
+def Measure(folder: pathlib.Path, width: int, count: int, size: int, sampleCounts, referenceSamples: int, biases=_BIASES):
+    """Yields rows; textures are made in the folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    stage = folder / f"glowing{count}x{size}.usda"
+    if not stage.exists():
+        textureStress.WriteTextureStress(stage, count, size, glows=True)
+
+    def Render(samples, **settings):
+        scene = Scene(stage, "/World/Camera", imageWidth=width, imageHeight=width * 9 // 16, maxDepth=1,
+                      cacheDirectory=str(folder / "cache"))
+        return scene.Render(samples, **settings)
+
+    reference, _ = Render(referenceSamples, plainTextures=True, mipBias=-16.0, residency="resident")
+    for name, settings in (("compressed", dict(residency="stream")), ("plain", dict(residency="resident", plainTextures=True))):
+        for samples in sampleCounts:
+            for bias in biases:
+                picture, statistics = Render(samples, mipBias=bias, **settings)
+                texture = statistics["texture"]
+                yield dict(name=name, samples=samples, bias=bias, error=RelMse(picture, reference), lines=texture["linesLoaded"],
+                           megabytes=texture["uniqueBytesLoaded"] / 1e6,
+                           seconds=TracingSeconds(statistics))
 
 
 def main() -> None:
@@ -48,32 +53,21 @@ def main() -> None:
     parser.add_argument("--referenceSamples", type=int, default=1024)
     parser.add_argument("--out", help="stem of the charts")
     args = parser.parse_args()
-    args.folder.mkdir(parents=True, exist_ok=True)
-    path = args.folder / f"glowing{args.count}x{args.size}.usda"
-    textureStress.WriteTextureStress(path, args.count, args.size, glows=True)
-    stage = Usd.Stage.Open(str(path))
-    reference, _ = _Render(args, stage, samples=args.referenceSamples, plainTextures=True, mipBias=-16.0, residency="resident")
-    byBytes = Chart("filtering error", "MB loaded", "relMSE")
-    byTime = Chart("filtering error", "seconds", "relMSE")
+    rows = []
     print("| textures | samples | mip bias | relMSE | lines | MB loaded | render s |")
     print("|---" * 7 + "|", flush=True)
-    for samples in args.samples:
-        for name, settings in (("streamed", dict(residency="stream")),
-                               ("plain", dict(residency="resident", plainTextures=True))):
-            megabytes, seconds, errors = [], [], []
-            for bias in _BIASES:
-                picture, statistics = _Render(args, stage, samples=samples, mipBias=bias, **settings)
-                error = float(np.mean((picture - reference) ** 2 / (reference**2 + 0.01)))
-                lines, loaded = statistics["texture"]["linesLoaded"], statistics["texture"]["uniqueBytesLoaded"] / 1e6
-                errors.append(error)
-                time = statistics["time"]
-                seconds.append(time["render"] - time["prepare"] - time["compile"])
-                megabytes.append(loaded)
-                print(f"| {name} | {samples} | {bias:+.1f} | {error:.3e} | {lines or 'all'} | "
-                      f"{f'{loaded:.2f}' if lines else 'all'} | {seconds[-1]:.2f} |", flush=True)
-            if name != "plain":
-                byBytes.Add(f"{name}, {samples} spp", megabytes, errors)
-            byTime.Add(f"{name}, {samples} spp", seconds, errors)
+    for row in Measure(args.folder, args.width, args.count, args.size, args.samples, args.referenceSamples):
+        rows.append(row)
+        print(f"| {row['name']} | {row['samples']} | {row['bias']:+.1f} | {row['error']:.3e} | {row['lines'] or 'all'} | "
+              f"{round(row['megabytes'], 2) if row['lines'] else 'all'} | {row['seconds']:.2f} |", flush=True)
+    byBytes = Chart("filtering error", "MB loaded", "relMSE")
+    byTime = Chart("filtering error", "seconds", "relMSE")
+    for name, samples in dict.fromkeys((row["name"], row["samples"]) for row in rows):
+        curve = [row for row in rows if (row["name"], row["samples"]) == (name, samples)]
+        errors = [row["error"] for row in curve]
+        if name != "plain":
+            byBytes.Add(f"{name}, {samples} spp", [row["megabytes"] for row in curve], errors)
+        byTime.Add(f"{name}, {samples} spp", [row["seconds"] for row in curve], errors)
     if args.out:
         byBytes.Save(f"{args.out}-bytes")
         byTime.Save(f"{args.out}-time")

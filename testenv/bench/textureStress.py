@@ -34,33 +34,47 @@ def _Render(args, stage, height: int, samples: int, **options) -> dict:
                   maxDepth=args.maxDepth, **options)
 
 
-def _Grow(args, stage) -> None:
-    """Lines loaded against samples, a curve for each height."""
-    lines = Chart(f"{args.count} textures of {args.size} x {args.size}", "samples per pixel", "MB loaded")
-    share = Chart(f"{args.count} textures of {args.size} x {args.size}", "samples per pixel", "% of all lines")
-    print("| height | samples | lines | MB | % of bytesTotal | fallback texels | misses per look-up | in samples since the row before "
-          "| pool MB | time.render s |")
-    print("|---" * 10 + "|", flush=True)
+def Grow(args, stage):
+    """Yields a row for each height and number of samples."""
     for height in args.heights:
-        megabytes, percents, before = [], [], (0, 0)
+        before = (0, 0)
         for samples in args.samples:
             run = _Render(args, stage, height, samples, residency="stream", textureMemory=args.textureMemory)
             texture = run["texture"]
             assert texture["fallbackTexels"] == 0 and texture["peakBytes"] <= texture["budget"]
-            megabytes.append(texture["uniqueBytesLoaded"] / 1e6)
-            percents.append(100 * texture["uniqueBytesLoaded"] / texture["bytesTotal"])
             counts = (texture["misses"], texture["lookups"])
-            print(f"| {height} | {samples} | {texture['linesLoaded']} | {megabytes[-1]:.2f} | {percents[-1]:.3f} | "
-                  f"{texture['fallbackTexels']} | {counts[0] / counts[1]:.2e} | "
-                  f"{(counts[0] - before[0]) / max(1, counts[1] - before[1]):.2e} | "
-                  f"{texture['peakBytes'] / 1e6:.0f} | {run['time']['render']:.1f} |", flush=True)
+            yield dict(height=height, samples=samples, lines=texture["linesLoaded"], megabytes=texture["uniqueBytesLoaded"] / 1e6,
+                       percent=100 * texture["uniqueBytesLoaded"] / texture["bytesTotal"], fallback=texture["fallbackTexels"],
+                       misses=counts[0] / counts[1], missesSince=(counts[0] - before[0]) / max(1, counts[1] - before[1]),
+                       pool=texture["peakBytes"] / 1e6, seconds=run["time"]["render"], total=texture["bytesTotal"],
+                       source=texture["bytesSource"])
             before = counts
-        lines.Add(f"{height}p", args.samples, megabytes)
-        share.Add(f"{height}p", args.samples, percents)
-    print(f"<!-- bytesTotal {texture['bytesTotal'] / 1e6:.0f} MB, bytesSource {texture['bytesSource'] / 1e6:.0f} MB -->")
+
+
+def GrowthChart(args, rows: list, key: str, label: str) -> Chart:
+    """A curve for each height."""
+    chart = Chart(f"{args.count} textures of {args.size} x {args.size}", "samples per pixel", label)
+    for height in args.heights:
+        curve = [row for row in rows if row["height"] == height]
+        chart.Add(f"{height}p", [row["samples"] for row in curve], [row[key] for row in curve])
+    return chart
+
+
+def _PrintGrowth(args, stage) -> None:
+    """Lines loaded against samples."""
+    print("| height | samples | lines | MB | % of bytesTotal | fallback texels | misses per look-up | in samples since the row before "
+          "| pool MB | time.render s |")
+    print("|---" * 10 + "|", flush=True)
+    rows = []
+    for row in Grow(args, stage):
+        rows.append(row)
+        print(f"| {row['height']} | {row['samples']} | {row['lines']} | {row['megabytes']:.2f} | {row['percent']:.3f} | "
+              f"{row['fallback']} | {row['misses']:.2e} | {row['missesSince']:.2e} | {row['pool']:.0f} | {row['seconds']:.1f} |",
+              flush=True)
+    print(f"<!-- bytesTotal {row['total'] / 1e6:.0f} MB, bytesSource {row['source'] / 1e6:.0f} MB -->")
     if args.out:
-        lines.Save(f"{args.out}-lines")
-        share.Save(f"{args.out}-share")
+        GrowthChart(args, rows, "megabytes", "MB loaded").Save(f"{args.out}-lines")
+        GrowthChart(args, rows, "percent", "% of all lines").Save(f"{args.out}-share")
 
 
 def _CompareBudgets(args, stage) -> None:
@@ -127,7 +141,7 @@ def main() -> None:
     elif args.budgets:
         _CompareBudgets(args, stage)
     else:
-        _Grow(args, stage)
+        _PrintGrowth(args, stage)
 
 
 if __name__ == "__main__":

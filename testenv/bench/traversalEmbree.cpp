@@ -5,9 +5,12 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <limits>
 #include <stdexcept>
+#include <thread>
 
 namespace hds::bench {
 namespace {
@@ -33,6 +36,26 @@ RTCRay MakeRay(const BenchRay& source) {
     ray.tfar = source.tMax;
     ray.mask = 0xffffffffU;
     return ray;
+}
+
+/// Calls work(begin, end) for ranges that cover all of `count`, on so many threads.
+template <typename Work>
+void ForRanges(std::size_t count, unsigned numThreads, const Work& work) {
+    constexpr std::size_t kRange = 4096;
+    std::atomic<std::size_t> next{0};
+    const auto takeRanges = [&] {
+        for (std::size_t begin = 0; (begin = next.fetch_add(kRange)) < count;) {
+            work(begin, std::min(begin + kRange, count));
+        }
+    };
+    std::vector<std::thread> threads;
+    for (unsigned i = 1; i < numThreads; ++i) {
+        threads.emplace_back(takeRanges);
+    }
+    takeRanges();
+    for (std::thread& thread : threads) {
+        thread.join();
+    }
 }
 
 } // namespace
@@ -85,29 +108,35 @@ EmbreeScene::~EmbreeScene() {
     rtcReleaseDevice(static_cast<RTCDevice>(_device));
 }
 
-std::vector<EmbreeHit> EmbreeScene::Closest(const std::vector<BenchRay>& rays) const {
+std::vector<EmbreeHit> EmbreeScene::Closest(const std::vector<BenchRay>& rays,
+                                            unsigned numThreads) const {
     std::vector<EmbreeHit> hits(rays.size());
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-        RTCRayHit query{};
-        query.ray = MakeRay(rays[i]);
-        query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        rtcIntersect1(AsScene(_scene), &context, &query);
-        hits[i] = {query.ray.tfar, query.hit.geomID, query.hit.primID};
-    }
+    ForRanges(rays.size(), numThreads, [&](std::size_t begin, std::size_t end) {
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        for (std::size_t i = begin; i < end; ++i) {
+            RTCRayHit query{};
+            query.ray = MakeRay(rays[i]);
+            query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+            rtcIntersect1(AsScene(_scene), &context, &query);
+            hits[i] = {query.ray.tfar, query.hit.geomID, query.hit.primID};
+        }
+    });
     return hits;
 }
 
-std::vector<std::uint8_t> EmbreeScene::Occluded(const std::vector<BenchRay>& rays) const {
+std::vector<std::uint8_t> EmbreeScene::Occluded(const std::vector<BenchRay>& rays,
+                                                unsigned numThreads) const {
     std::vector<std::uint8_t> results(rays.size());
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-        RTCRay ray = MakeRay(rays[i]);
-        rtcOccluded1(AsScene(_scene), &context, &ray);
-        results[i] = ray.tfar < 0.0F ? 1 : 0;
-    }
+    ForRanges(rays.size(), numThreads, [&](std::size_t begin, std::size_t end) {
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        for (std::size_t i = begin; i < end; ++i) {
+            RTCRay ray = MakeRay(rays[i]);
+            rtcOccluded1(AsScene(_scene), &context, &ray);
+            results[i] = ray.tfar < 0.0F ? 1 : 0;
+        }
+    });
     return results;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Embree 3 as the yardstick of the traversal benchmark: the same meshes, the same rays, one thread.
+// Embree 3 as the yardstick of the traversal benchmark: the same meshes, the same rays.
 #pragma once
 
 #include "hdStream/geometry/triangleMesh.h"
@@ -27,7 +27,7 @@ struct EmbreeHit {
     std::uint32_t triangle;
 };
 
-/// A committed Embree scene. One thread.
+/// A committed Embree scene; committed by one thread.
 class EmbreeScene {
 public:
     /// \param compactRobust RTC_SCENE_FLAG_COMPACT | ROBUST, else the default flags.
@@ -36,8 +36,9 @@ public:
     EmbreeScene(const EmbreeScene&) = delete;
     EmbreeScene& operator=(const EmbreeScene&) = delete;
 
-    std::vector<EmbreeHit> Closest(const std::vector<BenchRay>& rays) const;
-    std::vector<std::uint8_t> Occluded(const std::vector<BenchRay>& rays) const;
+    std::vector<EmbreeHit> Closest(const std::vector<BenchRay>& rays, unsigned numThreads) const;
+    std::vector<std::uint8_t> Occluded(const std::vector<BenchRay>& rays,
+                                       unsigned numThreads) const;
 
     /// Bytes that Embree allocated for the hierarchy (vertices and indices are shared with us).
     std::size_t Bytes() const { return _bytes; }
