@@ -60,6 +60,7 @@ def _Compare(stage, options, cache: pathlib.Path, scratch: pathlib.Path) -> list
     width, height = _Size(aspect, options.width)
     results = []
     for renderer in options.renderers:
+        print(f"{stage.name}: {renderer} ...", file=sys.stderr, flush=True)
         job = dict(renderer=renderer, stage=stage.path, scene=scene, camera=stage.camera, width=width, height=height,
                    maxDepth=stage.maxDepth, threads=options.threads)
         try:
@@ -76,7 +77,7 @@ def _Compare(stage, options, cache: pathlib.Path, scratch: pathlib.Path) -> list
 def _Options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scenes", default=os.environ.get("HDSTREAM_SCENES"), help="folder of the real stages (HDSTREAM_SCENES)")
-    parser.add_argument("--stages", type=_Split, help=f"of {', '.join(rivalsStages.NAMES)}; default: all real ones, forest, grove")
+    parser.add_argument("--stages", type=_Split, help="default: all real ones, forest, grove; an unknown name lists all")
     parser.add_argument("--renderers", type=_Split, default=list(RENDERERS), help=f"of {', '.join(RENDERERS + FURTHER)}; the first is compared with")
     parser.add_argument("--width", type=int, default=480, help="of the picture's longer side")
     parser.add_argument("--threads", type=int, default=os.cpu_count())

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from stages import bench, grove
 from stages.verify import CASES
 
-_VERIFIED = ("lambertRoom", "rectLight")
-
 
 @dataclass(frozen=True)
 class StageFile:
@@ -32,7 +30,7 @@ _REAL = {
 }
 _REAL_DEPTH = 8
 SHORT = ["smallForest"]
-NAMES = [*_REAL, *_GENERATED, *_VERIFIED]
+NAMES = [*_REAL, *_GENERATED, *CASES]
 
 
 def Default(scenes: str | None) -> list[str]:

@@ -72,7 +72,9 @@ def _BuildRival(job: dict):
         import rivalsMitsuba as rival
     scene = rivalsScene.Load(job["scene"])
     _Fit(scene.camera, job["width"], job["height"])
-    return rival.Build(scene, job)
+    exposure = scene.camera["exposure"]
+    render, warmUp = rival.Build(scene, job)
+    return lambda samples, seed: exposure * render(samples, seed), warmUp
 
 
 def Work(job: dict) -> dict:
