@@ -29,7 +29,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent), str(HERE.parent / "render")]
 import rivalsMeasure  # noqa: E402
 import rivalsReport  # noqa: E402
 import rivalsStages  # noqa: E402
-from rivalsWorker import FURTHER, RENDERERS  # noqa: E402
+from rivalsWorker import RENDERERS  # noqa: E402
 
 
 def _Split(text: str) -> list[str]:
@@ -78,7 +78,7 @@ def _Options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scenes", default=os.environ.get("HDSTREAM_SCENES"), help="folder of the real stages (HDSTREAM_SCENES)")
     parser.add_argument("--stages", type=_Split, help="default: all real ones, forest, grove; an unknown name lists all")
-    parser.add_argument("--renderers", type=_Split, default=list(RENDERERS), help=f"of {', '.join(RENDERERS + FURTHER)}; the first is compared with")
+    parser.add_argument("--renderers", type=_Split, default=list(RENDERERS), help=f"of {', '.join(RENDERERS)}; the first is compared with")
     parser.add_argument("--width", type=int, default=480, help="of the picture's longer side")
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     parser.add_argument("--ladder", type=lambda text: [int(n) for n in _Split(text)], default=[2, 4, 8, 16, 32, 64], help="samples a pixel")
@@ -91,9 +91,9 @@ def _Options() -> argparse.Namespace:
     options = parser.parse_args()
     if options.short:
         options.stages, options.width, options.ladder, options.reference = rivalsStages.SHORT, 96, [2, 4, 8, 16], 64
-    unknown = [name for name in options.renderers if name not in RENDERERS + FURTHER]
+    unknown = [name for name in options.renderers if name not in RENDERERS]
     if unknown:
-        parser.error(f"no renderer {unknown[0]}; there are {', '.join(RENDERERS + FURTHER)}")
+        parser.error(f"no renderer {unknown[0]}; there are {', '.join(RENDERERS)}")
     return options
 
 

@@ -161,13 +161,11 @@ def _AddLights(target, lights) -> None:
             data.use_soft_falloff = False
             data.shadow_soft_size = inputs["radius"] * float(np.linalg.norm(matrix[0, :3]))
             data.energy = strength * 4 * math.pi**2 * data.shadow_soft_size**2
-        elif light.kind == "Rect":
+        else:  # Rect
             data = bpy.data.lights.new(f"light{i}", "AREA")
             data.shape, data.size, data.size_y = "RECTANGLE", inputs["width"], inputs["height"]
             scale = np.linalg.norm(matrix[:2, :3], axis=1)
             data.energy = strength * math.pi * inputs["width"] * scale[0] * inputs["height"] * scale[1]
-        else:
-            raise ValueError(f"{light.kind} light is not handled")
         data.color = color
         item = bpy.data.objects.new(f"light{i}", data)
         item.visible_camera = True
@@ -200,8 +198,6 @@ def _World(light, color: list, strength: float):
 
 
 def _AddCamera(target, camera: dict) -> None:
-    if camera["orthographic"]:
-        raise ValueError("orthographic cameras are not handled")
     data = bpy.data.cameras.new("camera")
     data.sensor_fit, data.sensor_width, data.lens = "HORIZONTAL", camera["width"] * 10, camera["focal"] * 10
     data.clip_start, data.clip_end = 0.0001, 1e6

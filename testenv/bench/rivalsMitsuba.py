@@ -18,6 +18,8 @@ import mitsubaScene
 SCALAR, PREVIEW = "mitsuba scalar", "mitsuba preview"
 _PASS_PATHS = 1 << 23
 _SAMPLER = "multijitter"
+_SIZE = 1000.0  # of a small scene's diagonal
+_PASSES = 8  # surfaces that a path passes straight through: bounces to Mitsuba, none to hdStream
 
 
 def Build(scene, job: dict):
@@ -29,10 +31,12 @@ def Build(scene, job: dict):
     import drjit
 
     drjit.set_thread_count(job["threads"])
+    _Enlarge(scene)
     sensor = mitsubaScene.Sensor(scene.camera, job["width"], job["height"])
     sensor["sampler"] = {"type": _SAMPLER}
     content = {"type": "scene", "sensor": sensor,
-               "integrator": {"type": "path", "max_depth": job["maxDepth"] + 2, "rr_depth": 100000}}
+               "integrator": {"type": "path", "rr_depth": 100000,
+                              "max_depth": job["maxDepth"] + 2 + (_PASSES if any(m.get("opacity", 1.0) != 1.0 for m in scene.materials) else 0)}}
     looks = _Looks(mi, scene.materials, _PreviewLook if job["renderer"] == PREVIEW else _PrincipledLook)
     while scene.meshes:
         mesh = scene.meshes.pop()
@@ -55,6 +59,25 @@ def Build(scene, job: dict):
 
     counts = [] if job["renderer"] == SCALAR else sorted({min(perPass, samples) for samples, _ in job["renders"]})
     return Render, counts
+
+
+def _Enlarge(scene) -> None:
+    """Scales a small scene up, lights and camera with it: Mitsuba moves rays by at least 1.8e-4 of a unit, and so skips
+    surfaces that lie closer together. Radiance stays."""
+    boxes = [bounds @ place[:3, :3] + place[3, :3] for mesh in scene.meshes for place in mesh.places
+             for bounds in [np.stack([mesh.points.min(0), mesh.points.max(0)])]]
+    corners = np.concatenate(boxes)
+    factor = max(1.0, _SIZE / np.linalg.norm(corners.max(0) - corners.min(0)))
+    scaling = np.diag([factor, factor, factor, 1.0])
+    for mesh in scene.meshes:
+        mesh.places = mesh.places @ scaling
+    for light in scene.lights:
+        light.matrix = light.matrix @ scaling
+    camera = scene.camera  # its own axes stay unit vectors
+    camera["matrix"] = np.linalg.inv(scaling) @ camera["matrix"] @ scaling
+    camera["focus"] *= factor
+    if camera["fStop"] > 0:
+        camera["fStop"] /= factor
 
 
 def _Looks(mi, materials: list, Look) -> list:

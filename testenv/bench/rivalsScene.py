@@ -79,7 +79,10 @@ def Read(path, cameraPath: str) -> PlainScene:
     camera = UsdGeom.Camera(stage.GetPrimAtPath(cameraPath))
     if not camera:
         raise ValueError(f"{path}: no camera {cameraPath}")
-    return _Reader(stage).Scene(camera)
+    scene = _Reader(stage).Scene(camera)
+    if scene.camera["orthographic"] or (scene.camera["fStop"] > 0 and any(scene.camera["offset"])):
+        raise ValueError(f"{cameraPath}: an orthographic camera, or a lens with an aperture offset, is not handled")
+    return scene
 
 
 class _Reader:

@@ -25,8 +25,7 @@ MODES = {
     "hdstream 100%": dict(residency="stream", geometryMemory="100%", chunkBytes=_CHUNK_BYTES),
     "hdstream 30%": dict(residency="stream", geometryMemory="30%", chunkBytes=_CHUNK_BYTES),
 }
-RENDERERS = (*MODES, "mitsuba scalar", "mitsuba llvm", "cycles")
-FURTHER = ("mitsuba preview",)  # with our own formula for surfaces, to see what is no matter of materials
+RENDERERS = (*MODES, "mitsuba scalar", "mitsuba llvm", "mitsuba preview", "cycles")
 
 
 def _PeakBytes() -> int:
