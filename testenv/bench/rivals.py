@@ -62,7 +62,7 @@ def _Compare(stage, options, cache: pathlib.Path, scratch: pathlib.Path) -> list
     for renderer in options.renderers:
         print(f"{stage.name}: {renderer} ...", file=sys.stderr, flush=True)
         job = dict(renderer=renderer, stage=stage.path, scene=scene, camera=stage.camera, width=width, height=height,
-                   maxDepth=stage.maxDepth, threads=options.threads)
+                   maxDepth=stage.maxDepth, threads=options.threads, limit=options.limit)
         try:
             results.append(rivalsMeasure.Measure(job, options.ladder, options.repeat, options.reference, cache))
         except rivalsMeasure.RunFailed as error:
@@ -81,10 +81,12 @@ def _Options() -> argparse.Namespace:
     parser.add_argument("--renderers", type=_Split, default=list(RENDERERS), help=f"of {', '.join(RENDERERS)}; the first is compared with")
     parser.add_argument("--width", type=int, default=480, help="of the picture's longer side")
     parser.add_argument("--threads", type=int, default=os.cpu_count())
-    parser.add_argument("--ladder", type=lambda text: [int(n) for n in _Split(text)], default=[2, 4, 8, 16, 32, 64], help="samples a pixel")
+    parser.add_argument("--ladder", type=lambda text: [int(n) for n in _Split(text)], default=[2, 4, 8, 16, 32], help="samples a pixel")
     parser.add_argument("--repeat", type=int, default=1, help="renders of the ladder, with other seeds")
-    parser.add_argument("--reference", type=int, default=1024, help="samples of the references")
-    parser.add_argument("--errors", type=lambda text: [float(e) for e in _Split(text)], default=[1e-2, 1e-3], help="relMSE to compare times at")
+    parser.add_argument("--reference", type=int, default=256, help="samples of the references")
+    parser.add_argument("--errors", type=lambda text: [float(e) for e in _Split(text)], default=[1e-2, 1e-3],
+                        help="relMSE to compare times at")
+    parser.add_argument("--limit", type=int, default=3600, help="seconds of a process; a renderer that takes longer is left out")
     parser.add_argument("--cache", type=pathlib.Path, help="folder that keeps references, generated stages and kernels")
     parser.add_argument("--out", type=pathlib.Path, help="folder for CSV, SVG and PNG")
     parser.add_argument("--short", action="store_true", help="one small stage, small pictures: is everything in place?")

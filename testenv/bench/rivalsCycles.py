@@ -136,8 +136,10 @@ def _Look(material: dict, index: int):
         surface = nodes.Add("ShaderNodeBsdfPrincipled", inputs, distribution="GGX").outputs[0]
         if material["opacity"] != 1.0:
             fresnel = nodes.Add("ShaderNodeFresnel", {"IOR": material["ior"]}).outputs[0]
-            glossy = nodes.Add("ShaderNodeBsdfAnisotropic", {"Color": (1.0, 1.0, 1.0), "Roughness": material["roughness"]}, distribution="GGX")
-            pane = nodes.Add("ShaderNodeMixShader", {0: fresnel, 1: nodes.Add("ShaderNodeBsdfTransparent", {}).outputs[0], 2: glossy.outputs[0]})
+            inputs = {"Color": (1.0, 1.0, 1.0), "Roughness": material["roughness"]}
+            glossy = nodes.Add("ShaderNodeBsdfAnisotropic", inputs, distribution="GGX").outputs[0]
+            transparent = nodes.Add("ShaderNodeBsdfTransparent", {}).outputs[0]
+            pane = nodes.Add("ShaderNodeMixShader", {0: fresnel, 1: transparent, 2: glossy})
             surface = nodes.Add("ShaderNodeMixShader", {0: material["opacity"], 1: pane.outputs[0], 2: surface}).outputs[0]
     nodes.Add("ShaderNodeOutputMaterial", {"Surface": surface})
     return nodes.material

@@ -22,7 +22,6 @@ import numpy as np
 
 _HERE = pathlib.Path(__file__).resolve().parent
 _TRIMMED = 0.001  # part of the pixels that the trimmed error leaves out
-_SECONDS = 6 * 3600
 
 
 class RunFailed(RuntimeError):
@@ -103,8 +102,11 @@ def _Run(job: dict, cache: pathlib.Path) -> dict:
         path = pathlib.Path(folder) / "job.json"
         path.write_text(json.dumps(job))
         environment = {**os.environ, "POCL_MAX_PTHREAD_COUNT": str(job["threads"]), "HDSTREAM_CACHE_DIR": str(cache / "hdstream")}
-        run = subprocess.run([sys.executable, str(_HERE / "rivalsWorker.py"), str(path)], capture_output=True, text=True,
-                             env=environment, timeout=_SECONDS)
+        try:
+            run = subprocess.run([sys.executable, str(_HERE / "rivalsWorker.py"), str(path)], capture_output=True, text=True,
+                                 env=environment, timeout=job["limit"])
+        except subprocess.TimeoutExpired as error:
+            raise RunFailed(f"{job['renderer']}: not done after {job['limit']} s") from error
     for line in reversed(run.stdout.splitlines()):
         if line.startswith("RESULT "):
             return json.loads(line[7:])
@@ -115,10 +117,10 @@ def _Run(job: dict, cache: pathlib.Path) -> dict:
 def _Digest(job: dict) -> str:
     """Of what the reference depends on: the job, the stage file, and the code that translates it."""
     stage = pathlib.Path(job["stage"]).stat()
-    kept = {name: value for name, value in job.items() if name != "scene"}
+    kept = {name: value for name, value in job.items() if name not in ("scene", "limit")}
     digest = hashlib.sha256(json.dumps([kept, stage.st_size, stage.st_mtime_ns], sort_keys=True).encode())
     if job["renderer"] == "hdstream":
-        files = [next(pathlib.Path(importlib.util.find_spec("hdstream").origin).parent.glob("_core*.so"))]
+        files = [next(pathlib.Path(importlib.util.find_spec("hdstream").origin).parent.glob("_core*.so")), _HERE / "rivalsWorker.py"]
     else:
         files = [_HERE / "rivalsScene.py", _HERE / ("rivalsCycles.py" if job["renderer"] == "cycles" else "rivalsMitsuba.py"),
                  _HERE.parent / "render/stageReader.py", _HERE.parent / "render/mitsubaScene.py", _HERE.parent / "render/previewBsdf.py"]

@@ -6,7 +6,8 @@ UsdPreviewSurface: principled's diffuse lobe depends on roughness, its Fresnel i
 below 1 the surface is a blend of `thindielectric` (of such an ior that both its sides together reflect what one does) and
 `principled`. Light shapes have a `null` surface, so that they do not occlude; `path` then finds what lies behind one by
 BSDF sampling, without bias. `mitsuba preview` is the llvm variant with UsdPreviewSurface's own formula, the plug-in of
-testenv/render/previewBsdf.py: what differs there is no matter of materials. One pass has at most _PASS_PATHS paths, as all of them are in memory at once.
+testenv/render/previewBsdf.py: what differs there is no matter of materials. One pass has at most _PASS_PATHS paths, as all of
+them are in memory at once.
 """
 
 import math
@@ -34,9 +35,9 @@ def Build(scene, job: dict):
     _Enlarge(scene)
     sensor = mitsubaScene.Sensor(scene.camera, job["width"], job["height"])
     sensor["sampler"] = {"type": _SAMPLER}
-    content = {"type": "scene", "sensor": sensor,
-               "integrator": {"type": "path", "rr_depth": 100000,
-                              "max_depth": job["maxDepth"] + 2 + (_PASSES if any(m.get("opacity", 1.0) != 1.0 for m in scene.materials) else 0)}}
+    passes = _PASSES if any(material.get("opacity", 1.0) != 1.0 for material in scene.materials) else 0
+    integrator = {"type": "path", "max_depth": job["maxDepth"] + 2 + passes, "rr_depth": 100000}
+    content = {"type": "scene", "sensor": sensor, "integrator": integrator}
     looks = _Looks(mi, scene.materials, _PreviewLook if job["renderer"] == PREVIEW else _PrincipledLook)
     while scene.meshes:
         mesh = scene.meshes.pop()
@@ -151,7 +152,7 @@ def _AddMesh(mi, content: dict, mesh, look, index: int) -> None:
 def _Mesh(mi, mesh, look, matrix: np.ndarray):
     properties = mi.Properties()
     properties["mesh_bsdf"] = look
-    out = mi.Mesh(f"mesh", len(mesh.points), len(mesh.triangles), props=properties, has_vertex_normals=mesh.normals is not None,
+    out = mi.Mesh("mesh", len(mesh.points), len(mesh.triangles), props=properties, has_vertex_normals=mesh.normals is not None,
                   has_vertex_texcoords=mesh.texcoords is not None)
     params = mi.traverse(out)
     linear, isMirrored = matrix[:3, :3], np.linalg.det(matrix[:3, :3]) < 0

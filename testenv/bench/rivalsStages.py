@@ -18,7 +18,8 @@ class StageFile:
 
 _GENERATED = {
     "terrain": (bench.WriteTerrain, 4),
-    "forest": (lambda path: bench.WriteForest(path, instances=20_000, species=5), 4),
+    # Dr.Jit traces what happens at an instance anew for each of them: with 20 000 Mitsuba's llvm variant takes minutes and gigabytes.
+    "forest": (lambda path: bench.WriteForest(path, instances=1000, species=5), 4),
     "grove": (lambda path: grove.WriteGrove(path, triangles=2_000_000), 4),
     "smallForest": (lambda path: bench.WriteForest(path, instances=100, species=8, leaves=300), 3),
 }

@@ -69,13 +69,13 @@ def test_what_is_not_the_same_to_all_is_refused(tmp_path):
 
 
 def test_the_command_compares_what_is_installed(tmp_path):
-    command = [sys.executable, str(TESTENV / "bench/rivals.py"), "--short", "--out", str(tmp_path / "out"), "--cache", str(tmp_path / "cache")]
-    run = subprocess.run(command, capture_output=True, text=True)
+    folders = ["--out", str(tmp_path / "out"), "--cache", str(tmp_path / "cache")]
+    run = subprocess.run([sys.executable, str(TESTENV / "bench/rivals.py"), "--short", *folders], capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
     rows = list(csv.DictReader(open(tmp_path / "out/rivals.csv")))
     renderers = {row["renderer"] for row in rows}
     assert {"hdstream", "hdstream 100%", "hdstream 30%"} <= renderers
-    for renderer in ("mitsuba scalar", "mitsuba llvm", "cycles"):
+    for renderer in ("mitsuba scalar", "mitsuba llvm", "mitsuba preview", "cycles"):
         assert (renderer in renderers) == (f"not installed: {renderer}" not in run.stdout)
     errors = lambda renderer: [float(row["relMSE"]) for row in rows if row["renderer"] == renderer]
     assert errors("hdstream") == errors("hdstream 100%") == errors("hdstream 30%")  # the same bits
