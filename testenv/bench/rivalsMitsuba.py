@@ -73,7 +73,8 @@ def _Enlarge(scene) -> None:
     for mesh in scene.meshes:
         mesh.places = mesh.places @ scaling
     for light in scene.lights:
-        light.matrix = light.matrix @ scaling
+        if light.kind in ("Rect", "Sphere"):  # those at infinity stay as they are
+            light.matrix = light.matrix @ scaling
     camera = scene.camera  # its own axes stay unit vectors
     camera["matrix"] = np.linalg.inv(scaling) @ camera["matrix"] @ scaling
     camera["focus"] *= factor
