@@ -62,7 +62,8 @@ def Save(name: str, results: list, errors: list, out: pathlib.Path) -> None:
     chart.Save(out / f"rivals-{name}")
     pictures = {}
     for result in results:  # modes of hdStream have the same bits
-        pictures.setdefault(result.renderer.split("%")[0].split(" 1")[0].split(" 3")[0], sum(result.reference) / 2)
+        drawnBy = "hdstream" if result.renderer.startswith("hdstream") else result.renderer
+        pictures.setdefault(drawnBy, sum(result.reference) / 2)
     SaveSheet(list(pictures.values()), out / f"rivals-{name}-sheet.png")
 
 
