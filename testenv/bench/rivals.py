@@ -1,13 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whole-path samples per second: hdStream against Mitsuba 3 (scalar, llvm) and Cycles on the CPU.
+"""Equal-error time: hdStream against Mitsuba 3 (scalar, llvm) and Blender's Cycles on the CPU, on real stages.
 
-Same stage, size, bounces and threads; box filter, no roulette, no denoiser. Each renderer runs in a
-process of its own, renders twice (few and many samples) and is rated by the difference, so that
-loading, building and compiling cancel. The mean radiance is printed next to the rate: a rival that
-renders something else is not a rival. Needs, in this Python: hdstream on the path, usd-core, and for
-the rivals mitsuba and bpy (`pip install mitsuba==3.9.1 "bpy==4.5.*"`); a missing one is left out.
+All renderers draw one scene (rivalsScene.py) at equal size, bounces and threads, with a box filter, no roulette, no clamping, no
+denoiser; each with its best sampler, in a process of its own. Against a converged reference of its own, each renders a
+ladder of sample counts. Seconds are a render's without what it costs whatever its samples; a fit of error against
+samples gives the seconds to a stated relMSE. Beside it: how far the renderers' references are from each other, since a
+rival that renders something else is not a rival; the time to the first pixel; peak memory of the process.
 
-    python testenv/bench/rivals.py [--stages lambertRoom,terrain] [--width 480] [--threads 2]
+    python testenv/bench/rivals.py --scenes FOLDER --cache KEPT --out OUT     # FOLDER has chess/, bookstore/, coffee/, ycb/
+    python testenv/bench/rivals.py --stages terrain,lambertRoom,rectLight     # small generated stages
+    python testenv/bench/rivals.py --short
+
+Needs, in this Python: hdstream on the path, usd-core, and for the rivals mitsuba and bpy (`pip install mitsuba==3.9.1
+"bpy==4.5.*"`); a missing one is left out, and said.
 """
 
 import argparse
@@ -17,118 +22,109 @@ import pathlib
 import subprocess
 import sys
 import tempfile
-import time
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent), str(HERE.parent / "render")]
 
-RENDERERS = ("hdstream", "mitsuba scalar", "mitsuba llvm", "cycles")
-_EXTRA = {"hdstream": (8, 72), "mitsuba scalar": (2, 18), "mitsuba llvm": (16, 144), "cycles": (8, 72)}
+import rivalsMeasure  # noqa: E402
+import rivalsReport  # noqa: E402
+import rivalsStages  # noqa: E402
+from rivalsWorker import RENDERERS  # noqa: E402
 
 
-def _Rate(pixels: int, low: int, high: int, render) -> dict:
-    """Calls render(samples) -> mean at both counts after a warm-up and rates the difference."""
-    render(low)
-    seconds = []
-    for samples in (low, high):
-        start = time.perf_counter()
-        mean = render(samples)
-        seconds.append(time.perf_counter() - start)
-    return dict(msamples=pixels * (high - low) / max(seconds[1] - seconds[0], 1e-9) / 1e6, mean=mean, seconds=seconds)
+def _Split(text: str) -> list[str]:
+    return [word.strip() for word in text.split(",") if word.strip()]
 
 
-def _WorkHdStream(job: dict) -> dict:
-    import ours
-
-    def Render(samples):
-        return float(ours.Render(job["stage"], job["width"], job["height"], samples=samples, maxDepth=job["maxDepth"]).rgb.mean())
-
-    return _Rate(job["width"] * job["height"], *job["samples"], Render)
-
-
-def _WorkMitsuba(job: dict) -> dict:
-    import numpy as np
-
-    import mitsubaScene
-    from stageReader import ReadStage
-
-    mitsubaScene.UseVariant("scalar_rgb" if "scalar" in job["renderer"] else "llvm_ad_rgb")
-    mitsubaScene.mi.set_log_level(mitsubaScene.mi.LogLevel.Error)
-    import drjit
-
-    drjit.set_thread_count(job["threads"])
-    with tempfile.TemporaryDirectory() as folder:
-        scene = mitsubaScene.Load(ReadStage(job["stage"]), job["width"], job["height"], job["maxDepth"] + 2, folder)
-    seed = iter(range(1000))
-
-    def Render(samples):
-        return float(np.array(mitsubaScene.mi.render(scene, spp=samples, seed=next(seed))).mean())
-
-    return _Rate(job["width"] * job["height"], *job["samples"], Render)
+def _PlainScene(stage, folder: pathlib.Path) -> tuple[str, float]:
+    """(the plain scene as a file, aspect ratio of its camera), read by a process of its own, so that this one stays small."""
+    path = folder / f"{stage.name}.plain"
+    code = "import json, sys; sys.path[:0] = json.loads(sys.argv[4]); import rivalsScene; scene = rivalsScene.Read(*sys.argv[1:3]); " \
+           "rivalsScene.Save(scene, sys.argv[3]); print(*scene.NumTriangles(), scene.camera['width'] / scene.camera['height'])"
+    run = subprocess.run([sys.executable, "-c", code, stage.path, stage.camera, str(path), json.dumps(sys.path[:3])],
+                         capture_output=True, text=True)
+    if run.returncode != 0:
+        raise ValueError(run.stderr.strip().splitlines()[-1])
+    unique, placed, aspect = run.stdout.split()
+    print(f"\n## {stage.name}\n\n{int(unique):,} triangles, {int(placed):,} with instances; {stage.maxDepth} bounces", flush=True)
+    return str(path), float(aspect)
 
 
-def _WorkCycles(job: dict) -> dict:
-    import rivalsCycles
-    from stageReader import ReadStage
-
-    rivalsCycles.Build(ReadStage(job["stage"]), job["width"], job["height"], job["maxDepth"], job["threads"])
-    with tempfile.TemporaryDirectory() as folder:
-        return _Rate(job["width"] * job["height"], *job["samples"], lambda n: rivalsCycles.Render(n, f"{folder}/out.exr")[1])
+def _Size(aspect: float, width: int) -> tuple[int, int]:
+    """The longer side is `width`."""
+    return (width, round(width / aspect)) if aspect >= 1 else (round(width * aspect), width)
 
 
-def _Work(job: dict) -> dict:
-    return {"hdstream": _WorkHdStream, "cycles": _WorkCycles}.get(job["renderer"], _WorkMitsuba)(job)
+def _Compare(stage, options, cache: pathlib.Path, scratch: pathlib.Path) -> list:
+    scene, aspect = _PlainScene(stage, scratch)
+    width, height = _Size(aspect, options.width)
+    results = []
+    for renderer in options.renderers:
+        print(f"{stage.name}: {renderer} ...", file=sys.stderr, flush=True)
+        job = dict(renderer=renderer, stage=stage.path, scene=scene, camera=stage.camera, width=width, height=height,
+                   maxDepth=stage.maxDepth, threads=options.threads, limit=options.limit)
+        try:
+            results.append(rivalsMeasure.Measure(job, options.ladder, options.repeat, options.reference, cache))
+        except rivalsMeasure.RunFailed as error:
+            print(f"not measured: {error}")
+    if results:
+        rivalsReport.PrintStage(stage.name, results, options.errors)
+        if options.out:
+            rivalsReport.Save(stage.name, results, options.errors, options.out)
+    return results
 
 
-def _Measure(job: dict) -> dict | None:
-    """The worker's result; None when the renderer is missing or fails (its last line is printed)."""
-    environment = {**os.environ, "POCL_MAX_PTHREAD_COUNT": str(job["threads"])}
-    run = subprocess.run([sys.executable, __file__, "--worker", json.dumps(job)], capture_output=True, text=True, env=environment)
-    for line in reversed(run.stdout.splitlines()):
-        if line.startswith("RESULT "):
-            return json.loads(line[7:])
-    print(f"  {job['renderer']}: not measured ({(run.stderr.strip() or 'no output').splitlines()[-1]})")
-    return None
-
-
-def _WriteStage(name: str, folder: str) -> tuple[str, int]:
-    """(path, max depth) of a verification case or of the bench terrain."""
-    from stages import bench
-    from stages.verify import CASES
-
-    path = f"{folder}/{name}.usdc"
-    if name in CASES:
-        return CASES[name].Write(path), CASES[name].maxDepth
-    bench.WriteTerrain(path)
-    return path, 4
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description="samples per second against other renderers")
-    parser.add_argument("--stages", default="lambertRoom,rectLight,terrain")
-    parser.add_argument("--renderers", default=",".join(RENDERERS))
-    parser.add_argument("--width", type=int, default=480)
+def _Options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--scenes", default=os.environ.get("HDSTREAM_SCENES"), help="folder of the real stages (HDSTREAM_SCENES)")
+    parser.add_argument("--stages", type=_Split, help="default: all real ones, forest, grove; an unknown name lists all")
+    parser.add_argument("--renderers", type=_Split, default=list(RENDERERS), help=f"of {', '.join(RENDERERS)}; the first is compared with")
+    parser.add_argument("--width", type=int, default=480, help="of the picture's longer side")
     parser.add_argument("--threads", type=int, default=os.cpu_count())
-    parser.add_argument("--worker", help=argparse.SUPPRESS)
+    parser.add_argument("--ladder", type=lambda text: [int(n) for n in _Split(text)], default=[2, 4, 8, 16, 32], help="samples a pixel")
+    parser.add_argument("--repeat", type=int, default=1, help="renders of the ladder, with other seeds")
+    parser.add_argument("--reference", type=int, default=256, help="samples of the references")
+    parser.add_argument("--errors", type=lambda text: [float(e) for e in _Split(text)], default=[1e-2, 1e-3],
+                        help="relMSE to compare times at")
+    parser.add_argument("--limit", type=int, default=3600, help="seconds of a process; a renderer that takes longer is left out")
+    parser.add_argument("--cache", type=pathlib.Path, help="folder that keeps references, generated stages and kernels")
+    parser.add_argument("--out", type=pathlib.Path, help="folder for CSV, SVG and PNG")
+    parser.add_argument("--short", action="store_true", help="one small stage, small pictures: is everything in place?")
     options = parser.parse_args()
-    if options.worker:
-        print("RESULT " + json.dumps(_Work(json.loads(options.worker))), flush=True)
-        return
-    print(f"{options.threads} threads, width {options.width}; Msamples/s, ratio = hdstream / rival")
-    with tempfile.TemporaryDirectory() as folder:
-        for name in options.stages.split(","):
-            stage, maxDepth = _WriteStage(name, folder)
-            height = options.width * 9 // 16 if name == "terrain" else options.width * 3 // 4
-            rows = {}
-            for renderer in options.renderers.split(","):
-                rows[renderer] = _Measure(dict(renderer=renderer, stage=stage, width=options.width, height=height, maxDepth=maxDepth,
-                                               threads=options.threads, samples=_EXTRA[renderer]))
-            mine = rows.get("hdstream")
-            for renderer, row in rows.items():
-                if row:
-                    ratio = f"{mine['msamples'] / row['msamples']:6.2f}" if mine else "     -"
-                    print(f"{name:16s} {renderer:16s} {row['msamples']:8.3f} Msamples/s  ratio {ratio}  mean {row['mean']:.5f}", flush=True)
+    if options.short:
+        options.stages, options.width, options.ladder, options.reference = rivalsStages.SHORT, 96, [2, 4, 8, 16], 64
+    unknown = [name for name in options.renderers if name not in RENDERERS]
+    if unknown:
+        parser.error(f"no renderer {unknown[0]}; there are {', '.join(RENDERERS)}")
+    return options
+
+
+def main() -> int:
+    options = _Options()
+    missing = [name for name in options.renderers if not rivalsMeasure.IsInstalled(name)]
+    options.renderers = [name for name in options.renderers if name not in missing]
+    for name in missing:
+        print(f"not installed: {name}")
+    if options.out:
+        options.out.mkdir(parents=True, exist_ok=True)
+    rows = []
+    with tempfile.TemporaryDirectory() as scratch:
+        cache = (options.cache or pathlib.Path(scratch) / "cache").resolve()
+        cache.mkdir(parents=True, exist_ok=True)
+        print(f"{options.threads} threads, {options.width} pixels, references of {options.reference} samples")
+        for name in options.stages or rivalsStages.Default(options.scenes):
+            try:
+                stage = rivalsStages.Make(name, options.scenes, cache)
+                rows += [(name, result) for result in _Compare(stage, options, cache, pathlib.Path(scratch))]
+            except ValueError as error:
+                print(f"rivals.py: {error}", file=sys.stderr)
+                return 2
+    for error in options.errors if rows else ():
+        rivalsReport.PrintSummary(rows, error)
+    if options.out:
+        rivalsReport.SaveTable(rows, options.errors, options.out / "rivals.csv")
+    return 0 if rows else 1
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

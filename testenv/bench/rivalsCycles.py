@@ -1,80 +1,156 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A stage, read by the tests' stageReader, as a Blender scene for Cycles on the CPU (bench only).
+"""A plain scene in Blender's Cycles on the CPU, and its renders.
 
-Lights are rebuilt by hand, because Blender's USD import changes their energy: an area light of power
-P has radiance P / (pi A), a point light of radius r has P / (4 pi^2 r^2), a sun's strength is its
-irradiance. Lambert parts only: anything else is drawn with its diffuse colour.
+Surfaces are the Principled BSDF with single-scattering GGX, which is UsdPreviewSurface but for Fresnel (the dielectric's
+own) and Principled's compensation of albedo; diffuse without a material. Where opacity is below 1: a mix of transparent
+and glossy by Fresnel, mixed with Principled by opacity. Lights are made by hand, because Blender's USD import changes
+their energy: an area light of power P has radiance P / (pi A), a point light of radius r has P / (4 pi^2 r^2), a sun's
+strength is its irradiance.
 """
 
 import math
-import time
+import tempfile
 
 import bpy
 import mathutils
 import numpy as np
 
+from stages import imageFile
 
-def Build(scene, width: int, height: int, maxDepth: int, threads: int) -> None:
-    """Replaces Blender's scene and sets Cycles up for an honest comparison: box filter, no adaptive
-    sampling, no denoiser, no clamping, no roulette before the last bounce."""
+
+def Build(scene, job: dict):
+    """(render(samples, seed) -> [height][width][3], nothing to warm up). Takes the arrays out of `scene`."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     target = bpy.context.scene
-    target.render.engine = "CYCLES"
-    cycles = target.cycles
-    cycles.device, cycles.use_adaptive_sampling, cycles.use_denoising = "CPU", False, False
-    cycles.pixel_filter_type = "BOX"
-    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
-    cycles.blur_glossy, cycles.caustics_reflective, cycles.caustics_refractive = 0.0, True, True
-    # Cycles counts scattering events after the first hit; direct light at the last one included.
-    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transparent_max_bounces = maxDepth
-    cycles.min_light_bounces = maxDepth
-    target.render.threads_mode, target.render.threads = "FIXED", threads
-    target.render.resolution_x, target.render.resolution_y, target.render.resolution_percentage = width, height, 100
-    target.render.image_settings.file_format, target.render.image_settings.color_depth = "OPEN_EXR", "32"
-    target.view_settings.view_transform = "Standard"
-    for i, part in enumerate(scene.parts):
-        _AddPart(target, part, i)
+    _Set(target, job)
+    looks = [_Look(material, i) for i, material in enumerate(scene.materials)]
+    while scene.meshes:
+        mesh = scene.meshes.pop()
+        _AddMesh(target, mesh, looks[mesh.material], len(scene.meshes))
     _AddLights(target, scene.lights)
     _AddCamera(target, scene.camera)
+    folder = tempfile.TemporaryDirectory()
+
+    def Render(samples: int, seed: int) -> np.ndarray:
+        target.cycles.samples, target.cycles.seed, target.render.filepath = samples, seed, f"{folder.name}/out.exr"
+        bpy.ops.render.render(write_still=True)
+        planes = imageFile.ReadExr(target.render.filepath)
+        return np.stack([planes[name] for name in "RGB"], -1).astype(np.float64)
+
+    return Render, []
 
 
-def _AddPart(target, part, index: int) -> None:
-    mesh = bpy.data.meshes.new(f"part{index}")
-    corners = part.positions.reshape(-1, 3)
-    points, indices = np.unique(corners.astype(np.float32), axis=0, return_inverse=True)
-    count = len(part.positions)
-    mesh.vertices.add(len(points))
-    mesh.vertices.foreach_set("co", points.ravel())
-    mesh.loops.add(3 * count)
-    mesh.loops.foreach_set("vertex_index", indices.ravel().astype(np.int32))
-    mesh.polygons.add(count)
-    mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * count, 3, dtype=np.int32))
-    mesh.update(calc_edges=True)
-    mesh.polygons.foreach_set("use_smooth", np.full(count, part.normals is not None))
-    if part.normals is not None:
-        mesh.normals_split_custom_set(part.normals.reshape(-1, 3).astype(np.float32))
-    color = part.material["diffuseColor"] if part.material else part.primvars.get("displayColor", np.full((1, 1, 3), 0.18))[0, 0]
-    material = bpy.data.materials.new(f"material{index}")
-    material.use_nodes = True
-    nodes = material.node_tree.nodes
-    nodes.clear()
-    diffuse, output = nodes.new("ShaderNodeBsdfDiffuse"), nodes.new("ShaderNodeOutputMaterial")
-    diffuse.inputs["Color"].default_value = (*map(float, color), 1.0)
-    material.node_tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
-    mesh.materials.append(material)
-    target.collection.objects.link(bpy.data.objects.new(f"part{index}", mesh))
+def _Set(target, job: dict) -> None:
+    """An honest comparison: box filter, no adaptive sampling, no denoiser, no clamping, no roulette before the last bounce."""
+    target.render.engine = "CYCLES"
+    cycles, depth = target.cycles, job["maxDepth"]
+    cycles.device, cycles.use_adaptive_sampling, cycles.use_denoising = "CPU", False, False
+    cycles.pixel_filter_type, cycles.filter_width, cycles.sampling_pattern = "BOX", 1.0, "TABULATED_SOBOL"
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
+    cycles.blur_glossy, cycles.caustics_reflective, cycles.caustics_refractive = 0.0, True, True
+    cycles.use_auto_tile = False
+    # Cycles counts scattering events after the first hit; direct light at the last one included.
+    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = depth
+    cycles.transparent_max_bounces, cycles.min_light_bounces, cycles.min_transparent_bounces = 64, depth, 64
+    render = target.render
+    render.threads_mode, render.threads, render.use_persistent_data = "FIXED", job["threads"], True
+    render.resolution_x, render.resolution_y, render.resolution_percentage = job["width"], job["height"], 100
+    render.image_settings.file_format, render.image_settings.color_depth = "OPEN_EXR", "32"
+    render.image_settings.exr_codec = "ZIP"
+    target.view_settings.view_transform = "Standard"
+
+
+def _AddMesh(target, mesh, look, index: int) -> None:
+    data = bpy.data.meshes.new(f"mesh{index}")
+    count = len(mesh.triangles)
+    data.vertices.add(len(mesh.points))
+    data.vertices.foreach_set("co", mesh.points.ravel())
+    data.loops.add(3 * count)
+    data.loops.foreach_set("vertex_index", mesh.triangles.ravel())
+    data.polygons.add(count)
+    data.polygons.foreach_set("loop_start", np.arange(0, 3 * count, 3, dtype=np.int32))
+    data.polygons.foreach_set("use_smooth", np.full(count, mesh.normals is not None))
+    if mesh.texcoords is not None:
+        layer = data.uv_layers.new(name="st")
+        layer.uv.foreach_set("vector", mesh.texcoords[mesh.triangles.ravel()].ravel())
+    data.update(calc_edges=True)
+    if mesh.normals is not None:
+        data.normals_split_custom_set_from_vertices(mesh.normals)
+    data.materials.append(look)
+    for i, matrix in enumerate(mesh.places):
+        item = bpy.data.objects.new(f"mesh{index}_{i}", data)
+        item.matrix_world = mathutils.Matrix(matrix.T.tolist())
+        item.shadow_terminator_geometry_offset = item.shadow_terminator_shading_offset = 0.0
+        target.collection.objects.link(item)
+
+
+class _Nodes:
+    """A material's node tree; values are numbers, colours, Textures or outputs of nodes."""
+
+    def __init__(self, name: str):
+        self.material = bpy.data.materials.new(name)
+        self.material.use_nodes = True
+        self.material.cycles.use_bump_map_correction = False
+        self._tree = self.material.node_tree
+        self._tree.nodes.clear()
+
+    def Add(self, kind: str, inputs: dict, **properties):
+        node = self._tree.nodes.new(kind)
+        for name, value in properties.items():
+            setattr(node, name, value)
+        for name, value in inputs.items():
+            self._Feed(node.inputs[name], value)
+        return node
+
+    def _Feed(self, port, value) -> None:
+        if hasattr(value, "file"):
+            value = self._Image(value)
+        if isinstance(value, bpy.types.NodeSocket):
+            self._tree.links.new(value, port)
+        elif isinstance(value, tuple):
+            port.default_value = (*value, 1.0)[: len(port.default_value)]
+        else:
+            port.default_value = value
+
+    def _Image(self, texture):
+        image = bpy.data.images.load(texture.file, check_existing=True)
+        image.alpha_mode = "CHANNEL_PACKED"
+        image.colorspace_settings.name = "sRGB" if texture.isSrgb else "Non-Color"
+        node = self.Add("ShaderNodeTexImage", {}, image=image, interpolation="Linear", extension="REPEAT")
+        if texture.output in ("rgb", "a"):
+            return node.outputs["Color" if texture.output == "rgb" else "Alpha"]
+        split = self.Add("ShaderNodeSeparateColor", {"Color": node.outputs["Color"]})
+        return split.outputs["rgb".index(texture.output)]
+
+
+def _Look(material: dict, index: int):
+    nodes = _Nodes(f"material{index}")
+    if "lambert" in material:
+        surface = nodes.Add("ShaderNodeBsdfDiffuse", {"Color": material["lambert"]}).outputs[0]
+    else:
+        inputs = {"Base Color": material["diffuseColor"], "Metallic": material["metallic"], "Roughness": material["roughness"],
+                  "IOR": material["ior"], "Coat Weight": material["clearcoat"], "Coat Roughness": material["clearcoatRoughness"],
+                  "Coat IOR": material["ior"]}
+        if material["normal"] is not None:
+            inputs["Normal"] = nodes.Add("ShaderNodeNormalMap", {"Color": material["normal"]}, uv_map="st").outputs[0]
+        surface = nodes.Add("ShaderNodeBsdfPrincipled", inputs, distribution="GGX").outputs[0]
+        if material["opacity"] != 1.0:
+            fresnel = nodes.Add("ShaderNodeFresnel", {"IOR": material["ior"]}).outputs[0]
+            inputs = {"Color": (1.0, 1.0, 1.0), "Roughness": material["roughness"]}
+            glossy = nodes.Add("ShaderNodeBsdfAnisotropic", inputs, distribution="GGX").outputs[0]
+            transparent = nodes.Add("ShaderNodeBsdfTransparent", {}).outputs[0]
+            pane = nodes.Add("ShaderNodeMixShader", {0: fresnel, 1: transparent, 2: glossy})
+            surface = nodes.Add("ShaderNodeMixShader", {0: material["opacity"], 1: pane.outputs[0], 2: surface}).outputs[0]
+    nodes.Add("ShaderNodeOutputMaterial", {"Surface": surface})
+    return nodes.material
 
 
 def _AddLights(target, lights) -> None:
     for i, light in enumerate(lights):
-        strength = float(light.radiance.max())
+        strength = max(float(light.radiance.max()), 1e-30)
         color = [float(c) / strength for c in light.radiance]
         if light.kind == "Dome":
-            world = bpy.data.worlds.new("world")
-            world.use_nodes = True
-            background = world.node_tree.nodes["Background"]
-            background.inputs["Color"].default_value, background.inputs["Strength"].default_value = (*color, 1.0), strength
-            target.world = world
+            target.world = _World(light, color, strength)
             continue
         inputs, matrix = light.inputs, light.matrix
         if light.kind == "Distant":
@@ -84,15 +160,14 @@ def _AddLights(target, lights) -> None:
             data.energy = strength * (math.pi * math.sin(half) ** 2 if half > 0 else 1.0)
         elif light.kind == "Sphere":
             data = bpy.data.lights.new(f"light{i}", "POINT")
+            data.use_soft_falloff = False
             data.shadow_soft_size = inputs["radius"] * float(np.linalg.norm(matrix[0, :3]))
             data.energy = strength * 4 * math.pi**2 * data.shadow_soft_size**2
-        elif light.kind == "Rect":
+        else:  # Rect
             data = bpy.data.lights.new(f"light{i}", "AREA")
             data.shape, data.size, data.size_y = "RECTANGLE", inputs["width"], inputs["height"]
             scale = np.linalg.norm(matrix[:2, :3], axis=1)
             data.energy = strength * math.pi * inputs["width"] * scale[0] * inputs["height"] * scale[1]
-        else:
-            raise ValueError(f"{light.kind} light is not handled")
         data.color = color
         item = bpy.data.objects.new(f"light{i}", data)
         item.visible_camera = True
@@ -100,25 +175,39 @@ def _AddLights(target, lights) -> None:
         target.collection.objects.link(item)
 
 
+def _World(light, color: list, strength: float):
+    """USD's latlong image has +y up and +z in its middle, Blender's +z up and +x there."""
+    world = bpy.data.worlds.new("world")
+    world.use_nodes = True
+    tree = world.node_tree
+    background = tree.nodes["Background"]
+    background.inputs["Color"].default_value, background.inputs["Strength"].default_value = (*color, 1.0), strength
+    if light.inputs.get("texture:file"):
+        rotation = light.matrix[:3, :3] / np.linalg.norm(light.matrix[:3, :3], axis=1, keepdims=True)
+        fromLocal = np.array([[0, 0, 1], [1, 0, 0], [0, 1, 0]]) @ rotation  # rows: the image's axes in the world
+        euler = mathutils.Matrix(fromLocal.tolist()).to_euler()
+        mapping = tree.nodes.new("ShaderNodeMapping")
+        mapping.vector_type, mapping.inputs["Rotation"].default_value = "POINT", euler
+        image = tree.nodes.new("ShaderNodeTexEnvironment")
+        image.image = bpy.data.images.load(light.inputs["texture:file"])
+        tree.links.new(tree.nodes.new("ShaderNodeTexCoord").outputs["Generated"], mapping.inputs["Vector"])
+        tree.links.new(mapping.outputs[0], image.inputs["Vector"])
+        scaled = tree.nodes.new("ShaderNodeVectorMath")
+        scaled.operation, scaled.inputs[1].default_value = "MULTIPLY", color
+        tree.links.new(image.outputs["Color"], scaled.inputs[0])
+        tree.links.new(scaled.outputs[0], background.inputs["Color"])
+    return world
+
+
 def _AddCamera(target, camera: dict) -> None:
     data = bpy.data.cameras.new("camera")
     data.sensor_fit, data.sensor_width, data.lens = "HORIZONTAL", camera["width"] * 10, camera["focal"] * 10
-    data.clip_start, data.clip_end = 0.001, 1e6
+    data.clip_start, data.clip_end = 0.0001, 1e6
+    data.shift_x, data.shift_y = (camera["offset"][axis] / camera["width"] for axis in (0, 1))
+    if camera["fStop"] > 0:
+        data.dof.use_dof, data.dof.focus_distance = True, camera["focus"]
+        data.dof.aperture_fstop = camera["fStop"] / 100  # the lens counts in millimetres, the scene in metres
     item = bpy.data.objects.new("camera", data)
     item.matrix_world = mathutils.Matrix(camera["matrix"].T.tolist())
     target.collection.objects.link(item)
     target.camera = item
-
-
-def Render(samples: int, path: str) -> tuple[float, float]:
-    """(seconds, mean radiance) of one render."""
-    target = bpy.context.scene
-    target.cycles.samples, target.render.filepath = samples, path
-    start = time.perf_counter()
-    bpy.ops.render.render(write_still=True)
-    seconds = time.perf_counter() - start
-    image = bpy.data.images.load(path, check_existing=False)
-    pixels = np.empty(len(image.pixels), np.float32)
-    image.pixels.foreach_get(pixels)
-    bpy.data.images.remove(image)
-    return seconds, float(pixels.reshape(-1, 4)[:, :3].mean())

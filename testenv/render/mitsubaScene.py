@@ -97,14 +97,14 @@ def _Bsdf(part: Part) -> dict:
     return out
 
 
-def _LightShape(light: Light, folder: str) -> dict:
+def LightShape(light: Light, folder: str) -> dict:
     matrix, inputs, radiance = light.matrix, light.inputs, _Rgb(light.radiance)
     scaled = lambda x, y, z: np.diag([x, y, z, 1.0]) @ matrix
     turned = np.diag([1.0, -1.0, -1.0, 1.0])  # half a turn about x: +z to -z
     if light.kind == "Dome":
         if not inputs.get("texture:file"):
             return {"type": "constant", "radiance": radiance}
-        bitmap = mi.Bitmap(inputs["texture:file"].resolvedPath).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, False)
+        bitmap = mi.Bitmap(inputs["texture:file"]).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, False)
         scaledImage = np.array(bitmap) * light.radiance.astype(np.float32)
         return {"type": "envmap", "bitmap": mi.Bitmap(scaledImage), "to_world": _Transform(matrix)}
     if light.kind == "Distant":
@@ -131,7 +131,7 @@ def _LightShape(light: Light, folder: str) -> dict:
     return {**shape, "bsdf": black, "emitter": {"type": "area", "radiance": radiance}}
 
 
-def _Sensor(camera: dict, width: int, height: int) -> dict:
+def Sensor(camera: dict, width: int, height: int) -> dict:
     """USD looks along -z with +x right; Mitsuba along +z with +x left: half a turn about y."""
     film = {"type": "hdrfilm", "width": width, "height": height, "pixel_format": "rgb", "component_format": "float32",
             "rfilter": {"type": "box"}, "sample_border": False}
@@ -155,13 +155,13 @@ def _Sensor(camera: dict, width: int, height: int) -> dict:
 def Load(scene: Scene, width: int, height: int, maxDepth: int, folder: str):
     """The Mitsuba scene. `maxDepth` is Mitsuba's own: 1 shows emitters only, 2 adds direct light."""
     dictionary = {"type": "scene", "integrator": {"type": "path", "max_depth": maxDepth, "rr_depth": 100000},
-                  "sensor": _Sensor(scene.camera, width, height)}
+                  "sensor": Sensor(scene.camera, width, height)}
     for i, part in enumerate(scene.parts):
         emission = part.material["emissiveColor"] if part.material else (0, 0, 0)
         emitter = {"type": "area", "radiance": _Rgb(emission)} if any(emission) else None
         dictionary[f"part{i}"] = _Mesh(part, _Bsdf(part), emitter, folder, i)
     for i, light in enumerate(scene.lights):
-        dictionary[f"light{i}"] = _LightShape(light, folder)
+        dictionary[f"light{i}"] = LightShape(light, folder)
     return mi.load_dict(dictionary)
 
 

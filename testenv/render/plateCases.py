@@ -84,7 +84,7 @@ def ExpectedPlate(path: str) -> np.ndarray:
         value = closedForm.IrradianceOfCone(_UP, matrix[2, :3], angle) if angle > 0 else np.dot(_UP, matrix[2, :3])
         scalar = np.full(len(points), value)
     elif inputs.get("texture:file"):
-        channels = imageFile.ReadExr(inputs["texture:file"].resolvedPath)
+        channels = imageFile.ReadExr(inputs["texture:file"])
         irradiance = closedForm.IrradianceOfLatlong(np.stack([channels[c] for c in "RGB"], -1).astype(float), _UP)
         return np.broadcast_to(irradiance * light.radiance * ALBEDO / np.pi, (HEIGHT, WIDTH, 3))
     else:

@@ -51,7 +51,7 @@ def ReadStage(path: str, cameraPath: str = "/World/Camera") -> Scene:
     counter = [0]
     for prim in stage.GetPseudoRoot().GetChildren():
         _Visit(prim, np.eye(4), scene, counter)
-    scene.camera = _ReadCamera(UsdGeom.Camera(stage.GetPrimAtPath(cameraPath)))
+    scene.camera = ReadCamera(UsdGeom.Camera(stage.GetPrimAtPath(cameraPath)))
     return scene
 
 
@@ -73,7 +73,7 @@ def _Visit(prim, parent: np.ndarray, scene: Scene, counter: list) -> None:
         _VisitInstancer(UsdGeom.PointInstancer(prim), matrix, scene, counter)
         return
     elif prim.HasAPI(UsdLux.LightAPI):
-        scene.lights.append(_ReadLight(prim, matrix))
+        scene.lights.append(ReadLight(prim, matrix))
     for child in prim.GetFilteredChildren(Usd.TraverseInstanceProxies()):
         _Visit(child, matrix, scene, counter)
 
@@ -122,7 +122,7 @@ def _EarClip(points: np.ndarray) -> list:
     return out + [tuple(ring)]
 
 
-def _Triangulate(points, counts, indices, holes) -> tuple[np.ndarray, np.ndarray]:
+def Triangulate(points, counts, indices, holes) -> tuple[np.ndarray, np.ndarray]:
     """(corners [triangles][3] as face-vertex indices, faces [triangles])."""
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
     corners, faces = [], []
@@ -140,7 +140,7 @@ def _Triangulate(points, counts, indices, holes) -> tuple[np.ndarray, np.ndarray
     return np.concatenate(corners), np.concatenate(faces)
 
 
-def _Spread(values, interpolation: str, indices, corners, faces) -> np.ndarray:
+def Spread(values, interpolation: str, indices, corners, faces) -> np.ndarray:
     """A primvar's flattened values by triangle corner."""
     if interpolation == "constant":
         return np.broadcast_to(values[0], corners.shape + values.shape[1:]).copy()
@@ -157,7 +157,7 @@ def _ReadMesh(mesh, matrix: np.ndarray, instance: int) -> list[Part]:
     indices = np.array(mesh.GetFaceVertexIndicesAttr().Get())
     if mesh.GetSubdivisionSchemeAttr().Get() != "none":
         raise ValueError(f"{mesh.GetPath()}: subdivision is not handled")
-    corners, faces = _Triangulate(points, counts, indices, list(mesh.GetHoleIndicesAttr().Get() or []))
+    corners, faces = Triangulate(points, counts, indices, list(mesh.GetHoleIndicesAttr().Get() or []))
     flipped = (mesh.GetOrientationAttr().Get() == "leftHanded") != (np.linalg.det(matrix[:3, :3]) < 0)
     if flipped:
         corners = corners[:, ::-1]
@@ -166,12 +166,12 @@ def _ReadMesh(mesh, matrix: np.ndarray, instance: int) -> list[Part]:
     if mesh.GetNormalsAttr().Get():
         raw = np.array(mesh.GetNormalsAttr().Get(), float) @ np.linalg.inv(matrix[:3, :3]).T
         raw /= np.linalg.norm(raw, axis=-1, keepdims=True)
-        normals = _Spread(raw, mesh.GetNormalsInterpolation(), indices, corners, faces)
+        normals = Spread(raw, mesh.GetNormalsInterpolation(), indices, corners, faces)
     primvars = {}
     for primvar in UsdGeom.PrimvarsAPI(mesh).GetPrimvarsWithValues():
         values = np.array(primvar.ComputeFlattened(), float)
         values = values.reshape(len(values), -1) if values.ndim else values.reshape(1, 1)
-        primvars[primvar.GetPrimvarName()] = _Spread(values, primvar.GetInterpolation(), indices, corners, faces)
+        primvars[primvar.GetPrimvarName()] = Spread(values, primvar.GetInterpolation(), indices, corners, faces)
     owners = np.full(len(counts), -1)
     materials = [UsdShade.MaterialBindingAPI(mesh.GetPrim()).ComputeBoundMaterial()[0]]
     for subset in UsdShade.MaterialBindingAPI(mesh.GetPrim()).GetMaterialBindSubsets():
@@ -222,11 +222,13 @@ def _WorldArea(kind: str, i: dict, m: np.ndarray) -> float:
     return 4 * np.pi * (i["radius"] * x) ** 2
 
 
-def _ReadLight(prim, matrix: np.ndarray) -> Light:
+def ReadLight(prim, matrix: np.ndarray) -> Light:
     """Radiance by UsdLux's text: intensity * 2^exposure * colour * temperature, over the size factor if
     normalised (distant: pi sin^2 of the half angle, 1 for angle 0)."""
     kind = prim.GetTypeName().replace("Light", "")
     inputs = {a.GetName().split(":", 1)[1]: a.Get() for a in prim.GetAttributes() if a.GetName().startswith("inputs:")}
+    if inputs.get("texture:file"):
+        inputs["texture:file"] = inputs["texture:file"].resolvedPath
     radiance = np.array(inputs["color"], float) * inputs["intensity"] * 2.0 ** inputs["exposure"]
     if inputs["enableColorTemperature"]:
         radiance *= np.array(UsdLux.BlackbodyTemperatureAsRgb(inputs["colorTemperature"]))
@@ -239,7 +241,7 @@ def _ReadLight(prim, matrix: np.ndarray) -> Light:
     return Light(kind, matrix, radiance, inputs)
 
 
-def _ReadCamera(camera) -> dict:
+def ReadCamera(camera) -> dict:
     get = lambda name: getattr(camera, f"Get{name}Attr")().Get()
     world = np.array(camera.ComputeLocalToWorldTransform(Usd.TimeCode.Default()))
     exposure = camera.ComputeLinearExposureScale() if hasattr(camera, "ComputeLinearExposureScale") else 2.0 ** get("Exposure")

@@ -41,7 +41,7 @@ def _IsClosed(shape: shapes.Shape) -> bool:
 def test_closed_shapes_face_outward(shape, volume):
     """Closed, with the volume of the formula (divergence theorem; tessellation loses at most 1 %)."""
     assert _IsClosed(shape)
-    corners, _ = stageReader._Triangulate(shape.points, shape.counts, shape.indices, [])
+    corners, _ = stageReader.Triangulate(shape.points, shape.counts, shape.indices, [])
     p = shape.points[shape.indices[corners]]
     assert np.einsum("ij,ij->i", p[:, 0], np.cross(p[:, 1], p[:, 2])).sum() / 6 == pytest.approx(volume, rel=0.01)
     if shape.normals is not None:
