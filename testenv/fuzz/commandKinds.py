@@ -114,10 +114,10 @@ class Settings(Kind):
             lines.append(f"    {rng.choice([kind] * 8 + ['int', 'float', 'string'])} hdstream:{name} = {text}\n")
         head, tail = self._text.split('def RenderSettings "Render"\n{\n')
         kept = "".join(line + "\n" for line in tail.split("\n") if not any(f"hdstream:{name} " in line for name in chosen))
-        (self.folder / "stage.usda").write_text(head + 'def RenderSettings "Render"\n{\n' + "".join(lines) + kept, encoding="utf-8")
+        stage = self.Write("stage.usda", head + 'def RenderSettings "Render"\n{\n' + "".join(lines) + kept)
         bounds = [word for name, option in (("samples", "--samples"), ("maxDepth", "--maxDepth")) if name not in chosen
                   for word in (option, 2)]
-        return self.Record("stage.usda", "--imageWidth", 16, "--time", 3, *bounds)
+        return self.Record(stage, "--imageWidth", 16, "--time", 3, *bounds)
 
     def _AsMembers(self, chosen) -> str:
         """Errors must be of the kinds that Python's users are told of."""

@@ -16,9 +16,22 @@ class Kind:
 
     def __init__(self, folder, seed):
         self.folder, self.seed = pathlib.Path(folder), seed
+        self.number, self._written = 0, []
 
     def Run(self, number: int) -> str:
+        self.number = number
+        for old in self._written:
+            old.unlink(missing_ok=True)
+        self._written.clear()
         return self.RunCase(random.Random(f"{self.seed}-{number}"))
+
+    def Write(self, name: str, content) -> str:
+        """Writes a file of this case; returns its name, which no other case has: OpenUSD keeps layers by their names."""
+        stem, dot, extension = name.rpartition(".")
+        path = self.folder / f"{stem}{self.number}{dot}{extension}"
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        self._written.append(path)
+        return path.name
 
     def Command(self, *arguments) -> str:
         """What is wrong with a command's exit code, output and image."""

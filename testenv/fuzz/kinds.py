@@ -23,16 +23,16 @@ class Usd(Kind):
         from textMutation import Mutated
 
         base = self._texts[0] if rng.random() < 0.3 else rng.choice(self._texts)
-        (self.folder / "stage.usda").write_text(Mutated(base, rng, self._texts), encoding="utf-8")
+        stage = self.Write("stage.usda", Mutated(base, rng, self._texts))
         options = ["--imageWidth", 16, "--samples", 2, "--maxDepth", 3, "--time", 5,
                    "--residency", rng.choice(["auto", "stream", "resident"])]
         options += rng.choice([[], ["--imageHeight", 12], ["--subdivision", "complexity", "--complexity", rng.randrange(4)],
                                ["--frames", rng.choice(["1:2", "0:3x0.5"])], ["--aovs", "color,depth,normal,albedo,position"]])
         if "--frames" in options:
-            return self.Command("record", "stage.usda", "out.####.##.exr", "--quiet", *options)
+            return self.Command("record", stage, "out.####.##.exr", "--quiet", *options)
         if rng.random() < 0.05:
-            return self.Command("info", "stage.usda", "--json", "info.json")
-        return self.Record("stage.usda", *options)
+            return self.Command("info", stage, "--json", "info.json")
+        return self.Record(stage, *options)
 
 
 class Image(Kind):
@@ -50,16 +50,14 @@ class Image(Kind):
     def RunCase(self, rng) -> str:
         from byteMutation import Mutated
 
-        for old in self.folder.glob("image.*"):
-            old.unlink()
         source = rng.choice(self._images)
-        (self.folder / f"image{source.suffix}").write_bytes(Mutated(source.read_bytes(), rng))
+        image = self.Write(f"image{source.suffix}", Mutated(source.read_bytes(), rng))
         stage = self._stage
         names = ["color.png", "rough.exr", "sky.exr", "tile.<UDIM>.png"]
         for name in rng.sample(names, rng.choice([1, 2, 4])):
-            stage = stage.replace(f"@./{name}@", f"@./image{source.suffix}@")
-        (self.folder / "stage.usda").write_text(stage, encoding="utf-8")
-        return self.Record("stage.usda", "--imageWidth", 16, "--samples", 2, "--maxDepth", 3, "--time", 5,
+            stage = stage.replace(f"@./{name}@", f"@./{image}@")
+        stage = self.Write("stage.usda", stage)
+        return self.Record(stage, "--imageWidth", 16, "--samples", 2, "--maxDepth", 3, "--time", 5,
                            "--residency", rng.choice(["stream", "resident"]), "--textureMemory", rng.choice(["4M", "64M", "50%"]))
 
 
