@@ -18,7 +18,7 @@ _BY_TOOL = {
     "rle.hdr": [], "piz.exr": ["-d", "half", "--compression", "piz"], "b44.exr": ["-d", "half", "--compression", "b44"],
     "pxr24.exr": ["-d", "float", "--compression", "pxr24"], "dwaa.exr": ["-d", "half", "--compression", "dwaa"],
     "rle.exr": ["-d", "half", "--compression", "rle"], "tiled.exr": ["-d", "half", "--tile", "16", "16"], "rgb.png": ["-d", "uint16"],
-    "rgb.bmp": [], "rgb.dpx": [], "rgb.gif": [], "rgb.sgi": [], "rgb.ppm": [], "rgb.ico": [], "rgb.iff": [], "rgb.rla": [],
+    "rgb.bmp": [], "rgb.dpx": [], "rgb.gif": [], "rgb.sgi": [], "rgb.ppm": [], "rgb.rla": [],
     "rgb.webp": [],
 }
 
