@@ -268,10 +268,11 @@ void BindScene(nb::module_& module) {
     BindPlaced(module);
     BindLight(module);
     BindCamera(module);
-    nb::class_<SceneDescription>(module, "SceneDescription", "All prims, by path.")
-        .def_ro("meshes", &SceneDescription::meshes)
-        .def_ro("instancers", &SceneDescription::instancers)
-        .def_ro("lights", &SceneDescription::lights)
+    // Copies of the maps, whose arrays are shared: edits of the session end the life of its own.
+    nb::class_<SceneDescription>(module, "SceneDescription", "All prims, by path; copies.")
+        .def_prop_ro("meshes", [](const SceneDescription& self) { return self.meshes; })
+        .def_prop_ro("instancers", [](const SceneDescription& self) { return self.instancers; })
+        .def_prop_ro("lights", [](const SceneDescription& self) { return self.lights; })
         .def_prop_ro("materials",
                      [](const SceneDescription& self) {
                          std::map<std::string, MaterialNetwork> networks;
@@ -280,7 +281,7 @@ void BindScene(nb::module_& module) {
                          }
                          return networks;
                      })
-        .def_ro("cameras", &SceneDescription::cameras);
+        .def_prop_ro("cameras", [](const SceneDescription& self) { return self.cameras; });
 }
 
 } // namespace hds::python

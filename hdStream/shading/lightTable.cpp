@@ -9,6 +9,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
+#include <glm/vector_relational.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -24,8 +25,13 @@ double Luminance(const glm::dvec3& rgb) {
     return glm::dot(rgb, glm::dvec3(0.2126, 0.7152, 0.0722));
 }
 
-bool IsFinite(const glm::dvec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+/// What is brighter cannot be summed over lights, areas and bounces in floats.
+constexpr double kMaxRadiance = 1e30;
+/// Of a light: sums over lights stay finite. Only ratios matter.
+constexpr double kMaxStrength = 1e28;
+
+bool IsUsable(const glm::dvec3& radiance) {
+    return glm::all(glm::lessThanEqual(radiance, glm::dvec3(kMaxRadiance))); // false for NaN
 }
 
 std::uint32_t TypeOf(LightType type) {
@@ -95,8 +101,8 @@ bool Builder::Radiance(const PlacedLight& placed, const shared::HdsLight& light,
     } else if (description.type != LightType::Dome && description.normalize) {
         *radiance /= double(light.area);
     }
-    if (!IsFinite(*radiance)) {
-        _warnings.Add(placed.name, "light's emission is not finite; left out");
+    if (!IsUsable(*radiance)) {
+        _warnings.Add(placed.name, "light's emission is not finite or above 1e30; left out");
         return false;
     }
     return Luminance(*radiance) > 0.0;
@@ -132,7 +138,7 @@ void Builder::Push(shared::HdsLight light, const glm::dvec3& radiance, double po
         light.radiance[i] = float(radiance[i]);
     }
     const bool isFar = light.boundRadius >= HDS_LIGHT_FAR;
-    light.strength = float(isFar ? power : power / (4.0 * kPi));
+    light.strength = float(std::min(isFar ? power : power / (4.0 * kPi), kMaxStrength));
     _table.lights.push_back(light);
 }
 
@@ -180,8 +186,8 @@ void Builder::AddMesh(const EmissiveMesh& mesh) {
     constexpr double kRounding = 8.0 / 16777216.0; ///< of the float positions and their use
     _table.lightByMesh.push_back(HDS_NONE);
     const glm::dvec3 radiance = glm::max(mesh.radiance, glm::dvec3(0.0));
-    if (!IsFinite(radiance)) {
-        _warnings.Add(mesh.name, "emission is not finite; not sampled as a light");
+    if (!IsUsable(radiance)) {
+        _warnings.Add(mesh.name, "emission is not finite or above 1e30; not sampled as a light");
         return;
     }
     shared::HdsLight light{};

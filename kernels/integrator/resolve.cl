@@ -22,6 +22,7 @@ kernel void resolve_addSamples(HdsWave wave, global uchar* state, uint numSlots,
             atomic_inc(&counters[HDS_COUNTER_NAN]);
             value = (float4)(0.0f, 0.0f, 0.0f, isfinite(value.w) ? value.w : 0.0f);
         }
+        value = fmin(value, HDS_MAX_SAMPLE);
         filmPixel_addSample(&pixel, value);
     }
     *slot = pixel;

@@ -9,6 +9,9 @@
  * in order. Farms and resumed renders split at block borders (DESIGN.md section 12.2). */
 #define HDS_SAMPLE_BLOCK 16u
 
+/* What a sample counts as at most: the squares of as many as there may be (2^24) can be summed. */
+#define HDS_MAX_SAMPLE 1e15f
+
 /* HdsFrameParams.flags */
 #define HDS_FRAME_ORTHOGRAPHIC 1u
 #define HDS_FRAME_ROULETTE 2u

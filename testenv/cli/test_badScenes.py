@@ -62,6 +62,8 @@ def Bound(identifier, inputs=""):
     (Bound("UsdPreviewSurface", "color3f inputs:diffuseColor.connect = </Look/Texture.outputs:rgb>"), "/Look"),
     ('def DomeLight "Sky" { asset inputs:texture:file = @none/sky.exr@\n}\n', "/Sky"),
     ('def "Ref" (references = @none.usda@) { }\n', "/Ref"),
+    ('def SphereLight "Lamp" { color3f inputs:color = (3.4e38, 1, 1)\nfloat inputs:intensity = 8\n}\n', "/Lamp"),
+    (BadMesh(more='uniform token[] xformOpOrder = ["raw"]'), "/Bad"),
 ])
 def test_bad_content_warns_and_renders(tmp_path, body, subject):
     result = Run("record", WriteStage(tmp_path, SCENE + body), tmp_path / "o.exr", *SMALL)
@@ -94,3 +96,25 @@ def test_degenerate_cameras_do_not_crash(tmp_path, body):
     from cliCase import TRIANGLE
     result = Run("record", WriteStage(tmp_path, TRIANGLE + body), tmp_path / "o.exr", *SMALL)
     assert result.code in (0, 1) and "Traceback" not in result.text, result.text
+
+
+def test_extreme_lights_stay_finite(tmp_path):
+    """Sums of samples and of their squares would not be."""
+    lamp = 'def SphereLight "Lamp" { float inputs:intensity = 1e29\nfloat inputs:radius = 100\n}\n'
+    result = Run("record", WriteStage(tmp_path, SCENE + lamp), tmp_path / "o.exr", *SMALL, "--aovs", "color,variance", "--samples", "40")
+    assert result.code == 0 and not result.errors and not result.warnings, result.text
+    assert Finite(tmp_path / "o.exr")
+
+
+def test_a_camera_that_cannot_be_read_is_an_error(tmp_path):
+    from cliCase import TRIANGLE, AssertFails
+    body = TRIANGLE + 'def Camera "main_cam" { uniform token[] xformOpOrder = ["Sky"]\n}\n'
+    AssertFails(Run("record", WriteStage(tmp_path, body), tmp_path / "o.exr", *SMALL), 1, "/main_cam", "Invalid xform op")
+
+
+def test_a_stage_without_bounds_is_framed(tmp_path):
+    from cliCase import TRIANGLE
+    body = TRIANGLE + BadMesh(more='uniform token[] xformOpOrder = ["raw"]')
+    result = Run("record", WriteStage(tmp_path, body), tmp_path / "o.exr", *SMALL)
+    assert result.code == 0 and not result.errors, result.text
+    assert any(line.startswith("/Bad: cannot be read: Invalid xform op") for line in result.warnings), result.text

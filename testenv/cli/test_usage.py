@@ -101,6 +101,15 @@ def test_read_only_folder(tmp_path):
     AssertFails(Run("record", stage, folder / "o.exr", *SMALL), 1, "o.exr")
 
 
+def test_a_home_that_cannot_be_written(tmp_path):
+    """PoCL has a device all the same (hdStream/device/poclCache.h)."""
+    blocked = tmp_path / "file"
+    blocked.write_text("no folder")
+    environment = {"HOME": str(blocked), "XDG_CACHE_HOME": str(blocked), "POCL_CACHE_DIR": ""}
+    result = Run("record", WriteStage(tmp_path), tmp_path / "o.exr", *SMALL, environment=environment)
+    assert result.code == 0 and not result.errors, result.text
+
+
 def test_no_opencl_device(tmp_path):
     """The loader looks for drivers in a folder that has none."""
     empty = tmp_path / "vendors"

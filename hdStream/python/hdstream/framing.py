@@ -9,6 +9,7 @@ import math
 
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdUtils
 
+from hdstream.diagnostics import TfError
 from hdstream.errors import UsageError
 
 FREE_CAMERA_PATH = "/hdStreamFreeCamera"
@@ -72,19 +73,27 @@ def MakeFramingCamera(stage, timeCode, purposes):
 def _StageBounds(stage, timeCode, purposes):
     """(centre, size) of everything drawn."""
     cache = UsdGeom.BBoxCache(timeCode, purposes, useExtentsHint=True)
-    bounds = cache.ComputeWorldBound(stage.GetPseudoRoot())
+    bounds = _BoundsOf(stage.GetPseudoRoot(), cache)
     box = bounds.ComputeAlignedRange()
     if not _IsFinite(box):
         box = Gf.Range3d()
         for prim in Usd.PrimRange.Stage(stage, _PREDICATE):
             if prim.IsA(UsdGeom.Boundable):
-                part = cache.ComputeWorldBound(prim).ComputeAlignedRange()
+                part = _BoundsOf(prim, cache).ComputeAlignedRange()
                 if _IsFinite(part):
                     box.UnionWith(part)
         if box.IsEmpty():
             box = Gf.Range3d(Gf.Vec3d(-0.5), Gf.Vec3d(0.5))
         return box.GetMidpoint(), box.GetSize()
     return bounds.ComputeCentroid(), box.GetSize()
+
+
+def _BoundsOf(prim, cache):
+    """The world bound; empty where OpenUSD finds something wrong, which the translation warns of."""
+    try:
+        return cache.ComputeWorldBound(prim)
+    except TfError:
+        return Gf.BBox3d()
 
 
 def _IsFinite(box):

@@ -39,9 +39,9 @@ class Recorder:
         from hdstream.stage import FrameOutputs, OpenStage
         self._args = args
         self._interruption = interruption
-        self._warned = set()
         self._progress = ProgressBar(args.quiet)
-        self._session = _core.Session(self._OnWarning)
+        # Not a method: a cycle through the session would be kept for ever.
+        self._session = _core.Session(_WarningPrinter(self._progress))
         self._CheckArguments()
         self._diagnostics = Diagnostics()
         start = time.perf_counter()
@@ -119,6 +119,7 @@ class Recorder:
     def _SetCamera(self, prim, timeCode, settings):
         """Puts the render camera into the scene, completes the settings; returns the camera."""
         from pxr import Gf, Usd, UsdGeom
+        from hdstream.diagnostics import MessagesOf, TfError
         from hdstream.framing import FREE_CAMERA_PATH, MakeFramingCamera
         from hdstream.translate.cameras import CameraFromGf, ReadCamera
         usdTime = Usd.TimeCode(timeCode)
@@ -127,9 +128,12 @@ class Recorder:
             camera = CameraFromGf(gfCamera)
             settings.camera = FREE_CAMERA_PATH
         else:
-            gfCamera = UsdGeom.Camera(prim).GetCamera(usdTime)
-            camera = ReadCamera(prim, usdTime)
             settings.camera = prim.GetPath().pathString
+            try:
+                gfCamera = UsdGeom.Camera(prim).GetCamera(usdTime)
+                camera = ReadCamera(prim, usdTime)
+            except TfError as error:
+                raise CommandError(f"camera {settings.camera} cannot be read: {'; '.join(MessagesOf(error))}") from None
         if not camera.horizontalAperture > 0.0 or not camera.verticalAperture > 0.0:
             self._session.Warn(settings.camera, "aperture is not above 0; 20.955 x 15.2908 is used")
             gfCamera = Gf.Camera()
@@ -234,10 +238,17 @@ class Recorder:
             print(f"{file}: {settings.imageWidth}x{settings.imageHeight}, "
                   f"{values['image']['samples']} samples, {SecondsText(values['time']['total'])}{done}")
 
-    def _OnWarning(self, line):
-        """Shows a warning once, however many frames have it."""
-        if line not in self._warned:
-            self._warned.add(line)
+
+class _WarningPrinter:
+    """Shows a warning once, however many frames have it."""
+
+    def __init__(self, progress):
+        self._progress = progress
+        self._lines = set()
+
+    def __call__(self, line):
+        if line not in self._lines:
+            self._lines.add(line)
             self._progress.Clear()
             print(f"warning: {line}", file=sys.stderr)
 

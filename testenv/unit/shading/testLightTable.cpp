@@ -229,9 +229,20 @@ TEST(LightTableTest, WhatCannotBeRenderedIsLeftOutWithAWarning) {
     PlacedLight nan = Make(LightType::Rect);
     nan.name = "/nan";
     nan.worldFromLight[3][0] = std::nan("");
-    const LightTable table = Build({singular, sizeless, infinite, nan}, warnings);
+    PlacedLight beyondFloats = Make(LightType::Rect);
+    beyondFloats.name = "/beyondFloats";
+    beyondFloats.light.color[0] = 3e38F;
+    beyondFloats.light.intensity = 100.0F;
+    const LightTable table = Build({singular, sizeless, infinite, nan, beyondFloats}, warnings);
     EXPECT_TRUE(table.lights.empty());
-    EXPECT_EQ(warnings.Lines().size(), 4U);
+    EXPECT_EQ(warnings.Lines().size(), 5U);
+
+    PlacedLight strong = Make(LightType::Rect);
+    strong.light.intensity = 1e29F;
+    strong.light.width = 1e9F;
+    const LightTable strongTable = Build({strong, strong}, warnings);
+    ASSERT_EQ(strongTable.lights.size(), 2U);
+    EXPECT_TRUE(std::isfinite(strongTable.lights[0].strength + strongTable.lights[1].strength));
 
     PlacedLight black = Make(LightType::Rect);
     black.light.intensity = 0.0F;

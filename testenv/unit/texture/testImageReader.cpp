@@ -227,6 +227,22 @@ TEST_P(MeanOfFormat, TruncatedFileIsAnErrorThatNamesIt) {
     }
 }
 
+/// Damaged ones end the process inside of OpenImageIO 2.4.
+TEST(ImageReader, FormatsWhoseReadersAreNotSafeAreRefused) {
+    for (const std::string extension : {"iff", "ico"}) {
+        const TemporaryFolder folder;
+        const std::string file = folder.File("a." + extension);
+        OIIO::ImageSpec spec(8, 8, 3, OIIO::TypeDesc::UINT8);
+        const std::vector<unsigned char> pixels(8 * 8 * 3, 100);
+        const auto out = OIIO::ImageOutput::create(file);
+        ASSERT_TRUE(out && out->open(file, spec) &&
+                    out->write_image(OIIO::TypeDesc::UINT8, pixels.data()) && out->close());
+        const hds::ImageInfo info = hds::ProbeImage(Whole(file));
+        EXPECT_EQ(info.error, file + ": images of the format " + extension +
+                                  " are not read: save it as another one");
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(All, MeanOfFormat, testing::ValuesIn(kCases),
                          [](const auto& test) { return std::string(test.param.name); });
 

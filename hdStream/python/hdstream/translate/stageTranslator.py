@@ -11,7 +11,7 @@ import numpy as np
 from pxr import Tf, Usd, UsdGeom
 
 from hdstream import _core
-from hdstream.errors import OneLine
+from hdstream.diagnostics import MessagesOf
 from hdstream.translate import cameras, drawModes, lights, meshes, primvars
 from hdstream.translate.assets import AssetResolver
 from hdstream.translate.instancers import Instancers
@@ -91,7 +91,7 @@ class StageTranslator:
             try:
                 state = self._Visit(prim, inherited, context)
             except (Tf.ErrorException, TypeError, ValueError) as error:
-                self._reports.Warn(prim, f"cannot be read: {OneLine(error)}")
+                self._reports.Warn(prim, f"cannot be read: {'; '.join(MessagesOf(error))}")
                 state = inherited
             if state is not None:
                 children = prim.GetFilteredChildren(context.predicate)
