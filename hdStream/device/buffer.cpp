@@ -180,7 +180,9 @@ void Buffer::WriteMany(const std::vector<BufferCopy>& copies) {
     CheckOpenCl(code, "mapping " + _label);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, copies.size()), [&](const auto& range) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
-            std::memcpy(target + (copies[i].offset - begin), copies[i].data, copies[i].bytes);
+            if (copies[i].bytes > 0) { // an empty one may have no address
+                std::memcpy(target + (copies[i].offset - begin), copies[i].data, copies[i].bytes);
+            }
         }
     });
     CheckOpenCl(

@@ -132,8 +132,8 @@ bool SameLayers(const std::vector<ImageLayer>& a, const std::vector<ImageLayer>&
     for (std::size_t i = 0; i < a.size(); ++i) {
         if (a[i].name != b[i].name || a[i].width != b[i].width || a[i].height != b[i].height ||
             a[i].ids != b[i].ids || a[i].values.size() != b[i].values.size() ||
-            std::memcmp(a[i].values.data(), b[i].values.data(),
-                        a[i].values.size() * sizeof(float)) != 0) {
+            (!a[i].values.empty() && std::memcmp(a[i].values.data(), b[i].values.data(),
+                                                 a[i].values.size() * sizeof(float)) != 0)) {
             return false;
         }
     }
