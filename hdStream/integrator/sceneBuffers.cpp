@@ -237,9 +237,7 @@ unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first) const {
                                               : _resident->PoolBuffer(i));
     }
     if (IsStreaming()) {
-        kernel->SetBuffer(first++, _streaming->Requests());
-        kernel->SetBuffer(first++, _streaming->RequestCounts());
-        kernel->SetBuffer(first++, _streaming->Stamps());
+        kernel->SetBuffer(first++, _streaming->Uses());
     }
     return first;
 }

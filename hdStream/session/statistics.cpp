@@ -43,9 +43,9 @@ Json GeometrySection(const StatisticsInput& in) {
     const StreamingStatistics pool = buffers.PoolStatistics();
     bool isExact = false;
     const std::uint64_t bytesTotal = in.scene->pages->TotalBytes(&isExact);
-    // Requests, their counts, stamps of use.
+    // What kernels tell of uses.
     const std::uint64_t streamingTableBytes =
-        buffers.HasStreamingPool() ? 3 * sizeof(std::uint32_t) * in.scene->pages->NumPages() : 0;
+        buffers.HasStreamingPool() ? sizeof(std::uint32_t) * in.scene->pages->NumPages() : 0;
     return {{"mode", buffers.IsStreaming() ? "stream"
                      : buffers.IsMapped()  ? "mapped"
                                            : "resident"},

@@ -35,8 +35,10 @@ constexpr std::uint64_t kPinDivisor = 4;
 /// An edit that wants so many times the room for pinned pages empties the pool.
 constexpr std::uint64_t kPinGrowth = 2;
 
-std::uint32_t GroupOf(std::uint32_t page) {
-    return page / StreamingPool::kGroupPages;
+constexpr std::uint64_t kUseHeaderBytes = HDS_USE_HEADER * sizeof(std::uint32_t);
+
+std::uint32_t FirstOfGroup(std::uint32_t page) {
+    return page / StreamingPool::kGroupPages * StreamingPool::kGroupPages;
 }
 
 } // namespace
@@ -181,17 +183,11 @@ void StreamingPool::AllocateBuffers(std::uint64_t bytes, std::uint64_t pinnedByt
 void StreamingPool::MakeTables() {
     const std::uint64_t bytes = _pages.size() * sizeof(std::uint32_t);
     _table = Buffer(_device, _label + " residency table", bytes, BufferAccess::ReadOnly);
-    _requests =
-        Buffer(_device, _label + " requests", bytes + HDS_REQUEST_HEADER * sizeof(std::uint32_t));
-    _requestCounts = Buffer(_device, _label + " request counts", bytes);
-    _stamps = Buffer(_device, _label + " use stamps", bytes);
-    std::array<std::uint32_t, HDS_REQUEST_HEADER> header{};
-    header[HDS_REQUEST_EPOCH] = _epoch;
-    _requests.Write(header.data(), sizeof(header));
-    _requestCounts.Fill(0, _requestCounts.Bytes());
-    _stamps.Fill(0, _stamps.Bytes());
+    _useTable = Buffer(_device, _label + " uses", kUseHeaderBytes + bytes);
+    _useTable.Write(&_epoch, sizeof(_epoch), HDS_USE_EPOCH * sizeof(std::uint32_t));
+    _uses.assign(_pages.size(), 0);
+    PublishUses();
     _words.resize(_pages.size());
-    _scratch.resize(_pages.size());
     for (std::uint32_t page = 0; page < _pages.size(); ++page) {
         UpdateWord(page);
     }
@@ -199,12 +195,12 @@ void StreamingPool::MakeTables() {
 }
 
 std::uint64_t StreamingPool::TableBytes() const {
-    return _table.Bytes() + _requests.Bytes() + _requestCounts.Bytes() + _stamps.Bytes();
+    return _table.Bytes() + _useTable.Bytes();
 }
 
 void StreamingPool::BeginEpoch() {
     ++_epoch;
-    _requests.Write(&_epoch, sizeof(_epoch), HDS_REQUEST_EPOCH * sizeof(std::uint32_t));
+    _useTable.Write(&_epoch, sizeof(_epoch), HDS_USE_EPOCH * sizeof(std::uint32_t));
 }
 
 void StreamingPool::BeginCast() {
@@ -233,7 +229,7 @@ void StreamingPool::ServiceCast() {
     }
     ++_service;
     _hasVictims = false;
-    PlaceInBatches(TakeRequests(), false);
+    PlaceInBatches(TakeRequests(false), false);
     EndService(start, before);
 }
 
@@ -242,7 +238,7 @@ void StreamingPool::Service() {
     const StreamingStatistics before = _statistics;
     ++_service;
     _hasVictims = false;
-    PlaceInBatches(TakeRequests(), true);
+    PlaceInBatches(TakeRequests(true), true);
     EndService(start, before);
     BeginEpoch();
 }
@@ -250,18 +246,19 @@ void StreamingPool::Service() {
 /// Loads the last batch; tells seconds apart.
 void StreamingPool::EndService(Clock::time_point start, const StreamingStatistics& before) {
     HDS_VERIFY(_placedBytes > 0, _label + ": nothing was loaded");
+    if (_queued.empty()) {
+        PublishTable(); // pages may have left for one that found no place
+    }
     LoadQueued();
+    PublishUses();
     _statistics.serviceSeconds += SecondsSince(start) -
                                   (_statistics.prepareSeconds - before.prepareSeconds) -
                                   (_statistics.transferSeconds - before.transferSeconds);
 }
 
 /// Places requests, the first ones first, until there is no more room; those that can fit are
-/// prepared together. \param withGroups the last page of a group stands for all of it.
+/// prepared together. \param withGroups pages that hardly any ask for make none leave.
 void StreamingPool::PlaceInBatches(const std::vector<Request>& requests, bool withGroups) {
-    const auto isGroup = [&](const Request& request) {
-        return withGroups && request.page % kGroupPages == kGroupPages - 1;
-    };
     _placedBytes = 0;
     std::size_t next = 0;
     bool isOver = false;
@@ -272,11 +269,11 @@ void StreamingPool::PlaceInBatches(const std::vector<Request>& requests, bool wi
         std::uint64_t bytes = 0;
         const std::size_t first = next;
         for (; next < requests.size() && (batch.empty() || bytes < room); ++next) {
-            const std::uint32_t last = requests[next].page;
-            for (std::uint32_t page = isGroup(requests[next]) ? last + 1 - kGroupPages : last;
-                 page <= last; ++page) {
-                batch.push_back(page);
-                bytes += _pages[page].bytes;
+            const Request& request = requests[next];
+            const std::uint32_t begin = request.isGroup ? FirstOfGroup(request.page) : request.page;
+            for (std::uint32_t i = 0; i < (request.isGroup ? kGroupPages : 1); ++i) {
+                batch.push_back(begin + i);
+                bytes += _pages[begin + i].bytes;
             }
         }
         Prepare(batch);
@@ -284,7 +281,7 @@ void StreamingPool::PlaceInBatches(const std::vector<Request>& requests, bool wi
             // Hardly wanted pages do not make others leave.
             isOver = (withGroups && _eviction == Eviction::Clock && _hasVictims &&
                       requests[i].count < requests[0].count / kLeastWantedShare) ||
-                     !PlaceRequest(requests[i], isGroup(requests[i]));
+                     !PlaceRequest(requests[i]);
         }
     }
 }
@@ -300,9 +297,9 @@ void StreamingPool::Prepare(const std::vector<std::uint32_t>& pages) {
 }
 
 /// \return false when there is no room left.
-bool StreamingPool::PlaceRequest(const Request& request, bool isGroup) {
-    const std::uint32_t first = GroupOf(request.page) * kGroupPages;
-    if (isGroup) {
+bool StreamingPool::PlaceRequest(const Request& request) {
+    const std::uint32_t first = FirstOfGroup(request.page);
+    if (request.isGroup) {
         if (PlaceGroup(first, request.count)) {
             return true;
         }
@@ -360,25 +357,26 @@ bool StreamingPool::PlaceGroup(std::uint32_t first, std::uint32_t wanted) {
     return true;
 }
 
+void StreamingPool::ReadUses() {
+    _useTable.Read(_uses.data(), _uses.size() * sizeof(std::uint32_t), kUseHeaderBytes);
+}
+
 /// What kernels have asked for, most wanted first; clears the requests.
-std::vector<StreamingPool::Request> StreamingPool::TakeRequests() {
-    std::uint32_t count = 0;
-    _requests.Read(&count, sizeof(count), HDS_REQUEST_NUM_PAGES * sizeof(std::uint32_t));
-    std::vector<std::uint32_t> list(count);
-    _requests.Read(list.data(), count * sizeof(std::uint32_t),
-                   HDS_REQUEST_HEADER * sizeof(std::uint32_t));
-    std::vector<std::uint32_t>& counts = _scratch;
-    _requestCounts.Read(counts.data(), counts.size() * sizeof(std::uint32_t));
+/// \param withGroups pages of which the whole group is wanted stand for it.
+std::vector<StreamingPool::Request> StreamingPool::TakeRequests(bool withGroups) {
+    ReadUses();
     std::vector<Request> requests;
-    for (const std::uint32_t page : list) {
-        requests.push_back({page, counts[page]});
+    for (std::uint32_t page = 0; page < _uses.size(); ++page) {
+        const std::uint32_t asked = _uses[page];
+        if (asked != 0 && !IsResident(page)) {
+            requests.push_back(
+                {page, asked & ~HDS_ASKED_WHOLE, withGroups && (asked & HDS_ASKED_WHOLE) != 0});
+            _uses[page] = 0;
+        }
     }
     std::sort(requests.begin(), requests.end(), [](const Request& a, const Request& b) {
         return a.count != b.count ? a.count > b.count : a.page < b.page;
     });
-    _requestCounts.Fill(0, _requestCounts.Bytes());
-    const std::uint32_t zero = 0;
-    _requests.Write(&zero, sizeof(zero), HDS_REQUEST_NUM_PAGES * sizeof(std::uint32_t));
     return requests;
 }
 
@@ -404,11 +402,9 @@ void StreamingPool::CountVictims() {
     _victims.clear();
     _numByAge = {};
     _listedAge = kNumAges;
-    std::vector<std::uint32_t>& stamps = _scratch;
-    _stamps.Read(stamps.data(), stamps.size() * sizeof(std::uint32_t));
     for (std::uint32_t page = 0; page < _words.size(); ++page) {
         if (MayLeave(_words[page])) {
-            ++_numByAge[std::min(_epoch - stamps[page], kNumAges - 1)];
+            ++_numByAge[std::min(_epoch - _uses[page], kNumAges - 1)];
         }
     }
 }
@@ -425,9 +421,9 @@ void StreamingPool::ListVictims() {
         if (!MayLeave(_words[page])) {
             continue;
         }
-        const std::uint32_t age = std::min(_epoch - _scratch[page], kNumAges - 1);
+        const std::uint32_t age = std::min(_epoch - _uses[page], kNumAges - 1);
         if (age >= _listedAge && age < end && !IsProtected(page)) {
-            _victims.push_back({_scratch[page], _pages[page].wanted, page});
+            _victims.push_back({_uses[page], _pages[page].wanted, page});
         }
     }
     std::make_heap(_victims.begin(), _victims.end(), std::greater<>());
@@ -462,8 +458,12 @@ bool StreamingPool::Remove(std::uint32_t page) {
     if (!IsResident(page)) {
         return false;
     }
+    if (WasUsed(page)) {
+        CountGroup(page); // its stamp goes
+    }
     _ranges.Free(_pages[page].range);
     _pages[page].range = {};
+    _uses[page] = 0;
     UpdateWord(page);
     ++_statistics.evictions;
     return true;
@@ -504,6 +504,10 @@ void StreamingPool::UpdateWord(std::uint32_t page) {
 
 void StreamingPool::PublishTable() {
     _table.Write(_words.data(), _words.size() * sizeof(std::uint32_t));
+}
+
+void StreamingPool::PublishUses() {
+    _useTable.Write(_uses.data(), _uses.size() * sizeof(std::uint32_t), kUseHeaderBytes);
 }
 
 } // namespace hds

@@ -87,9 +87,8 @@ public:
 
     /// The residency table (kernels/shared/residency.h).
     const Buffer& Addresses() const { return _table; }
-    const Buffer& Requests() const { return _requests; }
-    const Buffer& RequestCounts() const { return _requestCounts; }
-    const Buffer& Stamps() const { return _stamps; }
+    /// What kernels tell of each page (likewise).
+    const Buffer& Uses() const { return _useTable; }
     /// Buffer `i` of the signature; unused ones are tiny but valid.
     const Buffer& PoolBuffer(std::uint32_t i) const { return _buffers[i]; }
     std::uint32_t NumBuffers() const { return _ranges.NumBuffers(); }
@@ -105,6 +104,7 @@ private:
     struct Request {
         std::uint32_t page = 0;
         std::uint32_t count = 0;
+        bool isGroup = false; ///< for all of the page's group
     };
     struct PageState {
         PoolRange range;               ///< bytes 0: not resident
@@ -143,10 +143,11 @@ private:
     void Protect(std::uint32_t page) { _pages[page].protectedIn = _service; }
     void AllocateBuffers(std::uint64_t bytes, std::uint64_t pinnedBytes);
     void MakeTables();
-    std::vector<Request> TakeRequests();
+    void ReadUses();
+    std::vector<Request> TakeRequests(bool withGroups);
     void Prepare(const std::vector<std::uint32_t>& pages);
     void PlaceInBatches(const std::vector<Request>& requests, bool withGroups);
-    bool PlaceRequest(const Request& request, bool isGroup);
+    bool PlaceRequest(const Request& request);
     void EndService(Clock::time_point start, const StreamingStatistics& before);
     void BeginEpoch();
     bool PlaceGroup(std::uint32_t first, std::uint32_t wanted);
@@ -157,8 +158,10 @@ private:
     bool Remove(std::uint32_t page);
     void LoadQueued(bool isAskedFor = true);
     void CountGroup(std::uint32_t page);
+    bool WasUsed(std::uint32_t page) const;
     void UpdateWord(std::uint32_t page);
     void PublishTable();
+    void PublishUses();
 
     std::shared_ptr<Device> _device;
     std::string _label;
@@ -169,14 +172,12 @@ private:
     std::array<Buffer, kMaxPoolBuffers> _buffers;
     std::uint64_t _bytes = 0;
     Buffer _table;
-    Buffer _requests;
-    Buffer _requestCounts;
-    Buffer _stamps;
-    std::uint32_t _service = 0;          ///< counts services
-    std::vector<std::uint32_t> _words;   ///< of the residency table
-    std::vector<std::uint32_t> _scratch; ///< a number a page, read from the device
-    std::uint32_t _epoch = 1;            ///< counts casts and services
-    std::uint32_t _firstEpoch = 1;       ///< since BeginStatistics
+    Buffer _useTable;
+    std::uint32_t _service = 0;        ///< counts services
+    std::vector<std::uint32_t> _words; ///< of the residency table
+    std::vector<std::uint32_t> _uses;  ///< as last read; in a service, as they will be published
+    std::uint32_t _epoch = 1;          ///< counts casts and services
+    std::uint32_t _firstEpoch = 1;     ///< since BeginStatistics
     std::vector<PageState> _pages;
     std::vector<std::uint64_t> _ids;
     static constexpr std::uint32_t kNumAges = 256;

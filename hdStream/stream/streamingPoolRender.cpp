@@ -14,20 +14,24 @@ void StreamingPool::BeginStatistics() {
         page.wasLoaded = false;
         page.wasUsed = false;
     }
-    if (_requests.IsValid()) {
+    if (_useTable.IsValid()) {
         BeginEpoch();
         _firstEpoch = _epoch;
     }
 }
 
 void StreamingPool::CountUsed() {
-    std::vector<std::uint32_t>& stamps = _scratch;
-    _stamps.Read(stamps.data(), stamps.size() * sizeof(std::uint32_t));
+    ReadUses();
     for (std::uint32_t page = 0; page < _pages.size(); ++page) {
-        if (stamps[page] >= _firstEpoch) {
+        if (WasUsed(page)) {
             CountGroup(page);
         }
     }
+}
+
+/// Whether a page is resident and was used since BeginStatistics, as far as uses have been read.
+bool StreamingPool::WasUsed(std::uint32_t page) const {
+    return IsResident(page) && _uses[page] >= _firstEpoch;
 }
 
 /// Counts the group of a page that is used, once.
@@ -62,15 +66,18 @@ bool StreamingPool::LoadMissing(std::uint64_t bytes) {
         }
     }
     Prepare(batch);
+    ReadUses();
     bool hasRoom = true;
     for (const std::uint32_t page : batch) {
         PageState& state = _pages[page];
         hasRoom = hasRoom && _ranges.Allocate(state.bytes, state.isPinned, &state.range);
         if (hasRoom) {
+            _uses[page] = 0; // who asked for it has it
             _queued.push_back(page);
         }
     }
     LoadQueued(false);
+    PublishUses();
     return hasRoom;
 }
 

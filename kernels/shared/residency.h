@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0
- * The residency table, one u32 a page, and the buffer that kernels ask for pages through.
+ * The residency table, one u32 a page, and the uses, another: what kernels tell of a page.
  * Explained in docs/streaming.md. */
 #ifndef HDS_SHARED_RESIDENCY_H
 #define HDS_SHARED_RESIDENCY_H
@@ -20,11 +20,14 @@
 /* Of them, those of a closest-hit ray, which walks no further until it has made them. */
 #define HDS_WAIT_NEAREST 2
 
-/* The request buffer: a header, then page numbers, each at most once. */
-#define HDS_REQUEST_NUM_PAGES 0
-#define HDS_REQUEST_EPOCH 1 /* written by the host; counts casts */
-#define HDS_REQUEST_HEADER 4
+/* The uses: a header, then a word a page. Of a page that is resident, the epoch of its last use. Of
+ * one that is missing, how many have asked for it, and beside that HDS_ASKED_WHOLE. */
+#define HDS_USE_EPOCH 0 /* the present epoch; written by the host, counts casts and services */
+#define HDS_USE_HEADER \
+    16 /* 64 bytes: every use reads the epoch, so it has a cache line to itself */
 /* Counts of askers end about here. */
-#define HDS_REQUEST_MAX_COUNT 0x10000u
+#define HDS_ASKED_MAX 0x10000u
+/* The page is asked for with the whole of its group. */
+#define HDS_ASKED_WHOLE 0x80000000u
 
 #endif

@@ -144,10 +144,8 @@ private:
         rays.insert(rays.end(), rays.begin(), rays.end());
         const Buffer input = Upload(rays);
         const Buffer output = Upload(states);
-        const std::uint64_t tableBytes = 2 * built.pages.size() * sizeof(std::uint32_t);
-        const Buffer requests = Zeros(tableBytes + HDS_REQUEST_HEADER * sizeof(std::uint32_t));
-        const Buffer counts = Zeros(tableBytes);
-        const Buffer stamps = Zeros(tableBytes);
+        const Buffer uses =
+            Zeros((HDS_USE_HEADER + 2 * built.pages.size()) * sizeof(std::uint32_t));
         const auto count = static_cast<std::uint32_t>(rays.size());
         std::mt19937 random(5);
         bool isWaiting = true;
@@ -165,10 +163,7 @@ private:
             kernel.SetBytes(2, &isFirst, sizeof(isFirst));
             kernel.SetBuffer(3, output);
             scene.Bind(&kernel, 4);
-            const unsigned next = 4 + 5 + HDS_POOL_MAX_BUFFERS;
-            kernel.SetBuffer(next, requests);
-            kernel.SetBuffer(next + 1, counts);
-            kernel.SetBuffer(next + 2, stamps);
+            kernel.SetBuffer(4 + 5 + HDS_POOL_MAX_BUFFERS, uses);
             kernel.Enqueue(count);
             device->Finish();
             states = Download<RayState>(output, states.size());

@@ -13,18 +13,21 @@ namespace hds::test {
 inline const char* const kProbeText = R"(
 #define HDS_FEATURE_STREAMING 1
 #include "stream/residency.clh"
-/* Item i asks for page[i], or marks it as used. */
-kernel void probe_use(global const uint* pages, uint count, uint isRequest HDS_RESIDENCY_ARGS) {
+/* Item i marks page[i] as used (0), asks for it (1), or for all of its group (2). */
+kernel void probe_use(global const uint* pages, uint count, uint use,
+                      global const uint* addresses HDS_RESIDENCY_ARGS) {
     const uint i = (uint)get_global_id(0);
     if (i >= count) {
         return;
     }
     HdsResidencyView view;
     HDS_RESIDENCY_VIEW(view);
-    if (isRequest != 0u) {
+    if (use == 0u) {
+        residency_touch(&view, pages[i]);
+    } else if (use == 1u) {
         residency_request(&view, pages[i]);
     } else {
-        residency_touch(&view, pages[i]);
+        residency_useGroup(&view, addresses, pages[i] & ~1u);
     }
 }
 )";
@@ -42,15 +45,23 @@ protected:
         }
     }
 
-    void Use(const StreamingPool& pool, const Pages& pages, std::uint32_t isRequest) {
+    void Use(const StreamingPool& pool, const Pages& pages, std::uint32_t use) {
         const Buffer list = Upload(pages);
         const auto count = static_cast<std::uint32_t>(pages.size());
-        probe.Launch(count, list, count, isRequest, pool.Requests(), pool.RequestCounts(),
-                     pool.Stamps());
+        probe.Launch(count, list, count, use, pool.Addresses(), pool.Uses());
         device->Finish();
     }
+    /// Asks for pages that are missing.
     void Ask(const StreamingPool& pool, const Pages& pages) { Use(pool, pages, 1); }
+    /// Asks for the groups of pages, if they lack any.
+    void AskWhole(const StreamingPool& pool, const Pages& pages) { Use(pool, pages, 2); }
+    /// Uses pages that are resident.
     void Touch(const StreamingPool& pool, const Pages& pages) { Use(pool, pages, 0); }
+    /// What kernels have told of each page.
+    std::vector<std::uint32_t> Uses(const StreamingPool& pool, std::size_t numPages) {
+        auto words = Download<std::uint32_t>(pool.Uses(), HDS_USE_HEADER + numPages);
+        return {words.begin() + HDS_USE_HEADER, words.end()};
+    }
 
     /// Words of the table; checks the bytes of every page that is resident.
     std::vector<std::uint32_t> Table(const StreamingPool& pool,

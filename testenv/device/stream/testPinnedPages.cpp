@@ -17,7 +17,7 @@ protected:
             const auto words = Table(*pool, ids);
             const bool isThere = IsThere(words[2 * group]) && IsThere(words[2 * group + 1]);
             if (!isThere) {
-                Ask(*pool, {2 * group + 1});
+                AskWhole(*pool, {2 * group});
                 pool->Service();
             }
         }
@@ -95,7 +95,7 @@ TEST_F(PinnedPages, LeaveRoomForTheLargestGroup) {
                 return pages.PageBytes(page) == 0 || IsThere(Table(pool, ids)[page]);
             };
             if (!isThere(2 * group) || !isThere(2 * group + 1)) {
-                Ask(pool, {2 * group + 1});
+                AskWhole(pool, {2 * group});
                 pool.Service();
             }
             ASSERT_TRUE(isThere(2 * group) && isThere(2 * group + 1)) << group;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A pool that holds everything may be read without asking; what it counts is of one render; lists
-// of requests hold whatever is asked for.
+// A pool that holds everything may be read without asking; what it counts is of one render; any
+// number of requests are counted.
 #include "testenv/device/stream/poolFixture.h"
 
 namespace hds::test {
@@ -14,7 +14,8 @@ TEST_F(SettledPool, LoadsTheRestInPieces) {
     StreamingPool pool(device, "fake", Eviction::Clock);
     pool.Update(&pages, pages.TotalBytes());
     EXPECT_TRUE(pool.HasRoomForAll());
-    Ask(pool, {8, 101});
+    Ask(pool, {8});
+    AskWhole(pool, {101});
     pool.Service();
     const std::uint64_t asked = pool.Statistics().uploadedBytes;
     const std::uint64_t used = pool.Statistics().chunksUsed;
@@ -60,7 +61,7 @@ TEST_F(SettledPool, WhatDoesNotFitIsLeft) {
     EXPECT_FALSE(pool.HasRoomForAll());
     EXPECT_FALSE(pool.LoadMissing(1U << 20U));
     EXPECT_EQ(Resident(Table(pool, ids)).size(), 9U);
-    Ask(pool, {9});
+    AskWhole(pool, {9});
     pool.Service(); // goes on as before
     const Pages after = Resident(Table(pool, ids));
     EXPECT_EQ(std::count(after.begin(), after.end(), 9U), 1);
@@ -89,7 +90,7 @@ TEST_F(SettledPool, CountsBeginAnew) {
     StreamingPool pool(device, "fake", Eviction::Clock);
     pool.BeginStatistics();
     pool.Update(&pages, 4 * 160);
-    Ask(pool, {1, 3, 3});
+    AskWhole(pool, {1, 3, 3});
     pool.Service();
     Touch(pool, {0, 1, 2, 3});
     pool.CountUsed();
@@ -103,9 +104,9 @@ TEST_F(SettledPool, CountsBeginAnew) {
     EXPECT_EQ(pool.Statistics().uploads, 0U);
     EXPECT_EQ(pool.Statistics().uniqueBytes, 0U);
     EXPECT_EQ(pool.Statistics().chunksUsed, 1U);
-    Ask(pool, {5, 5});
+    AskWhole(pool, {5, 5});
     pool.Service(); // makes two pages leave
-    Ask(pool, {1});
+    AskWhole(pool, {1});
     pool.Service();
     EXPECT_GE(pool.Statistics().uploads, 2U);
     EXPECT_EQ(pool.Statistics().uniqueBytes, pool.Statistics().uploadedBytes)
@@ -116,9 +117,77 @@ TEST_F(SettledPool, CountsBeginAnew) {
     pool.Update(&pages, 4 * 160); // a new version of the scene
     pool.CountUsed();
     EXPECT_EQ(pool.Statistics().chunksUsed, 0U);
-    Touch(pool, {4});
+    Touch(pool, {2});
     pool.CountUsed();
     EXPECT_EQ(pool.Statistics().chunksUsed, 1U);
+}
+
+TEST_F(SettledPool, WhatWasUsedIsCountedWhenItHasLeft) {
+    const std::vector<std::uint64_t> ids = EqualIds(8);
+    FakePages pages(ids);
+    StreamingPool pool(device, "fake", Eviction::Clock);
+    pool.Update(&pages, 2 * 160);
+    AskWhole(pool, {0});
+    pool.Service();
+    pool.BeginStatistics();
+    AskWhole(pool, {0}); // is there: a use
+    AskWhole(pool, {2});
+    pool.Service(); // group 0 leaves
+    AskWhole(pool, {4});
+    pool.Service(); // group 1 leaves unused
+    pool.CountUsed();
+    EXPECT_EQ(pool.Statistics().chunksUsed, 3U);
+    EXPECT_EQ(pool.Statistics().evictions, 4U);
+}
+
+TEST_F(SettledPool, AUseIsAStampOrACount) {
+    const std::vector<std::uint64_t> ids = EqualIds(40);
+    FakePages pages(ids);
+    StreamingPool pool(device, "fake", Eviction::Clock);
+    pool.Update(&pages, 4 * 160);
+    EXPECT_LE(pool.TableBytes(), 40U * 8 + 64) << "8 bytes a page";
+    std::vector<std::uint32_t> uses(ids.size(), 0);
+    for (std::uint32_t round = 0; round < 100; ++round) { // stamps are larger than counts
+        if (uses[2 * (round % 20)] != 0) {
+            continue; // is there
+        }
+        AskWhole(pool, {2 * (round % 20)});
+        pool.Service();
+        const Pages resident = Resident(Table(pool, ids));
+        Touch(pool, resident);
+        uses = Uses(pool, ids.size());
+        for (std::uint32_t page = 0; page < ids.size(); ++page) {
+            const bool isResident = std::count(resident.begin(), resident.end(), page) != 0;
+            ASSERT_EQ(uses[page] != 0, isResident) << "those that have left begin from 0";
+            ASSERT_TRUE(!isResident || uses[page] == uses[resident[0]]) << "the present epoch";
+        }
+    }
+    // Resident are 36 to 39. A group of which one page is there is asked for by the other.
+    pool.Update(&pages, 4 * 160);
+    Pages asked(5, 7);
+    asked.insert(asked.end(), 3, 20);
+    Ask(pool, asked);
+    AskWhole(pool, {6, 7, 36, 0});
+    uses = Uses(pool, ids.size());
+    EXPECT_EQ(uses[7], 5U);
+    EXPECT_EQ(uses[20], 3U);
+    EXPECT_EQ(uses[6], 2U | HDS_ASKED_WHOLE);
+    EXPECT_EQ(uses[0], 1U | HDS_ASKED_WHOLE);
+    EXPECT_EQ(uses[36], uses[37]);
+}
+
+TEST_F(SettledPool, WhatIsLoadedUnaskedIsNotAskedFor) {
+    const std::vector<std::uint64_t> ids = EqualIds(6);
+    FakePages pages(ids);
+    StreamingPool pool(device, "fake", Eviction::Clock);
+    pool.BeginStatistics();
+    pool.Update(&pages, 6 * 160);
+    Ask(pool, {0, 1, 1, 2}); // of a render that was stopped
+    ASSERT_TRUE(pool.LoadMissing(3 * 160));
+    const std::vector<std::uint32_t> uses = Uses(pool, ids.size());
+    EXPECT_EQ(uses, (std::vector<std::uint32_t>(6, 0)));
+    pool.CountUsed();
+    EXPECT_EQ(pool.Statistics().chunksUsed, 0U);
 }
 
 TEST_F(SettledPool, RequestsNeverOverflow) {
@@ -132,20 +201,18 @@ TEST_F(SettledPool, RequestsNeverOverflow) {
             asked.push_back(page);
         }
     }
-    asked.insert(asked.end(), 3 * HDS_REQUEST_MAX_COUNT, 123);
+    asked.insert(asked.end(), 3 * HDS_ASKED_MAX, 123);
     Ask(pool, asked);
-    const auto list = Download<std::uint32_t>(pool.Requests(), HDS_REQUEST_HEADER + 400);
-    EXPECT_EQ(list[HDS_REQUEST_NUM_PAGES], 400U);
-    Pages listed(list.begin() + HDS_REQUEST_HEADER, list.end());
-    std::sort(listed.begin(), listed.end());
+    const std::vector<std::uint32_t> uses = Uses(pool, 400);
     for (std::uint32_t page = 0; page < 400; ++page) {
-        ASSERT_EQ(listed[page], page) << "each once";
+        ASSERT_TRUE(page == 123 || uses[page] == 50) << page;
     }
+    EXPECT_GE(uses[123], HDS_ASKED_MAX);
+    EXPECT_LT(uses[123], 2 * HDS_ASKED_MAX) << "far from HDS_ASKED_WHOLE";
     pool.Service();
     const Pages resident = Resident(Table(pool, ids));
     EXPECT_EQ(std::count(resident.begin(), resident.end(), 123U), 1) << "most wanted";
-    Ask(pool, {}); // served or forgotten: nobody waits from here on
-    EXPECT_EQ(Download<std::uint32_t>(pool.Requests(), 1)[HDS_REQUEST_NUM_PAGES], 0U);
+    EXPECT_EQ(Uses(pool, 400), std::vector<std::uint32_t>(400, 0)) << "served or forgotten";
 }
 
 TEST_F(SettledPool, RequestsInFlightDoNotOutliveAnEdit) {
@@ -156,8 +223,8 @@ TEST_F(SettledPool, RequestsInFlightDoNotOutliveAnEdit) {
     Ask(pool, {39, 37, 35, 2});
     FakePages fewer({ids[3], ids[0], ids[7], ids[2]}); // what was page 39 is no page any more
     pool.Update(&fewer, 4 * 160);
-    EXPECT_EQ(Download<std::uint32_t>(pool.Requests(), 1)[HDS_REQUEST_NUM_PAGES], 0U);
-    Ask(pool, {1});
+    EXPECT_EQ(Uses(pool, 4), std::vector<std::uint32_t>(4, 0));
+    AskWhole(pool, {1});
     pool.Service();
     EXPECT_EQ(Resident(Table(pool, {ids[3], ids[0], ids[7], ids[2]})), (Pages{0, 1}));
 }

@@ -84,12 +84,13 @@ TEST_F(StreamingPoolTest, GroupsComeWhole) {
     Ask(pool, {4, 6});
     pool.ServiceCast();
     Touch(pool, {4, 6});
-    Ask(pool, {1, 1, 5}); // page 0 comes with 1; the room that is left is too small for 4 and 5
+    AskWhole(pool,
+             {1, 1, 5}); // page 0 comes with 1; the room that is left is too small for 4 and 5
     pool.Service();
     const Pages resident = Resident(Table(pool, ids));
     EXPECT_TRUE(std::count(resident.begin(), resident.end(), 0U) == 1 &&
                 std::count(resident.begin(), resident.end(), 1U) == 1);
-    Ask(pool, {5});
+    AskWhole(pool, {5});
     pool.Service(); // 4 may be there already: it stays
     const Pages after = Resident(Table(pool, ids));
     EXPECT_TRUE(std::count(after.begin(), after.end(), 4U) == 1 &&
@@ -121,7 +122,7 @@ TEST_F(StreamingPoolTest, APoolOfOneGroupServesEverything) {
             if (isThere(page) && isThere(page ^ 1U)) {
                 continue;
             }
-            Ask(pool, {page | 1U}); // the whole group
+            AskWhole(pool, {page});
             pool.Service();
             EXPECT_TRUE(isThere(page) && isThere(page ^ 1U));
         }
