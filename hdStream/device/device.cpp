@@ -120,7 +120,7 @@ std::vector<FoundDevice> FindDevices() {
             properties.computeUnits = DeviceValue<cl_uint>(device, CL_DEVICE_MAX_COMPUTE_UNITS);
             properties.isCpu =
                 (DeviceValue<cl_device_type>(device, CL_DEVICE_TYPE) & CL_DEVICE_TYPE_CPU) != 0;
-            properties.keepsBinaries = properties.platform == "Portable Computing Language";
+            properties.hasSlowBinaries = properties.platform == "Portable Computing Language";
             found.push_back({platform, device, properties});
         }
     }

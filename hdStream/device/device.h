@@ -24,9 +24,9 @@ struct DeviceProperties {
     std::uint64_t maxAllocationBytes = 0;
     std::uint32_t computeUnits = 0;
     bool isCpu = false;
-    /// The driver keeps what it has compiled on disk by itself (PoCL). To ask it for a binary would
-    /// make it compile each kernel once more, for work-groups of any size.
-    bool keepsBinaries = false;
+    /// To hand out a binary the driver compiles each kernel once more, for work-groups of any size
+    /// (PoCL): binaries are asked for when there is time.
+    bool hasSlowBinaries = false;
 };
 
 /// All devices of all platforms, in the order of the ICD loader. Never throws.

@@ -55,15 +55,13 @@ Program::Program(std::shared_ptr<Device> device, const std::string& root,
     const std::string source = ExpandKernelSource(root, text);
     const std::string options = OptionsOf(defines);
     const std::string key = BinaryKey(*_device, source, options);
-    if (_device->Properties().keepsBinaries) {
+    _isFromCache = BuildFromCache(store, key, options);
+    if (!_isFromCache) {
         BuildFromSource(source, options);
-        _isFromCache = store != nullptr && store->Load(kBinaryKind, key).has_value();
-        MarkAsBuilt(store, key);
-    } else if (BuildFromCache(store, key, options)) {
-        _isFromCache = true;
-    } else {
-        BuildFromSource(source, options);
-        SaveBinary(store, key);
+        _unsavedKey = key;
+        if (!_device->Properties().hasSlowBinaries) {
+            SaveBinary(store);
+        }
     }
     _buildSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -125,8 +123,9 @@ void Program::BuildFromSource(const std::string& source, const std::string& opti
     _program = program;
 }
 
-void Program::SaveBinary(Store* store, const std::string& key) const {
-    if (store == nullptr) {
+void Program::SaveBinary(Store* store) {
+    const std::string key = std::exchange(_unsavedKey, {});
+    if (store == nullptr || key.empty()) {
         return;
     }
     std::size_t bytes = 0;
@@ -140,13 +139,6 @@ void Program::SaveBinary(Store* store, const std::string& key) const {
     if (clGetProgramInfo(AsProgram(_program), CL_PROGRAM_BINARIES, sizeof(pointer), &pointer,
                          nullptr) == CL_SUCCESS) {
         store->Save(kBinaryKind, key, binary.data(), binary.size());
-    }
-}
-
-/// The driver has the binary; the store knows only that it was built.
-void Program::MarkAsBuilt(Store* store, const std::string& key) const {
-    if (store != nullptr && !_isFromCache) {
-        store->Save(kBinaryKind, key, nullptr, 0);
     }
 }
 

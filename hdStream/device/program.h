@@ -90,18 +90,21 @@ public:
     static bool IsInStore(const Device& device, const std::string& root,
                           const ProgramDefines& defines, const Store& store);
 
+    /// Saves the binary of a program that was built from source and is not saved yet: the
+    /// constructor does, except where that takes long (DeviceProperties::hasSlowBinaries).
+    void SaveBinary(Store* store);
+
     bool IsFromCache() const { return _isFromCache; }
     double BuildSeconds() const { return _buildSeconds; }
 
 private:
     bool BuildFromCache(Store* store, const std::string& key, const std::string& options);
     void BuildFromSource(const std::string& source, const std::string& options);
-    void SaveBinary(Store* store, const std::string& key) const;
-    void MarkAsBuilt(Store* store, const std::string& key) const;
 
     std::shared_ptr<Device> _device;
     std::string _root;
     void* _program = nullptr;
+    std::string _unsavedKey; ///< empty: nothing is to be saved
     bool _isFromCache = false;
     double _buildSeconds = 0.0;
 };

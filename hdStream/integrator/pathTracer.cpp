@@ -380,7 +380,13 @@ struct PathTracer::Impl {
         CountAccuracy();
         buffers.CountUsed();
         const bool timeIsUp = options.timeLimit > 0.0 && timer.Seconds() >= options.timeLimit;
-        return isStopped && !timeIsUp ? RenderResult::Stopped : RenderResult::Complete;
+        if (isStopped && !timeIsUp) {
+            return RenderResult::Stopped;
+        }
+        for (const BuiltKernels& built : builtKernels) {
+            built.first->SaveBinaries(store);
+        }
+        return RenderResult::Complete;
     }
 
     /// First-hit AOVs through pixel centres, wave by wave.

@@ -81,20 +81,20 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
     : _features(features), _pathStateBytes(kFieldBytes * NumPathFields(features)) {
     const ProgramDefines defines = MakeDefines(*device, features);
     const auto build = [&](const char* root) {
-        auto program = std::make_unique<Program>(device, root, defines, store);
-        _buildSeconds += program->BuildSeconds();
-        return program;
+        _unsaved.push_back(std::make_unique<Program>(device, root, defines, store));
+        _buildSeconds += _unsaved.back()->BuildSeconds();
+        return _unsaved.back().get();
     };
-    const auto frameProgram = build(kFrame);
+    const Program* frameProgram = build(kFrame);
     generateSample = frameProgram->GetKernel("generate_sample");
     generateCentre = frameProgram->GetKernel("generate_centre");
     resolve = frameProgram->GetKernel("resolve_addSamples");
     develop = frameProgram->GetKernel("film_develop");
     relativeError = frameProgram->GetKernel("film_relativeError");
-    const auto intersectProgram = build(kIntersect);
+    const Program* intersectProgram = build(kIntersect);
     intersect = intersectProgram->GetKernel("intersect_closest");
     shade = build(kShade)->GetKernel("shade_paths");
-    const auto shadowProgram = build(kShadow);
+    const Program* shadowProgram = build(kShadow);
     shadowCast = shadowProgram->GetKernel("shadow_cast");
     if (features.firstHits) {
         aov = build(kAov)->GetKernel("aov_firstHit");
@@ -110,6 +110,13 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
          {&intersect, &intersectResume, &shade, &shadowCast, &shadowPass, &shadowResume, &aov}) {
         kernel->SetRunLength(RunLength(*device));
     }
+}
+
+void StageKernels::SaveBinaries(Store* store) {
+    for (const std::unique_ptr<Program>& program : _unsaved) {
+        program->SaveBinary(store);
+    }
+    _unsaved.clear();
 }
 
 void StageKernels::Bind(const SceneBuffers& scene) {

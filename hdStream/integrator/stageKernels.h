@@ -6,6 +6,7 @@
 #include "hdStream/integrator/sceneBuffers.h"
 
 #include <memory>
+#include <vector>
 
 namespace hds {
 
@@ -51,6 +52,9 @@ public:
     /// Binds a scene to all kernels that read it; again after each SceneBuffers::Update.
     void Bind(const SceneBuffers& scene);
 
+    /// Saves what was built from source and is not saved yet; may take a second. Once.
+    void SaveBinaries(Store* store);
+
     Kernel generateSample;
     Kernel generateCentre;
     Kernel intersect;
@@ -71,6 +75,7 @@ public:
 
 private:
     KernelFeatures _features;
+    std::vector<std::unique_ptr<Program>> _unsaved; ///< programs whose binaries are
     std::uint64_t _pathStateBytes;
     double _buildSeconds = 0.0;
 };

@@ -49,7 +49,9 @@ TexturePool::TexturePool(std::shared_ptr<Device> device, Store* store,
     : _device(std::move(device)),
       _program(std::make_unique<Program>(_device, "texture/cacheFill.cl", ProgramDefines{}, store)),
       _copyLines(_program->GetKernel("fill_copyLines")),
-      _updateTable(_program->GetKernel("fill_updateTable")), _requestCapacity(requestCapacity) {}
+      _updateTable(_program->GetKernel("fill_updateTable")), _requestCapacity(requestCapacity) {
+    _program->SaveBinary(store); // it is small
+}
 
 void TexturePool::Update(LineProvider* provider, std::uint64_t budgetBytes,
                          std::uint32_t linesPerItem) {

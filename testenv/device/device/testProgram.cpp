@@ -72,6 +72,7 @@ TEST_F(ProgramTest, BinariesAreCachedPerTextAndDefines) {
         Buffer out = Allocate(64 * sizeof(int));
         program.GetKernel("fill").Launch(64, out);
         EXPECT_EQ(Download<int>(out, 64), std::vector<int>(64, std::stoi(value)));
+        program.SaveBinary(&store);
     };
     run("3", false);
     run("3", true);
