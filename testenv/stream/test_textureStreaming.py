@@ -76,12 +76,13 @@ def test_device_memory_is_what_was_asked_for(Textured):
 
 @pytest.mark.parametrize("iterations", [1, 2])
 def test_interactive_pictures_are_blurred_at_worst(Textured, iterations):
-    layers, statistics = Textured.Fresh().Render(residency="stream", shadeIterations=iterations, textureMemory="64K")
+    # Of many samples: a blurred roughness turns the rays of a path, which of few is noise of its own.
+    layers, statistics = Textured.Fresh().Render(residency="stream", shadeIterations=iterations, textureMemory="64K", samples=64)
     texture = statistics["texture"]
-    color, exact = layers["color"], Textured.layers["color"]
+    color, exact = layers["color"], Textured.Fresh().Render(residency="resident", samples=64)[0]["color"]
     assert texture["fallbackTexels"] > 0 or color.tobytes() == exact.tobytes()
     assert np.isfinite(color).all()
-    assert np.abs(color - exact).mean() < 0.05 * exact[..., :3].mean()
+    assert np.abs(color - exact).mean() < 0.02 * exact[..., :3].mean()
 
 
 def test_interactive_pictures_become_exact(Textured):

@@ -157,7 +157,7 @@ TEST_F(SamplerTest, FirstSamplesOfManyPixelsAreUniform) {
 }
 
 TEST_F(SamplerTest, DimensionTableHasNoCollisions) {
-    constexpr std::size_t kCount = 2 + 20 * 6;
+    constexpr std::size_t kCount = 2 + 20 * 5;
     const Buffer out = Allocate(kCount * sizeof(std::uint32_t));
     _program->GetKernel("table").Launch(1, out);
     const std::vector<std::uint32_t> dimensions = Download<std::uint32_t>(out, kCount);

@@ -59,7 +59,7 @@ TEST_P(AllocationFailure, IsAnErrorAndNoMore) {
         ball.mesh = MakeGrid(12, 0.4F);
         session.SetMesh("/ball", ball);
     }
-    EXPECT_GT(numFailed, 5);
+    EXPECT_GE(numFailed, 5); // buffers of a scene, at least
     FailAllocation(-1);
     ASSERT_EQ(session.Render(settings), RenderResult::Complete);
     EXPECT_TRUE(SameLayers(session.Layers(), expected));
