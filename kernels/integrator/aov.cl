@@ -123,6 +123,7 @@ void aov_store(constant const HdsFrameParams* frame, const HdsSceneView* scene, 
     HdsRayCones cones;
     cones.pair = path_load_cones(paths, i);
     surface.coneWidth = cones_width(cones_atHit(cones, hit.t, true));
+    surface.choice = (HdsTexelChoice){0.0f, 8u};
 #endif
     if (!surfaceHit_shade(scene, &surface, -path_load_direction(paths, i).xyz, &shading, &bsdf)) {
         surfaceHit_waitForTexels(scene, i);

@@ -266,12 +266,29 @@ bool shade_passThrough(const HdsHit* hit, const HdsSurfaceHit* surface, float3 t
 }
 #endif
 
+#if HDS_FEATURE_TEXTURES
+/* How the textures of a hit are read. An opacity may be compared with a threshold, which is not
+ * linear: it needs the filter's own value. */
+HdsTexelChoice shade_chooseTexels(constant const HdsFrameParams* frame, const HdsSceneView* scene,
+                                  const HdsSurfaceHit* surface, const HdsShadePath* path) {
+    HdsTexelChoice choice = {0.0f, 8u};
+    if ((surfaceHit_material(scene, surface)->flags & HDS_MATERIAL_CUTOUT) == 0u) {
+        const HdsSampler sampler = pixel_sampler(frame, path->status.x, path->status.y);
+        choice.number = sampler_get2(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_OPACITY)).y;
+        choice.numTexels = path->depth == 0u ? 4u : 1u;
+    }
+    return choice;
+}
+#endif
+
 /* Reads a hit and evaluates its material. Sets path->isMissing. */
-void shade_loadHit(const HdsSceneView* scene, HdsShadePath* path, HdsShadeHit* at) {
+void shade_loadHit(constant const HdsFrameParams* frame, const HdsSceneView* scene,
+                   HdsShadePath* path, HdsShadeHit* at) {
     surfaceHit_load(scene, &at->hit, &at->surface);
 #if HDS_FEATURE_TEXTURES
     path->hitCones = cones_atHit(path->cones, at->hit.t, path->depth == 0u);
     at->surface.coneWidth = cones_width(path->hitCones);
+    at->surface.choice = shade_chooseTexels(frame, scene, &at->surface, path);
 #endif
     at->isEnd = path->isLast && surfaceHit_isDark(scene, &at->surface);
     if (!at->isEnd) {
@@ -336,7 +353,7 @@ uint shade_path(constant const HdsFrameParams* frame, const HdsSceneView* scene,
     }
     HdsShadePath path = shade_loadPath(paths, i);
     if (isHit) {
-        shade_loadHit(scene, &path, &at);
+        shade_loadHit(frame, scene, &path, &at);
     }
     bool hasShadow = false;
     bool goesOn = false;

@@ -195,6 +195,7 @@ void shadow_passCandidate(const HdsSceneView* scene, HdsPaths paths, uint i, glo
     float4 radiance = path_load_shadowRadiance(paths, i);
 #if HDS_FEATURE_TEXTURES
     surface.coneWidth = cones_width(cones_atHit(cones_unpack(radiance.w), hit.t, false));
+    surface.choice = (HdsTexelChoice){0.0f, 8u};
 #endif
     float3 share;
     if (!surfaceHit_passThrough(scene, &surface, -direction.xyz, &share)) {

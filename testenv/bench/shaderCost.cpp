@@ -40,6 +40,8 @@ void setPoint(uint i, const HdsTextureView* view, global const uint* page, HdsPr
     point->textures = view;
     point->footprint = (float4)(1.3f / 1024.0f, 0.0f, 0.0f, 1.7f / 1024.0f);
     point->mipBias = 0.0f;
+    point->choice.number = (float)(i & 63u) / 64.0f;
+    point->choice.numTexels = 4u;
     point->isMissing = false;
     point->tangents = (float4)(0.0f);
 }
@@ -78,12 +80,13 @@ kernel void machine(HDS_TEXTURE_ARGS, global const HdsMaterial* material, global
     finish(values, point.tangents, withBsdf, out + i);
 }
 
-float4 lookUp(const HdsTextureView* view, uint texture, float4 st, float4 d, float4 f,
-              bool* isMissing) {
+float4 lookUp(HdsProgramPoint* point, uint texture, float4 st, float4 d) {
+    const float4 f = point->footprint;
     const float4 axes = (float4)(fma(d.x, f.x, d.z * f.y), fma(d.y, f.x, d.w * f.y),
                                  fma(d.x, f.z, d.z * f.w), fma(d.y, f.z, d.w * f.w));
-    return texture_lookup(view, texture, HDS_LOOKUP_WRAPS(HDS_WRAP_REPEAT, HDS_WRAP_REPEAT), st.xy,
-                          axes, 0.0f, isMissing);
+    const float level = lookup_level(point->textures->textures + texture, axes, 0.0f);
+    return texture_lookup(point->textures, texture, HDS_LOOKUP_WRAPS(HDS_WRAP_REPEAT, HDS_WRAP_REPEAT),
+                          st.xy, level, point->choice, &point->isMissing);
 }
 
 kernel void hardCoded(HDS_TEXTURE_ARGS, global const HdsMaterial* material,
@@ -101,13 +104,13 @@ kernel void hardCoded(HDS_TEXTURE_ARGS, global const HdsMaterial* material,
     attributes_readDerivatives(page, HDS_SLOT_USER, &point.at, &alongU, &alongV);
     const float4 st = attributes_read(page, HDS_SLOT_USER, &point.at, (float4)(0.0f));
     const float4 d = (float4)(alongU.xy, alongV.xy);
-    const float4 base = lookUp(&view, 0u, st, d, point.footprint, &point.isMissing);
+    const float4 base = lookUp(&point, 0u, st, d);
     values[HDS_INPUT_DIFFUSE_COLOR] = base;
     values[HDS_INPUT_OPACITY] = base.wwww;
-    const float4 packed = lookUp(&view, 1u, st, d, point.footprint, &point.isMissing);
+    const float4 packed = lookUp(&point, 1u, st, d);
     values[HDS_INPUT_ROUGHNESS] = packed.yyyy;
     values[HDS_INPUT_METALLIC] = packed.zzzz;
-    const float4 bump = lookUp(&view, 2u, st, d, point.footprint, &point.isMissing);
+    const float4 bump = lookUp(&point, 2u, st, d);
     values[HDS_INPUT_NORMAL] = fma(bump, (float4)(2.0f, 2.0f, 2.0f, 1.0f),
                                    (float4)(-1.0f, -1.0f, -1.0f, 0.0f));
     finish(values, d, withBsdf, out + i);

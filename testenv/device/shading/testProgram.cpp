@@ -36,6 +36,7 @@ kernel void run(HDS_TEXTURE_ARGS, global const uint* program, global const uint*
     point.textures = &view;
     point.footprint = (float4)(vload2(3 * i + 1, in), vload2(3 * i + 2, in));
     point.mipBias = 0.0f;
+    point.choice = (HdsTexelChoice){0.0f, 8u};
     point.isMissing = false;
     point.tangents = (float4)(0.0f);
     float4 values[HDS_NUM_INPUTS];

@@ -24,10 +24,34 @@ kernel void look(HDS_TEXTURE_ARGS, uint texture, uint wraps, global const float*
     HdsTextureView view;
     HDS_TEXTURE_VIEW(view);
     bool isMissing = false;
-    out[i] = texture_lookup(&view, texture, wraps, vload2(3 * i, in),
-                            (float4)(vload2(3 * i + 1, in), vload2(3 * i + 2, in)), bias,
-                            &isMissing);
+    const float level = lookup_level(
+        &view.textures[texture], (float4)(vload2(3 * i + 1, in), vload2(3 * i + 2, in)), bias);
+    out[i] = texture_lookupMip(&view, texture, wraps, vload2(3 * i, in), level, &isMissing);
     if (isMissing) out[i] = (float4)(NAN);
+}
+/* What texture_lookup's choices come to on average: of four texels, of one. */
+kernel void lookByChoice(HDS_TEXTURE_ARGS, uint texture, uint wraps, global const float* in,
+                         uint numChoices, global float4* out, uint count) {
+    uint i = (uint)get_global_id(0);
+    if (i >= count) return;
+    HdsTextureView view;
+    HDS_TEXTURE_VIEW(view);
+    bool isMissing = false;
+    const float level = lookup_level(
+        &view.textures[texture], (float4)(vload2(3 * i + 1, in), vload2(3 * i + 2, in)), 0.0f);
+    for (uint kind = 0u; kind < 2u; ++kind) {
+        float4 sum = (float4)(0.0f);
+        for (uint k = 0u; k < numChoices; ++k) {
+            HdsTexelChoice choice = {((float)k + 0.5f) / (float)numChoices, kind == 0u ? 4u : 1u};
+            sum += texture_lookup(&view, texture, wraps, vload2(3 * i, in), level, choice,
+                                  &isMissing);
+        }
+        out[2 * i + kind] = sum / (float)numChoices;
+    }
+}
+kernel void log2Of(global const float* in, global float* out, uint count) {
+    uint i = (uint)get_global_id(0);
+    if (i < count) out[i] = lookup_log2(in[i]);
 }
 )";
 
@@ -41,22 +65,21 @@ class LookupTest : public DeviceFixture {
 protected:
     std::vector<glm::vec4> Look(std::uint32_t texture, std::uint32_t wrapS, std::uint32_t wrapT,
                                 const std::vector<Query>& queries, float bias = 0.0F) {
+        return Launch("look", texture, wrapS, wrapT, queries, bias, 1);
+    }
+
+    /// Two values a query: the means over `numChoices` choices, of four texels and of one.
+    std::vector<glm::vec4> LookByChoice(std::uint32_t texture, std::uint32_t wrapS,
+                                        std::uint32_t wrapT, const std::vector<Query>& queries,
+                                        std::uint32_t numChoices) {
+        return Launch("lookByChoice", texture, wrapS, wrapT, queries, numChoices, 2);
+    }
+
+    Program& GetProgram() {
         if (!_program) {
             _program = Build(kSource, {{"HDS_NUM_TEXTURE_POOLS", "1"}});
         }
-        std::vector<float> in;
-        for (const Query& query : queries) {
-            in.insert(in.end(), {query.st.x, query.st.y, query.axes.x, query.axes.y, query.axes.z,
-                                 query.axes.w});
-        }
-        const Buffer records = Upload(textures.Records());
-        const Buffer texels = Upload(textures.Texels());
-        const Buffer input = Upload(in);
-        const Buffer out = Allocate(queries.size() * sizeof(glm::vec4));
-        _program->GetKernel("look").Launch(queries.size(), HDS_TEST_TEXTURE_ARGS(records, texels),
-                                           texture, std::uint32_t(HDS_LOOKUP_WRAPS(wrapS, wrapT)),
-                                           input, bias, out, std::uint32_t(queries.size()));
-        return Download<glm::vec4>(out, queries.size());
+        return *_program;
     }
 
     void ExpectReference(std::uint32_t texture, std::uint32_t wrapS, std::uint32_t wrapT,
@@ -91,6 +114,26 @@ protected:
     PlainTextures textures;
 
 private:
+    template <typename Parameter>
+    std::vector<glm::vec4> Launch(const char* kernel, std::uint32_t texture, std::uint32_t wrapS,
+                                  std::uint32_t wrapT, const std::vector<Query>& queries,
+                                  Parameter parameter, std::size_t numValues) {
+        std::vector<float> in;
+        for (const Query& query : queries) {
+            in.insert(in.end(), {query.st.x, query.st.y, query.axes.x, query.axes.y, query.axes.z,
+                                 query.axes.w});
+        }
+        const Buffer records = Upload(textures.Records());
+        const Buffer texels = Upload(textures.Texels());
+        const Buffer input = Upload(in);
+        const Buffer out = Allocate(numValues * queries.size() * sizeof(glm::vec4));
+        GetProgram().GetKernel(kernel).Launch(queries.size(),
+                                              HDS_TEST_TEXTURE_ARGS(records, texels), texture,
+                                              std::uint32_t(HDS_LOOKUP_WRAPS(wrapS, wrapT)), input,
+                                              parameter, out, std::uint32_t(queries.size()));
+        return Download<glm::vec4>(out, numValues * queries.size());
+    }
+
     std::unique_ptr<Program> _program;
     std::mt19937 _generator{7};
 };
@@ -201,6 +244,44 @@ TEST_F(LookupTest, TheLevelFollowsTheMinorAxisUpToTheAnisotropy) {
     ExpectReference(texture, 2, 2, RandomQueries(2000, 1.0F), 2e-4);
     ExpectReference(texture, 2, 2, RandomQueries(200, 1.0F), 2e-4, 1.5F);
     ExpectReference(texture, 2, 2, RandomQueries(200, 1.0F), 2e-4, -2.0F);
+}
+
+TEST_F(LookupTest, ChoicesAverageToTheTrilinearValue) {
+    const std::uint32_t texture = textures.Add(32, 64, HDS_TEXEL_U8 | 2U, HDS_SWIZZLE_RGBA, 6);
+    const std::vector<Query> queries = RandomQueries(200, 1.5F);
+    constexpr std::uint32_t kChoices = 4096;
+    // Values are in [0, 1]; [0, 1) is cut into at most 2 and 8 parts, and each cut may be off by
+    // one choice.
+    const double tolerance[2] = {2.0 / kChoices, 8.0 / kChoices};
+    for (std::uint32_t wrap = HDS_WRAP_BLACK; wrap <= HDS_WRAP_MIRROR; ++wrap) {
+        const std::vector<glm::vec4> found = LookByChoice(texture, wrap, wrap, queries, kChoices);
+        for (std::size_t i = 0; i < found.size(); ++i) {
+            const Query& query = queries[i / 2];
+            const glm::dvec4 expected =
+                LookUp(textures, texture, wrap, wrap, query.st, query.axes, 0.0);
+            for (int c = 0; c < 4; ++c) {
+                ASSERT_NEAR(found[i][c], expected[c], tolerance[i % 2])
+                    << "query " << i / 2 << (i % 2 == 0 ? " four texels" : " one texel");
+            }
+        }
+    }
+}
+
+TEST_F(LookupTest, LogarithmsAreExact) {
+    std::vector<float> in;
+    for (int e = -126; e < 128; ++e) {
+        for (const float m : {1.0F, 1.0000001F, 1.3F, 1.4142135F, 1.4142137F, 1.7F, 1.9999999F}) {
+            in.push_back(std::ldexp(m, e));
+        }
+    }
+    const Buffer input = Upload(in);
+    const Buffer out = Allocate(in.size() * sizeof(float));
+    GetProgram().GetKernel("log2Of").Launch(in.size(), input, out, std::uint32_t(in.size()));
+    const std::vector<float> found = Download<float>(out, in.size());
+    for (std::size_t i = 0; i < in.size(); ++i) {
+        const double expected = std::log2(double(in[i]));
+        EXPECT_NEAR(found[i], expected, 1.5e-7 + 6e-8 * std::abs(expected)) << in[i];
+    }
 }
 
 } // namespace
