@@ -311,7 +311,9 @@ struct PathTracer::Impl {
     std::vector<float> RelativeErrors() {
         const auto count = static_cast<std::uint32_t>(activePixels.size());
         Buffer errors(device, "pixel errors", std::uint64_t{count} * sizeof(float));
-        kernels->relativeError.Launch(count, film.Film(), pixels, count, errors);
+        kernels->relativeError.Launch(
+            count, film.Film(), static_cast<std::int32_t>(options.imageWidth),
+            static_cast<std::int32_t>(options.imageHeight), pixels, count, errors);
         std::vector<float> values(count);
         errors.Read(values.data(), values.size() * sizeof(float));
         return values;

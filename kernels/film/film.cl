@@ -29,15 +29,39 @@ kernel void film_develop(global const HdsFilmPixel* film, uint numPixels, global
     }
 }
 
+/* Pixels on each side of one that film_relativeError looks at, and what a pixel counts by itself.
+ */
+#define HDS_ERROR_RADIUS 2
+#define HDS_ERROR_OWN_SHARE 0.25f
+
+/* Mean of filmPixel_relativeVariance over the window around a pixel. */
+float film_windowVariance(global const HdsFilmPixel* film, int2 size, int2 at) {
+    const int2 from = max(at - HDS_ERROR_RADIUS, 0);
+    const int2 to = min(at + HDS_ERROR_RADIUS, size - 1);
+    float sum = 0.0f;
+    for (int y = from.y; y <= to.y; ++y) {
+        for (int x = from.x; x <= to.x; ++x) {
+            const HdsFilmPixel pixel = film[y * size.x + x];
+            sum += filmPixel_relativeVariance(&pixel);
+        }
+    }
+    return sum / (float)((to.x - from.x + 1) * (to.y - from.y + 1));
+}
+
 /* Relative error of each listed pixel, the root of what it adds to relMSE (DESIGN.md section 10):
- * standard error of the mean over sqrt(mean^2 + 0.01), of luminance. Global size: numPixels. */
-kernel void film_relativeError(global const HdsFilmPixel* film, global const uint* pixels,
-                               uint numPixels, global float* errors) {
+ * standard error of the mean over sqrt(mean^2 + 0.01), of luminance. A few blocks of one pixel say
+ * little about its variance, and nothing of a bright path that it has not met: it is the mean of a
+ * window of pixels, or a quarter of the pixel's own where that is more (a line thinner than the
+ * window). Global size: numPixels. */
+kernel void film_relativeError(global const HdsFilmPixel* film, int width, int height,
+                               global const uint* pixels, uint numPixels, global float* errors) {
     uint i = (uint)get_global_id(0);
     if (i >= numPixels) {
         return;
     }
-    HdsFilmPixel pixel = film[pixels[i]];
-    float mean = vec_luminance(filmPixel_mean(&pixel).xyz);
-    errors[i] = sqrt(filmPixel_variance(&pixel) / fma(mean, mean, 0.01f));
+    const HdsFilmPixel pixel = film[pixels[i]];
+    const int2 at = (int2)((int)(pixels[i] % (uint)width), (int)(pixels[i] / (uint)width));
+    const float variance = fmax(HDS_ERROR_OWN_SHARE * filmPixel_relativeVariance(&pixel),
+                                film_windowVariance(film, (int2)(width, height), at));
+    errors[i] = sqrt(variance / fmax((float)pixel.numSamples, 1.0f));
 }

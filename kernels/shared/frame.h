@@ -75,10 +75,10 @@ HDS_ASSERT_SIZE(HdsWave, 16);
 typedef struct {
     float4 sum;                /* of finished blocks: r, g, b, alpha */
     float4 blockSum;           /* of the present block */
-    f32 luminanceSquares;      /* of finished blocks */
-    f32 blockLuminanceSquares; /* of the present block */
+    f32 luminanceSquares;      /* of the samples of finished blocks */
+    f32 blockLuminanceSquares; /* of the samples of the present block */
+    f32 blockSquares;          /* of the luminance sums of finished blocks */
     u32 numSamples;
-    u32 pad0;
 } HdsFilmPixel;
 HDS_ASSERT_SIZE(HdsFilmPixel, 48);
 
