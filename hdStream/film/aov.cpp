@@ -51,6 +51,7 @@ std::vector<AovInfo> MakeTable() {
         Integer("elementId", "id", first, -1, "authored face, -1 where nothing is hit"),
         Data("variance", {"Y"}, AovFilter::Counter, 0.0f,
              "estimated variance of the pixel's luminance (of the mean, not of one sample)"),
+        Color("noisy", {"R", "G", "B", "A"}, AovFilter::Weighted, "color before it is denoised"),
         Integer("sampleCount", "count", AovFilter::Counter, 0, "samples taken in the pixel"),
     };
 }

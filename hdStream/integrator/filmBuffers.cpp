@@ -76,7 +76,7 @@ std::vector<ImageLayer> FilmBuffers::Develop(StageKernels* kernels, std::uint32_
     kernels->develop.Launch(numPixels, _film, numPixels, _floats, _layout.floatsPerPixel, _ints,
                             _layout.intsPerPixel, OffsetOf(_layout, "color"),
                             OffsetOf(_layout, "alpha"), OffsetOf(_layout, "variance"),
-                            OffsetOf(_layout, "sampleCount"));
+                            OffsetOf(_layout, "sampleCount"), OffsetOf(_layout, "noisy"));
     std::vector<float> floats(std::size_t{numPixels} * _layout.floatsPerPixel);
     std::vector<std::int32_t> ints(std::size_t{numPixels} * _layout.intsPerPixel);
     _device->Finish();

@@ -86,6 +86,11 @@ void BindWriting(nb::module_& module) {
         "metadata"_a = ImageMetadata(),
         "Writes layers; returns those that the format cannot hold.");
 
+    module.def("AddDenoiserLibrary", &AddDenoiserLibrary, "file"_a,
+               "A file of Open Image Denoise that is tried before the system's.");
+    module.def("CheckDenoiser", &CheckDenoiser, ReleaseGil(),
+               "Raises Error unless pictures can be denoised.");
+
     nb::class_<AovInfo>(module, "AovInfo", "An AOV that a render can write.")
         .def_ro("name", &AovInfo::name)
         .def_ro("channels", &AovInfo::channels)

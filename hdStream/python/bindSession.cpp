@@ -113,6 +113,7 @@ void BindSettings(nb::module_& module) {
         .def_rw("pixelFilter", &Settings::pixelFilter)
         .def_rw("pixelFilterWidth", &Settings::pixelFilterWidth)
         .def_rw("russianRoulette", &Settings::russianRoulette)
+        .def_rw("denoise", &Settings::denoise)
         .def_rw("mipBias", &Settings::mipBias)
         .def_rw("subdivision", &Settings::subdivision)
         .def_rw("refineLevel", &Settings::refineLevel)

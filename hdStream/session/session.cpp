@@ -6,6 +6,7 @@
 #include "hdStream/integrator/pathTracer.h"
 #include "hdStream/persist/pageStore.h"
 #include "hdStream/scene/dump.h"
+#include "hdStream/session/denoising.h"
 #include "hdStream/session/settingsCheck.h"
 #include "hdStream/session/statistics.h"
 
@@ -125,6 +126,22 @@ struct Session::Impl {
         return true;
     }
 
+    /// Without Open Image Denoise pictures stay as they are, with a warning.
+    void ReadyDenoiser(const Settings& settings) {
+        denoisedAovs.clear();
+        if (!settings.denoise) {
+            return;
+        }
+        try {
+            if (!denoiser) {
+                denoiser = std::make_unique<Denoiser>();
+            }
+            denoisedAovs = settings.aovs;
+        } catch (const Error& error) {
+            warnings.Add("", error.what());
+        }
+    }
+
     /// What is counted is of the render that begins.
     void BeginStatistics() {
         statistics.commitSeconds = 0.0;
@@ -139,6 +156,7 @@ struct Session::Impl {
                         const ProgressCallback& onProgress, bool showsPreviews) {
         const auto start = std::chrono::steady_clock::now();
         ReadyDevice(settings);
+        ReadyDenoiser(settings);
         BeginStatistics();
         const CancelCallback isCancelled = [&] {
             Progress progress;
@@ -146,6 +164,9 @@ struct Session::Impl {
             return onProgress && !onProgress(progress);
         };
         RenderOptions options = MakeRenderOptions(settings, camera);
+        if (!denoisedAovs.empty()) {
+            options.aovs = MakeAovLayout(WithDenoiserGuides(denoisedAovs));
+        }
         options.showsPreviews = showsPreviews;
         if (!dicingCamera || dicingCamera->isStill == settings.cameraMoves) {
             dicingCamera = MakeDicingCamera(options);
@@ -188,6 +209,8 @@ struct Session::Impl {
     std::optional<CommitKey> committed; ///< what `scene` and the tracer's device tables hold
     std::unique_ptr<PathTracer> tracer;
     bool hasFilm = false; ///< the tracer has begun a render
+    std::unique_ptr<Denoiser> denoiser;
+    std::vector<std::string> denoisedAovs; ///< of the present render; empty: it is not denoised
     StatisticsInput statistics;
     double sinceStartSeconds = 0.0;
 };
@@ -289,7 +312,14 @@ std::vector<ImageLayer> Session::Layers(bool withFirstHits) const {
     if (!_impl->hasFilm) {
         throw Error("nothing has been rendered yet");
     }
-    return _impl->tracer->Layers(withFirstHits);
+    std::vector<ImageLayer> layers = _impl->tracer->Layers(withFirstHits);
+    if (!_impl->denoisedAovs.empty()) {
+        if (withFirstHits) {
+            DenoiseColor(*_impl->denoiser, &layers);
+        }
+        layers.resize(_impl->denoisedAovs.size()); // without the guides that were added
+    }
+    return layers;
 }
 
 bool Session::HasImage() const {

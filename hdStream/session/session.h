@@ -6,6 +6,7 @@
 #include "hdStream/base/error.h"
 #include "hdStream/device/device.h"
 #include "hdStream/film/compare.h"
+#include "hdStream/film/denoiser.h"
 #include "hdStream/film/imageWriter.h"
 #include "hdStream/geometry/implicitMesh.h"
 #include "hdStream/integrator/renderOptions.h"

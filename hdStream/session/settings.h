@@ -39,6 +39,7 @@ struct Settings {
     std::string pixelFilter = "blackmanHarris"; ///< or "box"
     double pixelFilterWidth = 3.0;              ///< pixels, full width (box: 1 is the pixel itself)
     bool russianRoulette = true;
+    bool denoise = false; ///< the picture, by Open Image Denoise
     double mipBias = 0.0; ///< mips that texture look-ups are moved by; positive: coarser
     std::string subdivision = "adaptive"; ///< adaptive, complexity (refineLevel everywhere) or cage
     std::uint32_t refineLevel = 0;        ///< for subdivision "complexity"

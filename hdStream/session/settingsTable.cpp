@@ -148,6 +148,8 @@ std::vector<Row> UserRows() {
         MakeRow(&S::russianRoulette,
                 Info(K::Bool, "russianRoulette", "", "Russian roulette",
                      "dim paths end by chance; switching it off changes the noise only")),
+        MakeRow(&S::denoise, Info(K::Bool, "denoise", "--denoise", "Denoise",
+                                  "the picture, by Open Image Denoise where it is installed")),
         MakeRow(&S::mipBias, Ranged(K::Number, "mipBias", "", "Mip bias",
                                     "mips that texture look-ups are moved by; positive: coarser",
                                     -kMaxMipBias, kMaxMipBias)),

@@ -7,7 +7,8 @@
  * HDS_NONE: not asked for. Global size: number of pixels. */
 kernel void film_develop(global const HdsFilmPixel* film, uint numPixels, global float* floats,
                          uint floatStride, global int* ints, uint intStride, uint colorOffset,
-                         uint alphaOffset, uint varianceOffset, uint countOffset) {
+                         uint alphaOffset, uint varianceOffset, uint countOffset,
+                         uint noisyOffset) {
     uint i = (uint)get_global_id(0);
     if (i >= numPixels) {
         return;
@@ -17,6 +18,9 @@ kernel void film_develop(global const HdsFilmPixel* film, uint numPixels, global
     float4 mean = filmPixel_mean(&pixel);
     if (colorOffset != HDS_NONE) {
         vstore4(mean, 0, target + colorOffset);
+    }
+    if (noisyOffset != HDS_NONE) {
+        vstore4(mean, 0, target + noisyOffset);
     }
     if (alphaOffset != HDS_NONE) {
         target[alphaOffset] = mean.w;

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Wrong usage and bad files: one line that names the option or file, and the right exit code."""
 
+import ctypes.util
 import os
 
 import pytest
@@ -118,6 +119,17 @@ def test_no_opencl_device(tmp_path):
     AssertFails(Run("devices", environment=environment), 1, "no OpenCL device")
     AssertFails(Run("record", WriteStage(tmp_path), tmp_path / "o.exr", *SMALL, environment=environment),
                 1, "no OpenCL device")
+
+
+@pytest.mark.skipif(ctypes.util.find_library("OpenImageDenoise"), reason="the system has Open Image Denoise")
+def test_no_denoiser(tmp_path):
+    """A package of that name that has no library."""
+    (tmp_path / "pyoidn").mkdir()
+    (tmp_path / "pyoidn" / "__init__.py").touch()
+    environment = {"PYTHONPATH": os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])}
+    AssertFails(Run("record", WriteStage(tmp_path), tmp_path / "o.exr", *SMALL, "--denoise", environment=environment),
+                1, "Open Image Denoise 2 was not found")
+    assert not (tmp_path / "o.exr").exists()
 
 
 def test_unknown_device(tmp_path):

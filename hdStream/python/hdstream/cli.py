@@ -129,8 +129,11 @@ def _AddRecordOptions(command):
                          help="image file, .exr, .png or .jpg; #### is the frame")
     _AddUsdrecordOptions(command.add_argument_group("what to render (usdrecord's names)"))
     quality = command.add_argument_group("when to stop")
-    for name in ("samples", "maxDepth", "seed", "timeLimit", "noise", "aovs"):
+    for name in ("samples", "maxDepth", "seed", "timeLimit", "noise"):
         options.AddSetting(quality, name)
+    picture = command.add_argument_group("what to write")
+    for name in ("aovs", "denoise"):
+        options.AddSetting(picture, name)
     _AddStreamingOptions(command.add_argument_group("memory and streaming"))
     machine = command.add_argument_group("machine and reports")
     for name in ("device", "cacheDirectory", "noCache"):

@@ -10,6 +10,7 @@ import time
 import numpy as np
 
 from hdstream import _core
+from hdstream.denoiser import FindDenoiser
 from hdstream.errors import EXIT_INTERRUPTED, EXIT_OK, CommandError, UsageError
 from hdstream.interruption import Interruption
 from hdstream.processTime import SecondsSinceStart
@@ -93,6 +94,9 @@ class Recorder:
             raise UsageError("--aovs: no names")
         if "#" not in args.output:
             _core.CheckImageFile(args.output)
+        FindDenoiser()
+        if args.denoise:
+            _core.CheckDenoiser()
         if args.stats:
             folder = os.path.dirname(args.stats) or "."
             if not os.path.isdir(folder) or os.path.isdir(args.stats) or not os.access(folder, os.W_OK):

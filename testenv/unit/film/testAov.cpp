@@ -11,8 +11,8 @@ namespace {
 
 TEST(Aov, TableHasEveryAovOfTheContractOnce) {
     const std::set<std::string> expected{
-        "color",  "alpha",  "depth",      "cameraDepth", "normal",   "Neye",       "position",
-        "albedo", "primId", "instanceId", "elementId",   "variance", "sampleCount"};
+        "color",  "alpha",  "depth",      "cameraDepth", "normal",   "Neye",  "position",
+        "albedo", "primId", "instanceId", "elementId",   "variance", "noisy", "sampleCount"};
     std::set<std::string> names;
     for (const hds::AovInfo& info : hds::AovTable()) {
         EXPECT_TRUE(names.insert(info.name).second) << info.name;

@@ -84,7 +84,7 @@ TEST(SettingsTable, HasARowForEveryMember) {
         double timeLimit, noise;
         std::string pixelFilter;
         double pixelFilterWidth;
-        bool russianRoulette;
+        bool russianRoulette, denoise;
         double mipBias;
         std::string subdivision;
         std::uint32_t refineLevel, waveSize;
@@ -99,7 +99,7 @@ TEST(SettingsTable, HasARowForEveryMember) {
         std::string prepare;
     };
     EXPECT_EQ(sizeof(Settings), sizeof(Mirror));
-    EXPECT_EQ(SettingTable().size(), 36U);
+    EXPECT_EQ(SettingTable().size(), 37U);
 }
 
 TEST(SettingsTable, DefaultsAreLegal) {
