@@ -132,7 +132,7 @@ def Stages(build: pathlib.Path, pattern: str, environment: dict, reports: pathli
 
 def Main() -> int:
     parser = argparse.ArgumentParser(prog="scripts/test", description="Builds hdStream and runs its tests.")
-    parser.add_argument("--build", type=pathlib.Path, required=True, help=argparse.SUPPRESS)
+    parser.add_argument("--build", type=lambda text: pathlib.Path(text).resolve(), required=True, help=argparse.SUPPRESS)
     parser.add_argument("-k", metavar="PATTERN", default="", help="only tests whose name contains PATTERN")
     parser.add_argument("stages", metavar="STAGE", nargs="*", help="only these: layers, format, unit, device, ...")
     options = parser.parse_args()
