@@ -84,6 +84,8 @@ struct PathTracer::Impl {
         KernelFeatures features;
         features.cutouts = scene->hasCutouts;
         features.programs = buffers.HasPrograms();
+        features.patterns = scene->hasPatterns;
+        features.lobes = scene->lobes;
         features.textures = buffers.HasTextures();
         features.manyTexturePools = buffers.Textures().NumBuffers() > 1;
         features.textureStreaming = buffers.Textures().Pool() != nullptr;

@@ -45,6 +45,8 @@ ProgramDefines MakeDefines(const Device& device, const KernelFeatures& features)
         {"HDS_RUN_LENGTH", std::to_string(RunLength(device)) + "u"},
         {"HDS_FEATURE_CUTOUT", features.cutouts ? "1" : "0"},
         {"HDS_FEATURE_PROGRAMS", features.programs ? "1" : "0"},
+        {"HDS_FEATURE_PATTERNS", features.patterns ? "1" : "0"},
+        {"HDS_LOBES", std::to_string(features.lobes) + "u"},
         {"HDS_FEATURE_TEXTURES", features.textures ? "1" : "0"},
         {"HDS_NUM_TEXTURE_POOLS", std::to_string(features.manyTexturePools ? kMaxPoolBuffers : 1)},
         {"HDS_FEATURE_TEXTURE_STREAMING", features.textureStreaming ? "1" : "0"},

@@ -14,6 +14,8 @@ namespace hds {
 struct KernelFeatures {
     bool cutouts = false;          ///< some material may let rays pass
     bool programs = false;         ///< some material has a program
+    bool patterns = false;         ///< some program computes
+    std::uint32_t lobes = 0;       ///< HDS_LOBE_* of layered surfaces
     bool textures = false;         ///< some program or some light looks textures up
     bool manyTexturePools = false; ///< texels lie in more than one buffer
     bool textureStreaming = false; ///< lines of textures may be missing
@@ -30,7 +32,8 @@ struct KernelFeatures {
 
     bool operator==(const KernelFeatures& other) const {
         return cutouts == other.cutouts && programs == other.programs &&
-               textures == other.textures && manyTexturePools == other.manyTexturePools &&
+               patterns == other.patterns && lobes == other.lobes && textures == other.textures &&
+               manyTexturePools == other.manyTexturePools &&
                textureStreaming == other.textureStreaming && plainTextures == other.plainTextures &&
                groups == other.groups && wide == other.wide && firstHits == other.firstHits &&
                manyPools == other.manyPools && streaming == other.streaming &&

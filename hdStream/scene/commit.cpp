@@ -8,6 +8,7 @@
 #include "hdStream/scene/sceneCentre.h"
 #include "hdStream/scene/textureImages.h"
 #include "hdStream/scene/transforms.h"
+#include "hdStream/shading/programWriter.h"
 
 #include <glm/geometric.hpp>
 
@@ -82,6 +83,12 @@ public:
         _result->materials = std::move(_materials.materials);
         _result->meshMaterials = std::move(_materials.meshMaterials);
         _result->programs = std::move(_materials.programs);
+        _result->hasPatterns = HasPatterns(_result->programs);
+        _result->lobes = _materials.lobes;
+        OffsetPositions(&_result->programs, HDS_SPACE_WORLD,
+                        {static_cast<float>(_result->centre.x),
+                         static_cast<float>(_result->centre.y),
+                         static_cast<float>(_result->centre.z)});
         // Of lights those along a ray, and the one that is sampled.
         const std::uint32_t numImages = _result->lights->numImages;
         _result->maxLookups = _materials.maxLookups + (numImages > 0 ? numImages + 1 : 0);

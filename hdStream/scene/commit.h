@@ -100,7 +100,9 @@ struct CommittedScene {
     std::vector<std::uint32_t> lightByEntry; ///< lights of emissive material entries
     std::vector<TextureUse> textures;        ///< images of materials and lights
     bool hasCutouts = false;
-    bool hasGroups = false; ///< instances below instances
+    bool hasPatterns = false; ///< some program computes (HDS_FEATURE_PATTERNS)
+    std::uint32_t lobes = 0;  ///< HDS_LOBE_* of layered surfaces
+    bool hasGroups = false;   ///< instances below instances
     SceneCounts counts;
     double seconds = 0.0;
 };

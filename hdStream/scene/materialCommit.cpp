@@ -161,8 +161,13 @@ MeshMaterialInfo MaterialCommit::AddMesh(const std::string& path, const MeshPrim
             ResolveMaterial(compiled, AddTextures(compiled), prepared.attributes, path, _warnings);
         shared::HdsMaterial& record = resolved.record;
         if (!resolved.program.empty()) {
+            OffsetPositions(&resolved.program, HDS_SPACE_OBJECT,
+                            {static_cast<float>(prepared.origin.x),
+                             static_cast<float>(prepared.origin.y),
+                             static_cast<float>(prepared.origin.z)});
             record.program = AddProgram(resolved.program);
         }
+        lobes |= record.lobes;
         info.hasCutouts = info.hasCutouts || (record.flags & HDS_MATERIAL_CUTOUT) != 0;
         info.isEmissive = info.isEmissive || (record.flags & HDS_MATERIAL_EMISSIVE) != 0;
         meshMaterials.push_back(AddRecord(record));

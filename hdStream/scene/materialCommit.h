@@ -52,6 +52,7 @@ public:
     std::vector<std::uint32_t> programs;   ///< of all materials, one after another
     std::vector<MaterialTexture> textures; ///< that programs read, each once, after those of lights
     std::uint32_t maxLookups = 0;          ///< of textures in one program
+    std::uint32_t lobes = 0;               ///< HDS_LOBE_* of all materials
 
 private:
     std::uint32_t AddRecord(const shared::HdsMaterial& record);

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// UsdPreviewSurface networks to records. Defaults: UsdPreviewSurface specification 2.5.
+// Networks to records. Defaults of UsdPreviewSurface: its specification 2.5; layered surfaces are
+// read in layeredMaterial.cpp.
 #include "hdStream/shading/materialCompiler.h"
 
+#include "hdStream/shading/layeredMaterial.h"
 #include "hdStream/shading/networkEvaluator.h"
 #include "hdStream/shading/programWriter.h"
+#include "hdStream/shading/shaderMath.h"
 #include "hdStream/shading/valueResolver.h"
 #include "kernels/shared/geometry.h"
 
@@ -21,8 +24,8 @@ struct InputRow {
     std::array<float, 3> fallback;
 };
 
-/// By HDS_INPUT_*.
-const InputRow kInputs[HDS_NUM_INPUTS] = {
+/// By HDS_INPUT_*; names and defaults are UsdPreviewSurface's.
+const InputRow kInputs[HDS_NUM_LAYERED_INPUTS] = {
     {"diffuseColor", 3, {0.18F, 0.18F, 0.18F}},
     {"emissiveColor", 3, {0.0F, 0.0F, 0.0F}},
     {"specularColor", 3, {0.0F, 0.0F, 0.0F}},
@@ -34,6 +37,21 @@ const InputRow kInputs[HDS_NUM_INPUTS] = {
     {"opacity", 1, {1.0F, 0.0F, 0.0F}},
     {"opacityThreshold", 1, {0.0F, 0.0F, 0.0F}},
     {"ior", 1, {1.5F, 0.0F, 0.0F}},
+    {"dielectric", 1, {}},
+    {"specularWeight", 1, {}},
+    {"metalColor", 3, {}},
+    {"edgeColor", 3, {}},
+    {"stretch", 3, {}},
+    {"diffuseRoughness", 1, {}},
+    {"coatTint", 3, {}},
+    {"coatIor", 1, {}},
+    {"sheen", 1, {}},
+    {"sheenColor", 3, {}},
+    {"sheenRoughness", 1, {}},
+    {"transmission", 1, {}},
+    {"transmissionColor", 3, {}},
+    {"absorption", 3, {}},
+    {"translucency", 3, {}},
 };
 
 void SetConstant(shared::HdsMaterial& material, std::uint32_t input,
@@ -77,25 +95,48 @@ void SetInput(CompiledMaterial& material, std::uint32_t input, const ShaderValue
     if (!fitted) {
         warnings.Add(materialPath, std::string("input ") + kInputs[input].name + " of " +
                                        node.path + " has a wrong type");
-    } else if (IsConstant(fitted)) {
+    } else if (IsConstant(fitted) && input < HDS_NUM_INPUTS) {
         SetConstant(material.constants, input, ConstantOf(fitted));
-    } else {
+    } else if (!IsConstant(fitted) || ConstantOf(fitted) != LayeredDefault(input)) {
         material.values[input] = fitted;
     }
 }
 
-/// The node of the surface terminal when it is a UsdPreviewSurface, else null with a warning.
+/// Puts a layered surface into a material of defaults.
+void SetLayered(CompiledMaterial& material, const LayeredMaterial& layered,
+                const MaterialNode& node, const std::string& materialPath, Warnings& warnings) {
+    material.constants.flags |= layered.flags;
+    material.constants.lobes = layered.lobes;
+    for (std::uint32_t i = 0; i < HDS_NUM_LAYERED_INPUTS; ++i) {
+        if (layered.values[i]) {
+            const ShaderValue value = kInputs[i].numComponents == 1 && i >= HDS_NUM_INPUTS
+                                          ? Spread(layered.values[i])
+                                          : layered.values[i];
+            SetInput(material, i, value, node, materialPath, warnings);
+        }
+    }
+}
+
+bool IsPreviewSurface(const MaterialNode& node) {
+    return node.identifier == "UsdPreviewSurface" ||
+           node.identifier.compare(0, 20, "ND_UsdPreviewSurface") == 0;
+}
+
+/// The node of the surface terminal when it is a known surface, else null with a warning.
 const MaterialNode* FindSurface(const MaterialNetwork& network, const NetworkEvaluator& evaluator,
                                 const std::string& materialPath, Warnings& warnings) {
     const auto terminal = network.terminals.find("surface");
     const MaterialNode* node = terminal == network.terminals.end()
                                    ? nullptr
                                    : evaluator.FindNode(terminal->second.upstreamPath);
+    if (node != nullptr && node->identifier.compare(0, 18, "ND_surfacematerial") == 0) {
+        node = evaluator.FindSource(*node, "surfaceshader");
+    }
     if (node == nullptr) {
         warnings.Add(materialPath, "material has no surface shader; displayColor is used");
         return nullptr;
     }
-    if (node->identifier != "UsdPreviewSurface") {
+    if (!IsPreviewSurface(*node) && !IsLayered(node->identifier)) {
         const std::string what = node->identifier.empty() ? node->path + ", which has no shader id,"
                                                           : node->identifier + " of " + node->path;
         warnings.Add(materialPath,
@@ -124,15 +165,15 @@ std::optional<DisplacementInput> LookupDisplacement(const ShaderValue& value,
     lookup.scale = ConstantOf(operands[2])[channel];
     lookup.bias = ConstantOf(operands[3])[channel];
     const ShaderExpression* st = operands[0].expression.get();
-    while (st->kind == ShaderExpression::Kind::Transform2d &&
-           std::all_of(st->operands.begin() + 1, st->operands.end(), IsConstant)) {
+    while (st->kind == ShaderExpression::Kind::Affine ||
+           (st->kind == ShaderExpression::Kind::Transform2d &&
+            std::all_of(st->operands.begin() + 1, st->operands.end(), IsConstant))) {
         const std::array<double, 6> inner =
-            Transform2dRows(ConstantOf(st->operands[1])[0], ConstantOf(st->operands[2]),
-                            ConstantOf(st->operands[3]));
-        std::array<double, 6>& m = lookup.rows;
-        m = {m[0] * inner[0] + m[1] * inner[3],        m[0] * inner[1] + m[1] * inner[4],
-             m[0] * inner[2] + m[1] * inner[5] + m[2], m[3] * inner[0] + m[4] * inner[3],
-             m[3] * inner[1] + m[4] * inner[4],        m[3] * inner[2] + m[4] * inner[5] + m[5]};
+            st->kind == ShaderExpression::Kind::Affine
+                ? st->rows
+                : Transform2dRows(ConstantOf(st->operands[1])[0], ConstantOf(st->operands[2]),
+                                  ConstantOf(st->operands[3]));
+        lookup.rows = ComposeRows(lookup.rows, inner);
         st = st->operands[0].expression.get();
     }
     DisplacementInput result;
@@ -172,18 +213,48 @@ DisplacementInput FindDisplacement(NetworkEvaluator& evaluator, const MaterialNo
     return displacement;
 }
 
+/// Of the displacement terminal, a MaterialX displacement node.
+DisplacementInput MaterialXDisplacement(NetworkEvaluator& evaluator, const MaterialNetwork& network,
+                                        const std::string& materialPath, Warnings& warnings) {
+    const auto terminal = network.terminals.find("displacement");
+    const MaterialNode* node = terminal == network.terminals.end()
+                                   ? nullptr
+                                   : evaluator.FindNode(terminal->second.upstreamPath);
+    if (node == nullptr) {
+        return {};
+    }
+    const ShaderValue scale = evaluator.EvaluateOr(*node, "scale", {1.0F, 1.0F, 1.0F, 1.0F}, 1);
+    DisplacementInput result = FindDisplacement(evaluator, *node, materialPath, warnings);
+    const float factor = IsConstant(scale) ? ConstantOf(scale)[0] : 1.0F;
+    if (!IsConstant(scale) || (factor != 1.0F && !result.primvar.empty() && !result.lookup)) {
+        warnings.Add(materialPath, "scale of " + node->path + " is ignored");
+        return result;
+    }
+    result.constant *= factor;
+    if (result.lookup) {
+        result.lookup->scale *= factor;
+        result.lookup->bias *= factor;
+    }
+    return result;
+}
+
 /// Whether an input is no constant.
 bool Varies(const shared::HdsMaterial& m, std::uint32_t input) {
     return m.slots[input] != HDS_NONE || (m.programInputs >> input & 1U) != 0;
 }
 
+/// Whether a thin wall lets light through, straight on.
+bool IsThinGlass(const shared::HdsMaterial& m) {
+    return (m.flags & HDS_MATERIAL_THIN_WALLED) != 0 && (m.lobes & HDS_LOBE_TRANSMISSION) != 0;
+}
+
 /// Flags that follow from constants, slots and what the program sets.
 std::uint32_t DerivedFlags(const shared::HdsMaterial& m) {
     std::uint32_t flags = 0;
-    if (Varies(m, HDS_INPUT_OPACITY) || m.constants[HDS_INPUT_OPACITY].x < 1.0F) {
+    if (Varies(m, HDS_INPUT_OPACITY) || m.constants[HDS_INPUT_OPACITY].x < 1.0F || IsThinGlass(m)) {
         flags |= HDS_MATERIAL_CUTOUT;
     }
-    if (!Varies(m, HDS_INPUT_OPACITY_THRESHOLD) &&
+    if (!Varies(m, HDS_INPUT_OPACITY_THRESHOLD) && !IsThinGlass(m) &&
         m.constants[HDS_INPUT_OPACITY_THRESHOLD].x > 0.0F) {
         flags |= HDS_MATERIAL_MASK;
     }
@@ -240,7 +311,8 @@ ShaderValue MakePrimvar(const char* name, const std::array<float, 4>& fallback,
 /// Puts a resolved value where it belongs; `program` collects what is neither constant nor slot.
 void PlaceValue(std::uint32_t input, const ShaderValue& value, const SlotCallback& findSlot,
                 shared::HdsMaterial& record, std::vector<ProgramInput>& program) {
-    if (IsConstant(value)) {
+    const bool isInRecord = input < HDS_NUM_INPUTS;
+    if (IsConstant(value) && isInRecord) {
         std::array<float, 4> constant = ConstantOf(value);
         if (kInputs[input].numComponents == 3 && value.numComponents == 1) {
             constant = {constant[0], constant[0], constant[0], 1.0F};
@@ -249,7 +321,8 @@ void PlaceValue(std::uint32_t input, const ShaderValue& value, const SlotCallbac
         return;
     }
     const ShaderExpression& expression = *value.expression;
-    if (expression.kind == ShaderExpression::Kind::Primvar && value.channel == HDS_CHANNEL_ALL) {
+    if (expression.kind == ShaderExpression::Kind::Primvar && value.channel == HDS_CHANNEL_ALL &&
+        isInRecord) {
         record.slots[input] = findSlot(expression.primvar, kInputs[input].numComponents);
         if (IsConstant(expression.operands[0])) {
             SetConstant(record, input, ConstantOf(expression.operands[0]));
@@ -258,7 +331,7 @@ void PlaceValue(std::uint32_t input, const ShaderValue& value, const SlotCallbac
     }
     program.push_back({input, value});
     record.programInputs |= 1U << input;
-    if (input == HDS_INPUT_NORMAL && expression.kind == ShaderExpression::Kind::Texture) {
+    if (input == HDS_INPUT_NORMAL && HasLookup(value)) {
         record.flags |= HDS_MATERIAL_TANGENTS;
     }
 }
@@ -283,6 +356,13 @@ CompiledMaterial CompileMaterial(const MaterialNetwork& network, const std::stri
         return DisplayColorMaterial();
     }
     CompiledMaterial material = DefaultMaterial();
+    if (IsLayered(surface->identifier)) {
+        SetLayered(material, EvaluateLayered(evaluator, *surface), *surface, materialPath,
+                   warnings);
+        material.textures = evaluator.Textures();
+        material.displacement = MaterialXDisplacement(evaluator, network, materialPath, warnings);
+        return material;
+    }
     for (std::uint32_t i = 0; i < HDS_NUM_INPUTS; ++i) {
         if (const ShaderValue value = evaluator.Evaluate(*surface, kInputs[i].name)) {
             SetInput(material, i, value, *surface, materialPath, warnings);
@@ -291,6 +371,12 @@ CompiledMaterial CompileMaterial(const MaterialNetwork& network, const std::stri
     const ShaderValue workflow = evaluator.Evaluate(*surface, "useSpecularWorkflow");
     if (IsConstant(workflow) && ConstantOf(workflow)[0] != 0.0F) {
         material.constants.flags |= HDS_MATERIAL_SPECULAR_WORKFLOW;
+    }
+    const std::string mode = evaluator.Text(*surface, "opacityMode");
+    if (mode == "presence") {
+        material.constants.flags |= HDS_MATERIAL_PRESENCE;
+    } else if (!mode.empty() && mode != "transparent") {
+        warnings.Add(materialPath, "opacityMode is " + mode + "; transparent is used");
     }
     material.textures = evaluator.Textures(); // without what only displaces
     material.displacement = FindDisplacement(evaluator, *surface, materialPath, warnings);
@@ -306,7 +392,7 @@ ResolvedMaterial ResolveMaterial(const CompiledMaterial& material,
     const SlotCallback findSlot = SlotFinder(attributes, meshPath, warnings);
     ValueResolver resolver(findSlot);
     std::vector<ProgramInput> inputs;
-    for (std::uint32_t i = 0; i < HDS_NUM_INPUTS; ++i) {
+    for (std::uint32_t i = 0; i < HDS_NUM_LAYERED_INPUTS; ++i) {
         if (material.values[i]) {
             const ShaderValue value =
                 resolver.Resolve(material.values[i], kInputs[i].numComponents);
@@ -314,7 +400,13 @@ ResolvedMaterial ResolveMaterial(const CompiledMaterial& material,
         }
     }
     if (!inputs.empty()) {
-        result.program = WriteProgram(inputs, textures, findSlot);
+        std::uint32_t tangentSlot = HDS_NONE;
+        if ((result.record.lobes & HDS_LOBE_ANISOTROPY) != 0) {
+            tangentSlot = findSlot("st", 2);
+            result.record.flags |= tangentSlot == HDS_NONE ? 0U : HDS_MATERIAL_TANGENTS;
+        }
+        result.program = WriteProgram(inputs, textures, findSlot, tangentSlot);
+        result.record.flags |= HasPatterns(result.program) ? HDS_MATERIAL_COMPUTES : 0U;
         if (result.program.empty()) {
             warnings.Add(meshPath, "its material is too deep for the shader machine; the inputs "
                                    "that it computes keep their defaults");

@@ -62,7 +62,7 @@ struct CompiledMaterial {
     /// Inputs that are constants; slots and program are HDS_NONE.
     shared::HdsMaterial constants{};
     /// Inputs that are none, by HDS_INPUT_*; empty: the constant.
-    std::array<ShaderValue, HDS_NUM_INPUTS> values;
+    std::array<ShaderValue, HDS_NUM_LAYERED_INPUTS> values;
     std::vector<MaterialTexture> textures; ///< what tiles of look-ups name
     DisplacementInput displacement;
 };

@@ -125,7 +125,26 @@ ShaderValue NetworkEvaluator::EvaluateOr(const MaterialNode& node, const std::st
     return value;
 }
 
+const MaterialNode* NetworkEvaluator::FindSource(const MaterialNode& node,
+                                                 const std::string& input) const {
+    const auto found = node.connections.find(input);
+    const MaterialNode* source =
+        found == node.connections.end() ? nullptr : FindNode(found->second.upstreamPath);
+    // As long as a chain may be; longer ones are cycles.
+    for (std::size_t i = 0; source != nullptr && i < _nodeByPath.size(); ++i) {
+        if (source->identifier.compare(0, 7, "ND_dot_") != 0) {
+            return source;
+        }
+        const auto next = source->connections.find("in");
+        source = next == source->connections.end() ? nullptr : FindNode(next->second.upstreamPath);
+    }
+    return source;
+}
+
 ShaderValue NetworkEvaluator::EvaluateOutput(const MaterialNode& node, const std::string& output) {
+    if (node.identifier.compare(0, 3, "ND_") == 0) {
+        return EvaluatePattern(node, output);
+    }
     if (node.identifier == "UsdUVTexture") {
         return EvaluateTexture(node, output);
     }
@@ -147,8 +166,8 @@ std::string NetworkEvaluator::Text(const MaterialNode& node, const std::string& 
 }
 
 ShaderValue NetworkEvaluator::EvaluateReader(const MaterialNode& node) {
-    const std::uint32_t numComponents =
-        ReaderComponents(node.identifier.substr(kReaderPrefix.size()));
+    const std::uint32_t numComponents = ReaderComponents(
+        node.identifier.substr(node.identifier.find(kReaderPrefix) + kReaderPrefix.size()));
     if (numComponents == 0) {
         Warn("shader " + node.identifier + " of " + node.path + " gives nothing that can be shown");
         return {};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Follows the connections of a material network from one shader input to what feeds it. Part of the
-// material compiler. Source: UsdPreviewSurface specification 2.5.
+// material compiler. Sources: UsdPreviewSurface specification 2.5; MaterialX 1.39 specification,
+// standard nodes.
 #pragma once
 
 #include "hdStream/base/log.h"
@@ -28,32 +29,47 @@ public:
     /// parameter. Empty: neither. Cycles end with a warning.
     ShaderValue Evaluate(const MaterialNode& node, const std::string& input);
 
+    /// As Evaluate; an input that gives nothing has the fallback, one number spreads over all
+    /// components, and what has too few warns and has the fallback.
+    ShaderValue EvaluateOr(const MaterialNode& node, const std::string& input,
+                           const std::array<float, 4>& fallback, std::uint32_t numComponents);
+
+    /// An input's connected node, through nodes that pass it on; null: none.
+    const MaterialNode* FindSource(const MaterialNode& node, const std::string& input) const;
+
+    /// An input's authored text; empty: none.
+    std::string Text(const MaterialNode& node, const std::string& input) const;
+
+    void Warn(const std::string& text);
+
     /// The textures that the values evaluated so far read.
     const std::vector<MaterialTexture>& Textures() const { return _textures; }
 
 private:
     ShaderValue Parameter(const MaterialNode& node, const std::string& input);
-    ShaderValue EvaluateOr(const MaterialNode& node, const std::string& input,
-                           const std::array<float, 4>& fallback, std::uint32_t numComponents);
     ShaderValue EvaluateOutput(const MaterialNode& node, const std::string& output);
     ShaderValue EvaluateReader(const MaterialNode& node);
     ShaderValue EvaluateTransform2d(const MaterialNode& node);
     ShaderValue EvaluateTexture(const MaterialNode& node, const std::string& output);
+    ShaderValue EvaluatePattern(const MaterialNode& node, const std::string& output);
+    ShaderValue EvaluateImage(const MaterialNode& node, std::uint32_t numComponents);
+    ShaderValue ImageCoordinates(const MaterialNode& node);
+    std::uint32_t AddressModeOf(const MaterialNode& node, const std::string& input);
+    friend class PatternEvaluator;
     ShaderValue MakeTexture(const MaterialNode& node);
     std::vector<std::uint32_t> FindTiles(const MaterialNode& node, const AssetReference& file,
                                          std::vector<ImageFacts>* facts);
     std::uint32_t WrapOf(const MaterialNode& node, const std::string& input,
                          const std::optional<std::uint32_t>& ofFile);
     std::uint32_t AddTexture(const MaterialNode& node, const AssetReference& file);
-    std::string Text(const MaterialNode& node, const std::string& input) const;
-    void Warn(const std::string& text);
-
     const std::string& _materialPath;
     const ImageQueries& _images;
     Warnings& _warnings;
     std::map<std::string, const MaterialNode*> _nodeByPath;
     std::map<std::string, ShaderValue> _lookups; ///< by the path of their UsdUVTexture
     std::map<std::string, bool> _hasAlpha;       ///< likewise
+    /// Of pattern nodes, by (node, output).
+    std::map<std::pair<std::string, std::string>, ShaderValue> _patterns;
     std::vector<MaterialTexture> _textures;
     std::set<std::pair<std::string, std::string>> _visiting; ///< (node, output) on the present walk
 };

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <map>
 #include <utility>
 
 namespace hds {
@@ -21,10 +22,27 @@ bool IsInMask(std::uint32_t input) {
     return input == HDS_INPUT_OPACITY || input == HDS_INPUT_OPACITY_THRESHOLD;
 }
 
+/// Uses of each function and look-up, as operands or as inputs.
+using UseCounts = std::map<const ShaderExpression*, std::uint32_t>;
+
+bool IsShareable(const ShaderExpression& expression) {
+    return expression.kind == Kind::Math || expression.kind == Kind::Texture;
+}
+
+void CountUses(const ShaderExpression& expression, UseCounts* counts) {
+    if (IsShareable(expression) && ++(*counts)[&expression] > 1) {
+        return;
+    }
+    for (const ShaderValue& operand : expression.operands) {
+        CountUses(*operand.expression, counts);
+    }
+}
+
 class Writer {
 public:
-    Writer(const std::vector<std::uint32_t>& textures, const SlotCallback& findSlot)
-        : _textures(textures), _findSlot(findSlot) {}
+    Writer(const std::vector<std::uint32_t>& textures, const SlotCallback& findSlot,
+           UseCounts counts)
+        : _textures(textures), _findSlot(findSlot), _counts(std::move(counts)) {}
 
     /// Evaluates an expression once and stores it to all inputs that it feeds.
     void WriteGroup(const std::vector<const ProgramInput*>& group) {
@@ -70,11 +88,34 @@ private:
         Grow(1);
     }
 
-    /// Adds one value to the stack. \param hasTangents of a look-up: the normal is in its frame
+    /// Adds one value to the stack. \param hasTangents the normal is in the frame of its first
+    /// look-up
     void Push(const ShaderValue& value, bool hasTangents = false) {
         if (_isTooLarge) {
             return;
         }
+        const ShaderExpression& expression = *value.expression;
+        const auto known = _registers.find(&expression);
+        if (known != _registers.end() && !hasTangents) {
+            Emit(HDS_OP(HDS_OP_LOAD, known->second));
+            Grow(1);
+        } else {
+            PushExpression(value, hasTangents);
+            const auto uses = _counts.find(&expression);
+            if (known == _registers.end() && uses != _counts.end() && uses->second > 1 &&
+                _registers.size() < HDS_PROGRAM_REGISTERS) {
+                const auto index = static_cast<std::uint32_t>(_registers.size());
+                _registers[&expression] = index;
+                Emit(HDS_OP(HDS_OP_SAVE, index));
+            }
+        }
+        if (value.channel != HDS_CHANNEL_ALL) {
+            Emit(HDS_OP(HDS_OP_CHANNEL, HDS_STORE(0U, value.channel)));
+        }
+    }
+
+    /// As Push, without the channel.
+    void PushExpression(const ShaderValue& value, bool hasTangents) {
         const ShaderExpression& expression = *value.expression;
         switch (expression.kind) {
         case Kind::Constant:
@@ -85,17 +126,38 @@ private:
             Grow(1);
             break;
         case Kind::Transform2d:
-            PushCoordinates(value);
+        case Kind::Affine:
+            PushCoordinates({value.expression, HDS_CHANNEL_ALL, 2});
             Emit(HDS_OP(HDS_OP_POP, 0U));
             --_depth;
             break;
         case Kind::Texture:
             PushLookup(expression, hasTangents);
             break;
+        case Kind::Math:
+            PushMath(expression, hasTangents);
+            break;
+        case Kind::Position:
+            Emit(HDS_OP(HDS_OP_POSITION, expression.code));
+            std::for_each(_zero.begin(), _zero.end(), [&](float x) { EmitFloat(x); });
+            Grow(1);
+            break;
+        case Kind::Normal:
+            Emit(HDS_OP(HDS_OP_NORMAL, expression.code));
+            Grow(1);
+            break;
         }
-        if (value.channel != HDS_CHANNEL_ALL) {
-            Emit(HDS_OP(HDS_OP_CHANNEL, HDS_STORE(0U, value.channel)));
+    }
+
+    void PushMath(const ShaderExpression& expression, bool hasTangents) {
+        for (const ShaderValue& operand : expression.operands) {
+            const bool isFirst = hasTangents && HasLookup(operand);
+            Push(operand, isFirst);
+            hasTangents = hasTangents && !isFirst;
         }
+        const auto count = static_cast<std::uint32_t>(expression.operands.size());
+        Emit(HDS_OP(HDS_OP_MATH, HDS_MATH(expression.code, count)));
+        _depth -= count - 1;
     }
 
     void PushLookup(const ShaderExpression& expression, bool hasTangents) {
@@ -131,8 +193,11 @@ private:
         if (expression.kind == Kind::Primvar && value.channel == HDS_CHANNEL_ALL) {
             Emit(HDS_OP(HDS_OP_COORDINATES, _findSlot(expression.primvar, 2)));
             Grow(2);
-        } else if (expression.kind == Kind::Transform2d) {
+        } else if (expression.kind == Kind::Transform2d && value.channel == HDS_CHANNEL_ALL) {
             PushTransform(expression);
+        } else if (expression.kind == Kind::Affine && value.channel == HDS_CHANNEL_ALL) {
+            PushCoordinates(expression.operands[0]);
+            EmitAffine(expression.rows);
         } else {
             Push(value);
             PushConstant({});
@@ -143,12 +208,9 @@ private:
         PushCoordinates(expression.operands[0]);
         const auto parameters = expression.operands.begin() + 1;
         if (std::all_of(parameters, expression.operands.end(), IsConstant)) {
-            Emit(HDS_OP(HDS_OP_AFFINE, 0U));
-            for (const double entry : Transform2dRows(ConstantOf(expression.operands[1])[0],
-                                                      ConstantOf(expression.operands[2]),
-                                                      ConstantOf(expression.operands[3]))) {
-                EmitFloat(static_cast<float>(entry));
-            }
+            EmitAffine(Transform2dRows(ConstantOf(expression.operands[1])[0],
+                                       ConstantOf(expression.operands[2]),
+                                       ConstantOf(expression.operands[3])));
             return;
         }
         std::for_each(parameters, expression.operands.end(),
@@ -157,18 +219,58 @@ private:
         _depth -= 3;
     }
 
+    void EmitAffine(const std::array<double, 6>& rows) {
+        Emit(HDS_OP(HDS_OP_AFFINE, 0U));
+        for (const double entry : rows) {
+            EmitFloat(static_cast<float>(entry));
+        }
+    }
+
+    static constexpr std::array<float, 3> _zero{};
     const std::vector<std::uint32_t>& _textures;
     const SlotCallback& _findSlot;
+    UseCounts _counts; ///< empty: nothing is kept in registers
+    std::map<const ShaderExpression*, std::uint32_t> _registers;
     std::vector<std::uint32_t> _words;
     std::uint32_t _depth = 0;
     bool _isTooLarge = false;
 };
 
+/// Operands of an instruction at `at` behind its first word.
+std::size_t NumOperands(const std::vector<std::uint32_t>& programs, std::size_t at) {
+    const std::uint32_t argument = programs[at] >> 8U;
+    switch (programs[at] & 0xffU) {
+    case HDS_OP_CONSTANT:
+        return 4;
+    case HDS_OP_AFFINE:
+        return 6;
+    case HDS_OP_POSITION:
+        return 3;
+    case HDS_OP_TEXTURE:
+        return 1 + programs[at + 1] + ((argument & HDS_LOOKUP_POPS) != 0 ? 0 : 12);
+    default:
+        return 0;
+    }
+}
+
+bool IsMath(const ShaderValue& value) {
+    return value.expression->kind == Kind::Math ||
+           std::any_of(value.expression->operands.begin(), value.expression->operands.end(),
+                       IsMath);
+}
+
 } // namespace
+
+bool HasLookup(const ShaderValue& value) {
+    const ShaderExpression& expression = *value.expression;
+    return expression.kind == Kind::Texture ||
+           (expression.kind == Kind::Math &&
+            std::any_of(expression.operands.begin(), expression.operands.end(), HasLookup));
+}
 
 std::vector<std::uint32_t> WriteProgram(const std::vector<ProgramInput>& inputs,
                                         const std::vector<std::uint32_t>& textures,
-                                        const SlotCallback& findSlot) {
+                                        const SlotCallback& findSlot, std::uint32_t tangentSlot) {
     // In the order of their first input, so that equal materials give equal programs.
     std::vector<std::vector<const ProgramInput*>> groups;
     for (const ProgramInput& input : inputs) {
@@ -185,7 +287,17 @@ std::vector<std::uint32_t> WriteProgram(const std::vector<ProgramInput>& inputs,
         return std::any_of(group.begin(), group.end(),
                            [](const auto* one) { return IsInMask(one->input); });
     });
-    Writer writer(textures, findSlot);
+    UseCounts counts;
+    if (std::any_of(inputs.begin(), inputs.end(),
+                    [](const ProgramInput& input) { return IsMath(input.value); })) {
+        for (const auto& group : groups) {
+            CountUses(*group[0]->value.expression, &counts);
+        }
+    }
+    Writer writer(textures, findSlot, std::move(counts));
+    if (tangentSlot != HDS_NONE) {
+        writer.Emit(HDS_OP(HDS_OP_TANGENTS, tangentSlot));
+    }
     for (auto group = groups.begin(); group != groups.end(); ++group) {
         if (group == others) {
             writer.Emit(HDS_OP(HDS_OP_MASK_END, 0U));
@@ -198,21 +310,35 @@ std::vector<std::uint32_t> WriteProgram(const std::vector<ProgramInput>& inputs,
 
 std::uint32_t CountLookups(const std::vector<std::uint32_t>& program) {
     std::uint32_t count = 0;
-    std::size_t at = 0;
-    while (at < program.size()) {
-        const std::uint32_t operation = program[at] & 0xffU;
-        const std::uint32_t argument = program[at] >> 8U;
-        ++at;
-        if (operation == HDS_OP_CONSTANT) {
-            at += 4;
-        } else if (operation == HDS_OP_AFFINE) {
-            at += 6;
-        } else if (operation == HDS_OP_TEXTURE) {
-            ++count;
-            at += 1 + program[at] + ((argument & HDS_LOOKUP_POPS) != 0 ? 0 : 12);
-        }
+    for (std::size_t at = 0; at < program.size(); at += 1 + NumOperands(program, at)) {
+        count += (program[at] & 0xffU) == HDS_OP_TEXTURE ? 1 : 0;
     }
     return count;
+}
+
+bool HasPatterns(const std::vector<std::uint32_t>& programs) {
+    for (std::size_t at = 0; at < programs.size(); at += 1 + NumOperands(programs, at)) {
+        const std::uint32_t operation = programs[at] & 0xffU;
+        if (operation >= HDS_OP_MATH && operation <= HDS_OP_NORMAL) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void OffsetPositions(std::vector<std::uint32_t>* programs, std::uint32_t space,
+                     const std::array<float, 3>& offset) {
+    for (std::size_t at = 0; at < programs->size(); at += 1 + NumOperands(*programs, at)) {
+        if ((*programs)[at] != HDS_OP(HDS_OP_POSITION, space)) {
+            continue;
+        }
+        for (std::size_t k = 0; k < 3; ++k) {
+            float value = 0.0F;
+            std::memcpy(&value, &(*programs)[at + 1 + k], sizeof(value));
+            value += offset[k];
+            std::memcpy(&(*programs)[at + 1 + k], &value, sizeof(value));
+        }
+    }
 }
 
 } // namespace hds

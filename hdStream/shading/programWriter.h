@@ -4,7 +4,9 @@
 #pragma once
 
 #include "hdStream/shading/valueResolver.h"
+#include "kernels/shared/compat.h"
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -19,10 +21,23 @@ struct ProgramInput {
 /// A program that sets the inputs: first those that a mask needs, then HDS_OP_MASK_END, then the
 /// others. An expression that feeds several inputs is evaluated once.
 /// \param textures index in the scene of each texture that tiles name.
+/// \param tangentSlot of the coordinates that the surface's tangent belongs to; HDS_NONE: of none
 /// \return empty when the expressions are too deep or too long for the machine.
 std::vector<std::uint32_t> WriteProgram(const std::vector<ProgramInput>& inputs,
                                         const std::vector<std::uint32_t>& textures,
-                                        const SlotCallback& findSlot);
+                                        const SlotCallback& findSlot,
+                                        std::uint32_t tangentSlot = HDS_NONE);
+
+/// Adds to the offsets of all positions of a space (HDS_SPACE_*) in programs that lie one after
+/// another.
+void OffsetPositions(std::vector<std::uint32_t>* programs, std::uint32_t space,
+                     const std::array<float, 3>& offset);
+
+/// Whether some instruction belongs to patterns (HDS_FEATURE_PATTERNS).
+bool HasPatterns(const std::vector<std::uint32_t>& programs);
+
+/// Whether an image is looked up somewhere in an expression, its coordinates left out.
+bool HasLookup(const ShaderValue& value);
 
 /// Look-ups of textures in a program.
 std::uint32_t CountLookups(const std::vector<std::uint32_t>& program);

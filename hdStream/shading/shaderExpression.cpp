@@ -42,15 +42,40 @@ ShaderValue MakeTransform2d(std::vector<ShaderValue> operands) {
     if (std::all_of(operands.begin(), operands.end(), IsConstant)) {
         const std::array<double, 6> rows = Transform2dRows(
             ConstantOf(operands[1])[0], ConstantOf(operands[2]), ConstantOf(operands[3]));
-        const std::array<float, 4>& in = ConstantOf(operands[0]);
-        return MakeConstant({static_cast<float>(rows[0] * in[0] + rows[1] * in[1] + rows[2]),
-                             static_cast<float>(rows[3] * in[0] + rows[4] * in[1] + rows[5]), 0.0F,
-                             0.0F},
-                            2);
+        return MakeAffine(operands[0], rows);
     }
     auto expression = std::make_shared<ShaderExpression>();
     expression->kind = ShaderExpression::Kind::Transform2d;
     expression->operands = std::move(operands);
+    return {std::move(expression), HDS_CHANNEL_ALL, 2};
+}
+
+std::array<double, 6> ComposeRows(const std::array<double, 6>& outer,
+                                  const std::array<double, 6>& inner) {
+    const std::array<double, 6>& m = outer;
+    return {m[0] * inner[0] + m[1] * inner[3],        m[0] * inner[1] + m[1] * inner[4],
+            m[0] * inner[2] + m[1] * inner[5] + m[2], m[3] * inner[0] + m[4] * inner[3],
+            m[3] * inner[1] + m[4] * inner[4],        m[3] * inner[2] + m[4] * inner[5] + m[5]};
+}
+
+ShaderValue MakeAffine(const ShaderValue& in, const std::array<double, 6>& rows) {
+    if (IsConstant(in)) {
+        const std::array<float, 4>& st = ConstantOf(in);
+        return MakeConstant({static_cast<float>(rows[0] * st[0] + rows[1] * st[1] + rows[2]),
+                             static_cast<float>(rows[3] * st[0] + rows[4] * st[1] + rows[5]), 0.0F,
+                             0.0F},
+                            2);
+    }
+    auto expression = std::make_shared<ShaderExpression>();
+    expression->kind = ShaderExpression::Kind::Affine;
+    const ShaderExpression& inner = *in.expression;
+    if (inner.kind == ShaderExpression::Kind::Affine && in.channel == HDS_CHANNEL_ALL) {
+        expression->operands = inner.operands;
+        expression->rows = ComposeRows(rows, inner.rows);
+    } else {
+        expression->operands = {in};
+        expression->rows = rows;
+    }
     return {std::move(expression), HDS_CHANNEL_ALL, 2};
 }
 

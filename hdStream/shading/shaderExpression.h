@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What feeds a shader input, as an expression: constants, primvars, coordinate transforms and
-// texture look-ups. Immutable; a node that feeds several inputs is one object.
-// Explained in docs/shading.md.
+// What feeds a shader input, as an expression: constants, primvars, coordinate transforms, texture
+// look-ups, positions and normals, and functions of them. Immutable; a node that feeds several
+// inputs is one object. Explained in docs/shading.md.
 #pragma once
 
 #include "hdStream/shading/materialNetwork.h"
@@ -33,6 +33,10 @@ struct ShaderExpression {
         Primvar,     ///< of the mesh; operands: fallback
         Transform2d, ///< operands: in, rotation (degrees), scale, translation
         Texture,     ///< operands: st, fallback, scale, bias
+        Affine,      ///< of coordinates by `rows`; operands: in
+        Math,        ///< HDS_MATH_* `code` of the operands
+        Position,    ///< in HDS_SPACE_* `code`
+        Normal,      ///< likewise
     };
     Kind kind = Kind::Constant;
     std::array<float, 4> constant{}; ///< Constant
@@ -40,6 +44,9 @@ struct ShaderExpression {
     std::vector<ShaderValue> operands;
     std::vector<std::uint32_t> tiles; ///< Texture: of CompiledMaterial::textures; HDS_NONE: a hole
     std::uint32_t lookup = 0;         ///< Texture: HDS_LOOKUP_* without those the writer decides
+    std::uint32_t code = 0;           ///< Math, Position, Normal
+    std::uint32_t numComponents = 0;  ///< Math: of its value; 1: it is in all four components
+    std::array<double, 6> rows{};     ///< Affine: (m00, m01, m02), (m10, m11, m12)
 };
 
 /// A constant of 1 to 4 components.
@@ -59,5 +66,12 @@ std::array<double, 6> Transform2dRows(double degrees, const std::array<float, 4>
 
 /// UsdTransform2d; of constants, a constant. \param operands as Kind::Transform2d
 ShaderValue MakeTransform2d(std::vector<ShaderValue> operands);
+
+/// Maps coordinates by rows as those of Transform2dRows; of constants, a constant.
+ShaderValue MakeAffine(const ShaderValue& in, const std::array<double, 6>& rows);
+
+/// Rows that map by `inner` first.
+std::array<double, 6> ComposeRows(const std::array<double, 6>& outer,
+                                  const std::array<double, 6>& inner);
 
 } // namespace hds

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// UsdUVTexture: files, UDIM sets, wrap modes and outputs.
+// UsdUVTexture and MaterialX's image: files, UDIM sets, wrap modes and outputs.
 #include "hdStream/shading/networkEvaluator.h"
+#include "hdStream/shading/shaderMath.h"
 #include "kernels/shared/compat.h"
 
 #include <algorithm>
@@ -36,6 +37,20 @@ bool IsSame(const AssetReference& a, const AssetReference& b) {
     return a.file == b.file && a.offset == b.offset && a.size == b.size;
 }
 
+/// A colour space as MaterialX names it; what says nothing is not converted.
+std::string MaterialXColorSpace(const std::string& name) {
+    static const std::map<std::string, std::string> kNames = {{"srgb_texture", "sRGB"},
+                                                              {"srgb_rec709_scene", "sRGB"},
+                                                              {"", "raw"},
+                                                              {"none", "raw"},
+                                                              {"auto", "raw"},
+                                                              {"lin_rec709", "raw"},
+                                                              {"lin_srgb", "raw"},
+                                                              {"lin_rec709_scene", "raw"}};
+    const auto found = kNames.find(name);
+    return found == kNames.end() ? name : found->second;
+}
+
 } // namespace
 
 /// Index of the image in the node's colour space: an authored sourceColorSpace, else the colour
@@ -44,6 +59,11 @@ std::uint32_t NetworkEvaluator::AddTexture(const MaterialNode& node, const Asset
     std::string space = Text(node, "sourceColorSpace");
     if (space.empty() || space == "auto") {
         space = Text(node, "colorSpace:file");
+    }
+    if (node.identifier.compare(0, 3, "ND_") == 0 && node.identifier.find("Usd") == 3) {
+        space = space.empty() ? "auto" : space;
+    } else if (node.identifier.compare(0, 3, "ND_") == 0) {
+        space = MaterialXColorSpace(space);
     }
     if (space.empty()) {
         space = "auto";
@@ -167,6 +187,96 @@ ShaderValue NetworkEvaluator::EvaluateTexture(const MaterialNode& node, const st
         return SelectChannel(value, static_cast<std::uint32_t>(channel));
     }
     return {value.expression, value.channel, output == "rgb" ? 3U : 4U};
+}
+
+/// Of image nodes: the coordinates that are connected, or the mesh's first.
+ShaderValue NetworkEvaluator::ImageCoordinates(const MaterialNode& node) {
+    const ShaderValue authored = Evaluate(node, "texcoord");
+    if (authored && authored.numComponents >= 2) {
+        return authored;
+    }
+    // OpenUSD's name for MaterialX's UV0; files that were converted may have kept the latter.
+    auto other = std::make_shared<ShaderExpression>();
+    other->kind = ShaderExpression::Kind::Primvar;
+    other->primvar = "UV0";
+    other->operands = {MakeConstant({}, 2)};
+    auto expression = std::make_shared<ShaderExpression>();
+    expression->kind = ShaderExpression::Kind::Primvar;
+    expression->primvar = "st";
+    expression->operands = {{std::move(other), HDS_CHANNEL_ALL, 2}};
+    return {std::move(expression), HDS_CHANNEL_ALL, 2};
+}
+
+/// HDS_WRAP_* of uaddressmode or vaddressmode.
+std::uint32_t NetworkEvaluator::AddressModeOf(const MaterialNode& node, const std::string& input) {
+    static const std::map<std::string, std::uint32_t> kModes = {{"", HDS_WRAP_REPEAT},
+                                                                {"periodic", HDS_WRAP_REPEAT},
+                                                                {"constant", HDS_WRAP_BLACK},
+                                                                {"clamp", HDS_WRAP_CLAMP},
+                                                                {"mirror", HDS_WRAP_MIRROR}};
+    const std::string mode = Text(node, input);
+    const auto found = kModes.find(mode);
+    if (found == kModes.end()) {
+        Warn(input + " of " + node.path + " is " + mode + "; periodic is used");
+        return HDS_WRAP_REPEAT;
+    }
+    return found->second;
+}
+
+/// MaterialX's image and tiledimage, all channels; its default where it cannot be read.
+ShaderValue NetworkEvaluator::EvaluateImage(const MaterialNode& node, std::uint32_t numComponents) {
+    const std::uint32_t channels = (1U << numComponents) - 1U;
+    auto known = _lookups.find(node.path);
+    if (known == _lookups.end()) {
+        const ShaderValue fallback = EvaluateOr(node, "default", {}, numComponents);
+        const AssetReference file = FileOf(node);
+        std::vector<ImageFacts> facts;
+        auto expression = std::make_shared<ShaderExpression>();
+        expression->kind = ShaderExpression::Kind::Texture;
+        if (file.authoredPath.empty() && file.file.empty()) {
+            Warn(node.path + " names no image file; its default is used");
+        } else {
+            expression->tiles = FindTiles(node, file, &facts);
+        }
+        if (facts.empty()) {
+            known = _lookups.emplace(node.path, fallback).first;
+        } else {
+            const bool isUdim = IsUdim(file);
+            const bool isTiled = node.identifier.compare(0, 8, "ND_tiled") == 0;
+            const auto modeOf = [&](const char* input) {
+                return isUdim    ? std::uint32_t{HDS_WRAP_CLAMP}
+                       : isTiled ? std::uint32_t{HDS_WRAP_REPEAT}
+                                 : AddressModeOf(node, input);
+            };
+            expression->lookup = HDS_LOOKUP_WRAPS(modeOf("uaddressmode"), modeOf("vaddressmode")) |
+                                 (isUdim ? HDS_LOOKUP_UDIM : 0U);
+            ShaderValue st = ImageCoordinates(node);
+            if (node.identifier.compare(0, 8, "ND_tiled") == 0) {
+                const auto at = [&](const char* input, float value) {
+                    return EvaluateOr(node, input, {value, value, 0.0F, 0.0F}, 2);
+                };
+                st = MakeMath(HDS_MATH_MULTIPLY, {st, at("uvtiling", 1.0F)}, 2);
+                st = MakeMath(HDS_MATH_SUBTRACT, {st, at("uvoffset", 0.0F)}, 2);
+                st = MakeMath(HDS_MATH_DIVIDE, {st, at("realworldimagesize", 1.0F)}, 2);
+                st = MakeMath(HDS_MATH_MULTIPLY, {st, at("realworldtilesize", 1.0F)}, 2);
+            }
+            expression->operands = {st, fallback, MakeConstant({1.0F, 1.0F, 1.0F, 1.0F}, 4),
+                                    MakeConstant({}, 4)};
+            known =
+                _lookups.emplace(node.path, ShaderValue{std::move(expression), HDS_CHANNEL_ALL, 4})
+                    .first;
+        }
+    }
+    const ShaderValue& value = known->second;
+    for (const std::uint32_t tile : value.expression->tiles) {
+        if (tile != HDS_NONE) {
+            _textures[tile].channels |= channels;
+        }
+    }
+    if (numComponents == 1) {
+        return IsConstant(value) ? value : SelectChannel(value, 0);
+    }
+    return {value.expression, value.channel, numComponents};
 }
 
 } // namespace hds

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/shading/valueResolver.h"
 
+#include "hdStream/shading/shaderMath.h"
 #include "kernels/shared/compat.h"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -13,11 +15,17 @@ namespace {
 using Kind = ShaderExpression::Kind;
 
 /// Components that the operands of an expression need.
-std::uint32_t OperandComponents(Kind kind, std::size_t operand) {
-    if (kind == Kind::Texture) {
+std::uint32_t OperandComponents(const ShaderExpression& expression, std::size_t operand) {
+    switch (expression.kind) {
+    case Kind::Texture:
         return operand == 0 ? 2 : 3;
+    case Kind::Affine:
+        return 2;
+    case Kind::Math:
+        return std::min(expression.operands[operand].numComponents, 3U);
+    default:
+        return expression.kind == Kind::Transform2d && operand != 1 ? 2 : 1;
     }
-    return kind == Kind::Transform2d && operand != 1 ? 2 : 1;
 }
 
 } // namespace
@@ -54,7 +62,7 @@ ShaderValue ValueResolver::ResolveOperands(const ShaderExpression& expression,
     bool isSame = true;
     for (std::size_t i = 0; i < expression.operands.size(); ++i) {
         const ShaderValue& operand = expression.operands[i];
-        operands.push_back(Resolve(operand, OperandComponents(expression.kind, i)));
+        operands.push_back(Resolve(operand, OperandComponents(expression, i)));
         isSame = isSame && operands.back().expression == operand.expression;
     }
     if (isSame) {
@@ -62,6 +70,12 @@ ShaderValue ValueResolver::ResolveOperands(const ShaderExpression& expression,
     }
     if (expression.kind == Kind::Transform2d) {
         return MakeTransform2d(std::move(operands));
+    }
+    if (expression.kind == Kind::Affine) {
+        return MakeAffine(operands[0], expression.rows);
+    }
+    if (expression.kind == Kind::Math) {
+        return MakeMath(expression.code, std::move(operands), expression.numComponents);
     }
     auto copy = std::make_shared<ShaderExpression>(expression);
     copy->operands = std::move(operands);

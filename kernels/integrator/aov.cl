@@ -65,7 +65,7 @@ void aov_storeMiss(HdsAovOffsets offsets, global float* pixel, global int* ids) 
 }
 
 void aov_storeHit(constant const HdsFrameParams* frame, const HdsSceneView* scene,
-                  const HdsSurfaceHit* surface, const HdsSurface* bsdf, float cosO,
+                  const HdsSurfaceHit* surface, const HdsBsdf* bsdf, float cosO,
                   HdsAovOffsets offsets, global const uint* primvarSlots, global float* pixel,
                   global int* ids) {
     float2 depths = aov_depths(frame, surface->point.position);
@@ -78,7 +78,7 @@ void aov_storeHit(constant const HdsFrameParams* frame, const HdsSceneView* scen
     aov_store3(pixel, offsets.normal, normal);
     aov_store3(pixel, offsets.normalEye, aov_toEye(frame, normal));
     aov_store3(pixel, offsets.position, surface->point.position + vload3(0, offsets.centre));
-    aov_store3(pixel, offsets.albedo, surface_albedo(bsdf, cosO));
+    aov_store3(pixel, offsets.albedo, bsdf_albedo(bsdf, cosO));
     aov_storeId(ids, offsets.primId, scene->meshes[surface->mesh].primId);
     aov_storeId(ids, offsets.instanceId, surface->instanceId);
     aov_storeId(
@@ -117,7 +117,7 @@ void aov_store(constant const HdsFrameParams* frame, const HdsSceneView* scene, 
     }
     HdsSurfaceHit surface;
     HdsShadingPoint shading;
-    HdsSurface bsdf;
+    HdsBsdf bsdf;
     surfaceHit_load(scene, &hit, &surface);
 #if HDS_FEATURE_TEXTURES
     HdsRayCones cones;
@@ -130,7 +130,7 @@ void aov_store(constant const HdsFrameParams* frame, const HdsSceneView* scene, 
         return;
     }
 #if HDS_FEATURE_CUTOUT
-    bool isPassed = vec_minComponent(surface_passThrough(&bsdf, shading.wo.z)) >= 1.0f ||
+    bool isPassed = vec_minComponent(bsdf_passThrough(&bsdf, shading.wo.z)) >= 1.0f ||
                     passThrough_isCulled(scene, &surface, path_load_direction(paths, i).xyz);
     if (isPassed && (status.z >> HDS_PATH_PASS_SHIFT) < HDS_MAX_PASSES) {
         status.z += HDS_PATH_ONE_PASS;

@@ -4,6 +4,7 @@
  * queue and the shadow queue. Source: path tracing with next-event estimation and multiple
  * importance sampling by the power heuristic, Veach 1997, sections 9.2 and 10.3. Explained in
  * docs/wavefront.md. */
+#include "integrator/choices.clh"
 #include "integrator/passThrough.clh"
 #include "integrator/pathState.clh"
 #include "integrator/pixelSampler.clh"
@@ -11,16 +12,6 @@
 #if HDS_FEATURE_TEXTURES
 #include "light/imageLookup.clh"
 #endif
-
-/* Bounces before Russian roulette begins. */
-#define HDS_ROULETTE_DEPTH 3u
-
-/* Weight of a sample of density `pdf` when `other` could have made it too; pdf 0 stands for a ray
- * that only one technique can make. */
-float shade_misWeight(float pdf, float other) {
-    float ratio = other / pdf;
-    return 1.0f / fma(ratio, ratio, 1.0f);
-}
 
 /* A path while its hit is shaded. */
 typedef struct {
@@ -48,8 +39,8 @@ typedef struct {
     HdsSurfaceHit surface;
     bool isEnd; /* nothing more comes of it, and nothing below is set */
     HdsShadingPoint shading;
-    HdsSurface bsdf;
-    float3 lobes; /* surface_lobeProbabilities for the viewer */
+    HdsBsdf bsdf;
+    float3 lobes; /* bsdf_lobeProbabilities for the viewer */
 } HdsShadeHit;
 
 #if HDS_FEATURE_TEXTURES
@@ -80,8 +71,8 @@ void shade_addLights(const HdsSceneView* scene, float tMax, HdsShadePath* path) 
         float weight = 1.0f;
         if (path->bsdfPdf > 0.0f) {
             weight =
-                shade_misWeight(path->bsdfPdf, light_pdf(view, light, path->origin,
-                                                         path->sourceNormal, path->direction, t));
+                choices_misWeight(path->bsdfPdf, light_pdf(view, light, path->origin,
+                                                           path->sourceNormal, path->direction, t));
         }
         float3 radiance = light_radiance(view, light);
 #if HDS_FEATURE_TEXTURES
@@ -105,8 +96,9 @@ void shade_addEmission(const HdsSceneView* scene, const HdsHit* hit, const HdsSu
     uint light = surfaceHit_light(scene, surface);
     if (path->bsdfPdf > 0.0f && light != HDS_NONE) {
         float cosine = vec_dot(surface->point.normal, path->direction);
-        weight = shade_misWeight(path->bsdfPdf, light_meshPdf(&scene->lights, light, path->origin,
-                                                              path->sourceNormal, hit->t, cosine));
+        weight =
+            choices_misWeight(path->bsdfPdf, light_meshPdf(&scene->lights, light, path->origin,
+                                                           path->sourceNormal, hit->t, cosine));
     }
     path->radiance += weight * path->throughput * emission;
 }
@@ -122,29 +114,32 @@ HdsRayCones shade_leavingCones(const HdsShadeHit* at, const HdsShadePath* path, 
 }
 #endif
 
-/* The number that selects a light of a tree; other lights take none. */
-float shade_chooseLight(const HdsSceneView* scene, HdsSampler sampler, uint depth) {
-    return light_hasTree(&scene->lights)
-               ? sampler_get1(sampler, HDS_DIM_BOUNCE(depth, HDS_DIM_LIGHT_TREE))
-               : 0.0f;
-}
-
 /* Samples a light; true when a shadow ray was written to slot i. Sets path->isMissing. */
 bool shade_sampleLight(const HdsSceneView* scene, const HdsShadeHit* at, HdsSampler sampler,
                        HdsShadePath* path, HdsPaths paths, uint i) {
     const HdsSurfaceHit* surface = &at->surface;
     const HdsShadingPoint* shading = &at->shading;
-    float3 origin = offset_origin(&surface->point, shading->geomNormal);
+    float3 geomNormal = shading->geomNormal;
+    float3 normal = shading->frame.z;
+#if HDS_BSDF_TRANSMITS
+    const float side = choices_side(&at->bsdf, sampler, path->depth);
+    geomNormal *= side;
+    normal *= side;
+#endif
+    float3 origin = offset_origin(&surface->point, geomNormal);
     HdsLightSample sample;
-    if (!light_sample(&scene->lights, origin, shading->frame.z,
-                      shade_chooseLight(scene, sampler, path->depth),
+    if (!light_sample(&scene->lights, origin, normal, choices_light(scene, sampler, path->depth),
                       sampler_get2(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LIGHT)), &sample)) {
         return false;
     }
+#if HDS_BSDF_TRANSMITS
+    const float sideShare = bsdf_lightShare(&at->bsdf, side);
+    sample.pdf *= sideShare;
+#endif
     float pdf;
     float3 wi = frame_toLocal(&shading->frame, sample.direction);
-    float3 reflected = surface_evaluate(&at->bsdf, at->lobes, shading->wo, wi, &pdf);
-    float weight = sample.isDelta != 0u ? 1.0f : shade_misWeight(sample.pdf, pdf);
+    float3 reflected = bsdf_evaluate(&at->bsdf, at->lobes, shading->wo, wi, &pdf);
+    float weight = sample.isDelta != 0u ? 1.0f : choices_misWeight(sample.pdf, pdf);
     float3 contribution = path->throughput * reflected * sample.radiance * (weight / sample.pdf);
     float packedCone = 0.0f;
 #if HDS_FEATURE_TEXTURES
@@ -168,20 +163,6 @@ bool shade_sampleLight(const HdsSceneView* scene, const HdsShadeHit* at, HdsSamp
     return true;
 }
 
-/* Russian roulette by the throughput; false: the path ends. */
-bool shade_survives(constant const HdsFrameParams* frame, HdsSampler sampler, uint depth,
-                    float3* throughput) {
-    if ((frame->flags & HDS_FRAME_ROULETTE) == 0u || depth < HDS_ROULETTE_DEPTH) {
-        return true;
-    }
-    float survival = clamp(vec_maxComponent(*throughput) / frame->exposureScale, 0.05f, 1.0f);
-    if (sampler_get1(sampler, HDS_DIM_BOUNCE(depth, HDS_DIM_ROULETTE)) >= survival) {
-        return false;
-    }
-    *throughput /= survival;
-    return true;
-}
-
 /* Samples the BSDF; true when the next ray was written to slot i. */
 bool shade_sampleBsdf(constant const HdsFrameParams* frame, const HdsShadeHit* at,
                       HdsSampler sampler, const HdsShadePath* path, HdsPaths paths, uint i) {
@@ -189,20 +170,29 @@ bool shade_sampleBsdf(constant const HdsFrameParams* frame, const HdsShadeHit* a
     float3 wi;
     float pdf;
     float3 weight =
-        surface_sample(&at->bsdf, at->lobes, shading->wo,
-                       sampler_get2(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LOBE)), &wi, &pdf);
+        bsdf_sample(&at->bsdf, at->lobes, shading->wo,
+                    sampler_get2(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LOBE)), &wi, &pdf);
     float3 throughput = path->throughput * weight;
     bool isLast = path->depth == frame->maxDepth;
     if (!(pdf > 0.0f) || !(vec_maxComponent(throughput) > 0.0f) ||
-        !shade_survives(frame, sampler, path->depth, &throughput)) {
+        !choices_survives(frame, sampler, path->depth, &throughput)) {
         return false;
     }
     float3 direction = vec_normalize(frame_toWorld(&shading->frame, wi));
-    path_store_origin(paths, i,
-                      (float4)(offset_origin(&at->surface.point, shading->geomNormal), 0.0f));
+    float3 geomNormal = shading->geomNormal;
+    float3 normal = shading->frame.z;
+    float lightPdf = pdf; /* what light samples are weighed against */
+#if HDS_BSDF_TRANSMITS
+    const float side = wi.z > 0.0f ? 1.0f : -1.0f;
+    const float sideShare = bsdf_lightShare(&at->bsdf, side);
+    lightPdf = sideShare > 0.0f ? pdf / sideShare : 0.0f;
+    geomNormal *= side;
+    normal *= side;
+#endif
+    path_store_origin(paths, i, (float4)(offset_origin(&at->surface.point, geomNormal), 0.0f));
     path_store_direction(paths, i, (float4)(direction, INFINITY));
-    path_store_throughput(paths, i, (float4)(throughput, pdf));
-    path_store_sourceNormal(paths, i, (float4)(shading->frame.z, isLast ? 1.0f : 0.0f));
+    path_store_throughput(paths, i, (float4)(throughput, lightPdf));
+    path_store_sourceNormal(paths, i, (float4)(normal, isLast ? 1.0f : 0.0f));
     path_store_status(paths, i, (uint4)(path->status.xy, path->depth + 1u, 0u));
 #if HDS_FEATURE_TEXTURES
     path_store_cones(paths, i, shade_leavingCones(at, path, pdf).pair);
@@ -267,12 +257,13 @@ bool shade_passThrough(const HdsHit* hit, const HdsSurfaceHit* surface, float3 t
 #endif
 
 #if HDS_FEATURE_TEXTURES
-/* How the textures of a hit are read. An opacity may be compared with a threshold, which is not
- * linear: it needs the filter's own value. */
+/* How the textures of a hit are read. An opacity may be compared with a threshold, and a program
+ * may compute with a texel, which is not linear: these need the filter's own value. */
 HdsTexelChoice shade_chooseTexels(constant const HdsFrameParams* frame, const HdsSceneView* scene,
                                   const HdsSurfaceHit* surface, const HdsShadePath* path) {
     HdsTexelChoice choice = {0.0f, 8u};
-    if ((surfaceHit_material(scene, surface)->flags & HDS_MATERIAL_CUTOUT) == 0u) {
+    if ((surfaceHit_material(scene, surface)->flags &
+         (HDS_MATERIAL_CUTOUT | HDS_MATERIAL_COMPUTES)) == 0u) {
         const HdsSampler sampler = pixel_sampler(frame, path->status.x, path->status.y);
         choice.number = sampler_get2(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_OPACITY)).y;
         choice.numTexels = path->depth == 0u ? 4u : 1u;
@@ -306,8 +297,11 @@ bool shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
         return false;
     }
     HdsSampler sampler = pixel_sampler(frame, path->status.x, path->status.y);
+#if HDS_BSDF_TRANSMITS
+    path->throughput *= bsdf_transmittance(&at->bsdf, at->hit.t);
+#endif
 #if HDS_FEATURE_CUTOUT
-    float3 transparency = surface_passThrough(&at->bsdf, at->shading.wo.z);
+    float3 transparency = bsdf_passThrough(&at->bsdf, at->shading.wo.z);
     if (path->depth == 0u && passThrough_isCulled(scene, &at->surface, path->direction)) {
         transparency = (float3)(1.0f);
     }
@@ -322,11 +316,11 @@ bool shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
     if (path->depth == 0u) {
         path->alpha = 1.0f;
     }
-    shade_addEmission(scene, &at->hit, &at->surface, at->bsdf.emission, path);
+    shade_addEmission(scene, &at->hit, &at->surface, bsdf_emission(&at->bsdf), path);
     if (path->isLast) {
         return false;
     }
-    at->lobes = surface_lobeProbabilities(&at->bsdf, at->shading.wo.z);
+    at->lobes = bsdf_lobeProbabilities(&at->bsdf, at->shading.wo.z);
     *hasShadow = shade_sampleLight(scene, at, sampler, path, paths, i);
     return !path->isMissing && shade_sampleBsdf(frame, at, sampler, path, paths, i);
 }

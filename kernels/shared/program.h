@@ -29,6 +29,18 @@
 /* argument: HDS_STORE(0, channel). Replaces the top of the stack by a channel of it. */
 #define HDS_OP_CHANNEL 9u
 #define HDS_OP_POP 10u
+/* Of patterns (HDS_FEATURE_PATTERNS). argument: HDS_MATH(function, count). Pops that many, pushes
+ * the function's result (shared/programMath.h). */
+#define HDS_OP_MATH 11u
+/* argument: a register. Keeps the top of the stack in it; pushes what is in it. */
+#define HDS_OP_SAVE 12u
+#define HDS_OP_LOAD 13u
+/* argument: HDS_SPACE_*. operands: 3 floats, added. Pushes the position. */
+#define HDS_OP_POSITION 14u
+/* argument: HDS_SPACE_*. Pushes the unit shading normal. */
+#define HDS_OP_NORMAL 15u
+/* argument: attribute slot. The surface's tangent is that of these coordinates. */
+#define HDS_OP_TANGENTS 16u
 
 #define HDS_OP(operation, argument) ((operation) | ((argument) << 8))
 
@@ -46,7 +58,13 @@
 #define HDS_LOOKUP_TANGENTS 32u /* the normal input is in the frame of these coordinates */
 #define HDS_LOOKUP_POPS 64u
 
-/* Most values on the stack; the compiler keeps programs below it. */
+#define HDS_MATH(function, count) ((function) | ((count) << 8))
+
+#define HDS_SPACE_OBJECT 0u
+#define HDS_SPACE_WORLD 1u
+
+/* Most values on the stack, and registers; the compiler keeps programs below them. */
 #define HDS_PROGRAM_STACK 16u
+#define HDS_PROGRAM_REGISTERS 8u
 
 #endif

@@ -33,6 +33,17 @@ TEST_F(Roots, BuildWithEachFeature) {
     }
 }
 
+/// Of layered surfaces: none, the base alone, each lobe beside it, all.
+TEST_F(Roots, BuildWithEachLobe) {
+    for (const char* root : {"integrator/shade.cl", "integrator/shadow.cl", "integrator/aov.cl"}) {
+        for (const unsigned lobes : {1U, 3U, 5U, 9U, 17U, 33U, 63U}) {
+            ProgramDefines defines = MakeDefines(lobes == 63U ? 9U : 1U, 1);
+            defines["HDS_LOBES"] = std::to_string(lobes) + "u";
+            EXPECT_NO_THROW(Program(device, root, defines)) << root << " lobes " << lobes;
+        }
+    }
+}
+
 TEST_F(Roots, BuildWithAllPools) {
     EXPECT_NO_THROW(Program(device, "integrator/shade.cl", MakeDefines(63, 8)));
 }

@@ -69,6 +69,7 @@ HdsSurface unpackSurface(global const float* p, float3 geomNormal) {
     inputs.ior = p[12];
     inputs.isSpecularWorkflow = p[13] > 0.0f;
     inputs.isLambert = p[14] > 0.0f;
+    inputs.isPresence = 0u;
     HdsSurface surface;
     surface_setup(&surface, &inputs, geomNormal);
     return surface;

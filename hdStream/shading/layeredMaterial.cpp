@@ -1,0 +1,443 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sources of names, defaults and formulas: Georgiev et al. 2019, "Autodesk Standard Surface";
+// Andersson et al. 2024, "OpenPBR Surface" 1.1; Khronos glTF 2.0; their MaterialX 1.39 definitions.
+#include "hdStream/shading/layeredMaterial.h"
+
+#include "hdStream/shading/shaderMath.h"
+
+#include <initializer_list>
+#include <utility>
+
+namespace hds {
+
+namespace {
+
+ShaderValue Add(const ShaderValue& a, const ShaderValue& b, std::uint32_t numComponents) {
+    return MakeMath(HDS_MATH_ADD, {a, b}, numComponents);
+}
+ShaderValue Subtract(const ShaderValue& a, const ShaderValue& b, std::uint32_t numComponents) {
+    return MakeMath(HDS_MATH_SUBTRACT, {a, b}, numComponents);
+}
+ShaderValue Multiply(const ShaderValue& a, const ShaderValue& b, std::uint32_t numComponents) {
+    return MakeMath(HDS_MATH_MULTIPLY, {a, b}, numComponents);
+}
+ShaderValue Divide(const ShaderValue& a, const ShaderValue& b, std::uint32_t numComponents) {
+    return MakeMath(HDS_MATH_DIVIDE, {a, b}, numComponents);
+}
+ShaderValue Power(const ShaderValue& a, const ShaderValue& b, std::uint32_t numComponents) {
+    return MakeMath(HDS_MATH_POWER, {a, b}, numComponents);
+}
+ShaderValue Mix(const ShaderValue& background, const ShaderValue& foreground,
+                const ShaderValue& share, std::uint32_t numComponents) {
+    return MakeMath(HDS_MATH_MIX, {background, foreground, share}, numComponents);
+}
+ShaderValue OneMinus(const ShaderValue& value, std::uint32_t numComponents) {
+    return Subtract(MakeScalar(1.0F), value, numComponents);
+}
+
+/// Reads one surface shader.
+class ModelReader {
+public:
+    ModelReader(NetworkEvaluator& network, const MaterialNode& node)
+        : _network(network), _node(node) {}
+
+    LayeredMaterial StandardSurface() {
+        const ShaderValue base = Scalar("base", 1.0F);
+        const ShaderValue coat = Scalar("coat", 0.0F);
+        const ShaderValue gamma =
+            Add(MakeScalar(1.0F), Multiply(coat, Scalar("coat_affect_color", 0.0F), 1), 1);
+        const ShaderValue color = Multiply(base, Power(Color("base_color", 0.8F), gamma, 3), 3);
+        const ShaderValue subsurface = Power(Color("subsurface_color", 1.0F), gamma, 3);
+        const ShaderValue specular = Scalar("specular", 1.0F);
+        const ShaderValue specularColor = Color("specular_color", 1.0F);
+        const ShaderValue metalness = Scalar("metalness", 0.0F);
+        SetThinWalled("thin_walled");
+        SetDiffuse(color, subsurface, Scalar("subsurface", 0.0F), MakeScalar(1.0F));
+        Set(HDS_INPUT_DIFFUSE_ROUGHNESS, Scalar("diffuse_roughness", 0.0F));
+        Set(HDS_INPUT_DIELECTRIC, OneMinus(metalness, 1));
+        Set(HDS_INPUT_METALLIC, metalness);
+        Set(HDS_INPUT_METAL_COLOR, Multiply(base, Color("base_color", 0.8F), 3));
+        Set(HDS_INPUT_EDGE_COLOR, Multiply(specular, specularColor, 3));
+        Set(HDS_INPUT_SPECULAR_WEIGHT, specular);
+        Set(HDS_INPUT_SPECULAR_COLOR, specularColor);
+        Set(HDS_INPUT_IOR, Scalar("specular_IOR", 1.5F));
+        const ShaderValue affect = Multiply(Scalar("coat_affect_roughness", 0.0F),
+                                            Multiply(coat, Scalar("coat_roughness", 0.1F), 1), 1);
+        Set(HDS_INPUT_ROUGHNESS,
+            Mix(Scalar("specular_roughness", 0.2F), MakeScalar(1.0F), affect, 1));
+        SetStandardStretch();
+        SetTransmission("transmission", "transmission_color", "transmission_depth");
+        Set(HDS_INPUT_SHEEN, Scalar("sheen", 0.0F));
+        Set(HDS_INPUT_SHEEN_COLOR, Color("sheen_color", 1.0F));
+        Set(HDS_INPUT_SHEEN_ROUGHNESS, Scalar("sheen_roughness", 0.3F));
+        Set(HDS_INPUT_CLEARCOAT, coat);
+        Set(HDS_INPUT_CLEARCOAT_ROUGHNESS, Scalar("coat_roughness", 0.1F));
+        Set(HDS_INPUT_COAT_IOR, Scalar("coat_IOR", 1.5F));
+        const ShaderValue tint = Mix(MakeScalar(1.0F), Color("coat_color", 1.0F), coat, 3);
+        Set(HDS_INPUT_COAT_TINT, tint);
+        const ShaderValue emission =
+            Multiply(Scalar("emission", 0.0F), Color("emission_color", 1.0F), 3);
+        Set(HDS_INPUT_EMISSIVE_COLOR, Multiply(emission, tint, 3));
+        SetOpacity(Color("opacity", 1.0F));
+        SetNormal("normal");
+        Approximate("subsurface", "subsurface scattering is drawn as diffuse reflection");
+        Ignore({"transmission_extra_roughness", "transmission_dispersion", "coat_anisotropy",
+                "thin_film_thickness"});
+        IgnoreColor("transmission_scatter");
+        IgnoreConnected({"coat_normal", "tangent"});
+        return Take();
+    }
+
+    LayeredMaterial OpenPbr() {
+        const ShaderValue color =
+            Multiply(Scalar("base_weight", 1.0F), Color("base_color", 0.8F), 3);
+        const ShaderValue coat = Scalar("coat_weight", 0.0F);
+        const ShaderValue coatIor = Scalar("coat_ior", 1.6F);
+        const ShaderValue coatRoughness = Scalar("coat_roughness", 0.0F);
+        const ShaderValue metalness = Scalar("base_metalness", 0.0F);
+        const ShaderValue specular = Scalar("specular_weight", 1.0F);
+        const ShaderValue specularColor = Color("specular_color", 1.0F);
+        const ShaderValue subsurface = Scalar("subsurface_weight", 0.0F);
+        _result.flags |= HDS_MATERIAL_FUZZ;
+        SetThinWalled("geometry_thin_walled");
+        SetDiffuse(color, Color("subsurface_color", 0.8F), subsurface, MakeScalar(0.5F));
+        Set(HDS_INPUT_DIFFUSE_ROUGHNESS, Scalar("base_diffuse_roughness", 0.0F));
+        Set(HDS_INPUT_DIELECTRIC, OneMinus(metalness, 1));
+        Set(HDS_INPUT_METALLIC, Multiply(metalness, specular, 1));
+        Set(HDS_INPUT_METAL_COLOR, color);
+        Set(HDS_INPUT_EDGE_COLOR, specularColor);
+        Set(HDS_INPUT_SPECULAR_COLOR, specularColor);
+        Set(HDS_INPUT_IOR, OpenPbrIor(specular, coat, coatIor));
+        const ShaderValue four = MakeScalar(4.0F);
+        const ShaderValue roughness = Scalar("specular_roughness", 0.3F);
+        const ShaderValue sum = Add(Multiply(MakeScalar(2.0F), Power(coatRoughness, four, 1), 1),
+                                    Power(roughness, four, 1), 1);
+        const ShaderValue rougher =
+            Power(MakeMath(HDS_MATH_MIN, {sum, MakeScalar(1.0F)}, 1), MakeScalar(0.25F), 1);
+        Set(HDS_INPUT_ROUGHNESS, Mix(roughness, rougher, coat, 1));
+        SetOpenPbrStretch();
+        SetTransmission("transmission_weight", "transmission_color", "transmission_depth");
+        Set(HDS_INPUT_SHEEN, Scalar("fuzz_weight", 0.0F));
+        Set(HDS_INPUT_SHEEN_COLOR, Color("fuzz_color", 1.0F));
+        Set(HDS_INPUT_SHEEN_ROUGHNESS, Scalar("fuzz_roughness", 0.5F));
+        Set(HDS_INPUT_CLEARCOAT, coat);
+        Set(HDS_INPUT_CLEARCOAT_ROUGHNESS, coatRoughness);
+        Set(HDS_INPUT_COAT_IOR, coatIor);
+        const ShaderValue tint = Mix(MakeScalar(1.0F), Color("coat_color", 1.0F), coat, 3);
+        Set(HDS_INPUT_COAT_TINT,
+            Multiply(tint, OpenPbrDarkening(color, subsurface, metalness, coat, coatIor), 3));
+        const ShaderValue emission =
+            Multiply(Scalar("emission_luminance", 0.0F), Color("emission_color", 1.0F), 3);
+        Set(HDS_INPUT_EMISSIVE_COLOR, Multiply(emission, tint, 3));
+        SetOpacity(Scalar("geometry_opacity", 1.0F));
+        SetNormal("geometry_normal");
+        Approximate("subsurface_weight", "subsurface scattering is drawn as diffuse reflection");
+        Ignore({"transmission_dispersion_scale", "coat_roughness_anisotropy", "thin_film_weight"});
+        IgnoreColor("transmission_scatter");
+        IgnoreConnected({"geometry_coat_normal", "geometry_tangent", "geometry_coat_tangent"});
+        return Take();
+    }
+
+    LayeredMaterial Gltf() {
+        const ShaderValue color = Color("base_color", 1.0F);
+        const ShaderValue metallic = Scalar("metallic", 1.0F);
+        const ShaderValue thickness = Scalar("thickness", 0.0F);
+        if (IsAll(thickness, 0.0F)) {
+            _result.flags |= HDS_MATERIAL_THIN_WALLED;
+        }
+        Set(HDS_INPUT_DIFFUSE_COLOR, color);
+        Set(HDS_INPUT_DIELECTRIC, OneMinus(metallic, 1));
+        Set(HDS_INPUT_METALLIC, metallic);
+        Set(HDS_INPUT_METAL_COLOR, color);
+        Set(HDS_INPUT_SPECULAR_WEIGHT, Scalar("specular", 1.0F));
+        Set(HDS_INPUT_SPECULAR_COLOR, Color("specular_color", 1.0F));
+        Set(HDS_INPUT_IOR, Scalar("ior", 1.5F));
+        Set(HDS_INPUT_ROUGHNESS, Scalar("roughness", 1.0F));
+        Set(HDS_INPUT_TRANSMISSION, Scalar("transmission", 0.0F));
+        Set(HDS_INPUT_TRANSMISSION_COLOR, color);
+        const ShaderValue distance = Scalar("attenuation_distance", 0.0F);
+        SetAbsorption(Color("attenuation_color", 1.0F), distance);
+        const ShaderValue sheen = Color("sheen_color", 0.0F);
+        Set(HDS_INPUT_SHEEN, MakeScalar(IsAll(sheen, 0.0F) ? 0.0F : 1.0F));
+        Set(HDS_INPUT_SHEEN_COLOR, sheen);
+        Set(HDS_INPUT_SHEEN_ROUGHNESS, Scalar("sheen_roughness", 0.0F));
+        Set(HDS_INPUT_CLEARCOAT, Scalar("clearcoat", 0.0F));
+        Set(HDS_INPUT_CLEARCOAT_ROUGHNESS, Scalar("clearcoat_roughness", 0.0F));
+        Set(HDS_INPUT_EMISSIVE_COLOR,
+            Multiply(Scalar("emissive_strength", 1.0F), Color("emissive", 0.0F), 3));
+        const ShaderValue mode = Scalar("alpha_mode", 0.0F);
+        if (!IsAll(mode, 0.0F)) {
+            SetOpacity(Scalar("alpha", 1.0F));
+        }
+        if (IsAll(mode, 1.0F)) {
+            Set(HDS_INPUT_OPACITY_THRESHOLD, Scalar("alpha_cutoff", 0.5F));
+        }
+        SetNormal("normal");
+        Ignore({"iridescence", "anisotropy_strength", "dispersion"});
+        IgnoreConnected({"clearcoat_normal", "tangent"});
+        return Take();
+    }
+
+    LayeredMaterial Unlit() {
+        Set(HDS_INPUT_DIELECTRIC, MakeScalar(0.0F));
+        Set(HDS_INPUT_DIFFUSE_COLOR, MakeConstant({0.0F, 0.0F, 0.0F, 1.0F}, 3));
+        Set(HDS_INPUT_EMISSIVE_COLOR,
+            Multiply(Scalar("emission", 1.0F), Color("emission_color", 1.0F), 3));
+        SetOpacity(Scalar("opacity", 1.0F));
+        Ignore({"transmission"});
+        return Take();
+    }
+
+private:
+    ShaderValue Scalar(const char* input, float fallback) {
+        return _network.EvaluateOr(_node, input, {fallback, fallback, fallback, fallback}, 1);
+    }
+    ShaderValue Color(const char* input, float fallback) {
+        return _network.EvaluateOr(_node, input, {fallback, fallback, fallback, 1.0F}, 3);
+    }
+    void Set(std::uint32_t input, const ShaderValue& value) { _result.values[input] = value; }
+
+    void SetThinWalled(const char* input) {
+        const ShaderValue value = Scalar(input, 0.0F);
+        if (IsConstant(value) && ConstantOf(value)[0] != 0.0F) {
+            _result.flags |= HDS_MATERIAL_THIN_WALLED;
+        }
+    }
+
+    /// \param transmitted share of the subsurface that a thin wall lets through
+    void SetDiffuse(const ShaderValue& color, const ShaderValue& subsurface,
+                    const ShaderValue& weight, const ShaderValue& transmitted) {
+        if ((_result.flags & HDS_MATERIAL_THIN_WALLED) == 0) {
+            Set(HDS_INPUT_DIFFUSE_COLOR, Mix(color, subsurface, weight, 3));
+            return;
+        }
+        const ShaderValue reflected = Multiply(OneMinus(transmitted, 1), subsurface, 3);
+        Set(HDS_INPUT_DIFFUSE_COLOR, Mix(color, reflected, weight, 3));
+        Set(HDS_INPUT_TRANSLUCENCY, Multiply(Multiply(transmitted, weight, 1), subsurface, 3));
+    }
+
+    void SetStandardStretch() {
+        const ShaderValue anisotropy = Scalar("specular_anisotropy", 0.0F);
+        if (IsAll(anisotropy, 0.0F)) {
+            return;
+        }
+        const ShaderValue limited = MakeMath(HDS_MATH_MIN, {anisotropy, MakeScalar(0.98F)}, 1);
+        const ShaderValue aspect = MakeMath(HDS_MATH_SQRT, {OneMinus(limited, 1)}, 1);
+        SetStretch(Divide(MakeScalar(1.0F), aspect, 1), aspect, Scalar("specular_rotation", 0.0F));
+    }
+
+    void SetOpenPbrStretch() {
+        const ShaderValue anisotropy = Scalar("specular_roughness_anisotropy", 0.0F);
+        if (IsAll(anisotropy, 0.0F)) {
+            return;
+        }
+        const ShaderValue left = OneMinus(anisotropy, 1);
+        const ShaderValue along = MakeMath(
+            HDS_MATH_SQRT,
+            {Divide(MakeScalar(2.0F), Add(Multiply(left, left, 1), MakeScalar(1.0F), 1), 1)}, 1);
+        SetStretch(along, Multiply(left, along, 1), MakeScalar(0.0F));
+    }
+
+    void SetStretch(const ShaderValue& along, const ShaderValue& across, const ShaderValue& turns) {
+        Set(HDS_INPUT_STRETCH,
+            MakeMath(HDS_MATH_COMBINE, {along, across, turns, MakeScalar(0.0F)}, 4));
+    }
+
+    void SetTransmission(const char* weight, const char* color, const char* depth) {
+        const ShaderValue tint = Color(color, 1.0F);
+        const ShaderValue distance = Scalar(depth, 0.0F);
+        Set(HDS_INPUT_TRANSMISSION, Scalar(weight, 0.0F));
+        if (IsAll(distance, 0.0F)) {
+            Set(HDS_INPUT_TRANSMISSION_COLOR, tint);
+        } else {
+            SetAbsorption(tint, distance);
+        }
+    }
+
+    /// What is left after a distance is `color`. Colours of 0 are taken as 0.001.
+    void SetAbsorption(const ShaderValue& color, const ShaderValue& distance) {
+        if (IsAll(distance, 0.0F)) {
+            return;
+        }
+        const ShaderValue visible = MakeMath(HDS_MATH_MAX, {color, MakeScalar(1e-3F)}, 3);
+        const ShaderValue depth =
+            Subtract(MakeScalar(0.0F), MakeMath(HDS_MATH_LN, {visible}, 3), 3);
+        Set(HDS_INPUT_ABSORPTION, Divide(depth, distance, 3));
+    }
+
+    /// The index as the weight and the coat change it (OpenPBR 1.1, sections 3.2 and 3.7).
+    ShaderValue OpenPbrIor(const ShaderValue& weight, const ShaderValue& coat,
+                           const ShaderValue& coatIor) {
+        const ShaderValue ior = Scalar("specular_ior", 1.5F);
+        const ShaderValue below =
+            MakeMath(HDS_MATH_MAX, {Divide(ior, coatIor, 1), Divide(coatIor, ior, 1)}, 1);
+        const ShaderValue eta = Mix(ior, below, coat, 1);
+        if (IsAll(weight, 1.0F)) {
+            return eta;
+        }
+        const ShaderValue one = MakeScalar(1.0F);
+        const ShaderValue root = Divide(Subtract(eta, one, 1), Add(eta, one, 1), 1);
+        const ShaderValue scaled = MakeMath(
+            HDS_MATH_MIN, {Multiply(weight, Multiply(root, root, 1), 1), MakeScalar(0.99999F)}, 1);
+        const ShaderValue epsilon =
+            Multiply(MakeMath(HDS_MATH_SIGN, {root}, 1), MakeMath(HDS_MATH_SQRT, {scaled}, 1), 1);
+        return Divide(Add(one, epsilon, 1), OneMinus(epsilon, 1), 1);
+    }
+
+    /// What light that bounces between coat and base loses (OpenPBR 1.1, section 3.7).
+    ShaderValue OpenPbrDarkening(const ShaderValue& color, const ShaderValue& subsurface,
+                                 const ShaderValue& metalness, const ShaderValue& coat,
+                                 const ShaderValue& coatIor) {
+        const ShaderValue one = MakeScalar(1.0F);
+        const ShaderValue root = Divide(Subtract(coatIor, one, 1), Add(coatIor, one, 1), 1);
+        const ShaderValue inside = OneMinus(
+            Divide(OneMinus(Multiply(root, root, 1), 1), Multiply(coatIor, coatIor, 1), 1), 1);
+        const ShaderValue dielectric = Mix(color, Color("subsurface_color", 0.8F), subsurface, 3);
+        const ShaderValue base = Mix(dielectric, color, metalness, 3);
+        const ShaderValue left =
+            Divide(OneMinus(inside, 1), OneMinus(Multiply(base, inside, 3), 3), 3);
+        return Mix(one, left, Multiply(coat, Scalar("coat_darkening", 1.0F), 1), 3);
+    }
+
+    /// A colour counts by its luminance.
+    void SetOpacity(const ShaderValue& opacity) {
+        if (opacity.numComponents == 1 || (IsConstant(opacity) && IsGrey(opacity))) {
+            Set(HDS_INPUT_OPACITY, SelectFirst(opacity));
+            return;
+        }
+        const ShaderValue weights = MakeConstant({0.2722287F, 0.6740818F, 0.0536895F, 0.0F}, 3);
+        Set(HDS_INPUT_OPACITY, MakeMath(HDS_MATH_DOT, {opacity, weights}, 1));
+    }
+    static bool IsGrey(const ShaderValue& value) {
+        const std::array<float, 4>& c = ConstantOf(value);
+        return c[0] == c[1] && c[1] == c[2];
+    }
+    static ShaderValue SelectFirst(const ShaderValue& value) {
+        return value.numComponents == 1 ? value : SelectChannel(value, 0);
+    }
+
+    /// Normal maps count; other normals are those of the surface.
+    void SetNormal(const char* input) {
+        const MaterialNode* source = _network.FindSource(_node, input);
+        if (source == nullptr || source->identifier.compare(0, 9, "ND_normal") != 0) {
+            IgnoreConnected({input});
+        } else if (source->identifier.compare(0, 12, "ND_normalmap") == 0) {
+            Set(HDS_INPUT_NORMAL, _network.Evaluate(_node, input));
+        }
+    }
+
+    void Ignore(std::initializer_list<const char*> inputs) {
+        for (const char* input : inputs) {
+            Approximate(input, "is not supported and is left out");
+        }
+    }
+    void IgnoreColor(const char* input) {
+        if (!IsAll(Color(input, 0.0F), 0.0F)) {
+            Warn(input, "is not supported and is left out");
+        }
+    }
+    void IgnoreConnected(std::initializer_list<const char*> inputs) {
+        for (const char* input : inputs) {
+            if (_node.connections.count(input) != 0) {
+                Warn(input, "is not supported; that of the surface is used");
+            }
+        }
+    }
+    /// Warns where the input is not 0.
+    void Approximate(const char* input, const char* what) {
+        const bool isThin = (_result.flags & HDS_MATERIAL_THIN_WALLED) != 0;
+        const bool isSubsurface = std::string(input).compare(0, 10, "subsurface") == 0;
+        if (!IsAll(Scalar(input, 0.0F), 0.0F) && !(isThin && isSubsurface)) {
+            Warn(input, what);
+        }
+    }
+    void Warn(const std::string& input, const std::string& what) {
+        _network.Warn(input + " of " + _node.path + ": " + what);
+    }
+
+    /// Whether an input is something else than a constant 0.
+    bool Has(std::uint32_t input) const {
+        return _result.values[input] && !IsAll(_result.values[input], 0.0F);
+    }
+
+    LayeredMaterial Take() {
+        _result.lobes = HDS_LOBE_BASE | (Has(HDS_INPUT_CLEARCOAT) ? HDS_LOBE_COAT : 0U) |
+                        (Has(HDS_INPUT_SHEEN) ? HDS_LOBE_SHEEN : 0U) |
+                        (_result.values[HDS_INPUT_STRETCH] ? HDS_LOBE_ANISOTROPY : 0U) |
+                        (Has(HDS_INPUT_TRANSMISSION) ? HDS_LOBE_TRANSMISSION : 0U) |
+                        (Has(HDS_INPUT_TRANSLUCENCY) ? HDS_LOBE_TRANSLUCENCY : 0U);
+        // What belongs to lobes that are not there would only make programs longer.
+        const auto drop = [&](std::uint32_t lobe, std::initializer_list<std::uint32_t> inputs) {
+            for (const std::uint32_t input : inputs) {
+                _result.values[input] =
+                    (_result.lobes & lobe) != 0 ? _result.values[input] : ShaderValue{};
+            }
+        };
+        drop(HDS_LOBE_COAT, {HDS_INPUT_CLEARCOAT, HDS_INPUT_CLEARCOAT_ROUGHNESS, HDS_INPUT_COAT_IOR,
+                             HDS_INPUT_COAT_TINT});
+        drop(HDS_LOBE_SHEEN, {HDS_INPUT_SHEEN, HDS_INPUT_SHEEN_COLOR, HDS_INPUT_SHEEN_ROUGHNESS});
+        drop(HDS_LOBE_TRANSMISSION,
+             {HDS_INPUT_TRANSMISSION, HDS_INPUT_TRANSMISSION_COLOR, HDS_INPUT_ABSORPTION});
+        if (!Has(HDS_INPUT_METALLIC)) {
+            _result.values[HDS_INPUT_METAL_COLOR] = {};
+            _result.values[HDS_INPUT_EDGE_COLOR] = {};
+        }
+        return std::move(_result);
+    }
+
+    NetworkEvaluator& _network;
+    const MaterialNode& _node;
+    LayeredMaterial _result;
+};
+
+using Model = LayeredMaterial (ModelReader::*)();
+
+/// By the beginning of the id: versions follow.
+const std::pair<const char*, Model> kModels[] = {
+    {"ND_standard_surface_surfaceshader", &ModelReader::StandardSurface},
+    {"ND_open_pbr_surface_surfaceshader", &ModelReader::OpenPbr},
+    {"ND_gltf_pbr_surfaceshader", &ModelReader::Gltf},
+    {"ND_surface_unlit", &ModelReader::Unlit}};
+
+Model FindModel(const std::string& identifier) {
+    for (const auto& [name, model] : kModels) {
+        if (identifier.compare(0, std::string(name).size(), name) == 0) {
+            return model;
+        }
+    }
+    return nullptr;
+}
+
+} // namespace
+
+bool IsLayered(const std::string& identifier) {
+    return FindModel(identifier) != nullptr;
+}
+
+LayeredMaterial EvaluateLayered(NetworkEvaluator& network, const MaterialNode& node) {
+    ModelReader reader(network, node);
+    return (reader.*FindModel(node.identifier))();
+}
+
+std::array<float, 4> LayeredDefault(std::uint32_t input) {
+    switch (input) {
+    case HDS_INPUT_DIELECTRIC:
+    case HDS_INPUT_SPECULAR_WEIGHT:
+    case HDS_INPUT_METAL_COLOR:
+    case HDS_INPUT_EDGE_COLOR:
+    case HDS_INPUT_COAT_TINT:
+    case HDS_INPUT_SHEEN_COLOR:
+    case HDS_INPUT_TRANSMISSION_COLOR:
+        return {1.0F, 1.0F, 1.0F, 1.0F};
+    case HDS_INPUT_STRETCH:
+        return {1.0F, 1.0F, 0.0F, 0.0F};
+    case HDS_INPUT_COAT_IOR:
+        return {1.5F, 1.5F, 1.5F, 1.5F};
+    case HDS_INPUT_SHEEN_ROUGHNESS:
+        return {0.3F, 0.3F, 0.3F, 0.3F};
+    default:
+        return {};
+    }
+}
+
+} // namespace hds

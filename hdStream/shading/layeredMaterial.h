@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Surface shaders of MaterialX as the inputs of layered surfaces (kernels/shared/material.h). Part
+// of the material compiler. Explained in docs/materials.md.
+#pragma once
+
+#include "hdStream/shading/networkEvaluator.h"
+#include "kernels/shared/material.h"
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+namespace hds {
+
+/// A layered surface before it is bound.
+struct LayeredMaterial {
+    std::array<ShaderValue, HDS_NUM_LAYERED_INPUTS> values; ///< empty: the default
+    std::uint32_t flags = 0;                                ///< HDS_MATERIAL_*
+    std::uint32_t lobes = 0;                                ///< HDS_LOBE_*
+};
+
+/// Whether a shader id is a surface shader that EvaluateLayered knows.
+bool IsLayered(const std::string& identifier);
+
+/// \pre IsLayered(node.identifier)
+LayeredMaterial EvaluateLayered(NetworkEvaluator& network, const MaterialNode& node);
+
+/// The value that an input of HDS_INPUT_* above HDS_NUM_INPUTS has when nothing sets it.
+std::array<float, 4> LayeredDefault(std::uint32_t input);
+
+} // namespace hds

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// Functions of shader values (kernels/shared/programMath.h) as expressions: constants are folded,
+// what changes nothing is left out, and coordinates that are scaled and moved by constants stay
+// coordinates, so that images are filtered by them. Explained in docs/materials.md.
+#pragma once
+
+#include "hdStream/shading/shaderExpression.h"
+#include "kernels/shared/programMath.h"
+
+#include <vector>
+
+namespace hds {
+
+/// The value with a scalar in all four components; others stay as they are.
+ShaderValue Spread(const ShaderValue& value);
+
+/// The function `code` (HDS_MATH_*) of the operands; scalars among them are spread.
+/// \param numComponents of the result; 1: all four components hold it
+ShaderValue MakeMath(std::uint32_t code, std::vector<ShaderValue> operands,
+                     std::uint32_t numComponents);
+
+/// A constant in all components.
+ShaderValue MakeScalar(float value);
+
+/// Whether all components that count are this constant.
+bool IsAll(const ShaderValue& value, float constant);
+
+} // namespace hds
