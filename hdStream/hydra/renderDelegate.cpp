@@ -22,6 +22,7 @@
 #include <pxr/imaging/hd/renderCapabilitiesSchema.h>
 #include <pxr/imaging/hd/retainedDataSource.h>
 #include <pxr/imaging/hd/tokens.h>
+#include <pxr/usd/sdr/registry.h>
 
 #include <algorithm>
 #include <set>
@@ -30,6 +31,8 @@
 PXR_NAMESPACE_OPEN_SCOPE
 
 namespace {
+
+constexpr const char* kMaterialXSurface = "ND_standard_surface_surfaceshader";
 
 bool Contains(const TfTokenVector& tokens, const TfToken& token) {
     return std::find(tokens.begin(), tokens.end(), token) != tokens.end();
@@ -222,7 +225,16 @@ TfToken HdStreamRenderDelegate::GetMaterialBindingPurpose() const {
 }
 
 TfTokenVector HdStreamRenderDelegate::GetMaterialRenderContexts() const {
-    return {HdRenderContextTokens->universal};
+    // UsdImaging drops a network whose surface shader is not registered, and does not try the next
+    // context then: MaterialX is asked for where OpenUSD knows its nodes.
+    static const bool hasMaterialX =
+        SdrRegistry::GetInstance().GetShaderNodeByIdentifier(TfToken(kMaterialXSurface)) != nullptr;
+    TfTokenVector contexts;
+    if (hasMaterialX) {
+        contexts.emplace_back("mtlx");
+    }
+    contexts.push_back(HdRenderContextTokens->universal);
+    return contexts;
 }
 
 bool HdStreamRenderDelegate::IsParallelSyncEnabled(const TfToken& primType) const {

@@ -58,6 +58,11 @@ class OpenUsd:
         environment.update(PYTHONFAULTHANDLER="1", TF_FATAL_ERROR_STACK_LOGGING="0", **more)
         return environment
 
+    @property
+    def hasMaterialX(self) -> bool:
+        """Whether it was built with usdMtlx, which registers MaterialX's nodes."""
+        return any(self.prefix.glob("lib*/*usdMtlx*"))
+
     @functools.lru_cache
     def HasModules(self, *names: str) -> bool:
         """True when its Python can import the modules."""

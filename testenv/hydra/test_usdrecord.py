@@ -31,6 +31,7 @@ TRANSLATED = sorted(path.parent.name for path in TRANSLATE.glob("*/scene.usda"))
 # What OpenUSD 24.11 does not tell a renderer, or tells otherwise (docs/hydra.md); kinds of differences.
 DIFFERENT = {
     ("legacy", "interpolation"): {"mesh.primvar pairs"},
+    ("legacy", "skinning"): {"mesh only in Hydra"},  # the skeleton's bones, a guide
     ("legacy", "nativeInstances"): {  # nested native instances are flattened
         "instancer only in Hydra", "instancer only in hdstream record", "light only in Hydra",
         "light only in hdstream record", "light.instancer", "light.instances", "mesh only in Hydra",
@@ -41,6 +42,7 @@ DIFFERENT = {
     ("sceneIndex", "nativeInstances"): {  # which instance is the first one
         "instancer only in Hydra", "instancer only in hdstream record", "light only in Hydra",
         "light only in hdstream record", "mesh only in Hydra", "mesh only in hdstream record"},
+    ("sceneIndex", "skinning"): {"mesh.points", "mesh.primvar normals", "mesh.transform"},  # SkelRoots are no prims
     ("sceneIndex", "subsets"): {"mesh.subset"},  # of other families
     ("sceneIndex", "drawModes"): {"material only in Hydra", "material only in hdstream record",
                                   "mesh only in Hydra", "mesh only in hdstream record"},
@@ -97,6 +99,8 @@ def test_translated_scene_is_that_of_hdstream_record(case, frontEnds, isStream, 
     """The scenes of testenv/translate, whose goldens `hdstream record` gives: equal but for what is known."""
     if not isStream:
         pytest.skip("only Stream writes dumps")
+    if case == "materialX" and not frontEnds.openUsd.hasMaterialX:
+        pytest.skip("OpenUSD was built without MaterialX: materials have no context mtlx then (docs/materials.md)")
     wrapper = WriteWrapper(TRANSLATE / case / "scene.usda", tmp_path / "wrapper.usda", WIDTH, mode=frontEnds.mode,
                            purposes=("render", "proxy", "guide"), **SETTINGS)
     hydra = frontEnds.RunUsdrecord(wrapper, tmp_path / "hydra.exr", tmp_path / "hydra.txt")

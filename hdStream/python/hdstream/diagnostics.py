@@ -8,9 +8,11 @@ import re
 
 from pxr import Tf, UsdUtils
 
+from hdstream import materialXFiles
 from hdstream.errors import OneLine
 
 _ERROR = re.compile(r"Error in '.*?' at line \d+ in file .*? : '(.*?)'\s*(?=$|\n\s*Error in )", re.DOTALL)
+_UNOPENED = re.compile(r"Could not open asset @([^@]*\.mtlx)@", re.IGNORECASE)
 _PRIM = re.compile(r"^In <([^>]*)>: *(.*)$")
 _ORIGIN = re.compile(r" *\((?:instantiating|recomposing)[^()]*stage on stage @[^@]*@ <[^>]*>\)\.?$")
 
@@ -27,7 +29,7 @@ class Diagnostics:
         for diagnostic in self._delegate.TakeUncoalescedDiagnostics():
             for line in str(diagnostic.commentary).splitlines():
                 entry = _Parse(line.strip())
-                if entry is not None:
+                if entry is not None and not _IsOutdated(entry[1]):
                     found[entry] = None
         return list(found)
 
@@ -44,6 +46,12 @@ def _Parse(line):
         return None
     match = _PRIM.match(line)
     return (match.group(1), OneLine(match.group(2))) if match else ("USD", OneLine(line))
+
+
+def _IsOutdated(text):
+    """Whether OpenUSD could not open a MaterialX file that was read since."""
+    match = _UNOPENED.search(text)
+    return match is not None and materialXFiles.IsRead(match.group(1))
 
 
 def MessagesOf(error):

@@ -3,10 +3,11 @@
 
 import re
 
-from pxr import Ar, Sdf, Usd, UsdUtils
+from pxr import Ar, Sdf, Tf, Usd, UsdUtils
 
 from hdstream.diagnostics import MessagesOf, TfError
 from hdstream.errors import CommandError, UsageError
+from hdstream.materialXFiles import ReplaceFiles
 
 _PLACEHOLDER = re.compile(r"^[^#]*(#+(?:\.(#+))?)[^#]*$")
 
@@ -27,6 +28,8 @@ def OpenStage(path, maskPaths=()):
         raise CommandError(f"{path}: not a USD stage: {causes[0] if causes else 'cannot be read'}") from None
     if not stage:
         raise CommandError(f"{path}: not a USD stage")
+    for file, problem in ReplaceFiles(stage):
+        Tf.Warn(f"{file} {problem}")
     return stage
 
 

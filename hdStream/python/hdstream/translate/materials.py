@@ -11,6 +11,8 @@ from pxr import Sdf, UsdShade
 from hdstream import _core
 
 _TERMINALS = ("surface", "displacement", "volume")
+# Render contexts of terminals, best first: MaterialX, then the universal one.
+_CONTEXTS = ("mtlx:", "")
 # Bindings of purpose "full" first, then those for all purposes, as every final renderer.
 BINDING_PURPOSE = "full"
 
@@ -45,16 +47,16 @@ class MaterialReader:
         self._warn = warn
 
     def Read(self, prim):
-        """The network of a material; without terminals when it has none of the universal context."""
+        """The network of a material; without terminals when it has none of a context that is read."""
         material = UsdShade.Material(prim)
         terminals = {}
         nodes = {}
         pending = []
         for terminal in _TERMINALS:
-            output = material.GetOutput(terminal)
-            source = _FindSource(output) if output else None
+            source = _FindTerminal(material, terminal)
             if source is not None:
-                terminals[terminal] = _core.Connection(*source[:2])
+                # As Hydra, which names the terminal instead of the shader's output.
+                terminals[terminal] = _core.Connection(source[0], terminal)
                 pending.append(source[2])
         while pending:
             shader = pending.pop()
@@ -104,7 +106,7 @@ class MaterialReader:
         if any(name.endswith(":surface") for name in others):
             contexts = ", ".join(name[:-len(":surface")] for name in others
                                  if name.endswith(":surface"))
-            return f"material has no UsdPreviewSurface, only {contexts}: not supported yet"
+            return f"material has no UsdPreviewSurface or MaterialX surface, only {contexts}: not supported yet"
         return "material has no surface"
 
 
@@ -119,6 +121,15 @@ def _ParameterFrom(value):
     if array.dtype.kind not in "fiub":
         return None
     return [float(item) for item in array.ravel()]
+
+
+def _FindTerminal(material, terminal):
+    for context in _CONTEXTS:
+        output = material.GetOutput(context + terminal)
+        source = _FindSource(output) if output else None
+        if source is not None:
+            return source
+    return None
 
 
 def _FindSource(shaderOutput):

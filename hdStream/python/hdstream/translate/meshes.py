@@ -54,9 +54,18 @@ def _ReadPoints(prim, names, timeCode):
     return None if points is None else np.asarray(points)
 
 
-def ReadMesh(prim, names, inherited, timeCode):
-    """The description of a UsdGeomMesh; None when it has no points or no faces."""
+def ReadMesh(prim, names, inherited, timeCode, skin=None):
+    """The description of a UsdGeomMesh; None when it has no points or no faces.
+
+    `skin(prim, points)` gives the points of a skinned mesh, None for others. Normals that were authored for
+    the points at rest are left out, as UsdSkelImaging does: they follow from the skinned points.
+    """
     points = _ReadPoints(prim, names, timeCode)
+    if skin is not None and points is not None and points.size:
+        skinned = skin(prim, points)
+        if skinned is not None:
+            points = np.asarray(skinned)
+            names = [name for name in names if name not in ("normals", "primvars:normals")]
     counts = _Array(prim, "faceVertexCounts", timeCode, np.int32)
     indices = _Array(prim, "faceVertexIndices", timeCode, np.int32)
     if points is None or counts is None or indices is None or not points.size or not counts.size:

@@ -18,7 +18,7 @@ class State:
     """Inherited values at a prim, relative to the space of its Context."""
 
     __slots__ = ("matrix", "visible", "purpose", "isPurposeAuthored", "primvars", "bindings",
-                 "hasCollections", "drawMode")
+                 "hasCollections", "drawMode", "skelRoot")
 
     def __init__(self):
         self.matrix = IDENTITY          # context space from prim, row vectors (Gf)
@@ -29,6 +29,7 @@ class State:
         self.bindings = {}              # material purpose -> (target path, strength)
         self.hasCollections = False     # a collection-based material binding applies
         self.drawMode = ""              # UsdGeomModelAPI; empty: default
+        self.skelRoot = None            # the SkelRoot prim around, whose meshes may be skinned
 
     def Copy(self):
         copy = State.__new__(State)

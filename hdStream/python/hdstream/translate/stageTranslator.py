@@ -8,7 +8,7 @@ walked and turned into instancers after it. Materials are found for all meshes a
 import gc
 
 import numpy as np
-from pxr import Tf, Usd, UsdGeom
+from pxr import Tf, Usd, UsdGeom, UsdSkel
 
 from hdstream import _core
 from hdstream.diagnostics import MessagesOf
@@ -19,6 +19,7 @@ from hdstream.translate.materials import MaterialReader
 from hdstream.translate.meshBatch import MeshBatch
 from hdstream.translate.primState import PREDICATE, Context, State
 from hdstream.translate.reports import Reports
+from hdstream.translate.skinning import Skinning
 
 # Schemas that are drawn by other renderers and skipped here, with a count.
 _SKIPPED_SCHEMAS = ("BasisCurves", "NurbsCurves", "HermiteCurves", "NurbsPatch", "Points",
@@ -28,13 +29,14 @@ _SKIPPED_SCHEMAS = ("BasisCurves", "NurbsCurves", "HermiteCurves", "NurbsPatch",
 class _TypeInfo:
     """What the traversal needs to know of a schema."""
 
-    __slots__ = ("schema", "handler", "isImageable", "isXformable", "isLeaf")
+    __slots__ = ("schema", "handler", "isImageable", "isXformable", "isLeaf", "isSkelRoot")
 
     def __init__(self, prim, schema, handler, isLeaf):
         self.schema = schema
         self.handler = handler
         self.isImageable = prim.IsA(UsdGeom.Imageable)
         self.isXformable = prim.IsA(UsdGeom.Xformable)
+        self.isSkelRoot = prim.IsA(UsdSkel.Root)
         self.isLeaf = isLeaf  # a gprim: nothing of use below it inherits primvars or bindings
 
 
@@ -48,6 +50,7 @@ class StageTranslator:
         self._reports = Reports(session)
         self._assets = AssetResolver()
         self._xforms = UsdGeom.XformCache(self._timeCode)
+        self._skinning = Skinning(self._timeCode, self._xforms, self._reports.Warn)
         self._types = {}
         self._paths = set()
         self._meshes = MeshBatch(session, self._reports.Warn)
@@ -109,6 +112,9 @@ class StageTranslator:
         info = self._types.get(prim.GetTypeName()) or self._AddType(prim)
         names = prim.GetAuthoredPropertyNames()
         state = self._StateOf(prim, info, names, inherited) if names else inherited
+        if info.isSkelRoot:
+            state = state.Copy()
+            state.skelRoot = prim
         if state.drawMode and self._drawModes.IsApplied(prim):
             self._drawModes.Add(prim, names, state, context)
             return None
@@ -199,11 +205,12 @@ class StageTranslator:
         return path, _core.Placement(state.matrix, context.instancerPath, context.instances, state.visible)
 
     def _OnMesh(self, prim, schema, names, state, context):
-        mesh = meshes.ReadMesh(prim, names, state.primvars, self._timeCode)
+        skin = None
+        if state.skelRoot is not None:
+            skin = lambda mesh, points: self._skinning.PointsOf(mesh, state.skelRoot, points)
+        mesh = meshes.ReadMesh(prim, names, state.primvars, self._timeCode, skin)
         if mesh is None:
             return state
-        if "skel:skeleton" in names:
-            self._reports.Count(prim, "skinning is not supported yet: {count} drawn unskinned")
         self._CheckMeshLight(prim)
         self._AddMesh(prim, names, mesh, state, context)
         return state
