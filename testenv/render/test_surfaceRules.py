@@ -10,13 +10,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
-from pxr import Gf, Sdf
+from pxr import Gf, Sdf, UsdShade
 
 pytest.importorskip("hdstream._core")
 
+import ours
 from cardStrip import Strip
 from closedForm import PreviewReflected
-from stages import author, imageFile
+from stages import author, imageFile, shapes
 from textureCases import AddReader, AddTexture, Connect
 
 _VIEW = np.array([0.0, 0.0, 1.0])
@@ -205,3 +206,22 @@ def test_what_is_behind_shows_through(name, Glass):
 
 def test_emissiveColor(Glass):
     np.testing.assert_allclose(Glass.Pixels("emissiveColor")[:, :3], np.broadcast_to([0.5, 2.0, 8.0], (4, 3)), rtol=1e-6)
+
+
+def test_opacityMode(tmp_path):
+    """presence: so much of the surface is there, reflection included; transparent: reflection stays."""
+    found = {}
+    for name, opacity, mode in [("opaque", 1.0, None), ("presence", 0.5, "presence"), ("absent", 0.0, "presence"),
+                                ("transparent", 0.0, "transparent")]:
+        stage = author.NewStage(str(tmp_path / f"{name}.usda"))
+        material = author.AddMaterial(stage, "/World/Look", diffuseColor=(0.2, 0.1, 0.0), ior=2.0, opacity=opacity)
+        if mode:
+            shader = UsdShade.Shader.Get(stage, "/World/Look/Surface")
+            shader.CreateInput("opacityMode", Sdf.ValueTypeNames.Token).Set(mode)
+        author.AddMesh(stage, "/World/Plate", shapes.Plane(4, 4), material=material, rotate=(90, 0, 0))
+        author.AddLight(stage, "/World/Light", "Distant", dict(rotate=(-20, 0, 0)), angle=10.0, intensity=3.0)
+        author.AddCamera(stage, eye=(0, 0, 9), width=20.0, aspect=1.0, orthographic=True)
+        stage.GetRootLayer().Save()
+        found[name] = ours.Render(stage.GetRootLayer().realPath, 8, 8, samples=256).rgb.mean((0, 1))
+    assert found["presence"] == pytest.approx(0.5 * found["opaque"], rel=0.02)
+    assert not found["absent"].any() and found["transparent"].all()

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`python testenv/stages NAME OUT` writes a stage: demo, terrain, forest, meshes, grove or a verification case.
+"""`python testenv/stages NAME OUT` writes a stage: demo, terrain, forest, meshes, grove, materialBalls or a
+verification case.
 
 OUT's extension (.usda, .usdc) chooses the format. `terrain`, `forest`, `meshes` and `grove` take a size as a
 third argument. Without arguments it lists the names.
@@ -10,11 +11,11 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 
-from stages import bench, demo, grove  # noqa: E402
+from stages import bench, demo, grove, materialX  # noqa: E402
 from stages.verify import CASES  # noqa: E402
 
 _WRITERS = {"demo": demo.WriteDemo, "terrain": bench.WriteTerrain, "forest": bench.WriteForest, "meshes": bench.WriteMeshes,
-            "grove": grove.WriteGrove}
+            "grove": grove.WriteGrove, "materialBalls": materialX.WriteMaterialBalls}
 
 
 def main(arguments: list[str]) -> int:

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Layered surfaces in pictures, against closed forms: furnaces, absorption along a way, thin walls, light from behind.
+
+What lobes do by themselves is in testenv/stat/shading/testLayeredSurface.cpp; here paths go through surfaces.
+"""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("hdstream._core")
+
+import ours
+from stages import author, shapes
+from stages.materialX import OPEN_PBR, STANDARD, AddSurface
+
+_GLASS = dict(base=0.0, transmission=1.0, specular_roughness=0.0)
+
+
+def _Center(tmp_path, shape, surface, light=("Dome", {}), width=1.2, samples=64, maxDepth=24, identifier=STANDARD):
+    """Mean colour [3] in the middle of a picture of a shape with a surface, seen along -z."""
+    stage = author.NewStage(str(tmp_path / "stage.usda"))
+    material = AddSurface(stage, "/World/Look", identifier, **surface)
+    author.AddMesh(stage, "/World/Shape", shape, material=material, doubleSided=True,
+                   rotate=(90, 0, 0) if len(shape.points) == 4 else (0, 0, 0))
+    kind, inputs = light
+    author.AddLight(stage, "/World/Light", kind, **inputs)
+    author.AddCamera(stage, eye=(0, 0, 10), width=10.0 * width, aspect=1.0, orthographic=True)
+    stage.GetRootLayer().Save()
+    picture = ours.Render(stage.GetRootLayer().realPath, 16, 16, samples=samples, maxDepth=maxDepth)
+    return picture.rgb.reshape(-1, 3).mean(0)
+
+
+@pytest.mark.parametrize("surface, identifier", [
+    (dict(base_color=(1.0, 1.0, 1.0)), STANDARD),
+    (dict(base_color=(1.0, 1.0, 1.0), metalness=1.0, specular_roughness=0.8), STANDARD),
+    (dict(base_color=(1.0, 1.0, 1.0), coat=1.0, sheen=1.0), STANDARD),
+    (dict(base_color=(1.0, 1.0, 1.0), fuzz_weight=1.0, coat_weight=0.5, base_diffuse_roughness=1.0), OPEN_PBR),
+    (_GLASS, STANDARD),
+    (dict(transmission_weight=1.0, specular_roughness=0.0), OPEN_PBR),
+], ids=["dielectric", "roughMetal", "coatAndSheen", "openPbr", "glass", "openPbrGlass"])
+def test_what_absorbs_nothing_is_invisible_in_a_furnace(tmp_path, surface, identifier):
+    color = _Center(tmp_path, shapes.Sphere(1.0, 48, 96), surface, identifier=identifier)
+    assert color == pytest.approx(np.ones(3), abs=0.02)
+
+
+def test_absorption_follows_the_length_of_the_way(tmp_path):
+    # A ball of index 1, seen through its middle: transmission_color after half of the way.
+    surface = dict(_GLASS, specular_IOR=1.0, transmission_color=(0.25, 0.5, 1.0), transmission_depth=1.0)
+    color = _Center(tmp_path, shapes.Sphere(1.0, 96, 192), surface, width=0.1)
+    assert color == pytest.approx(np.array([0.25, 0.5, 1.0])**2, rel=0.01)
+
+
+def test_a_thin_wall_shows_what_is_straight_behind(tmp_path):
+    tint = np.array([0.9, 0.5, 0.2])
+    surface = dict(_GLASS, specular_roughness=0.1, thin_walled=True, transmission_color=tuple(tint))
+    color = _Center(tmp_path, shapes.Plane(4, 4), surface)
+    assert color == pytest.approx(0.04 + 0.96 * tint, abs=4e-3)  # Fresnel at normal incidence
+
+
+@pytest.mark.parametrize("light, expected", [(("Dome", {}), 0.8),
+                                             (("Distant", dict(angle=0.0, intensity=1.0, placement=dict(rotate=(180, 0, 0)))), 0.8 / np.pi)],
+                         ids=["dome", "distant"])
+def test_light_from_behind_comes_through_a_leaf(tmp_path, light, expected):
+    surface = dict(base=0.0, specular=0.0, subsurface=1.0, subsurface_color=(0.8, 0.8, 0.8), thin_walled=True)
+    color = _Center(tmp_path, shapes.Plane(4, 4), surface, light=light)
+    assert color == pytest.approx(np.full(3, expected), rel=0.01)
+
+
+def test_opacity_shows_what_is_behind(tmp_path):
+    surface = dict(base_color=(0.0, 0.0, 0.0), specular=0.0, opacity=(0.25, 0.25, 0.25))
+    assert _Center(tmp_path, shapes.Plane(4, 4), surface) == pytest.approx(np.full(3, 0.75), abs=0.02)
+
+
+def test_what_is_left_out_is_said_once(tmp_path):
+    stage = author.NewStage(str(tmp_path / "stage.usda"))
+    material = AddSurface(stage, "/World/Look", subsurface=0.5, thin_film_thickness=300.0)
+    for i in range(3):
+        author.AddMesh(stage, f"/World/Ball{i}", shapes.Sphere(1.0, 8, 16), material=material, translate=(i, 0, 0))
+    author.AddCamera(stage)
+    stage.GetRootLayer().Save()
+    warnings = ours.Render(stage.GetRootLayer().realPath, 4, 4, samples=1).warnings
+    for name in ("subsurface of /World/Look/Surface", "thin_film_thickness of /World/Look/Surface"):
+        assert len([text for text in warnings if name in text]) == 1, warnings
