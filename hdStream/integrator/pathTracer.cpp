@@ -85,6 +85,8 @@ struct PathTracer::Impl {
         features.cutouts = scene->hasCutouts;
         features.programs = buffers.HasPrograms();
         features.textures = buffers.HasTextures();
+        features.lightShaping = scene->lights->hasShaping;
+        features.lightControls = scene->lights->hasControls;
         features.manyTexturePools = buffers.Textures().NumBuffers() > 1;
         features.textureStreaming = buffers.Textures().Pool() != nullptr;
         features.plainTextures = buffers.Textures().IsPlain();

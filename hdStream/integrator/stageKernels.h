@@ -15,6 +15,8 @@ struct KernelFeatures {
     bool cutouts = false;          ///< some material may let rays pass
     bool programs = false;         ///< some material has a program
     bool textures = false;         ///< some program or some light looks textures up
+    bool lightShaping = false;     ///< some light is shaped
+    bool lightControls = false;    ///< some light is linked or has controls that are not physical
     bool manyTexturePools = false; ///< texels lie in more than one buffer
     bool textureStreaming = false; ///< lines of textures may be missing
     bool plainTextures = false;    ///< textures without lines
@@ -30,7 +32,8 @@ struct KernelFeatures {
 
     bool operator==(const KernelFeatures& other) const {
         return cutouts == other.cutouts && programs == other.programs &&
-               textures == other.textures && manyTexturePools == other.manyTexturePools &&
+               textures == other.textures && lightShaping == other.lightShaping &&
+               lightControls == other.lightControls && manyTexturePools == other.manyTexturePools &&
                textureStreaming == other.textureStreaming && plainTextures == other.plainTextures &&
                groups == other.groups && wide == other.wide && firstHits == other.firstHits &&
                manyPools == other.manyPools && streaming == other.streaming &&

@@ -8,6 +8,7 @@
 #include "integrator/pathState.clh"
 #include "integrator/pixelSampler.clh"
 #include "integrator/run.clh"
+#include "light/walk.clh"
 #if HDS_FEATURE_TEXTURES
 #include "light/imageLookup.clh"
 #endif
@@ -27,9 +28,9 @@ typedef struct {
     float3 origin;
     float3 direction;
     float3 throughput;
-    float bsdfPdf; /* of direction; 0: no light sample could have made it */
-    float3 sourceNormal;
-    bool isLast; /* only lights count any more */
+    float bsdfPdf;      /* of direction; 0: no light sample could have made it */
+    HdsLitPoint source; /* where the ray started */
+    bool isLast;        /* only lights count any more */
     float3 radiance;
     float alpha;
     uint4 status;
@@ -39,6 +40,9 @@ typedef struct {
 #if HDS_FEATURE_TEXTURES
     HdsRayCones cones;    /* at the ray's origin */
     HdsRayCones hitCones; /* at the hit */
+#endif
+#if HDS_FEATURE_LIGHT_CONTROLS
+    float3 diffuseShare; /* of the BSDF where the ray started, in its direction */
 #endif
 } HdsShadePath;
 
@@ -50,6 +54,7 @@ typedef struct {
     HdsShadingPoint shading;
     HdsSurface bsdf;
     float3 lobes; /* surface_lobeProbabilities for the viewer */
+    uint linkSet;
 } HdsShadeHit;
 
 #if HDS_FEATURE_TEXTURES
@@ -67,31 +72,59 @@ float3 shade_lookUpLight(const HdsSceneView* scene, uint light, float3 origin, f
 }
 #endif
 
+/* Whether the ray may find the light at all. */
+bool shade_findsLight(const HdsSceneView* scene, uint light, const HdsShadePath* path) {
+    const uint flags = scene->lights.lights[light].flags;
+    if (path->depth == 0u) {
+        return (flags & HDS_LIGHT_VISIBLE) != 0u;
+    }
+    return (flags & HDS_LIGHT_SAMPLED) == 0u &&
+           light_isLinked(&scene->lights, scene->lights.lights[light].lightLink,
+                          path->source.linkSet);
+}
+
+/* Adds the radiance of a light when the ray crosses it before tMax. */
+void shade_addLight(const HdsSceneView* scene, uint light, float tMax, HdsShadePath* path) {
+    const HdsLightView* view = &scene->lights;
+    float t;
+    if (!shade_findsLight(scene, light, path) ||
+        !light_intersect(view, light, path->origin, path->direction, tMax, &t) ||
+        t < path->tBegin) {
+        return;
+    }
+    float weight = 1.0f;
+    if (path->bsdfPdf > 0.0f) {
+        weight = shade_misWeight(path->bsdfPdf,
+                                 light_pdf(view, light, &path->source, path->direction, t));
+    }
+    float3 radiance = light_radiance(view, light, path->direction);
+#if HDS_FEATURE_LIGHT_SHAPING
+    if (!(vec_maxComponent(radiance) > 0.0f)) {
+        return; /* outside of its cone it is not seen */
+    }
+#endif
+#if HDS_FEATURE_TEXTURES
+    radiance *= shade_lookUpLight(scene, light, path->origin, path->direction, t, path->cones,
+                                  path->depth == 0u, &path->isMissing);
+#endif
+#if HDS_FEATURE_LIGHT_CONTROLS
+    if (path->bsdfPdf > 0.0f) {
+        radiance *= light_lobeFactor(view, light, path->diffuseShare);
+    }
+#endif
+    path->radiance += weight * path->throughput * radiance;
+    if (path->depth == 0u) {
+        path->alpha = 1.0f;
+    }
+}
+
 /* Adds the radiance of lights that the ray crosses before tMax. They do not occlude. */
 void shade_addLights(const HdsSceneView* scene, float tMax, HdsShadePath* path) {
     const HdsLightView* view = &scene->lights;
-    for (uint light = 0u; light < view->numLights; ++light) {
-        float t;
-        bool isSeen = path->depth > 0u || (view->lights[light].flags & HDS_LIGHT_VISIBLE) != 0u;
-        if (!isSeen || !light_intersect(view, light, path->origin, path->direction, tMax, &t) ||
-            t < path->tBegin) {
-            continue;
-        }
-        float weight = 1.0f;
-        if (path->bsdfPdf > 0.0f) {
-            weight =
-                shade_misWeight(path->bsdfPdf, light_pdf(view, light, path->origin,
-                                                         path->sourceNormal, path->direction, t));
-        }
-        float3 radiance = light_radiance(view, light);
-#if HDS_FEATURE_TEXTURES
-        radiance *= shade_lookUpLight(scene, light, path->origin, path->direction, t, path->cones,
-                                      path->depth == 0u, &path->isMissing);
-#endif
-        path->radiance += weight * path->throughput * radiance;
-        if (path->depth == 0u) {
-            path->alpha = 1.0f;
-        }
+    HdsLightWalk walk = lightWalk_begin(view);
+    uint light;
+    while ((light = lightWalk_next(view, &walk, path->origin, path->direction, tMax)) != HDS_NONE) {
+        shade_addLight(scene, light, tMax, path);
     }
 }
 
@@ -105,8 +138,8 @@ void shade_addEmission(const HdsSceneView* scene, const HdsHit* hit, const HdsSu
     uint light = surfaceHit_light(scene, surface);
     if (path->bsdfPdf > 0.0f && light != HDS_NONE) {
         float cosine = vec_dot(surface->point.normal, path->direction);
-        weight = shade_misWeight(path->bsdfPdf, light_meshPdf(&scene->lights, light, path->origin,
-                                                              path->sourceNormal, hit->t, cosine));
+        weight = shade_misWeight(
+            path->bsdfPdf, light_meshPdf(&scene->lights, light, &path->source, hit->t, cosine));
     }
     path->radiance += weight * path->throughput * emission;
 }
@@ -129,22 +162,49 @@ float shade_chooseLight(const HdsSceneView* scene, HdsSampler sampler, uint dept
                : 0.0f;
 }
 
+#if HDS_FEATURE_LIGHT_CONTROLS
+/* The share that diffuse lobes have in what a surface reflects. \param reflected surface_evaluate's
+ * value. */
+float3 shade_diffuseShare(const HdsShadeHit* at, float3 wi, float3 reflected) {
+    const float3 diffuse = surface_evaluateDiffuse(&at->bsdf, at->shading.wo, wi);
+    return select((float3)(0.0f), fmin(diffuse / reflected, (float3)(1.0f)),
+                  isgreater(reflected, (float3)(0.0f)));
+}
+
+/* What a surface reflects of a light with multipliers of lobes. */
+float3 shade_weighLobes(const HdsSceneView* scene, const HdsShadeHit* at, uint light, float3 wi,
+                        float3 reflected) {
+    return light_controls(&scene->lights, light) == 0
+               ? reflected
+               : reflected *
+                     light_lobeFactor(&scene->lights, light, shade_diffuseShare(at, wi, reflected));
+}
+#endif
+
 /* Samples a light; true when a shadow ray was written to slot i. Sets path->isMissing. */
 bool shade_sampleLight(const HdsSceneView* scene, const HdsShadeHit* at, HdsSampler sampler,
                        HdsShadePath* path, HdsPaths paths, uint i) {
     const HdsSurfaceHit* surface = &at->surface;
     const HdsShadingPoint* shading = &at->shading;
-    float3 origin = offset_origin(&surface->point, shading->geomNormal);
+    const HdsLitPoint lit = {offset_origin(&surface->point, shading->geomNormal), shading->frame.z,
+                             at->linkSet};
+    const float3 origin = lit.position;
     HdsLightSample sample;
-    if (!light_sample(&scene->lights, origin, shading->frame.z,
-                      shade_chooseLight(scene, sampler, path->depth),
+    if (!light_sample(&scene->lights, &lit, shade_chooseLight(scene, sampler, path->depth),
                       sampler_get2(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LIGHT)), &sample)) {
         return false;
     }
     float pdf;
     float3 wi = frame_toLocal(&shading->frame, sample.direction);
     float3 reflected = surface_evaluate(&at->bsdf, at->lobes, shading->wo, wi, &pdf);
-    float weight = sample.isDelta != 0u ? 1.0f : shade_misWeight(sample.pdf, pdf);
+    float weight = sample.isAlone != 0u ? 1.0f : shade_misWeight(sample.pdf, pdf);
+#if HDS_FEATURE_LIGHT_CONTROLS
+    reflected = shade_weighLobes(scene, at, sample.light, wi, reflected);
+    global const HdsLightControls* controls = light_controls(&scene->lights, sample.light);
+    if (controls != 0) {
+        sample.distance = fmin(sample.distance, controls->shadowDistance);
+    }
+#endif
     float3 contribution = path->throughput * reflected * sample.radiance * (weight / sample.pdf);
     float packedCone = 0.0f;
 #if HDS_FEATURE_TEXTURES
@@ -162,6 +222,9 @@ bool shade_sampleLight(const HdsSceneView* scene, const HdsShadeHit* at, HdsSamp
     path_store_shadowOrigin(paths, i, (float4)(origin, sample.distance));
     path_store_shadowDirection(paths, i, (float4)(sample.direction, 0.0f));
     path_store_shadowRadiance(paths, i, (float4)(contribution, packedCone));
+#if HDS_FEATURE_LIGHT_CONTROLS
+    path_store_shadowLight(paths, i, (uint4)(sample.light, 0u, 0u, 0u));
+#endif
 #if HDS_FEATURE_CUTOUT
     path_store_shadowAfter(paths, i, (uint4)(0u));
 #endif
@@ -202,10 +265,14 @@ bool shade_sampleBsdf(constant const HdsFrameParams* frame, const HdsShadeHit* a
                       (float4)(offset_origin(&at->surface.point, shading->geomNormal), 0.0f));
     path_store_direction(paths, i, (float4)(direction, INFINITY));
     path_store_throughput(paths, i, (float4)(throughput, pdf));
-    path_store_sourceNormal(paths, i, (float4)(shading->frame.z, isLast ? 1.0f : 0.0f));
+    path_store_sourceNormal(
+        paths, i, (float4)(shading->frame.z, (float)(2u * at->linkSet + (isLast ? 1u : 0u))));
     path_store_status(paths, i, (uint4)(path->status.xy, path->depth + 1u, 0u));
 #if HDS_FEATURE_TEXTURES
     path_store_cones(paths, i, shade_leavingCones(at, path, pdf).pair);
+#endif
+#if HDS_FEATURE_LIGHT_CONTROLS
+    path_store_diffuseShare(paths, i, (float4)(shade_diffuseShare(at, wi, weight * pdf), 0.0f));
 #endif
 #if HDS_FEATURE_CUTOUT
     path_store_after(paths, i, (uint4)(0u));
@@ -222,8 +289,11 @@ HdsShadePath shade_loadPath(HdsPaths paths, uint i) {
     path.direction = path_load_direction(paths, i).xyz;
     path.throughput = throughput.xyz;
     path.bsdfPdf = throughput.w;
-    path.sourceNormal = sourceNormal.xyz;
-    path.isLast = sourceNormal.w > 0.0f;
+    const uint source = (uint)sourceNormal.w;
+    path.source.position = path.origin;
+    path.source.normal = sourceNormal.xyz;
+    path.source.linkSet = source >> 1;
+    path.isLast = (source & 1u) != 0u;
     path.radiance = radiance.xyz;
     path.alpha = radiance.w;
     path.status = path_load_status(paths, i);
@@ -235,6 +305,9 @@ HdsShadePath shade_loadPath(HdsPaths paths, uint i) {
     path.isMissing = false;
 #if HDS_FEATURE_TEXTURES
     path.cones.pair = path_load_cones(paths, i);
+#endif
+#if HDS_FEATURE_LIGHT_CONTROLS
+    path.diffuseShare = path_load_diffuseShare(paths, i).xyz;
 #endif
     return path;
 }
@@ -285,6 +358,7 @@ HdsTexelChoice shade_chooseTexels(constant const HdsFrameParams* frame, const Hd
 void shade_loadHit(constant const HdsFrameParams* frame, const HdsSceneView* scene,
                    HdsShadePath* path, HdsShadeHit* at) {
     surfaceHit_load(scene, &at->hit, &at->surface);
+    at->linkSet = surfaceHit_linkSet(scene, &at->surface);
 #if HDS_FEATURE_TEXTURES
     path->hitCones = cones_atHit(path->cones, at->hit.t, path->depth == 0u);
     at->surface.coneWidth = cones_width(path->hitCones);

@@ -22,7 +22,7 @@ PlacedLight Make(LightType type) {
 
 LightTable Build(const std::vector<PlacedLight>& lights, Warnings& warnings,
                  const LoadLightImage& images = {}) {
-    return BuildLightTable(lights, {}, images, warnings);
+    return BuildLightTable(lights, {}, {images, {}, {}}, warnings);
 }
 
 /// The table's only light; expects no warning.
