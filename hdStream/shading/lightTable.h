@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lights of a scene as the tables of kernels/light: UsdLux lights, and emissive meshes as lights.
-// Deterministic; called by commit, any thread. Explained in docs/shading.md.
+// Deterministic; called by commit, any thread. Explained in docs/lights.md.
 #pragma once
 
 #include "hdStream/base/log.h"

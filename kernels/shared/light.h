@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Lights as the light kernels read them. Radiance is linear, in the working space, with intensity,
  * exposure, colour, temperature and normalize already folded in by hdStream/shading/lightTable.
- * Lights at infinity come first. Explained in docs/shading.md. */
+ * Lights at infinity come first. Explained in docs/lights.md. */
 #ifndef HDS_SHARED_LIGHT_H
 #define HDS_SHARED_LIGHT_H
 #include "shared/compat.h"

@@ -36,6 +36,7 @@ inline const char* const kLightKernels = R"(
 #define HDS_TEXTURE_PLAIN 1
 #define HDS_NUM_TEXTURE_POOLS 1
 #include "light/imageLookup.clh"
+#include "light/walk.clh"
 #include "sample/sampler.clh"
 #define LIGHT_ARGS HDS_LIGHT_PARAMETERS, HDS_TEXTURE_ARGS
 #define LIGHT_VIEW(view)     \
@@ -137,6 +138,30 @@ kernel void irradiances(LIGHT_ARGS, global const float* points,
     }
     out[2 * i] = direct / (float)perItem;
     out[2 * i + 1] = gathered / (float)perItem;
+}
+/* For each ray: lights that it meets, by trying all and by a walk; and the sums of their indices. */
+kernel void meetings(HDS_LIGHT_PARAMETERS, global const float* points,
+                     global const float* directions, float tMax, global uint* out, uint count) {
+    uint i = (uint)get_global_id(0);
+    if (i >= count) return;
+    HDS_LIGHT_VIEW(view);
+    const float3 p = vload3(i, points);
+    const float3 d = vload3(i, directions);
+    uint4 found = (uint4)(0u);
+    float t;
+    for (uint light = 0u; light < view.numLights; ++light) {
+        if (light_intersect(&view, light, p, d, tMax, &t)) {
+            found.xy += (uint2)(1u, light);
+        }
+    }
+    HdsLightWalk walk = lightWalk_begin(&view);
+    uint light;
+    while ((light = lightWalk_next(&view, &walk, p, d, tMax)) != HDS_NONE) {
+        if (light_intersect(&view, light, p, d, tMax, &t)) {
+            found.zw += (uint2)(1u, light);
+        }
+    }
+    vstore4(found, i, out);
 }
 kernel void selections(HDS_LIGHT_PARAMETERS, global const float* points, global const float* normals,
                        global float* out, uint count) {
@@ -250,6 +275,19 @@ protected:
             sums[i / kItemsPerPoint][1] += double(values[2 * i + 1]) / kItemsPerPoint;
         }
         return sums;
+    }
+
+    /// {lights met, sum of their indices} by trying all lights, then by a walk, for each ray.
+    std::vector<std::uint32_t> Meetings(const std::vector<float>& points,
+                                        const std::vector<float>& directions, float tMax) {
+        const std::size_t count = points.size() / 3;
+        const Buffer pointBuffer = Upload(points);
+        const Buffer directionBuffer = Upload(directions);
+        const Buffer out = Allocate(count * 4 * sizeof(std::uint32_t));
+        _program->GetKernel("meetings")
+            .Launch(count, _lights, _nodes, _triangles, _cdf, _numLights, pointBuffer,
+                    directionBuffer, tMax, out, std::uint32_t(count));
+        return Download<std::uint32_t>(out, count * 4);
     }
 
     /// Probabilities of all lights at each point.
