@@ -114,6 +114,26 @@ def PatchesOfFlat(matrix, width, height=None, steps: int = 40):
     return local @ matrix[:3, :3] + matrix[3, :3], np.tile(-_Unit(matrix[2, :3]), (len(local), 1)), area / len(local)
 
 
+def PatchesOfCylinder(matrix, radius, length, steps: int = 40):
+    """Equal areas of the side of a UsdLux cylinder under a similar transform."""
+    x, phi = np.meshgrid(length * ((np.arange(steps) + 0.5) / steps - 0.5), 2 * np.pi * (np.arange(steps) + 0.5) / steps)
+    outward = np.stack([0 * x, np.cos(phi), np.sin(phi)], -1).reshape(-1, 3)
+    local = radius * outward + np.outer(x.ravel(), (1, 0, 0))
+    scale = np.linalg.norm(matrix[0, :3])
+    return (local @ matrix[:3, :3] + matrix[3, :3], outward @ matrix[:3, :3] / scale,
+            2 * np.pi * radius * length * scale**2 / len(local))
+
+
+def IrradianceOfShapedCone(normal, matrix, halfAngle, shaping, steps: int = 200) -> np.ndarray:
+    """[3]: a shaped distant light, by midpoints over its cone."""
+    cosine, phi = np.meshgrid(1 - (1 - np.cos(halfAngle)) * (np.arange(steps) + 0.5) / steps,
+                              2 * np.pi * (np.arange(steps) + 0.5) / steps)
+    sine = np.sqrt(1 - cosine**2)
+    toLight = np.stack([sine * np.cos(phi), sine * np.sin(phi), cosine], -1).reshape(-1, 3) @ matrix[:3, :3]
+    weights = np.maximum(toLight @ normal, 0)[:, None] * ShapingFactor(-toLight, matrix, shaping)
+    return 2 * np.pi * (1 - np.cos(halfAngle)) * weights.mean(0)
+
+
 def IrradianceOfCone(normal, axis, halfAngle) -> float:
     """pi sin^2 cos: a distant light, its whole cone above the horizon; `axis` points to the light."""
     return float(np.pi * np.sin(halfAngle) ** 2 * np.dot(normal, axis))

@@ -58,6 +58,9 @@ SHAPED = {
     "rectFocus": ("Rect", dict(translate=(0.4, 2, 0), rotate=(-75, 20, 0)), dict(width=1.2, height=0.6), dict(focus=8.0)),
     "diskSoft": ("Disk", dict(translate=(0.4, 2, 0), rotate=(-85, -10, 0), scale=2.0), dict(radius=0.3),
                  dict(coneAngle=60.0, coneSoftness=1.0, focus=1.0)),
+    "cylinderFocus": ("Cylinder", dict(translate=(0, 1.6, 0), rotate=(-70, 0, 20)), dict(radius=0.15, length=1.5),
+                      dict(focus=3.0, coneAngle=100.0)),
+    "distantFocus": ("Distant", dict(rotate=(-60, 30, 0)), dict(angle=40.0), dict(focus=30.0, focusTint=(0.5, 0, 0))),
     "sphereIes": ("Sphere", dict(translate=(0.2, 1.6, 0.1), rotate=(-80, 15, 30)), dict(radius=0.15), dict(_IES)),
     "rectIesScaled": ("Rect", dict(translate=(0.2, 1.6, 0.1), rotate=(-90, 0, 20)), dict(width=0.3, height=0.3),
                       dict(_IES, iesAngleScale=0.5, iesNormalize=True)),
@@ -112,8 +115,13 @@ def _Expected(stage, kind, inputs, shaping):
         distance = np.linalg.norm(d, axis=-1)
         factor = closedForm.ShapingFactor(-d / distance[:, None], matrix, shaping)
         return _PictureOf(np.pi * inputs["radius"] ** 2 * (d[:, 1] / distance**3)[:, None] * factor)
+    if kind == "Distant":
+        irradiance = closedForm.IrradianceOfShapedCone(_UP, matrix, np.radians(inputs["angle"] / 2), shaping)
+        return 50000.0 * np.broadcast_to(irradiance * ALBEDO / np.pi, (HEIGHT, WIDTH, 3))
     if kind == "Sphere":
         patches = closedForm.PatchesOfSphere(matrix, inputs["radius"], 24)
+    elif kind == "Cylinder":
+        patches = closedForm.PatchesOfCylinder(matrix, inputs["radius"], inputs["length"], 24)
     else:
         patches = closedForm.PatchesOfFlat(matrix, *inputs.values(), steps=24)
     return _PictureOf(closedForm.IrradianceOfShaped(_Points(), _UP, patches, matrix, shaping))
@@ -259,6 +267,23 @@ def test_shadow_links_of_one_light_leave_the_others_alone(tmp_path):
     author.AddLight(stage, "/World/Other", "Sphere", dict(translate=_PLACE), **_LAMP)
     picture = _Render(stage).rgb
     np.testing.assert_allclose(_Blocks(picture), _Blocks(_LampOnPlate()), rtol=0.02)
+
+
+def test_streamed_geometry_gives_the_same_bits(tmp_path):
+    """Links, shadow colours and multipliers while shadow rays wait for chunks, among lights and behind cut-outs."""
+    stage, lamp = _WithBlocker(f"{tmp_path}/a.usda")
+    author.LinkLight(lamp, "shadowLink", excludes=["/World/Blocker"])
+    veil = author.AddMaterial(stage, "/World/Veil", opacity=0.5)
+    author.AddMesh(stage, "/World/Curtain", shapes.Plane(3, 3), material=veil, translate=(0, 0.7, 0))
+    for i in range(3):
+        ball = author.AddMesh(stage, f"/World/Ball{i}", shapes.Sphere(0.2, 24, 48), translate=(i - 1, 0.15, 0.3))
+    author.LinkLight(lamp, "lightLink", excludes=[str(ball.GetPath())])
+    tinted = author.AddLight(stage, "/World/Tinted", "Rect", dict(translate=(0, 3, 0), rotate=(-90, 0, 0)), specular=0.0, intensity=5.0)
+    author.ShadowLight(author.ShapeLight(tinted, focus=2.0), color=(0.5, 0.2, 0.1))
+    resident = _Render(stage, samples=16, maxDepth=2, residency="resident", waveSize=4096, chunkBytes=8192).layers["color"]
+    streamed = _Render(stage, samples=16, maxDepth=2, residency="stream", geometryMemory="30%", waveSize=4096,
+                       chunkBytes=8192).layers["color"]
+    assert resident.max() > 0 and resident.tobytes() == streamed.tobytes()
 
 
 # --- Multipliers of lobes --------------------------------------------------------------------------
