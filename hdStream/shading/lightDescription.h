@@ -57,6 +57,9 @@ struct LightDescription {
     bool visibleToCamera = true;
 };
 
+/// An input that multiplies light: what is negative or not finite counts as 0.
+float LightFactor(float value);
+
 /// Whether the light shines alike in all directions.
 bool IsUnshaped(const LightDescription& light);
 

@@ -44,7 +44,8 @@ void Write(const glm::dvec3& v, float* out) {
 /// What the luminance of focus reaches at most: at the axis it is white.
 double FocusPeak(const LightShaping& shaping) {
     const auto& tint = shaping.focusTint;
-    const double luminance = 0.2126 * tint[0] + 0.7152 * tint[1] + 0.0722 * tint[2];
+    const double luminance = 0.2126 * LightFactor(tint[0]) + 0.7152 * LightFactor(tint[1]) +
+                             0.0722 * LightFactor(tint[2]);
     return shaping.focus > 0.0F ? std::max(1.0, luminance) : 1.0;
 }
 
@@ -88,9 +89,10 @@ shared::HdsLightShaping AppendShaping(const LightDescription& light,
     const double softness = std::clamp(double(shaping.coneSoftness), 0.0, 1.0);
     record.cutoff = float(cutoff);
     record.smoothStart = float(cutoff * (1.0 - softness));
-    record.focus = std::max(shaping.focus, 0.0F);
-    std::copy(shaping.focusTint.begin(), shaping.focusTint.end(), record.focusTint);
-    record.angleScale = shaping.iesAngleScale;
+    record.focus = LightFactor(shaping.focus);
+    std::transform(shaping.focusTint.begin(), shaping.focusTint.end(), record.focusTint,
+                   LightFactor);
+    record.angleScale = std::isfinite(shaping.iesAngleScale) ? shaping.iesAngleScale : 0.0F;
     record.profileBase = HDS_NONE;
     record.profilePeak = 1.0F;
     if (profile != nullptr) {

@@ -135,13 +135,13 @@ void Builder::AddControls(const PlacedLight& placed, shared::HdsLight* light) {
     }
     if (!isShadowPlain || description.diffuse != 1.0F || description.specular != 1.0F) {
         shared::HdsLightControls controls{};
-        controls.diffuse = std::max(description.diffuse, 0.0F);
-        controls.specular = std::max(description.specular, 0.0F);
+        controls.diffuse = LightFactor(description.diffuse);
+        controls.specular = LightFactor(description.specular);
         controls.shadowDistance = !shadow.enable            ? 0.0F
                                   : shadow.distance >= 0.0F ? shadow.distance
                                                             : HDS_LIGHT_FAR;
         for (int i = 0; i < 3; ++i) {
-            controls.shadowColor[i] = std::max(shadow.color[i], 0.0F);
+            controls.shadowColor[i] = LightFactor(shadow.color[i]);
         }
         light->controlBase = std::uint32_t(_table.cdf.size());
         _table.cdf.resize(_table.cdf.size() + sizeof(controls) / sizeof(_table.cdf[0]));
