@@ -2,6 +2,7 @@
 #include "hdStream/hydra/instancer.h"
 
 #include "hdStream/hydra/arrays.h"
+#include "hdStream/hydra/categories.h"
 #include "hdStream/hydra/floatValues.h"
 #include "hdStream/hydra/instanceTransforms.h"
 #include "hdStream/hydra/primvars.h"
@@ -75,7 +76,8 @@ void HdStreamInstancer::ReadInstances(HdSceneDelegate* delegate, const SdfPath& 
 }
 
 HdDirtyBits HdStreamInstancer::GetInitialDirtyBitsMask() const {
-    return HdInstancer::GetInitialDirtyBitsMask() | HdChangeTracker::DirtyVisibility;
+    return HdInstancer::GetInitialDirtyBitsMask() | HdChangeTracker::DirtyVisibility |
+           HdChangeTracker::DirtyCategories;
 }
 
 void HdStreamInstancer::Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
@@ -101,6 +103,12 @@ void HdStreamInstancer::Sync(HdSceneDelegate* delegate, HdRenderParam* renderPar
     }
     if (HdChangeTracker::IsAnyPrimvarDirty(bits, GetId())) {
         SyncPrimvars(delegate, bits);
+    }
+    if (bits & (HdChangeTracker::DirtyCategories | HdChangeTracker::DirtyInstanceIndex)) {
+        _prim.instanceCategories.clear();
+        for (const VtArray<TfToken>& tokens : delegate->GetInstanceCategories(GetId())) {
+            _prim.instanceCategories.push_back(HdStreamCategories(tokens));
+        }
     }
     ShareLevel(param);
     const bool isPlacing = !_prim.instanceTransforms.empty() && IsPlaced(placement);

@@ -69,10 +69,15 @@ void HdStreamLight::SyncPlacement(HdSceneDelegate* delegate, HdStreamRenderParam
 
 void HdStreamLight::SyncParameters(HdSceneDelegate* delegate, HdStreamRenderParam* param) {
     _prim.light = HdStreamReadLight(delegate, GetId(), _typeId, _type);
+    const auto linkOf = [&](const TfToken& name) {
+        return delegate->GetLightParamValue(GetId(), name).GetWithDefault(TfToken()).GetString();
+    };
+    _prim.lightLink = linkOf(HdTokens->lightLink);
+    _prim.shadowLink = linkOf(HdTokens->shadowLink);
     if (_typeId == HdPrimTypeTokens->simpleLight) {
         return; // The application's own: nobody can act on a warning about it.
     }
-    for (const std::string& feature : HdStreamUnsupportedLightFeatures(delegate, GetId(), _type)) {
+    for (const std::string& feature : HdStreamUnsupportedLightFeatures(delegate, GetId())) {
         param->Warn(SdfPath(_scenePath), feature + " is not supported yet");
     }
 }

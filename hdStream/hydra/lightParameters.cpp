@@ -31,14 +31,6 @@ public:
         }
     }
 
-    /// True when the parameter has a value, and not that one.
-    template <typename Type>
-    bool Differs(const TfToken& name, const Type& idle) const {
-        Type value = idle;
-        Read(name, &value);
-        return value != idle;
-    }
-
 private:
     HdSceneDelegate* _delegate;
     const SdfPath& _id;
@@ -65,6 +57,34 @@ void ReadTexture(const Reader& reader, hds::LightDescription* light) {
     if (!file.GetAssetPath().empty()) {
         light->textureFile = HdStreamAssetReference(file);
     }
+}
+
+hds::LightShaping ReadShaping(const Reader& reader) {
+    hds::LightShaping shaping;
+    reader.Read(HdLightTokens->shapingFocus, &shaping.focus);
+    GfVec3f tint(0.0F);
+    reader.Read(HdLightTokens->shapingFocusTint, &tint);
+    shaping.focusTint = {tint[0], tint[1], tint[2]};
+    reader.Read(HdLightTokens->shapingConeAngle, &shaping.coneAngle);
+    reader.Read(HdLightTokens->shapingConeSoftness, &shaping.coneSoftness);
+    SdfAssetPath file;
+    reader.Read(HdLightTokens->shapingIesFile, &file);
+    if (!file.GetAssetPath().empty()) {
+        shaping.iesFile = HdStreamAssetReference(file);
+    }
+    reader.Read(HdLightTokens->shapingIesAngleScale, &shaping.iesAngleScale);
+    reader.Read(HdLightTokens->shapingIesNormalize, &shaping.iesNormalize);
+    return shaping;
+}
+
+hds::LightShadow ReadShadow(const Reader& reader) {
+    hds::LightShadow shadow;
+    reader.Read(HdLightTokens->shadowEnable, &shadow.enable);
+    GfVec3f color(0.0F);
+    reader.Read(HdLightTokens->shadowColor, &color);
+    shadow.color = {color[0], color[1], color[2]};
+    reader.Read(HdLightTokens->shadowDistance, &shadow.distance);
+    return shadow;
 }
 
 } // namespace
@@ -107,38 +127,25 @@ hds::LightDescription HdStreamReadLight(HdSceneDelegate* delegate, const SdfPath
     reader.Read(HdLightTokens->colorTemperature, &light.colorTemperature);
     ReadShape(reader, &light);
     ReadTexture(reader, &light);
+    light.shaping = ReadShaping(reader);
+    light.shadow = ReadShadow(reader);
     return light;
 }
 
-std::set<std::string> HdStreamUnsupportedLightFeatures(HdSceneDelegate* delegate, const SdfPath& id,
-                                                       hds::LightType type) {
+std::set<std::string> HdStreamUnsupportedLightFeatures(HdSceneDelegate* delegate,
+                                                       const SdfPath& id) {
     const Reader reader(delegate, id);
     std::set<std::string> features;
-    // A cone of 90 degrees is all of a flat light, and one of 180 of any other.
-    const bool isFlat = type == hds::LightType::Rect || type == hds::LightType::Disk;
-    const float idleAngle = isFlat ? 90.0F : 180.0F;
-    float angle = idleAngle;
-    reader.Read(HdLightTokens->shapingConeAngle, &angle);
-    SdfAssetPath profile;
-    reader.Read(HdLightTokens->shapingIesFile, &profile);
-    if (angle < idleAngle || !profile.GetAssetPath().empty() ||
-        reader.Differs(HdLightTokens->shapingFocus, 0.0F)) {
-        features.insert("shaping");
-    }
-    if (reader.Differs(HdLightTokens->shadowEnable, true) ||
-        reader.Differs(HdLightTokens->shadowColor, GfVec3f(0.0F)) ||
-        reader.Differs(HdLightTokens->shadowDistance, -1.0F)) {
-        features.insert("shadow");
+    float falloff = -1.0F;
+    reader.Read(HdLightTokens->shadowFalloff, &falloff);
+    if (falloff > 0.0F) {
+        features.insert("shadow falloff");
     }
     if (!reader.Get(HdTokens->filters).GetWithDefault(SdfPathVector()).empty()) {
         features.insert("light filters");
     }
     if (!reader.Get(HdTokens->portals).GetWithDefault(SdfPathVector()).empty()) {
         features.insert("portals");
-    }
-    if (reader.Differs(HdTokens->lightLink, TfToken()) ||
-        reader.Differs(HdTokens->shadowLink, TfToken())) {
-        features.insert("light linking");
     }
     return features;
 }

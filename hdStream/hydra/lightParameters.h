@@ -22,7 +22,7 @@ hds::LightDescription HdStreamReadLight(HdSceneDelegate* delegate, const SdfPath
                                         const TfToken& typeId, hds::LightType type);
 
 /// Names of features of a light that the core does not have yet.
-std::set<std::string> HdStreamUnsupportedLightFeatures(HdSceneDelegate* delegate, const SdfPath& id,
-                                                       hds::LightType type);
+std::set<std::string> HdStreamUnsupportedLightFeatures(HdSceneDelegate* delegate,
+                                                       const SdfPath& id);
 
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -2,6 +2,7 @@
 #include "hdStream/hydra/mesh.h"
 
 #include "hdStream/hydra/arrays.h"
+#include "hdStream/hydra/categories.h"
 #include "hdStream/hydra/instancer.h"
 #include "hdStream/hydra/primvars.h"
 #include "hdStream/hydra/renderParam.h"
@@ -36,7 +37,8 @@ constexpr HdDirtyBits kAllBits =
     HdChangeTracker::DirtyCullStyle | HdChangeTracker::DirtyMaterialId |
     HdChangeTracker::DirtyPrimID | HdChangeTracker::DirtyInstancer |
     HdChangeTracker::DirtyInstanceIndex | HdChangeTracker::DirtyDisplayStyle |
-    HdChangeTracker::DirtyRenderTag | HdChangeTracker::DirtyExtent | HdChangeTracker::DirtyRepr;
+    HdChangeTracker::DirtyRenderTag | HdChangeTracker::DirtyExtent | HdChangeTracker::DirtyRepr |
+    HdChangeTracker::DirtyCategories;
 
 /// Faces that are not drawn, in ascending order when some are invisible: holes, and what a host
 /// hides, whose neighbours are shaped as if it were there, as around holes.
@@ -122,9 +124,9 @@ bool IsEqual(const hds::MeshPrim& a, const hds::MeshPrim& b) {
            a.placement.worldFromObject == b.placement.worldFromObject &&
            a.placement.instancerPath == b.placement.instancerPath &&
            HdStreamEqual(a.placement.instances, b.placement.instances) && a.purpose == b.purpose &&
-           a.doubleSided == b.doubleSided && a.cullStyle == b.cullStyle &&
-           a.materialPath == b.materialPath && a.subsetMaterialPaths == b.subsetMaterialPaths &&
-           a.primId == b.primId;
+           a.categories == b.categories && a.doubleSided == b.doubleSided &&
+           a.cullStyle == b.cullStyle && a.materialPath == b.materialPath &&
+           a.subsetMaterialPaths == b.subsetMaterialPaths && a.primId == b.primId;
 }
 
 } // namespace
@@ -204,6 +206,9 @@ void HdStreamMesh::SyncLook(HdSceneDelegate* delegate, HdStreamRenderParam* para
     if (bits & HdChangeTracker::DirtyMaterialId) {
         SetMaterialId(delegate->GetMaterialId(id));
         _prim.materialPath = param->MaterialPath(delegate, GetMaterialId());
+    }
+    if (bits & HdChangeTracker::DirtyCategories) {
+        _prim.categories = HdStreamCategories(delegate->GetCategories(id));
     }
     if (bits & HdChangeTracker::DirtyDoubleSided) {
         _prim.doubleSided = IsDoubleSided(delegate);

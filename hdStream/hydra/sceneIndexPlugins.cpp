@@ -13,6 +13,7 @@
 #include <pxr/imaging/hd/sceneIndexPluginRegistry.h>
 #include <pxr/imaging/hd/tokens.h>
 #include <pxr/imaging/hdsi/implicitSurfaceSceneIndex.h>
+#include <pxr/imaging/hdsi/lightLinkingSceneIndex.h>
 #include <pxr/imaging/hdsi/materialBindingResolvingSceneIndex.h>
 #include <pxr/imaging/hdsi/nurbsApproximatingSceneIndex.h>
 #include <pxr/imaging/hdsi/renderSettingsFilteringSceneIndex.h>
@@ -82,6 +83,7 @@ HdStreamSceneIndexPlugin::_AppendSceneIndex(const HdSceneIndexBaseRefPtr& inputS
     scene = HdsiNurbsApproximatingSceneIndex::New(scene);
     scene = HdsiTetMeshConversionSceneIndex::New(scene);
     scene = HdsiVelocityMotionResolvingSceneIndex::New(scene, VelocityArguments());
+    scene = HdsiLightLinkingSceneIndex::New(scene, nullptr);
     scene = HdsiMaterialBindingResolvingSceneIndex::New(
         scene, {HdTokens->full, HdMaterialBindingsSchemaTokens->allPurpose},
         HdMaterialBindingsSchemaTokens->allPurpose);

@@ -9,6 +9,7 @@
 PXR_NAMESPACE_OPEN_SCOPE
 
 /// Other gprims become meshes, velocities are applied, material bindings of purpose `full` win,
+/// the links of lights become categories,
 /// render settings prims are told which is active.
 class HdStreamSceneIndexPlugin final : public HdSceneIndexPlugin {
 public:

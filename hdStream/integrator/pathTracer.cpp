@@ -87,6 +87,8 @@ struct PathTracer::Impl {
         features.patterns = scene->hasPatterns;
         features.lobes = scene->lobes;
         features.textures = buffers.HasTextures();
+        features.lightShaping = scene->lights->hasShaping;
+        features.lightControls = scene->lights->hasControls;
         features.manyTexturePools = buffers.Textures().NumBuffers() > 1;
         features.textureStreaming = buffers.Textures().Pool() != nullptr;
         features.plainTextures = buffers.Textures().IsPlain();

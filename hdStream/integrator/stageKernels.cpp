@@ -14,12 +14,14 @@ std::uint64_t NumPathFields(const KernelFeatures& features) {
     std::uint64_t count = 0;
 #define HDS_FIELD(type, name, doc) ++count;
 #define HDS_TEXTURE_FIELD(type, name, doc) count += features.textures ? 1 : 0;
+#define HDS_CONTROLS_FIELD(type, name, doc) count += features.lightControls ? 1 : 0;
 #define HDS_CUTOUT_FIELD(type, name, doc) count += features.cutouts ? 1 : 0;
 #define HDS_STREAMING_FIELD(type, name, doc) count += features.streaming ? 1 : 0;
 #define HDS_LIST_FIELD(type, name, doc) count += features.HasLists() ? 1 : 0;
 #include "kernels/shared/pathState.def"
 #undef HDS_FIELD
 #undef HDS_TEXTURE_FIELD
+#undef HDS_CONTROLS_FIELD
 #undef HDS_CUTOUT_FIELD
 #undef HDS_STREAMING_FIELD
 #undef HDS_LIST_FIELD
@@ -48,6 +50,8 @@ ProgramDefines MakeDefines(const Device& device, const KernelFeatures& features)
         {"HDS_FEATURE_PATTERNS", features.patterns ? "1" : "0"},
         {"HDS_LOBES", std::to_string(features.lobes) + "u"},
         {"HDS_FEATURE_TEXTURES", features.textures ? "1" : "0"},
+        {"HDS_FEATURE_LIGHT_SHAPING", features.lightShaping ? "1" : "0"},
+        {"HDS_FEATURE_LIGHT_CONTROLS", features.lightControls ? "1" : "0"},
         {"HDS_NUM_TEXTURE_POOLS", std::to_string(features.manyTexturePools ? kMaxPoolBuffers : 1)},
         {"HDS_FEATURE_TEXTURE_STREAMING", features.textureStreaming ? "1" : "0"},
         {"HDS_TEXTURE_PLAIN", features.plainTextures ? "1" : "0"},

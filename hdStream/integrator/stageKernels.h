@@ -17,6 +17,8 @@ struct KernelFeatures {
     bool patterns = false;         ///< some program computes
     std::uint32_t lobes = 0;       ///< HDS_LOBE_* of layered surfaces
     bool textures = false;         ///< some program or some light looks textures up
+    bool lightShaping = false;     ///< some light is shaped
+    bool lightControls = false;    ///< some light is linked or has controls that are not physical
     bool manyTexturePools = false; ///< texels lie in more than one buffer
     bool textureStreaming = false; ///< lines of textures may be missing
     bool plainTextures = false;    ///< textures without lines
@@ -33,6 +35,7 @@ struct KernelFeatures {
     bool operator==(const KernelFeatures& other) const {
         return cutouts == other.cutouts && programs == other.programs &&
                patterns == other.patterns && lobes == other.lobes && textures == other.textures &&
+               lightShaping == other.lightShaping && lightControls == other.lightControls &&
                manyTexturePools == other.manyTexturePools &&
                textureStreaming == other.textureStreaming && plainTextures == other.plainTextures &&
                groups == other.groups && wide == other.wide && firstHits == other.firstHits &&

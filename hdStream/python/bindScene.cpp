@@ -5,6 +5,7 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/map.h>
+#include <nanobind/stl/set.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
@@ -169,6 +170,7 @@ void BindPlaced(nb::module_& module) {
         .def_prop_ro(
             "mesh", [](const MeshPrim& self) -> const MeshDescription& { return *self.mesh; },
             nb::rv_policy::reference_internal)
+        .def_rw("categories", &MeshPrim::categories)
         .def_rw("doubleSided", &MeshPrim::doubleSided)
         .def_rw("cullStyle", &MeshPrim::cullStyle)
         .def_rw("subsetMaterialPaths", &MeshPrim::subsetMaterialPaths)
@@ -184,6 +186,7 @@ void BindPlaced(nb::module_& module) {
                 self->placement = where;
             },
             "placement"_a)
+        .def_rw("instanceCategories", &InstancerPrim::instanceCategories)
         .def_rw("placement", &InstancerPrim::placement);
     BindSpan(instancer, "instanceTransforms", &InstancerPrim::instanceTransforms, 16);
 }
@@ -196,6 +199,20 @@ void BindLight(nb::module_& module) {
         .value("Disk", LightType::Disk)
         .value("Cylinder", LightType::Cylinder)
         .value("Dome", LightType::Dome);
+    nb::class_<LightShaping>(module, "LightShaping", "How light depends on its direction.")
+        .def(nb::init<>())
+        .def_rw("focus", &LightShaping::focus)
+        .def_rw("focusTint", &LightShaping::focusTint)
+        .def_rw("coneAngle", &LightShaping::coneAngle)
+        .def_rw("coneSoftness", &LightShaping::coneSoftness)
+        .def_rw("iesFile", &LightShaping::iesFile)
+        .def_rw("iesAngleScale", &LightShaping::iesAngleScale)
+        .def_rw("iesNormalize", &LightShaping::iesNormalize);
+    nb::class_<LightShadow>(module, "LightShadow", "The shadows a light casts.")
+        .def(nb::init<>())
+        .def_rw("enable", &LightShadow::enable)
+        .def_rw("color", &LightShadow::color)
+        .def_rw("distance", &LightShadow::distance);
     nb::class_<LightDescription>(module, "LightDescription", "A UsdLux light as authored.")
         .def(nb::init<>())
         .def_rw("type", &LightDescription::type)
@@ -216,16 +233,20 @@ void BindLight(nb::module_& module) {
         .def_rw("treatAsLine", &LightDescription::treatAsLine)
         .def_rw("textureFormat", &LightDescription::textureFormat)
         .def_rw("textureFile", &LightDescription::textureFile)
+        .def_rw("shaping", &LightDescription::shaping)
+        .def_rw("shadow", &LightDescription::shadow)
         .def_rw("visibleToCamera", &LightDescription::visibleToCamera);
     nb::class_<LightPrim>(module, "LightPrim", "A light in the scene.")
         .def(
             "__init__",
             [](LightPrim* self, const LightDescription& light, const Placement& where) {
-                new (self) LightPrim{where, light};
+                new (self) LightPrim{where, light, {}, {}};
             },
             "light"_a, "placement"_a)
         .def_rw("placement", &LightPrim::placement)
-        .def_rw("light", &LightPrim::light);
+        .def_rw("light", &LightPrim::light)
+        .def_rw("lightLink", &LightPrim::lightLink)
+        .def_rw("shadowLink", &LightPrim::shadowLink);
 }
 
 void BindCamera(nb::module_& module) {

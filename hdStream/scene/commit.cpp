@@ -51,7 +51,7 @@ public:
               Warnings& warnings)
         : _scene(scene), _options(options), _cache(*cache), _warnings(warnings),
           _materials(scene, &cache->materials, cache->images, warnings),
-          _result(std::make_unique<CommittedScene>()) {}
+          _result(std::make_unique<CommittedScene>()), _links(scene) {}
 
     std::unique_ptr<CommittedScene> Run(const CancelCallback& isCancelled) {
         const auto start = std::chrono::steady_clock::now();
@@ -184,6 +184,10 @@ private:
         leaf.origin = prepared.origin;
         leaf.bounds = prepared.bounds;
         leaf.ownRecord = info.isEmissive;
+        leaf.isLinkedByInstance = _links.IsLinkedByInstance(prim.placement);
+        if (!leaf.isLinkedByInstance) {
+            leaf.flags |= _links.FlagsOf(prim.categories);
+        }
         if (info.isEmissive) {
             const shared::HdsObject& object = _result->objects[leaf.object];
             _result->pages->Keep(object.itemBase, object.numItems); // light paths end there
@@ -197,7 +201,9 @@ private:
     void AddHierarchy() {
         Hierarchy hierarchy =
             BuildHierarchy(_scene, _leaves, _result->centre,
-                           static_cast<std::uint32_t>(_result->objects.size()), _warnings);
+                           static_cast<std::uint32_t>(_result->objects.size()), &_links, _warnings);
+        _result->hasCutouts = _result->hasCutouts || _links.HaveUnshadowing();
+        _links.WarnOfOverflow(_warnings);
         const auto nodeBase = static_cast<std::uint32_t>(_result->topNodes.size());
         for (shared::HdsObject& group : hierarchy.groups) {
             group.nodeBase += nodeBase;
@@ -222,6 +228,7 @@ private:
         input.meshInfos = &_meshInfos;
         input.materials = &_materials;
         input.ownRecords = &_ownRecords;
+        input.links = &_links;
         CommittedLights lights = CommitLights(input, &_cache, _warnings);
         _result->lights = _cache.lights;
         _result->lightByEntry = std::move(lights.lightByEntry);
@@ -255,6 +262,7 @@ private:
     Warnings& _warnings;
     MaterialCommit _materials;
     std::unique_ptr<CommittedScene> _result;
+    LightLinks _links;
     std::map<std::string, std::uint32_t> _objectByPath;
     std::vector<MeshMaterialInfo> _meshInfos; ///< by mesh index
     std::map<std::string, LeafObject> _leaves;

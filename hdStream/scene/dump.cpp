@@ -154,6 +154,31 @@ std::string ParameterText(const ParameterValue& value) {
     return std::visit(Visitor{}, value);
 }
 
+/// The lights that do not light geometry in some categories, or whose shadows it does not cast:
+/// front ends name categories as they like.
+std::string Unlinked(const SceneDescription& scene, const std::set<std::string>& categories,
+                     std::string LightPrim::*link) {
+    std::string text;
+    for (const auto& [path, light] : scene.lights) {
+        if (!(light.*link).empty() && categories.count(light.*link) == 0) {
+            text += (text.empty() ? "" : " ") + path;
+        }
+    }
+    return text;
+}
+
+void DumpLinks(const std::string& prefix, const SceneDescription& scene,
+               const std::set<std::string>& categories, Writer* out) {
+    const std::string unlit = Unlinked(scene, categories, &LightPrim::lightLink);
+    const std::string unshadowing = Unlinked(scene, categories, &LightPrim::shadowLink);
+    if (!unlit.empty()) {
+        out->Line(prefix + "unlit by", unlit);
+    }
+    if (!unshadowing.empty()) {
+        out->Line(prefix + "no shadows of", unshadowing);
+    }
+}
+
 void DumpSubdivision(const MeshDescription& mesh, Writer* out) {
     const SubdivTags& tags = mesh.subdivTags;
     out->Line("subdivisionScheme", mesh.subdivisionScheme);
@@ -215,12 +240,20 @@ void DumpMesh(const std::string& path, const MeshPrim& prim, const SceneDescript
                   Array(mesh.subsets[i].faces) + " material " +
                       (hasMaterial ? existing(prim.subsetMaterialPaths[i]) : std::string()));
     }
+    DumpLinks("", scene, prim.categories, out);
 }
 
-void DumpInstancer(const std::string& path, const InstancerPrim& prim, Writer* out) {
+void DumpInstancer(const std::string& path, const InstancerPrim& prim,
+                   const SceneDescription& scene, Writer* out) {
     out->Prim("instancer", path);
     out->Placed(prim.placement);
     out->Line("instanceTransforms", Array(prim.instanceTransforms));
+    const bool hasCategories =
+        std::any_of(prim.instanceCategories.begin(), prim.instanceCategories.end(),
+                    [](const std::set<std::string>& categories) { return !categories.empty(); });
+    for (std::size_t i = 0; hasCategories && i < prim.instanceCategories.size(); ++i) {
+        DumpLinks("instance " + std::to_string(i) + " ", scene, prim.instanceCategories[i], out);
+    }
 }
 
 void DumpMaterial(const std::string& path, const MaterialNetwork& network, Writer* out) {
@@ -243,6 +276,31 @@ void DumpMaterial(const std::string& path, const MaterialNetwork& network, Write
             out->Line("  " + name, "<- " + source.upstreamPath + "." + source.upstreamOutput);
         }
     }
+}
+
+void DumpShaping(const LightDescription& light, Writer* out) {
+    const LightShaping& shaping = light.shaping;
+    if (IsUnshaped(light)) {
+        return;
+    }
+    out->Value("shaping focus", shaping.focus);
+    out->Line("shaping focusTint", Array(shaping.focusTint.data(), shaping.focusTint.size()));
+    out->Value("shaping coneAngle", shaping.coneAngle);
+    out->Value("shaping coneSoftness", shaping.coneSoftness);
+    if (!shaping.iesFile.authoredPath.empty()) {
+        out->Line("shaping iesFile", '@' + shaping.iesFile.authoredPath + '@');
+        out->Value("shaping iesAngleScale", shaping.iesAngleScale);
+        out->Flag("shaping iesNormalize", shaping.iesNormalize);
+    }
+}
+
+void DumpShadow(const LightShadow& shadow, Writer* out) {
+    if (shadow.enable && shadow.distance < 0.0F && shadow.color == LightShadow().color) {
+        return;
+    }
+    out->Flag("shadow enable", shadow.enable);
+    out->Line("shadow color", Array(shadow.color.data(), shadow.color.size()));
+    out->Value("shadow distance", shadow.distance);
 }
 
 void DumpLight(const std::string& path, const LightPrim& prim, Writer* out) {
@@ -286,6 +344,8 @@ void DumpLight(const std::string& path, const LightPrim& prim, Writer* out) {
     if (!light.textureFile.authoredPath.empty()) {
         out->Line("textureFile", '@' + light.textureFile.authoredPath + '@');
     }
+    DumpShaping(light, out);
+    DumpShadow(light.shadow, out);
 }
 
 void DumpCamera(const std::string& path, const CameraPrim& camera, Writer* out) {
@@ -357,7 +417,7 @@ std::string DumpScene(const SceneDescription& scene) {
     }
     for (const auto& [path, prim] : scene.instancers) {
         if (IsShown(scene, prim.placement)) {
-            DumpInstancer(path, prim, &out);
+            DumpInstancer(path, prim, scene, &out);
         }
     }
     for (const auto& [path, prim] : scene.lights) {

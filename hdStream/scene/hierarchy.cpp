@@ -53,13 +53,26 @@ bool SameInstances(const SharedSpan<std::int32_t>& a, const SharedSpan<std::int3
 struct Placed {
     glm::dmat4 worldFromObject;
     std::int64_t id = -1;
+    std::set<std::string> categories; ///< of the instances
 };
+
+/// The parent's categories and those of one of the instancer's instances.
+std::set<std::string> CategoriesOf(const Placed& parent, const InstancerPrim& instancer,
+                                   std::int32_t index) {
+    std::set<std::string> categories = parent.categories;
+    if (static_cast<std::size_t>(index) < instancer.instanceCategories.size()) {
+        const std::set<std::string>& own =
+            instancer.instanceCategories[static_cast<std::size_t>(index)];
+        categories.insert(own.begin(), own.end());
+    }
+    return categories;
+}
 
 /// Parent-major: the parent's placements are the outer loop.
 std::vector<Placed> PlacementsOf(const SceneDescription& scene, const Placement& placement,
                                  int chain) {
     if (placement.instancerPath.empty()) {
-        return {{placement.worldFromObject, -1}};
+        return {{placement.worldFromObject, -1, {}}};
     }
     const auto found = scene.instancers.find(placement.instancerPath);
     if (found == scene.instancers.end() || !found->second.placement.visible || chain >= kMaxChain) {
@@ -77,7 +90,8 @@ std::vector<Placed> PlacementsOf(const SceneDescription& scene, const Placement&
                 placements.push_back(
                     {parent.worldFromObject * InstanceTransform(instancer, index) *
                          placement.worldFromObject,
-                     std::max<std::int64_t>(parent.id, 0) * count + std::int64_t(rank)});
+                     std::max<std::int64_t>(parent.id, 0) * count + std::int64_t(rank),
+                     CategoriesOf(parent, instancer, index)});
             }
         }
     }
@@ -94,8 +108,9 @@ struct Record {
 class Builder {
 public:
     Builder(const SceneDescription& scene, const std::map<std::string, LeafObject>& leaves,
-            const glm::dvec3& centre, std::uint32_t firstGroup, Warnings& warnings)
-        : _scene(scene), _leaves(leaves), _centre(centre), _firstGroup(firstGroup),
+            const glm::dvec3& centre, std::uint32_t firstGroup, LightLinks* links,
+            Warnings& warnings)
+        : _scene(scene), _leaves(leaves), _centre(centre), _firstGroup(firstGroup), _links(*links),
           _warnings(warnings) {}
 
     Hierarchy Build() {
@@ -116,7 +131,7 @@ private:
     void CollectMembers() {
         std::map<std::string, Member> all;
         for (const auto& [path, leaf] : _leaves) {
-            if (leaf.ownRecord ||
+            if (leaf.ownRecord || leaf.isLinkedByInstance ||
                 ChainLength(_scene.meshes.at(path).placement) > HDS_MAX_GROUP_DEPTH) {
                 _ownLeaves.push_back(path);
                 continue;
@@ -322,6 +337,10 @@ private:
                 AppendRecord(member, centreFromWorld,
                              static_cast<std::uint32_t>(std::max<std::int64_t>(placed.id, 0)),
                              placed.id < 0 ? 0 : 1, records);
+                if (records->size() > before && leaf.isLinkedByInstance) {
+                    records->back().instance.flags |=
+                        _links.FlagsOf(_scene.meshes.at(path).categories, placed.categories);
+                }
                 if (records->size() > before && leaf.ownRecord) {
                     const auto light = static_cast<std::uint32_t>(_result.ownRecords.size());
                     records->back().instance.lightBase =
@@ -374,6 +393,7 @@ private:
     const std::map<std::string, LeafObject>& _leaves;
     glm::dvec3 _centre;
     std::uint32_t _firstGroup;
+    LightLinks& _links;
     Warnings& _warnings;
     std::vector<Member> _roots;
     std::vector<std::string> _ownLeaves;
@@ -394,8 +414,8 @@ void ForEachPlacement(const SceneDescription& scene, const Placement& placement,
 
 Hierarchy BuildHierarchy(const SceneDescription& scene,
                          const std::map<std::string, LeafObject>& leaves, const glm::dvec3& centre,
-                         std::uint32_t firstGroup, Warnings& warnings) {
-    return Builder(scene, leaves, centre, firstGroup, warnings).Build();
+                         std::uint32_t firstGroup, LightLinks* links, Warnings& warnings) {
+    return Builder(scene, leaves, centre, firstGroup, links, warnings).Build();
 }
 
 } // namespace hds

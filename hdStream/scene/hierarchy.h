@@ -7,6 +7,7 @@
 
 #include "hdStream/base/log.h"
 #include "hdStream/geometry/triangleMesh.h"
+#include "hdStream/scene/lightLinks.h"
 #include "hdStream/scene/sceneDescription.h"
 #include "kernels/shared/geometry.h"
 
@@ -21,10 +22,11 @@ namespace hds {
 struct LeafObject {
     std::uint32_t object = 0;
     std::uint32_t mesh = 0;
-    std::uint32_t flags = 0; ///< HDS_INSTANCE_*
-    glm::dvec3 origin{0.0};  ///< object-space origin of the device positions
-    Bounds bounds;           ///< relative to origin
-    bool ownRecord = false;  ///< needs a record in the TLAS
+    std::uint32_t flags = 0;         ///< HDS_INSTANCE_*
+    glm::dvec3 origin{0.0};          ///< object-space origin of the device positions
+    Bounds bounds;                   ///< relative to origin
+    bool ownRecord = false;          ///< needs a record in the TLAS
+    bool isLinkedByInstance = false; ///< likewise: its instances have link sets of their own
 };
 
 /// One placement in the TLAS of a leaf that asked for its own record.
@@ -53,10 +55,11 @@ struct Hierarchy {
 /// \param firstGroup index of the first group after the TLAS in the object table (the TLAS is
 /// object
 ///        0, the leaves' objects come between).
+/// \param links of the scene
 /// Prims with singular or non-finite transforms are dropped with a warning.
 Hierarchy BuildHierarchy(const SceneDescription& scene,
                          const std::map<std::string, LeafObject>& leaves, const glm::dvec3& centre,
-                         std::uint32_t firstGroup, Warnings& warnings);
+                         std::uint32_t firstGroup, LightLinks* links, Warnings& warnings);
 
 /// Placements of an instancer in world space (its own and its ancestors' instances composed,
 /// parent-major) for a prim; calls `onPlacement(worldFromPrototype)` for each. For

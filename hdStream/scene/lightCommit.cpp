@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/lightCommit.h"
 
+#include "hdStream/base/hash.h"
+#include "hdStream/persist/file.h"
+#include "hdStream/persist/fileIdentity.h"
+
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -18,9 +22,12 @@ namespace {
 /// The rounding of float transforms and positions, against the magnitudes that are rounded.
 constexpr int kPositionErrorExponent = -21;
 
-std::vector<PlacedLight> PlaceLights(const SceneDescription& scene, const glm::dvec3& centre,
-                                     bool domeVisible) {
-    const glm::dmat4 centreFromWorld = glm::translate(glm::dmat4(1.0), -centre);
+/// Files of IES profiles have some kilobytes; what is longer is none.
+constexpr std::uint64_t kMaxProfileBytes = 64U << 20U;
+
+std::vector<PlacedLight> PlaceLights(const LightCommitInput& input) {
+    const SceneDescription& scene = *input.scene;
+    const glm::dmat4 centreFromWorld = glm::translate(glm::dmat4(1.0), -input.centre);
     std::vector<PlacedLight> placed;
     for (const auto& [path, prim] : scene.lights) {
         if (!prim.placement.visible) {
@@ -28,11 +35,16 @@ std::vector<PlacedLight> PlaceLights(const SceneDescription& scene, const glm::d
         }
         LightDescription light = prim.light;
         if (light.type == LightType::Dome) {
-            light.visibleToCamera = light.visibleToCamera && domeVisible;
+            light.visibleToCamera = light.visibleToCamera && input.domeVisible;
         }
-        const std::string& name = path;
+        PlacedLight place{path,
+                          light,
+                          {},
+                          input.links->IndexOf(prim.lightLink),
+                          input.links->IndexOf(prim.shadowLink)};
         ForEachPlacement(scene, prim.placement, [&](const glm::dmat4& worldFromLight) {
-            placed.push_back({name, light, centreFromWorld * worldFromLight});
+            place.worldFromLight = centreFromWorld * worldFromLight;
+            placed.push_back(place);
         });
     }
     return placed;
@@ -111,10 +123,38 @@ public:
         }
         Add(light.textureFormat);
         Add(light.textureFile);
+        Add(light.shaping);
+        Add(light.shadow);
+    }
+    void Add(const LightShaping& shaping) {
+        for (const float value :
+             {shaping.focus, shaping.focusTint[0], shaping.focusTint[1], shaping.focusTint[2],
+              shaping.coneAngle, shaping.coneSoftness, shaping.iesAngleScale}) {
+            Add(value);
+        }
+        Add(shaping.iesFile);
+        Add(shaping.iesNormalize);
+    }
+    void Add(const LightShadow& shadow) {
+        Add(shadow.enable);
+        for (const float value :
+             {shadow.color[0], shadow.color[1], shadow.color[2], shadow.distance}) {
+            Add(value);
+        }
+    }
+    void Add(const LinkTable& links) {
+        Add(links.numSets);
+        for (const std::vector<bool>& category : links.categories) {
+            for (const bool isIn : category) {
+                Add(isIn);
+            }
+        }
     }
     void Add(const PlacedLight& light) {
         Add(light.name);
         Add(light.light);
+        Add(light.lightLink);
+        Add(light.shadowLink);
         for (int column = 0; column < 4; ++column) {
             Add(light.worldFromLight[column]);
         }
@@ -176,21 +216,60 @@ private:
     std::map<std::string, std::uint32_t> _indexByKey;
 };
 
+/// The profile of a file; null, after a warning, when it cannot be used.
+std::shared_ptr<const IesProfile> LoadProfile(const AssetReference& asset, Warnings& warnings) {
+    std::string text;
+    std::string error = "the file does not exist";
+    if (!asset.file.empty()) {
+        const File file = File::Open(asset.file);
+        const std::uint64_t size = asset.size > 0 ? asset.size : file.Size();
+        text.resize(std::min(size, kMaxProfileBytes));
+        error = !file.IsOpen() || !file.Read(asset.offset, text.data(), text.size())
+                    ? "it cannot be read"
+                    : std::string();
+    }
+    IesProfile profile;
+    if (error.empty()) {
+        profile = ParseIesProfile(text, &error);
+    }
+    if (!error.empty()) {
+        warnings.Add("", asset.authoredPath + ": not used as an IES profile: " + error);
+        return nullptr;
+    }
+    return std::make_shared<const IesProfile>(std::move(profile));
+}
+
+/// Of a profile, so that an edited file is read again.
+std::string IdentityOf(const AssetReference& asset) {
+    Hasher hasher;
+    const bool isThere =
+        !asset.file.empty() && AppendFileIdentity(&hasher, asset.file, asset.offset, asset.size);
+    return isThere ? hasher.Hex() : std::string();
+}
+
 void UpdateTable(const std::vector<PlacedLight>& lights, const std::vector<EmissiveMesh>& emissive,
-                 const ImageFinder& images, CommitCache* cache, Warnings& warnings) {
+                 const ImageFinder& images, const LinkTable& links, CommitCache* cache,
+                 Warnings& warnings) {
     KeyWriter writer;
+    writer.Add(links);
     for (const PlacedLight& light : lights) {
         writer.Add(light);
         writer.Add(HasImage(light.light) ? images.Find(light.light.textureFile).index : 0);
+        writer.Add(IdentityOf(light.light.shaping.iesFile));
     }
     for (const EmissiveMesh& mesh : emissive) {
         writer.Add(mesh);
     }
     std::string key = writer.Take();
     if (!cache->lights || key != cache->lightKey) {
-        const auto loadImage = [&](const AssetReference& asset) { return images.Find(asset); };
-        cache->lights = std::make_shared<const LightTable>(
-            BuildLightTable(lights, emissive, loadImage, warnings));
+        LightTableInput input;
+        input.loadImage = [&](const AssetReference& asset) { return images.Find(asset); };
+        input.loadProfile = [&](const AssetReference& asset) {
+            return LoadProfile(asset, warnings);
+        };
+        input.links = links;
+        cache->lights =
+            std::make_shared<const LightTable>(BuildLightTable(lights, emissive, input, warnings));
         cache->lightKey = std::move(key);
     }
     cache->images.DropLightImages();
@@ -218,7 +297,7 @@ std::vector<MaterialTexture> LoadLightTextures(const SceneDescription& scene, Co
 CommittedLights CommitLights(const LightCommitInput& input, CommitCache* cache,
                              Warnings& warnings) {
     CommittedLights result;
-    std::vector<PlacedLight> lights = PlaceLights(*input.scene, input.centre, input.domeVisible);
+    std::vector<PlacedLight> lights = PlaceLights(input);
     std::vector<EmissiveMesh> emissive;
     bool isFull = false;
     for (const OwnRecord& record : *input.ownRecords) {
@@ -256,7 +335,8 @@ CommittedLights CommitLights(const LightCommitInput& input, CommitCache* cache,
         dome.light.visibleToCamera = input.domeVisible;
         lights.push_back(dome);
     }
-    UpdateTable(lights, emissive, ImageFinder(input.materials->textures, cache), cache, warnings);
+    UpdateTable(lights, emissive, ImageFinder(input.materials->textures, cache),
+                input.links->Table(), cache, warnings);
     for (std::uint32_t& light : result.lightByEntry) {
         if (light != HDS_NONE) {
             light = cache->lights->lightByMesh[light];

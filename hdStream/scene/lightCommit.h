@@ -23,6 +23,7 @@ struct LightCommitInput {
     const std::vector<MeshMaterialInfo>* meshInfos = nullptr; ///< by the mesh index of OwnRecord
     const MaterialCommit* materials = nullptr;
     const std::vector<OwnRecord>* ownRecords = nullptr;
+    const LightLinks* links = nullptr;
 };
 
 /// Which lights of the table the material entries of each own record are.

@@ -13,6 +13,7 @@
 
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,7 @@ struct MeshPrim {
     Placement placement;
     std::string purpose = "default"; ///< default, render, proxy, guide
     std::shared_ptr<const MeshDescription> mesh;
+    std::set<std::string> categories; ///< what lights and shadows are linked to (LightPrim)
     bool doubleSided = false;
     CullStyle cullStyle = CullStyle::DontCare;
     std::string materialPath; ///< empty: no material bound, displayColor Lambert
@@ -57,12 +59,16 @@ struct MeshPrim {
 struct InstancerPrim {
     Placement placement; ///< of the instancer itself (maybe below another instancer)
     SharedSpan<double> instanceTransforms; ///< [numInstances][16], memory as glm::dmat4
+    /// Of each instance, added to those of what it places; empty: none.
+    std::vector<std::set<std::string>> instanceCategories;
 };
 
 /// A light prim.
 struct LightPrim {
     Placement placement;
     LightDescription light;
+    std::string lightLink;  ///< category of the meshes that it lights; empty: all
+    std::string shadowLink; ///< category of the meshes that cast its shadows; empty: all
 };
 
 /// A camera as HdCamera gives it: all lengths in scene units, as floats.

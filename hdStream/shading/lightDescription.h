@@ -12,6 +12,25 @@ namespace hds {
 /// The UsdLux types the core renders.
 enum class LightType { Distant, Sphere, Rect, Disk, Cylinder, Dome };
 
+/// How a light's radiance depends on the direction in which it leaves (UsdLuxShapingAPI). As it is,
+/// on none; UsdLux's fallback of coneAngle is 90, where the schema is applied.
+struct LightShaping {
+    float focus = 0.0F; ///< exponent of the cosine off the axis
+    std::array<float, 3> focusTint{0.0F, 0.0F, 0.0F};
+    float coneAngle = 180.0F; ///< degrees off the axis
+    float coneSoftness = 0.0F;
+    AssetReference iesFile; ///< authoredPath empty when there is none
+    float iesAngleScale = 0.0F;
+    bool iesNormalize = false;
+};
+
+/// What shadows a light casts (UsdLuxShadowAPI).
+struct LightShadow {
+    bool enable = true;
+    std::array<float, 3> color{0.0F, 0.0F, 0.0F};
+    float distance = -1.0F; ///< of occluders from what they shade; negative: any
+};
+
 /// Authored inputs of a light; defaults are UsdLux's.
 struct LightDescription {
     LightType type = LightType::Distant;
@@ -33,7 +52,15 @@ struct LightDescription {
     bool treatAsLine = false;                ///< cylinder
     std::string textureFormat = "automatic"; ///< dome: automatic, latlong
     AssetReference textureFile;              ///< dome, rect: authoredPath empty when there is none
+    LightShaping shaping;
+    LightShadow shadow;
     bool visibleToCamera = true;
 };
+
+/// An input that multiplies light: what is negative or not finite counts as 0.
+float LightFactor(float value);
+
+/// Whether the light shines alike in all directions.
+bool IsUnshaped(const LightDescription& light);
 
 } // namespace hds

@@ -3,6 +3,7 @@
 #include "hdStream/shading/lightTable.h"
 
 #include "hdStream/shading/lightPlacement.h"
+#include "hdStream/shading/lightShaping.h"
 #include "hdStream/shading/lightTree.h"
 #include "hdStream/shading/lightUnits.h"
 
@@ -13,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 
 namespace hds {
@@ -55,8 +57,9 @@ std::uint32_t TypeOf(LightType type) {
 /// Grows the tables light by light.
 class Builder {
 public:
-    Builder(const LoadLightImage& loadImage, Warnings& warnings)
-        : _loadImage(loadImage), _warnings(warnings) {}
+    Builder(const LightTableInput& input, Warnings& warnings) : _input(input), _warnings(warnings) {
+        AddLinks();
+    }
 
     void AddLight(const PlacedLight& placed);
     void AddMesh(const EmissiveMesh& mesh);
@@ -65,19 +68,91 @@ public:
 private:
     bool Radiance(const PlacedLight& placed, const shared::HdsLight& light, glm::dvec3* radiance);
     bool AddImage(const PlacedLight& placed, shared::HdsLight* light, double* meanLuminance);
+    void AddLinks();
+    void AddShaping(const PlacedLight& placed, shared::HdsLight* light, double* power);
+    void AddControls(const PlacedLight& placed, shared::HdsLight* light);
     void WarnIgnored(const PlacedLight& placed);
     void Push(shared::HdsLight light, const glm::dvec3& radiance, double power);
 
-    const LoadLightImage& _loadImage;
+    const LightTableInput& _input;
     Warnings& _warnings;
+    std::vector<std::uint32_t> _linkBases; ///< of each category
     LightTable _table;
 };
 
+/// A light that shines alike in all directions on everything.
+shared::HdsLight PlainLight() {
+    shared::HdsLight light{};
+    light.shapingBase = HDS_NONE;
+    light.controlBase = HDS_NONE;
+    light.lightLink = HDS_NONE;
+    light.shadowLink = HDS_NONE;
+    return light;
+}
+
+/// A bit for each link set, of each category.
+void Builder::AddLinks() {
+    for (const std::vector<bool>& category : _input.links.categories) {
+        _linkBases.push_back(std::uint32_t(_table.cdf.size()));
+        std::vector<std::uint32_t> words((_input.links.numSets + 31) / 32);
+        for (std::size_t set = 0; set < category.size(); ++set) {
+            words[set / 32] |= category[set] ? 1U << (set % 32) : 0U;
+        }
+        for (const std::uint32_t word : words) {
+            _table.cdf.push_back(shared::FloatOfBits(word));
+        }
+    }
+}
+
+/// \param[in,out] power grows by the peak of the shaping, against which kernels estimate it
+void Builder::AddShaping(const PlacedLight& placed, shared::HdsLight* light, double* power) {
+    const LightDescription& description = placed.light;
+    if (IsUnshaped(description)) {
+        return;
+    }
+    const AssetReference& file = description.shaping.iesFile;
+    const std::shared_ptr<const IesProfile> profile =
+        file.authoredPath.empty() || !_input.loadProfile ? nullptr : _input.loadProfile(file);
+    const shared::HdsLightShaping shaping =
+        AppendShaping(description, placed.worldFromLight, profile.get(), &_table.cdf);
+    light->shapingBase = std::uint32_t(_table.cdf.size() - sizeof(shaping) / sizeof(_table.cdf[0]));
+    *power *= shaping.peak;
+    _table.hasShaping = true;
+}
+
+void Builder::AddControls(const PlacedLight& placed, shared::HdsLight* light) {
+    const LightDescription& description = placed.light;
+    const LightShadow& shadow = description.shadow;
+    const auto linkOf = [&](std::uint32_t category) {
+        return category == HDS_NONE ? HDS_NONE : _linkBases[category];
+    };
+    light->lightLink = linkOf(placed.lightLink);
+    light->shadowLink = linkOf(placed.shadowLink);
+    const bool isShadowPlain = shadow.enable && shadow.distance < 0.0F &&
+                               shadow.color == std::array<float, 3>{0.0F, 0.0F, 0.0F};
+    if (!isShadowPlain || light->shadowLink != HDS_NONE) {
+        light->flags |= HDS_LIGHT_SAMPLED;
+    }
+    if (!isShadowPlain || description.diffuse != 1.0F || description.specular != 1.0F) {
+        shared::HdsLightControls controls{};
+        controls.diffuse = LightFactor(description.diffuse);
+        controls.specular = LightFactor(description.specular);
+        controls.shadowDistance = !shadow.enable            ? 0.0F
+                                  : shadow.distance >= 0.0F ? shadow.distance
+                                                            : HDS_LIGHT_FAR;
+        for (int i = 0; i < 3; ++i) {
+            controls.shadowColor[i] = LightFactor(shadow.color[i]);
+        }
+        light->controlBase = std::uint32_t(_table.cdf.size());
+        _table.cdf.resize(_table.cdf.size() + sizeof(controls) / sizeof(_table.cdf[0]));
+        std::memcpy(&_table.cdf[light->controlBase], &controls, sizeof(controls));
+    }
+    _table.hasControls = _table.hasControls || light->controlBase != HDS_NONE ||
+                         light->lightLink != HDS_NONE || light->shadowLink != HDS_NONE;
+}
+
 void Builder::WarnIgnored(const PlacedLight& placed) {
     const LightDescription& light = placed.light;
-    if (light.diffuse != 1.0F || light.specular != 1.0F) {
-        _warnings.Add(placed.name, "diffuse and specular multipliers of lights are ignored");
-    }
     if (light.type == LightType::Dome && !light.textureFile.authoredPath.empty() &&
         light.textureFormat != "automatic" && light.textureFormat != "latlong") {
         _warnings.Add(placed.name, "dome texture format " + light.textureFormat +
@@ -113,7 +188,7 @@ bool Builder::Radiance(const PlacedLight& placed, const shared::HdsLight& light,
 bool Builder::AddImage(const PlacedLight& placed, shared::HdsLight* light, double* meanLuminance) {
     const AssetReference& file = placed.light.textureFile;
     const bool isDome = light->type == HDS_LIGHT_DOME;
-    const LightTexture texture = _loadImage ? _loadImage(file) : LightTexture();
+    const LightTexture texture = _input.loadImage ? _input.loadImage(file) : LightTexture();
     if (!texture.image) {
         _warnings.Add(placed.name, "cannot read " + file.authoredPath + "; " +
                                        (isDome ? "dome" : "light") + " is untextured");
@@ -145,7 +220,7 @@ void Builder::Push(shared::HdsLight light, const glm::dvec3& radiance, double po
 void Builder::AddLight(const PlacedLight& placed) {
     const LightDescription& description = placed.light;
     WarnIgnored(placed);
-    shared::HdsLight light{};
+    shared::HdsLight light = PlainLight();
     light.type = TypeOf(description.type);
     light.flags = description.visibleToCamera ? HDS_LIGHT_VISIBLE : 0U;
     const bool isPoint =
@@ -177,6 +252,8 @@ void Builder::AddLight(const PlacedLight& placed) {
         AddImage(placed, &light, &meanLuminance);
         power *= meanLuminance;
     }
+    AddShaping(placed, &light, &power);
+    AddControls(placed, &light);
     if (power > 0.0) {
         Push(light, radiance, power);
     }
@@ -190,7 +267,7 @@ void Builder::AddMesh(const EmissiveMesh& mesh) {
         _warnings.Add(mesh.name, "emission is not finite or above 1e30; not sampled as a light");
         return;
     }
-    shared::HdsLight light{};
+    shared::HdsLight light = PlainLight();
     light.dataBase = std::uint32_t(_table.triangles.size());
     glm::dvec3 low(1e300);
     glm::dvec3 high(-1e300);
@@ -267,9 +344,9 @@ LightTable Builder::Finish() {
 } // namespace
 
 LightTable BuildLightTable(const std::vector<PlacedLight>& lights,
-                           const std::vector<EmissiveMesh>& meshes, const LoadLightImage& loadImage,
+                           const std::vector<EmissiveMesh>& meshes, const LightTableInput& input,
                            Warnings& warnings) {
-    Builder builder(loadImage, warnings);
+    Builder builder(input, warnings);
     for (const PlacedLight& light : lights) {
         builder.AddLight(light);
     }

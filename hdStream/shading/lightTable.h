@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lights of a scene as the tables of kernels/light: UsdLux lights, and emissive meshes as lights.
-// Deterministic; called by commit, any thread. Explained in docs/shading.md.
+// Deterministic; called by commit, any thread. Explained in docs/lights.md.
 #pragma once
 
 #include "hdStream/base/log.h"
+#include "hdStream/shading/iesProfile.h"
 #include "hdStream/shading/lightDescription.h"
 #include "hdStream/shading/lightImage.h"
 #include "kernels/shared/light.h"
@@ -23,7 +24,15 @@ namespace hds {
 struct PlacedLight {
     std::string name; ///< prim path, for warnings
     LightDescription light;
-    glm::dmat4 worldFromLight{1.0}; ///< relative to the scene centre
+    glm::dmat4 worldFromLight{1.0};      ///< relative to the scene centre
+    std::uint32_t lightLink = HDS_NONE;  ///< index into LinkTable::categories
+    std::uint32_t shadowLink = HDS_NONE; ///< likewise
+};
+
+/// Which link sets are in which categories.
+struct LinkTable {
+    std::uint32_t numSets = 1;
+    std::vector<std::vector<bool>> categories; ///< [category][link set]
 };
 
 /// The emissive triangles of one mesh instance with one radiance.
@@ -45,6 +54,16 @@ struct EmissiveMesh {
 /// Reads an image that a light names. May be empty.
 using LoadLightImage = std::function<LightTexture(const AssetReference&)>;
 
+/// Reads a profile that a light names; null, after a warning, when it cannot be used. May be empty.
+using LoadIesProfile = std::function<std::shared_ptr<const IesProfile>(const AssetReference&)>;
+
+/// What else the tables are made of.
+struct LightTableInput {
+    LoadLightImage loadImage;
+    LoadIesProfile loadProfile;
+    LinkTable links;
+};
+
 /// Device tables of all lights.
 struct LightTable {
     std::vector<shared::HdsLight> lights;    ///< those at infinity first
@@ -52,6 +71,8 @@ struct LightTable {
     std::vector<shared::HdsLightTriangle> triangles;
     std::vector<float> cdf;      ///< lightCdf
     std::uint32_t numImages = 0; ///< of the lights, so many have an image
+    bool hasShaping = false;     ///< some light is shaped
+    bool hasControls = false;    ///< some is linked, or has multipliers or shadow controls
     /// For each emissive mesh of the input its index in `lights`, or HDS_NONE (black or no area).
     std::vector<std::uint32_t> lightByMesh;
 };
@@ -59,7 +80,7 @@ struct LightTable {
 /// Builds the tables. Lights that are black are left out; lights that cannot be rendered (singular
 /// transform, size 0, values not finite) are left out with a warning.
 LightTable BuildLightTable(const std::vector<PlacedLight>& lights,
-                           const std::vector<EmissiveMesh>& meshes, const LoadLightImage& loadImage,
+                           const std::vector<EmissiveMesh>& meshes, const LightTableInput& input,
                            Warnings& warnings);
 
 } // namespace hds

@@ -90,6 +90,10 @@ glm::dvec3 BlackbodyRgb(double kelvin) {
     return glm::max(rgb, glm::dvec3(0.0));
 }
 
+float LightFactor(float value) {
+    return std::isfinite(value) ? std::max(value, 0.0F) : 0.0F;
+}
+
 glm::dvec3 LightEmission(const LightDescription& light) {
     glm::dvec3 emission(light.color[0], light.color[1], light.color[2]);
     emission *= double(light.intensity) * std::exp2(double(light.exposure));

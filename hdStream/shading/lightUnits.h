@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What UsdLux's light inputs mean in radiometric units: colour temperature, emission, and the size
 // by which `normalize` divides. Source: UsdLux schema documentation (OpenUSD 24.08, normalize as
-// spelled out since 25.05). Explained in docs/shading.md.
+// spelled out since 25.05). Explained in docs/lights.md.
 #pragma once
 
 #include "hdStream/shading/lightDescription.h"

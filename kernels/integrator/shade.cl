@@ -9,159 +9,7 @@
 #include "integrator/pathState.clh"
 #include "integrator/pixelSampler.clh"
 #include "integrator/run.clh"
-#if HDS_FEATURE_TEXTURES
-#include "light/imageLookup.clh"
-#endif
-
-/* A path while its hit is shaded. */
-typedef struct {
-    float3 origin;
-    float3 direction;
-    float3 throughput;
-    float bsdfPdf; /* of direction; 0: no light sample could have made it */
-    float3 sourceNormal;
-    bool isLast; /* only lights count any more */
-    float3 radiance;
-    float alpha;
-    uint4 status;
-    uint depth;
-    float tBegin;   /* lights nearer than this were seen before the ray passed a cut-out surface */
-    bool isMissing; /* texels are: the path waits, and nothing of it may be written */
-#if HDS_FEATURE_TEXTURES
-    HdsRayCones cones;    /* at the ray's origin */
-    HdsRayCones hitCones; /* at the hit */
-#endif
-} HdsShadePath;
-
-/* What a path has hit. */
-typedef struct {
-    HdsHit hit;
-    HdsSurfaceHit surface;
-    bool isEnd; /* nothing more comes of it, and nothing below is set */
-    HdsShadingPoint shading;
-    HdsBsdf bsdf;
-    float3 lobes; /* bsdf_lobeProbabilities for the viewer */
-} HdsShadeHit;
-
-#if HDS_FEATURE_TEXTURES
-/* The factor of a light's image on what a ray sees of it. \param cones at the ray's origin. */
-float3 shade_lookUpLight(const HdsSceneView* scene, uint light, float3 origin, float3 direction,
-                         float t, HdsRayCones cones, bool isCamera, bool* isMissing) {
-    if (!light_hasImage(scene->lights.lights + light)) {
-        return (float3)(1.0f);
-    }
-    const float3 factor =
-        lightImage_lookup(&scene->lights, &scene->textures, light, origin, direction, t, cones,
-                          isCamera, scene->mipBias, isMissing);
-    texture_count(&scene->textures);
-    return factor;
-}
-#endif
-
-/* Adds the radiance of lights that the ray crosses before tMax. They do not occlude. */
-void shade_addLights(const HdsSceneView* scene, float tMax, HdsShadePath* path) {
-    const HdsLightView* view = &scene->lights;
-    for (uint light = 0u; light < view->numLights; ++light) {
-        float t;
-        bool isSeen = path->depth > 0u || (view->lights[light].flags & HDS_LIGHT_VISIBLE) != 0u;
-        if (!isSeen || !light_intersect(view, light, path->origin, path->direction, tMax, &t) ||
-            t < path->tBegin) {
-            continue;
-        }
-        float weight = 1.0f;
-        if (path->bsdfPdf > 0.0f) {
-            weight =
-                choices_misWeight(path->bsdfPdf, light_pdf(view, light, path->origin,
-                                                           path->sourceNormal, path->direction, t));
-        }
-        float3 radiance = light_radiance(view, light);
-#if HDS_FEATURE_TEXTURES
-        radiance *= shade_lookUpLight(scene, light, path->origin, path->direction, t, path->cones,
-                                      path->depth == 0u, &path->isMissing);
-#endif
-        path->radiance += weight * path->throughput * radiance;
-        if (path->depth == 0u) {
-            path->alpha = 1.0f;
-        }
-    }
-}
-
-/* Adds what the surface itself emits towards the ray's origin. */
-void shade_addEmission(const HdsSceneView* scene, const HdsHit* hit, const HdsSurfaceHit* surface,
-                       float3 emission, HdsShadePath* path) {
-    if (!(emission.x > 0.0f || emission.y > 0.0f || emission.z > 0.0f)) {
-        return;
-    }
-    float weight = 1.0f;
-    uint light = surfaceHit_light(scene, surface);
-    if (path->bsdfPdf > 0.0f && light != HDS_NONE) {
-        float cosine = vec_dot(surface->point.normal, path->direction);
-        weight =
-            choices_misWeight(path->bsdfPdf, light_meshPdf(&scene->lights, light, path->origin,
-                                                           path->sourceNormal, hit->t, cosine));
-    }
-    path->radiance += weight * path->throughput * emission;
-}
-
-#if HDS_FEATURE_TEXTURES
-/* The cones of a ray that leaves a hit in a direction of that BSDF density. */
-HdsRayCones shade_leavingCones(const HdsShadeHit* at, const HdsShadePath* path, float pdf) {
-    const HdsSurfaceHit* surface = &at->surface;
-    const float3 front = vec_lengthSquared(surface->shadingNormal) > 0.0f ? surface->shadingNormal
-                                                                          : surface->point.normal;
-    const float side = vec_dot(front, path->direction) > 0.0f ? -1.0f : 1.0f;
-    return cones_reflect(path->hitCones, side * surface->curvature, pdf);
-}
-#endif
-
-/* Samples a light; true when a shadow ray was written to slot i. Sets path->isMissing. */
-bool shade_sampleLight(const HdsSceneView* scene, const HdsShadeHit* at, HdsSampler sampler,
-                       HdsShadePath* path, HdsPaths paths, uint i) {
-    const HdsSurfaceHit* surface = &at->surface;
-    const HdsShadingPoint* shading = &at->shading;
-    float3 geomNormal = shading->geomNormal;
-    float3 normal = shading->frame.z;
-#if HDS_BSDF_TRANSMITS
-    const float side = choices_side(&at->bsdf, sampler, path->depth);
-    geomNormal *= side;
-    normal *= side;
-#endif
-    float3 origin = offset_origin(&surface->point, geomNormal);
-    HdsLightSample sample;
-    if (!light_sample(&scene->lights, origin, normal, choices_light(scene, sampler, path->depth),
-                      sampler_get2(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LIGHT)), &sample)) {
-        return false;
-    }
-#if HDS_BSDF_TRANSMITS
-    const float sideShare = bsdf_lightShare(&at->bsdf, side);
-    sample.pdf *= sideShare;
-#endif
-    float pdf;
-    float3 wi = frame_toLocal(&shading->frame, sample.direction);
-    float3 reflected = bsdf_evaluate(&at->bsdf, at->lobes, shading->wo, wi, &pdf);
-    float weight = sample.isDelta != 0u ? 1.0f : choices_misWeight(sample.pdf, pdf);
-    float3 contribution = path->throughput * reflected * sample.radiance * (weight / sample.pdf);
-    float packedCone = 0.0f;
-#if HDS_FEATURE_TEXTURES
-    if (vec_maxComponent(contribution) > 0.0f) {
-        const HdsRayCones cones = shade_leavingCones(at, path, pdf);
-        contribution *= shade_lookUpLight(scene, sample.light, origin, sample.direction,
-                                          sample.distance, cones, false, &path->isMissing);
-        packedCone = cones_pack(cones);
-    }
-#endif
-    if (path->isMissing ||
-        !(contribution.x > 0.0f || contribution.y > 0.0f || contribution.z > 0.0f)) {
-        return false;
-    }
-    path_store_shadowOrigin(paths, i, (float4)(origin, sample.distance));
-    path_store_shadowDirection(paths, i, (float4)(sample.direction, 0.0f));
-    path_store_shadowRadiance(paths, i, (float4)(contribution, packedCone));
-#if HDS_FEATURE_CUTOUT
-    path_store_shadowAfter(paths, i, (uint4)(0u));
-#endif
-    return true;
-}
+#include "integrator/shadeLight.clh"
 
 /* Samples the BSDF; true when the next ray was written to slot i. */
 bool shade_sampleBsdf(constant const HdsFrameParams* frame, const HdsShadeHit* at,
@@ -192,10 +40,14 @@ bool shade_sampleBsdf(constant const HdsFrameParams* frame, const HdsShadeHit* a
     path_store_origin(paths, i, (float4)(offset_origin(&at->surface.point, geomNormal), 0.0f));
     path_store_direction(paths, i, (float4)(direction, INFINITY));
     path_store_throughput(paths, i, (float4)(throughput, lightPdf));
-    path_store_sourceNormal(paths, i, (float4)(normal, isLast ? 1.0f : 0.0f));
+    path_store_sourceNormal(paths, i,
+                            (float4)(normal, (float)(2u * at->linkSet + (isLast ? 1u : 0u))));
     path_store_status(paths, i, (uint4)(path->status.xy, path->depth + 1u, 0u));
 #if HDS_FEATURE_TEXTURES
     path_store_cones(paths, i, shade_leavingCones(at, path, pdf).pair);
+#endif
+#if HDS_FEATURE_LIGHT_CONTROLS
+    path_store_diffuseShare(paths, i, (float4)(shade_diffuseShare(at, wi, weight * pdf), 0.0f));
 #endif
 #if HDS_FEATURE_CUTOUT
     path_store_after(paths, i, (uint4)(0u));
@@ -212,8 +64,11 @@ HdsShadePath shade_loadPath(HdsPaths paths, uint i) {
     path.direction = path_load_direction(paths, i).xyz;
     path.throughput = throughput.xyz;
     path.bsdfPdf = throughput.w;
-    path.sourceNormal = sourceNormal.xyz;
-    path.isLast = sourceNormal.w > 0.0f;
+    const uint source = (uint)sourceNormal.w;
+    path.source.position = path.origin;
+    path.source.normal = sourceNormal.xyz;
+    path.source.linkSet = source >> 1;
+    path.isLast = (source & 1u) != 0u;
     path.radiance = radiance.xyz;
     path.alpha = radiance.w;
     path.status = path_load_status(paths, i);
@@ -225,6 +80,9 @@ HdsShadePath shade_loadPath(HdsPaths paths, uint i) {
     path.isMissing = false;
 #if HDS_FEATURE_TEXTURES
     path.cones.pair = path_load_cones(paths, i);
+#endif
+#if HDS_FEATURE_LIGHT_CONTROLS
+    path.diffuseShare = path_load_diffuseShare(paths, i).xyz;
 #endif
     return path;
 }
@@ -276,6 +134,7 @@ HdsTexelChoice shade_chooseTexels(constant const HdsFrameParams* frame, const Hd
 void shade_loadHit(constant const HdsFrameParams* frame, const HdsSceneView* scene,
                    HdsShadePath* path, HdsShadeHit* at) {
     surfaceHit_load(scene, &at->hit, &at->surface);
+    at->linkSet = surfaceHit_linkSet(scene, &at->surface);
 #if HDS_FEATURE_TEXTURES
     path->hitCones = cones_atHit(path->cones, at->hit.t, path->depth == 0u);
     at->surface.coneWidth = cones_width(path->hitCones);

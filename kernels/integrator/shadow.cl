@@ -14,6 +14,20 @@ void shadow_addRadiance(HdsPaths paths, uint i) {
     path_store_radiance(paths, i, radiance);
 }
 
+/* Adds what arrives though it is blocked: a share of the shadow ray's radiance. */
+void shadow_addBlocked(const HdsSceneView* scene, HdsPaths paths, uint i, float3 share) {
+#if HDS_FEATURE_LIGHT_CONTROLS
+    global const HdsLightControls* controls =
+        light_controls(&scene->lights, path_load_shadowLight(paths, i).x);
+    if (controls != 0) {
+        float4 radiance = path_load_radiance(paths, i);
+        radiance.xyz +=
+            path_load_shadowRadiance(paths, i).xyz * share * vload3(0, controls->shadowColor);
+        path_store_radiance(paths, i, radiance);
+    }
+#endif
+}
+
 HdsTraversalRay shadow_loadRay(HdsPaths paths, uint i) {
     float4 origin = path_load_shadowOrigin(paths, i);
     HdsTraversalRay ray;
@@ -138,11 +152,12 @@ kernel void shadow_cast(global uchar* state, uint numSlots, global const uint* r
         if (arrives) {
             shadow_arrive(paths, i, &candidate, candidateQueue, readyQueue, counters);
         }
-#if HDS_FEATURE_CUTOUT
         if (isBlocked) {
+            shadow_addBlocked(&scene, paths, i, (float3)(1.0f));
+#if HDS_FEATURE_CUTOUT
             shadow_end(paths, i, readyQueue, counters);
-        }
 #endif
+        }
     }
 }
 
@@ -169,6 +184,7 @@ kernel void shadow_resume(global uchar* state, uint numSlots, global const uint*
         if (found == HDS_RAY_WAITS) {
             shadow_storeWait(paths, i, &candidate, primId, &list, waitQueue, counters);
         } else if (found == HDS_RAY_BLOCKED) {
+            shadow_addBlocked(&scene, paths, i, (float3)(1.0f));
             shadow_end(paths, i, readyQueue, counters);
         } else {
             shadow_arrive(paths, i, &candidate, candidateQueue, readyQueue, counters);
@@ -178,6 +194,21 @@ kernel void shadow_resume(global uchar* state, uint numSlots, global const uint*
 #endif
 
 #if HDS_FEATURE_CUTOUT
+/* What a candidate lets pass: all where it casts no shadow of the light. \return false when texels
+ * are missing. */
+bool shadow_share(const HdsSceneView* scene, HdsPaths paths, uint i, const HdsSurfaceHit* surface,
+                  float3 viewer, float3* share) {
+#if HDS_FEATURE_LIGHT_CONTROLS
+    const uint light = path_load_shadowLight(paths, i).x;
+    if (!light_isLinked(&scene->lights, scene->lights.lights[light].shadowLink,
+                        surfaceHit_linkSet(scene, surface))) {
+        *share = (float3)(1.0f);
+        return true;
+    }
+#endif
+    return surfaceHit_passThrough(scene, surface, viewer, share);
+}
+
 /* Dims the shadow ray of slot i by its candidate, and appends what shadow_pass does. */
 void shadow_passCandidate(const HdsSceneView* scene, HdsPaths paths, uint i, global uint* waitQueue,
                           global uint* queue, global uint* readyQueue,
@@ -198,10 +229,11 @@ void shadow_passCandidate(const HdsSceneView* scene, HdsPaths paths, uint i, glo
     surface.choice = (HdsTexelChoice){0.0f, 8u};
 #endif
     float3 share;
-    if (!surfaceHit_passThrough(scene, &surface, -direction.xyz, &share)) {
+    if (!shadow_share(scene, paths, i, &surface, -direction.xyz, &share)) {
         surfaceHit_waitForTexels(scene, i);
         return;
     }
+    shadow_addBlocked(scene, paths, i, (float3)(1.0f) - share);
     float3 left = radiance.xyz * share;
     if (!(vec_maxComponent(left) > 0.0f)) {
         shadow_end(paths, i, readyQueue, counters);

@@ -25,8 +25,9 @@
 #define HDS_MESH_CULL_FRONT 16u
 
 /* HdsInstance.flags */
-#define HDS_INSTANCE_CUTOUT 1u /* some material may let rays pass: hits are candidates */
-#define HDS_INSTANCE_CAMERA 2u /* seen by camera rays */
+#define HDS_INSTANCE_CUTOUT 1u     /* some material may let rays pass: hits are candidates */
+#define HDS_INSTANCE_CAMERA 2u     /* seen by camera rays */
+#define HDS_INSTANCE_LINK_SHIFT 16 /* the bits from here on: the link set (shared/light.h) */
 
 HDS_SHARED_BEGIN
 /* One placement of an object in a group; records of a group lie in the leaf order of its BVH.

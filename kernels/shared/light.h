@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Lights as the light kernels read them. Radiance is linear, in the working space, with intensity,
  * exposure, colour, temperature and normalize already folded in by hdStream/shading/lightTable.
- * Lights at infinity come first. Explained in docs/shading.md. */
+ * Lights at infinity come first. Explained in docs/lights.md. */
 #ifndef HDS_SHARED_LIGHT_H
 #define HDS_SHARED_LIGHT_H
 #include "shared/compat.h"
@@ -20,6 +20,9 @@
 #define HDS_LIGHT_POINT 2u   /* delta position or direction (treatAsPoint, angle 0): only sampled */
 #define HDS_LIGHT_TEXTURED 4u  /* dome or rect with an image */
 #define HDS_LIGHT_TWO_SIDED 8u /* mesh: emits on both sides */
+#define HDS_LIGHT_SAMPLED                                                  \
+    16u /* only light samples find it after the first hit: its shadows are \
+           not those of geometry, or its part in the lobes is not 1 */
 
 /* Distance of lights at infinity. */
 #define HDS_LIGHT_FAR 3.0e38f
@@ -47,8 +50,44 @@ typedef struct {
     f32 strength;    /* luminance; finite: power / (4 pi); at infinity: irradiance */
     f32 center[3];   /* of a sphere that bounds the emitting shape, world */
     f32 boundRadius; /* HDS_LIGHT_FAR: at infinity */
+    u32 shapingBase; /* in lightCdf: an HdsLightShaping, or HDS_NONE */
+    u32 controlBase; /* in lightCdf: an HdsLightControls, or HDS_NONE */
+    u32 lightLink;   /* in lightCdf: the bits of the link sets that it lights, or HDS_NONE: all */
+    u32 shadowLink;  /* likewise, that cast its shadows */
 } HdsLight;
-HDS_ASSERT_SIZE(HdsLight, 176);
+HDS_ASSERT_SIZE(HdsLight, 192);
+
+/* How the radiance of a light depends on the direction in which it leaves (UsdLuxShapingAPI). */
+typedef struct {
+    f32 axis[3];     /* unit, world: the middle of the beam */
+    f32 cutoff;      /* radians off the axis, above which there is nothing */
+    f32 side[3];     /* unit, world: azimuth 0 of the profile */
+    f32 smoothStart; /* radians off the axis, up to which the cone dims nothing */
+    f32 up[3];       /* unit, world: azimuth 90 degrees */
+    f32 focus;       /* exponent */
+    f32 focusTint[3];
+    f32 peak;        /* bound on the luminance of the factor over all directions */
+    u32 profileBase; /* in lightCdf: polar angles [numPolar] and azimuths [numAzimuths] in radians,
+                        then factors [numAzimuths][numPolar]; HDS_NONE: no profile */
+    u32 numPolar;    /* at least 2 */
+    u32 numAzimuths; /* at least 2, from 0 to 2 pi */
+    f32 angleScale;  /* of polar angles; 0: as they are */
+    f32 profilePeak; /* the largest factor */
+    u32 pad0[3];
+} HdsLightShaping;
+HDS_ASSERT_SIZE(HdsLightShaping, 96);
+
+/* What is not physical about a light: its part in the lobes of surfaces, and its shadows. */
+typedef struct {
+    f32 diffuse;        /* factor on what diffuse lobes receive */
+    f32 specular;       /* and on what all others do */
+    f32 shadowDistance; /* what is farther from the lit point casts no shadow; HDS_LIGHT_FAR: all do
+                         */
+    u32 pad0;
+    f32 shadowColor[3]; /* factor on what arrives in the shadow */
+    u32 pad1;
+} HdsLightControls;
+HDS_ASSERT_SIZE(HdsLightControls, 32);
 
 /* A node of the light tree, the root first: a sphere that bounds the finite lights below it. */
 typedef struct {

@@ -59,6 +59,81 @@ def IrradianceOfCylinder(points, normal, matrix, radius, length, steps: int = 96
     return _IrradianceOfPatches(points, normal, local @ matrix[:3, :3] + matrix[3, :3], normals, area)
 
 
+def ShapingFactor(emitted, matrix, shaping: dict) -> np.ndarray:
+    """What UsdLuxShapingAPI leaves of the radiance [n][3] in unit directions [n][3] in which it leaves a light of that
+    `matrix` (row vectors; similar transforms). `shaping` has the schema's names; `profile`: a function of polar angle
+    and azimuth in radians."""
+    rotation = matrix[:3, :3] / np.linalg.norm(matrix[:3, :3], axis=1, keepdims=True)
+    x, y, z = (emitted @ rotation.T).T
+    angle = np.arctan2(np.hypot(x, y), -z)
+    cutoff = np.radians(shaping.get("coneAngle", 90.0))
+    start = cutoff * (1 - shaping.get("coneSoftness", 0.0))
+    step = np.clip((angle - start) / max(cutoff - start, 1e-12), 0, 1)
+    factor = np.where(angle > cutoff, 0.0, 1 - step * step * (3 - 2 * step))
+    if "profile" in shaping:
+        scale = shaping.get("iesAngleScale", 0.0)
+        polar = angle if scale == 0 else angle / scale if scale > 0 else np.pi - (np.pi - angle) / -scale
+        factor = factor * shaping["profile"](np.clip(polar, 0, np.pi), np.arctan2(y, x) % (2 * np.pi))
+    focus = np.abs(z)[:, None] ** shaping.get("focus", 0.0)
+    return factor[:, None] * (focus + (1 - focus) * np.array(shaping.get("focusTint", (0, 0, 0)), float))
+
+
+def IrradianceOfShaped(points, normal, patches, matrix, shaping) -> np.ndarray:
+    """[n][3] per unit radiance: a sum over `patches` = (centres, normals, area of each)."""
+    centres, normals, area = patches
+    total = np.zeros((len(points), 3))
+    for centre, lightNormal in zip(centres, normals):
+        d = centre - points
+        distance = np.linalg.norm(d, axis=-1)
+        cosines = np.maximum(d @ normal, 0) * np.maximum(-(d @ lightNormal), 0)
+        total += (area * cosines / distance**4)[:, None] * ShapingFactor(-d / distance[:, None], matrix, shaping)
+    return total
+
+
+def PatchesOfSphere(matrix, radius, steps: int = 40):
+    """Equal areas of a UsdLux sphere under a similar transform."""
+    z, phi = np.meshgrid(2 * (np.arange(steps) + 0.5) / steps - 1, 2 * np.pi * (np.arange(2 * steps) + 0.5) / (2 * steps),
+                         indexing="ij")
+    r = np.sqrt(1 - z * z)
+    outward = np.stack([r * np.cos(phi), r * np.sin(phi), z], -1).reshape(-1, 3)
+    radius = radius * np.linalg.norm(matrix[0, :3])
+    return matrix[3, :3] + radius * outward, outward, 4 * np.pi * radius**2 / len(outward)
+
+
+def PatchesOfFlat(matrix, width, height=None, steps: int = 40):
+    """Equal areas of a UsdLux rect, or of a disk of radius `width`."""
+    if height is not None:
+        x, y = np.meshgrid((np.arange(steps) + 0.5) / steps - 0.5, (np.arange(steps) + 0.5) / steps - 0.5)
+        local, area = np.stack([x * width, y * height, 0 * x], -1).reshape(-1, 3), width * height
+    else:
+        r = width * np.sqrt((np.arange(steps) + 0.5) / steps)
+        phi = 2 * np.pi * (np.arange(2 * steps) + 0.5) / (2 * steps)
+        local = np.stack([np.outer(r, np.cos(phi)), np.outer(r, np.sin(phi)), np.zeros((steps, 2 * steps))], -1)
+        local, area = local.reshape(-1, 3), np.pi * width**2
+    area *= np.linalg.norm(np.cross(matrix[0, :3], matrix[1, :3]))
+    return local @ matrix[:3, :3] + matrix[3, :3], np.tile(-_Unit(matrix[2, :3]), (len(local), 1)), area / len(local)
+
+
+def PatchesOfCylinder(matrix, radius, length, steps: int = 40):
+    """Equal areas of the side of a UsdLux cylinder under a similar transform."""
+    x, phi = np.meshgrid(length * ((np.arange(steps) + 0.5) / steps - 0.5), 2 * np.pi * (np.arange(steps) + 0.5) / steps)
+    outward = np.stack([0 * x, np.cos(phi), np.sin(phi)], -1).reshape(-1, 3)
+    local = radius * outward + np.outer(x.ravel(), (1, 0, 0))
+    scale = np.linalg.norm(matrix[0, :3])
+    return (local @ matrix[:3, :3] + matrix[3, :3], outward @ matrix[:3, :3] / scale,
+            2 * np.pi * radius * length * scale**2 / len(local))
+
+
+def IrradianceOfShapedCone(normal, matrix, halfAngle, shaping, steps: int = 200) -> np.ndarray:
+    """[3]: a shaped distant light, by midpoints over its cone."""
+    cosine, phi = np.meshgrid(1 - (1 - np.cos(halfAngle)) * (np.arange(steps) + 0.5) / steps,
+                              2 * np.pi * (np.arange(steps) + 0.5) / steps)
+    sine = np.sqrt(1 - cosine**2)
+    toLight = np.stack([sine * np.cos(phi), sine * np.sin(phi), cosine], -1).reshape(-1, 3) @ matrix[:3, :3]
+    weights = np.maximum(toLight @ normal, 0)[:, None] * ShapingFactor(-toLight, matrix, shaping)
+    return 2 * np.pi * (1 - np.cos(halfAngle)) * weights.mean(0)
+
+
 def IrradianceOfCone(normal, axis, halfAngle) -> float:
     """pi sin^2 cos: a distant light, its whole cone above the horizon; `axis` points to the light."""
     return float(np.pi * np.sin(halfAngle) ** 2 * np.dot(normal, axis))

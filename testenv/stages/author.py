@@ -123,3 +123,33 @@ def AddLight(stage, path: str, kind: str, placement: dict | None = None, **input
         getattr(light, f"Create{name[0].upper()}{name[1:]}Attr")(value)
     Place(light, **(placement or {}))
     return light
+
+
+def ShapeLight(light, **inputs):
+    """Applies UsdLuxShapingAPI with inputs by name: focus, focusTint, coneAngle, coneSoftness, iesFile, ..."""
+    shaping = UsdLux.ShapingAPI.Apply(light.GetPrim())
+    for name, value in inputs.items():
+        value = Gf.Vec3f(*map(float, value)) if name == "focusTint" else value
+        getattr(shaping, f"CreateShaping{name[0].upper()}{name[1:]}Attr")(value)
+    return light
+
+
+def ShadowLight(light, **inputs):
+    """Applies UsdLuxShadowAPI with inputs by name: enable, color, distance."""
+    shadow = UsdLux.ShadowAPI.Apply(light.GetPrim())
+    for name, value in inputs.items():
+        value = Gf.Vec3f(*map(float, value)) if name == "color" else value
+        getattr(shadow, f"CreateShadow{name[0].upper()}{name[1:]}Attr")(value)
+    return light
+
+
+def LinkLight(light, collection, includes=None, excludes=()):
+    """Sets a light's "lightLink" or "shadowLink": only `includes` (None: all) but for `excludes`."""
+    api = Usd.CollectionAPI.Apply(light.GetPrim(), collection)
+    if includes is not None:
+        api.CreateIncludeRootAttr(False)
+        for path in includes:
+            api.CreateIncludesRel().AddTarget(path)
+    for path in excludes:
+        api.CreateExcludesRel().AddTarget(path)
+    return light

@@ -46,7 +46,7 @@ def WarningsOf(text):
     ('def Points "A" {}\ndef Points "B" {}', "/A: Points is not supported yet: 2 prims skipped"),
     (f'def Mesh "M" (prepend apiSchemas = ["MeshLightAPI"]) {{ {TRIANGLE} }}', "/M: MeshLightAPI is not supported yet"),
     ('def RectLight "L" { rel light:filters = </F> }', "/L: light filters is not supported yet"),
-    ('def SphereLight "L" { bool collection:lightLink:includeRoot = 0 }', "/L: light linking is not supported yet"),
+    ('def SphereLight "L" { float inputs:shadow:falloff = 1 }', "/L: shadow falloff is not supported yet"),
     ('def "R" (references = @none.usda@) {}', "/R: Could not open asset @none.usda@"),
 ])
 def test_one_line_names_the_prim(text, expected):

@@ -36,6 +36,7 @@ inline const char* const kLightKernels = R"(
 #define HDS_TEXTURE_PLAIN 1
 #define HDS_NUM_TEXTURE_POOLS 1
 #include "light/imageLookup.clh"
+#include "light/walk.clh"
 #include "sample/sampler.clh"
 #define LIGHT_ARGS HDS_LIGHT_PARAMETERS, HDS_TEXTURE_ARGS
 #define LIGHT_VIEW(view)     \
@@ -45,7 +46,7 @@ inline const char* const kLightKernels = R"(
 /* Radiance of a light that a ray of no width meets at t, with its image. */
 float3 radianceOf(const HdsLightView* view, const HdsTextureView* textures, uint light, float3 p,
                   float3 d, float t) {
-    float3 radiance = light_radiance(view, light);
+    float3 radiance = light_radiance(view, light, d);
     if (light_hasImage(view->lights + light)) {
         bool isMissing = false;
         radiance *= lightImage_lookup(view, textures, light, p, d, t, cones_begin(0.0f, 0.0f),
@@ -60,6 +61,7 @@ kernel void sampleAll(LIGHT_ARGS, global const float* points, global const float
     LIGHT_VIEW(view);
     float3 p = vload3(i, points);
     float3 n = vload3(i, normals);
+    const HdsLitPoint lit = {p, n, 0u};
     HdsLightSample s;
     s.direction = (float3)(0.0f);
     s.radiance = (float3)(0.0f);
@@ -67,13 +69,13 @@ kernel void sampleAll(LIGHT_ARGS, global const float* points, global const float
     s.pdf = 0.0f;
     s.light = HDS_NONE;
     s.isDelta = 0u;
-    bool isValid = light_sample(&view, p, n, us[4 * i], vload2(2 * i + 1, us), &s);
+    bool isValid = light_sample(&view, &lit, us[4 * i], vload2(2 * i + 1, us), &s);
     if (isValid && light_hasImage(view.lights + s.light)) {
         s.radiance = radianceOf(&view, &textures, s.light, p, s.direction, s.distance);
     }
     float t = 0.0f;
     bool isHit = isValid && light_intersect(&view, s.light, p, s.direction, INFINITY, &t);
-    float hitPdf = isHit ? light_pdf(&view, s.light, p, n, s.direction, t) : 0.0f;
+    float hitPdf = isHit ? light_pdf(&view, s.light, &lit, s.direction, t) : 0.0f;
     global float* o = out + 16 * i;
     vstore3(s.direction, 0, o);
     o[3] = s.distance;
@@ -96,10 +98,11 @@ kernel void intersectAll(LIGHT_ARGS, uint light, global const float* points,
     uint at = onePoint != 0u ? 0u : i;
     float3 p = vload3(at, points);
     float3 d = vload3(i, directions);
+    const HdsLitPoint lit = {p, vload3(at, normals), 0u};
     float t;
     bool isHit = light_intersect(&view, light, p, d, INFINITY, &t);
     out[3 * i] = isHit ? t : -1.0f;
-    out[3 * i + 1] = isHit ? light_pdf(&view, light, p, vload3(at, normals), d, t) : 0.0f;
+    out[3 * i + 1] = isHit ? light_pdf(&view, light, &lit, d, t) : 0.0f;
     out[3 * i + 2] = isHit ? radianceOf(&view, &textures, light, p, d, t).x : 0.0f;
 }
 /* Irradiance by light sampling, and by cosine-weighted directions that look for lights. */
@@ -113,12 +116,13 @@ kernel void irradiances(LIGHT_ARGS, global const float* points,
     float3 p = vload3(point, points);
     float3 n = vload3(point, normals);
     HdsFrame frame = frame_fromNormal(n);
+    const HdsLitPoint lit = {p, n, 0u};
     float direct = 0.0f;
     float gathered = 0.0f;
     for (uint k = 0; k < perItem; ++k) {
         HdsSampler sampler = sampler_init(point, 0u, (i % itemsPerPoint) * perItem + k, 9u);
         HdsLightSample s;
-        if (light_sample(&view, p, n, sampler_get1(sampler, 0u), sampler_get2(sampler, 1u), &s)) {
+        if (light_sample(&view, &lit, sampler_get1(sampler, 0u), sampler_get2(sampler, 1u), &s)) {
             float3 radiance = light_hasImage(view.lights + s.light)
                                   ? radianceOf(&view, &textures, s.light, p, s.direction, s.distance)
                                   : s.radiance;
@@ -135,14 +139,38 @@ kernel void irradiances(LIGHT_ARGS, global const float* points,
     out[2 * i] = direct / (float)perItem;
     out[2 * i + 1] = gathered / (float)perItem;
 }
+/* For each ray: lights that it meets, by trying all and by a walk; and the sums of their indices. */
+kernel void meetings(HDS_LIGHT_PARAMETERS, global const float* points,
+                     global const float* directions, float tMax, global uint* out, uint count) {
+    uint i = (uint)get_global_id(0);
+    if (i >= count) return;
+    HDS_LIGHT_VIEW(view);
+    const float3 p = vload3(i, points);
+    const float3 d = vload3(i, directions);
+    uint4 found = (uint4)(0u);
+    float t;
+    for (uint light = 0u; light < view.numLights; ++light) {
+        if (light_intersect(&view, light, p, d, tMax, &t)) {
+            found.xy += (uint2)(1u, light);
+        }
+    }
+    HdsLightWalk walk = lightWalk_begin(&view);
+    uint light;
+    while ((light = lightWalk_next(&view, &walk, p, d, tMax)) != HDS_NONE) {
+        if (light_intersect(&view, light, p, d, tMax, &t)) {
+            found.zw += (uint2)(1u, light);
+        }
+    }
+    vstore4(found, i, out);
+}
 kernel void selections(HDS_LIGHT_PARAMETERS, global const float* points, global const float* normals,
                        global float* out, uint count) {
     uint i = (uint)get_global_id(0);
     if (i >= count) return;
     HDS_LIGHT_VIEW(view);
+    const HdsLitPoint lit = {vload3(i, points), vload3(i, normals), 0u};
     for (uint light = 0u; light < numLights; ++light) {
-        out[i * numLights + light] =
-            light_selectPmf(&view, light, vload3(i, points), vload3(i, normals));
+        out[i * numLights + light] = light_selectPmf(&view, light, &lit);
     }
 }
 )";
@@ -171,7 +199,7 @@ protected:
             return LightTexture{std::make_shared<LightImage>(image), 0};
         };
         Warnings warnings;
-        const LightTable table = BuildLightTable(lights, {}, load, warnings);
+        const LightTable table = BuildLightTable(lights, {}, {load, {}, {}}, warnings);
         EXPECT_EQ(warnings.Lines(), std::vector<std::string>());
         SetTable(table);
         SetImage(image);
@@ -247,6 +275,19 @@ protected:
             sums[i / kItemsPerPoint][1] += double(values[2 * i + 1]) / kItemsPerPoint;
         }
         return sums;
+    }
+
+    /// {lights met, sum of their indices} by trying all lights, then by a walk, for each ray.
+    std::vector<std::uint32_t> Meetings(const std::vector<float>& points,
+                                        const std::vector<float>& directions, float tMax) {
+        const std::size_t count = points.size() / 3;
+        const Buffer pointBuffer = Upload(points);
+        const Buffer directionBuffer = Upload(directions);
+        const Buffer out = Allocate(count * 4 * sizeof(std::uint32_t));
+        _program->GetKernel("meetings")
+            .Launch(count, _lights, _nodes, _triangles, _cdf, _numLights, pointBuffer,
+                    directionBuffer, tMax, out, std::uint32_t(count));
+        return Download<std::uint32_t>(out, count * 4);
     }
 
     /// Probabilities of all lights at each point.

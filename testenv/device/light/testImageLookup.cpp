@@ -65,7 +65,7 @@ protected:
                 0};
         };
         Warnings warnings;
-        const LightTable table = BuildLightTable({light}, {}, load, warnings);
+        const LightTable table = BuildLightTable({light}, {}, {load, {}, {}}, warnings);
         std::vector<float> values;
         for (const Ray& ray : rays) {
             values.insert(values.end(),

@@ -306,8 +306,81 @@ TEST_F(LightTest, ManyLightsAreChosenByWhatTheyContribute) {
         }
         EXPECT_NEAR(sum, 1.0, 1e-4);
         // Irradiance of light i is in proportion to 1 / (1 + i^2)^(3/2); its share of all is about
-        // one half. A descent by bounds cannot reach that, but must be far above 1 / 1000.
-        EXPECT_GT(pmf[std::size_t(nearest)], 0.1) << nearest;
+        // one half: the cut through the tree is fine where the lights are near.
+        EXPECT_GT(pmf[std::size_t(nearest)], 0.4) << nearest;
+    }
+}
+
+TEST_F(LightTest, WalksMeetTheLightsThatRaysCross) {
+    std::mt19937 generator(45);
+    for (const std::size_t numLights : {std::size_t(20), std::size_t(33), std::size_t(700)}) {
+        std::vector<PlacedLight> lights;
+        for (std::size_t i = 0; i < numLights; ++i) {
+            lights.push_back(MakeLight(kShapes[i % 4]));
+            lights.back().worldFromLight = RandomTransform(generator, false);
+        }
+        lights[5] = MakeLight(LightType::Dome);
+        SetLights(lights);
+        constexpr std::size_t kCount = 20000;
+        const std::vector<float> units = RandomUnits(generator, kCount * 6);
+        std::vector<float> points;
+        std::vector<float> directions;
+        for (std::size_t i = 0; i < kCount; ++i) {
+            const float* u = &units[6 * i];
+            Append(points, glm::dvec3(u[0], u[1], u[2]) * 8.0 - 4.0);
+            Append(directions, glm::normalize(glm::dvec3(u[3], u[4], u[5]) - 0.5));
+        }
+        std::size_t numMet = 0;
+        for (const float tMax : {1.5F, HDS_LIGHT_FAR}) {
+            const std::vector<std::uint32_t> found = Meetings(points, directions, tMax);
+            for (std::size_t i = 0; i < kCount; ++i) {
+                const std::uint32_t* f = &found[4 * i];
+                ASSERT_EQ(f[0], f[2]) << "ray " << i;
+                ASSERT_EQ(f[1], f[3]) << "ray " << i;
+                numMet += f[0];
+            }
+        }
+        EXPECT_GT(numMet, kCount);
+    }
+}
+
+/// Beside another light, which is there for the choice: wherever a ray finds a shaped light
+/// shining, light samples may choose it.
+TEST_F(LightTest, EstimatesOfShapedLightsAreNeverZeroWhereTheyShine) {
+    std::mt19937 generator(46);
+    for (std::size_t i = 0; i < 24; ++i) {
+        PlacedLight light = MakeLight(kShapes[i % 4]);
+        const std::vector<float> units = RandomUnits(generator, 4);
+        light.light.shaping.coneAngle = i % 3 == 0 ? 180.0F : 5.0F + 90.0F * units[0];
+        light.light.shaping.coneSoftness = i % 2 == 0 ? 0.0F : units[1];
+        light.light.shaping.focus = i % 3 == 1 ? 0.0F : 40.0F * units[2];
+        light.worldFromLight = RandomTransform(generator, false);
+        PlacedLight other = MakeLight(LightType::Sphere);
+        other.worldFromLight = glm::translate(glm::dmat4(1.0), {0.0, 0.0, 1e4});
+        SetLights({light, other});
+        constexpr std::size_t kCount = 20000;
+        const std::vector<float> places = RandomUnits(generator, kCount * 6);
+        std::vector<float> points;
+        std::vector<float> normals;
+        std::vector<float> directions;
+        const glm::dvec3 center(light.worldFromLight[3]);
+        for (std::size_t k = 0; k < kCount; ++k) {
+            const float* u = &places[6 * k];
+            const glm::dvec3 point = center + (glm::dvec3(u[0], u[1], u[2]) - 0.5) * 8.0;
+            const glm::dvec3 target = center + glm::dvec3(u[3], u[4], u[5]) - 0.5;
+            Append(points, point);
+            Append(normals, glm::dvec3(0.0));
+            Append(directions, glm::normalize(target - point));
+        }
+        const std::vector<float> found = Intersect(0, points, normals, directions);
+        std::size_t numShining = 0;
+        for (std::size_t k = 0; k < kCount; ++k) {
+            if (found[3 * k] >= 0.0F && found[3 * k + 2] > 0.0F) {
+                ++numShining;
+                ASSERT_GT(found[3 * k + 1], 0.0F) << "light " << i << ", ray " << k;
+            }
+        }
+        EXPECT_GT(numShining, 0U) << i;
     }
 }
 

@@ -138,13 +138,18 @@ private:
     std::mt19937 _random;
 };
 
+Hierarchy Build(const SceneDescription& scene, const std::map<std::string, LeafObject>& leaves,
+                std::uint32_t firstGroup, Warnings& warnings) {
+    LightLinks links(scene);
+    return BuildHierarchy(scene, leaves, glm::dvec3(0.0), firstGroup, &links, warnings);
+}
+
 TEST(Hierarchy, EqualsAFlattening) {
     constexpr std::uint32_t kFirstGroup = 100;
     for (unsigned seed = 0; seed < 200; ++seed) {
         const RandomStage stage(seed);
         Warnings warnings;
-        const Hierarchy tables =
-            BuildHierarchy(stage.scene, stage.leaves, glm::dvec3(0.0), kFirstGroup, warnings);
+        const Hierarchy tables = Build(stage.scene, stage.leaves, kFirstGroup, warnings);
         std::vector<Leaf> found;
         Walk(tables, kFirstGroup, 0, glm::dmat4(1.0), 0, 0, &found);
         ASSERT_EQ(found.size(), tables.numLeaves);
@@ -192,8 +197,7 @@ TEST(Hierarchy, AMillionInstancesCostRecordsOnly) {
     instancer.instanceTransforms = std::move(transforms);
     scene.meshes["/M"].placement.instances = std::move(all);
     Warnings warnings;
-    const Hierarchy tables =
-        BuildHierarchy(scene, {{"/M", UnitLeaf(0)}}, glm::dvec3(0.0), 2, warnings);
+    const Hierarchy tables = Build(scene, {{"/M", UnitLeaf(0)}}, 2, warnings);
     EXPECT_EQ(tables.groups.size(), 1U);
     EXPECT_EQ(tables.instances.size(), kCount);
     EXPECT_LE(tables.nodes.size() * sizeof(shared::HdsBvhNode) +
@@ -215,7 +219,7 @@ TEST(Hierarchy, BadPlacementsAreDroppedAndNamed) {
         leaves[path] = UnitLeaf(mesh++);
     }
     Warnings warnings;
-    const Hierarchy tables = BuildHierarchy(scene, leaves, glm::dvec3(0.0), 9, warnings);
+    const Hierarchy tables = Build(scene, leaves, 9, warnings);
     EXPECT_EQ(tables.numLeaves, 1U);
     ASSERT_EQ(warnings.Lines().size(), 3U);
     EXPECT_EQ(warnings.Lines()[0].substr(0, 4), "/nan");
@@ -233,7 +237,7 @@ TEST(Hierarchy, CyclesEnd) {
         instancer.placement.instances = std::vector<std::int32_t>{0};
     }
     Warnings warnings;
-    const Hierarchy tables = BuildHierarchy(scene, {}, glm::dvec3(0.0), 1, warnings);
+    const Hierarchy tables = Build(scene, {}, 1, warnings);
     EXPECT_EQ(tables.numLeaves, 0U);
 }
 

@@ -22,7 +22,7 @@ PlacedLight Make(LightType type) {
 
 LightTable Build(const std::vector<PlacedLight>& lights, Warnings& warnings,
                  const LoadLightImage& images = {}) {
-    return BuildLightTable(lights, {}, images, warnings);
+    return BuildLightTable(lights, {}, {images, {}, {}}, warnings);
 }
 
 /// The table's only light; expects no warning.
@@ -254,10 +254,66 @@ TEST(LightTableTest, WhatCannotBeRenderedIsLeftOutWithAWarning) {
 TEST(LightTableTest, IgnoredInputsWarn) {
     Warnings warnings;
     PlacedLight light = Make(LightType::Rect);
-    light.light.specular = 0.5F;
     light.light.textureFile.authoredPath = "missing.png";
     EXPECT_EQ(Build({light}, warnings).lights.size(), 1U);
-    EXPECT_EQ(warnings.Lines().size(), 2U);
+    EXPECT_EQ(warnings.Lines().size(), 1U);
+}
+
+/// What says the same as nothing costs nothing: no record, no feature of the kernels.
+TEST(LightTableTest, OnlyWhatShapesHasAShaping) {
+    const auto isShaped = [](const PlacedLight& light) {
+        Warnings warnings;
+        const LightTable table = Build({light}, warnings);
+        EXPECT_EQ(table.hasShaping, table.lights[0].shapingBase != HDS_NONE);
+        EXPECT_FALSE(table.hasControls);
+        return table.hasShaping;
+    };
+    for (const LightType type : {LightType::Sphere, LightType::Rect, LightType::Dome}) {
+        PlacedLight light = Make(type);
+        EXPECT_FALSE(isShaped(light));
+        light.light.shaping.focusTint = {1.0F, 0.0F, 0.0F};
+        EXPECT_FALSE(isShaped(light)) << "without focus";
+        light.light.shaping.coneAngle = 90.0F; // the schema's fallback: all of a flat light
+        EXPECT_EQ(isShaped(light), type == LightType::Sphere);
+        light.light.shaping.coneSoftness = 0.5F;
+        EXPECT_EQ(isShaped(light), type != LightType::Dome);
+    }
+}
+
+TEST(LightTableTest, StrengthHoldsThePeakOfTheShaping) {
+    const LoadIesProfile load = [](const AssetReference&) {
+        return std::make_shared<const IesProfile>(
+            IesProfile{{0.0F, 1.0F}, {0.0F, 6.2831855F}, {3.0F, 1.0F, 5.0F, 1.0F}});
+    };
+    PlacedLight light = Make(LightType::Sphere);
+    const float plain = BuildOne(light).strength;
+    light.light.shaping.iesFile.authoredPath = "lamp.ies";
+    Warnings warnings;
+    const LightTable table = BuildLightTable({light}, {}, {{}, load, {}}, warnings);
+    EXPECT_FLOAT_EQ(table.lights[0].strength, 5.0F * plain);
+}
+
+TEST(LightTableTest, WhatIsNotPhysicalIsAControl) {
+    const auto build = [](const PlacedLight& light) {
+        Warnings warnings;
+        LightTableInput input;
+        input.links = {40, {std::vector<bool>(40, true)}};
+        return BuildLightTable({light}, {}, input, warnings);
+    };
+    EXPECT_FALSE(build(Make(LightType::Sphere)).hasControls);
+    PlacedLight dim = Make(LightType::Sphere);
+    dim.light.diffuse = 0.5F;
+    EXPECT_TRUE(build(dim).hasControls);
+    EXPECT_EQ(build(dim).lights[0].flags & HDS_LIGHT_SAMPLED, 0U);
+    PlacedLight linked = Make(LightType::Sphere);
+    linked.lightLink = 0;
+    EXPECT_TRUE(build(linked).hasControls);
+    EXPECT_EQ(build(linked).lights[0].flags & HDS_LIGHT_SAMPLED, 0U);
+    linked.shadowLink = 0;
+    EXPECT_NE(build(linked).lights[0].flags & HDS_LIGHT_SAMPLED, 0U);
+    PlacedLight shadowless = Make(LightType::Sphere);
+    shadowless.light.shadow.enable = false;
+    EXPECT_NE(build(shadowless).lights[0].flags & HDS_LIGHT_SAMPLED, 0U);
 }
 
 TEST(LightTableTest, ImagesOfRectsAndDomes) {

@@ -17,6 +17,16 @@ class InstanceGroup:
     def Add(self, prim, state):
         self._instances.append((prim.GetPath(), state.matrix, state.visible))
 
+    def Split(self, keyOf):
+        """A group for each key of the instances; keyOf: of the prim of an instance."""
+        stage = self.firstPrim.GetStage()
+        groups = {}
+        for instance in self._instances:
+            prim = stage.GetPrimAtPath(instance[0])
+            group = groups.setdefault(keyOf(prim), InstanceGroup(prim, self.state))
+            group._instances.append(instance)
+        return list(groups.values())
+
     def _Sorted(self):
         if not self._isSorted:
             self._instances.sort(key=lambda instance: instance[0])

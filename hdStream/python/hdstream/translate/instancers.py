@@ -21,11 +21,12 @@ from hdstream.translate.primState import PREDICATE, PROTOTYPE_PREDICATE, Context
 class Instancers:
     """Adds instancers to a session; walks their prototypes with the stage's translator."""
 
-    def __init__(self, translator, stage, session, timeCode, reports):
+    def __init__(self, translator, stage, session, timeCode, links, reports):
         self._translator = translator
         self._stage = stage
         self._session = session
         self._timeCode = timeCode
+        self._links = links
         self._reports = reports
         self._levels = InstanceLevels(translator, session)
 
@@ -53,7 +54,12 @@ class Instancers:
         return tuple("." + path[len(root):] if path.startswith(root + "/") else path for path in paths)
 
     def AddGroup(self, group, context):
-        """Makes the instancer of a group of native instances and translates what it places."""
+        """Makes the instancers of a group of native instances: one for each way in which they are linked."""
+        for part in group.Split(self._links.KeyOf) if self._links.areUsed else [group]:
+            self._AddPart(part, context)
+
+    def _AddPart(self, group, context):
+        """Makes the instancer of native instances and translates what it places."""
         path = self._translator.ReservePath(group.firstPrim, context)
         inner = Context(path, group.VisibleIndices(), context.chain)
         self._levels.Add(path, InstanceLevel(context.instancerPath, context.instances))

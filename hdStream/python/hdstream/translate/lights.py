@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """UsdLux lights as light descriptions: authored inputs, UsdLux's fallbacks, nothing folded in."""
 
-from pxr import Gf, Sdf, UsdGeom
+from pxr import Gf, UsdGeom
 
 from hdstream import _core
 
@@ -21,13 +21,19 @@ _DISTANT_INTENSITY = 50000.0  # UsdLuxDistantLight's fallback; that of all other
 _FLOATS = ("intensity", "exposure", "diffuse", "specular", "colorTemperature", "angle", "radius",
            "width", "height", "length")
 _BOOLS = ("normalize", "enableColorTemperature")
-# Inputs of features that are not there yet, and the values at which they do nothing.
-_UNSUPPORTED_INPUTS = {
-    "inputs:shaping:focus": ("shaping", (0.0,)),
-    "inputs:shaping:ies:file": ("shaping", (None, Sdf.AssetPath())),
-    "inputs:shadow:enable": ("shadow", (True,)),
-    "inputs:shadow:color": ("shadow", (Gf.Vec3f(0),)),
-    "inputs:shadow:distance": ("shadow", (-1.0,)),
+_SHAPING = {
+    "inputs:shaping:focus": ("focus", float),
+    "inputs:shaping:focusTint": ("focusTint", list),
+    "inputs:shaping:cone:angle": ("coneAngle", float),
+    "inputs:shaping:cone:softness": ("coneSoftness", float),
+    "inputs:shaping:ies:angleScale": ("iesAngleScale", float),
+    "inputs:shaping:ies:normalize": ("iesNormalize", bool),
+}
+_IES_FILE = "inputs:shaping:ies:file"
+_SHADOW = {
+    "inputs:shadow:enable": ("enable", bool),
+    "inputs:shadow:color": ("color", list),
+    "inputs:shadow:distance": ("distance", float),
 }
 _Z_FROM_Y = Gf.Matrix4d(1.0).SetRotate(Gf.Rotation(Gf.Vec3d(1, 0, 0), 90))
 
@@ -53,7 +59,33 @@ def ReadLight(prim, typeName, names, timeCode, assets):
             value = attribute.Get(timeCode)
             if value and value.path:
                 light.textureFile = assets.Resolve(attribute, value)
+    _ReadShaping(prim, names, timeCode, assets, light)
+    if any(name in _SHADOW for name in names):
+        light.shadow = _ReadInputs(prim, _SHADOW, _core.LightShadow(), timeCode)
     return light
+
+
+def _ReadInputs(prim, inputs, target, timeCode):
+    """Sets members of `target` to the inputs that have a value, a schema's fallback included."""
+    for name, (member, convert) in inputs.items():
+        attribute = prim.GetAttribute(name)
+        value = attribute.Get(timeCode) if attribute else None
+        if value is not None:
+            setattr(target, member, convert(value))
+    return target
+
+
+def _ReadShaping(prim, names, timeCode, assets, light):
+    # Where the schema is applied its fallbacks count: a cone of 90 degrees.
+    isAuthored = any(name.startswith("inputs:shaping:") for name in names)
+    if not isAuthored and "ShapingAPI" not in prim.GetAppliedSchemas():
+        return
+    shaping = _ReadInputs(prim, _SHAPING, _core.LightShaping(), timeCode)
+    attribute = prim.GetAttribute(_IES_FILE)
+    value = attribute.Get(timeCode) if attribute else None
+    if value and value.path:
+        shaping.iesFile = assets.Resolve(attribute, value)
+    light.shaping = shaping
 
 
 def PoleTransform(prim, typeName):
@@ -74,26 +106,8 @@ def UnsupportedFeatures(prim, names, timeCode):
     """Names of authored light features that the renderer does not have yet, sorted."""
     features = set()
     for name in names:
-        if name in _UNSUPPORTED_INPUTS:
-            feature, idle = _UNSUPPORTED_INPUTS[name]
-            if prim.GetAttribute(name).Get(timeCode) not in idle:
-                features.add(feature)
-        elif name == "inputs:shaping:cone:angle":
-            # A cone of 90 degrees is all of a flat light, and one of 180 of any other.
-            idleAngle = 90.0 if prim.GetTypeName() in ("RectLight", "DiskLight") else 180.0
-            if prim.GetAttribute(name).Get(timeCode) < idleAngle:
-                features.add("shaping")
-        elif name in ("light:filters", "portals") and prim.GetRelationship(name).GetTargets():
+        if name in ("light:filters", "portals") and prim.GetRelationship(name).GetTargets():
             features.add("light filters" if name == "light:filters" else "portals")
-        elif name.startswith(("collection:lightLink:", "collection:shadowLink:")):
-            if _IsLinkRestricting(prim, name, timeCode):
-                features.add("light linking")
+        elif name == "inputs:shadow:falloff" and prim.GetAttribute(name).Get(timeCode) > 0.0:
+            features.add("shadow falloff")
     return sorted(features)
-
-
-def _IsLinkRestricting(prim, name, timeCode):
-    if name.endswith(":includeRoot"):
-        return prim.GetAttribute(name).Get(timeCode) is False
-    if name.endswith((":includes", ":excludes")):
-        return bool(prim.GetRelationship(name).GetTargets())
-    return False

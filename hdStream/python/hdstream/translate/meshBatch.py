@@ -7,8 +7,9 @@ from hdstream.translate.materials import FindBoundMaterials
 class MeshBatch:
     """Meshes on their way into a session."""
 
-    def __init__(self, session, warn):
+    def __init__(self, session, links, warn):
         self._session = session
+        self._links = links
         self._warn = warn
         self._entries = []  # (scene path, prim, MeshPrim, prims of its subsets)
 
@@ -16,14 +17,16 @@ class MeshBatch:
         self._entries.append((path, prim, meshPrim, subsetPrims))
 
     def Flush(self):
-        """Binds materials and hands the meshes over; returns the bound material prims by path."""
+        """Binds materials, finds links and hands the meshes over; returns the bound material prims by path."""
         prims = []
         for _, prim, _, subsetPrims in self._entries:
             prims.append(prim)
             prims.extend(subsetPrims)
         paths, primByPath = FindBoundMaterials(prims, self._warn)
         bound = iter(paths)
-        for path, _, meshPrim, subsetPrims in self._entries:
+        for path, prim, meshPrim, subsetPrims in self._entries:
+            if self._links.areUsed:
+                meshPrim.categories = self._links.CategoriesOf(prim.GetPath())
             meshPrim.materialPath = next(bound)
             if subsetPrims:
                 meshPrim.subsetMaterialPaths = [next(bound) for _ in subsetPrims]

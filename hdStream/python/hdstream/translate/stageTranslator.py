@@ -15,6 +15,7 @@ from hdstream.diagnostics import MessagesOf
 from hdstream.translate import cameras, drawModes, lights, meshes, primvars
 from hdstream.translate.assets import AssetResolver
 from hdstream.translate.instancers import Instancers
+from hdstream.translate.links import Links
 from hdstream.translate.materials import MaterialReader
 from hdstream.translate.meshBatch import MeshBatch
 from hdstream.translate.primState import PREDICATE, Context, State
@@ -53,9 +54,10 @@ class StageTranslator:
         self._skinning = Skinning(self._timeCode, self._xforms, self._reports.Warn)
         self._types = {}
         self._paths = set()
-        self._meshes = MeshBatch(session, self._reports.Warn)
+        self._links = Links()
+        self._meshes = MeshBatch(session, self._links, self._reports.Warn)
         self._drawModes = drawModes.DrawModes(self, session, self._timeCode, self._assets, self._reports)
-        self._instancers = Instancers(self, stage, session, self._timeCode, self._reports)
+        self._instancers = Instancers(self, stage, session, self._timeCode, self._links, self._reports)
         self.numPrims = 0  # prims visited, instance proxies of first instances included
         self._handlers = self._MakeHandlers()
 
@@ -252,7 +254,9 @@ class StageTranslator:
         pole = lights.PoleTransform(prim, schema)
         if pole is not None:
             placement.worldFromObject = np.array(pole * state.matrix)
-        self._session.SetLight(path, _core.LightPrim(light, placement))
+        lightPrim = _core.LightPrim(light, placement)
+        self._links.Read(prim, names, lightPrim)
+        self._session.SetLight(path, lightPrim)
         return state
 
     def _OnCamera(self, prim, schema, names, state, context):

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/scene/lightLinks.h"
+
+#include "kernels/shared/geometry.h"
+
+#include <algorithm>
+
+namespace hds {
+
+namespace {
+
+constexpr std::size_t kMaxSets = std::size_t{1} << (32U - HDS_INSTANCE_LINK_SHIFT);
+
+} // namespace
+
+LightLinks::LightLinks(const SceneDescription& scene) : _scene(scene) {
+    for (const auto& [path, prim] : scene.lights) {
+        for (const std::string& category : {prim.lightLink, prim.shadowLink}) {
+            if (!category.empty()) {
+                _indexByCategory.emplace(category, std::uint32_t(_indexByCategory.size()));
+            }
+        }
+    }
+    for (const auto& [path, prim] : scene.lights) {
+        if (!prim.shadowLink.empty()) {
+            _shadowCategories.insert(_indexByCategory.at(prim.shadowLink));
+        }
+    }
+    _numberBySet[{}] = 0;
+}
+
+bool LightLinks::IsLinkedByInstance(const Placement& placement) const {
+    std::string path = AreUsed() ? placement.instancerPath : std::string();
+    for (std::size_t level = 0; !path.empty() && level <= _scene.instancers.size(); ++level) {
+        const auto found = _scene.instancers.find(path);
+        if (found == _scene.instancers.end()) {
+            break;
+        }
+        const auto& categories = found->second.instanceCategories;
+        if (std::any_of(categories.begin(), categories.end(),
+                        [](const std::set<std::string>& some) { return !some.empty(); })) {
+            return true;
+        }
+        path = found->second.placement.instancerPath;
+    }
+    return false;
+}
+
+std::uint32_t LightLinks::FlagsOf(const std::set<std::string>& categories,
+                                  const std::set<std::string>& ofInstances) {
+    if (!AreUsed()) {
+        return 0;
+    }
+    std::set<std::uint32_t> indices;
+    for (const std::set<std::string>* names : {&categories, &ofInstances}) {
+        for (const std::string& name : *names) {
+            const auto found = _indexByCategory.find(name);
+            if (found != _indexByCategory.end()) {
+                indices.insert(found->second);
+            }
+        }
+    }
+    const bool castsAll = std::includes(indices.begin(), indices.end(), _shadowCategories.begin(),
+                                        _shadowCategories.end());
+    auto number = _numberBySet.find(indices);
+    if (number == _numberBySet.end()) {
+        if (_numberBySet.size() >= kMaxSets) {
+            _isFull = true;
+            return 0;
+        }
+        number = _numberBySet.emplace(indices, std::uint32_t(_numberBySet.size())).first;
+    }
+    _hasUnshadowing = _hasUnshadowing || !castsAll;
+    return (number->second << HDS_INSTANCE_LINK_SHIFT) | (castsAll ? 0U : HDS_INSTANCE_CUTOUT);
+}
+
+std::uint32_t LightLinks::IndexOf(const std::string& category) const {
+    return category.empty() ? HDS_NONE : _indexByCategory.at(category);
+}
+
+LinkTable LightLinks::Table() const {
+    LinkTable table;
+    table.numSets = std::uint32_t(_numberBySet.size());
+    table.categories.assign(_indexByCategory.size(), std::vector<bool>(table.numSets));
+    for (const auto& [indices, number] : _numberBySet) {
+        for (const std::uint32_t index : indices) {
+            table.categories[index][number] = true;
+        }
+    }
+    return table;
+}
+
+void LightLinks::WarnOfOverflow(Warnings& warnings) const {
+    if (_isFull) {
+        warnings.Add("", "more than " + std::to_string(kMaxSets) +
+                             " combinations of light and shadow links: the rest is not linked");
+    }
+}
+
+} // namespace hds

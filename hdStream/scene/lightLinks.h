@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Light and shadow links: which meshes and instances belong to which categories, as the few
+// combinations ("link sets") that there are. Explained in docs/lights.md.
+#pragma once
+
+#include "hdStream/base/log.h"
+#include "hdStream/scene/sceneDescription.h"
+#include "hdStream/shading/lightTable.h"
+
+#include <map>
+#include <set>
+#include <string>
+
+namespace hds {
+
+/// Gives numbers to the combinations of categories as they are met; 0: in none.
+class LightLinks final {
+public:
+    /// Knows the categories that lights name; without any nothing else here costs anything.
+    explicit LightLinks(const SceneDescription& scene);
+
+    bool AreUsed() const { return !_indexByCategory.empty(); }
+
+    /// Whether instances of what places the mesh are told apart: they need records of their own.
+    bool IsLinkedByInstance(const Placement& placement) const;
+
+    /// HDS_INSTANCE_* of geometry in these categories, and in those of its instances: its link set,
+    /// and that shadow rays may pass it.
+    std::uint32_t FlagsOf(const std::set<std::string>& categories,
+                          const std::set<std::string>& ofInstances = {});
+
+    /// Whether some geometry casts no shadow of some light.
+    bool HaveUnshadowing() const { return _hasUnshadowing; }
+
+    /// Index of a light's category, or HDS_NONE.
+    std::uint32_t IndexOf(const std::string& category) const;
+
+    /// All that has been met so far.
+    LinkTable Table() const;
+
+    /// One line when there were more combinations than there are numbers.
+    void WarnOfOverflow(Warnings& warnings) const;
+
+private:
+    const SceneDescription& _scene;
+    std::map<std::string, std::uint32_t> _indexByCategory;
+    std::set<std::uint32_t> _shadowCategories;
+    std::map<std::set<std::uint32_t>, std::uint32_t> _numberBySet;
+    bool _hasUnshadowing = false;
+    bool _isFull = false;
+};
+
+} // namespace hds
