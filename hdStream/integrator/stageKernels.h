@@ -21,6 +21,7 @@ struct KernelFeatures {
     bool textureStreaming = false; ///< lines of textures may be missing
     bool plainTextures = false;    ///< textures without lines
     bool groups = false;           ///< instances below instances
+    bool curves = false;           ///< curves or points
     bool wide = false;             ///< 8-wide traversal inside a work-item
     bool firstHits = false;        ///< first-hit AOVs are asked for: `aov` is built
     bool manyPools = false;        ///< the scene's pages lie in more than one pool buffer
@@ -35,9 +36,9 @@ struct KernelFeatures {
                patterns == other.patterns && lobes == other.lobes && textures == other.textures &&
                manyTexturePools == other.manyTexturePools &&
                textureStreaming == other.textureStreaming && plainTextures == other.plainTextures &&
-               groups == other.groups && wide == other.wide && firstHits == other.firstHits &&
-               manyPools == other.manyPools && streaming == other.streaming &&
-               requestsFirst == other.requestsFirst;
+               groups == other.groups && curves == other.curves && wide == other.wide &&
+               firstHits == other.firstHits && manyPools == other.manyPools &&
+               streaming == other.streaming && requestsFirst == other.requestsFirst;
     }
 };
 
