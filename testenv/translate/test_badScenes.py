@@ -43,7 +43,7 @@ def WarningsOf(text):
      'def PointInstancer "Q" { int[] protoIndices = [0]\npoint3f[] positions = [(0, 0, 0)]\nrel prototypes = </P/Q/S>\n'
      'def Sphere "S" {} } }', "/P/Q/S: primvars that differ between instances of an outer instancer"),
     ('def Volume "V" {}', "/V: Volume is not supported yet: 1 prim skipped"),
-    ('def Points "A" {}\ndef Points "B" {}', "/A: Points is not supported yet: 2 prims skipped"),
+    ('def NurbsCurves "A" {}\ndef NurbsCurves "B" {}', "/A: NurbsCurves is not supported yet: 2 prims skipped"),
     (f'def Mesh "M" (prepend apiSchemas = ["MeshLightAPI"]) {{ {TRIANGLE} }}', "/M: MeshLightAPI is not supported yet"),
     ('def RectLight "L" { rel light:filters = </F> }', "/L: light filters is not supported yet"),
     ('def SphereLight "L" { bool collection:lightLink:includeRoot = 0 }', "/L: light linking is not supported yet"),

@@ -12,7 +12,7 @@ from pxr import Tf, Usd, UsdGeom, UsdSkel
 
 from hdstream import _core
 from hdstream.diagnostics import MessagesOf
-from hdstream.translate import cameras, drawModes, lights, meshes, primvars
+from hdstream.translate import cameras, curves, drawModes, lights, meshes, primvars
 from hdstream.translate.assets import AssetResolver
 from hdstream.translate.instancers import Instancers
 from hdstream.translate.materials import MaterialReader
@@ -22,8 +22,7 @@ from hdstream.translate.reports import Reports
 from hdstream.translate.skinning import Skinning
 
 # Schemas that are drawn by other renderers and skipped here, with a count.
-_SKIPPED_SCHEMAS = ("BasisCurves", "NurbsCurves", "HermiteCurves", "NurbsPatch", "Points",
-                    "TetMesh", "Volume", "ParticleField")
+_SKIPPED_SCHEMAS = ("NurbsCurves", "HermiteCurves", "NurbsPatch", "TetMesh", "Volume", "ParticleField")
 
 
 class _TypeInfo:
@@ -165,7 +164,8 @@ class StageTranslator:
 
     def _MakeHandlers(self):
         """(schema class, handler) from special to general; prims of no schema here are groups."""
-        handlers = [("Mesh", self._OnMesh), ("PointInstancer", self._instancers.AddPointInstancer),
+        handlers = [("Mesh", self._OnMesh), ("BasisCurves", self._OnCurves), ("Points", self._OnPoints),
+                    ("PointInstancer", self._instancers.AddPointInstancer),
                     ("Camera", self._OnCamera), ("Subset", self._OnSkipped)]
         handlers += [(name, self._OnImplicit) for name in meshes.IMPLICIT_TYPES]
         handlers += [(name, self._OnUnsupported) for name in _SKIPPED_SCHEMAS]
@@ -183,7 +183,7 @@ class StageTranslator:
             if schema is not None and prim.IsA(schema):
                 found = (name, handler)
                 break
-        info = _TypeInfo(prim, *found, isLeaf=found[1] in (self._OnMesh, self._OnImplicit))
+        info = _TypeInfo(prim, *found, isLeaf=found[1] in (self._OnMesh, self._OnImplicit, self._OnCurves, self._OnPoints))
         self._types[prim.GetTypeName()] = info
         return info
 
@@ -220,6 +220,23 @@ class StageTranslator:
                                    self._reports.Warn)
         self._AddMesh(prim, names, mesh, state, context)
         return state
+
+    def _OnCurves(self, prim, schema, names, state, context):
+        self._AddSolid(prim, curves.ReadCurves(prim, names, state.primvars, self._timeCode, self._reports.Warn),
+                       state, context)
+        return state
+
+    def _OnPoints(self, prim, schema, names, state, context):
+        self._AddSolid(prim, curves.ReadPointCloud(prim, names, state.primvars, self._timeCode), state, context)
+        return state
+
+    def _AddSolid(self, prim, description, state, context):
+        if description is None:
+            return
+        path, placement = self._Place(prim, state, context)
+        meshPrim = _core.MeshPrim(description, placement, state.purpose)
+        for splitPath, splitPrim in self._instancers.Split(path, prim, meshPrim):
+            self._meshes.Add(splitPath, prim, splitPrim, [])
 
     def _AddMesh(self, prim, names, mesh, state, context):
         subsets = []
