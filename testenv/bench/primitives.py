@@ -63,7 +63,8 @@ def _WriteHairMesh(path, count):
 def _WriteCloudMesh(path, cloudPath):
     from pxr import Usd
 
-    cloud = UsdGeom.Points(Usd.Stage.Open(cloudPath).GetPrimAtPath("/World/Cloud"))
+    source = Usd.Stage.Open(cloudPath)
+    cloud = UsdGeom.Points(source.GetPrimAtPath("/World/Cloud"))
     points, widths = np.array(cloud.GetPointsAttr().Get()), np.array(cloud.GetWidthsAttr().Get())
     stage = author.NewStage(path)
     curves.AddLightsAndGround(stage, 12.0, -1.0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""UsdGeomBasisCurves and UsdGeomPoints as descriptions of curves and points."""
+"""UsdGeomCurves and UsdGeomPoints as descriptions of curves and points."""
 
 import numpy as np
 from pxr import Vt
@@ -14,14 +14,16 @@ _TOKENS = {"type": ("linear", "cubic"), "basis": ("bezier", "bspline", "catmullR
 _FALLBACKS = {"type": "cubic", "basis": "bezier", "wrap": "nonperiodic"}
 
 
-def ReadCurves(prim, names, inherited, timeCode, warn):
-    """The description of UsdGeomBasisCurves; None when there are no points or no curves."""
+def ReadCurves(prim, schema, names, inherited, timeCode, warn):
+    """The description of UsdGeomCurves; None when there are no points or no curves. NURBS and Hermite
+    curves are lines between their points, as UsdImaging has them."""
     points = ReadPoints(prim, names, timeCode)
     counts = ReadArray(prim, "curveVertexCounts", timeCode, np.int32)
     if points is None or counts is None or not points.size or not counts.size:
         return None
     form = _core.CurveForm()
-    for name, known in _TOKENS.items():
+    form.type = "linear"
+    for name, known in _TOKENS.items() if schema == "BasisCurves" else ():
         value = prim.GetAttribute(name).Get() if name in names else _FALLBACKS[name]
         if value not in known:
             if value:

@@ -22,7 +22,7 @@ from hdstream.translate.reports import Reports
 from hdstream.translate.skinning import Skinning
 
 # Schemas that are drawn by other renderers and skipped here, with a count.
-_SKIPPED_SCHEMAS = ("NurbsCurves", "HermiteCurves", "NurbsPatch", "TetMesh", "Volume", "ParticleField")
+_SKIPPED_SCHEMAS = ("NurbsPatch", "TetMesh", "Volume", "ParticleField")
 
 
 class _TypeInfo:
@@ -164,9 +164,9 @@ class StageTranslator:
 
     def _MakeHandlers(self):
         """(schema class, handler) from special to general; prims of no schema here are groups."""
-        handlers = [("Mesh", self._OnMesh), ("BasisCurves", self._OnCurves), ("Points", self._OnPoints),
-                    ("PointInstancer", self._instancers.AddPointInstancer),
+        handlers = [("Mesh", self._OnMesh), ("Points", self._OnPoints), ("PointInstancer", self._instancers.AddPointInstancer),
                     ("Camera", self._OnCamera), ("Subset", self._OnSkipped)]
+        handlers += [(name, self._OnCurves) for name in ("BasisCurves", "NurbsCurves", "HermiteCurves")]
         handlers += [(name, self._OnImplicit) for name in meshes.IMPLICIT_TYPES]
         handlers += [(name, self._OnUnsupported) for name in _SKIPPED_SCHEMAS]
         handlers += [(name, self._OnLight) for name in lights.LIGHT_TYPES]
@@ -222,8 +222,10 @@ class StageTranslator:
         return state
 
     def _OnCurves(self, prim, schema, names, state, context):
-        self._AddSolid(prim, curves.ReadCurves(prim, names, state.primvars, self._timeCode, self._reports.Warn),
-                       state, context)
+        description = curves.ReadCurves(prim, schema, names, state.primvars, self._timeCode, self._reports.Warn)
+        if description is not None and schema != "BasisCurves":
+            self._reports.Count(prim, f"{schema} are drawn as lines between their points: {{count}}")
+        self._AddSolid(prim, description, state, context)
         return state
 
     def _OnPoints(self, prim, schema, names, state, context):
