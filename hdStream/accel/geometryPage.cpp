@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The geometry page of a chunk: header, nodes, triangles in leaf order, vertices in order of first
-// use.
+// use; of curves and points in their own order, with radii.
 #include "hdStream/accel/bvh.h"
 #include "hdStream/accel/wideBvh.h"
 #include "hdStream/base/error.h"
@@ -31,6 +31,21 @@ void ReorderTriangles(const std::vector<std::uint32_t>& order, ChunkGeometry* ch
     Permute(order, &chunk->faces);
     Permute(order, &chunk->corners);
     Permute(order, &chunk->materialEntries);
+    Permute(order, &chunk->primitiveBounds);
+}
+
+/// Vertices of curves and points as kernels read them.
+std::vector<float> PackSolidVertices(const ChunkGeometry& chunk) {
+    std::vector<float> packed;
+    for (std::size_t i = 0; i < chunk.positions.size(); ++i) {
+        const glm::vec3& position = chunk.positions[i];
+        packed.insert(packed.end(), {position.x, position.y, position.z, chunk.radii[i]});
+        if (!chunk.jointNormals.empty()) {
+            const glm::vec3& normal = chunk.jointNormals[i];
+            packed.insert(packed.end(), {normal.x, normal.y, normal.z, 0.0F});
+        }
+    }
+    return packed;
 }
 
 /// Renumbers vertices in the order of first use; vertices that no triangle uses are dropped.
@@ -91,13 +106,17 @@ private:
 } // namespace
 
 GeometryPage BuildGeometryPage(ChunkGeometry& chunk) {
-    std::vector<BoxRef> refs = MakeRefs(chunk.positions, chunk.triangles);
+    const bool isSolid = chunk.primitives != HDS_PRIMITIVE_TRIANGLES;
+    std::vector<BoxRef> refs =
+        isSolid ? MakeRefs(chunk.primitiveBounds) : MakeRefs(chunk.positions, chunk.triangles);
     Bvh bvh = BuildWideBvh(refs, BvhOptions{});
     if (bvh.nodes.empty()) {
         bvh.nodes.emplace_back(); // all of a unit's triangles may turn out to have no area
     }
     ReorderTriangles(bvh.order, &chunk);
-    ReorderVertices(&chunk);
+    if (!isSolid) {
+        ReorderVertices(&chunk);
+    }
     HDS_VERIFY(chunk.positions.size() <= HDS_MAX_CHUNK_VERTICES,
                std::to_string(chunk.positions.size()) + " vertices");
 
@@ -111,8 +130,10 @@ GeometryPage BuildGeometryPage(ChunkGeometry& chunk) {
     writer.Append(bvh.nodes);
     header.triangles = writer.Append(triangles);
     header.primIds = writer.Append(chunk.primIds);
-    header.vertices = writer.Append(chunk.positions);
-    header.numTriangles = static_cast<std::uint32_t>(triangles.size());
+    header.vertices =
+        isSolid ? writer.Append(PackSolidVertices(chunk)) : writer.Append(chunk.positions);
+    header.numTriangles = static_cast<std::uint32_t>(triangles.size()) | chunk.primitives
+                                                                             << HDS_PRIMITIVE_SHIFT;
     GeometryPage page;
     // Kernels read a vertex as four floats: the last one must not end the page.
     page.bytes = writer.Finish(header, sizeof(float));

@@ -26,6 +26,7 @@ std::uint32_t PageInterpolation(Interpolation interpolation) {
     case Interpolation::Uniform:
         return HDS_ATTR_TRIANGLE;
     case Interpolation::Varying:
+        return HDS_ATTR_LINEAR;
     case Interpolation::Vertex:
         return HDS_ATTR_VERTEX;
     case Interpolation::FaceVarying:
@@ -43,6 +44,7 @@ double ValuesPerTriangle(std::uint32_t interpolation, double verticesPerTriangle
     case HDS_ATTR_TRIANGLE:
         return 1.0;
     case HDS_ATTR_VERTEX:
+    case HDS_ATTR_LINEAR:
         return verticesPerTriangle;
     case HDS_ATTR_CORNER:
         return 3.0;
@@ -58,7 +60,8 @@ constexpr double kMeanNodeBytes = 22.0;
 
 TriangleBytes EstimateTriangle(const std::vector<MeshAttribute>& attributes,
                                std::optional<Interpolation> normals, bool hasMaterials,
-                               double verticesPerTriangle, double nodeBytes) {
+                               double verticesPerTriangle, double nodeBytes,
+                               std::size_t vertexBytes = sizeof(glm::vec3)) {
     const auto blockBytes = [&](Interpolation interpolation, std::uint32_t numComponents) {
         return ValuesPerTriangle(PageInterpolation(interpolation), verticesPerTriangle) *
                numComponents * sizeof(float);
@@ -71,7 +74,7 @@ TriangleBytes EstimateTriangle(const std::vector<MeshAttribute>& attributes,
     }
     const double geometry = nodeBytes + sizeof(shared::HdsTriangle) +
                             sizeof(std::uint32_t) + // primId
-                            verticesPerTriangle * sizeof(glm::vec3);
+                            verticesPerTriangle * static_cast<double>(vertexBytes);
     return {static_cast<std::uint32_t>(std::ceil(geometry)),
             static_cast<std::uint32_t>(std::ceil(bytes))};
 }
@@ -163,6 +166,7 @@ private:
         const std::size_t numTriangles = _chunk.primIds.size();
         const std::size_t numValues = interpolation == HDS_ATTR_CONSTANT   ? 1
                                       : interpolation == HDS_ATTR_VERTEX   ? _chunk.points.size()
+                                      : interpolation == HDS_ATTR_LINEAR   ? _chunk.joints.size()
                                       : interpolation == HDS_ATTR_TRIANGLE ? numTriangles
                                                                            : 3 * numTriangles;
         std::vector<float> values(numValues * numComponents);
@@ -175,6 +179,8 @@ private:
             add(0);
         } else if (interpolation == HDS_ATTR_VERTEX) {
             std::for_each(_chunk.points.begin(), _chunk.points.end(), add);
+        } else if (interpolation == HDS_ATTR_LINEAR) {
+            std::for_each(_chunk.joints.begin(), _chunk.joints.end(), add);
         } else if (interpolation == HDS_ATTR_TRIANGLE) {
             std::for_each(_chunk.faces.begin(), _chunk.faces.end(), add);
         } else {
@@ -212,6 +218,12 @@ TriangleBytes MeanTriangleBytes(const std::vector<MeshAttribute>& attributes,
 TriangleBytes BoundTriangleBytes(const std::vector<MeshAttribute>& attributes,
                                  std::optional<Interpolation> normals, bool hasMaterials) {
     return EstimateTriangle(attributes, normals, hasMaterials, 3.0, kMostNodeBytes);
+}
+
+TriangleBytes SolidBytes(const std::vector<MeshAttribute>& attributes, double verticesPerPrimitive,
+                         std::size_t vertexBytes, bool mean) {
+    return EstimateTriangle(attributes, std::nullopt, false, verticesPerPrimitive,
+                            mean ? kMeanNodeBytes : kMostNodeBytes, vertexBytes);
 }
 
 } // namespace hds

@@ -27,4 +27,9 @@ TriangleBytes MeanTriangleBytes(const std::vector<MeshAttribute>& attributes,
                                 std::optional<Interpolation> normals, bool hasMaterials,
                                 double verticesPerTriangle);
 
+/// What a primitive of curves or points adds, whose chunks have so many vertices a primitive.
+/// \param mean about what it is, else an upper bound.
+TriangleBytes SolidBytes(const std::vector<MeshAttribute>& attributes, double verticesPerPrimitive,
+                         std::size_t vertexBytes, bool mean);
+
 } // namespace hds

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the triangles of chunks come from: an immutable snapshot of a mesh, cut into units that can
-// be prepared apart from each other. What a plan needs (boxes, counts) is cheap; triangles are made
-// when a chunk is. Explained in docs/geometry.md.
+// Where the triangles (or points, or pieces of curves) of chunks come from: an immutable snapshot
+// of a mesh, cut into units that can be prepared apart from each other. What a plan needs (boxes,
+// counts) is cheap; triangles are made when a chunk is. Explained in docs/geometry.md.
 #pragma once
 
 #include "hdStream/geometry/meshDescription.h"
@@ -20,8 +20,9 @@ struct Bounds {
     glm::vec3 max{-1e30F};
 };
 
-/// A primvar after validation. The interpolation says what an element is: a point (Vertex; Varying
-/// has become Vertex), an authored face (Uniform), a face-vertex (FaceVarying).
+/// A primvar after validation. The interpolation says what an element is: a point (Vertex; on faces
+/// Varying has become Vertex), an authored face or curve (Uniform), a face-vertex (FaceVarying),
+/// the joint of two segments of a curve (Varying).
 struct MeshAttribute {
     std::string name;
     Interpolation interpolation = Interpolation::Constant;
@@ -55,6 +56,14 @@ struct ChunkGeometry {
     std::vector<glm::uvec3> corners;       ///< [numTriangles] elements of FaceVarying attributes
     std::vector<MeshAttribute> attributes; ///< as ChunkSource::Attributes
     MeshAttribute normals; ///< object space, towards the authored front; values empty: flat
+
+    /// HDS_PRIMITIVE_* (kernels/shared/geometry.h). Of curves and points an entry of `triangles` is
+    /// the first vertex and the piece's bits above it; vertices stay in their order.
+    std::uint32_t primitives = 0;
+    std::vector<float> radii;            ///< [numVertices] of curves and points
+    std::vector<glm::vec3> jointNormals; ///< [numVertices] of ribbons
+    std::vector<std::uint32_t> joints;   ///< [numVertices] element of Varying attributes
+    std::vector<Bounds> primitiveBounds; ///< [numTriangles] of curves and points
 };
 
 /// A mesh ready to be cut into chunks. Immutable, thread-safe; results depend on nothing but what

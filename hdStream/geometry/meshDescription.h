@@ -41,11 +41,28 @@ struct SubdivTags {
     SharedSpan<float> cornerSharpnesses;
 };
 
-/// Topology, points and primvars of a mesh. Object space, float as authored.
+/// What a description is made of.
+enum class PrimitiveKind {
+    Faces,
+    Curves, ///< UsdGeomBasisCurves: round, or ribbons where there are normals
+    Points, ///< UsdGeomPoints: spheres
+};
+
+/// How the points of curves become curves (UsdGeomBasisCurves).
+struct CurveForm {
+    std::string type = "cubic";       ///< linear, cubic
+    std::string basis = "bezier";     ///< of cubic ones: bezier, bspline, catmullRom
+    std::string wrap = "nonperiodic"; ///< periodic, pinned; segmented: pairs, lines of draw modes
+};
+
+/// Topology, points and primvars of a mesh, of curves or of points. Object space, float as
+/// authored. Widths and normals are primvars of these names.
 struct MeshDescription {
-    SharedSpan<float> points; ///< [numPoints][3]
-    SharedSpan<std::int32_t> faceVertexCounts;
-    SharedSpan<std::int32_t> faceVertexIndices;
+    PrimitiveKind primitives = PrimitiveKind::Faces;
+    SharedSpan<float> points;                   ///< [numPoints][3]
+    SharedSpan<std::int32_t> faceVertexCounts;  ///< curves: vertices of each curve
+    SharedSpan<std::int32_t> faceVertexIndices; ///< curves: empty: points in their order
+    CurveForm curves;
     SharedSpan<std::int32_t> holeIndices;   ///< faces left out
     std::string subdivisionScheme = "none"; ///< none, bilinear, catmullClark, loop
     SubdivTags subdivTags;

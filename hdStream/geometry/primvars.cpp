@@ -56,6 +56,7 @@ std::size_t NumElements(Interpolation interpolation, const TopologySize& size) {
     case Interpolation::Uniform:
         return size.numFaces;
     case Interpolation::Varying:
+        return size.hasJoints ? size.numJoints : size.numPoints;
     case Interpolation::Vertex:
         return size.numPoints;
     case Interpolation::FaceVarying:
@@ -100,7 +101,7 @@ std::optional<MeshAttribute> ValidatePrimvar(const Primvar& primvar, const Topol
 
     MeshAttribute attribute;
     attribute.name = primvar.name;
-    attribute.interpolation = primvar.interpolation == Interpolation::Varying
+    attribute.interpolation = primvar.interpolation == Interpolation::Varying && !size.hasJoints
                                   ? Interpolation::Vertex
                                   : primvar.interpolation;
     attribute.numComponents = primvar.numComponents;

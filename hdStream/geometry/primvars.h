@@ -17,13 +17,15 @@ struct TopologySize {
     std::size_t numPoints = 0;
     std::size_t numFaces = 0;
     std::size_t numCorners = 0; ///< sum of faceVertexCounts
+    std::size_t numJoints = 0;  ///< of curves: ends of segments
+    bool hasJoints = false;     ///< Varying means joints, else points
 };
 
 /// Number of values that an interpolation asks for.
 std::size_t NumElements(Interpolation interpolation, const TopologySize& size);
 
 /// The primvar as an attribute; nothing, and one warning, when it cannot be used. Varying becomes
-/// Vertex. Values that are not finite are kept.
+/// Vertex where there are no joints. Values that are not finite are kept.
 std::optional<MeshAttribute> ValidatePrimvar(const Primvar& primvar, const TopologySize& size,
                                              const std::string& primPath, Warnings& warnings);
 

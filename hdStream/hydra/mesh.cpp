@@ -3,10 +3,10 @@
 
 #include "hdStream/hydra/arrays.h"
 #include "hdStream/hydra/categories.h"
+#include "hdStream/hydra/gprim.h"
 #include "hdStream/hydra/instancer.h"
 #include "hdStream/hydra/primvars.h"
 #include "hdStream/hydra/renderParam.h"
-#include "hdStream/hydra/scenePaths.h"
 
 #include <pxr/imaging/hd/changeTracker.h>
 #include <pxr/imaging/hd/sceneDelegate.h>
@@ -68,12 +68,6 @@ hds::CullStyle CullStyleFrom(HdCullStyle style) {
     }
 }
 
-/// Hydra's name of the default purpose is another one.
-std::string PurposeFrom(const TfToken& renderTag) {
-    const bool isDefault = renderTag.IsEmpty() || renderTag == HdRenderTagTokens->geometry;
-    return isDefault ? "default" : renderTag.GetString();
-}
-
 void SetUnlessEmpty(const TfToken& token, std::string* text) {
     if (!token.IsEmpty()) {
         *text = token.GetString();
@@ -91,42 +85,6 @@ hds::SubdivTags SubdivTagsFrom(const PxOsdSubdivTags& tags) {
     result.cornerIndices = HdStreamShareArray<std::int32_t>(tags.GetCornerIndices());
     result.cornerSharpnesses = HdStreamShareArray<float>(tags.GetCornerWeights());
     return result;
-}
-
-bool IsEqual(const hds::SubdivTags& a, const hds::SubdivTags& b) {
-    return a.interpolateBoundary == b.interpolateBoundary &&
-           a.faceVaryingLinearInterpolation == b.faceVaryingLinearInterpolation &&
-           a.triangleSubdivisionRule == b.triangleSubdivisionRule &&
-           HdStreamEqual(a.creaseIndices, b.creaseIndices) &&
-           HdStreamEqual(a.creaseLengths, b.creaseLengths) &&
-           HdStreamEqual(a.creaseSharpnesses, b.creaseSharpnesses) &&
-           HdStreamEqual(a.cornerIndices, b.cornerIndices) &&
-           HdStreamEqual(a.cornerSharpnesses, b.cornerSharpnesses);
-}
-
-/// Comparing costs a pass over memory; preparing the same geometry again costs far more.
-bool IsEqual(const hds::MeshDescription& a, const hds::MeshDescription& b) {
-    return a.subdivisionScheme == b.subdivisionScheme && a.leftHanded == b.leftHanded &&
-           HdStreamEqual(a.points, b.points) &&
-           HdStreamEqual(a.faceVertexCounts, b.faceVertexCounts) &&
-           HdStreamEqual(a.faceVertexIndices, b.faceVertexIndices) &&
-           HdStreamEqual(a.holeIndices, b.holeIndices) && IsEqual(a.subdivTags, b.subdivTags) &&
-           HdStreamEqual(a.primvars, b.primvars) &&
-           std::equal(a.subsets.begin(), a.subsets.end(), b.subsets.begin(), b.subsets.end(),
-                      [](const hds::MeshSubset& left, const hds::MeshSubset& right) {
-                          return left.name == right.name && HdStreamEqual(left.faces, right.faces);
-                      });
-}
-
-/// Bits are set for more than has changed: with display styles, reprs, and refine levels too.
-bool IsEqual(const hds::MeshPrim& a, const hds::MeshPrim& b) {
-    return a.mesh == b.mesh && a.placement.visible == b.placement.visible &&
-           a.placement.worldFromObject == b.placement.worldFromObject &&
-           a.placement.instancerPath == b.placement.instancerPath &&
-           HdStreamEqual(a.placement.instances, b.placement.instances) && a.purpose == b.purpose &&
-           a.categories == b.categories && a.doubleSided == b.doubleSided &&
-           a.cullStyle == b.cullStyle && a.materialPath == b.materialPath &&
-           a.subsetMaterialPaths == b.subsetMaterialPaths && a.primId == b.primId;
 }
 
 } // namespace
@@ -170,34 +128,17 @@ void HdStreamMesh::Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
     }
     _UpdateInstancer(delegate, dirtyBits);
     HdInstancer::_SyncInstancerAndParents(delegate->GetRenderIndex(), GetInstancerId());
-    SyncPlacement(delegate, param, bits);
+    HdStreamSyncPlacement(delegate, GetId(), GetInstancerId(), bits, param, &_prim.placement,
+                          &_scenePath);
     SyncLook(delegate, param, bits);
     if (bits & kGeometryBits) {
         SyncGeometry(delegate, param, bits);
     }
     const bool isSplitAnew = (bits & kVariantBits) && SyncVariants(delegate, param);
-    if (isSplitAnew || !_variants.IsInScene() || !IsEqual(_prim, before)) {
+    if (isSplitAnew || !_variants.IsInScene() || !HdStreamEqual(_prim, before)) {
         Push(param);
     }
     *dirtyBits = HdChangeTracker::Clean;
-}
-
-void HdStreamMesh::SyncPlacement(HdSceneDelegate* delegate, HdStreamRenderParam* param,
-                                 HdDirtyBits bits) {
-    const SdfPath& id = GetId();
-    hds::Placement& placement = _prim.placement;
-    const bool isMoved = HdStreamInstancer::UpdatePathOf(delegate->GetRenderIndex(),
-                                                         GetInstancerId(), param, &placement);
-    if (bits & HdChangeTracker::DirtyTransform) {
-        placement.worldFromObject = HdStreamToGlm(delegate->GetTransform(id));
-    }
-    if (isMoved || (bits & HdChangeTracker::DirtyInstanceIndex)) {
-        HdStreamInstancer::ReadInstances(delegate, GetInstancerId(), id, &placement);
-    }
-    if (_scenePath.empty()) {
-        _scenePath =
-            param->ReservePath(HdStreamScenePath(delegate, id, GetInstancerId(), placement), id);
-    }
 }
 
 void HdStreamMesh::SyncLook(HdSceneDelegate* delegate, HdStreamRenderParam* param,
@@ -219,7 +160,7 @@ void HdStreamMesh::SyncLook(HdSceneDelegate* delegate, HdStreamRenderParam* para
     if (bits & HdChangeTracker::DirtyDisplayStyle) {
         param->SetRefineLevel(GetDisplayStyle(delegate).refineLevel);
     }
-    _prim.purpose = PurposeFrom(HdRprim::GetRenderTag());
+    _prim.purpose = HdStreamPurpose(HdRprim::GetRenderTag());
     _prim.primId = GetPrimId();
 }
 
@@ -236,7 +177,7 @@ void HdStreamMesh::SyncGeometry(HdSceneDelegate* delegate, HdStreamRenderParam* 
     if (HdChangeTracker::IsAnyPrimvarDirty(bits, GetId())) {
         HdStreamSyncPrimvars(delegate, GetId(), bits, &mesh->points, &mesh->primvars);
     }
-    if (!_prim.mesh || !IsEqual(*mesh, *_prim.mesh)) {
+    if (!_prim.mesh || !HdStreamEqual(*mesh, *_prim.mesh)) {
         _prim.mesh = std::move(mesh);
     }
 }
@@ -262,23 +203,7 @@ void HdStreamMesh::SyncTopology(HdSceneDelegate* delegate, HdStreamRenderParam* 
 }
 
 bool HdStreamMesh::SyncVariants(HdSceneDelegate* delegate, HdStreamRenderParam* param) {
-    static const std::vector<hds::Primvar> none;
-    const hds::Placement& placement = _prim.placement;
-    HdStreamInstanceGroups groups = HdStreamGroupInstances(
-        HdStreamInstancer::Levels(delegate->GetRenderIndex(), GetInstancerId()),
-        placement.instances, _prim.mesh ? _prim.mesh->primvars : none);
-    const auto warn = [param](const std::string& path, const char* text) {
-        param->Push([path, text](hds::Session& session) { session.Warn(path, text); });
-    };
-    if (groups.hasTooMany) {
-        warn(placement.instancerPath,
-             "primvars per instance of more than 64 different values are not supported yet");
-    }
-    if (groups.variesAbove) {
-        warn(_scenePath, "primvars that differ between instances of an outer instancer are not "
-                         "supported yet; those of the first are used");
-    }
-    return _variants.Update(_prim.mesh, std::move(groups));
+    return HdStreamSyncVariants(delegate, GetInstancerId(), _scenePath, _prim, param, &_variants);
 }
 
 void HdStreamMesh::Push(HdStreamRenderParam* param) {
@@ -290,7 +215,7 @@ void HdStreamMesh::Push(HdStreamRenderParam* param) {
 
 void HdStreamMesh::UpdateRenderTag(HdSceneDelegate* delegate, HdRenderParam* renderParam) {
     HdMesh::UpdateRenderTag(delegate, renderParam);
-    std::string purpose = PurposeFrom(HdRprim::GetRenderTag());
+    std::string purpose = HdStreamPurpose(HdRprim::GetRenderTag());
     if (purpose != _prim.purpose) {
         _prim.purpose = std::move(purpose);
         if (_variants.IsInScene()) {

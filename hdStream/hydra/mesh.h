@@ -34,7 +34,6 @@ protected:
     void _InitRepr(const TfToken& reprToken, HdDirtyBits* dirtyBits) override;
 
 private:
-    void SyncPlacement(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits);
     void SyncLook(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits);
     void SyncGeometry(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits);
     void SyncTopology(HdSceneDelegate* delegate, HdStreamRenderParam* param,

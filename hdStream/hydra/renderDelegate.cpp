@@ -14,7 +14,7 @@
 #include "hdStream/hydra/renderSettings.h"
 #include "hdStream/hydra/renderStats.h"
 #include "hdStream/hydra/sceneDump.h"
-#include "hdStream/hydra/unsupportedRprim.h"
+#include "hdStream/hydra/solid.h"
 
 #include <pxr/base/tf/diagnostic.h>
 #include <pxr/imaging/hd/coordSys.h>
@@ -139,8 +139,11 @@ HdRprim* HdStreamRenderDelegate::CreateRprim(const TfToken& typeId, const SdfPat
     if (typeId == HdPrimTypeTokens->mesh) {
         return new HdStreamMesh(id);
     }
-    if (Contains(GetSupportedRprimTypes(), typeId)) {
-        return new HdStreamUnsupportedRprim(id, typeId);
+    if (typeId == HdPrimTypeTokens->basisCurves) {
+        return new HdStreamBasisCurves(id);
+    }
+    if (typeId == HdPrimTypeTokens->points) {
+        return new HdStreamPoints(id);
     }
     TF_CODING_ERROR("Stream makes no rprims of type %s", typeId.GetText());
     return nullptr;

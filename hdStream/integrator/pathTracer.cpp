@@ -93,6 +93,7 @@ struct PathTracer::Impl {
         features.textureStreaming = buffers.Textures().Pool() != nullptr;
         features.plainTextures = buffers.Textures().IsPlain();
         features.groups = scene->hasGroups;
+        features.curves = scene->hasCurves;
         features.wide = ChooseWide(options, device->Properties());
         features.firstHits = NeedsFirstHits(options.aovs);
         features.manyPools = buffers.NumPoolBuffers() > 1;

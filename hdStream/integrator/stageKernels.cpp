@@ -56,6 +56,7 @@ ProgramDefines MakeDefines(const Device& device, const KernelFeatures& features)
         {"HDS_FEATURE_TEXTURE_STREAMING", features.textureStreaming ? "1" : "0"},
         {"HDS_TEXTURE_PLAIN", features.plainTextures ? "1" : "0"},
         {"HDS_FEATURE_GROUPS", features.groups ? "1" : "0"},
+        {"HDS_FEATURE_CURVES", features.curves ? "1" : "0"},
         {"HDS_NUM_POOLS", std::to_string(features.manyPools ? kMaxPoolBuffers : 1)},
         {"HDS_FEATURE_STREAMING", features.streaming ? "1" : "0"},
         {"HDS_REQUEST_FIRST", features.requestsFirst ? "1" : "0"},

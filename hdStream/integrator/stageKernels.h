@@ -23,6 +23,7 @@ struct KernelFeatures {
     bool textureStreaming = false; ///< lines of textures may be missing
     bool plainTextures = false;    ///< textures without lines
     bool groups = false;           ///< instances below instances
+    bool curves = false;           ///< curves or points
     bool wide = false;             ///< 8-wide traversal inside a work-item
     bool firstHits = false;        ///< first-hit AOVs are asked for: `aov` is built
     bool manyPools = false;        ///< the scene's pages lie in more than one pool buffer
@@ -38,9 +39,9 @@ struct KernelFeatures {
                lightShaping == other.lightShaping && lightControls == other.lightControls &&
                manyTexturePools == other.manyTexturePools &&
                textureStreaming == other.textureStreaming && plainTextures == other.plainTextures &&
-               groups == other.groups && wide == other.wide && firstHits == other.firstHits &&
-               manyPools == other.manyPools && streaming == other.streaming &&
-               requestsFirst == other.requestsFirst;
+               groups == other.groups && curves == other.curves && wide == other.wide &&
+               firstHits == other.firstHits && manyPools == other.manyPools &&
+               streaming == other.streaming && requestsFirst == other.requestsFirst;
     }
 };
 

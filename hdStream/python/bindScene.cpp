@@ -99,8 +99,21 @@ void BindMesh(nb::module_& module) {
     BindSpan(tags, "cornerIndices", &SubdivTags::cornerIndices, 1);
     BindSpan(tags, "cornerSharpnesses", &SubdivTags::cornerSharpnesses, 1);
 
-    nb::class_<MeshDescription> mesh(module, "MeshDescription", "A mesh as authored.");
+    nb::enum_<PrimitiveKind>(module, "PrimitiveKind", "What a description is made of.")
+        .value("Faces", PrimitiveKind::Faces)
+        .value("Curves", PrimitiveKind::Curves)
+        .value("Points", PrimitiveKind::Points);
+    nb::class_<CurveForm>(module, "CurveForm", "How points become curves.")
+        .def(nb::init<>())
+        .def_rw("type", &CurveForm::type)
+        .def_rw("basis", &CurveForm::basis)
+        .def_rw("wrap", &CurveForm::wrap);
+
+    nb::class_<MeshDescription> mesh(module, "MeshDescription",
+                                     "A mesh, curves or points as authored.");
     mesh.def(nb::init<>())
+        .def_rw("primitives", &MeshDescription::primitives)
+        .def_rw("curves", &MeshDescription::curves)
         .def_rw("subdivisionScheme", &MeshDescription::subdivisionScheme)
         .def_rw("subdivTags", &MeshDescription::subdivTags)
         .def_rw("leftHanded", &MeshDescription::leftHanded)

@@ -162,7 +162,8 @@ private:
         const auto& [path, prim] = entry;
         const PreparedMesh& prepared = _cache.meshes.Find(path);
         const MeshMaterialInfo info = _materials.AddMesh(path, prim, prepared);
-        const std::uint32_t cullFlags = CullFlags(prim, _options.cullStyle);
+        const bool hasFaces = prim.mesh->primitives == PrimitiveKind::Faces;
+        const std::uint32_t cullFlags = hasFaces ? CullFlags(prim, _options.cullStyle) : 0U;
         _meshInfos.push_back(info);
         shared::HdsMesh mesh{};
         mesh.materialBase = info.materialBase;
@@ -194,8 +195,24 @@ private:
         }
         _leaves[path] = leaf;
         _result->hasCutouts = _result->hasCutouts || mayPass;
-        _result->counts.triangles += prepared.numTriangles;
-        ++_result->counts.meshes;
+        CountPrim(*prim.mesh, prepared.numTriangles);
+    }
+
+    void CountPrim(const MeshDescription& mesh, std::uint64_t numPrimitives) {
+        SceneCounts& counts = _result->counts;
+        switch (mesh.primitives) {
+        case PrimitiveKind::Faces:
+            counts.triangles += numPrimitives;
+            ++counts.meshes;
+            return;
+        case PrimitiveKind::Curves:
+            counts.curves += mesh.faceVertexCounts.size();
+            break;
+        case PrimitiveKind::Points:
+            counts.points += numPrimitives;
+            break;
+        }
+        _result->hasCurves = true;
     }
 
     void AddHierarchy() {

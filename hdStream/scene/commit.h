@@ -68,6 +68,8 @@ struct SceneCounts {
     std::uint64_t meshes = 0;
     std::uint64_t instances = 0; ///< leaf instances
     std::uint64_t triangles = 0; ///< unique; an upper bound where surfaces are subdivided
+    std::uint64_t curves = 0;    ///< as authored
+    std::uint64_t points = 0;    ///< that are spheres
     std::uint64_t chunks = 0;
     std::uint64_t alwaysResidentBytes = 0; ///< nodes above the chunks, records, tables
     std::uint64_t textures = 0;
@@ -103,6 +105,7 @@ struct CommittedScene {
     bool hasPatterns = false; ///< some program computes (HDS_FEATURE_PATTERNS)
     std::uint32_t lobes = 0;  ///< HDS_LOBE_* of layered surfaces
     bool hasGroups = false;   ///< instances below instances
+    bool hasCurves = false;   ///< or points
     SceneCounts counts;
     double seconds = 0.0;
 };

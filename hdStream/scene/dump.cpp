@@ -199,18 +199,7 @@ void DumpSubdivision(const MeshDescription& mesh, Writer* out) {
     }
 }
 
-void DumpMesh(const std::string& path, const MeshPrim& prim, const SceneDescription& scene,
-              Writer* out) {
-    // Front ends see dangling bindings, and materials without a surface, differently.
-    const auto existing = [&](const std::string& materialPath) {
-        return HasSurface(scene, materialPath) ? materialPath : std::string();
-    };
-    const MeshDescription& mesh = *prim.mesh;
-    out->Prim("mesh", path);
-    out->Placed(prim.placement);
-    out->Line("purpose", prim.purpose);
-    out->Line("material", existing(prim.materialPath));
-    out->Line("points", Array(mesh.points));
+void DumpFaces(const MeshDescription& mesh, Writer* out) {
     out->Line("faceVertexCounts", Array(mesh.faceVertexCounts));
     out->Line("faceVertexIndices", Array(mesh.faceVertexIndices));
     if (!mesh.holeIndices.empty()) {
@@ -218,7 +207,50 @@ void DumpMesh(const std::string& path, const MeshPrim& prim, const SceneDescript
     }
     DumpSubdivision(mesh, out);
     out->Flag("leftHanded", mesh.leftHanded);
-    out->Flag("doubleSided", prim.doubleSided);
+}
+
+void DumpCurves(const MeshDescription& mesh, Writer* out) {
+    out->Line("curveVertexCounts", Array(mesh.faceVertexCounts));
+    if (!mesh.faceVertexIndices.empty()) {
+        out->Line("curveIndices", Array(mesh.faceVertexIndices));
+    }
+    out->Line("type", mesh.curves.type);
+    if (mesh.curves.type != "linear") {
+        out->Line("basis", mesh.curves.basis);
+    }
+    out->Line("wrap", mesh.curves.wrap);
+}
+
+const char* KindName(PrimitiveKind kind) {
+    switch (kind) {
+    case PrimitiveKind::Faces:
+        break;
+    case PrimitiveKind::Curves:
+        return "curves";
+    case PrimitiveKind::Points:
+        return "points";
+    }
+    return "mesh";
+}
+
+void DumpMesh(const std::string& path, const MeshPrim& prim, const SceneDescription& scene,
+              Writer* out) {
+    // Front ends see dangling bindings, and materials without a surface, differently.
+    const auto existing = [&](const std::string& materialPath) {
+        return HasSurface(scene, materialPath) ? materialPath : std::string();
+    };
+    const MeshDescription& mesh = *prim.mesh;
+    out->Prim(KindName(mesh.primitives), path);
+    out->Placed(prim.placement);
+    out->Line("purpose", prim.purpose);
+    out->Line("material", existing(prim.materialPath));
+    out->Line("points", Array(mesh.points));
+    if (mesh.primitives == PrimitiveKind::Faces) {
+        DumpFaces(mesh, out);
+        out->Flag("doubleSided", prim.doubleSided);
+    } else if (mesh.primitives == PrimitiveKind::Curves) {
+        DumpCurves(mesh, out);
+    }
     if (prim.cullStyle != CullStyle::DontCare) {
         out->Line("cullStyle", CullStyleName(prim.cullStyle));
     }

@@ -308,7 +308,8 @@ CommittedLights CommitLights(const LightCommitInput& input, CommitCache* cache,
             const shared::HdsMaterial& material =
                 input.materials
                     ->materials[input.materials->meshMaterials[info.materialBase + entry]];
-            if (!HasConstantEmission(material)) {
+            const MeshPrim& prim = input.scene->meshes.at(record.path);
+            if (!HasConstantEmission(material) || prim.mesh->primitives != PrimitiveKind::Faces) {
                 continue; // what it emits is found by BSDF sampling alone
             }
             EmissiveMesh light = MakeEmissiveMesh(record, cache->meshes.Triangles(record.path),

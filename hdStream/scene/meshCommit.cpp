@@ -2,6 +2,8 @@
 #include "hdStream/scene/meshCommit.h"
 
 #include "hdStream/accel/bvh.h"
+#include "hdStream/geometry/curveSource.h"
+#include "hdStream/geometry/pointSource.h"
 #include "hdStream/geometry/polygonSource.h"
 #include "hdStream/geometry/subdivSource.h"
 #include "hdStream/scene/meshDisplacement.h"
@@ -36,6 +38,12 @@ void BuildTopTree(PreparedMesh* mesh) {
 
 std::shared_ptr<const ChunkSource> MakeSource(const std::string& path, const MeshInputs& inputs,
                                               Warnings& warnings) {
+    if (inputs.mesh->primitives == PrimitiveKind::Curves) {
+        return MakeCurveSource(inputs.mesh, path, warnings);
+    }
+    if (inputs.mesh->primitives == PrimitiveKind::Points) {
+        return MakePointSource(inputs.mesh, path, warnings);
+    }
     const Displacement displacement = MakeDisplacement(inputs.displacements);
     if (inputs.dicing) {
         auto source = MakeSubdivSource(inputs.mesh, path, *inputs.dicing, displacement, warnings);

@@ -43,9 +43,15 @@ public:
         Add(primvar.indices);
     }
     void Add(const MeshDescription& mesh) {
+        Add(static_cast<std::uint64_t>(mesh.primitives));
         Add(mesh.points);
         Add(mesh.faceVertexCounts);
         Add(mesh.faceVertexIndices);
+        if (mesh.primitives == PrimitiveKind::Curves) {
+            Add(mesh.curves.type);
+            Add(mesh.curves.basis);
+            Add(mesh.curves.wrap);
+        }
         Add(mesh.holeIndices);
         Add(mesh.subdivisionScheme);
         Add(mesh.subdivTags);

@@ -51,6 +51,8 @@ Json GeometrySection(const StatisticsInput& in) {
                                            : "resident"},
             {"streamedSamples", render.streamedSamples},
             {"meshes", counts.meshes},
+            {"curves", counts.curves},
+            {"points", counts.points},
             {"instances", counts.instances},
             {"triangles", counts.triangles},
             {"chunks", counts.chunks},
@@ -151,6 +153,8 @@ std::string MakeInfo(const SceneDescription& scene, const CommittedScene& commit
     }
     Json info;
     info["meshes"] = counts.meshes;
+    info["curves"] = counts.curves;
+    info["points"] = counts.points;
     info["instancers"] = scene.instancers.size();
     info["instances"] = counts.instances;
     info["triangles"] = counts.triangles;

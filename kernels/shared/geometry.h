@@ -78,22 +78,45 @@ typedef struct {
     u32 triangles; /* offset of HdsTriangle[], in the leaf order of the BVH */
     u32 primIds; /* offset of u32[]: of each triangle its index in the object, in order of (authored
                     face, sub-triangle) */
-    u32 vertices; /* offset of packed f32[3] positions, object space */
-    u32 numTriangles;
+    u32 vertices;     /* offset of packed f32[3] positions, object space */
+    u32 numTriangles; /* bits 26..0: triangles, or primitives of another kind; 31..27: the kind */
 } HdsPageHeader;
 HDS_ASSERT_SIZE(HdsPageHeader, 16);
 
-/* A triangle of a chunk: its three chunk-local vertex indices. */
+/* What the primitives of a chunk are: HDS_PRIMITIVE_* in bits 31..27 of HdsPageHeader.numTriangles.
+ * All but triangles have vertices of four floats, the last one the radius; those of ribbons have
+ * four more, the normal at the joint and 0. Explained in docs/curves.md. */
+#define HDS_PRIMITIVE_SHIFT 27
+#define HDS_PRIMITIVE_TRIANGLES 0u
+#define HDS_PRIMITIVE_POINTS 1u
+#define HDS_PRIMITIVE_LINEAR 2u
+#define HDS_PRIMITIVE_BEZIER 3u
+#define HDS_PRIMITIVE_BSPLINE 4u
+#define HDS_PRIMITIVE_CATMULL_ROM 5u
+#define HDS_PRIMITIVE_BASIS 7u          /* mask of the above */
+#define HDS_PRIMITIVE_RIBBON 8u         /* a curve that is flat and faces the normals; else round */
+#define HDS_PRIMITIVE_LINEAR_WIDTHS 16u /* radii are linear between the joints of a segment */
+
+/* A triangle of a chunk: its three chunk-local vertex indices. A point: its vertex, as corner 0.
+ * A piece of a segment of a curve: the first of the segment's four vertices, as corner 0, and
+ * HDS_PIECE_*. The vertices before and after the four belong to the neighbours, unless the segment
+ * begins or ends a curve. */
 typedef struct {
     u64 vertices; /* corner k in bits 21 k to 21 k + 20 */
 } HdsTriangle;
+#define HDS_PIECE_SHIFT 21       /* 7 bits: number of the piece in the segment */
+#define HDS_PIECE_LEVEL_SHIFT 28 /* 3 bits: the segment has 2^level pieces */
+#define HDS_PIECE_START 0x80000000ul
+#define HDS_PIECE_END 0x100000000ul
+#define HDS_MAX_PIECE_LEVEL 7
 HDS_ASSERT_SIZE(HdsTriangle, 8);
 #define HDS_VERTEX_BITS 21
 #define HDS_MAX_CHUNK_VERTICES (1u << HDS_VERTEX_BITS)
 
 /* A hit, and the key (t, path index, primId) after which a continuing ray goes on. */
 typedef struct {
-    f32 t, u, v;      /* position = (1-u-v) p0 + u p1 + v p2 */
+    f32 t, u, v;      /* position = (1-u-v) p0 + u p1 + v p2; of other primitives: accel/curve.clh,
+                         accel/ribbon.clh, accel/ball.clh */
     u32 triangle;     /* chunk-local triangle */
     u32 chunk;        /* HDS_NONE: no hit */
     u32 instance;     /* leaf instance record */
@@ -109,6 +132,7 @@ HDS_SHARED_END
 #define HDS_ATTR_TRIANGLE 2u /* one value a triangle, leaf order */
 #define HDS_ATTR_VERTEX 3u   /* one value a chunk-local vertex */
 #define HDS_ATTR_CORNER 4u   /* three values a triangle, in the order of its corners */
+#define HDS_ATTR_LINEAR 5u   /* one value a chunk-local vertex, linear between joints of curves */
 #define HDS_ATTR_SLOT(interpolation, components, offset) \
     (((interpolation) << 29) | ((components) << 26) | (offset))
 /* Fixed slots; user primvars follow from HDS_SLOT_USER on, in the mesh's primvar order. */

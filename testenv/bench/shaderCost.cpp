@@ -34,9 +34,7 @@ void setPoint(uint i, const HdsTextureView* view, global const uint* page, HdsPr
     /* Neighbours lie side by side, as the pixels of a tile do. */
     const float2 uv = (float2)((float)(i & 511u), (float)(i >> 9)) / 1024.0f;
     point->attributes = page;
-    point->at.triangle = 0u;
-    point->at.vertex = (uint3)(0u, 1u, 2u);
-    point->at.uv = uv;
+    point->at = attributes_atTriangle(0u, (uint3)(0u, 1u, 2u), uv);
     point->textures = view;
     point->footprint = (float4)(1.3f / 1024.0f, 0.0f, 0.0f, 1.7f / 1024.0f);
     point->mipBias = 0.0f;

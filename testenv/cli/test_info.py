@@ -116,3 +116,22 @@ def test_cache_is_shown_and_cleared(tmp_path):
     assert str(tmp_path / "cache") in shown.out and ": 0 B" not in shown.out
     assert "deleted" in Run("cache", "--clear", environment=environment).out
     assert ": 0 B" in Run("cache", environment=environment).out
+
+
+def test_curves_and_points_are_counted(tmp_path):
+    body = """
+    def BasisCurves "Hair" {
+        uniform token type = "linear"
+        int[] curveVertexCounts = [2, 2]
+        point3f[] points = [(0, 0, 0), (0, 1, 0), (1, 0, 0), (1, 1, 0)]
+        float[] widths = [0.1] (interpolation = "constant")
+    }
+    def Points "Dots" {
+        point3f[] points = [(0, 0, 0), (0, 1, 0), (1, 0, 0)]
+        float[] widths = [0.1, 0.1, 0.1]
+    }
+"""
+    result = RunHere("info", WriteStage(tmp_path, body), "--json", "-")
+    info = json.loads(result.out)
+    assert (info["curves"], info["points"], info["meshes"], info["triangles"]) == (2, 3, 0, 0)
+    assert "2, 3 points" in RunHere("info", WriteStage(tmp_path, body)).out

@@ -12,7 +12,7 @@ _KEYS = {
     "image": "width height samples",
     "time": "load translate prepare compile trace service transfer shade firstPixel render total",
     "memory": "pathState film tables devicePeak hostPeak",
-    "geometry": "mode streamedSamples meshes instances triangles chunks bytesTotal budget peakBytes pinnedBytes alwaysResidentBytes "
+    "geometry": "mode streamedSamples meshes curves points instances triangles chunks bytesTotal budget peakBytes pinnedBytes alwaysResidentBytes "
     "uniqueBytesLoaded uploadedBytes uploads evictions casts iterations maxIterationsPerCast raysRelaunched "
     "shadingRefetches chunksTouched chunksBuilt chunksFromCache estimated",
     "texture": "mode textures bytesSource bytesTotal budget peakBytes linesTotal linesLoaded uniqueBytesLoaded "

@@ -209,7 +209,15 @@ TEST_F(Prims, CurvesPointsAndBadMeshesAreAcceptedBesideMeshes) {
     scene.gprims[SdfPath("/outOfRange")] = MakeMesh({{0, 0, 0}, {1, 0, 0}}, {3}, {0, 1, 7});
     scene.gprims[SdfPath("/counts")] = MakeMesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {4}, {0, 1, 2});
     Host host(scene, Quick());
-    EXPECT_TRUE(host.RenderUntilConverged());
+    const Image all = host.Render();
+    // Curves and points are drawn, and gone when they are removed.
+    host.Scene().Remove(SdfPath("/dots"));
+    const Image withCurves = host.Render();
+    host.Scene().Remove(SdfPath("/curves"));
+    const Image meshes = host.Render();
+    EXPECT_NE(withCurves, all);
+    EXPECT_NE(meshes, withCurves);
+    EXPECT_EQ(meshes, Host(ThreeMeshes(), Quick()).Render());
 }
 
 } // namespace

@@ -2,7 +2,6 @@
 """Draw modes of models: usdrecord with the plug-in draws the cards of `hdstream record`, to the bit."""
 
 import pathlib
-import re
 
 import pytest
 
@@ -42,9 +41,5 @@ def test_cards_are_those_of_hdstream_record(frontEnds, isStream, tmp_path):
                                    wrapper.purposes)
         assert not differences, "\n".join(differences)
     assert ComparePictures(ours, theirs).isEqual, ComparePictures(ours, theirs)
-    # Lines are left out by both with the same words, and nobody misses the materials of bare cards.
-    for name in ("Bounds", "Origin"):
-        for output in (record.output, hydra.output):
-            found = re.findall(rf"/World/{name}[/\w]*: basisCurves is not supported yet; left out", output)
-            assert len(found) == 1, output
+    # Nobody misses the materials of bare cards.
     assert "does not exist" not in record.output + hydra.output

@@ -44,7 +44,8 @@ DIFFERENT = {
         "light only in hdstream record", "mesh only in Hydra", "mesh only in hdstream record"},
     ("sceneIndex", "skinning"): {"mesh.points", "mesh.primvar normals", "mesh.transform"},  # SkelRoots are no prims
     ("sceneIndex", "subsets"): {"mesh.subset"},  # of other families
-    ("sceneIndex", "drawModes"): {"material only in Hydra", "material only in hdstream record",
+    ("sceneIndex", "drawModes"): {"curves only in Hydra", "curves only in hdstream record",
+                                  "material only in Hydra", "material only in hdstream record",
                                   "mesh only in Hydra", "mesh only in hdstream record"},
 }
 # Native instances that inherit different values are an instancer each for `hdstream record`. OpenUSD has one

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`python testenv/stages NAME OUT` writes a stage: demo, terrain, forest, meshes, grove, materialBalls or a
-verification case.
+"""`python testenv/stages NAME OUT` writes a stage: demo, terrain, forest, meshes, grove, materialBalls,
+curveShapes, hair, pointCloud or a verification case.
 
-OUT's extension (.usda, .usdc) chooses the format. `terrain`, `forest`, `meshes` and `grove` take a size as a
-third argument. Without arguments it lists the names.
+OUT's extension (.usda, .usdc) chooses the format. `terrain`, `forest`, `meshes`, `grove`, `hair` and
+`pointCloud` take a size as a third argument. Without arguments it lists the names.
 """
 
 import pathlib
@@ -11,11 +11,12 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 
-from stages import bench, demo, grove, materialX  # noqa: E402
+from stages import bench, curves, demo, grove, materialX  # noqa: E402
 from stages.verify import CASES  # noqa: E402
 
 _WRITERS = {"demo": demo.WriteDemo, "terrain": bench.WriteTerrain, "forest": bench.WriteForest, "meshes": bench.WriteMeshes,
-            "grove": grove.WriteGrove, "materialBalls": materialX.WriteMaterialBalls}
+            "grove": grove.WriteGrove, "materialBalls": materialX.WriteMaterialBalls, "curveShapes": curves.WriteShapes,
+            "hair": curves.WriteHair, "pointCloud": curves.WritePointCloud}
 
 
 def main(arguments: list[str]) -> int:

@@ -17,7 +17,8 @@ struct PageView {
     explicit PageView(const std::uint8_t* page) {
         std::memcpy(&header, page, sizeof(header));
         const std::uint8_t* triangleAt = page + std::size_t{header.triangles} * 16;
-        for (std::uint32_t i = 0; i < header.numTriangles; ++i) {
+        const std::uint32_t count = header.numTriangles & ((1U << HDS_PRIMITIVE_SHIFT) - 1U);
+        for (std::uint32_t i = 0; i < count; ++i) {
             std::uint64_t word = 0;
             std::uint32_t primId = 0;
             std::memcpy(&word, triangleAt + std::size_t{i} * 8, 8);

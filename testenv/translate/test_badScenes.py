@@ -43,7 +43,12 @@ def WarningsOf(text):
      'def PointInstancer "Q" { int[] protoIndices = [0]\npoint3f[] positions = [(0, 0, 0)]\nrel prototypes = </P/Q/S>\n'
      'def Sphere "S" {} } }', "/P/Q/S: primvars that differ between instances of an outer instancer"),
     ('def Volume "V" {}', "/V: Volume is not supported yet: 1 prim skipped"),
-    ('def Points "A" {}\ndef Points "B" {}', "/A: Points is not supported yet: 2 prims skipped"),
+    ('def NurbsPatch "A" {}\ndef NurbsPatch "B" {}', "/A: NurbsPatch is not supported yet: 2 prims skipped"),
+    ('def NurbsCurves "N" { int[] curveVertexCounts = [2]\npoint3f[] points = [(0, 0, 0), (1, 0, 0)] }',
+     "/N: NurbsCurves are drawn as lines between their points: 1 prim"),
+    ('def BasisCurves "C" { uniform token basis = "power"\nint[] curveVertexCounts = [4]\n'
+     'point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)] }',
+     "/C: curve basis power is unknown; drawn as bezier"),
     (f'def Mesh "M" (prepend apiSchemas = ["MeshLightAPI"]) {{ {TRIANGLE} }}', "/M: MeshLightAPI is not supported yet"),
     ('def RectLight "L" { rel light:filters = </F> }', "/L: light filters is not supported yet"),
     ('def SphereLight "L" { float inputs:shadow:falloff = 1 }', "/L: shadow falloff is not supported yet"),

@@ -73,8 +73,11 @@ def test_models_are_replaced_where_openusd_says(seed):
             model, mode = StandInOf(prim)
             (lines if mode in ("bounds", "origin") else meshes).add(model or str(prim.GetPath()))
     session = Translate(stage)
-    assert set(session.Scene().meshes) == meshes
-    assert session.Warnings() == sorted(f"{path}: basisCurves is not supported yet; left out" for path in lines)
+    scene = session.Scene()
+    isLines = {path: mesh.mesh.primitives == _core.PrimitiveKind.Curves for path, mesh in scene.meshes.items()}
+    assert {path for path, isLine in isLines.items() if not isLine} == meshes
+    assert {path for path, isLine in isLines.items() if isLine} == lines
+    assert not session.Warnings()
 
 
 def test_instances_that_look_otherwise_have_their_own_cards():
@@ -105,9 +108,36 @@ def test_instances_that_inherit_other_modes_are_apart():
     """)
     session = Translate(stage)
     scene = session.Scene()
-    assert {path: len(mesh.mesh.faceVertexCounts) for path, mesh in scene.meshes.items()} == {"/A/M": 6, "/B/M": 1}
-    assert sorted(scene.instancers) == ["/A", "/B"]
-    assert session.Warnings() == ["/G/C/M: basisCurves is not supported yet; left out"]
+    assert {path: len(mesh.mesh.faceVertexCounts) for path, mesh in scene.meshes.items()} == {
+        "/A/M": 6, "/B/M": 1, "/G/C/M": 1}
+    assert sorted(scene.instancers) == ["/A", "/B", "/G/C"]
+    assert scene.meshes["/G/C/M"].mesh.curves.wrap == "segmented"
+    assert not session.Warnings()
+
+
+def test_lines_are_the_edges_of_the_bounds():
+    """And the axes of an origin; the widths are the core's, not the authored 1."""
+    stage = StageOf(f"""
+        def Mesh "B" (kind = "component"; {CARDS}) {{ uniform token model:drawMode = "bounds"
+            {TRIANGLE} }}
+        def Mesh "O" (kind = "component"; {CARDS}) {{ uniform token model:drawMode = "origin"
+            uniform color3f model:drawModeColor = (1, 0.5, 0)
+            {TRIANGLE} }}
+    """)
+    scene = Translate(stage).Scene()
+
+    def Edges(path):
+        lines = scene.meshes[path].mesh
+        ends = lines.points.reshape(-1, 3)[lines.faceVertexIndices].reshape(-1, 2, 3)
+        assert list(lines.faceVertexCounts) == [2 * len(ends)] and lines.curves.type == "linear"
+        return {frozenset(map(tuple, pair.tolist())) for pair in ends}
+
+    corners = [(x, y, z) for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)]
+    assert Edges("/B") == {frozenset((a, b)) for a in corners for b in corners
+                           if sum(p != q for p, q in zip(a, b)) == 1}
+    assert Edges("/O") == {frozenset(((0.0, 0.0, 0.0), axis)) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))}
+    primvars = {primvar.name: primvar.values.ravel().tolist() for primvar in scene.meshes["/O"].mesh.primvars}
+    assert primvars == {"displayColor": [1, 0.5, 0], "displayOpacity": [1], "widths": [1]}
 
 
 @pytest.mark.parametrize("text, expected", [

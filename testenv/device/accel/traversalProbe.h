@@ -97,7 +97,14 @@ kernel void probe_bruteForce(global const float* rays, uint count, global HdsHit
         for (uint c = object.itemBase; c < object.itemBase + object.numItems; ++c) {
             const HdsResidentChunk chunk =
                 leaf_chunk(&view, c, scene_pageAddress(&view, c, HDS_PAGE_GEOMETRY));
-            for (uint t = 0u; t < chunk.page->numTriangles; ++t) {
+            const uint mask = (1u << HDS_PRIMITIVE_SHIFT) - 1u;
+            for (uint t = 0u; t < (chunk.page->numTriangles & mask); ++t) {
+#if HDS_FEATURE_CURVES
+                if (chunk.kind != HDS_PRIMITIVE_TRIANGLES) {
+                    leaf_testTriangle(&chunk, t, &shear, &leaf, ray.tMax, &best);
+                    continue;
+                }
+#endif
                 const HdsTriangle triangle = chunk.triangles[t];
                 HdsTriangleHit found;
                 if (triangle_intersect(&shear, chunk.vertices + 3u * page_corner(triangle, 0u),
@@ -115,13 +122,14 @@ kernel void probe_bruteForce(global const float* rays, uint count, global HdsHit
 }
 )";
 
-/// Kernels of one form with all features on, unless `defines` says otherwise.
+/// Kernels of one form with all features but curves, unless `defines` says otherwise.
 class TraversalProbe {
 public:
     TraversalProbe(const std::shared_ptr<Device>& device, bool wide, ProgramDefines defines = {})
         : _device(device) {
         defines.emplace("HDS_TRAVERSAL_WIDE", wide ? "1" : "0");
         defines.emplace("HDS_NUM_POOLS", "1");
+        defines.emplace("HDS_FEATURE_CURVES", "0");
         const std::string text = kProbeText;
         _program = std::make_unique<Program>(device, "probe.cl", defines, nullptr, &text);
     }

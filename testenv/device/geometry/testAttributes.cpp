@@ -30,10 +30,9 @@ kernel void read_all(global const uint* page, global const uint4* triangles,
         return;
     }
     float4 query = queries[id];
-    HdsAttributePoint point;
-    point.triangle = (uint)query.z;
-    point.vertex = triangles[point.triangle].xyz;
-    point.uv = query.xy;
+    const uint triangle = (uint)query.z;
+    HdsAttributePoint point =
+        attributes_atTriangle(triangle, triangles[triangle].xyz, query.xy);
     for (uint slot = 2u; slot < numSlots; ++slot) {
         values[id * numSlots + slot] = attributes_read(page, slot, &point, (float4)(-1.0f));
     }

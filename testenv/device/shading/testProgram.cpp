@@ -30,9 +30,7 @@ kernel void run(HDS_TEXTURE_ARGS, global const uint* program, global const uint*
     HDS_TEXTURE_VIEW(view);
     HdsProgramPoint point;
     point.attributes = page;
-    point.at.triangle = 0u;
-    point.at.vertex = (uint3)(0u, 1u, 2u);
-    point.at.uv = vload2(3 * i, in);
+    point.at = attributes_atTriangle(0u, (uint3)(0u, 1u, 2u), vload2(3 * i, in));
     point.textures = &view;
     point.footprint = (float4)(vload2(3 * i + 1, in), vload2(3 * i + 2, in));
     point.mipBias = 0.0f;

@@ -3,7 +3,7 @@
 
 The rules are those of UsdImaging with legacy scene delegates (usdview's default in OpenUSD 24.11). A draw
 mode is inherited along namespace and counts for models only: where model:applyDrawMode says so, else on
-components. `cards` is a mesh of quads, `bounds` and `origin` are lines, which are not drawn yet.
+components. `cards` is a mesh of quads, `bounds` and `origin` are lines: curves of wrap `segmented`.
 A card shows its back to nobody, so the two cards of a cross that share a place do not fight.
 """
 
@@ -20,7 +20,6 @@ from hdstream.translate.primState import IDENTITY, Context, State
 ATTRIBUTE = "model:drawMode"
 _SCHEMA_COLOR = Gf.Vec3f(0.18)  # model:drawModeColor's fallback
 _PURPOSES = ["default", "proxy", "render"]
-_LINES_MESSAGE = "basisCurves is not supported yet; left out"  # as the Hydra delegate says it
 
 # A face looks along its axis; u and v of its image grow along the other two, u backwards where mirrored.
 _Face = collections.namedtuple("_Face", "name axis isPositive uAxis isMirrored vAxis")
@@ -33,6 +32,10 @@ _CORNERS = np.array([(1, 1), (0, 1), (0, 0), (1, 0)], np.float32)  # (u, v) of a
 _SCREEN_FACES = ("XPos", "YPos", "ZPos", "XNeg", "YNeg", "ZNeg")
 _SCREEN_CORNERS = ((-1, -1, 0), (-1, 1, 0), (1, 1, 0), (1, -1, 0))
 _SCREEN_UVS = np.array([(0, 1), (0, 0), (1, 0), (1, 1)], np.float32)
+# Lines as pairs of points, in OpenUSD's orders; corner i of a box is high in x for bit 4, y for 2, z for 1.
+_ORIGIN_POINTS = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], np.float32)
+_ORIGIN_LINES = np.array([0, 1, 0, 2, 0, 3], np.int32)
+_BOX_LINES = np.array([0, 4, 4, 6, 6, 2, 2, 0, 1, 5, 5, 7, 7, 3, 3, 1, 0, 1, 4, 5, 6, 7, 2, 3], np.int32)
 _SCREEN_MATRICES = ("worldtoscreen", "worldToNDC")  # names in an image's header, the first found counts
 
 
@@ -138,7 +141,7 @@ class DrawModes:
 
     def _Place(self, prim, state, context):
         if state.drawMode in ("bounds", "origin"):
-            return self._reports.Warn(prim, _LINES_MESSAGE) if state.visible else None
+            return self._PlaceLines(prim, state, context)
         if state.drawMode != "cards":
             return self._reports.Warn(prim, f"draw mode {state.drawMode} is unknown; left out")
         cards, color = self._ReadCards(prim)
@@ -155,6 +158,34 @@ class DrawModes:
         context.isPlacing = context.isPlacing or bool(context.instancerPath)
         return self._session.SetMesh(path, meshPrim)
 
+    def _PlaceLines(self, prim, state, context):
+        lines, points = _ORIGIN_LINES, _ORIGIN_POINTS
+        if state.drawMode == "bounds":
+            bounds = self._BoundsOf(prim)
+            if bounds.IsEmpty():
+                return self._reports.Warn(prim, "bounds of a model without extent; left out")
+            ends = np.array([bounds.GetMin(), bounds.GetMax()], np.float32)
+            corners = np.arange(8)
+            points = np.stack([ends[corners >> 2 & 1, 0], ends[corners >> 1 & 1, 1], ends[corners & 1, 2]], 1)
+            lines = _BOX_LINES
+        description = _core.MeshDescription()
+        description.primitives = _core.PrimitiveKind.Curves
+        description.curves = _LineForm()
+        description.points = np.ascontiguousarray(points)
+        description.faceVertexCounts = np.array([lines.size], np.int32)
+        description.faceVertexIndices = lines
+        description.primvars = _ConstantPrimvars(self._ColorOf(prim), ("displayOpacity", "widths"))
+        path = self._translator.ReservePath(prim, context)
+        placement = _core.Placement(state.matrix, context.instancerPath, context.instances, state.visible)
+        context.isPlacing = context.isPlacing or bool(context.instancerPath)
+        return self._session.SetMesh(path, _core.MeshPrim(description, placement, state.purpose))
+
+    def _ColorOf(self, prim):
+        if not prim.HasAPI(UsdGeom.ModelAPI):
+            return _SCHEMA_COLOR
+        color = UsdGeom.ModelAPI(prim).GetModelDrawModeColorAttr().Get()
+        return color if isinstance(color, Gf.Vec3f) else _SCHEMA_COLOR
+
     def _ReadCards(self, prim):
         """(cards, colour). Without the applied schema only its fallbacks count."""
         if not prim.HasAPI(UsdGeom.ModelAPI):
@@ -169,8 +200,7 @@ class DrawModes:
         else:
             self._reports.Warn(prim, f"card geometry {geometry} is unknown; left out")
             cards = _Cards()
-        color = model.GetModelDrawModeColorAttr().Get()
-        return cards, color if isinstance(color, Gf.Vec3f) else _SCHEMA_COLOR
+        return cards, self._ColorOf(prim)
 
     def _TextureOf(self, prim, face):
         """The texture of a face (Sdf.AssetPath); None without one."""
@@ -257,17 +287,28 @@ def _CardUvs(face, isOwn):
     return np.abs(_CORNERS - np.array([flipsU, flipsV], np.float32))
 
 
+def _ConstantPrimvars(color, namesOfOnes):
+    constant = _core.Interpolation.Constant
+    one = np.ones(1, np.float32)
+    return [_core.Primvar("displayColor", constant, np.array([color], np.float32)),
+            *(_core.Primvar(name, constant, one) for name in namesOfOnes)]
+
+
+def _LineForm():
+    form = _core.CurveForm()
+    form.type = "linear"
+    form.wrap = "segmented"
+    return form
+
+
 def _MakeMesh(cards, color, path):
     mesh = _core.MeshDescription()
     mesh.points = np.concatenate(cards.points)
     mesh.faceVertexCounts = np.full(len(cards.faces), 4, np.int32)
     mesh.faceVertexIndices = np.arange(4 * len(cards.faces), dtype=np.int32)
     mesh.subdivisionScheme = "none"
-    constant, vertex = _core.Interpolation.Constant, _core.Interpolation.Vertex
-    one = np.ones(1, np.float32)
-    mesh.primvars = [_core.Primvar("cardsUv", vertex, np.concatenate(cards.uvs)),
-                     _core.Primvar("displayColor", constant, np.array([color], np.float32)),
-                     *(_core.Primvar(name, constant, one) for name in ("displayOpacity", "displayRoughness", "widths"))]
+    mesh.primvars = [_core.Primvar("cardsUv", _core.Interpolation.Vertex, np.concatenate(cards.uvs)),
+                     *_ConstantPrimvars(color, ("displayOpacity", "displayRoughness", "widths"))]
     subsets = []
     for index, face in enumerate(cards.faces):
         subset = _core.MeshSubset()

@@ -20,7 +20,7 @@ _SHAPE_NUMBERS = ("size", "radius", "height", "width", "length")
 _FALLBACKS = {"Capsule": {"radius": 0.5, "height": 1.0}}
 
 
-def _Array(prim, name, timeCode, itemType):
+def ReadArray(prim, name, timeCode, itemType):
     """The value as a contiguous array of the item type, without a copy where it is one already."""
     value = prim.GetAttribute(name).Get(timeCode)
     if value is None:
@@ -36,13 +36,13 @@ def _ReadSubdivTags(prim, names, timeCode):
             if value:
                 setattr(tags, name, value)
         elif name in _TAG_ARRAYS:
-            value = _Array(prim, name, timeCode, _TAG_ARRAYS[name])
+            value = ReadArray(prim, name, timeCode, _TAG_ARRAYS[name])
             if value is not None:
                 setattr(tags, name, value)
     return tags
 
 
-def _ReadPoints(prim, names, timeCode):
+def ReadPoints(prim, names, timeCode):
     """[count][3]; between samples, where velocities take the points of the sample before."""
     points = prim.GetAttribute("points").Get(timeCode)
     if points is not None and not isinstance(points, Vt.Vec3fArray):
@@ -60,14 +60,14 @@ def ReadMesh(prim, names, inherited, timeCode, skin=None):
     `skin(prim, points)` gives the points of a skinned mesh, None for others. Normals that were authored for
     the points at rest are left out, as UsdSkelImaging does: they follow from the skinned points.
     """
-    points = _ReadPoints(prim, names, timeCode)
+    points = ReadPoints(prim, names, timeCode)
     if skin is not None and points is not None and points.size:
         skinned = skin(prim, points)
         if skinned is not None:
             points = np.asarray(skinned)
             names = [name for name in names if name not in ("normals", "primvars:normals")]
-    counts = _Array(prim, "faceVertexCounts", timeCode, np.int32)
-    indices = _Array(prim, "faceVertexIndices", timeCode, np.int32)
+    counts = ReadArray(prim, "faceVertexCounts", timeCode, np.int32)
+    indices = ReadArray(prim, "faceVertexIndices", timeCode, np.int32)
     if points is None or counts is None or indices is None or not points.size or not counts.size:
         return None
     mesh = _core.MeshDescription()
@@ -78,7 +78,7 @@ def ReadMesh(prim, names, inherited, timeCode, skin=None):
     if "subdivisionScheme" in names:
         mesh.subdivisionScheme = prim.GetAttribute("subdivisionScheme").Get(timeCode) or "none"
     if "holeIndices" in names:
-        holes = _Array(prim, "holeIndices", timeCode, np.int32)
+        holes = ReadArray(prim, "holeIndices", timeCode, np.int32)
         if holes is not None:
             mesh.holeIndices = holes
     if not _TAG_NAMES.isdisjoint(names):
@@ -118,7 +118,7 @@ def ReadSubset(prim, timeCode):
     if (prim.GetAttribute("familyName").Get() != "materialBind"
             or prim.GetAttribute("elementType").Get() != "face"):
         return None
-    faces = _Array(prim, "indices", timeCode, np.int32)
+    faces = ReadArray(prim, "indices", timeCode, np.int32)
     if faces is None or not faces.size:
         return None
     subset = _core.MeshSubset()

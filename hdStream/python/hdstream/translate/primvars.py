@@ -15,7 +15,7 @@ PREFIX = "primvars:"
 _INDICES = ":indices"
 # Read by systems that the renderer does not have; large and of no use to it.
 _SKIPPED = ("primvars:skel:",)
-_INTERPOLATIONS = {
+INTERPOLATIONS = {
     "constant": _core.Interpolation.Constant,
     "uniform": _core.Interpolation.Uniform,
     "varying": _core.Interpolation.Varying,
@@ -73,7 +73,7 @@ def ReadPrimvar(prim, name, names, timeCode):
     if not attribute:
         return None
     rows = FloatRows(attribute.Get(timeCode), attribute)
-    interpolation = _INTERPOLATIONS.get(attribute.GetMetadata("interpolation") or "constant")
+    interpolation = INTERPOLATIONS.get(attribute.GetMetadata("interpolation") or "constant")
     if rows is None or interpolation is None:
         return None
     indices = None
@@ -140,7 +140,7 @@ def _ReadNormals(prim, timeCode):
     if not isinstance(value, Vt.Vec3fArray):
         return None  # as UsdImaging: UsdGeomPointBased has normal3f[] normals
     rows = FloatRows(value, attribute)
-    interpolation = _INTERPOLATIONS.get(attribute.GetMetadata("interpolation") or "vertex")
+    interpolation = INTERPOLATIONS.get(attribute.GetMetadata("interpolation") or "vertex")
     if rows is None or interpolation is None:
         return None
     return _core.Primvar("normals", interpolation, rows)

@@ -12,7 +12,7 @@ from pxr import Tf, Usd, UsdGeom, UsdSkel
 
 from hdstream import _core
 from hdstream.diagnostics import MessagesOf
-from hdstream.translate import cameras, drawModes, lights, meshes, primvars
+from hdstream.translate import cameras, curves, drawModes, lights, meshes, primvars
 from hdstream.translate.assets import AssetResolver
 from hdstream.translate.instancers import Instancers
 from hdstream.translate.links import Links
@@ -23,8 +23,7 @@ from hdstream.translate.reports import Reports
 from hdstream.translate.skinning import Skinning
 
 # Schemas that are drawn by other renderers and skipped here, with a count.
-_SKIPPED_SCHEMAS = ("BasisCurves", "NurbsCurves", "HermiteCurves", "NurbsPatch", "Points",
-                    "TetMesh", "Volume", "ParticleField")
+_SKIPPED_SCHEMAS = ("NurbsPatch", "TetMesh", "Volume", "ParticleField")
 
 
 class _TypeInfo:
@@ -167,8 +166,9 @@ class StageTranslator:
 
     def _MakeHandlers(self):
         """(schema class, handler) from special to general; prims of no schema here are groups."""
-        handlers = [("Mesh", self._OnMesh), ("PointInstancer", self._instancers.AddPointInstancer),
+        handlers = [("Mesh", self._OnMesh), ("Points", self._OnPoints), ("PointInstancer", self._instancers.AddPointInstancer),
                     ("Camera", self._OnCamera), ("Subset", self._OnSkipped)]
+        handlers += [(name, self._OnCurves) for name in ("BasisCurves", "NurbsCurves", "HermiteCurves")]
         handlers += [(name, self._OnImplicit) for name in meshes.IMPLICIT_TYPES]
         handlers += [(name, self._OnUnsupported) for name in _SKIPPED_SCHEMAS]
         handlers += [(name, self._OnLight) for name in lights.LIGHT_TYPES]
@@ -185,7 +185,7 @@ class StageTranslator:
             if schema is not None and prim.IsA(schema):
                 found = (name, handler)
                 break
-        info = _TypeInfo(prim, *found, isLeaf=found[1] in (self._OnMesh, self._OnImplicit))
+        info = _TypeInfo(prim, *found, isLeaf=found[1] in (self._OnMesh, self._OnImplicit, self._OnCurves, self._OnPoints))
         self._types[prim.GetTypeName()] = info
         return info
 
@@ -222,6 +222,25 @@ class StageTranslator:
                                    self._reports.Warn)
         self._AddMesh(prim, names, mesh, state, context)
         return state
+
+    def _OnCurves(self, prim, schema, names, state, context):
+        description = curves.ReadCurves(prim, schema, names, state.primvars, self._timeCode, self._reports.Warn)
+        if description is not None and schema != "BasisCurves":
+            self._reports.Count(prim, f"{schema} are drawn as lines between their points: {{count}}")
+        self._AddSolid(prim, description, state, context)
+        return state
+
+    def _OnPoints(self, prim, schema, names, state, context):
+        self._AddSolid(prim, curves.ReadPointCloud(prim, names, state.primvars, self._timeCode), state, context)
+        return state
+
+    def _AddSolid(self, prim, description, state, context):
+        if description is None:
+            return
+        path, placement = self._Place(prim, state, context)
+        meshPrim = _core.MeshPrim(description, placement, state.purpose)
+        for splitPath, splitPrim in self._instancers.Split(path, prim, meshPrim):
+            self._meshes.Add(splitPath, prim, splitPrim, [])
 
     def _AddMesh(self, prim, names, mesh, state, context):
         subsets = []

@@ -1,0 +1,510 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/geometry/curveSource.h"
+
+#include "hdStream/geometry/attributePage.h"
+#include "hdStream/geometry/curveSegments.h"
+#include "hdStream/geometry/normals.h"
+#include "hdStream/geometry/solidContent.h"
+#include "kernels/shared/geometry.h"
+
+#include <glm/geometric.hpp>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <optional>
+
+namespace hds {
+namespace {
+
+constexpr float kDefaultWidth = 1.0F; // as Hydra has it
+/// Lines of draw modes, whose widths mean pixels: a part of the diagonal of all points.
+constexpr double kLineWidth = 1.0 / 256.0;
+/// Segments of a unit: neighbours in it share vertices, and its box should stay small.
+constexpr std::uint32_t kUnitSegments = 16;
+/// A piece turns by at most so much (radians): a round one has one minimum of t, a flat one looks
+/// smooth.
+constexpr double kRoundTurn = 0.35;
+constexpr double kRibbonTurn = 0.1;
+constexpr std::uint8_t kDropped = 0xff; ///< the level of a segment that is not drawn
+
+class CurveSource final : public ChunkSource {
+public:
+    CurveSource(std::shared_ptr<const MeshDescription> curves, const std::string& primPath,
+                Warnings& warnings)
+        : _curves(std::move(curves)), _log(primPath, warnings) {
+        SetCounts();
+        if (!ReadPrimvars()) {
+            return;
+        }
+        CutCurves();
+        MeasureSegments();
+        for (std::uint32_t unit = 0; unit < _numUnits; ++unit) {
+            _numVertices += UnitVertices(_units[unit]);
+        }
+        const std::size_t vertexBytes = (_hasNormals ? 8 : 4) * sizeof(float);
+        constexpr double kMostVertices = 5.0; // of a unit of one piece
+        _boundBytes = SolidBytes(_values, kMostVertices, vertexBytes, false);
+        _meanBytes =
+            SolidBytes(_values,
+                       std::min(kMostVertices,
+                                static_cast<double>(_numVertices) /
+                                    static_cast<double>(std::max<std::uint64_t>(1, _numTriangles))),
+                       vertexBytes, true);
+    }
+
+    std::uint32_t UnitTriangles(std::uint32_t unit) const override {
+        return _units[unit + 1].firstPrimId - _units[unit].firstPrimId;
+    }
+    Bounds UnitBounds(std::uint32_t unit) const override { return _unitBounds[unit]; }
+
+    ChunkGeometry Gather(const std::uint32_t* units, std::size_t count) const override {
+        std::call_once(_isRead, [this] { ReadValues(); });
+        ChunkGeometry chunk;
+        chunk.primitives = _basis->Primitives();
+        chunk.attributes = _values;
+        for (std::size_t i = 0; i < count; ++i) {
+            if (UnitTriangles(units[i]) > 0) {
+                GatherUnit(units[i], &chunk);
+            }
+        }
+        return chunk;
+    }
+
+private:
+    struct Unit {
+        std::uint32_t curve;
+        std::uint32_t firstSegment; ///< in the curve
+        std::uint32_t numSegments;
+        std::uint32_t firstPrimId; ///< of the curve's pieces
+        std::uint64_t firstLevel;  ///< of its segments, in _levels
+    };
+    using Points = std::array<glm::dvec4, 4>;
+
+    /// Vertices of each curve, and where they begin; curves that ask for too much have none.
+    void SetCounts() {
+        if (_curves->points.size() % 3 != 0) {
+            _log.Warn(std::to_string(_curves->points.size() % 3) +
+                      " floats after the last point ignored");
+        }
+        _size.numPoints = _curves->points.size() / 3;
+        const bool isIndexed = !_curves->faceVertexIndices.empty();
+        const std::uint64_t numGiven =
+            isIndexed ? _curves->faceVertexIndices.size() : _size.numPoints;
+        const bool isSegmented = _curves->curves.wrap == "segmented";
+        std::uint64_t begin = 0;
+        std::size_t numBad = 0;
+        for (const std::int32_t count : _curves->faceVertexCounts) {
+            const std::uint64_t end = begin + static_cast<std::uint64_t>(std::max(count, 0));
+            const bool isGood = count >= 0 && end <= numGiven;
+            numBad += isGood ? 0 : 1;
+            for (std::uint64_t first = begin; isSegmented && isGood && first + 1 < end;
+                 first += 2) {
+                _begins.push_back(first);
+                _counts.push_back(2);
+            }
+            if (!isSegmented) {
+                _begins.push_back(begin);
+                _counts.push_back(isGood ? static_cast<std::uint32_t>(count) : 0U);
+            }
+            begin = end;
+        }
+        _size.numFaces = _curves->faceVertexCounts.size();
+        if (begin != numGiven) {
+            _log.Warn("curveVertexCounts ask for " + std::to_string(begin) + " points, there are " +
+                      std::to_string(numGiven));
+        }
+        if (numBad > 0) {
+            _log.Warn(std::to_string(numBad) +
+                      " curves dropped: curveVertexCounts negative or beyond the points");
+        }
+    }
+
+    /// Index of a point, or one beyond all.
+    std::size_t PointAt(std::uint32_t curve, std::uint32_t place) const {
+        const std::uint64_t element = _begins[curve] + place;
+        if (_curves->faceVertexIndices.empty()) {
+            return element;
+        }
+        const std::int32_t index = _curves->faceVertexIndices[element];
+        return index < 0 ? _size.numPoints : static_cast<std::size_t>(index);
+    }
+
+    /// Finds the basis, which widths and normals take part in. \return false: nothing can be drawn.
+    bool ReadPrimvars() {
+        // Joints must be counted before anything varying is looked at.
+        CurveBasis plain(_curves->curves, false, false, _log);
+        std::size_t numShort = 0;
+        std::size_t numUnused = 0;
+        for (const std::uint32_t count : _counts) {
+            std::uint32_t unused = 0;
+            const std::uint32_t segments = plain.NumSegments(count, &unused);
+            _firstJoints.push_back(static_cast<std::uint32_t>(_size.numJoints));
+            _size.numJoints += segments > 0 ? plain.NumJoints(segments) : 0;
+            numShort += segments == 0 && count > 0 ? 1 : 0;
+            numUnused += segments > 0 ? unused : 0;
+        }
+        _size.hasJoints = true;
+        _size.numCorners = _size.numJoints;
+        if (numShort > 0) {
+            _log.Warn(std::to_string(numShort) + " curves dropped: too few vertices for " +
+                      (_curves->curves.type == "linear" ? "linear" : _curves->curves.basis) +
+                      " curves");
+        }
+        if (numUnused > 0) {
+            _log.Warn(std::to_string(numUnused) + " vertices after the last segment ignored");
+        }
+        const Bounds bounds = BoundPoints(*_curves);
+        _origin = glm::dvec3(ChooseOrigin(bounds));
+        float width = kDefaultWidth;
+        if (plain.IsSegmented() && bounds.min.x <= bounds.max.x) {
+            width = static_cast<float>(
+                kLineWidth * glm::length(glm::dvec3(bounds.max) - glm::dvec3(bounds.min)));
+        }
+        _widths.values = std::vector<float>{width};
+        if (auto widths =
+                plain.IsSegmented() ? std::nullopt : AuthoredWidths(*_curves, _size, _log)) {
+            _widths = std::move(*widths);
+            WarnBadWidths(_widths, _log);
+        }
+        if (auto normals = AuthoredNormals(*_curves, _size, _log)) {
+            _normals = std::move(*normals);
+            _hasNormals = true;
+        }
+        Warnings unheard; // of the form: heard above
+        PrimLog quiet(_log.PrimPath(), unheard);
+        _basis.emplace(_curves->curves, _hasNormals,
+                       _widths.interpolation == Interpolation::Varying, quiet);
+        _values = SolidAttributes(*_curves, _size, _log);
+        for (const MeshAttribute& attribute : _values) {
+            _attributes.push_back({attribute.name, attribute.numComponents});
+        }
+        if (_size.numPoints >= 0xffffffffU || _size.numJoints >= 0xffffffffU) {
+            _log.Warn("curves dropped: more than 2^32 - 2 points");
+            return false;
+        }
+        return true;
+    }
+
+    void CutCurves() {
+        std::uint64_t firstLevel = 0;
+        for (std::uint32_t curve = 0; curve < _counts.size(); ++curve) {
+            const std::uint32_t numSegments = SegmentsOf(curve);
+            for (std::uint32_t first = 0; first < numSegments; first += kUnitSegments) {
+                const std::uint32_t count = std::min(kUnitSegments, numSegments - first);
+                _units.push_back({curve, first, count, 0, firstLevel});
+                firstLevel += count;
+            }
+        }
+        _numUnits = static_cast<std::uint32_t>(_units.size());
+        _levels.resize(firstLevel);
+        _unitBounds.resize(_numUnits);
+    }
+
+    std::uint32_t SegmentsOf(std::uint32_t curve) const {
+        std::uint32_t unused = 0;
+        return _basis->NumSegments(_counts[curve], &unused);
+    }
+
+    /// How many pieces each segment has, and the boxes of units.
+    void MeasureSegments() {
+        tbb::parallel_for(std::uint32_t{0}, _numUnits, [this](std::uint32_t index) {
+            const Unit& unit = _units[index];
+            for (std::uint32_t i = 0; i < unit.numSegments; ++i) {
+                _levels[unit.firstLevel + i] = LevelOf(unit.curve, unit.firstSegment + i);
+                if (_levels[unit.firstLevel + i] != kDropped) {
+                    const Points shape = ShapeOf(unit.curve, unit.firstSegment + i);
+                    Extend(shape, &_unitBounds[index]);
+                }
+            }
+        });
+        std::uint64_t numDropped = 0;
+        for (Unit& unit : _units) {
+            unit.firstPrimId = static_cast<std::uint32_t>(_numTriangles);
+            for (std::uint32_t i = 0; i < unit.numSegments; ++i) {
+                const std::uint8_t level = _levels[unit.firstLevel + i];
+                numDropped += level == kDropped ? 1 : 0;
+                _numTriangles += level == kDropped ? 0U : 1U << level;
+            }
+        }
+        _units.push_back({0, 0, 0, static_cast<std::uint32_t>(_numTriangles), 0});
+        if (numDropped > 0) {
+            _log.Warn(std::to_string(numDropped) +
+                      " segments dropped: points missing or not finite, or no width");
+        }
+        if (_numTriangles >= 0xffffffffU) {
+            _log.Warn("curves dropped: more than 2^32 - 2 pieces");
+            _numTriangles = 0;
+        }
+        for (const Bounds& bounds : _unitBounds) {
+            for (int axis = 0; axis < 3; ++axis) {
+                _bounds.min[axis] = std::min(_bounds.min[axis], bounds.min[axis]);
+                _bounds.max[axis] = std::max(_bounds.max[axis], bounds.max[axis]);
+            }
+        }
+    }
+
+    std::uint8_t LevelOf(std::uint32_t curve, std::uint32_t segment) const {
+        bool hasWidth = false;
+        // The outer vertices of a straight segment are its neighbours'.
+        const bool isLinear = (_basis->Primitives() & HDS_PRIMITIVE_BASIS) == HDS_PRIMITIVE_LINEAR;
+        for (std::uint32_t k = isLinear ? 1 : 0; k < (isLinear ? 3U : 4U); ++k) {
+            const RunVertex vertex =
+                _basis->VertexOf(_basis->FirstVertex(segment) + k, _counts[curve]);
+            if (!FindPoint(*_curves, PointAt(curve, vertex.point))) {
+                return kDropped;
+            }
+        }
+        const Points shape = ShapeOf(curve, segment);
+        for (const glm::dvec4& point : shape) {
+            hasWidth = hasWidth || point.w != 0.0;
+        }
+        if (!hasWidth) {
+            return kDropped;
+        }
+        double turn = TurnOfBezier(shape) / (_hasNormals ? kRibbonTurn : kRoundTurn);
+        if (_hasNormals) {
+            const glm::dvec3 n0(JointNormal(curve, segment, 0));
+            const glm::dvec3 n1(JointNormal(curve, segment, 1));
+            turn += std::acos(std::clamp(glm::dot(n0, n1), -1.0, 1.0)) / kRibbonTurn;
+        }
+        std::uint8_t level = 0;
+        while (level < HDS_MAX_PIECE_LEVEL && turn > static_cast<double>(1U << level)) {
+            ++level;
+        }
+        return level;
+    }
+
+    /// A vertex of a run relative to the origin, with its radius, as its page holds it.
+    glm::vec4 VertexAt(std::uint32_t curve, std::uint32_t run) const {
+        const RunVertex vertex = _basis->VertexOf(run, _counts[curve]);
+        const auto at = [&](std::uint32_t place) {
+            const auto point = FindPoint(*_curves, PointAt(curve, place));
+            return glm::vec4(point ? *point - glm::vec3(_origin) : glm::vec3(0.0F),
+                             VertexRadius(curve, run, place));
+        };
+        return vertex.isPhantom ? 2.0F * at(vertex.point) - at(vertex.next) : at(vertex.point);
+    }
+
+    float VertexRadius(std::uint32_t curve, std::uint32_t run, std::uint32_t place) const {
+        switch (_widths.interpolation) {
+        case Interpolation::Uniform:
+            return RadiusOf(_widths, curve);
+        case Interpolation::Vertex:
+            return PointAt(curve, place) < _size.numPoints
+                       ? RadiusOf(_widths, PointAt(curve, place))
+                       : 0.0F;
+        case Interpolation::Varying:
+            break;
+        default:
+            return RadiusOf(_widths, 0);
+        }
+        const std::uint32_t segments = SegmentsOf(curve);
+        const float radius =
+            RadiusOf(_widths, _firstJoints[curve] + _basis->JointOf(run, segments));
+        const bool isBezier = (_basis->Primitives() & HDS_PRIMITIVE_BASIS) == HDS_PRIMITIVE_BEZIER;
+        if (!isBezier || run % 3 == 0) {
+            return radius;
+        }
+        const float next =
+            RadiusOf(_widths, _firstJoints[curve] + _basis->JointOf((run / 3 + 1) * 3, segments));
+        return radius + (next - radius) * (static_cast<float>(run % 3) / 3.0F);
+    }
+
+    Points ShapeOf(std::uint32_t curve, std::uint32_t segment) const {
+        Points vertices;
+        for (std::uint32_t k = 0; k < 4; ++k) {
+            vertices[k] = glm::dvec4(VertexAt(curve, _basis->FirstVertex(segment) + k));
+        }
+        return _basis->Bezier(vertices);
+    }
+
+    static void Extend(const Points& shape, Bounds* bounds) {
+        for (const glm::dvec4& point : shape) {
+            ExtendBySolid(glm::dvec3(point), point.w, bounds);
+        }
+    }
+
+    /// Unit length; some direction where nothing usable is authored.
+    glm::vec3 JointNormal(std::uint32_t curve, std::uint32_t segment, int joint) const {
+        glm::dvec3 sum(0.0);
+        const auto add = [&](std::size_t element, double weight) {
+            const float* normal = ValueOf(_normals, element);
+            if (weight != 0.0 && IsUsableNormal(normal)) {
+                const glm::dvec3 authored(normal[0], normal[1], normal[2]);
+                sum += weight / glm::length(authored) * authored;
+            }
+        };
+        const std::uint32_t first = _basis->FirstVertex(segment);
+        switch (_normals.interpolation) {
+        case Interpolation::Uniform:
+            add(curve, 1.0);
+            break;
+        case Interpolation::Vertex: {
+            const std::array<double, 4> weights = _basis->JointWeights(joint);
+            for (std::uint32_t k = 0; k < 4; ++k) {
+                const RunVertex vertex = _basis->VertexOf(first + k, _counts[curve]);
+                const std::size_t point = PointAt(curve, vertex.point);
+                if (point < _size.numPoints) {
+                    add(point, weights[k]);
+                }
+            }
+            break;
+        }
+        case Interpolation::Varying:
+        case Interpolation::FaceVarying:
+            add(_firstJoints[curve] +
+                    _basis->JointOf(first + static_cast<std::uint32_t>(_basis->Joints()[joint]),
+                                    SegmentsOf(curve)),
+                1.0);
+            break;
+        default:
+            add(0, 1.0);
+            break;
+        }
+        const double length = glm::length(sum);
+        return length > 1e-6 ? glm::vec3(sum / length) : glm::vec3(0.0F, 0.0F, 1.0F);
+    }
+
+    bool IsLast(const Unit& unit) const {
+        return !_basis->IsPeriodic() &&
+               unit.firstSegment + unit.numSegments == SegmentsOf(unit.curve);
+    }
+    std::uint32_t UnitVertices(const Unit& unit) const {
+        return _basis->NumVertices(unit.numSegments, IsLast(unit));
+    }
+
+    bool IsDrawn(const Unit& unit, std::int64_t segment) const {
+        const std::int64_t count = SegmentsOf(unit.curve);
+        if (segment < 0 || segment >= count) {
+            return _basis->IsPeriodic();
+        }
+        const std::uint64_t firstOfCurve = unit.firstLevel - unit.firstSegment;
+        return _levels[firstOfCurve + static_cast<std::uint64_t>(segment)] != kDropped;
+    }
+
+    void GatherUnit(std::uint32_t index, ChunkGeometry* chunk) const {
+        const Unit& unit = _units[index];
+        const auto firstVertex = static_cast<std::uint32_t>(chunk->positions.size());
+        const std::uint32_t firstRun = _basis->FirstVertex(unit.firstSegment);
+        const std::uint32_t numSegments = SegmentsOf(unit.curve);
+        for (std::uint32_t i = 0; i < UnitVertices(unit); ++i) {
+            const std::uint32_t run = firstRun + i;
+            const glm::vec4 vertex = VertexAt(unit.curve, run);
+            chunk->positions.emplace_back(vertex);
+            chunk->radii.push_back(vertex.w);
+            const RunVertex from = _basis->VertexOf(run, _counts[unit.curve]);
+            const std::size_t point = PointAt(unit.curve, from.point);
+            chunk->points.push_back(
+                _basis->HasPhantoms()
+                    ? static_cast<std::uint32_t>(RunBegin(unit.curve) + run)
+                    : static_cast<std::uint32_t>(std::min(point, _size.numPoints - 1)));
+            chunk->joints.push_back(_firstJoints[unit.curve] + _basis->JointOf(run, numSegments));
+        }
+        if (_hasNormals) {
+            chunk->jointNormals.resize(chunk->positions.size());
+        }
+        std::uint32_t primId = unit.firstPrimId;
+        for (std::uint32_t i = 0; i < unit.numSegments; ++i) {
+            const std::uint8_t level = _levels[unit.firstLevel + i];
+            if (level == kDropped) {
+                continue;
+            }
+            const std::uint32_t segment = unit.firstSegment + i;
+            const std::uint32_t first = firstVertex + _basis->FirstVertex(segment) - firstRun;
+            for (int joint = 0; joint < 2 && _hasNormals; ++joint) {
+                chunk->jointNormals[first + static_cast<std::uint32_t>(_basis->Joints()[joint])] =
+                    JointNormal(unit.curve, segment, joint);
+            }
+            const bool isStart = !IsDrawn(unit, std::int64_t{segment} - 1);
+            const bool isEnd = !IsDrawn(unit, std::int64_t{segment} + 1);
+            AddPieces(first, level, isStart, isEnd, ShapeOf(unit.curve, segment), chunk);
+            for (std::uint32_t piece = 0; piece < 1U << level; ++piece) {
+                chunk->primIds.push_back(primId++);
+                chunk->faces.push_back(unit.curve);
+            }
+        }
+    }
+
+    static void AddPieces(std::uint32_t first, std::uint8_t level, bool isStart, bool isEnd,
+                          const Points& shape, ChunkGeometry* chunk) {
+        constexpr int kAbove = HDS_PIECE_SHIFT; // corner 1 begins there
+        const std::uint32_t count = 1U << level;
+        for (std::uint32_t piece = 0; piece < count; ++piece) {
+            std::uint64_t bits = std::uint64_t{level} << (HDS_PIECE_LEVEL_SHIFT - kAbove) | piece;
+            bits |= isStart ? HDS_PIECE_START >> kAbove : 0;
+            bits |= isEnd ? HDS_PIECE_END >> kAbove : 0;
+            chunk->triangles.emplace_back(first, static_cast<std::uint32_t>(bits), 0U);
+            Bounds bounds;
+            Extend(count == 1 ? shape
+                              : PartOfBezier(shape, static_cast<double>(piece) / count,
+                                             static_cast<double>(piece + 1) / count),
+                   &bounds);
+            chunk->primitiveBounds.push_back(bounds);
+        }
+    }
+
+    /// Where the vertices of a pinned curve begin among those of all: each has two phantoms.
+    std::uint64_t RunBegin(std::uint32_t curve) const {
+        return _begins[curve] + 2 * std::uint64_t{curve};
+    }
+
+    /// Looks at all values; gives pinned curves the values of their phantoms.
+    void ReadValues() const {
+        for (MeshAttribute& attribute : _values) {
+            WarnNotFinite(attribute, _log.PrimPath(), _log.Sink());
+            if (attribute.interpolation == Interpolation::Vertex && _basis->HasPhantoms()) {
+                AddPhantoms(&attribute);
+            }
+        }
+    }
+
+    void AddPhantoms(MeshAttribute* attribute) const {
+        const std::uint32_t width = attribute->numComponents;
+        std::vector<float> values;
+        for (std::uint32_t curve = 0; curve < _counts.size(); ++curve) {
+            const std::uint32_t numVertices = _counts[curve];
+            values.resize(RunBegin(curve) * width);
+            for (std::uint32_t run = 0; run < numVertices + 2 && numVertices > 1; ++run) {
+                const RunVertex vertex = _basis->VertexOf(run, numVertices);
+                const auto at = [&](std::uint32_t place) {
+                    return ValueOf(*attribute,
+                                   std::min(PointAt(curve, place), _size.numPoints - 1));
+                };
+                for (std::uint32_t c = 0; c < width; ++c) {
+                    const float value = at(vertex.point)[c];
+                    values.push_back(vertex.isPhantom ? 2.0F * value - at(vertex.next)[c] : value);
+                }
+            }
+        }
+        attribute->values = std::move(values);
+        attribute->indices = {};
+    }
+
+    std::shared_ptr<const MeshDescription> _curves;
+    mutable PrimLog _log;
+    TopologySize _size;
+    std::vector<std::uint64_t> _begins;      ///< [numCurves] first vertex
+    std::vector<std::uint32_t> _counts;      ///< [numCurves] vertices
+    std::vector<std::uint32_t> _firstJoints; ///< [numCurves]
+    std::optional<CurveBasis> _basis;
+    MeshAttribute _widths;
+    MeshAttribute _normals;
+    bool _hasNormals = false;
+    std::vector<Unit> _units; ///< and one more for the end
+    std::vector<Bounds> _unitBounds;
+    std::vector<std::uint8_t> _levels;          ///< [numSegments] pieces as a power of two
+    mutable std::vector<MeshAttribute> _values; ///< user primvars; final once ReadValues has run
+    mutable std::once_flag _isRead;
+};
+
+} // namespace
+
+std::shared_ptr<const ChunkSource> MakeCurveSource(std::shared_ptr<const MeshDescription> curves,
+                                                   const std::string& primPath,
+                                                   Warnings& warnings) {
+    return std::make_shared<const CurveSource>(std::move(curves), primPath, warnings);
+}
+
+} // namespace hds
