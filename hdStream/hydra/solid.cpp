@@ -2,6 +2,7 @@
 #include "hdStream/hydra/solid.h"
 
 #include "hdStream/hydra/arrays.h"
+#include "hdStream/hydra/categories.h"
 #include "hdStream/hydra/primvars.h"
 #include "hdStream/hydra/renderParam.h"
 
