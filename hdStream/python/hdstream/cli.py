@@ -104,7 +104,9 @@ def _Importer(name):
 
     def Run(args):
         from importlib import import_module
-        return import_module(f"hdstream.{name}").Run(args)
+        with Interruption():  # modules in C++ swallow Ctrl-C while they are loaded
+            module = import_module(f"hdstream.{name}")
+        return module.Run(args)
 
     return Run
 
