@@ -134,18 +134,26 @@ bool ContainsIgnoringCase(const std::string& text, const std::string& part) {
     return std::search(text.begin(), text.end(), part.begin(), part.end(), equal) != text.end();
 }
 
-const FoundDevice* ChooseDevice(const std::vector<FoundDevice>& found, const std::string& name) {
+FoundDevice ChooseDevice(const std::vector<FoundDevice>& found, const std::string& name) {
+    if (found.empty()) {
+        throw Error("no OpenCL device: install a driver (on Debian and Ubuntu: pocl-opencl-icd)");
+    }
     if (name.empty()) {
         const auto gpu = std::find_if(found.begin(), found.end(), [](const FoundDevice& candidate) {
             return !candidate.properties.isCpu;
         });
-        return gpu != found.end() ? &*gpu : (found.empty() ? nullptr : &found.front());
+        return gpu != found.end() ? *gpu : found.front();
     }
     const auto match = std::find_if(found.begin(), found.end(), [&](const FoundDevice& candidate) {
         return ContainsIgnoringCase(candidate.properties.name, name) ||
                ContainsIgnoringCase(candidate.properties.platform, name);
     });
-    return match != found.end() ? &*match : nullptr;
+    if (match == found.end()) {
+        throw Error("--device " + name +
+                        ": no OpenCL device has this in its name (see `hdstream devices`)",
+                    ErrorKind::Usage);
+    }
+    return *match;
 }
 
 } // namespace
@@ -169,27 +177,22 @@ Device::~Device() {
     }
 }
 
+DeviceProperties FindDevice(const std::string& name) {
+    return ChooseDevice(FindDevices(), name).properties;
+}
+
 std::shared_ptr<Device> Device::Create(const std::string& name) {
-    const std::vector<FoundDevice> found = FindDevices();
-    if (found.empty()) {
-        throw Error("no OpenCL device: install a driver (on Debian and Ubuntu: pocl-opencl-icd)");
-    }
-    const FoundDevice* chosen = ChooseDevice(found, name);
-    if (chosen == nullptr) {
-        throw Error("--device " + name +
-                        ": no OpenCL device has this in its name (see `hdstream devices`)",
-                    ErrorKind::Usage);
-    }
+    const FoundDevice chosen = ChooseDevice(FindDevices(), name);
     std::shared_ptr<Device> device(new Device);
-    device->_properties = chosen->properties;
+    device->_properties = chosen.properties;
     Handles& handles = *device->_handles;
-    handles.platform = chosen->platform;
-    handles.device = chosen->device;
+    handles.platform = chosen.platform;
+    handles.device = chosen.device;
     cl_int code = CL_SUCCESS;
-    handles.context = clCreateContext(nullptr, 1, &chosen->device, nullptr, nullptr, &code);
-    CheckOpenCl(code, "creating a context on " + chosen->properties.name);
-    handles.queue = clCreateCommandQueue(handles.context, chosen->device, 0, &code);
-    CheckOpenCl(code, "creating a queue on " + chosen->properties.name);
+    handles.context = clCreateContext(nullptr, 1, &chosen.device, nullptr, nullptr, &code);
+    CheckOpenCl(code, "creating a context on " + chosen.properties.name);
+    handles.queue = clCreateCommandQueue(handles.context, chosen.device, 0, &code);
+    CheckOpenCl(code, "creating a queue on " + chosen.properties.name);
     return device;
 }
 

@@ -32,6 +32,9 @@ struct DeviceProperties {
 /// All devices of all platforms, in the order of the ICD loader. Never throws.
 std::vector<DeviceProperties> ListDeviceProperties();
 
+/// The device that Device::Create takes by that name. \throws Error as it.
+DeviceProperties FindDevice(const std::string& name);
+
 /// A device, its context and one in-order queue. Externally synchronised.
 class Device {
 public:

@@ -39,6 +39,37 @@ void FilmBuffers::Reset(const AovLayout& layout, std::uint32_t width, std::uint3
     Resize(_device, "AOV ids", numPixels * layout.intsPerPixel * sizeof(std::int32_t), &_ints);
 }
 
+void FilmBuffers::Load(StageKernels* kernels, const std::vector<FilmSums>& start) {
+    const std::uint32_t numPixels = _width * _height;
+    for (std::size_t i = 0; i < start.size(); ++i) {
+        const FilmSums& sums = start[i];
+        if (sums.pixels.empty()) {
+            shared::HdsFilmPixel black{};
+            black.numSamples = sums.endSample;
+            const std::vector<shared::HdsFilmPixel> pixels(numPixels, black);
+            _film.Write(pixels.data(), _film.Bytes());
+        } else if (i == 0) {
+            _film.Write(sums.pixels.data(), _film.Bytes());
+        } else {
+            const Buffer block = UploadVector(_device, "block sums", sums.pixels);
+            kernels->addBlock.Launch(numPixels, _film, block, numPixels);
+            _device->Finish();
+        }
+    }
+}
+
+FilmSums FilmBuffers::Read(std::uint32_t firstSample, std::uint32_t endSample) const {
+    FilmSums sums;
+    sums.width = _width;
+    sums.height = _height;
+    sums.firstSample = firstSample;
+    sums.endSample = endSample;
+    sums.pixels.resize(std::size_t{_width} * _height);
+    _device->Finish();
+    _film.Read(sums.pixels.data(), _film.Bytes());
+    return sums;
+}
+
 bool FilmBuffers::NeedsFirstHits() const {
     return hds::NeedsFirstHits(_layout);
 }

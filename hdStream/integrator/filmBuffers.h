@@ -5,6 +5,7 @@
 
 #include "hdStream/device/device.h"
 #include "hdStream/film/aov.h"
+#include "hdStream/film/filmSums.h"
 #include "hdStream/integrator/stageKernels.h"
 #include "kernels/shared/frame.h"
 
@@ -21,6 +22,12 @@ public:
 
     /// A black film of that size with buffers for the AOVs. Keeps memory of the same size.
     void Reset(const AovLayout& layout, std::uint32_t width, std::uint32_t height);
+
+    /// Puts sums (CheckFilmSums) into the film, which is black. Blocks.
+    void Load(StageKernels* kernels, const std::vector<FilmSums>& start);
+
+    /// The sums as they are. Blocks. \param samples [first, end) that every pixel has.
+    FilmSums Read(std::uint32_t firstSample, std::uint32_t endSample) const;
 
     const Buffer& Film() const { return _film; }
     const Buffer& Floats() const { return _floats; }

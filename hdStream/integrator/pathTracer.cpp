@@ -53,7 +53,7 @@ struct PathTracer::Impl {
         return true;
     }
 
-    void Begin(RenderOptions newOptions) {
+    void Begin(RenderOptions newOptions, const std::vector<FilmSums>& start) {
         options = std::move(newOptions);
         statistics = {};
         previewStride = 0;
@@ -76,6 +76,21 @@ struct PathTracer::Impl {
             orderHeight = options.imageHeight;
             pixelOrder = MakePixelOrder(orderWidth, orderHeight);
             previewOrder = MakePreviewOrder(pixelOrder, orderWidth);
+        }
+        LoadFilm(start);
+    }
+
+    /// The film begins with sums; \post the members `first...`, `latePixels` and `lateEnd`.
+    void LoadFilm(const std::vector<FilmSums>& start) {
+        film.Load(kernels, start);
+        firstSample = start.empty() ? 0 : start.front().firstSample;
+        firstMissing = start.empty() ? 0 : start.back().endSample;
+        lateEnd = start.empty() ? 0 : start.back().MostSamples();
+        latePixels.clear();
+        if (lateEnd > firstMissing) {
+            const std::vector<shared::HdsFilmPixel>& sums = start.back().pixels;
+            std::copy_if(pixelOrder.begin(), pixelOrder.end(), std::back_inserter(latePixels),
+                         [&](std::uint32_t i) { return sums[i].numSamples == firstMissing; });
         }
     }
 
@@ -233,6 +248,21 @@ struct PathTracer::Impl {
         return true;
     }
 
+    /// A film that was loaded is a picture; the pass that was stopped in it, if any, is ended.
+    bool GoOn(const Timer& timer, const ProgressCallback& onProgress, bool* isStopped) {
+        previewStride = 1;
+        statistics.firstImageSeconds = timer.Seconds();
+        if (!latePixels.empty()) {
+            SetActivePixels(latePixels);
+            if (!RenderPixels(0, static_cast<std::uint32_t>(latePixels.size()), firstMissing,
+                              lateEnd - firstMissing, timer, onProgress, isStopped)) {
+                return false;
+            }
+        }
+        SetActivePixels(pixelOrder);
+        return true;
+    }
+
     /// Where the pass after `done` samples ends: block by block; for those who look at pictures
     /// doubling inside the first block, so that pictures follow each other soon.
     std::uint32_t PassEnd(std::uint32_t done) const {
@@ -256,7 +286,8 @@ struct PathTracer::Impl {
         Progress progress;
         progress.samplesDone = samplesDone;
         progress.samplesTotal = options.samples;
-        progress.fraction = std::min(1.0, samplesEquivalent / options.samples);
+        progress.fraction =
+            std::min(1.0, (samplesEquivalent - firstMissing) / (options.samples - firstMissing));
         progress.secondsElapsed = seconds;
         progress.previewStride = previewStride;
         progress.secondsLeft =
@@ -355,10 +386,12 @@ struct PathTracer::Impl {
     RenderResult Render(const ProgressCallback& onProgress) {
         const Timer timer;
         bool isStopped = false;
-        const bool hasFirst = options.showsPreviews
+        const bool isNew = firstMissing == 0 && latePixels.empty();
+        const bool hasFirst = !isNew ? GoOn(timer, onProgress, &isStopped)
+                              : options.showsPreviews
                                   ? RenderPreview(timer, onProgress, &isStopped)
                                   : RenderFirstSample(timer, onProgress, &isStopped);
-        std::uint32_t done = 0;
+        std::uint32_t done = firstMissing;
         double tracingSeconds = 0.0;
         const auto endPass = [&](std::uint32_t passEnd) {
             const double passSeconds = TracingSeconds() - tracingSeconds;
@@ -368,8 +401,10 @@ struct PathTracer::Impl {
             statistics.streamedSamples = buffers.IsStreaming() ? done : statistics.streamedSamples;
             isStopped = isStopped || !SettleIfWorth(done, secondsPerSample, timer, onProgress);
         };
-        if (hasFirst) {
+        if (hasFirst && isNew) {
             endPass(1);
+        } else if (hasFirst && !latePixels.empty()) {
+            endPass(lateEnd);
         }
         while (done < options.samples && !activePixels.empty() && !isStopped) {
             const std::uint32_t passEnd = PassEnd(done);
@@ -468,6 +503,10 @@ struct PathTracer::Impl {
     std::uint32_t orderWidth = 0;
     std::uint32_t orderHeight = 0;
     std::uint32_t previewStride = 0; ///< as Progress::previewStride
+    std::uint32_t firstSample = 0;   ///< where the film began
+    std::uint32_t firstMissing = 0;  ///< first sample that some pixel of the loaded film lacks
+    std::uint32_t lateEnd = 0;       ///< samples of the other pixels
+    std::vector<std::uint32_t> latePixels; ///< that a stopped pass of the loaded film left out
     std::vector<std::uint32_t> activePixels;
     Buffer frame;
     Buffer filter;
@@ -494,8 +533,8 @@ bool PathTracer::SetScene(const CommittedScene& scene, const ResidencyOptions& r
     return _impl->SetScene(scene, residency);
 }
 
-void PathTracer::Begin(RenderOptions options) {
-    _impl->Begin(std::move(options));
+void PathTracer::Begin(RenderOptions options, const std::vector<FilmSums>& start) {
+    _impl->Begin(std::move(options), start);
 }
 
 RenderResult PathTracer::Render(const ProgressCallback& onProgress) {
@@ -504,6 +543,10 @@ RenderResult PathTracer::Render(const ProgressCallback& onProgress) {
 
 std::vector<ImageLayer> PathTracer::Layers(bool withFirstHits) {
     return _impl->Layers(withFirstHits);
+}
+
+FilmSums PathTracer::Film() const {
+    return _impl->film.Read(_impl->firstSample, _impl->statistics.samples);
 }
 
 const RenderStatistics& PathTracer::Statistics() const {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "hdStream/device/program.h"
+#include "hdStream/film/filmSums.h"
 #include "hdStream/integrator/renderOptions.h"
 #include "hdStream/integrator/renderStatistics.h"
 #include "hdStream/integrator/sceneBuffers.h"
@@ -31,16 +32,20 @@ public:
     /// is needed for it (SceneBuffers::Update). \throws Error when it does not fit the device.
     bool SetScene(const CommittedScene& scene, const ResidencyOptions& residency);
 
-    /// Readies a black film, path state and kernels for a render of the scene.
+    /// Readies a film, path state and kernels for a render of the scene. \param start the film has
+    /// these sums (CheckFilmSums), and the samples that follow are rendered; empty: all are.
     /// \throws Error when memory runs out or a kernel does not build.
-    void Begin(RenderOptions options);
+    void Begin(RenderOptions options, const std::vector<FilmSums>& start = {});
 
-    /// Renders all samples. Blocks; once after each Begin.
+    /// Renders all samples that the film lacks. Blocks; once after each Begin.
     RenderResult Render(const ProgressCallback& onProgress);
 
     /// The AOVs of the options as rendered so far, also inside onProgress. \param withFirstHits
     /// traces the rays that find first-hit AOVs if that has not been done since Begin.
     std::vector<ImageLayer> Layers(bool withFirstHits);
+
+    /// The sums of the film as rendered so far. Blocks.
+    FilmSums Film() const;
 
     /// What pools have done counts from 0 again. Before the SetScene of a render.
     void BeginStatistics();

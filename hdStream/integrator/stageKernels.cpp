@@ -98,6 +98,7 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
     resolve = frameProgram->GetKernel("resolve_addSamples");
     develop = frameProgram->GetKernel("film_develop");
     relativeError = frameProgram->GetKernel("film_relativeError");
+    addBlock = frameProgram->GetKernel("film_addBlock");
     const Program* intersectProgram = build(kIntersect);
     intersect = intersectProgram->GetKernel("intersect_closest");
     shade = build(kShade)->GetKernel("shade_paths");

@@ -74,6 +74,7 @@ public:
     Kernel resolve;
     Kernel develop;
     Kernel relativeError;
+    Kernel addBlock;
 
     /// Bytes of path state a path needs with these features.
     std::uint64_t PathStateBytes() const { return _pathStateBytes; }

@@ -2,6 +2,7 @@
 #include "hdStream/python/bindings.h"
 #include "hdStream/session/session.h"
 
+#include <cstring>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/map.h>
@@ -30,6 +31,19 @@ nb::object PixelsOf(nb::handle self) {
     return nb::cast(nb::ndarray<nb::numpy, const float>(layer.values.data(), 3, shape, self));
 }
 
+/// A copy of an array [height][width] of ids as a layer.
+ImageLayer LayerFromIds(const std::string& name, const std::vector<std::string>& channels,
+                        const nb::ndarray<const std::int32_t, nb::ndim<2>, nb::c_contig>& ids) {
+    ImageLayer layer;
+    layer.name = name;
+    layer.channels = channels;
+    layer.isInteger = true;
+    layer.height = static_cast<std::uint32_t>(ids.shape(0));
+    layer.width = static_cast<std::uint32_t>(ids.shape(1));
+    layer.ids.assign(ids.data(), ids.data() + ids.size());
+    return layer;
+}
+
 /// A copy of an array [height][width][channels] as a layer of floats.
 ImageLayer LayerFromPixels(const std::string& name, const std::vector<std::string>& channels,
                            const nb::ndarray<const float, nb::ndim<3>, nb::c_contig>& pixels) {
@@ -54,6 +68,13 @@ void BindWriting(nb::module_& module) {
                 new (self) ImageLayer(LayerFromPixels(name, channels, pixels));
             },
             "name"_a, "channels"_a, "pixels"_a)
+        .def(
+            "__init__",
+            [](ImageLayer* self, const std::string& name, const std::vector<std::string>& channels,
+               const nb::ndarray<const std::int32_t, nb::ndim<2>, nb::c_contig>& ids) {
+                new (self) ImageLayer(LayerFromIds(name, channels, ids));
+            },
+            "name"_a, "channels"_a, "ids"_a)
         .def_ro("name", &ImageLayer::name)
         .def_ro("channels", &ImageLayer::channels)
         .def_ro("isInteger", &ImageLayer::isInteger)
@@ -98,6 +119,53 @@ void BindWriting(nb::module_& module) {
     module.def("AovTable", &AovTable, "All AOVs.");
 }
 
+constexpr std::size_t kFilmWords = sizeof(shared::HdsFilmPixel) / sizeof(std::uint32_t);
+
+/// A copy of an array [height][width][kFilmWords]; one of no pixels: a film without samples.
+FilmSums
+FilmSumsFromWords(std::uint32_t width, std::uint32_t height, std::uint32_t firstSample,
+                  std::uint32_t endSample,
+                  const nb::ndarray<const std::uint32_t, nb::ndim<3>, nb::c_contig>& words) {
+    FilmSums sums{width, height, firstSample, endSample, {}};
+    if (words.size() > 0) {
+        if (words.shape(0) != height || words.shape(1) != width || words.shape(2) != kFilmWords) {
+            throw nb::value_error("the array is not [height][width] pixels of a film");
+        }
+        sums.pixels.resize(std::size_t{width} * height);
+        std::memcpy(sums.pixels.data(), words.data(), words.size() * sizeof(std::uint32_t));
+    }
+    return sums;
+}
+
+void BindFilmSums(nb::module_& module) {
+    nb::class_<FilmSums>(module, "FilmSums", "Sums of a range of samples of all pixels.")
+        .def(
+            "__init__",
+            [](FilmSums* self, std::uint32_t width, std::uint32_t height, std::uint32_t firstSample,
+               std::uint32_t endSample,
+               const nb::ndarray<const std::uint32_t, nb::ndim<3>, nb::c_contig>& words) {
+                new (self)
+                    FilmSums(FilmSumsFromWords(width, height, firstSample, endSample, words));
+            },
+            "width"_a, "height"_a, "firstSample"_a, "endSample"_a, "words"_a)
+        .def_ro("width", &FilmSums::width)
+        .def_ro("height", &FilmSums::height)
+        .def_ro("firstSample", &FilmSums::firstSample)
+        .def_ro("endSample", &FilmSums::endSample)
+        .def("MostSamples", &FilmSums::MostSamples)
+        .def_prop_ro(
+            "words",
+            [](nb::handle self) {
+                const auto& sums = nb::cast<const FilmSums&>(self);
+                const bool isBlack = sums.pixels.empty();
+                const std::size_t shape[3] = {isBlack ? 0 : sums.height, sums.width, kFilmWords};
+                return nb::cast(nb::ndarray<nb::numpy, const std::uint32_t>(
+                    reinterpret_cast<const std::uint32_t*>(sums.pixels.data()), 3, shape, self));
+            },
+            "The film's memory, uint32 [height][width][words]; no rows without samples.");
+    module.attr("SAMPLE_BLOCK") = HDS_SAMPLE_BLOCK;
+}
+
 void BindComparing(nb::module_& module) {
     nb::class_<LayerDifference>(module, "LayerDifference", "Difference of one layer.")
         .def_ro("name", &LayerDifference::name)
@@ -121,6 +189,7 @@ void BindComparing(nb::module_& module) {
 
 void BindImages(nb::module_& module) {
     BindWriting(module);
+    BindFilmSums(module);
     BindComparing(module);
 }
 

@@ -50,7 +50,8 @@ Session::WarningSink WarningSinkFromPython(nb::object onWarning) {
 
 /// Renders without the GIL. The callback (Progress) -> bool and pending signals are looked at on
 /// every progress report; an exception of either stops the render and is raised when it has ended.
-RenderResult Render(Session& session, const Settings& settings, nb::object onProgress) {
+RenderResult Render(Session& session, const Settings& settings, nb::object onProgress,
+                    const std::vector<FilmSums>& start) {
     std::optional<nb::python_error> raised;
     const auto onReport = [&](const Progress& progress) {
         const nb::gil_scoped_acquire gil;
@@ -67,7 +68,7 @@ RenderResult Render(Session& session, const Settings& settings, nb::object onPro
     RenderResult result = RenderResult::Stopped;
     {
         const nb::gil_scoped_release released;
-        result = session.Render(settings, onReport);
+        result = session.Render(settings, onReport, false, start);
     }
     if (raised) {
         throw nb::python_error(std::move(*raised));
@@ -170,6 +171,8 @@ void BindDevices(nb::module_& module) {
         .def_ro("computeUnits", &DeviceInfo::computeUnits)
         .def_ro("isCpu", &DeviceInfo::isCpu);
     module.def("ListDevices", &ListDevices, ReleaseGil(), "All OpenCL devices of the machine.");
+    module.def("FindDevice", &FindDevice, ReleaseGil(), "name"_a,
+               "The device that renders when it is asked for by that part of its name.");
 
     nb::class_<CacheState>(module, "CacheState", "The persistent cache.")
         .def_ro("directory", &CacheState::directory)
@@ -221,7 +224,10 @@ void BindSession(nb::module_& module) {
         .def("Warnings", &Session::Warnings, ReleaseGil())
         .def("Dump", &Session::Dump, ReleaseGil())
         .def("Info", &Session::Info, ReleaseGil())
-        .def("Render", &Render, "settings"_a, "onProgress"_a = nb::none())
+        .def("Render", &Render, "settings"_a, "onProgress"_a = nb::none(),
+             "start"_a = std::vector<FilmSums>())
+        .def("Film", &Session::Film, ReleaseGil())
+        .def("Redice", &Session::Redice)
         .def("HasImage", &Session::HasImage)
         .def("Layers", &Session::Layers, ReleaseGil(), "withFirstHits"_a = true)
         .def("FlushTextures", &Session::FlushTextures, ReleaseGil())

@@ -153,7 +153,8 @@ struct Session::Impl {
     }
 
     RenderResult Render(const Settings& settings, const CameraPrim& camera,
-                        const ProgressCallback& onProgress, bool showsPreviews) {
+                        const ProgressCallback& onProgress, bool showsPreviews,
+                        const std::vector<FilmSums>& film) {
         const auto start = std::chrono::steady_clock::now();
         ReadyDevice(settings);
         ReadyDenoiser(settings);
@@ -175,7 +176,7 @@ struct Session::Impl {
         if (!Commit(settings, isCancelled)) {
             return RenderResult::Stopped;
         }
-        tracer->Begin(std::move(options));
+        tracer->Begin(std::move(options), film);
         hasFilm = true;
         const RenderStatistics& rendered = tracer->Statistics();
         statistics.device = device.get();
@@ -288,9 +289,13 @@ std::string Session::Info() const {
 }
 
 RenderResult Session::Render(const Settings& settings, const ProgressCallback& onProgress,
-                             bool showsPreviews) {
+                             bool showsPreviews, const std::vector<FilmSums>& start) {
     Impl& impl = *_impl;
     CheckSettings(settings);
+    CheckFilmSums(start, settings.imageWidth, settings.imageHeight, settings.samples);
+    if (!start.empty() && settings.noise > 0.0) {
+        throw Error("--noise: adaptive samples cannot be split or continued", ErrorKind::Usage);
+    }
     const auto camera = impl.description.cameras.find(settings.camera);
     if (camera == impl.description.cameras.end()) {
         throw Error("--camera " + settings.camera + ": the stage has no such camera",
@@ -298,7 +303,7 @@ RenderResult Session::Render(const Settings& settings, const ProgressCallback& o
     }
     impl.hasFilm = false;
     try {
-        return impl.Render(settings, camera->second, onProgress, showsPreviews);
+        return impl.Render(settings, camera->second, onProgress, showsPreviews, start);
     } catch (...) {
         // What is in device memory is not known, and contexts that ran out of it may be of no use.
         impl.hasFilm = false;
@@ -320,6 +325,13 @@ std::vector<ImageLayer> Session::Layers(bool withFirstHits) const {
         layers.resize(_impl->denoisedAovs.size()); // without the guides that were added
     }
     return layers;
+}
+
+FilmSums Session::Film() const {
+    if (!_impl->hasFilm) {
+        throw Error("nothing has been rendered yet");
+    }
+    return _impl->tracer->Film();
 }
 
 bool Session::HasImage() const {

@@ -4,9 +4,11 @@
 #pragma once
 
 #include "hdStream/base/error.h"
+#include "hdStream/base/version.h"
 #include "hdStream/device/device.h"
 #include "hdStream/film/compare.h"
 #include "hdStream/film/denoiser.h"
+#include "hdStream/film/filmSums.h"
 #include "hdStream/film/imageWriter.h"
 #include "hdStream/geometry/implicitMesh.h"
 #include "hdStream/integrator/renderOptions.h"
@@ -81,8 +83,15 @@ public:
     /// \throws Error when there is no device, memory runs out, or a setting is wrong.
     /// \param showsPreviews someone looks at the film in onProgress: it is filled from coarse to
     /// fine. The final picture is the same.
+    /// \param start the film begins with these sums of other renders of the same scene and
+    /// settings, and the samples that follow are rendered; the bits are those of one render. A film
+    /// without pixels begins a range of samples (docs/film.md). Not with --noise.
     RenderResult Render(const Settings& settings, const ProgressCallback& onProgress = {},
-                        bool showsPreviews = false);
+                        bool showsPreviews = false, const std::vector<FilmSums>& start = {});
+
+    /// The sums of the film as rendered so far: what another render, on any machine with the same
+    /// device model, can begin with. \throws Error before the first Render.
+    FilmSums Film() const;
 
     /// The film as rendered so far, one layer an AOV of the settings. May be called inside
     /// onProgress. \param withFirstHits false: the AOVs of the first hit are left at their clear

@@ -69,3 +69,17 @@ kernel void film_relativeError(global const HdsFilmPixel* film, int width, int h
                                 film_windowVariance(film, (int2)(width, height), at));
     errors[i] = sqrt(variance / fmax((float)pixel.numSamples, 1.0f));
 }
+
+/* Adds the sums of the block that follows to each pixel: `film` is at its first sample. Global
+ * size: numPixels. */
+kernel void film_addBlock(global HdsFilmPixel* film, global const HdsFilmPixel* block,
+                          uint numPixels) {
+    uint i = (uint)get_global_id(0);
+    if (i >= numPixels) {
+        return;
+    }
+    HdsFilmPixel pixel = film[i];
+    const HdsFilmPixel added = block[i];
+    filmPixel_addBlock(&pixel, &added);
+    film[i] = pixel;
+}

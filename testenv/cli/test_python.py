@@ -1,15 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The package from Python: the example of docs/command-line.md, exceptions, callbacks."""
-
-import pathlib
-import re
+"""The bound core from Python: exceptions, callbacks, lives of objects. The package's interface: testenv/python."""
 
 import numpy as np
 import pytest
 
 from cliCase import WriteStage
-
-PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "command-line.md"
 
 
 def MakeSession(tmp_path):
@@ -23,18 +18,6 @@ def MakeSession(tmp_path):
     settings.camera = "/main_cam"
     settings.imageWidth, settings.imageHeight, settings.samples = 8, 5, 4
     return session, settings
-
-
-def test_example_of_the_page_runs(tmp_path, monkeypatch, capsys):
-    block = re.search(r"From Python:\n\n((?:    .*\n|\n)+)", PAGE.read_text(encoding="utf-8")).group(1)
-    code = "\n".join(line[4:] for line in block.splitlines())
-    WriteStage(tmp_path)
-    monkeypatch.chdir(tmp_path)
-    # Its camera is another one, its image larger than a test needs.
-    code = code.replace("/World/camera", "/main_cam").replace(
-        "session.Render", "settings.imageWidth = settings.imageHeight = 8; settings.samples = 1; session.Render")
-    exec(compile(code, str(PAGE), "exec"), {})
-    assert "(8, 8, 4)" in capsys.readouterr().out
 
 
 def test_errors_are_exceptions(tmp_path):

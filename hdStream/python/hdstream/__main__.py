@@ -5,4 +5,5 @@ import sys
 
 from hdstream.cli import Main
 
-sys.exit(Main())
+if __name__ == "__main__":  # processes that multiprocessing starts read this module too
+    sys.exit(Main())

@@ -104,7 +104,9 @@ def _Importer(name):
 
     def Run(args):
         from importlib import import_module
-        return import_module(f"hdstream.{name}").Run(args)
+        with Interruption():  # modules in C++ swallow Ctrl-C while they are loaded
+            module = import_module(f"hdstream.{name}")
+        return module.Run(args)
 
     return Run
 
@@ -134,12 +136,27 @@ def _AddRecordOptions(command):
     picture = command.add_argument_group("what to write")
     for name in ("aovs", "denoise"):
         options.AddSetting(picture, name)
+    _AddFarmOptions(command.add_argument_group("other machines, and going on (docs/farm.md)"))
     _AddStreamingOptions(command.add_argument_group("memory and streaming"))
     machine = command.add_argument_group("machine and reports")
     for name in ("device", "cacheDirectory", "noCache"):
         options.AddSetting(machine, name)
     machine.add_argument("--stats", metavar="FILE", help="write statistics as JSON")
     machine.add_argument("--quiet", action="store_true", help="no progress bar")
+
+
+def _AddFarmOptions(group):
+    group.add_argument("--resume", action="store_true",
+                       help="leave frames that are there already, go on with those that have fewer samples, and keep "
+                            "what that takes beside the images (OUT.sums)")
+    cluster = group.add_mutually_exclusive_group()
+    cluster.add_argument("--scheduler", metavar="ADDRESS", help="render on the workers of this dask.distributed scheduler")
+    cluster.add_argument("--workers", type=options.IntegerIn(1, 1024), metavar="N",
+                         help="render in N processes of this machine")
+    group.add_argument("--split", choices=("frames", "samples", "tiles"),
+                       help="what is spread over workers (default: frames; the samples of a single frame)")
+    group.add_argument("--parts", type=options.IntegerIn(1, 1 << 20), metavar="N",
+                       help="parts of a frame that is split (default: as many as workers)")
 
 
 def _AddUsdrecordOptions(group):

@@ -22,18 +22,21 @@ class ProgressBar:
         self._length = 0
 
     def Update(self, progress):
+        self.Show(progress.fraction, f"{progress.samplesDone}/{progress.samplesTotal} samples, "
+                                     f"{SecondsText(progress.secondsLeft)} left")
+
+    def Show(self, fraction, text):
+        """`fraction` of the work is done, which `text` says in words."""
         now = time.monotonic()
         if not self._isShown or now - self._lastDraw < _INTERVAL:
             return
         self._lastDraw = now
-        text = (f"{progress.samplesDone}/{progress.samplesTotal} samples, "
-                f"{SecondsText(progress.secondsLeft)} left")
-        percent = f"{100.0 * progress.fraction:3.0f}% "
+        percent = f"{100.0 * fraction:3.0f}% "
         room = shutil.get_terminal_size().columns - len(self._label) - len(percent) - len(text) - 4
         bar = ""
         if room >= 10:
             cells = min(room, 40)
-            done = int(round(cells * min(1.0, progress.fraction)))
+            done = int(round(cells * min(1.0, fraction)))
             bar = "[" + "#" * done + "." * (cells - done) + "] "
         self._Draw(self._label + percent + bar + text)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Matrices in the headers of OpenEXR files; pixels are the core's. Format: openexr.com, "OpenEXR File Layout"."""
+"""Matrices and texts in the headers of OpenEXR files; pixels are the core's. Format: openexr.com, "OpenEXR File Layout"."""
 
 import struct
 
@@ -15,27 +15,38 @@ def ReadMatrices(asset):
 
     `asset` is an AssetReference, so that files in packages count too.
     """
+    def Convert(kind, data):
+        return Gf.Matrix4d(*struct.unpack(_MATRICES[kind], data))
+
+    return _ReadHeader(asset.file, asset.offset, _MATRICES, Convert)
+
+
+def ReadTexts(file):
+    """{name: text} of a file's first part; empty for what is no OpenEXR file or is cut off."""
+    return _ReadHeader(file, 0, ("string",), lambda _, data: data.decode("utf-8", "replace"))
+
+
+def _ReadHeader(file, offset, kinds, convert):
     try:
-        with open(asset.file, "rb") as stream:
-            stream.seek(asset.offset)
-            return _ReadMatrices(stream) if stream.read(8)[:4] == _MAGIC else {}
+        with open(file, "rb") as stream:
+            stream.seek(offset)
+            return _ReadAttributes(stream, kinds, convert) if stream.read(8)[:4] == _MAGIC else {}
     except (OSError, struct.error, ValueError):
         return {}
 
 
-def _ReadMatrices(stream):
-    matrices = {}
+def _ReadAttributes(stream, kinds, convert):
+    values = {}
     while True:
         name = _ReadName(stream)
         if not name:
-            return matrices
+            return values
         kind = _ReadName(stream)
         size, = struct.unpack("<i", stream.read(4))
-        layout = _MATRICES.get(kind)
-        if layout:
-            matrices[name] = Gf.Matrix4d(*struct.unpack(layout, stream.read(size)))
-        elif size < 0:
+        if size < 0:
             raise ValueError(f"attribute {name} of {size} bytes")
+        if kind in kinds:
+            values[name] = convert(kind, stream.read(size))
         else:
             stream.seek(size, 1)
 

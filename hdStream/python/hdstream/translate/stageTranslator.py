@@ -57,6 +57,8 @@ class StageTranslator:
         self._meshes = MeshBatch(session, self._links, self._reports.Warn)
         self._drawModes = drawModes.DrawModes(self, session, self._timeCode, self._assets, self._reports)
         self._instancers = Instancers(self, stage, session, self._timeCode, self._links, self._reports)
+        self._kept = {}  # scene path -> MeshPrim of before, whose mesh is as it was
+        self.materialPaths = set()  # of the materials that were translated
         self.numPrims = 0  # prims visited, instance proxies of first instances included
         self._handlers = self._MakeHandlers()
 
@@ -66,20 +68,44 @@ class StageTranslator:
         isCollecting = gc.isenabled()
         gc.disable()
         try:
-            self._Translate()
+            self._Translate(self._stage.GetPseudoRoot().GetFilteredChildren(PREDICATE), State())
         finally:
             if isCollecting:
                 gc.enable()
 
-    def _Translate(self):
-        world = Context()
-        children = self._stage.GetPseudoRoot().GetFilteredChildren(PREDICATE)
-        self.Walk(children, State(), world)
-        primByPath = self._meshes.Flush()
+    def TranslateBelow(self, prim, ancestors, keptMeshes):
+        """Translates a prim and all below it. `keptMeshes`: scene path -> MeshPrim whose arrays still hold."""
+        self._kept = keptMeshes
+        state = State()
+        for ancestor in ancestors:
+            info = self._types.get(ancestor.GetTypeName()) or self._AddType(ancestor)
+            state = self._StateOf(ancestor, info, ancestor.GetAuthoredPropertyNames(), state)
+        self._Translate([prim], state)
+
+    def TranslateMaterial(self, prim):
+        """Reads a material of the scene again."""
+        self._SetMaterials({prim.GetPath().pathString: prim})
+        self._End()
+
+    def Paths(self):
+        """Scene paths of the meshes and lights that were translated."""
+        return self._paths
+
+    def _Translate(self, prims, state):
+        self.Walk(prims, state, Context())
+        self._SetMaterials(self._meshes.Flush())
+        self._End()
+
+    def _End(self):
+        """Breaks the cycles of references, so that a stage and its layers go with their last user."""
+        self._reports.Flush()
+        self._handlers = self._types = self._instancers = self._drawModes = None
+
+    def _SetMaterials(self, primByPath):
         reader = MaterialReader(self._timeCode, self._assets, self._reports.Warn)
         for path, prim in primByPath.items():
             self._session.SetMaterial(path, reader.Read(prim))
-        self._reports.Flush()
+        self.materialPaths.update(primByPath)
 
     # --- Traversal -------------------------------------------------------------------------------
 
@@ -210,7 +236,7 @@ class StageTranslator:
         skin = None
         if state.skelRoot is not None:
             skin = lambda mesh, points: self._skinning.PointsOf(mesh, state.skelRoot, points)
-        mesh = meshes.ReadMesh(prim, names, state.primvars, self._timeCode, skin)
+        mesh = self._KeptMesh(prim, context) or meshes.ReadMesh(prim, names, state.primvars, self._timeCode, skin)
         if mesh is None:
             return state
         self._CheckMeshLight(prim)
@@ -218,8 +244,8 @@ class StageTranslator:
         return state
 
     def _OnImplicit(self, prim, schema, names, state, context):
-        mesh = meshes.ReadImplicit(prim, schema, names, state.primvars, self._timeCode,
-                                   self._reports.Warn)
+        mesh = self._KeptMesh(prim, context) or meshes.ReadImplicit(
+            prim, schema, names, state.primvars, self._timeCode, self._reports.Warn)
         self._AddMesh(prim, names, mesh, state, context)
         return state
 
@@ -242,6 +268,11 @@ class StageTranslator:
         for splitPath, splitPrim in self._instancers.Split(path, prim, meshPrim):
             self._meshes.Add(splitPath, prim, splitPrim, [])
 
+    def _KeptMesh(self, prim, context):
+        """The mesh of before when it still holds, else None."""
+        kept = self._kept.get(context.ScenePath(prim))
+        return kept.mesh if kept else None
+
     def _AddMesh(self, prim, names, mesh, state, context):
         subsets = []
         subsetPrims = []
@@ -252,10 +283,14 @@ class StageTranslator:
                     subset.name = context.ScenePath(child)
                     subsets.append(subset)
                     subsetPrims.append(child)
-        if subsets:
-            mesh.subsets = subsets
         path, placement = self._Place(prim, state, context)
-        meshPrim = _core.MeshPrim(mesh, placement, state.purpose)
+        meshPrim = self._kept.get(path)
+        if meshPrim:  # the core knows a mesh by its identity
+            meshPrim.placement, meshPrim.purpose = placement, state.purpose
+        else:
+            if subsets:
+                mesh.subsets = subsets
+            meshPrim = _core.MeshPrim(mesh, placement, state.purpose)
         if "doubleSided" in names or prim.GetTypeName() == "Plane":  # whose fallback is true
             meshPrim.doubleSided = bool(prim.GetAttribute("doubleSided").Get(self._timeCode))
         for splitPath, splitPrim in self._instancers.Split(path, prim, meshPrim):

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Frames of one stage written to files: what `hdstream record` does here and what a farm's workers do."""
+
+import dataclasses
+import json
+import os
+from typing import Any, Dict, Optional, Tuple
+
+from hdstream import _core, filmSums
+from hdstream.errors import CommandError
+from hdstream.renderer import Image, Renderer
+from hdstream.resume import AssetHashes, KeyOf, SamplesInFile, TextsOf
+
+
+@dataclasses.dataclass
+class Job:
+    """What all frames have in common. Plain values: it travels to other machines."""
+
+    stage: str
+    mask: Tuple[str, ...] = ()
+    settings: Dict[str, Any] = dataclasses.field(default_factory=dict)  # what the user said, by name
+    renderSettingsPrimPath: Optional[str] = None
+    colorCorrectionMode: str = ""
+    resumes: bool = False
+
+
+@dataclasses.dataclass
+class Frame:
+    """One frame of a job."""
+
+    timeCode: float
+    file: str
+    statsFile: Optional[str] = None
+
+
+class FrameWriter:
+    """Prepares, renders and writes frames of a job, one after another. One thread at a time."""
+
+    def __init__(self, job, onWarning):
+        self._job = job
+        self._assetHashes = AssetHashes()
+        self._key = ""
+        self.renderer = Renderer(job.stage, job.mask, onWarning)
+
+    def Prepare(self, frame):
+        """Translates; returns False when the file of the frame is there already."""
+        self._Prepare(frame)
+        if not self._job.resumes:
+            return True
+        self._key = KeyOf(self.renderer, self._assetHashes, self._FileFormat(frame.file))
+        return self._SamplesOf(frame.file) < self.renderer.settings["samples"]
+
+    def PrepareSamples(self, frame, samples):
+        """For a render that ends after so many samples and whose sums alone are asked for."""
+        self._Prepare(frame, samples=samples, aovs=["color"], denoise=False)
+
+    def PrepareCrop(self, frame, crop):
+        """For the part (left, top, right, bottom) of the image."""
+        self._Prepare(frame, crop=crop)
+
+    def _Prepare(self, frame, **further):
+        values = {**self._job.settings, **further}
+        self.renderer.Prepare(frame.timeCode, renderSettingsPrimPath=self._job.renderSettingsPrimPath, **values)
+
+    def Render(self, frame, onProgress=None):
+        """The picture; from the samples on that were kept, when the job resumes."""
+        return self.renderer.RenderPrepared(onProgress, self.StartOf(frame))
+
+    def Finish(self, frame, image: Image):
+        """Writes picture, sums and statistics; returns False for a picture without a whole sample, which is not written."""
+        settings = self.renderer.settings
+        done = settings["samples"] if image.isComplete else image.samples
+        if self._job.resumes and _CanGoOn(settings) and "device" in image.statistics:
+            # Before the picture: one that is whole has its sums.
+            filmSums.Save(filmSums.FileOf(frame.file), self.renderer.Sums(), self._key, image.statistics["device"]["name"])
+        if image.samples == 0:
+            return False
+        texts = TextsOf(self._key, done) if self._job.resumes else {}
+        left = image.Write(frame.file, self._job.colorCorrectionMode, texts)
+        if left:
+            self.renderer.Warn(frame.file, f"no room in this format for {', '.join(left)}; use .exr")
+        if frame.statsFile:
+            WriteText("--stats", frame.statsFile, json.dumps(image.statistics, indent=2) + "\n")
+        return True
+
+    def _FileFormat(self, file):
+        """What the bits of a file depend on besides the picture."""
+        extension = os.path.splitext(file)[1].lower()
+        isDisplay = extension in (".png", ".jpg", ".jpeg")
+        return f"{extension} {self._job.colorCorrectionMode or os.environ.get('OCIO', '')}" if isDisplay else extension
+
+    def _SamplesOf(self, file):
+        if os.path.splitext(file)[1].lower() == ".exr":
+            return SamplesInFile(file, self._key)
+        kept, _ = filmSums.Load(filmSums.FileOf(file), self._key)
+        return kept.endSample if kept and os.path.exists(file) else 0
+
+    def StartOf(self, frame):
+        """The sums that were kept of a prepared frame: one or none."""
+        settings = self.renderer.settings
+        if not self._job.resumes or not _CanGoOn(settings):
+            return ()
+        kept, device = filmSums.Load(filmSums.FileOf(frame.file), self._key)
+        if kept is None or kept.endSample >= settings["samples"]:
+            return ()
+        own = _core.FindDevice(settings["device"]).name
+        if device != own:
+            self.renderer.Warn(frame.file, f"samples of {device} are continued on {own}: its bits are those of neither")
+        return (kept,)
+
+
+def _CanGoOn(settings):
+    """Pixels of adaptive renders stop at different samples."""
+    return settings["noise"] == 0.0
+
+
+def WriteText(option, file, text):
+    """Raises CommandError that names the option."""
+    try:
+        with open(file, "w", encoding="utf-8") as stream:
+            stream.write(text)
+    except OSError as error:
+        raise CommandError(f"{option} {file}: {error.strerror}") from None

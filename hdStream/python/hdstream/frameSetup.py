@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The settings and the camera of a frame: of the caller, else of the render settings prim, else defaults."""
+
+import numpy as np
+from pxr import Gf, Usd, UsdGeom
+
+from hdstream import _core
+from hdstream.diagnostics import MessagesOf, TfError
+from hdstream.errors import CommandError, UsageError
+from hdstream.framing import FREE_CAMERA_PATH, MakeFramingCamera
+from hdstream.renderSettings import DataWindow
+from hdstream.translate.cameras import CameraFromGf, ReadCamera
+
+_DEFAULT_WIDTH = 960
+# Settings that SetCamera completes from the camera and the render settings prim.
+_FRAMED = ("camera", "imageWidth", "imageHeight")
+
+
+def MakeSettings(values, prim):
+    """The core's settings of `values` (names of the settings table; None: not given) and a render settings prim."""
+    settings = _core.Settings()
+    for name, value in prim.values.items():
+        _core.SetSetting(settings, name, value)
+    settings.purposes = list(_WithDefault(prim.purposes) or settings.purposes)
+    if prim.aovs:
+        settings.aovs = prim.aovs
+    if prim.pixelAspectRatio:
+        settings.pixelAspectRatio = prim.pixelAspectRatio
+    for name, value in values.items():
+        if value is None or name in _FRAMED:
+            continue
+        if name == "purposes":
+            value = _WithDefault(value)
+        _core.SetSetting(settings, name, list(value) if isinstance(value, tuple) else value)
+    return settings
+
+
+def _WithDefault(purposes):
+    if purposes is None:
+        return None
+    return ["default"] + [purpose for purpose in purposes if purpose != "default"]
+
+
+class Framing:
+    """Puts the render camera into a scene and completes the settings."""
+
+    def __init__(self, stage, session, renderSettings, width, height, crop):
+        """`width`, `height`, `crop`: of the caller, None where it does not say."""
+        self._stage = stage
+        self._session = session
+        self._renderSettings = renderSettings
+        self._width = width
+        self._height = height
+        self._crop = crop
+
+    def SetCamera(self, prim, timeCode, settings):
+        """`prim`: of the camera; None frames the stage. Returns the core's camera."""
+        usdTime = Usd.TimeCode(timeCode)
+        if prim is None:
+            gfCamera = MakeFramingCamera(self._stage, usdTime, settings.purposes)
+            camera = CameraFromGf(gfCamera)
+            settings.camera = FREE_CAMERA_PATH
+        else:
+            settings.camera = prim.GetPath().pathString
+            try:
+                gfCamera = UsdGeom.Camera(prim).GetCamera(usdTime)
+                camera = ReadCamera(prim, usdTime)
+            except TfError as error:
+                raise CommandError(f"camera {settings.camera} cannot be read: {'; '.join(MessagesOf(error))}") from None
+        if not camera.horizontalAperture > 0.0 or not camera.verticalAperture > 0.0:
+            self._session.Warn(settings.camera, "aperture is not above 0; 20.955 x 15.2908 is used")
+            gfCamera = Gf.Camera()
+            camera.horizontalAperture, camera.verticalAperture = 2.0955, 1.52908
+        if self._renderSettings.disableDepthOfField:
+            camera.fStop = 0.0
+        self._SetImageSize(gfCamera.aspectRatio, settings)
+        self._SetDataWindow(settings)
+        if self._crop is not None:
+            _Crop(self._crop, settings)
+        self._session.SetCamera(settings.camera, camera)
+        return camera
+
+    def _SetImageSize(self, aspect, settings):
+        """usdrecord's rule: the height follows from the width and the camera's aspect ratio."""
+        resolution = self._renderSettings.resolution
+        width, height = self._width, self._height
+        if width is None and height is None and resolution:
+            width, height = resolution
+        width = width or _DEFAULT_WIDTH
+        if height is None:
+            # As usdrecord: cut off, computed with floats; what the rounding leaves is the width's.
+            pixels = np.float32(settings.pixelAspectRatio) * np.float32(width)
+            height = max(1, int(pixels / np.float32(aspect)))
+            settings.conformPolicy = "adjustApertureWidth"
+        settings.conformPolicy = self._renderSettings.conformPolicy or settings.conformPolicy
+        _core.SetSetting(settings, "imageWidth", width)
+        _core.SetSetting(settings, "imageHeight", height)
+
+    def _SetDataWindow(self, settings):
+        """The render settings' data window: the image is that part of the full image."""
+        windowNDC = self._renderSettings.dataWindowNDC
+        if windowNDC is None:
+            return
+        left, top, right, bottom = DataWindow(windowNDC, settings.imageWidth, settings.imageHeight)
+        if right <= left or bottom <= top:
+            self._session.Warn(self._renderSettings.path, "dataWindowNDC holds no pixel; ignored")
+            return
+        _SetWindow((left, top, right, bottom), settings)
+
+
+def _Crop(crop, settings):
+    left, top, right, bottom = crop
+    if not (0 <= left < right <= settings.imageWidth and 0 <= top < bottom <= settings.imageHeight):
+        raise UsageError(f"crop {tuple(crop)}: not inside the image of {settings.imageWidth}x{settings.imageHeight} pixels")
+    _SetWindow(crop, settings)
+
+
+def _SetWindow(window, settings):
+    """The image becomes the part (left, top, right, bottom) of itself, with the same bits."""
+    if not any(settings.displayWindow):
+        settings.displayWindow = [0.0, 0.0, float(settings.imageWidth), float(settings.imageHeight)]
+    left, top, right, bottom = window
+    x, y = settings.dataWindowMin
+    settings.dataWindowMin = [x + left, y + top]
+    settings.imageWidth, settings.imageHeight = right - left, bottom - top
+
+
+def MakeMetadata(settings, camera):
+    """What the EXR says of the camera, in Gf's convention (row vectors), as OpenEXR's own names."""
+    gfCamera = Gf.Camera()
+    gfCamera.transform = Gf.Matrix4d(camera.worldFromCamera.tolist())
+    gfCamera.projection = Gf.Camera.Orthographic if camera.orthographic else Gf.Camera.Perspective
+    for name in ("horizontalAperture", "verticalAperture", "horizontalApertureOffset",
+                 "verticalApertureOffset", "focalLength"):
+        setattr(gfCamera, name, 10.0 * getattr(camera, name))  # tenths of a scene unit
+    gfCamera.clippingRange = Gf.Range1f(camera.nearClip, camera.farClip)
+    frustum = gfCamera.frustum
+    view = frustum.ComputeViewMatrix()
+    metadata = _core.ImageMetadata()
+    metadata.samples = settings.samples
+    metadata.camera = settings.camera
+    metadata.pixelAspectRatio = settings.pixelAspectRatio
+    metadata.worldToCamera = [value for row in view for value in row]
+    projection = view * frustum.ComputeProjectionMatrix()
+    metadata.worldToNdc = [value for row in projection for value in row]
+    return metadata

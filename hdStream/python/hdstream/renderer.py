@@ -1,0 +1,381 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Stages rendered to arrays: what `import hdstream` offers and what the command line is made of (docs/python.md)."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+import threading
+import time
+import warnings
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+
+import numpy as np
+from pxr import Usd
+
+from hdstream import _core
+from hdstream.denoiser import FindDenoiser
+from hdstream.diagnostics import Diagnostics
+from hdstream.errors import EXIT_USAGE, CommandError
+from hdstream.framing import FindCamera
+from hdstream.frameSetup import Framing, MakeMetadata, MakeSettings
+from hdstream.processTime import SecondsSinceStart
+from hdstream.renderSettings import ReadRenderSettings
+from hdstream.stage import OpenStage
+from hdstream.translate.stageEdits import StageTranslation
+
+Progress = _core.Progress
+
+
+class RenderWarning(UserWarning):
+    """Something in a stage that cannot be drawn as it is authored; names the prim."""
+
+
+class Renderer:
+    """Renders a stage, again and again; what did not change in between is kept.
+
+    Parameters
+    ----------
+    stage : pxr.Usd.Stage or str
+        A stage that the caller may edit between renders, or the path of one to open.
+    mask : sequence of str, optional
+        Absolute prim paths; only these prims, their ancestors and descendants are loaded. For paths of stages only.
+    onWarning : callable, optional
+        Called with each warning, one line, once. Default: `warnings.warn` with `RenderWarning`. May be called on any
+        thread.
+
+    Raises
+    ------
+    hdstream.Error
+        The file is missing or no stage.
+    hdstream.UsageError
+        A path of `mask` is no absolute prim path.
+
+    Notes
+    -----
+    Threads: one at a time, the one that edits the stage; only `Cancel` may be called from any thread, at any time.
+    Rendering releases Python's lock. Several renderers may render at once, each on a thread of its own.
+    """
+
+    def __init__(self, stage: Union[Usd.Stage, str, "os.PathLike[str]"], mask: Sequence[str] = (),
+                 onWarning: Optional[Callable[[str], None]] = None) -> None:
+        FindDenoiser()
+        # Not a method: a cycle through the session would be kept for ever.
+        self._session = _core.Session(onWarning or _WarnOnce())
+        self._diagnostics = Diagnostics()
+        self._isCancelled = threading.Event()
+        start = time.perf_counter()
+        self._stage: Usd.Stage
+        if isinstance(stage, Usd.Stage):
+            self._stage, self._name = stage, stage.GetRootLayer().identifier
+        else:
+            self._name = os.fspath(stage)
+            self._stage = _Raising(OpenStage, self._name, mask)
+        self._loadSeconds = time.perf_counter() - start
+        warn, found = self._session.Warn, self._diagnostics.Take()
+        # Of opening the stage; the statistics of each frame have it. No method: the stage goes with its renderer.
+        self._translation = StageTranslation(self._stage, self._session,
+                                             lambda: [warn(subject, text) for subject, text in found])
+        self._frame: Optional[_Frame] = None
+
+    @property
+    def stage(self) -> Usd.Stage:
+        """The stage; edits of it are in the next render."""
+        return self._stage
+
+    @property
+    def warnings(self) -> List[str]:
+        """All warnings since the stage was last translated as a whole, each "SUBJECT: TEXT"."""
+        return self._session.Warnings()
+
+    def Render(self, timeCode: Union[float, Usd.TimeCode, None] = None,
+               onProgress: Optional[Callable[[_core.Progress], Any]] = None, **settings: Any) -> "Image":
+        """Renders one picture. Blocks.
+
+        Parameters
+        ----------
+        timeCode : float or pxr.Usd.TimeCode, optional
+            Default: the stage's startTimeCode.
+        onProgress : callable, optional
+            Called on this thread after each wave of rays with an object of `samplesDone`, `samplesTotal` (per pixel),
+            `fraction` (of all work, 0 to 1), `secondsElapsed`, `secondsLeft` (an estimate) and `previewStride` (0 while
+            the scene is prepared). Returning `False` cancels; an exception cancels and is raised.
+        **settings
+            As `Prepare`.
+
+        Returns
+        -------
+        Image
+            With `isComplete` False when it was cancelled.
+
+        Raises
+        ------
+        hdstream.UsageError
+            A setting has no use, or the stage has no such camera.
+        hdstream.Error
+            There is no device, memory runs out, or the camera cannot be read.
+        TypeError
+            There is no setting of that name.
+        KeyboardInterrupt
+            Ctrl-C, on the main thread.
+        """
+        self.Prepare(timeCode, **settings)
+        return self.RenderPrepared(onProgress)
+
+    def Prepare(self, timeCode: Union[float, Usd.TimeCode, None] = None, *,
+                renderSettingsPrimPath: Optional[str] = None, crop: Optional[Tuple[int, int, int, int]] = None,
+                **settings: Any) -> None:
+        """Brings the scene up to date with the stage, without rendering.
+
+        Values that changed on cameras, lights, materials, groups and gprims translate these prims alone; any other
+        edit, another time code, and edits of gprims in stages with instances translate the whole stage again. Meshes
+        whose arrays did not change keep their prepared geometry in the first case, and find it in the persistent cache
+        in the second.
+
+        Parameters
+        ----------
+        timeCode : float or pxr.Usd.TimeCode, optional
+            Default: the stage's startTimeCode.
+        renderSettingsPrimPath : str, optional
+            A UsdRenderSettings prim that fills what `settings` leave open. Default: the stage's own.
+        crop : (int, int, int, int), optional
+            left, top, right, bottom in pixels of the image, y down, right and bottom exclusive: only that part is
+            rendered, with the bits that it has in the whole image.
+        **settings
+            Names and values of the settings table (docs/settings.md): `samples=16`, `imageWidth=640`,
+            `aovs=["color", "depth"]`, `camera="main_cam"` (a name or a path) ... None: not given.
+
+        Raises
+        ------
+        hdstream.UsageError, hdstream.Error, TypeError
+            As `Render`.
+        """
+        self._isCancelled.clear()
+        known = {info.name for info in _core.SettingTable()}
+        for name in settings:
+            if name not in known:
+                raise TypeError(f"there is no setting '{name}' (docs/settings.md lists all)")
+        if timeCode is None:
+            timeCode = self._stage.GetStartTimeCode()
+        self._frame = None  # what went wrong leaves nothing to render
+        self._frame = _Raising(self._MakeFrame, Usd.TimeCode(timeCode), settings, renderSettingsPrimPath, crop)
+
+    def RenderPrepared(self, onProgress: Optional[Callable[[_core.Progress], Any]] = None,
+                       start: Sequence[_core.FilmSums] = ()) -> "Image":
+        """Renders what was prepared. Blocks. As `Render`, but for `start` and `Cancel`.
+
+        Parameters
+        ----------
+        onProgress : callable, optional
+            As in `Render`.
+        start : sequence of FilmSums, optional
+            Sums of earlier renders of the same scene and settings (`Sums`): only the samples that they lack are
+            rendered; the bits are those of one render. The first may hold any number of samples, each other one a
+            block of 16 or the beginning of one.
+
+        Raises
+        ------
+        hdstream.UsageError
+            Also for sums of another size or order, and for sums together with the setting `noise`.
+        """
+        isComplete = self._RenderFilm(onProgress, start)
+        hasImage = self._session.HasImage()
+        samples = json.loads(self._session.Statistics())["image"]["samples"] if hasImage else 0
+        layers = self._session.Layers() if samples > 0 else []
+        # Asked for last: finding first hits takes time and rays, and may warn.
+        statistics = json.loads(self._session.Statistics()) if hasImage else {}
+        return Image(layers, self._Prepared(), isComplete, samples, statistics)
+
+    def RenderSums(self, onProgress: Optional[Callable[[_core.Progress], Any]] = None,
+                   start: Sequence[_core.FilmSums] = ()) -> Optional[_core.FilmSums]:
+        """As `RenderPrepared`, but gives the film's sums and no arrays; None when it was cancelled."""
+        return self._session.Film() if self._RenderFilm(onProgress, start) else None
+
+    def ImageOf(self, aovs: Mapping[str, np.ndarray], samples: int, statistics: Mapping[str, Any]) -> "Image":
+        """The prepared frame as an image of arrays that were rendered elsewhere, of shapes and types as `Image.aovs`."""
+        channels = {info.name: info.channels for info in _core.AovTable()}
+        layers = [_core.ImageLayer(name, channels.get(name, ["X", "Y", "Z"]), np.ascontiguousarray(pixels))
+                  for name, pixels in aovs.items()]
+        return Image(layers, self._Prepared(), True, samples, dict(statistics))
+
+    def _Prepared(self):
+        if self._frame is None:
+            raise _core.UsageError("nothing is prepared")
+        return self._frame
+
+    def _RenderFilm(self, onProgress, start):
+        """True when it was not cancelled."""
+        frame = self._Prepared()
+        self._session.SetFrontEndTimes(self._loadSeconds, frame.translateSeconds, SecondsSinceStart())
+
+        def OnProgress(progress):
+            return not self._isCancelled.is_set() and (onProgress is None or onProgress(progress) is not False)
+
+        return self._session.Render(frame.settings, OnProgress, list(start)) == _core.RenderResult.Complete
+
+    def Sums(self) -> _core.FilmSums:
+        """What another render of the scene can begin with (`RenderPrepared`): the film of the last render.
+
+        Returns
+        -------
+        FilmSums
+            48 bytes a pixel, with `firstSample`, `endSample` (every pixel has the samples below it) and `words`, the
+            film's memory as uint32 of shape (height, width, 12).
+
+        Raises
+        ------
+        hdstream.Error
+            Nothing has been rendered yet.
+        """
+        return self._session.Film()
+
+    def Cancel(self) -> None:
+        """Ends the render in progress, or the next one that is prepared already. From any thread; does not wait."""
+        self._isCancelled.set()
+
+    @property
+    def settings(self) -> Dict[str, Any]:
+        """All settings of the prepared frame by name, completed from the camera and the render settings prim."""
+        settings = self._Prepared().settings
+        values = {info.name: _core.GetSetting(settings, info.name) for info in _core.SettingTable()}
+        return {**values, "displayWindow": list(settings.displayWindow), "dataWindowMin": list(settings.dataWindowMin)}
+
+    def SceneText(self) -> str:
+        """The prepared scene as text: all values, hashes of long arrays. Equal scenes have equal texts."""
+        return self._session.Dump()
+
+    def AssetFiles(self) -> List[str]:
+        """Files, besides the stage's, that the prepared scene reads: images."""
+        scene = self._session.Scene()
+        files = {light.light.textureFile.file for light in scene.lights.values()}
+        for network in scene.materials.values():
+            for node in network.nodes:
+                files.update(value.file for value in node.parameters.values()
+                             if isinstance(value, _core.AssetReference))
+        return sorted(file for file in files if file)
+
+    def Warn(self, subject: str, text: str) -> None:
+        """Adds a warning of the caller, for the statistics too."""
+        self._session.Warn(subject, text)
+
+    def _MakeFrame(self, timeCode, values, renderSettingsPrimPath, crop):
+        start = time.perf_counter()
+        renderSettings = ReadRenderSettings(self._stage, renderSettingsPrimPath, self._session)
+        cameraPrim = FindCamera(self._stage, values.get("camera"), renderSettings.camera)
+        self._translation.Update(timeCode)
+        self._diagnostics.WarnOf(self._session)
+        if not self._session.Scene().meshes:
+            self._session.Warn(self._name, "the stage has nothing to draw")
+        settings = MakeSettings(values, renderSettings)
+        framing = Framing(self._stage, self._session, renderSettings, values.get("imageWidth"),
+                          values.get("imageHeight"), crop)
+        camera = framing.SetCamera(cameraPrim, timeCode, settings)
+        self._session.Redice()  # surfaces are diced as for a fresh renderer, wherever the camera was before
+        return _Frame(settings, camera, time.perf_counter() - start)
+
+
+class _Frame:
+    """What is to be rendered."""
+
+    def __init__(self, settings, camera, translateSeconds):
+        self.settings = settings
+        self.camera = camera
+        self.translateSeconds = translateSeconds
+
+
+class Image:
+    """A picture: arrays by the names of AOVs. Independent of the renderer that made it.
+
+    Attributes
+    ----------
+    aovs : dict of str to numpy.ndarray
+        float32 of shape (height, width, channels), rows from top to bottom; ids are int32 of shape (height, width).
+        Read-only. Names, units and spaces: docs/film.md. Colour is linear Rec. 709, premultiplied by alpha.
+    channels : dict of str to list of str
+        Names of the last dimension: R, G, B, A; X, Y, Z; Z; id.
+    width, height : int
+        Pixels.
+    samples : int
+        Samples that every pixel has.
+    isComplete : bool
+        False when rendering was cancelled.
+    statistics : dict
+        As `--stats` writes it; seconds, bytes, counts (docs/command-line.md).
+    """
+
+    def __init__(self, layers: Sequence[_core.ImageLayer], frame: _Frame, isComplete: bool, samples: int,
+                 statistics: Dict[str, Any]) -> None:
+        self.isComplete = isComplete
+        self.samples = samples
+        self.statistics = statistics
+        self._layers = list(layers)
+        self._settings = frame.settings
+        self._camera = frame.camera
+        self.width: int = frame.settings.imageWidth
+        self.height: int = frame.settings.imageHeight
+        self.aovs: Mapping[str, np.ndarray] = {layer.name: layer.pixels for layer in self._layers}
+        self.channels: Mapping[str, List[str]] = {layer.name: list(layer.channels) for layer in self._layers}
+
+    def Write(self, file: Union[str, "os.PathLike[str]"], colorCorrectionMode: str = "",
+              texts: Optional[Mapping[str, str]] = None) -> List[str]:
+        """Writes an image file, whole or not at all.
+
+        Parameters
+        ----------
+        file : str
+            `.exr` (all AOVs, linear), `.png` and `.jpg` (colour, display-referred), `.tif`, `.hdr` (linear).
+        colorCorrectionMode : {"", "disabled", "sRGB", "openColorIO"}
+            For `.png` and `.jpg`; "" is OpenColorIO when `$OCIO` is set, else sRGB.
+        texts : mapping of str to str, optional
+            Further entries of an EXR's header.
+
+        Returns
+        -------
+        list of str
+            AOVs that the format has no room for.
+
+        Raises
+        ------
+        hdstream.Error
+            Names file and reason; the old file stays.
+        """
+        metadata = MakeMetadata(self._settings, self._camera)
+        metadata.samples = self.samples
+        metadata.texts = dict(texts or {})
+        return _core.WriteImage(os.fspath(file), self._layers, colorCorrectionMode, metadata)
+
+    def _repr_png_(self):
+        """Shown by notebooks."""
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "image.png")
+            self.Write(file, "sRGB")
+            with open(file, "rb") as stream:
+                return stream.read()
+
+
+def Render(stage: Union[Usd.Stage, str, "os.PathLike[str]"], timeCode: Union[float, Usd.TimeCode, None] = None,
+           onProgress: Optional[Callable[[_core.Progress], Any]] = None, **settings: Any) -> Image:
+    """Renders a stage once: `Renderer(stage).Render(timeCode, onProgress, **settings)`."""
+    return Renderer(stage).Render(timeCode, onProgress, **settings)
+
+
+def _Raising(function, *arguments):
+    """Errors of the front end as the core's classes, which are the ones of the package."""
+    try:
+        return function(*arguments)
+    except CommandError as error:
+        kind = _core.UsageError if error.exitCode == EXIT_USAGE else _core.Error
+        raise kind(str(error)) from None
+
+
+class _WarnOnce:
+    """The default for warnings; each line once."""
+
+    def __init__(self):
+        self._lines = set()
+
+    def __call__(self, line):
+        if line not in self._lines:
+            self._lines.add(line)
+            warnings.warn(line, RenderWarning, stacklevel=2)

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`--resume`: which frames are there already, judged by what they were made of and never by dates of files.
+
+The key of a frame is a hash of the translated scene, of the bytes of the images it reads, of the settings that decide
+its bits, and of the program's version. It is in the header of an .exr and in the sidecar with the frame's sums.
+"""
+
+import glob
+import hashlib
+import json
+
+from hdstream import _core
+from hdstream.translate.exrHeader import ReadTexts
+
+KEY_NAME = "hdStream:key"
+SAMPLES_NAME = "hdStream:samplesDone"
+# Settings without influence on the bits of a picture: where and how it is computed, and how long.
+_OF_THE_MACHINE = frozenset((
+    "samples", "device", "cacheDirectory", "noCache", "waveSize", "traversal", "chunkBytes", "residency",
+    "geometryMemory", "textureMemory", "geometryEviction", "request", "hostMemory", "prepare"))
+_PIECE = 1 << 20
+
+
+class AssetHashes:
+    """Hashes of files' bytes; a file is read once."""
+
+    def __init__(self):
+        self._hashes = {}
+
+    def Of(self, file):
+        if file not in self._hashes:
+            self._hashes[file] = "".join(_HashOf(part) for part in _PartsOf(file))
+        return self._hashes[file]
+
+
+def _PartsOf(file):
+    """The tiles of a UDIM, else the file itself."""
+    if "<UDIM>" not in file:
+        return [file]
+    before, _, after = file.partition("<UDIM>")
+    return sorted(glob.glob(f"{glob.escape(before)}[0-9][0-9][0-9][0-9]{glob.escape(after)}"))
+
+
+def _HashOf(file):
+    digest = hashlib.blake2b(digest_size=16)
+    try:
+        with open(file, "rb") as stream:
+            while piece := stream.read(_PIECE):
+                digest.update(piece)
+    except OSError:
+        return "missing"
+    return digest.hexdigest()
+
+
+def KeyOf(renderer, assetHashes, further=""):
+    """The key of the frame that is prepared. `further`: what else the file depends on."""
+    values = {name: value for name, value in renderer.settings.items() if name not in _OF_THE_MACHINE}
+    digest = hashlib.blake2b(digest_size=16)
+    for text in (_core.VERSION, renderer.SceneText(), json.dumps(values, sort_keys=True), further):
+        digest.update(text.encode() + b"\0")
+    for file in renderer.AssetFiles():
+        digest.update(f"{file}\0{assetHashes.Of(file)}\0".encode())
+    return digest.hexdigest()
+
+
+def SamplesInFile(file, key):
+    """Samples that the .exr of that key was asked for; 0: it has another key, or is none."""
+    texts = ReadTexts(file)
+    if texts.get(KEY_NAME) == key:
+        try:
+            return int(texts.get(SAMPLES_NAME, "0"))
+        except ValueError:
+            return 0
+    return 0
+
+
+def TextsOf(key, samples):
+    """What the header of a finished frame says."""
+    return {KEY_NAME: key, SAMPLES_NAME: str(samples)}
+

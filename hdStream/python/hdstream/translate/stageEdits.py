@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Edits of a stage on their way into a session: only what changed is translated again where that is safe.
+
+Safe are values of prims of the types below in stages without instancers, and of cameras and lights in
+all stages: what else depends on such a prim lies below it. Everything else (new or removed prims,
+bindings, collections, other types) translates the stage anew; the core keeps what has equal content
+in its persistent cache. tests: an edited session dumps the text of a fresh one.
+"""
+
+import weakref
+
+from pxr import Tf, Usd, UsdGeom, UsdShade
+
+from hdstream.translate.lights import LIGHT_TYPES
+from hdstream.translate.meshes import IMPLICIT_TYPES
+from hdstream.translate.primState import PREDICATE
+from hdstream.translate.stageTranslator import StageTranslator
+
+_ALONE = {"Camera", *LIGHT_TYPES}
+_GROUPS = {"Xform", "Scope"}
+_BELOW = {"", "GeomSubset", "Material", "Shader", "NodeGraph"}  # met below a prim that changed
+_GEOMETRY = {"Mesh", *IMPLICIT_TYPES}
+_WHOLE = ("material:binding", "collection:", "model:", "skel:", "light:")  # others depend on these
+_RENDER = ("RenderSettings", "RenderProduct", "RenderVar")  # read at every render
+
+
+class StageTranslation:
+    """Keeps a session equal to a stage at a time code. One thread at a time, the stage's."""
+
+    def __init__(self, stage, session, onBegin):
+        """onBegin() is called when the session was cleared."""
+        self._stage = stage
+        self._session = session
+        self._onBegin = onBegin
+        self._timeCode = None
+        self._isStale = True
+        self._changes = {}  # prim path -> names of its properties that changed
+        self._paths = set()  # of meshes and lights in the scene
+        self._materialPaths = set()
+        self._hasInstancers = False
+        # Tf keeps what it calls, which would keep the stage and its layers for ever.
+        onChanged = weakref.WeakMethod(self._OnChanged)
+        self._listener = Tf.Notice.Register(
+            Usd.Notice.ObjectsChanged, lambda notice, _: onChanged() and onChanged()(notice), stage)
+
+    def Update(self, timeCode):
+        """Brings the session up to date; returns how many prims were visited."""
+        timeCode = Usd.TimeCode(timeCode)
+        changes, self._changes = self._changes, {}
+        isWhole = self._isStale or timeCode != self._timeCode
+        self._timeCode = timeCode
+        if isWhole or not self._AreSafe(changes):
+            return self._TranslateAll()
+        return sum(self._TranslateBelow(path, names) for path, names in changes.items())
+
+    def _OnChanged(self, notice):
+        for path in notice.GetResyncedPaths():
+            if path.IsPropertyPath():
+                self._Add(path)
+            else:
+                self._isStale = True
+        for path in notice.GetChangedInfoOnlyPaths():
+            self._Add(path)
+
+    def _Add(self, path):
+        # Metadata of a prim may be anything; that of the stage's root is its units and times.
+        if path.IsPrimPropertyPath():
+            self._changes.setdefault(path.GetPrimPath(), set()).add(path.name)
+        else:
+            self._isStale = True
+
+    def _TranslateAll(self):
+        self._session.Clear()
+        self._onBegin()
+        translator = StageTranslator(self._stage, self._session, self._timeCode)
+        translator.Translate()
+        self._paths = set(translator.Paths())
+        self._materialPaths = translator.materialPaths
+        self._hasInstancers = bool(self._session.Scene().instancers)
+        self._isStale = False
+        return translator.numPrims
+
+    # --- Parts -----------------------------------------------------------------------------------
+
+    def _AreSafe(self, changes):
+        return all(self._IsSafe(self._stage.GetPrimAtPath(path), names) for path, names in changes.items())
+
+    def _IsSafe(self, prim, names):
+        if not prim or prim.IsInPrototype() or prim.IsInstanceProxy():
+            return False
+        if any(name.startswith(_WHOLE) for name in names):
+            return False
+        kind = prim.GetTypeName()
+        if kind in _RENDER or _MaterialOf(prim):
+            return True
+        # Below a point instancer are prototypes, which have a space of their own; skins follow their skeletons.
+        if any(ancestor.IsA(UsdGeom.PointInstancer) or ancestor.GetTypeName() == "SkelRoot"
+               for ancestor in _Ancestors(prim)):
+            return False
+        if kind not in _ALONE | _GROUPS | _GEOMETRY or (self._hasInstancers and kind not in _ALONE):
+            return False
+        known = _ALONE | _GROUPS | _GEOMETRY | _BELOW
+        return all(below.GetTypeName() in known and not below.HasAuthoredReferences()
+                   for below in Usd.PrimRange(prim, PREDICATE) if below != prim)
+
+    def _TranslateBelow(self, path, names):
+        prim = self._stage.GetPrimAtPath(path)
+        if prim.GetTypeName() in _RENDER:
+            return 0
+        translator = StageTranslator(self._stage, self._session, self._timeCode)
+        material = _MaterialOf(prim)
+        if material:
+            if material.GetPath().pathString not in self._materialPaths:
+                return 0  # bound to nothing that is drawn
+            translator.TranslateMaterial(material)
+            return 1
+        kept = {}
+        text = path.pathString
+        isBelow = [found for found in self._paths if found == text or found.startswith(text + "/")]
+        if all(_IsPlacing(name) for name in names):
+            meshes = self._session.Scene().meshes
+            kept = {found: meshes[found] for found in isBelow if found in meshes}
+        for found in isBelow:
+            self._session.Remove(found)
+        translator.TranslateBelow(prim, _Ancestors(prim), kept)
+        self._paths.difference_update(isBelow)
+        self._paths.update(translator.Paths())
+        self._materialPaths.update(translator.materialPaths)
+        return translator.numPrims
+
+
+def _IsPlacing(name):
+    """Properties that leave the arrays of meshes at and below a prim as they are."""
+    return name.startswith("xformOp") or name in ("visibility", "purpose")
+
+
+def _Ancestors(prim):
+    """From the one below the root to the prim's parent."""
+    found = []
+    parent = prim.GetParent()
+    while parent and not parent.IsPseudoRoot():
+        found.append(parent)
+        parent = parent.GetParent()
+    return found[::-1]
+
+
+def _MaterialOf(prim):
+    """The material a prim is (a part of), if any."""
+    return next((part for part in (prim, *reversed(_Ancestors(prim))) if part.IsA(UsdShade.Material)), None)

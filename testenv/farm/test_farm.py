@@ -1,0 +1,196 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures of a cluster are those of one process, to the bit, whatever is split and whoever dies."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from cliCase import SECONDS, AssertFails, Command, Run, RunHere, WriteStage
+from farmCase import ANIMATED, OPTIONS, SameImages
+from farmCluster import Cluster
+
+
+@pytest.fixture(scope="module", name="farm")
+def MakeFarm(tmp_path_factory):
+    with Cluster(tmp_path_factory.mktemp("cluster")) as (address, processes):
+        yield address, processes
+
+
+@pytest.fixture(scope="module", name="case")
+def MakeCase(tmp_path_factory):
+    """(stage, one picture of 72 samples, pictures of three frames) of one process."""
+    folder = tmp_path_factory.mktemp("reference")
+    stage = WriteStage(folder, ANIMATED)
+    single = folder / "single.exr"
+    assert RunHere("record", stage, single, *OPTIONS, "--frames", 3, "--samples", 72).code == 0
+    assert RunHere("record", stage, folder / "f####.exr", *OPTIONS, "--frames", "1:3", "--samples", 8).code == 0
+    return stage, single, folder
+
+
+def test_frames(farm, case, tmp_path, monkeypatch):
+    stage, _, folder = case
+    monkeypatch.chdir(tmp_path)  # where workers are not
+    result = RunHere("record", stage, "f####.exr", *OPTIONS, "--frames", "1:3", "--samples", 8, "--scheduler", farm[0],
+                     "--stats", "s####.json")
+    assert result.code == 0 and not result.errors, result.text
+    assert len(result.out.splitlines()) == 3
+    for number in ("0001", "0002", "0003"):
+        assert SameImages(tmp_path / f"f{number}.exr", folder / f"f{number}.exr")
+        assert (tmp_path / f"s{number}.json").stat().st_size > 0
+
+
+@pytest.mark.parametrize("split", [["--split", "samples", "--parts", "3"], ["--split", "tiles", "--parts", "4"], []])
+def test_one_frame_in_parts(split, farm, case, tmp_path):
+    stage, single, _ = case
+    output = tmp_path / "o.exr"
+    result = RunHere("record", stage, output, *OPTIONS, "--frames", 3, "--samples", 72, "--scheduler", farm[0], *split)
+    assert result.code == 0 and not result.errors, result.text
+    assert SameImages(output, single)
+
+
+def test_a_worker_sees_an_edited_stage(farm, tmp_path):
+    """Workers stay from job to job; the layers of the last one must not."""
+    stage = WriteStage(tmp_path, ANIMATED)
+    for intensity in ("1", "2", "3"):
+        stage.write_text(stage.read_text().replace(f"intensity = {int(intensity) - 1}", f"intensity = {intensity}"))
+        assert RunHere("record", stage, tmp_path / "farm.exr", *OPTIONS, "--samples", 2, "--scheduler", farm[0]).code == 0
+        assert Run("record", stage, tmp_path / "one.exr", *OPTIONS, "--samples", 2).code == 0
+        assert SameImages(tmp_path / "farm.exr", tmp_path / "one.exr")
+
+
+def test_ranges_and_bands_cover_everything_once():
+    from hdstream.farm import Bands, SampleRanges
+    for first, end, numParts in ((0, 64, 3), (0, 72, 4), (16, 17, 5), (0, 5, 1), (32, 1000, 7)):
+        ranges = SampleRanges(first, end, numParts)
+        assert ranges[0][0] == first and ranges[-1][1] == end and len(ranges) <= numParts
+        assert all(a[1] == b[0] for a, b in zip(ranges, ranges[1:]))
+        assert all(begin % 16 == 0 and begin < stop for begin, stop in ranges)
+    for height, numParts in ((10, 3), (2, 5), (7, 1)):
+        bands = Bands(6, height, numParts)
+        assert [band[1] for band in bands[1:]] == [band[3] for band in bands[:-1]]
+        assert bands[0][:3] == (0, 0, 6) and bands[-1][3] == height and all(band[1] < band[3] for band in bands)
+
+
+def test_a_killed_workers_work_is_done_again(case, tmp_path):
+    stage, _, _ = case
+    with Cluster(tmp_path, 2) as (address, processes):
+        command = Command("record", stage, tmp_path / "f####.exr", *OPTIONS, "--frames", "1:8", "--samples", 800,
+                          "--scheduler", address)
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as client:
+            line = client.stdout.readline()  # a frame is there, others are under way
+            assert "f00" in line, client.stderr.read()
+            processes["worker1"].send_signal(signal.SIGKILL)
+            _, err = client.communicate(timeout=SECONDS)
+        assert client.returncode == 0 and not err, err
+    files = sorted(path.name for path in tmp_path.glob("f*.exr"))
+    assert files == [f"f{number:04}.exr" for number in range(1, 9)], "nothing is lost"
+    again = tmp_path / "again.exr"
+    assert RunHere("record", stage, again, *OPTIONS, "--frames", 8, "--samples", 800).code == 0
+    assert SameImages(tmp_path / "f0008.exr", again)
+
+
+def test_workers_of_this_machine(case, tmp_path):
+    stage, single, _ = case
+    result = Run("record", stage, tmp_path / "o.exr", *OPTIONS, "--frames", 3, "--samples", 72, "--workers", 2)
+    assert result.code == 0 and not result.errors, result.text
+    assert SameImages(tmp_path / "o.exr", single)
+
+
+def test_ctrl_c_leaves_whole_files_or_none(farm, case, tmp_path):
+    stage, _, _ = case
+    command = Command("record", stage, tmp_path / "f####.exr", *OPTIONS, "--frames", "1:40", "--samples", 4000,
+                      "--scheduler", farm[0])
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                          preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)) as client:
+        assert client.stdout.readline()
+        client.send_signal(signal.SIGINT)
+        _, err = client.communicate(timeout=SECONDS)
+    assert client.returncode == 130 and "interrupted" in err and "Traceback" not in err, err
+    time.sleep(1.0)
+    files = sorted(tmp_path.iterdir())
+    assert files and len(files) < 40 and all(path.name.startswith("f") for path in files), "no temporary files"
+    for path in files:
+        assert SameImages(path, path)
+    # The workers are free again.
+    assert RunHere("record", stage, tmp_path / "o.exr", *OPTIONS, "--samples", 2, "--scheduler", farm[0]).code == 0
+
+
+# --- Errors ----------------------------------------------------------------------------------------
+
+
+def test_errors_of_the_stage_are_one_line(farm, case, tmp_path):
+    stage, _, _ = case
+    result = RunHere("record", stage, tmp_path / "o.exr", *OPTIONS, "--camera", "none", "--scheduler", farm[0])
+    AssertFails(result, 2, "--camera none")
+    result = RunHere("record", tmp_path / "no.usda", tmp_path / "o.exr", *OPTIONS, "--scheduler", farm[0])
+    AssertFails(result, 1, "no.usda")
+    result = RunHere("record", stage, tmp_path / "o.exr", *OPTIONS, "--device", "nonsense", "--scheduler", farm[0])
+    AssertFails(result, 2, "worker", "--device nonsense")
+
+
+def test_adaptive_frames_are_not_split(farm, case, tmp_path):
+    stage, _, _ = case
+    result = RunHere("record", stage, tmp_path / "o.exr", *OPTIONS, "--noise", 0.1, "--split", "samples", "--scheduler", farm[0])
+    AssertFails(result, 2, "--split samples", "--noise")
+    whole = RunHere("record", stage, tmp_path / "o.exr", *OPTIONS, "--noise", 0.1, "--scheduler", farm[0])
+    assert whole.code == 0, whole.text
+
+
+def test_unreachable_scheduler(case, tmp_path, monkeypatch):
+    from hdstream import farm
+    monkeypatch.setattr(farm, "_CONNECT_SECONDS", 1)
+    result = RunHere("record", case[0], tmp_path / "o.exr", *OPTIONS, "--scheduler", "tcp://127.0.0.1:9")
+    AssertFails(result, 1, "--scheduler tcp://127.0.0.1:9", "cannot be reached")
+
+
+def test_a_scheduler_without_workers_and_workers_without_hdstream(case, tmp_path):
+    stage, _, _ = case
+    empty = {"PYTHONPATH": "", "PYTHONSAFEPATH": "1"}
+    with Cluster(tmp_path, 1, environment=empty) as (address, _):
+        if subprocess.run([sys.executable, "-c", "import hdstream"], env=dict(os.environ, **empty), cwd="/",
+                          capture_output=True).returncode == 0:
+            pytest.skip("hdstream is installed for this Python")
+        result = RunHere("record", stage, tmp_path / "o.exr", *OPTIONS, "--scheduler", address)
+    AssertFails(result, 1, "worker", "has no hdstream")
+
+
+@pytest.mark.parametrize("options, part", [
+    (["--workers", "0"], "--workers"), (["--workers", "2", "--scheduler", "x"], "not allowed with"),
+    (["--split", "rows"], "--split"), (["--split", "tiles"], "--split: needs"), (["--parts", "3"], "--parts: needs")])
+def test_bad_options(options, part, case, tmp_path):
+    AssertFails(RunHere("record", case[0], tmp_path / "o.exr", *options), 2, part)
+
+
+def test_different_devices_are_said():
+    """DESIGN.md section 12.7; this machine has one device, so the workers' answers are made up."""
+    from types import SimpleNamespace
+    from hdstream import _core, farm
+    answers = {"a": {"version": _core.VERSION, "device": "One"}, "b": {"version": _core.VERSION, "device": "Two"}}
+    client = SimpleNamespace(wait_for_workers=lambda *_, **__: None, run=lambda *_, **__: answers)
+    lines = []
+    job = SimpleNamespace(settings={})
+    args = SimpleNamespace(workers=None, scheduler="x")
+    assert farm._CheckWorkers(client, job, args, lines.append) == 2
+    assert len(lines) == 1 and "One, Two" in lines[0]
+    answers["b"]["version"] = "0.0"
+    with pytest.raises(farm.CommandError, match="0.0"):
+        farm._CheckWorkers(client, job, args, lines.append)
+
+
+def test_without_distributed(case, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    AssertFails(RunHere("record", case[0], tmp_path / "o.exr", "--scheduler", "x"), 2, "hdstream[farm]")
+
+
+def test_results_name_parts(farm, case, tmp_path):
+    import json
+    stage, _, _ = case
+    stats = tmp_path / "s.json"
+    result = RunHere("record", stage, tmp_path / "o.exr", *OPTIONS, "--samples", 48, "--parts", 3, "--scheduler", farm[0],
+                 "--stats", stats)
+    assert result.code == 0, result.text
+    assert len(json.loads(stats.read_text())["parts"]) == 3

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: Apache-2.0
+"""--resume: by content, never by dates; partial frames go on; equal bits."""
+
+import os
+import shutil
+
+import pytest
+
+from cliCase import SECONDS, Run, RunHere, WriteStage
+from farmCase import ANIMATED, OPTIONS, SameImages
+
+RESUME = [*OPTIONS, "--resume"]
+
+
+@pytest.fixture(name="stage")
+def MakeStage(tmp_path):
+    return WriteStage(tmp_path, ANIMATED)
+
+
+def Record(stage, output, samples, *options):
+    # Processes of a cluster are started by one of our own.
+    run = Run if "--workers" in options else RunHere
+    result = run("record", stage, output, *RESUME, "--samples", samples, *options)
+    assert result.code == 0 and not result.errors, result.text
+    return result
+
+
+def IsThere(result):
+    return "is there already" in result.out
+
+
+def test_finished_frames_are_not_rendered_again(stage, tmp_path):
+    output = tmp_path / "f####.exr"
+    assert not IsThere(Record(stage, output, 4, "--frames", "1:2"))
+    os.utime(stage)  # a newer date means nothing
+    result = Record(stage, output, 4, "--frames", "1:3")
+    assert result.out.count("is there already") == 2 and "f0003.exr: 24x" in result.out
+    result = Record(stage, output, 2, "--frames", 1)
+    assert IsThere(result), "samples are never taken away"
+
+
+def test_changes_are_seen_by_content(stage, tmp_path):
+    output = tmp_path / "o.exr"
+    dates = os.stat(stage)
+    Record(stage, output, 4)
+    text = stage.read_text()
+    stage.write_text(text.replace("intensity = 1", "intensity = 2"))
+    os.utime(stage, ns=(dates.st_atime_ns, dates.st_mtime_ns))  # an unchanged date means nothing either
+    assert not IsThere(Record(stage, output, 4))
+    assert not IsThere(Record(stage, output, 4, "--seed", 3)), "settings count"
+    assert IsThere(Record(stage, output, 4, "--seed", 3, "--waveSize", 4096, "--residency", "stream")), "the machine does not"
+    shutil.copy(stage, tmp_path / "copy.usda")
+    assert IsThere(Record(tmp_path / "copy.usda", output, 4, "--seed", 3)), "nor does the file's name"
+    output.write_bytes(output.read_bytes()[:100])
+    assert not IsThere(Record(stage, output, 4, "--seed", 3)), "a cut file is none"
+
+
+def test_frames_that_the_edit_does_not_reach_stay(stage, tmp_path):
+    output = tmp_path / "f####.exr"
+    Record(stage, output, 2, "--frames", "1:2")
+    stage.write_text(stage.read_text().replace("24: (1, 0.5, 1)", "24: (1, 0.7, 1)"))
+    result = Record(stage, output, 2, "--frames", "1:2")
+    assert "f0001.exr: is there already" in result.out and "f0002.exr: 24x" in result.out
+
+
+def test_images_count(tmp_path):
+    from stages.imageFile import WriteExr
+    import numpy as np
+    stage = WriteStage(tmp_path, ANIMATED + 'def DomeLight "Sky" { asset inputs:texture:file = @sky.exr@ }')
+    WriteExr(tmp_path / "sky.exr", dict.fromkeys("RGB", np.full((4, 8), 0.25, np.float32)))
+    output = tmp_path / "o.exr"
+    Record(stage, output, 2)
+    assert IsThere(Record(stage, output, 2))
+    WriteExr(tmp_path / "sky.exr", dict.fromkeys("RGB", np.full((4, 8), 0.75, np.float32)))
+    assert not IsThere(Record(stage, output, 2))
+
+
+@pytest.mark.parametrize("first", [5, 16, 40])
+def test_partial_frames_go_on_to_the_bits_of_one_render(first, stage, tmp_path):
+    whole, output = tmp_path / "whole.exr", tmp_path / "o.exr"
+    assert RunHere("record", stage, whole, *OPTIONS, "--samples", 72).code == 0
+    Record(stage, output, first, "--stats", tmp_path / "s.json")
+    result = Record(stage, output, 72, "--stats", tmp_path / "s.json")
+    assert not IsThere(result) and SameImages(output, whole)
+    import json
+    rays = json.loads((tmp_path / "s.json").read_text())["rays"]["camera"]
+    assert rays == 24 * 17 * (72 - first), "only what was missing is rendered"
+
+
+def test_a_frame_goes_on_where_it_was_interrupted(stage, tmp_path):
+    import signal
+    import subprocess
+    from cliCase import Command
+    output = tmp_path / "o.exr"
+    command = Command("record", stage, output, *RESUME, "--samples", 1 << 20)
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                          env=dict(os.environ, HDSTREAM_PROGRESS="1"),
+                          preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)) as client:
+        seen = ""
+        while "samples" not in seen:
+            text = os.read(client.stderr.fileno(), 4096).decode()
+            assert text, seen
+            seen += text
+        client.send_signal(signal.SIGINT)
+        client.communicate(timeout=SECONDS)
+    assert client.returncode == 130
+    from hdstream import filmSums
+    import numpy as np
+    done = int(np.load(filmSums.FileOf(output))["shape"][3])
+    assert done > 0
+    more = done + 40
+    Record(stage, output, more)
+    whole = tmp_path / "whole.exr"
+    assert RunHere("record", stage, whole, *OPTIONS, "--samples", more).code == 0
+    assert SameImages(output, whole)
+
+
+def test_other_formats_keep_their_key_beside_them(stage, tmp_path):
+    output = tmp_path / "o.png"
+    options = ["-w", "24", "--maxDepth", "2", "--resume", "--samples", "4"]
+    assert RunHere("record", stage, output, *options).code == 0
+    assert "is there already" in RunHere("record", stage, output, *options).out
+    assert "is there already" not in RunHere("record", stage, output, *options, "-color", "disabled").out
+
+
+def test_without_sums_all_samples_are_rendered(stage, tmp_path):
+    output = tmp_path / "o.exr"
+    Record(stage, output, 16)
+    (tmp_path / "o.exr.sums").write_bytes(b"damaged")
+    Record(stage, output, 32)
+    whole = tmp_path / "whole.exr"
+    assert RunHere("record", stage, whole, *OPTIONS, "--samples", 32).code == 0
+    assert SameImages(output, whole)
+
+
+def test_a_split_frame_goes_on_too(stage, tmp_path):
+    output, whole = tmp_path / "o.exr", tmp_path / "whole.exr"
+    assert RunHere("record", stage, whole, *OPTIONS, "--samples", 72).code == 0
+    Record(stage, output, 32)
+    Record(stage, output, 72, "--workers", 2)
+    assert SameImages(output, whole)
+    assert IsThere(Record(stage, output, 72, "--workers", 1))

@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An edited stage gives the scene of a fresh session, whatever was translated again; and no more is than needed."""
+
+import pytest
+from pxr import Gf, Sdf, Usd, UsdGeom
+
+from cliCase import WriteStage
+
+BODY = """def Xform "World" {
+    double3 xformOp:translate = (0, 1, 0)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+    def Xform "Left" (prepend apiSchemas = ["MaterialBindingAPI"]) {
+        color3f[] primvars:displayColor = [(0.2, 0.4, 0.6)]
+        rel material:binding = </World/Looks/Red>
+        def Mesh "Card" {
+            int[] faceVertexCounts = [3]
+            int[] faceVertexIndices = [0, 1, 2]
+            point3f[] points = [(-1, -1, 0), (1, -1, 0), (0, 1, 0)]
+            uniform token subdivisionScheme = "none"
+            double3 xformOp:translate = (0, 0, 0)
+            uniform token[] xformOpOrder = ["xformOp:translate"]
+        }
+        def Sphere "Ball" { double radius = 0.5 }
+    }
+    def Cube "Right" { double3 xformOp:translate = (3, 0, 0); uniform token[] xformOpOrder = ["xformOp:translate"] }
+    def Scope "Looks" {
+        def Material "Red" {
+            token outputs:surface.connect = </World/Looks/Red/Surface.outputs:surface>
+            def Shader "Surface" {
+                uniform token info:id = "UsdPreviewSurface"
+                color3f inputs:diffuseColor = (1, 0, 0)
+                token outputs:surface
+            }
+        }
+    }
+}
+def SphereLight "Lamp" { float inputs:intensity = 3 }
+def Camera "main_cam" { double3 xformOp:translate = (0, 0, 8); uniform token[] xformOpOrder = ["xformOp:translate"] }
+"""
+INSTANCES = """def Xform "Prototype" { def Sphere "Ball" {} }
+def Xform "A" (instanceable = true; references = </Prototype>) {}
+def Xform "B" (instanceable = true; references = </Prototype>) {
+    double3 xformOp:translate = (4, 0, 0); uniform token[] xformOpOrder = ["xformOp:translate"] }
+"""
+
+
+def Set(path, value):
+    def Edit(stage):
+        stage.GetAttributeAtPath(path).Set(value)
+
+    return Edit
+
+
+def Add(stage):
+    UsdGeom.Cone.Define(stage, "/World/Left/New")
+
+
+def Remove(stage):
+    stage.RemovePrim("/World/Left/Ball")
+
+
+def Bind(stage):
+    stage.GetPrimAtPath("/World/Left").GetRelationship("material:binding").ClearTargets(True)
+
+
+def Hide(stage):
+    UsdGeom.Imageable(stage.GetPrimAtPath("/World/Left")).MakeInvisible()
+
+
+def MoveAnew(stage):
+    UsdGeom.Xformable(stage.GetPrimAtPath("/Lamp")).AddTranslateOp().Set((1, 2, 3))
+
+
+def Purpose(stage):
+    UsdGeom.Imageable(stage.GetPrimAtPath("/World/Left")).CreatePurposeAttr("guide")
+
+
+def Pixel(stage):
+    stage.OverridePrim("/Render").CreateAttribute("note", Sdf.ValueTypeNames.Int).Set(3)
+
+
+# name -> (edit, prims visited: None: all of them)
+EDITS = {
+    "camera": (Set("/main_cam.xformOp:translate", Gf.Vec3d(0, 1, 9)), 1),
+    "light": (Set("/Lamp.inputs:intensity", 7.0), 1),
+    "light moves": (MoveAnew, 1),
+    "material": (Set("/World/Looks/Red/Surface.inputs:diffuseColor", Gf.Vec3f(0, 1, 0)), 1),
+    "group moves": (Set("/World.xformOp:translate", Gf.Vec3d(0, 2, 0)), 7),
+    "mesh moves": (Set("/World/Left/Card.xformOp:translate", Gf.Vec3d(0, 0, 1)), 1),
+    "points": (Set("/World/Left/Card.points", [(-2, -1, 0), (1, -1, 0), (0, 1, 0)]), 1),
+    "radius": (Set("/World/Left/Ball.radius", 0.75), 1),
+    "inherited primvar": (Set("/World/Left.primvars:displayColor", [(1, 1, 0)]), 3),
+    "hide": (Hide, 3),
+    "purpose": (Purpose, 3),
+    "new prim": (Add, None),
+    "removed prim": (Remove, None),
+    "binding": (Bind, None),
+}
+
+
+def SessionOf(stage):
+    from hdstream import _core
+    from hdstream.translate.stageEdits import StageTranslation
+    session = _core.Session()
+    return session, StageTranslation(stage, session, lambda: None)
+
+
+@pytest.mark.parametrize("name", EDITS)
+def test_an_edited_stage_gives_the_scene_of_a_fresh_session(name, tmp_path):
+    edit, numPrims = EDITS[name]
+    stage = Usd.Stage.Open(str(WriteStage(tmp_path, BODY)))
+    session, translation = SessionOf(stage)
+    numAll = translation.Update(1.0)
+    before = session.Dump()
+    assert translation.Update(1.0) == 0, "nothing changed"
+    edit(stage)
+    visited = translation.Update(1.0)
+    fresh, whole = SessionOf(stage)
+    whole.Update(1.0)
+    assert session.Dump() == fresh.Dump()
+    assert session.Dump() != before, "the edit shows"
+    assert visited == numPrims if numPrims else visited >= numAll - 1
+
+
+def test_all_edits_one_after_another(tmp_path):
+    stage = Usd.Stage.Open(str(WriteStage(tmp_path, BODY)))
+    session, translation = SessionOf(stage)
+    translation.Update(1.0)
+    for name, (edit, _) in EDITS.items():
+        edit(stage)
+        translation.Update(1.0)
+        fresh, whole = SessionOf(stage)
+        whole.Update(1.0)
+        assert session.Dump() == fresh.Dump(), name
+
+
+@pytest.mark.parametrize("path, value, isWhole", [
+    ("/Prototype/Ball.radius", 2.0, True), ("/B.xformOp:translate", Gf.Vec3d(5, 0, 0), True),
+    ("/World/Right.xformOp:translate", Gf.Vec3d(5, 0, 0), True), ("/Lamp.inputs:intensity", 2.0, False)])
+def test_stages_with_instances(path, value, isWhole, tmp_path):
+    """Gprims may be prototypes there: all is translated again, but for cameras and lights."""
+    stage = Usd.Stage.Open(str(WriteStage(tmp_path, BODY + INSTANCES)))
+    session, translation = SessionOf(stage)
+    numAll = translation.Update(1.0)
+    stage.GetAttributeAtPath(path).Set(value)
+    assert translation.Update(1.0) == (numAll if isWhole else 1)
+    fresh, whole = SessionOf(stage)
+    whole.Update(1.0)
+    assert session.Dump() == fresh.Dump()
+
+
+def test_settings_prims_and_other_prims_translate_nothing_or_all(tmp_path):
+    stage = Usd.Stage.Open(str(WriteStage(tmp_path, BODY + 'def RenderSettings "Render" {}')))
+    session, translation = SessionOf(stage)
+    translation.Update(1.0)
+    Pixel(stage)
+    assert translation.Update(1.0) == 0
+    assert translation.Update(2.0) > 0, "another time code"

@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The package as docs/python.md shows it: arrays, edits, progress, cancelling, errors, going on."""
+
+import threading
+
+import numpy as np
+import pytest
+from pxr import Gf, Usd
+
+from cliCase import SCENE, Run, WriteStage
+
+SMALL = {"imageWidth": 24, "samples": 20, "maxDepth": 2}
+
+
+@pytest.fixture(name="stage")
+def MakeStage(tmp_path):
+    return Usd.Stage.Open(str(WriteStage(tmp_path)))
+
+
+def Same(a, b):
+    return a.aovs.keys() == b.aovs.keys() and all(np.array_equal(a.aovs[name], b.aovs[name]) for name in a.aovs)
+
+
+def test_arrays_are_the_pixels_of_the_command_line(tmp_path):
+    import hdstream
+    from stages.imageFile import ReadExr
+    path = WriteStage(tmp_path)
+    image = hdstream.Render(str(path), aovs=["color", "depth", "primId"], **SMALL)
+    assert {name: (array.shape, array.dtype.name) for name, array in image.aovs.items()} == {
+        "color": ((17, 24, 4), "float32"), "depth": ((17, 24, 1), "float32"), "primId": ((17, 24), "int32")}
+    assert image.channels["color"] == ["R", "G", "B", "A"]
+    assert (image.width, image.height, image.samples, image.isComplete) == (24, 17, 20, True)
+    assert image.statistics["rays"]["camera"] == 24 * 17 * 20
+    assert Run("record", path, tmp_path / "o.exr", "-w", 24, "--samples", 20, "--maxDepth", 2,
+               "--aovs", "color,depth,primId").code == 0
+    assert image.Write(tmp_path / "api.exr") == []
+    assert (tmp_path / "api.exr").read_bytes() == (tmp_path / "o.exr").read_bytes()
+    channels = ReadExr(tmp_path / "o.exr")
+    assert channels is not None
+    assert image._repr_png_()[:4] == b"\x89PNG"
+
+
+def test_edits_are_in_the_next_picture_and_geometry_is_not_prepared_again(stage):
+    import hdstream
+    renderer = hdstream.Renderer(stage)
+    first = renderer.Render(**SMALL)
+    stage.GetAttributeAtPath("/Sun.inputs:intensity").Set(2.0)
+    stage.GetAttributeAtPath("/main_cam.xformOp:translate").Set(Gf.Vec3d(0.5, 0, 8))
+    second = renderer.Render(**SMALL)
+    assert not Same(first, second)
+    assert Same(second, hdstream.Renderer(stage).Render(**SMALL)), "the bits of a fresh renderer"
+    geometry = second.statistics["geometry"]
+    assert geometry["chunksBuilt"] + geometry["chunksFromCache"] == 0
+    array = first.aovs["color"]
+    del renderer, first
+    assert np.isfinite(array).all() and not array.flags.writeable
+
+
+def test_a_crop_has_the_bits_of_the_image(stage):
+    import hdstream
+    renderer = hdstream.Renderer(stage)
+    values = {**SMALL, "aovs": ["color", "depth", "primId", "instanceId"]}
+    whole = renderer.Render(**values)
+    part = renderer.Render(crop=(5, 3, 20, 11), **values)
+    for name, pixels in part.aovs.items():
+        np.testing.assert_array_equal(pixels, whole.aovs[name][3:11, 5:20])
+    with pytest.raises(hdstream.UsageError, match="crop"):
+        renderer.Render(crop=(5, 3, 25, 11), **values)
+
+
+def test_progress_and_cancelling(stage):
+    import hdstream
+    renderer = hdstream.Renderer(stage)
+    fractions = []
+    image = renderer.Render(onProgress=lambda progress: fractions.append(progress.fraction), **SMALL)
+    assert image.isComplete and fractions == sorted(fractions) and fractions[-1] == pytest.approx(1.0)
+    endless = {**SMALL, "samples": 1 << 20}
+    image = renderer.Render(onProgress=lambda progress: progress.samplesDone < 2, **endless)
+    assert not image.isComplete and image.samples >= 1 and np.isfinite(image.aovs["color"]).all()
+    begun = threading.Event()
+    threading.Thread(target=lambda: (begun.wait(60), renderer.Cancel())).start()
+    image = renderer.Render(onProgress=lambda progress: begun.set(), **endless)
+    assert not image.isComplete
+    assert renderer.Render(**SMALL).isComplete, "it may go on"
+
+
+def test_exceptions_of_the_callback_come_through(stage):
+    import hdstream
+
+    def OnProgress(progress):
+        raise KeyError("mine")
+
+    with pytest.raises(KeyError, match="mine"):
+        hdstream.Renderer(stage).Render(onProgress=OnProgress, **SMALL)
+
+
+def test_a_cancelled_picture_goes_on_to_the_bits_of_one(stage):
+    import hdstream
+    renderer = hdstream.Renderer(stage)
+    whole = renderer.Render(**{**SMALL, "samples": 40})
+    renderer.Render(onProgress=lambda progress: progress.samplesDone < 3, **{**SMALL, "samples": 1 << 20})
+    sums = renderer.Sums()
+    assert 0 < sums.endSample < 40 and sums.words.shape == (17, 24, 12)
+    other = hdstream.Renderer(stage)
+    other.Prepare(**{**SMALL, "samples": 40})
+    assert Same(other.RenderPrepared(start=[sums]), whole)
+
+
+def test_sums_pack_and_unpack(stage, tmp_path):
+    import hdstream
+    from hdstream import filmSums
+    renderer = hdstream.Renderer(stage)
+    renderer.Render(**{**SMALL, "samples": 16})
+    sums = renderer.Sums()
+    packed = filmSums.Pack(sums)
+    assert sum(plane.size for name, plane in packed.items() if name != "shape") < 7 * 24 * 17, "zeros do not travel"
+    filmSums.Save(str(tmp_path / "a.sums"), sums, "key", "device")
+    for again in (filmSums.Unpack(packed), filmSums.Load(str(tmp_path / "a.sums"), "key")[0]):
+        assert (again.width, again.height, again.firstSample, again.endSample) == (24, 17, 0, 16)
+        np.testing.assert_array_equal(again.words, sums.words)
+    assert filmSums.Load(str(tmp_path / "a.sums"), "other") == (None, "")
+    (tmp_path / "a.sums").write_bytes((tmp_path / "a.sums").read_bytes()[:100])
+    assert filmSums.Load(str(tmp_path / "a.sums"), "key") == (None, "")
+
+
+def test_errors_are_the_packages(stage, tmp_path):
+    import hdstream
+    renderer = hdstream.Renderer(stage)
+    with pytest.raises(TypeError, match="no setting 'sample'"):
+        renderer.Render(sample=3)
+    with pytest.raises(hdstream.UsageError, match="--camera none"):
+        renderer.Render(camera="none")
+    with pytest.raises(hdstream.UsageError, match="samples"):
+        renderer.Render(samples=0)
+    with pytest.raises(hdstream.UsageError, match="prepared"):
+        hdstream.Renderer(stage).RenderPrepared()
+    with pytest.raises(hdstream.Error, match="missing.usda"):
+        hdstream.Renderer(tmp_path / "missing.usda")
+    assert issubclass(hdstream.UsageError, hdstream.Error)
+    with pytest.raises(AttributeError):
+        hdstream.Nothing  # pylint: disable=pointless-statement
+    assert set(hdstream.__all__) <= set(dir(hdstream))
+
+
+def test_a_renderer_leaves_no_stage_behind(tmp_path):
+    """Its layers would be found again, stale, when the file is opened once more."""
+    import hdstream
+    from pxr import Sdf
+    path = str(WriteStage(tmp_path))
+    hdstream.Render(path, **SMALL)
+    assert Sdf.Layer.Find(path) is None
+
+
+def test_warnings(tmp_path):
+    import hdstream
+    body = SCENE + 'def Volume "Smoke" {}'
+    lines = []
+    hdstream.Renderer(str(WriteStage(tmp_path, body)), onWarning=lines.append).Render(**SMALL)
+    assert len(lines) == 1 and "/Smoke" in lines[0]
+    with pytest.warns(hdstream.RenderWarning, match="/Smoke"):
+        hdstream.Render(str(WriteStage(tmp_path, body)), **SMALL)
+
+
+def test_keywords_win_over_the_render_settings_prim(tmp_path):
+    import hdstream
+    body = SCENE + """def RenderSettings "Render" { int2 resolution = (32, 16); int hdstream:samples = 3
+        custom token[] includedPurposes = ["default", "guide"] }"""
+    renderer = hdstream.Renderer(str(WriteStage(tmp_path, body)))
+    renderer.Prepare(renderSettingsPrimPath="/Render")
+    assert (renderer.settings["samples"], renderer.settings["imageWidth"]) == (3, 32)
+    renderer.Prepare(renderSettingsPrimPath="/Render", samples=5, purposes=["render"])
+    assert (renderer.settings["samples"], renderer.settings["purposes"]) == (5, ["default", "render"])
