@@ -149,6 +149,22 @@ def test_stages_with_instances(path, value, isWhole, tmp_path):
     assert session.Dump() == fresh.Dump()
 
 
+@pytest.mark.parametrize("path, value, isWhole", [
+    ("/World/Left/Card.xformOp:translate", Gf.Vec3d(0, 0, 2), True), ("/Key.inputs:intensity", 2.0, True),
+    ("/main_cam.xformOp:translate", Gf.Vec3d(0, 0, 9), False)])
+def test_stages_with_light_links(path, value, isWhole, tmp_path):
+    """What a prim's links are, lights elsewhere say."""
+    links = 'def SphereLight "Key" { float inputs:intensity = 1; rel collection:lightLink:excludes = </World/Left/Card> }'
+    stage = Usd.Stage.Open(str(WriteStage(tmp_path, BODY + links)))
+    session, translation = SessionOf(stage)
+    numAll = translation.Update(1.0)
+    stage.GetAttributeAtPath(path).Set(value)
+    assert translation.Update(1.0) == (numAll if isWhole else 1)
+    fresh, whole = SessionOf(stage)
+    whole.Update(1.0)
+    assert session.Dump() == fresh.Dump()
+
+
 def test_settings_prims_and_other_prims_translate_nothing_or_all(tmp_path):
     stage = Usd.Stage.Open(str(WriteStage(tmp_path, BODY + 'def RenderSettings "Render" {}')))
     session, translation = SessionOf(stage)

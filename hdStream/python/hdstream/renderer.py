@@ -246,9 +246,10 @@ class Renderer:
         return self._session.Dump()
 
     def AssetFiles(self) -> List[str]:
-        """Files, besides the stage's, that the prepared scene reads: images."""
+        """Files, besides the stage's, that the prepared scene reads: images, light profiles."""
         scene = self._session.Scene()
-        files = {light.light.textureFile.file for light in scene.lights.values()}
+        files = {asset.file for prim in scene.lights.values()
+                 for asset in (prim.light.textureFile, prim.light.shaping.iesFile)}
         for network in scene.materials.values():
             for node in network.nodes:
                 files.update(value.file for value in node.parameters.values()

@@ -38,6 +38,7 @@ class StageTranslation:
         self._paths = set()  # of meshes and lights in the scene
         self._materialPaths = set()
         self._hasInstancers = False
+        self._hasLinks = False  # what a prim's links are, lights elsewhere say
         # Tf keeps what it calls, which would keep the stage and its layers for ever.
         onChanged = weakref.WeakMethod(self._OnChanged)
         self._listener = Tf.Notice.Register(
@@ -77,6 +78,7 @@ class StageTranslation:
         self._paths = set(translator.Paths())
         self._materialPaths = translator.materialPaths
         self._hasInstancers = bool(self._session.Scene().instancers)
+        self._hasLinks = translator.LinksAreUsed()
         self._isStale = False
         return translator.numPrims
 
@@ -96,6 +98,8 @@ class StageTranslation:
         # Below a point instancer are prototypes, which have a space of their own; skins follow their skeletons.
         if any(ancestor.IsA(UsdGeom.PointInstancer) or ancestor.GetTypeName() == "SkelRoot"
                for ancestor in _Ancestors(prim)):
+            return False
+        if self._hasLinks and kind != "Camera":
             return False
         if kind not in _ALONE | _GROUPS | _GEOMETRY or (self._hasInstancers and kind not in _ALONE):
             return False

@@ -87,6 +87,10 @@ class StageTranslator:
         self._SetMaterials({prim.GetPath().pathString: prim})
         self._End()
 
+    def LinksAreUsed(self):
+        """Some light leaves something out."""
+        return self._links.areUsed
+
     def Paths(self):
         """Scene paths of the meshes and lights that were translated."""
         return self._paths
