@@ -204,6 +204,8 @@ TEST_F(Prims, CurvesPointsAndBadMeshesAreAcceptedBesideMeshes) {
     scene.gprims[SdfPath("/curves")] = curves;
     GprimData dots = curves;
     dots.type = HdPrimTypeTokens->points;
+    dots.SetPrimvar("points", HdInterpolationVertex, // outside of the balls that curves are made of
+                    VtValue(VtVec3fArray{GfVec3f(-1, -1.2F, 0), GfVec3f(1, -1.2F, 0)}));
     scene.gprims[SdfPath("/dots")] = dots;
     scene.gprims[SdfPath("/empty")] = MakeMesh({}, {}, {});
     scene.gprims[SdfPath("/outOfRange")] = MakeMesh({{0, 0, 0}, {1, 0, 0}}, {3}, {0, 1, 7});
