@@ -384,6 +384,34 @@ TEST_F(LightTest, EstimatesOfShapedLightsAreNeverZeroWhereTheyShine) {
     }
 }
 
+TEST_F(LightTest, ACutWhoseSumVanishesIsNotSplitFurther) {
+    // Spheres of very different power near the horizon of points above them: what is left of the
+    // sum of a cut is rounding, of either sign, and an item without error must not be split.
+    std::vector<PlacedLight> lights;
+    std::mt19937 generator(3);
+    std::uniform_real_distribution<double> unit(-1.0, 1.0);
+    for (int i = 0; i < 60; ++i) {
+        PlacedLight light = MakeLight(LightType::Sphere);
+        light.light.radius = 1e-3F;
+        light.light.exposure = static_cast<float>(20.0 * unit(generator));
+        light.worldFromLight = glm::translate(
+            glm::dmat4(1.0), {unit(generator), unit(generator), unit(generator) - 1.0});
+        lights.push_back(light);
+    }
+    SetLights(lights);
+    for (int i = 0; i < 200; ++i) {
+        const auto height = static_cast<float>(0.5 * unit(generator) + 0.4);
+        const std::vector<float> pmf =
+            Selections({static_cast<float>(unit(generator)), 0.0F, height}, {0.0F, 0.0F, 1.0F});
+        double sum = 0.0;
+        for (const float p : pmf) {
+            ASSERT_GE(p, 0.0F);
+            sum += p;
+        }
+        EXPECT_LE(sum, 1.001) << i;
+    }
+}
+
 TEST_F(LightTest, SelectionIsZeroOnlyWhereNoLightArrives) {
     PlacedLight rect = MakeLight(LightType::Rect); // emits towards -z
     PlacedLight sphere = MakeLight(LightType::Sphere);
