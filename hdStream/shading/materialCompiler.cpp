@@ -406,7 +406,7 @@ ResolvedMaterial ResolveMaterial(const CompiledMaterial& material,
             result.record.flags |= tangentSlot == HDS_NONE ? 0U : HDS_MATERIAL_TANGENTS;
         }
         result.program = WriteProgram(inputs, textures, findSlot, tangentSlot);
-        result.record.flags |= HasPatterns(result.program) ? HDS_MATERIAL_COMPUTES : 0U;
+        result.record.flags |= NeedsFilteredTexels(result.program) ? HDS_MATERIAL_COMPUTES : 0U;
         if (result.program.empty()) {
             warnings.Add(meshPath, "its material is too deep for the shader machine; the inputs "
                                    "that it computes keep their defaults");

@@ -2,6 +2,7 @@
 #include "hdStream/shading/programWriter.h"
 
 #include "kernels/shared/material.h"
+#include "kernels/shared/programMath.h"
 
 #include <algorithm>
 #include <cstring>
@@ -320,6 +321,26 @@ bool HasPatterns(const std::vector<std::uint32_t>& programs) {
     for (std::size_t at = 0; at < programs.size(); at += 1 + NumOperands(programs, at)) {
         const std::uint32_t operation = programs[at] & 0xffU;
         if (operation >= HDS_OP_MATH && operation <= HDS_OP_NORMAL) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool NeedsFilteredTexels(const std::vector<std::uint32_t>& program) {
+    for (std::size_t at = 0; at < program.size(); at += 1 + NumOperands(program, at)) {
+        if ((program[at] & 0xffU) != HDS_OP_MATH) {
+            continue;
+        }
+        switch ((program[at] >> 8) & 0xffU) {
+        case HDS_MATH_ADD:
+        case HDS_MATH_SUBTRACT:
+        case HDS_MATH_MULTIPLY:
+        case HDS_MATH_MIX:
+        case HDS_MATH_DOT:
+        case HDS_MATH_COMBINE:
+            break;
+        default:
             return true;
         }
     }

@@ -116,7 +116,7 @@ bool shade_passThrough(const HdsHit* hit, const HdsSurfaceHit* surface, float3 t
 
 #if HDS_FEATURE_TEXTURES
 /* How the textures of a hit are read. An opacity may be compared with a threshold, and a program
- * may compute with a texel, which is not linear: these need the filter's own value. */
+ * may do more than add and multiply: these need the filter's own value. */
 HdsTexelChoice shade_chooseTexels(constant const HdsFrameParams* frame, const HdsSceneView* scene,
                                   const HdsSurfaceHit* surface, const HdsShadePath* path) {
     HdsTexelChoice choice = {0.0f, 8u};

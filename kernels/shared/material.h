@@ -52,7 +52,7 @@
 #define HDS_MATERIAL_TANGENTS 64u /* the normal input is in the frame of texture coordinates */
 #define HDS_MATERIAL_THIN_WALLED 128u /* what it transmits goes straight on */
 #define HDS_MATERIAL_FUZZ 256u        /* the sheen lies on top of the coat */
-#define HDS_MATERIAL_COMPUTES 512u    /* its program has patterns */
+#define HDS_MATERIAL_COMPUTES 512u    /* its program does more than add and multiply */
 #define HDS_MATERIAL_PRESENCE 1024u   /* opacityMode presence */
 
 /* HdsMaterial.lobes: what a layered surface is made of; 0: a UsdPreviewSurface. HDS_LOBES is the

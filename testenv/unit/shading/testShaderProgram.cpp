@@ -4,6 +4,7 @@
 #include "hdStream/shading/materialCompiler.h"
 #include "hdStream/shading/programWriter.h"
 #include "kernels/shared/geometry.h"
+#include "kernels/shared/programMath.h"
 
 #include <gtest/gtest.h>
 
@@ -387,6 +388,22 @@ TEST_F(ProgramTest, WhatIsTooDeepForTheMachineKeepsTheDefault) {
     EXPECT_FLOAT_EQ(resolved.record.constants[HDS_INPUT_DIFFUSE_COLOR].x, 0.18F);
     ASSERT_EQ(_warnings.Lines().size(), 1U);
     EXPECT_EQ(_warnings.Lines()[0].rfind("/mesh", 0), 0U);
+}
+
+TEST(ShaderProgram, SumsAndProductsMayBeOfChosenTexels) {
+    const auto needs = [](std::uint32_t function, std::uint32_t count) {
+        const std::uint32_t operand = HDS_OP(HDS_OP_MATH, HDS_MATH(HDS_MATH_ADD, 2U));
+        return NeedsFilteredTexels(
+            {operand, HDS_OP(HDS_OP_MATH, HDS_MATH(function, count)), HDS_OP(HDS_OP_END, 0U)});
+    };
+    EXPECT_FALSE(needs(HDS_MATH_MULTIPLY, 2));
+    EXPECT_FALSE(needs(HDS_MATH_MIX, 3));
+    EXPECT_TRUE(needs(HDS_MATH_GREATER, 2));
+    EXPECT_TRUE(needs(HDS_MATH_SMOOTHSTEP, 3));
+    EXPECT_TRUE(needs(HDS_MATH_NOISE2, 1));
+    // An operand is not taken for an instruction.
+    EXPECT_FALSE(NeedsFilteredTexels(
+        {HDS_OP_CONSTANT, HDS_OP(HDS_OP_MATH, HDS_MATH_SQRT), 0, 0, 0, HDS_OP(HDS_OP_END, 0U)}));
 }
 
 TEST(ShaderProgram, LookUpsAreCounted) {
