@@ -28,8 +28,8 @@ sys.path[:0] = [str(TESTENV)]
 
 from bench import performancePage  # noqa: E402
 
-SECTIONS = ("machine", "traversal", "rays", "geometryKnobs", "textureKnobs", "tessellation", "adaptive", "denoising", "memory",
-            "firstPixel", "rivals", "hydra")
+SECTIONS = ("machine", "traversal", "rays", "geometryKnobs", "textureKnobs", "tessellation", "adaptive", "denoising", "economies",
+            "memory", "firstPixel", "rivals", "hydra")
 _IMAGES = "images/performance"
 _REAL = {"chess": ("chess/chess_preview.usda", "/Lights/camera"), "bookstore": ("bookstore/bookstore.usda", "/World/camera1_0"),
          "coffee": ("coffee/coffee.usdc", "/World/camera"), "ycb": ("ycb/ycb.usda", "/World/close")}

@@ -9,6 +9,7 @@ import pytest
 pytest.importorskip("hdstream._core")
 
 import ours
+from stages import economies
 from stages.verify import CASES
 
 _AOVS = ("color", "alpha", "depth", "normal", "position", "primId", "instanceId", "elementId", "variance")
@@ -61,3 +62,15 @@ def test_a_second_render_is_the_same(Stage, Expected):
 def test_seed_does_matter(Stage, Expected):
     other = ours.Render(Stage, *_SIZE, _AOVS, samples=20, seed=9).layers
     assert other["color"].tobytes() != Expected["color"].tobytes()
+
+
+def test_what_no_ray_sees_does_not_matter(tmp_path):
+    """Neither does what else the kernels can do then."""
+    def Picture(addition):
+        path = tmp_path / f"{addition}.usda"
+        economies.WriteEconomies(path, addition, cells=12)
+        aovs = [name for name in _AOVS if name not in ("primId", "instanceId")]  # these count the scene's prims
+        return ours.Render(str(path), *_SIZE, aovs, samples=20).layers
+
+    assert {"nothing", "all of these"} < set(economies.UNSEEN)
+    _AssertSameBits(Picture("all of these"), Picture("nothing"))

@@ -9,7 +9,7 @@ import subprocess
 from bench.performancePage import LeftOut, Table
 
 _PROGRAM = pathlib.Path(__file__).resolve().parents[1] / "rivals.py"
-_SIZES = ("--width", "320", "--reference", "96", "--ladder", "2,8,32", "--limit", "150")
+_SIZES = ("--width", "320", "--reference", "96", "--ladder", "2,8,32", "--limit", "600")
 _MINE = "hdstream"
 _ERROR = "seconds to 0.01"
 
