@@ -61,6 +61,10 @@ class Bench:
             self._stages[name] = str(path)
         return self._stages[name]
 
+    def Real(self, *names) -> dict:
+        """Those of the real stages that are there: where all would take too long."""
+        return {name: self.real[name] for name in names if name in self.real}
+
     def Program(self, path: str) -> pathlib.Path:
         """A program of the build. Raises LeftOut without it."""
         program = self.build / path

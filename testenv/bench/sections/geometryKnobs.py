@@ -8,7 +8,7 @@ from stages import streaming
 
 def Run(bench) -> list:
     width = bench.Pick(240, 48)
-    samples = bench.Pick((4, 16, 64, 256), (1, 4))
+    samples = bench.Pick((4, 16, 64), (1, 4))
     path = bench.Stage("overlap", lambda path: streaming.WriteOverlap(path, rings=bench.Pick(120, 24)))
     stages = {"overlap": (path, "/World/Camera"), **bench.real}
     items = []
@@ -18,7 +18,7 @@ def Run(bench) -> list:
 
         chunks = bench.Pick((1 << 14, 1 << 16, 1 << 18, 1 << 20), (1 << 14, 1 << 16))
         scene = Open(chunks[-2])
-        reference, _ = scene.Render(bench.Pick(2048, 16), seed=REFERENCE_SEED, residency="resident")
+        reference, _ = scene.Render(bench.Pick(512, 16), seed=REFERENCE_SEED, residency="resident")
         pools = {"resident": dict(residency="resident")}
         for pool in bench.Pick((100, 79, 30, 15, 5), (30,)):
             pools[f"{pool} %"] = dict(residency="stream", geometryMemory=f"{pool}%")

@@ -9,7 +9,7 @@ from stages import textureStress
 
 def _Filtering(bench) -> list:
     """Glowing cards, so that the error is that of filtering and of where samples fall in a pixel."""
-    sizes = bench.Pick(dict(width=480, count=208, size=512, sampleCounts=(4, 16, 64), referenceSamples=1024),
+    sizes = bench.Pick(dict(width=480, count=208, size=512, sampleCounts=(4, 16, 64), referenceSamples=512),
                        dict(width=64, count=4, size=64, sampleCounts=(1, 4), referenceSamples=16))
     biases = bench.Pick((-1.0, -0.5, 0.0, 0.5, 1.0), (0.0, 1.0))
     rows = list(textureQuality.Measure(bench.folder / "quality", biases=biases, **sizes))
@@ -34,7 +34,7 @@ def _ShadeIterations(bench) -> list:
     def Open():
         return Scene(path, "/World/Camera", imageWidth=width, imageHeight=width * 9 // 16, maxDepth=2)
 
-    reference, _ = Open().Render(bench.Pick(1024, 16), seed=REFERENCE_SEED, residency="resident")
+    reference, _ = Open().Render(bench.Pick(512, 16), seed=REFERENCE_SEED, residency="resident")
     curves = {}
     for iterations in bench.Pick((0, 1, 2, 4, 8), (0, 1)):
         label = f"{iterations} iterations" if iterations else "until all are there"
