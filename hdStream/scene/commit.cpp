@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <set>
 
 namespace hds {
 
@@ -119,6 +120,7 @@ private:
             input.mesh = entry->second.mesh;
             input.chunkBytes = _options.chunkBytes;
             input.displacements = _materials.DisplacementsOf(entry->second);
+            input.primvars = ReadPrimvars(entry->second);
             if (isDiced && IsSubdivisionScheme(input.mesh->subdivisionScheme)) {
                 input.dicing.emplace();
                 input.dicing->isAdaptive = isAdaptive;
@@ -131,6 +133,19 @@ private:
             inputs.emplace_back(&entry->first, std::move(input));
         }
         return inputs;
+    }
+
+    /// Of those that the mesh has, sorted.
+    std::vector<std::string> ReadPrimvars(const MeshPrim& prim) const {
+        std::set<std::string> asked = _materials.PrimvarsOf(prim);
+        asked.insert(_options.shownPrimvars.begin(), _options.shownPrimvars.end());
+        std::set<std::string> read;
+        for (const Primvar& primvar : prim.mesh->primvars) {
+            if (asked.count(primvar.name) > 0) {
+                read.insert(primvar.name);
+            }
+        }
+        return {read.begin(), read.end()};
     }
 
     /// Objects, chunks and pages of all prepared meshes: one that is hidden keeps its pages.

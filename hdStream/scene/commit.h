@@ -37,7 +37,8 @@ struct CommitOptions {
     bool domeVisible = true;                  ///< domes are seen by camera rays
     std::uint64_t chunkBytes = 1U << 20U;     ///< about what the pages of a chunk take at most
     Subdivision subdivision = Subdivision::Adaptive;
-    std::uint32_t refineLevel = 0; ///< for Subdivision::Complexity
+    std::uint32_t refineLevel = 0;          ///< for Subdivision::Complexity
+    std::vector<std::string> shownPrimvars; ///< kept for AOVs, whether materials read them or not
     /// For Subdivision::Adaptive; nothing: no surface is on screen.
     std::optional<DicingCamera> dicingCamera;
 
@@ -45,7 +46,7 @@ struct CommitOptions {
         return purposes == other.purposes && cullStyle == other.cullStyle &&
                domeVisible == other.domeVisible && chunkBytes == other.chunkBytes &&
                subdivision == other.subdivision && refineLevel == other.refineLevel &&
-               dicingCamera == other.dicingCamera;
+               shownPrimvars == other.shownPrimvars && dicingCamera == other.dicingCamera;
     }
 };
 

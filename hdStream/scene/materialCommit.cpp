@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/materialCommit.h"
 
+#include "hdStream/shading/materialPrimvars.h"
 #include "hdStream/shading/programWriter.h"
 
 #include <tbb/parallel_for.h>
@@ -149,6 +150,14 @@ std::vector<DisplacementInput> MaterialCommit::DisplacementsOf(const MeshPrim& p
         }
     }
     return displacements;
+}
+
+std::set<std::string> MaterialCommit::PrimvarsOf(const MeshPrim& prim) const {
+    std::set<std::string> names;
+    for (const std::string& materialPath : EntryPaths(prim)) {
+        AddPrimvarsOf(Find(materialPath), &names);
+    }
+    return names;
 }
 
 MeshMaterialInfo MaterialCommit::AddMesh(const std::string& path, const MeshPrim& prim,

@@ -7,6 +7,7 @@
 #include "hdStream/scene/meshStore.h"
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,9 @@ public:
 
     /// By material entry, as AddMesh adds them; reads images of heights. Precondition: compiled.
     std::vector<DisplacementInput> DisplacementsOf(const MeshPrim& prim) const;
+
+    /// Names of the primvars that the materials of a mesh may read. Precondition: compiled.
+    std::set<std::string> PrimvarsOf(const MeshPrim& prim) const;
 
     std::vector<shared::HdsMaterial> materials;
     std::vector<std::uint32_t> meshMaterials;

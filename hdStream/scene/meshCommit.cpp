@@ -54,10 +54,34 @@ std::shared_ptr<const ChunkSource> MakeSource(const std::string& path, const Mes
     return MakePolygonSource(inputs.mesh, path, displacement, warnings);
 }
 
+/// The inputs without the primvars that nobody reads.
+MeshInputs OnlyRead(MeshInputs inputs) {
+    const auto isUnread = [&](const Primvar& primvar) {
+        return primvar.name != "normals" && primvar.name != "widths" &&
+               !std::binary_search(inputs.primvars.begin(), inputs.primvars.end(), primvar.name);
+    };
+    const std::vector<Primvar>& all = inputs.mesh->primvars;
+    if (std::any_of(all.begin(), all.end(), isUnread)) {
+        auto mesh = std::make_shared<MeshDescription>(*inputs.mesh);
+        mesh->primvars.erase(std::remove_if(mesh->primvars.begin(), mesh->primvars.end(), isUnread),
+                             mesh->primvars.end());
+        inputs.mesh = std::move(mesh);
+    }
+    return inputs;
+}
+
 } // namespace
 
-PreparedMesh PrepareMesh(const std::string& path, const MeshInputs& inputs,
+bool MeshInputs::Suffice(const MeshInputs& other) const {
+    return mesh == other.mesh && chunkBytes == other.chunkBytes && dicing == other.dicing &&
+           displacements == other.displacements &&
+           std::includes(primvars.begin(), primvars.end(), other.primvars.begin(),
+                         other.primvars.end());
+}
+
+PreparedMesh PrepareMesh(const std::string& path, const MeshInputs& all,
                          std::shared_ptr<PageStore> store, Warnings& warnings) {
+    const MeshInputs inputs = OnlyRead(all);
     const PageKey key = store ? MakeMeshKey(inputs) : PageKey();
     const auto mesh = std::make_shared<const ChunkedMesh>(
         [path, inputs, &warnings] { return MakeSource(path, inputs, warnings); }, inputs.chunkBytes,

@@ -34,11 +34,12 @@ struct MeshInputs {
     /// Of a mesh with a subdivision scheme; nothing: its cage is drawn as polygons.
     std::optional<DicingOptions> dicing;
     std::vector<DisplacementInput> displacements; ///< by material entry
+    /// Those of the mesh that something reads, sorted; of the others only normals and widths, which
+    /// give shape, count.
+    std::vector<std::string> primvars;
 
-    bool operator==(const MeshInputs& other) const {
-        return mesh == other.mesh && chunkBytes == other.chunkBytes && dicing == other.dicing &&
-               displacements == other.displacements;
-    }
+    /// Whether a mesh made of these serves where `other` is asked for.
+    bool Suffice(const MeshInputs& other) const;
 };
 
 /// Checks a mesh, cuts it into chunks and builds its top tree, on all cores if it is large; makes

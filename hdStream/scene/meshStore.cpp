@@ -26,7 +26,7 @@ bool MeshStore::Prepare(const SceneDescription& scene, const std::vector<Drawn>&
     std::vector<const Drawn*> missing;
     for (const Drawn& one : drawn) {
         const auto item = _items.find(*one.first);
-        if (item == _items.end() || !(item->second.inputs == one.second)) {
+        if (item == _items.end() || !item->second.inputs.Suffice(one.second)) {
             missing.push_back(&one);
         }
     }

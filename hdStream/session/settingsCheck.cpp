@@ -166,6 +166,7 @@ CommitOptions MakeCommitOptions(const Settings& settings) {
     options.chunkBytes = settings.chunkBytes;
     options.subdivision = EnumOf<Subdivision>("subdivision", settings.subdivision);
     options.refineLevel = options.subdivision == Subdivision::Complexity ? settings.refineLevel : 0;
+    options.shownPrimvars = MakeAovLayout(settings.aovs).primvars;
     return options;
 }
 

@@ -80,6 +80,32 @@ TEST_F(MeshStoreTest, NewDescriptionsAndOptionsPrepareAgain) {
     EXPECT_EQ(store.NumPrepared(), 9U);
 }
 
+TEST_F(MeshStoreTest, OnlyPrimvarsThatAreReadAreInPages) {
+    auto mesh = std::make_shared<MeshDescription>(*Triangle(1.0F));
+    for (const char* name : {"displayColor", "st"}) {
+        Primvar primvar;
+        primvar.name = name;
+        primvar.numComponents = 2;
+        primvar.values = std::vector<float>{1.0F, 2.0F};
+        mesh->primvars.push_back(primvar);
+    }
+    scene.meshes["/a"].mesh = mesh;
+    ASSERT_TRUE(Prepare());
+    EXPECT_TRUE(store.Find("/a").attributes.empty());
+    inputs.primvars = {"st"};
+    ASSERT_TRUE(Prepare());
+    ASSERT_EQ(store.Find("/a").attributes.size(), 1U);
+    EXPECT_EQ(store.Find("/a").attributes[0].name, "st");
+    inputs.primvars = {"displayColor", "st"};
+    ASSERT_TRUE(Prepare());
+    EXPECT_EQ(store.Find("/a").attributes.size(), 2U);
+    EXPECT_EQ(store.NumPrepared(), 3U);
+    // What is more than enough is kept.
+    inputs.primvars = {};
+    ASSERT_TRUE(Prepare());
+    EXPECT_EQ(store.NumPrepared(), 3U);
+}
+
 TEST_F(MeshStoreTest, RemovedMeshesLeaveAndHiddenOnesAreNotPrepared) {
     scene.meshes["/a"].mesh = Triangle(1.0F);
     scene.meshes["/b"].mesh = Triangle(2.0F);

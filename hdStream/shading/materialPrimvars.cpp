@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/shading/materialPrimvars.h"
+
+namespace hds {
+
+namespace {
+
+using Visited = std::set<const ShaderExpression*>;
+
+void AddPrimvars(const ShaderValue& value, Visited* visited, std::set<std::string>* names) {
+    if (!value || !visited->insert(value.expression.get()).second) {
+        return;
+    }
+    if (!value.expression->primvar.empty()) {
+        names->insert(value.expression->primvar);
+    }
+    for (const ShaderValue& operand : value.expression->operands) {
+        AddPrimvars(operand, visited, names);
+    }
+}
+
+} // namespace
+
+void AddPrimvarsOf(const CompiledMaterial& material, std::set<std::string>* names) {
+    Visited visited;
+    for (const ShaderValue& value : material.values) {
+        AddPrimvars(value, &visited, names);
+    }
+    if ((material.constants.lobes & HDS_LOBE_ANISOTROPY) != 0) {
+        names->insert("st"); // its tangents are the surface's
+    }
+    if (!material.displacement.primvar.empty()) {
+        names->insert(material.displacement.primvar);
+    }
+}
+
+} // namespace hds
