@@ -12,7 +12,7 @@ pytest.importorskip("hdstream._core")
 
 import closedForm
 import ours
-from stages import author, shapes
+from stages import author, imageFile, shapes
 
 WIDTH, HEIGHT, SIZE, ALBEDO = 24, 18, 4.0, 0.5
 _UP = np.array([0.0, 1.0, 0.0])
@@ -267,6 +267,23 @@ def test_shadow_links_of_one_light_leave_the_others_alone(tmp_path):
     author.AddLight(stage, "/World/Other", "Sphere", dict(translate=_PLACE), **_LAMP)
     picture = _Render(stage).rgb
     np.testing.assert_allclose(_Blocks(picture), _Blocks(_LampOnPlate()), rtol=0.02)
+
+
+def test_shadow_controls_leave_a_lights_image_alone(tmp_path):
+    """Nothing casts shadows: however short shadow rays are, the image lights the plate as it does with none of it cut."""
+    image = np.zeros((8, 8, 3), np.float32)
+    image[:, 4:] = (1.0, 0.6, 0.2)
+    imageFile.WriteExr(tmp_path / "half.exr", {c: image[..., i] for i, c in enumerate("RGB")}, half=False)
+    pictures = {}
+    for name, shadow in (("far", dict(distance=30.0)), ("near", dict(distance=0.5)), ("off", dict(enable=False))):
+        stage = _Plate(f"{tmp_path}/{name}.usda")
+        panel = author.AddLight(stage, "/World/Panel", "Rect", dict(translate=(0, 1.5, 0), rotate=(-90, 0, 0)), width=2.0, height=2.0,
+                                textureFile="./half.exr")
+        author.ShadowLight(panel, **shadow)
+        pictures[name] = _Render(stage, samples=16).layers["color"]
+    left, right = (pictures["far"][:, columns, :3].mean() for columns in (slice(0, 6), slice(-6, None)))
+    assert left > 2 * right > 0, "the image tells the sides apart"
+    assert pictures["near"].tobytes() == pictures["far"].tobytes() and pictures["off"].tobytes() == pictures["far"].tobytes()
 
 
 def test_streamed_geometry_gives_the_same_bits(tmp_path):
