@@ -123,6 +123,29 @@ def test_other_formats_keep_their_key_beside_them(stage, tmp_path):
     assert "is there already" not in RunHere("record", stage, output, *options, "-color", "disabled").out
 
 
+def test_damaged_sums_are_none(tmp_path):
+    """Of a valid sidecar: cut anywhere, any byte of its index changed, or another kind of file; never an exception, never
+    other words."""
+    import io
+    import numpy as np
+    from hdstream import _core, filmSums
+    words = np.random.default_rng(1).integers(0, 1 << 32, (6, 8, 12), dtype=np.uint32)
+    file, damaged = str(tmp_path / "a.sums"), tmp_path / "b.sums"
+    filmSums.Save(file, _core.FilmSums(8, 6, 0, 16, words), "key", "device")
+    assert np.array_equal(filmSums.Load(file, "key")[0].words, words) and filmSums.Load(file, "other")[0] is None
+    whole = (tmp_path / "a.sums").read_bytes()
+    array = io.BytesIO()
+    np.save(array, words)
+    contents = [array.getvalue(), b"", *(whole[:size] for size in range(0, len(whole), 400))]
+    index = whole.index(b"PK\x01\x02")
+    contents += [whole[:at] + bytes([255 - whole[at]]) + whole[at + 1:] for at in range(index, len(whole), 3)]
+    contents += [whole[:index + 8] + b"\1" + whole[index + 9:]]  # as if encrypted
+    for content in contents:
+        damaged.write_bytes(content)
+        kept, _ = filmSums.Load(str(damaged), "key")
+        assert kept is None or np.array_equal(kept.words, words)
+
+
 def test_without_sums_all_samples_are_rendered(stage, tmp_path):
     output = tmp_path / "o.exr"
     Record(stage, output, 16)
