@@ -67,7 +67,9 @@ std::uint32_t CurveBasis::NumSegments(std::uint32_t numVertices, std::uint32_t* 
 RunVertex CurveBasis::VertexOf(std::uint32_t run, std::uint32_t numVertices) const {
     const bool isLinear = (_primitives & HDS_PRIMITIVE_BASIS) == HDS_PRIMITIVE_LINEAR;
     if (!isLinear && !_isPinned) {
-        return {run % numVertices, 0, false};
+        // A closed Bezier curve returns to its first vertex from the last one that is used.
+        const std::uint32_t numUnused = _isPeriodic ? numVertices % _step : 0U;
+        return {run % (numVertices - numUnused), 0, false};
     }
     if (_isPeriodic) {
         return {(run + numVertices - 1) % numVertices, 0, false};

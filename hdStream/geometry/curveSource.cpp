@@ -103,14 +103,15 @@ private:
                  first += 2) {
                 _begins.push_back(first);
                 _counts.push_back(2);
+                _faces.push_back(static_cast<std::uint32_t>(_size.numFaces));
             }
             if (!isSegmented) {
                 _begins.push_back(begin);
                 _counts.push_back(isGood ? static_cast<std::uint32_t>(count) : 0U);
             }
             begin = end;
+            ++_size.numFaces;
         }
-        _size.numFaces = _curves->faceVertexCounts.size();
         if (begin != numGiven) {
             _log.Warn("curveVertexCounts ask for " + std::to_string(begin) + " points, there are " +
                       std::to_string(numGiven));
@@ -119,6 +120,11 @@ private:
             _log.Warn(std::to_string(numBad) +
                       " curves dropped: curveVertexCounts negative or beyond the points");
         }
+    }
+
+    /// The authored curve, which uniform values belong to.
+    std::uint32_t FaceOf(std::uint32_t curve) const {
+        return _faces.empty() ? curve : _faces[curve];
     }
 
     /// Index of a point, or one beyond all.
@@ -236,6 +242,8 @@ private:
         if (_numTriangles >= 0xffffffffU) {
             _log.Warn("curves dropped: more than 2^32 - 2 pieces");
             _numTriangles = 0;
+            _numUnits = 0;
+            _unitBounds.clear();
         }
         for (const Bounds& bounds : _unitBounds) {
             for (int axis = 0; axis < 3; ++axis) {
@@ -339,7 +347,7 @@ private:
         const std::uint32_t first = _basis->FirstVertex(segment);
         switch (_normals.interpolation) {
         case Interpolation::Uniform:
-            add(curve, 1.0);
+            add(FaceOf(curve), 1.0);
             break;
         case Interpolation::Vertex: {
             const std::array<double, 4> weights = _basis->JointWeights(joint);
@@ -377,11 +385,12 @@ private:
 
     bool IsDrawn(const Unit& unit, std::int64_t segment) const {
         const std::int64_t count = SegmentsOf(unit.curve);
-        if (segment < 0 || segment >= count) {
-            return _basis->IsPeriodic();
+        if (!_basis->IsPeriodic() && (segment < 0 || segment >= count)) {
+            return false;
         }
         const std::uint64_t firstOfCurve = unit.firstLevel - unit.firstSegment;
-        return _levels[firstOfCurve + static_cast<std::uint64_t>(segment)] != kDropped;
+        const auto inCurve = static_cast<std::uint64_t>((segment + count) % count);
+        return _levels[firstOfCurve + inCurve] != kDropped;
     }
 
     void GatherUnit(std::uint32_t index, ChunkGeometry* chunk) const {
@@ -422,7 +431,7 @@ private:
             AddPieces(first, level, isStart, isEnd, ShapeOf(unit.curve, segment), chunk);
             for (std::uint32_t piece = 0; piece < 1U << level; ++piece) {
                 chunk->primIds.push_back(primId++);
-                chunk->faces.push_back(unit.curve);
+                chunk->faces.push_back(FaceOf(unit.curve));
             }
         }
     }
@@ -487,6 +496,7 @@ private:
     TopologySize _size;
     std::vector<std::uint64_t> _begins;      ///< [numCurves] first vertex
     std::vector<std::uint32_t> _counts;      ///< [numCurves] vertices
+    std::vector<std::uint32_t> _faces;       ///< [numCurves] authored curve; empty: the same
     std::vector<std::uint32_t> _firstJoints; ///< [numCurves]
     std::optional<CurveBasis> _basis;
     MeshAttribute _widths;

@@ -189,6 +189,44 @@ TEST(CurveSource, PhantomsOfPinnedCurvesHaveValues) {
     EXPECT_FALSE(BuildAttributePage(run.all).empty());
 }
 
+TEST(CurveSource, ClosedCurvesReturnToTheirFirstVertex) {
+    const CurveForm closed{"cubic", "bezier", "periodic"};
+    MeshDescription curves = MakeCurves({8}, closed); // two vertices more than two segments need
+    const Gathered run = GatherAll(curves);
+    EXPECT_EQ(run.lines, std::vector<std::string>{"/c: 2 vertices after the last segment ignored"});
+    curves.points = std::vector<float>(curves.points.begin(), curves.points.begin() + 18);
+    curves.faceVertexCounts = std::vector<std::int32_t>{6};
+    const Gathered fewer = GatherAll(curves);
+    EXPECT_EQ(run.all.positions, fewer.all.positions);
+    EXPECT_EQ(run.all.triangles, fewer.all.triangles);
+}
+
+/// Ends are round where a neighbour is not drawn, across the seam of a closed curve too.
+TEST(CurveSource, ClosedCurvesEndBesideDroppedSegments) {
+    MeshDescription curves = MakeCurves({6}, {"linear", "", "periodic"});
+    std::vector<float> points(curves.points.begin(), curves.points.end());
+    points[0] = kNan; // of the first segment and of the last one
+    curves.points = points;
+    const Gathered run = GatherAll(curves);
+    ASSERT_EQ(run.all.triangles.size(), 4U);
+    constexpr std::uint32_t kStart = HDS_PIECE_START >> HDS_PIECE_SHIFT;
+    constexpr std::uint32_t kEnd = HDS_PIECE_END >> HDS_PIECE_SHIFT;
+    EXPECT_NE(run.all.triangles.front().y & kStart, 0U);
+    EXPECT_NE(run.all.triangles.back().y & kEnd, 0U);
+    points[0] = 0.0F;
+    points[3] = kNan; // of the first two segments
+    curves.points = points;
+    EXPECT_NE(GatherAll(curves).all.triangles.back().y & kEnd, 0U) << "across the seam";
+}
+
+TEST(CurveSource, PairsHaveTheUniformValueOfTheirCurve) {
+    MeshDescription curves = MakeCurves({6, 4}, {"linear", "", "segmented"});
+    curves.primvars.push_back(MakePrimvar("a", Interpolation::Uniform, {1, 2}));
+    const Gathered run = GatherAll(curves);
+    EXPECT_EQ(run.all.faces, (std::vector<std::uint32_t>{0, 0, 0, 1, 1}));
+    EXPECT_TRUE(run.lines.empty());
+}
+
 TEST(CurveSource, BadContentIsOneLineEach) {
     const auto lineOf = [](MeshDescription curves) { return GatherAll(curves).lines; };
     const CurveForm linear{"linear", "", "nonperiodic"};
