@@ -13,6 +13,8 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kMaxAngles = 1 << 16;
 constexpr double kMaxValues = 1 << 24;
+/// Of a light's radiance, too, there is no more.
+constexpr double kMaxCandela = 1e30;
 /// Polar angles that span more than a hemisphere by so much belong to a sphere.
 constexpr double kHemisphereSlack = 0.1;
 
@@ -84,9 +86,11 @@ bool SkipTilt(Numbers* numbers) {
            numbers->NextValues(2 * count, &skipped);
 }
 
-bool IsAscending(const std::vector<double>& values) {
-    return std::adjacent_find(values.begin(), values.end(),
-                              [](double a, double b) { return !(a < b); }) == values.end();
+/// Of angles in degrees, once they are radians in single precision.
+bool IsAscending(const std::vector<double>& angles) {
+    return std::adjacent_find(angles.begin(), angles.end(), [](double a, double b) {
+               return !(Radians(a) < Radians(b));
+           }) == angles.end();
 }
 
 /// A file as it is, angles in degrees.
@@ -131,7 +135,11 @@ std::string ReadTable(Numbers* numbers, Table* table) {
         return "its angles are not in ascending order, or out of range";
     }
     for (double& value : table->candela) {
-        value = std::max(value * multiplier * ballast * ballastLamp, 0.0);
+        value *= multiplier * ballast * ballastLamp;
+        if (!(value <= kMaxCandela)) {
+            return "its values are out of range";
+        }
+        value = std::max(value, 0.0);
     }
     return {};
 }

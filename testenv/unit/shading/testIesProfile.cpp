@@ -117,6 +117,14 @@ TEST(IesProfileTest, BadFilesAreNamed) {
               "its angles are not in ascending order, or out of range");
     EXPECT_EQ(errorOf(FileOf("0 90", "10 20", "1 2 3 4", 2, 2)),
               "its horizontal angles do not go from 0 to 0, 90, 180 or 360 degrees");
+    const std::string tooClose = "its angles are not in ascending order, or out of range";
+    EXPECT_EQ(errorOf(FileOf("0 1e-60 90", "0", "3 2 1", 3, 1)), tooClose);
+    EXPECT_EQ(errorOf(FileOf("0 90", "0 180 180.000001", "1 2 3 4 5 6", 2, 3)), tooClose);
+    EXPECT_EQ(errorOf(FileOf("0 90", "0", "1e39 1", 2, 1)), "its values are out of range");
+    std::string endless = FileOf("0 90", "0", "1 0", 2, 1);
+    endless.replace(endless.find("2.0"), 3, "1e300");
+    endless.replace(endless.find("0.5"), 3, "1e300");
+    EXPECT_EQ(errorOf(endless), "its values are out of range");
     for (std::size_t length = 0; length + 4 < good.size(); ++length) {
         EXPECT_NE(errorOf(good.substr(0, length)), "") << length; // cut anywhere
     }
