@@ -90,10 +90,13 @@ class FrameWriter:
         return f"{extension} {self._job.colorCorrectionMode or os.environ.get('OCIO', '')}" if isDisplay else extension
 
     def _SamplesOf(self, file):
+        """Samples of the picture that is there; 0: it is another one, or cannot be read to its end."""
         if os.path.splitext(file)[1].lower() == ".exr":
-            return SamplesInFile(file, self._key)
-        kept, _ = filmSums.Load(filmSums.FileOf(file), self._key)
-        return kept.endSample if kept and os.path.exists(file) else 0
+            samples = SamplesInFile(file, self._key)
+        else:
+            kept, _ = filmSums.Load(filmSums.FileOf(file), self._key)
+            samples = kept.endSample if kept else 0
+        return samples if samples > 0 and not _core.CompareImages(file, file).error else 0
 
     def StartOf(self, frame):
         """The sums that were kept of a prepared frame: one or none."""
