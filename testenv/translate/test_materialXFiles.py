@@ -73,3 +73,23 @@ def test_a_file_that_cannot_be_read_is_named(tmp_path):
     pytest.importorskip("MaterialX")
     warnings = list(_Translate(tmp_path, "<materialx version='1.38'><oops>").Warnings())
     assert any("looks.mtlx cannot be read" in warning for warning in warnings)
+
+
+def test_an_edited_file_is_read_again(tmp_path):
+    """Workers of a farm stay from job to job."""
+    pytest.importorskip("MaterialX")
+    for coat in ("0.5", "0.25"):
+        session = _Translate(tmp_path, _FILE.replace('name="coat" type="float" value="0.5"', f'name="coat" type="float" value="{coat}"'))
+        surface = next(node for node in session.Scene().materials["/Looks/Wood"].nodes if node.path.endswith("/Surface"))
+        assert surface.parameters["coat"] == float(coat)
+
+
+@pytest.mark.parametrize("good, bad, line", [
+    ('type="color3" value="0.5, 0.25, 0.125"', 'type="color3" value="0.5, x"', 'NG/tint: "0.5, x" is no color3'),
+    ('type="float" value="0.5"', 'type="integer" value="99999999999999999999"', 'Surface/coat: "99999999999999999999" is no integer'),
+    ('<input name="tint" type="color3" value="0.5, 0.25, 0.125"/>', '<input name="tint" type="color3" interfacename="tint"/>', None)])
+def test_broken_values_are_named_and_circles_end(good, bad, line, tmp_path):
+    pytest.importorskip("MaterialX")
+    assert good in _FILE
+    warnings = list(_Translate(tmp_path, _FILE.replace(good, bad)).Warnings())
+    assert any(line in warning and "looks.mtlx" in warning for warning in warnings) if line else not warnings, warnings

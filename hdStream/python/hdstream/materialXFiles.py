@@ -18,20 +18,22 @@ _TYPES = {
 }
 _VECTORS = {"color3": Gf.Vec3f, "color4": Gf.Vec4f, "vector2": Gf.Vec2f, "vector3": Gf.Vec3f, "vector4": Gf.Vec4f}
 _TERMINALS = {"surfaceshader": "surface", "displacementshader": "displacement"}
-_layers = {}  # resolved path -> layer; an anonymous layer lives as long as someone holds it
+_layers = {}  # path -> layer as read last; an anonymous layer lives as long as someone holds it
 
 
 def ReplaceFiles(stage):
-    """Points the stage's layers to what its .mtlx files say. Returns (file, problem) of those it cannot read."""
+    """Points the stage's layers to what its .mtlx files say now. Returns (file, problem) of those it cannot read."""
     problems = []
+    read = set()
     for layer in stage.GetUsedLayers():
         for dependency in layer.GetCompositionAssetDependencies():
             if not dependency.lower().endswith(".mtlx"):
                 continue
             path = layer.ComputeAbsolutePath(dependency)
             try:
-                if path not in _layers:
+                if path not in read:
                     _layers[path] = _ReadLayer(path)
+                    read.add(path)
                 layer.UpdateCompositionAssetDependency(dependency, _layers[path].identifier)
             except ImportError:
                 problems.append((dependency, "needs the package MaterialX: pip install MaterialX"))
@@ -91,10 +93,12 @@ class _Material:
 
     def _WriteInput(self, shader, source):
         name, value = source.getName(), source
+        passed = {value.getNamePath()}
         while value.hasInterfaceName():
             outer = value.getInterfaceInput()
-            if outer is None:
+            if outer is None or outer.getNamePath() in passed:
                 break
+            passed.add(outer.getNamePath())
             value = outer
         upstream = value.getConnectedNode()
         kind = _TYPES.get(source.getType())
@@ -116,5 +120,10 @@ class _Material:
             if space:
                 target.GetAttr().SetColorSpace(space)
             return
-        value = source.getValue()
+        try:
+            value = source.getValue()
+        except Exception:  # MaterialX's own errors have no common base
+            value = None
+        if value is None:
+            raise ValueError(f'{source.getNamePath()}: "{source.getValueString()}" is no {kind}')
         target.Set(_VECTORS[kind](*(value[i] for i in range(_VECTORS[kind].dimension))) if kind in _VECTORS else value)
