@@ -260,10 +260,9 @@ private:
                 records->end());
         }
         if (numBad > 0) {
-            _warnings.Add(
-                instancer.path,
-                std::to_string(numBad) +
-                    " instances dropped: singular or non-finite transform, or index out of range");
+            _warnings.Add(instancer.path, std::to_string(numBad) +
+                                              " instances dropped: transform singular, not "
+                                              "finite or beyond 1e30, or index out of range");
         }
     }
 
@@ -273,7 +272,8 @@ private:
         if (FillRecord(member, groupFromPrototype * member.transform, rank, count, 1, &record)) {
             records->push_back(record);
         } else {
-            _warnings.Add(member.path, "not drawn: its transform is singular or not finite");
+            _warnings.Add(member.path,
+                          "not drawn: its transform is singular, not finite or beyond 1e30");
         }
     }
 
@@ -282,7 +282,7 @@ private:
                            Record* record) {
         const LeafObject& leaf = *member.leaf;
         const glm::dmat4 transform = glm::translate(groupFromObject, leaf.origin);
-        if (!IsUsableTransform(transform)) {
+        if (!IsUsableTransform(transform) || !IsWithinReach(transform, leaf.bounds)) {
             record->numLeaves = 0;
             return false;
         }

@@ -56,7 +56,7 @@ struct Hierarchy {
 /// object
 ///        0, the leaves' objects come between).
 /// \param links of the scene
-/// Prims with singular or non-finite transforms are dropped with a warning.
+/// Prims with transforms that are singular, not finite or beyond 1e30 are dropped with a warning.
 Hierarchy BuildHierarchy(const SceneDescription& scene,
                          const std::map<std::string, LeafObject>& leaves, const glm::dvec3& centre,
                          std::uint32_t firstGroup, LightLinks* links, Warnings& warnings);

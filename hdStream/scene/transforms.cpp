@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/transforms.h"
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
@@ -13,6 +14,8 @@ namespace {
 
 /// Derived in docs/accel.md, "Padding".
 constexpr int kMarginExponent = -19;
+/// As far as an empty box is inside out (Bounds).
+constexpr double kMaxReach = 1e30;
 
 } // namespace
 
@@ -40,6 +43,22 @@ bool IsUsableTransform(const glm::dmat4& matrix) {
     constexpr double kMinRelativeVolume = 1e-12;
     return lengths > 0.0 && std::abs(glm::determinant(linear)) > kMinRelativeVolume * lengths &&
            std::isfinite(static_cast<float>(lengths));
+}
+
+bool IsWithinReach(const glm::dmat4& matrix, const Bounds& bounds) {
+    if (!IsValidBounds(bounds)) {
+        return true;
+    }
+    const glm::dvec3 far =
+        glm::max(glm::abs(glm::dvec3(bounds.min)), glm::abs(glm::dvec3(bounds.max)));
+    for (int axis = 0; axis < 3; ++axis) {
+        const double reach = std::abs(matrix[0][axis]) * far.x + std::abs(matrix[1][axis]) * far.y +
+                             std::abs(matrix[2][axis]) * far.z + std::abs(matrix[3][axis]);
+        if (!(reach <= kMaxReach)) {
+            return false;
+        }
+    }
+    return true;
 }
 
 Bounds TransformBounds(const glm::dmat4& matrix, const Bounds& bounds) {

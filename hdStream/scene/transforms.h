@@ -20,6 +20,9 @@ AffineRows RowsFromMatrix(const glm::dmat4& matrix);
 /// determinant is not negligible against the product of its column lengths.
 bool IsUsableTransform(const glm::dmat4& matrix);
 
+/// Whether a transform leaves a box where hierarchies of boxes in single precision can be built.
+bool IsWithinReach(const glm::dmat4& matrix, const Bounds& bounds);
+
 /// The box of a transformed box, rounded outwards by 2^-19 of its largest coordinate, which covers
 /// the rounding of the float transform that the device applies to rays.
 Bounds TransformBounds(const glm::dmat4& matrix, const Bounds& bounds);
