@@ -23,7 +23,7 @@ _GENERATED = {
     "grove": (lambda path: grove.WriteGrove(path, triangles=2_000_000), 4),
     "smallForest": (lambda path: bench.WriteForest(path, instances=100, species=8, leaves=300), 3),
 }
-_REAL = {
+REAL = {  # name -> file below the folder of real scenes, camera
     "chess": ("chess/chess_preview.usda", "/Lights/camera"),
     "bookstore": ("bookstore/bookstore.usda", "/World/camera1_0"),
     "coffee": ("coffee/coffee.usdc", "/World/camera"),
@@ -31,18 +31,18 @@ _REAL = {
 }
 _REAL_DEPTH = 8
 SHORT = ["smallForest"]
-NAMES = [*_REAL, *_GENERATED, *CASES]
+NAMES = [*REAL, *_GENERATED, *CASES]
 
 
 def Default(scenes: str | None) -> list[str]:
     """All real stages where their folder is given, and the generated ones that stand for large scenes."""
-    return [*(_REAL if scenes else ()), "forest", "grove"]
+    return [*(REAL if scenes else ()), "forest", "grove"]
 
 
 def Make(name: str, scenes: str | None, folder: pathlib.Path) -> StageFile:
     """Writes a generated stage into the folder unless it is there, or finds a real one."""
-    if name in _REAL:
-        file, camera = _REAL[name]
+    if name in REAL:
+        file, camera = REAL[name]
         if not scenes:
             raise ValueError(f"stage {name} needs --scenes")
         path = pathlib.Path(scenes) / file

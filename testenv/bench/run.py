@@ -27,12 +27,11 @@ ROOT = TESTENV.parent
 sys.path[:0] = [str(TESTENV)]
 
 from bench import performancePage  # noqa: E402
+from bench.rivalsStages import REAL  # noqa: E402
 
 SECTIONS = ("machine", "traversal", "rays", "geometryKnobs", "textureKnobs", "tessellation", "adaptive", "denoising", "economies",
             "memory", "firstPixel", "rivals", "hydra")
 _IMAGES = "images/performance"
-_REAL = {"chess": ("chess/chess_preview.usda", "/Lights/camera"), "bookstore": ("bookstore/bookstore.usda", "/World/camera1_0"),
-         "coffee": ("coffee/coffee.usdc", "/World/camera"), "ycb": ("ycb/ycb.usda", "/World/close")}
 
 
 class Bench:
@@ -45,7 +44,7 @@ class Bench:
         self.images = args.out / _IMAGES
         self._stages = {}
         self.real = {}
-        for name, (path, camera) in _REAL.items() if args.scenes else ():
+        for name, (path, camera) in REAL.items() if args.scenes else ():
             if (args.scenes / path).exists():
                 self.real[name] = (str(args.scenes / path), camera)
 
@@ -143,7 +142,7 @@ def main() -> int:
     parser.add_argument("--out", type=pathlib.Path, required=True)
     parser.add_argument("--short", action="store_true", help="tiny sizes: shows that all of it works, measures nothing")
     parser.add_argument("--sections", type=lambda text: text.split(","), default=SECTIONS, help=",".join(SECTIONS))
-    parser.add_argument("--scenes", type=pathlib.Path, help="folder with real scenes: " + ", ".join(path for path, _ in _REAL.values()))
+    parser.add_argument("--scenes", type=pathlib.Path, help="folder with real scenes: " + ", ".join(path for path, _ in REAL.values()))
     parser.add_argument("--build", type=pathlib.Path, help="build folder with the benchmark programs; default: that of hdstream")
     parser.add_argument("--rivalsPython", default=sys.executable, help="a Python with Mitsuba and Blender (bpy)")
     parser.add_argument("--scratch", help="folder for stages and caches")
