@@ -78,3 +78,22 @@ def test_normals_at_rest_are_left_out():
     meshes = Translate(Usd.Stage.Open(STAGE)).Scene().meshes
     assert [p.name for p in meshes["/Arm/Linear"].mesh.primvars] == []
     assert [p.name for p in meshes["/Arm/Unskinned"].mesh.primvars] == ["normals"]
+
+
+def test_influences_that_do_not_fit_leave_all_points():
+    """UsdSkel has moved the first points when it meets the bad joint."""
+    stage = Bending()
+    mesh = stage.GetPrimAtPath("/Arm/Linear")
+    indices = mesh.GetAttribute("primvars:skel:jointIndices")
+    indices.Set([*list(indices.Get())[:-1], 999])
+    session = Translate(stage, 2.5)
+    assert np.array_equal(session.Scene().meshes["/Arm/Linear"].mesh.points, mesh.GetAttribute("points").Get())
+    assert any("/Arm/Linear: its joint influences do not fit" in line for line in session.Warnings())
+
+
+@pytest.mark.filterwarnings("error")
+def test_singular_skeletons_are_quiet():
+    """What is not finite is the core's to name, in a line of ours."""
+    stage = Bending()
+    stage.GetPrimAtPath("/Arm/Skeleton").GetAttribute("bindTransforms").Set([Gf.Matrix4d(0.0)] * 2)
+    Translate(stage, 2.5)

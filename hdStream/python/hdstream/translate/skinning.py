@@ -70,10 +70,12 @@ class Skinning:
                    * self._xforms.GetLocalToWorldTransform(prim).GetInverse())
         if query.IsRigidlyDeformed():
             toLocal = Gf.Matrix4d(query.ComputeSkinnedTransform(transforms, self._timeCode)) * toLocal
-        elif not query.ComputeSkinnedPoints(transforms, points, self._timeCode):
+            return _Transformed(points, toLocal)
+        moved = Vt.Vec3fArray(points)  # where it fails some points are moved
+        if not query.ComputeSkinnedPoints(transforms, moved, self._timeCode):
             self._warn(prim, "its joint influences do not fit; drawn unskinned")
             return points
-        return _Transformed(points, toLocal)
+        return _Transformed(moved, toLocal)
 
 
 def _Transformed(points, matrix):
@@ -81,4 +83,5 @@ def _Transformed(points, matrix):
     if matrix == Gf.Matrix4d(1.0):
         return points
     rows = np.array(matrix)
-    return (np.asarray(points, np.float64) @ rows[:3, :3] + rows[3, :3]).astype(np.float32)
+    with np.errstate(all="ignore"):  # what is not finite the core counts and names
+        return (np.asarray(points, np.float64) @ rows[:3, :3] + rows[3, :3]).astype(np.float32)
