@@ -6,6 +6,7 @@ import signal
 
 from cacheKind import Cache
 from commandKinds import CommandLine, Settings
+from fileKinds import Ies, MaterialX
 from fuzzKind import Kind
 
 
@@ -75,5 +76,5 @@ class SelfTest(Kind):
         return "wrong" if number == 3 else ""
 
 
-KINDS = {"usd": Usd, "image": Image, "cache": Cache, "commandline": CommandLine, "settings": Settings,
-         "selfTest": SelfTest}
+KINDS = {"usd": Usd, "image": Image, "cache": Cache, "commandline": CommandLine, "settings": Settings, "ies": Ies,
+         "materialX": MaterialX, "selfTest": SelfTest}

@@ -10,7 +10,7 @@ from . import imageFile
 
 _FOLDER = pathlib.Path(__file__).resolve().parent.parent / "translate"
 
-_HEAD = """#usda 1.0
+HEAD = """#usda 1.0
 (
     startTimeCode = 1
     endTimeCode = 4
@@ -394,5 +394,5 @@ def WriteImages(folder) -> None:
 def Texts() -> list:
     """The stages. Each own one holds all materials, so that mutated targets find them."""
     parts = [_FLOOR, _SURFACE, _INSTANCES, _LIGHTS]
-    own = [_HEAD + "".join(parts) + _LOOKS + _RENDER] + [_HEAD + part + _LOOKS + _LIGHTS for part in parts[:3]]
+    own = [HEAD + "".join(parts) + _LOOKS + _RENDER] + [HEAD + part + _LOOKS + _LIGHTS for part in parts[:3]]
     return own + [path.read_text(encoding="utf-8") for path in sorted(_FOLDER.glob("*/scene.usda"))]
