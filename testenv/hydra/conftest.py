@@ -5,7 +5,6 @@ Every missing piece skips the tests that need it, with its reason in the report 
 terminal summary. $HDSTREAM_TEST_RENDERER lets the machinery run with another renderer (Embree).
 """
 
-import importlib.util
 import os
 import pathlib
 import shutil
@@ -14,12 +13,9 @@ import sys
 import pytest
 
 HERE = pathlib.Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent)]
+sys.path.insert(0, str(HERE))
 
 import openUsd as openUsdModule  # noqa: E402
-
-if importlib.util.find_spec("hdstream") is None:
-    sys.path.insert(0, str(openUsdModule.BuildFolder() / "python"))
 
 _reasons = []
 

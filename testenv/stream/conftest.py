@@ -1,22 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Paths of the streaming tests, those of the render tests and this folder, and the scenes they share."""
+"""The helpers of the streaming and the render tests, and the scenes that the streaming tests share."""
 
-import importlib.util
-import os
 import pathlib
 import sys
 
 import pytest
 
 _TESTENV = pathlib.Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(_TESTENV / "stream"), str(_TESTENV / "render"), str(_TESTENV)]
-if importlib.util.find_spec("hdstream") is None:
-    for build in sorted((_TESTENV.parent / "build").glob("*/python")):
-        if list(build.glob("hdstream/_core*")):
-            sys.path.insert(0, str(build))
-            os.environ["PYTHONPATH"] = os.pathsep.join(  # of the commands that tests start
-                [str(build)] + [path for path in [os.environ.get("PYTHONPATH")] if path])
-            break
+sys.path[:0] = [str(_TESTENV / "stream"), str(_TESTENV / "render")]
 
 from stages import streaming, textured  # noqa: E402
 

@@ -5,10 +5,14 @@ The one way to change goldens. Read the difference before it is committed: a gol
 it follows from OpenUSD's text, not because the program says so.
 """
 
-import conftest  # noqa: F401  pylint: disable=unused-import
+import pathlib
 import sys
 
-from translateCase import CASES, FOLDER, GoldenText
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+import builtPackage  # noqa: E402
+
+builtPackage.PutOnPath()
+from translateCase import CASES, FOLDER, GoldenText  # noqa: E402
 
 for case in sys.argv[1:] or CASES:
     (FOLDER / case / "scene.golden.txt").write_text(GoldenText(case), encoding="utf-8")
