@@ -12,7 +12,7 @@ _PREDICATE = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 
 
 class Skinning:
-    """Skins the meshes of a stage at one time code. \\param xforms UsdGeom.XformCache of that time."""
+    """Skins the meshes of a stage at one time code. `xforms`: UsdGeom.XformCache of that time."""
 
     def __init__(self, timeCode, xforms, warn):
         self._timeCode = timeCode
