@@ -18,9 +18,11 @@ _SEED = 1
 
 def _HdStream(entry: dict, job: dict) -> np.ndarray:
     import hdstream
+    from pxr import Usd
 
-    image = hdstream.Render(entry["stage"], camera=entry["camera"], imageWidth=entry["width"], imageHeight=entry["height"],
-                            samples=job["samples"], maxDepth=_DEPTH, pixelFilter="box", pixelFilterWidth=1.0)
+    image = hdstream.Render(entry["stage"], timeCode=Usd.TimeCode.Default(), camera=entry["camera"], samples=job["samples"],
+                            imageWidth=entry["width"], imageHeight=entry["height"], maxDepth=_DEPTH, pixelFilter="box",
+                            pixelFilterWidth=1.0)
     return image.aovs["color"][..., :3]
 
 
