@@ -235,12 +235,13 @@ def _World(light, color: list, strength: float):
 
 def _AddCamera(target, camera: dict) -> None:
     data = bpy.data.cameras.new("camera")
-    data.sensor_fit, data.sensor_width, data.lens = "HORIZONTAL", camera["width"] * 10, camera["focal"] * 10
+    scale = 36.0 / (camera["width"] * 10)  # only the ratio counts, and Blender has no lens below 1 mm
+    data.sensor_fit, data.sensor_width, data.lens = "HORIZONTAL", 36.0, camera["focal"] * 10 * scale
     data.clip_start, data.clip_end = 0.0001, 1e6
     data.shift_x, data.shift_y = (camera["offset"][axis] / camera["width"] for axis in (0, 1))
     if camera["fStop"] > 0:
         data.dof.use_dof, data.dof.focus_distance = True, camera["focus"]
-        data.dof.aperture_fstop = camera["fStop"] / 100  # the lens counts in millimetres, the scene in metres
+        data.dof.aperture_fstop = camera["fStop"] / 100 * scale  # the lens counts in millimetres, the scene in metres
     item = bpy.data.objects.new("camera", data)
     item.matrix_world = mathutils.Matrix(camera["matrix"].T.tolist())
     target.collection.objects.link(item)
