@@ -316,13 +316,16 @@ private:
         return value.numComponents == 1 ? value : SelectChannel(value, 0);
     }
 
-    /// Normal maps count; other normals are those of the surface.
+    /// Normal maps and bumps count, which are in tangent space; other normals are those of the
+    /// surface.
     void SetNormal(const char* input) {
         const MaterialNode* source = _network.FindSource(_node, input);
-        if (source == nullptr || source->identifier.compare(0, 9, "ND_normal") != 0) {
-            IgnoreConnected({input});
-        } else if (source->identifier.compare(0, 12, "ND_normalmap") == 0) {
+        const std::string id = source == nullptr ? std::string() : source->identifier;
+        const auto isOne = [&](const char* name) { return id.rfind(name, 0) == 0; };
+        if (isOne("ND_normalmap") || isOne("ND_bump_") || isOne("ND_gltf_normalmap")) {
             Set(HDS_INPUT_NORMAL, _network.Evaluate(_node, input));
+        } else if (!isOne("ND_normal")) {
+            IgnoreConnected({input});
         }
     }
 

@@ -401,8 +401,13 @@ ResolvedMaterial ResolveMaterial(const CompiledMaterial& material,
     }
     if (!inputs.empty()) {
         std::uint32_t tangentSlot = HDS_NONE;
-        if ((result.record.lobes & HDS_LOBE_ANISOTROPY) != 0) {
+        const bool hasSlope =
+            std::any_of(inputs.begin(), inputs.end(), [](const ProgramInput& one) {
+                return one.input == HDS_INPUT_NORMAL && HasSlope(one.value);
+            });
+        if (hasSlope || (result.record.lobes & HDS_LOBE_ANISOTROPY) != 0) {
             tangentSlot = findSlot("st", 2);
+            tangentSlot = tangentSlot == HDS_NONE ? findSlot("UV0", 2) : tangentSlot;
             result.record.flags |= tangentSlot == HDS_NONE ? 0U : HDS_MATERIAL_TANGENTS;
         }
         result.program = WriteProgram(inputs, textures, findSlot, tangentSlot);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/shading/materialPrimvars.h"
 
+#include "hdStream/shading/programWriter.h"
+
 namespace hds {
 
 namespace {
@@ -26,8 +28,9 @@ void AddPrimvarsOf(const CompiledMaterial& material, std::set<std::string>* name
     for (const ShaderValue& value : material.values) {
         AddPrimvars(value, &visited, names);
     }
-    if ((material.constants.lobes & HDS_LOBE_ANISOTROPY) != 0) {
-        names->insert("st"); // its tangents are the surface's
+    const ShaderValue& normal = material.values[HDS_INPUT_NORMAL];
+    if ((material.constants.lobes & HDS_LOBE_ANISOTROPY) != 0 || (normal && HasSlope(normal))) {
+        names->insert({"st", "UV0"}); // their tangents are the surface's
     }
     if (!material.displacement.primvar.empty()) {
         names->insert(material.displacement.primvar);

@@ -52,16 +52,28 @@ private:
     ShaderValue EvaluateTransform2d(const MaterialNode& node);
     ShaderValue EvaluateTexture(const MaterialNode& node, const std::string& output);
     ShaderValue EvaluatePattern(const MaterialNode& node, const std::string& output);
-    ShaderValue EvaluateImage(const MaterialNode& node, std::uint32_t numComponents);
+    /// What a node wants to know of an image.
+    struct ImageRequest {
+        ShaderValue coordinates;
+        std::uint32_t numComponents = 0;
+        std::string input = "file"; ///< names the image
+        std::array<float, 4> fallback{};
+    };
+    ShaderValue EvaluateImage(const MaterialNode& node, const ImageRequest& request);
+    ShaderValue MakeImage(const MaterialNode& node, const ImageRequest& request);
     ShaderValue ImageCoordinates(const MaterialNode& node);
+    ShaderValue TiledCoordinates(const MaterialNode& node);
     std::uint32_t AddressModeOf(const MaterialNode& node, const std::string& input);
+    friend class PatternNode;
     friend class PatternEvaluator;
+    friend class LibraryNode;
     ShaderValue MakeTexture(const MaterialNode& node);
     std::vector<std::uint32_t> FindTiles(const MaterialNode& node, const AssetReference& file,
-                                         std::vector<ImageFacts>* facts);
+                                         const std::string& input, std::vector<ImageFacts>* facts);
     std::uint32_t WrapOf(const MaterialNode& node, const std::string& input,
                          const std::optional<std::uint32_t>& ofFile);
-    std::uint32_t AddTexture(const MaterialNode& node, const AssetReference& file);
+    std::uint32_t AddTexture(const MaterialNode& node, const AssetReference& file,
+                             const std::string& input);
     const std::string& _materialPath;
     const ImageQueries& _images;
     Warnings& _warnings;

@@ -96,15 +96,15 @@ private:
             return;
         }
         const ShaderExpression& expression = *value.expression;
-        const auto known = _registers.find(&expression);
+        const auto known = _isShifted ? _registers.end() : _registers.find(&expression);
         if (known != _registers.end() && !hasTangents) {
             Emit(HDS_OP(HDS_OP_LOAD, known->second));
             Grow(1);
         } else {
             PushExpression(value, hasTangents);
             const auto uses = _counts.find(&expression);
-            if (known == _registers.end() && uses != _counts.end() && uses->second > 1 &&
-                _registers.size() < HDS_PROGRAM_REGISTERS) {
+            if (!_isShifted && known == _registers.end() && uses != _counts.end() &&
+                uses->second > 1 && _registers.size() < HDS_PROGRAM_REGISTERS) {
                 const auto index = static_cast<std::uint32_t>(_registers.size());
                 _registers[&expression] = index;
                 Emit(HDS_OP(HDS_OP_SAVE, index));
@@ -147,7 +147,30 @@ private:
             Emit(HDS_OP(HDS_OP_NORMAL, expression.code));
             Grow(1);
             break;
+        case Kind::Tangent:
+            PushCoordinates(expression.operands[0]);
+            Emit(HDS_OP(HDS_OP_TANGENT, expression.code));
+            --_depth;
+            break;
+        case Kind::View:
+            Emit(HDS_OP(HDS_OP_VIEW, 0U));
+            Grow(1);
+            break;
+        case Kind::Shifted:
+            PushShifted(expression);
+            break;
         }
+    }
+
+    /// What registers hold belongs to the place that was hit.
+    void PushShifted(const ShaderExpression& expression) {
+        PushCoordinates(expression.operands[1]);
+        Emit(HDS_OP(HDS_OP_SHIFT, expression.code));
+        _depth -= 2;
+        _isShifted = true;
+        Push(expression.operands[0]);
+        _isShifted = false;
+        Emit(HDS_OP(HDS_OP_SHIFT, HDS_SHIFT_BACK));
     }
 
     void PushMath(const ShaderExpression& expression, bool hasTangents) {
@@ -235,6 +258,7 @@ private:
     std::vector<std::uint32_t> _words;
     std::uint32_t _depth = 0;
     bool _isTooLarge = false;
+    bool _isShifted = false;
 };
 
 /// Operands of an instruction at `at` behind its first word.
@@ -261,6 +285,12 @@ bool IsMath(const ShaderValue& value) {
 }
 
 } // namespace
+
+bool HasSlope(const ShaderValue& value) {
+    const ShaderExpression& expression = *value.expression;
+    return expression.kind == Kind::Shifted ||
+           std::any_of(expression.operands.begin(), expression.operands.end(), HasSlope);
+}
 
 bool HasLookup(const ShaderValue& value) {
     const ShaderExpression& expression = *value.expression;
@@ -320,7 +350,7 @@ std::uint32_t CountLookups(const std::vector<std::uint32_t>& program) {
 bool HasPatterns(const std::vector<std::uint32_t>& programs) {
     for (std::size_t at = 0; at < programs.size(); at += 1 + NumOperands(programs, at)) {
         const std::uint32_t operation = programs[at] & 0xffU;
-        if (operation >= HDS_OP_MATH && operation <= HDS_OP_NORMAL) {
+        if (operation >= HDS_OP_MATH && operation != HDS_OP_TANGENTS) {
             return true;
         }
     }

@@ -40,6 +40,9 @@ bool HasPatterns(const std::vector<std::uint32_t>& programs);
 /// surface reflects is, but a threshold or a root is of the filter's value.
 bool NeedsFilteredTexels(const std::vector<std::uint32_t>& program);
 
+/// Whether an expression is evaluated beside the place that was hit (Kind::Shifted).
+bool HasSlope(const ShaderValue& value);
+
 /// Whether an image is looked up somewhere in an expression, its coordinates left out.
 bool HasLookup(const ShaderValue& value);
 

@@ -37,6 +37,9 @@ struct ShaderExpression {
         Math,        ///< HDS_MATH_* `code` of the operands
         Position,    ///< in HDS_SPACE_* `code`
         Normal,      ///< likewise
+        Tangent,     ///< in HDS_SPACE_* `code`, with HDS_TANGENT_ACROSS; operands: coordinates
+        View,        ///< unit direction from the viewer
+        Shifted,     ///< as it is where HDS_SHIFT_* `code` leads; operands: value, coordinates
     };
     Kind kind = Kind::Constant;
     std::array<float, 4> constant{}; ///< Constant
@@ -44,7 +47,7 @@ struct ShaderExpression {
     std::vector<ShaderValue> operands;
     std::vector<std::uint32_t> tiles; ///< Texture: of CompiledMaterial::textures; HDS_NONE: a hole
     std::uint32_t lookup = 0;         ///< Texture: HDS_LOOKUP_* without those the writer decides
-    std::uint32_t code = 0;           ///< Math, Position, Normal
+    std::uint32_t code = 0;           ///< Math, Position, Normal, Tangent, Shifted
     std::uint32_t numComponents = 0;  ///< Math: of its value; 1: it is in all four components
     std::array<double, 6> rows{};     ///< Affine: (m00, m01, m02), (m10, m11, m12)
 };

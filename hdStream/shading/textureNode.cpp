@@ -13,8 +13,8 @@ namespace {
 
 const char* const kUdim = "<UDIM>";
 
-AssetReference FileOf(const MaterialNode& node) {
-    const auto found = node.parameters.find("file");
+AssetReference FileOf(const MaterialNode& node, const std::string& input = "file") {
+    const auto found = node.parameters.find(input);
     AssetReference file;
     if (found == node.parameters.end()) {
         return file;
@@ -55,10 +55,11 @@ std::string MaterialXColorSpace(const std::string& name) {
 
 /// Index of the image in the node's colour space: an authored sourceColorSpace, else the colour
 /// space of the file's attribute, else auto.
-std::uint32_t NetworkEvaluator::AddTexture(const MaterialNode& node, const AssetReference& file) {
+std::uint32_t NetworkEvaluator::AddTexture(const MaterialNode& node, const AssetReference& file,
+                                           const std::string& input) {
     std::string space = Text(node, "sourceColorSpace");
     if (space.empty() || space == "auto") {
-        space = Text(node, "colorSpace:file");
+        space = Text(node, "colorSpace:" + input);
     }
     if (node.identifier.compare(0, 3, "ND_") == 0 && node.identifier.find("Usd") == 3) {
         space = space.empty() ? "auto" : space;
@@ -81,6 +82,7 @@ std::uint32_t NetworkEvaluator::AddTexture(const MaterialNode& node, const Asset
 /// Textures by tile, for a single image one; empty: none can be read (warns).
 std::vector<std::uint32_t> NetworkEvaluator::FindTiles(const MaterialNode& node,
                                                        const AssetReference& file,
+                                                       const std::string& input,
                                                        std::vector<ImageFacts>* facts) {
     std::vector<UdimTile> files;
     if (!IsUdim(file)) {
@@ -99,7 +101,7 @@ std::vector<std::uint32_t> NetworkEvaluator::FindTiles(const MaterialNode& node,
             continue;
         }
         tiles.resize(std::max<std::size_t>(tiles.size(), tile.index + 1), HDS_NONE);
-        tiles[tile.index] = AddTexture(node, tile.file);
+        tiles[tile.index] = AddTexture(node, tile.file, input);
         facts->push_back(*known);
     }
     if (files.empty()) {
@@ -138,7 +140,7 @@ ShaderValue NetworkEvaluator::MakeTexture(const MaterialNode& node) {
     std::vector<ImageFacts> facts;
     auto expression = std::make_shared<ShaderExpression>();
     expression->kind = ShaderExpression::Kind::Texture;
-    expression->tiles = FindTiles(node, file, &facts);
+    expression->tiles = FindTiles(node, file, "file", &facts);
     if (facts.empty()) {
         return fallback;
     }
@@ -223,49 +225,56 @@ std::uint32_t NetworkEvaluator::AddressModeOf(const MaterialNode& node, const st
     return found->second;
 }
 
-/// MaterialX's image and tiledimage, all channels; its default where it cannot be read.
-ShaderValue NetworkEvaluator::EvaluateImage(const MaterialNode& node, std::uint32_t numComponents) {
+/// Coordinates of tiledimage.
+ShaderValue NetworkEvaluator::TiledCoordinates(const MaterialNode& node) {
+    const auto at = [&](const char* input, float value) {
+        return EvaluateOr(node, input, {value, value, 0.0F, 0.0F}, 2);
+    };
+    ShaderValue st = MakeMath(HDS_MATH_MULTIPLY, {ImageCoordinates(node), at("uvtiling", 1.0F)}, 2);
+    st = MakeMath(HDS_MATH_SUBTRACT, {st, at("uvoffset", 0.0F)}, 2);
+    st = MakeMath(HDS_MATH_DIVIDE, {st, at("realworldimagesize", 1.0F)}, 2);
+    return MakeMath(HDS_MATH_MULTIPLY, {st, at("realworldtilesize", 1.0F)}, 2);
+}
+
+/// A look-up of one of a node's images, or its default where that cannot be read.
+ShaderValue NetworkEvaluator::MakeImage(const MaterialNode& node, const ImageRequest& request) {
+    const ShaderValue fallback =
+        EvaluateOr(node, "default", request.fallback, request.numComponents);
+    const AssetReference file = FileOf(node, request.input);
+    if (file.authoredPath.empty() && file.file.empty()) {
+        Warn(node.path + " names no image file; its default is used");
+        return fallback;
+    }
+    std::vector<ImageFacts> facts;
+    auto expression = std::make_shared<ShaderExpression>();
+    expression->kind = ShaderExpression::Kind::Texture;
+    expression->tiles = FindTiles(node, file, request.input, &facts);
+    if (facts.empty()) {
+        return fallback;
+    }
+    const bool isUdim = IsUdim(file);
+    const bool isPeriodic = node.identifier.compare(0, 8, "ND_tiled") == 0 ||
+                            node.identifier.compare(0, 12, "ND_triplanar") == 0;
+    const auto modeOf = [&](const char* input) {
+        return isUdim       ? std::uint32_t{HDS_WRAP_CLAMP}
+               : isPeriodic ? std::uint32_t{HDS_WRAP_REPEAT}
+                            : AddressModeOf(node, input);
+    };
+    expression->lookup = HDS_LOOKUP_WRAPS(modeOf("uaddressmode"), modeOf("vaddressmode")) |
+                         (isUdim ? HDS_LOOKUP_UDIM : 0U);
+    expression->operands = {request.coordinates, fallback,
+                            MakeConstant({1.0F, 1.0F, 1.0F, 1.0F}, 4), MakeConstant({}, 4)};
+    return {std::move(expression), HDS_CHANNEL_ALL, 4};
+}
+
+/// Of MaterialX's nodes that look images up: the channels that the node has.
+ShaderValue NetworkEvaluator::EvaluateImage(const MaterialNode& node, const ImageRequest& request) {
+    const std::uint32_t numComponents = request.numComponents;
     const std::uint32_t channels = (1U << numComponents) - 1U;
-    auto known = _lookups.find(node.path);
+    const std::string key = node.path + "." + request.input;
+    auto known = _lookups.find(key);
     if (known == _lookups.end()) {
-        const ShaderValue fallback = EvaluateOr(node, "default", {}, numComponents);
-        const AssetReference file = FileOf(node);
-        std::vector<ImageFacts> facts;
-        auto expression = std::make_shared<ShaderExpression>();
-        expression->kind = ShaderExpression::Kind::Texture;
-        if (file.authoredPath.empty() && file.file.empty()) {
-            Warn(node.path + " names no image file; its default is used");
-        } else {
-            expression->tiles = FindTiles(node, file, &facts);
-        }
-        if (facts.empty()) {
-            known = _lookups.emplace(node.path, fallback).first;
-        } else {
-            const bool isUdim = IsUdim(file);
-            const bool isTiled = node.identifier.compare(0, 8, "ND_tiled") == 0;
-            const auto modeOf = [&](const char* input) {
-                return isUdim    ? std::uint32_t{HDS_WRAP_CLAMP}
-                       : isTiled ? std::uint32_t{HDS_WRAP_REPEAT}
-                                 : AddressModeOf(node, input);
-            };
-            expression->lookup = HDS_LOOKUP_WRAPS(modeOf("uaddressmode"), modeOf("vaddressmode")) |
-                                 (isUdim ? HDS_LOOKUP_UDIM : 0U);
-            ShaderValue st = ImageCoordinates(node);
-            if (node.identifier.compare(0, 8, "ND_tiled") == 0) {
-                const auto at = [&](const char* input, float value) {
-                    return EvaluateOr(node, input, {value, value, 0.0F, 0.0F}, 2);
-                };
-                st = MakeMath(HDS_MATH_MULTIPLY, {st, at("uvtiling", 1.0F)}, 2);
-                st = MakeMath(HDS_MATH_SUBTRACT, {st, at("uvoffset", 0.0F)}, 2);
-                st = MakeMath(HDS_MATH_DIVIDE, {st, at("realworldimagesize", 1.0F)}, 2);
-                st = MakeMath(HDS_MATH_MULTIPLY, {st, at("realworldtilesize", 1.0F)}, 2);
-            }
-            expression->operands = {st, fallback, MakeConstant({1.0F, 1.0F, 1.0F, 1.0F}, 4),
-                                    MakeConstant({}, 4)};
-            known =
-                _lookups.emplace(node.path, ShaderValue{std::move(expression), HDS_CHANNEL_ALL, 4})
-                    .first;
-        }
+        known = _lookups.emplace(key, MakeImage(node, request)).first;
     }
     const ShaderValue& value = known->second;
     for (const std::uint32_t tile : value.expression->tiles) {

@@ -20,7 +20,10 @@ std::uint32_t OperandComponents(const ShaderExpression& expression, std::size_t 
     case Kind::Texture:
         return operand == 0 ? 2 : 3;
     case Kind::Affine:
+    case Kind::Tangent:
         return 2;
+    case Kind::Shifted:
+        return operand == 0 ? 1 : 2;
     case Kind::Math:
         return std::min(expression.operands[operand].numComponents, 3U);
     default:

@@ -42,6 +42,15 @@
 /* argument: attribute slot. The surface's tangent is that of these coordinates. */
 #define HDS_OP_TANGENTS 16u
 
+/* Of patterns. argument: HDS_SHIFT_*. Pops coordinates and moves the point, on the plane of its
+ * triangle, by HDS_SHIFT_STEP of them; HDS_SHIFT_BACK pops nothing. */
+#define HDS_OP_SHIFT 17u
+/* argument: HDS_SPACE_*, and HDS_TANGENT_ACROSS for the bitangent. Pops coordinates, pushes the
+ * unit tangent along s, orthogonal to the shading normal, or what is orthogonal to both. */
+#define HDS_OP_TANGENT 18u
+/* Pushes the unit direction from the viewer, in world space. */
+#define HDS_OP_VIEW 19u
+
 #define HDS_OP(operation, argument) ((operation) | ((argument) << 8))
 
 /* Channels: one of the four in all places, or all as they are. */
@@ -62,6 +71,13 @@
 
 #define HDS_SPACE_OBJECT 0u
 #define HDS_SPACE_WORLD 1u
+#define HDS_TANGENT_ACROSS 2u
+
+#define HDS_SHIFT_BACK 0u
+#define HDS_SHIFT_S 1u /* along s */
+#define HDS_SHIFT_T 2u
+#define HDS_SHIFT_MINUS 4u            /* in the other direction */
+#define HDS_SHIFT_STEP 0.00048828125f /* 2^-11, the texel of an image 2048 wide */
 
 /* Most values on the stack, and registers; the compiler keeps programs below them. */
 #define HDS_PROGRAM_STACK 16u

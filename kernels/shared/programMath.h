@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Functions of the shader stack machine (HDS_OP_MATH): the host folds constants with the same text.
  * Componentwise unless a function says otherwise; a scalar argument is in all components, and a
- * scalar result as well. Semantics: MaterialX 1.39, standard nodes. Noise: Perlin 2002 on Jenkins'
- * lookup3 hash, as MaterialX's and Open Shading Language's. Explained in docs/materials.md. */
+ * scalar result as well. Semantics: MaterialX 1.39, standard nodes. Noise is in
+ * shared/programNoise.h. Explained in docs/materials.md. */
 #ifndef HDS_SHARED_PROGRAM_MATH_H
 #define HDS_SHARED_PROGRAM_MATH_H
-#include "shared/compat.h"
+#include "shared/programNoise.h"
 #ifndef __OPENCL_VERSION__
 #include <cmath>
 #endif
@@ -56,8 +56,14 @@
 #define HDS_MATH_CELL3 59u
 #define HDS_MATH_FRACTAL3 60u /* position, octaves, lacunarity, diminish; scalar */
 #define HDS_MATH_FRACTAL3_VECTOR 61u
-
-#define HDS_MATH_MAX_OCTAVES 16
+#define HDS_MATH_FRACTAL2 62u
+#define HDS_MATH_FRACTAL2_VECTOR 63u
+/* Of position, jitter: distances to the three nearest points, and the cell of the nearest. */
+#define HDS_MATH_WORLEY2 64u
+#define HDS_MATH_WORLEY3 65u
+/* Likewise: three numbers in [0, 1] of the nearest point's cell. */
+#define HDS_MATH_WORLEY2_CELL 66u
+#define HDS_MATH_WORLEY3_CELL 67u
 
 HDS_SHARED_BEGIN
 #ifndef __OPENCL_VERSION__
@@ -68,14 +74,10 @@ using std::ceil;
 using std::cos;
 using std::exp;
 using std::fabs;
-using std::floor;
-using std::fmax;
-using std::fmin;
 using std::log;
 using std::pow;
 using std::round;
 using std::sin;
-using std::sqrt;
 using std::tan;
 #endif
 
@@ -190,114 +192,6 @@ HDS_FUNCTION float4 math_hsvToRgb(float4 hsv) {
                       math_hsvChannel(hsv, 1.0f), hsv.w);
 }
 
-HDS_FUNCTION u32 math_rotate(u32 x, u32 bits) {
-    return (x << bits) | (x >> (32u - bits));
-}
-
-/* Jenkins 2006, lookup3, of two or three integers. */
-HDS_FUNCTION u32 math_hash(i32 x, i32 y, i32 z, u32 count) {
-    const u32 start = 0xdeadbeefu + (count << 2) + 13u;
-    u32 a = start + (u32)x;
-    u32 b = start + (u32)y;
-    u32 c = count > 2u ? start + (u32)z : start;
-    c = (c ^ b) - math_rotate(b, 14u);
-    a = (a ^ c) - math_rotate(c, 11u);
-    b = (b ^ a) - math_rotate(a, 25u);
-    c = (c ^ b) - math_rotate(b, 16u);
-    a = (a ^ c) - math_rotate(c, 4u);
-    b = (b ^ a) - math_rotate(a, 14u);
-    return (c ^ b) - math_rotate(b, 24u);
-}
-
-HDS_FUNCTION f32 math_signed(f32 value, u32 isNegative) {
-    return isNegative != 0u ? -value : value;
-}
-
-HDS_FUNCTION f32 math_gradient2(u32 hash, f32 x, f32 y) {
-    const u32 h = hash & 7u;
-    const f32 u = h < 4u ? x : y;
-    const f32 v = 2.0f * (h < 4u ? y : x);
-    return math_signed(u, h & 1u) + math_signed(v, h & 2u);
-}
-
-HDS_FUNCTION f32 math_gradient3(u32 hash, f32 x, f32 y, f32 z) {
-    const u32 h = hash & 15u;
-    const f32 u = h < 8u ? x : y;
-    const f32 v = h < 4u ? y : (h == 12u || h == 14u) ? x : z;
-    return math_signed(u, h & 1u) + math_signed(v, h & 2u);
-}
-
-HDS_FUNCTION f32 math_fade(f32 t) {
-    return t * t * t * (t * (t * 6.0f - 15.0f) + 10.0f);
-}
-
-HDS_FUNCTION f32 math_mix(f32 a, f32 b, f32 t) {
-    return a * (1.0f - t) + b * t;
-}
-
-/* Floor as an integer; far away from 0 the noise is that of the largest. */
-HDS_FUNCTION i32 math_cell(f32 x) {
-    return (i32)fmin(fmax(floor(x), -2.0e9f), 2.0e9f);
-}
-
-/* Perlin's noise. \param shift which bits of the hash choose gradients: 0, 8 or 16 for three
- * independent noises, 32 for all of them. */
-HDS_FUNCTION f32 math_noise2(float4 p, u32 shift) {
-    const i32 x = math_cell(p.x);
-    const i32 y = math_cell(p.y);
-    const f32 fx = p.x - floor(p.x);
-    const f32 fy = p.y - floor(p.y);
-    f32 row[2];
-    for (i32 j = 0; j < 2; ++j) {
-        f32 corner[2];
-        for (i32 i = 0; i < 2; ++i) {
-            const u32 hash = math_hash(x + i, y + j, 0, 2u);
-            corner[i] = math_gradient2(shift < 32u ? hash >> shift & 0xffu : hash, fx - (f32)i,
-                                       fy - (f32)j);
-        }
-        row[j] = math_mix(corner[0], corner[1], math_fade(fx));
-    }
-    return 0.6616f * math_mix(row[0], row[1], math_fade(fy));
-}
-
-HDS_FUNCTION f32 math_noise3(float4 p, u32 shift) {
-    const i32 x = math_cell(p.x);
-    const i32 y = math_cell(p.y);
-    const i32 z = math_cell(p.z);
-    const f32 fx = p.x - floor(p.x);
-    const f32 fy = p.y - floor(p.y);
-    const f32 fz = p.z - floor(p.z);
-    f32 layer[2];
-    for (i32 k = 0; k < 2; ++k) {
-        f32 row[2];
-        for (i32 j = 0; j < 2; ++j) {
-            f32 corner[2];
-            for (i32 i = 0; i < 2; ++i) {
-                const u32 hash = math_hash(x + i, y + j, z + k, 3u);
-                corner[i] = math_gradient3(shift < 32u ? hash >> shift & 0xffu : hash, fx - (f32)i,
-                                           fy - (f32)j, fz - (f32)k);
-            }
-            row[j] = math_mix(corner[0], corner[1], math_fade(fx));
-        }
-        layer[k] = math_mix(row[0], row[1], math_fade(fy));
-    }
-    return 0.9820f * math_mix(layer[0], layer[1], math_fade(fz));
-}
-
-HDS_FUNCTION f32 math_fractal3(float4 p, f32 octaves, f32 lacunarity, f32 diminish, u32 shift) {
-    const i32 count = (i32)fmin(fmax(octaves, 0.0f), (f32)HDS_MATH_MAX_OCTAVES);
-    f32 sum = 0.0f;
-    f32 amplitude = 1.0f;
-    for (i32 i = 0; i < count; ++i) {
-        sum += amplitude * math_noise3(p, shift);
-        amplitude *= diminish;
-        p.x *= lacunarity;
-        p.y *= lacunarity;
-        p.z *= lacunarity;
-    }
-    return sum;
-}
-
 HDS_FUNCTION float4 math_special(u32 function, const float4* a) {
     switch (function) {
     case HDS_MATH_DOT:
@@ -327,18 +221,25 @@ HDS_FUNCTION float4 math_special(u32 function, const float4* a) {
         return HDS_FLOAT4(math_noise3(a[0], 0u), math_noise3(a[0], 8u), math_noise3(a[0], 16u),
                           0.0f);
     case HDS_MATH_CELL2:
-        return math_spread((f32)math_hash(math_cell(a[0].x), math_cell(a[0].y), 0, 2u) /
-                           4294967295.0f);
+        return math_spread(math_cellNoise(a[0], false));
     case HDS_MATH_CELL3:
-        return math_spread(
-            (f32)math_hash(math_cell(a[0].x), math_cell(a[0].y), math_cell(a[0].z), 3u) /
-            4294967295.0f);
+        return math_spread(math_cellNoise(a[0], true));
     case HDS_MATH_FRACTAL3:
         return math_spread(math_fractal3(a[0], a[1].x, a[2].x, a[3].x, 32u));
-    default: /* HDS_MATH_FRACTAL3_VECTOR */
+    case HDS_MATH_FRACTAL3_VECTOR:
         return HDS_FLOAT4(math_fractal3(a[0], a[1].x, a[2].x, a[3].x, 0u),
                           math_fractal3(a[0], a[1].x, a[2].x, a[3].x, 8u),
                           math_fractal3(a[0], a[1].x, a[2].x, a[3].x, 16u), 0.0f);
+    case HDS_MATH_FRACTAL2:
+        return math_spread(math_fractal2(a[0], a[1].x, a[2].x, a[3].x, 32u));
+    case HDS_MATH_FRACTAL2_VECTOR:
+        return HDS_FLOAT4(math_fractal2(a[0], a[1].x, a[2].x, a[3].x, 0u),
+                          math_fractal2(a[0], a[1].x, a[2].x, a[3].x, 8u),
+                          math_fractal2(a[0], a[1].x, a[2].x, a[3].x, 16u), 0.0f);
+    default: /* HDS_MATH_WORLEY... */
+        return math_worley(a[0], a[1].x,
+                           function == HDS_MATH_WORLEY3 || function == HDS_MATH_WORLEY3_CELL,
+                           function >= HDS_MATH_WORLEY2_CELL);
     }
 }
 

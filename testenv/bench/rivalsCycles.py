@@ -14,6 +14,7 @@ import tempfile
 import bpy
 import mathutils
 import numpy as np
+from pxr import Usd, UsdGeom
 
 from stages import imageFile
 
@@ -22,13 +23,38 @@ def Build(scene, job: dict):
     """(render(samples, seed) -> [height][width][3], nothing to warm up). Takes the arrays out of `scene`."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     target = bpy.context.scene
-    _Set(target, job)
+    Configure(target, job)
     looks = [_Look(material, i) for i, material in enumerate(scene.materials)]
     while scene.meshes:
         mesh = scene.meshes.pop()
         _AddMesh(target, mesh, looks[mesh.material], len(scene.meshes))
     _AddLights(target, scene.lights)
     _AddCamera(target, scene.camera)
+    return Renderer(target), []
+
+
+def BuildImported(path: str, camera: dict, lights: list, job: dict):
+    """render(samples, seed) of a stage that Blender imports itself, under `lights` and `camera`."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    target = bpy.context.scene
+    Configure(target, job)
+    bpy.ops.wm.usd_import(filepath=path, import_cameras=False, import_lights=False, import_subdiv=True, import_usd_preview=True,
+                          import_guide=False, import_proxy=False, import_render=True, apply_unit_conversion_scale=False,
+                          create_world_material=False, set_frame_range=False)
+    isYUp = UsdGeom.GetStageUpAxis(Usd.Stage.Open(path)) == UsdGeom.Tokens.y
+    toBlender = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], float) if isYUp else np.eye(4)
+    for item in [*lights, camera]:
+        if isinstance(item, dict):
+            item["matrix"] = item["matrix"] @ toBlender
+        else:
+            item.matrix = item.matrix @ toBlender
+    _AddLights(target, lights)
+    _AddCamera(target, camera)
+    return Renderer(target)
+
+
+def Renderer(target):
+    """render(samples, seed) -> [height][width][3]."""
     folder = tempfile.TemporaryDirectory()
 
     def Render(samples: int, seed: int) -> np.ndarray:
@@ -37,10 +63,10 @@ def Build(scene, job: dict):
         planes = imageFile.ReadExr(target.render.filepath)
         return np.stack([planes[name] for name in "RGB"], -1).astype(np.float64)
 
-    return Render, []
+    return Render
 
 
-def _Set(target, job: dict) -> None:
+def Configure(target, job: dict) -> None:
     """An honest comparison: box filter, no adaptive sampling, no denoiser, no clamping, no roulette before the last bounce."""
     target.render.engine = "CYCLES"
     cycles, depth = target.cycles, job["maxDepth"]
@@ -145,6 +171,14 @@ def _Look(material: dict, index: int):
     return nodes.material
 
 
+def PrincipledLook(inputs: dict):
+    """A material of the Principled BSDF, which here keeps the energy of light that bounces more than once."""
+    nodes = _Nodes("principled")
+    surface = nodes.Add("ShaderNodeBsdfPrincipled", inputs, distribution="MULTI_GGX").outputs[0]
+    nodes.Add("ShaderNodeOutputMaterial", {"Surface": surface})
+    return nodes.material
+
+
 def _AddLights(target, lights) -> None:
     for i, light in enumerate(lights):
         strength = max(float(light.radiance.max()), 1e-30)
@@ -201,12 +235,13 @@ def _World(light, color: list, strength: float):
 
 def _AddCamera(target, camera: dict) -> None:
     data = bpy.data.cameras.new("camera")
-    data.sensor_fit, data.sensor_width, data.lens = "HORIZONTAL", camera["width"] * 10, camera["focal"] * 10
+    scale = 36.0 / (camera["width"] * 10)  # only the ratio counts, and Blender has no lens below 1 mm
+    data.sensor_fit, data.sensor_width, data.lens = "HORIZONTAL", 36.0, camera["focal"] * 10 * scale
     data.clip_start, data.clip_end = 0.0001, 1e6
     data.shift_x, data.shift_y = (camera["offset"][axis] / camera["width"] for axis in (0, 1))
     if camera["fStop"] > 0:
         data.dof.use_dof, data.dof.focus_distance = True, camera["focus"]
-        data.dof.aperture_fstop = camera["fStop"] / 100  # the lens counts in millimetres, the scene in metres
+        data.dof.aperture_fstop = camera["fStop"] / 100 * scale  # the lens counts in millimetres, the scene in metres
     item = bpy.data.objects.new("camera", data)
     item.matrix_world = mathutils.Matrix(camera["matrix"].T.tolist())
     target.collection.objects.link(item)

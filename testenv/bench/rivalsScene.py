@@ -85,6 +85,14 @@ def Read(path, cameraPath: str) -> PlainScene:
     return scene
 
 
+def ReadView(path, cameraPath: str) -> tuple[dict, list]:
+    """(camera, lights) alone, for a rival that reads the rest itself."""
+    stage = Usd.Stage.Open(str(path))
+    lights = [_Reader.ReadLight(prim) for prim in stage.Traverse() if prim.HasAPI(UsdLux.LightAPI)
+              and UsdGeom.Imageable(prim).ComputeVisibility() != "invisible"]
+    return ReadCamera(UsdGeom.Camera(stage.GetPrimAtPath(cameraPath))), lights
+
+
 class _Reader:
     def __init__(self, stage):
         self._stage = stage
@@ -120,7 +128,7 @@ class _Reader:
         elif prim.HasAPI(UsdLux.LightAPI):
             if isShared:
                 raise ValueError(f"{prim.GetPath()}: lights of instances are not handled")
-            self._scene.lights.append(self._Light(prim))
+            self._scene.lights.append(self.ReadLight(prim))
         if prim.IsInstance():
             prototype = prim.GetPrototype().GetPath()
             if prototype not in self._contents:
@@ -156,7 +164,7 @@ class _Reader:
         return content
 
     @staticmethod
-    def _Light(prim):
+    def ReadLight(prim):
         matrix = np.array(UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(Usd.TimeCode.Default()))
         light = ReadLight(prim, matrix)
         if light.kind not in ("Dome", "Rect", "Sphere", "Distant") or (light.kind == "Rect" and light.inputs.get("texture:file")):

@@ -54,7 +54,7 @@ def _BuildHdStream(job: dict):
     return Render, []
 
 
-def _Fit(camera: dict, width: int, height: int) -> None:
+def Fit(camera: dict, width: int, height: int) -> None:
     """Expands the aperture to the picture's aspect ratio, as hdStream does."""
     if camera["width"] * height < camera["height"] * width:
         camera["width"] = camera["height"] * width / height
@@ -70,7 +70,7 @@ def _BuildRival(job: dict):
     else:
         import rivalsMitsuba as rival
     scene = rivalsScene.Load(job["scene"])
-    _Fit(scene.camera, job["width"], job["height"])
+    Fit(scene.camera, job["width"], job["height"])
     exposure = scene.camera["exposure"]
     render, warmUp = rival.Build(scene, job)
     return lambda samples, seed: exposure * render(samples, seed), warmUp

@@ -94,3 +94,23 @@ def test_wrong_use_is_one_line(arguments, words, tmp_path):
     run = subprocess.run([sys.executable, str(TESTENV / "bench/rivals.py"), *arguments], capture_output=True, text=True, cwd=tmp_path)
     assert run.returncode == 2
     assert words in run.stderr.splitlines()[-1]
+
+
+def test_block_error_sees_means_and_not_noise():
+    """Two pictures of one mean differ by their noise over 8; a factor of 1.1 differs by 0.1 / 1.05."""
+    import comparison
+
+    rng = np.random.default_rng(3)
+    flat = np.full((96, 128, 3), 0.4)
+    assert comparison.BlockError(flat + rng.normal(0, 0.04, flat.shape), flat) == pytest.approx(0.1 / 8, rel=0.1)
+    assert comparison.BlockError(1.1 * flat, flat) == pytest.approx(0.1 / 1.05, rel=1e-6)
+
+
+def test_lobe_bands_are_cosines():
+    """A ball whose brightness is the cosine: the mean over a band's area is 2/3 (b^3 - a^3) / (b^2 - a^2)."""
+    import lobes
+
+    at = (np.arange(400) + 0.5) / 200 - 1
+    cosine = np.sqrt(np.maximum(1 - at[:, None] ** 2 - at[None, :] ** 2, 0))
+    expected = [2 / 3 * (b**3 - a**3) / (b**2 - a**2) for a, b in lobes._BANDS]
+    assert lobes.Bands(np.repeat(cosine[..., None], 3, -1)) == pytest.approx(expected, rel=5e-3)

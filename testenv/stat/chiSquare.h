@@ -20,11 +20,14 @@
 
 namespace hds::test {
 
-/// Bins per axis, points per bin and axis at which the density is integrated, and the least number
-/// of samples a bin may expect. 5 is Cochran's rule, below which the statistic is not chi-square
-/// distributed.
+/// Bins per axis, points per bin and axis at which the density is integrated unless a test asks for
+/// more, and the least number of samples a bin may expect. 5 is Cochran's rule, below which the
+/// statistic is not chi-square distributed.
 constexpr int kChiSquareBins = 32;
 constexpr int kChiSquareSubdivisions = 8;
+/// Of densities with an edge inside of bins, as refraction by rough glass has where the normal that
+/// refracts lies on the horizon.
+constexpr int kChiSquareFineSubdivisions = 32;
 constexpr double kChiSquareMinExpected = 5.0;
 
 /// Chance that a correct suite fails, shared by all tests of the suite (Sidak): with fixed seeds it
@@ -121,28 +124,29 @@ inline std::vector<double> BinSamples(const std::vector<Square>& samples) {
 }
 
 /// The points at which a density over the square is wanted: midpoints of all subdivisions.
-inline std::vector<Square> DensityPoints() {
-    constexpr int kSteps = kChiSquareBins * kChiSquareSubdivisions;
+inline std::vector<Square> DensityPoints(int subdivisions = kChiSquareSubdivisions) {
+    const int numSteps = kChiSquareBins * subdivisions;
     std::vector<Square> points;
-    points.reserve(std::size_t(kSteps) * kSteps);
-    for (int y = 0; y < kSteps; ++y) {
-        for (int x = 0; x < kSteps; ++x) {
-            points.push_back({(x + 0.5) / kSteps, (y + 0.5) / kSteps});
+    points.reserve(std::size_t(numSteps) * numSteps);
+    for (int y = 0; y < numSteps; ++y) {
+        for (int x = 0; x < numSteps; ++x) {
+            points.push_back({(x + 0.5) / numSteps, (y + 0.5) / numSteps});
         }
     }
     return points;
 }
 
-/// Probability of each bin from densities (with respect to the square) at DensityPoints().
+/// Probability of each bin from densities (with respect to the square) at DensityPoints() of some
+/// number of subdivisions.
 inline std::vector<double> IntegrateBins(const std::vector<double>& densities) {
-    constexpr int kSteps = kChiSquareBins * kChiSquareSubdivisions;
+    const int numSteps = int(std::lround(std::sqrt(double(densities.size()))));
+    const int subdivisions = numSteps / kChiSquareBins;
     std::vector<double> bins(kChiSquareBins * kChiSquareBins, 0.0);
-    for (int y = 0; y < kSteps; ++y) {
-        for (int x = 0; x < kSteps; ++x) {
-            const int bin =
-                y / kChiSquareSubdivisions * kChiSquareBins + x / kChiSquareSubdivisions;
-            bins[std::size_t(bin)] +=
-                densities[std::size_t(y) * kSteps + std::size_t(x)] / (double(kSteps) * kSteps);
+    for (int y = 0; y < numSteps; ++y) {
+        for (int x = 0; x < numSteps; ++x) {
+            const int bin = y / subdivisions * kChiSquareBins + x / subdivisions;
+            bins[std::size_t(bin)] += densities[std::size_t(y) * numSteps + std::size_t(x)] /
+                                      (double(numSteps) * numSteps);
         }
     }
     return bins;

@@ -12,7 +12,7 @@
 namespace hds::test {
 namespace {
 
-constexpr std::size_t kNumSamples = 400000;
+constexpr std::size_t kNumSamples = 1000000;
 
 const char* const kSource = R"(
 #include "sample/filter.clh"

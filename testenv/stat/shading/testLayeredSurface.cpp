@@ -80,8 +80,8 @@ protected:
     }
 
     void CheckChiSquare(const std::string& name, const LayeredParameters& parameters, double cosine,
-                        unsigned seed) {
-        constexpr std::size_t kCount = 100000;
+                        unsigned seed, int subdivisions = kChiSquareSubdivisions) {
+        constexpr std::size_t kCount = 1000000;
         const glm::dvec3 wo = Towards(cosine);
         std::vector<Square> squares;
         for (const LayeredSample& sample : Sample(parameters, wo, RandomSquares(kCount, seed))) {
@@ -90,7 +90,7 @@ protected:
             }
         }
         std::vector<std::array<glm::dvec3, 2>> pairs;
-        const std::vector<Square> points = DensityPoints();
+        const std::vector<Square> points = DensityPoints(subdivisions);
         for (const Square& point : points) {
             float d[3];
             SphereDomain::FromSquare(point, d);
@@ -159,9 +159,9 @@ TEST_F(LayeredTest, SamplesFollowTheirDensity) {
         CheckChiSquare("translucent", WhiteDielectric(0.6F).Set(HDS_INPUT_TRANSLUCENCY, 0.7F),
                        cosine, seed++);
         LayeredParameters glass = Glass(0.6F);
-        CheckChiSquare("glass", glass, cosine, seed++);
+        CheckChiSquare("glass", glass, cosine, seed++, kChiSquareFineSubdivisions);
         glass.isBack = true;
-        CheckChiSquare("glass from inside", glass, cosine, seed++);
+        CheckChiSquare("glass from inside", glass, cosine, seed++, kChiSquareFineSubdivisions);
     }
 }
 

@@ -10,7 +10,7 @@
 namespace hds::test {
 namespace {
 
-constexpr std::size_t kNumSamples = 400000;
+constexpr std::size_t kNumSamples = 1000000;
 
 const char* const kKernels = R"(
 kernel void sampleAll(global const float* parameters, global const float* geometry,

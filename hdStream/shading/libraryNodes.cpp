@@ -1,0 +1,526 @@
+// SPDX-License-Identifier: Apache-2.0
+// Nodes that MaterialX's library builds of others, as expressions: their node graphs are in
+// stdlib_ng.mtlx, nprlib_ng.mtlx and gltf_pbr.mtlx of MaterialX 1.39. Beside them geometry, slopes
+// of heights, and noise by cells; colours are in colorNodes.cpp. The table of what there is:
+// docs/materials.md.
+#include "hdStream/shading/patternNode.h"
+#include "hdStream/shading/programWriter.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+namespace hds {
+
+namespace {
+
+using Kind = ShaderExpression::Kind;
+
+constexpr float kSobelScale = 1.0F / 16.0F; ///< of heighttonormal, for parity with Sobel's filter
+
+ShaderValue Scalar(std::uint32_t code, const ShaderValue& a, const ShaderValue& b) {
+    return MakeMath(code, {a, b}, 1);
+}
+
+} // namespace
+
+class LibraryNode : public PatternNode {
+public:
+    using PatternNode::PatternNode;
+
+    std::optional<ShaderValue> Evaluate(const std::string& output) {
+        using Function = ShaderValue (LibraryNode::*)();
+        static const std::map<std::string, Function> kFunctions = {
+            {"worleynoise2d", &LibraryNode::Worley},
+            {"worleynoise3d", &LibraryNode::Worley},
+            {"fractal2d", &LibraryNode::Fractal2d},
+            {"unifiednoise2d", &LibraryNode::UnifiedNoise},
+            {"unifiednoise3d", &LibraryNode::UnifiedNoise},
+            {"randomfloat", &LibraryNode::RandomFloat},
+            {"randomcolor", &LibraryNode::RandomColor},
+            {"circle", &LibraryNode::Circle},
+            {"line", &LibraryNode::Line},
+            {"grid", &LibraryNode::Grid},
+            {"ramp", &LibraryNode::Ramp},
+            {"tangent", &LibraryNode::Tangent},
+            {"bitangent", &LibraryNode::Tangent},
+            {"viewdirection", &LibraryNode::ViewDirection},
+            {"facingratio", &LibraryNode::FacingRatio},
+            {"heighttonormal", &LibraryNode::HeightToNormal},
+            {"bump", &LibraryNode::Bump},
+            {"triplanarprojection", &LibraryNode::Triplanar},
+            {"rotate3d", &LibraryNode::Rotate3d},
+            {"reflect", &LibraryNode::Reflect},
+            {"refract", &LibraryNode::Refract},
+            {"safepower", &LibraryNode::SafePower},
+            {"trianglewave", &LibraryNode::TriangleWave},
+            {"mincomponent", &LibraryNode::ExtremeComponent},
+            {"maxcomponent", &LibraryNode::ExtremeComponent},
+        };
+        if (_id.category == "gltf") {
+            return Gltf(output);
+        }
+        const auto found = kFunctions.find(_id.category);
+        return found == kFunctions.end() ? EvaluateColorNode(_network, _node)
+                                         : std::optional((this->*found->second)());
+    }
+
+private:
+    /// `yes` where a > b.
+    ShaderValue IfGreater(const ShaderValue& a, const ShaderValue& b, const ShaderValue& yes,
+                          const ShaderValue& no) const {
+        return Math(HDS_MATH_SELECT, {Scalar(HDS_MATH_GREATER, a, b), yes, no});
+    }
+    bool IsOn(const char* input) { return !IsAll(In(input, 0.0F), 0.0F); }
+    /// One of several values by a number that counts from 0.
+    ShaderValue Switch(const ShaderValue& which, std::vector<ShaderValue> values) const {
+        ShaderValue result = MakeScalar(0.0F);
+        for (std::size_t i = values.size(); i > 0; --i) {
+            const ShaderValue isBelow =
+                Scalar(HDS_MATH_GREATER, MakeScalar(static_cast<float>(i)), which);
+            result = Math(HDS_MATH_SELECT, {isBelow, values[i - 1], result});
+        }
+        return result;
+    }
+    ShaderValue LengthOf(const ShaderValue& value, std::uint32_t numComponents) const {
+        return MakeMath(HDS_MATH_SQRT, {DotProduct(value, value, numComponents)}, 1);
+    }
+
+    // Noise.
+    bool IsIn3d() const { return _id.category.find("3d") != std::string::npos; }
+    ShaderValue NoisePlace() {
+        return IsIn3d() ? GeometryInput("position", Kind::Position) : Coordinates();
+    }
+    ShaderValue WorleyAt(const ShaderValue& place) {
+        const ShaderValue jitter = In("jitter", 1.0F);
+        const ShaderValue distances =
+            MakeMath(IsIn3d() ? HDS_MATH_WORLEY3 : HDS_MATH_WORLEY2, {place, jitter}, 4);
+        ShaderValue cell;
+        ShaderValue distance;
+        if (_n == 1) {
+            distance = SelectChannel(distances, 0);
+            cell = SelectChannel(distances, 3);
+        } else {
+            distance = distances;
+            cell = MakeMath(IsIn3d() ? HDS_MATH_WORLEY3_CELL : HDS_MATH_WORLEY2_CELL,
+                            {place, jitter}, 4);
+        }
+        const ShaderValue isSolid = Scalar(HDS_MATH_EQUAL, In("style", 0.0F), MakeScalar(1.0F));
+        ShaderValue result = Math(HDS_MATH_SELECT, {isSolid, cell, distance});
+        result.numComponents = _n;
+        return result;
+    }
+    ShaderValue Worley() { return WorleyAt(NoisePlace()); }
+    ShaderValue FractalOf(std::uint32_t code, const ShaderValue& place) {
+        return Math(code,
+                    {place, In("octaves", 3.0F), In("lacunarity", 2.0F), In("diminish", 0.5F)});
+    }
+    ShaderValue Fractal2d() {
+        const std::uint32_t code = _n == 1 ? HDS_MATH_FRACTAL2 : HDS_MATH_FRACTAL2_VECTOR;
+        return Multiply(FractalOf(code, Coordinates()), In("amplitude", 1.0F));
+    }
+    ShaderValue UnifiedNoise() {
+        const std::uint32_t count = IsIn3d() ? 3 : 2;
+        const auto math = [&](std::uint32_t code, const ShaderValue& a, const ShaderValue& b) {
+            return MakeMath(code, {a, b}, count);
+        };
+        const ShaderValue scaled =
+            math(HDS_MATH_MULTIPLY, NoisePlace(), Vector("freq", {1.0F, 1.0F, 1.0F, 0.0F}, count));
+        const ShaderValue place = math(HDS_MATH_ADD, scaled, Vector("offset", {}, count));
+        const ShaderValue angle =
+            Multiply(Subtract(In("jitter", 1.0F), MakeScalar(1.0F)), MakeScalar(90000.0F));
+        const ShaderValue turned =
+            IsIn3d() ? RotateAbout(place, angle, MakeConstant({0.1F, 1.0F, 0.0F, 0.0F}, 3))
+                     : Rotate2d(place, angle);
+        const ShaderValue half = MakeScalar(0.5F);
+        const ShaderValue perlin =
+            Add(Multiply(Math(IsIn3d() ? HDS_MATH_NOISE3 : HDS_MATH_NOISE2, {turned}), half), half);
+        const ShaderValue inFractal =
+            IsIn3d() ? turned
+                     : CombineChannels(ChannelOf(place, 0), ChannelOf(place, 1), angle,
+                                       MakeScalar(0.0F), 3);
+        const ShaderValue noise = Switch(
+            In("type", 0.0F), {perlin, Math(IsIn3d() ? HDS_MATH_CELL3 : HDS_MATH_CELL2, {turned}),
+                               WorleyAt(place), FractalOf(HDS_MATH_FRACTAL3, inFractal)});
+        return RangeTo(noise, MakeScalar(0.0F), MakeScalar(1.0F), MakeScalar(1.0F),
+                       In("outmin", 0.0F), In("outmax", 1.0F), In("clampoutput", 1.0F));
+    }
+    /// Of randomfloat, with its seed.
+    ShaderValue Random(const ShaderValue& seed) {
+        const ShaderValue in =
+            MakeMath(HDS_MATH_MULTIPLY, {In("in", 0.0F), MakeScalar(4096.0F)}, 1);
+        const ShaderValue zero = MakeScalar(0.0F);
+        return MakeMath(HDS_MATH_CELL2, {CombineChannels(in, seed, zero, zero, 2)}, 1);
+    }
+    ShaderValue RandomFloat() {
+        const ShaderValue low = In("min", 0.0F);
+        const ShaderValue high = In("max", 1.0F);
+        return RangeTo(Random(In("seed", 0.0F)), MakeScalar(0.0F), MakeScalar(1.0F),
+                       MakeScalar(1.0F), low, high, MakeScalar(1.0F));
+    }
+    ShaderValue RandomColor() {
+        _n = 3; // its id names the type of `in`
+        const auto part = [&](float offset, const char* low, float lowDefault, const char* high) {
+            const ShaderValue moved = Scalar(HDS_MATH_ADD, In("seed", 0.0F), MakeScalar(offset));
+            return MakeMath(
+                HDS_MATH_MIX,
+                {In(low, lowDefault), In(high, 1.0F), Random(MakeMath(HDS_MATH_CEIL, {moved}, 1))},
+                1);
+        };
+        const ShaderValue hsv = CombineChannels(
+            part(413.3F, "huelow", 0.0F, "huehigh"),
+            part(1522.4F, "saturationlow", 0.825F, "saturationhigh"),
+            part(1813.8F, "brightnesslow", 1.0F, "brightnesshigh"), MakeScalar(0.0F), 3);
+        return Math(HDS_MATH_HSV_TO_RGB, {hsv});
+    }
+
+    // Shapes and ramps.
+    ShaderValue Centred() {
+        return MakeMath(HDS_MATH_SUBTRACT, {Coordinates(), Vector("center", {}, 2)}, 2);
+    }
+    ShaderValue Circle() {
+        const ShaderValue delta = Centred();
+        const ShaderValue radius = In("radius", 0.5F);
+        return IfGreater(DotProduct(delta, delta, 2), Multiply(radius, radius), MakeScalar(0.0F),
+                         MakeScalar(1.0F));
+    }
+    ShaderValue Line() {
+        const auto math = [](std::uint32_t code, const ShaderValue& a, const ShaderValue& b) {
+            return MakeMath(code, {a, b}, 2);
+        };
+        const ShaderValue begin = Vector("point1", {0.25F, 0.25F, 0.0F, 0.0F}, 2);
+        const ShaderValue end = Vector("point2", {0.75F, 0.75F, 0.0F, 0.0F}, 2);
+        const ShaderValue toPoint = math(HDS_MATH_SUBTRACT, Centred(), begin);
+        const ShaderValue toEnd = math(HDS_MATH_SUBTRACT, end, begin);
+        const ShaderValue share =
+            ClampTo(Divide(DotProduct(toPoint, toEnd, 2), DotProduct(toEnd, toEnd, 2)),
+                    MakeScalar(0.0F), MakeScalar(1.0F), 1);
+        const ShaderValue nearest = math(HDS_MATH_MULTIPLY, toEnd, share);
+        return IfGreater(LengthOf(math(HDS_MATH_SUBTRACT, toPoint, nearest), 2), In("radius", 0.1F),
+                         MakeScalar(0.0F), MakeScalar(1.0F));
+    }
+    ShaderValue Grid() {
+        const auto at = [&](const char* input, float value) {
+            return Vector(input, {value, value, 0.0F, 0.0F}, 2);
+        };
+        const ShaderValue st =
+            MakeMath(HDS_MATH_SUBTRACT,
+                     {MakeMath(HDS_MATH_MULTIPLY, {Coordinates(), at("uvtiling", 1.0F)}, 2),
+                      at("uvoffset", 0.0F)},
+                     2);
+        const ShaderValue one = MakeScalar(1.0F);
+        const ShaderValue zero = MakeScalar(0.0F);
+        ShaderValue s = ChannelOf(st, 0);
+        const ShaderValue t = ChannelOf(st, 1);
+        if (IsOn("staggered")) {
+            const ShaderValue row = Scalar(HDS_MATH_MODULO, t, MakeScalar(2.0F));
+            const ShaderValue isOdd = Scalar(HDS_MATH_GREATER, row, one);
+            s = Scalar(HDS_MATH_ADD, s,
+                       MakeMath(HDS_MATH_SELECT, {isOdd, MakeScalar(0.5F), zero}, 1));
+        }
+        const ShaderValue inside = Scalar(HDS_MATH_SUBTRACT, one, In("thickness", 0.05F));
+        const auto isInside = [&](const ShaderValue& x) {
+            const ShaderValue cell = Scalar(HDS_MATH_MODULO, x, one);
+            const ShaderValue moved =
+                Scalar(HDS_MATH_SUBTRACT, Scalar(HDS_MATH_MULTIPLY, cell, MakeScalar(2.0F)), one);
+            const ShaderValue distance = MakeMath(HDS_MATH_ABS, {moved}, 1);
+            return MakeMath(HDS_MATH_SELECT,
+                            {Scalar(HDS_MATH_GREATER, distance, inside), zero, one}, 1);
+        };
+        return OneMinus(Math(HDS_MATH_MIN, {isInside(s), isInside(t)}));
+    }
+    /// ramp_gradient: an interval of a ramp, \p before below it.
+    ShaderValue Interval(const ShaderValue& x, const ShaderValue& low, const ShaderValue& high,
+                         const ShaderValue& from, const ShaderValue& to,
+                         const ShaderValue& before) {
+        const ShaderValue linear =
+            Scalar(HDS_MATH_DIVIDE, Scalar(HDS_MATH_SUBTRACT, ClampTo(x, low, high, 1), low),
+                   Scalar(HDS_MATH_SUBTRACT, high, low));
+        const ShaderValue smooth = MakeMath(HDS_MATH_SMOOTHSTEP, {x, low, high}, 1);
+        const ShaderValue value =
+            Switch(In("interpolation", 1.0F),
+                   {Mix(from, to, linear), Mix(from, to, smooth), IfGreater(high, x, from, to)});
+        return IfGreater(x, low, value, before);
+    }
+    ShaderValue Ramp() {
+        constexpr std::array<float, 4> kWhite{1.0F, 1.0F, 1.0F, 1.0F};
+        constexpr std::array<float, 4> kBlack{0.0F, 0.0F, 0.0F, 1.0F};
+        _n = 4;
+        if (_node.identifier.compare(0, 16, "ND_ramp_gradient") == 0) {
+            const ShaderValue before = Vector("prev_color", kBlack, 4);
+            return Math(
+                HDS_MATH_SELECT,
+                {Scalar(HDS_MATH_GREATER_OR_EQUAL, In("interval_num", 1.0F),
+                        In("num_intervals", 2.0F)),
+                 before,
+                 Interval(In("x", 0.0F), In("interval1", 0.0F), In("interval2", 1.0F),
+                          Vector("color1", kBlack, 4), Vector("color2", kWhite, 4), before)});
+        }
+        const ShaderValue x = RampPosition();
+        const ShaderValue count = In("num_intervals", 2.0F);
+        ShaderValue result = Vector("color1", kBlack, 4);
+        ShaderValue from = result;
+        ShaderValue low = In("interval1", 0.0F);
+        for (int i = 1; i < 10; ++i) {
+            const ShaderValue isPast =
+                Scalar(HDS_MATH_GREATER_OR_EQUAL, MakeScalar(static_cast<float>(i)), count);
+            if (IsAll(isPast, 1.0F)) {
+                break;
+            }
+            const std::string number = std::to_string(i + 1);
+            const ShaderValue high = In("interval" + number, 1.0F);
+            const ShaderValue to = Vector("color" + number, kWhite, 4);
+            result =
+                Math(HDS_MATH_SELECT, {isPast, result, Interval(x, low, high, from, to, result)});
+            from = to;
+            low = high;
+        }
+        return result;
+    }
+    /// Along the ramp: across, around, from the middle out in circles or in boxes.
+    ShaderValue RampPosition() {
+        const ShaderValue st = Coordinates();
+        const ShaderValue moved = MakeMath(HDS_MATH_SUBTRACT, {st, MakeScalar(0.5F)}, 2);
+        const ShaderValue x = ChannelOf(moved, 0);
+        const ShaderValue y = ChannelOf(moved, 1);
+        const ShaderValue turns =
+            Scalar(HDS_MATH_ADD,
+                   Scalar(HDS_MATH_DIVIDE, Scalar(HDS_MATH_ATAN2, x, y), MakeScalar(6.28319F)),
+                   MakeScalar(0.5F));
+        const ShaderValue distance =
+            Scalar(HDS_MATH_MULTIPLY, LengthOf(moved, 2), MakeScalar(1.414F));
+        const ShaderValue box = Scalar(
+            HDS_MATH_MULTIPLY,
+            Scalar(HDS_MATH_MAX, MakeMath(HDS_MATH_ABS, {x}, 1), MakeMath(HDS_MATH_ABS, {y}, 1)),
+            MakeScalar(2.0F));
+        return Switch(In("type", 0.0F), {ChannelOf(st, 0), turns, distance, box});
+    }
+
+    // Geometry.
+    ShaderValue Tangent() {
+        const ShaderValue index = In("index", 0.0F);
+        const int number = IsConstant(index) ? static_cast<int>(ConstantOf(index)[0]) : 0;
+        ShaderValue result = Geometry(Kind::Tangent);
+        auto expression = std::make_shared<ShaderExpression>(*result.expression);
+        expression->code |= _id.category == "bitangent" ? HDS_TANGENT_ACROSS : 0U;
+        expression->operands = {
+            number == 0 ? Coordinates()
+                        : MakePrimvar("st" + std::to_string(number), MakeConstant({}, 2), 2)};
+        result.expression = std::move(expression);
+        return result;
+    }
+    static ShaderValue View() {
+        auto expression = std::make_shared<ShaderExpression>();
+        expression->kind = Kind::View;
+        return {std::move(expression), HDS_CHANNEL_ALL, 3};
+    }
+    ShaderValue ViewDirection() {
+        const std::string space = _network.Text(_node, "space");
+        if (!space.empty() && space != "world") {
+            _network.Warn("space of " + _node.path + " is " + space + "; world is used");
+        }
+        return View();
+    }
+    ShaderValue FacingRatio() {
+        const ShaderValue authored = _network.Evaluate(_node, "viewdirection");
+        const ShaderValue normal = _network.Evaluate(_node, "normal");
+        auto ownNormal = std::make_shared<ShaderExpression>();
+        ownNormal->kind = Kind::Normal;
+        ownNormal->code = HDS_SPACE_WORLD;
+        const ShaderValue cosine =
+            DotProduct(authored ? authored : View(),
+                       normal ? normal : ShaderValue{std::move(ownNormal), HDS_CHANNEL_ALL, 3}, 3);
+        const ShaderValue facing = IsAll(In("faceforward", 1.0F), 0.0F)
+                                       ? Multiply(cosine, MakeScalar(-1.0F))
+                                       : Math(HDS_MATH_ABS, {cosine});
+        return IsOn("invert") ? OneMinus(facing) : facing;
+    }
+
+    static ShaderValue ShiftedTo(std::uint32_t direction, const ShaderValue& value,
+                                 const ShaderValue& coordinates) {
+        auto expression = std::make_shared<ShaderExpression>();
+        expression->kind = Kind::Shifted;
+        expression->code = direction;
+        expression->operands = {value, coordinates};
+        return {std::move(expression), HDS_CHANNEL_ALL, 1};
+    }
+    /// The encoded tangent-space normal of a height, by its slopes along the coordinates.
+    ShaderValue NormalOf(const char* input, const ShaderValue& scale) {
+        const ShaderValue flat = MakeConstant({0.5F, 0.5F, 1.0F, 0.0F}, 3);
+        const ShaderValue height = In(input, 0.0F);
+        if (IsConstant(height)) {
+            return flat;
+        }
+        if (HasSlope(height)) {
+            _network.Warn("the height of " + _node.path +
+                          " depends on the slope of another; it is taken as flat");
+            return flat;
+        }
+        const ShaderValue st = Coordinates();
+        const auto slope = [&](std::uint32_t direction) {
+            const ShaderValue rise =
+                Scalar(HDS_MATH_SUBTRACT, ShiftedTo(direction | HDS_SHIFT_MINUS, height, st),
+                       ShiftedTo(direction, height, st));
+            return Scalar(
+                HDS_MATH_MULTIPLY,
+                Scalar(HDS_MATH_MULTIPLY, rise, MakeScalar(kSobelScale * 0.5F / HDS_SHIFT_STEP)),
+                scale);
+        };
+        const ShaderValue normal =
+            MakeMath(HDS_MATH_NORMALIZE,
+                     {CombineChannels(slope(HDS_SHIFT_S), slope(HDS_SHIFT_T), MakeScalar(1.0F),
+                                      MakeScalar(0.0F), 3)},
+                     3);
+        const ShaderValue half = MakeScalar(0.5F);
+        return MakeMath(HDS_MATH_ADD, {MakeMath(HDS_MATH_MULTIPLY, {normal, half}, 3), half}, 3);
+    }
+    ShaderValue HeightToNormal() { return NormalOf("in", In("scale", 1.0F)); }
+    /// In tangent space, as normalmap.
+    ShaderValue Bump() {
+        return SignedNormal(NormalOf("height", MakeScalar(1.0F)), In("scale", 1.0F));
+    }
+
+    ShaderValue Triplanar() {
+        const ShaderValue position = GeometryInput("position", Kind::Position);
+        const ShaderValue normal = GeometryInput("normal", Kind::Normal);
+        const ShaderValue axis = In("upaxis", 2.0F);
+        const int up = IsConstant(axis) ? static_cast<int>(ConstantOf(axis)[0]) : 2;
+        const ShaderValue zero = MakeScalar(0.0F);
+        const auto pair = [&](std::uint32_t s, std::uint32_t t, bool isMirrored) {
+            ShaderValue first = ChannelOf(position, s);
+            if (isMirrored) {
+                first = Scalar(HDS_MATH_MULTIPLY, first, MakeScalar(-1.0F));
+            }
+            return CombineChannels(first, ChannelOf(position, t), zero, zero, 2);
+        };
+        const ShaderValue places[] = {up == 2 ? pair(1, 2, false) : pair(2, 1, false),
+                                      up == 0 ? pair(2, 0, false) : pair(0, 2, false),
+                                      up == 0 ? pair(1, 0, true) : pair(0, 1, false)};
+        const auto shares = [&](const ShaderValue& weights) {
+            const ShaderValue sum =
+                DotProduct(weights, MakeConstant({1.0F, 1.0F, 1.0F, 0.0F}, 3), 3);
+            return MakeMath(HDS_MATH_DIVIDE, {weights, sum}, 3);
+        };
+        const ShaderValue sides =
+            shares(MakeMath(HDS_MATH_ABS, {MakeMath(HDS_MATH_NORMALIZE, {normal}, 3)}, 3));
+        const ShaderValue blend =
+            ClampTo(In("blend", 1.0F), MakeScalar(0.03F), MakeScalar(1.0F), 1);
+        const ShaderValue weights = shares(
+            MakeMath(HDS_MATH_POWER, {sides, Scalar(HDS_MATH_DIVIDE, MakeScalar(1.0F), blend)}, 3));
+        const char* const files[] = {"filex", "filey", "filez"};
+        ShaderValue sum = MakeScalar(0.0F);
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const ShaderValue image =
+                Spread(_network.EvaluateImage(_node, {places[k], _n, files[k]}));
+            sum = Add(sum, Multiply(image, ChannelOf(weights, k)));
+        }
+        return sum;
+    }
+
+    // Vectors and numbers.
+    /// Rodrigues' formula, clockwise.
+    static ShaderValue RotateAbout(const ShaderValue& in, const ShaderValue& degrees,
+                                   const ShaderValue& axis) {
+        const auto math = [](std::uint32_t code, const ShaderValue& a, const ShaderValue& b) {
+            return MakeMath(code, {a, b}, 3);
+        };
+        const ShaderValue unit = MakeMath(HDS_MATH_NORMALIZE, {axis}, 3);
+        const ShaderValue angle = Scalar(HDS_MATH_MULTIPLY, Spread(degrees), MakeScalar(kDegree));
+        const ShaderValue c = MakeMath(HDS_MATH_COS, {angle}, 1);
+        const ShaderValue s = MakeMath(HDS_MATH_SIN, {angle}, 1);
+        const ShaderValue along = Scalar(HDS_MATH_MULTIPLY, DotProduct(unit, in, 3),
+                                         Scalar(HDS_MATH_SUBTRACT, MakeScalar(1.0F), c));
+        const ShaderValue turned = math(HDS_MATH_ADD, math(HDS_MATH_MULTIPLY, in, c),
+                                        math(HDS_MATH_MULTIPLY, math(HDS_MATH_CROSS, in, unit), s));
+        return math(HDS_MATH_ADD, turned, math(HDS_MATH_MULTIPLY, unit, along));
+    }
+    ShaderValue Rotate3d() {
+        return RotateAbout(Vector("in", {}, 3), In("amount", 0.0F),
+                           Vector("axis", {0.0F, 1.0F, 0.0F, 0.0F}, 3));
+    }
+    ShaderValue Reflect() {
+        const ShaderValue in = Vector("in", {1.0F, 0.0F, 0.0F, 0.0F}, 3);
+        const ShaderValue normal = GeometryInput("normal", Kind::Normal);
+        const ShaderValue twice =
+            Scalar(HDS_MATH_MULTIPLY, DotProduct(normal, in, 3), MakeScalar(2.0F));
+        return Subtract(in, Multiply(normal, twice));
+    }
+    ShaderValue Refract() {
+        const ShaderValue in = Vector("in", {1.0F, 0.0F, 0.0F, 0.0F}, 3);
+        const ShaderValue normal = GeometryInput("normal", Kind::Normal);
+        const ShaderValue ior = In("ior", 1.0F);
+        const ShaderValue cosine = DotProduct(in, normal, 3);
+        const ShaderValue one = MakeScalar(1.0F);
+        const auto product = [](const ShaderValue& a, const ShaderValue& b) {
+            return Scalar(HDS_MATH_MULTIPLY, a, b);
+        };
+        const ShaderValue left =
+            product(product(ior, ior), Scalar(HDS_MATH_SUBTRACT, one, product(cosine, cosine)));
+        const ShaderValue k = Scalar(HDS_MATH_SUBTRACT, one, left);
+        const ShaderValue scale =
+            Scalar(HDS_MATH_ADD, product(ior, cosine), MakeMath(HDS_MATH_SQRT, {k}, 1));
+        return IfGreater(MakeScalar(0.0F), k, MakeScalar(0.0F),
+                         Subtract(Multiply(in, ior), Multiply(normal, scale)));
+    }
+    ShaderValue SafePower() {
+        const ShaderValue in = In("in1", 0.0F);
+        return Multiply(Math(HDS_MATH_SIGN, {in}),
+                        Math(HDS_MATH_POWER, {Math(HDS_MATH_ABS, {in}), In("in2", 1.0F)}));
+    }
+    ShaderValue TriangleWave() {
+        const ShaderValue half = MakeScalar(0.5F);
+        const ShaderValue phase =
+            Math(HDS_MATH_MODULO, {Math(HDS_MATH_ABS, {In("in", 0.0F)}), MakeScalar(1.0F)});
+        return Subtract(half, Math(HDS_MATH_ABS, {Subtract(phase, half)}));
+    }
+    ShaderValue ExtremeComponent() {
+        const std::uint32_t code = _id.category == "mincomponent" ? HDS_MATH_MIN : HDS_MATH_MAX;
+        const ShaderValue in = In("in", 0.0F);
+        ShaderValue result = ChannelOf(in, 0);
+        for (std::uint32_t k = 1; k < _id.firstComponents; ++k) {
+            result = Scalar(code, result, ChannelOf(in, k));
+        }
+        return result;
+    }
+
+    // glTF's images: placed the other way round than place2d.
+    ShaderValue GltfImage(std::uint32_t numComponents, const std::array<float, 4>& fallback) {
+        const ShaderValue one = MakeScalar(1.0F);
+        const ShaderValue scale =
+            MakeMath(HDS_MATH_DIVIDE, {one, Vector("scale", {1.0F, 1.0F, 0.0F, 0.0F}, 2)}, 2);
+        const ShaderValue turn = Scalar(HDS_MATH_MULTIPLY, In("rotate", 0.0F), MakeScalar(-1.0F));
+        const ShaderValue offset =
+            MakeMath(HDS_MATH_MULTIPLY,
+                     {Vector("offset", {}, 2), MakeConstant({-1.0F, 1.0F, 0.0F, 0.0F}, 2)}, 2);
+        const ShaderValue st = Place(Coordinates(), scale, turn, offset, {0.0F, 1.0F, 0.0F, 0.0F});
+        return _network.EvaluateImage(_node, {st, numComponents, "file", fallback});
+    }
+    std::optional<ShaderValue> Gltf(const std::string& output) {
+        const auto isOne = [&](const char* name) { return _node.identifier.rfind(name, 0) == 0; };
+        if (isOne("ND_gltf_normalmap")) {
+            return SignedNormal(GltfImage(3, {0.5F, 0.5F, 1.0F, 0.0F}), MakeScalar(1.0F));
+        }
+        if (isOne("ND_gltf_image")) {
+            return Multiply(Spread(GltfImage(std::max(_n, 1U), {})), In("factor", 1.0F));
+        }
+        if (!isOne("ND_gltf_colorimage")) {
+            return std::nullopt;
+        }
+        _n = 4;
+        const std::array<float, 4> white{1.0F, 1.0F, 1.0F, 1.0F};
+        const ShaderValue tint = Multiply(Vector("color", white, 4), Vector("geomcolor", white, 4));
+        ShaderValue color = Multiply(GltfImage(4, {}), tint);
+        if (output == "outa") {
+            return SelectChannel(color, 3);
+        }
+        color.numComponents = 3;
+        return color;
+    }
+};
+
+std::optional<ShaderValue> EvaluateLibraryNode(NetworkEvaluator& network, const MaterialNode& node,
+                                               const std::string& output) {
+    return LibraryNode(network, node).Evaluate(output);
+}
+
+} // namespace hds

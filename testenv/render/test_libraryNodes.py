@@ -1,0 +1,265 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Nodes that MaterialX's library builds of others, geometry, and slopes of heights: a card for each, in one picture.
+
+Oracles: the library's own node graphs, evaluated in numpy (nodeGraphs.py); noise by cells from the GLSL text of MaterialX
+1.39, compiled apart from us; closed forms for geometry and slopes. A card glows with what a node gives.
+"""
+
+import numpy as np
+import pytest
+from pxr import Sdf, UsdShade
+
+pytest.importorskip("hdstream._core")
+pytest.importorskip("MaterialX")
+
+from cardStrip import Strip
+from nodeGraphs import Value
+from stages import author, imageFile
+from stages.materialX import STANDARD, AddNode
+
+_T = Sdf.ValueTypeNames
+_A, _B = (0.2, 0.5, 0.8), (0.6, 0.3, 0.1)
+_FRONT, _BACK = (0.2, 0.5, 0.8, 0.4), (0.6, 0.3, 0.1, 0.7)
+_ST = (0.3, 0.7)
+_UP, _SIDE = (0.0, 0.0, 1.0), (0.48, 0.6, 0.64)
+_LIGHT = np.array([0.3, 0.5, 0.8]) / np.linalg.norm([0.3, 0.5, 0.8])
+
+
+def _Rotate(x, bits):
+    return (x << bits | x >> (32 - bits)) & 0xFFFFFFFF
+
+
+def _CellNoise(inputs):
+    """Jenkins' lookup3 of two integers."""
+    x, y = (int(np.floor(v)) & 0xFFFFFFFF for v in inputs["texcoord"].astype(np.float32))
+    start = (0xDEADBEEF + 8 + 13) & 0xFFFFFFFF
+    v = [(start + x) & 0xFFFFFFFF, (start + y) & 0xFFFFFFFF, start]
+    for k, bits in zip((2, 0, 1, 2, 0, 1, 2), (14, 11, 25, 16, 4, 14, 24)):
+        other = v[k - 1]
+        v[k] = ((v[k] ^ other) - _Rotate(other, bits)) & 0xFFFFFFFF
+    return np.array([v[2] / 0xFFFFFFFF])
+
+
+def _Image(inputs):
+    """The images of triplanarprojection: s, t and a share of its own."""
+    share = {"x.exr": 0.2, "y.exr": 0.5, "z.exr": 0.9}[inputs["file"]]
+    return np.array([*(inputs["texcoord"] % 1), share])
+
+
+def _Graph(category, types, **inputs):
+    """A case whose value its node graph gives."""
+    given = {name: _ST if value == "ST" else value for name, value in inputs.items()}
+    own = {} if "normal" in inputs or "position" in inputs or "in" in inputs else {"texcoord": _ST}
+    leaves = {"cellnoise2d": _CellNoise, "image": _Image,
+              "over": lambda i: (i["fg"] + i["bg"] * (1 - i["fg"][3])) * i["mix"] + i["bg"] * (1 - i["mix"])}
+    return Value(category, types, leaves, **{**own, **given}), category, types, inputs
+
+
+def _Ramp(**inputs):
+    return _Graph("ramp", "", num_intervals=4, interval2=0.3, interval3=0.6, color1=_BACK, color2=_FRONT,
+                  color3=(0.9, 0.1, 0.4, 1.0), color4=(0.0, 0.7, 0.3, 1.0), **inputs)
+
+
+_TRIPLANAR = dict(filex="x.exr", filey="y.exr", filez="z.exr", position=(0.3, 0.6, 0.45))
+_CASES = {
+    "worleynoise2d": (0.600949407, "worleynoise2d", "float", {}),
+    "worleynoise2d_solid": (0.86031276, "worleynoise2d", "float", dict(style=1)),
+    "worleynoise2d_three": ((0.600949407, 0.632518709, 1.04592454), "worleynoise2d", "vector3", {}),
+    "worleynoise2d_threeSolid": ((0.611067653, 0.185823783, 0.0413060673), "worleynoise2d", "vector3", dict(style=1)),
+    "worleynoise3d": (0.442312181, "worleynoise3d", "float", dict(position=(0.3, 0.7, 0.2))),
+    "worleynoise3d_jitter": ((0.380079895, 0.865686357, 0.955073059), "worleynoise3d", "vector3",
+                             dict(position=(0.3, 0.7, 0.2), jitter=0.7)),
+    "worleynoise3d_threeSolid": ((0.111572966, 0.325099885, 0.339947283), "worleynoise3d", "vector3",
+                                 dict(position=(0.3, 0.7, 0.2), style=1)),
+    "fractal2d": (0.259577245, "absval", "float", dict(**{"in": ("fractal2d", "float", {})})),
+    "fractal2d_three": ((0.259577245, 1.00612557, 0.112889051), "absval", "color3",
+                        dict(**{"in": ("fractal2d", "color3FA", {})})),
+    "unifiednoise2d": (0.5 - 0.186872661 / 2, "unifiednoise2d", "float", dict(freq=(2.0, 2.0), offset=(0.25, 0.25))),
+    "unifiednoise2d_worley": (0.0520906821, "unifiednoise2d", "float", dict(freq=(2.0, 2.0), offset=(0.25, 0.25), type=2)),
+    "unifiednoise2d_fractal": (1 - 0.428980321, "unifiednoise2d", "float",
+                               dict(freq=(2.0, 2.0), offset=(0.25, 0.25), type=3, outmin=1.0, outmax=2.0, clampoutput=False)),
+    "unifiednoise3d": (0.5 + 0.264776587 / 2, "unifiednoise3d", "float", dict(freq=(2.0,) * 3, position=(0.3, 0.7, 0.2))),
+    "unifiednoise3d_cell": (0.819399655, "unifiednoise3d", "float", dict(freq=(2.0,) * 3, position=(0.3, 0.7, 0.2), type=1)),
+    "randomfloat": _Graph("randomfloat", "float", seed=3, max=0.5, **{"in": 0.35}),
+    "randomcolor": _Graph("randomcolor", "float", seed=5, huelow=0.2, saturationhigh=0.9, **{"in": 0.35}),
+    "circle": _Graph("circle", "float", center=(0.1, 0.3)),
+    "circle_outside": _Graph("circle", "float", radius=0.4),
+    "line": _Graph("line", "float", radius=0.3),
+    "line_beside": _Graph("line", "float", radius=0.2),
+    "grid": _Graph("grid", "color3", uvtiling=(3.0, 3.0), thickness=0.3),
+    "grid_staggered": _Graph("grid", "color3", uvtiling=(3.0, 3.0), thickness=0.3, staggered=True),
+    "ramp": _Ramp(),
+    "ramp_linear": _Ramp(interpolation=0),
+    "ramp_step": _Ramp(interpolation=2, type=2),
+    "ramp_radial": _Ramp(type=1),
+    "ramp_circular": _Ramp(type=2),
+    "ramp_box": _Ramp(type=3),
+    "triplanar": _Graph("triplanarprojection", "color3", normal=_SIDE, **_TRIPLANAR),
+    "triplanar_up": _Graph("triplanarprojection", "color3", normal=_SIDE, upaxis=1, blend=0.4, **_TRIPLANAR),
+    "triplanar_x": _Graph("triplanarprojection", "color3", normal=(0.9, 0.3, 0.2), upaxis=0, **_TRIPLANAR),
+    "rotate3d": (Value("rotate3d", "vector3", amount=30.0, axis=(0.2, 1.0, 0.4), **{"in": _A}), "rotate3d", "vector3",
+                 dict(amount=30.0, axis=(0.2, 1.0, 0.4), **{"in": _A})),
+    "reflect": _Graph("reflect", "vector3", normal=_UP, **{"in": (0.3, 0.4, -0.8)}),
+    "refract": _Graph("refract", "vector3", normal=(0.0, 0.0, -1.0), ior=0.7, **{"in": (0.3, 0.4, 0.8660254)}),
+    "safepower": _Graph("safepower", "color3FA", in1=_A, in2=0.7),
+    "trianglewave": _Graph("trianglewave", "float", **{"in": 2.7}),
+    "mincomponent": (min(_A), "mincomponent", "color3", dict(**{"in": _A})),
+    "maxcomponent": (max(_A), "maxcomponent", "color3", dict(**{"in": _A})),
+    "colorcorrect": _Graph("colorcorrect", "color3", hue=0.2, saturation=0.6, gamma=1.7, lift=0.1, gain=1.5, contrast=1.2,
+                           contrastpivot=0.3, exposure=0.5, **{"in": _A}),
+    "overlay": _Graph("overlay", "color3", fg=_A, bg=_B, mix=0.8),
+    "burn": (1 - (1 - np.array(_A)) / _B * 0.5 - 0.5 * (1 - np.array(_A)), "burn", "color3", dict(fg=_B, bg=_A, mix=0.5)),
+    "dodge": (np.array(_A) / (1 - np.array(_B)), "dodge", "color3", dict(fg=_B, bg=_A)),
+    "premult": (np.array(_A) * 0.4, "premult", "color4", dict(**{"in": _FRONT})),
+    "over": (np.array(_A) + np.array(_B) * 0.6, "over", "color4", dict(fg=_FRONT, bg=_BACK)),
+    "in": (np.array(_A) * 0.7, "in", "color4", dict(fg=_FRONT, bg=_BACK)),
+    "out": (np.array(_A) * 0.3, "out", "color4", dict(fg=_FRONT, bg=_BACK)),
+    "mask": (np.array(_B) * 0.4, "mask", "color4", dict(fg=_FRONT, bg=_BACK)),
+    "matte": (np.array(_A) * 0.4 + np.array(_B) * 0.6, "matte", "color4", dict(fg=_FRONT, bg=_BACK)),
+    "gltf_colorimage": ((0.75 * 0.2, 0.6 * 0.5, 0.9 * 0.8), "gltf_colorimage", "",
+                        dict(file="z.exr", texcoord=(0.25, 0.6), color=(0.2, 0.5, 0.8, 1.0), offset=(0.5, 0.0))),
+    "gltf_image": ((0.5 * 0.3, 0.5 * 0.5, 0.9 * 0.7), "gltf_image", "color3_color3_1_0",
+                   dict(file="z.exr", texcoord=(0.25, 0.75), scale=(2.0, 2.0), factor=(0.3, 0.5, 0.7))),
+    "gltf_normalmap": ((0.5, 0.2, 0.8), "gltf_normalmap", "vector3_1_0", dict(file="z.exr", texcoord=(0.75, 0.6))),
+    "viewdirection": ((0, 0, 1), "absval", "vector3", dict(**{"in": ("viewdirection", "vector3", {})})),
+    "facingratio": (1.0, "facingratio", "float", {}),
+    "facingratio_inverted": (0.0, "facingratio", "float", dict(invert=True)),
+}
+# Cards with coordinates 0 to 1 across, which lie along x and y: what depends on how they vary.
+_H = ("dotproduct", "vector2", dict(in1=("texcoord", "vector2", {}), in2=(8.0, 4.0)))
+_ALONG_X = ("multiply", "float", dict(in1=("extract", "vector3", dict(index=0, **{"in": ("position", "vector3", {})})), in2=8.0))
+
+
+def _Encoded(x, y):
+    return np.array([x, y, 1]) / np.linalg.norm([x, y, 1]) * 0.5 + 0.5
+
+
+_VARYING = {
+    "tangent": ((1, 0, 0), "tangent", "vector3", dict(space="world")),
+    "tangent_object": ((1, 0, 0), "tangent", "vector3", {}),
+    "bitangent": ((0, 1, 0), "bitangent", "vector3", dict(space="world")),
+    "bitangent_object": ((0, 0, 1), "absval", "vector3", dict(**{"in": ("bitangent", "vector3", {})})),
+    "heighttonormal": (_Encoded(-0.5, -0.25), "heighttonormal", "vector3", dict(**{"in": _H})),
+    "heighttonormal_scale": (_Encoded(-1, -0.5), "heighttonormal", "vector3", dict(scale=2.0, **{"in": _H})),
+    "heighttonormal_position": (_Encoded(-0.5, 0), "heighttonormal", "vector3", dict(**{"in": _ALONG_X})),
+    "heighttonormal_image": (_Encoded(-0.5, 0), "heighttonormal", "vector3", dict(
+        **{"in": ("multiply", "float", dict(in1=("image", "float", dict(file="z.exr")), in2=8.0))})),
+    "heighttonormal_placed": (_Encoded(-1, -0.5), "heighttonormal", "vector3", dict(
+        texcoord=("multiply", "vector2FA", dict(in1=("texcoord", "vector2", {}), in2=0.5)), **{"in": _H})),
+    "heighttonormal_constant": ((0.5, 0.5, 1), "heighttonormal", "vector3", dict(**{"in": 0.7})),
+}
+
+
+def _Output(category, types):
+    return {"float": _T.Float, "vector2": _T.Float2, "vector2FA": _T.Float2}.get(types, _T.Color3f)
+
+
+def _Node(stage, path, folder, category, types, inputs):
+    values = {}
+    for name, value in inputs.items():
+        if isinstance(value, tuple) and isinstance(value[0], str):
+            value = _Node(stage, f"{path}_{name}", folder, *value)
+        elif isinstance(value, str) and value.endswith(".exr"):
+            value = Sdf.AssetPath(str(folder / value))
+        values[name] = value
+    node, out = AddNode(stage, path, f"ND_{category}_{types}" if types else f"ND_{category}", _Output(category, types), **values)
+    if category == "gltf_colorimage":
+        node.CreateOutput("outcolor", _T.Color3f)
+        return node, "outcolor"
+    if types == "color4" or category == "ramp":
+        return AddNode(stage, path + "_rgb", "ND_convert_color4_color3", **{"in": (node, out)})
+    return node, out
+
+
+def _Glowing(folder, case):
+    def Build(card):
+        stage, root = card.material.GetPrim().GetStage(), str(card.material.GetPath())
+        source = _Node(stage, f"{root}/Node", folder, *case[1:])
+        surface, _ = AddNode(stage, f"{root}/Unlit", "ND_surface_unlit", _T.Token, emission_color=source)
+        card.material.CreateSurfaceOutput("mtlx").ConnectToSource(surface.GetOutput("out"))
+
+    return Build
+
+
+# Bumps: (tangent-space normal, what feeds the surface's normal).
+_BUMPS = {
+    "none": ((0, 0, 1), None),
+    "bump": ((-0.5, -0.25, 1), ("bump", "vector3", dict(height=_H))),
+    "bump_scale": ((-0.15, -0.075, 1), ("bump", "vector3", dict(height=_H, scale=0.3))),
+    "heighttonormal": ((-0.5, -0.25, 1), ("normalmap", "", dict(**{"in": ("heighttonormal", "vector3", dict(**{"in": _H}))}))),
+    "bump_image": ((-0.5, 0, 1), ("bump", "vector3", dict(height=_VARYING["heighttonormal_image"][3]["in"]))),
+}
+
+
+def _Bumped(folder, source):
+    def Build(card):
+        stage, root = card.material.GetPrim().GetStage(), str(card.material.GetPath())
+        inputs = dict(base=1.0, base_color=(0.8,) * 3, specular=0.0)
+        if source is not None:
+            inputs["normal"] = _Node(stage, f"{root}/Node", folder, *source)
+        surface, _ = AddNode(stage, f"{root}/Surface", STANDARD, _T.Token, **inputs)
+        card.material.CreateSurfaceOutput("mtlx").ConnectToSource(surface.GetOutput("out"))
+
+    return Build
+
+
+def _WriteImages(folder) -> None:
+    t, s = (np.indices((256, 256)) + 0.5) / 256
+    for name in ("x.exr", "y.exr", "z.exr"):
+        share = _Image(dict(file=name, texcoord=np.zeros(2)))[2]
+        imageFile.WriteExr(folder / name, dict(R=s, G=1 - t, B=np.full_like(s, share)), half=False)
+
+
+@pytest.fixture(scope="module")
+def strip(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("library")
+    _WriteImages(folder)
+    result = Strip(folder / "strip.usda")
+    for name, case in _CASES.items():
+        result.Add(name, _Glowing(folder, case), st=_ST)
+    for name, case in _VARYING.items():
+        result.Add(f"varying {name}", _Glowing(folder, case))
+    result.Add("facingratio_tilted", _Glowing(folder, (0, "facingratio", "float", {})), tilt=60.0)
+    return result.Render()
+
+
+@pytest.fixture(scope="module")
+def bumps(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("bumps")
+    _WriteImages(folder)
+    result = Strip(folder / "strip.usda")
+    for name, (_, source) in _BUMPS.items():
+        result.Add(name, _Bumped(folder, source))
+    elevation, azimuth = np.degrees(np.arcsin(_LIGHT[1])), np.degrees(np.arctan2(_LIGHT[0], _LIGHT[2]))
+    author.AddLight(result.stage, "/World/Sun", "Distant", dict(rotate=(-elevation, azimuth, 0)), angle=0.0, intensity=1.0)
+    return result.Render()
+
+
+@pytest.mark.parametrize("name", _CASES)
+def test_node(strip, name):
+    expected = np.asarray(_CASES[name][0], float)[..., :3] if np.ndim(_CASES[name][0]) else _CASES[name][0]
+    expected = np.maximum(np.broadcast_to(expected if np.size(expected) > 1 else np.ravel(expected)[0], 3), 0)
+    isImage = name.startswith(("triplanar", "gltf"))  # texels are kept in half precision
+    assert strip.Pixels(name)[:, :3] == pytest.approx(np.tile(expected, (4, 1)), abs=5e-4 if isImage else 3e-5), name
+
+
+@pytest.mark.parametrize("name", _VARYING)
+def test_geometry_and_slopes(strip, name):
+    expected = np.broadcast_to(np.asarray(_VARYING[name][0], float), 3)
+    assert strip.Pixels(f"varying {name}")[:, :3] == pytest.approx(np.tile(expected, (4, 1)), abs=5e-4), name
+
+
+def test_facingratio_is_the_cosine(strip):
+    assert strip.Pixels("facingratio_tilted")[:, :3] == pytest.approx(0.5, abs=1e-5)
+
+
+@pytest.mark.parametrize("name", _BUMPS)
+def test_bumps_turn_the_surface(bumps, name):
+    """Lambert's cosine against the light, of the normal by the slopes of the height; the card's tangents are x and y."""
+    normal = np.array(_BUMPS[name][0], float)
+    cosine = normal @ _LIGHT / np.linalg.norm(normal)
+    assert bumps.Pixels(name)[:, :3] == pytest.approx(0.8 / np.pi * cosine, rel=2e-3), name  # irradiance 1
+
+
+def test_no_node_warns(strip):
+    assert [w for w in strip.picture.warnings if "supported" in w or "cannot" in w] == []
