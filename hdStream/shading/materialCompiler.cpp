@@ -406,8 +406,9 @@ ResolvedMaterial ResolveMaterial(const CompiledMaterial& material,
                 return one.input == HDS_INPUT_NORMAL && HasSlope(one.value);
             });
         if (hasSlope || (result.record.lobes & HDS_LOBE_ANISOTROPY) != 0) {
-            tangentSlot = findSlot("st", 2);
-            tangentSlot = tangentSlot == HDS_NONE ? findSlot("UV0", 2) : tangentSlot;
+            for (const char* const name : kTangentPrimvars) {
+                tangentSlot = tangentSlot == HDS_NONE ? findSlot(name, 2) : tangentSlot;
+            }
             result.record.flags |= tangentSlot == HDS_NONE ? 0U : HDS_MATERIAL_TANGENTS;
         }
         result.program = WriteProgram(inputs, textures, findSlot, tangentSlot);

@@ -67,6 +67,9 @@ struct CompiledMaterial {
     DisplacementInput displacement;
 };
 
+/// Primvars along which the tangents of a surface lie that names none: the first that is there.
+constexpr std::array<const char*, 2> kTangentPrimvars = {"st", "UV0"};
+
 /// An attribute of a mesh as materials see it; its slot is HDS_SLOT_USER + its index in the list.
 struct AttributeName {
     std::string name;

@@ -30,7 +30,7 @@ void AddPrimvarsOf(const CompiledMaterial& material, std::set<std::string>* name
     }
     const ShaderValue& normal = material.values[HDS_INPUT_NORMAL];
     if ((material.constants.lobes & HDS_LOBE_ANISOTROPY) != 0 || (normal && HasSlope(normal))) {
-        names->insert({"st", "UV0"}); // their tangents are the surface's
+        names->insert(kTangentPrimvars.begin(), kTangentPrimvars.end());
     }
     if (!material.displacement.primvar.empty()) {
         names->insert(material.displacement.primvar);

@@ -359,7 +359,11 @@ bool HasPatterns(const std::vector<std::uint32_t>& programs) {
 
 bool NeedsFilteredTexels(const std::vector<std::uint32_t>& program) {
     for (std::size_t at = 0; at < program.size(); at += 1 + NumOperands(program, at)) {
-        if ((program[at] & 0xffU) != HDS_OP_MATH) {
+        const std::uint32_t operation = program[at] & 0xffU;
+        if (operation == HDS_OP_SHIFT) {
+            return true;
+        }
+        if (operation != HDS_OP_MATH) {
             continue;
         }
         switch ((program[at] >> 8) & 0xffU) {

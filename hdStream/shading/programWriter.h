@@ -37,7 +37,7 @@ void OffsetPositions(std::vector<std::uint32_t>* programs, std::uint32_t space,
 bool HasPatterns(const std::vector<std::uint32_t>& programs);
 
 /// Whether a program computes more than sums and products: these may be of chosen texels, as what a
-/// surface reflects is, but a threshold or a root is of the filter's value.
+/// surface reflects is, but a threshold, a root or a slope is of the filter's value.
 bool NeedsFilteredTexels(const std::vector<std::uint32_t>& program);
 
 /// Whether an expression is evaluated beside the place that was hit (Kind::Shifted).

@@ -401,6 +401,7 @@ TEST(ShaderProgram, SumsAndProductsMayBeOfChosenTexels) {
     EXPECT_TRUE(needs(HDS_MATH_GREATER, 2));
     EXPECT_TRUE(needs(HDS_MATH_SMOOTHSTEP, 3));
     EXPECT_TRUE(needs(HDS_MATH_NOISE2, 1));
+    EXPECT_TRUE(NeedsFilteredTexels({HDS_OP(HDS_OP_SHIFT, 0U), HDS_OP(HDS_OP_END, 0U)}));
     // An operand is not taken for an instruction.
     EXPECT_FALSE(NeedsFilteredTexels(
         {HDS_OP_CONSTANT, HDS_OP(HDS_OP_MATH, HDS_MATH_SQRT), 0, 0, 0, HDS_OP(HDS_OP_END, 0U)}));
