@@ -112,6 +112,40 @@ def test_a_camera_that_cannot_be_read_is_an_error(tmp_path):
     AssertFails(Run("record", WriteStage(tmp_path, body), tmp_path / "o.exr", *SMALL), 1, "/main_cam", "Invalid xform op")
 
 
+def test_instancers_that_place_themselves_have_no_bounds(tmp_path):
+    """OpenUSD looks for their bounds until the stack is full; found by fuzzing."""
+    body = """def Xform "Model" (
+    prepend apiSchemas = ["GeomModelAPI"]
+    kind = "component"
+)
+{
+    uniform token model:drawMode = "bounds"
+    uniform bool model:applyDrawMode = 1
+    def PointInstancer "A"
+    {
+        point3f[] positions = [(0, 0, 0)]
+        int[] protoIndices = [0]
+        rel prototypes = </Other>
+    }
+}
+def Xform "Other"
+{
+    def PointInstancer "B"
+    {
+        point3f[] positions = [(0, 0, 0)]
+        int[] protoIndices = [0]
+        rel prototypes = </Model>
+    }
+}
+def Sphere "Ball"
+{
+}
+"""
+    result = Run("record", WriteStage(tmp_path, body), tmp_path / "o.exr", *SMALL)
+    assert result.code == 0 and not result.errors, result.text
+    assert any("/Model: bounds of a model without extent; left out" in line for line in result.warnings), result.text
+
+
 def test_a_stage_without_bounds_is_framed(tmp_path):
     from cliCase import TRIANGLE
     body = TRIANGLE + BadMesh(more='uniform token[] xformOpOrder = ["raw"]')

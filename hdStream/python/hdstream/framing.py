@@ -2,7 +2,8 @@
 """Which camera renders, as usdrecord chooses it, and the camera that frames a stage without one.
 
 Source of the framing: OpenUSD, UsdAppUtilsFrameRecorder, "_ComputeCameraToFrameStage"; deviates:
-prims whose bounds are not finite are left out, and an empty stage is framed as a unit cube.
+prims whose bounds are not finite are left out, and a stage that is empty, or has instancers that place themselves, is
+framed as a unit cube.
 """
 
 import math
@@ -11,6 +12,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdUtils
 
 from hdstream.diagnostics import TfError
 from hdstream.errors import UsageError
+from hdstream.translate.circles import HasCircularInstancers
 
 FREE_CAMERA_PATH = "/hdStreamFreeCamera"
 _PREDICATE = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
@@ -72,6 +74,8 @@ def MakeFramingCamera(stage, timeCode, purposes):
 
 def _StageBounds(stage, timeCode, purposes):
     """(centre, size) of everything drawn."""
+    if HasCircularInstancers(stage):
+        return Gf.Vec3d(0.0), Gf.Vec3d(1.0)
     cache = UsdGeom.BBoxCache(timeCode, purposes, useExtentsHint=True)
     bounds = _BoundsOf(stage.GetPseudoRoot(), cache)
     box = bounds.ComputeAlignedRange()

@@ -13,6 +13,7 @@ import numpy as np
 from pxr import Gf, Kind, Sdf, Usd, UsdGeom
 
 from hdstream import _core
+from hdstream.translate.circles import HasCircularInstancers
 from hdstream.translate.exrHeader import ReadMatrices
 from hdstream.translate.instanceArrays import InstanceGroup
 from hdstream.translate.primState import IDENTITY, Context, State
@@ -66,6 +67,7 @@ class DrawModes:
         self._reports = reports
         self._modeByPath = {}  # Sdf.Path -> mode that its children inherit
         self._bounds = {}      # is at the frame's time -> UsdGeom.BBoxCache
+        self._hasCircles = None  # known once bounds are asked for
 
     # --- Which mode ------------------------------------------------------------------------------
 
@@ -232,6 +234,10 @@ class DrawModes:
         """The untransformed bounds, hints included; of the earliest time unless the prim's own vary."""
         isVarying = any(attribute and attribute.ValueMightBeTimeVarying()
                         for attribute in map(prim.GetAttribute, ("extent", "extentsHint")))
+        if self._hasCircles is None:
+            self._hasCircles = HasCircularInstancers(prim.GetStage())
+        if self._hasCircles:
+            return Gf.Range3d()
         cache = self._bounds.get(isVarying)
         if cache is None:
             timeCode = self._timeCode if isVarying else Usd.TimeCode.EarliestTime()
