@@ -80,10 +80,11 @@ struct PathTracer::Impl {
         LoadFilm(start);
     }
 
-    /// The film begins with sums; \post the members `first...`, `latePixels` and `lateEnd`.
+    /// The film begins with sums; \post the members `filmBegin`, `firstMissing`, `latePixels` and
+    /// `lateEnd`.
     void LoadFilm(const std::vector<FilmSums>& start) {
         film.Load(kernels, start);
-        firstSample = start.empty() ? 0 : start.front().firstSample;
+        filmBegin = start.empty() ? 0 : start.front().firstSample;
         firstMissing = start.empty() ? 0 : start.back().endSample;
         lateEnd = start.empty() ? 0 : start.back().MostSamples();
         latePixels.clear();
@@ -503,7 +504,7 @@ struct PathTracer::Impl {
     std::uint32_t orderWidth = 0;
     std::uint32_t orderHeight = 0;
     std::uint32_t previewStride = 0; ///< as Progress::previewStride
-    std::uint32_t firstSample = 0;   ///< where the film began
+    std::uint32_t filmBegin = 0;     ///< first sample of the film
     std::uint32_t firstMissing = 0;  ///< first sample that some pixel of the loaded film lacks
     std::uint32_t lateEnd = 0;       ///< samples of the other pixels
     std::vector<std::uint32_t> latePixels; ///< that a stopped pass of the loaded film left out
@@ -546,7 +547,7 @@ std::vector<ImageLayer> PathTracer::Layers(bool withFirstHits) {
 }
 
 FilmSums PathTracer::Film() const {
-    return _impl->film.Read(_impl->firstSample, _impl->statistics.samples);
+    return _impl->film.Read(_impl->filmBegin, _impl->statistics.samples);
 }
 
 const RenderStatistics& PathTracer::Statistics() const {
