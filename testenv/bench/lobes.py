@@ -46,9 +46,9 @@ CASES = {
     **{f"sheen {r}": (dict(base_color=_RED, specular=0.0, sheen=1.0, sheen_roughness=r),
                       {"Base Color": _RED, "Specular IOR Level": 0.0, "Sheen Weight": 1.0, "Sheen Roughness": r}, None)
        for r in (0.3, 0.8)},
-    "glass": (dict(_GLASS, specular_roughness=0.0), {"Transmission Weight": 1.0, "Roughness": 0.0},
+    "glass": (dict(_GLASS, specular_roughness=0.0), {"Base Color": (1.0, 1.0, 1.0), "Transmission Weight": 1.0, "Roughness": 0.0},
               {"type": "dielectric", "int_ior": 1.5, "ext_ior": 1.0}),
-    **{f"glass {r}": (dict(_GLASS, specular_roughness=r), {"Transmission Weight": 1.0, "Roughness": r},
+    **{f"glass {r}": (dict(_GLASS, specular_roughness=r), {"Base Color": (1.0, 1.0, 1.0), "Transmission Weight": 1.0, "Roughness": r},
                       {"type": "roughdielectric", "int_ior": 1.5, "ext_ior": 1.0, "alpha": r * r, "distribution": "ggx"})
        for r in (0.3, 0.6)},
 }
