@@ -46,9 +46,9 @@ CASES = {
     **{f"sheen {r}": (dict(base_color=_RED, specular=0.0, sheen=1.0, sheen_roughness=r),
                       {"Base Color": _RED, "Specular IOR Level": 0.0, "Sheen Weight": 1.0, "Sheen Roughness": r}, None)
        for r in (0.3, 0.8)},
-    "glass": (dict(_GLASS, specular_roughness=0.0), {"Transmission Weight": 1.0, "Roughness": 0.0},
+    "glass": (dict(_GLASS, specular_roughness=0.0), {"Base Color": (1.0, 1.0, 1.0), "Transmission Weight": 1.0, "Roughness": 0.0},
               {"type": "dielectric", "int_ior": 1.5, "ext_ior": 1.0}),
-    **{f"glass {r}": (dict(_GLASS, specular_roughness=r), {"Transmission Weight": 1.0, "Roughness": r},
+    **{f"glass {r}": (dict(_GLASS, specular_roughness=r), {"Base Color": (1.0, 1.0, 1.0), "Transmission Weight": 1.0, "Roughness": r},
                       {"type": "roughdielectric", "int_ior": 1.5, "ext_ior": 1.0, "alpha": r * r, "distribution": "ggx"})
        for r in (0.3, 0.6)},
 }
@@ -71,14 +71,14 @@ def _SunRadiance() -> float:
 
 def _HdStream(surface: dict, isSun: bool, size: int, samples: int, folder: str) -> np.ndarray:
     import ours
-    from stages import author, shapes
-    from stages.materialX import AddSurface
+    from stages import author
+    from stages.materialX import AddSurface, Ball
 
     path = f"{folder}/stage.usda"
     pathlib.Path(path).unlink(missing_ok=True)
     stage = author.NewStage(path)
     material = AddSurface(stage, "/World/Look", **surface)
-    author.AddMesh(stage, "/World/Ball", shapes.Sphere(1.0, 96, 192), material=material)
+    author.AddMesh(stage, "/World/Ball", Ball(1.0), material=material)
     if isSun:
         author.AddLight(stage, "/World/Light", "Distant", dict(rotate=(0, 45, 0)), angle=_SUN_DEGREES, intensity=_SunRadiance())
     else:
@@ -95,7 +95,7 @@ def _Cycles(inputs: dict, isSun: bool, size: int, samples: int) -> np.ndarray:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     target = bpy.context.scene
     rivalsCycles.Configure(target, dict(width=size, height=size, maxDepth=16, threads=2))
-    bpy.ops.mesh.primitive_uv_sphere_add(segments=192, ring_count=96, radius=1.0)
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=96, ring_count=48, radius=1.0)
     ball = bpy.context.object
     ball.rotation_euler = (-math.pi / 2, 0, 0)  # poles along y, as the other ball
     bpy.ops.object.shade_smooth()
@@ -136,6 +136,7 @@ def _Mitsuba(bsdf: dict, size: int, samples: int) -> np.ndarray:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--csv", type=pathlib.Path)
+    parser.add_argument("--only", default="", help="cases whose name has this text")
     parser.add_argument("--size", type=int, default=48)
     parser.add_argument("--samples", type=int, default=64)
     options = parser.parse_args()
@@ -143,6 +144,8 @@ def main() -> int:
     rows = []
     with tempfile.TemporaryDirectory() as folder:
         for name, (surface, principled, bsdf) in CASES.items():
+            if options.only not in name:
+                continue
             for light in ("dome", "sun") if "glass" not in name else ("dome",):
                 own = Bands(_HdStream(surface, light == "sun", options.size, options.samples, folder))
                 rivals = {}

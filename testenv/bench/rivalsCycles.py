@@ -41,6 +41,10 @@ def BuildImported(path: str, camera: dict, lights: list, job: dict):
     bpy.ops.wm.usd_import(filepath=path, import_cameras=False, import_lights=False, import_subdiv=True, import_usd_preview=True,
                           import_guide=False, import_proxy=False, import_render=True, apply_unit_conversion_scale=False,
                           create_world_material=False, set_frame_range=False)
+    for item in target.objects:
+        if item.type == "MESH" and not any(item.data.materials):
+            item.data.materials.clear()
+            item.data.materials.append(_DisplayLook("displayColor" in item.data.attributes))
     isYUp = UsdGeom.GetStageUpAxis(Usd.Stage.Open(path)) == UsdGeom.Tokens.y
     toBlender = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], float) if isYUp else np.eye(4)
     for item in [*lights, camera]:
@@ -167,6 +171,15 @@ def _Look(material: dict, index: int):
             transparent = nodes.Add("ShaderNodeBsdfTransparent", {}).outputs[0]
             pane = nodes.Add("ShaderNodeMixShader", {0: fresnel, 1: transparent, 2: glossy})
             surface = nodes.Add("ShaderNodeMixShader", {0: material["opacity"], 1: pane.outputs[0], 2: surface}).outputs[0]
+    nodes.Add("ShaderNodeOutputMaterial", {"Surface": surface})
+    return nodes.material
+
+
+def _DisplayLook(hasColor: bool):
+    """What USD draws without a material: Lambert of displayColor, else of 0.5. Blender's import leaves its own grey."""
+    nodes = _Nodes("displayColor")
+    color = nodes.Add("ShaderNodeAttribute", {}, attribute_name="displayColor").outputs["Color"] if hasColor else (0.5, 0.5, 0.5)
+    surface = nodes.Add("ShaderNodeBsdfDiffuse", {"Color": color}).outputs[0]
     nodes.Add("ShaderNodeOutputMaterial", {"Surface": surface})
     return nodes.material
 

@@ -94,7 +94,7 @@ def _AddPatterns(stage, root: str) -> list[dict]:
             dict(base_color=colors, specular_roughness=cells)]
 
 
-def _Ball(radius: float) -> shapes.Shape:
+def Ball(radius: float) -> shapes.Shape:
     """A sphere with coordinates: s once around from a seam, t from pole to pole."""
     rings, segments = 48, 96
     t, s = (grid.ravel() for grid in np.meshgrid(np.linspace(0, 1, rings + 1), np.linspace(0, 1, segments + 1),
@@ -117,7 +117,7 @@ def WriteMaterialBalls(path: str) -> None:
                  for c, inputs in enumerate(_AddPatterns(stage, "/World/Looks/Patterns"))])
     for r, row in enumerate(rows):
         for c, material in enumerate(row):
-            author.AddMesh(stage, f"/World/Ball{r}{c}", _Ball(0.45), material=material,
+            author.AddMesh(stage, f"/World/Ball{r}{c}", Ball(0.45), material=material,
                            translate=(1.15 * (c - 1.5), 0.45, 3.0 - 1.15 * r), rotate=(0, 200, 0))
     author.AddLight(stage, "/World/Key", "Rect", dict(translate=(-3, 6, 4), rotate=(-52, -30, 0)),
                     width=3.0, height=3.0, intensity=16.0)
