@@ -65,12 +65,12 @@ def main() -> None:
     args.out.mkdir(parents=True, exist_ok=True)
     if not page.exists():
         shutil.copy(_PAGE, page)
-    samples, width = pick(8, 1), pick(480, 32)
+    samples, width = pick(4, 1), pick(320, 32)
     size = dict(imageWidth=width, imageHeight=width * 9 // 16, maxDepth=4)
     with tempfile.TemporaryDirectory() as text:
         folder = pathlib.Path(text)
         size["cacheDirectory"] = str(FreshCache(folder / "cache", os.environ.get("HDSTREAM_CACHE_DIR", "")))
-        grove.WriteGrove(str(folder / "grove.usdc"), pick(2_000_000, 20_000), pick(grove.TREE_TRIANGLES, 2_000))
+        grove.WriteGrove(str(folder / "grove.usdc"), pick(1_000_000, 20_000), pick(grove.TREE_TRIANGLES, 2_000))
         museum.Write(folder, pick(0.5, 0.05))
         chunk = dict(chunkBytes=pick(1 << 20, 1 << 14))
         tables = {

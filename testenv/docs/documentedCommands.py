@@ -16,6 +16,8 @@ from dataclasses import dataclass
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+# Pages whose commands others run.
+RUN_ELSEWHERE = {"building.md": "they install and build: testenv/install"}
 _COMMAND = re.compile(r"(\w+=\S+ )*(scripts/|testenv/|\.venv/|hdstream |python |usdview |usdrecord |hython |husk |blender |cmake |ctest |ninja "
                       r"|pip |apt-get |dask |export |sudo )")
 _MARK = re.compile(r"<!-- (not run|needs): (.+) -->$")
@@ -60,7 +62,7 @@ def Blocks(page: pathlib.Path) -> list[Block]:
         if isCommands:
             before = next((line for line in reversed(lines[:start]) if line.strip()), "")
             mark = _MARK.match(before)
-            kind, why = (mark[1], mark[2]) if mark else ("", "")
+            kind, why = (mark[1], mark[2]) if mark else ("not run" if page.name in RUN_ELSEWHERE else "", RUN_ELSEWHERE.get(page.name, ""))
             blocks.append(Block(page.name, first, "\n".join(body), why if kind == "not run" else "", why if kind == "needs" else ""))
     return blocks
 

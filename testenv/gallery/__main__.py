@@ -22,17 +22,17 @@ sys.path.insert(0, str(TESTENV))
 
 from bench import performancePage  # noqa: E402
 
-_COMMON = ["--camera", "/World/Camera", "--imageWidth", "640"]
+_COMMON = ["--camera", "/World/Camera", "--imageWidth", "512"]
 # Options of each picture besides those; of galaxy no --denoise, which takes stars for noise.
 PICTURES = {
-    "forest": ["--samples", "32", "--maxDepth", "4", "--denoise"],
-    "mountains": ["--samples", "32", "--maxDepth", "4", "--denoise"],
-    "creatures": ["--samples", "48", "--maxDepth", "6", "--denoise"],
-    "materials": ["--samples", "64", "--maxDepth", "10", "--denoise"],
-    "city": ["--samples", "64", "--maxDepth", "3", "--denoise"],
-    "museum": ["--samples", "48", "--maxDepth", "6", "--denoise", "--textureMemory", "8M"],
-    "macro": ["--samples", "128", "--maxDepth", "5", "--denoise"],
-    "galaxy": ["--samples", "64", "--maxDepth", "1"],
+    "forest": ["--samples", "8", "--maxDepth", "4", "--denoise"],
+    "mountains": ["--samples", "12", "--maxDepth", "4", "--denoise"],
+    "creatures": ["--samples", "10", "--maxDepth", "6", "--denoise"],
+    "materials": ["--samples", "12", "--maxDepth", "10", "--denoise"],
+    "city": ["--samples", "16", "--maxDepth", "3", "--denoise"],
+    "museum": ["--samples", "12", "--maxDepth", "6", "--denoise", "--textureMemory", "4M"],
+    "macro": ["--samples", "24", "--maxDepth", "5", "--denoise"],
+    "galaxy": ["--samples", "24", "--maxDepth", "1"],
 }
 _SHORT = ["--imageWidth", "48", "--samples", "2"]
 _SHORT_SIZE = 0.02
@@ -75,6 +75,7 @@ def Block(name: str, statistics: dict) -> str:
     options = shlex.join([*_COMMON, *PICTURES[name]])
     time = statistics["time"]
     return (f"![{name}](images/gallery/{name}.jpg)\n\n"
+            f"<!-- not run: takes minutes; testenv/docs/test_gallery.py runs short forms -->\n\n"
             f"    scripts/gallery {name}    # hdstream record stage.usdc {name}.jpg {options}\n\n"
             f"{_Figures(statistics, time['render'])}\n")
 

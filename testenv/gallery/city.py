@@ -88,7 +88,8 @@ def Write(folder, size: float = 1.0) -> None:
     water = author.AddMaterial(stage, "/World/Looks/Water", diffuseColor=(0.004, 0.008, 0.012), ior=1.33, roughness=0.06)
     waves = landscape.Noise(8, 512, 1.7, lowest=24)
     height = lambda x, z: 0.02 * landscape.Sample(waves, x, 0.45 * z, 60.0)
-    author.AddMesh(stage, "/World/Water", shapes.HeightField(120, max(20, int(900 * size)), height), material=water, translate=(0, -1.1, 60))
+    author.AddMesh(stage, "/World/Water", shapes.HeightField(120, max(20, int(900 * size)), height), material=water,
+                   translate=(0, -1.1, 60))
     houses = _Buildings(rng, columns, rows)
     colours = [(0.16, 0.14, 0.12), (0.1, 0.11, 0.13), (0.2, 0.17, 0.14)]
     for kind, colour in enumerate(colours):

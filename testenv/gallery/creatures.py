@@ -74,7 +74,8 @@ def Write(folder, size: float = 1.0) -> None:
     author.AddLight(stage, "/World/Rim", "Rect", dict(translate=(6, 6, -4), rotate=(-35, 125, 0)), width=3.0, height=5.0,
                     intensity=22.0, color=(0.75, 0.88, 1.0))
     author.AddLight(stage, "/World/Fill", "Dome", intensity=0.35, color=(0.85, 0.93, 1.0))
-    camera = author.AddCamera(stage, "/World/Camera", eye=(0.1, 2.4, 12.4), target=(0.1, 1.6, 0), focalLength=50.0, width=32.0, aspect=16 / 9)
+    camera = author.AddCamera(stage, "/World/Camera", eye=(0.1, 2.4, 12.4), target=(0.1, 1.6, 0), focalLength=50.0, width=32.0,
+                              aspect=16 / 9)
     camera.CreateFStopAttr(22.0)
     camera.CreateFocusDistanceAttr(11.2)
     stage.GetRootLayer().Save()

@@ -102,8 +102,8 @@ def Write(folder, size: float = 1.0) -> None:
                    translate=(-4, 0, -30))
     targets = []
     for name, colour in {**_SPECIES, "Pine": (0.035, 0.06, 0.02)}.items():
-        leaf = materialX.AddSurface(stage, f"/World/Looks/{name}", base=0.55, base_color=colour, specular=0.3, specular_roughness=0.6,
-                                    subsurface=0.5, subsurface_color=colour, thin_walled=True)
+        leaf = materialX.AddSurface(stage, f"/World/Looks/{name}", base=0.55, base_color=colour, specular=0.3,
+                                    specular_roughness=0.6, subsurface=0.5, subsurface_color=colour, thin_walled=True)
         targets.append(f"/World/Forest/Trees/{name}")
         _AddTree(stage, rng, targets[-1], bark, leaf, max(20, int(170 * size)), name == "Pine")
     places, kinds = _Places(rng, max(60, int(60_000 * size)))

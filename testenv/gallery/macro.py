@@ -45,7 +45,7 @@ def Write(folder, size: float = 1.0) -> None:
     author.AddLight(stage, "/World/Rim", "Rect", dict(translate=(4, 3, -4), rotate=(-30, 135, 0)), width=2.0, height=3.0, intensity=14.0,
                     color=(0.6, 0.8, 1.0))
     author.AddLight(stage, "/World/Fill", "Dome", intensity=0.03, color=(0.5, 0.6, 1.0))
-    camera = author.AddCamera(stage, "/World/Camera", eye=(0.5, 2.75, 5.0), target=(0.05, 0.85, 0), focalLength=50.0, width=36.0, aspect=16 / 9)
+    camera = author.AddCamera(stage, "/World/Camera", eye=(0.5, 2.75, 5.0), target=(0.05, 0.85, 0), focalLength=50.0, aspect=16 / 9)
     camera.CreateFStopAttr(25.0)  # lens radius 0.1 units: a tenth of 50 / (2 * 25)
     camera.CreateFocusDistanceAttr(4.2)
     stage.GetRootLayer().Save()

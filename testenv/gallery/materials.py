@@ -47,7 +47,8 @@ def _Surfaces(stage) -> list:
                                uvtiling=(26.0, 13.0), texcoord=st)
     glass = dict(transmission_weight=1.0, specular_roughness=0.0, specular_ior=1.5)
     return [
-        (_OPEN_PBR, dict(base_color=(0.55, 0.004, 0.01), base_metalness=0.6, specular_roughness=0.35, coat_weight=1.0, coat_roughness=0.01)),
+        (_OPEN_PBR, dict(base_color=(0.55, 0.004, 0.01), base_metalness=0.6, specular_roughness=0.35, coat_weight=1.0,
+                         coat_roughness=0.01)),
         (_OPEN_PBR, dict(glass)),
         (_OPEN_PBR, dict(base_color=(1.0, 0.71, 0.29), base_metalness=1.0, specular_roughness=0.13)),
         (_OPEN_PBR, dict(glass, transmission_color=(0.25, 0.75, 0.55), transmission_depth=0.35, specular_roughness=0.12)),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A hall of paintings of 4096 x 4096 texels, each different: a gigabyte of images for a pool of a few megabytes."""
+"""A hall of paintings of 2048 x 2048 texels, each different: a quarter of a gigabyte of images for a pool of a few megabytes."""
 
 import numpy as np
 
@@ -77,7 +77,7 @@ def _Hangings():
 
 def Write(folder, size: float = 1.0) -> None:
     stage = landscape.NewStage(folder)
-    texels = max(64, int(4096 * size))
+    texels = max(64, int(2048 * size))
     painter = _Painter(texels)
     imageFile.WritePng(folder / "planks.png", _Planks(texels), level=1)
     floor = textured.AddTexturedMaterial(stage, "/World/Looks/Floor", dict(diffuseColor=("./planks.png", "rgb")), roughness=0.24)
@@ -85,7 +85,8 @@ def Write(folder, size: float = 1.0) -> None:
     plane = shapes.Shape(plane.points, plane.counts, plane.indices, plane.normals, plane.texcoords * [_WIDTH / 3, _LENGTH / 3])
     author.AddMesh(stage, "/World/Floor", plane, material=floor, translate=(0, 0, -_LENGTH / 2))
     plaster = author.AddMaterial(stage, "/World/Looks/Plaster", diffuseColor=(0.72, 0.71, 0.69), roughness=0.9)
-    box = lambda name, dimensions, place, look=plaster: author.AddMesh(stage, f"/World/{name}", shapes.Box(*dimensions), material=look, translate=place)
+    box = lambda name, dimensions, place, look=plaster: author.AddMesh(stage, f"/World/{name}", shapes.Box(*dimensions), material=look,
+                                                                       translate=place)
     for side in (-1, 1):
         box(f"Wall{side + 1}", (0.3, _HEIGHT, _LENGTH), (side * (_WIDTH / 2 + 0.15), _HEIGHT / 2, -_LENGTH / 2))
         box(f"Ceiling{side + 1}", (_WIDTH / 3, 0.3, _LENGTH), (side * _WIDTH / 3, _HEIGHT + 0.15, -_LENGTH / 2))
@@ -95,9 +96,11 @@ def Write(folder, size: float = 1.0) -> None:
     ebony = author.AddMaterial(stage, "/World/Looks/Ebony", diffuseColor=(0.02, 0.018, 0.016), roughness=0.3)
     for i, (width, height, place, turn) in enumerate(_Hangings()):
         imageFile.WritePng(folder / f"painting{i}.png", painter.Paint(i), level=1)
-        look = textured.AddTexturedMaterial(stage, f"/World/Looks/Painting{i}", dict(diffuseColor=(f"./painting{i}.png", "rgb")), roughness=0.5)
-        author.AddMesh(stage, f"/World/Painting{i}", _Canvas(width, height), material=look, translate=place, rotate=(0, turn, 0))
-        author.AddMesh(stage, f"/World/Frame{i}", _Frame(width, height), material=(gilt, ebony)[i % 2], translate=place, rotate=(0, turn, 0))
+        look = textured.AddTexturedMaterial(stage, f"/World/Looks/Painting{i}", dict(diffuseColor=(f"./painting{i}.png", "rgb")),
+                                            roughness=0.5)
+        hang = dict(translate=place, rotate=(0, turn, 0))
+        author.AddMesh(stage, f"/World/Painting{i}", _Canvas(width, height), material=look, **hang)
+        author.AddMesh(stage, f"/World/Frame{i}", _Frame(width, height), material=(gilt, ebony)[i % 2], **hang)
     for i, z in enumerate((-6.5, -13.5)):
         box(f"Bench{i}", (0.7, 0.12, 2.4), (0, 0.46, z), ebony)
         for j, end in enumerate((-0.95, 0.95)):
