@@ -109,6 +109,6 @@ def Write(folder, size: float = 1.0) -> None:
     places, kinds = _Places(rng, max(60, int(60_000 * size)))
     landscape.AddInstances(stage, "/World/Forest", targets, kinds, places, rng.uniform(0.75, 1.35, len(kinds)),
                            landscape.TurnedUp(rng, len(kinds), 0.1))
-    sky.AddSky(stage, folder, elevation=24, azimuth=-128, strength=24.0, ground=(0.1, 0.08, 0.03))
+    sky.AddSky(stage, folder, max(64, int(512 * size)), elevation=24, azimuth=-128, strength=24.0, ground=(0.1, 0.08, 0.03))
     author.AddCamera(stage, "/World/Camera", eye=_EYE, target=(-3, 8.5, -60), focalLength=34.0, aspect=16 / 9)
     stage.GetRootLayer().Save()

@@ -64,6 +64,6 @@ def Write(folder, size: float = 1.0) -> None:
     cage = shapes.Shape(cage.points, cage.counts, cage.indices, None, cage.texcoords)
     mesh = author.AddMesh(stage, "/World/Ground", cage, material=look)
     mesh.GetSubdivisionSchemeAttr().Set(UsdGeom.Tokens.catmullClark)
-    sky.AddSky(stage, folder, elevation=14, azimuth=-75, strength=26.0, ground=(0.3, 0.3, 0.3))
+    sky.AddSky(stage, folder, max(64, int(512 * size)), elevation=14, azimuth=-75, strength=26.0, ground=(0.3, 0.3, 0.3))
     author.AddCamera(stage, "/World/Camera", eye=(-4, 5.4, 34), target=(2, 4.2, 0), focalLength=34.0, aspect=16 / 9)
     stage.GetRootLayer().Save()

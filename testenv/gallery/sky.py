@@ -65,9 +65,8 @@ def SkyRadiance(directions, sun):
     return sums[0] * _RAYLEIGH * rayleigh + sums[1] * _MIE * mie
 
 
-def AddSky(stage, folder, elevation: float, azimuth: float, strength: float = 20.0, ground=(0.1, 0.1, 0.1), width: int = 512,
-           sunSize: float = 0.53) -> None:
-    """A dome with the sky's image in `folder` and a distant light for the sun, of `strength` above the air."""
+def AddSky(stage, folder, width: int, elevation: float, azimuth: float, strength: float, ground) -> None:
+    """A dome with the sky's image, `width` texels wide, in `folder`, and a distant light for the sun, of `strength` above the air."""
     sun = SunDirection(elevation, azimuth)
     row, column = np.meshgrid((np.arange(width // 2) + 0.5) / (width // 2), (np.arange(width) + 0.5) / width, indexing="ij")
     up, around = np.pi * (0.5 - row), np.pi * (1 - 2 * column)  # column 0 at longitude +pi, +z in the middle
@@ -78,5 +77,5 @@ def AddSky(stage, folder, elevation: float, azimuth: float, strength: float = 20
     imageFile.WriteExr(folder / "sky.exr", {channel: radiance[..., i].astype(np.float32) for i, channel in enumerate("RGB")})
     author.AddLight(stage, "/World/Sky", "Dome", textureFile="./sky.exr")
     through = _Through(_Depths(np.array([0, _EARTH + 50.0, 0]), sun, 64))
-    author.AddLight(stage, "/World/Sun", "Distant", dict(rotate=(-elevation, -azimuth + 180, 0)), angle=sunSize,
+    author.AddLight(stage, "/World/Sun", "Distant", dict(rotate=(-elevation, -azimuth + 180, 0)), angle=0.53,
                     normalize=True, intensity=float(strength * through.max()), color=through / through.max())
