@@ -25,14 +25,14 @@ from bench import performancePage  # noqa: E402
 _COMMON = ["--camera", "/World/Camera", "--imageWidth", "512"]
 # Options of each picture besides those; of galaxy no --denoise, which takes stars for noise.
 PICTURES = {
-    "forest": ["--samples", "8", "--maxDepth", "4", "--denoise"],
-    "mountains": ["--samples", "12", "--maxDepth", "4", "--denoise"],
+    "forest": ["--samples", "5", "--maxDepth", "4", "--denoise"],
+    "mountains": ["--samples", "8", "--maxDepth", "4", "--denoise"],
     "creatures": ["--samples", "10", "--maxDepth", "6", "--denoise"],
-    "materials": ["--samples", "12", "--maxDepth", "10", "--denoise"],
-    "city": ["--samples", "16", "--maxDepth", "3", "--denoise"],
-    "museum": ["--samples", "12", "--maxDepth", "6", "--denoise", "--textureMemory", "4M"],
-    "macro": ["--samples", "24", "--maxDepth", "5", "--denoise"],
-    "galaxy": ["--samples", "24", "--maxDepth", "1"],
+    "materials": ["--samples", "8", "--maxDepth", "10", "--denoise"],
+    "city": ["--samples", "10", "--maxDepth", "3", "--denoise"],
+    "museum": ["--samples", "8", "--maxDepth", "6", "--denoise", "--textureMemory", "4M"],
+    "macro": ["--samples", "12", "--maxDepth", "5", "--denoise"],
+    "galaxy": ["--samples", "16", "--maxDepth", "1"],
 }
 _SHORT = ["--imageWidth", "48", "--samples", "2"]
 _SHORT_SIZE = 0.02

@@ -51,7 +51,7 @@ def _Colours(heights: np.ndarray) -> np.ndarray:
 
 def Write(folder, size: float = 1.0) -> None:
     stage = landscape.NewStage(folder)
-    pixels = max(64, int(2048 * size))
+    pixels = max(64, int(1024 * size))
     heights = _Heights(pixels)
     imageFile.WriteExr(folder / "heights.exr", {"Y": heights.astype(np.float32)}, half=False)
     imageFile.WritePng(folder / "colours.png", _Colours(heights), level=4)
