@@ -31,7 +31,7 @@ PICTURES = {
     "materials": ["--samples", "8", "--maxDepth", "10", "--denoise"],
     "city": ["--samples", "10", "--maxDepth", "3", "--denoise"],
     "museum": ["--samples", "8", "--maxDepth", "6", "--denoise", "--textureMemory", "4M"],
-    "macro": ["--samples", "12", "--maxDepth", "5", "--denoise"],
+    "macro": ["--samples", "6", "--maxDepth", "5", "--denoise"],
     "galaxy": ["--samples", "16", "--maxDepth", "1"],
 }
 _SHORT = ["--imageWidth", "48", "--samples", "2"]

@@ -39,7 +39,7 @@ def Write(folder, size: float = 1.0) -> None:
     tints = np.array([(1.0, 0.6, 0.25), (1.0, 0.8, 0.55), (0.45, 0.65, 1.0), (1.0, 0.35, 0.4)])
     for i in range(lamps):
         author.AddLight(stage, f"/World/Lamps/Lamp{i}", "Sphere", dict(translate=(x[i], y[i], z[i])), radius=0.06,
-                        intensity=float(rng.uniform(18, 60)), color=tints[rng.integers(0, 4)])
+                        intensity=float(rng.uniform(50, 160)), color=tints[rng.integers(0, 4)])
     author.AddLight(stage, "/World/Key", "Rect", dict(translate=(-4, 5, 3), rotate=(-50, -50, 0)), width=3.0, height=2.0, intensity=17.0,
                     color=(1.0, 0.95, 0.9))
     author.AddLight(stage, "/World/Rim", "Rect", dict(translate=(4, 3, -4), rotate=(-30, 135, 0)), width=2.0, height=3.0, intensity=14.0,
