@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A flower of glazed beads seen through a wide aperture: lamps far behind it become disks."""
+"""A flower of glazed beads seen through a wide aperture, lamps far behind it."""
 
 import numpy as np
 
