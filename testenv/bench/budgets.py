@@ -34,7 +34,8 @@ def Measure(scene: Scene, samples: int, kind: str, percentages, **settings) -> p
     """A row a budget of `kind`, geometry or texture."""
     name = f"{kind}Memory"
     rows, pictures = [], set()
-    scene.Render(1, **settings, **{name: "100%"})  # prepares everything and builds the kernels
+    # Prepares everything and builds the kernels; another budget, so that the first row has a new pool too.
+    scene.Render(1, **settings, **{name: f"{percentages[-1]}%"})
     for percentage in percentages:
         picture, statistics = scene.Render(samples, **settings, **{name: f"{percentage}%"})
         pictures.add(picture.tobytes())

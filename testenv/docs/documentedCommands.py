@@ -71,7 +71,7 @@ def InlineCommands(page: pathlib.Path) -> list[str]:
     """Commands in running text: `hdstream ...`, `python testenv/...`, `testenv/....py ...`."""
     text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
     spans = re.findall(r"`([^`\n]+)`", text)
-    return [span for span in spans if re.match(r"(hdstream |(\S+=\S+ )*python testenv/|testenv/\S+\.py)", span)]
+    return [span for span in spans if re.match(r"(hdstream |(\S+=\S+ )*python testenv/|testenv/[^\s*]+\.py)", span)]
 
 
 def RunBlocks(blocks: list[Block], folder: pathlib.Path, environment: dict) -> None:
