@@ -26,8 +26,9 @@
 #define HDS_LIGHT_GLOWING                                                                       \
     32u /* mesh: radiance is a factor on what the material emits at the point, which the shadow \
            ray finds out */
-#define HDS_LIGHT_WEIGHED 64u /* mesh: triangles are sampled by weights that are not their areas \
-                               */
+#define HDS_LIGHT_WEIGHED                                                  \
+    64u /* mesh: triangles are sampled by weights that are not their areas \
+         */
 #define HDS_LIGHT_REPLACES                                                   \
     128u /* mesh with UsdLuxMeshLightAPI: its radiance replaces the emission \
             of the material, for camera rays only if it is visible to them */
