@@ -59,7 +59,8 @@ bool HdStreamEqual(const hds::MeshPrim& a, const hds::MeshPrim& b) {
            HdStreamEqual(a.placement.instances, b.placement.instances) && a.purpose == b.purpose &&
            a.categories == b.categories && a.doubleSided == b.doubleSided &&
            a.cullStyle == b.cullStyle && a.materialPath == b.materialPath &&
-           a.subsetMaterialPaths == b.subsetMaterialPaths && a.primId == b.primId;
+           a.subsetMaterialPaths == b.subsetMaterialPaths && a.primId == b.primId &&
+           a.light == b.light;
 }
 
 bool HdStreamSyncVariants(HdSceneDelegate* delegate, const SdfPath& instancerId,

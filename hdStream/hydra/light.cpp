@@ -103,7 +103,8 @@ HdDirtyBits HdStreamUnsupportedLight::GetInitialDirtyBitsMask() const {
 
 void HdStreamUnsupportedLight::Sync(HdSceneDelegate*, HdRenderParam* renderParam,
                                     HdDirtyBits* dirtyBits) {
-    if (*dirtyBits & HdLight::DirtyParams) {
+    // The lights that name a filter warn of it.
+    if ((*dirtyBits & HdLight::DirtyParams) && _typeId != HdPrimTypeTokens->lightFilter) {
         static_cast<HdStreamRenderParam*>(renderParam)
             ->Warn(GetId(), _typeId.GetString() + " is not supported yet; left out");
     }

@@ -132,6 +132,25 @@ hds::LightDescription HdStreamReadLight(HdSceneDelegate* delegate, const SdfPath
     return light;
 }
 
+std::shared_ptr<const hds::MeshLight> HdStreamReadMeshLight(HdSceneDelegate* delegate,
+                                                            const SdfPath& id) {
+    const Reader reader(delegate, id);
+    bool isLight = false;
+    reader.Read(HdTokens->isLight, &isLight);
+    if (!isLight) {
+        return nullptr;
+    }
+    auto light = std::make_shared<hds::MeshLight>();
+    light->light = HdStreamReadLight(delegate, id, HdPrimTypeTokens->mesh, hds::LightType::Mesh);
+    TfToken mode;
+    reader.Read(HdTokens->materialSyncMode, &mode);
+    light->materialSyncMode = mode == "materialGlowTintsLight"
+                                  ? hds::MaterialSyncMode::GlowTintsLight
+                              : mode == "independent" ? hds::MaterialSyncMode::Independent
+                                                      : hds::MaterialSyncMode::NoMaterialResponse;
+    return light;
+}
+
 std::set<std::string> HdStreamUnsupportedLightFeatures(HdSceneDelegate* delegate,
                                                        const SdfPath& id) {
     const Reader reader(delegate, id);
@@ -141,8 +160,8 @@ std::set<std::string> HdStreamUnsupportedLightFeatures(HdSceneDelegate* delegate
     if (falloff > 0.0F) {
         features.insert("shadow falloff");
     }
-    if (!reader.Get(HdTokens->filters).GetWithDefault(SdfPathVector()).empty()) {
-        features.insert("light filters");
+    for (const SdfPath& filter : reader.Get(HdTokens->filters).GetWithDefault(SdfPathVector())) {
+        features.insert("light filter " + filter.GetString());
     }
     if (!reader.Get(HdTokens->portals).GetWithDefault(SdfPathVector()).empty()) {
         features.insert("portals");

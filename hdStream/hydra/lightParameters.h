@@ -7,6 +7,7 @@
 #include <pxr/imaging/hd/sceneDelegate.h>
 #include <pxr/pxr.h>
 
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -20,6 +21,10 @@ std::optional<hds::LightType> HdStreamFindLightType(const TfToken& typeId);
 /// The description of a light. Thread-safe during Sync.
 hds::LightDescription HdStreamReadLight(HdSceneDelegate* delegate, const SdfPath& id,
                                         const TfToken& typeId, hds::LightType type);
+
+/// What makes a mesh a light; null: it is none.
+std::shared_ptr<const hds::MeshLight> HdStreamReadMeshLight(HdSceneDelegate* delegate,
+                                                            const SdfPath& id);
 
 /// Names of features of a light that the core does not have yet.
 std::set<std::string> HdStreamUnsupportedLightFeatures(HdSceneDelegate* delegate,

@@ -5,6 +5,7 @@
 #include "hdStream/hydra/categories.h"
 #include "hdStream/hydra/gprim.h"
 #include "hdStream/hydra/instancer.h"
+#include "hdStream/hydra/lightParameters.h"
 #include "hdStream/hydra/primvars.h"
 #include "hdStream/hydra/renderParam.h"
 
@@ -147,6 +148,7 @@ void HdStreamMesh::SyncLook(HdSceneDelegate* delegate, HdStreamRenderParam* para
     if (bits & HdChangeTracker::DirtyMaterialId) {
         SetMaterialId(delegate->GetMaterialId(id));
         _prim.materialPath = param->MaterialPath(delegate, GetMaterialId());
+        SyncLight(delegate, param); // Lights have no bit of their own in meshes.
     }
     if (bits & HdChangeTracker::DirtyCategories) {
         _prim.categories = HdStreamCategories(delegate->GetCategories(id));
@@ -162,6 +164,15 @@ void HdStreamMesh::SyncLook(HdSceneDelegate* delegate, HdStreamRenderParam* para
     }
     _prim.purpose = HdStreamPurpose(HdRprim::GetRenderTag());
     _prim.primId = GetPrimId();
+}
+
+void HdStreamMesh::SyncLight(HdSceneDelegate* delegate, HdStreamRenderParam* param) {
+    _prim.light = HdStreamReadMeshLight(delegate, GetId());
+    if (_prim.light) {
+        for (const std::string& feature : HdStreamUnsupportedLightFeatures(delegate, GetId())) {
+            param->Warn(SdfPath(_scenePath), feature + " is not supported yet");
+        }
+    }
 }
 
 void HdStreamMesh::SyncGeometry(HdSceneDelegate* delegate, HdStreamRenderParam* param,

@@ -35,6 +35,7 @@ protected:
 
 private:
     void SyncLook(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits);
+    void SyncLight(HdSceneDelegate* delegate, HdStreamRenderParam* param);
     void SyncGeometry(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits);
     void SyncTopology(HdSceneDelegate* delegate, HdStreamRenderParam* param,
                       hds::MeshDescription* mesh);

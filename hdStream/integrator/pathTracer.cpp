@@ -105,6 +105,9 @@ struct PathTracer::Impl {
         features.textures = buffers.HasTextures();
         features.lightShaping = scene->lights->hasShaping;
         features.lightControls = scene->lights->hasControls;
+        features.meshLights = scene->lights->hasMeshes;
+        features.lightGlow = scene->lights->hasGlow;
+        features.lightTree = scene->lights->lights.size() > HDS_LIGHT_LOOP_MAX;
         features.manyTexturePools = buffers.Textures().NumBuffers() > 1;
         features.textureStreaming = buffers.Textures().Pool() != nullptr;
         features.plainTextures = buffers.Textures().IsPlain();

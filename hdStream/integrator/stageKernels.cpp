@@ -15,6 +15,8 @@ std::uint64_t NumPathFields(const KernelFeatures& features) {
 #define HDS_FIELD(type, name, doc) ++count;
 #define HDS_TEXTURE_FIELD(type, name, doc) count += features.textures ? 1 : 0;
 #define HDS_CONTROLS_FIELD(type, name, doc) count += features.lightControls ? 1 : 0;
+#define HDS_SHADOW_LIGHT_FIELD(type, name, doc) \
+    count += features.lightControls || features.lightGlow ? 1 : 0;
 #define HDS_CUTOUT_FIELD(type, name, doc) count += features.cutouts ? 1 : 0;
 #define HDS_STREAMING_FIELD(type, name, doc) count += features.streaming ? 1 : 0;
 #define HDS_LIST_FIELD(type, name, doc) count += features.HasLists() ? 1 : 0;
@@ -22,6 +24,7 @@ std::uint64_t NumPathFields(const KernelFeatures& features) {
 #undef HDS_FIELD
 #undef HDS_TEXTURE_FIELD
 #undef HDS_CONTROLS_FIELD
+#undef HDS_SHADOW_LIGHT_FIELD
 #undef HDS_CUTOUT_FIELD
 #undef HDS_STREAMING_FIELD
 #undef HDS_LIST_FIELD
@@ -52,6 +55,9 @@ ProgramDefines MakeDefines(const Device& device, const KernelFeatures& features)
         {"HDS_FEATURE_TEXTURES", features.textures ? "1" : "0"},
         {"HDS_FEATURE_LIGHT_SHAPING", features.lightShaping ? "1" : "0"},
         {"HDS_FEATURE_LIGHT_CONTROLS", features.lightControls ? "1" : "0"},
+        {"HDS_FEATURE_MESH_LIGHTS", features.meshLights ? "1" : "0"},
+        {"HDS_FEATURE_LIGHT_GLOW", features.lightGlow ? "1" : "0"},
+        {"HDS_FEATURE_LIGHT_TREE", features.lightTree ? "1" : "0"},
         {"HDS_NUM_TEXTURE_POOLS", std::to_string(features.manyTexturePools ? kMaxPoolBuffers : 1)},
         {"HDS_FEATURE_TEXTURE_STREAMING", features.textureStreaming ? "1" : "0"},
         {"HDS_TEXTURE_PLAIN", features.plainTextures ? "1" : "0"},

@@ -19,6 +19,9 @@ struct KernelFeatures {
     bool textures = false;         ///< some program or some light looks textures up
     bool lightShaping = false;     ///< some light is shaped
     bool lightControls = false;    ///< some light is linked or has controls that are not physical
+    bool meshLights = false;       ///< some light is a mesh
+    bool lightGlow = false;        ///< some light is a mesh whose material varies what it emits
+    bool lightTree = false;        ///< there are more lights than are weighed one by one
     bool manyTexturePools = false; ///< texels lie in more than one buffer
     bool textureStreaming = false; ///< lines of textures may be missing
     bool plainTextures = false;    ///< textures without lines
@@ -37,7 +40,8 @@ struct KernelFeatures {
         return cutouts == other.cutouts && programs == other.programs &&
                patterns == other.patterns && lobes == other.lobes && textures == other.textures &&
                lightShaping == other.lightShaping && lightControls == other.lightControls &&
-               manyTexturePools == other.manyTexturePools &&
+               meshLights == other.meshLights && lightGlow == other.lightGlow &&
+               lightTree == other.lightTree && manyTexturePools == other.manyTexturePools &&
                textureStreaming == other.textureStreaming && plainTextures == other.plainTextures &&
                groups == other.groups && curves == other.curves && wide == other.wide &&
                firstHits == other.firstHits && manyPools == other.manyPools &&

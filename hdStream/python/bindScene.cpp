@@ -188,7 +188,14 @@ void BindPlaced(nb::module_& module) {
         .def_rw("cullStyle", &MeshPrim::cullStyle)
         .def_rw("subsetMaterialPaths", &MeshPrim::subsetMaterialPaths)
         .def_rw("materialPath", &MeshPrim::materialPath)
-        .def_rw("primId", &MeshPrim::primId);
+        .def_rw("primId", &MeshPrim::primId)
+        .def(
+            "SetLight",
+            [](MeshPrim& self, const LightDescription& light, MaterialSyncMode mode) {
+                self.light = std::make_shared<const MeshLight>(MeshLight{light, mode});
+            },
+            "light"_a, "materialSyncMode"_a, "Makes the mesh a light.")
+        .def("RemoveLight", [](MeshPrim& self) { self.light = nullptr; });
 
     nb::class_<InstancerPrim> instancer(module, "InstancerPrim", "Places its prototypes.");
     instancer
@@ -211,7 +218,12 @@ void BindLight(nb::module_& module) {
         .value("Rect", LightType::Rect)
         .value("Disk", LightType::Disk)
         .value("Cylinder", LightType::Cylinder)
-        .value("Dome", LightType::Dome);
+        .value("Dome", LightType::Dome)
+        .value("Mesh", LightType::Mesh);
+    nb::enum_<MaterialSyncMode>(module, "MaterialSyncMode")
+        .value("GlowTintsLight", MaterialSyncMode::GlowTintsLight)
+        .value("Independent", MaterialSyncMode::Independent)
+        .value("NoMaterialResponse", MaterialSyncMode::NoMaterialResponse);
     nb::class_<LightShaping>(module, "LightShaping", "How light depends on its direction.")
         .def(nb::init<>())
         .def_rw("focus", &LightShaping::focus)

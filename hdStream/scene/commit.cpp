@@ -265,9 +265,12 @@ private:
         _result->lights = _cache.lights;
         _result->lightByEntry = std::move(lights.lightByEntry);
         _result->counts.emissiveTriangles = lights.emissiveTriangles;
+        _result->hasCutouts = _result->hasCutouts || _cache.lights->hasGlow;
         // The hierarchy left the index of the own record.
         for (shared::HdsInstance& instance : _result->instances) {
             if (instance.lightBase != HDS_NONE) {
+                const bool isGlowing = lights.glowByRecord[instance.lightBase];
+                instance.flags |= isGlowing ? HDS_INSTANCE_CUTOUT : 0U; // shadow rays end there
                 instance.lightBase = lights.firstEntryByRecord[instance.lightBase];
             }
         }

@@ -17,6 +17,7 @@
 
 #include <glm/vec3.hpp>
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -60,7 +61,9 @@ struct CommitCache {
     ImageLibrary images;
     MaterialCache materials;
     std::shared_ptr<TexturePreparer> textures; ///< never null
-    std::string lightKey;                      ///< all that `lights` is made of
+    /// What EmissionGuess reads, by texture and factors.
+    std::map<std::string, std::shared_ptr<const HeightImage>> emissionImages;
+    std::string lightKey; ///< all that `lights` is made of
     std::shared_ptr<const LightTable> lights;
 };
 
@@ -100,7 +103,7 @@ struct CommittedScene {
     ImageLibrary* images = nullptr;             ///< the cache's
     std::unique_ptr<GeometryPages> pages; ///< prepared when they are needed; in the cache's memory
     std::shared_ptr<const LightTable> lights;
-    std::vector<std::uint32_t> lightByEntry; ///< lights of emissive material entries
+    std::vector<std::uint32_t> lightByEntry; ///< HDS_MESH_LIGHT of emissive material entries
     std::vector<TextureUse> textures;        ///< images of materials and lights
     bool hasCutouts = false;
     bool hasPatterns = false; ///< some program computes (HDS_FEATURE_PATTERNS)

@@ -88,6 +88,8 @@ const char* LightTypeName(LightType type) {
         return "cylinder";
     case LightType::Dome:
         return "dome";
+    case LightType::Mesh:
+        return "mesh";
     }
     return "";
 }
@@ -233,6 +235,87 @@ const char* KindName(PrimitiveKind kind) {
     return "mesh";
 }
 
+void DumpShaping(const LightDescription& light, Writer* out) {
+    const LightShaping& shaping = light.shaping;
+    if (IsUnshaped(light)) {
+        return;
+    }
+    out->Value("shaping focus", shaping.focus);
+    out->Line("shaping focusTint", Array(shaping.focusTint.data(), shaping.focusTint.size()));
+    out->Value("shaping coneAngle", shaping.coneAngle);
+    out->Value("shaping coneSoftness", shaping.coneSoftness);
+    if (!shaping.iesFile.authoredPath.empty()) {
+        out->Line("shaping iesFile", '@' + shaping.iesFile.authoredPath + '@');
+        out->Value("shaping iesAngleScale", shaping.iesAngleScale);
+        out->Flag("shaping iesNormalize", shaping.iesNormalize);
+    }
+}
+
+void DumpShadow(const LightShadow& shadow, Writer* out) {
+    if (shadow.enable && shadow.distance < 0.0F && shadow.color == LightShadow().color) {
+        return;
+    }
+    out->Flag("shadow enable", shadow.enable);
+    out->Line("shadow color", Array(shadow.color.data(), shadow.color.size()));
+    out->Value("shadow distance", shadow.distance);
+}
+
+void DumpLightInputs(const LightDescription& light, Writer* out) {
+    out->Line("type", LightTypeName(light.type));
+    out->Value("intensity", light.intensity);
+    out->Value("exposure", light.exposure);
+    out->Value("diffuse", light.diffuse);
+    out->Value("specular", light.specular);
+    out->Flag("normalize", light.normalize);
+    out->Line("color", Array(light.color.data(), light.color.size()));
+    out->Flag("enableColorTemperature", light.enableColorTemperature);
+    out->Value("colorTemperature", light.colorTemperature);
+    out->Flag("visibleToCamera", light.visibleToCamera);
+    switch (light.type) {
+    case LightType::Distant:
+        out->Value("angle", light.angle);
+        break;
+    case LightType::Sphere:
+        out->Value("radius", light.radius);
+        out->Flag("treatAsPoint", light.treatAsPoint);
+        break;
+    case LightType::Disk:
+        out->Value("radius", light.radius);
+        break;
+    case LightType::Rect:
+        out->Value("width", light.width);
+        out->Value("height", light.height);
+        break;
+    case LightType::Cylinder:
+        out->Value("radius", light.radius);
+        out->Value("length", light.length);
+        out->Flag("treatAsLine", light.treatAsLine);
+        break;
+    case LightType::Dome:
+        out->Line("textureFormat", light.textureFormat);
+        break;
+    case LightType::Mesh:
+        break;
+    }
+    if (!light.textureFile.authoredPath.empty()) {
+        out->Line("textureFile", '@' + light.textureFile.authoredPath + '@');
+    }
+    DumpShaping(light, out);
+    DumpShadow(light.shadow, out);
+}
+
+const char* SyncModeName(MaterialSyncMode mode) {
+    switch (mode) {
+    case MaterialSyncMode::GlowTintsLight:
+        return "materialGlowTintsLight";
+    case MaterialSyncMode::Independent:
+        return "independent";
+    case MaterialSyncMode::NoMaterialResponse:
+        return "noMaterialResponse";
+    }
+    return "";
+}
+
 void DumpMesh(const std::string& path, const MeshPrim& prim, const SceneDescription& scene,
               Writer* out) {
     // Front ends see dangling bindings, and materials without a surface, differently.
@@ -273,6 +356,10 @@ void DumpMesh(const std::string& path, const MeshPrim& prim, const SceneDescript
                       (hasMaterial ? existing(prim.subsetMaterialPaths[i]) : std::string()));
     }
     DumpLinks("", scene, prim.categories, out);
+    if (prim.light) {
+        out->Line("light", SyncModeName(prim.light->materialSyncMode));
+        DumpLightInputs(prim.light->light, out);
+    }
 }
 
 void DumpInstancer(const std::string& path, const InstancerPrim& prim,
@@ -310,74 +397,10 @@ void DumpMaterial(const std::string& path, const MaterialNetwork& network, Write
     }
 }
 
-void DumpShaping(const LightDescription& light, Writer* out) {
-    const LightShaping& shaping = light.shaping;
-    if (IsUnshaped(light)) {
-        return;
-    }
-    out->Value("shaping focus", shaping.focus);
-    out->Line("shaping focusTint", Array(shaping.focusTint.data(), shaping.focusTint.size()));
-    out->Value("shaping coneAngle", shaping.coneAngle);
-    out->Value("shaping coneSoftness", shaping.coneSoftness);
-    if (!shaping.iesFile.authoredPath.empty()) {
-        out->Line("shaping iesFile", '@' + shaping.iesFile.authoredPath + '@');
-        out->Value("shaping iesAngleScale", shaping.iesAngleScale);
-        out->Flag("shaping iesNormalize", shaping.iesNormalize);
-    }
-}
-
-void DumpShadow(const LightShadow& shadow, Writer* out) {
-    if (shadow.enable && shadow.distance < 0.0F && shadow.color == LightShadow().color) {
-        return;
-    }
-    out->Flag("shadow enable", shadow.enable);
-    out->Line("shadow color", Array(shadow.color.data(), shadow.color.size()));
-    out->Value("shadow distance", shadow.distance);
-}
-
 void DumpLight(const std::string& path, const LightPrim& prim, Writer* out) {
-    const LightDescription& light = prim.light;
     out->Prim("light", path);
     out->Placed(prim.placement);
-    out->Line("type", LightTypeName(light.type));
-    out->Value("intensity", light.intensity);
-    out->Value("exposure", light.exposure);
-    out->Value("diffuse", light.diffuse);
-    out->Value("specular", light.specular);
-    out->Flag("normalize", light.normalize);
-    out->Line("color", Array(light.color.data(), light.color.size()));
-    out->Flag("enableColorTemperature", light.enableColorTemperature);
-    out->Value("colorTemperature", light.colorTemperature);
-    out->Flag("visibleToCamera", light.visibleToCamera);
-    switch (light.type) {
-    case LightType::Distant:
-        out->Value("angle", light.angle);
-        break;
-    case LightType::Sphere:
-        out->Value("radius", light.radius);
-        out->Flag("treatAsPoint", light.treatAsPoint);
-        break;
-    case LightType::Disk:
-        out->Value("radius", light.radius);
-        break;
-    case LightType::Rect:
-        out->Value("width", light.width);
-        out->Value("height", light.height);
-        break;
-    case LightType::Cylinder:
-        out->Value("radius", light.radius);
-        out->Value("length", light.length);
-        out->Flag("treatAsLine", light.treatAsLine);
-        break;
-    case LightType::Dome:
-        out->Line("textureFormat", light.textureFormat);
-        break;
-    }
-    if (!light.textureFile.authoredPath.empty()) {
-        out->Line("textureFile", '@' + light.textureFile.authoredPath + '@');
-    }
-    DumpShaping(light, out);
-    DumpShadow(light.shadow, out);
+    DumpLightInputs(prim.light, out);
 }
 
 void DumpCamera(const std::string& path, const CameraPrim& camera, Writer* out) {

@@ -4,8 +4,8 @@
 #include "hdStream/base/hash.h"
 #include "hdStream/persist/file.h"
 #include "hdStream/persist/fileIdentity.h"
+#include "hdStream/scene/emissiveMeshes.h"
 
-#include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include <algorithm>
@@ -18,9 +18,6 @@
 namespace hds {
 
 namespace {
-
-/// The rounding of float transforms and positions, against the magnitudes that are rounded.
-constexpr int kPositionErrorExponent = -21;
 
 /// Files of IES profiles have some kilobytes; what is longer is none.
 constexpr std::uint64_t kMaxProfileBytes = 64U << 20U;
@@ -48,47 +45,6 @@ std::vector<PlacedLight> PlaceLights(const LightCommitInput& input) {
         });
     }
     return placed;
-}
-
-/// A material entry that emits the same everywhere.
-bool HasConstantEmission(const shared::HdsMaterial& material) {
-    return (material.flags & HDS_MATERIAL_EMISSIVE) != 0 &&
-           material.slots[HDS_INPUT_EMISSIVE_COLOR] == HDS_NONE &&
-           (material.programInputs >> HDS_INPUT_EMISSIVE_COLOR & 1U) == 0;
-}
-
-glm::dvec3 EmissionOf(const shared::HdsMaterial& material) {
-    const shared::float4& color = material.constants[HDS_INPUT_EMISSIVE_COLOR];
-    return {color.x, color.y, color.z};
-}
-
-/// Triangles of one instance whose material entry is `entry`, as one light.
-EmissiveMesh MakeEmissiveMesh(const OwnRecord& record, const ChunkGeometry& mesh,
-                              std::uint32_t entry, const glm::dvec3& radiance) {
-    EmissiveMesh light;
-    light.name = record.path;
-    light.radiance = radiance;
-    light.twoSided = true;
-    glm::dvec3 reach(0.0);
-    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-        if ((mesh.materialEntries.empty() ? 0 : mesh.materialEntries[i]) != entry) {
-            continue;
-        }
-        EmissiveMesh::Triangle triangle;
-        triangle.primId = mesh.primIds[i];
-        for (int k = 0; k < 3; ++k) {
-            const glm::dvec3 position(mesh.positions[mesh.triangles[i][k]]);
-            triangle.p[k] = glm::dvec3(record.worldFromObject * glm::dvec4(position, 1.0));
-            reach = glm::max(reach, glm::abs(position));
-        }
-        light.triangles.push_back(triangle);
-    }
-    glm::dvec3 magnitude = glm::abs(glm::dvec3(record.worldFromObject[3]));
-    for (int column = 0; column < 3; ++column) {
-        magnitude += glm::abs(glm::dvec3(record.worldFromObject[column])) * reach[column];
-    }
-    light.positionError = std::ldexp(glm::length(magnitude), kPositionErrorExponent);
-    return light;
 }
 
 /// All that a light table is made of, as bytes.
@@ -163,10 +119,17 @@ public:
         Add(mesh.name);
         Add(mesh.radiance);
         Add(mesh.twoSided);
+        Add(mesh.isGlowing);
         Add(mesh.positionError);
+        Add(mesh.wholeArea);
+        Add(mesh.lux.has_value());
+        if (mesh.lux) {
+            Add(*mesh.lux);
+        }
         Add(mesh.triangles.size());
         for (const EmissiveMesh::Triangle& triangle : mesh.triangles) {
             Add(triangle.primId);
+            Add(triangle.glow);
             for (const glm::dvec3& corner : triangle.p) {
                 Add(corner);
             }
@@ -259,6 +222,9 @@ void UpdateTable(const std::vector<PlacedLight>& lights, const std::vector<Emiss
     }
     for (const EmissiveMesh& mesh : emissive) {
         writer.Add(mesh);
+        if (mesh.lux) {
+            writer.Add(IdentityOf(mesh.lux->light.shaping.iesFile));
+        }
     }
     std::string key = writer.Take();
     if (!cache->lights || key != cache->lightKey) {
@@ -298,35 +264,10 @@ CommittedLights CommitLights(const LightCommitInput& input, CommitCache* cache,
                              Warnings& warnings) {
     CommittedLights result;
     std::vector<PlacedLight> lights = PlaceLights(input);
-    std::vector<EmissiveMesh> emissive;
-    bool isFull = false;
-    for (const OwnRecord& record : *input.ownRecords) {
-        const MeshMaterialInfo& info = (*input.meshInfos)[record.mesh];
-        result.firstEntryByRecord.push_back(static_cast<std::uint32_t>(result.lightByEntry.size()));
-        for (std::uint32_t entry = 0; entry < info.numEntries; ++entry) {
-            result.lightByEntry.push_back(HDS_NONE);
-            const shared::HdsMaterial& material =
-                input.materials
-                    ->materials[input.materials->meshMaterials[info.materialBase + entry]];
-            const MeshPrim& prim = input.scene->meshes.at(record.path);
-            if (!HasConstantEmission(material) || prim.mesh->primitives != PrimitiveKind::Faces) {
-                continue; // what it emits is found by BSDF sampling alone
-            }
-            EmissiveMesh light = MakeEmissiveMesh(record, cache->meshes.Triangles(record.path),
-                                                  entry, EmissionOf(material));
-            if (result.emissiveTriangles + light.triangles.size() > kMaxEmissiveTriangles) {
-                isFull = true;
-            } else if (!light.triangles.empty()) {
-                result.emissiveTriangles += light.triangles.size();
-                result.lightByEntry.back() = static_cast<std::uint32_t>(emissive.size());
-                emissive.push_back(std::move(light));
-            }
-        }
-    }
-    if (isFull) {
-        warnings.Add("", "more than " + std::to_string(kMaxEmissiveTriangles) +
-                             " emissive triangles: the rest glows but is not sampled as lights");
-    }
+    EmissiveMeshes emissive = CollectEmissiveMeshes(input, cache, warnings);
+    result.firstEntryByRecord = std::move(emissive.firstEntryByRecord);
+    result.lightByEntry = std::move(emissive.meshByEntry);
+    result.emissiveTriangles = emissive.numTriangles;
     // Lights that are all hidden leave the scene dark.
     if (input.scene->lights.empty() && input.ownRecords->empty()) {
         warnings.Add("", "the stage has no lights: lit by a uniform dome of radiance 1");
@@ -336,11 +277,21 @@ CommittedLights CommitLights(const LightCommitInput& input, CommitCache* cache,
         dome.light.visibleToCamera = input.domeVisible;
         lights.push_back(dome);
     }
-    UpdateTable(lights, emissive, ImageFinder(input.materials->textures, cache),
+    UpdateTable(lights, emissive.meshes, ImageFinder(input.materials->textures, cache),
                 input.links->Table(), cache, warnings);
-    for (std::uint32_t& light : result.lightByEntry) {
-        if (light != HDS_NONE) {
-            light = cache->lights->lightByMesh[light];
+    result.glowByRecord.resize(result.firstEntryByRecord.size());
+    for (std::size_t record = 0; record < result.glowByRecord.size(); ++record) {
+        const bool isLast = record + 1 == result.glowByRecord.size();
+        const std::size_t end =
+            isLast ? result.lightByEntry.size() : result.firstEntryByRecord[record + 1];
+        for (std::size_t i = result.firstEntryByRecord[record]; i < end; ++i) {
+            std::uint32_t& entry = result.lightByEntry[i];
+            if (entry != HDS_NONE) {
+                const bool isGlowing = emissive.meshes[entry].isGlowing;
+                entry = cache->lights->tableByMesh[entry];
+                result.glowByRecord[record] =
+                    result.glowByRecord[record] || (isGlowing && entry != HDS_NONE);
+            }
         }
     }
     return result;

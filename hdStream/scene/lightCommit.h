@@ -8,8 +8,9 @@
 
 namespace hds {
 
-/// Emissive triangles beyond this number are seen but not sampled, with a warning.
-constexpr std::size_t kMaxEmissiveTriangles = 4U << 20U;
+/// Emissive triangles beyond this number are seen but not sampled, with a warning. All take 64 MiB
+/// of the device's memory, and 200 bytes for each cluster of them.
+constexpr std::size_t kMaxEmissiveTriangles = 1U << 20U;
 
 /// The images of the scene's lights that can be read, each once: the first of the scene's textures.
 /// Prepares what is new.
@@ -29,7 +30,8 @@ struct LightCommitInput {
 /// Which lights of the table the material entries of each own record are.
 struct CommittedLights {
     std::vector<std::uint32_t> firstEntryByRecord; ///< into lightByEntry
-    std::vector<std::uint32_t> lightByEntry;       ///< HDS_NONE: the entry is not sampled
+    std::vector<std::uint32_t> lightByEntry; ///< LightTable::tableByMesh; HDS_NONE: not sampled
+    std::vector<bool> glowByRecord;          ///< light samples of some entry end at its surface
     std::uint64_t emissiveTriangles = 0;
 };
 

@@ -141,6 +141,16 @@ std::vector<std::string> MaterialCommit::EntryPaths(const MeshPrim& prim) const 
     return paths;
 }
 
+/// Of a mesh that is no light: as if the light asked its material.
+MaterialSyncMode MaterialCommit::SyncModeOf(const MeshPrim& prim,
+                                            const std::string& materialPath) const {
+    if (!prim.light) {
+        return MaterialSyncMode::GlowTintsLight;
+    }
+    return HasSurface(_scene, materialPath) ? prim.light->materialSyncMode
+                                            : MaterialSyncMode::NoMaterialResponse;
+}
+
 std::vector<DisplacementInput> MaterialCommit::DisplacementsOf(const MeshPrim& prim) const {
     std::vector<DisplacementInput> displacements;
     for (const std::string& materialPath : EntryPaths(prim)) {
@@ -165,7 +175,9 @@ MeshMaterialInfo MaterialCommit::AddMesh(const std::string& path, const MeshPrim
     MeshMaterialInfo info;
     info.materialBase = static_cast<std::uint32_t>(meshMaterials.size());
     for (const std::string& materialPath : EntryPaths(prim)) {
-        const CompiledMaterial& compiled = Find(materialPath);
+        const MaterialSyncMode syncMode = SyncModeOf(prim, materialPath);
+        const bool isBlack = syncMode == MaterialSyncMode::NoMaterialResponse;
+        const CompiledMaterial& compiled = isBlack ? _black : Find(materialPath);
         ResolvedMaterial resolved =
             ResolveMaterial(compiled, AddTextures(compiled), prepared.attributes, path, _warnings);
         shared::HdsMaterial& record = resolved.record;
@@ -176,11 +188,12 @@ MeshMaterialInfo MaterialCommit::AddMesh(const std::string& path, const MeshPrim
                              static_cast<float>(prepared.origin.z)});
             record.program = AddProgram(resolved.program);
         }
+        record.flags |= prim.light ? HDS_MATERIAL_EMISSIVE : 0U;
         lobes |= record.lobes;
         info.hasCutouts = info.hasCutouts || (record.flags & HDS_MATERIAL_CUTOUT) != 0;
         info.isEmissive = info.isEmissive || (record.flags & HDS_MATERIAL_EMISSIVE) != 0;
         meshMaterials.push_back(AddRecord(record));
-        ++info.numEntries;
+        info.entries.push_back({compiled.emission, syncMode});
     }
     return info;
 }

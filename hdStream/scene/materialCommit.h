@@ -13,10 +13,16 @@
 
 namespace hds {
 
+/// What lights ask of a material entry that emits.
+struct MaterialEntryInfo {
+    EmissionInput emission;
+    MaterialSyncMode syncMode = MaterialSyncMode::GlowTintsLight; ///< of mesh lights
+};
+
 /// What a mesh's material entries say about the mesh.
 struct MeshMaterialInfo {
     std::uint32_t materialBase = 0; ///< first of its entries in meshMaterials
-    std::uint32_t numEntries = 0;
+    std::vector<MaterialEntryInfo> entries;
     bool hasCutouts = false; ///< some entry may let rays pass
     bool isEmissive = false; ///< some entry emits
 };
@@ -63,6 +69,7 @@ private:
     std::uint32_t AddProgram(const std::vector<std::uint32_t>& words);
     std::vector<std::uint32_t> AddTextures(const CompiledMaterial& material);
     const CompiledMaterial& Find(const std::string& materialPath) const;
+    MaterialSyncMode SyncModeOf(const MeshPrim& prim, const std::string& materialPath) const;
     std::vector<std::string> EntryPaths(const MeshPrim& prim) const;
     CachedMaterial CompileNetwork(const std::string& path,
                                   const std::shared_ptr<const MaterialNetwork>& network);
@@ -73,6 +80,7 @@ private:
     Warnings& _warnings;
     std::map<std::string, const CompiledMaterial*> _compiled; ///< by path; "": no material
     CompiledMaterial _displayColor = DisplayColorMaterial();
+    CompiledMaterial _black = BlackMaterial();
     std::map<std::string, std::uint32_t> _indexByBytes;
     std::map<std::vector<std::uint32_t>, std::uint32_t> _programByWords;
     std::map<std::string, std::uint32_t> _textureByKey;

@@ -39,6 +39,12 @@ enum class CullStyle {
     FrontUnlessDoubleSided,
 };
 
+/// What makes a mesh a light (UsdLuxMeshLightAPI); its type is Mesh. It has no links.
+struct MeshLight {
+    LightDescription light;
+    MaterialSyncMode materialSyncMode = MaterialSyncMode::GlowTintsLight;
+};
+
 /// A mesh prim. Two prims with the same `mesh` pointer have the same geometry, and so has a prim
 /// that is replaced by one with the same pointer: only a new pointer makes commit prepare again.
 struct MeshPrim {
@@ -50,6 +56,7 @@ struct MeshPrim {
     CullStyle cullStyle = CullStyle::DontCare;
     std::string materialPath; ///< empty: no material bound, displayColor Lambert
     std::vector<std::string> subsetMaterialPaths; ///< parallel to mesh->subsets; empty: the prim's
+    std::shared_ptr<const MeshLight> light;       ///< null: it is none
     int primId = -1; ///< the front end's id for the AOV; -1: order of path
 };
 

@@ -9,8 +9,15 @@
 
 namespace hds {
 
-/// The UsdLux types the core renders.
-enum class LightType { Distant, Sphere, Rect, Disk, Cylinder, Dome };
+/// The UsdLux types the core renders. Mesh: a mesh with UsdLuxMeshLightAPI.
+enum class LightType { Distant, Sphere, Rect, Disk, Cylinder, Dome, Mesh };
+
+/// How a mesh light and the material of its mesh go together (UsdLuxLightAPI's materialSyncMode).
+enum class MaterialSyncMode {
+    GlowTintsLight,     ///< what the material emits is a factor on the light
+    Independent,        ///< the light does not ask the material
+    NoMaterialResponse, ///< there is no material: black, and seen as it lights
+};
 
 /// How a light's radiance depends on the direction in which it leaves (UsdLuxShapingAPI). As it is,
 /// on none; UsdLux's fallback of coneAngle is 90, where the schema is applied.

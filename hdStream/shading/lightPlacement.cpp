@@ -127,6 +127,8 @@ bool PlaceShape(const LightDescription& light, glm::dmat3& m, double* sizes, dou
         return PlaceDistant(m);
     case LightType::Dome:
         return NormalizeUniformly(m, sizes, 0);
+    case LightType::Mesh: // its triangles are in place
+        break;
     }
     return false;
 }

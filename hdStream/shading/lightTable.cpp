@@ -48,6 +48,8 @@ std::uint32_t TypeOf(LightType type) {
         return HDS_LIGHT_DISK;
     case LightType::Cylinder:
         return HDS_LIGHT_CYLINDER;
+    case LightType::Mesh:
+        return HDS_LIGHT_MESH;
     case LightType::Dome:
         break;
     }
@@ -73,6 +75,18 @@ private:
     void AddControls(const PlacedLight& placed, shared::HdsLight* light);
     void WarnIgnored(const PlacedLight& placed);
     void Push(shared::HdsLight light, const glm::dvec3& radiance, double power);
+    bool MeshRadiance(const EmissiveMesh& mesh, double area, glm::dvec3* radiance);
+    shared::HdsLight BeginMesh(const EmissiveMesh& mesh, bool isWeighed, double* factor);
+    void AddTriangle(const EmissiveTriangle& triangle, double positionError);
+    void AddCluster(const EmissiveMesh& mesh, const EmissiveClusters& all,
+                    const EmissiveCluster& cluster, shared::HdsLight light,
+                    const glm::dvec3& radiance, double factor);
+    void AddMeshTable(std::uint32_t firstLight, std::uint32_t firstTriangle, bool isOneLight);
+    std::uint32_t BitsAt(std::uint32_t word) const {
+        std::uint32_t bits = 0;
+        std::memcpy(&bits, &_table.cdf[word], sizeof(bits));
+        return bits;
+    }
 
     const LightTableInput& _input;
     Warnings& _warnings;
@@ -259,65 +273,128 @@ void Builder::AddLight(const PlacedLight& placed) {
     }
 }
 
-void Builder::AddMesh(const EmissiveMesh& mesh) {
-    constexpr double kRounding = 8.0 / 16777216.0; ///< of the float positions and their use
-    _table.lightByMesh.push_back(HDS_NONE);
-    const glm::dvec3 radiance = glm::max(mesh.radiance, glm::dvec3(0.0));
-    if (!IsUsable(radiance)) {
+/// What a mesh emits where its material does not vary the emission; false: nothing.
+bool Builder::MeshRadiance(const EmissiveMesh& mesh, double area, glm::dvec3* radiance) {
+    *radiance = glm::max(mesh.radiance, glm::dvec3(0.0));
+    if (mesh.lux) {
+        shared::HdsLight light{};
+        light.area = float(mesh.wholeArea);
+        glm::dvec3 factor;
+        if (!Radiance(*mesh.lux, light, &factor)) {
+            return false;
+        }
+        *radiance *= factor;
+    }
+    if (!IsUsable(*radiance)) {
         _warnings.Add(mesh.name, "emission is not finite or above 1e30; not sampled as a light");
-        return;
+        return false;
     }
+    return Luminance(*radiance) > 0.0 && area > 0.0;
+}
+
+/// What all clusters of a mesh have in common.
+shared::HdsLight Builder::BeginMesh(const EmissiveMesh& mesh, bool isWeighed, double* factor) {
     shared::HdsLight light = PlainLight();
-    light.dataBase = std::uint32_t(_table.triangles.size());
-    glm::dvec3 low(1e300);
-    glm::dvec3 high(-1e300);
-    std::vector<double> areas{0.0};
-    for (const EmissiveMesh::Triangle& triangle : mesh.triangles) {
-        const glm::dvec3 e1 = triangle.p[1] - triangle.p[0];
-        const glm::dvec3 e2 = triangle.p[2] - triangle.p[0];
-        const double area = 0.5 * glm::length(glm::cross(e1, e2));
-        if (!(area > 0.0) || !std::isfinite(area)) {
-            continue;
-        }
-        shared::HdsLightTriangle out{};
-        double largest = 0.0;
-        for (int i = 0; i < 3; ++i) {
-            out.p0[i] = float(triangle.p[0][i]);
-            out.e1[i] = float(e1[i]);
-            out.e2[i] = float(e2[i]);
-            largest = std::max({largest, std::abs(triangle.p[0][i]), std::abs(triangle.p[1][i]),
-                                std::abs(triangle.p[2][i])});
-        }
-        out.area = float(area);
-        out.primId = triangle.primId;
-        out.error = float(kRounding * largest + mesh.positionError);
-        for (const glm::dvec3& p : triangle.p) {
-            low = glm::min(low, p);
-            high = glm::max(high, p);
-        }
-        areas.push_back(areas.back() + area);
-        _table.triangles.push_back(out);
-    }
-    const double area = areas.back();
-    if (!(Luminance(radiance) > 0.0) || !(area > 0.0)) {
-        _table.triangles.resize(light.dataBase);
-        return;
-    }
     light.type = HDS_LIGHT_MESH;
-    light.flags = HDS_LIGHT_VISIBLE | (mesh.twoSided ? HDS_LIGHT_TWO_SIDED : 0U);
-    light.area = float(area);
-    light.dataSize[0] = std::uint32_t(areas.size() - 1);
-    light.cdfBase = std::uint32_t(_table.cdf.size());
-    for (const double sum : areas) {
-        _table.cdf.push_back(float(sum / area));
+    light.flags = (mesh.twoSided ? HDS_LIGHT_TWO_SIDED : 0U) |
+                  (mesh.isGlowing ? HDS_LIGHT_GLOWING : 0U) | (isWeighed ? HDS_LIGHT_WEIGHED : 0U) |
+                  (mesh.lux ? HDS_LIGHT_REPLACES : 0U);
+    *factor = kPi * (mesh.twoSided ? 2.0 : 1.0);
+    if (mesh.lux) {
+        light.flags |= mesh.lux->light.visibleToCamera ? HDS_LIGHT_VISIBLE : 0U;
+        AddShaping(*mesh.lux, &light, factor);
+        AddControls(*mesh.lux, &light);
     }
-    const glm::dvec3 center = 0.5 * (low + high);
+    _table.hasMeshes = true;
+    _table.hasGlow = _table.hasGlow || mesh.isGlowing;
+    return light;
+}
+
+void Builder::AddTriangle(const EmissiveTriangle& triangle, double positionError) {
+    constexpr double kRounding = 8.0 / 16777216.0; ///< of the float positions and their use
+    const glm::dvec3 e1 = triangle.p[1] - triangle.p[0];
+    const glm::dvec3 e2 = triangle.p[2] - triangle.p[0];
+    shared::HdsLightTriangle out{};
+    double largest = 0.0;
+    for (int i = 0; i < 3; ++i) {
+        out.p0[i] = float(triangle.p[0][i]);
+        out.e1[i] = float(e1[i]);
+        out.e2[i] = float(e2[i]);
+        largest = std::max({largest, std::abs(triangle.p[0][i]), std::abs(triangle.p[1][i]),
+                            std::abs(triangle.p[2][i])});
+    }
+    out.light = std::uint32_t(_table.lights.size());
+    out.primId = triangle.primId;
+    out.error = float(kRounding * largest + positionError);
+    _table.triangles.push_back(out);
+}
+
+/// A cluster's triangles, their distribution, and the light that it is.
+void Builder::AddCluster(const EmissiveMesh& mesh, const EmissiveClusters& all,
+                         const EmissiveCluster& cluster, shared::HdsLight light,
+                         const glm::dvec3& radiance, double factor) {
+    light.area = float(cluster.area);
+    light.dataBase = std::uint32_t(_table.triangles.size());
+    light.dataSize[0] = std::uint32_t(cluster.end - cluster.begin);
+    light.cdfBase = std::uint32_t(_table.cdf.size());
+    double sum = 0.0;
+    _table.cdf.push_back(0.0F);
+    for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
+        AddTriangle(all.triangles[i], mesh.positionError);
+        sum += all.triangles[i].weight;
+        _table.cdf.push_back(i + 1 == cluster.end ? 1.0F : float(sum / cluster.weight));
+    }
+    const glm::dvec3 center = 0.5 * (cluster.low + cluster.high);
     for (int i = 0; i < 3; ++i) {
         light.center[i] = float(center[i]);
+        light.worldFromLight[i] = float(cluster.axis[i]);
     }
-    light.boundRadius = float(0.5 * glm::length(high - low) * (1.0 + 1e-5));
-    _table.lightByMesh.back() = std::uint32_t(_table.lights.size());
-    Push(light, radiance, Luminance(radiance) * kPi * area * (mesh.twoSided ? 2.0 : 1.0));
+    light.params[0] = float(cluster.flatness);
+    light.boundRadius = float(0.5 * glm::length(cluster.high - cluster.low) * (1.0 + 1e-5));
+    Push(light, radiance, Luminance(radiance) * factor * cluster.weight);
+}
+
+/// Where a hit finds its triangle's light.
+void Builder::AddMeshTable(std::uint32_t firstLight, std::uint32_t firstTriangle, bool isOneLight) {
+    _table.tableByMesh.back() = std::uint32_t(_table.cdf.size());
+    const auto add = [&](std::uint32_t word) { _table.cdf.push_back(shared::FloatOfBits(word)); };
+    if (isOneLight) {
+        add(firstLight);
+        add(0);
+        return;
+    }
+    std::vector<std::uint32_t> order(_table.triangles.size() - firstTriangle);
+    std::iota(order.begin(), order.end(), firstTriangle);
+    const auto primId = [&](std::uint32_t i) { return _table.triangles[i].primId; };
+    std::sort(order.begin(), order.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return primId(a) < primId(b); });
+    add(HDS_NONE);
+    add(std::uint32_t(order.size()));
+    for (const std::uint32_t i : order) {
+        add(primId(i));
+    }
+    std::for_each(order.begin(), order.end(), add);
+}
+
+void Builder::AddMesh(const EmissiveMesh& mesh) {
+    _table.tableByMesh.push_back(HDS_NONE);
+    const EmissiveClusters all = ClusterTriangles(mesh);
+    glm::dvec3 radiance;
+    double factor = 0.0;
+    const auto firstLight = std::uint32_t(_table.lights.size());
+    const auto firstTriangle = std::uint32_t(_table.triangles.size());
+    const bool isUsable = MeshRadiance(mesh, all.area, &radiance);
+    if (isUsable && all.weight > 0.0) {
+        const shared::HdsLight light = BeginMesh(mesh, all.isWeighed, &factor);
+        for (const EmissiveCluster& cluster : all.clusters) {
+            AddCluster(mesh, all, cluster, light, radiance, factor);
+        }
+        AddMeshTable(firstLight, firstTriangle, all.clusters.size() == 1 && !all.isWeighed);
+    } else if (mesh.lux) {
+        // Not sampled, but rays that find it see what it emits, which may be nothing.
+        Push(BeginMesh(mesh, false, &factor), isUsable ? radiance : glm::dvec3(0.0), 0.0);
+        AddMeshTable(firstLight, firstTriangle, true);
+    }
 }
 
 /// Puts lights at infinity first, as selection wants them, and builds the tree over the others.
@@ -334,8 +411,14 @@ LightTable Builder::Finish() {
         lights.push_back(_table.lights[old]);
     }
     _table.lights = std::move(lights);
-    for (std::uint32_t& light : _table.lightByMesh) {
-        light = light == HDS_NONE ? HDS_NONE : newIndex[light];
+    for (shared::HdsLightTriangle& triangle : _table.triangles) {
+        triangle.light = newIndex[triangle.light];
+    }
+    for (const std::uint32_t base : _table.tableByMesh) {
+        const std::uint32_t light = base == HDS_NONE ? HDS_NONE : BitsAt(base + HDS_MESH_LIGHT);
+        if (light != HDS_NONE) {
+            _table.cdf[base + HDS_MESH_LIGHT] = shared::FloatOfBits(newIndex[light]);
+        }
     }
     _table.nodes = BuildLightTree(_table.lights);
     return std::move(_table);

@@ -213,6 +213,43 @@ DisplacementInput FindDisplacement(NetworkEvaluator& evaluator, const MaterialNo
     return displacement;
 }
 
+/// The first look-up or primvar that an emission is made of.
+EmissionInput FindEmission(const ShaderValue& value, const std::vector<MaterialTexture>& textures) {
+    constexpr std::array<float, 3> kLuminance = {0.2126F, 0.7152F, 0.0722F};
+    EmissionInput emission;
+    if (!value || IsConstant(value)) {
+        return emission;
+    }
+    const ShaderExpression& expression = *value.expression;
+    const std::vector<ShaderValue>& operands = expression.operands;
+    if (expression.kind == ShaderExpression::Kind::Primvar) {
+        emission.primvar = expression.primvar;
+        return emission;
+    }
+    const std::optional<DisplacementInput> lookup = LookupDisplacement(value, textures);
+    if (lookup) {
+        emission.primvar = lookup->primvar;
+        emission.lookup = lookup->lookup;
+        const bool isColor = value.channel == HDS_CHANNEL_ALL;
+        for (std::uint32_t i = 0; i < (isColor ? 3 : 1); ++i) {
+            const std::uint32_t channel = isColor ? i : value.channel;
+            const float weight = isColor ? kLuminance[i] : 1.0F;
+            emission.factors[channel] = weight * ConstantOf(operands[2])[channel];
+            emission.bias += weight * ConstantOf(operands[3])[channel];
+        }
+        return emission;
+    }
+    if (expression.kind == ShaderExpression::Kind::Math) {
+        for (const ShaderValue& operand : operands) {
+            emission = FindEmission(operand, textures);
+            if (!emission.primvar.empty()) {
+                break;
+            }
+        }
+    }
+    return emission;
+}
+
 /// Of the displacement terminal, a MaterialX displacement node.
 DisplacementInput MaterialXDisplacement(NetworkEvaluator& evaluator, const MaterialNetwork& network,
                                         const std::string& materialPath, Warnings& warnings) {
@@ -348,6 +385,18 @@ CompiledMaterial DisplayColorMaterial() {
     return material;
 }
 
+CompiledMaterial BlackMaterial() {
+    CompiledMaterial material = DefaultMaterial();
+    SetConstant(material.constants, HDS_INPUT_DIFFUSE_COLOR, {0.0F, 0.0F, 0.0F, 1.0F});
+    material.constants.flags = HDS_MATERIAL_LAMBERT;
+    return material;
+}
+
+bool HasConstantEmission(const shared::HdsMaterial& material) {
+    return !Varies(material, HDS_INPUT_EMISSIVE_COLOR) &&
+           (material.flags & HDS_MATERIAL_CUTOUT) == 0;
+}
+
 CompiledMaterial CompileMaterial(const MaterialNetwork& network, const std::string& materialPath,
                                  const ImageQueries& images, Warnings& warnings) {
     NetworkEvaluator evaluator(network, materialPath, images, warnings);
@@ -360,6 +409,8 @@ CompiledMaterial CompileMaterial(const MaterialNetwork& network, const std::stri
         SetLayered(material, EvaluateLayered(evaluator, *surface), *surface, materialPath,
                    warnings);
         material.textures = evaluator.Textures();
+        material.emission =
+            FindEmission(material.values[HDS_INPUT_EMISSIVE_COLOR], material.textures);
         material.displacement = MaterialXDisplacement(evaluator, network, materialPath, warnings);
         return material;
     }
@@ -379,6 +430,7 @@ CompiledMaterial CompileMaterial(const MaterialNetwork& network, const std::stri
         warnings.Add(materialPath, "opacityMode is " + mode + "; transparent is used");
     }
     material.textures = evaluator.Textures(); // without what only displaces
+    material.emission = FindEmission(material.values[HDS_INPUT_EMISSIVE_COLOR], material.textures);
     material.displacement = FindDisplacement(evaluator, *surface, materialPath, warnings);
     return material;
 }

@@ -57,6 +57,16 @@ struct DisplacementInput {
     }
 };
 
+/// What an emission that varies is looked up from, as far as that can be told: for a guess of how
+/// bright a surface is where.
+struct EmissionInput {
+    std::string primvar; ///< without "primvars:"; empty: unknown
+    /// Nothing: the primvar is the emission; else its first two components are coordinates.
+    std::optional<DisplacementLookup> lookup = {}; ///< but for channel, scale and bias
+    std::array<float, 4> factors{};                ///< on the channels of the look-up...
+    float bias = 0.0F;                             ///< ...and what is added to their sum
+};
+
 /// A material before it is bound.
 struct CompiledMaterial {
     /// Inputs that are constants; slots and program are HDS_NONE.
@@ -65,6 +75,7 @@ struct CompiledMaterial {
     std::array<ShaderValue, HDS_NUM_LAYERED_INPUTS> values;
     std::vector<MaterialTexture> textures; ///< what tiles of look-ups name
     DisplacementInput displacement;
+    EmissionInput emission;
 };
 
 /// Primvars along which the tangents of a surface lie that names none: the first that is there.
@@ -84,6 +95,12 @@ CompiledMaterial CompileMaterial(const MaterialNetwork& network, const std::stri
 /// The material of meshes without one: Lambert of displayColor (0.5 where there is none, as
 /// UsdImaging) with displayOpacity.
 CompiledMaterial DisplayColorMaterial();
+
+/// Reflects nothing.
+CompiledMaterial BlackMaterial();
+
+/// Whether a material emits the same everywhere, or nothing.
+bool HasConstantEmission(const shared::HdsMaterial& material);
 
 /// A material for the meshes with certain attributes.
 struct ResolvedMaterial {

@@ -28,6 +28,16 @@ void shadow_addBlocked(const HdsSceneView* scene, HdsPaths paths, uint i, float3
 #endif
 }
 
+/* Whether what arrives is known only where the ray meets its light (HDS_LIGHT_GLOWING). */
+bool shadow_needsLight(const HdsSceneView* scene, HdsPaths paths, uint i) {
+#if HDS_FEATURE_LIGHT_GLOW
+    const uint light = path_load_shadowLight(paths, i).x;
+    return (scene->lights.lights[light].flags & HDS_LIGHT_GLOWING) != 0u;
+#else
+    return false;
+#endif
+}
+
 HdsTraversalRay shadow_loadRay(HdsPaths paths, uint i) {
     float4 origin = path_load_shadowOrigin(paths, i);
     HdsTraversalRay ray;
@@ -56,9 +66,11 @@ void shadow_end(HdsPaths paths, uint i, global uint* readyQueue, volatile global
 #endif
 }
 
-/* A ray that nothing opaque blocks arrives, or has a candidate. */
-void shadow_arrive(HdsPaths paths, uint i, const HdsHit* candidate, global uint* candidateQueue,
-                   global uint* readyQueue, volatile global uint* counters) {
+/* A ray that nothing opaque blocks arrives, or has a candidate. One that passes its light, which
+ * happens at edges by rounding, brings nothing. */
+void shadow_arrive(const HdsSceneView* scene, HdsPaths paths, uint i, const HdsHit* candidate,
+                   global uint* candidateQueue, global uint* readyQueue,
+                   volatile global uint* counters) {
 #if HDS_FEATURE_CUTOUT
     if (candidate->chunk != HDS_NONE) {
         path_storeCandidate(paths, i, candidate);
@@ -66,7 +78,9 @@ void shadow_arrive(HdsPaths paths, uint i, const HdsHit* candidate, global uint*
         return;
     }
 #endif
-    shadow_addRadiance(paths, i);
+    if (!shadow_needsLight(scene, paths, i)) {
+        shadow_addRadiance(paths, i);
+    }
     shadow_end(paths, i, readyQueue, counters);
 }
 
@@ -150,7 +164,7 @@ kernel void shadow_cast(global uchar* state, uint numSlots, global const uint* r
         const bool arrives = !isBlocked;
 #endif
         if (arrives) {
-            shadow_arrive(paths, i, &candidate, candidateQueue, readyQueue, counters);
+            shadow_arrive(&scene, paths, i, &candidate, candidateQueue, readyQueue, counters);
         }
         if (isBlocked) {
             shadow_addBlocked(&scene, paths, i, (float3)(1.0f));
@@ -187,7 +201,7 @@ kernel void shadow_resume(global uchar* state, uint numSlots, global const uint*
             shadow_addBlocked(&scene, paths, i, (float3)(1.0f));
             shadow_end(paths, i, readyQueue, counters);
         } else {
-            shadow_arrive(paths, i, &candidate, candidateQueue, readyQueue, counters);
+            shadow_arrive(&scene, paths, i, &candidate, candidateQueue, readyQueue, counters);
         }
     }
 }
@@ -209,6 +223,31 @@ bool shadow_share(const HdsSceneView* scene, HdsPaths paths, uint i, const HdsSu
     return surfaceHit_passThrough(scene, surface, viewer, share);
 }
 
+#if HDS_FEATURE_LIGHT_GLOW
+/* Whether the candidate is the triangle that the shadow ray goes to. */
+bool shadow_isTarget(const HdsSceneView* scene, HdsPaths paths, uint i,
+                     const HdsSurfaceHit* surface) {
+    const uint4 target = path_load_shadowLight(paths, i);
+    float pdfArea;
+    return (scene->lights.lights[target.x].flags & HDS_LIGHT_GLOWING) != 0u &&
+           surface->primId == target.y && surfaceHit_light(scene, surface, &pdfArea) == target.x;
+}
+
+/* Adds what the light at the end of the shadow ray emits. \return false when texels are missing. */
+bool shadow_addTarget(const HdsSceneView* scene, HdsPaths paths, uint i,
+                      const HdsSurfaceHit* surface, float3 viewer) {
+    HdsShadingPoint shading;
+    HdsBsdf bsdf;
+    if (!surfaceHit_shade(scene, surface, viewer, &shading, &bsdf)) {
+        return false;
+    }
+    float4 radiance = path_load_radiance(paths, i);
+    radiance.xyz += path_load_shadowRadiance(paths, i).xyz * bsdf_emission(&bsdf);
+    path_store_radiance(paths, i, radiance);
+    return true;
+}
+#endif
+
 /* Dims the shadow ray of slot i by its candidate, and appends what shadow_pass does. */
 void shadow_passCandidate(const HdsSceneView* scene, HdsPaths paths, uint i, global uint* waitQueue,
                           global uint* queue, global uint* readyQueue,
@@ -227,6 +266,16 @@ void shadow_passCandidate(const HdsSceneView* scene, HdsPaths paths, uint i, glo
 #if HDS_FEATURE_TEXTURES
     surface.coneWidth = cones_width(cones_atHit(cones_unpack(radiance.w), hit.t, false));
     surface.choice = (HdsTexelChoice){0.0f, 8u};
+#endif
+#if HDS_FEATURE_LIGHT_GLOW
+    if (shadow_isTarget(scene, paths, i, &surface)) {
+        if (shadow_addTarget(scene, paths, i, &surface, -direction.xyz)) {
+            shadow_end(paths, i, readyQueue, counters);
+        } else {
+            surfaceHit_waitForTexels(scene, i);
+        }
+        return;
+    }
 #endif
     float3 share;
     if (!shadow_share(scene, paths, i, &surface, -direction.xyz, &share)) {

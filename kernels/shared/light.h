@@ -13,16 +13,28 @@
 #define HDS_LIGHT_DISK 3u     /* likewise */
 #define HDS_LIGHT_CYLINDER 4u /* axis x of the light's space, no caps */
 #define HDS_LIGHT_DOME 5u
-#define HDS_LIGHT_MESH 6u /* emissive triangles of one instance: lightTriangles */
+#define HDS_LIGHT_MESH 6u /* a cluster of emissive triangles of one instance: lightTriangles */
 
 /* HdsLight.flags */
-#define HDS_LIGHT_VISIBLE 1u /* seen by camera rays */
+#define HDS_LIGHT_VISIBLE 1u /* seen by camera rays; of HDS_LIGHT_REPLACES alone: of meshes */
 #define HDS_LIGHT_POINT 2u   /* delta position or direction (treatAsPoint, angle 0): only sampled */
 #define HDS_LIGHT_TEXTURED 4u  /* dome or rect with an image */
 #define HDS_LIGHT_TWO_SIDED 8u /* mesh: emits on both sides */
 #define HDS_LIGHT_SAMPLED                                                  \
     16u /* only light samples find it after the first hit: its shadows are \
            not those of geometry, or its part in the lobes is not 1 */
+#define HDS_LIGHT_GLOWING                                                                       \
+    32u /* mesh: radiance is a factor on what the material emits at the point, which the shadow \
+           ray finds out */
+#define HDS_LIGHT_WEIGHED                                                  \
+    64u /* mesh: triangles are sampled by weights that are not their areas \
+         */
+#define HDS_LIGHT_REPLACES                                                   \
+    128u /* mesh with UsdLuxMeshLightAPI: its radiance replaces the emission \
+            of the material, for camera rays only if it is visible to them */
+
+/* Most lights that are weighed one by one, and most nodes of a cut through the light tree. */
+#define HDS_LIGHT_LOOP_MAX 32u
 
 /* Distance of lights at infinity. */
 #define HDS_LIGHT_FAR 3.0e38f
@@ -30,15 +42,17 @@
 HDS_SHARED_BEGIN
 typedef struct {
     f32 worldFromLight[12]; /* 3 rows of 4, relative to the scene centre; |determinant| is 1: scale
-                               is folded into params. Distant: a rotation */
+                               is folded into params. Distant: a rotation. Mesh: [0..2] the mean
+                               normal, unit or zero */
     f32 lightFromWorld[12]; /* rows of its inverse; in place of the translation, which is not used:
                                the unit normal of the planes of constant z, world space */
     f32 radiance[3]; /* factor on the image of a textured light; point sphere: radiant intensity;
                         distant with angle 0: irradiance at normal incidence */
     u32 type;
     f32 params[4]; /* sphere: radius; rect: width, height; disk: radius; cylinder: radius, length;
-                      distant: 1 - cos(half angle); with an image, [3]: the coarsest mip that is
-                      looked up, of which its distribution is made */
+                      distant: 1 - cos(half angle); mesh: flatness, 1 when all normals are alike, 0
+                      when they cancel out; with an image, [3]: the coarsest mip that is looked up,
+                      of which its distribution is made */
     f32 area;      /* world area of the shape; mesh: of all its triangles */
     u32 treePath;  /* finite lights: bit i is the child to take at level i of the light tree */
     u32 flags;
@@ -46,7 +60,7 @@ typedef struct {
     u32 dataSize[2]; /* image: cells of its distribution, width, height; mesh: number of triangles,
                         0 */
     u32 cdfBase;     /* in lightCdf: image: marginal [height + 1], then conditionals
-                        [height][width + 1]; mesh: by area [numTriangles + 1] */
+                        [height][width + 1]; mesh: by weight [numTriangles + 1] */
     f32 strength;    /* luminance; finite: power / (4 pi); at infinity: irradiance */
     f32 center[3];   /* of a sphere that bounds the emitting shape, world */
     f32 boundRadius; /* HDS_LIGHT_FAR: at infinity */
@@ -103,7 +117,7 @@ HDS_ASSERT_SIZE(HdsLightNode, 32);
 /* An emissive triangle in world space (relative to the scene centre). */
 typedef struct {
     f32 p0[3];
-    f32 area;
+    u32 light; /* that it is part of */
     f32 e1[3];
     u32 primId; /* object triangle index: identity for shadow rays */
     f32 e2[3];
@@ -111,4 +125,11 @@ typedef struct {
 } HdsLightTriangle;
 HDS_ASSERT_SIZE(HdsLightTriangle, 48);
 HDS_SHARED_END
+
+/* The lights of an emissive mesh in lightCdf, u32: the light of all its triangles, or HDS_NONE;
+ * then only: the number of triangles, their primIds in ascending order, and for each of these its
+ * index in lightTriangles. lightByEntry tells where that begins. */
+#define HDS_MESH_LIGHT 0u
+#define HDS_MESH_LIGHT_COUNT 1u
+#define HDS_MESH_LIGHT_TRIANGLES 2u
 #endif

@@ -49,8 +49,12 @@ def WarningsOf(text):
     ('def BasisCurves "C" { uniform token basis = "power"\nint[] curveVertexCounts = [4]\n'
      'point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)] }',
      "/C: curve basis power is unknown; drawn as bezier"),
-    (f'def Mesh "M" (prepend apiSchemas = ["MeshLightAPI"]) {{ {TRIANGLE} }}', "/M: MeshLightAPI is not supported yet"),
-    ('def RectLight "L" { rel light:filters = </F> }', "/L: light filters is not supported yet"),
+    (f'def Mesh "M" (prepend apiSchemas = ["MeshLightAPI"]) {{ {TRIANGLE}\nrel light:filters = </F> }}',
+     "/M: light filter /F is not supported yet"),
+    (f'def Mesh "M" (prepend apiSchemas = ["MeshLightAPI"]) {{ {TRIANGLE}\nrel collection:lightLink:includes = </A> }}',
+     "/M: links of a mesh light are not supported yet"),
+    ('def RectLight "L" { rel light:filters = [</F>, </G>] }', "/L: light filter /F is not supported yet"),
+    ('def RectLight "L" { rel light:filters = [</F>, </G>] }', "/L: light filter /G is not supported yet"),
     ('def SphereLight "L" { float inputs:shadow:falloff = 1 }', "/L: shadow falloff is not supported yet"),
     ('def "R" (references = @none.usda@) {}', "/R: Could not open asset @none.usda@"),
 ])

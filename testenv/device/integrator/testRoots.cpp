@@ -11,11 +11,12 @@ class Roots : public DeviceFixture {};
 const char* const kRoots[] = {"integrator/frame.cl", "integrator/intersect.cl",
                               "integrator/shade.cl", "integrator/shadow.cl",
                               "integrator/aov.cl",   "texture/cacheFill.cl"};
-const char* const kFeatures[] = {"HDS_FEATURE_CUTOUT",         "HDS_FEATURE_GROUPS",
-                                 "HDS_TRAVERSAL_WIDE",         "HDS_FEATURE_PROGRAMS",
-                                 "HDS_FEATURE_TEXTURES",       "HDS_FEATURE_TEXTURE_STREAMING",
-                                 "HDS_TEXTURE_PLAIN",          "HDS_FEATURE_LIGHT_SHAPING",
-                                 "HDS_FEATURE_LIGHT_CONTROLS", "HDS_FEATURE_CURVES"};
+const char* const kFeatures[] = {
+    "HDS_FEATURE_CUTOUT",    "HDS_FEATURE_GROUPS",        "HDS_TRAVERSAL_WIDE",
+    "HDS_FEATURE_PROGRAMS",  "HDS_FEATURE_TEXTURES",      "HDS_FEATURE_TEXTURE_STREAMING",
+    "HDS_TEXTURE_PLAIN",     "HDS_FEATURE_LIGHT_SHAPING", "HDS_FEATURE_LIGHT_CONTROLS",
+    "HDS_FEATURE_CURVES",    "HDS_FEATURE_MESH_LIGHTS",   "HDS_FEATURE_LIGHT_TREE",
+    "HDS_FEATURE_LIGHT_GLOW"};
 
 ProgramDefines MakeDefines(unsigned bits, unsigned numPools) {
     ProgramDefines defines{{"HDS_NUM_POOLS", std::to_string(numPools)}};
@@ -27,8 +28,8 @@ ProgramDefines MakeDefines(unsigned bits, unsigned numPools) {
 
 TEST_F(Roots, BuildWithEachFeature) {
     for (const char* root : kRoots) {
-        for (const unsigned bits :
-             {0U, 1U, 2U, 4U, 8U, 24U, 48U, 63U, 88U, 128U, 256U, 257U, 512U}) {
+        for (const unsigned bits : {0U, 1U, 2U, 4U, 8U, 24U, 48U, 63U, 88U, 128U, 256U, 257U, 512U,
+                                    1024U, 2048U, 1024U + 4096U + 1U}) {
             EXPECT_NO_THROW(Program(device, root, MakeDefines(bits, 1)))
                 << root << " features " << bits;
         }
@@ -47,7 +48,8 @@ TEST_F(Roots, BuildWithEachLobe) {
 }
 
 TEST_F(Roots, BuildWithAllPools) {
-    EXPECT_NO_THROW(Program(device, "integrator/shade.cl", MakeDefines(63 + 512, 8)));
+    EXPECT_NO_THROW(
+        Program(device, "integrator/shade.cl", MakeDefines(63 + 512 + 1024 + 2048 + 4096, 8)));
 }
 
 } // namespace

@@ -15,6 +15,10 @@ _TYPES = {
     "DomeLight_1": _core.LightType.Dome,
 }
 LIGHT_TYPES = tuple(_TYPES)
+_SYNC_MODES = {
+    "materialGlowTintsLight": _core.MaterialSyncMode.GlowTintsLight,
+    "independent": _core.MaterialSyncMode.Independent,
+}
 UNSUPPORTED_LIGHT_TYPES = ("PortalLight", "GeometryLight", "PluginLight")
 _DISTANT_INTENSITY = 50000.0  # UsdLuxDistantLight's fallback; that of all others is 1
 
@@ -38,10 +42,21 @@ _SHADOW = {
 _Z_FROM_Y = Gf.Matrix4d(1.0).SetRotate(Gf.Rotation(Gf.Vec3d(1, 0, 0), 90))
 
 
+def IsLight(prim):
+    """Whether a mesh is a light: UsdLuxMeshLightAPI, or LightAPI, is applied."""
+    return "LightAPI" in prim.GetAppliedSchemas()
+
+
+def ReadSyncMode(prim):
+    """How a mesh light and its material go together."""
+    attribute = prim.GetAttribute("light:materialSyncMode")
+    return _SYNC_MODES.get(attribute.Get() if attribute else "", _core.MaterialSyncMode.NoMaterialResponse)
+
+
 def ReadLight(prim, typeName, names, timeCode, assets):
-    """The description of a light of one of LIGHT_TYPES."""
+    """The description of a light of one of LIGHT_TYPES, or of a mesh."""
     light = _core.LightDescription()
-    light.type = _TYPES[typeName]
+    light.type = _TYPES.get(typeName, _core.LightType.Mesh)
     if typeName == "DistantLight":
         light.intensity = _DISTANT_INTENSITY
     for name in names:
@@ -106,8 +121,10 @@ def UnsupportedFeatures(prim, names, timeCode):
     """Names of authored light features that the renderer does not have yet, sorted."""
     features = set()
     for name in names:
-        if name in ("light:filters", "portals") and prim.GetRelationship(name).GetTargets():
-            features.add("light filters" if name == "light:filters" else "portals")
+        if name == "light:filters":
+            features.update(f"light filter {path}" for path in prim.GetRelationship(name).GetForwardedTargets())
+        elif name == "portals" and prim.GetRelationship(name).GetTargets():
+            features.add("portals")
         elif name == "inputs:shadow:falloff" and prim.GetAttribute(name).Get(timeCode) > 0.0:
             features.add("shadow falloff")
     return sorted(features)

@@ -243,7 +243,6 @@ class StageTranslator:
         mesh = self._KeptMesh(prim, context) or meshes.ReadMesh(prim, names, state.primvars, self._timeCode, skin)
         if mesh is None:
             return state
-        self._CheckMeshLight(prim)
         self._AddMesh(prim, names, mesh, state, context)
         return state
 
@@ -297,16 +296,26 @@ class StageTranslator:
             meshPrim = _core.MeshPrim(mesh, placement, state.purpose)
         if "doubleSided" in names or prim.GetTypeName() == "Plane":  # whose fallback is true
             meshPrim.doubleSided = bool(prim.GetAttribute("doubleSided").Get(self._timeCode))
+        if prim.IsA(UsdGeom.Mesh):
+            self._ReadMeshLight(prim, names, meshPrim)
         for splitPath, splitPrim in self._instancers.Split(path, prim, meshPrim):
             self._meshes.Add(splitPath, prim, splitPrim, subsetPrims)
 
-    def _CheckMeshLight(self, prim):
-        if "MeshLightAPI" in prim.GetAppliedSchemas():
-            self._reports.Warn(prim, "MeshLightAPI is not supported yet; drawn as a mesh")
+    def _ReadMeshLight(self, prim, names, meshPrim):
+        if not lights.IsLight(prim):
+            meshPrim.RemoveLight()
+            return
+        self._WarnOfLight(prim, names)
+        if any(name.startswith(("collection:lightLink:", "collection:shadowLink:")) for name in names):
+            self._reports.Warn(prim, "links of a mesh light are not supported yet")
+        meshPrim.SetLight(lights.ReadLight(prim, "Mesh", names, self._timeCode, self._assets), lights.ReadSyncMode(prim))
 
-    def _OnLight(self, prim, schema, names, state, context):
+    def _WarnOfLight(self, prim, names):
         for feature in lights.UnsupportedFeatures(prim, names, self._timeCode):
             self._reports.Warn(prim, f"{feature} is not supported yet")
+
+    def _OnLight(self, prim, schema, names, state, context):
+        self._WarnOfLight(prim, names)
         light = lights.ReadLight(prim, schema, names, self._timeCode, self._assets)
         path, placement = self._Place(prim, state, context)
         pole = lights.PoleTransform(prim, schema)

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/scene/emissiveMeshes.h"
+
+#include "hdStream/scene/emissionGuess.h"
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include <cmath>
+#include <utility>
+
+namespace hds {
+
+namespace {
+
+/// The rounding of float transforms and positions, against the magnitudes that are rounded.
+constexpr int kPositionErrorExponent = -21;
+
+glm::dvec3 EmissionOf(const shared::HdsMaterial& material) {
+    const shared::float4& color = material.constants[HDS_INPUT_EMISSIVE_COLOR];
+    return {color.x, color.y, color.z};
+}
+
+class Collector {
+public:
+    Collector(const LightCommitInput& input, CommitCache* cache, Warnings& warnings)
+        : _input(input), _cache(*cache), _warnings(warnings) {}
+
+    EmissiveMeshes Run() {
+        for (const OwnRecord& record : *_input.ownRecords) {
+            const MeshMaterialInfo& info = (*_input.meshInfos)[record.mesh];
+            _result.firstEntryByRecord.push_back(std::uint32_t(_result.meshByEntry.size()));
+            for (std::uint32_t entry = 0; entry < info.entries.size(); ++entry) {
+                _result.meshByEntry.push_back(HDS_NONE);
+                AddEntry(record, info, entry);
+            }
+        }
+        if (_numLeftOut > 0) {
+            _warnings.Add(_firstLeftOut,
+                          "and " + std::to_string(_numLeftOut - 1) +
+                              " more glow but are not sampled as lights: the scene has more than " +
+                              std::to_string(kMaxEmissiveTriangles) + " emissive triangles");
+        }
+        return std::move(_result);
+    }
+
+private:
+    void AddEntry(const OwnRecord& record, const MeshMaterialInfo& info, std::uint32_t entry) {
+        const MeshPrim& prim = _input.scene->meshes.at(record.path);
+        const shared::HdsMaterial& material =
+            _input.materials->materials[_input.materials->meshMaterials[info.materialBase + entry]];
+        if ((material.flags & HDS_MATERIAL_EMISSIVE) == 0 ||
+            prim.mesh->primitives != PrimitiveKind::Faces) {
+            return; // what curves and points emit is found by BSDF sampling alone
+        }
+        const std::uint64_t bound = _cache.meshes.Find(record.path).numTriangles;
+        EmissiveMesh mesh;
+        if (bound <= kMaxEmissiveTriangles) {
+            mesh = MakeMesh(record, prim, material, info.entries[entry], entry);
+        }
+        if (bound > kMaxEmissiveTriangles ||
+            _result.numTriangles + mesh.triangles.size() > kMaxEmissiveTriangles) {
+            _firstLeftOut = _numLeftOut++ == 0 ? record.path : _firstLeftOut;
+        } else if (!mesh.triangles.empty()) {
+            _result.numTriangles += mesh.triangles.size();
+            _result.meshByEntry.back() = std::uint32_t(_result.meshes.size());
+            _result.meshes.push_back(std::move(mesh));
+        }
+    }
+
+    EmissiveMesh MakeMesh(const OwnRecord& record, const MeshPrim& prim,
+                          const shared::HdsMaterial& material, const MaterialEntryInfo& info,
+                          std::uint32_t entry) {
+        EmissiveMesh mesh;
+        mesh.name = record.path;
+        mesh.twoSided = !prim.light || prim.doubleSided;
+        const bool asksMaterial = !prim.light || info.syncMode == MaterialSyncMode::GlowTintsLight;
+        mesh.isGlowing = asksMaterial && !HasConstantEmission(material);
+        mesh.radiance = asksMaterial && !mesh.isGlowing ? EmissionOf(material) : glm::dvec3(1.0);
+        if (prim.light) {
+            mesh.lux.emplace();
+            mesh.lux->name = record.path;
+            mesh.lux->light = prim.light->light;
+            mesh.lux->light.visibleToCamera = info.syncMode == MaterialSyncMode::NoMaterialResponse;
+            mesh.lux->worldFromLight = record.worldFromObject;
+            if (asksMaterial && !mesh.isGlowing && mesh.radiance == glm::dvec3(0.0)) {
+                _warnings.Add(record.path, "its material emits nothing: as a mesh light of "
+                                           "materialGlowTintsLight it is dark");
+            }
+            if (mesh.isGlowing) {
+                DropControls(record.path, &mesh.lux->light);
+            }
+        }
+        AddTriangles(record, mesh.isGlowing ? info.emission : EmissionInput(), entry, &mesh);
+        return mesh;
+    }
+
+    /// Shadow rays to such lights end at geometry, so that they cannot be cut short.
+    void DropControls(const std::string& path, LightDescription* light) {
+        const LightShadow plain;
+        if (light->shadow.enable != plain.enable || light->shadow.color != plain.color ||
+            light->shadow.distance != plain.distance) {
+            _warnings.Add(path, "shadow controls of a mesh light whose material varies its "
+                                "emission are ignored");
+            light->shadow = plain;
+        }
+    }
+
+    void AddTriangles(const OwnRecord& record, const EmissionInput& emission, std::uint32_t entry,
+                      EmissiveMesh* mesh) {
+        const ChunkGeometry& chunk = _cache.meshes.Triangles(record.path);
+        const EmissionGuess guess(emission, chunk, *_input.materials, &_cache);
+        // A reflection turns the winding; emission keeps to the side of the object's normals.
+        const bool isTurned = (glm::determinant(glm::dmat3(record.worldFromObject)) < 0.0) !=
+                              _cache.meshes.Find(record.path).leftHanded;
+        glm::dvec3 reach(0.0);
+        for (std::uint32_t i = 0; i < chunk.triangles.size(); ++i) {
+            EmissiveMesh::Triangle triangle;
+            for (int k = 0; k < 3; ++k) {
+                const glm::dvec3 position(chunk.positions[chunk.triangles[i][k]]);
+                const int to = isTurned ? 2 - k : k;
+                triangle.p[to] = glm::dvec3(record.worldFromObject * glm::dvec4(position, 1.0));
+                reach = glm::max(reach, glm::abs(position));
+            }
+            mesh->wholeArea += 0.5 * glm::length(glm::cross(triangle.p[1] - triangle.p[0],
+                                                            triangle.p[2] - triangle.p[0]));
+            if ((chunk.materialEntries.empty() ? 0 : chunk.materialEntries[i]) == entry) {
+                triangle.primId = chunk.primIds[i];
+                triangle.glow = guess.Of(i);
+                mesh->triangles.push_back(triangle);
+            }
+        }
+        glm::dvec3 magnitude = glm::abs(glm::dvec3(record.worldFromObject[3]));
+        for (int column = 0; column < 3; ++column) {
+            magnitude += glm::abs(glm::dvec3(record.worldFromObject[column])) * reach[column];
+        }
+        mesh->positionError = std::ldexp(glm::length(magnitude), kPositionErrorExponent);
+    }
+
+    const LightCommitInput& _input;
+    CommitCache& _cache;
+    Warnings& _warnings;
+    EmissiveMeshes _result;
+    std::size_t _numLeftOut = 0;
+    std::string _firstLeftOut;
+};
+
+} // namespace
+
+EmissiveMeshes CollectEmissiveMeshes(const LightCommitInput& input, CommitCache* cache,
+                                     Warnings& warnings) {
+    return Collector(input, cache, warnings).Run();
+}
+
+} // namespace hds

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// Emissive meshes as lights: their triangles, and how these are cut into clusters, each of which is
+// a light of its own. Pure functions; any thread. Explained in docs/lights.md, "Emissive meshes".
+#pragma once
+
+#include "hdStream/shading/lightDescription.h"
+#include "kernels/shared/compat.h"
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace hds {
+
+/// A light in its place.
+struct PlacedLight {
+    std::string name; ///< prim path, for warnings
+    LightDescription light;
+    glm::dmat4 worldFromLight{1.0};      ///< relative to the scene centre
+    std::uint32_t lightLink = HDS_NONE;  ///< index into LinkTable::categories
+    std::uint32_t shadowLink = HDS_NONE; ///< likewise
+};
+
+/// The emissive triangles of one mesh instance with one material.
+struct EmissiveMesh {
+    struct Triangle {
+        glm::dvec3 p[3]; ///< world, relative to the scene centre, in winding order: emits to the
+                         ///< side of cross(p1 - p0, p2 - p0)
+        std::uint32_t primId = 0;
+        double glow = 1.0; ///< about the mean luminance of what the material emits, of isGlowing
+    };
+    std::string name;
+    std::vector<Triangle> triangles;
+    glm::dvec3 radiance{1.0};
+    bool twoSided = false;
+    /// The radiance is a factor on what the material emits at each point.
+    bool isGlowing = false;
+    /// Of a mesh with UsdLuxMeshLightAPI: its inputs, of which `radiance` is a further factor.
+    std::optional<PlacedLight> lux;
+    double wholeArea = 0.0; ///< of lux: of the mesh with all its materials, for `normalize`
+    /// Bound on the distance between these positions and where rays meet the triangles, besides the
+    /// rounding of the positions themselves: about 2^-21 (|worldFromObject| |p| + |translation|).
+    double positionError = 0.0;
+};
+
+/// A triangle that can be sampled.
+struct EmissiveTriangle {
+    glm::dvec3 p[3];
+    std::uint32_t primId = 0;
+    double area = 0.0;
+    double weight = 0.0; ///< area * glow
+};
+
+/// What the estimate of a cluster's light is made of.
+struct EmissiveCluster {
+    std::size_t begin = 0; ///< of its triangles
+    std::size_t end = 0;
+    glm::dvec3 low{0.0}; ///< box
+    glm::dvec3 high{0.0};
+    double area = 0.0;
+    double weight = 0.0;
+    glm::dvec3 axis{0.0};  ///< unit; zero: normals cancel out
+    double flatness = 0.0; ///< 1 when all normals are the axis, 0 when they cancel out
+};
+
+struct EmissiveClusters {
+    std::vector<EmissiveTriangle> triangles; ///< cluster by cluster
+    std::vector<EmissiveCluster> clusters;
+    double area = 0.0;
+    double weight = 0.0;
+    bool isWeighed = false; ///< triangles differ in their glow
+};
+
+/// Leaves out triangles without area and cuts the rest where that makes lights that are better to
+/// tell apart: into compact parts of at most half the mesh's size. Deterministic.
+EmissiveClusters ClusterTriangles(const EmissiveMesh& mesh);
+
+} // namespace hds
