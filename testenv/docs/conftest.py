@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A built hdstream, and OpenUSD with its plug-in where there is one."""
+"""OpenUSD with its plug-in where there is one; caches that pages may clear."""
 
-import importlib.util
 import os
 import pathlib
 import shutil
@@ -15,11 +14,6 @@ sys.path[:0] = [str(HERE), str(TESTENV), str(TESTENV / "hydra")]
 
 import openUsd as openUsdModule  # noqa: E402
 from bench.recordRun import FreshCache  # noqa: E402
-
-_BUILT = openUsdModule.BuildFolder() / "python"
-if importlib.util.find_spec("hdstream") is None:
-    sys.path.insert(0, str(_BUILT))
-    os.environ["PYTHONPATH"] = str(_BUILT)
 
 
 @pytest.fixture(scope="session")
