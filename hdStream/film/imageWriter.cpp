@@ -64,7 +64,9 @@ public:
     AtomicFileProxy(AtomicFile* file, const std::string& name)
         : IOProxy(name, IOProxy::Write), _file(file) {}
     const char* proxytype() const override { return "hdstream"; }
-    std::int64_t tell() override { return _file->Tell(); }
+    // OpenImageIO 3 made it const; without `override`, each version finds its own.
+    std::int64_t tell() { return _file->Tell(); }
+    std::int64_t tell() const { return _file->Tell(); }
     bool seek(std::int64_t offset) override { return _file->Seek(offset); }
     std::size_t write(const void* data, std::size_t bytes) override {
         const std::size_t written = _file->Write(data, bytes);
