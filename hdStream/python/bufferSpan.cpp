@@ -4,6 +4,11 @@
 #include <mutex>
 #include <string>
 
+#ifdef Py_LIMITED_API
+// Every CPython has it; only the headers of the stable ABI leave it out.
+extern "C" int PyGILState_Check(void);
+#endif
+
 namespace nb = nanobind;
 
 namespace hds::python {

@@ -4,13 +4,24 @@
 import email
 import pathlib
 import sys
+import tarfile
 import zipfile
 
 import numpy as np
+import pytest
 from installCase import ROOT, CleanEnvironment, Run
 from stages.imageFile import ReadExr
 
 PACKAGE = ROOT / "hdStream" / "python" / "hdstream"
+
+
+def test_sdist_holds_what_git_tracks(sdist):
+    tracked = Run(["git", "-C", ROOT, "ls-files"])
+    if tracked.returncode != 0:
+        pytest.skip("not a git checkout")
+    with tarfile.open(sdist) as archive:
+        held = {member.name.partition("/")[2] for member in archive.getmembers()}
+    assert not [name for name in tracked.stdout.splitlines() if (ROOT / name).exists() and name not in held]
 
 
 def test_wheel_holds_every_module_and_names_its_requirements(wheel):
@@ -22,6 +33,7 @@ def test_wheel_holds_every_module_and_names_its_requirements(wheel):
     assert modules <= names
     assert any(name.startswith("hdstream/_core.") for name in names)
     assert not [name for name in names if not name.startswith("hdstream")]
+    assert any(name.endswith(".dist-info/licenses/LICENSE") for name in names)
     requirements = " ".join(metadata.get_all("Requires-Dist"))
     assert "usd-core" in requirements and "numpy" in requirements
 

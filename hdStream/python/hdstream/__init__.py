@@ -9,12 +9,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from hdstream import bundle as _bundle
+
 if TYPE_CHECKING:
     from hdstream._core import Error, FilmSums, UsageError
     from hdstream.renderer import Image, Progress, Render, Renderer, RenderWarning
 
 __all__ = ["Error", "FilmSums", "Image", "Progress", "Render", "RenderWarning", "Renderer", "UsageError"]
 _OF_CORE = ("Error", "FilmSums", "UsageError")
+_bundle.Prepare()
 
 
 def __getattr__(name):
