@@ -4,7 +4,7 @@
 auditwheel copies the system's shared libraries in, except OpenImageIO's: STAGED is the prefix of
 packaging/stageImageLibrary.py, and the package openimageio brings them at run time. Then what the package needs
 of PyPI is named, and the linker for PoCL and the licences of the copied libraries are added
-(docs/decisions/0013-wheel.md)."""
+(docs/decisions/0014-wheel.md)."""
 
 import pathlib
 import re

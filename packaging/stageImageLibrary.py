@@ -3,7 +3,7 @@
 
 The wheel has the shared libraries without headers, the source archive of the same version the headers; the
 formatting library that the headers include is the one that the system's OpenImageIO bundles. FOLDER becomes a
-prefix for -DOpenImageIO_DIR (docs/decisions/0013-wheel.md)."""
+prefix for -DOpenImageIO_DIR (docs/decisions/0014-wheel.md)."""
 
 import pathlib
 import re
