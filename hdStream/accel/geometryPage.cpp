@@ -6,6 +6,8 @@
 #include "hdStream/base/error.h"
 #include "kernels/shared/geometry.h"
 
+#include <glm/common.hpp>
+
 #include <cstring>
 
 namespace hds {
@@ -34,6 +36,10 @@ void ReorderTriangles(const std::vector<std::uint32_t>& order, ChunkGeometry* ch
     Permute(order, &chunk->primitiveBounds);
 }
 
+bool Moves(const ChunkGeometry& chunk) {
+    return !chunk.closePositions.empty();
+}
+
 /// Vertices of curves and points as kernels read them.
 std::vector<float> PackSolidVertices(const ChunkGeometry& chunk) {
     std::vector<float> packed;
@@ -44,14 +50,51 @@ std::vector<float> PackSolidVertices(const ChunkGeometry& chunk) {
             const glm::vec3& normal = chunk.jointNormals[i];
             packed.insert(packed.end(), {normal.x, normal.y, normal.z, 0.0F});
         }
+        if (Moves(chunk)) {
+            const glm::vec3& close = chunk.closePositions[i];
+            packed.insert(packed.end(), {close.x, close.y, close.z, chunk.radii[i]});
+        }
     }
     return packed;
+}
+
+/// Positions when the shutter opens, and behind each the one when it closes.
+std::vector<glm::vec3> PackMovingVertices(const ChunkGeometry& chunk) {
+    std::vector<glm::vec3> packed;
+    packed.reserve(2 * chunk.positions.size());
+    for (std::size_t i = 0; i < chunk.positions.size(); ++i) {
+        packed.push_back(chunk.positions[i]);
+        packed.push_back(chunk.closePositions[i]);
+    }
+    return packed;
+}
+
+/// Boxes of triangles from pose to pose, with what kernels round when they interpolate.
+std::vector<Bounds> BoundMovingTriangles(const ChunkGeometry& chunk) {
+    constexpr float kRounding = 4.0F / (1U << 24U);
+    std::vector<Bounds> boxes;
+    boxes.reserve(chunk.triangles.size());
+    for (const glm::uvec3& triangle : chunk.triangles) {
+        Bounds box;
+        for (int corner = 0; corner < 3; ++corner) {
+            for (const auto* positions : {&chunk.positions, &chunk.closePositions}) {
+                box.min = glm::min(box.min, (*positions)[triangle[corner]]);
+                box.max = glm::max(box.max, (*positions)[triangle[corner]]);
+            }
+        }
+        const glm::vec3 pad = kRounding * glm::max(glm::abs(box.min), glm::abs(box.max));
+        box.min -= pad;
+        box.max += pad;
+        boxes.push_back(box);
+    }
+    return boxes;
 }
 
 /// Renumbers vertices in the order of first use; vertices that no triangle uses are dropped.
 void ReorderVertices(ChunkGeometry* chunk) {
     std::vector<std::uint32_t> newIndex(chunk->positions.size(), HDS_NONE);
     std::vector<glm::vec3> positions;
+    std::vector<glm::vec3> closePositions;
     std::vector<std::uint32_t> points;
     positions.reserve(chunk->positions.size());
     points.reserve(chunk->points.size());
@@ -62,11 +105,15 @@ void ReorderVertices(ChunkGeometry* chunk) {
                 index = static_cast<std::uint32_t>(positions.size());
                 positions.push_back(chunk->positions[triangle[corner]]);
                 points.push_back(chunk->points[triangle[corner]]);
+                if (Moves(*chunk)) {
+                    closePositions.push_back(chunk->closePositions[triangle[corner]]);
+                }
             }
             triangle[corner] = index;
         }
     }
     chunk->positions = std::move(positions);
+    chunk->closePositions = std::move(closePositions);
     chunk->points = std::move(points);
 }
 
@@ -107,8 +154,9 @@ private:
 
 GeometryPage BuildGeometryPage(ChunkGeometry& chunk) {
     const bool isSolid = chunk.primitives != HDS_PRIMITIVE_TRIANGLES;
-    std::vector<BoxRef> refs =
-        isSolid ? MakeRefs(chunk.primitiveBounds) : MakeRefs(chunk.positions, chunk.triangles);
+    std::vector<BoxRef> refs = isSolid        ? MakeRefs(chunk.primitiveBounds)
+                               : Moves(chunk) ? MakeRefs(BoundMovingTriangles(chunk))
+                                              : MakeRefs(chunk.positions, chunk.triangles);
     Bvh bvh = BuildWideBvh(refs, BvhOptions{});
     if (bvh.nodes.empty()) {
         bvh.nodes.emplace_back(); // all of a unit's triangles may turn out to have no area
@@ -130,8 +178,10 @@ GeometryPage BuildGeometryPage(ChunkGeometry& chunk) {
     writer.Append(bvh.nodes);
     header.triangles = writer.Append(triangles);
     header.primIds = writer.Append(chunk.primIds);
-    header.vertices =
-        isSolid ? writer.Append(PackSolidVertices(chunk)) : writer.Append(chunk.positions);
+    header.vertices = isSolid        ? writer.Append(PackSolidVertices(chunk))
+                      : Moves(chunk) ? writer.Append(PackMovingVertices(chunk))
+                                     : writer.Append(chunk.positions);
+    header.vertices |= Moves(chunk) ? HDS_PAGE_MOVES : 0U;
     header.numTriangles = static_cast<std::uint32_t>(triangles.size()) | chunk.primitives
                                                                              << HDS_PRIMITIVE_SHIFT;
     GeometryPage page;

@@ -61,14 +61,14 @@ constexpr double kMeanNodeBytes = 22.0;
 TriangleBytes EstimateTriangle(const std::vector<MeshAttribute>& attributes,
                                std::optional<Interpolation> normals, bool hasMaterials,
                                double verticesPerTriangle, double nodeBytes,
-                               std::size_t vertexBytes = sizeof(glm::vec3)) {
+                               std::size_t vertexBytes = sizeof(glm::vec3), int numNormals = 1) {
     const auto blockBytes = [&](Interpolation interpolation, std::uint32_t numComponents) {
         return ValuesPerTriangle(PageInterpolation(interpolation), verticesPerTriangle) *
                numComponents * sizeof(float);
     };
     double bytes = sizeof(std::uint32_t); // authored face
     bytes += hasMaterials ? sizeof(std::uint32_t) : 0.0;
-    bytes += normals ? blockBytes(*normals, 3) : 0.0;
+    bytes += normals ? numNormals * blockBytes(*normals, 3) : 0.0;
     for (const MeshAttribute& attribute : attributes) {
         bytes += blockBytes(attribute.interpolation, attribute.numComponents);
     }
@@ -99,7 +99,8 @@ class PageBuilder {
 public:
     explicit PageBuilder(const ChunkGeometry& chunk)
         : _chunk(chunk),
-          _bytes(RoundUp((HDS_SLOT_USER + chunk.attributes.size()) * sizeof(std::uint32_t))) {}
+          _bytes(RoundUp((HDS_SLOT_USER + chunk.attributes.size() + (Moves(chunk) ? 1U : 0U)) *
+                         sizeof(std::uint32_t))) {}
 
     std::vector<std::uint8_t> Build() {
         AddArray(HDS_SLOT_FACE, HDS_ATTR_TRIANGLE, 1, _chunk.faces);
@@ -115,10 +116,18 @@ public:
                           CopyFinite(from, attribute.numComponents, to);
                       });
         }
+        if (!_chunk.closeNormals.empty()) {
+            MeshAttribute normals = _chunk.normals;
+            normals.values = _chunk.closeNormals;
+            AddValues(static_cast<std::uint32_t>(HDS_SLOT_USER + _chunk.attributes.size()), normals,
+                      [](const float* from, float* to) { CopyUnit(from, to); });
+        }
         return std::move(_bytes);
     }
 
 private:
+    static bool Moves(const ChunkGeometry& chunk) { return !chunk.closePositions.empty(); }
+
     /// Appends a block and writes its slot word. \return the block; valid until the next one.
     std::uint8_t* AddBlock(std::uint32_t slot, std::uint32_t interpolation,
                            std::uint32_t numComponents, std::size_t numValues) {
@@ -210,14 +219,19 @@ double VerticesPerTriangle(std::size_t numPoints, std::size_t numTriangles) {
 }
 
 TriangleBytes MeanTriangleBytes(const std::vector<MeshAttribute>& attributes,
-                                std::optional<Interpolation> normals, bool hasMaterials,
+                                std::optional<Interpolation> normals, bool hasMaterials, bool moves,
                                 double verticesPerTriangle) {
-    return EstimateTriangle(attributes, normals, hasMaterials, verticesPerTriangle, kMeanNodeBytes);
+    const std::size_t copies = moves ? 2 : 1;
+    return EstimateTriangle(attributes, normals, hasMaterials, verticesPerTriangle, kMeanNodeBytes,
+                            copies * sizeof(glm::vec3), int(copies));
 }
 
 TriangleBytes BoundTriangleBytes(const std::vector<MeshAttribute>& attributes,
-                                 std::optional<Interpolation> normals, bool hasMaterials) {
-    return EstimateTriangle(attributes, normals, hasMaterials, 3.0, kMostNodeBytes);
+                                 std::optional<Interpolation> normals, bool hasMaterials,
+                                 bool moves) {
+    const std::size_t copies = moves ? 2 : 1;
+    return EstimateTriangle(attributes, normals, hasMaterials, 3.0, kMostNodeBytes,
+                            copies * sizeof(glm::vec3), int(copies));
 }
 
 TriangleBytes SolidBytes(const std::vector<MeshAttribute>& attributes, double verticesPerPrimitive,

@@ -18,13 +18,15 @@ std::vector<std::uint8_t> BuildAttributePage(const ChunkGeometry& chunk);
 /// chunk's border count again.
 double VerticesPerTriangle(std::size_t numPoints, std::size_t numTriangles);
 
-/// Upper bound. \param normals how normals are stored, if they are.
+/// Upper bound. \param normals how normals are stored, if they are. \param moves vertices and
+/// normals are there twice.
 TriangleBytes BoundTriangleBytes(const std::vector<MeshAttribute>& attributes,
-                                 std::optional<Interpolation> normals, bool hasMaterials);
+                                 std::optional<Interpolation> normals, bool hasMaterials,
+                                 bool moves);
 
 /// About what it is where a triangle adds `verticesPerTriangle`.
 TriangleBytes MeanTriangleBytes(const std::vector<MeshAttribute>& attributes,
-                                std::optional<Interpolation> normals, bool hasMaterials,
+                                std::optional<Interpolation> normals, bool hasMaterials, bool moves,
                                 double verticesPerTriangle);
 
 /// What a primitive of curves or points adds, whose chunks have so many vertices a primitive.

@@ -56,6 +56,9 @@ struct ChunkGeometry {
     std::vector<glm::uvec3> corners;       ///< [numTriangles] elements of FaceVarying attributes
     std::vector<MeshAttribute> attributes; ///< as ChunkSource::Attributes
     MeshAttribute normals; ///< object space, towards the authored front; values empty: flat
+    /// When the shutter closes: [numVertices], and of the elements of `normals`; empty: as above.
+    std::vector<glm::vec3> closePositions;
+    SharedSpan<float> closeNormals;
 
     /// HDS_PRIMITIVE_* (kernels/shared/geometry.h). Of curves and points an entry of `triangles` is
     /// the first vertex and the piece's bits above it; vertices stay in their order.

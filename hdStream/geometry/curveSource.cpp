@@ -43,7 +43,7 @@ public:
         for (std::uint32_t unit = 0; unit < _numUnits; ++unit) {
             _numVertices += UnitVertices(_units[unit]);
         }
-        const std::size_t vertexBytes = (_hasNormals ? 8 : 4) * sizeof(float);
+        const std::size_t vertexBytes = ((_hasNormals ? 8 : 4) + (Moves() ? 4 : 0)) * sizeof(float);
         constexpr double kMostVertices = 5.0; // of a unit of one piece
         _boundBytes = SolidBytes(_values, kMostVertices, vertexBytes, false);
         _meanBytes =
@@ -220,8 +220,9 @@ private:
             for (std::uint32_t i = 0; i < unit.numSegments; ++i) {
                 _levels[unit.firstLevel + i] = LevelOf(unit.curve, unit.firstSegment + i);
                 if (_levels[unit.firstLevel + i] != kDropped) {
-                    const Points shape = ShapeOf(unit.curve, unit.firstSegment + i);
-                    Extend(shape, &_unitBounds[index]);
+                    for (const Points& shape : ShapesOf(unit.curve, unit.firstSegment + i)) {
+                        Extend(shape, &_unitBounds[index]);
+                    }
                 }
             }
         });
@@ -260,18 +261,21 @@ private:
         for (std::uint32_t k = isLinear ? 1 : 0; k < (isLinear ? 3U : 4U); ++k) {
             const RunVertex vertex =
                 _basis->VertexOf(_basis->FirstVertex(segment) + k, _counts[curve]);
-            if (!FindPoint(*_curves, PointAt(curve, vertex.point))) {
+            const std::size_t point = PointAt(curve, vertex.point);
+            if (!FindPoint(*_curves, point) || (Moves() && !FindClosePoint(*_curves, point))) {
                 return kDropped;
             }
         }
-        const Points shape = ShapeOf(curve, segment);
-        for (const glm::dvec4& point : shape) {
-            hasWidth = hasWidth || point.w != 0.0;
+        double turn = 0.0;
+        for (const Points& shape : ShapesOf(curve, segment)) {
+            for (const glm::dvec4& point : shape) {
+                hasWidth = hasWidth || point.w != 0.0;
+            }
+            turn = std::max(turn, TurnOfBezier(shape) / (_hasNormals ? kRibbonTurn : kRoundTurn));
         }
         if (!hasWidth) {
             return kDropped;
         }
-        double turn = TurnOfBezier(shape) / (_hasNormals ? kRibbonTurn : kRoundTurn);
         if (_hasNormals) {
             const glm::dvec3 n0(JointNormal(curve, segment, 0));
             const glm::dvec3 n1(JointNormal(curve, segment, 1));
@@ -284,11 +288,16 @@ private:
         return level;
     }
 
-    /// A vertex of a run relative to the origin, with its radius, as its page holds it.
-    glm::vec4 VertexAt(std::uint32_t curve, std::uint32_t run) const {
+    bool Moves() const { return !_curves->closePoints.empty(); }
+
+    /// A vertex of a run relative to the origin, with its radius, as its page holds it. \param
+    /// isClosed when the shutter closes.
+    glm::vec4 VertexAt(std::uint32_t curve, std::uint32_t run, bool isClosed) const {
         const RunVertex vertex = _basis->VertexOf(run, _counts[curve]);
         const auto at = [&](std::uint32_t place) {
-            const auto point = FindPoint(*_curves, PointAt(curve, place));
+            const std::size_t index = PointAt(curve, place);
+            const auto point =
+                isClosed ? FindClosePoint(*_curves, index) : FindPoint(*_curves, index);
             return glm::vec4(point ? *point - glm::vec3(_origin) : glm::vec3(0.0F),
                              VertexRadius(curve, run, place));
         };
@@ -320,12 +329,21 @@ private:
         return radius + (next - radius) * (static_cast<float>(run % 3) / 3.0F);
     }
 
-    Points ShapeOf(std::uint32_t curve, std::uint32_t segment) const {
+    Points ShapeOf(std::uint32_t curve, std::uint32_t segment, bool isClosed) const {
         Points vertices;
         for (std::uint32_t k = 0; k < 4; ++k) {
-            vertices[k] = glm::dvec4(VertexAt(curve, _basis->FirstVertex(segment) + k));
+            vertices[k] = glm::dvec4(VertexAt(curve, _basis->FirstVertex(segment) + k, isClosed));
         }
         return _basis->Bezier(vertices);
+    }
+
+    /// When the shutter opens and, of curves that move, when it closes.
+    std::vector<Points> ShapesOf(std::uint32_t curve, std::uint32_t segment) const {
+        std::vector<Points> shapes{ShapeOf(curve, segment, false)};
+        if (Moves()) {
+            shapes.push_back(ShapeOf(curve, segment, true));
+        }
+        return shapes;
     }
 
     static void Extend(const Points& shape, Bounds* bounds) {
@@ -400,8 +418,11 @@ private:
         const std::uint32_t numSegments = SegmentsOf(unit.curve);
         for (std::uint32_t i = 0; i < UnitVertices(unit); ++i) {
             const std::uint32_t run = firstRun + i;
-            const glm::vec4 vertex = VertexAt(unit.curve, run);
+            const glm::vec4 vertex = VertexAt(unit.curve, run, false);
             chunk->positions.emplace_back(vertex);
+            if (Moves()) {
+                chunk->closePositions.emplace_back(VertexAt(unit.curve, run, true));
+            }
             chunk->radii.push_back(vertex.w);
             const RunVertex from = _basis->VertexOf(run, _counts[unit.curve]);
             const std::size_t point = PointAt(unit.curve, from.point);
@@ -428,7 +449,7 @@ private:
             }
             const bool isStart = !IsDrawn(unit, std::int64_t{segment} - 1);
             const bool isEnd = !IsDrawn(unit, std::int64_t{segment} + 1);
-            AddPieces(first, level, isStart, isEnd, ShapeOf(unit.curve, segment), chunk);
+            AddPieces(first, level, isStart, isEnd, ShapesOf(unit.curve, segment), chunk);
             for (std::uint32_t piece = 0; piece < 1U << level; ++piece) {
                 chunk->primIds.push_back(primId++);
                 chunk->faces.push_back(FaceOf(unit.curve));
@@ -437,7 +458,7 @@ private:
     }
 
     static void AddPieces(std::uint32_t first, std::uint8_t level, bool isStart, bool isEnd,
-                          const Points& shape, ChunkGeometry* chunk) {
+                          const std::vector<Points>& shapes, ChunkGeometry* chunk) {
         constexpr int kAbove = HDS_PIECE_SHIFT; // corner 1 begins there
         const std::uint32_t count = 1U << level;
         for (std::uint32_t piece = 0; piece < count; ++piece) {
@@ -446,10 +467,12 @@ private:
             bits |= isEnd ? HDS_PIECE_END >> kAbove : 0;
             chunk->triangles.emplace_back(first, static_cast<std::uint32_t>(bits), 0U);
             Bounds bounds;
-            Extend(count == 1 ? shape
-                              : PartOfBezier(shape, static_cast<double>(piece) / count,
-                                             static_cast<double>(piece + 1) / count),
-                   &bounds);
+            for (const Points& shape : shapes) {
+                Extend(count == 1 ? shape
+                                  : PartOfBezier(shape, static_cast<double>(piece) / count,
+                                                 static_cast<double>(piece + 1) / count),
+                       &bounds);
+            }
             chunk->primitiveBounds.push_back(bounds);
         }
     }

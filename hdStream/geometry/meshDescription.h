@@ -55,11 +55,21 @@ struct CurveForm {
     std::string wrap = "nonperiodic"; ///< periodic, pinned; segmented: pairs, lines of draw modes
 };
 
+/// Points at a time, in frames from the frame on.
+struct PointSample {
+    double time = 0.0;
+    SharedSpan<float> points; ///< as MeshDescription::points
+};
+
 /// Topology, points and primvars of a mesh, of curves or of points. Object space, float as
 /// authored. Widths and normals are primvars of these names.
 struct MeshDescription {
     PrimitiveKind primitives = PrimitiveKind::Faces;
-    SharedSpan<float> points;                   ///< [numPoints][3]
+    SharedSpan<float> points; ///< [numPoints][3]
+    /// The points around the frame, in ascending order of time; fewer than two: they are at rest.
+    std::vector<PointSample> samples;
+    /// Where commit lets points go straight to while the shutter is open; empty: nowhere.
+    SharedSpan<float> closePoints;
     SharedSpan<std::int32_t> faceVertexCounts;  ///< curves: vertices of each curve
     SharedSpan<std::int32_t> faceVertexIndices; ///< curves: empty: points in their order
     CurveForm curves;

@@ -55,19 +55,26 @@ public:
             _log.Warn(std::to_string(count - numBad - _numTriangles) + " points dropped: no width");
         }
         _numVertices = _numTriangles;
-        constexpr std::size_t kVertexBytes = 4 * sizeof(float);
-        _boundBytes = SolidBytes(_values, 1.0, kVertexBytes, false);
-        _meanBytes = SolidBytes(_values, 1.0, kVertexBytes, true);
+        const std::size_t vertexBytes = (Moves() ? 8 : 4) * sizeof(float);
+        _boundBytes = SolidBytes(_values, 1.0, vertexBytes, false);
+        _meanBytes = SolidBytes(_values, 1.0, vertexBytes, true);
     }
 
     std::uint32_t UnitTriangles(std::uint32_t unit) const override {
-        return FindPoint(*_points, unit) && RadiusOf(_widths, unit) > 0.0F ? 1 : 0;
+        return FindPoint(*_points, unit) && (!Moves() || FindClosePoint(*_points, unit)) &&
+                       RadiusOf(_widths, unit) > 0.0F
+                   ? 1
+                   : 0;
     }
     Bounds UnitBounds(std::uint32_t unit) const override {
         Bounds bounds;
         if (UnitTriangles(unit) > 0) {
             ExtendBySolid(glm::dvec3(*FindPoint(*_points, unit)) - _origin, RadiusOf(_widths, unit),
                           &bounds);
+            if (Moves()) {
+                ExtendBySolid(glm::dvec3(*FindClosePoint(*_points, unit)) - _origin,
+                              RadiusOf(_widths, unit), &bounds);
+            }
         }
         return bounds;
     }
@@ -88,6 +95,10 @@ public:
             chunk.triangles.emplace_back(static_cast<std::uint32_t>(chunk.points.size()), 0U, 0U);
             chunk.points.push_back(unit);
             chunk.positions.push_back(*FindPoint(*_points, unit) - glm::vec3(_origin));
+            if (Moves()) {
+                chunk.closePositions.push_back(*FindClosePoint(*_points, unit) -
+                                               glm::vec3(_origin));
+            }
             chunk.radii.push_back(RadiusOf(_widths, unit));
             chunk.primIds.push_back(unit);
             chunk.faces.push_back(unit);
@@ -97,6 +108,8 @@ public:
     }
 
 private:
+    bool Moves() const { return !_points->closePoints.empty(); }
+
     std::shared_ptr<const MeshDescription> _points;
     mutable PrimLog _log;
     MeshAttribute _widths;

@@ -34,6 +34,17 @@ struct FacePart {
     std::uint32_t firstTriangle = 0;
 };
 
+/// Extends a box by a face in one of its poses.
+void ExtendByFace(const MeshDescription& mesh, const SharedSpan<float>& points, const Face& face,
+                  Bounds* bounds) {
+    const std::int32_t* indices = mesh.faceVertexIndices.data() + face.firstCorner;
+    for (std::uint32_t i = 0; i < face.count; ++i) {
+        const float* p = points.data() + std::size_t(indices[i]) * 3;
+        bounds->min = glm::min(bounds->min, glm::vec3(p[0], p[1], p[2]));
+        bounds->max = glm::max(bounds->max, glm::vec3(p[0], p[1], p[2]));
+    }
+}
+
 /// Reads faces and cuts them; scratch memory is kept from face to face. One object per thread.
 class FaceCutter {
 public:
@@ -41,6 +52,7 @@ public:
 
     void Load(const Face& face) {
         _count = face.count;
+        _firstCorner = face.firstCorner;
         _points.resize(face.count);
         const std::int32_t* indices = _mesh.faceVertexIndices.data() + face.firstCorner;
         for (std::uint32_t i = 0; i < face.count; ++i) {
@@ -74,10 +86,14 @@ public:
             bounds->min = glm::min(bounds->min, glm::vec3(point));
             bounds->max = glm::max(bounds->max, glm::vec3(point));
         }
+        if (!_mesh.closePoints.empty()) {
+            ExtendByFace(_mesh, _mesh.closePoints, {_firstCorner, _count}, bounds);
+        }
     }
 
 private:
     const MeshDescription& _mesh;
+    std::uint32_t _firstCorner = 0;
     std::uint32_t _count = 0;
     PolygonSplitter _splitter;
     std::vector<glm::dvec3> _points;
@@ -126,12 +142,9 @@ public:
         if (IsLeftOut(index)) {
             return bounds;
         }
-        const Face face = FaceAt(index);
-        const std::int32_t* indices = _mesh->faceVertexIndices.data() + face.firstCorner;
-        for (std::uint32_t i = 0; i < face.count; ++i) {
-            const float* p = _mesh->points.data() + std::size_t(indices[i]) * 3;
-            bounds.min = glm::min(bounds.min, glm::vec3(p[0], p[1], p[2]));
-            bounds.max = glm::max(bounds.max, glm::vec3(p[0], p[1], p[2]));
+        ExtendByFace(*_mesh, _mesh->points, FaceAt(index), &bounds);
+        if (Moves()) {
+            ExtendByFace(*_mesh, _mesh->closePoints, FaceAt(index), &bounds);
         }
         const glm::vec3 origin(_origin); // exact, and so are the differences
         bounds.min -= origin + _reach;
@@ -160,17 +173,30 @@ public:
         for (std::size_t i = 0; i < count; ++i) {
             GatherUnit(units[i], cutter, numbering, chunk);
         }
-        chunk.positions.reserve(chunk.points.size());
-        const glm::vec3 origin(_origin);
-        for (const std::uint32_t point : chunk.points) {
-            const float* p = _mesh->points.data() + std::size_t(point) * 3;
-            chunk.positions.push_back(_moved.empty() ? glm::vec3(p[0], p[1], p[2]) - origin
-                                                     : _moved[point]);
+        GatherPositions(chunk.points, _mesh->points, _moved, &chunk.positions);
+        if (Moves()) {
+            GatherPositions(chunk.points, _mesh->closePoints, _closeMoved, &chunk.closePositions);
+            chunk.closeNormals = _closeNormals;
         }
         return chunk;
     }
 
 private:
+    bool Moves() const { return !_mesh->closePoints.empty(); }
+
+    /// \param moved all positions, if they are not where `authored` has them.
+    void GatherPositions(const std::vector<std::uint32_t>& points,
+                         const SharedSpan<float>& authored, const std::vector<glm::vec3>& moved,
+                         std::vector<glm::vec3>* positions) const {
+        positions->reserve(points.size());
+        const glm::vec3 origin(_origin);
+        for (const std::uint32_t point : points) {
+            const float* p = authored.data() + std::size_t(point) * 3;
+            positions->push_back(moved.empty() ? glm::vec3(p[0], p[1], p[2]) - origin
+                                               : moved[point]);
+        }
+    }
+
     bool IsLeftOut(std::uint32_t face) const { return !_isLeftOut.empty() && _isLeftOut[face]; }
 
     Face FaceAt(std::uint32_t face) const {
@@ -285,8 +311,8 @@ private:
         if (!_displacement.empty()) {
             SetReach();
         }
-        _boundBytes = BoundTriangleBytes(_values, normals, !_entries.empty());
-        _meanBytes = MeanTriangleBytes(_values, normals, !_entries.empty(),
+        _boundBytes = BoundTriangleBytes(_values, normals, !_entries.empty(), Moves());
+        _meanBytes = MeanTriangleBytes(_values, normals, !_entries.empty(), Moves(),
                                        VerticesPerTriangle(_size.numPoints, _numTriangles));
     }
 
@@ -304,8 +330,9 @@ private:
         _bounds.max += _reach;
     }
 
-    /// Moves all points along the smooth normals of the mesh as it was.
-    void Displace(TriangleMesh whole) const {
+    /// Moves all points along the smooth normals of the mesh as it was. \return smooth normals of
+    /// the moved mesh, where those are the mesh's.
+    std::optional<MeshAttribute> Displace(TriangleMesh whole, std::vector<glm::vec3>* moved) const {
         const MeshAttribute smooth = ComputeSmoothNormals(whole);
         const std::vector<float> amounts = PointAmounts(*_mesh, _entries, _values, _displacement);
         for (std::size_t i = 0; i < whole.positions.size(); ++i) {
@@ -314,10 +341,38 @@ private:
                 glm::vec3(glm::dvec3(whole.positions[i]) +
                           static_cast<double>(amounts[i]) * glm::dvec3(n[0], n[1], n[2]));
         }
+        std::optional<MeshAttribute> normals;
         if (!_normals.values.empty() || !IsPolygonal(_mesh->subdivisionScheme)) {
-            _normals = ComputeSmoothNormals(whole);
+            normals = ComputeSmoothNormals(whole);
         }
-        _moved = std::move(whole.positions);
+        *moved = std::move(whole.positions);
+        return normals;
+    }
+
+    /// The whole mesh with points of either pose, relative to the source's origin.
+    TriangleMesh Whole(const SharedSpan<float>& points) const {
+        MeshDescription posed = *_mesh;
+        posed.points = points;
+        Warnings unheard;
+        TriangleMesh whole = *Triangulate(posed, _log.PrimPath(), unheard);
+        const glm::vec3 change(whole.origin - _origin);
+        if (change != glm::vec3(0.0F)) { // never of a mesh at rest
+            for (glm::vec3& position : whole.positions) {
+                position += change;
+            }
+        }
+        return whole;
+    }
+
+    /// What moves with the points: of a displaced mesh its positions, and normals that follow from
+    /// them.
+    void ReadClosed() const {
+        if (!_displacement.empty()) {
+            const auto normals = Displace(Whole(_mesh->closePoints), &_closeMoved);
+            _closeNormals = normals ? normals->values : SharedSpan<float>();
+        } else if (!IsPolygonal(_mesh->subdivisionScheme)) {
+            _closeNormals = Whole(_mesh->closePoints).normals.values;
+        }
     }
 
     /// All that must read every value of the mesh; before the first chunk.
@@ -335,14 +390,18 @@ private:
         if (!isSmooth && !mustRepair && _displacement.empty()) {
             return;
         }
-        Warnings unheard;
-        const auto whole = Triangulate(*_mesh, _log.PrimPath(), unheard);
+        TriangleMesh whole = Whole(_mesh->points);
+        if (Moves()) {
+            ReadClosed();
+        }
         if (!_displacement.empty()) {
-            Displace(*whole);
+            if (auto normals = Displace(std::move(whole), &_moved)) {
+                _normals = std::move(*normals);
+            }
         } else if (isSmooth) {
-            _normals = whole->normals;
+            _normals = std::move(whole.normals);
         } else {
-            RepairAuthoredNormals(*whole, _size, _normals, _log);
+            RepairAuthoredNormals(whole, _size, _normals, _log);
         }
     }
 
@@ -387,8 +446,10 @@ private:
     std::vector<std::uint32_t> _entries;     ///< [numFaces] material entries; empty: all 0
     std::vector<MeshAttribute> _values;      ///< user primvars
     mutable std::once_flag _isRead;
-    mutable MeshAttribute _normals;        ///< final once ReadValues has run
-    mutable std::vector<glm::vec3> _moved; ///< [numPoints] displaced; empty: as authored
+    mutable MeshAttribute _normals;             ///< final once ReadValues has run
+    mutable std::vector<glm::vec3> _moved;      ///< [numPoints] displaced; empty: as authored
+    mutable std::vector<glm::vec3> _closeMoved; ///< likewise when the shutter closes
+    mutable SharedSpan<float> _closeNormals;    ///< of the elements of _normals; empty: as they are
 };
 
 } // namespace

@@ -20,17 +20,29 @@ bool IsUsableWidth(float width) {
 
 } // namespace
 
-std::optional<glm::vec3> FindPoint(const MeshDescription& description, std::size_t index) {
-    if (3 * index + 2 >= description.points.size()) {
+namespace {
+
+std::optional<glm::vec3> FindIn(const SharedSpan<float>& points, std::size_t index) {
+    if (3 * index + 2 >= points.size()) {
         return std::nullopt;
     }
-    const float* point = description.points.data() + 3 * index;
+    const float* point = points.data() + 3 * index;
     for (int axis = 0; axis < 3; ++axis) {
         if (!(std::fabs(point[axis]) <= kMaxCoordinate)) {
             return std::nullopt;
         }
     }
     return glm::vec3(point[0], point[1], point[2]);
+}
+
+} // namespace
+
+std::optional<glm::vec3> FindPoint(const MeshDescription& description, std::size_t index) {
+    return FindIn(description.points, index);
+}
+
+std::optional<glm::vec3> FindClosePoint(const MeshDescription& description, std::size_t index) {
+    return FindIn(description.closePoints, index);
 }
 
 Bounds BoundPoints(const MeshDescription& description) {

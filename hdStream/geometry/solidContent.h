@@ -14,6 +14,9 @@ namespace hds {
 /// Point `index` of a description; nothing when there is none, or it is not finite or too far.
 std::optional<glm::vec3> FindPoint(const MeshDescription& description, std::size_t index);
 
+/// The same when the shutter closes. \pre the description has closePoints.
+std::optional<glm::vec3> FindClosePoint(const MeshDescription& description, std::size_t index);
+
 /// The box of all points that can be used.
 Bounds BoundPoints(const MeshDescription& description);
 

@@ -32,6 +32,9 @@ public:
                 _hasCornerValues || primvar.attribute.interpolation == Interpolation::FaceVarying;
         }
         _values.resize(_model.Primvars().size());
+        if (dice.closeModel) {
+            _closePoints.emplace(*dice.closeModel, dice.displacement, dice.entries);
+        }
     }
 
     void AddUnit(std::uint32_t unit) {
@@ -110,7 +113,11 @@ private:
             vertex = EdgeVertex(location);
             break;
         case PatternVertex::Kind::Inside:
-            vertex = AddVertex(_points.Inside({_face, location.at}), {_face, location.at});
+            vertex = AddVertex(
+                [&](SubdivPoints& points) {
+                    return points.Inside({_face, location.at});
+                },
+                {_face, location.at});
             break;
         }
         _cornerOf[index] = AddCorner(location, vertex);
@@ -121,7 +128,8 @@ private:
         const int point = _model.Level().GetFaceVertices(_face)[int(corner)];
         const auto [found, isNew] = _shared.emplace(std::uint64_t(point), 0U);
         if (isNew) {
-            found->second = AddVertex(_points.Vertex(point), _points.AtVertex(point));
+            found->second = AddVertex([&](SubdivPoints& points) { return points.Vertex(point); },
+                                      _points.AtVertex(point));
         }
         return found->second;
     }
@@ -138,16 +146,27 @@ private:
         const auto [found, isNew] = _shared.emplace(key, 0U);
         if (isNew) {
             const double t = double(step) / double(rate);
-            found->second = AddVertex(_points.Edge(edge, t), _points.OnEdge(edge, t));
+            found->second = AddVertex([&](SubdivPoints& points) { return points.Edge(edge, t); },
+                                      _points.OnEdge(edge, t));
         }
         return found->second;
     }
 
-    std::uint32_t AddVertex(const SurfacePoint& point, const FaceLocation& owner) {
+    /// \param evaluate the point, from either model.
+    template <typename Evaluate>
+    std::uint32_t AddVertex(const Evaluate& evaluate, const FaceLocation& owner) {
         const auto vertex = static_cast<std::uint32_t>(_chunk.positions.size());
-        _chunk.positions.emplace_back(point.position - _dice.origin);
-        if (!_model.IsFlat()) {
-            Append(point.normal, _normals);
+        const auto add = [&](SubdivPoints& points, std::vector<glm::vec3>& positions,
+                             std::vector<float>& normals) {
+            const SurfacePoint point = evaluate(points);
+            positions.emplace_back(point.position - _dice.origin);
+            if (!_model.IsFlat()) {
+                Append(point.normal, normals);
+            }
+        };
+        add(_points, _chunk.positions, _normals);
+        if (_closePoints) {
+            add(*_closePoints, _chunk.closePositions, _closeNormals);
         }
         const int vertexSize = _model.VertexRows().rowSize;
         const int varyingSize = _model.VaryingRows().rowSize;
@@ -182,9 +201,12 @@ private:
     std::uint32_t AddCorner(const PatternVertex& location, std::uint32_t vertex) {
         const auto corner = static_cast<std::uint32_t>(_cornerNormals.size());
         _cornerNormals.push_back(static_cast<std::int32_t>(vertex));
-        if (const glm::dvec3* side = SideNormal(location)) {
+        if (const auto side = SideNormal(_points, location)) {
             _cornerNormals.back() = -1 - static_cast<std::int32_t>(_sideNormals.size() / 3);
             Append(*side, _sideNormals);
+            if (_closePoints) {
+                Append(*SideNormal(*_closePoints, location), _closeSideNormals);
+            }
         }
         if (_hasCornerValues) {
             for (std::size_t i = 0; i < _values.size(); ++i) {
@@ -200,33 +222,36 @@ private:
         return corner;
     }
 
-    /// Null where all faces share the vertex's normal.
-    const glm::dvec3* SideNormal(const PatternVertex& location) {
+    /// Nothing where all faces share the vertex's normal, which depends on the topology alone.
+    std::optional<glm::dvec3> SideNormal(SubdivPoints& points, const PatternVertex& location) {
         const Far::TopologyLevel& level = _model.Level();
         const auto index = static_cast<int>(location.index);
         if (_model.IsFlat() || location.kind == PatternVertex::Kind::Inside) {
-            return nullptr;
+            return std::nullopt;
         }
         if (location.kind == PatternVertex::Kind::Edge) {
             if (!_model.IsSharpEdge(level.GetFaceEdges(_face)[index])) {
-                return nullptr;
+                return std::nullopt;
             }
-            _sideNormal = _points.EdgeSideNormal({_face, location.at});
-            return &_sideNormal;
+            return points.EdgeSideNormal({_face, location.at});
         }
         const int point = level.GetFaceVertices(_face)[index];
         if (!_model.IsSharpVertex(point)) {
-            return nullptr;
+            return std::nullopt;
         }
-        _sideNormal = _points.VertexSideNormal(point, _face);
-        return &_sideNormal;
+        return points.VertexSideNormal(point, _face);
     }
 
-    /// As Triangulate: no area once rounded to float.
+    /// As Triangulate: no area once rounded to float, in any pose.
     bool HasArea(const glm::uvec3& triangle) const {
-        const glm::dvec3 p0(_chunk.positions[triangle.x]);
-        const glm::vec3 cross(glm::cross(glm::dvec3(_chunk.positions[triangle.y]) - p0,
-                                         glm::dvec3(_chunk.positions[triangle.z]) - p0));
+        return HasArea(_chunk.positions, triangle) ||
+               (_closePoints && HasArea(_chunk.closePositions, triangle));
+    }
+
+    static bool HasArea(const std::vector<glm::vec3>& positions, const glm::uvec3& triangle) {
+        const glm::dvec3 p0(positions[triangle.x]);
+        const glm::vec3 cross(glm::cross(glm::dvec3(positions[triangle.y]) - p0,
+                                         glm::dvec3(positions[triangle.z]) - p0));
         return cross != glm::vec3(0.0F);
     }
 
@@ -244,15 +269,19 @@ private:
                 index = index >= 0 ? index : numVertices - 1 - index;
             }
             _normals.insert(_normals.end(), _sideNormals.begin(), _sideNormals.end());
+            _closeNormals.insert(_closeNormals.end(), _closeSideNormals.begin(),
+                                 _closeSideNormals.end());
             normals.interpolation = Interpolation::FaceVarying;
             normals.indices = std::move(_cornerNormals);
         }
         normals.values = std::move(_normals);
+        _chunk.closeNormals = std::move(_closeNormals);
     }
 
     const SubdivDice& _dice;
     const SubdivModel& _model;
     SubdivPoints _points;
+    std::optional<SubdivPoints> _closePoints; ///< of what moves
     ChunkGeometry _chunk;
     bool _hasCornerValues = false;
 
@@ -267,10 +296,11 @@ private:
     std::vector<float> _normals;              ///< [vertices][3]
     std::vector<std::int32_t> _cornerNormals; ///< [corners] vertex, or -1 - side normal
     std::vector<float> _sideNormals;
+    std::vector<float> _closeNormals;        ///< as _normals
+    std::vector<float> _closeSideNormals;    ///< as _sideNormals
     std::vector<std::vector<float>> _values; ///< by primvar
     std::vector<double> _vertexRow;
     std::vector<double> _varyingRow;
-    glm::dvec3 _sideNormal{0.0};
 };
 
 } // namespace

@@ -13,6 +13,9 @@ namespace hds {
 /// What units are made from. Immutable; any number of threads may read it.
 struct SubdivDice {
     std::unique_ptr<const SubdivModel> model;
+    std::unique_ptr<Warnings> closeWarnings; ///< of closeModel: all were heard of the other
+    /// The same topology when the shutter closes; null: it does not move.
+    std::unique_ptr<const SubdivModel> closeModel;
     SubdivDisplacement displacement;
     std::vector<std::uint32_t> entries;       ///< material entry by authored face; empty: all 0
     std::vector<std::uint8_t> edgeLevels;     ///< [cage edges]

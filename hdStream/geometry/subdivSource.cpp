@@ -47,6 +47,7 @@ public:
                  const DicingOptions& options, const Displacement& displacement,
                  Warnings& warnings) {
         _dice.model = std::move(model);
+        MakeCloseModel(primPath);
         PrimLog log(primPath, warnings);
         _dice.entries = AssignSubsets(Model().Mesh(), log);
         _isLeftHanded = Model().Mesh().leftHanded;
@@ -80,6 +81,32 @@ public:
 
 private:
     const SubdivModel& Model() const { return *_dice.model; }
+    bool Moves() const { return _dice.closeModel != nullptr; }
+
+    void MakeCloseModel(const std::string& primPath) {
+        if (Model().Mesh().closePoints.empty()) {
+            return;
+        }
+        auto closed = std::make_shared<MeshDescription>(Model().Mesh());
+        closed->points = closed->closePoints;
+        _dice.closeWarnings = std::make_unique<Warnings>();
+        auto model = SubdivModel::Make(std::move(closed), primPath, *_dice.closeWarnings);
+        if (model && model->Cage().faces == Model().Cage().faces) {
+            _dice.closeModel = std::move(model);
+        }
+    }
+
+    /// The box of what `boxOf` says of a face, in both poses.
+    template <typename BoxOf>
+    ExactBox BoxOfPoses(int face, const BoxOf& boxOf) const {
+        ExactBox box = boxOf(FaceMeter(Model(), face));
+        if (Moves()) {
+            const ExactBox close = boxOf(FaceMeter(*_dice.closeModel, face));
+            box.min = glm::min(box.min, close.min);
+            box.max = glm::max(box.max, close.max);
+        }
+        return box;
+    }
 
     void BindDisplacement(const Displacement& displacement) {
         std::vector<MeshAttribute> attributes;
@@ -107,10 +134,10 @@ private:
         };
         // Chunks with a crease have normals per corner.
         _boundBytes = BoundTriangleBytes(attributes, normalsAs(Interpolation::FaceVarying),
-                                         !_dice.entries.empty());
+                                         !_dice.entries.empty(), Moves());
         _meanBytes =
             MeanTriangleBytes(attributes, normalsAs(Interpolation::Vertex), !_dice.entries.empty(),
-                              VerticesPerTriangle(_numVertices, _numTriangles));
+                              Moves(), VerticesPerTriangle(_numVertices, _numTriangles));
     }
 
     /// Boxes of the faces' limit surfaces, and the levels of all edges.
@@ -127,7 +154,8 @@ private:
                     continue;
                 }
                 const FaceMeter meter(Model(), face);
-                boxes[std::size_t(face)] = meter.Box();
+                boxes[std::size_t(face)] =
+                    BoxOfPoses(face, [](const FaceMeter& pose) { return pose.Box(); });
                 if (!options.isAdaptive) {
                     continue;
                 }
@@ -186,9 +214,10 @@ private:
                 _dice.FaceLevels(face, levels);
                 const DicePattern pattern(Model().Shape(face), std::uint32_t(levels.size()),
                                           levels.data());
-                const FaceMeter meter(Model(), face);
                 for (std::uint32_t unit = begin; unit < end; ++unit) {
-                    _unitBounds[unit] = bounds(meter.BoxOver(pattern.TileBox(unit - begin)));
+                    _unitBounds[unit] = bounds(BoxOfPoses(face, [&](const FaceMeter& pose) {
+                        return pose.BoxOver(pattern.TileBox(unit - begin));
+                    }));
                 }
             }
         });

@@ -2,8 +2,11 @@
 #include "hdStream/hydra/camera.h"
 
 #include "hdStream/hydra/arrays.h"
+#include "hdStream/hydra/motion.h"
 #include "hdStream/hydra/renderParam.h"
 
+#include <pxr/imaging/hd/changeTracker.h>
+#include <pxr/imaging/hd/renderIndex.h>
 #include <pxr/imaging/hd/sceneDelegate.h>
 
 #include <cmath>
@@ -43,6 +46,7 @@ hds::CameraPrim HdStreamCameraFrom(const HdCamera& camera) {
     for (const GfVec4d& plane : camera.GetClipPlanes()) {
         prim.clippingPlanes.emplace_back(plane[0], plane[1], plane[2], plane[3]);
     }
+    prim.shutter = {camera.GetShutterOpen(), camera.GetShutterClose()};
     return prim;
 }
 
@@ -52,18 +56,21 @@ void HdStreamCamera::Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
                           HdDirtyBits* dirtyBits) {
     const bool isDirty = (*dirtyBits & AllDirty) != 0;
     HdCamera::Sync(delegate, renderParam, dirtyBits);
-    if (isDirty) {
-        static_cast<HdStreamRenderParam*>(renderParam)
-            ->Push([path = GetId().GetString(),
-                    prim = HdStreamCameraFrom(*this)](hds::Session& session) mutable {
-                session.SetCamera(path, std::move(prim));
-            });
+    if (!isDirty) {
+        return;
     }
+    auto* param = static_cast<HdStreamRenderParam*>(renderParam);
+    hds::CameraPrim prim = HdStreamCameraFrom(*this);
+    prim.samples = HdStreamSampleTransform(delegate, GetId(), prim.shutter);
+    param->SetShutter(GetId(), prim.shutter, &delegate->GetRenderIndex().GetChangeTracker());
+    param->Push([path = GetId().GetString(), prim = std::move(prim)](
+                    hds::Session& session) mutable { session.SetCamera(path, std::move(prim)); });
 }
 
 void HdStreamCamera::Finalize(HdRenderParam* renderParam) {
-    static_cast<HdStreamRenderParam*>(renderParam)
-        ->Push([path = GetId().GetString()](hds::Session& session) { session.Remove(path); });
+    auto* param = static_cast<HdStreamRenderParam*>(renderParam);
+    param->SetShutter(GetId(), {}, nullptr);
+    param->Push([path = GetId().GetString()](hds::Session& session) { session.Remove(path); });
 }
 
 PXR_NAMESPACE_CLOSE_SCOPE

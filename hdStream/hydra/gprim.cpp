@@ -3,6 +3,7 @@
 
 #include "hdStream/hydra/arrays.h"
 #include "hdStream/hydra/instancer.h"
+#include "hdStream/hydra/motion.h"
 #include "hdStream/hydra/primvars.h"
 #include "hdStream/hydra/renderParam.h"
 #include "hdStream/hydra/scenePaths.h"
@@ -41,7 +42,7 @@ bool HdStreamEqual(const hds::MeshDescription& a, const hds::MeshDescription& b)
     return a.primitives == b.primitives && a.curves.type == b.curves.type &&
            a.curves.basis == b.curves.basis && a.curves.wrap == b.curves.wrap &&
            a.subdivisionScheme == b.subdivisionScheme && a.leftHanded == b.leftHanded &&
-           HdStreamEqual(a.points, b.points) &&
+           HdStreamEqual(a.points, b.points) && HdStreamEqual(a.samples, b.samples) &&
            HdStreamEqual(a.faceVertexCounts, b.faceVertexCounts) &&
            HdStreamEqual(a.faceVertexIndices, b.faceVertexIndices) &&
            HdStreamEqual(a.holeIndices, b.holeIndices) && IsEqual(a.subdivTags, b.subdivTags) &&
@@ -55,6 +56,7 @@ bool HdStreamEqual(const hds::MeshDescription& a, const hds::MeshDescription& b)
 bool HdStreamEqual(const hds::MeshPrim& a, const hds::MeshPrim& b) {
     return a.mesh == b.mesh && a.placement.visible == b.placement.visible &&
            a.placement.worldFromObject == b.placement.worldFromObject &&
+           HdStreamEqual(a.placement.samples, b.placement.samples) &&
            a.placement.instancerPath == b.placement.instancerPath &&
            HdStreamEqual(a.placement.instances, b.placement.instances) && a.purpose == b.purpose &&
            a.categories == b.categories && a.doubleSided == b.doubleSided &&
@@ -92,6 +94,7 @@ void HdStreamSyncPlacement(HdSceneDelegate* delegate, const SdfPath& id, const S
         HdStreamInstancer::UpdatePathOf(delegate->GetRenderIndex(), instancerId, param, placement);
     if (bits & HdChangeTracker::DirtyTransform) {
         placement->worldFromObject = HdStreamToGlm(delegate->GetTransform(id));
+        placement->samples = HdStreamSampleTransform(delegate, id, param->Shutter());
     }
     if (isMoved || (bits & HdChangeTracker::DirtyInstanceIndex)) {
         HdStreamInstancer::ReadInstances(delegate, instancerId, id, placement);

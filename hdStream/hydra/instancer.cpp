@@ -5,6 +5,7 @@
 #include "hdStream/hydra/categories.h"
 #include "hdStream/hydra/floatValues.h"
 #include "hdStream/hydra/instanceTransforms.h"
+#include "hdStream/hydra/motion.h"
 #include "hdStream/hydra/primvars.h"
 #include "hdStream/hydra/renderParam.h"
 #include "hdStream/hydra/scenePaths.h"
@@ -35,6 +36,13 @@ void ReadPrimvar(HdSceneDelegate* delegate, const SdfPath& id, const TfToken& na
                              std::move(rows->values),
                              {}});
     }
+}
+
+hds::SharedSpan<double> TransformsOf(std::map<TfToken, VtValue>& values) {
+    return HdStreamInstanceTransforms(values[HdInstancerTokens->instanceTranslations],
+                                      values[HdInstancerTokens->instanceRotations],
+                                      values[HdInstancerTokens->instanceScales],
+                                      values[HdInstancerTokens->instanceTransforms]);
 }
 
 } // namespace
@@ -93,6 +101,7 @@ void HdStreamInstancer::Sync(HdSceneDelegate* delegate, HdRenderParam* renderPar
     }
     if (bits & HdChangeTracker::DirtyTransform) {
         placement.worldFromObject = HdStreamToGlm(delegate->GetInstancerTransform(GetId()));
+        placement.samples = HdStreamSampleInstancerTransform(delegate, GetId(), param->Shutter());
     }
     // Legacy delegates fold an instancer's visibility into what it places, and GetVisible would be
     // that of the first native instance only. Scene indices say nothing of it to instancers;
@@ -103,6 +112,7 @@ void HdStreamInstancer::Sync(HdSceneDelegate* delegate, HdRenderParam* renderPar
     }
     if (HdChangeTracker::IsAnyPrimvarDirty(bits, GetId())) {
         SyncPrimvars(delegate, bits);
+        SyncMotion(delegate, param->Shutter());
     }
     if (bits & (HdChangeTracker::DirtyCategories | HdChangeTracker::DirtyInstanceIndex)) {
         _prim.instanceCategories.clear();
@@ -147,10 +157,30 @@ void HdStreamInstancer::SyncPrimvars(HdSceneDelegate* delegate, HdDirtyBits bits
     }
     _primvars = std::move(primvars);
     _values = std::move(values);
-    _prim.instanceTransforms = HdStreamInstanceTransforms(
-        _values[HdInstancerTokens->instanceTranslations],
-        _values[HdInstancerTokens->instanceRotations], _values[HdInstancerTokens->instanceScales],
-        _values[HdInstancerTokens->instanceTransforms]);
+    _prim.instanceTransforms = TransformsOf(_values);
+}
+
+void HdStreamInstancer::SyncMotion(HdSceneDelegate* delegate, const hds::Shutter& shutter) {
+    _prim.samples.clear();
+    std::map<TfToken, VtValue> ends[2] = {_values, _values};
+    bool moves = false;
+    for (const auto& [name, value] : _values) {
+        const std::vector<VtValue> values =
+            value.IsEmpty() ? std::vector<VtValue>()
+                            : HdStreamSamplePrimvar(delegate, GetId(), name, shutter);
+        if (!values.empty()) {
+            moves = true;
+            ends[0][name] = values[0];
+            ends[1][name] = values[1];
+        }
+    }
+    if (!moves) {
+        return;
+    }
+    for (std::map<TfToken, VtValue>& values : ends) {
+        _prim.samples.push_back(
+            {_prim.samples.empty() ? shutter.open : shutter.close, TransformsOf(values)});
+    }
 }
 
 void HdStreamInstancer::ShareLevel(HdStreamRenderParam* param) {

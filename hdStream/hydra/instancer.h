@@ -52,6 +52,8 @@ public:
 
 private:
     void SyncPrimvars(HdSceneDelegate* delegate, HdDirtyBits bits);
+    /// Reads the instances' transforms at the ends of the shutter's interval.
+    void SyncMotion(HdSceneDelegate* delegate, const hds::Shutter& shutter);
     /// Lets others see the primvars and the placement as they are now.
     void ShareLevel(HdStreamRenderParam* param);
 

@@ -6,6 +6,7 @@
 #include "hdStream/hydra/gprim.h"
 #include "hdStream/hydra/instancer.h"
 #include "hdStream/hydra/lightParameters.h"
+#include "hdStream/hydra/motion.h"
 #include "hdStream/hydra/primvars.h"
 #include "hdStream/hydra/renderParam.h"
 
@@ -187,6 +188,7 @@ void HdStreamMesh::SyncGeometry(HdSceneDelegate* delegate, HdStreamRenderParam* 
     }
     if (HdChangeTracker::IsAnyPrimvarDirty(bits, GetId())) {
         HdStreamSyncPrimvars(delegate, GetId(), bits, &mesh->points, &mesh->primvars);
+        mesh->samples = HdStreamSamplePoints(delegate, GetId(), param->Shutter());
     }
     if (!_prim.mesh || !HdStreamEqual(*mesh, *_prim.mesh)) {
         _prim.mesh = std::move(mesh);

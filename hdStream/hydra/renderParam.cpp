@@ -4,7 +4,9 @@
 #include "hdStream/hydra/scenePaths.h"
 
 #include <pxr/base/tf/diagnostic.h>
+#include <pxr/imaging/hd/changeTracker.h>
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -82,6 +84,36 @@ std::string HdStreamRenderParam::MaterialPath(HdSceneDelegate* delegate, const S
         added->second = ReservePath(wanted, id);
     }
     return added->second;
+}
+
+void HdStreamRenderParam::SetShutter(const SdfPath& camera, const hds::Shutter& shutter,
+                                     HdChangeTracker* tracker) {
+    const std::lock_guard<std::mutex> lock(_shutterMutex);
+    const hds::Shutter before = ShutterOfAll();
+    if (shutter.IsOpen()) {
+        _shutters[camera] = shutter;
+    } else {
+        _shutters.erase(camera);
+    }
+    if (tracker && !(ShutterOfAll() == before)) {
+        tracker->MarkAllRprimsDirty(HdChangeTracker::DirtyTransform | HdChangeTracker::DirtyPoints |
+                                    HdChangeTracker::DirtyInstancer);
+    }
+}
+
+hds::Shutter HdStreamRenderParam::Shutter() const {
+    const std::lock_guard<std::mutex> lock(_shutterMutex);
+    return ShutterOfAll();
+}
+
+hds::Shutter HdStreamRenderParam::ShutterOfAll() const {
+    hds::Shutter all;
+    for (const auto& [path, shutter] : _shutters) {
+        const bool isFirst = !all.IsOpen();
+        all.open = isFirst ? shutter.open : std::min(all.open, shutter.open);
+        all.close = isFirst ? shutter.close : std::max(all.close, shutter.close);
+    }
+    return all;
 }
 
 void HdStreamRenderParam::SetSceneSettings(const SdfPath& owner, const VtDictionary& settings) {

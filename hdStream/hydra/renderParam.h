@@ -7,6 +7,7 @@
 #include "hdStream/session/renderThread.h"
 
 #include <pxr/base/vt/dictionary.h>
+#include <pxr/imaging/hd/changeTracker.h>
 #include <pxr/imaging/hd/renderDelegate.h>
 #include <pxr/pxr.h>
 #include <pxr/usd/sdf/path.h>
@@ -15,6 +16,8 @@
 #include <tbb/concurrent_queue.h>
 
 #include <atomic>
+#include <map>
+#include <mutex>
 #include <string>
 
 PXR_NAMESPACE_OPEN_SCOPE
@@ -53,6 +56,12 @@ public:
     void SetRefineLevel(int level) { _refineLevel.store(level, std::memory_order_relaxed); }
     int RefineLevel() const { return _refineLevel.load(std::memory_order_relaxed); }
 
+    /// What a camera's shutter is. Marks all rprims when that changes Shutter(): cameras are synced
+    /// before them. \param tracker null: nothing is marked.
+    void SetShutter(const SdfPath& camera, const hds::Shutter& shutter, HdChangeTracker* tracker);
+    /// While some camera's shutter is open: what moves then is sampled.
+    hds::Shutter Shutter() const;
+
     // --- Settings of the scene's active render settings prim; application's thread only. ---
     /// \param owner the prim; settings of a prim that is not active are empty.
     void SetSceneSettings(const SdfPath& owner, const VtDictionary& settings);
@@ -67,6 +76,10 @@ private:
     tbb::concurrent_hash_map<std::string, SdfPath> _idByScenePath;
     tbb::concurrent_hash_map<std::string, std::string> _materialPathById;
     std::atomic<int> _refineLevel{0};
+    hds::Shutter ShutterOfAll() const;
+
+    mutable std::mutex _shutterMutex;
+    std::map<SdfPath, hds::Shutter> _shutters; ///< of cameras that have one
     VtDictionary _sceneSettings;
     SdfPath _sceneSettingsOwner;
     unsigned int _sceneSettingsVersion = 0;

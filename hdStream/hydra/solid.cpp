@@ -3,6 +3,7 @@
 
 #include "hdStream/hydra/arrays.h"
 #include "hdStream/hydra/categories.h"
+#include "hdStream/hydra/motion.h"
 #include "hdStream/hydra/primvars.h"
 #include "hdStream/hydra/renderParam.h"
 
@@ -122,7 +123,7 @@ void HdStreamSolid<Base>::Sync(HdSceneDelegate* delegate, HdRenderParam* renderP
     _prim.purpose = HdStreamPurpose(HdRprim::GetRenderTag());
     _prim.primId = this->GetPrimId();
     if (bits & kGeometryBits) {
-        SyncGeometry(delegate, bits);
+        SyncGeometry(delegate, param, bits);
     }
     const bool isSplitAnew =
         (bits & kVariantBits) && HdStreamSyncVariants(delegate, this->GetInstancerId(), _scenePath,
@@ -134,7 +135,8 @@ void HdStreamSolid<Base>::Sync(HdSceneDelegate* delegate, HdRenderParam* renderP
 }
 
 template <typename Base>
-void HdStreamSolid<Base>::SyncGeometry(HdSceneDelegate* delegate, HdDirtyBits bits) {
+void HdStreamSolid<Base>::SyncGeometry(HdSceneDelegate* delegate, HdStreamRenderParam* param,
+                                       HdDirtyBits bits) {
     auto solid = _prim.mesh ? std::make_shared<hds::MeshDescription>(*_prim.mesh)
                             : std::make_shared<hds::MeshDescription>();
     solid->primitives = kIsCurves<Base> ? hds::PrimitiveKind::Curves : hds::PrimitiveKind::Points;
@@ -145,6 +147,7 @@ void HdStreamSolid<Base>::SyncGeometry(HdSceneDelegate* delegate, HdDirtyBits bi
     }
     if (HdChangeTracker::IsAnyPrimvarDirty(bits, this->GetId())) {
         HdStreamSyncPrimvars(delegate, this->GetId(), bits, &solid->points, &solid->primvars);
+        solid->samples = HdStreamSamplePoints(delegate, this->GetId(), param->Shutter());
         if constexpr (kIsCurves<Base>) {
             AddDefaultWidths(&solid->primvars);
         }

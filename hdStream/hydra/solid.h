@@ -33,7 +33,7 @@ protected:
     void _InitRepr(const TfToken& reprToken, HdDirtyBits* dirtyBits) override;
 
 private:
-    void SyncGeometry(HdSceneDelegate* delegate, HdDirtyBits bits);
+    void SyncGeometry(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits);
     /// Queues the prim as it is now, or its removal when there is nothing to draw.
     void Push(HdStreamRenderParam* param);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/integrator/cameraFrame.h"
 
+#include "hdStream/scene/motion.h"
 #include "hdStream/scene/transforms.h"
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -61,7 +62,8 @@ Film ConformFilm(const RenderOptions& options) {
 /// vector: it is carried by the inverse of the transform that carries points.
 void SetClipPlanes(const CameraPrim& camera, const glm::dmat4& worldFromCamera,
                    shared::HdsFrameParams* params) {
-    const glm::dmat4 cameraFromWorld = glm::inverse(worldFromCamera);
+    const bool isMoving = (params->flags & HDS_FRAME_CAMERA_MOVES) != 0; // then they stay there
+    const glm::dmat4 cameraFromWorld = isMoving ? glm::dmat4(1.0) : glm::inverse(worldFromCamera);
     for (const glm::dvec4& plane : camera.clippingPlanes) {
         if (params->numClipPlanes == HDS_MAX_CLIP_PLANES) {
             break; // CheckCamera has warned
@@ -71,6 +73,26 @@ void SetClipPlanes(const CameraPrim& camera, const glm::dmat4& worldFromCamera,
             params->clipPlanes[params->numClipPlanes][i] = static_cast<float>(world[i]);
         }
         ++params->numClipPlanes;
+    }
+}
+
+/// The camera's poses while the shutter is open.
+void SetMotion(const RenderOptions& options, const glm::dvec3& centre,
+               shared::HdsFrameParams* params) {
+    const Shutter& shutter = options.shutter;
+    if (shutter.IsOpen()) {
+        const double time = -shutter.open / (shutter.close - shutter.open);
+        params->frameTime = static_cast<float>(std::clamp(time, 0.0, 1.0));
+    }
+    if (!MovesOver(options.camera, shutter)) {
+        return;
+    }
+    const std::vector<glm::dmat4> keys = MakeCameraKeys(options.camera, shutter);
+    params->flags |= HDS_FRAME_CAMERA_MOVES;
+    params->cameraSegments = static_cast<std::uint32_t>(keys.size() - 1);
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+        const AffineRows rows = RowsFromMatrix(glm::translate(glm::dmat4(1.0), -centre) * keys[i]);
+        std::copy(rows.begin(), rows.end(), params->cameraKeys[i]);
     }
 }
 
@@ -116,6 +138,7 @@ shared::HdsFrameParams MakeFrameParams(const RenderOptions& options, const glm::
     params.numLights = numLights;
     params.dataWindowMin[0] = options.dataWindowMin[0];
     params.dataWindowMin[1] = options.dataWindowMin[1];
+    SetMotion(options, centre, &params);
     SetClipPlanes(camera, worldFromCamera, &params);
     return params;
 }

@@ -9,6 +9,7 @@
 #include "hdStream/integrator/stageKernels.h"
 #include "hdStream/integrator/waveSize.h"
 #include "hdStream/integrator/waveTracer.h"
+#include "hdStream/scene/motion.h"
 #include "hdStream/shading/pixelFilter.h"
 #include "kernels/shared/frame.h"
 
@@ -113,6 +114,7 @@ struct PathTracer::Impl {
         features.plainTextures = buffers.Textures().IsPlain();
         features.groups = scene->hasGroups;
         features.curves = scene->hasCurves;
+        features.motion = scene->hasMotion || MovesOver(options.camera, options.shutter);
         features.wide = ChooseWide(options, device->Properties());
         features.firstHits = NeedsFirstHits(options.aovs);
         features.manyPools = buffers.NumPoolBuffers() > 1;

@@ -33,6 +33,7 @@ enum class ConformPolicy {
 /// Options of a render; units and defaults as in session/settings.h.
 struct RenderOptions {
     CameraPrim camera;
+    Shutter shutter; ///< closed: no motion blur
     std::uint32_t imageWidth = 0;
     std::uint32_t imageHeight = 0;
     double pixelAspectRatio = 1.0;

@@ -13,7 +13,7 @@ const char* const kLabels[] = {
     "top nodes", "instances",      "instances by path", "objects",
     "meshes",    "mesh materials", "materials",         "lights by material entry",
     "lights",    "light tree",     "light triangles",   "light distributions",
-    "programs"};
+    "programs",  "motion keys"};
 
 /// A table that has become smaller than this part of its buffer gets a smaller one.
 constexpr std::uint64_t kShrinkFactor = 4;
@@ -156,6 +156,7 @@ bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& r
     Upload(Materials, scene.materials);
     Upload(LightByEntry, scene.lightByEntry);
     Upload(Programs, scene.programs);
+    Upload(MotionKeys, scene.motionKeys);
     _textures.Update(scene, residency);
     _hasPrograms = !scene.programs.empty();
     _hasTextures = !scene.textureTable.empty();
@@ -224,7 +225,7 @@ std::uint64_t SceneBuffers::TableBytes() const {
     return bytes + _textures.TableBytes();
 }
 
-unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first) const {
+unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first, bool hasMotion) const {
     for (const Table table : {TopNodes, Instances, InstancesByPath, Objects}) {
         kernel->SetBuffer(first++, _tables[table]);
     }
@@ -236,14 +237,17 @@ unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first) const {
                                    : _mapped  ? _mapped->PoolBuffer(i)
                                               : _resident->PoolBuffer(i));
     }
+    if (hasMotion) {
+        kernel->SetBuffer(first++, _tables[MotionKeys]);
+    }
     if (IsStreaming()) {
         kernel->SetBuffer(first++, _streaming->Uses());
     }
     return first;
 }
 
-unsigned SceneBuffers::BindScene(Kernel* kernel, unsigned first) const {
-    first = BindGeometry(kernel, first);
+unsigned SceneBuffers::BindScene(Kernel* kernel, unsigned first, bool hasMotion) const {
+    first = BindGeometry(kernel, first, hasMotion);
     for (const Table table : {Meshes, MeshMaterials, Materials, LightByEntry, Lights, LightNodes,
                               LightTriangles, LightCdf}) {
         kernel->SetBuffer(first++, _tables[table]);

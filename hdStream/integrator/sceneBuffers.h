@@ -28,11 +28,12 @@ public:
     bool Update(const CommittedScene& scene, const ResidencyOptions& residency);
 
     /// Sets the arguments of HDS_GEOMETRY_ARGS from `first` on; returns the next free index.
-    unsigned BindGeometry(Kernel* kernel, unsigned first) const;
+    /// \param hasMotion the kernel has HDS_FEATURE_MOTION.
+    unsigned BindGeometry(Kernel* kernel, unsigned first, bool hasMotion) const;
 
     /// Sets the arguments of HDS_SCENE_ARGS (geometry, materials, lights, and with programs and
     /// textures those) from `first` on.
-    unsigned BindScene(Kernel* kernel, unsigned first) const;
+    unsigned BindScene(Kernel* kernel, unsigned first, bool hasMotion) const;
 
     /// Whether some material has a program, and whether some program or light looks textures up.
     bool HasPrograms() const { return _hasPrograms; }
@@ -86,6 +87,7 @@ private:
         LightTriangles,
         LightCdf,
         Programs,
+        MotionKeys,
         NumTables
     };
 

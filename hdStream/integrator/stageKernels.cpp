@@ -13,6 +13,7 @@ constexpr std::uint64_t kFieldBytes = 16;
 std::uint64_t NumPathFields(const KernelFeatures& features) {
     std::uint64_t count = 0;
 #define HDS_FIELD(type, name, doc) ++count;
+#define HDS_MOTION_FIELD(type, name, doc) count += features.motion ? 1 : 0;
 #define HDS_TEXTURE_FIELD(type, name, doc) count += features.textures ? 1 : 0;
 #define HDS_CONTROLS_FIELD(type, name, doc) count += features.lightControls ? 1 : 0;
 #define HDS_SHADOW_LIGHT_FIELD(type, name, doc) \
@@ -22,6 +23,7 @@ std::uint64_t NumPathFields(const KernelFeatures& features) {
 #define HDS_LIST_FIELD(type, name, doc) count += features.HasLists() ? 1 : 0;
 #include "kernels/shared/pathState.def"
 #undef HDS_FIELD
+#undef HDS_MOTION_FIELD
 #undef HDS_TEXTURE_FIELD
 #undef HDS_CONTROLS_FIELD
 #undef HDS_SHADOW_LIGHT_FIELD
@@ -63,6 +65,7 @@ ProgramDefines MakeDefines(const Device& device, const KernelFeatures& features)
         {"HDS_TEXTURE_PLAIN", features.plainTextures ? "1" : "0"},
         {"HDS_FEATURE_GROUPS", features.groups ? "1" : "0"},
         {"HDS_FEATURE_CURVES", features.curves ? "1" : "0"},
+        {"HDS_FEATURE_MOTION", features.motion ? "1" : "0"},
         {"HDS_NUM_POOLS", std::to_string(features.manyPools ? kMaxPoolBuffers : 1)},
         {"HDS_FEATURE_STREAMING", features.streaming ? "1" : "0"},
         {"HDS_REQUEST_FIRST", features.requestsFirst ? "1" : "0"},
@@ -134,18 +137,18 @@ void StageKernels::SaveBinaries(Store* store) {
 }
 
 void StageKernels::Bind(const SceneBuffers& scene) {
-    scene.BindGeometry(&intersect, kIntersectArgs);
-    scene.BindScene(&shade, kShadeArgs);
-    scene.BindScene(&shadowCast, kShadowCastArgs);
+    scene.BindGeometry(&intersect, kIntersectArgs, _features.motion);
+    scene.BindScene(&shade, kShadeArgs, _features.motion);
+    scene.BindScene(&shadowCast, kShadowCastArgs, _features.motion);
     if (_features.firstHits) {
-        scene.BindScene(&aov, kAovArgs);
+        scene.BindScene(&aov, kAovArgs, _features.motion);
     }
     if (_features.cutouts) {
-        scene.BindScene(&shadowPass, kShadowPassArgs);
+        scene.BindScene(&shadowPass, kShadowPassArgs, _features.motion);
     }
     if (_features.HasLists()) {
-        scene.BindGeometry(&intersectResume, kIntersectResumeArgs);
-        scene.BindScene(&shadowResume, kShadowResumeArgs);
+        scene.BindGeometry(&intersectResume, kIntersectResumeArgs, _features.motion);
+        scene.BindScene(&shadowResume, kShadowResumeArgs, _features.motion);
     }
 }
 

@@ -27,6 +27,7 @@ struct KernelFeatures {
     bool plainTextures = false;    ///< textures without lines
     bool groups = false;           ///< instances below instances
     bool curves = false;           ///< curves or points
+    bool motion = false;           ///< something moves while the shutter is open
     bool wide = false;             ///< 8-wide traversal inside a work-item
     bool firstHits = false;        ///< first-hit AOVs are asked for: `aov` is built
     bool manyPools = false;        ///< the scene's pages lie in more than one pool buffer
@@ -43,8 +44,8 @@ struct KernelFeatures {
                meshLights == other.meshLights && lightGlow == other.lightGlow &&
                lightTree == other.lightTree && manyTexturePools == other.manyTexturePools &&
                textureStreaming == other.textureStreaming && plainTextures == other.plainTextures &&
-               groups == other.groups && curves == other.curves && wide == other.wide &&
-               firstHits == other.firstHits && manyPools == other.manyPools &&
+               groups == other.groups && curves == other.curves && motion == other.motion &&
+               wide == other.wide && firstHits == other.firstHits && manyPools == other.manyPools &&
                streaming == other.streaming && requestsFirst == other.requestsFirst;
     }
 };

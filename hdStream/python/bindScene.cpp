@@ -5,6 +5,7 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/map.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/set.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -44,6 +45,28 @@ void BindMatrix(nb::class_<Owner>& binding, const char* name, glm::dmat4 Owner::
         name, [member](const Owner& self) { return ArrayFromMatrix(self.*member); },
         [member, name](Owner& self, nb::handle object) {
             self.*member = MatrixFromBuffer(object, name);
+        });
+}
+
+/// A list of (time, matrix): transforms over time.
+template <typename Owner>
+void BindSamples(nb::class_<Owner>& binding, const char* name,
+                 std::vector<TransformSample> Owner::*member) {
+    using Pairs = std::vector<std::pair<double, nb::object>>;
+    binding.def_prop_rw(
+        name,
+        [member](const Owner& self) {
+            Pairs pairs;
+            for (const TransformSample& sample : self.*member) {
+                pairs.emplace_back(sample.time, ArrayFromMatrix(sample.matrix));
+            }
+            return pairs;
+        },
+        [member, name](Owner& self, const Pairs& pairs) {
+            (self.*member).clear();
+            for (const auto& [time, matrix] : pairs) {
+                (self.*member).push_back({time, MatrixFromBuffer(matrix, name)});
+            }
         });
 }
 
@@ -120,6 +143,22 @@ void BindMesh(nb::module_& module) {
         .def_rw("primvars", &MeshDescription::primvars)
         .def_rw("subsets", &MeshDescription::subsets);
     BindSpan(mesh, "points", &MeshDescription::points, 3);
+    using Samples = std::vector<std::pair<double, nb::object>>;
+    mesh.def_prop_rw(
+        "samples",
+        [](const MeshDescription& self) {
+            Samples samples;
+            for (const PointSample& sample : self.samples) {
+                samples.emplace_back(sample.time, ArrayFromSpan(sample.points, 3));
+            }
+            return samples;
+        },
+        [](MeshDescription& self, const Samples& samples) {
+            self.samples.clear();
+            for (const auto& [time, points] : samples) {
+                self.samples.push_back({time, SpanFromBuffer<float>(points, "samples").first});
+            }
+        });
     BindSpan(mesh, "faceVertexCounts", &MeshDescription::faceVertexCounts, 1);
     BindSpan(mesh, "faceVertexIndices", &MeshDescription::faceVertexIndices, 1);
     BindSpan(mesh, "holeIndices", &MeshDescription::holeIndices, 1);
@@ -149,7 +188,10 @@ void BindPlaced(nb::module_& module) {
                     span = SpanFromBuffer<std::int32_t>(instances, "instances").first;
                 }
                 new (self) Placement{MatrixFromBuffer(worldFromObject, "worldFromObject"),
-                                     instancerPath, std::move(span), visible};
+                                     instancerPath,
+                                     std::move(span),
+                                     visible,
+                                     {}};
             },
             "worldFromObject"_a, "instancerPath"_a = "", "instances"_a = nb::none(),
             "visible"_a = true,
@@ -158,6 +200,7 @@ void BindPlaced(nb::module_& module) {
         .def_rw("visible", &Placement::visible);
     BindMatrix(placement, "worldFromObject", &Placement::worldFromObject);
     BindSpan(placement, "instances", &Placement::instances, 1);
+    BindSamples(placement, "samples", &Placement::samples);
 
     nb::enum_<CullStyle>(module, "CullStyle", "Which faces camera rays do not see.")
         .value("DontCare", CullStyle::DontCare)
@@ -209,6 +252,22 @@ void BindPlaced(nb::module_& module) {
         .def_rw("instanceCategories", &InstancerPrim::instanceCategories)
         .def_rw("placement", &InstancerPrim::placement);
     BindSpan(instancer, "instanceTransforms", &InstancerPrim::instanceTransforms, 16);
+    using Samples = std::vector<std::pair<double, nb::object>>;
+    instancer.def_prop_rw(
+        "samples",
+        [](const InstancerPrim& self) {
+            Samples samples;
+            for (const InstanceSample& sample : self.samples) {
+                samples.emplace_back(sample.time, ArrayFromSpan(sample.transforms, 16));
+            }
+            return samples;
+        },
+        [](InstancerPrim& self, const Samples& samples) {
+            self.samples.clear();
+            for (const auto& [time, transforms] : samples) {
+                self.samples.push_back({time, SpanFromBuffer<double>(transforms, "samples").first});
+            }
+        });
 }
 
 void BindLight(nb::module_& module) {
@@ -304,6 +363,15 @@ void BindCamera(nb::module_& module) {
                 }
             });
     BindMatrix(camera, "worldFromCamera", &CameraPrim::worldFromCamera);
+    BindSamples(camera, "samples", &CameraPrim::samples);
+    camera.def_prop_rw(
+        "shutter",
+        [](const CameraPrim& self) {
+            return std::make_pair(self.shutter.open, self.shutter.close);
+        },
+        [](CameraPrim& self, const std::pair<double, double>& shutter) {
+            self.shutter = {shutter.first, shutter.second};
+        });
 }
 
 } // namespace

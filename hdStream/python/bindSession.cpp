@@ -114,6 +114,7 @@ void BindSettings(nb::module_& module) {
         .def_rw("pixelFilter", &Settings::pixelFilter)
         .def_rw("pixelFilterWidth", &Settings::pixelFilterWidth)
         .def_rw("russianRoulette", &Settings::russianRoulette)
+        .def_rw("motionBlur", &Settings::motionBlur)
         .def_rw("denoise", &Settings::denoise)
         .def_rw("mipBias", &Settings::mipBias)
         .def_rw("subdivision", &Settings::subdivision)

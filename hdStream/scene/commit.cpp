@@ -5,6 +5,7 @@
 #include "hdStream/scene/hierarchy.h"
 #include "hdStream/scene/lightCommit.h"
 #include "hdStream/scene/materialCommit.h"
+#include "hdStream/scene/meshMotion.h"
 #include "hdStream/scene/sceneCentre.h"
 #include "hdStream/scene/textureImages.h"
 #include "hdStream/scene/transforms.h"
@@ -106,7 +107,7 @@ public:
 
 private:
     /// What the drawn meshes are made of.
-    std::vector<MeshStore::Drawn> InputsOf(const std::vector<const MeshEntry*>& drawn) const {
+    std::vector<MeshStore::Drawn> InputsOf(const std::vector<const MeshEntry*>& drawn) {
         std::map<std::string, DicingView> views;
         const bool isAdaptive = _options.subdivision == Subdivision::Adaptive;
         if (isAdaptive && _options.dicingCamera) {
@@ -121,6 +122,14 @@ private:
             input.chunkBytes = _options.chunkBytes;
             input.displacements = _materials.DisplacementsOf(entry->second);
             input.primvars = ReadPrimvars(entry->second);
+            if (Deforms(*input.mesh, _options.shutter)) {
+                if (_materials.MayEmit(entry->second)) {
+                    _warnings.Add(entry->first, "emits light: not blurred by its motion");
+                } else {
+                    input.shutter = _options.shutter;
+                    _result->hasMotion = true;
+                }
+            }
             if (isDiced && IsSubdivisionScheme(input.mesh->subdivisionScheme)) {
                 input.dicing.emplace();
                 input.dicing->isAdaptive = isAdaptive;
@@ -231,9 +240,9 @@ private:
     }
 
     void AddHierarchy() {
-        Hierarchy hierarchy =
-            BuildHierarchy(_scene, _leaves, _result->centre,
-                           static_cast<std::uint32_t>(_result->objects.size()), &_links, _warnings);
+        Hierarchy hierarchy = BuildHierarchy(_scene, _leaves, _result->centre,
+                                             static_cast<std::uint32_t>(_result->objects.size()),
+                                             &_links, _options.shutter, _warnings);
         _result->hasCutouts = _result->hasCutouts || _links.HaveUnshadowing();
         _links.WarnOfOverflow(_warnings);
         const auto nodeBase = static_cast<std::uint32_t>(_result->topNodes.size());
@@ -248,6 +257,8 @@ private:
         _result->instances = std::move(hierarchy.instances);
         _result->instancesByPath = std::move(hierarchy.instancesByPath);
         _result->hasGroups = hierarchy.depth > 0;
+        _result->hasMotion = _result->hasMotion || !hierarchy.motionKeys.empty();
+        _result->motionKeys = std::move(hierarchy.motionKeys);
         _result->counts.instances = hierarchy.numLeaves;
         _ownRecords = std::move(hierarchy.ownRecords);
     }
@@ -282,6 +293,7 @@ private:
         counts.alwaysResidentBytes =
             _result->topNodes.size() * sizeof(shared::HdsBvhNode) +
             _result->instances.size() * (sizeof(shared::HdsInstance) + sizeof(std::uint32_t)) +
+            _result->motionKeys.size() * sizeof(AffineRows) +
             _result->objects.size() * sizeof(shared::HdsObject) +
             _result->pages->NumPages() * sizeof(std::uint32_t);
         counts.textures = _result->textures.size();

@@ -10,6 +10,7 @@
 #include "hdStream/scene/materialCommit.h"
 #include "hdStream/scene/meshStore.h"
 #include "hdStream/scene/sceneDescription.h"
+#include "hdStream/scene/transforms.h"
 #include "hdStream/shading/lightTable.h"
 #include "hdStream/texture/textureLines.h"
 #include "kernels/shared/geometry.h"
@@ -42,12 +43,14 @@ struct CommitOptions {
     std::vector<std::string> shownPrimvars; ///< kept for AOVs, whether materials read them or not
     /// For Subdivision::Adaptive; nothing: no surface is on screen.
     std::optional<DicingCamera> dicingCamera;
+    Shutter shutter; ///< closed: no motion blur
 
     bool operator==(const CommitOptions& other) const {
         return purposes == other.purposes && cullStyle == other.cullStyle &&
                domeVisible == other.domeVisible && chunkBytes == other.chunkBytes &&
                subdivision == other.subdivision && refineLevel == other.refineLevel &&
-               shownPrimvars == other.shownPrimvars && dicingCamera == other.dicingCamera;
+               shownPrimvars == other.shownPrimvars && dicingCamera == other.dicingCamera &&
+               shutter == other.shutter;
     }
 };
 
@@ -89,6 +92,7 @@ struct CommittedScene {
     std::vector<shared::HdsBvhNode> topNodes;
     std::vector<shared::HdsInstance> instances;
     std::vector<std::uint32_t> instancesByPath;
+    std::vector<AffineRows> motionKeys;     ///< of instances
     std::vector<shared::HdsObject> objects; ///< 0: the TLAS
     std::vector<shared::HdsMesh> meshes;
     /// User primvars of each mesh, in the order of their slots; owned by the cache, valid until the
@@ -110,6 +114,7 @@ struct CommittedScene {
     std::uint32_t lobes = 0;  ///< HDS_LOBE_* of layered surfaces
     bool hasGroups = false;   ///< instances below instances
     bool hasCurves = false;   ///< or points
+    bool hasMotion = false;   ///< something moves while the shutter is open
     SceneCounts counts;
     double seconds = 0.0;
 };

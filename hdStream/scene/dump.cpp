@@ -129,8 +129,26 @@ public:
     void Matrix(const std::string& name, const glm::dmat4& matrix) {
         Line(name, Array(glm::value_ptr(matrix), 16));
     }
+    /// The first and the last of them, of so few digits that front ends that interpolate in
+    /// different ways agree.
+    void Samples(const std::vector<TransformSample>& samples) {
+        for (const std::size_t i : {std::size_t{0}, samples.size() - 1}) {
+            if (samples.size() < 2) {
+                return;
+            }
+            std::string text;
+            for (int k = 0; k < 16; ++k) {
+                char number[40];
+                std::snprintf(number, sizeof(number), " %.5g",
+                              std::round(samples[i].matrix[k / 4][k % 4] * 1e6) * 1e-6 + 0.0);
+                text += number;
+            }
+            Line("transform at " + Number(static_cast<float>(samples[i].time)), text.substr(1));
+        }
+    }
     void Placed(const Placement& placement) {
         Matrix("transform", placement.worldFromObject);
+        Samples(placement.samples);
         if (!placement.instancerPath.empty()) {
             Line("instancer", placement.instancerPath);
             Line("instances", Array(placement.instances));
@@ -328,6 +346,9 @@ void DumpMesh(const std::string& path, const MeshPrim& prim, const SceneDescript
     out->Line("purpose", prim.purpose);
     out->Line("material", existing(prim.materialPath));
     out->Line("points", Array(mesh.points));
+    for (const PointSample& sample : mesh.samples) {
+        out->Line("points at " + Number(static_cast<float>(sample.time)), Array(sample.points));
+    }
     if (mesh.primitives == PrimitiveKind::Faces) {
         DumpFaces(mesh, out);
         out->Flag("doubleSided", prim.doubleSided);
@@ -367,6 +388,10 @@ void DumpInstancer(const std::string& path, const InstancerPrim& prim,
     out->Prim("instancer", path);
     out->Placed(prim.placement);
     out->Line("instanceTransforms", Array(prim.instanceTransforms));
+    for (const InstanceSample& sample : prim.samples) {
+        out->Line("instanceTransforms at " + Number(static_cast<float>(sample.time)),
+                  Array(sample.transforms));
+    }
     const bool hasCategories =
         std::any_of(prim.instanceCategories.begin(), prim.instanceCategories.end(),
                     [](const std::set<std::string>& categories) { return !categories.empty(); });
@@ -406,6 +431,7 @@ void DumpLight(const std::string& path, const LightPrim& prim, Writer* out) {
 void DumpCamera(const std::string& path, const CameraPrim& camera, Writer* out) {
     out->Prim("camera", path);
     out->Matrix("transform", camera.worldFromCamera);
+    out->Samples(camera.samples);
     out->Line("projection", camera.orthographic ? "orthographic" : "perspective");
     const float values[] = {camera.horizontalAperture,
                             camera.verticalAperture,
@@ -429,6 +455,10 @@ void DumpCamera(const std::string& path, const CameraPrim& camera, Writer* out) 
                            "exposureScale"};
     for (std::size_t i = 0; i < std::size(values); ++i) {
         out->Value(names[i], values[i]);
+    }
+    if (camera.shutter.IsOpen()) {
+        const double ends[] = {camera.shutter.open, camera.shutter.close};
+        out->Line("shutter", Array(ends, 2));
     }
     for (const glm::dvec4& plane : camera.clippingPlanes) {
         out->Line("clippingPlane", Array(glm::value_ptr(plane), 4));

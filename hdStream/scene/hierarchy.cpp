@@ -2,7 +2,7 @@
 #include "hdStream/scene/hierarchy.h"
 
 #include "hdStream/accel/bvh.h"
-#include "hdStream/scene/transforms.h"
+#include "hdStream/scene/motion.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/type_ptr.hpp>
@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstring>
 #include <set>
 
 namespace hds {
@@ -25,17 +26,35 @@ constexpr int kMaxChain = 64;
 /// of which the front end has made several with instances of one list (primvars per instance).
 constexpr std::int32_t kGap = -1;
 
-glm::dmat4 InstanceTransform(const InstancerPrim& instancer, std::int32_t index) {
-    return glm::make_mat4(instancer.instanceTransforms.data() +
-                          16 * static_cast<std::size_t>(index));
+glm::dmat4 MatrixAt(const SharedSpan<double>& transforms, std::int32_t index) {
+    return glm::make_mat4(transforms.data() + 16 * static_cast<std::size_t>(index));
+}
+
+MovingTransform InstanceTransform(const InstancerPrim& instancer, std::int32_t index,
+                                  const Shutter& shutter) {
+    const glm::dmat4 atFrame = MatrixAt(instancer.instanceTransforms, index);
+    if (!shutter.IsOpen() || instancer.samples.empty()) {
+        return atFrame;
+    }
+    std::vector<TransformSample> samples;
+    for (const InstanceSample& sample : instancer.samples) {
+        if (sample.transforms.size() == instancer.instanceTransforms.size()) {
+            samples.push_back({sample.time, MatrixAt(sample.transforms, index)});
+        }
+    }
+    return {atFrame, samples, shutter};
+}
+
+MovingTransform PlacementTransform(const Placement& placement, const Shutter& shutter) {
+    return {placement.worldFromObject, placement.samples, shutter};
 }
 
 /// What a group may contain at a path: a mesh or a child instancer.
 struct Member {
     std::string path;
-    const LeafObject* leaf = nullptr;         ///< a mesh
-    const InstancerPrim* instancer = nullptr; ///< or an instancer
-    glm::dmat4 transform{1.0};                ///< of the member, in its prototype's space
+    const LeafObject* leaf = nullptr;           ///< a mesh
+    const InstancerPrim* instancer = nullptr;   ///< or an instancer
+    MovingTransform transform{glm::dmat4(1.0)}; ///< of the member, in its prototype's space
 };
 
 /// Members that an instancer places with the same list of instances: one prototype.
@@ -51,7 +70,7 @@ bool SameInstances(const SharedSpan<std::int32_t>& a, const SharedSpan<std::int3
 
 /// A prim in world space. id: its parent-major instanceId; -1: not instanced.
 struct Placed {
-    glm::dmat4 worldFromObject;
+    MovingTransform worldFromObject;
     std::int64_t id = -1;
     std::set<std::string> categories; ///< of the instances
 };
@@ -70,9 +89,9 @@ std::set<std::string> CategoriesOf(const Placed& parent, const InstancerPrim& in
 
 /// Parent-major: the parent's placements are the outer loop.
 std::vector<Placed> PlacementsOf(const SceneDescription& scene, const Placement& placement,
-                                 int chain) {
+                                 const Shutter& shutter, int chain) {
     if (placement.instancerPath.empty()) {
-        return {{placement.worldFromObject, -1, {}}};
+        return {{PlacementTransform(placement, shutter), -1, {}}};
     }
     const auto found = scene.instancers.find(placement.instancerPath);
     if (found == scene.instancers.end() || !found->second.placement.visible || chain >= kMaxChain) {
@@ -83,13 +102,13 @@ std::vector<Placed> PlacementsOf(const SceneDescription& scene, const Placement&
     const SharedSpan<std::int32_t>& instances = placement.instances;
     const auto count = static_cast<std::int64_t>(instances.size());
     std::vector<Placed> placements;
-    for (const Placed& parent : PlacementsOf(scene, instancer.placement, chain + 1)) {
+    for (const Placed& parent : PlacementsOf(scene, instancer.placement, shutter, chain + 1)) {
         for (std::size_t rank = 0; rank < instances.size(); ++rank) {
             const std::int32_t index = instances[rank];
             if (index >= 0 && static_cast<std::size_t>(index) < limit) {
                 placements.push_back(
-                    {parent.worldFromObject * InstanceTransform(instancer, index) *
-                         placement.worldFromObject,
+                    {parent.worldFromObject * InstanceTransform(instancer, index, shutter) *
+                         PlacementTransform(placement, shutter),
                      std::max<std::int64_t>(parent.id, 0) * count + std::int64_t(rank),
                      CategoriesOf(parent, instancer, index)});
             }
@@ -103,15 +122,16 @@ struct Record {
     shared::HdsInstance instance;
     Bounds bounds;
     std::uint64_t numLeaves = 0;
+    std::vector<glm::dmat4> keys; ///< of the map outwards, of what moves
 };
 
 class Builder {
 public:
     Builder(const SceneDescription& scene, const std::map<std::string, LeafObject>& leaves,
             const glm::dvec3& centre, std::uint32_t firstGroup, LightLinks* links,
-            Warnings& warnings)
+            const Shutter& shutter, Warnings& warnings)
         : _scene(scene), _leaves(leaves), _centre(centre), _firstGroup(firstGroup), _links(*links),
-          _warnings(warnings) {}
+          _shutter(shutter), _warnings(warnings) {}
 
     Hierarchy Build() {
         CollectMembers();
@@ -136,11 +156,13 @@ private:
                 _ownLeaves.push_back(path);
                 continue;
             }
-            all[path] = {path, &leaf, nullptr, _scene.meshes.at(path).placement.worldFromObject};
+            all[path] = {path, &leaf, nullptr,
+                         PlacementTransform(_scene.meshes.at(path).placement, _shutter)};
         }
         for (const auto& [path, instancer] : _scene.instancers) {
             if (instancer.placement.visible) {
-                all[path] = {path, nullptr, &instancer, instancer.placement.worldFromObject};
+                all[path] = {path, nullptr, &instancer,
+                             PlacementTransform(instancer.placement, _shutter)};
             }
         }
         for (auto& [path, member] : all) {
@@ -190,7 +212,7 @@ private:
     }
 
     /// Records of a member in a group whose space is `groupFromPrototype` away from the member's.
-    void AppendMember(const Member& member, const glm::dmat4& groupFromPrototype,
+    void AppendMember(const Member& member, const MovingTransform& groupFromPrototype,
                       std::uint32_t depth, std::vector<Record>* records) {
         if (member.leaf != nullptr) {
             AppendRecord(member, groupFromPrototype, 0, 0, records);
@@ -199,7 +221,7 @@ private:
         }
     }
 
-    void AppendInstancer(const Member& member, const glm::dmat4& groupFromPrototype,
+    void AppendInstancer(const Member& member, const MovingTransform& groupFromPrototype,
                          std::uint32_t depth, std::vector<Record>* records) {
         if (!_active.insert(member.path).second) {
             _warnings.Add(member.path, "instancers form a cycle; the inner placement is not drawn");
@@ -207,7 +229,7 @@ private:
         }
         const auto prototypes = _prototypes.find(member.path);
         if (prototypes != _prototypes.end()) {
-            const glm::dmat4 groupFromInstancer = groupFromPrototype * member.transform;
+            const MovingTransform groupFromInstancer = groupFromPrototype * member.transform;
             for (const Prototype& prototype : prototypes->second) {
                 AppendPrototype(member, prototype, groupFromInstancer, depth, records);
             }
@@ -216,7 +238,7 @@ private:
     }
 
     void AppendPrototype(const Member& instancer, const Prototype& prototype,
-                         const glm::dmat4& groupFromInstancer, std::uint32_t depth,
+                         const MovingTransform& groupFromInstancer, std::uint32_t depth,
                          std::vector<Record>* records) {
         const std::size_t limit = instancer.instancer->instanceTransforms.size() / 16;
         const Member* only = prototype.members.size() == 1 && prototype.members[0].leaf != nullptr
@@ -242,10 +264,11 @@ private:
         tbb::parallel_for(std::uint32_t{0}, count, [&](std::uint32_t rank) {
             const std::int32_t index = prototype.instances[rank];
             const bool isInRange = index >= 0 && static_cast<std::size_t>(index) < limit;
-            const glm::dmat4 transform =
-                isInRange ? groupFromInstancer * InstanceTransform(*instancer.instancer, index) *
+            const MovingTransform transform =
+                isInRange ? groupFromInstancer *
+                                InstanceTransform(*instancer.instancer, index, _shutter) *
                                 placed.transform
-                          : glm::dmat4(0.0);
+                          : MovingTransform(glm::dmat4(0.0));
             if (!FillRecord(placed, transform, rank, count, groupLeaves,
                             &(*records)[first + rank])) {
                 isComplete = false;
@@ -266,7 +289,7 @@ private:
         }
     }
 
-    void AppendRecord(const Member& member, const glm::dmat4& groupFromPrototype,
+    void AppendRecord(const Member& member, const MovingTransform& groupFromPrototype,
                       std::uint32_t rank, std::uint32_t count, std::vector<Record>* records) {
         Record record;
         if (FillRecord(member, groupFromPrototype * member.transform, rank, count, 1, &record)) {
@@ -277,11 +300,11 @@ private:
         }
     }
 
-    static bool FillRecord(const Member& member, const glm::dmat4& groupFromObject,
+    static bool FillRecord(const Member& member, const MovingTransform& groupFromObject,
                            std::uint32_t rank, std::uint32_t count, std::uint64_t numLeaves,
                            Record* record) {
         const LeafObject& leaf = *member.leaf;
-        const glm::dmat4 transform = glm::translate(groupFromObject, leaf.origin);
+        const glm::dmat4 transform = glm::translate(groupFromObject.AtFrame(), leaf.origin);
         if (!IsUsableTransform(transform) || !IsWithinReach(transform, leaf.bounds)) {
             record->numLeaves = 0;
             return false;
@@ -297,7 +320,25 @@ private:
         instance.instanceRank = rank;
         record->bounds = TransformBounds(transform, leaf.bounds);
         record->numLeaves = numLeaves;
+        if (groupFromObject.Moves()) {
+            FillMotion(groupFromObject, leaf, record);
+        }
         return true;
+    }
+
+    /// What passes through a pose that cannot be inverted stays where the frame has it.
+    static void FillMotion(const MovingTransform& groupFromObject, const LeafObject& leaf,
+                           Record* record) {
+        const MovingTransform origin(glm::translate(glm::dmat4(1.0), leaf.origin));
+        std::vector<glm::dmat4> keys = MakeMotionKeys(groupFromObject * origin, leaf.bounds);
+        const bool areUsable =
+            std::all_of(keys.begin(), keys.end(), [&leaf](const glm::dmat4& key) {
+                return IsUsableTransform(key) && IsWithinReach(key, leaf.bounds);
+            });
+        if (areUsable) {
+            record->bounds = TransformBounds(keys, leaf.bounds);
+            record->keys = std::move(keys);
+        }
     }
 
     /// A group object that holds a prototype's members; built once per prototype.
@@ -330,8 +371,13 @@ private:
     void AppendOwnRecords(const glm::dmat4& centreFromWorld, std::vector<Record>* records) {
         for (const std::string& path : _ownLeaves) {
             const LeafObject& leaf = _leaves.at(path);
-            for (const Placed& placed : PlacementsOf(_scene, _scene.meshes.at(path).placement, 0)) {
+            for (const Placed& placed :
+                 PlacementsOf(_scene, _scene.meshes.at(path).placement, _shutter, 0)) {
                 Member member{path, &leaf, nullptr, placed.worldFromObject};
+                if (leaf.ownRecord && placed.worldFromObject.Moves()) {
+                    member.transform = placed.worldFromObject.AtFrame(); // as its light is
+                    _warnings.Add(path, "emits light: not blurred by its motion");
+                }
                 const std::size_t before = records->size();
                 // A record of the TLAS: its rank is the id, whatever the count.
                 AppendRecord(member, centreFromWorld,
@@ -347,7 +393,9 @@ private:
                         light; // commit maps it to a light, or to none
                     _result.ownRecords.push_back(
                         {path, leaf.mesh,
-                         glm::translate(centreFromWorld * placed.worldFromObject, leaf.origin), 0});
+                         glm::translate(centreFromWorld * placed.worldFromObject.AtFrame(),
+                                        leaf.origin),
+                         0});
                 }
             }
         }
@@ -383,10 +431,27 @@ private:
         _result.instancesByPath.resize(_result.instances.size() + records.size());
         for (std::uint32_t slot = 0; slot < tree.order.size(); ++slot) {
             _result.instancesByPath[group.itemBase + tree.order[slot]] = group.itemBase + slot;
-            _result.instances.push_back(records[tree.order[slot]].instance);
+            _result.instances.push_back(PlacedInstance(records[tree.order[slot]]));
         }
         *bounds = tree.bounds;
         return numLeaves;
+    }
+
+    /// The instance of a record, whose keys become the hierarchy's.
+    shared::HdsInstance PlacedInstance(const Record& record) {
+        shared::HdsInstance instance = record.instance;
+        if (!record.keys.empty()) {
+            const auto first = static_cast<std::uint32_t>(_result.motionKeys.size());
+            const auto numSegments = static_cast<std::uint32_t>(record.keys.size() - 1);
+            instance.flags |= HDS_INSTANCE_MOVES;
+            std::memcpy(&instance.objectFromParent[HDS_MOTION_FIRST_KEY], &first, sizeof(first));
+            std::memcpy(&instance.objectFromParent[HDS_MOTION_SEGMENTS], &numSegments,
+                        sizeof(numSegments));
+            for (const glm::dmat4& key : record.keys) {
+                _result.motionKeys.push_back(RowsFromMatrix(key));
+            }
+        }
+        return instance;
     }
 
     const SceneDescription& _scene;
@@ -394,6 +459,7 @@ private:
     glm::dvec3 _centre;
     std::uint32_t _firstGroup;
     LightLinks& _links;
+    const Shutter& _shutter;
     Warnings& _warnings;
     std::vector<Member> _roots;
     std::vector<std::string> _ownLeaves;
@@ -407,15 +473,16 @@ private:
 
 void ForEachPlacement(const SceneDescription& scene, const Placement& placement,
                       const std::function<void(const glm::dmat4&)>& onPlacement) {
-    for (const Placed& placed : PlacementsOf(scene, placement, 0)) {
-        onPlacement(placed.worldFromObject);
+    for (const Placed& placed : PlacementsOf(scene, placement, Shutter(), 0)) {
+        onPlacement(placed.worldFromObject.AtFrame());
     }
 }
 
 Hierarchy BuildHierarchy(const SceneDescription& scene,
                          const std::map<std::string, LeafObject>& leaves, const glm::dvec3& centre,
-                         std::uint32_t firstGroup, LightLinks* links, Warnings& warnings) {
-    return Builder(scene, leaves, centre, firstGroup, links, warnings).Build();
+                         std::uint32_t firstGroup, LightLinks* links, const Shutter& shutter,
+                         Warnings& warnings) {
+    return Builder(scene, leaves, centre, firstGroup, links, shutter, warnings).Build();
 }
 
 } // namespace hds

@@ -9,6 +9,7 @@
 #include "hdStream/geometry/triangleMesh.h"
 #include "hdStream/scene/lightLinks.h"
 #include "hdStream/scene/sceneDescription.h"
+#include "hdStream/scene/transforms.h"
 #include "kernels/shared/geometry.h"
 
 #include <functional>
@@ -43,6 +44,7 @@ struct Hierarchy {
     std::vector<shared::HdsObject> groups;      ///< nodeBase into nodes, itemBase into instances
     std::vector<shared::HdsInstance> instances; ///< group by group, leaf order of its BVH
     std::vector<std::uint32_t> instancesByPath; ///< per group, records in the order of pathOffset
+    std::vector<AffineRows> motionKeys;         ///< of the records with HDS_INSTANCE_MOVES
     std::vector<OwnRecord> ownRecords;
     std::uint64_t numLeaves = 0; ///< leaf instances in the scene
     std::uint32_t depth = 0;     ///< groups below the TLAS on the longest path
@@ -56,14 +58,16 @@ struct Hierarchy {
 /// object
 ///        0, the leaves' objects come between).
 /// \param links of the scene
+/// \param shutter closed: everything is at rest where the frame has it
 /// Prims with transforms that are singular, not finite or beyond 1e30 are dropped with a warning.
 Hierarchy BuildHierarchy(const SceneDescription& scene,
                          const std::map<std::string, LeafObject>& leaves, const glm::dvec3& centre,
-                         std::uint32_t firstGroup, LightLinks* links, Warnings& warnings);
+                         std::uint32_t firstGroup, LightLinks* links, const Shutter& shutter,
+                         Warnings& warnings);
 
 /// Placements of an instancer in world space (its own and its ancestors' instances composed,
 /// parent-major) for a prim; calls `onPlacement(worldFromPrototype)` for each. For
-/// lights, bounds and leaves with a record of their own.
+/// lights and bounds, at the frame.
 void ForEachPlacement(const SceneDescription& scene, const Placement& placement,
                       const std::function<void(const glm::dmat4& worldFromObject)>& onPlacement);
 

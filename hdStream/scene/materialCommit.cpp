@@ -151,6 +151,19 @@ MaterialSyncMode MaterialCommit::SyncModeOf(const MeshPrim& prim,
                                             : MaterialSyncMode::NoMaterialResponse;
 }
 
+bool MaterialCommit::MayEmit(const MeshPrim& prim) const {
+    if (prim.light) {
+        return true;
+    }
+    const std::vector<std::string> paths = EntryPaths(prim);
+    return std::any_of(paths.begin(), paths.end(), [this](const std::string& path) {
+        const CompiledMaterial& material = Find(path);
+        const shared::float4& emission = material.constants.constants[HDS_INPUT_EMISSIVE_COLOR];
+        return static_cast<bool>(material.values[HDS_INPUT_EMISSIVE_COLOR]) || emission.x > 0.0F ||
+               emission.y > 0.0F || emission.z > 0.0F;
+    });
+}
+
 std::vector<DisplacementInput> MaterialCommit::DisplacementsOf(const MeshPrim& prim) const {
     std::vector<DisplacementInput> displacements;
     for (const std::string& materialPath : EntryPaths(prim)) {

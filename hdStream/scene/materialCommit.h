@@ -51,6 +51,9 @@ public:
     MeshMaterialInfo AddMesh(const std::string& path, const MeshPrim& prim,
                              const PreparedMesh& prepared);
 
+    /// Whether some material of the prim may emit. Precondition: compiled.
+    bool MayEmit(const MeshPrim& prim) const;
+
     /// By material entry, as AddMesh adds them; reads images of heights. Precondition: compiled.
     std::vector<DisplacementInput> DisplacementsOf(const MeshPrim& prim) const;
 

@@ -8,6 +8,7 @@
 #include "hdStream/geometry/subdivSource.h"
 #include "hdStream/scene/meshDisplacement.h"
 #include "hdStream/scene/meshKey.h"
+#include "hdStream/scene/meshMotion.h"
 #include "hdStream/scene/transforms.h"
 
 #include <algorithm>
@@ -38,20 +39,22 @@ void BuildTopTree(PreparedMesh* mesh) {
 
 std::shared_ptr<const ChunkSource> MakeSource(const std::string& path, const MeshInputs& inputs,
                                               Warnings& warnings) {
-    if (inputs.mesh->primitives == PrimitiveKind::Curves) {
-        return MakeCurveSource(inputs.mesh, path, warnings);
+    const std::shared_ptr<const MeshDescription> mesh =
+        inputs.shutter.IsOpen() ? AtShutter(*inputs.mesh, inputs.shutter) : inputs.mesh;
+    if (mesh->primitives == PrimitiveKind::Curves) {
+        return MakeCurveSource(mesh, path, warnings);
     }
-    if (inputs.mesh->primitives == PrimitiveKind::Points) {
-        return MakePointSource(inputs.mesh, path, warnings);
+    if (mesh->primitives == PrimitiveKind::Points) {
+        return MakePointSource(mesh, path, warnings);
     }
     const Displacement displacement = MakeDisplacement(inputs.displacements);
     if (inputs.dicing) {
-        auto source = MakeSubdivSource(inputs.mesh, path, *inputs.dicing, displacement, warnings);
+        auto source = MakeSubdivSource(mesh, path, *inputs.dicing, displacement, warnings);
         if (source) {
             return source;
         }
     }
-    return MakePolygonSource(inputs.mesh, path, displacement, warnings);
+    return MakePolygonSource(mesh, path, displacement, warnings);
 }
 
 /// The inputs without the primvars that nobody reads.
@@ -74,7 +77,7 @@ MeshInputs OnlyRead(MeshInputs inputs) {
 
 bool MeshInputs::Suffice(const MeshInputs& other) const {
     return mesh == other.mesh && chunkBytes == other.chunkBytes && dicing == other.dicing &&
-           displacements == other.displacements &&
+           displacements == other.displacements && shutter == other.shutter &&
            std::includes(primvars.begin(), primvars.end(), other.primvars.begin(),
                          other.primvars.end());
 }

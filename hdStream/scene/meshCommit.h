@@ -37,6 +37,7 @@ struct MeshInputs {
     /// Those of the mesh that something reads, sorted; of the others only normals and widths, which
     /// give shape, count.
     std::vector<std::string> primvars;
+    Shutter shutter; ///< of a mesh whose points move; else closed
 
     /// Whether a mesh made of these serves where `other` is asked for.
     bool Suffice(const MeshInputs& other) const;

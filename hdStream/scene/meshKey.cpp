@@ -130,6 +130,14 @@ PageKey MakeMeshKey(const MeshInputs& inputs) {
     if (inputs.dicing) {
         hasher.Add(*inputs.dicing);
     }
+    if (inputs.shutter.IsOpen()) {
+        hasher.Add(inputs.shutter.open);
+        hasher.Add(inputs.shutter.close);
+        for (const PointSample& sample : inputs.mesh->samples) {
+            hasher.Add(sample.time);
+            hasher.Add(sample.points);
+        }
+    }
     hasher.Add(std::uint64_t{inputs.displacements.size()});
     for (const DisplacementInput& displacement : inputs.displacements) {
         hasher.Add(displacement);

@@ -19,6 +19,29 @@
 
 namespace hds {
 
+/// While the shutter is open, in frames from the frame on.
+struct Shutter {
+    double open = 0.0;
+    double close = 0.0;
+
+    bool IsOpen() const { return close > open; }
+    bool operator==(const Shutter& other) const {
+        return open == other.open && close == other.close;
+    }
+};
+
+/// A transform at a time, in frames from the frame on.
+struct TransformSample {
+    double time = 0.0;
+    glm::dmat4 matrix{1.0};
+};
+
+/// The transforms of all instances at a time.
+struct InstanceSample {
+    double time = 0.0;
+    SharedSpan<double> transforms; ///< as InstancerPrim::instanceTransforms
+};
+
 /// Common part of everything that is placed in space.
 struct Placement {
     glm::dmat4 worldFromObject{1.0}; ///< below an instancer: prototype space from object
@@ -27,6 +50,8 @@ struct Placement {
     /// -1 places nothing and counts in that order.
     SharedSpan<std::int32_t> instances;
     bool visible = true;
+    /// worldFromObject around the frame, in ascending order of time; fewer than two: it is at rest.
+    std::vector<TransformSample> samples;
 };
 
 /// Which faces camera rays do not see (Hydra's cull styles). All other rays see every face.
@@ -66,6 +91,7 @@ struct MeshPrim {
 struct InstancerPrim {
     Placement placement; ///< of the instancer itself (maybe below another instancer)
     SharedSpan<double> instanceTransforms; ///< [numInstances][16], memory as glm::dmat4
+    std::vector<InstanceSample> samples;   ///< of them, as Placement::samples
     /// Of each instance, added to those of what it places; empty: none.
     std::vector<std::set<std::string>> instanceCategories;
 };
@@ -94,6 +120,8 @@ struct CameraPrim {
     float exposureScale = 1.0F; ///< linear factor on radiance: 2^exposure and photographic terms
     /// Half-spaces that camera rays see, dot(plane, (x, y, z, 1)) >= 0 in camera space.
     std::vector<glm::dvec4> clippingPlanes;
+    Shutter shutter;
+    std::vector<TransformSample> samples; ///< of worldFromCamera, as Placement::samples
 };
 
 /// Everything, by prim path. std::map keeps the order of paths, which is the order of identity.

@@ -14,8 +14,28 @@ namespace {
 
 /// Derived in docs/accel.md, "Padding".
 constexpr int kMarginExponent = -19;
+constexpr int kMovingMarginExponent = -17;
 /// As far as an empty box is inside out (Bounds).
 constexpr double kMaxReach = 1e30;
+
+Bounds WidenedBounds(const glm::dmat4& matrix, const Bounds& bounds, int marginExponent) {
+    Bounds result;
+    if (!IsValidBounds(bounds)) {
+        return result;
+    }
+    const glm::dvec3 centre = 0.5 * (glm::dvec3(bounds.min) + glm::dvec3(bounds.max));
+    const glm::dvec3 half = 0.5 * (glm::dvec3(bounds.max) - glm::dvec3(bounds.min));
+    const glm::dvec3 newCentre = glm::dvec3(matrix * glm::dvec4(centre, 1.0));
+    for (int axis = 0; axis < 3; ++axis) {
+        const double reach = std::abs(matrix[0][axis]) * half.x +
+                             std::abs(matrix[1][axis]) * half.y +
+                             std::abs(matrix[2][axis]) * half.z;
+        const double margin = std::ldexp(std::abs(newCentre[axis]) + reach, marginExponent);
+        result.min[axis] = static_cast<float>(newCentre[axis] - reach - margin);
+        result.max[axis] = static_cast<float>(newCentre[axis] + reach + margin);
+    }
+    return result;
+}
 
 } // namespace
 
@@ -62,20 +82,13 @@ bool IsWithinReach(const glm::dmat4& matrix, const Bounds& bounds) {
 }
 
 Bounds TransformBounds(const glm::dmat4& matrix, const Bounds& bounds) {
+    return WidenedBounds(matrix, bounds, kMarginExponent);
+}
+
+Bounds TransformBounds(const std::vector<glm::dmat4>& poses, const Bounds& bounds) {
     Bounds result;
-    if (!IsValidBounds(bounds)) {
-        return result;
-    }
-    const glm::dvec3 centre = 0.5 * (glm::dvec3(bounds.min) + glm::dvec3(bounds.max));
-    const glm::dvec3 half = 0.5 * (glm::dvec3(bounds.max) - glm::dvec3(bounds.min));
-    const glm::dvec3 newCentre = glm::dvec3(matrix * glm::dvec4(centre, 1.0));
-    for (int axis = 0; axis < 3; ++axis) {
-        const double reach = std::abs(matrix[0][axis]) * half.x +
-                             std::abs(matrix[1][axis]) * half.y +
-                             std::abs(matrix[2][axis]) * half.z;
-        const double margin = std::ldexp(std::abs(newCentre[axis]) + reach, kMarginExponent);
-        result.min[axis] = static_cast<float>(newCentre[axis] - reach - margin);
-        result.max[axis] = static_cast<float>(newCentre[axis] + reach + margin);
+    for (const glm::dmat4& pose : poses) {
+        ExtendBounds(&result, WidenedBounds(pose, bounds, kMovingMarginExponent));
     }
     return result;
 }

@@ -7,6 +7,7 @@
 #include <glm/mat4x4.hpp>
 
 #include <array>
+#include <vector>
 
 namespace hds {
 
@@ -26,6 +27,10 @@ bool IsWithinReach(const glm::dmat4& matrix, const Bounds& bounds);
 /// The box of a transformed box, rounded outwards by 2^-19 of its largest coordinate, which covers
 /// the rounding of the float transform that the device applies to rays.
 Bounds TransformBounds(const glm::dmat4& matrix, const Bounds& bounds);
+
+/// The box of a box that goes straight from pose to pose: as TransformBounds, but by 2^-17, for the
+/// device finds its map by interpolating and inverting.
+Bounds TransformBounds(const std::vector<glm::dmat4>& poses, const Bounds& bounds);
 
 /// Grows `bounds` by `other`.
 void ExtendBounds(Bounds* bounds, const Bounds& other);

@@ -91,9 +91,11 @@ struct Session::Impl {
     }
 
     /// The scene in device memory. \return false when it was cancelled.
-    bool Commit(const Settings& settings, const CancelCallback& isCancelled) {
+    bool Commit(const Settings& settings, const Shutter& shutter,
+                const CancelCallback& isCancelled) {
         CommitOptions commitOptions = MakeCommitOptions(settings);
         commitOptions.dicingCamera = dicingCamera;
+        commitOptions.shutter = shutter;
         const ResidencyOptions residency = MakeResidencyOptions(settings);
         if (tracer && committed && committed->sceneVersion == sceneVersion &&
             committed->options == commitOptions && committed->residency == residency) {
@@ -173,7 +175,7 @@ struct Session::Impl {
             dicingCamera = MakeDicingCamera(options);
             dicingCamera->isStill = !settings.cameraMoves;
         }
-        if (!Commit(settings, isCancelled)) {
+        if (!Commit(settings, options.shutter, isCancelled)) {
             return RenderResult::Stopped;
         }
         tracer->Begin(std::move(options), film);

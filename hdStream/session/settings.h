@@ -39,8 +39,9 @@ struct Settings {
     std::string pixelFilter = "blackmanHarris"; ///< or "box"
     double pixelFilterWidth = 3.0;              ///< pixels, full width (box: 1 is the pixel itself)
     bool russianRoulette = true;
-    bool denoise = false; ///< the picture, by Open Image Denoise
-    double mipBias = 0.0; ///< mips that texture look-ups are moved by; positive: coarser
+    std::string motionBlur = "on"; ///< where the camera has an open shutter; or "off"
+    bool denoise = false;          ///< the picture, by Open Image Denoise
+    double mipBias = 0.0;          ///< mips that texture look-ups are moved by; positive: coarser
     std::string subdivision = "adaptive"; ///< adaptive, complexity (refineLevel everywhere) or cage
     std::uint32_t refineLevel = 0;        ///< for subdivision "complexity"
     std::uint32_t waveSize = 0; ///< paths in flight, at least 16; 0: the device's own default

@@ -107,6 +107,9 @@ void CheckSettings(const Settings& settings) {
 RenderOptions MakeRenderOptions(const Settings& settings, const CameraPrim& camera) {
     RenderOptions options;
     options.camera = camera;
+    if (settings.motionBlur == "on" && camera.shutter.IsOpen()) {
+        options.shutter = camera.shutter;
+    }
     options.imageWidth = settings.imageWidth;
     options.imageHeight = settings.imageHeight;
     options.pixelAspectRatio = settings.pixelAspectRatio;

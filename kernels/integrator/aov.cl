@@ -118,7 +118,7 @@ void aov_store(constant const HdsFrameParams* frame, const HdsSceneView* scene, 
     HdsSurfaceHit surface;
     HdsShadingPoint shading;
     HdsBsdf bsdf;
-    surfaceHit_load(scene, &hit, &surface);
+    surfaceHit_load(scene, &hit, path_time(paths, i), &surface);
 #if HDS_FEATURE_TEXTURES
     HdsRayCones cones;
     cones.pair = path_load_cones(paths, i);

@@ -9,13 +9,16 @@
 
 /* Writes a camera ray and a fresh state to slot i. */
 void generate_start(HdsPaths paths, uint i, constant const HdsFrameParams* frame, HdsCameraRay ray,
-                    uint pixel, uint sample) {
+                    float time, uint pixel, uint sample) {
     path_store_origin(paths, i, (float4)(ray.origin, ray.tMin));
     path_store_direction(paths, i, (float4)(ray.direction, ray.tMax));
     path_store_throughput(paths, i, (float4)((float3)(frame->exposureScale), 0.0f));
     path_store_radiance(paths, i, (float4)(0.0f));
     path_store_sourceNormal(paths, i, (float4)(0.0f));
     path_store_status(paths, i, (uint4)(pixel, sample, 0u, 0u));
+#if HDS_FEATURE_MOTION
+    path_store_motion(paths, i, (float4)(time, 0.0f, 0.0f, 0.0f));
+#endif
 #if HDS_FEATURE_TEXTURES
     path_store_cones(paths, i, cones_begin(ray.cone.x, ray.cone.y).pair);
 #endif
@@ -42,12 +45,17 @@ kernel void generate_sample(constant const HdsFrameParams* frame, HdsWave wave, 
     float2 offset = filter_sample2(filterTable, sampler_get2(sampler, HDS_DIM_FILTER));
     float2 raster =
         (float2)((float)position.x + 0.5f + offset.x, (float)position.y + 0.5f + offset.y);
-    HdsCameraRay ray = camera_generate(frame, raster, sampler_get2(sampler, HDS_DIM_LENS));
-    generate_start(paths, i, frame, ray, pixel, sample);
+    float time = 0.0f;
+#if HDS_FEATURE_MOTION
+    time = sampler_get1(sampler, HDS_DIM_TIME);
+#endif
+    HdsCameraRay ray = camera_generate(frame, raster, sampler_get2(sampler, HDS_DIM_LENS), time);
+    generate_start(paths, i, frame, ray, time, pixel, sample);
     queue[queueFirst + item] = i;
 }
 
-/* One ray through each pixel's centre and the lens' centre, for the AOVs of the first hit. */
+/* One ray through each pixel's centre and the lens' centre, at the frame's own time, for the AOVs
+ * of the first hit. */
 kernel void generate_centre(constant const HdsFrameParams* frame, HdsWave wave, uint first,
                             uint count, global uchar* state, uint numSlots,
                             global const uint* pixels, global uint* queue, uint queueFirst) {
@@ -60,7 +68,7 @@ kernel void generate_centre(constant const HdsFrameParams* frame, HdsWave wave, 
     uint pixel = pixels[wave.firstPixel + i];
     int2 position = pixel_position(frame, pixel);
     float2 raster = (float2)((float)position.x + 0.5f, (float)position.y + 0.5f);
-    HdsCameraRay ray = camera_generate(frame, raster, (float2)(0.5f));
-    generate_start(paths, i, frame, ray, pixel, 0u);
+    HdsCameraRay ray = camera_generate(frame, raster, (float2)(0.5f), frame->frameTime);
+    generate_start(paths, i, frame, ray, frame->frameTime, pixel, 0u);
     queue[queueFirst + item] = i;
 }

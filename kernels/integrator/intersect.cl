@@ -14,6 +14,9 @@ HdsTraversalRay intersect_loadRay(HdsPaths paths, uint i) {
     ray.direction = direction.xyz;
     ray.tMin = origin.w;
     ray.tMax = direction.w;
+#if HDS_FEATURE_MOTION
+    ray.time = path_time(paths, i);
+#endif
     return ray;
 }
 

@@ -73,6 +73,7 @@ HdsShadePath shade_loadPath(HdsPaths paths, uint i) {
     path.alpha = radiance.w;
     path.status = path_load_status(paths, i);
     path.depth = path.status.z & HDS_PATH_DEPTH_MASK;
+    path.time = path_time(paths, i);
     path.tBegin = 0.0f;
 #if HDS_FEATURE_CUTOUT
     path.tBegin = as_float(path_load_after(paths, i).x);
@@ -133,7 +134,7 @@ HdsTexelChoice shade_chooseTexels(constant const HdsFrameParams* frame, const Hd
 /* Reads a hit and evaluates its material. Sets path->isMissing. */
 void shade_loadHit(constant const HdsFrameParams* frame, const HdsSceneView* scene,
                    HdsShadePath* path, HdsShadeHit* at) {
-    surfaceHit_load(scene, &at->hit, &at->surface);
+    surfaceHit_load(scene, &at->hit, path->time, &at->surface);
     at->linkSet = surfaceHit_linkSet(scene, &at->surface);
 #if HDS_FEATURE_TEXTURES
     path->hitCones = cones_atHit(path->cones, at->hit.t, path->depth == 0u);

@@ -45,6 +45,9 @@ HdsTraversalRay shadow_loadRay(HdsPaths paths, uint i) {
     ray.direction = path_load_shadowDirection(paths, i).xyz;
     ray.tMin = 0.0f;
     ray.tMax = origin.w;
+#if HDS_FEATURE_MOTION
+    ray.time = path_time(paths, i);
+#endif
     return ray;
 }
 
@@ -261,7 +264,7 @@ void shadow_passCandidate(const HdsSceneView* scene, HdsPaths paths, uint i, glo
     }
     float4 direction = path_load_shadowDirection(paths, i);
     HdsSurfaceHit surface;
-    surfaceHit_load(scene, &hit, &surface);
+    surfaceHit_load(scene, &hit, path_time(paths, i), &surface);
     float4 radiance = path_load_shadowRadiance(paths, i);
 #if HDS_FEATURE_TEXTURES
     surface.coneWidth = cones_width(cones_atHit(cones_unpack(radiance.w), hit.t, false));

@@ -15,10 +15,14 @@
 /* HdsFrameParams.flags */
 #define HDS_FRAME_ORTHOGRAPHIC 1u
 #define HDS_FRAME_ROULETTE 2u
+#define HDS_FRAME_CAMERA_MOVES 4u /* cameraKeys hold; clip planes are in camera space */
 
 /* Most times that one ray may pass through cut-out surfaces; a ray that would pass once more ends
  * and is counted. */
 #define HDS_MAX_PASSES 1024u
+
+/* Most keys of a motion after the first. */
+#define HDS_MAX_MOTION_SEGMENTS 32
 
 /* Most clipping planes of a camera. */
 #define HDS_MAX_CLIP_PLANES 8
@@ -56,10 +60,13 @@ typedef struct {
     u32 numClipPlanes;
     i32 dataWindowMin[2]; /* upper left pixel of the data window; rasters and samples count from the
                              display window's, so that a crop has the bits of the full image */
-    u32 pad0[2];
+    f32 frameTime;        /* of the frame in the shutter's interval, 0 to 1 */
+    u32 cameraSegments;   /* keys after the first */
     f32 clipPlanes[HDS_MAX_CLIP_PLANES][4]; /* camera rays see dot(plane, (p, 1)) >= 0, world */
+    /* worldFromCamera at equal distances in time, from the opening of the shutter to its closing */
+    f32 cameraKeys[HDS_MAX_MOTION_SEGMENTS + 1][12];
 } HdsFrameParams;
-HDS_ASSERT_SIZE(HdsFrameParams, 256);
+HDS_ASSERT_SIZE(HdsFrameParams, 256 + 48 * (HDS_MAX_MOTION_SEGMENTS + 1));
 
 /* A wave: slot i is sample firstSample + i % numSamples of pixel pixels[firstPixel + i /
  * numSamples]. */

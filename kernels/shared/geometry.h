@@ -27,7 +27,14 @@
 /* HdsInstance.flags */
 #define HDS_INSTANCE_CUTOUT 1u     /* some material may let rays pass: hits are candidates */
 #define HDS_INSTANCE_CAMERA 2u     /* seen by camera rays */
+#define HDS_INSTANCE_MOVES 4u      /* objectFromParent holds where its keys are (HDS_MOTION_*) */
 #define HDS_INSTANCE_LINK_SHIFT 16 /* the bits from here on: the link set (shared/light.h) */
+
+/* Words of objectFromParent of an instance that moves, as bits: the first of its keys of the map
+ * outwards, in units of three rows of four floats, and the number of keys after it. Keys are at
+ * equal distances in time, from the opening of the shutter to its closing. */
+#define HDS_MOTION_FIRST_KEY 0
+#define HDS_MOTION_SEGMENTS 1
 
 HDS_SHARED_BEGIN
 /* One placement of an object in a group; records of a group lie in the leaf order of its BVH.
@@ -78,10 +85,15 @@ typedef struct {
     u32 triangles; /* offset of HdsTriangle[], in the leaf order of the BVH */
     u32 primIds; /* offset of u32[]: of each triangle its index in the object, in order of (authored
                     face, sub-triangle) */
-    u32 vertices;     /* offset of packed f32[3] positions, object space */
+    u32 vertices;     /* offset of packed f32[3] positions, object space; HDS_PAGE_MOVES */
     u32 numTriangles; /* bits 26..0: triangles, or primitives of another kind; 31..27: the kind */
 } HdsPageHeader;
 HDS_ASSERT_SIZE(HdsPageHeader, 16);
+
+/* In HdsPageHeader.vertices: vertices move while the shutter is open. Behind each position lies
+ * that when the shutter closes; of curves and points, behind each vertex with its radius. The
+ * attribute page has a slot more, behind the user's: HDS_SLOT_NORMAL when the shutter closes. */
+#define HDS_PAGE_MOVES 0x80000000u
 
 /* What the primitives of a chunk are: HDS_PRIMITIVE_* in bits 31..27 of HdsPageHeader.numTriangles.
  * All but triangles have vertices of four floats, the last one the radius; those of ribbons have

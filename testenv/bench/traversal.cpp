@@ -172,6 +172,7 @@ public:
                                       ProgramDefines{{"HDS_TRAVERSAL_WIDE", wide ? "1" : "0"},
                                                      {"HDS_FEATURE_GROUPS", "0"},
                                                      {"HDS_FEATURE_CUTOUT", "0"},
+                                                     {"HDS_FEATURE_MOTION", "0"},
                                                      {"HDS_NUM_POOLS", "1"}},
                                       nullptr, &text);
     }

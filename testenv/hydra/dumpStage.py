@@ -12,6 +12,8 @@ from hdstream import _core
 from hdstream.diagnostics import Diagnostics
 from hdstream.stage import OpenStage
 from hdstream.translate import TranslateStage
+from hdstream.translate.motion import ReadShutter
+from pxr import UsdGeom
 
 
 def DumpStage(stagePath) -> tuple[str, list[str]]:
@@ -19,7 +21,12 @@ def DumpStage(stagePath) -> tuple[str, list[str]]:
     diagnostics = Diagnostics()
     session = _core.Session()
     stage = OpenStage(str(stagePath))
-    TranslateStage(stage, session, stage.GetStartTimeCode())
+    timeCode = stage.GetStartTimeCode()
+    # Hydra samples what moves while the shutter of any camera is open.
+    shutters = [ReadShutter(prim, timeCode) for prim in stage.Traverse() if prim.IsA(UsdGeom.Camera)]
+    shutters = [shutter for shutter in shutters if shutter[1] > shutter[0]] or [(0.0, 0.0)]
+    shutter = min(shutter[0] for shutter in shutters), max(shutter[1] for shutter in shutters)
+    TranslateStage(stage, session, timeCode, shutter)
     diagnostics.WarnOf(session)
     return session.Dump(), list(session.Warnings())
 

@@ -96,7 +96,7 @@ def MovedMesh(core, prim, offset):
 class Case:
     """A stage in a session of its own, and its picture with resident geometry."""
 
-    def __init__(self, path, camera="/World/Camera"):
+    def __init__(self, path, camera="/World/Camera", timeCode=None, shutter=(0.0, 0.0)):
         from hdstream import _core
         from hdstream.translate import TranslateStage
         from pxr import Usd
@@ -104,7 +104,8 @@ class Case:
         self.core, self.path, self.camera = _core, str(path), camera
         self.layers = self.statistics = None
         self.session = _core.Session()
-        TranslateStage(Usd.Stage.Open(self.path), self.session, Usd.TimeCode.Default())
+        TranslateStage(Usd.Stage.Open(self.path), self.session,
+                       Usd.TimeCode.Default() if timeCode is None else timeCode, shutter)
 
     def Fresh(self):
         """The same in a new session, whose accounts begin at 0."""

@@ -9,12 +9,13 @@
 #include <tbb/parallel_for.h>
 
 #include <cmath>
+#include <cstring>
 
 namespace hds::test {
 namespace {
 
 /// World box of a transformed box, widened by the rounding of the stored transform.
-Bounds TransformedBounds(const glm::dmat4& matrix, const Bounds& bounds) {
+Bounds TransformedBounds(const glm::dmat4& matrix, const Bounds& bounds, int marginExponent) {
     if (bounds.min.x > bounds.max.x) {
         return bounds; // nothing inside
     }
@@ -28,7 +29,8 @@ Bounds TransformedBounds(const glm::dmat4& matrix, const Bounds& bounds) {
         lo = glm::min(lo, q);
         hi = glm::max(hi, q);
     }
-    const glm::dvec3 margin = std::ldexp(1.0, -19) * glm::max(glm::abs(lo), glm::abs(hi));
+    const glm::dvec3 margin =
+        std::ldexp(1.0, marginExponent) * glm::max(glm::abs(lo), glm::abs(hi));
     Bounds result;
     result.min = glm::vec3(lo - margin);
     result.max = glm::vec3(hi + margin);
@@ -110,12 +112,22 @@ void AccelScene::BuildGroup(std::uint32_t object, const std::vector<AccelPlaceme
         StoreRows(glm::inverse(placement.parentFromObject), record.objectFromParent);
         record.object = placement.object;
         record.flags = placement.flags;
+        Bounds box = TransformedBounds(placement.parentFromObject, _bounds[placement.object], -19);
+        if (!placement.keys.empty()) {
+            box = Bounds();
+            AddKeys(placement.keys, &record);
+            for (const glm::dmat4& key : placement.keys) {
+                const Bounds pose = TransformedBounds(key, _bounds[placement.object], -17);
+                box.min = glm::min(box.min, pose.min);
+                box.max = glm::max(box.max, pose.max);
+            }
+        }
         record.pathOffset[0] = static_cast<std::uint32_t>(numLeaves);
         record.pathOffset[1] = static_cast<std::uint32_t>(numLeaves >> 32U);
         record.mesh = objects[placement.object].kind == HDS_OBJECT_GROUP ? HDS_NONE : 0;
         record.lightBase = HDS_NONE;
         records.push_back(record);
-        boxes.push_back(TransformedBounds(placement.parentFromObject, _bounds[placement.object]));
+        boxes.push_back(box);
         numLeaves += _numLeaves[placement.object];
     }
     const Bvh bvh = BuildBvh(boxes, TopOptions());
@@ -133,12 +145,25 @@ void AccelScene::BuildGroup(std::uint32_t object, const std::vector<AccelPlaceme
     _numLeaves[object] = numLeaves;
 }
 
+void AccelScene::AddKeys(const std::vector<glm::dmat4>& keys, shared::HdsInstance* record) {
+    const auto first = static_cast<std::uint32_t>(motionKeys.size());
+    const auto numSegments = static_cast<std::uint32_t>(keys.size() - 1);
+    record->flags |= HDS_INSTANCE_MOVES;
+    std::memcpy(&record->objectFromParent[HDS_MOTION_FIRST_KEY], &first, sizeof(first));
+    std::memcpy(&record->objectFromParent[HDS_MOTION_SEGMENTS], &numSegments, sizeof(numSegments));
+    for (const glm::dmat4& key : keys) {
+        motionKeys.emplace_back();
+        StoreRows(key, motionKeys.back().data());
+    }
+}
+
 DeviceAccelScene::DeviceAccelScene(const std::shared_ptr<Device>& device, const AccelScene& scene,
                                    const AccelUpload& upload)
     : _topNodes(UploadVector(device, "top nodes", scene.topNodes)),
       _instances(UploadVector(device, "instances", scene.instances)),
       _instancesByPath(UploadVector(device, "instances by path", scene.instancesByPath)),
       _objects(UploadVector(device, "objects", scene.objects)),
+      _motionKeys(UploadVector(device, "motion keys", scene.motionKeys)),
       _numInstances(static_cast<std::uint32_t>(scene.instances.size())) {
     std::vector<std::uint32_t> addresses(2 * scene.pages.size(), HDS_NOT_RESIDENT);
     std::array<std::vector<std::uint8_t>, HDS_POOL_MAX_BUFFERS> pools;
@@ -158,7 +183,7 @@ DeviceAccelScene::DeviceAccelScene(const std::shared_ptr<Device>& device, const 
     }
 }
 
-void DeviceAccelScene::Bind(Kernel* kernel, unsigned first) const {
+void DeviceAccelScene::Bind(Kernel* kernel, unsigned first, bool hasMotion) const {
     kernel->SetBuffer(first, _topNodes);
     kernel->SetBuffer(first + 1, _instances);
     kernel->SetBuffer(first + 2, _instancesByPath);
@@ -166,6 +191,9 @@ void DeviceAccelScene::Bind(Kernel* kernel, unsigned first) const {
     kernel->SetBuffer(first + 4, _addresses);
     for (unsigned i = 0; i < _pools.size(); ++i) {
         kernel->SetBuffer(first + 5 + i, _pools[i]);
+    }
+    if (hasMotion) {
+        kernel->SetBuffer(first + 5 + static_cast<unsigned>(_pools.size()), _motionKeys);
     }
 }
 

@@ -22,6 +22,7 @@ struct AccelPlacement {
     std::uint32_t object = 0;
     glm::dmat4 parentFromObject{1.0};
     std::uint32_t flags = HDS_INSTANCE_CAMERA;
+    std::vector<glm::dmat4> keys; ///< of parentFromObject when it moves
 };
 
 /// Tables of a scene. Objects are numbered in the order they are added, from 1 on; object 0 is the
@@ -44,8 +45,10 @@ public:
     std::vector<std::uint32_t> instancesByPath;
     std::vector<shared::HdsObject> objects;
     std::vector<GeometryPage> pages; ///< geometry page of each chunk
+    std::vector<std::array<float, 12>> motionKeys;
 
 private:
+    void AddKeys(const std::vector<glm::dmat4>& keys, shared::HdsInstance* record);
     void BuildGroup(std::uint32_t object, const std::vector<AccelPlacement>& placements);
 
     std::vector<Bounds> _bounds;           ///< of each object
@@ -64,12 +67,13 @@ public:
     DeviceAccelScene(const std::shared_ptr<Device>& device, const AccelScene& scene,
                      const AccelUpload& upload = {});
 
-    /// Sets HDS_GEOMETRY_ARGS from argument `first` on.
-    void Bind(Kernel* kernel, unsigned first) const;
+    /// Sets HDS_GEOMETRY_ARGS from argument `first` on. \param hasMotion the kernel has
+    /// HDS_FEATURE_MOTION.
+    void Bind(Kernel* kernel, unsigned first, bool hasMotion = false) const;
     std::uint32_t NumInstances() const { return _numInstances; }
 
 private:
-    Buffer _topNodes, _instances, _instancesByPath, _objects, _addresses;
+    Buffer _topNodes, _instances, _instancesByPath, _objects, _addresses, _motionKeys;
     std::array<Buffer, HDS_POOL_MAX_BUFFERS> _pools;
     std::uint32_t _numInstances = 0;
 };

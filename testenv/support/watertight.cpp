@@ -160,6 +160,7 @@ LeakCounter::LeakCounter(std::shared_ptr<Device> device, bool wide) : _device(st
         return std::make_unique<Program>(_device, "watertight.cl",
                                          ProgramDefines{{"HDS_TRAVERSAL_WIDE", wide ? "1" : "0"},
                                                         {"HDS_FEATURE_GROUPS", groups},
+                                                        {"HDS_FEATURE_MOTION", "0"},
                                                         {"HDS_NUM_POOLS", "1"}},
                                          nullptr, &text);
     };

@@ -3,11 +3,12 @@
 
 import pathlib
 
-from pxr import Sdf, Usd
+from pxr import Sdf, Usd, UsdGeom
 
 from hdstream import _core
 from hdstream.diagnostics import Diagnostics
 from hdstream.translate import TranslateStage
+from hdstream.translate.motion import ReadShutter
 
 FOLDER = pathlib.Path(__file__).resolve().parent
 CASES = sorted(path.parent.name for path in FOLDER.glob("*/scene.usda"))
@@ -16,8 +17,16 @@ CASES = sorted(path.parent.name for path in FOLDER.glob("*/scene.usda"))
 def Translate(stage, timeCode=None):
     """A session with the stage at a time code (default: its start)."""
     session = _core.Session()
-    TranslateStage(stage, session, stage.GetStartTimeCode() if timeCode is None else timeCode)
+    timeCode = stage.GetStartTimeCode() if timeCode is None else timeCode
+    TranslateStage(stage, session, timeCode, ShutterOf(stage, timeCode))
     return session
+
+
+def ShutterOf(stage, timeCode):
+    """While the shutter of some camera of the stage is open."""
+    shutters = [ReadShutter(prim, timeCode) for prim in stage.Traverse() if prim.IsA(UsdGeom.Camera)]
+    shutters = [shutter for shutter in shutters if shutter[1] > shutter[0]] or [(0.0, 0.0)]
+    return min(shutter[0] for shutter in shutters), max(shutter[1] for shutter in shutters)
 
 
 def StageOf(text):

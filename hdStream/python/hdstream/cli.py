@@ -134,7 +134,7 @@ def _AddRecordOptions(command):
     for name in ("samples", "maxDepth", "seed", "timeLimit", "noise"):
         options.AddSetting(quality, name)
     picture = command.add_argument_group("what to write")
-    for name in ("aovs", "denoise"):
+    for name in ("aovs", "motionBlur", "denoise"):
         options.AddSetting(picture, name)
     _AddFarmOptions(command.add_argument_group("other machines, and going on (docs/farm.md)"))
     _AddStreamingOptions(command.add_argument_group("memory and streaming"))

@@ -10,6 +10,7 @@ from hdstream.errors import CommandError, UsageError
 from hdstream.framing import FREE_CAMERA_PATH, MakeFramingCamera
 from hdstream.renderSettings import DataWindow
 from hdstream.translate.cameras import CameraFromGf, ReadCamera
+from hdstream.translate.motion import Motion, ReadShutter
 
 _DEFAULT_WIDTH = 960
 # Settings that SetCamera completes from the camera and the render settings prim.
@@ -24,6 +25,8 @@ def MakeSettings(values, prim):
     settings.purposes = list(_WithDefault(prim.purposes) or settings.purposes)
     if prim.aovs:
         settings.aovs = prim.aovs
+    if prim.disableMotionBlur:
+        settings.motionBlur = "off"
     if prim.pixelAspectRatio:
         settings.pixelAspectRatio = prim.pixelAspectRatio
     for name, value in values.items():
@@ -33,6 +36,13 @@ def MakeSettings(values, prim):
             value = _WithDefault(value)
         _core.SetSetting(settings, name, list(value) if isinstance(value, tuple) else value)
     return settings
+
+
+def ShutterOf(cameraPrim, timeCode, settings):
+    """(open, close) in frames from the frame; both 0 without motion blur."""
+    if settings.motionBlur != "on" or cameraPrim is None:
+        return 0.0, 0.0
+    return ReadShutter(cameraPrim, Usd.TimeCode(timeCode))
 
 
 def _WithDefault(purposes):
@@ -53,8 +63,8 @@ class Framing:
         self._height = height
         self._crop = crop
 
-    def SetCamera(self, prim, timeCode, settings):
-        """`prim`: of the camera; None frames the stage. Returns the core's camera."""
+    def SetCamera(self, prim, timeCode, shutter, settings):
+        """`prim`: of the camera; None frames the stage. `shutter`: that counts. Returns the core's camera."""
         usdTime = Usd.TimeCode(timeCode)
         if prim is None:
             gfCamera = MakeFramingCamera(self._stage, usdTime, settings.purposes)
@@ -64,7 +74,7 @@ class Framing:
             settings.camera = prim.GetPath().pathString
             try:
                 gfCamera = UsdGeom.Camera(prim).GetCamera(usdTime)
-                camera = ReadCamera(prim, usdTime)
+                camera = ReadCamera(prim, usdTime, Motion(usdTime, shutter))
             except TfError as error:
                 raise CommandError(f"camera {settings.camera} cannot be read: {'; '.join(MessagesOf(error))}") from None
         if not camera.horizontalAperture > 0.0 or not camera.verticalAperture > 0.0:

@@ -33,6 +33,7 @@ class RenderSettings:
         self.dataWindowNDC = None  # (left, bottom, right, top) of the resolution, y up
         self.purposes = None
         self.disableDepthOfField = False
+        self.disableMotionBlur = False
         self.aovs = []
         self.values = {}  # core setting -> value, of the "hdstream:" namespace
 
@@ -81,6 +82,10 @@ def _ReadCommon(prim, settings):
     isDisabled = Authored("disableDepthOfField")
     if isDisabled is not None:
         settings.disableDepthOfField = isDisabled
+    for name in ("instantaneousShutter", "disableMotionBlur"):  # the older name first
+        isDisabled = Authored(name)
+        if isDisabled is not None:
+            settings.disableMotionBlur = isDisabled
 
 
 def _ReadVars(stage, product, settings, session):

@@ -19,7 +19,7 @@ from hdstream.denoiser import FindDenoiser
 from hdstream.diagnostics import Diagnostics
 from hdstream.errors import EXIT_USAGE, CommandError
 from hdstream.framing import FindCamera
-from hdstream.frameSetup import Framing, MakeMetadata, MakeSettings
+from hdstream.frameSetup import Framing, MakeMetadata, MakeSettings, ShutterOf
 from hdstream.processTime import SecondsSinceStart
 from hdstream.renderSettings import ReadRenderSettings
 from hdstream.stage import OpenStage
@@ -264,14 +264,15 @@ class Renderer:
         start = time.perf_counter()
         renderSettings = ReadRenderSettings(self._stage, renderSettingsPrimPath, self._session)
         cameraPrim = FindCamera(self._stage, values.get("camera"), renderSettings.camera)
-        self._translation.Update(timeCode)
+        settings = MakeSettings(values, renderSettings)
+        shutter = ShutterOf(cameraPrim, timeCode, settings)
+        self._translation.Update(timeCode, shutter)
         self._diagnostics.WarnOf(self._session)
         if not self._session.Scene().meshes:
             self._session.Warn(self._name, "the stage has nothing to draw")
-        settings = MakeSettings(values, renderSettings)
         framing = Framing(self._stage, self._session, renderSettings, values.get("imageWidth"),
                           values.get("imageHeight"), crop)
-        camera = framing.SetCamera(cameraPrim, timeCode, settings)
+        camera = framing.SetCamera(cameraPrim, timeCode, shutter, settings)
         self._session.Redice()  # surfaces are diced as for a fresh renderer, wherever the camera was before
         return _Frame(settings, camera, time.perf_counter() - start)
 

@@ -133,6 +133,7 @@ private:
         const ProgramDefines defines = {{"HDS_TRAVERSAL_WIDE", isWide ? "1" : "0"},
                                         {"HDS_FEATURE_GROUPS", hasGroups ? "1" : "0"},
                                         {"HDS_FEATURE_STREAMING", "1"},
+                                        {"HDS_FEATURE_MOTION", "0"},
                                         {"HDS_NUM_POOLS", "1"}};
         const std::string text = kText;
         const Program program(device, "streamed.cl", defines, nullptr, &text);

@@ -19,7 +19,7 @@ namespace hds::test {
 /// A ray as the probe's kernels read it.
 struct ProbeRay {
     float origin[3];
-    float tMin;
+    float tMin; ///< with HDS_FEATURE_MOTION: the time, and tMin is 0
     float direction[3];
     float tMax;
 };
@@ -38,6 +38,10 @@ HdsTraversalRay probe_load(global const float* rays, uint i) {
     ray.tMin = rays[8u * i + 3u];
     ray.direction = vload3(0, rays + 8u * i + 4u);
     ray.tMax = rays[8u * i + 7u];
+#if HDS_FEATURE_MOTION
+    ray.time = ray.tMin;
+    ray.tMin = 0.0f;
+#endif
     return ray;
 }
 kernel void probe_closest(global const float* rays, uint count, global HdsHit* hits, uint flagMask,
@@ -90,13 +94,13 @@ kernel void probe_bruteForce(global const float* rays, uint count, global HdsHit
         const HdsObject object = view.objects[instance->object];
         float3 origin = ray.origin;
         float3 direction = ray.direction;
-        ray_toObject(&origin, &direction, instance);
+        ray_toObject(&view, instance, ray_time(&ray), &origin, &direction);
         const HdsShear shear = triangle_shear(origin, direction);
         HdsLeafInstance leaf =
             leaf_instance(n, instance->flags, leaf_pathOffset(instance), false, &ray, &best);
         for (uint c = object.itemBase; c < object.itemBase + object.numItems; ++c) {
             const HdsResidentChunk chunk =
-                leaf_chunk(&view, c, scene_pageAddress(&view, c, HDS_PAGE_GEOMETRY));
+                leaf_chunk(&view, &leaf, c, scene_pageAddress(&view, c, HDS_PAGE_GEOMETRY));
             const uint mask = (1u << HDS_PRIMITIVE_SHIFT) - 1u;
             for (uint t = 0u; t < (chunk.page->numTriangles & mask); ++t) {
 #if HDS_FEATURE_CURVES
@@ -105,11 +109,15 @@ kernel void probe_bruteForce(global const float* rays, uint count, global HdsHit
                     continue;
                 }
 #endif
+                if (page_moves(chunk.page)) {
+                    leaf_testTriangle(&chunk, t, &shear, &leaf, ray.tMax, &best);
+                    continue;
+                }
                 const HdsTriangle triangle = chunk.triangles[t];
                 HdsTriangleHit found;
-                if (triangle_intersect(&shear, chunk.vertices + 3u * page_corner(triangle, 0u),
-                                       chunk.vertices + 3u * page_corner(triangle, 1u),
-                                       chunk.vertices + 3u * page_corner(triangle, 2u), best.tMin,
+                if (triangle_intersect(&shear, chunk.vertices.first + 3u * page_corner(triangle, 0u),
+                                       chunk.vertices.first + 3u * page_corner(triangle, 1u),
+                                       chunk.vertices.first + 3u * page_corner(triangle, 2u), best.tMin,
                                        leaf.limit, &found)) {
                     leaf_accept(&leaf, c, t, page_primIds(chunk.page)[t], &found, ray.tMax, &best);
                 }
@@ -122,11 +130,12 @@ kernel void probe_bruteForce(global const float* rays, uint count, global HdsHit
 }
 )";
 
-/// Kernels of one form with all features but curves, unless `defines` says otherwise.
+/// Kernels of one form with all features but curves and motion, unless `defines` says otherwise.
 class TraversalProbe {
 public:
     TraversalProbe(const std::shared_ptr<Device>& device, bool wide, ProgramDefines defines = {})
-        : _device(device) {
+        : _device(device), _hasMotion(defines["HDS_FEATURE_MOTION"] == "1") {
+        defines["HDS_FEATURE_MOTION"] = _hasMotion ? "1" : "0";
         defines.emplace("HDS_TRAVERSAL_WIDE", wide ? "1" : "0");
         defines.emplace("HDS_NUM_POOLS", "1");
         defines.emplace("HDS_FEATURE_CURVES", "0");
@@ -166,7 +175,7 @@ private:
         kernel.SetBuffer(2, output);
         kernel.SetBytes(3, &number, sizeof(number));
         kernel.SetBuffer(4, keys);
-        scene.Bind(&kernel, 5);
+        scene.Bind(&kernel, 5, _hasMotion);
         kernel.Enqueue(rays.size());
         _device->Finish();
         std::vector<shared::HdsHit> hits(rays.size());
@@ -175,6 +184,7 @@ private:
     }
 
     std::shared_ptr<Device> _device;
+    bool _hasMotion;
     std::unique_ptr<Program> _program;
 };
 

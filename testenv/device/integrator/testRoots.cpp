@@ -12,11 +12,11 @@ const char* const kRoots[] = {"integrator/frame.cl", "integrator/intersect.cl",
                               "integrator/shade.cl", "integrator/shadow.cl",
                               "integrator/aov.cl",   "texture/cacheFill.cl"};
 const char* const kFeatures[] = {
-    "HDS_FEATURE_CUTOUT",    "HDS_FEATURE_GROUPS",        "HDS_TRAVERSAL_WIDE",
-    "HDS_FEATURE_PROGRAMS",  "HDS_FEATURE_TEXTURES",      "HDS_FEATURE_TEXTURE_STREAMING",
-    "HDS_TEXTURE_PLAIN",     "HDS_FEATURE_LIGHT_SHAPING", "HDS_FEATURE_LIGHT_CONTROLS",
-    "HDS_FEATURE_CURVES",    "HDS_FEATURE_MESH_LIGHTS",   "HDS_FEATURE_LIGHT_TREE",
-    "HDS_FEATURE_LIGHT_GLOW"};
+    "HDS_FEATURE_CUTOUT",     "HDS_FEATURE_GROUPS",        "HDS_TRAVERSAL_WIDE",
+    "HDS_FEATURE_PROGRAMS",   "HDS_FEATURE_TEXTURES",      "HDS_FEATURE_TEXTURE_STREAMING",
+    "HDS_TEXTURE_PLAIN",      "HDS_FEATURE_LIGHT_SHAPING", "HDS_FEATURE_LIGHT_CONTROLS",
+    "HDS_FEATURE_CURVES",     "HDS_FEATURE_MESH_LIGHTS",   "HDS_FEATURE_LIGHT_TREE",
+    "HDS_FEATURE_LIGHT_GLOW", "HDS_FEATURE_MOTION"};
 
 ProgramDefines MakeDefines(unsigned bits, unsigned numPools) {
     ProgramDefines defines{{"HDS_NUM_POOLS", std::to_string(numPools)}};
@@ -29,7 +29,7 @@ ProgramDefines MakeDefines(unsigned bits, unsigned numPools) {
 TEST_F(Roots, BuildWithEachFeature) {
     for (const char* root : kRoots) {
         for (const unsigned bits : {0U, 1U, 2U, 4U, 8U, 24U, 48U, 63U, 88U, 128U, 256U, 257U, 512U,
-                                    1024U, 2048U, 1024U + 4096U + 1U}) {
+                                    1024U, 2048U, 1024U + 4096U + 1U, 8192U, 8192U + 512U}) {
             EXPECT_NO_THROW(Program(device, root, MakeDefines(bits, 1)))
                 << root << " features " << bits;
         }
@@ -48,8 +48,8 @@ TEST_F(Roots, BuildWithEachLobe) {
 }
 
 TEST_F(Roots, BuildWithAllPools) {
-    EXPECT_NO_THROW(
-        Program(device, "integrator/shade.cl", MakeDefines(63 + 512 + 1024 + 2048 + 4096, 8)));
+    EXPECT_NO_THROW(Program(device, "integrator/shade.cl",
+                            MakeDefines(63 + 512 + 1024 + 2048 + 4096 + 8192, 8)));
 }
 
 } // namespace

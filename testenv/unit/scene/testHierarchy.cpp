@@ -141,7 +141,7 @@ private:
 Hierarchy Build(const SceneDescription& scene, const std::map<std::string, LeafObject>& leaves,
                 std::uint32_t firstGroup, Warnings& warnings) {
     LightLinks links(scene);
-    return BuildHierarchy(scene, leaves, glm::dvec3(0.0), firstGroup, &links, warnings);
+    return BuildHierarchy(scene, leaves, glm::dvec3(0.0), firstGroup, &links, Shutter(), warnings);
 }
 
 TEST(Hierarchy, EqualsAFlattening) {

@@ -102,7 +102,7 @@ TEST(LightLinks, InstancesInOtherCategoriesGetRecordsOfTheirOwn) {
     EXPECT_TRUE(leaf.isLinkedByInstance);
     Warnings warnings;
     const Hierarchy tables =
-        BuildHierarchy(scene, {{"/M", leaf}}, glm::dvec3(0.0), 2, &links, warnings);
+        BuildHierarchy(scene, {{"/M", leaf}}, glm::dvec3(0.0), 2, &links, Shutter(), warnings);
     ASSERT_EQ(tables.instances.size(), 3U);
     const LinkTable table = links.Table();
     for (const shared::HdsInstance& instance : tables.instances) {

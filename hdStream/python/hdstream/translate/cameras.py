@@ -5,6 +5,7 @@ import numpy as np
 from pxr import Gf, UsdGeom
 
 from hdstream import _core
+from hdstream.translate.motion import ReadShutter
 
 
 # GfCamera's apertures and focal lengths are in tenths of a scene unit; Hydra multiplies as floats.
@@ -34,10 +35,14 @@ def _SceneUnits(tenths):
     return float(np.float32(tenths) * _TENTH)
 
 
-def ReadCamera(prim, timeCode):
-    """The camera of a UsdGeomCamera prim, in world space."""
+def ReadCamera(prim, timeCode, motion=None):
+    """The camera of a UsdGeomCamera prim, in world space; its poses while the shutter of a Motion is open."""
     usdCamera = UsdGeom.Camera(prim)
-    return CameraFromGf(usdCamera.GetCamera(timeCode), _ExposureScale(usdCamera, timeCode))
+    camera = CameraFromGf(usdCamera.GetCamera(timeCode), _ExposureScale(usdCamera, timeCode))
+    camera.shutter = ReadShutter(prim, timeCode)
+    if motion is not None:
+        camera.samples = motion.CameraSamplesOf(usdCamera)
+    return camera
 
 
 def _ExposureScale(usdCamera, timeCode):

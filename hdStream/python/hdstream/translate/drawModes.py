@@ -151,7 +151,7 @@ class DrawModes:
             return None
         path = self._translator.ReservePath(prim, context)
         mesh = _MakeMesh(cards, color, path)
-        placement = _core.Placement(state.matrix, context.instancerPath, context.instances, state.visible)
+        placement = self._translator.PlacementOf(state, context)
         meshPrim = _core.MeshPrim(mesh, placement, state.purpose)
         meshPrim.cullStyle = _core.CullStyle.Back
         meshPrim.subsetMaterialPaths = [_MaterialPath(prim, texture) for texture in cards.textures]
@@ -178,7 +178,7 @@ class DrawModes:
         description.faceVertexIndices = lines
         description.primvars = _ConstantPrimvars(self._ColorOf(prim), ("displayOpacity", "widths"))
         path = self._translator.ReservePath(prim, context)
-        placement = _core.Placement(state.matrix, context.instancerPath, context.instances, state.visible)
+        placement = self._translator.PlacementOf(state, context)
         context.isPlacing = context.isPlacing or bool(context.instancerPath)
         return self._session.SetMesh(path, _core.MeshPrim(description, placement, state.purpose))
 

@@ -11,11 +11,11 @@ class InstanceGroup:
     def __init__(self, firstPrim, state):
         self.firstPrim = firstPrim
         self.state = state      # of the first instance, for what its prototype inherits
-        self._instances = []    # (Sdf.Path, Gf.Matrix4d: context space from instance, is drawn)
+        self._instances = []    # (Sdf.Path, Gf.Matrix4d: context space from instance, is drawn, matrices as State's)
         self._isSorted = False
 
     def Add(self, prim, state):
-        self._instances.append((prim.GetPath(), state.matrix, state.visible))
+        self._instances.append((prim.GetPath(), state.matrix, state.visible, state.matrices))
 
     def Split(self, keyOf):
         """A group for each key of the instances; keyOf: of the prim of an instance."""
@@ -34,10 +34,18 @@ class InstanceGroup:
         return self._instances
 
     def Transforms(self):
-        return np.asarray(Vt.Matrix4dArray([matrix for _, matrix, _ in self._Sorted()]))
+        return np.asarray(Vt.Matrix4dArray([matrix for _, matrix, _, _ in self._Sorted()]))
+
+    def Samples(self, motion):
+        """(time, arrays) while the shutter is open; empty when no instance moves."""
+        instances = self._Sorted()
+        if all(matrices is None for _, _, _, matrices in instances):
+            return []
+        return motion.InstanceSamplesOf([matrices or [matrix] * len(motion.times)
+                                         for _, matrix, _, matrices in instances])
 
     def VisibleIndices(self):
-        return np.array([index for index, (_, _, isVisible) in enumerate(self._Sorted()) if isVisible],
+        return np.array([index for index, (_, _, isVisible, _) in enumerate(self._Sorted()) if isVisible],
                         np.int32)
 
 

@@ -21,11 +21,12 @@ from hdstream.translate.primState import PREDICATE, PROTOTYPE_PREDICATE, Context
 class Instancers:
     """Adds instancers to a session; walks their prototypes with the stage's translator."""
 
-    def __init__(self, translator, stage, session, timeCode, links, reports):
+    def __init__(self, translator, stage, session, timeCode, motion, links, reports):
         self._translator = translator
         self._stage = stage
         self._session = session
         self._timeCode = timeCode
+        self._motion = motion
         self._links = links
         self._reports = reports
         self._levels = InstanceLevels(translator, session)
@@ -72,11 +73,12 @@ class Instancers:
         self._translator.Walk(group.firstPrim.GetFilteredChildren(inner.predicate), state, inner)
         placement = _core.Placement(State().matrix, context.instancerPath, context.instances)
         if inner.isPlacing:
-            self._AddInstancer(path, placement, group.Transforms(), context)
+            self._AddInstancer(path, placement, group.Transforms(), group.Samples(self._motion), context)
 
-    def _AddInstancer(self, path, placement, transforms, context):
+    def _AddInstancer(self, path, placement, transforms, samples, context):
         instancer = _core.InstancerPrim(placement)
         instancer.instanceTransforms = transforms
+        instancer.samples = samples
         context.isPlacing = True
         self._session.SetInstancer(path, instancer)
 
@@ -102,8 +104,9 @@ class Instancers:
             if len(instances) and self._WalkPrototype(prim, path, prototypePath, instances, state, context):
                 isPlacing = True
         if isPlacing:
-            placement = _core.Placement(state.matrix, context.instancerPath, context.instances, state.visible)
-            self._AddInstancer(path, placement, arrays.transforms, context)
+            placement = self._translator.PlacementOf(state, context)
+            samples = self._motion.PointInstanceSamplesOf(UsdGeom.PointInstancer(prim), arrays.numInstances)
+            self._AddInstancer(path, placement, arrays.transforms, samples, context)
         return None
 
     def _WalkPrototype(self, instancer, path, prototypePath, instances, instancerState, context):

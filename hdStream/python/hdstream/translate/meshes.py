@@ -54,17 +54,19 @@ def ReadPoints(prim, names, timeCode):
     return None if points is None else np.asarray(points)
 
 
-def ReadMesh(prim, names, inherited, timeCode, skin=None):
+def ReadMesh(prim, names, inherited, timeCode, motion, skin=None, endSkins=()):
     """The description of a UsdGeomMesh; None when it has no points or no faces.
 
-    `skin(prim, points)` gives the points of a skinned mesh, None for others. Normals that were authored for
+    `skin(prim, points)` gives the points of a skinned mesh, None for others; `endSkins` do so at the motion's ends. Normals that were authored for
     the points at rest are left out, as UsdSkelImaging does: they follow from the skinned points.
     """
     points = ReadPoints(prim, names, timeCode)
+    isSkinned = False
     if skin is not None and points is not None and points.size:
         skinned = skin(prim, points)
         if skinned is not None:
-            points = np.asarray(skinned)
+            isSkinned = True
+            atRest, points = points, np.asarray(skinned)
             names = [name for name in names if name not in ("normals", "primvars:normals")]
     counts = ReadArray(prim, "faceVertexCounts", timeCode, np.int32)
     indices = ReadArray(prim, "faceVertexIndices", timeCode, np.int32)
@@ -72,6 +74,10 @@ def ReadMesh(prim, names, inherited, timeCode, skin=None):
         return None
     mesh = _core.MeshDescription()
     mesh.points = points
+    if isSkinned:
+        mesh.samples = motion.SkinnedSamplesOf(prim, atRest, endSkins)
+    elif not any(prim.GetAttribute(name).ValueMightBeTimeVarying() for name in ("faceVertexCounts", "faceVertexIndices")):
+        mesh.samples = motion.PointSamplesOf(prim, names, len(points))
     mesh.faceVertexCounts = counts
     mesh.faceVertexIndices = indices
     mesh.subdivisionScheme = "catmullClark"  # UsdGeomMesh's fallback

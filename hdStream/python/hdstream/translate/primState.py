@@ -17,11 +17,12 @@ _STRONGER = "strongerThanDescendants"
 class State:
     """Inherited values at a prim, relative to the space of its Context."""
 
-    __slots__ = ("matrix", "visible", "purpose", "isPurposeAuthored", "primvars", "bindings",
+    __slots__ = ("matrix", "matrices", "visible", "purpose", "isPurposeAuthored", "primvars", "bindings",
                  "hasCollections", "drawMode", "skelRoot")
 
     def __init__(self):
         self.matrix = IDENTITY          # context space from prim, row vectors (Gf)
+        self.matrices = None            # the same at the times of the Motion; None: at rest
         self.visible = True
         self.purpose = "default"
         self.isPurposeAuthored = False  # only an authored purpose is inherited

@@ -21,7 +21,7 @@ class Skinning:
         self._cache = UsdSkel.Cache()
         self._targets = {}  # path of a SkelRoot -> {path of a prim: (skeleton, skinning query)}
 
-    def PointsOf(self, prim, rootPrim, points):
+    def PointsOf(self, prim, points, rootPrim):
         """The skinned points [count][3] of a mesh below a SkelRoot; None when it is not skinned."""
         path = rootPrim.GetPath()
         if path not in self._targets:

@@ -33,6 +33,7 @@ class StageTranslation:
         self._session = session
         self._onBegin = onBegin
         self._timeCode = None
+        self._shutter = (0.0, 0.0)
         self._isStale = True
         self._changes = {}  # prim path -> names of its properties that changed
         self._paths = set()  # of meshes and lights in the scene
@@ -44,12 +45,12 @@ class StageTranslation:
         self._listener = Tf.Notice.Register(
             Usd.Notice.ObjectsChanged, lambda notice, _: onChanged() and onChanged()(notice), stage)
 
-    def Update(self, timeCode):
+    def Update(self, timeCode, shutter=(0.0, 0.0)):
         """Brings the session up to date; returns how many prims were visited."""
         timeCode = Usd.TimeCode(timeCode)
         changes, self._changes = self._changes, {}
-        isWhole = self._isStale or timeCode != self._timeCode
-        self._timeCode = timeCode
+        isWhole = self._isStale or timeCode != self._timeCode or shutter != self._shutter
+        self._timeCode, self._shutter = timeCode, shutter
         if isWhole or not self._AreSafe(changes):
             return self._TranslateAll()
         return sum(self._TranslateBelow(path, names) for path, names in changes.items())
@@ -73,7 +74,7 @@ class StageTranslation:
     def _TranslateAll(self):
         self._session.Clear()
         self._onBegin()
-        translator = StageTranslator(self._stage, self._session, self._timeCode)
+        translator = StageTranslator(self._stage, self._session, self._timeCode, self._shutter)
         translator.Translate()
         self._paths = set(translator.Paths())
         self._materialPaths = translator.materialPaths
@@ -111,7 +112,7 @@ class StageTranslation:
         prim = self._stage.GetPrimAtPath(path)
         if prim.GetTypeName() in _RENDER:
             return 0
-        translator = StageTranslator(self._stage, self._session, self._timeCode)
+        translator = StageTranslator(self._stage, self._session, self._timeCode, self._shutter)
         material = _MaterialOf(prim)
         if material:
             if material.GetPath().pathString not in self._materialPaths:

@@ -5,6 +5,7 @@ Native instances are collected while a context (the world, or the prototypes of 
 walked and turned into instancers after it. Materials are found for all meshes at once at the end.
 """
 
+import functools
 import gc
 
 import numpy as np
@@ -18,6 +19,7 @@ from hdstream.translate.instancers import Instancers
 from hdstream.translate.links import Links
 from hdstream.translate.materials import MaterialReader
 from hdstream.translate.meshBatch import MeshBatch
+from hdstream.translate.motion import Motion
 from hdstream.translate.primState import PREDICATE, Context, State
 from hdstream.translate.reports import Reports
 from hdstream.translate.skinning import Skinning
@@ -41,22 +43,25 @@ class _TypeInfo:
 
 
 class StageTranslator:
-    """Translates one stage at one time code into a session. Used once."""
+    """Translates one stage at one time code, and while a shutter is open around it, into a session. Used once."""
 
-    def __init__(self, stage, session, timeCode):
+    def __init__(self, stage, session, timeCode, shutter=(0.0, 0.0)):
         self._stage = stage
         self._session = session
         self._timeCode = Usd.TimeCode(timeCode)
+        self._motion = Motion(timeCode, shutter)
         self._reports = Reports(session)
         self._assets = AssetResolver()
         self._xforms = UsdGeom.XformCache(self._timeCode)
         self._skinning = Skinning(self._timeCode, self._xforms, self._reports.Warn)
+        self._endSkinnings = self._motion.AtEnds(
+            lambda time: Skinning(time, UsdGeom.XformCache(time), self._reports.Warn))
         self._types = {}
         self._paths = set()
         self._links = Links()
         self._meshes = MeshBatch(session, self._links, self._reports.Warn)
         self._drawModes = drawModes.DrawModes(self, session, self._timeCode, self._assets, self._reports)
-        self._instancers = Instancers(self, stage, session, self._timeCode, self._links, self._reports)
+        self._instancers = Instancers(self, stage, session, self._timeCode, self._motion, self._links, self._reports)
         self._kept = {}  # scene path -> MeshPrim of before, whose mesh is as it was
         self.materialPaths = set()  # of the materials that were translated
         self.numPrims = 0  # prims visited, instance proxies of first instances included
@@ -163,6 +168,8 @@ class StageTranslator:
             local, resets = self._xforms.GetLocalTransformation(prim)
             state = inherited.Copy()
             state.matrix = local if resets else local * inherited.matrix
+            if self._motion.isOn:
+                state.matrices = self._motion.MatricesOf(prim, local, resets, inherited.matrix, inherited.matrices)
         if info.isImageable:
             if "visibility" in names and prim.GetAttribute("visibility").Get(self._timeCode) == "invisible":
                 state = inherited.Copy() if state is inherited else state
@@ -229,18 +236,27 @@ class StageTranslator:
         self._paths.add(path)
         return path
 
+    def PlacementOf(self, state, context):
+        """Where a prim of that state is; the context's instancer, if any, places it."""
+        placement = _core.Placement(state.matrix, context.instancerPath, context.instances, state.visible)
+        if state.matrices is not None:
+            placement.samples = self._motion.SamplesOf(state.matrices)
+        return placement
+
     def _Place(self, prim, state, context):
-        """The scene path of a prim and its placement; the context's instancer, if any, places it."""
+        """The scene path of a prim and its placement."""
         path = self.ReservePath(prim, context)
         if context.instancerPath:
             context.isPlacing = True
-        return path, _core.Placement(state.matrix, context.instancerPath, context.instances, state.visible)
+        return path, self.PlacementOf(state, context)
 
     def _OnMesh(self, prim, schema, names, state, context):
-        skin = None
+        skin, endSkins = None, ()
         if state.skelRoot is not None:
-            skin = lambda mesh, points: self._skinning.PointsOf(mesh, state.skelRoot, points)
-        mesh = self._KeptMesh(prim, context) or meshes.ReadMesh(prim, names, state.primvars, self._timeCode, skin)
+            skin, *endSkins = [functools.partial(skinning.PointsOf, rootPrim=state.skelRoot)
+                               for skinning in (self._skinning, *self._endSkinnings)]
+        mesh = self._KeptMesh(prim, context) or meshes.ReadMesh(
+            prim, names, state.primvars, self._timeCode, self._motion, skin, endSkins)
         if mesh is None:
             return state
         self._AddMesh(prim, names, mesh, state, context)
@@ -254,14 +270,21 @@ class StageTranslator:
 
     def _OnCurves(self, prim, schema, names, state, context):
         description = curves.ReadCurves(prim, schema, names, state.primvars, self._timeCode, self._reports.Warn)
+        self._AddPointSamples(prim, names, description)
         if description is not None and schema != "BasisCurves":
             self._reports.Count(prim, f"{schema} are drawn as lines between their points: {{count}}")
         self._AddSolid(prim, description, state, context)
         return state
 
     def _OnPoints(self, prim, schema, names, state, context):
-        self._AddSolid(prim, curves.ReadPointCloud(prim, names, state.primvars, self._timeCode), state, context)
+        description = curves.ReadPointCloud(prim, names, state.primvars, self._timeCode)
+        self._AddPointSamples(prim, names, description)
+        self._AddSolid(prim, description, state, context)
         return state
+
+    def _AddPointSamples(self, prim, names, description):
+        if description is not None:
+            description.samples = self._motion.PointSamplesOf(prim, names, len(description.points))
 
     def _AddSolid(self, prim, description, state, context):
         if description is None:
@@ -318,6 +341,7 @@ class StageTranslator:
         self._WarnOfLight(prim, names)
         light = lights.ReadLight(prim, schema, names, self._timeCode, self._assets)
         path, placement = self._Place(prim, state, context)
+        placement.samples = []  # lights are where the frame has them
         pole = lights.PoleTransform(prim, schema)
         if pole is not None:
             placement.worldFromObject = np.array(pole * state.matrix)
@@ -328,7 +352,7 @@ class StageTranslator:
 
     def _OnCamera(self, prim, schema, names, state, context):
         if not context.instancerPath:
-            self._session.SetCamera(context.ScenePath(prim), cameras.ReadCamera(prim, self._timeCode))
+            self._session.SetCamera(context.ScenePath(prim), cameras.ReadCamera(prim, self._timeCode, self._motion))
         return state
 
     def _OnUnsupported(self, prim, schema, names, state, context):
@@ -350,8 +374,9 @@ def _SchemaClass(name):
     return None
 
 
-def TranslateStage(stage, session, timeCode):
-    """Fills `session` with the stage at a time code (a float, or Usd.TimeCode)."""
-    translator = StageTranslator(stage, session, timeCode)
+def TranslateStage(stage, session, timeCode, shutter=(0.0, 0.0)):
+    """Fills `session` with the stage at a time code (a float, or Usd.TimeCode), and while the shutter is open
+    around it: (open, close) in frames."""
+    translator = StageTranslator(stage, session, timeCode, shutter)
     translator.Translate()
     return translator

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// What Hydra knows of prims around the frame, as the core's samples (docs/motionBlur.md).
+#pragma once
+
+#include "hdStream/session/session.h"
+
+#include <pxr/imaging/hd/sceneDelegate.h>
+#include <pxr/pxr.h>
+
+#include <vector>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+/// The transform of a prim while the shutter is open; empty when it does not change. Likewise of an
+/// instancer.
+std::vector<hds::TransformSample>
+HdStreamSampleTransform(HdSceneDelegate* delegate, const SdfPath& id, const hds::Shutter& shutter);
+std::vector<hds::TransformSample> HdStreamSampleInstancerTransform(HdSceneDelegate* delegate,
+                                                                   const SdfPath& id,
+                                                                   const hds::Shutter& shutter);
+
+/// A primvar when the shutter opens and when it closes; empty when it does not change.
+std::vector<VtValue> HdStreamSamplePrimvar(HdSceneDelegate* delegate, const SdfPath& id,
+                                           const TfToken& name, const hds::Shutter& shutter);
+
+/// Points, authored or computed, at the same times; empty when they do not move.
+std::vector<hds::PointSample> HdStreamSamplePoints(HdSceneDelegate* delegate, const SdfPath& id,
+                                                   const hds::Shutter& shutter);
+
+bool HdStreamEqual(const std::vector<hds::PointSample>& a, const std::vector<hds::PointSample>& b);
+bool HdStreamEqual(const std::vector<hds::TransformSample>& a,
+                   const std::vector<hds::TransformSample>& b);
+
+PXR_NAMESPACE_CLOSE_SCOPE

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Points of meshes, curves and points while the shutter is open. Explained in docs/motionBlur.md.
+#pragma once
+
+#include "hdStream/scene/sceneDescription.h"
+
+#include <memory>
+
+namespace hds {
+
+/// Whether the points differ when the shutter opens and when it closes.
+bool Deforms(const MeshDescription& mesh, const Shutter& shutter);
+
+/// The mesh with its points when the shutter opens, and closePoints. \pre it deforms.
+std::shared_ptr<const MeshDescription> AtShutter(const MeshDescription& mesh,
+                                                 const Shutter& shutter);
+
+} // namespace hds

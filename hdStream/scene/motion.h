@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// Transforms over the time in which the shutter is open, and their keys for the device.
+// Explained in docs/motionBlur.md.
+#pragma once
+
+#include "hdStream/geometry/triangleMesh.h"
+#include "hdStream/scene/sceneDescription.h"
+
+#include <functional>
+#include <vector>
+
+namespace hds {
+
+/// The transform between samples: rotation, stretch and translation are interpolated apart; before
+/// the first and after the last sample it is theirs. \pre samples are not empty.
+glm::dmat4 InterpolateTransform(const std::vector<TransformSample>& samples, double time);
+
+/// What of the samples lies in the shutter's interval, with interpolated ones at its ends; nothing
+/// when the transform is the same at all of them.
+std::vector<TransformSample> SamplesWithin(const std::vector<TransformSample>& samples,
+                                           const Shutter& shutter);
+
+/// A transform that may change while the shutter is open.
+class MovingTransform {
+public:
+    /// One at rest.
+    MovingTransform(const glm::dmat4& transform) : _transform(transform) {} // NOLINT: converts
+
+    /// \param atFrame the transform at the frame, which also holds when it does not move.
+    MovingTransform(const glm::dmat4& atFrame, const std::vector<TransformSample>& samples,
+                    const Shutter& shutter);
+
+    bool Moves() const { return static_cast<bool>(_at); }
+    const glm::dmat4& AtFrame() const { return _transform; }
+
+    /// \param time 0: the shutter opens, 1: it closes.
+    glm::dmat4 At(double time) const { return _at ? _at(time) : _transform; }
+
+    /// outer * inner at each time.
+    friend MovingTransform operator*(const MovingTransform& outer, const MovingTransform& inner);
+
+private:
+    glm::dmat4 _transform;
+    std::function<glm::dmat4(double)> _at; ///< null: at rest
+};
+
+/// Matrices at equal distances in time, from the opening of the shutter to its closing, that are
+/// linear between each other to within a small part of the way that the box goes: at least two, at
+/// most HDS_MAX_MOTION_SEGMENTS + 1.
+std::vector<glm::dmat4> MakeMotionKeys(const MovingTransform& transform, const Bounds& bounds);
+
+/// Whether the camera's pose changes.
+bool MovesOver(const CameraPrim& camera, const Shutter& shutter);
+
+/// The keys of a camera's pose.
+std::vector<glm::dmat4> MakeCameraKeys(const CameraPrim& camera, const Shutter& shutter);
+
+} // namespace hds

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rays at a time find what they find in a still scene in the pose of that time; both forms of the
+// traversal agree with a kernel without hierarchy to the bit, so boxes hold what moves.
+#include "hdStream/geometry/polygonSource.h"
+#include "testenv/device/accel/traversalProbe.h"
+#include "testenv/support/traversalMeshes.h"
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <cmath>
+#include <cstring>
+
+namespace hds::test {
+namespace {
+
+using Hits = std::vector<shared::HdsHit>;
+
+const ProgramDefines kMotion{{"HDS_FEATURE_MOTION", "1"}};
+
+/// \param time of all rays; below 0: each has one of its own.
+std::vector<ProbeRay> RaysAt(float time, std::size_t count) {
+    UniformSource uniform(5);
+    std::vector<ProbeRay> rays;
+    for (std::size_t i = 0; i < count; ++i) {
+        const glm::vec3 origin = 4.0F * uniform.Vector();
+        const glm::vec3 target = 1.5F * uniform.Vector();
+        const float own = 0.5F + 0.5F * uniform();
+        rays.push_back(MakeProbeRay(origin, target - origin, INFINITY, time < 0.0F ? own : time));
+    }
+    return rays;
+}
+
+std::size_t CountDifferentBits(const Hits& a, const Hits& b) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        count += std::memcmp(&a[i], &b[i], sizeof(a[i])) != 0 ? 1 : 0;
+    }
+    return count;
+}
+
+/// The pose between keys, with textbook arithmetic.
+glm::dmat4 PoseAt(const std::vector<glm::dmat4>& keys, double time) {
+    const double scaled = time * double(keys.size() - 1);
+    const std::size_t i = std::min(static_cast<std::size_t>(scaled), keys.size() - 2);
+    const double part = scaled - double(i);
+    return (1.0 - part) * keys[i] + part * keys[i + 1];
+}
+
+/// Placements with 1 to 4 segments of turns, stretches and ways; every fourth is at rest.
+std::vector<AccelPlacement> MovingPlacements(const std::vector<std::uint32_t>& objects) {
+    UniformSource uniform(17);
+    std::vector<AccelPlacement> placements;
+    for (std::uint32_t i = 0; i < 12; ++i) {
+        AccelPlacement placement;
+        placement.object = objects[i % objects.size()];
+        const glm::dvec3 centre = 1.5 * glm::dvec3(uniform.Vector());
+        const glm::dvec3 way = glm::dvec3(uniform.Vector());
+        const glm::dvec3 axis = glm::dvec3(uniform.Vector()) + glm::dvec3(0.0, 0.0, 1.1);
+        const std::uint32_t segments = 1 + i % 4;
+        for (std::uint32_t k = 0; k <= segments; ++k) {
+            const double time = double(k) / segments;
+            glm::dmat4 pose = glm::translate(glm::dmat4(1.0), centre + time * way);
+            pose = glm::rotate(pose, time * 1.2, axis);
+            placement.keys.push_back(glm::scale(pose, glm::dvec3(0.5 + 0.3 * time, 0.6, 0.4)));
+        }
+        placement.parentFromObject = placement.keys[0];
+        if (i % 4 == 3) {
+            placement.keys.clear();
+        }
+        placements.push_back(placement);
+    }
+    return placements;
+}
+
+/// Equal hits but for a few at silhouettes, and for rounding.
+void ExpectSameHits(const Hits& found, const Hits& expected) {
+    std::size_t numHits = 0;
+    std::size_t numDifferent = 0;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        numHits += IsHit(expected[i]) ? 1 : 0;
+        const bool isSame =
+            IsHit(found[i]) == IsHit(expected[i]) &&
+            (!IsHit(found[i]) || (PathOf(found[i]) == PathOf(expected[i]) &&
+                                  std::fabs(found[i].t - expected[i].t) < 1e-4F * expected[i].t));
+        numDifferent += isSame ? 0 : 1;
+    }
+    EXPECT_GT(numHits, found.size() / 10) << "the test would show little";
+    EXPECT_LT(numDifferent, found.size() / 500);
+}
+
+class Motion : public DeviceFixture {
+protected:
+    void ExpectBitsOfBruteForce(const AccelScene& scene) {
+        const DeviceAccelScene onDevice(device, scene);
+        const std::vector<ProbeRay> rays = RaysAt(-1.0F, 2500);
+        const TraversalProbe wide(device, true, kMotion);
+        const TraversalProbe lane(device, false, kMotion);
+        const Hits expected = lane.BruteForce(onDevice, rays);
+        EXPECT_EQ(CountDifferentBits(wide.Closest(onDevice, rays), expected), 0U);
+        EXPECT_EQ(CountDifferentBits(lane.Closest(onDevice, rays), expected), 0U);
+        for (const TraversalProbe* probe : {&wide, &lane}) {
+            const Hits blocked = probe->Occluded(onDevice, rays);
+            for (std::size_t i = 0; i < rays.size(); ++i) {
+                ASSERT_EQ(blocked[i].triangle == kBlocked, IsHit(expected[i])) << "ray " << i;
+            }
+        }
+    }
+};
+
+TEST_F(Motion, InstancesAreWhereTheirPoseIs) {
+    const TraversalProbe moving(device, true, kMotion);
+    const TraversalProbe still(device, true);
+    AccelScene scene;
+    const std::uint32_t inner = scene.AddMesh(BumpySphere(12), 100);
+    const std::vector<AccelPlacement> members = MovingPlacements({inner});
+    const std::uint32_t group = scene.AddGroup({members.begin(), members.begin() + 2});
+    const std::vector<AccelPlacement> roots = MovingPlacements({inner, group});
+    scene.SetRoot(roots);
+    const DeviceAccelScene onDevice(device, scene);
+    for (const double time : {0.0, 0.31, 0.75, 1.0}) {
+        const auto pose = [time](std::vector<AccelPlacement> placements) {
+            for (AccelPlacement& placement : placements) {
+                if (!placement.keys.empty()) {
+                    placement.parentFromObject = PoseAt(placement.keys, time);
+                    placement.keys.clear();
+                }
+            }
+            return placements;
+        };
+        AccelScene posed;
+        posed.AddMesh(BumpySphere(12), 100);
+        posed.AddGroup(pose({members.begin(), members.begin() + 2}));
+        posed.SetRoot(pose(roots));
+        ExpectSameHits(moving.Closest(onDevice, RaysAt(static_cast<float>(time), 1500)),
+                       still.Closest(DeviceAccelScene(device, posed), RaysAt(0.0F, 1500)));
+    }
+}
+
+TEST_F(Motion, BoxesOfInstancesHoldAllPoses) {
+    AccelScene scene;
+    const std::uint32_t sphere = scene.AddMesh(BumpySphere(12), 100);
+    const std::uint32_t box = scene.AddMesh(Box(0.7F));
+    scene.SetRoot(MovingPlacements({sphere, box}));
+    ExpectBitsOfBruteForce(scene);
+}
+
+/// A wavy sheet of quads that folds over while the shutter is open.
+std::shared_ptr<MeshDescription> Sheet() {
+    constexpr int kSize = 24;
+    auto mesh = std::make_shared<MeshDescription>();
+    std::vector<float> open;
+    std::vector<float> close;
+    std::vector<std::int32_t> counts;
+    std::vector<std::int32_t> indices;
+    for (int y = 0; y <= kSize; ++y) {
+        for (int x = 0; x <= kSize; ++x) {
+            const float u = 2.0F * static_cast<float>(x) / kSize - 1.0F;
+            const float v = 2.0F * static_cast<float>(y) / kSize - 1.0F;
+            const float bump = 0.3F * std::sin(9.0F * u) * std::cos(7.0F * v);
+            open.insert(open.end(), {2.0F * u, 2.0F * v, bump});
+            close.insert(close.end(), {2.0F * bump, 1.5F * v - u, 2.0F * u});
+            if (x < kSize && y < kSize) {
+                const int i = y * (kSize + 1) + x;
+                counts.push_back(4);
+                indices.insert(indices.end(), {i, i + 1, i + kSize + 2, i + kSize + 1});
+            }
+        }
+    }
+    mesh->points = std::move(open);
+    mesh->closePoints = std::move(close);
+    mesh->faceVertexCounts = std::move(counts);
+    mesh->faceVertexIndices = std::move(indices);
+    return mesh;
+}
+
+AccelScene SceneOf(const std::shared_ptr<MeshDescription>& mesh) {
+    Warnings warnings;
+    AccelScene scene;
+    const std::uint32_t object =
+        scene.AddSource(*MakePolygonSource(mesh, "/Sheet", {}, warnings), 150);
+    scene.SetRoot({{object, glm::dmat4(1.0), HDS_INSTANCE_CAMERA, {}}});
+    return scene;
+}
+
+TEST_F(Motion, VerticesAreOnTheirWay) {
+    const TraversalProbe moving(device, true, kMotion);
+    const TraversalProbe still(device, true);
+    const auto sheet = Sheet();
+    const AccelScene scene = SceneOf(sheet);
+    const DeviceAccelScene onDevice(device, scene);
+    for (const float time : {0.0F, 0.31F, 0.75F, 1.0F}) {
+        std::vector<float> points(sheet->points.begin(), sheet->points.end());
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            points[i] += time * (sheet->closePoints[i] - points[i]);
+        }
+        auto posed = std::make_shared<MeshDescription>(*sheet);
+        posed->points = std::move(points);
+        posed->closePoints = {};
+        ExpectSameHits(moving.Closest(onDevice, RaysAt(time, 1500)),
+                       still.Closest(DeviceAccelScene(device, SceneOf(posed)), RaysAt(0.0F, 1500)));
+    }
+}
+
+TEST_F(Motion, BoxesOfTrianglesHoldAllPoses) {
+    ExpectBitsOfBruteForce(SceneOf(Sheet()));
+}
+
+} // namespace
+} // namespace hds::test

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Motion blur against the average of still pictures at many times within the shutter's interval."""
+
+import numpy as np
+import pytest
+from pxr import Usd
+
+pytest.importorskip("hdstream._core")
+
+import hdstream
+from stages import motion
+
+WIDTH, HEIGHT, BLOCK = 48, 36, 6
+STILLS, STILL_SAMPLES = 32, 16
+SETTINGS = dict(imageWidth=WIDTH, imageHeight=HEIGHT, camera="/World/Camera", pixelFilter="box", pixelFilterWidth=1.0, maxDepth=1)
+
+
+def Color(stage, time, **settings):
+    image = hdstream.Renderer(stage, onWarning=lambda line: None).Render(time, **{**SETTINGS, **settings})
+    return image.aovs["color"][..., :3].astype(np.float64)
+
+
+def Blocks(picture):
+    return picture.reshape(HEIGHT // BLOCK, BLOCK, WIDTH // BLOCK, BLOCK, 3).mean((1, 3))
+
+
+@pytest.mark.parametrize("name", motion.SCENES)
+def test_blur_is_the_average_of_stills(name, tmp_path):
+    """The stills are pictures of the stage at other times: the front end, the device's poses and its normals take no part."""
+    stage = Usd.Stage.Open(motion.Write(tmp_path / "a.usda", name))
+    blurred = Color(stage, motion.FRAME, samples=STILLS * STILL_SAMPLES)
+    middles = (np.arange(STILLS) + 0.5) / STILLS
+    times = motion.FRAME + motion.SHUTTER[0] + middles * (motion.SHUTTER[1] - motion.SHUTTER[0])
+    stills = [Color(stage, time, samples=STILL_SAMPLES, seed=i, motionBlur="off") for i, time in enumerate(times)]
+    average = np.mean(stills, 0)
+    still = Color(stage, motion.FRAME, samples=STILL_SAMPLES, motionBlur="off")
+    assert np.abs(blurred - still).mean() > 0.02, "the test would show little"
+    # A still stands for 1/32 of the time, in which an edge passes a part of a pixel.
+    assert np.abs(Blocks(blurred) - Blocks(average)).max() < 0.012
+    assert np.abs(blurred - average).mean() < 0.01
+
+
+def test_a_closed_shutter_and_no_blur_are_the_same_bits(tmp_path):
+    closed = Color(motion.Write(tmp_path / "closed.usda", "way", "polygons", shutter=(0.0, 0.0)), motion.FRAME, samples=2)
+    stage = motion.Write(tmp_path / "open.usda", "way", "polygons")
+    off = Color(stage, motion.FRAME, samples=2, motionBlur="off")
+    assert closed.tobytes() == off.tobytes()
+    assert closed.tobytes() != Color(stage, motion.FRAME, samples=2).tobytes()
+
+
+def test_what_rests_has_the_bits_it_has_without_shutter(tmp_path):
+    opened = Color(motion.Write(tmp_path / "open.usda"), motion.FRAME, samples=2)
+    closed = Color(motion.Write(tmp_path / "closed.usda", shutter=(0.0, 0.0)), motion.FRAME, samples=2)
+    assert opened.tobytes() == closed.tobytes()
+
+
+def test_first_hits_are_the_frames(tmp_path):
+    """Depth and ids show the scene at the frame, blurred or not."""
+    stage = motion.Write(tmp_path / "a.usda", "way", "turn", "surface", "camera")
+    depths = [hdstream.Render(stage, motion.FRAME, **SETTINGS, samples=1, motionBlur=blur, aovs=["cameraDepth"]).aovs["cameraDepth"]
+              for blur in ("on", "off")]
+    same = np.isclose(*depths, rtol=1e-3)
+    assert same.mean() > 0.98  # silhouettes of poses that are interpolated
+
+
+def test_what_emits_is_not_blurred(tmp_path):
+    """It stays where its light is, with one warning."""
+    from stages import author, shapes
+    stage = Usd.Stage.Open(motion.Write(tmp_path / "a.usda"))
+    glow = author.AddMaterial(stage, "/World/Glow", emissiveColor=(3.0, 1.0, 1.0), diffuseColor=(0.0, 0.0, 0.0))
+    motion.AddWay(author.AddMesh(stage, "/World/Lamp", shapes.Box(0.5, 0.5, 0.5), material=glow), (-3, 0, 0), (3, 0, 0))
+    lines = []
+    pictures = [hdstream.Renderer(stage, onWarning=lines.append).Render(motion.FRAME, **SETTINGS, samples=2, motionBlur=blur).aovs["color"]
+                for blur in ("on", "off")]
+    assert pictures[0].tobytes() == pictures[1].tobytes()
+    assert [line for line in lines if "emits light" in line] == ["/World/Lamp: emits light: not blurred by its motion"]

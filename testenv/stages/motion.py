@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Stages in which something moves around frame 1, with samples at frames 0 and 2."""
+
+import numpy as np
+from pxr import Gf, UsdGeom, Vt
+
+from . import author, curves, shapes
+
+FRAME = 1.0
+SHUTTER = (-0.5, 0.5)
+
+
+def SetPoints(pointBased, first, last):
+    """Points at the frames 0 and 2; at frame 1 they are halfway."""
+    for time, points in ((0.0, first), (2.0, last)):
+        pointBased.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(points, np.float32)), time)
+
+
+def Grid(size):
+    """A square of size x size quads in the plane z = 0, from -1 to 1."""
+    x, y = np.meshgrid(np.linspace(-1, 1, size + 1), np.linspace(-1, 1, size + 1))
+    index = np.arange((size + 1) ** 2).reshape(size + 1, size + 1)
+    quads = np.stack([index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]], -1).reshape(-1)
+    return shapes.Shape(np.stack([x, y, 0 * x], -1).reshape(-1, 3), np.full(size * size, 4), quads)
+
+
+def AddWay(prim, first, last, degrees=0.0):
+    """A translation, and a rotation about z, from frame 0 to frame 2."""
+    xformable = UsdGeom.Xformable(prim)
+    translate = xformable.AddTranslateOp()
+    for time, value in ((0.0, first), (2.0, last)):
+        translate.Set(Gf.Vec3d(*map(float, value)), time)
+    if degrees:
+        rotate = xformable.AddRotateZOp()
+        rotate.Set(0.0, 0.0)
+        rotate.Set(float(degrees), 2.0)
+
+
+def _Box(stage, path, **placement):
+    return author.AddMesh(stage, path, shapes.Box(1.4, 0.8, 0.3), color=(0.8, 0.5, 0.2), **placement)
+
+
+def _AddMovingBox(stage):
+    AddWay(_Box(stage, "/World/Box"), (-3, 0.5, 0), (3, 0, 0))
+
+
+def _AddTurningBox(stage):
+    AddWay(_Box(stage, "/World/Box"), (0, 0, 0), (0.5, 0, 0), degrees=500.0)
+
+
+def _AddNestedInstances(stage):
+    """Boxes that turn in a swarm that moves in a group that turns."""
+    AddWay(UsdGeom.Xform.Define(stage, "/World/Group"), (0, 0, 0), (0, 0, 0), degrees=90.0)
+    swarm = UsdGeom.PointInstancer.Define(stage, "/World/Group/Swarm")
+    AddWay(_Box(stage, "/World/Group/Swarm/Box"), (0, 0, 0), (0.4, 0, 0), degrees=120.0)
+    author.AddMesh(stage, "/World/Group/Swarm/Ball", shapes.Sphere(0.3, 8, 12), color=(0.2, 0.5, 0.8), translate=(0, 0.6, 0))
+    swarm.CreatePrototypesRel().SetTargets(["/World/Group/Swarm/Box", "/World/Group/Swarm/Ball"])
+    swarm.CreateProtoIndicesAttr([0, 1, 0])
+    positions = swarm.CreatePositionsAttr()
+    positions.Set([(-1.2, 0, 0), (1.2, 0, 0), (0, -1, 0)], 0.0)
+    positions.Set([(-1.2, 1.5, 0), (0.6, -1, 0), (0, -1, 0)], 2.0)
+
+
+def _Wave(points, way):
+    return points + np.stack([0 * points[:, 0], way * np.sin(2.0 * points[:, 0]), 0.8 * way * points[:, 0]], -1)
+
+
+def _AddSheet(stage, scheme):
+    grid = Grid(12)
+    mesh = author.AddMesh(stage, "/World/Sheet", grid, color=(0.8, 0.5, 0.2), doubleSided=True)
+    mesh.GetSubdivisionSchemeAttr().Set(scheme)
+    SetPoints(mesh, _Wave(grid.points, -1.2), _Wave(grid.points, 1.2))
+
+
+
+def _AddBendingPolygons(stage):
+    _AddSheet(stage, "none")
+
+
+def _AddBendingSurface(stage):
+    _AddSheet(stage, "catmullClark")
+
+
+def _AddCurves(stage):
+    rng = np.random.default_rng(3)
+    roots = rng.uniform(-1, 1, (40, 1, 3)) * (1, 1, 0.2)
+    hairs = roots + np.linspace(0, 1, 5)[:, None] * (0.2, 0.6, 0.1)
+    prim = curves.AddCurves(stage, "/World/Hair", list(hairs), 0.12, wrap="pinned", color=(0.6, 0.4, 0.2))
+    moved = hairs + np.linspace(0, 1, 5)[:, None] ** 2 * (1.2, -0.6, 0.4)
+    SetPoints(prim, hairs.reshape(-1, 3), moved.reshape(-1, 3))
+
+
+def _AddRibbons(stage):
+    rng = np.random.default_rng(4)
+    roots = rng.uniform(-1, 1, (20, 1, 3)) * (1, 1, 0.2)
+    ribbons = roots + np.linspace(0, 1, 5)[:, None] * (0.2, 0.6, 0.1)
+    prim = curves.AddCurves(stage, "/World/Ribbons", list(ribbons), 0.2, wrap="pinned", normals=[(0, 0, 1)],
+                            normalInterpolation="constant", color=(0.3, 0.7, 0.3))
+    SetPoints(prim, ribbons.reshape(-1, 3), (ribbons + (0.5, 0.2, 0)).reshape(-1, 3))
+
+
+def _AddPoints(stage):
+    """Dust that velocities move."""
+    rng = np.random.default_rng(5)
+    points = rng.uniform(-1.2, 1.2, (60, 3))
+    prim = UsdGeom.Points(curves.AddPoints(stage, "/World/Dust", points, rng.uniform(0.1, 0.4, 60), color=(0.5, 0.5, 0.8)))
+    prim.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(points.astype(np.float32)), FRAME)
+    velocities = rng.uniform(-1, 1, (60, 3)) * 24.0  # per second
+    prim.CreateVelocitiesAttr().Set(Vt.Vec3fArray.FromNumpy(velocities.astype(np.float32)), FRAME)
+
+
+def _AddNothing(stage):
+    _Box(stage, "/World/Box")
+
+
+def _AddFar(stage):
+    """Out of sight: all stages have a point and a group, and so the same kernels."""
+    curves.AddPoints(stage, "/World/Far", [(0, 0, 50)], 0.01)
+    group = UsdGeom.PointInstancer.Define(stage, "/World/FarGroup")
+    UsdGeom.Xform.Define(stage, "/World/FarGroup/Pair")
+    for name in ("A", "B"):
+        author.AddMesh(stage, f"/World/FarGroup/Pair/{name}", shapes.Box(0.01, 0.01, 0.01), translate=(0, 0, 50))
+    group.CreatePrototypesRel().SetTargets(["/World/FarGroup/Pair"])
+    group.CreateProtoIndicesAttr([0])
+    group.CreatePositionsAttr([(0, 0, 0)])
+
+
+# What moves in a stage, by name; "camera" is still but for the camera.
+SCENES = {
+    "way": _AddMovingBox, "turn": _AddTurningBox, "nested": _AddNestedInstances, "polygons": _AddBendingPolygons,
+    "surface": _AddBendingSurface, "curves": _AddCurves, "ribbons": _AddRibbons, "points": _AddPoints, "camera": _AddNothing,
+}
+
+
+def Write(path, *names, shutter=SHUTTER):
+    """A stage with the scenes named, in front of a wall, lit from the side."""
+    stage = author.NewStage(path)
+    author.AddMesh(stage, "/World/Wall", shapes.Plane(12, 12), color=(0.4, 0.4, 0.4), translate=(0, 0, -1.5), rotate=(90, 0, 0))
+    author.AddLight(stage, "/World/Dome", "Dome", intensity=1.0)
+    author.AddLight(stage, "/World/Sun", "Distant", dict(rotate=(-30, 25, 0)), intensity=2.5, angle=2.0)
+    _AddFar(stage)
+    for name in names:
+        SCENES[name](stage)
+    camera = author.AddCamera(stage, eye=(0, 0, 6), focalLength=40.0)
+    camera.CreateShutterOpenAttr(shutter[0])
+    camera.CreateShutterCloseAttr(shutter[1])
+    if "camera" in names:
+        camera.ClearXformOpOrder()
+        AddWay(camera, (-1.0, -0.5, 5), (1.0, 0.5, 7), degrees=40.0)
+    stage.SetStartTimeCode(FRAME)
+    stage.SetEndTimeCode(FRAME)
+    stage.GetRootLayer().Save()
+    return str(path)

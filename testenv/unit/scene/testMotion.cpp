@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+// Transforms over the shutter: what is between samples, keys that are fine enough, and boxes that
+// hold every pose, by brute force.
+#include "hdStream/scene/hierarchy.h"
+#include "hdStream/scene/meshMotion.h"
+#include "hdStream/scene/motion.h"
+#include "kernels/shared/frame.h"
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/matrix.hpp>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <random>
+
+namespace hds::test {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+const Shutter kShutter{-0.25, 0.25};
+
+glm::dmat4 Turned(double degrees) {
+    const glm::dmat4 moved = glm::translate(glm::dmat4(1.0), glm::dvec3(3.0, 1.0, 0.0));
+    return glm::rotate(moved, degrees * kPi / 180.0, glm::dvec3(0.0, 0.0, 1.0));
+}
+
+TEST(Motion, RotationsKeepTheirSize) {
+    const std::vector<TransformSample> samples{{-0.25, Turned(0.0)}, {0.25, Turned(120.0)}};
+    for (const double part : {0.0, 0.2, 0.5, 0.9, 1.0}) {
+        const glm::dmat4 pose = InterpolateTransform(samples, -0.25 + 0.5 * part);
+        const glm::dmat4 expected = Turned(120.0 * part);
+        for (int column = 0; column < 4; ++column) {
+            EXPECT_LT(glm::distance(pose[column], expected[column]), 1e-9) << part;
+        }
+    }
+}
+
+TEST(Motion, MirroredAndStretchedTransformsStaySo) {
+    const glm::dmat4 stretched = glm::scale(Turned(20.0), glm::dvec3(-2.0, 0.5, 1.0));
+    const glm::dmat4 turned = glm::scale(Turned(80.0), glm::dvec3(-2.0, 0.5, 1.0));
+    const std::vector<TransformSample> samples{{0.0, stretched}, {1.0, turned}};
+    for (const double time : {0.25, 0.5, 0.75}) {
+        const glm::dmat3 linear(InterpolateTransform(samples, time));
+        EXPECT_NEAR(glm::determinant(linear), -1.0, 1e-9);
+        EXPECT_NEAR(glm::length(linear[0]), 2.0, 1e-9);
+    }
+}
+
+TEST(Motion, SamplesAreCutToTheShutter) {
+    const glm::dmat4 one(1.0);
+    const glm::dmat4 moved = glm::translate(one, glm::dvec3(4.0, 0.0, 0.0));
+    EXPECT_TRUE(SamplesWithin({{-1.0, one}, {1.0, one}}, kShutter).empty());
+    EXPECT_TRUE(SamplesWithin({{-1.0, one}, {1.0, moved}}, Shutter()).empty());
+    const auto within = SamplesWithin({{-1.0, one}, {0.0, one}, {1.0, moved}}, kShutter);
+    ASSERT_EQ(within.size(), 3U);
+    EXPECT_EQ(within[0].time, -0.25);
+    EXPECT_EQ(within[1].time, 0.0);
+    EXPECT_EQ(within[2].matrix[3].x, 1.0);
+}
+
+TEST(Motion, KeysAreAsFineAsTheWayIsCurved) {
+    const Bounds box{glm::vec3(-1.0F), glm::vec3(1.0F)};
+    const glm::dmat4 one(1.0);
+    const MovingTransform straight(
+        one, {{-0.25, one}, {0.25, glm::translate(one, glm::dvec3(5.0))}}, kShutter);
+    EXPECT_EQ(MakeMotionKeys(straight, box).size(), 2U);
+    const MovingTransform turning(Turned(0.0), {{-0.25, Turned(0.0)}, {0.25, Turned(150.0)}},
+                                  kShutter);
+    const std::vector<glm::dmat4> keys = MakeMotionKeys(turning, box);
+    ASSERT_GT(keys.size(), 2U);
+    ASSERT_LE(keys.size(), std::size_t{HDS_MAX_MOTION_SEGMENTS + 1});
+    for (double time = 0.0; time < 1.0; time += 0.013) {
+        const double scaled = time * double(keys.size() - 1);
+        const auto i = static_cast<std::size_t>(scaled);
+        const double part = scaled - double(i);
+        const glm::dmat4 between = (1.0 - part) * keys[i] + part * keys[i + 1];
+        const glm::dvec4 corner(1.0, 1.0, 1.0, 1.0);
+        EXPECT_LT(glm::distance(between * corner, turning.At(time) * corner), 5.0 / 256.0);
+    }
+}
+
+/// Random poses of a leaf, alone and below an instancer that moves as well.
+class RandomMotion {
+public:
+    explicit RandomMotion(unsigned seed) : _random(seed) {
+        MeshPrim mesh;
+        mesh.placement = Moving();
+        scene.meshes["/A"] = mesh;
+        InstancerPrim instancer;
+        instancer.placement = Moving();
+        for (const double time : {-0.25, 0.25}) {
+            instancer.samples.push_back({time, Transforms()});
+        }
+        instancer.instanceTransforms = instancer.samples[0].transforms;
+        scene.instancers["/I"] = instancer;
+        mesh.placement = Moving();
+        mesh.placement.instancerPath = "/I";
+        mesh.placement.instances = std::vector<std::int32_t>{0, 1, 2};
+        scene.meshes["/I/B"] = mesh;
+        leaf.bounds = {glm::vec3(-0.5F, -1.0F, -0.2F), glm::vec3(1.0F, 0.5F, 0.7F)};
+        leaf.origin = glm::dvec3(0.3, 0.0, 0.1);
+        leaf.object = 1;
+    }
+
+    SceneDescription scene;
+    LeafObject leaf;
+
+private:
+    double Number() { return std::uniform_real_distribution<double>(-1.0, 1.0)(_random); }
+    glm::dmat4 Pose() {
+        const glm::dvec3 axis(Number(), Number(), Number() + 1.1);
+        glm::dmat4 pose =
+            glm::translate(glm::dmat4(1.0), 5.0 * glm::dvec3(Number(), Number(), Number()));
+        pose = glm::rotate(pose, 2.0 * Number(), axis);
+        return glm::scale(pose, glm::dvec3(1.0 + 0.5 * Number()));
+    }
+    Placement Moving() {
+        Placement placement;
+        placement.samples = {{-0.5, Pose()}, {0.1, Pose()}, {0.5, Pose()}};
+        placement.worldFromObject = InterpolateTransform(placement.samples, 0.0);
+        return placement;
+    }
+    SharedSpan<double> Transforms() {
+        std::vector<double> values;
+        for (int i = 0; i < 3; ++i) {
+            const glm::dmat4 pose = Pose();
+            values.insert(values.end(), &pose[0][0], &pose[0][0] + 16);
+        }
+        return values;
+    }
+    std::mt19937 _random;
+};
+
+TEST(Motion, BoxesHoldEveryPose) {
+    for (unsigned seed = 0; seed < 40; ++seed) {
+        const RandomMotion motion(seed);
+        Warnings warnings;
+        LightLinks links(motion.scene);
+        const Hierarchy tables =
+            BuildHierarchy(motion.scene, {{"/A", motion.leaf}, {"/I/B", motion.leaf}},
+                           glm::dvec3(0.0), 2, &links, kShutter, warnings);
+        ASSERT_EQ(tables.instances.size(), 4U);
+        for (const shared::HdsInstance& instance : tables.instances) {
+            ASSERT_NE(instance.flags & HDS_INSTANCE_MOVES, 0U);
+            std::uint32_t first = 0;
+            std::uint32_t segments = 0;
+            std::memcpy(&first, &instance.objectFromParent[HDS_MOTION_FIRST_KEY], sizeof(first));
+            std::memcpy(&segments, &instance.objectFromParent[HDS_MOTION_SEGMENTS],
+                        sizeof(segments));
+            for (int step = 0; step <= 200; ++step) {
+                const float scaled = static_cast<float>(step) / 200.0F * float(segments);
+                const std::uint32_t i = std::min(static_cast<std::uint32_t>(scaled), segments - 1);
+                const float part = scaled - float(i);
+                for (int corner = 0; corner < 8; ++corner) {
+                    const Bounds& box = motion.leaf.bounds;
+                    const float point[4] = {(corner & 1) != 0 ? box.max.x : box.min.x,
+                                            (corner & 2) != 0 ? box.max.y : box.min.y,
+                                            (corner & 4) != 0 ? box.max.z : box.min.z, 1.0F};
+                    for (int axis = 0; axis < 3; ++axis) {
+                        float value = 0.0F;
+                        for (int k = 0; k < 4; ++k) {
+                            const std::size_t entry = 4U * unsigned(axis) + unsigned(k);
+                            const float a = tables.motionKeys[first + i][entry];
+                            const float b = tables.motionKeys[first + i + 1][entry];
+                            value += (a + part * (b - a)) * point[k];
+                        }
+                        ASSERT_GE(value, tables.bounds.min[axis]) << "seed " << seed;
+                        ASSERT_LE(value, tables.bounds.max[axis]) << "seed " << seed;
+                    }
+                }
+            }
+        }
+    }
+}
+
+TEST(Motion, WhatRestsHasNoKeys) {
+    RandomMotion motion(1);
+    for (auto& [path, prim] : motion.scene.meshes) {
+        prim.placement.samples = {{-0.5, glm::dmat4(1.0)}, {0.5, glm::dmat4(1.0)}};
+    }
+    motion.scene.instancers.clear();
+    Warnings warnings;
+    LightLinks links(motion.scene);
+    const Hierarchy tables = BuildHierarchy(motion.scene, {{"/A", motion.leaf}}, glm::dvec3(0.0), 2,
+                                            &links, kShutter, warnings);
+    EXPECT_TRUE(tables.motionKeys.empty());
+    EXPECT_EQ(tables.instances[0].flags & HDS_INSTANCE_MOVES, 0U);
+}
+
+TEST(Motion, PointsAreThoseOfTheShuttersEnds) {
+    MeshDescription mesh;
+    mesh.points = std::vector<float>{0.0F, 0.0F, 0.0F};
+    mesh.samples = {{-1.0, std::vector<float>{-4.0F, 0.0F, 0.0F}},
+                    {0.0, mesh.points},
+                    {1.0, std::vector<float>{0.0F, 8.0F, 0.0F}}};
+    EXPECT_FALSE(Deforms(mesh, Shutter()));
+    ASSERT_TRUE(Deforms(mesh, kShutter));
+    const auto moved = AtShutter(mesh, kShutter);
+    EXPECT_EQ(moved->points[0], -1.0F);
+    EXPECT_EQ(moved->closePoints[1], 2.0F);
+    mesh.samples[2].points = std::vector<float>{0.0F};
+    EXPECT_FALSE(Deforms(mesh, kShutter)) << "of another length";
+}
+
+} // namespace
+} // namespace hds::test
