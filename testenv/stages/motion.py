@@ -137,7 +137,7 @@ def Write(path, *names, shutter=SHUTTER):
     stage = author.NewStage(path)
     author.AddMesh(stage, "/World/Wall", shapes.Plane(12, 12), color=(0.4, 0.4, 0.4), translate=(0, 0, -1.5), rotate=(90, 0, 0))
     author.AddLight(stage, "/World/Dome", "Dome", intensity=1.0)
-    author.AddLight(stage, "/World/Sun", "Distant", dict(rotate=(-30, 25, 0)), intensity=2.5, angle=2.0)
+    author.AddLight(stage, "/World/Sun", "Distant", dict(rotate=(-30, 25, 0)), intensity=1.5, angle=2.0, normalize=True)
     _AddFar(stage)
     for name in names:
         SCENES[name](stage)
