@@ -58,7 +58,7 @@ def test_what_rests_has_the_bits_it_has_without_shutter(tmp_path):
 
 def test_first_hits_are_the_frames(tmp_path):
     """Depth and ids show the scene at the frame, blurred or not."""
-    stage = motion.Write(tmp_path / "a.usda", "way", "turn", "surface", "camera")
+    stage = motion.Write(tmp_path / "a.usda", "nested", "surface", "camera")
     depths = [hdstream.Render(stage, motion.FRAME, **SETTINGS, samples=1, motionBlur=blur, aovs=["cameraDepth"]).aovs["cameraDepth"]
               for blur in ("on", "off")]
     same = np.isclose(*depths, rtol=1e-3)
