@@ -3,6 +3,7 @@
 
 #include "hdStream/hydra/arrays.h"
 #include "hdStream/hydra/floatValues.h"
+#include "hdStream/hydra/sceneIndexPlugins.h"
 #include "hdStream/scene/motion.h"
 
 #include <pxr/imaging/hd/extComputationUtils.h>
@@ -45,6 +46,30 @@ std::vector<VtValue> EndsOf(const Samples& samples, const hds::Shutter& shutter)
     std::vector<VtValue> ends{samples.Resample(static_cast<float>(shutter.open)),
                               samples.Resample(static_cast<float>(shutter.close))};
     return ends[0] == ends[1] ? std::vector<VtValue>() : ends;
+}
+
+/// Points at the interval's ends from their velocities at the frame: OpenUSD's scene index moves
+/// points of one sample to the frame, but tells of no samples around it.
+std::vector<VtValue> MovedByVelocities(const VtValue& points, const VtValue& velocities,
+                                       const hds::Shutter& shutter) {
+    if (!points.IsHolding<VtVec3fArray>() || !velocities.IsHolding<VtVec3fArray>()) {
+        return {};
+    }
+    const auto& from = points.UncheckedGet<VtVec3fArray>();
+    const auto& perSecond = velocities.UncheckedGet<VtVec3fArray>();
+    if (from.size() != perSecond.size()) {
+        return {};
+    }
+    std::vector<VtValue> ends;
+    for (const double time : {shutter.open, shutter.close}) {
+        const float seconds = static_cast<float>(time) / kHdStreamTimeCodesPerSecond;
+        VtVec3fArray moved(from.size());
+        for (std::size_t i = 0; i < moved.size(); ++i) {
+            moved[i] = from[i] + seconds * perSecond[i];
+        }
+        ends.emplace_back(std::move(moved));
+    }
+    return ends;
 }
 
 } // namespace
@@ -98,6 +123,10 @@ std::vector<hds::PointSample> HdStreamSamplePoints(HdSceneDelegate* delegate, co
     std::vector<VtValue> ends;
     if (computed.empty()) {
         ends = HdStreamSamplePrimvar(delegate, id, HdTokens->points, shutter);
+        if (ends.empty()) {
+            ends = MovedByVelocities(delegate->Get(id, HdTokens->points),
+                                     delegate->Get(id, HdTokens->velocities), shutter);
+        }
     } else {
         HdExtComputationUtils::SampledValueStore<kUsualSamples> values;
         HdExtComputationUtils::SampleComputedPrimvarValues(

@@ -28,8 +28,6 @@ namespace {
 
 /// Behind all else that hosts insert, as for OpenUSD's own renderers.
 constexpr HdSceneIndexPluginRegistry::InsertionPhase kLastPhase = 1000;
-/// Hydra's scene does not tell its time codes per second; this is UsdStage's default, and Storm's.
-constexpr float kTimeCodesPerSecond = 24.0F;
 
 HdContainerDataSourceHandle RenderSettingsArguments() {
     return HdRetainedContainerDataSource::New(
@@ -50,7 +48,7 @@ HdContainerDataSourceHandle ImplicitSurfaceArguments() {
 
 HdContainerDataSourceHandle VelocityArguments() {
     return HdRetainedContainerDataSource::New(
-        TfToken("fps"), HdRetainedTypedSampledDataSource<float>::New(kTimeCodesPerSecond));
+        TfToken("fps"), HdRetainedTypedSampledDataSource<float>::New(kHdStreamTimeCodesPerSecond));
 }
 
 void Register(const char* name, HdSceneIndexPluginRegistry::InsertionPhase phase,

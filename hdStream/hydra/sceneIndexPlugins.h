@@ -8,6 +8,9 @@
 
 PXR_NAMESPACE_OPEN_SCOPE
 
+/// Hydra's scene does not tell its time codes per second; this is UsdStage's default, and Storm's.
+constexpr float kHdStreamTimeCodesPerSecond = 24.0F;
+
 /// Other gprims become meshes, velocities are applied, material bindings of purpose `full` win,
 /// the links of lights become categories,
 /// render settings prims are told which is active.
