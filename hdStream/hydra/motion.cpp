@@ -4,7 +4,6 @@
 #include "hdStream/hydra/arrays.h"
 #include "hdStream/hydra/floatValues.h"
 #include "hdStream/hydra/sceneIndexPlugins.h"
-#include "hdStream/scene/motion.h"
 
 #include <pxr/imaging/hd/extComputationUtils.h>
 #include <pxr/imaging/hd/timeSampleArray.h>
@@ -21,14 +20,16 @@ constexpr unsigned int kUsualSamples = 4;
 
 using MatrixSamples = HdTimeSampleArray<GfMatrix4d, kUsualSamples>;
 
-std::vector<hds::TransformSample> SamplesFrom(const MatrixSamples& matrices,
-                                              const hds::Shutter& shutter) {
+/// Commit cuts out what lies in the interval.
+std::vector<hds::TransformSample> SamplesFrom(const MatrixSamples& matrices) {
     std::vector<hds::TransformSample> samples;
+    bool moves = false;
     for (std::size_t i = 0; i < matrices.count; ++i) {
+        moves = moves || matrices.values[i] != matrices.values[0];
         samples.push_back(
             {static_cast<double>(matrices.times[i]), HdStreamToGlm(matrices.values[i])});
     }
-    return hds::SamplesWithin(samples, shutter);
+    return moves ? samples : std::vector<hds::TransformSample>();
 }
 
 /// The value when the shutter opens and when it closes; empty when it does not change.
@@ -82,7 +83,7 @@ HdStreamSampleTransform(HdSceneDelegate* delegate, const SdfPath& id, const hds:
     MatrixSamples matrices;
     delegate->SampleTransform(id, static_cast<float>(shutter.open),
                               static_cast<float>(shutter.close), &matrices);
-    return SamplesFrom(matrices, shutter);
+    return SamplesFrom(matrices);
 }
 
 std::vector<hds::TransformSample> HdStreamSampleInstancerTransform(HdSceneDelegate* delegate,
@@ -94,7 +95,7 @@ std::vector<hds::TransformSample> HdStreamSampleInstancerTransform(HdSceneDelega
     MatrixSamples matrices;
     delegate->SampleInstancerTransform(id, static_cast<float>(shutter.open),
                                        static_cast<float>(shutter.close), &matrices);
-    return SamplesFrom(matrices, shutter);
+    return SamplesFrom(matrices);
 }
 
 std::vector<VtValue> HdStreamSamplePrimvar(HdSceneDelegate* delegate, const SdfPath& id,

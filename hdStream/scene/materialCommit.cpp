@@ -3,6 +3,7 @@
 
 #include "hdStream/shading/materialPrimvars.h"
 #include "hdStream/shading/programWriter.h"
+#include "hdStream/shading/shaderMath.h"
 
 #include <tbb/parallel_for.h>
 
@@ -158,9 +159,10 @@ bool MaterialCommit::MayEmit(const MeshPrim& prim) const {
     const std::vector<std::string> paths = EntryPaths(prim);
     return std::any_of(paths.begin(), paths.end(), [this](const std::string& path) {
         const CompiledMaterial& material = Find(path);
+        const ShaderValue& value = material.values[HDS_INPUT_EMISSIVE_COLOR];
         const shared::float4& emission = material.constants.constants[HDS_INPUT_EMISSIVE_COLOR];
-        return static_cast<bool>(material.values[HDS_INPUT_EMISSIVE_COLOR]) || emission.x > 0.0F ||
-               emission.y > 0.0F || emission.z > 0.0F;
+        return (value && !IsAll(value, 0.0F)) || emission.x > 0.0F || emission.y > 0.0F ||
+               emission.z > 0.0F;
     });
 }
 
