@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Samples while the shutter is open are what the stage has at those times."""
+
+import numpy as np
+import pytest
+from pxr import Usd
+
+from hdstream import _core
+from hdstream.translate import TranslateStage
+from translateCase import FOLDER, StageOf
+
+SHUTTER = (-0.25, 0.5)
+
+
+def SceneAt(stage, timeCode, shutter=(0.0, 0.0)):
+    session = _core.Session()
+    TranslateStage(stage, session, timeCode, shutter)
+    return session.Scene()
+
+
+@pytest.mark.parametrize("case, time", [("skinning", 2.5), ("motion", 2.0)])
+def test_points_are_those_of_the_shutters_ends(case, time):
+    stage = Usd.Stage.Open(str(FOLDER / case / "scene.usda"))
+    moving = SceneAt(stage, time, SHUTTER).meshes
+    ends = [SceneAt(stage, time + end).meshes for end in SHUTTER]
+    numMoving = 0
+    for path, prim in moving.items():
+        points = [scene[path].mesh.points for scene in ends]
+        if prim.mesh.samples:
+            numMoving += 1
+            assert [sample[0] for sample in prim.mesh.samples] == list(SHUTTER)
+            for (_, found), expected in zip(prim.mesh.samples, points):
+                np.testing.assert_allclose(found, expected, atol=1e-5)
+        elif len(points[0]) == len(points[1]) == len(prim.mesh.points):
+            np.testing.assert_array_equal(points[0], points[1], path)
+    assert numMoving > 0, "the test would show little"
+
+
+def test_transforms_are_those_of_nine_times():
+    stage = StageOf("""def Xform "A" { double xformOp:rotateZ.timeSamples = { 0: 0, 2: 400 }
+        uniform token[] xformOpOrder = ["xformOp:rotateZ"]
+        def Mesh "M" { int[] faceVertexCounts = [3] int[] faceVertexIndices = [0, 1, 2] point3f[] points = [(0,0,0), (1,0,0), (0,1,0)]
+            double3 xformOp:translate = (1, 2, 3) uniform token[] xformOpOrder = ["xformOp:translate"] } }""")
+    samples = SceneAt(stage, 1.0, SHUTTER).meshes["/A/M"].placement.samples
+    assert len(samples) == 9 and samples[0][0] == -0.25 and samples[-1][0] == 0.5
+    for time, matrix in samples:
+        expected = SceneAt(stage, 1.0 + time).meshes["/A/M"].placement.worldFromObject
+        np.testing.assert_allclose(matrix, expected, atol=1e-12)
+
+
+def test_nothing_moves_without_shutter_or_frame():
+    stage = Usd.Stage.Open(str(FOLDER / "motion" / "scene.usda"))
+    for time, shutter in ((2.0, (0.0, 0.0)), (Usd.TimeCode.Default(), SHUTTER)):
+        scene = SceneAt(stage, time, shutter)
+        assert not any(prim.mesh.samples or prim.placement.samples for prim in scene.meshes.values())
+        assert not any(prim.samples for prim in scene.instancers.values())
