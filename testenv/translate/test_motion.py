@@ -37,10 +37,21 @@ def test_points_are_those_of_the_shutters_ends(case, time):
 
 
 def test_transforms_are_those_of_nine_times():
-    stage = StageOf("""def Xform "A" { double xformOp:rotateZ.timeSamples = { 0: 0, 2: 400 }
-        uniform token[] xformOpOrder = ["xformOp:rotateZ"]
-        def Mesh "M" { int[] faceVertexCounts = [3] int[] faceVertexIndices = [0, 1, 2] point3f[] points = [(0,0,0), (1,0,0), (0,1,0)]
-            double3 xformOp:translate = (1, 2, 3) uniform token[] xformOpOrder = ["xformOp:translate"] } }""")
+    stage = StageOf("""
+        def Xform "A"
+        {
+            double xformOp:rotateZ.timeSamples = { 0: 0, 2: 400 }
+            uniform token[] xformOpOrder = ["xformOp:rotateZ"]
+            def Mesh "M"
+            {
+                int[] faceVertexCounts = [3]
+                int[] faceVertexIndices = [0, 1, 2]
+                point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+                double3 xformOp:translate = (1, 2, 3)
+                uniform token[] xformOpOrder = ["xformOp:translate"]
+            }
+        }
+        """)
     samples = SceneAt(stage, 1.0, SHUTTER).meshes["/A/M"].placement.samples
     assert len(samples) == 9 and samples[0][0] == -0.25 and samples[-1][0] == 0.5
     for time, matrix in samples:
