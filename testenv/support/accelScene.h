@@ -22,7 +22,7 @@ struct AccelPlacement {
     std::uint32_t object = 0;
     glm::dmat4 parentFromObject{1.0};
     std::uint32_t flags = HDS_INSTANCE_CAMERA;
-    std::vector<glm::dmat4> keys; ///< of parentFromObject when it moves
+    std::vector<glm::dmat4> keys = {}; ///< of parentFromObject when it moves
 };
 
 /// Tables of a scene. Objects are numbered in the order they are added, from 1 on; object 0 is the
