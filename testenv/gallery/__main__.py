@@ -32,6 +32,7 @@ PICTURES = {
     "city": ["--samples", "10", "--maxDepth", "3", "--denoise"],
     "museum": ["--samples", "8", "--maxDepth", "6", "--denoise", "--textureMemory", "4M"],
     "macro": ["--samples", "6", "--maxDepth", "5", "--denoise"],
+    "tops": ["--samples", "24", "--maxDepth", "6", "--denoise"],
     "galaxy": ["--samples", "16", "--maxDepth", "1"],
 }
 _SHORT = ["--imageWidth", "48", "--samples", "2"]

@@ -84,7 +84,9 @@ TEST(SettingsTable, HasARowForEveryMember) {
         double timeLimit, noise;
         std::string pixelFilter;
         double pixelFilterWidth;
-        bool russianRoulette, denoise;
+        bool russianRoulette;
+        std::string motionBlur;
+        bool denoise;
         double mipBias;
         std::string subdivision;
         std::uint32_t refineLevel, waveSize;
@@ -99,7 +101,7 @@ TEST(SettingsTable, HasARowForEveryMember) {
         std::string prepare;
     };
     EXPECT_EQ(sizeof(Settings), sizeof(Mirror));
-    EXPECT_EQ(SettingTable().size(), 37U);
+    EXPECT_EQ(SettingTable().size(), 38U);
 }
 
 TEST(SettingsTable, DefaultsAreLegal) {
