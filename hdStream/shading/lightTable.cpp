@@ -120,7 +120,12 @@ void Builder::AddLinks() {
 
 /// \param[in,out] power grows by the peak of the shaping, against which kernels estimate it
 void Builder::AddShaping(const PlacedLight& placed, shared::HdsLight* light, double* power) {
-    const LightDescription& description = placed.light;
+    LightDescription description = placed.light;
+    float& coneAngle = description.shaping.coneAngle;
+    if (std::isnan(coneAngle)) {
+        _warnings.Add(placed.name, "light's shaping:cone:angle is not a number; it has no cone");
+        coneAngle = LightShaping().coneAngle;
+    }
     if (IsUnshaped(description)) {
         return;
     }

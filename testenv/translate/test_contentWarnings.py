@@ -56,6 +56,8 @@ def WarningsOf(text):
     ('def RectLight "L" { rel light:filters = [</F>, </G>] }', "/L: light filter /F is not supported yet"),
     ('def RectLight "L" { rel light:filters = [</F>, </G>] }', "/L: light filter /G is not supported yet"),
     ('def SphereLight "L" { float inputs:shadow:falloff = 1 }', "/L: shadow falloff is not supported yet"),
+    (f'def Mesh "M" {{ {TRIANGLE}\ntoken material:binding = "x" }}\ndef Mesh "N" {{ {TRIANGLE} }}',
+     "/M: its material binding cannot be read: "),
     ('def "R" (references = @none.usda@) {}', "/R: Could not open asset @none.usda@"),
 ])
 def test_one_line_names_the_prim(text, expected):

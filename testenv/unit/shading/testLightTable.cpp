@@ -293,6 +293,17 @@ TEST(LightTableTest, OnlyWhatShapesHasAShaping) {
     }
 }
 
+TEST(LightTableTest, AConeWithoutANumberIsNone) {
+    PlacedLight light = Make(LightType::Sphere);
+    light.light.shaping.coneAngle = std::nanf("");
+    Warnings warnings;
+    const LightTable table = Build({light}, warnings);
+    ASSERT_EQ(table.lights.size(), 1U);
+    EXPECT_FALSE(table.hasShaping);
+    ASSERT_EQ(warnings.Lines().size(), 1U);
+    EXPECT_NE(warnings.Lines()[0].find("shaping:cone:angle"), std::string::npos);
+}
+
 TEST(LightTableTest, StrengthHoldsThePeakOfTheShaping) {
     const LoadIesProfile load = [](const AssetReference&) {
         return std::make_shared<const IesProfile>(

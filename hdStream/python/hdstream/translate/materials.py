@@ -6,9 +6,10 @@ Node graphs, interfaces and pass-through connections are followed by UsdShade it
 """
 
 import numpy as np
-from pxr import Sdf, UsdShade
+from pxr import Sdf, Usd, UsdShade
 
 from hdstream import _core
+from hdstream.diagnostics import MessagesOf, TfError
 
 _TERMINALS = ("surface", "displacement", "volume")
 # Render contexts of terminals, best first: MaterialX, then the universal one.
@@ -22,8 +23,7 @@ def FindBoundMaterials(prims, warn):
 
     One call for all prims: UsdShade shares its caches between them and uses all cores.
     """
-    materials, relationships = UsdShade.MaterialBindingAPI.ComputeBoundMaterials(
-        prims, BINDING_PURPOSE)
+    materials, relationships = _ComputeBoundMaterials(prims, warn)
     paths = []
     primByPath = {}
     for prim, material, relationship in zip(prims, materials, relationships):
@@ -36,6 +36,18 @@ def FindBoundMaterials(prims, warn):
         if relationship and relationship.GetTargets():
             warn(prim, f"bound material {relationship.GetTargets()[0]} does not exist")
     return paths, primByPath
+
+
+def _ComputeBoundMaterials(prims, warn):
+    """As UsdShade's; a binding that it cannot read is none, and costs no other prim its material."""
+    try:
+        return UsdShade.MaterialBindingAPI.ComputeBoundMaterials(prims, BINDING_PURPOSE)
+    except TfError as error:
+        if len(prims) > 1:
+            alone = [_ComputeBoundMaterials([prim], warn) for prim in prims]
+            return [sum(lists, []) for lists in zip(*alone)]
+        warn(prims[0], f"its material binding cannot be read: {'; '.join(MessagesOf(error))}")
+        return [UsdShade.Material()], [Usd.Relationship()]
 
 
 class MaterialReader:
