@@ -252,7 +252,10 @@ bool WriteRows(const EncodedImage& image, OIIO::ImageOutput* output) {
             image.packRow(static_cast<std::size_t>(row),
                           &band[static_cast<std::size_t>(row - y) * rowBytes]);
         }
-        if (!output->write_scanlines(y, end, 0, OIIO::TypeUnknown, band.data())) {
+        // Strides said: without them OpenImageIO 3.2 writes the first row again and again.
+        if (!output->write_scanlines(y, end, 0, OIIO::TypeUnknown, band.data(),
+                                     static_cast<OIIO::stride_t>(image.spec.pixel_bytes(true)),
+                                     static_cast<OIIO::stride_t>(rowBytes))) {
             return false;
         }
     }
