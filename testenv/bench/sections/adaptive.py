@@ -62,7 +62,7 @@ def _Stage(bench, name: str, path: str, camera: str, rows: list, honesty: list) 
     width, maxSamples = bench.Pick((96, 1024), (32, 64))
     seeds = range(1, bench.Pick(2, 1) + 1)
     scene = Scene(path, camera, imageWidth=width, imageHeight=width * 9 // 16)
-    reference, _ = scene.Render(bench.Pick(4096, 64), seed=REFERENCE_SEED)
+    reference, _ = scene.Render(bench.Pick(2048, 64), seed=REFERENCE_SEED)
     scene.Render(1)
     plain = [Points([Render(scene, 0.0, samples, seed) for seed in seeds], reference)
              for samples in bench.Pick((16, 32, 64, 128, 256, 512), (16, 32, 48))]
@@ -82,7 +82,7 @@ def _Stage(bench, name: str, path: str, camera: str, rows: list, honesty: list) 
 def Run(bench) -> list:
     rows, honesty, charts = [], [], []
     stages = {name: (bench.Stage(name, write), "/World/Camera") for name, write in unevenNoise.STAGES.items()}
-    for name, (path, camera) in {**stages, **bench.Real("chess", "bookstore")}.items():
+    for name, (path, camera) in {**stages, **bench.Real("chess")}.items():
         charts += _Stage(bench, name, path, camera, rows, honesty)
     return ["What plain sample counts take for equal error, over what adaptive sampling takes (over 1: adaptive is better):",
             Table("adaptive", ["stage", "--noise", "samples, mean", "most", "s", "relMSE", "seconds ratio", "samples ratio",

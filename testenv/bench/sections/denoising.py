@@ -36,7 +36,7 @@ def Run(bench) -> list:
     stages = {"fiveLights": (bench.Stage("fiveLights", CASES["fiveLights"].Write), "/World/Camera"), **bench.Real("chess", "bookstore")}
     rows, charts = [], []
     for name, (path, camera) in stages.items():
-        width = bench.Pick(240, 32)
+        width = bench.Pick(160, 32)
         scene = Scene(path, camera, imageWidth=width, imageHeight=width * 2 // 3)
         reference, _ = scene.Render(bench.Pick(1024, 32), seed=REFERENCE_SEED)
         curves = {}

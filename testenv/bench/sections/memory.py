@@ -8,7 +8,7 @@ import time
 
 from bench import textureStress
 from bench.performancePage import Table
-from bench.recordRun import FreshCache, Record
+from bench.recordRun import FreshCache, Record, RunFailed
 from stages import bench as benchStages
 from stages import textureStress as textureStressStage
 from support.svgChart import Chart
@@ -43,7 +43,11 @@ def _AgainstTime(bench, name: str, path: str, camera: str) -> list:
     chart = Chart(f"memory while rendering, {name}", "seconds since the start", "MB of anonymous memory", isLinear=True)
     rows = []
     for label, mode in modes.items():
-        Record(path, cache, samples=1, **options, **mode)  # kernels and pages are in the cache afterwards
+        try:
+            Record(path, cache, samples=1, **options, **mode)  # kernels and pages are in the cache afterwards
+        except RunFailed as error:  # a pool that cannot hold the largest chunk
+            print(f"LEFT OUT: {name}, {label}: {error}", flush=True)
+            continue
         sampler = _Sampler()
         run = Record(path, cache, samples=bench.Pick(32, 4), onPoll=sampler, **options, **mode)
         points = sampler.points[:: -(-len(sampler.points) // _MAX_POINTS)]
@@ -74,6 +78,6 @@ def _CacheAgainstSamples(bench) -> list:
 def Run(bench) -> list:
     path = bench.Stage("largeTerrain", lambda path: benchStages.WriteTerrain(path, cells=bench.Pick(1400, 60)))
     items = []
-    for name, (path, camera) in {"terrain": (path, "/World/Camera"), **bench.real}.items():
+    for name, (path, camera) in {"terrain": (path, "/World/Camera"), **bench.Real("chess", "coffee")}.items():
         items += _AgainstTime(bench, name, path, camera)
     return [*items, *_CacheAgainstSamples(bench)]
