@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// How many paths are in flight by default: by cores, image, hosts and memory.
+#include "hdStream/integrator/waveSize.h"
+
+#include <gtest/gtest.h>
+
+namespace hds::test {
+namespace {
+
+DeviceProperties Cpu(std::uint32_t cores) {
+    DeviceProperties properties;
+    properties.isCpu = true;
+    properties.computeUnits = cores;
+    return properties;
+}
+
+RenderOptions Options() {
+    RenderOptions options;
+    options.imageWidth = 4096;
+    options.imageHeight = 4096;
+    options.samples = 16;
+    return options;
+}
+
+TEST(WaveSize, GrowWithCoresWithinBounds) {
+    EXPECT_EQ(ChooseWaveSize(Options(), Cpu(2), 0), 131072);
+    EXPECT_EQ(ChooseWaveSize(Options(), Cpu(8), 0), 524288);
+    EXPECT_EQ(ChooseWaveSize(Options(), Cpu(1000000000), 0), 1U << 20U);
+    EXPECT_EQ(ChooseWaveSize(Options(), Cpu(0), 0), 32768);
+    EXPECT_EQ(TileSize(Cpu(1)), 32768);
+    EXPECT_EQ(TileSize(Cpu(8)), 131072);
+}
+
+TEST(WaveSize, OfPreviewsAreTiles) {
+    RenderOptions options = Options();
+    options.showsPreviews = true;
+    EXPECT_EQ(ChooseWaveSize(options, Cpu(2), 0), TileSize(Cpu(2)));
+    EXPECT_EQ(ChooseWaveSize(options, Cpu(2), 1), TileSize(Cpu(2)));
+}
+
+TEST(WaveSize, AreAsSetOrNoLargerThanTheImage) {
+    RenderOptions options = Options();
+    options.imageWidth = 10;
+    options.imageHeight = 10;
+    EXPECT_EQ(ChooseWaveSize(options, Cpu(2), 0), 1600);
+    options.waveSize = 5000;
+    EXPECT_EQ(ChooseWaveSize(options, Cpu(2), 0), 5000);
+}
+
+TEST(WaveSize, TakeWhatThePoolSavesOnGpus) {
+    const DeviceProperties gpu;
+    EXPECT_EQ(ChooseWaveSize(Options(), gpu, 0), 1U << 20U);
+    EXPECT_EQ(ChooseWaveSize(Options(), gpu, 1), 1U << 17U);
+    EXPECT_EQ(ChooseWaveSize(Options(), gpu, 300000), 300000);
+}
+
+} // namespace
+} // namespace hds::test
