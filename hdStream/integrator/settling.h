@@ -19,7 +19,7 @@ struct SettlingCosts {
 /// Seconds until a set of kernels is there that is in the persistent cache, or has to be built:
 /// PoCL on two cores (docs/streaming.md).
 constexpr double kSecondsOfCachedKernels = 0.3;
-constexpr double kSecondsOfBuiltKernels = 20.0;
+constexpr double kSecondsOfBuiltKernels = 5.0;
 
 /// Whether what resident kernels save is at least what it takes to have them and all pages.
 bool IsWorthSettling(const SettlingCosts& costs);
