@@ -1,4 +1,4 @@
-"""Checks every #include against the order of layers (DESIGN.md section 2): CheckLayers.py ROOT.
+"""Checks every #include against the order of layers (docs/architecture.md): CheckLayers.py ROOT.
 
 Prints one line for each include that reaches around a layer and exits with 1 if there is any.
 """

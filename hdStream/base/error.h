@@ -8,7 +8,7 @@
 
 namespace hds {
 
-/// What failed, as the front end's exit code distinguishes it (DESIGN.md section 8).
+/// What failed, as the front end's exit code distinguishes it (docs/command-line.md).
 enum class ErrorKind {
     Usage,   ///< a wrong option or argument: exit code 2
     Failure, ///< rendering, device, disk or memory failed: exit code 1

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The difference of two image files, channel by channel, in the measures of DESIGN.md section 10.
+// The difference of two image files, channel by channel: max, RMSE, relMSE, PSNR.
 // Explained in docs/film.md.
 #pragma once
 

@@ -8,7 +8,7 @@
 
 PXR_NAMESPACE_OPEN_SCOPE
 
-/// The statistics of an image (the keys of DESIGN.md section 9) with those that Hydra's hosts look
+/// The statistics of an image (the keys of docs/statistics.md) with those that Hydra's hosts look
 /// for: percentDone, numCompletedSamples, totalClockTime (seconds), renderProgressAnnotation.
 /// \param image may be null: nothing is rendered yet
 VtDictionary HdStreamRenderStats(const hds::FilmImage* image);

@@ -59,8 +59,8 @@ struct RenderOptions {
     bool showsPreviews = false;
 };
 
-/// Where geometry and textures live on the device (DESIGN.md sections 4.6 and 5). Textures stream
-/// unless they are to be resident: what nobody sees is never opened.
+/// Where geometry and textures live on the device (docs/streaming.md, docs/texturing.md). Textures
+/// stream unless they are to be resident: what nobody sees is never opened.
 enum class ResidencyMode {
     Auto,     ///< Resident when little, or once all of it is in a pool that holds it; else Stream
     Resident, ///< all of it, uploaded once

@@ -6,7 +6,7 @@
 
 namespace hds {
 
-/// Seconds by kind of work (DESIGN.md section 9) and what was traced.
+/// Seconds by kind of work (docs/statistics.md) and what was traced.
 struct RenderStatistics {
     double compileSeconds = 0.0; ///< of kernels, also of those that a render changes to
     double traceSeconds = 0.0;

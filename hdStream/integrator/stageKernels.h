@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The programs of the wavefront, specialised by the scene's features.
-// Features change which code is compiled, never the bits of the image (DESIGN.md section 12.1).
+// Features change which code is compiled, never the bits of the image.
 #pragma once
 
 #include "hdStream/integrator/sceneBuffers.h"

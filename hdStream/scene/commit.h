@@ -25,7 +25,7 @@
 
 namespace hds {
 
-/// How subdivision surfaces are drawn (DESIGN.md section 4.8).
+/// How subdivision surfaces are drawn (docs/geometry.md).
 enum class Subdivision {
     Adaptive,   ///< the limit surface, as fine as its size on the dicing camera's image asks for
     Complexity, ///< one level for all meshes; 0: as Cage

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A session that renders on a thread of its own while the front end goes on editing: edits are
-// queued, the render stops, applies them, and starts again (DESIGN.md section 3).
+// queued, the render stops, applies them, and starts again.
 // Explained in docs/session.md.
 #pragma once
 
@@ -18,7 +18,7 @@ struct FilmImage {
     std::uint64_t version = 0; ///< of the edits it shows; see RenderThread::Version
     std::vector<ImageLayer> layers;
     Progress progress;
-    std::string statistics; ///< JSON text (DESIGN.md section 9)
+    std::string statistics; ///< JSON text (docs/statistics.md)
     bool isFinal = false;   ///< nothing better will come for this version
     std::string error;      ///< not empty: rendering failed, and layers may be empty
 };

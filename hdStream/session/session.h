@@ -106,7 +106,7 @@ public:
     /// Forgets what was read from image files, so that the next Render reads them again.
     void FlushTextures();
 
-    /// Statistics of the last render as JSON text (DESIGN.md section 9).
+    /// Statistics of the last render as JSON text (docs/statistics.md).
     /// \throws Error before the first Render.
     std::string Statistics() const;
 

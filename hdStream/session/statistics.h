@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The statistics object of DESIGN.md section 9. Its keys are API; features of later parts are
-// present and zero.
+// The statistics object of docs/statistics.md. Its keys are API: those of what a scene does not use
+// are present and zero.
 #pragma once
 
 #include "hdStream/device/device.h"

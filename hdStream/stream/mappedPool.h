@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mapped mode (DESIGN.md section 4.6): on CPU devices kernels read pages where the persistent cache
+// Mapped mode: on CPU devices kernels read pages where the persistent cache
 // has them, in files that are mapped into memory. Nothing is copied and no memory is held: what is
 // not read is not loaded, and the system takes back what is read no more. Kernels see a resident
 // scene. Explained in docs/streaming.md.

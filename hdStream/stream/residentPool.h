@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Resident mode (DESIGN.md section 4.6): every page is uploaded once and stays as long as the scene
+// Resident mode: every page is uploaded once and stays as long as the scene
 // has it. The address table has the form that the streaming pool will publish, so kernels see no
 // difference. Explained in docs/architecture.md.
 #pragma once

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Streaming mode (DESIGN.md section 4.4, 4.5): a pool of fixed size holds those pages that kernels
+// Streaming mode: a pool of fixed size holds those pages that kernels
 // have asked for; others leave when room is needed. Explained in docs/streaming.md.
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Messages of image libraries as one line: our errors are one line each (DESIGN.md section 8).
+// Messages of image libraries as one line: our errors are one line each (docs/command-line.md).
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Resident mode of textures (DESIGN.md section 5.5): every line of every texture is uploaded before
+// Resident mode of textures: every line of every texture is uploaded before
 // the first ray, in the order of their numbers, so that kernels need no table. Explained in
 // docs/texturing.md.
 #pragma once

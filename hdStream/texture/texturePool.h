@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Streaming mode of textures (DESIGN.md section 5.2, 5.3): a pool of fixed size holds those lines
+// Streaming mode of textures: a pool of fixed size holds those lines
 // that kernels have asked for; others leave when room is needed. Explained in docs/texturing.md.
 #pragma once
 

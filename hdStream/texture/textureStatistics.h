@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a texture cache has done since it was made (DESIGN.md section 9).
+// What a texture cache has done since it was made (docs/statistics.md).
 #pragma once
 
 #include <cstdint>

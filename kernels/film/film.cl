@@ -52,7 +52,7 @@ float film_windowVariance(global const HdsFilmPixel* film, int2 size, int2 at) {
     return sum / (float)((to.x - from.x + 1) * (to.y - from.y + 1));
 }
 
-/* Relative error of each listed pixel, the root of what it adds to relMSE (DESIGN.md section 10):
+/* Relative error of each listed pixel, the root of what it adds to relMSE (docs/film.md):
  * standard error of the mean over sqrt(mean^2 + 0.01), of luminance. A few blocks of one pixel say
  * little about its variance, and nothing of a bright path that it has not met: it is the mean of a
  * window of pixels, or a quarter of the pixel's own where that is more (a line thinner than the

@@ -6,7 +6,7 @@
 #include "shared/compat.h"
 
 /* Samples of a pixel are summed in order inside aligned blocks of this many; block sums are added
- * in order. Farms and resumed renders split at block borders (DESIGN.md section 12.2). */
+ * in order. Farms and resumed renders split at block borders. */
 #define HDS_SAMPLE_BLOCK 16u
 
 /* What a sample counts as at most: the squares of as many as there may be (2^24) can be summed. */

@@ -2,7 +2,7 @@
 """References and ladders of one stage: runs workers, keeps references, and turns pictures into numbers.
 
 A renderer's reference is two independent halves. The error of a picture x against the halves a, b is the mean of
-(x - a)(x - b) / (r^2 + 0.01), r = (a + b) / 2, over pixels and channels: relMSE (DESIGN.md section 10) without the
+(x - a)(x - b) / (r^2 + 0.01), r = (a + b) / 2, over pixels and channels: relMSE (docs/film.md) without the
 reference's own noise, so that it need not have many more samples than the pictures. The difference of two renderers,
 (a1 - a2)(b1 - b2) / (r2^2 + 0.01), is free of both noises likewise.
 """

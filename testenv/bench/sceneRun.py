@@ -41,7 +41,7 @@ def TracingSeconds(statistics: dict) -> float:
 
 
 def RelMse(picture, reference) -> float:
-    """DESIGN.md section 10: the mean of (a - b)^2 / (b^2 + 0.01) over pixels and channels."""
+    """docs/film.md: the mean of (a - b)^2 / (b^2 + 0.01) over pixels and channels."""
     picture, reference = picture.astype(np.float64), reference.astype(np.float64)
     return float(np.mean((picture - reference) ** 2 / (reference**2 + 0.01)))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""--stats: the keys are API (DESIGN.md section 9), and the figures agree with the render."""
+"""--stats: the keys are API (docs/statistics.md), and the figures agree with the render."""
 
 import json
 

@@ -166,7 +166,7 @@ def test_bad_options(options, part, case, tmp_path):
 
 
 def test_different_devices_are_said():
-    """DESIGN.md section 12.7; this machine has one device, so the workers' answers are made up."""
+    """Devices round differently (docs/farm.md); this machine has one, so the workers' answers are made up."""
     from types import SimpleNamespace
     from hdstream import _core, farm
     answers = {"a": {"version": _core.VERSION, "device": "One"}, "b": {"version": _core.VERSION, "device": "Two"}}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measures between pictures: relMSE (DESIGN.md section 10) and a z-test over blocks."""
+"""Measures between pictures: relMSE (docs/film.md) and a z-test over blocks."""
 
 import math
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bits are a function of scene, settings and samples, and of nothing else (DESIGN.md section 12).
+"""Bits are a function of scene, settings and samples, and of nothing else.
 
 Every comparison is of all layers, bit for bit, on scenes that use lights, instances and cut-outs.
 """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`hdstream compare A B`: differences in the measures of DESIGN.md section 10; B is the reference."""
+"""`hdstream compare A B`: differences in the measures of docs/film.md; B is the reference."""
 
 from hdstream import _core
 from hdstream.errors import EXIT_FAILURE, EXIT_OK, CommandError

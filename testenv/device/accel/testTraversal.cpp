@@ -202,7 +202,7 @@ TriangleMesh StackedQuads(std::uint32_t copies) {
     return mesh;
 }
 
-// DESIGN.md section 12.4: ties go to the smaller (path index, primId), never to build order.
+// Ties go to the smaller (path index, primId), never to build order.
 TEST_F(Traversal, TiesGoToTheSmallerKey) {
     AccelScene built;
     const std::uint32_t quads = built.AddMesh(StackedQuads(40), 8);

@@ -117,7 +117,7 @@ TEST(BvhBuilder, TakesHugeAndTinyCoordinates) {
     ExpectSound(BuildBvh(items, {}), items);
 }
 
-// DESIGN.md section 12: the same scene gives the same bits whatever the thread count.
+// The same scene gives the same bits whatever the thread count.
 TEST(BvhBuilder, DoesNotDependOnTheThreadCount) {
     const std::vector<Bounds> items = RandomBoxes(200000, 0.01F, 7);
     const auto build = [&](std::size_t threads) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Oracle: the measures of DESIGN.md section 10 written out for images of a few known numbers.
+// Oracle: the measures of docs/film.md written out for images of a few known numbers.
 #include "hdStream/film/compare.h"
 
 #include "hdStream/film/aov.h"
