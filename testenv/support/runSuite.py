@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the whole suite, fast stages first: runSuite.py --build FOLDER [-k PATTERN] [STAGE...]
+"""Runs the whole suite, fast stages first: runSuite.py --build FOLDER [-k PATTERN] [-j JOBS] [STAGE...]
 
 A stage is the layer check, the format check, one GoogleTest program of the build (unit, device, stat)
 or one folder of pytest files below testenv/. Every stage reports through a JUnit file, so that all are
 counted alike; a program that dies before it writes one counts as one failure.
+Stages start in their order, JOBS at a time: one alone leaves cores idle while it translates, compiles and
+starts programs. A stage's lines appear when it ends.
 The last line is `N passed, N failed, N skipped`; the exit code is 1 on a failure or when nothing ran.
 Called by scripts/test; explained in docs/testing.md.
 """
 
 import argparse
 import collections
+import concurrent.futures
 import os
 import pathlib
 import shutil
@@ -33,7 +36,10 @@ CLANG_FORMAT_MAJOR = "14"
 PYTEST_NOTHING_RAN = 5  # pytest's exit code when -k matches nothing
 STAGE_LIMIT_SECONDS = 3600  # a hanging stage must not hang the suite
 
+MAX_JOBS = 4  # a stage needs up to 2 GB
+
 Counts = collections.namedtuple("Counts", "passed failed skipped")
+Outcome = collections.namedtuple("Outcome", "counts text")  # text: what is to be shown beside the counts
 
 
 def ReadJUnit(path: pathlib.Path) -> Counts:
@@ -50,40 +56,57 @@ def ReadJUnit(path: pathlib.Path) -> Counts:
     return Counts(passed, failed, skipped)
 
 
-def RunQuietly(command: list, environment: dict) -> int:
-    """Runs a command; shows what it said when it failed, else only which tests it skipped and why."""
+def RunQuietly(command: list, environment: dict) -> tuple[int, str]:
+    """Runs a command: its exit code, and what it said when it failed, else only which tests it skipped and why."""
     try:
         result = subprocess.run(command, env=environment, cwd=ROOT, stdin=subprocess.DEVNULL,
                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=STAGE_LIMIT_SECONDS)
         code, output = result.returncode, result.stdout.decode(errors="replace")
     except subprocess.TimeoutExpired as error:
         code, output = 124, (error.stdout or b"").decode(errors="replace") + f"\nstopped after {STAGE_LIMIT_SECONDS} s"
-    if code not in (0, PYTEST_NOTHING_RAN):
-        print(f"\n{output}")
-    else:
-        skips = [line for line in output.splitlines() if line.startswith(("SKIPPED", "[  SKIPPED ]"))]
-        print("".join(f"\n{line}" for line in skips), end="\n" if skips else "")
-    return code
+    if code in (0, PYTEST_NOTHING_RAN):
+        output = "\n".join(line for line in output.splitlines() if line.startswith(("SKIPPED", "[  SKIPPED ]")))
+    return code, output
 
 
-def RunReporting(command: list, report: pathlib.Path, environment: dict) -> Counts:
+def RunReporting(command: list, report: pathlib.Path, environment: dict) -> Outcome:
     """Runs a command that writes `report`. A bad end without a counted failure is a failure too."""
-    code = RunQuietly(command, environment)
+    code, text = RunQuietly(command, environment)
     isGood = code in (0, PYTEST_NOTHING_RAN)
     try:
         counts = ReadJUnit(report)
     except (OSError, xml.etree.ElementTree.ParseError):
-        print("the test program wrote no complete report")
-        return Counts(0, 1, 0)
+        return Outcome(Counts(0, 1, 0), f"{text}\nthe test program wrote no complete report")
     if not isGood and counts.failed == 0:
-        print(f"exit code {code} although no test failed")
-        counts = counts._replace(failed=1)
-    return counts
+        return Outcome(counts._replace(failed=1), f"{text}\nexit code {code} although no test failed")
+    return Outcome(counts, text)
 
 
-def RunCheck(command: list) -> Counts:
-    code = RunQuietly(command, dict(os.environ))
-    return Counts(int(code == 0), int(code != 0), 0)
+def RunCheck(command: list) -> Outcome:
+    code, text = RunQuietly(command, dict(os.environ))
+    return Outcome(Counts(int(code == 0), int(code != 0), 0), text)
+
+
+def RunStages(stages: dict, numJobs: int) -> Counts:
+    """Runs stages, numJobs at a time; prints each when it ends. Returns the counts of all."""
+    total = Counts(0, 0, 0)
+
+    def Run(name: str):
+        start = time.monotonic()
+        return name, stages[name](), time.monotonic() - start
+
+    executor = concurrent.futures.ThreadPoolExecutor(numJobs)
+    try:
+        for future in concurrent.futures.as_completed([executor.submit(Run, name) for name in stages]):
+            name, (counts, text), seconds = future.result()
+            if text.strip():
+                print(f"\n{name}:\n{text.strip()}")
+            print(f"{name:10s} {counts.passed:5d} passed {counts.failed:3d} failed {counts.skipped:3d} skipped {seconds:7.1f} s",
+                  flush=True)
+            total = Counts(*map(sum, zip(total, counts)))
+    finally:
+        executor.shutdown(cancel_futures=True)  # Ctrl-C: those not yet started
+    return total
 
 
 def FormatCommand() -> list:
@@ -105,7 +128,7 @@ def PytestFolders() -> list:
 
 
 def Stages(build: pathlib.Path, pattern: str, environment: dict, reports: pathlib.Path) -> dict:
-    """Stage name -> function that runs it and returns its counts, in running order."""
+    """Stage name -> function that runs it and returns its outcome, in running order."""
     stages = {}
     if not pattern:
         stages["layers"] = lambda: RunCheck([sys.executable, ROOT / "cmake" / "CheckLayers.py", ROOT])
@@ -134,9 +157,10 @@ def Main() -> int:
     parser = argparse.ArgumentParser(prog="scripts/test", description="Builds hdStream and runs its tests.")
     parser.add_argument("--build", type=lambda text: pathlib.Path(text).resolve(), required=True, help=argparse.SUPPRESS)
     parser.add_argument("-k", metavar="PATTERN", default="", help="only tests whose name contains PATTERN")
+    parser.add_argument("-j", metavar="JOBS", type=int, default=min(os.cpu_count() or 1, MAX_JOBS),
+                        help="stages at a time (%(default)s)")
     parser.add_argument("stages", metavar="STAGE", nargs="*", help="only these: layers, format, unit, device, ...")
     options = parser.parse_args()
-    total = Counts(0, 0, 0)
     with tempfile.TemporaryDirectory(prefix="hdstream-test-") as folder:
         environment = dict(os.environ, HDSTREAM_REQUIRE_DEVICE="1", HDSTREAM_CACHE_DIR=f"{folder}/cache",
                            PYTHONPATH=str(options.build / "python"), PYTHONDONTWRITEBYTECODE="1",
@@ -145,15 +169,8 @@ def Main() -> int:
         unknown = [name for name in options.stages if name not in stages]
         if unknown:
             parser.error(f"no such stage: {' '.join(unknown)}; there are: {' '.join(stages)}")
-        for name, run in stages.items():
-            if options.stages and name not in options.stages:
-                continue
-            print(f"{name:10s}", end="", flush=True)
-            start = time.monotonic()
-            counts = run()
-            print(f" {counts.passed:5d} passed {counts.failed:3d} failed {counts.skipped:3d} skipped"
-                  f" {time.monotonic() - start:7.1f} s", flush=True)
-            total = Counts(*map(sum, zip(total, counts)))
+        total = RunStages({name: run for name, run in stages.items() if not options.stages or name in options.stages},
+                          max(options.j, 1))
     print(f"{total.passed} passed, {total.failed} failed, {total.skipped} skipped")
     return 0 if total.failed == 0 and total.passed > 0 else 1
 

@@ -8,7 +8,7 @@ import pytest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
-from runSuite import Counts, ReadJUnit, RunReporting  # noqa: E402
+from runSuite import Counts, Outcome, ReadJUnit, RunReporting, RunStages  # noqa: E402
 
 GOOGLETEST = """<testsuites tests="4" failures="1" disabled="1" errors="0"><testsuite name="A">
 <testcase name="Passes" status="run" result="completed"/>
@@ -37,4 +37,11 @@ def test_cases_are_counted_once_each(text, counts, tmp_path):
 ])
 def test_a_bad_end_is_a_failure(program, counts, tmp_path):
     report = tmp_path / "report.xml"
-    assert RunReporting([sys.executable, "-c", "import sys; " + program, str(report)], report, None) == counts
+    assert RunReporting([sys.executable, "-c", "import sys; " + program, str(report)], report, None).counts == counts
+
+
+def test_stages_of_several_jobs_are_all_counted_and_shown(capsys):
+    stages = {f"s{i}": lambda i=i: Outcome(Counts(i, i % 2, 1), "what went wrong" if i == 3 else "") for i in range(6)}
+    assert RunStages(stages, 3) == Counts(15, 3, 6)
+    output = capsys.readouterr().out
+    assert all(f"s{i} " in output for i in range(6)) and "s3:\nwhat went wrong\ns3 " in output
