@@ -11,6 +11,11 @@ build=$root/build/release
 # Debian's python3-dev belongs to this interpreter, whatever else PATH holds.
 systemPython=/usr/bin/python3
 [ -x "$systemPython" ] || systemPython=$(command -v python3 || true)
+# What any tree of this machine has compiled is not compiled again, where ccache is installed.
+if command -v ccache >/dev/null; then
+    export CMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER-ccache}
+    export CCACHE_BASEDIR=${CCACHE_BASEDIR:-$root} CCACHE_NOHASHDIR=1
+fi
 
 packages=(
     g++ cmake ninja-build python3-dev python3-venv
