@@ -47,6 +47,7 @@ def test_wrong_usage_is_exit_code_2(arguments, part):
 
 @pytest.mark.parametrize("arguments, part", [
     (["--frames", "1:x"], "1:x"),
+    (["--frames", "1:"], "1:"),
     (["--frames", ""], "--frames"),
     (["--frames", "1:3"], "placeholder"),
     (["--camera", "nobody"], "--camera nobody"),

@@ -77,9 +77,11 @@ def ParseFrames(spec):
     precision = 0
     for part in spec.split(","):
         try:
+            if part.endswith(":"):
+                raise ValueError("OpenUSD's parser crashes where a range has no end")
             codes = UsdUtils.TimeCodeRange.CreateFromFrameSpec(part)
             timeCodes.extend(code.GetValue() for code in codes)
-        except TfError:
+        except (TfError, ValueError):
             raise UsageError(f"--frames {part}: not a frame spec such as 101, 101:105 or 101:109x2") from None
         stride = part.partition("x")[2]
         precision = max(precision, len(stride.partition(".")[2]))
