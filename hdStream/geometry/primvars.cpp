@@ -9,9 +9,8 @@
 #include <memory>
 
 namespace hds {
-namespace {
 
-const char* NameOf(Interpolation interpolation) {
+const char* InterpolationName(Interpolation interpolation) {
     switch (interpolation) {
     case Interpolation::Constant:
         return "constant";
@@ -28,6 +27,8 @@ const char* NameOf(Interpolation interpolation) {
     }
     return "unknown";
 }
+
+namespace {
 
 /// Number of entries of a span for which isBad holds; parallel.
 template <typename T, typename IsBad>
@@ -89,7 +90,7 @@ std::optional<MeshAttribute> ValidatePrimvar(const Primvar& primvar, const Topol
     const std::size_t numNeeded = NumElements(primvar.interpolation, size);
     const bool isConstant = primvar.interpolation == Interpolation::Constant;
     if (isConstant ? numGiven == 0 : numGiven != numNeeded) {
-        return ignore(std::string(NameOf(primvar.interpolation)) + " needs " +
+        return ignore(std::string(InterpolationName(primvar.interpolation)) + " needs " +
                       std::to_string(numNeeded) + " values, has " + std::to_string(numGiven));
     }
     const std::size_t numBadIndices = CountIf(primvar.indices, [&](std::int32_t index) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Checks primvars against a mesh's topology and reads their values. No array is copied.
-// Internal to geometry. Explained in docs/geometry.md.
+// Explained in docs/geometry.md.
 #pragma once
 
 #include "hdStream/geometry/triangleMesh.h"
@@ -20,6 +20,9 @@ struct TopologySize {
     std::size_t numJoints = 0;  ///< of curves: ends of segments
     bool hasJoints = false;     ///< Varying means joints, else points
 };
+
+/// As USD writes it: "faceVarying".
+const char* InterpolationName(Interpolation interpolation);
 
 /// Number of values that an interpolation asks for.
 std::size_t NumElements(Interpolation interpolation, const TopologySize& size);

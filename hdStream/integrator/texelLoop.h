@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shades items again that have missed texels, until none does. Explained in docs/texturing.md.
+// Shades items again that have missed texels, until none does. Explained in
+// docs/texturing.md.
 #pragma once
 
 #include "hdStream/integrator/renderStatistics.h"

@@ -2,6 +2,7 @@
 #include "hdStream/scene/dump.h"
 
 #include "hdStream/base/hash.h"
+#include "hdStream/geometry/primvars.h"
 
 #include <glm/gtc/type_ptr.hpp>
 
@@ -54,24 +55,6 @@ std::string Array(const T* values, std::size_t count) {
 template <typename T>
 std::string Array(const SharedSpan<T>& span) {
     return Array(span.data(), span.size());
-}
-
-const char* InterpolationName(Interpolation interpolation) {
-    switch (interpolation) {
-    case Interpolation::Constant:
-        return "constant";
-    case Interpolation::Uniform:
-        return "uniform";
-    case Interpolation::Varying:
-        return "varying";
-    case Interpolation::Vertex:
-        return "vertex";
-    case Interpolation::FaceVarying:
-        return "faceVarying";
-    case Interpolation::Instance:
-        return "instance";
-    }
-    return "";
 }
 
 const char* LightTypeName(LightType type) {

@@ -225,17 +225,17 @@ HDS_FUNCTION float4 math_special(u32 function, const float4* a) {
     case HDS_MATH_CELL3:
         return math_spread(math_cellNoise(a[0], true));
     case HDS_MATH_FRACTAL3:
-        return math_spread(math_fractal3(a[0], a[1].x, a[2].x, a[3].x, 32u));
+        return math_spread(math_fractal(a[0], a[1].x, a[2].x, a[3].x, 32u, true));
     case HDS_MATH_FRACTAL3_VECTOR:
-        return HDS_FLOAT4(math_fractal3(a[0], a[1].x, a[2].x, a[3].x, 0u),
-                          math_fractal3(a[0], a[1].x, a[2].x, a[3].x, 8u),
-                          math_fractal3(a[0], a[1].x, a[2].x, a[3].x, 16u), 0.0f);
+        return HDS_FLOAT4(math_fractal(a[0], a[1].x, a[2].x, a[3].x, 0u, true),
+                          math_fractal(a[0], a[1].x, a[2].x, a[3].x, 8u, true),
+                          math_fractal(a[0], a[1].x, a[2].x, a[3].x, 16u, true), 0.0f);
     case HDS_MATH_FRACTAL2:
-        return math_spread(math_fractal2(a[0], a[1].x, a[2].x, a[3].x, 32u));
+        return math_spread(math_fractal(a[0], a[1].x, a[2].x, a[3].x, 32u, false));
     case HDS_MATH_FRACTAL2_VECTOR:
-        return HDS_FLOAT4(math_fractal2(a[0], a[1].x, a[2].x, a[3].x, 0u),
-                          math_fractal2(a[0], a[1].x, a[2].x, a[3].x, 8u),
-                          math_fractal2(a[0], a[1].x, a[2].x, a[3].x, 16u), 0.0f);
+        return HDS_FLOAT4(math_fractal(a[0], a[1].x, a[2].x, a[3].x, 0u, false),
+                          math_fractal(a[0], a[1].x, a[2].x, a[3].x, 8u, false),
+                          math_fractal(a[0], a[1].x, a[2].x, a[3].x, 16u, false), 0.0f);
     default: /* HDS_MATH_WORLEY... */
         return math_worley(a[0], a[1].x,
                            function == HDS_MATH_WORLEY3 || function == HDS_MATH_WORLEY3_CELL,

@@ -140,29 +140,19 @@ HDS_FUNCTION f32 math_noise3(float4 p, u32 shift) {
     return 0.9820f * math_mix(layer[0], layer[1], math_fade(fz));
 }
 
-HDS_FUNCTION f32 math_fractal3(float4 p, f32 octaves, f32 lacunarity, f32 diminish, u32 shift) {
+/* Octaves of Perlin's noise, each of higher frequency by lacunarity and of less weight by diminish.
+ * \param shift as math_noise2's. */
+HDS_FUNCTION f32 math_fractal(float4 p, f32 octaves, f32 lacunarity, f32 diminish, u32 shift,
+                              bool isIn3d) {
     const i32 count = (i32)fmin(fmax(octaves, 0.0f), (f32)HDS_MATH_MAX_OCTAVES);
     f32 sum = 0.0f;
     f32 amplitude = 1.0f;
     for (i32 i = 0; i < count; ++i) {
-        sum += amplitude * math_noise3(p, shift);
+        sum += amplitude * (isIn3d ? math_noise3(p, shift) : math_noise2(p, shift));
         amplitude *= diminish;
         p.x *= lacunarity;
         p.y *= lacunarity;
         p.z *= lacunarity;
-    }
-    return sum;
-}
-
-HDS_FUNCTION f32 math_fractal2(float4 p, f32 octaves, f32 lacunarity, f32 diminish, u32 shift) {
-    const i32 count = (i32)fmin(fmax(octaves, 0.0f), (f32)HDS_MATH_MAX_OCTAVES);
-    f32 sum = 0.0f;
-    f32 amplitude = 1.0f;
-    for (i32 i = 0; i < count; ++i) {
-        sum += amplitude * math_noise2(p, shift);
-        amplitude *= diminish;
-        p.x *= lacunarity;
-        p.y *= lacunarity;
     }
     return sum;
 }

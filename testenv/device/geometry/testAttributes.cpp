@@ -99,19 +99,9 @@ protected:
     std::vector<std::uint32_t> integers;
 };
 
-/// Quads and a concave pentagon, with subsets.
+/// As MakeMixedMesh's, with subsets.
 MeshDescription MakeDeviceMesh() {
-    MeshDescription mesh =
-        MakeMesh({{0, 0, 0},
-                  {1, 0, 0.1F},
-                  {2, 0, 0},
-                  {0, 1, 0.2F},
-                  {1, 1, 0},
-                  {2, 1, 0.1F},
-                  {0, 2, 0},
-                  {1, 1.5F, 0},
-                  {2, 2, 0}},
-                 {4, 4, 3, 5, 3}, {0, 1, 4, 3, 1, 2, 5, 4, 3, 4, 7, 3, 7, 5, 8, 6, 4, 5, 7});
+    MeshDescription mesh = MakeMixedMesh();
     mesh.subsets = {{"a", std::vector<std::int32_t>{1, 3}}, {"b", std::vector<std::int32_t>{4}}};
     return mesh;
 }

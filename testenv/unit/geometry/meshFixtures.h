@@ -180,6 +180,20 @@ inline Primvar MakePrimvar(const MeshDescription& mesh, const std::string& name,
     return primvar;
 }
 
+/// Quads, a triangle and a concave pentagon in one mesh.
+inline MeshDescription MakeMixedMesh() {
+    return MakeMesh({{0, 0, 0},
+                     {1, 0, 0.1F},
+                     {2, 0, 0},
+                     {0, 1, 0.2F},
+                     {1, 1, 0},
+                     {2, 1, 0.1F},
+                     {0, 2, 0},
+                     {1, 1.5F, 0},
+                     {2, 2, 0}},
+                    {4, 4, 3, 5, 3}, {0, 1, 4, 3, 1, 2, 5, 4, 3, 4, 7, 3, 7, 5, 8, 6, 4, 5, 7});
+}
+
 /// Every interpolation, with and without indices, of 1 to 4 components: primvars "p00", "p01", ...
 inline void AddAllPrimvars(MeshDescription& mesh, std::mt19937& random) {
     const Interpolation kinds[] = {Interpolation::Constant, Interpolation::Uniform,

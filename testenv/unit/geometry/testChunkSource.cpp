@@ -67,20 +67,6 @@ ChunkGeometry GatherRange(const std::shared_ptr<const TriangleMesh>& mesh, std::
     return TriangleMeshSource(mesh).Gather(primIds.data(), primIds.size());
 }
 
-/// Quads, a triangle and a concave pentagon in one mesh.
-MeshDescription MakeMixedMesh() {
-    return MakeMesh({{0, 0, 0},
-                     {1, 0, 0.1F},
-                     {2, 0, 0},
-                     {0, 1, 0.2F},
-                     {1, 1, 0},
-                     {2, 1, 0.1F},
-                     {0, 2, 0},
-                     {1, 1.5F, 0},
-                     {2, 2, 0}},
-                    {4, 4, 3, 5, 3}, {0, 1, 4, 3, 1, 2, 5, 4, 3, 4, 7, 3, 7, 5, 8, 6, 4, 5, 7});
-}
-
 TEST(ChunkSource, GatherKeepsTrianglesAndNumbersVerticesOnce) {
     const auto mesh = RunTriangulate(MakeFlatGrid(20)).mesh;
     const ChunkGeometry chunk = GatherRange(mesh, 100, 333);

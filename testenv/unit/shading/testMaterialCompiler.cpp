@@ -4,6 +4,7 @@
 #include "hdStream/shading/materialCompiler.h"
 
 #include "kernels/shared/geometry.h"
+#include "testenv/unit/shading/imageQueries.h"
 
 #include <gtest/gtest.h>
 
@@ -36,35 +37,8 @@ MaterialNode& AddTexture(MaterialNetwork& network, const std::string& file) {
     return node;
 }
 
-/// Every image can be read but missing.png; opaque.png has no alpha, mirror.png asks to be
-/// mirrored.
-ImageQueries Images() {
-    ImageQueries images;
-    images.probe = [](const AssetReference& file) -> std::optional<ImageFacts> {
-        if (file.file == "missing.png") {
-            return std::nullopt;
-        }
-        ImageFacts facts;
-        facts.hasAlpha = file.file != "opaque.png";
-        if (file.file == "mirror.png") {
-            facts.wrapS = HDS_WRAP_MIRROR;
-            facts.wrapT = HDS_WRAP_CLAMP;
-        }
-        return facts;
-    };
-    images.findTiles = [](const AssetReference& pattern) {
-        std::vector<UdimTile> tiles;
-        if (pattern.file == "skin.<UDIM>.png") {
-            tiles.push_back({0, {"", "skin.1001.png", 0, 0}});
-            tiles.push_back({12, {"", "skin.1013.png", 0, 0}});
-        }
-        return tiles;
-    };
-    return images;
-}
-
 CompiledMaterial Compile(const MaterialNetwork& network, Warnings& warnings) {
-    return CompileMaterial(network, "/m", Images(), warnings);
+    return CompileMaterial(network, "/m", test::Images(), warnings);
 }
 
 shared::HdsMaterial Resolve(const CompiledMaterial& material,

@@ -5,6 +5,7 @@
 #include "hdStream/shading/programWriter.h"
 #include "kernels/shared/geometry.h"
 #include "kernels/shared/programMath.h"
+#include "testenv/unit/shading/imageQueries.h"
 
 #include <gtest/gtest.h>
 
@@ -126,35 +127,10 @@ protected:
         _network.nodes[0].connections[input] = {path, output};
     }
 
-    static ImageQueries Images() {
-        ImageQueries images;
-        images.probe = [](const AssetReference& file) -> std::optional<ImageFacts> {
-            if (file.file == "missing.png") {
-                return std::nullopt;
-            }
-            ImageFacts facts;
-            facts.hasAlpha = file.file != "opaque.png";
-            if (file.file == "mirror.png") {
-                facts.wrapS = HDS_WRAP_MIRROR;
-                facts.wrapT = HDS_WRAP_CLAMP;
-            }
-            return facts;
-        };
-        images.findTiles = [](const AssetReference& pattern) {
-            std::vector<UdimTile> tiles;
-            if (pattern.file == "skin.<UDIM>.png") {
-                tiles.push_back({0, {"", "skin.1001.png", 0, 0}});
-                tiles.push_back({3, {"", "skin.1004.png", 0, 0}});
-            }
-            return tiles;
-        };
-        return images;
-    }
-
     /// Compiles and resolves for a mesh with st (slot 0 of the user's) and amount (slot 1);
     /// textures are numbered from 10.
     ResolvedMaterial Resolve() {
-        _compiled = CompileMaterial(_network, "/m", Images(), _warnings);
+        _compiled = CompileMaterial(_network, "/m", test::Images(), _warnings);
         std::vector<std::uint32_t> textures;
         for (std::size_t i = 0; i < _compiled.textures.size(); ++i) {
             textures.push_back(static_cast<std::uint32_t>(10 + i));
