@@ -4,6 +4,8 @@ compares their scenes (dumps) and pictures. Used by the tests and by testenv/ben
 """
 
 import collections
+import contextlib
+import io
 import os
 import pathlib
 import re
@@ -46,6 +48,16 @@ class FrontEnds:
     def RunRecord(wrapper: Wrapper, picture, seconds=600, options=()) -> Result:
         command = [sys.executable, "-m", "hdstream", "record", wrapper.path, picture, *wrapper.RecordOptions(), *options]
         return RunProgram(command, _OwnEnvironment(), seconds)
+
+    @staticmethod
+    def RecordHere(wrapper: Wrapper, picture) -> Result:
+        """As RunRecord, in this process, which has loaded its modules."""
+        from hdstream.cli import Main
+
+        output = io.StringIO()
+        with contextlib.redirect_stdout(output), contextlib.redirect_stderr(output):
+            code = Main(["record", str(wrapper.path), str(picture), *wrapper.RecordOptions()])
+        return Result(code, output.getvalue())
 
     @staticmethod
     def RunDump(wrapper: Wrapper, dump, seconds=600) -> Result:

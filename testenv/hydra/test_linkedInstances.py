@@ -39,7 +39,7 @@ def test_linked_instances(mode, openUsd, plugin, renderer, isStream, tmp_path):
                            noCache=True)
     hydra = frontEnds.RunUsdrecord(wrapper, tmp_path / "hydra.exr")
     assert hydra.code == 0, hydra.output
-    record = frontEnds.RunRecord(wrapper, tmp_path / "record.exr")
+    record = frontEnds.RecordHere(wrapper, tmp_path / "record.exr")
     assert record.code == 0, record.output
     for name in ("hydra.exr", "record.exr"):
         row = ReadColor(tmp_path / name)[8, :, 0]

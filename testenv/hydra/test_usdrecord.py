@@ -12,6 +12,7 @@ import pytest
 
 import instancePrimvarStages
 from brokenStages import BROKEN
+from dumpStage import DumpStage
 from frontEnds import MODES, ComparePictures, CompareDumps, FrontEnds, ReadColor
 from openUsd import RunProgram
 from stages.verify import CASES
@@ -79,17 +80,15 @@ def test_scene_and_picture_are_those_of_hdstream_record(name, frontEnds, isStrea
     """Equal dumps, so that a picture that is equal by chance does not pass; equal bits of the picture."""
     wrapper = Prepare(name, tmp_path, frontEnds)
     ours, theirs = tmp_path / "record.exr", tmp_path / "hydra.exr"
-    record = frontEnds.RunRecord(wrapper, ours)
+    record = frontEnds.RecordHere(wrapper, ours)
     assert record.code == 0, record.output
     hydra = frontEnds.RunUsdrecord(wrapper, theirs, tmp_path / "hydra.txt")
     assert hydra.code == 0, hydra.output
     assert ReadColor(theirs)[..., :3].max() > 0.0
     if not isStream:
         return
-    dump = frontEnds.RunDump(wrapper, tmp_path / "record.txt")
-    assert dump.code == 0, dump.output
-    differences = CompareDumps((tmp_path / "record.txt").read_text(), (tmp_path / "hydra.txt").read_text(),
-                               wrapper.purposes)
+    dump, _ = DumpStage(wrapper.path)
+    differences = CompareDumps(dump, (tmp_path / "hydra.txt").read_text(), wrapper.purposes)
     assert bool(differences) == (name in SPLIT_OTHERWISE), "\n".join(differences)
     difference = ComparePictures(ours, theirs)
     assert difference.isEqual, difference
@@ -106,10 +105,8 @@ def test_translated_scene_is_that_of_hdstream_record(case, frontEnds, isStream, 
                            purposes=("render", "proxy", "guide"), **SETTINGS)
     hydra = frontEnds.RunUsdrecord(wrapper, tmp_path / "hydra.exr", tmp_path / "hydra.txt")
     assert hydra.code == 0, hydra.output
-    dump = frontEnds.RunDump(wrapper, tmp_path / "record.txt")
-    assert dump.code == 0, dump.output
-    differences = CompareDumps((tmp_path / "record.txt").read_text(), (tmp_path / "hydra.txt").read_text(),
-                               wrapper.purposes)
+    dump, _ = DumpStage(wrapper.path)
+    differences = CompareDumps(dump, (tmp_path / "hydra.txt").read_text(), wrapper.purposes)
     kinds = {line.split(",")[0] for line in differences}
     assert kinds == DIFFERENT.get((frontEnds.mode, case), set()), "\n".join(differences)
 
@@ -126,27 +123,31 @@ def test_the_gpu_path_of_usdrecord_gives_the_same_bits(frontEnds, windowed, isSt
     assert ComparePictures(tmp_path / "cpu.exr", tmp_path / "gpu.exr").isEqual
 
 
-@pytest.mark.parametrize("setting, value", [("samples", 5), ("maxDepth", 0), ("seed", 8), ("pixelFilter", "box")])
-def test_settings_of_the_render_settings_prim_count(setting, value, frontEnds, isStream, tmp_path):
+def test_settings_of_the_render_settings_prim_count(frontEnds, isStream, tmp_path):
     """Each changes the picture, and to what `hdstream record` makes of it."""
     if not isStream:
         pytest.skip("only Stream knows these settings")
-    (tmp_path / "base").mkdir()
-    base = Prepare("subsets", tmp_path / "base", frontEnds)
-    changed = Prepare("subsets", tmp_path, frontEnds, **{setting: value})
-    for wrapper, name in ((base, "base.exr"), (changed, "changed.exr")):
-        result = frontEnds.RunUsdrecord(wrapper, tmp_path / name)
+
+    def Hydra(name, **settings):
+        (tmp_path / name).mkdir()
+        wrapper = Prepare("subsets", tmp_path / name, frontEnds, **settings)
+        result = frontEnds.RunUsdrecord(wrapper, tmp_path / f"{name}.exr")
         assert result.code == 0, result.output
-    assert frontEnds.RunRecord(changed, tmp_path / "record.exr").code == 0
-    assert ComparePictures(tmp_path / "changed.exr", tmp_path / "record.exr").isEqual
-    assert not np.array_equal(ReadColor(tmp_path / "base.exr"), ReadColor(tmp_path / "changed.exr"))
+        return wrapper, ReadColor(tmp_path / f"{name}.exr")
+
+    _, base = Hydra("base")
+    for name, value in dict(samples=5, maxDepth=0, seed=8, pixelFilter="box").items():
+        wrapper, changed = Hydra(name, **{name: value})
+        assert frontEnds.RecordHere(wrapper, tmp_path / "record.exr").code == 0
+        assert ComparePictures(tmp_path / f"{name}.exr", tmp_path / "record.exr").isEqual, name
+        assert not np.array_equal(base, changed), name
 
 
 def test_hdstream_compare_reads_what_usdrecord_wrote(frontEnds, isStream, tmp_path):
     from hdstream import _core
     wrapper = Prepare("subsets", tmp_path, frontEnds)
     assert frontEnds.RunUsdrecord(wrapper, tmp_path / "hydra.exr").code == 0
-    assert frontEnds.RunRecord(wrapper, tmp_path / "record.exr").code == 0
+    assert frontEnds.RecordHere(wrapper, tmp_path / "record.exr").code == 0
     comparison = _core.CompareImages(str(tmp_path / "hydra.exr"), str(tmp_path / "record.exr"))
     assert comparison.error == "" and [layer.name for layer in comparison.layers] == ["color"]
     if isStream:
