@@ -124,6 +124,28 @@ def test_render_settings_fill_what_options_leave_open(tmp_path):
     assert json.loads(stats.read_text(encoding="utf-8"))["image"]["samples"] == 2
 
 
+def test_render_settings_that_cannot_be_read_are_one_line_each(tmp_path):
+    """Found by fuzzing: attributes where relationships belong, pixels beyond floats."""
+    body = SCENE + """def RenderSettings "Settings" {
+token camera = "x"
+rel products = </Product> }
+def RenderProduct "Product" {
+token orderedVars = "y" }
+def PointInstancer "Many" {
+token prototypes = "z" }
+"""
+    result = Run("record", WriteStage(tmp_path, body), tmp_path / "o.exr", *SMALL, "-rs", "/Settings")
+    assert result.code == 0 and not result.errors, result.text
+    for start in ("/Settings: camera cannot be read: ", "/Product: orderedVars cannot be read: ", "/Many: "):
+        assert len([line for line in result.warnings if line.startswith(start)]) == 1, result.text
+    from hdstream.translate.circles import HasCircularInstancers
+    from pxr import Usd
+    assert not HasCircularInstancers(Usd.Stage.Open(str(tmp_path / "scene.usda")))
+    for value in ("-3.4e38", "nan"):
+        body = SCENE + f'def RenderSettings "Settings" {{ float pixelAspectRatio = {value} }}\n'
+        AssertFails(RunHere("record", WriteStage(tmp_path, body), tmp_path / "o.exr", "-w", "8", "-rs", "/Settings"), 2, "pixelAspectRatio")
+
+
 def test_render_settings_of_the_stage_are_used(tmp_path):
     stage = WriteStage(tmp_path, SETTINGS, header='(\n    renderSettingsPrimPath = "/Settings"\n)')
     assert Run("record", stage, tmp_path / "o.exr").code == 0

@@ -28,7 +28,7 @@ def MakeSettings(values, prim):
     if prim.disableMotionBlur:
         settings.motionBlur = "off"
     if prim.pixelAspectRatio:
-        settings.pixelAspectRatio = prim.pixelAspectRatio
+        _core.SetSetting(settings, "pixelAspectRatio", prim.pixelAspectRatio)
     for name, value in values.items():
         if value is None or name in _FRAMED:
             continue

@@ -11,6 +11,7 @@ import numpy as np
 from pxr import Sdf, UsdRender
 
 from hdstream import _core
+from hdstream.diagnostics import MessagesOf, TfError
 from hdstream.errors import OneLine, UsageError
 
 NAMESPACE = "hdstream:"
@@ -51,12 +52,11 @@ def ReadRenderSettings(stage, path, session):
         session.Warn(wanted, "renderSettingsPrimPath of the stage names no render settings; ignored")
         return settings
     settings.path = wanted
-    products = [stage.GetPrimAtPath(target) for target in
-                UsdRender.Settings(prim).GetProductsRel().GetForwardedTargets()]
+    products = [stage.GetPrimAtPath(target) for target in _TargetsOf(prim, "products", session)]
     products = [product for product in products if product and product.IsA(UsdRender.Product)]
-    _ReadCommon(prim, settings)
+    _ReadCommon(prim, settings, session)
     if products:
-        _ReadCommon(products[0], settings)
+        _ReadCommon(products[0], settings, session)
         _ReadVars(stage, products[0], settings, session)
         for product in products[1:]:
             session.Warn(product.GetPath().pathString, "only the first product of render settings is rendered")
@@ -66,13 +66,22 @@ def ReadRenderSettings(stage, path, session):
     return settings
 
 
-def _ReadCommon(prim, settings):
+def _TargetsOf(prim, name, session):
+    """What a relationship names; nothing, and one warning, where it is none."""
+    try:
+        return prim.GetRelationship(name).GetForwardedTargets()
+    except TfError as error:
+        session.Warn(prim.GetPath().pathString, f"{name} cannot be read: {'; '.join(MessagesOf(error))}")
+        return []
+
+
+def _ReadCommon(prim, settings, session):
     """UsdRenderSettingsBase: only authored values, so that a product overrides its settings."""
     def Authored(name):
         attribute = prim.GetAttribute(name)
         return attribute.Get() if attribute and attribute.HasAuthoredValue() else None
 
-    targets = prim.GetRelationship("camera").GetForwardedTargets()
+    targets = _TargetsOf(prim, "camera", session)
     if targets:
         settings.camera = targets[0]
     settings.resolution = Authored("resolution") or settings.resolution
@@ -90,7 +99,7 @@ def _ReadCommon(prim, settings):
 
 def _ReadVars(stage, product, settings, session):
     known = {info.name for info in _core.AovTable()}
-    for target in UsdRender.Product(product).GetOrderedVarsRel().GetForwardedTargets():
+    for target in _TargetsOf(product, "orderedVars", session):
         var = stage.GetPrimAtPath(target)
         source = var.GetAttribute("sourceName").Get() if var and var.IsA(UsdRender.Var) else None
         name = source if source in known else _AOV_ALIASES.get(source)

@@ -3,6 +3,8 @@
 
 from pxr import Usd, UsdGeom
 
+from hdstream.diagnostics import TfError
+
 _PREDICATE = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 
 
@@ -13,8 +15,7 @@ def HasCircularInstancers(stage):
     for prim in instancers:
         for path in prim.GetPath().GetPrefixes():
             below.setdefault(path, []).append(prim.GetPath())
-    placed = {prim.GetPath(): [found for target in prim.GetRelationship("prototypes").GetTargets() for found in below.get(target, ())]
-              for prim in instancers}
+    placed = {prim.GetPath(): [found for target in _Prototypes(prim) for found in below.get(target, ())] for prim in instancers}
     # What places nothing that is left cannot be part of a circle.
     isChanged = True
     while isChanged:
@@ -23,3 +24,10 @@ def HasCircularInstancers(stage):
             del placed[path]
         isChanged = bool(ended)
     return bool(placed)
+
+
+def _Prototypes(prim):
+    try:
+        return prim.GetRelationship("prototypes").GetTargets()
+    except TfError:  # an attribute; the translator says so
+        return []
