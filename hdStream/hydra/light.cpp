@@ -69,11 +69,7 @@ void HdStreamLight::SyncPlacement(HdSceneDelegate* delegate, HdStreamRenderParam
 
 void HdStreamLight::SyncParameters(HdSceneDelegate* delegate, HdStreamRenderParam* param) {
     _prim.light = HdStreamReadLight(delegate, GetId(), _typeId, _type);
-    const auto linkOf = [&](const TfToken& name) {
-        return delegate->GetLightParamValue(GetId(), name).GetWithDefault(TfToken()).GetString();
-    };
-    _prim.lightLink = linkOf(HdTokens->lightLink);
-    _prim.shadowLink = linkOf(HdTokens->shadowLink);
+    _prim.links = HdStreamReadLinks(delegate, GetId());
     if (_typeId == HdPrimTypeTokens->simpleLight) {
         return; // The application's own: nobody can act on a warning about it.
     }

@@ -4,9 +4,12 @@
 #include "hdStream/hydra/assets.h"
 
 #include <pxr/base/gf/vec3f.h>
+#include <pxr/imaging/hd/collectionsSchema.h>
 #include <pxr/imaging/hd/light.h>
+#include <pxr/imaging/hd/renderIndex.h>
 #include <pxr/imaging/hd/tokens.h>
 #include <pxr/usd/sdf/assetPath.h>
+#include <pxr/usd/sdf/pathExpression.h>
 
 #include <utility>
 
@@ -84,7 +87,31 @@ hds::LightShadow ReadShadow(const Reader& reader) {
     reader.Read(HdLightTokens->shadowColor, &color);
     shadow.color = {color[0], color[1], color[2]};
     reader.Read(HdLightTokens->shadowDistance, &shadow.distance);
+    reader.Read(HdLightTokens->shadowFalloff, &shadow.falloff);
+    reader.Read(HdLightTokens->shadowFalloffGamma, &shadow.falloffGamma);
     return shadow;
+}
+
+/// Whether a light's collection is not the one that holds everything.
+bool IsPartial(HdSceneDelegate* delegate, const SdfPath& id, const TfToken& collection) {
+    const Reader reader(delegate, id);
+    const std::string prefix = "collection:" + collection.GetString();
+    bool includesRoot = true;
+    reader.Read(TfToken(prefix + ":includeRoot"), &includesRoot);
+    SdfPathExpression expression;
+    reader.Read(TfToken(prefix + ":membershipExpression"), &expression);
+    if (!includesRoot || !expression.IsEmpty()) {
+        return true;
+    }
+    // Legacy scene delegates say no more; scene indices have collections as expressions.
+    const HdSceneIndexPrim prim = delegate->GetRenderIndex().GetTerminalSceneIndex()->GetPrim(id);
+    const HdPathExpressionDataSourceHandle source =
+        HdCollectionsSchema::GetFromParent(prim.dataSource)
+            .GetCollection(collection)
+            .GetMembershipExpression();
+    static const SdfPathExpression allButProperties("~//*.*"); // what includeRoot becomes
+    expression = source ? source->GetTypedValue(0.0F) : SdfPathExpression::Everything();
+    return expression != SdfPathExpression::Everything() && expression != allButProperties;
 }
 
 } // namespace
@@ -105,6 +132,13 @@ std::optional<hds::LightType> HdStreamFindLightType(const TfToken& typeId) {
         }
     }
     return {};
+}
+
+hds::LinkCategories HdStreamReadLinks(HdSceneDelegate* delegate, const SdfPath& id) {
+    const auto linkOf = [&](const TfToken& name) {
+        return delegate->GetLightParamValue(id, name).GetWithDefault(TfToken()).GetString();
+    };
+    return {linkOf(HdTokens->lightLink), linkOf(HdTokens->shadowLink)};
 }
 
 hds::LightDescription HdStreamReadLight(HdSceneDelegate* delegate, const SdfPath& id,
@@ -141,6 +175,7 @@ std::shared_ptr<const hds::MeshLight> HdStreamReadMeshLight(HdSceneDelegate* del
         return nullptr;
     }
     auto light = std::make_shared<hds::MeshLight>();
+    light->links = HdStreamReadLinks(delegate, id);
     light->light = HdStreamReadLight(delegate, id, HdPrimTypeTokens->mesh, hds::LightType::Mesh);
     TfToken mode;
     reader.Read(HdTokens->materialSyncMode, &mode);
@@ -155,11 +190,6 @@ std::set<std::string> HdStreamUnsupportedLightFeatures(HdSceneDelegate* delegate
                                                        const SdfPath& id) {
     const Reader reader(delegate, id);
     std::set<std::string> features;
-    float falloff = -1.0F;
-    reader.Read(HdLightTokens->shadowFalloff, &falloff);
-    if (falloff > 0.0F) {
-        features.insert("shadow falloff");
-    }
     for (const SdfPath& filter : reader.Get(HdTokens->filters).GetWithDefault(SdfPathVector())) {
         features.insert("light filter " + filter.GetString());
     }
@@ -167,6 +197,12 @@ std::set<std::string> HdStreamUnsupportedLightFeatures(HdSceneDelegate* delegate
         features.insert("portals");
     }
     return features;
+}
+
+bool HdStreamHidesLinks(HdSceneDelegate* delegate, const SdfPath& id) {
+    const hds::LinkCategories links = HdStreamReadLinks(delegate, id);
+    return (links.lightLink.empty() && IsPartial(delegate, id, HdTokens->lightLink)) ||
+           (links.shadowLink.empty() && IsPartial(delegate, id, HdTokens->shadowLink));
 }
 
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -22,6 +22,9 @@ std::optional<hds::LightType> HdStreamFindLightType(const TfToken& typeId);
 hds::LightDescription HdStreamReadLight(HdSceneDelegate* delegate, const SdfPath& id,
                                         const TfToken& typeId, hds::LightType type);
 
+/// The categories that a light is linked to.
+hds::LinkCategories HdStreamReadLinks(HdSceneDelegate* delegate, const SdfPath& id);
+
 /// What makes a mesh a light; null: it is none.
 std::shared_ptr<const hds::MeshLight> HdStreamReadMeshLight(HdSceneDelegate* delegate,
                                                             const SdfPath& id);
@@ -29,5 +32,9 @@ std::shared_ptr<const hds::MeshLight> HdStreamReadMeshLight(HdSceneDelegate* del
 /// Names of features of a light that the core does not have yet.
 std::set<std::string> HdStreamUnsupportedLightFeatures(HdSceneDelegate* delegate,
                                                        const SdfPath& id);
+
+/// Whether a mesh light is linked to a part of the scene alone and Hydra does not say to which
+/// (OpenUSD 24.11 does not), as far as it lets that be seen.
+bool HdStreamHidesLinks(HdSceneDelegate* delegate, const SdfPath& id);
 
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -173,6 +173,10 @@ void HdStreamMesh::SyncLight(HdSceneDelegate* delegate, HdStreamRenderParam* par
         for (const std::string& feature : HdStreamUnsupportedLightFeatures(delegate, GetId())) {
             param->Warn(SdfPath(_scenePath), feature + " is not supported yet");
         }
+        if (HdStreamHidesLinks(delegate, GetId())) {
+            param->Warn(SdfPath(_scenePath),
+                        "links of a mesh light do not come through Hydra; ignored");
+        }
     }
 }
 
@@ -220,10 +224,13 @@ bool HdStreamMesh::SyncVariants(HdSceneDelegate* delegate, HdStreamRenderParam* 
 }
 
 void HdStreamMesh::Push(HdStreamRenderParam* param) {
-    const bool isDrawable = _prim.mesh && !_prim.mesh->points.empty() &&
-                            !_prim.mesh->faceVertexCounts.empty() &&
-                            HdStreamInstancer::IsPlaced(_prim.placement);
-    _variants.Push(param, GetId(), _scenePath, _prim, isDrawable);
+    const bool hasFaces =
+        _prim.mesh && !_prim.mesh->points.empty() && !_prim.mesh->faceVertexCounts.empty();
+    if (_prim.light && !hasFaces) {
+        param->Warn(SdfPath(_scenePath), "mesh light has no faces; it lights nothing");
+    }
+    _variants.Push(param, GetId(), _scenePath, _prim,
+                   hasFaces && HdStreamInstancer::IsPlaced(_prim.placement));
 }
 
 void HdStreamMesh::UpdateRenderTag(HdSceneDelegate* delegate, HdRenderParam* renderParam) {

@@ -234,10 +234,11 @@ void BindPlaced(nb::module_& module) {
         .def_rw("primId", &MeshPrim::primId)
         .def(
             "SetLight",
-            [](MeshPrim& self, const LightDescription& light, MaterialSyncMode mode) {
-                self.light = std::make_shared<const MeshLight>(MeshLight{light, mode});
+            [](MeshPrim& self, const LightDescription& light, MaterialSyncMode mode,
+               const LinkCategories& links) {
+                self.light = std::make_shared<const MeshLight>(MeshLight{light, mode, links});
             },
-            "light"_a, "materialSyncMode"_a, "Makes the mesh a light.")
+            "light"_a, "materialSyncMode"_a, "links"_a, "Makes the mesh a light.")
         .def("RemoveLight", [](MeshPrim& self) { self.light = nullptr; });
 
     nb::class_<InstancerPrim> instancer(module, "InstancerPrim", "Places its prototypes.");
@@ -296,7 +297,9 @@ void BindLight(nb::module_& module) {
         .def(nb::init<>())
         .def_rw("enable", &LightShadow::enable)
         .def_rw("color", &LightShadow::color)
-        .def_rw("distance", &LightShadow::distance);
+        .def_rw("distance", &LightShadow::distance)
+        .def_rw("falloff", &LightShadow::falloff)
+        .def_rw("falloffGamma", &LightShadow::falloffGamma);
     nb::class_<LightDescription>(module, "LightDescription", "A UsdLux light as authored.")
         .def(nb::init<>())
         .def_rw("type", &LightDescription::type)
@@ -320,17 +323,25 @@ void BindLight(nb::module_& module) {
         .def_rw("shaping", &LightDescription::shaping)
         .def_rw("shadow", &LightDescription::shadow)
         .def_rw("visibleToCamera", &LightDescription::visibleToCamera);
+    nb::class_<LinkCategories>(module, "LinkCategories", "What a light is linked to.")
+        .def(
+            "__init__",
+            [](LinkCategories* self, const std::string& lightLink, const std::string& shadowLink) {
+                new (self) LinkCategories{lightLink, shadowLink};
+            },
+            "lightLink"_a = "", "shadowLink"_a = "")
+        .def_rw("lightLink", &LinkCategories::lightLink)
+        .def_rw("shadowLink", &LinkCategories::shadowLink);
     nb::class_<LightPrim>(module, "LightPrim", "A light in the scene.")
         .def(
             "__init__",
             [](LightPrim* self, const LightDescription& light, const Placement& where) {
-                new (self) LightPrim{where, light, {}, {}};
+                new (self) LightPrim{where, light, {}};
             },
             "light"_a, "placement"_a)
         .def_rw("placement", &LightPrim::placement)
         .def_rw("light", &LightPrim::light)
-        .def_rw("lightLink", &LightPrim::lightLink)
-        .def_rw("shadowLink", &LightPrim::shadowLink);
+        .def_rw("links", &LightPrim::links);
 }
 
 void BindCamera(nb::module_& module) {

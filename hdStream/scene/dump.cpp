@@ -11,6 +11,8 @@
 #include <cstdio>
 #include <set>
 #include <type_traits>
+#include <utility>
+#include <vector>
 
 namespace hds {
 
@@ -157,23 +159,44 @@ std::string ParameterText(const ParameterValue& value) {
     return std::visit(Visitor{}, value);
 }
 
+using LinkedLights = std::vector<std::pair<std::string, LinkCategories>>;
+
+/// The lights and mesh lights that are linked, by path.
+LinkedLights LinkedLightsOf(const SceneDescription& scene) {
+    LinkedLights lights;
+    const auto add = [&](const std::string& path, const LinkCategories& links) {
+        if (!links.lightLink.empty() || !links.shadowLink.empty()) {
+            lights.emplace_back(path, links);
+        }
+    };
+    for (const auto& [path, prim] : scene.lights) {
+        add(path, prim.links);
+    }
+    for (const auto& [path, prim] : scene.meshes) {
+        if (prim.light) {
+            add(path, prim.light->links);
+        }
+    }
+    return lights;
+}
+
 /// The lights that do not light geometry in some categories, or whose shadows it does not cast:
 /// front ends name categories as they like.
-std::string Unlinked(const SceneDescription& scene, const std::set<std::string>& categories,
-                     std::string LightPrim::*link) {
+std::string Unlinked(const LinkedLights& lights, const std::set<std::string>& categories,
+                     std::string LinkCategories::*link) {
     std::string text;
-    for (const auto& [path, light] : scene.lights) {
-        if (!(light.*link).empty() && categories.count(light.*link) == 0) {
+    for (const auto& [path, links] : lights) {
+        if (!(links.*link).empty() && categories.count(links.*link) == 0) {
             text += (text.empty() ? "" : " ") + path;
         }
     }
     return text;
 }
 
-void DumpLinks(const std::string& prefix, const SceneDescription& scene,
+void DumpLinks(const std::string& prefix, const LinkedLights& lights,
                const std::set<std::string>& categories, Writer* out) {
-    const std::string unlit = Unlinked(scene, categories, &LightPrim::lightLink);
-    const std::string unshadowing = Unlinked(scene, categories, &LightPrim::shadowLink);
+    const std::string unlit = Unlinked(lights, categories, &LinkCategories::lightLink);
+    const std::string unshadowing = Unlinked(lights, categories, &LinkCategories::shadowLink);
     if (!unlit.empty()) {
         out->Line(prefix + "unlit by", unlit);
     }
@@ -259,6 +282,10 @@ void DumpShadow(const LightShadow& shadow, Writer* out) {
     out->Flag("shadow enable", shadow.enable);
     out->Line("shadow color", Array(shadow.color.data(), shadow.color.size()));
     out->Value("shadow distance", shadow.distance);
+    if (IsFading(shadow)) {
+        out->Value("shadow falloff", shadow.falloff);
+        out->Value("shadow falloffGamma", shadow.falloffGamma);
+    }
 }
 
 void DumpLightInputs(const LightDescription& light, Writer* out) {
@@ -318,7 +345,7 @@ const char* SyncModeName(MaterialSyncMode mode) {
 }
 
 void DumpMesh(const std::string& path, const MeshPrim& prim, const SceneDescription& scene,
-              Writer* out) {
+              const LinkedLights& lights, Writer* out) {
     // Front ends see dangling bindings, and materials without a surface, differently.
     const auto existing = [&](const std::string& materialPath) {
         return HasSurface(scene, materialPath) ? materialPath : std::string();
@@ -359,15 +386,15 @@ void DumpMesh(const std::string& path, const MeshPrim& prim, const SceneDescript
                   Array(mesh.subsets[i].faces) + " material " +
                       (hasMaterial ? existing(prim.subsetMaterialPaths[i]) : std::string()));
     }
-    DumpLinks("", scene, prim.categories, out);
+    DumpLinks("", lights, prim.categories, out);
     if (prim.light) {
         out->Line("light", SyncModeName(prim.light->materialSyncMode));
         DumpLightInputs(prim.light->light, out);
     }
 }
 
-void DumpInstancer(const std::string& path, const InstancerPrim& prim,
-                   const SceneDescription& scene, Writer* out) {
+void DumpInstancer(const std::string& path, const InstancerPrim& prim, const LinkedLights& lights,
+                   Writer* out) {
     out->Prim("instancer", path);
     out->Placed(prim.placement);
     out->Line("instanceTransforms", Array(prim.instanceTransforms));
@@ -379,7 +406,7 @@ void DumpInstancer(const std::string& path, const InstancerPrim& prim,
         std::any_of(prim.instanceCategories.begin(), prim.instanceCategories.end(),
                     [](const std::set<std::string>& categories) { return !categories.empty(); });
     for (std::size_t i = 0; hasCategories && i < prim.instanceCategories.size(); ++i) {
-        DumpLinks("instance " + std::to_string(i) + " ", scene, prim.instanceCategories[i], out);
+        DumpLinks("instance " + std::to_string(i) + " ", lights, prim.instanceCategories[i], out);
     }
 }
 
@@ -480,12 +507,13 @@ std::set<std::string> BoundMaterials(const SceneDescription& scene) {
 
 std::string DumpScene(const SceneDescription& scene) {
     Writer out;
+    const LinkedLights lights = LinkedLightsOf(scene);
     for (const auto& [path, prim] : scene.cameras) {
         DumpCamera(path, prim, &out);
     }
     for (const auto& [path, prim] : scene.instancers) {
         if (IsShown(scene, prim.placement)) {
-            DumpInstancer(path, prim, scene, &out);
+            DumpInstancer(path, prim, lights, &out);
         }
     }
     for (const auto& [path, prim] : scene.lights) {
@@ -501,7 +529,7 @@ std::string DumpScene(const SceneDescription& scene) {
     }
     for (const auto& [path, prim] : scene.meshes) {
         if (IsShown(scene, prim.placement)) {
-            DumpMesh(path, prim, scene, &out);
+            DumpMesh(path, prim, scene, lights, &out);
         }
     }
     return out.Take();

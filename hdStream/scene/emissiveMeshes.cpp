@@ -37,9 +37,12 @@ public:
         }
         if (_numLeftOut > 0) {
             _warnings.Add(_firstLeftOut,
-                          "and " + std::to_string(_numLeftOut - 1) +
-                              " more glow but are not sampled as lights: the scene has more than " +
-                              std::to_string(kMaxEmissiveTriangles) + " emissive triangles");
+                          "glows but is not sampled as a light" +
+                              (_numLeftOut > 1
+                                   ? ", and " + std::to_string(_numLeftOut - 1) + " more"
+                                   : std::string()) +
+                              ": the scene has more than " + std::to_string(kMaxEmissiveTriangles) +
+                              " emissive triangles");
         }
         return std::move(_result);
     }
@@ -83,6 +86,8 @@ private:
             mesh.lux->light = prim.light->light;
             mesh.lux->light.visibleToCamera = info.syncMode == MaterialSyncMode::NoMaterialResponse;
             mesh.lux->worldFromLight = record.worldFromObject;
+            mesh.lux->lightLink = _input.links->IndexOf(prim.light->links.lightLink);
+            mesh.lux->shadowLink = _input.links->IndexOf(prim.light->links.shadowLink);
             if (asksMaterial && !mesh.isGlowing && mesh.radiance == glm::dvec3(0.0)) {
                 _warnings.Add(record.path, "its material emits nothing: as a mesh light of "
                                            "materialGlowTintsLight it is dark");
@@ -92,6 +97,9 @@ private:
             }
         }
         AddTriangles(record, mesh.isGlowing ? info.emission : EmissionInput(), entry, &mesh);
+        if (mesh.lux && !(mesh.wholeArea > 0.0)) {
+            _warnings.Add(record.path, "mesh light has no area; it lights nothing");
+        }
         return mesh;
     }
 

@@ -37,8 +37,8 @@ std::vector<PlacedLight> PlaceLights(const LightCommitInput& input) {
         PlacedLight place{path,
                           light,
                           {},
-                          input.links->IndexOf(prim.lightLink),
-                          input.links->IndexOf(prim.shadowLink)};
+                          input.links->IndexOf(prim.links.lightLink),
+                          input.links->IndexOf(prim.links.shadowLink)};
         ForEachPlacement(scene, prim.placement, [&](const glm::dmat4& worldFromLight) {
             place.worldFromLight = centreFromWorld * worldFromLight;
             placed.push_back(place);
@@ -93,8 +93,8 @@ public:
     }
     void Add(const LightShadow& shadow) {
         Add(shadow.enable);
-        for (const float value :
-             {shadow.color[0], shadow.color[1], shadow.color[2], shadow.distance}) {
+        for (const float value : {shadow.color[0], shadow.color[1], shadow.color[2],
+                                  shadow.distance, shadow.falloff, shadow.falloffGamma}) {
             Add(value);
         }
     }

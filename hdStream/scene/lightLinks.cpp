@@ -15,18 +15,26 @@ constexpr std::size_t kMaxSets = std::size_t{1} << (32U - HDS_INSTANCE_LINK_SHIF
 
 LightLinks::LightLinks(const SceneDescription& scene) : _scene(scene) {
     for (const auto& [path, prim] : scene.lights) {
-        for (const std::string& category : {prim.lightLink, prim.shadowLink}) {
-            if (!category.empty()) {
-                _indexByCategory.emplace(category, std::uint32_t(_indexByCategory.size()));
-            }
-        }
+        AddLight(prim.light, prim.links);
     }
-    for (const auto& [path, prim] : scene.lights) {
-        if (!prim.shadowLink.empty()) {
-            _shadowCategories.insert(_indexByCategory.at(prim.shadowLink));
+    for (const auto& [path, prim] : scene.meshes) {
+        if (prim.light) {
+            AddLight(prim.light->light, prim.light->links);
         }
     }
     _numberBySet[{}] = 0;
+}
+
+void LightLinks::AddLight(const LightDescription& light, const LinkCategories& links) {
+    for (const std::string& category : {links.lightLink, links.shadowLink}) {
+        if (!category.empty()) {
+            _indexByCategory.emplace(category, std::uint32_t(_indexByCategory.size()));
+        }
+    }
+    if (!links.shadowLink.empty()) {
+        _shadowCategories.insert(_indexByCategory.at(links.shadowLink));
+    }
+    _isFading = _isFading || IsFading(light.shadow);
 }
 
 bool LightLinks::IsLinkedByInstance(const Placement& placement) const {
@@ -48,8 +56,9 @@ bool LightLinks::IsLinkedByInstance(const Placement& placement) const {
 
 std::uint32_t LightLinks::FlagsOf(const std::set<std::string>& categories,
                                   const std::set<std::string>& ofInstances) {
+    _hasUnshadowing = _hasUnshadowing || _isFading;
     if (!AreUsed()) {
-        return 0;
+        return _isFading ? HDS_INSTANCE_CUTOUT : 0U;
     }
     std::set<std::uint32_t> indices;
     for (const std::set<std::string>* names : {&categories, &ofInstances}) {
@@ -60,13 +69,14 @@ std::uint32_t LightLinks::FlagsOf(const std::set<std::string>& categories,
             }
         }
     }
-    const bool castsAll = std::includes(indices.begin(), indices.end(), _shadowCategories.begin(),
-                                        _shadowCategories.end());
+    const bool castsAll =
+        !_isFading && std::includes(indices.begin(), indices.end(), _shadowCategories.begin(),
+                                    _shadowCategories.end());
     auto number = _numberBySet.find(indices);
     if (number == _numberBySet.end()) {
         if (_numberBySet.size() >= kMaxSets) {
             _isFull = true;
-            return 0;
+            return _isFading ? HDS_INSTANCE_CUTOUT : 0U;
         }
         number = _numberBySet.emplace(indices, std::uint32_t(_numberBySet.size())).first;
     }

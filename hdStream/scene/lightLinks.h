@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Light and shadow links: which meshes and instances belong to which categories, as the few
-// combinations ("link sets") that there are. Explained in docs/lights.md.
+// combinations ("link sets") that there are; which geometry shadow rays may pass for the sake of a
+// light. Explained in docs/lights.md.
 #pragma once
 
 #include "hdStream/base/log.h"
@@ -16,7 +17,8 @@ namespace hds {
 /// Gives numbers to the combinations of categories as they are met; 0: in none.
 class LightLinks final {
 public:
-    /// Knows the categories that lights name; without any nothing else here costs anything.
+    /// Knows the categories that lights name, mesh lights among them; without any nothing else here
+    /// costs anything.
     explicit LightLinks(const SceneDescription& scene);
 
     bool AreUsed() const { return !_indexByCategory.empty(); }
@@ -29,7 +31,7 @@ public:
     std::uint32_t FlagsOf(const std::set<std::string>& categories,
                           const std::set<std::string>& ofInstances = {});
 
-    /// Whether some geometry casts no shadow of some light.
+    /// Whether some geometry casts no shadow of some light, or one that fades.
     bool HaveUnshadowing() const { return _hasUnshadowing; }
 
     /// Index of a light's category, or HDS_NONE.
@@ -42,10 +44,13 @@ public:
     void WarnOfOverflow(Warnings& warnings) const;
 
 private:
+    void AddLight(const LightDescription& light, const LinkCategories& links);
+
     const SceneDescription& _scene;
     std::map<std::string, std::uint32_t> _indexByCategory;
     std::set<std::uint32_t> _shadowCategories;
     std::map<std::set<std::uint32_t>, std::uint32_t> _numberBySet;
+    bool _isFading = false; ///< some light's shadows fade: all geometry may be passed
     bool _hasUnshadowing = false;
     bool _isFull = false;
 };

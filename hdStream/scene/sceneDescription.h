@@ -64,10 +64,17 @@ enum class CullStyle {
     FrontUnlessDoubleSided,
 };
 
-/// What makes a mesh a light (UsdLuxMeshLightAPI); its type is Mesh. It has no links.
+/// What a light is linked to.
+struct LinkCategories {
+    std::string lightLink;  ///< category of the meshes that it lights; empty: all
+    std::string shadowLink; ///< category of the meshes that cast its shadows; empty: all
+};
+
+/// What makes a mesh a light (UsdLuxMeshLightAPI); its type is Mesh.
 struct MeshLight {
     LightDescription light;
     MaterialSyncMode materialSyncMode = MaterialSyncMode::GlowTintsLight;
+    LinkCategories links;
 };
 
 /// A mesh prim. Two prims with the same `mesh` pointer have the same geometry, and so has a prim
@@ -100,8 +107,7 @@ struct InstancerPrim {
 struct LightPrim {
     Placement placement;
     LightDescription light;
-    std::string lightLink;  ///< category of the meshes that it lights; empty: all
-    std::string shadowLink; ///< category of the meshes that cast its shadows; empty: all
+    LinkCategories links;
 };
 
 /// A camera as HdCamera gives it: all lengths in scene units, as floats.

@@ -35,7 +35,9 @@ struct LightShaping {
 struct LightShadow {
     bool enable = true;
     std::array<float, 3> color{0.0F, 0.0F, 0.0F};
-    float distance = -1.0F; ///< of occluders from what they shade; negative: any
+    float distance = -1.0F;    ///< of occluders from what they shade; negative: any
+    float falloff = -1.0F;     ///< length, up to the distance, over which the shadow fades
+    float falloffGamma = 1.0F; ///< exponent of what is left of the shadow
 };
 
 /// Authored inputs of a light; defaults are UsdLux's.
@@ -66,6 +68,9 @@ struct LightDescription {
 
 /// An input that multiplies light: what is negative or not finite counts as 0.
 float LightFactor(float value);
+
+/// Whether shadows are weaker the farther away is what casts them.
+bool IsFading(const LightShadow& shadow);
 
 /// Whether the light shines alike in all directions.
 bool IsUnshaped(const LightDescription& light);

@@ -159,6 +159,9 @@ void Builder::AddControls(const PlacedLight& placed, shared::HdsLight* light) {
         controls.shadowDistance = !shadow.enable            ? 0.0F
                                   : shadow.distance >= 0.0F ? shadow.distance
                                                             : HDS_LIGHT_FAR;
+        controls.shadowFade =
+            IsFading(shadow) ? 1.0F / std::min(shadow.falloff, shadow.distance) : 0.0F;
+        controls.shadowGamma = LightFactor(shadow.falloffGamma);
         for (int i = 0; i < 3; ++i) {
             controls.shadowColor[i] = LightFactor(shadow.color[i]);
         }
@@ -280,6 +283,9 @@ void Builder::AddLight(const PlacedLight& placed) {
 
 /// What a mesh emits where its material does not vary the emission; false: nothing.
 bool Builder::MeshRadiance(const EmissiveMesh& mesh, double area, glm::dvec3* radiance) {
+    if (!(area > 0.0)) {
+        return false;
+    }
     *radiance = glm::max(mesh.radiance, glm::dvec3(0.0));
     if (mesh.lux) {
         shared::HdsLight light{};
@@ -294,7 +300,7 @@ bool Builder::MeshRadiance(const EmissiveMesh& mesh, double area, glm::dvec3* ra
         _warnings.Add(mesh.name, "emission is not finite or above 1e30; not sampled as a light");
         return false;
     }
-    return Luminance(*radiance) > 0.0 && area > 0.0;
+    return Luminance(*radiance) > 0.0;
 }
 
 /// What all clusters of a mesh have in common.

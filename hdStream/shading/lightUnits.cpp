@@ -90,6 +90,10 @@ glm::dvec3 BlackbodyRgb(double kelvin) {
     return glm::max(rgb, glm::dvec3(0.0));
 }
 
+bool IsFading(const LightShadow& shadow) {
+    return shadow.enable && shadow.distance > 0.0F && shadow.falloff > 0.0F;
+}
+
 float LightFactor(float value) {
     return std::isfinite(value) ? std::max(value, 0.0F) : 0.0F;
 }

@@ -14,15 +14,16 @@ void shadow_addRadiance(HdsPaths paths, uint i) {
     path_store_radiance(paths, i, radiance);
 }
 
-/* Adds what arrives though it is blocked: a share of the shadow ray's radiance. */
-void shadow_addBlocked(const HdsSceneView* scene, HdsPaths paths, uint i, float3 share) {
+/* Adds what arrives though it is blocked: a share of the shadow ray's radiance. \param t distance
+ * of what blocks it; only candidates have one, and all that casts fading shadows is one. */
+void shadow_addBlocked(const HdsSceneView* scene, HdsPaths paths, uint i, float3 share, float t) {
 #if HDS_FEATURE_LIGHT_CONTROLS
     global const HdsLightControls* controls =
         light_controls(&scene->lights, path_load_shadowLight(paths, i).x);
     if (controls != 0) {
         float4 radiance = path_load_radiance(paths, i);
         radiance.xyz +=
-            path_load_shadowRadiance(paths, i).xyz * share * vload3(0, controls->shadowColor);
+            path_load_shadowRadiance(paths, i).xyz * share * light_throughShadow(controls, t);
         path_store_radiance(paths, i, radiance);
     }
 #endif
@@ -170,7 +171,7 @@ kernel void shadow_cast(global uchar* state, uint numSlots, global const uint* r
             shadow_arrive(&scene, paths, i, &candidate, candidateQueue, readyQueue, counters);
         }
         if (isBlocked) {
-            shadow_addBlocked(&scene, paths, i, (float3)(1.0f));
+            shadow_addBlocked(&scene, paths, i, (float3)(1.0f), 0.0f);
 #if HDS_FEATURE_CUTOUT
             shadow_end(paths, i, readyQueue, counters);
 #endif
@@ -201,7 +202,7 @@ kernel void shadow_resume(global uchar* state, uint numSlots, global const uint*
         if (found == HDS_RAY_WAITS) {
             shadow_storeWait(paths, i, &candidate, primId, &list, waitQueue, counters);
         } else if (found == HDS_RAY_BLOCKED) {
-            shadow_addBlocked(&scene, paths, i, (float3)(1.0f));
+            shadow_addBlocked(&scene, paths, i, (float3)(1.0f), 0.0f);
             shadow_end(paths, i, readyQueue, counters);
         } else {
             shadow_arrive(&scene, paths, i, &candidate, candidateQueue, readyQueue, counters);
@@ -285,7 +286,7 @@ void shadow_passCandidate(const HdsSceneView* scene, HdsPaths paths, uint i, glo
         surfaceHit_waitForTexels(scene, i);
         return;
     }
-    shadow_addBlocked(scene, paths, i, (float3)(1.0f) - share);
+    shadow_addBlocked(scene, paths, i, (float3)(1.0f) - share, hit.t);
     float3 left = radiance.xyz * share;
     if (!(vec_maxComponent(left) > 0.0f)) {
         shadow_end(paths, i, readyQueue, counters);

@@ -97,9 +97,9 @@ typedef struct {
     f32 specular;       /* and on what all others do */
     f32 shadowDistance; /* what is farther from the lit point casts no shadow; HDS_LIGHT_FAR: all do
                          */
-    u32 pad0;
+    f32 shadowFade; /* 1 / length, up to that distance, over which shadows fade; 0: they do not */
     f32 shadowColor[3]; /* factor on what arrives in the shadow */
-    u32 pad1;
+    f32 shadowGamma;    /* exponent of the fading, which is linear in the distance */
 } HdsLightControls;
 HDS_ASSERT_SIZE(HdsLightControls, 32);
 

@@ -260,6 +260,23 @@ def test_shadow_controls(kind, factor, tmp_path):
     np.testing.assert_allclose(_Blocks(picture), _Blocks(_LampOnPlate() * np.array(factor)), rtol=0.01, atol=1e-6)
 
 
+@pytest.mark.parametrize("falloff, gamma, color", [(1.5, 1.0, (0.0, 0.0, 0.0)), (9.0, 2.5, (0.2, 0.5, 0.0))])
+def test_shadow_falloff(falloff, gamma, color, tmp_path):
+    """A parallel light from above through a slanted square, each point's occluder of which is as far as the square is high:
+    what is left of the shadow is linear between the distance less the falloff and the distance, by the power of gamma."""
+    distance, slope, height = 2.0, 0.5, 1.5
+    stage = _Plate(f"{tmp_path}/a.usda")
+    sun = author.AddLight(stage, "/World/Sun", "Distant", dict(rotate=(-90, 0, 0)), angle=0.0, intensity=3.0)
+    author.ShadowLight(sun, distance=distance, falloff=falloff, falloffGamma=gamma, color=color)
+    square = shapes.Plane(30.0, 30.0)
+    square.points[:, 1] += height + slope * square.points[:, 0]
+    author.AddMesh(stage, "/World/Blocker", square, doubleSided=True, color=(0, 0, 0))
+    left = np.clip((distance - (height + slope * _Points()[:, 0])) / min(falloff, distance), 0.0, 1.0) ** gamma
+    irradiance = 3.0 * (1.0 - left[:, None] * (1.0 - np.array(color)))
+    picture = _Render(stage, samples=64).rgb
+    np.testing.assert_allclose(picture, _PictureOf(irradiance), atol=4e-3 * ALBEDO)
+
+
 def test_shadow_links_of_one_light_leave_the_others_alone(tmp_path):
     """Two lamps in one place, one without shadows of the square: half of the irradiance."""
     stage, lamp = _WithBlocker(f"{tmp_path}/a.usda")

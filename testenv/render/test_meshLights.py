@@ -97,6 +97,7 @@ def test_camera_sees_the_material_or_the_light(tmp_path):
         stage.GetRootLayer().Save()
         picture = ours.Render(stage.GetRootLayer().realPath, 8, 6, samples=4, maxDepth=1)
         np.testing.assert_allclose(picture.rgb, np.broadcast_to(expected, (6, 8, 3)), rtol=1e-5)
+        np.testing.assert_array_equal(picture.layers["color"][..., 3], 1.0)
 
 
 def test_normalize_and_one_side(tmp_path):
@@ -166,6 +167,43 @@ def test_varying_emission_tints_a_mesh_light(tmp_path):
     _Check(stage, expected * _L)
 
 
+def test_links_of_mesh_lights(tmp_path):
+    """One half of the plate is not lit, and a square between lights and plate casts no shadow: lights of constant emission, and of
+    emission that varies."""
+    stage = author.NewStage(f"{tmp_path}/a.usda")
+    for name, x in (("A", -10), ("B", 10)):
+        author.AddMesh(stage, f"/World/{name}", shapes.Plane(20, 40), color=(ALBEDO,) * 3, translate=(x, 0, 0))
+    author.AddMesh(stage, "/World/Blocker", shapes.Plane(30, 30), color=(0, 0, 0), doubleSided=True, translate=(0, 0.5, 0))
+    author.AddCamera(stage, eye=(0, 0.2, 0), target=(0, 0, 0), up=(0, 0, -1), width=SIZE * 10, orthographic=True)
+    pair, expected = _VaryingSquares(stage)
+    square = author.AddMesh(stage, "/World/Square", shapes.Plane(1, 1), translate=(0.3, 1, 1.2), **_DOWN)
+    for light in (_MakeLight(pair, **_INPUTS), _MakeLight(square, "noMaterialResponse", **_INPUTS)):
+        author.LinkLight(light, "lightLink", excludes=["/World/A"])
+        author.LinkLight(light, "shadowLink", excludes=["/World/Blocker"])
+    expected = expected + _OfRect((0.3, 1, 1.2))
+    expected[:, :WIDTH // 2] = 0.0
+    _Check(stage, expected * _L)
+
+
+def test_bad_mesh_lights_are_named(tmp_path):
+    """One line for each, and a finite picture."""
+    stage = _Plate(tmp_path)
+    shape = {name: shapes.Plane(1, 1) for name in ("Empty", "Flat", "Squeezed", "Unreal")}
+    shape["Many"] = shapes.Plane(1, 1, columns=1024, rows=513)
+    shape["Flat"].points[:, 0] = 0.0
+    shape["Unreal"].points[:] = np.nan
+    for name, value in shape.items():
+        places = dict(scale=(0, 1, 1)) if name == "Squeezed" else _DOWN
+        mesh = author.AddMesh(stage, f"/World/{name}", value, translate=(0, 1, 0), **places)
+        _MakeLight(mesh, "noMaterialResponse", normalize=True)
+        if name == "Empty":
+            mesh.GetFaceVertexCountsAttr().Set([])
+    stage.GetRootLayer().Save()
+    picture = ours.Render(f"{tmp_path}/a.usda", 8, 6, samples=1, maxDepth=0)
+    assert [line.split(":")[0] for line in picture.warnings] == [f"/World/{name}" for name in sorted(shape)]
+    assert np.isfinite(picture.rgb).all()
+
+
 def test_emission_by_a_texture(tmp_path):
     """An image of a dark and a bright half, behind a veil that lets half of the light pass."""
     stage = _Plate(tmp_path)
@@ -203,9 +241,14 @@ def test_light_samples_and_rays_agree(tmp_path):
 
 
 def test_streamed_lights_have_the_same_bits(tmp_path):
-    """Light samples that end at geometry which streams: as resident, to the bit."""
+    """Light samples that end at geometry which streams, of a mesh light that its material tints and of a glow: as resident, to
+    the bit."""
     stage = _Plate(tmp_path)
-    _VaryingSquares(stage)
+    mesh, _ = _VaryingSquares(stage)
+    glowing = author.AddMesh(stage, "/World/Glowing", shapes.Plane(1, 1), translate=(0, 1.5, 1), **_DOWN)
+    author.Bind(glowing, UsdShade.Material.Get(stage, "/World/Glow"))
+    author.AddPrimvar(glowing, "glow", Sdf.ValueTypeNames.Color3fArray, "vertex", Vt.Vec3fArray([Gf.Vec3f(i, 1, 2) for i in range(4)]))
+    _MakeLight(mesh, **_INPUTS)
     author.AddMesh(stage, "/World/Ball", shapes.Sphere(0.2, 48, 96), translate=(0.4, 0.6, 0), color=(0.5,) * 3)
     stage.GetRootLayer().Save()
     pictures = [ours.Render(f"{tmp_path}/a.usda", WIDTH, HEIGHT, samples=8, maxDepth=2, residency=residency, chunkBytes=16384,

@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from pxr import Usd
+from pxr import Usd, UsdLux
 
 pytest.importorskip("hdstream._core")
 
@@ -66,13 +66,21 @@ def test_first_hits_are_the_frames(tmp_path):
 
 
 def test_what_emits_is_not_blurred(tmp_path):
-    """It stays where its light is, with one warning."""
+    """It stays where its light is, with one warning, also a mesh light that moves and is deformed."""
     from stages import author, shapes
     stage = Usd.Stage.Open(motion.Write(tmp_path / "a.usda"))
     glow = author.AddMaterial(stage, "/World/Glow", emissiveColor=(3.0, 1.0, 1.0), diffuseColor=(0.0, 0.0, 0.0))
     motion.AddWay(author.AddMesh(stage, "/World/Lamp", shapes.Box(0.5, 0.5, 0.5), material=glow), (-3, 0, 0), (3, 0, 0))
+    bulb = author.AddMesh(stage, "/World/Bulb", shapes.Box(0.3, 0.3, 0.3))
+    UsdLux.MeshLightAPI.Apply(bulb.GetPrim())
+    motion.AddWay(bulb, (-3, 1, 0), (3, 1, 0))
+    points = bulb.GetPointsAttr()
+    atRest = points.Get()
+    for time, factor in ((motion.FRAME - 1, 1.0), (motion.FRAME + 1, 2.0)):
+        points.Set([factor * point for point in atRest], time)
     lines = []
     pictures = [hdstream.Renderer(stage, onWarning=lines.append).Render(motion.FRAME, **SETTINGS, samples=2, motionBlur=blur).aovs["color"]
                 for blur in ("on", "off")]
     assert pictures[0].tobytes() == pictures[1].tobytes()
-    assert [line for line in lines if "emits light" in line] == ["/World/Lamp: emits light: not blurred by its motion"]
+    assert sorted(line for line in lines if "emits light" in line) == [
+        f"/World/{name}: emits light: not blurred by its motion" for name in ("Bulb", "Lamp")]

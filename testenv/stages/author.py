@@ -135,7 +135,7 @@ def ShapeLight(light, **inputs):
 
 
 def ShadowLight(light, **inputs):
-    """Applies UsdLuxShadowAPI with inputs by name: enable, color, distance."""
+    """Applies UsdLuxShadowAPI with inputs by name: enable, color, distance, falloff, falloffGamma."""
     shadow = UsdLux.ShadowAPI.Apply(light.GetPrim())
     for name, value in inputs.items():
         value = Gf.Vec3f(*map(float, value)) if name == "color" else value

@@ -14,8 +14,8 @@ namespace {
 
 SceneDescription TwoLights() {
     SceneDescription scene;
-    scene.lights["/A"].lightLink = "lit";
-    scene.lights["/B"].shadowLink = "shadowing";
+    scene.lights["/A"].links.lightLink = "lit";
+    scene.lights["/B"].links.shadowLink = "shadowing";
     return scene;
 }
 
@@ -58,10 +58,37 @@ TEST(LightLinks, SetsAreNumberedByTheCategoriesThatCount) {
     EXPECT_FALSE(isShadowing[SetOf(none)] || isShadowing[SetOf(lit)]);
 }
 
+TEST(LightLinks, MeshLightsAreLights) {
+    SceneDescription scene;
+    MeshLight light;
+    light.links = {"lit", "shadowing"};
+    scene.meshes["/A"].light = std::make_shared<const MeshLight>(light);
+    LightLinks links(scene);
+    ASSERT_TRUE(links.AreUsed());
+    const std::uint32_t both = links.FlagsOf({"lit", "shadowing"});
+    EXPECT_EQ(both & HDS_INSTANCE_CUTOUT, 0U);
+    EXPECT_NE(links.FlagsOf({"lit"}) & HDS_INSTANCE_CUTOUT, 0U);
+    EXPECT_TRUE(links.Table().categories[links.IndexOf("lit")][SetOf(both)]);
+}
+
+TEST(LightLinks, ShadowsThatFadeLetAllGeometryBePassed) {
+    SceneDescription scene;
+    scene.lights["/A"].light.shadow.falloff = 1.0F;
+    EXPECT_EQ(LightLinks(scene).FlagsOf({}), 0U); // no distance at which the shadow ends
+    scene.lights["/A"].light.shadow.distance = 2.0F;
+    LightLinks links(scene);
+    EXPECT_EQ(links.FlagsOf({}), HDS_INSTANCE_CUTOUT);
+    EXPECT_TRUE(links.HaveUnshadowing());
+    scene.lights["/B"].links.shadowLink = "shadowing";
+    EXPECT_NE(LightLinks(scene).FlagsOf({"shadowing"}) & HDS_INSTANCE_CUTOUT, 0U);
+    scene.lights["/A"].light.shadow.enable = false;
+    EXPECT_EQ(LightLinks(scene).FlagsOf({"shadowing"}) & HDS_INSTANCE_CUTOUT, 0U);
+}
+
 TEST(LightLinks, MoreSetsThanNumbersAreOneWarning) {
     SceneDescription scene;
     for (int i = 0; i < 17; ++i) {
-        scene.lights["/" + std::to_string(i)].lightLink = std::to_string(i);
+        scene.lights["/" + std::to_string(i)].links.lightLink = std::to_string(i);
     }
     LightLinks links(scene);
     std::uint32_t last = 1;

@@ -38,6 +38,8 @@ _SHADOW = {
     "inputs:shadow:enable": ("enable", bool),
     "inputs:shadow:color": ("color", list),
     "inputs:shadow:distance": ("distance", float),
+    "inputs:shadow:falloff": ("falloff", float),
+    "inputs:shadow:falloffGamma": ("falloffGamma", float),
 }
 _Z_FROM_Y = Gf.Matrix4d(1.0).SetRotate(Gf.Rotation(Gf.Vec3d(1, 0, 0), 90))
 
@@ -117,7 +119,7 @@ def PoleTransform(prim, typeName):
     return _Z_FROM_Y if axis == "Z" else None
 
 
-def UnsupportedFeatures(prim, names, timeCode):
+def UnsupportedFeatures(prim, names):
     """Names of authored light features that the renderer does not have yet, sorted."""
     features = set()
     for name in names:
@@ -125,6 +127,6 @@ def UnsupportedFeatures(prim, names, timeCode):
             features.update(f"light filter {path}" for path in prim.GetRelationship(name).GetForwardedTargets())
         elif name == "portals" and prim.GetRelationship(name).GetTargets():
             features.add("portals")
-        elif name == "inputs:shadow:falloff" and prim.GetAttribute(name).Get(timeCode) > 0.0:
-            features.add("shadow falloff")
+        elif name.startswith("inputs:") and prim.GetAttribute(name).HasAuthoredConnections():
+            features.add(f"a shader on {name}")
     return sorted(features)

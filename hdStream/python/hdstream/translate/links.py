@@ -7,6 +7,7 @@ known, and only on stages that have such lights.
 
 from pxr import Usd, UsdGeom
 
+from hdstream import _core
 from hdstream.translate.primState import PREDICATE
 
 _COLLECTIONS = ("lightLink", "shadowLink")
@@ -32,10 +33,9 @@ class Links:
         self._queries[category] = query
         return category
 
-    def Read(self, light, names, lightPrim):
-        """Sets the links of a light."""
-        lightPrim.lightLink, lightPrim.shadowLink = (
-            self.CategoryOf(light, names, collection) for collection in _COLLECTIONS)
+    def Read(self, light, names):
+        """What a light is linked to."""
+        return _core.LinkCategories(*(self.CategoryOf(light, names, collection) for collection in _COLLECTIONS))
 
     def CategoriesOf(self, path):
         """The categories that hold the prim of a path."""

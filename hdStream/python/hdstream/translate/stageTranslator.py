@@ -258,6 +258,8 @@ class StageTranslator:
         mesh = self._KeptMesh(prim, context) or meshes.ReadMesh(
             prim, names, state.primvars, self._timeCode, self._motion, skin, endSkins)
         if mesh is None:
+            if lights.IsLight(prim):
+                self._reports.Warn(prim, "mesh light has no faces; it lights nothing")
             return state
         self._AddMesh(prim, names, mesh, state, context)
         return state
@@ -329,12 +331,11 @@ class StageTranslator:
             meshPrim.RemoveLight()
             return
         self._WarnOfLight(prim, names)
-        if any(name.startswith(("collection:lightLink:", "collection:shadowLink:")) for name in names):
-            self._reports.Warn(prim, "links of a mesh light are not supported yet")
-        meshPrim.SetLight(lights.ReadLight(prim, "Mesh", names, self._timeCode, self._assets), lights.ReadSyncMode(prim))
+        meshPrim.SetLight(lights.ReadLight(prim, "Mesh", names, self._timeCode, self._assets), lights.ReadSyncMode(prim),
+                          self._links.Read(prim, names))
 
     def _WarnOfLight(self, prim, names):
-        for feature in lights.UnsupportedFeatures(prim, names, self._timeCode):
+        for feature in lights.UnsupportedFeatures(prim, names):
             self._reports.Warn(prim, f"{feature} is not supported yet")
 
     def _OnLight(self, prim, schema, names, state, context):
@@ -346,7 +347,7 @@ class StageTranslator:
         if pole is not None:
             placement.worldFromObject = np.array(pole * state.matrix)
         lightPrim = _core.LightPrim(light, placement)
-        self._links.Read(prim, names, lightPrim)
+        lightPrim.links = self._links.Read(prim, names)
         self._session.SetLight(path, lightPrim)
         return state
 
