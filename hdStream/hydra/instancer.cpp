@@ -105,7 +105,7 @@ void HdStreamInstancer::Sync(HdSceneDelegate* delegate, HdRenderParam* renderPar
     }
     // Legacy delegates fold an instancer's visibility into what it places, and GetVisible would be
     // that of the first native instance only. Scene indices say nothing of it to instancers;
-    // HdStreamInstancerVisibilitySceneIndex lets their instances change with it.
+    // HdStreamEditSceneIndex lets their instances change with it.
     if ((bits & (HdChangeTracker::DirtyVisibility | HdChangeTracker::DirtyInstanceIndex)) &&
         !HdStreamFindLegacyDelegate(delegate, GetId())) {
         placement.visible = delegate->GetVisible(GetId());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/hydra/sceneIndexPlugins.h"
 
-#include "hdStream/hydra/instancerVisibilitySceneIndex.h"
+#include "hdStream/hydra/editSceneIndex.h"
 #include "hdStream/hydra/rendererPlugin.h"
 
 #include <pxr/base/tf/registryManager.h>
@@ -85,7 +85,7 @@ HdStreamSceneIndexPlugin::_AppendSceneIndex(const HdSceneIndexBaseRefPtr& inputS
     scene = HdsiMaterialBindingResolvingSceneIndex::New(
         scene, {HdTokens->full, HdMaterialBindingsSchemaTokens->allPurpose},
         HdMaterialBindingsSchemaTokens->allPurpose);
-    return HdStreamInstancerVisibilitySceneIndex::New(scene);
+    return HdStreamEditSceneIndex::New(scene);
 }
 
 HdStreamDependencySceneIndexPlugin::HdStreamDependencySceneIndexPlugin() = default;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hidden instancers, for hosts that run scene indices: OpenUSD's dirty bits of instancers know no
-// visibility there, so that a change of it would reach no renderer.
+// Edits that would reach no renderer where hosts run scene indices: OpenUSD's dirty bits know no
+// visibility of instancers and no lights in meshes there.
 #pragma once
 
 #include <pxr/imaging/hd/filteringSceneIndex.h>
@@ -8,8 +8,9 @@
 
 PXR_NAMESPACE_OPEN_SCOPE
 
-/// Calls an instancer's topology dirty when its visibility is; otherwise its input.
-class HdStreamInstancerVisibilitySceneIndex final : public HdSingleInputFilteringSceneIndexBase {
+/// Calls an instancer's topology dirty when its visibility is, and a mesh's material bindings when
+/// what makes it a light is; otherwise its input.
+class HdStreamEditSceneIndex final : public HdSingleInputFilteringSceneIndexBase {
 public:
     static HdSceneIndexBaseRefPtr New(const HdSceneIndexBaseRefPtr& inputScene);
 
@@ -17,7 +18,7 @@ public:
     SdfPathVector GetChildPrimPaths(const SdfPath& path) const override;
 
 protected:
-    explicit HdStreamInstancerVisibilitySceneIndex(const HdSceneIndexBaseRefPtr& inputScene);
+    explicit HdStreamEditSceneIndex(const HdSceneIndexBaseRefPtr& inputScene);
 
     void _PrimsAdded(const HdSceneIndexBase& sender,
                      const HdSceneIndexObserver::AddedPrimEntries& entries) override;
