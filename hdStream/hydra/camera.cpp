@@ -5,8 +5,6 @@
 #include "hdStream/hydra/motion.h"
 #include "hdStream/hydra/renderParam.h"
 
-#include <pxr/imaging/hd/changeTracker.h>
-#include <pxr/imaging/hd/renderIndex.h>
 #include <pxr/imaging/hd/sceneDelegate.h>
 
 #include <cmath>
@@ -62,14 +60,14 @@ void HdStreamCamera::Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
     auto* param = static_cast<HdStreamRenderParam*>(renderParam);
     hds::CameraPrim prim = HdStreamCameraFrom(*this);
     prim.samples = HdStreamSampleTransform(delegate, GetId(), prim.shutter);
-    param->SetShutter(GetId(), prim.shutter, &delegate->GetRenderIndex().GetChangeTracker());
+    param->SetShutter(GetId(), prim.shutter);
     param->Push([path = GetId().GetString(), prim = std::move(prim)](
                     hds::Session& session) mutable { session.SetCamera(path, std::move(prim)); });
 }
 
 void HdStreamCamera::Finalize(HdRenderParam* renderParam) {
     auto* param = static_cast<HdStreamRenderParam*>(renderParam);
-    param->SetShutter(GetId(), {}, nullptr);
+    param->SetShutter(GetId(), {});
     param->Push([path = GetId().GetString()](hds::Session& session) { session.Remove(path); });
 }
 

@@ -67,7 +67,8 @@ VtArray<GfQuatd> RotationsFrom(const VtValue& value) {
 
 hds::SharedSpan<double> HdStreamInstanceTransforms(const VtValue& translations,
                                                    const VtValue& rotations, const VtValue& scales,
-                                                   const VtValue& transforms) {
+                                                   const VtValue& transforms,
+                                                   const VtArray<GfRotation>& turns) {
     const VtVec3dArray translationArray = VectorsFrom(translations);
     const VtArray<GfQuatd> rotationArray = RotationsFrom(rotations);
     const VtVec3dArray scaleArray = VectorsFrom(scales);
@@ -86,6 +87,9 @@ hds::SharedSpan<double> HdStreamInstanceTransforms(const VtValue& translations,
         }
         if (i < rotationArray.size()) {
             matrix *= GfMatrix4d(1.0).SetRotate(rotationArray[i]);
+        }
+        if (i < turns.size()) {
+            matrix *= GfMatrix4d(1.0).SetRotate(turns[i]);
         }
         if (i < translationArray.size()) {
             matrix.SetTranslateOnly(translationArray[i]);

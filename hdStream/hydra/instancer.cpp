@@ -38,11 +38,12 @@ void ReadPrimvar(HdSceneDelegate* delegate, const SdfPath& id, const TfToken& na
     }
 }
 
-hds::SharedSpan<double> TransformsOf(std::map<TfToken, VtValue>& values) {
+hds::SharedSpan<double> TransformsOf(std::map<TfToken, VtValue>& values,
+                                     const VtArray<GfRotation>& turns = {}) {
     return HdStreamInstanceTransforms(values[HdInstancerTokens->instanceTranslations],
                                       values[HdInstancerTokens->instanceRotations],
                                       values[HdInstancerTokens->instanceScales],
-                                      values[HdInstancerTokens->instanceTransforms]);
+                                      values[HdInstancerTokens->instanceTransforms], turns);
 }
 
 } // namespace
@@ -163,24 +164,30 @@ void HdStreamInstancer::SyncPrimvars(HdSceneDelegate* delegate, HdDirtyBits bits
 void HdStreamInstancer::SyncMotion(HdSceneDelegate* delegate, const hds::Shutter& shutter) {
     _prim.samples.clear();
     std::map<TfToken, VtValue> ends[2] = {_values, _values};
+    std::vector<VtArray<GfRotation>> turns;
     bool moves = false;
     for (const auto& [name, value] : _values) {
-        const std::vector<VtValue> values =
-            value.IsEmpty() ? std::vector<VtValue>()
-                            : HdStreamSamplePrimvar(delegate, GetId(), name, shutter);
+        std::vector<VtValue> values = value.IsEmpty()
+                                          ? std::vector<VtValue>()
+                                          : HdStreamSamplePrimvar(delegate, GetId(), name, shutter);
+        if (values.empty() && name == HdInstancerTokens->instanceTranslations) {
+            values = HdStreamMoveByVelocities(delegate, GetId(), value, shutter);
+        }
+        if (values.empty() && name == HdInstancerTokens->instanceRotations) {
+            turns = HdStreamTurnByVelocities(delegate, GetId(), value.GetArraySize(), shutter);
+        }
         if (!values.empty()) {
             moves = true;
             ends[0][name] = values[0];
             ends[1][name] = values[1];
         }
     }
-    if (!moves) {
+    if (!moves && turns.empty()) {
         return;
     }
-    for (std::map<TfToken, VtValue>& values : ends) {
-        _prim.samples.push_back(
-            {_prim.samples.empty() ? shutter.open : shutter.close, TransformsOf(values)});
-    }
+    turns.resize(2);
+    _prim.samples = {{shutter.open, TransformsOf(ends[0], turns[0])},
+                     {shutter.close, TransformsOf(ends[1], turns[1])}};
 }
 
 void HdStreamInstancer::ShareLevel(HdStreamRenderParam* param) {

@@ -49,30 +49,6 @@ std::vector<VtValue> EndsOf(const Samples& samples, const hds::Shutter& shutter)
     return ends[0] == ends[1] ? std::vector<VtValue>() : ends;
 }
 
-/// Points at the interval's ends from their velocities at the frame: OpenUSD's scene index moves
-/// points of one sample to the frame, but tells of no samples around it.
-std::vector<VtValue> MovedByVelocities(const VtValue& points, const VtValue& velocities,
-                                       const hds::Shutter& shutter) {
-    if (!points.IsHolding<VtVec3fArray>() || !velocities.IsHolding<VtVec3fArray>()) {
-        return {};
-    }
-    const auto& from = points.UncheckedGet<VtVec3fArray>();
-    const auto& perSecond = velocities.UncheckedGet<VtVec3fArray>();
-    if (from.size() != perSecond.size()) {
-        return {};
-    }
-    std::vector<VtValue> ends;
-    for (const double time : {shutter.open, shutter.close}) {
-        const float seconds = static_cast<float>(time) / kHdStreamTimeCodesPerSecond;
-        VtVec3fArray moved(from.size());
-        for (std::size_t i = 0; i < moved.size(); ++i) {
-            moved[i] = from[i] + seconds * perSecond[i];
-        }
-        ends.emplace_back(std::move(moved));
-    }
-    return ends;
-}
-
 } // namespace
 
 std::vector<hds::TransformSample>
@@ -109,6 +85,58 @@ std::vector<VtValue> HdStreamSamplePrimvar(HdSceneDelegate* delegate, const SdfP
     return EndsOf(samples, shutter);
 }
 
+// The arithmetic of both is UsdGeom's, so that both front ends give the same bits.
+std::vector<VtValue> HdStreamMoveByVelocities(HdSceneDelegate* delegate, const SdfPath& id,
+                                              const VtValue& points, const hds::Shutter& shutter) {
+    const VtValue velocities = delegate->Get(id, HdTokens->velocities);
+    if (!shutter.IsOpen() || !points.IsHolding<VtVec3fArray>() ||
+        !velocities.IsHolding<VtVec3fArray>()) {
+        return {};
+    }
+    const auto& from = points.UncheckedGet<VtVec3fArray>();
+    const auto& perSecond = velocities.UncheckedGet<VtVec3fArray>();
+    if (from.size() != perSecond.size()) {
+        return {};
+    }
+    const auto changes = delegate->Get(id, HdTokens->accelerations).GetWithDefault(VtVec3fArray());
+    std::vector<VtValue> ends;
+    for (const double time : {shutter.open, shutter.close}) {
+        const double seconds = time / kHdStreamTimeCodesPerSecond;
+        VtVec3fArray moved = from;
+        for (std::size_t i = 0; i < moved.size(); ++i) {
+            GfVec3f velocity = perSecond[i];
+            if (changes.size() == from.size()) {
+                velocity += seconds * changes[i] * 0.5;
+            }
+            moved[i] += seconds * velocity;
+        }
+        ends.emplace_back(std::move(moved));
+    }
+    return ends[0] == ends[1] ? std::vector<VtValue>() : ends;
+}
+
+std::vector<VtArray<GfRotation>> HdStreamTurnByVelocities(HdSceneDelegate* delegate,
+                                                          const SdfPath& id, std::size_t count,
+                                                          const hds::Shutter& shutter) {
+    const auto degreesPerSecond =
+        delegate->Get(id, HdTokens->angularVelocities).GetWithDefault(VtVec3fArray());
+    const bool turn = std::any_of(degreesPerSecond.cbegin(), degreesPerSecond.cend(),
+                                  [](const GfVec3f& velocity) { return velocity != GfVec3f(0); });
+    if (!shutter.IsOpen() || !turn || degreesPerSecond.size() != count) {
+        return {};
+    }
+    std::vector<VtArray<GfRotation>> ends;
+    for (const double time : {shutter.open, shutter.close}) {
+        const double seconds = time / kHdStreamTimeCodesPerSecond;
+        VtArray<GfRotation> turns;
+        for (const GfVec3f& velocity : degreesPerSecond) {
+            turns.push_back(GfRotation(velocity, seconds * velocity.GetLength()));
+        }
+        ends.push_back(std::move(turns));
+    }
+    return ends;
+}
+
 std::vector<hds::PointSample> HdStreamSamplePoints(HdSceneDelegate* delegate, const SdfPath& id,
                                                    const hds::Shutter& shutter) {
     if (!shutter.IsOpen()) {
@@ -125,8 +153,8 @@ std::vector<hds::PointSample> HdStreamSamplePoints(HdSceneDelegate* delegate, co
     if (computed.empty()) {
         ends = HdStreamSamplePrimvar(delegate, id, HdTokens->points, shutter);
         if (ends.empty()) {
-            ends = MovedByVelocities(delegate->Get(id, HdTokens->points),
-                                     delegate->Get(id, HdTokens->velocities), shutter);
+            ends = HdStreamMoveByVelocities(delegate, id, delegate->Get(id, HdTokens->points),
+                                            shutter);
         }
     } else {
         HdExtComputationUtils::SampledValueStore<kUsualSamples> values;

@@ -4,6 +4,8 @@
 
 #include "hdStream/session/session.h"
 
+#include <pxr/base/gf/rotation.h>
+#include <pxr/base/vt/array.h>
 #include <pxr/imaging/hd/sceneDelegate.h>
 #include <pxr/pxr.h>
 
@@ -22,6 +24,17 @@ std::vector<hds::TransformSample> HdStreamSampleInstancerTransform(HdSceneDelega
 /// A primvar when the shutter opens and when it closes; empty when it does not change.
 std::vector<VtValue> HdStreamSamplePrimvar(HdSceneDelegate* delegate, const SdfPath& id,
                                            const TfToken& name, const hds::Shutter& shutter);
+
+/// Points at the same times, from their velocities and accelerations at the frame; empty where
+/// there are none. OpenUSD's scene index does so for points of several samples only.
+std::vector<VtValue> HdStreamMoveByVelocities(HdSceneDelegate* delegate, const SdfPath& id,
+                                              const VtValue& points, const hds::Shutter& shutter);
+
+/// How far instances have turned since the frame at the same times, by their angular velocities;
+/// empty where there are none.
+std::vector<VtArray<GfRotation>> HdStreamTurnByVelocities(HdSceneDelegate* delegate,
+                                                          const SdfPath& id, std::size_t count,
+                                                          const hds::Shutter& shutter);
 
 /// Points, authored or computed, at the same times; empty when they do not move.
 std::vector<hds::PointSample> HdStreamSamplePoints(HdSceneDelegate* delegate, const SdfPath& id,

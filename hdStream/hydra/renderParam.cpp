@@ -4,7 +4,6 @@
 #include "hdStream/hydra/scenePaths.h"
 
 #include <pxr/base/tf/diagnostic.h>
-#include <pxr/imaging/hd/changeTracker.h>
 
 #include <algorithm>
 #include <utility>
@@ -86,27 +85,17 @@ std::string HdStreamRenderParam::MaterialPath(HdSceneDelegate* delegate, const S
     return added->second;
 }
 
-void HdStreamRenderParam::SetShutter(const SdfPath& camera, const hds::Shutter& shutter,
-                                     HdChangeTracker* tracker) {
+void HdStreamRenderParam::SetShutter(const SdfPath& camera, const hds::Shutter& shutter) {
     const std::lock_guard<std::mutex> lock(_shutterMutex);
-    const hds::Shutter before = ShutterOfAll();
     if (shutter.IsOpen()) {
         _shutters[camera] = shutter;
     } else {
         _shutters.erase(camera);
     }
-    if (tracker && !(ShutterOfAll() == before)) {
-        tracker->MarkAllRprimsDirty(HdChangeTracker::DirtyTransform | HdChangeTracker::DirtyPoints |
-                                    HdChangeTracker::DirtyInstancer);
-    }
 }
 
 hds::Shutter HdStreamRenderParam::Shutter() const {
     const std::lock_guard<std::mutex> lock(_shutterMutex);
-    return ShutterOfAll();
-}
-
-hds::Shutter HdStreamRenderParam::ShutterOfAll() const {
     hds::Shutter all;
     for (const auto& [path, shutter] : _shutters) {
         const bool isFirst = !all.IsOpen();

@@ -7,7 +7,6 @@
 #include "hdStream/session/renderThread.h"
 
 #include <pxr/base/vt/dictionary.h>
-#include <pxr/imaging/hd/changeTracker.h>
 #include <pxr/imaging/hd/renderDelegate.h>
 #include <pxr/pxr.h>
 #include <pxr/usd/sdf/path.h>
@@ -56,9 +55,9 @@ public:
     void SetRefineLevel(int level) { _refineLevel.store(level, std::memory_order_relaxed); }
     int RefineLevel() const { return _refineLevel.load(std::memory_order_relaxed); }
 
-    /// What a camera's shutter is. Marks all rprims when that changes Shutter(): cameras are synced
-    /// before them. \param tracker null: nothing is marked.
-    void SetShutter(const SdfPath& camera, const hds::Shutter& shutter, HdChangeTracker* tracker);
+    /// What a camera's shutter is. Cameras are synced before what moves in front of them, which
+    /// HdStreamShutterSceneIndex marks.
+    void SetShutter(const SdfPath& camera, const hds::Shutter& shutter);
     /// While some camera's shutter is open: what moves then is sampled.
     hds::Shutter Shutter() const;
 
@@ -76,8 +75,6 @@ private:
     tbb::concurrent_hash_map<std::string, SdfPath> _idByScenePath;
     tbb::concurrent_hash_map<std::string, std::string> _materialPathById;
     std::atomic<int> _refineLevel{0};
-    hds::Shutter ShutterOfAll() const;
-
     mutable std::mutex _shutterMutex;
     std::map<SdfPath, hds::Shutter> _shutters; ///< of cameras that have one
     VtDictionary _sceneSettings;

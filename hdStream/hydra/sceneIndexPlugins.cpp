@@ -3,6 +3,7 @@
 
 #include "hdStream/hydra/editSceneIndex.h"
 #include "hdStream/hydra/rendererPlugin.h"
+#include "hdStream/hydra/shutterSceneIndex.h"
 
 #include <pxr/base/tf/registryManager.h>
 #include <pxr/base/tf/token.h>
@@ -85,7 +86,8 @@ HdStreamSceneIndexPlugin::_AppendSceneIndex(const HdSceneIndexBaseRefPtr& inputS
     scene = HdsiMaterialBindingResolvingSceneIndex::New(
         scene, {HdTokens->full, HdMaterialBindingsSchemaTokens->allPurpose},
         HdMaterialBindingsSchemaTokens->allPurpose);
-    return HdStreamEditSceneIndex::New(scene);
+    scene = HdStreamEditSceneIndex::New(scene);
+    return HdStreamShutterSceneIndex::New(scene);
 }
 
 HdStreamDependencySceneIndexPlugin::HdStreamDependencySceneIndexPlugin() = default;

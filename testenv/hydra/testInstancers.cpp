@@ -3,6 +3,7 @@
 #include "hydraTest.h"
 
 #include <pxr/base/gf/quath.h>
+#include <pxr/imaging/hd/camera.h>
 #include <pxr/imaging/hd/changeTracker.h>
 #include <pxr/imaging/hd/rprim.h>
 
@@ -122,6 +123,47 @@ TEST_F(Instancers, EditsMoveAndChooseInstances) {
         EXPECT_EQ(host.Statistic("geometry.chunksBuilt"), 0.0);
         before = after;
     }
+}
+
+// Velocities are all that moves these: the picture is that of a host that has known the shutter
+// from the start.
+TEST_F(Instancers, AShutterThatOpensLaterBlursThem) {
+    SceneData scene = EmptyScene();
+    const SdfPath swarm("/swarm");
+    const SdfPath cube("/swarm/cube");
+    InstancerData instancer;
+    instancer.primvars = {
+        InstancePrimvar(HdInstancerTokens->instanceTranslations,
+                        VtValue(VtVec3fArray{GfVec3f(-0.7F, 0, 0), GfVec3f(0.7F, 0, 0)})),
+        InstancePrimvar(HdInstancerTokens->instanceRotations,
+                        VtValue(VtQuathArray{GfQuath(1, 0, 0, 0), GfQuath(0.96F, 0, 0, 0.28F)})),
+        InstancePrimvar(HdTokens->velocities,
+                        VtValue(VtVec3fArray{GfVec3f(0, 24, 0), GfVec3f(12, 0, 0)})),
+        InstancePrimvar(HdTokens->accelerations,
+                        VtValue(VtVec3fArray{GfVec3f(240, 0, 0), GfVec3f(0, 240, 0)})),
+        InstancePrimvar(HdTokens->angularVelocities,
+                        VtValue(VtVec3fArray{GfVec3f(0, 0, 720), GfVec3f(0, 720, 0)}))};
+    instancer.indicesByPrototype = {{cube, {0, 1}}};
+    scene.instancers[swarm] = instancer;
+    GprimData leaf = MakeCube(0.25F);
+    leaf.instancer = swarm;
+    scene.gprims[cube] = leaf;
+    const HostOptions options = Quick({HdAovTokens->color}, 8);
+    Host host(scene, options);
+    const Image still = host.Render();
+
+    const SdfPath path("/camera");
+    CameraData camera = host.Scene().Data().cameras.at(path);
+    camera.params[HdCameraTokens->shutterOpen] = VtValue(-0.25);
+    camera.params[HdCameraTokens->shutterClose] = VtValue(0.5);
+    host.Scene().SetCamera(path, camera, HdCamera::DirtyParams);
+    const Image blurred = host.Render();
+    EXPECT_NE(blurred, still);
+    EXPECT_EQ(blurred, RenderFresh(host, options));
+
+    camera.params[HdCameraTokens->shutterClose] = VtValue(-0.25);
+    host.Scene().SetCamera(path, camera, HdCamera::DirtyParams);
+    EXPECT_EQ(host.Render(), still);
 }
 
 TEST_F(Instancers, PrototypeMayGoAndComeBack) {
