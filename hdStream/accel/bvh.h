@@ -15,8 +15,11 @@ namespace hds {
 /// An 8-wide BVH. Items are referenced in leaf order: slot i of the order holds item `order[i]`.
 struct Bvh {
     std::vector<shared::HdsBvhNode> nodes; ///< root first; empty when there are no items
-    std::vector<std::uint32_t> order;      ///< permutation of the items
-    Bounds bounds;
+    /// Of boxes that move: as `nodes`, when the shutter closes; they differ in origin, exponents
+    /// and planes only. Else empty.
+    std::vector<shared::HdsBvhNode> closeNodes;
+    std::vector<std::uint32_t> order; ///< permutation of the items
+    Bounds bounds;                    ///< at all times
 };
 
 /// Options of a build.
@@ -24,6 +27,9 @@ struct BvhOptions {
     std::uint32_t maxLeafItems = HDS_BVH_MAX_LEAF_ITEMS; ///< 1 to 3
     float traversalCost = 1.0F;                          ///< of a node, relative to...
     float itemCost = 0.3F;                               ///< ...the cost of testing one item
+    /// Boxes that move take about twice the time and bytes of others: they are made where boxes
+    /// at rest, which hold both ends, have more than this times their area.
+    float restingArea = 2.0F;
 };
 
 /// Builds with the surface area heuristic (binned; Wald 2007) and collapses to 8-wide optimally
@@ -31,10 +37,15 @@ struct BvhOptions {
 /// ones (min > max: never hit, kept as a point). At most HDS_BVH_MAX_DEPTH nodes lie on a path.
 Bvh BuildBvh(const std::vector<Bounds>& items, const BvhOptions& options);
 
+/// The same for boxes that go straight from `open` to `close` while the shutter is open, with boxes
+/// that move or, where they do not go far, with boxes at rest.
+Bvh BuildMovingBvh(const std::vector<Bounds>& open, const std::vector<Bounds>& close,
+                   const BvhOptions& options);
+
 /// A finished geometry page (kernels/shared/geometry.h).
 struct GeometryPage {
     std::vector<std::uint8_t> bytes;
-    std::uint32_t numNodes = 0;
+    std::uint32_t numNodes = 0; ///< those of the other end not counted
     Bounds bounds;
 };
 

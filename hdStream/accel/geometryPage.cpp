@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The geometry page of a chunk: header, nodes, triangles in leaf order, vertices in order of first
-// use; of curves and points in their own order, with radii.
+// use; of curves and points in their own order, with radii. Nodes and vertices that move are there
+// twice.
 #include "hdStream/accel/bvh.h"
 #include "hdStream/accel/wideBvh.h"
 #include "hdStream/base/error.h"
@@ -34,6 +35,7 @@ void ReorderTriangles(const std::vector<std::uint32_t>& order, ChunkGeometry* ch
     Permute(order, &chunk->corners);
     Permute(order, &chunk->materialEntries);
     Permute(order, &chunk->primitiveBounds);
+    Permute(order, &chunk->closePrimitiveBounds);
 }
 
 bool Moves(const ChunkGeometry& chunk) {
@@ -69,25 +71,56 @@ std::vector<glm::vec3> PackMovingVertices(const ChunkGeometry& chunk) {
     return packed;
 }
 
-/// Boxes of triangles from pose to pose, with what kernels round when they interpolate.
-std::vector<Bounds> BoundMovingTriangles(const ChunkGeometry& chunk) {
-    constexpr float kRounding = 4.0F / (1U << 24U);
+Bounds Union(const Bounds& a, const Bounds& b) {
+    return {glm::min(a.min, b.min), glm::max(a.max, b.max)};
+}
+
+std::vector<Bounds> BoundTriangles(const std::vector<glm::vec3>& positions,
+                                   const std::vector<glm::uvec3>& triangles) {
     std::vector<Bounds> boxes;
-    boxes.reserve(chunk.triangles.size());
-    for (const glm::uvec3& triangle : chunk.triangles) {
+    boxes.reserve(triangles.size());
+    for (const glm::uvec3& triangle : triangles) {
         Bounds box;
         for (int corner = 0; corner < 3; ++corner) {
-            for (const auto* positions : {&chunk.positions, &chunk.closePositions}) {
-                box.min = glm::min(box.min, (*positions)[triangle[corner]]);
-                box.max = glm::max(box.max, (*positions)[triangle[corner]]);
-            }
+            const glm::vec3& position = positions[triangle[corner]];
+            box = Union(box, {position, position});
         }
-        const glm::vec3 pad = kRounding * glm::max(glm::abs(box.min), glm::abs(box.max));
-        box.min -= pad;
-        box.max += pad;
         boxes.push_back(box);
     }
     return boxes;
+}
+
+/// Boxes of the primitives of a chunk that moves, at both ends of their way.
+struct MovingBoxes {
+    std::vector<Bounds> open;
+    std::vector<Bounds> close;
+
+    explicit MovingBoxes(const ChunkGeometry& chunk)
+        : open(chunk.primitiveBounds), close(chunk.closePrimitiveBounds) {
+        if (chunk.primitives == HDS_PRIMITIVE_TRIANGLES) {
+            open = BoundTriangles(chunk.positions, chunk.triangles);
+            close = BoundTriangles(chunk.closePositions, chunk.triangles);
+        }
+        // What kernels round when they interpolate depends on the larger end.
+        constexpr float kRounding = 8.0F / (1U << 24U);
+        for (std::size_t i = 0; i < open.size(); ++i) {
+            const Bounds both = Union(open[i], close[i]);
+            const glm::vec3 pad = kRounding * glm::max(glm::abs(both.min), glm::abs(both.max));
+            open[i] = {open[i].min - pad, open[i].max + pad};
+            close[i] = {close[i].min - pad, close[i].max + pad};
+        }
+    }
+};
+
+Bvh BuildPageBvh(const ChunkGeometry& chunk) {
+    if (Moves(chunk)) {
+        const MovingBoxes boxes(chunk);
+        return BuildMovingBvh(boxes.open, boxes.close, BvhOptions{});
+    }
+    std::vector<BoxRef> refs = chunk.primitives != HDS_PRIMITIVE_TRIANGLES
+                                   ? MakeRefs(chunk.primitiveBounds)
+                                   : MakeRefs(chunk.positions, chunk.triangles);
+    return BuildWideBvh(refs, BvhOptions{});
 }
 
 /// Renumbers vertices in the order of first use; vertices that no triangle uses are dropped.
@@ -154,10 +187,7 @@ private:
 
 GeometryPage BuildGeometryPage(ChunkGeometry& chunk) {
     const bool isSolid = chunk.primitives != HDS_PRIMITIVE_TRIANGLES;
-    std::vector<BoxRef> refs = isSolid        ? MakeRefs(chunk.primitiveBounds)
-                               : Moves(chunk) ? MakeRefs(BoundMovingTriangles(chunk))
-                                              : MakeRefs(chunk.positions, chunk.triangles);
-    Bvh bvh = BuildWideBvh(refs, BvhOptions{});
+    Bvh bvh = BuildPageBvh(chunk);
     if (bvh.nodes.empty()) {
         bvh.nodes.emplace_back(); // all of a unit's triangles may turn out to have no area
     }
@@ -176,12 +206,14 @@ GeometryPage BuildGeometryPage(ChunkGeometry& chunk) {
     PageWriter writer;
     shared::HdsPageHeader header{};
     writer.Append(bvh.nodes);
+    writer.Append(bvh.closeNodes);
     header.triangles = writer.Append(triangles);
     header.primIds = writer.Append(chunk.primIds);
     header.vertices = isSolid        ? writer.Append(PackSolidVertices(chunk))
                       : Moves(chunk) ? writer.Append(PackMovingVertices(chunk))
                                      : writer.Append(chunk.positions);
     header.vertices |= Moves(chunk) ? HDS_PAGE_MOVES : 0U;
+    header.vertices |= bvh.closeNodes.empty() ? 0U : HDS_PAGE_BOXES_MOVE;
     header.numTriangles = static_cast<std::uint32_t>(triangles.size()) | chunk.primitives
                                                                              << HDS_PRIMITIVE_SHIFT;
     GeometryPage page;

@@ -5,6 +5,8 @@
 #include "hdStream/accel/nodeQuantise.h"
 #include "hdStream/base/error.h"
 
+#include <glm/common.hpp>
+
 #include <algorithm>
 #include <cstring>
 #include <optional>
@@ -12,13 +14,27 @@
 namespace hds {
 namespace {
 
+/// The nodes of a binary tree with their boxes when the shutter opens and when it closes.
+struct BothPoses {
+    std::vector<BinaryNode> open;
+    std::vector<BinaryNode> close;
+};
+
+Bounds BoundsOf(const BinaryNode& node) {
+    return {{node.lo[0], node.lo[1], node.lo[2]}, {node.hi[0], node.hi[1], node.hi[2]}};
+}
+
+Bounds Union(const Bounds& a, const Bounds& b) {
+    return {glm::min(a.min, b.min), glm::max(a.max, b.max)};
+}
+
 /// Writes wide nodes in depth-first order, the children of a node next to each other.
 class WideEmitter {
 public:
-    /// \param plan null: balanced children.
+    /// \param plan null: balanced children. \param poses null: boxes do not move.
     WideEmitter(const std::vector<BoxRef>& refs, const std::vector<BinaryNode>& binary,
-                const CollapsePlan* plan, std::uint32_t maxLeafItems)
-        : _refs(refs), _binary(binary), _plan(plan), _maxLeafItems(maxLeafItems) {}
+                const CollapsePlan* plan, std::uint32_t maxLeafItems, const BothPoses* poses)
+        : _refs(refs), _binary(binary), _plan(plan), _maxLeafItems(maxLeafItems), _poses(poses) {}
 
     /// \return nodes on the longest path from the root.
     std::uint32_t Emit(Bvh* bvh) {
@@ -44,10 +60,11 @@ private:
         std::uint32_t depth;
     };
 
-    SlotBox Box(std::uint32_t node) const {
+    /// \param binary the tree's nodes, with their boxes at some time.
+    static SlotBox Box(const std::vector<BinaryNode>& binary, std::uint32_t node) {
         SlotBox box{};
-        Store(box.lo, LoadBox(_binary[node].lo));
-        Store(box.hi, LoadBox(_binary[node].hi));
+        Store(box.lo, LoadBox(binary[node].lo));
+        Store(box.hi, LoadBox(binary[node].hi));
         return box;
     }
 
@@ -56,27 +73,42 @@ private:
             _plan != nullptr
                 ? _plan->Children(pending.binary, pending.begin)
                 : GatherBalanced(_binary, pending.binary, pending.begin, _maxLeafItems);
-        const SlotBox parent = Box(pending.binary);
         std::array<SlotBox, 8> boxes{};
         for (int c = 0; c < children.count; ++c) {
-            boxes[c] = Box(children.child[c].node);
+            boxes[c] = Box(_binary, children.child[c].node);
         }
-        const std::array<int, 8> slotOf = AssignSlots(parent, boxes, children.count);
+        const std::array<int, 8> slotOf =
+            AssignSlots(Box(_binary, pending.binary), boxes, children.count);
         std::array<const CollapsedChild*, 8> bySlot{};
-        std::array<SlotBox, 8> slotBoxes{};
-        std::uint32_t slotMask = 0;
         for (int c = 0; c < children.count; ++c) {
             bySlot[slotOf[c]] = &children.child[c];
-            slotBoxes[slotOf[c]] = boxes[c];
-            slotMask |= 1U << slotOf[c];
         }
         shared::HdsBvhNode node{};
         node.childBase = static_cast<std::uint32_t>(bvh->nodes.size());
         node.itemBase = static_cast<std::uint32_t>(bvh->order.size());
         FillSlots(bySlot, &node, bvh);
-        QuantiseNode(parent, slotBoxes, slotMask, &node);
         PushInner(pending, bySlot, bvh, stack);
+        WriteBoxes(_poses != nullptr ? _poses->open : _binary, pending.binary, bySlot, &node);
         bvh->nodes[pending.wide] = node;
+        if (_poses != nullptr) {
+            WriteBoxes(_poses->close, pending.binary, bySlot, &node);
+            bvh->closeNodes.resize(bvh->nodes.size());
+            bvh->closeNodes[pending.wide] = node;
+        }
+    }
+
+    static void WriteBoxes(const std::vector<BinaryNode>& binary, std::uint32_t parent,
+                           const std::array<const CollapsedChild*, 8>& bySlot,
+                           shared::HdsBvhNode* node) {
+        std::array<SlotBox, 8> boxes{};
+        std::uint32_t slotMask = 0;
+        for (std::uint32_t slot = 0; slot < 8; ++slot) {
+            if (bySlot[slot] != nullptr) {
+                boxes[slot] = Box(binary, bySlot[slot]->node);
+                slotMask |= 1U << slot;
+            }
+        }
+        QuantiseNode(Box(binary, parent), boxes, slotMask, node);
     }
 
     /// Writes meta bytes and the imask; appends the items of leaf slots to the order.
@@ -121,33 +153,89 @@ private:
     const std::vector<BinaryNode>& _binary;
     const CollapsePlan* _plan;
     std::uint32_t _maxLeafItems;
+    const BothPoses* _poses;
 };
 
-} // namespace
+/// The nodes with the boxes that `items` have. \param refs the leaves, from left to right.
+std::vector<BinaryNode> WithBoxesOf(const std::vector<BoxRef>& items,
+                                    const std::vector<BoxRef>& refs,
+                                    std::vector<BinaryNode> nodes) {
+    std::size_t leaf = refs.size();
+    for (std::size_t i = nodes.size(); i-- > 0;) { // children come after their parents
+        BinaryNode& node = nodes[i];
+        const std::uint32_t count = node.count;
+        const std::uint32_t right = node.right;
+        if (count == 1) {
+            const BoxRef& item = items[refs[--leaf].item];
+            Store(node.lo, LoadBox(item.lo));
+            Store(node.hi, LoadBox(item.hi));
+        } else {
+            Store(node.lo, Min(LoadBox(nodes[i + 1].lo), LoadBox(nodes[i + right].lo)));
+            Store(node.hi, Max(LoadBox(nodes[i + 1].hi), LoadBox(nodes[i + right].hi)));
+        }
+        node.count = count; // four lanes were stored
+        node.right = right;
+    }
+    return nodes;
+}
 
-Bvh BuildWideBvh(std::vector<BoxRef>& refs, const BvhOptions& options) {
+struct BothBoxes {
+    const std::vector<BoxRef>& open;
+    const std::vector<BoxRef>& close;
+};
+
+/// \param moving null: `refs` are where they are.
+Bvh BuildFrom(std::vector<BoxRef>& refs, const BothBoxes* moving, const BvhOptions& options) {
     HDS_VERIFY(options.maxLeafItems >= 1 && options.maxLeafItems <= HDS_BVH_MAX_LEAF_ITEMS,
                std::to_string(options.maxLeafItems));
     Bvh bvh;
     if (refs.empty()) {
         return bvh;
     }
+    const auto emit = [&](const std::vector<BinaryNode>& binary, const CollapsePlan* plan) {
+        std::optional<BothPoses> poses;
+        if (moving != nullptr) {
+            poses.emplace(BothPoses{WithBoxesOf(moving->open, refs, binary),
+                                    WithBoxesOf(moving->close, refs, binary)});
+            bvh.bounds = Union(BoundsOf(poses->open[0]), BoundsOf(poses->close[0]));
+        } else {
+            bvh.bounds = BoundsOf(binary[0]);
+        }
+        return WideEmitter(refs, binary, plan, options.maxLeafItems, poses ? &*poses : nullptr)
+            .Emit(&bvh);
+    };
     std::uint32_t depth = 0;
     {
         const std::vector<BinaryNode> binary = BuildBinaryBvh(refs, false);
         const CollapsePlan plan(binary, options);
-        depth = WideEmitter(refs, binary, &plan, options.maxLeafItems).Emit(&bvh);
-        const BinaryNode& root = binary[0];
-        bvh.bounds = {{root.lo[0], root.lo[1], root.lo[2]}, {root.hi[0], root.hi[1], root.hi[2]}};
+        depth = emit(binary, &plan);
     }
     if (depth > HDS_BVH_MAX_DEPTH) {
-        bvh.nodes.clear();
-        bvh.order.clear();
-        const std::vector<BinaryNode> binary = BuildBinaryBvh(refs, true);
-        depth = WideEmitter(refs, binary, nullptr, options.maxLeafItems).Emit(&bvh);
+        bvh = {};
+        depth = emit(BuildBinaryBvh(refs, true), nullptr);
         HDS_VERIFY(depth <= HDS_BVH_MAX_DEPTH, std::to_string(depth));
     }
     return bvh;
+}
+
+} // namespace
+
+Bvh BuildWideBvh(std::vector<BoxRef>& refs, const BvhOptions& options) {
+    return BuildFrom(refs, nullptr, options);
+}
+
+Bvh BuildWideBvh(const std::vector<BoxRef>& open, const std::vector<BoxRef>& close,
+                 const BvhOptions& options) {
+    std::vector<BoxRef> refs = open;
+    for (std::size_t i = 0; i < refs.size(); ++i) {
+        for (int axis = 0; axis < 3; ++axis) {
+            // Halved before adding, so that they cannot overflow.
+            refs[i].lo[axis] = 0.5F * open[i].lo[axis] + 0.5F * close[i].lo[axis] + 0.0F;
+            refs[i].hi[axis] = 0.5F * open[i].hi[axis] + 0.5F * close[i].hi[axis] + 0.0F;
+        }
+    }
+    const BothBoxes moving{open, close};
+    return BuildFrom(refs, &moving, options);
 }
 
 } // namespace hds

@@ -12,4 +12,9 @@ namespace hds {
 /// tree by areas that would be deeper is replaced by a balanced one.
 Bvh BuildWideBvh(std::vector<BoxRef>& refs, const BvhOptions& options);
 
+/// The same for boxes that move; what lies together is decided by the boxes half way.
+/// \param open, close boxes of each item at both ends, in the order of items.
+Bvh BuildWideBvh(const std::vector<BoxRef>& open, const std::vector<BoxRef>& close,
+                 const BvhOptions& options);
+
 } // namespace hds

@@ -222,22 +222,23 @@ TriangleBytes MeanTriangleBytes(const std::vector<MeshAttribute>& attributes,
                                 std::optional<Interpolation> normals, bool hasMaterials, bool moves,
                                 double verticesPerTriangle) {
     const std::size_t copies = moves ? 2 : 1;
-    return EstimateTriangle(attributes, normals, hasMaterials, verticesPerTriangle, kMeanNodeBytes,
-                            copies * sizeof(glm::vec3), int(copies));
+    return EstimateTriangle(attributes, normals, hasMaterials, verticesPerTriangle,
+                            int(copies) * kMeanNodeBytes, copies * sizeof(glm::vec3), int(copies));
 }
 
 TriangleBytes BoundTriangleBytes(const std::vector<MeshAttribute>& attributes,
                                  std::optional<Interpolation> normals, bool hasMaterials,
                                  bool moves) {
     const std::size_t copies = moves ? 2 : 1;
-    return EstimateTriangle(attributes, normals, hasMaterials, 3.0, kMostNodeBytes,
+    return EstimateTriangle(attributes, normals, hasMaterials, 3.0, int(copies) * kMostNodeBytes,
                             copies * sizeof(glm::vec3), int(copies));
 }
 
 TriangleBytes SolidBytes(const std::vector<MeshAttribute>& attributes, double verticesPerPrimitive,
-                         std::size_t vertexBytes, bool mean) {
-    return EstimateTriangle(attributes, std::nullopt, false, verticesPerPrimitive,
-                            mean ? kMeanNodeBytes : kMostNodeBytes, vertexBytes);
+                         std::size_t vertexBytes, bool moves, bool mean) {
+    const double nodeBytes = (moves ? 2.0 : 1.0) * (mean ? kMeanNodeBytes : kMostNodeBytes);
+    return EstimateTriangle(attributes, std::nullopt, false, verticesPerPrimitive, nodeBytes,
+                            vertexBytes);
 }
 
 } // namespace hds

@@ -18,8 +18,8 @@ std::vector<std::uint8_t> BuildAttributePage(const ChunkGeometry& chunk);
 /// chunk's border count again.
 double VerticesPerTriangle(std::size_t numPoints, std::size_t numTriangles);
 
-/// Upper bound. \param normals how normals are stored, if they are. \param moves vertices and
-/// normals are there twice.
+/// Upper bound. \param normals how normals are stored, if they are. \param moves vertices, normals
+/// and nodes are there twice.
 TriangleBytes BoundTriangleBytes(const std::vector<MeshAttribute>& attributes,
                                  std::optional<Interpolation> normals, bool hasMaterials,
                                  bool moves);
@@ -30,8 +30,9 @@ TriangleBytes MeanTriangleBytes(const std::vector<MeshAttribute>& attributes,
                                 double verticesPerTriangle);
 
 /// What a primitive of curves or points adds, whose chunks have so many vertices a primitive.
-/// \param mean about what it is, else an upper bound.
+/// \param vertexBytes of both ends, where they move. \param mean about what it is, else an upper
+/// bound.
 TriangleBytes SolidBytes(const std::vector<MeshAttribute>& attributes, double verticesPerPrimitive,
-                         std::size_t vertexBytes, bool mean);
+                         std::size_t vertexBytes, bool moves, bool mean);
 
 } // namespace hds

@@ -63,10 +63,11 @@ struct ChunkGeometry {
     /// HDS_PRIMITIVE_* (kernels/shared/geometry.h). Of curves and points an entry of `triangles` is
     /// the first vertex and the piece's bits above it; vertices stay in their order.
     std::uint32_t primitives = 0;
-    std::vector<float> radii;            ///< [numVertices] of curves and points
-    std::vector<glm::vec3> jointNormals; ///< [numVertices] of ribbons
-    std::vector<std::uint32_t> joints;   ///< [numVertices] element of Varying attributes
-    std::vector<Bounds> primitiveBounds; ///< [numTriangles] of curves and points
+    std::vector<float> radii;                 ///< [numVertices] of curves and points
+    std::vector<glm::vec3> jointNormals;      ///< [numVertices] of ribbons
+    std::vector<std::uint32_t> joints;        ///< [numVertices] element of Varying attributes
+    std::vector<Bounds> primitiveBounds;      ///< [numTriangles] of curves and points
+    std::vector<Bounds> closePrimitiveBounds; ///< where closePositions are: when the shutter closes
 };
 
 /// A mesh ready to be cut into chunks. Immutable, thread-safe; results depend on nothing but what

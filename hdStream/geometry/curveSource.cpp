@@ -45,13 +45,13 @@ public:
         }
         const std::size_t vertexBytes = ((_hasNormals ? 8 : 4) + (Moves() ? 4 : 0)) * sizeof(float);
         constexpr double kMostVertices = 5.0; // of a unit of one piece
-        _boundBytes = SolidBytes(_values, kMostVertices, vertexBytes, false);
+        _boundBytes = SolidBytes(_values, kMostVertices, vertexBytes, Moves(), false);
         _meanBytes =
             SolidBytes(_values,
                        std::min(kMostVertices,
                                 static_cast<double>(_numVertices) /
                                     static_cast<double>(std::max<std::uint64_t>(1, _numTriangles))),
-                       vertexBytes, true);
+                       vertexBytes, Moves(), true);
     }
 
     std::uint32_t UnitTriangles(std::uint32_t unit) const override {
@@ -466,14 +466,14 @@ private:
             bits |= isStart ? HDS_PIECE_START >> kAbove : 0;
             bits |= isEnd ? HDS_PIECE_END >> kAbove : 0;
             chunk->triangles.emplace_back(first, static_cast<std::uint32_t>(bits), 0U);
-            Bounds bounds;
-            for (const Points& shape : shapes) {
-                Extend(count == 1 ? shape
-                                  : PartOfBezier(shape, static_cast<double>(piece) / count,
+            for (std::size_t i = 0; i < shapes.size(); ++i) {
+                Bounds bounds;
+                Extend(count == 1 ? shapes[i]
+                                  : PartOfBezier(shapes[i], static_cast<double>(piece) / count,
                                                  static_cast<double>(piece + 1) / count),
                        &bounds);
+                (i == 0 ? chunk->primitiveBounds : chunk->closePrimitiveBounds).push_back(bounds);
             }
-            chunk->primitiveBounds.push_back(bounds);
         }
     }
 

@@ -56,8 +56,8 @@ public:
         }
         _numVertices = _numTriangles;
         const std::size_t vertexBytes = (Moves() ? 8 : 4) * sizeof(float);
-        _boundBytes = SolidBytes(_values, 1.0, vertexBytes, false);
-        _meanBytes = SolidBytes(_values, 1.0, vertexBytes, true);
+        _boundBytes = SolidBytes(_values, 1.0, vertexBytes, Moves(), false);
+        _meanBytes = SolidBytes(_values, 1.0, vertexBytes, Moves(), true);
     }
 
     std::uint32_t UnitTriangles(std::uint32_t unit) const override {
@@ -102,12 +102,21 @@ public:
             chunk.radii.push_back(RadiusOf(_widths, unit));
             chunk.primIds.push_back(unit);
             chunk.faces.push_back(unit);
-            chunk.primitiveBounds.push_back(UnitBounds(unit));
+            chunk.primitiveBounds.push_back(BoundAt(*FindPoint(*_points, unit), unit));
+            if (Moves()) {
+                chunk.closePrimitiveBounds.push_back(
+                    BoundAt(*FindClosePoint(*_points, unit), unit));
+            }
         }
         return chunk;
     }
 
 private:
+    Bounds BoundAt(const glm::vec3& point, std::uint32_t unit) const {
+        Bounds bounds;
+        ExtendBySolid(glm::dvec3(point) - _origin, RadiusOf(_widths, unit), &bounds);
+        return bounds;
+    }
     bool Moves() const { return !_points->closePoints.empty(); }
 
     std::shared_ptr<const MeshDescription> _points;

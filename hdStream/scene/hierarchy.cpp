@@ -120,7 +120,8 @@ std::vector<Placed> PlacementsOf(const SceneDescription& scene, const Placement&
 /// A record before its group's BVH gives it a place.
 struct Record {
     shared::HdsInstance instance;
-    Bounds bounds;
+    Bounds bounds;      ///< when the shutter opens
+    Bounds closeBounds; ///< when it closes
     std::uint64_t numLeaves = 0;
     std::vector<glm::dmat4> keys; ///< of the map outwards, of what moves
 };
@@ -318,7 +319,7 @@ private:
         instance.lightBase = HDS_NONE;
         instance.instanceCount = count;
         instance.instanceRank = rank;
-        record->bounds = TransformBounds(transform, leaf.bounds);
+        record->bounds = record->closeBounds = TransformBounds(transform, leaf.bounds);
         record->numLeaves = numLeaves;
         if (groupFromObject.Moves()) {
             FillMotion(groupFromObject, leaf, record);
@@ -336,7 +337,9 @@ private:
                 return IsUsableTransform(key) && IsWithinReach(key, leaf.bounds);
             });
         if (areUsable) {
-            record->bounds = TransformBounds(keys, leaf.bounds);
+            const std::array<Bounds, 2> ends = TransformEnds(keys, leaf.bounds);
+            record->bounds = ends[0];
+            record->closeBounds = ends[1];
             record->keys = std::move(keys);
         }
     }
@@ -401,11 +404,21 @@ private:
         }
     }
 
+    static std::vector<Bounds> CloseBoxes(const std::vector<Record>& records) {
+        std::vector<Bounds> boxes;
+        boxes.reserve(records.size());
+        for (const Record& record : records) {
+            boxes.push_back(record.closeBounds);
+        }
+        return boxes;
+    }
+
     /// Builds the group's BVH, appends its records in leaf order and returns its leaf count.
     std::uint64_t FinishGroup(std::vector<Record> records, std::uint32_t groupIndex,
                               Bounds* bounds) {
         std::uint64_t numLeaves = 0;
         std::vector<Bounds> boxes;
+        bool moves = false;
         boxes.reserve(records.size());
         for (Record& record : records) {
             record.instance.pathOffset[0] = static_cast<std::uint32_t>(numLeaves);
@@ -415,19 +428,23 @@ private:
             }
             numLeaves += record.numLeaves;
             boxes.push_back(record.bounds);
+            moves = moves || !record.keys.empty();
         }
         BvhOptions options;
         options.maxLeafItems = 1;
-        Bvh tree = BuildBvh(boxes, options);
+        Bvh tree =
+            moves ? BuildMovingBvh(boxes, CloseBoxes(records), options) : BuildBvh(boxes, options);
         if (tree.nodes.empty()) {
             tree.nodes.emplace_back(); // a root without children
         }
         shared::HdsObject& group = _result.groups[groupIndex];
-        group.kind = HDS_OBJECT_GROUP;
+        group.kind = HDS_OBJECT_GROUP | static_cast<std::uint32_t>(tree.closeNodes.size())
+                                            << HDS_OBJECT_CLOSE_SHIFT;
         group.nodeBase = static_cast<std::uint32_t>(_result.nodes.size());
         group.itemBase = static_cast<std::uint32_t>(_result.instances.size());
         group.numItems = static_cast<std::uint32_t>(records.size());
         _result.nodes.insert(_result.nodes.end(), tree.nodes.begin(), tree.nodes.end());
+        _result.nodes.insert(_result.nodes.end(), tree.closeNodes.begin(), tree.closeNodes.end());
         _result.instancesByPath.resize(_result.instances.size() + records.size());
         for (std::uint32_t slot = 0; slot < tree.order.size(); ++slot) {
             _result.instancesByPath[group.itemBase + tree.order[slot]] = group.itemBase + slot;

@@ -93,6 +93,36 @@ Bounds TransformBounds(const std::vector<glm::dmat4>& poses, const Bounds& bound
     return result;
 }
 
+std::array<Bounds, 2> TransformEnds(const std::vector<glm::dmat4>& poses, const Bounds& bounds) {
+    std::array<Bounds, 2> ends{WidenedBounds(poses.front(), bounds, kMovingMarginExponent),
+                               WidenedBounds(poses.back(), bounds, kMovingMarginExponent)};
+    const Bounds all = TransformBounds(poses, bounds);
+    if (!IsValidBounds(all)) {
+        return ends;
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        double below = 0.0;
+        double above = 0.0;
+        for (std::size_t i = 1; i + 1 < poses.size(); ++i) {
+            const double time = double(i) / double(poses.size() - 1);
+            const Bounds pose = WidenedBounds(poses[i], bounds, kMovingMarginExponent);
+            const auto between = [&](float open, float close) {
+                return (1.0 - time) * double{open} + time * double{close};
+            };
+            below = std::max(below, between(ends[0].min[axis], ends[1].min[axis]) - pose.min[axis]);
+            above = std::max(above, pose.max[axis] - between(ends[0].max[axis], ends[1].max[axis]));
+        }
+        // The device's rounding grows with the farthest pose.
+        const double margin = std::ldexp(std::max(std::abs(all.min[axis]), std::abs(all.max[axis])),
+                                         kMovingMarginExponent);
+        for (Bounds& end : ends) {
+            end.min[axis] = static_cast<float>(end.min[axis] - below - margin);
+            end.max[axis] = static_cast<float>(end.max[axis] + above + margin);
+        }
+    }
+    return ends;
+}
+
 void ExtendBounds(Bounds* bounds, const Bounds& other) {
     bounds->min = glm::min(bounds->min, other.min);
     bounds->max = glm::max(bounds->max, other.max);

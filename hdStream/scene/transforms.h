@@ -32,6 +32,10 @@ Bounds TransformBounds(const glm::dmat4& matrix, const Bounds& bounds);
 /// device finds its map by interpolating and inverting.
 Bounds TransformBounds(const std::vector<glm::dmat4>& poses, const Bounds& bounds);
 
+/// Boxes at both ends of a way through `poses`, which are at equal distances in time. The box of
+/// the box is always inside of what lies between them, linear in time. Wider, as TransformBounds.
+std::array<Bounds, 2> TransformEnds(const std::vector<glm::dmat4>& poses, const Bounds& bounds);
+
 /// Grows `bounds` by `other`.
 void ExtendBounds(Bounds* bounds, const Bounds& other);
 

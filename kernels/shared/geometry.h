@@ -12,6 +12,12 @@
 #define HDS_OBJECT_MESH 1u  /* top tree over chunks */
 #define HDS_OBJECT_CHUNK 2u /* a small mesh: one chunk, no top tree */
 
+/* In HdsObject.kind of a group whose boxes move while the shutter is open: the number of its nodes,
+ * behind which lie as many with the boxes when it closes, as behind those of pages with
+ * HDS_PAGE_BOXES_MOVE. */
+#define HDS_OBJECT_KIND 3u /* mask of the above */
+#define HDS_OBJECT_CLOSE_SHIFT 2
+
 /* Deepest nesting of groups below the TLAS on the device; deeper hierarchies are flattened by
  * commit. */
 #define HDS_MAX_GROUP_DEPTH 6
@@ -57,7 +63,7 @@ HDS_ASSERT_SIZE(HdsInstance, 80);
 
 /* What an instance places. */
 typedef struct {
-    u32 kind;
+    u32 kind;     /* HDS_OBJECT_*; HDS_OBJECT_CLOSE_SHIFT */
     u32 nodeBase; /* GROUP, MESH: first node in topNodes */
     u32 itemBase; /* GROUP: first instance; MESH, CHUNK: first chunk */
     u32 numItems;
@@ -85,7 +91,8 @@ typedef struct {
     u32 triangles; /* offset of HdsTriangle[], in the leaf order of the BVH */
     u32 primIds; /* offset of u32[]: of each triangle its index in the object, in order of (authored
                     face, sub-triangle) */
-    u32 vertices;     /* offset of packed f32[3] positions, object space; HDS_PAGE_MOVES */
+    u32 vertices;     /* offset of packed f32[3] positions, object space; HDS_PAGE_MOVES,
+                         HDS_PAGE_BOXES_MOVE */
     u32 numTriangles; /* bits 26..0: triangles, or primitives of another kind; 31..27: the kind */
 } HdsPageHeader;
 HDS_ASSERT_SIZE(HdsPageHeader, 16);
@@ -94,6 +101,11 @@ HDS_ASSERT_SIZE(HdsPageHeader, 16);
  * that when the shutter closes; of curves and points, behind each vertex with its radius. The
  * attribute page has a slot more, behind the user's: HDS_SLOT_NORMAL when the shutter closes. */
 #define HDS_PAGE_MOVES 0x80000000u
+
+/* Likewise: boxes move too. Behind the nodes, whose boxes are those when the shutter opens, lie as
+ * many that differ from them in origin, exponents and planes only: the boxes when it closes.
+ * Explained in docs/motionBlur.md. */
+#define HDS_PAGE_BOXES_MOVE 0x40000000u
 
 /* What the primitives of a chunk are: HDS_PRIMITIVE_* in bits 31..27 of HdsPageHeader.numTriangles.
  * All but triangles have vertices of four floats, the last one the radius; those of ribbons have

@@ -15,6 +15,10 @@ def Scene(tmp_path_factory):
     return Case(path, timeCode=motion.FRAME, shutter=motion.SHUTTER).RenderResident()
 
 
-@pytest.mark.parametrize("pool", ["100%", "20%", "10%"])
-def test_any_pool_gives_the_same_bits(Scene, pool):
-    Scene.AssertStreams(geometryMemory=pool)
+@pytest.mark.parametrize("settings", [
+    dict(geometryMemory="100%"), dict(geometryMemory="20%"), dict(geometryMemory="10%"),
+    dict(geometryMemory="20%", request="first"), dict(geometryMemory="20%", traversal="lane"),
+], ids=["all", "fifth", "tenth", "first", "lane"])
+def test_any_pool_and_form_gives_the_same_bits(Scene, settings):
+    geometry = Scene.AssertStreams(**settings)
+    assert settings["geometryMemory"] == "100%" or geometry["evictions"] > 0, "the test would show little"

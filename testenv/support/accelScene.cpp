@@ -2,6 +2,7 @@
 #include "testenv/support/accelScene.h"
 
 #include "hdStream/accel/chunkPlan.h"
+#include "hdStream/scene/transforms.h"
 #include "testenv/support/meshSource.h"
 
 #include <glm/common.hpp>
@@ -106,6 +107,7 @@ void AccelScene::SetRoot(const std::vector<AccelPlacement>& placements) {
 void AccelScene::BuildGroup(std::uint32_t object, const std::vector<AccelPlacement>& placements) {
     std::vector<shared::HdsInstance> records;
     std::vector<Bounds> boxes;
+    std::vector<Bounds> closeBoxes;
     std::uint64_t numLeaves = 0;
     for (const AccelPlacement& placement : placements) {
         shared::HdsInstance record{};
@@ -113,28 +115,32 @@ void AccelScene::BuildGroup(std::uint32_t object, const std::vector<AccelPlaceme
         record.object = placement.object;
         record.flags = placement.flags;
         Bounds box = TransformedBounds(placement.parentFromObject, _bounds[placement.object], -19);
+        closeBoxes.push_back(box);
         if (!placement.keys.empty()) {
-            box = Bounds();
             AddKeys(placement.keys, &record);
-            for (const glm::dmat4& key : placement.keys) {
-                const Bounds pose = TransformedBounds(key, _bounds[placement.object], -17);
-                box.min = glm::min(box.min, pose.min);
-                box.max = glm::max(box.max, pose.max);
-            }
+            const auto ends = TransformEnds(placement.keys, _bounds[placement.object]);
+            box = ends[0];
+            closeBoxes.back() = ends[1];
         }
         record.pathOffset[0] = static_cast<std::uint32_t>(numLeaves);
         record.pathOffset[1] = static_cast<std::uint32_t>(numLeaves >> 32U);
-        record.mesh = objects[placement.object].kind == HDS_OBJECT_GROUP ? HDS_NONE : 0;
+        const std::uint32_t kind = objects[placement.object].kind & HDS_OBJECT_KIND;
+        record.mesh = kind == HDS_OBJECT_GROUP ? HDS_NONE : 0;
         record.lightBase = HDS_NONE;
         records.push_back(record);
         boxes.push_back(box);
         numLeaves += _numLeaves[placement.object];
     }
-    const Bvh bvh = BuildBvh(boxes, TopOptions());
-    objects[object] = {HDS_OBJECT_GROUP, static_cast<std::uint32_t>(topNodes.size()),
+    BvhOptions options = TopOptions();
+    options.restingArea = 1.0F; // whatever moves has boxes that do
+    const Bvh bvh = BuildMovingBvh(boxes, closeBoxes, options);
+    const auto numClose = static_cast<std::uint32_t>(bvh.closeNodes.size());
+    objects[object] = {HDS_OBJECT_GROUP | numClose << HDS_OBJECT_CLOSE_SHIFT,
+                       static_cast<std::uint32_t>(topNodes.size()),
                        static_cast<std::uint32_t>(instances.size()),
                        static_cast<std::uint32_t>(records.size())};
     topNodes.insert(topNodes.end(), bvh.nodes.begin(), bvh.nodes.end());
+    topNodes.insert(topNodes.end(), bvh.closeNodes.begin(), bvh.closeNodes.end());
     const auto first = static_cast<std::uint32_t>(instances.size());
     instancesByPath.resize(first + records.size());
     for (const std::uint32_t i : bvh.order) {

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rays at a time find what they find in a still scene in the pose of that time; both forms of the
 // traversal agree with a kernel without hierarchy to the bit, so boxes hold what moves.
+#include "hdStream/geometry/curveSource.h"
+#include "hdStream/geometry/pointSource.h"
 #include "hdStream/geometry/polygonSource.h"
 #include "testenv/device/accel/traversalProbe.h"
+#include "testenv/support/pageView.h"
 #include "testenv/support/traversalMeshes.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -15,7 +19,7 @@ namespace {
 
 using Hits = std::vector<shared::HdsHit>;
 
-const ProgramDefines kMotion{{"HDS_FEATURE_MOTION", "1"}};
+const ProgramDefines kMotion{{"HDS_FEATURE_MOTION", "1"}, {"HDS_FEATURE_CURVES", "1"}};
 
 /// \param time of all rays; below 0: each has one of its own.
 std::vector<ProbeRay> RaysAt(float time, std::size_t count) {
@@ -173,13 +177,57 @@ std::shared_ptr<MeshDescription> Sheet() {
     return mesh;
 }
 
-AccelScene SceneOf(const std::shared_ptr<MeshDescription>& mesh) {
-    Warnings warnings;
+AccelScene SceneOf(const ChunkSource& source) {
     AccelScene scene;
-    const std::uint32_t object =
-        scene.AddSource(*MakePolygonSource(mesh, "/Sheet", {}, warnings), 150);
+    const std::uint32_t object = scene.AddSource(source, 150);
     scene.SetRoot({{object, glm::dmat4(1.0), HDS_INSTANCE_CAMERA, {}}});
     return scene;
+}
+
+AccelScene SceneOf(const std::shared_ptr<MeshDescription>& mesh) {
+    Warnings warnings;
+    return SceneOf(*MakePolygonSource(mesh, "/Sheet", {}, warnings));
+}
+
+/// Hairs that bend while the shutter is open, and dust between them.
+std::shared_ptr<MeshDescription> Solids(PrimitiveKind kind) {
+    constexpr std::size_t kCount = 120;
+    constexpr std::size_t kVertices = 4;
+    UniformSource uniform(23);
+    auto solids = std::make_shared<MeshDescription>();
+    solids->primitives = kind;
+    solids->curves.type = "cubic";
+    solids->curves.basis = "bezier";
+    std::vector<float> open;
+    std::vector<float> close;
+    for (std::size_t i = 0; i < kCount; ++i) {
+        const glm::vec3 root = 1.5F * uniform.Vector();
+        const glm::vec3 way = 0.8F * uniform.Vector();
+        const glm::vec3 bend = 0.6F * uniform.Vector();
+        for (std::size_t k = 0; k < kVertices; ++k) {
+            const float at = static_cast<float>(k) / (kVertices - 1);
+            const glm::vec3 first = root + at * (1.0F - at) * bend + glm::vec3(0.0F, at, 0.0F);
+            const glm::vec3 last = root + way + at * at * glm::vec3(bend.y, bend.z, bend.x);
+            open.insert(open.end(), {first.x, first.y, first.z});
+            close.insert(close.end(), {last.x, last.y, last.z});
+        }
+    }
+    solids->points = std::move(open);
+    solids->closePoints = std::move(close);
+    solids->faceVertexCounts = std::vector<std::int32_t>(kCount, kVertices);
+    Primvar widths;
+    widths.name = "widths";
+    widths.values = std::vector<float>{0.05F};
+    solids->primvars = {widths};
+    return solids;
+}
+
+/// How many of the pages' BVHs have boxes that move.
+std::size_t CountMovingPages(const AccelScene& scene) {
+    return static_cast<std::size_t>(
+        std::count_if(scene.pages.begin(), scene.pages.end(), [](const GeometryPage& page) {
+            return (PageView(page.bytes.data()).header.vertices & HDS_PAGE_BOXES_MOVE) != 0;
+        }));
 }
 
 TEST_F(Motion, VerticesAreOnTheirWay) {
@@ -202,7 +250,33 @@ TEST_F(Motion, VerticesAreOnTheirWay) {
 }
 
 TEST_F(Motion, BoxesOfTrianglesHoldAllPoses) {
-    ExpectBitsOfBruteForce(SceneOf(Sheet()));
+    const AccelScene scene = SceneOf(Sheet());
+    EXPECT_EQ(CountMovingPages(scene), scene.pages.size());
+    ExpectBitsOfBruteForce(scene);
+}
+
+TEST_F(Motion, BoxesOfCurvesAndPointsHoldAllPoses) {
+    Warnings warnings;
+    for (const auto& source : {MakeCurveSource(Solids(PrimitiveKind::Curves), "/Hair", warnings),
+                               MakePointSource(Solids(PrimitiveKind::Points), "/Dust", warnings)}) {
+        const AccelScene scene = SceneOf(*source);
+        EXPECT_EQ(CountMovingPages(scene), scene.pages.size());
+        ExpectBitsOfBruteForce(scene);
+    }
+    EXPECT_TRUE(warnings.Lines().empty());
+}
+
+// Boxes at rest serve what goes less far than it is large.
+TEST_F(Motion, BoxesOfShortWaysAreAtRest) {
+    const auto sheet = Sheet();
+    std::vector<float> close(sheet->points.begin(), sheet->points.end());
+    for (std::size_t i = 2; i < close.size(); i += 3) {
+        close[i] += 0.02F;
+    }
+    sheet->closePoints = std::move(close);
+    const AccelScene scene = SceneOf(sheet);
+    EXPECT_EQ(CountMovingPages(scene), 0U);
+    ExpectBitsOfBruteForce(scene);
 }
 
 } // namespace

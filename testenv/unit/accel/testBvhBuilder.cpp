@@ -4,6 +4,7 @@
 #include "testenv/unit/accel/bvhCheck.h"
 
 #include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -39,6 +40,51 @@ TEST(BvhBuilder, HoldsRandomBoxes) {
         const std::vector<Bounds> items = RandomBoxes(count, 0.02F, 3);
         ExpectSound(BuildBvh(items, {}), items);
     }
+}
+
+/// Expects a node set that differs from another one in its boxes only.
+void ExpectSameTree(const std::vector<shared::HdsBvhNode>& a,
+                    const std::vector<shared::HdsBvhNode>& b) {
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        ASSERT_EQ(a[i].exponentsImask >> 24U, b[i].exponentsImask >> 24U);
+        ASSERT_EQ(a[i].childBase, b[i].childBase);
+        ASSERT_EQ(a[i].itemBase, b[i].itemBase);
+        ASSERT_EQ(std::memcmp(a[i].meta, b[i].meta, sizeof(a[i].meta)), 0);
+    }
+}
+
+TEST(BvhBuilder, HoldsMovingBoxesAtBothEnds) {
+    for (const std::size_t count : {1, 2, 4, 25, 5000}) {
+        const std::vector<Bounds> open = RandomBoxes(count, 0.02F, 3);
+        const std::vector<Bounds> close = RandomBoxes(count, 0.5F, 9);
+        const Bvh bvh = BuildMovingBvh(open, close, {});
+        ExpectSameTree(bvh.nodes, bvh.closeNodes);
+        ExpectSound(bvh, open);
+        Bvh closed = bvh;
+        closed.nodes = bvh.closeNodes;
+        ExpectSound(closed, close);
+        for (const std::vector<Bounds>* boxes : {&open, &close}) {
+            for (const Bounds& box : *boxes) {
+                EXPECT_TRUE(glm::all(glm::lessThanEqual(bvh.bounds.min, box.min)));
+                EXPECT_TRUE(glm::all(glm::lessThanEqual(box.max, bvh.bounds.max)));
+            }
+        }
+    }
+}
+
+// Half way all boxes are the same point: the tree is cut at medians.
+TEST(BvhBuilder, HoldsMovingBoxesThatMeetHalfWay) {
+    const std::vector<Bounds> open = RandomBoxes(3000, 0.0F, 3);
+    std::vector<Bounds> close;
+    for (const Bounds& box : open) {
+        close.push_back({-box.min, -box.max});
+    }
+    const Bvh bvh = BuildMovingBvh(open, close, {});
+    ExpectSound(bvh, open);
+    Bvh closed = bvh;
+    closed.nodes = bvh.closeNodes;
+    ExpectSound(closed, close);
 }
 
 TEST(BvhBuilder, NoItemsGiveNoNodes) {

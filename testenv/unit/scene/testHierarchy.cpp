@@ -40,7 +40,7 @@ void Walk(const Hierarchy& tables, std::uint32_t firstGroup, std::uint32_t group
           const glm::dmat4& world, std::uint64_t offset, std::uint32_t id,
           std::vector<Leaf>* leaves) {
     const shared::HdsObject& object = tables.groups[group];
-    ASSERT_EQ(object.kind, HDS_OBJECT_GROUP);
+    ASSERT_EQ(object.kind & HDS_OBJECT_KIND, HDS_OBJECT_GROUP);
     std::uint64_t previous = 0;
     for (std::uint32_t i = 0; i < object.numItems; ++i) {
         const shared::HdsInstance& record =

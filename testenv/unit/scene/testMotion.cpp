@@ -4,6 +4,7 @@
 #include "hdStream/scene/hierarchy.h"
 #include "hdStream/scene/meshMotion.h"
 #include "hdStream/scene/motion.h"
+#include "hdStream/scene/transforms.h"
 #include "kernels/shared/frame.h"
 
 #include <glm/geometric.hpp>
@@ -108,7 +109,6 @@ public:
     SceneDescription scene;
     LeafObject leaf;
 
-private:
     double Number() { return std::uniform_real_distribution<double>(-1.0, 1.0)(_random); }
     glm::dmat4 Pose() {
         const glm::dvec3 axis(Number(), Number(), Number() + 1.1);
@@ -117,6 +117,8 @@ private:
         pose = glm::rotate(pose, 2.0 * Number(), axis);
         return glm::scale(pose, glm::dvec3(1.0 + 0.5 * Number()));
     }
+
+private:
     Placement Moving() {
         Placement placement;
         placement.samples = {{-0.5, Pose()}, {0.1, Pose()}, {0.5, Pose()}};
@@ -170,6 +172,38 @@ TEST(Motion, BoxesHoldEveryPose) {
                         ASSERT_GE(value, tables.bounds.min[axis]) << "seed " << seed;
                         ASSERT_LE(value, tables.bounds.max[axis]) << "seed " << seed;
                     }
+                }
+            }
+        }
+    }
+}
+
+// The box between the ends holds the box in every pose between the keys.
+TEST(Motion, BoxesBetweenTheEndsHoldEveryPose) {
+    const Bounds box{glm::vec3(-0.5F, -1.0F, -0.2F), glm::vec3(1.0F, 0.5F, 0.7F)};
+    for (unsigned seed = 0; seed < 100; ++seed) {
+        RandomMotion motion(seed);
+        std::vector<glm::dmat4> keys;
+        for (unsigned i = 0; i < 2 + seed % 5; ++i) {
+            keys.push_back(motion.Pose());
+        }
+        const std::array<Bounds, 2> ends = TransformEnds(keys, box);
+        for (int step = 0; step <= 60; ++step) {
+            const double time = step / 60.0;
+            const double scaled = time * double(keys.size() - 1);
+            const auto i = std::min(static_cast<std::size_t>(scaled), keys.size() - 2);
+            const double part = scaled - double(i);
+            const glm::dmat4 pose = (1.0 - part) * keys[i] + part * keys[i + 1];
+            for (int corner = 0; corner < 8; ++corner) {
+                const glm::dvec4 point((corner & 1) != 0 ? box.max.x : box.min.x,
+                                       (corner & 2) != 0 ? box.max.y : box.min.y,
+                                       (corner & 4) != 0 ? box.max.z : box.min.z, 1.0);
+                const glm::dvec3 moved(pose * point);
+                for (int axis = 0; axis < 3; ++axis) {
+                    ASSERT_GE(moved[axis],
+                              (1.0 - time) * ends[0].min[axis] + time * ends[1].min[axis]);
+                    ASSERT_LE(moved[axis],
+                              (1.0 - time) * ends[0].max[axis] + time * ends[1].max[axis]);
                 }
             }
         }
