@@ -431,7 +431,7 @@ LightTable Builder::Finish() {
             _table.cdf[base + HDS_MESH_LIGHT] = shared::FloatOfBits(newIndex[light]);
         }
     }
-    _table.nodes = BuildLightTree(_table.lights);
+    _table.nodes = BuildLightTree(_table.lights, _table.cdf);
     return std::move(_table);
 }
 

@@ -103,15 +103,18 @@ typedef struct {
 } HdsLightControls;
 HDS_ASSERT_SIZE(HdsLightControls, 32);
 
-/* A node of the light tree, the root first: a sphere that bounds the finite lights below it. */
+/* A node of the light tree, the root first: a sphere that bounds the finite lights below it, around
+ * the mean of their centres by strength. */
 typedef struct {
     f32 center[3];
     f32 radius;
-    f32 strength; /* sum of the lights' */
-    u32 child[2]; /* node, or HDS_LIGHT_LEAF | light */
+    f32 axis[3]; /* unit or zero: mean direction in which lights are seen that send by the cosine */
+    f32 strength;       /* of what is sent alike in all directions */
+    f32 cosineStrength; /* of what is sent by the cosine about the axis: intensity there */
+    u32 child[2];       /* node, or HDS_LIGHT_LEAF | light */
     u32 pad0;
 } HdsLightNode;
-HDS_ASSERT_SIZE(HdsLightNode, 32);
+HDS_ASSERT_SIZE(HdsLightNode, 48);
 #define HDS_LIGHT_LEAF 0x80000000u
 
 /* An emissive triangle in world space (relative to the scene centre). */

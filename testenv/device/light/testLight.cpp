@@ -311,6 +311,109 @@ TEST_F(LightTest, ManyLightsAreChosenByWhatTheyContribute) {
     }
 }
 
+/// Over a hall: lamps at random below a ceiling of panels, and panels that stand back to back.
+std::vector<PlacedLight> HallOfLights(std::size_t count) {
+    std::mt19937 generator(47);
+    std::uniform_real_distribution<double> unit(-1.0, 1.0);
+    std::vector<PlacedLight> lights;
+    for (std::size_t i = 0; i < count; ++i) {
+        const bool isLamp = i % 3 == 0;
+        PlacedLight light = MakeLight(isLamp ? LightType::Sphere : LightType::Rect);
+        light.light.radius = 0.01F;
+        light.light.width = light.light.height = 0.02F;
+        light.light.intensity = float(1U << (2U * (i % 4)));
+        const double x = 10.0 * unit(generator);
+        const double y = 10.0 * unit(generator);
+        const double high = 2.5 + 2.5 * unit(generator);
+        // Rects emit towards -z: as they are from the ceiling, or turned to the side.
+        const double turn = i % 6 < 3 ? 0.5 * kPi : -0.5 * kPi;
+        light.worldFromLight =
+            i % 3 == 1
+                ? glm::translate(glm::dmat4(1.0), {x, y, 6.0})
+                : glm::rotate(glm::translate(glm::dmat4(1.0),
+                                             {isLamp ? x : (turn > 0.0 ? -5.0 : 5.0), y, high}),
+                              turn, glm::dvec3(0.0, 1.0, 0.0));
+        lights.push_back(light);
+    }
+    return lights;
+}
+
+/// What a small light sends to a point, by its own formula: strength cos cos / d^2.
+double Contribution(const PlacedLight& light, const glm::dvec3& point, const glm::dvec3& normal) {
+    const glm::dvec3 to = glm::dvec3(light.worldFromLight[3]) - point;
+    const double squared = glm::dot(to, to);
+    const glm::dvec3 direction = to / std::sqrt(squared);
+    const double isLamp = light.light.type == LightType::Sphere ? 1.0 : 0.0;
+    const double size = isLamp > 0.0 ? kPi * light.light.radius * light.light.radius
+                                     : double(light.light.width) * light.light.height;
+    const double facing = glm::dot(glm::normalize(glm::dvec3(light.worldFromLight[2])), direction);
+    return light.light.intensity * size * std::max(glm::dot(normal, direction), 0.0) *
+           (isLamp > 0.0 ? 1.0 : std::max(facing, 0.0)) / squared;
+}
+
+/// The relative variance of one sample without shadows, which is 0 where lights are chosen in
+/// proportion to what they contribute, does not grow with their number.
+TEST_F(LightTest, TheNoiseOfManyLightsDoesNotGrowWithTheirNumber) {
+    for (const std::size_t count : {std::size_t(60), std::size_t(400), std::size_t(2000)}) {
+        const std::vector<PlacedLight> lights = HallOfLights(count);
+        SetLights(lights);
+        std::mt19937 generator(48);
+        std::uniform_real_distribution<double> unit(-8.0, 8.0);
+        double variance = 0.0;
+        constexpr int kPoints = 20;
+        for (int k = 0; k < kPoints; ++k) {
+            const glm::dvec3 point(unit(generator), unit(generator), 0.0);
+            std::vector<float> points;
+            std::vector<float> normals;
+            Append(points, point);
+            Append(normals, {0.0, 0.0, 1.0});
+            const std::vector<float> pmf = Selections(points, normals);
+            double sum = 0.0;
+            double second = 0.0;
+            for (std::size_t i = 0; i < count; ++i) {
+                const double value = Contribution(lights[i], point, {0.0, 0.0, 1.0});
+                sum += value;
+                second += value > 0.0 ? value * value / double(pmf[i]) : 0.0;
+            }
+            variance += (second / (sum * sum) - 1.0) / kPoints;
+        }
+        EXPECT_LT(variance, 0.4) << count << " lights";
+    }
+}
+
+/// Numbers in ascending order choose lights in the order of the tree, so that numbers that are well
+/// spread choose lights that are well spread.
+TEST_F(LightTest, ManyLightsAreChosenInTheOrderOfTheTree) {
+    const LightTable table = SetLights(HallOfLights(500));
+    constexpr std::size_t kCount = 4000;
+    std::vector<float> points;
+    std::vector<float> normals;
+    std::vector<float> us;
+    for (std::size_t i = 0; i < kCount; ++i) {
+        Append(points, {0.5, 1.0, 0.0});
+        Append(normals, {0.0, 0.0, 1.0});
+        us.insert(us.end(), {(float(i) + 0.5F) / kCount, 0.0F, 0.5F, 0.5F});
+    }
+    // The first bit of a path is the child of the root.
+    const auto place = [&](std::uint32_t light) {
+        std::uint32_t reversed = 0;
+        for (std::uint32_t bit = 0; bit < 32; ++bit) {
+            reversed |= (table.lights[light].treePath >> bit & 1U) << (31U - bit);
+        }
+        return reversed;
+    };
+    std::uint32_t last = 0;
+    std::size_t numChanges = 0;
+    for (const LightSampleResult& result : Sample(points, normals, us)) {
+        if (result.light != HDS_NONE) {
+            ASSERT_GE(place(result.light), last);
+            numChanges += place(result.light) > last ? 1 : 0;
+            last = place(result.light);
+        }
+    }
+    EXPECT_GT(numChanges, 50U);
+}
+
 TEST_F(LightTest, WalksMeetTheLightsThatRaysCross) {
     std::mt19937 generator(45);
     for (const std::size_t numLights : {std::size_t(20), std::size_t(33), std::size_t(700)}) {

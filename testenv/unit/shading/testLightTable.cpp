@@ -179,7 +179,7 @@ public:
             return;
         }
         const shared::HdsLightNode& node = _table.nodes[child];
-        EXPECT_LE(depth, 8U);
+        EXPECT_LE(depth, 30U); // of the node: its children's paths have one bit more
         EXPECT_NEAR(node.strength, Strength(node.child[0]) + Strength(node.child[1]),
                     1e-5 * node.strength);
         _above.push_back(&node);
@@ -227,6 +227,56 @@ TEST(LightTableTest, TheTreeHoldsEachFiniteLightOnce) {
         EXPECT_EQ(walk.seen[i], 1);
     }
     EXPECT_TRUE(Build({Make(LightType::Sphere)}, warnings).nodes.empty());
+}
+
+/// Each light four times as far as the one before: bins set few of them apart at a time.
+TEST(LightTableTest, TheTreeIsNoDeeperThanItsPaths) {
+    std::vector<PlacedLight> lights;
+    for (int i = -50; i < 50; ++i) {
+        lights.push_back(Make(LightType::Sphere));
+        lights.back().light.radius = 1e-3F;
+        lights.back().worldFromLight =
+            glm::translate(glm::dmat4(1.0), glm::dvec3(std::pow(4.0, i), 0.0, 0.0));
+    }
+    Warnings warnings;
+    const LightTable table = Build(lights, warnings);
+    TreeWalk walk(table);
+    walk.Visit(0, 0, 0);
+    EXPECT_EQ(walk.seen, std::vector<int>(100, 1));
+}
+
+TEST(LightTableTest, NodesKnowWhereTheirLightsFace) {
+    // Two rows, which face each other: the heuristic tells them apart.
+    std::vector<PlacedLight> lights;
+    for (int i = 0; i < 40; ++i) {
+        lights.push_back(Make(LightType::Rect)); // emits towards -z
+        const double side = i % 2 == 0 ? 1.0 : -1.0;
+        lights.back().worldFromLight = glm::translate(glm::dmat4(1.0), {4.0 * i, 0.0, 5.0 * side}) *
+                                       glm::scale(glm::dmat4(1.0), {1.0, 1.0, side});
+    }
+    Warnings warnings;
+    const LightTable table = Build(lights, warnings);
+    const float each = table.lights[0].strength;
+    const shared::HdsLightNode& root = table.nodes[0];
+    EXPECT_NEAR(root.cosineStrength, 0.0F, 1e-5F);
+    EXPECT_NEAR(root.strength, 40.0F * each, 1e-4F) << "opposite directions are all directions";
+    std::size_t numPure = 0;
+    for (const shared::HdsLightNode& node : table.nodes) {
+        if (node.strength < 1e-6F) {
+            ++numPure;
+            // The intensity of a flat light at its normal is 4 times that of its power in all
+            // directions.
+            const double count = node.cosineStrength / (4.0F * each);
+            EXPECT_NEAR(count, std::round(count), 1e-5);
+            EXPECT_NEAR(std::abs(node.axis[2]), 1.0F, 1e-6F);
+        }
+    }
+    EXPECT_GE(numPure, 10U);
+    PlacedLight sphere = Make(LightType::Sphere);
+    const LightTable even = Build({sphere, sphere}, warnings);
+    EXPECT_EQ(even.nodes[0].cosineStrength, 0.0F);
+    const LightTable up = Build({lights[0], lights[2]}, warnings);
+    EXPECT_EQ(up.nodes[0].axis[2], 1.0F) << "who sees it looks towards +z";
 }
 
 TEST(LightTableTest, WhatCannotBeRenderedIsLeftOutWithAWarning) {
