@@ -106,6 +106,7 @@ struct PathTracer::Impl {
         features.textures = buffers.HasTextures();
         features.lightShaping = scene->lights->hasShaping;
         features.lightControls = scene->lights->hasControls;
+        features.lightPortals = scene->lights->hasPortals;
         features.meshLights = scene->lights->hasMeshes;
         features.lightGlow = scene->lights->hasGlow;
         features.lightTree = scene->lights->lights.size() > HDS_LIGHT_LOOP_MAX;

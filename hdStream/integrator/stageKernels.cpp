@@ -57,6 +57,7 @@ ProgramDefines MakeDefines(const Device& device, const KernelFeatures& features)
         {"HDS_FEATURE_TEXTURES", features.textures ? "1" : "0"},
         {"HDS_FEATURE_LIGHT_SHAPING", features.lightShaping ? "1" : "0"},
         {"HDS_FEATURE_LIGHT_CONTROLS", features.lightControls ? "1" : "0"},
+        {"HDS_FEATURE_LIGHT_PORTALS", features.lightPortals ? "1" : "0"},
         {"HDS_FEATURE_MESH_LIGHTS", features.meshLights ? "1" : "0"},
         {"HDS_FEATURE_LIGHT_GLOW", features.lightGlow ? "1" : "0"},
         {"HDS_FEATURE_LIGHT_TREE", features.lightTree ? "1" : "0"},

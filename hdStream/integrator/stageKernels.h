@@ -19,6 +19,7 @@ struct KernelFeatures {
     bool textures = false;         ///< some program or some light looks textures up
     bool lightShaping = false;     ///< some light is shaped
     bool lightControls = false;    ///< some light is linked or has controls that are not physical
+    bool lightPortals = false;     ///< some dome has portals
     bool meshLights = false;       ///< some light is a mesh
     bool lightGlow = false;        ///< some light is a mesh whose material varies what it emits
     bool lightTree = false;        ///< there are more lights than are weighed one by one
@@ -41,8 +42,9 @@ struct KernelFeatures {
         return cutouts == other.cutouts && programs == other.programs &&
                patterns == other.patterns && lobes == other.lobes && textures == other.textures &&
                lightShaping == other.lightShaping && lightControls == other.lightControls &&
-               meshLights == other.meshLights && lightGlow == other.lightGlow &&
-               lightTree == other.lightTree && manyTexturePools == other.manyTexturePools &&
+               lightPortals == other.lightPortals && meshLights == other.meshLights &&
+               lightGlow == other.lightGlow && lightTree == other.lightTree &&
+               manyTexturePools == other.manyTexturePools &&
                textureStreaming == other.textureStreaming && plainTextures == other.plainTextures &&
                groups == other.groups && curves == other.curves && motion == other.motion &&
                wide == other.wide && firstHits == other.firstHits && manyPools == other.manyPools &&

@@ -336,9 +336,16 @@ void BindLight(nb::module_& module) {
         .def(
             "__init__",
             [](LightPrim* self, const LightDescription& light, const Placement& where) {
-                new (self) LightPrim{where, light, {}};
+                new (self) LightPrim{where, light, {}, {}};
             },
             "light"_a, "placement"_a)
+        .def(
+            "AddPortal",
+            [](LightPrim& self, nb::handle worldFromPortal, float width, float height) {
+                self.portals.push_back(
+                    {MatrixFromBuffer(worldFromPortal, "worldFromPortal"), width, height});
+            },
+            "worldFromPortal"_a, "width"_a, "height"_a)
         .def_rw("placement", &LightPrim::placement)
         .def_rw("light", &LightPrim::light)
         .def_rw("links", &LightPrim::links);

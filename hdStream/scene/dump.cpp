@@ -436,6 +436,12 @@ void DumpLight(const std::string& path, const LightPrim& prim, Writer* out) {
     out->Prim("light", path);
     out->Placed(prim.placement);
     DumpLightInputs(prim.light, out);
+    for (std::size_t i = 0; i < prim.portals.size(); ++i) {
+        const std::string name = "portal " + std::to_string(i);
+        out->Matrix(name, prim.portals[i].worldFromPortal);
+        out->Value(name + " width", prim.portals[i].width);
+        out->Value(name + " height", prim.portals[i].height);
+    }
 }
 
 void DumpCamera(const std::string& path, const CameraPrim& camera, Writer* out) {

@@ -38,7 +38,11 @@ std::vector<PlacedLight> PlaceLights(const LightCommitInput& input) {
                           light,
                           {},
                           input.links->IndexOf(prim.links.lightLink),
-                          input.links->IndexOf(prim.links.shadowLink)};
+                          input.links->IndexOf(prim.links.shadowLink),
+                          prim.portals};
+        for (LightPortal& portal : place.portals) {
+            portal.worldFromPortal = centreFromWorld * portal.worldFromPortal;
+        }
         ForEachPlacement(scene, prim.placement, [&](const glm::dmat4& worldFromLight) {
             place.worldFromLight = centreFromWorld * worldFromLight;
             placed.push_back(place);
@@ -111,8 +115,12 @@ public:
         Add(light.light);
         Add(light.lightLink);
         Add(light.shadowLink);
-        for (int column = 0; column < 4; ++column) {
-            Add(light.worldFromLight[column]);
+        Add(light.worldFromLight);
+        Add(light.portals.size());
+        for (const LightPortal& portal : light.portals) {
+            Add(portal.worldFromPortal);
+            Add(portal.width);
+            Add(portal.height);
         }
     }
     void Add(const EmissiveMesh& mesh) {
@@ -143,9 +151,9 @@ private:
             Add(v[i]);
         }
     }
-    void Add(const glm::dvec4& v) {
-        for (int i = 0; i < 4; ++i) {
-            Add(v[i]);
+    void Add(const glm::dmat4& m) {
+        for (int i = 0; i < 16; ++i) {
+            Add(m[i / 4][i % 4]);
         }
     }
     std::string _key;

@@ -108,6 +108,7 @@ struct LightPrim {
     Placement placement;
     LightDescription light;
     LinkCategories links;
+    std::vector<LightPortal> portals; ///< dome
 };
 
 /// A camera as HdCamera gives it: all lengths in scene units, as floats.

@@ -23,6 +23,7 @@ struct PlacedLight {
     glm::dmat4 worldFromLight{1.0};      ///< relative to the scene centre
     std::uint32_t lightLink = HDS_NONE;  ///< index into LinkTable::categories
     std::uint32_t shadowLink = HDS_NONE; ///< likewise
+    std::vector<LightPortal> portals;    ///< dome: relative to the scene centre
 };
 
 /// The emissive triangles of one mesh instance with one material.

@@ -4,6 +4,8 @@
 
 #include "hdStream/shading/materialNetwork.h"
 
+#include <glm/mat4x4.hpp>
+
 #include <array>
 #include <string>
 
@@ -38,6 +40,14 @@ struct LightShadow {
     float distance = -1.0F;    ///< of occluders from what they shade; negative: any
     float falloff = -1.0F;     ///< length, up to the distance, over which the shadow fades
     float falloffGamma = 1.0F; ///< exponent of what is left of the shadow
+};
+
+/// A rect in the xy plane of its space through which the light of a dome comes, towards -z
+/// (UsdLuxPortalLight).
+struct LightPortal {
+    glm::dmat4 worldFromPortal{1.0};
+    float width = 1.0F;
+    float height = 1.0F;
 };
 
 /// Authored inputs of a light; defaults are UsdLux's.

@@ -73,6 +73,7 @@ private:
     void AddLinks();
     void AddShaping(const PlacedLight& placed, shared::HdsLight* light, double* power);
     void AddControls(const PlacedLight& placed, shared::HdsLight* light);
+    void AddPortals(const PlacedLight& placed, shared::HdsLight* light);
     void WarnIgnored(const PlacedLight& placed);
     void Push(shared::HdsLight light, const glm::dvec3& radiance, double power);
     bool MeshRadiance(const EmissiveMesh& mesh, double area, glm::dvec3* radiance);
@@ -97,6 +98,7 @@ private:
 /// A light that shines alike in all directions on everything.
 shared::HdsLight PlainLight() {
     shared::HdsLight light{};
+    light.treePath = HDS_NONE;
     light.shapingBase = HDS_NONE;
     light.controlBase = HDS_NONE;
     light.lightLink = HDS_NONE;
@@ -171,6 +173,34 @@ void Builder::AddControls(const PlacedLight& placed, shared::HdsLight* light) {
     }
     _table.hasControls = _table.hasControls || light->controlBase != HDS_NONE ||
                          light->lightLink != HDS_NONE || light->shadowLink != HDS_NONE;
+}
+
+/// The portals of a dome, as rects of radiance 1.
+void Builder::AddPortals(const PlacedLight& placed, shared::HdsLight* light) {
+    std::vector<shared::HdsLight> portals;
+    for (const LightPortal& portal : placed.portals) {
+        LightDescription description;
+        description.type = LightType::Rect;
+        description.width = portal.width;
+        description.height = portal.height;
+        shared::HdsLight rect = PlainLight();
+        rect.type = HDS_LIGHT_RECT;
+        if (PlaceLight(description, portal.worldFromPortal, &rect)) {
+            rect.strength = 0.25F * rect.area;
+            portals.push_back(rect);
+        } else {
+            _warnings.Add(placed.name, "a portal has a singular transform or no size; left out");
+        }
+    }
+    if (!portals.empty()) {
+        light->treePath = std::uint32_t(_table.cdf.size());
+        _table.cdf.push_back(shared::FloatOfBits(std::uint32_t(portals.size())));
+        const std::size_t first = _table.cdf.size();
+        const std::size_t size = portals.size() * sizeof(portals[0]);
+        _table.cdf.resize(first + size / sizeof(_table.cdf[0]));
+        std::memcpy(&_table.cdf[first], portals.data(), size);
+        _table.hasPortals = true;
+    }
 }
 
 void Builder::WarnIgnored(const PlacedLight& placed) {
@@ -267,6 +297,7 @@ void Builder::AddLight(const PlacedLight& placed) {
             AddImage(placed, &light, &meanLuminance);
         }
         power = kPi * Luminance(radiance) * meanLuminance;
+        AddPortals(placed, &light);
     } else if (isPoint) {
         power = Luminance(radiance) * 4.0 * kPi;
     } else if (description.type == LightType::Rect && isTextured) {

@@ -45,6 +45,7 @@ struct LightTable {
     std::uint32_t numImages = 0; ///< of the lights, so many have an image
     bool hasShaping = false;     ///< some light is shaped
     bool hasControls = false;    ///< some is linked, or has multipliers or shadow controls
+    bool hasPortals = false;     ///< some is a dome with portals
     bool hasMeshes = false;      ///< some is a mesh
     bool hasGlow = false;        ///< some is a mesh with HDS_LIGHT_GLOWING
     /// For each emissive mesh of the input where its HDS_MESH_LIGHT begins in `cdf`, or HDS_NONE

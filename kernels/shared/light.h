@@ -54,7 +54,8 @@ typedef struct {
                       when they cancel out; with an image, [3]: the coarsest mip that is looked up,
                       of which its distribution is made */
     f32 area;      /* world area of the shape; mesh: of all its triangles */
-    u32 treePath;  /* finite lights: bit i is the child to take at level i of the light tree */
+    u32 treePath;  /* finite lights: bit i is the child to take at level i of the light tree; dome:
+                      in lightCdf, the number of its portals, or HDS_NONE */
     u32 flags;
     u32 dataBase;    /* image: its texture; mesh: first triangle in lightTriangles */
     u32 dataSize[2]; /* image: cells of its distribution, width, height; mesh: number of triangles,
@@ -128,6 +129,9 @@ typedef struct {
 } HdsLightTriangle;
 HDS_ASSERT_SIZE(HdsLightTriangle, 48);
 HDS_SHARED_END
+
+/* The portals of a dome in lightCdf: their number, then an HdsLight each, a rect of radiance 1. */
+#define HDS_DOME_PORTALS 1u /* where the first of them begins */
 
 /* The lights of an emissive mesh in lightCdf, u32: the light of all its triangles, or HDS_NONE;
  * then only: the number of triangles, their primIds in ascending order, and for each of these its

@@ -16,7 +16,7 @@ const char* const kFeatures[] = {
     "HDS_FEATURE_PROGRAMS",   "HDS_FEATURE_TEXTURES",      "HDS_FEATURE_TEXTURE_STREAMING",
     "HDS_TEXTURE_PLAIN",      "HDS_FEATURE_LIGHT_SHAPING", "HDS_FEATURE_LIGHT_CONTROLS",
     "HDS_FEATURE_CURVES",     "HDS_FEATURE_MESH_LIGHTS",   "HDS_FEATURE_LIGHT_TREE",
-    "HDS_FEATURE_LIGHT_GLOW", "HDS_FEATURE_MOTION"};
+    "HDS_FEATURE_LIGHT_GLOW", "HDS_FEATURE_MOTION",        "HDS_FEATURE_LIGHT_PORTALS"};
 
 ProgramDefines MakeDefines(unsigned bits, unsigned numPools) {
     ProgramDefines defines{{"HDS_NUM_POOLS", std::to_string(numPools)}};
@@ -28,8 +28,9 @@ ProgramDefines MakeDefines(unsigned bits, unsigned numPools) {
 
 TEST_F(Roots, BuildWithEachFeature) {
     for (const char* root : kRoots) {
-        for (const unsigned bits : {0U, 1U, 2U, 4U, 8U, 24U, 48U, 63U, 88U, 128U, 256U, 257U, 512U,
-                                    1024U, 2048U, 1024U + 4096U + 1U, 8192U, 8192U + 512U}) {
+        for (const unsigned bits :
+             {0U, 1U, 2U, 4U, 8U, 24U, 48U, 63U, 88U, 128U, 256U, 257U, 512U, 1024U, 2048U,
+              1024U + 4096U + 1U, 8192U, 8192U + 512U, 16384U}) {
             EXPECT_NO_THROW(Program(device, root, MakeDefines(bits, 1)))
                 << root << " features " << bits;
         }

@@ -273,8 +273,8 @@ TEST_F(IrradianceTest, UniformDome) {
     Expect("dome", {1, 2, 3}, {0.3, -0.5, 0.8}, kPi);
 }
 
-/// An image of radiance 1 + y (the light's up axis): irradiance pi + 2 pi / 3 n.y.
-TEST_F(IrradianceTest, GradientDome) {
+/// Radiance 1 + y.
+LightImage GradientImage() {
     LightImage image;
     image.width = 128;
     image.height = 64;
@@ -282,15 +282,51 @@ TEST_F(IrradianceTest, GradientDome) {
         const float value = float(1.0 + std::cos(kPi * (y + 0.5) / image.height));
         image.rgb.insert(image.rgb.end(), std::size_t(image.width) * 3, value);
     }
+    return image;
+}
+
+/// An image of radiance 1 + y (the light's up axis): irradiance pi + 2 pi / 3 n.y.
+TEST_F(IrradianceTest, GradientDome) {
     PlacedLight light = MakeLight(LightType::Dome);
     light.light.textureFile.authoredPath = "dome.exr";
     light.worldFromLight = glm::rotate(glm::dmat4(1.0), 1.1, {1.0, 0.4, 0.3});
-    SetLights({light}, image);
+    SetLights({light}, GradientImage());
     const glm::dvec3 up(light.worldFromLight[1]);
     for (const glm::dvec3& n : {glm::dvec3(0, 1, 0), glm::dvec3(0.6, -0.2, 0.4)}) {
         const glm::dvec3 normal = glm::normalize(n);
         Expect("gradient dome", {0, 0, 0}, normal, kPi + 2.0 * kPi / 3.0 * glm::dot(normal, up));
     }
+}
+
+/// Light samples of a uniform dome find what comes through its portals, as from rects of radiance
+/// 1; those of domes that need them for all of it, and where no portal is in front, all of it.
+TEST_F(IrradianceTest, DomeWithPortals) {
+    PlacedLight window = MakeLight(LightType::Rect); // towards -z
+    window.light.width = 2.0F;
+    window.worldFromLight = glm::translate(glm::dmat4(1.0), {1.0, 0.5, 2.0});
+    PlacedLight skylight = window;
+    skylight.light.height = 0.5F;
+    skylight.worldFromLight =
+        glm::rotate(glm::translate(glm::dmat4(1.0), {-1.5, 0.0, 1.5}), 0.6, {0.0, 1.0, 0.0});
+    PlacedLight dome = MakeLight(LightType::Dome);
+    double through = 0.0;
+    const glm::dvec3 normal = glm::normalize(glm::dvec3(0.1, -0.2, 1.0));
+    for (const PlacedLight& rect : {window, skylight}) {
+        dome.portals.push_back({rect.worldFromLight, rect.light.width, rect.light.height});
+        through += PolygonIrradiance(RectCorners(rect), glm::dvec3(0.0), normal);
+    }
+    SetLights({dome});
+    Expect("two portals", {0, 0, 0}, normal, through, false);
+    Expect("behind the portals", {0, 0, 5}, {0, 0, 1}, kPi);
+    SetLights({dome, MakeLight(LightType::Dome)});
+    Expect("two portals, and a dome without", {0, 0, 0}, normal, through, false);
+    dome.light.shadow.color = {0.5F, 0.5F, 0.5F}; // found by light samples alone
+    SetLights({dome});
+    Expect("a dome that is only sampled", {0, 0, 0}, normal, kPi);
+    dome.light.shadow.color = {0.0F, 0.0F, 0.0F};
+    dome.light.textureFile.authoredPath = "dome.exr";
+    SetLights({dome}, GradientImage());
+    Expect("a dome with an image", {0, 0, 0}, normal, kPi + 2.0 * kPi / 3.0 * normal.y);
 }
 
 /// A rect with an image of two columns, 2 and 0, and rows of 1 and 3 times that: bright where +x

@@ -168,6 +168,16 @@ TEST_F(LightChiSquareTest, RectAndDisk) {
                        {1, 1, 1, 9, 9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 3, 3, 3},
                        0});
             Check("rect with an image", point, glm::dvec3(0.0), domain, seed++);
+            PlacedLight dome = MakeLight(LightType::Dome);
+            dome.portals.push_back({m, 2.0F, 1.0F});
+            SetLights({dome});
+            LightDomain throughPortal = domain; // the light beyond it is at infinity
+            throughPortal.toSquare = [=](const glm::dvec3& direction, const glm::dvec3&) {
+                const glm::dvec3 d = glm::dmat3(inverse) * direction;
+                const glm::dvec3 p = q - d * (q.z / d.z);
+                return Square{0.5 * p.x + 0.5, p.y + 0.5};
+            };
+            Check("portal", point, glm::dvec3(0.0), throughPortal, seed++);
             PlacedLight disk = MakeLight(LightType::Disk);
             disk.light.radius = 1.0F;
             disk.worldFromLight = m;

@@ -322,6 +322,26 @@ TEST(LightTableTest, IgnoredInputsWarn) {
     EXPECT_EQ(warnings.Lines().size(), 1U);
 }
 
+TEST(LightTableTest, PortalsAreRectsOfTheirDome) {
+    PlacedLight dome = Make(LightType::Dome);
+    Warnings warnings;
+    const LightTable without = Build({dome}, warnings);
+    EXPECT_FALSE(without.hasPortals);
+    EXPECT_EQ(without.lights[0].treePath, HDS_NONE);
+    dome.portals.push_back({glm::scale(glm::dmat4(1.0), {0.0, 1.0, 1.0}), 1.0F, 1.0F});
+    dome.portals.push_back({glm::scale(glm::dmat4(1.0), {2.0, 3.0, 1.0}), 0.5F, 1.0F});
+    const LightTable table = Build({dome}, warnings);
+    ASSERT_EQ(warnings.Lines().size(), 1U);
+    EXPECT_NE(warnings.Lines()[0].find("portal"), std::string::npos);
+    EXPECT_TRUE(table.hasPortals);
+    const std::uint32_t base = table.lights[0].treePath;
+    EXPECT_EQ(Word(table, base), 1U);
+    shared::HdsLight portal;
+    std::memcpy(&portal, &table.cdf.at(base + HDS_DOME_PORTALS), sizeof(portal));
+    EXPECT_FLOAT_EQ(portal.params[0], 1.0F);
+    EXPECT_FLOAT_EQ(portal.params[1], 3.0F);
+}
+
 /// What says the same as nothing costs nothing: no record, no feature of the kernels.
 TEST(LightTableTest, OnlyWhatShapesHasAShaping) {
     const auto isShaped = [](const PlacedLight& light) {

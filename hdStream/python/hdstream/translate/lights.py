@@ -19,7 +19,7 @@ _SYNC_MODES = {
     "materialGlowTintsLight": _core.MaterialSyncMode.GlowTintsLight,
     "independent": _core.MaterialSyncMode.Independent,
 }
-UNSUPPORTED_LIGHT_TYPES = ("PortalLight", "GeometryLight", "PluginLight")
+UNSUPPORTED_LIGHT_TYPES = ("GeometryLight", "PluginLight")
 _DISTANT_INTENSITY = 50000.0  # UsdLuxDistantLight's fallback; that of all others is 1
 
 _FLOATS = ("intensity", "exposure", "diffuse", "specular", "colorTemperature", "angle", "radius",
@@ -119,14 +119,30 @@ def PoleTransform(prim, typeName):
     return _Z_FROM_Y if axis == "Z" else None
 
 
+def ReadPortals(prim, names, timeCode, warn):
+    """(worldFromPortal, width, height) of the PortalLights that a dome names; warn(prim, message) of what is none."""
+    if "portals" not in names:
+        return []
+    portals = []
+    for path in prim.GetRelationship("portals").GetForwardedTargets():
+        portal = prim.GetStage().GetPrimAtPath(path)
+        if not portal or portal.GetTypeName() != "PortalLight":
+            warn(prim, f"portal {path} is no PortalLight; left out")
+            continue
+        matrix = UsdGeom.Xformable(portal).ComputeLocalToWorldTransform(timeCode)
+        # Schemas before width and height: "The rectangle is 1 unit in length."
+        sizes = [portal.GetAttribute(f"inputs:{name}") for name in ("width", "height")]
+        values = [size.Get(timeCode) if size else None for size in sizes]
+        portals.append((matrix, *(1.0 if value is None else float(value) for value in values)))
+    return portals
+
+
 def UnsupportedFeatures(prim, names):
     """Names of authored light features that the renderer does not have yet, sorted."""
     features = set()
     for name in names:
         if name == "light:filters":
             features.update(f"light filter {path}" for path in prim.GetRelationship(name).GetForwardedTargets())
-        elif name == "portals" and prim.GetRelationship(name).GetTargets():
-            features.add("portals")
         elif name.startswith("inputs:") and prim.GetAttribute(name).HasAuthoredConnections():
             features.add(f"a shader on {name}")
     return sorted(features)

@@ -348,6 +348,8 @@ class StageTranslator:
             placement.worldFromObject = np.array(pole * state.matrix)
         lightPrim = _core.LightPrim(light, placement)
         lightPrim.links = self._links.Read(prim, names)
+        for matrix, width, height in lights.ReadPortals(prim, names, self._timeCode, self._reports.Warn):
+            lightPrim.AddPortal(np.array(matrix), width, height)
         self._session.SetLight(path, lightPrim)
         return state
 
