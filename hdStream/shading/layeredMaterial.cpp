@@ -78,11 +78,12 @@ public:
         const ShaderValue emission =
             Multiply(Scalar("emission", 0.0F), Color("emission_color", 1.0F), 3);
         Set(HDS_INPUT_EMISSIVE_COLOR, Multiply(emission, tint, 3));
+        SetFilm(MakeScalar(1.0F), Scalar("thin_film_thickness", 0.0F),
+                Scalar("thin_film_IOR", 1.5F));
         SetOpacity(Color("opacity", 1.0F));
         SetNormal("normal");
         Approximate("subsurface", "subsurface scattering is drawn as diffuse reflection");
-        Ignore({"transmission_extra_roughness", "transmission_dispersion", "coat_anisotropy",
-                "thin_film_thickness"});
+        Ignore({"transmission_extra_roughness", "transmission_dispersion", "coat_anisotropy"});
         IgnoreColor("transmission_scatter");
         IgnoreConnected({"coat_normal", "tangent"});
         return Take();
@@ -129,10 +130,13 @@ public:
         const ShaderValue emission =
             Multiply(Scalar("emission_luminance", 0.0F), Color("emission_color", 1.0F), 3);
         Set(HDS_INPUT_EMISSIVE_COLOR, Multiply(emission, tint, 3));
+        const ShaderValue nanometres =
+            Multiply(Scalar("thin_film_thickness", 0.5F), MakeScalar(1000.0F), 1);
+        SetFilm(Scalar("thin_film_weight", 0.0F), nanometres, Scalar("thin_film_ior", 1.4F));
         SetOpacity(Scalar("geometry_opacity", 1.0F));
         SetNormal("geometry_normal");
         Approximate("subsurface_weight", "subsurface scattering is drawn as diffuse reflection");
-        Ignore({"transmission_dispersion_scale", "coat_roughness_anisotropy", "thin_film_weight"});
+        Ignore({"transmission_dispersion_scale", "coat_roughness_anisotropy"});
         IgnoreColor("transmission_scatter");
         IgnoreConnected({"geometry_coat_normal", "geometry_tangent", "geometry_coat_tangent"});
         return Take();
@@ -173,7 +177,9 @@ public:
             Set(HDS_INPUT_OPACITY_THRESHOLD, Scalar("alpha_cutoff", 0.5F));
         }
         SetNormal("normal");
-        Ignore({"iridescence", "anisotropy_strength", "dispersion"});
+        SetFilm(Scalar("iridescence", 0.0F), Scalar("iridescence_thickness", 100.0F),
+                Scalar("iridescence_ior", 1.3F));
+        Ignore({"anisotropy_strength", "dispersion"});
         IgnoreConnected({"clearcoat_normal", "tangent"});
         return Take();
     }
@@ -241,6 +247,15 @@ private:
     void SetStretch(const ShaderValue& along, const ShaderValue& across, const ShaderValue& turns) {
         Set(HDS_INPUT_STRETCH,
             MakeMath(HDS_MATH_COMBINE, {along, across, turns, MakeScalar(0.0F)}, 4));
+    }
+
+    /// \param thickness in nanometres
+    void SetFilm(const ShaderValue& weight, const ShaderValue& thickness,
+                 const ShaderValue& index) {
+        if (!IsAll(weight, 0.0F) && !IsAll(thickness, 0.0F)) {
+            Set(HDS_INPUT_FILM,
+                MakeMath(HDS_MATH_COMBINE, {weight, thickness, index, MakeScalar(0.0F)}, 4));
+        }
     }
 
     void SetTransmission(const char* weight, const char* color, const char* depth) {
@@ -367,6 +382,7 @@ private:
         _result.lobes = HDS_LOBE_BASE | (Has(HDS_INPUT_CLEARCOAT) ? HDS_LOBE_COAT : 0U) |
                         (Has(HDS_INPUT_SHEEN) ? HDS_LOBE_SHEEN : 0U) |
                         (_result.values[HDS_INPUT_STRETCH] ? HDS_LOBE_ANISOTROPY : 0U) |
+                        (_result.values[HDS_INPUT_FILM] ? HDS_LOBE_FILM : 0U) |
                         (Has(HDS_INPUT_TRANSMISSION) ? HDS_LOBE_TRANSMISSION : 0U) |
                         (Has(HDS_INPUT_TRANSLUCENCY) ? HDS_LOBE_TRANSLUCENCY : 0U);
         // What belongs to lobes that are not there would only make programs longer.

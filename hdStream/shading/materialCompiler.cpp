@@ -52,6 +52,7 @@ const InputRow kInputs[HDS_NUM_LAYERED_INPUTS] = {
     {"transmissionColor", 3, {}},
     {"absorption", 3, {}},
     {"translucency", 3, {}},
+    {"film", 3, {}},
 };
 
 void SetConstant(shared::HdsMaterial& material, std::uint32_t input,

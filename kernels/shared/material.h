@@ -40,7 +40,8 @@
 #define HDS_INPUT_TRANSMISSION_COLOR 23
 #define HDS_INPUT_ABSORPTION 24   /* of the interior, per unit of length */
 #define HDS_INPUT_TRANSLUCENCY 25 /* colour of diffuse transmission */
-#define HDS_NUM_LAYERED_INPUTS 26
+#define HDS_INPUT_FILM 26         /* x: weight of a thin film, y: nanometres, z: its index */
+#define HDS_NUM_LAYERED_INPUTS 27
 
 /* HdsMaterial.flags */
 #define HDS_MATERIAL_SPECULAR_WORKFLOW 1u
@@ -63,7 +64,8 @@
 #define HDS_LOBE_ANISOTROPY 8u
 #define HDS_LOBE_TRANSMISSION 16u /* refraction */
 #define HDS_LOBE_TRANSLUCENCY 32u /* diffuse transmission */
-#define HDS_LOBES_ALL 63u
+#define HDS_LOBE_FILM 64u         /* a thin film over the base */
+#define HDS_LOBES_ALL 127u
 
 HDS_SHARED_BEGIN
 typedef struct {

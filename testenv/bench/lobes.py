@@ -46,6 +46,10 @@ CASES = {
     **{f"sheen {r}": (dict(base_color=_RED, specular=0.0, sheen=1.0, sheen_roughness=r),
                       {"Base Color": _RED, "Specular IOR Level": 0.0, "Sheen Weight": 1.0, "Sheen Roughness": r}, None)
        for r in (0.3, 0.8)},
+    "film": (dict(base_color=(0.02,) * 3, specular_roughness=0.2, thin_film_thickness=400.0, thin_film_IOR=1.8),
+             {"Base Color": (0.02,) * 3, "Roughness": 0.2, "Thin Film Thickness": 400.0, "Thin Film IOR": 1.8}, None),
+    "film on metal": (dict(base_color=_GOLD, metalness=1.0, specular_roughness=0.2, thin_film_thickness=400.0, thin_film_IOR=1.8),
+                      {"Base Color": _GOLD, "Metallic": 1.0, "Roughness": 0.2, "Thin Film Thickness": 400.0, "Thin Film IOR": 1.8}, None),
     "glass": (dict(_GLASS, specular_roughness=0.0), {"Base Color": (1.0, 1.0, 1.0), "Transmission Weight": 1.0, "Roughness": 0.0},
               {"type": "dielectric", "int_ior": 1.5, "ext_ior": 1.0}),
     **{f"glass {r}": (dict(_GLASS, specular_roughness=r), {"Base Color": (1.0, 1.0, 1.0), "Transmission Weight": 1.0, "Roughness": r},

@@ -73,11 +73,11 @@ def test_opacity_shows_what_is_behind(tmp_path):
 
 def test_what_is_left_out_is_said_once(tmp_path):
     stage = author.NewStage(str(tmp_path / "stage.usda"))
-    material = AddSurface(stage, "/World/Look", subsurface=0.5, thin_film_thickness=300.0)
+    material = AddSurface(stage, "/World/Look", subsurface=0.5, coat_anisotropy=0.5)
     for i in range(3):
         author.AddMesh(stage, f"/World/Ball{i}", shapes.Sphere(1.0, 8, 16), material=material, translate=(i, 0, 0))
     author.AddCamera(stage)
     stage.GetRootLayer().Save()
     warnings = ours.Render(stage.GetRootLayer().realPath, 4, 4, samples=1).warnings
-    for name in ("subsurface of /World/Look/Surface", "thin_film_thickness of /World/Look/Surface"):
+    for name in ("subsurface of /World/Look/Surface", "coat_anisotropy of /World/Look/Surface"):
         assert len([text for text in warnings if name in text]) == 1, warnings
