@@ -56,13 +56,17 @@ public:
             {"trianglewave", &LibraryNode::TriangleWave},
             {"mincomponent", &LibraryNode::ExtremeComponent},
             {"maxcomponent", &LibraryNode::ExtremeComponent},
+            {"logical", &LibraryNode::Logical},
         };
         if (_id.category == "gltf") {
             return Gltf(output);
         }
         const auto found = kFunctions.find(_id.category);
-        return found == kFunctions.end() ? EvaluateColorNode(_network, _node)
-                                         : std::optional((this->*found->second)());
+        if (found != kFunctions.end()) {
+            return (this->*found->second)();
+        }
+        const auto map = EvaluateMapNode(_network, _node);
+        return map ? map : EvaluateColorNode(_network, _node);
     }
 
 private:
@@ -483,6 +487,20 @@ private:
         return result;
     }
 
+    /// Of booleans, 0 and 1.
+    ShaderValue Logical() {
+        _n = 1;
+        const std::string& id = _node.identifier;
+        if (id == "ND_logical_not") {
+            return OneMinus(In("in", 0.0F));
+        }
+        const ShaderValue a = In("in1", 0.0F);
+        const ShaderValue b = In("in2", 0.0F);
+        return id == "ND_logical_and"  ? Multiply(a, b)
+               : id == "ND_logical_or" ? Math(HDS_MATH_MAX, {a, b})
+                                       : OneMinus(Math(HDS_MATH_EQUAL, {a, b}));
+    }
+
     // glTF's images: placed the other way round than place2d.
     ShaderValue GltfImage(std::uint32_t numComponents, const std::array<float, 4>& fallback) {
         const ShaderValue one = MakeScalar(1.0F);
@@ -502,6 +520,10 @@ private:
         }
         if (isOne("ND_gltf_image")) {
             return Multiply(Spread(GltfImage(std::max(_n, 1U), {})), In("factor", 1.0F));
+        }
+        if (isOne("ND_gltf_iridescence_thickness")) {
+            const ShaderValue share = ChannelOf(GltfImage(3, {}), 1);
+            return Mix(In("thicknessMax", 400.0F), In("thicknessMin", 100.0F), share);
         }
         if (!isOne("ND_gltf_colorimage")) {
             return std::nullopt;

@@ -58,6 +58,7 @@ private:
         std::uint32_t numComponents = 0;
         std::string input = "file"; ///< names the image
         std::array<float, 4> fallback{};
+        std::uint32_t number = 0; ///< of several look-ups of one image
     };
     ShaderValue EvaluateImage(const MaterialNode& node, const ImageRequest& request);
     ShaderValue MakeImage(const MaterialNode& node, const ImageRequest& request);
@@ -67,6 +68,7 @@ private:
     friend class PatternNode;
     friend class PatternEvaluator;
     friend class LibraryNode;
+    friend class MapNode;
     ShaderValue MakeTexture(const MaterialNode& node);
     std::vector<std::uint32_t> FindTiles(const MaterialNode& node, const AssetReference& file,
                                          const std::string& input, std::vector<ImageFacts>* facts);

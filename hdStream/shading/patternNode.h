@@ -93,6 +93,9 @@ protected:
 std::optional<ShaderValue> EvaluateLibraryNode(NetworkEvaluator& network, const MaterialNode& node,
                                                const std::string& output);
 
+/// Of those the nodes that look images up elsewhere than at coordinates.
+std::optional<ShaderValue> EvaluateMapNode(NetworkEvaluator& network, const MaterialNode& node);
+
 /// Of those the nodes that correct and composite colours.
 std::optional<ShaderValue> EvaluateColorNode(NetworkEvaluator& network, const MaterialNode& node);
 

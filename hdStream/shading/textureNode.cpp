@@ -254,14 +254,18 @@ ShaderValue NetworkEvaluator::MakeImage(const MaterialNode& node, const ImageReq
     }
     const bool isUdim = IsUdim(file);
     const bool isPeriodic = node.identifier.compare(0, 8, "ND_tiled") == 0 ||
-                            node.identifier.compare(0, 12, "ND_triplanar") == 0;
+                            node.identifier.compare(0, 12, "ND_triplanar") == 0 ||
+                            node.identifier.compare(0, 16, "ND_hextiledimage") == 0;
+    const bool isLatLong = node.identifier.compare(0, 15, "ND_latlongimage") == 0;
     const auto modeOf = [&](const char* input) {
         return isUdim       ? std::uint32_t{HDS_WRAP_CLAMP}
                : isPeriodic ? std::uint32_t{HDS_WRAP_REPEAT}
                             : AddressModeOf(node, input);
     };
-    expression->lookup = HDS_LOOKUP_WRAPS(modeOf("uaddressmode"), modeOf("vaddressmode")) |
-                         (isUdim ? HDS_LOOKUP_UDIM : 0U);
+    expression->lookup =
+        (isLatLong ? HDS_LOOKUP_WRAPS(HDS_WRAP_REPEAT, HDS_WRAP_MIRROR)
+                   : HDS_LOOKUP_WRAPS(modeOf("uaddressmode"), modeOf("vaddressmode"))) |
+        (isUdim ? HDS_LOOKUP_UDIM : 0U);
     expression->operands = {request.coordinates, fallback,
                             MakeConstant({1.0F, 1.0F, 1.0F, 1.0F}, 4), MakeConstant({}, 4)};
     return {std::move(expression), HDS_CHANNEL_ALL, 4};
@@ -271,7 +275,7 @@ ShaderValue NetworkEvaluator::MakeImage(const MaterialNode& node, const ImageReq
 ShaderValue NetworkEvaluator::EvaluateImage(const MaterialNode& node, const ImageRequest& request) {
     const std::uint32_t numComponents = request.numComponents;
     const std::uint32_t channels = (1U << numComponents) - 1U;
-    const std::string key = node.path + "." + request.input;
+    const std::string key = node.path + "." + request.input + "." + std::to_string(request.number);
     auto known = _lookups.find(key);
     if (known == _lookups.end()) {
         known = _lookups.emplace(key, MakeImage(node, request)).first;

@@ -6,6 +6,7 @@
 #ifndef HDS_SHARED_PROGRAM_MATH_H
 #define HDS_SHARED_PROGRAM_MATH_H
 #include "shared/programNoise.h"
+#include "shared/programTiles.h"
 #ifndef __OPENCL_VERSION__
 #include <cmath>
 #endif
@@ -64,6 +65,7 @@
 /* Likewise: three numbers in [0, 1] of the nearest point's cell. */
 #define HDS_MATH_WORLEY2_CELL 66u
 #define HDS_MATH_WORLEY3_CELL 67u
+#define HDS_MATH_HEXTILE 68u /* as math_hextile */
 
 HDS_SHARED_BEGIN
 #ifndef __OPENCL_VERSION__
@@ -236,6 +238,8 @@ HDS_FUNCTION float4 math_special(u32 function, const float4* a) {
         return HDS_FLOAT4(math_fractal(a[0], a[1].x, a[2].x, a[3].x, 0u, false),
                           math_fractal(a[0], a[1].x, a[2].x, a[3].x, 8u, false),
                           math_fractal(a[0], a[1].x, a[2].x, a[3].x, 16u, false), 0.0f);
+    case HDS_MATH_HEXTILE:
+        return math_hextile(a[0], a[1], a[2]);
     default: /* HDS_MATH_WORLEY... */
         return math_worley(a[0], a[1].x,
                            function == HDS_MATH_WORLEY3 || function == HDS_MATH_WORLEY3_CELL,

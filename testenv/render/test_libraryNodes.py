@@ -46,6 +46,45 @@ def _Image(inputs):
     return np.array([*(inputs["texcoord"] % 1), share])
 
 
+def _Hextiled(inputs, st=_ST):
+    """By Mikkelsen 2022 and the text of MaterialX's hextiledimage, with matrices."""
+    size = 2 * np.sqrt(3)
+    toGrid = np.array([[1, -0.57735027], [0, 1.15470054]])
+    grid = toGrid @ (np.asarray(st) * inputs["tiling"] * size)
+    x, y = grid - np.floor(grid)
+    if x + y < 1:
+        tiles = [((0, 0), 1 - x - y), ((0, 1), y), ((1, 0), x)]
+    else:
+        tiles = [((1, 1), x + y - 1), ((1, 0), 1 - y), ((0, 1), 1 - x)]
+    colors, weights, lights = [], [], []
+    for offset, weight in tiles:
+        cell = np.floor(grid) + offset
+        center = np.linalg.inv(toGrid) @ (cell / size)
+        p = np.modf((cell + 0.12345)[[0, 1, 0]] * (0.1031, 0.1030, 0.0973))[0] % 1
+        p = p + p @ (p[[1, 2, 0]] + 33.33)
+        random = (p[0] + p[1:]) * p[[2, 1]] % 1
+        angle = np.radians(inputs["rotationrange"][0] + np.ptp(inputs["rotationrange"]) * random[0] * inputs["rotation"])
+        scale = 1 + inputs["scale"] * (inputs["scalerange"][0] + np.ptp(inputs["scalerange"]) * random[1] - 1)
+        move = inputs["offsetrange"][0] + np.ptp(inputs["offsetrange"]) * random * inputs["offset"]
+        turned = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        place = turned @ (np.asarray(st) * inputs["tiling"] - center) / scale + center + move
+        colors.append(_Image(dict(file=inputs["file"], texcoord=place)))
+        lights.append(1 - inputs["falloffcontrast"] + inputs["falloffcontrast"] * (colors[-1] @ inputs["lumacoeffs"]))
+        weights.append(lights[-1] * weight ** 7)
+    weights = np.array(weights) / np.sum(weights)
+    a = (1 / inputs["falloff"] - 2) * (1 - 2 * weights)
+    weights = np.where(weights < 0.5, weights / (a + 1), (a - weights) / (a - 1))
+    return weights / weights.sum() @ np.array(colors)
+
+
+def _Tiles(**inputs):
+    given = dict(file="z.exr", tiling=(1.3, 0.9), rotation=0.2, rotationrange=(0.0, 360.0), scale=0.5, scalerange=(0.5, 2.0), offset=1.0,
+                 offsetrange=(0.0, 1.0), falloff=0.5, falloffcontrast=0.5, lumacoeffs=(0.2722287, 0.6740818, 0.0536895))
+    given.update(inputs)
+    return _Hextiled({name: value if isinstance(value, str) else np.asarray(value) for name, value in given.items()}), \
+        "hextiledimage", "color3", given
+
+
 def _Graph(category, types, **inputs):
     """A case whose value its node graph gives."""
     given = {name: _ST if value == "ST" else value for name, value in inputs.items()}
@@ -121,6 +160,16 @@ _CASES = {
     "gltf_image": ((0.5 * 0.3, 0.5 * 0.5, 0.9 * 0.7), "gltf_image", "color3_color3_1_0",
                    dict(file="z.exr", texcoord=(0.25, 0.75), scale=(2.0, 2.0), factor=(0.3, 0.5, 0.7))),
     "gltf_normalmap": ((0.5, 0.2, 0.8), "gltf_normalmap", "vector3_1_0", dict(file="z.exr", texcoord=(0.75, 0.6))),
+    "gltf_iridescence_thickness": _Graph("gltf_iridescence_thickness", "float_1_0", file="z.exr", texcoord=(0.25, 0.6),
+                                         thicknessMin=0.25, thicknessMax=0.75),
+    "latlongimage": _Graph("latlongimage", "", file="z.exr", viewdir=(0.48, 0.6, 0.64), rotation=70.0),
+    "latlongimage_behind": _Graph("latlongimage", "", file="z.exr", viewdir=(0.48, -0.6, -0.64)),
+    "hextiledimage": _Tiles(),
+    "hextiledimage_gain": _Tiles(tiling=(4.0, 4.0), falloff=0.3, falloffcontrast=0.8),
+    **{f"logical_{name}{a}{b}": (float(value), "convert", "boolean_float",
+                                 {"in": (f"logical_{name}", "", dict(in1=bool(a), in2=bool(b)))})
+       for a, b in ((0, 0), (0, 1), (1, 1)) for name, value in (("and", a and b), ("or", a or b), ("xor", a != b))},
+    "logical_not": (1.0, "convert", "boolean_float", {"in": ("logical_not", "", {"in": False})}),
     "viewdirection": ((0, 0, 1), "absval", "vector3", dict(**{"in": ("viewdirection", "vector3", {})})),
     "facingratio": (1.0, "facingratio", "float", {}),
     "facingratio_inverted": (0.0, "facingratio", "float", dict(invert=True)),
@@ -239,7 +288,7 @@ def bumps(tmp_path_factory):
 def test_node(strip, name):
     expected = np.asarray(_CASES[name][0], float)[..., :3] if np.ndim(_CASES[name][0]) else _CASES[name][0]
     expected = np.maximum(np.broadcast_to(expected if np.size(expected) > 1 else np.ravel(expected)[0], 3), 0)
-    isImage = name.startswith(("triplanar", "gltf"))  # texels are kept in half precision
+    isImage = name.startswith(("triplanar", "gltf", "latlong", "hextiled"))  # texels are kept in half precision
     assert strip.Pixels(name)[:, :3] == pytest.approx(np.tile(expected, (4, 1)), abs=5e-4 if isImage else 3e-5), name
 
 
