@@ -146,11 +146,15 @@ private:
 
     /// Of those that the mesh has, sorted.
     std::vector<std::string> ReadPrimvars(const MeshPrim& prim) const {
-        std::set<std::string> asked = _materials.PrimvarsOf(prim);
-        asked.insert(_options.shownPrimvars.begin(), _options.shownPrimvars.end());
+        const std::vector<const std::set<std::string>*> asked = _materials.PrimvarsOf(prim);
+        const std::vector<std::string>& shown = _options.shownPrimvars;
         std::set<std::string> read;
         for (const Primvar& primvar : prim.mesh->primvars) {
-            if (asked.count(primvar.name) > 0) {
+            const bool isAsked =
+                std::any_of(asked.begin(), asked.end(), [&](const std::set<std::string>* names) {
+                    return names->count(primvar.name) > 0;
+                });
+            if (isAsked || std::find(shown.begin(), shown.end(), primvar.name) != shown.end()) {
                 read.insert(primvar.name);
             }
         }

@@ -33,15 +33,17 @@ bool IsOfCard(const std::string& materialPath) {
 
 void MaterialCommit::Compile(
     const std::vector<const std::pair<const std::string, MeshPrim>*>& prims) {
-    _compiled[""] = &_displayColor;
+    _displayColor.compiled = DisplayColorMaterial();
+    _displayColor.primvars = hds::PrimvarsOf(_displayColor.compiled);
+    _used[""] = &_displayColor;
     std::vector<const std::pair<const std::string, std::shared_ptr<const MaterialNetwork>>*>
         missing;
     const auto use = [&](const std::string& primPath, const std::string& materialPath) {
-        if (_compiled.count(materialPath) > 0) {
+        if (_used.count(materialPath) > 0) {
             return;
         }
-        const CompiledMaterial*& compiled = _compiled[materialPath];
-        compiled = &_displayColor;
+        const CachedMaterial*& used = _used[materialPath];
+        used = &_displayColor;
         const auto found = _scene.materials.find(materialPath);
         if (found == _scene.materials.end()) {
             if (!IsOfCard(materialPath)) {
@@ -51,7 +53,7 @@ void MaterialCommit::Compile(
             return;
         }
         CachedMaterial& cached = _cache[materialPath];
-        compiled = &cached.compiled;
+        used = &cached;
         if (cached.network != found->second) {
             missing.push_back(&*found);
             return;
@@ -87,11 +89,8 @@ MaterialCommit::CompileNetwork(const std::string& path,
     };
     queries.findTiles = ImageLibrary::FindTiles;
     result.compiled = CompileMaterial(*network, path, queries, _warnings);
+    result.primvars = hds::PrimvarsOf(result.compiled);
     return result;
-}
-
-const CompiledMaterial& MaterialCommit::Find(const std::string& materialPath) const {
-    return *_compiled.at(materialPath);
 }
 
 std::uint32_t MaterialCommit::AddRecord(const shared::HdsMaterial& record) {
@@ -177,10 +176,10 @@ std::vector<DisplacementInput> MaterialCommit::DisplacementsOf(const MeshPrim& p
     return displacements;
 }
 
-std::set<std::string> MaterialCommit::PrimvarsOf(const MeshPrim& prim) const {
-    std::set<std::string> names;
+std::vector<const std::set<std::string>*> MaterialCommit::PrimvarsOf(const MeshPrim& prim) const {
+    std::vector<const std::set<std::string>*> names;
     for (const std::string& materialPath : EntryPaths(prim)) {
-        AddPrimvarsOf(Find(materialPath), &names);
+        names.push_back(&_used.at(materialPath)->primvars);
     }
     return names;
 }

@@ -31,6 +31,7 @@ struct MeshMaterialInfo {
 struct CachedMaterial {
     std::shared_ptr<const MaterialNetwork> network;
     CompiledMaterial compiled;
+    std::set<std::string> primvars;     ///< that it may read
     std::vector<AssetReference> images; ///< asked for, readable or not
 };
 
@@ -57,8 +58,9 @@ public:
     /// By material entry, as AddMesh adds them; reads images of heights. Precondition: compiled.
     std::vector<DisplacementInput> DisplacementsOf(const MeshPrim& prim) const;
 
-    /// Names of the primvars that the materials of a mesh may read. Precondition: compiled.
-    std::set<std::string> PrimvarsOf(const MeshPrim& prim) const;
+    /// Names of the primvars that the materials of a mesh may read, by entry. Precondition:
+    /// compiled.
+    std::vector<const std::set<std::string>*> PrimvarsOf(const MeshPrim& prim) const;
 
     std::vector<shared::HdsMaterial> materials;
     std::vector<std::uint32_t> meshMaterials;
@@ -71,7 +73,9 @@ private:
     std::uint32_t AddRecord(const shared::HdsMaterial& record);
     std::uint32_t AddProgram(const std::vector<std::uint32_t>& words);
     std::vector<std::uint32_t> AddTextures(const CompiledMaterial& material);
-    const CompiledMaterial& Find(const std::string& materialPath) const;
+    const CompiledMaterial& Find(const std::string& materialPath) const {
+        return _used.at(materialPath)->compiled;
+    }
     MaterialSyncMode SyncModeOf(const MeshPrim& prim, const std::string& materialPath) const;
     std::vector<std::string> EntryPaths(const MeshPrim& prim) const;
     CachedMaterial CompileNetwork(const std::string& path,
@@ -81,8 +85,8 @@ private:
     MaterialCache& _cache;
     ImageLibrary& _images;
     Warnings& _warnings;
-    std::map<std::string, const CompiledMaterial*> _compiled; ///< by path; "": no material
-    CompiledMaterial _displayColor = DisplayColorMaterial();
+    std::map<std::string, const CachedMaterial*> _used; ///< by path; "": no material
+    CachedMaterial _displayColor;
     CompiledMaterial _black = BlackMaterial();
     std::map<std::string, std::uint32_t> _indexByBytes;
     std::map<std::vector<std::uint32_t>, std::uint32_t> _programByWords;

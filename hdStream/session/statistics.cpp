@@ -130,7 +130,6 @@ std::string MakeStatistics(const StatisticsInput& in) {
                      {"shadow", render.shadowRays},
                      {"perSecond", render.renderSeconds > 0.0 ? rays / render.renderSeconds : 0.0}};
     stats["accuracy"] = {{"nanSamples", render.nanSamples},
-                         {"clampedSamples", 0},
                          {"endedPasses", render.endedPasses},
                          {"meanRelativeError", render.meanRelativeError}};
     stats["wave"] = {{"size", render.waveSize},

@@ -23,18 +23,20 @@ void AddPrimvars(const ShaderValue& value, Visited* visited, std::set<std::strin
 
 } // namespace
 
-void AddPrimvarsOf(const CompiledMaterial& material, std::set<std::string>* names) {
+std::set<std::string> PrimvarsOf(const CompiledMaterial& material) {
+    std::set<std::string> names;
     Visited visited;
     for (const ShaderValue& value : material.values) {
-        AddPrimvars(value, &visited, names);
+        AddPrimvars(value, &visited, &names);
     }
     const ShaderValue& normal = material.values[HDS_INPUT_NORMAL];
     if ((material.constants.lobes & HDS_LOBE_ANISOTROPY) != 0 || (normal && HasSlope(normal))) {
-        names->insert(kTangentPrimvars.begin(), kTangentPrimvars.end());
+        names.insert(kTangentPrimvars.begin(), kTangentPrimvars.end());
     }
     if (!material.displacement.primvar.empty()) {
-        names->insert(material.displacement.primvar);
+        names.insert(material.displacement.primvar);
     }
+    return names;
 }
 
 } // namespace hds

@@ -10,8 +10,8 @@
 
 namespace hds {
 
-/// Adds the names of the primvars that a material may read, also where it falls back from one to
+/// The names of the primvars that a material may read, also where it falls back from one to
 /// another, and those that displace.
-void AddPrimvarsOf(const CompiledMaterial& material, std::set<std::string>* names);
+std::set<std::string> PrimvarsOf(const CompiledMaterial& material);
 
 } // namespace hds

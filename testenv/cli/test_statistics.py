@@ -19,7 +19,7 @@ _KEYS = {
     "uploadedBytes evictions tableBytes alwaysResidentBytes lookups misses shadePasses shadeIterations fallbackTexels "
     "setConflicts",
     "rays": "camera indirect shadow perSecond",
-    "accuracy": "nanSamples clampedSamples meanRelativeError",
+    "accuracy": "nanSamples meanRelativeError",
 }
 
 
