@@ -161,6 +161,20 @@ def test_warnings(tmp_path):
         hdstream.Render(str(WriteStage(tmp_path, body)), **SMALL)
 
 
+def test_materialX_files_of_a_stage_that_the_caller_opened_are_named_once(tmp_path):
+    """Reading them would edit the caller's layers."""
+    import hdstream
+    path = WriteStage(tmp_path, SCENE + 'def "Looks" (references = @looks.mtlx@</MaterialX/Materials>) {}')
+    stage = Usd.Stage.Open(str(path))
+    before = stage.GetRootLayer().ExportToString()
+    lines = []
+    renderer = hdstream.Renderer(stage, onWarning=lines.append)
+    renderer.Render(**SMALL)
+    renderer.Render(**SMALL)
+    assert len([line for line in lines if line.startswith("looks.mtlx: is not read in a stage that the caller opened")]) == 1, lines
+    assert stage.GetRootLayer().ExportToString() == before
+
+
 def test_keywords_win_over_the_render_settings_prim(tmp_path):
     import hdstream
     body = SCENE + """def RenderSettings "Render" { int2 resolution = (32, 16); int hdstream:samples = 3

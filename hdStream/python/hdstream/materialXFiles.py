@@ -25,21 +25,29 @@ def ReplaceFiles(stage):
     """Points the stage's layers to what its .mtlx files say now. Returns (file, problem) of those it cannot read."""
     problems = []
     read = set()
-    for layer in stage.GetUsedLayers():
-        for dependency in layer.GetCompositionAssetDependencies():
-            if not dependency.lower().endswith(".mtlx"):
-                continue
-            path = layer.ComputeAbsolutePath(dependency)
-            try:
-                if path not in read:
-                    _layers[path] = _ReadLayer(path)
-                    read.add(path)
-                layer.UpdateCompositionAssetDependency(dependency, _layers[path].identifier)
-            except ImportError:
-                problems.append((dependency, "needs the package MaterialX: pip install MaterialX"))
-            except Exception as error:  # MaterialX's own errors have no common base
-                problems.append((dependency, f"cannot be read: {str(error).splitlines()[0] if str(error) else error!r}"))
+    for layer, dependency in _Dependencies(stage):
+        path = layer.ComputeAbsolutePath(dependency)
+        try:
+            if path not in read:
+                _layers[path] = _ReadLayer(path)
+                read.add(path)
+            layer.UpdateCompositionAssetDependency(dependency, _layers[path].identifier)
+        except ImportError:
+            problems.append((dependency, "needs the package MaterialX: pip install MaterialX"))
+        except Exception as error:  # MaterialX's own errors have no common base
+            problems.append((dependency, f"cannot be read: {str(error).splitlines()[0] if str(error) else error!r}"))
     return problems
+
+
+def UnreadFiles(stage):
+    """The .mtlx files that a stage opened elsewhere refers to and nothing reads: OpenUSD without usdMtlx."""
+    return [] if Sdf.FileFormat.FindByExtension("mtlx") else sorted({dependency for _, dependency in _Dependencies(stage)})
+
+
+def _Dependencies(stage):
+    """(layer, file as it names it)"""
+    return [(layer, dependency) for layer in stage.GetUsedLayers() for dependency in layer.GetCompositionAssetDependencies()
+            if dependency.lower().endswith(".mtlx")]
 
 
 def IsRead(path):

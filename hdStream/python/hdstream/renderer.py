@@ -21,6 +21,7 @@ from hdstream.errors import EXIT_USAGE, CommandError
 from hdstream.framing import FindCamera
 from hdstream.frameSetup import Framing, MakeMetadata, MakeSettings, ShutterOf
 from hdstream.processTime import SecondsSinceStart
+from hdstream.materialXFiles import UnreadFiles
 from hdstream.renderSettings import ReadRenderSettings
 from hdstream.stage import OpenStage
 from hdstream.translate.stageEdits import StageTranslation
@@ -38,7 +39,8 @@ class Renderer:
     Parameters
     ----------
     stage : pxr.Usd.Stage or str
-        A stage that the caller may edit between renders, or the path of one to open.
+        A stage that the caller may edit between renders, or the path of one to open. MaterialX files (.mtlx) are read
+        where it is a path, or where OpenUSD has usdMtlx.
     mask : sequence of str, optional
         Absolute prim paths; only these prims, their ancestors and descendants are loaded. For paths of stages only.
     onWarning : callable, optional
@@ -67,13 +69,16 @@ class Renderer:
         self._isCancelled = threading.Event()
         start = time.perf_counter()
         self._stage: Usd.Stage
+        unread: List[Tuple[str, str]] = []
         if isinstance(stage, Usd.Stage):
             self._stage, self._name = stage, stage.GetRootLayer().identifier
+            unread = [(file, "is not read in a stage that the caller opened, whose layers that would edit; give hdstream.Renderer "
+                       "the stage's path, and edit its `stage`") for file in UnreadFiles(stage)]
         else:
             self._name = os.fspath(stage)
             self._stage = _Raising(OpenStage, self._name, mask)
         self._loadSeconds = time.perf_counter() - start
-        warn, found = self._session.Warn, self._diagnostics.Take()
+        warn, found = self._session.Warn, self._diagnostics.Take() + unread
         # Of opening the stage; the statistics of each frame have it. No method: the stage goes with its renderer.
         self._translation = StageTranslation(self._stage, self._session,
                                              lambda: [warn(subject, text) for subject, text in found])
