@@ -165,7 +165,7 @@ _CASES = {
     "latlongimage": _Graph("latlongimage", "", file="z.exr", viewdir=(0.48, 0.6, 0.64), rotation=70.0),
     "latlongimage_behind": _Graph("latlongimage", "", file="z.exr", viewdir=(0.48, -0.6, -0.64)),
     "hextiledimage": _Tiles(),
-    "hextiledimage_gain": _Tiles(tiling=(4.0, 4.0), falloff=0.3, falloffcontrast=0.8),
+    "hextiledimage_gain": _Tiles(falloff=0.3, falloffcontrast=0.8),
     **{f"logical_{name}{a}{b}": (float(value), "convert", "boolean_float",
                                  {"in": (f"logical_{name}", "", dict(in1=bool(a), in2=bool(b)))})
        for a, b in ((0, 0), (0, 1), (1, 1)) for name, value in (("and", a and b), ("or", a or b), ("xor", a != b))},

@@ -62,7 +62,7 @@ double Airy(const Film& film, double cosine, double wavelength) {
 glm::dvec3 Expected(const Film& film, double cosine) {
     glm::dvec3 sum(0.0);
     glm::dvec3 norm(0.0);
-    for (double wavelength = 340.0; wavelength < 860.0; wavelength += 0.25) {
+    for (double wavelength = 340.0; wavelength < 860.0; wavelength += 0.5) {
         const glm::dvec3 response = Response(wavelength);
         sum += response * Airy(film, cosine, wavelength);
         norm += response;
