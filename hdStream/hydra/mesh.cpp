@@ -149,7 +149,10 @@ void HdStreamMesh::SyncLook(HdSceneDelegate* delegate, HdStreamRenderParam* para
     if (bits & HdChangeTracker::DirtyMaterialId) {
         SetMaterialId(delegate->GetMaterialId(id));
         _prim.materialPath = param->MaterialPath(delegate, GetMaterialId());
-        SyncLight(delegate, param); // Lights have no bit of their own in meshes.
+    }
+    // Lights have no bit of their own in meshes; legacy delegates set that of primvars for inputs.
+    if (bits & (HdChangeTracker::DirtyMaterialId | HdChangeTracker::DirtyPrimvar)) {
+        SyncLight(delegate, param);
     }
     if (bits & HdChangeTracker::DirtyCategories) {
         _prim.categories = HdStreamCategories(delegate->GetCategories(id));

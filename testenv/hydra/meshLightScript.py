@@ -17,7 +17,6 @@ EDITS = {
     "emission": lambda stage: UsdShade.Shader.Get(stage, "/World/Glow/Surface").GetInput("emissiveColor").Set(Gf.Vec3f(2, 1, 0.5)),
     "points": lambda stage: _ScalePoints(UsdGeom.Mesh.Get(stage, _LAMP).GetPointsAttr()),
     "transform": lambda stage: stage.GetPrimAtPath(_LAMP).GetAttribute("xformOp:translate").Set(Gf.Vec3d(0.6, 1.2, 0.1)),
-    "syncMode": lambda stage: UsdLux.LightAPI(stage.GetPrimAtPath(_LAMP)).GetMaterialSyncModeAttr().Set("independent"),
     "prototype": lambda stage: UsdLux.LightAPI(stage.GetPrimAtPath("/World/Bulbs/Bulb")).GetIntensityAttr().Set(1.0),
     "native": lambda stage: UsdLux.LightAPI(stage.GetPrimAtPath("/World/Shared/Bulb")).GetIntensityAttr().Set(2.0),
     "hidden": lambda stage: UsdGeom.Imageable.Get(stage, _LAMP).MakeInvisible(),
