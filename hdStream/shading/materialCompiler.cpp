@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <set>
 #include <utility>
 
 namespace hds {
@@ -215,7 +216,10 @@ DisplacementInput FindDisplacement(NetworkEvaluator& evaluator, const MaterialNo
 }
 
 /// The first look-up or primvar that an emission is made of.
-EmissionInput FindEmission(const ShaderValue& value, const std::vector<MaterialTexture>& textures) {
+/// \param searched functions that hold none: they are shared, and there may be exponentially many
+/// ways to one
+EmissionInput FindEmission(const ShaderValue& value, const std::vector<MaterialTexture>& textures,
+                           std::set<const ShaderExpression*>* searched) {
     constexpr std::array<float, 3> kLuminance = {0.2126F, 0.7152F, 0.0722F};
     EmissionInput emission;
     if (!value || IsConstant(value)) {
@@ -240,15 +244,21 @@ EmissionInput FindEmission(const ShaderValue& value, const std::vector<MaterialT
         }
         return emission;
     }
-    if (expression.kind == ShaderExpression::Kind::Math) {
+    if (expression.kind == ShaderExpression::Kind::Math && searched->insert(&expression).second) {
         for (const ShaderValue& operand : operands) {
-            emission = FindEmission(operand, textures);
+            emission = FindEmission(operand, textures, searched);
             if (!emission.primvar.empty()) {
                 break;
             }
         }
     }
     return emission;
+}
+
+void SetEmission(CompiledMaterial* material) {
+    std::set<const ShaderExpression*> searched;
+    material->emission =
+        FindEmission(material->values[HDS_INPUT_EMISSIVE_COLOR], material->textures, &searched);
 }
 
 /// Of the displacement terminal, a MaterialX displacement node.
@@ -410,8 +420,7 @@ CompiledMaterial CompileMaterial(const MaterialNetwork& network, const std::stri
         SetLayered(material, EvaluateLayered(evaluator, *surface), *surface, materialPath,
                    warnings);
         material.textures = evaluator.Textures();
-        material.emission =
-            FindEmission(material.values[HDS_INPUT_EMISSIVE_COLOR], material.textures);
+        SetEmission(&material);
         material.displacement = MaterialXDisplacement(evaluator, network, materialPath, warnings);
         return material;
     }
@@ -431,7 +440,7 @@ CompiledMaterial CompileMaterial(const MaterialNetwork& network, const std::stri
         warnings.Add(materialPath, "opacityMode is " + mode + "; transparent is used");
     }
     material.textures = evaluator.Textures(); // without what only displaces
-    material.emission = FindEmission(material.values[HDS_INPUT_EMISSIVE_COLOR], material.textures);
+    SetEmission(&material);
     material.displacement = FindDisplacement(evaluator, *surface, materialPath, warnings);
     return material;
 }

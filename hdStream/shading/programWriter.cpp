@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstring>
 #include <map>
+#include <set>
 #include <utility>
 
 namespace hds {
@@ -278,25 +279,44 @@ std::size_t NumOperands(const std::vector<std::uint32_t>& programs, std::size_t 
     }
 }
 
-bool IsMath(const ShaderValue& value) {
-    return value.expression->kind == Kind::Math ||
-           std::any_of(value.expression->operands.begin(), value.expression->operands.end(),
-                       IsMath);
+/// What has been searched: nodes are shared, and there may be exponentially many ways to one.
+using Searched = std::set<const ShaderExpression*>;
+
+bool HasMath(const ShaderValue& value, Searched* searched) {
+    const ShaderExpression& expression = *value.expression;
+    return searched->insert(&expression).second &&
+           (expression.kind == Kind::Math ||
+            std::any_of(expression.operands.begin(), expression.operands.end(),
+                        [&](const ShaderValue& one) { return HasMath(one, searched); }));
+}
+
+bool HasSlope(const ShaderValue& value, Searched* searched) {
+    const ShaderExpression& expression = *value.expression;
+    return searched->insert(&expression).second &&
+           (expression.kind == Kind::Shifted ||
+            std::any_of(expression.operands.begin(), expression.operands.end(),
+                        [&](const ShaderValue& one) { return HasSlope(one, searched); }));
+}
+
+bool HasLookup(const ShaderValue& value, Searched* searched) {
+    const ShaderExpression& expression = *value.expression;
+    return searched->insert(&expression).second &&
+           (expression.kind == Kind::Texture ||
+            (expression.kind == Kind::Math &&
+             std::any_of(expression.operands.begin(), expression.operands.end(),
+                         [&](const ShaderValue& one) { return HasLookup(one, searched); })));
 }
 
 } // namespace
 
 bool HasSlope(const ShaderValue& value) {
-    const ShaderExpression& expression = *value.expression;
-    return expression.kind == Kind::Shifted ||
-           std::any_of(expression.operands.begin(), expression.operands.end(), HasSlope);
+    Searched searched;
+    return HasSlope(value, &searched);
 }
 
 bool HasLookup(const ShaderValue& value) {
-    const ShaderExpression& expression = *value.expression;
-    return expression.kind == Kind::Texture ||
-           (expression.kind == Kind::Math &&
-            std::any_of(expression.operands.begin(), expression.operands.end(), HasLookup));
+    Searched searched;
+    return HasLookup(value, &searched);
 }
 
 std::vector<std::uint32_t> WriteProgram(const std::vector<ProgramInput>& inputs,
@@ -319,8 +339,9 @@ std::vector<std::uint32_t> WriteProgram(const std::vector<ProgramInput>& inputs,
                            [](const auto* one) { return IsInMask(one->input); });
     });
     UseCounts counts;
+    Searched searched;
     if (std::any_of(inputs.begin(), inputs.end(),
-                    [](const ProgramInput& input) { return IsMath(input.value); })) {
+                    [&](const ProgramInput& input) { return HasMath(input.value, &searched); })) {
         for (const auto& group : groups) {
             CountUses(*group[0]->value.expression, &counts);
         }

@@ -2,6 +2,7 @@
 // Networks with textures to programs: what is looked up and how, outputs, transforms, UDIM sets,
 // folding, sharing and limits. Programs are read back by a disassembler of this file.
 #include "hdStream/shading/materialCompiler.h"
+#include "hdStream/shading/materialPrimvars.h"
 #include "hdStream/shading/programWriter.h"
 #include "kernels/shared/geometry.h"
 #include "kernels/shared/programMath.h"
@@ -10,7 +11,9 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <set>
 #include <sstream>
+#include <string>
 
 namespace hds {
 namespace {
@@ -364,6 +367,27 @@ TEST_F(ProgramTest, WhatIsTooDeepForTheMachineKeepsTheDefault) {
     EXPECT_FLOAT_EQ(resolved.record.constants[HDS_INPUT_DIFFUSE_COLOR].x, 0.18F);
     ASSERT_EQ(_warnings.Lines().size(), 1U);
     EXPECT_EQ(_warnings.Lines()[0].rfind("/mesh", 0), 0U);
+}
+
+/// A value that each node uses twice: there are 2^64 ways through the network, which are not gone.
+TEST_F(ProgramTest, ChainsThatShareNodesAreReadOnce) {
+    AddNode("/m/p", "ND_position_vector3");
+    AddNode("/m/0", "ND_magnitude_vector3").connections["in"] = {"/m/p", "out"};
+    for (int i = 0; i < 64; ++i) {
+        const std::string upstream = "/m/" + std::to_string(i);
+        MaterialNode& sum = AddNode("/m/" + std::to_string(i + 1), "ND_add_float");
+        sum.connections["in1"] = {upstream, "out"};
+        sum.connections["in2"] = {upstream, "out"};
+    }
+    AddNode("/m/n", "ND_heighttonormal_vector3").connections["in"] = {"/m/64", "out"};
+    Connect("emissiveColor", "/m/64", "out");
+    Connect("normal", "/m/n", "out");
+    EXPECT_TRUE(Resolve().program.empty());
+    std::set<std::string> primvars;
+    AddPrimvarsOf(_compiled, &primvars);
+    EXPECT_EQ(primvars.count("st"), 1U) << "for the slope";
+    ASSERT_EQ(_warnings.Lines().size(), 1U);
+    EXPECT_NE(_warnings.Lines()[0].find("too deep"), std::string::npos);
 }
 
 TEST(ShaderProgram, SumsAndProductsMayBeOfChosenTexels) {
