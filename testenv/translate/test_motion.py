@@ -7,6 +7,7 @@ from pxr import Usd
 
 from hdstream import _core
 from hdstream.translate import TranslateStage
+from hdstream.translate.motion import ReadShutter
 from translateCase import FOLDER, StageOf
 
 SHUTTER = (-0.25, 0.5)
@@ -65,3 +66,26 @@ def test_nothing_moves_without_shutter_or_frame():
         scene = SceneAt(stage, time, shutter)
         assert not any(prim.mesh.samples or prim.placement.samples for prim in scene.meshes.values())
         assert not any(prim.samples for prim in scene.instancers.values())
+
+
+@pytest.mark.parametrize("value", ["inf", "-inf", "nan", "None"])
+def test_shutters_that_are_no_numbers_are_closed(value):
+    stage = StageOf(f"""
+        def Camera "A"
+        {{
+            double shutter:open = {value}
+            double shutter:close = {value}
+        }}
+        """)
+    assert ReadShutter(stage.GetPrimAtPath("/A"), Usd.TimeCode(1.0)) == (0.0, 0.0)
+
+
+def test_a_shutter_of_a_wrong_type_is_closed():
+    stage = StageOf("""
+        def Camera "A"
+        {
+            double shutter:open = -0.5
+            token shutter:close = "late"
+        }
+        """)
+    assert ReadShutter(stage.GetPrimAtPath("/A"), Usd.TimeCode(1.0)) == (-0.5, 0.0)

@@ -4,6 +4,8 @@
 Times are offsets in frames from the frame, as the core and Hydra have them.
 """
 
+import math
+
 import numpy as np
 from pxr import Usd, UsdGeom, Vt
 
@@ -12,8 +14,9 @@ _NUM_STEPS = 8
 
 
 def ReadShutter(prim, timeCode):
-    """(open, close) of a UsdGeomCamera prim, in frames from the frame."""
-    return tuple(float(prim.GetAttribute(name).Get(timeCode) or 0.0) for name in ("shutter:open", "shutter:close"))
+    """(open, close) of a UsdGeomCamera prim, in frames from the frame; what is no finite number counts as 0."""
+    values = [prim.GetAttribute(name).Get(timeCode) for name in ("shutter:open", "shutter:close")]
+    return tuple(float(value) if isinstance(value, (int, float)) and math.isfinite(value) else 0.0 for value in values)
 
 
 class Motion:
