@@ -54,6 +54,12 @@ struct CommitOptions {
     }
 };
 
+/// What an emission is looked up in.
+struct EmissionImage {
+    std::shared_ptr<const HeightImage> image; ///< null: it cannot be read
+    bool isUsed = false;                      ///< in the present commit
+};
+
 /// What commits of one scene share: whatever did not change is not made again. Results do not
 /// depend on what is in it. Externally synchronised.
 struct CommitCache {
@@ -64,8 +70,8 @@ struct CommitCache {
     ImageLibrary images;
     MaterialCache materials;
     std::shared_ptr<TexturePreparer> textures; ///< never null
-    /// What EmissionGuess reads, by texture and factors.
-    std::map<std::string, std::shared_ptr<const HeightImage>> emissionImages;
+    /// What EmissionGuess has read for the scene as it is, by texture and factors.
+    std::map<std::string, EmissionImage> emissionImages;
     std::string lightKey; ///< all that `lights` is made of
     std::shared_ptr<const LightTable> lights;
 };

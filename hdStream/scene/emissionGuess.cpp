@@ -58,15 +58,16 @@ std::shared_ptr<const HeightImage> FindImage(const EmissionInput& emission,
     if (texture == materials.textures.end()) {
         return nullptr;
     }
-    for (const float factor : emission.factors) {
-        key += '\n' + std::to_string(factor);
+    key += '\n' + std::to_string(cache->images.Epoch()) + '\n';
+    key.append(reinterpret_cast<const char*>(emission.factors.data()), sizeof(emission.factors));
+    key.append(reinterpret_cast<const char*>(&emission.bias), sizeof(emission.bias));
+    auto known = cache->emissionImages.find(key);
+    if (known == cache->emissionImages.end()) {
+        EmissionImage read{ReadImage(*texture, emission, cache)};
+        known = cache->emissionImages.emplace(key, std::move(read)).first;
     }
-    key += '\n' + std::to_string(emission.bias) + '\n' + std::to_string(cache->images.Epoch());
-    const auto known = cache->emissionImages.find(key);
-    if (known != cache->emissionImages.end()) {
-        return known->second;
-    }
-    return cache->emissionImages.emplace(key, ReadImage(*texture, emission, cache)).first->second;
+    known->second.isUsed = true;
+    return known->second.image;
 }
 
 } // namespace

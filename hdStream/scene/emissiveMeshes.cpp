@@ -7,6 +7,7 @@
 #include <glm/matrix.hpp>
 
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace hds {
@@ -27,6 +28,9 @@ public:
         : _input(input), _cache(*cache), _warnings(warnings) {}
 
     EmissiveMeshes Run() {
+        for (auto& [key, image] : _cache.emissionImages) {
+            image.isUsed = false;
+        }
         for (const OwnRecord& record : *_input.ownRecords) {
             const MeshMaterialInfo& info = (*_input.meshInfos)[record.mesh];
             _result.firstEntryByRecord.push_back(std::uint32_t(_result.meshByEntry.size()));
@@ -44,10 +48,18 @@ public:
                               ": the scene has more than " + std::to_string(kMaxEmissiveTriangles) +
                               " emissive triangles");
         }
+        DropImages();
         return std::move(_result);
     }
 
 private:
+    /// Every edit of a factor makes an image: those of before must not stay.
+    void DropImages() {
+        for (auto image = _cache.emissionImages.begin(); image != _cache.emissionImages.end();) {
+            image = image->second.isUsed ? std::next(image) : _cache.emissionImages.erase(image);
+        }
+    }
+
     void AddEntry(const OwnRecord& record, const MeshMaterialInfo& info, std::uint32_t entry) {
         const MeshPrim& prim = _input.scene->meshes.at(record.path);
         const shared::HdsMaterial& material =

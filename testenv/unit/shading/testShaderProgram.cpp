@@ -383,9 +383,7 @@ TEST_F(ProgramTest, ChainsThatShareNodesAreReadOnce) {
     Connect("emissiveColor", "/m/64", "out");
     Connect("normal", "/m/n", "out");
     EXPECT_TRUE(Resolve().program.empty());
-    std::set<std::string> primvars;
-    AddPrimvarsOf(_compiled, &primvars);
-    EXPECT_EQ(primvars.count("st"), 1U) << "for the slope";
+    EXPECT_EQ(PrimvarsOf(_compiled).count("st"), 1U) << "for the slope";
     ASSERT_EQ(_warnings.Lines().size(), 1U);
     EXPECT_NE(_warnings.Lines()[0].find("too deep"), std::string::npos);
 }
