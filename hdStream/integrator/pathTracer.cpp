@@ -146,13 +146,18 @@ struct PathTracer::Impl {
     }
 
     void ReadyPathState() {
-        const std::uint64_t bytesPerSlot =
-            kernels->PathStateBytes() + WaveTracer::QueueBytes(kernels->Features());
+        const auto bytesPerSlot = [](const KernelFeatures& features) {
+            return StageKernels::PathStateBytes(features) + WaveTracer::QueueBytes(features);
+        };
+        // Streamed, all together takes no more than resident geometry with its wave would.
         const std::uint64_t totalBytes = scene->pages->TotalBytes();
         const std::uint64_t savedBytes = totalBytes - std::min(totalBytes, buffers.PoolBytes());
+        const std::uint64_t residentBytes =
+            ResidentWaveSize(device->Properties()) * bytesPerSlot(MakeFeatures(false));
+        const std::uint64_t affordable =
+            (savedBytes + residentBytes) / bytesPerSlot(kernels->Features());
         const std::uint32_t waveSize =
-            ChooseWaveSize(options, device->Properties(),
-                           buffers.IsStreaming() ? 1 + savedBytes / bytesPerSlot : 0);
+            ChooseWaveSize(options, device->Properties(), buffers.IsStreaming() ? affordable : 0);
         tracer.Ready(kernels, scene->hasCutouts, waveSize, TileSize(device->Properties()),
                      options.shadeIterations);
         statistics.waveSize = waveSize;

@@ -93,9 +93,13 @@ bool StageKernels::AreInStore(const Device& device, const Store& store,
     return true;
 }
 
+std::uint64_t StageKernels::PathStateBytes(const KernelFeatures& features) {
+    return kFieldBytes * NumPathFields(features);
+}
+
 StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
                            const KernelFeatures& features)
-    : _features(features), _pathStateBytes(kFieldBytes * NumPathFields(features)) {
+    : _features(features) {
     const ProgramDefines defines = MakeDefines(*device, features);
     const auto build = [&](const char* root) {
         _unsaved.push_back(std::make_unique<Program>(device, root, defines, store));

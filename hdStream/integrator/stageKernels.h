@@ -84,14 +84,15 @@ public:
     Kernel addBlock;
 
     /// Bytes of path state a path needs with these features.
-    std::uint64_t PathStateBytes() const { return _pathStateBytes; }
+    std::uint64_t PathStateBytes() const { return PathStateBytes(_features); }
+    /// \overload of any features.
+    static std::uint64_t PathStateBytes(const KernelFeatures& features);
     double BuildSeconds() const { return _buildSeconds; }
     const KernelFeatures& Features() const { return _features; }
 
 private:
     KernelFeatures _features;
     std::vector<std::unique_ptr<Program>> _unsaved; ///< programs whose binaries are
-    std::uint64_t _pathStateBytes;
     double _buildSeconds = 0.0;
 };
 

@@ -18,8 +18,7 @@ constexpr std::uint32_t kMaxWaveSize = 1U << 20U;
 constexpr std::uint32_t kPathsPerCore = 1U << 16U;
 constexpr std::uint32_t kTilePathsPerCore = 1U << 14U;
 constexpr std::uint32_t kMinTileSizeCpu = 1U << 15U;
-/// GPUs, while geometry streams: path state takes the memory that the pool does not, so that both
-/// together are no more than resident geometry (docs/streaming.md).
+/// GPUs, while geometry streams.
 constexpr std::uint32_t kMinWaveSizeStreamingGpu = 1U << 17U;
 
 std::uint32_t OfCores(const DeviceProperties& properties, std::uint32_t pathsPerCore) {
@@ -27,31 +26,37 @@ std::uint32_t OfCores(const DeviceProperties& properties, std::uint32_t pathsPer
                                      kMinTileSizeCpu, kMaxWaveSize);
 }
 
-/// \param spareSlots as of ChooseWaveSize.
+/// \param affordable as of ChooseWaveSize.
 std::uint64_t SizeForDevice(const RenderOptions& options, const DeviceProperties& properties,
-                            std::uint64_t spareSlots) {
-    if (properties.isCpu) {
-        return options.showsPreviews ? TileSize(properties) : OfCores(properties, kPathsPerCore);
+                            std::uint64_t affordable) {
+    const std::uint64_t least =
+        properties.isCpu || affordable == 0 ? TileSize(properties) : kMinWaveSizeStreamingGpu;
+    if (options.showsPreviews) {
+        return least;
     }
-    if (spareSlots == 0) {
-        return kMaxWaveSize;
+    const std::uint64_t most = ResidentWaveSize(properties);
+    if (affordable == 0) {
+        return most;
     }
-    return options.showsPreviews
-               ? kMinWaveSizeStreamingGpu
-               : std::clamp<std::uint64_t>(spareSlots, kMinWaveSizeStreamingGpu, kMaxWaveSize);
+    const std::uint64_t size = std::clamp(affordable, least, most);
+    return size - size % std::min<std::uint64_t>(size, TileSize(properties)); // no rest alone
 }
 
 } // namespace
 
 std::uint32_t ChooseWaveSize(const RenderOptions& options, const DeviceProperties& properties,
-                             std::uint64_t spareSlots) {
+                             std::uint64_t affordable) {
     const std::uint64_t pixels = std::uint64_t{options.imageWidth} * options.imageHeight;
     std::uint64_t size = options.waveSize;
     if (size == 0) {
-        size = std::min(SizeForDevice(options, properties, spareSlots),
+        size = std::min(SizeForDevice(options, properties, affordable),
                         std::max<std::uint64_t>(pixels * options.samples, HDS_SAMPLE_BLOCK));
     }
     return static_cast<std::uint32_t>(std::max<std::uint64_t>(size, HDS_SAMPLE_BLOCK));
+}
+
+std::uint32_t ResidentWaveSize(const DeviceProperties& properties) {
+    return properties.isCpu ? OfCores(properties, kPathsPerCore) : kMaxWaveSize;
 }
 
 std::uint32_t TileSize(const DeviceProperties& properties) {

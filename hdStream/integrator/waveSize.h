@@ -11,10 +11,13 @@
 namespace hds {
 
 /// The wave size of the options, or one that suits the device; at least a block of samples, at most
-/// all samples of the image. \param spareSlots paths whose state fits the memory that streaming
-/// geometry saves; 0: geometry is resident.
+/// all samples of the image. \param affordable while geometry streams: paths whose state fits what
+/// resident geometry would take beyond the pool; 0: geometry is resident.
 std::uint32_t ChooseWaveSize(const RenderOptions& options, const DeviceProperties& properties,
-                             std::uint64_t spareSlots);
+                             std::uint64_t affordable);
+
+/// What suits the device when geometry is resident and memory does not matter.
+std::uint32_t ResidentWaveSize(const DeviceProperties& properties);
 
 /// Paths of a wave that are traced together while nothing waits: as many as suit the device's
 /// caches.

@@ -22,7 +22,7 @@ from stages import bench, streaming  # noqa: E402
 
 _POOLS = (100, 79, 50, 30, 15, 5, 2)
 _REPORT_POOLS = (100, 79, 30)
-_RESIDENT_WAVES = (1 << 13, 1 << 14, 1 << 15, 1 << 16)
+_RESIDENT_WAVES = (1 << 14, 1 << 15, 1 << 16, 1 << 17, 0)  # 0: the default
 _MESH_CHUNK = next(int(row.maximum) for row in _core.SettingTable() if row.name == "chunkBytes")
 GENERATED = {
     "hugeMesh": lambda path: bench.WriteTerrain(path, cells=1000),
@@ -58,12 +58,16 @@ def Measure(scene: Scene, variants: dict, repeats: int, samples: int) -> dict:
     return {name: sorted(found, key=lambda run: run["time"]["render"])[len(found) // 2] for name, found in runs.items()}
 
 
-def Row(name: str, run: dict, resident: dict) -> str:
-    time, geometry, memory = run["time"], run["geometry"], run["memory"]
-    device = geometry["budget"] + memory["pathState"] + memory["tables"]
-    residentDevice = resident["geometry"]["budget"] + resident["memory"]["pathState"] + resident["memory"]["tables"]
+def DeviceBytes(run: dict) -> int:
+    """Pool, path state and tables."""
+    return run["geometry"]["budget"] + run["memory"]["pathState"] + run["memory"]["tables"]
+
+
+def Row(name: str, run: dict, resident: dict, residentBytes: int) -> str:
+    """`residentBytes`: of the device, with the wave that resident geometry has by default."""
+    time, geometry = run["time"], run["geometry"]
     cells = [name, f"{time['render']:.2f}", f"{time['render'] / resident['time']['render']:.2f}",
-             f"{device / residentDevice:.2f}",
+             f"{DeviceBytes(run) / residentBytes:.2f}",
              " ".join(f"{time[key]:.2f}" for key in ("trace", "shade", "service", "transfer")),
              f"{geometry['uploadedBytes'] / max(1, geometry['uniqueBytesLoaded']):.1f}",
              f"{geometry['iterations'] / max(1, geometry['casts']):.1f} / {geometry['maxIterationsPerCast']}",
@@ -74,7 +78,8 @@ def Row(name: str, run: dict, resident: dict) -> str:
 def RunStage(name: str, path: str, camera: str, args) -> None:
     scene = OpenScene(path, camera, args)
     waves = {f"{wave}": dict(residency="resident", waveSize=wave) for wave in _RESIDENT_WAVES}
-    best = min(Measure(scene, waves, 1, args.samples).items(), key=lambda item: item[1]["time"]["render"])[0]
+    residents = Measure(scene, waves, 1, args.samples)
+    best = min(residents.items(), key=lambda item: item[1]["time"]["render"])[0]
     variants = {"resident": dict(residency="resident", waveSize=int(best))}
     resident = Measure(scene, variants, args.repeats, args.samples)["resident"]
     streams = {}
@@ -90,19 +95,19 @@ def RunStage(name: str, path: str, camera: str, args) -> None:
     print(f"\n### {name}\n\n{geometry['triangles']} triangles, {geometry['instances']} instances, {geometry['chunks']} chunks, "
           f"{geometry['bytesTotal'] / 1e6:.1f} MB, always resident {geometry['alwaysResidentBytes'] / 1e6:.2f} MB, "
           f"{100 * touched:.0f} % of the chunks touched; {args.width} pixels wide, {args.samples} samples, "
-          f"resident wave {best}\n")
+          f"resident wave {residents[best]['wave']['size']}\n")
     print("| pool | s | ratio | device memory | trace, shade, service, transfer | loaded / unique | iterations a cast: "
           "mean / max | relaunched, M | refetches | wave |")
     print("|---|---|---|---|---|---|---|---|---|---|")
     for label, run in {"resident": resident, **runs}.items():
-        print(Row(label, run, resident))
+        print(Row(label, run, resident, DeviceBytes(residents["0"])))
     if args.report:
         report = OpenScene(path, camera, args)
         common = dict(residency="stream", chunkBytes=_MESH_CHUNK, geometryEviction="flush", request="first", waveSize=args.waveSize)
         found = Measure(report, {f"{pool} % report's design": dict(common, geometryMemory=f"{pool}%") for pool in _REPORT_POOLS}, 1,
                         args.samples)
         for label, run in found.items():
-            print(Row(label, run, resident))
+            print(Row(label, run, resident, DeviceBytes(residents["0"])))
     sys.stdout.flush()
 
 

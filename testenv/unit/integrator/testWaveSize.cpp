@@ -31,6 +31,12 @@ TEST(WaveSize, GrowWithCoresWithinBounds) {
     EXPECT_EQ(TileSize(Cpu(8)), 131072);
 }
 
+TEST(WaveSize, WhileGeometryStreamsOfCpusIsOfWholeTilesThatMemoryAllows) {
+    EXPECT_EQ(ChooseWaveSize(Options(), Cpu(2), 1), 32768U);
+    EXPECT_EQ(ChooseWaveSize(Options(), Cpu(2), 101000), 98304U);
+    EXPECT_EQ(ChooseWaveSize(Options(), Cpu(2), 1U << 30U), ResidentWaveSize(Cpu(2)));
+}
+
 TEST(WaveSize, OfPreviewsAreTiles) {
     RenderOptions options = Options();
     options.showsPreviews = true;
