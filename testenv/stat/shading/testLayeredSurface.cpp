@@ -125,7 +125,11 @@ TEST_F(LayeredTest, GlassVanishesInAFurnaceFromBothSides) {
                 LayeredParameters glass = Glass(roughness).Set(HDS_INPUT_IOR, ior);
                 glass.isBack = isBack;
                 for (const double cosine : {0.1, 0.5, 0.9}) {
-                    EXPECT_NEAR(Albedo(glass, cosine).x, 1.0, 0.02)
+                    const double albedo = Albedo(glass, cosine).x;
+                    const double loss = roughness == 0.0F ? 0.01 : 0.02;
+                    EXPECT_LE(albedo, 1.01)
+                        << roughness << " " << ior << " " << cosine << " " << isBack;
+                    EXPECT_GE(albedo, 1.0 - loss)
                         << roughness << " " << ior << " " << cosine << " " << isBack;
                 }
             }
