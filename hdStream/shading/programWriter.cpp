@@ -282,20 +282,13 @@ std::size_t NumOperands(const std::vector<std::uint32_t>& programs, std::size_t 
 /// What has been searched: nodes are shared, and there may be exponentially many ways to one.
 using Searched = std::set<const ShaderExpression*>;
 
-bool HasMath(const ShaderValue& value, Searched* searched) {
+/// Whether a node of the kind is below the value.
+bool HasKind(const ShaderValue& value, Kind kind, Searched* searched) {
     const ShaderExpression& expression = *value.expression;
     return searched->insert(&expression).second &&
-           (expression.kind == Kind::Math ||
+           (expression.kind == kind ||
             std::any_of(expression.operands.begin(), expression.operands.end(),
-                        [&](const ShaderValue& one) { return HasMath(one, searched); }));
-}
-
-bool HasSlope(const ShaderValue& value, Searched* searched) {
-    const ShaderExpression& expression = *value.expression;
-    return searched->insert(&expression).second &&
-           (expression.kind == Kind::Shifted ||
-            std::any_of(expression.operands.begin(), expression.operands.end(),
-                        [&](const ShaderValue& one) { return HasSlope(one, searched); }));
+                        [&](const ShaderValue& one) { return HasKind(one, kind, searched); }));
 }
 
 bool HasLookup(const ShaderValue& value, Searched* searched) {
@@ -311,7 +304,7 @@ bool HasLookup(const ShaderValue& value, Searched* searched) {
 
 bool HasSlope(const ShaderValue& value) {
     Searched searched;
-    return HasSlope(value, &searched);
+    return HasKind(value, Kind::Shifted, &searched);
 }
 
 bool HasLookup(const ShaderValue& value) {
@@ -340,8 +333,9 @@ std::vector<std::uint32_t> WriteProgram(const std::vector<ProgramInput>& inputs,
     });
     UseCounts counts;
     Searched searched;
-    if (std::any_of(inputs.begin(), inputs.end(),
-                    [&](const ProgramInput& input) { return HasMath(input.value, &searched); })) {
+    if (std::any_of(inputs.begin(), inputs.end(), [&](const ProgramInput& input) {
+            return HasKind(input.value, Kind::Math, &searched);
+        })) {
         for (const auto& group : groups) {
             CountUses(*group[0]->value.expression, &counts);
         }
