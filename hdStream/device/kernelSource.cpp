@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Include expansion of kernel sources: include-once by path, #line at each switch of file.
+// Includes: once by path, #line at each switch of file.
+#include "hdStream/device/kernelSource.h"
+
+#include "hdStream/base/error.h"
+#include "hdStream/base/hash.h"
 #include "hdStream/device/embeddedKernels.h"
-#include "hdStream/device/program.h"
 
 #include <cstdlib>
 #include <cstring>
@@ -134,6 +137,16 @@ std::string ExpandKernelSource(const std::string& root, const std::string* text)
     FileSet seen;
     Expand(root, text != nullptr ? *text : ReadKernelFile(root, "the program"), &seen, &source);
     return source;
+}
+
+std::string KernelSourceHash() {
+    Hasher hasher;
+    for (std::size_t i = 0; i < NumEmbeddedKernels(); ++i) {
+        const std::string path = EmbeddedKernels()[i].path;
+        hasher.Append(std::string_view(path));
+        hasher.Append(std::string_view(ReadKernelFile(path, "the hash of all kernels")));
+    }
+    return hasher.Hex();
 }
 
 } // namespace hds

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Kernel programs: sources are embedded, includes are expanded by us (so that the hash of the text
-// is the whole truth), binaries are cached per device, and compiler messages name our files.
-// HDSTREAM_KERNEL_DIR=<dir> reads the sources from a folder instead (for work on kernels).
+// Kernel programs: binaries are cached per device.
 // Explained in docs/device.md.
 #pragma once
 
 #include "hdStream/device/device.h"
+#include "hdStream/device/kernelSource.h"
 #include "hdStream/persist/store.h"
 
 #include <map>
@@ -17,11 +16,6 @@ namespace hds {
 
 /// Defines of a program: features and tunables, sorted by name ("HDS_FEATURE_CUTOUT" -> "1").
 using ProgramDefines = std::map<std::string, std::string>;
-
-/// The complete text of a root with all includes expanded once, in order, with #line directives.
-/// \param root path below kernels/ ("integrator/shade.cl"), or the text itself when `text` is
-/// given. \throws Error that names the including file when an include does not exist.
-std::string ExpandKernelSource(const std::string& root, const std::string* text = nullptr);
 
 /// A kernel of a program, with a launch helper. Externally synchronised.
 class Kernel {

@@ -178,6 +178,8 @@ void BindDevices(nb::module_& module) {
     nb::class_<CacheState>(module, "CacheState", "The persistent cache.")
         .def_ro("directory", &CacheState::directory)
         .def_ro("bytes", &CacheState::bytes);
+    module.def("KernelSourceHash", &KernelSourceHash,
+               "Of all kernel sources: equal bits need equal kernels.");
     module.def("InspectCache", &InspectCache, ReleaseGil(), "directory"_a);
     module.def("ClearCache", &ClearCache, ReleaseGil(), "directory"_a,
                "Deletes all entries; returns their bytes.");

@@ -2,6 +2,7 @@
 """--resume: by content, never by dates; partial frames go on; equal bits."""
 
 import os
+import pathlib
 import shutil
 
 import pytest
@@ -10,6 +11,7 @@ from cliCase import SECONDS, Run, RunHere, WriteStage
 from farmCase import ANIMATED, OPTIONS, SameImages
 
 RESUME = [*OPTIONS, "--resume"]
+KERNELS = pathlib.Path(__file__).resolve().parents[2] / "kernels"
 
 
 @pytest.fixture(name="stage")
@@ -55,6 +57,23 @@ def test_changes_are_seen_by_content(stage, tmp_path):
     for size in (100, len(whole) // 2, len(whole) - 1):
         output.write_bytes(whole[:size])
         assert not IsThere(Record(stage, output, 4, "--seed", 3)), "a cut file is none"
+
+
+def test_other_kernels_make_other_frames(stage, tmp_path):
+    output, kernels = tmp_path / "o.exr", tmp_path / "kernels"
+    shutil.copytree(KERNELS, kernels)
+    own = {"HDSTREAM_KERNEL_DIR": str(kernels)}
+
+    def IsThereWith(environment):
+        result = Run("record", stage, output, *RESUME, "--samples", 4, environment=environment)
+        assert result.code == 0 and not result.errors, result.text
+        return IsThere(result)
+
+    assert not IsThereWith(own)
+    assert IsThereWith({}), "the same kernels, wherever they come from"
+    file = kernels / "film" / "film.cl"
+    file.write_text(file.read_text() + "/* another */\n")
+    assert not IsThereWith(own)
 
 
 def test_frames_that_the_edit_does_not_reach_stay(stage, tmp_path):

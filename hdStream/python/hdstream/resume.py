@@ -2,7 +2,7 @@
 """`--resume`: which frames are there already, judged by what they were made of and never by dates of files.
 
 The key of a frame is a hash of the translated scene, of the bytes of the images it reads, of the settings that decide
-its bits, and of the program's version. It is in the header of an .exr and in the sidecar with the frame's sums.
+its bits, and of the program's version and kernels. It is in the header of an .exr and in the sidecar with the frame's sums.
 """
 
 import glob
@@ -56,7 +56,7 @@ def KeyOf(renderer, assetHashes, further=""):
     """The key of the frame that is prepared. `further`: what else the file depends on."""
     values = {name: value for name, value in renderer.settings.items() if name not in _OF_THE_MACHINE}
     digest = hashlib.blake2b(digest_size=16)
-    for text in (_core.VERSION, renderer.SceneText(), json.dumps(values, sort_keys=True), further):
+    for text in (_core.VERSION, _core.KernelSourceHash(), renderer.SceneText(), json.dumps(values, sort_keys=True), further):
         digest.update(text.encode() + b"\0")
     for file in renderer.AssetFiles():
         digest.update(f"{file}\0{assetHashes.Of(file)}\0".encode())
