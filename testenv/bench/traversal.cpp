@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Traversal against Embree (issue 2, "what must be shown" 5): Mrays/s of both kernel forms and of
 // Embree, bytes a triangle, build speed; hits are compared while timing.
-// Usage: benchTraversal [--rays N] [--repeat N] [--triangles N] [--scene sphere|foliage]
+// Usage: benchTraversal [--rays N] [--repeat N] [--triangles N] [--scene sphere|foliage|instances]
 //                       [--threads N]
 //        benchTraversal --watertight N    (leaks of N rays through closed meshes, must be 0)
 // Prints one table row a measurement. Figures of one thread are CPU seconds, so that other
@@ -17,6 +17,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <string>
+#include <utility>
 
 namespace hds::bench {
 namespace {
@@ -66,6 +67,7 @@ struct BenchScene {
     std::string name;
     std::vector<TriangleMesh> meshes;
     glm::vec3 eye;
+    std::vector<BenchPlacement> placements = {}; ///< none: each mesh once, as it is
 
     std::size_t NumTriangles() const {
         std::size_t count = 0;
@@ -73,6 +75,9 @@ struct BenchScene {
             count += mesh.triangles.size();
         }
         return count;
+    }
+    BenchPlacement Placement(std::size_t i) const {
+        return placements.empty() ? BenchPlacement{static_cast<std::uint32_t>(i)} : placements[i];
     }
 };
 
@@ -86,6 +91,32 @@ BenchScene FoliageScene(std::size_t numTriangles) {
     return {"foliage",
             {test::Foliage(static_cast<std::uint32_t>(numTriangles / 2), 5), test::Box(2.5F)},
             {0.0F, -1.9F, 0.4F}};
+}
+
+/// A thousand turned and scaled instances of five bushes in a box, which overlap.
+BenchScene InstancesScene(std::size_t numTriangles) {
+    constexpr std::size_t kNumMeshes = 5;
+    constexpr std::size_t kNumInstances = 1000;
+    BenchScene scene{"instances", {}, {0.0F, -1.9F, 0.4F}};
+    for (std::size_t i = 0; i < kNumMeshes; ++i) {
+        scene.meshes.push_back(test::Foliage(
+            static_cast<std::uint32_t>(numTriangles / (2 * kNumMeshes)), unsigned(5 + i)));
+    }
+    scene.meshes.push_back(test::Box(2.5F));
+    std::mt19937 random(3);
+    const auto uniform = [&random] { return static_cast<float>(random() >> 8U) * 0x1p-24F; };
+    for (std::size_t i = 0; i < kNumInstances; ++i) {
+        const float angle = 6.2831853F * uniform();
+        const float scale = 0.06F + 0.08F * uniform();
+        const glm::vec4 place(4.0F * uniform() - 2.0F, 4.0F * uniform() - 2.0F,
+                              2.0F * uniform() - 1.5F, 1.0F);
+        const glm::mat4 matrix(glm::vec4(std::cos(angle), std::sin(angle), 0.0F, 0.0F) * scale,
+                               glm::vec4(-std::sin(angle), std::cos(angle), 0.0F, 0.0F) * scale,
+                               glm::vec4(0.0F, 0.0F, scale, 0.0F), place);
+        scene.placements.push_back({static_cast<std::uint32_t>(i % kNumMeshes), matrix});
+    }
+    scene.placements.push_back({kNumMeshes, glm::mat4(1.0F)});
+    return scene;
 }
 
 std::vector<BenchRay> PrimaryRays(const BenchScene& scene, std::size_t count) {
@@ -115,10 +146,12 @@ std::vector<BenchRay> DiffuseRays(const BenchScene& scene, const std::vector<Ben
         if (hits[i].mesh == 0xffffffffU) {
             continue;
         }
-        const TriangleMesh& mesh = scene.meshes[hits[i].mesh];
+        const BenchPlacement placement = scene.Placement(hits[i].mesh);
+        const TriangleMesh& mesh = scene.meshes[placement.mesh];
         const glm::uvec3& t = mesh.triangles[hits[i].triangle];
-        const glm::vec3 a = mesh.positions[t.y] - mesh.positions[t.x];
-        const glm::vec3 b = mesh.positions[t.z] - mesh.positions[t.x];
+        const glm::mat3 turn(placement.worldFromMesh); // scales are uniform
+        const glm::vec3 a = turn * (mesh.positions[t.y] - mesh.positions[t.x]);
+        const glm::vec3 b = turn * (mesh.positions[t.z] - mesh.positions[t.x]);
         glm::vec3 n(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
         n /= std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
         const float* d = primary[i].direction;
@@ -260,14 +293,22 @@ void RunScene(const std::shared_ptr<Device>& device, const BenchScene& scene,
     const double cpuStart = ProcessSeconds();
     test::AccelScene ours;
     std::vector<test::AccelPlacement> placements;
+    std::vector<std::uint32_t> objects;
     for (const TriangleMesh& mesh : scene.meshes) {
-        placements.push_back({ours.AddMesh(mesh), glm::dmat4(1.0), HDS_INSTANCE_CAMERA});
+        objects.push_back(ours.AddMesh(mesh));
+    }
+    const std::size_t numPlacements =
+        scene.placements.empty() ? scene.meshes.size() : scene.placements.size();
+    for (std::size_t i = 0; i < numPlacements; ++i) {
+        const BenchPlacement placement = scene.Placement(i);
+        placements.push_back(
+            {objects[placement.mesh], glm::dmat4(placement.worldFromMesh), HDS_INSTANCE_CAMERA});
     }
     ours.SetRoot(placements);
     const std::chrono::duration<double> buildTime = std::chrono::steady_clock::now() - start;
     const double buildCpuSeconds = ProcessSeconds() - cpuStart;
-    const EmbreeScene standard(scene.meshes, false);
-    const EmbreeScene compact(scene.meshes, true);
+    const EmbreeScene standard(scene.meshes, scene.placements, false);
+    const EmbreeScene compact(scene.meshes, scene.placements, true);
     PrintBytes(scene, ours, buildTime.count(), buildCpuSeconds, standard, compact);
 
     OurScene wide(device, ours, true);
@@ -362,7 +403,7 @@ int Main(int argc, char** argv) {
     Options options;
     if (!ParseOptions(argc, argv, &options)) {
         std::fprintf(stderr, "usage: benchTraversal [--rays N] [--repeat N] [--triangles N] "
-                             "[--scene sphere|foliage] [--threads N] | --watertight N\n");
+                             "[--scene sphere|foliage|instances] [--threads N] | --watertight N\n");
         return 2;
     }
     if (options.watertightRays > 0) {
@@ -372,11 +413,12 @@ int Main(int argc, char** argv) {
     setenv("POCL_MAX_PTHREAD_COUNT", std::to_string(options.numThreads).c_str(), 1);
     const std::shared_ptr<Device> device = Device::Create("");
     std::printf("device: %s\n", device->Properties().name.c_str());
-    if (options.scene != "foliage") {
-        RunScene(device, SphereScene(options.numTriangles), options);
-    }
-    if (options.scene != "sphere") {
-        RunScene(device, FoliageScene(options.numTriangles), options);
+    for (const auto& [name, make] :
+         {std::pair("sphere", SphereScene), std::pair("foliage", FoliageScene),
+          std::pair("instances", InstancesScene)}) {
+        if (options.scene.empty() || options.scene == name) {
+            RunScene(device, make(options.numTriangles), options);
+        }
     }
     return 0;
 }

@@ -38,6 +38,30 @@ RTCRay MakeRay(const BenchRay& source) {
     return ray;
 }
 
+RTCScene NewScene(RTCDevice device, bool compactRobust) {
+    RTCScene scene = rtcNewScene(device);
+    if (compactRobust) {
+        rtcSetSceneFlags(
+            scene, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_COMPACT | RTC_SCENE_FLAG_ROBUST));
+    }
+    return scene;
+}
+
+void AttachMesh(RTCDevice device, RTCScene scene, const TriangleMesh& mesh) {
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    const std::size_t vertexBytes = mesh.positions.size() * sizeof(glm::vec3);
+    const std::size_t indexBytes = mesh.triangles.size() * sizeof(glm::uvec3);
+    std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                        sizeof(glm::vec3), mesh.positions.size()),
+                mesh.positions.data(), vertexBytes);
+    std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                        sizeof(glm::uvec3), mesh.triangles.size()),
+                mesh.triangles.data(), indexBytes);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene, geometry);
+    rtcReleaseGeometry(geometry);
+}
+
 /// Calls work(begin, end) for ranges that cover all of `count`, on so many threads.
 template <typename Work>
 void ForRanges(std::size_t count, unsigned numThreads, const Work& work) {
@@ -67,37 +91,40 @@ double ProcessSeconds() {
            1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
 }
 
-EmbreeScene::EmbreeScene(const std::vector<TriangleMesh>& meshes, bool compactRobust) {
+EmbreeScene::EmbreeScene(const std::vector<TriangleMesh>& meshes,
+                         const std::vector<BenchPlacement>& placements, bool compactRobust)
+    : _hasInstances(!placements.empty()) {
     RTCDevice device = rtcNewDevice("threads=1");
     if (device == nullptr) {
         throw std::runtime_error("Embree has no device");
     }
     _device = device;
     rtcSetDeviceMemoryMonitorFunction(device, CountBytes, &_bytes);
-    RTCScene scene = rtcNewScene(device);
+    RTCScene scene = NewScene(device, compactRobust);
     _scene = scene;
-    if (compactRobust) {
-        rtcSetSceneFlags(
-            scene, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_COMPACT | RTC_SCENE_FLAG_ROBUST));
-    }
-    std::size_t bufferBytes = 0;
+    std::vector<RTCScene> below; // of each mesh, where they are instanced
     for (const TriangleMesh& mesh : meshes) {
-        RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-        const std::size_t vertexBytes = mesh.positions.size() * sizeof(glm::vec3);
-        const std::size_t indexBytes = mesh.triangles.size() * sizeof(glm::uvec3);
-        std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                            sizeof(glm::vec3), mesh.positions.size()),
-                    mesh.positions.data(), vertexBytes);
-        std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                            sizeof(glm::uvec3), mesh.triangles.size()),
-                    mesh.triangles.data(), indexBytes);
-        rtcCommitGeometry(geometry);
-        rtcAttachGeometry(scene, geometry);
-        rtcReleaseGeometry(geometry);
+        below.push_back(_hasInstances ? NewScene(device, compactRobust) : scene);
+        AttachMesh(device, below.back(), mesh);
     }
-    bufferBytes = _bytes;
+    const std::size_t bufferBytes = _bytes;
     const double start = ProcessSeconds();
+    for (std::size_t i = 0; _hasInstances && i < below.size(); ++i) {
+        rtcCommitScene(below[i]);
+    }
+    for (const BenchPlacement& placement : placements) {
+        RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+        rtcSetGeometryInstancedScene(instance, below[placement.mesh]);
+        rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR,
+                                &placement.worldFromMesh[0][0]);
+        rtcCommitGeometry(instance);
+        rtcAttachGeometry(scene, instance);
+        rtcReleaseGeometry(instance);
+    }
     rtcCommitScene(scene);
+    for (std::size_t i = 0; _hasInstances && i < below.size(); ++i) {
+        rtcReleaseScene(below[i]); // instances hold them
+    }
     _buildSeconds = ProcessSeconds() - start;
     _bytes -= bufferBytes;
 }
@@ -118,8 +145,10 @@ std::vector<EmbreeHit> EmbreeScene::Closest(const std::vector<BenchRay>& rays,
             RTCRayHit query{};
             query.ray = MakeRay(rays[i]);
             query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+            query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
             rtcIntersect1(AsScene(_scene), &context, &query);
-            hits[i] = {query.ray.tfar, query.hit.geomID, query.hit.primID};
+            hits[i] = {query.ray.tfar, _hasInstances ? query.hit.instID[0] : query.hit.geomID,
+                       query.hit.primID};
         }
     });
     return hits;

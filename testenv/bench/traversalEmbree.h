@@ -4,6 +4,8 @@
 
 #include "hdStream/geometry/triangleMesh.h"
 
+#include <glm/mat4x4.hpp>
+
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -23,15 +25,23 @@ static_assert(sizeof(BenchRay) == 32);
 /// What Embree answers.
 struct EmbreeHit {
     float t;
-    std::uint32_t mesh; ///< 0xffffffff: no hit
+    std::uint32_t mesh; ///< or placement, where there are some; 0xffffffff: no hit
     std::uint32_t triangle;
+};
+
+/// Where a mesh is placed.
+struct BenchPlacement {
+    std::uint32_t mesh = 0;
+    glm::mat4 worldFromMesh{1.0F};
 };
 
 /// A committed Embree scene; committed by one thread.
 class EmbreeScene {
 public:
+    /// \param placements of the meshes as instances; none: each mesh once, as it is.
     /// \param compactRobust RTC_SCENE_FLAG_COMPACT | ROBUST, else the default flags.
-    EmbreeScene(const std::vector<TriangleMesh>& meshes, bool compactRobust);
+    EmbreeScene(const std::vector<TriangleMesh>& meshes,
+                const std::vector<BenchPlacement>& placements, bool compactRobust);
     ~EmbreeScene();
     EmbreeScene(const EmbreeScene&) = delete;
     EmbreeScene& operator=(const EmbreeScene&) = delete;
@@ -48,6 +58,7 @@ public:
 private:
     void* _device = nullptr;
     void* _scene = nullptr;
+    bool _hasInstances = false;
     std::size_t _bytes = 0;
     double _buildSeconds = 0.0;
 };

@@ -26,7 +26,7 @@ def Run(bench) -> list:
     sizes = bench.Pick((10_000, 100_000, 1_000_000, 4_000_000), (2_000, 10_000))
     numRays = bench.Pick(1 << 20, 1 << 14)
     rows, memory, items = [], [], []
-    for scene in ("sphere", "foliage"):
+    for scene in ("sphere", "foliage", "instances"):
         chart = Chart(f"{scene}: diffuse rays, closest hit, one core", "triangles", "million rays a second")
         found = [Measure(program, size, scene, numRays) for size in sizes]
         for index, form in enumerate(_FORMS):
