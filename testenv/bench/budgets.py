@@ -66,7 +66,7 @@ def main() -> None:
     args.out.mkdir(parents=True, exist_ok=True)
     if not page.exists():
         shutil.copy(_PAGE, page)
-    samples, width = pick(4, 1), pick(320, 32)
+    samples, width = pick(64, 1), pick(320, 32)
     size = dict(imageWidth=width, imageHeight=width * 9 // 16, maxDepth=4)
     with tempfile.TemporaryDirectory() as text:
         folder = pathlib.Path(text)

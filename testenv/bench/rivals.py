@@ -78,7 +78,8 @@ def _Options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scenes", default=os.environ.get("HDSTREAM_SCENES"), help="folder of the real stages (HDSTREAM_SCENES)")
     parser.add_argument("--stages", type=_Split, help="default: all real ones, forest, grove; an unknown name lists all")
-    parser.add_argument("--renderers", type=_Split, default=list(RENDERERS), help=f"of {', '.join(RENDERERS)}; the first is compared with")
+    parser.add_argument("--renderers", type=_Split, default=list(RENDERERS),
+                        help=f"of {', '.join(RENDERERS)}; the first is compared with".replace("%", "%%"))
     parser.add_argument("--width", type=int, default=480, help="of the picture's longer side")
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     parser.add_argument("--ladder", type=lambda text: [int(n) for n in _Split(text)], default=[2, 4, 8, 16, 32], help="samples a pixel")

@@ -21,6 +21,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 _HERE = pathlib.Path(__file__).resolve().parent
+_LONGER, _MOST_CLIMBS = 4, 3
 _TRIMMED = 0.001  # part of the pixels that the trimmed error leaves out
 
 
@@ -140,9 +141,26 @@ def Reference(job: dict, samples: int, cache: pathlib.Path) -> tuple:
     return tuple(np.load(path).astype(np.float64) for path in paths)
 
 
+def IsLongEnough(samples: list, seconds: list) -> bool:
+    """Whether what a sample costs is more than the noise of what a render costs by itself: Dr.Jit traces each instance anew, which
+    takes 20 seconds of a forest whatever the samples."""
+    fixed, perSample = FitSeconds(samples, seconds)
+    return fixed <= perSample * samples[-1]
+
+
 def Measure(job: dict, ladder: list, repeat: int, referenceSamples: int, cache: pathlib.Path) -> Result:
-    """Renders the ladder `repeat` times with different seeds: errors are means, seconds the least."""
+    """Renders the ladder `repeat` times with different seeds: errors are means, seconds the least. A ladder that is not long
+    enough is rendered again with _LONGER times the samples, at most _MOST_CLIMBS times."""
     halves = Reference(job, referenceSamples, cache)
+    result = _Climb(job, ladder, repeat, halves, cache)
+    for _ in range(_MOST_CLIMBS):
+        if IsLongEnough(result.samples, result.seconds):
+            break
+        result = _Climb(job, [_LONGER * samples for samples in result.samples], repeat, halves, cache)
+    return result
+
+
+def _Climb(job: dict, ladder: list, repeat: int, halves: tuple, cache: pathlib.Path) -> Result:
     renders = [(samples, 1 + i) for i in range(repeat) for samples in ladder]
     with tempfile.TemporaryDirectory() as folder:
         worker = _Run(dict(job, renders=renders, out=f"{folder}/picture"), cache)

@@ -42,9 +42,10 @@ def PrintStage(name: str, results: list, errors: list) -> None:
                   f"{result.worker['peakBytes'] / 1e6:.0f}"]
         print(_Row(cells))
     print(_Title(f"{name}: rungs, relMSE (without the worst 0.1 % of pixels), seconds as measured"))
-    print(_Row(["renderer", *mine.samples]) + "\n" + "|---" * (1 + len(mine.samples)) + "|")
+    print(_Row(["renderer", *("samples: relMSE, seconds" for _ in mine.samples)]) + "\n" + "|---" * (1 + len(mine.samples)) + "|")
     for result in results:
-        print(_Row([result.renderer, *(f"{e:.3g} ({t:.3g}) {s:.2f} s" for e, t, s in zip(result.errors, result.trimmed, result.seconds))]))
+        rungs = zip(result.samples, result.errors, result.trimmed, result.seconds)
+        print(_Row([result.renderer, *(f"{n}: {e:.3g} ({t:.3g}) {s:.2f} s" for n, e, t, s in rungs)]))
     print(_Title(f"{name}: references, {mine.renderer} against the others; noise is that of the reference itself"))
     print(_Row(["renderer", "mean radiance", "ratio of means", "relMSE of the difference", "noise"]) + "\n" + "|---" * 5 + "|")
     for result in results:

@@ -27,6 +27,12 @@ def test_fits_recover_what_was_put_in():
     assert rivalsMeasure.FitError(samples, [0.4 * n**-1.2 for n in samples]) == pytest.approx((0.4, 1.2))
 
 
+def test_a_ladder_must_be_longer_than_what_a_render_costs_by_itself():
+    assert rivalsMeasure.IsLongEnough([2, 8, 32], [0.5 + 0.03 * n for n in (2, 8, 32)])
+    assert not rivalsMeasure.IsLongEnough([2, 8, 32], [20 + 0.2 * n for n in (2, 8, 32)])
+    assert rivalsMeasure.IsLongEnough([32, 128, 512], [20 + 0.2 * n for n in (32, 128, 512)])
+
+
 def test_error_is_free_of_the_references_noise():
     """A reference of twice the picture's variance: the plain relMSE would be three times too large."""
     rng = np.random.default_rng(1)
