@@ -4,9 +4,9 @@
 #include "hdStream/base/timer.h"
 #include "hdStream/integrator/cameraFrame.h"
 #include "hdStream/integrator/filmBuffers.h"
+#include "hdStream/integrator/kernelSets.h"
 #include "hdStream/integrator/pixelOrder.h"
 #include "hdStream/integrator/settling.h"
-#include "hdStream/integrator/stageKernels.h"
 #include "hdStream/integrator/waveSize.h"
 #include "hdStream/integrator/waveTracer.h"
 #include "hdStream/scene/motion.h"
@@ -33,12 +33,9 @@ bool ChooseWide(const RenderOptions& options, const DeviceProperties& properties
 } // namespace
 
 struct PathTracer::Impl {
-    /// Kernels with the number of the scene they are bound to.
-    using BuiltKernels = std::pair<std::unique_ptr<StageKernels>, std::uint64_t>;
-
     Impl(std::shared_ptr<Device> theDevice, Store* theStore)
-        : device(std::move(theDevice)), store(theStore), buffers(device, store), film(device),
-          tracer(device, &buffers, &statistics) {
+        : device(std::move(theDevice)), kernelSets(device, theStore), buffers(device, theStore),
+          film(device), tracer(device, &buffers, &statistics) {
         frame = Buffer(device, "frame constants", sizeof(shared::HdsFrameParams),
                        BufferAccess::ReadOnly);
     }
@@ -124,24 +121,9 @@ struct PathTracer::Impl {
         return features;
     }
 
-    std::vector<BuiltKernels>::iterator FindKernels(const KernelFeatures& features) {
-        return std::find_if(builtKernels.begin(), builtKernels.end(),
-                            [&](const auto& entry) { return entry.first->Features() == features; });
-    }
-
     void ReadyKernels() {
         const KernelFeatures features = MakeFeatures(buffers.IsStreaming());
-        auto built = FindKernels(features);
-        if (built == builtKernels.end()) {
-            builtKernels.emplace_back(std::make_unique<StageKernels>(device, store, features), 0);
-            built = std::prev(builtKernels.end());
-            statistics.compileSeconds += built->first->BuildSeconds();
-        }
-        kernels = built->first.get();
-        if (built->second != sceneNumber) {
-            kernels->Bind(buffers);
-            built->second = sceneNumber;
-        }
+        kernels = &kernelSets.Get(features, buffers, sceneNumber, &statistics.compileSeconds);
         statistics.isWideTraversal = features.wide;
     }
 
@@ -347,13 +329,11 @@ struct PathTracer::Impl {
     }
 
     /// An estimate; 0: such kernels are there.
-    double SecondsToGet(const KernelFeatures& features) {
-        if (FindKernels(features) != builtKernels.end()) {
+    double SecondsToGet(const KernelFeatures& features) const {
+        if (kernelSets.Has(features)) {
             return 0.0;
         }
-        const bool isInStore =
-            store != nullptr && StageKernels::AreInStore(*device, *store, features);
-        return isInStore ? kSecondsOfCachedKernels : kSecondsOfBuiltKernels;
+        return kernelSets.AreInStore(features) ? kSecondsOfCachedKernels : kSecondsOfBuiltKernels;
     }
 
     std::vector<float> RelativeErrors() {
@@ -437,9 +417,7 @@ struct PathTracer::Impl {
         if (isStopped && !timeIsUp) {
             return RenderResult::Stopped;
         }
-        for (const BuiltKernels& built : builtKernels) {
-            built.first->SaveBinaries(store);
-        }
+        kernelSets.SaveBinaries();
         return RenderResult::Complete;
     }
 
@@ -501,15 +479,14 @@ struct PathTracer::Impl {
     }
 
     std::shared_ptr<Device> device;
-    Store* store;
+    KernelSets kernelSets;
     const CommittedScene* scene = nullptr;
     RenderOptions options;
     SceneBuffers buffers;
     bool requestsFirst = false;
     FilmBuffers film;
-    std::uint64_t sceneNumber = 0;          ///< counts what kernels are bound to
-    std::vector<BuiltKernels> builtKernels; ///< of all features met so far
-    StageKernels* kernels = nullptr;        ///< those of the present render
+    std::uint64_t sceneNumber = 0;   ///< counts what kernels are bound to
+    StageKernels* kernels = nullptr; ///< those of the present render
     std::vector<std::uint32_t> pixelOrder;
     PreviewOrder previewOrder;
     std::uint32_t orderWidth = 0;

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sets of kernels that renders of one scene have met, those used last: a driver may hold tens
+// of megabytes for each, and a long session of edits meets dozens of features.
+#pragma once
+
+#include "hdStream/integrator/stageKernels.h"
+
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace hds {
+
+/// Externally synchronised.
+class KernelSets {
+public:
+    static constexpr std::size_t kMostSets = 16;
+
+    /// \param mostSets kept; others are made again, from the store in a tenth of a second.
+    KernelSets(std::shared_ptr<Device> device, Store* store, std::size_t mostSets = kMostSets);
+
+    /// The set with these features, bound to `scene`; valid until the next call. \param sceneNumber
+    /// another one whenever what `scene` binds has changed. \param buildSeconds what building it
+    /// took is added. \throws Error as StageKernels.
+    StageKernels& Get(const KernelFeatures& features, const SceneBuffers& scene,
+                      std::uint64_t sceneNumber, double* buildSeconds);
+
+    /// Whether such kernels are there.
+    bool Has(const KernelFeatures& features) const;
+    /// Whether Get would read them from the store.
+    bool AreInStore(const KernelFeatures& features) const;
+
+    /// As StageKernels::SaveBinaries, of all.
+    void SaveBinaries();
+
+private:
+    struct Set {
+        std::unique_ptr<StageKernels> kernels;
+        std::uint64_t boundScene = 0; ///< 0: none
+    };
+
+    std::shared_ptr<Device> _device;
+    Store* _store;
+    std::size_t _mostSets;
+    std::vector<Set> _sets; ///< used last comes last
+};
+
+} // namespace hds

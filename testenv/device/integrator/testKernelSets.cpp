@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sets of kernels: those used last stay, up to a number; what leaves is saved and comes back.
+#include "hdStream/integrator/kernelSets.h"
+#include "hdStream/scene/commit.h"
+#include "testenv/support/deviceFixture.h"
+#include "testenv/support/temporaryFolder.h"
+
+namespace hds::test {
+namespace {
+
+class KernelSetsTest : public DeviceFixture {};
+
+TEST_F(KernelSetsTest, ThoseUsedLastStay) {
+    Warnings warnings;
+    const SceneDescription description;
+    CommitCache cache(warnings);
+    const auto scene = CommitScene(description, {}, &cache, warnings);
+    const TemporaryFolder folder;
+    Store store({folder.Path()}, &warnings);
+    SceneBuffers buffers(device, &store);
+    ASSERT_TRUE(buffers.Update(*scene, {}));
+
+    KernelFeatures one;
+    KernelFeatures two;
+    two.groups = true;
+    KernelFeatures three;
+    three.groups = true;
+    three.wide = true;
+    KernelSets sets(device, &store, 2);
+    const auto secondsOf = [&](const KernelFeatures& features) {
+        double seconds = 0.0;
+        EXPECT_EQ(sets.Get(features, buffers, 1, &seconds).Features(), features);
+        return seconds;
+    };
+    EXPECT_GT(secondsOf(one), 0.0);
+    EXPECT_GT(secondsOf(two), 0.0);
+    EXPECT_EQ(secondsOf(one), 0.0);
+    EXPECT_EQ(sets.AreInStore(two), !device->Properties().hasSlowBinaries) << "saved later";
+    EXPECT_GT(secondsOf(three), 0.0);
+    EXPECT_TRUE(sets.Has(one));
+    EXPECT_FALSE(sets.Has(two)) << "used longest ago";
+    EXPECT_TRUE(sets.Has(three));
+    EXPECT_TRUE(sets.AreInStore(two)) << "nothing is compiled twice";
+    EXPECT_GT(secondsOf(two), 0.0);
+    EXPECT_FALSE(sets.Has(one));
+}
+
+} // namespace
+} // namespace hds::test
