@@ -68,24 +68,28 @@ private:
             prim.mesh->primitives != PrimitiveKind::Faces) {
             return; // what curves and points emit is found by BSDF sampling alone
         }
+        // A light that is not sampled still replaces what its material emits.
         const std::uint64_t bound = _cache.meshes.Find(record.path).numTriangles;
+        const bool isTooLarge = bound > kMaxEmissiveTriangles;
         EmissiveMesh mesh;
-        if (bound <= kMaxEmissiveTriangles) {
-            mesh = MakeMesh(record, prim, material, info.entries[entry], entry);
+        if (!isTooLarge || prim.light) {
+            mesh = MakeMesh(record, prim, material, info.entries[entry], entry, !isTooLarge);
         }
-        if (bound > kMaxEmissiveTriangles ||
-            _result.numTriangles + mesh.triangles.size() > kMaxEmissiveTriangles) {
+        if (isTooLarge || _result.numTriangles + mesh.triangles.size() > kMaxEmissiveTriangles) {
             _firstLeftOut = _numLeftOut++ == 0 ? record.path : _firstLeftOut;
-        } else if (!mesh.triangles.empty()) {
+            mesh.triangles.clear();
+        }
+        if (!mesh.triangles.empty() || mesh.lux) {
             _result.numTriangles += mesh.triangles.size();
             _result.meshByEntry.back() = std::uint32_t(_result.meshes.size());
             _result.meshes.push_back(std::move(mesh));
         }
     }
 
+    /// \param isSampled its triangles are kept.
     EmissiveMesh MakeMesh(const OwnRecord& record, const MeshPrim& prim,
                           const shared::HdsMaterial& material, const MaterialEntryInfo& info,
-                          std::uint32_t entry) {
+                          std::uint32_t entry, bool isSampled) {
         EmissiveMesh mesh;
         mesh.name = record.path;
         mesh.twoSided = !prim.light || prim.doubleSided;
@@ -108,9 +112,13 @@ private:
                 DropControls(record.path, &mesh.lux->light);
             }
         }
-        AddTriangles(record, mesh.isGlowing ? info.emission : EmissionInput(), entry, &mesh);
-        if (mesh.lux && !(mesh.wholeArea > 0.0)) {
-            _warnings.Add(record.path, "mesh light has no area; it lights nothing");
+        // What is normalized asks for its area though it is not sampled.
+        if (isSampled || mesh.lux->light.normalize) {
+            AddTriangles(record, mesh.isGlowing ? info.emission : EmissionInput(), entry, isSampled,
+                         &mesh);
+            if (mesh.lux && !(mesh.wholeArea > 0.0)) {
+                _warnings.Add(record.path, "mesh light has no area; it lights nothing");
+            }
         }
         return mesh;
     }
@@ -127,7 +135,7 @@ private:
     }
 
     void AddTriangles(const OwnRecord& record, const EmissionInput& emission, std::uint32_t entry,
-                      EmissiveMesh* mesh) {
+                      bool isSampled, EmissiveMesh* mesh) {
         const ChunkGeometry& chunk = _cache.meshes.Triangles(record.path);
         const EmissionGuess guess(emission, chunk, *_input.materials, &_cache);
         // A reflection turns the winding; emission keeps to the side of the object's normals.
@@ -144,7 +152,9 @@ private:
             }
             mesh->wholeArea += 0.5 * glm::length(glm::cross(triangle.p[1] - triangle.p[0],
                                                             triangle.p[2] - triangle.p[0]));
-            if ((chunk.materialEntries.empty() ? 0 : chunk.materialEntries[i]) == entry) {
+            const bool isOfEntry =
+                (chunk.materialEntries.empty() ? 0 : chunk.materialEntries[i]) == entry;
+            if (isSampled && isOfEntry) {
                 triangle.primId = chunk.primIds[i];
                 triangle.glow = guess.Of(i);
                 mesh->triangles.push_back(triangle);

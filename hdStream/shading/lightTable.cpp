@@ -76,7 +76,7 @@ private:
     void AddPortals(const PlacedLight& placed, shared::HdsLight* light);
     void WarnIgnored(const PlacedLight& placed);
     void Push(shared::HdsLight light, const glm::dvec3& radiance, double power);
-    bool MeshRadiance(const EmissiveMesh& mesh, double area, glm::dvec3* radiance);
+    bool MeshRadiance(const EmissiveMesh& mesh, glm::dvec3* radiance);
     shared::HdsLight BeginMesh(const EmissiveMesh& mesh, bool isWeighed, double* factor);
     void AddTriangle(const EmissiveTriangle& triangle, double positionError);
     void AddCluster(const EmissiveMesh& mesh, const EmissiveClusters& all,
@@ -313,8 +313,8 @@ void Builder::AddLight(const PlacedLight& placed) {
 }
 
 /// What a mesh emits where its material does not vary the emission; false: nothing.
-bool Builder::MeshRadiance(const EmissiveMesh& mesh, double area, glm::dvec3* radiance) {
-    if (!(area > 0.0)) {
+bool Builder::MeshRadiance(const EmissiveMesh& mesh, glm::dvec3* radiance) {
+    if (mesh.lux && mesh.lux->light.normalize && !(mesh.wholeArea > 0.0)) {
         return false;
     }
     *radiance = glm::max(mesh.radiance, glm::dvec3(0.0));
@@ -425,7 +425,7 @@ void Builder::AddMesh(const EmissiveMesh& mesh) {
     double factor = 0.0;
     const auto firstLight = std::uint32_t(_table.lights.size());
     const auto firstTriangle = std::uint32_t(_table.triangles.size());
-    const bool isUsable = MeshRadiance(mesh, all.area, &radiance);
+    const bool isUsable = MeshRadiance(mesh, &radiance);
     if (isUsable && all.weight > 0.0) {
         const shared::HdsLight light = BeginMesh(mesh, all.isWeighed, &factor);
         for (const EmissiveCluster& cluster : all.clusters) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Emissive meshes over commits that share a cache.
+// Emissive meshes over commits that share a cache, and those of too many triangles to be sampled.
 #include "hdStream/scene/commit.h"
 #include "testenv/unit/texture/textureFixtures.h"
 
@@ -78,6 +78,29 @@ TEST_F(EmissiveMeshesTest, EditsOfAFactorKeepNothingOfBefore) {
     scene.meshes.clear();
     Commit(&cache);
     EXPECT_TRUE(cache.emissionImages.empty());
+}
+
+TEST_F(EmissiveMeshesTest, ALightOfTooManyTrianglesIsSeenAsItIs) {
+    scene.meshes["/a"].mesh = Grid(725);
+    auto light = std::make_shared<MeshLight>();
+    light->light.type = LightType::Mesh;
+    light->light.intensity = 6.0F;
+    light->materialSyncMode = MaterialSyncMode::NoMaterialResponse;
+    for (const bool isNormalized : {false, true}) {
+        light->light.normalize = isNormalized; // by an area of 1
+        scene.meshes["/a"].light = std::make_shared<const MeshLight>(*light);
+        CommitCache cache(warnings);
+        const auto committed = Commit(&cache);
+        ASSERT_EQ(committed->lights->lights.size(), 1U);
+        const shared::HdsLight& found = committed->lights->lights[0];
+        EXPECT_NEAR(found.radiance[0], 6.0F, 1e-3F) << isNormalized;
+        EXPECT_NE(found.flags & HDS_LIGHT_REPLACES, 0U);
+        EXPECT_EQ(found.dataSize[0], 0U) << "not sampled";
+        ASSERT_EQ(committed->lightByEntry.size(), 1U);
+        EXPECT_NE(committed->lightByEntry[0], HDS_NONE);
+    }
+    ASSERT_EQ(warnings.Lines().size(), 1U);
+    EXPECT_EQ(warnings.Lines()[0].rfind("/a", 0), 0U);
 }
 
 } // namespace
