@@ -6,12 +6,14 @@ import signal
 import subprocess
 import sys
 import time
+from types import SimpleNamespace
 
 import pytest
 
 from cliCase import SECONDS, AssertFails, Command, Run, RunHere, WriteStage
 from farmCase import ANIMATED, OPTIONS, SameImages
 from farmCluster import Cluster
+from hdstream import _core, farm
 
 
 @pytest.fixture(scope="module", name="farm")
@@ -165,20 +167,29 @@ def test_bad_options(options, part, case, tmp_path):
     AssertFails(RunHere("record", case[0], tmp_path / "o.exr", *options), 2, part)
 
 
+def CheckAnswers(answers, warn):
+    """What is made of workers' answers at the start of a job."""
+    client = SimpleNamespace(wait_for_workers=lambda *_, **__: None, run=lambda *_, **__: answers)
+    return farm._CheckWorkers(client, SimpleNamespace(settings={}), SimpleNamespace(workers=None, scheduler="x"), warn)
+
+
 def test_different_devices_are_said():
     """Devices round differently (docs/farm.md); this machine has one, so the workers' answers are made up."""
-    from types import SimpleNamespace
-    from hdstream import _core, farm
     answers = {"a": {"version": _core.VERSION, "device": "One"}, "b": {"version": _core.VERSION, "device": "Two"}}
-    client = SimpleNamespace(wait_for_workers=lambda *_, **__: None, run=lambda *_, **__: answers)
     lines = []
-    job = SimpleNamespace(settings={})
-    args = SimpleNamespace(workers=None, scheduler="x")
-    assert farm._CheckWorkers(client, job, args, lines.append) == 2
+    assert CheckAnswers(answers, lines.append) == 2
     assert len(lines) == 1 and "One, Two" in lines[0]
     answers["b"]["version"] = "0.0"
     with pytest.raises(farm.CommandError, match="0.0"):
-        farm._CheckWorkers(client, job, args, lines.append)
+        CheckAnswers(answers, lines.append)
+
+
+def test_a_worker_that_dies_while_it_is_asked_is_left_out():
+    from distributed.comm.core import CommClosedError
+    dead = CommClosedError("in <TCP (closed) Scheduler Broadcast>: Stream is closed")
+    assert CheckAnswers({"a": {"version": _core.VERSION, "device": "One"}, "b": dead}, pytest.fail) == 1
+    with pytest.raises(farm.CommandError, match="no workers"):
+        CheckAnswers({"b": dead}, pytest.fail)
 
 
 def test_without_distributed(case, tmp_path, monkeypatch):

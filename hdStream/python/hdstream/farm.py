@@ -285,6 +285,8 @@ def _CheckWorkers(client, job, args, warn):
     # By value: a worker without the module can still answer.
     call = f"__import__('importlib').import_module('hdstream.farmWork').Describe({job.settings.get('device', '')!r})"
     answers = client.run(eval, call, on_error="return")
+    # A connection that broke: that worker has died since, and others do its work.
+    answers = {address: answer for address, answer in answers.items() if not isinstance(answer, OSError)}
     if not answers:
         raise CommandError(f"--scheduler {args.scheduler}: it has no workers")
     devices = set()
