@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Kernel sources: they are embedded, and includes are expanded by us, so that the hash of the text is
-// the whole truth and compiler messages name our files. HDSTREAM_KERNEL_DIR=<dir> reads them from a
-// folder instead (for work on kernels). Explained in docs/device.md.
+// Kernel sources: they are embedded, and includes are expanded by us, so that the hash of the text
+// is the whole truth and compiler messages name our files. HDSTREAM_KERNEL_DIR=<dir> reads them
+// from a folder instead (for work on kernels). Explained in docs/device.md.
 #pragma once
 
 #include <string>

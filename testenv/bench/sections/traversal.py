@@ -10,29 +10,32 @@ from support.svgChart import Chart
 _RATES = re.compile(r"^  (\w+ \w+(?: hit)?) +wide ([\d.]+)  lane ([\d.]+)  Embree default ([\d.]+)  compact\+robust ([\d.]+).*"
                     r"differing (\d+) of (\d+)", re.MULTILINE)
 _BYTES = re.compile(r"ours nodes [\d.]+, nodes \+ leaves ([\d.]+); Embree default ([\d.]+), compact\+robust ([\d.]+)")
+_BUILD = re.compile(r"build +ours ([\d.]+) Mtriangles/s wall, ([\d.]+) a CPU second.*default ([\d.]+), compact\+robust ([\d.]+)")
 _FORMS = ("wide", "lane", "Embree default", "Embree compact+robust")
 
 
 def Measure(program, triangles: int, scene: str, numRays: int, threads: int = 1) -> tuple[dict, list]:
-    """({kind of rays: (rates of _FORMS..., differing, rays)}, bytes a triangle: ours, Embree default, compact+robust)."""
+    """({kind of rays: (rates of _FORMS..., differing, rays)}, bytes a triangle: ours, Embree default, compact+robust, and million
+    triangles built: ours a second and a CPU second, Embree default, compact+robust)."""
     text = subprocess.run([program, "--rays", str(numRays), "--repeat", "1", "--triangles", str(triangles), "--scene", scene,
                            "--threads", str(threads)], capture_output=True, text=True, check=True).stdout
     rates = {match[1]: (*map(float, match.groups()[1:5]), int(match[6]), int(match[7])) for match in _RATES.finditer(text)}
-    return rates, list(map(float, _BYTES.search(text).groups()))
+    return rates, [float(value) for line in (_BYTES, _BUILD) for value in line.search(text).groups()]
 
 
 def Run(bench) -> list:
     program = bench.Program("testenv/bench/benchTraversal")
     sizes = bench.Pick((10_000, 100_000, 1_000_000, 4_000_000), (2_000, 10_000))
     numRays = bench.Pick(1 << 20, 1 << 14)
-    rows, memory, items = [], [], []
+    rows, memory, builds, items = [], [], [], []
     for scene in ("sphere", "foliage", "instances"):
         chart = Chart(f"{scene}: diffuse rays, closest hit, one core", "triangles", "million rays a second")
         found = [Measure(program, size, scene, numRays) for size in sizes]
         for index, form in enumerate(_FORMS):
             chart.Add(form, sizes, [rates["diffuse closest"][index] for rates, _ in found])
-        for size, (rates, sizesInBytes) in zip(sizes, found):
-            memory.append([scene, size, *sizesInBytes])
+        for size, (rates, figures) in zip(sizes, found):
+            memory.append([scene, size, *figures[:3]])
+            builds.append([scene, size, *figures[3:]])
             for kind, (wide, lane, default, compact, differing, count) in rates.items():
                 rows.append([scene, size, kind, wide, lane, default, compact, wide / default, wide / compact,
                              f"{differing} of {count}"])
@@ -41,4 +44,7 @@ def Run(bench) -> list:
     head = ["scene", "triangles", "rays", *_FORMS, "wide / default", "wide / compact+robust", "differ"]
     return ["Million rays a second of one core (CPU time).", Table("traversal", head, rows, shown),
             "Bytes a triangle, nodes and leaves, shared vertices left out:",
-            Table("traversal-bytes", ["scene", "triangles", "ours", "Embree default", "Embree compact+robust"], memory), *items]
+            Table("traversal-bytes", ["scene", "triangles", "ours", "Embree default", "Embree compact+robust"], memory),
+            "Million triangles built: ours on all cores a second, and a CPU second of each:",
+            Table("traversal-build", ["scene", "triangles", "ours, all cores", "ours", "Embree default", "Embree compact+robust"], builds,
+                  [row for row in builds if row[1] == bench.Pick(1_000_000, sizes[-1])]), *items]
