@@ -13,7 +13,8 @@ import pytest
 from cliCase import SECONDS, AssertFails, Command, Run, RunHere, WriteStage
 from farmCase import ANIMATED, OPTIONS, SameImages
 from farmCluster import Cluster
-from hdstream import _core, farm
+from hdstream import _core
+from hdstream.farm import CommandError, _CheckWorkers
 
 
 @pytest.fixture(scope="module", name="farm")
@@ -170,7 +171,7 @@ def test_bad_options(options, part, case, tmp_path):
 def CheckAnswers(answers, warn):
     """What is made of workers' answers at the start of a job."""
     client = SimpleNamespace(wait_for_workers=lambda *_, **__: None, run=lambda *_, **__: answers)
-    return farm._CheckWorkers(client, SimpleNamespace(settings={}), SimpleNamespace(workers=None, scheduler="x"), warn)
+    return _CheckWorkers(client, SimpleNamespace(settings={}), SimpleNamespace(workers=None, scheduler="x"), warn)
 
 
 def test_different_devices_are_said():
@@ -180,7 +181,7 @@ def test_different_devices_are_said():
     assert CheckAnswers(answers, lines.append) == 2
     assert len(lines) == 1 and "One, Two" in lines[0]
     answers["b"]["version"] = "0.0"
-    with pytest.raises(farm.CommandError, match="0.0"):
+    with pytest.raises(CommandError, match="0.0"):
         CheckAnswers(answers, lines.append)
 
 
@@ -188,7 +189,7 @@ def test_a_worker_that_dies_while_it_is_asked_is_left_out():
     from distributed.comm.core import CommClosedError
     dead = CommClosedError("in <TCP (closed) Scheduler Broadcast>: Stream is closed")
     assert CheckAnswers({"a": {"version": _core.VERSION, "device": "One"}, "b": dead}, pytest.fail) == 1
-    with pytest.raises(farm.CommandError, match="no workers"):
+    with pytest.raises(CommandError, match="no workers"):
         CheckAnswers({"b": dead}, pytest.fail)
 
 
