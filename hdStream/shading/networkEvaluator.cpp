@@ -186,9 +186,14 @@ ShaderValue NetworkEvaluator::EvaluateReader(const MaterialNode& node) {
 }
 
 ShaderValue NetworkEvaluator::EvaluateTransform2d(const MaterialNode& node) {
-    return MakeTransform2d({EvaluateOr(node, "in", {}, 2), EvaluateOr(node, "rotation", {}, 1),
-                            EvaluateOr(node, "scale", {1.0F, 1.0F, 0.0F, 0.0F}, 2),
-                            EvaluateOr(node, "translation", {}, 2)});
+    ShaderValue& transform = _transforms[node.path];
+    if (!transform) {
+        transform =
+            MakeTransform2d({EvaluateOr(node, "in", {}, 2), EvaluateOr(node, "rotation", {}, 1),
+                             EvaluateOr(node, "scale", {1.0F, 1.0F, 0.0F, 0.0F}, 2),
+                             EvaluateOr(node, "translation", {}, 2)});
+    }
+    return transform;
 }
 
 } // namespace hds

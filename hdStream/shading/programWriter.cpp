@@ -31,8 +31,9 @@ bool IsShareable(const ShaderExpression& expression) {
     return expression.kind == Kind::Math || expression.kind == Kind::Texture;
 }
 
+/// What is below an expression that is written at each use is used as often; twice says all.
 void CountUses(const ShaderExpression& expression, UseCounts* counts) {
-    if (IsShareable(expression) && ++(*counts)[&expression] > 1) {
+    if (++(*counts)[&expression] > (IsShareable(expression) ? 1U : 2U)) {
         return;
     }
     for (const ShaderValue& operand : expression.operands) {
@@ -104,8 +105,9 @@ private:
         } else {
             PushExpression(value, hasTangents);
             const auto uses = _counts.find(&expression);
-            if (!_isShifted && known == _registers.end() && uses != _counts.end() &&
-                uses->second > 1 && _registers.size() < HDS_PROGRAM_REGISTERS) {
+            if (IsShareable(expression) && !_isShifted && known == _registers.end() &&
+                uses != _counts.end() && uses->second > 1 &&
+                _registers.size() < HDS_PROGRAM_REGISTERS) {
                 const auto index = static_cast<std::uint32_t>(_registers.size());
                 _registers[&expression] = index;
                 Emit(HDS_OP(HDS_OP_SAVE, index));

@@ -388,6 +388,26 @@ TEST_F(ProgramTest, ChainsThatShareNodesAreReadOnce) {
     EXPECT_NE(_warnings.Lines()[0].find("too deep"), std::string::npos);
 }
 
+/// Likewise of transforms, of which each uses the one before three times.
+TEST_F(ProgramTest, TransformsThatShareNodesAreReadOnce) {
+    AddNode("/m/0", "UsdPrimvarReader_float2").parameters["varname"] = std::string("st");
+    for (int i = 0; i < 64; ++i) {
+        MaterialNode& transform = AddNode("/m/" + std::to_string(i + 1), "UsdTransform2d");
+        for (const char* input : {"in", "scale", "translation"}) {
+            transform.connections[input] = {"/m/" + std::to_string(i), "result"};
+        }
+    }
+    AddTexture("/m/t", "a.png").connections["st"] = {"/m/64", "result"};
+    Connect("diffuseColor", "/m/t", "rgb");
+    AddNode("/m/p", "ND_position_vector3");
+    AddNode("/m/n", "ND_magnitude_vector3").connections["in"] = {"/m/p", "out"};
+    Connect("emissiveColor", "/m/n", "out"); // uses are counted where something computes
+    EXPECT_TRUE(Resolve().program.empty());
+    EXPECT_EQ(PrimvarsOf(_compiled).count("st"), 1U);
+    ASSERT_EQ(_warnings.Lines().size(), 1U);
+    EXPECT_NE(_warnings.Lines()[0].find("too deep"), std::string::npos);
+}
+
 TEST(ShaderProgram, SumsAndProductsMayBeOfChosenTexels) {
     const auto needs = [](std::uint32_t function, std::uint32_t count) {
         const std::uint32_t operand = HDS_OP(HDS_OP_MATH, HDS_MATH(HDS_MATH_ADD, 2U));
