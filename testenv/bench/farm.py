@@ -56,15 +56,16 @@ class Bench:
     def __init__(self, folder, options):
         self._folder = folder
         self._stage = folder / "stage.usdc"
-        self._common = ["-w", str(options.width), "--maxDepth", "4", "--aovs", "color,depth,primId", "--quiet"]
-        self._samples = options.samples
+        self._common = ["--maxDepth", "4", "--aovs", "color,depth,primId", "--quiet"]
+        self._samples, self._width = options.samples, options.width
         WriteStage(self._stage, options.rows)
 
-    def Record(self, name, *options, samples=None):
+    def Record(self, name, *options, samples=None, width=None):
         """Seconds of a command that must succeed."""
         start = time.perf_counter()
         subprocess.run([sys.executable, "-m", "hdstream", "record", str(self._stage), str(self._folder / name),
-                        *self._common, "--samples", str(samples or self._samples), *map(str, options)], check=True)
+                        *self._common, "-w", str(width or self._width), "--samples", str(samples or self._samples),
+                        *map(str, options)], check=True)
         return time.perf_counter() - start
 
     def Differences(self, name, reference):
@@ -99,9 +100,12 @@ def Main():
     parser.add_argument("--workers", type=int, default=4, help="more than the two that are killed (4)")
     parser.add_argument("--width", type=int, default=160)
     parser.add_argument("--samples", type=int, default=64)
+    parser.add_argument("--singleWidth", type=int, help="of the frame that is split (--width)")
+    parser.add_argument("--singleSamples", type=int, help="of that frame (8 times --samples)")
     parser.add_argument("--rows", type=int, default=12)
     parser.add_argument("--seed", type=int, default=1, help="of who is killed when")
     options = parser.parse_args()
+    single = dict(samples=options.singleSamples or 8 * options.samples, width=options.singleWidth or options.width)
     generator = random.Random(options.seed)
     share = str(max(1, (os.cpu_count() or 1) // options.workers))
     environment = {"POCL_CPU_MAX_CU_COUNT": share, "POCL_MAX_PTHREAD_COUNT": share}
@@ -114,7 +118,7 @@ def Main():
                                                                    f"{key} {value}" for key, value in loads.items()))
         frames = f"1:{NUM_FRAMES}"
         alone = bench.Record("one.####.exr", "--frames", frames)
-        singleAlone = bench.Record("single.exr", "--frames", 1, samples=8 * options.samples)
+        singleAlone = bench.Record("single.exr", "--frames", 1, **single)
         clusterFolder = folder / "cluster"
         clusterFolder.mkdir()
         with Cluster(clusterFolder, options.workers, environment) as (address, processes):
@@ -125,7 +129,7 @@ def Main():
             done.set()
             killer.join()
             splits = {split: bench.Record(f"{split}.exr", "--frames", 1, "--scheduler", address, "--split", split,
-                                          "--parts", options.workers, samples=8 * options.samples)
+                                          "--parts", options.workers, **single)
                       for split in ("samples", "tiles")}
         different = sum(bench.Differences(f"farm.{frame:04}.exr", f"one.{frame:04}.exr")
                         for frame in range(1, NUM_FRAMES + 1))
@@ -135,7 +139,8 @@ def Main():
         for split, seconds in splits.items():
             different = bench.Differences(f"{split}.exr", "single.exr")
             total += different
-            print(f"one frame by {split}: one process {singleAlone:.1f} s, {options.workers - len(killed)} workers "
+            print(f"one frame, {single['width']} pixels wide, {single['samples']} samples, by {split}: one process "
+                  f"{singleAlone:.1f} s, {options.workers - len(killed)} workers "
                   f"{seconds:.1f} s ({singleAlone / seconds:.2f} times as fast); {different} pixels differ")
         return 0 if total == 0 else 1
 
