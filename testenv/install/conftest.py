@@ -2,6 +2,7 @@
 """The source archive, the wheel built from it, once, and a fresh virtual environment that holds the wheel. All need no
 network."""
 
+import os
 import pathlib
 import sys
 import sysconfig
@@ -12,6 +13,9 @@ import pytest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
 from installCase import ROOT, STAGE, CleanEnvironment, Run  # noqa: E402
+
+# What scripts/setup.sh installs; a clean machine has no make.
+os.environ.setdefault("CMAKE_GENERATOR", "Ninja")
 
 
 @pytest.fixture
