@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The sets of kernels that renders of one scene have met, those used last: a driver may hold tens
-// of megabytes for each, and a long session of edits meets dozens of features.
+// of megabytes for each, and a long session of edits meets many.
 #pragma once
 
 #include "hdStream/integrator/stageKernels.h"

@@ -114,7 +114,8 @@ private:
         }
         // What is normalized asks for its area though it is not sampled.
         if (isSampled || mesh.lux->light.normalize) {
-            AddTriangles(record, mesh.isGlowing ? info.emission : EmissionInput(), entry, isSampled,
+            const bool isGuessed = isSampled && mesh.isGlowing;
+            AddTriangles(record, isGuessed ? info.emission : EmissionInput(), entry, isSampled,
                          &mesh);
             if (mesh.lux && !(mesh.wholeArea > 0.0)) {
                 _warnings.Add(record.path, "mesh light has no area; it lights nothing");

@@ -93,7 +93,7 @@ TEST_F(EmissiveMeshesTest, ALightOfTooManyTrianglesIsSeenAsItIs) {
         const auto committed = Commit(&cache);
         ASSERT_EQ(committed->lights->lights.size(), 1U);
         const shared::HdsLight& found = committed->lights->lights[0];
-        EXPECT_NEAR(found.radiance[0], 6.0F, 1e-3F) << isNormalized;
+        EXPECT_NEAR(found.radiance[0], 6.0F, 1e-4F) << isNormalized;
         EXPECT_NE(found.flags & HDS_LIGHT_REPLACES, 0U);
         EXPECT_EQ(found.dataSize[0], 0U) << "not sampled";
         ASSERT_EQ(committed->lightByEntry.size(), 1U);
