@@ -99,7 +99,7 @@ VtValue VtFrom(const hds::SettingValue& value) {
 std::string Apply(hds::Settings* settings, const std::string& name, const VtValue& value,
                   hds::SettingValue* applied) {
     const hds::SettingInfo* info = hds::FindSetting(name);
-    if (!info || !info->isUserSetting) {
+    if (!info || !info->IsUserSetting()) {
         return name + " is no render setting of Stream";
     }
     const std::optional<hds::SettingValue> converted = ValueFrom(value, info->kind);
@@ -121,9 +121,11 @@ HdRenderSettingDescriptorList HdStreamSettingsBridge::Descriptors() {
     HdRenderSettingDescriptorList descriptors;
     const hds::Settings defaults;
     for (const hds::SettingInfo& info : hds::SettingTable()) {
-        if (info.isUserSetting) {
+        if (info.IsUserSetting()) {
+            // Descriptors have no place for it but the name; the table has the advanced ones last.
+            const std::string label = info.label + (info.IsAdvanced() ? " (advanced)" : "");
             descriptors.push_back(
-                {info.label, TfToken(info.name), VtFrom(hds::GetSetting(defaults, info.name))});
+                {label, TfToken(info.name), VtFrom(hds::GetSetting(defaults, info.name))});
         }
     }
     return descriptors;
@@ -143,7 +145,7 @@ std::string HdStreamSettingsBridge::NameOf(const TfToken& key) {
     const std::string name =
         TfStringStartsWith(text, kNamespace) ? text.substr(kNamespace.size()) : text;
     const hds::SettingInfo* info = hds::FindSetting(name);
-    return info && info->isUserSetting ? name : std::string();
+    return info && info->IsUserSetting() ? name : std::string();
 }
 
 bool HdStreamSettingsBridge::Set(const TfToken& key, const VtValue& value, std::string* problem) {

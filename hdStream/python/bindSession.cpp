@@ -2,10 +2,12 @@
 // Session for Python. Every call that may take long or a lock of the core releases the GIL, and the
 // callbacks take it, so that the core never waits for Python while Python waits for the core.
 #include "hdStream/python/bindings.h"
+#include "hdStream/session/memorySize.h"
 #include "hdStream/session/session.h"
 #include "hdStream/session/settingsTable.h"
 
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
@@ -92,48 +94,11 @@ void BindErrors(nb::module_& module) {
 }
 
 void BindSettings(nb::module_& module) {
-    nb::class_<Settings>(module, "Settings", "All settings of a render.")
-        .def(nb::init<>())
-        .def_rw("camera", &Settings::camera)
-        .def_rw("imageWidth", &Settings::imageWidth)
-        .def_rw("imageHeight", &Settings::imageHeight)
-        .def_rw("pixelAspectRatio", &Settings::pixelAspectRatio)
-        .def_rw("displayWindow", &Settings::displayWindow)
-        .def_rw("dataWindowMin", &Settings::dataWindowMin)
-        .def_rw("conformPolicy", &Settings::conformPolicy)
-        .def_rw("cullStyle", &Settings::cullStyle)
-        .def_rw("cameraMoves", &Settings::cameraMoves)
-        .def_rw("domeVisible", &Settings::domeVisible)
-        .def_rw("aovs", &Settings::aovs)
-        .def_rw("purposes", &Settings::purposes)
-        .def_rw("samples", &Settings::samples)
-        .def_rw("maxDepth", &Settings::maxDepth)
-        .def_rw("seed", &Settings::seed)
-        .def_rw("timeLimit", &Settings::timeLimit)
-        .def_rw("noise", &Settings::noise)
-        .def_rw("pixelFilter", &Settings::pixelFilter)
-        .def_rw("pixelFilterWidth", &Settings::pixelFilterWidth)
-        .def_rw("russianRoulette", &Settings::russianRoulette)
-        .def_rw("motionBlur", &Settings::motionBlur)
-        .def_rw("denoise", &Settings::denoise)
-        .def_rw("mipBias", &Settings::mipBias)
-        .def_rw("subdivision", &Settings::subdivision)
-        .def_rw("refineLevel", &Settings::refineLevel)
-        .def_rw("waveSize", &Settings::waveSize)
-        .def_rw("device", &Settings::device)
-        .def_rw("cacheDirectory", &Settings::cacheDirectory)
-        .def_rw("noCache", &Settings::noCache)
-        .def_rw("traversal", &Settings::traversal)
-        .def_rw("chunkBytes", &Settings::chunkBytes)
-        .def_rw("residency", &Settings::residency)
-        .def_rw("geometryMemory", &Settings::geometryMemory)
-        .def_rw("textureMemory", &Settings::textureMemory)
-        .def_rw("shadeIterations", &Settings::shadeIterations)
-        .def_rw("plainTextures", &Settings::plainTextures)
-        .def_rw("geometryEviction", &Settings::geometryEviction)
-        .def_rw("request", &Settings::request)
-        .def_rw("hostMemory", &Settings::hostMemory)
-        .def_rw("prepare", &Settings::prepare);
+    nb::class_<Settings> settings(module, "Settings", "All settings of a render.");
+    settings.def(nb::init<>());
+#define HDS_SETTING(type, name, ...) settings.def_rw(#name, &Settings::name);
+#define HDS_SETTING_WITHOUT_ROW(type, name, initial) settings.def_rw(#name, &Settings::name);
+#include "hdStream/session/settings.def"
 }
 
 void BindSettingsTable(nb::module_& module) {
@@ -143,8 +108,15 @@ void BindSettingsTable(nb::module_& module) {
         .value("Number", SettingKind::Number)
         .value("Bytes", SettingKind::Bytes)
         .value("Text", SettingKind::Text)
+        .value("Memory", SettingKind::Memory)
         .value("Choice", SettingKind::Choice)
         .value("Names", SettingKind::Names);
+    nb::enum_<SettingGroup>(module, "SettingGroup")
+        .value("Framing", SettingGroup::Framing)
+        .value("Quality", SettingGroup::Quality)
+        .value("Picture", SettingGroup::Picture)
+        .value("Memory", SettingGroup::Memory)
+        .value("Machine", SettingGroup::Machine);
     nb::class_<SettingInfo>(module, "SettingInfo", "A row of the settings table.")
         .def_ro("name", &SettingInfo::name)
         .def_ro("option", &SettingInfo::option)
@@ -154,11 +126,21 @@ void BindSettingsTable(nb::module_& module) {
         .def_ro("choices", &SettingInfo::choices)
         .def_ro("minimum", &SettingInfo::minimum)
         .def_ro("maximum", &SettingInfo::maximum)
-        .def_ro("isUserSetting", &SettingInfo::isUserSetting);
+        .def_ro("group", &SettingInfo::group)
+        .def_prop_ro("isUserSetting", &SettingInfo::IsUserSetting)
+        .def_prop_ro("isAdvanced", &SettingInfo::IsAdvanced);
     module.def("SettingTable", &SettingTable, "All settings, in the order they are shown.");
     module.def("GetSetting", &GetSetting, "settings"_a, "name"_a);
     module.def("SetSetting", &SetSetting, "settings"_a, "name"_a, "value"_a,
                "Sets a checked value; raises UsageError.");
+    module.def("ParseBytes", &ParseBytes, "text"_a, "Of a size such as 512M; raises UsageError.");
+    module.def(
+        "ParseMemorySize",
+        [](const std::string& text) {
+            const MemorySize size = ParseMemorySize(text);
+            return std::pair(size.bytes, size.share);
+        },
+        "text"_a, "(bytes, share) of a size such as 512M or 30%; raises UsageError.");
 }
 
 void BindDevices(nb::module_& module) {

@@ -2,12 +2,12 @@
 #include "hdStream/session/settingsCheck.h"
 
 #include "hdStream/base/error.h"
+#include "hdStream/session/memorySize.h"
 #include "hdStream/session/settingsTable.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 
 namespace hds {
 
@@ -15,8 +15,6 @@ namespace {
 
 /// Largest coordinate of a display window, in pixels.
 constexpr double kMaxWindow = 1e8;
-constexpr double kMaxPercent = 100.0;
-constexpr double kMaxBytes = 1e18;
 
 /// The index of a checked choice: the tables' order is the enumerations'.
 template <typename Enum>
@@ -35,47 +33,9 @@ static_assert(static_cast<int>(Eviction::Flush) == 1, "order of the choices");
 // CullStyle begins with DontCare, which is no choice.
 static_assert(static_cast<int>(CullStyle::Nothing) == 1, "order of the choices");
 
-/// Size of a pool as users write it: "512M" (bytes; K, M, G, T) or "30%" (of everything).
-struct MemorySize {
-    std::uint64_t bytes = 0;
-    double share = 0.0;
-};
-
-/// \throws Error (usage) that names the option. An empty text is both 0.
-MemorySize ParseMemory(const std::string& option, const std::string& text) {
-    MemorySize size;
-    if (text.empty()) {
-        return size;
-    }
-    const auto fail = [&] {
-        return Error(option + ": '" + text + "' is no size such as 512M, 2G or 30%",
-                     ErrorKind::Usage);
-    };
-    char* end = nullptr;
-    const double number = std::strtod(text.c_str(), &end);
-    const std::string suffix = end;
-    if (end == text.c_str() || !std::isfinite(number) || !(number > 0.0)) {
-        throw fail();
-    }
-    if (suffix == "%") {
-        if (number > kMaxPercent) {
-            throw fail();
-        }
-        size.share = number / kMaxPercent;
-        return size;
-    }
-    const std::string suffixes = "KMGT";
-    const char letter = suffix.empty() ? ' ' : static_cast<char>(std::toupper(suffix[0]));
-    const std::size_t power = suffixes.find(letter);
-    if (suffix.size() > 1 || (!suffix.empty() && power == std::string::npos)) {
-        throw fail();
-    }
-    const double bytes = std::ldexp(number, suffix.empty() ? 0 : 10 * static_cast<int>(power + 1));
-    if (!(bytes >= 1.0 && bytes < kMaxBytes)) {
-        throw fail();
-    }
-    size.bytes = static_cast<std::uint64_t>(bytes);
-    return size;
+/// Of a checked text; empty is the default: both 0.
+MemorySize MemoryOf(const std::string& text) {
+    return text.empty() ? MemorySize() : ParseMemorySize(text);
 }
 
 } // namespace
@@ -96,8 +56,6 @@ void CheckSettings(const Settings& settings) {
         }
     }
     MakeAovLayout(settings.aovs);
-    ParseMemory("--geometryMemory", settings.geometryMemory);
-    ParseMemory("--textureMemory", settings.textureMemory);
     if (settings.residency == "mapped" && settings.noCache) {
         throw Error("--residency mapped: needs the persistent cache, which --noCache switches off",
                     ErrorKind::Usage);
@@ -145,14 +103,14 @@ RenderOptions MakeRenderOptions(const Settings& settings, const CameraPrim& came
 }
 
 ResidencyOptions MakeResidencyOptions(const Settings& settings) {
-    const MemorySize memory = ParseMemory("--geometryMemory", settings.geometryMemory);
+    const MemorySize memory = MemoryOf(settings.geometryMemory);
     ResidencyOptions options;
     options.mode = EnumOf<ResidencyMode>("residency", settings.residency);
     options.budgetBytes = memory.bytes;
     options.budgetShare = memory.share;
     options.eviction = EnumOf<Eviction>("geometryEviction", settings.geometryEviction);
     options.requestsFirst = settings.request == "first";
-    const MemorySize textures = ParseMemory("--textureMemory", settings.textureMemory);
+    const MemorySize textures = MemoryOf(settings.textureMemory);
     options.textureBudgetBytes = textures.bytes;
     options.textureBudgetShare = textures.share;
     options.plainTextures = settings.plainTextures;

@@ -2,6 +2,7 @@
 #include "hdStream/session/settingsTable.h"
 
 #include "hdStream/base/error.h"
+#include "hdStream/session/memorySize.h"
 #include "hdStream/session/settingsCheck.h"
 
 #include <algorithm>
@@ -22,53 +23,6 @@ struct Row {
     std::function<void(Settings*, const SettingValue&)> set; ///< the value is checked
 };
 
-template <typename T>
-Row MakeRow(T Settings::*member, SettingInfo info) {
-    // What a member of this type is in a SettingValue.
-    using Held = std::conditional_t<
-        std::is_same_v<T, bool>, bool,
-        std::conditional_t<std::is_integral_v<T>, std::int64_t,
-                           std::conditional_t<std::is_floating_point_v<T>, double, T>>>;
-    return {std::move(info),
-            [member](const Settings& settings) {
-                return SettingValue(static_cast<Held>(settings.*member));
-            },
-            [member](Settings* settings, const SettingValue& value) {
-                settings->*member = static_cast<T>(std::get<Held>(value));
-            }};
-}
-
-SettingInfo Info(SettingKind kind, const char* name, const char* option, const char* label,
-                 const char* description) {
-    SettingInfo info;
-    info.kind = kind;
-    info.name = name;
-    info.option = option;
-    info.label = label;
-    info.description = description;
-    return info;
-}
-
-SettingInfo Ranged(SettingKind kind, const char* name, const char* option, const char* label,
-                   const char* description, double minimum, double maximum) {
-    SettingInfo info = Info(kind, name, option, label, description);
-    info.minimum = minimum;
-    info.maximum = maximum;
-    return info;
-}
-
-SettingInfo OneOf(const char* name, const char* option, const char* label, const char* description,
-                  std::vector<std::string> choices) {
-    SettingInfo info = Info(SettingKind::Choice, name, option, label, description);
-    info.choices = std::move(choices);
-    return info;
-}
-
-SettingInfo OfHost(SettingInfo info) {
-    info.isUserSetting = false;
-    return info;
-}
-
 constexpr double kMaxSeconds = 1e9;
 constexpr double kMaxError = 1e6;
 constexpr double kMaxFilterWidth = 64.0;
@@ -84,150 +38,66 @@ constexpr double kMinChunkBytes = 4U << 10U;
 constexpr double kMaxChunkBytes = 256U << 20U;
 constexpr double kMaxHostBytes = 1ULL << 50U;
 
-/// What to render: the hosts of the plug-in decide these.
-std::vector<Row> HostRows() {
-    using S = Settings;
-    using K = SettingKind;
-    return {
-        MakeRow(&S::camera, OfHost(Info(K::Text, "camera", "--camera", "Camera",
-                                        "prim path of the camera to render"))),
-        MakeRow(&S::imageWidth,
-                OfHost(Ranged(K::Integer, "imageWidth", "--imageWidth", "Image width",
-                              "pixels of the image", 1, kMaxImageSize))),
-        MakeRow(&S::imageHeight,
-                OfHost(Ranged(K::Integer, "imageHeight", "--imageHeight", "Image height",
-                              "pixels of the image", 1, kMaxImageSize))),
-        MakeRow(
-            &S::pixelAspectRatio,
-            OfHost(Ranged(K::Number, "pixelAspectRatio", "", "Pixel aspect ratio",
-                          "width over height of a pixel", 1.0 / kMaxPixelAspect, kMaxPixelAspect))),
-        MakeRow(&S::conformPolicy,
-                OfHost(OneOf("conformPolicy", "", "Conform policy",
-                             "how an aperture of another aspect ratio is fitted to the image",
-                             {"expandAperture", "cropAperture", "adjustApertureWidth",
-                              "adjustApertureHeight", "adjustPixelAspectRatio"}))),
-        MakeRow(&S::aovs, OfHost(Info(K::Names, "aovs", "--aovs", "AOVs", "layers of the image"))),
-        MakeRow(&S::purposes, OfHost(Info(K::Names, "purposes", "--purposes", "Purposes",
-                                          "purposes of the prims that are drawn"))),
-        MakeRow(&S::cullStyle,
-                OfHost(OneOf("cullStyle", "", "Cull style",
-                             "faces that camera rays do not see, of meshes that do not say",
-                             {"nothing", "back", "front", "backUnlessDoubleSided",
-                              "frontUnlessDoubleSided"}))),
-        MakeRow(&S::cameraMoves,
-                OfHost(Info(K::Bool, "cameraMoves", "", "Camera moves",
-                            "what the first camera does not see is diced finely too"))),
-    };
+/// What a setting may be: the table's column of values.
+struct Values {
+    SettingKind kind = SettingKind::Bool;
+    std::vector<std::string> choices;
+    double minimum = 0.0;
+    double maximum = 0.0;
+};
+
+Values Flag() {
+    return {SettingKind::Bool, {}};
+}
+Values Whole(double minimum, double maximum) {
+    return {SettingKind::Integer, {}, minimum, maximum};
+}
+Values Number(double minimum, double maximum) {
+    return {SettingKind::Number, {}, minimum, maximum};
+}
+Values Bytes(double minimum, double maximum) {
+    return {SettingKind::Bytes, {}, minimum, maximum};
+}
+Values Text() {
+    return {SettingKind::Text, {}};
+}
+Values Memory() {
+    return {SettingKind::Memory, {}};
+}
+Values Names() {
+    return {SettingKind::Names, {}};
+}
+template <typename... Choices>
+Values OneOf(Choices... choices) {
+    return {SettingKind::Choice, {choices...}};
 }
 
-std::vector<Row> UserRows() {
-    using S = Settings;
-    using K = SettingKind;
-    return {
-        MakeRow(&S::samples, Ranged(K::Integer, "samples", "--samples", "Samples",
-                                    "samples per pixel", 1, kMaxCount)),
-        MakeRow(&S::maxDepth, Ranged(K::Integer, "maxDepth", "--maxDepth", "Bounces",
-                                     "bounces after the first hit", 0, kMaxDepth)),
-        MakeRow(&S::seed,
-                Ranged(K::Integer, "seed", "--seed", "Seed", "of the random numbers", 0, kMaxSeed)),
-        MakeRow(&S::timeLimit,
-                Ranged(K::Number, "timeLimit", "--time", "Time limit",
-                       "seconds after which rendering ends; 0: no limit", 0.0, kMaxSeconds)),
-        MakeRow(&S::noise,
-                Ranged(K::Number, "noise", "--noise", "Noise",
-                       "relative error at which a pixel is done; 0: never", 0.0, kMaxError)),
-        MakeRow(&S::pixelFilter,
-                OneOf("pixelFilter", "", "Pixel filter", "weights of the samples of a pixel",
-                      {"blackmanHarris", "box"})),
-        MakeRow(&S::pixelFilterWidth,
-                Ranged(K::Number, "pixelFilterWidth", "", "Pixel filter width",
-                       "full width of the filter in pixels", 1.0 / kMaxFilterWidth,
-                       kMaxFilterWidth)),
-        MakeRow(&S::domeVisible, Info(K::Bool, "domeVisible", "", "Dome visible",
-                                      "dome lights are seen by the camera")),
-        MakeRow(&S::russianRoulette,
-                Info(K::Bool, "russianRoulette", "", "Russian roulette",
-                     "dim paths end by chance; switching it off changes the noise only")),
-        MakeRow(&S::motionBlur,
-                OneOf("motionBlur", "--motionBlur", "Motion blur",
-                      "of what moves while the camera's shutter is open", {"on", "off"})),
-        MakeRow(&S::denoise, Info(K::Bool, "denoise", "--denoise", "Denoise",
-                                  "the picture, by Open Image Denoise where it is installed")),
-        MakeRow(&S::mipBias, Ranged(K::Number, "mipBias", "", "Mip bias",
-                                    "mips that texture look-ups are moved by; positive: coarser",
-                                    -kMaxMipBias, kMaxMipBias)),
-        MakeRow(&S::subdivision, OneOf("subdivision", "--subdivision", "Subdivision",
-                                       "limit surface, uniform level, or cage as it is",
-                                       {"adaptive", "complexity", "cage"})),
-        MakeRow(&S::refineLevel,
-                OfHost(Ranged(K::Integer, "refineLevel", "--complexity", "Refine level",
-                              "subdivision level of all meshes with subdivision complexity", 0,
-                              kMaxRefineLevel))),
-        MakeRow(&S::waveSize, Ranged(K::Integer, "waveSize", "--waveSize", "Wave size",
-                                     "paths in flight; 0: measured for the device", 0, kMaxCount)),
-        MakeRow(&S::device, Info(K::Text, "device", "--device", "Device",
-                                 "OpenCL device by part of its name; empty: the first GPU, else "
-                                 "the first CPU")),
-        MakeRow(&S::cacheDirectory,
-                Info(K::Text, "cacheDirectory", "--cacheDir", "Cache folder",
-                     "persistent cache; empty: $HDSTREAM_CACHE_DIR, else the platform's")),
-        MakeRow(&S::noCache,
-                Info(K::Bool, "noCache", "--noCache", "No cache", "use no persistent cache")),
-        MakeRow(&S::traversal,
-                OneOf("traversal", "", "Traversal", "form of the traversal kernel; equal bits",
-                      {"auto", "wide", "lane"})),
-        MakeRow(&S::chunkBytes,
-                Ranged(K::Bytes, "chunkBytes", "--chunkSize", "Chunk size",
-                       "upper bound of a unit of geometry", kMinChunkBytes, kMaxChunkBytes)),
-        MakeRow(&S::residency, OneOf("residency", "--residency", "Residency",
-                                     "geometry and textures in device memory: all, what rays ask "
-                                     "for, whichever fits, or "
-                                     "none (mapped: CPU devices read the cache's files in place)",
-                                     {"auto", "resident", "stream", "mapped"})),
-        MakeRow(&S::geometryMemory,
-                Info(K::Text, "geometryMemory", "--geometryMemory", "Geometry memory",
-                     "pool for geometry that streams: bytes (K, M, G) or a percentage of all of "
-                     "it; empty: a quarter of the device's memory")),
-        MakeRow(&S::textureMemory,
-                Info(K::Text, "textureMemory", "--textureMemory", "Texture memory",
-                     "pool for textures that stream: bytes (K, M, G) or a percentage of all of "
-                     "them; empty: a quarter of the device's memory")),
-        MakeRow(&S::geometryEviction,
-                OneOf("geometryEviction", "--geometryEviction", "Geometry eviction",
-                      "what leaves a full pool: what was used least recently, or everything",
-                      {"clock", "flush"})),
-        MakeRow(&S::request,
-                OneOf("request", "--request", "Request",
-                      "the missing chunks a ray asks for: the nearest in its way after its walk, "
-                      "or the first it meets",
-                      {"last", "first"})),
-        MakeRow(&S::shadeIterations,
-                Ranged(K::Integer, "shadeIterations", "--shadeIterations", "Shade iterations",
-                       "times that a point is shaded before coarser mips are taken for texels "
-                       "that are not there yet; 0: until all are",
-                       0, kMaxShadeIterations)),
-        MakeRow(&S::plainTextures,
-                Info(K::Bool, "plainTextures", "", "Plain textures",
-                     "textures whole and uncompressed in device memory, to compare with")),
-        MakeRow(&S::hostMemory,
-                Ranged(K::Bytes, "hostMemory", "--hostMemory", "Host memory",
-                       "bound on prepared geometry kept in host memory; 0: a quarter of it", 0,
-                       kMaxHostBytes)),
-        MakeRow(&S::prepare, OneOf("prepare", "--prepare", "Prepare",
-                                   "geometry that streams is prepared when rays ask for it, or all "
-                                   "of it before the first one",
-                                   {"lazy", "eager"})),
-    };
+template <typename T>
+Row MakeRow(T Settings::*member, const char* name, Values values, const char* option,
+            SettingGroup group, SettingAudience audience, const char* label,
+            const char* description) {
+    // What a member of this type is in a SettingValue.
+    using Held = std::conditional_t<
+        std::is_same_v<T, bool>, bool,
+        std::conditional_t<std::is_integral_v<T>, std::int64_t,
+                           std::conditional_t<std::is_floating_point_v<T>, double, T>>>;
+    return {{name, option, label, description, values.kind, std::move(values.choices),
+             values.minimum, values.maximum, group, audience},
+            [member](const Settings& settings) {
+                return SettingValue(static_cast<Held>(settings.*member));
+            },
+            [member](Settings* settings, const SettingValue& value) {
+                settings->*member = static_cast<T>(std::get<Held>(value));
+            }};
 }
 
 const std::vector<Row>& Rows() {
-    static const std::vector<Row> rows = [] {
-        std::vector<Row> all = HostRows();
-        for (Row& row : UserRows()) {
-            all.push_back(std::move(row));
-        }
-        return all;
-    }();
+    static const std::vector<Row> rows{
+#define HDS_SETTING(type, name, initial, values, option, group, audience, label, description) \
+    MakeRow(&Settings::name, #name, values, option, SettingGroup::group,                      \
+            SettingAudience::audience, label, description),
+#include "hdStream/session/settings.def"
+    };
     return rows;
 }
 
@@ -237,7 +107,7 @@ const Row* FindRow(const std::string& name) {
     return found == Rows().end() ? nullptr : &*found;
 }
 
-std::string Text(double number) {
+std::string TextOf(double number) {
     char text[40];
     std::snprintf(text, sizeof(text), "%.12g", number);
     return text;
@@ -249,7 +119,29 @@ std::string Text(double number) {
 
 void CheckInRange(const SettingInfo& info, double number) {
     if (!(number >= info.minimum && number <= info.maximum)) {
-        Fail(info, Text(number) + " is not in " + Text(info.minimum) + ".." + Text(info.maximum));
+        Fail(info,
+             TextOf(number) + " is not in " + TextOf(info.minimum) + ".." + TextOf(info.maximum));
+    }
+}
+
+void CheckIsChoice(const SettingInfo& info, const std::string& text) {
+    if (std::find(info.choices.begin(), info.choices.end(), text) == info.choices.end()) {
+        std::string message = text + " is none of ";
+        for (std::size_t i = 0; i < info.choices.size(); ++i) {
+            message += (i > 0 ? ", " : "") + info.choices[i];
+        }
+        Fail(info, message);
+    }
+}
+
+void CheckIsMemory(const SettingInfo& info, const std::string& text) {
+    if (text.empty()) {
+        return;
+    }
+    try {
+        ParseMemorySize(text);
+    } catch (const Error& error) {
+        Fail(info, error.what());
     }
 }
 
@@ -290,6 +182,7 @@ SettingValue Converted(const SettingInfo& info, const SettingValue& value) {
         }
         Fail(info, "must be a number");
     case SettingKind::Text:
+    case SettingKind::Memory:
     case SettingKind::Choice:
         if (std::holds_alternative<std::string>(value)) {
             return value;
@@ -337,14 +230,9 @@ void CheckSettingValue(const SettingInfo& info, const SettingValue& value) {
         }
         CheckInRange(info, *number);
     } else if (info.kind == SettingKind::Choice) {
-        const auto& text = std::get<std::string>(value);
-        if (std::find(info.choices.begin(), info.choices.end(), text) == info.choices.end()) {
-            std::string message = text + " is none of ";
-            for (std::size_t i = 0; i < info.choices.size(); ++i) {
-                message += (i > 0 ? ", " : "") + info.choices[i];
-            }
-            Fail(info, message);
-        }
+        CheckIsChoice(info, std::get<std::string>(value));
+    } else if (info.kind == SettingKind::Memory) {
+        CheckIsMemory(info, std::get<std::string>(value));
     }
 }
 

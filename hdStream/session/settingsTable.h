@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one table of all settings: the command line, the "hdstream:" attributes of render settings
-// prims, Hydra's render setting descriptors and docs/settings.md come from it.
+// The table of all settings (settings.def) at run time: for the command line, the "hdstream:"
+// attributes of render settings prims, Hydra's descriptors and docs/settings.md.
 #pragma once
 
 #include "hdStream/session/settings.h"
@@ -23,8 +23,19 @@ enum class SettingKind {
     Number,  ///< finite number in [minimum, maximum]
     Bytes,   ///< whole number of bytes; the command line takes suffixes K, M, G
     Text,
+    Memory, ///< text: a size or a percentage (memorySize.h); empty: the default
     Choice, ///< one of `choices`
     Names,  ///< a list of words
+};
+
+/// Where command lines show it. Those of Memory and Machine change no bit of a picture.
+enum class SettingGroup { Framing, Quality, Picture, Memory, Machine };
+
+/// Whose choice it is.
+enum class SettingAudience {
+    Host, ///< hosts of the renderer decide it (image size, camera ...): Hydra offers no descriptor
+    User, ///< offered to everybody
+    Expert, ///< offered last, and as advanced: nobody needs it for a picture
 };
 
 /// One row.
@@ -37,13 +48,14 @@ struct SettingInfo {
     std::vector<std::string> choices;
     double minimum = 0.0;
     double maximum = 0.0;
-    /// False: hosts of the renderer decide it (image size, camera, purposes ...), so Hydra offers
-    /// no descriptor.
-    bool isUserSetting = true;
+    SettingGroup group = SettingGroup::Framing;
+    SettingAudience audience = SettingAudience::Host;
+
+    bool IsUserSetting() const { return audience != SettingAudience::Host; }
+    bool IsAdvanced() const { return audience == SettingAudience::Expert; }
 };
 
-/// All rows, in the order they are shown to users. Thread-safe. Every setting has one but
-/// displayWindow and dataWindowMin, which follow from what the front end is asked to frame.
+/// All rows, in the order they are shown to users. Thread-safe.
 const std::vector<SettingInfo>& SettingTable();
 
 /// The row of that name; null when there is none.

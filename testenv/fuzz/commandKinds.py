@@ -97,9 +97,10 @@ class Settings(Kind):
             return rng.choice([*row.choices, *row.choices, "none", ""])
         if row.kind == kinds.Bool:
             return rng.choice([True, False])
+        if row.kind == kinds.Memory:
+            return rng.choice(_SIZES)
         if row.kind in (kinds.Text, kinds.Names):
-            words = _SIZES if row.name.endswith("Memory") else _WORDS
-            return rng.choice(words) if row.kind == kinds.Text else rng.sample(words, rng.randrange(4))
+            return rng.choice(_WORDS) if row.kind == kinds.Text else rng.sample(_WORDS, rng.randrange(4))
         most = min(row.maximum, _BOUNDED.get(row.name, row.maximum))
         value = rng.choice([row.minimum, most, rng.uniform(row.minimum, most), rng.uniform(row.minimum, min(most, 64)), row.minimum - 1,
                             row.maximum * 2, float("nan"), float("inf")])

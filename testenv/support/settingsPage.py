@@ -5,12 +5,24 @@ from hdstream import _core
 
 HEAD = """# Settings
 
-One table (hdStream/session/settingsTable.cpp) describes every setting. The options of `hdstream record`, the attributes
-`hdstream:NAME` of UsdRenderSettings prims (both front ends), and the render settings that Hydra hosts show all come from
-it. This page is written by `python testenv/support/settingsPage.py`.
+This page lists every setting. One table describes them (hdStream/session/settings.def): the options of `hdstream record`,
+the keywords of `Renderer.Render`, the attributes `hdstream:NAME` of UsdRenderSettings prims (both front ends) and the
+render settings that Hydra hosts show all come from it. A new setting is a row of the table, the code that reads the setting,
+and this page, which `python testenv/support/settingsPage.py` writes.
+"""
+ADVANCED = """
+## For experts
 
-Those in the second table are decided by the host of the plug-in (image size, camera, purposes ...), so Hydra shows no
-control for them and render settings prims have attributes of their own.
+Nobody needs these for a picture: they are here for measurements and comparisons. `hdstream record --help` has them in
+a group of their own, hosts of the plug-in show them last, with "(advanced)" in their names.
+
+"""
+HOST = """
+## Decided by the host
+
+Hosts of the plug-in decide these (image size, camera, purposes ...), so Hydra shows no control for them, and render
+settings prims have attributes of their own.
+
 """
 
 
@@ -22,7 +34,7 @@ def _RangeOf(info):
         return "true, false"
     if info.kind in (kind.Integer, kind.Number, kind.Bytes):
         return f"{info.minimum:.10g} to {info.maximum:.10g}"
-    return {kind.Text: "text", kind.Names: "names"}[info.kind]
+    return {kind.Text: "text", kind.Memory: "a size or a percentage", kind.Names: "names"}[info.kind]
 
 
 def _DefaultOf(info):
@@ -44,9 +56,10 @@ def _Table(rows):
 
 def PageText():
     table = _core.SettingTable()
-    user = _Table([info for info in table if info.isUserSetting])
+    user = _Table([info for info in table if info.isUserSetting and not info.isAdvanced])
+    advanced = _Table([info for info in table if info.isAdvanced])
     host = _Table([info for info in table if not info.isUserSetting])
-    return f"{HEAD}\n{user}\n{host}"
+    return f"{HEAD}\n{user}{ADVANCED}{advanced}{HOST}{host}"
 
 
 if __name__ == "__main__":

@@ -126,21 +126,25 @@ def _AddCompare(commands):
 
 
 def _AddRecordOptions(command):
+    from hdstream import _core
     command.add_argument("stage", metavar="STAGE", help="USD file")
     command.add_argument("output", metavar="OUT",
                          help="image file, .exr, .png or .jpg; #### is the frame")
-    _AddUsdrecordOptions(command.add_argument_group("what to render (usdrecord's names)"))
-    quality = command.add_argument_group("when to stop")
-    for name in ("samples", "maxDepth", "seed", "timeLimit", "noise"):
-        options.AddSetting(quality, name)
-    picture = command.add_argument_group("what to write")
-    for name in ("aovs", "motionBlur", "denoise"):
-        options.AddSetting(picture, name)
-    _AddFarmOptions(command.add_argument_group("other machines, and going on (docs/farm.md)"))
-    _AddStreamingOptions(command.add_argument_group("memory and streaming"))
-    machine = command.add_argument_group("machine and reports")
-    for name in ("device", "cacheDirectory", "noCache"):
-        options.AddSetting(machine, name)
+    kinds = _core.SettingGroup
+    framing = command.add_argument_group("what to render (usdrecord's names)")
+    groups = {kinds.Framing: framing,
+              kinds.Quality: command.add_argument_group("when to stop"),
+              kinds.Picture: command.add_argument_group("what to write")}
+    farm = command.add_argument_group("other machines, and going on (docs/farm.md)")
+    groups[kinds.Memory] = command.add_argument_group("memory and streaming")
+    groups[kinds.Machine] = machine = command.add_argument_group("machine and reports")
+    advanced = command.add_argument_group("for experts: nobody needs these for a picture")
+    for info in _core.SettingTable():
+        if info.option:
+            aliases, overrides = _OPTIONS.get(info.name, ((), {}))
+            options.AddSetting(advanced if info.isAdvanced else groups[info.group], info, *aliases, **overrides)
+    _AddUsdrecordOptions(framing)
+    _AddFarmOptions(farm)
     machine.add_argument("--stats", metavar="FILE", help="write statistics as JSON")
     machine.add_argument("--quiet", action="store_true", help="no progress bar")
 
@@ -160,23 +164,15 @@ def _AddFarmOptions(group):
 
 
 def _AddUsdrecordOptions(group):
-    options.AddSetting(group, "camera", "-cam",
-                       help="name or path of a camera prim (default: main_cam, else the stage is framed)")
+    """Those that are no settings."""
     frames = group.add_mutually_exclusive_group()
     frames.add_argument("--frames", "-f", metavar="SPEC[,SPEC...]",
                         help="time codes: 101, 101:105, 105:101, 101:109x2, 101:104x0.5")
     frames.add_argument("--defaultTime", "-d", action="store_true",
                         help="render at the default time (default: the stage's startTimeCode)")
-    options.AddSetting(group, "imageWidth", "-w")
-    options.AddSetting(group, "imageHeight", help="pixels (default: from the camera's aspect ratio)")
-    options.AddSetting(group, "refineLevel", "-c", type=_Complexity, metavar="WORD|N",
-                       help="refine level 0 to 8 with --subdivision complexity; low, medium, high, veryhigh "
-                            "are 0 to 3 (default low)")
     group.add_argument("--colorCorrectionMode", "-color", default="",
                        choices=("disabled", "sRGB", "openColorIO"),
                        help="for .png and .jpg (default: OpenColorIO when $OCIO is set, else sRGB)")
-    options.AddSetting(group, "purposes", type=options.Purposes,
-                       help="drawn besides default: render, proxy, guide (default render)")
     group.add_argument("--mask", type=options.Names, metavar="PATH[,PATH...]",
                        help="only these prims, their descendants and ancestors")
     group.add_argument("--renderSettingsPrimPath", "-rs", metavar="PATH",
@@ -194,15 +190,17 @@ def _Complexity(text):
     raise argparse.ArgumentTypeError(f"{text!r} is neither 0 to 8 nor one of {', '.join(_COMPLEXITIES)}")
 
 
-def _AddStreamingOptions(group):
-    options.AddSetting(group, "residency")
-    options.AddSetting(group, "subdivision")
-    options.AddSetting(group, "hostMemory")
-    options.AddSetting(group, "geometryMemory", type=options.MemorySize, metavar="SIZE|N%")
-    options.AddSetting(group, "textureMemory", type=options.MemorySize, metavar="SIZE|N%")
-    options.AddSetting(group, "geometryEviction")
-    options.AddSetting(group, "chunkBytes", type=options.ChunkBytes, metavar="SIZE|mesh")
-    options.AddSetting(group, "request")
-    options.AddSetting(group, "waveSize")
-    options.AddSetting(group, "shadeIterations")
-    options.AddSetting(group, "prepare")
+# Where the option of a setting is not just what its row says: (further names, keywords of argparse).
+_OPTIONS = {
+    "camera": (("-cam",), {"help": "name or path of a camera prim (default: main_cam, else the stage is framed)"}),
+    "imageWidth": (("-w",), {}),
+    "imageHeight": ((), {"help": "pixels (default: from the camera's aspect ratio)"}),
+    "refineLevel": (("-c",), {"type": _Complexity, "metavar": "WORD|N",
+                              "help": "refine level 0 to 8 with --subdivision complexity; low, medium, high, veryhigh "
+                                      "are 0 to 3 (default low)"}),
+    "purposes": ((), {"type": options.Purposes,
+                      "help": "drawn besides default: render, proxy, guide (default render)"}),
+    "timeLimit": ((), {"metavar": "SECONDS"}),
+    "cacheDirectory": ((), {"metavar": "DIR"}),
+    "chunkBytes": ((), {"type": options.ChunkBytes, "metavar": "SIZE|mesh"}),
+}

@@ -12,7 +12,6 @@ from hdstream.renderSettings import DataWindow
 from hdstream.translate.cameras import CameraFromGf, ReadCamera
 from hdstream.translate.motion import Motion, ReadShutter
 
-_DEFAULT_WIDTH = 960
 # Settings that SetCamera completes from the camera and the render settings prim.
 _FRAMED = ("camera", "imageWidth", "imageHeight")
 
@@ -96,7 +95,7 @@ class Framing:
         width, height = self._width, self._height
         if width is None and height is None and resolution:
             width, height = resolution
-        width = width or _DEFAULT_WIDTH
+        width = width or settings.imageWidth
         if height is None:
             # As usdrecord: cut off, computed with floats; what the rounding leaves is the width's.
             pixels = np.float32(settings.pixelAspectRatio) * np.float32(width)

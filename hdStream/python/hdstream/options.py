@@ -7,7 +7,6 @@ Functions that argparse calls raise argparse.ArgumentTypeError; it adds the opti
 import argparse
 import math
 
-_SUFFIXES = {"": 1, "K": 1 << 10, "M": 1 << 20, "G": 1 << 30, "T": 1 << 40}
 PURPOSES = ("default", "render", "proxy", "guide")
 
 
@@ -39,31 +38,22 @@ def NotNegative(text):
     return value
 
 
+def _ParsedByCore(name, text):
+    from hdstream import _core
+    try:
+        return getattr(_core, name)(text)
+    except _core.UsageError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
 def Bytes(text):
     """A size in bytes with an optional suffix K, M, G or T (powers of 1024)."""
-    number, suffix = (text[:-1], text[-1].upper()) if text[-1:].isalpha() else (text, "")
-    try:
-        value = float(number) * _SUFFIXES[suffix]
-    except (ValueError, KeyError):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a size such as 512M or 2G") from None
-    if not (value >= 1 and math.isfinite(value)):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a size above 0")
-    return int(value)
-
-
-def BytesOrPercent(text):
-    """("bytes", N), or for a text that ends with %: ("percent", 30.0)."""
-    if not text.endswith("%"):
-        return "bytes", Bytes(text)
-    value = _Number(text[:-1], float)
-    if not 0.0 < value <= 100.0:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a percentage in 0..100")
-    return "percent", value
+    return _ParsedByCore("ParseBytes", text)
 
 
 def MemorySize(text):
-    """BytesOrPercent as the core's settings have it: the text itself."""
-    BytesOrPercent(text)
+    """A size, or a percentage in 0..100: checked here, and given to the core as it is."""
+    _ParsedByCore("ParseMemorySize", text)
     return text
 
 
@@ -89,11 +79,10 @@ def Purposes(text):
     return ["default"] + [name for name in names if name != "default"]
 
 
-def AddSetting(group, name, *aliases, **overrides):
-    """Adds the option of a setting, as the core's table describes it; None when it is not given."""
+def AddSetting(group, info, *aliases, **overrides):
+    """Adds the option of a row of the core's table of settings; None when it is not given."""
     from hdstream import _core
-    info = next(row for row in _core.SettingTable() if row.name == name)
-    keywords = {"dest": name, "default": None, "help": _HelpOf(info)}
+    keywords = {"dest": info.name, "default": None, "help": _HelpOf(info)}
     kind = info.kind
     if kind == _core.SettingKind.Bool:
         keywords.update(action="store_true")
@@ -102,16 +91,16 @@ def AddSetting(group, name, *aliases, **overrides):
     else:
         parsers = {
             _core.SettingKind.Integer: (_IntegerOf(info), "N"),
-            _core.SettingKind.Number: (_NumberOf(info), "SECONDS" if name == "timeLimit" else "T"),
+            _core.SettingKind.Number: (_NumberOf(info), "T"),
             _core.SettingKind.Bytes: (Bytes, "SIZE"),
+            _core.SettingKind.Memory: (MemorySize, "SIZE|N%"),
             _core.SettingKind.Names: (Names, "NAME[,NAME...]"),
-            _core.SettingKind.Text: (str, "DIR" if name == "cacheDirectory" else "NAME"),
+            _core.SettingKind.Text: (str, "NAME"),
         }
         parse, metavar = parsers[kind]
         keywords.update(type=parse, metavar=metavar)
     keywords.update(overrides)
-    group.add_argument(info.option, *aliases, **{key: value for key, value in keywords.items()
-                                                 if key in ("default", "dest") or value is not None})
+    group.add_argument(info.option, *aliases, **keywords)
 
 
 def _HelpOf(info):

@@ -14,10 +14,6 @@ from hdstream.translate.exrHeader import ReadTexts
 
 KEY_NAME = "hdStream:key"
 SAMPLES_NAME = "hdStream:samplesDone"
-# Settings without influence on the bits of a picture: where and how it is computed, and how long.
-_OF_THE_MACHINE = frozenset((
-    "samples", "device", "cacheDirectory", "noCache", "waveSize", "traversal", "chunkBytes", "residency",
-    "geometryMemory", "textureMemory", "geometryEviction", "request", "hostMemory", "prepare"))
 _PIECE = 1 << 20
 
 
@@ -52,9 +48,16 @@ def _HashOf(file):
     return digest.hexdigest()
 
 
+def _WithoutBits():
+    """Names of the settings without influence on the bits of a picture: where and how it is computed, and how long."""
+    groups = (_core.SettingGroup.Memory, _core.SettingGroup.Machine)
+    return {"samples", *(info.name for info in _core.SettingTable() if info.group in groups)}
+
+
 def KeyOf(renderer, assetHashes, further=""):
     """The key of the frame that is prepared. `further`: what else the file depends on."""
-    values = {name: value for name, value in renderer.settings.items() if name not in _OF_THE_MACHINE}
+    withoutBits = _WithoutBits()
+    values = {name: value for name, value in renderer.settings.items() if name not in withoutBits}
     digest = hashlib.blake2b(digest_size=16)
     for text in (_core.VERSION, _core.KernelSourceHash(), renderer.SceneText(), json.dumps(values, sort_keys=True), further):
         digest.update(text.encode() + b"\0")
