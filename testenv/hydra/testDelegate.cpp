@@ -3,6 +3,7 @@
 #include "hydraTest.h"
 
 #include <pxr/base/tf/errorMark.h>
+#include <pxr/base/tf/stringUtils.h>
 #include <pxr/imaging/hd/rendererPlugin.h>
 #include <pxr/imaging/hd/rendererPluginHandle.h>
 #include <pxr/imaging/hd/rendererPluginRegistry.h>
@@ -119,12 +120,17 @@ TEST_F(Delegate, SettingsRoundTripAndCountVersions) {
     HdRenderDelegate& delegate = host.Delegate();
     const HdRenderSettingDescriptorList descriptors = delegate.GetRenderSettingDescriptors();
     std::set<TfToken> keys;
+    bool isAdvanced = false; // what experts try comes last and says so
     for (const HdRenderSettingDescriptor& descriptor : descriptors) {
+        const bool wasAdvanced = isAdvanced;
+        isAdvanced = TfStringEndsWith(descriptor.name, " (advanced)");
+        EXPECT_TRUE(isAdvanced || !wasAdvanced) << descriptor.key;
         EXPECT_FALSE(descriptor.name.empty()) << descriptor.key;
         EXPECT_TRUE(keys.insert(descriptor.key).second) << descriptor.key << " twice";
         EXPECT_EQ(delegate.GetRenderSetting(descriptor.key), descriptor.defaultValue)
             << descriptor.key;
     }
+    EXPECT_TRUE(isAdvanced);
     EXPECT_TRUE(keys.count(TfToken("samples")));
     EXPECT_TRUE(keys.count(TfToken("maxDepth")));
     unsigned int version = delegate.GetRenderSettingsVersion();

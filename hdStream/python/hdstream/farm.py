@@ -15,7 +15,9 @@ import uuid
 
 from hdstream import _core, farmWork
 from hdstream.errors import EXIT_INTERRUPTED, EXIT_OK, EXIT_USAGE, CommandError, UsageError
-from hdstream.progress import ProgressBar
+from hdstream.progress import ProgressBar, WarningPrinter
+from hdstream.recordArguments import FramesOf, JobOf
+from hdstream.stage import OpenStage
 from hdstream.texts import SecondsText
 
 _CONNECT_SECONDS = 10
@@ -25,8 +27,6 @@ _DEATHS = 10  # of workers while they do one and the same task, after which the 
 
 def RunOnFarm(args, interruption):
     """Renders all frames; returns the exit code."""
-    from hdstream.record import FramesOf, JobOf, WarningPrinter
-    from hdstream.stage import OpenStage
     if args.workers and "distributed" not in sys.modules:
         _LimitThreads(args.workers)
     distributed = _ImportDistributed("--scheduler" if args.scheduler else "--workers")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The progress bar on stderr: samples a pixel, the share that is done, the time left."""
+"""What is shown on stderr while rendering: a bar with samples a pixel, the share that is done, the time left; warnings."""
 
 import os
 import shutil
@@ -49,3 +49,17 @@ class ProgressBar:
         sys.stderr.write("\r" + line.ljust(self._length) + ("\r" if not line else ""))
         sys.stderr.flush()
         self._length = len(line)
+
+
+class WarningPrinter:
+    """Shows a warning once, however many frames have it."""
+
+    def __init__(self, progress):
+        self._progress = progress
+        self._lines = set()
+
+    def __call__(self, line):
+        if line not in self._lines:
+            self._lines.add(line)
+            self._progress.Clear()
+            print(f"warning: {line}", file=sys.stderr)

@@ -1,16 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """`hdstream record`: stage in, images out. Everything that can fail early is checked early."""
 
-import os
 import sys
 import threading
 
-from hdstream import _core
-from hdstream.denoiser import FindDenoiser
-from hdstream.errors import EXIT_INTERRUPTED, EXIT_OK, CommandError, UsageError
-from hdstream.frameJob import Frame, FrameWriter, Job
+from hdstream.errors import EXIT_INTERRUPTED, EXIT_OK
+from hdstream.frameJob import FrameWriter
 from hdstream.interruption import Interruption
-from hdstream.progress import ProgressBar
+from hdstream.progress import ProgressBar, WarningPrinter
+from hdstream.recordArguments import CheckArguments, FramesOf, JobOf
 from hdstream.texts import SecondsText
 
 
@@ -26,47 +24,6 @@ def Run(args):
             if not recorder.Record(frame):
                 return EXIT_INTERRUPTED
     return EXIT_OK
-
-
-def CheckArguments(args):
-    """Whatever needs no stage."""
-    known = [info.name for info in _core.AovTable()]
-    for name in args.aovs or ():
-        if name not in known:
-            raise UsageError(f"--aovs {name}: none of {', '.join(known)}")
-    if args.aovs is not None and not args.aovs:
-        raise UsageError("--aovs: no names")
-    FindDenoiser()
-    if args.denoise:
-        _core.CheckDenoiser()
-    for option in ("split", "parts"):
-        if getattr(args, option) and not (args.scheduler or args.workers):
-            raise UsageError(f"--{option}: needs --scheduler or --workers")
-    if "#" not in args.output:
-        _core.CheckImageFile(args.output)
-    if args.stats:
-        folder = os.path.dirname(args.stats) or "."
-        if not os.path.isdir(folder) or os.path.isdir(args.stats) or not os.access(folder, os.W_OK):
-            raise CommandError(f"--stats {args.stats}: cannot be written")
-
-
-def JobOf(args):
-    """The options as values that any process can work on."""
-    values = {info.name: getattr(args, info.name, None) for info in _core.SettingTable()}
-    return Job(args.stage, tuple(args.mask or ()), {name: value for name, value in values.items() if value is not None},
-               args.renderSettingsPrimPath, args.colorCorrectionMode, args.resume)
-
-
-def FramesOf(args, stage):
-    """The frames to render, their files checked."""
-    from hdstream.stage import FrameOutputs
-    outputs = FrameOutputs(stage, args.frames, args.defaultTime, args.output)
-    frames = [Frame(timeCode, outputs.FileOf(timeCode),
-                    outputs.StatsFileOf(args.stats, timeCode) if args.stats else None)
-              for timeCode in outputs.timeCodes]
-    for frame in frames:
-        _core.CheckImageFile(frame.file)
-    return frames
 
 
 class Recorder:
@@ -135,17 +92,3 @@ class Recorder:
         if errors:
             raise errors[0]
         return images[0]
-
-
-class WarningPrinter:
-    """Shows a warning once, however many frames have it."""
-
-    def __init__(self, progress):
-        self._progress = progress
-        self._lines = set()
-
-    def __call__(self, line):
-        if line not in self._lines:
-            self._lines.add(line)
-            self._progress.Clear()
-            print(f"warning: {line}", file=sys.stderr)
