@@ -2,9 +2,9 @@
 // Which shader nodes there are, for front ends, documentation and tests.
 #pragma once
 
-#include "hdStream/shading/surfaceInputs.h"
-
+#include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace hds {
@@ -15,6 +15,13 @@ std::vector<std::string> PatternNames();
 
 /// Whether an id is that of a surface shader that is drawn.
 bool IsSurfaceShader(const std::string& identifier);
+
+/// An input of a surface shader.
+struct SurfaceInput {
+    std::string_view name;
+    std::uint32_t numComponents;
+    float fallback; ///< of each component
+};
 
 /// The inputs of a layered surface that are read and have defaults; of others none.
 std::vector<SurfaceInput> SurfaceInputs(const std::string& identifier);

@@ -4,16 +4,9 @@
 // which have no default, are not here.
 #pragma once
 
-#include <cstdint>
-#include <string_view>
+#include "hdStream/shading/shaderNodes.h"
 
 namespace hds {
-
-struct SurfaceInput {
-    std::string_view name;
-    std::uint32_t numComponents;
-    float fallback; ///< of each component
-};
 
 constexpr SurfaceInput kStandardSurfaceInputs[] = {
     {"base", 1, 1.0F},
