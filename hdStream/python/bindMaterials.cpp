@@ -4,6 +4,7 @@
 
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
@@ -61,6 +62,21 @@ void BindMaterials(nb::module_& module) {
             "nodes"_a, "terminals"_a)
         .def_ro("nodes", &MaterialNetwork::nodes)
         .def_ro("terminals", &MaterialNetwork::terminals);
+
+    module.def("PatternNames", &PatternNames,
+               "The names of all pattern nodes, sorted: MaterialX's categories and USD's names.");
+    module.def(
+        "SurfaceInputs",
+        [](const std::string& identifier) {
+            std::vector<std::tuple<std::string, std::uint32_t, float>> rows;
+            for (const SurfaceInput& one : SurfaceInputs(identifier)) {
+                rows.emplace_back(one.name, one.numComponents, one.fallback);
+            }
+            return rows;
+        },
+        "identifier"_a, "Name, components and default of a MaterialX surface's inputs.");
+    module.def("IsKnownShader", &IsKnownShader, "identifier"_a,
+               "Whether an id is that of a pattern node or of a surface shader that is drawn.");
 }
 
 } // namespace hds::python

@@ -15,6 +15,7 @@
 #include "hdStream/integrator/renderOptions.h"
 #include "hdStream/scene/sceneDescription.h"
 #include "hdStream/session/settings.h"
+#include "hdStream/shading/shaderNodes.h"
 
 #include <cstdint>
 #include <functional>

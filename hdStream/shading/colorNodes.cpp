@@ -12,26 +12,6 @@ class ColorNode : public PatternNode {
 public:
     using PatternNode::PatternNode;
 
-    std::optional<ShaderValue> Evaluate() {
-        using Function = ShaderValue (ColorNode::*)();
-        static const std::map<std::string, Function> kFunctions = {
-            {"colorcorrect", &ColorNode::ColorCorrect},
-            {"overlay", &ColorNode::Overlay},
-            {"burn", &ColorNode::BurnOrDodge},
-            {"dodge", &ColorNode::BurnOrDodge},
-            {"premult", &ColorNode::Premultiply},
-            {"unpremult", &ColorNode::Premultiply},
-            {"over", &ColorNode::Merge},
-            {"in", &ColorNode::Merge},
-            {"out", &ColorNode::Merge},
-            {"mask", &ColorNode::Merge},
-            {"matte", &ColorNode::Merge},
-        };
-        const auto found = kFunctions.find(_id.category);
-        return found == kFunctions.end() ? std::nullopt : std::optional((this->*found->second)());
-    }
-
-private:
     ShaderValue ColorCorrect() {
         const ShaderValue zero = MakeScalar(0.0F);
         const ShaderValue one = MakeScalar(1.0F);
@@ -67,55 +47,88 @@ private:
             Math(HDS_MATH_SELECT, {isHigh, high, Multiply(Multiply(fg, bg), two)});
         return Mix(bg, value, In("mix", 1.0F));
     }
+    template <bool kIsBurn>
     ShaderValue BurnOrDodge() {
-        const bool isBurn = _id.category == "burn";
         const ShaderValue fg = In("fg", 0.0F);
         const ShaderValue bg = In("bg", 0.0F);
-        const ShaderValue divisor = isBurn ? fg : OneMinus(fg);
+        const ShaderValue divisor = kIsBurn ? fg : OneMinus(fg);
         const ShaderValue value =
-            isBurn ? OneMinus(Divide(OneMinus(bg), divisor)) : Divide(bg, divisor);
+            kIsBurn ? OneMinus(Divide(OneMinus(bg), divisor)) : Divide(bg, divisor);
         const ShaderValue isSmall =
             Math(HDS_MATH_GREATER, {MakeScalar(1e-8F), Math(HDS_MATH_ABS, {divisor})});
         return Math(HDS_MATH_SELECT, {isSmall, MakeScalar(0.0F), Mix(bg, value, In("mix", 1.0F))});
     }
+    /// \tparam kCode of what is done with the alpha
+    template <std::uint32_t kCode>
     ShaderValue Premultiply() {
         const ShaderValue in = Vector("in", {0.0F, 0.0F, 0.0F, 1.0F}, 4);
         const ShaderValue alpha = ChannelOf(in, 3);
-        const ShaderValue color =
-            _id.category == "premult" ? Multiply(in, alpha) : Divide(in, alpha);
+        const ShaderValue color = Math(kCode, {in, alpha});
         return CombineChannels(ChannelOf(color, 0), ChannelOf(color, 1), ChannelOf(color, 2), alpha,
                                4);
     }
-    /// Porter and Duff's operators on colours with alpha.
-    ShaderValue Merge() {
+
+    /// What Porter and Duff's operators have: two colours with alpha.
+    struct Layers {
+        ShaderValue fg;
+        ShaderValue bg;
+        ShaderValue front; ///< alphas
+        ShaderValue back;
+    };
+    Layers ReadLayers() {
         const ShaderValue fg = Vector("fg", {}, 4);
         const ShaderValue bg = Vector("bg", {}, 4);
-        const ShaderValue front = ChannelOf(fg, 3);
-        const ShaderValue back = ChannelOf(bg, 3);
-        const ShaderValue rest = Multiply(bg, OneMinus(front));
-        ShaderValue value;
-        if (_id.category == "over") {
-            value = Add(fg, rest);
-        } else if (_id.category == "in") {
-            value = Multiply(fg, back);
-        } else if (_id.category == "out") {
-            value = Multiply(fg, OneMinus(back));
-        } else if (_id.category == "mask") {
-            value = Multiply(bg, front);
-        } else { // matte
-            const ShaderValue scaled = Multiply(fg, front);
-            value = Add(CombineChannels(ChannelOf(scaled, 0), ChannelOf(scaled, 1),
-                                        ChannelOf(scaled, 2), front, 4),
-                        rest);
-        }
-        return Mix(bg, value, In("mix", 1.0F));
+        return {fg, bg, ChannelOf(fg, 3), ChannelOf(bg, 3)};
     }
+    ShaderValue Merged(const Layers& layers, const ShaderValue& value) {
+        return Mix(layers.bg, value, In("mix", 1.0F));
+    }
+    ShaderValue Rest(const Layers& layers) const {
+        return Multiply(layers.bg, OneMinus(layers.front));
+    }
+    ShaderValue Over() {
+        const Layers layers = ReadLayers();
+        return Merged(layers, Add(layers.fg, Rest(layers)));
+    }
+    ShaderValue InNode() {
+        const Layers layers = ReadLayers();
+        return Merged(layers, Multiply(layers.fg, layers.back));
+    }
+    ShaderValue Out() {
+        const Layers layers = ReadLayers();
+        return Merged(layers, Multiply(layers.fg, OneMinus(layers.back)));
+    }
+    ShaderValue Mask() {
+        const Layers layers = ReadLayers();
+        return Merged(layers, Multiply(layers.bg, layers.front));
+    }
+    ShaderValue Matte() {
+        const Layers layers = ReadLayers();
+        const ShaderValue scaled = Multiply(layers.fg, layers.front);
+        return Merged(layers, Add(CombineChannels(ChannelOf(scaled, 0), ChannelOf(scaled, 1),
+                                                  ChannelOf(scaled, 2), layers.front, 4),
+                                  Rest(layers)));
+    }
+};
+
+constexpr PatternType kTypes[] = {
+    {"colorcorrect", kPattern<&ColorNode::ColorCorrect>},
+    {"overlay", kPattern<&ColorNode::Overlay>},
+    {"burn", kPattern<&ColorNode::BurnOrDodge<true>>},
+    {"dodge", kPattern<&ColorNode::BurnOrDodge<false>>},
+    {"premult", kPattern<&ColorNode::Premultiply<HDS_MATH_MULTIPLY>>},
+    {"unpremult", kPattern<&ColorNode::Premultiply<HDS_MATH_DIVIDE>>},
+    {"over", kPattern<&ColorNode::Over>},
+    {"in", kPattern<&ColorNode::InNode>},
+    {"out", kPattern<&ColorNode::Out>},
+    {"mask", kPattern<&ColorNode::Mask>},
+    {"matte", kPattern<&ColorNode::Matte>},
 };
 
 } // namespace
 
-std::optional<ShaderValue> EvaluateColorNode(NetworkEvaluator& network, const MaterialNode& node) {
-    return ColorNode(network, node).Evaluate();
+PatternTable ColorNodes() {
+    return PatternTable(kTypes);
 }
 
 } // namespace hds

@@ -3,9 +3,14 @@
 // Andersson et al. 2024, "OpenPBR Surface" 1.1; Khronos glTF 2.0; their MaterialX 1.39 definitions.
 #include "hdStream/shading/layeredMaterial.h"
 
+#include "hdStream/base/error.h"
 #include "hdStream/shading/shaderMath.h"
+#include "hdStream/shading/shaderNodes.h"
+#include "hdStream/shading/surfaceInputs.h"
 
+#include <algorithm>
 #include <initializer_list>
+#include <iterator>
 #include <utility>
 
 namespace hds {
@@ -35,52 +40,63 @@ ShaderValue OneMinus(const ShaderValue& value, std::uint32_t numComponents) {
     return Subtract(MakeScalar(1.0F), value, numComponents);
 }
 
+/// The inputs of a model.
+class InputTable {
+public:
+    template <std::size_t kCount>
+    explicit constexpr InputTable(const SurfaceInput (&inputs)[kCount])
+        : _begin(inputs), _end(inputs + kCount) {}
+    const SurfaceInput* begin() const { return _begin; }
+    const SurfaceInput* end() const { return _end; }
+
+private:
+    const SurfaceInput* _begin;
+    const SurfaceInput* _end;
+};
+
 /// Reads one surface shader.
 class ModelReader {
 public:
-    ModelReader(NetworkEvaluator& network, const MaterialNode& node)
-        : _network(network), _node(node) {}
+    ModelReader(NetworkEvaluator& network, const MaterialNode& node, const InputTable& inputs)
+        : _network(network), _node(node), _inputs(inputs) {}
 
     LayeredMaterial StandardSurface() {
-        const ShaderValue base = Scalar("base", 1.0F);
-        const ShaderValue coat = Scalar("coat", 0.0F);
+        const ShaderValue base = Read("base");
+        const ShaderValue coat = Read("coat");
         const ShaderValue gamma =
-            Add(MakeScalar(1.0F), Multiply(coat, Scalar("coat_affect_color", 0.0F), 1), 1);
-        const ShaderValue color = Multiply(base, Power(Color("base_color", 0.8F), gamma, 3), 3);
-        const ShaderValue subsurface = Power(Color("subsurface_color", 1.0F), gamma, 3);
-        const ShaderValue specular = Scalar("specular", 1.0F);
-        const ShaderValue specularColor = Color("specular_color", 1.0F);
-        const ShaderValue metalness = Scalar("metalness", 0.0F);
+            Add(MakeScalar(1.0F), Multiply(coat, Read("coat_affect_color"), 1), 1);
+        const ShaderValue color = Multiply(base, Power(Read("base_color"), gamma, 3), 3);
+        const ShaderValue subsurface = Power(Read("subsurface_color"), gamma, 3);
+        const ShaderValue specular = Read("specular");
+        const ShaderValue specularColor = Read("specular_color");
+        const ShaderValue metalness = Read("metalness");
         SetThinWalled("thin_walled");
-        SetDiffuse(color, subsurface, Scalar("subsurface", 0.0F), MakeScalar(1.0F));
-        Set(HDS_INPUT_DIFFUSE_ROUGHNESS, Scalar("diffuse_roughness", 0.0F));
+        SetDiffuse(color, subsurface, Read("subsurface"), MakeScalar(1.0F));
+        Set(HDS_INPUT_DIFFUSE_ROUGHNESS, Read("diffuse_roughness"));
         Set(HDS_INPUT_DIELECTRIC, OneMinus(metalness, 1));
         Set(HDS_INPUT_METALLIC, metalness);
-        Set(HDS_INPUT_METAL_COLOR, Multiply(base, Color("base_color", 0.8F), 3));
+        Set(HDS_INPUT_METAL_COLOR, Multiply(base, Read("base_color"), 3));
         Set(HDS_INPUT_EDGE_COLOR, Multiply(specular, specularColor, 3));
         Set(HDS_INPUT_SPECULAR_WEIGHT, specular);
         Set(HDS_INPUT_SPECULAR_COLOR, specularColor);
-        Set(HDS_INPUT_IOR, Scalar("specular_IOR", 1.5F));
-        const ShaderValue affect = Multiply(Scalar("coat_affect_roughness", 0.0F),
-                                            Multiply(coat, Scalar("coat_roughness", 0.1F), 1), 1);
-        Set(HDS_INPUT_ROUGHNESS,
-            Mix(Scalar("specular_roughness", 0.2F), MakeScalar(1.0F), affect, 1));
+        Set(HDS_INPUT_IOR, Read("specular_IOR"));
+        const ShaderValue affect =
+            Multiply(Read("coat_affect_roughness"), Multiply(coat, Read("coat_roughness"), 1), 1);
+        Set(HDS_INPUT_ROUGHNESS, Mix(Read("specular_roughness"), MakeScalar(1.0F), affect, 1));
         SetStandardStretch();
         SetTransmission("transmission", "transmission_color", "transmission_depth");
-        Set(HDS_INPUT_SHEEN, Scalar("sheen", 0.0F));
-        Set(HDS_INPUT_SHEEN_COLOR, Color("sheen_color", 1.0F));
-        Set(HDS_INPUT_SHEEN_ROUGHNESS, Scalar("sheen_roughness", 0.3F));
+        Set(HDS_INPUT_SHEEN, Read("sheen"));
+        Set(HDS_INPUT_SHEEN_COLOR, Read("sheen_color"));
+        Set(HDS_INPUT_SHEEN_ROUGHNESS, Read("sheen_roughness"));
         Set(HDS_INPUT_CLEARCOAT, coat);
-        Set(HDS_INPUT_CLEARCOAT_ROUGHNESS, Scalar("coat_roughness", 0.1F));
-        Set(HDS_INPUT_COAT_IOR, Scalar("coat_IOR", 1.5F));
-        const ShaderValue tint = Mix(MakeScalar(1.0F), Color("coat_color", 1.0F), coat, 3);
+        Set(HDS_INPUT_CLEARCOAT_ROUGHNESS, Read("coat_roughness"));
+        Set(HDS_INPUT_COAT_IOR, Read("coat_IOR"));
+        const ShaderValue tint = Mix(MakeScalar(1.0F), Read("coat_color"), coat, 3);
         Set(HDS_INPUT_COAT_TINT, tint);
-        const ShaderValue emission =
-            Multiply(Scalar("emission", 0.0F), Color("emission_color", 1.0F), 3);
+        const ShaderValue emission = Multiply(Read("emission"), Read("emission_color"), 3);
         Set(HDS_INPUT_EMISSIVE_COLOR, Multiply(emission, tint, 3));
-        SetFilm(MakeScalar(1.0F), Scalar("thin_film_thickness", 0.0F),
-                Scalar("thin_film_IOR", 1.5F));
-        SetOpacity(Color("opacity", 1.0F));
+        SetFilm(MakeScalar(1.0F), Read("thin_film_thickness"), Read("thin_film_IOR"));
+        SetOpacity(Read("opacity"));
         SetNormal("normal");
         Approximate("subsurface", "subsurface scattering is drawn as diffuse reflection");
         Ignore({"transmission_extra_roughness", "transmission_dispersion", "coat_anisotropy"});
@@ -90,19 +106,18 @@ public:
     }
 
     LayeredMaterial OpenPbr() {
-        const ShaderValue color =
-            Multiply(Scalar("base_weight", 1.0F), Color("base_color", 0.8F), 3);
-        const ShaderValue coat = Scalar("coat_weight", 0.0F);
-        const ShaderValue coatIor = Scalar("coat_ior", 1.6F);
-        const ShaderValue coatRoughness = Scalar("coat_roughness", 0.0F);
-        const ShaderValue metalness = Scalar("base_metalness", 0.0F);
-        const ShaderValue specular = Scalar("specular_weight", 1.0F);
-        const ShaderValue specularColor = Color("specular_color", 1.0F);
-        const ShaderValue subsurface = Scalar("subsurface_weight", 0.0F);
+        const ShaderValue color = Multiply(Read("base_weight"), Read("base_color"), 3);
+        const ShaderValue coat = Read("coat_weight");
+        const ShaderValue coatIor = Read("coat_ior");
+        const ShaderValue coatRoughness = Read("coat_roughness");
+        const ShaderValue metalness = Read("base_metalness");
+        const ShaderValue specular = Read("specular_weight");
+        const ShaderValue specularColor = Read("specular_color");
+        const ShaderValue subsurface = Read("subsurface_weight");
         _result.flags |= HDS_MATERIAL_FUZZ;
         SetThinWalled("geometry_thin_walled");
-        SetDiffuse(color, Color("subsurface_color", 0.8F), subsurface, MakeScalar(0.5F));
-        Set(HDS_INPUT_DIFFUSE_ROUGHNESS, Scalar("base_diffuse_roughness", 0.0F));
+        SetDiffuse(color, Read("subsurface_color"), subsurface, MakeScalar(0.5F));
+        Set(HDS_INPUT_DIFFUSE_ROUGHNESS, Read("base_diffuse_roughness"));
         Set(HDS_INPUT_DIELECTRIC, OneMinus(metalness, 1));
         Set(HDS_INPUT_METALLIC, Multiply(metalness, specular, 1));
         Set(HDS_INPUT_METAL_COLOR, color);
@@ -110,7 +125,7 @@ public:
         Set(HDS_INPUT_SPECULAR_COLOR, specularColor);
         Set(HDS_INPUT_IOR, OpenPbrIor(specular, coat, coatIor));
         const ShaderValue four = MakeScalar(4.0F);
-        const ShaderValue roughness = Scalar("specular_roughness", 0.3F);
+        const ShaderValue roughness = Read("specular_roughness");
         const ShaderValue sum = Add(Multiply(MakeScalar(2.0F), Power(coatRoughness, four, 1), 1),
                                     Power(roughness, four, 1), 1);
         const ShaderValue rougher =
@@ -118,22 +133,22 @@ public:
         Set(HDS_INPUT_ROUGHNESS, Mix(roughness, rougher, coat, 1));
         SetOpenPbrStretch();
         SetTransmission("transmission_weight", "transmission_color", "transmission_depth");
-        Set(HDS_INPUT_SHEEN, Scalar("fuzz_weight", 0.0F));
-        Set(HDS_INPUT_SHEEN_COLOR, Color("fuzz_color", 1.0F));
-        Set(HDS_INPUT_SHEEN_ROUGHNESS, Scalar("fuzz_roughness", 0.5F));
+        Set(HDS_INPUT_SHEEN, Read("fuzz_weight"));
+        Set(HDS_INPUT_SHEEN_COLOR, Read("fuzz_color"));
+        Set(HDS_INPUT_SHEEN_ROUGHNESS, Read("fuzz_roughness"));
         Set(HDS_INPUT_CLEARCOAT, coat);
         Set(HDS_INPUT_CLEARCOAT_ROUGHNESS, coatRoughness);
         Set(HDS_INPUT_COAT_IOR, coatIor);
-        const ShaderValue tint = Mix(MakeScalar(1.0F), Color("coat_color", 1.0F), coat, 3);
+        const ShaderValue tint = Mix(MakeScalar(1.0F), Read("coat_color"), coat, 3);
         Set(HDS_INPUT_COAT_TINT,
             Multiply(tint, OpenPbrDarkening(color, subsurface, metalness, coat, coatIor), 3));
         const ShaderValue emission =
-            Multiply(Scalar("emission_luminance", 0.0F), Color("emission_color", 1.0F), 3);
+            Multiply(Read("emission_luminance"), Read("emission_color"), 3);
         Set(HDS_INPUT_EMISSIVE_COLOR, Multiply(emission, tint, 3));
         const ShaderValue nanometres =
-            Multiply(Scalar("thin_film_thickness", 0.5F), MakeScalar(1000.0F), 1);
-        SetFilm(Scalar("thin_film_weight", 0.0F), nanometres, Scalar("thin_film_ior", 1.4F));
-        SetOpacity(Scalar("geometry_opacity", 1.0F));
+            Multiply(Read("thin_film_thickness"), MakeScalar(1000.0F), 1);
+        SetFilm(Read("thin_film_weight"), nanometres, Read("thin_film_ior"));
+        SetOpacity(Read("geometry_opacity"));
         SetNormal("geometry_normal");
         Approximate("subsurface_weight", "subsurface scattering is drawn as diffuse reflection");
         Ignore({"transmission_dispersion_scale", "coat_roughness_anisotropy"});
@@ -143,9 +158,9 @@ public:
     }
 
     LayeredMaterial Gltf() {
-        const ShaderValue color = Color("base_color", 1.0F);
-        const ShaderValue metallic = Scalar("metallic", 1.0F);
-        const ShaderValue thickness = Scalar("thickness", 0.0F);
+        const ShaderValue color = Read("base_color");
+        const ShaderValue metallic = Read("metallic");
+        const ShaderValue thickness = Read("thickness");
         if (IsAll(thickness, 0.0F)) {
             _result.flags |= HDS_MATERIAL_THIN_WALLED;
         }
@@ -153,32 +168,30 @@ public:
         Set(HDS_INPUT_DIELECTRIC, OneMinus(metallic, 1));
         Set(HDS_INPUT_METALLIC, metallic);
         Set(HDS_INPUT_METAL_COLOR, color);
-        Set(HDS_INPUT_SPECULAR_WEIGHT, Scalar("specular", 1.0F));
-        Set(HDS_INPUT_SPECULAR_COLOR, Color("specular_color", 1.0F));
-        Set(HDS_INPUT_IOR, Scalar("ior", 1.5F));
-        Set(HDS_INPUT_ROUGHNESS, Scalar("roughness", 1.0F));
-        Set(HDS_INPUT_TRANSMISSION, Scalar("transmission", 0.0F));
+        Set(HDS_INPUT_SPECULAR_WEIGHT, Read("specular"));
+        Set(HDS_INPUT_SPECULAR_COLOR, Read("specular_color"));
+        Set(HDS_INPUT_IOR, Read("ior"));
+        Set(HDS_INPUT_ROUGHNESS, Read("roughness"));
+        Set(HDS_INPUT_TRANSMISSION, Read("transmission"));
         Set(HDS_INPUT_TRANSMISSION_COLOR, color);
-        const ShaderValue distance = Scalar("attenuation_distance", 0.0F);
-        SetAbsorption(Color("attenuation_color", 1.0F), distance);
-        const ShaderValue sheen = Color("sheen_color", 0.0F);
+        const ShaderValue distance = Read("attenuation_distance");
+        SetAbsorption(Read("attenuation_color"), distance);
+        const ShaderValue sheen = Read("sheen_color");
         Set(HDS_INPUT_SHEEN, MakeScalar(IsAll(sheen, 0.0F) ? 0.0F : 1.0F));
         Set(HDS_INPUT_SHEEN_COLOR, sheen);
-        Set(HDS_INPUT_SHEEN_ROUGHNESS, Scalar("sheen_roughness", 0.0F));
-        Set(HDS_INPUT_CLEARCOAT, Scalar("clearcoat", 0.0F));
-        Set(HDS_INPUT_CLEARCOAT_ROUGHNESS, Scalar("clearcoat_roughness", 0.0F));
-        Set(HDS_INPUT_EMISSIVE_COLOR,
-            Multiply(Scalar("emissive_strength", 1.0F), Color("emissive", 0.0F), 3));
-        const ShaderValue mode = Scalar("alpha_mode", 0.0F);
+        Set(HDS_INPUT_SHEEN_ROUGHNESS, Read("sheen_roughness"));
+        Set(HDS_INPUT_CLEARCOAT, Read("clearcoat"));
+        Set(HDS_INPUT_CLEARCOAT_ROUGHNESS, Read("clearcoat_roughness"));
+        Set(HDS_INPUT_EMISSIVE_COLOR, Multiply(Read("emissive_strength"), Read("emissive"), 3));
+        const ShaderValue mode = Read("alpha_mode");
         if (!IsAll(mode, 0.0F)) {
-            SetOpacity(Scalar("alpha", 1.0F));
+            SetOpacity(Read("alpha"));
         }
         if (IsAll(mode, 1.0F)) {
-            Set(HDS_INPUT_OPACITY_THRESHOLD, Scalar("alpha_cutoff", 0.5F));
+            Set(HDS_INPUT_OPACITY_THRESHOLD, Read("alpha_cutoff"));
         }
         SetNormal("normal");
-        SetFilm(Scalar("iridescence", 0.0F), Scalar("iridescence_thickness", 100.0F),
-                Scalar("iridescence_ior", 1.3F));
+        SetFilm(Read("iridescence"), Read("iridescence_thickness"), Read("iridescence_ior"));
         Ignore({"anisotropy_strength", "dispersion"});
         IgnoreConnected({"clearcoat_normal", "tangent"});
         return Take();
@@ -187,24 +200,26 @@ public:
     LayeredMaterial Unlit() {
         Set(HDS_INPUT_DIELECTRIC, MakeScalar(0.0F));
         Set(HDS_INPUT_DIFFUSE_COLOR, MakeConstant({0.0F, 0.0F, 0.0F, 1.0F}, 3));
-        Set(HDS_INPUT_EMISSIVE_COLOR,
-            Multiply(Scalar("emission", 1.0F), Color("emission_color", 1.0F), 3));
-        SetOpacity(Scalar("opacity", 1.0F));
+        Set(HDS_INPUT_EMISSIVE_COLOR, Multiply(Read("emission"), Read("emission_color"), 3));
+        SetOpacity(Read("opacity"));
         Ignore({"transmission"});
         return Take();
     }
 
 private:
-    ShaderValue Scalar(const char* input, float fallback) {
-        return _network.EvaluateOr(_node, input, {fallback, fallback, fallback, fallback}, 1);
-    }
-    ShaderValue Color(const char* input, float fallback) {
-        return _network.EvaluateOr(_node, input, {fallback, fallback, fallback, 1.0F}, 3);
+    /// An input as the model's table has it.
+    ShaderValue Read(std::string_view name) {
+        const auto* found = std::find_if(_inputs.begin(), _inputs.end(),
+                                         [&](const SurfaceInput& one) { return one.name == name; });
+        HDS_VERIFY(found != _inputs.end(), "an input that its model does not list");
+        const float x = found->fallback;
+        const std::array<float, 4> fallback{x, x, x, found->numComponents == 1 ? x : 1.0F};
+        return _network.EvaluateOr(_node, std::string(name), fallback, found->numComponents);
     }
     void Set(std::uint32_t input, const ShaderValue& value) { _result.values[input] = value; }
 
     void SetThinWalled(const char* input) {
-        const ShaderValue value = Scalar(input, 0.0F);
+        const ShaderValue value = Read(input);
         if (IsConstant(value) && ConstantOf(value)[0] != 0.0F) {
             _result.flags |= HDS_MATERIAL_THIN_WALLED;
         }
@@ -223,17 +238,17 @@ private:
     }
 
     void SetStandardStretch() {
-        const ShaderValue anisotropy = Scalar("specular_anisotropy", 0.0F);
+        const ShaderValue anisotropy = Read("specular_anisotropy");
         if (IsAll(anisotropy, 0.0F)) {
             return;
         }
         const ShaderValue limited = MakeMath(HDS_MATH_MIN, {anisotropy, MakeScalar(0.98F)}, 1);
         const ShaderValue aspect = MakeMath(HDS_MATH_SQRT, {OneMinus(limited, 1)}, 1);
-        SetStretch(Divide(MakeScalar(1.0F), aspect, 1), aspect, Scalar("specular_rotation", 0.0F));
+        SetStretch(Divide(MakeScalar(1.0F), aspect, 1), aspect, Read("specular_rotation"));
     }
 
     void SetOpenPbrStretch() {
-        const ShaderValue anisotropy = Scalar("specular_roughness_anisotropy", 0.0F);
+        const ShaderValue anisotropy = Read("specular_roughness_anisotropy");
         if (IsAll(anisotropy, 0.0F)) {
             return;
         }
@@ -259,9 +274,9 @@ private:
     }
 
     void SetTransmission(const char* weight, const char* color, const char* depth) {
-        const ShaderValue tint = Color(color, 1.0F);
-        const ShaderValue distance = Scalar(depth, 0.0F);
-        Set(HDS_INPUT_TRANSMISSION, Scalar(weight, 0.0F));
+        const ShaderValue tint = Read(color);
+        const ShaderValue distance = Read(depth);
+        Set(HDS_INPUT_TRANSMISSION, Read(weight));
         if (IsAll(distance, 0.0F)) {
             Set(HDS_INPUT_TRANSMISSION_COLOR, tint);
         } else {
@@ -283,7 +298,7 @@ private:
     /// The index as the weight and the coat change it (OpenPBR 1.1, sections 3.2 and 3.7).
     ShaderValue OpenPbrIor(const ShaderValue& weight, const ShaderValue& coat,
                            const ShaderValue& coatIor) {
-        const ShaderValue ior = Scalar("specular_ior", 1.5F);
+        const ShaderValue ior = Read("specular_ior");
         const ShaderValue below =
             MakeMath(HDS_MATH_MAX, {Divide(ior, coatIor, 1), Divide(coatIor, ior, 1)}, 1);
         const ShaderValue eta = Mix(ior, below, coat, 1);
@@ -307,11 +322,11 @@ private:
         const ShaderValue root = Divide(Subtract(coatIor, one, 1), Add(coatIor, one, 1), 1);
         const ShaderValue inside = OneMinus(
             Divide(OneMinus(Multiply(root, root, 1), 1), Multiply(coatIor, coatIor, 1), 1), 1);
-        const ShaderValue dielectric = Mix(color, Color("subsurface_color", 0.8F), subsurface, 3);
+        const ShaderValue dielectric = Mix(color, Read("subsurface_color"), subsurface, 3);
         const ShaderValue base = Mix(dielectric, color, metalness, 3);
         const ShaderValue left =
             Divide(OneMinus(inside, 1), OneMinus(Multiply(base, inside, 3), 3), 3);
-        return Mix(one, left, Multiply(coat, Scalar("coat_darkening", 1.0F), 1), 3);
+        return Mix(one, left, Multiply(coat, Read("coat_darkening"), 1), 3);
     }
 
     /// A colour counts by its luminance.
@@ -350,7 +365,7 @@ private:
         }
     }
     void IgnoreColor(const char* input) {
-        if (!IsAll(Color(input, 0.0F), 0.0F)) {
+        if (!IsAll(Read(input), 0.0F)) {
             Warn(input, "is not supported and is left out");
         }
     }
@@ -365,7 +380,7 @@ private:
     void Approximate(const char* input, const char* what) {
         const bool isThin = (_result.flags & HDS_MATERIAL_THIN_WALLED) != 0;
         const bool isSubsurface = std::string(input).compare(0, 10, "subsurface") == 0;
-        if (!IsAll(Scalar(input, 0.0F), 0.0F) && !(isThin && isSubsurface)) {
+        if (!IsAll(Read(input), 0.0F) && !(isThin && isSubsurface)) {
             Warn(input, what);
         }
     }
@@ -406,25 +421,29 @@ private:
 
     NetworkEvaluator& _network;
     const MaterialNode& _node;
+    const InputTable& _inputs;
     LayeredMaterial _result;
 };
 
-using Model = LayeredMaterial (ModelReader::*)();
+struct Model {
+    std::string_view name; ///< begins its id: versions follow
+    LayeredMaterial (ModelReader::*read)();
+    InputTable inputs;
+};
 
-/// By the beginning of the id: versions follow.
-const std::pair<const char*, Model> kModels[] = {
-    {"ND_standard_surface_surfaceshader", &ModelReader::StandardSurface},
-    {"ND_open_pbr_surface_surfaceshader", &ModelReader::OpenPbr},
-    {"ND_gltf_pbr_surfaceshader", &ModelReader::Gltf},
-    {"ND_surface_unlit", &ModelReader::Unlit}};
+constexpr Model kModels[] = {
+    {"ND_standard_surface_surfaceshader", &ModelReader::StandardSurface,
+     InputTable(kStandardSurfaceInputs)},
+    {"ND_open_pbr_surface_surfaceshader", &ModelReader::OpenPbr, InputTable(kOpenPbrInputs)},
+    {"ND_gltf_pbr_surfaceshader", &ModelReader::Gltf, InputTable(kGltfInputs)},
+    {"ND_surface_unlit", &ModelReader::Unlit, InputTable(kUnlitInputs)}};
 
-Model FindModel(const std::string& identifier) {
-    for (const auto& [name, model] : kModels) {
-        if (identifier.compare(0, std::string(name).size(), name) == 0) {
-            return model;
-        }
-    }
-    return nullptr;
+/// Null: none of them.
+const Model* FindModel(std::string_view identifier) {
+    const auto* found = std::find_if(std::begin(kModels), std::end(kModels), [&](const Model& one) {
+        return identifier.substr(0, one.name.size()) == one.name;
+    });
+    return found == std::end(kModels) ? nullptr : found;
 }
 
 } // namespace
@@ -434,29 +453,15 @@ bool IsLayered(const std::string& identifier) {
 }
 
 LayeredMaterial EvaluateLayered(NetworkEvaluator& network, const MaterialNode& node) {
-    ModelReader reader(network, node);
-    return (reader.*FindModel(node.identifier))();
+    const Model& model = *FindModel(node.identifier);
+    ModelReader reader(network, node, model.inputs);
+    return (reader.*model.read)();
 }
 
-std::array<float, 4> LayeredDefault(std::uint32_t input) {
-    switch (input) {
-    case HDS_INPUT_DIELECTRIC:
-    case HDS_INPUT_SPECULAR_WEIGHT:
-    case HDS_INPUT_METAL_COLOR:
-    case HDS_INPUT_EDGE_COLOR:
-    case HDS_INPUT_COAT_TINT:
-    case HDS_INPUT_SHEEN_COLOR:
-    case HDS_INPUT_TRANSMISSION_COLOR:
-        return {1.0F, 1.0F, 1.0F, 1.0F};
-    case HDS_INPUT_STRETCH:
-        return {1.0F, 1.0F, 0.0F, 0.0F};
-    case HDS_INPUT_COAT_IOR:
-        return {1.5F, 1.5F, 1.5F, 1.5F};
-    case HDS_INPUT_SHEEN_ROUGHNESS:
-        return {0.3F, 0.3F, 0.3F, 0.3F};
-    default:
-        return {};
-    }
+std::vector<SurfaceInput> SurfaceInputs(const std::string& identifier) {
+    const Model* model = FindModel(identifier);
+    return model == nullptr ? std::vector<SurfaceInput>()
+                            : std::vector<SurfaceInput>(model->inputs.begin(), model->inputs.end());
 }
 
 } // namespace hds

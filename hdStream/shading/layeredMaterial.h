@@ -25,7 +25,4 @@ bool IsLayered(const std::string& identifier);
 /// \pre IsLayered(node.identifier)
 LayeredMaterial EvaluateLayered(NetworkEvaluator& network, const MaterialNode& node);
 
-/// The value that an input of HDS_INPUT_* above HDS_NUM_INPUTS has when nothing sets it.
-std::array<float, 4> LayeredDefault(std::uint32_t input);
-
 } // namespace hds

@@ -22,54 +22,10 @@ ShaderValue Scalar(std::uint32_t code, const ShaderValue& a, const ShaderValue& 
     return MakeMath(code, {a, b}, 1);
 }
 
-} // namespace
-
 class LibraryNode : public PatternNode {
 public:
     using PatternNode::PatternNode;
 
-    std::optional<ShaderValue> Evaluate(const std::string& output) {
-        using Function = ShaderValue (LibraryNode::*)();
-        static const std::map<std::string, Function> kFunctions = {
-            {"worleynoise2d", &LibraryNode::Worley},
-            {"worleynoise3d", &LibraryNode::Worley},
-            {"fractal2d", &LibraryNode::Fractal2d},
-            {"unifiednoise2d", &LibraryNode::UnifiedNoise},
-            {"unifiednoise3d", &LibraryNode::UnifiedNoise},
-            {"randomfloat", &LibraryNode::RandomFloat},
-            {"randomcolor", &LibraryNode::RandomColor},
-            {"circle", &LibraryNode::Circle},
-            {"line", &LibraryNode::Line},
-            {"grid", &LibraryNode::Grid},
-            {"ramp", &LibraryNode::Ramp},
-            {"tangent", &LibraryNode::Tangent},
-            {"bitangent", &LibraryNode::Tangent},
-            {"viewdirection", &LibraryNode::ViewDirection},
-            {"facingratio", &LibraryNode::FacingRatio},
-            {"heighttonormal", &LibraryNode::HeightToNormal},
-            {"bump", &LibraryNode::Bump},
-            {"triplanarprojection", &LibraryNode::Triplanar},
-            {"rotate3d", &LibraryNode::Rotate3d},
-            {"reflect", &LibraryNode::Reflect},
-            {"refract", &LibraryNode::Refract},
-            {"safepower", &LibraryNode::SafePower},
-            {"trianglewave", &LibraryNode::TriangleWave},
-            {"mincomponent", &LibraryNode::ExtremeComponent},
-            {"maxcomponent", &LibraryNode::ExtremeComponent},
-            {"logical", &LibraryNode::Logical},
-        };
-        if (_id.category == "gltf") {
-            return Gltf(output);
-        }
-        const auto found = kFunctions.find(_id.category);
-        if (found != kFunctions.end()) {
-            return (this->*found->second)();
-        }
-        const auto map = EvaluateMapNode(_network, _node);
-        return map ? map : EvaluateColorNode(_network, _node);
-    }
-
-private:
     /// `yes` where a > b.
     ShaderValue IfGreater(const ShaderValue& a, const ShaderValue& b, const ShaderValue& yes,
                           const ShaderValue& no) const {
@@ -246,20 +202,20 @@ private:
                    {Mix(from, to, linear), Mix(from, to, smooth), IfGreater(high, x, from, to)});
         return IfGreater(x, low, value, before);
     }
-    ShaderValue Ramp() {
-        constexpr std::array<float, 4> kWhite{1.0F, 1.0F, 1.0F, 1.0F};
-        constexpr std::array<float, 4> kBlack{0.0F, 0.0F, 0.0F, 1.0F};
+    static constexpr std::array<float, 4> kWhite{1.0F, 1.0F, 1.0F, 1.0F};
+    static constexpr std::array<float, 4> kBlack{0.0F, 0.0F, 0.0F, 1.0F};
+    ShaderValue RampGradient() {
         _n = 4;
-        if (_node.identifier.compare(0, 16, "ND_ramp_gradient") == 0) {
-            const ShaderValue before = Vector("prev_color", kBlack, 4);
-            return Math(
-                HDS_MATH_SELECT,
-                {Scalar(HDS_MATH_GREATER_OR_EQUAL, In("interval_num", 1.0F),
-                        In("num_intervals", 2.0F)),
-                 before,
-                 Interval(In("x", 0.0F), In("interval1", 0.0F), In("interval2", 1.0F),
-                          Vector("color1", kBlack, 4), Vector("color2", kWhite, 4), before)});
-        }
+        const ShaderValue before = Vector("prev_color", kBlack, 4);
+        return Math(
+            HDS_MATH_SELECT,
+            {Scalar(HDS_MATH_GREATER_OR_EQUAL, In("interval_num", 1.0F), In("num_intervals", 2.0F)),
+             before,
+             Interval(In("x", 0.0F), In("interval1", 0.0F), In("interval2", 1.0F),
+                      Vector("color1", kBlack, 4), Vector("color2", kWhite, 4), before)});
+    }
+    ShaderValue Ramp() {
+        _n = 4;
         const ShaderValue x = RampPosition();
         const ShaderValue count = In("num_intervals", 2.0F);
         ShaderValue result = Vector("color1", kBlack, 4);
@@ -301,12 +257,14 @@ private:
     }
 
     // Geometry.
+    /// \tparam kDirection 0 or HDS_TANGENT_ACROSS
+    template <std::uint32_t kDirection>
     ShaderValue Tangent() {
         const ShaderValue index = In("index", 0.0F);
         const int number = IsConstant(index) ? static_cast<int>(ConstantOf(index)[0]) : 0;
         ShaderValue result = Geometry(Kind::Tangent);
         auto expression = std::make_shared<ShaderExpression>(*result.expression);
-        expression->code |= _id.category == "bitangent" ? HDS_TANGENT_ACROSS : 0U;
+        expression->code |= kDirection;
         expression->operands = {
             number == 0 ? Coordinates()
                         : MakePrimvar("st" + std::to_string(number), MakeConstant({}, 2), 2)};
@@ -414,8 +372,9 @@ private:
         const char* const files[] = {"filex", "filey", "filez"};
         ShaderValue sum = MakeScalar(0.0F);
         for (std::uint32_t k = 0; k < 3; ++k) {
-            const ShaderValue image =
-                Spread(_network.EvaluateImage(_node, {places[k], _n, files[k]}));
+            ImageRequest request{places[k], _n, files[k]};
+            request.isPeriodic = true;
+            const ShaderValue image = Spread(_network.EvaluateImage(_node, request));
             sum = Add(sum, Multiply(image, ChannelOf(weights, k)));
         }
         return sum;
@@ -477,29 +436,28 @@ private:
             Math(HDS_MATH_MODULO, {Math(HDS_MATH_ABS, {In("in", 0.0F)}), MakeScalar(1.0F)});
         return Subtract(half, Math(HDS_MATH_ABS, {Subtract(phase, half)}));
     }
+    template <std::uint32_t kCode>
     ShaderValue ExtremeComponent() {
-        const std::uint32_t code = _id.category == "mincomponent" ? HDS_MATH_MIN : HDS_MATH_MAX;
         const ShaderValue in = In("in", 0.0F);
         ShaderValue result = ChannelOf(in, 0);
         for (std::uint32_t k = 1; k < _id.firstComponents; ++k) {
-            result = Scalar(code, result, ChannelOf(in, k));
+            result = Scalar(kCode, result, ChannelOf(in, k));
         }
         return result;
     }
 
-    /// Of booleans, 0 and 1.
+    // Of booleans, 0 and 1.
+    ShaderValue Not() {
+        _n = 1;
+        return OneMinus(In("in", 0.0F));
+    }
+    template <std::uint32_t kCode>
     ShaderValue Logical() {
         _n = 1;
-        const std::string& id = _node.identifier;
-        if (id == "ND_logical_not") {
-            return OneMinus(In("in", 0.0F));
-        }
         const ShaderValue a = In("in1", 0.0F);
-        const ShaderValue b = In("in2", 0.0F);
-        return id == "ND_logical_and"  ? Multiply(a, b)
-               : id == "ND_logical_or" ? Math(HDS_MATH_MAX, {a, b})
-                                       : OneMinus(Math(HDS_MATH_EQUAL, {a, b}));
+        return Math(kCode, {a, In("in2", 0.0F)});
     }
+    ShaderValue Xor() { return OneMinus(Logical<HDS_MATH_EQUAL>()); }
 
     // glTF's images: placed the other way round than place2d.
     ShaderValue GltfImage(std::uint32_t numComponents, const std::array<float, 4>& fallback) {
@@ -513,26 +471,22 @@ private:
         const ShaderValue st = Place(Coordinates(), scale, turn, offset, {0.0F, 1.0F, 0.0F, 0.0F});
         return _network.EvaluateImage(_node, {st, numComponents, "file", fallback});
     }
-    std::optional<ShaderValue> Gltf(const std::string& output) {
-        const auto isOne = [&](const char* name) { return _node.identifier.rfind(name, 0) == 0; };
-        if (isOne("ND_gltf_normalmap")) {
-            return SignedNormal(GltfImage(3, {0.5F, 0.5F, 1.0F, 0.0F}), MakeScalar(1.0F));
-        }
-        if (isOne("ND_gltf_image")) {
-            return Multiply(Spread(GltfImage(std::max(_n, 1U), {})), In("factor", 1.0F));
-        }
-        if (isOne("ND_gltf_iridescence_thickness")) {
-            const ShaderValue share = ChannelOf(GltfImage(3, {}), 1);
-            return Mix(In("thicknessMax", 400.0F), In("thicknessMin", 100.0F), share);
-        }
-        if (!isOne("ND_gltf_colorimage")) {
-            return std::nullopt;
-        }
+    ShaderValue GltfNormalMap() {
+        return SignedNormal(GltfImage(3, {0.5F, 0.5F, 1.0F, 0.0F}), MakeScalar(1.0F));
+    }
+    ShaderValue GltfScaledImage() {
+        return Multiply(Spread(GltfImage(std::max(_n, 1U), {})), In("factor", 1.0F));
+    }
+    ShaderValue GltfIridescenceThickness() {
+        const ShaderValue share = ChannelOf(GltfImage(3, {}), 1);
+        return Mix(In("thicknessMax", 400.0F), In("thicknessMin", 100.0F), share);
+    }
+    ShaderValue GltfColorImage() {
         _n = 4;
         const std::array<float, 4> white{1.0F, 1.0F, 1.0F, 1.0F};
         const ShaderValue tint = Multiply(Vector("color", white, 4), Vector("geomcolor", white, 4));
         ShaderValue color = Multiply(GltfImage(4, {}), tint);
-        if (output == "outa") {
+        if (_output == "outa") {
             return SelectChannel(color, 3);
         }
         color.numComponents = 3;
@@ -540,9 +494,47 @@ private:
     }
 };
 
-std::optional<ShaderValue> EvaluateLibraryNode(NetworkEvaluator& network, const MaterialNode& node,
-                                               const std::string& output) {
-    return LibraryNode(network, node).Evaluate(output);
+constexpr PatternType kTypes[] = {
+    {"worleynoise2d", kPattern<&LibraryNode::Worley>},
+    {"worleynoise3d", kPattern<&LibraryNode::Worley>},
+    {"fractal2d", kPattern<&LibraryNode::Fractal2d>},
+    {"unifiednoise2d", kPattern<&LibraryNode::UnifiedNoise>},
+    {"unifiednoise3d", kPattern<&LibraryNode::UnifiedNoise>},
+    {"randomfloat", kPattern<&LibraryNode::RandomFloat>},
+    {"randomcolor", kPattern<&LibraryNode::RandomColor>},
+    {"circle", kPattern<&LibraryNode::Circle>},
+    {"line", kPattern<&LibraryNode::Line>},
+    {"grid", kPattern<&LibraryNode::Grid>},
+    {"ramp", kPattern<&LibraryNode::Ramp>},
+    {"ramp_gradient", kPattern<&LibraryNode::RampGradient>},
+    {"tangent", kPattern<&LibraryNode::Tangent<0>>},
+    {"bitangent", kPattern<&LibraryNode::Tangent<HDS_TANGENT_ACROSS>>},
+    {"viewdirection", kPattern<&LibraryNode::ViewDirection>},
+    {"facingratio", kPattern<&LibraryNode::FacingRatio>},
+    {"heighttonormal", kPattern<&LibraryNode::HeightToNormal>},
+    {"bump", kPattern<&LibraryNode::Bump>},
+    {"triplanarprojection", kPattern<&LibraryNode::Triplanar>},
+    {"rotate3d", kPattern<&LibraryNode::Rotate3d>},
+    {"reflect", kPattern<&LibraryNode::Reflect>},
+    {"refract", kPattern<&LibraryNode::Refract>},
+    {"safepower", kPattern<&LibraryNode::SafePower>},
+    {"trianglewave", kPattern<&LibraryNode::TriangleWave>},
+    {"mincomponent", kPattern<&LibraryNode::ExtremeComponent<HDS_MATH_MIN>>},
+    {"maxcomponent", kPattern<&LibraryNode::ExtremeComponent<HDS_MATH_MAX>>},
+    {"and", kPattern<&LibraryNode::Logical<HDS_MATH_MULTIPLY>>, "logical_and"},
+    {"or", kPattern<&LibraryNode::Logical<HDS_MATH_MAX>>, "logical_or"},
+    {"xor", kPattern<&LibraryNode::Xor>, "logical_xor"},
+    {"not", kPattern<&LibraryNode::Not>, "logical_not"},
+    {"gltf_image", kPattern<&LibraryNode::GltfScaledImage>},
+    {"gltf_colorimage", kPattern<&LibraryNode::GltfColorImage>},
+    {"gltf_normalmap", kPattern<&LibraryNode::GltfNormalMap>},
+    {"gltf_iridescence_thickness", kPattern<&LibraryNode::GltfIridescenceThickness>},
+};
+
+} // namespace
+
+PatternTable LibraryNodes() {
+    return PatternTable(kTypes);
 }
 
 } // namespace hds

@@ -6,18 +6,12 @@
 
 namespace hds {
 
+namespace {
+
 class MapNode : public PatternNode {
 public:
     using PatternNode::PatternNode;
 
-    std::optional<ShaderValue> Evaluate() {
-        if (_id.category == "latlongimage") {
-            return LatLong();
-        }
-        return _id.category == "hextiledimage" ? std::optional(Hextiled()) : std::nullopt;
-    }
-
-private:
     static ShaderValue Scalar(std::uint32_t code, const ShaderValue& a, const ShaderValue& b) {
         return MakeMath(code, {a, b}, 1);
     }
@@ -41,7 +35,9 @@ private:
             Product(MakeMath(HDS_MATH_ASIN, {ChannelOf(direction, 1)}, 1), MakeScalar(0.31830989F)),
             half);
         const ShaderValue st = CombineChannels(longitude, latitude, zero, zero, 2);
-        return _network.EvaluateImage(_node, {st, 3});
+        ImageRequest request{st, 3};
+        request.wraps = HDS_LOOKUP_WRAPS(HDS_WRAP_REPEAT, HDS_WRAP_MIRROR);
+        return _network.EvaluateImage(_node, request);
     }
 
     /// The least of a range and how much there is above it, scaled.
@@ -104,7 +100,10 @@ private:
             shares[k] = Scalar(HDS_MATH_POWER, ChannelOf(tile, 2), MakeScalar(7.0F));
             ShaderValue place = tile;
             place.numComponents = 2;
-            colors[k] = _network.EvaluateImage(_node, {place, _n, "file", {}, k});
+            ImageRequest request{place, _n};
+            request.number = k;
+            request.isPeriodic = true;
+            colors[k] = _network.EvaluateImage(_node, request);
             lights[k] = Product(
                 shares[k],
                 MakeMath(HDS_MATH_MIX, {one, DotProduct(colors[k], lumaCoeffs, 3), contrast}, 1));
@@ -128,8 +127,15 @@ private:
     }
 };
 
-std::optional<ShaderValue> EvaluateMapNode(NetworkEvaluator& network, const MaterialNode& node) {
-    return MapNode(network, node).Evaluate();
+constexpr PatternType kTypes[] = {
+    {"latlongimage", kPattern<&MapNode::LatLong>},
+    {"hextiledimage", kPattern<&MapNode::Hextiled>},
+};
+
+} // namespace
+
+PatternTable MapNodes() {
+    return PatternTable(kTypes);
 }
 
 } // namespace hds

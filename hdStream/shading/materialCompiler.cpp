@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Networks to records. Defaults of UsdPreviewSurface: its specification 2.5; layered surfaces are
-// read in layeredMaterial.cpp.
+// Networks to records. Inputs and their defaults: kernels/shared/materialInputs.def; layered
+// surfaces are read in layeredMaterial.cpp.
 #include "hdStream/shading/materialCompiler.h"
 
 #include "hdStream/shading/layeredMaterial.h"
 #include "hdStream/shading/networkEvaluator.h"
 #include "hdStream/shading/programWriter.h"
 #include "hdStream/shading/shaderMath.h"
+#include "hdStream/shading/shaderNodes.h"
 #include "hdStream/shading/valueResolver.h"
 #include "kernels/shared/geometry.h"
 
@@ -22,39 +23,28 @@ namespace {
 struct InputRow {
     const char* name;
     std::uint32_t numComponents;
-    std::array<float, 3> fallback;
+    std::array<float, 4> fallback;
+    bool isInRecord;
 };
 
-/// By HDS_INPUT_*; names and defaults are UsdPreviewSurface's.
-const InputRow kInputs[HDS_NUM_LAYERED_INPUTS] = {
-    {"diffuseColor", 3, {0.18F, 0.18F, 0.18F}},
-    {"emissiveColor", 3, {0.0F, 0.0F, 0.0F}},
-    {"specularColor", 3, {0.0F, 0.0F, 0.0F}},
-    {"normal", 3, {0.0F, 0.0F, 1.0F}},
-    {"metallic", 1, {0.0F, 0.0F, 0.0F}},
-    {"roughness", 1, {0.5F, 0.0F, 0.0F}},
-    {"clearcoat", 1, {0.0F, 0.0F, 0.0F}},
-    {"clearcoatRoughness", 1, {0.01F, 0.0F, 0.0F}},
-    {"opacity", 1, {1.0F, 0.0F, 0.0F}},
-    {"opacityThreshold", 1, {0.0F, 0.0F, 0.0F}},
-    {"ior", 1, {1.5F, 0.0F, 0.0F}},
-    {"dielectric", 1, {}},
-    {"specularWeight", 1, {}},
-    {"metalColor", 3, {}},
-    {"edgeColor", 3, {}},
-    {"stretch", 3, {}},
-    {"diffuseRoughness", 1, {}},
-    {"coatTint", 3, {}},
-    {"coatIor", 1, {}},
-    {"sheen", 1, {}},
-    {"sheenColor", 3, {}},
-    {"sheenRoughness", 1, {}},
-    {"transmission", 1, {}},
-    {"transmissionColor", 3, {}},
-    {"absorption", 3, {}},
-    {"translucency", 3, {}},
-    {"film", 3, {}},
+/// By HDS_INPUT_*.
+constexpr InputRow kInputs[] = {
+#define HDS_PREVIEW_INPUT(NAME, name, components, x, y, z, w) \
+    {#name, components, {x, y, z, w}, true},
+#define HDS_LAYERED_INPUT(NAME, name, components, x, y, z, w) \
+    {#name, components, {x, y, z, w}, false},
+#include "kernels/shared/materialInputs.def"
 };
+
+constexpr bool AreRecordInputsFirst() {
+    for (std::uint32_t i = 0; i < HDS_NUM_LAYERED_INPUTS; ++i) {
+        if (kInputs[i].isInRecord != (i < HDS_NUM_INPUTS)) {
+            return false;
+        }
+    }
+    return true;
+}
+static_assert(AreRecordInputsFirst());
 
 void SetConstant(shared::HdsMaterial& material, std::uint32_t input,
                  const std::array<float, 4>& value) {
@@ -65,8 +55,7 @@ void SetConstant(shared::HdsMaterial& material, std::uint32_t input,
 CompiledMaterial DefaultMaterial() {
     CompiledMaterial material;
     for (std::uint32_t i = 0; i < HDS_NUM_INPUTS; ++i) {
-        const std::array<float, 3>& value = kInputs[i].fallback;
-        SetConstant(material.constants, i, {value[0], value[1], value[2], 1.0F});
+        SetConstant(material.constants, i, kInputs[i].fallback);
         material.constants.slots[i] = HDS_NONE;
     }
     material.constants.program = HDS_NONE;
@@ -97,9 +86,9 @@ void SetInput(CompiledMaterial& material, std::uint32_t input, const ShaderValue
     if (!fitted) {
         warnings.Add(materialPath, std::string("input ") + kInputs[input].name + " of " +
                                        node.path + " has a wrong type");
-    } else if (IsConstant(fitted) && input < HDS_NUM_INPUTS) {
+    } else if (IsConstant(fitted) && kInputs[input].isInRecord) {
         SetConstant(material.constants, input, ConstantOf(fitted));
-    } else if (!IsConstant(fitted) || ConstantOf(fitted) != LayeredDefault(input)) {
+    } else if (!IsConstant(fitted) || ConstantOf(fitted) != kInputs[input].fallback) {
         material.values[input] = fitted;
     }
 }
@@ -111,17 +100,12 @@ void SetLayered(CompiledMaterial& material, const LayeredMaterial& layered,
     material.constants.lobes = layered.lobes;
     for (std::uint32_t i = 0; i < HDS_NUM_LAYERED_INPUTS; ++i) {
         if (layered.values[i]) {
-            const ShaderValue value = kInputs[i].numComponents == 1 && i >= HDS_NUM_INPUTS
+            const ShaderValue value = kInputs[i].numComponents == 1 && !kInputs[i].isInRecord
                                           ? Spread(layered.values[i])
                                           : layered.values[i];
             SetInput(material, i, value, node, materialPath, warnings);
         }
     }
-}
-
-bool IsPreviewSurface(const MaterialNode& node) {
-    return node.identifier == "UsdPreviewSurface" ||
-           node.identifier.compare(0, 20, "ND_UsdPreviewSurface") == 0;
 }
 
 /// The node of the surface terminal when it is a known surface, else null with a warning.
@@ -138,7 +122,7 @@ const MaterialNode* FindSurface(const MaterialNetwork& network, const NetworkEva
         warnings.Add(materialPath, "material has no surface shader; displayColor is used");
         return nullptr;
     }
-    if (!IsPreviewSurface(*node) && !IsLayered(node->identifier)) {
+    if (!IsSurfaceShader(node->identifier)) {
         const std::string what = node->identifier.empty() ? node->path + ", which has no shader id,"
                                                           : node->identifier + " of " + node->path;
         warnings.Add(materialPath,
@@ -385,6 +369,11 @@ void PlaceValue(std::uint32_t input, const ShaderValue& value, const SlotCallbac
 }
 
 } // namespace
+
+bool IsSurfaceShader(const std::string& identifier) {
+    return identifier == "UsdPreviewSurface" ||
+           identifier.compare(0, 20, "ND_UsdPreviewSurface") == 0 || IsLayered(identifier);
+}
 
 CompiledMaterial DisplayColorMaterial() {
     CompiledMaterial material = DefaultMaterial();

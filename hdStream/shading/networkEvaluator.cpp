@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Readers, transforms and connections; look-ups are in textureNode.cpp.
+// Parameters, connections and transforms; look-ups are in textureNode.cpp.
 #include "hdStream/shading/networkEvaluator.h"
+
+#include "hdStream/shading/patternRegistry.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,17 +11,6 @@
 namespace hds {
 
 namespace {
-
-const std::string kReaderPrefix = "UsdPrimvarReader_";
-
-/// Components of a primvar reader's result by the suffix of its id; 0: no number, or too many.
-std::uint32_t ReaderComponents(const std::string& suffix) {
-    static const std::map<std::string, std::uint32_t> kComponents = {
-        {"float", 1},  {"int", 1},    {"float2", 2}, {"float3", 3},
-        {"float4", 4}, {"normal", 3}, {"point", 3},  {"vector", 3}};
-    const auto found = kComponents.find(suffix);
-    return found == kComponents.end() ? 0 : found->second;
-}
 
 /// Numbers of a parameter, or none for text and files.
 std::vector<float> Numbers(const ParameterValue& parameter) {
@@ -141,21 +132,29 @@ const MaterialNode* NetworkEvaluator::FindSource(const MaterialNode& node,
     return source;
 }
 
+/// USD's nodes keep what their outputs share themselves; an output of another node is evaluated
+/// once.
 ShaderValue NetworkEvaluator::EvaluateOutput(const MaterialNode& node, const std::string& output) {
-    if (node.identifier.compare(0, 3, "ND_") == 0) {
-        return EvaluatePattern(node, output);
+    const PatternType* type = FindPatternType(node.identifier);
+    if (type != nullptr && IsOfUsd(*type)) {
+        return type->evaluate(*this, node, output);
     }
-    if (node.identifier == "UsdUVTexture") {
-        return EvaluateTexture(node, output);
+    if (node.identifier.compare(0, 3, "ND_") != 0) {
+        Warn("shader " + node.identifier + " of " + node.path + " is not supported here");
+        return {};
     }
-    if (node.identifier == "UsdTransform2d") {
-        return EvaluateTransform2d(node);
+    const auto key = std::make_pair(node.path, output);
+    const auto known = _patterns.find(key);
+    if (known != _patterns.end()) {
+        return known->second;
     }
-    if (node.identifier.compare(0, kReaderPrefix.size(), kReaderPrefix) == 0) {
-        return EvaluateReader(node);
+    if (type == nullptr) {
+        Warn("node " + node.identifier + " of " + node.path +
+             " is not supported; what it feeds keeps its default");
     }
-    Warn("shader " + node.identifier + " of " + node.path + " is not supported here");
-    return {};
+    const ShaderValue value = type == nullptr ? ShaderValue() : type->evaluate(*this, node, output);
+    _patterns[key] = value;
+    return value;
 }
 
 std::string NetworkEvaluator::Text(const MaterialNode& node, const std::string& input) const {
@@ -163,26 +162,6 @@ std::string NetworkEvaluator::Text(const MaterialNode& node, const std::string& 
     const auto* text =
         found == node.parameters.end() ? nullptr : std::get_if<std::string>(&found->second);
     return text == nullptr ? std::string() : *text;
-}
-
-ShaderValue NetworkEvaluator::EvaluateReader(const MaterialNode& node) {
-    const std::uint32_t numComponents = ReaderComponents(
-        node.identifier.substr(node.identifier.find(kReaderPrefix) + kReaderPrefix.size()));
-    if (numComponents == 0) {
-        Warn("shader " + node.identifier + " of " + node.path + " gives nothing that can be shown");
-        return {};
-    }
-    const ShaderValue fallback = EvaluateOr(node, "fallback", {}, numComponents);
-    const std::string primvar = Text(node, "varname");
-    if (primvar.empty()) {
-        Warn(node.path + " names no primvar");
-        return fallback;
-    }
-    auto expression = std::make_shared<ShaderExpression>();
-    expression->kind = ShaderExpression::Kind::Primvar;
-    expression->primvar = primvar;
-    expression->operands = {fallback};
-    return {std::move(expression), HDS_CHANNEL_ALL, numComponents};
 }
 
 ShaderValue NetworkEvaluator::EvaluateTransform2d(const MaterialNode& node) {

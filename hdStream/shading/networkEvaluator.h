@@ -8,13 +8,26 @@
 #include "hdStream/shading/imageQueries.h"
 #include "hdStream/shading/shaderExpression.h"
 
+#include <array>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace hds {
+
+/// What a node wants to know of an image.
+struct ImageRequest {
+    ShaderValue coordinates;
+    std::uint32_t numComponents = 0;
+    std::string input = "file"; ///< names the image
+    std::array<float, 4> fallback{};
+    std::uint32_t number = 0; ///< of several look-ups of one image
+    bool isPeriodic = false;  ///< repeats, whatever the node's address modes are; not tiles
+    std::optional<std::uint32_t> wraps = {}; ///< HDS_LOOKUP_WRAPS, whatever else there is
+};
 
 /// Evaluates inputs of a network's nodes. Externally synchronised; the arguments must outlive it.
 class NetworkEvaluator {
@@ -45,30 +58,19 @@ public:
     /// The textures that the values evaluated so far read.
     const std::vector<MaterialTexture>& Textures() const { return _textures; }
 
+    /// Of MaterialX's nodes that look images up: the channels that the node has.
+    ShaderValue EvaluateImage(const MaterialNode& node, const ImageRequest& request);
+    /// Of those: the coordinates that are connected, or the mesh's first.
+    ShaderValue ImageCoordinates(const MaterialNode& node);
+    /// An output of a UsdUVTexture.
+    ShaderValue EvaluateTexture(const MaterialNode& node, const std::string& output);
+    ShaderValue EvaluateTransform2d(const MaterialNode& node);
+
 private:
     ShaderValue Parameter(const MaterialNode& node, const std::string& input);
     ShaderValue EvaluateOutput(const MaterialNode& node, const std::string& output);
-    ShaderValue EvaluateReader(const MaterialNode& node);
-    ShaderValue EvaluateTransform2d(const MaterialNode& node);
-    ShaderValue EvaluateTexture(const MaterialNode& node, const std::string& output);
-    ShaderValue EvaluatePattern(const MaterialNode& node, const std::string& output);
-    /// What a node wants to know of an image.
-    struct ImageRequest {
-        ShaderValue coordinates;
-        std::uint32_t numComponents = 0;
-        std::string input = "file"; ///< names the image
-        std::array<float, 4> fallback{};
-        std::uint32_t number = 0; ///< of several look-ups of one image
-    };
-    ShaderValue EvaluateImage(const MaterialNode& node, const ImageRequest& request);
     ShaderValue MakeImage(const MaterialNode& node, const ImageRequest& request);
-    ShaderValue ImageCoordinates(const MaterialNode& node);
-    ShaderValue TiledCoordinates(const MaterialNode& node);
     std::uint32_t AddressModeOf(const MaterialNode& node, const std::string& input);
-    friend class PatternNode;
-    friend class PatternEvaluator;
-    friend class LibraryNode;
-    friend class MapNode;
     ShaderValue MakeTexture(const MaterialNode& node);
     std::vector<std::uint32_t> FindTiles(const MaterialNode& node, const AssetReference& file,
                                          const std::string& input, std::vector<ImageFacts>* facts);
@@ -83,7 +85,7 @@ private:
     std::map<std::string, ShaderValue> _lookups;    ///< by the path of their UsdUVTexture
     std::map<std::string, bool> _hasAlpha;          ///< likewise
     std::map<std::string, ShaderValue> _transforms; ///< by the path of their UsdTransform2d
-    /// Of pattern nodes, by (node, output).
+    /// Of MaterialX's nodes, by (node, output).
     std::map<std::pair<std::string, std::string>, ShaderValue> _patterns;
     std::vector<MaterialTexture> _textures;
     std::set<std::pair<std::string, std::string>> _visiting; ///< (node, output) on the present walk

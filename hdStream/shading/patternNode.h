@@ -5,9 +5,8 @@
 
 #include "hdStream/shading/networkEvaluator.h"
 #include "hdStream/shading/nodeId.h"
+#include "hdStream/shading/patternRegistry.h"
 #include "hdStream/shading/shaderMath.h"
-
-#include <optional>
 
 namespace hds {
 
@@ -32,11 +31,12 @@ ShaderValue Rotate2d(const ShaderValue& in, const ShaderValue& degrees);
 ShaderValue MakePrimvar(const std::string& name, const ShaderValue& fallback,
                         std::uint32_t numComponents);
 
-/// One node of a network: its id and its inputs.
+/// One node of a network: its id, its inputs, and the output that is asked for.
 class PatternNode {
 public:
-    PatternNode(NetworkEvaluator& network, const MaterialNode& node)
-        : _network(network), _node(node), _id(ParseId(node.identifier)), _n(_id.lastComponents) {}
+    PatternNode(NetworkEvaluator& network, const MaterialNode& node, const std::string& output)
+        : _network(network), _node(node), _output(output), _id(ParseId(node.identifier)),
+          _n(_id.lastComponents) {}
 
 protected:
     /// An input: a vector, or a scalar (in all components) where it is one or nothing.
@@ -84,19 +84,22 @@ protected:
 
     NetworkEvaluator& _network;
     const MaterialNode& _node;
+    const std::string& _output;
     NodeId _id;
     std::uint32_t _n; ///< components of the result
 };
 
-/// Nodes that MaterialX's library builds of others, and those of geometry and of images that are
-/// not `image`. Nothing: the node is none of them.
-std::optional<ShaderValue> EvaluateLibraryNode(NetworkEvaluator& network, const MaterialNode& node,
-                                               const std::string& output);
-
-/// Of those the nodes that look images up elsewhere than at coordinates.
-std::optional<ShaderValue> EvaluateMapNode(NetworkEvaluator& network, const MaterialNode& node);
-
-/// Of those the nodes that correct and composite colours.
-std::optional<ShaderValue> EvaluateColorNode(NetworkEvaluator& network, const MaterialNode& node);
+/// Of a member function of a class of PatternNode the PatternFunction.
+template <auto kFunction>
+struct PatternMember;
+template <typename Node, ShaderValue (Node::*kFunction)()>
+struct PatternMember<kFunction> {
+    static ShaderValue Evaluate(NetworkEvaluator& network, const MaterialNode& node,
+                                const std::string& output) {
+        return (Node(network, node, output).*kFunction)();
+    }
+};
+template <auto kFunction>
+constexpr PatternFunction kPattern = &PatternMember<kFunction>::Evaluate;
 
 } // namespace hds

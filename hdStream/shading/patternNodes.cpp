@@ -11,129 +11,37 @@ namespace hds {
 
 namespace {
 
-const std::map<std::string, std::uint32_t>& UnaryFunctions() {
-    static const std::map<std::string, std::uint32_t> kFunctions = {
-        {"absval", HDS_MATH_ABS}, {"sign", HDS_MATH_SIGN},   {"floor", HDS_MATH_FLOOR},
-        {"ceil", HDS_MATH_CEIL},  {"round", HDS_MATH_ROUND}, {"sqrt", HDS_MATH_SQRT},
-        {"exp", HDS_MATH_EXP},    {"ln", HDS_MATH_LN},       {"sin", HDS_MATH_SIN},
-        {"cos", HDS_MATH_COS},    {"tan", HDS_MATH_TAN},     {"asin", HDS_MATH_ASIN},
-        {"acos", HDS_MATH_ACOS}};
-    return kFunctions;
-}
-
-/// Function and default of in2; that of in1 is 0.
-const std::map<std::string, std::pair<std::uint32_t, float>>& BinaryFunctions() {
-    static const std::map<std::string, std::pair<std::uint32_t, float>> kFunctions = {
-        {"add", {HDS_MATH_ADD, 0.0F}},           {"subtract", {HDS_MATH_SUBTRACT, 0.0F}},
-        {"multiply", {HDS_MATH_MULTIPLY, 1.0F}}, {"divide", {HDS_MATH_DIVIDE, 1.0F}},
-        {"modulo", {HDS_MATH_MODULO, 1.0F}},     {"power", {HDS_MATH_POWER, 1.0F}},
-        {"min", {HDS_MATH_MIN, 0.0F}},           {"max", {HDS_MATH_MAX, 0.0F}}};
-    return kFunctions;
-}
-
 constexpr std::array<float, 4> kLuminance{0.2722287F, 0.6740818F, 0.0536895F, 0.0F}; // ACEScg
 
-} // namespace
-
-/// A node that has a function of its own.
-class PatternEvaluator : public PatternNode {
+class StandardNode : public PatternNode {
 public:
     using PatternNode::PatternNode;
 
-    /// Empty: not supported, or not to be had (warned of).
-    ShaderValue Evaluate(const std::string& output) {
-        using Function = ShaderValue (PatternEvaluator::*)();
-        static const std::map<std::string, Function> kFunctions = {
-            {"constant", &PatternEvaluator::Constant},
-            {"dot", &PatternEvaluator::Pass},
-            {"image", &PatternEvaluator::Image},
-            {"tiledimage", &PatternEvaluator::Image},
-            {"texcoord", &PatternEvaluator::TexCoord},
-            {"geompropvalue", &PatternEvaluator::GeomProp},
-            {"geomcolor", &PatternEvaluator::GeomColor},
-            {"position", &PatternEvaluator::Position},
-            {"normal", &PatternEvaluator::Normal},
-            {"normalmap", &PatternEvaluator::NormalMap},
-            {"place2d", &PatternEvaluator::Place2d},
-            {"rotate2d", &PatternEvaluator::RotateNode},
-            {"mix", &PatternEvaluator::MixNode},
-            {"clamp", &PatternEvaluator::ClampNode},
-            {"smoothstep", &PatternEvaluator::Smoothstep},
-            {"remap", &PatternEvaluator::Remap},
-            {"range", &PatternEvaluator::Range},
-            {"invert", &PatternEvaluator::Invert},
-            {"fract", &PatternEvaluator::Fract},
-            {"atan2", &PatternEvaluator::Atan2},
-            {"dotproduct", &PatternEvaluator::DotNode},
-            {"crossproduct", &PatternEvaluator::CrossProduct},
-            {"magnitude", &PatternEvaluator::Magnitude},
-            {"distance", &PatternEvaluator::Distance},
-            {"normalize", &PatternEvaluator::Normalize},
-            {"luminance", &PatternEvaluator::Luminance},
-            {"saturate", &PatternEvaluator::Saturate},
-            {"contrast", &PatternEvaluator::Contrast},
-            {"rgbtohsv", &PatternEvaluator::RgbToHsv},
-            {"hsvtorgb", &PatternEvaluator::HsvToRgb},
-            {"hsvadjust", &PatternEvaluator::HsvAdjust},
-            {"combine2", &PatternEvaluator::CombineNode},
-            {"combine3", &PatternEvaluator::CombineNode},
-            {"combine4", &PatternEvaluator::CombineNode},
-            {"extract", &PatternEvaluator::Extract},
-            {"convert", &PatternEvaluator::Convert},
-            {"swizzle", &PatternEvaluator::Swizzle},
-            {"ifgreater", &PatternEvaluator::If},
-            {"ifgreatereq", &PatternEvaluator::If},
-            {"ifequal", &PatternEvaluator::If},
-            {"switch", &PatternEvaluator::Switch},
-            {"ramplr", &PatternEvaluator::RampLr},
-            {"ramptb", &PatternEvaluator::RampTb},
-            {"ramp4", &PatternEvaluator::Ramp4},
-            {"splitlr", &PatternEvaluator::SplitLr},
-            {"splittb", &PatternEvaluator::SplitTb},
-            {"checkerboard", &PatternEvaluator::Checkerboard},
-            {"noise2d", &PatternEvaluator::Noise},
-            {"noise3d", &PatternEvaluator::Noise},
-            {"fractal3d", &PatternEvaluator::Fractal},
-            {"cellnoise2d", &PatternEvaluator::CellNoise},
-            {"cellnoise3d", &PatternEvaluator::CellNoise},
-            {"plus", &PatternEvaluator::Blend},
-            {"minus", &PatternEvaluator::Blend},
-            {"difference", &PatternEvaluator::Blend},
-            {"screen", &PatternEvaluator::Blend},
-            {"inside", &PatternEvaluator::Mask},
-            {"outside", &PatternEvaluator::Mask},
-        };
-        const std::string& category = _id.category;
-        if (const auto unary = UnaryFunctions().find(category); unary != UnaryFunctions().end()) {
-            return MakeMath(unary->second, {In("in", 0.0F)}, _n);
-        }
-        if (const auto binary = BinaryFunctions().find(category);
-            binary != BinaryFunctions().end()) {
-            return MakeMath(binary->second.first,
-                            {In("in1", 0.0F), In("in2", binary->second.second)}, _n);
-        }
-        if (category.compare(0, 8, "separate") == 0) {
-            return Separate(output);
-        }
-        const auto found = kFunctions.find(category);
-        if (found == kFunctions.end()) {
-            if (auto value = EvaluateLibraryNode(_network, _node, output)) {
-                return *value;
-            }
-            _network.Warn("node " + _node.identifier + " of " + _node.path +
-                          " is not supported; what it feeds keeps its default");
-            return {};
-        }
-        return (this->*found->second)();
+    template <std::uint32_t kCode>
+    ShaderValue Unary() {
+        return Math(kCode, {In("in", 0.0F)});
+    }
+    /// \tparam kDefault of in2; that of in1 is 0
+    template <std::uint32_t kCode, int kDefault>
+    ShaderValue Binary() {
+        const ShaderValue first = In("in1", 0.0F);
+        return Math(kCode, {first, In("in2", float(kDefault))});
     }
 
-private:
     ShaderValue Constant() { return In("value", 0.0F); }
     ShaderValue Pass() { return _network.Evaluate(_node, "in"); }
-    ShaderValue Image() {
-        const ShaderValue st =
-            _id.category == "tiledimage" ? _network.TiledCoordinates(_node) : Coordinates();
-        return _network.EvaluateImage(_node, {st, std::max(_n, 1U)});
+    ShaderValue Image() { return _network.EvaluateImage(_node, {Coordinates(), std::max(_n, 1U)}); }
+    ShaderValue TiledImage() {
+        const auto at = [&](const char* input, float value) {
+            return Vector(input, {value, value, 0.0F, 0.0F}, 2);
+        };
+        ShaderValue st = MakeMath(HDS_MATH_MULTIPLY, {Coordinates(), at("uvtiling", 1.0F)}, 2);
+        st = MakeMath(HDS_MATH_SUBTRACT, {st, at("uvoffset", 0.0F)}, 2);
+        st = MakeMath(HDS_MATH_DIVIDE, {st, at("realworldimagesize", 1.0F)}, 2);
+        st = MakeMath(HDS_MATH_MULTIPLY, {st, at("realworldtilesize", 1.0F)}, 2);
+        ImageRequest request{st, std::max(_n, 1U)};
+        request.isPeriodic = true;
+        return _network.EvaluateImage(_node, request);
     }
 
     ShaderValue TexCoord() {
@@ -252,11 +160,11 @@ private:
     }
 
     /// Of scalars, or of vectors that fill the components one after another.
+    template <std::size_t kCount>
     ShaderValue CombineNode() {
         std::vector<ShaderValue> parts;
         const char* const inputs[] = {"in1", "in2", "in3", "in4"};
-        const std::size_t count = _id.category.back() - '0';
-        for (std::size_t i = 0; i < count; ++i) {
+        for (std::size_t i = 0; i < kCount; ++i) {
             const ShaderValue in = In(inputs[i], 0.0F);
             for (std::uint32_t k = 0; k < in.numComponents; ++k) {
                 parts.push_back(ChannelOf(in, k));
@@ -274,11 +182,12 @@ private:
         return ChannelOf(In("in", 0.0F),
                          static_cast<std::uint32_t>(std::clamp(number, 0.0F, 3.0F)));
     }
-    ShaderValue Separate(const std::string& output) {
+    ShaderValue Separate() {
         static const std::string kNames = "rgbaxyzw";
-        const std::size_t channel = output.size() == 4 ? kNames.find(output[3]) : std::string::npos;
+        const std::size_t channel =
+            _output.size() == 4 ? kNames.find(_output[3]) : std::string::npos;
         if (channel == std::string::npos) {
-            _network.Warn(_node.path + " has no output " + output);
+            _network.Warn(_node.path + " has no output " + _output);
             return {};
         }
         return ChannelOf(In("in", 0.0F), static_cast<std::uint32_t>(channel % 4));
@@ -324,12 +233,11 @@ private:
         return CombineChannels(parts[0], parts[1], parts[2], parts[3], _n);
     }
 
+    /// \tparam kDefault of value1
+    template <std::uint32_t kCode, int kDefault>
     ShaderValue If() {
-        const std::uint32_t code = _id.category == "ifgreater"     ? HDS_MATH_GREATER
-                                   : _id.category == "ifgreatereq" ? HDS_MATH_GREATER_OR_EQUAL
-                                                                   : HDS_MATH_EQUAL;
-        const float first = code == HDS_MATH_EQUAL ? 0.0F : 1.0F;
-        const ShaderValue condition = MakeMath(code, {In("value1", first), In("value2", 0.0F)}, 1);
+        const ShaderValue first = In("value1", float(kDefault));
+        const ShaderValue condition = MakeMath(kCode, {first, In("value2", 0.0F)}, 1);
         return Math(HDS_MATH_SELECT, {condition, In("in1", 0.0F), In("in2", 0.0F)});
     }
     ShaderValue Switch() {
@@ -402,53 +310,123 @@ private:
         return Math(IsIn3d() ? HDS_MATH_CELL3 : HDS_MATH_CELL2, {NoisePlace()});
     }
 
+    /// \tparam kCode of background and foreground
+    template <std::uint32_t kCode>
     ShaderValue Blend() {
         const ShaderValue fg = In("fg", 0.0F);
         const ShaderValue bg = In("bg", 0.0F);
-        const ShaderValue one = MakeScalar(1.0F);
-        ShaderValue result;
-        if (_id.category == "plus") {
-            result = Math(HDS_MATH_ADD, {bg, fg});
-        } else if (_id.category == "minus") {
-            result = Math(HDS_MATH_SUBTRACT, {bg, fg});
-        } else if (_id.category == "difference") {
-            result = Math(HDS_MATH_ABS, {Math(HDS_MATH_SUBTRACT, {bg, fg})});
-        } else {
-            const ShaderValue product =
-                Math(HDS_MATH_MULTIPLY,
-                     {Math(HDS_MATH_SUBTRACT, {one, bg}), Math(HDS_MATH_SUBTRACT, {one, fg})});
-            result = Math(HDS_MATH_SUBTRACT, {one, product});
-        }
-        return Math(HDS_MATH_MIX, {bg, result, In("mix", 1.0F)});
+        return Mix(bg, Math(kCode, {bg, fg}), In("mix", 1.0F));
     }
-    ShaderValue Mask() {
-        const ShaderValue mask = In("mask", _id.category == "inside" ? 1.0F : 0.0F);
-        const ShaderValue share = _id.category == "inside"
-                                      ? mask
-                                      : MakeMath(HDS_MATH_SUBTRACT, {MakeScalar(1.0F), mask}, 1);
-        return Math(HDS_MATH_MULTIPLY, {In("in", 0.0F), share});
+    ShaderValue Difference() {
+        const ShaderValue fg = In("fg", 0.0F);
+        const ShaderValue bg = In("bg", 0.0F);
+        return Mix(bg, Math(HDS_MATH_ABS, {Subtract(bg, fg)}), In("mix", 1.0F));
+    }
+    ShaderValue Screen() {
+        const ShaderValue fg = In("fg", 0.0F);
+        const ShaderValue bg = In("bg", 0.0F);
+        return Mix(bg, OneMinus(Multiply(OneMinus(bg), OneMinus(fg))), In("mix", 1.0F));
+    }
+    ShaderValue Inside() {
+        const ShaderValue mask = In("mask", 1.0F);
+        return Multiply(In("in", 0.0F), mask);
+    }
+    ShaderValue Outside() {
+        const ShaderValue mask = In("mask", 0.0F);
+        const ShaderValue share = MakeMath(HDS_MATH_SUBTRACT, {MakeScalar(1.0F), mask}, 1);
+        return Multiply(In("in", 0.0F), share);
     }
 };
 
-ShaderValue NetworkEvaluator::EvaluatePattern(const MaterialNode& node, const std::string& output) {
-    const std::string& id = node.identifier;
-    if (id.compare(0, 15, "ND_UsdUVTexture") == 0) {
-        return EvaluateTexture(node, output);
-    }
-    if (id.compare(0, 17, "ND_UsdTransform2d") == 0) {
-        return EvaluateTransform2d(node);
-    }
-    if (id.compare(0, 20, "ND_UsdPrimvarReader_") == 0) {
-        return EvaluateReader(node);
-    }
-    const auto key = std::make_pair(node.path, output);
-    const auto known = _patterns.find(key);
-    if (known != _patterns.end()) {
-        return known->second;
-    }
-    const ShaderValue value = PatternEvaluator(*this, node).Evaluate(output);
-    _patterns[key] = value;
-    return value;
+constexpr PatternType kTypes[] = {
+    {"constant", kPattern<&StandardNode::Constant>},
+    {"dot", kPattern<&StandardNode::Pass>},
+    {"image", kPattern<&StandardNode::Image>},
+    {"tiledimage", kPattern<&StandardNode::TiledImage>},
+    {"texcoord", kPattern<&StandardNode::TexCoord>},
+    {"geompropvalue", kPattern<&StandardNode::GeomProp>},
+    {"geomcolor", kPattern<&StandardNode::GeomColor>},
+    {"position", kPattern<&StandardNode::Position>},
+    {"normal", kPattern<&StandardNode::Normal>},
+    {"normalmap", kPattern<&StandardNode::NormalMap>},
+    {"absval", kPattern<&StandardNode::Unary<HDS_MATH_ABS>>},
+    {"sign", kPattern<&StandardNode::Unary<HDS_MATH_SIGN>>},
+    {"floor", kPattern<&StandardNode::Unary<HDS_MATH_FLOOR>>},
+    {"ceil", kPattern<&StandardNode::Unary<HDS_MATH_CEIL>>},
+    {"round", kPattern<&StandardNode::Unary<HDS_MATH_ROUND>>},
+    {"sqrt", kPattern<&StandardNode::Unary<HDS_MATH_SQRT>>},
+    {"exp", kPattern<&StandardNode::Unary<HDS_MATH_EXP>>},
+    {"ln", kPattern<&StandardNode::Unary<HDS_MATH_LN>>},
+    {"sin", kPattern<&StandardNode::Unary<HDS_MATH_SIN>>},
+    {"cos", kPattern<&StandardNode::Unary<HDS_MATH_COS>>},
+    {"tan", kPattern<&StandardNode::Unary<HDS_MATH_TAN>>},
+    {"asin", kPattern<&StandardNode::Unary<HDS_MATH_ASIN>>},
+    {"acos", kPattern<&StandardNode::Unary<HDS_MATH_ACOS>>},
+    {"add", kPattern<&StandardNode::Binary<HDS_MATH_ADD, 0>>},
+    {"subtract", kPattern<&StandardNode::Binary<HDS_MATH_SUBTRACT, 0>>},
+    {"multiply", kPattern<&StandardNode::Binary<HDS_MATH_MULTIPLY, 1>>},
+    {"divide", kPattern<&StandardNode::Binary<HDS_MATH_DIVIDE, 1>>},
+    {"modulo", kPattern<&StandardNode::Binary<HDS_MATH_MODULO, 1>>},
+    {"power", kPattern<&StandardNode::Binary<HDS_MATH_POWER, 1>>},
+    {"min", kPattern<&StandardNode::Binary<HDS_MATH_MIN, 0>>},
+    {"max", kPattern<&StandardNode::Binary<HDS_MATH_MAX, 0>>},
+    {"place2d", kPattern<&StandardNode::Place2d>},
+    {"rotate2d", kPattern<&StandardNode::RotateNode>},
+    {"mix", kPattern<&StandardNode::MixNode>},
+    {"clamp", kPattern<&StandardNode::ClampNode>},
+    {"smoothstep", kPattern<&StandardNode::Smoothstep>},
+    {"remap", kPattern<&StandardNode::Remap>},
+    {"range", kPattern<&StandardNode::Range>},
+    {"invert", kPattern<&StandardNode::Invert>},
+    {"fract", kPattern<&StandardNode::Fract>},
+    {"atan2", kPattern<&StandardNode::Atan2>},
+    {"dotproduct", kPattern<&StandardNode::DotNode>},
+    {"crossproduct", kPattern<&StandardNode::CrossProduct>},
+    {"magnitude", kPattern<&StandardNode::Magnitude>},
+    {"distance", kPattern<&StandardNode::Distance>},
+    {"normalize", kPattern<&StandardNode::Normalize>},
+    {"luminance", kPattern<&StandardNode::Luminance>},
+    {"saturate", kPattern<&StandardNode::Saturate>},
+    {"contrast", kPattern<&StandardNode::Contrast>},
+    {"rgbtohsv", kPattern<&StandardNode::RgbToHsv>},
+    {"hsvtorgb", kPattern<&StandardNode::HsvToRgb>},
+    {"hsvadjust", kPattern<&StandardNode::HsvAdjust>},
+    {"combine2", kPattern<&StandardNode::CombineNode<2>>},
+    {"combine3", kPattern<&StandardNode::CombineNode<3>>},
+    {"combine4", kPattern<&StandardNode::CombineNode<4>>},
+    {"separate2", kPattern<&StandardNode::Separate>},
+    {"separate3", kPattern<&StandardNode::Separate>},
+    {"separate4", kPattern<&StandardNode::Separate>},
+    {"extract", kPattern<&StandardNode::Extract>},
+    {"convert", kPattern<&StandardNode::Convert>},
+    {"swizzle", kPattern<&StandardNode::Swizzle>},
+    {"ifgreater", kPattern<&StandardNode::If<HDS_MATH_GREATER, 1>>},
+    {"ifgreatereq", kPattern<&StandardNode::If<HDS_MATH_GREATER_OR_EQUAL, 1>>},
+    {"ifequal", kPattern<&StandardNode::If<HDS_MATH_EQUAL, 0>>},
+    {"switch", kPattern<&StandardNode::Switch>},
+    {"ramplr", kPattern<&StandardNode::RampLr>},
+    {"ramptb", kPattern<&StandardNode::RampTb>},
+    {"ramp4", kPattern<&StandardNode::Ramp4>},
+    {"splitlr", kPattern<&StandardNode::SplitLr>},
+    {"splittb", kPattern<&StandardNode::SplitTb>},
+    {"checkerboard", kPattern<&StandardNode::Checkerboard>},
+    {"noise2d", kPattern<&StandardNode::Noise>},
+    {"noise3d", kPattern<&StandardNode::Noise>},
+    {"fractal3d", kPattern<&StandardNode::Fractal>},
+    {"cellnoise2d", kPattern<&StandardNode::CellNoise>},
+    {"cellnoise3d", kPattern<&StandardNode::CellNoise>},
+    {"plus", kPattern<&StandardNode::Blend<HDS_MATH_ADD>>},
+    {"minus", kPattern<&StandardNode::Blend<HDS_MATH_SUBTRACT>>},
+    {"difference", kPattern<&StandardNode::Difference>},
+    {"screen", kPattern<&StandardNode::Screen>},
+    {"inside", kPattern<&StandardNode::Inside>},
+    {"outside", kPattern<&StandardNode::Outside>},
+};
+
+} // namespace
+
+PatternTable StandardNodes() {
+    return PatternTable(kTypes);
 }
 
 } // namespace hds

@@ -264,21 +264,30 @@ private:
     bool _isShifted = false;
 };
 
+struct Operation {
+    std::uint32_t numOperands;
+    bool isPattern;
+};
+
+/// By HDS_OP_*.
+constexpr Operation kOperations[HDS_NUM_OPERATIONS] = {
+#define HDS_OPERATION(NAME, operands, isPattern) {operands, isPattern},
+#include "kernels/shared/programOperations.def"
+};
+
+std::uint32_t OperationAt(const std::vector<std::uint32_t>& programs, std::size_t at) {
+    return programs[at] & 0xffU;
+}
+
 /// Operands of an instruction at `at` behind its first word.
 std::size_t NumOperands(const std::vector<std::uint32_t>& programs, std::size_t at) {
-    const std::uint32_t argument = programs[at] >> 8U;
-    switch (programs[at] & 0xffU) {
-    case HDS_OP_CONSTANT:
-        return 4;
-    case HDS_OP_AFFINE:
-        return 6;
-    case HDS_OP_POSITION:
-        return 3;
-    case HDS_OP_TEXTURE:
-        return 1 + programs[at + 1] + ((argument & HDS_LOOKUP_POPS) != 0 ? 0 : 12);
-    default:
-        return 0;
+    const std::uint32_t operation = OperationAt(programs, at);
+    std::size_t count = kOperations[operation].numOperands;
+    if (operation == HDS_OP_TEXTURE) {
+        const std::uint32_t argument = programs[at] >> 8U;
+        count += programs[at + 1] + ((argument & HDS_LOOKUP_POPS) != 0 ? 0 : 12);
     }
+    return count;
 }
 
 /// What has been searched: nodes are shared, and there may be exponentially many ways to one.
@@ -359,15 +368,14 @@ std::vector<std::uint32_t> WriteProgram(const std::vector<ProgramInput>& inputs,
 std::uint32_t CountLookups(const std::vector<std::uint32_t>& program) {
     std::uint32_t count = 0;
     for (std::size_t at = 0; at < program.size(); at += 1 + NumOperands(program, at)) {
-        count += (program[at] & 0xffU) == HDS_OP_TEXTURE ? 1 : 0;
+        count += OperationAt(program, at) == HDS_OP_TEXTURE ? 1 : 0;
     }
     return count;
 }
 
 bool HasPatterns(const std::vector<std::uint32_t>& programs) {
     for (std::size_t at = 0; at < programs.size(); at += 1 + NumOperands(programs, at)) {
-        const std::uint32_t operation = programs[at] & 0xffU;
-        if (operation >= HDS_OP_MATH && operation != HDS_OP_TANGENTS) {
+        if (kOperations[OperationAt(programs, at)].isPattern) {
             return true;
         }
     }
@@ -376,7 +384,7 @@ bool HasPatterns(const std::vector<std::uint32_t>& programs) {
 
 bool NeedsFilteredTexels(const std::vector<std::uint32_t>& program) {
     for (std::size_t at = 0; at < program.size(); at += 1 + NumOperands(program, at)) {
-        const std::uint32_t operation = program[at] & 0xffU;
+        const std::uint32_t operation = OperationAt(program, at);
         if (operation == HDS_OP_SHIFT) {
             return true;
         }

@@ -191,7 +191,6 @@ ShaderValue NetworkEvaluator::EvaluateTexture(const MaterialNode& node, const st
     return {value.expression, value.channel, output == "rgb" ? 3U : 4U};
 }
 
-/// Of image nodes: the coordinates that are connected, or the mesh's first.
 ShaderValue NetworkEvaluator::ImageCoordinates(const MaterialNode& node) {
     const ShaderValue authored = Evaluate(node, "texcoord");
     if (authored && authored.numComponents >= 2) {
@@ -225,17 +224,6 @@ std::uint32_t NetworkEvaluator::AddressModeOf(const MaterialNode& node, const st
     return found->second;
 }
 
-/// Coordinates of tiledimage.
-ShaderValue NetworkEvaluator::TiledCoordinates(const MaterialNode& node) {
-    const auto at = [&](const char* input, float value) {
-        return EvaluateOr(node, input, {value, value, 0.0F, 0.0F}, 2);
-    };
-    ShaderValue st = MakeMath(HDS_MATH_MULTIPLY, {ImageCoordinates(node), at("uvtiling", 1.0F)}, 2);
-    st = MakeMath(HDS_MATH_SUBTRACT, {st, at("uvoffset", 0.0F)}, 2);
-    st = MakeMath(HDS_MATH_DIVIDE, {st, at("realworldimagesize", 1.0F)}, 2);
-    return MakeMath(HDS_MATH_MULTIPLY, {st, at("realworldtilesize", 1.0F)}, 2);
-}
-
 /// A look-up of one of a node's images, or its default where that cannot be read.
 ShaderValue NetworkEvaluator::MakeImage(const MaterialNode& node, const ImageRequest& request) {
     const ShaderValue fallback =
@@ -253,25 +241,20 @@ ShaderValue NetworkEvaluator::MakeImage(const MaterialNode& node, const ImageReq
         return fallback;
     }
     const bool isUdim = IsUdim(file);
-    const bool isPeriodic = node.identifier.compare(0, 8, "ND_tiled") == 0 ||
-                            node.identifier.compare(0, 12, "ND_triplanar") == 0 ||
-                            node.identifier.compare(0, 16, "ND_hextiledimage") == 0;
-    const bool isLatLong = node.identifier.compare(0, 15, "ND_latlongimage") == 0;
     const auto modeOf = [&](const char* input) {
-        return isUdim       ? std::uint32_t{HDS_WRAP_CLAMP}
-               : isPeriodic ? std::uint32_t{HDS_WRAP_REPEAT}
-                            : AddressModeOf(node, input);
+        return isUdim               ? std::uint32_t{HDS_WRAP_CLAMP}
+               : request.isPeriodic ? std::uint32_t{HDS_WRAP_REPEAT}
+                                    : AddressModeOf(node, input);
     };
     expression->lookup =
-        (isLatLong ? HDS_LOOKUP_WRAPS(HDS_WRAP_REPEAT, HDS_WRAP_MIRROR)
-                   : HDS_LOOKUP_WRAPS(modeOf("uaddressmode"), modeOf("vaddressmode"))) |
+        (request.wraps ? *request.wraps
+                       : HDS_LOOKUP_WRAPS(modeOf("uaddressmode"), modeOf("vaddressmode"))) |
         (isUdim ? HDS_LOOKUP_UDIM : 0U);
     expression->operands = {request.coordinates, fallback,
                             MakeConstant({1.0F, 1.0F, 1.0F, 1.0F}, 4), MakeConstant({}, 4)};
     return {std::move(expression), HDS_CHANNEL_ALL, 4};
 }
 
-/// Of MaterialX's nodes that look images up: the channels that the node has.
 ShaderValue NetworkEvaluator::EvaluateImage(const MaterialNode& node, const ImageRequest& request) {
     const std::uint32_t numComponents = request.numComponents;
     const std::uint32_t channels = (1U << numComponents) - 1U;

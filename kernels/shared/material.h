@@ -7,41 +7,17 @@
 #define HDS_SHARED_MATERIAL_H
 #include "shared/compat.h"
 
-/* Inputs in record order; each is a float4 constant (scalars in x). */
-#define HDS_INPUT_DIFFUSE_COLOR 0
-#define HDS_INPUT_EMISSIVE_COLOR 1
-#define HDS_INPUT_SPECULAR_COLOR 2
-#define HDS_INPUT_NORMAL 3 /* tangent space, already scaled and biased; (0,0,1) is unperturbed */
-#define HDS_INPUT_METALLIC 4
-#define HDS_INPUT_ROUGHNESS 5
-#define HDS_INPUT_CLEARCOAT 6
-#define HDS_INPUT_CLEARCOAT_ROUGHNESS 7
-#define HDS_INPUT_OPACITY 8
-#define HDS_INPUT_OPACITY_THRESHOLD 9
-#define HDS_INPUT_IOR 10
-#define HDS_NUM_INPUTS 11
-
-/* Inputs of layered surfaces alone. They are not in the record: a program sets those that are not
- * layered_defaults (shading/layeredSurface.clh). Of the inputs above a layered surface reads
- * DIFFUSE_COLOR and SPECULAR_COLOR as the colours of its dielectric part, METALLIC as the weight of
- * its metal, and CLEARCOAT as that of its coat. */
-#define HDS_INPUT_DIELECTRIC 11      /* weight of all that is not metal */
-#define HDS_INPUT_SPECULAR_WEIGHT 12 /* of the dielectric's reflection */
-#define HDS_INPUT_METAL_COLOR 13     /* reflectance at normal incidence... */
-#define HDS_INPUT_EDGE_COLOR 14      /* ...and its tint at about 82 degrees */
-#define HDS_INPUT_STRETCH 15         /* xy: factors of alpha, z: turns of the tangent */
-#define HDS_INPUT_DIFFUSE_ROUGHNESS 16
-#define HDS_INPUT_COAT_TINT 17 /* of what lies below the coat */
-#define HDS_INPUT_COAT_IOR 18
-#define HDS_INPUT_SHEEN 19
-#define HDS_INPUT_SHEEN_COLOR 20
-#define HDS_INPUT_SHEEN_ROUGHNESS 21
-#define HDS_INPUT_TRANSMISSION 22
-#define HDS_INPUT_TRANSMISSION_COLOR 23
-#define HDS_INPUT_ABSORPTION 24   /* of the interior, per unit of length */
-#define HDS_INPUT_TRANSLUCENCY 25 /* colour of diffuse transmission */
-#define HDS_INPUT_FILM 26         /* x: weight of a thin film, y: nanometres, z: its index */
-#define HDS_NUM_LAYERED_INPUTS 27
+/* HDS_INPUT_*: indices of inputs. Those below HDS_NUM_INPUTS are in the record, each a float4
+ * constant with scalars in x; those above are of layered surfaces alone. */
+enum {
+#define HDS_PREVIEW_INPUT(NAME, name, components, x, y, z, w) HDS_INPUT_##NAME,
+#define HDS_LAYERED_INPUT(NAME, name, components, x, y, z, w) HDS_INPUT_##NAME,
+#include "shared/materialInputs.def"
+    HDS_NUM_LAYERED_INPUTS,
+#define HDS_PREVIEW_INPUT(NAME, name, components, x, y, z, w) +1
+    HDS_NUM_INPUTS = 0
+#include "shared/materialInputs.def"
+};
 
 /* HdsMaterial.flags */
 #define HDS_MATERIAL_SPECULAR_WORKFLOW 1u

@@ -8,48 +8,12 @@
 #define HDS_SHARED_PROGRAM_H
 #include "shared/compat.h"
 
-#define HDS_OP_END 0u
-#define HDS_OP_MASK_END 1u /* opacity is known; a mask needs no more */
-/* operands: 4 floats. Pushes them. */
-#define HDS_OP_CONSTANT 2u
-/* argument: attribute slot. Pushes its value. */
-#define HDS_OP_PRIMVAR 3u
-/* argument: attribute slot. Pushes its first two components as texture coordinates. */
-#define HDS_OP_COORDINATES 4u
-/* operands: 6 floats, rows of 3. Maps the coordinates on top of the stack. */
-#define HDS_OP_AFFINE 5u
-/* Pops translation, scale, rotation (degrees); maps the coordinates below as UsdTransform2d. */
-#define HDS_OP_TRANSFORM 6u
-/* argument: HDS_LOOKUP_*. operands: number of tiles, that many textures, and unless
- * HDS_LOOKUP_POPS fallback, scale, bias (4 floats each). Pops coordinates, and with
- * HDS_LOOKUP_POPS bias, scale, fallback; pushes texel * scale + bias, or the fallback. */
-#define HDS_OP_TEXTURE 7u
-/* argument: HDS_STORE(input, channel). Sets an input to the top of the stack. */
-#define HDS_OP_STORE 8u
-/* argument: HDS_STORE(0, channel). Replaces the top of the stack by a channel of it. */
-#define HDS_OP_CHANNEL 9u
-#define HDS_OP_POP 10u
-/* Of patterns (HDS_FEATURE_PATTERNS). argument: HDS_MATH(function, count). Pops that many, pushes
- * the function's result (shared/programMath.h). */
-#define HDS_OP_MATH 11u
-/* argument: a register. Keeps the top of the stack in it; pushes what is in it. */
-#define HDS_OP_SAVE 12u
-#define HDS_OP_LOAD 13u
-/* argument: HDS_SPACE_*. operands: 3 floats, added. Pushes the position. */
-#define HDS_OP_POSITION 14u
-/* argument: HDS_SPACE_*. Pushes the unit shading normal. */
-#define HDS_OP_NORMAL 15u
-/* argument: attribute slot. The surface's tangent is that of these coordinates. */
-#define HDS_OP_TANGENTS 16u
-
-/* Of patterns. argument: HDS_SHIFT_*. Pops coordinates and moves the point, on the plane of its
- * triangle, by HDS_SHIFT_STEP of them; HDS_SHIFT_BACK pops nothing. */
-#define HDS_OP_SHIFT 17u
-/* argument: HDS_SPACE_*, and HDS_TANGENT_ACROSS for the bitangent. Pops coordinates, pushes the
- * unit tangent along s, orthogonal to the shading normal, or what is orthogonal to both. */
-#define HDS_OP_TANGENT 18u
-/* Pushes the unit direction from the viewer, in world space. */
-#define HDS_OP_VIEW 19u
+/* HDS_OP_* */
+enum {
+#define HDS_OPERATION(NAME, operands, isPattern) HDS_OP_##NAME,
+#include "shared/programOperations.def"
+    HDS_NUM_OPERATIONS
+};
 
 #define HDS_OP(operation, argument) ((operation) | ((argument) << 8))
 

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lobes of layered surfaces in double precision, written from the papers and apart from the
+// kernels: angles and closed forms where those have polynomials, quadrature where those have fits
+// or tables.
+#pragma once
+
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+namespace hds::test::reference {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// Fresnel's equations for the two polarisations, averaged. \param eta index behind the surface,
+/// relative to that before
+inline double Dielectric(double cosine, double eta) {
+    const double sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine)) / eta; // Snell
+    if (sine >= 1.0) {
+        return 1.0;
+    }
+    const double within = std::sqrt(1.0 - sine * sine);
+    const double s = (cosine - eta * within) / (cosine + eta * within);
+    const double p = (within - eta * cosine) / (within + eta * cosine);
+    return 0.5 * (s * s + p * p);
+}
+
+/// Kutz, Hasan and Edmondson 2021, "Novel aspects of the Adobe Standard Material", F82 by a tint:
+/// Lazanyi and Szirmay-Kalos' term a cos (1 - cos)^6, with a so that at cos 1/7 the tint is left.
+inline double Metal(double color, double tint, double cosine) {
+    const auto schlick = [&](double c) { return color + (1.0 - color) * std::pow(1.0 - c, 5.0); };
+    const auto lazanyi = [](double c) { return c * std::pow(1.0 - c, 6.0); };
+    const double a = schlick(1.0 / 7.0) * (1.0 - tint) / lazanyi(1.0 / 7.0);
+    return std::max(0.0, schlick(cosine) - a * lazanyi(cosine));
+}
+
+/// Trowbridge and Reitz's distribution (Walter et al. 2007, eq. 33).
+inline double Ggx(const glm::dvec3& h, double alpha) {
+    const double tan2 = (1.0 - h.z * h.z) / (h.z * h.z);
+    const double sum = alpha * alpha + tan2;
+    return alpha * alpha / (kPi * std::pow(h.z, 4.0) * sum * sum);
+}
+
+/// Height-correlated masking and shadowing (Heitz 2014, eqs. 72 and 99), also of two sides.
+inline double Smith(const glm::dvec3& wo, const glm::dvec3& wi, double alpha) {
+    const auto lambda = [&](const glm::dvec3& w) {
+        const double tan2 = (1.0 - w.z * w.z) / (w.z * w.z);
+        return 0.5 * (std::sqrt(1.0 + alpha * alpha * tan2) - 1.0);
+    };
+    return 1.0 / (1.0 + lambda(wo) + lambda(wi));
+}
+
+/// f |cos(wi)| of a microfacet reflection (Walter et al. 2007, eq. 20).
+inline double Reflection(const glm::dvec3& wo, const glm::dvec3& wi, double alpha, double fresnel) {
+    const glm::dvec3 h = glm::normalize(wo + wi);
+    return fresnel * Ggx(h, alpha) * Smith(wo, wi, alpha) / (4.0 * wo.z);
+}
+
+/// f |cos(wi)| of a microfacet refraction, without the squared index of radiance (Walter et al.
+/// 2007, eq. 21, with wo and wi exchanged, which leaves that factor out). \param eta index where wi
+/// is relative to that where wo is
+inline double Refraction(const glm::dvec3& wo, const glm::dvec3& wi, double alpha, double eta) {
+    glm::dvec3 h = -(wo + eta * wi);
+    h = glm::normalize(h.z < 0.0 ? -h : h);
+    const double o = glm::dot(wo, h);
+    const double i = glm::dot(wi, h);
+    const double root = o + eta * i;
+    return (1.0 - Dielectric(o, eta)) * Ggx(h, alpha) * Smith(wo, wi, alpha) * std::abs(o * i) *
+           eta * eta / (std::abs(wo.z) * root * root);
+}
+
+/// Albedo of a microfacet reflection: over normals, whose slopes are those of the distribution.
+inline double ReflectionAlbedo(double cosine, double alpha,
+                               const std::function<double(double)>& fresnel) {
+    constexpr int kSide = 400;
+    const glm::dvec3 wo{std::sqrt(1.0 - cosine * cosine), 0.0, cosine};
+    double sum = 0.0;
+    for (int k = 0; k < kSide; ++k) {
+        const double u = (k + 0.5) / kSide;
+        const double tan2 = alpha * alpha * u / (1.0 - u);
+        const double hz = 1.0 / std::sqrt(1.0 + tan2);
+        for (int j = 0; j < kSide; ++j) {
+            const double phi = kPi * (j + 0.5) / kSide; // the other half is the mirror image
+            const double sine = std::sqrt(1.0 - hz * hz);
+            const glm::dvec3 h{sine * std::cos(phi), sine * std::sin(phi), hz};
+            const double o = glm::dot(wo, h);
+            const glm::dvec3 wi = 2.0 * o * h - wo;
+            if (o > 0.0 && wi.z > 0.0) {
+                sum += fresnel(o) * Smith(wo, wi, alpha) * o / (cosine * hz);
+            }
+        }
+    }
+    return sum / (kSide * kSide);
+}
+
+/// Albedo of f cos over the upper hemisphere. \param f of wo and wi
+inline double Albedo(double cosine,
+                     const std::function<double(const glm::dvec3&, const glm::dvec3&)>& f) {
+    constexpr int kSide = 600;
+    const glm::dvec3 wo{std::sqrt(1.0 - cosine * cosine), 0.0, cosine};
+    double sum = 0.0;
+    for (int k = 0; k < kSide; ++k) {
+        const double theta = 0.5 * kPi * (k + 0.5) / kSide;
+        double ring = 0.0;
+        for (int j = 0; j < kSide; ++j) {
+            const double phi = kPi * (j + 0.5) / kSide;
+            ring += f(wo, {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi),
+                           std::cos(theta)});
+        }
+        sum += ring * std::cos(theta) * std::sin(theta);
+    }
+    return sum * 0.5 * kPi * 2.0 * kPi / (kSide * kSide);
+}
+
+/// Fujii's Oren-Nayar, white, f (Portsmouth, Kutz and Hill 2025, section 2).
+inline double Fon(double roughness, const glm::dvec3& wo, const glm::dvec3& wi) {
+    const double a = 1.0 / (1.0 + (0.5 - 2.0 / (3.0 * kPi)) * roughness);
+    const double s = glm::dot(wo, wi) - wo.z * wi.z;
+    const double t = s > 0.0 ? std::max(wo.z, wi.z) : 1.0;
+    return a / kPi * (1.0 + roughness * s / t);
+}
+
+/// Its directional albedo, exactly (the same paper, section 3).
+inline double FonAlbedo(double roughness, double cosine) {
+    const double a = 1.0 / (1.0 + (0.5 - 2.0 / (3.0 * kPi)) * roughness);
+    const double theta = std::acos(cosine);
+    const double sine = std::sin(theta);
+    const double g = sine * (theta - sine * cosine) +
+                     2.0 / 3.0 * (sine / cosine * (1.0 - sine * sine * sine) - sine);
+    return a * (1.0 + roughness / kPi * g);
+}
+
+/// EON, f: what Fujii's model loses comes back diffusely, tinted by further bounces.
+inline double Eon(double color, double roughness, const glm::dvec3& wo, const glm::dvec3& wi) {
+    const double a = 1.0 / (1.0 + (0.5 - 2.0 / (3.0 * kPi)) * roughness);
+    const double mean = a * (1.0 + (2.0 / 3.0 - 28.0 / (15.0 * kPi)) * roughness);
+    const double bounced = color * color * mean / (1.0 - color * (1.0 - mean));
+    const double missing =
+        (1.0 - FonAlbedo(roughness, wo.z)) * (1.0 - FonAlbedo(roughness, wi.z)) / (1.0 - mean);
+    return color * Fon(roughness, wo, wi) + bounced / kPi * missing;
+}
+
+/// Sheen, f: Conty Estevez and Kulla 2017, eq. 2, with the visibility of Neubelt and Pettineo 2013.
+inline double Sheen(double roughness, const glm::dvec3& wo, const glm::dvec3& wi) {
+    const glm::dvec3 h = glm::normalize(wo + wi);
+    const double sine = std::sqrt(std::max(0.0, 1.0 - h.z * h.z));
+    const double distribution =
+        (2.0 + 1.0 / roughness) * std::pow(sine, 1.0 / roughness) / (2.0 * kPi);
+    return distribution / (4.0 * (wo.z + wi.z - wo.z * wi.z));
+}
+
+} // namespace hds::test::reference
