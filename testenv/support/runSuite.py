@@ -6,6 +6,8 @@ or one folder of pytest files below testenv/. Every stage reports through a JUni
 counted alike; a program that dies before it writes one counts as one failure.
 Stages start in their order, JOBS at a time: one alone leaves cores idle while it translates, compiles and
 starts programs. A stage's lines appear when it ends.
+Before the last line a block names every area that was not run and why: stages that were not asked for or miss what
+they need, and skipped tests.
 The last line is `N passed, N failed, N skipped`; the exit code is 1 on a failure or when nothing ran.
 Called by scripts/test; explained in docs/testing.md.
 """
@@ -21,6 +23,8 @@ import sys
 import tempfile
 import time
 import xml.etree.ElementTree
+
+from suiteReport import Counts, NotRunLines, ReadJUnit
 
 TESTENV = pathlib.Path(__file__).resolve().parent.parent
 ROOT = TESTENV.parent
@@ -38,35 +42,21 @@ STAGE_LIMIT_SECONDS = 3600  # a hanging stage must not hang the suite
 
 MAX_JOBS = 4  # a stage needs up to 2 GB
 
-Counts = collections.namedtuple("Counts", "passed failed skipped")
-Outcome = collections.namedtuple("Outcome", "counts text")  # text: what is to be shown beside the counts
-
-
-def ReadJUnit(path: pathlib.Path) -> Counts:
-    """Counts the cases of a JUnit file as GoogleTest and pytest write it."""
-    passed = failed = skipped = 0
-    for case in xml.etree.ElementTree.parse(path).iter("testcase"):
-        kinds = {child.tag for child in case}
-        if kinds & {"failure", "error"}:
-            failed += 1
-        elif "skipped" in kinds or case.get("status") == "notrun":
-            skipped += 1
-        else:
-            passed += 1
-    return Counts(passed, failed, skipped)
+# text: what is to be shown beside the counts; skips: why tests were skipped.
+Outcome = collections.namedtuple("Outcome", "counts text skips", defaults=((),))
 
 
 def RunQuietly(command: list, environment: dict) -> tuple[int, str]:
-    """Runs a command: its exit code, and what it said when it failed, else only which tests it skipped and why."""
+    """Runs a command: its exit code, and what it said when it failed."""
     try:
         result = subprocess.run(command, env=environment, cwd=ROOT, stdin=subprocess.DEVNULL,
                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=STAGE_LIMIT_SECONDS)
         code, output = result.returncode, result.stdout.decode(errors="replace")
+    except OSError as error:
+        code, output = 127, str(error)
     except subprocess.TimeoutExpired as error:
         code, output = 124, (error.stdout or b"").decode(errors="replace") + f"\nstopped after {STAGE_LIMIT_SECONDS} s"
-    if code in (0, PYTEST_NOTHING_RAN):
-        output = "\n".join(line for line in output.splitlines() if line.startswith(("SKIPPED", "[  SKIPPED ]")))
-    return code, output
+    return code, "" if code in (0, PYTEST_NOTHING_RAN) else output
 
 
 def RunReporting(command: list, report: pathlib.Path, environment: dict) -> Outcome:
@@ -74,12 +64,12 @@ def RunReporting(command: list, report: pathlib.Path, environment: dict) -> Outc
     code, text = RunQuietly(command, environment)
     isGood = code in (0, PYTEST_NOTHING_RAN)
     try:
-        counts = ReadJUnit(report)
+        counts, skips = ReadJUnit(report)
     except (OSError, xml.etree.ElementTree.ParseError):
         return Outcome(Counts(0, 1, 0), f"{text}\nthe test program wrote no complete report")
     if not isGood and counts.failed == 0:
-        return Outcome(counts._replace(failed=1), f"{text}\nexit code {code} although no test failed")
-    return Outcome(counts, text)
+        return Outcome(counts._replace(failed=1), f"{text}\nexit code {code} although no test failed", skips)
+    return Outcome(counts, text, skips)
 
 
 def RunCheck(command: list) -> Outcome:
@@ -87,9 +77,11 @@ def RunCheck(command: list) -> Outcome:
     return Outcome(Counts(int(code == 0), int(code != 0), 0), text)
 
 
-def RunStages(stages: dict, numJobs: int) -> Counts:
-    """Runs stages, numJobs at a time; prints each when it ends. Returns the counts of all."""
+def RunStages(stages: dict, numJobs: int) -> tuple[Counts, dict]:
+    """Runs stages, numJobs at a time; prints each when it ends. Returns the counts of all, and why tests were skipped by
+    stage."""
     total = Counts(0, 0, 0)
+    skips = {}
 
     def Run(name: str):
         start = time.monotonic()
@@ -98,7 +90,7 @@ def RunStages(stages: dict, numJobs: int) -> Counts:
     executor = concurrent.futures.ThreadPoolExecutor(numJobs)
     try:
         for future in concurrent.futures.as_completed([executor.submit(Run, name) for name in stages]):
-            name, (counts, text), seconds = future.result()
+            name, (counts, text, skips[name]), seconds = future.result()
             if text.strip():
                 print(f"\n{name}:\n{text.strip()}")
             print(f"{name:10s} {counts.passed:5d} passed {counts.failed:3d} failed {counts.skipped:3d} skipped {seconds:7.1f} s",
@@ -106,7 +98,7 @@ def RunStages(stages: dict, numJobs: int) -> Counts:
             total = Counts(*map(sum, zip(total, counts)))
     finally:
         executor.shutdown(cancel_futures=True)  # Ctrl-C: those not yet started
-    return total
+    return total, skips
 
 
 def FormatCommand() -> list:
@@ -127,21 +119,27 @@ def PytestFolders() -> list:
     return sorted(found, key=lambda name: (rank.get(name, len(FOLDERS)), name))
 
 
-def Stages(build: pathlib.Path, pattern: str, environment: dict, reports: pathlib.Path) -> dict:
-    """Stage name -> function that runs it and returns its outcome, in running order."""
-    stages = {}
-    if not pattern:
+def Stages(build: pathlib.Path, pattern: str, environment: dict, reports: pathlib.Path) -> tuple[dict, dict]:
+    """Stage name -> function that runs it and returns its outcome, in running order; and stages that cannot be run: why."""
+    stages, absent = {}, {}
+    if pattern:
+        absent = dict.fromkeys(("layers", "format"), "they have no tests whose name could match -k")
+    else:
         stages["layers"] = lambda: RunCheck([sys.executable, ROOT / "cmake" / "CheckLayers.py", ROOT])
         formatter = FormatCommand()
         if formatter:
             stages["format"] = lambda: RunCheck(formatter)
+        else:
+            absent["format"] = f"there is no clang-format {CLANG_FORMAT_MAJOR}"
     for label, place in PROGRAMS.items():
         program = build / place
         report = reports / f"{label}.xml"
         command = [program, "--gtest_brief=1", f"--gtest_output=xml:{report}"]
         if pattern:
             command.append(f"--gtest_filter=*{pattern}*")
-        if program.exists():
+        if label == "hydraHost" and not program.exists():
+            absent[label] = f"{place} was not built: no OpenUSD with imaging was found (docs/hydra.md)"
+        else:
             stages[label] = lambda c=command, r=report: RunReporting(c, r, environment)
     for folder in PytestFolders():
         report = reports / f"{folder}.xml"
@@ -150,7 +148,7 @@ def Stages(build: pathlib.Path, pattern: str, environment: dict, reports: pathli
         if pattern:
             command += ["-k", pattern]
         stages[folder] = lambda c=command, r=report: RunReporting(c, r, environment)
-    return stages
+    return stages, absent
 
 
 def Main() -> int:
@@ -165,12 +163,14 @@ def Main() -> int:
         environment = dict(os.environ, HDSTREAM_REQUIRE_DEVICE="1", HDSTREAM_CACHE_DIR=f"{folder}/cache",
                            PYTHONPATH=str(options.build / "python"), PYTHONDONTWRITEBYTECODE="1",
                            HDSTREAM_TEST_BUILD=str(options.build))
-        stages = Stages(options.build, options.k, environment, pathlib.Path(folder))
-        unknown = [name for name in options.stages if name not in stages]
+        stages, absent = Stages(options.build, options.k, environment, pathlib.Path(folder))
+        unknown = [name for name in options.stages if name not in stages and name not in absent]
         if unknown:
             parser.error(f"no such stage: {' '.join(unknown)}; there are: {' '.join(stages)}")
-        total = RunStages({name: run for name, run in stages.items() if not options.stages or name in options.stages},
-                          max(options.j, 1))
+        chosen = {name: run for name, run in stages.items() if not options.stages or name in options.stages}
+        absent.update({name: "not asked for" for name in stages if name not in chosen})
+        total, skips = RunStages(chosen, max(options.j, 1))
+    print("", *NotRunLines(absent, skips), sep="\n")
     print(f"{total.passed} passed, {total.failed} failed, {total.skipped} skipped")
     return 0 if total.failed == 0 and total.passed > 0 else 1
 
