@@ -4,8 +4,8 @@
 A stage is the layer check, the format check, one GoogleTest program of the build (unit, device, stat)
 or one folder of pytest files below testenv/. Every stage reports through a JUnit file, so that all are
 counted alike; a program that dies before it writes one counts as one failure.
-Stages start in their order, JOBS at a time: one alone leaves cores idle while it translates, compiles and
-starts programs. A stage's lines appear when it ends.
+JOBS parts of stages run at a time: one alone leaves cores idle while it translates, compiles kernels and starts
+programs. A long stage has several parts, and the longest parts start first. A stage's line appears when its last part ends.
 Before the last line a block names every area that was not run and why: stages that were not asked for or miss what
 they need, and skipped tests.
 The last line is `N passed, N failed, N skipped`; the exit code is 1 on a failure or when nothing ran.
@@ -39,62 +39,101 @@ CLANG_FORMAT_MAJOR = "14"
 
 PYTEST_NOTHING_RAN = 5  # pytest's exit code when -k matches nothing
 STAGE_LIMIT_SECONDS = 3600  # a hanging stage must not hang the suite
+POLL_SECONDS = 0.05
 
-MAX_JOBS = 4  # a stage needs up to 2 GB
+MAX_JOBS = 4  # a part needs up to 2 GB
 
-# text: what is to be shown beside the counts; skips: why tests were skipped.
-Outcome = collections.namedtuple("Outcome", "counts text skips", defaults=((),))
+# What takes longest, longest first: whole stages, and tests that are a part of their own: files of a pytest stage, suites of
+# a GoogleTest program. They start before all others; the rest of their stage is one more part. Only time depends on it.
+LONGEST = ("install", "cli/test_performancePage.py", "device/LightEdits.*", "fuzz", "render/test_closed_form.py", "device",
+           "device/Roots.*", "stream", "render", "hydra", "farm", "docs", "stat", "cli")
+
+# text: what is to be shown beside the counts; skips: why tests were skipped; cpu: seconds.
+Outcome = collections.namedtuple("Outcome", "counts text skips cpu", defaults=((), 0.0))
 
 
-def RunQuietly(command: list, environment: dict) -> tuple[int, str]:
-    """Runs a command: its exit code, and what it said when it failed."""
-    try:
-        result = subprocess.run(command, env=environment, cwd=ROOT, stdin=subprocess.DEVNULL,
-                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=STAGE_LIMIT_SECONDS)
-        code, output = result.returncode, result.stdout.decode(errors="replace")
-    except OSError as error:
-        code, output = 127, str(error)
-    except subprocess.TimeoutExpired as error:
-        code, output = 124, (error.stdout or b"").decode(errors="replace") + f"\nstopped after {STAGE_LIMIT_SECONDS} s"
-    return code, "" if code in (0, PYTEST_NOTHING_RAN) else output
+def RunQuietly(command: list, environment: dict) -> tuple[int, str, float]:
+    """Runs a command: its exit code, what it said when it failed, and the CPU seconds of all its processes."""
+    with tempfile.TemporaryFile() as said:
+        try:
+            process = subprocess.Popen(command, env=environment, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=said,
+                                       stderr=subprocess.STDOUT)
+        except OSError as error:
+            return 127, str(error), 0.0
+        end = time.monotonic() + STAGE_LIMIT_SECONDS
+        try:
+            while (ended := os.wait4(process.pid, os.WNOHANG))[0] == 0:
+                if time.monotonic() > end:
+                    said.write(f"\nstopped after {STAGE_LIMIT_SECONDS} s".encode())
+                    process.kill()
+                    ended = os.wait4(process.pid, 0)
+                    break
+                time.sleep(POLL_SECONDS)
+        except BaseException:
+            process.kill()
+            raise
+        process.returncode = os.waitstatus_to_exitcode(ended[1])
+        said.seek(0)
+        output = said.read().decode(errors="replace")
+    return (process.returncode, "" if process.returncode in (0, PYTEST_NOTHING_RAN) else output,
+            ended[2].ru_utime + ended[2].ru_stime)
 
 
 def RunReporting(command: list, report: pathlib.Path, environment: dict) -> Outcome:
     """Runs a command that writes `report`. A bad end without a counted failure is a failure too."""
-    code, text = RunQuietly(command, environment)
+    code, text, cpu = RunQuietly(command, environment)
     isGood = code in (0, PYTEST_NOTHING_RAN)
     try:
         counts, skips = ReadJUnit(report)
     except (OSError, xml.etree.ElementTree.ParseError):
-        return Outcome(Counts(0, 1, 0), f"{text}\nthe test program wrote no complete report")
+        return Outcome(Counts(0, 1, 0), f"{text}\nthe test program wrote no complete report", (), cpu)
     if not isGood and counts.failed == 0:
-        return Outcome(counts._replace(failed=1), f"{text}\nexit code {code} although no test failed", skips)
-    return Outcome(counts, text, skips)
+        return Outcome(counts._replace(failed=1), f"{text}\nexit code {code} although no test failed", skips, cpu)
+    return Outcome(counts, text, skips, cpu)
 
 
 def RunCheck(command: list) -> Outcome:
-    code, text = RunQuietly(command, dict(os.environ))
-    return Outcome(Counts(int(code == 0), int(code != 0), 0), text)
+    code, text, cpu = RunQuietly(command, dict(os.environ))
+    return Outcome(Counts(int(code == 0), int(code != 0), 0), text, (), cpu)
+
+
+def Sum(outcomes: list) -> Outcome:
+    """The outcome of a stage from those of its parts."""
+    return Outcome(Counts(*map(sum, zip(*(outcome.counts for outcome in outcomes)))),
+                   "\n".join(outcome.text for outcome in outcomes if outcome.text.strip()),
+                   [reason for outcome in outcomes for reason in outcome.skips], sum(outcome.cpu for outcome in outcomes))
+
+
+def InOrder(stages: dict) -> list:
+    """(stage, part) in the order in which they start."""
+    rank = {name: index for index, name in enumerate(LONGEST)}
+    parts = [(stage, part) for stage in stages for part in stages[stage]]
+    return sorted(parts, key=lambda names: rank.get(names[1], len(rank)))
 
 
 def RunStages(stages: dict, numJobs: int) -> tuple[Counts, dict]:
-    """Runs stages, numJobs at a time; prints each when it ends. Returns the counts of all, and why tests were skipped by
-    stage."""
+    """Runs the parts of stages, numJobs at a time; prints each stage when its last part ends. stages: name -> {part ->
+    function that runs it}. Returns the counts of all, and why tests were skipped by stage."""
     total = Counts(0, 0, 0)
     skips = {}
+    left = {stage: dict.fromkeys(parts) for stage, parts in stages.items()}
+    start = time.monotonic()
 
-    def Run(name: str):
-        start = time.monotonic()
-        return name, stages[name](), time.monotonic() - start
+    def Run(stage: str, part: str):
+        return stage, part, stages[stage][part]()
 
     executor = concurrent.futures.ThreadPoolExecutor(numJobs)
     try:
-        for future in concurrent.futures.as_completed([executor.submit(Run, name) for name in stages]):
-            name, (counts, text, skips[name]), seconds = future.result()
+        for future in concurrent.futures.as_completed([executor.submit(Run, *names) for names in InOrder(stages)]):
+            stage, part, outcome = future.result()
+            left[stage][part] = outcome
+            if not all(left[stage].values()):
+                continue
+            counts, text, skips[stage], cpu = Sum(list(left[stage].values()))
             if text.strip():
-                print(f"\n{name}:\n{text.strip()}")
-            print(f"{name:10s} {counts.passed:5d} passed {counts.failed:3d} failed {counts.skipped:3d} skipped {seconds:7.1f} s",
-                  flush=True)
+                print(f"\n{stage}:\n{text.strip()}")
+            print(f"{stage:10s} {counts.passed:5d} passed {counts.failed:3d} failed {counts.skipped:3d} skipped "
+                  f"{cpu:7.1f} s of CPU time, ended after {time.monotonic() - start:7.1f} s", flush=True)
             total = Counts(*map(sum, zip(total, counts)))
     finally:
         executor.shutdown(cancel_futures=True)  # Ctrl-C: those not yet started
@@ -119,35 +158,61 @@ def PytestFolders() -> list:
     return sorted(found, key=lambda name: (rank.get(name, len(FOLDERS)), name))
 
 
+def Parts(stage: str) -> tuple[dict, list]:
+    """Part -> the tests it runs, for the parts that LONGEST takes out of a stage; and all these tests, which the rest leaves
+    out."""
+    taken = {part: part.partition("/")[2] for part in LONGEST if part.startswith(f"{stage}/")}
+    return taken, list(taken.values())
+
+
+def ProgramParts(stage: str, program: pathlib.Path, pattern: str) -> dict:
+    """Part -> command, for a GoogleTest program; -k leaves it in one piece."""
+    command = [program, "--gtest_brief=1"]
+    if pattern:
+        return {stage: [*command, f"--gtest_filter=*{pattern}*"]}
+    taken, names = Parts(stage)
+    parts = {part: [*command, f"--gtest_filter={name}"] for part, name in taken.items()}
+    return {**parts, stage: [*command, f"--gtest_filter=-{':'.join(names)}"]}
+
+
+def FolderParts(stage: str, pattern: str) -> dict:
+    """Part -> command, for a folder of pytest files; -k leaves it in one piece."""
+    command = [sys.executable, "-m", "pytest", "-q", "--no-header", "-p", "no:cacheprovider"]
+    folder = TESTENV / stage
+    if pattern:
+        return {stage: [*command, folder, "-k", pattern]}
+    taken, names = Parts(stage)
+    parts = {part: [*command, folder / name] for part, name in taken.items()}
+    return {**parts, stage: [*command, folder, *(f"--ignore={folder / name}" for name in names)]}
+
+
 def Stages(build: pathlib.Path, pattern: str, environment: dict, reports: pathlib.Path) -> tuple[dict, dict]:
-    """Stage name -> function that runs it and returns its outcome, in running order; and stages that cannot be run: why."""
+    """Stage name -> {part -> function that runs it and returns its outcome}; and stages that cannot be run: why."""
     stages, absent = {}, {}
     if pattern:
         absent = dict.fromkeys(("layers", "format"), "they have no tests whose name could match -k")
     else:
-        stages["layers"] = lambda: RunCheck([sys.executable, ROOT / "cmake" / "CheckLayers.py", ROOT])
+        stages["layers"] = {"layers": lambda: RunCheck([sys.executable, ROOT / "cmake" / "CheckLayers.py", ROOT])}
         formatter = FormatCommand()
         if formatter:
-            stages["format"] = lambda: RunCheck(formatter)
+            stages["format"] = {"format": lambda: RunCheck(formatter)}
         else:
             absent["format"] = f"there is no clang-format {CLANG_FORMAT_MAJOR}"
+
+    def Add(stage: str, parts: dict, reportOption: str):
+        stages[stage] = {}
+        for index, (part, command) in enumerate(parts.items()):
+            report = reports / f"{stage}{index}.xml"
+            stages[stage][part] = lambda c=[*command, f"{reportOption}{report}"], r=report: RunReporting(c, r, environment)
+
     for label, place in PROGRAMS.items():
         program = build / place
-        report = reports / f"{label}.xml"
-        command = [program, "--gtest_brief=1", f"--gtest_output=xml:{report}"]
-        if pattern:
-            command.append(f"--gtest_filter=*{pattern}*")
         if label == "hydraHost" and not program.exists():
             absent[label] = f"{place} was not built: no OpenUSD with imaging was found (docs/hydra.md)"
         else:
-            stages[label] = lambda c=command, r=report: RunReporting(c, r, environment)
+            Add(label, ProgramParts(label, program, pattern), "--gtest_output=xml:")
     for folder in PytestFolders():
-        report = reports / f"{folder}.xml"
-        command = [sys.executable, "-m", "pytest", "-q", "-rs", "--no-header", "-p", "no:cacheprovider",
-                   f"--junitxml={report}", TESTENV / folder]
-        if pattern:
-            command += ["-k", pattern]
-        stages[folder] = lambda c=command, r=report: RunReporting(c, r, environment)
+        Add(folder, FolderParts(folder, pattern), "--junitxml=")
     return stages, absent
 
 
@@ -155,8 +220,8 @@ def Main() -> int:
     parser = argparse.ArgumentParser(prog="scripts/test", description="Builds hdStream and runs its tests.")
     parser.add_argument("--build", type=lambda text: pathlib.Path(text).resolve(), required=True, help=argparse.SUPPRESS)
     parser.add_argument("-k", metavar="PATTERN", default="", help="only tests whose name contains PATTERN")
-    parser.add_argument("-j", metavar="JOBS", type=int, default=min(os.cpu_count() or 1, MAX_JOBS),
-                        help="stages at a time (%(default)s)")
+    parser.add_argument("-j", metavar="JOBS", type=int, default=min((os.cpu_count() or 1) + 1, MAX_JOBS),
+                        help="parts of stages at a time (%(default)s)")
     parser.add_argument("stages", metavar="STAGE", nargs="*", help="only these: layers, format, unit, device, ...")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="hdstream-test-") as folder:

@@ -47,10 +47,52 @@ def test_a_bad_end_is_a_failure(program, counts, tmp_path):
 
 
 def test_stages_of_several_jobs_are_all_counted_and_shown(capsys):
-    stages = {f"s{i}": lambda i=i: Outcome(Counts(i, i % 2, 1), "what went wrong" if i == 3 else "") for i in range(6)}
-    assert RunStages(stages, 3) == (Counts(15, 3, 6), {f"s{i}": () for i in range(6)})
+    stages = {f"s{i}": {f"s{i}": lambda i=i: Outcome(Counts(i, i % 2, 1), "what went wrong" if i == 3 else "")}
+              for i in range(6)}
+    assert RunStages(stages, 3) == (Counts(15, 3, 6), {f"s{i}": [] for i in range(6)})
     output = capsys.readouterr().out
     assert all(f"s{i} " in output for i in range(6)) and "s3:\nwhat went wrong\ns3 " in output
+
+
+def test_parts_of_a_stage_are_one_line_and_the_longest_start_first(capsys, monkeypatch):
+    monkeypatch.setattr(runSuite, "LONGEST", ("b/slow", "b"))
+    started = []
+    Part = lambda name, *outcome: lambda: started.append(name) or Outcome(*outcome)
+    stages = {"a": {"a": Part("a", Counts(1, 0, 0), "")},
+              "b": {"b/slow": Part("b/slow", Counts(2, 1, 0), "oh", (), 1.5), "b": Part("b", Counts(4, 0, 1), "", ["why"], 2.0)}}
+    assert RunStages(stages, 1) == (Counts(7, 1, 1), {"a": [], "b": ["why"]})
+    assert started == ["b/slow", "b", "a"]
+    lines = capsys.readouterr().out.split("\n")
+    assert [line.split()[:6] for line in lines if line.startswith("b ")] == [["b", "6", "passed", "1", "failed", "1"]]
+    assert any("3.5 s of CPU time" in line for line in lines) and "oh" in lines
+
+
+def test_parts_hold_every_test_once():
+    """A part takes exactly what the rest leaves out; the files that are parts are there."""
+    taken = [part for part in runSuite.LONGEST if "/" in part]
+    assert len(set(runSuite.LONGEST)) == len(runSuite.LONGEST)
+    found = []
+    for stage in runSuite.PytestFolders():
+        parts = runSuite.FolderParts(stage, "")
+        rest = [str(word) for word in parts.pop(stage)]
+        assert str(runSuite.TESTENV / stage) in rest
+        for part, command in parts.items():
+            assert command[-1] == runSuite.TESTENV / part and command[-1].is_file()
+            assert f"--ignore={command[-1]}" in rest
+        assert len(parts) == sum(word.startswith("--ignore") for word in rest)
+        found += parts
+    for stage in runSuite.PROGRAMS:
+        parts = runSuite.ProgramParts(stage, "program", "")
+        rest = parts.pop(stage)[-1]
+        assert rest == "--gtest_filter=-" + ":".join(command[-1].partition("=")[2] for command in parts.values())
+        found += parts
+    assert sorted(found) == sorted(taken)
+
+
+def test_a_hanging_program_is_stopped_and_its_output_kept(monkeypatch):
+    monkeypatch.setattr(runSuite, "STAGE_LIMIT_SECONDS", 0.5)
+    code, output, _ = runSuite.RunQuietly([sys.executable, "-c", "print('before', flush=True); import time; time.sleep(60)"], None)
+    assert code != 0 and "before" in output and "stopped after 0.5 s" in output
 
 
 def test_every_area_that_was_not_run_is_named_with_its_reason():
@@ -66,7 +108,7 @@ def test_stages_that_lack_what_they_need_are_named_and_missing_programs_fail(tmp
     monkeypatch.setattr(runSuite.shutil, "which", lambda name: None)
     stages, absent = runSuite.Stages(tmp_path, "", {}, tmp_path)
     assert absent.keys() == {"format", "hydraHost"}
-    assert stages["unit"]().counts == Counts(0, 1, 0)  # only the one of Hydra may be missing
+    assert all(run().counts == Counts(0, 1, 0) for run in stages["unit"].values())  # only the one of Hydra may be missing
     stages, absent = runSuite.Stages(tmp_path, "Word", {}, tmp_path)
     assert absent.keys() == {"layers", "format", "hydraHost"} and not absent.keys() & stages.keys()
 
