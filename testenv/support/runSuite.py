@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the whole suite, fast stages first: runSuite.py --build FOLDER [-k PATTERN] [-j JOBS] [STAGE...]
+"""Runs the whole suite: runSuite.py --build FOLDER [-k PATTERN] [-j JOBS] [--changed [COMMIT] | STAGE...]
 
 A stage is the layer check, the format check, one GoogleTest program of the build (unit, device, stat)
 or one folder of pytest files below testenv/. Every stage reports through a JUnit file, so that all are
@@ -24,6 +24,7 @@ import tempfile
 import time
 import xml.etree.ElementTree
 
+import changedTests
 from suiteReport import Counts, NotRunLines, ReadJUnit
 
 TESTENV = pathlib.Path(__file__).resolve().parent.parent
@@ -165,20 +166,22 @@ def Parts(stage: str) -> tuple[dict, list]:
     return taken, list(taken.values())
 
 
-def ProgramParts(stage: str, program: pathlib.Path, pattern: str) -> dict:
-    """Part -> command, for a GoogleTest program; -k leaves it in one piece."""
+def ProgramParts(stage: str, program: pathlib.Path, pattern: str, only: list = None) -> dict:
+    """Part -> command, for a GoogleTest program; -k and a choice of suites leave it in one piece."""
     command = [program, "--gtest_brief=1"]
-    if pattern:
-        return {stage: [*command, f"--gtest_filter=*{pattern}*"]}
+    if pattern or only:
+        return {stage: [*command, f"--gtest_filter={':'.join(only) if only else f'*{pattern}*'}"]}
     taken, names = Parts(stage)
     parts = {part: [*command, f"--gtest_filter={name}"] for part, name in taken.items()}
     return {**parts, stage: [*command, f"--gtest_filter=-{':'.join(names)}"]}
 
 
-def FolderParts(stage: str, pattern: str) -> dict:
-    """Part -> command, for a folder of pytest files; -k leaves it in one piece."""
+def FolderParts(stage: str, pattern: str, only: list = None) -> dict:
+    """Part -> command, for a folder of pytest files; -k and a choice of files leave it in one piece."""
     command = [sys.executable, "-m", "pytest", "-q", "--no-header", "-p", "no:cacheprovider"]
     folder = TESTENV / stage
+    if only:
+        return {stage: [*command, *(folder / name for name in only)]}
     if pattern:
         return {stage: [*command, folder, "-k", pattern]}
     taken, names = Parts(stage)
@@ -186,8 +189,9 @@ def FolderParts(stage: str, pattern: str) -> dict:
     return {**parts, stage: [*command, folder, *(f"--ignore={folder / name}" for name in names)]}
 
 
-def Stages(build: pathlib.Path, pattern: str, environment: dict, reports: pathlib.Path) -> tuple[dict, dict]:
-    """Stage name -> {part -> function that runs it and returns its outcome}; and stages that cannot be run: why."""
+def Stages(build: pathlib.Path, pattern: str, environment: dict, reports: pathlib.Path, only: dict) -> tuple[dict, dict]:
+    """Stage name -> {part -> function that runs it and returns its outcome}; and stages that cannot be run: why. only: stage
+    -> the tests to run of it, where that is not all."""
     stages, absent = {}, {}
     if pattern:
         absent = dict.fromkeys(("layers", "format"), "they have no tests whose name could match -k")
@@ -210,9 +214,9 @@ def Stages(build: pathlib.Path, pattern: str, environment: dict, reports: pathli
         if label == "hydraHost" and not program.exists():
             absent[label] = f"{place} was not built: no OpenUSD with imaging was found (docs/hydra.md)"
         else:
-            Add(label, ProgramParts(label, program, pattern), "--gtest_output=xml:")
+            Add(label, ProgramParts(label, program, pattern, only.get(label)), "--gtest_output=xml:")
     for folder in PytestFolders():
-        Add(folder, FolderParts(folder, pattern), "--junitxml=")
+        Add(folder, FolderParts(folder, pattern, only.get(folder)), "--junitxml=")
     return stages, absent
 
 
@@ -222,18 +226,28 @@ def Main() -> int:
     parser.add_argument("-k", metavar="PATTERN", default="", help="only tests whose name contains PATTERN")
     parser.add_argument("-j", metavar="JOBS", type=int, default=min((os.cpu_count() or 1) + 1, MAX_JOBS),
                         help="parts of stages at a time (%(default)s)")
+    parser.add_argument("--changed", metavar="COMMIT", nargs="?", const="",
+                        help="only what files can break that differ from COMMIT (where this branch left main)")
     parser.add_argument("stages", metavar="STAGE", nargs="*", help="only these: layers, format, unit, device, ...")
     options = parser.parse_args()
+    only, whyNot = {}, "not asked for"
+    if options.changed is not None:
+        if options.stages or options.k:
+            parser.error("--changed chooses by itself: give no -k and no stages")
+        paths = changedTests.Files(options.changed or changedTests.Base())
+        print("changed: " + (" ".join(paths) or "nothing"))
+        only, whyNot = changedTests.Selection(paths), "nothing that was changed has its tests there"
     with tempfile.TemporaryDirectory(prefix="hdstream-test-") as folder:
         environment = dict(os.environ, HDSTREAM_REQUIRE_DEVICE="1", HDSTREAM_CACHE_DIR=f"{folder}/cache",
                            PYTHONPATH=str(options.build / "python"), PYTHONDONTWRITEBYTECODE="1",
                            HDSTREAM_TEST_BUILD=str(options.build))
-        stages, absent = Stages(options.build, options.k, environment, pathlib.Path(folder))
+        stages, absent = Stages(options.build, options.k, environment, pathlib.Path(folder), only)
         unknown = [name for name in options.stages if name not in stages and name not in absent]
         if unknown:
             parser.error(f"no such stage: {' '.join(unknown)}; there are: {' '.join(stages)}")
-        chosen = {name: run for name, run in stages.items() if not options.stages or name in options.stages}
-        absent.update({name: "not asked for" for name in stages if name not in chosen})
+        asked = options.stages or only or stages
+        chosen = {name: run for name, run in stages.items() if name in asked}
+        absent.update({name: whyNot for name in stages if name not in chosen})
         total, skips = RunStages(chosen, max(options.j, 1))
     print("", *NotRunLines(absent, skips), sep="\n")
     print(f"{total.passed} passed, {total.failed} failed, {total.skipped} skipped")

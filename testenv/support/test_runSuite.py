@@ -106,10 +106,10 @@ def test_every_area_that_was_not_run_is_named_with_its_reason():
 
 def test_stages_that_lack_what_they_need_are_named_and_missing_programs_fail(tmp_path, monkeypatch):
     monkeypatch.setattr(runSuite.shutil, "which", lambda name: None)
-    stages, absent = runSuite.Stages(tmp_path, "", {}, tmp_path)
+    stages, absent = runSuite.Stages(tmp_path, "", {}, tmp_path, {})
     assert absent.keys() == {"format", "hydraHost"}
     assert all(run().counts == Counts(0, 1, 0) for run in stages["unit"].values())  # only the one of Hydra may be missing
-    stages, absent = runSuite.Stages(tmp_path, "Word", {}, tmp_path)
+    stages, absent = runSuite.Stages(tmp_path, "Word", {}, tmp_path, {})
     assert absent.keys() == {"layers", "format", "hydraHost"} and not absent.keys() & stages.keys()
 
 
