@@ -117,7 +117,7 @@ Announce() {
         printf '%s\n' "$line"
         if [ -z "$announced" ] && [[ $line =~ ^\[[0-9]+/([0-9]+)\] ]] && [ "${BASH_REMATCH[1]}" -gt 2 ]; then
             announced=yes steps=${BASH_REMATCH[1]}
-            Say "building, $steps steps (about $((steps * 6 / $(nproc) / 60 + 1)) minutes)"
+            Say "building, $steps steps (about $((steps * 2 / $(nproc) / 60 + 1)) minutes)"
         fi
     done
 }
