@@ -11,11 +11,6 @@ build=$root/build/release
 # Debian's python3-dev belongs to this interpreter, whatever else PATH holds.
 systemPython=/usr/bin/python3
 [ -x "$systemPython" ] || systemPython=$(command -v python3 || true)
-# What any tree of this machine has compiled is not compiled again, where ccache is installed.
-if command -v ccache >/dev/null; then
-    export CMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER-ccache}
-    export CCACHE_BASEDIR=${CCACHE_BASEDIR:-$root} CCACHE_NOHASHDIR=1
-fi
 
 packages=(
     g++ cmake ninja-build python3-dev python3-venv
@@ -68,6 +63,7 @@ InstallPackages() {
         sudo -n true 2>/dev/null ||
             Fail "missing packages and no root; run: sudo apt-get install --no-install-recommends ${missing[*]}"
     fi
+    missing+=(ccache) # not needed: a machine that has all the others is asked for nothing
     Say "installing ${#missing[@]} system packages with apt-get (about 3 minutes, up to 300 MB)"
     local apt=("${asRoot[@]}" env DEBIAN_FRONTEND=noninteractive NEEDRESTART_MODE=a
                apt-get -y -q -o DPkg::Lock::Timeout=600 -o Acquire::Retries=3)
@@ -87,6 +83,15 @@ InstallPython() {
     # `.venv/bin/python -m hdstream` finds the build from any folder.
     "$root/.venv/bin/python" -c 'import pathlib, sys, sysconfig
 pathlib.Path(sysconfig.get_path("purelib"), "hdstream.pth").write_text(sys.argv[1] + "\n")' "$build/python"
+}
+
+# What any tree of this machine has compiled is not compiled again, where ccache is installed: neither by another checkout
+# nor by the wheel that testenv/install builds.
+UseCompilerCache() {
+    if command -v ccache >/dev/null; then
+        export CMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER-ccache}
+        export CCACHE_BASEDIR=${CCACHE_BASEDIR:-$root} CCACHE_NOHASHDIR=1
+    fi
 }
 
 Configure() {
@@ -112,7 +117,7 @@ Announce() {
         printf '%s\n' "$line"
         if [ -z "$announced" ] && [[ $line =~ ^\[[0-9]+/([0-9]+)\] ]] && [ "${BASH_REMATCH[1]}" -gt 2 ]; then
             announced=yes steps=${BASH_REMATCH[1]}
-            Say "building, $steps steps (about $((steps * 6 / $(nproc) / 60 + 1)) minutes)"
+            Say "building, $steps steps (about $((steps * 2 / $(nproc) / 60 + 1)) minutes)"
         fi
     done
 }
@@ -137,9 +142,11 @@ SetUp() {
         CheckSystem
         InstallPackages
         InstallPython
+        UseCompilerCache
         Configure
         echo "$stamp" >"$state/stamp"
     fi
+    UseCompilerCache
     Build "$1"
     exec 9>&-
 }

@@ -144,7 +144,8 @@ void Program::BuildFromSource(const std::string& source, const std::string& opti
 
 void Program::SaveBinary(Store* store) {
     const std::string key = std::exchange(_unsavedKey, {});
-    if (store == nullptr || key.empty()) {
+    // A store that keeps nothing must not ask for what the driver may have to compile.
+    if (store == nullptr || !store->IsEnabled() || key.empty()) {
         return;
     }
     std::size_t bytes = 0;

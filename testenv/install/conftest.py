@@ -16,6 +16,10 @@ from installCase import ROOT, STAGE, CleanEnvironment, Run  # noqa: E402
 
 # What scripts/setup.sh installs; a clean machine has no make.
 os.environ.setdefault("CMAKE_GENERATOR", "Ninja")
+# The compiler by the name that CMake finds for the build, not by the one that this Python was built with: ccache counts them as two,
+# and the wheel would compile everything again.
+os.environ.setdefault("CC", "cc")
+os.environ.setdefault("CXX", "c++")
 
 
 @pytest.fixture

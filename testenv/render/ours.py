@@ -2,7 +2,8 @@
 """Renders a stage with hdStream for the tests: in this process, or in one of its own.
 
 Tests use a box filter of one pixel and no Russian roulette, so that pixels are plain means over their
-area and path lengths are exact; both are settings, not other code.
+area and path lengths are exact; both are settings, not other code. They keep nothing in the persistent cache unless they say so:
+PoCL compiles a kernel a second time to hand out what would be kept, and has a cache of its own.
 """
 
 import json
@@ -39,7 +40,7 @@ def Render(stagePath, width: int, height: int, aovs=("color",), camera: str = "/
     options = _core.Settings()
     options.camera, options.imageWidth, options.imageHeight = camera, width, height
     options.aovs, options.pixelFilter, options.pixelFilterWidth = list(aovs), "box", 1.0
-    options.russianRoulette = False
+    options.russianRoulette, options.noCache = False, True
     for name, value in settings.items():
         setattr(options, name, value)
     session.Render(options)

@@ -118,6 +118,45 @@ def test_albedo_alpha_and_count(Rendered):
     assert (layers["variance"] >= 0).all()
 
 
+@pytest.fixture(scope="module")
+def Lamp(tmp_path_factory):
+    """A tilted square that emits 2 and reflects nothing, before nothing: a sample is 2 or 0."""
+    stage = author.NewStage(f"{tmp_path_factory.mktemp('lamp')}/a.usda")
+    glow = author.AddMaterial(stage, "/World/Glow", diffuseColor=(0, 0, 0), emissiveColor=(2, 2, 2), ior=1.0, roughness=1.0)
+    author.AddMesh(stage, "/World/Lamp", shapes.Box(2.0, 2.0, 0.1), material=glow, rotate=(0, 0, 20))
+    author.AddCamera(stage, eye=(0, 0, 8))
+    stage.GetRootLayer().Save()
+
+    def Pixels(samples):
+        """Luminance of the mean, and its variance."""
+        layers = ours.Render(stage.GetRootLayer().realPath, WIDTH, HEIGHT, ("color", "variance"), samples=samples, maxDepth=1).layers
+        return layers["color"][..., 1].astype(float), layers["variance"].reshape(HEIGHT, WIDTH).astype(float)
+
+    return Pixels
+
+
+@pytest.mark.parametrize("samples", [2, 7, 16])
+def test_variance_of_few_samples_is_that_of_their_two_values(Lamp, samples):
+    """Of n samples that are 2 or 0 and have the mean m, the unbiased variance of the mean is m (2 - m) / (n - 1)."""
+    mean, variance = Lamp(samples)
+    numBoth = ((mean > 0.01) & (mean < 1.99)).sum()
+    assert numBoth > 15 and (mean < 0.01).sum() > 100 and (mean > 1.99).sum() > 100
+    # 2e-6: sums of squares in floats. The variance at the edge is 0.06 to 2.
+    np.testing.assert_allclose(variance, mean * (2.0 - mean) / (samples - 1), rtol=1e-4, atol=2e-6)
+
+
+def test_variance_of_blocks_is_that_of_their_sums(Lamp):
+    """Of two blocks of 16 samples with the sums a and b, that of the mean of 32 is (a - b)^2 / 32^2: stratification inside a block
+    makes it smaller than what independent samples have."""
+    first, _ = Lamp(16)
+    mean, variance = Lamp(32)
+    difference = 2 * 16 * first - 32 * mean  # a - b
+    np.testing.assert_allclose(variance, (difference / 32) ** 2, rtol=1e-3, atol=2e-6)
+    edge = (mean > 0.01) & (mean < 1.99)
+    assert variance[edge].mean() > 1e-4, "the test would show little"
+    assert variance[edge].mean() < 0.5 * (mean * (2 - mean) / 31)[edge].mean()
+
+
 def _Eroded(mask: np.ndarray) -> np.ndarray:
     """Pixels whose eight neighbours are in the mask too: no edge runs through them."""
     padded = np.pad(mask, 1)

@@ -122,7 +122,10 @@ class Case:
         return case
 
     def RenderResident(self, **settings):
+        """What streamed pictures are compared with; it must not have streamed itself."""
         self.layers, self.statistics = self.Render(residency="resident", **settings)
+        assert [self.statistics[kind]["mode"] for kind in ("geometry", "texture")] == ["resident", "resident"]
+        assert self.statistics["geometry"]["streamedSamples"] == self.statistics["geometry"]["evictions"] == 0
         return self
 
     def Start(self, onProgress=None, **settings):

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the whole suite, fast stages first: runSuite.py --build FOLDER [-k PATTERN] [-j JOBS] [STAGE...]
+"""Runs the whole suite: runSuite.py --build FOLDER [-k PATTERN] [-j JOBS] [--changed [COMMIT] | STAGE...]
 
 A stage is the layer check, the format check, one GoogleTest program of the build (unit, device, stat)
 or one folder of pytest files below testenv/. Every stage reports through a JUnit file, so that all are
 counted alike; a program that dies before it writes one counts as one failure.
-Stages start in their order, JOBS at a time: one alone leaves cores idle while it translates, compiles and
-starts programs. A stage's lines appear when it ends.
+JOBS parts of stages run at a time: one alone leaves cores idle while it translates, compiles kernels and starts
+programs. A long stage has several parts, and the longest parts start first. A stage's line appears when its last part ends.
+Before the last line a block names every area that was not run and why: stages that were not asked for or miss what
+they need, and skipped tests.
 The last line is `N passed, N failed, N skipped`; the exit code is 1 on a failure or when nothing ran.
 Called by scripts/test; explained in docs/testing.md.
 """
@@ -22,6 +24,9 @@ import tempfile
 import time
 import xml.etree.ElementTree
 
+import changedTests
+from suiteReport import Counts, NotRunLines, ReadJUnit
+
 TESTENV = pathlib.Path(__file__).resolve().parent.parent
 ROOT = TESTENV.parent
 # GoogleTest programs: stage -> path in the build folder.
@@ -35,78 +40,105 @@ CLANG_FORMAT_MAJOR = "14"
 
 PYTEST_NOTHING_RAN = 5  # pytest's exit code when -k matches nothing
 STAGE_LIMIT_SECONDS = 3600  # a hanging stage must not hang the suite
+POLL_SECONDS = 0.05
 
-MAX_JOBS = 4  # a stage needs up to 2 GB
+MAX_JOBS = 4  # a part needs up to 2 GB
 
-Counts = collections.namedtuple("Counts", "passed failed skipped")
-Outcome = collections.namedtuple("Outcome", "counts text")  # text: what is to be shown beside the counts
+# What takes longest, longest first: whole stages, and tests that are a part of their own: files of a pytest stage, suites of
+# a GoogleTest program. They start before all others; the rest of their stage is one more part. Only time depends on it.
+LONGEST = ("install", "cli/test_performancePage.py", "device/LightEdits.*", "fuzz", "render/test_closed_form.py", "device",
+           "device/Roots.*", "stream", "render", "hydra", "farm", "docs", "stat", "cli")
 
-
-def ReadJUnit(path: pathlib.Path) -> Counts:
-    """Counts the cases of a JUnit file as GoogleTest and pytest write it."""
-    passed = failed = skipped = 0
-    for case in xml.etree.ElementTree.parse(path).iter("testcase"):
-        kinds = {child.tag for child in case}
-        if kinds & {"failure", "error"}:
-            failed += 1
-        elif "skipped" in kinds or case.get("status") == "notrun":
-            skipped += 1
-        else:
-            passed += 1
-    return Counts(passed, failed, skipped)
+# text: what is to be shown beside the counts; skips: why tests were skipped; cpu: seconds.
+Outcome = collections.namedtuple("Outcome", "counts text skips cpu", defaults=((), 0.0))
 
 
-def RunQuietly(command: list, environment: dict) -> tuple[int, str]:
-    """Runs a command: its exit code, and what it said when it failed, else only which tests it skipped and why."""
-    try:
-        result = subprocess.run(command, env=environment, cwd=ROOT, stdin=subprocess.DEVNULL,
-                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=STAGE_LIMIT_SECONDS)
-        code, output = result.returncode, result.stdout.decode(errors="replace")
-    except subprocess.TimeoutExpired as error:
-        code, output = 124, (error.stdout or b"").decode(errors="replace") + f"\nstopped after {STAGE_LIMIT_SECONDS} s"
-    if code in (0, PYTEST_NOTHING_RAN):
-        output = "\n".join(line for line in output.splitlines() if line.startswith(("SKIPPED", "[  SKIPPED ]")))
-    return code, output
+def RunQuietly(command: list, environment: dict) -> tuple[int, str, float]:
+    """Runs a command: its exit code, what it said when it failed, and the CPU seconds of all its processes."""
+    with tempfile.TemporaryFile() as said:
+        try:
+            process = subprocess.Popen(command, env=environment, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=said,
+                                       stderr=subprocess.STDOUT)
+        except OSError as error:
+            return 127, str(error), 0.0
+        end = time.monotonic() + STAGE_LIMIT_SECONDS
+        try:
+            while (ended := os.wait4(process.pid, os.WNOHANG))[0] == 0:
+                if time.monotonic() > end:
+                    said.write(f"\nstopped after {STAGE_LIMIT_SECONDS} s".encode())
+                    process.kill()
+                    ended = os.wait4(process.pid, 0)
+                    break
+                time.sleep(POLL_SECONDS)
+        except BaseException:
+            process.kill()
+            raise
+        process.returncode = os.waitstatus_to_exitcode(ended[1])
+        said.seek(0)
+        output = said.read().decode(errors="replace")
+    return (process.returncode, "" if process.returncode in (0, PYTEST_NOTHING_RAN) else output,
+            ended[2].ru_utime + ended[2].ru_stime)
 
 
 def RunReporting(command: list, report: pathlib.Path, environment: dict) -> Outcome:
     """Runs a command that writes `report`. A bad end without a counted failure is a failure too."""
-    code, text = RunQuietly(command, environment)
+    code, text, cpu = RunQuietly(command, environment)
     isGood = code in (0, PYTEST_NOTHING_RAN)
     try:
-        counts = ReadJUnit(report)
+        counts, skips = ReadJUnit(report)
     except (OSError, xml.etree.ElementTree.ParseError):
-        return Outcome(Counts(0, 1, 0), f"{text}\nthe test program wrote no complete report")
+        return Outcome(Counts(0, 1, 0), f"{text}\nthe test program wrote no complete report", (), cpu)
     if not isGood and counts.failed == 0:
-        return Outcome(counts._replace(failed=1), f"{text}\nexit code {code} although no test failed")
-    return Outcome(counts, text)
+        return Outcome(counts._replace(failed=1), f"{text}\nexit code {code} although no test failed", skips, cpu)
+    return Outcome(counts, text, skips, cpu)
 
 
 def RunCheck(command: list) -> Outcome:
-    code, text = RunQuietly(command, dict(os.environ))
-    return Outcome(Counts(int(code == 0), int(code != 0), 0), text)
+    code, text, cpu = RunQuietly(command, dict(os.environ))
+    return Outcome(Counts(int(code == 0), int(code != 0), 0), text, (), cpu)
 
 
-def RunStages(stages: dict, numJobs: int) -> Counts:
-    """Runs stages, numJobs at a time; prints each when it ends. Returns the counts of all."""
+def Sum(outcomes: list) -> Outcome:
+    """The outcome of a stage from those of its parts."""
+    return Outcome(Counts(*map(sum, zip(*(outcome.counts for outcome in outcomes)))),
+                   "\n".join(outcome.text for outcome in outcomes if outcome.text.strip()),
+                   [reason for outcome in outcomes for reason in outcome.skips], sum(outcome.cpu for outcome in outcomes))
+
+
+def InOrder(stages: dict) -> list:
+    """(stage, part) in the order in which they start."""
+    rank = {name: index for index, name in enumerate(LONGEST)}
+    parts = [(stage, part) for stage in stages for part in stages[stage]]
+    return sorted(parts, key=lambda names: rank.get(names[1], len(rank)))
+
+
+def RunStages(stages: dict, numJobs: int) -> tuple[Counts, dict]:
+    """Runs the parts of stages, numJobs at a time; prints each stage when its last part ends. stages: name -> {part ->
+    function that runs it}. Returns the counts of all, and why tests were skipped by stage."""
     total = Counts(0, 0, 0)
+    skips = {}
+    left = {stage: dict.fromkeys(parts) for stage, parts in stages.items()}
+    start = time.monotonic()
 
-    def Run(name: str):
-        start = time.monotonic()
-        return name, stages[name](), time.monotonic() - start
+    def Run(stage: str, part: str):
+        return stage, part, stages[stage][part]()
 
     executor = concurrent.futures.ThreadPoolExecutor(numJobs)
     try:
-        for future in concurrent.futures.as_completed([executor.submit(Run, name) for name in stages]):
-            name, (counts, text), seconds = future.result()
+        for future in concurrent.futures.as_completed([executor.submit(Run, *names) for names in InOrder(stages)]):
+            stage, part, outcome = future.result()
+            left[stage][part] = outcome
+            if not all(left[stage].values()):
+                continue
+            counts, text, skips[stage], cpu = Sum(list(left[stage].values()))
             if text.strip():
-                print(f"\n{name}:\n{text.strip()}")
-            print(f"{name:10s} {counts.passed:5d} passed {counts.failed:3d} failed {counts.skipped:3d} skipped {seconds:7.1f} s",
-                  flush=True)
+                print(f"\n{stage}:\n{text.strip()}")
+            print(f"{stage:10s} {counts.passed:5d} passed {counts.failed:3d} failed {counts.skipped:3d} skipped "
+                  f"{cpu:7.1f} s of CPU time, ended after {time.monotonic() - start:7.1f} s", flush=True)
             total = Counts(*map(sum, zip(total, counts)))
     finally:
         executor.shutdown(cancel_futures=True)  # Ctrl-C: those not yet started
-    return total
+    return total, skips
 
 
 def FormatCommand() -> list:
@@ -127,50 +159,97 @@ def PytestFolders() -> list:
     return sorted(found, key=lambda name: (rank.get(name, len(FOLDERS)), name))
 
 
-def Stages(build: pathlib.Path, pattern: str, environment: dict, reports: pathlib.Path) -> dict:
-    """Stage name -> function that runs it and returns its outcome, in running order."""
-    stages = {}
-    if not pattern:
-        stages["layers"] = lambda: RunCheck([sys.executable, ROOT / "cmake" / "CheckLayers.py", ROOT])
+def Parts(stage: str) -> tuple[dict, list]:
+    """Part -> the tests it runs, for the parts that LONGEST takes out of a stage; and all these tests, which the rest leaves
+    out."""
+    taken = {part: part.partition("/")[2] for part in LONGEST if part.startswith(f"{stage}/")}
+    return taken, list(taken.values())
+
+
+def ProgramParts(stage: str, program: pathlib.Path, pattern: str, only: list = None) -> dict:
+    """Part -> command, for a GoogleTest program; -k and a choice of suites leave it in one piece."""
+    command = [program, "--gtest_brief=1"]
+    if pattern or only:
+        return {stage: [*command, f"--gtest_filter={':'.join(only) if only else f'*{pattern}*'}"]}
+    taken, names = Parts(stage)
+    parts = {part: [*command, f"--gtest_filter={name}"] for part, name in taken.items()}
+    return {**parts, stage: [*command, f"--gtest_filter=-{':'.join(names)}"]}
+
+
+def FolderParts(stage: str, pattern: str, only: list = None) -> dict:
+    """Part -> command, for a folder of pytest files; -k and a choice of files leave it in one piece."""
+    command = [sys.executable, "-m", "pytest", "-q", "--no-header", "-p", "no:cacheprovider"]
+    folder = TESTENV / stage
+    if only:
+        return {stage: [*command, *(folder / name for name in only)]}
+    if pattern:
+        return {stage: [*command, folder, "-k", pattern]}
+    taken, names = Parts(stage)
+    parts = {part: [*command, folder / name] for part, name in taken.items()}
+    return {**parts, stage: [*command, folder, *(f"--ignore={folder / name}" for name in names)]}
+
+
+def Stages(build: pathlib.Path, pattern: str, environment: dict, reports: pathlib.Path, only: dict) -> tuple[dict, dict]:
+    """Stage name -> {part -> function that runs it and returns its outcome}; and stages that cannot be run: why. only: stage
+    -> the tests to run of it, where that is not all."""
+    stages, absent = {}, {}
+    if pattern:
+        absent = dict.fromkeys(("layers", "format"), "they have no tests whose name could match -k")
+    else:
+        stages["layers"] = {"layers": lambda: RunCheck([sys.executable, ROOT / "cmake" / "CheckLayers.py", ROOT])}
         formatter = FormatCommand()
         if formatter:
-            stages["format"] = lambda: RunCheck(formatter)
+            stages["format"] = {"format": lambda: RunCheck(formatter)}
+        else:
+            absent["format"] = f"there is no clang-format {CLANG_FORMAT_MAJOR}"
+
+    def Add(stage: str, parts: dict, reportOption: str):
+        stages[stage] = {}
+        for index, (part, command) in enumerate(parts.items()):
+            report = reports / f"{stage}{index}.xml"
+            stages[stage][part] = lambda c=[*command, f"{reportOption}{report}"], r=report: RunReporting(c, r, environment)
+
     for label, place in PROGRAMS.items():
         program = build / place
-        report = reports / f"{label}.xml"
-        command = [program, "--gtest_brief=1", f"--gtest_output=xml:{report}"]
-        if pattern:
-            command.append(f"--gtest_filter=*{pattern}*")
-        if program.exists():
-            stages[label] = lambda c=command, r=report: RunReporting(c, r, environment)
+        if label == "hydraHost" and not program.exists():
+            absent[label] = f"{place} was not built: no OpenUSD with imaging was found (docs/hydra.md)"
+        else:
+            Add(label, ProgramParts(label, program, pattern, only.get(label)), "--gtest_output=xml:")
     for folder in PytestFolders():
-        report = reports / f"{folder}.xml"
-        command = [sys.executable, "-m", "pytest", "-q", "-rs", "--no-header", "-p", "no:cacheprovider",
-                   f"--junitxml={report}", TESTENV / folder]
-        if pattern:
-            command += ["-k", pattern]
-        stages[folder] = lambda c=command, r=report: RunReporting(c, r, environment)
-    return stages
+        Add(folder, FolderParts(folder, pattern, only.get(folder)), "--junitxml=")
+    return stages, absent
 
 
 def Main() -> int:
     parser = argparse.ArgumentParser(prog="scripts/test", description="Builds hdStream and runs its tests.")
     parser.add_argument("--build", type=lambda text: pathlib.Path(text).resolve(), required=True, help=argparse.SUPPRESS)
     parser.add_argument("-k", metavar="PATTERN", default="", help="only tests whose name contains PATTERN")
-    parser.add_argument("-j", metavar="JOBS", type=int, default=min(os.cpu_count() or 1, MAX_JOBS),
-                        help="stages at a time (%(default)s)")
+    parser.add_argument("-j", metavar="JOBS", type=int, default=min((os.cpu_count() or 1) + 1, MAX_JOBS),
+                        help="parts of stages at a time (%(default)s)")
+    parser.add_argument("--changed", metavar="COMMIT", nargs="?", const="",
+                        help="only what files can break that differ from COMMIT (where this branch left main)")
     parser.add_argument("stages", metavar="STAGE", nargs="*", help="only these: layers, format, unit, device, ...")
     options = parser.parse_args()
+    only, whyNot = {}, "not asked for"
+    if options.changed is not None:
+        if options.stages or options.k:
+            parser.error("--changed chooses by itself: give no -k and no stages")
+        paths = changedTests.Files(options.changed or changedTests.Base())
+        print("changed: " + (" ".join(paths) or "nothing"))
+        only, whyNot = changedTests.Selection(paths), "nothing that was changed has its tests there"
     with tempfile.TemporaryDirectory(prefix="hdstream-test-") as folder:
         environment = dict(os.environ, HDSTREAM_REQUIRE_DEVICE="1", HDSTREAM_CACHE_DIR=f"{folder}/cache",
                            PYTHONPATH=str(options.build / "python"), PYTHONDONTWRITEBYTECODE="1",
                            HDSTREAM_TEST_BUILD=str(options.build))
-        stages = Stages(options.build, options.k, environment, pathlib.Path(folder))
-        unknown = [name for name in options.stages if name not in stages]
+        stages, absent = Stages(options.build, options.k, environment, pathlib.Path(folder), only)
+        unknown = [name for name in options.stages if name not in stages and name not in absent]
         if unknown:
             parser.error(f"no such stage: {' '.join(unknown)}; there are: {' '.join(stages)}")
-        total = RunStages({name: run for name, run in stages.items() if not options.stages or name in options.stages},
-                          max(options.j, 1))
+        asked = options.stages or only or stages
+        chosen = {name: run for name, run in stages.items() if name in asked}
+        absent.update({name: whyNot for name in stages if name not in chosen})
+        total, skips = RunStages(chosen, max(options.j, 1))
+    print("", *NotRunLines(absent, skips), sep="\n")
     print(f"{total.passed} passed, {total.failed} failed, {total.skipped} skipped")
     return 0 if total.failed == 0 and total.passed > 0 else 1
 

@@ -121,6 +121,7 @@ Settings MakeSettings() {
     settings.imageHeight = 32;
     settings.samples = 3;
     settings.maxDepth = 2;
+    settings.noCache = true; // PoCL would compile every kernel twice to hand out what is kept
     settings.aovs = {"color", "depth", "primId", "instanceId"};
     return settings;
 }
