@@ -4,6 +4,9 @@
 #include "hdStream/base/hash.h"
 #include "hdStream/device/openclHandles.h"
 
+#include "kernels/shared/material.h"
+#include "kernels/shared/residency.h"
+
 #include <chrono>
 #include <utility>
 
@@ -27,9 +30,25 @@ std::string BuildLog(cl_program program, cl_device_id device) {
     return log;
 }
 
-std::string OptionsOf(const ProgramDefines& defines) {
+/// Adds the default of each define that is not said. \pre all that is said is in the table.
+ProgramDefines Complete(const ProgramDefines& said) {
+    ProgramDefines defines;
+#define HDS_FEATURE(type, member, macro, off, on, needs, doc) \
+    defines[#macro] = std::to_string(static_cast<std::uint32_t>(on));
+#define HDS_VARIANT(member, macro, needs, doc) defines[#macro] = "0";
+#define HDS_TUNABLE(macro, value, doc) defines[#macro] = #value;
+#include "kernels/shared/features.def"
+    for (const auto& [name, value] : said) {
+        const auto known = defines.find(name);
+        HDS_VERIFY(known != defines.end(), name + " is not in kernels/shared/features.def");
+        known->second = value;
+    }
+    return defines;
+}
+
+std::string OptionsOf(const ProgramDefines& said) {
     std::string options = "-cl-std=CL1.2";
-    for (const auto& [name, value] : defines) {
+    for (const auto& [name, value] : Complete(said)) {
         options.append(" -D").append(name).append("=").append(value);
     }
     return options;
@@ -150,7 +169,13 @@ Kernel Program::GetKernel(const std::string& name) const {
 }
 
 Kernel::Kernel(std::shared_ptr<Device> device, void* kernel, std::string name)
-    : _device(std::move(device)), _kernel(kernel), _name(std::move(name)) {}
+    : _device(std::move(device)), _kernel(kernel), _name(std::move(name)) {
+    cl_uint count = 0;
+    CheckOpenCl(clGetKernelInfo(static_cast<cl_kernel>(_kernel), CL_KERNEL_NUM_ARGS, sizeof(count),
+                                &count, nullptr),
+                "arguments of kernel " + _name);
+    _numArguments = count;
+}
 
 Kernel::~Kernel() {
     if (_kernel != nullptr) {
@@ -166,9 +191,17 @@ Kernel& Kernel::operator=(Kernel&& other) noexcept {
     std::swap(_device, other._device);
     std::swap(_kernel, other._kernel);
     std::swap(_name, other._name);
+    std::swap(_numArguments, other._numArguments);
+    std::swap(_numKept, other._numKept);
     std::swap(_runLength, other._runLength);
     std::swap(_groupSize, other._groupSize);
     return *this;
+}
+
+void Kernel::CheckCount(std::size_t count) const {
+    HDS_VERIFY(count == _numArguments, "kernel " + _name + " takes " +
+                                           std::to_string(_numArguments) + " arguments and gets " +
+                                           std::to_string(count));
 }
 
 void Kernel::SetBuffer(unsigned index, const Buffer& buffer) {

@@ -40,7 +40,7 @@ void intersect_storeWait(HdsPaths paths, uint i, uint primId, const HdsWaitList*
                          global uint* waitQueue, volatile global uint* counters) {
     uint4 pending = path_load_pending(paths, i);
     pending.x = primId;
-    pending.z = list->size;
+    pending.z = (pending.z & ~HDS_PATH_LIST_MASK) | list->size;
     path_store_pending(paths, i, pending);
     path_storeList(paths, i, pathField_waitBound, list);
     path_storeWaits(paths, i, path_loadWaits(paths, i) | HDS_PATH_RAY_WAITS);
@@ -50,9 +50,9 @@ void intersect_storeWait(HdsPaths paths, uint i, uint primId, const HdsWaitList*
 
 /* Global size: runs of count. Appends rays that wait for a chunk (only while geometry streams).
  * \param isResumed the rays have waited: hits are those found so far (only without lists). */
-kernel void intersect_closest(global uchar* state, uint numSlots, global const uint* restrict queue,
-                              uint count, uint isResumed, global uint* restrict waitQueue,
-                              volatile global uint* counters, HDS_GEOMETRY_ARGS) {
+kernel void intersect_closest(HDS_GEOMETRY_ARGS, global uchar* state, uint numSlots,
+                              global const uint* restrict queue, uint count, uint isResumed,
+                              global uint* restrict waitQueue, volatile global uint* counters) {
     HdsPaths paths = {state, numSlots};
     HDS_GEOMETRY_VIEW(view);
     HDS_FOR_RUN(item, count) {
@@ -66,6 +66,7 @@ kernel void intersect_closest(global uchar* state, uint numSlots, global const u
         bool waits = streamed_beginClosest(&view, ray, mask, intersect_after(paths, i), &hit,
                                            &primId, &list) == HDS_RAY_WAITS;
         path_storeHit(paths, i, &hit);
+        path_storeWaits(paths, i, 0u);
         if (waits) {
             intersect_storeWait(paths, i, primId, &list, waitQueue, counters);
         }
@@ -94,24 +95,23 @@ kernel void intersect_closest(global uchar* state, uint numSlots, global const u
 #if HDS_WAIT_LISTS
 /* Global size: runs of count. Goes on with rays that have waited. Appends those that wait again,
  * and slots that are ready to be shaded. */
-kernel void intersect_resume(global uchar* state, uint numSlots, global const uint* restrict queue,
-                             uint count, global uint* restrict waitQueue,
-                             global uint* restrict readyQueue, volatile global uint* counters,
-                             HDS_GEOMETRY_ARGS) {
+kernel void intersect_resume(HDS_GEOMETRY_ARGS, global uchar* state, uint numSlots,
+                             global const uint* restrict queue, uint count,
+                             global uint* restrict waitQueue, global uint* restrict readyQueue,
+                             volatile global uint* counters) {
     HdsPaths paths = {state, numSlots};
     HDS_GEOMETRY_VIEW(view);
     HDS_FOR_RUN(item, count) {
         uint i = queue[item];
         uint4 pending = path_load_pending(paths, i);
         uint primId = pending.x;
-        HdsWaitList list = path_loadList(paths, i, pathField_waitBound, pending.z);
+        HdsWaitList list =
+            path_loadList(paths, i, pathField_waitBound, pending.z & HDS_PATH_LIST_MASK);
         HdsHit hit = path_loadHit(paths, i);
-        uint waits = path_loadWaits(paths, i);
         bool goesOnWaiting = streamed_resumeClosest(
                                  &view, intersect_loadRay(paths, i), intersect_flagMask(paths, i),
                                  intersect_after(paths, i), &hit, &primId, &list) == HDS_RAY_WAITS;
         path_storeHit(paths, i, &hit);
-        path_storeWaits(paths, i, waits);
         if (goesOnWaiting) {
             intersect_storeWait(paths, i, primId, &list, waitQueue, counters);
         } else {

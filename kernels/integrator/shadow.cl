@@ -95,7 +95,7 @@ void shadow_storeWait(HdsPaths paths, uint i, const HdsHit* candidate, uint prim
                       volatile global uint* counters) {
     uint4 pending = path_load_pending(paths, i);
     pending.y = primId;
-    pending.w = list->size;
+    pending.z = (pending.z & HDS_PATH_LIST_MASK) | list->size << HDS_PATH_SHADOW_LIST_SHIFT;
     path_store_pending(paths, i, pending);
 #if HDS_FEATURE_CUTOUT
     path_storeCandidate(paths, i, candidate);
@@ -134,10 +134,10 @@ uint shadow_iterate(const HdsGeometryView* view, HdsPaths paths, uint i, uint is
 /* Global size: runs of count. Appends candidates (only with cut-outs) and, while geometry streams,
  * rays that wait for a chunk and slots that are ready. \param isResumed the rays have waited:
  * candidates are those found so far (only without lists). */
-kernel void shadow_cast(global uchar* state, uint numSlots, global const uint* restrict queue,
-                        uint count, uint isResumed, global uint* restrict waitQueue,
-                        global uint* restrict candidateQueue, global uint* restrict readyQueue,
-                        volatile global uint* counters, HDS_SCENE_ARGS) {
+kernel void shadow_cast(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
+                        global const uint* restrict queue, uint count, uint isResumed,
+                        global uint* restrict waitQueue, global uint* restrict candidateQueue,
+                        global uint* restrict readyQueue, volatile global uint* counters) {
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
     HDS_FOR_RUN(item, count) {
@@ -181,17 +181,18 @@ kernel void shadow_cast(global uchar* state, uint numSlots, global const uint* r
 
 #if HDS_WAIT_LISTS
 /* Global size: runs of count. Goes on with shadow rays that have waited. Appends as shadow_cast. */
-kernel void shadow_resume(global uchar* state, uint numSlots, global const uint* restrict queue,
-                          uint count, global uint* restrict waitQueue,
-                          global uint* restrict candidateQueue, global uint* restrict readyQueue,
-                          volatile global uint* counters, HDS_SCENE_ARGS) {
+kernel void shadow_resume(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
+                          global const uint* restrict queue, uint count,
+                          global uint* restrict waitQueue, global uint* restrict candidateQueue,
+                          global uint* restrict readyQueue, volatile global uint* counters) {
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
     HDS_FOR_RUN(item, count) {
         uint i = queue[item];
         uint4 pending = path_load_pending(paths, i);
         uint primId = pending.y;
-        HdsWaitList list = path_loadList(paths, i, pathField_shadowWaitBound, pending.w);
+        HdsWaitList list = path_loadList(paths, i, pathField_shadowWaitBound,
+                                         pending.z >> HDS_PATH_SHADOW_LIST_SHIFT);
         HdsHit candidate = hit_none();
 #if HDS_FEATURE_CUTOUT
         candidate = path_loadCandidate(paths, i);
@@ -306,11 +307,10 @@ void shadow_passCandidate(const HdsSceneView* scene, HdsPaths paths, uint i, glo
 
 /* Global size: runs of count. Appends rays of which something is left and, while geometry streams,
  * candidates that wait for their pages and slots that are ready. */
-kernel void shadow_pass(global uchar* state, uint numSlots,
+kernel void shadow_pass(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
                         global const uint* restrict candidateQueue, uint count,
                         global uint* restrict waitQueue, global uint* restrict queue,
-                        global uint* restrict readyQueue, volatile global uint* counters,
-                        HDS_SCENE_ARGS) {
+                        global uint* restrict readyQueue, volatile global uint* counters) {
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
     HDS_FOR_RUN(item, count) {
