@@ -5,7 +5,7 @@
 #include "hdStream/integrator/cameraFrame.h"
 #include "hdStream/integrator/filmBuffers.h"
 #include "hdStream/integrator/kernelSets.h"
-#include "hdStream/integrator/pixelOrder.h"
+#include "hdStream/integrator/sampleSchedule.h"
 #include "hdStream/integrator/settling.h"
 #include "hdStream/integrator/waveSize.h"
 #include "hdStream/integrator/waveTracer.h"
@@ -15,20 +15,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <optional>
 #include <utility>
 
 namespace hds {
 
 namespace {
 
-/// Fewest samples before the error estimate of a pixel is believed.
-constexpr std::uint32_t kMinAdaptiveSamples = 2 * HDS_SAMPLE_BLOCK;
-
 bool ChooseWide(const RenderOptions& options, const DeviceProperties& properties) {
     return options.traversal == TraversalForm::Auto ? properties.isCpu
                                                     : options.traversal == TraversalForm::Wide;
 }
+
+/// Who looks on while a render runs, and whether it is to end.
+struct Onlooker {
+    const ProgressCallback& onProgress;
+    Timer timer; ///< since rendering began
+    bool isStopped = false;
+};
 
 } // namespace
 
@@ -54,7 +58,6 @@ struct PathTracer::Impl {
     void Begin(RenderOptions newOptions, const std::vector<FilmSums>& start) {
         options = std::move(newOptions);
         statistics = {};
-        previewStride = 0;
         if (buffers.SetMipBias(static_cast<float>(options.mipBias))) {
             ++sceneNumber;
         }
@@ -68,29 +71,8 @@ struct PathTracer::Impl {
         tracer.ClearCounters();
         film.Reset(options.aovs, options.imageWidth, options.imageHeight);
         statistics.filmBytes = film.Bytes();
-        if (pixelOrder.empty() || orderWidth != options.imageWidth ||
-            orderHeight != options.imageHeight) {
-            orderWidth = options.imageWidth;
-            orderHeight = options.imageHeight;
-            pixelOrder = MakePixelOrder(orderWidth, orderHeight);
-            previewOrder = MakePreviewOrder(pixelOrder, orderWidth);
-        }
-        LoadFilm(start);
-    }
-
-    /// The film begins with sums; \post the members `filmBegin`, `firstMissing`, `latePixels` and
-    /// `lateEnd`.
-    void LoadFilm(const std::vector<FilmSums>& start) {
         film.Load(kernels, start);
-        filmBegin = start.empty() ? 0 : start.front().firstSample;
-        firstMissing = start.empty() ? 0 : start.back().endSample;
-        lateEnd = start.empty() ? 0 : start.back().MostSamples();
-        latePixels.clear();
-        if (lateEnd > firstMissing) {
-            const std::vector<shared::HdsFilmPixel>& sums = start.back().pixels;
-            std::copy_if(pixelOrder.begin(), pixelOrder.end(), std::back_inserter(latePixels),
-                         [&](std::uint32_t i) { return sums[i].numSamples == firstMissing; });
-        }
+        schedule.Begin(options, start);
     }
 
     /// What kernels for the present scene and options have to be able to.
@@ -145,9 +127,17 @@ struct PathTracer::Impl {
         statistics.waveSize = waveSize;
     }
 
-    void SetActivePixels(const std::vector<std::uint32_t>& list) {
+    /// \param list that waves take their pixels from.
+    void UsePixels(PixelList list) {
+        if (list != presentList) {
+            UploadPixels(schedule.Pixels(list));
+            presentList = list;
+        }
+    }
+
+    void UploadPixels(const std::vector<std::uint32_t>& list) {
         pixels = UploadVector(device, "active pixels", list);
-        activePixels = list;
+        presentList.reset();
     }
 
     void RenderWave(const shared::HdsWave& wave) {
@@ -180,164 +170,75 @@ struct PathTracer::Impl {
         }
     }
 
-    /// Samples [firstSample, firstSample + numSamples) of the active pixels [begin, end); true when
-    /// all are done. \param[out] isStopped the render is to end.
-    bool RenderPixels(std::uint32_t begin, std::uint32_t end, std::uint32_t firstSample,
-                      std::uint32_t numSamples, const Timer& timer,
-                      const ProgressCallback& onProgress, bool* isStopped) {
-        const std::uint32_t pixelsPerWave = std::max(1U, tracer.WaveSize() / numSamples);
-        for (std::uint32_t first = begin; first < end; first += pixelsPerWave) {
-            const std::uint32_t count = std::min(pixelsPerWave, end - first);
-            RenderWave({first, count, firstSample, numSamples});
-            const double passFraction =
-                static_cast<double>(first + count) / static_cast<double>(activePixels.size());
-            *isStopped =
-                !Report(firstSample, firstSample + passFraction * numSamples, timer, onProgress);
-            if (*isStopped && first + count < end) {
+    /// \return whether all of the pass is rendered: it was not stopped before its last wave.
+    bool RenderPass(const SamplePass& pass, Onlooker* onlooker) {
+        UsePixels(pass.list);
+        const std::uint32_t pixelsPerWave = std::max(1U, tracer.WaveSize() / pass.numSamples);
+        for (std::uint32_t first = pass.begin; first < pass.end; first += pixelsPerWave) {
+            const std::uint32_t count = std::min(pixelsPerWave, pass.end - first);
+            RenderWave({first, count, pass.firstSample, pass.numSamples});
+            Report(schedule.Equivalent(pass, first + count), onlooker);
+            if (onlooker->isStopped && first + count < pass.end) {
                 return false;
             }
         }
         return true;
     }
 
-    /// The first sample of all pixels, from coarse to fine, so that there is a picture at once.
-    bool RenderPreview(const Timer& timer, const ProgressCallback& onProgress, bool* isStopped) {
-        SetActivePixels(previewOrder.pixels);
-        std::uint32_t begin = 0;
-        for (std::size_t i = 0; i < previewOrder.ends.size(); ++i) {
-            const std::uint32_t end = previewOrder.ends[i];
-            if (!RenderPixels(begin, end, 0, 1, timer, onProgress, isStopped)) {
-                return false;
-            }
-            previewStride = kPreviewStrides[i];
-            begin = end;
-            const bool isWhole = end == activePixels.size();
-            if (isWhole) {
-                SetActivePixels(pixelOrder);
-                statistics.firstImageSeconds = timer.Seconds();
-            }
-            if (!*isStopped) {
-                const double fraction =
-                    static_cast<double>(end) / static_cast<double>(previewOrder.pixels.size());
-                *isStopped = !Report(isWhole ? 1 : 0, fraction, timer, onProgress);
-            }
-            if (*isStopped) {
-                return isWhole;
-            }
-        }
-        return true;
-    }
-
-    /// The first sample of all pixels at once, for those who look at no picture before the last.
-    bool RenderFirstSample(const Timer& timer, const ProgressCallback& onProgress,
-                           bool* isStopped) {
-        SetActivePixels(pixelOrder);
-        if (!RenderPixels(0, static_cast<std::uint32_t>(activePixels.size()), 0, 1, timer,
-                          onProgress, isStopped)) {
-            return false;
-        }
-        previewStride = 1;
-        statistics.firstImageSeconds = timer.Seconds();
-        *isStopped = *isStopped || !Report(1, 1.0, timer, onProgress);
-        return true;
-    }
-
-    /// A film that was loaded is a picture; the pass that was stopped in it, if any, is ended.
-    bool GoOn(const Timer& timer, const ProgressCallback& onProgress, bool* isStopped) {
-        previewStride = 1;
-        statistics.firstImageSeconds = timer.Seconds();
-        if (!latePixels.empty()) {
-            SetActivePixels(latePixels);
-            if (!RenderPixels(0, static_cast<std::uint32_t>(latePixels.size()), firstMissing,
-                              lateEnd - firstMissing, timer, onProgress, isStopped)) {
-                return false;
-            }
-        }
-        SetActivePixels(pixelOrder);
-        return true;
-    }
-
-    /// Where the pass after `done` samples ends: block by block; for those who look at pictures
-    /// doubling inside the first block, so that pictures follow each other soon.
-    std::uint32_t PassEnd(std::uint32_t done) const {
-        const bool isDoubling = options.showsPreviews && done < HDS_SAMPLE_BLOCK;
-        const std::uint32_t border =
-            isDoubling ? 2 * done : (done / HDS_SAMPLE_BLOCK + 1) * HDS_SAMPLE_BLOCK;
-        return std::min({options.samples, border, done + tracer.WaveSize()});
-    }
-
-    bool Report(std::uint32_t samplesDone, double samplesEquivalent, const Timer& timer,
-                const ProgressCallback& onProgress) {
-        const double seconds = timer.Seconds();
+    /// Tells how far the render is, which may stop it.
+    void Report(double samplesEquivalent, Onlooker* onlooker) {
+        const double seconds = onlooker->timer.Seconds();
         statistics.renderSeconds = seconds;
-        statistics.samples = samplesDone;
-        if (options.timeLimit > 0.0 && seconds >= options.timeLimit && samplesDone > 0) {
-            return false;
+        statistics.samples = schedule.Done();
+        if (schedule.IsTimeUp(seconds) && schedule.Done() > 0) {
+            onlooker->isStopped = true;
+        } else if (onlooker->onProgress) {
+            onlooker->isStopped =
+                !onlooker->onProgress(schedule.MakeProgress(samplesEquivalent, seconds));
         }
-        if (!onProgress) {
-            return true;
-        }
-        Progress progress;
-        progress.samplesDone = samplesDone;
-        progress.samplesTotal = options.samples;
-        progress.fraction =
-            std::min(1.0, (samplesEquivalent - firstMissing) / (options.samples - firstMissing));
-        progress.secondsElapsed = seconds;
-        progress.previewStride = previewStride;
-        progress.secondsLeft =
-            progress.fraction > 0.0 ? seconds * (1.0 - progress.fraction) / progress.fraction : 0.0;
-        if (options.timeLimit > 0.0) {
-            progress.secondsLeft = std::min(progress.secondsLeft, options.timeLimit - seconds);
-        }
-        return onProgress(progress);
     }
 
     double TracingSeconds() const { return statistics.traceSeconds + statistics.shadeSeconds; }
 
-    /// Between passes, after `done` samples: makes geometry that streams resident when that is
-    /// worth it (settling.h). \param secondsPerSample of the last pass. \return false when the
-    /// render is to end.
-    bool SettleIfWorth(std::uint32_t done, double secondsPerSample, const Timer& timer,
-                       const ProgressCallback& onProgress) {
-        if (done == options.samples || !buffers.MaySettle()) {
-            return true;
+    /// Between passes: makes geometry that streams resident when that is worth it (settling.h).
+    /// \param secondsPerSample of the last pass.
+    void SettleIfWorth(double secondsPerSample, Onlooker* onlooker) {
+        if (schedule.Done() == options.samples || !buffers.MaySettle()) {
+            return;
         }
         const StreamingStatistics pool = buffers.PoolStatistics();
         SettlingCosts costs;
-        costs.secondsLeft = secondsPerSample * (options.samples - done);
-        if (options.timeLimit > 0.0) {
-            costs.secondsLeft = std::min(costs.secondsLeft, options.timeLimit - timer.Seconds());
-        }
-        costs.kernelSeconds = SecondsToGet(MakeFeatures(false));
+        costs.secondsLeft = schedule.SecondsLeft(secondsPerSample, onlooker->timer.Seconds());
+        costs.kernelSeconds = SecondsToGet(PlaceOf(MakeFeatures(false)));
         costs.missingBytes = buffers.Streaming().MissingBytes();
         costs.prepareSeconds = pool.prepareSeconds;
         costs.preparedBytes = pool.uploadedBytes;
         if (!IsWorthSettling(costs)) {
-            return true;
+            return;
         }
         while (buffers.MaySettle()) {
             buffers.LoadMissing();
-            if (buffers.IsStreaming() && !Report(done, done, timer, onProgress)) {
-                return false;
+            if (buffers.IsStreaming()) {
+                Report(schedule.Done(), onlooker);
+            }
+            if (onlooker->isStopped) {
+                return;
             }
         }
         if (!buffers.IsStreaming()) {
             ReadyKernels();
             ReadyPathState();
         }
-        return true;
     }
 
-    /// An estimate; 0: such kernels are there.
-    double SecondsToGet(const KernelFeatures& features) const {
-        if (kernelSets.Has(features)) {
-            return 0.0;
-        }
-        return kernelSets.AreInStore(features) ? kSecondsOfCachedKernels : kSecondsOfBuiltKernels;
+    KernelPlace PlaceOf(const KernelFeatures& features) const {
+        return kernelSets.Has(features)          ? KernelPlace::Bound
+               : kernelSets.AreInStore(features) ? KernelPlace::Cached
+                                                 : KernelPlace::Nowhere;
     }
 
-    std::vector<float> RelativeErrors() {
-        const auto count = static_cast<std::uint32_t>(activePixels.size());
+    /// \param count of the pixels in `pixels`.
+    std::vector<float> RelativeErrors(std::uint32_t count) {
         Buffer errors(device, "pixel errors", std::uint64_t{count} * sizeof(float));
         kernels->relativeError.Launch(
             count, film.Film(), static_cast<std::int32_t>(options.imageWidth),
@@ -347,26 +248,13 @@ struct PathTracer::Impl {
         return values;
     }
 
-    /// Drops the pixels that have met the error; their samples stop at this block border.
-    void DropConvergedPixels() {
-        const std::vector<float> errors = RelativeErrors();
-        std::vector<std::uint32_t> rest;
-        for (std::size_t i = 0; i < errors.size(); ++i) {
-            if (!(errors[i] <= static_cast<float>(options.noise))) {
-                rest.push_back(activePixels[i]);
-            }
-        }
-        if (rest.size() < activePixels.size()) {
-            SetActivePixels(rest);
-        }
-    }
-
     void CountAccuracy() {
         const auto values = tracer.ReadCounters();
         statistics.nanSamples = values[HDS_COUNTER_NAN];
         statistics.endedPasses = values[HDS_COUNTER_PASSES];
-        SetActivePixels(pixelOrder);
-        const std::vector<float> errors = RelativeErrors();
+        const std::vector<std::uint32_t>& all = schedule.AllPixels();
+        UploadPixels(all);
+        const std::vector<float> errors = RelativeErrors(static_cast<std::uint32_t>(all.size()));
         double sum = 0.0;
         for (const float error : errors) {
             sum += std::isfinite(error) ? error : 0.0;
@@ -376,49 +264,54 @@ struct PathTracer::Impl {
     }
 
     RenderResult Render(const ProgressCallback& onProgress) {
-        const Timer timer;
-        bool isStopped = false;
-        const bool isNew = firstMissing == 0 && latePixels.empty();
-        const bool hasFirst = !isNew ? GoOn(timer, onProgress, &isStopped)
-                              : options.showsPreviews
-                                  ? RenderPreview(timer, onProgress, &isStopped)
-                                  : RenderFirstSample(timer, onProgress, &isStopped);
-        std::uint32_t done = firstMissing;
+        Onlooker onlooker{onProgress, {}};
+        if (schedule.PreviewStride() > 0) { // the film that was loaded is a picture
+            statistics.firstImageSeconds = onlooker.timer.Seconds();
+        }
+        presentList.reset();
         double tracingSeconds = 0.0;
-        const auto endPass = [&](std::uint32_t passEnd) {
-            const double passSeconds = TracingSeconds() - tracingSeconds;
-            const double secondsPerSample = passSeconds / (passEnd - done);
-            tracingSeconds += passSeconds;
-            done = passEnd;
-            statistics.streamedSamples = buffers.IsStreaming() ? done : statistics.streamedSamples;
-            isStopped = isStopped || !SettleIfWorth(done, secondsPerSample, timer, onProgress);
-        };
-        if (hasFirst && isNew) {
-            endPass(1);
-        } else if (hasFirst && !latePixels.empty()) {
-            endPass(lateEnd);
+        std::optional<SamplePass> pass = schedule.Next();
+        while (pass && !onlooker.isStopped && RenderPass(*pass, &onlooker)) {
+            EndPass(*pass, &tracingSeconds, &onlooker);
+            pass = schedule.Next();
         }
-        while (done < options.samples && !activePixels.empty() && !isStopped) {
-            const std::uint32_t passEnd = PassEnd(done);
-            if (RenderPixels(0, static_cast<std::uint32_t>(activePixels.size()), done,
-                             passEnd - done, timer, onProgress, &isStopped)) {
-                endPass(passEnd);
-            }
-            if (options.noise > 0.0 && done >= kMinAdaptiveSamples &&
-                done % HDS_SAMPLE_BLOCK == 0 && !isStopped) {
-                DropConvergedPixels();
-            }
-        }
-        statistics.renderSeconds = timer.Seconds();
-        statistics.samples = done;
+        statistics.renderSeconds = onlooker.timer.Seconds();
+        statistics.samples = schedule.Done();
         CountAccuracy();
         buffers.CountUsed();
-        const bool timeIsUp = options.timeLimit > 0.0 && timer.Seconds() >= options.timeLimit;
-        if (isStopped && !timeIsUp) {
+        if (onlooker.isStopped && !schedule.IsTimeUp(onlooker.timer.Seconds())) {
             return RenderResult::Stopped;
         }
         kernelSets.SaveBinaries();
         return RenderResult::Complete;
+    }
+
+    /// \param[in,out] tracingSeconds of this render until the end of the pass before.
+    void EndPass(const SamplePass& pass, double* tracingSeconds, Onlooker* onlooker) {
+        const std::uint32_t before = schedule.Done();
+        schedule.Complete();
+        const std::uint32_t done = schedule.Done();
+        if (pass.isOfFirstPicture) {
+            if (done > 0) {
+                statistics.firstImageSeconds = onlooker->timer.Seconds();
+            }
+            if (!onlooker->isStopped) {
+                Report(schedule.Equivalent(pass, pass.end), onlooker);
+            }
+        }
+        if (done > before) {
+            const double passSeconds = TracingSeconds() - *tracingSeconds;
+            *tracingSeconds += passSeconds;
+            statistics.streamedSamples = buffers.IsStreaming() ? done : statistics.streamedSamples;
+            if (!onlooker->isStopped) {
+                SettleIfWorth(passSeconds / (done - before), onlooker);
+            }
+        }
+        if (schedule.MayDrop() && !onlooker->isStopped) {
+            if (schedule.Drop(RelativeErrors(pass.end))) {
+                presentList.reset();
+            }
+        }
     }
 
     /// First-hit AOVs through pixel centres, wave by wave.
@@ -426,8 +319,8 @@ struct PathTracer::Impl {
         const shared::HdsAovOffsets offsets = film.FirstHitOffsets(scene->centre);
         const Buffer primvarSlots =
             UploadVector(device, "primvar slots", PrimvarSlots(options.aovs.primvars));
-        const Buffer order = UploadVector(device, "all pixels", pixelOrder);
-        const auto pixelCount = static_cast<std::uint32_t>(pixelOrder.size());
+        const Buffer order = UploadVector(device, "all pixels", schedule.AllPixels());
+        const auto pixelCount = static_cast<std::uint32_t>(schedule.AllPixels().size());
         const std::uint64_t indirectRays = statistics.indirectRays; // counts those of pictures
         const Buffer& paths = tracer.Paths();
         const std::uint32_t waveSize = tracer.WaveSize();
@@ -470,10 +363,11 @@ struct PathTracer::Impl {
 
     std::vector<ImageLayer> Layers(bool withFirstHits) {
         const Timer timer;
-        if (withFirstHits && film.NeedsFirstHits() && !film.HasFirstHits() && previewStride > 0) {
+        if (withFirstHits && film.NeedsFirstHits() && !film.HasFirstHits() &&
+            schedule.PreviewStride() > 0) {
             RenderFirstHits();
         }
-        std::vector<ImageLayer> layers = film.Develop(kernels, previewStride);
+        std::vector<ImageLayer> layers = film.Develop(kernels, schedule.PreviewStride());
         statistics.transferSeconds += timer.Seconds();
         return layers;
     }
@@ -487,16 +381,8 @@ struct PathTracer::Impl {
     FilmBuffers film;
     std::uint64_t sceneNumber = 0;   ///< counts what kernels are bound to
     StageKernels* kernels = nullptr; ///< those of the present render
-    std::vector<std::uint32_t> pixelOrder;
-    PreviewOrder previewOrder;
-    std::uint32_t orderWidth = 0;
-    std::uint32_t orderHeight = 0;
-    std::uint32_t previewStride = 0; ///< as Progress::previewStride
-    std::uint32_t filmBegin = 0;     ///< first sample of the film
-    std::uint32_t firstMissing = 0;  ///< first sample that some pixel of the loaded film lacks
-    std::uint32_t lateEnd = 0;       ///< samples of the other pixels
-    std::vector<std::uint32_t> latePixels; ///< that a stopped pass of the loaded film left out
-    std::vector<std::uint32_t> activePixels;
+    SampleSchedule schedule;
+    std::optional<PixelList> presentList; ///< that `pixels` holds
     Buffer frame;
     Buffer filter;
     Buffer pixels;
@@ -511,11 +397,7 @@ PathTracer::~PathTracer() = default;
 
 bool PathTracer::NeedsAllPages(const CommittedScene& scene,
                                const ResidencyOptions& residency) const {
-    if (residency.mode == ResidencyMode::Mapped) {
-        return false; // it prepares what is in no file
-    }
-    return residency.budgetShare > 0.0 ||
-           !_impl->buffers.WillStream(residency, scene.pages->TotalBytes());
+    return _impl->buffers.Plan(scene, residency).needsAllPages;
 }
 
 bool PathTracer::SetScene(const CommittedScene& scene, const ResidencyOptions& residency) {
@@ -535,7 +417,7 @@ std::vector<ImageLayer> PathTracer::Layers(bool withFirstHits) {
 }
 
 FilmSums PathTracer::Film() const {
-    return _impl->film.Read(_impl->filmBegin, _impl->statistics.samples);
+    return _impl->film.Read(_impl->schedule.FilmBegin(), _impl->statistics.samples);
 }
 
 const RenderStatistics& PathTracer::Statistics() const {

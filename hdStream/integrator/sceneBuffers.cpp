@@ -2,6 +2,7 @@
 #include "hdStream/integrator/sceneBuffers.h"
 
 #include "hdStream/base/error.h"
+#include "hdStream/integrator/settling.h"
 
 #include <utility>
 
@@ -18,11 +19,6 @@ const char* const kLabels[] = {
 /// A table that has become smaller than this part of its buffer gets a smaller one.
 constexpr std::uint64_t kShrinkFactor = 4;
 constexpr std::uint64_t kSmallBytes = 64U << 10U;
-/// Part of the device's memory that a pool may take when the user does not say.
-constexpr std::uint64_t kBudgetDivisor = 4;
-/// Geometry of so many bytes is prepared and loaded in a moment (a fifth of a second on two cores):
-/// "auto" does so before the first ray. Explained in docs/streaming.md.
-constexpr std::uint64_t kLittleBytes = 16U << 20U;
 /// Of what is missing, loaded between two questions whether to go on.
 constexpr std::uint64_t kBatchBytes = 64U << 20U;
 
@@ -47,23 +43,9 @@ void SceneBuffers::Upload(Table table, const std::vector<T>& values) {
     }
 }
 
-/// Bytes of a streaming pool.
-std::uint64_t SceneBuffers::Budget(const ResidencyOptions& residency,
-                                   std::uint64_t totalBytes) const {
-    if (residency.budgetShare > 0.0) {
-        return static_cast<std::uint64_t>(residency.budgetShare * static_cast<double>(totalBytes));
-    }
-    return residency.budgetBytes > 0 ? residency.budgetBytes
-                                     : _device->Properties().memoryBytes / kBudgetDivisor;
-}
-
-bool SceneBuffers::WillStream(const ResidencyOptions& residency, std::uint64_t totalBytes) const {
-    if (residency.mode != ResidencyMode::Auto) {
-        return residency.mode == ResidencyMode::Stream;
-    }
-    // A share of all bytes is known once all is prepared.
-    const bool isPrepared = residency.preparesAll || residency.budgetShare > 0.0;
-    return totalBytes > Budget(residency, totalBytes) || (totalBytes > kLittleBytes && !isPrepared);
+ResidencyPlan SceneBuffers::Plan(const CommittedScene& scene,
+                                 const ResidencyOptions& residency) const {
+    return PlanResidency(residency, scene.pages->TotalBytes(), _device->Properties().memoryBytes);
 }
 
 void SceneBuffers::UpdateStreaming(const CommittedScene& scene, const ResidencyOptions& residency,
@@ -76,7 +58,7 @@ void SceneBuffers::UpdateStreaming(const CommittedScene& scene, const ResidencyO
         _residency = residency;
     }
     _streaming->Update(scene.pages.get(), budget);
-    if (wasSettled && _streaming->MissingBytes() <= kLittleBytes) {
+    if (wasSettled && SettlesAtOnce(_streaming->MissingBytes())) {
         while (MaySettle()) {
             LoadMissing();
         }
@@ -99,16 +81,15 @@ void SceneBuffers::LoadMissing() {
 }
 
 bool SceneBuffers::UpdatePages(const CommittedScene& scene, const ResidencyOptions& residency) {
-    const std::uint64_t totalBytes = scene.pages->TotalBytes();
-    const std::uint64_t budget = Budget(residency, totalBytes);
-    if (residency.mode == ResidencyMode::Mapped) {
+    const ResidencyPlan plan = Plan(scene, residency);
+    if (plan.pool == PoolKind::Mapped) {
         UpdateMapped(scene);
         return true;
     }
     _mapped = nullptr;
-    if (WillStream(residency, totalBytes)) {
+    if (plan.pool == PoolKind::Streaming) {
         _resident = nullptr;
-        UpdateStreaming(scene, residency, budget);
+        UpdateStreaming(scene, residency, plan.budgetBytes);
         return true;
     }
     _streaming = nullptr;
@@ -121,7 +102,7 @@ bool SceneBuffers::UpdatePages(const CommittedScene& scene, const ResidencyOptio
         return true;
     }
     if (isFirst) {
-        throw Error("geometry: " + std::to_string(totalBytes) +
+        throw Error("geometry: " + std::to_string(scene.pages->TotalBytes()) +
                     " bytes do not fit the device's memory (" + std::to_string(kMaxPoolBuffers) +
                     " buffers of " + std::to_string(_resident->BufferLimit()) +
                     " bytes); --residency stream needs less");

@@ -4,6 +4,7 @@
 
 #include "hdStream/device/program.h"
 #include "hdStream/integrator/renderOptions.h"
+#include "hdStream/integrator/residencyPlan.h"
 #include "hdStream/integrator/sceneTextures.h"
 #include "hdStream/scene/commit.h"
 #include "hdStream/stream/mappedPool.h"
@@ -43,8 +44,8 @@ public:
     SceneTextures& Textures() { return _textures; }
     const SceneTextures& Textures() const { return _textures; }
 
-    /// Whether Update makes geometry of `totalBytes` stream, be it at first only.
-    bool WillStream(const ResidencyOptions& residency, std::uint64_t totalBytes) const;
+    /// Where Update puts the geometry of a scene, be it at first only.
+    ResidencyPlan Plan(const CommittedScene& scene, const ResidencyOptions& residency) const;
     /// Whether pages of geometry may be missing.
     bool IsStreaming() const { return _streaming != nullptr && !_isSettled; }
     bool IsMapped() const { return _mapped != nullptr; }
@@ -91,7 +92,6 @@ private:
         NumTables
     };
 
-    std::uint64_t Budget(const ResidencyOptions& residency, std::uint64_t totalBytes) const;
     void UpdateMapped(const CommittedScene& scene);
     bool UpdatePages(const CommittedScene& scene, const ResidencyOptions& residency);
     void UpdateStreaming(const CommittedScene& scene, const ResidencyOptions& residency,

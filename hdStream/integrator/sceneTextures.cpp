@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/integrator/sceneTextures.h"
 
+#include "hdStream/integrator/residencyPlan.h"
+
 #include <algorithm>
 #include <numeric>
 #include <utility>
@@ -10,8 +12,6 @@ namespace hds {
 
 namespace {
 
-/// Part of the device's memory that the pool may take when the user does not say.
-constexpr std::uint64_t kBudgetDivisor = 4;
 /// A look-up reads four texels of each of two mips.
 constexpr std::uint32_t kLinesPerLookup = 8;
 
@@ -67,20 +67,18 @@ void SceneTextures::BeginStatistics() {
 /// Bytes of a pool.
 std::uint64_t SceneTextures::Budget(const CommittedScene& scene,
                                     const ResidencyOptions& residency) const {
+    std::uint64_t totalBytes = 0;
     if (residency.textureBudgetShare > 0.0) {
         // Only what has been opened says how much it is.
         std::vector<std::uint32_t> all(scene.textureTable.size());
         std::iota(all.begin(), all.end(), 0U);
         scene.textureLines->Open(all);
-        double bytes = 0.0;
         for (const std::uint32_t texture : all) {
-            bytes +=
-                static_cast<double>(scene.textureLines->Record(texture).numLines) * HDS_LINE_BYTES;
+            totalBytes +=
+                std::uint64_t{scene.textureLines->Record(texture).numLines} * HDS_LINE_BYTES;
         }
-        return static_cast<std::uint64_t>(residency.textureBudgetShare * bytes);
     }
-    return residency.textureBudgetBytes > 0 ? residency.textureBudgetBytes
-                                            : _device->Properties().memoryBytes / kBudgetDivisor;
+    return TextureBudget(residency, totalBytes, _device->Properties().memoryBytes);
 }
 
 unsigned SceneTextures::Bind(Kernel* kernel, unsigned first) const {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/integrator/settling.h"
 
+#include "hdStream/integrator/residencyPlan.h"
+
 namespace hds {
 
 namespace {
@@ -12,6 +14,22 @@ constexpr double kSavedPart = 0.05;
 constexpr double kSecondsPerByte = 1.0 / 100e6;
 
 } // namespace
+
+bool SettlesAtOnce(std::uint64_t missingBytes) {
+    return missingBytes <= kLittleBytes;
+}
+
+double SecondsToGet(KernelPlace place) {
+    switch (place) {
+    case KernelPlace::Bound:
+        return 0.0;
+    case KernelPlace::Cached:
+        return kSecondsOfCachedKernels;
+    case KernelPlace::Nowhere:
+        break;
+    }
+    return kSecondsOfBuiltKernels;
+}
 
 bool IsWorthSettling(const SettlingCosts& costs) {
     const double secondsPerByte =

@@ -7,6 +7,10 @@
 
 namespace hds {
 
+/// Whether geometry that was resident before an edit becomes so again before the first ray.
+/// \param missingBytes of the pages that the edit has brought.
+bool SettlesAtOnce(std::uint64_t missingBytes);
+
 /// What is known between two passes of a render.
 struct SettlingCosts {
     double secondsLeft = 0.0;        ///< of tracing and shading, at the rate of the last pass
@@ -20,6 +24,12 @@ struct SettlingCosts {
 /// PoCL on two cores (docs/streaming.md).
 constexpr double kSecondsOfCachedKernels = 0.3;
 constexpr double kSecondsOfBuiltKernels = 5.0;
+
+/// Where a set of kernels is.
+enum class KernelPlace { Bound, Cached, Nowhere };
+
+/// An estimate.
+double SecondsToGet(KernelPlace place);
 
 /// Whether what resident kernels save is at least what it takes to have them and all pages.
 bool IsWorthSettling(const SettlingCosts& costs);

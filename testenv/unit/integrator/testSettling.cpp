@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Geometry settles when what that saves is at least what it costs, and not before.
+#include "hdStream/integrator/residencyPlan.h"
 #include "hdStream/integrator/settling.h"
 
 #include <gtest/gtest.h>
@@ -38,6 +39,17 @@ TEST(Settling, WhatNobodyHasSeenIsPreparedForLongRendersOnly) {
     EXPECT_TRUE(IsWorthSettling(costs));
     costs.secondsLeft = 20.0;
     EXPECT_FALSE(IsWorthSettling(costs));
+}
+
+TEST(Settling, LittleThatAnEditBringsIsLoadedAtOnce) {
+    EXPECT_TRUE(SettlesAtOnce(kLittleBytes));
+    EXPECT_FALSE(SettlesAtOnce(kLittleBytes + 1));
+}
+
+TEST(Settling, KernelsThatAreThereTakeNoTime) {
+    EXPECT_EQ(SecondsToGet(KernelPlace::Bound), 0.0);
+    EXPECT_EQ(SecondsToGet(KernelPlace::Cached), kSecondsOfCachedKernels);
+    EXPECT_EQ(SecondsToGet(KernelPlace::Nowhere), kSecondsOfBuiltKernels);
 }
 
 } // namespace

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which samples of which pixels a render traces, in which order, and when it is over. It knows no
+// device. Explained in docs/wavefront.md.
+#pragma once
+
+#include "hdStream/film/filmSums.h"
+#include "hdStream/integrator/pixelOrder.h"
+#include "hdStream/integrator/renderOptions.h"
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace hds {
+
+/// The lists that passes take their pixels from.
+enum class PixelList {
+    Preview, ///< all pixels, from coarse to fine
+    Late,    ///< those that a stopped pass of the loaded film left out
+    Active,  ///< all pixels but those that have met the error
+};
+
+/// Samples [firstSample, firstSample + numSamples) of the pixels [begin, end) of a list.
+struct SamplePass {
+    PixelList list = PixelList::Active;
+    std::uint32_t begin = 0;
+    std::uint32_t end = 0;
+    std::uint32_t firstSample = 0;
+    std::uint32_t numSamples = 0;
+    bool isOfFirstPicture = false; ///< who looks on is told when it ends
+};
+
+/// The passes of a render, and how far it is. A pass that was stopped half-way is not completed.
+class SampleSchedule {
+public:
+    /// Begins a render of a film that has the sums `start` (CheckFilmSums).
+    void Begin(const RenderOptions& options, const std::vector<FilmSums>& start);
+
+    /// What is to be rendered next; none: all pixels have all their samples.
+    std::optional<SamplePass> Next() const;
+    /// What Next says has been rendered.
+    void Complete();
+    const std::vector<std::uint32_t>& Pixels(PixelList list) const;
+    /// All pixels of the image, in the order in which they enter waves.
+    const std::vector<std::uint32_t>& AllPixels() const { return _order; }
+
+    /// Whether the pass completed last ends where pixels that have met the error are dropped.
+    bool MayDrop() const;
+    /// \param errors relative ones of the active pixels, in their order. Those that have met the
+    /// error get no more samples. \return whether there are any.
+    bool Drop(const std::vector<float>& errors);
+
+    /// The film begins with this sample.
+    std::uint32_t FilmBegin() const { return _filmBegin; }
+    /// Every active pixel has the samples below.
+    std::uint32_t Done() const { return _done; }
+    /// As Progress::previewStride.
+    std::uint32_t PreviewStride() const { return _previewStride; }
+
+    /// Samples a pixel that as much work would have rendered, once `numPixels` pixels of the pass
+    /// and of its list before it are rendered.
+    double Equivalent(const SamplePass& pass, std::uint32_t numPixels) const;
+    /// \param seconds since rendering began.
+    Progress MakeProgress(double samplesEquivalent, double seconds) const;
+    bool IsTimeUp(double seconds) const { return _timeLimit > 0.0 && seconds >= _timeLimit; }
+    /// An estimate. \param secondsPerSample of the last pass.
+    double SecondsLeft(double secondsPerSample, double seconds) const;
+
+private:
+    void MakeOrders(std::uint32_t width, std::uint32_t height);
+    void LoadStart(const std::vector<FilmSums>& start);
+    std::uint32_t PassEnd() const;
+    std::uint32_t Count(PixelList list) const {
+        return static_cast<std::uint32_t>(Pixels(list).size());
+    }
+
+    std::uint32_t _samples = 0;
+    bool _showsPreviews = false;
+    double _noise = 0.0;
+    double _timeLimit = 0.0;
+    std::uint32_t _width = 0; ///< of the image that _order and _preview are of
+    std::uint32_t _height = 0;
+    std::vector<std::uint32_t> _order;
+    PreviewOrder _preview;
+    std::vector<std::uint32_t> _late;
+    std::vector<std::uint32_t> _active;
+    std::uint32_t _filmBegin = 0;
+    std::uint32_t _firstMissing = 0; ///< first sample that some pixel of the loaded film lacks
+    std::uint32_t _lateEnd = 0;      ///< samples of the other pixels
+    std::uint32_t _previewsLeft = 0; ///< strides of the first picture that are to come
+    bool _hasLate = false;           ///< the late pixels are to come
+    bool _isInStep = false;          ///< the last pass was one of active pixels after the first
+    std::uint32_t _done = 0;
+    std::uint32_t _previewStride = 0;
+};
+
+} // namespace hds

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+// The passes of a render, without a device: which samples of which pixels come next, where passes
+// end, what a film that was loaded lacks, which pixels are dropped, and when time is up.
+#include "hdStream/integrator/sampleSchedule.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace hds::test {
+namespace {
+
+constexpr std::uint32_t kBlock = HDS_SAMPLE_BLOCK;
+
+RenderOptions Options(std::uint32_t samples, bool showsPreviews = false) {
+    RenderOptions options;
+    options.imageWidth = 40;
+    options.imageHeight = 9;
+    options.samples = samples;
+    options.showsPreviews = showsPreviews;
+    return options;
+}
+
+SampleSchedule Begun(const RenderOptions& options, const std::vector<FilmSums>& start = {}) {
+    SampleSchedule schedule;
+    schedule.Begin(options, start);
+    return schedule;
+}
+
+/// Sums of which every third pixel has `more` samples beyond `done`.
+FilmSums Sums(std::uint32_t done, std::uint32_t more = 0) {
+    FilmSums sums;
+    sums.width = 40;
+    sums.height = 9;
+    sums.endSample = done;
+    sums.pixels.resize(std::size_t{sums.width} * sums.height);
+    for (std::size_t i = 0; i < sums.pixels.size(); ++i) {
+        sums.pixels[i].numSamples = done + (i % 3 == 0 ? more : 0);
+    }
+    return sums;
+}
+
+/// Where passes end, from now on to the end of the render.
+std::vector<std::uint32_t> Borders(SampleSchedule schedule) {
+    std::vector<std::uint32_t> borders;
+    while (const auto pass = schedule.Next()) {
+        EXPECT_EQ(pass->firstSample, schedule.Done());
+        schedule.Complete();
+        borders.push_back(schedule.Done());
+    }
+    return borders;
+}
+
+TEST(SampleSchedule, PassesAreTheFirstSampleAndBlocks) {
+    EXPECT_EQ(Borders(Begun(Options(1))), (std::vector<std::uint32_t>{1}));
+    EXPECT_EQ(Borders(Begun(Options(7))), (std::vector<std::uint32_t>{1, 7}));
+    EXPECT_EQ(Borders(Begun(Options(50))), (std::vector<std::uint32_t>{1, 16, 32, 48, 50}));
+}
+
+TEST(SampleSchedule, AllPixelsOfAPassAreActive) {
+    SampleSchedule schedule = Begun(Options(50));
+    while (const auto pass = schedule.Next()) {
+        EXPECT_EQ(pass->list, PixelList::Active);
+        EXPECT_EQ(pass->begin, 0U);
+        EXPECT_EQ(pass->end, 360U);
+        EXPECT_EQ(pass->isOfFirstPicture, schedule.Done() == 0);
+        schedule.Complete();
+    }
+    EXPECT_EQ(schedule.Pixels(PixelList::Active), MakePixelOrder(40, 9));
+}
+
+TEST(SampleSchedule, PreviewsGoFromCoarseToFineAndThenDouble) {
+    SampleSchedule schedule = Begun(Options(40, true));
+    EXPECT_EQ(schedule.PreviewStride(), 0U);
+    const std::vector<std::uint32_t>& pixels = schedule.Pixels(PixelList::Preview);
+    std::uint32_t begin = 0;
+    for (const std::uint32_t stride : {8U, 4U, 2U, 1U}) {
+        const auto pass = schedule.Next();
+        ASSERT_TRUE(pass);
+        EXPECT_EQ(pass->list, PixelList::Preview);
+        EXPECT_TRUE(pass->isOfFirstPicture);
+        EXPECT_EQ(pass->begin, begin);
+        EXPECT_EQ(pass->end, ((39 / stride) + 1) * ((8 / stride) + 1)) << stride;
+        EXPECT_EQ(pass->numSamples, 1U);
+        EXPECT_EQ(schedule.Done(), 0U);
+        for (std::uint32_t i = pass->begin; i < pass->end; ++i) {
+            EXPECT_EQ(pixels[i] % 40 % stride, 0U);
+            EXPECT_EQ(pixels[i] / 40 % stride, 0U);
+        }
+        begin = pass->end;
+        schedule.Complete();
+        EXPECT_EQ(schedule.PreviewStride(), stride);
+    }
+    EXPECT_EQ(schedule.Done(), 1U);
+    EXPECT_EQ(Borders(schedule), (std::vector<std::uint32_t>{2, 4, 8, 16, 32, 40}));
+    EXPECT_EQ(Borders(Begun(Options(1, true))), (std::vector<std::uint32_t>{0, 0, 0, 1}));
+}
+
+TEST(SampleSchedule, AFilmThatWasLoadedGoesOnAtItsEnd) {
+    for (const bool showsPreviews : {false, true}) {
+        const SampleSchedule schedule = Begun(Options(40, showsPreviews), {Sums(16), Sums(20)});
+        EXPECT_EQ(schedule.PreviewStride(), 1U) << "it is a picture";
+        EXPECT_EQ(schedule.Done(), 20U);
+        EXPECT_FALSE(schedule.Next()->isOfFirstPicture);
+        EXPECT_EQ(Borders(schedule), (std::vector<std::uint32_t>{32, 40}));
+    }
+    FilmSums middle = Sums(32);
+    middle.firstSample = 16;
+    EXPECT_EQ(Begun(Options(40), {middle}).FilmBegin(), 16U);
+    EXPECT_EQ(Borders(Begun(Options(40, true), {Sums(3)})),
+              (std::vector<std::uint32_t>{6, 12, 24, 32, 40}));
+    EXPECT_FALSE(Begun(Options(16), {Sums(16)}).Next()) << "nothing is missing";
+    EXPECT_EQ(Borders(Begun(Options(2), {FilmSums{}})), (std::vector<std::uint32_t>{1, 2}))
+        << "a black film is a new one";
+}
+
+TEST(SampleSchedule, LatePixelsComeFirstAndAlone) {
+    SampleSchedule schedule = Begun(Options(40, true), {Sums(16, 12)});
+    const auto pass = schedule.Next();
+    ASSERT_TRUE(pass);
+    EXPECT_EQ(pass->list, PixelList::Late);
+    EXPECT_EQ(pass->firstSample, 16U);
+    EXPECT_EQ(pass->numSamples, 12U);
+    EXPECT_EQ(pass->end, 240U) << "two of three";
+    EXPECT_FALSE(pass->isOfFirstPicture);
+    for (const std::uint32_t pixel : schedule.Pixels(PixelList::Late)) {
+        EXPECT_NE(pixel % 3, 0U);
+    }
+    schedule.Complete();
+    EXPECT_EQ(schedule.Done(), 28U);
+    EXPECT_EQ(schedule.Next()->end, 360U);
+    EXPECT_EQ(Borders(schedule), (std::vector<std::uint32_t>{32, 40}));
+}
+
+TEST(SampleSchedule, PixelsOfAFirstPassThatWasStoppedComeLate) {
+    SampleSchedule schedule = Begun(Options(16, true), {Sums(0, 1)});
+    EXPECT_EQ(schedule.Next()->list, PixelList::Late);
+    EXPECT_EQ(schedule.Next()->end, 240U);
+    schedule.Complete();
+    EXPECT_EQ(schedule.Done(), 1U);
+    EXPECT_EQ(Borders(schedule), (std::vector<std::uint32_t>{2, 4, 8, 16}));
+}
+
+/// Borders at which pixels may be dropped.
+std::vector<std::uint32_t> Drops(SampleSchedule schedule) {
+    std::vector<std::uint32_t> drops;
+    while (schedule.Next()) {
+        schedule.Complete();
+        if (schedule.MayDrop()) {
+            drops.push_back(schedule.Done());
+        }
+    }
+    return drops;
+}
+
+TEST(SampleSchedule, PixelsAreDroppedAtBlocksFromTheSecondOn) {
+    RenderOptions options = Options(70);
+    EXPECT_TRUE(Drops(Begun(options)).empty()) << "no error is set";
+    options.noise = 0.1;
+    EXPECT_EQ(Drops(Begun(options)),
+              (std::vector<std::uint32_t>{2 * kBlock, 3 * kBlock, 4 * kBlock}));
+    options.showsPreviews = true;
+    EXPECT_EQ(Drops(Begun(options)),
+              (std::vector<std::uint32_t>{2 * kBlock, 3 * kBlock, 4 * kBlock}));
+    EXPECT_EQ(Drops(Begun(options, {Sums(16, 16)})),
+              (std::vector<std::uint32_t>{3 * kBlock, 4 * kBlock}))
+        << "not after the pass that was stopped";
+}
+
+TEST(SampleSchedule, DroppedPixelsGetNoMoreSamples) {
+    RenderOptions options = Options(70);
+    options.noise = 0.1;
+    SampleSchedule schedule = Begun(options, {Sums(32)});
+    std::vector<float> errors(360, 0.2F);
+    EXPECT_FALSE(schedule.Drop(errors));
+    errors[3] = 0.1F; // as much as is asked for
+    errors[5] = std::numeric_limits<float>::quiet_NaN();
+    errors[7] = 0.0F;
+    EXPECT_TRUE(schedule.Drop(errors));
+    std::vector<std::uint32_t> rest = MakePixelOrder(40, 9);
+    rest.erase(rest.begin() + 7);
+    rest.erase(rest.begin() + 3);
+    EXPECT_EQ(schedule.Pixels(PixelList::Active), rest);
+    EXPECT_EQ(schedule.Next()->end, 358U);
+    EXPECT_EQ(schedule.AllPixels().size(), 360U);
+    EXPECT_TRUE(schedule.Drop(std::vector<float>(358, 0.0F)));
+    EXPECT_FALSE(schedule.Next()) << "all have met it";
+    schedule.Begin(options, {});
+    EXPECT_EQ(schedule.Next()->end, 360U) << "a new render has all pixels";
+}
+
+TEST(SampleSchedule, AnotherSizeHasOtherPixels) {
+    SampleSchedule schedule = Begun(Options(4, true));
+    RenderOptions options = Options(4, true);
+    options.imageWidth = 9;
+    options.imageHeight = 40;
+    schedule.Begin(options, {});
+    EXPECT_EQ(schedule.AllPixels(), MakePixelOrder(9, 40));
+    EXPECT_EQ(schedule.Pixels(PixelList::Preview),
+              MakePreviewOrder(MakePixelOrder(9, 40), 9).pixels);
+}
+
+TEST(SampleSchedule, ProgressIsOfTheSamplesThatTheFilmLacked) {
+    SampleSchedule schedule = Begun(Options(36), {Sums(16)});
+    const auto pass = schedule.Next();
+    EXPECT_EQ(schedule.Equivalent(*pass, 90), 16 + 0.25 * 16);
+    const Progress progress = schedule.MakeProgress(schedule.Equivalent(*pass, 90), 3.0);
+    EXPECT_EQ(progress.samplesDone, 16U);
+    EXPECT_EQ(progress.samplesTotal, 36U);
+    EXPECT_DOUBLE_EQ(progress.fraction, 4.0 / 20.0);
+    EXPECT_EQ(progress.secondsElapsed, 3.0);
+    EXPECT_DOUBLE_EQ(progress.secondsLeft, 12.0);
+    EXPECT_EQ(progress.previewStride, 1U);
+    EXPECT_EQ(schedule.MakeProgress(16, 3.0).secondsLeft, 0.0) << "not known";
+}
+
+TEST(SampleSchedule, TimeEndsARenderAndItsEstimates) {
+    RenderOptions options = Options(36);
+    EXPECT_FALSE(Begun(options).IsTimeUp(1e9)) << "no limit";
+    options.timeLimit = 10.0;
+    SampleSchedule schedule = Begun(options, {Sums(16)});
+    EXPECT_FALSE(schedule.IsTimeUp(9.9));
+    EXPECT_TRUE(schedule.IsTimeUp(10.0));
+    EXPECT_EQ(schedule.MakeProgress(17, 4.0).secondsLeft, 6.0);
+    EXPECT_EQ(schedule.SecondsLeft(0.1, 4.0), 2.0);
+    EXPECT_EQ(schedule.SecondsLeft(1.0, 4.0), 6.0);
+    options.timeLimit = 0.0;
+    schedule.Begin(options, {Sums(16)});
+    EXPECT_EQ(schedule.SecondsLeft(1.0, 4.0), 20.0);
+}
+
+} // namespace
+} // namespace hds::test
