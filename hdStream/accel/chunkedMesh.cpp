@@ -16,7 +16,7 @@ namespace hds {
 namespace {
 
 /// Changes whenever the same mesh gives other pages or another plan: part of the keys in the store.
-constexpr std::uint64_t kPageFormat = 4;
+constexpr std::uint64_t kPageFormat = 5;
 /// The part of a mesh that is its outline; pages count from 0.
 constexpr std::uint64_t kOutlinePart = ~std::uint64_t{0};
 

@@ -3,6 +3,7 @@
 // Front ends hand VtArrays, numpy arrays or our own vectors to the core without a copy.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <utility>
@@ -33,6 +34,12 @@ public:
     const T& operator[](std::size_t i) const { return _data[i]; }
     const T* begin() const { return _data; }
     const T* end() const { return _data + _size; }
+
+    /// Whether the values are equal, wherever they lie.
+    bool operator==(const SharedSpan& other) const {
+        return _size == other._size &&
+               (_data == other._data || std::equal(begin(), end(), other.begin()));
+    }
 
 private:
     const T* _data = nullptr;

@@ -3,6 +3,8 @@
 // function of the mesh, the limits and a recorded dicing camera. Explained in docs/geometry.md.
 #pragma once
 
+#include "hdStream/base/fields.h"
+
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 
@@ -23,11 +25,11 @@ struct DicingView {
     /// Else rates follow from distances, whatever the image shows.
     bool isOnlyInstance = true;
 
-    bool operator==(const DicingView& other) const {
-        return cameraFromObject == other.cameraFromObject &&
-               isOrthographic == other.isOrthographic && windowMin == other.windowMin &&
-               windowMax == other.windowMax && imageSize == other.imageSize &&
-               nearClip == other.nearClip && isOnlyInstance == other.isOnlyInstance;
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(DicingView, cameraFromObject),
+                         HDS_FIELD(DicingView, isOrthographic), HDS_FIELD(DicingView, windowMin),
+                         HDS_FIELD(DicingView, windowMax), HDS_FIELD(DicingView, imageSize),
+                         HDS_FIELD(DicingView, nearClip), HDS_FIELD(DicingView, isOnlyInstance));
     }
 };
 
@@ -44,11 +46,12 @@ struct DicingOptions {
     double maxBumpPixels = 4.0;       ///< the same where displacement varies
     std::uint32_t offScreenLevel = 1; ///< of the finest edge of a face that is not seen
 
-    bool operator==(const DicingOptions& other) const {
-        return isAdaptive == other.isAdaptive && level == other.level && view == other.view &&
-               maxErrorPixels == other.maxErrorPixels && maxTurnDegrees == other.maxTurnDegrees &&
-               maxEdgePixels == other.maxEdgePixels && maxBumpPixels == other.maxBumpPixels &&
-               offScreenLevel == other.offScreenLevel;
+    static constexpr auto Fields() {
+        return FieldList(
+            HDS_FIELD(DicingOptions, isAdaptive), HDS_FIELD(DicingOptions, level),
+            HDS_FIELD(DicingOptions, view), HDS_FIELD(DicingOptions, maxErrorPixels),
+            HDS_FIELD(DicingOptions, maxTurnDegrees), HDS_FIELD(DicingOptions, maxEdgePixels),
+            HDS_FIELD(DicingOptions, maxBumpPixels), HDS_FIELD(DicingOptions, offScreenLevel));
     }
 };
 

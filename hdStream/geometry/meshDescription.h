@@ -3,6 +3,8 @@
 // Explained in docs/architecture.md.
 #pragma once
 
+#include "hdStream/base/enumTable.h"
+#include "hdStream/base/fields.h"
 #include "hdStream/base/sharedSpan.h"
 
 #include <cstdint>
@@ -14,6 +16,15 @@ namespace hds {
 /// Hydra's interpolations of a primvar.
 enum class Interpolation { Constant, Uniform, Varying, Vertex, FaceVarying, Instance };
 
+constexpr EnumTable<Interpolation, 6> NamesOf(Interpolation) {
+    return {{{Interpolation::Constant, "Constant", "constant"},
+             {Interpolation::Uniform, "Uniform", "uniform"},
+             {Interpolation::Varying, "Varying", "varying"},
+             {Interpolation::Vertex, "Vertex", "vertex"},
+             {Interpolation::FaceVarying, "FaceVarying", "faceVarying"},
+             {Interpolation::Instance, "Instance", "instance"}}};
+}
+
 /// A named array of values on a prim. Values are tuples of 1 to 4 floats (integers are converted).
 struct Primvar {
     std::string name; ///< without "primvars:"; authored normals are the primvar "normals"
@@ -21,12 +32,24 @@ struct Primvar {
     std::uint32_t numComponents = 1;  ///< 1 to 4
     SharedSpan<float> values;         ///< [count][numComponents]
     SharedSpan<std::int32_t> indices; ///< empty: values are used in order
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(Primvar, name), HDS_FIELD(Primvar, interpolation),
+                         HDS_FIELD(Primvar, numComponents),
+                         HDS_FIELD(Primvar, values).NotInPython("rows of numComponents"),
+                         HDS_FIELD(Primvar, indices));
+    }
 };
 
 /// A face set that may have a material of its own (MeshPrim::subsetMaterialPaths).
 struct MeshSubset {
     std::string name; ///< the subset's prim path
     SharedSpan<std::int32_t> faces;
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(MeshSubset, name).NotInKey("names are no part of pages"),
+                         HDS_FIELD(MeshSubset, faces));
+    }
 };
 
 /// OpenSubdiv tags, as authored on the mesh.
@@ -39,6 +62,15 @@ struct SubdivTags {
     SharedSpan<float> creaseSharpnesses;
     SharedSpan<std::int32_t> cornerIndices;
     SharedSpan<float> cornerSharpnesses;
+
+    static constexpr auto Fields() {
+        return FieldList(
+            HDS_FIELD(SubdivTags, interpolateBoundary),
+            HDS_FIELD(SubdivTags, faceVaryingLinearInterpolation),
+            HDS_FIELD(SubdivTags, triangleSubdivisionRule), HDS_FIELD(SubdivTags, creaseIndices),
+            HDS_FIELD(SubdivTags, creaseLengths), HDS_FIELD(SubdivTags, creaseSharpnesses),
+            HDS_FIELD(SubdivTags, cornerIndices), HDS_FIELD(SubdivTags, cornerSharpnesses));
+    }
 };
 
 /// What a description is made of.
@@ -48,17 +80,32 @@ enum class PrimitiveKind {
     Points, ///< UsdGeomPoints: spheres
 };
 
+constexpr EnumTable<PrimitiveKind, 3> NamesOf(PrimitiveKind) {
+    return {{{PrimitiveKind::Faces, "Faces", "mesh"},
+             {PrimitiveKind::Curves, "Curves", "curves"},
+             {PrimitiveKind::Points, "Points", "points"}}};
+}
+
 /// How the points of curves become curves (UsdGeomBasisCurves).
 struct CurveForm {
     std::string type = "cubic";       ///< linear, cubic
     std::string basis = "bezier";     ///< of cubic ones: bezier, bspline, catmullRom
     std::string wrap = "nonperiodic"; ///< periodic, pinned; segmented: pairs, lines of draw modes
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(CurveForm, type), HDS_FIELD(CurveForm, basis),
+                         HDS_FIELD(CurveForm, wrap));
+    }
 };
 
 /// Points at a time, in frames from the frame on.
 struct PointSample {
     double time = 0.0;
     SharedSpan<float> points; ///< as MeshDescription::points
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(PointSample, time), HDS_FIELD(PointSample, points).Rows(3));
+    }
 };
 
 /// Topology, points and primvars of a mesh, of curves or of points. Object space, float as
@@ -79,6 +126,27 @@ struct MeshDescription {
     bool leftHanded = false;
     std::vector<Primvar> primvars;
     std::vector<MeshSubset> subsets;
+
+    static constexpr auto Fields() {
+        constexpr auto kFaces = PrimitiveKind::Faces;
+        constexpr auto kCurves = PrimitiveKind::Curves;
+        return FieldList(HDS_FIELD(MeshDescription, primitives),
+                         HDS_FIELD(MeshDescription, points).Rows(3),
+                         HDS_FIELD(MeshDescription, samples)
+                             .NotInKey("MakeMeshKey adds them while the shutter is open"),
+                         HDS_FIELD(MeshDescription, closePoints)
+                             .NotInKey("made of samples and the shutter")
+                             .NotInDump("no front end sets it")
+                             .NotInPython("no front end sets it"),
+                         HDS_FIELD(MeshDescription, faceVertexCounts).For(kFaces, kCurves),
+                         HDS_FIELD(MeshDescription, faceVertexIndices).For(kFaces, kCurves),
+                         HDS_FIELD(MeshDescription, curves).For(kCurves),
+                         HDS_FIELD(MeshDescription, holeIndices).For(kFaces),
+                         HDS_FIELD(MeshDescription, subdivisionScheme).For(kFaces),
+                         HDS_FIELD(MeshDescription, subdivTags).For(kFaces),
+                         HDS_FIELD(MeshDescription, leftHanded).For(kFaces),
+                         HDS_FIELD(MeshDescription, primvars), HDS_FIELD(MeshDescription, subsets));
+    }
 };
 
 } // namespace hds

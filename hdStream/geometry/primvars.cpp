@@ -10,24 +10,6 @@
 
 namespace hds {
 
-const char* InterpolationName(Interpolation interpolation) {
-    switch (interpolation) {
-    case Interpolation::Constant:
-        return "constant";
-    case Interpolation::Uniform:
-        return "uniform";
-    case Interpolation::Varying:
-        return "varying";
-    case Interpolation::Vertex:
-        return "vertex";
-    case Interpolation::FaceVarying:
-        return "faceVarying";
-    case Interpolation::Instance:
-        return "instance";
-    }
-    return "unknown";
-}
-
 namespace {
 
 /// Number of entries of a span for which isBad holds; parallel.
@@ -90,7 +72,7 @@ std::optional<MeshAttribute> ValidatePrimvar(const Primvar& primvar, const Topol
     const std::size_t numNeeded = NumElements(primvar.interpolation, size);
     const bool isConstant = primvar.interpolation == Interpolation::Constant;
     if (isConstant ? numGiven == 0 : numGiven != numNeeded) {
-        return ignore(std::string(InterpolationName(primvar.interpolation)) + " needs " +
+        return ignore(std::string(TextOf(primvar.interpolation)) + " needs " +
                       std::to_string(numNeeded) + " values, has " + std::to_string(numGiven));
     }
     const std::size_t numBadIndices = CountIf(primvar.indices, [&](std::int32_t index) {

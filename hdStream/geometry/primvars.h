@@ -21,9 +21,6 @@ struct TopologySize {
     bool hasJoints = false;     ///< Varying means joints, else points
 };
 
-/// As USD writes it: "faceVarying".
-const char* InterpolationName(Interpolation interpolation);
-
 /// Number of values that an interpolation asks for.
 std::size_t NumElements(Interpolation interpolation, const TopologySize& size);
 

@@ -83,13 +83,14 @@ struct ResidencyOptions {
     bool plainTextures = false; ///< whole and uncompressed, to compare with
     bool preparesAll = false;   ///< all geometry is prepared before the first ray
 
-    bool operator==(const ResidencyOptions& other) const {
-        return mode == other.mode && budgetBytes == other.budgetBytes &&
-               budgetShare == other.budgetShare && eviction == other.eviction &&
-               requestsFirst == other.requestsFirst &&
-               textureBudgetBytes == other.textureBudgetBytes &&
-               textureBudgetShare == other.textureBudgetShare &&
-               plainTextures == other.plainTextures && preparesAll == other.preparesAll;
+    static constexpr auto Fields() {
+        return FieldList(
+            HDS_FIELD(ResidencyOptions, mode), HDS_FIELD(ResidencyOptions, budgetBytes),
+            HDS_FIELD(ResidencyOptions, budgetShare), HDS_FIELD(ResidencyOptions, eviction),
+            HDS_FIELD(ResidencyOptions, requestsFirst),
+            HDS_FIELD(ResidencyOptions, textureBudgetBytes),
+            HDS_FIELD(ResidencyOptions, textureBudgetShare),
+            HDS_FIELD(ResidencyOptions, plainTextures), HDS_FIELD(ResidencyOptions, preparesAll));
     }
 };
 

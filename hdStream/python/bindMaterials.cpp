@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "hdStream/python/bindFields.h"
 #include "hdStream/python/bindings.h"
 #include "hdStream/session/session.h"
 
-#include <nanobind/stl/map.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
-#include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
 namespace nb = nanobind;
@@ -14,54 +13,47 @@ using namespace nb::literals;
 namespace hds::python {
 
 void BindMaterials(nb::module_& module) {
-    nb::class_<AssetReference>(module, "AssetReference", "A file or a byte range of one.")
-        .def(
-            "__init__",
-            [](AssetReference* self, const std::string& authoredPath, const std::string& file,
-               std::uint64_t offset, std::uint64_t size) {
-                new (self) AssetReference{authoredPath, file, offset, size};
-            },
-            "authoredPath"_a = "", "file"_a = "", "offset"_a = 0, "size"_a = 0)
-        .def_ro("authoredPath", &AssetReference::authoredPath)
-        .def_ro("file", &AssetReference::file)
-        .def_ro("offset", &AssetReference::offset)
-        .def_ro("size", &AssetReference::size);
+    nb::class_<AssetReference> asset(module, "AssetReference", "A file or a byte range of one.");
+    asset.def(
+        "__init__",
+        [](AssetReference* self, const std::string& authoredPath, const std::string& file,
+           std::uint64_t offset, std::uint64_t size) {
+            new (self) AssetReference{authoredPath, file, offset, size};
+        },
+        "authoredPath"_a = "", "file"_a = "", "offset"_a = 0, "size"_a = 0);
+    BindReadOnlyFields(asset);
 
-    nb::class_<MaterialNode::Connection>(module, "Connection", "The output of a node.")
-        .def(
-            "__init__",
-            [](MaterialNode::Connection* self, const std::string& path, const std::string& output) {
-                new (self) MaterialNode::Connection{path, output};
-            },
-            "upstreamPath"_a, "upstreamOutput"_a)
-        .def_ro("upstreamPath", &MaterialNode::Connection::upstreamPath)
-        .def_ro("upstreamOutput", &MaterialNode::Connection::upstreamOutput);
+    nb::class_<MaterialNode::Connection> connection(module, "Connection", "The output of a node.");
+    connection.def(
+        "__init__",
+        [](MaterialNode::Connection* self, const std::string& path, const std::string& output) {
+            new (self) MaterialNode::Connection{path, output};
+        },
+        "upstreamPath"_a, "upstreamOutput"_a);
+    BindReadOnlyFields(connection);
 
-    nb::class_<MaterialNode>(module, "MaterialNode", "One shader node.")
-        .def(
-            "__init__",
-            [](MaterialNode* self, const std::string& path, const std::string& identifier,
-               std::map<std::string, ParameterValue> parameters,
-               std::map<std::string, MaterialNode::Connection> connections) {
-                new (self)
-                    MaterialNode{path, identifier, std::move(parameters), std::move(connections)};
-            },
-            "path"_a, "identifier"_a, "parameters"_a, "connections"_a)
-        .def_ro("path", &MaterialNode::path)
-        .def_ro("identifier", &MaterialNode::identifier)
-        .def_ro("parameters", &MaterialNode::parameters)
-        .def_ro("connections", &MaterialNode::connections);
+    nb::class_<MaterialNode> node(module, "MaterialNode", "One shader node.");
+    node.def(
+        "__init__",
+        [](MaterialNode* self, const std::string& path, const std::string& identifier,
+           std::map<std::string, ParameterValue> parameters,
+           std::map<std::string, MaterialNode::Connection> connections) {
+            new (self)
+                MaterialNode{path, identifier, std::move(parameters), std::move(connections)};
+        },
+        "path"_a, "identifier"_a, "parameters"_a, "connections"_a);
+    BindReadOnlyFields(node);
 
-    nb::class_<MaterialNetwork>(module, "MaterialNetwork", "Nodes and terminals of a material.")
-        .def(
-            "__init__",
-            [](MaterialNetwork* self, std::vector<MaterialNode> nodes,
-               std::map<std::string, MaterialNode::Connection> terminals) {
-                new (self) MaterialNetwork{std::move(nodes), std::move(terminals)};
-            },
-            "nodes"_a, "terminals"_a)
-        .def_ro("nodes", &MaterialNetwork::nodes)
-        .def_ro("terminals", &MaterialNetwork::terminals);
+    nb::class_<MaterialNetwork> network(module, "MaterialNetwork",
+                                        "Nodes and terminals of a material.");
+    network.def(
+        "__init__",
+        [](MaterialNetwork* self, std::vector<MaterialNode> nodes,
+           std::map<std::string, MaterialNode::Connection> terminals) {
+            new (self) MaterialNetwork{std::move(nodes), std::move(terminals)};
+        },
+        "nodes"_a, "terminals"_a);
+    BindReadOnlyFields(network);
 
     module.def("PatternNames", &PatternNames,
                "The names of all pattern nodes, sorted: MaterialX's categories and USD's names.");

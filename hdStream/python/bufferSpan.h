@@ -83,23 +83,4 @@ nanobind::object ArrayFromSpan(const SharedSpan<T>& span, std::size_t itemsPerRo
         nanobind::ndarray<nanobind::numpy, const T>(data, numDimensions, shape, owner));
 }
 
-/// Binds a span member as a property: any buffer in, a read-only numpy array out.
-/// `itemsPerRow` is the length of the array's rows, which the data must be a multiple of.
-template <typename Class, typename Owner, typename T>
-void BindSpan(Class& binding, const char* name, SharedSpan<T> Owner::*member,
-              std::size_t itemsPerRow) {
-    binding.def_prop_rw(
-        name,
-        [member, itemsPerRow](const Owner& self) {
-            return ArrayFromSpan(self.*member, itemsPerRow);
-        },
-        [member, itemsPerRow, name](Owner& self, nanobind::handle object) {
-            SharedSpan<T> span = SpanFromBuffer<T>(object, name).first;
-            if (span.size() % itemsPerRow != 0) {
-                throw nanobind::value_error("the array does not consist of whole rows");
-            }
-            self.*member = std::move(span);
-        });
-}
-
 } // namespace hds::python

@@ -5,6 +5,7 @@
 
 #include "hdStream/accel/geometryPages.h"
 #include "hdStream/base/log.h"
+#include "hdStream/persist/pageKey.h"
 #include "hdStream/scene/dicingViews.h"
 #include "hdStream/scene/imageLibrary.h"
 #include "hdStream/scene/materialCommit.h"
@@ -45,12 +46,13 @@ struct CommitOptions {
     std::optional<DicingCamera> dicingCamera;
     Shutter shutter; ///< closed: no motion blur
 
-    bool operator==(const CommitOptions& other) const {
-        return purposes == other.purposes && cullStyle == other.cullStyle &&
-               domeVisible == other.domeVisible && chunkBytes == other.chunkBytes &&
-               subdivision == other.subdivision && refineLevel == other.refineLevel &&
-               shownPrimvars == other.shownPrimvars && dicingCamera == other.dicingCamera &&
-               shutter == other.shutter;
+    static constexpr auto Fields() {
+        return FieldList(
+            HDS_FIELD(CommitOptions, purposes), HDS_FIELD(CommitOptions, cullStyle),
+            HDS_FIELD(CommitOptions, domeVisible), HDS_FIELD(CommitOptions, chunkBytes),
+            HDS_FIELD(CommitOptions, subdivision), HDS_FIELD(CommitOptions, refineLevel),
+            HDS_FIELD(CommitOptions, shownPrimvars), HDS_FIELD(CommitOptions, dicingCamera),
+            HDS_FIELD(CommitOptions, shutter));
     }
 };
 
@@ -72,7 +74,7 @@ struct CommitCache {
     std::shared_ptr<TexturePreparer> textures; ///< never null
     /// What EmissionGuess has read for the scene as it is, by texture and factors.
     std::map<std::string, EmissionImage> emissionImages;
-    std::string lightKey; ///< all that `lights` is made of
+    PageKey lightKey; ///< all that `lights` is made of
     std::shared_ptr<const LightTable> lights;
 };
 

@@ -23,11 +23,12 @@ struct DicingCamera {
     double nearClip = 1e-3;
     bool isStill = true; ///< what it does not see stays coarse; else it may turn to see it
 
-    bool operator==(const DicingCamera& other) const {
-        return worldFromCamera == other.worldFromCamera && isOrthographic == other.isOrthographic &&
-               windowMin == other.windowMin && windowMax == other.windowMax &&
-               imageSize == other.imageSize && nearClip == other.nearClip &&
-               isStill == other.isStill;
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(DicingCamera, worldFromCamera),
+                         HDS_FIELD(DicingCamera, isOrthographic),
+                         HDS_FIELD(DicingCamera, windowMin), HDS_FIELD(DicingCamera, windowMax),
+                         HDS_FIELD(DicingCamera, imageSize), HDS_FIELD(DicingCamera, nearClip),
+                         HDS_FIELD(DicingCamera, isStill));
     }
 };
 

@@ -2,11 +2,11 @@
 #include "hdStream/scene/dump.h"
 
 #include "hdStream/base/hash.h"
-#include "hdStream/geometry/primvars.h"
 
 #include <glm/gtc/type_ptr.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <set>
@@ -59,42 +59,87 @@ std::string Array(const SharedSpan<T>& span) {
     return Array(span.data(), span.size());
 }
 
-const char* LightTypeName(LightType type) {
-    switch (type) {
-    case LightType::Distant:
-        return "distant";
-    case LightType::Sphere:
-        return "sphere";
-    case LightType::Rect:
-        return "rect";
-    case LightType::Disk:
-        return "disk";
-    case LightType::Cylinder:
-        return "cylinder";
-    case LightType::Dome:
-        return "dome";
-    case LightType::Mesh:
-        return "mesh";
-    }
-    return "";
+template <typename T, std::size_t N>
+std::string Array(const std::array<T, N>& values) {
+    return Array(values.data(), N);
 }
 
-const char* CullStyleName(CullStyle style) {
-    switch (style) {
-    case CullStyle::DontCare:
-        return "dontCare";
-    case CullStyle::Nothing:
-        return "nothing";
-    case CullStyle::Back:
-        return "back";
-    case CullStyle::Front:
-        return "front";
-    case CullStyle::BackUnlessDoubleSided:
-        return "backUnlessDoubleSided";
-    case CullStyle::FrontUnlessDoubleSided:
-        return "frontUnlessDoubleSided";
+std::string Text(const std::string& text) {
+    return text;
+}
+std::string Text(const AssetReference& asset) {
+    return '@' + asset.authoredPath + '@';
+}
+template <typename T>
+std::string Text(const T& value) {
+    if constexpr (std::is_same_v<T, bool>) {
+        return value ? "true" : "false";
+    } else if constexpr (std::is_enum_v<T>) {
+        return TextOf(value);
+    } else if constexpr (std::is_arithmetic_v<T>) {
+        return Number(value);
+    } else {
+        return Array(value);
     }
-    return "";
+}
+
+// What is left out because nothing depends on it.
+
+bool IsRestricted(const LightShadow& shadow) {
+    return !shadow.enable || !(shadow.distance < 0.0F) || shadow.color != LightShadow().color;
+}
+
+template <typename Member>
+bool IsWorthALine(const LightShadow& shadow, const Field<LightShadow, Member>& field) {
+    const bool isOfFading = field.Is(&LightShadow::falloff) || field.Is(&LightShadow::falloffGamma);
+    return !isOfFading || IsFading(shadow);
+}
+
+template <typename Member>
+bool IsWorthALine(const LightShaping& shaping, const Field<LightShaping, Member>& field) {
+    const bool isOfProfile = field.Is(&LightShaping::iesFile) ||
+                             field.Is(&LightShaping::iesAngleScale) ||
+                             field.Is(&LightShaping::iesNormalize);
+    return !isOfProfile || !shaping.iesFile.authoredPath.empty();
+}
+
+template <typename Member>
+bool IsWorthALine(const LightDescription& light, const Field<LightDescription, Member>& field) {
+    return field.IsFor(light.type) &&
+           (!field.Is(&LightDescription::textureFile) || !light.textureFile.authoredPath.empty()) &&
+           (!field.Is(&LightDescription::shaping) || !IsUnshaped(light)) &&
+           (!field.Is(&LightDescription::shadow) || IsRestricted(light.shadow));
+}
+
+template <typename Member>
+bool IsWorthALine(const SubdivTags& tags, const Field<SubdivTags, Member>& field) {
+    const bool isOfCreases = field.Is(&SubdivTags::creaseIndices) ||
+                             field.Is(&SubdivTags::creaseLengths) ||
+                             field.Is(&SubdivTags::creaseSharpnesses);
+    const bool isOfCorners =
+        field.Is(&SubdivTags::cornerIndices) || field.Is(&SubdivTags::cornerSharpnesses);
+    return (!isOfCreases || !tags.creaseIndices.empty()) &&
+           (!isOfCorners || !tags.cornerIndices.empty());
+}
+
+template <typename Member>
+bool IsWorthALine(const CurveForm& curves, const Field<CurveForm, Member>& field) {
+    return !field.Is(&CurveForm::basis) || curves.type != "linear";
+}
+
+template <typename Member>
+bool IsWorthALine(const MeshDescription& mesh, const Field<MeshDescription, Member>& field) {
+    const bool isCurves = mesh.primitives == PrimitiveKind::Curves;
+    return field.IsFor(mesh.primitives) &&
+           (!field.Is(&MeshDescription::holeIndices) || !mesh.holeIndices.empty()) &&
+           (!field.Is(&MeshDescription::subdivTags) || mesh.subdivisionScheme != "none") &&
+           (!field.Is(&MeshDescription::faceVertexIndices) || !isCurves ||
+            !mesh.faceVertexIndices.empty());
+}
+
+template <typename T, typename Member>
+bool IsWorthALine(const T& /*object*/, const Field<T, Member>& /*field*/) {
+    return true;
 }
 
 /// Collects "  name: value" lines under prim headers.
@@ -106,11 +151,6 @@ public:
     void Line(const std::string& name, const std::string& value) {
         _text += "  " + name + ": " + value + "\n";
     }
-    template <typename T>
-    void Value(const std::string& name, T value) {
-        Line(name, Number(value));
-    }
-    void Flag(const std::string& name, bool value) { Line(name, value ? "true" : "false"); }
     void Matrix(const std::string& name, const glm::dmat4& matrix) {
         Line(name, Array(glm::value_ptr(matrix), 16));
     }
@@ -131,6 +171,33 @@ public:
             Line("transform at " + Number(static_cast<float>(samples[i].time)), text.substr(1));
         }
     }
+    /// A line for a value, or lines for what a struct or a list of samples holds.
+    template <typename T>
+    void Value(const std::string& name, const T& value) {
+        if constexpr (kHasFields<T> && !std::is_same_v<T, AssetReference>) {
+            Fields(value, name + " ");
+        } else {
+            Line(name, Text(value));
+        }
+    }
+    void Value(const std::string& name, const glm::dmat4& matrix) { Matrix(name, matrix); }
+    void Value(const std::string& /*name*/, const std::vector<TransformSample>& samples) {
+        Samples(samples);
+    }
+    void Value(const std::string& /*name*/, const std::vector<glm::dvec4>& planes) {
+        for (const glm::dvec4& plane : planes) {
+            Line("clippingPlane", Array(glm::value_ptr(plane), 4));
+        }
+    }
+    /// The members of a struct that are worth a line.
+    template <typename T>
+    void Fields(const T& object, const std::string& prefix = "") {
+        ForEachField<T>([&](const auto& field) {
+            if (!field.notInDump && IsWorthALine(object, field)) {
+                Value(prefix + field.name, object.*field.member);
+            }
+        });
+    }
     void Placed(const Placement& placement) {
         Matrix("transform", placement.worldFromObject);
         Samples(placement.samples);
@@ -147,14 +214,14 @@ private:
 
 std::string ParameterText(const ParameterValue& value) {
     struct Visitor {
-        std::string operator()(bool v) const { return v ? "true" : "false"; }
-        std::string operator()(std::int64_t v) const { return std::to_string(v); }
+        std::string operator()(bool v) const { return Text(v); }
+        std::string operator()(std::int64_t v) const { return Text(v); }
         std::string operator()(double v) const { return Number(static_cast<float>(v)); }
         std::string operator()(const std::vector<float>& v) const {
             return Array(v.data(), v.size());
         }
         std::string operator()(const std::string& v) const { return '"' + v + '"'; }
-        std::string operator()(const AssetReference& v) const { return '@' + v.authoredPath + '@'; }
+        std::string operator()(const AssetReference& v) const { return Text(v); }
     };
     return std::visit(Visitor{}, value);
 }
@@ -205,144 +272,46 @@ void DumpLinks(const std::string& prefix, const LinkedLights& lights,
     }
 }
 
-void DumpSubdivision(const MeshDescription& mesh, Writer* out) {
-    const SubdivTags& tags = mesh.subdivTags;
-    out->Line("subdivisionScheme", mesh.subdivisionScheme);
-    if (mesh.subdivisionScheme == "none") {
-        return;
-    }
-    out->Line("interpolateBoundary", tags.interpolateBoundary);
-    out->Line("faceVaryingLinearInterpolation", tags.faceVaryingLinearInterpolation);
-    out->Line("triangleSubdivisionRule", tags.triangleSubdivisionRule);
-    if (!tags.creaseIndices.empty()) {
-        out->Line("creaseIndices", Array(tags.creaseIndices));
-        out->Line("creaseLengths", Array(tags.creaseLengths));
-        out->Line("creaseSharpnesses", Array(tags.creaseSharpnesses));
-    }
-    if (!tags.cornerIndices.empty()) {
-        out->Line("cornerIndices", Array(tags.cornerIndices));
-        out->Line("cornerSharpnesses", Array(tags.cornerSharpnesses));
-    }
-}
+/// Lines of a mesh by the types of what it holds. Primvars and subsets come after what the prim
+/// says.
+class MeshLines {
+public:
+    MeshLines(const MeshDescription& mesh, Writer* out) : _mesh(mesh), _out(*out) {}
 
-void DumpFaces(const MeshDescription& mesh, Writer* out) {
-    out->Line("faceVertexCounts", Array(mesh.faceVertexCounts));
-    out->Line("faceVertexIndices", Array(mesh.faceVertexIndices));
-    if (!mesh.holeIndices.empty()) {
-        out->Line("holeIndices", Array(mesh.holeIndices));
+    void Write() const {
+        ForEachField<MeshDescription>([&](const auto& field) {
+            if (!field.notInDump && IsWorthALine(_mesh, field)) {
+                Value(field.name, _mesh.*field.member);
+            }
+        });
     }
-    DumpSubdivision(mesh, out);
-    out->Flag("leftHanded", mesh.leftHanded);
-}
 
-void DumpCurves(const MeshDescription& mesh, Writer* out) {
-    out->Line("curveVertexCounts", Array(mesh.faceVertexCounts));
-    if (!mesh.faceVertexIndices.empty()) {
-        out->Line("curveIndices", Array(mesh.faceVertexIndices));
+private:
+    void Value(const std::string& /*name*/, PrimitiveKind /*kind*/) const {} // DumpMesh's header
+    void Value(const std::string& /*name*/, const std::vector<Primvar>& /*list*/) const {}
+    void Value(const std::string& /*name*/, const std::vector<MeshSubset>& /*list*/) const {}
+    void Value(const std::string& /*name*/, const std::vector<PointSample>& samples) const {
+        for (const PointSample& sample : samples) {
+            _out.Line("points at " + Number(static_cast<float>(sample.time)), Array(sample.points));
+        }
     }
-    out->Line("type", mesh.curves.type);
-    if (mesh.curves.type != "linear") {
-        out->Line("basis", mesh.curves.basis);
+    void Value(const std::string& /*name*/, const SubdivTags& tags) const { _out.Fields(tags); }
+    void Value(const std::string& /*name*/, const CurveForm& curves) const { _out.Fields(curves); }
+    void Value(const std::string& name, const SharedSpan<std::int32_t>& indices) const {
+        const bool isOfCurves = _mesh.primitives == PrimitiveKind::Curves;
+        _out.Value(!isOfCurves                  ? name
+                   : name == "faceVertexCounts" ? "curveVertexCounts"
+                                                : "curveIndices",
+                   indices);
     }
-    out->Line("wrap", mesh.curves.wrap);
-}
+    template <typename T>
+    void Value(const std::string& name, const T& value) const {
+        _out.Value(name, value);
+    }
 
-const char* KindName(PrimitiveKind kind) {
-    switch (kind) {
-    case PrimitiveKind::Faces:
-        break;
-    case PrimitiveKind::Curves:
-        return "curves";
-    case PrimitiveKind::Points:
-        return "points";
-    }
-    return "mesh";
-}
-
-void DumpShaping(const LightDescription& light, Writer* out) {
-    const LightShaping& shaping = light.shaping;
-    if (IsUnshaped(light)) {
-        return;
-    }
-    out->Value("shaping focus", shaping.focus);
-    out->Line("shaping focusTint", Array(shaping.focusTint.data(), shaping.focusTint.size()));
-    out->Value("shaping coneAngle", shaping.coneAngle);
-    out->Value("shaping coneSoftness", shaping.coneSoftness);
-    if (!shaping.iesFile.authoredPath.empty()) {
-        out->Line("shaping iesFile", '@' + shaping.iesFile.authoredPath + '@');
-        out->Value("shaping iesAngleScale", shaping.iesAngleScale);
-        out->Flag("shaping iesNormalize", shaping.iesNormalize);
-    }
-}
-
-void DumpShadow(const LightShadow& shadow, Writer* out) {
-    if (shadow.enable && shadow.distance < 0.0F && shadow.color == LightShadow().color) {
-        return;
-    }
-    out->Flag("shadow enable", shadow.enable);
-    out->Line("shadow color", Array(shadow.color.data(), shadow.color.size()));
-    out->Value("shadow distance", shadow.distance);
-    if (IsFading(shadow)) {
-        out->Value("shadow falloff", shadow.falloff);
-        out->Value("shadow falloffGamma", shadow.falloffGamma);
-    }
-}
-
-void DumpLightInputs(const LightDescription& light, Writer* out) {
-    out->Line("type", LightTypeName(light.type));
-    out->Value("intensity", light.intensity);
-    out->Value("exposure", light.exposure);
-    out->Value("diffuse", light.diffuse);
-    out->Value("specular", light.specular);
-    out->Flag("normalize", light.normalize);
-    out->Line("color", Array(light.color.data(), light.color.size()));
-    out->Flag("enableColorTemperature", light.enableColorTemperature);
-    out->Value("colorTemperature", light.colorTemperature);
-    out->Flag("visibleToCamera", light.visibleToCamera);
-    switch (light.type) {
-    case LightType::Distant:
-        out->Value("angle", light.angle);
-        break;
-    case LightType::Sphere:
-        out->Value("radius", light.radius);
-        out->Flag("treatAsPoint", light.treatAsPoint);
-        break;
-    case LightType::Disk:
-        out->Value("radius", light.radius);
-        break;
-    case LightType::Rect:
-        out->Value("width", light.width);
-        out->Value("height", light.height);
-        break;
-    case LightType::Cylinder:
-        out->Value("radius", light.radius);
-        out->Value("length", light.length);
-        out->Flag("treatAsLine", light.treatAsLine);
-        break;
-    case LightType::Dome:
-        out->Line("textureFormat", light.textureFormat);
-        break;
-    case LightType::Mesh:
-        break;
-    }
-    if (!light.textureFile.authoredPath.empty()) {
-        out->Line("textureFile", '@' + light.textureFile.authoredPath + '@');
-    }
-    DumpShaping(light, out);
-    DumpShadow(light.shadow, out);
-}
-
-const char* SyncModeName(MaterialSyncMode mode) {
-    switch (mode) {
-    case MaterialSyncMode::GlowTintsLight:
-        return "materialGlowTintsLight";
-    case MaterialSyncMode::Independent:
-        return "independent";
-    case MaterialSyncMode::NoMaterialResponse:
-        return "noMaterialResponse";
-    }
-    return "";
-}
+    const MeshDescription& _mesh;
+    Writer& _out;
+};
 
 void DumpMesh(const std::string& path, const MeshPrim& prim, const SceneDescription& scene,
               const LinkedLights& lights, Writer* out) {
@@ -351,22 +320,16 @@ void DumpMesh(const std::string& path, const MeshPrim& prim, const SceneDescript
         return HasSurface(scene, materialPath) ? materialPath : std::string();
     };
     const MeshDescription& mesh = *prim.mesh;
-    out->Prim(KindName(mesh.primitives), path);
+    out->Prim(TextOf(mesh.primitives), path);
     out->Placed(prim.placement);
     out->Line("purpose", prim.purpose);
     out->Line("material", existing(prim.materialPath));
-    out->Line("points", Array(mesh.points));
-    for (const PointSample& sample : mesh.samples) {
-        out->Line("points at " + Number(static_cast<float>(sample.time)), Array(sample.points));
-    }
+    MeshLines(mesh, out).Write();
     if (mesh.primitives == PrimitiveKind::Faces) {
-        DumpFaces(mesh, out);
-        out->Flag("doubleSided", prim.doubleSided);
-    } else if (mesh.primitives == PrimitiveKind::Curves) {
-        DumpCurves(mesh, out);
+        out->Value("doubleSided", prim.doubleSided);
     }
     if (prim.cullStyle != CullStyle::DontCare) {
-        out->Line("cullStyle", CullStyleName(prim.cullStyle));
+        out->Value("cullStyle", prim.cullStyle);
     }
     std::vector<const Primvar*> primvars;
     for (const Primvar& primvar : mesh.primvars) {
@@ -376,7 +339,7 @@ void DumpMesh(const std::string& path, const MeshPrim& prim, const SceneDescript
               [](const Primvar* a, const Primvar* b) { return a->name < b->name; });
     for (const Primvar* primvar : primvars) {
         out->Line("primvar " + primvar->name,
-                  std::string(InterpolationName(primvar->interpolation)) + " x" +
+                  std::string(TextOf(primvar->interpolation)) + " x" +
                       std::to_string(primvar->numComponents) + " " + Array(primvar->values) +
                       (primvar->indices.empty() ? "" : " indices " + Array(primvar->indices)));
     }
@@ -388,8 +351,8 @@ void DumpMesh(const std::string& path, const MeshPrim& prim, const SceneDescript
     }
     DumpLinks("", lights, prim.categories, out);
     if (prim.light) {
-        out->Line("light", SyncModeName(prim.light->materialSyncMode));
-        DumpLightInputs(prim.light->light, out);
+        out->Value("light", prim.light->materialSyncMode);
+        out->Fields(prim.light->light);
     }
 }
 
@@ -435,7 +398,7 @@ void DumpMaterial(const std::string& path, const MaterialNetwork& network, Write
 void DumpLight(const std::string& path, const LightPrim& prim, Writer* out) {
     out->Prim("light", path);
     out->Placed(prim.placement);
-    DumpLightInputs(prim.light, out);
+    out->Fields(prim.light);
     for (std::size_t i = 0; i < prim.portals.size(); ++i) {
         const std::string name = "portal " + std::to_string(i);
         out->Matrix(name, prim.portals[i].worldFromPortal);
@@ -446,39 +409,20 @@ void DumpLight(const std::string& path, const LightPrim& prim, Writer* out) {
 
 void DumpCamera(const std::string& path, const CameraPrim& camera, Writer* out) {
     out->Prim("camera", path);
-    out->Matrix("transform", camera.worldFromCamera);
-    out->Samples(camera.samples);
-    out->Line("projection", camera.orthographic ? "orthographic" : "perspective");
-    const float values[] = {camera.horizontalAperture,
-                            camera.verticalAperture,
-                            camera.horizontalApertureOffset,
-                            camera.verticalApertureOffset,
-                            camera.focalLength,
-                            camera.nearClip,
-                            camera.farClip,
-                            camera.fStop,
-                            camera.focusDistance,
-                            camera.exposureScale};
-    const char* names[] = {"horizontalAperture",
-                           "verticalAperture",
-                           "horizontalApertureOffset",
-                           "verticalApertureOffset",
-                           "focalLength",
-                           "nearClip",
-                           "farClip",
-                           "fStop",
-                           "focusDistance",
-                           "exposureScale"};
-    for (std::size_t i = 0; i < std::size(values); ++i) {
-        out->Value(names[i], values[i]);
-    }
-    if (camera.shutter.IsOpen()) {
-        const double ends[] = {camera.shutter.open, camera.shutter.close};
-        out->Line("shutter", Array(ends, 2));
-    }
-    for (const glm::dvec4& plane : camera.clippingPlanes) {
-        out->Line("clippingPlane", Array(glm::value_ptr(plane), 4));
-    }
+    ForEachField<CameraPrim>([&](const auto& field) {
+        if (field.Is(&CameraPrim::worldFromCamera)) {
+            out->Matrix("transform", camera.worldFromCamera);
+        } else if (field.Is(&CameraPrim::orthographic)) {
+            out->Line("projection", camera.orthographic ? "orthographic" : "perspective");
+        } else if (field.Is(&CameraPrim::shutter)) {
+            const double ends[] = {camera.shutter.open, camera.shutter.close};
+            if (camera.shutter.IsOpen()) {
+                out->Line("shutter", Array(ends, 2));
+            }
+        } else {
+            out->Value(field.name, camera.*field.member);
+        }
+    });
 }
 
 /// Visible, and so are all instancers above.

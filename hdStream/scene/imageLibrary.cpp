@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/imageLibrary.h"
 
+#include "hdStream/base/fieldHash.h"
 #include "hdStream/texture/plainTexture.h"
 #include "hdStream/texture/udim.h"
 
@@ -32,7 +33,13 @@ TextureUse UseOf(const AssetReference& asset, const ImageInfo& info, const std::
 } // namespace
 
 std::string MaterialTextureKey(const MaterialTexture& texture) {
-    return KeyOf(texture.file) + '\n' + texture.colorSpace + (texture.isRadiance ? "\nlight" : "");
+    MaterialTexture named = texture;
+    if (!named.file.file.empty()) {
+        named.file.authoredPath.clear();
+    }
+    Hasher hasher;
+    FieldHasher(&hasher).Add(named);
+    return hasher.Hex();
 }
 
 ImageSource SourceOf(const AssetReference& asset) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/lightCommit.h"
 
-#include "hdStream/base/hash.h"
+#include "hdStream/base/fieldHash.h"
 #include "hdStream/persist/file.h"
 #include "hdStream/persist/fileIdentity.h"
 #include "hdStream/scene/emissiveMeshes.h"
@@ -12,7 +12,6 @@
 #include <cmath>
 #include <map>
 #include <set>
-#include <type_traits>
 #include <utility>
 
 namespace hds {
@@ -50,114 +49,6 @@ std::vector<PlacedLight> PlaceLights(const LightCommitInput& input) {
     }
     return placed;
 }
-
-/// All that a light table is made of, as bytes.
-class KeyWriter {
-public:
-    template <typename T>
-    void Add(const T& value) {
-        static_assert(std::is_arithmetic_v<T> || std::is_enum_v<T>, "no padding, no pointers");
-        _key.append(reinterpret_cast<const char*>(&value), sizeof(value));
-    }
-    void Add(const std::string& text) {
-        Add(text.size());
-        _key += text;
-    }
-    void Add(const AssetReference& asset) {
-        Add(asset.authoredPath);
-        Add(asset.file);
-        Add(asset.offset);
-        Add(asset.size);
-    }
-    void Add(const LightDescription& light) {
-        Add(light.type);
-        for (const float value :
-             {light.intensity, light.exposure, light.diffuse, light.specular, light.color[0],
-              light.color[1], light.color[2], light.colorTemperature, light.angle, light.radius,
-              light.width, light.height, light.length}) {
-            Add(value);
-        }
-        for (const bool flag : {light.normalize, light.enableColorTemperature, light.treatAsPoint,
-                                light.treatAsLine, light.visibleToCamera}) {
-            Add(flag);
-        }
-        Add(light.textureFormat);
-        Add(light.textureFile);
-        Add(light.shaping);
-        Add(light.shadow);
-    }
-    void Add(const LightShaping& shaping) {
-        for (const float value :
-             {shaping.focus, shaping.focusTint[0], shaping.focusTint[1], shaping.focusTint[2],
-              shaping.coneAngle, shaping.coneSoftness, shaping.iesAngleScale}) {
-            Add(value);
-        }
-        Add(shaping.iesFile);
-        Add(shaping.iesNormalize);
-    }
-    void Add(const LightShadow& shadow) {
-        Add(shadow.enable);
-        for (const float value : {shadow.color[0], shadow.color[1], shadow.color[2],
-                                  shadow.distance, shadow.falloff, shadow.falloffGamma}) {
-            Add(value);
-        }
-    }
-    void Add(const LinkTable& links) {
-        Add(links.numSets);
-        for (const std::vector<bool>& category : links.categories) {
-            for (const bool isIn : category) {
-                Add(isIn);
-            }
-        }
-    }
-    void Add(const PlacedLight& light) {
-        Add(light.name);
-        Add(light.light);
-        Add(light.lightLink);
-        Add(light.shadowLink);
-        Add(light.worldFromLight);
-        Add(light.portals.size());
-        for (const LightPortal& portal : light.portals) {
-            Add(portal.worldFromPortal);
-            Add(portal.width);
-            Add(portal.height);
-        }
-    }
-    void Add(const EmissiveMesh& mesh) {
-        Add(mesh.name);
-        Add(mesh.radiance);
-        Add(mesh.twoSided);
-        Add(mesh.isGlowing);
-        Add(mesh.positionError);
-        Add(mesh.wholeArea);
-        Add(mesh.lux.has_value());
-        if (mesh.lux) {
-            Add(*mesh.lux);
-        }
-        Add(mesh.triangles.size());
-        for (const EmissiveMesh::Triangle& triangle : mesh.triangles) {
-            Add(triangle.primId);
-            Add(triangle.glow);
-            for (const glm::dvec3& corner : triangle.p) {
-                Add(corner);
-            }
-        }
-    }
-    std::string Take() { return std::move(_key); }
-
-private:
-    void Add(const glm::dvec3& v) {
-        for (int i = 0; i < 3; ++i) {
-            Add(v[i]);
-        }
-    }
-    void Add(const glm::dmat4& m) {
-        for (int i = 0; i < 16; ++i) {
-            Add(m[i / 4][i % 4]);
-        }
-    }
-    std::string _key;
-};
 
 /// Lights of these types show their images.
 bool HasImage(const LightDescription& light) {
@@ -221,20 +112,21 @@ std::string IdentityOf(const AssetReference& asset) {
 void UpdateTable(const std::vector<PlacedLight>& lights, const std::vector<EmissiveMesh>& emissive,
                  const ImageFinder& images, const LinkTable& links, CommitCache* cache,
                  Warnings& warnings) {
-    KeyWriter writer;
-    writer.Add(links);
+    Hasher hasher;
+    FieldHasher table(&hasher); // all that the table is made of
+    table.Add(links);
     for (const PlacedLight& light : lights) {
-        writer.Add(light);
-        writer.Add(HasImage(light.light) ? images.Find(light.light.textureFile).index : 0);
-        writer.Add(IdentityOf(light.light.shaping.iesFile));
+        table.Add(light);
+        table.Add(HasImage(light.light) ? images.Find(light.light.textureFile).index : 0);
+        table.Add(IdentityOf(light.light.shaping.iesFile));
     }
     for (const EmissiveMesh& mesh : emissive) {
-        writer.Add(mesh);
+        table.Add(mesh);
         if (mesh.lux) {
-            writer.Add(IdentityOf(mesh.lux->light.shaping.iesFile));
+            table.Add(IdentityOf(mesh.lux->light.shaping.iesFile));
         }
     }
-    std::string key = writer.Take();
+    const PageKey key = MakePageKey(hasher);
     if (!cache->lights || key != cache->lightKey) {
         LightTableInput input;
         input.loadImage = [&](const AssetReference& asset) { return images.Find(asset); };
@@ -244,7 +136,7 @@ void UpdateTable(const std::vector<PlacedLight>& lights, const std::vector<Emiss
         input.links = links;
         cache->lights =
             std::make_shared<const LightTable>(BuildLightTable(lights, emissive, input, warnings));
-        cache->lightKey = std::move(key);
+        cache->lightKey = key;
     }
     cache->images.DropLightImages();
 }

@@ -76,10 +76,14 @@ MeshInputs OnlyRead(MeshInputs inputs) {
 } // namespace
 
 bool MeshInputs::Suffice(const MeshInputs& other) const {
-    return mesh == other.mesh && chunkBytes == other.chunkBytes && dicing == other.dicing &&
-           displacements == other.displacements && shutter == other.shutter &&
-           std::includes(primvars.begin(), primvars.end(), other.primvars.begin(),
-                         other.primvars.end());
+    bool areEqual = true;
+    ForEachField<MeshInputs>([&](const auto& field) {
+        if (!field.Is(&MeshInputs::primvars)) {
+            areEqual = areEqual && this->*field.member == other.*field.member;
+        }
+    });
+    return areEqual && std::includes(primvars.begin(), primvars.end(), other.primvars.begin(),
+                                     other.primvars.end());
 }
 
 PreparedMesh PrepareMesh(const std::string& path, const MeshInputs& all,

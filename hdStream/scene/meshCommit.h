@@ -39,6 +39,14 @@ struct MeshInputs {
     std::vector<std::string> primvars;
     Shutter shutter; ///< of a mesh whose points move; else closed
 
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(MeshInputs, mesh), HDS_FIELD(MeshInputs, chunkBytes),
+                         HDS_FIELD(MeshInputs, dicing), HDS_FIELD(MeshInputs, displacements),
+                         HDS_FIELD(MeshInputs, primvars)
+                             .NotInKey("of primvars that are not read, the mesh has none by then"),
+                         HDS_FIELD(MeshInputs, shutter));
+    }
+
     /// Whether a mesh made of these serves where `other` is asked for.
     bool Suffice(const MeshInputs& other) const;
 };

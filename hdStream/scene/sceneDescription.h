@@ -25,8 +25,8 @@ struct Shutter {
     double close = 0.0;
 
     bool IsOpen() const { return close > open; }
-    bool operator==(const Shutter& other) const {
-        return open == other.open && close == other.close;
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(Shutter, open), HDS_FIELD(Shutter, close));
     }
 };
 
@@ -34,12 +34,21 @@ struct Shutter {
 struct TransformSample {
     double time = 0.0;
     glm::dmat4 matrix{1.0};
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(TransformSample, time), HDS_FIELD(TransformSample, matrix));
+    }
 };
 
 /// The transforms of all instances at a time.
 struct InstanceSample {
     double time = 0.0;
     SharedSpan<double> transforms; ///< as InstancerPrim::instanceTransforms
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(InstanceSample, time),
+                         HDS_FIELD(InstanceSample, transforms).Rows(16));
+    }
 };
 
 /// Common part of everything that is placed in space.
@@ -52,6 +61,12 @@ struct Placement {
     bool visible = true;
     /// worldFromObject around the frame, in ascending order of time; fewer than two: it is at rest.
     std::vector<TransformSample> samples;
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(Placement, worldFromObject), HDS_FIELD(Placement, samples),
+                         HDS_FIELD(Placement, instancerPath), HDS_FIELD(Placement, instances),
+                         HDS_FIELD(Placement, visible));
+    }
 };
 
 /// Which faces camera rays do not see (Hydra's cull styles). All other rays see every face.
@@ -64,10 +79,26 @@ enum class CullStyle {
     FrontUnlessDoubleSided,
 };
 
+constexpr EnumTable<CullStyle, 6> NamesOf(CullStyle) {
+    return {
+        {{CullStyle::DontCare, "DontCare", "dontCare"},
+         {CullStyle::Nothing, "Nothing", "nothing"},
+         {CullStyle::Back, "Back", "back"},
+         {CullStyle::Front, "Front", "front"},
+         {CullStyle::BackUnlessDoubleSided, "BackUnlessDoubleSided", "backUnlessDoubleSided"},
+         {CullStyle::FrontUnlessDoubleSided, "FrontUnlessDoubleSided", "frontUnlessDoubleSided"}}};
+}
+
 /// What a light is linked to.
 struct LinkCategories {
     std::string lightLink;  ///< category of the meshes that it lights; empty: all
     std::string shadowLink; ///< category of the meshes that cast its shadows; empty: all
+
+    static constexpr auto Fields() {
+        constexpr auto kWhy = "front ends name categories as they like: who is unlit is dumped";
+        return FieldList(HDS_FIELD(LinkCategories, lightLink).NotInDump(kWhy),
+                         HDS_FIELD(LinkCategories, shadowLink).NotInDump(kWhy));
+    }
 };
 
 /// What makes a mesh a light (UsdLuxMeshLightAPI); its type is Mesh.
@@ -75,6 +106,11 @@ struct MeshLight {
     LightDescription light;
     MaterialSyncMode materialSyncMode = MaterialSyncMode::GlowTintsLight;
     LinkCategories links;
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(MeshLight, light), HDS_FIELD(MeshLight, materialSyncMode),
+                         HDS_FIELD(MeshLight, links));
+    }
 };
 
 /// A mesh prim. Two prims with the same `mesh` pointer have the same geometry, and so has a prim
@@ -90,6 +126,18 @@ struct MeshPrim {
     std::vector<std::string> subsetMaterialPaths; ///< parallel to mesh->subsets; empty: the prim's
     std::shared_ptr<const MeshLight> light;       ///< null: it is none
     int primId = -1; ///< the front end's id for the AOV; -1: order of path
+
+    static constexpr auto Fields() {
+        return FieldList(
+            HDS_FIELD(MeshPrim, placement), HDS_FIELD(MeshPrim, purpose),
+            HDS_FIELD(MeshPrim, materialPath),
+            HDS_FIELD(MeshPrim, mesh).NotInPython("a constructor's argument"),
+            HDS_FIELD(MeshPrim, doubleSided), HDS_FIELD(MeshPrim, cullStyle),
+            HDS_FIELD(MeshPrim, subsetMaterialPaths),
+            HDS_FIELD(MeshPrim, categories).NotInDump("see LinkCategories"),
+            HDS_FIELD(MeshPrim, light).NotInPython("SetLight"),
+            HDS_FIELD(MeshPrim, primId).NotInDump("front ends number prims as they like"));
+    }
 };
 
 /// An instancer: places its prototypes (meshes, lights or instancers that name it as
@@ -101,6 +149,14 @@ struct InstancerPrim {
     std::vector<InstanceSample> samples;   ///< of them, as Placement::samples
     /// Of each instance, added to those of what it places; empty: none.
     std::vector<std::set<std::string>> instanceCategories;
+
+    static constexpr auto Fields() {
+        return FieldList(
+            HDS_FIELD(InstancerPrim, placement),
+            HDS_FIELD(InstancerPrim, instanceTransforms).Rows(16),
+            HDS_FIELD(InstancerPrim, samples),
+            HDS_FIELD(InstancerPrim, instanceCategories).NotInDump("see LinkCategories"));
+    }
 };
 
 /// A light prim.
@@ -109,6 +165,12 @@ struct LightPrim {
     LightDescription light;
     LinkCategories links;
     std::vector<LightPortal> portals; ///< dome
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(LightPrim, placement), HDS_FIELD(LightPrim, light),
+                         HDS_FIELD(LightPrim, links),
+                         HDS_FIELD(LightPrim, portals).NotInPython("AddPortal"));
+    }
 };
 
 /// A camera as HdCamera gives it: all lengths in scene units, as floats.
@@ -129,6 +191,20 @@ struct CameraPrim {
     std::vector<glm::dvec4> clippingPlanes;
     Shutter shutter;
     std::vector<TransformSample> samples; ///< of worldFromCamera, as Placement::samples
+
+    /// In the order of the dump.
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(CameraPrim, worldFromCamera), HDS_FIELD(CameraPrim, samples),
+                         HDS_FIELD(CameraPrim, orthographic),
+                         HDS_FIELD(CameraPrim, horizontalAperture),
+                         HDS_FIELD(CameraPrim, verticalAperture),
+                         HDS_FIELD(CameraPrim, horizontalApertureOffset),
+                         HDS_FIELD(CameraPrim, verticalApertureOffset),
+                         HDS_FIELD(CameraPrim, focalLength), HDS_FIELD(CameraPrim, nearClip),
+                         HDS_FIELD(CameraPrim, farClip), HDS_FIELD(CameraPrim, fStop),
+                         HDS_FIELD(CameraPrim, focusDistance), HDS_FIELD(CameraPrim, exposureScale),
+                         HDS_FIELD(CameraPrim, shutter), HDS_FIELD(CameraPrim, clippingPlanes));
+    }
 };
 
 /// Everything, by prim path. std::map keeps the order of paths, which is the order of identity.

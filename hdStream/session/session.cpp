@@ -343,7 +343,7 @@ bool Session::HasImage() const {
 void Session::FlushTextures() {
     _impl->cache.images.Clear();
     _impl->cache.materials.clear();
-    _impl->cache.lightKey.clear();
+    _impl->cache.lightKey = {};
     _impl->cache.lights.reset();
     ++_impl->sceneVersion;
 }

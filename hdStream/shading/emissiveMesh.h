@@ -24,6 +24,12 @@ struct PlacedLight {
     std::uint32_t lightLink = HDS_NONE;  ///< index into LinkTable::categories
     std::uint32_t shadowLink = HDS_NONE; ///< likewise
     std::vector<LightPortal> portals;    ///< dome: relative to the scene centre
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(PlacedLight, name), HDS_FIELD(PlacedLight, light),
+                         HDS_FIELD(PlacedLight, worldFromLight), HDS_FIELD(PlacedLight, lightLink),
+                         HDS_FIELD(PlacedLight, shadowLink), HDS_FIELD(PlacedLight, portals));
+    }
 };
 
 /// The emissive triangles of one mesh instance with one material.
@@ -33,6 +39,11 @@ struct EmissiveMesh {
                          ///< side of cross(p1 - p0, p2 - p0)
         std::uint32_t primId = 0;
         double glow = 1.0; ///< about the mean luminance of what the material emits, of isGlowing
+
+        static constexpr auto Fields() {
+            return FieldList(HDS_FIELD(Triangle, p), HDS_FIELD(Triangle, primId),
+                             HDS_FIELD(Triangle, glow));
+        }
     };
     std::string name;
     std::vector<Triangle> triangles;
@@ -46,6 +57,14 @@ struct EmissiveMesh {
     /// Bound on the distance between these positions and where rays meet the triangles, besides the
     /// rounding of the positions themselves: about 2^-21 (|worldFromObject| |p| + |translation|).
     double positionError = 0.0;
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(EmissiveMesh, name), HDS_FIELD(EmissiveMesh, triangles),
+                         HDS_FIELD(EmissiveMesh, radiance), HDS_FIELD(EmissiveMesh, twoSided),
+                         HDS_FIELD(EmissiveMesh, isGlowing), HDS_FIELD(EmissiveMesh, lux),
+                         HDS_FIELD(EmissiveMesh, wholeArea),
+                         HDS_FIELD(EmissiveMesh, positionError));
+    }
 };
 
 /// A triangle that can be sampled.

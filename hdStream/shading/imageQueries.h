@@ -42,6 +42,13 @@ struct MaterialTexture {
     std::string colorSpace;     ///< "raw", "sRGB", "auto" or a named space
     std::uint32_t channels = 0; ///< outputs that are read: bit 0 R to bit 3 A
     bool isRadiance = false;    ///< of a light: no value is negative
+
+    static constexpr auto Fields() {
+        return FieldList(
+            HDS_FIELD(MaterialTexture, file), HDS_FIELD(MaterialTexture, colorSpace),
+            HDS_FIELD(MaterialTexture, channels).NotInKey("its uses share one texture"),
+            HDS_FIELD(MaterialTexture, isRadiance));
+    }
 };
 
 } // namespace hds

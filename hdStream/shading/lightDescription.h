@@ -2,6 +2,7 @@
 // A UsdLux light as the front ends translate it: authored values, units as UsdLux states them.
 #pragma once
 
+#include "hdStream/base/enumTable.h"
 #include "hdStream/shading/materialNetwork.h"
 
 #include <glm/mat4x4.hpp>
@@ -14,12 +15,28 @@ namespace hds {
 /// The UsdLux types the core renders. Mesh: a mesh with UsdLuxMeshLightAPI.
 enum class LightType { Distant, Sphere, Rect, Disk, Cylinder, Dome, Mesh };
 
+constexpr EnumTable<LightType, 7> NamesOf(LightType) {
+    return {{{LightType::Distant, "Distant", "distant"},
+             {LightType::Sphere, "Sphere", "sphere"},
+             {LightType::Rect, "Rect", "rect"},
+             {LightType::Disk, "Disk", "disk"},
+             {LightType::Cylinder, "Cylinder", "cylinder"},
+             {LightType::Dome, "Dome", "dome"},
+             {LightType::Mesh, "Mesh", "mesh"}}};
+}
+
 /// How a mesh light and the material of its mesh go together (UsdLuxLightAPI's materialSyncMode).
 enum class MaterialSyncMode {
     GlowTintsLight,     ///< what the material emits is a factor on the light
     Independent,        ///< the light does not ask the material
     NoMaterialResponse, ///< there is no material: black, and seen as it lights
 };
+
+constexpr EnumTable<MaterialSyncMode, 3> NamesOf(MaterialSyncMode) {
+    return {{{MaterialSyncMode::GlowTintsLight, "GlowTintsLight", "materialGlowTintsLight"},
+             {MaterialSyncMode::Independent, "Independent", "independent"},
+             {MaterialSyncMode::NoMaterialResponse, "NoMaterialResponse", "noMaterialResponse"}}};
+}
 
 /// How a light's radiance depends on the direction in which it leaves (UsdLuxShapingAPI). As it is,
 /// on none; UsdLux's fallback of coneAngle is 90, where the schema is applied.
@@ -31,6 +48,13 @@ struct LightShaping {
     AssetReference iesFile; ///< authoredPath empty when there is none
     float iesAngleScale = 0.0F;
     bool iesNormalize = false;
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(LightShaping, focus), HDS_FIELD(LightShaping, focusTint),
+                         HDS_FIELD(LightShaping, coneAngle), HDS_FIELD(LightShaping, coneSoftness),
+                         HDS_FIELD(LightShaping, iesFile), HDS_FIELD(LightShaping, iesAngleScale),
+                         HDS_FIELD(LightShaping, iesNormalize));
+    }
 };
 
 /// What shadows a light casts (UsdLuxShadowAPI).
@@ -40,6 +64,12 @@ struct LightShadow {
     float distance = -1.0F;    ///< of occluders from what they shade; negative: any
     float falloff = -1.0F;     ///< length, up to the distance, over which the shadow fades
     float falloffGamma = 1.0F; ///< exponent of what is left of the shadow
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(LightShadow, enable), HDS_FIELD(LightShadow, color),
+                         HDS_FIELD(LightShadow, distance), HDS_FIELD(LightShadow, falloff),
+                         HDS_FIELD(LightShadow, falloffGamma));
+    }
 };
 
 /// A rect in the xy plane of its space through which the light of a dome comes, towards -z
@@ -48,6 +78,11 @@ struct LightPortal {
     glm::dmat4 worldFromPortal{1.0};
     float width = 1.0F;
     float height = 1.0F;
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(LightPortal, worldFromPortal), HDS_FIELD(LightPortal, width),
+                         HDS_FIELD(LightPortal, height));
+    }
 };
 
 /// Authored inputs of a light; defaults are UsdLux's.
@@ -61,19 +96,38 @@ struct LightDescription {
     bool normalize = false;
     std::array<float, 3> color{1.0F, 1.0F, 1.0F};
     bool enableColorTemperature = false;
-    float colorTemperature = 6500.0F;        ///< kelvin
-    float angle = 0.53F;                     ///< distant: degrees, full cone
-    float radius = 0.5F;                     ///< sphere, disk, cylinder: scene units
-    float width = 1.0F;                      ///< rect
-    float height = 1.0F;                     ///< rect
-    float length = 1.0F;                     ///< cylinder
-    bool treatAsPoint = false;               ///< sphere
-    bool treatAsLine = false;                ///< cylinder
-    std::string textureFormat = "automatic"; ///< dome: automatic, latlong
+    float colorTemperature = 6500.0F; ///< kelvin
+    float angle = 0.53F;              ///< degrees, full cone
+    float radius = 0.5F;              ///< scene units
+    float width = 1.0F;
+    float height = 1.0F;
+    float length = 1.0F;
+    bool treatAsPoint = false;
+    bool treatAsLine = false;
+    std::string textureFormat = "automatic"; ///< automatic, latlong
     AssetReference textureFile;              ///< dome, rect: authoredPath empty when there is none
     LightShaping shaping;
     LightShadow shadow;
     bool visibleToCamera = true;
+
+    /// In the order of the dump, and which lights have what.
+    static constexpr auto Fields() {
+        using Light = LightDescription;
+        using T = LightType;
+        return FieldList(
+            HDS_FIELD(Light, type), HDS_FIELD(Light, intensity), HDS_FIELD(Light, exposure),
+            HDS_FIELD(Light, diffuse), HDS_FIELD(Light, specular), HDS_FIELD(Light, normalize),
+            HDS_FIELD(Light, color), HDS_FIELD(Light, enableColorTemperature),
+            HDS_FIELD(Light, colorTemperature), HDS_FIELD(Light, visibleToCamera),
+            HDS_FIELD(Light, angle).For(T::Distant),
+            HDS_FIELD(Light, radius).For(T::Sphere, T::Disk, T::Cylinder),
+            HDS_FIELD(Light, width).For(T::Rect), HDS_FIELD(Light, height).For(T::Rect),
+            HDS_FIELD(Light, length).For(T::Cylinder),
+            HDS_FIELD(Light, treatAsPoint).For(T::Sphere),
+            HDS_FIELD(Light, treatAsLine).For(T::Cylinder),
+            HDS_FIELD(Light, textureFormat).For(T::Dome), HDS_FIELD(Light, textureFile),
+            HDS_FIELD(Light, shaping), HDS_FIELD(Light, shadow));
+    }
 };
 
 /// An input that multiplies light: what is negative or not finite counts as 0.

@@ -21,6 +21,10 @@ namespace hds {
 struct LinkTable {
     std::uint32_t numSets = 1;
     std::vector<std::vector<bool>> categories; ///< [category][link set]
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(LinkTable, numSets), HDS_FIELD(LinkTable, categories));
+    }
 };
 
 /// Reads an image that a light names. May be empty.

@@ -24,6 +24,11 @@ struct HeightImage {
     std::uint32_t width = 0;
     std::uint32_t height = 0;
     std::vector<float> values;
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(HeightImage, width), HDS_FIELD(HeightImage, height),
+                         HDS_FIELD(HeightImage, values));
+    }
 };
 
 /// An amount that is looked up: value * scale + bias.
@@ -38,10 +43,14 @@ struct DisplacementLookup {
     float bias = 0.0F;
     std::shared_ptr<const HeightImage> image; ///< null until commit has read it
 
-    bool operator==(const DisplacementLookup& other) const {
-        return image == other.image && channel == other.channel && wrapS == other.wrapS &&
-               wrapT == other.wrapT && rows == other.rows && missing == other.missing &&
-               scale == other.scale && bias == other.bias;
+    static constexpr auto Fields() {
+        using Lookup = DisplacementLookup;
+        return FieldList(
+            HDS_FIELD(Lookup, texture)
+                .NotInKey("the heights are: a file that changes makes other pages"),
+            HDS_FIELD(Lookup, channel).NotInKey("the heights are"), HDS_FIELD(Lookup, wrapS),
+            HDS_FIELD(Lookup, wrapT), HDS_FIELD(Lookup, rows), HDS_FIELD(Lookup, missing),
+            HDS_FIELD(Lookup, scale), HDS_FIELD(Lookup, bias), HDS_FIELD(Lookup, image));
     }
 };
 
@@ -52,8 +61,10 @@ struct DisplacementInput {
     /// Nothing: the primvar's first component is the amount; else its first two are coordinates.
     std::optional<DisplacementLookup> lookup = {};
 
-    bool operator==(const DisplacementInput& other) const {
-        return constant == other.constant && primvar == other.primvar && lookup == other.lookup;
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(DisplacementInput, constant),
+                         HDS_FIELD(DisplacementInput, primvar),
+                         HDS_FIELD(DisplacementInput, lookup));
     }
 };
 

@@ -2,6 +2,8 @@
 // A material network as the front ends translate it (Hydra's HdMaterialNetwork2 without its types).
 #pragma once
 
+#include "hdStream/base/fields.h"
+
 #include <array>
 #include <cstdint>
 #include <map>
@@ -17,6 +19,14 @@ struct AssetReference {
     std::string file;         ///< resolved file; empty: could not be resolved
     std::uint64_t offset = 0; ///< bytes
     std::uint64_t size = 0;   ///< bytes; 0: the whole file
+
+    static constexpr auto Fields() {
+        constexpr auto kWhy = "the text does not depend on where a stage lies";
+        return FieldList(HDS_FIELD(AssetReference, authoredPath),
+                         HDS_FIELD(AssetReference, file).NotInDump(kWhy),
+                         HDS_FIELD(AssetReference, offset).NotInDump(kWhy),
+                         HDS_FIELD(AssetReference, size).NotInDump(kWhy));
+    }
 };
 
 /// A parameter value. Vectors of 2 to 4 floats keep their length.
@@ -31,14 +41,28 @@ struct MaterialNode {
     struct Connection {
         std::string upstreamPath;
         std::string upstreamOutput;
+
+        static constexpr auto Fields() {
+            return FieldList(HDS_FIELD(Connection, upstreamPath),
+                             HDS_FIELD(Connection, upstreamOutput));
+        }
     };
     std::map<std::string, Connection> connections; ///< by input name (the first source only)
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(MaterialNode, path), HDS_FIELD(MaterialNode, identifier),
+                         HDS_FIELD(MaterialNode, parameters), HDS_FIELD(MaterialNode, connections));
+    }
 };
 
 /// A network with its terminals ("surface", "displacement", "volume") by node path.
 struct MaterialNetwork {
     std::vector<MaterialNode> nodes;
     std::map<std::string, MaterialNode::Connection> terminals;
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(MaterialNetwork, nodes), HDS_FIELD(MaterialNetwork, terminals));
+    }
 };
 
 } // namespace hds

@@ -3,6 +3,8 @@
 // the slots that are never given away. Explained in docs/texturing.md.
 #pragma once
 
+#include "hdStream/base/fields.h"
+
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -18,9 +20,9 @@ struct SlotPlan {
     std::uint32_t numPinned = 0;
 
     std::uint32_t NumSlots() const { return numOverflow + kWays * numSets + numPinned; }
-    bool operator==(const SlotPlan& other) const {
-        return numOverflow == other.numOverflow && numSets == other.numSets &&
-               numPinned == other.numPinned;
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(SlotPlan, numOverflow), HDS_FIELD(SlotPlan, numSets),
+                         HDS_FIELD(SlotPlan, numPinned));
     }
 };
 

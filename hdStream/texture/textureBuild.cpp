@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/texture/textureBuild.h"
 
+#include "hdStream/base/fieldHash.h"
 #include "hdStream/persist/fileIdentity.h"
 #include "hdStream/texture/blockEncoder.h"
 #include "hdStream/texture/colorConfig.h"
@@ -17,7 +18,7 @@ namespace hds {
 namespace {
 
 /// Bump when preparation gives other bytes for the same file.
-constexpr std::uint64_t kTextureVersion = 2;
+constexpr std::uint64_t kTextureVersion = 3;
 
 bool IsNamedSpace(const std::string& space) {
     return !space.empty() && space != "raw" && space != "sRGB" && space != "auto";
@@ -153,11 +154,9 @@ std::optional<PageKey> TextureKey(const ImageSource& source, const TextureReques
     }
     // The extension chooses the reader where the content does not, and it is the name's.
     hasher.Append(source.name);
-    hasher.Append(request.colorSpace.empty() ? "auto" : request.colorSpace);
-    hasher.Append(std::uint64_t{request.channels});
-    if (request.isRadiance) {
-        hasher.Append("radiance");
-    }
+    TextureRequest asked = request;
+    asked.colorSpace = request.colorSpace.empty() ? "auto" : request.colorSpace;
+    FieldHasher(&hasher).Add(asked);
     if (IsNamedSpace(request.colorSpace)) {
         try {
             hasher.Append(ColorConfigIdentity());

@@ -4,6 +4,7 @@
 // "Formats".
 #pragma once
 
+#include "hdStream/base/fields.h"
 #include "hdStream/texture/colorDecoder.h"
 #include "hdStream/texture/imageFile.h"
 #include "kernels/shared/texture.h"
@@ -27,6 +28,11 @@ struct TextureRequest {
     std::uint32_t channels = kRed | kGreen | kBlue | kAlpha;
     /// What a light emits: values below 0 become 0.
     bool isRadiance = false;
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(TextureRequest, colorSpace), HDS_FIELD(TextureRequest, channels),
+                         HDS_FIELD(TextureRequest, isRadiance));
+    }
 };
 
 /// A stored format, and where its channels come from.

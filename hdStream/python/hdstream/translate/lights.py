@@ -15,32 +15,12 @@ _TYPES = {
     "DomeLight_1": _core.LightType.Dome,
 }
 LIGHT_TYPES = tuple(_TYPES)
-_SYNC_MODES = {
-    "materialGlowTintsLight": _core.MaterialSyncMode.GlowTintsLight,
-    "independent": _core.MaterialSyncMode.Independent,
-}
 UNSUPPORTED_LIGHT_TYPES = ("GeometryLight", "PluginLight")
 _DISTANT_INTENSITY = 50000.0  # UsdLuxDistantLight's fallback; that of all others is 1
 
-_FLOATS = ("intensity", "exposure", "diffuse", "specular", "colorTemperature", "angle", "radius",
-           "width", "height", "length")
-_BOOLS = ("normalize", "enableColorTemperature")
-_SHAPING = {
-    "inputs:shaping:focus": ("focus", float),
-    "inputs:shaping:focusTint": ("focusTint", list),
-    "inputs:shaping:cone:angle": ("coneAngle", float),
-    "inputs:shaping:cone:softness": ("coneSoftness", float),
-    "inputs:shaping:ies:angleScale": ("iesAngleScale", float),
-    "inputs:shaping:ies:normalize": ("iesNormalize", bool),
-}
-_IES_FILE = "inputs:shaping:ies:file"
-_SHADOW = {
-    "inputs:shadow:enable": ("enable", bool),
-    "inputs:shadow:color": ("color", list),
-    "inputs:shadow:distance": ("distance", float),
-    "inputs:shadow:falloff": ("falloff", float),
-    "inputs:shadow:falloffGamma": ("falloffGamma", float),
-}
+_SHAPING = "inputs:shaping:"
+_SHADOW = "inputs:shadow:"
+_NO_INPUTS = ("type", "shaping", "shadow", "visibleToCamera")
 _Z_FROM_Y = Gf.Matrix4d(1.0).SetRotate(Gf.Rotation(Gf.Vec3d(1, 0, 0), 90))
 
 
@@ -52,7 +32,8 @@ def IsLight(prim):
 def ReadSyncMode(prim):
     """How a mesh light and its material go together."""
     attribute = prim.GetAttribute("light:materialSyncMode")
-    return _SYNC_MODES.get(attribute.Get() if attribute else "", _core.MaterialSyncMode.NoMaterialResponse)
+    return _core.MaterialSyncModeByText.get(attribute.Get() if attribute else "",
+                                            _core.MaterialSyncMode.NoMaterialResponse)
 
 
 def ReadLight(prim, typeName, names, timeCode, assets):
@@ -62,47 +43,42 @@ def ReadLight(prim, typeName, names, timeCode, assets):
     if typeName == "DistantLight":
         light.intensity = _DISTANT_INTENSITY
     for name in names:
-        base = name[len("inputs:"):] if name.startswith("inputs:") else name
-        if base in _FLOATS:
-            setattr(light, base, float(prim.GetAttribute(name).Get(timeCode)))
-        elif base in _BOOLS or name in ("treatAsPoint", "treatAsLine"):
-            setattr(light, base, bool(prim.GetAttribute(name).Get(timeCode)))
-        elif base == "color":
-            light.color = list(prim.GetAttribute(name).Get(timeCode))
-        elif base == "texture:format":
-            light.textureFormat = prim.GetAttribute(name).Get(timeCode)
-        elif base == "texture:file":
-            attribute = prim.GetAttribute(name)
-            value = attribute.Get(timeCode)
-            if value and value.path:
-                light.textureFile = assets.Resolve(attribute, value)
-    _ReadShaping(prim, names, timeCode, assets, light)
-    if any(name in _SHADOW for name in names):
-        light.shadow = _ReadInputs(prim, _SHADOW, _core.LightShadow(), timeCode)
+        member = _Member(name[len("inputs:"):] if name.startswith("inputs:") else name)
+        if member not in _NO_INPUTS and hasattr(light, member):
+            _ReadInput(prim.GetAttribute(name), light, member, timeCode, assets)
+    # Where the schema is applied its fallbacks count: a cone of 90 degrees.
+    if any(name.startswith(_SHAPING) for name in names) or "ShapingAPI" in prim.GetAppliedSchemas():
+        light.shaping = _ReadInputs(prim, _SHAPING, _core.LightShaping(), timeCode, assets)
+    if any(name.startswith(_SHADOW) for name in names):
+        light.shadow = _ReadInputs(prim, _SHADOW, _core.LightShadow(), timeCode, assets)
     return light
 
 
-def _ReadInputs(prim, inputs, target, timeCode):
-    """Sets members of `target` to the inputs that have a value, a schema's fallback included."""
-    for name, (member, convert) in inputs.items():
-        attribute = prim.GetAttribute(name)
-        value = attribute.Get(timeCode) if attribute else None
-        if value is not None:
-            setattr(target, member, convert(value))
-    return target
+def _Member(name):
+    """The member of a description that an input is: "cone:angle" is coneAngle."""
+    first, *rest = name.split(":")
+    return first + "".join(part[:1].upper() + part[1:] for part in rest)
 
 
-def _ReadShaping(prim, names, timeCode, assets, light):
-    # Where the schema is applied its fallbacks count: a cone of 90 degrees.
-    isAuthored = any(name.startswith("inputs:shaping:") for name in names)
-    if not isAuthored and "ShapingAPI" not in prim.GetAppliedSchemas():
-        return
-    shaping = _ReadInputs(prim, _SHAPING, _core.LightShaping(), timeCode)
-    attribute = prim.GetAttribute(_IES_FILE)
+def _ReadInput(attribute, target, member, timeCode, assets):
+    """Sets a member to an input that has a value, a schema's fallback included."""
     value = attribute.Get(timeCode) if attribute else None
-    if value and value.path:
-        shaping.iesFile = assets.Resolve(attribute, value)
-    light.shaping = shaping
+    kind = type(getattr(target, member))
+    if kind is _core.AssetReference:
+        if value and value.path:
+            setattr(target, member, assets.Resolve(attribute, value))
+    elif value is not None:
+        setattr(target, member, kind(value))
+
+
+def _ReadInputs(prim, prefix, target, timeCode, assets):
+    """Sets members of `target` to the inputs whose names begin so."""
+    for name in prim.GetPropertyNames():
+        if name.startswith(prefix):
+            member = _Member(name[len(prefix):])
+            if hasattr(target, member):
+                _ReadInput(prim.GetAttribute(name), target, member, timeCode, assets)
+    return target
 
 
 def PoleTransform(prim, typeName):

@@ -15,13 +15,8 @@ PREFIX = "primvars:"
 _INDICES = ":indices"
 # Read by systems that the renderer does not have; large and of no use to it.
 _SKIPPED = ("primvars:skel:",)
-INTERPOLATIONS = {
-    "constant": _core.Interpolation.Constant,
-    "uniform": _core.Interpolation.Uniform,
-    "varying": _core.Interpolation.Varying,
-    "vertex": _core.Interpolation.Vertex,
-    "faceVarying": _core.Interpolation.FaceVarying,
-}
+# USD's: "instance" is Hydra's alone.
+INTERPOLATIONS = {text: value for text, value in _core.InterpolationByText.items() if text != "instance"}
 
 
 class InheritedPrimvar:

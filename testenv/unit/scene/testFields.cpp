@@ -1,0 +1,452 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whatever a described struct holds is in its key, its equality and its dump, unless its list of
+// fields says why not: each member is changed in turn, those of members too.
+#include "hdStream/base/fieldHash.h"
+#include "hdStream/integrator/renderOptions.h"
+#include "hdStream/scene/commit.h"
+#include "hdStream/scene/dump.h"
+#include "hdStream/scene/meshKey.h"
+#include "hdStream/texture/lineSlots.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string_view>
+#include <utility>
+
+namespace hds {
+namespace {
+
+/// A value that differs from a given one in one place.
+template <typename T>
+struct Variation {
+    T value;
+    std::string path = {};
+    bool isInKey = true;
+    bool isInDump = true;
+    std::uint32_t cases = ~0U; ///< of the outermost field
+};
+
+template <typename T>
+using Variations = std::vector<Variation<T>>;
+
+template <typename T>
+Variations<T> VariationsOf(const T& value);
+
+template <typename T>
+Variations<SharedSpan<T>> Vary(const SharedSpan<T>& span) {
+    std::vector<T> values(span.begin(), span.end());
+    values.resize(values.size() + 1, T{1});
+    return {{SharedSpan<T>(std::move(values))}};
+}
+template <typename T>
+Variations<std::vector<T>> Vary(const std::vector<T>& list) {
+    Variations<std::vector<T>> result;
+    if (!list.empty()) {
+        for (auto& one : VariationsOf(list[0])) {
+            std::vector<T> changed = list;
+            changed[0] = std::move(one.value);
+            result.push_back({changed, "[0]" + one.path, one.isInKey, one.isInDump});
+        }
+    }
+    if (list.empty() || kHasFields<T>) {
+        std::vector<T> changed = list;
+        changed.emplace_back();
+        result.push_back({changed});
+    }
+    return result;
+}
+template <typename T>
+Variations<std::set<T>> Vary(std::set<T> values) {
+    values.insert("one more");
+    return {{values}};
+}
+template <typename T>
+Variations<std::map<std::string, T>> Vary(const std::map<std::string, T>& values) {
+    Variations<std::map<std::string, T>> result = {{values}};
+    result[0].value["one more"];
+    if (!values.empty()) {
+        const auto& [key, first] = *values.begin();
+        for (auto& one : VariationsOf(first)) {
+            result.push_back({values, "[" + key + "]" + one.path, one.isInKey, one.isInDump});
+            result.back().value[key] = std::move(one.value);
+        }
+    }
+    return result;
+}
+/// Of what it points to: the key is of that, equality of the pointer.
+template <typename T>
+Variations<std::shared_ptr<const T>> Vary(const std::shared_ptr<const T>& pointer) {
+    Variations<std::shared_ptr<const T>> result;
+    for (auto& one : VariationsOf(pointer ? *pointer : T{})) {
+        result.push_back({std::make_shared<const T>(one.value), one.path, one.isInKey || !pointer,
+                          one.isInDump});
+    }
+    return result;
+}
+template <typename T>
+Variations<std::optional<T>> Vary(const std::optional<T>& value) {
+    if (!value) {
+        return {{T{}}};
+    }
+    Variations<std::optional<T>> result = {{std::nullopt}};
+    for (auto& one : VariationsOf(*value)) {
+        result.push_back({one.value, one.path, one.isInKey, one.isInDump});
+    }
+    return result;
+}
+template <typename T, std::size_t N>
+Variations<std::array<T, N>> Vary(std::array<T, N> values) {
+    values[N - 1] += 1;
+    return {{values}};
+}
+Variations<std::string> Vary(const std::string& text) {
+    return {{text + "x"}};
+}
+Variations<ParameterValue> Vary(const ParameterValue& value) {
+    return {{value == ParameterValue(std::int64_t{42}) ? ParameterValue(43.0)
+                                                       : ParameterValue(std::int64_t{42})}};
+}
+template <glm::length_t N, typename T, glm::qualifier Q>
+Variations<glm::vec<N, T, Q>> Vary(glm::vec<N, T, Q> v) {
+    v[N - 1] += 1;
+    return {{v}};
+}
+template <glm::length_t C, glm::length_t R, typename T, glm::qualifier Q>
+Variations<glm::mat<C, R, T, Q>> Vary(glm::mat<C, R, T, Q> m) {
+    m[C - 1][0] += 1;
+    return {{m}};
+}
+
+template <typename T>
+Variations<T> VariationsOf(const T& value) {
+    if constexpr (kHasFields<T>) {
+        Variations<T> result;
+        ForEachField<T>([&](const auto& field) {
+            for (auto& one : VariationsOf(value.*field.member)) {
+                result.push_back({value, "." + std::string(field.name) + one.path,
+                                  one.isInKey && !field.notInKey, one.isInDump && !field.notInDump,
+                                  field.cases});
+                result.back().value.*field.member = std::move(one.value);
+            }
+        });
+        return result;
+    } else if constexpr (std::is_same_v<T, bool>) {
+        return {{!value}};
+    } else if constexpr (std::is_enum_v<T>) {
+        return {{static_cast<T>(static_cast<int>(value) == 0 ? 1 : 0)}};
+    } else if constexpr (std::is_arithmetic_v<T>) {
+        return {{static_cast<T>(value + 1)}};
+    } else {
+        return Vary(value);
+    }
+}
+
+template <typename T>
+auto HashOf(const T& value) {
+    Hasher hasher;
+    FieldHasher(&hasher).Add(value);
+    return hasher.Words();
+}
+
+/// A mesh that has everything, whatever its kind makes of it.
+MeshDescription FullMesh(PrimitiveKind kind) {
+    const std::vector<std::int32_t> indices = {0, 1, 2};
+    MeshDescription mesh;
+    mesh.primitives = kind;
+    mesh.points = std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0};
+    mesh.samples = {{-0.5, mesh.points}, {0.5, mesh.points}};
+    mesh.faceVertexCounts = std::vector<std::int32_t>{3};
+    mesh.faceVertexIndices = indices;
+    mesh.holeIndices = std::vector<std::int32_t>{0};
+    mesh.subdivisionScheme = "catmullClark";
+    mesh.subdivTags.creaseIndices = indices;
+    mesh.subdivTags.cornerIndices = indices;
+    mesh.primvars = {
+        {"x", Interpolation::Constant, 1, std::vector<float>{1.0F}, SharedSpan<std::int32_t>()}};
+    mesh.subsets = {{"/A/s", indices}};
+    return mesh;
+}
+
+/// Shaped, with an image and a profile, and its shadows fade.
+LightDescription FullLight(LightType type) {
+    LightDescription light;
+    light.type = type;
+    light.textureFile.authoredPath = "image";
+    light.shaping.focus = 1.0F;
+    light.shaping.iesFile.authoredPath = "profile";
+    light.shadow.distance = 2.0F;
+    light.shadow.falloff = 1.0F;
+    return light;
+}
+
+MaterialNetwork FullMaterial() {
+    MaterialNetwork network;
+    network.nodes = {{"/n", "node", {{"a", 1.0}}, {{"b", {"/n", "out"}}}}};
+    network.terminals["surface"] = {"/n", "out"};
+    return network;
+}
+
+Placement Placed() {
+    Placement placement;
+    placement.instancerPath = "/I";
+    placement.samples = {{-1.0, glm::dmat4(2.0)}, {1.0, glm::dmat4(3.0)}};
+    return placement;
+}
+
+MeshPrim FullMeshPrim() {
+    MeshPrim prim;
+    prim.placement = Placed();
+    prim.mesh = std::make_shared<const MeshDescription>(FullMesh(PrimitiveKind::Faces));
+    prim.materialPath = "/m";
+    prim.subsetMaterialPaths = {"/m"};
+    auto light = std::make_shared<MeshLight>();
+    light->light = FullLight(LightType::Mesh);
+    light->links = {"lit", "shadowing"};
+    prim.light = light;
+    return prim;
+}
+
+CameraPrim FullCamera() {
+    CameraPrim camera;
+    camera.shutter = {0.0, 1.0};
+    camera.samples = Placed().samples;
+    return camera;
+}
+
+DisplacementInput FullDisplacement() {
+    DisplacementInput displacement;
+    displacement.lookup.emplace();
+    displacement.lookup->image = std::make_shared<const HeightImage>();
+    return displacement;
+}
+
+CommitOptions FullCommitOptions() {
+    CommitOptions options;
+    options.dicingCamera.emplace();
+    return options;
+}
+
+// Equality and hashes.
+
+template <typename T>
+void ExpectEachFieldCounts(const T& value) {
+    EXPECT_TRUE(value == T(value));
+    EXPECT_EQ(HashOf(value), HashOf(T(value)));
+    std::set<std::array<std::uint64_t, 2>> keys = {HashOf(value)};
+    for (const auto& one : VariationsOf(value)) {
+        EXPECT_FALSE(one.value == value) << one.path;
+        EXPECT_EQ(keys.insert(HashOf(one.value)).second, one.isInKey) << one.path;
+    }
+}
+
+TEST(Fields, EachIsInEqualityAndKey) {
+    ExpectEachFieldCounts(FullMesh(PrimitiveKind::Curves));
+    ExpectEachFieldCounts(FullMeshPrim());
+    ExpectEachFieldCounts(InstancerPrim{Placed(), {}, {{0.0, {}}}, {}});
+    ExpectEachFieldCounts(LightPrim{Placed(), FullLight(LightType::Dome), {}, {{}}});
+    ExpectEachFieldCounts(FullMaterial());
+    ExpectEachFieldCounts(FullCamera());
+    ExpectEachFieldCounts(FullDisplacement());
+    ExpectEachFieldCounts(FullCommitOptions());
+    ExpectEachFieldCounts(ResidencyOptions());
+    ExpectEachFieldCounts(DicingOptions());
+    ExpectEachFieldCounts(SlotPlan());
+}
+
+TEST(Fields, EqualArraysAreEqualWhereverTheyLie) {
+    EXPECT_TRUE(FullMesh(PrimitiveKind::Faces) == FullMesh(PrimitiveKind::Faces));
+    EXPECT_EQ(HashOf(FullMesh(PrimitiveKind::Faces)), HashOf(FullMesh(PrimitiveKind::Faces)));
+}
+
+// Keys.
+
+TEST(Fields, EachOfAMeshIsInThePagesKey) {
+    MeshInputs inputs;
+    inputs.mesh = std::make_shared<const MeshDescription>(FullMesh(PrimitiveKind::Faces));
+    inputs.dicing.emplace();
+    inputs.displacements = {FullDisplacement()};
+    for (const auto& one : VariationsOf(inputs)) {
+        EXPECT_EQ(MakeMeshKey(one.value) != MakeMeshKey(inputs), one.isInKey) << one.path;
+        EXPECT_EQ(one.value.Suffice(inputs), one.path == ".primvars") << one.path;
+    }
+    inputs.shutter = {0.0, 1.0};
+    for (const auto& one : VariationsOf(inputs)) {
+        const bool isSample = one.path.rfind(".mesh.samples", 0) == 0;
+        EXPECT_EQ(MakeMeshKey(one.value) != MakeMeshKey(inputs), one.isInKey || isSample)
+            << one.path;
+    }
+}
+
+TEST(Fields, EachOfALightIsInTheTablesKey) {
+    SceneDescription scene;
+    LightPrim& prim = scene.lights["/L"];
+    prim.light = FullLight(LightType::Dome);
+    prim.portals.emplace_back();
+    CommitOptions options;
+    const auto keyOf = [&](const LightDescription& light, std::vector<LightPortal> portals) {
+        SceneDescription changed = scene;
+        changed.lights["/L"].light = light;
+        changed.lights["/L"].portals = std::move(portals);
+        Warnings warnings;
+        CommitCache cache(warnings);
+        CommitScene(changed, options, &cache, warnings);
+        return cache.lightKey;
+    };
+    const PageKey key = keyOf(prim.light, prim.portals);
+    EXPECT_EQ(keyOf(prim.light, prim.portals), key);
+    for (const auto& one : VariationsOf(prim.light)) {
+        EXPECT_NE(keyOf(one.value, prim.portals), key) << one.path;
+    }
+    for (const auto& one : VariationsOf(prim.portals)) {
+        EXPECT_NE(keyOf(prim.light, one.value), key) << one.path;
+    }
+}
+
+// The dump.
+
+/// Paths of variations, and whether they were seen in the dump.
+using Seen = std::map<std::string, bool>;
+
+template <typename T, typename SetInScene>
+void Dump(const T& value, const SetInScene& setInScene, std::uint32_t kind, Seen* seen) {
+    SceneDescription scene;
+    for (const char* path : {"/m", "/mx"}) {
+        scene.materials[path] = std::make_shared<const MaterialNetwork>(FullMaterial());
+    }
+    setInScene(&scene, value);
+    const std::string text = DumpScene(scene);
+    for (const auto& one : VariationsOf(value)) {
+        setInScene(&scene, one.value);
+        const bool isShown = DumpScene(scene) != text;
+        const bool isOfKind = (one.cases & 1U << kind) != 0;
+        EXPECT_FALSE(isShown && !(one.isInDump && isOfKind)) << one.path << " of kind " << kind;
+        if (one.isInDump) {
+            (*seen)[one.path] = (*seen)[one.path] || isShown;
+        }
+    }
+}
+
+void ExpectAllSeen(const Seen& seen) {
+    for (const auto& [path, isSeen] : seen) {
+        EXPECT_TRUE(isSeen) << path;
+    }
+    EXPECT_FALSE(seen.empty());
+}
+
+TEST(Fields, EachOfAMeshIsInTheDump) {
+    Seen seen;
+    for (const auto& row : NamesOf(PrimitiveKind{})) {
+        Dump(
+            FullMesh(row.value),
+            [](SceneDescription* scene, const MeshDescription& mesh) {
+                scene->meshes["/A"].mesh = std::make_shared<const MeshDescription>(mesh);
+            },
+            static_cast<std::uint32_t>(row.value), &seen);
+    }
+    ExpectAllSeen(seen);
+}
+
+TEST(Fields, EachOfALightIsInTheDump) {
+    Seen seen;
+    for (const auto& row : NamesOf(LightType{})) {
+        Dump(
+            FullLight(row.value),
+            [](SceneDescription* scene, const LightDescription& light) {
+                scene->lights["/L"].light = light;
+            },
+            static_cast<std::uint32_t>(row.value), &seen);
+    }
+    ExpectAllSeen(seen);
+}
+
+TEST(Fields, EachOfAPrimIsInTheDump) {
+    const auto expectSeen = [](const auto& value, auto member) {
+        Seen seen;
+        Dump(
+            value,
+            [member](SceneDescription* scene, const auto& prim) { (scene->*member)["/A"] = prim; },
+            0, &seen);
+        // What a mesh and a light have is for the tests above.
+        Seen ofPrim;
+        for (const auto& [path, isSeen] : seen) {
+            bool& isAnySeen = ofPrim[path.substr(0, path.find('.', 1))];
+            const bool isOwn = path.rfind(".mesh.", 0) != 0 && path.rfind(".light.", 0) != 0;
+            EXPECT_TRUE(isSeen || !isOwn) << path;
+            isAnySeen = isAnySeen || isSeen;
+        }
+        ExpectAllSeen(ofPrim);
+    };
+    expectSeen(FullMeshPrim(), &SceneDescription::meshes);
+    expectSeen(InstancerPrim{Placed(), {}, {{0.0, {}}}, {}}, &SceneDescription::instancers);
+    expectSeen(FullCamera(), &SceneDescription::cameras);
+}
+
+TEST(Fields, EachOfAPlacedLightIsInTheDump) {
+    Seen seen;
+    Dump(
+        std::vector<LightPortal>(1),
+        [](SceneDescription* scene, const std::vector<LightPortal>& portals) {
+            scene->lights["/L"].portals = portals;
+        },
+        0, &seen);
+    Dump(
+        Placed(),
+        [](SceneDescription* scene, const Placement& placement) {
+            scene->lights["/L"].placement = placement;
+        },
+        0, &seen);
+    ExpectAllSeen(seen);
+}
+
+TEST(Fields, EachOfAMaterialIsInTheDump) {
+    Seen seen;
+    Dump(
+        FullMaterial(),
+        [](SceneDescription* scene, const MaterialNetwork& network) {
+            scene->meshes["/A"].mesh = std::make_shared<const MeshDescription>();
+            scene->meshes["/A"].materialPath = "/m";
+            scene->materials["/m"] = std::make_shared<const MaterialNetwork>(network);
+        },
+        0, &seen);
+    ExpectAllSeen(seen);
+}
+
+// Enums.
+
+template <auto Value>
+constexpr const char* Signature() {
+    return __PRETTY_FUNCTION__; // ends in "LightType::Mesh]", or in "(LightType)7]" if there is
+                                // none
+}
+
+template <typename Enum, std::size_t... Index>
+void ExpectTable(std::index_sequence<Index...>) {
+    constexpr auto kTable = NamesOf(Enum{});
+    const std::string_view signatures[] = {Signature<static_cast<Enum>(Index)>()...};
+    std::set<std::string> texts;
+    for (std::size_t i = 0; i < kTable.size(); ++i) {
+        const std::string end = "::" + std::string(kTable[i].name) + "]";
+        EXPECT_EQ(signatures[i].substr(signatures[i].size() - end.size()), end);
+        EXPECT_TRUE(texts.insert(kTable[i].text).second) << kTable[i].text;
+    }
+    constexpr std::string_view kNext = Signature<static_cast<Enum>(kTable.size())>();
+    static_assert(kNext[kNext.size() - 2] >= '0' && kNext[kNext.size() - 2] <= '9',
+                  "an enumerator that the table lacks");
+}
+
+template <typename Enum>
+void ExpectTableOf() {
+    ExpectTable<Enum>(std::make_index_sequence<NamesOf(Enum{}).size()>());
+}
+
+TEST(Fields, TablesOfEnumsAreWhole) {
+    ExpectTableOf<Interpolation>();
+    ExpectTableOf<PrimitiveKind>();
+    ExpectTableOf<LightType>();
+    ExpectTableOf<MaterialSyncMode>();
+    ExpectTableOf<CullStyle>();
+}
+
+} // namespace
+} // namespace hds
