@@ -2,45 +2,42 @@
 #include "hdStream/hydra/mesh.h"
 
 #include "hdStream/hydra/arrays.h"
-#include "hdStream/hydra/categories.h"
-#include "hdStream/hydra/gprim.h"
-#include "hdStream/hydra/instancer.h"
 #include "hdStream/hydra/lightParameters.h"
-#include "hdStream/hydra/motion.h"
-#include "hdStream/hydra/primvars.h"
 #include "hdStream/hydra/renderParam.h"
 
 #include <pxr/imaging/hd/changeTracker.h>
+#include <pxr/imaging/hd/renderIndex.h>
 #include <pxr/imaging/hd/sceneDelegate.h>
 #include <pxr/imaging/hd/tokens.h>
 #include <pxr/imaging/pxOsd/tokens.h>
 
-#include <algorithm>
 #include <set>
-#include <utility>
+#include <string>
 
 PXR_NAMESPACE_OPEN_SCOPE
 
 namespace {
 
-constexpr HdDirtyBits kGeometryBits =
-    HdChangeTracker::DirtyPoints | HdChangeTracker::DirtyTopology |
-    HdChangeTracker::DirtySubdivTags | HdChangeTracker::DirtyPrimvar |
-    HdChangeTracker::DirtyNormals | HdChangeTracker::DirtyWidths |
-    HdChangeTracker::DirtyComputationPrimvarDesc;
+/// True for the names of the materials that OpenUSD's draw modes bind the faces of a card to.
+bool IsOfCard(const std::string& name) {
+    static const std::string kPrefix = "subsetMaterial";
+    if (name.compare(0, kPrefix.size(), kPrefix) != 0) {
+        return false;
+    }
+    const std::string face = name.substr(kPrefix.size());
+    return face.size() == 4 && face[0] >= 'X' && face[0] <= 'Z' &&
+           (face.substr(1) == "Pos" || face.substr(1) == "Neg");
+}
 
-/// What may change how instances split the mesh.
-constexpr HdDirtyBits kVariantBits =
-    kGeometryBits | HdChangeTracker::DirtyInstancer | HdChangeTracker::DirtyInstanceIndex;
-
-constexpr HdDirtyBits kAllBits =
-    kGeometryBits | HdChangeTracker::InitRepr | HdChangeTracker::DirtyTransform |
-    HdChangeTracker::DirtyVisibility | HdChangeTracker::DirtyDoubleSided |
-    HdChangeTracker::DirtyCullStyle | HdChangeTracker::DirtyMaterialId |
-    HdChangeTracker::DirtyPrimID | HdChangeTracker::DirtyInstancer |
-    HdChangeTracker::DirtyInstanceIndex | HdChangeTracker::DirtyDisplayStyle |
-    HdChangeTracker::DirtyRenderTag | HdChangeTracker::DirtyExtent | HdChangeTracker::DirtyRepr |
-    HdChangeTracker::DirtyCategories;
+/// The material of a subset; empty: none of its own. Legacy scene delegates bind a card's faces
+/// without texture to a material that they do not make. They make those of the other faces together
+/// with the card, so one that is missing here is meant to be missing, unlike other materials, which
+/// may arrive later.
+SdfPath MaterialOf(const HdGeomSubset& subset, const HdRenderIndex& index) {
+    const bool isMissing = IsOfCard(subset.materialId.GetName()) &&
+                           index.GetSprim(HdPrimTypeTokens->material, subset.materialId) == nullptr;
+    return isMissing ? SdfPath() : subset.materialId;
+}
 
 /// Faces that are not drawn, in ascending order when some are invisible: holes, and what a host
 /// hides, whose neighbours are shaped as if it were there, as around holes.
@@ -91,71 +88,11 @@ hds::SubdivTags SubdivTagsFrom(const PxOsdSubdivTags& tags) {
 
 } // namespace
 
-HdStreamMesh::HdStreamMesh(const SdfPath& id) : HdMesh(id) {}
-
-HdDirtyBits HdStreamMesh::GetInitialDirtyBitsMask() const {
-    return kAllBits;
-}
-
-HdDirtyBits HdStreamMesh::_PropagateDirtyBits(HdDirtyBits bits) const {
-    return bits;
-}
-
-void HdStreamMesh::_InitRepr(const TfToken& reprToken, HdDirtyBits*) {
-    // Draw items serve rasterisers; Hydra wants a repr to exist all the same.
-    const auto found = std::find_if(_reprs.begin(), _reprs.end(), _ReprComparator(reprToken));
-    if (found == _reprs.end()) {
-        _reprs.emplace_back(reprToken, HdReprSharedPtr());
-    }
-}
-
-void HdStreamMesh::Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
-                        HdDirtyBits* dirtyBits, const TfToken&) {
-    auto* param = static_cast<HdStreamRenderParam*>(renderParam);
-    HdDirtyBits bits = *dirtyBits;
-    if (bits & HdChangeTracker::DirtyComputationPrimvarDesc) {
-        bits |= HdChangeTracker::DirtyPoints | HdChangeTracker::DirtyNormals |
-                HdChangeTracker::DirtyPrimvar;
-    }
-    const hds::MeshPrim before = _prim;
-    _UpdateVisibility(delegate, dirtyBits);
-    _prim.placement.visible = IsVisible();
-    if (!IsVisible()) {
-        if (_variants.IsInScene() && (bits & HdChangeTracker::DirtyVisibility)) {
-            Push(param);
-        }
-        *dirtyBits &= ~(HdChangeTracker::DirtyVisibility | HdChangeTracker::NewRepr |
-                        HdChangeTracker::InitRepr);
-        return;
-    }
-    _UpdateInstancer(delegate, dirtyBits);
-    HdInstancer::_SyncInstancerAndParents(delegate->GetRenderIndex(), GetInstancerId());
-    HdStreamSyncPlacement(delegate, GetId(), GetInstancerId(), bits, param, &_prim.placement,
-                          &_scenePath);
-    SyncLook(delegate, param, bits);
-    if (bits & kGeometryBits) {
-        SyncGeometry(delegate, param, bits);
-    }
-    const bool isSplitAnew = (bits & kVariantBits) && SyncVariants(delegate, param);
-    if (isSplitAnew || !_variants.IsInScene() || !HdStreamEqual(_prim, before)) {
-        Push(param);
-    }
-    *dirtyBits = HdChangeTracker::Clean;
-}
-
 void HdStreamMesh::SyncLook(HdSceneDelegate* delegate, HdStreamRenderParam* param,
                             HdDirtyBits bits) {
-    const SdfPath& id = GetId();
-    if (bits & HdChangeTracker::DirtyMaterialId) {
-        SetMaterialId(delegate->GetMaterialId(id));
-        _prim.materialPath = param->MaterialPath(delegate, GetMaterialId());
-    }
     // Lights have no bit of their own in meshes; legacy delegates set that of primvars for inputs.
     if (bits & (HdChangeTracker::DirtyMaterialId | HdChangeTracker::DirtyPrimvar)) {
         SyncLight(delegate, param);
-    }
-    if (bits & HdChangeTracker::DirtyCategories) {
-        _prim.categories = HdStreamCategories(delegate->GetCategories(id));
     }
     if (bits & HdChangeTracker::DirtyDoubleSided) {
         _prim.doubleSided = IsDoubleSided(delegate);
@@ -166,8 +103,6 @@ void HdStreamMesh::SyncLook(HdSceneDelegate* delegate, HdStreamRenderParam* para
     if (bits & HdChangeTracker::DirtyDisplayStyle) {
         param->SetRefineLevel(GetDisplayStyle(delegate).refineLevel);
     }
-    _prim.purpose = HdStreamPurpose(HdRprim::GetRenderTag());
-    _prim.primId = GetPrimId();
 }
 
 void HdStreamMesh::SyncLight(HdSceneDelegate* delegate, HdStreamRenderParam* param) {
@@ -183,78 +118,44 @@ void HdStreamMesh::SyncLight(HdSceneDelegate* delegate, HdStreamRenderParam* par
     }
 }
 
-void HdStreamMesh::SyncGeometry(HdSceneDelegate* delegate, HdStreamRenderParam* param,
-                                HdDirtyBits bits) {
-    auto mesh = _prim.mesh ? std::make_shared<hds::MeshDescription>(*_prim.mesh)
-                           : std::make_shared<hds::MeshDescription>();
+void HdStreamMesh::SyncTopology(HdSceneDelegate* delegate, HdStreamRenderParam* param,
+                                HdDirtyBits bits, hds::MeshDescription* mesh) {
     if (bits & HdChangeTracker::DirtyTopology) {
-        SyncTopology(delegate, param, mesh.get());
+        const HdMeshTopology topology = GetMeshTopology(delegate);
+        mesh->faceVertexCounts = HdStreamShareArray<std::int32_t>(topology.GetFaceVertexCounts());
+        mesh->faceVertexIndices = HdStreamShareArray<std::int32_t>(topology.GetFaceVertexIndices());
+        mesh->holeIndices = HdStreamShareArray<std::int32_t>(HiddenFaces(topology));
+        mesh->subdivisionScheme =
+            topology.GetScheme().IsEmpty() ? "none" : topology.GetScheme().GetString();
+        mesh->leftHanded = topology.GetOrientation() == HdTokens->leftHanded;
+        SyncSubsets(delegate, param, topology.GetGeomSubsets(), mesh);
     }
     if (bits & HdChangeTracker::DirtySubdivTags) {
         mesh->subdivTags = SubdivTagsFrom(delegate->GetSubdivTags(GetId()));
     }
-    if (HdChangeTracker::IsAnyPrimvarDirty(bits, GetId())) {
-        HdStreamSyncPrimvars(delegate, GetId(), bits, &mesh->points, &mesh->primvars);
-        mesh->samples = HdStreamSamplePoints(delegate, GetId(), param->Shutter());
-    }
-    if (!_prim.mesh || !HdStreamEqual(*mesh, *_prim.mesh)) {
-        _prim.mesh = std::move(mesh);
-    }
 }
 
-void HdStreamMesh::SyncTopology(HdSceneDelegate* delegate, HdStreamRenderParam* param,
-                                hds::MeshDescription* mesh) {
-    const HdMeshTopology topology = GetMeshTopology(delegate);
-    mesh->faceVertexCounts = HdStreamShareArray<std::int32_t>(topology.GetFaceVertexCounts());
-    mesh->faceVertexIndices = HdStreamShareArray<std::int32_t>(topology.GetFaceVertexIndices());
-    mesh->holeIndices = HdStreamShareArray<std::int32_t>(HiddenFaces(topology));
-    mesh->subdivisionScheme =
-        topology.GetScheme().IsEmpty() ? "none" : topology.GetScheme().GetString();
-    mesh->leftHanded = topology.GetOrientation() == HdTokens->leftHanded;
+void HdStreamMesh::SyncSubsets(HdSceneDelegate* delegate, HdStreamRenderParam* param,
+                               const HdGeomSubsets& subsets, hds::MeshDescription* mesh) {
     mesh->subsets.clear();
     _prim.subsetMaterialPaths.clear();
-    for (const HdGeomSubset& subset : topology.GetGeomSubsets()) {
+    for (const HdGeomSubset& subset : subsets) {
         if (subset.type == HdGeomSubset::TypeFaceSet && !subset.indices.empty()) {
             mesh->subsets.push_back({_scenePath + "/" + subset.id.GetName(),
                                      HdStreamShareArray<std::int32_t>(subset.indices)});
-            _prim.subsetMaterialPaths.push_back(param->MaterialPath(delegate, subset.materialId));
+            _prim.subsetMaterialPaths.push_back(
+                param->MaterialPath(delegate, MaterialOf(subset, delegate->GetRenderIndex())));
         }
     }
 }
 
-bool HdStreamMesh::SyncVariants(HdSceneDelegate* delegate, HdStreamRenderParam* param) {
-    return HdStreamSyncVariants(delegate, GetInstancerId(), _scenePath, _prim, param, &_variants);
-}
-
-void HdStreamMesh::Push(HdStreamRenderParam* param) {
+bool HdStreamMesh::CheckGeometry(HdStreamRenderParam* param) const {
     const bool hasFaces =
         _prim.mesh && !_prim.mesh->points.empty() && !_prim.mesh->faceVertexCounts.empty();
     if (_prim.light && !hasFaces) {
         param->Warn(SdfPath(_scenePath), "mesh light has no faces; it lights nothing");
     }
-    _variants.Push(param, GetId(), _scenePath, _prim,
-                   hasFaces && HdStreamInstancer::IsPlaced(_prim.placement));
-}
-
-void HdStreamMesh::UpdateRenderTag(HdSceneDelegate* delegate, HdRenderParam* renderParam) {
-    HdMesh::UpdateRenderTag(delegate, renderParam);
-    std::string purpose = HdStreamPurpose(HdRprim::GetRenderTag());
-    if (purpose != _prim.purpose) {
-        _prim.purpose = std::move(purpose);
-        if (_variants.IsInScene()) {
-            Push(static_cast<HdStreamRenderParam*>(renderParam));
-        }
-    }
-}
-
-void HdStreamMesh::Finalize(HdRenderParam* renderParam) {
-    auto* param = static_cast<HdStreamRenderParam*>(renderParam);
-    _variants.Finalize(param, _scenePath);
-    if (!_scenePath.empty()) {
-        param->ReleasePath(_scenePath);
-        _scenePath.clear();
-    }
-    _prim.mesh.reset();
+    return hasFaces;
 }
 
 PXR_NAMESPACE_CLOSE_SCOPE

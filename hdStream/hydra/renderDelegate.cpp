@@ -4,6 +4,7 @@
 #include "hdStream/hydra/aovs.h"
 #include "hdStream/hydra/camera.h"
 #include "hdStream/hydra/commands.h"
+#include "hdStream/hydra/curves.h"
 #include "hdStream/hydra/instancer.h"
 #include "hdStream/hydra/light.h"
 #include "hdStream/hydra/lightParameters.h"
@@ -14,7 +15,6 @@
 #include "hdStream/hydra/renderSettings.h"
 #include "hdStream/hydra/renderStats.h"
 #include "hdStream/hydra/sceneDump.h"
-#include "hdStream/hydra/solid.h"
 
 #include <pxr/base/tf/diagnostic.h>
 #include <pxr/imaging/hd/coordSys.h>
@@ -288,7 +288,7 @@ VtDictionary HdStreamRenderDelegate::GetRenderStats() const {
 HdContainerDataSourceHandle HdStreamRenderDelegate::GetCapabilities() const {
     static const HdContainerDataSourceHandle capabilities =
         HdRenderCapabilitiesSchema::Builder()
-            .SetMotionBlur(HdRetainedTypedSampledDataSource<bool>::New(false))
+            .SetMotionBlur(HdRetainedTypedSampledDataSource<bool>::New(true))
             .Build();
     return capabilities;
 }

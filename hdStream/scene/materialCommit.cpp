@@ -9,27 +9,8 @@
 
 #include <algorithm>
 #include <iterator>
-#include <string_view>
 
 namespace hds {
-
-namespace {
-
-/// True for the paths that OpenUSD's draw modes bind the faces of a card to: with legacy scene
-/// delegates also where a card has no texture, so that there is no such material. A front end
-/// cannot tell these from materials that arrive later; displayColor is what is meant.
-bool IsOfCard(const std::string& materialPath) {
-    static constexpr std::string_view kName = "/subsetMaterial";
-    const std::size_t slash = materialPath.rfind('/');
-    if (slash == std::string::npos || materialPath.compare(slash, kName.size(), kName) != 0) {
-        return false;
-    }
-    const std::string_view face = std::string_view(materialPath).substr(slash + kName.size());
-    return face.size() == 4 && face[0] >= 'X' && face[0] <= 'Z' &&
-           (face.substr(1) == "Pos" || face.substr(1) == "Neg");
-}
-
-} // namespace
 
 void MaterialCommit::Compile(
     const std::vector<const std::pair<const std::string, MeshPrim>*>& prims) {
@@ -46,10 +27,8 @@ void MaterialCommit::Compile(
         used = &_displayColor;
         const auto found = _scene.materials.find(materialPath);
         if (found == _scene.materials.end()) {
-            if (!IsOfCard(materialPath)) {
-                _warnings.Add(primPath, "its material " + materialPath +
-                                            " does not exist; drawn with displayColor");
-            }
+            _warnings.Add(primPath, "its material " + materialPath +
+                                        " does not exist; drawn with displayColor");
             return;
         }
         CachedMaterial& cached = _cache[materialPath];

@@ -8,8 +8,7 @@ namespace hydraHost {
 
 void HydraTest::SetUp() {
     if (!HasRenderer(RendererId())) {
-        GTEST_SKIP() << "SKIPPED: no renderer plug-in " << RendererId()
-                     << " (build it, or set PXR_PLUGINPATH_NAME)";
+        FAIL() << "no renderer plug-in " << RendererId() << ", or it does not load";
     }
 }
 
@@ -126,6 +125,18 @@ void ExpectFloats(const Image& image, const Oracle& oracle, int component, doubl
         const bool isRight = value == wanted || std::abs(value - wanted) <= tolerance;
         return isRight ? std::string() : Mismatch(value, wanted);
     });
+}
+
+int NumWarnings(Host& host, const std::string& text) {
+    int count = 0;
+    const VtDictionary stats = host.Delegate().GetRenderStats();
+    const VtValue* lines = stats.GetValueAtPath("warnings");
+    if (lines && lines->IsHolding<std::vector<VtValue>>()) {
+        for (const VtValue& line : lines->UncheckedGet<std::vector<VtValue>>()) {
+            count += line.Get<std::string>().find(text) != std::string::npos;
+        }
+    }
+    return count;
 }
 
 Image RenderFresh(Host& host, const HostOptions& options, const TfToken& aov) {

@@ -13,7 +13,8 @@
 
 namespace hydraHost {
 
-/// Skips loudly where the plug-in is not found.
+/// Fails where the plug-in does not load. These tests are built where it is built, and whoever
+/// names another renderer in $HDSTREAM_TEST_RENDERER wants that one.
 class HydraTest : public ::testing::Test {
 protected:
     void SetUp() override;
@@ -41,5 +42,8 @@ void ExpectFloats(const Image& image, const Oracle& oracle, int component, doubl
 
 /// Renders a host's present scene with a fresh delegate, same settings and AOVs of the options.
 Image RenderFresh(Host& host, const HostOptions& options, const TfToken& aov = HdAovTokens->color);
+
+/// Warnings in the statistics that contain a text.
+int NumWarnings(Host& host, const std::string& text);
 
 } // namespace hydraHost

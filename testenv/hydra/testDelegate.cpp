@@ -4,6 +4,7 @@
 
 #include <pxr/base/tf/errorMark.h>
 #include <pxr/base/tf/stringUtils.h>
+#include <pxr/imaging/hd/renderCapabilitiesSchema.h>
 #include <pxr/imaging/hd/rendererPlugin.h>
 #include <pxr/imaging/hd/rendererPluginHandle.h>
 #include <pxr/imaging/hd/rendererPluginRegistry.h>
@@ -53,6 +54,13 @@ TEST_F(Delegate, FallbackPrimsExistForAllTypes) {
         ASSERT_NE(prim, nullptr) << type;
         delegate.DestroyBprim(prim);
     }
+}
+
+TEST_F(Delegate, SaysThatItBlursMotion) {
+    Host host(EmptyScene(), Quick());
+    const HdRenderCapabilitiesSchema capabilities(host.Delegate().GetCapabilities());
+    ASSERT_TRUE(capabilities.GetMotionBlur());
+    EXPECT_TRUE(capabilities.GetMotionBlur()->GetTypedValue(0.0F));
 }
 
 TEST_F(Delegate, AsksForFullMaterialsAndUniversalNetworks) {

@@ -262,19 +262,6 @@ void ExpectColors(Host& host, const std::vector<GfVec3f>& colorByInstance) {
     }
 }
 
-/// Lines of the statistics that contain a text.
-int NumWarnings(Host& host, const std::string& text) {
-    int count = 0;
-    const VtDictionary stats = host.Delegate().GetRenderStats();
-    const VtValue* lines = stats.GetValueAtPath("warnings");
-    if (lines && lines->IsHolding<std::vector<VtValue>>()) {
-        for (const VtValue& line : lines->UncheckedGet<std::vector<VtValue>>()) {
-            count += line.Get<std::string>().find(text) != std::string::npos;
-        }
-    }
-    return count;
-}
-
 void SetColors(Host& host, const SdfPath& path, const std::vector<GfVec3f>& colors) {
     InstancerData data = host.Scene().Data().instancers.at(path);
     for (PrimvarData& primvar : data.primvars) {

@@ -63,6 +63,41 @@ TEST_F(Prims, RemovedMaterialLeavesItsPrimsDrawn) {
     EXPECT_EQ(after, RenderFresh(host, options));
 }
 
+/// A grid of two faces, of the materials of these names.
+SceneData TwoSubsets(const char* left, const char* right) {
+    const SdfPath materials("/materials");
+    SceneData scene = EmptyScene();
+    scene.materials[materials.AppendChild(TfToken("subsetMaterialXNeg"))] =
+        MakeMaterial(GfVec3f(0.8F, 0.1F, 0.1F));
+    GprimData grid = MakeGrid(1.2F, 1.0F, 2, 1);
+    HdGeomSubsets subsets;
+    for (const char* name : {left, right}) {
+        const SdfPath path("/grid/face" + std::to_string(subsets.size()));
+        const SdfPath material = *name ? materials.AppendChild(TfToken(name)) : SdfPath();
+        subsets.push_back(
+            {HdGeomSubset::TypeFaceSet, path, material, VtIntArray{int(subsets.size())}});
+    }
+    grid.mesh.SetGeomSubsets(subsets);
+    scene.gprims[SdfPath("/grid")] = grid;
+    return scene;
+}
+
+TEST_F(Prims, CardsWithoutTextureHaveNoMaterialAndNoWarning) {
+    Host host(TwoSubsets("subsetMaterialXPos", "subsetMaterialXNeg"), Quick());
+    const Image image = host.Render();
+    EXPECT_EQ(NumWarnings(host, ""), 0);
+    EXPECT_EQ(image, Host(TwoSubsets("", "subsetMaterialXNeg"), Quick()).Render());
+    EXPECT_NE(image, Host(TwoSubsets("", ""), Quick()).Render());
+}
+
+TEST_F(Prims, OtherMissingMaterialsAreAWarning) {
+    for (const char* name : {"subsetMaterialWPos", "subsetMaterialXPositive", "red"}) {
+        Host host(TwoSubsets(name, "subsetMaterialXNeg"), Quick());
+        host.Render();
+        EXPECT_EQ(NumWarnings(host, std::string("/materials/") + name + " does not exist"), 1);
+    }
+}
+
 TEST_F(Prims, RemovedPrimvarVanishes) {
     const TfToken aov("primvars:displayColor");
     const HostOptions options = Quick({HdAovTokens->color, aov});

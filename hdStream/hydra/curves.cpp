@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/hydra/curves.h"
+
+#include "hdStream/hydra/arrays.h"
+
+#include <pxr/imaging/hd/changeTracker.h>
+#include <pxr/imaging/hd/tokens.h>
+
+#include <algorithm>
+#include <utility>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+void HdStreamBasisCurves::SyncTopology(HdSceneDelegate* delegate, HdStreamRenderParam*,
+                                       HdDirtyBits bits, hds::MeshDescription* curves) {
+    curves->primitives = hds::PrimitiveKind::Curves;
+    if (bits & HdChangeTracker::DirtyTopology) {
+        const HdBasisCurvesTopology topology = GetBasisCurvesTopology(delegate);
+        curves->faceVertexCounts =
+            HdStreamShareArray<std::int32_t>(topology.GetCurveVertexCounts());
+        curves->faceVertexIndices = HdStreamShareArray<std::int32_t>(topology.GetCurveIndices());
+        curves->curves.type = topology.GetCurveType().GetString();
+        curves->curves.basis = topology.GetCurveBasis().GetString();
+        curves->curves.wrap = topology.GetCurveWrap().GetString();
+    }
+}
+
+void HdStreamBasisCurves::AddDefaultPrimvars(std::vector<hds::Primvar>* primvars) const {
+    // Curves without widths have a constant one of 1: legacy scene delegates say so, scene indices
+    // do not.
+    const bool hasWidths =
+        std::any_of(primvars->begin(), primvars->end(), [](const hds::Primvar& primvar) {
+            return primvar.name == HdTokens->widths.GetString();
+        });
+    if (!hasWidths) {
+        hds::Primvar widths;
+        widths.name = HdTokens->widths.GetString();
+        widths.values = std::vector<float>{1.0F};
+        primvars->push_back(std::move(widths));
+    }
+}
+
+bool HdStreamBasisCurves::CheckGeometry(HdStreamRenderParam*) const {
+    return _prim.mesh && !_prim.mesh->points.empty() && !_prim.mesh->faceVertexCounts.empty();
+}
+
+void HdStreamPoints::SyncTopology(HdSceneDelegate*, HdStreamRenderParam*, HdDirtyBits,
+                                  hds::MeshDescription* points) {
+    points->primitives = hds::PrimitiveKind::Points;
+}
+
+bool HdStreamPoints::CheckGeometry(HdStreamRenderParam*) const {
+    return _prim.mesh && !_prim.mesh->points.empty();
+}
+
+PXR_NAMESPACE_CLOSE_SCOPE
