@@ -344,7 +344,7 @@ void WaveTracer::ResumeCandidates(const Buffer& queue, std::uint32_t count) {
 /// One cast without lists: all rays are launched until none waits for a chunk. Both kinds share
 /// what is loaded.
 void WaveTracer::IterateCast(std::uint32_t active, std::uint32_t numShadows) {
-    StreamingPool& pool = _buffers->Streaming();
+    auto& pool = dynamic_cast<ReportPool&>(_buffers->Streaming());
     const Buffer* rays = &_queues[_present];
     const Buffer* shadows = &_queues[kShadowQueue];
     pool.BeginCast();
