@@ -34,10 +34,10 @@ std::uint64_t NumPathFields(const KernelFeatures& features) {
 }
 
 /// Index of the first scene argument of each kernel: what comes before changes with each launch.
-constexpr unsigned kIntersectArgs = 7;
+constexpr unsigned kIntersectArgs = 6;
 constexpr unsigned kIntersectResumeArgs = 7;
 constexpr unsigned kShadeArgs = 9;
-constexpr unsigned kShadowCastArgs = 9;
+constexpr unsigned kShadowCastArgs = 8;
 constexpr unsigned kShadowResumeArgs = 8;
 constexpr unsigned kShadowPassArgs = 8;
 constexpr unsigned kAovArgs = 12;
@@ -124,7 +124,7 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
     if (features.cutouts) {
         shadowPass = shadowProgram->GetKernel("shadow_pass");
     }
-    if (features.HasLists()) {
+    if (features.streaming) {
         intersectResume = intersectProgram->GetKernel("intersect_resume");
         shadowResume = shadowProgram->GetKernel("shadow_resume");
     }
@@ -151,7 +151,7 @@ void StageKernels::Bind(const SceneBuffers& scene) {
     if (_features.cutouts) {
         scene.BindScene(&shadowPass, kShadowPassArgs, _features.motion);
     }
-    if (_features.HasLists()) {
+    if (_features.streaming) {
         scene.BindGeometry(&intersectResume, kIntersectResumeArgs, _features.motion);
         scene.BindScene(&shadowResume, kShadowResumeArgs, _features.motion);
     }

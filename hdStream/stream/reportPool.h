@@ -4,6 +4,7 @@
 #pragma once
 
 #include "hdStream/stream/streamingPool.h"
+#include "kernels/shared/reportPage.h"
 
 #include <memory>
 #include <string>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pages that should stay are loaded once, up to a quarter of the pool; whatever is pinned, the
 // largest group finds room.
-#include "hdStream/stream/reportPool.h"
 #include "testenv/device/stream/poolFixture.h"
 
 #include <random>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // What kernels ask for is there, whole, after the service; the budget holds; the right pages leave.
-#include "hdStream/stream/reportPool.h"
 #include "testenv/device/stream/poolFixture.h"
 
 #include <random>
