@@ -4,6 +4,9 @@
 #include "hdStream/base/hash.h"
 #include "hdStream/device/openclHandles.h"
 
+#include "kernels/shared/material.h"
+#include "kernels/shared/residency.h"
+
 #include <chrono>
 #include <utility>
 
@@ -27,9 +30,25 @@ std::string BuildLog(cl_program program, cl_device_id device) {
     return log;
 }
 
-std::string OptionsOf(const ProgramDefines& defines) {
+/// Adds the default of each define that is not said. \pre all that is said is in the table.
+ProgramDefines Complete(const ProgramDefines& said) {
+    ProgramDefines defines;
+#define HDS_FEATURE(type, member, macro, off, on, needs, doc) \
+    defines[#macro] = std::to_string(static_cast<std::uint32_t>(on));
+#define HDS_VARIANT(member, macro, needs, doc) defines[#macro] = "0";
+#define HDS_TUNABLE(macro, value, doc) defines[#macro] = #value;
+#include "kernels/shared/features.def"
+    for (const auto& [name, value] : said) {
+        const auto known = defines.find(name);
+        HDS_VERIFY(known != defines.end(), name + " is not in kernels/shared/features.def");
+        known->second = value;
+    }
+    return defines;
+}
+
+std::string OptionsOf(const ProgramDefines& said) {
     std::string options = "-cl-std=CL1.2";
-    for (const auto& [name, value] : defines) {
+    for (const auto& [name, value] : Complete(said)) {
         options.append(" -D").append(name).append("=").append(value);
     }
     return options;

@@ -14,7 +14,8 @@
 
 namespace hds {
 
-/// Defines of a program: features and tunables, sorted by name ("HDS_FEATURE_CUTOUT" -> "1").
+/// Defines of a program: macros of kernels/shared/features.def, sorted by name
+/// ("HDS_FEATURE_CUTOUT" -> "1"). Those that are left out have the table's defaults.
 using ProgramDefines = std::map<std::string, std::string>;
 
 /// A kernel of a program, with a launch helper. Externally synchronised.

@@ -107,7 +107,7 @@ struct PathTracer::Impl {
         features.meshLights = scene->lights->hasMeshes;
         features.lightGlow = scene->lights->hasGlow;
         features.lightTree = scene->lights->lights.size() > HDS_LIGHT_LOOP_MAX;
-        features.manyTexturePools = buffers.Textures().NumBuffers() > 1;
+        features.numTexturePools = buffers.Textures().NumBuffers() > 1 ? kMaxPoolBuffers : 1;
         features.textureStreaming = buffers.Textures().Pool() != nullptr;
         features.plainTextures = buffers.Textures().IsPlain();
         features.groups = scene->hasGroups;
@@ -115,7 +115,7 @@ struct PathTracer::Impl {
         features.motion = scene->hasMotion || MovesOver(options.camera, options.shutter);
         features.wide = ChooseWide(options, device->Properties());
         features.firstHits = NeedsFirstHits(options.aovs);
-        features.manyPools = buffers.NumPoolBuffers() > 1;
+        features.numPools = buffers.NumPoolBuffers() > 1 ? kMaxPoolBuffers : 1;
         features.streaming = isStreaming;
         features.requestsFirst = features.streaming && requestsFirst;
         return features;

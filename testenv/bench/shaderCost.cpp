@@ -25,8 +25,6 @@ namespace {
 using namespace hds;
 
 const char* const kSource = R"(
-#define HDS_FEATURE_TEXTURES 1
-#define HDS_TEXTURE_PLAIN 1
 #include "shading/program.clh"
 #include "shading/material.clh"
 
@@ -170,7 +168,8 @@ std::vector<std::uint32_t> MakePage() {
 int main(int argc, char** argv) {
     const std::shared_ptr<Device> device = Device::Create(argc > 1 ? argv[1] : "");
     const std::string text = kSource;
-    Program program(device, "shaderCost.cl", {{"HDS_NUM_TEXTURE_POOLS", "1"}}, nullptr, &text);
+    Program program(device, "shaderCost.cl",
+                    {{"HDS_NUM_TEXTURE_POOLS", "1"}, {"HDS_TEXTURE_PLAIN", "1"}}, nullptr, &text);
     test::PlainTextures textures;
     for (std::uint32_t seed = 0; seed < 3; ++seed) {
         textures.Add(1024, 1024, HDS_TEXEL_U8 | 2U | (seed == 0 ? HDS_TEXEL_SRGB : 0U),

@@ -65,9 +65,9 @@ TEST_F(ProgramTest, BinariesAreCachedPerTextAndDefines) {
     fs::remove_all(folder);
     Warnings warnings;
     Store store({folder.string()}, &warnings);
-    const std::string text = "kernel void fill(global int* x) { x[get_global_id(0)] = VALUE; }\n";
+    const std::string text = "kernel void fill(global int* x) { x[get_global_id(0)] = HDS_RUN_LENGTH; }\n";
     const auto run = [&](const char* value, bool expectCached) {
-        Program program(device, "test.cl", {{"VALUE", value}}, &store, &text);
+        Program program(device, "test.cl", {{"HDS_RUN_LENGTH", value}}, &store, &text);
         EXPECT_EQ(program.IsFromCache(), expectCached) << value;
         Buffer out = Allocate(64 * sizeof(int));
         program.GetKernel("fill").Launch(64, out);

@@ -1,56 +1,93 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every program root builds with every single feature, with none and with all: a feature that
-// breaks compilation fails here before any GPU sees it.
+// Every program of the wavefront builds with no feature, with all, and with each alone, whatever
+// kernels/shared/features.def lists: a feature that breaks compilation fails here before any GPU
+// sees it.
+#include "hdStream/integrator/stageKernels.h"
 #include "testenv/support/deviceFixture.h"
 
 namespace hds::test {
 namespace {
 
-class Roots : public DeviceFixture {};
+/// Features, and how a failure names them.
+struct NamedFeatures {
+    std::string name;
+    KernelFeatures f;
+};
 
-const char* const kRoots[] = {"integrator/frame.cl", "integrator/intersect.cl",
-                              "integrator/shade.cl", "integrator/shadow.cl",
-                              "integrator/aov.cl",   "texture/cacheFill.cl"};
-const char* const kFeatures[] = {
-    "HDS_FEATURE_CUTOUT",     "HDS_FEATURE_GROUPS",        "HDS_TRAVERSAL_WIDE",
-    "HDS_FEATURE_PROGRAMS",   "HDS_FEATURE_TEXTURES",      "HDS_FEATURE_TEXTURE_STREAMING",
-    "HDS_TEXTURE_PLAIN",      "HDS_FEATURE_LIGHT_SHAPING", "HDS_FEATURE_LIGHT_CONTROLS",
-    "HDS_FEATURE_CURVES",     "HDS_FEATURE_MESH_LIGHTS",   "HDS_FEATURE_LIGHT_TREE",
-    "HDS_FEATURE_LIGHT_GLOW", "HDS_FEATURE_MOTION",        "HDS_FEATURE_LIGHT_PORTALS"};
-
-ProgramDefines MakeDefines(unsigned bits, unsigned numPools) {
-    ProgramDefines defines{{"HDS_NUM_POOLS", std::to_string(numPools)}};
-    for (unsigned i = 0; i < std::size(kFeatures); ++i) {
-        defines[kFeatures[i]] = (bits >> i & 1U) != 0 ? "1" : "0";
-    }
-    return defines;
+KernelFeatures AllFeatures() {
+    KernelFeatures f;
+#define HDS_FEATURE(type, member, macro, off, on, needs, doc) f.member = on;
+#define HDS_PROGRAM_FEATURE(member, doc) f.member = true;
+#include "kernels/shared/features.def"
+    return f;
 }
+
+/// No feature, all, each alone, and all in each of the other forms.
+std::vector<NamedFeatures> MakeSets() {
+    std::vector<NamedFeatures> sets = {{"none", {}}, {"all", AllFeatures()}};
+    sets.front().f.firstHits = true; // the program is built, with no feature
+#define HDS_FEATURE(type, member, macro, off, on, needs, doc) \
+    {                                                         \
+        KernelFeatures f = sets.front().f;                    \
+        f.member = on;                                        \
+        needs;                                                \
+        sets.push_back({#member, f});                         \
+    }
+#define HDS_VARIANT(member, macro, needs, doc)                   \
+    for (const std::size_t base : {0, 1}) {                      \
+        KernelFeatures f = sets[base].f;                         \
+        f.member = true;                                         \
+        needs;                                                   \
+        sets.push_back({sets[base].name + " with " #member, f}); \
+    }
+#include "kernels/shared/features.def"
+    return sets;
+}
+
+class Roots : public DeviceFixture {
+protected:
+    void ExpectAllBuild(const NamedFeatures& set) {
+        const KernelFeatures& f = set.f;
+        const ProgramDefines defines = f.Defines();
+#define HDS_PROGRAM(name, root, condition)                                                    \
+    if (condition) {                                                                          \
+        EXPECT_NO_THROW(Program(device, root, defines)) << root << " features: " << set.name; \
+    }
+#include "kernels/shared/features.def"
+    }
+
+    /// Number of fields of a path's state that kernels see.
+    std::uint32_t NumPathFields(const KernelFeatures& f) {
+        const auto program = Build("#include \"integrator/pathState.clh\"\n"
+                                   "kernel void count(global uint* n) { *n = pathField_count; }\n",
+                                   f.Defines());
+        const Buffer count = Allocate(sizeof(std::uint32_t));
+        program->GetKernel("count").Launch(1, count);
+        return Download<std::uint32_t>(count, 1).front();
+    }
+};
 
 TEST_F(Roots, BuildWithEachFeature) {
-    for (const char* root : kRoots) {
-        for (const unsigned bits :
-             {0U, 1U, 2U, 4U, 8U, 24U, 48U, 63U, 88U, 128U, 256U, 257U, 512U, 1024U, 2048U,
-              1024U + 4096U + 1U, 8192U, 8192U + 512U, 16384U}) {
-            EXPECT_NO_THROW(Program(device, root, MakeDefines(bits, 1)))
-                << root << " features " << bits;
-        }
+    for (const NamedFeatures& set : MakeSets()) {
+        ExpectAllBuild(set);
     }
 }
 
-/// Of layered surfaces: none, the base alone, each lobe beside it, all.
+TEST_F(Roots, HostCountsTheFieldsOfPaths) {
+    for (const NamedFeatures& set : MakeSets()) {
+        EXPECT_EQ(StageKernels::PathStateBytes(set.f), 16U * NumPathFields(set.f)) << set.name;
+    }
+}
+
+/// Of layered surfaces: the base alone, each lobe beside it.
 TEST_F(Roots, BuildWithEachLobe) {
-    for (const char* root : {"integrator/shade.cl", "integrator/shadow.cl", "integrator/aov.cl"}) {
-        for (const unsigned lobes : {1U, 3U, 5U, 9U, 17U, 33U, 63U}) {
-            ProgramDefines defines = MakeDefines(lobes == 63U ? 9U : 1U, 1);
-            defines["HDS_LOBES"] = std::to_string(lobes) + "u";
-            EXPECT_NO_THROW(Program(device, root, defines)) << root << " lobes " << lobes;
-        }
+    for (std::uint32_t lobe = HDS_LOBE_BASE; (lobe & HDS_LOBES_ALL) != 0; lobe <<= 1U) {
+        NamedFeatures set{"lobe " + std::to_string(lobe), {}};
+        set.f.programs = true;
+        set.f.lobes = HDS_LOBE_BASE | lobe;
+        set.f.firstHits = true;
+        ExpectAllBuild(set);
     }
-}
-
-TEST_F(Roots, BuildWithAllPools) {
-    EXPECT_NO_THROW(Program(device, "integrator/shade.cl",
-                            MakeDefines(63 + 512 + 1024 + 2048 + 4096 + 8192, 8)));
 }
 
 } // namespace

@@ -33,8 +33,6 @@ struct LightSampleResult {
 };
 
 inline const char* const kLightKernels = R"(
-#define HDS_TEXTURE_PLAIN 1
-#define HDS_NUM_TEXTURE_POOLS 1
 #include "light/imageLookup.clh"
 #include "light/walk.clh"
 #include "sample/sampler.clh"
@@ -181,7 +179,8 @@ protected:
     void SetUp() override {
         DeviceFixture::SetUp();
         if (device) {
-            _program = Build(kLightKernels);
+            _program =
+                Build(kLightKernels, {{"HDS_NUM_TEXTURE_POOLS", "1"}, {"HDS_TEXTURE_PLAIN", "1"}});
             SetImage({});
         }
     }

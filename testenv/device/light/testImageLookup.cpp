@@ -20,8 +20,6 @@ constexpr std::uint32_t kHeight = 48; ///< not half of it: the two axes differ
 constexpr std::uint32_t kTableMip = 2;
 
 const char* const kKernel = R"(
-#define HDS_TEXTURE_PLAIN 1
-#define HDS_NUM_TEXTURE_POOLS 1
 #include "light/imageLookup.clh"
 kernel void lookUp(HDS_LIGHT_PARAMETERS, HDS_TEXTURE_ARGS, global const float* rays, float t,
                    float width, float bias, global float* out, uint count) {
@@ -79,7 +77,8 @@ protected:
         const Buffer texels = Upload(textures.Texels());
         const Buffer rayBuffer = Upload(values);
         const Buffer out = Allocate(rays.size() * 3 * sizeof(float));
-        const auto program = Build(kKernel);
+        const auto program =
+            Build(kKernel, {{"HDS_NUM_TEXTURE_POOLS", "1"}, {"HDS_TEXTURE_PLAIN", "1"}});
         program->GetKernel("lookUp").Launch(rays.size(), lights, lights, lights, cdf,
                                             std::uint32_t(1),
                                             HDS_TEST_TEXTURE_ARGS(records, texels), rayBuffer, t,

@@ -18,9 +18,8 @@
 namespace hds::test {
 namespace {
 
+const ProgramDefines kDefines = {{"HDS_NUM_TEXTURE_POOLS", "1"}, {"HDS_TEXTURE_PLAIN", "1"}};
 const char* const kSource = R"(
-#define HDS_TEXTURE_PLAIN 1
-#define HDS_FEATURE_TEXTURES 1
 #include "shading/program.clh"
 kernel void run(HDS_TEXTURE_ARGS, global const uint* program, global const uint* page,
                 global const float* in, uint isMask, global float4* out, uint count) {
@@ -123,7 +122,7 @@ protected:
     std::vector<Values> Run(Words& words, bool isMask = false) {
         words.Op(HDS_OP_END);
         if (!_program) {
-            _program = Build(kSource, {{"HDS_NUM_TEXTURE_POOLS", "1"}});
+            _program = Build(kSource, kDefines);
         }
         std::vector<float> in;
         for (const Point& p : points) {
@@ -347,7 +346,7 @@ TEST_F(ProgramKernelTest, TangentsRunAlongTheCoordinates) {
         }
         expected.push_back({glm::normalize(alongS), glm::normalize(alongT)});
     }
-    auto program = Build(kSource);
+    auto program = Build(kSource, kDefines);
     const Buffer input = Upload(in);
     const Buffer out = Allocate(expected.size() * 6 * sizeof(float));
     program->GetKernel("tangents")

@@ -11,7 +11,6 @@
 namespace hds::test {
 
 inline const char* const kProbeText = R"(
-#define HDS_FEATURE_STREAMING 1
 #include "stream/residency.clh"
 /* Item i marks page[i] as used (0), asks for it (1), or for all of its group (2). */
 kernel void probe_use(global const uint* pages, uint count, uint use,
@@ -40,7 +39,7 @@ protected:
     void SetUp() override {
         DeviceFixture::SetUp();
         if (device) {
-            program = Build(kProbeText);
+            program = Build(kProbeText, {{"HDS_FEATURE_STREAMING", "1"}});
             probe = program->GetKernel("probe_use");
         }
     }

@@ -15,7 +15,6 @@ namespace hds::test {
 namespace {
 
 const char* const kSource = R"(
-#define HDS_TEXTURE_PLAIN 1
 #include "texture/lookup.clh"
 kernel void look(HDS_TEXTURE_ARGS, uint texture, uint wraps, global const float* in, float bias,
                  global float4* out, uint count) {
@@ -77,7 +76,7 @@ protected:
 
     Program& GetProgram() {
         if (!_program) {
-            _program = Build(kSource, {{"HDS_NUM_TEXTURE_POOLS", "1"}});
+            _program = Build(kSource, {{"HDS_NUM_TEXTURE_POOLS", "1"}, {"HDS_TEXTURE_PLAIN", "1"}});
         }
         return *_program;
     }

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// The table of kernels' features: what makes two sets of kernels different, and that kernels test
+// no macro that nobody defines, which would be 0 in silence.
+#include "hdStream/device/embeddedKernels.h"
+#include "hdStream/integrator/kernelFeatures.h"
+
+#include <gtest/gtest.h>
+
+#include <regex>
+#include <set>
+
+namespace hds::test {
+namespace {
+
+TEST(KernelFeatures, EachRowMakesADifference) {
+    const KernelFeatures none;
+    EXPECT_TRUE(none == KernelFeatures());
+    std::set<ProgramDefines> defines{none.Defines()};
+    std::size_t numRows = 1;
+#define HDS_FEATURE(type, member, macro, off, on, needs, doc) \
+    {                                                         \
+        KernelFeatures f;                                     \
+        f.member = on;                                        \
+        EXPECT_FALSE(f == none) << #member;                   \
+        defines.insert(f.Defines());                          \
+        ++numRows;                                            \
+    }
+#define HDS_VARIANT(member, macro, needs, doc) \
+    HDS_FEATURE(bool, member, macro, false, true, needs, doc)
+#include "kernels/shared/features.def"
+    EXPECT_EQ(defines.size(), numRows);
+    KernelFeatures aovs;
+    aovs.firstHits = true;
+    EXPECT_FALSE(aovs == none);
+    EXPECT_EQ(aovs.Defines(), none.Defines()) << "other programs stay as they are";
+}
+
+/// Words of `expression` in `text`, by its first group.
+std::set<std::string> Find(const std::string& text, const char* expression) {
+    const std::regex regex(expression);
+    std::set<std::string> words;
+    for (std::sregex_iterator i(text.begin(), text.end(), regex), end; i != end; ++i) {
+        words.insert((*i)[1]);
+    }
+    return words;
+}
+
+TEST(KernelFeatures, KernelsTestNoUnknownMacro) {
+    std::set<std::string> known = {"HDS_RUN_LENGTH"};
+    for (const auto& [name, value] : KernelFeatures().Defines()) {
+        known.insert(name);
+    }
+    std::set<std::string> used;
+    for (std::size_t i = 0; i < NumEmbeddedKernels(); ++i) {
+        const std::string text(reinterpret_cast<const char*>(EmbeddedKernels()[i].bytes),
+                               EmbeddedKernels()[i].size);
+        known.merge(Find(text, "# *define (HDS_[A-Z0-9_]+)"));
+        for (const std::string& line : Find(text, "\n# *(?:el)?if ([^\n]+)")) {
+            used.merge(Find(line, "(HDS_[A-Z0-9_]+)"));
+        }
+        used.merge(Find(text, "(HDS_FEATURE_[A-Z0-9_]+)"));
+    }
+    EXPECT_GT(used.size(), 20U);
+    for (const std::string& name : used) {
+        EXPECT_EQ(known.count(name), 1U) << name;
+    }
+}
+
+} // namespace
+} // namespace hds::test
