@@ -114,19 +114,6 @@ void QuantiseNode(const SlotBox& parent, const std::array<SlotBox, 8>& slots,
     }
 }
 
-DecodedBox DecodeSlot(const shared::HdsBvhNode& node, int slot) {
-    DecodedBox box{};
-    for (int axis = 0; axis < 3; ++axis) {
-        const int exponent = static_cast<int>(node.exponentsImask >> (8 * axis) & 0xffU) - 127;
-        const double scale = std::ldexp(1.0, exponent);
-        const std::uint32_t lo = node.qlo[axis][slot / 4] >> (8 * (slot % 4)) & 0xffU;
-        const std::uint32_t hi = node.qhi[axis][slot / 4] >> (8 * (slot % 4)) & 0xffU;
-        box.lo[axis] = double{node.origin[axis]} + scale * lo;
-        box.hi[axis] = double{node.origin[axis]} + scale * hi;
-    }
-    return box;
-}
-
 std::array<int, 8> AssignSlots(const SlotBox& parent, const std::array<SlotBox, 8>& children,
                                int count) {
     float cost[8][8];

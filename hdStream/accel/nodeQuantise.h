@@ -24,15 +24,6 @@ struct alignas(16) SlotBox {
 void QuantiseNode(const SlotBox& parent, const std::array<SlotBox, 8>& slots,
                   std::uint32_t slotMask, shared::HdsBvhNode* node);
 
-/// A slot's box exactly as its bytes define it, origin + 2^(e-127) * q in real numbers (a double
-/// holds it for boxes that are not more than 2^20 times smaller than their distance from the
-/// origin).
-struct DecodedBox {
-    double lo[3];
-    double hi[3];
-};
-DecodedBox DecodeSlot(const shared::HdsBvhNode& node, int slot);
-
 /// Chooses a slot for each of `count` children so that slot numbers grow along the octant: slot 0
 /// is nearest for a ray that goes to +x +y +z, bit 2 of a slot means "far along x, seen so", bit 1
 /// y, bit 0 z. Greedy: the pair of least cost dot(centre of child - centre of node, diagonal of

@@ -106,7 +106,6 @@ public:
 
     bool IsValid() const { return _memory != nullptr; }
     std::uint64_t Bytes() const { return _bytes; }
-    const std::string& Label() const { return _label; }
 
     /// Blocking copies. \throws Error.
     void Write(const void* data, std::uint64_t bytes, std::uint64_t offset = 0);

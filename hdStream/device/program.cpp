@@ -169,7 +169,13 @@ Kernel Program::GetKernel(const std::string& name) const {
 }
 
 Kernel::Kernel(std::shared_ptr<Device> device, void* kernel, std::string name)
-    : _device(std::move(device)), _kernel(kernel), _name(std::move(name)) {}
+    : _device(std::move(device)), _kernel(kernel), _name(std::move(name)) {
+    cl_uint count = 0;
+    CheckOpenCl(clGetKernelInfo(static_cast<cl_kernel>(_kernel), CL_KERNEL_NUM_ARGS, sizeof(count),
+                                &count, nullptr),
+                "arguments of kernel " + _name);
+    _numArguments = count;
+}
 
 Kernel::~Kernel() {
     if (_kernel != nullptr) {
@@ -185,9 +191,17 @@ Kernel& Kernel::operator=(Kernel&& other) noexcept {
     std::swap(_device, other._device);
     std::swap(_kernel, other._kernel);
     std::swap(_name, other._name);
+    std::swap(_numArguments, other._numArguments);
+    std::swap(_numKept, other._numKept);
     std::swap(_runLength, other._runLength);
     std::swap(_groupSize, other._groupSize);
     return *this;
+}
+
+void Kernel::CheckCount(std::size_t count) const {
+    HDS_VERIFY(count == _numArguments, "kernel " + _name + " takes " +
+                                           std::to_string(_numArguments) + " arguments and gets " +
+                                           std::to_string(count));
 }
 
 void Kernel::SetBuffer(unsigned index, const Buffer& buffer) {

@@ -33,11 +33,16 @@ public:
     void SetBuffer(unsigned index, const Buffer& buffer);
     void SetBytes(unsigned index, const void* data, std::size_t bytes);
 
-    /// Sets all arguments in order and queues the kernel over `numItems` work-items (rounded up to
-    /// the group size; kernels compare get_global_id(0) with their own count).
+    /// The first `count` arguments are set and stay from launch to launch; none at first.
+    void KeepFirst(unsigned count) { _numKept = count; }
+
+    /// Sets all other arguments in order and queues the kernel over `numItems` work-items (rounded
+    /// up to the group size; kernels compare get_global_id(0) with their own count).
+    /// \pre the kernel has as many arguments as are kept and given.
     template <typename... Args>
     void Launch(std::size_t numItems, const Args&... args) {
-        unsigned index = 0;
+        unsigned index = _numKept;
+        CheckCount(index + sizeof...(args));
         (SetArgument(index++, args), ...);
         Enqueue(numItems);
     }
@@ -50,6 +55,7 @@ public:
     void Enqueue(std::size_t numItems);
 
 private:
+    void CheckCount(std::size_t count) const;
     void SetArgument(unsigned index, const Buffer& buffer) { SetBuffer(index, buffer); }
     template <typename T>
     void SetArgument(unsigned index, const T& value) {
@@ -62,6 +68,8 @@ private:
     std::shared_ptr<Device> _device;
     void* _kernel = nullptr;
     std::string _name;
+    unsigned _numArguments = 0;
+    unsigned _numKept = 0;
     std::size_t _runLength = 1;
     std::size_t _groupSize = kGroupSize;
 };

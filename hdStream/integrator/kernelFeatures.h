@@ -21,7 +21,9 @@ struct KernelFeatures {
 #include "kernels/shared/features.def"
 
     /// Rays that wait keep lists of the chunks they wait for.
-    bool HasLists() const { return streaming && !requestsFirst; }
+    bool HasLists() const {
+        return streaming && !requestsFirst;
+    }
 
     bool operator==(const KernelFeatures& other) const {
         bool isEqual = true;

@@ -25,15 +25,6 @@ std::uint64_t NumPathFields(const KernelFeatures& features) {
     return count;
 }
 
-/// Index of the first scene argument of each kernel: what comes before changes with each launch.
-constexpr unsigned kIntersectArgs = 6;
-constexpr unsigned kIntersectResumeArgs = 7;
-constexpr unsigned kShadeArgs = 9;
-constexpr unsigned kShadowCastArgs = 8;
-constexpr unsigned kShadowResumeArgs = 8;
-constexpr unsigned kShadowPassArgs = 8;
-constexpr unsigned kAovArgs = 12;
-
 /// Items that a work-item of the kernels of queues takes (kernels/integrator/run.clh).
 std::uint32_t RunLength(const Device& device) {
     return device.Properties().isCpu ? 32 : 1;
@@ -108,18 +99,25 @@ void StageKernels::SaveBinaries(Store* store) {
 }
 
 void StageKernels::Bind(const SceneBuffers& scene) {
-    scene.BindGeometry(&intersect, kIntersectArgs, _features.motion);
-    scene.BindScene(&shade, kShadeArgs, _features.motion);
-    scene.BindScene(&shadowCast, kShadowCastArgs, _features.motion);
+    const bool hasMotion = _features.motion;
+    const auto bindGeometry = [&](Kernel* kernel) {
+        kernel->KeepFirst(scene.BindGeometry(kernel, 0, hasMotion));
+    };
+    const auto bindScene = [&](Kernel* kernel) {
+        kernel->KeepFirst(scene.BindScene(kernel, 0, hasMotion));
+    };
+    bindGeometry(&intersect);
+    bindScene(&shade);
+    bindScene(&shadowCast);
     if (_features.firstHits) {
-        scene.BindScene(&aov, kAovArgs, _features.motion);
+        bindScene(&aov);
     }
     if (_features.cutouts) {
-        scene.BindScene(&shadowPass, kShadowPassArgs, _features.motion);
+        bindScene(&shadowPass);
     }
     if (_features.streaming) {
-        scene.BindGeometry(&intersectResume, kIntersectResumeArgs, _features.motion);
-        scene.BindScene(&shadowResume, kShadowResumeArgs, _features.motion);
+        bindGeometry(&intersectResume);
+        bindScene(&shadowResume);
     }
 }
 

@@ -60,7 +60,6 @@ public:
     }
 
     bool IsWriter() const { return _isWriter; }
-    std::uint64_t Capacity() const { return _capacity; }
     /// Bytes of the file that are taken.
     std::uint64_t End() const { return _end; }
     /// Index entries that were found to be wrong when it was opened.

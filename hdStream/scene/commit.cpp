@@ -195,9 +195,7 @@ private:
         _meshInfos.push_back(info);
         shared::HdsMesh mesh{};
         mesh.materialBase = info.materialBase;
-        mesh.flags = (prim.doubleSided ? HDS_MESH_DOUBLE_SIDED : 0U) |
-                     (prepared.leftHanded ? HDS_MESH_LEFT_HANDED : 0U) |
-                     (info.isEmissive ? HDS_MESH_EMISSIVE : 0U) | cullFlags;
+        mesh.flags = (prepared.leftHanded ? HDS_MESH_LEFT_HANDED : 0U) | cullFlags;
         mesh.primId = prim.primId >= 0 ? prim.primId : static_cast<std::int32_t>(index);
         mesh.numPrimvars = static_cast<std::uint32_t>(prepared.attributes.size());
         _result->meshes.push_back(mesh);
@@ -281,12 +279,12 @@ private:
         _result->lightByEntry = std::move(lights.lightByEntry);
         _result->counts.emissiveTriangles = lights.emissiveTriangles;
         _result->hasCutouts = _result->hasCutouts || _cache.lights->hasGlow;
-        // The hierarchy left the index of the own record.
-        for (shared::HdsInstance& instance : _result->instances) {
-            if (instance.lightBase != HDS_NONE) {
-                const bool isGlowing = lights.glowByRecord[instance.lightBase];
-                instance.flags |= isGlowing ? HDS_INSTANCE_CUTOUT : 0U; // shadow rays end there
-                instance.lightBase = lights.firstEntryByRecord[instance.lightBase];
+        for (std::size_t i = 0; i < _ownRecords.size(); ++i) {
+            if (_ownRecords[i].instance != HDS_NONE) {
+                shared::HdsInstance& instance = _result->instances[_ownRecords[i].instance];
+                instance.flags |=
+                    lights.glowByRecord[i] ? HDS_INSTANCE_CUTOUT : 0U; // shadow rays end there
+                instance.lightBase = lights.firstEntryByRecord[i];
             }
         }
     }

@@ -123,7 +123,8 @@ struct Record {
     Bounds bounds;      ///< when the shutter opens
     Bounds closeBounds; ///< when it closes
     std::uint64_t numLeaves = 0;
-    std::vector<glm::dmat4> keys; ///< of the map outwards, of what moves
+    std::vector<glm::dmat4> keys;       ///< of the map outwards, of what moves
+    std::uint32_t ownRecord = HDS_NONE; ///< index in Hierarchy::ownRecords
 };
 
 class Builder {
@@ -391,14 +392,13 @@ private:
                         _links.FlagsOf(_scene.meshes.at(path).categories, placed.categories);
                 }
                 if (records->size() > before && leaf.ownRecord) {
-                    const auto light = static_cast<std::uint32_t>(_result.ownRecords.size());
-                    records->back().instance.lightBase =
-                        light; // commit maps it to a light, or to none
+                    records->back().ownRecord =
+                        static_cast<std::uint32_t>(_result.ownRecords.size());
                     _result.ownRecords.push_back(
                         {path, leaf.mesh,
                          glm::translate(centreFromWorld * placed.worldFromObject.AtFrame(),
                                         leaf.origin),
-                         0});
+                         0, HDS_NONE});
                 }
             }
         }
@@ -423,8 +423,8 @@ private:
         for (Record& record : records) {
             record.instance.pathOffset[0] = static_cast<std::uint32_t>(numLeaves);
             record.instance.pathOffset[1] = static_cast<std::uint32_t>(numLeaves >> 32U);
-            if (groupIndex == 0 && record.instance.lightBase != HDS_NONE) {
-                _result.ownRecords[record.instance.lightBase].pathIndex = numLeaves;
+            if (record.ownRecord != HDS_NONE) {
+                _result.ownRecords[record.ownRecord].pathIndex = numLeaves;
             }
             numLeaves += record.numLeaves;
             boxes.push_back(record.bounds);
@@ -448,7 +448,11 @@ private:
         _result.instancesByPath.resize(_result.instances.size() + records.size());
         for (std::uint32_t slot = 0; slot < tree.order.size(); ++slot) {
             _result.instancesByPath[group.itemBase + tree.order[slot]] = group.itemBase + slot;
-            _result.instances.push_back(PlacedInstance(records[tree.order[slot]]));
+            const Record& record = records[tree.order[slot]];
+            if (record.ownRecord != HDS_NONE) {
+                _result.ownRecords[record.ownRecord].instance = group.itemBase + slot;
+            }
+            _result.instances.push_back(PlacedInstance(record));
         }
         *bounds = tree.bounds;
         return numLeaves;

@@ -36,6 +36,7 @@ struct OwnRecord {
     std::uint32_t mesh = 0;
     glm::dmat4 worldFromObject{1.0}; ///< relative to the scene centre, from device positions
     std::uint64_t pathIndex = 0;
+    std::uint32_t instance = HDS_NONE; ///< the record in Hierarchy::instances
 };
 
 /// Device tables of the hierarchy. Object 0 is the TLAS.

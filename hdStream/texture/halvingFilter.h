@@ -16,7 +16,6 @@ public:
     HalvingFilter(std::uint32_t width, std::uint32_t height, std::uint32_t numChannels);
 
     std::uint32_t TargetWidth() const { return _targetWidth; }
-    std::uint32_t TargetHeight() const { return _targetHeight; }
 
     /// Takes the next row. \return the target row that it completes, valid until the next call, or
     /// null.

@@ -144,11 +144,11 @@ void aov_store(constant const HdsFrameParams* frame, const HdsSceneView* scene, 
 }
 
 /* Global size: runs of count. */
-kernel void aov_firstHit(constant const HdsFrameParams* frame, global uchar* state, uint numSlots,
-                         global const uint* restrict queue, uint count,
+kernel void aov_firstHit(HDS_SCENE_ARGS, constant const HdsFrameParams* frame, global uchar* state,
+                         uint numSlots, global const uint* restrict queue, uint count,
                          global uint* restrict waitQueue, global uint* restrict nextQueue,
                          volatile global uint* counters, global float* floats, global int* ints,
-                         HdsAovOffsets offsets, global const uint* primvarSlots, HDS_SCENE_ARGS) {
+                         HdsAovOffsets offsets, global const uint* primvarSlots) {
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
     HDS_FOR_RUN(item, count) {

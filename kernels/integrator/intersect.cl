@@ -6,9 +6,9 @@
 #include "integrator/trace.clh"
 
 /* Global size: runs of count. Appends rays that wait for a chunk (only while geometry streams). */
-kernel void intersect_closest(global uchar* state, uint numSlots, global const uint* restrict queue,
-                              uint count, global uint* restrict waitQueue,
-                              volatile global uint* counters, HDS_GEOMETRY_ARGS) {
+kernel void intersect_closest(HDS_GEOMETRY_ARGS, global uchar* state, uint numSlots,
+                              global const uint* restrict queue, uint count,
+                              global uint* restrict waitQueue, volatile global uint* counters) {
     HdsPaths paths = {state, numSlots};
     HDS_GEOMETRY_VIEW(view);
     HDS_FOR_RUN(item, count) {
@@ -19,10 +19,10 @@ kernel void intersect_closest(global uchar* state, uint numSlots, global const u
 #if HDS_FEATURE_STREAMING
 /* Global size: runs of count. Goes on with rays that have waited. Appends those that wait again,
  * and slots that are ready to be shaded. */
-kernel void intersect_resume(global uchar* state, uint numSlots, global const uint* restrict queue,
-                             uint count, global uint* restrict waitQueue,
-                             global uint* restrict readyQueue, volatile global uint* counters,
-                             HDS_GEOMETRY_ARGS) {
+kernel void intersect_resume(HDS_GEOMETRY_ARGS, global uchar* state, uint numSlots,
+                             global const uint* restrict queue, uint count,
+                             global uint* restrict waitQueue, global uint* restrict readyQueue,
+                             volatile global uint* counters) {
     HdsPaths paths = {state, numSlots};
     HDS_GEOMETRY_VIEW(view);
     HDS_FOR_RUN(item, count) {

@@ -230,11 +230,10 @@ uint shade_path(constant const HdsFrameParams* frame, const HdsSceneView* scene,
 
 /* Global size: runs of count. Appends paths that go on, shadow rays, and paths that wait for their
  * hit's pages or texels. Paths whose rays wait are left out. */
-kernel void shade_paths(constant const HdsFrameParams* frame, global uchar* state, uint numSlots,
-                        global const uint* restrict queue, uint count,
+kernel void shade_paths(HDS_SCENE_ARGS, constant const HdsFrameParams* frame, global uchar* state,
+                        uint numSlots, global const uint* restrict queue, uint count,
                         global uint* restrict waitQueue, global uint* restrict nextQueue,
-                        global uint* restrict shadowQueue, volatile global uint* counters,
-                        HDS_SCENE_ARGS) {
+                        global uint* restrict shadowQueue, volatile global uint* counters) {
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
     HdsRunList next = {0u};

@@ -68,10 +68,10 @@ void shadow_arrive(const HdsSceneView* scene, HdsPaths paths, uint i, const HdsH
 
 /* Global size: runs of count. Appends candidates (only with cut-outs) and, while geometry streams,
  * rays that wait for a chunk and slots that are ready. */
-kernel void shadow_cast(global uchar* state, uint numSlots, global const uint* restrict queue,
-                        uint count, global uint* restrict waitQueue,
-                        global uint* restrict candidateQueue, global uint* restrict readyQueue,
-                        volatile global uint* counters, HDS_SCENE_ARGS) {
+kernel void shadow_cast(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
+                        global const uint* restrict queue, uint count,
+                        global uint* restrict waitQueue, global uint* restrict candidateQueue,
+                        global uint* restrict readyQueue, volatile global uint* counters) {
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
     HDS_FOR_RUN(item, count) {
@@ -93,10 +93,10 @@ kernel void shadow_cast(global uchar* state, uint numSlots, global const uint* r
 
 #if HDS_FEATURE_STREAMING
 /* Global size: runs of count. Goes on with shadow rays that have waited. Appends as shadow_cast. */
-kernel void shadow_resume(global uchar* state, uint numSlots, global const uint* restrict queue,
-                          uint count, global uint* restrict waitQueue,
-                          global uint* restrict candidateQueue, global uint* restrict readyQueue,
-                          volatile global uint* counters, HDS_SCENE_ARGS) {
+kernel void shadow_resume(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
+                          global const uint* restrict queue, uint count,
+                          global uint* restrict waitQueue, global uint* restrict candidateQueue,
+                          global uint* restrict readyQueue, volatile global uint* counters) {
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
     HDS_FOR_RUN(item, count) {
@@ -209,11 +209,10 @@ void shadow_passCandidate(const HdsSceneView* scene, HdsPaths paths, uint i, glo
 
 /* Global size: runs of count. Appends rays of which something is left and, while geometry streams,
  * candidates that wait for their pages and slots that are ready. */
-kernel void shadow_pass(global uchar* state, uint numSlots,
+kernel void shadow_pass(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
                         global const uint* restrict candidateQueue, uint count,
                         global uint* restrict waitQueue, global uint* restrict queue,
-                        global uint* restrict readyQueue, volatile global uint* counters,
-                        HDS_SCENE_ARGS) {
+                        global uint* restrict readyQueue, volatile global uint* counters) {
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
     HDS_FOR_RUN(item, count) {

@@ -23,11 +23,8 @@
 #define HDS_MAX_GROUP_DEPTH 6
 
 /* HdsMesh.flags */
-#define HDS_MESH_DOUBLE_SIDED 1u
-#define HDS_MESH_LEFT_HANDED \
-    2u /* authored winding is left handed: the geometric normal is flipped */
-#define HDS_MESH_EMISSIVE 4u
-#define HDS_MESH_CULL_BACK 8u /* camera rays do not see back faces */
+#define HDS_MESH_LEFT_HANDED 2u /* authored winding: the geometric normal is flipped */
+#define HDS_MESH_CULL_BACK 8u   /* camera rays do not see back faces */
 #define HDS_MESH_CULL_FRONT 16u
 
 /* HdsInstance.flags */

@@ -65,7 +65,8 @@ TEST_F(ProgramTest, BinariesAreCachedPerTextAndDefines) {
     fs::remove_all(folder);
     Warnings warnings;
     Store store({folder.string()}, &warnings);
-    const std::string text = "kernel void fill(global int* x) { x[get_global_id(0)] = HDS_RUN_LENGTH; }\n";
+    const std::string text =
+        "kernel void fill(global int* x) { x[get_global_id(0)] = HDS_RUN_LENGTH; }\n";
     const auto run = [&](const char* value, bool expectCached) {
         Program program(device, "test.cl", {{"HDS_RUN_LENGTH", value}}, &store, &text);
         EXPECT_EQ(program.IsFromCache(), expectCached) << value;

@@ -16,8 +16,8 @@ const char* const kProbeText = R"(
 #include "texture/cache.clh"
 /* Item queue[first + id] reads its taps (texture, mip, x, y); results are written when all are
  * there. */
-kernel void probe_read(global const uint4* taps, uint numTaps, global const uint* queue,
-                       uint count, global uint* results, HDS_TEXTURE_ARGS) {
+kernel void probe_read(HDS_TEXTURE_ARGS, global const uint4* taps, uint numTaps,
+                       global const uint* queue, uint count, global uint* results) {
     const uint id = (uint)get_global_id(0);
     if (id >= count) {
         return;
@@ -108,7 +108,7 @@ protected:
 
     void Launch(const TextureBinding& binding, const std::vector<std::uint32_t>& items) {
         const Buffer queue = Upload(items);
-        binding.Bind(&probe, 5);
+        probe.KeepFirst(binding.Bind(&probe, 0));
         probe.Launch(items.size(), tapBuffer, numTaps, queue,
                      static_cast<std::uint32_t>(items.size()), resultBuffer);
         device->Finish();

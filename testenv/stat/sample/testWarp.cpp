@@ -53,7 +53,9 @@ kernel void ggxNormalPdf(global const float* d, float cosO, float alpha, global 
     if (i >= count) return;
     float3 wo = (float3)(sqrt(1.0f - cosO * cosO), 0.0f, cosO);
     float3 h = vload3(i, d);
-    out[i] = h.z > 0.0f ? ggx_visibleNormalPdf(wo, h, alpha) : 0.0f;
+    out[i] = h.z > 0.0f ? ggx_distribution(h, alpha) * 2.0f * fmax(vec_dot(wo, h), 0.0f) *
+                              ggx_masking(wo, alpha)
+                        : 0.0f;
 }
 kernel void ggxReflection(global const float* u, float cosO, float alpha, global float* out,
                           uint count) {
@@ -71,7 +73,9 @@ kernel void ggxReflectionPdf(global const float* d, float cosO, float alpha, glo
     if (i >= count) return;
     float3 wo = (float3)(sqrt(1.0f - cosO * cosO), 0.0f, cosO);
     float3 wi = vload3(i, d);
-    out[i] = wi.z > 0.0f ? ggx_reflectionPdf(wo, vec_normalize(wo + wi), alpha) : 0.0f;
+    out[i] = wi.z > 0.0f ? ggx_distribution(vec_normalize(wo + wi), alpha) * 0.5f *
+                               ggx_masking(wo, alpha)
+                         : 0.0f;
 }
 kernel void filterOffsets(global const float* u, global const float* inverseCdf, global float* out,
                           uint count) {
