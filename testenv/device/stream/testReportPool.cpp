@@ -86,10 +86,11 @@ TEST_F(ReportPoolTest, CastsOfAPoolThatIsTooSmallEnd) {
                 Ask(pool, missing);
                 pool.ServiceCast();
                 const std::vector<std::uint32_t> after = Table(pool, ids);
-                EXPECT_EQ(Resident(after).size(), 4U);
+                const std::size_t numLoaded = std::min<std::size_t>(4, missing.size());
+                EXPECT_EQ(Resident(after).size(), eviction == Eviction::Flush ? numLoaded : 4U);
             }
             EXPECT_EQ(iterations, cast == 0 ? 8 : 7)
-                << "four pages each, those that are there first";
+                << "four pages each, but for those that are there";
         }
     }
 }

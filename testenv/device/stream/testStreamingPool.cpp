@@ -26,12 +26,11 @@ TEST_F(StreamingPoolTest, TheLeastRecentlyUsedLeaveThenThoseLeastWanted) {
     FakePages pages(ids);
     StreamingPool pool(device, "fake");
     pool.Update(&pages, 4 * 160);
-    Ask(pool, {0, 1, 1, 1, 2, 2, 3});
+    Ask(pool, {0, 1, 1, 1, 2, 2, 3, 3, 3, 3});
     pool.Service();
-    Touch(pool, {0, 1, 2, 3});
-    Touch(pool, {0, 1, 2}); // 3 is the oldest
+    Touch(pool, {0, 1, 2});
     Ask(pool, {4, 4, 5});
-    pool.Service(); // 3 leaves, then 0: fewest asked for it
+    pool.Service(); // 3 leaves, which was not used, then 0: fewest asked for it
     EXPECT_EQ(Resident(Table(pool, ids)), (Pages{1, 2, 4, 5}));
     EXPECT_EQ(pool.Statistics().evictions, 2U);
 }
