@@ -4,7 +4,7 @@
 
 #include "hdStream/film/aov.h"
 #include "hdStream/scene/sceneDescription.h"
-#include "hdStream/stream/streamingPool.h"
+#include "hdStream/stream/reportPool.h"
 
 #include <array>
 #include <cstdint>

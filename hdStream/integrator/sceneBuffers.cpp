@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/integrator/sceneBuffers.h"
 
-#include "hdStream/base/error.h"
 #include "hdStream/integrator/settling.h"
+#include "hdStream/stream/mappedPool.h"
+#include "hdStream/stream/residentPool.h"
 
 #include <utility>
 
@@ -48,21 +49,22 @@ ResidencyPlan SceneBuffers::Plan(const CommittedScene& scene,
     return PlanResidency(residency, scene.pages->TotalBytes(), _device->Properties().memoryBytes);
 }
 
-void SceneBuffers::UpdateStreaming(const CommittedScene& scene, const ResidencyOptions& residency,
-                                   std::uint64_t budget) {
-    const bool wasSettled = std::exchange(_isSettled, false);
-    _isScattered = false;
-    if (!_streaming || !(_residency == residency)) {
-        _streaming = nullptr; // frees first
-        _streaming = std::make_unique<StreamingPool>(_device, "geometry", residency.eviction);
-        _residency = residency;
+/// Makes an empty pool for geometry.
+void SceneBuffers::MakePool(PoolKind kind, const ResidencyOptions& residency) {
+    _streaming = nullptr;
+    _pool = nullptr; // frees first
+    const std::string label = "geometry";
+    if (kind == PoolKind::Mapped) {
+        _pool = std::make_unique<MappedPool>(_device, label);
+    } else if (kind == PoolKind::Resident) {
+        _pool = std::make_unique<ResidentPool>(_device, label);
+    } else {
+        auto pool = MakeStreamingPool(_device, label, residency.eviction, residency.requestsFirst);
+        _streaming = pool.get();
+        _pool = std::move(pool);
     }
-    _streaming->Update(scene.pages.get(), budget);
-    if (wasSettled && SettlesAtOnce(_streaming->MissingBytes())) {
-        while (MaySettle()) {
-            LoadMissing();
-        }
-    }
+    _poolKind = kind;
+    _residency = residency;
 }
 
 bool SceneBuffers::MaySettle() const {
@@ -82,46 +84,21 @@ void SceneBuffers::LoadMissing() {
 
 bool SceneBuffers::UpdatePages(const CommittedScene& scene, const ResidencyOptions& residency) {
     const ResidencyPlan plan = Plan(scene, residency);
-    if (plan.pool == PoolKind::Mapped) {
-        UpdateMapped(scene);
-        return true;
+    const bool streams = plan.pool == PoolKind::Streaming;
+    const bool wasSettled = std::exchange(_isSettled, false) && streams;
+    _isScattered = false;
+    if (!_pool || plan.pool != _poolKind || (streams && !(_residency == residency))) {
+        MakePool(plan.pool, residency);
     }
-    _mapped = nullptr;
-    if (plan.pool == PoolKind::Streaming) {
-        _resident = nullptr;
-        UpdateStreaming(scene, residency, plan.budgetBytes);
-        return true;
+    if (!_pool->Update(scene.pages.get(), plan.budgetBytes)) {
+        return false;
     }
-    _streaming = nullptr;
-    _isSettled = false;
-    const bool isFirst = !_resident;
-    if (isFirst) {
-        _resident = std::make_unique<ResidentPool>(_device, "geometry");
+    if (wasSettled && SettlesAtOnce(_streaming->MissingBytes())) {
+        while (MaySettle()) {
+            LoadMissing();
+        }
     }
-    if (_resident->Update(scene.pages.get())) {
-        return true;
-    }
-    if (isFirst) {
-        throw Error("geometry: " + std::to_string(scene.pages->TotalBytes()) +
-                    " bytes do not fit the device's memory (" + std::to_string(kMaxPoolBuffers) +
-                    " buffers of " + std::to_string(_resident->BufferLimit()) +
-                    " bytes); --residency stream needs less");
-    }
-    return false;
-}
-
-void SceneBuffers::UpdateMapped(const CommittedScene& scene) {
-    if (!_device->Properties().isCpu) {
-        throw Error("--residency mapped: needs a CPU device, " + _device->Properties().name +
-                    " is none");
-    }
-    _resident = nullptr;
-    _streaming = nullptr;
-    _isSettled = false;
-    if (!_mapped) {
-        _mapped = std::make_unique<MappedPool>(_device, "geometry");
-    }
-    _mapped->Update(scene.pages.get());
+    return true;
 }
 
 bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& residency) {
@@ -152,27 +129,9 @@ bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& r
     return true;
 }
 
-std::uint32_t SceneBuffers::NumPoolBuffers() const {
-    return _streaming  ? _streaming->NumBuffers()
-           : _mapped   ? _mapped->NumBuffers()
-           : _resident ? _resident->NumBuffers()
-                       : 0;
-}
-
-std::uint64_t SceneBuffers::PoolBytes() const {
-    return _streaming ? _streaming->Bytes() : _resident ? _resident->Bytes() : 0;
-}
-
-std::uint64_t SceneBuffers::PinnedBytes() const {
-    return _streaming ? _streaming->PinnedBytes() : 0;
-}
-
 void SceneBuffers::BeginStatistics() {
-    if (_streaming) {
-        _streaming->BeginStatistics();
-    }
-    if (_resident) {
-        _resident->BeginStatistics();
+    if (_pool) {
+        _pool->BeginStatistics();
     }
     _textures.BeginStatistics();
 }
@@ -184,22 +143,11 @@ void SceneBuffers::CountUsed() {
 }
 
 StreamingStatistics SceneBuffers::PoolStatistics() const {
-    StreamingStatistics statistics;
-    if (_streaming) {
-        statistics = _streaming->Statistics();
-    } else if (_resident) {
-        statistics.uploads = _resident->Uploads();
-        statistics.uploadedBytes = _resident->UploadedBytes();
-        statistics.uniqueBytes = statistics.uploadedBytes;
-    }
-    return statistics;
+    return _pool ? _pool->Statistics() : StreamingStatistics{};
 }
 
 std::uint64_t SceneBuffers::TableBytes() const {
-    std::uint64_t bytes = _streaming  ? _streaming->TableBytes()
-                          : _mapped   ? _mapped->Addresses().Bytes()
-                          : _resident ? _resident->Addresses().Bytes()
-                                      : 0;
+    std::uint64_t bytes = _pool ? _pool->TableBytes() : 0;
     for (const Buffer& buffer : _tables) {
         bytes += buffer.Bytes();
     }
@@ -210,13 +158,9 @@ unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first, bool hasMoti
     for (const Table table : {TopNodes, Instances, InstancesByPath, Objects}) {
         kernel->SetBuffer(first++, _tables[table]);
     }
-    kernel->SetBuffer(first++, _streaming ? _streaming->Addresses()
-                               : _mapped  ? _mapped->Addresses()
-                                          : _resident->Addresses());
+    kernel->SetBuffer(first++, _pool->Addresses());
     for (std::uint32_t i = 0; i < kMaxPoolBuffers; ++i) {
-        kernel->SetBuffer(first++, _streaming ? _streaming->PoolBuffer(i)
-                                   : _mapped  ? _mapped->PoolBuffer(i)
-                                              : _resident->PoolBuffer(i));
+        kernel->SetBuffer(first++, _pool->PoolBuffer(i));
     }
     if (hasMotion) {
         kernel->SetBuffer(first++, _tables[MotionKeys]);

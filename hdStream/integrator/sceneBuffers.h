@@ -7,8 +7,6 @@
 #include "hdStream/integrator/residencyPlan.h"
 #include "hdStream/integrator/sceneTextures.h"
 #include "hdStream/scene/commit.h"
-#include "hdStream/stream/mappedPool.h"
-#include "hdStream/stream/residentPool.h"
 #include "hdStream/stream/streamingPool.h"
 
 #include <array>
@@ -48,7 +46,7 @@ public:
     ResidencyPlan Plan(const CommittedScene& scene, const ResidencyOptions& residency) const;
     /// Whether pages of geometry may be missing.
     bool IsStreaming() const { return _streaming != nullptr && !_isSettled; }
-    bool IsMapped() const { return _mapped != nullptr; }
+    bool IsMapped() const { return _pool != nullptr && _poolKind == PoolKind::Mapped; }
     /// Whether it lies in a pool made for streaming.
     bool HasStreamingPool() const { return _streaming != nullptr; }
     /// \pre IsStreaming.
@@ -67,9 +65,12 @@ public:
     StreamingStatistics PoolStatistics() const;
     /// Adds to them what only the device knows; at the end of a render. Blocks.
     void CountUsed();
-    std::uint32_t NumPoolBuffers() const;
-    std::uint64_t PoolBytes() const;   ///< of geometry
-    std::uint64_t PinnedBytes() const; ///< of geometry
+    std::uint32_t NumPoolBuffers() const { return _pool ? _pool->NumBuffers() : 0; }
+    /// Of geometry; 0 before the first Update.
+    std::uint64_t PoolBytes() const { return _pool ? _pool->Bytes() : 0; }
+    std::uint64_t PinnedBytes() const { return _pool ? _pool->PinnedBytes() : 0; }
+    /// The most bytes of its pages that were resident at a time since BeginStatistics.
+    std::uint64_t PeakUsedBytes() const { return _pool ? _pool->PeakUsedBytes() : 0; }
     std::uint64_t TableBytes() const;
 
 private:
@@ -92,20 +93,18 @@ private:
         NumTables
     };
 
-    void UpdateMapped(const CommittedScene& scene);
+    void MakePool(PoolKind kind, const ResidencyOptions& residency);
     bool UpdatePages(const CommittedScene& scene, const ResidencyOptions& residency);
-    void UpdateStreaming(const CommittedScene& scene, const ResidencyOptions& residency,
-                         std::uint64_t budget);
     template <typename T>
     void Upload(Table table, const std::vector<T>& values);
 
     std::shared_ptr<Device> _device;
-    std::unique_ptr<ResidentPool> _resident;   ///< one of the three, from the first Update on
-    std::unique_ptr<StreamingPool> _streaming; ///< likewise
-    std::unique_ptr<MappedPool> _mapped;       ///< likewise
-    ResidencyOptions _residency;               ///< what _streaming was made with
-    bool _isSettled = false;                   ///< _streaming holds all pages for good
-    bool _isScattered = false;                 ///< it has no room for all, until the next Update
+    std::unique_ptr<PagePool> _pool; ///< of geometry, from the first Update on
+    PoolKind _poolKind = PoolKind::Resident;
+    StreamingPool* _streaming = nullptr; ///< _pool, if that is made for streaming
+    ResidencyOptions _residency;         ///< what _pool was made with
+    bool _isSettled = false;             ///< _streaming holds all pages for good
+    bool _isScattered = false;           ///< it has no room for all, until the next Update
     std::array<Buffer, NumTables> _tables;
     std::shared_ptr<const LightTable> _lights; ///< what the light tables hold
     std::uint32_t _numLights = 0;

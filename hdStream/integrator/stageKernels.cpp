@@ -81,7 +81,7 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
     if (features.cutouts) {
         shadowPass = shadowProgram->GetKernel("shadow_pass");
     }
-    if (features.HasLists()) {
+    if (features.streaming) {
         intersectResume = intersectProgram->GetKernel("intersect_resume");
         shadowResume = shadowProgram->GetKernel("shadow_resume");
     }
@@ -115,7 +115,7 @@ void StageKernels::Bind(const SceneBuffers& scene) {
     if (_features.cutouts) {
         bindScene(&shadowPass);
     }
-    if (_features.HasLists()) {
+    if (_features.streaming) {
         bindGeometry(&intersectResume);
         bindScene(&shadowResume);
     }

@@ -34,8 +34,8 @@ public:
     Kernel shadowCast;
     Kernel shadowPass;      ///< only with cut-outs
     Kernel aov;             ///< only with first-hit AOVs
-    Kernel intersectResume; ///< only with lists
-    Kernel shadowResume;    ///< only with lists
+    Kernel intersectResume; ///< only while geometry streams
+    Kernel shadowResume;    ///< only while geometry streams
     Kernel resolve;
     Kernel develop;
     Kernel relativeError;

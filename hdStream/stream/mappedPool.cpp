@@ -17,13 +17,14 @@ constexpr std::uint64_t kBatchBytes = 64U << 20U;
 } // namespace
 
 MappedPool::MappedPool(std::shared_ptr<Device> device, std::string label)
-    : _device(std::move(device)), _label(std::move(label)) {
-    for (Buffer& buffer : _buffers) {
-        buffer = Buffer(_device, _label + " pool", 0, BufferAccess::ReadOnly);
+    : PagePool(std::move(device), std::move(label)) {
+    if (!_device->Properties().isCpu) {
+        throw Error("--residency mapped: needs a CPU device, " + _device->Properties().name +
+                    " is none");
     }
 }
 
-void MappedPool::Update(PageProvider* provider) {
+bool MappedPool::Update(PageProvider* provider, std::uint64_t /*budgetBytes*/) {
     std::vector<std::uint32_t> addresses(provider->NumPages(), HDS_NOT_RESIDENT);
     std::vector<std::uint32_t> missing;
     MappedPage mapped;
@@ -54,6 +55,7 @@ void MappedPool::Update(PageProvider* provider) {
         }
     }
     _addresses = UploadVector(_device, _label + " addresses", addresses);
+    return true;
 }
 
 std::uint32_t MappedPool::AddressOf(const MappedPage& mapped) {

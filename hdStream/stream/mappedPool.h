@@ -5,11 +5,8 @@
 // scene. Explained in docs/streaming.md.
 #pragma once
 
-#include "hdStream/device/device.h"
-#include "hdStream/stream/pageProvider.h"
-#include "hdStream/stream/rangeAllocator.h"
+#include "hdStream/stream/pagePool.h"
 
-#include <array>
 #include <memory>
 #include <string>
 #include <unordered_map>
@@ -17,29 +14,29 @@
 namespace hds {
 
 /// Buffers over mapped files. Externally synchronised.
-class MappedPool {
+class MappedPool : public PagePool {
 public:
-    /// \param label names it in error messages.
+    /// An empty pool. \throws Error when the device is no CPU.
     MappedPool(std::shared_ptr<Device> device, std::string label);
 
-    /// Serves all pages of `provider`; those that are in no file are prepared, which puts them
-    /// there. Blocks. \throws Error when the cache cannot hold them, or spreads them over more
-    /// files than there are buffers.
-    void Update(PageProvider* provider);
+    /// Serves all pages; those that are in no file are prepared, which puts them there. There is no
+    /// budget. \return true. \throws Error when the cache cannot hold them, or spreads them over
+    /// more files than there are buffers.
+    bool Update(PageProvider* provider, std::uint64_t budgetBytes) override;
 
-    /// As ResidentPool's.
-    const Buffer& Addresses() const { return _addresses; }
-    const Buffer& PoolBuffer(std::uint32_t i) const { return _buffers[i]; }
-    std::uint32_t NumBuffers() const { return static_cast<std::uint32_t>(_bufferByFile.size()); }
+    std::uint32_t NumBuffers() const override {
+        return static_cast<std::uint32_t>(_bufferByFile.size());
+    }
+    /// No memory is held, and nothing is counted.
+    std::uint64_t Bytes() const override { return 0; }
+    std::uint64_t PeakUsedBytes() const override { return 0; }
+    void BeginStatistics() override {}
+    StreamingStatistics Statistics() const override { return {}; }
 
 private:
     std::uint32_t AddressOf(const MappedPage& mapped);
 
-    std::shared_ptr<Device> _device;
-    std::string _label;
-    std::array<Buffer, kMaxPoolBuffers> _buffers;
     std::unordered_map<const std::uint8_t*, std::uint32_t> _bufferByFile;
-    Buffer _addresses;
 };
 
 } // namespace hds

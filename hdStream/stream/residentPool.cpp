@@ -55,22 +55,44 @@ constexpr std::uint64_t kGrowthShare = 8;
 } // namespace
 
 ResidentPool::ResidentPool(std::shared_ptr<Device> device, std::string label)
-    : _device(std::move(device)), _label(std::move(label)),
+    : PagePool(std::move(device), std::move(label)),
       _bufferLimit(std::min(kMaxPoolBufferBytes, _device->Properties().maxAllocationBytes) /
-                   HDS_POOL_UNIT_BYTES * HDS_POOL_UNIT_BYTES) {
-    for (Buffer& buffer : _buffers) {
-        buffer = Buffer(_device, _label + " pool", 0, BufferAccess::ReadOnly);
-    }
-    _addresses = Buffer(_device, _label + " addresses", 0, BufferAccess::ReadOnly);
-}
+                   HDS_POOL_UNIT_BYTES * HDS_POOL_UNIT_BYTES) {}
 
 void ResidentPool::BeginStatistics() {
-    _uploads = 0;
-    _uploadedBytes = 0;
+    _statistics = {};
+    _held.BeginPeak();
 }
 
-bool ResidentPool::Update(PageProvider* provider) {
+bool ResidentPool::Update(PageProvider* provider, std::uint64_t /*budgetBytes*/) {
+    const bool isFirst = _ranges.NumBuffers() == 0;
+    std::uint64_t totalBytes = 0;
+    for (std::uint32_t page = 0; page < provider->NumPages(); ++page) {
+        totalBytes += provider->PageBytes(page);
+    }
     RemoveOthers(*provider);
+    if (!LoadMissing(provider)) {
+        if (!isFirst) {
+            return false;
+        }
+        throw Error(_label + ": " + std::to_string(totalBytes) +
+                    " bytes do not fit the device's memory (" + std::to_string(kMaxPoolBuffers) +
+                    " buffers of " + std::to_string(_bufferLimit) +
+                    " bytes); --residency stream needs less");
+    }
+    std::vector<std::uint32_t> addresses(provider->NumPages(), HDS_NOT_RESIDENT);
+    for (std::uint32_t page = 0; page < provider->NumPages(); ++page) {
+        const auto known = _pages.find(provider->PageId(page));
+        if (known != _pages.end()) {
+            addresses[page] = known->second.Address();
+        }
+    }
+    _addresses = UploadVector(_device, _label + " addresses", addresses);
+    return true;
+}
+
+/// \return false when there is no room for all pages.
+bool ResidentPool::LoadMissing(PageProvider* provider) {
     _missing.clear();
     std::uint64_t bytesToCome = 0;
     for (std::uint32_t page = 0; page < provider->NumPages(); ++page) {
@@ -92,14 +114,6 @@ bool ResidentPool::Update(PageProvider* provider) {
         }
         bytesToCome -= bytes;
     }
-    std::vector<std::uint32_t> addresses(provider->NumPages(), HDS_NOT_RESIDENT);
-    for (std::uint32_t page = 0; page < provider->NumPages(); ++page) {
-        const auto known = _pages.find(provider->PageId(page));
-        if (known != _pages.end()) {
-            addresses[page] = known->second.Address();
-        }
-    }
-    _addresses = UploadVector(_device, _label + " addresses", addresses);
     return true;
 }
 
@@ -121,8 +135,10 @@ bool ResidentPool::Upload(PageProvider* provider, const std::vector<std::uint32_
         upload.Append(&_buffers[known->second.buffer], known->second.offset, provider->Page(page),
                       bytes);
         provider->Drop(page);
-        ++_uploads;
-        _uploadedBytes += bytes;
+        ++_statistics.uploads;
+        _statistics.uploadedBytes += bytes;
+        _statistics.uniqueBytes += bytes;
+        _held.Set(_held.Bytes() + bytes);
     }
     upload.Flush();
     return true;
@@ -140,6 +156,7 @@ void ResidentPool::RemoveOthers(const PageProvider& provider) {
         if (wanted.count(page->first) > 0) {
             ++page;
         } else {
+            _held.Set(_held.Bytes() - page->second.bytes);
             _ranges.Free(page->second);
             page = _pages.erase(page);
         }

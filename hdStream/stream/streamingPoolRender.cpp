@@ -9,49 +9,33 @@
 namespace hds {
 
 void StreamingPool::BeginStatistics() {
-    _statistics = {};
-    for (PageState& page : _pages) {
-        page.wasLoaded = false;
-        page.wasUsed = false;
-    }
+    _counters.Begin();
     if (_useTable.IsValid()) {
         BeginEpoch();
-        _firstEpoch = _epoch;
+        _uses.BeginStatistics();
     }
 }
 
 void StreamingPool::CountUsed() {
     ReadUses();
-    for (std::uint32_t page = 0; page < _pages.size(); ++page) {
-        if (WasUsed(page)) {
-            CountGroup(page);
+    for (std::uint32_t page = 0; page < _table.NumPages(); ++page) {
+        if (_table.HasPlace(page) && _uses.WasUsed(page)) {
+            _counters.CountUse(page);
         }
     }
 }
 
-/// Whether a page is resident and was used since BeginStatistics, as far as uses have been read.
-bool StreamingPool::WasUsed(std::uint32_t page) const {
-    return IsResident(page) && _uses[page] >= _firstEpoch;
-}
-
-/// Counts the group of a page that is used, once.
-void StreamingPool::CountGroup(std::uint32_t page) {
-    PageState& first = _pages[page / kGroupPages * kGroupPages];
-    _statistics.chunksUsed += first.wasUsed ? 0 : 1;
-    first.wasUsed = true;
-}
-
 std::uint64_t StreamingPool::MissingBytes() const {
     std::uint64_t bytes = 0;
-    for (std::uint32_t page = 0; page < _pages.size(); ++page) {
-        bytes += IsResident(page) ? 0 : _provider->PageBytes(page);
+    for (std::uint32_t page = 0; page < _table.NumPages(); ++page) {
+        bytes += _table.HasPlace(page) ? 0 : _provider->PageBytes(page);
     }
     return bytes;
 }
 
 bool StreamingPool::HasRoomForAll() const {
     std::uint64_t bytes = 0;
-    for (std::uint32_t page = 0; page < _pages.size(); ++page) {
+    for (std::uint32_t page = 0; page < _table.NumPages(); ++page) {
         bytes += _provider->PageBytes(page);
     }
     return bytes <= _bytes;
@@ -59,8 +43,8 @@ bool StreamingPool::HasRoomForAll() const {
 
 bool StreamingPool::LoadMissing(std::uint64_t bytes) {
     std::vector<std::uint32_t> batch;
-    for (std::uint32_t page = 0; page < _pages.size() && bytes > 0; ++page) {
-        if (!IsResident(page) && _provider->PageBytes(page) > 0) {
+    for (std::uint32_t page = 0; page < _table.NumPages() && bytes > 0; ++page) {
+        if (!_table.HasPlace(page) && _provider->PageBytes(page) > 0) {
             batch.push_back(page);
             bytes -= std::min(bytes, _provider->PageBytes(page));
         }
@@ -69,10 +53,9 @@ bool StreamingPool::LoadMissing(std::uint64_t bytes) {
     ReadUses();
     bool hasRoom = true;
     for (const std::uint32_t page : batch) {
-        PageState& state = _pages[page];
-        hasRoom = hasRoom && _ranges.Allocate(state.bytes, state.isPinned, &state.range);
+        hasRoom = hasRoom && _table.FindPlace(page, _pageBytes[page]);
         if (hasRoom) {
-            _uses[page] = 0; // who asked for it has it
+            _uses.Clear(page); // who asked for it has it
             _queued.push_back(page);
         }
     }
@@ -83,8 +66,8 @@ bool StreamingPool::LoadMissing(std::uint64_t bytes) {
 
 void StreamingPool::Settle() {
     HDS_VERIFY(MissingBytes() == 0, _label);
-    BeginCast(); // no word says "done"
-    for (std::uint32_t page = 0; page < _pages.size(); ++page) {
+    BeginEpoch();
+    for (std::uint32_t page = 0; page < _table.NumPages(); ++page) {
         _provider->Drop(page);
     }
 }

@@ -3,10 +3,9 @@
  * a candidate, which shadow_pass dims by the transparency there and sends on. From: the shadow
  * queue. To: path radiance, or the candidate queue and back; while geometry streams also to the
  * queues of what waits. Explained in docs/wavefront.md. */
-#include "accel/traverse.clh"
 #include "integrator/passThrough.clh"
-#include "integrator/pathState.clh"
 #include "integrator/run.clh"
+#include "integrator/trace.clh"
 
 void shadow_addRadiance(HdsPaths paths, uint i) {
     float4 radiance = path_load_radiance(paths, i);
@@ -39,27 +38,6 @@ bool shadow_needsLight(const HdsSceneView* scene, HdsPaths paths, uint i) {
 #endif
 }
 
-HdsTraversalRay shadow_loadRay(HdsPaths paths, uint i) {
-    float4 origin = path_load_shadowOrigin(paths, i);
-    HdsTraversalRay ray;
-    ray.origin = origin.xyz;
-    ray.direction = path_load_shadowDirection(paths, i).xyz;
-    ray.tMin = 0.0f;
-    ray.tMax = origin.w;
-#if HDS_FEATURE_MOTION
-    ray.time = path_time(paths, i);
-#endif
-    return ray;
-}
-
-uint4 shadow_after(HdsPaths paths, uint i) {
-#if HDS_FEATURE_CUTOUT
-    return path_load_shadowAfter(paths, i);
-#else
-    return (uint4)(0u);
-#endif
-}
-
 /* A shadow ray is over: its slot may be shaded when it has waited for that. Shadow rays of a first
  * launch have not, but for those that passed cut-out surfaces. */
 void shadow_end(HdsPaths paths, uint i, global uint* readyQueue, volatile global uint* counters) {
@@ -88,54 +66,10 @@ void shadow_arrive(const HdsSceneView* scene, HdsPaths paths, uint i, const HdsH
     shadow_end(paths, i, readyQueue, counters);
 }
 
-#if HDS_WAIT_LISTS
-/* Keeps what a shadow ray that waits goes on with. */
-void shadow_storeWait(HdsPaths paths, uint i, const HdsHit* candidate, uint primId,
-                      const HdsWaitList* list, global uint* waitQueue,
-                      volatile global uint* counters) {
-    uint4 pending = path_load_pending(paths, i);
-    pending.y = primId;
-    pending.z = (pending.z & HDS_PATH_LIST_MASK) | list->size << HDS_PATH_SHADOW_LIST_SHIFT;
-    path_store_pending(paths, i, pending);
-#if HDS_FEATURE_CUTOUT
-    path_storeCandidate(paths, i, candidate);
-#endif
-    path_storeList(paths, i, pathField_shadowWaitBound, list);
-    path_storeWaits(paths, i, path_loadWaits(paths, i) | HDS_PATH_SHADOW_WAITS);
-    queue_append(waitQueue, &counters[HDS_COUNTER_WAITING_SHADOWS], i);
-}
-#elif HDS_FEATURE_STREAMING
-/* One iteration of a shadow ray. \return HDS_RAY_*. */
-uint shadow_iterate(const HdsGeometryView* view, HdsPaths paths, uint i, uint isResumed,
-                    global uint* waitQueue, volatile global uint* counters, HdsHit* candidate) {
-    uint primId = 0u;
-    *candidate = hit_none();
-#if HDS_FEATURE_CUTOUT
-    uint4 pending = path_load_pending(paths, i);
-    primId = pending.y;
-    if (isResumed != 0u) {
-        *candidate = path_loadCandidate(paths, i);
-    }
-#endif
-    const uint state = streamed_iterateOccluded(view, shadow_loadRay(paths, i),
-                                                shadow_after(paths, i), candidate, &primId);
-    if (state == HDS_RAY_WAITS) {
-#if HDS_FEATURE_CUTOUT
-        pending.y = primId;
-        path_storeCandidate(paths, i, candidate);
-        path_store_pending(paths, i, pending);
-#endif
-        queue_append(waitQueue, &counters[HDS_COUNTER_WAITING_SHADOWS], i);
-    }
-    return state;
-}
-#endif
-
 /* Global size: runs of count. Appends candidates (only with cut-outs) and, while geometry streams,
- * rays that wait for a chunk and slots that are ready. \param isResumed the rays have waited:
- * candidates are those found so far (only without lists). */
+ * rays that wait for a chunk and slots that are ready. */
 kernel void shadow_cast(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
-                        global const uint* restrict queue, uint count, uint isResumed,
+                        global const uint* restrict queue, uint count,
                         global uint* restrict waitQueue, global uint* restrict candidateQueue,
                         global uint* restrict readyQueue, volatile global uint* counters) {
     HdsPaths paths = {state, numSlots};
@@ -143,34 +77,12 @@ kernel void shadow_cast(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
     HDS_FOR_RUN(item, count) {
         uint i = queue[item];
         HdsHit candidate;
-#if HDS_WAIT_LISTS
-        HdsWaitList list;
-        uint primId;
         const uint found =
-            streamed_beginOccluded(&scene.geometry, shadow_loadRay(paths, i),
-                                   shadow_after(paths, i), &candidate, &primId, &list);
-        if (found == HDS_RAY_WAITS) {
-            shadow_storeWait(paths, i, &candidate, primId, &list, waitQueue, counters);
-        }
-        const bool isBlocked = found == HDS_RAY_BLOCKED;
-        const bool arrives = found == HDS_RAY_DECIDED;
-#elif HDS_FEATURE_STREAMING
-        const uint found =
-            shadow_iterate(&scene.geometry, paths, i, isResumed, waitQueue, counters, &candidate);
-        const bool isBlocked = found == HDS_RAY_BLOCKED;
-        const bool arrives = found == HDS_RAY_DECIDED;
-#elif HDS_FEATURE_CUTOUT
-        const bool isBlocked = traverse_occludedAfter(&scene.geometry, shadow_loadRay(paths, i),
-                                                      shadow_after(paths, i), &candidate);
-        const bool arrives = !isBlocked;
-#else
-        const bool isBlocked = traverse_occluded(&scene.geometry, shadow_loadRay(paths, i));
-        const bool arrives = !isBlocked;
-#endif
-        if (arrives) {
+            trace_occluded(&scene.geometry, paths, i, waitQueue, counters, &candidate);
+        if (found == HDS_RAY_DECIDED) {
             shadow_arrive(&scene, paths, i, &candidate, candidateQueue, readyQueue, counters);
         }
-        if (isBlocked) {
+        if (found == HDS_RAY_BLOCKED) {
             shadow_addBlocked(&scene, paths, i, (float3)(1.0f), 0.0f);
 #if HDS_FEATURE_CUTOUT
             shadow_end(paths, i, readyQueue, counters);
@@ -179,7 +91,7 @@ kernel void shadow_cast(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
     }
 }
 
-#if HDS_WAIT_LISTS
+#if HDS_FEATURE_STREAMING
 /* Global size: runs of count. Goes on with shadow rays that have waited. Appends as shadow_cast. */
 kernel void shadow_resume(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
                           global const uint* restrict queue, uint count,
@@ -189,23 +101,13 @@ kernel void shadow_resume(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
     HDS_SCENE_VIEW(scene);
     HDS_FOR_RUN(item, count) {
         uint i = queue[item];
-        uint4 pending = path_load_pending(paths, i);
-        uint primId = pending.y;
-        HdsWaitList list = path_loadList(paths, i, pathField_shadowWaitBound,
-                                         pending.z >> HDS_PATH_SHADOW_LIST_SHIFT);
-        HdsHit candidate = hit_none();
-#if HDS_FEATURE_CUTOUT
-        candidate = path_loadCandidate(paths, i);
-#endif
+        HdsHit candidate;
         const uint found =
-            streamed_resumeOccluded(&scene.geometry, shadow_loadRay(paths, i),
-                                    shadow_after(paths, i), &candidate, &primId, &list);
-        if (found == HDS_RAY_WAITS) {
-            shadow_storeWait(paths, i, &candidate, primId, &list, waitQueue, counters);
-        } else if (found == HDS_RAY_BLOCKED) {
+            trace_resumeOccluded(&scene.geometry, paths, i, waitQueue, counters, &candidate);
+        if (found == HDS_RAY_BLOCKED) {
             shadow_addBlocked(&scene, paths, i, (float3)(1.0f), 0.0f);
             shadow_end(paths, i, readyQueue, counters);
-        } else {
+        } else if (found == HDS_RAY_DECIDED) {
             shadow_arrive(&scene, paths, i, &candidate, candidateQueue, readyQueue, counters);
         }
     }

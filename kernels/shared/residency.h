@@ -11,9 +11,6 @@
 #define HDS_POOL_BUFFER_SHIFT 26
 #define HDS_POOL_MAX_BUFFERS 8
 #define HDS_NOT_RESIDENT 0x7fffffffu
-/* Set beside either, when rays walk again instead of keeping lists (HDS_REQUEST_FIRST): every ray
- * of the present cast has visited the page. */
-#define HDS_PAGE_DONE 0x80000000u
 
 /* Most visits to missing chunks that a ray which waits remembers. */
 #define HDS_WAIT_LIST 4

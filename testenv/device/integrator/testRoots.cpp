@@ -49,7 +49,7 @@ protected:
     void ExpectAllBuild(const NamedFeatures& set) {
         const KernelFeatures& f = set.f;
         const ProgramDefines defines = f.Defines();
-#define HDS_PROGRAM(name, root, condition)                                                    \
+#define HDS_PROGRAM(program, root, condition)                                                 \
     if (condition) {                                                                          \
         EXPECT_NO_THROW(Program(device, root, defines)) << root << " features: " << set.name; \
     }

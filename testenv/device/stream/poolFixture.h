@@ -2,7 +2,7 @@
 // A kernel that asks a streaming pool for pages and uses them, and what is in the pool.
 #pragma once
 
-#include "hdStream/stream/streamingPool.h"
+#include "hdStream/stream/reportPool.h"
 #include "testenv/support/deviceFixture.h"
 #include "testenv/support/fakePages.h"
 

@@ -31,7 +31,7 @@ TEST_F(MappedPoolTest, KernelsReadPagesInPlace) {
     pages.MapPages();
     MappedPool pool(device, "fake");
     const std::uint64_t before = device->AllocatedBytes();
-    pool.Update(&pages);
+    pool.Update(&pages, 0);
     EXPECT_LE(device->AllocatedBytes(), before + ids.size() * sizeof(std::uint32_t));
     const std::size_t numPrepared = pages.NumPrepared();
     EXPECT_EQ(pool.NumBuffers(), 1U);
@@ -54,14 +54,14 @@ TEST_F(MappedPoolTest, KernelsReadPagesInPlace) {
     const auto count = static_cast<std::uint32_t>(words.size());
     probe.Launch(count, pool.PoolBuffer(0), list, count, values);
     EXPECT_EQ(Download<std::uint32_t>(values, words.size()), expected);
-    pool.Update(&pages);
+    pool.Update(&pages, 0);
     EXPECT_EQ(pages.NumPrepared(), numPrepared) << "all lie in the file";
 }
 
 TEST_F(MappedPoolTest, ACacheThatCannotHoldThemIsAnError) {
     FakePages pages(Range(0, 10)); // in no file
     MappedPool pool(device, "fake");
-    EXPECT_THROW(pool.Update(&pages), Error);
+    EXPECT_THROW(pool.Update(&pages, 0), Error);
 }
 
 } // namespace

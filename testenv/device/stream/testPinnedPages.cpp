@@ -49,7 +49,7 @@ TEST_F(PinnedPages, OnceLoadedTheyStay) {
     FakePages pages(ids);
     const Pages lights = {10, 11, 40, 41, 66, 67};
     pages.Keep(lights);
-    StreamingPool pool(device, "fake", Eviction::Clock);
+    StreamingPool pool(device, "fake");
     pool.Update(&pages, 24 * 160);
     EXPECT_EQ(pool.PinnedBytes(), 0U) << "nobody has asked for them";
     AskForGroups(&pool, ids, {20, 5});
@@ -68,7 +68,7 @@ TEST_F(PinnedPages, TakeAQuarterOfThePoolAtMost) {
     const std::vector<std::uint64_t> ids = EqualIds(80);
     FakePages pages(ids);
     pages.Keep(AllPages(80));
-    StreamingPool pool(device, "fake", Eviction::Clock);
+    StreamingPool pool(device, "fake");
     const std::uint64_t budget = 23 * 160;
     pool.Update(&pages, budget);
     for (unsigned seed = 0; seed < 3; ++seed) {
@@ -88,7 +88,7 @@ TEST_F(PinnedPages, LeaveRoomForTheLargestGroup) {
         largest = std::max(largest, pages.PageBytes(page) + pages.PageBytes(page + 1));
     }
     for (const std::uint64_t spare : {0U, 160U, 1600U, 16000U}) {
-        StreamingPool pool(device, "fake", Eviction::Clock);
+        StreamingPool pool(device, "fake");
         pool.Update(&pages, largest + spare);
         for (const std::uint32_t group : ShuffledGroups(200, 3)) {
             const auto isThere = [&](std::uint32_t page) {
@@ -109,7 +109,7 @@ TEST_F(PinnedPages, FlushKnowsNone) {
     const std::vector<std::uint64_t> ids = EqualIds(20);
     FakePages pages(ids);
     pages.Keep({0, 1});
-    StreamingPool pool(device, "fake", Eviction::Flush);
+    StreamingPool pool(device, "fake", std::make_unique<FlushOrder>());
     pool.Update(&pages, 8 * 160);
     AskForGroups(&pool, ids, {0, 1, 2, 3, 4});
     EXPECT_EQ(pool.PinnedBytes(), 0U);
@@ -120,7 +120,7 @@ TEST_F(PinnedPages, EditsPinAndUnpin) {
     const std::vector<std::uint64_t> ids = EqualIds(80);
     FakePages pages(ids);
     pages.Keep({0, 1, 2, 3});
-    StreamingPool pool(device, "fake", Eviction::Clock);
+    StreamingPool pool(device, "fake");
     pool.Update(&pages, 24 * 160);
     AskForGroups(&pool, ids, {0, 1, 7});
     EXPECT_EQ(pool.PinnedBytes(), 4U * 160);

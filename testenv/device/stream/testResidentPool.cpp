@@ -41,7 +41,7 @@ protected:
 TEST_F(ResidentPoolTest, PagesLieWhereTheTableSays) {
     FakePages pages(Range(0, 1001));
     ResidentPool pool(device, "fake");
-    ASSERT_TRUE(pool.Update(&pages));
+    ASSERT_TRUE(pool.Update(&pages, 0));
     ExpectPages(pool, Range(0, 1001));
     EXPECT_EQ(pool.Bytes(), pages.TotalBytes());
     EXPECT_EQ(pool.NumBuffers(), 1U);
@@ -50,12 +50,12 @@ TEST_F(ResidentPoolTest, PagesLieWhereTheTableSays) {
 TEST_F(ResidentPoolTest, EditsUploadOnlyNewPagesAndReuseRoom) {
     ResidentPool pool(device, "fake");
     FakePages first(Range(0, 400));
-    ASSERT_TRUE(pool.Update(&first));
-    std::uint64_t uploaded = pool.UploadedBytes();
+    ASSERT_TRUE(pool.Update(&first, 0));
+    std::uint64_t uploaded = pool.Statistics().uploadedBytes;
     FakePages second(Range(0, 400));
-    ASSERT_TRUE(pool.Update(&second));
+    ASSERT_TRUE(pool.Update(&second, 0));
     EXPECT_EQ(second.NumPrepared(), 0U);
-    EXPECT_EQ(pool.UploadedBytes(), uploaded); // nothing is new
+    EXPECT_EQ(pool.Statistics().uploadedBytes, uploaded); // nothing is new
     std::mt19937 random(3);
     std::uint64_t next = 400;
     std::vector<std::uint64_t> ids = Range(0, 400);
@@ -67,9 +67,9 @@ TEST_F(ResidentPoolTest, EditsUploadOnlyNewPagesAndReuseRoom) {
         }
         std::shuffle(ids.begin(), ids.end(), random);
         FakePages edited(ids);
-        ASSERT_TRUE(pool.Update(&edited)) << "edit " << edit;
-        EXPECT_LE(pool.UploadedBytes(), uploaded + fresh);
-        uploaded = pool.UploadedBytes();
+        ASSERT_TRUE(pool.Update(&edited, 0)) << "edit " << edit;
+        EXPECT_LE(pool.Statistics().uploadedBytes, uploaded + fresh);
+        uploaded = pool.Statistics().uploadedBytes;
         ExpectPages(pool, ids);
     }
     EXPECT_LE(pool.Bytes(), 3 * FakePages(ids).TotalBytes()); // room is used again
@@ -78,10 +78,10 @@ TEST_F(ResidentPoolTest, EditsUploadOnlyNewPagesAndReuseRoom) {
 TEST_F(ResidentPoolTest, APageIsPreparedOnce) {
     FakePages pages(Range(0, 50));
     ResidentPool pool(device, "fake");
-    ASSERT_TRUE(pool.Update(&pages));
+    ASSERT_TRUE(pool.Update(&pages, 0));
     const std::size_t numPrepared = pages.NumPrepared();
     EXPECT_LE(numPrepared, 50U);
-    ASSERT_TRUE(pool.Update(&pages)); // the provider has dropped all bytes by now
+    ASSERT_TRUE(pool.Update(&pages, 0)); // the provider has dropped all bytes by now
     EXPECT_EQ(pages.NumPrepared(), numPrepared);
     ExpectPages(pool, Range(0, 50));
 }
@@ -89,7 +89,7 @@ TEST_F(ResidentPoolTest, APageIsPreparedOnce) {
 TEST_F(ResidentPoolTest, NoPagesIsValid) {
     FakePages pages(Range(0, 0));
     ResidentPool pool(device, "fake");
-    ASSERT_TRUE(pool.Update(&pages));
+    ASSERT_TRUE(pool.Update(&pages, 0));
     EXPECT_EQ(pool.Bytes(), 0U);
     for (std::uint32_t i = 0; i < kMaxPoolBuffers; ++i) {
         EXPECT_TRUE(pool.PoolBuffer(i).IsValid());

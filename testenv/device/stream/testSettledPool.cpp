@@ -11,7 +11,7 @@ class SettledPool : public StreamingPoolTest {};
 TEST_F(SettledPool, LoadsTheRestInPieces) {
     const std::vector<std::uint64_t> ids = Range(0, 300); // all sizes, some pages are empty
     FakePages pages(ids);
-    StreamingPool pool(device, "fake", Eviction::Clock);
+    StreamingPool pool(device, "fake");
     pool.Update(&pages, pages.TotalBytes());
     EXPECT_TRUE(pool.HasRoomForAll());
     Ask(pool, {8});
@@ -37,26 +37,10 @@ TEST_F(SettledPool, LoadsTheRestInPieces) {
     }
 }
 
-TEST_F(SettledPool, NoPageIsDone) {
-    const std::vector<std::uint64_t> ids = EqualIds(8);
-    FakePages pages(ids);
-    StreamingPool pool(device, "fake", Eviction::Clock);
-    pool.Update(&pages, 8 * 160);
-    pool.BeginCast();
-    Ask(pool, {0, 1, 2, 3, 4, 5});
-    pool.ServiceCast();
-    Ask(pool, {6, 7});
-    pool.ServiceCast(); // those from before are done
-    pool.Settle();
-    for (const std::uint32_t word : Table(pool, ids)) {
-        EXPECT_EQ(word & HDS_PAGE_DONE, 0U);
-    }
-}
-
 TEST_F(SettledPool, WhatDoesNotFitIsLeft) {
     const std::vector<std::uint64_t> ids = EqualIds(10);
     FakePages pages(ids);
-    StreamingPool pool(device, "fake", Eviction::Clock);
+    StreamingPool pool(device, "fake");
     pool.Update(&pages, 9 * 160);
     EXPECT_FALSE(pool.HasRoomForAll());
     EXPECT_FALSE(pool.LoadMissing(1U << 20U));
@@ -72,7 +56,7 @@ TEST_F(SettledPool, EditsBringNewPages) {
     FakePages all(ids);
     ids.resize(8);
     FakePages pages(ids);
-    StreamingPool pool(device, "fake", Eviction::Clock);
+    StreamingPool pool(device, "fake");
     pool.Update(&all, 12 * 160);
     pool.Update(&pages, 12 * 160);
     while (pool.MissingBytes() > 0) {
@@ -87,7 +71,7 @@ TEST_F(SettledPool, EditsBringNewPages) {
 TEST_F(SettledPool, CountsBeginAnew) {
     const std::vector<std::uint64_t> ids = EqualIds(8);
     FakePages pages(ids);
-    StreamingPool pool(device, "fake", Eviction::Clock);
+    StreamingPool pool(device, "fake");
     pool.BeginStatistics();
     pool.Update(&pages, 4 * 160);
     AskWhole(pool, {1, 3, 3});
@@ -125,7 +109,7 @@ TEST_F(SettledPool, CountsBeginAnew) {
 TEST_F(SettledPool, WhatWasUsedIsCountedWhenItHasLeft) {
     const std::vector<std::uint64_t> ids = EqualIds(8);
     FakePages pages(ids);
-    StreamingPool pool(device, "fake", Eviction::Clock);
+    StreamingPool pool(device, "fake");
     pool.Update(&pages, 2 * 160);
     AskWhole(pool, {0});
     pool.Service();
@@ -143,7 +127,7 @@ TEST_F(SettledPool, WhatWasUsedIsCountedWhenItHasLeft) {
 TEST_F(SettledPool, AUseIsAStampOrACount) {
     const std::vector<std::uint64_t> ids = EqualIds(40);
     FakePages pages(ids);
-    StreamingPool pool(device, "fake", Eviction::Clock);
+    StreamingPool pool(device, "fake");
     pool.Update(&pages, 4 * 160);
     EXPECT_LE(pool.TableBytes(), 40U * 8 + 64) << "8 bytes a page";
     std::vector<std::uint32_t> uses(ids.size(), 0);
@@ -179,7 +163,7 @@ TEST_F(SettledPool, AUseIsAStampOrACount) {
 TEST_F(SettledPool, WhatIsLoadedUnaskedIsNotAskedFor) {
     const std::vector<std::uint64_t> ids = EqualIds(6);
     FakePages pages(ids);
-    StreamingPool pool(device, "fake", Eviction::Clock);
+    StreamingPool pool(device, "fake");
     pool.BeginStatistics();
     pool.Update(&pages, 6 * 160);
     Ask(pool, {0, 1, 1, 2}); // of a render that was stopped
@@ -193,7 +177,7 @@ TEST_F(SettledPool, WhatIsLoadedUnaskedIsNotAskedFor) {
 TEST_F(SettledPool, RequestsNeverOverflow) {
     const std::vector<std::uint64_t> ids = EqualIds(400);
     FakePages pages(ids);
-    StreamingPool pool(device, "fake", Eviction::Clock);
+    StreamingPool pool(device, "fake");
     pool.Update(&pages, 7 * 160);
     Pages asked; // each page by many, one by far more than are counted
     for (int round = 0; round < 50; ++round) {
@@ -218,7 +202,7 @@ TEST_F(SettledPool, RequestsNeverOverflow) {
 TEST_F(SettledPool, RequestsInFlightDoNotOutliveAnEdit) {
     const std::vector<std::uint64_t> ids = EqualIds(40);
     FakePages pages(ids);
-    StreamingPool pool(device, "fake", Eviction::Clock);
+    StreamingPool pool(device, "fake");
     pool.Update(&pages, 10 * 160);
     Ask(pool, {39, 37, 35, 2});
     FakePages fewer({ids[3], ids[0], ids[7], ids[2]}); // what was page 39 is no page any more

@@ -10,79 +10,38 @@ namespace {
 TEST_F(StreamingPoolTest, LoadsWhatIsAskedForMost) {
     const std::vector<std::uint64_t> ids = EqualIds(8);
     FakePages pages(ids);
-    StreamingPool pool(device, "fake", Eviction::Clock);
+    StreamingPool pool(device, "fake");
     pool.Update(&pages, 3 * 160 + 100);
     EXPECT_LE(pool.Bytes(), 3U * 160 + 100);
-    pool.BeginCast();
     Ask(pool, {5, 1, 5, 7, 2, 7, 5, 7, 7, 1});
-    pool.ServiceCast();
+    pool.Service();
     EXPECT_EQ(Resident(Table(pool, ids)), (Pages{1, 5, 7}));
     EXPECT_EQ(pool.Statistics().uploads, 3U);
     EXPECT_EQ(pool.Statistics().uploadedBytes, 480U);
     EXPECT_EQ(pool.Statistics().evictions, 0U);
 }
 
-TEST_F(StreamingPoolTest, WhatWasVisitedIsDoneUntilTheNextCast) {
-    const std::vector<std::uint64_t> ids = EqualIds(8);
-    FakePages pages(ids);
-    StreamingPool pool(device, "fake", Eviction::Clock);
-    pool.Update(&pages, 2 * 160);
-    pool.BeginCast();
-    Ask(pool, {0, 1});
-    pool.ServiceCast();
-    Touch(pool, {0, 1});
-    Ask(pool, {2});
-    pool.ServiceCast(); // 0 and 1 are done; one of them leaves for 2
-    const std::vector<std::uint32_t> words = Table(pool, ids);
-    EXPECT_NE(words[0] & HDS_PAGE_DONE, 0U);
-    EXPECT_NE(words[1] & HDS_PAGE_DONE, 0U);
-    EXPECT_EQ(words[2] & HDS_PAGE_DONE, 0U);
-    EXPECT_EQ(words[3], HDS_NOT_RESIDENT);
-    pool.BeginCast();
-    for (const std::uint32_t word : Table(pool, ids)) {
-        EXPECT_EQ(word & HDS_PAGE_DONE, 0U);
-    }
-}
-
 TEST_F(StreamingPoolTest, TheLeastRecentlyUsedLeaveThenThoseLeastWanted) {
     const std::vector<std::uint64_t> ids = EqualIds(10);
     FakePages pages(ids);
-    StreamingPool pool(device, "fake", Eviction::Clock);
+    StreamingPool pool(device, "fake");
     pool.Update(&pages, 4 * 160);
-    pool.BeginCast();
-    Ask(pool, {0, 1, 1, 1, 2, 2, 3});
-    pool.ServiceCast();
-    Touch(pool, {0, 1, 2, 3});
-    pool.BeginCast();
-    Touch(pool, {0, 1, 2}); // 3 is the oldest
+    Ask(pool, {0, 1, 1, 1, 2, 2, 3, 3, 3, 3});
+    pool.Service();
+    Touch(pool, {0, 1, 2});
     Ask(pool, {4, 4, 5});
-    pool.ServiceCast(); // 3 leaves, then 0: fewest asked for it
+    pool.Service(); // 3 leaves, which was not used, then 0: fewest asked for it
     EXPECT_EQ(Resident(Table(pool, ids)), (Pages{1, 2, 4, 5}));
     EXPECT_EQ(pool.Statistics().evictions, 2U);
-}
-
-TEST_F(StreamingPoolTest, FlushMakesAllLeave) {
-    const std::vector<std::uint64_t> ids = EqualIds(10);
-    FakePages pages(ids);
-    StreamingPool pool(device, "fake", Eviction::Flush);
-    pool.Update(&pages, 4 * 160);
-    pool.BeginCast();
-    Ask(pool, {0, 1, 2, 3});
-    pool.ServiceCast();
-    Ask(pool, {7});
-    pool.ServiceCast();
-    EXPECT_EQ(Resident(Table(pool, ids)), (Pages{7}));
-    EXPECT_EQ(pool.Statistics().evictions, 4U);
 }
 
 TEST_F(StreamingPoolTest, GroupsComeWhole) {
     const std::vector<std::uint64_t> ids = EqualIds(10);
     FakePages pages(ids);
-    StreamingPool pool(device, "fake", Eviction::Clock);
+    StreamingPool pool(device, "fake");
     pool.Update(&pages, 3 * 160);
-    pool.BeginCast();
     Ask(pool, {4, 6});
-    pool.ServiceCast();
+    pool.Service();
     Touch(pool, {4, 6});
     AskWhole(pool,
              {1, 1, 5}); // page 0 comes with 1; the room that is left is too small for 4 and 5
@@ -106,7 +65,8 @@ TEST_F(StreamingPoolTest, APoolOfOneGroupServesEverything) {
                                                        pages.PageBytes(std::uint32_t(page) + 1));
     }
     for (const Eviction eviction : {Eviction::Clock, Eviction::Flush}) {
-        StreamingPool pool(device, "fake", eviction);
+        const auto owner = MakeStreamingPool(device, "fake", eviction, false);
+        StreamingPool& pool = *owner;
         pool.Update(&pages, largest);
         EXPECT_EQ(pool.Bytes(), largest);
         std::mt19937 random(11);
@@ -134,12 +94,12 @@ TEST_F(StreamingPoolTest, RandomUseKeepsTheBudget) {
     FakePages pages(ids);
     for (const Eviction eviction : {Eviction::Clock, Eviction::Flush}) {
         const std::uint64_t before = device->AllocatedBytes();
-        StreamingPool pool(device, "fake", eviction);
+        const auto owner = MakeStreamingPool(device, "fake", eviction, false);
+        StreamingPool& pool = *owner;
         const std::uint64_t budget = pages.TotalBytes() / 7;
         pool.Update(&pages, budget);
         std::mt19937 random(5);
         for (int cast = 0; cast < 20; ++cast) {
-            pool.BeginCast();
             for (int iteration = 0; iteration < 5; ++iteration) {
                 Pages asked;
                 const std::vector<std::uint32_t> words = Table(pool, ids);
@@ -158,7 +118,7 @@ TEST_F(StreamingPoolTest, RandomUseKeepsTheBudget) {
                 }
                 Ask(pool, asked);
                 const std::uint64_t uploads = pool.Statistics().uploads;
-                pool.ServiceCast();
+                pool.Service();
                 EXPECT_GT(pool.Statistics().uploads, uploads);
             }
         }
@@ -173,18 +133,17 @@ TEST_F(StreamingPoolTest, RandomUseKeepsTheBudget) {
 TEST_F(StreamingPoolTest, SeveralBuffersServeLikeOne) {
     const std::vector<std::uint64_t> ids = EqualIds(40);
     FakePages pages(ids);
-    StreamingPool pool(device, "fake", Eviction::Clock, 5 * 160);
+    StreamingPool pool(device, "fake", nullptr, 5 * 160);
     pool.Update(&pages, 12 * 160);
     EXPECT_EQ(pool.NumBuffers(), 3U);
     EXPECT_EQ(pool.Bytes(), 12U * 160);
     for (std::uint32_t first = 0; first < 40; first += 10) {
-        pool.BeginCast();
         Pages asked;
         for (std::uint32_t page = first; page < first + 10; ++page) {
             asked.push_back(page);
         }
         Ask(pool, asked);
-        pool.ServiceCast();
+        pool.Service();
         const Pages resident = Resident(Table(pool, ids));
         EXPECT_EQ(resident.size(), first == 0 ? 10U : 12U);
         EXPECT_TRUE(std::includes(resident.begin(), resident.end(), asked.begin(), asked.end()));
@@ -194,11 +153,10 @@ TEST_F(StreamingPoolTest, SeveralBuffersServeLikeOne) {
 TEST_F(StreamingPoolTest, AnEditOfEqualSizeMovesNothing) {
     std::vector<std::uint64_t> ids = EqualIds(8);
     FakePages pages(ids);
-    StreamingPool pool(device, "fake", Eviction::Clock);
+    StreamingPool pool(device, "fake");
     pool.Update(&pages, 4 * 160 + 7); // not a whole number of units
-    pool.BeginCast();
     Ask(pool, {0, 1, 2});
-    pool.ServiceCast();
+    pool.Service();
     pool.Update(&pages, 4 * 160 + 7);
     EXPECT_EQ(Resident(Table(pool, ids)), (Pages{0, 1, 2}));
     EXPECT_EQ(pool.Statistics().evictions, 0U);
@@ -209,25 +167,24 @@ TEST_F(StreamingPoolTest, EditsKeepWhatIsResident) {
     const std::vector<std::uint64_t> all = ids;
     ids.resize(8);
     FakePages pages(ids);
-    StreamingPool pool(device, "fake", Eviction::Clock);
+    StreamingPool pool(device, "fake");
     pool.Update(&pages, 4 * 160);
-    pool.BeginCast();
     Ask(pool, {0, 1, 2, 3});
-    pool.ServiceCast();
+    pool.Service();
     const std::vector<std::uint64_t> edited = {all[9], all[3], all[10], all[1], all[11], all[6]};
     FakePages other(edited);
     pool.Update(&other, 4 * 160);
     EXPECT_EQ(Resident(Table(pool, edited)), (Pages{1, 3}));
     EXPECT_EQ(pool.Statistics().uploads, 4U);
     Ask(pool, {0, 5});
-    pool.ServiceCast();
+    pool.Service();
     EXPECT_EQ(Resident(Table(pool, edited)), (Pages{0, 1, 3, 5}));
 }
 
 TEST_F(StreamingPoolTest, AGroupThatDoesNotFitIsAnErrorThatNamesTheOption) {
     const std::vector<std::uint64_t> ids = EqualIds(4);
     FakePages pages(ids);
-    StreamingPool pool(device, "fake", Eviction::Clock);
+    StreamingPool pool(device, "fake");
     try {
         pool.Update(&pages, 319);
         FAIL() << "no error";
@@ -240,10 +197,9 @@ TEST_F(StreamingPoolTest, AGroupThatDoesNotFitIsAnErrorThatNamesTheOption) {
 
 TEST_F(StreamingPoolTest, NoPagesIsValid) {
     FakePages pages(Range(0, 0));
-    StreamingPool pool(device, "fake", Eviction::Clock);
+    StreamingPool pool(device, "fake");
     pool.Update(&pages, 1000);
     EXPECT_EQ(pool.Bytes(), 0U);
-    pool.BeginCast();
 }
 
 } // namespace

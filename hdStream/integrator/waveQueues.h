@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// The path state of a wave, the queues of slots that its kernels read and write, and the counters
+// of the queues. Explained in docs/wavefront.md.
+#pragma once
+
+#include "hdStream/device/device.h"
+#include "hdStream/integrator/stageKernels.h"
+#include "kernels/shared/frame.h"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+
+namespace hds {
+
+/// Buffers of a wave. Externally synchronised.
+class WaveQueues {
+public:
+    /// By HDS_COUNTER_*.
+    using Counts = std::array<std::uint32_t, HDS_NUM_COUNTERS>;
+    /// What waits for pages, by kind, in the order of HDS_COUNTER_WAITING_*.
+    enum Waiting { WaitingRays, WaitingShadows, WaitingHits, WaitingCandidates, NumWaiting };
+    static constexpr std::uint32_t kShadowQueue = 2;  ///< queues 0, 1: paths; 2, 3: shadow rays
+    static constexpr std::uint32_t kResumedQueue = 4; ///< 4, 5: shadow rays that have waited
+    static constexpr std::uint32_t kNumQueues = 6;
+
+    explicit WaveQueues(std::shared_ptr<Device> device);
+
+    /// Readies buffers for waves of at most `waveSize` paths. \throws Error when memory runs out.
+    void Ready(const StageKernels& kernels, std::uint32_t waveSize);
+    /// Bytes of queues a path needs, beside its state.
+    static std::uint64_t BytesPerPath(const KernelFeatures& features);
+
+    std::uint32_t WaveSize() const { return _waveSize; }
+    /// Bytes of path state and queues.
+    std::uint64_t Bytes() const { return _bytes; }
+    const Buffer& Paths() const { return _paths; }
+    const Buffer& Queue(std::uint32_t i) const { return _queues[i]; }
+    /// Slots that may be shaded after they have waited.
+    const Buffer& ReadySlots() const { return _ready; }
+
+    /// Where kernels append what waits; the other side is what waited before the last Turn.
+    const Buffer& WaitQueue(Waiting kind) const { return _waitQueues[_side][kind]; }
+    const Buffer& HaveWaited(Waiting kind) const { return _waitQueues[1 - _side][kind]; }
+    /// What waits has waited; the queues to append to are empty.
+    void Turn();
+    /// Nothing waits.
+    void ClearWaiting() { ClearCounter(HDS_COUNTER_WAITING_RAYS, NumWaiting); }
+
+    const Buffer& Counters() const { return _counters; }
+    Counts ReadCounters() const;
+    void ClearCounter(std::uint32_t counter, std::uint32_t count = 1);
+    void SetCounter(std::uint32_t counter, std::uint32_t value);
+
+private:
+    std::shared_ptr<Device> _device;
+    std::uint32_t _waveSize = 0;
+    std::uint64_t _bytes = 0;
+    std::uint32_t _side = 0;
+    Buffer _paths;
+    std::array<Buffer, kNumQueues> _queues;
+    std::array<std::array<Buffer, NumWaiting>, 2> _waitQueues;
+    Buffer _ready;
+    Buffer _counters;
+};
+
+} // namespace hds
