@@ -167,6 +167,10 @@ std::uint64_t SceneBuffers::PinnedBytes() const {
     return _streaming ? _streaming->PinnedBytes() : 0;
 }
 
+std::uint64_t SceneBuffers::PeakUsedBytes() const {
+    return _streaming ? _streaming->PeakUsedBytes() : _resident ? _resident->PeakUsedBytes() : 0;
+}
+
 void SceneBuffers::BeginStatistics() {
     if (_streaming) {
         _streaming->BeginStatistics();

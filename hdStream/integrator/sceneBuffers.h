@@ -70,6 +70,8 @@ public:
     std::uint32_t NumPoolBuffers() const;
     std::uint64_t PoolBytes() const;   ///< of geometry
     std::uint64_t PinnedBytes() const; ///< of geometry
+    /// The most bytes of its pages that were resident at a time since BeginStatistics.
+    std::uint64_t PeakUsedBytes() const;
     std::uint64_t TableBytes() const;
 
 private:

@@ -36,6 +36,8 @@ public:
     std::uint64_t BufferLimit() const { return _bufferLimit; }
     /// Bytes of device memory.
     std::uint64_t Bytes() const { return _bytes; }
+    /// Bytes of the pages it holds: all of the scene's.
+    std::uint64_t PeakUsedBytes() const { return _bytes - _ranges.FreeBytes(); }
     /// Counts from 0 again.
     void BeginStatistics();
     /// Pages uploaded since BeginStatistics, and their bytes.

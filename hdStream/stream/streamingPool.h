@@ -95,6 +95,8 @@ public:
     /// Bytes of device memory for pages, and for the tables that streaming needs.
     std::uint64_t Bytes() const { return _bytes; }
     std::uint64_t TableBytes() const;
+    /// The most bytes of pages that were resident at a time since BeginStatistics.
+    std::uint64_t PeakUsedBytes() const { return _peakUsedBytes; }
     /// Bytes of pinned pages that are resident.
     std::uint64_t PinnedBytes() const { return _ranges.PinnedBytes(); }
     const StreamingStatistics& Statistics() const { return _statistics; }
@@ -187,6 +189,7 @@ private:
     std::uint32_t _listedAge = 0; ///< pages of this age and older ones are, or were, in the heap
     std::vector<std::uint32_t> _queued; ///< placed and prepared, to be loaded
     std::uint64_t _placedBytes = 0;     ///< in this service
+    std::uint64_t _peakUsedBytes = 0;
     StreamingStatistics _statistics;
 };
 

@@ -10,6 +10,7 @@ namespace hds {
 
 void StreamingPool::BeginStatistics() {
     _statistics = {};
+    _peakUsedBytes = _ranges.UsedBytes(_bytes);
     for (PageState& page : _pages) {
         page.wasLoaded = false;
         page.wasUsed = false;
