@@ -23,10 +23,6 @@ public:
     /// Bytes of the part, and how many of them are allocated.
     std::uint64_t ApartBytes() const { return _apart.bytes; }
     std::uint64_t PinnedBytes() const { return _apart.bytes - _pinned.FreeBytes(); }
-    /// Bytes that are allocated of buffers of `bytes` in all.
-    std::uint64_t UsedBytes(std::uint64_t bytes) const {
-        return bytes - _ranges.FreeBytes() - _pinned.FreeBytes();
-    }
     /// Whether an address lies in the part.
     bool IsPinned(std::uint32_t address) const { return address - _apartAddress < _apartUnits; }
 

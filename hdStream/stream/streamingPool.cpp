@@ -338,7 +338,6 @@ void StreamingPool::LoadQueued(bool isAskedFor) {
         _buffers[buffer].WriteMany(copies[buffer]);
     }
     _queued.clear();
-    _peakUsedBytes = std::max(_peakUsedBytes, _ranges.UsedBytes(_bytes));
     PublishTable(); // only now: words are read by whatever is launched next
     _counters.AddTransferSeconds(timer.Seconds());
 }
