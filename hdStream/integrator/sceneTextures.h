@@ -41,6 +41,8 @@ public:
     std::uint32_t NumBuffers() const;
     /// Bytes of device memory for texels, and for what it takes to find them.
     std::uint64_t Bytes() const;
+    /// The most bytes of texels that were there at a time since BeginStatistics.
+    std::uint64_t PeakUsedBytes() const { return _pool ? _pool->PeakUsedBytes() : Bytes(); }
     std::uint64_t TableBytes() const;
     /// Bytes that it may take, 0: what there is.
     std::uint64_t BudgetBytes() const { return _budgetBytes; }

@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <cstdlib>
+#include <fstream>
 #include <sys/resource.h>
 
 namespace hds {
@@ -13,7 +15,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// The most memory that this process has had. What getrusage says begins with the peak of the
+/// process that started it: it is for systems without /proc.
 std::uint64_t HostPeakBytes() {
+    const std::string key = "VmHWM:";
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);) {
+        if (line.compare(0, key.size(), key) == 0) {
+            return std::strtoull(line.c_str() + key.size(), nullptr, 10) * 1024U;
+        }
+    }
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
     return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024U;
@@ -58,7 +69,7 @@ Json GeometrySection(const StatisticsInput& in) {
             {"chunks", counts.chunks},
             {"bytesTotal", bytesTotal},
             {"budget", buffers.PoolBytes()},
-            {"peakBytes", buffers.PoolBytes()},
+            {"peakBytes", buffers.PeakUsedBytes()},
             {"pinnedBytes", buffers.PinnedBytes()},
             {"alwaysResidentBytes", counts.alwaysResidentBytes + streamingTableBytes},
             {"uniqueBytesLoaded", pool.uniqueBytes},
@@ -89,7 +100,7 @@ Json TextureSection(const StatisticsInput& in) {
             {"bytesSource", counts.textureSourceBytes},
             {"bytesTotal", linesTotal * HDS_LINE_BYTES},
             {"budget", textures.Pool() != nullptr ? textures.BudgetBytes() : textures.Bytes()},
-            {"peakBytes", textures.Bytes()},
+            {"peakBytes", textures.PeakUsedBytes()},
             {"linesTotal", linesTotal},
             {"linesLoaded", cache.linesLoaded},
             {"uniqueBytesLoaded", cache.uniqueBytesLoaded},

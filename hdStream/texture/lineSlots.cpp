@@ -52,6 +52,11 @@ LineSlots::LineSlots(const SlotPlan& plan)
     }
 }
 
+/// A slot that was empty is in use.
+void LineSlots::CountPlaced() {
+    _mostUsed = std::max(_mostUsed, ++_numUsed);
+}
+
 std::uint32_t LineSlots::FindEmpty(std::uint32_t begin, std::uint32_t end) const {
     const auto found = std::find(_lines.begin() + begin, _lines.begin() + end, HDS_NONE);
     return found == _lines.begin() + end ? HDS_NONE
@@ -92,7 +97,9 @@ LineSlots::Placement LineSlots::Place(std::uint32_t line, std::uint32_t epoch,
     }
     if (placement.slot != HDS_NONE) {
         placement.evicted = _lines[placement.slot];
-        _numUsed += placement.evicted == HDS_NONE ? 1 : 0;
+        if (placement.evicted == HDS_NONE) {
+            CountPlaced();
+        }
         _lines[placement.slot] = line;
         _placedIn[placement.slot] = epoch;
     }
@@ -105,7 +112,7 @@ std::uint32_t LineSlots::PlacePinned(std::uint32_t line) {
     }
     const std::uint32_t slot = _freePinned.back();
     _freePinned.pop_back();
-    ++_numUsed;
+    CountPlaced();
     _lines[slot] = line;
     return slot;
 }

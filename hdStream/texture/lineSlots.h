@@ -64,11 +64,15 @@ public:
     std::uint32_t Line(std::uint32_t slot) const { return _lines[slot]; }
     const SlotPlan& Plan() const { return _plan; }
     std::uint32_t NumUsed() const { return _numUsed; }
+    /// The most slots that were in use at a time since BeginMost.
+    std::uint32_t MostUsed() const { return _mostUsed; }
+    void BeginMost() { _mostUsed = _numUsed; }
     std::uint32_t NumPinned() const {
         return _plan.numPinned - static_cast<std::uint32_t>(_freePinned.size());
     }
 
 private:
+    void CountPlaced();
     std::uint32_t FindEmpty(std::uint32_t begin, std::uint32_t end) const;
     std::uint32_t FindOldest(std::uint32_t begin, std::uint32_t end, std::uint32_t epoch,
                              const std::vector<std::uint32_t>& stamps) const;
@@ -78,6 +82,7 @@ private:
     std::vector<std::uint32_t> _placedIn; ///< epoch
     std::vector<std::uint32_t> _freePinned;
     std::uint32_t _numUsed = 0;
+    std::uint32_t _mostUsed = 0;
 };
 
 } // namespace hds

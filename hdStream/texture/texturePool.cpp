@@ -158,6 +158,9 @@ void TexturePool::MakeRequests() {
 void TexturePool::BeginStatistics() {
     _statistics = {};
     _table.ForgetPast();
+    if (_slots) {
+        _slots->BeginMost();
+    }
 }
 
 void TexturePool::ReserveItems(std::uint32_t numItems) {
@@ -419,6 +422,10 @@ std::uint64_t TexturePool::TableBytes() const {
         bytes += buffer->Bytes();
     }
     return bytes;
+}
+
+std::uint64_t TexturePool::PeakUsedBytes() const {
+    return _slots ? std::uint64_t{_slots->MostUsed()} * HDS_LINE_BYTES : 0;
 }
 
 std::uint64_t TexturePool::PinnedBytes() const {

@@ -67,6 +67,8 @@ public:
     std::uint32_t NumBuffers() const { return _buffers ? _buffers->NumBuffers() : 0; }
     /// Bytes of device memory for lines, and for what streaming needs besides.
     std::uint64_t Bytes() const { return _buffers ? _buffers->Bytes() : 0; }
+    /// The most bytes of lines that were in the pool at a time since BeginStatistics.
+    std::uint64_t PeakUsedBytes() const;
     std::uint64_t TableBytes() const;
     std::uint64_t PinnedBytes() const;
     const TextureStatistics& Statistics() const { return _statistics; }

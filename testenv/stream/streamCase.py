@@ -162,14 +162,14 @@ class Case:
         assert geometry["uniqueBytesLoaded"] <= geometry["bytesTotal"]
         assert geometry["chunksTouched"] > 0 or geometry["uniqueBytesLoaded"] == 0
         assert geometry["pinnedBytes"] <= geometry["budget"] // 4
-        assert geometry["peakBytes"] <= geometry["budget"]
+        assert geometry["pinnedBytes"] <= geometry["peakBytes"] <= geometry["budget"]
         assert geometry["iterations"] >= geometry["casts"] > 0
         self.AssertTextures(statistics["texture"])
         assert geometry["chunksTouched"] <= geometry["chunks"]
         assert geometry["streamedSamples"] == statistics["image"]["samples"]
         # What is resident at any time fits: only what has left can be loaded again.
         if geometry["evictions"] == 0:
-            assert geometry["uploadedBytes"] == geometry["uniqueBytesLoaded"] <= geometry["budget"]
+            assert geometry["uploadedBytes"] == geometry["uniqueBytesLoaded"] <= geometry["peakBytes"]
         return geometry
 
     def AssertTextures(self, texture):
@@ -188,7 +188,7 @@ class Case:
         assert texture["misses"] <= texture["lookups"] > 0
         assert texture["shadeIterations"] >= texture["shadePasses"] > 0
         if texture["evictions"] == 0:
-            assert texture["uploadedBytes"] == texture["uniqueBytesLoaded"]
+            assert texture["uploadedBytes"] == texture["uniqueBytesLoaded"] <= texture["peakBytes"]
 
     def AssertStreamsTextures(self, onProgress=None, **settings):
         """As AssertStreams. Returns the statistics of textures."""

@@ -49,9 +49,10 @@ protected:
     void ExpectAllBuild(const NamedFeatures& set) {
         const KernelFeatures& f = set.f;
         const ProgramDefines defines = f.Defines();
-#define HDS_PROGRAM(program, root, condition)                                                 \
-    if (condition) {                                                                          \
-        EXPECT_NO_THROW(Program(device, root, defines)) << root << " features: " << set.name; \
+        const std::string& label = set.name;
+#define HDS_PROGRAM(name, root, condition)                                                 \
+    if (condition) {                                                                       \
+        EXPECT_NO_THROW(Program(device, root, defines)) << root << " features: " << label; \
     }
 #include "kernels/shared/features.def"
     }

@@ -41,6 +41,30 @@ TEST(SlotPlan, EnoughSlotsHoldConsecutiveLinesWithoutConflict) {
     }
 }
 
+TEST(LineSlots, MostUsedIsAHighWaterMark) {
+    LineSlots slots(SlotPlan{2, 1, 1});
+    std::vector<std::uint32_t> stamps(11, 0);
+    const auto place = [&](std::uint32_t line, std::uint32_t epoch) {
+        return slots
+            .Place(line, epoch, [&]() -> const std::vector<std::uint32_t>& { return stamps; })
+            .slot;
+    };
+    EXPECT_EQ(slots.MostUsed(), 0U);
+    const std::uint32_t first = place(1, 1);
+    place(2, 1);
+    slots.PlacePinned(3);
+    EXPECT_EQ(slots.MostUsed(), 3U);
+    slots.Free(first);
+    EXPECT_EQ(slots.NumUsed(), 2U);
+    EXPECT_EQ(slots.MostUsed(), 3U) << "it does not fall";
+    slots.BeginMost();
+    EXPECT_EQ(slots.MostUsed(), 2U) << "but begins with what is there";
+    for (std::uint32_t line = 10; line < 40; ++line) {
+        place(line, line); // each makes another one leave once all ways are in use
+    }
+    EXPECT_EQ(slots.MostUsed(), 9U);
+}
+
 class OneSet : public ::testing::Test {
 protected:
     LineSlots::Placement Place(std::uint32_t line, std::uint32_t epoch) {
