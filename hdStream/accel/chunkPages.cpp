@@ -25,13 +25,13 @@ std::uint64_t RoundUp(std::uint64_t bytes) {
 
 } // namespace
 
-ChunkPages::ChunkPages(std::shared_ptr<const ChunkedMesh> mesh, std::uint32_t chunk)
+ChunkPages::ChunkPages(std::shared_ptr<const ChunkedGeometry> mesh, std::uint32_t chunk)
     : _mesh(std::move(mesh)), _chunk(chunk), _firstId(NextIds()) {
-    const MeshOutline& outline = _mesh->Outline();
-    const std::uint64_t count = outline.numInChunk[chunk];
-    const TriangleBytes& bytes = outline.boundBytes;
+    const GeometrySummary& summary = _mesh->Summary();
+    const std::uint64_t count = summary.numInChunk[chunk];
+    const TriangleBytes& bytes = summary.boundBytes;
     // Each block of attributes is padded.
-    const std::uint64_t padding = kFixedBytes * (1 + outline.attributes.size());
+    const std::uint64_t padding = kFixedBytes * (1 + summary.attributes.size());
     _bytes[HDS_PAGE_GEOMETRY] = RoundUp(count * bytes.geometry + kFixedBytes);
     _bytes[HDS_PAGE_ATTRIBUTES] = RoundUp(count * bytes.attributes + padding);
 }
@@ -91,7 +91,7 @@ bool ChunkPages::Load(const std::array<bool, kNumPages>& isWanted) {
 
 void ChunkPages::Build() {
     const ChunkPlan& plan = _mesh->Plan();
-    ChunkGeometry chunk = _mesh->Source().Gather(plan.units.data() + plan.begin[_chunk],
+    ChunkGeometry chunk = _mesh->Source().Gather(plan.groups.data() + plan.begin[_chunk],
                                                  plan.begin[_chunk + 1] - plan.begin[_chunk]);
     _data[HDS_PAGE_GEOMETRY] = BuildGeometryPage(chunk).bytes;
     _data[HDS_PAGE_ATTRIBUTES] = BuildAttributePage(chunk);

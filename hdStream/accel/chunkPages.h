@@ -3,7 +3,7 @@
 // chunk. Explained in docs/accel.md.
 #pragma once
 
-#include "hdStream/accel/chunkedMesh.h"
+#include "hdStream/accel/chunkedGeometry.h"
 #include "hdStream/stream/pageProvider.h"
 #include "kernels/shared/geometry.h"
 
@@ -21,7 +21,7 @@ public:
     static constexpr std::uint32_t kNumPages = 2;
 
     /// Takes ids that no other page of the process has. \param chunk of the mesh.
-    ChunkPages(std::shared_ptr<const ChunkedMesh> mesh, std::uint32_t chunk);
+    ChunkPages(std::shared_ptr<const ChunkedGeometry> mesh, std::uint32_t chunk);
 
     std::uint64_t Id(std::uint32_t page) const { return _firstId + page; }
     /// Exact once made, before that an upper bound.
@@ -47,7 +47,7 @@ private:
     bool Load(const std::array<bool, kNumPages>& isWanted);
     void Build();
 
-    std::shared_ptr<const ChunkedMesh> _mesh;
+    std::shared_ptr<const ChunkedGeometry> _mesh;
     std::uint32_t _chunk;
     std::uint64_t _firstId;
     bool _isExact = false;

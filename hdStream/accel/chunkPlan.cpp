@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/accel/chunkPlan.h"
 
-#include "hdStream/accel/unitGrid.h"
+#include "hdStream/accel/primitiveGroupGrid.h"
 #include "hdStream/base/error.h"
 
 #include <glm/common.hpp>
@@ -58,74 +58,74 @@ struct CellBox {
     }
 };
 
-/// Cuts the units of one grid.
+/// Cuts the groups of one grid.
 class Planner {
 public:
     Planner(const ChunkSource& source, std::uint32_t maxTriangles, ChunkPlan* plan)
         : _source(source), _maxTriangles(maxTriangles), _plan(*plan) {}
 
-    /// Appends the chunks of `units`, which lie in `bounds` and have `numTriangles`.
-    void Plan(std::vector<std::uint32_t> units, const Bounds& bounds, std::uint64_t numTriangles) {
-        const UnitGrid grid(_source, std::move(units), bounds,
-                            kCellsPerChunk * (numTriangles / _maxTriangles + 1));
+    /// Appends the chunks of `groups`, which lie in `bounds` and have `numTriangles`.
+    void Plan(std::vector<std::uint32_t> groups, const Bounds& bounds, std::uint64_t numTriangles) {
+        const PrimitiveGroupGrid grid(_source, std::move(groups), bounds,
+                                      kCellsPerChunk * (numTriangles / _maxTriangles + 1));
         if (grid.Cells().size() == 1) {
-            CutByOrder(grid.Units()); // all centres are at about one place
+            CutByOrder(grid.Groups()); // all centres are at about one place
             return;
         }
         Cells cells = grid.Cells();
         std::vector<std::size_t> ends;
         CutCells(cells, 0, cells.size(), grid.CellSize(), &ends);
-        const std::vector<std::uint32_t> ordered = grid.OrderUnits(cells);
-        std::size_t unit = 0;
+        const std::vector<std::uint32_t> ordered = grid.OrderGroups(cells);
+        std::size_t group = 0;
         std::size_t cell = 0;
         for (const std::size_t end : ends) {
-            const std::size_t first = unit;
+            const std::size_t first = group;
             Bounds box;
             std::uint64_t weight = 0;
             const bool isOneCell = end - cell == 1;
             for (; cell < end; ++cell) {
-                unit += cells[cell].numUnits;
+                group += cells[cell].numGroups;
                 weight += cells[cell].numTriangles;
                 box.min = glm::min(box.min, cells[cell].bounds.min);
                 box.max = glm::max(box.max, cells[cell].bounds.max);
             }
-            if (isOneCell && weight > _maxTriangles && unit - first > 1) {
+            if (isOneCell && weight > _maxTriangles && group - first > 1) {
                 Plan({ordered.begin() + static_cast<std::ptrdiff_t>(first),
-                      ordered.begin() + static_cast<std::ptrdiff_t>(unit)},
+                      ordered.begin() + static_cast<std::ptrdiff_t>(group)},
                      box, weight);
             } else {
-                AddChunk(ordered.data() + first, unit - first, box, weight);
+                AddChunk(ordered.data() + first, group - first, box, weight);
             }
         }
     }
 
 private:
-    void AddChunk(const std::uint32_t* units, std::size_t count, const Bounds& bounds,
+    void AddChunk(const std::uint32_t* groups, std::size_t count, const Bounds& bounds,
                   std::uint64_t numTriangles) {
-        _plan.begin.push_back(static_cast<std::uint32_t>(_plan.units.size()));
-        _plan.units.insert(_plan.units.end(), units, units + count);
+        _plan.begin.push_back(static_cast<std::uint32_t>(_plan.groups.size()));
+        _plan.groups.insert(_plan.groups.end(), groups, groups + count);
         _plan.bounds.push_back(bounds);
         _plan.counts.push_back(static_cast<std::uint32_t>(numTriangles));
     }
 
-    void CutByOrder(const std::vector<std::uint32_t>& units) {
+    void CutByOrder(const std::vector<std::uint32_t>& groups) {
         std::size_t first = 0;
         std::uint64_t numTriangles = 0;
         Bounds box;
-        for (std::size_t i = 0; i < units.size(); ++i) {
-            const std::uint32_t added = _source.UnitTriangles(units[i]);
+        for (std::size_t i = 0; i < groups.size(); ++i) {
+            const std::uint32_t added = _source.GroupTriangles(groups[i]);
             if (i > first && numTriangles + added > _maxTriangles) {
-                AddChunk(units.data() + first, i - first, box, numTriangles);
+                AddChunk(groups.data() + first, i - first, box, numTriangles);
                 first = i;
                 numTriangles = 0;
                 box = {};
             }
-            const Bounds bounds = _source.UnitBounds(units[i]);
+            const Bounds bounds = _source.GroupBounds(groups[i]);
             box.min = glm::min(box.min, bounds.min);
             box.max = glm::max(box.max, bounds.max);
             numTriangles += added;
         }
-        AddChunk(units.data() + first, units.size() - first, box, numTriangles);
+        AddChunk(groups.data() + first, groups.size() - first, box, numTriangles);
     }
 
     /// Reorders cells[begin, end) so that chunks are contiguous; appends where they end.
@@ -202,15 +202,15 @@ private:
     ChunkPlan& _plan;
 };
 
-std::vector<std::uint32_t> DrawnUnits(const ChunkSource& source) {
-    std::vector<std::uint32_t> units;
-    units.reserve(source.NumUnits());
-    for (std::uint32_t unit = 0; unit < source.NumUnits(); ++unit) {
-        if (source.UnitTriangles(unit) > 0) {
-            units.push_back(unit);
+std::vector<std::uint32_t> DrawnGroups(const ChunkSource& source) {
+    std::vector<std::uint32_t> groups;
+    groups.reserve(source.NumPrimitiveGroups());
+    for (std::uint32_t group = 0; group < source.NumPrimitiveGroups(); ++group) {
+        if (source.GroupTriangles(group) > 0) {
+            groups.push_back(group);
         }
     }
-    return units;
+    return groups;
 }
 
 } // namespace
@@ -222,20 +222,20 @@ ChunkPlan PlanChunks(const ChunkSource& source, std::uint32_t maxTriangles,
         maxTriangles = std::min(maxTriangles, maxVertices / 3);
     }
     ChunkPlan plan;
-    std::vector<std::uint32_t> units = DrawnUnits(source);
-    if (units.empty()) {
+    std::vector<std::uint32_t> groups = DrawnGroups(source);
+    if (groups.empty()) {
         return plan;
     }
     if (source.NumTriangles() <= maxTriangles) {
         plan.begin = {0};
         plan.bounds = {source.AllBounds()};
         plan.counts = {static_cast<std::uint32_t>(source.NumTriangles())};
-        plan.units = std::move(units);
+        plan.groups = std::move(groups);
     } else {
         Planner(source, maxTriangles, &plan)
-            .Plan(std::move(units), source.AllBounds(), source.NumTriangles());
+            .Plan(std::move(groups), source.AllBounds(), source.NumTriangles());
     }
-    plan.begin.push_back(static_cast<std::uint32_t>(plan.units.size()));
+    plan.begin.push_back(static_cast<std::uint32_t>(plan.groups.size()));
     return plan;
 }
 

@@ -194,7 +194,7 @@ Kernel& Kernel::operator=(Kernel&& other) noexcept {
     std::swap(_name, other._name);
     std::swap(_numArguments, other._numArguments);
     std::swap(_numKept, other._numKept);
-    std::swap(_runLength, other._runLength);
+    std::swap(_itemsPerWorkItem, other._itemsPerWorkItem);
     std::swap(_groupSize, other._groupSize);
     return *this;
 }
@@ -216,8 +216,8 @@ void Kernel::SetBytes(unsigned index, const void* data, std::size_t bytes) {
                 _name + " argument " + std::to_string(index));
 }
 
-void Kernel::SetRunLength(std::uint32_t length) {
-    _runLength = length;
+void Kernel::SetItemsPerWorkItem(std::uint32_t length) {
+    _itemsPerWorkItem = length;
     _groupSize = length > 1 ? 1 : kGroupSize;
 }
 
@@ -225,7 +225,7 @@ void Kernel::Enqueue(std::size_t numItems) {
     if (numItems == 0) {
         return;
     }
-    const std::size_t numRuns = (numItems + _runLength - 1) / _runLength;
+    const std::size_t numRuns = (numItems + _itemsPerWorkItem - 1) / _itemsPerWorkItem;
     const std::size_t global = (numRuns + _groupSize - 1) / _groupSize * _groupSize;
     CheckOpenCl(clEnqueueNDRangeKernel(_device->GetHandles().queue, static_cast<cl_kernel>(_kernel),
                                        1, nullptr, &global, &_groupSize, 0, nullptr, nullptr),

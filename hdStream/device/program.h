@@ -47,9 +47,9 @@ public:
         Enqueue(numItems);
     }
 
-    /// Each work-item takes so many items one after another (kernels/integrator/run.clh); 1 at
+    /// Each work-item takes so many items one after another (kernels/integrator/itemLoop.clh); 1 at
     /// first.
-    void SetRunLength(std::uint32_t length);
+    void SetItemsPerWorkItem(std::uint32_t length);
 
     /// Queues with the arguments as set. No-op for numItems 0.
     void Enqueue(std::size_t numItems);
@@ -70,7 +70,7 @@ private:
     std::string _name;
     unsigned _numArguments = 0;
     unsigned _numKept = 0;
-    std::size_t _runLength = 1;
+    std::size_t _itemsPerWorkItem = 1;
     std::size_t _groupSize = kGroupSize;
 };
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where the triangles (or points, or pieces of curves) of chunks come from: an immutable snapshot
-// of a mesh, cut into units that can be prepared apart from each other. What a plan needs (boxes,
+// of a mesh, cut into groups that can be prepared apart from each other. What a plan needs (boxes,
 // counts) is cheap; triangles are made when a chunk is. Explained in docs/geometry.md.
 #pragma once
 
-#include "hdStream/geometry/meshDescription.h"
+#include "hdStream/geometry/geometryDescription.h"
 
 #include <glm/vec3.hpp>
 
@@ -71,16 +71,16 @@ struct ChunkGeometry {
 };
 
 /// A mesh ready to be cut into chunks. Immutable, thread-safe; results depend on nothing but what
-/// the source was made of. Units are numbered in the order of authored faces.
+/// the source was made of. Groups are numbered in the order of authored faces.
 class ChunkSource {
 public:
     virtual ~ChunkSource() = default;
 
     /// Object-space point that positions and boxes are relative to.
     const glm::dvec3& Origin() const { return _origin; }
-    /// Holds all units; empty when nothing can be drawn.
+    /// Holds all groups; empty when nothing can be drawn.
     const Bounds& AllBounds() const { return _bounds; }
-    std::uint32_t NumUnits() const { return _numUnits; }
+    std::uint32_t NumPrimitiveGroups() const { return _numGroups; }
     /// Upper bound; exact for polygons.
     std::uint64_t NumTriangles() const { return _numTriangles; }
     /// Upper bound of the different vertices of all triangles.
@@ -93,18 +93,18 @@ public:
     /// About what it adds where vertices are shared as they are on the mesh's average.
     const TriangleBytes& MeanBytes() const { return _meanBytes; }
 
-    /// Upper bound; 0 for a unit that is not drawn.
-    virtual std::uint32_t UnitTriangles(std::uint32_t unit) const = 0;
-    /// Holds the unit's triangles; empty for one that is not drawn.
-    virtual Bounds UnitBounds(std::uint32_t unit) const = 0;
-    /// The triangles of some units, in their order. Same units, same bits, whatever was asked
+    /// Upper bound; 0 for a group that is not drawn.
+    virtual std::uint32_t GroupTriangles(std::uint32_t group) const = 0;
+    /// Holds the group's triangles; empty for one that is not drawn.
+    virtual Bounds GroupBounds(std::uint32_t group) const = 0;
+    /// The triangles of some groups, in their order. Same groups, same bits, whatever was asked
     /// before.
-    virtual ChunkGeometry Gather(const std::uint32_t* units, std::size_t count) const = 0;
+    virtual ChunkGeometry Gather(const std::uint32_t* groups, std::size_t count) const = 0;
 
 protected:
     glm::dvec3 _origin{0.0};
     Bounds _bounds;
-    std::uint32_t _numUnits = 0;
+    std::uint32_t _numGroups = 0;
     std::uint64_t _numTriangles = 0;
     std::uint64_t _numVertices = 0;
     bool _isLeftHanded = false;

@@ -21,8 +21,8 @@ namespace {
 constexpr float kDefaultWidth = 1.0F; // as Hydra has it
 /// Lines of draw modes, whose widths mean pixels: a part of the diagonal of all points.
 constexpr double kLineWidth = 1.0 / 256.0;
-/// Segments of a unit: neighbours in it share vertices, and its box should stay small.
-constexpr std::uint32_t kUnitSegments = 16;
+/// Segments of a group: neighbours in it share vertices, and its box should stay small.
+constexpr std::uint32_t kGroupSegments = 16;
 /// A piece turns by at most so much (radians): a round one has one minimum of t, a flat one looks
 /// smooth.
 constexpr double kRoundTurn = 0.35;
@@ -31,7 +31,7 @@ constexpr std::uint8_t kDropped = 0xff; ///< the level of a segment that is not 
 
 class CurveSource final : public ChunkSource {
 public:
-    CurveSource(std::shared_ptr<const MeshDescription> curves, const std::string& primPath,
+    CurveSource(std::shared_ptr<const GeometryDescription> curves, const std::string& primPath,
                 Warnings& warnings)
         : _curves(std::move(curves)), _log(primPath, warnings) {
         SetCounts();
@@ -40,11 +40,11 @@ public:
         }
         CutCurves();
         MeasureSegments();
-        for (std::uint32_t unit = 0; unit < _numUnits; ++unit) {
-            _numVertices += UnitVertices(_units[unit]);
+        for (std::uint32_t group = 0; group < _numGroups; ++group) {
+            _numVertices += GroupVertices(_groups[group]);
         }
         const std::size_t vertexBytes = ((_hasNormals ? 8 : 4) + (Moves() ? 4 : 0)) * sizeof(float);
-        constexpr double kMostVertices = 5.0; // of a unit of one piece
+        constexpr double kMostVertices = 5.0; // of a group of one piece
         _boundBytes = SolidBytes(_values, kMostVertices, vertexBytes, Moves(), false);
         _meanBytes =
             SolidBytes(_values,
@@ -54,26 +54,26 @@ public:
                        vertexBytes, Moves(), true);
     }
 
-    std::uint32_t UnitTriangles(std::uint32_t unit) const override {
-        return _units[unit + 1].firstPrimId - _units[unit].firstPrimId;
+    std::uint32_t GroupTriangles(std::uint32_t group) const override {
+        return _groups[group + 1].firstPrimId - _groups[group].firstPrimId;
     }
-    Bounds UnitBounds(std::uint32_t unit) const override { return _unitBounds[unit]; }
+    Bounds GroupBounds(std::uint32_t group) const override { return _groupBounds[group]; }
 
-    ChunkGeometry Gather(const std::uint32_t* units, std::size_t count) const override {
+    ChunkGeometry Gather(const std::uint32_t* groups, std::size_t count) const override {
         std::call_once(_isRead, [this] { ReadValues(); });
         ChunkGeometry chunk;
         chunk.primitives = _basis->Primitives();
         chunk.attributes = _values;
         for (std::size_t i = 0; i < count; ++i) {
-            if (UnitTriangles(units[i]) > 0) {
-                GatherUnit(units[i], &chunk);
+            if (GroupTriangles(groups[i]) > 0) {
+                GatherGroup(groups[i], &chunk);
             }
         }
         return chunk;
     }
 
 private:
-    struct Unit {
+    struct Group {
         std::uint32_t curve;
         std::uint32_t firstSegment; ///< in the curve
         std::uint32_t numSegments;
@@ -197,15 +197,15 @@ private:
         std::uint64_t firstLevel = 0;
         for (std::uint32_t curve = 0; curve < _counts.size(); ++curve) {
             const std::uint32_t numSegments = SegmentsOf(curve);
-            for (std::uint32_t first = 0; first < numSegments; first += kUnitSegments) {
-                const std::uint32_t count = std::min(kUnitSegments, numSegments - first);
-                _units.push_back({curve, first, count, 0, firstLevel});
+            for (std::uint32_t first = 0; first < numSegments; first += kGroupSegments) {
+                const std::uint32_t count = std::min(kGroupSegments, numSegments - first);
+                _groups.push_back({curve, first, count, 0, firstLevel});
                 firstLevel += count;
             }
         }
-        _numUnits = static_cast<std::uint32_t>(_units.size());
+        _numGroups = static_cast<std::uint32_t>(_groups.size());
         _levels.resize(firstLevel);
-        _unitBounds.resize(_numUnits);
+        _groupBounds.resize(_numGroups);
     }
 
     std::uint32_t SegmentsOf(std::uint32_t curve) const {
@@ -213,29 +213,29 @@ private:
         return _basis->NumSegments(_counts[curve], &unused);
     }
 
-    /// How many pieces each segment has, and the boxes of units.
+    /// How many pieces each segment has, and the boxes of groups.
     void MeasureSegments() {
-        tbb::parallel_for(std::uint32_t{0}, _numUnits, [this](std::uint32_t index) {
-            const Unit& unit = _units[index];
-            for (std::uint32_t i = 0; i < unit.numSegments; ++i) {
-                _levels[unit.firstLevel + i] = LevelOf(unit.curve, unit.firstSegment + i);
-                if (_levels[unit.firstLevel + i] != kDropped) {
-                    for (const Points& shape : ShapesOf(unit.curve, unit.firstSegment + i)) {
-                        Extend(shape, &_unitBounds[index]);
+        tbb::parallel_for(std::uint32_t{0}, _numGroups, [this](std::uint32_t index) {
+            const Group& group = _groups[index];
+            for (std::uint32_t i = 0; i < group.numSegments; ++i) {
+                _levels[group.firstLevel + i] = LevelOf(group.curve, group.firstSegment + i);
+                if (_levels[group.firstLevel + i] != kDropped) {
+                    for (const Points& shape : ShapesOf(group.curve, group.firstSegment + i)) {
+                        Extend(shape, &_groupBounds[index]);
                     }
                 }
             }
         });
         std::uint64_t numDropped = 0;
-        for (Unit& unit : _units) {
-            unit.firstPrimId = static_cast<std::uint32_t>(_numTriangles);
-            for (std::uint32_t i = 0; i < unit.numSegments; ++i) {
-                const std::uint8_t level = _levels[unit.firstLevel + i];
+        for (Group& group : _groups) {
+            group.firstPrimId = static_cast<std::uint32_t>(_numTriangles);
+            for (std::uint32_t i = 0; i < group.numSegments; ++i) {
+                const std::uint8_t level = _levels[group.firstLevel + i];
                 numDropped += level == kDropped ? 1 : 0;
                 _numTriangles += level == kDropped ? 0U : 1U << level;
             }
         }
-        _units.push_back({0, 0, 0, static_cast<std::uint32_t>(_numTriangles), 0});
+        _groups.push_back({0, 0, 0, static_cast<std::uint32_t>(_numTriangles), 0});
         if (numDropped > 0) {
             _log.Warn(std::to_string(numDropped) +
                       " segments dropped: points missing or not finite, or no width");
@@ -243,10 +243,10 @@ private:
         if (_numTriangles >= 0xffffffffU) {
             _log.Warn("curves dropped: more than 2^32 - 2 pieces");
             _numTriangles = 0;
-            _numUnits = 0;
-            _unitBounds.clear();
+            _numGroups = 0;
+            _groupBounds.clear();
         }
-        for (const Bounds& bounds : _unitBounds) {
+        for (const Bounds& bounds : _groupBounds) {
             for (int axis = 0; axis < 3; ++axis) {
                 _bounds.min[axis] = std::min(_bounds.min[axis], bounds.min[axis]);
                 _bounds.max[axis] = std::max(_bounds.max[axis], bounds.max[axis]);
@@ -352,7 +352,7 @@ private:
         }
     }
 
-    /// Unit length; some direction where nothing usable is authored.
+    /// Group length; some direction where nothing usable is authored.
     glm::vec3 JointNormal(std::uint32_t curve, std::uint32_t segment, int joint) const {
         glm::dvec3 sum(0.0);
         const auto add = [&](std::size_t element, double weight) {
@@ -393,66 +393,66 @@ private:
         return length > 1e-6 ? glm::vec3(sum / length) : glm::vec3(0.0F, 0.0F, 1.0F);
     }
 
-    bool IsLast(const Unit& unit) const {
+    bool IsLast(const Group& group) const {
         return !_basis->IsPeriodic() &&
-               unit.firstSegment + unit.numSegments == SegmentsOf(unit.curve);
+               group.firstSegment + group.numSegments == SegmentsOf(group.curve);
     }
-    std::uint32_t UnitVertices(const Unit& unit) const {
-        return _basis->NumVertices(unit.numSegments, IsLast(unit));
+    std::uint32_t GroupVertices(const Group& group) const {
+        return _basis->NumVertices(group.numSegments, IsLast(group));
     }
 
-    bool IsDrawn(const Unit& unit, std::int64_t segment) const {
-        const std::int64_t count = SegmentsOf(unit.curve);
+    bool IsDrawn(const Group& group, std::int64_t segment) const {
+        const std::int64_t count = SegmentsOf(group.curve);
         if (!_basis->IsPeriodic() && (segment < 0 || segment >= count)) {
             return false;
         }
-        const std::uint64_t firstOfCurve = unit.firstLevel - unit.firstSegment;
+        const std::uint64_t firstOfCurve = group.firstLevel - group.firstSegment;
         const auto inCurve = static_cast<std::uint64_t>((segment + count) % count);
         return _levels[firstOfCurve + inCurve] != kDropped;
     }
 
-    void GatherUnit(std::uint32_t index, ChunkGeometry* chunk) const {
-        const Unit& unit = _units[index];
+    void GatherGroup(std::uint32_t index, ChunkGeometry* chunk) const {
+        const Group& group = _groups[index];
         const auto firstVertex = static_cast<std::uint32_t>(chunk->positions.size());
-        const std::uint32_t firstRun = _basis->FirstVertex(unit.firstSegment);
-        const std::uint32_t numSegments = SegmentsOf(unit.curve);
-        for (std::uint32_t i = 0; i < UnitVertices(unit); ++i) {
+        const std::uint32_t firstRun = _basis->FirstVertex(group.firstSegment);
+        const std::uint32_t numSegments = SegmentsOf(group.curve);
+        for (std::uint32_t i = 0; i < GroupVertices(group); ++i) {
             const std::uint32_t run = firstRun + i;
-            const glm::vec4 vertex = VertexAt(unit.curve, run, false);
+            const glm::vec4 vertex = VertexAt(group.curve, run, false);
             chunk->positions.emplace_back(vertex);
             if (Moves()) {
-                chunk->closePositions.emplace_back(VertexAt(unit.curve, run, true));
+                chunk->closePositions.emplace_back(VertexAt(group.curve, run, true));
             }
             chunk->radii.push_back(vertex.w);
-            const RunVertex from = _basis->VertexOf(run, _counts[unit.curve]);
-            const std::size_t point = PointAt(unit.curve, from.point);
+            const RunVertex from = _basis->VertexOf(run, _counts[group.curve]);
+            const std::size_t point = PointAt(group.curve, from.point);
             chunk->points.push_back(
                 _basis->HasPhantoms()
-                    ? static_cast<std::uint32_t>(RunBegin(unit.curve) + run)
+                    ? static_cast<std::uint32_t>(RunBegin(group.curve) + run)
                     : static_cast<std::uint32_t>(std::min(point, _size.numPoints - 1)));
-            chunk->joints.push_back(_firstJoints[unit.curve] + _basis->JointOf(run, numSegments));
+            chunk->joints.push_back(_firstJoints[group.curve] + _basis->JointOf(run, numSegments));
         }
         if (_hasNormals) {
             chunk->jointNormals.resize(chunk->positions.size());
         }
-        std::uint32_t primId = unit.firstPrimId;
-        for (std::uint32_t i = 0; i < unit.numSegments; ++i) {
-            const std::uint8_t level = _levels[unit.firstLevel + i];
+        std::uint32_t primId = group.firstPrimId;
+        for (std::uint32_t i = 0; i < group.numSegments; ++i) {
+            const std::uint8_t level = _levels[group.firstLevel + i];
             if (level == kDropped) {
                 continue;
             }
-            const std::uint32_t segment = unit.firstSegment + i;
+            const std::uint32_t segment = group.firstSegment + i;
             const std::uint32_t first = firstVertex + _basis->FirstVertex(segment) - firstRun;
             for (int joint = 0; joint < 2 && _hasNormals; ++joint) {
                 chunk->jointNormals[first + static_cast<std::uint32_t>(_basis->Joints()[joint])] =
-                    JointNormal(unit.curve, segment, joint);
+                    JointNormal(group.curve, segment, joint);
             }
-            const bool isStart = !IsDrawn(unit, std::int64_t{segment} - 1);
-            const bool isEnd = !IsDrawn(unit, std::int64_t{segment} + 1);
-            AddPieces(first, level, isStart, isEnd, ShapesOf(unit.curve, segment), chunk);
+            const bool isStart = !IsDrawn(group, std::int64_t{segment} - 1);
+            const bool isEnd = !IsDrawn(group, std::int64_t{segment} + 1);
+            AddPieces(first, level, isStart, isEnd, ShapesOf(group.curve, segment), chunk);
             for (std::uint32_t piece = 0; piece < 1U << level; ++piece) {
                 chunk->primIds.push_back(primId++);
-                chunk->faces.push_back(FaceOf(unit.curve));
+                chunk->faces.push_back(FaceOf(group.curve));
             }
         }
     }
@@ -514,7 +514,7 @@ private:
         attribute->indices = {};
     }
 
-    std::shared_ptr<const MeshDescription> _curves;
+    std::shared_ptr<const GeometryDescription> _curves;
     mutable PrimLog _log;
     TopologySize _size;
     std::vector<std::uint64_t> _begins;      ///< [numCurves] first vertex
@@ -525,8 +525,8 @@ private:
     MeshAttribute _widths;
     MeshAttribute _normals;
     bool _hasNormals = false;
-    std::vector<Unit> _units; ///< and one more for the end
-    std::vector<Bounds> _unitBounds;
+    std::vector<Group> _groups; ///< and one more for the end
+    std::vector<Bounds> _groupBounds;
     std::vector<std::uint8_t> _levels;          ///< [numSegments] pieces as a power of two
     mutable std::vector<MeshAttribute> _values; ///< user primvars; final once ReadValues has run
     mutable std::once_flag _isRead;
@@ -534,9 +534,9 @@ private:
 
 } // namespace
 
-std::shared_ptr<const ChunkSource> MakeCurveSource(std::shared_ptr<const MeshDescription> curves,
-                                                   const std::string& primPath,
-                                                   Warnings& warnings) {
+std::shared_ptr<const ChunkSource>
+MakeCurveSource(std::shared_ptr<const GeometryDescription> curves, const std::string& primPath,
+                Warnings& warnings) {
     return std::make_shared<const CurveSource>(std::move(curves), primPath, warnings);
 }
 

@@ -121,7 +121,7 @@ AmountRange RangeOf(const std::vector<BoundAmount>& amounts,
     return range;
 }
 
-std::vector<float> PointAmounts(const MeshDescription& mesh,
+std::vector<float> PointAmounts(const GeometryDescription& mesh,
                                 const std::vector<std::uint32_t>& entries,
                                 const std::vector<MeshAttribute>& attributes,
                                 const Displacement& displacement) {

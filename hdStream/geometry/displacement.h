@@ -66,7 +66,7 @@ AmountRange RangeOf(const std::vector<BoundAmount>& amounts,
 /// Amounts for the points of polygons: the mean over the face-vertices at each point, so that what
 /// shares a point stays closed. Points that no face uses get 0.
 /// \param entries material entry by authored face; empty: all 0.
-std::vector<float> PointAmounts(const MeshDescription& mesh,
+std::vector<float> PointAmounts(const GeometryDescription& mesh,
                                 const std::vector<std::uint32_t>& entries,
                                 const std::vector<MeshAttribute>& attributes,
                                 const Displacement& displacement);

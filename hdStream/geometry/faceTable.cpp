@@ -29,7 +29,8 @@ struct Face {
 /// Splits the faces of one block; scratch memory is kept from face to face.
 class BlockSplitter {
 public:
-    BlockSplitter(const MeshDescription& mesh, TriangleMesh& result, std::uint64_t firstTriangle)
+    BlockSplitter(const GeometryDescription& mesh, TriangleMesh& result,
+                  std::uint64_t firstTriangle)
         : _mesh(mesh), _result(result), _firstTriangle(firstTriangle) {}
 
     void Add(const Face& face) {
@@ -73,7 +74,7 @@ private:
         }
     }
 
-    const MeshDescription& _mesh;
+    const GeometryDescription& _mesh;
     TriangleMesh& _result;
     std::uint64_t _firstTriangle;
     BlockResult _block;
@@ -84,7 +85,7 @@ private:
 
 /// Calls visit(face) for the faces of a block, holes included; `corner` is its first face-vertex.
 template <typename Visit>
-void ForEachFace(const MeshDescription& mesh, std::size_t block, std::uint64_t corner,
+void ForEachFace(const GeometryDescription& mesh, std::size_t block, std::uint64_t corner,
                  Visit visit) {
     const std::size_t begin = block * FaceTable::kFacesPerBlock;
     const std::size_t end =
@@ -140,7 +141,7 @@ bool IsUsablePoint(const float* point) {
            std::fabs(point[2]) <= kMaxCoordinate;
 }
 
-FaceUse CheckFace(const MeshDescription& mesh, std::uint64_t firstCorner, std::uint32_t count) {
+FaceUse CheckFace(const GeometryDescription& mesh, std::uint64_t firstCorner, std::uint32_t count) {
     if (count < 3) {
         return FaceUse::TooFewVertices;
     }
@@ -188,7 +189,7 @@ void FaceProblems::Add(const FaceProblems& other) {
     zeroArea += other.zeroArea;
 }
 
-FaceTable BuildFaceTable(const MeshDescription& mesh) {
+FaceTable BuildFaceTable(const GeometryDescription& mesh) {
     FaceTable table;
     table.numFaces = mesh.faceVertexCounts.size();
     const std::size_t numBlocks =
@@ -215,7 +216,7 @@ FaceTable BuildFaceTable(const MeshDescription& mesh) {
     return table;
 }
 
-FaceProblems SplitFaces(const MeshDescription& mesh, const FaceTable& table,
+FaceProblems SplitFaces(const GeometryDescription& mesh, const FaceTable& table,
                         const std::vector<std::uint8_t>& isHole, TriangleMesh& result) {
     result.triangles.resize(table.triangleBegin.back());
     result.corners.resize(table.triangleBegin.back());

@@ -22,7 +22,7 @@ bool IsUsablePoint(const float* point);
 enum class FaceUse { Usable, TooFewVertices, EndsEarly, IndexOutOfRange, PointNotFinite };
 
 /// Checks the face whose indices start at `firstCorner`.
-FaceUse CheckFace(const MeshDescription& mesh, std::uint64_t firstCorner, std::uint32_t count);
+FaceUse CheckFace(const GeometryDescription& mesh, std::uint64_t firstCorner, std::uint32_t count);
 
 /// Faces that were left out, by reason.
 struct FaceProblems {
@@ -48,12 +48,12 @@ struct FaceTable {
 };
 
 /// Counts corners and triangles. Cost: O(faces), parallel.
-FaceTable BuildFaceTable(const MeshDescription& mesh);
+FaceTable BuildFaceTable(const GeometryDescription& mesh);
 
 /// Fills triangles, faces, corners and (authored, not recentred) bounds of `result`.
 /// \param isHole one byte a face, or empty.
 /// Precondition: table.triangleBegin.back() and table.numCorners fit 32 bits.
-FaceProblems SplitFaces(const MeshDescription& mesh, const FaceTable& table,
+FaceProblems SplitFaces(const GeometryDescription& mesh, const FaceTable& table,
                         const std::vector<std::uint8_t>& isHole, TriangleMesh& result);
 
 } // namespace hds

@@ -80,8 +80,8 @@ public:
         }
     }
 
-    MeshDescription Finish(const std::string& scheme) {
-        MeshDescription mesh;
+    GeometryDescription Finish(const std::string& scheme) {
+        GeometryDescription mesh;
         mesh.points = std::move(_points);
         mesh.faceVertexCounts = std::move(_counts);
         mesh.faceVertexIndices = std::move(_indices);
@@ -105,7 +105,7 @@ std::array<glm::vec2, kSides> MakeRing() {
     return ring;
 }
 
-MeshDescription MakeSphere(const ImplicitShape& shape) {
+GeometryDescription MakeSphere(const ImplicitShape& shape) {
     const auto radius = static_cast<float>(shape.radius);
     const auto ring = MakeRing();
     MeshBuilder builder;
@@ -119,7 +119,7 @@ MeshDescription MakeSphere(const ImplicitShape& shape) {
     return builder.Finish("catmullClark");
 }
 
-MeshDescription MakeCylinder(const ImplicitShape& shape) {
+GeometryDescription MakeCylinder(const ImplicitShape& shape) {
     const auto radius = static_cast<float>(shape.radius);
     const auto top = static_cast<float>(0.5 * static_cast<float>(shape.height));
     const auto ring = MakeRing();
@@ -135,7 +135,7 @@ MeshDescription MakeCylinder(const ImplicitShape& shape) {
     return builder.Finish("catmullClark");
 }
 
-MeshDescription MakeCone(const ImplicitShape& shape) {
+GeometryDescription MakeCone(const ImplicitShape& shape) {
     const auto top = static_cast<float>(0.5 * static_cast<float>(shape.height));
     const auto radius = static_cast<float>(shape.radius);
     const auto ring = MakeRing();
@@ -149,7 +149,7 @@ MeshDescription MakeCone(const ImplicitShape& shape) {
     return builder.Finish("catmullClark");
 }
 
-MeshDescription MakeCapsule(const ImplicitShape& shape) {
+GeometryDescription MakeCapsule(const ImplicitShape& shape) {
     const auto radius = static_cast<float>(shape.radius);
     const double half = 0.5 * static_cast<float>(shape.height);
     const auto ring = MakeRing();
@@ -173,7 +173,7 @@ MeshDescription MakeCapsule(const ImplicitShape& shape) {
     return builder.Finish("catmullClark");
 }
 
-MeshDescription MakeCube(const ImplicitShape& shape) {
+GeometryDescription MakeCube(const ImplicitShape& shape) {
     const auto half = static_cast<float>(0.5 * static_cast<float>(shape.size));
     MeshBuilder builder;
     for (const auto& [x, y] :
@@ -194,7 +194,7 @@ MeshDescription MakeCube(const ImplicitShape& shape) {
 }
 
 /// A quad about the origin, facing along +axis. USD: planes are double-sided by default.
-MeshDescription MakePlane(const ImplicitShape& shape) {
+GeometryDescription MakePlane(const ImplicitShape& shape) {
     const auto x = static_cast<float>(0.5F * shape.width);
     const auto y = static_cast<float>(0.5F * shape.length);
     MeshBuilder builder;
@@ -215,14 +215,14 @@ MeshDescription MakePlane(const ImplicitShape& shape) {
         builder.AddPoint(x, -y, 0.0F);
     }
     builder.AddFace({0, 1, 2, 3});
-    MeshDescription mesh = builder.Finish("bilinear");
+    GeometryDescription mesh = builder.Finish("bilinear");
     return mesh;
 }
 
 } // namespace
 
-MeshDescription MakeImplicitMesh(const ImplicitShape& shape) {
-    using Maker = MeshDescription (*)(const ImplicitShape&);
+GeometryDescription MakeImplicitMesh(const ImplicitShape& shape) {
+    using Maker = GeometryDescription (*)(const ImplicitShape&);
     static constexpr std::pair<const char*, Maker> kMakers[] = {
         {"Sphere", MakeSphere}, {"Cube", MakeCube},       {"Cylinder", MakeCylinder},
         {"Cone", MakeCone},     {"Capsule", MakeCapsule}, {"Plane", MakePlane},

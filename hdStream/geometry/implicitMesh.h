@@ -3,7 +3,7 @@
 // have the same points, topology and scheme, so both front ends and every complexity agree.
 #pragma once
 
-#include "hdStream/geometry/meshDescription.h"
+#include "hdStream/geometry/geometryDescription.h"
 
 #include <string>
 
@@ -21,6 +21,6 @@ struct ImplicitShape {
 };
 
 /// The mesh of a shape. \throws Error for an unknown type.
-MeshDescription MakeImplicitMesh(const ImplicitShape& shape);
+GeometryDescription MakeImplicitMesh(const ImplicitShape& shape);
 
 } // namespace hds

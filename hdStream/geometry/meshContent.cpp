@@ -14,7 +14,7 @@ bool IsPolygonal(const std::string& scheme) {
     return scheme != "catmullClark" && scheme != "loop";
 }
 
-void CheckHeader(const MeshDescription& mesh, const FaceTable& table, PrimLog& log) {
+void CheckHeader(const GeometryDescription& mesh, const FaceTable& table, PrimLog& log) {
     const std::string& scheme = mesh.subdivisionScheme;
     if (IsPolygonal(scheme) && scheme != "none" && scheme != "bilinear") {
         log.Warn("unknown subdivisionScheme \"" + scheme + "\", drawn as none");
@@ -28,7 +28,7 @@ void CheckHeader(const MeshDescription& mesh, const FaceTable& table, PrimLog& l
     }
 }
 
-bool IsCountable(const MeshDescription& mesh, const FaceTable& table, PrimLog& log) {
+bool IsCountable(const GeometryDescription& mesh, const FaceTable& table, PrimLog& log) {
     // HDS_NONE and HDS_NOT_RESIDENT take the last value; corners are counted in 32 bits too.
     if (mesh.faceVertexIndices.size() < 0xffffffffU && table.numFaces < 0xffffffffU) {
         return true;
@@ -37,7 +37,7 @@ bool IsCountable(const MeshDescription& mesh, const FaceTable& table, PrimLog& l
     return false;
 }
 
-std::vector<std::uint8_t> MarkHoles(const MeshDescription& mesh, PrimLog& log) {
+std::vector<std::uint8_t> MarkHoles(const GeometryDescription& mesh, PrimLog& log) {
     std::vector<std::uint8_t> isHole;
     if (mesh.holeIndices.empty()) {
         return isHole;
@@ -79,7 +79,7 @@ glm::vec3 ChooseOrigin(const Bounds& bounds) {
     return origin;
 }
 
-std::vector<std::uint32_t> AssignSubsets(const MeshDescription& mesh, PrimLog& log) {
+std::vector<std::uint32_t> AssignSubsets(const GeometryDescription& mesh, PrimLog& log) {
     if (mesh.subsets.empty()) {
         return {};
     }
@@ -112,8 +112,8 @@ std::vector<std::uint32_t> AssignSubsets(const MeshDescription& mesh, PrimLog& l
     return isAllZero ? std::vector<std::uint32_t>() : entries;
 }
 
-std::vector<MeshAttribute> CollectAttributes(const MeshDescription& mesh, const TopologySize& size,
-                                             PrimLog& log) {
+std::vector<MeshAttribute> CollectAttributes(const GeometryDescription& mesh,
+                                             const TopologySize& size, PrimLog& log) {
     std::vector<MeshAttribute> attributes;
     for (const Primvar& primvar : mesh.primvars) {
         if (primvar.name == "normals" || primvar.interpolation == Interpolation::Instance) {
@@ -135,8 +135,8 @@ std::vector<MeshAttribute> CollectAttributes(const MeshDescription& mesh, const 
     return attributes;
 }
 
-std::optional<MeshAttribute> AuthoredNormals(const MeshDescription& mesh, const TopologySize& size,
-                                             PrimLog& log) {
+std::optional<MeshAttribute> AuthoredNormals(const GeometryDescription& mesh,
+                                             const TopologySize& size, PrimLog& log) {
     const auto found =
         std::find_if(mesh.primvars.begin(), mesh.primvars.end(), [](const Primvar& primvar) {
             return primvar.name == "normals" && primvar.interpolation != Interpolation::Instance;

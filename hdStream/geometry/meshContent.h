@@ -33,28 +33,28 @@ private:
 bool IsPolygonal(const std::string& scheme);
 
 /// Lengths of the arrays, the scheme's name.
-void CheckHeader(const MeshDescription& mesh, const FaceTable& table, PrimLog& log);
+void CheckHeader(const GeometryDescription& mesh, const FaceTable& table, PrimLog& log);
 
 /// False, with a line, when faces or face-vertices cannot be counted in 32 bits.
-bool IsCountable(const MeshDescription& mesh, const FaceTable& table, PrimLog& log);
+bool IsCountable(const GeometryDescription& mesh, const FaceTable& table, PrimLog& log);
 
 /// One byte a face; empty when there are no holes.
-std::vector<std::uint8_t> MarkHoles(const MeshDescription& mesh, PrimLog& log);
+std::vector<std::uint8_t> MarkHoles(const GeometryDescription& mesh, PrimLog& log);
 
 /// Where positions are relative to. An axis moves only when the whole mesh lies within a factor 2
 /// of the new origin on it, so that float subtraction is exact (Sterbenz 1974, theorem 4.3.1).
 glm::vec3 ChooseOrigin(const Bounds& bounds);
 
 /// Material entry per face: 1 + the first subset that names it, else 0. Empty: all 0.
-std::vector<std::uint32_t> AssignSubsets(const MeshDescription& mesh, PrimLog& log);
+std::vector<std::uint32_t> AssignSubsets(const GeometryDescription& mesh, PrimLog& log);
 
 /// User primvars that can be used, sorted by name.
-std::vector<MeshAttribute> CollectAttributes(const MeshDescription& mesh, const TopologySize& size,
-                                             PrimLog& log);
+std::vector<MeshAttribute> CollectAttributes(const GeometryDescription& mesh,
+                                             const TopologySize& size, PrimLog& log);
 
 /// The authored normals, if they can be used; some may still be zero or not finite.
-std::optional<MeshAttribute> AuthoredNormals(const MeshDescription& mesh, const TopologySize& size,
-                                             PrimLog& log);
+std::optional<MeshAttribute> AuthoredNormals(const GeometryDescription& mesh,
+                                             const TopologySize& size, PrimLog& log);
 
 /// Replaces unusable normals (RepairNormals), with a line. Precondition: not Constant.
 void RepairAuthoredNormals(const TriangleMesh& mesh, const TopologySize& size,

@@ -14,7 +14,7 @@ constexpr float kDefaultWidth = 1.0F; // as Hydra has it
 
 class PointSource final : public ChunkSource {
 public:
-    PointSource(std::shared_ptr<const MeshDescription> points, const std::string& primPath,
+    PointSource(std::shared_ptr<const GeometryDescription> points, const std::string& primPath,
                 Warnings& warnings)
         : _points(std::move(points)), _log(primPath, warnings) {
         const std::size_t count = _points->points.size() / 3;
@@ -34,15 +34,15 @@ public:
             _attributes.push_back({attribute.name, attribute.numComponents});
         }
         _origin = glm::dvec3(ChooseOrigin(BoundPoints(*_points)));
-        _numUnits = static_cast<std::uint32_t>(count);
+        _numGroups = static_cast<std::uint32_t>(count);
         std::size_t numBad = 0;
-        for (std::uint32_t i = 0; i < _numUnits; ++i) {
-            if (UnitTriangles(i) == 0) {
+        for (std::uint32_t i = 0; i < _numGroups; ++i) {
+            if (GroupTriangles(i) == 0) {
                 numBad += FindPoint(*_points, i) ? 0 : 1;
                 continue;
             }
             ++_numTriangles;
-            const Bounds bounds = UnitBounds(i);
+            const Bounds bounds = GroupBounds(i);
             for (int axis = 0; axis < 3; ++axis) {
                 _bounds.min[axis] = std::min(_bounds.min[axis], bounds.min[axis]);
                 _bounds.max[axis] = std::max(_bounds.max[axis], bounds.max[axis]);
@@ -60,25 +60,25 @@ public:
         _meanBytes = SolidBytes(_values, 1.0, vertexBytes, Moves(), true);
     }
 
-    std::uint32_t UnitTriangles(std::uint32_t unit) const override {
-        return FindPoint(*_points, unit) && (!Moves() || FindClosePoint(*_points, unit)) &&
-                       RadiusOf(_widths, unit) > 0.0F
+    std::uint32_t GroupTriangles(std::uint32_t group) const override {
+        return FindPoint(*_points, group) && (!Moves() || FindClosePoint(*_points, group)) &&
+                       RadiusOf(_widths, group) > 0.0F
                    ? 1
                    : 0;
     }
-    Bounds UnitBounds(std::uint32_t unit) const override {
+    Bounds GroupBounds(std::uint32_t group) const override {
         Bounds bounds;
-        if (UnitTriangles(unit) > 0) {
-            ExtendBySolid(glm::dvec3(*FindPoint(*_points, unit)) - _origin, RadiusOf(_widths, unit),
-                          &bounds);
+        if (GroupTriangles(group) > 0) {
+            ExtendBySolid(glm::dvec3(*FindPoint(*_points, group)) - _origin,
+                          RadiusOf(_widths, group), &bounds);
             if (Moves()) {
-                ExtendBySolid(glm::dvec3(*FindClosePoint(*_points, unit)) - _origin,
-                              RadiusOf(_widths, unit), &bounds);
+                ExtendBySolid(glm::dvec3(*FindClosePoint(*_points, group)) - _origin,
+                              RadiusOf(_widths, group), &bounds);
             }
         }
         return bounds;
     }
-    ChunkGeometry Gather(const std::uint32_t* units, std::size_t count) const override {
+    ChunkGeometry Gather(const std::uint32_t* groups, std::size_t count) const override {
         std::call_once(_isRead, [this] {
             for (const MeshAttribute& attribute : _values) {
                 WarnNotFinite(attribute, _log.PrimPath(), _log.Sink());
@@ -88,38 +88,38 @@ public:
         chunk.primitives = HDS_PRIMITIVE_POINTS;
         chunk.attributes = _values;
         for (std::size_t i = 0; i < count; ++i) {
-            const std::uint32_t unit = units[i];
-            if (UnitTriangles(unit) == 0) {
+            const std::uint32_t group = groups[i];
+            if (GroupTriangles(group) == 0) {
                 continue;
             }
             chunk.triangles.emplace_back(static_cast<std::uint32_t>(chunk.points.size()), 0U, 0U);
-            chunk.points.push_back(unit);
-            chunk.positions.push_back(*FindPoint(*_points, unit) - glm::vec3(_origin));
+            chunk.points.push_back(group);
+            chunk.positions.push_back(*FindPoint(*_points, group) - glm::vec3(_origin));
             if (Moves()) {
-                chunk.closePositions.push_back(*FindClosePoint(*_points, unit) -
+                chunk.closePositions.push_back(*FindClosePoint(*_points, group) -
                                                glm::vec3(_origin));
             }
-            chunk.radii.push_back(RadiusOf(_widths, unit));
-            chunk.primIds.push_back(unit);
-            chunk.faces.push_back(unit);
-            chunk.primitiveBounds.push_back(BoundAt(*FindPoint(*_points, unit), unit));
+            chunk.radii.push_back(RadiusOf(_widths, group));
+            chunk.primIds.push_back(group);
+            chunk.faces.push_back(group);
+            chunk.primitiveBounds.push_back(BoundAt(*FindPoint(*_points, group), group));
             if (Moves()) {
                 chunk.closePrimitiveBounds.push_back(
-                    BoundAt(*FindClosePoint(*_points, unit), unit));
+                    BoundAt(*FindClosePoint(*_points, group), group));
             }
         }
         return chunk;
     }
 
 private:
-    Bounds BoundAt(const glm::vec3& point, std::uint32_t unit) const {
+    Bounds BoundAt(const glm::vec3& point, std::uint32_t group) const {
         Bounds bounds;
-        ExtendBySolid(glm::dvec3(point) - _origin, RadiusOf(_widths, unit), &bounds);
+        ExtendBySolid(glm::dvec3(point) - _origin, RadiusOf(_widths, group), &bounds);
         return bounds;
     }
     bool Moves() const { return !_points->closePoints.empty(); }
 
-    std::shared_ptr<const MeshDescription> _points;
+    std::shared_ptr<const GeometryDescription> _points;
     mutable PrimLog _log;
     MeshAttribute _widths;
     std::vector<MeshAttribute> _values; ///< user primvars
@@ -128,9 +128,9 @@ private:
 
 } // namespace
 
-std::shared_ptr<const ChunkSource> MakePointSource(std::shared_ptr<const MeshDescription> points,
-                                                   const std::string& primPath,
-                                                   Warnings& warnings) {
+std::shared_ptr<const ChunkSource>
+MakePointSource(std::shared_ptr<const GeometryDescription> points, const std::string& primPath,
+                Warnings& warnings) {
     return std::make_shared<const PointSource>(std::move(points), primPath, warnings);
 }
 

@@ -20,8 +20,8 @@
 namespace hds {
 namespace {
 
-/// Most triangles of a unit: faces with more are cut into parts, so that chunks stay small.
-constexpr std::uint32_t kMaxUnitTriangles = 256;
+/// Most triangles of a group: faces with more are cut into parts, so that chunks stay small.
+constexpr std::uint32_t kMaxGroupTriangles = 256;
 
 struct Face {
     std::uint32_t firstCorner = 0;
@@ -35,8 +35,8 @@ struct FacePart {
 };
 
 /// Extends a box by a face in one of its poses.
-void ExtendByFace(const MeshDescription& mesh, const SharedSpan<float>& points, const Face& face,
-                  Bounds* bounds) {
+void ExtendByFace(const GeometryDescription& mesh, const SharedSpan<float>& points,
+                  const Face& face, Bounds* bounds) {
     const std::int32_t* indices = mesh.faceVertexIndices.data() + face.firstCorner;
     for (std::uint32_t i = 0; i < face.count; ++i) {
         const float* p = points.data() + std::size_t(indices[i]) * 3;
@@ -48,7 +48,7 @@ void ExtendByFace(const MeshDescription& mesh, const SharedSpan<float>& points, 
 /// Reads faces and cuts them; scratch memory is kept from face to face. One object per thread.
 class FaceCutter {
 public:
-    explicit FaceCutter(const MeshDescription& mesh) : _mesh(mesh) {}
+    explicit FaceCutter(const GeometryDescription& mesh) : _mesh(mesh) {}
 
     void Load(const Face& face) {
         _count = face.count;
@@ -92,7 +92,7 @@ public:
     }
 
 private:
-    const MeshDescription& _mesh;
+    const GeometryDescription& _mesh;
     std::uint32_t _firstCorner = 0;
     std::uint32_t _count = 0;
     PolygonSplitter _splitter;
@@ -101,7 +101,7 @@ private:
 };
 
 /// What a block of faces comes to.
-struct BlockOutline {
+struct BlockMeasure {
     FaceProblems problems;
     Bounds bounds; ///< authored
     std::uint64_t numTriangles = 0;
@@ -111,7 +111,7 @@ struct BlockOutline {
 
 class PolygonSource final : public ChunkSource {
 public:
-    PolygonSource(std::shared_ptr<const MeshDescription> mesh, const std::string& primPath,
+    PolygonSource(std::shared_ptr<const GeometryDescription> mesh, const std::string& primPath,
                   const Displacement& displacement, Warnings& warnings)
         : _mesh(std::move(mesh)), _displacement(displacement), _log(primPath, warnings) {
         const FaceTable table = BuildFaceTable(*_mesh);
@@ -123,21 +123,21 @@ public:
         _numVertices = _mesh->points.size() / 3;
         _size = {_mesh->points.size() / 3, table.numFaces, std::size_t(table.numCorners)};
         FindCorners(table);
-        Outline(table, MarkHoles(*_mesh, _log));
+        MeasureFaces(table, MarkHoles(*_mesh, _log));
         if (_numTriangles > 0) {
             ReadAttributes();
         }
     }
 
-    std::uint32_t UnitTriangles(std::uint32_t unit) const override {
-        const FacePart part = PartOf(unit);
+    std::uint32_t GroupTriangles(std::uint32_t group) const override {
+        const FacePart part = PartOf(group);
         return IsLeftOut(part.face)
                    ? 0
-                   : std::min(kMaxUnitTriangles, FaceAt(part.face).count - 2 - part.firstTriangle);
+                   : std::min(kMaxGroupTriangles, FaceAt(part.face).count - 2 - part.firstTriangle);
     }
 
-    Bounds UnitBounds(std::uint32_t unit) const override {
-        const std::uint32_t index = PartOf(unit).face;
+    Bounds GroupBounds(std::uint32_t group) const override {
+        const std::uint32_t index = PartOf(group).face;
         Bounds bounds;
         if (IsLeftOut(index)) {
             return bounds;
@@ -152,7 +152,7 @@ public:
         return bounds;
     }
 
-    ChunkGeometry Gather(const std::uint32_t* units, std::size_t count) const override {
+    ChunkGeometry Gather(const std::uint32_t* groups, std::size_t count) const override {
         std::call_once(_isRead, [this] {
             // Whoever waits here may hold a task of this very mesh: steal none.
             tbb::this_task_arena::isolate([this] { ReadValues(); });
@@ -160,7 +160,7 @@ public:
         ChunkGeometry chunk;
         std::size_t maxTriangles = 0;
         for (std::size_t i = 0; i < count; ++i) {
-            maxTriangles += UnitTriangles(units[i]);
+            maxTriangles += GroupTriangles(groups[i]);
         }
         chunk.attributes = _values;
         chunk.normals = _normals;
@@ -171,7 +171,7 @@ public:
         PointNumbering numbering(std::min(maxTriangles * 3, _size.numPoints));
         FaceCutter cutter(*_mesh);
         for (std::size_t i = 0; i < count; ++i) {
-            GatherUnit(units[i], cutter, numbering, chunk);
+            GatherGroup(groups[i], cutter, numbering, chunk);
         }
         GatherPositions(chunk.points, _mesh->points, _moved, &chunk.positions);
         if (Moves()) {
@@ -206,10 +206,10 @@ private:
         return {_cornerBegin[face], _cornerBegin[face + 1] - _cornerBegin[face]};
     }
 
-    FacePart PartOf(std::uint32_t unit) const {
-        HDS_VERIFY(unit < _numUnits, std::to_string(unit) + " of " + std::to_string(_numUnits));
+    FacePart PartOf(std::uint32_t group) const {
+        HDS_VERIFY(group < _numGroups, std::to_string(group) + " of " + std::to_string(_numGroups));
         const auto numFaces = static_cast<std::uint32_t>(_size.numFaces);
-        return unit < numFaces ? FacePart{unit, 0} : _parts[unit - numFaces];
+        return group < numFaces ? FacePart{group, 0} : _parts[group - numFaces];
     }
 
     /// Where the face-vertices of each face begin; nothing is kept when all faces are alike.
@@ -234,7 +234,7 @@ private:
         _cornerBegin.back() = static_cast<std::uint32_t>(table.numCorners);
     }
 
-    void OutlineFace(std::uint32_t index, FaceCutter& cutter, BlockOutline& block) const {
+    void MeasureFace(std::uint32_t index, FaceCutter& cutter, BlockMeasure& block) const {
         const Face face = FaceAt(index);
         const FaceUse use = CheckFace(*_mesh, face.firstCorner, face.count);
         block.problems.Count(use);
@@ -250,15 +250,15 @@ private:
         }
         cutter.Extend(&block.bounds);
         block.numTriangles += numTriangles;
-        for (std::uint32_t first = kMaxUnitTriangles; first < face.count - 2;
-             first += kMaxUnitTriangles) {
+        for (std::uint32_t first = kMaxGroupTriangles; first < face.count - 2;
+             first += kMaxGroupTriangles) {
             block.parts.push_back({index, first});
         }
     }
 
     /// What is drawn, and where it is.
-    void Outline(const FaceTable& table, const std::vector<std::uint8_t>& isHole) {
-        std::vector<BlockOutline> blocks(table.NumBlocks());
+    void MeasureFaces(const FaceTable& table, const std::vector<std::uint8_t>& isHole) {
+        std::vector<BlockMeasure> blocks(table.NumBlocks());
         tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t block) {
             FaceCutter cutter(*_mesh);
             const std::size_t begin = block * FaceTable::kFacesPerBlock;
@@ -267,12 +267,12 @@ private:
                 if (!isHole.empty() && isHole[face] != 0) {
                     blocks[block].leftOut.push_back(static_cast<std::uint32_t>(face));
                 } else {
-                    OutlineFace(static_cast<std::uint32_t>(face), cutter, blocks[block]);
+                    MeasureFace(static_cast<std::uint32_t>(face), cutter, blocks[block]);
                 }
             }
         });
         FaceProblems problems;
-        for (const BlockOutline& block : blocks) {
+        for (const BlockMeasure& block : blocks) {
             problems.Add(block.problems);
             _numTriangles += block.numTriangles;
             _bounds.min = glm::min(_bounds.min, block.bounds.min);
@@ -291,7 +291,7 @@ private:
             _origin = glm::dvec3(origin);
             _bounds.min -= origin;
             _bounds.max -= origin;
-            _numUnits = static_cast<std::uint32_t>(table.numFaces + _parts.size());
+            _numGroups = static_cast<std::uint32_t>(table.numFaces + _parts.size());
         }
     }
 
@@ -351,7 +351,7 @@ private:
 
     /// The whole mesh with points of either pose, relative to the source's origin.
     TriangleMesh Whole(const SharedSpan<float>& points) const {
-        MeshDescription posed = *_mesh;
+        GeometryDescription posed = *_mesh;
         posed.points = points;
         Warnings unheard;
         TriangleMesh whole = *Triangulate(posed, _log.PrimPath(), unheard);
@@ -405,9 +405,9 @@ private:
         }
     }
 
-    void GatherUnit(std::uint32_t unit, FaceCutter& cutter, PointNumbering& numbering,
-                    ChunkGeometry& chunk) const {
-        const FacePart part = PartOf(unit);
+    void GatherGroup(std::uint32_t group, FaceCutter& cutter, PointNumbering& numbering,
+                     ChunkGeometry& chunk) const {
+        const FacePart part = PartOf(group);
         if (IsLeftOut(part.face)) {
             return;
         }
@@ -415,7 +415,7 @@ private:
         cutter.Load(face);
         std::uint32_t numTriangles = 0;
         const glm::uvec3* triangles = cutter.Cut(&numTriangles);
-        const std::uint32_t end = std::min(numTriangles, part.firstTriangle + kMaxUnitTriangles);
+        const std::uint32_t end = std::min(numTriangles, part.firstTriangle + kMaxGroupTriangles);
         const std::int32_t* indices = _mesh->faceVertexIndices.data() + face.firstCorner;
         for (std::uint32_t i = part.firstTriangle; i < end; ++i) {
             glm::uvec3 local;
@@ -434,7 +434,7 @@ private:
         }
     }
 
-    std::shared_ptr<const MeshDescription> _mesh;
+    std::shared_ptr<const GeometryDescription> _mesh;
     Displacement _displacement;
     float _reach = 0.0F; ///< of displacement
     mutable PrimLog _log;
@@ -442,7 +442,7 @@ private:
     std::uint32_t _faceSize = 0;             ///< when all faces are alike
     std::vector<std::uint32_t> _cornerBegin; ///< [numFaces + 1], else
     std::vector<bool> _isLeftOut;            ///< [numFaces]; empty: none
-    std::vector<FacePart> _parts;            ///< units beyond the faces
+    std::vector<FacePart> _parts;            ///< groups beyond the faces
     std::vector<std::uint32_t> _entries;     ///< [numFaces] material entries; empty: all 0
     std::vector<MeshAttribute> _values;      ///< user primvars
     mutable std::once_flag _isRead;
@@ -454,10 +454,9 @@ private:
 
 } // namespace
 
-std::shared_ptr<const ChunkSource> MakePolygonSource(std::shared_ptr<const MeshDescription> mesh,
-                                                     const std::string& primPath,
-                                                     const Displacement& displacement,
-                                                     Warnings& warnings) {
+std::shared_ptr<const ChunkSource>
+MakePolygonSource(std::shared_ptr<const GeometryDescription> mesh, const std::string& primPath,
+                  const Displacement& displacement, Warnings& warnings) {
     return std::make_shared<const PolygonSource>(std::move(mesh), primPath, displacement, warnings);
 }
 

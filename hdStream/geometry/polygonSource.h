@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An authored mesh drawn as polygons, as a source of chunks: a unit is a face, or a part of one
+// An authored mesh drawn as polygons, as a source of chunks: a group is a face, or a part of one
 // with very many vertices. Explained in docs/geometry.md.
 #pragma once
 
@@ -19,9 +19,8 @@ namespace hds {
 /// Cost: one pass over the faces, on all cores.
 /// \param displacement moves the points along smooth normals; shading normals are those of the
 /// moved triangles then. \param warnings must outlive the source.
-std::shared_ptr<const ChunkSource> MakePolygonSource(std::shared_ptr<const MeshDescription> mesh,
-                                                     const std::string& primPath,
-                                                     const Displacement& displacement,
-                                                     Warnings& warnings);
+std::shared_ptr<const ChunkSource>
+MakePolygonSource(std::shared_ptr<const GeometryDescription> mesh, const std::string& primPath,
+                  const Displacement& displacement, Warnings& warnings);
 
 } // namespace hds

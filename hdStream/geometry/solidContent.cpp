@@ -37,15 +37,15 @@ std::optional<glm::vec3> FindIn(const SharedSpan<float>& points, std::size_t ind
 
 } // namespace
 
-std::optional<glm::vec3> FindPoint(const MeshDescription& description, std::size_t index) {
+std::optional<glm::vec3> FindPoint(const GeometryDescription& description, std::size_t index) {
     return FindIn(description.points, index);
 }
 
-std::optional<glm::vec3> FindClosePoint(const MeshDescription& description, std::size_t index) {
+std::optional<glm::vec3> FindClosePoint(const GeometryDescription& description, std::size_t index) {
     return FindIn(description.closePoints, index);
 }
 
-Bounds BoundPoints(const MeshDescription& description) {
+Bounds BoundPoints(const GeometryDescription& description) {
     Bounds bounds;
     for (std::size_t i = 0; i < description.points.size() / 3; ++i) {
         if (const std::optional<glm::vec3> point = FindPoint(description, i)) {
@@ -56,7 +56,7 @@ Bounds BoundPoints(const MeshDescription& description) {
     return bounds;
 }
 
-std::optional<MeshAttribute> AuthoredWidths(const MeshDescription& description,
+std::optional<MeshAttribute> AuthoredWidths(const GeometryDescription& description,
                                             const TopologySize& size, PrimLog& log) {
     for (const Primvar& primvar : description.primvars) {
         if (primvar.name != "widths" || primvar.interpolation == Interpolation::Instance) {
@@ -90,7 +90,7 @@ float RadiusOf(const MeshAttribute& widths, std::size_t element) {
     return IsUsableWidth(width) ? 0.5F * width : 0.0F;
 }
 
-std::vector<MeshAttribute> SolidAttributes(const MeshDescription& description,
+std::vector<MeshAttribute> SolidAttributes(const GeometryDescription& description,
                                            const TopologySize& size, PrimLog& log) {
     std::vector<MeshAttribute> attributes = CollectAttributes(description, size, log);
     attributes.erase(

@@ -12,16 +12,16 @@
 namespace hds {
 
 /// Point `index` of a description; nothing when there is none, or it is not finite or too far.
-std::optional<glm::vec3> FindPoint(const MeshDescription& description, std::size_t index);
+std::optional<glm::vec3> FindPoint(const GeometryDescription& description, std::size_t index);
 
 /// The same when the shutter closes. \pre the description has closePoints.
-std::optional<glm::vec3> FindClosePoint(const MeshDescription& description, std::size_t index);
+std::optional<glm::vec3> FindClosePoint(const GeometryDescription& description, std::size_t index);
 
 /// The box of all points that can be used.
-Bounds BoundPoints(const MeshDescription& description);
+Bounds BoundPoints(const GeometryDescription& description);
 
 /// The primvar "widths", if it can be used.
-std::optional<MeshAttribute> AuthoredWidths(const MeshDescription& description,
+std::optional<MeshAttribute> AuthoredWidths(const GeometryDescription& description,
                                             const TopologySize& size, PrimLog& log);
 
 /// Warns about widths that are negative or not finite; they count as 0.
@@ -32,7 +32,7 @@ float RadiusOf(const MeshAttribute& widths, std::size_t element);
 
 /// User primvars that can be used, sorted by name: all but widths and normals. FaceVarying ones are
 /// Varying where there are joints.
-std::vector<MeshAttribute> SolidAttributes(const MeshDescription& description,
+std::vector<MeshAttribute> SolidAttributes(const GeometryDescription& description,
                                            const TopologySize& size, PrimLog& log);
 
 /// A box of a ball's or a piece's hull in double, with what kernels may round.

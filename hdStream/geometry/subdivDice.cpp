@@ -22,7 +22,7 @@ void Append(const glm::dvec3& value, std::vector<float>& values) {
     values.insert(values.end(), {float(value.x), float(value.y), float(value.z)});
 }
 
-/// Builds a chunk, unit by unit.
+/// Builds a chunk, group by group.
 class ChunkBuilder {
 public:
     explicit ChunkBuilder(const SubdivDice& dice)
@@ -37,12 +37,12 @@ public:
         }
     }
 
-    void AddUnit(std::uint32_t unit) {
-        const int face = _dice.FaceOf(unit);
+    void AddGroup(std::uint32_t group) {
+        const int face = _dice.FaceOf(group);
         StartFace(face);
         const DicePattern& pattern = *_pattern;
         _triangles.clear();
-        pattern.AddTile(unit - _dice.faceUnits[std::size_t(face)], _triangles);
+        pattern.AddTile(group - _dice.faceGroups[std::size_t(face)], _triangles);
         const std::uint32_t authored = _model.Cage().faces[std::size_t(face)];
         for (std::size_t i = 0; i < _triangles.size(); ++i) {
             glm::uvec3 triangle;
@@ -56,7 +56,7 @@ public:
             }
             _chunk.triangles.push_back(triangle);
             _chunk.corners.push_back(corners);
-            _chunk.primIds.push_back(_dice.unitTriangles[unit] + std::uint32_t(i));
+            _chunk.primIds.push_back(_dice.groupTriangles[group] + std::uint32_t(i));
             _chunk.faces.push_back(authored);
             if (!_dice.entries.empty()) {
                 _chunk.materialEntries.push_back(_dice.entries[authored]);
@@ -313,7 +313,7 @@ void SubdivDice::FaceLevels(int face, std::vector<std::uint8_t>& levels) const {
     }
 }
 
-SubdivDice::Counts SubdivDice::NumberUnits() {
+SubdivDice::Counts SubdivDice::NumberGroups() {
     const auto numFaces = static_cast<int>(model->NumFaces());
     std::vector<std::uint8_t> levels;
     for (std::uint8_t bound = kMaxDicingLevel;; --bound) {
@@ -323,8 +323,8 @@ SubdivDice::Counts SubdivDice::NumberUnits() {
             level = std::min(level, bound);
             counts.vertices += (1U << level) - 1U;
         }
-        faceUnits.assign(1, 0);
-        unitTriangles.assign(1, 0);
+        faceGroups.assign(1, 0);
+        groupTriangles.assign(1, 0);
         for (int face = 0; face < numFaces && counts.triangles < kMaxTriangles; ++face) {
             if (model->IsDrawn(face)) {
                 FaceLevels(face, levels);
@@ -333,10 +333,10 @@ SubdivDice::Counts SubdivDice::NumberUnits() {
                 counts.vertices += pattern.NumInside();
                 for (std::uint32_t tile = 0; tile < pattern.NumTiles(); ++tile) {
                     counts.triangles += pattern.TileTriangles(tile);
-                    unitTriangles.push_back(static_cast<std::uint32_t>(counts.triangles));
+                    groupTriangles.push_back(static_cast<std::uint32_t>(counts.triangles));
                 }
             }
-            faceUnits.push_back(static_cast<std::uint32_t>(unitTriangles.size() - 1));
+            faceGroups.push_back(static_cast<std::uint32_t>(groupTriangles.size() - 1));
         }
         if (counts.triangles < kMaxTriangles || bound == 0) {
             return counts;
@@ -344,14 +344,14 @@ SubdivDice::Counts SubdivDice::NumberUnits() {
     }
 }
 
-int SubdivDice::FaceOf(std::uint32_t unit) const {
-    const auto next = std::upper_bound(faceUnits.begin(), faceUnits.end(), unit);
-    return static_cast<int>(next - faceUnits.begin()) - 1;
+int SubdivDice::FaceOf(std::uint32_t group) const {
+    const auto next = std::upper_bound(faceGroups.begin(), faceGroups.end(), group);
+    return static_cast<int>(next - faceGroups.begin()) - 1;
 }
 
-ChunkGeometry DiceUnits(const SubdivDice& dice, const std::uint32_t* units, std::size_t count) {
+ChunkGeometry DiceGroups(const SubdivDice& dice, const std::uint32_t* groups, std::size_t count) {
     ChunkBuilder builder(dice);
-    std::for_each(units, units + count, [&](std::uint32_t unit) { builder.AddUnit(unit); });
+    std::for_each(groups, groups + count, [&](std::uint32_t group) { builder.AddGroup(group); });
     return builder.Finish();
 }
 

@@ -17,7 +17,7 @@ namespace Bfr = OpenSubdiv::Bfr;
 namespace Far = OpenSubdiv::Far;
 
 /// Why the mesh cannot be subdivided, or nothing.
-std::string FindObstacle(const MeshDescription& mesh, const SubdivCage& cage) {
+std::string FindObstacle(const GeometryDescription& mesh, const SubdivCage& cage) {
     const bool hasOthers =
         std::any_of(cage.counts.begin(), cage.counts.end(), [](int count) { return count != 3; });
     if (mesh.subdivisionScheme == "loop" && hasOthers) {
@@ -54,9 +54,9 @@ int FindIn(const Far::ConstIndexArray& list, int value) {
     return -1;
 }
 
-std::unique_ptr<const SubdivModel> SubdivModel::Make(std::shared_ptr<const MeshDescription> mesh,
-                                                     const std::string& primPath,
-                                                     Warnings& warnings) {
+std::unique_ptr<const SubdivModel>
+SubdivModel::Make(std::shared_ptr<const GeometryDescription> mesh, const std::string& primPath,
+                  Warnings& warnings) {
     std::unique_ptr<SubdivModel> model(new SubdivModel());
     model->_mesh = std::move(mesh);
     model->_primPath = primPath;

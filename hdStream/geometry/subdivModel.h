@@ -53,10 +53,10 @@ public:
     /// \return null, and one warning, when OpenSubdiv refuses the topology; null too, with the
     /// warnings of what was dropped, when no face is left. Precondition: a subdivision scheme.
     /// \param warnings must outlive the model.
-    static std::unique_ptr<const SubdivModel> Make(std::shared_ptr<const MeshDescription> mesh,
+    static std::unique_ptr<const SubdivModel> Make(std::shared_ptr<const GeometryDescription> mesh,
                                                    const std::string& primPath, Warnings& warnings);
 
-    const MeshDescription& Mesh() const { return *_mesh; }
+    const GeometryDescription& Mesh() const { return *_mesh; }
     const SubdivCage& Cage() const { return _cage; }
     /// What makes the surfaces of a face.
     const Factory& Surfaces(int face) const {
@@ -95,7 +95,7 @@ private:
     int LowestDrawn(const OpenSubdiv::Far::ConstIndexArray& faces) const;
     void FillRows() const;
 
-    std::shared_ptr<const MeshDescription> _mesh;
+    std::shared_ptr<const GeometryDescription> _mesh;
     SubdivCage _cage;
     std::vector<SubdivChannel> _channels;
     std::vector<SubdivPrimvar> _primvars;

@@ -55,28 +55,28 @@ public:
         std::vector<ExactBox> faceBoxes(Model().NumFaces());
         MeasureFaces(options, faceBoxes);
         ChooseOrigin(faceBoxes);
-        const SubdivDice::Counts counts = _dice.NumberUnits();
+        const SubdivDice::Counts counts = _dice.NumberGroups();
         _numTriangles = counts.triangles;
         _numVertices = counts.vertices;
-        _numUnits = static_cast<std::uint32_t>(_dice.unitTriangles.size() - 1);
-        MeasureUnits(faceBoxes);
+        _numGroups = static_cast<std::uint32_t>(_dice.groupTriangles.size() - 1);
+        MeasureGroups(faceBoxes);
         DescribePages();
     }
 
-    std::uint32_t UnitTriangles(std::uint32_t unit) const override {
-        return _dice.unitTriangles[unit + 1] - _dice.unitTriangles[unit];
+    std::uint32_t GroupTriangles(std::uint32_t group) const override {
+        return _dice.groupTriangles[group + 1] - _dice.groupTriangles[group];
     }
 
-    Bounds UnitBounds(std::uint32_t unit) const override { return _unitBounds[unit]; }
+    Bounds GroupBounds(std::uint32_t group) const override { return _groupBounds[group]; }
 
     const std::vector<std::uint8_t>& EdgeLevels() const override { return _dice.edgeLevels; }
 
-    ChunkGeometry Gather(const std::uint32_t* units, std::size_t count) const override {
+    ChunkGeometry Gather(const std::uint32_t* groups, std::size_t count) const override {
         for (std::size_t i = 0; i < count; ++i) {
-            HDS_VERIFY(units[i] < _numUnits,
-                       "unit " + std::to_string(units[i]) + " of " + std::to_string(_numUnits));
+            HDS_VERIFY(groups[i] < _numGroups,
+                       "group " + std::to_string(groups[i]) + " of " + std::to_string(_numGroups));
         }
-        return DiceUnits(_dice, units, count);
+        return DiceGroups(_dice, groups, count);
     }
 
 private:
@@ -87,7 +87,7 @@ private:
         if (Model().Mesh().closePoints.empty()) {
             return;
         }
-        auto closed = std::make_shared<MeshDescription>(Model().Mesh());
+        auto closed = std::make_shared<GeometryDescription>(Model().Mesh());
         closed->points = closed->closePoints;
         _dice.closeWarnings = std::make_unique<Warnings>();
         auto model = SubdivModel::Make(std::move(closed), primPath, *_dice.closeWarnings);
@@ -189,8 +189,8 @@ private:
         _origin = _dice.origin;
     }
 
-    void MeasureUnits(const std::vector<ExactBox>& faceBoxes) {
-        _unitBounds.resize(_numUnits);
+    void MeasureGroups(const std::vector<ExactBox>& faceBoxes) {
+        _groupBounds.resize(_numGroups);
         const double reach = std::max(std::fabs(_dice.displacement.range.low),
                                       std::fabs(_dice.displacement.range.high));
         const auto bounds = [&](ExactBox box) {
@@ -201,10 +201,10 @@ private:
         tbb::parallel_for(Range(0, int(Model().NumFaces()), kGrain), [&](const Range& range) {
             std::vector<std::uint8_t> levels;
             for (int face = range.begin(); face < range.end(); ++face) {
-                const std::uint32_t begin = _dice.faceUnits[std::size_t(face)];
-                const std::uint32_t end = _dice.faceUnits[std::size_t(face) + 1];
+                const std::uint32_t begin = _dice.faceGroups[std::size_t(face)];
+                const std::uint32_t end = _dice.faceGroups[std::size_t(face) + 1];
                 if (end - begin == 1 || Model().Shape(face) != FaceShape::Quad) {
-                    std::fill(_unitBounds.begin() + begin, _unitBounds.begin() + end,
+                    std::fill(_groupBounds.begin() + begin, _groupBounds.begin() + end,
                               bounds(faceBoxes[std::size_t(face)]));
                     continue;
                 }
@@ -214,21 +214,21 @@ private:
                 _dice.FaceLevels(face, levels);
                 const DicePattern pattern(Model().Shape(face), std::uint32_t(levels.size()),
                                           levels.data());
-                for (std::uint32_t unit = begin; unit < end; ++unit) {
-                    _unitBounds[unit] = bounds(BoxOfPoses(face, [&](const FaceMeter& pose) {
-                        return pose.BoxOver(pattern.TileBox(unit - begin));
+                for (std::uint32_t group = begin; group < end; ++group) {
+                    _groupBounds[group] = bounds(BoxOfPoses(face, [&](const FaceMeter& pose) {
+                        return pose.BoxOver(pattern.TileBox(group - begin));
                     }));
                 }
             }
         });
-        for (const Bounds& unit : _unitBounds) {
-            _bounds.min = glm::min(_bounds.min, unit.min);
-            _bounds.max = glm::max(_bounds.max, unit.max);
+        for (const Bounds& group : _groupBounds) {
+            _bounds.min = glm::min(_bounds.min, group.min);
+            _bounds.max = glm::max(_bounds.max, group.max);
         }
     }
 
     SubdivDice _dice;
-    std::vector<Bounds> _unitBounds;
+    std::vector<Bounds> _groupBounds;
 };
 
 } // namespace
@@ -238,7 +238,7 @@ bool IsSubdivisionScheme(const std::string& scheme) {
 }
 
 std::shared_ptr<const SubdivChunkSource>
-MakeSubdivSource(std::shared_ptr<const MeshDescription> mesh, const std::string& primPath,
+MakeSubdivSource(std::shared_ptr<const GeometryDescription> mesh, const std::string& primPath,
                  const DicingOptions& options, const Displacement& displacement,
                  Warnings& warnings) {
     auto model = SubdivModel::Make(std::move(mesh), primPath, warnings);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A subdivision surface as a source of chunks: diced per edge, evaluated on the limit surface,
-// displaced. A unit is a cage face, or a tile of one that is cut finely. Explained in
+// displaced. A group is a cage face, or a tile of one that is cut finely. Explained in
 // docs/geometry.md.
 #pragma once
 
@@ -26,7 +26,7 @@ public:
     virtual const std::vector<std::uint8_t>& EdgeLevels() const = 0;
 };
 
-/// Checks the mesh, chooses rates and measures the units; evaluates no triangle.
+/// Checks the mesh, chooses rates and measures the groups; evaluates no triangle.
 /// \return null, with a warning, when OpenSubdiv refuses the mesh: its cage is drawn as polygons
 /// then. Null too when no face can be used, with the warnings of MakePolygonSource. Never throws on
 /// content.
@@ -34,7 +34,7 @@ public:
 /// is gathered. Cost: one evaluation of OpenSubdiv per cage face, on all cores.
 /// Precondition: IsSubdivisionScheme(mesh->subdivisionScheme).
 std::shared_ptr<const SubdivChunkSource>
-MakeSubdivSource(std::shared_ptr<const MeshDescription> mesh, const std::string& primPath,
+MakeSubdivSource(std::shared_ptr<const GeometryDescription> mesh, const std::string& primPath,
                  const DicingOptions& options, const Displacement& displacement,
                  Warnings& warnings);
 

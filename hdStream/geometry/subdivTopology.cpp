@@ -16,7 +16,7 @@ namespace {
 namespace Far = OpenSubdiv::Far;
 namespace Sdc = OpenSubdiv::Sdc;
 
-void AddFaces(const MeshDescription& mesh, SubdivCage& cage, const std::string& primPath,
+void AddFaces(const GeometryDescription& mesh, SubdivCage& cage, const std::string& primPath,
               Warnings& warnings) {
     FaceProblems problems;
     std::vector<int> cageFaces(mesh.faceVertexCounts.size(), -1);
@@ -45,12 +45,12 @@ void AddFaces(const MeshDescription& mesh, SubdivCage& cage, const std::string& 
     }
 }
 
-bool IsPoint(const MeshDescription& mesh, std::int32_t index) {
+bool IsPoint(const GeometryDescription& mesh, std::int32_t index) {
     return index >= 0 && static_cast<std::size_t>(index) < mesh.points.size() / 3;
 }
 
 /// Creases are chains of points; sharpness is per chain or per edge.
-bool AddCreases(const MeshDescription& mesh, SubdivCage& cage) {
+bool AddCreases(const GeometryDescription& mesh, SubdivCage& cage) {
     const SubdivTags& tags = mesh.subdivTags;
     std::size_t numIndices = 0;
     std::size_t numEdges = 0;
@@ -83,7 +83,7 @@ bool AddCreases(const MeshDescription& mesh, SubdivCage& cage) {
     return true;
 }
 
-bool AddCorners(const MeshDescription& mesh, SubdivCage& cage) {
+bool AddCorners(const GeometryDescription& mesh, SubdivCage& cage) {
     const SubdivTags& tags = mesh.subdivTags;
     if (tags.cornerIndices.size() != tags.cornerSharpnesses.size()) {
         return false;
@@ -136,7 +136,7 @@ Sdc::SchemeType SchemeOf(const std::string& scheme) {
 
 } // namespace
 
-SubdivCage BuildSubdivCage(const MeshDescription& mesh, const std::string& primPath,
+SubdivCage BuildSubdivCage(const GeometryDescription& mesh, const std::string& primPath,
                            Warnings& warnings) {
     SubdivCage cage;
     AddFaces(mesh, cage, primPath, warnings);
@@ -149,7 +149,7 @@ SubdivCage BuildSubdivCage(const MeshDescription& mesh, const std::string& primP
     return cage;
 }
 
-std::unique_ptr<Far::TopologyRefiner> CreateRefiner(const MeshDescription& mesh,
+std::unique_ptr<Far::TopologyRefiner> CreateRefiner(const GeometryDescription& mesh,
                                                     const SubdivCage& cage,
                                                     const std::vector<SubdivChannel>& channels) {
     // OpenSubdiv prints to stderr by default; the caller says in one line what happened.

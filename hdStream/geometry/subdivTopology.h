@@ -34,12 +34,12 @@ struct SubdivChannel {
 };
 
 /// Checks the mesh; what is dropped is warned about as Triangulate does.
-SubdivCage BuildSubdivCage(const MeshDescription& mesh, const std::string& primPath,
+SubdivCage BuildSubdivCage(const GeometryDescription& mesh, const std::string& primPath,
                            Warnings& warnings);
 
 /// \return null when OpenSubdiv refuses the topology. Precondition: a subdivision scheme.
 std::unique_ptr<OpenSubdiv::Far::TopologyRefiner>
-CreateRefiner(const MeshDescription& mesh, const SubdivCage& cage,
+CreateRefiner(const GeometryDescription& mesh, const SubdivCage& cage,
               const std::vector<SubdivChannel>& channels);
 
 } // namespace hds

@@ -35,7 +35,7 @@ struct TriangleMesh {
 /// out-of-range indices, NaN or infinite points, faces with fewer than 3 vertices, zero-area
 /// triangles, primvars of wrong length. Never throws on content; an unusable mesh has no triangles.
 /// Surfaces are drawn as their cages. Cost: O(face vertices), ear clipping for concave faces.
-std::shared_ptr<const TriangleMesh> Triangulate(const MeshDescription& mesh,
+std::shared_ptr<const TriangleMesh> Triangulate(const GeometryDescription& mesh,
                                                 const std::string& primPath, Warnings& warnings);
 
 } // namespace hds

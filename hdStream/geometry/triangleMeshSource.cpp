@@ -18,7 +18,7 @@ TriangleMeshSource::TriangleMeshSource(std::shared_ptr<const TriangleMesh> mesh)
     _bounds = _mesh->bounds;
     _numTriangles = _mesh->triangles.size();
     _numVertices = _mesh->positions.size();
-    _numUnits = static_cast<std::uint32_t>(_numTriangles);
+    _numGroups = static_cast<std::uint32_t>(_numTriangles);
     _isLeftHanded = _mesh->leftHanded;
     for (const MeshAttribute& attribute : _mesh->attributes) {
         _attributes.push_back({attribute.name, attribute.numComponents});
@@ -34,8 +34,8 @@ TriangleMeshSource::TriangleMeshSource(std::shared_ptr<const TriangleMesh> mesh)
                           VerticesPerTriangle(_mesh->positions.size(), _mesh->triangles.size()));
 }
 
-Bounds TriangleMeshSource::UnitBounds(std::uint32_t unit) const {
-    const glm::uvec3& triangle = _mesh->triangles[unit];
+Bounds TriangleMeshSource::GroupBounds(std::uint32_t group) const {
+    const glm::uvec3& triangle = _mesh->triangles[group];
     Bounds bounds;
     for (int k = 0; k < 3; ++k) {
         bounds.min = glm::min(bounds.min, _mesh->positions[triangle[k]]);
@@ -44,24 +44,24 @@ Bounds TriangleMeshSource::UnitBounds(std::uint32_t unit) const {
     return bounds;
 }
 
-ChunkGeometry TriangleMeshSource::Gather(const std::uint32_t* units, std::size_t count) const {
+ChunkGeometry TriangleMeshSource::Gather(const std::uint32_t* groups, std::size_t count) const {
     ChunkGeometry chunk;
-    chunk.primIds.assign(units, units + count);
+    chunk.primIds.assign(groups, groups + count);
     chunk.triangles.resize(count);
     chunk.attributes = _mesh->attributes;
     chunk.normals = _mesh->normals;
     PointNumbering numbering(std::min(count * 3, _mesh->positions.size()));
     for (std::size_t i = 0; i < count; ++i) {
-        HDS_VERIFY(units[i] < _mesh->triangles.size(), "triangle " + std::to_string(units[i]) +
-                                                           " of " +
-                                                           std::to_string(_mesh->triangles.size()));
+        HDS_VERIFY(groups[i] < _mesh->triangles.size(),
+                   "triangle " + std::to_string(groups[i]) + " of " +
+                       std::to_string(_mesh->triangles.size()));
         for (int k = 0; k < 3; ++k) {
-            chunk.triangles[i][k] = numbering.Number(_mesh->triangles[units[i]][k], chunk.points);
+            chunk.triangles[i][k] = numbering.Number(_mesh->triangles[groups[i]][k], chunk.points);
         }
-        chunk.faces.push_back(_mesh->faces[units[i]]);
-        chunk.corners.push_back(_mesh->corners[units[i]]);
+        chunk.faces.push_back(_mesh->faces[groups[i]]);
+        chunk.corners.push_back(_mesh->corners[groups[i]]);
         if (!_mesh->materialEntries.empty()) {
-            chunk.materialEntries.push_back(_mesh->materialEntries[units[i]]);
+            chunk.materialEntries.push_back(_mesh->materialEntries[groups[i]]);
         }
     }
     for (const std::uint32_t point : chunk.points) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The triangles of an interpreted mesh as a source of chunks: a unit is a triangle.
+// The triangles of an interpreted mesh as a source of chunks: a group is a triangle.
 #pragma once
 
 #include "hdStream/geometry/triangleMesh.h"
@@ -13,9 +13,9 @@ class TriangleMeshSource final : public ChunkSource {
 public:
     explicit TriangleMeshSource(std::shared_ptr<const TriangleMesh> mesh);
 
-    std::uint32_t UnitTriangles(std::uint32_t) const override { return 1; }
-    Bounds UnitBounds(std::uint32_t unit) const override;
-    ChunkGeometry Gather(const std::uint32_t* units, std::size_t count) const override;
+    std::uint32_t GroupTriangles(std::uint32_t) const override { return 1; }
+    Bounds GroupBounds(std::uint32_t group) const override;
+    ChunkGeometry Gather(const std::uint32_t* groups, std::size_t count) const override;
 
 private:
     std::shared_ptr<const TriangleMesh> _mesh;

@@ -16,7 +16,7 @@ namespace {
 using Range = tbb::blocked_range<std::size_t>;
 constexpr std::size_t kGrain = 16384;
 
-void FillPositions(const MeshDescription& mesh, TriangleMesh& result) {
+void FillPositions(const GeometryDescription& mesh, TriangleMesh& result) {
     if (result.triangles.empty()) {
         result.bounds = Bounds();
         return;
@@ -36,7 +36,7 @@ void FillPositions(const MeshDescription& mesh, TriangleMesh& result) {
     });
 }
 
-void FillMaterialEntries(const MeshDescription& mesh, TriangleMesh& result, PrimLog& log) {
+void FillMaterialEntries(const GeometryDescription& mesh, TriangleMesh& result, PrimLog& log) {
     const std::vector<std::uint32_t> entries = AssignSubsets(mesh, log);
     if (entries.empty()) {
         return;
@@ -53,7 +53,7 @@ void FillMaterialEntries(const MeshDescription& mesh, TriangleMesh& result, Prim
     }
 }
 
-void FillNormals(const MeshDescription& mesh, const TopologySize& size, TriangleMesh& result,
+void FillNormals(const GeometryDescription& mesh, const TopologySize& size, TriangleMesh& result,
                  PrimLog& log) {
     if (!IsPolygonal(mesh.subdivisionScheme)) {
         result.normals = ComputeSmoothNormals(result);
@@ -67,7 +67,7 @@ void FillNormals(const MeshDescription& mesh, const TopologySize& size, Triangle
 }
 
 /// Everything but material entries. Authored faces are the description's own.
-void Interpret(const MeshDescription& mesh, TriangleMesh& result, PrimLog& log) {
+void Interpret(const GeometryDescription& mesh, TriangleMesh& result, PrimLog& log) {
     const FaceTable table = BuildFaceTable(mesh);
     CheckHeader(mesh, table, log);
     if (!IsCountable(mesh, table, log)) {
@@ -88,7 +88,7 @@ void Interpret(const MeshDescription& mesh, TriangleMesh& result, PrimLog& log) 
 
 } // namespace
 
-std::shared_ptr<const TriangleMesh> Triangulate(const MeshDescription& mesh,
+std::shared_ptr<const TriangleMesh> Triangulate(const GeometryDescription& mesh,
                                                 const std::string& primPath, Warnings& warnings) {
     const auto result = std::make_shared<TriangleMesh>();
     result->leftHanded = mesh.leftHanded;

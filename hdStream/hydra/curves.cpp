@@ -12,7 +12,7 @@
 PXR_NAMESPACE_OPEN_SCOPE
 
 void HdStreamBasisCurves::SyncTopology(HdSceneDelegate* delegate, HdStreamRenderParam*,
-                                       HdDirtyBits bits, hds::MeshDescription* curves) {
+                                       HdDirtyBits bits, hds::GeometryDescription* curves) {
     curves->primitives = hds::PrimitiveKind::Curves;
     if (bits & HdChangeTracker::DirtyTopology) {
         const HdBasisCurvesTopology topology = GetBasisCurvesTopology(delegate);
@@ -45,7 +45,7 @@ bool HdStreamBasisCurves::CheckGeometry(HdStreamRenderParam*) const {
 }
 
 void HdStreamPoints::SyncTopology(HdSceneDelegate*, HdStreamRenderParam*, HdDirtyBits,
-                                  hds::MeshDescription* points) {
+                                  hds::GeometryDescription* points) {
     points->primitives = hds::PrimitiveKind::Points;
 }
 

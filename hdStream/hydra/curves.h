@@ -17,7 +17,7 @@ public:
 
 private:
     void SyncTopology(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits,
-                      hds::MeshDescription* curves) override;
+                      hds::GeometryDescription* curves) override;
     void AddDefaultPrimvars(std::vector<hds::Primvar>* primvars) const override;
     bool CheckGeometry(HdStreamRenderParam* param) const override;
 };
@@ -29,7 +29,7 @@ public:
 
 private:
     void SyncTopology(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits,
-                      hds::MeshDescription* points) override;
+                      hds::GeometryDescription* points) override;
     bool CheckGeometry(HdStreamRenderParam* param) const override;
 };
 

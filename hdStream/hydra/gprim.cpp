@@ -38,7 +38,7 @@ std::string HdStreamPurpose(const TfToken& renderTag) {
     return isDefault ? "default" : renderTag.GetString();
 }
 
-bool HdStreamEqual(const hds::MeshDescription& a, const hds::MeshDescription& b) {
+bool HdStreamEqual(const hds::GeometryDescription& a, const hds::GeometryDescription& b) {
     return a.primitives == b.primitives && a.curves.type == b.curves.type &&
            a.curves.basis == b.curves.basis && a.curves.wrap == b.curves.wrap &&
            a.subdivisionScheme == b.subdivisionScheme && a.leftHanded == b.leftHanded &&
@@ -53,7 +53,7 @@ bool HdStreamEqual(const hds::MeshDescription& a, const hds::MeshDescription& b)
                       });
 }
 
-bool HdStreamEqual(const hds::MeshPrim& a, const hds::MeshPrim& b) {
+bool HdStreamEqual(const hds::GeometryPrim& a, const hds::GeometryPrim& b) {
     return a.mesh == b.mesh && a.placement.visible == b.placement.visible &&
            a.placement.worldFromObject == b.placement.worldFromObject &&
            HdStreamEqual(a.placement.samples, b.placement.samples) &&
@@ -66,7 +66,7 @@ bool HdStreamEqual(const hds::MeshPrim& a, const hds::MeshPrim& b) {
 }
 
 bool HdStreamSyncVariants(HdSceneDelegate* delegate, const SdfPath& instancerId,
-                          const std::string& scenePath, const hds::MeshPrim& prim,
+                          const std::string& scenePath, const hds::GeometryPrim& prim,
                           HdStreamRenderParam* param, HdStreamMeshVariants* variants) {
     static const std::vector<hds::Primvar> none;
     const hds::Placement& placement = prim.placement;

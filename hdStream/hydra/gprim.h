@@ -19,14 +19,14 @@ class HdStreamRenderParam;
 std::string HdStreamPurpose(const TfToken& renderTag);
 
 /// Comparing costs a pass over memory; preparing the same geometry again costs far more.
-bool HdStreamEqual(const hds::MeshDescription& a, const hds::MeshDescription& b);
+bool HdStreamEqual(const hds::GeometryDescription& a, const hds::GeometryDescription& b);
 
 /// Bits are set for more than has changed: with display styles, reprs, and refine levels too.
-bool HdStreamEqual(const hds::MeshPrim& a, const hds::MeshPrim& b);
+bool HdStreamEqual(const hds::GeometryPrim& a, const hds::GeometryPrim& b);
 
 /// Splits a prim by the primvars of its instances. \return true when that changed anything.
 bool HdStreamSyncVariants(HdSceneDelegate* delegate, const SdfPath& instancerId,
-                          const std::string& scenePath, const hds::MeshPrim& prim,
+                          const std::string& scenePath, const hds::GeometryPrim& prim,
                           HdStreamRenderParam* param, HdStreamMeshVariants* variants);
 
 /// Reads where a prim is, and reserves its path in the scene when it has none yet.

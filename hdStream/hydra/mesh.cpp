@@ -119,7 +119,7 @@ void HdStreamMesh::SyncLight(HdSceneDelegate* delegate, HdStreamRenderParam* par
 }
 
 void HdStreamMesh::SyncTopology(HdSceneDelegate* delegate, HdStreamRenderParam* param,
-                                HdDirtyBits bits, hds::MeshDescription* mesh) {
+                                HdDirtyBits bits, hds::GeometryDescription* mesh) {
     if (bits & HdChangeTracker::DirtyTopology) {
         const HdMeshTopology topology = GetMeshTopology(delegate);
         mesh->faceVertexCounts = HdStreamShareArray<std::int32_t>(topology.GetFaceVertexCounts());
@@ -136,7 +136,7 @@ void HdStreamMesh::SyncTopology(HdSceneDelegate* delegate, HdStreamRenderParam* 
 }
 
 void HdStreamMesh::SyncSubsets(HdSceneDelegate* delegate, HdStreamRenderParam* param,
-                               const HdGeomSubsets& subsets, hds::MeshDescription* mesh) {
+                               const HdGeomSubsets& subsets, hds::GeometryDescription* mesh) {
     mesh->subsets.clear();
     _prim.subsetMaterialPaths.clear();
     for (const HdGeomSubset& subset : subsets) {

@@ -17,9 +17,9 @@ private:
     void SyncLook(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits) override;
     void SyncLight(HdSceneDelegate* delegate, HdStreamRenderParam* param);
     void SyncTopology(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits,
-                      hds::MeshDescription* mesh) override;
+                      hds::GeometryDescription* mesh) override;
     void SyncSubsets(HdSceneDelegate* delegate, HdStreamRenderParam* param,
-                     const HdGeomSubsets& subsets, hds::MeshDescription* mesh);
+                     const HdGeomSubsets& subsets, hds::GeometryDescription* mesh);
     bool CheckGeometry(HdStreamRenderParam* param) const override;
 };
 

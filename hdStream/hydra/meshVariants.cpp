@@ -10,7 +10,7 @@
 
 PXR_NAMESPACE_OPEN_SCOPE
 
-bool HdStreamMeshVariants::Update(const std::shared_ptr<const hds::MeshDescription>& mesh,
+bool HdStreamMeshVariants::Update(const std::shared_ptr<const hds::GeometryDescription>& mesh,
                                   HdStreamInstanceGroups groups) {
     std::vector<Variant> before = std::move(_variants);
     const bool isSameMesh = mesh == _mesh;
@@ -25,7 +25,7 @@ bool HdStreamMeshVariants::Update(const std::shared_ptr<const hds::MeshDescripti
             if (known != before.end()) {
                 variant.mesh = known->mesh;
             } else {
-                auto split = std::make_shared<hds::MeshDescription>(*mesh);
+                auto split = std::make_shared<hds::GeometryDescription>(*mesh);
                 split->primvars.insert(split->primvars.end(), variant.primvars.begin(),
                                        variant.primvars.end());
                 variant.mesh = std::move(split);
@@ -40,14 +40,14 @@ bool HdStreamMeshVariants::Update(const std::shared_ptr<const hds::MeshDescripti
 }
 
 void HdStreamMeshVariants::Push(HdStreamRenderParam* param, const SdfPath& id,
-                                const std::string& scenePath, const hds::MeshPrim& prim,
+                                const std::string& scenePath, const hds::GeometryPrim& prim,
                                 bool isDrawable) {
     const std::size_t numDrawn = isDrawable ? _variants.size() : 0;
     for (std::size_t i = 0; i < numDrawn; ++i) {
         if (i > _paths.size()) {
             _paths.push_back(param->ReservePath(scenePath + "{" + std::to_string(i) + "}", id));
         }
-        hds::MeshPrim split = prim;
+        hds::GeometryPrim split = prim;
         split.mesh = _variants[i].mesh;
         split.placement.instances = _variants[i].instances;
         param->Push([path = PathOf(i, scenePath), split](hds::Session& session) mutable {

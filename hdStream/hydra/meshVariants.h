@@ -21,7 +21,7 @@ class HdStreamMeshVariants {
 public:
     /// Makes a variant of each group. Descriptions of groups whose values were there before stay
     /// the same objects while `mesh` does. \return true when variants changed.
-    bool Update(const std::shared_ptr<const hds::MeshDescription>& mesh,
+    bool Update(const std::shared_ptr<const hds::GeometryDescription>& mesh,
                 HdStreamInstanceGroups groups);
 
     bool IsInScene() const { return _numInScene > 0; }
@@ -29,7 +29,7 @@ public:
     /// Queues all variants of a prim, or their removal when it is not drawable.
     /// \param scenePath path of the first variant; the others get paths derived from it.
     void Push(HdStreamRenderParam* param, const SdfPath& id, const std::string& scenePath,
-              const hds::MeshPrim& prim, bool isDrawable);
+              const hds::GeometryPrim& prim, bool isDrawable);
 
     /// Removes all from the scene and gives their own paths back; `scenePath` is the mesh's.
     void Finalize(HdStreamRenderParam* param, const std::string& scenePath);
@@ -37,7 +37,7 @@ public:
 private:
     struct Variant {
         std::vector<hds::Primvar> primvars;
-        std::shared_ptr<const hds::MeshDescription> mesh;
+        std::shared_ptr<const hds::GeometryDescription> mesh;
         hds::SharedSpan<std::int32_t> instances;
     };
 
@@ -46,7 +46,7 @@ private:
         return index == 0 ? scenePath : _paths[index - 1];
     }
 
-    std::shared_ptr<const hds::MeshDescription> _mesh; ///< that variants are made from
+    std::shared_ptr<const hds::GeometryDescription> _mesh; ///< that variants are made from
     std::vector<Variant> _variants;
     std::vector<std::string> _paths; ///< of the second variant and the next
     std::size_t _numInScene = 0;     ///< the first variants

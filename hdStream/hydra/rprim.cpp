@@ -65,7 +65,7 @@ void HdStreamRprim<Base>::Sync(HdSceneDelegate* delegate, HdRenderParam* renderP
         bits |= HdChangeTracker::DirtyPoints | HdChangeTracker::DirtyNormals |
                 HdChangeTracker::DirtyPrimvar;
     }
-    const hds::MeshPrim before = _prim;
+    const hds::GeometryPrim before = _prim;
     this->_UpdateVisibility(delegate, dirtyBits);
     _prim.placement.visible = this->IsVisible();
     if (!this->IsVisible()) {
@@ -114,8 +114,8 @@ template <typename Base>
 void HdStreamRprim<Base>::SyncGeometry(HdSceneDelegate* delegate, HdStreamRenderParam* param,
                                        HdDirtyBits bits) {
     const SdfPath& id = this->GetId();
-    auto mesh = _prim.mesh ? std::make_shared<hds::MeshDescription>(*_prim.mesh)
-                           : std::make_shared<hds::MeshDescription>();
+    auto mesh = _prim.mesh ? std::make_shared<hds::GeometryDescription>(*_prim.mesh)
+                           : std::make_shared<hds::GeometryDescription>();
     SyncTopology(delegate, param, bits, mesh.get());
     if (HdChangeTracker::IsAnyPrimvarDirty(bits, id)) {
         HdStreamSyncPrimvars(delegate, id, bits, &mesh->points, &mesh->primvars);

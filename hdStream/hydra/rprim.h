@@ -44,14 +44,14 @@ protected:
     virtual void SyncLook(HdSceneDelegate*, HdStreamRenderParam*, HdDirtyBits) {}
     /// Pulls the geometry apart from primvars.
     virtual void SyncTopology(HdSceneDelegate* delegate, HdStreamRenderParam* param,
-                              HdDirtyBits bits, hds::MeshDescription* mesh) = 0;
+                              HdDirtyBits bits, hds::GeometryDescription* mesh) = 0;
     /// Adds the primvars that this kind has by default.
     virtual void AddDefaultPrimvars(std::vector<hds::Primvar>*) const {}
     /// True when the geometry has something to draw; warns where the scene says otherwise.
     virtual bool CheckGeometry(HdStreamRenderParam* param) const = 0;
 
     std::string _scenePath; ///< empty until the first Sync
-    hds::MeshPrim _prim;
+    hds::GeometryPrim _prim;
 
 private:
     void SyncCommonLook(HdSceneDelegate* delegate, HdStreamRenderParam* param, HdDirtyBits bits);

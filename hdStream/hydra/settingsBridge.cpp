@@ -3,6 +3,7 @@
 
 #include "hdStream/session/session.h"
 
+#include <pxr/base/tf/diagnostic.h>
 #include <pxr/base/tf/stringUtils.h>
 #include <pxr/base/vt/types.h>
 #include <pxr/imaging/hd/tokens.h>
@@ -95,7 +96,7 @@ VtValue VtFrom(const hds::SettingValue& value) {
     return std::visit(Visitor{}, value);
 }
 
-/// Sets one value. \return what is wrong, or an empty text.
+/// Sets one value. \return what is wrong, or an empty text. Former spellings are set with a note.
 std::string Apply(hds::Settings* settings, const std::string& name, const VtValue& value,
                   hds::SettingValue* applied) {
     const hds::SettingInfo* info = hds::FindSetting(name);
@@ -107,7 +108,10 @@ std::string Apply(hds::Settings* settings, const std::string& name, const VtValu
         return name + ": a value of type " + value.GetTypeName() + " is of no use";
     }
     try {
-        hds::SetSetting(settings, name, *converted);
+        const std::string note = hds::SetSetting(settings, name, *converted);
+        if (!note.empty()) {
+            TF_WARN("%s", note.c_str());
+        }
     } catch (const hds::Error& error) {
         return error.what();
     }

@@ -5,8 +5,8 @@
 #include "hdStream/integrator/cameraFrame.h"
 #include "hdStream/integrator/filmBuffers.h"
 #include "hdStream/integrator/kernelSets.h"
+#include "hdStream/integrator/makeResident.h"
 #include "hdStream/integrator/sampleSchedule.h"
-#include "hdStream/integrator/settling.h"
 #include "hdStream/integrator/waveSize.h"
 #include "hdStream/integrator/waveTracer.h"
 #include "hdStream/scene/motion.h"
@@ -22,9 +22,9 @@ namespace hds {
 
 namespace {
 
-bool ChooseWide(const RenderOptions& options, const DeviceProperties& properties) {
+bool ChooseSimd8(const RenderOptions& options, const DeviceProperties& properties) {
     return options.traversal == TraversalForm::Auto ? properties.isCpu
-                                                    : options.traversal == TraversalForm::Wide;
+                                                    : options.traversal == TraversalForm::Simd8;
 }
 
 /// Who looks on while a render runs, and whether it is to end.
@@ -87,7 +87,7 @@ struct PathTracer::Impl {
         features.lightControls = scene->lights->hasControls;
         features.lightPortals = scene->lights->hasPortals;
         features.meshLights = scene->lights->hasMeshes;
-        features.lightGlow = scene->lights->hasGlow;
+        features.texturedEmission = scene->lights->hasTexturedEmission;
         features.lightTree = scene->lights->lights.size() > HDS_LIGHT_LOOP_MAX;
         features.numTexturePools = buffers.Textures().NumBuffers() > 1 ? kMaxPoolBuffers : 1;
         features.textureStreaming = buffers.Textures().Pool() != nullptr;
@@ -95,7 +95,7 @@ struct PathTracer::Impl {
         features.groups = scene->hasGroups;
         features.curves = scene->hasCurves;
         features.motion = scene->hasMotion || MovesOver(options.camera, options.shutter);
-        features.wide = ChooseWide(options, device->Properties());
+        features.simd8 = ChooseSimd8(options, device->Properties());
         features.firstHits = NeedsFirstHits(options.aovs);
         features.numPools = buffers.NumPoolBuffers() > 1 ? kMaxPoolBuffers : 1;
         features.streaming = isStreaming;
@@ -106,7 +106,7 @@ struct PathTracer::Impl {
     void ReadyKernels() {
         const KernelFeatures features = MakeFeatures(buffers.IsStreaming());
         kernels = &kernelSets.Get(features, buffers, sceneNumber, &statistics.compileSeconds);
-        statistics.isWideTraversal = features.wide;
+        statistics.isSimd8Traversal = features.simd8;
     }
 
     void ReadyPathState() {
@@ -200,23 +200,23 @@ struct PathTracer::Impl {
 
     double TracingSeconds() const { return statistics.traceSeconds + statistics.shadeSeconds; }
 
-    /// Between passes: makes geometry that streams resident when that is worth it (settling.h).
+    /// Between passes: makes geometry that streams resident when that is worth it (makeResident.h).
     /// \param secondsPerSample of the last pass.
-    void SettleIfWorth(double secondsPerSample, Onlooker* onlooker) {
-        if (schedule.Done() == options.samples || !buffers.MaySettle()) {
+    void MakeResidentIfWorth(double secondsPerSample, Onlooker* onlooker) {
+        if (schedule.Done() == options.samples || !buffers.MayBecomeResident()) {
             return;
         }
         const StreamingStatistics pool = buffers.PoolStatistics();
-        SettlingCosts costs;
+        MakeResidentCosts costs;
         costs.secondsLeft = schedule.SecondsLeft(secondsPerSample, onlooker->timer.Seconds());
         costs.kernelSeconds = SecondsToGet(PlaceOf(MakeFeatures(false)));
         costs.missingBytes = buffers.Streaming().MissingBytes();
         costs.prepareSeconds = pool.prepareSeconds;
         costs.preparedBytes = pool.uploadedBytes;
-        if (!IsWorthSettling(costs)) {
+        if (!IsWorthMakingResident(costs)) {
             return;
         }
-        while (buffers.MaySettle()) {
+        while (buffers.MayBecomeResident()) {
             buffers.LoadMissing();
             if (buffers.IsStreaming()) {
                 Report(schedule.Done(), onlooker);
@@ -304,7 +304,7 @@ struct PathTracer::Impl {
             *tracingSeconds += passSeconds;
             statistics.streamedSamples = buffers.IsStreaming() ? done : statistics.streamedSamples;
             if (!onlooker->isStopped) {
-                SettleIfWorth(passSeconds / (done - before), onlooker);
+                MakeResidentIfWorth(passSeconds / (done - before), onlooker);
             }
         }
         if (schedule.MayDrop() && !onlooker->isStopped) {

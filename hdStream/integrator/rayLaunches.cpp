@@ -5,8 +5,8 @@
 
 namespace hds {
 
-void RayLaunches::Cast(std::uint32_t rays, std::uint32_t numRays, std::uint32_t shadows,
-                       std::uint32_t numShadows) {
+void RayLaunches::TraceBatch(std::uint32_t rays, std::uint32_t numRays, std::uint32_t shadows,
+                             std::uint32_t numShadows) {
     // Paths first: what a slot's shadow ray waits for is noted beside its hit.
     LaunchRays(_queues->Queue(rays), numRays);
     LaunchShadows(_queues->Queue(shadows), numShadows, shadows);
@@ -55,9 +55,9 @@ void RayLaunches::ResumeShadows(const Buffer& queue, std::uint32_t count, std::u
 }
 
 void RayLaunches::CountIterations(std::uint32_t iterations) {
-    ++_statistics->casts;
+    ++_statistics->rayBatches;
     _statistics->iterations += iterations;
-    _statistics->maxIterationsPerCast = std::max(_statistics->maxIterationsPerCast, iterations);
+    _statistics->maxIterationsPerBatch = std::max(_statistics->maxIterationsPerBatch, iterations);
 }
 
 } // namespace hds

@@ -28,8 +28,8 @@ public:
 
     /// One set of rays: those of queue `rays`, and the shadow rays of queue `shadows`, whose
     /// candidates come to the queue after it.
-    virtual void Cast(std::uint32_t rays, std::uint32_t numRays, std::uint32_t shadows,
-                      std::uint32_t numShadows);
+    virtual void TraceBatch(std::uint32_t rays, std::uint32_t numRays, std::uint32_t shadows,
+                            std::uint32_t numShadows);
     /// Launches over items that need all pages of the chunks that were hit, again where texels were
     /// missing.
     virtual void Launch(WaveQueues::Waiting kind, const Buffer& queue, std::uint32_t count,
@@ -38,7 +38,7 @@ public:
     void ResumeRays(const Buffer& queue, std::uint32_t count);
     void ResumeShadows(const Buffer& queue, std::uint32_t count, std::uint32_t shadows);
 
-    /// A cast that took so many iterations.
+    /// A batch that took so many iterations.
     void CountIterations(std::uint32_t iterations);
 
 protected:

@@ -15,9 +15,9 @@ namespace hds {
 
 /// Which form of the traversal kernel runs (docs/accel.md).
 enum class TraversalForm {
-    Auto, ///< Wide on CPU devices, Lane on others
-    Wide, ///< 8-wide vectors inside a work-item
-    Lane, ///< one lane a ray
+    Auto,   ///< Wide on CPU devices, Lane on others
+    Simd8,  ///< 8-wide vectors inside a work-item
+    Scalar, ///< one lane a ray
 };
 
 /// How an aperture of another aspect ratio is fitted to the display window (UsdRender's
@@ -75,7 +75,7 @@ struct ResidencyOptions {
     std::uint64_t budgetBytes = 0;
     /// Of the pool as a share of all bytes that could be streamed, instead of budgetBytes; 0: none.
     double budgetShare = 0.0;
-    Eviction eviction = Eviction::Clock;
+    Eviction eviction = Eviction::Lru;
     bool requestsFirst = false; ///< rays ask for the first missing chunk they meet, not the nearest
     /// Of the pool for textures, as budgetBytes and budgetShare.
     std::uint64_t textureBudgetBytes = 0;

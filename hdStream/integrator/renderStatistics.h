@@ -19,9 +19,9 @@ struct RenderStatistics {
     std::uint64_t shadowRays = 0;
     /// Sets of rays that are traced to completion together: a bounce of a wave; while geometry
     /// streams with lists all of a wave.
-    std::uint64_t casts = 0;
-    std::uint64_t iterations = 0; ///< rounds of launches of casts; resident: one each
-    std::uint32_t maxIterationsPerCast = 0;
+    std::uint64_t rayBatches = 0;
+    std::uint64_t iterations = 0; ///< launches over all rays under way; resident: one a batch
+    std::uint32_t maxIterationsPerBatch = 0;
     std::uint64_t raysRelaunched = 0;
     /// While textures stream: launches that evaluate materials, without and with those of items
     /// that had to come again.
@@ -33,7 +33,7 @@ struct RenderStatistics {
     std::uint32_t samples = 0;         ///< per pixel, the least over all pixels
     std::uint32_t streamedSamples = 0; ///< of these, those rendered while geometry streamed
     std::uint32_t waveSize = 0;
-    bool isWideTraversal = false;
+    bool isSimd8Traversal = false;
     std::uint64_t pathStateBytes = 0;
     std::uint64_t filmBytes = 0;
 };

@@ -3,13 +3,13 @@
 
 namespace hds {
 
-void ReportLaunches::Cast(std::uint32_t rays, std::uint32_t numRays, std::uint32_t shadows,
-                          std::uint32_t numShadows) {
+void ReportLaunches::TraceBatch(std::uint32_t rays, std::uint32_t numRays, std::uint32_t shadows,
+                                std::uint32_t numShadows) {
     if (numRays + numShadows == 0) {
         CountIterations(1);
         return;
     }
-    _pool->BeginCast();
+    _pool->BeginBatch();
     std::uint32_t iterations = 0;
     while (numRays + numShadows > 0) {
         if (iterations == 0) {
@@ -17,7 +17,7 @@ void ReportLaunches::Cast(std::uint32_t rays, std::uint32_t numRays, std::uint32
             LaunchRays(_queues->Queue(rays), numRays);
             LaunchShadows(_queues->Queue(shadows), numShadows, shadows);
         } else {
-            _pool->ServiceCast();
+            _pool->ProcessBatchRequests();
             _queues->Turn();
             ResumeRays(_queues->HaveWaited(WaveQueues::WaitingRays), numRays);
             ResumeShadows(_queues->HaveWaited(WaveQueues::WaitingShadows), numShadows, shadows);
@@ -40,7 +40,7 @@ void ReportLaunches::Launch(WaveQueues::Waiting kind, const Buffer& queue, std::
         count = _queues->ReadCounters()[HDS_COUNTER_WAITING_RAYS + kind];
         items = &_queues->WaitQueue(kind);
         if (count > 0) {
-            _pool->Service();
+            _pool->ProcessRequests();
         }
     }
 }

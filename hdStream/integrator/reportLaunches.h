@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The report's own design, which ours is measured against (docs/streaming.md, Report mode): a cast
-// is over when none of its rays waits, and so is the shading of its hits.
+// The report's own design, which ours is measured against (docs/streaming.md, Report mode): a ray
+// batch is over when none of its rays waits, and so is the shading of its hits.
 #pragma once
 
 #include "hdStream/integrator/rayLaunches.h"
@@ -10,7 +10,7 @@
 
 namespace hds {
 
-/// Launches that are repeated until nothing waits, with a service of the pool before each. Rays of
+/// Launches that are repeated until nothing waits, with a round of the pool before each. Rays of
 /// both kinds share what is loaded.
 class ReportLaunches : public RayLaunches {
 public:
@@ -18,8 +18,8 @@ public:
                    RenderStatistics* statistics, ReportPool* pool)
         : RayLaunches(kernels, queues, texels, statistics), _pool(pool) {}
 
-    void Cast(std::uint32_t rays, std::uint32_t numRays, std::uint32_t shadows,
-              std::uint32_t numShadows) override;
+    void TraceBatch(std::uint32_t rays, std::uint32_t numRays, std::uint32_t shadows,
+                    std::uint32_t numShadows) override;
     void Launch(WaveQueues::Waiting kind, const Buffer& queue, std::uint32_t count,
                 const LaunchItems& launch) override;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where geometry is to live and how large pools are. It knows no device: sizes come in, a plan goes
-// out. When geometry that streams becomes resident: settling.h. Explained in docs/streaming.md.
+// out. When geometry that streams becomes resident: makeResident.h. Explained in docs/streaming.md.
 #pragma once
 
 #include "hdStream/integrator/renderOptions.h"

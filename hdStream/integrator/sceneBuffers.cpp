@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/integrator/sceneBuffers.h"
 
-#include "hdStream/integrator/settling.h"
+#include "hdStream/integrator/makeResident.h"
 #include "hdStream/stream/mappedPool.h"
 #include "hdStream/stream/residentPool.h"
 
@@ -67,7 +67,7 @@ void SceneBuffers::MakePool(PoolKind kind, const ResidencyOptions& residency) {
     _residency = residency;
 }
 
-bool SceneBuffers::MaySettle() const {
+bool SceneBuffers::MayBecomeResident() const {
     return IsStreaming() && _residency.mode == ResidencyMode::Auto && !_isScattered &&
            _streaming->HasRoomForAll();
 }
@@ -77,15 +77,15 @@ void SceneBuffers::LoadMissing() {
         _isScattered = true;
     } else if (_streaming->MissingBytes() == 0) {
         _streaming->CountUsed(); // kernels keep no account from here on
-        _streaming->Settle();
-        _isSettled = true;
+        _streaming->MakeResident();
+        _isFullyResident = true;
     }
 }
 
 bool SceneBuffers::UpdatePages(const CommittedScene& scene, const ResidencyOptions& residency) {
     const ResidencyPlan plan = Plan(scene, residency);
     const bool streams = plan.pool == PoolKind::Streaming;
-    const bool wasSettled = std::exchange(_isSettled, false) && streams;
+    const bool wasFullyResident = std::exchange(_isFullyResident, false) && streams;
     _isScattered = false;
     if (!_pool || plan.pool != _poolKind || (streams && !(_residency == residency))) {
         MakePool(plan.pool, residency);
@@ -93,8 +93,8 @@ bool SceneBuffers::UpdatePages(const CommittedScene& scene, const ResidencyOptio
     if (!_pool->Update(scene.pages.get(), plan.budgetBytes)) {
         return false;
     }
-    if (wasSettled && SettlesAtOnce(_streaming->MissingBytes())) {
-        while (MaySettle()) {
+    if (wasFullyResident && BecomesResidentAtOnce(_streaming->MissingBytes())) {
+        while (MayBecomeResident()) {
             LoadMissing();
         }
     }

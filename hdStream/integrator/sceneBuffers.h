@@ -45,7 +45,7 @@ public:
     /// Where Update puts the geometry of a scene, be it at first only.
     ResidencyPlan Plan(const CommittedScene& scene, const ResidencyOptions& residency) const;
     /// Whether pages of geometry may be missing.
-    bool IsStreaming() const { return _streaming != nullptr && !_isSettled; }
+    bool IsStreaming() const { return _streaming != nullptr && !_isFullyResident; }
     bool IsMapped() const { return _pool != nullptr && _poolKind == PoolKind::Mapped; }
     /// Whether it lies in a pool made for streaming.
     bool HasStreamingPool() const { return _streaming != nullptr; }
@@ -54,9 +54,9 @@ public:
     const StreamingPool& Streaming() const { return *_streaming; }
 
     /// Whether geometry that streams may become resident where it is (ResidencyMode::Auto).
-    bool MaySettle() const;
+    bool MayBecomeResident() const;
     /// Loads some of the pages that are missing, which nobody has asked for. With the last one
-    /// geometry is resident; when there is no room for one it never MaySettle. Blocks.
+    /// geometry is resident; when there is no room for one it never MayBecomeResident. Blocks.
     void LoadMissing();
 
     /// Statistics of geometry and textures count from 0 again.
@@ -103,7 +103,7 @@ private:
     PoolKind _poolKind = PoolKind::Resident;
     StreamingPool* _streaming = nullptr; ///< _pool, if that is made for streaming
     ResidencyOptions _residency;         ///< what _pool was made with
-    bool _isSettled = false;             ///< _streaming holds all pages for good
+    bool _isFullyResident = false;       ///< _streaming holds all pages for good
     bool _isScattered = false;           ///< it has no room for all, until the next Update
     std::array<Buffer, NumTables> _tables;
     std::shared_ptr<const LightTable> _lights; ///< what the light tables hold

@@ -17,7 +17,7 @@ std::uint64_t NumPathFields(const KernelFeatures& features) {
 #define HDS_VARIANT(member, macro, needs, doc) [[maybe_unused]] const bool macro = features.member;
 #include "kernels/shared/features.def"
     const bool HDS_WAIT_LISTS = features.HasLists();
-    const bool HDS_SHADOW_LIGHT = features.lightControls || features.lightGlow;
+    const bool HDS_SHADOW_LIGHT = features.lightControls || features.texturedEmission;
     std::uint64_t count = 0;
 #define HDS_FIELD(condition, type, name, doc) count += (condition) ? 1 : 0;
 #include "kernels/shared/pathState.def"
@@ -25,14 +25,14 @@ std::uint64_t NumPathFields(const KernelFeatures& features) {
     return count;
 }
 
-/// Items that a work-item of the kernels of queues takes (kernels/integrator/run.clh).
-std::uint32_t RunLength(const Device& device) {
+/// Items that a work-item of the kernels of queues takes (kernels/integrator/itemLoop.clh).
+std::uint32_t ItemsPerWorkItem(const Device& device) {
     return device.Properties().isCpu ? 32 : 1;
 }
 
 ProgramDefines MakeDefines(const Device& device, const KernelFeatures& features) {
     ProgramDefines defines = features.Defines();
-    defines["HDS_RUN_LENGTH"] = std::to_string(RunLength(device));
+    defines["HDS_ITEMS_PER_WORK_ITEM"] = std::to_string(ItemsPerWorkItem(device));
     return defines;
 }
 
@@ -87,7 +87,7 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
     }
     for (Kernel* kernel :
          {&intersect, &intersectResume, &shade, &shadowCast, &shadowPass, &shadowResume, &aov}) {
-        kernel->SetRunLength(RunLength(*device));
+        kernel->SetItemsPerWorkItem(ItemsPerWorkItem(*device));
     }
 }
 

@@ -27,7 +27,7 @@ void TexelLoop::Ready(StageKernels* kernels, std::uint32_t maxItems, std::uint32
         _queue = Buffer(_device, "queue of what texels have come for", bytes);
     }
     pool->ReserveItems(maxItems);
-    pool->SetAccepts(false); // a render that failed may have left it
+    pool->SetAcceptsCoarserMips(false); // a render that failed may have left it
     _kernels->Bind(*_buffers);
 }
 
@@ -42,24 +42,24 @@ void TexelLoop::Finish(std::uint32_t numItems, const Relaunch& relaunch) {
     std::uint32_t launches = 1;
     while (!waiters.IsEmpty()) {
         const std::uint64_t generation = pool->Generation();
-        waiters.Continue(pool->Service());
+        waiters.Continue(pool->ProcessRequests());
         if (pool->Generation() != generation) {
             _kernels->Bind(*_buffers);
         }
         ++launches;
-        pool->SetAccepts(_iterations > 0 && launches >= _iterations);
+        pool->SetAcceptsCoarserMips(_iterations > 0 && launches >= _iterations);
         const std::vector<std::uint32_t> items = waiters.Take();
         _queue.Write(items.data(), items.size() * sizeof(std::uint32_t));
         relaunch(_queue, static_cast<std::uint32_t>(items.size()));
         ++_statistics->shadeIterations;
         waiters.Return(pool->TakeWaiting());
     }
-    pool->SetAccepts(false);
+    pool->SetAcceptsCoarserMips(false);
 }
 
 double TexelLoop::Seconds() const {
     const TextureStatistics statistics = _buffers->Textures().Statistics();
-    return statistics.openSeconds + statistics.readSeconds + statistics.serviceSeconds;
+    return statistics.openSeconds + statistics.readSeconds + statistics.requestSeconds;
 }
 
 } // namespace hds

@@ -35,13 +35,13 @@ void WaveTracer::Ready(StageKernels* kernels, bool hasCutouts, std::uint32_t wav
     _launches = MakeRayLaunches(kernels, _buffers, &_queues, &_texels, _statistics);
 }
 
-/// Seconds that services have taken so far: part of the time of whatever waits for them.
-double WaveTracer::ServiceSeconds() const {
+/// Seconds that rounds of requests have taken so far: part of the time of whatever waits for them.
+double WaveTracer::RequestSeconds() const {
     if (!_buffers->IsStreaming()) {
         return _texels.Seconds();
     }
     const StreamingStatistics& pool = _buffers->Streaming().Statistics();
-    return pool.serviceSeconds + pool.prepareSeconds + pool.transferSeconds + _texels.Seconds();
+    return pool.requestSeconds + pool.prepareSeconds + pool.transferSeconds + _texels.Seconds();
 }
 
 void WaveTracer::Trace(std::uint32_t numSlots, const Generate& generate, const Shade& shade) {
@@ -57,14 +57,14 @@ void WaveTracer::Trace(std::uint32_t numSlots, const Generate& generate, const S
 void WaveTracer::TraceInStep(std::uint32_t active, const Shade& shade) {
     std::uint32_t numShadows = 0;
     while (active + numShadows > 0) {
-        CastNext(active, numShadows);
+        TraceNextBatch(active, numShadows);
         const Counts counts = ShadeNext(active, shade);
         active = counts[HDS_COUNTER_ACTIVE];
         numShadows = counts[HDS_COUNTER_SHADOW];
     }
 }
 
-/// Traces slots [0, numSlots), which are not in step: when few go on, new ones or, after a service
+/// Traces slots [0, numSlots), which are not in step: when few go on, new ones or, after a round
 /// of pages, those that have waited join them.
 void WaveTracer::TraceWithLists(std::uint32_t numSlots, const Generate& generate,
                                 const Shade& shade) {
@@ -85,14 +85,14 @@ void WaveTracer::TraceWithLists(std::uint32_t numSlots, const Generate& generate
             active += count;
         }
         if (active + numShadows > 0) {
-            CastNext(active, numShadows);
+            TraceNextBatch(active, numShadows);
             counts = ShadeNext(active, shade);
         }
         const auto waiting = counts.begin() + HDS_COUNTER_WAITING_RAYS;
         const bool isAnyWaiting = std::any_of(waiting, waiting + WaveQueues::NumWaiting,
                                               [](std::uint32_t count) { return count > 0; });
         if (isAnyWaiting && isAlone && !begins) {
-            counts = ServiceAndResume(counts, shade);
+            counts = ProcessRequestsAndResume(counts, shade);
             ++iterations;
         } else if (counts[HDS_COUNTER_READY] > 0) {
             counts = ShadeReady(counts, nullptr, 0, shade);
@@ -116,7 +116,7 @@ void WaveTracer::ShadeItems(const Buffer& queue, std::uint32_t count, const Buff
 /// Shades the paths of queue _present, which becomes the queue of those that go on.
 WaveTracer::Counts WaveTracer::ShadeNext(std::uint32_t active, const Shade& shade) {
     const Timer timer;
-    const double serviceSeconds = ServiceSeconds();
+    const double requestSeconds = RequestSeconds();
     _queues.ClearCounter(HDS_COUNTER_ACTIVE);
     _queues.ClearCounter(HDS_COUNTER_SHADOW);
     if (active > 0) {
@@ -125,21 +125,21 @@ WaveTracer::Counts WaveTracer::ShadeNext(std::uint32_t active, const Shade& shad
     const Counts counts = _queues.ReadCounters();
     _present = 1 - _present;
     _statistics->indirectRays += counts[HDS_COUNTER_ACTIVE];
-    _statistics->shadeSeconds += timer.Seconds() - (ServiceSeconds() - serviceSeconds);
+    _statistics->shadeSeconds += timer.Seconds() - (RequestSeconds() - requestSeconds);
     return counts;
 }
 
-/// One cast of the paths of queue _present and of the shadow rays that shading has made. Shadow
+/// One ray batch: the paths of queue _present and of the shadow rays that shading has made. Shadow
 /// rays that meet cut-out surfaces go on until each is decided or waits.
-void WaveTracer::CastNext(std::uint32_t active, std::uint32_t numShadows) {
+void WaveTracer::TraceNextBatch(std::uint32_t active, std::uint32_t numShadows) {
     const Timer timer;
-    const double serviceSeconds = ServiceSeconds();
+    const double requestSeconds = RequestSeconds();
     _statistics->shadowRays += numShadows;
     _queues.ClearCounter(HDS_COUNTER_SHADOW); // counts candidates from here on
-    _launches->Cast(_present, active, WaveQueues::kShadowQueue, numShadows);
+    _launches->TraceBatch(_present, active, WaveQueues::kShadowQueue, numShadows);
     PassCandidates(numShadows, WaveQueues::kShadowQueue);
     _device->Finish();
-    _statistics->traceSeconds += timer.Seconds() - (ServiceSeconds() - serviceSeconds);
+    _statistics->traceSeconds += timer.Seconds() - (RequestSeconds() - requestSeconds);
 }
 
 /// Sends shadow rays on that have met cut-out surfaces, until there are none.
@@ -155,7 +155,7 @@ void WaveTracer::PassCandidates(std::uint32_t numShadows, std::uint32_t shadowQu
         numShadows = _queues.ReadCounters()[HDS_COUNTER_SHADOW];
         _statistics->shadowRays += numShadows;
         _queues.ClearCounter(HDS_COUNTER_SHADOW);
-        _launches->Cast(_present, 0, shadowQueue, numShadows);
+        _launches->TraceBatch(_present, 0, shadowQueue, numShadows);
     }
 }
 
@@ -171,14 +171,14 @@ void WaveTracer::LaunchPass(const Buffer& queue, std::uint32_t count, std::uint3
                       });
 }
 
-/// Services pages and goes on with what waits for them. Appends to the paths and shadow rays that
-/// go on already. \param counts as after the last launch. \return them now.
-WaveTracer::Counts WaveTracer::ServiceAndResume(const Counts& counts, const Shade& shade) {
+/// Processes requests and goes on with what waits for them. Appends to the paths and shadow rays
+/// that go on already. \param counts as after the last launch. \return them now.
+WaveTracer::Counts WaveTracer::ProcessRequestsAndResume(const Counts& counts, const Shade& shade) {
     std::array<std::uint32_t, WaveQueues::NumWaiting> waiting{};
     std::copy_n(counts.begin() + HDS_COUNTER_WAITING_RAYS, waiting.size(), waiting.begin());
     const std::uint32_t numRays = waiting[WaveQueues::WaitingRays];
     const std::uint32_t numShadows = waiting[WaveQueues::WaitingShadows];
-    _buffers->Streaming().Service();
+    _buffers->Streaming().ProcessRequests();
     _statistics->raysRelaunched += numRays + numShadows;
     _queues.Turn();
     const Timer timer;
@@ -237,7 +237,7 @@ void WaveTracer::ResumeCandidates(const Buffer& queue, std::uint32_t count) {
     const std::uint32_t numShadows = _queues.ReadCounters()[HDS_COUNTER_SHADOW];
     _statistics->shadowRays += numShadows;
     _queues.ClearCounter(HDS_COUNTER_SHADOW);
-    _launches->Cast(_present, 0, WaveQueues::kResumedQueue, numShadows);
+    _launches->TraceBatch(_present, 0, WaveQueues::kResumedQueue, numShadows);
     PassCandidates(numShadows, WaveQueues::kResumedQueue);
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Traces the paths of a wave: intersect, shadow and shade in turn until all have ended; while
-// geometry streams, what waits for pages goes on after each service. Explained in docs/wavefront.md
-// and docs/streaming.md.
+// geometry streams, what waits for pages goes on after each round of requests. Explained in
+// docs/wavefront.md and docs/streaming.md.
 #pragma once
 
 #include "hdStream/integrator/rayLaunches.h"
@@ -53,10 +53,10 @@ public:
     void ClearCounters() { _queues.ClearCounter(0, HDS_NUM_COUNTERS); }
 
 private:
-    double ServiceSeconds() const;
+    double RequestSeconds() const;
     void TraceInStep(std::uint32_t active, const Shade& shade);
     void TraceWithLists(std::uint32_t numSlots, const Generate& generate, const Shade& shade);
-    void CastNext(std::uint32_t active, std::uint32_t numShadows);
+    void TraceNextBatch(std::uint32_t active, std::uint32_t numShadows);
     void PassCandidates(std::uint32_t numShadows, std::uint32_t shadowQueue);
     void LaunchPass(const Buffer& queue, std::uint32_t count, std::uint32_t shadowQueue);
     void ShadeItems(const Buffer& queue, std::uint32_t count, const Buffer& next,
@@ -64,7 +64,7 @@ private:
     Counts ShadeNext(std::uint32_t active, const Shade& shade);
     Counts ShadeReady(const Counts& counts, const Buffer* hits, std::uint32_t numHits,
                       const Shade& shade);
-    Counts ServiceAndResume(const Counts& counts, const Shade& shade);
+    Counts ProcessRequestsAndResume(const Counts& counts, const Shade& shade);
     void ResumeShadows(const Buffer& queue, std::uint32_t count);
     void ResumeCandidates(const Buffer& queue, std::uint32_t count);
 

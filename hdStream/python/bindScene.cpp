@@ -44,7 +44,8 @@ void BindMesh(nb::module_& module) {
     BindStruct<SubdivTags>(module, "SubdivTags", "OpenSubdiv tags as authored.");
     BindEnum<PrimitiveKind>(module, "PrimitiveKind", "What a description is made of.");
     BindStruct<CurveForm>(module, "CurveForm", "How points become curves.");
-    BindStruct<MeshDescription>(module, "MeshDescription", "A mesh, curves or points as authored.");
+    BindStruct<GeometryDescription>(module, "GeometryDescription",
+                                    "A mesh, curves or points as authored.");
 
     nb::class_<ImplicitShape>(module, "ImplicitShape", "Size of an implicit gprim.")
         .def(nb::init<>())
@@ -80,30 +81,31 @@ void BindPlaced(nb::module_& module) {
     BindFields(placement);
 
     BindEnum<CullStyle>(module, "CullStyle", "Which faces camera rays do not see.");
-    nb::class_<MeshPrim> meshPrim(module, "MeshPrim", "A mesh in the scene.");
+    nb::class_<GeometryPrim> meshPrim(module, "GeometryPrim", "A mesh in the scene.");
     meshPrim
         .def(
             "__init__",
-            [](MeshPrim* self, const MeshDescription& mesh, const Placement& where,
+            [](GeometryPrim* self, const GeometryDescription& mesh, const Placement& where,
                const std::string& purpose, const std::string& materialPath) {
-                new (self) MeshPrim;
+                new (self) GeometryPrim;
                 self->placement = where;
                 self->purpose = purpose;
-                self->mesh = std::make_shared<const MeshDescription>(mesh); // shares the arrays
+                self->mesh = std::make_shared<const GeometryDescription>(mesh); // shares the arrays
                 self->materialPath = materialPath;
             },
             "mesh"_a, "placement"_a, "purpose"_a = "default", "materialPath"_a = "")
         .def_prop_ro(
-            "mesh", [](const MeshPrim& self) -> const MeshDescription& { return *self.mesh; },
+            "mesh",
+            [](const GeometryPrim& self) -> const GeometryDescription& { return *self.mesh; },
             nb::rv_policy::reference_internal)
         .def(
             "SetLight",
-            [](MeshPrim& self, const LightDescription& light, MaterialSyncMode mode,
+            [](GeometryPrim& self, const LightDescription& light, MaterialSyncMode mode,
                const LinkCategories& links) {
                 self.light = std::make_shared<const MeshLight>(MeshLight{light, mode, links});
             },
             "light"_a, "materialSyncMode"_a, "links"_a, "Makes the mesh a light.")
-        .def("RemoveLight", [](MeshPrim& self) { self.light = nullptr; });
+        .def("RemoveLight", [](GeometryPrim& self) { self.light = nullptr; });
     BindFields(meshPrim);
 
     nb::class_<InstancerPrim> instancer(module, "InstancerPrim", "Places its prototypes.");

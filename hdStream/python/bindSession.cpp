@@ -7,6 +7,7 @@
 #include "hdStream/session/settingsTable.h"
 
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/variant.h>
@@ -124,6 +125,7 @@ void BindSettingsTable(nb::module_& module) {
         .def_ro("description", &SettingInfo::description)
         .def_ro("kind", &SettingInfo::kind)
         .def_ro("choices", &SettingInfo::choices)
+        .def_ro("formerChoices", &SettingInfo::formerChoices)
         .def_ro("minimum", &SettingInfo::minimum)
         .def_ro("maximum", &SettingInfo::maximum)
         .def_ro("group", &SettingInfo::group)
@@ -132,7 +134,8 @@ void BindSettingsTable(nb::module_& module) {
     module.def("SettingTable", &SettingTable, "All settings, in the order they are shown.");
     module.def("GetSetting", &GetSetting, "settings"_a, "name"_a);
     module.def("SetSetting", &SetSetting, "settings"_a, "name"_a, "value"_a,
-               "Sets a checked value; raises UsageError.");
+               "Sets a checked value; raises UsageError. A note where its spelling is a former "
+               "one; else ''.");
     module.def("ParseBytes", &ParseBytes, "text"_a, "Of a size such as 512M; raises UsageError.");
     module.def(
         "ParseMemorySize",

@@ -21,15 +21,15 @@ namespace hds {
 
 namespace {
 
-using MeshEntry = MeshStore::Entry;
+using MeshEntry = GeometryStore::Entry;
 
-bool IsDrawn(const MeshPrim& prim, const std::vector<std::string>& purposes) {
+bool IsDrawn(const GeometryPrim& prim, const std::vector<std::string>& purposes) {
     return prim.mesh && prim.placement.visible &&
            std::find(purposes.begin(), purposes.end(), prim.purpose) != purposes.end();
 }
 
 /// HDS_MESH_CULL_* of a mesh.
-std::uint32_t CullFlags(const MeshPrim& prim, CullStyle fallback) {
+std::uint32_t CullFlags(const GeometryPrim& prim, CullStyle fallback) {
     switch (prim.cullStyle == CullStyle::DontCare ? fallback : prim.cullStyle) {
     case CullStyle::Back:
         return HDS_MESH_CULL_BACK;
@@ -107,7 +107,7 @@ public:
 
 private:
     /// What the drawn meshes are made of.
-    std::vector<MeshStore::Drawn> InputsOf(const std::vector<const MeshEntry*>& drawn) {
+    std::vector<GeometryStore::Drawn> InputsOf(const std::vector<const MeshEntry*>& drawn) {
         std::map<std::string, DicingView> views;
         const bool isAdaptive = _options.subdivision == Subdivision::Adaptive;
         if (isAdaptive && _options.dicingCamera) {
@@ -115,9 +115,9 @@ private:
         }
         const bool isDiced = isAdaptive || (_options.subdivision == Subdivision::Complexity &&
                                             _options.refineLevel > 0);
-        std::vector<MeshStore::Drawn> inputs;
+        std::vector<GeometryStore::Drawn> inputs;
         for (const MeshEntry* entry : drawn) {
-            MeshInputs input;
+            GeometryInputs input;
             input.mesh = entry->second.mesh;
             input.chunkBytes = _options.chunkBytes;
             input.displacements = _materials.DisplacementsOf(entry->second);
@@ -145,7 +145,7 @@ private:
     }
 
     /// Of those that the mesh has, sorted.
-    std::vector<std::string> ReadPrimvars(const MeshPrim& prim) const {
+    std::vector<std::string> ReadPrimvars(const GeometryPrim& prim) const {
         const std::vector<const std::set<std::string>*> asked = _materials.PrimvarsOf(prim);
         const std::vector<std::string>& shown = _options.shownPrimvars;
         std::set<std::string> read;
@@ -165,12 +165,12 @@ private:
     void AddObjects() {
         _result->objects.emplace_back(); // the TLAS
         _result->pages = std::make_unique<GeometryPages>(&_cache.pages);
-        _cache.meshes.ForEach([&](const std::string& path, const PreparedMesh& prepared) {
+        _cache.meshes.ForEach([&](const std::string& path, const PlannedGeometry& prepared) {
             AddObject(path, prepared);
         });
     }
 
-    void AddObject(const std::string& path, const PreparedMesh& prepared) {
+    void AddObject(const std::string& path, const PlannedGeometry& prepared) {
         const auto index = static_cast<std::uint32_t>(_result->objects.size());
         _objectByPath[path] = index;
         shared::HdsObject object{};
@@ -188,7 +188,7 @@ private:
 
     void AddMesh(const MeshEntry& entry, std::uint32_t index) {
         const auto& [path, prim] = entry;
-        const PreparedMesh& prepared = _cache.meshes.Find(path);
+        const PlannedGeometry& prepared = _cache.meshes.Find(path);
         const MeshMaterialInfo info = _materials.AddMesh(path, prim, prepared);
         const bool hasFaces = prim.mesh->primitives == PrimitiveKind::Faces;
         const std::uint32_t cullFlags = hasFaces ? CullFlags(prim, _options.cullStyle) : 0U;
@@ -210,7 +210,7 @@ private:
         leaf.flags = HDS_INSTANCE_CAMERA | (mayPass ? HDS_INSTANCE_CUTOUT : 0U);
         leaf.origin = prepared.origin;
         leaf.bounds = prepared.bounds;
-        leaf.ownRecord = info.isEmissive;
+        leaf.worldInstance = info.isEmissive;
         leaf.isLinkedByInstance = _links.IsLinkedByInstance(prim.placement);
         if (!leaf.isLinkedByInstance) {
             leaf.flags |= _links.FlagsOf(prim.categories);
@@ -224,7 +224,7 @@ private:
         CountPrim(*prim.mesh, prepared.numTriangles);
     }
 
-    void CountPrim(const MeshDescription& mesh, std::uint64_t numPrimitives) {
+    void CountPrim(const GeometryDescription& mesh, std::uint64_t numPrimitives) {
         SceneCounts& counts = _result->counts;
         switch (mesh.primitives) {
         case PrimitiveKind::Faces:
@@ -262,7 +262,7 @@ private:
         _result->hasMotion = _result->hasMotion || !hierarchy.motionKeys.empty();
         _result->motionKeys = std::move(hierarchy.motionKeys);
         _result->counts.instances = hierarchy.numLeaves;
-        _ownRecords = std::move(hierarchy.ownRecords);
+        _worldInstances = std::move(hierarchy.worldInstances);
     }
 
     void AddLights() {
@@ -272,18 +272,18 @@ private:
         input.domeVisible = _options.domeVisible;
         input.meshInfos = &_meshInfos;
         input.materials = &_materials;
-        input.ownRecords = &_ownRecords;
+        input.worldInstances = &_worldInstances;
         input.links = &_links;
         CommittedLights lights = CommitLights(input, &_cache, _warnings);
         _result->lights = _cache.lights;
         _result->lightByEntry = std::move(lights.lightByEntry);
         _result->counts.emissiveTriangles = lights.emissiveTriangles;
-        _result->hasCutouts = _result->hasCutouts || _cache.lights->hasGlow;
-        for (std::size_t i = 0; i < _ownRecords.size(); ++i) {
-            if (_ownRecords[i].instance != HDS_NONE) {
-                shared::HdsInstance& instance = _result->instances[_ownRecords[i].instance];
-                instance.flags |=
-                    lights.glowByRecord[i] ? HDS_INSTANCE_CUTOUT : 0U; // shadow rays end there
+        _result->hasCutouts = _result->hasCutouts || _cache.lights->hasTexturedEmission;
+        for (std::size_t i = 0; i < _worldInstances.size(); ++i) {
+            if (_worldInstances[i].instance != HDS_NONE) {
+                shared::HdsInstance& instance = _result->instances[_worldInstances[i].instance];
+                instance.flags |= lights.texturedEmissionByRecord[i] ? HDS_INSTANCE_CUTOUT
+                                                                     : 0U; // shadow rays end there
                 instance.lightBase = lights.firstEntryByRecord[i];
             }
         }
@@ -315,7 +315,7 @@ private:
     std::map<std::string, std::uint32_t> _objectByPath;
     std::vector<MeshMaterialInfo> _meshInfos; ///< by mesh index
     std::map<std::string, LeafObject> _leaves;
-    std::vector<OwnRecord> _ownRecords;
+    std::vector<WorldInstance> _worldInstances;
 };
 
 } // namespace

@@ -7,9 +7,9 @@
 #include "hdStream/base/log.h"
 #include "hdStream/persist/pageKey.h"
 #include "hdStream/scene/dicingViews.h"
+#include "hdStream/scene/geometryStore.h"
 #include "hdStream/scene/imageLibrary.h"
 #include "hdStream/scene/materialCommit.h"
-#include "hdStream/scene/meshStore.h"
 #include "hdStream/scene/sceneDescription.h"
 #include "hdStream/scene/transforms.h"
 #include "hdStream/shading/lightTable.h"
@@ -67,7 +67,7 @@ struct EmissionImage {
 struct CommitCache {
     explicit CommitCache(Warnings& warnings)
         : images(warnings), textures(std::make_shared<TexturePreparer>(nullptr, &warnings)) {}
-    MeshStore meshes;
+    GeometryStore meshes;
     PreparedPages pages;
     ImageLibrary images;
     MaterialCache materials;

@@ -17,7 +17,7 @@ namespace hds {
 
 namespace {
 
-using MeshEntry = std::pair<const std::string, MeshPrim>;
+using MeshEntry = std::pair<const std::string, GeometryPrim>;
 
 /// Instancers that place each other in a circle place nothing.
 constexpr int kMaxChain = 64;
@@ -28,7 +28,7 @@ struct Sphere {
 };
 
 /// Around the box of the mesh's points, in the space of its prototype.
-Sphere SphereOf(const MeshPrim& prim) {
+Sphere SphereOf(const GeometryPrim& prim) {
     glm::dvec3 low(1e300);
     glm::dvec3 high(-1e300);
     const SharedSpan<float>& points = prim.mesh->points;
@@ -149,7 +149,7 @@ std::map<std::string, DicingView> FindDicingViews(const SceneDescription& scene,
     std::map<std::pair<std::string, const std::int32_t*>, std::size_t> index;
     std::vector<Group> groups;
     for (const MeshEntry* entry : meshes) {
-        const MeshPrim& prim = entry->second;
+        const GeometryPrim& prim = entry->second;
         if (!IsSubdivisionScheme(prim.mesh->subdivisionScheme)) {
             continue;
         }

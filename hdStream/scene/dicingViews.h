@@ -38,7 +38,7 @@ struct DicingCamera {
 /// placed; without any on screen, the one nearest to it.
 std::map<std::string, DicingView>
 FindDicingViews(const SceneDescription& scene,
-                const std::vector<const std::pair<const std::string, MeshPrim>*>& meshes,
+                const std::vector<const std::pair<const std::string, GeometryPrim>*>& meshes,
                 const DicingCamera& camera);
 
 } // namespace hds

@@ -128,12 +128,13 @@ bool IsWorthALine(const CurveForm& curves, const Field<CurveForm, Member>& field
 }
 
 template <typename Member>
-bool IsWorthALine(const MeshDescription& mesh, const Field<MeshDescription, Member>& field) {
+bool IsWorthALine(const GeometryDescription& mesh,
+                  const Field<GeometryDescription, Member>& field) {
     const bool isCurves = mesh.primitives == PrimitiveKind::Curves;
     return field.IsFor(mesh.primitives) &&
-           (!field.Is(&MeshDescription::holeIndices) || !mesh.holeIndices.empty()) &&
-           (!field.Is(&MeshDescription::subdivTags) || mesh.subdivisionScheme != "none") &&
-           (!field.Is(&MeshDescription::faceVertexIndices) || !isCurves ||
+           (!field.Is(&GeometryDescription::holeIndices) || !mesh.holeIndices.empty()) &&
+           (!field.Is(&GeometryDescription::subdivTags) || mesh.subdivisionScheme != "none") &&
+           (!field.Is(&GeometryDescription::faceVertexIndices) || !isCurves ||
             !mesh.faceVertexIndices.empty());
 }
 
@@ -276,10 +277,10 @@ void DumpLinks(const std::string& prefix, const LinkedLights& lights,
 /// says.
 class MeshLines {
 public:
-    MeshLines(const MeshDescription& mesh, Writer* out) : _mesh(mesh), _out(*out) {}
+    MeshLines(const GeometryDescription& mesh, Writer* out) : _mesh(mesh), _out(*out) {}
 
     void Write() const {
-        ForEachField<MeshDescription>([&](const auto& field) {
+        ForEachField<GeometryDescription>([&](const auto& field) {
             if (!field.notInDump && IsWorthALine(_mesh, field)) {
                 Value(field.name, _mesh.*field.member);
             }
@@ -309,17 +310,17 @@ private:
         _out.Value(name, value);
     }
 
-    const MeshDescription& _mesh;
+    const GeometryDescription& _mesh;
     Writer& _out;
 };
 
-void DumpMesh(const std::string& path, const MeshPrim& prim, const SceneDescription& scene,
+void DumpMesh(const std::string& path, const GeometryPrim& prim, const SceneDescription& scene,
               const LinkedLights& lights, Writer* out) {
     // Front ends see dangling bindings, and materials without a surface, differently.
     const auto existing = [&](const std::string& materialPath) {
         return HasSurface(scene, materialPath) ? materialPath : std::string();
     };
-    const MeshDescription& mesh = *prim.mesh;
+    const GeometryDescription& mesh = *prim.mesh;
     out->Prim(TextOf(mesh.primitives), path);
     out->Placed(prim.placement);
     out->Line("purpose", prim.purpose);

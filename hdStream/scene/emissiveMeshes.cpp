@@ -31,7 +31,7 @@ public:
         for (auto& [key, image] : _cache.emissionImages) {
             image.isUsed = false;
         }
-        for (const OwnRecord& record : *_input.ownRecords) {
+        for (const WorldInstance& record : *_input.worldInstances) {
             const MeshMaterialInfo& info = (*_input.meshInfos)[record.mesh];
             _result.firstEntryByRecord.push_back(std::uint32_t(_result.meshByEntry.size()));
             for (std::uint32_t entry = 0; entry < info.entries.size(); ++entry) {
@@ -60,8 +60,8 @@ private:
         }
     }
 
-    void AddEntry(const OwnRecord& record, const MeshMaterialInfo& info, std::uint32_t entry) {
-        const MeshPrim& prim = _input.scene->meshes.at(record.path);
+    void AddEntry(const WorldInstance& record, const MeshMaterialInfo& info, std::uint32_t entry) {
+        const GeometryPrim& prim = _input.scene->meshes.at(record.path);
         const shared::HdsMaterial& material =
             _input.materials->materials[_input.materials->meshMaterials[info.materialBase + entry]];
         if ((material.flags & HDS_MATERIAL_EMISSIVE) == 0 ||
@@ -87,15 +87,16 @@ private:
     }
 
     /// \param isSampled its triangles are kept.
-    EmissiveMesh MakeMesh(const OwnRecord& record, const MeshPrim& prim,
+    EmissiveMesh MakeMesh(const WorldInstance& record, const GeometryPrim& prim,
                           const shared::HdsMaterial& material, const MaterialEntryInfo& info,
                           std::uint32_t entry, bool isSampled) {
         EmissiveMesh mesh;
         mesh.name = record.path;
         mesh.twoSided = !prim.light || prim.doubleSided;
         const bool asksMaterial = !prim.light || info.syncMode == MaterialSyncMode::GlowTintsLight;
-        mesh.isGlowing = asksMaterial && !HasConstantEmission(material);
-        mesh.radiance = asksMaterial && !mesh.isGlowing ? EmissionOf(material) : glm::dvec3(1.0);
+        mesh.hasTexturedEmission = asksMaterial && !HasConstantEmission(material);
+        mesh.radiance =
+            asksMaterial && !mesh.hasTexturedEmission ? EmissionOf(material) : glm::dvec3(1.0);
         if (prim.light) {
             mesh.lux.emplace();
             mesh.lux->name = record.path;
@@ -104,17 +105,17 @@ private:
             mesh.lux->worldFromLight = record.worldFromObject;
             mesh.lux->lightLink = _input.links->IndexOf(prim.light->links.lightLink);
             mesh.lux->shadowLink = _input.links->IndexOf(prim.light->links.shadowLink);
-            if (asksMaterial && !mesh.isGlowing && mesh.radiance == glm::dvec3(0.0)) {
+            if (asksMaterial && !mesh.hasTexturedEmission && mesh.radiance == glm::dvec3(0.0)) {
                 _warnings.Add(record.path, "its material emits nothing: as a mesh light of "
                                            "materialGlowTintsLight it is dark");
             }
-            if (mesh.isGlowing) {
+            if (mesh.hasTexturedEmission) {
                 DropControls(record.path, &mesh.lux->light);
             }
         }
         // What is normalized asks for its area though it is not sampled.
         if (isSampled || mesh.lux->light.normalize) {
-            const bool isGuessed = isSampled && mesh.isGlowing;
+            const bool isGuessed = isSampled && mesh.hasTexturedEmission;
             AddTriangles(record, isGuessed ? info.emission : EmissionInput(), entry, isSampled,
                          &mesh);
             if (mesh.lux && !(mesh.wholeArea > 0.0)) {
@@ -135,8 +136,8 @@ private:
         }
     }
 
-    void AddTriangles(const OwnRecord& record, const EmissionInput& emission, std::uint32_t entry,
-                      bool isSampled, EmissiveMesh* mesh) {
+    void AddTriangles(const WorldInstance& record, const EmissionInput& emission,
+                      std::uint32_t entry, bool isSampled, EmissiveMesh* mesh) {
         const ChunkGeometry& chunk = _cache.meshes.Triangles(record.path);
         const EmissionGuess guess(emission, chunk, *_input.materials, &_cache);
         // A reflection turns the winding; emission keeps to the side of the object's normals.
@@ -157,7 +158,7 @@ private:
                 (chunk.materialEntries.empty() ? 0 : chunk.materialEntries[i]) == entry;
             if (isSampled && isOfEntry) {
                 triangle.primId = chunk.primIds[i];
-                triangle.glow = guess.Of(i);
+                triangle.meanEmission = guess.Of(i);
                 mesh->triangles.push_back(triangle);
             }
         }

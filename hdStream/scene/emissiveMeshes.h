@@ -7,7 +7,7 @@
 
 namespace hds {
 
-/// The emissive meshes, and which of them each material entry of each own record is.
+/// The emissive meshes, and which of them each material entry of each world instance is.
 struct EmissiveMeshes {
     std::vector<EmissiveMesh> meshes;
     std::vector<std::uint32_t> firstEntryByRecord; ///< into meshByEntry

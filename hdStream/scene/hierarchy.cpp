@@ -123,8 +123,8 @@ struct Record {
     Bounds bounds;      ///< when the shutter opens
     Bounds closeBounds; ///< when it closes
     std::uint64_t numLeaves = 0;
-    std::vector<glm::dmat4> keys;       ///< of the map outwards, of what moves
-    std::uint32_t ownRecord = HDS_NONE; ///< index in Hierarchy::ownRecords
+    std::vector<glm::dmat4> keys;           ///< of the map outwards, of what moves
+    std::uint32_t worldInstance = HDS_NONE; ///< index in Hierarchy::worldInstances
 };
 
 class Builder {
@@ -143,7 +143,7 @@ public:
         for (const Member& member : _roots) {
             AppendMember(member, centreFromWorld, 0, &records);
         }
-        AppendOwnRecords(centreFromWorld, &records);
+        AppendWorldInstances(centreFromWorld, &records);
         _result.numLeaves = FinishGroup(std::move(records), 0, &_result.bounds);
         return std::move(_result);
     }
@@ -153,7 +153,7 @@ private:
     void CollectMembers() {
         std::map<std::string, Member> all;
         for (const auto& [path, leaf] : _leaves) {
-            if (leaf.ownRecord || leaf.isLinkedByInstance ||
+            if (leaf.worldInstance || leaf.isLinkedByInstance ||
                 ChainLength(_scene.meshes.at(path).placement) > HDS_MAX_GROUP_DEPTH) {
                 _ownLeaves.push_back(path);
                 continue;
@@ -372,13 +372,13 @@ private:
         return group;
     }
 
-    void AppendOwnRecords(const glm::dmat4& centreFromWorld, std::vector<Record>* records) {
+    void AppendWorldInstances(const glm::dmat4& centreFromWorld, std::vector<Record>* records) {
         for (const std::string& path : _ownLeaves) {
             const LeafObject& leaf = _leaves.at(path);
             for (const Placed& placed :
                  PlacementsOf(_scene, _scene.meshes.at(path).placement, _shutter, 0)) {
                 Member member{path, &leaf, nullptr, placed.worldFromObject};
-                if (leaf.ownRecord && placed.worldFromObject.Moves()) {
+                if (leaf.worldInstance && placed.worldFromObject.Moves()) {
                     member.transform = placed.worldFromObject.AtFrame(); // as its light is
                     _warnings.Add(path, "emits light: not blurred by its motion");
                 }
@@ -391,10 +391,10 @@ private:
                     records->back().instance.flags |=
                         _links.FlagsOf(_scene.meshes.at(path).categories, placed.categories);
                 }
-                if (records->size() > before && leaf.ownRecord) {
-                    records->back().ownRecord =
-                        static_cast<std::uint32_t>(_result.ownRecords.size());
-                    _result.ownRecords.push_back(
+                if (records->size() > before && leaf.worldInstance) {
+                    records->back().worldInstance =
+                        static_cast<std::uint32_t>(_result.worldInstances.size());
+                    _result.worldInstances.push_back(
                         {path, leaf.mesh,
                          glm::translate(centreFromWorld * placed.worldFromObject.AtFrame(),
                                         leaf.origin),
@@ -423,8 +423,8 @@ private:
         for (Record& record : records) {
             record.instance.pathOffset[0] = static_cast<std::uint32_t>(numLeaves);
             record.instance.pathOffset[1] = static_cast<std::uint32_t>(numLeaves >> 32U);
-            if (record.ownRecord != HDS_NONE) {
-                _result.ownRecords[record.ownRecord].pathIndex = numLeaves;
+            if (record.worldInstance != HDS_NONE) {
+                _result.worldInstances[record.worldInstance].pathIndex = numLeaves;
             }
             numLeaves += record.numLeaves;
             boxes.push_back(record.bounds);
@@ -449,8 +449,8 @@ private:
         for (std::uint32_t slot = 0; slot < tree.order.size(); ++slot) {
             _result.instancesByPath[group.itemBase + tree.order[slot]] = group.itemBase + slot;
             const Record& record = records[tree.order[slot]];
-            if (record.ownRecord != HDS_NONE) {
-                _result.ownRecords[record.ownRecord].instance = group.itemBase + slot;
+            if (record.worldInstance != HDS_NONE) {
+                _result.worldInstances[record.worldInstance].instance = group.itemBase + slot;
             }
             _result.instances.push_back(PlacedInstance(record));
         }

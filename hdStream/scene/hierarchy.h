@@ -26,12 +26,12 @@ struct LeafObject {
     std::uint32_t flags = 0;         ///< HDS_INSTANCE_*
     glm::dvec3 origin{0.0};          ///< object-space origin of the device positions
     Bounds bounds;                   ///< relative to origin
-    bool ownRecord = false;          ///< needs a record in the TLAS
+    bool worldInstance = false;      ///< needs a record in the TLAS
     bool isLinkedByInstance = false; ///< likewise: its instances have link sets of their own
 };
 
-/// One placement in the TLAS of a leaf that asked for its own record.
-struct OwnRecord {
+/// One placement in the TLAS of a leaf that asked for its world instance.
+struct WorldInstance {
     std::string path;
     std::uint32_t mesh = 0;
     glm::dmat4 worldFromObject{1.0}; ///< relative to the scene centre, from device positions
@@ -46,7 +46,7 @@ struct Hierarchy {
     std::vector<shared::HdsInstance> instances; ///< group by group, leaf order of its BVH
     std::vector<std::uint32_t> instancesByPath; ///< per group, records in the order of pathOffset
     std::vector<AffineRows> motionKeys;         ///< of the records with HDS_INSTANCE_MOVES
-    std::vector<OwnRecord> ownRecords;
+    std::vector<WorldInstance> worldInstances;
     std::uint64_t numLeaves = 0; ///< leaf instances in the scene
     std::uint32_t depth = 0;     ///< groups below the TLAS on the longest path
     Bounds bounds;               ///< of the TLAS

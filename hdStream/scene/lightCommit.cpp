@@ -169,7 +169,7 @@ CommittedLights CommitLights(const LightCommitInput& input, CommitCache* cache,
     result.lightByEntry = std::move(emissive.meshByEntry);
     result.emissiveTriangles = emissive.numTriangles;
     // Lights that are all hidden leave the scene dark.
-    if (input.scene->lights.empty() && input.ownRecords->empty()) {
+    if (input.scene->lights.empty() && input.worldInstances->empty()) {
         warnings.Add("", "the stage has no lights: lit by a uniform dome of radiance 1");
         PlacedLight dome;
         dome.name = "default dome";
@@ -179,18 +179,19 @@ CommittedLights CommitLights(const LightCommitInput& input, CommitCache* cache,
     }
     UpdateTable(lights, emissive.meshes, ImageFinder(input.materials->textures, cache),
                 input.links->Table(), cache, warnings);
-    result.glowByRecord.resize(result.firstEntryByRecord.size());
-    for (std::size_t record = 0; record < result.glowByRecord.size(); ++record) {
-        const bool isLast = record + 1 == result.glowByRecord.size();
+    result.texturedEmissionByRecord.resize(result.firstEntryByRecord.size());
+    for (std::size_t record = 0; record < result.texturedEmissionByRecord.size(); ++record) {
+        const bool isLast = record + 1 == result.texturedEmissionByRecord.size();
         const std::size_t end =
             isLast ? result.lightByEntry.size() : result.firstEntryByRecord[record + 1];
         for (std::size_t i = result.firstEntryByRecord[record]; i < end; ++i) {
             std::uint32_t& entry = result.lightByEntry[i];
             if (entry != HDS_NONE) {
-                const bool isGlowing = emissive.meshes[entry].isGlowing;
+                const bool hasTexturedEmission = emissive.meshes[entry].hasTexturedEmission;
                 entry = cache->lights->tableByMesh[entry];
-                result.glowByRecord[record] =
-                    result.glowByRecord[record] || (isGlowing && entry != HDS_NONE);
+                result.texturedEmissionByRecord[record] =
+                    result.texturedEmissionByRecord[record] ||
+                    (hasTexturedEmission && entry != HDS_NONE);
             }
         }
     }

@@ -21,17 +21,18 @@ struct LightCommitInput {
     const SceneDescription* scene = nullptr;
     glm::dvec3 centre{0.0};
     bool domeVisible = true;
-    const std::vector<MeshMaterialInfo>* meshInfos = nullptr; ///< by the mesh index of OwnRecord
+    const std::vector<MeshMaterialInfo>* meshInfos =
+        nullptr; ///< by the mesh index of WorldInstance
     const MaterialCommit* materials = nullptr;
-    const std::vector<OwnRecord>* ownRecords = nullptr;
+    const std::vector<WorldInstance>* worldInstances = nullptr;
     const LightLinks* links = nullptr;
 };
 
-/// Which lights of the table the material entries of each own record are.
+/// Which lights of the table the material entries of each world instance are.
 struct CommittedLights {
     std::vector<std::uint32_t> firstEntryByRecord; ///< into lightByEntry
-    std::vector<std::uint32_t> lightByEntry; ///< LightTable::tableByMesh; HDS_NONE: not sampled
-    std::vector<bool> glowByRecord;          ///< light samples of some entry end at its surface
+    std::vector<std::uint32_t> lightByEntry;    ///< LightTable::tableByMesh; HDS_NONE: not sampled
+    std::vector<bool> texturedEmissionByRecord; ///< light samples of some entry end at its surface
     std::uint64_t emissiveTriangles = 0;
 };
 

@@ -69,7 +69,7 @@ std::uint32_t LightLinks::FlagsOf(const std::set<std::string>& categories,
             }
         }
     }
-    const bool castsAll =
+    const bool tracesAll =
         !_isFading && std::includes(indices.begin(), indices.end(), _shadowCategories.begin(),
                                     _shadowCategories.end());
     auto number = _numberBySet.find(indices);
@@ -80,8 +80,8 @@ std::uint32_t LightLinks::FlagsOf(const std::set<std::string>& categories,
         }
         number = _numberBySet.emplace(indices, std::uint32_t(_numberBySet.size())).first;
     }
-    _hasUnshadowing = _hasUnshadowing || !castsAll;
-    return (number->second << HDS_INSTANCE_LINK_SHIFT) | (castsAll ? 0U : HDS_INSTANCE_CUTOUT);
+    _hasUnshadowing = _hasUnshadowing || !tracesAll;
+    return (number->second << HDS_INSTANCE_LINK_SHIFT) | (tracesAll ? 0U : HDS_INSTANCE_CUTOUT);
 }
 
 std::uint32_t LightLinks::IndexOf(const std::string& category) const {

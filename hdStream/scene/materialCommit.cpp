@@ -13,7 +13,7 @@
 namespace hds {
 
 void MaterialCommit::Compile(
-    const std::vector<const std::pair<const std::string, MeshPrim>*>& prims) {
+    const std::vector<const std::pair<const std::string, GeometryPrim>*>& prims) {
     _displayColor.compiled = DisplayColorMaterial();
     _displayColor.primvars = hds::PrimvarsOf(_displayColor.compiled);
     _used[""] = &_displayColor;
@@ -109,7 +109,7 @@ std::vector<std::uint32_t> MaterialCommit::AddTextures(const CompiledMaterial& m
 }
 
 /// The material of each entry: the prim's, then one for each subset.
-std::vector<std::string> MaterialCommit::EntryPaths(const MeshPrim& prim) const {
+std::vector<std::string> MaterialCommit::EntryPaths(const GeometryPrim& prim) const {
     std::vector<std::string> paths = {prim.materialPath};
     for (std::size_t i = 0; i < prim.mesh->subsets.size(); ++i) {
         // A subset without a material of its own shows the prim's.
@@ -121,7 +121,7 @@ std::vector<std::string> MaterialCommit::EntryPaths(const MeshPrim& prim) const 
 }
 
 /// Of a mesh that is no light: as if the light asked its material.
-MaterialSyncMode MaterialCommit::SyncModeOf(const MeshPrim& prim,
+MaterialSyncMode MaterialCommit::SyncModeOf(const GeometryPrim& prim,
                                             const std::string& materialPath) const {
     if (!prim.light) {
         return MaterialSyncMode::GlowTintsLight;
@@ -130,7 +130,7 @@ MaterialSyncMode MaterialCommit::SyncModeOf(const MeshPrim& prim,
                                             : MaterialSyncMode::NoMaterialResponse;
 }
 
-bool MaterialCommit::MayEmit(const MeshPrim& prim) const {
+bool MaterialCommit::MayEmit(const GeometryPrim& prim) const {
     if (prim.light) {
         return true;
     }
@@ -144,7 +144,7 @@ bool MaterialCommit::MayEmit(const MeshPrim& prim) const {
     });
 }
 
-std::vector<DisplacementInput> MaterialCommit::DisplacementsOf(const MeshPrim& prim) const {
+std::vector<DisplacementInput> MaterialCommit::DisplacementsOf(const GeometryPrim& prim) const {
     std::vector<DisplacementInput> displacements;
     for (const std::string& materialPath : EntryPaths(prim)) {
         displacements.push_back(Find(materialPath).displacement);
@@ -155,7 +155,8 @@ std::vector<DisplacementInput> MaterialCommit::DisplacementsOf(const MeshPrim& p
     return displacements;
 }
 
-std::vector<const std::set<std::string>*> MaterialCommit::PrimvarsOf(const MeshPrim& prim) const {
+std::vector<const std::set<std::string>*>
+MaterialCommit::PrimvarsOf(const GeometryPrim& prim) const {
     std::vector<const std::set<std::string>*> names;
     for (const std::string& materialPath : EntryPaths(prim)) {
         names.push_back(&_used.at(materialPath)->primvars);
@@ -163,8 +164,8 @@ std::vector<const std::set<std::string>*> MaterialCommit::PrimvarsOf(const MeshP
     return names;
 }
 
-MeshMaterialInfo MaterialCommit::AddMesh(const std::string& path, const MeshPrim& prim,
-                                         const PreparedMesh& prepared) {
+MeshMaterialInfo MaterialCommit::AddMesh(const std::string& path, const GeometryPrim& prim,
+                                         const PlannedGeometry& prepared) {
     MeshMaterialInfo info;
     info.materialBase = static_cast<std::uint32_t>(meshMaterials.size());
     for (const std::string& materialPath : EntryPaths(prim)) {

@@ -3,8 +3,8 @@
 // records, programs and textures shared.
 #pragma once
 
+#include "hdStream/scene/geometryStore.h"
 #include "hdStream/scene/imageLibrary.h"
-#include "hdStream/scene/meshStore.h"
 
 #include <map>
 #include <set>
@@ -46,21 +46,21 @@ public:
         : _scene(scene), _cache(*cache), _images(images), _warnings(warnings) {}
 
     /// Compiles the materials the meshes use, on all cores, unless the cache has them.
-    void Compile(const std::vector<const std::pair<const std::string, MeshPrim>*>& prims);
+    void Compile(const std::vector<const std::pair<const std::string, GeometryPrim>*>& prims);
 
     /// Appends the entries of a mesh: the prim's material, then one for each subset.
-    MeshMaterialInfo AddMesh(const std::string& path, const MeshPrim& prim,
-                             const PreparedMesh& prepared);
+    MeshMaterialInfo AddMesh(const std::string& path, const GeometryPrim& prim,
+                             const PlannedGeometry& prepared);
 
     /// Whether some material of the prim may emit. Precondition: compiled.
-    bool MayEmit(const MeshPrim& prim) const;
+    bool MayEmit(const GeometryPrim& prim) const;
 
     /// By material entry, as AddMesh adds them; reads images of heights. Precondition: compiled.
-    std::vector<DisplacementInput> DisplacementsOf(const MeshPrim& prim) const;
+    std::vector<DisplacementInput> DisplacementsOf(const GeometryPrim& prim) const;
 
     /// Names of the primvars that the materials of a mesh may read, by entry. Precondition:
     /// compiled.
-    std::vector<const std::set<std::string>*> PrimvarsOf(const MeshPrim& prim) const;
+    std::vector<const std::set<std::string>*> PrimvarsOf(const GeometryPrim& prim) const;
 
     std::vector<shared::HdsMaterial> materials;
     std::vector<std::uint32_t> meshMaterials;
@@ -76,8 +76,8 @@ private:
     const CompiledMaterial& Find(const std::string& materialPath) const {
         return _used.at(materialPath)->compiled;
     }
-    MaterialSyncMode SyncModeOf(const MeshPrim& prim, const std::string& materialPath) const;
-    std::vector<std::string> EntryPaths(const MeshPrim& prim) const;
+    MaterialSyncMode SyncModeOf(const GeometryPrim& prim, const std::string& materialPath) const;
+    std::vector<std::string> EntryPaths(const GeometryPrim& prim) const;
     CachedMaterial CompileNetwork(const std::string& path,
                                   const std::shared_ptr<const MaterialNetwork>& network);
 

@@ -5,7 +5,7 @@
 
 namespace hds {
 
-PageKey MakeMeshKey(const MeshInputs& inputs) {
+PageKey MakeMeshKey(const GeometryInputs& inputs) {
     Hasher hasher;
     FieldHasher fields(&hasher);
     fields.Add(inputs);

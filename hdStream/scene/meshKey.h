@@ -3,11 +3,11 @@
 #pragma once
 
 #include "hdStream/persist/pageKey.h"
-#include "hdStream/scene/meshCommit.h"
+#include "hdStream/scene/geometryCommit.h"
 
 namespace hds {
 
 /// Hash of all that the mesh's pages are made of. Reads every array, on all cores.
-PageKey MakeMeshKey(const MeshInputs& inputs);
+PageKey MakeMeshKey(const GeometryInputs& inputs);
 
 } // namespace hds

@@ -12,7 +12,7 @@ namespace hds {
 
 namespace {
 
-bool HasUsableSamples(const MeshDescription& mesh) {
+bool HasUsableSamples(const GeometryDescription& mesh) {
     return mesh.samples.size() >= 2 &&
            std::all_of(mesh.samples.begin(), mesh.samples.end(), [&](const PointSample& sample) {
                return sample.points.size() == mesh.points.size();
@@ -20,7 +20,7 @@ bool HasUsableSamples(const MeshDescription& mesh) {
 }
 
 /// Linear between the samples; before the first and after the last one they hold.
-SharedSpan<float> PointsAt(const MeshDescription& mesh, double time) {
+SharedSpan<float> PointsAt(const GeometryDescription& mesh, double time) {
     const auto after =
         std::find_if(mesh.samples.begin(), mesh.samples.end(),
                      [time](const PointSample& sample) { return sample.time >= time; });
@@ -41,7 +41,7 @@ SharedSpan<float> PointsAt(const MeshDescription& mesh, double time) {
 
 } // namespace
 
-bool Deforms(const MeshDescription& mesh, const Shutter& shutter) {
+bool Deforms(const GeometryDescription& mesh, const Shutter& shutter) {
     if (!shutter.IsOpen() || !HasUsableSamples(mesh)) {
         return false;
     }
@@ -50,9 +50,9 @@ bool Deforms(const MeshDescription& mesh, const Shutter& shutter) {
     return open.data() != close.data() && !std::equal(open.begin(), open.end(), close.begin());
 }
 
-std::shared_ptr<const MeshDescription> AtShutter(const MeshDescription& mesh,
-                                                 const Shutter& shutter) {
-    auto result = std::make_shared<MeshDescription>(mesh);
+std::shared_ptr<const GeometryDescription> AtShutter(const GeometryDescription& mesh,
+                                                     const Shutter& shutter) {
+    auto result = std::make_shared<GeometryDescription>(mesh);
     result->samples.clear();
     result->points = PointsAt(mesh, shutter.open);
     result->closePoints = PointsAt(mesh, shutter.close);

@@ -4,7 +4,7 @@
 // Explained in docs/architecture.md.
 #pragma once
 
-#include "hdStream/geometry/meshDescription.h"
+#include "hdStream/geometry/geometryDescription.h"
 #include "hdStream/shading/lightDescription.h"
 #include "hdStream/shading/materialNetwork.h"
 
@@ -115,10 +115,10 @@ struct MeshLight {
 
 /// A mesh prim. Two prims with the same `mesh` pointer have the same geometry, and so has a prim
 /// that is replaced by one with the same pointer: only a new pointer makes commit prepare again.
-struct MeshPrim {
+struct GeometryPrim {
     Placement placement;
     std::string purpose = "default"; ///< default, render, proxy, guide
-    std::shared_ptr<const MeshDescription> mesh;
+    std::shared_ptr<const GeometryDescription> mesh;
     std::set<std::string> categories; ///< what lights and shadows are linked to (LightPrim)
     bool doubleSided = false;
     CullStyle cullStyle = CullStyle::DontCare;
@@ -129,14 +129,14 @@ struct MeshPrim {
 
     static constexpr auto Fields() {
         return FieldList(
-            HDS_FIELD(MeshPrim, placement), HDS_FIELD(MeshPrim, purpose),
-            HDS_FIELD(MeshPrim, materialPath),
-            HDS_FIELD(MeshPrim, mesh).NotInPython("a constructor's argument"),
-            HDS_FIELD(MeshPrim, doubleSided), HDS_FIELD(MeshPrim, cullStyle),
-            HDS_FIELD(MeshPrim, subsetMaterialPaths),
-            HDS_FIELD(MeshPrim, categories).NotInDump("see LinkCategories"),
-            HDS_FIELD(MeshPrim, light).NotInPython("SetLight"),
-            HDS_FIELD(MeshPrim, primId).NotInDump("front ends number prims as they like"));
+            HDS_FIELD(GeometryPrim, placement), HDS_FIELD(GeometryPrim, purpose),
+            HDS_FIELD(GeometryPrim, materialPath),
+            HDS_FIELD(GeometryPrim, mesh).NotInPython("a constructor's argument"),
+            HDS_FIELD(GeometryPrim, doubleSided), HDS_FIELD(GeometryPrim, cullStyle),
+            HDS_FIELD(GeometryPrim, subsetMaterialPaths),
+            HDS_FIELD(GeometryPrim, categories).NotInDump("see LinkCategories"),
+            HDS_FIELD(GeometryPrim, light).NotInPython("SetLight"),
+            HDS_FIELD(GeometryPrim, primId).NotInDump("front ends number prims as they like"));
     }
 };
 
@@ -209,7 +209,7 @@ struct CameraPrim {
 
 /// Everything, by prim path. std::map keeps the order of paths, which is the order of identity.
 struct SceneDescription {
-    std::map<std::string, MeshPrim> meshes;
+    std::map<std::string, GeometryPrim> meshes;
     std::map<std::string, InstancerPrim> instancers;
     std::map<std::string, LightPrim> lights;
     std::map<std::string, std::shared_ptr<const MaterialNetwork>> materials;

@@ -222,7 +222,7 @@ Session::Session(WarningSink onWarning) : _impl(std::make_unique<Impl>(std::move
 
 Session::~Session() = default;
 
-void Session::SetMesh(const std::string& path, MeshPrim prim) {
+void Session::SetMesh(const std::string& path, GeometryPrim prim) {
     _impl->description.meshes[path] = std::move(prim);
     ++_impl->sceneVersion;
 }

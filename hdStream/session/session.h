@@ -55,8 +55,9 @@ public:
     Session& operator=(const Session&) = delete;
 
     // --- Scene edits: each replaces the prim of that path, or removes it. -----------------------
-    // Cheap whatever the prim: what is expensive to prepare is shared through pointers (MeshPrim).
-    void SetMesh(const std::string& path, MeshPrim prim);
+    // Cheap whatever the prim: what is expensive to prepare is shared through pointers
+    // (GeometryPrim).
+    void SetMesh(const std::string& path, GeometryPrim prim);
     void SetInstancer(const std::string& path, InstancerPrim prim);
     void SetLight(const std::string& path, LightPrim prim);
     void SetMaterial(const std::string& path, std::shared_ptr<const MaterialNetwork> network);

@@ -72,6 +72,16 @@ Values OneOf(Choices... choices) {
     return {SettingKind::Choice, {choices...}};
 }
 
+std::map<std::string, std::string> FormerChoicesOf(const std::string& setting) {
+    std::map<std::string, std::string> choices;
+#define HDS_FORMER_CHOICE(name, former, choice) \
+    if (setting == #name) {                     \
+        choices.emplace(former, choice);        \
+    }
+#include "hdStream/session/settings.def"
+    return choices;
+}
+
 template <typename T>
 Row MakeRow(T Settings::*member, const char* name, Values values, const char* option,
             SettingGroup group, SettingAudience audience, const char* label,
@@ -82,7 +92,7 @@ Row MakeRow(T Settings::*member, const char* name, Values values, const char* op
         std::conditional_t<std::is_integral_v<T>, std::int64_t,
                            std::conditional_t<std::is_floating_point_v<T>, double, T>>>;
     return {{name, option, label, description, values.kind, std::move(values.choices),
-             values.minimum, values.maximum, group, audience},
+             values.minimum, values.maximum, group, audience, FormerChoicesOf(name)},
             [member](const Settings& settings) {
                 return SettingValue(static_cast<Held>(settings.*member));
             },
@@ -236,14 +246,26 @@ void CheckSettingValue(const SettingInfo& info, const SettingValue& value) {
     }
 }
 
-void SetSetting(Settings* settings, const std::string& name, const SettingValue& value) {
+std::string SetSetting(Settings* settings, const std::string& name, const SettingValue& value) {
     const Row* row = FindRow(name);
     if (row == nullptr) {
         throw Error(name + ": there is no such setting", ErrorKind::Usage);
     }
-    const SettingValue converted = Converted(row->info, value);
-    CheckSettingValue(row->info, converted);
+    const SettingInfo& info = row->info;
+    SettingValue converted = Converted(info, value);
+    std::string note;
+    if (const auto* text = std::get_if<std::string>(&converted)) {
+        const auto former = info.formerChoices.find(*text);
+        if (former != info.formerChoices.end()) {
+            note = (info.option.empty() ? name : info.option) + ": " + former->first +
+                   " is called " + former->second +
+                   " now, and not known any more in the next version";
+            converted = former->second;
+        }
+    }
+    CheckSettingValue(info, converted);
     row->set(settings, converted);
+    return note;
 }
 
 } // namespace hds

@@ -6,6 +6,7 @@
 #include "hdStream/session/settings.h"
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <variant>
 #include <vector>
@@ -50,6 +51,8 @@ struct SettingInfo {
     double maximum = 0.0;
     SettingGroup group = SettingGroup::Framing;
     SettingAudience audience = SettingAudience::Host;
+    /// Of choices as the version before spelled them: the present spelling.
+    std::map<std::string, std::string> formerChoices;
 
     bool IsUserSetting() const { return audience != SettingAudience::Host; }
     bool IsAdvanced() const { return audience == SettingAudience::Expert; }
@@ -69,8 +72,9 @@ SettingValue GetSetting(const Settings& settings, const std::string& name);
 void CheckSettingValue(const SettingInfo& info, const SettingValue& value);
 
 /// Sets a value; numbers convert to the setting's kind when they keep their value.
+/// \return a note for the user where a choice is spelled as in the version before; else empty.
 /// \throws Error (usage) that names the option, for an unknown name, a wrong type or a value out of
 /// range.
-void SetSetting(Settings* settings, const std::string& name, const SettingValue& value);
+std::string SetSetting(Settings* settings, const std::string& name, const SettingValue& value);
 
 } // namespace hds

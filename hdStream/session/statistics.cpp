@@ -39,7 +39,7 @@ Json TimeSection(const StatisticsInput& in) {
             {"prepare", in.commitSeconds + in.pages->Seconds() + textures.openSeconds},
             {"compile", render.compileSeconds},
             {"trace", render.traceSeconds},
-            {"service", pool.serviceSeconds + textures.serviceSeconds + textures.readSeconds},
+            {"requests", pool.requestSeconds + textures.requestSeconds + textures.readSeconds},
             {"transfer", render.transferSeconds + pool.transferSeconds},
             {"shade", render.shadeSeconds},
             {"firstPixel", in.beforeRenderingSeconds + render.firstImageSeconds},
@@ -76,9 +76,9 @@ Json GeometrySection(const StatisticsInput& in) {
             {"uploadedBytes", pool.uploadedBytes},
             {"uploads", pool.uploads},
             {"evictions", pool.evictions},
-            {"casts", render.casts},
+            {"rayBatches", render.rayBatches},
             {"iterations", render.iterations},
-            {"maxIterationsPerCast", render.maxIterationsPerCast},
+            {"maxIterationsPerBatch", render.maxIterationsPerBatch},
             {"raysRelaunched", render.raysRelaunched},
             {"shadingRefetches", pool.groupUploads},
             {"chunksTouched", pool.chunksUsed},
@@ -144,7 +144,7 @@ std::string MakeStatistics(const StatisticsInput& in) {
                          {"endedPasses", render.endedPasses},
                          {"meanRelativeError", render.meanRelativeError}};
     stats["wave"] = {{"size", render.waveSize},
-                     {"traversal", render.isWideTraversal ? "wide" : "lane"}};
+                     {"traversal", render.isSimd8Traversal ? "simd8" : "scalar"}};
     stats["warnings"] = in.warnings;
     return stats.dump(2) + "\n";
 }

@@ -17,9 +17,9 @@ constexpr double kMaxSize = 0.5;
 constexpr double kMinCover = 0.25;
 /// Parts larger than this against the whole tell nothing.
 constexpr double kMinGain = 0.9;
-/// A triangle is sampled at least so much against the mean of all: what its glow was guessed from
-/// may have missed something bright.
-constexpr double kMinGlow = 1.0 / 16.0;
+/// A triangle is sampled at least so much against the mean of all: what its emission was guessed
+/// from may have missed something bright.
+constexpr double kMinEmissionShare = 1.0 / 16.0;
 /// Least cosine between a normal and the axis of a cluster that counts as flat.
 constexpr double kFlatCosine = 1.0 - 1e-9;
 /// Flatness of all that is nearly flat: its estimate must not become 0.
@@ -137,18 +137,18 @@ private:
 
 /// Gives every triangle its weight, none of them much less than its share of the area; 0 where all
 /// seem to be dark.
-void Weigh(const std::vector<double>& glows, EmissiveClusters* result) {
+void Weigh(const std::vector<double>& emissions, EmissiveClusters* result) {
     double sum = 0.0;
-    for (std::size_t i = 0; i < glows.size(); ++i) {
-        sum += glows[i] * result->triangles[i].area;
+    for (std::size_t i = 0; i < emissions.size(); ++i) {
+        sum += emissions[i] * result->triangles[i].area;
     }
     const double mean = sum / result->area;
-    for (std::size_t i = 0; i < glows.size(); ++i) {
+    for (std::size_t i = 0; i < emissions.size(); ++i) {
         EmissiveTriangle& triangle = result->triangles[i];
-        const double glow = std::max(glows[i], kMinGlow * mean);
-        triangle.weight = triangle.area * glow;
+        const double emission = std::max(emissions[i], kMinEmissionShare * mean);
+        triangle.weight = triangle.area * emission;
         result->weight += triangle.weight;
-        result->isWeighed = result->isWeighed || std::abs(glow - mean) > 1e-6 * mean;
+        result->isWeighed = result->isWeighed || std::abs(emission - mean) > 1e-6 * mean;
     }
 }
 
@@ -156,7 +156,7 @@ void Weigh(const std::vector<double>& glows, EmissiveClusters* result) {
 
 EmissiveClusters ClusterTriangles(const EmissiveMesh& mesh) {
     EmissiveClusters result;
-    std::vector<double> glows;
+    std::vector<double> emissions;
     for (const EmissiveMesh::Triangle& triangle : mesh.triangles) {
         EmissiveTriangle out;
         std::copy(triangle.p, triangle.p + 3, out.p);
@@ -165,12 +165,13 @@ EmissiveClusters ClusterTriangles(const EmissiveMesh& mesh) {
         if (out.area > 0.0 && std::isfinite(out.area)) {
             result.area += out.area;
             result.triangles.push_back(out);
-            const bool isUsable = std::isfinite(triangle.glow) && triangle.glow > 0.0;
-            glows.push_back(isUsable ? triangle.glow : 0.0);
+            const bool isUsable =
+                std::isfinite(triangle.meanEmission) && triangle.meanEmission > 0.0;
+            emissions.push_back(isUsable ? triangle.meanEmission : 0.0);
         }
     }
     if (!result.triangles.empty()) {
-        Weigh(glows, &result);
+        Weigh(emissions, &result);
         Clusterer(&result).Split(0, result.triangles.size());
     }
     return result;

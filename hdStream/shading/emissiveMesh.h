@@ -38,11 +38,12 @@ struct EmissiveMesh {
         glm::dvec3 p[3]; ///< world, relative to the scene centre, in winding order: emits to the
                          ///< side of cross(p1 - p0, p2 - p0)
         std::uint32_t primId = 0;
-        double glow = 1.0; ///< about the mean luminance of what the material emits, of isGlowing
+        double meanEmission =
+            1.0; ///< about the mean luminance of what the material emits, of hasTexturedEmission
 
         static constexpr auto Fields() {
             return FieldList(HDS_FIELD(Triangle, p), HDS_FIELD(Triangle, primId),
-                             HDS_FIELD(Triangle, glow));
+                             HDS_FIELD(Triangle, meanEmission));
         }
     };
     std::string name;
@@ -50,7 +51,7 @@ struct EmissiveMesh {
     glm::dvec3 radiance{1.0};
     bool twoSided = false;
     /// The radiance is a factor on what the material emits at each point.
-    bool isGlowing = false;
+    bool hasTexturedEmission = false;
     /// Of a mesh with UsdLuxMeshLightAPI: its inputs, of which `radiance` is a further factor.
     std::optional<PlacedLight> lux;
     double wholeArea = 0.0; ///< of lux: of the mesh with all its materials, for `normalize`
@@ -61,7 +62,7 @@ struct EmissiveMesh {
     static constexpr auto Fields() {
         return FieldList(HDS_FIELD(EmissiveMesh, name), HDS_FIELD(EmissiveMesh, triangles),
                          HDS_FIELD(EmissiveMesh, radiance), HDS_FIELD(EmissiveMesh, twoSided),
-                         HDS_FIELD(EmissiveMesh, isGlowing), HDS_FIELD(EmissiveMesh, lux),
+                         HDS_FIELD(EmissiveMesh, hasTexturedEmission), HDS_FIELD(EmissiveMesh, lux),
                          HDS_FIELD(EmissiveMesh, wholeArea),
                          HDS_FIELD(EmissiveMesh, positionError));
     }
@@ -72,7 +73,7 @@ struct EmissiveTriangle {
     glm::dvec3 p[3];
     std::uint32_t primId = 0;
     double area = 0.0;
-    double weight = 0.0; ///< area * glow
+    double weight = 0.0; ///< area * meanEmission
 };
 
 /// What the estimate of a cluster's light is made of.
@@ -92,7 +93,7 @@ struct EmissiveClusters {
     std::vector<EmissiveCluster> clusters;
     double area = 0.0;
     double weight = 0.0;
-    bool isWeighed = false; ///< triangles differ in their glow
+    bool isWeighed = false; ///< triangles differ in their emission
 };
 
 /// Leaves out triangles without area and cuts the rest where that makes lights that are better to

@@ -339,8 +339,8 @@ shared::HdsLight Builder::BeginMesh(const EmissiveMesh& mesh, bool isWeighed, do
     shared::HdsLight light = PlainLight();
     light.type = HDS_LIGHT_MESH;
     light.flags = (mesh.twoSided ? HDS_LIGHT_TWO_SIDED : 0U) |
-                  (mesh.isGlowing ? HDS_LIGHT_GLOWING : 0U) | (isWeighed ? HDS_LIGHT_WEIGHED : 0U) |
-                  (mesh.lux ? HDS_LIGHT_REPLACES : 0U);
+                  (mesh.hasTexturedEmission ? HDS_LIGHT_TEXTURED_EMISSION : 0U) |
+                  (isWeighed ? HDS_LIGHT_WEIGHED : 0U) | (mesh.lux ? HDS_LIGHT_REPLACES : 0U);
     *factor = kPi * (mesh.twoSided ? 2.0 : 1.0);
     if (mesh.lux) {
         light.flags |= mesh.lux->light.visibleToCamera ? HDS_LIGHT_VISIBLE : 0U;
@@ -348,7 +348,7 @@ shared::HdsLight Builder::BeginMesh(const EmissiveMesh& mesh, bool isWeighed, do
         AddControls(*mesh.lux, &light);
     }
     _table.hasMeshes = true;
-    _table.hasGlow = _table.hasGlow || mesh.isGlowing;
+    _table.hasTexturedEmission = _table.hasTexturedEmission || mesh.hasTexturedEmission;
     return light;
 }
 

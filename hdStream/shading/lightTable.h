@@ -45,13 +45,13 @@ struct LightTable {
     std::vector<shared::HdsLight> lights;    ///< those at infinity first
     std::vector<shared::HdsLightNode> nodes; ///< the light tree
     std::vector<shared::HdsLightTriangle> triangles;
-    std::vector<float> cdf;      ///< lightCdf
-    std::uint32_t numImages = 0; ///< of the lights, so many have an image
-    bool hasShaping = false;     ///< some light is shaped
-    bool hasControls = false;    ///< some is linked, or has multipliers or shadow controls
-    bool hasPortals = false;     ///< some is a dome with portals
-    bool hasMeshes = false;      ///< some is a mesh
-    bool hasGlow = false;        ///< some is a mesh with HDS_LIGHT_GLOWING
+    std::vector<float> cdf;           ///< lightCdf
+    std::uint32_t numImages = 0;      ///< of the lights, so many have an image
+    bool hasShaping = false;          ///< some light is shaped
+    bool hasControls = false;         ///< some is linked, or has multipliers or shadow controls
+    bool hasPortals = false;          ///< some is a dome with portals
+    bool hasMeshes = false;           ///< some is a mesh
+    bool hasTexturedEmission = false; ///< some is a mesh with HDS_LIGHT_TEXTURED_EMISSION
     /// For each emissive mesh of the input where its HDS_MESH_LIGHT begins in `cdf`, or HDS_NONE
     /// (black or no area).
     std::vector<std::uint32_t> tableByMesh;

@@ -17,8 +17,8 @@ void EvictionOrder::Renumber(const std::vector<std::uint32_t>& previous) {
     RenumberPages(previous, &_pages);
 }
 
-void LastUseOrder::BeginService() {
-    EvictionOrder::BeginService();
+void LastUseOrder::BeginRound() {
+    EvictionOrder::BeginRound();
     _isCounted = false;
 }
 
@@ -46,7 +46,7 @@ bool LastUseOrder::Next(const PageTable& table, const PageUses& uses,
     return true;
 }
 
-/// Counts by age what may leave in this service.
+/// Counts by age what may leave in this round.
 void LastUseOrder::CountAges(const PageTable& table, const PageUses& uses) {
     _isCounted = true;
     _victims.clear();
@@ -60,7 +60,7 @@ void LastUseOrder::CountAges(const PageTable& table, const PageUses& uses) {
 }
 
 /// Puts the next younger pages into the heap, as few of many leave: a heap of all would take longer
-/// than what is left of the service.
+/// than what is left of the round.
 void LastUseOrder::ListVictims(const PageTable& table, const PageUses& uses) {
     const std::uint32_t end = _listedAge;
     std::uint32_t count = 0;

@@ -18,12 +18,12 @@ public:
 
     /// Numbers pages anew. \param previous as of PageTable::Renumber.
     void Renumber(const std::vector<std::uint32_t>& previous);
-    /// Begins a service: no page is protected.
-    virtual void BeginService() { ++_service; }
+    /// Begins a round: no page is protected.
+    virtual void BeginRound() { ++_round; }
 
-    /// A page stays as long as the service lasts: it was loaded in it, or found needed.
-    void Protect(std::uint32_t page) { _pages[page].protectedIn = _service; }
-    bool IsProtected(std::uint32_t page) const { return _pages[page].protectedIn == _service; }
+    /// A page stays as long as the round lasts: it was loaded in it, or found needed.
+    void Protect(std::uint32_t page) { _pages[page].protectedIn = _round; }
+    bool IsProtected(std::uint32_t page) const { return _pages[page].protectedIn == _round; }
     /// How many asked for a page when it was loaded.
     void SetWanted(std::uint32_t page, std::uint32_t count) { _pages[page].wanted = count; }
     std::uint32_t Wanted(std::uint32_t page) const { return _pages[page].wanted; }
@@ -39,18 +39,18 @@ public:
 private:
     struct State {
         std::uint32_t wanted = 0;
-        std::uint32_t protectedIn = 0; ///< number of a service
+        std::uint32_t protectedIn = 0; ///< number of a round
     };
 
     std::vector<State> _pages;
-    std::uint32_t _service = 0;
+    std::uint32_t _round = 0;
 };
 
 /// One page at a time: that which was used least recently, of equally recent ones that which
 /// fewest asked for.
 class LastUseOrder : public EvictionOrder {
 public:
-    void BeginService() override;
+    void BeginRound() override;
     bool Next(const PageTable& table, const PageUses& uses,
               std::vector<std::uint32_t>* pages) override;
 
@@ -70,7 +70,7 @@ private:
     void CountAges(const PageTable& table, const PageUses& uses);
     void ListVictims(const PageTable& table, const PageUses& uses);
 
-    bool _isCounted = false; ///< in this service
+    bool _isCounted = false; ///< in this round
     std::array<std::uint32_t, kNumAges>
         _numByAge{};              ///< of what may leave; the last: all older ones
     std::uint32_t _listedAge = 0; ///< this age and older ones are, or were, in the heap

@@ -18,7 +18,7 @@ struct StreamingStatistics {
     std::uint64_t evictions = 0;
     std::uint64_t chunksUsed = 0; ///< groups of which a page was asked for and loaded, or used
     double prepareSeconds = 0.0;  ///< making the bytes of pages
-    double serviceSeconds = 0.0;  ///< reading requests, choosing, publishing
+    double requestSeconds = 0.0;  ///< reading requests, choosing, publishing
     double transferSeconds = 0.0;
 };
 
@@ -60,7 +60,7 @@ public:
     void SetHeld(std::uint64_t bytes) { _held.Set(bytes); }
 
     void AddPrepareSeconds(double seconds) { _statistics.prepareSeconds += seconds; }
-    void AddServiceSeconds(double seconds) { _statistics.serviceSeconds += seconds; }
+    void AddRequestSeconds(double seconds) { _statistics.requestSeconds += seconds; }
     void AddTransferSeconds(double seconds) { _statistics.transferSeconds += seconds; }
 
     const StreamingStatistics& Statistics() const { return _statistics; }

@@ -22,12 +22,12 @@ bool ReportPool::Update(PageProvider* provider, std::uint64_t budgetBytes) {
     return StreamingPool::Update(provider, budgetBytes);
 }
 
-void ReportPool::Settle() {
-    BeginCast(); // kernels that do not stream know nothing of "done"
-    StreamingPool::Settle();
+void ReportPool::MakeResident() {
+    BeginBatch(); // kernels that do not stream know nothing of "done"
+    StreamingPool::MakeResident();
 }
 
-void ReportPool::BeginCast() {
+void ReportPool::BeginBatch() {
     BeginEpoch();
     if (std::find(_isDone.begin(), _isDone.end(), true) != _isDone.end()) {
         _isDone.assign(_isDone.size(), false);
@@ -35,11 +35,11 @@ void ReportPool::BeginCast() {
     }
 }
 
-void ReportPool::ServiceCast() {
+void ReportPool::ProcessBatchRequests() {
     for (std::uint32_t page = 0; page < _isDone.size(); ++page) {
         _isDone[page] = _isDone[page] || Table().HasPlace(page);
     }
-    ServiceRequests(false);
+    ProcessRound(false);
 }
 
 void ReportPool::PublishTable() {

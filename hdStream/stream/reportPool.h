@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The report's own streaming, which ours is measured against (docs/streaming.md, Report mode): all
-// pages leave a full pool at once, and pages that all rays of a cast have visited are done.
+// pages leave a full pool at once, and pages that all rays of a batch have visited are done.
 #pragma once
 
 #include "hdStream/stream/streamingPool.h"
@@ -14,7 +14,7 @@ namespace hds {
 
 /// What leaves a pool that is full.
 enum class Eviction {
-    Clock, ///< LastUseOrder
+    Lru,   ///< LastUseOrder
     Flush, ///< FlushOrder
 };
 
@@ -26,26 +26,26 @@ public:
               std::vector<std::uint32_t>* pages) override;
 };
 
-/// A pool for rays that walk again from the root: BeginCast; launch; then, as long as rays wait,
-/// ServiceCast and launch again. Words of the table carry HDS_PAGE_DONE besides.
+/// A pool for rays that walk again from the root: BeginBatch; launch; then, as long as rays wait,
+/// ProcessBatchRequests and launch again. Words of the table carry HDS_PAGE_DONE besides.
 class ReportPool : public StreamingPool {
 public:
     using StreamingPool::StreamingPool;
 
     bool Update(PageProvider* provider, std::uint64_t budgetBytes) override;
-    void Settle() override;
+    void MakeResident() override;
 
-    /// Begins a cast: no page is done.
-    void BeginCast();
+    /// Begins a ray batch: no page is done.
+    void BeginBatch();
     /// After an iteration: the pages that were resident in it are done, those asked for most are
     /// loaded. Blocks.
-    void ServiceCast();
+    void ProcessBatchRequests();
 
 protected:
     void PublishTable() override;
 
 private:
-    std::vector<bool> _isDone; ///< of the present cast
+    std::vector<bool> _isDone; ///< of the present batch
 };
 
 /// A pool as --geometryEviction and --request choose it.

@@ -108,8 +108,8 @@ std::uint64_t StreamingPool::GroupBytes(std::uint32_t first) const {
     return bytes;
 }
 
-/// The largest group must fit the largest buffer, so that each service can load one. \return its
-/// bytes.
+/// The largest group must fit the largest buffer, so that each round of requests can load one.
+/// \return its bytes.
 std::uint64_t StreamingPool::CheckFits(std::uint64_t budgetBytes) {
     const std::uint64_t limit = std::min(budgetBytes, _bufferLimit);
     std::uint64_t largest = 0;
@@ -166,15 +166,15 @@ void StreamingPool::BeginEpoch() {
     _useTable.Write(&epoch, sizeof(epoch), HDS_USE_EPOCH * sizeof(epoch));
 }
 
-void StreamingPool::Service() {
-    ServiceRequests(true);
+void StreamingPool::ProcessRequests() {
+    ProcessRound(true);
     BeginEpoch();
 }
 
-void StreamingPool::ServiceRequests(bool withGroups) {
+void StreamingPool::ProcessRound(bool withGroups) {
     const Timer timer;
     const StreamingStatistics before = Statistics();
-    _order->BeginService();
+    _order->BeginRound();
     _hasEvicted = false;
     ReadUses();
     PlaceInBatches(_uses.TakeRequests(_table, withGroups), withGroups);
@@ -185,7 +185,7 @@ void StreamingPool::ServiceRequests(bool withGroups) {
     LoadQueued(); // the last batch
     PublishUses();
     const StreamingStatistics& after = _counters.Statistics();
-    _counters.AddServiceSeconds(timer.Seconds() - (after.prepareSeconds - before.prepareSeconds) -
+    _counters.AddRequestSeconds(timer.Seconds() - (after.prepareSeconds - before.prepareSeconds) -
                                 (after.transferSeconds - before.transferSeconds));
 }
 

@@ -18,8 +18,8 @@ namespace hds {
 /// Device memory that holds some pages of a provider. Pages come in groups of kGroupPages, which
 /// shading needs together. Externally synchronised.
 ///
-/// Launch; then, as long as items wait for pages, Service and launch again over them. Each service
-/// loads at least one page, or group, that was asked for.
+/// Launch; then, as long as items wait for pages, ProcessRequests and launch again over them. Each
+/// round loads at least one page, or group, that was asked for.
 ///
 /// Pages that should stay (PageProvider) are pinned: once loaded they leave with the scene only.
 /// They have a range of their own of at most a quarter of the pool, which leaves room for the
@@ -50,11 +50,11 @@ public:
     bool LoadMissing(std::uint64_t bytes);
     /// All pages are resident and stay: kernels may read them without asking, and their bytes need
     /// not be kept elsewhere. \pre MissingBytes() is 0.
-    virtual void Settle();
+    virtual void MakeResident();
 
     /// Loads what was asked for most: pages, and whole groups by the page that asks for them.
     /// Blocks.
-    void Service();
+    void ProcessRequests();
 
     /// What kernels tell of each page (kernels/shared/residency.h).
     const Buffer& Uses() const { return _useTable; }
@@ -67,8 +67,9 @@ public:
 protected:
     const PageTable& Table() const { return _table; }
     void BeginEpoch();
-    /// Service without a new epoch. \param withGroups whether whole groups may be asked for.
-    void ServiceRequests(bool withGroups);
+    /// ProcessRequests without a new epoch. \param withGroups whether whole groups may be asked
+    /// for.
+    void ProcessRound(bool withGroups);
     /// Publishes the words of the table.
     virtual void PublishTable() { WriteWords(_table.Words()); }
     void WriteWords(const std::vector<std::uint32_t>& words);
@@ -103,8 +104,8 @@ private:
     std::vector<std::uint64_t> _pageBytes; ///< as the pool plans with them
     std::vector<std::uint32_t> _queued;    ///< placed and prepared, to be loaded
     std::vector<std::uint32_t> _leaving;   ///< as of EvictionOrder::Next
-    std::uint64_t _placedBytes = 0;        ///< in this service
-    bool _hasEvicted = false;              ///< room had to be made in this service
+    std::uint64_t _placedBytes = 0;        ///< in this round
+    bool _hasEvicted = false;              ///< room had to be made in this round
 };
 
 } // namespace hds

@@ -64,7 +64,7 @@ bool StreamingPool::LoadMissing(std::uint64_t bytes) {
     return hasRoom;
 }
 
-void StreamingPool::Settle() {
+void StreamingPool::MakeResident() {
     HDS_VERIFY(MissingBytes() == 0, _label);
     BeginEpoch();
     for (std::uint32_t page = 0; page < _table.NumPages(); ++page) {

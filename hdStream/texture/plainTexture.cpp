@@ -84,7 +84,7 @@ std::string ReadRows(const ImageSource& source, const TextureRequest& request, s
     try {
         const ColorDecoder decoder(request.colorSpace, file->Spec(), warning);
         TextureForm form = ChooseTextureForm(*file, decoder, request);
-        error = SettleForm(file.get(), decoder, &form);
+        error = ChooseForm(file.get(), decoder, &form);
         if (error.empty()) {
             TexelRepairs repairs;
             error = TextureRows(file.get(), &decoder, form).Read(begin(*file, form), &repairs);

@@ -90,7 +90,7 @@ void ResidentTextures::UploadLines(LineProvider* provider) {
     _statistics.linesLoaded += numLines;
     _statistics.uniqueBytesLoaded += std::uint64_t{numLines} * HDS_LINE_BYTES;
     _statistics.uploadedBytes += std::uint64_t{numLines} * HDS_LINE_BYTES;
-    _statistics.serviceSeconds += timer.Seconds() - (_statistics.readSeconds - readBefore);
+    _statistics.requestSeconds += timer.Seconds() - (_statistics.readSeconds - readBefore);
 }
 
 TextureBinding ResidentTextures::Binding() const {

@@ -10,13 +10,13 @@
 
 namespace hds {
 
-/// Items that are to be launched again. As long as services find room for what is asked for, all go
-/// together; when they do not and nothing gets done, fewer and fewer, in the end one alone, which
-/// always finds room. Externally synchronised.
+/// Items that are to be launched again. As long as rounds of requests find room for what is asked
+/// for, all go together; when they do not and nothing gets done, fewer and fewer, in the end one
+/// alone, which always finds room. Externally synchronised.
 ///
 ///     TexelWaiters waiters(numLaunched, items that wait);
 ///     while (!waiters.IsEmpty()) {
-///         waiters.Continue(pool.Service());
+///         waiters.Continue(pool.ProcessRequests());
 ///         batch = waiters.Take(); launch it; waiters.Return(items of it that wait);
 ///     }
 class TexelWaiters {

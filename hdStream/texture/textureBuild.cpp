@@ -110,7 +110,7 @@ BuiltTexture Build(const ImageSource& source, const TextureRequest& request,
     TextureDescription& description = built.description;
     const ColorDecoder decoder(request.colorSpace, file->Spec(), &description.warning);
     TextureForm form = ChooseTextureForm(*file, decoder, request);
-    error = SettleForm(file.get(), decoder, &form);
+    error = ChooseForm(file.get(), decoder, &form);
     const auto record = error.empty() ? RecordOf(*file, form, &error) : std::nullopt;
     if (!record) {
         return MakeMissingTexture(error);

@@ -10,7 +10,7 @@ namespace hds {
 
 namespace {
 
-/// Lines that a task reads, so that small services are no work for a second core.
+/// Lines that a task reads, so that small rounds of requests are no work for a second core.
 constexpr std::size_t kLinesPerTask = 64;
 
 } // namespace

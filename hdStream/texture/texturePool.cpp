@@ -145,7 +145,7 @@ void TexturePool::MakeRequests() {
     _requests = Buffer(_device, "texture requests", (setBegin + setSize) * kWord);
     std::array<std::uint32_t, HDS_TEXELS_HEADER> header{};
     header[HDS_TEXELS_EPOCH] = _epoch;
-    header[HDS_TEXELS_ACCEPT] = _accepts ? 1 : 0;
+    header[HDS_TEXELS_ACCEPT_COARSER_MIPS] = _acceptsCoarserMips ? 1 : 0;
     header[HDS_TEXELS_CAPACITY] = capacity;
     header[HDS_TEXELS_SET_BEGIN] = setBegin;
     header[HDS_TEXELS_SET_MASK] = setSize - 1;
@@ -185,11 +185,11 @@ std::vector<std::uint32_t> TexturePool::TakeWaiting() {
     return items;
 }
 
-void TexturePool::SetAccepts(bool accepts) {
-    if (accepts != _accepts) {
-        _accepts = accepts;
+void TexturePool::SetAcceptsCoarserMips(bool accepts) {
+    if (accepts != _acceptsCoarserMips) {
+        _acceptsCoarserMips = accepts;
         const std::uint32_t word = accepts ? 1 : 0;
-        _requests.Write(&word, kWord, HDS_TEXELS_ACCEPT * kWord);
+        _requests.Write(&word, kWord, HDS_TEXELS_ACCEPT_COARSER_MIPS * kWord);
     }
 }
 
@@ -224,7 +224,7 @@ std::vector<std::uint32_t> TexturePool::TakeRequests() {
     return requests;
 }
 
-TexturePool::Outcome TexturePool::Service() {
+TexturePool::Outcome TexturePool::ProcessRequests() {
     const Timer timer;
     const double before = _statistics.openSeconds + _statistics.readSeconds;
     Outcome outcome;
@@ -245,8 +245,8 @@ TexturePool::Outcome TexturePool::Service() {
     LoadAll(loads, &outcome);
     ++_epoch;
     _requests.Write(&_epoch, kWord, HDS_TEXELS_EPOCH * kWord);
-    ++_statistics.services;
-    _statistics.serviceSeconds +=
+    ++_statistics.requestRounds;
+    _statistics.requestSeconds +=
         timer.Seconds() - (_statistics.openSeconds + _statistics.readSeconds - before);
     return outcome;
 }

@@ -20,14 +20,14 @@ namespace hds {
 
 /// Device memory that holds some lines of a provider's textures. Externally synchronised.
 ///
-/// Launch; then, as long as items wait for texels, Service and launch again over those that wait.
-/// Kernels mark what they use; a service takes nothing away that was used since the one before. It
-/// ends because lines stay as long as items that wait use them. When a service could not load all
+/// Launch; then, as long as items wait for texels, ProcessRequests and launch again over those that
+/// wait. Kernels mark what they use; a round takes nothing away that was used since the one before.
+/// It ends because lines stay as long as items that wait use them. When a round could not load all
 /// that was asked for, and no item was done since the one before, the pool is too small for so many
 /// items at once: launch fewer. One item alone always finds room.
 class TexturePool {
 public:
-    /// What a service has done.
+    /// What a round has done.
     struct Outcome {
         std::uint32_t numLoaded = 0; ///< lines, and textures that were opened
         std::uint32_t numDenied = 0; ///< requests that found no room
@@ -55,9 +55,9 @@ public:
 
     /// Whether the launches to come take coarser mips for lines that are missing: only items of
     /// whose texture nothing is loaded yet wait.
-    void SetAccepts(bool accepts);
+    void SetAcceptsCoarserMips(bool accepts);
     /// Opens textures and loads lines that were asked for. Blocks.
-    Outcome Service();
+    Outcome ProcessRequests();
     /// Adds what kernels have counted to the statistics. Blocks.
     void CollectCounts();
 
@@ -115,11 +115,11 @@ private:
     Buffer _updates;
     std::vector<std::uint8_t> _stagedBytes;
     std::vector<std::uint32_t> _stampValues;
-    bool _hasStamps = false; ///< they are read, in this service
-    bool _accepts = false;
+    bool _hasStamps = false; ///< they are read, in this round
+    bool _acceptsCoarserMips = false;
     std::uint32_t _setBegin = 0;
     std::uint32_t _setSize = 0;
-    std::uint32_t _epoch = 1; ///< counts services
+    std::uint32_t _epoch = 1; ///< counts rounds of requests
     std::uint64_t _generation = 0;
     TextureStatistics _statistics;
 };

@@ -192,7 +192,7 @@ std::string WarningOf(const TexelRepairs& repairs) {
            std::to_string(repairs.numClamped) + " too large values were replaced";
 }
 
-std::string SettleForm(ImageFile* file, const ColorDecoder& decoder, TextureForm* form) {
+std::string ChooseForm(ImageFile* file, const ColorDecoder& decoder, TextureForm* form) {
     if (!form->dependsOnRange) {
         return {};
     }

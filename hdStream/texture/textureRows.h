@@ -41,7 +41,7 @@ std::string WarningOf(const TexelRepairs& repairs);
 
 /// Decides what of a form depends on the values. \return an error, one line that names the file,
 /// or empty
-std::string SettleForm(ImageFile* file, const ColorDecoder& decoder, TextureForm* form);
+std::string ChooseForm(ImageFile* file, const ColorDecoder& decoder, TextureForm* form);
 
 /// Reads one file. One thread.
 class TextureRows {

@@ -17,11 +17,11 @@ struct TextureStatistics {
     std::uint64_t lookups = 0;        ///< texels read, also by items that had to come again
     std::uint64_t misses = 0;         ///< of these, those whose line was missing
     std::uint64_t fallbackTexels = 0; ///< of these, those that took a coarser mip for good
-    std::uint64_t services = 0;
+    std::uint64_t requestRounds = 0;
     std::uint64_t droppedRequests = 0; ///< for want of room in the list; they come again
     double openSeconds = 0.0;          ///< preparing textures
     double readSeconds = 0.0;          ///< of lines
-    double serviceSeconds = 0.0;       ///< all else
+    double requestSeconds = 0.0;       ///< all else
 };
 
 } // namespace hds

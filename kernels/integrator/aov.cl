@@ -2,9 +2,9 @@
  * First-hit AOVs: one ray through each pixel's centre and the lens' centre; surfaces that let
  * everything pass are not there. From: the active queue after intersect. To: the AOV buffers, and
  * the next active queue for rays that passed. Explained in docs/film.md. */
+#include "integrator/itemLoop.clh"
 #include "integrator/passThrough.clh"
 #include "integrator/pathState.clh"
-#include "integrator/run.clh"
 
 /* Depth along the camera's -z, and the [0,1] depth of its clip range. */
 float2 aov_depths(constant const HdsFrameParams* frame, float3 position) {
@@ -143,7 +143,7 @@ void aov_store(constant const HdsFrameParams* frame, const HdsSceneView* scene, 
     aov_storeHit(frame, scene, &surface, &bsdf, shading.wo.z, offsets, primvarSlots, pixel, ids);
 }
 
-/* Global size: runs of count. */
+/* Global size: count items, HDS_ITEMS_PER_WORK_ITEM for each work-item. */
 kernel void aov_firstHit(HDS_SCENE_ARGS, constant const HdsFrameParams* frame, global uchar* state,
                          uint numSlots, global const uint* restrict queue, uint count,
                          global uint* restrict waitQueue, global uint* restrict nextQueue,
@@ -151,7 +151,7 @@ kernel void aov_firstHit(HDS_SCENE_ARGS, constant const HdsFrameParams* frame, g
                          HdsAovOffsets offsets, global const uint* primvarSlots) {
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
-    HDS_FOR_RUN(item, count) {
+    HDS_FOR_ITEMS(item, count) {
         aov_store(frame, &scene, paths, queue[item], waitQueue, nextQueue, counters, floats, ints,
                   offsets, primvarSlots);
     }

@@ -2,30 +2,31 @@
  * Finds the closest hit of each active ray. From: the active queue. To: the same (shade or aov
  * reads it). While geometry streams also: to the queue of rays that wait for chunks, and from there
  * to the slots that are ready. Divergence: the traversal loop. Explained in docs/wavefront.md. */
-#include "integrator/run.clh"
+#include "integrator/itemLoop.clh"
 #include "integrator/trace.clh"
 
-/* Global size: runs of count. Appends rays that wait for a chunk (only while geometry streams). */
+/* Global size: count items, HDS_ITEMS_PER_WORK_ITEM for each work-item. Appends rays that wait for
+ * a chunk (only while geometry streams). */
 kernel void intersect_closest(HDS_GEOMETRY_ARGS, global uchar* state, uint numSlots,
                               global const uint* restrict queue, uint count,
                               global uint* restrict waitQueue, volatile global uint* counters) {
     HdsPaths paths = {state, numSlots};
     HDS_GEOMETRY_VIEW(view);
-    HDS_FOR_RUN(item, count) {
+    HDS_FOR_ITEMS(item, count) {
         trace_closest(&view, paths, queue[item], waitQueue, counters);
     }
 }
 
 #if HDS_FEATURE_STREAMING
-/* Global size: runs of count. Goes on with rays that have waited. Appends those that wait again,
- * and slots that are ready to be shaded. */
+/* Global size: count items, HDS_ITEMS_PER_WORK_ITEM for each work-item. Goes on with rays that have
+ * waited. Appends those that wait again, and slots that are ready to be shaded. */
 kernel void intersect_resume(HDS_GEOMETRY_ARGS, global uchar* state, uint numSlots,
                              global const uint* restrict queue, uint count,
                              global uint* restrict waitQueue, global uint* restrict readyQueue,
                              volatile global uint* counters) {
     HdsPaths paths = {state, numSlots};
     HDS_GEOMETRY_VIEW(view);
-    HDS_FOR_RUN(item, count) {
+    HDS_FOR_ITEMS(item, count) {
         trace_resumeClosest(&view, paths, queue[item], waitQueue, readyQueue, counters);
     }
 }

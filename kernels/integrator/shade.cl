@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0
- * Shades the hits of a cast: lights seen along the ray, emission, one light sample (a shadow ray)
- * and one BSDF sample (the next ray). From: the active queue after intersect. To: the next active
- * queue and the shadow queue. Source: path tracing with next-event estimation and multiple
+ * Shades the hits of a ray batch: lights seen along the ray, emission, one light sample (a shadow
+ * ray) and one BSDF sample (the next ray). From: the active queue after intersect. To: the next
+ * active queue and the shadow queue. Source: path tracing with next-event estimation and multiple
  * importance sampling by the power heuristic, Veach 1997, sections 9.2 and 10.3. Explained in
  * docs/wavefront.md. */
 #include "integrator/choices.clh"
+#include "integrator/itemLoop.clh"
 #include "integrator/passThrough.clh"
 #include "integrator/pathState.clh"
 #include "integrator/pixelSampler.clh"
-#include "integrator/run.clh"
 #include "integrator/shadeLight.clh"
 
 /* Samples the BSDF; true when the next ray was written to slot i. */
@@ -228,26 +228,27 @@ uint shade_path(constant const HdsFrameParams* frame, const HdsSceneView* scene,
     return (goesOn ? HDS_SHADE_GOES_ON : 0u) | (hasShadow ? HDS_SHADE_SHADOW : 0u);
 }
 
-/* Global size: runs of count. Appends paths that go on, shadow rays, and paths that wait for their
- * hit's pages or texels. Paths whose rays wait are left out. */
+/* Global size: count items, HDS_ITEMS_PER_WORK_ITEM for each work-item. Appends paths that go on,
+ * shadow rays, and paths that wait for their hit's pages or texels. Paths whose rays wait are left
+ * out. */
 kernel void shade_paths(HDS_SCENE_ARGS, constant const HdsFrameParams* frame, global uchar* state,
                         uint numSlots, global const uint* restrict queue, uint count,
                         global uint* restrict waitQueue, global uint* restrict nextQueue,
                         global uint* restrict shadowQueue, volatile global uint* counters) {
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
-    HdsRunList next = {0u};
-    HdsRunList shadows = {0u};
-    HDS_FOR_RUN(item, count) {
+    HdsItemList next = {0u};
+    HdsItemList shadows = {0u};
+    HDS_FOR_ITEMS(item, count) {
         const uint i = queue[item];
         const uint result = shade_path(frame, &scene, paths, i, waitQueue, counters);
         if ((result & HDS_SHADE_GOES_ON) != 0u) {
-            run_append(&next, i);
+            items_append(&next, i);
         }
         if ((result & HDS_SHADE_SHADOW) != 0u) {
-            run_append(&shadows, i);
+            items_append(&shadows, i);
         }
     }
-    run_flush(&next, nextQueue, &counters[HDS_COUNTER_ACTIVE]);
-    run_flush(&shadows, shadowQueue, &counters[HDS_COUNTER_SHADOW]);
+    items_flush(&next, nextQueue, &counters[HDS_COUNTER_ACTIVE]);
+    items_flush(&shadows, shadowQueue, &counters[HDS_COUNTER_SHADOW]);
 }

@@ -3,8 +3,8 @@
  * a candidate, which shadow_pass dims by the transparency there and sends on. From: the shadow
  * queue. To: path radiance, or the candidate queue and back; while geometry streams also to the
  * queues of what waits. Explained in docs/wavefront.md. */
+#include "integrator/itemLoop.clh"
 #include "integrator/passThrough.clh"
-#include "integrator/run.clh"
 #include "integrator/trace.clh"
 
 void shadow_addRadiance(HdsPaths paths, uint i) {
@@ -28,11 +28,12 @@ void shadow_addBlocked(const HdsSceneView* scene, HdsPaths paths, uint i, float3
 #endif
 }
 
-/* Whether what arrives is known only where the ray meets its light (HDS_LIGHT_GLOWING). */
+/* Whether what arrives is known only where the ray meets its light (HDS_LIGHT_TEXTURED_EMISSION).
+ */
 bool shadow_needsLight(const HdsSceneView* scene, HdsPaths paths, uint i) {
-#if HDS_FEATURE_LIGHT_GLOW
+#if HDS_FEATURE_TEXTURED_EMISSION
     const uint light = path_load_shadowLight(paths, i).x;
-    return (scene->lights.lights[light].flags & HDS_LIGHT_GLOWING) != 0u;
+    return (scene->lights.lights[light].flags & HDS_LIGHT_TEXTURED_EMISSION) != 0u;
 #else
     return false;
 #endif
@@ -66,15 +67,16 @@ void shadow_arrive(const HdsSceneView* scene, HdsPaths paths, uint i, const HdsH
     shadow_end(paths, i, readyQueue, counters);
 }
 
-/* Global size: runs of count. Appends candidates (only with cut-outs) and, while geometry streams,
- * rays that wait for a chunk and slots that are ready. */
+/* Global size: count items, HDS_ITEMS_PER_WORK_ITEM for each work-item. Appends candidates (only
+ * with cut-outs) and, while geometry streams, rays that wait for a chunk and slots that are ready.
+ */
 kernel void shadow_cast(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
                         global const uint* restrict queue, uint count,
                         global uint* restrict waitQueue, global uint* restrict candidateQueue,
                         global uint* restrict readyQueue, volatile global uint* counters) {
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
-    HDS_FOR_RUN(item, count) {
+    HDS_FOR_ITEMS(item, count) {
         uint i = queue[item];
         HdsHit candidate;
         const uint found =
@@ -92,14 +94,15 @@ kernel void shadow_cast(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
 }
 
 #if HDS_FEATURE_STREAMING
-/* Global size: runs of count. Goes on with shadow rays that have waited. Appends as shadow_cast. */
+/* Global size: count items, HDS_ITEMS_PER_WORK_ITEM for each work-item. Goes on with shadow rays
+ * that have waited. Appends as shadow_cast. */
 kernel void shadow_resume(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
                           global const uint* restrict queue, uint count,
                           global uint* restrict waitQueue, global uint* restrict candidateQueue,
                           global uint* restrict readyQueue, volatile global uint* counters) {
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
-    HDS_FOR_RUN(item, count) {
+    HDS_FOR_ITEMS(item, count) {
         uint i = queue[item];
         HdsHit candidate;
         const uint found =
@@ -130,13 +133,13 @@ bool shadow_share(const HdsSceneView* scene, HdsPaths paths, uint i, const HdsSu
     return surfaceHit_passThrough(scene, surface, viewer, share);
 }
 
-#if HDS_FEATURE_LIGHT_GLOW
+#if HDS_FEATURE_TEXTURED_EMISSION
 /* Whether the candidate is the triangle that the shadow ray goes to. */
 bool shadow_isTarget(const HdsSceneView* scene, HdsPaths paths, uint i,
                      const HdsSurfaceHit* surface) {
     const uint4 target = path_load_shadowLight(paths, i);
     float pdfArea;
-    return (scene->lights.lights[target.x].flags & HDS_LIGHT_GLOWING) != 0u &&
+    return (scene->lights.lights[target.x].flags & HDS_LIGHT_TEXTURED_EMISSION) != 0u &&
            surface->primId == target.y && surfaceHit_light(scene, surface, &pdfArea) == target.x;
 }
 
@@ -174,7 +177,7 @@ void shadow_passCandidate(const HdsSceneView* scene, HdsPaths paths, uint i, glo
     surface.coneWidth = cones_width(cones_atHit(cones_unpack(radiance.w), hit.t, false));
     surface.choice = (HdsTexelChoice){0.0f, 8u};
 #endif
-#if HDS_FEATURE_LIGHT_GLOW
+#if HDS_FEATURE_TEXTURED_EMISSION
     if (shadow_isTarget(scene, paths, i, &surface)) {
         if (shadow_addTarget(scene, paths, i, &surface, -direction.xyz)) {
             shadow_end(paths, i, readyQueue, counters);
@@ -207,15 +210,16 @@ void shadow_passCandidate(const HdsSceneView* scene, HdsPaths paths, uint i, glo
     queue_append(queue, &counters[HDS_COUNTER_SHADOW], i);
 }
 
-/* Global size: runs of count. Appends rays of which something is left and, while geometry streams,
- * candidates that wait for their pages and slots that are ready. */
+/* Global size: count items, HDS_ITEMS_PER_WORK_ITEM for each work-item. Appends rays of which
+ * something is left and, while geometry streams, candidates that wait for their pages and slots
+ * that are ready. */
 kernel void shadow_pass(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
                         global const uint* restrict candidateQueue, uint count,
                         global uint* restrict waitQueue, global uint* restrict queue,
                         global uint* restrict readyQueue, volatile global uint* counters) {
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
-    HDS_FOR_RUN(item, count) {
+    HDS_FOR_ITEMS(item, count) {
         shadow_passCandidate(&scene, paths, candidateQueue[item], waitQueue, queue, readyQueue,
                              counters);
     }

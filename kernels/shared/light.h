@@ -23,7 +23,7 @@
 #define HDS_LIGHT_SAMPLED                                                  \
     16u /* only light samples find it after the first hit: its shadows are \
            not those of geometry, or its part in the lobes is not 1 */
-#define HDS_LIGHT_GLOWING                                                                       \
+#define HDS_LIGHT_TEXTURED_EMISSION                                                             \
     32u /* mesh: radiance is a factor on what the material emits at the point, which the shadow \
            ray finds out */
 #define HDS_LIGHT_WEIGHED                                                  \

@@ -5,7 +5,8 @@
 #define HDS_SHARED_REPORT_PAGE_H
 #include "shared/residency.h"
 
-/* Set beside an address or HDS_NOT_RESIDENT: every ray of the present cast has visited the page. */
+/* Set beside an address or HDS_NOT_RESIDENT: every ray of the present batch has visited the page.
+ */
 #define HDS_PAGE_DONE 0x80000000u
 
 #endif

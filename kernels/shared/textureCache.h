@@ -23,16 +23,17 @@
 
 /* The request buffer, u32 each: what the host says; what kernels count; the list of requests; and
  * the same requests as a set (open addressing), so that each is listed once. */
-#define HDS_TEXELS_EPOCH 0         /* stamp of the lines that are used now */
-#define HDS_TEXELS_ACCEPT 1        /* not 0: a coarser mip will do where a line is missing */
-#define HDS_TEXELS_CAPACITY 2      /* requests that the list holds */
-#define HDS_TEXELS_SET_BEGIN 3     /* word at which the set begins */
-#define HDS_TEXELS_SET_MASK 4      /* words of the set, a power of two, less 1 */
-#define HDS_TEXELS_NUM_REQUESTS 5  /* may exceed the capacity */
-#define HDS_TEXELS_NUM_DROPPED 6   /* requests that found no place */
-#define HDS_TEXELS_NUM_FALLBACKS 7 /* texels of a coarser mip that were accepted */
-#define HDS_TEXELS_LOOKUPS 8       /* [HDS_TEXELS_COUNTERS], by work-items: texels read */
-#define HDS_TEXELS_MISSES 40       /* likewise: of these, those whose line was missing */
+#define HDS_TEXELS_EPOCH 0               /* stamp of the lines that are used now */
+#define HDS_TEXELS_ACCEPT_COARSER_MIPS 1 /* not 0: a coarser mip will do where a line is missing \
+                                          */
+#define HDS_TEXELS_CAPACITY 2            /* requests that the list holds */
+#define HDS_TEXELS_SET_BEGIN 3           /* word at which the set begins */
+#define HDS_TEXELS_SET_MASK 4            /* words of the set, a power of two, less 1 */
+#define HDS_TEXELS_NUM_REQUESTS 5        /* may exceed the capacity */
+#define HDS_TEXELS_NUM_DROPPED 6         /* requests that found no place */
+#define HDS_TEXELS_NUM_FALLBACKS 7       /* texels of a coarser mip that were accepted */
+#define HDS_TEXELS_LOOKUPS 8             /* [HDS_TEXELS_COUNTERS], by work-items: texels read */
+#define HDS_TEXELS_MISSES 40             /* likewise: of these, those whose line was missing */
 #define HDS_TEXELS_COUNTERS 32u
 #define HDS_TEXELS_HEADER 72 /* here the list begins */
 /* Words of the set that a request tries. */

@@ -68,9 +68,9 @@ def Row(name: str, run: dict, resident: dict, residentBytes: int) -> str:
     time, geometry = run["time"], run["geometry"]
     cells = [name, f"{time['render']:.2f}", f"{time['render'] / resident['time']['render']:.2f}",
              f"{DeviceBytes(run) / residentBytes:.2f}",
-             " ".join(f"{time[key]:.2f}" for key in ("trace", "shade", "service", "transfer")),
+             " ".join(f"{time[key]:.2f}" for key in ("trace", "shade", "requests", "transfer")),
              f"{geometry['uploadedBytes'] / max(1, geometry['uniqueBytesLoaded']):.1f}",
-             f"{geometry['iterations'] / max(1, geometry['casts']):.1f} / {geometry['maxIterationsPerCast']}",
+             f"{geometry['iterations'] / max(1, geometry['rayBatches']):.1f} / {geometry['maxIterationsPerBatch']}",
              f"{geometry['raysRelaunched'] / 1e6:.2f}", f"{geometry['shadingRefetches']}", f"{run['wave']['size']}"]
     return "| " + " | ".join(cells) + " |"
 
@@ -84,7 +84,7 @@ def RunStage(name: str, path: str, camera: str, args) -> None:
     resident = Measure(scene, variants, args.repeats, args.samples)["resident"]
     streams = {}
     for pool in args.pools:
-        for eviction in ("clock", "flush") if args.flush else ("clock",):
+        for eviction in ("lru", "flush") if args.flush else ("lru",):
             streams[f"{pool} % {eviction}"] = dict(
                 residency="stream", geometryMemory=f"{pool}%", geometryEviction=eviction, waveSize=args.waveSize)
     runs = Measure(scene, streams, args.repeats, args.samples)
@@ -96,7 +96,7 @@ def RunStage(name: str, path: str, camera: str, args) -> None:
           f"{geometry['bytesTotal'] / 1e6:.1f} MB, always resident {geometry['alwaysResidentBytes'] / 1e6:.2f} MB, "
           f"{100 * touched:.0f} % of the chunks touched; {args.width} pixels wide, {args.samples} samples, "
           f"resident wave {residents[best]['wave']['size']}\n")
-    print("| pool | s | ratio | device memory | trace, shade, service, transfer | loaded / unique | iterations a cast: "
+    print("| pool | s | ratio | device memory | trace, shade, requests, transfer | loaded / unique | iterations a cast: "
           "mean / max | relaunched, M | refetches | wave |")
     print("|---|---|---|---|---|---|---|---|---|---|")
     for label, run in {"resident": resident, **runs}.items():

@@ -110,7 +110,7 @@ class EditedSession:
         old = prim.placement
         place = self._core.Placement(placement.get("matrix", old.worldFromObject), old.instancerPath, old.instances,
                                      placement.get("visible", old.visible))
-        copy = self._core.MeshPrim(mesh or prim.mesh, place, prim.purpose, prim.materialPath)
+        copy = self._core.GeometryPrim(mesh or prim.mesh, place, prim.purpose, prim.materialPath)
         copy.doubleSided, copy.subsetMaterialPaths = prim.doubleSided, prim.subsetMaterialPaths
         return copy
 
@@ -124,7 +124,7 @@ class EditedSession:
         self.session.SetMesh(path, self._Copy(prim, matrix=self._Matrix(prim.placement.worldFromObject)))
 
     def _OtherPoints(self, prim):
-        mesh = self._core.MeshDescription()
+        mesh = self._core.GeometryDescription()
         for name in ("faceVertexCounts", "faceVertexIndices", "holeIndices", "subdivisionScheme", "subdivTags", "leftHanded",
                      "primvars", "subsets"):
             setattr(mesh, name, getattr(prim.mesh, name))

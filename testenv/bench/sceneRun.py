@@ -37,7 +37,7 @@ class Scene:
 
 def TracingSeconds(statistics: dict) -> float:
     """Without what preparing and compiling take, which `time.render` of a first render holds."""
-    return sum(statistics["time"][key] for key in ("trace", "shade", "service", "transfer"))
+    return sum(statistics["time"][key] for key in ("trace", "shade", "requests", "transfer"))
 
 
 def RelMse(picture, reference) -> float:

@@ -26,8 +26,8 @@ from pxr import Usd  # noqa: E402
 from stages import bench, grove, streaming  # noqa: E402
 
 _POOLS = (100, 79, 50, 30, 15, 5, 2)
-_FACTORS = {"pool": _POOLS, "eviction": ("clock", "flush"), "prepare": ("lazy", "eager"), "cache": ("cold", "warm"),
-            "request": ("last", "first"), "traversal": ("wide", "lane"), "hostMemory": (0, 1 << 22)}
+_FACTORS = {"pool": _POOLS, "eviction": ("lru", "flush"), "prepare": ("lazy", "eager"), "cache": ("cold", "warm"),
+            "request": ("list", "first"), "traversal": ("simd8", "scalar"), "hostMemory": (0, 1 << 22)}
 _NUM_LARGE = 30
 SMALL = {
     "hugeMesh": lambda path: bench.WriteTerrain(path, cells=270),
@@ -94,7 +94,7 @@ class Scene:
         """('equal' | 'DIFFERENT' | the error, statistics)"""
         pool = max(leastPool, int(row["pool"] / 100 * self.geometry["bytesTotal"]))
         settings = dict(residency="stream", geometryMemory=str(pool), geometryEviction=row["eviction"], prepare=row["prepare"],
-                        request=row.get("request", "last"), traversal=row.get("traversal", "auto"),
+                        request=row.get("request", "list"), traversal=row.get("traversal", "auto"),
                         hostMemory=row.get("hostMemory", 0))
         if row["cache"] == "cold":
             settings["cacheDirectory"] = str(self.args.ColdCache())

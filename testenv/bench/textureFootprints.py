@@ -60,7 +60,7 @@ class _Card:
 
 
 def _Pixels(camera, card, width: int, height: int):
-    """The pixels that a card's outline may reach, or None."""
+    """The pixels that a card's summary may reach, or None."""
     matrix = np.stack([camera._dx, camera._dy, camera._base], axis=1)
     projected = np.linalg.solve(matrix, (card.corners - camera.origin).T).T
     assert (projected[:, 2] > 0).all(), "a card is behind the camera"

@@ -197,12 +197,12 @@ double MeasureMrays(std::size_t numRays, const Options& options, const Run& run)
 /// Our kernels on a device.
 class OurScene {
 public:
-    OurScene(const std::shared_ptr<Device>& device, const test::AccelScene& scene, bool wide)
+    OurScene(const std::shared_ptr<Device>& device, const test::AccelScene& scene, bool simd8)
         : _device(device), _scene(device, scene) {
         const std::string text = kKernels;
         _program =
             std::make_unique<Program>(device, "bench.cl",
-                                      ProgramDefines{{"HDS_TRAVERSAL_WIDE", wide ? "1" : "0"},
+                                      ProgramDefines{{"HDS_TRAVERSAL_SIMD8", simd8 ? "1" : "0"},
                                                      {"HDS_FEATURE_GROUPS", "0"},
                                                      {"HDS_FEATURE_CUTOUT", "0"},
                                                      {"HDS_FEATURE_MOTION", "0"},
@@ -278,12 +278,13 @@ void PrintBytes(const BenchScene& scene, const test::AccelScene& ours, double wa
                 triangles / compact.BuildSeconds() * 1e-6);
 }
 
-void PrintRow(const char* what, double wide, double lane, double standard, double compact,
+void PrintRow(const char* what, double simd8, double scalar, double standard, double compact,
               std::size_t differences, std::size_t numRays) {
-    std::printf("  %-16s  wide %.2f  lane %.2f  Embree default %.2f  compact+robust %.2f Mrays/s; "
-                "wide/default %.2f  wide/compact %.2f; differing %zu of %zu\n",
-                what, wide, lane, standard, compact, wide / standard, wide / compact, differences,
-                numRays);
+    std::printf(
+        "  %-16s  simd8 %.2f  scalar %.2f  Embree default %.2f  compact+robust %.2f Mrays/s; "
+        "simd8/default %.2f  simd8/compact %.2f; differing %zu of %zu\n",
+        what, simd8, scalar, standard, compact, simd8 / standard, simd8 / compact, differences,
+        numRays);
     std::fflush(stdout);
 }
 
@@ -311,8 +312,8 @@ void RunScene(const std::shared_ptr<Device>& device, const BenchScene& scene,
     const EmbreeScene compact(scene.meshes, scene.placements, true);
     PrintBytes(scene, ours, buildTime.count(), buildCpuSeconds, standard, compact);
 
-    OurScene wide(device, ours, true);
-    OurScene lane(device, ours, false);
+    OurScene simd8(device, ours, true);
+    OurScene scalar(device, ours, false);
     const std::vector<BenchRay> primary = PrimaryRays(scene, options.numRays);
     const auto numThreads = static_cast<unsigned>(options.numThreads);
     const std::vector<BenchRay> diffuse =
@@ -323,11 +324,12 @@ void RunScene(const std::shared_ptr<Device>& device, const BenchScene& scene,
         std::vector<EmbreeHit> hits;
         rates[2] =
             MeasureMrays(rays.size(), options, [&] { hits = standard.Closest(rays, numThreads); });
-        const auto ourHits = wide.Run<shared::HdsHit>("bench_closest", rays, options, &rates[0]);
+        const auto ourHits = simd8.Run<shared::HdsHit>("bench_closest", rays, options, &rates[0]);
         rates[3] =
             MeasureMrays(rays.size(), options, [&] { hits = compact.Closest(rays, numThreads); });
-        const auto laneHits = lane.Run<shared::HdsHit>("bench_closest", rays, options, &rates[1]);
-        if (std::memcmp(ourHits.data(), laneHits.data(), ourHits.size() * sizeof(ourHits[0])) !=
+        const auto scalarHits =
+            scalar.Run<shared::HdsHit>("bench_closest", rays, options, &rates[1]);
+        if (std::memcmp(ourHits.data(), scalarHits.data(), ourHits.size() * sizeof(ourHits[0])) !=
             0) {
             std::printf("  THE TWO FORMS DIFFER\n");
         }
@@ -344,8 +346,8 @@ void RunScene(const std::shared_ptr<Device>& device, const BenchScene& scene,
         rates[3] = MeasureMrays(rays.size(), options,
                                 [&] { blocked = compact.Occluded(finite, numThreads); });
         const auto ourBlocked =
-            wide.Run<std::uint32_t>("bench_occluded", finite, options, &rates[0]);
-        lane.Run<std::uint32_t>("bench_occluded", finite, options, &rates[1]);
+            simd8.Run<std::uint32_t>("bench_occluded", finite, options, &rates[0]);
+        scalar.Run<std::uint32_t>("bench_occluded", finite, options, &rates[1]);
         std::size_t differences = 0;
         for (std::size_t i = 0; i < blocked.size(); ++i) {
             differences += (ourBlocked[i] != 0) != (blocked[i] != 0) ? 1 : 0;
@@ -361,12 +363,12 @@ std::uint64_t RunWatertight(std::uint64_t numRays) {
     const std::vector<test::WatertightCase> cases = test::MakeWatertightCases();
     const std::uint64_t raysPerRun = numRays / (2 * cases.size()) + 1;
     std::uint64_t total = 0;
-    for (const bool wide : {true, false}) {
-        test::LeakCounter counter(device, wide);
+    for (const bool simd8 : {true, false}) {
+        test::LeakCounter counter(device, simd8);
         for (const test::WatertightCase& watertight : cases) {
             const std::uint64_t leaks = counter.Count(watertight, raysPerRun);
             std::printf("%-36s %-4s  %llu rays  %llu leaks\n", watertight.name.c_str(),
-                        wide ? "wide" : "lane", static_cast<unsigned long long>(raysPerRun),
+                        simd8 ? "simd8" : "scalar", static_cast<unsigned long long>(raysPerRun),
                         static_cast<unsigned long long>(leaks));
             std::fflush(stdout);
             total += leaks;

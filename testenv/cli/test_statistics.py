@@ -10,10 +10,10 @@ from cliCase import SCENE, SMALL, Run, WriteStage
 _KEYS = {
     "device": "name memory",
     "image": "width height samples",
-    "time": "load translate prepare compile trace service transfer shade firstPixel render total",
+    "time": "load translate prepare compile trace requests transfer shade firstPixel render total",
     "memory": "pathState film tables devicePeak hostPeak",
     "geometry": "mode streamedSamples meshes curves points instances triangles chunks bytesTotal budget peakBytes pinnedBytes alwaysResidentBytes "
-    "uniqueBytesLoaded uploadedBytes uploads evictions casts iterations maxIterationsPerCast raysRelaunched "
+    "uniqueBytesLoaded uploadedBytes uploads evictions rayBatches iterations maxIterationsPerBatch raysRelaunched "
     "shadingRefetches chunksTouched chunksBuilt chunksFromCache estimated",
     "texture": "mode textures bytesSource bytesTotal budget peakBytes linesTotal linesLoaded uniqueBytesLoaded "
     "uploadedBytes evictions tableBytes alwaysResidentBytes lookups misses shadePasses shadeIterations fallbackTexels "

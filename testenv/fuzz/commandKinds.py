@@ -8,7 +8,7 @@ from judge import SampleVerdict
 
 _NUMBERS = ["0", "-1", "1", "2", "3", "7", "0.5", "1e-9", "1e9", "1e300", "-0", "nan", "inf", "-inf", "4294967295", "4294967296",
             "18446744073709551616", "-2147483649", "0x10", "1_000", " 1", "1 ", "+1", "", "one", "\u0661", "1,2", "1e", "--", "%", "#"]
-_WORDS = ["", " ", "color", "none", "auto", "stream", "resident", "mapped", "adaptive", "complexity", "cage", "clock", "flush", "last",
+_WORDS = ["", " ", "color", "none", "auto", "stream", "resident", "mapped", "adaptive", "complexity", "cage", "lru", "flush", "list",
           "first", "lazy", "eager", "default", "render", "proxy", "guide", "low", "veryhigh", "sRGB", "openColorIO", "disabled", "mesh",
           "/main_cam", "/Render", "main_cam", "/", "//", "/Floor", "Floor,/Many", "a\nb", "\u00e9\u4e2d", "x" * 5000, "%s%n", "../x",
           "primvars:st", "primvars:displayColor", "depth,depth", "color,nothing", "color,,depth", ",", "variance", "box"]

@@ -149,7 +149,7 @@ def test_licences_are_those_of_the_packages_that_own_the_libraries(tmp_path, mon
     library = next(path for path in pathlib.Path("/usr/lib").rglob("libtbb.so.12.*") if not path.is_symlink())
     (bundled / library.name.replace(".so", "-0a1b2c3d.so", 1)).touch()
     licences.WriteLicences(bundled, tmp_path / "licenses")
-    # The oracle: dpkg's own record of which package brought the file.
+    # The oracle: dpkg's world instance of which package brought the file.
     owner = subprocess.run(["dpkg", "-S", library], capture_output=True, text=True, check=True).stdout.split(":")[0]
     table = (tmp_path / "licenses" / "THIRD_PARTY.md").read_text()
     assert re.search(rf"\| {owner} \| \S+ \| libtbb-0a1b2c3d\.so\S+ \| {owner}\.txt \|", table)

@@ -38,7 +38,7 @@ PLATES = {
     "disk": Plate("Disk", dict(translate=(-0.6, 1.8, 0.4), rotate=(-75, -20, 0)), dict(radius=0.7, intensity=5.0)),
     "cylinder": Plate("Cylinder", dict(translate=(0, 1.6, 0), rotate=(0, 35, 12)), dict(radius=0.15, length=2.5, intensity=5.0)),
     "distant": Plate("Distant", dict(rotate=(-60, 20, 0)), dict(angle=0.0, intensity=2.0)),
-    "distantWide": Plate("Distant", dict(rotate=(-60, -40, 0)), dict(angle=40.0, intensity=8.0)),
+    "distantSimd8": Plate("Distant", dict(rotate=(-60, -40, 0)), dict(angle=40.0, intensity=8.0)),
     "distantSun": Plate("Distant", dict(rotate=(-50, 10, 0)), dict(angle=0.53, intensity=2.0, normalize=True)),
     "dome": Plate("Dome", dict(), dict(intensity=0.7, color=(1.0, 0.5, 0.25))),
     "domeImage": Plate("Dome", dict(), dict(textureFile="./sky.exr", intensity=1.5)),

@@ -118,7 +118,7 @@ def FiveLights(stage, folder):
 
 @AddCase(lambert=True)
 def LightsSeen(stage, folder):
-    """Every finite light in view on black: its radiance and its outline in camera rays."""
+    """Every finite light in view on black: its radiance and its summary in camera rays."""
     author.AddLight(stage, "/World/Lamp", "Sphere", dict(translate=(-1.7, 0.9, 0)), radius=0.6, intensity=1.5)
     author.AddLight(stage, "/World/Panel", "Rect", dict(translate=(0.1, 0.9, 0), rotate=(15, 200, 20)), width=1.2, height=0.8,
                     intensity=0.8, color=(1, 0.5, 0.2))

@@ -103,11 +103,11 @@ def Torus(radius: float, tube: float, segments: int = 96, sides: int = 48) -> Sh
     return Shape(points, np.full(len(quads), 4), quads.ravel(), normals.reshape(-1, 3))
 
 
-def Prism(outline: np.ndarray, height: float) -> Shape:
-    """A polygon outline [n][2] in xz (counter-clockwise seen from above, may be concave) extruded
+def Prism(summary: np.ndarray, height: float) -> Shape:
+    """A polygon summary [n][2] in xz (counter-clockwise seen from above, may be concave) extruded
     upwards from y = 0: two n-gons and n quads, no normals."""
-    n = len(outline)
-    base = np.stack([outline[:, 0], np.zeros(n), -outline[:, 1]], 1)
+    n = len(summary)
+    base = np.stack([summary[:, 0], np.zeros(n), -summary[:, 1]], 1)
     points = np.concatenate([base, base + [0.0, height, 0.0]])
     sides = [[i, (i + 1) % n, n + (i + 1) % n, n + i] for i in range(n)]
     indices = list(range(n - 1, -1, -1)) + list(range(n, 2 * n)) + [k for side in sides for k in side]

@@ -84,11 +84,11 @@ class FullDisk:
 
 def MovedMesh(core, prim, offset):
     """A mesh with other points: all its pages are new."""
-    mesh = core.MeshDescription()
+    mesh = core.GeometryDescription()
     for name in ("faceVertexCounts", "faceVertexIndices", "holeIndices", "subdivisionScheme", "leftHanded", "primvars"):
         setattr(mesh, name, getattr(prim.mesh, name))
     mesh.points = np.array(prim.mesh.points).reshape(-1, 3) + np.float32(offset)
-    result = core.MeshPrim(mesh, prim.placement, prim.purpose, prim.materialPath)
+    result = core.GeometryPrim(mesh, prim.placement, prim.purpose, prim.materialPath)
     result.doubleSided = prim.doubleSided
     return result
 
@@ -163,7 +163,7 @@ class Case:
         assert geometry["chunksTouched"] > 0 or geometry["uniqueBytesLoaded"] == 0
         assert geometry["pinnedBytes"] <= geometry["budget"] // 4
         assert geometry["pinnedBytes"] <= geometry["peakBytes"] <= geometry["budget"]
-        assert geometry["iterations"] >= geometry["casts"] > 0
+        assert geometry["iterations"] >= geometry["rayBatches"] > 0
         self.AssertTextures(statistics["texture"])
         assert geometry["chunksTouched"] <= geometry["chunks"]
         assert geometry["streamedSamples"] == statistics["image"]["samples"]

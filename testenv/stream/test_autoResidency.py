@@ -43,8 +43,8 @@ def _RenderAuto(case, **settings):
     return geometry
 
 
-@pytest.mark.parametrize("settings", [dict(), dict(traversal="lane"), dict(request="first", geometryEviction="flush")],
-                         ids=["lists", "lane", "report"])
+@pytest.mark.parametrize("settings", [dict(), dict(traversal="scalar"), dict(request="first", geometryEviction="flush")],
+                         ids=["lists", "scalar", "report"])
 def test_becomes_resident_once_all_is_there(Field, settings):
     Field.Render(residency="resident", **_SETTINGS, **settings)
     geometry = _RenderAuto(Field, **settings)

@@ -43,4 +43,4 @@ def test_any_pool_gives_the_same_bits(Scene, pool):
 
 
 def test_scalar_traversal_gives_the_same_bits(Scene):
-    Scene.AssertStreams(geometryMemory="20%", traversal="lane")
+    Scene.AssertStreams(geometryMemory="20%", traversal="scalar")

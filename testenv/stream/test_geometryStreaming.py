@@ -14,7 +14,7 @@ from streamCase import Case
 _POOLS = ("100%", "79%", "50%", "30%", "15%", "5%", "2%")
 
 
-@pytest.mark.parametrize("eviction", ["clock", "flush"])
+@pytest.mark.parametrize("eviction", ["lru", "flush"])
 def test_any_pool_gives_the_same_bits(Scene, eviction):
     uploaded = []
     for pool in _POOLS:
@@ -30,10 +30,10 @@ def test_all_fits_means_loaded_once(Scene):
 
 
 @pytest.mark.parametrize("settings", [
-    dict(traversal="lane"),
-    dict(traversal="lane", geometryEviction="flush"),
+    dict(traversal="scalar"),
+    dict(traversal="scalar", geometryEviction="flush"),
     dict(request="first"),
-    dict(request="first", traversal="lane", geometryEviction="flush"),
+    dict(request="first", traversal="scalar", geometryEviction="flush"),
     dict(waveSize=1000),
     dict(waveSize=1 << 20),
 ], ids=lambda settings: "-".join(f"{key}={value}" for key, value in settings.items()))

@@ -75,7 +75,7 @@ def test_forgotten_pages_are_made_again(Scene, tmp_path):
 @pytest.mark.parametrize("isWarm, settings", [
     (False, dict(prepare="lazy", geometryEviction="flush")),
     (True, dict(prepare="eager", hostMemory=1 << 14)),
-    (True, dict(prepare="lazy", hostMemory=1 << 14, request="first", traversal="lane")),
+    (True, dict(prepare="lazy", hostMemory=1 << 14, request="first", traversal="scalar")),
     (False, dict(residency="resident", hostMemory=1 << 14)),
 ], ids=["cold-lazy-flush", "warm-eager-tinyHost", "warm-lazy-tinyHost-first-lane", "cold-resident-tinyHost"])
 def test_every_way_gives_the_same_bits(Scene, isWarm, settings, tmp_path):

@@ -17,8 +17,8 @@ def Scene(tmp_path_factory):
 
 @pytest.mark.parametrize("settings", [
     dict(geometryMemory="100%"), dict(geometryMemory="20%"), dict(geometryMemory="10%"),
-    dict(geometryMemory="20%", request="first"), dict(geometryMemory="20%", traversal="lane"),
-], ids=["all", "fifth", "tenth", "first", "lane"])
+    dict(geometryMemory="20%", request="first"), dict(geometryMemory="20%", traversal="scalar"),
+], ids=["all", "fifth", "tenth", "first", "scalar"])
 def test_any_pool_and_form_gives_the_same_bits(Scene, settings):
     geometry = Scene.AssertStreams(**settings)
     assert settings["geometryMemory"] == "100%" or geometry["evictions"] > 0, "the test would show little"

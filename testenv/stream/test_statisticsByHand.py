@@ -60,7 +60,7 @@ def test_rays_of_a_square_that_fills_half_of_the_picture(tmp_path, residency):
     assert rays["shadow"] == rays["indirect"] == _PIXELS // 2 * _SAMPLES
 
 
-# --- Casts, iterations and what waits ----------------------------------------------------------------
+# --- Ray batches, iterations and what waits ----------------------------------------------------------------
 
 
 def test_casts_and_iterations(tmp_path):
@@ -68,18 +68,18 @@ def test_casts_and_iterations(tmp_path):
     cast; in the first one all rays wait for the square's geometry and then all hits for its attributes."""
     settings = dict(waveSize=_PIXELS * _SAMPLES)
     resident = _Statistics(_Square(tmp_path), residency="resident", **settings)["geometry"]
-    assert resident["casts"] == resident["iterations"] == 4
-    assert resident["maxIterationsPerCast"] == 1
+    assert resident["rayBatches"] == resident["iterations"] == 4
+    assert resident["maxIterationsPerBatch"] == 1
     assert resident["raysRelaunched"] == resident["shadingRefetches"] == 0
     case = Case(tmp_path / "square.usda")
     first = _Statistics(case, residency="stream", **settings)["geometry"]
-    assert first["casts"] == 2
-    assert first["maxIterationsPerCast"] == 3
+    assert first["rayBatches"] == 2
+    assert first["maxIterationsPerBatch"] == 3
     assert first["iterations"] == 3 + 1
     assert first["raysRelaunched"] == _PIXELS, "one sample of all pixels; the three that follow find the page"
     assert first["uploads"] == 2 and first["shadingRefetches"] == 1, "geometry for rays, attributes for their hits"
     second = _Statistics(case, residency="stream", **settings)["geometry"]
-    assert second["maxIterationsPerCast"] == 1 and second["shadingRefetches"] == second["raysRelaunched"] == 0
+    assert second["maxIterationsPerBatch"] == 1 and second["shadingRefetches"] == second["raysRelaunched"] == 0
 
 
 # --- Memory ------------------------------------------------------------------------------------------
@@ -191,4 +191,4 @@ def test_transfer_is_of_what_is_moved(tmp_path):
     case.session.Layers()
     assert json.loads(case.session.Statistics())["time"]["transfer"] > 0
     for time in (first["time"], second["time"]):
-        assert time["trace"] + time["shade"] + time["service"] + time["transfer"] <= time["render"] <= time["total"]
+        assert time["trace"] + time["shade"] + time["requests"] + time["transfer"] <= time["render"] <= time["total"]

@@ -44,7 +44,7 @@ def test_what_one_point_needs_is_enough(Textured):
 
 
 @pytest.mark.parametrize("settings", [
-    dict(traversal="lane"),
+    dict(traversal="scalar"),
     dict(waveSize=1000),
     dict(geometryMemory="20%"),
     dict(geometryMemory="20%", request="first"),
@@ -124,7 +124,7 @@ def ImageLights(request, tmp_path_factory):
     dict(textureMemory="100%"),
     dict(textureMemory="30%"),
     dict(textureMemory="40K"),
-    dict(textureMemory="40K", traversal="lane", waveSize=1000),
+    dict(textureMemory="40K", traversal="scalar", waveSize=1000),
     dict(textureMemory="40K", geometryMemory="20%"),
     dict(textureMemory="40K", geometryMemory="20%", request="first"),
 ], ids=lambda settings: "-".join(f"{key}={value}" for key, value in settings.items()))

@@ -64,7 +64,7 @@ std::uint32_t AccelScene::AddSource(const ChunkSource& source, std::uint32_t max
     std::vector<GeometryPage> built(numChunks);
     tbb::parallel_for(std::size_t{0}, numChunks, [&](std::size_t i) {
         ChunkGeometry chunk =
-            source.Gather(plan.units.data() + plan.begin[i], plan.begin[i + 1] - plan.begin[i]);
+            source.Gather(plan.groups.data() + plan.begin[i], plan.begin[i + 1] - plan.begin[i]);
         built[i] = BuildGeometryPage(chunk);
     });
     std::vector<Bounds> boxes;

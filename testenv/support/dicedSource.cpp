@@ -19,7 +19,7 @@ class CageBuilder {
 public:
     explicit CageBuilder(bool isTriangles) : _isTriangles(isTriangles) {}
 
-    MeshDescription Build(const std::string& scheme) {
+    GeometryDescription Build(const std::string& scheme) {
         for (int side = 0; side < 6; ++side) {
             for (int b = 0; b < kSize; ++b) {
                 for (int a = 0; a < kSize; ++a) {
@@ -27,7 +27,7 @@ public:
                 }
             }
         }
-        MeshDescription mesh;
+        GeometryDescription mesh;
         mesh.subdivisionScheme = scheme;
         mesh.points = _points;
         mesh.faceVertexCounts = _counts;
@@ -108,14 +108,14 @@ std::shared_ptr<const ChunkSource> MakeDicedSource(const std::string& scheme) {
     options.view.cameraFromObject[3] = glm::dvec4(0.3, 0.2, -1.6, 1.0);
     Warnings warnings;
     const auto mesh =
-        std::make_shared<const MeshDescription>(CageBuilder(scheme == "loop").Build(scheme));
+        std::make_shared<const GeometryDescription>(CageBuilder(scheme == "loop").Build(scheme));
     return MakeSubdivSource(mesh, "/diced", options, {MakePrimvarAmount("bumps", 0.0)}, warnings);
 }
 
 TriangleMesh GatherMesh(const ChunkSource& source) {
     TriangleMesh mesh;
-    for (std::uint32_t unit = 0; unit < source.NumUnits(); ++unit) {
-        const ChunkGeometry chunk = source.Gather(&unit, 1);
+    for (std::uint32_t group = 0; group < source.NumPrimitiveGroups(); ++group) {
+        const ChunkGeometry chunk = source.Gather(&group, 1);
         const auto base = static_cast<std::uint32_t>(mesh.positions.size());
         mesh.positions.insert(mesh.positions.end(), chunk.positions.begin(), chunk.positions.end());
         for (const glm::uvec3& triangle : chunk.triangles) {

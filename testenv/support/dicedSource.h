@@ -14,7 +14,7 @@ namespace hds::test {
 /// loop.
 std::shared_ptr<const ChunkSource> MakeDicedSource(const std::string& scheme);
 
-/// All triangles of a source, each chunk of which had one unit: nothing is shared between units.
+/// All triangles of a source, each chunk of which had one group: nothing is shared between groups.
 TriangleMesh GatherMesh(const ChunkSource& source);
 
 } // namespace hds::test

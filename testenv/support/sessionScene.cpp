@@ -9,8 +9,8 @@
 
 namespace hds::test {
 
-std::shared_ptr<const MeshDescription> MakeGrid(int size, float bump) {
-    auto mesh = std::make_shared<MeshDescription>();
+std::shared_ptr<const GeometryDescription> MakeGrid(int size, float bump) {
+    auto mesh = std::make_shared<GeometryDescription>();
     std::vector<float> points;
     std::vector<std::int32_t> counts;
     std::vector<std::int32_t> indices;
@@ -37,8 +37,8 @@ std::shared_ptr<const MeshDescription> MakeGrid(int size, float bump) {
     return mesh;
 }
 
-std::shared_ptr<const MeshDescription> MakeQuad() {
-    auto mesh = std::make_shared<MeshDescription>();
+std::shared_ptr<const GeometryDescription> MakeQuad() {
+    auto mesh = std::make_shared<GeometryDescription>();
     mesh->points = std::vector<float>{-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
     mesh->faceVertexCounts = std::vector<std::int32_t>{4};
     mesh->faceVertexIndices = std::vector<std::int32_t>{0, 1, 2, 3};
@@ -65,16 +65,16 @@ glm::dmat4 Move(double x, double y, double z) {
 }
 
 void FillSession(Session* session) {
-    MeshPrim ground;
+    GeometryPrim ground;
     ground.mesh = MakeGrid(24, 0.1F);
     ground.placement.worldFromObject = glm::scale(glm::dmat4(1.0), glm::dvec3(4.0, 1.0, 4.0));
     session->SetMesh("/ground", ground);
-    MeshPrim wall;
+    GeometryPrim wall;
     wall.mesh = MakeQuad();
     wall.placement.worldFromObject = Move(0.0, 1.0, -2.0);
     wall.materialPath = "/red";
     session->SetMesh("/wall", wall);
-    MeshPrim ball;
+    GeometryPrim ball;
     ball.mesh = MakeGrid(12, 0.4F);
     ball.placement.worldFromObject = Move(-1.5, 0.8, 0.0);
     session->SetMesh("/ball", ball);
@@ -87,7 +87,7 @@ void FillSession(Session* session) {
     }
     many.instanceTransforms = std::move(transforms);
     session->SetInstancer("/many", many);
-    MeshPrim leaf;
+    GeometryPrim leaf;
     leaf.mesh = MakeGrid(6, 0.5F);
     leaf.placement.instancerPath = "/many";
     leaf.placement.instances = std::vector<std::int32_t>{0, 1, 3, 4};

@@ -7,10 +7,10 @@
 namespace hds::test {
 
 /// A bumpy grid of size x size quads, 2 units wide, in the plane y = 0.
-std::shared_ptr<const MeshDescription> MakeGrid(int size, float bump);
+std::shared_ptr<const GeometryDescription> MakeGrid(int size, float bump);
 
 /// A quad of 2 x 2 units in the plane z = 0, facing +z.
-std::shared_ptr<const MeshDescription> MakeQuad();
+std::shared_ptr<const GeometryDescription> MakeQuad();
 
 /// A UsdPreviewSurface of that colour.
 std::shared_ptr<const MaterialNetwork> MakeMaterial(float red, float green, float blue,

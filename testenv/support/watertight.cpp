@@ -154,11 +154,11 @@ std::vector<WatertightCase> MakeWatertightCases() {
     return cases;
 }
 
-LeakCounter::LeakCounter(std::shared_ptr<Device> device, bool wide) : _device(std::move(device)) {
+LeakCounter::LeakCounter(std::shared_ptr<Device> device, bool simd8) : _device(std::move(device)) {
     const std::string text = kKernel;
     const auto build = [&](const char* groups) {
         return std::make_unique<Program>(_device, "watertight.cl",
-                                         ProgramDefines{{"HDS_TRAVERSAL_WIDE", wide ? "1" : "0"},
+                                         ProgramDefines{{"HDS_TRAVERSAL_SIMD8", simd8 ? "1" : "0"},
                                                         {"HDS_FEATURE_GROUPS", groups},
                                                         {"HDS_FEATURE_MOTION", "0"},
                                                         {"HDS_NUM_POOLS", "1"}},

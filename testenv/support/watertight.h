@@ -29,7 +29,7 @@ std::vector<WatertightCase> MakeWatertightCases();
 /// Casts rays with one form of the traversal.
 class LeakCounter {
 public:
-    LeakCounter(std::shared_ptr<Device> device, bool wide);
+    LeakCounter(std::shared_ptr<Device> device, bool simd8);
 
     /// Casts `numRays` rays, closest and any hit.
     /// \return rays for which either found nothing.

@@ -14,9 +14,9 @@ from hdstream import _core
 
 
 def MakePrim(points):
-    mesh = _core.MeshDescription()
+    mesh = _core.GeometryDescription()
     mesh.points = points
-    return _core.MeshPrim(mesh, _core.Placement(np.eye(4)))
+    return _core.GeometryPrim(mesh, _core.Placement(np.eye(4)))
 
 
 def AddressOf(array):
@@ -25,19 +25,19 @@ def AddressOf(array):
 
 def test_arrays_are_not_copied():
     points = np.zeros((4, 3), np.float32)
-    mesh = _core.MeshDescription()
+    mesh = _core.GeometryDescription()
     mesh.points = points
     assert AddressOf(mesh.points) == AddressOf(points)
     vt = Vt.Vec3fArray(5)
     mesh.points = vt
     assert AddressOf(mesh.points) == AddressOf(np.asarray(vt))
     session = _core.Session()
-    session.SetMesh("/M", _core.MeshPrim(mesh, _core.Placement(np.eye(4))))
+    session.SetMesh("/M", _core.GeometryPrim(mesh, _core.Placement(np.eye(4))))
     assert AddressOf(session.Scene().meshes["/M"].mesh.points) == AddressOf(np.asarray(vt))
 
 
 def test_returned_arrays_are_read_only():
-    mesh = _core.MeshDescription()
+    mesh = _core.GeometryDescription()
     mesh.points = np.zeros((1, 3), np.float32)
     assert not mesh.points.flags.writeable
 
@@ -46,12 +46,12 @@ def test_returned_arrays_are_read_only():
     np.zeros((2, 3)), np.zeros((2, 3), np.int32), np.zeros((3, 4), np.float32)[:, :3], [[0, 0, 0]], None])
 def test_other_arrays_are_refused(bad):
     with pytest.raises(TypeError):
-        _core.MeshDescription().points = bad
+        _core.GeometryDescription().points = bad
 
 
 def test_incomplete_rows_are_refused():
     with pytest.raises(ValueError):
-        _core.MeshDescription().points = np.zeros(4, np.float32)
+        _core.GeometryDescription().points = np.zeros(4, np.float32)
 
 
 class Tracked(np.ndarray):

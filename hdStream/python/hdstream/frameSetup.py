@@ -16,24 +16,34 @@ from hdstream.translate.motion import Motion, ReadShutter
 _FRAMED = ("camera", "imageWidth", "imageHeight")
 
 
-def MakeSettings(values, prim):
-    """The core's settings of `values` (names of the settings table; None: not given) and a render settings prim."""
+def MakeSettings(values, prim, warn):
+    """The core's settings of `values` (names of the settings table; None: not given) and a render settings prim.
+
+    `warn(subject, text)` is called for values in a former spelling.
+    """
     settings = _core.Settings()
+
+    def Set(name, value):
+        note = _core.SetSetting(settings, name, value)
+        if note:
+            subject, _, text = note.partition(": ")
+            warn(subject, text)
+
     for name, value in prim.values.items():
-        _core.SetSetting(settings, name, value)
+        Set(name, value)
     settings.purposes = list(_WithDefault(prim.purposes) or settings.purposes)
     if prim.aovs:
         settings.aovs = prim.aovs
     if prim.disableMotionBlur:
         settings.motionBlur = "off"
     if prim.pixelAspectRatio:
-        _core.SetSetting(settings, "pixelAspectRatio", prim.pixelAspectRatio)
+        Set("pixelAspectRatio", prim.pixelAspectRatio)
     for name, value in values.items():
         if value is None or name in _FRAMED:
             continue
         if name == "purposes":
             value = _WithDefault(value)
-        _core.SetSetting(settings, name, list(value) if isinstance(value, tuple) else value)
+        Set(name, list(value) if isinstance(value, tuple) else value)
     return settings
 
 

@@ -87,7 +87,8 @@ def AddSetting(group, info, *aliases, **overrides):
     if kind == _core.SettingKind.Bool:
         keywords.update(action="store_true")
     elif kind == _core.SettingKind.Choice:
-        keywords.update(choices=tuple(info.choices))
+        # Former spellings are taken, with a warning of the core's, and not shown.
+        keywords.update(choices=(*info.choices, *info.formerChoices), metavar="{" + ",".join(info.choices) + "}")
     else:
         parsers = {
             _core.SettingKind.Integer: (_IntegerOf(info), "N"),

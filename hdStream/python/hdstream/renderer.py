@@ -269,7 +269,7 @@ class Renderer:
         start = time.perf_counter()
         renderSettings = ReadRenderSettings(self._stage, renderSettingsPrimPath, self._session)
         cameraPrim = FindCamera(self._stage, values.get("camera"), renderSettings.camera)
-        settings = MakeSettings(values, renderSettings)
+        settings = MakeSettings(values, renderSettings, self._session.Warn)
         shutter = ShutterOf(cameraPrim, timeCode, settings)
         self._translation.Update(timeCode, shutter)
         self._diagnostics.WarnOf(self._session)

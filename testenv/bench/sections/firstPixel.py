@@ -8,7 +8,7 @@ from stages import grove
 from support.svgChart import Chart
 
 _PARTS = {"read USD": ("load",), "translate": ("translate",), "prepare": ("prepare",), "kernels": ("compile",),
-          "trace and shade": ("trace", "shade", "service", "transfer")}
+          "trace and shade": ("trace", "shade", "requests", "transfer")}
 
 
 def _Cells(run: dict) -> list:

@@ -7,11 +7,11 @@ import subprocess
 from bench.performancePage import Table
 from support.svgChart import Chart
 
-_RATES = re.compile(r"^  (\w+ \w+(?: hit)?) +wide ([\d.]+)  lane ([\d.]+)  Embree default ([\d.]+)  compact\+robust ([\d.]+).*"
+_RATES = re.compile(r"^  (\w+ \w+(?: hit)?) +simd8 ([\d.]+)  scalar ([\d.]+)  Embree default ([\d.]+)  compact\+robust ([\d.]+).*"
                     r"differing (\d+) of (\d+)", re.MULTILINE)
 _BYTES = re.compile(r"ours nodes [\d.]+, nodes \+ leaves ([\d.]+); Embree default ([\d.]+), compact\+robust ([\d.]+)")
 _BUILD = re.compile(r"build +ours ([\d.]+) Mtriangles/s wall, ([\d.]+) a CPU second.*default ([\d.]+), compact\+robust ([\d.]+)")
-_FORMS = ("wide", "lane", "Embree default", "Embree compact+robust")
+_FORMS = ("simd8", "scalar", "Embree default", "Embree compact+robust")
 
 
 def Measure(program, triangles: int, scene: str, numRays: int, threads: int = 1) -> tuple[dict, list]:
@@ -36,12 +36,12 @@ def Run(bench) -> list:
         for size, (rates, figures) in zip(sizes, found):
             memory.append([scene, size, *figures[:3]])
             builds.append([scene, size, *figures[3:]])
-            for kind, (wide, lane, default, compact, differing, count) in rates.items():
-                rows.append([scene, size, kind, wide, lane, default, compact, wide / default, wide / compact,
+            for kind, (simd8, scalar, default, compact, differing, count) in rates.items():
+                rows.append([scene, size, kind, simd8, scalar, default, compact, simd8 / default, simd8 / compact,
                              f"{differing} of {count}"])
         items.append((f"traversal-{scene}", chart))
     shown = [row for row in rows if row[1] == bench.Pick(1_000_000, sizes[-1])]
-    head = ["scene", "triangles", "rays", *_FORMS, "wide / default", "wide / compact+robust", "differ"]
+    head = ["scene", "triangles", "rays", *_FORMS, "simd8 / default", "simd8 / compact+robust", "differ"]
     return ["Million rays a second of one core (CPU time).", Table("traversal", head, rows, shown),
             "Bytes a triangle, nodes and leaves, shared vertices left out:",
             Table("traversal-bytes", ["scene", "triangles", "ours", "Embree default", "Embree compact+robust"], memory),

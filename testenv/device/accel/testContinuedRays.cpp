@@ -95,8 +95,8 @@ TEST_F(ContinuedRays, EnumerateEveryHitInOrder) {
     const AccelScene built = LayeredScene(0);
     const DeviceAccelScene scene(device, built);
     const std::vector<ProbeRay> rays = DownRays(60);
-    for (const bool wide : {true, false}) {
-        const TraversalProbe probe(device, wide);
+    for (const bool simd8 : {true, false}) {
+        const TraversalProbe probe(device, simd8);
         ExpectEnumeration(built, rays, [&](const std::vector<ProbeKey>& after) {
             return probe.Closest(scene, rays, 0, after);
         });
@@ -107,8 +107,8 @@ TEST_F(ContinuedRays, ShadowRaysEnumerateCutouts) {
     const AccelScene built = LayeredScene(HDS_INSTANCE_CUTOUT);
     const DeviceAccelScene scene(device, built);
     const std::vector<ProbeRay> rays = DownRays(60);
-    for (const bool wide : {true, false}) {
-        const TraversalProbe probe(device, wide);
+    for (const bool simd8 : {true, false}) {
+        const TraversalProbe probe(device, simd8);
         ExpectEnumeration(built, rays, [&](const std::vector<ProbeKey>& after) {
             return probe.Occluded(scene, rays, after);
         });
@@ -126,16 +126,16 @@ TEST_F(ContinuedRays, MatchBruteForceOnASoup) {
     for (int i = 0; i < 1500; ++i) {
         rays.push_back(MakeProbeRay(2.0F * uniform.Vector(), uniform.Vector()));
     }
-    const TraversalProbe wide(device, true);
-    const TraversalProbe lane(device, false);
+    const TraversalProbe simd8(device, true);
+    const TraversalProbe scalar(device, false);
     std::vector<ProbeKey> after(rays.size());
     for (int pass = 0; pass < 4; ++pass) {
-        const Hits expected = lane.BruteForce(scene, rays, after);
-        const Hits byWide = wide.Closest(scene, rays, 0, after);
-        const Hits byLane = lane.Closest(scene, rays, 0, after);
+        const Hits expected = scalar.BruteForce(scene, rays, after);
+        const Hits bySimd8 = simd8.Closest(scene, rays, 0, after);
+        const Hits byScalar = scalar.Closest(scene, rays, 0, after);
         for (std::size_t i = 0; i < rays.size(); ++i) {
-            ASSERT_EQ(std::memcmp(&byWide[i], &expected[i], sizeof(expected[i])), 0) << i;
-            ASSERT_EQ(std::memcmp(&byLane[i], &expected[i], sizeof(expected[i])), 0) << i;
+            ASSERT_EQ(std::memcmp(&bySimd8[i], &expected[i], sizeof(expected[i])), 0) << i;
+            ASSERT_EQ(std::memcmp(&byScalar[i], &expected[i], sizeof(expected[i])), 0) << i;
             if (IsHit(expected[i])) {
                 after[i] = Encode(KeyOf(built, expected[i]));
             }
@@ -171,8 +171,8 @@ TEST_F(ContinuedRays, OpaqueBlockersWinOverCandidates) {
     }
     int numBlocked = 0;
     int numCandidates = 0;
-    for (const bool wide : {true, false}) {
-        const TraversalProbe probe(device, wide);
+    for (const bool simd8 : {true, false}) {
+        const TraversalProbe probe(device, simd8);
         const Hits blockers = probe.BruteForce(opaqueScene, rays);
         const Hits closest = probe.BruteForce(bothScene, rays);
         const Hits answers = probe.Occluded(bothScene, rays);

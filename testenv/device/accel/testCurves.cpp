@@ -31,8 +31,8 @@ struct Solid {
     std::string basis; ///< linear, bezier, bspline, catmullRom, points
     std::vector<glm::vec4> points;
 
-    std::shared_ptr<MeshDescription> Describe() const {
-        auto description = std::make_shared<MeshDescription>();
+    std::shared_ptr<GeometryDescription> Describe() const {
+        auto description = std::make_shared<GeometryDescription>();
         description->primitives = basis == "points" ? PrimitiveKind::Points : PrimitiveKind::Curves;
         std::vector<float> positions;
         std::vector<float> widths;
@@ -203,37 +203,37 @@ std::vector<ProbeRay> AimedRays(const SolidScene& scene, std::size_t count) {
 /// The programs take longer to build than to run: one of each form.
 class Curves : public DeviceFixture {
 protected:
-    const TraversalProbe& Probe(bool wide) {
-        std::unique_ptr<TraversalProbe>& probe = wide ? _wide : _lane;
+    const TraversalProbe& Probe(bool simd8) {
+        std::unique_ptr<TraversalProbe>& probe = simd8 ? _simd8 : _scalar;
         if (!probe) {
-            probe = std::make_unique<TraversalProbe>(device, wide,
+            probe = std::make_unique<TraversalProbe>(device, simd8,
                                                      ProgramDefines{{"HDS_FEATURE_CURVES", "1"}});
         }
         return *probe;
     }
     static void TearDownTestSuite() {
-        _wide.reset();
-        _lane.reset();
+        _simd8.reset();
+        _scalar.reset();
     }
 
 private:
-    static std::unique_ptr<TraversalProbe> _wide;
-    static std::unique_ptr<TraversalProbe> _lane;
+    static std::unique_ptr<TraversalProbe> _simd8;
+    static std::unique_ptr<TraversalProbe> _scalar;
 };
 
-std::unique_ptr<TraversalProbe> Curves::_wide;
-std::unique_ptr<TraversalProbe> Curves::_lane;
+std::unique_ptr<TraversalProbe> Curves::_simd8;
+std::unique_ptr<TraversalProbe> Curves::_scalar;
 
 TEST_F(Curves, AllPathsToAHitGiveTheSameBits) {
     const SolidScene solid;
     const DeviceAccelScene scene(device, solid.scene);
     const std::vector<ProbeRay> rays = AimedRays(solid, 3000);
-    const TraversalProbe& lane = Probe(false);
-    const TraversalProbe& wide = Probe(true);
-    const Hits expected = lane.BruteForce(scene, rays);
-    EXPECT_EQ(CountDifferentBits(lane.Closest(scene, rays), expected), 0U);
-    EXPECT_EQ(CountDifferentBits(wide.Closest(scene, rays), expected), 0U);
-    EXPECT_EQ(CountDifferentBits(wide.BruteForce(scene, rays), expected), 0U);
+    const TraversalProbe& scalar = Probe(false);
+    const TraversalProbe& simd8 = Probe(true);
+    const Hits expected = scalar.BruteForce(scene, rays);
+    EXPECT_EQ(CountDifferentBits(scalar.Closest(scene, rays), expected), 0U);
+    EXPECT_EQ(CountDifferentBits(simd8.Closest(scene, rays), expected), 0U);
+    EXPECT_EQ(CountDifferentBits(simd8.BruteForce(scene, rays), expected), 0U);
 }
 
 TEST_F(Curves, EveryHitIsABorderOfTheUnionOfBalls) {
@@ -287,7 +287,7 @@ TEST_F(Curves, EveryHitIsABorderOfTheUnionOfBalls) {
                 ++numGrazing;
                 continue;
             }
-            // A tube that bends more sharply than it is wide has borders inside.
+            // A tube that bends more sharply than it is simd8 has borders inside.
             const std::vector<double>& hits = found[i][s];
             if (hits.size() > expected.size()) {
                 ++numInside;

@@ -97,12 +97,12 @@ protected:
     void ExpectBitsOfBruteForce(const AccelScene& scene) {
         const DeviceAccelScene onDevice(device, scene);
         const std::vector<ProbeRay> rays = RaysAt(-1.0F, 2500);
-        const TraversalProbe wide(device, true, kMotion);
-        const TraversalProbe lane(device, false, kMotion);
-        const Hits expected = lane.BruteForce(onDevice, rays);
-        EXPECT_EQ(CountDifferentBits(wide.Closest(onDevice, rays), expected), 0U);
-        EXPECT_EQ(CountDifferentBits(lane.Closest(onDevice, rays), expected), 0U);
-        for (const TraversalProbe* probe : {&wide, &lane}) {
+        const TraversalProbe simd8(device, true, kMotion);
+        const TraversalProbe scalar(device, false, kMotion);
+        const Hits expected = scalar.BruteForce(onDevice, rays);
+        EXPECT_EQ(CountDifferentBits(simd8.Closest(onDevice, rays), expected), 0U);
+        EXPECT_EQ(CountDifferentBits(scalar.Closest(onDevice, rays), expected), 0U);
+        for (const TraversalProbe* probe : {&simd8, &scalar}) {
             const Hits blocked = probe->Occluded(onDevice, rays);
             for (std::size_t i = 0; i < rays.size(); ++i) {
                 ASSERT_EQ(blocked[i].triangle == kBlocked, IsHit(expected[i])) << "ray " << i;
@@ -149,9 +149,9 @@ TEST_F(Motion, BoxesOfInstancesHoldAllPoses) {
 }
 
 /// A wavy sheet of quads that folds over while the shutter is open.
-std::shared_ptr<MeshDescription> Sheet() {
+std::shared_ptr<GeometryDescription> Sheet() {
     constexpr int kSize = 24;
-    auto mesh = std::make_shared<MeshDescription>();
+    auto mesh = std::make_shared<GeometryDescription>();
     std::vector<float> open;
     std::vector<float> close;
     std::vector<std::int32_t> counts;
@@ -184,17 +184,17 @@ AccelScene SceneOf(const ChunkSource& source) {
     return scene;
 }
 
-AccelScene SceneOf(const std::shared_ptr<MeshDescription>& mesh) {
+AccelScene SceneOf(const std::shared_ptr<GeometryDescription>& mesh) {
     Warnings warnings;
     return SceneOf(*MakePolygonSource(mesh, "/Sheet", {}, warnings));
 }
 
 /// Hairs that bend while the shutter is open, and dust between them.
-std::shared_ptr<MeshDescription> Solids(PrimitiveKind kind) {
+std::shared_ptr<GeometryDescription> Solids(PrimitiveKind kind) {
     constexpr std::size_t kCount = 120;
     constexpr std::size_t kVertices = 4;
     UniformSource uniform(23);
-    auto solids = std::make_shared<MeshDescription>();
+    auto solids = std::make_shared<GeometryDescription>();
     solids->primitives = kind;
     solids->curves.type = "cubic";
     solids->curves.basis = "bezier";
@@ -241,7 +241,7 @@ TEST_F(Motion, VerticesAreOnTheirWay) {
         for (std::size_t i = 0; i < points.size(); ++i) {
             points[i] += time * (sheet->closePoints[i] - points[i]);
         }
-        auto posed = std::make_shared<MeshDescription>(*sheet);
+        auto posed = std::make_shared<GeometryDescription>(*sheet);
         posed->points = std::move(points);
         posed->closePoints = {};
         ExpectSameHits(moving.Closest(onDevice, RaysAt(time, 1500)),

@@ -130,7 +130,7 @@ private:
     /// only few chunks are resident, others than before.
     std::vector<RayState> Stream(const AccelScene& built, std::vector<ProbeRay> rays, bool isWide,
                                  bool hasGroups) {
-        const ProgramDefines defines = {{"HDS_TRAVERSAL_WIDE", isWide ? "1" : "0"},
+        const ProgramDefines defines = {{"HDS_TRAVERSAL_SIMD8", isWide ? "1" : "0"},
                                         {"HDS_FEATURE_GROUPS", hasGroups ? "1" : "0"},
                                         {"HDS_FEATURE_STREAMING", "1"},
                                         {"HDS_FEATURE_MOTION", "0"},
@@ -180,16 +180,16 @@ private:
     Buffer Zeros(std::uint64_t bytes) { return Upload(std::vector<std::uint8_t>(bytes)); }
 };
 
-TEST_F(StreamedRays, WideFormEqualsTheResidentWalk) {
+TEST_F(StreamedRays, Simd8FormEqualsTheResidentWalk) {
     Check(true, false);
 }
-TEST_F(StreamedRays, LaneFormEqualsTheResidentWalk) {
+TEST_F(StreamedRays, ScalarFormEqualsTheResidentWalk) {
     Check(false, false);
 }
-TEST_F(StreamedRays, WideFormEqualsTheResidentWalkInGroups) {
+TEST_F(StreamedRays, Simd8FormEqualsTheResidentWalkInGroups) {
     Check(true, true);
 }
-TEST_F(StreamedRays, LaneFormEqualsTheResidentWalkInGroups) {
+TEST_F(StreamedRays, ScalarFormEqualsTheResidentWalkInGroups) {
     Check(false, true);
 }
 

@@ -82,18 +82,18 @@ TEST_F(Traversal, BothFormsMatchBruteForceBitForBit) {
     const MixedScene mixed;
     const DeviceAccelScene scene(device, mixed.scene);
     const std::vector<ProbeRay> rays = MixedRays(2500);
-    const TraversalProbe wide(device, true);
-    const TraversalProbe lane(device, false);
-    const Hits expected = lane.BruteForce(scene, rays);
+    const TraversalProbe simd8(device, true);
+    const TraversalProbe scalar(device, false);
+    const Hits expected = scalar.BruteForce(scene, rays);
     std::size_t numHits = 0;
     for (const shared::HdsHit& hit : expected) {
         numHits += IsHit(hit) ? 1 : 0;
     }
     EXPECT_GT(numHits, rays.size() / 10) << "the test would show little";
-    EXPECT_EQ(CountDifferentBits(wide.BruteForce(scene, rays), expected), 0U);
-    EXPECT_EQ(CountDifferentBits(wide.Closest(scene, rays), expected), 0U);
-    EXPECT_EQ(CountDifferentBits(lane.Closest(scene, rays), expected), 0U);
-    for (const TraversalProbe* probe : {&wide, &lane}) {
+    EXPECT_EQ(CountDifferentBits(simd8.BruteForce(scene, rays), expected), 0U);
+    EXPECT_EQ(CountDifferentBits(simd8.Closest(scene, rays), expected), 0U);
+    EXPECT_EQ(CountDifferentBits(scalar.Closest(scene, rays), expected), 0U);
+    for (const TraversalProbe* probe : {&simd8, &scalar}) {
         const Hits blocked = probe->Occluded(scene, rays);
         for (std::size_t i = 0; i < rays.size(); ++i) {
             ASSERT_EQ(blocked[i].triangle == kBlocked, IsHit(expected[i])) << "ray " << i;
@@ -107,16 +107,16 @@ TEST_F(Traversal, VariantsGiveTheSameBits) {
     const DeviceAccelScene scene(device, mixed.scene);
     const Hits expected = TraversalProbe(device, false).Closest(scene, rays);
     const DeviceAccelScene threePools(device, mixed.scene, {3, {}});
-    for (const bool wide : {false, true}) {
+    for (const bool simd8 : {false, true}) {
         for (const ProgramDefines& defines :
              {ProgramDefines{{"HDS_FEATURE_GROUPS", "0"}, {"HDS_FEATURE_CUTOUT", "0"}},
               ProgramDefines{{"HDS_FEATURE_GROUPS", "1"}, {"HDS_FEATURE_CUTOUT", "0"}}}) {
-            EXPECT_EQ(CountDifferentBits(TraversalProbe(device, wide, defines).Closest(scene, rays),
-                                         expected),
+            EXPECT_EQ(CountDifferentBits(
+                          TraversalProbe(device, simd8, defines).Closest(scene, rays), expected),
                       0U);
         }
         for (const char* numPools : {"3", "8"}) {
-            const TraversalProbe probe(device, wide, {{"HDS_NUM_POOLS", numPools}});
+            const TraversalProbe probe(device, simd8, {{"HDS_NUM_POOLS", numPools}});
             EXPECT_EQ(CountDifferentBits(probe.Closest(threePools, rays), expected), 0U);
         }
     }
@@ -219,8 +219,8 @@ TEST_F(Traversal, TiesGoToTheSmallerKey) {
             MakeProbeRay({0.9F * uniform(), 0.9F * uniform(), 1.0F}, {0.0F, 0.0F, -1.0F}));
     }
     rays.push_back(MakeProbeRay({0.0F, 0.0F, 1.0F}, {0.0F, 0.0F, -1.0F})); // on the diagonal
-    for (const bool wide : {true, false}) {
-        const Hits hits = TraversalProbe(device, wide).Closest(scene, rays);
+    for (const bool simd8 : {true, false}) {
+        const Hits hits = TraversalProbe(device, simd8).Closest(scene, rays);
         for (std::size_t i = 0; i < rays.size(); ++i) {
             ASSERT_TRUE(IsHit(hits[i]));
             EXPECT_NEAR(hits[i].t, 1.0F, 2e-7F); // two roundings
@@ -274,8 +274,8 @@ TEST_F(Traversal, NestedGroupsMatchFlattened) {
         rays.push_back(
             MakeProbeRay(origin, glm::round(64.0F * (uniform.Vector() - origin / 16.0F))));
     }
-    for (const bool wide : {true, false}) {
-        const TraversalProbe probe(device, wide);
+    for (const bool simd8 : {true, false}) {
+        const TraversalProbe probe(device, simd8);
         const Hits a = probe.Closest(nestedScene, rays);
         const Hits b = probe.Closest(flatScene, rays);
         int numHits = 0;
@@ -299,8 +299,8 @@ TEST_F(Traversal, SkipsInstancesWithoutTheFlag) {
     built.SetRoot({{quad, glm::dmat4(1.0), 0}, {quad, behind, HDS_INSTANCE_CAMERA}});
     const DeviceAccelScene scene(device, built);
     const std::vector<ProbeRay> rays = {MakeProbeRay({0.25F, 0.0F, 1.0F}, {0.0F, 0.0F, -1.0F})};
-    for (const bool wide : {true, false}) {
-        const TraversalProbe probe(device, wide);
+    for (const bool simd8 : {true, false}) {
+        const TraversalProbe probe(device, simd8);
         EXPECT_EQ(probe.Closest(scene, rays)[0].t, 1.0F);
         EXPECT_EQ(probe.Closest(scene, rays, HDS_INSTANCE_CAMERA)[0].t, 2.0F);
         EXPECT_FALSE(IsHit(probe.Closest(scene, rays, HDS_INSTANCE_CAMERA | 0x100U)[0]));
@@ -317,11 +317,11 @@ TEST_F(Traversal, SkipsChunksThatAreNotResident) {
         }
     }
     const DeviceAccelScene half(device, mixed.scene, upload);
-    const Hits wide = TraversalProbe(device, true).Closest(half, rays);
-    const Hits lane = TraversalProbe(device, false).Closest(half, rays);
-    EXPECT_EQ(CountDifferentBits(wide, lane), 0U);
+    const Hits simd8 = TraversalProbe(device, true).Closest(half, rays);
+    const Hits scalar = TraversalProbe(device, false).Closest(half, rays);
+    EXPECT_EQ(CountDifferentBits(simd8, scalar), 0U);
     int numHits = 0;
-    for (const shared::HdsHit& hit : wide) {
+    for (const shared::HdsHit& hit : simd8) {
         numHits += IsHit(hit) ? 1 : 0;
         EXPECT_TRUE(!IsHit(hit) || hit.chunk % 2 == 1);
     }
@@ -336,8 +336,8 @@ TEST_F(Traversal, TakesScenesOfNothing) {
     const std::uint32_t quad = emptyGroup.AddMesh(StackedQuads(1));
     emptyGroup.SetRoot({{group, glm::dmat4(1.0), 0}, {quad, glm::dmat4(1.0), 0}});
     const std::vector<ProbeRay> rays = {MakeProbeRay({0.25F, 0.0F, 1.0F}, {0.0F, 0.0F, -1.0F})};
-    for (const bool wide : {true, false}) {
-        const TraversalProbe probe(device, wide);
+    for (const bool simd8 : {true, false}) {
+        const TraversalProbe probe(device, simd8);
         EXPECT_FALSE(IsHit(probe.Closest(DeviceAccelScene(device, empty), rays)[0]));
         EXPECT_TRUE(IsHit(probe.Closest(DeviceAccelScene(device, emptyGroup), rays)[0]));
     }
@@ -354,8 +354,8 @@ TEST_F(Traversal, LeavesOutBothEnds) {
         MakeProbeRay(origin, down, 1.0F), MakeProbeRay(origin, down, std::nextafter(1.0F, 2.0F)),
         MakeProbeRay(origin, down, INFINITY, 1.0F),
         MakeProbeRay(origin, down, INFINITY, std::nextafter(1.0F, 0.0F))};
-    for (const bool wide : {true, false}) {
-        const TraversalProbe probe(device, wide);
+    for (const bool simd8 : {true, false}) {
+        const TraversalProbe probe(device, simd8);
         const Hits closest = probe.Closest(scene, rays);
         const Hits any = probe.Occluded(scene, rays);
         for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -381,8 +381,8 @@ TEST_F(Traversal, TrianglesWithEqualCornersAreNeverHit) {
         const glm::vec3 target = i % 2 == 0 ? glm::vec3(uniform(), 0.0F, 0.0F) : mesh.positions[3];
         rays.push_back(MakeProbeRay(origin, target - origin));
     }
-    for (const bool wide : {true, false}) {
-        for (const shared::HdsHit& hit : TraversalProbe(device, wide).Closest(scene, rays)) {
+    for (const bool simd8 : {true, false}) {
+        for (const shared::HdsHit& hit : TraversalProbe(device, simd8).Closest(scene, rays)) {
             EXPECT_FALSE(IsHit(hit));
         }
     }

@@ -17,11 +17,11 @@ TEST_F(Watertight, ClosedMeshesDoNotLeak) {
     const std::uint64_t numRays =
         setting != nullptr ? std::strtoull(setting, nullptr, 10) : 1000000;
     const std::vector<WatertightCase> cases = MakeWatertightCases();
-    for (const bool wide : {true, false}) {
-        LeakCounter counter(device, wide);
+    for (const bool simd8 : {true, false}) {
+        LeakCounter counter(device, simd8);
         for (const WatertightCase& watertight : cases) {
             EXPECT_EQ(counter.Count(watertight, numRays / (2 * cases.size()) + 1), 0U)
-                << watertight.name << (wide ? ", wide" : ", lane");
+                << watertight.name << (simd8 ? ", simd8" : ", scalar");
         }
     }
 }

@@ -133,10 +133,10 @@ kernel void probe_bruteForce(global const float* rays, uint count, global HdsHit
 /// Kernels of one form with all features but curves and motion, unless `defines` says otherwise.
 class TraversalProbe {
 public:
-    TraversalProbe(const std::shared_ptr<Device>& device, bool wide, ProgramDefines defines = {})
+    TraversalProbe(const std::shared_ptr<Device>& device, bool simd8, ProgramDefines defines = {})
         : _device(device), _hasMotion(defines["HDS_FEATURE_MOTION"] == "1") {
         defines["HDS_FEATURE_MOTION"] = _hasMotion ? "1" : "0";
-        defines.emplace("HDS_TRAVERSAL_WIDE", wide ? "1" : "0");
+        defines.emplace("HDS_TRAVERSAL_SIMD8", simd8 ? "1" : "0");
         defines.emplace("HDS_NUM_POOLS", "1");
         defines.emplace("HDS_FEATURE_CURVES", "0");
         const std::string text = kProbeText;

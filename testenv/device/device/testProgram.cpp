@@ -66,9 +66,9 @@ TEST_F(ProgramTest, BinariesAreCachedPerTextAndDefines) {
     Warnings warnings;
     Store store({folder.string()}, &warnings);
     const std::string text =
-        "kernel void fill(global int* x) { x[get_global_id(0)] = HDS_RUN_LENGTH; }\n";
+        "kernel void fill(global int* x) { x[get_global_id(0)] = HDS_ITEMS_PER_WORK_ITEM; }\n";
     const auto run = [&](const char* value, bool expectCached) {
-        Program program(device, "test.cl", {{"HDS_RUN_LENGTH", value}}, &store, &text);
+        Program program(device, "test.cl", {{"HDS_ITEMS_PER_WORK_ITEM", value}}, &store, &text);
         EXPECT_EQ(program.IsFromCache(), expectCached) << value;
         Buffer out = Allocate(64 * sizeof(int));
         program.GetKernel("fill").Launch(64, out);

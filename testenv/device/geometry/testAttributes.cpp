@@ -48,7 +48,7 @@ struct Query {
 class Attributes : public DeviceFixture {
 protected:
     /// Reads every slot of a mesh's page at random points of all its triangles.
-    void Read(const MeshDescription& description) {
+    void Read(const GeometryDescription& description) {
         const Triangulated run = RunTriangulate(description);
         mesh = run.mesh;
         std::vector<std::uint32_t> primIds(mesh->triangles.size());
@@ -98,15 +98,15 @@ protected:
 };
 
 /// As MakeMixedMesh's, with subsets.
-MeshDescription MakeDeviceMesh() {
-    MeshDescription mesh = MakeMixedMesh();
+GeometryDescription MakeDeviceMesh() {
+    GeometryDescription mesh = MakeMixedMesh();
     mesh.subsets = {{"a", std::vector<std::int32_t>{1, 3}}, {"b", std::vector<std::int32_t>{4}}};
     return mesh;
 }
 
 TEST_F(Attributes, EveryInterpolationMatchesTheReference) {
     std::mt19937 random(41);
-    MeshDescription description = MakeDeviceMesh();
+    GeometryDescription description = MakeDeviceMesh();
     AddAllPrimvars(description, random);
     Read(description);
     ASSERT_EQ(mesh->attributes.size(), description.primvars.size());
@@ -156,7 +156,7 @@ TEST_F(Attributes, IntegersAndAbsentSlots) {
 }
 
 TEST_F(Attributes, AbsentMaterialsGiveTheFallback) {
-    MeshDescription description = MakeDeviceMesh();
+    GeometryDescription description = MakeDeviceMesh();
     description.subsets = {};
     description.subdivisionScheme = "catmullClark";
     Read(description);
@@ -166,7 +166,7 @@ TEST_F(Attributes, AbsentMaterialsGiveTheFallback) {
 }
 
 TEST_F(Attributes, EqualCornersGiveTheirValueExactly) {
-    MeshDescription description = MakeDeviceMesh();
+    GeometryDescription description = MakeDeviceMesh();
     Primvar primvar;
     primvar.name = "displayColor";
     primvar.interpolation = Interpolation::FaceVarying;

@@ -25,7 +25,7 @@ TEST_F(KernelSetsTest, ThoseUsedLastStay) {
     two.groups = true;
     KernelFeatures three;
     three.groups = true;
-    three.wide = true;
+    three.simd8 = true;
     KernelSets sets(device, &store, 2);
     const auto secondsOf = [&](const KernelFeatures& features) {
         double seconds = 0.0;

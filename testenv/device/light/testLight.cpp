@@ -118,7 +118,7 @@ TEST_F(LightTest, SamplesHitTheirLightWithTheirDensity) {
                 ASSERT_GT(r.pdf, 0.0);
                 ASSERT_EQ(r.light, 0U);
                 if (!r.isHit) {
-                    ++numMissed; // a sample on the outline, rounded to the other side
+                    ++numMissed; // a sample on the summary, rounded to the other side
                     continue;
                 }
                 if (r.distance < 1e30) {
@@ -167,7 +167,7 @@ TEST_F(LightTest, IntersectionsEqualDoublePrecision) {
             const double expected = ReferenceHit(light.light, o, d);
             const double found = hits[3 * i];
             if ((expected > 0.0) != (found > 0.0)) {
-                ++numDifferent; // the outline, within rounding
+                ++numDifferent; // the summary, within rounding
             } else if (expected > 0.0) {
                 ++numHits;
                 ASSERT_NEAR(found, expected, 5e-4 * expected) << int(type);

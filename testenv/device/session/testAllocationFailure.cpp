@@ -55,7 +55,7 @@ TEST_P(AllocationFailure, IsAnErrorAndNoMore) {
         ASSERT_EQ(session.Render(settings), RenderResult::Complete) << index;
         ASSERT_TRUE(SameLayers(session.Layers(), expected)) << index;
         // What is there already is kept: make the next failure hit an edited scene.
-        MeshPrim ball = session.Scene().meshes.at("/ball");
+        GeometryPrim ball = session.Scene().meshes.at("/ball");
         ball.mesh = MakeGrid(12, 0.4F);
         session.SetMesh("/ball", ball);
     }
@@ -66,8 +66,8 @@ TEST_P(AllocationFailure, IsAnErrorAndNoMore) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Modes, AllocationFailure,
-                         ::testing::Values(Mode{"resident", "", "clock"},
-                                           Mode{"stream", "24K", "clock"},
+                         ::testing::Values(Mode{"resident", "", "lru"},
+                                           Mode{"stream", "24K", "lru"},
                                            Mode{"stream", "24K", "flush"}),
                          [](const auto& mode) {
                              return std::string(mode.param.residency) + mode.param.geometryEviction;

@@ -15,8 +15,8 @@ class SessionDicing : public DeviceFixture {
 protected:
     void SetUp() override {
         DeviceFixture::SetUp();
-        MeshPrim prim;
-        const auto mesh = std::make_shared<MeshDescription>(*MakeGrid(6, 0.5F));
+        GeometryPrim prim;
+        const auto mesh = std::make_shared<GeometryDescription>(*MakeGrid(6, 0.5F));
         mesh->subdivisionScheme = "catmullClark";
         prim.mesh = mesh;
         session.SetMesh("/surface", prim);

@@ -19,7 +19,7 @@ std::vector<ImageLayer> RenderOf(Session* session, const Settings& settings) {
     return session->Layers();
 }
 
-MeshPrim MeshOf(const Session& session, const std::string& path) {
+GeometryPrim MeshOf(const Session& session, const std::string& path) {
     return session.Scene().meshes.at(path);
 }
 
@@ -41,22 +41,25 @@ struct NamedEdit {
 std::vector<NamedEdit> MakeEdits() {
     const auto mesh = [](const char* path, auto change) {
         return [path, change](Session& session) {
-            MeshPrim prim = MeshOf(session, path);
+            GeometryPrim prim = MeshOf(session, path);
             change(&prim);
             session.SetMesh(path, prim);
         };
     };
     return {
         {"transform", false, true,
-         mesh("/ball", [](MeshPrim* p) { p->placement.worldFromObject = Move(-0.5, 1.2, 0.5); })},
-        {"material", false, true, mesh("/ball", [](MeshPrim* p) { p->materialPath = "/red"; })},
+         mesh("/ball",
+              [](GeometryPrim* p) { p->placement.worldFromObject = Move(-0.5, 1.2, 0.5); })},
+        {"material", false, true, mesh("/ball", [](GeometryPrim* p) { p->materialPath = "/red"; })},
         {"material edit", false, true,
          [](Session& s) { s.SetMaterial("/red", MakeMaterial(0.1F, 0.7F, 0.2F)); }},
-        {"hide", false, true, mesh("/wall", [](MeshPrim* p) { p->placement.visible = false; })},
-        {"emissive", false, true, mesh("/ball", [](MeshPrim* p) { p->materialPath = "/glow"; })},
-        {"show", false, true, mesh("/wall", [](MeshPrim* p) { p->placement.visible = true; })},
-        {"purpose", false, true, mesh("/ball", [](MeshPrim* p) { p->purpose = "guide"; })},
-        {"purpose back", false, true, mesh("/ball", [](MeshPrim* p) { p->purpose = "default"; })},
+        {"hide", false, true, mesh("/wall", [](GeometryPrim* p) { p->placement.visible = false; })},
+        {"emissive", false, true,
+         mesh("/ball", [](GeometryPrim* p) { p->materialPath = "/glow"; })},
+        {"show", false, true, mesh("/wall", [](GeometryPrim* p) { p->placement.visible = true; })},
+        {"purpose", false, true, mesh("/ball", [](GeometryPrim* p) { p->purpose = "guide"; })},
+        {"purpose back", false, true,
+         mesh("/ball", [](GeometryPrim* p) { p->purpose = "default"; })},
         {"light", false, true,
          [](Session& s) {
              LightPrim light = s.Scene().lights.at("/lamp");
@@ -73,19 +76,21 @@ std::vector<NamedEdit> MakeEdits() {
          }},
         {"instances", false, true,
          mesh("/many/leaf",
-              [](MeshPrim* p) {
+              [](GeometryPrim* p) {
                   p->placement.instances = std::vector<std::int32_t>{2, 4};
               })},
         {"cull", false, true,
-         mesh("/ground", [](MeshPrim* p) { p->cullStyle = CullStyle::Front; })},
+         mesh("/ground", [](GeometryPrim* p) { p->cullStyle = CullStyle::Front; })},
         {"cull back", false, true,
-         mesh("/ground", [](MeshPrim* p) { p->cullStyle = CullStyle::DontCare; })},
-        {"primId", false, true, mesh("/ground", [](MeshPrim* p) { p->primId = 77; })},
-        {"points", true, true, mesh("/ball", [](MeshPrim* p) { p->mesh = MakeGrid(12, 0.1F); })},
-        {"topology", true, true, mesh("/ball", [](MeshPrim* p) { p->mesh = MakeGrid(40, 0.3F); })},
+         mesh("/ground", [](GeometryPrim* p) { p->cullStyle = CullStyle::DontCare; })},
+        {"primId", false, true, mesh("/ground", [](GeometryPrim* p) { p->primId = 77; })},
+        {"points", true, true,
+         mesh("/ball", [](GeometryPrim* p) { p->mesh = MakeGrid(12, 0.1F); })},
+        {"topology", true, true,
+         mesh("/ball", [](GeometryPrim* p) { p->mesh = MakeGrid(40, 0.3F); })},
         {"add", true, true,
          [](Session& s) {
-             MeshPrim prim;
+             GeometryPrim prim;
              prim.mesh = MakeQuad();
              prim.placement.worldFromObject = Move(0.7, 0.6, 2.0);
              s.SetMesh("/added", prim);

@@ -60,7 +60,7 @@ protected:
             network->nodes.push_back(texture);
             network->nodes[0].connections["diffuseColor"] = {"/texture", "rgb"};
             session.SetMaterial("/textured", network);
-            MeshPrim ball = session.Scene().meshes.at("/ball");
+            GeometryPrim ball = session.Scene().meshes.at("/ball");
             ball.materialPath = "/textured";
             session.SetMesh("/ball", ball);
         };

@@ -48,7 +48,7 @@ protected:
     }
     static RenderThread::Edit MoveBall(double x) {
         return [x](Session& session) {
-            MeshPrim ball = session.Scene().meshes.at("/ball");
+            GeometryPrim ball = session.Scene().meshes.at("/ball");
             ball.placement.worldFromObject = Move(x, 0.8, 0.0);
             session.SetMesh("/ball", ball);
         };
@@ -99,7 +99,7 @@ TEST_F(RenderThreadTest, EditsAndDeletesWhileRequestsAreInFlight) {
     };
     const auto setBall = [](int size) {
         return [size](Session& session) {
-            MeshPrim ball;
+            GeometryPrim ball;
             ball.mesh = MakeGrid(size, 0.4F);
             ball.placement.worldFromObject = Move(-1.5, 0.8, 0.0);
             session.SetMesh("/ball", ball);
@@ -129,7 +129,7 @@ TEST_F(RenderThreadTest, EditsAndDeletesWhileRequestsAreInFlight) {
 
 TEST_F(RenderThreadTest, GeometryBecomesResidentWhileSomeoneLooks) {
     const RenderThread::Edit setGround = [](Session& session) {
-        MeshPrim ground = session.Scene().meshes.at("/ground");
+        GeometryPrim ground = session.Scene().meshes.at("/ground");
         ground.mesh = MakeGrid(700, 0.1F); // too much to be resident from the start
         session.SetMesh("/ground", ground);
     };

@@ -10,7 +10,7 @@ namespace {
 
 class PinnedPages : public StreamingPoolTest {
 protected:
-    /// A service for the group of each page that is not there.
+    /// A round for the group of each page that is not there.
     void AskForGroups(StreamingPool* pool, const std::vector<std::uint64_t>& ids,
                       const Pages& groups) {
         for (const std::uint32_t group : groups) {
@@ -18,7 +18,7 @@ protected:
             const bool isThere = IsThere(words[2 * group]) && IsThere(words[2 * group + 1]);
             if (!isThere) {
                 AskWhole(*pool, {2 * group});
-                pool->Service();
+                pool->ProcessRequests();
             }
         }
     }
@@ -96,7 +96,7 @@ TEST_F(PinnedPages, LeaveRoomForTheLargestGroup) {
             };
             if (!isThere(2 * group) || !isThere(2 * group + 1)) {
                 AskWhole(pool, {2 * group});
-                pool.Service();
+                pool.ProcessRequests();
             }
             ASSERT_TRUE(isThere(2 * group) && isThere(2 * group + 1)) << group;
             ASSERT_LE(pool.PinnedBytes(), std::min((largest + spare) / 4, spare));

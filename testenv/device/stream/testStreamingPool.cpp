@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What kernels ask for is there, whole, after the service; the budget holds; the right pages leave.
+// What kernels ask for is there, whole, after the round; the budget holds; the right pages leave.
 #include "testenv/device/stream/poolFixture.h"
 
 #include <random>
@@ -14,7 +14,7 @@ TEST_F(StreamingPoolTest, LoadsWhatIsAskedForMost) {
     pool.Update(&pages, 3 * 160 + 100);
     EXPECT_LE(pool.Bytes(), 3U * 160 + 100);
     Ask(pool, {5, 1, 5, 7, 2, 7, 5, 7, 7, 1});
-    pool.Service();
+    pool.ProcessRequests();
     EXPECT_EQ(Resident(Table(pool, ids)), (Pages{1, 5, 7}));
     EXPECT_EQ(pool.Statistics().uploads, 3U);
     EXPECT_EQ(pool.Statistics().uploadedBytes, 480U);
@@ -27,10 +27,10 @@ TEST_F(StreamingPoolTest, TheLeastRecentlyUsedLeaveThenThoseLeastWanted) {
     StreamingPool pool(device, "fake");
     pool.Update(&pages, 4 * 160);
     Ask(pool, {0, 1, 1, 1, 2, 2, 3, 3, 3, 3});
-    pool.Service();
+    pool.ProcessRequests();
     Touch(pool, {0, 1, 2});
     Ask(pool, {4, 4, 5});
-    pool.Service(); // 3 leaves, which was not used, then 0: fewest asked for it
+    pool.ProcessRequests(); // 3 leaves, which was not used, then 0: fewest asked for it
     EXPECT_EQ(Resident(Table(pool, ids)), (Pages{1, 2, 4, 5}));
     EXPECT_EQ(pool.Statistics().evictions, 2U);
 }
@@ -41,16 +41,16 @@ TEST_F(StreamingPoolTest, GroupsComeWhole) {
     StreamingPool pool(device, "fake");
     pool.Update(&pages, 3 * 160);
     Ask(pool, {4, 6});
-    pool.Service();
+    pool.ProcessRequests();
     Touch(pool, {4, 6});
     AskWhole(pool,
              {1, 1, 5}); // page 0 comes with 1; the room that is left is too small for 4 and 5
-    pool.Service();
+    pool.ProcessRequests();
     const Pages resident = Resident(Table(pool, ids));
     EXPECT_TRUE(std::count(resident.begin(), resident.end(), 0U) == 1 &&
                 std::count(resident.begin(), resident.end(), 1U) == 1);
     AskWhole(pool, {5});
-    pool.Service(); // 4 may be there already: it stays
+    pool.ProcessRequests(); // 4 may be there already: it stays
     const Pages after = Resident(Table(pool, ids));
     EXPECT_TRUE(std::count(after.begin(), after.end(), 4U) == 1 &&
                 std::count(after.begin(), after.end(), 5U) == 1);
@@ -64,7 +64,7 @@ TEST_F(StreamingPoolTest, APoolOfOneGroupServesEverything) {
         largest = std::max<std::uint64_t>(largest, pages.PageBytes(std::uint32_t(page)) +
                                                        pages.PageBytes(std::uint32_t(page) + 1));
     }
-    for (const Eviction eviction : {Eviction::Clock, Eviction::Flush}) {
+    for (const Eviction eviction : {Eviction::Lru, Eviction::Flush}) {
         const auto owner = MakeStreamingPool(device, "fake", eviction, false);
         StreamingPool& pool = *owner;
         pool.Update(&pages, largest);
@@ -83,7 +83,7 @@ TEST_F(StreamingPoolTest, APoolOfOneGroupServesEverything) {
                 continue;
             }
             AskWhole(pool, {page});
-            pool.Service();
+            pool.ProcessRequests();
             EXPECT_TRUE(isThere(page) && isThere(page ^ 1U));
         }
     }
@@ -92,14 +92,14 @@ TEST_F(StreamingPoolTest, APoolOfOneGroupServesEverything) {
 TEST_F(StreamingPoolTest, RandomUseKeepsTheBudget) {
     const std::vector<std::uint64_t> ids = Range(0, 1000);
     FakePages pages(ids);
-    for (const Eviction eviction : {Eviction::Clock, Eviction::Flush}) {
+    for (const Eviction eviction : {Eviction::Lru, Eviction::Flush}) {
         const std::uint64_t before = device->AllocatedBytes();
         const auto owner = MakeStreamingPool(device, "fake", eviction, false);
         StreamingPool& pool = *owner;
         const std::uint64_t budget = pages.TotalBytes() / 7;
         pool.Update(&pages, budget);
         std::mt19937 random(5);
-        for (int cast = 0; cast < 20; ++cast) {
+        for (int batch = 0; batch < 20; ++batch) {
             for (int iteration = 0; iteration < 5; ++iteration) {
                 Pages asked;
                 const std::vector<std::uint32_t> words = Table(pool, ids);
@@ -118,7 +118,7 @@ TEST_F(StreamingPoolTest, RandomUseKeepsTheBudget) {
                 }
                 Ask(pool, asked);
                 const std::uint64_t uploads = pool.Statistics().uploads;
-                pool.Service();
+                pool.ProcessRequests();
                 EXPECT_GT(pool.Statistics().uploads, uploads);
             }
         }
@@ -143,7 +143,7 @@ TEST_F(StreamingPoolTest, SeveralBuffersServeLikeOne) {
             asked.push_back(page);
         }
         Ask(pool, asked);
-        pool.Service();
+        pool.ProcessRequests();
         const Pages resident = Resident(Table(pool, ids));
         EXPECT_EQ(resident.size(), first == 0 ? 10U : 12U);
         EXPECT_TRUE(std::includes(resident.begin(), resident.end(), asked.begin(), asked.end()));
@@ -156,7 +156,7 @@ TEST_F(StreamingPoolTest, AnEditOfEqualSizeMovesNothing) {
     StreamingPool pool(device, "fake");
     pool.Update(&pages, 4 * 160 + 7); // not a whole number of units
     Ask(pool, {0, 1, 2});
-    pool.Service();
+    pool.ProcessRequests();
     pool.Update(&pages, 4 * 160 + 7);
     EXPECT_EQ(Resident(Table(pool, ids)), (Pages{0, 1, 2}));
     EXPECT_EQ(pool.Statistics().evictions, 0U);
@@ -170,14 +170,14 @@ TEST_F(StreamingPoolTest, EditsKeepWhatIsResident) {
     StreamingPool pool(device, "fake");
     pool.Update(&pages, 4 * 160);
     Ask(pool, {0, 1, 2, 3});
-    pool.Service();
+    pool.ProcessRequests();
     const std::vector<std::uint64_t> edited = {all[9], all[3], all[10], all[1], all[11], all[6]};
     FakePages other(edited);
     pool.Update(&other, 4 * 160);
     EXPECT_EQ(Resident(Table(pool, edited)), (Pages{1, 3}));
     EXPECT_EQ(pool.Statistics().uploads, 4U);
     Ask(pool, {0, 5});
-    pool.Service();
+    pool.ProcessRequests();
     EXPECT_EQ(Resident(Table(pool, edited)), (Pages{0, 1, 3, 5}));
 }
 

@@ -130,18 +130,18 @@ protected:
         std::iota(items.begin(), items.end(), 0U);
         pool->ReserveItems(numItems);
         TexelWaiters waiters(numItems, Launch(pool, items));
-        numServices = 0;
+        numRequestRounds = 0;
         while (!waiters.IsEmpty()) {
-            waiters.Continue(pool->Service());
-            ++numServices;
-            pool->SetAccepts(iterations > 0 && numServices >= iterations);
+            waiters.Continue(pool->ProcessRequests());
+            ++numRequestRounds;
+            pool->SetAcceptsCoarserMips(iterations > 0 && numRequestRounds >= iterations);
             waiters.Return(Launch(pool, waiters.Take()));
-            EXPECT_LT(numServices, 20000);
-            if (numServices >= 20000) {
+            EXPECT_LT(numRequestRounds, 20000);
+            if (numRequestRounds >= 20000) {
                 break;
             }
         }
-        pool->SetAccepts(false);
+        pool->SetAcceptsCoarserMips(false);
         pool->CollectCounts();
         return Download<std::uint32_t>(resultBuffer, list.size());
     }
@@ -161,7 +161,7 @@ protected:
     std::uint32_t numTaps = 1;
     Buffer tapBuffer;
     Buffer resultBuffer;
-    int numServices = 0;
+    int numRequestRounds = 0;
 };
 
 TEST_F(TexturePoolTest, IsExactAtEveryBudgetThatHoldsOneItem) {
@@ -229,7 +229,7 @@ TEST_F(TexturePoolTest, TexturesNobodyTouchesAreNotOpened) {
     EXPECT_EQ(textures.opened, (std::set<std::uint32_t>{1, 7}));
     EXPECT_EQ(textures.numOpens, 2U);
     EXPECT_EQ(pool.Statistics().openedTextures, 2U);
-    EXPECT_EQ(numServices, 2); // one opens, one loads
+    EXPECT_EQ(numRequestRounds, 2); // one opens, one loads
     // Tails of both, and the line of each tap (texture 1 is its tail).
     EXPECT_EQ(pool.Statistics().linesLoaded, 4U);
     EXPECT_EQ(textures.numReads, 4U);
@@ -255,7 +255,7 @@ TEST_F(TexturePoolTest, CoarsestMipsStay) {
     Read(&pool, list, 1);
     EXPECT_GT(pool.Statistics().evictions, 100U);
     ExpectExact(textures, tails, Read(&pool, tails, 1));
-    EXPECT_EQ(numServices, 0);
+    EXPECT_EQ(numRequestRounds, 0);
     EXPECT_GE(pool.PinnedBytes(), 2U * HDS_LINE_BYTES);
 }
 
@@ -282,16 +282,16 @@ TEST_F(TexturePoolTest, AcceptedTexelsComeFromTheNearestCoarserMip) {
     const Tap coarse{0, 2, 20, 13};
     Read(&pool, {coarse}, 1);
     const Tap fine{0, 0, 83, 55};
-    pool.SetAccepts(true);
+    pool.SetAcceptsCoarserMips(true);
     numTaps = 1;
     tapBuffer = Upload(std::vector<Tap>{fine});
     EXPECT_TRUE(Launch(&pool, {0}).empty());
     EXPECT_EQ(Download<std::uint32_t>(resultBuffer, 1)[0], Expected(textures, coarse));
-    pool.SetAccepts(false);
+    pool.SetAcceptsCoarserMips(false);
     pool.CollectCounts();
     EXPECT_EQ(pool.Statistics().fallbackTexels, 2U); // looks twice
-    // What it asked for comes with the next service.
-    EXPECT_EQ(pool.Service().numLoaded, 1U);
+    // What it asked for comes with the next round.
+    EXPECT_EQ(pool.ProcessRequests().numLoaded, 1U);
     EXPECT_TRUE(Launch(&pool, {0}).empty());
     EXPECT_EQ(Download<std::uint32_t>(resultBuffer, 1)[0], Expected(textures, fine));
 }
@@ -303,7 +303,7 @@ TEST_F(TexturePoolTest, InteractiveRendersEndAfterTheirIterations) {
     pool.Update(&textures, 40 * HDS_LINE_BYTES, 12);
     Read(&pool, list, 12, 2);
     EXPECT_GT(pool.Statistics().fallbackTexels, 0U);
-    EXPECT_LT(numServices, 20);
+    EXPECT_LT(numRequestRounds, 20);
 }
 
 TEST_F(TexturePoolTest, LinesOfOneRepeatedBlockShareASlot) {
@@ -341,7 +341,7 @@ TEST_F(TexturePoolTest, WhatIsLoadedStaysFromSceneToScene) {
         }
     }
     ExpectExact(after, kept, Read(&pool, kept, 1));
-    EXPECT_EQ(numServices, 0);
+    EXPECT_EQ(numRequestRounds, 0);
     const std::vector<Tap> others = RandomTaps(after, 500, 7);
     ExpectExact(after, others, Read(&pool, others, 1));
     EXPECT_GT(pool.Statistics().uploadedBytes, uploaded);
@@ -359,7 +359,7 @@ TEST_F(TexturePoolTest, RequestsOfAStoppedRenderAreForgotten) {
     EXPECT_EQ(Launch(&pool, {0}).size(), 1U); // asks, and nobody answers
     FakeTextures after({{71, 128, 128}});
     pool.Update(&after, 1U << 20U, 8);
-    EXPECT_EQ(pool.Service().numLoaded, 0U);
+    EXPECT_EQ(pool.ProcessRequests().numLoaded, 0U);
     const std::vector<Tap> list = RandomTaps(after, 100, 8);
     ExpectExact(after, list, Read(&pool, list, 1));
 }

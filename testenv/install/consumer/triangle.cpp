@@ -7,7 +7,7 @@
 namespace {
 
 void DescribeScene(hds::Session& session) {
-    auto triangle = std::make_shared<hds::MeshDescription>();
+    auto triangle = std::make_shared<hds::GeometryDescription>();
     triangle->points = std::vector<float>{-1, -1, 0, 1, -1, 0, 0, 1, 0};
     triangle->faceVertexCounts = std::vector<std::int32_t>{3};
     triangle->faceVertexIndices = std::vector<std::int32_t>{0, 1, 2};
@@ -16,7 +16,7 @@ void DescribeScene(hds::Session& session) {
     color.numComponents = 3;
     color.values = std::vector<float>{0.5F, 0.25F, 0.125F};
     triangle->primvars.push_back(color);
-    hds::MeshPrim mesh;
+    hds::GeometryPrim mesh;
     mesh.mesh = triangle;
     session.SetMesh("/Triangle", mesh);
 

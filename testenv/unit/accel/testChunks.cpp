@@ -26,8 +26,8 @@ TEST(ChunkPlan, PartitionsTheMesh) {
     const TriangleMesh mesh = BumpySphere(50);
     for (const std::uint32_t maxTriangles : {1U, 3U, 100U, 4000U, 1000000U}) {
         const ChunkPlan plan = Plan(mesh, maxTriangles);
-        ASSERT_EQ(plan.units.size(), mesh.triangles.size());
-        EXPECT_EQ(std::set<std::uint32_t>(plan.units.begin(), plan.units.end()).size(),
+        ASSERT_EQ(plan.groups.size(), mesh.triangles.size());
+        EXPECT_EQ(std::set<std::uint32_t>(plan.groups.begin(), plan.groups.end()).size(),
                   mesh.triangles.size());
         ASSERT_GE(plan.begin.size(), 2U);
         EXPECT_EQ(plan.begin.front(), 0U);
@@ -42,7 +42,7 @@ TEST(ChunkPlan, PartitionsTheMesh) {
 
 TEST(ChunkPlan, TakesAMeshWithoutTriangles) {
     const ChunkPlan plan = Plan(TriangleMesh{}, 100);
-    EXPECT_TRUE(plan.units.empty());
+    EXPECT_TRUE(plan.groups.empty());
     EXPECT_EQ(plan.NumChunks(), 0U);
 }
 
@@ -52,12 +52,12 @@ TEST(ChunkPlan, BoundsTheVerticesOfAChunk) {
     const std::uint32_t maxVertices = 700;
     for (const std::uint32_t maxTriangles : {400U, 1500U, 0xffffffffU}) {
         const ChunkPlan plan = PlanChunks(*SourceOf(mesh), maxTriangles, maxVertices);
-        EXPECT_EQ(plan.units.size(), mesh.triangles.size());
+        EXPECT_EQ(plan.groups.size(), mesh.triangles.size());
         for (std::size_t i = 0; i + 1 < plan.begin.size(); ++i) {
             std::set<std::uint32_t> vertices;
             for (std::uint32_t k = plan.begin[i]; k < plan.begin[i + 1]; ++k) {
                 for (int corner = 0; corner < 3; ++corner) {
-                    vertices.insert(mesh.triangles[plan.units[k]][corner]);
+                    vertices.insert(mesh.triangles[plan.groups[k]][corner]);
                 }
             }
             EXPECT_LE(vertices.size(), maxVertices);
@@ -86,7 +86,7 @@ TEST(ChunkPlan, DoesNotDependOnTheThreadCount) {
     };
     const ChunkPlan one = plan(1);
     const ChunkPlan four = plan(4);
-    EXPECT_EQ(one.units, four.units);
+    EXPECT_EQ(one.groups, four.groups);
     EXPECT_EQ(one.begin, four.begin);
 }
 

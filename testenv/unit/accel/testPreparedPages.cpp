@@ -16,10 +16,10 @@ class FailingSource final : public ChunkSource {
 public:
     explicit FailingSource(std::shared_ptr<const ChunkSource> source)
         : ChunkSource(*source), _source(std::move(source)) {}
-    std::uint32_t UnitTriangles(std::uint32_t unit) const override {
-        return _source->UnitTriangles(unit);
+    std::uint32_t GroupTriangles(std::uint32_t unit) const override {
+        return _source->GroupTriangles(unit);
     }
-    Bounds UnitBounds(std::uint32_t unit) const override { return _source->UnitBounds(unit); }
+    Bounds GroupBounds(std::uint32_t unit) const override { return _source->GroupBounds(unit); }
     ChunkGeometry Gather(const std::uint32_t* units, std::size_t count) const override {
         if (failsAt-- == 0) {
             throw std::bad_alloc();
@@ -48,9 +48,9 @@ protected:
             triangles.triangles.emplace_back(corner, corner + 1, corner + 2);
         }
         source = std::make_shared<FailingSource>(SourceOf(std::move(triangles)));
-        mesh = std::make_shared<const ChunkedMesh>([this] { return source; }, 4096, nullptr,
-                                                   PageKey{});
-        for (std::uint32_t i = 0; i < mesh->Outline().NumChunks(); ++i) {
+        mesh = std::make_shared<const ChunkedGeometry>([this] { return source; }, 4096, nullptr,
+                                                       PageKey{});
+        for (std::uint32_t i = 0; i < mesh->Summary().NumChunks(); ++i) {
             chunks.push_back(std::make_shared<ChunkPages>(mesh, i));
         }
         ASSERT_GT(chunks.size(), 20U);
@@ -72,7 +72,7 @@ protected:
     }
 
     std::shared_ptr<FailingSource> source;
-    std::shared_ptr<const ChunkedMesh> mesh;
+    std::shared_ptr<const ChunkedGeometry> mesh;
     std::vector<std::shared_ptr<ChunkPages>> chunks;
     PreparedPages prepared;
 };

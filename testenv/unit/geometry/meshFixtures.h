@@ -24,10 +24,10 @@ inline std::vector<float> Flatten(const std::vector<glm::vec3>& points) {
     return values;
 }
 
-inline MeshDescription MakeMesh(const std::vector<glm::vec3>& points,
-                                std::vector<std::int32_t> counts,
-                                std::vector<std::int32_t> indices) {
-    MeshDescription mesh;
+inline GeometryDescription MakeMesh(const std::vector<glm::vec3>& points,
+                                    std::vector<std::int32_t> counts,
+                                    std::vector<std::int32_t> indices) {
+    GeometryDescription mesh;
     mesh.points = Flatten(points);
     mesh.faceVertexCounts = std::move(counts);
     mesh.faceVertexIndices = std::move(indices);
@@ -35,7 +35,7 @@ inline MeshDescription MakeMesh(const std::vector<glm::vec3>& points,
 }
 
 /// One face over all points.
-inline MeshDescription MakePolygon(const std::vector<glm::vec3>& points) {
+inline GeometryDescription MakePolygon(const std::vector<glm::vec3>& points) {
     std::vector<std::int32_t> indices;
     for (std::size_t i = 0; i < points.size(); ++i) {
         indices.push_back(static_cast<std::int32_t>(i));
@@ -45,7 +45,7 @@ inline MeshDescription MakePolygon(const std::vector<glm::vec3>& points) {
 
 /// n x n quads over the unit square in z = 0, facing +z, with a height function.
 template <typename Height>
-MeshDescription MakeGrid(int n, Height height) {
+GeometryDescription MakeGrid(int n, Height height) {
     std::vector<glm::vec3> points;
     std::vector<std::int32_t> indices;
     for (int y = 0; y <= n; ++y) {
@@ -64,7 +64,7 @@ MeshDescription MakeGrid(int n, Height height) {
     return MakeMesh(points, std::vector<std::int32_t>(std::size_t(n) * n, 4), indices);
 }
 
-inline MeshDescription MakeFlatGrid(int n) {
+inline GeometryDescription MakeFlatGrid(int n) {
     return MakeGrid(n, [](float, float) { return 0.0F; });
 }
 
@@ -74,7 +74,7 @@ struct Triangulated {
     std::vector<std::string> warnings;
 };
 
-inline Triangulated RunTriangulate(const MeshDescription& mesh) {
+inline Triangulated RunTriangulate(const GeometryDescription& mesh) {
     Warnings warnings;
     auto result = Triangulate(mesh, "/World/mesh", warnings);
     return {std::move(result), warnings.Lines()};
@@ -99,8 +99,8 @@ inline double TotalArea(const TriangleMesh& mesh) {
 /// Component `c` of a primvar at one face-vertex of a face, as UsdGeomPrimvar documents it:
 /// constant has one value, uniform one per face, varying and vertex one per point, faceVarying one
 /// per face-vertex; indices, when authored, lead to the values.
-inline double AuthoredValue(const MeshDescription& mesh, const Primvar& primvar, std::size_t face,
-                            std::size_t corner, std::uint32_t c) {
+inline double AuthoredValue(const GeometryDescription& mesh, const Primvar& primvar,
+                            std::size_t face, std::size_t corner, std::uint32_t c) {
     std::size_t element = 0;
     switch (primvar.interpolation) {
     case Interpolation::Uniform:
@@ -125,7 +125,8 @@ inline double AuthoredValue(const MeshDescription& mesh, const Primvar& primvar,
 
 /// The face-vertex of an authored face that lies at a position. Faces of the fixtures have no two
 /// vertices at one place. Returns the number of face-vertices when there is none.
-inline std::size_t FindCorner(const MeshDescription& mesh, std::size_t face, glm::vec3 position) {
+inline std::size_t FindCorner(const GeometryDescription& mesh, std::size_t face,
+                              glm::vec3 position) {
     std::size_t corner = 0;
     for (std::size_t f = 0; f < face; ++f) {
         corner += static_cast<std::size_t>(mesh.faceVertexCounts[f]);
@@ -140,7 +141,7 @@ inline std::size_t FindCorner(const MeshDescription& mesh, std::size_t face, glm
 }
 
 /// A primvar of random values of the right length; indexed ones share a few values.
-inline Primvar MakePrimvar(const MeshDescription& mesh, const std::string& name,
+inline Primvar MakePrimvar(const GeometryDescription& mesh, const std::string& name,
                            Interpolation interpolation, std::uint32_t numComponents, bool isIndexed,
                            std::mt19937& random) {
     std::size_t count = 1;
@@ -181,7 +182,7 @@ inline Primvar MakePrimvar(const MeshDescription& mesh, const std::string& name,
 }
 
 /// Quads, a triangle and a concave pentagon in one mesh.
-inline MeshDescription MakeMixedMesh() {
+inline GeometryDescription MakeMixedMesh() {
     return MakeMesh({{0, 0, 0},
                      {1, 0, 0.1F},
                      {2, 0, 0},
@@ -195,7 +196,7 @@ inline MeshDescription MakeMixedMesh() {
 }
 
 /// Every interpolation, with and without indices, of 1 to 4 components: primvars "p00", "p01", ...
-inline void AddAllPrimvars(MeshDescription& mesh, std::mt19937& random) {
+inline void AddAllPrimvars(GeometryDescription& mesh, std::mt19937& random) {
     const Interpolation kinds[] = {Interpolation::Constant, Interpolation::Uniform,
                                    Interpolation::Varying, Interpolation::Vertex,
                                    Interpolation::FaceVarying};

@@ -21,14 +21,14 @@ struct Diced {
     std::vector<std::string> warnings;
 };
 
-inline Diced DiceAll(const MeshDescription& mesh, const DicingOptions& options,
+inline Diced DiceAll(const GeometryDescription& mesh, const DicingOptions& options,
                      const Displacement& displacement = {}) {
     Warnings warnings;
     Diced result;
-    result.source = MakeSubdivSource(std::make_shared<MeshDescription>(mesh), "/World/mesh",
+    result.source = MakeSubdivSource(std::make_shared<GeometryDescription>(mesh), "/World/mesh",
                                      options, displacement, warnings);
     if (result.source) {
-        std::vector<std::uint32_t> units(result.source->NumUnits());
+        std::vector<std::uint32_t> units(result.source->NumPrimitiveGroups());
         std::iota(units.begin(), units.end(), 0U);
         result.chunk = result.source->Gather(units.data(), units.size());
     }
@@ -36,7 +36,7 @@ inline Diced DiceAll(const MeshDescription& mesh, const DicingOptions& options,
     return result;
 }
 
-inline Diced DiceUniform(const MeshDescription& mesh, std::uint32_t level,
+inline Diced DiceUniform(const GeometryDescription& mesh, std::uint32_t level,
                          const Displacement& displacement = {}) {
     DicingOptions options;
     options.level = level;
@@ -44,24 +44,24 @@ inline Diced DiceUniform(const MeshDescription& mesh, std::uint32_t level,
 }
 
 /// A cube of quads, side 2.
-inline MeshDescription MakeCube() {
-    MeshDescription mesh = MakeMesh({{-1, -1, -1},
-                                     {1, -1, -1},
-                                     {1, 1, -1},
-                                     {-1, 1, -1},
-                                     {-1, -1, 1},
-                                     {1, -1, 1},
-                                     {1, 1, 1},
-                                     {-1, 1, 1}},
-                                    {4, 4, 4, 4, 4, 4}, {0, 3, 2, 1, 4, 5, 6, 7, 0, 1, 5, 4,
-                                                         1, 2, 6, 5, 2, 3, 7, 6, 3, 0, 4, 7});
+inline GeometryDescription MakeCube() {
+    GeometryDescription mesh = MakeMesh({{-1, -1, -1},
+                                         {1, -1, -1},
+                                         {1, 1, -1},
+                                         {-1, 1, -1},
+                                         {-1, -1, 1},
+                                         {1, -1, 1},
+                                         {1, 1, 1},
+                                         {-1, 1, 1}},
+                                        {4, 4, 4, 4, 4, 4}, {0, 3, 2, 1, 4, 5, 6, 7, 0, 1, 5, 4,
+                                                             1, 2, 6, 5, 2, 3, 7, 6, 3, 0, 4, 7});
     mesh.subdivisionScheme = "catmullClark";
     return mesh;
 }
 
 /// A closed cage about the origin with faces of `numSides` types: a box grid whose faces are split
 /// or joined at random. \param onlyTriangles for loop.
-inline MeshDescription MakeRandomCage(std::mt19937& random, bool onlyTriangles) {
+inline GeometryDescription MakeRandomCage(std::mt19937& random, bool onlyTriangles) {
     const int n = 2 + int(random() % 2);
     std::vector<glm::vec3> points;
     std::vector<int> pointAt(std::size_t((n + 1) * (n + 1) * (n + 1)), -1);
@@ -104,13 +104,13 @@ inline MeshDescription MakeRandomCage(std::mt19937& random, bool onlyTriangles) 
             }
         }
     }
-    MeshDescription mesh = MakeMesh(points, counts, indices);
+    GeometryDescription mesh = MakeMesh(points, counts, indices);
     mesh.subdivisionScheme = onlyTriangles ? "loop" : "catmullClark";
     return mesh;
 }
 
 /// Tags of all kinds on random edges and points.
-inline void AddRandomTags(MeshDescription& mesh, std::mt19937& random) {
+inline void AddRandomTags(GeometryDescription& mesh, std::mt19937& random) {
     const auto pick = [&](std::initializer_list<const char*> tokens) {
         return std::string(tokens.begin()[random() % tokens.size()]);
     };
@@ -152,7 +152,7 @@ struct LimitLevel {
 
 /// Semi-sharp edges are not smooth before their sharpness is used up: masks are those of
 /// kDeepLevel. \param uv values and indices of a faceVarying channel; may be empty.
-inline LimitLevel RefineToLimit(const MeshDescription& mesh, int level,
+inline LimitLevel RefineToLimit(const GeometryDescription& mesh, int level,
                                 const std::vector<glm::dvec2>& uv = {},
                                 const std::vector<int>& uvIndices = {}) {
     namespace Far = OpenSubdiv::Far;

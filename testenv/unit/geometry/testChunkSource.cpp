@@ -91,7 +91,7 @@ TEST(ChunkSource, GatherKeepsTrianglesAndNumbersVerticesOnce) {
 
 TEST(AttributePage, EveryInterpolationReadsTheAuthoredValues) {
     std::mt19937 random(17);
-    MeshDescription description = MakeMixedMesh();
+    GeometryDescription description = MakeMixedMesh();
     AddAllPrimvars(description, random);
     const Triangulated run = RunTriangulate(description);
     const auto& mesh = run.mesh;
@@ -126,7 +126,7 @@ TEST(AttributePage, EveryInterpolationReadsTheAuthoredValues) {
 }
 
 TEST(AttributePage, SlotsFollowTheOrderOfNames) {
-    MeshDescription description = MakeFlatGrid(1);
+    GeometryDescription description = MakeFlatGrid(1);
     const auto constant = [](const std::string& name, float value) {
         Primvar primvar;
         primvar.name = name;
@@ -149,7 +149,7 @@ TEST(AttributePage, SlotsFollowTheOrderOfNames) {
 }
 
 TEST(AttributePage, MaterialsAreAbsentConstantOrPerTriangle) {
-    MeshDescription description = MakeFlatGrid(4);
+    GeometryDescription description = MakeFlatGrid(4);
     description.subsets = {{"a", std::vector<std::int32_t>{4, 5, 6, 7}},
                            {"b", std::vector<std::int32_t>{10}}};
     const auto mesh = RunTriangulate(description).mesh;
@@ -169,7 +169,7 @@ TEST(AttributePage, MaterialsAreAbsentConstantOrPerTriangle) {
 }
 
 TEST(AttributePage, UnusableValuesReadAsZero) {
-    MeshDescription description = MakeFlatGrid(1);
+    GeometryDescription description = MakeFlatGrid(1);
     Primvar primvar;
     primvar.name = "displayColor";
     primvar.interpolation = Interpolation::Vertex;
@@ -192,7 +192,7 @@ TEST(AttributePage, UnusableValuesReadAsZero) {
 
 TEST(AttributePage, EstimateBoundsBothPages) {
     std::mt19937 random(29);
-    MeshDescription description = MakeMixedMesh();
+    GeometryDescription description = MakeMixedMesh();
     AddAllPrimvars(description, random);
     description.subdivisionScheme = "catmullClark"; // computed vertex normals
     description.subsets = {{"a", std::vector<std::int32_t>{0}}};
@@ -212,7 +212,7 @@ TEST(AttributePage, EstimateBoundsBothPages) {
 TEST(Primvars, WrongContentIsNamedAndIgnored) {
     const auto warningOf = [](Interpolation interpolation, std::uint32_t numComponents,
                               std::vector<float> values, std::vector<std::int32_t> indices) {
-        MeshDescription description = MakeFlatGrid(2); // 9 points, 4 faces, 16 corners
+        GeometryDescription description = MakeFlatGrid(2); // 9 points, 4 faces, 16 corners
         Primvar primvar;
         primvar.name = "st";
         primvar.interpolation = interpolation;
@@ -248,7 +248,7 @@ TEST(Primvars, WrongContentIsNamedAndIgnored) {
 
 TEST(Primvars, LongConstantsGiveTheirFirstValue) {
     for (const bool isIndexed : {false, true}) {
-        MeshDescription description = MakeFlatGrid(1);
+        GeometryDescription description = MakeFlatGrid(1);
         Primvar primvar;
         primvar.name = "displayColor";
         primvar.numComponents = 3;
@@ -271,7 +271,7 @@ TEST(Primvars, LongConstantsGiveTheirFirstValue) {
 
 TEST(Primvars, ArraysAreSharedNotCopied) {
     std::mt19937 random(31);
-    MeshDescription description = MakeFlatGrid(3);
+    GeometryDescription description = MakeFlatGrid(3);
     for (const bool isIndexed : {false, true}) {
         description.primvars = {
             MakePrimvar(description, "st", Interpolation::FaceVarying, 2, isIndexed, random)};

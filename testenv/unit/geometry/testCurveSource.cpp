@@ -30,8 +30,8 @@ Primvar MakePrimvar(const std::string& name, Interpolation interpolation, std::v
 }
 
 /// Curves of so many vertices each, their points random and within a factor 2 of each other.
-MeshDescription MakeCurves(const std::vector<std::int32_t>& counts, const CurveForm& form,
-                           std::uint32_t seed = 1) {
+GeometryDescription MakeCurves(const std::vector<std::int32_t>& counts, const CurveForm& form,
+                               std::uint32_t seed = 1) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<float> coordinate(-1.0F, 1.0F);
     std::size_t total = 0;
@@ -40,7 +40,7 @@ MeshDescription MakeCurves(const std::vector<std::int32_t>& counts, const CurveF
     }
     std::vector<float> points(3 * total);
     std::generate(points.begin(), points.end(), [&] { return coordinate(random); });
-    MeshDescription curves;
+    GeometryDescription curves;
     curves.primitives = PrimitiveKind::Curves;
     curves.points = std::move(points);
     curves.faceVertexCounts = counts;
@@ -55,16 +55,16 @@ struct Gathered {
     std::vector<std::string> lines;
 };
 
-Gathered GatherAll(const MeshDescription& description) {
+Gathered GatherAll(const GeometryDescription& description) {
     Warnings warnings;
     Gathered run;
-    auto shared = std::make_shared<MeshDescription>(description);
+    auto shared = std::make_shared<GeometryDescription>(description);
     run.source = description.primitives == PrimitiveKind::Curves
                      ? MakeCurveSource(shared, "/c", warnings)
                      : MakePointSource(shared, "/c", warnings);
-    std::vector<std::uint32_t> units(run.source->NumUnits());
-    std::iota(units.begin(), units.end(), 0U);
-    run.all = run.source->Gather(units.data(), units.size());
+    std::vector<std::uint32_t> groups(run.source->NumPrimitiveGroups());
+    std::iota(groups.begin(), groups.end(), 0U);
+    run.all = run.source->Gather(groups.data(), groups.size());
     run.lines = warnings.Lines();
     return run;
 }
@@ -107,21 +107,21 @@ TEST(CurveSource, SegmentsAreThoseOfTheSchema) {
 }
 
 TEST(CurveSource, AChunkDoesNotDependOnWhatWasGatheredBefore) {
-    const MeshDescription curves = MakeCurves({40, 5, 33}, {"cubic", "bspline", "pinned"});
+    const GeometryDescription curves = MakeCurves({40, 5, 33}, {"cubic", "bspline", "pinned"});
     const Gathered run = GatherAll(curves);
     std::size_t first = 0;
-    for (std::uint32_t unit = 0; unit < run.source->NumUnits(); ++unit) {
-        const ChunkGeometry one = run.source->Gather(&unit, 1);
-        ASSERT_EQ(one.triangles.size(), run.source->UnitTriangles(unit));
+    for (std::uint32_t group = 0; group < run.source->NumPrimitiveGroups(); ++group) {
+        const ChunkGeometry one = run.source->Gather(&group, 1);
+        ASSERT_EQ(one.triangles.size(), run.source->GroupTriangles(group));
         for (std::size_t i = 0; i < one.triangles.size(); ++i) {
             EXPECT_EQ(one.primIds[i], run.all.primIds[first + i]);
             const glm::vec3 here = one.positions[one.triangles[i].x];
             EXPECT_EQ(here, run.all.positions[run.all.triangles[first + i].x]);
             for (int axis = 0; axis < 3; ++axis) {
                 EXPECT_GE(one.primitiveBounds[i].min[axis],
-                          run.source->UnitBounds(unit).min[axis] - 1e-6F);
+                          run.source->GroupBounds(group).min[axis] - 1e-6F);
                 EXPECT_LE(one.primitiveBounds[i].max[axis],
-                          run.source->UnitBounds(unit).max[axis] + 1e-6F);
+                          run.source->GroupBounds(group).max[axis] + 1e-6F);
             }
         }
         first += one.triangles.size();
@@ -130,7 +130,7 @@ TEST(CurveSource, AChunkDoesNotDependOnWhatWasGatheredBefore) {
 
 TEST(CurveSource, BoxesHoldTheBalls) {
     for (const char* basis : {"linear", "bezier", "bspline", "catmullRom"}) {
-        MeshDescription curves = MakeCurves(
+        GeometryDescription curves = MakeCurves(
             {10, 7}, {std::string(basis) == "linear" ? "linear" : "cubic", basis, "nonperiodic"});
         std::vector<float> widths(17);
         std::iota(widths.begin(), widths.end(), 1.0F);
@@ -177,7 +177,7 @@ TEST(CurveSource, BoxesHoldTheBalls) {
 }
 
 TEST(CurveSource, PhantomsOfPinnedCurvesHaveValues) {
-    MeshDescription curves = MakeCurves({3, 4}, {"cubic", "bspline", "pinned"});
+    GeometryDescription curves = MakeCurves({3, 4}, {"cubic", "bspline", "pinned"});
     curves.primvars.push_back(MakePrimvar("a", Interpolation::Vertex, {1, 2, 4, 10, 20, 40, 80}));
     const Gathered run = GatherAll(curves);
     const MeshAttribute& attribute = run.all.attributes.at(0);
@@ -191,7 +191,8 @@ TEST(CurveSource, PhantomsOfPinnedCurvesHaveValues) {
 
 TEST(CurveSource, ClosedCurvesReturnToTheirFirstVertex) {
     const CurveForm closed{"cubic", "bezier", "periodic"};
-    MeshDescription curves = MakeCurves({8}, closed); // two vertices more than two segments need
+    GeometryDescription curves =
+        MakeCurves({8}, closed); // two vertices more than two segments need
     const Gathered run = GatherAll(curves);
     EXPECT_EQ(run.lines, std::vector<std::string>{"/c: 2 vertices after the last segment ignored"});
     curves.points = std::vector<float>(curves.points.begin(), curves.points.begin() + 18);
@@ -203,7 +204,7 @@ TEST(CurveSource, ClosedCurvesReturnToTheirFirstVertex) {
 
 /// Ends are round where a neighbour is not drawn, across the seam of a closed curve too.
 TEST(CurveSource, ClosedCurvesEndBesideDroppedSegments) {
-    MeshDescription curves = MakeCurves({6}, {"linear", "", "periodic"});
+    GeometryDescription curves = MakeCurves({6}, {"linear", "", "periodic"});
     std::vector<float> points(curves.points.begin(), curves.points.end());
     points[0] = kNan; // of the first segment and of the last one
     curves.points = points;
@@ -220,7 +221,7 @@ TEST(CurveSource, ClosedCurvesEndBesideDroppedSegments) {
 }
 
 TEST(CurveSource, PairsHaveTheUniformValueOfTheirCurve) {
-    MeshDescription curves = MakeCurves({6, 4}, {"linear", "", "segmented"});
+    GeometryDescription curves = MakeCurves({6, 4}, {"linear", "", "segmented"});
     curves.primvars.push_back(MakePrimvar("a", Interpolation::Uniform, {1, 2}));
     const Gathered run = GatherAll(curves);
     EXPECT_EQ(run.all.faces, (std::vector<std::uint32_t>{0, 0, 0, 1, 1}));
@@ -228,17 +229,17 @@ TEST(CurveSource, PairsHaveTheUniformValueOfTheirCurve) {
 }
 
 TEST(CurveSource, BadContentIsOneLineEach) {
-    const auto lineOf = [](MeshDescription curves) { return GatherAll(curves).lines; };
+    const auto lineOf = [](GeometryDescription curves) { return GatherAll(curves).lines; };
     const CurveForm linear{"linear", "", "nonperiodic"};
     const CurveForm spline{"cubic", "bspline", "nonperiodic"};
-    const auto expectOne = [&](const MeshDescription& curves, const std::string& text) {
+    const auto expectOne = [&](const GeometryDescription& curves, const std::string& text) {
         const std::vector<std::string> lines = lineOf(curves);
         ASSERT_FALSE(lines.empty()) << text;
         EXPECT_TRUE(std::any_of(lines.begin(), lines.end(), [&](const std::string& line) {
             return line == "/c: " + text;
         })) << lines[0];
     };
-    MeshDescription curves = MakeCurves({4, 1}, linear);
+    GeometryDescription curves = MakeCurves({4, 1}, linear);
     expectOne(curves, "1 curves dropped: too few vertices for linear curves");
     expectOne(MakeCurves({3, 5}, spline), "1 curves dropped: too few vertices for bspline curves");
     expectOne(MakeCurves({6}, {"cubic", "bezier", "nonperiodic"}),
@@ -262,7 +263,7 @@ TEST(CurveSource, BadContentIsOneLineEach) {
     // Hostile, and nothing to draw: no crash.
     for (const std::vector<std::int32_t>& counts :
          {std::vector<std::int32_t>{}, {0}, {-5}, {1, 1, 1}, {2147483647}}) {
-        MeshDescription hostile = MakeCurves({4}, spline);
+        GeometryDescription hostile = MakeCurves({4}, spline);
         hostile.faceVertexCounts = counts;
         EXPECT_EQ(GatherAll(hostile).all.triangles.size(), 0U);
     }
@@ -272,7 +273,7 @@ TEST(CurveSource, BadContentIsOneLineEach) {
 }
 
 TEST(PointSource, PointsAreSpheresAndBadOnesALine) {
-    MeshDescription points;
+    GeometryDescription points;
     points.primitives = PrimitiveKind::Points;
     points.points = std::vector<float>{0, 0, 0, 1, kNan, 0, 2, 0, 0, 3, 0, 0, 9};
     points.primvars = {MakePrimvar("widths", Interpolation::Vertex, {1, 1, -1, 2}),

@@ -47,7 +47,7 @@ TEST(Dicing, TrianglesAreNearTheLimitOnScreen) {
     std::mt19937 random(31);
     for (int round = 0; round < 6; ++round) {
         SCOPED_TRACE(round);
-        MeshDescription mesh = MakeRandomCage(random, round % 3 == 2);
+        GeometryDescription mesh = MakeRandomCage(random, round % 3 == 2);
         if (round >= 3) {
             AddRandomTags(mesh, random);
             mesh.subdivTags.interpolateBoundary = "edgeAndCorner";
@@ -80,7 +80,7 @@ TEST(Dicing, TrianglesAreNearTheLimitOnScreen) {
 }
 
 TEST(Dicing, WhatIsFarOrUnseenStaysCoarse) {
-    const MeshDescription cube = MakeCube();
+    const GeometryDescription cube = MakeCube();
     const auto numTriangles = [&](const glm::dvec3& at) {
         return DiceAll(cube, MakeOptions(at)).chunk.triangles.size();
     };
@@ -106,14 +106,14 @@ TEST(Dicing, WhatIsFarOrUnseenStaysCoarse) {
 }
 
 TEST(Dicing, FlatFacesNeedNoTriangles) {
-    MeshDescription sheet = MakeFlatGrid(3);
+    GeometryDescription sheet = MakeFlatGrid(3);
     sheet.subdivisionScheme = "bilinear";
     EXPECT_EQ(DiceAll(sheet, MakeOptions({-0.5, -0.5, -30})).chunk.triangles.size(), 18U);
 }
 
 TEST(Dicing, ResultsDoNotDependOnThreads) {
     std::mt19937 random(33);
-    MeshDescription mesh = MakeRandomCage(random, false);
+    GeometryDescription mesh = MakeRandomCage(random, false);
     AddRandomTags(mesh, random);
     const DicingOptions options = MakeOptions({0.3, 0.2, -6.0});
     const Diced many = DiceAll(mesh, options);
@@ -130,10 +130,10 @@ TEST(Dicing, LevelsFallUntilTrianglesCanBeCounted) {
     Warnings warnings;
     SubdivDice dice;
     dice.model = SubdivModel::Make(
-        std::make_shared<MeshDescription>(MakeGrid(256, [](float, float) { return 0.0F; })),
+        std::make_shared<GeometryDescription>(MakeGrid(256, [](float, float) { return 0.0F; })),
         "/World/mesh", warnings);
     dice.edgeLevels.assign(std::size_t(dice.model->Level().GetNumEdges()), kMaxDicingLevel);
-    EXPECT_EQ(dice.NumberUnits().triangles, std::uint64_t(65536) * 2 * 128 * 128);
+    EXPECT_EQ(dice.NumberGroups().triangles, std::uint64_t(65536) * 2 * 128 * 128);
     EXPECT_EQ(dice.edgeLevels[0], 7);
 }
 

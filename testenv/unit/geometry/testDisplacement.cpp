@@ -18,8 +18,8 @@ Primvar MakePrimvar(const char* name, Interpolation interpolation, std::vector<f
     return primvar;
 }
 
-MeshDescription MakeSheet(int n) {
-    MeshDescription sheet = MakeFlatGrid(n);
+GeometryDescription MakeSheet(int n) {
+    GeometryDescription sheet = MakeFlatGrid(n);
     sheet.subdivisionScheme = "catmullClark";
     return sheet;
 }
@@ -31,7 +31,7 @@ bool IsInner(const glm::vec3& p) {
 
 TEST(Displacement, ConstantsMoveAlongTheLimitNormal) {
     for (const bool isLeftHanded : {false, true}) {
-        MeshDescription cube = MakeCube();
+        GeometryDescription cube = MakeCube();
         cube.leftHanded = isLeftHanded;
         const Diced still = DiceUniform(cube, 3);
         const Diced moved = DiceUniform(cube, 3, {MakeConstantAmount(0.25)});
@@ -50,7 +50,7 @@ TEST(Displacement, ConstantsMoveAlongTheLimitNormal) {
 
 TEST(Displacement, PrimvarsMakeHeightFieldsWithTheirNormals) {
     constexpr int n = 16;
-    MeshDescription sheet = MakeSheet(n);
+    GeometryDescription sheet = MakeSheet(n);
     std::vector<float> heights;
     for (std::size_t i = 0; i < sheet.points.size(); i += 3) {
         heights.push_back(0.25F * sheet.points[i] + 0.5F * sheet.points[i + 1]);
@@ -73,7 +73,7 @@ TEST(Displacement, PrimvarsMakeHeightFieldsWithTheirNormals) {
 
 TEST(Displacement, CurvedHeightFieldsHaveTheirNormals) {
     constexpr int n = 64;
-    MeshDescription sheet = MakeSheet(n);
+    GeometryDescription sheet = MakeSheet(n);
     std::vector<float> heights;
     for (std::size_t i = 0; i < sheet.points.size(); i += 3) {
         heights.push_back(0.05F * std::sin(9.0F * sheet.points[i]));
@@ -100,7 +100,7 @@ TEST(Displacement, MissingPrimvarsLeaveTheFallback) {
 }
 
 TEST(Displacement, EntriesMeetInTheMiddle) {
-    MeshDescription sheet = MakeSheet(8);
+    GeometryDescription sheet = MakeSheet(8);
     std::vector<std::int32_t> right;
     for (int face = 0; face < 64; ++face) {
         if (face % 8 >= 4) {
@@ -125,7 +125,7 @@ TEST(Displacement, EntriesMeetInTheMiddle) {
 }
 
 TEST(Displacement, PointAmountsAreMeansOverFaces) {
-    MeshDescription grid = MakeFlatGrid(2);
+    GeometryDescription grid = MakeFlatGrid(2);
     grid.primvars = {MakePrimvar("uniform", Interpolation::Uniform, {1, 2, 3, 4})};
     MeshAttribute attribute;
     attribute.name = "uniform";

@@ -102,7 +102,7 @@ TEST(ImplicitMesh, CountsAndSchemesAreOpenUsds) {
     };
     for (const Expected& e : cases) {
         SCOPED_TRACE(e.type);
-        const MeshDescription mesh = MakeImplicitMesh(MakeShape(e.type, "Z"));
+        const GeometryDescription mesh = MakeImplicitMesh(MakeShape(e.type, "Z"));
         EXPECT_EQ(mesh.points.size(), 3 * e.numPoints);
         EXPECT_EQ(mesh.faceVertexCounts.size(), e.numFaces);
         EXPECT_EQ(mesh.faceVertexIndices.size(), e.numCorners);
@@ -134,7 +134,7 @@ TEST(ImplicitMesh, PointsAreOpenUsds) {
         shape.type = e.type;
         shape.radius = 0.5;
         shape.height = 2.0;
-        const MeshDescription mesh = MakeImplicitMesh(shape);
+        const GeometryDescription mesh = MakeImplicitMesh(shape);
         EXPECT_FLOAT_EQ(mesh.points[3 * e.point], e.x);
         EXPECT_FLOAT_EQ(mesh.points[3 * e.point + 1], e.y);
         EXPECT_FLOAT_EQ(mesh.points[3 * e.point + 2], e.z);
@@ -174,7 +174,7 @@ TEST(ImplicitMesh, AxesAndSizesAreTheGprims) {
         }
     }
     // The tip of a cone is at +axis.
-    const MeshDescription cone = MakeImplicitMesh(MakeShape("Cone", "Y"));
+    const GeometryDescription cone = MakeImplicitMesh(MakeShape("Cone", "Y"));
     EXPECT_EQ(cone.points[3 * 30 + 1], 1.25F);
     EXPECT_EQ(cone.points[3 * 30 + 0], 0.0F);
 }
@@ -186,7 +186,7 @@ TEST(ImplicitMesh, PlanesFaceTheirAxis) {
         int normal, width, length;
     };
     for (const Expected& e : {Expected{"X", 0, 2, 1}, {"Y", 1, 0, 2}, {"Z", 2, 0, 1}}) {
-        const MeshDescription description = MakeImplicitMesh(MakeShape("Plane", e.axis));
+        const GeometryDescription description = MakeImplicitMesh(MakeShape("Plane", e.axis));
         const auto mesh = RunTriangulate(description).mesh;
         ASSERT_EQ(mesh->triangles.size(), 2U);
         for (std::size_t t = 0; t < 2; ++t) {

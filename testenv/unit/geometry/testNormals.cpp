@@ -30,7 +30,7 @@ Primvar MakeNormals(Interpolation interpolation, std::vector<float> values,
 }
 
 /// A closed polyhedron inscribed in a sphere about `centre`: latitude bands of quads and triangles.
-MeshDescription MakeInscribed(glm::vec3 centre, double radius, int numSides, int numBands) {
+GeometryDescription MakeInscribed(glm::vec3 centre, double radius, int numSides, int numBands) {
     std::vector<glm::vec3> points = {centre - glm::vec3(0, 0, radius),
                                      centre + glm::vec3(0, 0, radius)};
     for (int band = 1; band < numBands; ++band) {
@@ -68,7 +68,7 @@ glm::dvec3 NormalAt(const TriangleMesh& mesh, std::size_t element) {
 
 TEST(Normals, PolygonalMeshesAreFlat) {
     for (const char* scheme : {"none", "bilinear"}) {
-        MeshDescription mesh = MakeInscribed(glm::vec3(0), 1.0, 8, 6);
+        GeometryDescription mesh = MakeInscribed(glm::vec3(0), 1.0, 8, 6);
         mesh.subdivisionScheme = scheme;
         EXPECT_TRUE(RunTriangulate(mesh).mesh->normals.values.empty());
     }
@@ -79,7 +79,7 @@ TEST(Normals, SmoothNormalsAreRadialOnASphere) {
     // 2^-24 relative to edges of about radius / 8, over each normal's few corners.
     for (const glm::vec3& centre : {glm::vec3(0), glm::vec3(3, -7, 200)}) {
         for (const bool isLeftHanded : {false, true}) {
-            MeshDescription description = MakeInscribed(centre, 5.0, 11, 9);
+            GeometryDescription description = MakeInscribed(centre, 5.0, 11, 9);
             description.subdivisionScheme = "catmullClark";
             description.leftHanded = isLeftHanded;
             const auto mesh = RunTriangulate(description).mesh;
@@ -96,7 +96,7 @@ TEST(Normals, SmoothNormalsAreRadialOnASphere) {
 }
 
 TEST(Normals, SubdivisionSurfacesIgnoreAuthoredNormals) {
-    MeshDescription description = MakeFlatGrid(2);
+    GeometryDescription description = MakeFlatGrid(2);
     description.primvars = {MakeNormals(Interpolation::Constant, {1, 0, 0})};
     for (const char* scheme : {"catmullClark", "loop"}) {
         description.subdivisionScheme = scheme;
@@ -113,7 +113,7 @@ TEST(Normals, SubdivisionSurfacesIgnoreAuthoredNormals) {
 }
 
 TEST(Normals, AuthoredNormalsOfLeftHandedMeshesAreKept) {
-    MeshDescription description = MakeFlatGrid(1);
+    GeometryDescription description = MakeFlatGrid(1);
     description.leftHanded = true;
     description.primvars = {MakeNormals(Interpolation::Uniform, {0, 0, -1})};
     EXPECT_EQ(NormalAt(*RunTriangulate(description).mesh, 0), glm::dvec3(0, 0, -1));
@@ -124,7 +124,7 @@ TEST(Normals, AuthoredNormalsOfLeftHandedMeshesAreKept) {
 
 TEST(Normals, FoldedSheetsTakeTheFirstFace) {
     // Two triangles back to back: the sum at each point is zero.
-    MeshDescription description =
+    GeometryDescription description =
         MakeMesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {3, 3}, {0, 1, 2, 0, 2, 1});
     description.subdivisionScheme = "loop";
     const auto mesh = RunTriangulate(description).mesh;
@@ -170,7 +170,7 @@ TEST(Normals, UnusableOnesBecomeFaceNormalsAndPagesHoldUnitVectors) {
          3},
     };
     for (const Case& c : cases) {
-        MeshDescription description = MakeMesh(points, {4, 4}, {0, 2, 3, 1, 2, 4, 5, 3});
+        GeometryDescription description = MakeMesh(points, {4, 4}, {0, 2, 3, 1, 2, 4, 5, 3});
         description.primvars = {MakeNormals(c.interpolation, c.values)};
         const Triangulated run = RunTriangulate(description);
         const std::string count = std::to_string(c.numReplaced);
@@ -206,7 +206,7 @@ TEST(Normals, UnusableOnesBecomeFaceNormalsAndPagesHoldUnitVectors) {
 
 TEST(Normals, WrongAuthoredNormalsAreNamedAndIgnored) {
     const auto check = [](Primvar primvar, const std::string& expected) {
-        MeshDescription description = MakeFlatGrid(2);
+        GeometryDescription description = MakeFlatGrid(2);
         description.primvars = {std::move(primvar)};
         const Triangulated run = RunTriangulate(description);
         EXPECT_EQ(run.warnings, std::vector<std::string>{"/World/mesh: " + expected});

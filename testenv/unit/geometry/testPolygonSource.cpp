@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A polygon source gives, unit by unit and in any grouping, the triangles that the whole mesh has
+// A polygon source gives, group by group and in any grouping, the triangles that the whole mesh has
 // when it is interpreted at once, with the same values; boxes hold them; bad content is left out.
 #include "hdStream/geometry/polygonSource.h"
 
@@ -21,20 +21,20 @@ namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-std::shared_ptr<const ChunkSource> SourceOf(const MeshDescription& mesh, Warnings& warnings,
+std::shared_ptr<const ChunkSource> SourceOf(const GeometryDescription& mesh, Warnings& warnings,
                                             const Displacement& displacement = {}) {
-    return MakePolygonSource(std::make_shared<MeshDescription>(mesh), "/World/mesh", displacement,
-                             warnings);
+    return MakePolygonSource(std::make_shared<GeometryDescription>(mesh), "/World/mesh",
+                             displacement, warnings);
 }
 
-std::vector<std::uint32_t> AllUnits(const ChunkSource& source) {
-    std::vector<std::uint32_t> units(source.NumUnits());
-    std::iota(units.begin(), units.end(), 0U);
-    return units;
+std::vector<std::uint32_t> AllGroups(const ChunkSource& source) {
+    std::vector<std::uint32_t> groups(source.NumPrimitiveGroups());
+    std::iota(groups.begin(), groups.end(), 0U);
+    return groups;
 }
 
 /// Tags random faces, with vertices that make some of them useless.
-MeshDescription MakeHostileMesh(std::mt19937& random) {
+GeometryDescription MakeHostileMesh(std::mt19937& random) {
     const std::size_t numPoints = 60;
     std::vector<float> points(numPoints * 3);
     std::uniform_real_distribution<float> coordinate(99.0F, 101.0F); // far from 0: an origin
@@ -49,7 +49,7 @@ MeshDescription MakeHostileMesh(std::mt19937& random) {
             indices.push_back(isFlat ? 5 : static_cast<std::int32_t>(random() % (numPoints + 1)));
         }
     }
-    MeshDescription mesh;
+    GeometryDescription mesh;
     mesh.points = std::move(points);
     mesh.faceVertexCounts = std::move(counts);
     mesh.faceVertexIndices = std::move(indices);
@@ -116,7 +116,7 @@ void ExpectEqual(const ChunkGeometry& chunk, const TriangleMesh& whole, std::siz
 TEST(PolygonSource, AnyGroupingGivesTheTrianglesOfTheWholeMesh) {
     std::mt19937 random(5);
     for (int round = 0; round < 20; ++round) {
-        const MeshDescription mesh = MakeHostileMesh(random);
+        const GeometryDescription mesh = MakeHostileMesh(random);
         const Triangulated whole = RunTriangulate(mesh);
         Warnings warnings;
         const auto source = SourceOf(mesh, warnings);
@@ -124,12 +124,13 @@ TEST(PolygonSource, AnyGroupingGivesTheTrianglesOfTheWholeMesh) {
         EXPECT_EQ(source->Origin(), whole.mesh->origin);
         EXPECT_EQ(source->AllBounds().min, whole.mesh->bounds.min);
         EXPECT_EQ(source->AllBounds().max, whole.mesh->bounds.max);
-        const std::vector<std::uint32_t> units = AllUnits(*source);
+        const std::vector<std::uint32_t> groups = AllGroups(*source);
         std::size_t numTriangles = 0;
         std::uint32_t lastPrimId = 0;
-        for (std::size_t begin = 0; begin < units.size();) {
-            const std::size_t count = std::min<std::size_t>(1 + random() % 9, units.size() - begin);
-            const ChunkGeometry chunk = source->Gather(units.data() + begin, count);
+        for (std::size_t begin = 0; begin < groups.size();) {
+            const std::size_t count =
+                std::min<std::size_t>(1 + random() % 9, groups.size() - begin);
+            const ChunkGeometry chunk = source->Gather(groups.data() + begin, count);
             ExpectEqual(chunk, *whole.mesh, numTriangles);
             for (const std::uint32_t primId : chunk.primIds) {
                 EXPECT_TRUE(numTriangles == 0 || primId > lastPrimId);
@@ -145,16 +146,16 @@ TEST(PolygonSource, AnyGroupingGivesTheTrianglesOfTheWholeMesh) {
 
 TEST(PolygonSource, BoxesHoldTheUnitsAndCountsBoundThem) {
     std::mt19937 random(6);
-    const MeshDescription mesh = MakeHostileMesh(random);
+    const GeometryDescription mesh = MakeHostileMesh(random);
     Warnings warnings;
     const auto source = SourceOf(mesh, warnings);
     std::uint64_t bound = 0;
-    for (const std::uint32_t unit : AllUnits(*source)) {
-        const ChunkGeometry chunk = source->Gather(&unit, 1);
-        const Bounds box = source->UnitBounds(unit);
-        bound += source->UnitTriangles(unit);
-        EXPECT_LE(chunk.triangles.size(), source->UnitTriangles(unit));
-        EXPECT_EQ(source->UnitTriangles(unit) == 0, chunk.triangles.empty());
+    for (const std::uint32_t group : AllGroups(*source)) {
+        const ChunkGeometry chunk = source->Gather(&group, 1);
+        const Bounds box = source->GroupBounds(group);
+        bound += source->GroupTriangles(group);
+        EXPECT_LE(chunk.triangles.size(), source->GroupTriangles(group));
+        EXPECT_EQ(source->GroupTriangles(group) == 0, chunk.triangles.empty());
         for (const glm::vec3& position : chunk.positions) {
             for (int axis = 0; axis < 3; ++axis) {
                 EXPECT_GE(position[axis], box.min[axis]);
@@ -175,18 +176,18 @@ TEST(PolygonSource, AFaceOfManyVerticesIsManyUnits) {
                                      static_cast<float>(std::sin(angle)), 0.0F});
         indices.push_back(i);
     }
-    MeshDescription mesh;
+    GeometryDescription mesh;
     mesh.points = std::move(points);
     mesh.faceVertexCounts = std::vector<std::int32_t>{count};
     mesh.faceVertexIndices = std::move(indices);
     Warnings warnings;
     const auto source = SourceOf(mesh, warnings);
     const Triangulated whole = RunTriangulate(mesh);
-    ASSERT_GT(source->NumUnits(), 10U);
+    ASSERT_GT(source->NumPrimitiveGroups(), 10U);
     std::size_t first = 0;
-    for (const std::uint32_t unit : AllUnits(*source)) {
-        EXPECT_LE(source->UnitTriangles(unit), 256U);
-        const ChunkGeometry chunk = source->Gather(&unit, 1);
+    for (const std::uint32_t group : AllGroups(*source)) {
+        EXPECT_LE(source->GroupTriangles(group), 256U);
+        const ChunkGeometry chunk = source->Gather(&group, 1);
         ExpectEqual(chunk, *whole.mesh, first);
         first += chunk.triangles.size();
     }
@@ -196,7 +197,7 @@ TEST(PolygonSource, AFaceOfManyVerticesIsManyUnits) {
 TEST(PolygonSource, NormalsAreThoseOfTheWholeMesh) {
     std::mt19937 random(7);
     for (const char* scheme : {"catmullClark", "none"}) {
-        MeshDescription mesh = MakeFlatGrid(12);
+        GeometryDescription mesh = MakeFlatGrid(12);
         mesh.subdivisionScheme = scheme;
         Primvar normals =
             MakePrimvar(mesh, "normals", Interpolation::FaceVarying, 3, false, random);
@@ -207,11 +208,11 @@ TEST(PolygonSource, NormalsAreThoseOfTheWholeMesh) {
         const Triangulated whole = RunTriangulate(mesh);
         Warnings warnings;
         const auto source = SourceOf(mesh, warnings);
-        const std::vector<std::uint32_t> units = AllUnits(*source);
+        const std::vector<std::uint32_t> groups = AllGroups(*source);
         // From many threads at once: the first chunk reads all values.
-        std::vector<ChunkGeometry> chunks(units.size());
-        tbb::parallel_for(std::size_t{0}, units.size(),
-                          [&](std::size_t i) { chunks[i] = source->Gather(&units[i], 1); });
+        std::vector<ChunkGeometry> chunks(groups.size());
+        tbb::parallel_for(std::size_t{0}, groups.size(),
+                          [&](std::size_t i) { chunks[i] = source->Gather(&groups[i], 1); });
         std::size_t w = 0;
         for (const ChunkGeometry& chunk : chunks) {
             for (std::size_t t = 0; t < chunk.triangles.size(); ++t, ++w) {
@@ -233,7 +234,7 @@ TEST(PolygonSource, NormalsAreThoseOfTheWholeMesh) {
 // A flat grid moves as a whole along its normal; a primvar makes it a height field.
 TEST(PolygonSource, DisplacementMovesPointsAlongTheNormal) {
     for (const bool isLeftHanded : {false, true}) {
-        MeshDescription mesh = MakeFlatGrid(8);
+        GeometryDescription mesh = MakeFlatGrid(8);
         mesh.leftHanded = isLeftHanded;
         const std::size_t numPoints = mesh.points.size() / 3;
         std::vector<float> heights(numPoints);
@@ -248,10 +249,10 @@ TEST(PolygonSource, DisplacementMovesPointsAlongTheNormal) {
         Warnings warnings;
         const auto flat = SourceOf(mesh, warnings);
         const auto displaced = SourceOf(mesh, warnings, {MakePrimvarAmount("height", 0.0)});
-        for (const std::uint32_t unit : AllUnits(*displaced)) {
-            const ChunkGeometry before = flat->Gather(&unit, 1);
-            const ChunkGeometry after = displaced->Gather(&unit, 1);
-            const Bounds box = displaced->UnitBounds(unit);
+        for (const std::uint32_t group : AllGroups(*displaced)) {
+            const ChunkGeometry before = flat->Gather(&group, 1);
+            const ChunkGeometry after = displaced->Gather(&group, 1);
+            const Bounds box = displaced->GroupBounds(group);
             ASSERT_EQ(before.points, after.points);
             const glm::vec3 cross = glm::cross(
                 before.positions[before.triangles[0].y] - before.positions[before.triangles[0].x],
@@ -271,17 +272,17 @@ TEST(PolygonSource, DisplacementMovesPointsAlongTheNormal) {
 }
 
 TEST(PolygonSource, AnUnusableMeshHasNothing) {
-    MeshDescription mesh;
+    GeometryDescription mesh;
     mesh.points = std::vector<float>{kNan, 0, 0, 1, 0, 0, 0, 1, 0};
     mesh.faceVertexCounts = std::vector<std::int32_t>{3};
     mesh.faceVertexIndices = std::vector<std::int32_t>{0, 1, 2};
     Warnings warnings;
     const auto source = SourceOf(mesh, warnings);
     EXPECT_EQ(source->NumTriangles(), 0U);
-    EXPECT_EQ(source->NumUnits(), 0U);
+    EXPECT_EQ(source->NumPrimitiveGroups(), 0U);
     EXPECT_EQ(warnings.Lines().size(), 1U);
     const auto empty = SourceOf({}, warnings);
-    EXPECT_EQ(empty->NumUnits(), 0U);
+    EXPECT_EQ(empty->NumPrimitiveGroups(), 0U);
 }
 
 } // namespace

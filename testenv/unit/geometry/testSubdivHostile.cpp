@@ -12,20 +12,20 @@ namespace hds::test {
 namespace {
 
 TEST(SubdivHostile, WhatIsRefusedSaysSoOnce) {
-    MeshDescription quads = MakeCube();
+    GeometryDescription quads = MakeCube();
     quads.subdivisionScheme = "loop";
     const Diced loop = DiceUniform(quads, 2);
     EXPECT_FALSE(loop.source);
     EXPECT_EQ(loop.warnings,
               std::vector<std::string>{"/World/mesh: not subdivided: loop needs triangles only"});
-    MeshDescription empty;
+    GeometryDescription empty;
     empty.subdivisionScheme = "catmullClark";
     EXPECT_FALSE(DiceUniform(empty, 2).source);
     EXPECT_TRUE(DiceUniform(empty, 2).warnings.empty());
 }
 
 TEST(SubdivHostile, BadTagsAreIgnored) {
-    MeshDescription mesh = MakeCube();
+    GeometryDescription mesh = MakeCube();
     mesh.subdivTags.creaseLengths = std::vector<std::int32_t>{3};
     mesh.subdivTags.cornerIndices = std::vector<std::int32_t>{8};
     mesh.subdivTags.cornerSharpnesses = std::vector<float>{1.0F};
@@ -38,7 +38,7 @@ TEST(SubdivHostile, BadTagsAreIgnored) {
 }
 
 TEST(SubdivHostile, BadFacesAreDropped) {
-    MeshDescription mesh = MakeCube();
+    GeometryDescription mesh = MakeCube();
     std::vector<float> points(mesh.points.begin(), mesh.points.end());
     points[3 * 7] = std::numeric_limits<float>::quiet_NaN(); // of three faces
     mesh.points = points;
@@ -50,24 +50,24 @@ TEST(SubdivHostile, BadFacesAreDropped) {
 }
 
 TEST(SubdivHostile, HolesEverywhereDrawNothing) {
-    MeshDescription mesh = MakeCube();
+    GeometryDescription mesh = MakeCube();
     mesh.holeIndices = std::vector<std::int32_t>{0, 1, 2, 3, 4, 5};
     const Diced diced = DiceUniform(mesh, 2);
     ASSERT_TRUE(diced.source);
-    EXPECT_EQ(diced.source->NumUnits(), 0U);
+    EXPECT_EQ(diced.source->NumPrimitiveGroups(), 0U);
     EXPECT_GT(diced.source->AllBounds().min.x, diced.source->AllBounds().max.x);
     EXPECT_TRUE(diced.chunk.triangles.empty());
 }
 
 TEST(SubdivHostile, SingleAndDegenerateFaces) {
-    MeshDescription triangle = MakeMesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {3}, {0, 1, 2});
+    GeometryDescription triangle = MakeMesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {3}, {0, 1, 2});
     triangle.subdivisionScheme = "catmullClark";
     EXPECT_EQ(DiceUniform(triangle, 0).chunk.triangles.size(), 1U);
     EXPECT_EQ(DiceUniform(triangle, 1).chunk.triangles.size(), 6U);
     triangle.subdivisionScheme = "loop";
     EXPECT_EQ(DiceUniform(triangle, 1).chunk.triangles.size(), 4U);
     // Repeated points: triangles without an area are left out, normals are unit.
-    MeshDescription tip =
+    GeometryDescription tip =
         MakeMesh({{0, 0, 1}, {0, 0, 1}, {1, 1, 0}, {-1, 1, 0}}, {4}, {0, 1, 2, 3});
     tip.subdivisionScheme = "bilinear";
     const Diced diced = DiceUniform(tip, 2);
@@ -78,7 +78,7 @@ TEST(SubdivHostile, SingleAndDegenerateFaces) {
         const float* n = smooth.chunk.normals.values.data() + i;
         EXPECT_NEAR(glm::length(glm::dvec3(n[0], n[1], n[2])), 1.0, 1e-6);
     }
-    MeshDescription line = MakeMesh({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {3}, {0, 1, 2});
+    GeometryDescription line = MakeMesh({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {3}, {0, 1, 2});
     line.subdivisionScheme = "catmullClark";
     EXPECT_TRUE(DiceUniform(line, 2).chunk.triangles.empty());
 }
@@ -104,7 +104,7 @@ TEST(SubdivHostile, CrowdedPointsAndFaces) {
         } else {
             counts.push_back(n);
         }
-        MeshDescription mesh = MakeMesh(points, counts, indices);
+        GeometryDescription mesh = MakeMesh(points, counts, indices);
         mesh.subdivisionScheme = "catmullClark";
         return mesh;
     };
@@ -126,15 +126,15 @@ TEST(SubdivHostile, CrowdedPointsAndFaces) {
 
 TEST(SubdivHostile, NonManifoldCagesStayWhole) {
     // Three sheets on one edge, and two cubes that share a point.
-    MeshDescription fan = MakeMesh({{0, 0, 0},
-                                    {0, 0, 1},
-                                    {1, 0, 0},
-                                    {1, 0, 1},
-                                    {-1, 1, 0},
-                                    {-1, 1, 1},
-                                    {-1, -1, 0},
-                                    {-1, -1, 1}},
-                                   {4, 4, 4}, {0, 2, 3, 1, 0, 4, 5, 1, 0, 6, 7, 1});
+    GeometryDescription fan = MakeMesh({{0, 0, 0},
+                                        {0, 0, 1},
+                                        {1, 0, 0},
+                                        {1, 0, 1},
+                                        {-1, 1, 0},
+                                        {-1, 1, 1},
+                                        {-1, -1, 0},
+                                        {-1, -1, 1}},
+                                       {4, 4, 4}, {0, 2, 3, 1, 0, 4, 5, 1, 0, 6, 7, 1});
     fan.subdivisionScheme = "catmullClark";
     const Diced diced = DiceUniform(fan, 2);
     ASSERT_TRUE(diced.source);
@@ -146,7 +146,7 @@ TEST(SubdivHostile, GarbageNeverBreaksTheInvariants) {
     std::mt19937 random(37);
     int numDrawn = 0;
     for (int round = 0; round < 3000; ++round) {
-        MeshDescription mesh;
+        GeometryDescription mesh;
         std::vector<float> points(random() % 40);
         for (float& p : points) {
             p = random() % 40 == 0 ? std::numeric_limits<float>::quiet_NaN() : float(random() % 7);

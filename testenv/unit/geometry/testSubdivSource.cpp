@@ -71,7 +71,7 @@ glm::dvec3 NormalOf(const ChunkGeometry& chunk, std::size_t triangle, int k) {
 }
 
 /// Every vertex of the diced mesh is a vertex of the refined one, and the other way round.
-void CheckAgainstLimit(const MeshDescription& mesh, int level) {
+void CheckAgainstLimit(const GeometryDescription& mesh, int level) {
     const Diced diced = DiceUniform(mesh, std::uint32_t(level));
     ASSERT_TRUE(diced.source);
     const LimitLevel limit = RefineToLimit(mesh, level);
@@ -115,7 +115,7 @@ TEST(SubdivSource, VerticesAreOnTheLimitSurface) {
     std::mt19937 random(11);
     for (int round = 0; round < 24; ++round) {
         SCOPED_TRACE(round);
-        MeshDescription mesh = MakeRandomCage(random, round % 3 == 2);
+        GeometryDescription mesh = MakeRandomCage(random, round % 3 == 2);
         if (round % 6 == 1) {
             mesh.subdivisionScheme = "bilinear";
         }
@@ -136,7 +136,7 @@ TEST(SubdivSource, OpenCagesFollowEveryBoundaryRule) {
     std::mt19937 random(12);
     for (int round = 0; round < 18; ++round) {
         SCOPED_TRACE(round);
-        MeshDescription mesh =
+        GeometryDescription mesh =
             MakeGrid(4, [&](float, float) { return float(random() % 100) / 300; });
         mesh.subdivisionScheme = "catmullClark";
         if (round >= 6) {
@@ -178,7 +178,7 @@ TEST(SubdivSource, FaceVaryingValuesFollowTheirOwnTopology) {
                                  "cornersPlus2", "boundaries",  "all"};
     for (int round = 0; round < 12; ++round) {
         SCOPED_TRACE(rules[round % 6]);
-        MeshDescription mesh = MakeRandomCage(random, round >= 6);
+        GeometryDescription mesh = MakeRandomCage(random, round >= 6);
         mesh.subdivTags.faceVaryingLinearInterpolation = rules[round % 6];
         std::vector<glm::dvec2> uv;
         std::vector<int> indices;
@@ -235,7 +235,7 @@ TEST(SubdivSource, FaceVaryingValuesFollowTheirOwnTopology) {
 TEST(SubdivSource, PrimvarsFollowThePoints) {
     // A vertex primvar that repeats the points must stay equal to them; x as a varying one is the
     // bilinear cage's; uniform and constant values stay with their faces.
-    MeshDescription mesh = MakeCube();
+    GeometryDescription mesh = MakeCube();
     Primvar vertex;
     vertex.name = "a";
     vertex.interpolation = Interpolation::Vertex;
@@ -254,7 +254,7 @@ TEST(SubdivSource, PrimvarsFollowThePoints) {
     constant.values = std::vector<float>{7};
     mesh.primvars = {varying, uniform, constant, vertex};
     const Diced diced = DiceUniform(mesh, 2);
-    MeshDescription linear = MakeCube();
+    GeometryDescription linear = MakeCube();
     linear.subdivisionScheme = "bilinear";
     const Diced cage = DiceUniform(linear, 2);
     EXPECT_TRUE(cage.chunk.normals.values.empty());
@@ -278,7 +278,7 @@ TEST(SubdivSource, PrimvarsFollowThePoints) {
 }
 
 TEST(SubdivSource, SharpCreasesKeepTheCubeAndItsNormals) {
-    MeshDescription mesh = MakeCube();
+    GeometryDescription mesh = MakeCube();
     std::vector<std::int32_t> creases;
     for (std::size_t f = 0; f < 6; ++f) {
         for (std::size_t k = 0; k < 4; ++k) {
@@ -323,7 +323,7 @@ TEST(SubdivSource, CubeCornersGoToTheirLimit) {
 }
 
 TEST(SubdivSource, FacesAndSubsetsStayAuthored) {
-    MeshDescription mesh = MakeCube();
+    GeometryDescription mesh = MakeCube();
     mesh.holeIndices = std::vector<std::int32_t>{2, 17};
     mesh.subsets = {{"a", std::vector<std::int32_t>{4, 1}}};
     const Diced diced = DiceUniform(mesh, 2);
@@ -352,7 +352,8 @@ std::array<double, 4> BSpline(double t, int derivative) {
 }
 
 /// The bicubic patch of a grid of (n + 1)^2 points in cell (x, y) of its interior.
-glm::dvec3 EvaluateGrid(const MeshDescription& grid, int n, double s, double t, int ds, int dt) {
+glm::dvec3 EvaluateGrid(const GeometryDescription& grid, int n, double s, double t, int ds,
+                        int dt) {
     const int x = std::min(static_cast<int>(s), n - 2);
     const int y = std::min(static_cast<int>(t), n - 2);
     const auto bs = BSpline(s - x, ds);
@@ -372,7 +373,7 @@ TEST(SubdivSource, RegularGridsAreBicubicBSplines) {
     // of the grid are linear, so that a vertex tells its own parameters.
     constexpr int n = 6;
     for (const bool isLeftHanded : {false, true}) {
-        MeshDescription grid =
+        GeometryDescription grid =
             MakeGrid(n, [](float s, float t) { return 0.4F * std::sin(9.0F * s) * t + s * s; });
         grid.subdivisionScheme = "catmullClark";
         grid.leftHanded = isLeftHanded;
@@ -387,7 +388,7 @@ TEST(SubdivSource, RegularGridsAreBicubicBSplines) {
                 continue; // the boundary has other rules
             }
             ++numInside;
-            // Positions are rounded to float; the height changes by at most 4 per unit of s.
+            // Positions are rounded to float; the height changes by at most 4 per group of s.
             EXPECT_NEAR(p.z, EvaluateGrid(grid, n, s, t, 0, 0).z, 2e-6);
             const glm::dvec3 normal = glm::normalize(
                 glm::cross(EvaluateGrid(grid, n, s, t, 1, 0), EvaluateGrid(grid, n, s, t, 0, 1)));
@@ -418,7 +419,7 @@ TEST(SubdivSource, ImplicitShapesAreRound) {
 }
 
 TEST(SubdivSource, FarCagesKeepTheirDetail) {
-    MeshDescription cube = MakeCube();
+    GeometryDescription cube = MakeCube();
     std::vector<float> points(cube.points.begin(), cube.points.end());
     for (float& p : points) {
         p += 1048576.0F;

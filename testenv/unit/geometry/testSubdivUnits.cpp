@@ -22,8 +22,8 @@ Bits BitsOf(const glm::vec3& v) {
 }
 
 /// Cages with primvars of all kinds, tags and displacement by round.
-MeshDescription MakeCage(std::mt19937& random, int round) {
-    MeshDescription mesh = MakeRandomCage(random, round % 3 == 2);
+GeometryDescription MakeCage(std::mt19937& random, int round) {
+    GeometryDescription mesh = MakeRandomCage(random, round % 3 == 2);
     if (round % 4 >= 2) {
         AddRandomTags(mesh, random);
     }
@@ -61,12 +61,12 @@ Displacement MakeDisplacement(int round) {
 }
 
 /// A dice with a rate of its own for every edge.
-SubdivDice MakeDice(const MeshDescription& mesh, std::mt19937& random, std::uint32_t maxLevel,
+SubdivDice MakeDice(const GeometryDescription& mesh, std::mt19937& random, std::uint32_t maxLevel,
                     const Displacement& displacement) {
     Warnings warnings;
     SubdivDice dice;
     dice.model =
-        SubdivModel::Make(std::make_shared<MeshDescription>(mesh), "/World/mesh", warnings);
+        SubdivModel::Make(std::make_shared<GeometryDescription>(mesh), "/World/mesh", warnings);
     dice.edgeLevels.resize(std::size_t(dice.model->Level().GetNumEdges()));
     for (std::uint8_t& level : dice.edgeLevels) {
         level = std::uint8_t(random() % (maxLevel + 1));
@@ -82,26 +82,26 @@ SubdivDice MakeDice(const MeshDescription& mesh, std::mt19937& random, std::uint
     dice.displacement.owner = displacement;
     dice.displacement.amounts = BindAmounts(displacement, attributes);
     dice.displacement.range = RangeOf(dice.displacement.amounts, attributes, displacement.empty());
-    dice.NumberUnits();
+    dice.NumberGroups();
     return dice;
 }
 
-std::uint32_t NumUnits(const SubdivDice& dice) {
-    return std::uint32_t(dice.unitTriangles.size() - 1);
+std::uint32_t NumPrimitiveGroups(const SubdivDice& dice) {
+    return std::uint32_t(dice.groupTriangles.size() - 1);
 }
 
-TEST(SubdivUnits, ClosedCagesStayClosedBitForBit) {
+TEST(SubdivGroups, ClosedCagesStayClosedBitForBit) {
     std::mt19937 random(21);
     for (int round = 0; round < 16; ++round) {
         SCOPED_TRACE(round);
-        const MeshDescription mesh = MakeCage(random, round);
+        const GeometryDescription mesh = MakeCage(random, round);
         const SubdivDice dice = MakeDice(mesh, random, round < 14 ? 4 : 6, MakeDisplacement(round));
         // One chunk per unit: every edge between units is an edge between chunks.
         std::map<std::pair<Bits, Bits>, int> edges;
-        for (std::uint32_t unit = 0; unit < NumUnits(dice); ++unit) {
-            const ChunkGeometry chunk = DiceUnits(dice, &unit, 1);
+        for (std::uint32_t unit = 0; unit < NumPrimitiveGroups(dice); ++unit) {
+            const ChunkGeometry chunk = DiceGroups(dice, &unit, 1);
             ASSERT_LE(chunk.triangles.size(),
-                      dice.unitTriangles[unit + 1] - dice.unitTriangles[unit]);
+                      dice.groupTriangles[unit + 1] - dice.groupTriangles[unit]);
             for (const glm::uvec3& t : chunk.triangles) {
                 for (int k = 0; k < 3; ++k) {
                     ++edges[{BitsOf(chunk.positions[t[k]]),
@@ -157,15 +157,15 @@ std::vector<float> Describe(const ChunkGeometry& chunk, std::size_t triangle) {
     return values;
 }
 
-TEST(SubdivUnits, AnyPartitionGivesTheSameBits) {
+TEST(SubdivGroups, AnyPartitionGivesTheSameBits) {
     std::mt19937 random(22);
     for (int round = 0; round < 12; ++round) {
         SCOPED_TRACE(round);
-        const MeshDescription mesh = MakeCage(random, round);
+        const GeometryDescription mesh = MakeCage(random, round);
         const SubdivDice dice = MakeDice(mesh, random, 5, MakeDisplacement(round));
-        std::vector<std::uint32_t> order(NumUnits(dice));
+        std::vector<std::uint32_t> order(NumPrimitiveGroups(dice));
         std::iota(order.begin(), order.end(), 0U);
-        const ChunkGeometry whole = DiceUnits(dice, order.data(), order.size());
+        const ChunkGeometry whole = DiceGroups(dice, order.data(), order.size());
         std::map<std::uint32_t, std::vector<float>> expected;
         for (std::size_t t = 0; t < whole.triangles.size(); ++t) {
             ASSERT_TRUE(expected.emplace(whole.primIds[t], Describe(whole, t)).second);
@@ -176,7 +176,7 @@ TEST(SubdivUnits, AnyPartitionGivesTheSameBits) {
         std::size_t numSeen = 0;
         for (std::size_t begin = 0; begin < order.size();) {
             const std::size_t count = std::min<std::size_t>(1 + random() % 7, order.size() - begin);
-            const ChunkGeometry part = DiceUnits(dice, order.data() + begin, count);
+            const ChunkGeometry part = DiceGroups(dice, order.data() + begin, count);
             for (std::size_t t = 0; t < part.triangles.size(); ++t) {
                 ASSERT_EQ(expected.at(part.primIds[t]), Describe(part, t));
                 ++numSeen;
@@ -187,11 +187,11 @@ TEST(SubdivUnits, AnyPartitionGivesTheSameBits) {
     }
 }
 
-TEST(SubdivUnits, BoxesHoldTheTriangles) {
+TEST(SubdivGroups, BoxesHoldTheTriangles) {
     std::mt19937 random(23);
     for (int round = 0; round < 24; ++round) {
         SCOPED_TRACE(round);
-        MeshDescription mesh = MakeCage(random, round);
+        GeometryDescription mesh = MakeCage(random, round);
         std::vector<float> moved(mesh.points.begin(), mesh.points.end());
         for (float& p : moved) {
             p += round % 5 == 4 ? 4096.0F : 0.0F;
@@ -203,14 +203,15 @@ TEST(SubdivUnits, BoxesHoldTheTriangles) {
         options.view.imageSize = {400.0, 300.0};
         options.view.cameraFromObject[3] = glm::dvec4(0.5, 0.25, -3.0, 1.0);
         Warnings warnings;
-        const auto source = MakeSubdivSource(std::make_shared<MeshDescription>(mesh), "/World/mesh",
-                                             options, MakeDisplacement(round), warnings);
+        const auto source =
+            MakeSubdivSource(std::make_shared<GeometryDescription>(mesh), "/World/mesh", options,
+                             MakeDisplacement(round), warnings);
         ASSERT_TRUE(source);
         std::uint64_t sum = 0;
-        for (std::uint32_t unit = 0; unit < source->NumUnits(); ++unit) {
+        for (std::uint32_t unit = 0; unit < source->NumPrimitiveGroups(); ++unit) {
             const ChunkGeometry chunk = source->Gather(&unit, 1);
-            const Bounds box = source->UnitBounds(unit);
-            sum += source->UnitTriangles(unit);
+            const Bounds box = source->GroupBounds(unit);
+            sum += source->GroupTriangles(unit);
             for (const glm::vec3& p : chunk.positions) {
                 for (int axis = 0; axis < 3; ++axis) {
                     ASSERT_GE(p[axis], box.min[axis]);
@@ -221,7 +222,7 @@ TEST(SubdivUnits, BoxesHoldTheTriangles) {
             }
         }
         EXPECT_EQ(sum, source->NumTriangles());
-        std::vector<std::uint32_t> all(source->NumUnits());
+        std::vector<std::uint32_t> all(source->NumPrimitiveGroups());
         std::iota(all.begin(), all.end(), 0U);
         EXPECT_LE(source->Gather(all.data(), all.size()).positions.size(), source->NumVertices());
     }

@@ -21,7 +21,7 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
 /// A row of `n` unit quads along x; quad i has the points 4 i .. 4 i + 3 of its own.
-MeshDescription MakeRow(int n) {
+GeometryDescription MakeRow(int n) {
     std::vector<glm::vec3> points;
     std::vector<std::int32_t> indices;
     for (int i = 0; i < n; ++i) {
@@ -51,8 +51,8 @@ TEST(Triangulate, GoodMeshIsTakenOverWithoutWarning) {
 }
 
 TEST(Triangulate, EmptyMeshesAreSilent) {
-    EXPECT_TRUE(RunTriangulate(MeshDescription()).warnings.empty());
-    MeshDescription pointsOnly;
+    EXPECT_TRUE(RunTriangulate(GeometryDescription()).warnings.empty());
+    GeometryDescription pointsOnly;
     pointsOnly.points = std::vector<float>{0, 0, 0, 1, 1, 1};
     const Triangulated result = RunTriangulate(pointsOnly);
     EXPECT_TRUE(result.warnings.empty());
@@ -61,7 +61,7 @@ TEST(Triangulate, EmptyMeshesAreSilent) {
 }
 
 TEST(Triangulate, BadIndicesAreCounted) {
-    MeshDescription mesh = MakeRow(6);
+    GeometryDescription mesh = MakeRow(6);
     auto indices = ToVector(mesh.faceVertexIndices);
     indices[1] = -1;
     indices[4] = 24; // one beyond the last point
@@ -74,7 +74,7 @@ TEST(Triangulate, BadIndicesAreCounted) {
 }
 
 TEST(Triangulate, UnusablePointsAreCounted) {
-    MeshDescription mesh = MakeRow(5);
+    GeometryDescription mesh = MakeRow(5);
     auto points = ToVector(mesh.points);
     points[3 * 0 + 1] = kNan;
     points[3 * 5 + 2] = kInf;
@@ -93,7 +93,7 @@ TEST(Triangulate, UnusablePointsAreCounted) {
 }
 
 TEST(Triangulate, SmallCountsAreCounted) {
-    MeshDescription mesh = MakeRow(3);
+    GeometryDescription mesh = MakeRow(3);
     mesh.faceVertexCounts = std::vector<std::int32_t>{2, 0, 1, -7, 1, 4, 4};
     const Triangulated result = RunTriangulate(mesh);
     EXPECT_EQ(result.warnings, Lines{"/World/mesh: 5 faces dropped: fewer than 3 vertices"});
@@ -101,7 +101,7 @@ TEST(Triangulate, SmallCountsAreCounted) {
 }
 
 TEST(Triangulate, ShortAndLongIndexArraysAreNamed) {
-    MeshDescription mesh = MakeRow(4);
+    GeometryDescription mesh = MakeRow(4);
     mesh.faceVertexCounts = std::vector<std::int32_t>{4, 4, 4, 4, 4, 3};
     EXPECT_EQ(RunTriangulate(mesh).warnings,
               (Lines{"/World/mesh: 2 faces dropped: faceVertexIndices end before them",
@@ -114,7 +114,7 @@ TEST(Triangulate, ShortAndLongIndexArraysAreNamed) {
 }
 
 TEST(Triangulate, HugeCountsAllocateNothing) {
-    MeshDescription mesh = MakeRow(2);
+    GeometryDescription mesh = MakeRow(2);
     mesh.faceVertexCounts =
         std::vector<std::int32_t>(1000, std::numeric_limits<std::int32_t>::max());
     const Triangulated result = RunTriangulate(mesh);
@@ -123,7 +123,7 @@ TEST(Triangulate, HugeCountsAllocateNothing) {
 }
 
 TEST(Triangulate, ZeroAreaFacesAreCountedAndOrderIsKept) {
-    const MeshDescription mesh =
+    const GeometryDescription mesh =
         MakeMesh({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {1e-30F, 0, 0}, {0, 1e-30F, 0}},
                  {3, 3, 3, 4, 3, 3},
                  {0, 1, 3,    // fine
@@ -138,7 +138,7 @@ TEST(Triangulate, ZeroAreaFacesAreCountedAndOrderIsKept) {
 }
 
 TEST(Triangulate, EachReasonHasOneLineAndAFaceCountsOnce) {
-    MeshDescription mesh =
+    GeometryDescription mesh =
         MakeMesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {kNan, 0, 0}}, {3, 3, 3, 2, 3, 3},
                  {0, 1, 2, 3, 9, 9, 3, 3, 0, 0, 1, 0, 0, 1, 0});
     EXPECT_EQ(RunTriangulate(mesh).warnings,
@@ -151,7 +151,7 @@ TEST(Triangulate, EachReasonHasOneLineAndAFaceCountsOnce) {
 }
 
 TEST(Triangulate, HolesAreLeftOut) {
-    MeshDescription mesh = MakeRow(4);
+    GeometryDescription mesh = MakeRow(4);
     mesh.holeIndices = std::vector<std::int32_t>{2, 0, 2};
     const Triangulated result = RunTriangulate(mesh);
     EXPECT_TRUE(result.warnings.empty());
@@ -163,7 +163,7 @@ TEST(Triangulate, HolesAreLeftOut) {
 }
 
 TEST(Triangulate, SubsetsGiveMaterialEntries) {
-    MeshDescription mesh = MakeRow(4);
+    GeometryDescription mesh = MakeRow(4);
     mesh.subsets = {{"/World/mesh/a", std::vector<std::int32_t>{3, 1}},
                     {"/World/mesh/b", std::vector<std::int32_t>{1, 2, 4, -2}},
                     {"/World/mesh/none", {}}};
@@ -178,7 +178,7 @@ TEST(Triangulate, SubsetsGiveMaterialEntries) {
 }
 
 TEST(Triangulate, LeftHandedKeepsTheWinding) {
-    MeshDescription mesh = MakeRow(2);
+    GeometryDescription mesh = MakeRow(2);
     const auto right = RunTriangulate(mesh).mesh;
     mesh.leftHanded = true;
     const auto left = RunTriangulate(mesh).mesh;
@@ -215,7 +215,7 @@ TEST(Triangulate, NearMeshesAreNotMoved) {
     const auto mesh = RunTriangulate(MakeRow(3)).mesh;
     EXPECT_EQ(mesh->origin, glm::dvec3(0.0));
     // A stray point that no face uses moves neither bounds nor origin.
-    MeshDescription withStray = MakeRow(3);
+    GeometryDescription withStray = MakeRow(3);
     auto points = ToVector(withStray.points);
     points.insert(points.end(), {1e9F, 1e9F, 1e9F});
     withStray.points = points;
@@ -223,7 +223,7 @@ TEST(Triangulate, NearMeshesAreNotMoved) {
 }
 
 TEST(Triangulate, UnknownSchemeAndOddPointsWarn) {
-    MeshDescription mesh = MakeRow(1);
+    GeometryDescription mesh = MakeRow(1);
     mesh.subdivisionScheme = "doo-sabin";
     auto points = ToVector(mesh.points);
     points.push_back(1.0F);
@@ -252,7 +252,7 @@ std::vector<std::uint32_t> Words(const TriangleMesh& mesh) {
 }
 
 TEST(Triangulate, BitsDoNotDependOnThreads) {
-    MeshDescription mesh = MakeGrid(150, [](float s, float t) { return std::sin(9 * s) * t; });
+    GeometryDescription mesh = MakeGrid(150, [](float s, float t) { return std::sin(9 * s) * t; });
     mesh.subdivisionScheme = "catmullClark";
     auto indices = ToVector(mesh.faceVertexIndices);
     for (std::size_t i = 0; i < indices.size(); i += 4 * 37) {
@@ -276,7 +276,7 @@ TEST(Triangulate, GarbageNeverBreaksTheInvariants) {
     };
     const float special[] = {kNan, kInf, -kInf, 0.0F, -0.0F, 1e38F, 1e-45F, 3e18F};
     for (int round = 0; round < 3000; ++round) {
-        MeshDescription mesh;
+        GeometryDescription mesh;
         std::vector<float> points(random() % 40);
         for (float& p : points) {
             p = random() % 20 == 0 ? special[random() % 8] : float(integer(-3, 3));

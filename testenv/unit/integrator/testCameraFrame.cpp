@@ -28,9 +28,9 @@ TEST(CameraFrame, PerspectiveFilmAtDistanceOne) {
 }
 
 TEST(CameraFrame, TheApertureGrowsToTheImage) {
-    const auto wide = MakeFrameParams(OptionsOf(400, 200), glm::dvec3(0.0), 0);
-    EXPECT_FLOAT_EQ(wide.filmOrigin[1], 0.24F); // the height stays
-    EXPECT_FLOAT_EQ(wide.filmOrigin[0], -0.48F);
+    const auto simd8 = MakeFrameParams(OptionsOf(400, 200), glm::dvec3(0.0), 0);
+    EXPECT_FLOAT_EQ(simd8.filmOrigin[1], 0.24F); // the height stays
+    EXPECT_FLOAT_EQ(simd8.filmOrigin[0], -0.48F);
     const auto tall = MakeFrameParams(OptionsOf(200, 200), glm::dvec3(0.0), 0);
     EXPECT_FLOAT_EQ(tall.filmOrigin[0], -0.36F); // the width stays
     EXPECT_FLOAT_EQ(tall.filmOrigin[1], 0.36F);
@@ -38,7 +38,7 @@ TEST(CameraFrame, TheApertureGrowsToTheImage) {
 
 TEST(CameraFrame, PixelAspectWidensPixels) {
     RenderOptions options = OptionsOf(150, 200);
-    options.pixelAspectRatio = 2.0; // 150 wide pixels are as broad as 300
+    options.pixelAspectRatio = 2.0; // 150 simd8 pixels are as broad as 300
     const auto params = MakeFrameParams(options, glm::dvec3(0.0), 0);
     EXPECT_FLOAT_EQ(params.filmStep[0], 0.72F / 150);
     EXPECT_FLOAT_EQ(params.filmStep[1], -0.48F / 200);
@@ -67,7 +67,7 @@ TEST(CameraFrame, OrthographicAndLensInSceneUnits) {
 TEST(CameraFrame, ConformPoliciesFitTheApertureAsUsdRenderSays) {
     struct Case {
         ConformPolicy policy;
-        float halfWidth, halfHeight; ///< of the film at distance 1, for an image twice as wide
+        float halfWidth, halfHeight; ///< of the film at distance 1, for an image twice as simd8
     };
     const Case cases[] = {{ConformPolicy::ExpandAperture, 0.48F, 0.24F},
                           {ConformPolicy::CropAperture, 0.36F, 0.18F},

@@ -46,7 +46,7 @@ std::set<std::string> Find(const std::string& text, const char* expression) {
 }
 
 TEST(KernelFeatures, KernelsTestNoUnknownMacro) {
-    std::set<std::string> known = {"HDS_RUN_LENGTH"};
+    std::set<std::string> known = {"HDS_ITEMS_PER_WORK_ITEM"};
     for (const auto& [name, value] : KernelFeatures().Defines()) {
         known.insert(name);
     }

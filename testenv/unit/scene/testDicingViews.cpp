@@ -15,15 +15,15 @@
 namespace hds {
 namespace {
 
-using Entry = std::pair<const std::string, MeshPrim>;
+using Entry = std::pair<const std::string, GeometryPrim>;
 
-MeshPrim MakeMeshPrim(float size) {
-    auto mesh = std::make_shared<MeshDescription>();
+GeometryPrim MakeMeshPrim(float size) {
+    auto mesh = std::make_shared<GeometryDescription>();
     mesh->points = std::vector<float>{-size, -size, 0, size, -size, 0, 0, size, size};
     mesh->faceVertexCounts = std::vector<std::int32_t>{3};
     mesh->faceVertexIndices = std::vector<std::int32_t>{0, 1, 2};
     mesh->subdivisionScheme = "catmullClark";
-    MeshPrim prim;
+    GeometryPrim prim;
     prim.mesh = mesh;
     return prim;
 }
@@ -57,7 +57,7 @@ TEST(DicingViews, AMeshHasItsOwnPlace) {
     scene.meshes["/a"] = MakeMeshPrim(1.0F);
     scene.meshes["/a"].placement.worldFromObject = glm::translate(glm::dmat4(1.0), {1, 2, 3});
     scene.meshes["/polygons"] = MakeMeshPrim(1.0F);
-    auto polygons = std::make_shared<MeshDescription>(*scene.meshes["/a"].mesh);
+    auto polygons = std::make_shared<GeometryDescription>(*scene.meshes["/a"].mesh);
     polygons->subdivisionScheme = "none";
     scene.meshes["/polygons"].mesh = polygons;
     const auto views = FindDicingViews(scene, All(scene), MakeCamera());
@@ -108,7 +108,7 @@ TEST(DicingViews, TheFinestInstanceIsFound) {
         scene.instancers["/inner"].placement.instancerPath = "/outer";
         scene.instancers["/inner"].placement.instances =
             std::vector<std::int32_t>{0, 1, 2, 3, 4, 5, 6};
-        MeshPrim prim = MakeMeshPrim(1e-9F);
+        GeometryPrim prim = MakeMeshPrim(1e-9F);
         prim.placement.instancerPath = "/inner";
         std::vector<std::int32_t> instances;
         for (int i = 0; i < 30; ++i) {

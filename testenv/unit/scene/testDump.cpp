@@ -9,16 +9,16 @@
 namespace hds {
 namespace {
 
-MeshDescription Triangle(float z) {
-    MeshDescription mesh;
+GeometryDescription Triangle(float z) {
+    GeometryDescription mesh;
     mesh.points = std::vector<float>{0, 0, z, 1, 0, z, 0, 1, z};
     mesh.faceVertexCounts = std::vector<std::int32_t>{3};
     mesh.faceVertexIndices = std::vector<std::int32_t>{0, 1, 2};
     return mesh;
 }
 
-void SetMesh(SceneDescription* scene, const std::string& path, MeshDescription mesh) {
-    scene->meshes[path].mesh = std::make_shared<const MeshDescription>(std::move(mesh));
+void SetMesh(SceneDescription* scene, const std::string& path, GeometryDescription mesh) {
+    scene->meshes[path].mesh = std::make_shared<const GeometryDescription>(std::move(mesh));
 }
 
 TEST(Dump, EqualValuesGiveEqualText) {
@@ -31,9 +31,9 @@ TEST(Dump, EqualValuesGiveEqualText) {
     EXPECT_EQ(DumpScene(a), DumpScene(b));
     const Primvar x{"x", Interpolation::Constant, 1, std::vector<float>{1.0F}, {}};
     const Primvar y{"y", Interpolation::Constant, 1, std::vector<float>{2.0F}, {}};
-    MeshDescription forward = Triangle(0.0F);
+    GeometryDescription forward = Triangle(0.0F);
     forward.primvars = {x, y};
-    MeshDescription backward = Triangle(0.0F);
+    GeometryDescription backward = Triangle(0.0F);
     backward.primvars = {y, x};
     SetMesh(&a, "/A", forward);
     SetMesh(&b, "/A", backward);
@@ -75,15 +75,15 @@ TEST(Dump, EveryDifferenceShows) {
     };
     EXPECT_TRUE(changed([](SceneDescription* s) { SetMesh(s, "/A", Triangle(1e-30F)); }));
     EXPECT_TRUE(changed([](SceneDescription* s) {
-        MeshDescription mesh = Triangle(0.0F);
+        GeometryDescription mesh = Triangle(0.0F);
         mesh.leftHanded = true;
         SetMesh(s, "/A", mesh);
     }));
-    EXPECT_TRUE(meshChanged([](MeshPrim* p) { p->placement.visible = false; }));
-    EXPECT_TRUE(meshChanged([](MeshPrim* p) { p->placement.instances = std::vector<int>{2}; }));
-    EXPECT_TRUE(meshChanged([](MeshPrim* p) { p->materialPath = "/m"; }));
-    EXPECT_TRUE(meshChanged([](MeshPrim* p) { p->doubleSided = true; }));
-    EXPECT_TRUE(meshChanged([](MeshPrim* p) { p->cullStyle = CullStyle::Back; }));
+    EXPECT_TRUE(meshChanged([](GeometryPrim* p) { p->placement.visible = false; }));
+    EXPECT_TRUE(meshChanged([](GeometryPrim* p) { p->placement.instances = std::vector<int>{2}; }));
+    EXPECT_TRUE(meshChanged([](GeometryPrim* p) { p->materialPath = "/m"; }));
+    EXPECT_TRUE(meshChanged([](GeometryPrim* p) { p->doubleSided = true; }));
+    EXPECT_TRUE(meshChanged([](GeometryPrim* p) { p->cullStyle = CullStyle::Back; }));
     EXPECT_TRUE(changed([](SceneDescription* s) { s->lights["/L"].light.intensity = 2.0F; }));
     EXPECT_TRUE(changed([](SceneDescription* s) { s->cameras["/C"].fStop = 2.0F; }));
     EXPECT_TRUE(changed([](SceneDescription* s) {
@@ -91,7 +91,7 @@ TEST(Dump, EveryDifferenceShows) {
     }));
     // Long arrays are hashed: one bit in the middle shows.
     std::vector<float> points(3000, 1.0F);
-    MeshDescription longMesh = Triangle(0.0F);
+    GeometryDescription longMesh = Triangle(0.0F);
     longMesh.points = points;
     SetMesh(&base, "/A", longMesh);
     const std::string longText = DumpScene(base);

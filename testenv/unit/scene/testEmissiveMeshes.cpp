@@ -7,8 +7,8 @@ namespace hds {
 namespace {
 
 /// Quads of a square.
-std::shared_ptr<const MeshDescription> Grid(std::int32_t size) {
-    auto mesh = std::make_shared<MeshDescription>();
+std::shared_ptr<const GeometryDescription> Grid(std::int32_t size) {
+    auto mesh = std::make_shared<GeometryDescription>();
     std::vector<float> points;
     std::vector<float> st;
     for (std::int32_t i = 0; i < (size + 1) * (size + 1); ++i) {

@@ -150,9 +150,9 @@ auto HashOf(const T& value) {
 }
 
 /// A mesh that has everything, whatever its kind makes of it.
-MeshDescription FullMesh(PrimitiveKind kind) {
+GeometryDescription FullMesh(PrimitiveKind kind) {
     const std::vector<std::int32_t> indices = {0, 1, 2};
-    MeshDescription mesh;
+    GeometryDescription mesh;
     mesh.primitives = kind;
     mesh.points = std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0};
     mesh.samples = {{-0.5, mesh.points}, {0.5, mesh.points}};
@@ -194,10 +194,10 @@ Placement Placed() {
     return placement;
 }
 
-MeshPrim FullMeshPrim() {
-    MeshPrim prim;
+GeometryPrim FullMeshPrim() {
+    GeometryPrim prim;
     prim.placement = Placed();
-    prim.mesh = std::make_shared<const MeshDescription>(FullMesh(PrimitiveKind::Faces));
+    prim.mesh = std::make_shared<const GeometryDescription>(FullMesh(PrimitiveKind::Faces));
     prim.materialPath = "/m";
     prim.subsetMaterialPaths = {"/m"};
     auto light = std::make_shared<MeshLight>();
@@ -262,8 +262,8 @@ TEST(Fields, EqualArraysAreEqualWhereverTheyLie) {
 // Keys.
 
 TEST(Fields, EachOfAMeshIsInThePagesKey) {
-    MeshInputs inputs;
-    inputs.mesh = std::make_shared<const MeshDescription>(FullMesh(PrimitiveKind::Faces));
+    GeometryInputs inputs;
+    inputs.mesh = std::make_shared<const GeometryDescription>(FullMesh(PrimitiveKind::Faces));
     inputs.dicing.emplace();
     inputs.displacements = {FullDisplacement()};
     for (const auto& one : VariationsOf(inputs)) {
@@ -339,8 +339,8 @@ TEST(Fields, EachOfAMeshIsInTheDump) {
     for (const auto& row : NamesOf(PrimitiveKind{})) {
         Dump(
             FullMesh(row.value),
-            [](SceneDescription* scene, const MeshDescription& mesh) {
-                scene->meshes["/A"].mesh = std::make_shared<const MeshDescription>(mesh);
+            [](SceneDescription* scene, const GeometryDescription& mesh) {
+                scene->meshes["/A"].mesh = std::make_shared<const GeometryDescription>(mesh);
             },
             static_cast<std::uint32_t>(row.value), &seen);
     }
@@ -404,7 +404,7 @@ TEST(Fields, EachOfAMaterialIsInTheDump) {
     Dump(
         FullMaterial(),
         [](SceneDescription* scene, const MaterialNetwork& network) {
-            scene->meshes["/A"].mesh = std::make_shared<const MeshDescription>();
+            scene->meshes["/A"].mesh = std::make_shared<const GeometryDescription>();
             scene->meshes["/A"].materialPath = "/m";
             scene->materials["/m"] = std::make_shared<const MaterialNetwork>(network);
         },

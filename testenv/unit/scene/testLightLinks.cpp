@@ -117,7 +117,7 @@ TEST(LightLinks, InstancesInOtherCategoriesGetRecordsOfTheirOwn) {
     }
     instancer.instanceTransforms = std::move(transforms);
     instancer.instanceCategories = {{"lit", "shadowing"}, {"shadowing"}, {"lit", "shadowing"}};
-    MeshPrim& mesh = scene.meshes["/M"];
+    GeometryPrim& mesh = scene.meshes["/M"];
     mesh.placement.instancerPath = "/I";
     mesh.placement.instances = std::vector<std::int32_t>{0, 1, 2};
     LightLinks links(scene);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Prepared meshes keep every triangle exactly once within the chunk bound; their names in the cache
 // follow what they are made of.
-#include "hdStream/scene/meshCommit.h"
+#include "hdStream/scene/geometryCommit.h"
 
 #include "hdStream/scene/meshKey.h"
 
@@ -14,8 +14,8 @@ namespace hds {
 namespace {
 
 /// A grid of quads in the plane z = 0.
-MeshDescription Grid(std::int32_t size, const std::string& scheme) {
-    MeshDescription mesh;
+GeometryDescription Grid(std::int32_t size, const std::string& scheme) {
+    GeometryDescription mesh;
     std::vector<float> points;
     std::vector<std::int32_t> counts;
     std::vector<std::int32_t> indices;
@@ -39,18 +39,18 @@ MeshDescription Grid(std::int32_t size, const std::string& scheme) {
     return mesh;
 }
 
-PreparedMesh Prepare(const MeshDescription& mesh, MeshInputs inputs) {
+PlannedGeometry Prepare(const GeometryDescription& mesh, GeometryInputs inputs) {
     static Warnings warnings; // outlives the meshes
-    inputs.mesh = std::make_shared<MeshDescription>(mesh);
-    return PrepareMesh("/grid", inputs, nullptr, warnings);
+    inputs.mesh = std::make_shared<GeometryDescription>(mesh);
+    return PlanGeometry("/grid", inputs, nullptr, warnings);
 }
 
 TEST(MeshCommit, EveryTriangleIsInOneChunkWithinTheBound) {
     for (const std::uint64_t chunkBytes :
          {std::uint64_t{4096}, std::uint64_t{16384}, std::uint64_t{1} << 20U}) {
-        MeshInputs inputs;
+        GeometryInputs inputs;
         inputs.chunkBytes = chunkBytes;
-        const PreparedMesh mesh = Prepare(Grid(40, "none"), inputs);
+        const PlannedGeometry mesh = Prepare(Grid(40, "none"), inputs);
         std::vector<int> seen(40 * 40, 0);
         for (const std::shared_ptr<ChunkPages>& chunk : mesh.chunks) {
             const std::uint64_t bound =
@@ -67,7 +67,7 @@ TEST(MeshCommit, EveryTriangleIsInOneChunkWithinTheBound) {
         const ChunkPlan& plan = mesh.mesh->Plan();
         for (std::size_t i = 0; i < plan.NumChunks(); ++i) {
             const ChunkGeometry geometry = mesh.mesh->Source().Gather(
-                plan.units.data() + plan.begin[i], plan.begin[i + 1] - plan.begin[i]);
+                plan.groups.data() + plan.begin[i], plan.begin[i + 1] - plan.begin[i]);
             EXPECT_EQ(geometry.triangles.size(), plan.counts[i]);
             for (const std::uint32_t face : geometry.faces) {
                 ++seen.at(face);
@@ -79,27 +79,27 @@ TEST(MeshCommit, EveryTriangleIsInOneChunkWithinTheBound) {
 }
 
 /// The prepared grid with a store in `folder`, and a chunk of it made ready.
-PreparedMesh PrepareStored(const MeshDescription& grid, const std::string& folder,
-                           Warnings* warnings) {
+PlannedGeometry PrepareStored(const GeometryDescription& grid, const std::string& folder,
+                              Warnings* warnings) {
     PageStoreOptions options;
     options.directory = folder;
-    MeshInputs inputs;
+    GeometryInputs inputs;
     inputs.chunkBytes = 4096;
-    inputs.mesh = std::make_shared<MeshDescription>(grid);
-    return PrepareMesh("/grid", inputs, std::make_shared<PageStore>(options, warnings), *warnings);
+    inputs.mesh = std::make_shared<GeometryDescription>(grid);
+    return PlanGeometry("/grid", inputs, std::make_shared<PageStore>(options, warnings), *warnings);
 }
 
-TEST(MeshCommit, ASecondRunTakesTheOutlineFromTheStore) {
+TEST(MeshCommit, ASecondRunTakesTheSummaryFromTheStore) {
     const test::TemporaryFolder folder;
     Warnings warnings;
-    const MeshDescription grid = Grid(40, "none");
-    const PreparedMesh first = PrepareStored(grid, folder.Path(), &warnings);
+    const GeometryDescription grid = Grid(40, "none");
+    const PlannedGeometry first = PrepareStored(grid, folder.Path(), &warnings);
     ASSERT_GT(first.chunks.size(), 10U);
     EXPECT_TRUE(first.chunks[3]->Prepare({true, true}));
     const auto page = first.chunks[3]->Data(HDS_PAGE_GEOMETRY);
 
-    const PreparedMesh second = PrepareStored(grid, folder.Path(), &warnings);
-    EXPECT_EQ(SerializeOutline(second.mesh->Outline()), SerializeOutline(first.mesh->Outline()));
+    const PlannedGeometry second = PrepareStored(grid, folder.Path(), &warnings);
+    EXPECT_EQ(SerializeSummary(second.mesh->Summary()), SerializeSummary(first.mesh->Summary()));
     ASSERT_EQ(second.topNodes.size(), first.topNodes.size());
     EXPECT_EQ(std::memcmp(second.topNodes.data(), first.topNodes.data(),
                           first.topNodes.size() * sizeof(first.topNodes[0])),
@@ -114,13 +114,13 @@ TEST(MeshCommit, ASecondRunTakesTheOutlineFromTheStore) {
 
 TEST(MeshCommit, AMeshWithWarningsWarnsAgainInTheNextRun) {
     const test::TemporaryFolder folder;
-    MeshDescription grid = Grid(40, "none");
+    GeometryDescription grid = Grid(40, "none");
     std::vector<float> points(grid.points.begin(), grid.points.end());
     points[3] = std::numeric_limits<float>::quiet_NaN();
     grid.points = std::move(points);
     for (int run = 0; run < 2; ++run) {
         Warnings warnings;
-        const PreparedMesh mesh = PrepareStored(grid, folder.Path(), &warnings);
+        const PlannedGeometry mesh = PrepareStored(grid, folder.Path(), &warnings);
         EXPECT_GT(mesh.chunks.size(), 1U);
         EXPECT_EQ(warnings.Lines().size(), 1U);
         EXPECT_TRUE(warnings.Has("/grid"));
@@ -128,30 +128,30 @@ TEST(MeshCommit, AMeshWithWarningsWarnsAgainInTheNextRun) {
     }
 }
 
-TEST(MeshCommit, BytesThatAreNoOutlineGiveNone) {
-    MeshOutline outline;
-    outline.numTriangles = 7;
-    outline.attributes = {{"st", 2}, {"displayColor", 3}};
-    outline.chunkBounds.resize(3);
-    outline.numInChunk = {1, 2, 4};
-    const std::vector<std::uint8_t> bytes = SerializeOutline(outline);
-    const auto again = ParseOutline(bytes);
+TEST(MeshCommit, BytesThatAreNoSummaryGiveNone) {
+    GeometrySummary summary;
+    summary.numTriangles = 7;
+    summary.attributes = {{"st", 2}, {"displayColor", 3}};
+    summary.chunkBounds.resize(3);
+    summary.numInChunk = {1, 2, 4};
+    const std::vector<std::uint8_t> bytes = SerializeSummary(summary);
+    const auto again = ParseSummary(bytes);
     ASSERT_TRUE(again);
-    EXPECT_EQ(SerializeOutline(*again), bytes);
+    EXPECT_EQ(SerializeSummary(*again), bytes);
     EXPECT_EQ(again->attributes[1].name, "displayColor");
-    EXPECT_EQ(again->numInChunk, outline.numInChunk);
+    EXPECT_EQ(again->numInChunk, summary.numInChunk);
     for (std::size_t length = 0; length < bytes.size(); ++length) {
-        EXPECT_FALSE(ParseOutline({bytes.begin(), bytes.begin() + std::ptrdiff_t(length)}));
+        EXPECT_FALSE(ParseSummary({bytes.begin(), bytes.begin() + std::ptrdiff_t(length)}));
     }
     for (std::size_t i = 0; i + 8 <= bytes.size(); i += 4) {
         std::vector<std::uint8_t> wrong = bytes;
         std::fill_n(wrong.begin() + std::ptrdiff_t(i), 8, std::uint8_t{0xff});
-        ParseOutline(wrong); // whatever it gives, it reads nothing beyond the end
+        ParseSummary(wrong); // whatever it gives, it reads nothing beyond the end
     }
 }
 
 TEST(MeshCommit, SurfacesAreDicedAsAsked) {
-    MeshInputs inputs;
+    GeometryInputs inputs;
     EXPECT_EQ(Prepare(Grid(4, "catmullClark"), inputs).numTriangles, 32U);
     inputs.dicing.emplace();
     inputs.dicing->level = 2;
@@ -160,18 +160,18 @@ TEST(MeshCommit, SurfacesAreDicedAsAsked) {
 
 // The same mesh has the same name in the cache; whatever its pages depend on gives another.
 TEST(MeshCommit, KeysFollowEveryInput) {
-    MeshInputs inputs;
-    inputs.mesh = std::make_shared<MeshDescription>(Grid(3, "catmullClark"));
+    GeometryInputs inputs;
+    inputs.mesh = std::make_shared<GeometryDescription>(Grid(3, "catmullClark"));
     std::vector<PageKey> keys = {MakeMeshKey(inputs)};
-    const auto add = [&](const MeshInputs& changed) { keys.push_back(MakeMeshKey(changed)); };
-    MeshInputs other = inputs;
-    other.mesh = std::make_shared<MeshDescription>(Grid(3, "catmullClark"));
+    const auto add = [&](const GeometryInputs& changed) { keys.push_back(MakeMeshKey(changed)); };
+    GeometryInputs other = inputs;
+    other.mesh = std::make_shared<GeometryDescription>(Grid(3, "catmullClark"));
     EXPECT_EQ(MakeMeshKey(other), keys[0]);
-    other.mesh = std::make_shared<MeshDescription>(Grid(3, "loop"));
+    other.mesh = std::make_shared<GeometryDescription>(Grid(3, "loop"));
     add(other);
-    MeshDescription left = Grid(3, "catmullClark");
+    GeometryDescription left = Grid(3, "catmullClark");
     left.leftHanded = true;
-    other.mesh = std::make_shared<MeshDescription>(left);
+    other.mesh = std::make_shared<GeometryDescription>(left);
     add(other);
     other = inputs;
     other.chunkBytes = 4096;

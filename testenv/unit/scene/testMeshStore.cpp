@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // A mesh is prepared again when, and only when, its description or the options are others.
-#include "hdStream/scene/meshStore.h"
+#include "hdStream/scene/geometryStore.h"
 
 #include <gtest/gtest.h>
 
 namespace hds {
 namespace {
 
-std::shared_ptr<const MeshDescription> Triangle(float size) {
-    auto mesh = std::make_shared<MeshDescription>();
+std::shared_ptr<const GeometryDescription> Triangle(float size) {
+    auto mesh = std::make_shared<GeometryDescription>();
     mesh->points = std::vector<float>{0, 0, 0, size, 0, 0, 0, size, 0};
     mesh->faceVertexCounts = std::vector<std::int32_t>{3};
     mesh->faceVertexIndices = std::vector<std::int32_t>{0, 1, 2};
@@ -18,7 +18,7 @@ std::shared_ptr<const MeshDescription> Triangle(float size) {
 class MeshStoreTest : public ::testing::Test {
 protected:
     bool Prepare(const CancelCallback& isCancelled = {}) {
-        std::vector<MeshStore::Drawn> drawn;
+        std::vector<GeometryStore::Drawn> drawn;
         for (const auto& [path, prim] : scene.meshes) {
             if (prim.placement.visible) {
                 inputs.mesh = prim.mesh;
@@ -29,14 +29,14 @@ protected:
     }
     std::size_t Count() const {
         std::size_t count = 0;
-        store.ForEach([&](const std::string&, const PreparedMesh&) { ++count; });
+        store.ForEach([&](const std::string&, const PlannedGeometry&) { ++count; });
         return count;
     }
 
     SceneDescription scene;
-    MeshInputs inputs; ///< but for the mesh
+    GeometryInputs inputs; ///< but for the mesh
     Warnings warnings;
-    MeshStore store;
+    GeometryStore store;
 };
 
 TEST_F(MeshStoreTest, EditsThatLeaveTheDescriptionPrepareNothing) {
@@ -81,7 +81,7 @@ TEST_F(MeshStoreTest, NewDescriptionsAndOptionsPrepareAgain) {
 }
 
 TEST_F(MeshStoreTest, OnlyPrimvarsThatAreReadAreInPages) {
-    auto mesh = std::make_shared<MeshDescription>(*Triangle(1.0F));
+    auto mesh = std::make_shared<GeometryDescription>(*Triangle(1.0F));
     for (const char* name : {"displayColor", "st"}) {
         Primvar primvar;
         primvar.name = name;

@@ -87,7 +87,7 @@ TEST(Motion, KeysAreAsFineAsTheWayIsCurved) {
 class RandomMotion {
 public:
     explicit RandomMotion(unsigned seed) : _random(seed) {
-        MeshPrim mesh;
+        GeometryPrim mesh;
         mesh.placement = Moving();
         scene.meshes["/A"] = mesh;
         InstancerPrim instancer;
@@ -225,7 +225,7 @@ TEST(Motion, WhatRestsHasNoKeys) {
 }
 
 TEST(Motion, PointsAreThoseOfTheShuttersEnds) {
-    MeshDescription mesh;
+    GeometryDescription mesh;
     mesh.points = std::vector<float>{0.0F, 0.0F, 0.0F};
     mesh.samples = {{-1.0, std::vector<float>{-4.0F, 0.0F, 0.0F}},
                     {0.0, mesh.points},

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -48,6 +49,23 @@ void ExpectRefused(const std::string& name, const SettingValue& value, const std
         EXPECT_EQ(std::string(error.what()).find(subject + ": "), 0U) << error.what();
     }
     EXPECT_EQ(settings, Settings());
+}
+
+TEST(SettingsTable, FormerSpellingsAreTakenWithANote) {
+    std::size_t numFormer = 0;
+    for (const SettingInfo& info : SettingTable()) {
+        for (const auto& [former, choice] : info.formerChoices) {
+            ++numFormer;
+            Settings settings;
+            const std::string note = SetSetting(&settings, info.name, former);
+            EXPECT_NE(note.find(former + " is called " + choice), std::string::npos) << note;
+            EXPECT_EQ(std::get<std::string>(GetSetting(settings, info.name)), choice);
+            EXPECT_EQ(SetSetting(&settings, info.name, choice), "");
+            EXPECT_EQ(std::count(info.choices.begin(), info.choices.end(), choice), 1);
+            EXPECT_EQ(std::count(info.choices.begin(), info.choices.end(), former), 0);
+        }
+    }
+    EXPECT_EQ(numFormer, 4U);
 }
 
 TEST(SettingsTable, EverySettingChangesOneMemberAndReadsBack) {

@@ -516,15 +516,15 @@ TEST(LightTableTest, TrianglesOfMeshesFindTheirLights) {
 /// A glow is a share of the samples; what seems dark keeps a sixteenth of the mean.
 TEST(LightTableTest, GlowWeighsTriangles) {
     EmissiveMesh mesh = MakeSquares({{0, 0}});
-    mesh.isGlowing = true;
+    mesh.hasTexturedEmission = true;
     mesh.radiance = glm::dvec3(2.0);
-    mesh.triangles[0].glow = 3.0;
-    mesh.triangles[1].glow = 0.0;
+    mesh.triangles[0].meanEmission = 3.0;
+    mesh.triangles[1].meanEmission = 0.0;
     Warnings warnings;
     const LightTable table = BuildLightTable({}, {mesh}, {}, warnings);
     ASSERT_EQ(table.lights.size(), 1U);
     const shared::HdsLight& light = table.lights[0];
-    EXPECT_EQ(light.flags, HDS_LIGHT_GLOWING | HDS_LIGHT_WEIGHED);
+    EXPECT_EQ(light.flags, HDS_LIGHT_TEXTURED_EMISSION | HDS_LIGHT_WEIGHED);
     const double weights[2] = {0.5 * 3.0, 0.5 * 1.5 / 16.0};
     const bool isSwapped = table.triangles[0].primId == 0U; // primId 1 is the bright one
     EXPECT_FLOAT_EQ(table.cdf[light.cdfBase + 1],

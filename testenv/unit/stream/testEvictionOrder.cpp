@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pages leave in the order of their last use, whatever the number of pages; those that the present
-// service needs and those that are pinned do not leave.
+// round needs and those that are pinned do not leave.
 #include "hdStream/stream/evictionOrder.h"
 #include "hdStream/stream/reportPool.h"
 
@@ -33,7 +33,7 @@ protected:
             ASSERT_TRUE(table.FindPlace(page, kUnit));
             table.Publish(page);
         }
-        order->BeginService();
+        order->BeginRound();
     }
     void SetEpoch(std::uint32_t epoch) {
         while (uses.Epoch() < epoch) {
@@ -70,7 +70,7 @@ TEST_F(EvictionOrderTest, TheLeastRecentlyUsedLeaveThenThoseLeastWanted) {
     EXPECT_EQ(Drain(&order), (Pages{5, 1, 4, 2, 0, 3}));
 }
 
-TEST_F(EvictionOrderTest, WhatTheServiceNeedsStaysAsLongAsItLasts) {
+TEST_F(EvictionOrderTest, WhatTheRoundNeedsStaysAsLongAsItLasts) {
     LastUseOrder order;
     Fill(&order, 4);
     SetEpoch(5);
@@ -82,7 +82,7 @@ TEST_F(EvictionOrderTest, WhatTheServiceNeedsStaysAsLongAsItLasts) {
     table.Remove(1);
     order.Protect(2); // after it was listed
     EXPECT_EQ(Drain(&order), (Pages{3}));
-    order.BeginService();
+    order.BeginRound();
     EXPECT_EQ(Drain(&order), (Pages{0, 2}));
 }
 
@@ -124,7 +124,7 @@ TEST_F(EvictionOrderTest, EditsKeepWhatIsKnownOfPages) {
     order.SetWanted(2, 4);
     order.Renumber(table.Renumber({3, 1, 9})); // pages 2 and 0, and a new one
     uses.Reset(3);
-    order.BeginService();
+    order.BeginRound();
     EXPECT_EQ(order.Wanted(0), 4U);
     EXPECT_EQ(order.Wanted(1), 7U);
     EXPECT_EQ(order.Wanted(2), 0U);

@@ -66,10 +66,10 @@ TEST(PoolCounters, SecondsAddUp) {
     PoolCounters counters = MakeCounters(0);
     counters.AddPrepareSeconds(1.0);
     counters.AddPrepareSeconds(0.5);
-    counters.AddServiceSeconds(2.0);
+    counters.AddRequestSeconds(2.0);
     counters.AddTransferSeconds(4.0);
     EXPECT_EQ(counters.Statistics().prepareSeconds, 1.5);
-    EXPECT_EQ(counters.Statistics().serviceSeconds, 2.0);
+    EXPECT_EQ(counters.Statistics().requestSeconds, 2.0);
     EXPECT_EQ(counters.Statistics().transferSeconds, 4.0);
 }
 

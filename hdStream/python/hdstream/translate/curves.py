@@ -30,7 +30,7 @@ def ReadCurves(prim, schema, names, inherited, timeCode, warn):
                 warn(prim, f"curve {name} {value} is unknown; drawn as {_FALLBACKS[name]}")
             value = _FALLBACKS[name]
         setattr(form, name, value)
-    curves = _core.MeshDescription()
+    curves = _core.GeometryDescription()
     curves.primitives = _core.PrimitiveKind.Curves
     curves.curves = form
     curves.points = points
@@ -45,7 +45,7 @@ def ReadPointCloud(prim, names, inherited, timeCode):
     positions = ReadPoints(prim, names, timeCode)
     if positions is None or not positions.size:
         return None
-    points = _core.MeshDescription()
+    points = _core.GeometryDescription()
     points.primitives = _core.PrimitiveKind.Points
     points.points = positions
     points.primvars = _WithWidths(PrimvarsOf(prim, names, inherited, timeCode), prim, names, timeCode, None)

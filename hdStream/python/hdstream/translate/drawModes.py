@@ -152,7 +152,7 @@ class DrawModes:
         path = self._translator.ReservePath(prim, context)
         mesh = _MakeMesh(cards, color, path)
         placement = self._translator.PlacementOf(state, context)
-        meshPrim = _core.MeshPrim(mesh, placement, state.purpose)
+        meshPrim = _core.GeometryPrim(mesh, placement, state.purpose)
         meshPrim.cullStyle = _core.CullStyle.Back
         meshPrim.subsetMaterialPaths = [_MaterialPath(prim, texture) for texture in cards.textures]
         for texture in sorted(set(cards.textures) - {None}):
@@ -170,7 +170,7 @@ class DrawModes:
             corners = np.arange(8)
             points = np.stack([ends[corners >> 2 & 1, 0], ends[corners >> 1 & 1, 1], ends[corners & 1, 2]], 1)
             lines = _BOX_LINES
-        description = _core.MeshDescription()
+        description = _core.GeometryDescription()
         description.primitives = _core.PrimitiveKind.Curves
         description.curves = _LineForm()
         description.points = np.ascontiguousarray(points)
@@ -180,7 +180,7 @@ class DrawModes:
         path = self._translator.ReservePath(prim, context)
         placement = self._translator.PlacementOf(state, context)
         context.isPlacing = context.isPlacing or bool(context.instancerPath)
-        return self._session.SetMesh(path, _core.MeshPrim(description, placement, state.purpose))
+        return self._session.SetMesh(path, _core.GeometryPrim(description, placement, state.purpose))
 
     def _ColorOf(self, prim):
         if not prim.HasAPI(UsdGeom.ModelAPI):
@@ -308,7 +308,7 @@ def _LineForm():
 
 
 def _MakeMesh(cards, color, path):
-    mesh = _core.MeshDescription()
+    mesh = _core.GeometryDescription()
     mesh.points = np.concatenate(cards.points)
     mesh.faceVertexCounts = np.full(len(cards.faces), 4, np.int32)
     mesh.faceVertexIndices = np.arange(4 * len(cards.faces), dtype=np.int32)

@@ -109,7 +109,7 @@ class InstanceLevels:
         self._hasValues |= bool(level.rowsByName)
 
     def Split(self, path, prim, meshPrim):
-        """(path, MeshPrim) for each group of instances of a mesh that have equal values."""
+        """(path, GeometryPrim) for each group of instances of a mesh that have equal values."""
         where = meshPrim.placement
         levels = self._LevelsOf(where.instancerPath) if self._hasValues else []
         if not any(level.rowsByName for level in levels) or not len(where.instances):
@@ -154,12 +154,12 @@ _SHARED_ATTRIBUTES = ("points", "faceVertexCounts", "faceVertexIndices", "holeIn
 
 def _Copy(meshPrim, constants, instances):
     """The mesh with more primvars, placed by these instances; arrays are shared."""
-    mesh = _core.MeshDescription()
+    mesh = _core.GeometryDescription()
     for name in _SHARED_ATTRIBUTES:
         setattr(mesh, name, getattr(meshPrim.mesh, name))
     mesh.primvars = meshPrim.mesh.primvars + constants
     where = meshPrim.placement
-    copy = _core.MeshPrim(mesh, _core.Placement(where.worldFromObject, where.instancerPath, instances, where.visible),
+    copy = _core.GeometryPrim(mesh, _core.Placement(where.worldFromObject, where.instancerPath, instances, where.visible),
                           meshPrim.purpose)
     copy.doubleSided = meshPrim.doubleSided
     return copy

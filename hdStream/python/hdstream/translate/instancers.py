@@ -32,7 +32,7 @@ class Instancers:
         self._levels = InstanceLevels(translator, session)
 
     def Split(self, path, prim, meshPrim):
-        """(path, MeshPrim) for each group of a mesh's instances that have equal primvars."""
+        """(path, GeometryPrim) for each group of a mesh's instances that have equal primvars."""
         return self._levels.Split(path, prim, meshPrim)
 
     def AddInstance(self, prim, state, context):

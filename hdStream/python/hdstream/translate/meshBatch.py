@@ -11,7 +11,7 @@ class MeshBatch:
         self._session = session
         self._links = links
         self._warn = warn
-        self._entries = []  # (scene path, prim, MeshPrim, prims of its subsets)
+        self._entries = []  # (scene path, prim, GeometryPrim, prims of its subsets)
 
     def Add(self, path, prim, meshPrim, subsetPrims):
         self._entries.append((path, prim, meshPrim, subsetPrims))

@@ -72,7 +72,7 @@ def ReadMesh(prim, names, inherited, timeCode, motion, skin=None, endSkins=()):
     indices = ReadArray(prim, "faceVertexIndices", timeCode, np.int32)
     if points is None or counts is None or indices is None or not points.size or not counts.size:
         return None
-    mesh = _core.MeshDescription()
+    mesh = _core.GeometryDescription()
     mesh.points = points
     if isSkinned:
         mesh.samples = motion.SkinnedSamplesOf(prim, atRest, endSkins)

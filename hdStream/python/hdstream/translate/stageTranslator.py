@@ -62,7 +62,7 @@ class StageTranslator:
         self._meshes = MeshBatch(session, self._links, self._reports.Warn)
         self._drawModes = drawModes.DrawModes(self, session, self._timeCode, self._assets, self._reports)
         self._instancers = Instancers(self, stage, session, self._timeCode, self._motion, self._links, self._reports)
-        self._kept = {}  # scene path -> MeshPrim of before, whose mesh is as it was
+        self._kept = {}  # scene path -> GeometryPrim of before, whose mesh is as it was
         self.materialPaths = set()  # of the materials that were translated
         self.numPrims = 0  # prims visited, instance proxies of first instances included
         self._handlers = self._MakeHandlers()
@@ -79,7 +79,7 @@ class StageTranslator:
                 gc.enable()
 
     def TranslateBelow(self, prim, ancestors, keptMeshes):
-        """Translates a prim and all below it. `keptMeshes`: scene path -> MeshPrim whose arrays still hold."""
+        """Translates a prim and all below it. `keptMeshes`: scene path -> GeometryPrim whose arrays still hold."""
         self._kept = keptMeshes
         state = State()
         for ancestor in ancestors:
@@ -292,7 +292,7 @@ class StageTranslator:
         if description is None:
             return
         path, placement = self._Place(prim, state, context)
-        meshPrim = _core.MeshPrim(description, placement, state.purpose)
+        meshPrim = _core.GeometryPrim(description, placement, state.purpose)
         for splitPath, splitPrim in self._instancers.Split(path, prim, meshPrim):
             self._meshes.Add(splitPath, prim, splitPrim, [])
 
@@ -318,7 +318,7 @@ class StageTranslator:
         else:
             if subsets:
                 mesh.subsets = subsets
-            meshPrim = _core.MeshPrim(mesh, placement, state.purpose)
+            meshPrim = _core.GeometryPrim(mesh, placement, state.purpose)
         if "doubleSided" in names or prim.GetTypeName() == "Plane":  # whose fallback is true
             meshPrim.doubleSided = bool(prim.GetAttribute("doubleSided").Get(self._timeCode))
         if prim.IsA(UsdGeom.Mesh):

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mesh as it is cut into chunks, and its outline: what is known of it without its triangles. The
-// persistent store keeps the outline, so that a second run looks at no mesh whose pages it has.
+// A mesh as it is cut into chunks, and its summary: what is known of it without its triangles. The
+// persistent store keeps the summary, so that a second run looks at no mesh whose pages it has.
 // Explained in docs/accel.md.
 #pragma once
 
@@ -16,7 +16,7 @@
 namespace hds {
 
 /// What is known of a mesh before a triangle of it is made.
-struct MeshOutline {
+struct GeometrySummary {
     glm::dvec3 origin{0.0}; ///< object-space point that all positions are relative to
     bool isLeftHanded = false;
     std::uint64_t numTriangles = 0; ///< upper bound; exact for polygons
@@ -28,25 +28,25 @@ struct MeshOutline {
     std::size_t NumChunks() const { return chunkBounds.size(); }
 };
 
-/// The outline as bytes of a page, and back; nothing when they are none.
-std::vector<std::uint8_t> SerializeOutline(const MeshOutline& outline);
-std::optional<MeshOutline> ParseOutline(const std::vector<std::uint8_t>& bytes);
+/// The summary as bytes of a page, and back; nothing when they are none.
+std::vector<std::uint8_t> SerializeSummary(const GeometrySummary& summary);
+std::optional<GeometrySummary> ParseSummary(const std::vector<std::uint8_t>& bytes);
 
 /// Immutable, thread-safe.
-class ChunkedMesh {
+class ChunkedGeometry {
 public:
     /// Makes the source; called at most once, perhaps never, by any thread.
     using SourceMaker = std::function<std::shared_ptr<const ChunkSource>()>;
 
-    /// Takes the outline from the store, or else makes source and plan. \param chunkBytes about
-    /// what the pages of a chunk take at most. \param store of outlines and finished pages; may be
+    /// Takes the summary from the store, or else makes source and plan. \param chunkBytes about
+    /// what the pages of a chunk take at most. \param store of summaries and finished pages; may be
     /// null. \param key of all that the source and the plan are made of.
-    ChunkedMesh(SourceMaker makeSource, std::uint64_t chunkBytes, std::shared_ptr<PageStore> store,
-                const PageKey& key);
-    ChunkedMesh(const ChunkedMesh&) = delete;
-    ChunkedMesh& operator=(const ChunkedMesh&) = delete;
+    ChunkedGeometry(SourceMaker makeSource, std::uint64_t chunkBytes,
+                    std::shared_ptr<PageStore> store, const PageKey& key);
+    ChunkedGeometry(const ChunkedGeometry&) = delete;
+    ChunkedGeometry& operator=(const ChunkedGeometry&) = delete;
 
-    const MeshOutline& Outline() const { return _outline; }
+    const GeometrySummary& Summary() const { return _summary; }
     /// Made when they are first asked for. Runs no other TBB task meanwhile.
     const ChunkSource& Source() const;
     const ChunkPlan& Plan() const;
@@ -54,20 +54,20 @@ public:
     PageStore* Store() const { return _store.get(); }
     /// The name in the store of part `index` of the mesh: its pages in turn.
     PageKey PartKey(std::uint64_t index) const;
-    /// Keeps the outline, so that the source need not be made again. Not to be called for a mesh
+    /// Keeps the summary, so that the source need not be made again. Not to be called for a mesh
     /// that has warnings: they would not be heard next time.
-    void SaveOutline() const;
+    void SaveSummary() const;
 
 private:
-    bool LoadOutline();
-    void MakeOutline();
+    bool LoadSummary();
+    void MakeSummary();
     void MakeSourceOnce() const;
 
     SourceMaker _makeSource;
     std::uint64_t _chunkBytes;
     std::shared_ptr<PageStore> _store;
     PageKey _key;
-    MeshOutline _outline;
+    GeometrySummary _summary;
     mutable std::once_flag _isMade;
     mutable std::shared_ptr<const ChunkSource> _source;
     mutable ChunkPlan _plan;

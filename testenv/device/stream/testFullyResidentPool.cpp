@@ -6,9 +6,9 @@
 namespace hds::test {
 namespace {
 
-class SettledPool : public StreamingPoolTest {};
+class FullyResidentPool : public StreamingPoolTest {};
 
-TEST_F(SettledPool, LoadsTheRestInPieces) {
+TEST_F(FullyResidentPool, LoadsTheRestInPieces) {
     const std::vector<std::uint64_t> ids = Range(0, 300); // all sizes, some pages are empty
     FakePages pages(ids);
     StreamingPool pool(device, "fake");
@@ -16,7 +16,7 @@ TEST_F(SettledPool, LoadsTheRestInPieces) {
     EXPECT_TRUE(pool.HasRoomForAll());
     Ask(pool, {8});
     AskWhole(pool, {101});
-    pool.Service();
+    pool.ProcessRequests();
     const std::uint64_t asked = pool.Statistics().uploadedBytes;
     const std::uint64_t used = pool.Statistics().chunksUsed;
     EXPECT_EQ(pool.MissingBytes(), pages.TotalBytes() - asked);
@@ -29,7 +29,7 @@ TEST_F(SettledPool, LoadsTheRestInPieces) {
     EXPECT_EQ(pool.Statistics().uploadedBytes, pages.TotalBytes());
     EXPECT_EQ(pool.Statistics().evictions, 0U);
     EXPECT_EQ(pool.Statistics().chunksUsed, used) << "nobody has asked for them";
-    pool.Settle();
+    pool.MakeResident();
     const auto words = Table(pool, ids); // checks all bytes
     for (std::uint32_t page = 0; page < ids.size(); ++page) {
         EXPECT_EQ(words[page] == HDS_NOT_RESIDENT, pages.PageBytes(page) == 0) << page;
@@ -37,7 +37,7 @@ TEST_F(SettledPool, LoadsTheRestInPieces) {
     }
 }
 
-TEST_F(SettledPool, WhatDoesNotFitIsLeft) {
+TEST_F(FullyResidentPool, WhatDoesNotFitIsLeft) {
     const std::vector<std::uint64_t> ids = EqualIds(10);
     FakePages pages(ids);
     StreamingPool pool(device, "fake");
@@ -46,12 +46,12 @@ TEST_F(SettledPool, WhatDoesNotFitIsLeft) {
     EXPECT_FALSE(pool.LoadMissing(1U << 20U));
     EXPECT_EQ(Resident(Table(pool, ids)).size(), 9U);
     AskWhole(pool, {9});
-    pool.Service(); // goes on as before
+    pool.ProcessRequests(); // goes on as before
     const Pages after = Resident(Table(pool, ids));
     EXPECT_EQ(std::count(after.begin(), after.end(), 9U), 1);
 }
 
-TEST_F(SettledPool, EditsBringNewPages) {
+TEST_F(FullyResidentPool, EditsBringNewPages) {
     std::vector<std::uint64_t> ids = EqualIds(12);
     FakePages all(ids);
     ids.resize(8);
@@ -62,20 +62,20 @@ TEST_F(SettledPool, EditsBringNewPages) {
     while (pool.MissingBytes() > 0) {
         ASSERT_TRUE(pool.LoadMissing(500));
     }
-    pool.Settle();
+    pool.MakeResident();
     pool.Update(&all, 12 * 160);
     EXPECT_EQ(pool.MissingBytes(), 4U * 160);
     EXPECT_EQ(Resident(Table(pool, EqualIds(12))).size(), 8U) << "the others stay";
 }
 
-TEST_F(SettledPool, CountsBeginAnew) {
+TEST_F(FullyResidentPool, CountsBeginAnew) {
     const std::vector<std::uint64_t> ids = EqualIds(8);
     FakePages pages(ids);
     StreamingPool pool(device, "fake");
     pool.BeginStatistics();
     pool.Update(&pages, 4 * 160);
     AskWhole(pool, {1, 3, 3});
-    pool.Service();
+    pool.ProcessRequests();
     Touch(pool, {0, 1, 2, 3});
     pool.CountUsed();
     EXPECT_EQ(pool.Statistics().uploads, 4U);
@@ -89,9 +89,9 @@ TEST_F(SettledPool, CountsBeginAnew) {
     EXPECT_EQ(pool.Statistics().uniqueBytes, 0U);
     EXPECT_EQ(pool.Statistics().chunksUsed, 1U);
     AskWhole(pool, {5, 5});
-    pool.Service(); // makes two pages leave
+    pool.ProcessRequests(); // makes two pages leave
     AskWhole(pool, {1});
-    pool.Service();
+    pool.ProcessRequests();
     EXPECT_GE(pool.Statistics().uploads, 2U);
     EXPECT_EQ(pool.Statistics().uniqueBytes, pool.Statistics().uploadedBytes)
         << "what the render before has loaded counts again";
@@ -106,25 +106,25 @@ TEST_F(SettledPool, CountsBeginAnew) {
     EXPECT_EQ(pool.Statistics().chunksUsed, 1U);
 }
 
-TEST_F(SettledPool, WhatWasUsedIsCountedWhenItHasLeft) {
+TEST_F(FullyResidentPool, WhatWasUsedIsCountedWhenItHasLeft) {
     const std::vector<std::uint64_t> ids = EqualIds(8);
     FakePages pages(ids);
     StreamingPool pool(device, "fake");
     pool.Update(&pages, 2 * 160);
     AskWhole(pool, {0});
-    pool.Service();
+    pool.ProcessRequests();
     pool.BeginStatistics();
     AskWhole(pool, {0}); // is there: a use
     AskWhole(pool, {2});
-    pool.Service(); // group 0 leaves
+    pool.ProcessRequests(); // group 0 leaves
     AskWhole(pool, {4});
-    pool.Service(); // group 1 leaves unused
+    pool.ProcessRequests(); // group 1 leaves unused
     pool.CountUsed();
     EXPECT_EQ(pool.Statistics().chunksUsed, 3U);
     EXPECT_EQ(pool.Statistics().evictions, 4U);
 }
 
-TEST_F(SettledPool, AUseIsAStampOrACount) {
+TEST_F(FullyResidentPool, AUseIsAStampOrACount) {
     const std::vector<std::uint64_t> ids = EqualIds(40);
     FakePages pages(ids);
     StreamingPool pool(device, "fake");
@@ -136,7 +136,7 @@ TEST_F(SettledPool, AUseIsAStampOrACount) {
             continue; // is there
         }
         AskWhole(pool, {2 * (round % 20)});
-        pool.Service();
+        pool.ProcessRequests();
         const Pages resident = Resident(Table(pool, ids));
         Touch(pool, resident);
         uses = Uses(pool, ids.size());
@@ -160,7 +160,7 @@ TEST_F(SettledPool, AUseIsAStampOrACount) {
     EXPECT_EQ(uses[36], uses[37]);
 }
 
-TEST_F(SettledPool, WhatIsLoadedUnaskedIsNotAskedFor) {
+TEST_F(FullyResidentPool, WhatIsLoadedUnaskedIsNotAskedFor) {
     const std::vector<std::uint64_t> ids = EqualIds(6);
     FakePages pages(ids);
     StreamingPool pool(device, "fake");
@@ -174,7 +174,7 @@ TEST_F(SettledPool, WhatIsLoadedUnaskedIsNotAskedFor) {
     EXPECT_EQ(pool.Statistics().chunksUsed, 0U);
 }
 
-TEST_F(SettledPool, RequestsNeverOverflow) {
+TEST_F(FullyResidentPool, RequestsNeverOverflow) {
     const std::vector<std::uint64_t> ids = EqualIds(400);
     FakePages pages(ids);
     StreamingPool pool(device, "fake");
@@ -193,13 +193,13 @@ TEST_F(SettledPool, RequestsNeverOverflow) {
     }
     EXPECT_GE(uses[123], HDS_ASKED_MAX);
     EXPECT_LT(uses[123], 2 * HDS_ASKED_MAX) << "far from HDS_ASKED_WHOLE";
-    pool.Service();
+    pool.ProcessRequests();
     const Pages resident = Resident(Table(pool, ids));
     EXPECT_EQ(std::count(resident.begin(), resident.end(), 123U), 1) << "most wanted";
     EXPECT_EQ(Uses(pool, 400), std::vector<std::uint32_t>(400, 0)) << "served or forgotten";
 }
 
-TEST_F(SettledPool, RequestsInFlightDoNotOutliveAnEdit) {
+TEST_F(FullyResidentPool, RequestsInFlightDoNotOutliveAnEdit) {
     const std::vector<std::uint64_t> ids = EqualIds(40);
     FakePages pages(ids);
     StreamingPool pool(device, "fake");
@@ -209,7 +209,7 @@ TEST_F(SettledPool, RequestsInFlightDoNotOutliveAnEdit) {
     pool.Update(&fewer, 4 * 160);
     EXPECT_EQ(Uses(pool, 4), std::vector<std::uint32_t>(4, 0));
     AskWhole(pool, {1});
-    pool.Service();
+    pool.ProcessRequests();
     EXPECT_EQ(Resident(Table(pool, {ids[3], ids[0], ids[7], ids[2]})), (Pages{0, 1}));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hdStream/accel/unitGrid.h"
+#include "hdStream/accel/primitiveGroupGrid.h"
 
 #include <glm/common.hpp>
 #include <tbb/parallel_for.h>
@@ -12,12 +12,12 @@ namespace {
 
 /// Cells of the whole grid; surfaces leave most of them empty.
 constexpr double kMaxGridCells = 1U << 17U;
-/// Grid cells for each one that is to have units: a surface meets about the square of the cells
+/// Grid cells for each one that is to have groups: a surface meets about the square of the cells
 /// along an axis out of their cube.
 constexpr double kGridExponent = 1.5;
-/// Fewest units of the mesh for each grid cell.
-constexpr std::size_t kUnitsPerCell = 4;
-/// Blocks of units are counted apart from each other, by different threads.
+/// Fewest groups of the mesh for each grid cell.
+constexpr std::size_t kGroupsPerCell = 4;
+/// Blocks of groups are counted apart from each other, by different threads.
 constexpr std::size_t kMinBlockSize = 1U << 14U;
 constexpr std::size_t kMaxBlocks = 8;
 
@@ -28,41 +28,41 @@ void Grow(Bounds* bounds, const Bounds& other) {
 
 } // namespace
 
-UnitGrid::UnitGrid(const ChunkSource& source, std::vector<std::uint32_t> units,
-                   const Bounds& bounds, std::size_t numCells)
-    : _units(std::move(units)),
-      _blockSize(std::max(kMinBlockSize, (_units.size() + kMaxBlocks - 1) / kMaxBlocks)),
-      _numBlocks((_units.size() + _blockSize - 1) / _blockSize) {
+PrimitiveGroupGrid::PrimitiveGroupGrid(const ChunkSource& source, std::vector<std::uint32_t> groups,
+                                       const Bounds& bounds, std::size_t numCells)
+    : _groups(std::move(groups)),
+      _blockSize(std::max(kMinBlockSize, (_groups.size() + kMaxBlocks - 1) / kMaxBlocks)),
+      _numBlocks((_groups.size() + _blockSize - 1) / _blockSize) {
     ChooseCells(bounds, numCells);
-    _cellByUnit.resize(_units.size());
+    _cellByGroup.resize(_groups.size());
     std::vector<CellCount> counts(_numBlocks * _numGridCells);
     tbb::parallel_for(std::size_t{0}, _numBlocks, [&](std::size_t block) {
         CellCount* const ofBlock = counts.data() + block * _numGridCells;
-        const std::size_t end = std::min((block + 1) * _blockSize, _units.size());
+        const std::size_t end = std::min((block + 1) * _blockSize, _groups.size());
         for (std::size_t i = block * _blockSize; i < end; ++i) {
-            const Bounds unit = source.UnitBounds(_units[i]);
-            _cellByUnit[i] = CellOf(unit);
-            CellCount& cell = ofBlock[_cellByUnit[i]];
-            ++cell.numUnits;
-            cell.numTriangles += source.UnitTriangles(_units[i]);
-            Grow(&cell.bounds, unit);
+            const Bounds group = source.GroupBounds(_groups[i]);
+            _cellByGroup[i] = CellOf(group);
+            CellCount& cell = ofBlock[_cellByGroup[i]];
+            ++cell.numGroups;
+            cell.numTriangles += source.GroupTriangles(_groups[i]);
+            Grow(&cell.bounds, group);
         }
     });
     CollectCells(counts);
 }
 
-void UnitGrid::CollectCells(const std::vector<CellCount>& counts) {
+void PrimitiveGroupGrid::CollectCells(const std::vector<CellCount>& counts) {
     _counts.resize(counts.size());
     for (std::uint32_t index = 0; index < _numGridCells; ++index) {
         GridCell cell;
         for (std::size_t block = 0; block < _numBlocks; ++block) {
             const CellCount& count = counts[block * _numGridCells + index];
-            _counts[block * _numGridCells + index] = count.numUnits;
-            cell.numUnits += count.numUnits;
+            _counts[block * _numGridCells + index] = count.numGroups;
+            cell.numGroups += count.numGroups;
             cell.numTriangles += count.numTriangles;
             Grow(&cell.bounds, count.bounds);
         }
-        if (cell.numUnits > 0) {
+        if (cell.numGroups > 0) {
             cell.index = index;
             cell.at = {static_cast<std::uint16_t>(index % _size[0]),
                        static_cast<std::uint16_t>(index / _size[0] % _size[1]),
@@ -72,13 +72,13 @@ void UnitGrid::CollectCells(const std::vector<CellCount>& counts) {
     }
 }
 
-/// Cells are about cubes; an axis along which all units agree has one.
-void UnitGrid::ChooseCells(const Bounds& bounds, std::size_t numCells) {
+/// Cells are about cubes; an axis along which all groups agree has one.
+void PrimitiveGroupGrid::ChooseCells(const Bounds& bounds, std::size_t numCells) {
     _low = bounds.min;
     const glm::dvec3 extent = glm::dvec3(bounds.max) - glm::dvec3(bounds.min);
     // Empty cells cost as much as full ones.
     const double wanted =
-        std::min({kMaxGridCells, static_cast<double>(_units.size() / kUnitsPerCell + 1),
+        std::min({kMaxGridCells, static_cast<double>(_groups.size() / kGroupsPerCell + 1),
                   std::pow(static_cast<double>(numCells), kGridExponent)});
     // The side of a cube of which `wanted` fill the box, flat axes left out.
     double volume = 1.0;
@@ -105,18 +105,19 @@ void UnitGrid::ChooseCells(const Bounds& bounds, std::size_t numCells) {
 }
 
 /// By the centre of its box.
-std::uint32_t UnitGrid::CellOf(const Bounds& unit) const {
+std::uint32_t PrimitiveGroupGrid::CellOf(const Bounds& group) const {
     std::uint32_t at[3];
     for (int axis = 0; axis < 3; ++axis) {
-        const float centre = 0.5F * unit.min[axis] + 0.5F * unit.max[axis]; // cannot overflow
+        const float centre = 0.5F * group.min[axis] + 0.5F * group.max[axis]; // cannot overflow
         const float cell = std::max(0.0F, (centre - _low[axis]) * _cellsPerLength[axis]);
         at[axis] = std::min(static_cast<std::uint32_t>(cell), _size[axis] - 1);
     }
     return (at[2] * _size[1] + at[1]) * _size[0] + at[0];
 }
 
-std::vector<std::uint32_t> UnitGrid::OrderUnits(const std::vector<GridCell>& cells) const {
-    // Where the units of each block begin inside each cell.
+std::vector<std::uint32_t>
+PrimitiveGroupGrid::OrderGroups(const std::vector<GridCell>& cells) const {
+    // Where the groups of each block begin inside each cell.
     std::vector<std::uint32_t> begins(_counts.size());
     std::uint32_t begin = 0;
     for (const GridCell& cell : cells) {
@@ -125,11 +126,11 @@ std::vector<std::uint32_t> UnitGrid::OrderUnits(const std::vector<GridCell>& cel
             begin += _counts[block * _numGridCells + cell.index];
         }
     }
-    std::vector<std::uint32_t> ordered(_units.size());
+    std::vector<std::uint32_t> ordered(_groups.size());
     tbb::parallel_for(std::size_t{0}, _numBlocks, [&](std::size_t block) {
-        const std::size_t end = std::min((block + 1) * _blockSize, _units.size());
+        const std::size_t end = std::min((block + 1) * _blockSize, _groups.size());
         for (std::size_t i = block * _blockSize; i < end; ++i) {
-            ordered[begins[block * _numGridCells + _cellByUnit[i]]++] = _units[i];
+            ordered[begins[block * _numGridCells + _cellByGroup[i]]++] = _groups[i];
         }
     });
     return ordered;

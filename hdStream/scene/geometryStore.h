@@ -3,7 +3,7 @@
 // of has changed.
 #pragma once
 
-#include "hdStream/scene/meshCommit.h"
+#include "hdStream/scene/geometryCommit.h"
 
 #include <functional>
 #include <map>
@@ -17,12 +17,12 @@ namespace hds {
 using CancelCallback = std::function<bool()>;
 
 /// By prim path. Externally synchronised.
-class MeshStore {
+class GeometryStore {
 public:
-    using Entry = std::pair<const std::string, MeshPrim>;
+    using Entry = std::pair<const std::string, GeometryPrim>;
 
     /// A drawn mesh and what it is to be made of.
-    using Drawn = std::pair<const std::string*, MeshInputs>;
+    using Drawn = std::pair<const std::string*, GeometryInputs>;
 
     /// Prepares those of `drawn` that are not prepared so yet, on all cores, and forgets the meshes
     /// that `scene` has no more. What is hidden stays prepared. \return false when it was
@@ -31,7 +31,7 @@ public:
                  const CancelCallback& isCancelled);
 
     /// Precondition: it was among `drawn`.
-    const PreparedMesh& Find(const std::string& path) const;
+    const PlannedGeometry& Find(const std::string& path) const;
 
     /// All triangles of a mesh, kept once asked for. Few meshes need them: lights.
     /// Precondition: it was among `drawn` and has chunks.
@@ -56,8 +56,8 @@ public:
 
 private:
     struct Item {
-        MeshInputs inputs;
-        std::shared_ptr<const PreparedMesh> prepared;
+        GeometryInputs inputs;
+        std::shared_ptr<const PlannedGeometry> prepared;
         std::shared_ptr<const ChunkGeometry> triangles; ///< once asked for
     };
 

@@ -41,7 +41,7 @@ struct Primvar {
     }
 };
 
-/// A face set that may have a material of its own (MeshPrim::subsetMaterialPaths).
+/// A face set that may have a material of its own (GeometryPrim::subsetMaterialPaths).
 struct MeshSubset {
     std::string name; ///< the subset's prim path
     SharedSpan<std::int32_t> faces;
@@ -101,7 +101,7 @@ struct CurveForm {
 /// Points at a time, in frames from the frame on.
 struct PointSample {
     double time = 0.0;
-    SharedSpan<float> points; ///< as MeshDescription::points
+    SharedSpan<float> points; ///< as GeometryDescription::points
 
     static constexpr auto Fields() {
         return FieldList(HDS_FIELD(PointSample, time), HDS_FIELD(PointSample, points).Rows(3));
@@ -110,7 +110,7 @@ struct PointSample {
 
 /// Topology, points and primvars of a mesh, of curves or of points. Object space, float as
 /// authored. Widths and normals are primvars of these names.
-struct MeshDescription {
+struct GeometryDescription {
     PrimitiveKind primitives = PrimitiveKind::Faces;
     SharedSpan<float> points; ///< [numPoints][3]
     /// The points around the frame, in ascending order of time; fewer than two: they are at rest.
@@ -130,22 +130,23 @@ struct MeshDescription {
     static constexpr auto Fields() {
         constexpr auto kFaces = PrimitiveKind::Faces;
         constexpr auto kCurves = PrimitiveKind::Curves;
-        return FieldList(HDS_FIELD(MeshDescription, primitives),
-                         HDS_FIELD(MeshDescription, points).Rows(3),
-                         HDS_FIELD(MeshDescription, samples)
+        return FieldList(HDS_FIELD(GeometryDescription, primitives),
+                         HDS_FIELD(GeometryDescription, points).Rows(3),
+                         HDS_FIELD(GeometryDescription, samples)
                              .NotInKey("MakeMeshKey adds them while the shutter is open"),
-                         HDS_FIELD(MeshDescription, closePoints)
+                         HDS_FIELD(GeometryDescription, closePoints)
                              .NotInKey("made of samples and the shutter")
                              .NotInDump("no front end sets it")
                              .NotInPython("no front end sets it"),
-                         HDS_FIELD(MeshDescription, faceVertexCounts).For(kFaces, kCurves),
-                         HDS_FIELD(MeshDescription, faceVertexIndices).For(kFaces, kCurves),
-                         HDS_FIELD(MeshDescription, curves).For(kCurves),
-                         HDS_FIELD(MeshDescription, holeIndices).For(kFaces),
-                         HDS_FIELD(MeshDescription, subdivisionScheme).For(kFaces),
-                         HDS_FIELD(MeshDescription, subdivTags).For(kFaces),
-                         HDS_FIELD(MeshDescription, leftHanded).For(kFaces),
-                         HDS_FIELD(MeshDescription, primvars), HDS_FIELD(MeshDescription, subsets));
+                         HDS_FIELD(GeometryDescription, faceVertexCounts).For(kFaces, kCurves),
+                         HDS_FIELD(GeometryDescription, faceVertexIndices).For(kFaces, kCurves),
+                         HDS_FIELD(GeometryDescription, curves).For(kCurves),
+                         HDS_FIELD(GeometryDescription, holeIndices).For(kFaces),
+                         HDS_FIELD(GeometryDescription, subdivisionScheme).For(kFaces),
+                         HDS_FIELD(GeometryDescription, subdivTags).For(kFaces),
+                         HDS_FIELD(GeometryDescription, leftHanded).For(kFaces),
+                         HDS_FIELD(GeometryDescription, primvars),
+                         HDS_FIELD(GeometryDescription, subsets));
     }
 };
 

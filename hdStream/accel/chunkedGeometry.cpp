@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hdStream/accel/chunkedMesh.h"
+#include "hdStream/accel/chunkedGeometry.h"
 
 #include "hdStream/base/error.h"
 #include "hdStream/base/hash.h"
@@ -17,8 +17,8 @@ namespace {
 
 /// Changes whenever the same mesh gives other pages or another plan: part of the keys in the store.
 constexpr std::uint64_t kPageFormat = 5;
-/// The part of a mesh that is its outline; pages count from 0.
-constexpr std::uint64_t kOutlinePart = ~std::uint64_t{0};
+/// The part of a mesh that is its summary; pages count from 0.
+constexpr std::uint64_t kSummaryPart = ~std::uint64_t{0};
 
 class Writer {
 public:
@@ -89,84 +89,84 @@ private:
 
 } // namespace
 
-std::vector<std::uint8_t> SerializeOutline(const MeshOutline& outline) {
+std::vector<std::uint8_t> SerializeSummary(const GeometrySummary& summary) {
     Writer writer;
-    writer.Add(outline.origin);
-    writer.Add(outline.isLeftHanded);
-    writer.Add(outline.numTriangles);
-    writer.Add(outline.boundBytes);
-    writer.Add(std::uint64_t{outline.attributes.size()});
-    for (const AttributeFormat& attribute : outline.attributes) {
+    writer.Add(summary.origin);
+    writer.Add(summary.isLeftHanded);
+    writer.Add(summary.numTriangles);
+    writer.Add(summary.boundBytes);
+    writer.Add(std::uint64_t{summary.attributes.size()});
+    for (const AttributeFormat& attribute : summary.attributes) {
         writer.AddText(attribute.name);
         writer.Add(attribute.numComponents);
     }
-    writer.AddArray(outline.chunkBounds);
-    writer.AddArray(outline.numInChunk);
+    writer.AddArray(summary.chunkBounds);
+    writer.AddArray(summary.numInChunk);
     return std::move(writer.bytes);
 }
 
-std::optional<MeshOutline> ParseOutline(const std::vector<std::uint8_t>& bytes) {
+std::optional<GeometrySummary> ParseSummary(const std::vector<std::uint8_t>& bytes) {
     Reader reader(bytes);
-    MeshOutline outline;
-    reader.Get(&outline.origin);
-    reader.Get(&outline.isLeftHanded);
-    reader.Get(&outline.numTriangles);
-    reader.Get(&outline.boundBytes);
-    outline.attributes.resize(reader.GetCount(sizeof(std::uint64_t)));
-    for (AttributeFormat& attribute : outline.attributes) {
+    GeometrySummary summary;
+    reader.Get(&summary.origin);
+    reader.Get(&summary.isLeftHanded);
+    reader.Get(&summary.numTriangles);
+    reader.Get(&summary.boundBytes);
+    summary.attributes.resize(reader.GetCount(sizeof(std::uint64_t)));
+    for (AttributeFormat& attribute : summary.attributes) {
         reader.GetText(&attribute.name);
         reader.Get(&attribute.numComponents);
     }
-    reader.GetArray(&outline.chunkBounds);
-    reader.GetArray(&outline.numInChunk);
-    if (!reader.IsAtEnd() || outline.numInChunk.size() != outline.NumChunks()) {
+    reader.GetArray(&summary.chunkBounds);
+    reader.GetArray(&summary.numInChunk);
+    if (!reader.IsAtEnd() || summary.numInChunk.size() != summary.NumChunks()) {
         return std::nullopt;
     }
-    return outline;
+    return summary;
 }
 
-ChunkedMesh::ChunkedMesh(SourceMaker makeSource, std::uint64_t chunkBytes,
-                         std::shared_ptr<PageStore> store, const PageKey& key)
+ChunkedGeometry::ChunkedGeometry(SourceMaker makeSource, std::uint64_t chunkBytes,
+                                 std::shared_ptr<PageStore> store, const PageKey& key)
     : _makeSource(std::move(makeSource)), _chunkBytes(chunkBytes), _store(std::move(store)),
       _key(key) {
-    if (!LoadOutline()) {
+    if (!LoadSummary()) {
         MakeSourceOnce();
-        MakeOutline();
+        MakeSummary();
     }
 }
 
-bool ChunkedMesh::LoadOutline() {
+bool ChunkedGeometry::LoadSummary() {
     std::vector<std::uint8_t> bytes;
-    if (!_store || !_store->Load(PartKey(kOutlinePart), &bytes)) {
+    if (!_store || !_store->Load(PartKey(kSummaryPart), &bytes)) {
         return false;
     }
-    std::optional<MeshOutline> outline = ParseOutline(bytes);
-    if (!outline) {
+    std::optional<GeometrySummary> summary = ParseSummary(bytes);
+    if (!summary) {
         return false;
     }
-    _outline = std::move(*outline);
+    _summary = std::move(*summary);
     return true;
 }
 
-void ChunkedMesh::SaveOutline() const {
-    const PageKey key = PartKey(kOutlinePart);
+void ChunkedGeometry::SaveSummary() const {
+    const PageKey key = PartKey(kSummaryPart);
     if (_store && !_store->Contains(key)) {
-        const std::vector<std::uint8_t> bytes = SerializeOutline(_outline);
+        const std::vector<std::uint8_t> bytes = SerializeSummary(_summary);
         _store->Save(key, bytes.data(), bytes.size());
     }
 }
 
-void ChunkedMesh::MakeOutline() {
-    _outline.origin = _source->Origin();
-    _outline.isLeftHanded = _source->IsLeftHanded();
-    _outline.numTriangles = _source->NumTriangles();
-    _outline.attributes = _source->Attributes();
-    _outline.boundBytes = _source->BoundBytes();
-    _outline.chunkBounds = _plan.bounds;
-    _outline.numInChunk = _plan.counts;
+void ChunkedGeometry::MakeSummary() {
+    _summary.origin = _source->Origin();
+    _summary.isLeftHanded = _source->IsLeftHanded();
+    _summary.numTriangles = _source->NumTriangles();
+    _summary.attributes = _source->Attributes();
+    _summary.boundBytes = _source->BoundBytes();
+    _summary.chunkBounds = _plan.bounds;
+    _summary.numInChunk = _plan.counts;
 }
 
-void ChunkedMesh::MakeSourceOnce() const {
+void ChunkedGeometry::MakeSourceOnce() const {
     std::call_once(_isMade, [this] {
         // A thread that took another task meanwhile might come here again and wait for itself.
         tbb::this_task_arena::isolate([this] {
@@ -180,22 +180,22 @@ void ChunkedMesh::MakeSourceOnce() const {
             _plan = PlanChunks(*_source, static_cast<std::uint32_t>(maxTriangles));
         });
         // A chunk of another plan would be drawn in the place of this one.
-        HDS_VERIFY(_outline.NumChunks() == 0 || _outline.numInChunk == _plan.counts,
-                   "the cache has the outline of another mesh: hdstream cache --clear");
+        HDS_VERIFY(_summary.NumChunks() == 0 || _summary.numInChunk == _plan.counts,
+                   "the cache has the summary of another mesh: hdstream cache --clear");
     });
 }
 
-const ChunkSource& ChunkedMesh::Source() const {
+const ChunkSource& ChunkedGeometry::Source() const {
     MakeSourceOnce();
     return *_source;
 }
 
-const ChunkPlan& ChunkedMesh::Plan() const {
+const ChunkPlan& ChunkedGeometry::Plan() const {
     MakeSourceOnce();
     return _plan;
 }
 
-PageKey ChunkedMesh::PartKey(std::uint64_t index) const {
+PageKey ChunkedGeometry::PartKey(std::uint64_t index) const {
     Hasher hasher;
     hasher.Append(kPageFormat);
     hasher.Append(_key.words[0]);

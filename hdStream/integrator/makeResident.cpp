@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hdStream/integrator/settling.h"
+#include "hdStream/integrator/makeResident.h"
 
 #include "hdStream/integrator/residencyPlan.h"
 
@@ -15,7 +15,7 @@ constexpr double kSecondsPerByte = 1.0 / 100e6;
 
 } // namespace
 
-bool SettlesAtOnce(std::uint64_t missingBytes) {
+bool BecomesResidentAtOnce(std::uint64_t missingBytes) {
     return missingBytes <= kLittleBytes;
 }
 
@@ -31,7 +31,7 @@ double SecondsToGet(KernelPlace place) {
     return kSecondsOfBuiltKernels;
 }
 
-bool IsWorthSettling(const SettlingCosts& costs) {
+bool IsWorthMakingResident(const MakeResidentCosts& costs) {
     const double secondsPerByte =
         costs.preparedBytes > 0 ? costs.prepareSeconds / static_cast<double>(costs.preparedBytes)
                                 : kSecondsPerByte;

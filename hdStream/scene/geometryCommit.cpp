@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hdStream/scene/meshCommit.h"
+#include "hdStream/scene/geometryCommit.h"
 
 #include "hdStream/accel/bvh.h"
 #include "hdStream/geometry/curveSource.h"
@@ -17,12 +17,12 @@ namespace hds {
 
 namespace {
 
-/// A mesh of fewer triangles is looked at as fast as its outline is read.
-constexpr std::uint64_t kMinKeptOutline = 256;
+/// A mesh of fewer triangles is looked at as fast as its summary is read.
+constexpr std::uint64_t kMinKeptSummary = 256;
 
 /// Makes the chunks, ordered by the leaves of a BVH over their boxes.
-void BuildTopTree(PreparedMesh* mesh) {
-    const std::vector<Bounds>& boxes = mesh->mesh->Outline().chunkBounds;
+void BuildTopTree(PlannedGeometry* mesh) {
+    const std::vector<Bounds>& boxes = mesh->mesh->Summary().chunkBounds;
     const auto addChunk = [&](std::uint32_t chunk) {
         mesh->chunks.push_back(std::make_shared<ChunkPages>(mesh->mesh, chunk));
     };
@@ -37,9 +37,9 @@ void BuildTopTree(PreparedMesh* mesh) {
     mesh->topNodes = std::move(tree.nodes);
 }
 
-std::shared_ptr<const ChunkSource> MakeSource(const std::string& path, const MeshInputs& inputs,
+std::shared_ptr<const ChunkSource> MakeSource(const std::string& path, const GeometryInputs& inputs,
                                               Warnings& warnings) {
-    const std::shared_ptr<const MeshDescription> mesh =
+    const std::shared_ptr<const GeometryDescription> mesh =
         inputs.shutter.IsOpen() ? AtShutter(*inputs.mesh, inputs.shutter) : inputs.mesh;
     if (mesh->primitives == PrimitiveKind::Curves) {
         return MakeCurveSource(mesh, path, warnings);
@@ -58,14 +58,14 @@ std::shared_ptr<const ChunkSource> MakeSource(const std::string& path, const Mes
 }
 
 /// The inputs without the primvars that nobody reads.
-MeshInputs OnlyRead(MeshInputs inputs) {
+GeometryInputs OnlyRead(GeometryInputs inputs) {
     const auto isUnread = [&](const Primvar& primvar) {
         return primvar.name != "normals" && primvar.name != "widths" &&
                !std::binary_search(inputs.primvars.begin(), inputs.primvars.end(), primvar.name);
     };
     const std::vector<Primvar>& all = inputs.mesh->primvars;
     if (std::any_of(all.begin(), all.end(), isUnread)) {
-        auto mesh = std::make_shared<MeshDescription>(*inputs.mesh);
+        auto mesh = std::make_shared<GeometryDescription>(*inputs.mesh);
         mesh->primvars.erase(std::remove_if(mesh->primvars.begin(), mesh->primvars.end(), isUnread),
                              mesh->primvars.end());
         inputs.mesh = std::move(mesh);
@@ -75,10 +75,10 @@ MeshInputs OnlyRead(MeshInputs inputs) {
 
 } // namespace
 
-bool MeshInputs::Suffice(const MeshInputs& other) const {
+bool GeometryInputs::Suffice(const GeometryInputs& other) const {
     bool areEqual = true;
-    ForEachField<MeshInputs>([&](const auto& field) {
-        if (!field.Is(&MeshInputs::primvars)) {
+    ForEachField<GeometryInputs>([&](const auto& field) {
+        if (!field.Is(&GeometryInputs::primvars)) {
             areEqual = areEqual && this->*field.member == other.*field.member;
         }
     });
@@ -86,26 +86,26 @@ bool MeshInputs::Suffice(const MeshInputs& other) const {
                                      other.primvars.end());
 }
 
-PreparedMesh PrepareMesh(const std::string& path, const MeshInputs& all,
-                         std::shared_ptr<PageStore> store, Warnings& warnings) {
-    const MeshInputs inputs = OnlyRead(all);
+PlannedGeometry PlanGeometry(const std::string& path, const GeometryInputs& all,
+                             std::shared_ptr<PageStore> store, Warnings& warnings) {
+    const GeometryInputs inputs = OnlyRead(all);
     const PageKey key = store ? MakeMeshKey(inputs) : PageKey();
-    const auto mesh = std::make_shared<const ChunkedMesh>(
+    const auto mesh = std::make_shared<const ChunkedGeometry>(
         [path, inputs, &warnings] { return MakeSource(path, inputs, warnings); }, inputs.chunkBytes,
         std::move(store), key);
-    const MeshOutline& outline = mesh->Outline();
-    if (outline.numTriangles >= kMinKeptOutline && !warnings.Has(path)) {
-        mesh->SaveOutline();
+    const GeometrySummary& summary = mesh->Summary();
+    if (summary.numTriangles >= kMinKeptSummary && !warnings.Has(path)) {
+        mesh->SaveSummary();
     }
-    PreparedMesh result;
-    result.leftHanded = outline.isLeftHanded;
-    result.origin = outline.origin;
-    result.numTriangles = outline.numTriangles;
-    for (const AttributeFormat& attribute : outline.attributes) {
+    PlannedGeometry result;
+    result.leftHanded = summary.isLeftHanded;
+    result.origin = summary.origin;
+    result.numTriangles = summary.numTriangles;
+    for (const AttributeFormat& attribute : summary.attributes) {
         result.attributes.push_back({attribute.name, attribute.numComponents});
     }
     if (result.numTriangles > 0) {
-        for (const Bounds& bounds : outline.chunkBounds) {
+        for (const Bounds& bounds : summary.chunkBounds) {
             ExtendBounds(&result.bounds, bounds);
         }
         result.mesh = mesh;
@@ -114,10 +114,10 @@ PreparedMesh PrepareMesh(const std::string& path, const MeshInputs& all,
     return result;
 }
 
-ChunkGeometry GatherAll(const PreparedMesh& mesh) {
-    std::vector<std::uint32_t> units = mesh.mesh->Plan().units;
-    std::sort(units.begin(), units.end());
-    return mesh.mesh->Source().Gather(units.data(), units.size());
+ChunkGeometry GatherAll(const PlannedGeometry& mesh) {
+    std::vector<std::uint32_t> groups = mesh.mesh->Plan().groups;
+    std::sort(groups.begin(), groups.end());
+    return mesh.mesh->Source().Gather(groups.data(), groups.size());
 }
 
 } // namespace hds

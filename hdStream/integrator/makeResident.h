@@ -9,10 +9,10 @@ namespace hds {
 
 /// Whether geometry that was resident before an edit becomes so again before the first ray.
 /// \param missingBytes of the pages that the edit has brought.
-bool SettlesAtOnce(std::uint64_t missingBytes);
+bool BecomesResidentAtOnce(std::uint64_t missingBytes);
 
 /// What is known between two passes of a render.
-struct SettlingCosts {
+struct MakeResidentCosts {
     double secondsLeft = 0.0;        ///< of tracing and shading, at the rate of the last pass
     double kernelSeconds = 0.0;      ///< until kernels without streaming code are there
     std::uint64_t missingBytes = 0;  ///< pages to be prepared and loaded
@@ -32,6 +32,6 @@ enum class KernelPlace { Bound, Cached, Nowhere };
 double SecondsToGet(KernelPlace place);
 
 /// Whether what resident kernels save is at least what it takes to have them and all pages.
-bool IsWorthSettling(const SettlingCosts& costs);
+bool IsWorthMakingResident(const MakeResidentCosts& costs);
 
 } // namespace hds

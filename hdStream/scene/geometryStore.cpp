@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hdStream/scene/meshStore.h"
+#include "hdStream/scene/geometryStore.h"
 
 #include <tbb/parallel_for.h>
 
@@ -15,8 +15,8 @@ constexpr std::size_t kGrain = 1;
 
 } // namespace
 
-bool MeshStore::Prepare(const SceneDescription& scene, const std::vector<Drawn>& drawn,
-                        Warnings& warnings, const CancelCallback& isCancelled) {
+bool GeometryStore::Prepare(const SceneDescription& scene, const std::vector<Drawn>& drawn,
+                            Warnings& warnings, const CancelCallback& isCancelled) {
     for (auto item = _items.begin(); item != _items.end();) {
         const auto prim = scene.meshes.find(item->first);
         const bool isCurrent =
@@ -30,7 +30,7 @@ bool MeshStore::Prepare(const SceneDescription& scene, const std::vector<Drawn>&
             missing.push_back(&one);
         }
     }
-    std::vector<std::shared_ptr<const PreparedMesh>> prepared(missing.size());
+    std::vector<std::shared_ptr<const PlannedGeometry>> prepared(missing.size());
     std::atomic<bool> isStopped{false};
     const std::thread::id caller = std::this_thread::get_id();
     tbb::parallel_for(
@@ -40,8 +40,8 @@ bool MeshStore::Prepare(const SceneDescription& scene, const std::vector<Drawn>&
                 isStopped = true;
             }
             for (std::size_t i = range.begin(); i < range.end() && !isStopped; ++i) {
-                prepared[i] = std::make_shared<const PreparedMesh>(
-                    PrepareMesh(*missing[i]->first, missing[i]->second, _pageStore, warnings));
+                prepared[i] = std::make_shared<const PlannedGeometry>(
+                    PlanGeometry(*missing[i]->first, missing[i]->second, _pageStore, warnings));
             }
         });
     for (std::size_t i = 0; i < missing.size(); ++i) {
@@ -53,11 +53,11 @@ bool MeshStore::Prepare(const SceneDescription& scene, const std::vector<Drawn>&
     return !isStopped;
 }
 
-const PreparedMesh& MeshStore::Find(const std::string& path) const {
+const PlannedGeometry& GeometryStore::Find(const std::string& path) const {
     return *_items.at(path).prepared;
 }
 
-const ChunkGeometry& MeshStore::Triangles(const std::string& path) {
+const ChunkGeometry& GeometryStore::Triangles(const std::string& path) {
     Item& item = _items.at(path);
     if (!item.triangles) {
         item.triangles = std::make_shared<const ChunkGeometry>(GatherAll(*item.prepared));
