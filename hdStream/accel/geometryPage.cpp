@@ -189,7 +189,7 @@ GeometryPage BuildGeometryPage(ChunkGeometry& chunk) {
     const bool isSolid = chunk.primitives != HDS_PRIMITIVE_TRIANGLES;
     Bvh bvh = BuildPageBvh(chunk);
     if (bvh.nodes.empty()) {
-        bvh.nodes.emplace_back(); // all of a unit's triangles may turn out to have no area
+        bvh.nodes.emplace_back(); // all of a group's triangles may turn out to have no area
     }
     ReorderTriangles(bvh.order, &chunk);
     if (!isSolid) {

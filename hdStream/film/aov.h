@@ -29,7 +29,7 @@ struct AovInfo {
     bool isColor = false;              ///< linear working-space colour: display transforms apply
     AovFilter filter = AovFilter::Weighted;
     float clearValue = 0.0f;  ///< every channel of a pixel that hit nothing
-    std::int32_t clearId = 0; ///< likewise for integer AOVs
+    std::int32_t clearId = 0; ///< of an integer AOV: a pixel that hit nothing
     std::string description;  ///< meaning, space and unit
 
     std::uint32_t NumChannels() const { return static_cast<std::uint32_t>(channels.size()); }

@@ -23,8 +23,8 @@ struct ImageMetadata {
     std::string camera;                                  ///< prim path; empty: not said
     double pixelAspectRatio = 1.0;                       ///< width / height of a pixel
     std::optional<std::array<double, 16>> worldToCamera; ///< rows of GfMatrix4d (row vectors)
-    std::optional<std::array<double, 16>> worldToNdc;    ///< likewise, with the projection
-    std::map<std::string, std::string> texts;            ///< further named texts
+    std::optional<std::array<double, 16>> worldToNdc; ///< rows of GfMatrix4d, with the projection
+    std::map<std::string, std::string> texts;         ///< further named texts
 };
 
 /// Options of WriteImage.
@@ -43,9 +43,9 @@ void CheckImageFile(const std::string& file);
 ///  colour
 ///              as R, G, B, A (premultiplied), every other layer as NAME.CHANNEL
 ///  .png        "color" (else the first layer) display-referred, 8 bits, not premultiplied
-///  .jpg .jpeg  likewise, over black
-///  .tif .tiff  likewise but linear float, premultiplied
-///  .hdr        likewise, without alpha
+///  .jpg .jpeg  that layer display-referred, 8 bits, over black
+///  .tif .tiff  that layer in linear float, premultiplied
+///  .hdr        that layer in linear float, without alpha
 /// \return names of the layers that the format has no room for
 /// \throws Error that names the file and the reason; nothing is left behind and an existing file is
 ///         kept

@@ -43,7 +43,8 @@ struct PatternBox {
 };
 
 /// A face with 2^level segments along each edge. Vertices are numbered: corners, then edges, then
-/// the inside. Triangles are those of tiles, which are small enough to be units of a chunk source.
+/// the inside. Triangles are those of tiles, which are small enough to be primitive groups of a
+/// chunk source.
 class DicePattern {
 public:
     /// Cells of a tile along each side; a cell has at most two triangles.

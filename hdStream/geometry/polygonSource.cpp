@@ -446,10 +446,11 @@ private:
     std::vector<std::uint32_t> _entries;     ///< [numFaces] material entries; empty: all 0
     std::vector<MeshAttribute> _values;      ///< user primvars
     mutable std::once_flag _isRead;
-    mutable MeshAttribute _normals;             ///< final once ReadValues has run
-    mutable std::vector<glm::vec3> _moved;      ///< [numPoints] displaced; empty: as authored
-    mutable std::vector<glm::vec3> _closeMoved; ///< likewise when the shutter closes
-    mutable SharedSpan<float> _closeNormals;    ///< of the elements of _normals; empty: as they are
+    mutable MeshAttribute _normals;        ///< final once ReadValues has run
+    mutable std::vector<glm::vec3> _moved; ///< [numPoints] displaced; empty: as authored
+    mutable std::vector<glm::vec3>
+        _closeMoved; ///< [numPoints] when the shutter closes; empty: as authored
+    mutable SharedSpan<float> _closeNormals; ///< of the elements of _normals; empty: as they are
 };
 
 } // namespace

@@ -13,8 +13,8 @@
 
 PXR_NAMESPACE_OPEN_SCOPE
 
-/// The transform of a prim while the shutter is open; empty when it does not change. Likewise of an
-/// instancer.
+/// The transform of a prim, or of an instancer, while the shutter is open; empty when it does not
+/// change.
 std::vector<hds::TransformSample>
 HdStreamSampleTransform(HdSceneDelegate* delegate, const SdfPath& id, const hds::Shutter& shutter);
 std::vector<hds::TransformSample> HdStreamSampleInstancerTransform(HdSceneDelegate* delegate,

@@ -78,15 +78,9 @@ shared::HdsAovOffsets FilmBuffers::FirstHitOffsets(const glm::dvec3& centre) con
     shared::HdsAovOffsets offsets{};
     offsets.floatStride = _layout.floatsPerPixel;
     offsets.intStride = _layout.intsPerPixel;
-    offsets.depth = OffsetOf(_layout, "depth");
-    offsets.cameraDepth = OffsetOf(_layout, "cameraDepth");
-    offsets.normal = OffsetOf(_layout, "normal");
-    offsets.normalEye = OffsetOf(_layout, "Neye");
-    offsets.position = OffsetOf(_layout, "position");
-    offsets.albedo = OffsetOf(_layout, "albedo");
-    offsets.primId = OffsetOf(_layout, "primId");
-    offsets.instanceId = OffsetOf(_layout, "instanceId");
-    offsets.elementId = OffsetOf(_layout, "elementId");
+#define HDS_AOV_OFFSET(member, name) offsets.member = OffsetOf(_layout, name);
+    HDS_FIRST_HIT_AOVS(HDS_AOV_OFFSET)
+#undef HDS_AOV_OFFSET
     offsets.primvars = _layout.primvarOffset;
     offsets.numPrimvars = static_cast<std::uint32_t>(_layout.primvars.size());
     for (int i = 0; i < 3; ++i) {

@@ -55,9 +55,9 @@ private:
 
     std::shared_ptr<Device> _device;
     Store* _store;
-    std::unique_ptr<TexturePool> _pool;          ///< one of the three, if there are textures
-    std::unique_ptr<ResidentTextures> _resident; ///< likewise
-    std::unique_ptr<PlainTextureBuffers> _plain; ///< likewise
+    std::unique_ptr<TexturePool> _pool; ///< one of the three, if there are textures
+    std::unique_ptr<ResidentTextures> _resident;
+    std::unique_ptr<PlainTextureBuffers> _plain;
     std::uint64_t _budgetBytes = 0;
     float _mipBias = 0.0F;
 };

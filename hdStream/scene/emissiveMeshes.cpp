@@ -41,7 +41,7 @@ public:
         }
         if (_numLeftOut > 0) {
             _warnings.Add(_firstLeftOut,
-                          "glows but is not sampled as a light" +
+                          "emits but is not sampled as a light" +
                               (_numLeftOut > 1
                                    ? ", and " + std::to_string(_numLeftOut - 1) + " more"
                                    : std::string()) +

@@ -23,11 +23,12 @@ namespace hds {
 struct LeafObject {
     std::uint32_t object = 0;
     std::uint32_t mesh = 0;
-    std::uint32_t flags = 0;         ///< HDS_INSTANCE_*
-    glm::dvec3 origin{0.0};          ///< object-space origin of the device positions
-    Bounds bounds;                   ///< relative to origin
-    bool worldInstance = false;      ///< needs a record in the TLAS
-    bool isLinkedByInstance = false; ///< likewise: its instances have link sets of their own
+    std::uint32_t flags = 0;    ///< HDS_INSTANCE_*
+    glm::dvec3 origin{0.0};     ///< object-space origin of the device positions
+    Bounds bounds;              ///< relative to origin
+    bool worldInstance = false; ///< needs a record in the TLAS
+    bool isLinkedByInstance =
+        false; ///< its instances have link sets of their own, so it needs a record too
 };
 
 /// One placement in the TLAS of a leaf that asked for its world instance.

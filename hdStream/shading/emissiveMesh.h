@@ -22,7 +22,7 @@ struct PlacedLight {
     LightDescription light;
     glm::dmat4 worldFromLight{1.0};      ///< relative to the scene centre
     std::uint32_t lightLink = HDS_NONE;  ///< index into LinkTable::categories
-    std::uint32_t shadowLink = HDS_NONE; ///< likewise
+    std::uint32_t shadowLink = HDS_NONE; ///< index into LinkTable::categories
     std::vector<LightPortal> portals;    ///< dome: relative to the scene centre
 
     static constexpr auto Fields() {

@@ -83,7 +83,7 @@ private:
     Warnings& _warnings;
     std::map<std::string, const MaterialNode*> _nodeByPath;
     std::map<std::string, ShaderValue> _lookups;    ///< by the path of their UsdUVTexture
-    std::map<std::string, bool> _hasAlpha;          ///< likewise
+    std::map<std::string, bool> _hasAlpha;          ///< by the path of their UsdUVTexture
     std::map<std::string, ShaderValue> _transforms; ///< by the path of their UsdTransform2d
     /// Of MaterialX's nodes, by (node, output).
     std::map<std::pair<std::string, std::string>, ShaderValue> _patterns;

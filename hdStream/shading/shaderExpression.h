@@ -36,7 +36,7 @@ struct ShaderExpression {
         Affine,      ///< of coordinates by `rows`; operands: in
         Math,        ///< HDS_MATH_* `code` of the operands
         Position,    ///< in HDS_SPACE_* `code`
-        Normal,      ///< likewise
+        Normal,      ///< in HDS_SPACE_* `code`
         Tangent,     ///< in HDS_SPACE_* `code`, with HDS_TANGENT_ACROSS; operands: coordinates
         View,        ///< unit direction from the viewer
         Shifted,     ///< as it is where HDS_SHIFT_* `code` leads; operands: value, coordinates

@@ -19,7 +19,7 @@ struct LineId {
 
 /// The textures of a scene. Each is opened on the first look at it, before that nothing is known of
 /// it. What is wrong with an image is no error here: the provider reports it once and has a texture
-/// of its fallback; a line that cannot be read any more is filled likewise. Externally
+/// of its fallback; a line that cannot be read any more is filled with the fallback too. Externally
 /// synchronised.
 class LineProvider {
 public:

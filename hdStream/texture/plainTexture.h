@@ -28,7 +28,7 @@ PlainTexture LoadPlainTexture(const ImageSource& source, const TextureRequest& r
 /// One channel of an image in linear light.
 struct PlainChannel {
     std::string error;   ///< as PlainTexture
-    std::string warning; ///< likewise
+    std::string warning; ///< as PlainTexture
     std::uint32_t width = 0;
     std::uint32_t height = 0;
     std::vector<float> values; ///< rows from the top, finite

@@ -16,8 +16,8 @@ struct TextureBinding {
     const Buffer* lineTable = nullptr;
     std::array<const Buffer*, HDS_SLOT_MAX_BUFFERS> pools{};
     const Buffer* requests = nullptr; ///< null: all lines are there
-    const Buffer* stamps = nullptr;   ///< likewise
-    const Buffer* waiting = nullptr;  ///< likewise
+    const Buffer* stamps = nullptr;   ///< null: all lines are there
+    const Buffer* waiting = nullptr;  ///< null: all lines are there
 
     /// Sets the arguments from `first` on; returns the next free index.
     unsigned Bind(Kernel* kernel, unsigned first) const {

@@ -89,20 +89,26 @@ typedef struct {
 } HdsFilmPixel;
 HDS_ASSERT_SIZE(HdsFilmPixel, 48);
 
+/* The AOVs of first hits: X(member of HdsAovOffsets, name of the AOV in hdStream/film/aov.cpp). */
+#define HDS_FIRST_HIT_AOVS(X)     \
+    X(depth, "depth")             \
+    X(cameraDepth, "cameraDepth") \
+    X(normal, "normal")           \
+    X(normalEye, "Neye")          \
+    X(position, "position")       \
+    X(albedo, "albedo")           \
+    X(primId, "primId")           \
+    X(instanceId, "instanceId")   \
+    X(elementId, "elementId")
+
 /* Where the first-hit AOVs lie inside a pixel of the float and the int buffer; HDS_NONE: not asked
  * for. */
 typedef struct {
     u32 floatStride;
     u32 intStride;
-    u32 depth;
-    u32 cameraDepth;
-    u32 normal;
-    u32 normalEye;
-    u32 position;
-    u32 albedo;
-    u32 primId;
-    u32 instanceId;
-    u32 elementId;
+#define HDS_AOV_OFFSET(member, name) u32 member;
+    HDS_FIRST_HIT_AOVS(HDS_AOV_OFFSET)
+#undef HDS_AOV_OFFSET
     u32 primvars;    /* of the first primvar AOV; the others follow, three floats each */
     f32 centre[3];   /* world position of the device's origin, added to positions */
     u32 numPrimvars; /* primvar AOVs; their slots: primvarSlots[mesh * numPrimvars + i] */

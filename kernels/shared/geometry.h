@@ -99,9 +99,9 @@ HDS_ASSERT_SIZE(HdsPageHeader, 16);
  * attribute page has a slot more, behind the user's: HDS_SLOT_NORMAL when the shutter closes. */
 #define HDS_PAGE_MOVES 0x80000000u
 
-/* Likewise: boxes move too. Behind the nodes, whose boxes are those when the shutter opens, lie as
- * many that differ from them in origin, exponents and planes only: the boxes when it closes.
- * Explained in docs/motionBlur.md. */
+/* A geometry page's flag: boxes move too. Behind the nodes, whose boxes are those when the shutter
+ * opens, lie as many that differ from them in origin, exponents and planes only: the boxes when it
+ * closes. Explained in docs/motionBlur.md. */
 #define HDS_PAGE_BOXES_MOVE 0x40000000u
 
 /* What the primitives of a chunk are: HDS_PRIMITIVE_* in bits 31..27 of HdsPageHeader.numTriangles.

@@ -10,7 +10,7 @@
 #define HDS_LIGHT_DISTANT 0u  /* a cone of directions about axis, radiance constant inside */
 #define HDS_LIGHT_SPHERE 1u   /* surface light; any affine transform (ellipsoid) */
 #define HDS_LIGHT_RECT 2u     /* emits along -z of the light's space, one side */
-#define HDS_LIGHT_DISK 3u     /* likewise */
+#define HDS_LIGHT_DISK 3u     /* emits along -z of the light's space, one side */
 #define HDS_LIGHT_CYLINDER 4u /* axis x of the light's space, no caps */
 #define HDS_LIGHT_DOME 5u
 #define HDS_LIGHT_MESH 6u /* a cluster of emissive triangles of one instance: lightTriangles */
@@ -68,7 +68,7 @@ typedef struct {
     u32 shapingBase; /* in lightCdf: an HdsLightShaping, or HDS_NONE */
     u32 controlBase; /* in lightCdf: an HdsLightControls, or HDS_NONE */
     u32 lightLink;   /* in lightCdf: the bits of the link sets that it lights, or HDS_NONE: all */
-    u32 shadowLink;  /* likewise, that cast its shadows */
+    u32 shadowLink;  /* in lightCdf: the bits of the link sets that cast its shadows, or HDS_NONE */
 } HdsLight;
 HDS_ASSERT_SIZE(HdsLight, 192);
 

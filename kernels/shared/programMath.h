@@ -62,7 +62,7 @@
 /* Of position, jitter: distances to the three nearest points, and the cell of the nearest. */
 #define HDS_MATH_WORLEY2 64u
 #define HDS_MATH_WORLEY3 65u
-/* Likewise: three numbers in [0, 1] of the nearest point's cell. */
+/* Of position, jitter: three numbers in [0, 1] of the nearest point's cell. */
 #define HDS_MATH_WORLEY2_CELL 66u
 #define HDS_MATH_WORLEY3_CELL 67u
 #define HDS_MATH_HEXTILE 68u /* as math_hextile */

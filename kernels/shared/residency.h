@@ -12,7 +12,7 @@
 #define HDS_POOL_MAX_BUFFERS 8
 #define HDS_NOT_RESIDENT 0x7fffffffu
 
-/* Most visits to missing chunks that a ray which waits remembers. */
+/* Most pending chunks that a ray which waits remembers. */
 #define HDS_WAIT_LIST 4
 /* Of them, those of a closest-hit ray, which walks no further until it has made them. */
 #define HDS_WAIT_NEAREST 2

@@ -34,7 +34,8 @@
 #define HDS_TEXELS_NUM_DROPPED 6   /* requests that found no place */
 #define HDS_TEXELS_NUM_FALLBACKS 7 /* texels of a coarser mip that were accepted */
 #define HDS_TEXELS_LOOKUPS 8       /* [HDS_TEXELS_COUNTERS], by work-items: texels read */
-#define HDS_TEXELS_MISSES 40       /* likewise: of these, those whose line was missing */
+#define HDS_TEXELS_MISSES \
+    40 /* [HDS_TEXELS_COUNTERS], by work-items: texels whose line was missing */
 #define HDS_TEXELS_COUNTERS 32u
 #define HDS_TEXELS_HEADER 72 /* here the list begins */
 /* Words of the set that a request tries. */

@@ -83,7 +83,7 @@ def GeneratedJobs(folder: pathlib.Path) -> list:
 
 def StreamingJobs(folder: pathlib.Path) -> list:
     from bench.streamingMatrix import SMALL, CoveringArray
-    # Places in the table's choices: eviction (ours, the report's), request (likewise), prepare (lazy, eager), traversal.
+    # Places in the table's choices: eviction (ours, the report's), request (ours, the report's), prepare (lazy, eager), traversal.
     factors = {"geometryMemory": ("100%", "79%", "50%", "30%", "15%", "5%"), "geometryEviction": (0, 1), "request": (0, 1),
                "prepare": (0, 1), "traversal": (1, 2), "hostMemory": (0, 1 << 22), "waveSize": (0, 4096)}
     jobs = []

@@ -4,7 +4,7 @@
 A renderer's reference is two independent halves. The error of a picture x against the halves a, b is the mean of
 (x - a)(x - b) / (r^2 + 0.01), r = (a + b) / 2, over pixels and channels: relMSE (docs/film.md) without the
 reference's own noise, so that it need not have many more samples than the pictures. The difference of two renderers,
-(a1 - a2)(b1 - b2) / (r2^2 + 0.01), is free of both noises likewise.
+(a1 - a2)(b1 - b2) / (r2^2 + 0.01), is free of both noises too.
 """
 
 import hashlib

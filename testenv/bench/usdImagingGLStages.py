@@ -4,7 +4,7 @@ usdImagingGLStages.py SOURCE OUT [--renderer NAME] [--only TEXT] [--samples N]
 
 SOURCE is the folder pxr/usdImaging/usdImagingGL of an OpenUSD source tree. Its CMakeLists.txt says which stages
 are drawn, with which arguments, and which baseline pictures they must match; testenv/hydra/engineScript.py draws
-them likewise. Writes OUT/NAME.png, OUT/results.csv (exit codes and messages) and contact sheets: baseline | ours,
+them in the same way. Writes OUT/NAME.png, OUT/results.csv (exit codes and messages) and contact sheets: baseline | ours,
 with the names in a text file each. What Storm's pictures are about and ours are not (shading styles, ambient light) is for the eye that
 looks at them: docs/hydra-usdImagingGL.md has what was seen.
 Needs OpenUSD with imaging, its PySide6 and PyOpenGL, xvfb-run and oiiotool.

@@ -15,7 +15,7 @@ namespace {
 /// What a ray keeps from launch to launch.
 struct RayState {
     shared::HdsHit hit;
-    std::uint32_t visits[HDS_WAIT_LIST][4];
+    std::uint32_t pending[HDS_WAIT_LIST][4];
     std::uint32_t bound[4];
     std::uint32_t size, primId, state, isShadow;
 };
@@ -24,7 +24,7 @@ const char* const kText = R"(
 #include "accel/traverse.clh"
 typedef struct {
     HdsHit hit;
-    uint4 visits[HDS_WAIT_LIST];
+    uint4 pending[HDS_WAIT_LIST];
     uint4 bound;
     uint size, primId, state, isShadow;
 } RayState;
@@ -51,7 +51,7 @@ kernel void probe_stream(global const float* rays, uint count, uint isFirst, glo
         list.size = s.size;
         list.bound = s.bound;
         for (uint k = 0u; k < s.size; ++k) {
-            list.visits[k] = s.visits[k];
+            list.pending[k] = s.pending[k];
         }
         s.state = s.isShadow != 0u
                       ? streamed_resumeOccluded(&view, ray, none, &s.hit, &s.primId, &list)
@@ -60,7 +60,7 @@ kernel void probe_stream(global const float* rays, uint count, uint isFirst, glo
     s.size = list.size;
     s.bound = list.bound;
     for (uint k = 0u; k < list.size; ++k) {
-        s.visits[k] = list.visits[k];
+        s.pending[k] = list.pending[k];
     }
     states[i] = s;
 }

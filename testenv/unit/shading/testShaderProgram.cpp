@@ -388,7 +388,7 @@ TEST_F(ProgramTest, ChainsThatShareNodesAreReadOnce) {
     EXPECT_NE(_warnings.Lines()[0].find("too deep"), std::string::npos);
 }
 
-/// Likewise of transforms, of which each uses the one before three times.
+/// A chain of transforms, of which each uses the one before three times, is read once.
 TEST_F(ProgramTest, TransformsThatShareNodesAreReadOnce) {
     AddNode("/m/0", "UsdPrimvarReader_float2").parameters["varname"] = std::string("st");
     for (int i = 0; i < 64; ++i) {
