@@ -4,6 +4,7 @@
 import json
 
 from fuzzKind import Kind
+from judge import SampleVerdict
 
 _NUMBERS = ["0", "-1", "1", "2", "3", "7", "0.5", "1e-9", "1e9", "1e300", "-0", "nan", "inf", "-inf", "4294967295", "4294967296",
             "18446744073709551616", "-2147483649", "0x10", "1_000", " 1", "1 ", "+1", "", "one", "\u0661", "1,2", "1e", "--", "%", "#"]
@@ -140,7 +141,7 @@ class Settings(Kind):
             for layer in self._session.Layers():
                 if not layer.isInteger and not np.isfinite(layer.pixels).all():
                     return f"layer {layer.name} has values that are not finite"
-            json.loads(self._session.Statistics())
+            return SampleVerdict(self._session.Statistics())
         except (self._core.Error, TypeError, ValueError, OverflowError, MemoryError):
             pass
         except Exception as error:  # pylint: disable=broad-except

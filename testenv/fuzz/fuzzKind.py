@@ -8,7 +8,7 @@ import io
 import pathlib
 import random
 
-from judge import Verdict
+from judge import STATISTICS, STATISTICS_PATTERN, Verdict
 
 
 class Kind:
@@ -34,10 +34,14 @@ class Kind:
         return path.name
 
     def Command(self, *arguments) -> str:
-        """What is wrong with a command's exit code, output and image."""
+        """What is wrong with a command's exit code, output, image and statistics."""
         from hdstream.cli import Main
 
         arguments = [str(argument) for argument in arguments]
+        if arguments[0] == "record":
+            arguments[3:3] = ["--stats", STATISTICS]  # a later --stats wins
+        for old in self.folder.glob(STATISTICS_PATTERN):
+            old.unlink()
         (self.folder / "command.txt").write_text(repr(arguments), encoding="utf-8")
         out, err = io.StringIO(), io.StringIO()
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the documentation promises of any command (docs/command-line.md): exit codes, one line on stderr besides warnings, no
-traceback, an image of finite numbers."""
+traceback, an image of finite numbers of which none was NaN before it became black."""
 
+import json
 import pathlib
 
 EXIT_CODES = (0, 1, 2)  # 130 needs a Ctrl-C
+STATISTICS, STATISTICS_PATTERN = "judge.####.json", "judge.*.json"  # of the frames of a command
 
 
 def Verdict(code, errors: str, arguments) -> str:
@@ -19,7 +21,22 @@ def Verdict(code, errors: str, arguments) -> str:
         return f"exit code 0 with words on stderr: {text}"
     if code != 0 and len(lines) != 1 and arguments[0] != "compare":
         return f"exit code {code} with {len(lines)} lines on stderr: {text}"
-    return _ImageVerdict(arguments) if code == 0 and arguments[0] == "record" else ""
+    if code != 0 or arguments[0] != "record":
+        return ""
+    return _ImageVerdict(arguments) or _StatisticsVerdict(arguments)
+
+
+def SampleVerdict(statistics: str) -> str:
+    """Of statistics as JSON: the film shows a sample that is not finite as black."""
+    count = json.loads(statistics)["accuracy"]["nanSamples"]
+    return f"{count} samples are not finite" if count > 0 else ""
+
+
+def _StatisticsVerdict(arguments) -> str:
+    files = list(pathlib.Path().glob(STATISTICS_PATTERN))
+    if not files and arguments.count("--stats") == 1:
+        return "exit code 0 without statistics"
+    return next(filter(None, (SampleVerdict(file.read_text()) for file in files)), "")
 
 
 def _ImageVerdict(arguments) -> str:

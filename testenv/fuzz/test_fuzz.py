@@ -35,6 +35,28 @@ def test_crashes_and_exits_are_found(tmp_path):
     assert fuzzer.numCases == 5
 
 
+def test_samples_that_are_not_finite_are_found(tmp_path, monkeypatch):
+    """In the statistics, since pictures show them black: of any command that records."""
+    import fuzzKind
+    import judge
+
+    monkeypatch.chdir(tmp_path)
+    stage = tmp_path / "stage.usda"
+    stage.write_text('#usda 1.0\ndef Camera "main_cam" {}\ndef SphereLight "Lamp" {}\n')
+    kind = fuzzKind.Kind(tmp_path, 1)
+    small = ("--imageWidth", 4, "--samples", 1)
+    assert kind.Record(stage.name, *small) == ""
+    files = list(tmp_path.glob(judge.STATISTICS_PATTERN))
+    assert len(files) == 1 and judge.SampleVerdict(files[0].read_text()) == ""
+    statistics = files[0].read_text().replace('"nanSamples": 0', '"nanSamples": 3')
+    assert judge.SampleVerdict(statistics) == "3 samples are not finite"
+    files[0].write_text(statistics)
+    arguments = ["record", stage.name, "out.exr", "--stats", judge.STATISTICS]
+    assert judge.Verdict(0, "", arguments) == "3 samples are not finite"
+    files[0].unlink()
+    assert judge.Verdict(0, "", arguments) == "exit code 0 without statistics"
+
+
 def test_a_hang_is_found(tmp_path, monkeypatch):
     import driver
 

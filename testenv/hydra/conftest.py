@@ -2,7 +2,8 @@
 """What the tests of the Hydra plug-in need: an OpenUSD with imaging, the plug-in, an X server.
 
 Every missing piece skips the tests that need it, with its reason in the report and once more in the
-terminal summary. $HDSTREAM_TEST_RENDERER lets the machinery run with another renderer (Embree).
+terminal summary; with $HDSTREAM_REQUIRE_HYDRA a missing OpenUSD or plug-in fails them.
+$HDSTREAM_TEST_RENDERER lets the machinery run with another renderer (Embree).
 """
 
 import os
@@ -20,7 +21,9 @@ import openUsd as openUsdModule  # noqa: E402
 _reasons = []
 
 
-def _Skip(reason):
+def _Skip(reason, isRequired=False):
+    if isRequired and os.environ.get("HDSTREAM_REQUIRE_HYDRA"):
+        pytest.fail(f"{reason}, and HDSTREAM_REQUIRE_HYDRA is set", pytrace=False)
     if reason not in _reasons:
         _reasons.append(reason)
     pytest.skip(reason)
@@ -34,7 +37,7 @@ def pytest_terminal_summary(terminalreporter):
 @pytest.fixture(scope="session")
 def openUsd():
     found, reason = openUsdModule.FindOpenUsd()
-    return found or _Skip(reason)
+    return found or _Skip(reason, isRequired=True)
 
 
 @pytest.fixture(scope="session")
@@ -48,7 +51,7 @@ def plugin(renderer):
     """The plug-in's folder of resources."""
     folder, reason = openUsdModule.FindPlugin()
     if not folder and renderer == "Stream":
-        _Skip(reason)
+        _Skip(reason, isRequired=True)
     return folder
 
 

@@ -5,6 +5,7 @@ compares their scenes (dumps) and pictures. Used by the tests and by testenv/ben
 
 import collections
 import contextlib
+import functools
 import io
 import os
 import pathlib
@@ -14,6 +15,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from dumpStage import DumpStage
 from openUsd import OpenUsd, Result, RunProgram
 from stages.imageFile import ReadExr
 from wrapperStage import Wrapper
@@ -21,6 +23,7 @@ from wrapperStage import Wrapper
 HERE = pathlib.Path(__file__).resolve().parent
 # UsdImagingGLEngine adds a camera of its own, used or not.
 _HOST_PRIMS = "camera /_UsdImaging_"
+PICTURE = "picture"  # the difference of pictures that are not equal to the bit
 MODES = ("legacy", "sceneIndex")  # how UsdImagingGLEngine hands a stage over
 
 
@@ -106,6 +109,59 @@ def ComparePictures(first, second) -> Difference:
     return Difference(unlike.size, int(unlike.sum()), maxAbs)
 
 
+# --- Both ------------------------------------------------------------------------------------------
+
+
+def CompareFrontEnds(frontEnds: FrontEnds, wrapper: Wrapper, folder: pathlib.Path, hasDump=True) -> tuple[list[str], str]:
+    """Runs both, `hdstream record` in this process. Pictures are FOLDER/record.exr and FOLDER/hydra.exr.
+
+    Returns all differences: lines of ListDifferences, and PICTURE; and what both programs said. hasDump: the renderer
+    writes its scene.
+    """
+    ours, theirs, dump = folder / "record.exr", folder / "hydra.exr", folder / "hydra.txt"
+    record = frontEnds.RecordHere(wrapper, ours)
+    assert record.code == 0, record.output
+    hydra = frontEnds.RunUsdrecord(wrapper, theirs, dump if hasDump else None)
+    assert hydra.code == 0, hydra.output
+    differences = []
+    if hasDump:
+        differences = ListDifferences(DumpStage(wrapper.path)[0], dump.read_text(), wrapper.purposes)
+    if not ComparePictures(ours, theirs).isEqual:
+        differences.append(PICTURE)
+    return differences, record.output + hydra.output
+
+
+@functools.cache
+def _KnownDifferences() -> dict[tuple, list]:
+    """(version of OpenUSD, mode, case) -> lines, from differences.txt."""
+    known = collections.defaultdict(list)
+    for line in (HERE / "differences.txt").read_text().splitlines():
+        if line and not line.startswith("#"):
+            stage, _, difference = line.partition(": ")
+            version, mode, case = stage.split()
+            known[int(version), mode, case].append(difference)
+    return known
+
+
+def CheckDifferences(found: list[str], version: int, mode: str, case: str) -> None:
+    """Asserts that these are the differences that are known with this OpenUSD, or with the last listed one before it.
+
+    "*" stands for what was not listed one by one: as a path for all prims of a kind, alone for all of the scene, as
+    "picture: *" for a picture that may be equal.
+    """
+    known = _KnownDifferences()
+    listed = max(listed for listed, *_ in known if listed <= version)
+    expected = known.get((listed, mode, case), [])
+
+    def Relaxed(line):
+        kind = f"{line.partition(': ')[0]}: *"
+        return kind if kind in expected else "*" if "*" in expected and line != PICTURE else line
+
+    found = [Relaxed(line) for line in found]
+    found = [line for index, line in enumerate(found) if not line.endswith("*") or line not in found[:index]]
+    assert sorted(found) == sorted(line for line in expected if line != f"{PICTURE}: *" or line in found)
+
+
 # --- Scenes ----------------------------------------------------------------------------------------
 
 
@@ -125,6 +181,8 @@ def ParseDump(text: str) -> dict:
     return prims
 
 
+# What differs between two runs in OpenUSD's names: numbers of prototypes, hashes of what instances have in common.
+_UNSTABLE = re.compile(r"(?<=/__Prototype_)\d+|[0-9a-f]{12,16}(?=[_/])")
 _PROTOTYPE = re.compile(r"/__Prototype_\d+(?=/)")
 # Legacy mode's name of the cards that stand in for a native instance (draw modes): the instance's is meant.
 _STAND_IN = re.compile(r"(?<=\{)(/[^{}]*)/proto___Prototype_\d+_id\d+(?=\})")
@@ -154,8 +212,22 @@ def CompareDumps(record: str, hydra: str, purposes=("render", "proxy", "guide"))
 
     purposes: those drawn. Hydra never shows a renderer the others' meshes, `hdstream record` reads all.
     """
+    found = FindDifferences(record, hydra, purposes)
+    return [f"{kind}, {len(examples)}: {min(examples.values())}" if examples else kind
+            for kind, examples in sorted(found.items())]
+
+
+def ListDifferences(record: str, hydra: str, purposes=("render", "proxy", "guide")) -> list[str]:
+    """Every difference as "KIND: PATH", sorted; a prim whose lines of one kind differ more than once is there so often."""
+    found = FindDifferences(record, hydra, purposes)
+    lines = (f"{kind}: {path}" if path else kind for kind, examples in found.items() for path, _ in examples or [("", "")])
+    return sorted(_UNSTABLE.sub("N", line) for line in lines)
+
+
+def FindDifferences(record: str, hydra: str, purposes) -> dict[str, dict]:
+    """Kind of difference -> {(path of the prim, name of the line) -> readable difference}; empty: equal."""
     if record == hydra:
-        return []
+        return {}
     hydra = _STAND_IN.sub(r"\1", hydra)
     first, second = ParseDump(record), ParseDump(hydra)
     prefixes = _PrototypePrefixes(first, second)
@@ -167,20 +239,19 @@ def CompareDumps(record: str, hydra: str, purposes=("render", "proxy", "guide"))
              if name in second or prim.get("purpose", "default") in ("default", *purposes)}
     second = {name: prim for name, prim in second.items() if not name.startswith(_HOST_PRIMS)}
     if list(first.items()) == list(second.items()):
-        return []
-    found = collections.defaultdict(list)  # kind of difference -> examples
-    for name in first.keys() - second.keys():
-        found[f"{name.split()[0]} only in hdstream record"].append(name.split(" ", 1)[1])
-    for name in second.keys() - first.keys():
-        found[f"{name.split()[0]} only in Hydra"].append(name.split(" ", 1)[1])
+        return {}
+    found = collections.defaultdict(dict)
+    for names, place in ((first.keys() - second.keys(), "hdstream record"), (second.keys() - first.keys(), "Hydra")):
+        for name in names:
+            kind, path = name.split(" ", 1)
+            found[f"{kind} only in {place}"][path, ""] = path
     for name in first.keys() & second.keys():
         kind, path = name.split(" ", 1)
         for key in first[name].keys() | second[name].keys():
             values = first[name].get(key, "(none)"), second[name].get(key, "(none)")
             if values[0] != values[1]:
-                found[f"{kind}.{_KeyKind(key)}"].append(f"{path} {key}: {_Clip(values[0])} != {_Clip(values[1])}")
-    lines = [f"{kind}, {len(examples)}: {min(examples)}" for kind, examples in sorted(found.items())]
-    return lines or ["the order of lines differs"]
+                found[f"{kind}.{_KeyKind(key)}"][path, key] = f"{path} {key}: {_Clip(values[0])} != {_Clip(values[1])}"
+    return found or {"the order of lines differs": {}}
 
 
 def _KeyKind(key: str) -> str:

@@ -12,8 +12,7 @@ import pytest
 
 import instancePrimvarStages
 from brokenStages import BROKEN
-from dumpStage import DumpStage
-from frontEnds import MODES, ComparePictures, CompareDumps, FrontEnds, ReadColor
+from frontEnds import MODES, CheckDifferences, CompareFrontEnds, ComparePictures, FrontEnds, ReadColor
 from openUsd import RunProgram
 from stages.verify import CASES
 from viewStage import WriteViewStage
@@ -29,29 +28,6 @@ STAGES = ["instancing", "subsets", "primvarColors", "authoredNormals", "upAxisZ"
           "pointPrimvars", "nativePrimvars"]
 TRANSLATE = pathlib.Path(__file__).resolve().parents[1] / "translate"
 TRANSLATED = sorted(path.parent.name for path in TRANSLATE.glob("*/scene.usda"))
-# What OpenUSD 24.11 does not tell a renderer, or tells otherwise (docs/hydra.md); kinds of differences.
-DIFFERENT = {
-    ("legacy", "interpolation"): {"mesh.primvar pairs"},
-    ("legacy", "skinning"): {"mesh only in Hydra"},  # the skeleton's bones, a guide
-    ("legacy", "nativeInstances"): {  # nested native instances are flattened
-        "instancer only in Hydra", "instancer only in hdstream record", "light only in Hydra",
-        "light only in hdstream record", "light.instancer", "light.instances", "mesh only in Hydra",
-        "mesh only in hdstream record", "mesh.instancer", "mesh.instances"},
-    ("sceneIndex", "implicitGprims"): {"mesh.points"},  # the axis of planes
-    ("sceneIndex", "interpolation"): {"mesh.primvar halves", "mesh.primvar pairs", "mesh.primvar tint"},
-    ("sceneIndex", "materials"): {"mesh.material"},  # collections of purpose full
-    ("sceneIndex", "nativeInstances"): {  # which instance is the first one
-        "instancer only in Hydra", "instancer only in hdstream record", "light only in Hydra",
-        "light only in hdstream record", "mesh only in Hydra", "mesh only in hdstream record"},
-    ("sceneIndex", "skinning"): {"mesh.points", "mesh.primvar normals", "mesh.transform"},  # SkelRoots are no prims
-    ("sceneIndex", "subsets"): {"mesh.subset"},  # of other families
-    ("sceneIndex", "drawModes"): {"curves only in Hydra", "curves only in hdstream record",
-                                  "material only in Hydra", "material only in hdstream record",
-                                  "mesh only in Hydra", "mesh only in hdstream record"},
-}
-# Native instances that inherit different values are an instancer each for `hdstream record`. OpenUSD has one
-# for all that inherit primvars of the same names, and the plug-in splits the meshes it places.
-SPLIT_OTHERWISE = ("nativePrimvars",)
 PURPOSES = {"purposes": ("proxy", "guide")}
 
 
@@ -79,36 +55,24 @@ def Prepare(name, folder, frontEnds, **settings):
 def test_scene_and_picture_are_those_of_hdstream_record(name, frontEnds, isStream, tmp_path):
     """Equal dumps, so that a picture that is equal by chance does not pass; equal bits of the picture."""
     wrapper = Prepare(name, tmp_path, frontEnds)
-    ours, theirs = tmp_path / "record.exr", tmp_path / "hydra.exr"
-    record = frontEnds.RecordHere(wrapper, ours)
-    assert record.code == 0, record.output
-    hydra = frontEnds.RunUsdrecord(wrapper, theirs, tmp_path / "hydra.txt")
-    assert hydra.code == 0, hydra.output
-    assert ReadColor(theirs)[..., :3].max() > 0.0
-    if not isStream:
-        return
-    dump, _ = DumpStage(wrapper.path)
-    differences = CompareDumps(dump, (tmp_path / "hydra.txt").read_text(), wrapper.purposes)
-    assert bool(differences) == (name in SPLIT_OTHERWISE), "\n".join(differences)
-    difference = ComparePictures(ours, theirs)
-    assert difference.isEqual, difference
+    differences, _ = CompareFrontEnds(frontEnds, wrapper, tmp_path, hasDump=isStream)
+    assert ReadColor(tmp_path / "hydra.exr")[..., :3].max() > 0.0
+    if isStream:
+        CheckDifferences(differences, frontEnds.openUsd.version, frontEnds.mode, f"stages/{name}")
 
 
 @pytest.mark.parametrize("case", TRANSLATED)
 def test_translated_scene_is_that_of_hdstream_record(case, frontEnds, isStream, tmp_path):
-    """The scenes of testenv/translate, whose goldens `hdstream record` gives: equal but for what is known."""
+    """The scenes of testenv/translate, whose goldens `hdstream record` gives, and their pictures: equal but for what is
+    known."""
     if not isStream:
         pytest.skip("only Stream writes dumps")
     if case == "materialX" and not frontEnds.openUsd.hasMaterialX:
         pytest.skip("OpenUSD was built without MaterialX: materials have no context mtlx then (docs/materials.md)")
     wrapper = WriteWrapper(TRANSLATE / case / "scene.usda", tmp_path / "wrapper.usda", WIDTH, mode=frontEnds.mode,
                            purposes=("render", "proxy", "guide"), **SETTINGS)
-    hydra = frontEnds.RunUsdrecord(wrapper, tmp_path / "hydra.exr", tmp_path / "hydra.txt")
-    assert hydra.code == 0, hydra.output
-    dump, _ = DumpStage(wrapper.path)
-    differences = CompareDumps(dump, (tmp_path / "hydra.txt").read_text(), wrapper.purposes)
-    kinds = {line.split(",")[0] for line in differences}
-    assert kinds == DIFFERENT.get((frontEnds.mode, case), set()), "\n".join(differences)
+    differences, _ = CompareFrontEnds(frontEnds, wrapper, tmp_path)
+    CheckDifferences(differences, frontEnds.openUsd.version, frontEnds.mode, f"translate/{case}")
 
 
 def test_the_gpu_path_of_usdrecord_gives_the_same_bits(frontEnds, windowed, isStream, tmp_path):

@@ -6,12 +6,16 @@ converged picture is a function of the scene, so what is undone must give the sa
 names a folder that keeps the pictures, else they go with pytest's temporary folder.
 """
 
+import importlib
 import json
 import os
 import pathlib
+import sys
+import unittest.mock
 
 import numpy as np
 import pytest
+from pxr import Usd
 
 from frontEnds import MODES
 from openUsd import RunProgram
@@ -36,26 +40,45 @@ UNDONE = {
     "resumed": "start", "backFromGL": "start", "backFromEmbree": "start", "switched": "start",
     "reloadedUndone": "start", "reopened": "start",
 }
+# Steps that neither must differ from another nor must equal it.
+OTHERS = {"start", "aov_depth", "aov_normal", "aov_primId", "rendererGL", "rendererEmbree"}
 # What does not reach any renderer; seen with OpenUSD 24.11 and Embree alike.
 OPENUSD_DEFECTS = {("sceneIndex", "radius"): "the scene index does not say that a sphere's radius has changed"}
 # Words that programs print when something is wrong inside.
 BAD_WORDS = ("Traceback", "Coding Error", "coding error", "Runtime Error", "ERROR: Usdview", "Fatal", "Segmentation")
 
 
+def ExpectedSteps(renderer, available, aovs):
+    """The steps that usdviewScript.py makes with a renderer where usdview has these ones, and the renderer these buffers.
+    Stream has all buffers that the script asks for."""
+    steps = {*CHANGES, *UNDONE, *OTHERS}
+    for other in ("GL", "Embree"):
+        if other == renderer or other not in available:
+            steps -= {f"renderer{other}", f"backFrom{other}"}
+    if renderer != "Stream":
+        steps -= {f"aov_{name}" for name in ("depth", "normal", "primId") if name not in aovs}
+    return steps
+
+
 class Session:
     """What one run of usdview left."""
 
-    def __init__(self, folder, mode, result):
+    def __init__(self, folder, mode, renderer, result):
         self.folder = folder
         self.mode = mode
+        self.renderer = renderer
         self.result = result
         report = folder / "report.json"
         self.report = json.loads(report.read_text()) if report.is_file() else None
 
+    @property
+    def expectedSteps(self) -> set:
+        return ExpectedSteps(self.renderer, self.report["available"], self.report["aovs"])
+
     def Picture(self, step) -> np.ndarray:
         """[height][width][RGBA] of 8 bits."""
-        if step not in self.report["steps"]:
-            pytest.skip(f"step {step} was not made: there is no such renderer or buffer")
+        if step not in self.expectedSteps:
+            pytest.skip(f"usdview has no renderer or buffer for step {step}")
         info = self.report["steps"][step]
         return np.fromfile(self.folder / f"{step}.raw", np.uint8).reshape(info["height"], info["width"], 4)
 
@@ -77,7 +100,7 @@ def session(request, openUsd, plugin, renderer, windowed, tmp_path_factory):
         environment["USDIMAGINGGL_ENGINE_ENABLE_SCENE_INDEX"] = "1"
     result = RunProgram(command, environment, SECONDS)
     (folder / "output.txt").write_text(result.output)
-    return Session(folder, request.param, result)
+    return Session(folder, request.param, renderer, result)
 
 
 def test_usdview_comes_to_a_good_end(session):
@@ -85,6 +108,25 @@ def test_usdview_comes_to_a_good_end(session):
     assert session.result.code == 0 and session.report is not None, session.result.output[-4000:]
     lines = [line for line in session.result.output.splitlines() if any(word in line for word in BAD_WORDS)]
     assert not lines, lines[:10]
+    assert session.report["steps"].keys() == session.expectedSteps
+
+
+@pytest.mark.parametrize("available", [["Stream", "GL", "Embree"], ["Stream", "GL"], ["Stream"]])
+def test_the_script_makes_the_steps_that_are_judged(available, tmp_path, monkeypatch):
+    """Where usdview is missing too: the script drives a window that only takes notes."""
+    for name in ("pxr.UsdImagingGL", "pxr.Usdviewq", "pxr.Usdviewq.qt"):
+        monkeypatch.setitem(sys.modules, name, unittest.mock.MagicMock())
+    monkeypatch.delitem(sys.modules, "usdviewScript", raising=False)
+    script = importlib.import_module("usdviewScript")
+    monkeypatch.delitem(sys.modules, "usdviewScript")
+    WriteViewStage(tmp_path / "stage.usda")
+    steps = []
+    viewer = unittest.mock.MagicMock(stage=Usd.Stage.Open(str(tmp_path / "stage.usda")), Shoot=steps.append,
+                                     report={"available": available})
+    viewer.view.GetRendererAovs.return_value = ["color", "depth", "normal", "primId"]
+    script.MakeSteps(viewer, "Stream", dict.fromkeys(TARGETS, (0, 0, 0)))
+    assert len(steps) == len(set(steps))
+    assert set(steps) == ExpectedSteps("Stream", available, viewer.report["aovs"])
 
 
 @pytest.fixture

@@ -212,8 +212,9 @@ def Picking(viewer, picks):
 
 def Buffers(viewer):
     """The other AOVs, through the menu's own function."""
+    viewer.report["aovs"] = list(viewer.view.GetRendererAovs())
     for name in ("depth", "normal", "primId"):
-        if name in viewer.view.GetRendererAovs():
+        if name in viewer.report["aovs"]:
             viewer.view.SetRendererAov(name)
             viewer.Shoot(f"aov_{name}")
     viewer.view.SetRendererAov("color")
@@ -274,6 +275,17 @@ def Reloading(viewer, renderer):
     viewer.Shoot("reopened")
 
 
+def MakeSteps(viewer, renderer, picks):
+    SelectingAndOrbiting(viewer, renderer)
+    Editing(viewer)
+    Purposes(viewer)
+    Picking(viewer, picks)
+    Buffers(viewer)
+    Pausing(viewer)
+    Switching(viewer, renderer)
+    Reloading(viewer, renderer)
+
+
 def KeepNoneAlive():
     """Workaround for PySide6 6.12 with Python before 3.12, where None is counted like any object: usdview
     24.11 loses about six references to None a repaint, and Python aborts ("deallocating None") after some
@@ -289,17 +301,9 @@ def testUsdviewInputFunction(appController):
     viewer = Viewer(appController, job)
     viewer.report["available"] = [UsdImagingGL.Engine.GetRendererDisplayName(plugin)
                                   for plugin in UsdImagingGL.Engine.GetRendererPlugins()]
-    renderer = job["renderer"]
     viewer.settings.ambientLightOnly = False  # no light at the camera
     viewer.settings.displayRender, viewer.settings.displayProxy, viewer.settings.displayGuide = True, False, False
-    SelectingAndOrbiting(viewer, renderer)
-    Editing(viewer)
-    Purposes(viewer)
-    Picking(viewer, job["picks"])
-    Buffers(viewer)
-    Pausing(viewer)
-    Switching(viewer, renderer)
-    Reloading(viewer, renderer)
+    MakeSteps(viewer, job["renderer"], job["picks"])
     # Closed by testusdview while it renders: a good end is exit code 0.
     viewer.view._renderer.SetRendererSetting("samples", 4096)
     viewer.UseCamera("/World/Side")
