@@ -3,6 +3,8 @@
 
 from hdstream import _core
 
+from wrapMarkdown import Wrapped
+
 HEAD = """# Settings
 
 This page lists every setting. One table describes them (hdStream/session/settings.def): the options of `hdstream record`,
@@ -59,7 +61,7 @@ def PageText():
     user = _Table([info for info in table if info.isUserSetting and not info.isAdvanced])
     advanced = _Table([info for info in table if info.isAdvanced])
     host = _Table([info for info in table if not info.isUserSetting])
-    return f"{HEAD}\n{user}{ADVANCED}{advanced}{HOST}{host}"
+    return Wrapped(f"{HEAD}\n{user}{ADVANCED}{advanced}{HOST}{host}")
 
 
 if __name__ == "__main__":
