@@ -24,6 +24,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 
 TESTENV = pathlib.Path(__file__).resolve().parents[1]
 _EXTENSIONS = {".usd", ".usda", ".usdc", ".usdz"}
@@ -118,7 +119,12 @@ def Work(folder: pathlib.Path) -> int:
                     for name, value in job["settings"].items()}
         reply = {"number": job["number"]}
         try:
-            image = hdstream.Renderer(job["stage"]).Render(aovs=aovs, cacheDirectory=str(folder / "cache"), **settings)
+            settings.setdefault("aovs", aovs)
+            renderer = hdstream.Renderer(job["stage"])
+            renderer.Prepare(cacheDirectory=str(folder / "cache"), **settings)
+            cpu = time.process_time()
+            image = renderer.RenderPrepared()
+            reply.update(cpuSeconds=time.process_time() - cpu, seconds=image.statistics["time"]["render"])
             np.savez(folder / f"{job['number']}.npz", **image.aovs)
         except (hdstream.Error, hdstream.UsageError) as error:
             reply["error"] = str(error)
@@ -139,7 +145,7 @@ class Worker:
         threading.Thread(target=lambda: self._said.extend(self._process.stderr), daemon=True).start()
 
     def Render(self, job: dict) -> dict:
-        """AOV name -> array; or {"error": text}."""
+        """AOV name -> array; or {"error": text}. What the process said of it stays in `reply`."""
         import numpy as np
         watch = threading.Timer(_LIMIT_SECONDS, self._process.kill)
         watch.start()
@@ -153,7 +159,7 @@ class Worker:
             watch.cancel()
         if not line:
             raise SystemExit(f"{job['name']}: the process of {self.folder.name} ended: {''.join(self._said[-5:])}")
-        reply = json.loads(line)
+        self.reply = reply = json.loads(line)
         if "error" in reply:
             return reply
         file = self.folder / f"{job['number']}.npz"
