@@ -225,8 +225,8 @@ void Kernel::Enqueue(std::size_t numItems) {
     if (numItems == 0) {
         return;
     }
-    const std::size_t numRuns = (numItems + _itemsPerWorkItem - 1) / _itemsPerWorkItem;
-    const std::size_t global = (numRuns + _groupSize - 1) / _groupSize * _groupSize;
+    const std::size_t numWorkItems = (numItems + _itemsPerWorkItem - 1) / _itemsPerWorkItem;
+    const std::size_t global = (numWorkItems + _groupSize - 1) / _groupSize * _groupSize;
     CheckOpenCl(clEnqueueNDRangeKernel(_device->GetHandles().queue, static_cast<cl_kernel>(_kernel),
                                        1, nullptr, &global, &_groupSize, 0, nullptr, nullptr),
                 "launching " + _name);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mesh as the front ends translate it: authored data, nothing interpreted.
+// A mesh, curves or points as the front ends translate them: authored data, nothing interpreted.
 // Explained in docs/architecture.md.
 #pragma once
 

@@ -15,9 +15,9 @@ namespace hds {
 
 /// Which form of the traversal kernel runs (docs/accel.md).
 enum class TraversalForm {
-    Auto,   ///< Wide on CPU devices, Lane on others
+    Auto,   ///< Simd8 on CPU devices, Scalar on others
     Simd8,  ///< 8-wide vectors inside a work-item
-    Scalar, ///< one lane a ray
+    Scalar, ///< one work-item a ray
 };
 
 /// How an aperture of another aspect ratio is fitted to the display window (UsdRender's

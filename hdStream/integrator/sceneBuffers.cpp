@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/integrator/sceneBuffers.h"
 
+#include "hdStream/base/error.h"
 #include "hdStream/integrator/makeResident.h"
 #include "hdStream/stream/mappedPool.h"
 #include "hdStream/stream/residentPool.h"
@@ -155,6 +156,7 @@ std::uint64_t SceneBuffers::TableBytes() const {
 }
 
 unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first, bool hasMotion) const {
+    HDS_VERIFY(_pool != nullptr, "no geometry was taken before");
     for (const Table table : {TopNodes, Instances, InstancesByPath, Objects}) {
         kernel->SetBuffer(first++, _tables[table]);
     }

@@ -28,7 +28,7 @@
 #define HDS_MAX_CLIP_PLANES 8
 
 /* Device counters (u32 each). */
-#define HDS_COUNTER_ACTIVE 0 /* paths that go on to the next batch */
+#define HDS_COUNTER_ACTIVE 0 /* paths that go on to the next ray batch */
 #define HDS_COUNTER_SHADOW 1 /* shadow rays to cast */
 #define HDS_COUNTER_NAN 2    /* samples that were not finite and count as black */
 #define HDS_COUNTER_PASSES 3 /* rays ended by HDS_MAX_PASSES */

@@ -14,13 +14,13 @@
 
 /* Most pending chunks that a ray which waits remembers. */
 #define HDS_WAIT_LIST 4
-/* Of them, those of a closest-hit ray, which walks no further until it has made them. */
+/* Of them, those of a closest-hit ray, which walks no further until it has entered them. */
 #define HDS_WAIT_NEAREST 2
 
 /* The uses: a header, then a word a page. Of a page that is resident, the epoch of its last use. Of
  * one that is missing, how many have asked for it, and beside that HDS_ASKED_WHOLE. */
-#define HDS_USE_EPOCH \
-    0 /* the present epoch; written by the host, counts ray batches and rounds of requests */
+/* The present epoch: written by the host, counts ray batches and rounds of requests. */
+#define HDS_USE_EPOCH 0
 #define HDS_USE_HEADER \
     16 /* 64 bytes: every use reads the epoch, so it has a cache line to itself */
 /* Counts of askers end about here. */

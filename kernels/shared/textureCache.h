@@ -24,9 +24,8 @@
 /* The request buffer, u32 each: what the host says; what kernels count; the list of requests; and
  * the same requests as a set (open addressing), so that each is listed once. */
 #define HDS_TEXELS_EPOCH 0 /* stamp of the lines that are used now */
-#define HDS_TEXELS_ACCEPT_COARSER_MIPS                                                     \
-    1                              /* not 0: a coarser mip will do where a line is missing \
-                                    */
+/* Not 0: a coarser mip will do where a line is missing. */
+#define HDS_TEXELS_ACCEPT_COARSER_MIPS 1
 #define HDS_TEXELS_CAPACITY 2      /* requests that the list holds */
 #define HDS_TEXELS_SET_BEGIN 3     /* word at which the set begins */
 #define HDS_TEXELS_SET_MASK 4      /* words of the set, a power of two, less 1 */

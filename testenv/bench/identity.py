@@ -115,7 +115,7 @@ def Work(folder: pathlib.Path) -> int:
     aovs = [info.name for info in _core.AovTable() if info.name != "noisy"]  # which is there with --denoise only
     for line in sys.stdin:
         job = json.loads(line)
-        settings = {name: rows[name].choices[value[1]] if isinstance(value, list) else value
+        settings = {name: rows[name].choices[value[1]] if isinstance(value, list) and value[0] == "choice" else value
                     for name, value in job["settings"].items()}
         reply = {"number": job["number"]}
         try:
