@@ -16,15 +16,15 @@ _SAMPLES = 2
 _RAYS = _SIZE[0] * _SIZE[1] * _SAMPLES
 
 
-def _Render(folder, planes, eye):
-    """A floor that shines, `planes` invisible sheets above it and a distant light above all."""
+def _Render(folder, planes, eye, emission=1):
+    """A floor that may shine, `planes` invisible sheets above it and a distant light above all."""
     path = folder / "stage.usda"
     stage = author.NewStage(path)
     invisible = author.AddMaterial(stage, "/World/Looks/Hole", opacity=0.2, opacityThreshold=0.5)
-    bright = author.AddMaterial(stage, "/World/Looks/Bright", diffuseColor=(0.5, 0.5, 0.5), emissiveColor=(1, 1, 1))
+    bright = author.AddMaterial(stage, "/World/Looks/Bright", diffuseColor=(0.5, 0.5, 0.5), emissiveColor=(emission,) * 3)
     author.AddMesh(stage, "/World/Floor", shapes.Plane(20, 20), material=bright)
-    sheet = shapes.Plane(20, 20)
-    sheets = shapes.Merged([sheet.Moved((0, 1 + 0.01 * i, 0)) for i in range(planes)])
+    sheet = shapes.Plane(2000, 2000)  # so wide that no ray gets out at the side
+    sheets = shapes.Merged([sheet.Moved((0, 1 + 0.001 * i, 0)) for i in range(planes)])
     author.AddMesh(stage, "/World/Sheets", sheets, material=invisible, doubleSided=True)
     author.AddLight(stage, "/World/Sun", "Distant", dict(rotate=(-90, 0, 0)), intensity=1.0, angle=0.0)
     author.AddCamera(stage, eye=eye, target=(0, 0, 0), up=(0, 0, -1), aspect=_SIZE[0] / _SIZE[1])
@@ -50,3 +50,12 @@ def test_each_camera_ray_ends_that_has_more_before_it(tmp_path):
     picture = _Render(tmp_path, _MOST + 20, eye=(0, 15, 0))
     assert _Ended(picture) == _RAYS
     assert not np.any(picture.rgb), "it sees nothing then"
+
+
+def test_each_shadow_ray_and_each_ray_on_ends_that_has_more_before_it(tmp_path):
+    """The camera is below the sheets. From each hit of the floor, which is no light here, a shadow ray goes up, and a ray that
+    only finds lights."""
+    picture = _Render(tmp_path, _MOST + 20, eye=(0, 0.5, 0), emission=0)
+    assert _Ended(picture) == 2 * _RAYS
+    assert not np.any(picture.rgb), "no light comes to it"
+    assert np.any(_Render(tmp_path, _MOST - 1, eye=(0, 0.5, 0), emission=0).rgb), "nor is it black itself"
