@@ -51,10 +51,12 @@ TEST(LineSlots, MostUsedIsAHighWaterMark) {
     };
     EXPECT_EQ(slots.MostUsed(), 0U);
     const std::uint32_t first = place(1, 1);
-    place(2, 1);
+    const std::uint32_t second = place(2, 1);
     slots.PlacePinned(3);
     EXPECT_EQ(slots.MostUsed(), 3U);
     slots.Free(first);
+    slots.Free(second);
+    place(4, 1);
     EXPECT_EQ(slots.NumUsed(), 2U);
     EXPECT_EQ(slots.MostUsed(), 3U) << "it does not fall";
     slots.BeginMost();
