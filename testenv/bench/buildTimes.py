@@ -17,11 +17,11 @@ TESTENV = pathlib.Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(TESTENV))
 
 
-def Jobs(scenes: pathlib.Path, folder: pathlib.Path, samples: int) -> list:
+def Jobs(names: list, scenes: pathlib.Path, folder: pathlib.Path, samples: int) -> list:
     """(name, stage, settings) as identity.py's."""
     from bench import rivalsStages
     jobs = []
-    for name in ("chess", "coffee", "ycb", "grove"):
+    for name in names:
         stage = rivalsStages.Make(name, str(scenes), folder)
         size = dict(camera=stage.camera, imageWidth=480, imageHeight=270, samples=samples, maxDepth=stage.maxDepth, aovs=["color"])
         jobs.append((f"{name}, resident", stage.path, dict(size, residency=["choice", 1])))
@@ -34,6 +34,7 @@ def main() -> int:
     parser.add_argument("--before", type=pathlib.Path, metavar="BUILD", required=True)
     parser.add_argument("--after", type=pathlib.Path, metavar="BUILD", required=True)
     parser.add_argument("--scenes", type=pathlib.Path, metavar="FOLDER", required=True, help="of real stages")
+    parser.add_argument("--stages", nargs="*", default=["chess", "coffee", "ycb", "grove"])
     parser.add_argument("--samples", type=int, default=16)
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--bar", type=float, default=1.02)
@@ -44,7 +45,7 @@ def main() -> int:
         folder = pathlib.Path(name)
         workers = [Worker(build.resolve(), folder / side) for build, side in ((args.before, "before"), (args.after, "after"))]
         print("| stage | CPU s before | after | ratio (least to most) | s before | after | ratio |\n|---|---|---|---|---|---|---|", flush=True)
-        for number, (title, stage, settings) in enumerate(Jobs(args.scenes.resolve(), folder, args.samples)):
+        for number, (title, stage, settings) in enumerate(Jobs(args.stages, args.scenes.resolve(), folder, args.samples)):
             job = dict(number=number, name=title, stage=stage, settings=settings)
             runs = ([], [])
             for repeat in range(args.repeats + 1):
