@@ -74,7 +74,7 @@ std::string Directive(const std::string& line) {
 }
 
 /// How many conditionals are open at each line, not counting a header's own include guard, which is
-/// the first directive of the file.
+/// the first directive of the file: #ifndef, or #if !defined of text that has a wide form.
 class ConditionalDepth {
 public:
     void Read(const std::string& line) {
@@ -83,7 +83,9 @@ public:
             return;
         }
         if (directive.compare(0, 2, "if") == 0) {
-            _depth += _isFirst && directive == "ifndef" ? 0 : 1;
+            const bool isGuard = _isFirst && (directive == "ifndef" ||
+                                              line.find("if !defined(") != std::string::npos);
+            _depth += isGuard ? 0 : 1;
         } else if (directive == "endif") {
             --_depth; // the guard's own #endif is the last line: -1 there means nothing
         }
@@ -98,14 +100,20 @@ private:
 
 using FileSet = std::set<std::string>;
 
+/// Where the block begins and ends whose files come again, for their wide form.
+constexpr const char* kWideBegin = "math/wideBegin.clh";
+constexpr const char* kWideEnd = "math/wideEnd.clh";
+
 /// Appends a file with its includes. A file comes once; one that was included inside a conditional
-/// may come again outside of it, where its guard decides.
+/// may come again outside of it, where its guard decides, and one that a wide block names comes
+/// again there.
 void Expand(const std::string& path, const std::string& text, FileSet* seen, std::string* out) {
     *out += "#line 1 \"" + path + "\"\n";
     std::istringstream lines(text);
     std::string line;
     int number = 0;
     ConditionalDepth depth;
+    bool isWideBlock = false;
     while (std::getline(lines, line)) {
         ++number;
         depth.Read(line);
@@ -118,7 +126,8 @@ void Expand(const std::string& path, const std::string& text, FileSet* seen, std
         // X-macro lists (.def) are meant to be included many times.
         const bool isList =
             included.size() > 4 && included.compare(included.size() - 4, 4, ".def") == 0;
-        if (isList || seen->count(included) == 0) {
+        isWideBlock = included == kWideBegin || (isWideBlock && included != kWideEnd);
+        if (isList || isWideBlock || seen->count(included) == 0) {
             FileSet inside = *seen;
             FileSet* target = depth.IsConditional() ? &inside : seen;
             if (!isList) {

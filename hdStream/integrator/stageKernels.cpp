@@ -85,8 +85,8 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
         intersectResume = intersectProgram->GetKernel("intersect_resume");
         shadowResume = shadowProgram->GetKernel("shadow_resume");
     }
-    for (Kernel* kernel :
-         {&intersect, &intersectResume, &shade, &shadowCast, &shadowPass, &shadowResume, &aov}) {
+    for (Kernel* kernel : {&generateSample, &intersect, &intersectResume, &shade, &shadowCast,
+                           &shadowPass, &shadowResume, &aov}) {
         kernel->SetItemsPerWorkItem(ItemsPerWorkItem(*device));
     }
 }

@@ -1,11 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Starts the paths of a wave. From: nothing. To: the active queue (slot i is item i).
  * Explained in docs/wavefront.md. */
-#include "integrator/camera.clh"
+#include "integrator/generateRay.clh"
+#include "integrator/itemLoop.clh"
 #include "integrator/pathState.clh"
-#include "integrator/pixelSampler.clh"
 #include "sample/filter.clh"
 #include "texture/rayCone.clh"
+#if HDS_WIDE
+/* clang-format off: the order counts */
+#include "integrator/camera.clh"
+#include "integrator/generateRay.clh"
+#include "integrator/pixelSampler.clh"
+#include "math/trig.clh"
+#include "math/vector.clh"
+#include "math/wideBegin.clh"
+#include "math/wideEnd.clh"
+#include "sample/filter.clh"
+#include "sample/sampler.clh"
+#include "sample/warp.clh"
+/* clang-format on */
+#endif
 
 /* Writes a camera ray and a fresh state to slot i. */
 void generate_start(HdsPaths paths, uint i, constant const HdsFrameParams* frame, HdsCameraRay ray,
@@ -27,31 +41,77 @@ void generate_start(HdsPaths paths, uint i, constant const HdsFrameParams* frame
 #endif
 }
 
-/* Global size: count, slots [first, first + count) of the wave. To: queue[queueFirst...]. */
-kernel void generate_sample(constant const HdsFrameParams* frame, HdsWave wave, uint first,
-                            uint count, global uchar* state, uint numSlots,
-                            global const uint* pixels, global const float* filterTable,
-                            global uint* queue, uint queueFirst) {
-    uint item = (uint)get_global_id(0);
-    if (item >= count) {
-        return;
+/* A slot of the wave: its pixel and its sample. */
+uint2 generate_slot(HdsWave wave, global const uint* pixels, uint i) {
+    return (uint2)(pixels[wave.firstPixel + i / wave.numSamples],
+                   wave.firstSample + i % wave.numSamples);
+}
+
+#if HDS_WIDE
+/* Starts slots [i, i + count), count <= HDS_LANES, of a camera that does not move. */
+void generate_wide(constant const HdsFrameParams* frame, HdsWave wave, uint i, uint count,
+                   HdsPaths paths, global const uint* pixels, global const float* filterTable) {
+    uint lanePixels[HDS_LANES];
+    uint laneSamples[HDS_LANES];
+    for (uint lane = 0u; lane < HDS_LANES; ++lane) {
+        const uint2 slot = generate_slot(wave, pixels, i + min(lane, count - 1u));
+        lanePixels[lane] = slot.x;
+        laneSamples[lane] = slot.y;
     }
-    uint i = first + item;
-    HdsPaths paths = {state, numSlots};
-    uint pixel = pixels[wave.firstPixel + i / wave.numSamples];
-    uint sample = wave.firstSample + i % wave.numSamples;
-    int2 position = pixel_position(frame, pixel);
-    HdsSampler sampler = pixel_sampler(frame, pixel, sample);
-    float2 offset = filter_sample2(filterTable, sampler_get2(sampler, HDS_DIM_FILTER));
-    float2 raster =
-        (float2)((float)position.x + 0.5f + offset.x, (float)position.y + 0.5f + offset.y);
+    const HdsTransform pose = camera_pose(frame, 0.0f);
+    const HdsWideSampler sampler =
+        pixel_sampler(frame, vload16(0, lanePixels), vload16(0, laneSamples));
+    const HdsWideCameraRay wide =
+        generate_ray(frame, &pose, vload16(0, lanePixels), sampler, filterTable);
+    for (uint lane = 0u; lane < count; ++lane) {
+        HdsOneCameraRay ray;
+        ray.origin = lanes_get3(&wide.origin, lane);
+        ray.direction = lanes_get3(&wide.direction, lane);
+        ray.tMin = lanes_get(&wide.tMin, lane);
+        ray.tMax = lanes_get(&wide.tMax, lane);
+        ray.cone = (float2)(lanes_get(&wide.cone.x, lane), lanes_get(&wide.cone.y, lane));
+        const float time = 0.0f;
+        generate_start(paths, i + lane, frame, ray, time, lanePixels[lane], laneSamples[lane]);
+    }
+}
+#endif
+
+/* Starts slot i. */
+void generate_slotAlone(constant const HdsFrameParams* frame, HdsWave wave, uint i, HdsPaths paths,
+                        global const uint* pixels, global const float* filterTable) {
+    const uint2 slot = generate_slot(wave, pixels, i);
+    const HdsSampler sampler = pixel_sampler(frame, slot.x, slot.y);
     float time = 0.0f;
 #if HDS_FEATURE_MOTION
     time = sampler_get1(sampler, HDS_DIM_TIME);
 #endif
-    HdsCameraRay ray = camera_generate(frame, raster, sampler_get2(sampler, HDS_DIM_LENS), time);
-    generate_start(paths, i, frame, ray, time, pixel, sample);
-    queue[queueFirst + item] = i;
+    const HdsTransform pose = camera_pose(frame, time);
+    const HdsCameraRay ray = generate_ray(frame, &pose, slot.x, sampler, filterTable);
+    generate_start(paths, i, frame, ray, time, slot.x, slot.y);
+}
+
+/* Global size: count items, HDS_ITEMS_PER_WORK_ITEM for each work-item; slots [first, first +
+ * count) of the wave. To: queue[queueFirst...]. */
+kernel void generate_sample(constant const HdsFrameParams* frame, HdsWave wave, uint first,
+                            uint count, global uchar* state, uint numSlots,
+                            global const uint* pixels, global const float* filterTable,
+                            global uint* queue, uint queueFirst) {
+    const HdsPaths paths = {state, numSlots};
+    const uint begin = (uint)get_global_id(0) * HDS_ITEMS_PER_WORK_ITEM;
+    const uint end = min(begin + HDS_ITEMS_PER_WORK_ITEM, count);
+    for (uint item = begin; item < end; ++item) {
+        queue[queueFirst + item] = first + item;
+    }
+#if HDS_WIDE && !HDS_FEATURE_MOTION
+    for (uint item = begin; item < end; item += HDS_LANES) {
+        generate_wide(frame, wave, first + item, min(end - item, (uint)HDS_LANES), paths, pixels,
+                      filterTable);
+    }
+#else
+    for (uint item = begin; item < end; ++item) {
+        generate_slotAlone(frame, wave, first + item, paths, pixels, filterTable);
+    }
+#endif
 }
 
 /* One ray through each pixel's centre and the lens' centre, at the frame's own time, for the AOVs
@@ -63,12 +123,13 @@ kernel void generate_centre(constant const HdsFrameParams* frame, HdsWave wave, 
     if (item >= count) {
         return;
     }
-    uint i = first + item;
-    HdsPaths paths = {state, numSlots};
-    uint pixel = pixels[wave.firstPixel + i];
-    int2 position = pixel_position(frame, pixel);
-    float2 raster = (float2)((float)position.x + 0.5f, (float)position.y + 0.5f);
-    HdsCameraRay ray = camera_generate(frame, raster, (float2)(0.5f), frame->frameTime);
+    const uint i = first + item;
+    const HdsPaths paths = {state, numSlots};
+    const uint pixel = pixels[wave.firstPixel + i];
+    const float2 raster =
+        (float2)((float)pixel_column(frame, pixel) + 0.5f, (float)pixel_row(frame, pixel) + 0.5f);
+    const HdsTransform pose = camera_pose(frame, frame->frameTime);
+    const HdsCameraRay ray = camera_generate(frame, &pose, raster, (float2)(0.5f));
     generate_start(paths, i, frame, ray, frame->frameTime, pixel, 0u);
     queue[queueFirst + item] = i;
 }
