@@ -100,51 +100,74 @@ private:
 
 using FileSet = std::set<std::string>;
 
-/// Where the block begins and ends whose files come again, for their wide form.
+/// A block of includes for the wide form of what they hold (kernels/math/wideBegin.clh). It names
+/// all its files: they come again, without what they include.
 constexpr const char* kWideBegin = "math/wideBegin.clh";
 constexpr const char* kWideEnd = "math/wideEnd.clh";
 
-/// Appends a file with its includes. A file comes once; one that was included inside a conditional
-/// may come again outside of it, where its guard decides, and one that a wide block names comes
-/// again there.
-void Expand(const std::string& path, const std::string& text, FileSet* seen, std::string* out) {
-    *out += "#line 1 \"" + path + "\"\n";
-    std::istringstream lines(text);
-    std::string line;
-    int number = 0;
-    ConditionalDepth depth;
-    bool isWideBlock = false;
-    while (std::getline(lines, line)) {
-        ++number;
-        depth.Read(line);
-        const std::string included = IncludedPath(line);
-        if (included.empty()) {
-            *out += line;
-            *out += '\n';
-            continue;
+/// X-macro lists (.def) are meant to be included many times.
+bool IsList(const std::string& path) {
+    return path.size() > 4 && path.compare(path.size() - 4, 4, ".def") == 0;
+}
+
+/// Appends files with their includes. A file comes once; one that was included inside a conditional
+/// may come again outside of it, where its guard decides.
+class Expander {
+public:
+    explicit Expander(std::string* out) : _out(out) {}
+
+    void Expand(const std::string& path, const std::string& text, FileSet* seen) {
+        *_out += "#line 1 \"" + path + "\"\n";
+        std::istringstream lines(text);
+        std::string line;
+        int number = 0;
+        ConditionalDepth depth;
+        while (std::getline(lines, line)) {
+            ++number;
+            depth.Read(line);
+            const std::string included = IncludedPath(line);
+            if (included.empty()) {
+                *_out += line;
+                *_out += '\n';
+                continue;
+            }
+            Include(included, path, depth.IsConditional(), seen);
+            *_out += "#line " + std::to_string(number + 1) + " \"" + path + "\"\n";
         }
-        // X-macro lists (.def) are meant to be included many times.
-        const bool isList =
-            included.size() > 4 && included.compare(included.size() - 4, 4, ".def") == 0;
-        isWideBlock = included == kWideBegin || (isWideBlock && included != kWideEnd);
-        if (isList || isWideBlock || seen->count(included) == 0) {
+    }
+
+private:
+    void Include(const std::string& included, const std::string& path, bool isConditional,
+                 FileSet* seen) {
+        if (included == kWideBegin) {
+            _wideBlockOf = path;
+        }
+        const bool isInBlock = _wideBlockOf == path;
+        const bool isWanted = _wideBlockOf.empty() ? seen->count(included) == 0 : isInBlock;
+        if (IsList(included) || isWanted) {
             FileSet inside = *seen;
-            FileSet* target = depth.IsConditional() ? &inside : seen;
-            if (!isList) {
+            FileSet* target = isConditional || isInBlock ? &inside : seen;
+            if (!IsList(included)) {
                 target->insert(included);
             }
-            Expand(included, ReadKernelFile(included, path), target, out);
+            Expand(included, ReadKernelFile(included, path), target);
         }
-        *out += "#line " + std::to_string(number + 1) + " \"" + path + "\"\n";
+        if (included == kWideEnd) {
+            _wideBlockOf.clear();
+        }
     }
-}
+
+    std::string* _out;
+    std::string _wideBlockOf; ///< the file whose wide block is being read; empty: none is
+};
 
 } // namespace
 
 std::string ExpandKernelSource(const std::string& root, const std::string* text) {
     std::string source = kPrologue;
     FileSet seen;
-    Expand(root, text != nullptr ? *text : ReadKernelFile(root, "the program"), &seen, &source);
+    Expander(&source).Expand(root, text != nullptr ? *text : ReadKernelFile(root, "the program"),
+                             &seen);
     return source;
 }
 

@@ -7,17 +7,18 @@
 #include "sample/filter.clh"
 #include "texture/rayCone.clh"
 #if HDS_WIDE
-/* clang-format off: the order counts */
+/* The order counts. */
+/* clang-format off */
+#include "math/wideBegin.clh"
+#include "math/vector.clh"
+#include "math/trig.clh"
+#include "sample/warp.clh"
+#include "sample/sampler.clh"
+#include "sample/filter.clh"
+#include "integrator/pixelSampler.clh"
 #include "integrator/camera.clh"
 #include "integrator/generateRay.clh"
-#include "integrator/pixelSampler.clh"
-#include "math/trig.clh"
-#include "math/vector.clh"
-#include "math/wideBegin.clh"
 #include "math/wideEnd.clh"
-#include "sample/filter.clh"
-#include "sample/sampler.clh"
-#include "sample/warp.clh"
 /* clang-format on */
 #endif
 
@@ -60,9 +61,9 @@ void generate_wide(constant const HdsFrameParams* frame, HdsWave wave, uint i, u
     }
     const HdsTransform pose = camera_pose(frame, 0.0f);
     const HdsWideSampler sampler =
-        pixel_sampler(frame, vload16(0, lanePixels), vload16(0, laneSamples));
+        pixel_sampler(frame, vload8(0, lanePixels), vload8(0, laneSamples));
     const HdsWideCameraRay wide =
-        generate_ray(frame, &pose, vload16(0, lanePixels), sampler, filterTable);
+        generate_ray(frame, &pose, vload8(0, lanePixels), sampler, filterTable);
     for (uint lane = 0u; lane < count; ++lane) {
         HdsOneCameraRay ray;
         ray.origin = lanes_get3(&wide.origin, lane);

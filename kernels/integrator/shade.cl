@@ -4,56 +4,41 @@
  * active queue and the shadow queue. Source: path tracing with next-event estimation and multiple
  * importance sampling by the power heuristic, Veach 1997, sections 9.2 and 10.3. Explained in
  * docs/wavefront.md. */
-#include "integrator/choices.clh"
 #include "integrator/itemLoop.clh"
 #include "integrator/passThrough.clh"
 #include "integrator/pathState.clh"
 #include "integrator/pixelSampler.clh"
-#include "integrator/shadeLight.clh"
-
-/* Samples the BSDF; true when the next ray was written to slot i. */
-bool shade_sampleBsdf(constant const HdsFrameParams* frame, const HdsShadeHit* at,
-                      HdsSampler sampler, const HdsShadePath* path, HdsPaths paths, uint i) {
-    const HdsShadingPoint* shading = &at->shading;
-    float3 wi;
-    float pdf;
-    float3 weight =
-        bsdf_sample(&at->bsdf, at->lobes, shading->wo,
-                    sampler_get2(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_LOBE)), &wi, &pdf);
-    float3 throughput = path->throughput * weight;
-    bool isLast = path->depth == frame->maxDepth;
-    if (!(pdf > 0.0f) || !(vec_maxComponent(throughput) > 0.0f) ||
-        !choices_survives(frame, sampler, path->depth, &throughput)) {
-        return false;
-    }
-    float3 direction = vec_normalize(frame_toWorld(&shading->frame, wi));
-    float3 geomNormal = shading->geomNormal;
-    float3 normal = shading->frame.z;
-    float lightPdf = pdf; /* what light samples are weighed against */
-#if HDS_BSDF_TRANSMITS
-    const float side = wi.z > 0.0f ? 1.0f : -1.0f;
-    const float sideShare = bsdf_lightShare(&at->bsdf, side);
-    lightPdf = sideShare > 0.0f ? pdf / sideShare : 0.0f;
-    geomNormal *= side;
-    normal *= side;
+#include "integrator/shadeScatter.clh"
+#if HDS_SHADE_WIDE
+/* The order counts. */
+/* clang-format off */
+#include "math/wideBegin.clh"
+#include "math/vector.clh"
+#include "math/trig.clh"
+#include "math/offset.clh"
+#include "sample/warp.clh"
+#include "sample/sampler.clh"
+#include "sample/ggx.clh"
+#include "sample/sphericalRect.clh"
+#include "shading/previewSurface.clh"
+#include "shading/material.clh"
+#if HDS_LOBES
+#include "sample/ggxStretched.clh"
+#include "shading/layeredLobes.clh"
+#include "shading/layeredSetup.clh"
+#include "shading/layeredSurface.clh"
 #endif
-    path_store_origin(paths, i, (float4)(offset_origin(&at->surface.point, geomNormal), 0.0f));
-    path_store_direction(paths, i, (float4)(direction, INFINITY));
-    path_store_throughput(paths, i, (float4)(throughput, lightPdf));
-    path_store_sourceNormal(paths, i,
-                            (float4)(normal, (float)(2u * at->linkSet + (isLast ? 1u : 0u))));
-    path_store_status(paths, i, (uint4)(path->status.xy, path->depth + 1u, 0u));
-#if HDS_FEATURE_TEXTURES
-    path_store_cones(paths, i, shade_leavingCones(at, path, pdf).pair);
+#include "shading/bsdf.clh"
+#include "light/rect.clh"
+#include "light/estimate.clh"
+#include "light/select.clh"
+#include "integrator/pixelSampler.clh"
+#include "integrator/choices.clh"
+#include "integrator/scatter.clh"
+#include "math/wideEnd.clh"
+/* clang-format on */
+#include "integrator/shadeBatch.clh"
 #endif
-#if HDS_FEATURE_LIGHT_CONTROLS
-    path_store_diffuseShare(paths, i, (float4)(shade_diffuseShare(at, wi, weight * pdf), 0.0f));
-#endif
-#if HDS_FEATURE_CUTOUT
-    path_store_after(paths, i, (uint4)(0u));
-#endif
-    return true;
-}
 
 HdsShadePath shade_loadPath(HdsPaths paths, uint i) {
     HdsShadePath path;
@@ -92,12 +77,14 @@ HdsShadePath shade_loadPath(HdsPaths paths, uint i) {
 /* Lets the ray go on behind a surface, by chance in proportion to the transparency; the throughput
  * of either outcome is divided by its probability. \return true when it passed and slot i holds the
  * rest of the ray; the hit is not shaded then. */
-bool shade_passThrough(const HdsHit* hit, const HdsSurfaceHit* surface, float3 transparency,
-                       HdsSampler sampler, HdsShadePath* path, HdsPaths paths, uint i) {
+bool shade_passThrough(constant const HdsFrameParams* frame, const HdsHit* hit,
+                       const HdsSurfaceHit* surface, float3 transparency, HdsShadePath* path,
+                       HdsPaths paths, uint i) {
     float probability = vec_maxComponent(transparency);
     if (!(probability > 0.0f)) {
         return false;
     }
+    HdsSampler sampler = pixel_sampler(frame, path->status.x, path->status.y);
     if (path->status.w != 0u) {
         sampler = sampler_fork(sampler, path->status.w);
     }
@@ -135,7 +122,7 @@ HdsTexelChoice shade_chooseTexels(constant const HdsFrameParams* frame, const Hd
 void shade_loadHit(constant const HdsFrameParams* frame, const HdsSceneView* scene,
                    HdsShadePath* path, HdsShadeHit* at) {
     surfaceHit_load(scene, &at->hit, path->time, &at->surface);
-    at->linkSet = surfaceHit_linkSet(scene, &at->surface);
+    at->scatter.linkSet = surfaceHit_linkSet(scene, &at->surface);
 #if HDS_FEATURE_TEXTURES
     path->hitCones = cones_atHit(path->cones, at->hit.t, path->depth == 0u);
     at->surface.coneWidth = cones_width(path->hitCones);
@@ -143,89 +130,82 @@ void shade_loadHit(constant const HdsFrameParams* frame, const HdsSceneView* sce
 #endif
     at->isEnd = path->isLast && surfaceHit_isDark(scene, &at->surface);
     if (!at->isEnd) {
-        path->isMissing =
-            !surfaceHit_shade(scene, &at->surface, -path->direction, &at->shading, &at->bsdf);
+        path->isMissing = !surfaceHit_shade(scene, &at->surface, -path->direction,
+                                            &at->scatter.shading, &at->scatter.bsdf);
     }
 }
 
-/* Shades a hit; true when slot i holds a ray that goes on. Sets path->isMissing, and has written
- * nothing then. \param[out] hasShadow a shadow ray was written. */
-bool shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* scene, HdsShadeHit* at,
-                   HdsShadePath* path, HdsPaths paths, uint i, volatile global uint* counters,
-                   bool* hasShadow) {
+/* How shading goes on with a path after its hit has been read. */
+#define HDS_SHADE_ENDS 0u
+#define HDS_SHADE_PASSES 1u   /* slot i holds the rest of the ray */
+#define HDS_SHADE_SCATTERS 2u /* a light and the BSDF are to be sampled */
+
+/* Lets the ray pass, or adds what the surface emits. \return HDS_SHADE_ENDS and so on. */
+uint shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* scene, HdsShadeHit* at,
+                   HdsShadePath* path, HdsPaths paths, uint i, volatile global uint* counters) {
+    HdsScatter* scatter = &at->scatter;
     if (at->isEnd) {
-        return false;
+        return HDS_SHADE_ENDS;
     }
-    HdsSampler sampler = pixel_sampler(frame, path->status.x, path->status.y);
 #if HDS_BSDF_TRANSMITS
-    path->throughput *= bsdf_transmittance(&at->bsdf, at->hit.t);
+    path->throughput *= bsdf_transmittance(&scatter->bsdf, at->hit.t);
 #endif
 #if HDS_FEATURE_CUTOUT
-    float3 transparency = bsdf_passThrough(&at->bsdf, at->shading.wo.z);
+    float3 transparency = bsdf_passThrough(&scatter->bsdf, scatter->shading.wo.z);
     if (path->depth == 0u && passThrough_isCulled(scene, &at->surface, path->direction)) {
         transparency = (float3)(1.0f);
     }
-    if (shade_passThrough(&at->hit, &at->surface, transparency, sampler, path, paths, i)) {
-        bool mayGoOn = (path->status.z >> HDS_PATH_PASS_SHIFT) < HDS_MAX_PASSES;
-        if (!mayGoOn) {
-            atomic_inc(&counters[HDS_COUNTER_PASSES]);
+    if (shade_passThrough(frame, &at->hit, &at->surface, transparency, path, paths, i)) {
+        if ((path->status.z >> HDS_PATH_PASS_SHIFT) < HDS_MAX_PASSES) {
+            return HDS_SHADE_PASSES;
         }
-        return mayGoOn;
+        atomic_inc(&counters[HDS_COUNTER_PASSES]);
+        return HDS_SHADE_ENDS;
     }
 #endif
     if (path->depth == 0u) {
         path->alpha = 1.0f;
     }
-    shade_addEmission(scene, &at->hit, &at->surface, bsdf_emission(&at->bsdf), path);
+    shade_addEmission(scene, &at->hit, &at->surface, bsdf_emission(&scatter->bsdf), path);
     if (path->isLast) {
-        return false;
+        return HDS_SHADE_ENDS;
     }
-    at->lobes = bsdf_lobeProbabilities(&at->bsdf, at->shading.wo.z);
-    *hasShadow = shade_sampleLight(scene, at, sampler, path, paths, i);
-    return !path->isMissing && shade_sampleBsdf(frame, at, sampler, path, paths, i);
+    scatter->point = at->surface.point;
+    scatter->lobes = bsdf_lobeProbabilities(&scatter->bsdf, scatter->shading.wo.z);
+    scatter->throughput = path->throughput;
+    scatter->pixel = path->status.x;
+    scatter->sample = path->status.y;
+    scatter->depth = path->depth;
+    return HDS_SHADE_SCATTERS;
 }
 
-/* What shading a path has led to. */
-#define HDS_SHADE_GOES_ON 1u /* slot i holds the next ray */
-#define HDS_SHADE_SHADOW 2u  /* slot i holds a shadow ray */
-
-/* Shades the hit of slot i. Appends paths that wait for their hit's pages or texels.
- * \return HDS_SHADE_* bits. */
-uint shade_path(constant const HdsFrameParams* frame, const HdsSceneView* scene, HdsPaths paths,
-                uint i, global uint* waitQueue, volatile global uint* counters) {
+/* Reads slot i and shades its hit up to where a light and the BSDF are sampled. Appends paths that
+ * wait for their hit's pages or texels. \param[out] step HDS_SHADE_ENDS and so on. \return false
+ * for a path that waits. */
+bool shade_begin(constant const HdsFrameParams* frame, const HdsSceneView* scene, HdsPaths paths,
+                 uint i, global uint* waitQueue, volatile global uint* counters, HdsShadeHit* at,
+                 HdsShadePath* path, uint* step) {
+    *step = HDS_SHADE_ENDS;
 #if HDS_WAIT_LISTS
     if (path_loadWaits(paths, i) != 0u) {
-        return 0u;
+        return false;
     }
 #endif
-    HdsShadeHit at;
-    at.hit = path_loadHit(paths, i);
-    bool isHit = at.hit.chunk != HDS_NONE;
+    at->hit = path_loadHit(paths, i);
+    const bool isHit = at->hit.chunk != HDS_NONE;
     if (isHit &&
-        surfaceHit_waits(scene, &at.hit, waitQueue, counters, HDS_COUNTER_WAITING_HITS, i)) {
-        return 0u;
+        surfaceHit_waits(scene, &at->hit, waitQueue, counters, HDS_COUNTER_WAITING_HITS, i)) {
+        return false;
     }
-    HdsShadePath path = shade_loadPath(paths, i);
+    *path = shade_loadPath(paths, i);
     if (isHit) {
-        shade_loadHit(frame, scene, &path, &at);
+        shade_loadHit(frame, scene, path, at);
     }
-    bool hasShadow = false;
-    bool goesOn = false;
-    shade_addLights(scene, isHit ? at.hit.t : INFINITY, &path);
-    if (isHit && !path.isMissing) {
-        goesOn = shade_surface(frame, scene, &at, &path, paths, i, counters, &hasShadow);
+    shade_addLights(scene, isHit ? at->hit.t : INFINITY, path);
+    if (isHit && !path->isMissing) {
+        *step = shade_surface(frame, scene, at, path, paths, i, counters);
     }
-    if (path.isMissing) {
-        surfaceHit_waitForTexels(scene, i);
-        return 0u;
-    }
-    path_store_radiance(paths, i, (float4)(path.radiance, path.alpha));
-#if HDS_WAIT_LISTS
-    if (hasShadow && !goesOn) {
-        path_storeWaits(paths, i, HDS_PATH_ENDED);
-    }
-#endif
-    return (goesOn ? HDS_SHADE_GOES_ON : 0u) | (hasShadow ? HDS_SHADE_SHADOW : 0u);
+    return true;
 }
 
 /* Global size: count items, HDS_ITEMS_PER_WORK_ITEM for each work-item. Appends paths that go on,
@@ -237,18 +217,41 @@ kernel void shade_paths(HDS_SCENE_ARGS, constant const HdsFrameParams* frame, gl
                         global uint* restrict shadowQueue, volatile global uint* counters) {
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
-    HdsItemList next = {0u};
-    HdsItemList shadows = {0u};
+    HdsShadeLists lists;
+    lists.next.count = 0u;
+    lists.shadows.count = 0u;
+    HdsShadeHit at;
+    HdsShadePath path;
+#if HDS_SHADE_WIDE
+    HdsShadeBatch batch;
+    batch.count = 0u;
+#endif
     HDS_FOR_ITEMS(item, count) {
         const uint i = queue[item];
-        const uint result = shade_path(frame, &scene, paths, i, waitQueue, counters);
-        if ((result & HDS_SHADE_GOES_ON) != 0u) {
-            items_append(&next, i);
+        uint step;
+        if (!shade_begin(frame, &scene, paths, i, waitQueue, counters, &at, &path, &step)) {
+            continue;
         }
-        if ((result & HDS_SHADE_SHADOW) != 0u) {
-            items_append(&shadows, i);
+        HdsLitPath lit = shade_litPath(&at, &path, i);
+        if (step != HDS_SHADE_SCATTERS) {
+            const uint result = step == HDS_SHADE_PASSES ? HDS_SHADE_GOES_ON : 0u;
+            shade_end(&scene, &lit, result, paths, &lists);
+            continue;
         }
+#if HDS_SHADE_WIDE
+        shadeBatch_add(&batch, &at.scatter, &lit);
+        if (batch.count == HDS_LANES) {
+            shadeBatch_scatter(frame, &scene, &batch, paths, &lists);
+        }
+#else
+        shade_scatter(frame, &scene, &at.scatter, &lit, paths, &lists);
+#endif
     }
-    items_flush(&next, nextQueue, &counters[HDS_COUNTER_ACTIVE]);
-    items_flush(&shadows, shadowQueue, &counters[HDS_COUNTER_SHADOW]);
+#if HDS_SHADE_WIDE
+    if (batch.count > 0u) {
+        shadeBatch_scatter(frame, &scene, &batch, paths, &lists);
+    }
+#endif
+    items_flush(&lists.next, nextQueue, &counters[HDS_COUNTER_ACTIVE]);
+    items_flush(&lists.shadows, shadowQueue, &counters[HDS_COUNTER_SHADOW]);
 }
