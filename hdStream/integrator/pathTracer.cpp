@@ -346,10 +346,10 @@ struct PathTracer::Impl {
         film.SetHasFirstHits();
     }
 
-    /// [numMeshes][names.size()] attribute slot of each primvar, or HDS_NONE.
+    /// [numPrims][names.size()] attribute slot of each primvar, or HDS_NONE.
     std::vector<std::uint32_t> PrimvarSlots(const std::vector<std::string>& names) const {
         std::vector<std::uint32_t> slots;
-        for (const std::vector<AttributeName>* attributes : scene->meshAttributes) {
+        for (const std::vector<AttributeName>* attributes : scene->primAttributes) {
             for (const std::string& name : names) {
                 const auto found = std::find_if(
                     attributes->begin(), attributes->end(),
