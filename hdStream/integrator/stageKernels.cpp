@@ -19,9 +19,9 @@ std::uint64_t NumPathFields(const KernelFeatures& features) {
     const bool HDS_WAIT_LISTS = features.HasLists();
     const bool HDS_SHADOW_LIGHT = features.lightControls || features.texturedEmission;
     std::uint64_t count = 0;
-#define HDS_FIELD(condition, type, name, doc) count += (condition) ? 1 : 0;
+#define HDS_PATH_FIELD(condition, type, name, doc) count += (condition) ? 1 : 0;
 #include "kernels/shared/pathState.def"
-#undef HDS_FIELD
+#undef HDS_PATH_FIELD
     return count;
 }
 
