@@ -16,8 +16,8 @@ std::uint64_t NumPathFields(const KernelFeatures& features) {
     [[maybe_unused]] const bool macro = features.member != off;
 #define HDS_VARIANT(member, macro, needs, doc) [[maybe_unused]] const bool macro = features.member;
 #include "kernels/shared/features.def"
-    const bool HDS_WAIT_LISTS = features.HasLists();
-    const bool HDS_SHADOW_LIGHT = features.lightControls || features.texturedEmission;
+    const bool HDS_WAIT_LISTS = HDS_KEEPS_WAIT_LISTS;
+    const bool HDS_SHADOW_LIGHT = HDS_KEEPS_SHADOW_LIGHT;
     std::uint64_t count = 0;
 #define HDS_PATH_FIELD(condition, type, name, doc) count += (condition) ? 1 : 0;
 #include "kernels/shared/pathState.def"
