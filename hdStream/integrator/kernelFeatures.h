@@ -38,6 +38,21 @@ struct KernelFeatures {
         return isEqual;
     }
 
+    /// With what its features need on too.
+    KernelFeatures WithNeeds() const {
+        KernelFeatures f = *this;
+#define HDS_FEATURE(type, member, macro, off, on, needs, doc) \
+    if (member != off) {                                      \
+        needs;                                                \
+    }
+#define HDS_VARIANT(member, macro, needs, doc) \
+    if (member) {                              \
+        needs;                                 \
+    }
+#include "kernels/shared/features.def"
+        return f;
+    }
+
     /// What programs are built with.
     ProgramDefines Defines() const {
         ProgramDefines defines;

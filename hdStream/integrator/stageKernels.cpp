@@ -56,6 +56,8 @@ std::uint64_t StageKernels::PathStateBytes(const KernelFeatures& features) {
 StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
                            const KernelFeatures& features)
     : _features(features) {
+    HDS_VERIFY(features == features.WithNeeds(),
+               "a feature is on without what it needs (kernels/shared/features.def)");
     const ProgramDefines defines = MakeDefines(*device, features);
     const auto build = [&](const char* root) {
         _unsaved.push_back(std::make_unique<Program>(device, root, defines, store));
