@@ -173,7 +173,11 @@ struct PathTracer::Impl {
     /// \return whether all of the pass is rendered: it was not stopped before its last wave.
     bool RenderPass(const SamplePass& pass, Onlooker* onlooker) {
         UsePixels(pass.list);
-        const std::uint32_t pixelsPerWave = std::max(1U, tracer.WaveSize() / pass.numSamples);
+        // One work-item adds all samples of a pixel that a pass makes, so they are in one wave.
+        HDS_VERIFY(pass.numSamples <= tracer.WaveSize(),
+                   std::to_string(pass.numSamples) + " samples of a pixel do not fit a wave of " +
+                       std::to_string(tracer.WaveSize()));
+        const std::uint32_t pixelsPerWave = tracer.WaveSize() / pass.numSamples;
         for (std::uint32_t first = pass.begin; first < pass.end; first += pixelsPerWave) {
             const std::uint32_t count = std::min(pixelsPerWave, pass.end - first);
             RenderWave({first, count, pass.firstSample, pass.numSamples});
