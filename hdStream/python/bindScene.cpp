@@ -33,7 +33,7 @@ void BindPrimvar(nb::module_& module) {
         },
         "name"_a, "interpolation"_a, "values"_a, "indices"_a = nb::none(),
         "`values` is a float32 array [count] or [count][components].");
-    BindReadOnlyFields(primvar);
+    BindFields<FieldAccess::ReadOnly>(primvar);
     primvar.def_prop_ro("values", [](const Primvar& self) {
         return ArrayFromSpan(self.values, self.numComponents);
     });
