@@ -261,6 +261,21 @@ TEST(Fields, EqualArraysAreEqualWhereverTheyLie) {
 
 // Keys.
 
+template <typename List>
+void ExpectListsToldApart(const List& two, const List& one) {
+    EXPECT_NE(HashOf(std::vector<List>{two, one}), HashOf(std::vector<List>{one, two}));
+}
+
+/// The key of lights has one list behind another.
+TEST(Fields, AnElementThatMovesBetweenListsIsInTheKey) {
+    const LightPortal portal;
+    ExpectListsToldApart<std::vector<LightPortal>>({portal, portal}, {portal});
+    ExpectListsToldApart<std::vector<float>>({0, 0}, {0});
+    ExpectListsToldApart<std::vector<bool>>({false, false}, {false});
+    ExpectListsToldApart<SharedSpan<float>>(std::vector<float>{0, 0}, std::vector<float>{0});
+    ExpectListsToldApart<std::string>("..", ".");
+}
+
 TEST(Fields, EachOfAMeshIsInThePagesKey) {
     GeometryInputs inputs;
     inputs.geometry = std::make_shared<const GeometryDescription>(FullMesh(PrimitiveKind::Faces));
