@@ -282,7 +282,8 @@ class DrawModes:
 
 
 def _MaterialPath(prim, face):
-    """OpenUSD binds such a path without a texture too; there is no material then, so nothing is bound here."""
+    """As UsdImaging names it, so that both front ends give one scene. It binds such a path without a texture too, where
+    there is no material; nothing is bound then here."""
     return f"{prim.GetPath()}/subsetMaterial{face}" if face else ""
 
 
