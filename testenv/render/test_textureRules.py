@@ -288,15 +288,15 @@ for _add in (_AddFileRules, _AddWrapRules, _AddValueRules, _AddColorSpaceRules, 
 # --- Tests -------------------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module", params=["streamed", "plain"])
-def Cards(request, tmp_path_factory):
+@pytest.fixture(scope="module")
+def Cards(tmp_path_factory):
     folder = tmp_path_factory.mktemp("rules")
     _WriteImages(folder)
     strip = Strip(folder / "stage.usda")
     for name, rule in _RULES.items():
         strip.Add(name, rule.build, rule.st, diffuseColor=(0.0, 0.0, 0.0), metallic=1.0)
     author.AddLight(strip.stage, "/World/Dark", "Sphere", dict(translate=(0, 50, 0)), intensity=0.0, radius=0.01)
-    return strip.Render(samples=4, plainTextures=request.param == "plain")
+    return strip.Render(samples=4)
 
 
 @pytest.mark.parametrize("name", _RULES)
