@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """UsdUVTexture, UsdPrimvarReader and UsdTransform2d by the rules of the UsdPreviewSurface text, version 2.5: a card for
-each rule, all in one picture, streamed and compressed and once more uncompressed. docs/shading.md lists them.
+each rule, all in one picture. docs/shading.md lists them.
 
 A card glows with what it reads and reflects nothing. Where its look-up must be exact all of it has the coordinates of
 one texel's centre, so that a pixel is that texel; images are such that the codec keeps them (flat, or 16 codes a
