@@ -91,7 +91,6 @@ struct PathTracer::Impl {
         features.lightTree = scene->lights->lights.size() > HDS_LIGHT_LOOP_MAX;
         features.numTexturePools = buffers.Textures().NumBuffers() > 1 ? kMaxPoolBuffers : 1;
         features.textureStreaming = buffers.Textures().Pool() != nullptr;
-        features.plainTextures = buffers.Textures().IsPlain();
         features.groups = scene->hasGroups;
         features.curves = scene->hasCurves;
         features.motion = scene->hasMotion || MovesOver(options.camera, options.shutter);

@@ -108,7 +108,6 @@ TEST(KernelFeatures, HaveWhatTheyNeed) {
         {"lobes", {"programs"}},                         // programs set their inputs
         {"numTexturePools", {"textures"}},               // hold their texels
         {"textureStreaming", {"textures"}},              // whose lines are missing
-        {"plainTextures", {"textures"}},                 // another form of them
         {"texturedEmission", {"cutouts", "meshLights"}}, // of a mesh, asked for as candidates are
         {"requestsFirst", {"streaming"}},                // asks for pages that are missing
     };
