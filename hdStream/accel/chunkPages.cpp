@@ -25,9 +25,9 @@ std::uint64_t RoundUp(std::uint64_t bytes) {
 
 } // namespace
 
-ChunkPages::ChunkPages(std::shared_ptr<const ChunkedGeometry> mesh, std::uint32_t chunk)
-    : _mesh(std::move(mesh)), _chunk(chunk), _firstId(NextIds()) {
-    const GeometrySummary& summary = _mesh->Summary();
+ChunkPages::ChunkPages(std::shared_ptr<const ChunkedGeometry> geometry, std::uint32_t chunk)
+    : _geometry(std::move(geometry)), _chunk(chunk), _firstId(NextIds()) {
+    const GeometrySummary& summary = _geometry->Summary();
     const std::uint64_t count = summary.numInChunk[chunk];
     const TriangleBytes& bytes = summary.boundBytes;
     // Each block of attributes is padded.
@@ -37,11 +37,11 @@ ChunkPages::ChunkPages(std::shared_ptr<const ChunkedGeometry> mesh, std::uint32_
 }
 
 void ChunkPages::FindSizes() {
-    if (!_mesh->Store() || _isExact) {
+    if (!_geometry->Store() || _isExact) {
         return;
     }
-    const auto geometry = _mesh->Store()->Bytes(KeyOf(HDS_PAGE_GEOMETRY));
-    const auto attributes = _mesh->Store()->Bytes(KeyOf(HDS_PAGE_ATTRIBUTES));
+    const auto geometry = _geometry->Store()->Bytes(KeyOf(HDS_PAGE_GEOMETRY));
+    const auto attributes = _geometry->Store()->Bytes(KeyOf(HDS_PAGE_ATTRIBUTES));
     if (geometry && attributes) {
         _bytes = {*geometry, *attributes};
         _isExact = true;
@@ -53,22 +53,22 @@ bool ChunkPages::Prepare(const std::array<bool, kNumPages>& isWanted) {
         return false;
     }
     Build();
-    for (std::uint32_t page = 0; page < kNumPages && _mesh->Store(); ++page) {
-        _mesh->Store()->Save(KeyOf(page), _data[page].data(), _data[page].size());
+    for (std::uint32_t page = 0; page < kNumPages && _geometry->Store(); ++page) {
+        _geometry->Store()->Save(KeyOf(page), _data[page].data(), _data[page].size());
     }
     return true;
 }
 
 bool ChunkPages::Locate(std::uint32_t page, MappedPage* mapped) {
-    if (!_mesh->Store()) {
+    if (!_geometry->Store()) {
         return false;
     }
-    const auto location = _mesh->Store()->Locate(KeyOf(page));
+    const auto location = _geometry->Store()->Locate(KeyOf(page));
     if (!location) {
         return false;
     }
-    mapped->file = _mesh->Store()->SegmentData(location->segment);
-    mapped->fileBytes = _mesh->Store()->SegmentBytes(location->segment);
+    mapped->file = _geometry->Store()->SegmentData(location->segment);
+    mapped->fileBytes = _geometry->Store()->SegmentBytes(location->segment);
     mapped->offset = location->offset;
     _bytes[page] = location->bytes;
     return mapped->file != nullptr;
@@ -81,7 +81,7 @@ bool ChunkPages::Load(const std::array<bool, kNumPages>& isWanted) {
         if (!isWanted[page] || HasData(page)) {
             continue;
         }
-        if (!_mesh->Store() || !_mesh->Store()->Load(KeyOf(page), &_data[page])) {
+        if (!_geometry->Store() || !_geometry->Store()->Load(KeyOf(page), &_data[page])) {
             return false;
         }
         _bytes[page] = _data[page].size();
@@ -90,9 +90,9 @@ bool ChunkPages::Load(const std::array<bool, kNumPages>& isWanted) {
 }
 
 void ChunkPages::Build() {
-    const ChunkPlan& plan = _mesh->Plan();
-    ChunkGeometry chunk = _mesh->Source().Gather(plan.groups.data() + plan.begin[_chunk],
-                                                 plan.begin[_chunk + 1] - plan.begin[_chunk]);
+    const ChunkPlan& plan = _geometry->Plan();
+    ChunkGeometry chunk = _geometry->Source().Gather(plan.groups.data() + plan.begin[_chunk],
+                                                     plan.begin[_chunk + 1] - plan.begin[_chunk]);
     _data[HDS_PAGE_GEOMETRY] = BuildGeometryPage(chunk).bytes;
     _data[HDS_PAGE_ATTRIBUTES] = BuildAttributePage(chunk);
     for (std::uint32_t page = 0; page < kNumPages; ++page) {

@@ -20,8 +20,8 @@ class ChunkPages {
 public:
     static constexpr std::uint32_t kNumPages = 2;
 
-    /// Takes ids that no other page of the process has. \param chunk of the mesh.
-    ChunkPages(std::shared_ptr<const ChunkedGeometry> mesh, std::uint32_t chunk);
+    /// Takes ids that no other page of the process has. \param chunk of the geometry.
+    ChunkPages(std::shared_ptr<const ChunkedGeometry> geometry, std::uint32_t chunk);
 
     std::uint64_t Id(std::uint32_t page) const { return _firstId + page; }
     /// Exact once made, before that an upper bound.
@@ -42,12 +42,12 @@ public:
 
 private:
     PageKey KeyOf(std::uint32_t page) const {
-        return _mesh->PartKey(std::uint64_t{_chunk} * kNumPages + page);
+        return _geometry->PartKey(std::uint64_t{_chunk} * kNumPages + page);
     }
     bool Load(const std::array<bool, kNumPages>& isWanted);
     void Build();
 
-    std::shared_ptr<const ChunkedGeometry> _mesh;
+    std::shared_ptr<const ChunkedGeometry> _geometry;
     std::uint32_t _chunk;
     std::uint64_t _firstId;
     bool _isExact = false;

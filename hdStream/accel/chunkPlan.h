@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The plan that cuts a mesh into chunks, made before any triangle is. Explained in docs/accel.md.
+// The plan that cuts geometry into chunks, made before any triangle is. Explained in docs/accel.md.
 #pragma once
 
 #include "hdStream/geometry/chunkSource.h"
@@ -10,7 +10,7 @@
 
 namespace hds {
 
-/// Chunks of a mesh: chunk i owns groups[begin[i] .. begin[i + 1]).
+/// Chunks of geometry: chunk i owns groups[begin[i] .. begin[i + 1]).
 struct ChunkPlan {
     std::vector<std::uint32_t> groups; ///< a permutation of the groups that are drawn
     std::vector<std::uint32_t> begin;  ///< numChunks + 1 entries

@@ -15,9 +15,10 @@ namespace hds {
 
 namespace {
 
-/// Changes whenever the same mesh gives other pages or another plan: part of the keys in the store.
+/// Changes whenever the same geometry gives other pages or another plan: part of the keys in the
+/// store.
 constexpr std::uint64_t kPageFormat = 5;
-/// The part of a mesh that is its summary; pages count from 0.
+/// The part of geometry that is its summary; pages count from 0.
 constexpr std::uint64_t kSummaryPart = ~std::uint64_t{0};
 
 class Writer {
@@ -181,7 +182,7 @@ void ChunkedGeometry::MakeSourceOnce() const {
         });
         // A chunk of another plan would be drawn in the place of this one.
         HDS_VERIFY(_summary.NumChunks() == 0 || _summary.numInChunk == _plan.counts,
-                   "the cache has the summary of another mesh: hdstream cache --clear");
+                   "the cache has the summary of other geometry: hdstream cache --clear");
     });
 }
 

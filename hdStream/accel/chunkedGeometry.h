@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mesh as it is cut into chunks, and its summary: what is known of it without its triangles. The
-// persistent store keeps the summary, so that a second run looks at no mesh whose pages it has.
-// Explained in docs/accel.md.
+// Geometry as it is cut into chunks, and its summary: what is known of it without its triangles.
+// The persistent store keeps the summary, so that a second run looks at no geometry whose pages it
+// has. Explained in docs/accel.md.
 #pragma once
 
 #include "hdStream/accel/chunkPlan.h"
@@ -15,7 +15,7 @@
 
 namespace hds {
 
-/// What is known of a mesh before a triangle of it is made.
+/// What is known of geometry before a triangle of it is made.
 struct GeometrySummary {
     glm::dvec3 origin{0.0}; ///< object-space point that all positions are relative to
     bool isLeftHanded = false;
@@ -52,9 +52,9 @@ public:
     const ChunkPlan& Plan() const;
 
     PageStore* Store() const { return _store.get(); }
-    /// The name in the store of part `index` of the mesh: its pages in turn.
+    /// The name in the store of part `index` of the geometry: its pages in turn.
     PageKey PartKey(std::uint64_t index) const;
-    /// Keeps the summary, so that the source need not be made again. Not to be called for a mesh
+    /// Keeps the summary, so that the source need not be made again. Not to be called for geometry
     /// that has warnings: they would not be heard next time.
     void SaveSummary() const;
 

@@ -15,7 +15,7 @@ constexpr double kMaxGridCells = 1U << 17U;
 /// Grid cells for each one that is to have groups: a surface meets about the square of the cells
 /// along an axis out of their cube.
 constexpr double kGridExponent = 1.5;
-/// Fewest groups of the mesh for each grid cell.
+/// Fewest groups of the geometry for each grid cell.
 constexpr std::size_t kGroupsPerCell = 4;
 /// Blocks of groups are counted apart from each other, by different threads.
 constexpr std::size_t kMinBlockSize = 1U << 14U;

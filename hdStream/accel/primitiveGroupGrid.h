@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The groups of a mesh, sorted into the cells of a regular grid by the centres of their boxes.
+// The groups of geometry, sorted into the cells of a regular grid by the centres of their boxes.
 // Private to the layer. Explained in docs/accel.md.
 #pragma once
 

@@ -7,6 +7,7 @@
 #include "kernels/shared/material.h"
 #include "kernels/shared/residency.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -175,7 +176,7 @@ Kernel::Kernel(std::shared_ptr<Device> device, void* kernel, std::string name)
     CheckOpenCl(clGetKernelInfo(static_cast<cl_kernel>(_kernel), CL_KERNEL_NUM_ARGS, sizeof(count),
                                 &count, nullptr),
                 "arguments of kernel " + _name);
-    _numArguments = count;
+    _isSet.resize(count);
 }
 
 Kernel::~Kernel() {
@@ -192,17 +193,15 @@ Kernel& Kernel::operator=(Kernel&& other) noexcept {
     std::swap(_device, other._device);
     std::swap(_kernel, other._kernel);
     std::swap(_name, other._name);
-    std::swap(_numArguments, other._numArguments);
+    std::swap(_isSet, other._isSet);
     std::swap(_numKept, other._numKept);
     std::swap(_itemsPerWorkItem, other._itemsPerWorkItem);
     std::swap(_groupSize, other._groupSize);
     return *this;
 }
 
-void Kernel::CheckCount(std::size_t count) const {
-    HDS_VERIFY(count == _numArguments, "kernel " + _name + " takes " +
-                                           std::to_string(_numArguments) + " arguments and gets " +
-                                           std::to_string(count));
+void Kernel::ForgetFrom(unsigned index) {
+    std::fill(_isSet.begin() + std::min<std::size_t>(index, _isSet.size()), _isSet.end(), false);
 }
 
 void Kernel::SetBuffer(unsigned index, const Buffer& buffer) {
@@ -212,8 +211,12 @@ void Kernel::SetBuffer(unsigned index, const Buffer& buffer) {
 }
 
 void Kernel::SetBytes(unsigned index, const void* data, std::size_t bytes) {
+    HDS_VERIFY(index < _isSet.size(), "kernel " + _name + " takes " +
+                                          std::to_string(_isSet.size()) +
+                                          " arguments, and gets one more");
     CheckOpenCl(clSetKernelArg(static_cast<cl_kernel>(_kernel), index, bytes, data),
                 _name + " argument " + std::to_string(index));
+    _isSet[index] = true;
 }
 
 void Kernel::SetItemsPerWorkItem(std::uint32_t length) {
@@ -225,6 +228,10 @@ void Kernel::Enqueue(std::size_t numItems) {
     if (numItems == 0) {
         return;
     }
+    const auto missing = std::find(_isSet.begin(), _isSet.end(), false);
+    HDS_VERIFY(missing == _isSet.end(), "kernel " + _name + " is not given argument " +
+                                            std::to_string(missing - _isSet.begin()) + " of " +
+                                            std::to_string(_isSet.size()));
     const std::size_t numWorkItems = (numItems + _itemsPerWorkItem - 1) / _itemsPerWorkItem;
     const std::size_t global = (numWorkItems + _groupSize - 1) / _groupSize * _groupSize;
     CheckOpenCl(clEnqueueNDRangeKernel(_device->GetHandles().queue, static_cast<cl_kernel>(_kernel),

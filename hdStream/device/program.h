@@ -42,7 +42,7 @@ public:
     template <typename... Args>
     void Launch(std::size_t numItems, const Args&... args) {
         unsigned index = _numKept;
-        CheckCount(index + sizeof...(args));
+        ForgetFrom(index);
         (SetArgument(index++, args), ...);
         Enqueue(numItems);
     }
@@ -51,11 +51,11 @@ public:
     /// first.
     void SetItemsPerWorkItem(std::uint32_t length);
 
-    /// Queues with the arguments as set. No-op for numItems 0.
+    /// Queues with the arguments as set. No-op for numItems 0. \pre all arguments are set.
     void Enqueue(std::size_t numItems);
 
 private:
-    void CheckCount(std::size_t count) const;
+    void ForgetFrom(unsigned index);
     void SetArgument(unsigned index, const Buffer& buffer) { SetBuffer(index, buffer); }
     template <typename T>
     void SetArgument(unsigned index, const T& value) {
@@ -68,7 +68,7 @@ private:
     std::shared_ptr<Device> _device;
     void* _kernel = nullptr;
     std::string _name;
-    unsigned _numArguments = 0;
+    std::vector<bool> _isSet; ///< by argument
     unsigned _numKept = 0;
     std::size_t _itemsPerWorkItem = 1;
     std::size_t _groupSize = kGroupSize;

@@ -58,7 +58,7 @@ double ValuesPerTriangle(std::uint32_t interpolation, double verticesPerTriangle
 constexpr double kMostNodeBytes = 32.0;
 constexpr double kMeanNodeBytes = 22.0;
 
-TriangleBytes EstimateTriangle(const std::vector<MeshAttribute>& attributes,
+TriangleBytes EstimateTriangle(const std::vector<GeometryAttribute>& attributes,
                                std::optional<Interpolation> normals, bool hasMaterials,
                                double verticesPerTriangle, double nodeBytes,
                                std::size_t vertexBytes = sizeof(glm::vec3), int numNormals = 1) {
@@ -69,7 +69,7 @@ TriangleBytes EstimateTriangle(const std::vector<MeshAttribute>& attributes,
     double bytes = sizeof(std::uint32_t); // authored face
     bytes += hasMaterials ? sizeof(std::uint32_t) : 0.0;
     bytes += normals ? numNormals * blockBytes(*normals, 3) : 0.0;
-    for (const MeshAttribute& attribute : attributes) {
+    for (const GeometryAttribute& attribute : attributes) {
         bytes += blockBytes(attribute.interpolation, attribute.numComponents);
     }
     const double geometry = nodeBytes + sizeof(shared::HdsTriangle) +
@@ -110,14 +110,14 @@ public:
                       [](const float* from, float* to) { CopyUnit(from, to); });
         }
         for (std::size_t i = 0; i < _chunk.attributes.size(); ++i) {
-            const MeshAttribute& attribute = _chunk.attributes[i];
+            const GeometryAttribute& attribute = _chunk.attributes[i];
             AddValues(static_cast<std::uint32_t>(HDS_SLOT_USER + i), attribute,
                       [&](const float* from, float* to) {
                           CopyFinite(from, attribute.numComponents, to);
                       });
         }
         if (!_chunk.closeNormals.empty()) {
-            MeshAttribute normals = _chunk.normals;
+            GeometryAttribute normals = _chunk.normals;
             normals.values = _chunk.closeNormals;
             AddValues(static_cast<std::uint32_t>(HDS_SLOT_USER + _chunk.attributes.size()), normals,
                       [](const float* from, float* to) { CopyUnit(from, to); });
@@ -169,7 +169,7 @@ private:
     }
 
     template <typename CopyTuple>
-    void AddValues(std::uint32_t slot, const MeshAttribute& attribute, CopyTuple copyTuple) {
+    void AddValues(std::uint32_t slot, const GeometryAttribute& attribute, CopyTuple copyTuple) {
         const std::uint32_t interpolation = PageInterpolation(attribute.interpolation);
         const std::uint32_t numComponents = attribute.numComponents;
         const std::size_t numTriangles = _chunk.primIds.size();
@@ -218,7 +218,7 @@ double VerticesPerTriangle(std::size_t numPoints, std::size_t numTriangles) {
                              static_cast<double>(std::max<std::size_t>(1, numTriangles)));
 }
 
-TriangleBytes MeanTriangleBytes(const std::vector<MeshAttribute>& attributes,
+TriangleBytes MeanTriangleBytes(const std::vector<GeometryAttribute>& attributes,
                                 std::optional<Interpolation> normals, bool hasMaterials, bool moves,
                                 double verticesPerTriangle) {
     const std::size_t copies = moves ? 2 : 1;
@@ -226,7 +226,7 @@ TriangleBytes MeanTriangleBytes(const std::vector<MeshAttribute>& attributes,
                             int(copies) * kMeanNodeBytes, copies * sizeof(glm::vec3), int(copies));
 }
 
-TriangleBytes BoundTriangleBytes(const std::vector<MeshAttribute>& attributes,
+TriangleBytes BoundTriangleBytes(const std::vector<GeometryAttribute>& attributes,
                                  std::optional<Interpolation> normals, bool hasMaterials,
                                  bool moves) {
     const std::size_t copies = moves ? 2 : 1;
@@ -234,8 +234,9 @@ TriangleBytes BoundTriangleBytes(const std::vector<MeshAttribute>& attributes,
                             copies * sizeof(glm::vec3), int(copies));
 }
 
-TriangleBytes SolidBytes(const std::vector<MeshAttribute>& attributes, double verticesPerPrimitive,
-                         std::size_t vertexBytes, bool moves, bool mean) {
+TriangleBytes SolidBytes(const std::vector<GeometryAttribute>& attributes,
+                         double verticesPerPrimitive, std::size_t vertexBytes, bool moves,
+                         bool mean) {
     const double nodeBytes = (moves ? 2.0 : 1.0) * (mean ? kMeanNodeBytes : kMostNodeBytes);
     return EstimateTriangle(attributes, std::nullopt, false, verticesPerPrimitive, nodeBytes,
                             vertexBytes);

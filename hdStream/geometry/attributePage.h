@@ -20,19 +20,20 @@ double VerticesPerTriangle(std::size_t numPoints, std::size_t numTriangles);
 
 /// Upper bound. \param normals how normals are stored, if they are. \param moves vertices, normals
 /// and nodes are there twice.
-TriangleBytes BoundTriangleBytes(const std::vector<MeshAttribute>& attributes,
+TriangleBytes BoundTriangleBytes(const std::vector<GeometryAttribute>& attributes,
                                  std::optional<Interpolation> normals, bool hasMaterials,
                                  bool moves);
 
 /// About what it is where a triangle adds `verticesPerTriangle`.
-TriangleBytes MeanTriangleBytes(const std::vector<MeshAttribute>& attributes,
+TriangleBytes MeanTriangleBytes(const std::vector<GeometryAttribute>& attributes,
                                 std::optional<Interpolation> normals, bool hasMaterials, bool moves,
                                 double verticesPerTriangle);
 
 /// What a primitive of curves or points adds, whose chunks have so many vertices a primitive.
 /// \param vertexBytes of both ends, where they move. \param mean about what it is, else an upper
 /// bound.
-TriangleBytes SolidBytes(const std::vector<MeshAttribute>& attributes, double verticesPerPrimitive,
-                         std::size_t vertexBytes, bool moves, bool mean);
+TriangleBytes SolidBytes(const std::vector<GeometryAttribute>& attributes,
+                         double verticesPerPrimitive, std::size_t vertexBytes, bool moves,
+                         bool mean);
 
 } // namespace hds

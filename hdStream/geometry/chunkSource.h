@@ -23,7 +23,7 @@ struct Bounds {
 /// A primvar after validation. The interpolation says what an element is: a point (Vertex; on faces
 /// Varying has become Vertex), an authored face or curve (Uniform), a face-vertex (FaceVarying),
 /// the joint of two segments of a curve (Varying).
-struct MeshAttribute {
+struct GeometryAttribute {
     std::string name;
     Interpolation interpolation = Interpolation::Constant;
     std::uint32_t numComponents = 1;
@@ -31,7 +31,7 @@ struct MeshAttribute {
     SharedSpan<std::int32_t> indices; ///< empty: direct
 };
 
-/// What a mesh's pages hold of a user primvar.
+/// What the pages hold of a user primvar.
 struct AttributeFormat {
     std::string name;
     std::uint32_t numComponents = 1;
@@ -48,14 +48,14 @@ struct TriangleBytes {
 struct ChunkGeometry {
     std::vector<glm::vec3> positions;  ///< [numVertices] relative to the source's origin
     std::vector<glm::uvec3> triangles; ///< [numTriangles] vertices, authored winding
-    /// [numTriangles] unique in the mesh; ascending in (authored face, sub-triangle)
+    /// [numTriangles] unique in the geometry; ascending in (authored face, sub-triangle)
     std::vector<std::uint32_t> primIds;
     std::vector<std::uint32_t> faces;           ///< [numTriangles] authored face
     std::vector<std::uint32_t> materialEntries; ///< [numTriangles] 0 = prim, 1 + subset; empty: 0
     std::vector<std::uint32_t> points;          ///< [numVertices] element of Vertex attributes
-    std::vector<glm::uvec3> corners;       ///< [numTriangles] elements of FaceVarying attributes
-    std::vector<MeshAttribute> attributes; ///< as ChunkSource::Attributes
-    MeshAttribute normals; ///< object space, towards the authored front; values empty: flat
+    std::vector<glm::uvec3> corners; ///< [numTriangles] elements of FaceVarying attributes
+    std::vector<GeometryAttribute> attributes; ///< as ChunkSource::Attributes
+    GeometryAttribute normals; ///< object space, towards the authored front; values empty: flat
     /// When the shutter closes: [numVertices], and of the elements of `normals`; empty: as above.
     std::vector<glm::vec3> closePositions;
     SharedSpan<float> closeNormals;
@@ -70,7 +70,7 @@ struct ChunkGeometry {
     std::vector<Bounds> closePrimitiveBounds; ///< where closePositions are: when the shutter closes
 };
 
-/// A mesh ready to be cut into chunks. Immutable, thread-safe; results depend on nothing but what
+/// Geometry ready to be cut into chunks. Immutable, thread-safe; results depend on nothing but what
 /// the source was made of. Groups are numbered in the order of authored faces.
 class ChunkSource {
 public:

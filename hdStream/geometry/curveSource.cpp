@@ -183,7 +183,7 @@ private:
         _basis.emplace(_curves->curves, _hasNormals,
                        _widths.interpolation == Interpolation::Varying, quiet);
         _values = SolidAttributes(*_curves, _size, _log);
-        for (const MeshAttribute& attribute : _values) {
+        for (const GeometryAttribute& attribute : _values) {
             _attributes.push_back({attribute.name, attribute.numComponents});
         }
         if (_size.numPoints >= 0xffffffffU || _size.numJoints >= 0xffffffffU) {
@@ -484,7 +484,7 @@ private:
 
     /// Looks at all values; gives pinned curves the values of their phantoms.
     void ReadValues() const {
-        for (MeshAttribute& attribute : _values) {
+        for (GeometryAttribute& attribute : _values) {
             WarnNotFinite(attribute, _log.PrimPath(), _log.Sink());
             if (attribute.interpolation == Interpolation::Vertex && _basis->HasPhantoms()) {
                 AddPhantoms(&attribute);
@@ -492,7 +492,7 @@ private:
         }
     }
 
-    void AddPhantoms(MeshAttribute* attribute) const {
+    void AddPhantoms(GeometryAttribute* attribute) const {
         const std::uint32_t width = attribute->numComponents;
         std::vector<float> values;
         for (std::uint32_t curve = 0; curve < _counts.size(); ++curve) {
@@ -522,13 +522,14 @@ private:
     std::vector<std::uint32_t> _faces;       ///< [numCurves] authored curve; empty: the same
     std::vector<std::uint32_t> _firstJoints; ///< [numCurves]
     std::optional<CurveBasis> _basis;
-    MeshAttribute _widths;
-    MeshAttribute _normals;
+    GeometryAttribute _widths;
+    GeometryAttribute _normals;
     bool _hasNormals = false;
     std::vector<Group> _groups; ///< and one more for the end
     std::vector<Bounds> _groupBounds;
-    std::vector<std::uint8_t> _levels;          ///< [numSegments] pieces as a power of two
-    mutable std::vector<MeshAttribute> _values; ///< user primvars; final once ReadValues has run
+    std::vector<std::uint8_t> _levels; ///< [numSegments] pieces as a power of two
+    mutable std::vector<GeometryAttribute>
+        _values; ///< user primvars; final once ReadValues has run
     mutable std::once_flag _isRead;
 };
 

@@ -45,19 +45,19 @@ private:
 };
 
 /// The amount of an element of its primvar.
-double AmountAt(const BoundAmount& bound, const std::vector<MeshAttribute>& attributes,
+double AmountAt(const BoundAmount& bound, const std::vector<GeometryAttribute>& attributes,
                 std::size_t element) {
     if (bound.amount == nullptr) {
         return bound.constant;
     }
-    const MeshAttribute& attribute = attributes[bound.attribute];
+    const GeometryAttribute& attribute = attributes[bound.attribute];
     const float* from = ValueOf(attribute, element);
     double value[4] = {};
     std::transform(from, from + attribute.numComponents, value, Finite);
     return bound.amount->At(value);
 }
 
-AmountRange RangeOver(const DisplacementAmount& amount, const MeshAttribute& attribute) {
+AmountRange RangeOver(const DisplacementAmount& amount, const GeometryAttribute& attribute) {
     double low[4] = {1e300, 1e300, 1e300, 1e300};
     double high[4] = {-1e300, -1e300, -1e300, -1e300};
     for (std::size_t i = 0; i < attribute.values.size(); ++i) {
@@ -80,7 +80,7 @@ std::shared_ptr<const DisplacementAmount> MakePrimvarAmount(std::string primvar,
 }
 
 std::vector<BoundAmount> BindAmounts(const Displacement& displacement,
-                                     const std::vector<MeshAttribute>& attributes) {
+                                     const std::vector<GeometryAttribute>& attributes) {
     std::vector<BoundAmount> result;
     for (const auto& amount : displacement) {
         BoundAmount& bound = result.emplace_back();
@@ -88,10 +88,10 @@ std::vector<BoundAmount> BindAmounts(const Displacement& displacement,
             continue;
         }
         bound.constant = amount->Fallback();
-        const auto found =
-            std::find_if(attributes.begin(), attributes.end(), [&](const MeshAttribute& attribute) {
-                return attribute.name == amount->Primvar();
-            });
+        const auto found = std::find_if(attributes.begin(), attributes.end(),
+                                        [&](const GeometryAttribute& attribute) {
+                                            return attribute.name == amount->Primvar();
+                                        });
         if (found != attributes.end() && !found->values.empty() && amount->NumComponents() > 0 &&
             found->numComponents >= amount->NumComponents()) {
             bound.amount = amount.get();
@@ -102,7 +102,7 @@ std::vector<BoundAmount> BindAmounts(const Displacement& displacement,
 }
 
 AmountRange RangeOf(const std::vector<BoundAmount>& amounts,
-                    const std::vector<MeshAttribute>& attributes, bool hasOthers) {
+                    const std::vector<GeometryAttribute>& attributes, bool hasOthers) {
     if (amounts.empty()) {
         return {};
     }
@@ -123,7 +123,7 @@ AmountRange RangeOf(const std::vector<BoundAmount>& amounts,
 
 std::vector<float> PointAmounts(const GeometryDescription& mesh,
                                 const std::vector<std::uint32_t>& entries,
-                                const std::vector<MeshAttribute>& attributes,
+                                const std::vector<GeometryAttribute>& attributes,
                                 const Displacement& displacement) {
     const std::vector<BoundAmount> amounts = BindAmounts(displacement, attributes);
     const std::size_t numPoints = mesh.points.size() / 3;

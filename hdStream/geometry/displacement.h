@@ -56,19 +56,19 @@ struct BoundAmount {
 /// Looks the primvars up; one that is missing, or too short, leaves the fallback.
 /// \return one per entry of `displacement`.
 std::vector<BoundAmount> BindAmounts(const Displacement& displacement,
-                                     const std::vector<MeshAttribute>& attributes);
+                                     const std::vector<GeometryAttribute>& attributes);
 
 /// Range of the amounts of some entries, with 0 if others are used too. Reads all values of the
 /// primvars.
 AmountRange RangeOf(const std::vector<BoundAmount>& amounts,
-                    const std::vector<MeshAttribute>& attributes, bool hasOthers);
+                    const std::vector<GeometryAttribute>& attributes, bool hasOthers);
 
 /// Amounts for the points of polygons: the mean over the face-vertices at each point, so that what
 /// shares a point stays closed. Points that no face uses get 0.
 /// \param entries material entry by authored face; empty: all 0.
 std::vector<float> PointAmounts(const GeometryDescription& mesh,
                                 const std::vector<std::uint32_t>& entries,
-                                const std::vector<MeshAttribute>& attributes,
+                                const std::vector<GeometryAttribute>& attributes,
                                 const Displacement& displacement);
 
 } // namespace hds

@@ -133,7 +133,7 @@ struct GeometryDescription {
         return FieldList(HDS_FIELD(GeometryDescription, primitives),
                          HDS_FIELD(GeometryDescription, points).Rows(3),
                          HDS_FIELD(GeometryDescription, samples)
-                             .NotInKey("MakeMeshKey adds them while the shutter is open"),
+                             .NotInKey("MakeGeometryKey adds them while the shutter is open"),
                          HDS_FIELD(GeometryDescription, closePoints)
                              .NotInKey("made of samples and the shutter")
                              .NotInDump("no front end sets it")

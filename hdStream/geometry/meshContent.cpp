@@ -112,9 +112,9 @@ std::vector<std::uint32_t> AssignSubsets(const GeometryDescription& mesh, PrimLo
     return isAllZero ? std::vector<std::uint32_t>() : entries;
 }
 
-std::vector<MeshAttribute> CollectAttributes(const GeometryDescription& mesh,
-                                             const TopologySize& size, PrimLog& log) {
-    std::vector<MeshAttribute> attributes;
+std::vector<GeometryAttribute> CollectAttributes(const GeometryDescription& mesh,
+                                                 const TopologySize& size, PrimLog& log) {
+    std::vector<GeometryAttribute> attributes;
     for (const Primvar& primvar : mesh.primvars) {
         if (primvar.name == "normals" || primvar.interpolation == Interpolation::Instance) {
             continue;
@@ -135,8 +135,8 @@ std::vector<MeshAttribute> CollectAttributes(const GeometryDescription& mesh,
     return attributes;
 }
 
-std::optional<MeshAttribute> AuthoredNormals(const GeometryDescription& mesh,
-                                             const TopologySize& size, PrimLog& log) {
+std::optional<GeometryAttribute> AuthoredNormals(const GeometryDescription& mesh,
+                                                 const TopologySize& size, PrimLog& log) {
     const auto found =
         std::find_if(mesh.primvars.begin(), mesh.primvars.end(), [](const Primvar& primvar) {
             return primvar.name == "normals" && primvar.interpolation != Interpolation::Instance;
@@ -162,7 +162,7 @@ std::optional<MeshAttribute> AuthoredNormals(const GeometryDescription& mesh,
 }
 
 void RepairAuthoredNormals(const TriangleMesh& mesh, const TopologySize& size,
-                           MeshAttribute& normals, PrimLog& log) {
+                           GeometryAttribute& normals, PrimLog& log) {
     const std::size_t numReplaced = RepairNormals(mesh, size, normals);
     if (numReplaced > 0) {
         log.Warn(std::to_string(numReplaced) +

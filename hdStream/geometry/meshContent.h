@@ -49,15 +49,15 @@ glm::vec3 ChooseOrigin(const Bounds& bounds);
 std::vector<std::uint32_t> AssignSubsets(const GeometryDescription& mesh, PrimLog& log);
 
 /// User primvars that can be used, sorted by name.
-std::vector<MeshAttribute> CollectAttributes(const GeometryDescription& mesh,
-                                             const TopologySize& size, PrimLog& log);
+std::vector<GeometryAttribute> CollectAttributes(const GeometryDescription& mesh,
+                                                 const TopologySize& size, PrimLog& log);
 
 /// The authored normals, if they can be used; some may still be zero or not finite.
-std::optional<MeshAttribute> AuthoredNormals(const GeometryDescription& mesh,
-                                             const TopologySize& size, PrimLog& log);
+std::optional<GeometryAttribute> AuthoredNormals(const GeometryDescription& mesh,
+                                                 const TopologySize& size, PrimLog& log);
 
 /// Replaces unusable normals (RepairNormals), with a line. Precondition: not Constant.
 void RepairAuthoredNormals(const TriangleMesh& mesh, const TopologySize& size,
-                           MeshAttribute& normals, PrimLog& log);
+                           GeometryAttribute& normals, PrimLog& log);
 
 } // namespace hds

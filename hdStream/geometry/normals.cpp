@@ -110,7 +110,7 @@ void ForEachElement(const TriangleMesh& mesh, Interpolation interpolation, std::
     }
 }
 
-bool HasUnusableNormal(const TriangleMesh& mesh, const MeshAttribute& normals) {
+bool HasUnusableNormal(const TriangleMesh& mesh, const GeometryAttribute& normals) {
     return tbb::parallel_reduce(
         Range(0, mesh.triangles.size(), kGrain), false,
         [&](const Range& range, bool found) {
@@ -131,7 +131,7 @@ bool IsUsableNormal(const float* normal) {
            (normal[0] != 0.0F || normal[1] != 0.0F || normal[2] != 0.0F);
 }
 
-bool HasUnusableNormals(const MeshAttribute& normals) {
+bool HasUnusableNormals(const GeometryAttribute& normals) {
     return tbb::parallel_reduce(
         Range(0, normals.values.size() / 3, kGrain), false,
         [&](const Range& range, bool found) {
@@ -152,7 +152,7 @@ glm::dvec3 FaceNormal(const TriangleMesh& mesh, std::size_t triangle) {
     return normal / (mesh.leftHanded ? -length : length);
 }
 
-MeshAttribute ComputeSmoothNormals(const TriangleMesh& mesh) {
+GeometryAttribute ComputeSmoothNormals(const TriangleMesh& mesh) {
     const PointTriangles around = FindPointTriangles(mesh);
     std::vector<float> values(mesh.positions.size() * 3);
     tbb::parallel_for(Range(0, mesh.positions.size(), kGrain), [&](const Range& range) {
@@ -165,7 +165,7 @@ MeshAttribute ComputeSmoothNormals(const TriangleMesh& mesh) {
             }
         }
     });
-    MeshAttribute normals;
+    GeometryAttribute normals;
     normals.name = "normals";
     normals.interpolation = Interpolation::Vertex;
     normals.numComponents = 3;
@@ -174,7 +174,7 @@ MeshAttribute ComputeSmoothNormals(const TriangleMesh& mesh) {
 }
 
 std::size_t RepairNormals(const TriangleMesh& mesh, const TopologySize& size,
-                          MeshAttribute& normals) {
+                          GeometryAttribute& normals) {
     if (!HasUnusableNormal(mesh, normals)) {
         return 0;
     }

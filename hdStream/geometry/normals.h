@@ -22,16 +22,16 @@ glm::dvec3 FaceNormal(const TriangleMesh& mesh, std::size_t triangle);
 /// Normals", Journal of Graphics Tools 4(2)): exact for points on a sphere. Points without a
 /// direction of their own take their first triangle's normal. Parallel; the sums are in order of
 /// triangles. Memory while it runs: 12 bytes per triangle and 8 per point.
-MeshAttribute ComputeSmoothNormals(const TriangleMesh& mesh);
+GeometryAttribute ComputeSmoothNormals(const TriangleMesh& mesh);
 
 /// Replaces normals that are zero or not finite, and used by a triangle, by the normal of the first
 /// triangle that uses them. Copies the values only when there are any.
 /// \return number of elements replaced. Precondition: 3 components, not Constant.
 std::size_t RepairNormals(const TriangleMesh& mesh, const TopologySize& size,
-                          MeshAttribute& normals);
+                          GeometryAttribute& normals);
 
 /// Whether any value is a normal that cannot be used.
-bool HasUnusableNormals(const MeshAttribute& normals);
+bool HasUnusableNormals(const GeometryAttribute& normals);
 
 /// False for a direction that is zero or not finite.
 bool IsUsableNormal(const float* normal);

@@ -30,7 +30,7 @@ public:
             WarnBadWidths(_widths, _log);
         }
         _values = SolidAttributes(*_points, size, _log);
-        for (const MeshAttribute& attribute : _values) {
+        for (const GeometryAttribute& attribute : _values) {
             _attributes.push_back({attribute.name, attribute.numComponents});
         }
         _origin = glm::dvec3(ChooseOrigin(BoundPoints(*_points)));
@@ -80,7 +80,7 @@ public:
     }
     ChunkGeometry Gather(const std::uint32_t* groups, std::size_t count) const override {
         std::call_once(_isRead, [this] {
-            for (const MeshAttribute& attribute : _values) {
+            for (const GeometryAttribute& attribute : _values) {
                 WarnNotFinite(attribute, _log.PrimPath(), _log.Sink());
             }
         });
@@ -121,8 +121,8 @@ private:
 
     std::shared_ptr<const GeometryDescription> _points;
     mutable PrimLog _log;
-    MeshAttribute _widths;
-    std::vector<MeshAttribute> _values; ///< user primvars
+    GeometryAttribute _widths;
+    std::vector<GeometryAttribute> _values; ///< user primvars
     mutable std::once_flag _isRead;
 };
 

@@ -298,7 +298,7 @@ private:
     void ReadAttributes() {
         _entries = AssignSubsets(*_mesh, _log);
         _values = CollectAttributes(*_mesh, _size, _log);
-        for (const MeshAttribute& attribute : _values) {
+        for (const GeometryAttribute& attribute : _values) {
             _attributes.push_back({attribute.name, attribute.numComponents});
         }
         std::optional<Interpolation> normals;
@@ -332,8 +332,9 @@ private:
 
     /// Moves all points along the smooth normals of the mesh as it was. \return smooth normals of
     /// the moved mesh, where those are the mesh's.
-    std::optional<MeshAttribute> Displace(TriangleMesh whole, std::vector<glm::vec3>* moved) const {
-        const MeshAttribute smooth = ComputeSmoothNormals(whole);
+    std::optional<GeometryAttribute> Displace(TriangleMesh whole,
+                                              std::vector<glm::vec3>* moved) const {
+        const GeometryAttribute smooth = ComputeSmoothNormals(whole);
         const std::vector<float> amounts = PointAmounts(*_mesh, _entries, _values, _displacement);
         for (std::size_t i = 0; i < whole.positions.size(); ++i) {
             const float* n = ValueOf(smooth, i);
@@ -341,7 +342,7 @@ private:
                 glm::vec3(glm::dvec3(whole.positions[i]) +
                           static_cast<double>(amounts[i]) * glm::dvec3(n[0], n[1], n[2]));
         }
-        std::optional<MeshAttribute> normals;
+        std::optional<GeometryAttribute> normals;
         if (!_normals.values.empty() || !IsPolygonal(_mesh->subdivisionScheme)) {
             normals = ComputeSmoothNormals(whole);
         }
@@ -377,7 +378,7 @@ private:
 
     /// All that must read every value of the mesh; before the first chunk.
     void ReadValues() const {
-        for (const MeshAttribute& attribute : _values) {
+        for (const GeometryAttribute& attribute : _values) {
             WarnNotFinite(attribute, _log.PrimPath(), _log.Sink());
         }
         const bool isSmooth = !IsPolygonal(_mesh->subdivisionScheme);
@@ -444,9 +445,9 @@ private:
     std::vector<bool> _isLeftOut;            ///< [numFaces]; empty: none
     std::vector<FacePart> _parts;            ///< groups beyond the faces
     std::vector<std::uint32_t> _entries;     ///< [numFaces] material entries; empty: all 0
-    std::vector<MeshAttribute> _values;      ///< user primvars
+    std::vector<GeometryAttribute> _values;  ///< user primvars
     mutable std::once_flag _isRead;
-    mutable MeshAttribute _normals;        ///< final once ReadValues has run
+    mutable GeometryAttribute _normals;    ///< final once ReadValues has run
     mutable std::vector<glm::vec3> _moved; ///< [numPoints] displaced; empty: as authored
     mutable std::vector<glm::vec3>
         _closeMoved; ///< [numPoints] when the shutter closes; empty: as authored

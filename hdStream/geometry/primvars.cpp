@@ -51,8 +51,8 @@ std::size_t NumElements(Interpolation interpolation, const TopologySize& size) {
     return 1;
 }
 
-std::optional<MeshAttribute> ValidatePrimvar(const Primvar& primvar, const TopologySize& size,
-                                             const std::string& primPath, Warnings& warnings) {
+std::optional<GeometryAttribute> ValidatePrimvar(const Primvar& primvar, const TopologySize& size,
+                                                 const std::string& primPath, Warnings& warnings) {
     const std::string label = "primvar \"" + primvar.name + "\"";
     const auto ignore = [&](const std::string& reason) {
         warnings.Add(primPath, label + " ignored: " + reason);
@@ -82,7 +82,7 @@ std::optional<MeshAttribute> ValidatePrimvar(const Primvar& primvar, const Topol
         return ignore(std::to_string(numBadIndices) + " indices out of range");
     }
 
-    MeshAttribute attribute;
+    GeometryAttribute attribute;
     attribute.name = primvar.name;
     attribute.interpolation = primvar.interpolation == Interpolation::Varying && !size.hasJoints
                                   ? Interpolation::Vertex
@@ -104,7 +104,7 @@ std::optional<MeshAttribute> ValidatePrimvar(const Primvar& primvar, const Topol
     return attribute;
 }
 
-void WarnNotFinite(const MeshAttribute& attribute, const std::string& primPath,
+void WarnNotFinite(const GeometryAttribute& attribute, const std::string& primPath,
                    Warnings& warnings) {
     const std::size_t numNotFinite =
         CountIf(attribute.values, [](float value) { return !std::isfinite(value); });

@@ -26,20 +26,21 @@ std::size_t NumElements(Interpolation interpolation, const TopologySize& size);
 
 /// The primvar as an attribute; nothing, and one warning, when it cannot be used. Varying becomes
 /// Vertex where there are no joints. Values that are not finite are kept.
-std::optional<MeshAttribute> ValidatePrimvar(const Primvar& primvar, const TopologySize& size,
-                                             const std::string& primPath, Warnings& warnings);
+std::optional<GeometryAttribute> ValidatePrimvar(const Primvar& primvar, const TopologySize& size,
+                                                 const std::string& primPath, Warnings& warnings);
 
 /// One warning with the number of values that are not finite, if there are any. Reads all values.
-void WarnNotFinite(const MeshAttribute& attribute, const std::string& primPath, Warnings& warnings);
+void WarnNotFinite(const GeometryAttribute& attribute, const std::string& primPath,
+                   Warnings& warnings);
 
 /// Index of the value tuple of an element (point, face or face-vertex; 0 for Constant).
-inline std::size_t ValueIndex(const MeshAttribute& attribute, std::size_t element) {
+inline std::size_t ValueIndex(const GeometryAttribute& attribute, std::size_t element) {
     return attribute.indices.empty() ? element
                                      : static_cast<std::size_t>(attribute.indices[element]);
 }
 
 /// The value tuple of an element.
-inline const float* ValueOf(const MeshAttribute& attribute, std::size_t element) {
+inline const float* ValueOf(const GeometryAttribute& attribute, std::size_t element) {
     return attribute.values.data() + ValueIndex(attribute, element) * attribute.numComponents;
 }
 

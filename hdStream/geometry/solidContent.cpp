@@ -56,8 +56,8 @@ Bounds BoundPoints(const GeometryDescription& description) {
     return bounds;
 }
 
-std::optional<MeshAttribute> AuthoredWidths(const GeometryDescription& description,
-                                            const TopologySize& size, PrimLog& log) {
+std::optional<GeometryAttribute> AuthoredWidths(const GeometryDescription& description,
+                                                const TopologySize& size, PrimLog& log) {
     for (const Primvar& primvar : description.primvars) {
         if (primvar.name != "widths" || primvar.interpolation == Interpolation::Instance) {
             continue;
@@ -76,7 +76,7 @@ std::optional<MeshAttribute> AuthoredWidths(const GeometryDescription& descripti
     return std::nullopt;
 }
 
-void WarnBadWidths(const MeshAttribute& widths, PrimLog& log) {
+void WarnBadWidths(const GeometryAttribute& widths, PrimLog& log) {
     const auto numBad = std::count_if(widths.values.begin(), widths.values.end(),
                                       [](float width) { return !IsUsableWidth(width); });
     if (numBad > 0) {
@@ -84,20 +84,21 @@ void WarnBadWidths(const MeshAttribute& widths, PrimLog& log) {
     }
 }
 
-float RadiusOf(const MeshAttribute& widths, std::size_t element) {
+float RadiusOf(const GeometryAttribute& widths, std::size_t element) {
     const float width =
         *ValueOf(widths, widths.interpolation == Interpolation::Constant ? 0 : element);
     return IsUsableWidth(width) ? 0.5F * width : 0.0F;
 }
 
-std::vector<MeshAttribute> SolidAttributes(const GeometryDescription& description,
-                                           const TopologySize& size, PrimLog& log) {
-    std::vector<MeshAttribute> attributes = CollectAttributes(description, size, log);
-    attributes.erase(
-        std::remove_if(attributes.begin(), attributes.end(),
-                       [](const MeshAttribute& attribute) { return attribute.name == "widths"; }),
-        attributes.end());
-    for (MeshAttribute& attribute : attributes) {
+std::vector<GeometryAttribute> SolidAttributes(const GeometryDescription& description,
+                                               const TopologySize& size, PrimLog& log) {
+    std::vector<GeometryAttribute> attributes = CollectAttributes(description, size, log);
+    attributes.erase(std::remove_if(attributes.begin(), attributes.end(),
+                                    [](const GeometryAttribute& attribute) {
+                                        return attribute.name == "widths";
+                                    }),
+                     attributes.end());
+    for (GeometryAttribute& attribute : attributes) {
         if (attribute.interpolation == Interpolation::FaceVarying) {
             attribute.interpolation =
                 size.hasJoints ? Interpolation::Varying : Interpolation::Vertex;

@@ -21,19 +21,19 @@ std::optional<glm::vec3> FindClosePoint(const GeometryDescription& description, 
 Bounds BoundPoints(const GeometryDescription& description);
 
 /// The primvar "widths", if it can be used.
-std::optional<MeshAttribute> AuthoredWidths(const GeometryDescription& description,
-                                            const TopologySize& size, PrimLog& log);
+std::optional<GeometryAttribute> AuthoredWidths(const GeometryDescription& description,
+                                                const TopologySize& size, PrimLog& log);
 
 /// Warns about widths that are negative or not finite; they count as 0.
-void WarnBadWidths(const MeshAttribute& widths, PrimLog& log);
+void WarnBadWidths(const GeometryAttribute& widths, PrimLog& log);
 
 /// Half the width of an element; 0 where it cannot be used.
-float RadiusOf(const MeshAttribute& widths, std::size_t element);
+float RadiusOf(const GeometryAttribute& widths, std::size_t element);
 
 /// User primvars that can be used, sorted by name: all but widths and normals. FaceVarying ones are
 /// Varying where there are joints.
-std::vector<MeshAttribute> SolidAttributes(const GeometryDescription& description,
-                                           const TopologySize& size, PrimLog& log);
+std::vector<GeometryAttribute> SolidAttributes(const GeometryDescription& description,
+                                               const TopologySize& size, PrimLog& log);
 
 /// A box of a ball's or a piece's hull in double, with what kernels may round.
 void ExtendBySolid(const glm::dvec3& centre, double radius, Bounds* bounds);

@@ -71,7 +71,7 @@ public:
         }
         FinishNormals();
         for (std::size_t i = 0; i < _values.size(); ++i) {
-            MeshAttribute attribute = _model.Primvars()[i].attribute;
+            GeometryAttribute attribute = _model.Primvars()[i].attribute;
             const Interpolation interpolation = attribute.interpolation;
             if (interpolation == Interpolation::Vertex || interpolation == Interpolation::Varying ||
                 interpolation == Interpolation::FaceVarying) {
@@ -259,7 +259,7 @@ private:
         if (_model.IsFlat()) {
             return;
         }
-        MeshAttribute& normals = _chunk.normals;
+        GeometryAttribute& normals = _chunk.normals;
         normals.name = "normals";
         normals.numComponents = 3;
         normals.interpolation = Interpolation::Vertex;

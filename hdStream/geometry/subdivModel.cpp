@@ -32,7 +32,7 @@ std::string FindObstacle(const GeometryDescription& mesh, const SubdivCage& cage
 
 /// Copies tuples into rows; values that are not finite would spread to their neighbours and read
 /// as 0.
-void CopyRows(const MeshAttribute& attribute, bool isDirect, int offset, ValueRows& rows) {
+void CopyRows(const GeometryAttribute& attribute, bool isDirect, int offset, ValueRows& rows) {
     const std::size_t numRows = rows.values.size() / std::size_t(rows.rowSize);
     tbb::parallel_for(std::size_t{0}, numRows, [&](std::size_t row) {
         const float* from = isDirect ? attribute.values.data() + row * attribute.numComponents
@@ -163,7 +163,7 @@ void SubdivModel::CollectPrimvars(const std::string& primPath, Warnings& warning
         size.numCorners += static_cast<std::size_t>(std::max(count, 0));
     }
     PrimLog log(primPath, warnings);
-    for (MeshAttribute& attribute : CollectAttributes(*_mesh, size, log)) {
+    for (GeometryAttribute& attribute : CollectAttributes(*_mesh, size, log)) {
         SubdivPrimvar primvar;
         const auto authored =
             std::find_if(_mesh->primvars.begin(), _mesh->primvars.end(),
@@ -213,7 +213,7 @@ void SubdivModel::FillRows() const {
     _vertexRows.values.resize(numPoints * std::size_t(_vertexRows.rowSize));
     _varyingRows.values.resize(numPoints * std::size_t(_varyingRows.rowSize));
     for (const SubdivPrimvar& primvar : _primvars) {
-        const MeshAttribute& attribute = primvar.attribute;
+        const GeometryAttribute& attribute = primvar.attribute;
         WarnNotFinite(attribute, _primPath, *_warnings);
         if (attribute.interpolation == Interpolation::Vertex) {
             CopyRows(attribute, false, primvar.offset, _vertexRows);

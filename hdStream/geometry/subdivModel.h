@@ -31,9 +31,9 @@ constexpr int kMaxEdges = 512;
 
 /// A primvar of a subdivided mesh. Uniform and constant ones are not refined.
 struct SubdivPrimvar {
-    MeshAttribute attribute; ///< its interpolation is the authored one: Varying stays
-    int channel = -1;        ///< FaceVarying: of the refiner
-    int offset = 0;          ///< Vertex, Varying: first float in the rows of its kind
+    GeometryAttribute attribute; ///< its interpolation is the authored one: Varying stays
+    int channel = -1;            ///< FaceVarying: of the refiner
+    int offset = 0;              ///< Vertex, Varying: first float in the rows of its kind
 };
 
 /// Rows of floats: one a point or face-varying value.

@@ -53,7 +53,7 @@ double SubdivPoints::Amount(const FaceLocation& location) {
         return bound.constant;
     }
     const SubdivPrimvar& primvar = _model.Primvars()[bound.attribute];
-    const MeshAttribute& attribute = primvar.attribute;
+    const GeometryAttribute& attribute = primvar.attribute;
     FaceSurface& surface = _surfaces.At(location.face);
     _row.assign(std::max({_model.VertexRows().rowSize, _model.VaryingRows().rowSize, 4}), 0.0);
     switch (attribute.interpolation) {

@@ -109,7 +109,7 @@ private:
     }
 
     void BindDisplacement(const Displacement& displacement) {
-        std::vector<MeshAttribute> attributes;
+        std::vector<GeometryAttribute> attributes;
         for (const SubdivPrimvar& primvar : Model().Primvars()) {
             attributes.push_back(primvar.attribute);
         }
@@ -124,7 +124,7 @@ private:
     }
 
     void DescribePages() {
-        std::vector<MeshAttribute> attributes;
+        std::vector<GeometryAttribute> attributes;
         for (const SubdivPrimvar& primvar : Model().Primvars()) {
             attributes.push_back(primvar.attribute);
             _attributes.push_back({primvar.attribute.name, primvar.attribute.numComponents});

@@ -23,10 +23,10 @@ struct TriangleMesh {
     std::vector<std::uint32_t> faces;  ///< [numTriangles] authored face
     std::vector<glm::uvec3> corners;   ///< [numTriangles] face-vertex indices
     std::vector<std::uint32_t>
-        materialEntries;                   ///< [numTriangles] 0 = prim, 1 + subset; empty: all 0
-    std::vector<MeshAttribute> attributes; ///< user primvars, in the order of their names
-    MeshAttribute normals; ///< authored or computed (Vertex, Uniform or FaceVarying), already
-                           ///< flipped for left-handed meshes; values empty: flat
+        materialEntries; ///< [numTriangles] 0 = prim, 1 + subset; empty: all 0
+    std::vector<GeometryAttribute> attributes; ///< user primvars, in the order of their names
+    GeometryAttribute normals; ///< authored or computed (Vertex, Uniform or FaceVarying), already
+                               ///< flipped for left-handed meshes; values empty: flat
     bool leftHanded = false;
     Bounds bounds; ///< relative to origin
 };

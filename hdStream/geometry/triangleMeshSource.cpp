@@ -20,7 +20,7 @@ TriangleMeshSource::TriangleMeshSource(std::shared_ptr<const TriangleMesh> mesh)
     _numVertices = _mesh->positions.size();
     _numGroups = static_cast<std::uint32_t>(_numTriangles);
     _isLeftHanded = _mesh->leftHanded;
-    for (const MeshAttribute& attribute : _mesh->attributes) {
+    for (const GeometryAttribute& attribute : _mesh->attributes) {
         _attributes.push_back({attribute.name, attribute.numComponents});
     }
     std::optional<Interpolation> normals;

@@ -79,7 +79,7 @@ void Interpret(const GeometryDescription& mesh, TriangleMesh& result, PrimLog& l
         const TopologySize size{mesh.points.size() / 3, table.numFaces,
                                 static_cast<std::size_t>(table.numCorners)};
         result.attributes = CollectAttributes(mesh, size, log);
-        for (const MeshAttribute& attribute : result.attributes) {
+        for (const GeometryAttribute& attribute : result.attributes) {
             WarnNotFinite(attribute, log.PrimPath(), log.Sink());
         }
         FillNormals(mesh, size, result, log);

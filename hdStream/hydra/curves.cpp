@@ -41,7 +41,8 @@ void HdStreamBasisCurves::AddDefaultPrimvars(std::vector<hds::Primvar>* primvars
 }
 
 bool HdStreamBasisCurves::CheckGeometry(HdStreamRenderParam*) const {
-    return _prim.mesh && !_prim.mesh->points.empty() && !_prim.mesh->faceVertexCounts.empty();
+    return _prim.geometry && !_prim.geometry->points.empty() &&
+           !_prim.geometry->faceVertexCounts.empty();
 }
 
 void HdStreamPoints::SyncTopology(HdSceneDelegate*, HdStreamRenderParam*, HdDirtyBits,
@@ -50,7 +51,7 @@ void HdStreamPoints::SyncTopology(HdSceneDelegate*, HdStreamRenderParam*, HdDirt
 }
 
 bool HdStreamPoints::CheckGeometry(HdStreamRenderParam*) const {
-    return _prim.mesh && !_prim.mesh->points.empty();
+    return _prim.geometry && !_prim.geometry->points.empty();
 }
 
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -54,7 +54,7 @@ bool HdStreamEqual(const hds::GeometryDescription& a, const hds::GeometryDescrip
 }
 
 bool HdStreamEqual(const hds::GeometryPrim& a, const hds::GeometryPrim& b) {
-    return a.mesh == b.mesh && a.placement.visible == b.placement.visible &&
+    return a.geometry == b.geometry && a.placement.visible == b.placement.visible &&
            a.placement.worldFromObject == b.placement.worldFromObject &&
            HdStreamEqual(a.placement.samples, b.placement.samples) &&
            a.placement.instancerPath == b.placement.instancerPath &&
@@ -67,12 +67,12 @@ bool HdStreamEqual(const hds::GeometryPrim& a, const hds::GeometryPrim& b) {
 
 bool HdStreamSyncVariants(HdSceneDelegate* delegate, const SdfPath& instancerId,
                           const std::string& scenePath, const hds::GeometryPrim& prim,
-                          HdStreamRenderParam* param, HdStreamMeshVariants* variants) {
+                          HdStreamRenderParam* param, HdStreamGeometryVariants* variants) {
     static const std::vector<hds::Primvar> none;
     const hds::Placement& placement = prim.placement;
     HdStreamInstanceGroups groups =
         HdStreamGroupInstances(HdStreamInstancer::Levels(delegate->GetRenderIndex(), instancerId),
-                               placement.instances, prim.mesh ? prim.mesh->primvars : none);
+                               placement.instances, prim.geometry ? prim.geometry->primvars : none);
     const auto warn = [param](const std::string& path, const char* text) {
         param->Push([path, text](hds::Session& session) { session.Warn(path, text); });
     };
@@ -84,7 +84,7 @@ bool HdStreamSyncVariants(HdSceneDelegate* delegate, const SdfPath& instancerId,
         warn(scenePath, "primvars that differ between instances of an outer instancer are not "
                         "supported yet; those of the first are used");
     }
-    return variants->Update(prim.mesh, std::move(groups));
+    return variants->Update(prim.geometry, std::move(groups));
 }
 
 void HdStreamSyncPlacement(HdSceneDelegate* delegate, const SdfPath& id, const SdfPath& instancerId,

@@ -2,7 +2,7 @@
 // What meshes, curves and points of Hydra have in common on their way into the core.
 #pragma once
 
-#include "hdStream/hydra/meshVariants.h"
+#include "hdStream/hydra/geometryVariants.h"
 #include "hdStream/session/session.h"
 
 #include <pxr/base/tf/token.h>
@@ -27,7 +27,7 @@ bool HdStreamEqual(const hds::GeometryPrim& a, const hds::GeometryPrim& b);
 /// Splits a prim by the primvars of its instances. \return true when that changed anything.
 bool HdStreamSyncVariants(HdSceneDelegate* delegate, const SdfPath& instancerId,
                           const std::string& scenePath, const hds::GeometryPrim& prim,
-                          HdStreamRenderParam* param, HdStreamMeshVariants* variants);
+                          HdStreamRenderParam* param, HdStreamGeometryVariants* variants);
 
 /// Reads where a prim is, and reserves its path in the scene when it has none yet.
 void HdStreamSyncPlacement(HdSceneDelegate* delegate, const SdfPath& id, const SdfPath& instancerId,

@@ -12,7 +12,7 @@ PXR_NAMESPACE_OPEN_SCOPE
 
 namespace {
 
-/// Each group is prepared as a mesh of its own.
+/// Each group is planned as a prim of its own.
 constexpr std::size_t kMaxGroups = 64;
 
 bool HasRow(const hds::Primvar& primvar, std::int32_t index) {
@@ -28,7 +28,7 @@ std::size_t RowBytes(const hds::Primvar& primvar) {
     return primvar.numComponents * sizeof(float);
 }
 
-/// The value of one instance, for all of a mesh.
+/// The value of one instance, for all of a gprim.
 hds::Primvar ConstantFrom(const hds::Primvar& primvar, std::int32_t index) {
     const float* row = Row(primvar, index);
     hds::Primvar constant;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Primvars per instance. The core has none: instances of a mesh are grouped by their values, and
-// each group is drawn as a mesh of its own, with constant primvars.
+// Primvars per instance. The core has none: instances of a gprim are grouped by their values, and
+// each group is drawn as a prim of its own, with constant primvars.
 #pragma once
 
 #include "hdStream/session/session.h"
@@ -22,10 +22,10 @@ struct HdStreamInstanceLevel {
 /// An instancer and those above it, the innermost first.
 using HdStreamInstanceLevels = std::vector<std::shared_ptr<const HdStreamInstanceLevel>>;
 
-/// The instances of a mesh that have equal values.
+/// The instances of a gprim that have equal values.
 struct HdStreamInstanceGroup {
     std::vector<hds::Primvar> primvars; ///< constant
-    /// As long as the mesh's own list, with -1 for instances of other groups: a rank in it is what
+    /// As long as the gprim's own list, with -1 for instances of other groups: a rank in it is what
     /// instanceId counts.
     hds::SharedSpan<std::int32_t> instances;
 };
@@ -36,8 +36,8 @@ struct HdStreamInstanceGroups {
     bool variesAbove = false; ///< values of an outer instancer differ; the first ones are taken
 };
 
-/// Groups the instances of a mesh by the bits of their values. Of primvars of one name those of the
-/// mesh itself win, then those of the inner instancer.
+/// Groups the instances of a gprim by the bits of their values. Of primvars of one name those of
+/// the gprim itself win, then those of the inner instancer.
 HdStreamInstanceGroups HdStreamGroupInstances(const HdStreamInstanceLevels& levels,
                                               const hds::SharedSpan<std::int32_t>& instances,
                                               const std::vector<hds::Primvar>& own);

@@ -11,6 +11,9 @@
 #include <pxr/usd/sdf/assetPath.h>
 #include <pxr/usd/sdf/pathExpression.h>
 
+#include <array>
+#include <string>
+#include <type_traits>
 #include <utility>
 
 PXR_NAMESPACE_OPEN_SCOPE
@@ -39,16 +42,21 @@ private:
     const SdfPath& _id;
 };
 
-void ReadShape(const Reader& reader, hds::LightDescription* light) {
-    static const TfToken treatAsPoint("treatAsPoint");
-    static const TfToken treatAsLine("treatAsLine");
-    reader.Read(HdLightTokens->angle, &light->angle);
-    reader.Read(HdLightTokens->radius, &light->radius);
-    reader.Read(HdLightTokens->width, &light->width);
-    reader.Read(HdLightTokens->height, &light->height);
-    reader.Read(HdLightTokens->length, &light->length);
-    reader.Read(treatAsPoint, &light->treatAsPoint);
-    reader.Read(treatAsLine, &light->treatAsLine);
+/// Reads the members whose parameter has their name, behind a prefix.
+template <typename Struct>
+void ReadFields(const Reader& reader, const std::string& prefix, Struct* result) {
+    hds::ForEachField<Struct>([&](const auto& field) {
+        auto& value = result->*field.member;
+        using Member = std::decay_t<decltype(value)>;
+        const TfToken name(prefix + field.name);
+        if constexpr (std::is_arithmetic_v<Member>) {
+            reader.Read(name, &value);
+        } else if constexpr (std::is_same_v<Member, std::array<float, 3>>) {
+            GfVec3f color(value[0], value[1], value[2]);
+            reader.Read(name, &color);
+            value = {color[0], color[1], color[2]};
+        }
+    });
 }
 
 void ReadTexture(const Reader& reader, hds::LightDescription* light) {
@@ -64,10 +72,7 @@ void ReadTexture(const Reader& reader, hds::LightDescription* light) {
 
 hds::LightShaping ReadShaping(const Reader& reader) {
     hds::LightShaping shaping;
-    reader.Read(HdLightTokens->shapingFocus, &shaping.focus);
-    GfVec3f tint(0.0F);
-    reader.Read(HdLightTokens->shapingFocusTint, &tint);
-    shaping.focusTint = {tint[0], tint[1], tint[2]};
+    ReadFields(reader, "shaping:", &shaping);
     reader.Read(HdLightTokens->shapingConeAngle, &shaping.coneAngle);
     reader.Read(HdLightTokens->shapingConeSoftness, &shaping.coneSoftness);
     SdfAssetPath file;
@@ -78,18 +83,6 @@ hds::LightShaping ReadShaping(const Reader& reader) {
     reader.Read(HdLightTokens->shapingIesAngleScale, &shaping.iesAngleScale);
     reader.Read(HdLightTokens->shapingIesNormalize, &shaping.iesNormalize);
     return shaping;
-}
-
-hds::LightShadow ReadShadow(const Reader& reader) {
-    hds::LightShadow shadow;
-    reader.Read(HdLightTokens->shadowEnable, &shadow.enable);
-    GfVec3f color(0.0F);
-    reader.Read(HdLightTokens->shadowColor, &color);
-    shadow.color = {color[0], color[1], color[2]};
-    reader.Read(HdLightTokens->shadowDistance, &shadow.distance);
-    reader.Read(HdLightTokens->shadowFalloff, &shadow.falloff);
-    reader.Read(HdLightTokens->shadowFalloffGamma, &shadow.falloffGamma);
-    return shadow;
 }
 
 /// Whether a light's collection is not the one that holds everything.
@@ -149,20 +142,11 @@ hds::LightDescription HdStreamReadLight(HdSceneDelegate* delegate, const SdfPath
     if (typeId == HdPrimTypeTokens->distantLight) {
         light.intensity = kDistantIntensity;
     }
-    reader.Read(HdLightTokens->intensity, &light.intensity);
-    reader.Read(HdLightTokens->exposure, &light.exposure);
-    reader.Read(HdLightTokens->diffuse, &light.diffuse);
-    reader.Read(HdLightTokens->specular, &light.specular);
-    reader.Read(HdLightTokens->normalize, &light.normalize);
-    GfVec3f color(light.color[0], light.color[1], light.color[2]);
-    reader.Read(HdLightTokens->color, &color);
-    light.color = {color[0], color[1], color[2]};
-    reader.Read(HdLightTokens->enableColorTemperature, &light.enableColorTemperature);
-    reader.Read(HdLightTokens->colorTemperature, &light.colorTemperature);
-    ReadShape(reader, &light);
+    ReadFields(reader, "", &light);
+    light.visibleToCamera = true; // is decided by others, not by an input
     ReadTexture(reader, &light);
     light.shaping = ReadShaping(reader);
-    light.shadow = ReadShadow(reader);
+    ReadFields(reader, "shadow:", &light.shadow);
     return light;
 }
 

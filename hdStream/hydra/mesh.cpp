@@ -150,8 +150,8 @@ void HdStreamMesh::SyncSubsets(HdSceneDelegate* delegate, HdStreamRenderParam* p
 }
 
 bool HdStreamMesh::CheckGeometry(HdStreamRenderParam* param) const {
-    const bool hasFaces =
-        _prim.mesh && !_prim.mesh->points.empty() && !_prim.mesh->faceVertexCounts.empty();
+    const bool hasFaces = _prim.geometry && !_prim.geometry->points.empty() &&
+                          !_prim.geometry->faceVertexCounts.empty();
     if (_prim.light && !hasFaces) {
         param->Warn(SdfPath(_scenePath), "mesh light has no faces; it lights nothing");
     }

@@ -114,16 +114,16 @@ template <typename Base>
 void HdStreamRprim<Base>::SyncGeometry(HdSceneDelegate* delegate, HdStreamRenderParam* param,
                                        HdDirtyBits bits) {
     const SdfPath& id = this->GetId();
-    auto mesh = _prim.mesh ? std::make_shared<hds::GeometryDescription>(*_prim.mesh)
-                           : std::make_shared<hds::GeometryDescription>();
-    SyncTopology(delegate, param, bits, mesh.get());
+    auto geometry = _prim.geometry ? std::make_shared<hds::GeometryDescription>(*_prim.geometry)
+                                   : std::make_shared<hds::GeometryDescription>();
+    SyncTopology(delegate, param, bits, geometry.get());
     if (HdChangeTracker::IsAnyPrimvarDirty(bits, id)) {
-        HdStreamSyncPrimvars(delegate, id, bits, &mesh->points, &mesh->primvars);
-        mesh->samples = HdStreamSamplePoints(delegate, id, param->Shutter());
-        AddDefaultPrimvars(&mesh->primvars);
+        HdStreamSyncPrimvars(delegate, id, bits, &geometry->points, &geometry->primvars);
+        geometry->samples = HdStreamSamplePoints(delegate, id, param->Shutter());
+        AddDefaultPrimvars(&geometry->primvars);
     }
-    if (!_prim.mesh || !HdStreamEqual(*mesh, *_prim.mesh)) {
-        _prim.mesh = std::move(mesh);
+    if (!_prim.geometry || !HdStreamEqual(*geometry, *_prim.geometry)) {
+        _prim.geometry = std::move(geometry);
     }
 }
 
@@ -154,7 +154,7 @@ void HdStreamRprim<Base>::Finalize(HdRenderParam* renderParam) {
         param->ReleasePath(_scenePath);
         _scenePath.clear();
     }
-    _prim.mesh.reset();
+    _prim.geometry.reset();
 }
 
 template class HdStreamRprim<HdMesh>;

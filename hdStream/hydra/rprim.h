@@ -4,7 +4,7 @@
 // with it all that the core has prepared.
 #pragma once
 
-#include "hdStream/hydra/meshVariants.h"
+#include "hdStream/hydra/geometryVariants.h"
 #include "hdStream/session/session.h"
 
 #include <pxr/imaging/hd/basisCurves.h>
@@ -44,7 +44,7 @@ protected:
     virtual void SyncLook(HdSceneDelegate*, HdStreamRenderParam*, HdDirtyBits) {}
     /// Pulls the geometry apart from primvars.
     virtual void SyncTopology(HdSceneDelegate* delegate, HdStreamRenderParam* param,
-                              HdDirtyBits bits, hds::GeometryDescription* mesh) = 0;
+                              HdDirtyBits bits, hds::GeometryDescription* geometry) = 0;
     /// Adds the primvars that this kind has by default.
     virtual void AddDefaultPrimvars(std::vector<hds::Primvar>*) const {}
     /// True when the geometry has something to draw; warns where the scene says otherwise.
@@ -59,7 +59,7 @@ private:
     /// Queues the prim as it is now, or its removal when there is nothing to draw.
     void Push(HdStreamRenderParam* param);
 
-    HdStreamMeshVariants _variants; ///< of the prim, in the scene
+    HdStreamGeometryVariants _variants; ///< of the prim, in the scene
 };
 
 extern template class HdStreamRprim<HdMesh>;

@@ -96,9 +96,10 @@ VtValue VtFrom(const hds::SettingValue& value) {
     return std::visit(Visitor{}, value);
 }
 
-/// Sets one value. \return what is wrong, or an empty text. Former spellings are set with a note.
+/// Sets one value. \return what is wrong, or an empty text. Former spellings are set with a note,
+/// unless it is among `told`.
 std::string Apply(hds::Settings* settings, const std::string& name, const VtValue& value,
-                  hds::SettingValue* applied) {
+                  hds::SettingValue* applied, std::set<std::string>* told) {
     const hds::SettingInfo* info = hds::FindSetting(name);
     if (!info || !info->IsUserSetting()) {
         return name + " is no render setting of Stream";
@@ -109,7 +110,7 @@ std::string Apply(hds::Settings* settings, const std::string& name, const VtValu
     }
     try {
         const std::string note = hds::SetSetting(settings, name, *converted);
-        if (!note.empty()) {
+        if (!note.empty() && told->insert(note).second) {
             TF_WARN("%s", note.c_str());
         }
     } catch (const hds::Error& error) {
@@ -162,7 +163,7 @@ bool HdStreamSettingsBridge::Set(const TfToken& key, const VtValue& value, std::
     }
     hds::Settings settings = Compose({}, nullptr);
     hds::SettingValue applied;
-    *problem = Apply(&settings, name, wanted, &applied);
+    *problem = Apply(&settings, name, wanted, &applied, &_toldNotes);
     if (!problem->empty()) {
         return false;
     }
@@ -179,14 +180,15 @@ VtValue HdStreamSettingsBridge::Get(const std::string& name) const {
 }
 
 hds::Settings HdStreamSettingsBridge::Compose(const VtDictionary& sceneSettings,
-                                              std::vector<std::string>* problems) const {
+                                              std::vector<std::string>* problems) {
     hds::Settings settings;
     for (const auto& [key, value] : sceneSettings) {
         if (!TfStringStartsWith(key, kNamespace)) {
             continue;
         }
         hds::SettingValue applied;
-        std::string problem = Apply(&settings, key.substr(kNamespace.size()), value, &applied);
+        std::string problem =
+            Apply(&settings, key.substr(kNamespace.size()), value, &applied, &_toldNotes);
         if (!problem.empty() && problems) {
             problems->push_back(std::move(problem));
         }

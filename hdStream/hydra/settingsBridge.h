@@ -10,6 +10,7 @@
 #include <pxr/pxr.h>
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -34,14 +35,14 @@ public:
 
     /// Defaults, then the values of the scene's render settings prim, then the application's.
     /// \param problems one line for each value of the scene that cannot be used
-    hds::Settings Compose(const VtDictionary& sceneSettings,
-                          std::vector<std::string>* problems) const;
+    hds::Settings Compose(const VtDictionary& sceneSettings, std::vector<std::string>* problems);
 
     /// True when the application has set it.
     bool IsSet(const std::string& name) const { return _values.count(name) != 0; }
 
 private:
     std::map<std::string, hds::SettingValue> _values; ///< set by the application, by name
+    std::set<std::string> _toldNotes; ///< on former spellings: each is told once a session
 };
 
 PXR_NAMESPACE_CLOSE_SCOPE

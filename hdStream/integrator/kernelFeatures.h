@@ -6,6 +6,7 @@
 #include "hdStream/device/program.h"
 
 #include "kernels/shared/material.h"
+#include "kernels/shared/pathConditions.h"
 #include "kernels/shared/residency.h"
 
 #include <cstdint>
@@ -22,7 +23,9 @@ struct KernelFeatures {
 
     /// Rays that wait keep lists of the chunks they wait for.
     bool HasLists() const {
-        return streaming && !requestsFirst;
+        const bool HDS_FEATURE_STREAMING = streaming;
+        const bool HDS_REQUEST_FIRST = requestsFirst;
+        return HDS_KEEPS_WAIT_LISTS;
     }
 
     bool operator==(const KernelFeatures& other) const {
@@ -33,6 +36,21 @@ struct KernelFeatures {
 #define HDS_PROGRAM_FEATURE(member, doc) isEqual = isEqual && member == other.member;
 #include "kernels/shared/features.def"
         return isEqual;
+    }
+
+    /// With what its features need on too.
+    KernelFeatures WithNeeds() const {
+        KernelFeatures f = *this;
+#define HDS_FEATURE(type, member, macro, off, on, needs, doc) \
+    if (member != off) {                                      \
+        needs;                                                \
+    }
+#define HDS_VARIANT(member, macro, needs, doc) \
+    if (member) {                              \
+        needs;                                 \
+    }
+#include "kernels/shared/features.def"
+        return f;
     }
 
     /// What programs are built with.

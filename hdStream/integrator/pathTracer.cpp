@@ -91,7 +91,6 @@ struct PathTracer::Impl {
         features.lightTree = scene->lights->lights.size() > HDS_LIGHT_LOOP_MAX;
         features.numTexturePools = buffers.Textures().NumBuffers() > 1 ? kMaxPoolBuffers : 1;
         features.textureStreaming = buffers.Textures().Pool() != nullptr;
-        features.plainTextures = buffers.Textures().IsPlain();
         features.groups = scene->hasGroups;
         features.curves = scene->hasCurves;
         features.motion = scene->hasMotion || MovesOver(options.camera, options.shutter);
@@ -173,7 +172,11 @@ struct PathTracer::Impl {
     /// \return whether all of the pass is rendered: it was not stopped before its last wave.
     bool RenderPass(const SamplePass& pass, Onlooker* onlooker) {
         UsePixels(pass.list);
-        const std::uint32_t pixelsPerWave = std::max(1U, tracer.WaveSize() / pass.numSamples);
+        // One work-item adds all samples of a pixel that a pass makes, so they are in one wave.
+        HDS_VERIFY(pass.numSamples <= tracer.WaveSize(),
+                   std::to_string(pass.numSamples) + " samples of a pixel do not fit a wave of " +
+                       std::to_string(tracer.WaveSize()));
+        const std::uint32_t pixelsPerWave = tracer.WaveSize() / pass.numSamples;
         for (std::uint32_t first = pass.begin; first < pass.end; first += pixelsPerWave) {
             const std::uint32_t count = std::min(pixelsPerWave, pass.end - first);
             RenderWave({first, count, pass.firstSample, pass.numSamples});
@@ -346,10 +349,10 @@ struct PathTracer::Impl {
         film.SetHasFirstHits();
     }
 
-    /// [numMeshes][names.size()] attribute slot of each primvar, or HDS_NONE.
+    /// [numPrims][names.size()] attribute slot of each primvar, or HDS_NONE.
     std::vector<std::uint32_t> PrimvarSlots(const std::vector<std::string>& names) const {
         std::vector<std::uint32_t> slots;
-        for (const std::vector<AttributeName>* attributes : scene->meshAttributes) {
+        for (const std::vector<AttributeName>* attributes : scene->primAttributes) {
             for (const std::string& name : names) {
                 const auto found = std::find_if(
                     attributes->begin(), attributes->end(),

@@ -80,8 +80,7 @@ struct ResidencyOptions {
     /// Of the pool for textures, as budgetBytes and budgetShare.
     std::uint64_t textureBudgetBytes = 0;
     double textureBudgetShare = 0.0;
-    bool plainTextures = false; ///< whole and uncompressed, to compare with
-    bool preparesAll = false;   ///< all geometry is prepared before the first ray
+    bool preparesAll = false; ///< all geometry is prepared before the first ray
 
     static constexpr auto Fields() {
         return FieldList(
@@ -90,7 +89,7 @@ struct ResidencyOptions {
             HDS_FIELD(ResidencyOptions, requestsFirst),
             HDS_FIELD(ResidencyOptions, textureBudgetBytes),
             HDS_FIELD(ResidencyOptions, textureBudgetShare),
-            HDS_FIELD(ResidencyOptions, plainTextures), HDS_FIELD(ResidencyOptions, preparesAll));
+            HDS_FIELD(ResidencyOptions, preparesAll));
     }
 };
 

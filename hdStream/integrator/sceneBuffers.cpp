@@ -14,7 +14,7 @@ namespace {
 
 const char* const kLabels[] = {
     "top nodes", "instances",      "instances by path", "objects",
-    "meshes",    "mesh materials", "materials",         "lights by material entry",
+    "prims",     "prim materials", "materials",         "lights by material entry",
     "lights",    "light tree",     "light triangles",   "light distributions",
     "programs",  "motion keys"};
 
@@ -110,8 +110,8 @@ bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& r
     Upload(Instances, scene.instances);
     Upload(InstancesByPath, scene.instancesByPath);
     Upload(Objects, scene.objects);
-    Upload(Meshes, scene.meshes);
-    Upload(MeshMaterials, scene.meshMaterials);
+    Upload(Prims, scene.prims);
+    Upload(PrimMaterials, scene.primMaterials);
     Upload(Materials, scene.materials);
     Upload(LightByEntry, scene.lightByEntry);
     Upload(Programs, scene.programs);
@@ -175,7 +175,7 @@ unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first, bool hasMoti
 
 unsigned SceneBuffers::BindScene(Kernel* kernel, unsigned first, bool hasMotion) const {
     first = BindGeometry(kernel, first, hasMotion);
-    for (const Table table : {Meshes, MeshMaterials, Materials, LightByEntry, Lights, LightNodes,
+    for (const Table table : {Prims, PrimMaterials, Materials, LightByEntry, Lights, LightNodes,
                               LightTriangles, LightCdf}) {
         kernel->SetBuffer(first++, _tables[table]);
     }

@@ -22,13 +22,9 @@ SceneTextures::SceneTextures(std::shared_ptr<Device> device, Store* store)
 
 void SceneTextures::Update(const CommittedScene& scene, const ResidencyOptions& residency) {
     const bool isNeeded = !scene.textureTable.empty();
-    const bool isPlain = isNeeded && residency.plainTextures;
-    const bool isResident = isNeeded && !isPlain && residency.mode == ResidencyMode::Resident;
-    const bool isStreamed = isNeeded && !isPlain && !isResident;
+    const bool isResident = isNeeded && residency.mode == ResidencyMode::Resident;
+    const bool isStreamed = isNeeded && !isResident;
     // Frees what is not wanted any more first.
-    if (!isPlain) {
-        _plain = nullptr;
-    }
     if (!isResident) {
         _resident = nullptr;
     }
@@ -36,12 +32,7 @@ void SceneTextures::Update(const CommittedScene& scene, const ResidencyOptions& 
         _pool = nullptr;
     }
     _budgetBytes = isStreamed ? Budget(scene, residency) : 0;
-    if (isPlain) {
-        if (!_plain) {
-            _plain = std::make_unique<PlainTextureBuffers>(_device);
-        }
-        _plain->Update(scene);
-    } else if (isResident) {
+    if (isResident) {
         if (!_resident) {
             _resident = std::make_unique<ResidentTextures>(_device);
         }
@@ -83,20 +74,15 @@ std::uint64_t SceneTextures::Budget(const CommittedScene& scene,
 
 unsigned SceneTextures::Bind(Kernel* kernel, unsigned first) const {
     kernel->SetBytes(first++, &_mipBias, sizeof(_mipBias));
-    return _plain      ? _plain->Bind(kernel, first)
-           : _resident ? _resident->Binding().Bind(kernel, first)
-                       : _pool->Binding().Bind(kernel, first);
+    return (_resident ? _resident->Binding() : _pool->Binding()).Bind(kernel, first);
 }
 
 std::uint32_t SceneTextures::NumBuffers() const {
-    return _plain      ? _plain->NumBuffers()
-           : _resident ? _resident->NumBuffers()
-           : _pool     ? _pool->NumBuffers()
-                       : 0;
+    return _resident ? _resident->NumBuffers() : _pool ? _pool->NumBuffers() : 0;
 }
 
 std::uint64_t SceneTextures::Bytes() const {
-    return _plain ? _plain->Bytes() : _resident ? _resident->Bytes() : _pool ? _pool->Bytes() : 0;
+    return _resident ? _resident->Bytes() : _pool ? _pool->Bytes() : 0;
 }
 
 std::uint64_t SceneTextures::TableBytes() const {

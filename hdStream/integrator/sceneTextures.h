@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The textures of a committed scene on the device: streamed, resident, or plain to compare with.
+// The textures of a committed scene on the device: streamed or resident.
 // Explained in docs/texturing.md.
 #pragma once
 
-#include "hdStream/integrator/plainTextureBuffers.h"
 #include "hdStream/integrator/renderOptions.h"
+#include "hdStream/scene/commit.h"
 #include "hdStream/texture/residentTextures.h"
 #include "hdStream/texture/texturePool.h"
 
@@ -34,7 +34,6 @@ public:
     /// Bind again when this has changed.
     std::uint64_t Generation() const { return _pool ? _pool->Generation() : 0; }
 
-    bool IsPlain() const { return _plain != nullptr; }
     /// Null: nothing can be missing.
     TexturePool* Pool() { return _pool.get(); }
     const TexturePool* Pool() const { return _pool.get(); }
@@ -55,9 +54,8 @@ private:
 
     std::shared_ptr<Device> _device;
     Store* _store;
-    std::unique_ptr<TexturePool> _pool; ///< one of the three, if there are textures
+    std::unique_ptr<TexturePool> _pool; ///< one of the two, if there are textures
     std::unique_ptr<ResidentTextures> _resident;
-    std::unique_ptr<PlainTextureBuffers> _plain;
     std::uint64_t _budgetBytes = 0;
     float _mipBias = 0.0F;
 };

@@ -16,12 +16,12 @@ std::uint64_t NumPathFields(const KernelFeatures& features) {
     [[maybe_unused]] const bool macro = features.member != off;
 #define HDS_VARIANT(member, macro, needs, doc) [[maybe_unused]] const bool macro = features.member;
 #include "kernels/shared/features.def"
-    const bool HDS_WAIT_LISTS = features.HasLists();
-    const bool HDS_SHADOW_LIGHT = features.lightControls || features.texturedEmission;
+    const bool HDS_WAIT_LISTS = HDS_KEEPS_WAIT_LISTS;
+    const bool HDS_SHADOW_LIGHT = HDS_KEEPS_SHADOW_LIGHT;
     std::uint64_t count = 0;
-#define HDS_FIELD(condition, type, name, doc) count += (condition) ? 1 : 0;
+#define HDS_PATH_FIELD(condition, type, name, doc) count += (condition) ? 1 : 0;
 #include "kernels/shared/pathState.def"
-#undef HDS_FIELD
+#undef HDS_PATH_FIELD
     return count;
 }
 
@@ -56,6 +56,8 @@ std::uint64_t StageKernels::PathStateBytes(const KernelFeatures& features) {
 StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
                            const KernelFeatures& features)
     : _features(features) {
+    HDS_VERIFY(features == features.WithNeeds(),
+               "a feature is on without what it needs (kernels/shared/features.def)");
     const ProgramDefines defines = MakeDefines(*device, features);
     const auto build = [&](const char* root) {
         _unsaved.push_back(std::make_unique<Program>(device, root, defines, store));

@@ -157,8 +157,11 @@ struct Attribute<std::vector<glm::dvec4>> {
     }
 };
 
+/// ReadOnly: of what is made whole by its constructor.
+enum class FieldAccess { ReadWrite, ReadOnly };
+
 /// An attribute for each member.
-template <typename T>
+template <FieldAccess access = FieldAccess::ReadWrite, typename T>
 void BindFields(nanobind::class_<T>& binding) {
     ForEachField<T>([&](const auto& field) {
         using Member = typename std::decay_t<decltype(field)>::Member;
@@ -170,35 +173,22 @@ void BindFields(nanobind::class_<T>& binding) {
         const char* const name = field.name;
         const std::size_t rowLength = field.rowLength;
         if constexpr (Own::kIsOwn) {
-            binding.def_prop_rw(
-                name,
-                [member, rowLength](const T& self) { return Own::Get(self.*member, rowLength); },
-                [member, name, rowLength](T& self, const typename Own::Input& value) {
-                    self.*member = Own::Set(value, name, rowLength);
-                });
+            const auto get = [member, rowLength](const T& self) {
+                return Own::Get(self.*member, rowLength);
+            };
+            if constexpr (access == FieldAccess::ReadOnly) {
+                binding.def_prop_ro(name, get);
+            } else {
+                binding.def_prop_rw(
+                    name, get,
+                    [member, name, rowLength](T& self, const typename Own::Input& value) {
+                        self.*member = Own::Set(value, name, rowLength);
+                    });
+            }
+        } else if constexpr (access == FieldAccess::ReadOnly) {
+            binding.def_ro(name, member);
         } else {
             binding.def_rw(name, member);
-        }
-    });
-}
-
-/// The same, of what is made whole by its constructor.
-template <typename T>
-void BindReadOnlyFields(nanobind::class_<T>& binding) {
-    ForEachField<T>([&](const auto& field) {
-        using Member = typename std::decay_t<decltype(field)>::Member;
-        using Own = Attribute<Member>;
-        if (field.notInPython) {
-            return;
-        }
-        const auto member = field.member;
-        const std::size_t rowLength = field.rowLength;
-        if constexpr (Own::kIsOwn) {
-            binding.def_prop_ro(field.name, [member, rowLength](const T& self) {
-                return Own::Get(self.*member, rowLength);
-            });
-        } else {
-            binding.def_ro(field.name, member);
         }
     });
 }

@@ -21,7 +21,7 @@ void BindMaterials(nb::module_& module) {
             new (self) AssetReference{authoredPath, file, offset, size};
         },
         "authoredPath"_a = "", "file"_a = "", "offset"_a = 0, "size"_a = 0);
-    BindReadOnlyFields(asset);
+    BindFields<FieldAccess::ReadOnly>(asset);
 
     nb::class_<MaterialNode::Connection> connection(module, "Connection", "The output of a node.");
     connection.def(
@@ -30,7 +30,7 @@ void BindMaterials(nb::module_& module) {
             new (self) MaterialNode::Connection{path, output};
         },
         "upstreamPath"_a, "upstreamOutput"_a);
-    BindReadOnlyFields(connection);
+    BindFields<FieldAccess::ReadOnly>(connection);
 
     nb::class_<MaterialNode> node(module, "MaterialNode", "One shader node.");
     node.def(
@@ -42,7 +42,7 @@ void BindMaterials(nb::module_& module) {
                 MaterialNode{path, identifier, std::move(parameters), std::move(connections)};
         },
         "path"_a, "identifier"_a, "parameters"_a, "connections"_a);
-    BindReadOnlyFields(node);
+    BindFields<FieldAccess::ReadOnly>(node);
 
     nb::class_<MaterialNetwork> network(module, "MaterialNetwork",
                                         "Nodes and terminals of a material.");
@@ -53,7 +53,7 @@ void BindMaterials(nb::module_& module) {
             new (self) MaterialNetwork{std::move(nodes), std::move(terminals)};
         },
         "nodes"_a, "terminals"_a);
-    BindReadOnlyFields(network);
+    BindFields<FieldAccess::ReadOnly>(network);
 
     module.def("PatternNames", &PatternNames,
                "The names of all pattern nodes, sorted: MaterialX's categories and USD's names.");

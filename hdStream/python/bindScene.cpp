@@ -33,13 +33,13 @@ void BindPrimvar(nb::module_& module) {
         },
         "name"_a, "interpolation"_a, "values"_a, "indices"_a = nb::none(),
         "`values` is a float32 array [count] or [count][components].");
-    BindReadOnlyFields(primvar);
+    BindFields<FieldAccess::ReadOnly>(primvar);
     primvar.def_prop_ro("values", [](const Primvar& self) {
         return ArrayFromSpan(self.values, self.numComponents);
     });
 }
 
-void BindMesh(nb::module_& module) {
+void BindGeometry(nb::module_& module) {
     BindStruct<MeshSubset>(module, "MeshSubset", "A face set.");
     BindStruct<SubdivTags>(module, "SubdivTags", "OpenSubdiv tags as authored.");
     BindEnum<PrimitiveKind>(module, "PrimitiveKind", "What a description is made of.");
@@ -81,22 +81,24 @@ void BindPlaced(nb::module_& module) {
     BindFields(placement);
 
     BindEnum<CullStyle>(module, "CullStyle", "Which faces camera rays do not see.");
-    nb::class_<GeometryPrim> meshPrim(module, "GeometryPrim", "A mesh in the scene.");
-    meshPrim
+    nb::class_<GeometryPrim> geometryPrim(module, "GeometryPrim",
+                                          "A mesh, curves or points in the scene.");
+    geometryPrim
         .def(
             "__init__",
-            [](GeometryPrim* self, const GeometryDescription& mesh, const Placement& where,
+            [](GeometryPrim* self, const GeometryDescription& geometry, const Placement& where,
                const std::string& purpose, const std::string& materialPath) {
                 new (self) GeometryPrim;
                 self->placement = where;
                 self->purpose = purpose;
-                self->mesh = std::make_shared<const GeometryDescription>(mesh); // shares the arrays
+                self->geometry =
+                    std::make_shared<const GeometryDescription>(geometry); // shares the arrays
                 self->materialPath = materialPath;
             },
-            "mesh"_a, "placement"_a, "purpose"_a = "default", "materialPath"_a = "")
+            "geometry"_a, "placement"_a, "purpose"_a = "default", "materialPath"_a = "")
         .def_prop_ro(
-            "mesh",
-            [](const GeometryPrim& self) -> const GeometryDescription& { return *self.mesh; },
+            "geometry",
+            [](const GeometryPrim& self) -> const GeometryDescription& { return *self.geometry; },
             nb::rv_policy::reference_internal)
         .def(
             "SetLight",
@@ -106,7 +108,7 @@ void BindPlaced(nb::module_& module) {
             },
             "light"_a, "materialSyncMode"_a, "links"_a, "Makes the mesh a light.")
         .def("RemoveLight", [](GeometryPrim& self) { self.light = nullptr; });
-    BindFields(meshPrim);
+    BindFields(geometryPrim);
 
     nb::class_<InstancerPrim> instancer(module, "InstancerPrim", "Places its prototypes.");
     instancer.def(
@@ -156,13 +158,13 @@ void BindLight(nb::module_& module) {
 
 void BindScene(nb::module_& module) {
     BindPrimvar(module);
-    BindMesh(module);
+    BindGeometry(module);
     BindPlaced(module);
     BindLight(module);
     BindStruct<CameraPrim>(module, "CameraPrim", "A camera in the scene.");
     // Copies of the maps, whose arrays are shared: edits of the session end the life of its own.
     nb::class_<SceneDescription>(module, "SceneDescription", "All prims, by path; copies.")
-        .def_prop_ro("meshes", [](const SceneDescription& self) { return self.meshes; })
+        .def_prop_ro("geometry", [](const SceneDescription& self) { return self.geometry; })
         .def_prop_ro("instancers", [](const SceneDescription& self) { return self.instancers; })
         .def_prop_ro("lights", [](const SceneDescription& self) { return self.lights; })
         .def_prop_ro("materials",

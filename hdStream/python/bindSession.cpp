@@ -195,7 +195,7 @@ void BindSession(nb::module_& module) {
                 new (self) Session(WarningSinkFromPython(std::move(onWarning)));
             },
             "onWarning"_a = nb::none())
-        .def("SetMesh", &Session::SetMesh, "path"_a, "prim"_a)
+        .def("SetGeometry", &Session::SetGeometry, "path"_a, "prim"_a)
         .def("SetInstancer", &Session::SetInstancer, "path"_a, "prim"_a)
         .def("SetLight", &Session::SetLight, "path"_a, "prim"_a)
         .def(

@@ -2,10 +2,10 @@
 #include "hdStream/scene/commit.h"
 
 #include "hdStream/geometry/subdivSource.h"
+#include "hdStream/scene/geometryMotion.h"
 #include "hdStream/scene/hierarchy.h"
 #include "hdStream/scene/lightCommit.h"
 #include "hdStream/scene/materialCommit.h"
-#include "hdStream/scene/meshMotion.h"
 #include "hdStream/scene/sceneCentre.h"
 #include "hdStream/scene/textureImages.h"
 #include "hdStream/scene/transforms.h"
@@ -21,24 +21,24 @@ namespace hds {
 
 namespace {
 
-using MeshEntry = GeometryStore::Entry;
+using GeometryEntry = GeometryStore::Entry;
 
 bool IsDrawn(const GeometryPrim& prim, const std::vector<std::string>& purposes) {
-    return prim.mesh && prim.placement.visible &&
+    return prim.geometry && prim.placement.visible &&
            std::find(purposes.begin(), purposes.end(), prim.purpose) != purposes.end();
 }
 
-/// HDS_MESH_CULL_* of a mesh.
+/// HDS_PRIM_CULL_* of a prim.
 std::uint32_t CullFlags(const GeometryPrim& prim, CullStyle fallback) {
     switch (prim.cullStyle == CullStyle::DontCare ? fallback : prim.cullStyle) {
     case CullStyle::Back:
-        return HDS_MESH_CULL_BACK;
+        return HDS_PRIM_CULL_BACK;
     case CullStyle::Front:
-        return HDS_MESH_CULL_FRONT;
+        return HDS_PRIM_CULL_FRONT;
     case CullStyle::BackUnlessDoubleSided:
-        return prim.doubleSided ? 0U : HDS_MESH_CULL_BACK;
+        return prim.doubleSided ? 0U : HDS_PRIM_CULL_BACK;
     case CullStyle::FrontUnlessDoubleSided:
-        return prim.doubleSided ? 0U : HDS_MESH_CULL_FRONT;
+        return prim.doubleSided ? 0U : HDS_PRIM_CULL_FRONT;
     case CullStyle::DontCare:
     case CullStyle::Nothing:
         break;
@@ -57,8 +57,8 @@ public:
 
     std::unique_ptr<CommittedScene> Run(const CancelCallback& isCancelled) {
         const auto start = std::chrono::steady_clock::now();
-        std::vector<const MeshEntry*> drawn;
-        for (const MeshEntry& entry : _scene.meshes) {
+        std::vector<const GeometryEntry*> drawn;
+        for (const GeometryEntry& entry : _scene.geometry) {
             if (IsDrawn(entry.second, _options.purposes)) {
                 drawn.push_back(&entry);
             }
@@ -66,7 +66,7 @@ public:
         _cache.images.BeginCommit();
         _materials.textures = LoadLightTextures(_scene, &_cache);
         _materials.Compile(drawn);
-        if (!_cache.meshes.Prepare(_scene, InputsOf(drawn), _warnings, isCancelled)) {
+        if (!_cache.geometry.Prepare(_scene, InputsOf(drawn), _warnings, isCancelled)) {
             return nullptr;
         }
         if (isCancelled && isCancelled()) {
@@ -74,7 +74,7 @@ public:
         }
         AddObjects();
         for (std::size_t i = 0; i < drawn.size(); ++i) {
-            AddMesh(*drawn[i], static_cast<std::uint32_t>(i));
+            AddPrim(*drawn[i], static_cast<std::uint32_t>(i));
         }
         if (isCancelled && isCancelled()) {
             return nullptr;
@@ -83,7 +83,7 @@ public:
         AddHierarchy();
         AddLights();
         _result->materials = std::move(_materials.materials);
-        _result->meshMaterials = std::move(_materials.meshMaterials);
+        _result->primMaterials = std::move(_materials.primMaterials);
         _result->programs = std::move(_materials.programs);
         _result->hasPatterns = HasPatterns(_result->programs);
         _result->lobes = _materials.lobes;
@@ -106,8 +106,8 @@ public:
     }
 
 private:
-    /// What the drawn meshes are made of.
-    std::vector<GeometryStore::Drawn> InputsOf(const std::vector<const MeshEntry*>& drawn) {
+    /// What the drawn geometry is made of.
+    std::vector<GeometryStore::Drawn> InputsOf(const std::vector<const GeometryEntry*>& drawn) {
         std::map<std::string, DicingView> views;
         const bool isAdaptive = _options.subdivision == Subdivision::Adaptive;
         if (isAdaptive && _options.dicingCamera) {
@@ -116,13 +116,13 @@ private:
         const bool isDiced = isAdaptive || (_options.subdivision == Subdivision::Complexity &&
                                             _options.refineLevel > 0);
         std::vector<GeometryStore::Drawn> inputs;
-        for (const MeshEntry* entry : drawn) {
+        for (const GeometryEntry* entry : drawn) {
             GeometryInputs input;
-            input.mesh = entry->second.mesh;
+            input.geometry = entry->second.geometry;
             input.chunkBytes = _options.chunkBytes;
             input.displacements = _materials.DisplacementsOf(entry->second);
             input.primvars = ReadPrimvars(entry->second);
-            if (Deforms(*input.mesh, _options.shutter)) {
+            if (Deforms(*input.geometry, _options.shutter)) {
                 if (_materials.MayEmit(entry->second)) {
                     _warnings.Add(entry->first, "emits light: not blurred by its motion");
                 } else {
@@ -130,7 +130,7 @@ private:
                     _result->hasMotion = true;
                 }
             }
-            if (isDiced && IsSubdivisionScheme(input.mesh->subdivisionScheme)) {
+            if (isDiced && IsSubdivisionScheme(input.geometry->subdivisionScheme)) {
                 input.dicing.emplace();
                 input.dicing->isAdaptive = isAdaptive;
                 input.dicing->level = isAdaptive ? kAdaptiveLevel : _options.refineLevel;
@@ -144,12 +144,12 @@ private:
         return inputs;
     }
 
-    /// Of those that the mesh has, sorted.
+    /// Of those that the prim has, sorted.
     std::vector<std::string> ReadPrimvars(const GeometryPrim& prim) const {
         const std::vector<const std::set<std::string>*> asked = _materials.PrimvarsOf(prim);
         const std::vector<std::string>& shown = _options.shownPrimvars;
         std::set<std::string> read;
-        for (const Primvar& primvar : prim.mesh->primvars) {
+        for (const Primvar& primvar : prim.geometry->primvars) {
             const bool isAsked =
                 std::any_of(asked.begin(), asked.end(), [&](const std::set<std::string>* names) {
                     return names->count(primvar.name) > 0;
@@ -161,11 +161,11 @@ private:
         return {read.begin(), read.end()};
     }
 
-    /// Objects, chunks and pages of all prepared meshes: one that is hidden keeps its pages.
+    /// Objects, chunks and pages of all planned geometry: what is hidden keeps its pages.
     void AddObjects() {
         _result->objects.emplace_back(); // the TLAS
         _result->pages = std::make_unique<GeometryPages>(&_cache.pages);
-        _cache.meshes.ForEach([&](const std::string& path, const PlannedGeometry& prepared) {
+        _cache.geometry.ForEach([&](const std::string& path, const PlannedGeometry& prepared) {
             AddObject(path, prepared);
         });
     }
@@ -174,7 +174,7 @@ private:
         const auto index = static_cast<std::uint32_t>(_result->objects.size());
         _objectByPath[path] = index;
         shared::HdsObject object{};
-        object.kind = prepared.topNodes.empty() ? HDS_OBJECT_CHUNK : HDS_OBJECT_MESH;
+        object.kind = prepared.topNodes.empty() ? HDS_OBJECT_CHUNK : HDS_OBJECT_TOP_TREE;
         object.nodeBase = static_cast<std::uint32_t>(_result->topNodes.size());
         object.itemBase = _result->pages->NumChunks();
         object.numItems = static_cast<std::uint32_t>(prepared.chunks.size());
@@ -186,27 +186,27 @@ private:
         }
     }
 
-    void AddMesh(const MeshEntry& entry, std::uint32_t index) {
+    void AddPrim(const GeometryEntry& entry, std::uint32_t index) {
         const auto& [path, prim] = entry;
-        const PlannedGeometry& prepared = _cache.meshes.Find(path);
-        const MeshMaterialInfo info = _materials.AddMesh(path, prim, prepared);
-        const bool hasFaces = prim.mesh->primitives == PrimitiveKind::Faces;
+        const PlannedGeometry& prepared = _cache.geometry.Find(path);
+        const PrimMaterialInfo info = _materials.AddPrim(path, prim, prepared);
+        const bool hasFaces = prim.geometry->primitives == PrimitiveKind::Faces;
         const std::uint32_t cullFlags = hasFaces ? CullFlags(prim, _options.cullStyle) : 0U;
-        _meshInfos.push_back(info);
-        shared::HdsMesh mesh{};
-        mesh.materialBase = info.materialBase;
-        mesh.flags = (prepared.leftHanded ? HDS_MESH_LEFT_HANDED : 0U) | cullFlags;
-        mesh.primId = prim.primId >= 0 ? prim.primId : static_cast<std::int32_t>(index);
-        mesh.numPrimvars = static_cast<std::uint32_t>(prepared.attributes.size());
-        _result->meshes.push_back(mesh);
-        _result->meshAttributes.push_back(&prepared.attributes);
+        _primInfos.push_back(info);
+        shared::HdsPrim record{};
+        record.materialBase = info.materialBase;
+        record.flags = (prepared.leftHanded ? HDS_PRIM_LEFT_HANDED : 0U) | cullFlags;
+        record.primId = prim.primId >= 0 ? prim.primId : static_cast<std::int32_t>(index);
+        record.numPrimvars = static_cast<std::uint32_t>(prepared.attributes.size());
+        _result->prims.push_back(record);
+        _result->primAttributes.push_back(&prepared.attributes);
         if (prepared.chunks.empty()) {
             return;
         }
         const bool mayPass = info.hasCutouts || cullFlags != 0;
         LeafObject leaf;
         leaf.object = _objectByPath.at(path);
-        leaf.mesh = index;
+        leaf.prim = index;
         leaf.flags = HDS_INSTANCE_CAMERA | (mayPass ? HDS_INSTANCE_CUTOUT : 0U);
         leaf.origin = prepared.origin;
         leaf.bounds = prepared.bounds;
@@ -221,18 +221,18 @@ private:
         }
         _leaves[path] = leaf;
         _result->hasCutouts = _result->hasCutouts || mayPass;
-        CountPrim(*prim.mesh, prepared.numTriangles);
+        CountPrim(*prim.geometry, prepared.numTriangles);
     }
 
-    void CountPrim(const GeometryDescription& mesh, std::uint64_t numPrimitives) {
+    void CountPrim(const GeometryDescription& geometry, std::uint64_t numPrimitives) {
         SceneCounts& counts = _result->counts;
-        switch (mesh.primitives) {
+        switch (geometry.primitives) {
         case PrimitiveKind::Faces:
             counts.triangles += numPrimitives;
             ++counts.meshes;
             return;
         case PrimitiveKind::Curves:
-            counts.curves += mesh.faceVertexCounts.size();
+            counts.curves += geometry.faceVertexCounts.size();
             break;
         case PrimitiveKind::Points:
             counts.points += numPrimitives;
@@ -270,7 +270,7 @@ private:
         input.scene = &_scene;
         input.centre = _result->centre;
         input.domeVisible = _options.domeVisible;
-        input.meshInfos = &_meshInfos;
+        input.primInfos = &_primInfos;
         input.materials = &_materials;
         input.worldInstances = &_worldInstances;
         input.links = &_links;
@@ -313,7 +313,7 @@ private:
     std::unique_ptr<CommittedScene> _result;
     LightLinks _links;
     std::map<std::string, std::uint32_t> _objectByPath;
-    std::vector<MeshMaterialInfo> _meshInfos; ///< by mesh index
+    std::vector<PrimMaterialInfo> _primInfos; ///< by the index of the prim
     std::map<std::string, LeafObject> _leaves;
     std::vector<WorldInstance> _worldInstances;
 };

@@ -36,7 +36,7 @@ enum class Subdivision {
 /// What decides which prims are drawn and how they are cut.
 struct CommitOptions {
     std::vector<std::string> purposes;        ///< drawn
-    CullStyle cullStyle = CullStyle::Nothing; ///< of meshes that say DontCare
+    CullStyle cullStyle = CullStyle::Nothing; ///< of prims that say DontCare
     bool domeVisible = true;                  ///< domes are seen by camera rays
     std::uint64_t chunkBytes = 1U << 20U;     ///< about what the pages of a chunk take at most
     Subdivision subdivision = Subdivision::Adaptive;
@@ -67,7 +67,7 @@ struct EmissionImage {
 struct CommitCache {
     explicit CommitCache(Warnings& warnings)
         : images(warnings), textures(std::make_shared<TexturePreparer>(nullptr, &warnings)) {}
-    GeometryStore meshes;
+    GeometryStore geometry;
     PreparedPages pages;
     ImageLibrary images;
     MaterialCache materials;
@@ -102,11 +102,11 @@ struct CommittedScene {
     std::vector<std::uint32_t> instancesByPath;
     std::vector<AffineRows> motionKeys;     ///< of instances
     std::vector<shared::HdsObject> objects; ///< 0: the TLAS
-    std::vector<shared::HdsMesh> meshes;
-    /// User primvars of each mesh, in the order of their slots; owned by the cache, valid until the
+    std::vector<shared::HdsPrim> prims;
+    /// User primvars of each prim, in the order of their slots; owned by the cache, valid until the
     /// next commit.
-    std::vector<const std::vector<AttributeName>*> meshAttributes;
-    std::vector<std::uint32_t> meshMaterials;
+    std::vector<const std::vector<AttributeName>*> primAttributes;
+    std::vector<std::uint32_t> primMaterials;
     std::vector<shared::HdsMaterial> materials;
     std::vector<std::uint32_t> programs;        ///< of the materials (kernels/shared/program.h)
     std::vector<MaterialTexture> textureTable;  ///< of lights, then what programs look up

@@ -17,7 +17,7 @@ namespace hds {
 
 namespace {
 
-using MeshEntry = std::pair<const std::string, GeometryPrim>;
+using GeometryEntry = std::pair<const std::string, GeometryPrim>;
 
 /// Instancers that place each other in a circle place nothing.
 constexpr int kMaxChain = 64;
@@ -31,7 +31,7 @@ struct Sphere {
 Sphere SphereOf(const GeometryPrim& prim) {
     glm::dvec3 low(1e300);
     glm::dvec3 high(-1e300);
-    const SharedSpan<float>& points = prim.mesh->points;
+    const SharedSpan<float>& points = prim.geometry->points;
     for (std::size_t i = 0; i + 2 < points.size(); i += 3) {
         const glm::dvec3 p(points[i], points[i + 1], points[i + 2]);
         if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) {
@@ -125,10 +125,10 @@ Fineness Rate(const glm::dmat4& cameraFromPrototype, const Sphere& sphere,
     return result;
 }
 
-/// Meshes with the same instances.
+/// Prims with the same instances.
 struct Group {
     const Placement* placement = nullptr;
-    std::vector<const MeshEntry*> meshes;
+    std::vector<const GeometryEntry*> prims;
 };
 
 DicingView ViewOf(const DicingCamera& camera) {
@@ -144,13 +144,13 @@ DicingView ViewOf(const DicingCamera& camera) {
 } // namespace
 
 std::map<std::string, DicingView> FindDicingViews(const SceneDescription& scene,
-                                                  const std::vector<const MeshEntry*>& meshes,
+                                                  const std::vector<const GeometryEntry*>& prims,
                                                   const DicingCamera& camera) {
     std::map<std::pair<std::string, const std::int32_t*>, std::size_t> index;
     std::vector<Group> groups;
-    for (const MeshEntry* entry : meshes) {
+    for (const GeometryEntry* entry : prims) {
         const GeometryPrim& prim = entry->second;
-        if (!IsSubdivisionScheme(prim.mesh->subdivisionScheme)) {
+        if (!IsSubdivisionScheme(prim.geometry->subdivisionScheme)) {
             continue;
         }
         const Placement& placement = prim.placement;
@@ -164,13 +164,13 @@ std::map<std::string, DicingView> FindDicingViews(const SceneDescription& scene,
         if (isNew) {
             groups.push_back({&placement, {}});
         }
-        groups[found->second].meshes.push_back(entry);
+        groups[found->second].prims.push_back(entry);
     }
     const glm::dmat4 cameraFromWorld = glm::inverse(camera.worldFromCamera);
     std::vector<std::vector<DicingView>> views(groups.size());
     tbb::parallel_for(std::size_t{0}, groups.size(), [&](std::size_t i) {
         Sphere sphere;
-        for (const MeshEntry* entry : groups[i].meshes) {
+        for (const GeometryEntry* entry : groups[i].prims) {
             Extend(sphere, SphereOf(entry->second));
         }
         Fineness finest;
@@ -184,7 +184,7 @@ std::map<std::string, DicingView> FindDicingViews(const SceneDescription& scene,
                 worldFromPrototype = instance;
             }
         });
-        for (const MeshEntry* entry : groups[i].meshes) {
+        for (const GeometryEntry* entry : groups[i].prims) {
             DicingView view = ViewOf(camera);
             view.isOnlyInstance = camera.isStill && numOnScreen <= 1;
             view.cameraFromObject =
@@ -194,8 +194,8 @@ std::map<std::string, DicingView> FindDicingViews(const SceneDescription& scene,
     });
     std::map<std::string, DicingView> result;
     for (std::size_t i = 0; i < groups.size(); ++i) {
-        for (std::size_t k = 0; k < groups[i].meshes.size(); ++k) {
-            result[groups[i].meshes[k]->first] = views[i][k];
+        for (std::size_t k = 0; k < groups[i].prims.size(); ++k) {
+            result[groups[i].prims[k]->first] = views[i][k];
         }
     }
     return result;

@@ -32,13 +32,13 @@ struct DicingCamera {
     }
 };
 
-/// Views by prim path, of those of `meshes` that have a subdivision scheme. Prototypes that are
+/// Views by prim path, of those of `prims` that have a subdivision scheme. Prototypes that are
 /// placed alike share the search: it costs one matrix product per instance, and no memory. The
 /// finest instance is the one on screen whose pixels are smallest, by the sphere around what is
 /// placed; without any on screen, the one nearest to it.
 std::map<std::string, DicingView>
 FindDicingViews(const SceneDescription& scene,
-                const std::vector<const std::pair<const std::string, GeometryPrim>*>& meshes,
+                const std::vector<const std::pair<const std::string, GeometryPrim>*>& prims,
                 const DicingCamera& camera);
 
 } // namespace hds

@@ -128,14 +128,14 @@ bool IsWorthALine(const CurveForm& curves, const Field<CurveForm, Member>& field
 }
 
 template <typename Member>
-bool IsWorthALine(const GeometryDescription& mesh,
+bool IsWorthALine(const GeometryDescription& geometry,
                   const Field<GeometryDescription, Member>& field) {
-    const bool isCurves = mesh.primitives == PrimitiveKind::Curves;
-    return field.IsFor(mesh.primitives) &&
-           (!field.Is(&GeometryDescription::holeIndices) || !mesh.holeIndices.empty()) &&
-           (!field.Is(&GeometryDescription::subdivTags) || mesh.subdivisionScheme != "none") &&
+    const bool isCurves = geometry.primitives == PrimitiveKind::Curves;
+    return field.IsFor(geometry.primitives) &&
+           (!field.Is(&GeometryDescription::holeIndices) || !geometry.holeIndices.empty()) &&
+           (!field.Is(&GeometryDescription::subdivTags) || geometry.subdivisionScheme != "none") &&
            (!field.Is(&GeometryDescription::faceVertexIndices) || !isCurves ||
-            !mesh.faceVertexIndices.empty());
+            !geometry.faceVertexIndices.empty());
 }
 
 template <typename T, typename Member>
@@ -240,7 +240,7 @@ LinkedLights LinkedLightsOf(const SceneDescription& scene) {
     for (const auto& [path, prim] : scene.lights) {
         add(path, prim.links);
     }
-    for (const auto& [path, prim] : scene.meshes) {
+    for (const auto& [path, prim] : scene.geometry) {
         if (prim.light) {
             add(path, prim.light->links);
         }
@@ -273,22 +273,23 @@ void DumpLinks(const std::string& prefix, const LinkedLights& lights,
     }
 }
 
-/// Lines of a mesh by the types of what it holds. Primvars and subsets come after what the prim
+/// Lines of geometry by the types of what it holds. Primvars and subsets come after what the prim
 /// says.
-class MeshLines {
+class GeometryLines {
 public:
-    MeshLines(const GeometryDescription& mesh, Writer* out) : _mesh(mesh), _out(*out) {}
+    GeometryLines(const GeometryDescription& geometry, Writer* out)
+        : _geometry(geometry), _out(*out) {}
 
     void Write() const {
         ForEachField<GeometryDescription>([&](const auto& field) {
-            if (!field.notInDump && IsWorthALine(_mesh, field)) {
-                Value(field.name, _mesh.*field.member);
+            if (!field.notInDump && IsWorthALine(_geometry, field)) {
+                Value(field.name, _geometry.*field.member);
             }
         });
     }
 
 private:
-    void Value(const std::string& /*name*/, PrimitiveKind /*kind*/) const {} // DumpMesh's header
+    void Value(const std::string& /*name*/, PrimitiveKind /*kind*/) const {} // in the header
     void Value(const std::string& /*name*/, const std::vector<Primvar>& /*list*/) const {}
     void Value(const std::string& /*name*/, const std::vector<MeshSubset>& /*list*/) const {}
     void Value(const std::string& /*name*/, const std::vector<PointSample>& samples) const {
@@ -299,7 +300,7 @@ private:
     void Value(const std::string& /*name*/, const SubdivTags& tags) const { _out.Fields(tags); }
     void Value(const std::string& /*name*/, const CurveForm& curves) const { _out.Fields(curves); }
     void Value(const std::string& name, const SharedSpan<std::int32_t>& indices) const {
-        const bool isOfCurves = _mesh.primitives == PrimitiveKind::Curves;
+        const bool isOfCurves = _geometry.primitives == PrimitiveKind::Curves;
         _out.Value(!isOfCurves                  ? name
                    : name == "faceVertexCounts" ? "curveVertexCounts"
                                                 : "curveIndices",
@@ -310,30 +311,30 @@ private:
         _out.Value(name, value);
     }
 
-    const GeometryDescription& _mesh;
+    const GeometryDescription& _geometry;
     Writer& _out;
 };
 
-void DumpMesh(const std::string& path, const GeometryPrim& prim, const SceneDescription& scene,
-              const LinkedLights& lights, Writer* out) {
+void DumpGeometry(const std::string& path, const GeometryPrim& prim, const SceneDescription& scene,
+                  const LinkedLights& lights, Writer* out) {
     // Front ends see dangling bindings, and materials without a surface, differently.
     const auto existing = [&](const std::string& materialPath) {
         return HasSurface(scene, materialPath) ? materialPath : std::string();
     };
-    const GeometryDescription& mesh = *prim.mesh;
-    out->Prim(TextOf(mesh.primitives), path);
+    const GeometryDescription& geometry = *prim.geometry;
+    out->Prim(TextOf(geometry.primitives), path);
     out->Placed(prim.placement);
     out->Line("purpose", prim.purpose);
     out->Line("material", existing(prim.materialPath));
-    MeshLines(mesh, out).Write();
-    if (mesh.primitives == PrimitiveKind::Faces) {
+    GeometryLines(geometry, out).Write();
+    if (geometry.primitives == PrimitiveKind::Faces) {
         out->Value("doubleSided", prim.doubleSided);
     }
     if (prim.cullStyle != CullStyle::DontCare) {
         out->Value("cullStyle", prim.cullStyle);
     }
     std::vector<const Primvar*> primvars;
-    for (const Primvar& primvar : mesh.primvars) {
+    for (const Primvar& primvar : geometry.primvars) {
         primvars.push_back(&primvar);
     }
     std::sort(primvars.begin(), primvars.end(),
@@ -344,10 +345,10 @@ void DumpMesh(const std::string& path, const GeometryPrim& prim, const SceneDesc
                       std::to_string(primvar->numComponents) + " " + Array(primvar->values) +
                       (primvar->indices.empty() ? "" : " indices " + Array(primvar->indices)));
     }
-    for (std::size_t i = 0; i < mesh.subsets.size(); ++i) {
+    for (std::size_t i = 0; i < geometry.subsets.size(); ++i) {
         const bool hasMaterial = i < prim.subsetMaterialPaths.size();
-        out->Line("subset " + mesh.subsets[i].name,
-                  Array(mesh.subsets[i].faces) + " material " +
+        out->Line("subset " + geometry.subsets[i].name,
+                  Array(geometry.subsets[i].faces) + " material " +
                       (hasMaterial ? existing(prim.subsetMaterialPaths[i]) : std::string()));
     }
     DumpLinks("", lights, prim.categories, out);
@@ -442,10 +443,10 @@ bool IsShown(const SceneDescription& scene, const Placement& placement) {
     return true; // a cycle, which commit warns about
 }
 
-/// Materials of the meshes that are shown.
+/// Materials of the prims that are shown.
 std::set<std::string> BoundMaterials(const SceneDescription& scene) {
     std::set<std::string> bound;
-    for (const auto& [path, prim] : scene.meshes) {
+    for (const auto& [path, prim] : scene.geometry) {
         if (IsShown(scene, prim.placement)) {
             bound.insert(prim.materialPath);
             bound.insert(prim.subsetMaterialPaths.begin(), prim.subsetMaterialPaths.end());
@@ -478,9 +479,9 @@ std::string DumpScene(const SceneDescription& scene) {
             DumpMaterial(path, *network, &out);
         }
     }
-    for (const auto& [path, prim] : scene.meshes) {
+    for (const auto& [path, prim] : scene.geometry) {
         if (IsShown(scene, prim.placement)) {
-            DumpMesh(path, prim, scene, lights, &out);
+            DumpGeometry(path, prim, scene, lights, &out);
         }
     }
     return out.Take();

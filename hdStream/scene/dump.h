@@ -10,7 +10,7 @@ namespace hds {
 
 /// One line a fact, prims in the order of their paths, numbers with nine digits (float) or 17
 /// (double). What nobody sees is left out: what is invisible or below something invisible, and
-/// materials that no visible mesh is bound to or that have no surface; front ends hear of these at
+/// materials that no visible prim is bound to or that have no surface; front ends hear of these at
 /// different times. Arrays of more than 24 numbers are given as count, range and hash. Texture
 /// files are named as authored, so that the text does not depend on where a stage lies. Needs no
 /// device.

@@ -77,7 +77,7 @@ EmissionGuess::EmissionGuess(const EmissionInput& emission, const ChunkGeometry&
     : _chunk(chunk) {
     const auto found = std::find_if(
         chunk.attributes.begin(), chunk.attributes.end(),
-        [&](const MeshAttribute& attribute) { return attribute.name == emission.primvar; });
+        [&](const GeometryAttribute& attribute) { return attribute.name == emission.primvar; });
     const std::uint32_t numComponents = emission.lookup ? 2 : 3;
     if (emission.primvar.empty() || found == chunk.attributes.end() ||
         found->numComponents < numComponents || chunk.triangles.empty()) {

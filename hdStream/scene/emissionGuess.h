@@ -24,7 +24,7 @@ private:
     const float* CornerValue(std::uint32_t triangle, int corner) const;
 
     const ChunkGeometry& _chunk;
-    const MeshAttribute* _attribute = nullptr;
+    const GeometryAttribute* _attribute = nullptr;
     std::shared_ptr<const DisplacementAmount> _texture; ///< luminance at coordinates
     std::uint32_t _numPoints = 0;                       ///< to look up on a triangle
 };

@@ -32,7 +32,7 @@ public:
             image.isUsed = false;
         }
         for (const WorldInstance& record : *_input.worldInstances) {
-            const MeshMaterialInfo& info = (*_input.meshInfos)[record.mesh];
+            const PrimMaterialInfo& info = (*_input.primInfos)[record.prim];
             _result.firstEntryByRecord.push_back(std::uint32_t(_result.meshByEntry.size()));
             for (std::uint32_t entry = 0; entry < info.entries.size(); ++entry) {
                 _result.meshByEntry.push_back(HDS_NONE);
@@ -60,16 +60,16 @@ private:
         }
     }
 
-    void AddEntry(const WorldInstance& record, const MeshMaterialInfo& info, std::uint32_t entry) {
-        const GeometryPrim& prim = _input.scene->meshes.at(record.path);
+    void AddEntry(const WorldInstance& record, const PrimMaterialInfo& info, std::uint32_t entry) {
+        const GeometryPrim& prim = _input.scene->geometry.at(record.path);
         const shared::HdsMaterial& material =
-            _input.materials->materials[_input.materials->meshMaterials[info.materialBase + entry]];
+            _input.materials->materials[_input.materials->primMaterials[info.materialBase + entry]];
         if ((material.flags & HDS_MATERIAL_EMISSIVE) == 0 ||
-            prim.mesh->primitives != PrimitiveKind::Faces) {
+            prim.geometry->primitives != PrimitiveKind::Faces) {
             return; // what curves and points emit is found by BSDF sampling alone
         }
         // A light that is not sampled still replaces what its material emits.
-        const std::uint64_t bound = _cache.meshes.Find(record.path).numTriangles;
+        const std::uint64_t bound = _cache.geometry.Find(record.path).numTriangles;
         const bool isTooLarge = bound > kMaxEmissiveTriangles;
         EmissiveMesh mesh;
         if (!isTooLarge || prim.light) {
@@ -138,11 +138,11 @@ private:
 
     void AddTriangles(const WorldInstance& record, const EmissionInput& emission,
                       std::uint32_t entry, bool isSampled, EmissiveMesh* mesh) {
-        const ChunkGeometry& chunk = _cache.meshes.Triangles(record.path);
+        const ChunkGeometry& chunk = _cache.geometry.Triangles(record.path);
         const EmissionGuess guess(emission, chunk, *_input.materials, &_cache);
         // A reflection turns the winding; emission keeps to the side of the object's normals.
         const bool isTurned = (glm::determinant(glm::dmat3(record.worldFromObject)) < 0.0) !=
-                              _cache.meshes.Find(record.path).leftHanded;
+                              _cache.geometry.Find(record.path).leftHanded;
         glm::dvec3 reach(0.0);
         for (std::uint32_t i = 0; i < chunk.triangles.size(); ++i) {
             EmissiveMesh::Triangle triangle;

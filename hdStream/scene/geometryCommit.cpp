@@ -6,9 +6,9 @@
 #include "hdStream/geometry/pointSource.h"
 #include "hdStream/geometry/polygonSource.h"
 #include "hdStream/geometry/subdivSource.h"
+#include "hdStream/scene/geometryKey.h"
+#include "hdStream/scene/geometryMotion.h"
 #include "hdStream/scene/meshDisplacement.h"
-#include "hdStream/scene/meshKey.h"
-#include "hdStream/scene/meshMotion.h"
 #include "hdStream/scene/transforms.h"
 
 #include <algorithm>
@@ -17,14 +17,14 @@ namespace hds {
 
 namespace {
 
-/// A mesh of fewer triangles is looked at as fast as its summary is read.
+/// Geometry of fewer triangles is looked at as fast as its summary is read.
 constexpr std::uint64_t kMinKeptSummary = 256;
 
 /// Makes the chunks, ordered by the leaves of a BVH over their boxes.
-void BuildTopTree(PlannedGeometry* mesh) {
-    const std::vector<Bounds>& boxes = mesh->mesh->Summary().chunkBounds;
+void BuildTopTree(PlannedGeometry* planned) {
+    const std::vector<Bounds>& boxes = planned->geometry->Summary().chunkBounds;
     const auto addChunk = [&](std::uint32_t chunk) {
-        mesh->chunks.push_back(std::make_shared<ChunkPages>(mesh->mesh, chunk));
+        planned->chunks.push_back(std::make_shared<ChunkPages>(planned->geometry, chunk));
     };
     if (boxes.size() == 1) {
         addChunk(0);
@@ -34,27 +34,27 @@ void BuildTopTree(PlannedGeometry* mesh) {
     options.maxLeafItems = 1;
     Bvh tree = BuildBvh(boxes, options);
     std::for_each(tree.order.begin(), tree.order.end(), addChunk);
-    mesh->topNodes = std::move(tree.nodes);
+    planned->topNodes = std::move(tree.nodes);
 }
 
 std::shared_ptr<const ChunkSource> MakeSource(const std::string& path, const GeometryInputs& inputs,
                                               Warnings& warnings) {
-    const std::shared_ptr<const GeometryDescription> mesh =
-        inputs.shutter.IsOpen() ? AtShutter(*inputs.mesh, inputs.shutter) : inputs.mesh;
-    if (mesh->primitives == PrimitiveKind::Curves) {
-        return MakeCurveSource(mesh, path, warnings);
+    const std::shared_ptr<const GeometryDescription> geometry =
+        inputs.shutter.IsOpen() ? AtShutter(*inputs.geometry, inputs.shutter) : inputs.geometry;
+    if (geometry->primitives == PrimitiveKind::Curves) {
+        return MakeCurveSource(geometry, path, warnings);
     }
-    if (mesh->primitives == PrimitiveKind::Points) {
-        return MakePointSource(mesh, path, warnings);
+    if (geometry->primitives == PrimitiveKind::Points) {
+        return MakePointSource(geometry, path, warnings);
     }
     const Displacement displacement = MakeDisplacement(inputs.displacements);
     if (inputs.dicing) {
-        auto source = MakeSubdivSource(mesh, path, *inputs.dicing, displacement, warnings);
+        auto source = MakeSubdivSource(geometry, path, *inputs.dicing, displacement, warnings);
         if (source) {
             return source;
         }
     }
-    return MakePolygonSource(mesh, path, displacement, warnings);
+    return MakePolygonSource(geometry, path, displacement, warnings);
 }
 
 /// The inputs without the primvars that nobody reads.
@@ -63,12 +63,13 @@ GeometryInputs OnlyRead(GeometryInputs inputs) {
         return primvar.name != "normals" && primvar.name != "widths" &&
                !std::binary_search(inputs.primvars.begin(), inputs.primvars.end(), primvar.name);
     };
-    const std::vector<Primvar>& all = inputs.mesh->primvars;
+    const std::vector<Primvar>& all = inputs.geometry->primvars;
     if (std::any_of(all.begin(), all.end(), isUnread)) {
-        auto mesh = std::make_shared<GeometryDescription>(*inputs.mesh);
-        mesh->primvars.erase(std::remove_if(mesh->primvars.begin(), mesh->primvars.end(), isUnread),
-                             mesh->primvars.end());
-        inputs.mesh = std::move(mesh);
+        auto geometry = std::make_shared<GeometryDescription>(*inputs.geometry);
+        geometry->primvars.erase(
+            std::remove_if(geometry->primvars.begin(), geometry->primvars.end(), isUnread),
+            geometry->primvars.end());
+        inputs.geometry = std::move(geometry);
     }
     return inputs;
 }
@@ -89,13 +90,13 @@ bool GeometryInputs::Suffice(const GeometryInputs& other) const {
 PlannedGeometry PlanGeometry(const std::string& path, const GeometryInputs& all,
                              std::shared_ptr<PageStore> store, Warnings& warnings) {
     const GeometryInputs inputs = OnlyRead(all);
-    const PageKey key = store ? MakeMeshKey(inputs) : PageKey();
-    const auto mesh = std::make_shared<const ChunkedGeometry>(
+    const PageKey key = store ? MakeGeometryKey(inputs) : PageKey();
+    const auto geometry = std::make_shared<const ChunkedGeometry>(
         [path, inputs, &warnings] { return MakeSource(path, inputs, warnings); }, inputs.chunkBytes,
         std::move(store), key);
-    const GeometrySummary& summary = mesh->Summary();
+    const GeometrySummary& summary = geometry->Summary();
     if (summary.numTriangles >= kMinKeptSummary && !warnings.Has(path)) {
-        mesh->SaveSummary();
+        geometry->SaveSummary();
     }
     PlannedGeometry result;
     result.leftHanded = summary.isLeftHanded;
@@ -108,16 +109,16 @@ PlannedGeometry PlanGeometry(const std::string& path, const GeometryInputs& all,
         for (const Bounds& bounds : summary.chunkBounds) {
             ExtendBounds(&result.bounds, bounds);
         }
-        result.mesh = mesh;
+        result.geometry = geometry;
         BuildTopTree(&result);
     }
     return result;
 }
 
-ChunkGeometry GatherAll(const PlannedGeometry& mesh) {
-    std::vector<std::uint32_t> groups = mesh.mesh->Plan().groups;
+ChunkGeometry GatherAll(const PlannedGeometry& planned) {
+    std::vector<std::uint32_t> groups = planned.geometry->Plan().groups;
     std::sort(groups.begin(), groups.end());
-    return mesh.mesh->Source().Gather(groups.data(), groups.size());
+    return planned.geometry->Source().Gather(groups.data(), groups.size());
 }
 
 } // namespace hds

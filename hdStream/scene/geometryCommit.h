@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mesh -> chunks and pages.
+// A mesh, curves or points -> chunks and pages.
 #pragma once
 
 #include "hdStream/accel/chunkPages.h"
@@ -15,50 +15,50 @@
 
 namespace hds {
 
-/// A mesh, checked and cut into chunks that are not made yet, with its top tree.
+/// Geometry, checked and cut into chunks that are not made yet, with its top tree.
 struct PlannedGeometry {
     std::vector<AttributeName> attributes; ///< user primvars, in the order of their slots
     bool leftHanded = false;
     glm::dvec3 origin{0.0};         ///< object-space point that all positions are relative to
     std::uint64_t numTriangles = 0; ///< upper bound; exact for polygons
-    std::shared_ptr<const ChunkedGeometry> mesh;     ///< null: nothing can be drawn
+    std::shared_ptr<const ChunkedGeometry> geometry; ///< null: nothing can be drawn
     std::vector<std::shared_ptr<ChunkPages>> chunks; ///< in the leaf order of the top tree
     std::vector<shared::HdsBvhNode> topNodes;        ///< empty for a single chunk
     Bounds bounds;                                   ///< relative to origin
 };
 
-/// All that the pages of a mesh are made of.
+/// All that the pages of geometry are made of.
 struct GeometryInputs {
-    std::shared_ptr<const GeometryDescription> mesh;
+    std::shared_ptr<const GeometryDescription> geometry;
     std::uint64_t chunkBytes = 1U << 20U; ///< about what the pages of a chunk take at most
     /// Of a mesh with a subdivision scheme; nothing: its cage is drawn as polygons.
     std::optional<DicingOptions> dicing;
     std::vector<DisplacementInput> displacements; ///< by material entry
-    /// Those of the mesh that something reads, sorted; of the others only normals and widths, which
+    /// Those that something reads, sorted; of the others only normals and widths, which
     /// give shape, count.
     std::vector<std::string> primvars;
-    Shutter shutter; ///< of a mesh whose points move; else closed
+    Shutter shutter; ///< of geometry whose points move; else closed
 
     static constexpr auto Fields() {
-        return FieldList(HDS_FIELD(GeometryInputs, mesh), HDS_FIELD(GeometryInputs, chunkBytes),
-                         HDS_FIELD(GeometryInputs, dicing),
-                         HDS_FIELD(GeometryInputs, displacements),
-                         HDS_FIELD(GeometryInputs, primvars)
-                             .NotInKey("of primvars that are not read, the mesh has none by then"),
-                         HDS_FIELD(GeometryInputs, shutter));
+        return FieldList(
+            HDS_FIELD(GeometryInputs, geometry), HDS_FIELD(GeometryInputs, chunkBytes),
+            HDS_FIELD(GeometryInputs, dicing), HDS_FIELD(GeometryInputs, displacements),
+            HDS_FIELD(GeometryInputs, primvars)
+                .NotInKey("of primvars that are not read, the geometry has none by then"),
+            HDS_FIELD(GeometryInputs, shutter));
     }
 
-    /// Whether a mesh made of these serves where `other` is asked for.
+    /// Whether geometry made of these serves where `other` is asked for.
     bool Suffice(const GeometryInputs& other) const;
 };
 
-/// Checks a mesh, cuts it into chunks and builds its top tree, on all cores if it is large; makes
-/// no triangles. An unusable mesh has no chunks. \param path subject of the warnings, which must
+/// Checks geometry, cuts it into chunks and builds its top tree, on all cores if it is large; makes
+/// no triangles. Unusable geometry has no chunks. \param path subject of the warnings, which must
 /// outlive the result. \param store of finished pages; may be null.
 PlannedGeometry PlanGeometry(const std::string& path, const GeometryInputs& inputs,
                              std::shared_ptr<PageStore> store, Warnings& warnings);
 
-/// All triangles of a prepared mesh, in an order that does not depend on its chunks.
-ChunkGeometry GatherAll(const PlannedGeometry& mesh);
+/// All triangles of planned geometry, in an order that does not depend on its chunks.
+ChunkGeometry GatherAll(const PlannedGeometry& planned);
 
 } // namespace hds

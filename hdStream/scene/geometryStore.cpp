@@ -10,7 +10,7 @@ namespace hds {
 
 namespace {
 
-/// One worker may take one mesh at a time: meshes differ in size by orders of magnitude.
+/// One worker may take one prim at a time: prims differ in size by orders of magnitude.
 constexpr std::size_t kGrain = 1;
 
 } // namespace
@@ -18,9 +18,9 @@ constexpr std::size_t kGrain = 1;
 bool GeometryStore::Prepare(const SceneDescription& scene, const std::vector<Drawn>& drawn,
                             Warnings& warnings, const CancelCallback& isCancelled) {
     for (auto item = _items.begin(); item != _items.end();) {
-        const auto prim = scene.meshes.find(item->first);
+        const auto prim = scene.geometry.find(item->first);
         const bool isCurrent =
-            prim != scene.meshes.end() && prim->second.mesh == item->second.inputs.mesh;
+            prim != scene.geometry.end() && prim->second.geometry == item->second.inputs.geometry;
         item = isCurrent ? std::next(item) : _items.erase(item);
     }
     std::vector<const Drawn*> missing;

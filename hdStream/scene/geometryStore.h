@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prepared meshes, kept from commit to commit: a mesh is prepared again only when what it is made
-// of has changed.
+// Planned geometry, kept from commit to commit: it is planned again only when what it is made of
+// has changed.
 #pragma once
 
 #include "hdStream/scene/geometryCommit.h"
@@ -21,10 +21,10 @@ class GeometryStore {
 public:
     using Entry = std::pair<const std::string, GeometryPrim>;
 
-    /// A drawn mesh and what it is to be made of.
+    /// The path of a drawn prim and what its geometry is to be made of.
     using Drawn = std::pair<const std::string*, GeometryInputs>;
 
-    /// Prepares those of `drawn` that are not prepared so yet, on all cores, and forgets the meshes
+    /// Prepares those of `drawn` that are not prepared so yet, on all cores, and forgets the prims
     /// that `scene` has no more. What is hidden stays prepared. \return false when it was
     /// cancelled; what is prepared by then is kept.
     bool Prepare(const SceneDescription& scene, const std::vector<Drawn>& drawn, Warnings& warnings,
@@ -33,11 +33,11 @@ public:
     /// Precondition: it was among `drawn`.
     const PlannedGeometry& Find(const std::string& path) const;
 
-    /// All triangles of a mesh, kept once asked for. Few meshes need them: lights.
+    /// All triangles of a mesh, kept once asked for. Few need them: lights.
     /// Precondition: it was among `drawn` and has chunks.
     const ChunkGeometry& Triangles(const std::string& path);
 
-    /// Every prepared mesh, also those that are not drawn now, in the order of paths.
+    /// The geometry of every prim, also of those that are not drawn now, in the order of paths.
     template <typename Function>
     void ForEach(Function function) const {
         for (const auto& [path, item] : _items) {
@@ -45,13 +45,13 @@ public:
         }
     }
 
-    /// Finished pages go there and come from there; null: nowhere. Forgets all meshes.
+    /// Finished pages go there and come from there; null: nowhere. Forgets all geometry.
     void SetPageStore(std::shared_ptr<PageStore> pageStore) {
         _items.clear();
         _pageStore = std::move(pageStore);
     }
 
-    /// Meshes prepared since the store was made.
+    /// Prims whose geometry was planned since the store was made.
     std::uint64_t NumPrepared() const { return _numPrepared; }
 
 private:

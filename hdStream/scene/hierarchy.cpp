@@ -22,7 +22,7 @@ namespace {
 /// Deepest chain of instancers that is followed; longer ones are cycles in all likelihood.
 constexpr int kMaxChain = 64;
 
-/// In a list of instances: places nothing, but counts for the ranks of those after it, for meshes
+/// In a list of instances: places nothing, but counts for the ranks of those after it, for prims
 /// of which the front end has made several with instances of one list (primvars per instance).
 constexpr std::int32_t kGap = -1;
 
@@ -49,10 +49,10 @@ MovingTransform PlacementTransform(const Placement& placement, const Shutter& sh
     return {placement.worldFromObject, placement.samples, shutter};
 }
 
-/// What a group may contain at a path: a mesh or a child instancer.
+/// What a group may contain at a path: a prim or a child instancer.
 struct Member {
     std::string path;
-    const LeafObject* leaf = nullptr;           ///< a mesh
+    const LeafObject* leaf = nullptr;           ///< a prim
     const InstancerPrim* instancer = nullptr;   ///< or an instancer
     MovingTransform transform{glm::dmat4(1.0)}; ///< of the member, in its prototype's space
 };
@@ -149,17 +149,17 @@ public:
     }
 
 private:
-    /// Sorts every drawn mesh and instancer under the instancer that places it, in path order.
+    /// Sorts every drawn prim and instancer under the instancer that places it, in path order.
     void CollectMembers() {
         std::map<std::string, Member> all;
         for (const auto& [path, leaf] : _leaves) {
             if (leaf.worldInstance || leaf.isLinkedByInstance ||
-                ChainLength(_scene.meshes.at(path).placement) > HDS_MAX_GROUP_DEPTH) {
+                ChainLength(_scene.geometry.at(path).placement) > HDS_MAX_GROUP_DEPTH) {
                 _ownLeaves.push_back(path);
                 continue;
             }
             all[path] = {path, &leaf, nullptr,
-                         PlacementTransform(_scene.meshes.at(path).placement, _shutter)};
+                         PlacementTransform(_scene.geometry.at(path).placement, _shutter)};
         }
         for (const auto& [path, instancer] : _scene.instancers) {
             if (instancer.placement.visible) {
@@ -169,7 +169,7 @@ private:
         }
         for (auto& [path, member] : all) {
             const std::string& parent = member.leaf != nullptr
-                                            ? _scene.meshes.at(path).placement.instancerPath
+                                            ? _scene.geometry.at(path).placement.instancerPath
                                             : member.instancer->placement.instancerPath;
             if (parent.empty()) {
                 _roots.push_back(std::move(member));
@@ -198,7 +198,7 @@ private:
             return;
         }
         const SharedSpan<std::int32_t>& instances =
-            member.leaf != nullptr ? _scene.meshes.at(member.path).placement.instances
+            member.leaf != nullptr ? _scene.geometry.at(member.path).placement.instances
                                    : member.instancer->placement.instances;
         if (instances.empty()) {
             return; // placed nowhere
@@ -316,7 +316,7 @@ private:
         std::copy(inverse.begin(), inverse.end(), instance.objectFromParent);
         instance.object = leaf.object;
         instance.flags = leaf.flags;
-        instance.mesh = leaf.mesh;
+        instance.prim = leaf.prim;
         instance.lightBase = HDS_NONE;
         instance.instanceCount = count;
         instance.instanceRank = rank;
@@ -359,7 +359,7 @@ private:
             AppendMember(member, glm::dmat4(1.0), depth, &records);
         }
         LeafObject group;
-        group.mesh = HDS_NONE;
+        group.prim = HDS_NONE;
         // Visibility masks are tested on leaves; a group shows what any of its leaves shows.
         for (const Record& record : records) {
             group.flags |= record.instance.flags;
@@ -376,7 +376,7 @@ private:
         for (const std::string& path : _ownLeaves) {
             const LeafObject& leaf = _leaves.at(path);
             for (const Placed& placed :
-                 PlacementsOf(_scene, _scene.meshes.at(path).placement, _shutter, 0)) {
+                 PlacementsOf(_scene, _scene.geometry.at(path).placement, _shutter, 0)) {
                 Member member{path, &leaf, nullptr, placed.worldFromObject};
                 if (leaf.worldInstance && placed.worldFromObject.Moves()) {
                     member.transform = placed.worldFromObject.AtFrame(); // as its light is
@@ -389,13 +389,13 @@ private:
                              placed.id < 0 ? 0 : 1, records);
                 if (records->size() > before && leaf.isLinkedByInstance) {
                     records->back().instance.flags |=
-                        _links.FlagsOf(_scene.meshes.at(path).categories, placed.categories);
+                        _links.FlagsOf(_scene.geometry.at(path).categories, placed.categories);
                 }
                 if (records->size() > before && leaf.worldInstance) {
                     records->back().worldInstance =
                         static_cast<std::uint32_t>(_result.worldInstances.size());
                     _result.worldInstances.push_back(
-                        {path, leaf.mesh,
+                        {path, leaf.prim,
                          glm::translate(centreFromWorld * placed.worldFromObject.AtFrame(),
                                         leaf.origin),
                          0, HDS_NONE});

@@ -19,10 +19,10 @@
 
 namespace hds {
 
-/// A mesh as the hierarchy sees it.
+/// A prim as the hierarchy sees it.
 struct LeafObject {
     std::uint32_t object = 0;
-    std::uint32_t mesh = 0;
+    std::uint32_t prim = 0;
     std::uint32_t flags = 0;    ///< HDS_INSTANCE_*
     glm::dvec3 origin{0.0};     ///< object-space origin of the device positions
     Bounds bounds;              ///< relative to origin
@@ -34,7 +34,7 @@ struct LeafObject {
 /// One placement in the TLAS of a leaf that asked for its world instance.
 struct WorldInstance {
     std::string path;
-    std::uint32_t mesh = 0;
+    std::uint32_t prim = 0;
     glm::dmat4 worldFromObject{1.0}; ///< relative to the scene centre, from device positions
     std::uint64_t pathIndex = 0;
     std::uint32_t instance = HDS_NONE; ///< the record in Hierarchy::instances
@@ -53,8 +53,8 @@ struct Hierarchy {
     Bounds bounds;               ///< of the TLAS
 };
 
-/// Builds the hierarchy of all drawn meshes.
-/// \param leaves the drawn meshes by path.
+/// Builds the hierarchy of all drawn prims.
+/// \param leaves the drawn prims by path.
 /// \param centre scene centre, subtracted from world positions in double.
 /// \param firstGroup index of the first group after the TLAS in the object table (the TLAS is
 /// object

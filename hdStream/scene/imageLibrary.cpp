@@ -2,7 +2,7 @@
 #include "hdStream/scene/imageLibrary.h"
 
 #include "hdStream/base/fieldHash.h"
-#include "hdStream/texture/plainTexture.h"
+#include "hdStream/texture/imageChannel.h"
 #include "hdStream/texture/udim.h"
 
 namespace hds {
@@ -109,18 +109,18 @@ std::shared_ptr<const HeightImage> ImageLibrary::LoadHeights(const MaterialTextu
     if (auto image = known.lock()) {
         return image;
     }
-    PlainChannel plain = LoadPlainChannel(SourceOf(texture.file), texture.colorSpace, channel);
-    if (!plain.warning.empty()) {
-        _warnings.Add("", plain.warning);
+    ImageChannel heights = LoadImageChannel(SourceOf(texture.file), texture.colorSpace, channel);
+    if (!heights.warning.empty()) {
+        _warnings.Add("", heights.warning);
     }
-    if (!plain.error.empty()) {
-        _warnings.Add("", plain.error);
+    if (!heights.error.empty()) {
+        _warnings.Add("", heights.error);
         return nullptr;
     }
     auto image = std::make_shared<HeightImage>();
-    image->width = plain.width;
-    image->height = plain.height;
-    image->values = std::move(plain.values);
+    image->width = heights.width;
+    image->height = heights.height;
+    image->values = std::move(heights.values);
     known = image;
     return image;
 }

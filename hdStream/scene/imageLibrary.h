@@ -92,7 +92,7 @@ private:
     std::map<std::string, TextureUse> _uses;  ///< by file and range
     std::map<std::string, Header> _headers;   ///< by file and range
     std::map<std::string, OfLight> _ofLights; ///< by file and range
-    /// By texture and channel, as long as some mesh uses it.
+    /// By texture and channel, as long as some prim uses it.
     std::map<std::string, std::weak_ptr<const HeightImage>> _heights;
     std::uint64_t _epoch = 0;
 };

@@ -115,13 +115,13 @@ void UpdateTable(const std::vector<PlacedLight>& lights, const std::vector<Emiss
     Hasher hasher;
     FieldHasher table(&hasher); // all that the table is made of
     table.Add(links);
+    table.Add(lights);
+    table.Add(emissive);
     for (const PlacedLight& light : lights) {
-        table.Add(light);
         table.Add(HasImage(light.light) ? images.Find(light.light.textureFile).index : 0);
         table.Add(IdentityOf(light.light.shaping.iesFile));
     }
     for (const EmissiveMesh& mesh : emissive) {
-        table.Add(mesh);
         if (mesh.lux) {
             table.Add(IdentityOf(mesh.lux->light.shaping.iesFile));
         }

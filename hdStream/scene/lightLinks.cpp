@@ -17,7 +17,7 @@ LightLinks::LightLinks(const SceneDescription& scene) : _scene(scene) {
     for (const auto& [path, prim] : scene.lights) {
         AddLight(prim.light, prim.links);
     }
-    for (const auto& [path, prim] : scene.meshes) {
+    for (const auto& [path, prim] : scene.geometry) {
         if (prim.light) {
             AddLight(prim.light->light, prim.light->links);
         }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light and shadow links: which meshes and instances belong to which categories, as the few
+// Light and shadow links: which prims and instances belong to which categories, as the few
 // combinations ("link sets") that there are; which geometry shadow rays may pass for the sake of a
 // light. Explained in docs/lights.md.
 #pragma once
@@ -23,7 +23,7 @@ public:
 
     bool AreUsed() const { return !_indexByCategory.empty(); }
 
-    /// Whether instances of what places the mesh are told apart: they need records of their own.
+    /// Whether instances of what places the prim are told apart: they need records of their own.
     bool IsLinkedByInstance(const Placement& placement) const;
 
     /// HDS_INSTANCE_* of geometry in these categories, and in those of its instances: its link set,

@@ -111,7 +111,7 @@ std::vector<std::uint32_t> MaterialCommit::AddTextures(const CompiledMaterial& m
 /// The material of each entry: the prim's, then one for each subset.
 std::vector<std::string> MaterialCommit::EntryPaths(const GeometryPrim& prim) const {
     std::vector<std::string> paths = {prim.materialPath};
-    for (std::size_t i = 0; i < prim.mesh->subsets.size(); ++i) {
+    for (std::size_t i = 0; i < prim.geometry->subsets.size(); ++i) {
         // A subset without a material of its own shows the prim's.
         const bool hasOwn =
             i < prim.subsetMaterialPaths.size() && HasSurface(_scene, prim.subsetMaterialPaths[i]);
@@ -164,10 +164,10 @@ MaterialCommit::PrimvarsOf(const GeometryPrim& prim) const {
     return names;
 }
 
-MeshMaterialInfo MaterialCommit::AddMesh(const std::string& path, const GeometryPrim& prim,
+PrimMaterialInfo MaterialCommit::AddPrim(const std::string& path, const GeometryPrim& prim,
                                          const PlannedGeometry& prepared) {
-    MeshMaterialInfo info;
-    info.materialBase = static_cast<std::uint32_t>(meshMaterials.size());
+    PrimMaterialInfo info;
+    info.materialBase = static_cast<std::uint32_t>(primMaterials.size());
     for (const std::string& materialPath : EntryPaths(prim)) {
         const MaterialSyncMode syncMode = SyncModeOf(prim, materialPath);
         const bool isBlack = syncMode == MaterialSyncMode::NoMaterialResponse;
@@ -186,7 +186,7 @@ MeshMaterialInfo MaterialCommit::AddMesh(const std::string& path, const Geometry
         lobes |= record.lobes;
         info.hasCutouts = info.hasCutouts || (record.flags & HDS_MATERIAL_CUTOUT) != 0;
         info.isEmissive = info.isEmissive || (record.flags & HDS_MATERIAL_EMISSIVE) != 0;
-        meshMaterials.push_back(AddRecord(record));
+        primMaterials.push_back(AddRecord(record));
         info.entries.push_back({compiled.emission, syncMode});
     }
     return info;

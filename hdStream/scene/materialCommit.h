@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Materials of the drawn meshes: compiled once, resolved against each mesh's primvars; equal
+// Materials of the drawn prims: compiled once, resolved against each prim's primvars; equal
 // records, programs and textures shared.
 #pragma once
 
@@ -19,9 +19,9 @@ struct MaterialEntryInfo {
     MaterialSyncMode syncMode = MaterialSyncMode::GlowTintsLight; ///< of mesh lights
 };
 
-/// What a mesh's material entries say about the mesh.
-struct MeshMaterialInfo {
-    std::uint32_t materialBase = 0; ///< first of its entries in meshMaterials
+/// What a prim's material entries say about the prim.
+struct PrimMaterialInfo {
+    std::uint32_t materialBase = 0; ///< first of its entries in primMaterials
     std::vector<MaterialEntryInfo> entries;
     bool hasCutouts = false; ///< some entry may let rays pass
     bool isEmissive = false; ///< some entry emits
@@ -45,25 +45,25 @@ public:
                    Warnings& warnings)
         : _scene(scene), _cache(*cache), _images(images), _warnings(warnings) {}
 
-    /// Compiles the materials the meshes use, on all cores, unless the cache has them.
+    /// Compiles the materials the prims use, on all cores, unless the cache has them.
     void Compile(const std::vector<const std::pair<const std::string, GeometryPrim>*>& prims);
 
-    /// Appends the entries of a mesh: the prim's material, then one for each subset.
-    MeshMaterialInfo AddMesh(const std::string& path, const GeometryPrim& prim,
+    /// Appends the entries of a prim: its own material, then one for each subset.
+    PrimMaterialInfo AddPrim(const std::string& path, const GeometryPrim& prim,
                              const PlannedGeometry& prepared);
 
     /// Whether some material of the prim may emit. Precondition: compiled.
     bool MayEmit(const GeometryPrim& prim) const;
 
-    /// By material entry, as AddMesh adds them; reads images of heights. Precondition: compiled.
+    /// By material entry, as AddPrim adds them; reads images of heights. Precondition: compiled.
     std::vector<DisplacementInput> DisplacementsOf(const GeometryPrim& prim) const;
 
-    /// Names of the primvars that the materials of a mesh may read, by entry. Precondition:
+    /// Names of the primvars that the materials of a prim may read, by entry. Precondition:
     /// compiled.
     std::vector<const std::set<std::string>*> PrimvarsOf(const GeometryPrim& prim) const;
 
     std::vector<shared::HdsMaterial> materials;
-    std::vector<std::uint32_t> meshMaterials;
+    std::vector<std::uint32_t> primMaterials;
     std::vector<std::uint32_t> programs;   ///< of all materials, one after another
     std::vector<MaterialTexture> textures; ///< that programs read, each once, after those of lights
     std::uint32_t maxLookups = 0;          ///< of textures in one program

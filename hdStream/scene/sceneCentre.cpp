@@ -39,7 +39,7 @@ glm::dvec3 ChooseSceneCentre(const SceneDescription& scene,
                              const std::map<std::string, LeafObject>& leaves) {
     DoubleBounds bounds;
     for (const auto& [path, leaf] : leaves) {
-        const Placement& placement = scene.meshes.at(path).placement;
+        const Placement& placement = scene.geometry.at(path).placement;
         if (placement.instancerPath.empty()) {
             ExtendByLeaf(placement.worldFromObject, leaf, &bounds);
         }

@@ -91,8 +91,8 @@ constexpr EnumTable<CullStyle, 6> NamesOf(CullStyle) {
 
 /// What a light is linked to.
 struct LinkCategories {
-    std::string lightLink;  ///< category of the meshes that it lights; empty: all
-    std::string shadowLink; ///< category of the meshes that cast its shadows; empty: all
+    std::string lightLink;  ///< category of the prims that it lights; empty: all
+    std::string shadowLink; ///< category of the prims that cast its shadows; empty: all
 
     static constexpr auto Fields() {
         constexpr auto kWhy = "front ends name categories as they like: who is unlit is dumped";
@@ -113,25 +113,27 @@ struct MeshLight {
     }
 };
 
-/// A mesh prim. Two prims with the same `mesh` pointer have the same geometry, and so has a prim
-/// that is replaced by one with the same pointer: only a new pointer makes commit prepare again.
+/// A mesh, curves or points in the scene. Two prims with the same `geometry` pointer have the same
+/// geometry, and so has a prim that is replaced by one with the same pointer: only a new pointer
+/// makes commit prepare again.
 struct GeometryPrim {
     Placement placement;
     std::string purpose = "default"; ///< default, render, proxy, guide
-    std::shared_ptr<const GeometryDescription> mesh;
+    std::shared_ptr<const GeometryDescription> geometry;
     std::set<std::string> categories; ///< what lights and shadows are linked to (LightPrim)
     bool doubleSided = false;
     CullStyle cullStyle = CullStyle::DontCare;
     std::string materialPath; ///< empty: no material bound, displayColor Lambert
-    std::vector<std::string> subsetMaterialPaths; ///< parallel to mesh->subsets; empty: the prim's
-    std::shared_ptr<const MeshLight> light;       ///< null: it is none
-    int primId = -1; ///< the front end's id for the AOV; -1: order of path
+    std::vector<std::string>
+        subsetMaterialPaths;                ///< parallel to geometry->subsets; empty: the prim's
+    std::shared_ptr<const MeshLight> light; ///< null: it is none
+    int primId = -1;                        ///< the front end's id for the AOV; -1: order of path
 
     static constexpr auto Fields() {
         return FieldList(
             HDS_FIELD(GeometryPrim, placement), HDS_FIELD(GeometryPrim, purpose),
             HDS_FIELD(GeometryPrim, materialPath),
-            HDS_FIELD(GeometryPrim, mesh).NotInPython("a constructor's argument"),
+            HDS_FIELD(GeometryPrim, geometry).NotInPython("a constructor's argument"),
             HDS_FIELD(GeometryPrim, doubleSided), HDS_FIELD(GeometryPrim, cullStyle),
             HDS_FIELD(GeometryPrim, subsetMaterialPaths),
             HDS_FIELD(GeometryPrim, categories).NotInDump("see LinkCategories"),
@@ -140,7 +142,7 @@ struct GeometryPrim {
     }
 };
 
-/// An instancer: places its prototypes (meshes, lights or instancers that name it as
+/// An instancer: places its prototypes (geometry, lights or instancers that name it as
 /// instancerPath). worldFromPrototype(i) = parent instance * worldFromInstancer *
 /// instanceTransforms[i].
 struct InstancerPrim {
@@ -209,7 +211,7 @@ struct CameraPrim {
 
 /// Everything, by prim path. std::map keeps the order of paths, which is the order of identity.
 struct SceneDescription {
-    std::map<std::string, GeometryPrim> meshes;
+    std::map<std::string, GeometryPrim> geometry;
     std::map<std::string, InstancerPrim> instancers;
     std::map<std::string, LightPrim> lights;
     std::map<std::string, std::shared_ptr<const MaterialNetwork>> materials;

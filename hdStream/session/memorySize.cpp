@@ -35,14 +35,13 @@ int PowerOf(char suffix) {
     return place == std::string::npos ? -1 : static_cast<int>(place) + 1;
 }
 
-} // namespace
-
-std::uint64_t ParseBytes(const std::string& text) {
+/// \param forms what the message says that would be right.
+std::uint64_t BytesOf(const std::string& text, const char* forms) {
     const int power = text.empty() ? -1 : PowerOf(text.back());
     const double number = NumberOf(power > 0 ? text.substr(0, text.size() - 1) : text);
     const double bytes = power > 0 ? std::ldexp(number, 10 * power) : number;
     if (!(bytes < kMaxBytes)) {
-        Fail(text, "a size such as 512M or 2G");
+        Fail(text, forms);
     }
     if (!(bytes >= 1.0)) {
         Fail(text, "a size above 0");
@@ -50,10 +49,16 @@ std::uint64_t ParseBytes(const std::string& text) {
     return static_cast<std::uint64_t>(bytes);
 }
 
+} // namespace
+
+std::uint64_t ParseBytes(const std::string& text) {
+    return BytesOf(text, "a size such as 512M or 2G");
+}
+
 MemorySize ParseMemorySize(const std::string& text) {
     MemorySize size;
     if (text.empty() || text.back() != '%') {
-        size.bytes = ParseBytes(text);
+        size.bytes = BytesOf(text, "a size such as 512M, 2G or 30%");
         return size;
     }
     const double percent = NumberOf(text.substr(0, text.size() - 1));

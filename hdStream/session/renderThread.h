@@ -32,7 +32,7 @@ public:
 
     /// \param onWarning called on the render thread, once a line.
     explicit RenderThread(Session::WarningSink onWarning = {});
-    /// Cancels what runs and waits for its end (one wave, or the mesh being prepared).
+    /// Cancels what runs and waits for its end (one wave, or the prim being planned).
     ~RenderThread();
     RenderThread(const RenderThread&) = delete;
     RenderThread& operator=(const RenderThread&) = delete;

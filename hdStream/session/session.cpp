@@ -78,7 +78,7 @@ struct Session::Impl {
             const auto pageStore =
                 noCache ? nullptr
                         : std::make_shared<PageStore>(PageStoreOptions{cacheDirectory}, &warnings);
-            cache.meshes.SetPageStore(pageStore);
+            cache.geometry.SetPageStore(pageStore);
             cache.textures = std::make_shared<TexturePreparer>(pageStore, &warnings);
         }
     }
@@ -222,8 +222,8 @@ Session::Session(WarningSink onWarning) : _impl(std::make_unique<Impl>(std::move
 
 Session::~Session() = default;
 
-void Session::SetMesh(const std::string& path, GeometryPrim prim) {
-    _impl->description.meshes[path] = std::move(prim);
+void Session::SetGeometry(const std::string& path, GeometryPrim prim) {
+    _impl->description.geometry[path] = std::move(prim);
     ++_impl->sceneVersion;
 }
 
@@ -248,7 +248,7 @@ void Session::SetCamera(const std::string& path, CameraPrim prim) {
 
 void Session::Remove(const std::string& path) {
     SceneDescription& scene = _impl->description;
-    scene.meshes.erase(path);
+    scene.geometry.erase(path);
     scene.instancers.erase(path);
     scene.lights.erase(path);
     scene.materials.erase(path);

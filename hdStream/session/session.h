@@ -57,7 +57,7 @@ public:
     // --- Scene edits: each replaces the prim of that path, or removes it. -----------------------
     // Cheap whatever the prim: what is expensive to prepare is shared through pointers
     // (GeometryPrim).
-    void SetMesh(const std::string& path, GeometryPrim prim);
+    void SetGeometry(const std::string& path, GeometryPrim prim);
     void SetInstancer(const std::string& path, InstancerPrim prim);
     void SetLight(const std::string& path, LightPrim prim);
     void SetMaterial(const std::string& path, std::shared_ptr<const MaterialNetwork> network);
@@ -82,7 +82,7 @@ public:
     // --- Rendering -------------------------------------------------------------------------------
     /// Renders with the settings from the first sample on. Blocks. Stops early when `onProgress`
     /// returns false; that is asked while the scene is prepared too. What did not change since the
-    /// last call is kept: prepared meshes, images, light tables, device memory, kernels.
+    /// last call is kept: planned geometry, images, light tables, device memory, kernels.
     /// \throws Error when there is no device, memory runs out, or a setting is wrong.
     /// \param showsPreviews someone looks at the film in onProgress: it is filled from coarse to
     /// fine. The final picture is the same.

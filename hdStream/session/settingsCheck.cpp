@@ -113,7 +113,6 @@ ResidencyOptions MakeResidencyOptions(const Settings& settings) {
     const MemorySize textures = MemoryOf(settings.textureMemory);
     options.textureBudgetBytes = textures.bytes;
     options.textureBudgetShare = textures.share;
-    options.plainTextures = settings.plainTextures;
     options.preparesAll = settings.prepare == "eager";
     return options;
 }

@@ -93,9 +93,7 @@ Json TextureSection(const StatisticsInput& in) {
     const RenderStatistics& render = in.tracer->Statistics();
     const TextureStatistics cache = textures.Statistics();
     const std::uint64_t linesTotal = in.scene->textureLines->TotalLines();
-    return {{"mode", textures.Pool() != nullptr ? "stream"
-                     : textures.IsPlain()       ? "plain"
-                                                : "resident"},
+    return {{"mode", textures.Pool() != nullptr ? "stream" : "resident"},
             {"textures", counts.textures},
             {"bytesSource", counts.textureSourceBytes},
             {"bytesTotal", linesTotal * HDS_LINE_BYTES},

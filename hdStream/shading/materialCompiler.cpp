@@ -79,7 +79,7 @@ ShaderValue FitToInput(std::uint32_t input, ShaderValue value) {
     return value;
 }
 
-/// Puts a value into an input: a constant, or what is resolved for each mesh.
+/// Puts a value into an input: a constant, or what is resolved for each prim.
 void SetInput(CompiledMaterial& material, std::uint32_t input, const ShaderValue& value,
               const MaterialNode& node, const std::string& materialPath, Warnings& warnings) {
     const ShaderValue fitted = FitToInput(input, value);
@@ -302,12 +302,12 @@ std::uint32_t DerivedFlags(const shared::HdsMaterial& m) {
     return flags;
 }
 
-/// Finds slots of a mesh's attributes; those that are too short warn.
+/// Finds slots of a prim's attributes; those that are too short warn.
 class SlotFinder {
 public:
-    SlotFinder(const std::vector<AttributeName>& attributes, const std::string& meshPath,
+    SlotFinder(const std::vector<AttributeName>& attributes, const std::string& primPath,
                Warnings& warnings)
-        : _attributes(attributes), _meshPath(meshPath), _warnings(warnings) {}
+        : _attributes(attributes), _primPath(primPath), _warnings(warnings) {}
 
     std::uint32_t operator()(const std::string& primvar, std::uint32_t numComponents) const {
         const auto found =
@@ -317,7 +317,7 @@ public:
             return HDS_NONE;
         }
         if (found->numComponents < numComponents) {
-            _warnings.Add(_meshPath,
+            _warnings.Add(_primPath,
                           "primvar " + primvar + " has " + std::to_string(found->numComponents) +
                               " components; its material needs " + std::to_string(numComponents));
             return HDS_NONE;
@@ -327,7 +327,7 @@ public:
 
 private:
     const std::vector<AttributeName>& _attributes;
-    const std::string& _meshPath;
+    const std::string& _primPath;
     Warnings& _warnings;
 };
 
@@ -437,10 +437,10 @@ CompiledMaterial CompileMaterial(const MaterialNetwork& network, const std::stri
 ResolvedMaterial ResolveMaterial(const CompiledMaterial& material,
                                  const std::vector<std::uint32_t>& textures,
                                  const std::vector<AttributeName>& attributes,
-                                 const std::string& meshPath, Warnings& warnings) {
+                                 const std::string& primPath, Warnings& warnings) {
     ResolvedMaterial result;
     result.record = material.constants;
-    const SlotCallback findSlot = SlotFinder(attributes, meshPath, warnings);
+    const SlotCallback findSlot = SlotFinder(attributes, primPath, warnings);
     ValueResolver resolver(findSlot);
     std::vector<ProgramInput> inputs;
     for (std::uint32_t i = 0; i < HDS_NUM_LAYERED_INPUTS; ++i) {
@@ -465,7 +465,7 @@ ResolvedMaterial ResolveMaterial(const CompiledMaterial& material,
         result.program = WriteProgram(inputs, textures, findSlot, tangentSlot);
         result.record.flags |= NeedsFilteredTexels(result.program) ? HDS_MATERIAL_COMPUTES : 0U;
         if (result.program.empty()) {
-            warnings.Add(meshPath, "its material is too deep for the shader machine; the inputs "
+            warnings.Add(primPath, "its material is too deep for the shader machine; the inputs "
                                    "that it computes keep their defaults");
             result.record.programInputs = 0;
         }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Material networks to HdsMaterial records and programs. Two steps: compile a network once; resolve
-// it against the attributes of each mesh it is bound to. Pure functions; any thread.
+// it against the attributes of each prim it is bound to. Pure functions; any thread.
 // Bad content warns once, names the material, and falls back to what docs/shading.md defines.
 #pragma once
 
@@ -38,7 +38,7 @@ struct DisplacementLookup {
     std::uint32_t wrapS = HDS_WRAP_BLACK; ///< HDS_WRAP_*
     std::uint32_t wrapT = HDS_WRAP_BLACK;
     std::array<double, 6> rows{1, 0, 0, 0, 1, 0}; ///< coordinates = rows * (primvar, 1)
-    std::array<float, 2> missing{}; ///< stands for the primvar where the mesh has none
+    std::array<float, 2> missing{}; ///< stands for the primvar where the prim has none
     float scale = 1.0F;
     float bias = 0.0F;
     std::shared_ptr<const HeightImage> image; ///< null until commit has read it
@@ -56,7 +56,7 @@ struct DisplacementLookup {
 
 /// How far a material moves the surface along its normal, object-space units.
 struct DisplacementInput {
-    float constant = 0.0F; ///< also where the mesh has no such primvar, or the image is unreadable
+    float constant = 0.0F; ///< also where the prim has no such primvar, or the image is unreadable
     std::string primvar;   ///< without "primvars:"; empty: the constant
     /// Nothing: the primvar's first component is the amount; else its first two are coordinates.
     std::optional<DisplacementLookup> lookup = {};
@@ -92,7 +92,7 @@ struct CompiledMaterial {
 /// Primvars along which the tangents of a surface lie that names none: the first that is there.
 constexpr std::array<const char*, 2> kTangentPrimvars = {"st", "UV0"};
 
-/// An attribute of a mesh as materials see it; its slot is HDS_SLOT_USER + its index in the list.
+/// An attribute of a prim as materials see it; its slot is HDS_SLOT_USER + its index in the list.
 struct AttributeName {
     std::string name;
     std::uint32_t numComponents = 1;
@@ -103,7 +103,7 @@ struct AttributeName {
 CompiledMaterial CompileMaterial(const MaterialNetwork& network, const std::string& materialPath,
                                  const ImageQueries& images, Warnings& warnings);
 
-/// The material of meshes without one: Lambert of displayColor (0.5 where there is none, as
+/// The material of prims without one: Lambert of displayColor (0.5 where there is none, as
 /// UsdImaging) with displayOpacity.
 CompiledMaterial DisplayColorMaterial();
 
@@ -113,18 +113,18 @@ CompiledMaterial BlackMaterial();
 /// Whether a material emits the same everywhere, or nothing.
 bool HasConstantEmission(const shared::HdsMaterial& material);
 
-/// A material for the meshes with certain attributes.
+/// A material for the prims with certain attributes.
 struct ResolvedMaterial {
     shared::HdsMaterial record{};       ///< its program is HDS_NONE
     std::vector<std::uint32_t> program; ///< of record.programInputs; empty: none
 };
 
-/// Fills slots, program and the flags that depend on them. A primvar that the mesh lacks, or whose
-/// component count is wrong, gives its reader's fallback; the latter warns with `meshPath`.
+/// Fills slots, program and the flags that depend on them. A primvar that the prim lacks, or whose
+/// component count is wrong, gives its reader's fallback; the latter warns with `primPath`.
 /// \param textures index in the scene of each of the material's textures.
 ResolvedMaterial ResolveMaterial(const CompiledMaterial& material,
                                  const std::vector<std::uint32_t>& textures,
                                  const std::vector<AttributeName>& attributes,
-                                 const std::string& meshPath, Warnings& warnings);
+                                 const std::string& primPath, Warnings& warnings);
 
 } // namespace hds

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a material looks for on a mesh: primvars that nothing looks for are no part of pages.
+// What a material looks for on a prim: primvars that nothing looks for are no part of pages.
 // Explained in docs/geometry.md.
 #pragma once
 

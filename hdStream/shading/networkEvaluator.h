@@ -60,7 +60,7 @@ public:
 
     /// Of MaterialX's nodes that look images up: the channels that the node has.
     ShaderValue EvaluateImage(const MaterialNode& node, const ImageRequest& request);
-    /// Of those: the coordinates that are connected, or the mesh's first.
+    /// Of those: the coordinates that are connected, or the prim's first.
     ShaderValue ImageCoordinates(const MaterialNode& node);
     /// An output of a UsdUVTexture.
     ShaderValue EvaluateTexture(const MaterialNode& node, const std::string& output);

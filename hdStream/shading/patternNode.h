@@ -27,7 +27,7 @@ ShaderValue ClampTo(const ShaderValue& value, const ShaderValue& low, const Shad
 /// Clockwise, as MaterialX turns.
 ShaderValue Rotate2d(const ShaderValue& in, const ShaderValue& degrees);
 
-/// A primvar of the mesh.
+/// A primvar of the prim.
 ShaderValue MakePrimvar(const std::string& name, const ShaderValue& fallback,
                         std::uint32_t numComponents);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Expressions -> the words of a program (kernels/shared/program.h) for one mesh. Part of the
+// Expressions -> the words of a program (kernels/shared/program.h) for one prim. Part of the
 // material compiler. Explained in docs/shading.md.
 #pragma once
 

@@ -30,7 +30,7 @@ struct ShaderValue {
 struct ShaderExpression {
     enum class Kind {
         Constant,
-        Primvar,     ///< of the mesh; operands: fallback
+        Primvar,     ///< of the prim; operands: fallback
         Transform2d, ///< operands: in, rotation (degrees), scale, translation
         Texture,     ///< operands: st, fallback, scale, bias
         Affine,      ///< of coordinates by `rows`; operands: in

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Expressions of a material -> expressions for one mesh: primvars that it lacks give way to their
+// Expressions of a material -> expressions for one prim: primvars that it lacks give way to their
 // fallbacks. Part of the material compiler.
 #pragma once
 
@@ -16,13 +16,13 @@ namespace hds {
 using SlotCallback =
     std::function<std::uint32_t(const std::string& primvar, std::uint32_t numComponents)>;
 
-/// Resolves values of one material for one mesh. What fed several values still does. Externally
+/// Resolves values of one material for one prim. What fed several values still does. Externally
 /// synchronised; the callback and the values must outlive it.
 class ValueResolver {
 public:
     explicit ValueResolver(const SlotCallback& findSlot) : _findSlot(findSlot) {}
 
-    /// The value with every primvar that the mesh lacks replaced by its fallback, folded where that
+    /// The value with every primvar that the prim lacks replaced by its fallback, folded where that
     /// gives constants. \param numComponents that are needed of a primvar.
     ShaderValue Resolve(const ShaderValue& value, std::uint32_t numComponents);
 

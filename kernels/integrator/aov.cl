@@ -79,13 +79,13 @@ void aov_storeHit(constant const HdsFrameParams* frame, const HdsSceneView* scen
     aov_store3(pixel, offsets.normalEye, aov_toEye(frame, normal));
     aov_store3(pixel, offsets.position, surface->point.position + vload3(0, offsets.centre));
     aov_store3(pixel, offsets.albedo, bsdf_albedo(bsdf, cosO));
-    aov_storeId(ids, offsets.primId, scene->meshes[surface->mesh].primId);
+    aov_storeId(ids, offsets.primId, scene->prims[surface->prim].primId);
     aov_storeId(ids, offsets.instanceId, surface->instanceId);
     aov_storeId(
         ids, offsets.elementId,
         (int)attributes_readInteger(surface->attributes, HDS_SLOT_FACE, surface->at.triangle, 0u));
     for (uint k = 0u; k < offsets.numPrimvars; ++k) {
-        uint slot = primvarSlots[surface->mesh * offsets.numPrimvars + k];
+        uint slot = primvarSlots[surface->prim * offsets.numPrimvars + k];
         float4 value = (float4)(0.0f);
         if (slot != HDS_NONE) {
             value = attributes_read(surface->attributes, slot, &surface->at, value);

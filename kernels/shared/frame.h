@@ -111,7 +111,7 @@ typedef struct {
 #undef HDS_AOV_OFFSET
     u32 primvars;    /* of the first primvar AOV; the others follow, three floats each */
     f32 centre[3];   /* world position of the device's origin, added to positions */
-    u32 numPrimvars; /* primvar AOVs; their slots: primvarSlots[mesh * numPrimvars + i] */
+    u32 numPrimvars; /* primvar AOVs; their slots: primvarSlots[prim * numPrimvars + i] */
 } HdsAovOffsets;
 HDS_ASSERT_SIZE(HdsAovOffsets, 64);
 HDS_SHARED_END

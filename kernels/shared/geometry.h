@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
- * Device tables of geometry: instances, objects, meshes, and the layout of a chunk's two pages.
- * Always resident: top nodes, instances, objects, meshes. In pools: pages.
+ * Device tables of geometry: instances, objects, prims, and the layout of a chunk's two pages.
+ * Always resident: top nodes, instances, objects, prims. In pools: pages.
  * Explained in docs/architecture.md and docs/accel.md. */
 #ifndef HDS_SHARED_GEOMETRY_H
 #define HDS_SHARED_GEOMETRY_H
@@ -8,9 +8,9 @@
 #include "shared/residency.h"
 
 /* HdsObject.kind */
-#define HDS_OBJECT_GROUP 0u /* BVH over instances (the TLAS is group object 0) */
-#define HDS_OBJECT_MESH 1u  /* top tree over chunks */
-#define HDS_OBJECT_CHUNK 2u /* a small mesh: one chunk, no top tree */
+#define HDS_OBJECT_GROUP 0u    /* BVH over instances (the TLAS is group object 0) */
+#define HDS_OBJECT_TOP_TREE 1u /* top tree over chunks */
+#define HDS_OBJECT_CHUNK 2u    /* small geometry: one chunk, no top tree */
 
 /* In HdsObject.kind of a group whose boxes move while the shutter is open: the number of its nodes,
  * behind which lie as many with the boxes when it closes, as behind those of pages with
@@ -22,10 +22,10 @@
  * commit. */
 #define HDS_MAX_GROUP_DEPTH 6
 
-/* HdsMesh.flags */
-#define HDS_MESH_LEFT_HANDED 2u /* authored winding: the geometric normal is flipped */
-#define HDS_MESH_CULL_BACK 8u   /* camera rays do not see back faces */
-#define HDS_MESH_CULL_FRONT 16u
+/* HdsPrim.flags */
+#define HDS_PRIM_LEFT_HANDED 2u /* authored winding: the geometric normal is flipped */
+#define HDS_PRIM_CULL_BACK 8u   /* camera rays do not see back faces */
+#define HDS_PRIM_CULL_FRONT 16u
 
 /* HdsInstance.flags */
 #define HDS_INSTANCE_CUTOUT 1u     /* some material may let rays pass: hits are candidates */
@@ -50,7 +50,7 @@ typedef struct {
     u32 flags;
     u32 pathOffset[2]; /* low, high: number of leaf instances before this one inside the group,
                           counted in scene-path order; sums along a path give the path index */
-    u32 mesh;          /* index into meshes for a leaf, HDS_NONE for a group */
+    u32 prim;          /* index into prims for a leaf, HDS_NONE for a group */
     u32 lightBase;     /* first of its material entries in lightByEntry (emissive meshes, which
                           have records in the TLAS only), or HDS_NONE */
     u32 instanceCount; /* placements of the same prototype by its instancer; 0: none places it */
@@ -61,20 +61,20 @@ HDS_ASSERT_SIZE(HdsInstance, 80);
 /* What an instance places. */
 typedef struct {
     u32 kind;     /* HDS_OBJECT_*; HDS_OBJECT_CLOSE_SHIFT */
-    u32 nodeBase; /* GROUP, MESH: first node in topNodes */
-    u32 itemBase; /* GROUP: first instance; MESH, CHUNK: first chunk */
+    u32 nodeBase; /* GROUP, TOP_TREE: first node in topNodes */
+    u32 itemBase; /* GROUP: first instance; TOP_TREE, CHUNK: first chunk */
     u32 numItems;
 } HdsObject;
 HDS_ASSERT_SIZE(HdsObject, 16);
 
-/* Shading side of a mesh prim. */
+/* Shading side of a prim: of a mesh, of curves or of points. */
 typedef struct {
-    u32 materialBase; /* first entry in meshMaterials: entry 0 is the prim's, then one a subset */
+    u32 materialBase; /* first entry in primMaterials: entry 0 is the prim's, then one a subset */
     u32 flags;
     i32 primId;      /* the front end's id, for the AOV */
     u32 numPrimvars; /* user primvar slots after the fixed ones */
-} HdsMesh;
-HDS_ASSERT_SIZE(HdsMesh, 16);
+} HdsPrim;
+HDS_ASSERT_SIZE(HdsPrim, 16);
 
 /* A chunk has two pages; their addresses are in the residency table chunkAddresses[2 * chunk +
  * page].
@@ -156,9 +156,9 @@ HDS_SHARED_END
 #define HDS_ATTR_LINEAR 5u   /* one value a chunk-local vertex, linear between joints of curves */
 #define HDS_ATTR_SLOT(interpolation, components, offset) \
     (((interpolation) << 29) | ((components) << 26) | (offset))
-/* Fixed slots; user primvars follow from HDS_SLOT_USER on, in the mesh's primvar order. */
+/* Fixed slots; user primvars follow from HDS_SLOT_USER on, in the prim's primvar order. */
 #define HDS_SLOT_FACE 0u     /* u32: authored face */
-#define HDS_SLOT_MATERIAL 1u /* u32: entry of the mesh's material list; absent: entry 0 */
+#define HDS_SLOT_MATERIAL 1u /* u32: entry of the prim's material list; absent: entry 0 */
 #define HDS_SLOT_NORMAL 2u   /* 3 components, object space, towards the authored front */
 #define HDS_SLOT_USER 3u
 #endif

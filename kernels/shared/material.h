@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  * A material as the shade kernel reads it: a UsdPreviewSurface, or a layered surface, which shares
- * its inputs as far as they go. Each input is a constant, comes from a primvar of the mesh, or is
- * set by a program (shared/program.h); the pair (material, mesh layout) is resolved by commit, so
+ * its inputs as far as they go. Each input is a constant, comes from a primvar of the prim, or is
+ * set by a program (shared/program.h); the pair (material, prim layout) is resolved by commit, so
  * slots are final. Explained in docs/shading.md and docs/materials.md. */
 #ifndef HDS_SHARED_MATERIAL_H
 #define HDS_SHARED_MATERIAL_H
@@ -24,7 +24,7 @@ enum {
 #define HDS_MATERIAL_CUTOUT 2u /* opacity may be below 1 */
 #define HDS_MATERIAL_EMISSIVE 4u
 #define HDS_MATERIAL_NORMAL 8u    /* the normal input is not (0,0,1) */
-#define HDS_MATERIAL_LAMBERT 16u  /* no specular lobe at all: a mesh without bound material */
+#define HDS_MATERIAL_LAMBERT 16u  /* no specular lobe at all: a prim without bound material */
 #define HDS_MATERIAL_MASK 32u     /* a constant opacityThreshold: opacity alone says what passes */
 #define HDS_MATERIAL_TANGENTS 64u /* the normal input is in the frame of texture coordinates */
 #define HDS_MATERIAL_THIN_WALLED 128u /* what it transmits goes straight on */

@@ -46,8 +46,7 @@ typedef struct {
     u32 numMips;   /* down to 1x1 */
     u32 format;    /* HDS_TEXEL_* */
     u32 flags;     /* HDS_TEXTURE_* */
-    u32 firstLine; /* number of its line 0 among the lines of all textures; without a cache, see
-                      texture/texel.clh */
+    u32 firstLine; /* number of its line 0 among the lines of all textures */
     u32 numLines;
     u32 swizzle; /* HDS_SWIZZLE */
     /* Where a mip's blocks begin, in blocks from the texture's line 0. A multiple of the blocks of

@@ -77,7 +77,7 @@ class EditedSession:
         self.session = _core.Session()
         TranslateStage(Usd.Stage.Open(str(path)), self.session, Usd.TimeCode.Default())
         scene = self.session.Scene()
-        self._set = {"meshes": self.session.SetMesh, "lights": self.session.SetLight, "materials": self.session.SetMaterial,
+        self._set = {"geometry": self.session.SetGeometry, "lights": self.session.SetLight, "materials": self.session.SetMaterial,
                      "instancers": self.session.SetInstancer, "cameras": self.session.SetCamera}
         # Stages are read once: their prims are the first state.
         self._first = {kind: dict(getattr(scene, kind)) for kind in self._set}
@@ -103,14 +103,14 @@ class EditedSession:
             self.session.FlushTextures()
 
     def _Mesh(self):
-        return self._random.choice(sorted(self._first["meshes"].items()))
+        return self._random.choice(sorted(self._first["geometry"].items()))
 
-    def _Copy(self, prim, mesh=None, **placement):
+    def _Copy(self, prim, geometry=None, **placement):
         """The mesh prim with another description or placement."""
         old = prim.placement
         place = self._core.Placement(placement.get("matrix", old.worldFromObject), old.instancerPath, old.instances,
                                      placement.get("visible", old.visible))
-        copy = self._core.GeometryPrim(mesh or prim.mesh, place, prim.purpose, prim.materialPath)
+        copy = self._core.GeometryPrim(geometry or prim.geometry, place, prim.purpose, prim.materialPath)
         copy.doubleSided, copy.subsetMaterialPaths = prim.doubleSided, prim.subsetMaterialPaths
         return copy
 
@@ -121,36 +121,36 @@ class EditedSession:
 
     def _Move(self):
         path, prim = self._Mesh()
-        self.session.SetMesh(path, self._Copy(prim, matrix=self._Matrix(prim.placement.worldFromObject)))
+        self.session.SetGeometry(path, self._Copy(prim, matrix=self._Matrix(prim.placement.worldFromObject)))
 
     def _OtherPoints(self, prim):
         mesh = self._core.GeometryDescription()
         for name in ("faceVertexCounts", "faceVertexIndices", "holeIndices", "subdivisionScheme", "subdivTags", "leftHanded",
                      "primvars", "subsets"):
-            setattr(mesh, name, getattr(prim.mesh, name))
-        mesh.points = np.array(prim.mesh.points).reshape(-1, 3) * np.float32(self._random.uniform(0.5, 1.5))
+            setattr(mesh, name, getattr(prim.geometry, name))
+        mesh.points = np.array(prim.geometry.points).reshape(-1, 3) * np.float32(self._random.uniform(0.5, 1.5))
         return mesh
 
     def _Points(self):
         path, prim = self._Mesh()
-        self.session.SetMesh(path, self._Copy(prim, self._OtherPoints(prim)))
+        self.session.SetGeometry(path, self._Copy(prim, self._OtherPoints(prim)))
 
     def _Add(self):
         _, prim = self._Mesh()
         self._numAdded += 1
         path = f"/Added{self._numAdded}"
-        self.session.SetMesh(path, self._Copy(prim, self._OtherPoints(prim), matrix=self._Matrix(prim.placement.worldFromObject)))
+        self.session.SetGeometry(path, self._Copy(prim, self._OtherPoints(prim), matrix=self._Matrix(prim.placement.worldFromObject)))
         self._added.append(path)
         if len(self._added) > _MOST_ADDED:
             self.session.Remove(self._added.pop(0))
 
     def _Take(self):
-        kind = self._random.choice(["meshes", "lights", "materials"])
+        kind = self._random.choice(["geometry", "lights", "materials"])
         self.session.Remove(self._random.choice(sorted(self._first[kind])))
 
     def _Hide(self):
         path, prim = self._Mesh()
-        self.session.SetMesh(path, self._Copy(prim, visible=False))
+        self.session.SetGeometry(path, self._Copy(prim, visible=False))
 
     def _Material(self):
         """One parameter of one node; sometimes another image."""

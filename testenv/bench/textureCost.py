@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Time of streamed and resident textures over plain arrays: textureCost.py STAGE CAMERA [--samples 64] [--budgets 10%,1%]
+"""Time of streamed textures over resident ones: textureCost.py STAGE CAMERA [--samples 64] [--budgets 10%,1%]
 
-One process, modes take turns: `plain` reads uncompressed arrays in the same kernels, `resident` the cache with all lines, `100 %`
-and the budgets stream them; each of those begins with an empty pool, `warm` is a second render with a pool of 100 %. Least of
-the repeats, without preparing and compiling. Geometry is resident in all of them (`auto` with `prepare eager`, which streams textures alone where geometry
-fits).
+One process, modes take turns: `resident` has all lines, `100 %` and the budgets stream them; each of those begins with an
+empty pool, `warm` is a second render with a pool of 100 %. Least of the repeats, without preparing and compiling. Geometry is
+resident in all of them (`auto` with `prepare eager`, which streams textures alone where geometry fits).
 """
 
 import argparse
@@ -27,8 +26,8 @@ def main() -> None:
     args = parser.parse_args()
     scene = Scene(args.stage, args.camera, imageWidth=args.width)
     streamed = lambda budget: dict(residency="auto", prepare="eager", textureMemory=budget)
-    modes = {"plain": dict(residency="resident", plainTextures=True), "resident": dict(residency="resident"),
-             "100 %": streamed("100%"), "warm": streamed("100%"), **{budget: streamed(budget) for budget in args.budgets}}
+    modes = {"resident": dict(residency="resident"), "100 %": streamed("100%"), "warm": streamed("100%"),
+             **{budget: streamed(budget) for budget in args.budgets}}
     seconds, textures = {name: [] for name in modes}, {}
     for turn in range(args.repeats + 1):
         for name, settings in modes.items():
@@ -39,12 +38,12 @@ def main() -> None:
             if turn > 0:  # the first prepares and compiles
                 seconds[name].append((time["render"] - time["prepare"] - time["compile"], time["shade"]))
     least = {name: tuple(map(min, zip(*values))) for name, values in seconds.items()}
-    print("| textures | render s | over plain | over resident | shade over plain | lines loaded | MB uploaded | misses per texel read |")
-    print("|---" * 8 + "|")
+    print("| textures | render s | over resident | shade over resident | lines loaded | MB uploaded | misses per texel read |")
+    print("|---" * 7 + "|")
     for name, (render, shade) in least.items():
         texture = textures[name]
-        print(f"| {name} | {render:.2f} | {render / least['plain'][0]:.3f} | {render / least['resident'][0]:.3f} | "
-              f"{shade / least['plain'][1]:.3f} | {texture['linesLoaded']} | {texture['uploadedBytes'] / 1e6:.1f} | "
+        print(f"| {name} | {render:.2f} | {render / least['resident'][0]:.3f} | "
+              f"{shade / least['resident'][1]:.3f} | {texture['linesLoaded']} | {texture['uploadedBytes'] / 1e6:.1f} | "
               f"{texture['misses'] / max(1, texture['lookups']):.1e} |")
 
 

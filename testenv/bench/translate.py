@@ -83,7 +83,7 @@ def Main():
     translator = TranslateStage(stage, session, stage.GetStartTimeCode())
     seconds = time.perf_counter() - loaded
     cpuSeconds = time.process_time() - cpuStart
-    assert len(session.Scene().meshes) == numMeshes
+    assert len(session.Scene().geometry) == numMeshes
     peakMegabytes = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(f"load {loaded - start:.2f} s, translate {translator.numPrims} prims in {seconds:.2f} s: "
           f"{translator.numPrims / seconds:.0f} prims/s ({translator.numPrims / cpuSeconds:.0f} a second of CPU "

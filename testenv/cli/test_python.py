@@ -64,12 +64,12 @@ def test_layers_outlive_the_session(tmp_path):
 def test_prims_outlive_their_removal(tmp_path):
     """What Scene() has given stays what it was, whatever becomes of the scene."""
     session, settings = MakeSession(tmp_path)
-    mesh, light = session.Scene().meshes["/Triangle"], session.Scene().lights["/Sun"]
-    points = np.array(mesh.mesh.points)
+    prim, light = session.Scene().geometry["/Triangle"], session.Scene().lights["/Sun"]
+    points = np.array(prim.geometry.points)
     session.Remove("/Triangle")
     light.light.intensity = 7.0
     assert session.Scene().lights["/Sun"].light.intensity == 1.0, "a copy"
     session.Clear()
     del session
-    np.testing.assert_array_equal(mesh.mesh.points, points)
-    assert mesh.placement.visible and mesh.purpose == "default"
+    np.testing.assert_array_equal(prim.geometry.points, points)
+    assert prim.placement.visible and prim.purpose == "default"

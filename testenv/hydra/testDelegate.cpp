@@ -2,6 +2,7 @@
 // What the delegate says of itself: types, AOVs, settings, statistics, commands.
 #include "hydraTest.h"
 
+#include <pxr/base/tf/diagnosticMgr.h>
 #include <pxr/base/tf/errorMark.h>
 #include <pxr/base/tf/stringUtils.h>
 #include <pxr/imaging/hd/renderCapabilitiesSchema.h>
@@ -165,6 +166,37 @@ TEST_F(Delegate, WrongSettingsKeepTheOldValue) {
     host.SetSetting("pixelFilter", VtValue(std::string("sinc")));
     mark.Clear();
     EXPECT_NE(delegate.GetRenderSetting<std::string>(TfToken("pixelFilter"), ""), "sinc");
+}
+
+/// Counts warnings that contain a text.
+class WarningCounter : public TfDiagnosticMgr::Delegate {
+public:
+    explicit WarningCounter(std::string text) : _text(std::move(text)) {
+        TfDiagnosticMgr::GetInstance().AddDelegate(this);
+    }
+    ~WarningCounter() override { TfDiagnosticMgr::GetInstance().RemoveDelegate(this); }
+    int Count() const { return _count; }
+
+    void IssueError(const TfError& /*error*/) override {}
+    void IssueFatalError(const TfCallContext& /*context*/, const std::string& /*text*/) override {}
+    void IssueStatus(const TfStatus& /*status*/) override {}
+    void IssueWarning(const TfWarning& warning) override {
+        _count += TfStringContains(warning.GetCommentary(), _text) ? 1 : 0;
+    }
+
+private:
+    std::string _text;
+    int _count = 0;
+};
+
+TEST_F(Delegate, FormerSpellingsAreToldOnceASession) {
+    const WarningCounter warnings("wide is called simd8");
+    Host host(EmptyScene());
+    for (const char* traversal : {"wide", "scalar", "wide"}) {
+        host.SetSetting("traversal", VtValue(std::string(traversal)));
+    }
+    EXPECT_EQ(warnings.Count(), 1);
+    EXPECT_EQ(host.Delegate().GetRenderSetting<std::string>(TfToken("traversal"), ""), "simd8");
 }
 
 TEST_F(Delegate, SettingsOfConstructionCount) {

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """UsdUVTexture, UsdPrimvarReader and UsdTransform2d by the rules of the UsdPreviewSurface text, version 2.5: a card for
-each rule, all in one picture, streamed and compressed and once more uncompressed. docs/shading.md lists them.
+each rule, all in one picture. docs/shading.md lists them.
 
 A card glows with what it reads and reflects nothing. Where its look-up must be exact all of it has the coordinates of
 one texel's centre, so that a pixel is that texel; images are such that the codec keeps them (flat, or 16 codes a
@@ -288,15 +288,15 @@ for _add in (_AddFileRules, _AddWrapRules, _AddValueRules, _AddColorSpaceRules, 
 # --- Tests -------------------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module", params=["streamed", "plain"])
-def Cards(request, tmp_path_factory):
+@pytest.fixture(scope="module")
+def Cards(tmp_path_factory):
     folder = tmp_path_factory.mktemp("rules")
     _WriteImages(folder)
     strip = Strip(folder / "stage.usda")
     for name, rule in _RULES.items():
         strip.Add(name, rule.build, rule.st, diffuseColor=(0.0, 0.0, 0.0), metallic=1.0)
     author.AddLight(strip.stage, "/World/Dark", "Sphere", dict(translate=(0, 50, 0)), intensity=0.0, radius=0.01)
-    return strip.Render(samples=4, plainTextures=request.param == "plain")
+    return strip.Render(samples=4)
 
 
 @pytest.mark.parametrize("name", _RULES)

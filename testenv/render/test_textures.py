@@ -3,8 +3,8 @@
 against geometry that does the same.
 
 Textures of the look-up tests have few texels, so that every pixel magnifies: what differs from the
-definition is the mean over a pixel of a continuous function by 64 samples. Noise of 8 bits, which the codec
-can only approximate, is read from plain textures.
+definition is the mean over a pixel of a continuous function by 64 samples. Of 8 bits the codec can only approximate
+noise; where that would show, images have values that it keeps (KeptCodes).
 """
 
 import numpy as np
@@ -16,7 +16,8 @@ import closedForm
 import ours
 from stages import author, imageFile, shapes
 from textureCases import (
-    HEIGHT, WIDTH, AddReader, AddTexture, AddTopCamera, AddTransform, Bilinear, Connect, Coordinates, FromSrgb, GlowingPlate, PixelMeans,
+    HEIGHT, WIDTH, AddReader, AddTexture, AddTopCamera, AddTransform, Bilinear, Connect, Coordinates, FromSrgb, GlowingPlate,
+    KeptCodes, PixelMeans,
 )
 
 
@@ -51,14 +52,14 @@ def test_wrap_modes(wrapS, wrapT, tmp_path):
 @pytest.mark.parametrize("space", ["raw", "sRGB", "auto"])
 def test_colour_spaces_scale_and_bias(space, tmp_path):
     """Decoding comes first, then scale and bias; 8 bits with 3 channels are sRGB when nothing is said."""
-    codes = (np.random.default_rng(2).random((4, 5, 3)) * 255).astype(np.uint8)
+    codes = KeptCodes(4, 5, 3, 2)
     imageFile.WritePng(f"{tmp_path}/a.png", codes)
     scale, bias = (2.0, 0.5, 1.0, 1.0), (0.1, 0.2, 0.0, 0.0)
     path = GlowingPlate(f"{tmp_path}/a.usda", _Glow(lambda m: AddTexture(
         m, "T", file="./a.png", sourceColorSpace=space, scale=scale, bias=bias)))
     values = codes / 255 if space == "raw" else FromSrgb(codes / 255)
     expected = PixelMeans(Bilinear(values, Coordinates())) * scale[:3] + bias[:3]
-    np.testing.assert_allclose(_Render(path, plainTextures=True), expected, atol=0.01)
+    np.testing.assert_allclose(_Render(path), expected, atol=0.01)
 
 
 @pytest.mark.parametrize("output,channel", [("r", 0), ("g", 1), ("b", 2), ("a", 3)])
@@ -75,26 +76,30 @@ def test_outputs(output, channel, tmp_path):
 def test_channel_counts_and_depths(channels, dtype, tmp_path):
     """Gray shows in all colours; gray with alpha as well."""
     top = np.iinfo(dtype).max
-    codes = (np.random.default_rng(4).random((3, 4, channels)) * top).astype(dtype)
+    codes = KeptCodes(5, 6, channels, 4, dtype)
     imageFile.WritePng(f"{tmp_path}/a.png", codes)
     path = GlowingPlate(f"{tmp_path}/a.usda", _Glow(lambda m: AddTexture(m, "T", file="./a.png", sourceColorSpace="raw")))
     color = codes[..., :3] if channels > 2 else np.repeat(codes[..., :1], 3, -1)
-    np.testing.assert_allclose(_Render(path, plainTextures=True), PixelMeans(Bilinear(color / top, Coordinates())), atol=0.01)
+    np.testing.assert_allclose(_Render(path), PixelMeans(Bilinear(color / top, Coordinates())), atol=0.01)
 
 
 @pytest.mark.parametrize("channels", [1, 3, 4])
 def test_compression_shows_little(channels, tmp_path):
-    """What textures are by default, against plain ones: noise is off by a fraction of its range, what varies slowly
-    by three codes of 8 bits at most."""
+    """Images of 8 bits against the same values as floats, of which the codec loses at most 1 / 8190 of their range: noise is
+    off by a fraction of its range, what varies slowly by three codes of 8 bits at most."""
     columns, rows = np.meshgrid(np.linspace(0, 1, 16), np.linspace(0, 1, 12))
     smooth = np.stack([(columns + rows) / 2, columns, 1 - rows, (1 + columns) / 2], -1)[..., :channels]
     noise = np.random.default_rng(8).random((12, 16, channels))
     for name, image, most, mean in (("noise", noise, 0.08, 0.02), ("smooth", smooth, 3 / 255, 0.005)):
-        imageFile.WritePng(f"{tmp_path}/{name}.png", np.round(image * 255).astype(np.uint8))
-        path = GlowingPlate(f"{tmp_path}/{name}.usda", _Glow(lambda m: AddTexture(
-            m, "T", file=f"./{name}.png", sourceColorSpace="raw")))
-        difference = np.abs(_Render(path) - _Render(path, plainTextures=True))
-        assert 0 < difference.max() < most and difference.mean() < mean, (difference.max(), difference.mean())
+        codes = np.round(image * 255).astype(np.uint8)
+        imageFile.WritePng(f"{tmp_path}/{name}.png", codes)
+        # Colours beyond halves are stored as floats.
+        _WriteExr(f"{tmp_path}/{name}.exr", np.broadcast_to(codes[..., :3], (12, 16, 3)) / np.float32(255) * 2.0**17)
+        coded, precise = (_Render(GlowingPlate(f"{tmp_path}/{name}.{kind}.usda", _Glow(lambda m: AddTexture(
+            m, "T", file=f"./{name}.{kind}", sourceColorSpace="raw", scale=(scale,) * 4))))
+            for kind, scale in (("png", 1.0), ("exr", 2.0**-17)))
+        difference = np.abs(coded - precise)
+        assert 2e-4 < difference.max() < most and difference.mean() < mean, (difference.max(), difference.mean())
 
 
 def test_transforms_are_chained(tmp_path):
@@ -138,7 +143,7 @@ def test_udim_tiles_and_holes(tmp_path):
 
 def test_a_material_without_coordinates_reads_one_point(tmp_path):
     """st that nothing is connected to is (0, 0): the corner where four texels meet under repeat."""
-    image = _Noise(3, 3)
+    image = np.float32(KeptCodes(3, 3, 3, 1) + 1) / 256
     _WriteExr(f"{tmp_path}/a.exr", image)
 
     def Build(material):
@@ -147,7 +152,7 @@ def test_a_material_without_coordinates_reads_one_point(tmp_path):
         Connect(material, "emissiveColor", texture, "rgb")
 
     expected = Bilinear(image, np.zeros((1, 1, 2)))[0, 0]
-    picture = _Render(GlowingPlate(f"{tmp_path}/a.usda", Build), samples=4, plainTextures=True)
+    picture = _Render(GlowingPlate(f"{tmp_path}/a.usda", Build), samples=4)
     np.testing.assert_allclose(picture, np.broadcast_to(expected, picture.shape), rtol=2.0**-11)  # kept as half
 
 

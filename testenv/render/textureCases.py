@@ -117,5 +117,20 @@ def Bilinear(image: np.ndarray, st: np.ndarray, wrapS: str = "repeat", wrapT: st
     return total
 
 
+def KeptCodes(height: int, width: int, channels: int, seed: int, dtype=np.uint8) -> np.ndarray:
+    """Random codes that the codec keeps: in a block of 4x4 a channel has two values (docs/texturing.md, section "Codec"). Of
+    8 bits one or two channels have them near each other, since wide intervals are coded in steps; more have them far apart,
+    since a narrow interval may go without an index."""
+    random = np.random.default_rng(seed)
+    blocks = (-(-height // 4), -(-width // 4), channels)
+    if dtype == np.uint8:
+        low, step = random.integers(0, 64, blocks), random.integers(60, 96, blocks) + (80 if channels > 2 else 0)
+        ends = low, low + step
+    else:
+        ends = random.integers(0, np.iinfo(dtype).max + 1, (2, *blocks))
+    low, high = (np.repeat(np.repeat(end, 4, 0), 4, 1)[:height, :width] for end in ends)
+    return np.where(random.random((height, width, channels)) < 0.5, low, high).astype(dtype)
+
+
 def FromSrgb(encoded: np.ndarray) -> np.ndarray:
     return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)

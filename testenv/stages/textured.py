@@ -90,15 +90,24 @@ def WriteTextured(path) -> None:
     stage.GetRootLayer().Save()
 
 
-def WriteImageLights(path, isTextured: bool = False) -> None:
+def WriteImageLights(path, isTextured: bool = False, isPrecise: bool = False) -> None:
     """A stage lit by images: on a dome with a small bright sun, of an odd size, and on two panels with one image between
-    them. They are seen by the camera, in a mirror and through holes. The surfaces have no textures unless asked for."""
+    them. They are seen by the camera, in a mirror and through holes. The surfaces have no textures unless asked for.
+    `isPrecise`: the lights' images have the same values 2^17 times over, which are stored as floats, and the lights are as
+    much weaker."""
     folder = pathlib.Path(path).parent / "images"
     _WriteImages(folder)
     random = np.random.default_rng(5)
     sky = 0.2 + 0.3 * random.random((151, 301, 3)).astype(np.float32)
     sky[30:33, 200:204] = (400, 350, 250)
-    imageFile.WriteExr(folder / "sky.exr", {c: sky[..., i] for i, c in enumerate("RGB")}, half=False)
+    images, intensity = {"sky": sky}, 1.0
+    if isPrecise:
+        codes = photograph.Photographs(256).Make(1)[:200] / 255
+        images["panel"] = np.where(codes <= 0.04045, codes / 12.92, ((codes + 0.055) / 1.055) ** 2.4)
+        images, intensity = {f"{name}Floats": image * 2.0**17 for name, image in images.items()}, 2.0**-17
+    for name, image in images.items():
+        imageFile.WriteExr(folder / f"{name}.exr", {c: np.float32(image[..., i]) for i, c in enumerate("RGB")}, half=False)
+    skyFile, panelFile = ("skyFloats.exr", "panelFloats.exr") if isPrecise else ("sky.exr", "photo1.png")
     stage = author.NewStage(str(path))
     textures = dict(diffuseColor=("./images/photo0.png", "rgb")) if isTextured else {}
     look = AddTexturedMaterial(stage, "/World/Looks/Floor", textures, roughness=0.4)
@@ -108,9 +117,10 @@ def WriteImageLights(path, isTextured: bool = False) -> None:
                    translate=(-1.2, 0.2, 0.5), rotate=(80, 0, 15))
     mirror = author.AddMaterial(stage, "/World/Looks/Mirror", metallic=1.0, roughness=0.02, diffuseColor=(0.9, 0.9, 0.9))
     author.AddMesh(stage, "/World/Mirror", shapes.Sphere(0.7, 24, 48), material=mirror, translate=(1.1, -0.3, 0.6))
-    author.AddLight(stage, "/World/Dome", "Dome", dict(rotate=(0, 40, 10)), textureFile="./images/sky.exr")
+    author.AddLight(stage, "/World/Dome", "Dome", dict(rotate=(0, 40, 10)), intensity=intensity,
+                    textureFile=f"./images/{skyFile}")
     for index, x in enumerate((-1.5, 1.8)):
         author.AddLight(stage, f"/World/Panel{index}", "Rect", dict(translate=(x, 0.9, -1.5), rotate=(5, 180, 30 * index)),
-                        intensity=3.0, width=1.5, height=1.0, textureFile="./images/photo1.png")
+                        intensity=3.0 * intensity, width=1.5, height=1.0, textureFile=f"./images/{panelFile}")
     author.AddCamera(stage, eye=(0, 0.9, 4.6), target=(0, 0, 0))
     stage.GetRootLayer().Save()

@@ -86,8 +86,8 @@ def MovedMesh(core, prim, offset):
     """A mesh with other points: all its pages are new."""
     mesh = core.GeometryDescription()
     for name in ("faceVertexCounts", "faceVertexIndices", "holeIndices", "subdivisionScheme", "leftHanded", "primvars"):
-        setattr(mesh, name, getattr(prim.mesh, name))
-    mesh.points = np.array(prim.mesh.points).reshape(-1, 3) + np.float32(offset)
+        setattr(mesh, name, getattr(prim.geometry, name))
+    mesh.points = np.array(prim.geometry.points).reshape(-1, 3) + np.float32(offset)
     result = core.GeometryPrim(mesh, prim.placement, prim.purpose, prim.materialPath)
     result.doubleSided = prim.doubleSided
     return result

@@ -58,13 +58,13 @@ def test_stays_resident_until_an_edit_brings_many_new_pages(Field):
     assert _RenderAuto(case)["streamedSamples"] == 1
     again = _RenderAuto(case)
     assert again["mode"] == "resident" and again["streamedSamples"] == again["uploads"] == 0
-    meshes = dict(case.session.Scene().meshes)
+    meshes = dict(case.session.Scene().geometry)
     # The first edit finds a pool that is full: with the next one it has room to spare.
     for path, offset, isMuch in (("/World/Little", 0.1, True), ("/World/Little", 0.2, False), ("/World/Field", 0.1, True),
                                  ("/World/Little", 0.3, False)):
         moved = MovedMesh(case.core, meshes[path], (offset, 0, 0))
         for session in (case.session, other.session):
-            session.SetMesh(path, moved)
+            session.SetGeometry(path, moved)
         other.RenderResident(**_SETTINGS)
         case.layers = other.layers
         edited = _RenderAuto(case)

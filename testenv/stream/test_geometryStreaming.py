@@ -100,9 +100,9 @@ def test_light_geometry_is_pinned(tmp_path):
         assert 0 < geometry["pinnedBytes"] <= geometry["budget"] // 4
         geometry = case.Fresh().AssertStreams(geometryMemory=pool, noCache=True, geometryEviction="flush")
         assert geometry["pinnedBytes"] == 0
-    dark = dict(case.session.Scene().meshes)
+    dark = dict(case.session.Scene().geometry)
     glowing = dark["/World/Ball4"]
     glowing.materialPath = dark["/World/Ball3"].materialPath
-    case.session.SetMesh("/World/Ball4", glowing)
+    case.session.SetGeometry("/World/Ball4", glowing)
     case.RenderResident(noCache=True)
     assert case.AssertStreams(geometryMemory="30%", noCache=True)["pinnedBytes"] == 0, "nothing shines any more"

@@ -43,8 +43,8 @@ def test_an_edit_loads_what_it_brings(Path, residency):
     case = Case(Path)
     settings = dict(residency=residency, geometryMemory="64M", noCache=True)
     _, first = case.Render(**settings)
-    ball = case.session.Scene().meshes["/World/Ball3"]
-    case.session.SetMesh("/World/Ball3", MovedMesh(case.core, ball, (0.3, 0.2, 0.1)))
+    ball = case.session.Scene().geometry["/World/Ball3"]
+    case.session.SetGeometry("/World/Ball3", MovedMesh(case.core, ball, (0.3, 0.2, 0.1)))
     _, second = case.Render(**settings)
     chunks = first["geometry"]["chunks"]
     assert 0 < second["geometry"]["chunksBuilt"] < chunks // 4

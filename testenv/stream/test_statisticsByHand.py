@@ -63,9 +63,9 @@ def test_rays_of_a_square_that_fills_half_of_the_picture(tmp_path, residency):
 # --- Ray batches, iterations and what waits ----------------------------------------------------------------
 
 
-def test_casts_and_iterations(tmp_path):
+def test_ray_batches_and_iterations(tmp_path):
     """Resident: camera rays, then the rays of their hits, of each of the two passes (one sample, three samples). Streamed: each pass is a
-    cast; in the first one all rays wait for the square's geometry and then all hits for its attributes."""
+    ray batch; in the first one all rays wait for the square's geometry and then all hits for its attributes."""
     settings = dict(waveSize=_PIXELS * _SAMPLES)
     resident = _Statistics(_Square(tmp_path), residency="resident", **settings)["geometry"]
     assert resident["rayBatches"] == resident["iterations"] == 4

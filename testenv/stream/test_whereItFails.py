@@ -143,17 +143,17 @@ def test_edits_between_renders(tmp_path, eviction, stopsAt):
     path = tmp_path / "stage.usda"
     streaming.WriteOverlap(str(path), meshes=8, rings=16)
     case, other = Case(path), Case(path)
-    meshes = dict(case.session.Scene().meshes)
+    meshes = dict(case.session.Scene().geometry)
     settings = dict(noCache=True, geometryMemory="150K", geometryEviction=eviction, hostMemory=1 << 18)
     moved = MovedMesh(case.core, meshes["/World/Ball3"], (0.3, 0.2, 0.1))
     hidden = meshes["/World/Ball5"]
     edits = [
-        lambda session: session.SetMesh("/World/Ball3", moved),
+        lambda session: session.SetGeometry("/World/Ball3", moved),
         lambda session: session.Remove("/World/Ball0"),
-        lambda session: session.SetMesh("/World/New", MovedMesh(case.core, meshes["/World/Ball1"], (0.5, 0.5, 0.5))),
-        lambda session: (setattr(hidden.placement, "visible", False), session.SetMesh("/World/Ball5", hidden)),
-        lambda session: session.SetMesh("/World/Ball0", MovedMesh(case.core, meshes["/World/Ball2"], (-0.2, 0.4, 0.0))),
-        lambda session: (setattr(hidden.placement, "visible", True), session.SetMesh("/World/Ball5", hidden)),
+        lambda session: session.SetGeometry("/World/New", MovedMesh(case.core, meshes["/World/Ball1"], (0.5, 0.5, 0.5))),
+        lambda session: (setattr(hidden.placement, "visible", False), session.SetGeometry("/World/Ball5", hidden)),
+        lambda session: session.SetGeometry("/World/Ball0", MovedMesh(case.core, meshes["/World/Ball2"], (-0.2, 0.4, 0.0))),
+        lambda session: (setattr(hidden.placement, "visible", True), session.SetGeometry("/World/Ball5", hidden)),
     ]
     case.RenderResident(noCache=True)
     case.AssertStreams(**settings)

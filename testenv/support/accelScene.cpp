@@ -76,7 +76,7 @@ std::uint32_t AccelScene::AddSource(const ChunkSource& source, std::uint32_t max
     }
     const Bvh top = BuildBvh(boxes, TopOptions());
     const auto object = static_cast<std::uint32_t>(objects.size());
-    objects.push_back({numChunks == 1 ? HDS_OBJECT_CHUNK : HDS_OBJECT_MESH,
+    objects.push_back({numChunks == 1 ? HDS_OBJECT_CHUNK : HDS_OBJECT_TOP_TREE,
                        static_cast<std::uint32_t>(topNodes.size()),
                        static_cast<std::uint32_t>(pages.size()),
                        static_cast<std::uint32_t>(numChunks)});
@@ -125,7 +125,7 @@ void AccelScene::BuildGroup(std::uint32_t object, const std::vector<AccelPlaceme
         record.pathOffset[0] = static_cast<std::uint32_t>(numLeaves);
         record.pathOffset[1] = static_cast<std::uint32_t>(numLeaves >> 32U);
         const std::uint32_t kind = objects[placement.object].kind & HDS_OBJECT_KIND;
-        record.mesh = kind == HDS_OBJECT_GROUP ? HDS_NONE : 0;
+        record.prim = kind == HDS_OBJECT_GROUP ? HDS_NONE : 0;
         record.lightBase = HDS_NONE;
         records.push_back(record);
         boxes.push_back(box);

@@ -6,7 +6,7 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-SUFFIXES = {".h", ".cpp", ".cl", ".clh"}
+SUFFIXES = {".h", ".cpp", ".cl", ".clh", ".def"}
 
 
 def main(tool: str) -> int:

@@ -66,18 +66,18 @@ glm::dmat4 Move(double x, double y, double z) {
 
 void FillSession(Session* session) {
     GeometryPrim ground;
-    ground.mesh = MakeGrid(24, 0.1F);
+    ground.geometry = MakeGrid(24, 0.1F);
     ground.placement.worldFromObject = glm::scale(glm::dmat4(1.0), glm::dvec3(4.0, 1.0, 4.0));
-    session->SetMesh("/ground", ground);
+    session->SetGeometry("/ground", ground);
     GeometryPrim wall;
-    wall.mesh = MakeQuad();
+    wall.geometry = MakeQuad();
     wall.placement.worldFromObject = Move(0.0, 1.0, -2.0);
     wall.materialPath = "/red";
-    session->SetMesh("/wall", wall);
+    session->SetGeometry("/wall", wall);
     GeometryPrim ball;
-    ball.mesh = MakeGrid(12, 0.4F);
+    ball.geometry = MakeGrid(12, 0.4F);
     ball.placement.worldFromObject = Move(-1.5, 0.8, 0.0);
-    session->SetMesh("/ball", ball);
+    session->SetGeometry("/ball", ball);
     InstancerPrim many;
     std::vector<double> transforms;
     for (int i = 0; i < 5; ++i) {
@@ -88,10 +88,10 @@ void FillSession(Session* session) {
     many.instanceTransforms = std::move(transforms);
     session->SetInstancer("/many", many);
     GeometryPrim leaf;
-    leaf.mesh = MakeGrid(6, 0.5F);
+    leaf.geometry = MakeGrid(6, 0.5F);
     leaf.placement.instancerPath = "/many";
     leaf.placement.instances = std::vector<std::int32_t>{0, 1, 3, 4};
-    session->SetMesh("/many/leaf", leaf);
+    session->SetGeometry("/many/leaf", leaf);
     LightPrim sun;
     sun.light.type = LightType::Distant;
     sun.light.intensity = 3.0F;

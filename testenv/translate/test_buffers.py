@@ -32,8 +32,8 @@ def test_arrays_are_not_copied():
     mesh.points = vt
     assert AddressOf(mesh.points) == AddressOf(np.asarray(vt))
     session = _core.Session()
-    session.SetMesh("/M", _core.GeometryPrim(mesh, _core.Placement(np.eye(4))))
-    assert AddressOf(session.Scene().meshes["/M"].mesh.points) == AddressOf(np.asarray(vt))
+    session.SetGeometry("/M", _core.GeometryPrim(mesh, _core.Placement(np.eye(4))))
+    assert AddressOf(session.Scene().geometry["/M"].geometry.points) == AddressOf(np.asarray(vt))
 
 
 def test_returned_arrays_are_read_only():
@@ -64,7 +64,7 @@ def test_arrays_are_released(isOtherThread):
     points = np.zeros((1000, 3), np.float32).view(Tracked)
     alive = weakref.ref(points)
     session = _core.Session()
-    session.SetMesh("/M", MakePrim(points))
+    session.SetGeometry("/M", MakePrim(points))
     del points
     gc.collect()
     assert alive() is not None
@@ -87,7 +87,7 @@ def test_many_arrays_dropped_at_once_are_all_released():
     for index in range(500):
         points = np.zeros((3, 3), np.float32).view(Tracked)
         alive.append(weakref.ref(points))
-        session.SetMesh(f"/M{index}", MakePrim(points))
+        session.SetGeometry(f"/M{index}", MakePrim(points))
     del points
     session.Clear()
     deadline = time.monotonic() + 20

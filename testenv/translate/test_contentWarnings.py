@@ -78,7 +78,7 @@ def test_ordinary_scenes_have_no_warnings(text):
 def test_a_bad_prim_does_not_hide_its_children():
     text = (f'def Mesh "M" {{ int points = 7\nint[] faceVertexCounts = [3]\nint[] faceVertexIndices = [0, 1, 2]\n'
             f'def Mesh "Child" {{ {TRIANGLE} }} }}')
-    assert list(Translate(StageOf(text)).Scene().meshes) == ["/M/Child"]
+    assert list(Translate(StageOf(text)).Scene().geometry) == ["/M/Child"]
 
 
 def test_deep_hierarchies_are_walked():
@@ -89,4 +89,4 @@ def test_deep_hierarchies_are_walked():
         path += f"/g{level}"
     stage.DefinePrim(path, "Xform")
     UsdGeom.Sphere.Define(stage, path + "/ball")
-    assert len(Translate(stage).Scene().meshes) == 1
+    assert len(Translate(stage).Scene().geometry) == 1

@@ -74,7 +74,7 @@ def test_models_are_replaced_where_openusd_says(seed):
             (lines if mode in ("bounds", "origin") else meshes).add(model or str(prim.GetPath()))
     session = Translate(stage)
     scene = session.Scene()
-    isLines = {path: mesh.mesh.primitives == _core.PrimitiveKind.Curves for path, mesh in scene.meshes.items()}
+    isLines = {path: prim.geometry.primitives == _core.PrimitiveKind.Curves for path, prim in scene.geometry.items()}
     assert {path for path, isLine in isLines.items() if not isLine} == meshes
     assert {path for path, isLine in isLines.items() if isLine} == lines
     assert not session.Warnings()
@@ -90,7 +90,7 @@ def test_instances_that_look_otherwise_have_their_own_cards():
     scene = Translate(StageOf(f'class "P" {{ def Mesh "M" {{ {TRIANGLE} }} }} {body}')).Scene()
     assert {path: len(instancer.instanceTransforms) for path, instancer in scene.instancers.items()} == {
         "/A": 2, "/B": 1, "/D": 1}
-    assert sorted(scene.meshes) == ["/A{/A}", "/B{/B}", "/D/M"]
+    assert sorted(scene.geometry) == ["/A{/A}", "/B{/B}", "/D/M"]
 
 
 def test_instances_that_inherit_other_modes_are_apart():
@@ -108,10 +108,10 @@ def test_instances_that_inherit_other_modes_are_apart():
     """)
     session = Translate(stage)
     scene = session.Scene()
-    assert {path: len(mesh.mesh.faceVertexCounts) for path, mesh in scene.meshes.items()} == {
+    assert {path: len(prim.geometry.faceVertexCounts) for path, prim in scene.geometry.items()} == {
         "/A/M": 6, "/B/M": 1, "/G/C/M": 1}
     assert sorted(scene.instancers) == ["/A", "/B", "/G/C"]
-    assert scene.meshes["/G/C/M"].mesh.curves.wrap == "segmented"
+    assert scene.geometry["/G/C/M"].geometry.curves.wrap == "segmented"
     assert not session.Warnings()
 
 
@@ -127,7 +127,7 @@ def test_lines_are_the_edges_of_the_bounds():
     scene = Translate(stage).Scene()
 
     def Edges(path):
-        lines = scene.meshes[path].mesh
+        lines = scene.geometry[path].geometry
         ends = lines.points.reshape(-1, 3)[lines.faceVertexIndices].reshape(-1, 2, 3)
         assert list(lines.faceVertexCounts) == [2 * len(ends)] and lines.curves.type == "linear"
         return {frozenset(map(tuple, pair.tolist())) for pair in ends}
@@ -136,7 +136,7 @@ def test_lines_are_the_edges_of_the_bounds():
     assert Edges("/B") == {frozenset((a, b)) for a in corners for b in corners
                            if sum(p != q for p, q in zip(a, b)) == 1}
     assert Edges("/O") == {frozenset(((0.0, 0.0, 0.0), axis)) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))}
-    primvars = {primvar.name: primvar.values.ravel().tolist() for primvar in scene.meshes["/O"].mesh.primvars}
+    primvars = {primvar.name: primvar.values.ravel().tolist() for primvar in scene.geometry["/O"].geometry.primvars}
     assert primvars == {"displayColor": [1, 0.5, 0], "displayOpacity": [1], "widths": [1]}
 
 
@@ -153,7 +153,7 @@ def test_lines_are_the_edges_of_the_bounds():
 ])
 def test_what_is_no_card_is_one_warning(text, expected):
     session = Translate(StageOf(text))
-    assert not session.Scene().meshes
+    assert not session.Scene().geometry
     assert len(session.Warnings()) == 1 and session.Warnings()[0].startswith(expected)
 
 

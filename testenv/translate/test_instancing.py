@@ -185,7 +185,7 @@ def OracleLeaves(stage):
 
 def ExpandedLeaves(scene):
     """(leaf, world matrix) of every drawn mesh, by the contract of hdStream/scene/sceneDescription.h."""
-    meshes, instancers = scene.meshes, scene.instancers
+    meshes, instancers = scene.geometry, scene.instancers
 
     def Placements(placement):
         """World matrices (row vectors) of whatever is placed so."""
@@ -200,9 +200,9 @@ def ExpandedLeaves(scene):
                 for parent in Placements(instancer.placement)
                 for index in placement.instances]
 
-    return [(int(mesh.mesh.points[0][0]), matrix)
-            for mesh in meshes.values() if mesh.placement.visible
-            for matrix in Placements(mesh.placement)]
+    return [(int(prim.geometry.points[0][0]), matrix)
+            for prim in meshes.values() if prim.placement.visible
+            for matrix in Placements(prim.placement)]
 
 
 def AssertSameLeaves(found, expected):
@@ -259,8 +259,8 @@ def test_a_million_instances_are_arrays():
     positions = rng.random((count, 3), np.float32)
     instancer.CreatePositionsAttr(Vt.Vec3fArray.FromNumpy(positions))
     scene = Translate(stage).Scene()
-    assert len(scene.meshes) == 2
+    assert len(scene.geometry) == 2
     found = scene.instancers["/Points"]
     assert found.instanceTransforms.shape == (count, 16)
     np.testing.assert_array_equal(found.instanceTransforms[:, 12:15], positions.astype(np.float64))
-    np.testing.assert_array_equal(scene.meshes["/Points/Ball"].placement.instances, np.flatnonzero(indices == 1))
+    np.testing.assert_array_equal(scene.geometry["/Points/Ball"].placement.instances, np.flatnonzero(indices == 1))

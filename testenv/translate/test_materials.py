@@ -62,7 +62,7 @@ def BindSome(stage, paths, materials, rng, share):
 def FoundMaterials(scene):
     """(instance number, leaf name, material) of every placed mesh."""
     found = set()
-    for path, mesh in scene.meshes.items():
+    for path, mesh in scene.geometry.items():
         instancer = scene.instancers[mesh.placement.instancerPath]
         for index in mesh.placement.instances:
             found.add((int(instancer.instanceTransforms[index][12]), path.rpartition("/")[2], mesh.materialPath))

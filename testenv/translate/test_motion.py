@@ -22,17 +22,17 @@ def SceneAt(stage, timeCode, shutter=(0.0, 0.0)):
 @pytest.mark.parametrize("case, time", [("skinning", 2.5), ("motion", 2.0)])
 def test_points_are_those_of_the_shutters_ends(case, time):
     stage = Usd.Stage.Open(str(FOLDER / case / "scene.usda"))
-    moving = SceneAt(stage, time, SHUTTER).meshes
-    ends = [SceneAt(stage, time + end).meshes for end in SHUTTER]
+    moving = SceneAt(stage, time, SHUTTER).geometry
+    ends = [SceneAt(stage, time + end).geometry for end in SHUTTER]
     numMoving = 0
     for path, prim in moving.items():
-        points = [scene[path].mesh.points for scene in ends]
-        if prim.mesh.samples:
+        points = [scene[path].geometry.points for scene in ends]
+        if prim.geometry.samples:
             numMoving += 1
-            assert [sample[0] for sample in prim.mesh.samples] == list(SHUTTER)
-            for (_, found), expected in zip(prim.mesh.samples, points):
+            assert [sample[0] for sample in prim.geometry.samples] == list(SHUTTER)
+            for (_, found), expected in zip(prim.geometry.samples, points):
                 np.testing.assert_allclose(found, expected, atol=1e-5)
-        elif len(points[0]) == len(points[1]) == len(prim.mesh.points):
+        elif len(points[0]) == len(points[1]) == len(prim.geometry.points):
             np.testing.assert_array_equal(points[0], points[1], path)
     assert numMoving > 0, "the test would show little"
 
@@ -53,10 +53,10 @@ def test_transforms_are_those_of_nine_times():
             }
         }
         """)
-    samples = SceneAt(stage, 1.0, SHUTTER).meshes["/A/M"].placement.samples
+    samples = SceneAt(stage, 1.0, SHUTTER).geometry["/A/M"].placement.samples
     assert len(samples) == 9 and samples[0][0] == -0.25 and samples[-1][0] == 0.5
     for time, matrix in samples:
-        expected = SceneAt(stage, 1.0 + time).meshes["/A/M"].placement.worldFromObject
+        expected = SceneAt(stage, 1.0 + time).geometry["/A/M"].placement.worldFromObject
         np.testing.assert_allclose(matrix, expected, atol=1e-12)
 
 
@@ -64,7 +64,7 @@ def test_nothing_moves_without_shutter_or_frame():
     stage = Usd.Stage.Open(str(FOLDER / "motion" / "scene.usda"))
     for time, shutter in ((2.0, (0.0, 0.0)), (Usd.TimeCode.Default(), SHUTTER)):
         scene = SceneAt(stage, time, shutter)
-        assert not any(prim.mesh.samples or prim.placement.samples for prim in scene.meshes.values())
+        assert not any(prim.geometry.samples or prim.placement.samples for prim in scene.geometry.values())
         assert not any(prim.samples for prim in scene.instancers.values())
 
 

@@ -51,7 +51,7 @@ def AddPrimvar(prim, name, typeName, interpolation, rng):
 @pytest.mark.parametrize("seed", range(60))
 def test_primvars_are_what_usd_finds(seed):
     stage, prim = RandomStage(seed)
-    mesh = Translate(stage).Scene().meshes[str(prim.GetPath())].mesh
+    mesh = Translate(stage).Scene().geometry[str(prim.GetPath())].geometry
     found = {primvar.name: primvar for primvar in mesh.primvars}
     expected = {primvar.GetPrimvarName(): primvar
                 for primvar in UsdGeom.PrimvarsAPI(prim).FindPrimvarsWithInheritance()
@@ -78,6 +78,6 @@ def test_primvars_normals_have_precedence(authored, expected):
         point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
         {authored}
     }}""")
-    primvars = Translate(stage).Scene().meshes["/M"].mesh.primvars
+    primvars = Translate(stage).Scene().geometry["/M"].geometry.primvars
     assert [(p.name, p.interpolation.name) for p in primvars] == [("normals", expected)]
     assert (primvars[0].values == [0, 0, 1]).all()

@@ -27,7 +27,7 @@ def Bending():
 
 def Points(name, time=2.5):
     session = Translate(Bending(), time)
-    return np.array(session.Scene().meshes[f"/Arm/{name}"].mesh.points)
+    return np.array(session.Scene().geometry[f"/Arm/{name}"].geometry.points)
 
 
 def Bent(point):
@@ -75,9 +75,9 @@ def test_points_are_those_of_usdskel_baking():
 
 
 def test_normals_at_rest_are_left_out():
-    meshes = Translate(Usd.Stage.Open(STAGE)).Scene().meshes
-    assert [p.name for p in meshes["/Arm/Linear"].mesh.primvars] == []
-    assert [p.name for p in meshes["/Arm/Unskinned"].mesh.primvars] == ["normals"]
+    meshes = Translate(Usd.Stage.Open(STAGE)).Scene().geometry
+    assert [p.name for p in meshes["/Arm/Linear"].geometry.primvars] == []
+    assert [p.name for p in meshes["/Arm/Unskinned"].geometry.primvars] == ["normals"]
 
 
 def test_influences_that_do_not_fit_leave_all_points():
@@ -87,7 +87,7 @@ def test_influences_that_do_not_fit_leave_all_points():
     indices = mesh.GetAttribute("primvars:skel:jointIndices")
     indices.Set([*list(indices.Get())[:-1], 999])
     session = Translate(stage, 2.5)
-    assert np.array_equal(session.Scene().meshes["/Arm/Linear"].mesh.points, mesh.GetAttribute("points").Get())
+    assert np.array_equal(session.Scene().geometry["/Arm/Linear"].geometry.points, mesh.GetAttribute("points").Get())
     assert any("/Arm/Linear: its joint influences do not fit" in line for line in session.Warnings())
 
 

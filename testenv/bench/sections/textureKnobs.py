@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Error against time of what changes textures: shade iterations, codec, mip bias."""
+"""Error against time of what changes textures: mip bias, shade iterations."""
 
 from bench import textureQuality
 from bench.curves import CurveChart, CurveTable
@@ -14,16 +14,12 @@ def _Filtering(bench) -> list:
     biases = bench.Pick((-1.0, -0.5, 0.0, 0.5, 1.0), (0.0, 1.0))
     rows = list(textureQuality.Measure(bench.folder / "quality", biases=biases, **sizes))
 
-    def Points(name, bias):
-        return [Point(row["samples"], row["seconds"], row["error"], {}) for row in rows
-                if (row["name"], row["bias"]) == (name, bias)]
+    def Points(bias):
+        return [Point(row["samples"], row["seconds"], row["error"], {}) for row in rows if row["bias"] == bias]
 
-    codec = {"plain": Points("plain", 0.0), "1:2 and streamed": Points("compressed", 0.0)}
-    bias = {f"bias {value:+g}" if value else "bias 0": Points("compressed", value) for value in sorted(biases, key=abs)}
-    return ["Texture codec: plain arrays against lines compressed 1:2 that stream. Cards that glow; the reference reads the finest "
-            "mips:",
-            CurveTable("knob-codec", codec), ("knob-codec", CurveChart("texture codec", codec)),
-            "Mip bias, the same stage, compressed:", CurveTable("knob-mip-bias", bias), ("knob-mip-bias", CurveChart("mip bias", bias))]
+    bias = {f"bias {value:+g}" if value else "bias 0": Points(value) for value in sorted(biases, key=abs)}
+    return ["Mip bias. Cards that glow; the reference reads the finest mips:", CurveTable("knob-mip-bias", bias),
+            ("knob-mip-bias", CurveChart("mip bias", bias))]
 
 
 def _ShadeIterations(bench) -> list:

@@ -30,7 +30,7 @@ TEST_F(Layout, MatchesTheHost) {
     const Field fields[] = {
         HDS_TEST_FIELD(HdsBvhNode, childBase),   HDS_TEST_FIELD(HdsBvhNode, qhi),
         HDS_TEST_FIELD(HdsInstance, object),     HDS_TEST_FIELD(HdsInstance, instanceRank),
-        HDS_TEST_FIELD(HdsObject, numItems),     HDS_TEST_FIELD(HdsMesh, numPrimvars),
+        HDS_TEST_FIELD(HdsObject, numItems),     HDS_TEST_FIELD(HdsPrim, numPrimvars),
         HDS_TEST_FIELD(HdsPageHeader, vertices), HDS_TEST_FIELD(HdsTriangle, vertices),
         HDS_TEST_FIELD(HdsHit, pathIndex),       HDS_TEST_FIELD(HdsMaterial, slots),
         HDS_TEST_FIELD(HdsMaterial, flags),      HDS_TEST_FIELD(HdsLight, type),

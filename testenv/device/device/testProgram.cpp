@@ -87,6 +87,31 @@ TEST_F(ProgramTest, BinariesAreCachedPerTextAndDefines) {
     EXPECT_TRUE(warnings.Lines().empty());
 }
 
+TEST_F(ProgramTest, KernelsAreGivenAllArguments) {
+    ::testing::FLAGS_gtest_death_test_style = "threadsafe"; // the driver has threads
+    const auto program = Build("kernel void add(global int* x, int a, int b) {\n"
+                               "    x[get_global_id(0)] = a + b;\n}\n",
+                               {});
+    const Buffer out = Allocate(64 * sizeof(int));
+    const int five = 5;
+    Kernel launched = program->GetKernel("add");
+    EXPECT_DEATH(launched.Launch(64, out, five), "add is not given argument 2 of 3");
+    EXPECT_DEATH(launched.Launch(64, out, five, five, five), "add takes 3 arguments");
+    launched.Launch(64, out, five, five);
+    EXPECT_DEATH(launched.Launch(64, out, five), "argument 2 of 3") << "it is of the launch before";
+    Kernel set = program->GetKernel("add");
+    set.SetBuffer(0, out);
+    set.SetBytes(2, &five, sizeof(five));
+    EXPECT_DEATH(set.Enqueue(64), "argument 1 of 3");
+    EXPECT_DEATH(set.SetBytes(3, &five, sizeof(five)), "add takes 3 arguments");
+    set.SetBytes(1, &five, sizeof(five));
+    set.Enqueue(64);
+    set.KeepFirst(1);
+    EXPECT_DEATH(set.Launch(64, five), "argument 2 of 3");
+    set.Launch(64, five, five);
+    EXPECT_EQ(Download<int>(out, 64), std::vector<int>(64, 10));
+}
+
 TEST_F(ProgramTest, BuffersCopyWhatTheySay) {
     std::vector<int> values(1000);
     for (int i = 0; i < 1000; ++i) {

@@ -30,15 +30,13 @@ std::vector<NamedFeatures> MakeSets() {
     {                                                         \
         KernelFeatures f = sets.front().f;                    \
         f.member = on;                                        \
-        needs;                                                \
-        sets.push_back({#member, f});                         \
+        sets.push_back({#member, f.WithNeeds()});             \
     }
-#define HDS_VARIANT(member, macro, needs, doc)                   \
-    for (const std::size_t base : {0, 1}) {                      \
-        KernelFeatures f = sets[base].f;                         \
-        f.member = true;                                         \
-        needs;                                                   \
-        sets.push_back({sets[base].name + " with " #member, f}); \
+#define HDS_VARIANT(member, macro, needs, doc)                               \
+    for (const std::size_t base : {0, 1}) {                                  \
+        KernelFeatures f = sets[base].f;                                     \
+        f.member = true;                                                     \
+        sets.push_back({sets[base].name + " with " #member, f.WithNeeds()}); \
     }
 #include "kernels/shared/features.def"
     return sets;

@@ -6,7 +6,7 @@
 #include "hdStream/shading/lightTable.h"
 #include "kernels/shared/texture.h"
 #include "testenv/support/deviceFixture.h"
-#include "testenv/support/plainTextures.h"
+#include "testenv/support/testTextures.h"
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
@@ -179,8 +179,7 @@ protected:
     void SetUp() override {
         DeviceFixture::SetUp();
         if (device) {
-            _program =
-                Build(kLightKernels, {{"HDS_NUM_TEXTURE_POOLS", "1"}, {"HDS_TEXTURE_PLAIN", "1"}});
+            _program = Build(kLightKernels, {{"HDS_NUM_TEXTURE_POOLS", "1"}});
             SetImage({});
         }
     }
@@ -215,7 +214,7 @@ protected:
         const Buffer out = Allocate(count * 16 * sizeof(float));
         _program->GetKernel("sampleAll")
             .Launch(count, _lights, _nodes, _triangles, _cdf, _numLights,
-                    HDS_TEST_TEXTURE_ARGS(_records, _texels), pointBuffer, normalBuffer, usBuffer,
+                    HDS_TEST_TEXTURE_ARGS(_records, _lines), pointBuffer, normalBuffer, usBuffer,
                     out, std::uint32_t(count));
         const std::vector<float> values = Download<float>(out, count * 16);
         std::vector<LightSampleResult> results(count);
@@ -247,7 +246,7 @@ protected:
         const Buffer out = Allocate(count * 3 * sizeof(float));
         _program->GetKernel("intersectAll")
             .Launch(count, _lights, _nodes, _triangles, _cdf, _numLights,
-                    HDS_TEST_TEXTURE_ARGS(_records, _texels), light, pointBuffer, normalBuffer,
+                    HDS_TEST_TEXTURE_ARGS(_records, _lines), light, pointBuffer, normalBuffer,
                     directionBuffer, std::uint32_t(points.size() == 3 ? 1 : 0), out,
                     std::uint32_t(count));
         return Download<float>(out, count * 3);
@@ -265,7 +264,7 @@ protected:
         const Buffer out = Allocate(items * 2 * sizeof(float));
         _program->GetKernel("irradiances")
             .Launch(items, _lights, _nodes, _triangles, _cdf, _numLights,
-                    HDS_TEST_TEXTURE_ARGS(_records, _texels), pointBuffer, normalBuffer,
+                    HDS_TEST_TEXTURE_ARGS(_records, _lines), pointBuffer, normalBuffer,
                     samplesPerPoint / kItemsPerPoint, kItemsPerPoint, out, std::uint32_t(items));
         const std::vector<float> values = Download<float>(out, items * 2);
         std::vector<std::array<double, 2>> sums(count, {0.0, 0.0});
@@ -303,20 +302,14 @@ protected:
     }
 
 private:
-    /// Texture 0: the image alone, in floats.
+    /// Texture 0: the image, in floats.
     void SetImage(const LightImage& image) {
-        shared::HdsTexture record{};
-        record.width = image.width;
-        record.height = image.height;
-        record.numMips = 1;
-        record.format = HDS_TEXEL_FLOAT | 2U;
-        record.swizzle = HDS_SWIZZLE_RGBA;
-        std::vector<float> texels;
-        for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
-            texels.insert(texels.end(), {image.rgb[i], image.rgb[i + 1], image.rgb[i + 2], 1.0F});
+        TestTextures textures;
+        if (!image.rgb.empty()) {
+            textures.AddImage(image.width, image.height, image.rgb);
         }
-        _records = Upload(std::vector<shared::HdsTexture>{record});
-        _texels = Upload(texels);
+        _records = Upload(textures.Records());
+        _lines = Upload(textures.Lines());
     }
 
     std::unique_ptr<Program> _program;
@@ -325,7 +318,7 @@ private:
     Buffer _triangles;
     Buffer _cdf;
     Buffer _records;
-    Buffer _texels;
+    Buffer _lines;
     std::uint32_t _numLights = 0;
 };
 

@@ -4,7 +4,7 @@
 #include "hdStream/shading/lightTable.h"
 #include "kernels/shared/program.h"
 #include "testenv/support/deviceFixture.h"
-#include "testenv/support/plainTextures.h"
+#include "testenv/support/testTextures.h"
 
 #include <glm/geometric.hpp>
 
@@ -74,15 +74,14 @@ protected:
         const Buffer lights = Upload(table.lights);
         const Buffer cdf = Upload(table.cdf);
         const Buffer records = Upload(textures.Records());
-        const Buffer texels = Upload(textures.Texels());
+        const Buffer lines = Upload(textures.Lines());
         const Buffer rayBuffer = Upload(values);
         const Buffer out = Allocate(rays.size() * 3 * sizeof(float));
-        const auto program =
-            Build(kKernel, {{"HDS_NUM_TEXTURE_POOLS", "1"}, {"HDS_TEXTURE_PLAIN", "1"}});
+        const auto program = Build(kKernel, {{"HDS_NUM_TEXTURE_POOLS", "1"}});
         program->GetKernel("lookUp").Launch(rays.size(), lights, lights, lights, cdf,
-                                            std::uint32_t(1),
-                                            HDS_TEST_TEXTURE_ARGS(records, texels), rayBuffer, t,
-                                            width, bias, out, std::uint32_t(rays.size()));
+                                            std::uint32_t(1), HDS_TEST_TEXTURE_ARGS(records, lines),
+                                            rayBuffer, t, width, bias, out,
+                                            std::uint32_t(rays.size()));
         const std::vector<float> results = Download<float>(out, rays.size() * 3);
         std::vector<glm::dvec3> colors;
         for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -100,7 +99,7 @@ protected:
         return LookUp(textures, 0, wrapS, HDS_WRAP_CLAMP, st, axes, 0.0);
     }
 
-    PlainTextures textures;
+    TestTextures textures;
 };
 
 TEST_F(LightImageLookup, DomesAreSeenByTheAngle) {

@@ -55,9 +55,9 @@ TEST_P(AllocationFailure, IsAnErrorAndNoMore) {
         ASSERT_EQ(session.Render(settings), RenderResult::Complete) << index;
         ASSERT_TRUE(SameLayers(session.Layers(), expected)) << index;
         // What is there already is kept: make the next failure hit an edited scene.
-        GeometryPrim ball = session.Scene().meshes.at("/ball");
-        ball.mesh = MakeGrid(12, 0.4F);
-        session.SetMesh("/ball", ball);
+        GeometryPrim ball = session.Scene().geometry.at("/ball");
+        ball.geometry = MakeGrid(12, 0.4F);
+        session.SetGeometry("/ball", ball);
     }
     EXPECT_GE(numFailed, 5); // buffers of a scene, at least
     FailAllocation(-1);

@@ -18,8 +18,8 @@ protected:
         GeometryPrim prim;
         const auto mesh = std::make_shared<GeometryDescription>(*MakeGrid(6, 0.5F));
         mesh->subdivisionScheme = "catmullClark";
-        prim.mesh = mesh;
-        session.SetMesh("/surface", prim);
+        prim.geometry = mesh;
+        session.SetGeometry("/surface", prim);
         settings = MakeSettings();
         settings.camera = "/camera";
         settings.samples = 1;

@@ -20,7 +20,7 @@ std::vector<ImageLayer> RenderOf(Session* session, const Settings& settings) {
 }
 
 GeometryPrim MeshOf(const Session& session, const std::string& path) {
-    return session.Scene().meshes.at(path);
+    return session.Scene().geometry.at(path);
 }
 
 /// In the last render: built, or found in the persistent cache, where an earlier run of the test
@@ -43,7 +43,7 @@ std::vector<NamedEdit> MakeEdits() {
         return [path, change](Session& session) {
             GeometryPrim prim = MeshOf(session, path);
             change(&prim);
-            session.SetMesh(path, prim);
+            session.SetGeometry(path, prim);
         };
     };
     return {
@@ -85,15 +85,15 @@ std::vector<NamedEdit> MakeEdits() {
          mesh("/ground", [](GeometryPrim* p) { p->cullStyle = CullStyle::DontCare; })},
         {"primId", false, true, mesh("/ground", [](GeometryPrim* p) { p->primId = 77; })},
         {"points", true, true,
-         mesh("/ball", [](GeometryPrim* p) { p->mesh = MakeGrid(12, 0.1F); })},
+         mesh("/ball", [](GeometryPrim* p) { p->geometry = MakeGrid(12, 0.1F); })},
         {"topology", true, true,
-         mesh("/ball", [](GeometryPrim* p) { p->mesh = MakeGrid(40, 0.3F); })},
+         mesh("/ball", [](GeometryPrim* p) { p->geometry = MakeGrid(40, 0.3F); })},
         {"add", true, true,
          [](Session& s) {
              GeometryPrim prim;
-             prim.mesh = MakeQuad();
+             prim.geometry = MakeQuad();
              prim.placement.worldFromObject = Move(0.7, 0.6, 2.0);
-             s.SetMesh("/added", prim);
+             s.SetGeometry("/added", prim);
          }},
         {"remove", false, true, [](Session& s) { s.Remove("/ground"); }},
         {"nothing", false, false, [](Session&) {}},

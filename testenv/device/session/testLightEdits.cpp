@@ -60,9 +60,9 @@ protected:
             network->nodes.push_back(texture);
             network->nodes[0].connections["diffuseColor"] = {"/texture", "rgb"};
             session.SetMaterial("/textured", network);
-            GeometryPrim ball = session.Scene().meshes.at("/ball");
+            GeometryPrim ball = session.Scene().geometry.at("/ball");
             ball.materialPath = "/textured";
-            session.SetMesh("/ball", ball);
+            session.SetGeometry("/ball", ball);
         };
     }
 

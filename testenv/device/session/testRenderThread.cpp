@@ -48,9 +48,9 @@ protected:
     }
     static RenderThread::Edit MoveBall(double x) {
         return [x](Session& session) {
-            GeometryPrim ball = session.Scene().meshes.at("/ball");
+            GeometryPrim ball = session.Scene().geometry.at("/ball");
             ball.placement.worldFromObject = Move(x, 0.8, 0.0);
-            session.SetMesh("/ball", ball);
+            session.SetGeometry("/ball", ball);
         };
     }
     static RenderThread::Edit Fill() {
@@ -100,9 +100,9 @@ TEST_F(RenderThreadTest, EditsAndDeletesWhileRequestsAreInFlight) {
     const auto setBall = [](int size) {
         return [size](Session& session) {
             GeometryPrim ball;
-            ball.mesh = MakeGrid(size, 0.4F);
+            ball.geometry = MakeGrid(size, 0.4F);
             ball.placement.worldFromObject = Move(-1.5, 0.8, 0.0);
-            session.SetMesh("/ball", ball);
+            session.SetGeometry("/ball", ball);
         };
     };
     const RenderThread::Edit remove = [](Session& session) {
@@ -129,9 +129,9 @@ TEST_F(RenderThreadTest, EditsAndDeletesWhileRequestsAreInFlight) {
 
 TEST_F(RenderThreadTest, GeometryBecomesResidentWhileSomeoneLooks) {
     const RenderThread::Edit setGround = [](Session& session) {
-        GeometryPrim ground = session.Scene().meshes.at("/ground");
-        ground.mesh = MakeGrid(700, 0.1F); // too much to be resident from the start
-        session.SetMesh("/ground", ground);
+        GeometryPrim ground = session.Scene().geometry.at("/ground");
+        ground.geometry = MakeGrid(700, 0.1F); // too much to be resident from the start
+        session.SetGeometry("/ground", ground);
     };
     const auto geometry = [](const RenderThread& thread) {
         return nlohmann::json::parse(thread.Newest()->statistics)["geometry"];

@@ -2,7 +2,7 @@
 // kernels/shading/program.clh: every operation of the stack machine against double precision, with
 // look-ups whose footprints come from the coordinates' derivatives.
 #include "testenv/support/deviceFixture.h"
-#include "testenv/support/plainTextures.h"
+#include "testenv/support/testTextures.h"
 
 #include "kernels/shared/geometry.h"
 #include "kernels/shared/material.h"
@@ -18,7 +18,7 @@
 namespace hds::test {
 namespace {
 
-const ProgramDefines kDefines = {{"HDS_NUM_TEXTURE_POOLS", "1"}, {"HDS_TEXTURE_PLAIN", "1"}};
+const ProgramDefines kDefines = {{"HDS_NUM_TEXTURE_POOLS", "1"}};
 const char* const kSource = R"(
 #include "shading/program.clh"
 kernel void run(HDS_TEXTURE_ARGS, global const uint* program, global const uint* page,
@@ -130,12 +130,12 @@ protected:
                       {p.uv.x, p.uv.y, p.footprint.x, p.footprint.y, p.footprint.z, p.footprint.w});
         }
         const Buffer records = Upload(textures.Records());
-        const Buffer texels = Upload(textures.Texels());
+        const Buffer lines = Upload(textures.Lines());
         const Buffer program = Upload(words.words);
         const Buffer page = Upload(Page());
         const Buffer input = Upload(in);
         const Buffer out = Allocate(points.size() * sizeof(Values));
-        _program->GetKernel("run").Launch(points.size(), HDS_TEST_TEXTURE_ARGS(records, texels),
+        _program->GetKernel("run").Launch(points.size(), HDS_TEST_TEXTURE_ARGS(records, lines),
                                           program, page, input, std::uint32_t(isMask ? 1 : 0), out,
                                           std::uint32_t(points.size()));
         return Download<Values>(out, points.size());
@@ -178,7 +178,7 @@ protected:
 
     static constexpr std::uint32_t kRepeat = HDS_LOOKUP_WRAPS(HDS_WRAP_REPEAT, HDS_WRAP_REPEAT);
     const std::vector<float> kPlain = {0, 0, 0, 1, 1, 1, 1, 1, 0, 0, 0, 0};
-    PlainTextures textures;
+    TestTextures textures;
     std::uint32_t texture = 0;
     std::vector<Point> points;
 
@@ -304,7 +304,7 @@ TEST_F(ProgramKernelTest, TilesAreFoundByTheirNumber) {
 }
 
 TEST_F(ProgramKernelTest, WhatIsNoTileOrCannotBeReadIsAHole) {
-    PlainTextures empty;
+    TestTextures empty;
     textures = empty;
     textures.Add(1, 1, HDS_TEXEL_FLOAT | 2U, HDS_SWIZZLE_RGBA, 1);
     const glm::vec2 coordinates[] = {{-0.5F, 0.5F}, {0.5F, -1e-7F},   {10.5F, 0.5F},

@@ -2,7 +2,7 @@
 // kernels/texture/lookup.clh against a reference in double precision: formats, wrap modes, levels,
 // odd sizes, coordinates of any size and not finite.
 #include "testenv/support/deviceFixture.h"
-#include "testenv/support/plainTextures.h"
+#include "testenv/support/testTextures.h"
 
 #include "kernels/shared/program.h"
 
@@ -76,7 +76,7 @@ protected:
 
     Program& GetProgram() {
         if (!_program) {
-            _program = Build(kSource, {{"HDS_NUM_TEXTURE_POOLS", "1"}, {"HDS_TEXTURE_PLAIN", "1"}});
+            _program = Build(kSource, {{"HDS_NUM_TEXTURE_POOLS", "1"}});
         }
         return *_program;
     }
@@ -110,7 +110,7 @@ protected:
         return queries;
     }
 
-    PlainTextures textures;
+    TestTextures textures;
 
 private:
     template <typename Parameter>
@@ -123,11 +123,11 @@ private:
                                  query.axes.w});
         }
         const Buffer records = Upload(textures.Records());
-        const Buffer texels = Upload(textures.Texels());
+        const Buffer lines = Upload(textures.Lines());
         const Buffer input = Upload(in);
         const Buffer out = Allocate(numValues * queries.size() * sizeof(glm::vec4));
-        GetProgram().GetKernel(kernel).Launch(queries.size(),
-                                              HDS_TEST_TEXTURE_ARGS(records, texels), texture,
+        GetProgram().GetKernel(kernel).Launch(queries.size(), HDS_TEST_TEXTURE_ARGS(records, lines),
+                                              texture,
                                               std::uint32_t(HDS_LOOKUP_WRAPS(wrapS, wrapT)), input,
                                               parameter, out, std::uint32_t(queries.size()));
         return Download<glm::vec4>(out, numValues * queries.size());

@@ -16,9 +16,9 @@ void DescribeScene(hds::Session& session) {
     color.numComponents = 3;
     color.values = std::vector<float>{0.5F, 0.25F, 0.125F};
     triangle->primvars.push_back(color);
-    hds::GeometryPrim mesh;
-    mesh.mesh = triangle;
-    session.SetMesh("/Triangle", mesh);
+    hds::GeometryPrim prim;
+    prim.geometry = triangle;
+    session.SetGeometry("/Triangle", prim);
 
     hds::LightPrim dome;
     dome.light.type = hds::LightType::Dome;

@@ -180,7 +180,7 @@ TEST(CurveSource, PhantomsOfPinnedCurvesHaveValues) {
     GeometryDescription curves = MakeCurves({3, 4}, {"cubic", "bspline", "pinned"});
     curves.primvars.push_back(MakePrimvar("a", Interpolation::Vertex, {1, 2, 4, 10, 20, 40, 80}));
     const Gathered run = GatherAll(curves);
-    const MeshAttribute& attribute = run.all.attributes.at(0);
+    const GeometryAttribute& attribute = run.all.attributes.at(0);
     std::vector<float> values;
     for (const std::uint32_t point : run.all.points) {
         values.push_back(attribute.values[point]);

@@ -127,7 +127,7 @@ TEST(Displacement, EntriesMeetInTheMiddle) {
 TEST(Displacement, PointAmountsAreMeansOverFaces) {
     GeometryDescription grid = MakeFlatGrid(2);
     grid.primvars = {MakePrimvar("uniform", Interpolation::Uniform, {1, 2, 3, 4})};
-    MeshAttribute attribute;
+    GeometryAttribute attribute;
     attribute.name = "uniform";
     attribute.interpolation = Interpolation::Uniform;
     attribute.values = grid.primvars[0].values;

@@ -61,7 +61,7 @@ GeometryDescription MakeHostileMesh(std::mt19937& random) {
 }
 
 /// A value of an attribute at corner k of a triangle.
-std::vector<float> ValueAt(const MeshAttribute& attribute, const ChunkGeometry& chunk,
+std::vector<float> ValueAt(const GeometryAttribute& attribute, const ChunkGeometry& chunk,
                            std::size_t t, int k) {
     std::size_t element = 0;
     if (attribute.interpolation == Interpolation::Vertex) {
@@ -89,7 +89,7 @@ void ExpectEqual(const ChunkGeometry& chunk, const TriangleMesh& whole, std::siz
             ASSERT_EQ(chunk.points[local], whole.triangles[w][k]);
             ASSERT_EQ(chunk.positions[local], whole.positions[whole.triangles[w][k]]);
             for (std::size_t a = 0; a < whole.attributes.size(); ++a) {
-                const MeshAttribute& expected = whole.attributes[a];
+                const GeometryAttribute& expected = whole.attributes[a];
                 EXPECT_EQ(chunk.attributes[a].name, expected.name);
                 std::size_t element = 0;
                 switch (expected.interpolation) {

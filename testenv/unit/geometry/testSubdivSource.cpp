@@ -59,7 +59,7 @@ glm::dvec3 PositionOf(const Diced& diced, std::size_t vertex) {
 }
 
 glm::dvec3 NormalOf(const ChunkGeometry& chunk, std::size_t triangle, int k) {
-    const MeshAttribute& normals = chunk.normals;
+    const GeometryAttribute& normals = chunk.normals;
     std::size_t element = normals.interpolation == Interpolation::FaceVarying
                               ? chunk.corners[triangle][k]
                               : chunk.points[chunk.triangles[triangle][k]];
@@ -149,7 +149,7 @@ TEST(SubdivSource, OpenCagesFollowEveryBoundaryRule) {
 }
 
 /// Elements of an attribute at a triangle's corner.
-const float* ValueAt(const ChunkGeometry& chunk, const MeshAttribute& attribute, std::size_t t,
+const float* ValueAt(const ChunkGeometry& chunk, const GeometryAttribute& attribute, std::size_t t,
                      int k) {
     std::size_t element = 0;
     switch (attribute.interpolation) {

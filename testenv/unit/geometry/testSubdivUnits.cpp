@@ -71,7 +71,7 @@ SubdivDice MakeDice(const GeometryDescription& mesh, std::mt19937& random, std::
     for (std::uint8_t& level : dice.edgeLevels) {
         level = std::uint8_t(random() % (maxLevel + 1));
     }
-    std::vector<MeshAttribute> attributes;
+    std::vector<GeometryAttribute> attributes;
     for (const SubdivPrimvar& primvar : dice.model->Primvars()) {
         attributes.push_back(primvar.attribute);
     }
@@ -121,7 +121,7 @@ TEST(SubdivGroups, ClosedCagesStayClosedBitForBit) {
 std::vector<float> Describe(const ChunkGeometry& chunk, std::size_t triangle) {
     std::vector<float> values = {float(chunk.faces[triangle]),
                                  float(chunk.materialEntries[triangle])};
-    const auto add = [&](const MeshAttribute& attribute) {
+    const auto add = [&](const GeometryAttribute& attribute) {
         for (int k = 0; k < 3; ++k) {
             const glm::uvec3 t = chunk.triangles[triangle];
             std::size_t element = 0;
@@ -151,7 +151,7 @@ std::vector<float> Describe(const ChunkGeometry& chunk, std::size_t triangle) {
         values.insert(values.end(), {p.x, p.y, p.z});
     }
     add(chunk.normals);
-    for (const MeshAttribute& attribute : chunk.attributes) {
+    for (const GeometryAttribute& attribute : chunk.attributes) {
         add(attribute);
     }
     return values;

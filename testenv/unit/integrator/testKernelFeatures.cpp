@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The table of kernels' features: what makes two sets of kernels different, and that kernels test
-// no macro that nobody defines, which would be 0 in silence.
+// no macro that nobody defines, which would be 0 in silence; what each row needs.
 #include "hdStream/device/embeddedKernels.h"
 #include "hdStream/integrator/kernelFeatures.h"
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <regex>
 #include <set>
+#include <string>
 
 namespace hds::test {
 namespace {
@@ -63,6 +65,55 @@ TEST(KernelFeatures, KernelsTestNoUnknownMacro) {
     EXPECT_GT(used.size(), 20U);
     for (const std::string& name : used) {
         EXPECT_EQ(known.count(name), 1U) << name;
+    }
+}
+
+using Names = std::set<std::string>;
+
+Names NamesOfOn(const KernelFeatures& f) {
+    Names names;
+#define HDS_FEATURE(type, member, macro, off, on, needs, doc) \
+    if (f.member != (off)) {                                  \
+        names.insert(#member);                                \
+    }
+#define HDS_VARIANT(member, macro, needs, doc) \
+    HDS_FEATURE(bool, member, macro, false, true, needs, doc)
+#include "kernels/shared/features.def"
+    return names;
+}
+
+/// What each feature puts on beside itself, by name.
+std::map<std::string, Names> AllNeeds() {
+    std::map<std::string, Names> all;
+    const auto add = [&](const char* name, const KernelFeatures& f) {
+        all[name] = NamesOfOn(f.WithNeeds());
+        EXPECT_EQ(all[name].erase(name), 1U) << name;
+        EXPECT_TRUE(f.WithNeeds() == f.WithNeeds().WithNeeds()) << name << ": needs have needs";
+    };
+#define HDS_FEATURE(type, member, macro, off, on, needs, doc) \
+    {                                                         \
+        KernelFeatures f;                                     \
+        f.member = on;                                        \
+        add(#member, f);                                      \
+    }
+#define HDS_VARIANT(member, macro, needs, doc) \
+    HDS_FEATURE(bool, member, macro, false, true, needs, doc)
+#include "kernels/shared/features.def"
+    return all;
+}
+
+TEST(KernelFeatures, HaveWhatTheyNeed) {
+    const std::map<std::string, Names> expected = {
+        {"patterns", {"programs"}},                      // is code of programs
+        {"lobes", {"programs"}},                         // programs set their inputs
+        {"numTexturePools", {"textures"}},               // hold their texels
+        {"textureStreaming", {"textures"}},              // whose lines are missing
+        {"texturedEmission", {"cutouts", "meshLights"}}, // of a mesh, asked for as candidates are
+        {"requestsFirst", {"streaming"}},                // asks for pages that are missing
+    };
+    for (const auto& [name, needs] : AllNeeds()) {
+        const auto found = expected.find(name);
+        EXPECT_EQ(needs, found == expected.end() ? Names() : found->second) << name;
     }
 }
 

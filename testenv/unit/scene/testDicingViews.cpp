@@ -24,7 +24,7 @@ GeometryPrim MakeMeshPrim(float size) {
     mesh->faceVertexIndices = std::vector<std::int32_t>{0, 1, 2};
     mesh->subdivisionScheme = "catmullClark";
     GeometryPrim prim;
-    prim.mesh = mesh;
+    prim.geometry = mesh;
     return prim;
 }
 
@@ -40,7 +40,7 @@ DicingCamera MakeCamera() {
 
 std::vector<const Entry*> All(const SceneDescription& scene) {
     std::vector<const Entry*> meshes;
-    for (const Entry& entry : scene.meshes) {
+    for (const Entry& entry : scene.geometry) {
         meshes.push_back(&entry);
     }
     return meshes;
@@ -54,12 +54,12 @@ void ExpectNear(const glm::dmat4& a, const glm::dmat4& b) {
 
 TEST(DicingViews, AMeshHasItsOwnPlace) {
     SceneDescription scene;
-    scene.meshes["/a"] = MakeMeshPrim(1.0F);
-    scene.meshes["/a"].placement.worldFromObject = glm::translate(glm::dmat4(1.0), {1, 2, 3});
-    scene.meshes["/polygons"] = MakeMeshPrim(1.0F);
-    auto polygons = std::make_shared<GeometryDescription>(*scene.meshes["/a"].mesh);
+    scene.geometry["/a"] = MakeMeshPrim(1.0F);
+    scene.geometry["/a"].placement.worldFromObject = glm::translate(glm::dmat4(1.0), {1, 2, 3});
+    scene.geometry["/polygons"] = MakeMeshPrim(1.0F);
+    auto polygons = std::make_shared<GeometryDescription>(*scene.geometry["/a"].geometry);
     polygons->subdivisionScheme = "none";
-    scene.meshes["/polygons"].mesh = polygons;
+    scene.geometry["/polygons"].geometry = polygons;
     const auto views = FindDicingViews(scene, All(scene), MakeCamera());
     ASSERT_EQ(views.size(), 1U);
     const DicingView& view = views.at("/a");
@@ -115,7 +115,7 @@ TEST(DicingViews, TheFinestInstanceIsFound) {
             instances.push_back(i % 5 == 4 ? -1 : i);
         }
         prim.placement.instances = instances;
-        scene.meshes["/a"] = prim;
+        scene.geometry["/a"] = prim;
         const DicingCamera camera = MakeCamera();
         const glm::dmat4 cameraFromWorld = glm::inverse(camera.worldFromCamera);
         double best = -1.0;
@@ -138,9 +138,9 @@ TEST(DicingViews, InstancersInACircleEnd) {
     loop.placement.instances = std::vector<std::int32_t>{0};
     loop.instanceTransforms = std::vector<double>(16, 1.0);
     scene.instancers["/loop"] = loop;
-    scene.meshes["/a"] = MakeMeshPrim(1.0F);
-    scene.meshes["/a"].placement.instancerPath = "/loop";
-    scene.meshes["/a"].placement.instances = std::vector<std::int32_t>{0};
+    scene.geometry["/a"] = MakeMeshPrim(1.0F);
+    scene.geometry["/a"].placement.instancerPath = "/loop";
+    scene.geometry["/a"].placement.instances = std::vector<std::int32_t>{0};
     EXPECT_EQ(FindDicingViews(scene, All(scene), MakeCamera()).size(), 1U);
 }
 

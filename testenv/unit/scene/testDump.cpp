@@ -17,17 +17,17 @@ GeometryDescription Triangle(float z) {
     return mesh;
 }
 
-void SetMesh(SceneDescription* scene, const std::string& path, GeometryDescription mesh) {
-    scene->meshes[path].mesh = std::make_shared<const GeometryDescription>(std::move(mesh));
+void SetGeometry(SceneDescription* scene, const std::string& path, GeometryDescription mesh) {
+    scene->geometry[path].geometry = std::make_shared<const GeometryDescription>(std::move(mesh));
 }
 
 TEST(Dump, EqualValuesGiveEqualText) {
     SceneDescription a;
-    SetMesh(&a, "/A", Triangle(0.0F));
-    SetMesh(&a, "/B", Triangle(1.0F));
+    SetGeometry(&a, "/A", Triangle(0.0F));
+    SetGeometry(&a, "/B", Triangle(1.0F));
     SceneDescription b;
-    SetMesh(&b, "/B", Triangle(1.0F));
-    SetMesh(&b, "/A", Triangle(-0.0F));
+    SetGeometry(&b, "/B", Triangle(1.0F));
+    SetGeometry(&b, "/A", Triangle(-0.0F));
     EXPECT_EQ(DumpScene(a), DumpScene(b));
     const Primvar x{"x", Interpolation::Constant, 1, std::vector<float>{1.0F}, {}};
     const Primvar y{"y", Interpolation::Constant, 1, std::vector<float>{2.0F}, {}};
@@ -35,30 +35,30 @@ TEST(Dump, EqualValuesGiveEqualText) {
     forward.primvars = {x, y};
     GeometryDescription backward = Triangle(0.0F);
     backward.primvars = {y, x};
-    SetMesh(&a, "/A", forward);
-    SetMesh(&b, "/A", backward);
+    SetGeometry(&a, "/A", forward);
+    SetGeometry(&b, "/A", backward);
     EXPECT_EQ(DumpScene(a), DumpScene(b));
 }
 
 TEST(Dump, WhatNobodySeesIsLeftOut) {
     SceneDescription base;
-    SetMesh(&base, "/A", Triangle(0.0F));
+    SetGeometry(&base, "/A", Triangle(0.0F));
     const std::string text = DumpScene(base);
-    base.meshes["/A"].materialPath = "/m";
+    base.geometry["/A"].materialPath = "/m";
     EXPECT_EQ(DumpScene(base), text);
     base.materials["/m"] = std::make_shared<const MaterialNetwork>(); // no surface
     EXPECT_EQ(DumpScene(base), text);
-    SetMesh(&base, "/B", Triangle(0.0F));
-    base.meshes["/B"].placement.visible = false;
+    SetGeometry(&base, "/B", Triangle(0.0F));
+    base.geometry["/B"].placement.visible = false;
     EXPECT_EQ(DumpScene(base), text);
-    base.meshes["/B"].placement.visible = true;
+    base.geometry["/B"].placement.visible = true;
     EXPECT_NE(DumpScene(base), text);
 }
 
 TEST(Dump, EveryDifferenceShows) {
     SceneDescription base;
-    SetMesh(&base, "/A", Triangle(0.0F));
-    base.meshes["/A"].placement.instancerPath = "/I";
+    SetGeometry(&base, "/A", Triangle(0.0F));
+    base.geometry["/A"].placement.instancerPath = "/I";
     MaterialNetwork material;
     material.terminals["surface"];
     base.materials["/m"] = std::make_shared<const MaterialNetwork>(material);
@@ -71,13 +71,13 @@ TEST(Dump, EveryDifferenceShows) {
         return DumpScene(scene) != text;
     };
     const auto meshChanged = [&](auto edit) {
-        return changed([&](SceneDescription* s) { edit(&s->meshes["/A"]); });
+        return changed([&](SceneDescription* s) { edit(&s->geometry["/A"]); });
     };
-    EXPECT_TRUE(changed([](SceneDescription* s) { SetMesh(s, "/A", Triangle(1e-30F)); }));
+    EXPECT_TRUE(changed([](SceneDescription* s) { SetGeometry(s, "/A", Triangle(1e-30F)); }));
     EXPECT_TRUE(changed([](SceneDescription* s) {
         GeometryDescription mesh = Triangle(0.0F);
         mesh.leftHanded = true;
-        SetMesh(s, "/A", mesh);
+        SetGeometry(s, "/A", mesh);
     }));
     EXPECT_TRUE(meshChanged([](GeometryPrim* p) { p->placement.visible = false; }));
     EXPECT_TRUE(meshChanged([](GeometryPrim* p) { p->placement.instances = std::vector<int>{2}; }));
@@ -93,11 +93,11 @@ TEST(Dump, EveryDifferenceShows) {
     std::vector<float> points(3000, 1.0F);
     GeometryDescription longMesh = Triangle(0.0F);
     longMesh.points = points;
-    SetMesh(&base, "/A", longMesh);
+    SetGeometry(&base, "/A", longMesh);
     const std::string longText = DumpScene(base);
     points[1500] = 1.0000001F;
     longMesh.points = points;
-    SetMesh(&base, "/A", longMesh);
+    SetGeometry(&base, "/A", longMesh);
     EXPECT_NE(DumpScene(base), longText);
 }
 

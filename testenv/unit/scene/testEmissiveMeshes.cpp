@@ -58,8 +58,8 @@ protected:
 
 TEST_F(EmissiveMeshesTest, EditsOfAFactorKeepNothingOfBefore) {
     const std::string file = WriteImage("glow.png", 16, 16, 3, OIIO::TypeUInt8);
-    scene.meshes["/a"].mesh = Grid(2);
-    scene.meshes["/a"].materialPath = "/m";
+    scene.geometry["/a"].geometry = Grid(2);
+    scene.geometry["/a"].materialPath = "/m";
     CommitCache cache(warnings);
     // Factors that are alike to six digits behind the point are not the same.
     for (const float factor : {3.0F, 2.0F, 4e-7F, 2e-8F}) {
@@ -75,20 +75,20 @@ TEST_F(EmissiveMeshesTest, EditsOfAFactorKeepNothingOfBefore) {
                 << factor;
         }
     }
-    scene.meshes.clear();
+    scene.geometry.clear();
     Commit(&cache);
     EXPECT_TRUE(cache.emissionImages.empty());
 }
 
 TEST_F(EmissiveMeshesTest, ALightOfTooManyTrianglesIsSeenAsItIs) {
-    scene.meshes["/a"].mesh = Grid(725);
+    scene.geometry["/a"].geometry = Grid(725);
     auto light = std::make_shared<MeshLight>();
     light->light.type = LightType::Mesh;
     light->light.intensity = 6.0F;
     light->materialSyncMode = MaterialSyncMode::NoMaterialResponse;
     for (const bool isNormalized : {false, true}) {
         light->light.normalize = isNormalized; // by an area of 1
-        scene.meshes["/a"].light = std::make_shared<const MeshLight>(*light);
+        scene.geometry["/a"].light = std::make_shared<const MeshLight>(*light);
         CommitCache cache(warnings);
         const auto committed = Commit(&cache);
         ASSERT_EQ(committed->lights->lights.size(), 1U);

@@ -5,7 +5,7 @@
 #include "hdStream/integrator/renderOptions.h"
 #include "hdStream/scene/commit.h"
 #include "hdStream/scene/dump.h"
-#include "hdStream/scene/meshKey.h"
+#include "hdStream/scene/geometryKey.h"
 #include "hdStream/texture/lineSlots.h"
 
 #include <gtest/gtest.h>
@@ -197,7 +197,7 @@ Placement Placed() {
 GeometryPrim FullMeshPrim() {
     GeometryPrim prim;
     prim.placement = Placed();
-    prim.mesh = std::make_shared<const GeometryDescription>(FullMesh(PrimitiveKind::Faces));
+    prim.geometry = std::make_shared<const GeometryDescription>(FullMesh(PrimitiveKind::Faces));
     prim.materialPath = "/m";
     prim.subsetMaterialPaths = {"/m"};
     auto light = std::make_shared<MeshLight>();
@@ -261,19 +261,34 @@ TEST(Fields, EqualArraysAreEqualWhereverTheyLie) {
 
 // Keys.
 
+template <typename List>
+void ExpectListsToldApart(const List& two, const List& one) {
+    EXPECT_NE(HashOf(std::vector<List>{two, one}), HashOf(std::vector<List>{one, two}));
+}
+
+/// The key of lights has one list behind another.
+TEST(Fields, AnElementThatMovesBetweenListsIsInTheKey) {
+    const LightPortal portal;
+    ExpectListsToldApart<std::vector<LightPortal>>({portal, portal}, {portal});
+    ExpectListsToldApart<std::vector<float>>({0, 0}, {0});
+    ExpectListsToldApart<std::vector<bool>>({false, false}, {false});
+    ExpectListsToldApart<SharedSpan<float>>(std::vector<float>{0, 0}, std::vector<float>{0});
+    ExpectListsToldApart<std::string>("..", ".");
+}
+
 TEST(Fields, EachOfAMeshIsInThePagesKey) {
     GeometryInputs inputs;
-    inputs.mesh = std::make_shared<const GeometryDescription>(FullMesh(PrimitiveKind::Faces));
+    inputs.geometry = std::make_shared<const GeometryDescription>(FullMesh(PrimitiveKind::Faces));
     inputs.dicing.emplace();
     inputs.displacements = {FullDisplacement()};
     for (const auto& one : VariationsOf(inputs)) {
-        EXPECT_EQ(MakeMeshKey(one.value) != MakeMeshKey(inputs), one.isInKey) << one.path;
+        EXPECT_EQ(MakeGeometryKey(one.value) != MakeGeometryKey(inputs), one.isInKey) << one.path;
         EXPECT_EQ(one.value.Suffice(inputs), one.path == ".primvars") << one.path;
     }
     inputs.shutter = {0.0, 1.0};
     for (const auto& one : VariationsOf(inputs)) {
-        const bool isSample = one.path.rfind(".mesh.samples", 0) == 0;
-        EXPECT_EQ(MakeMeshKey(one.value) != MakeMeshKey(inputs), one.isInKey || isSample)
+        const bool isSample = one.path.rfind(".geometry.samples", 0) == 0;
+        EXPECT_EQ(MakeGeometryKey(one.value) != MakeGeometryKey(inputs), one.isInKey || isSample)
             << one.path;
     }
 }
@@ -340,7 +355,7 @@ TEST(Fields, EachOfAMeshIsInTheDump) {
         Dump(
             FullMesh(row.value),
             [](SceneDescription* scene, const GeometryDescription& mesh) {
-                scene->meshes["/A"].mesh = std::make_shared<const GeometryDescription>(mesh);
+                scene->geometry["/A"].geometry = std::make_shared<const GeometryDescription>(mesh);
             },
             static_cast<std::uint32_t>(row.value), &seen);
     }
@@ -371,13 +386,13 @@ TEST(Fields, EachOfAPrimIsInTheDump) {
         Seen ofPrim;
         for (const auto& [path, isSeen] : seen) {
             bool& isAnySeen = ofPrim[path.substr(0, path.find('.', 1))];
-            const bool isOwn = path.rfind(".mesh.", 0) != 0 && path.rfind(".light.", 0) != 0;
+            const bool isOwn = path.rfind(".geometry.", 0) != 0 && path.rfind(".light.", 0) != 0;
             EXPECT_TRUE(isSeen || !isOwn) << path;
             isAnySeen = isAnySeen || isSeen;
         }
         ExpectAllSeen(ofPrim);
     };
-    expectSeen(FullMeshPrim(), &SceneDescription::meshes);
+    expectSeen(FullMeshPrim(), &SceneDescription::geometry);
     expectSeen(InstancerPrim{Placed(), {}, {{0.0, {}}}, {}}, &SceneDescription::instancers);
     expectSeen(FullCamera(), &SceneDescription::cameras);
 }
@@ -404,8 +419,8 @@ TEST(Fields, EachOfAMaterialIsInTheDump) {
     Dump(
         FullMaterial(),
         [](SceneDescription* scene, const MaterialNetwork& network) {
-            scene->meshes["/A"].mesh = std::make_shared<const GeometryDescription>();
-            scene->meshes["/A"].materialPath = "/m";
+            scene->geometry["/A"].geometry = std::make_shared<const GeometryDescription>();
+            scene->geometry["/A"].materialPath = "/m";
             scene->materials["/m"] = std::make_shared<const MaterialNetwork>(network);
         },
         0, &seen);

@@ -20,7 +20,7 @@ namespace {
 
 /// A leaf as found by walking the device tables.
 struct Leaf {
-    std::uint32_t mesh;
+    std::uint32_t prim;
     std::uint64_t pathIndex;
     std::uint32_t instanceId;
     glm::dvec3 position; ///< of the object's origin
@@ -52,8 +52,8 @@ void Walk(const Hierarchy& tables, std::uint32_t firstGroup, std::uint32_t group
         const glm::dmat4 child = world * glm::inverse(MatrixOf(record.objectFromParent));
         const std::uint32_t childId =
             record.instanceCount == 0 ? id : id * record.instanceCount + record.instanceRank;
-        if (record.mesh != HDS_NONE) {
-            leaves->push_back({record.mesh, offset + before, childId, glm::dvec3(child[3])});
+        if (record.prim != HDS_NONE) {
+            leaves->push_back({record.prim, offset + before, childId, glm::dvec3(child[3])});
         } else {
             Walk(tables, firstGroup, record.object - firstGroup + 1, child, offset + before,
                  childId, leaves);
@@ -61,10 +61,10 @@ void Walk(const Hierarchy& tables, std::uint32_t firstGroup, std::uint32_t group
     }
 }
 
-LeafObject UnitLeaf(std::uint32_t mesh) {
+LeafObject UnitLeaf(std::uint32_t prim) {
     LeafObject leaf;
-    leaf.object = 1 + mesh;
-    leaf.mesh = mesh;
+    leaf.object = 1 + prim;
+    leaf.prim = prim;
     leaf.bounds.min = glm::vec3(-1.0F);
     leaf.bounds.max = glm::vec3(1.0F);
     return leaf;
@@ -89,10 +89,10 @@ public:
         }
         for (int m = 0; m < 1 + Pick(5); ++m) {
             const std::string path = "/M" + std::to_string(m);
-            scene.meshes[path].placement = RandomPlacement(numInstancers);
+            scene.geometry[path].placement = RandomPlacement(numInstancers);
             leaves[path] = UnitLeaf(static_cast<std::uint32_t>(m));
         }
-        for (auto& [path, prim] : scene.meshes) {
+        for (auto& [path, prim] : scene.geometry) {
             Place(&prim.placement);
         }
         for (auto& [path, prim] : scene.instancers) {
@@ -160,12 +160,12 @@ TEST(Hierarchy, EqualsAFlattening) {
         for (const auto& [path, leaf] : stage.leaves) {
             std::vector<glm::dvec3> expected;
             ForEachPlacement(
-                stage.scene, stage.scene.meshes.at(path).placement,
+                stage.scene, stage.scene.geometry.at(path).placement,
                 [&](const glm::dmat4& world) { expected.push_back(glm::dvec3(world[3])); });
             std::vector<Leaf> ours;
             std::copy_if(
                 found.begin(), found.end(), std::back_inserter(ours),
-                [mesh = leaf.mesh](const Leaf& candidate) { return candidate.mesh == mesh; });
+                [prim = leaf.prim](const Leaf& candidate) { return candidate.prim == prim; });
             ASSERT_EQ(ours.size(), expected.size()) << path << " seed " << seed;
             std::sort(ours.begin(), ours.end(),
                       [](const Leaf& a, const Leaf& b) { return a.instanceId < b.instanceId; });
@@ -181,7 +181,7 @@ TEST(Hierarchy, EqualsAFlattening) {
 
 TEST(Hierarchy, AMillionInstancesCostRecordsOnly) {
     SceneDescription scene;
-    scene.meshes["/M"].placement.instancerPath = "/I";
+    scene.geometry["/M"].placement.instancerPath = "/I";
     InstancerPrim& instancer = scene.instancers["/I"];
     constexpr std::size_t kCount = 1000000;
     std::vector<double> transforms(16 * kCount, 0.0);
@@ -195,7 +195,7 @@ TEST(Hierarchy, AMillionInstancesCostRecordsOnly) {
         all[i] = static_cast<std::int32_t>(i);
     }
     instancer.instanceTransforms = std::move(transforms);
-    scene.meshes["/M"].placement.instances = std::move(all);
+    scene.geometry["/M"].placement.instances = std::move(all);
     Warnings warnings;
     const Hierarchy tables = Build(scene, {{"/M", UnitLeaf(0)}}, 2, warnings);
     EXPECT_EQ(tables.groups.size(), 1U);
@@ -208,17 +208,17 @@ TEST(Hierarchy, AMillionInstancesCostRecordsOnly) {
 
 TEST(Hierarchy, BadPlacementsAreDroppedAndNamed) {
     SceneDescription scene;
-    scene.meshes["/singular"].placement.worldFromObject =
+    scene.geometry["/singular"].placement.worldFromObject =
         glm::scale(glm::dmat4(1.0), glm::dvec3(1.0, 0.0, 1.0));
-    scene.meshes["/nan"].placement.worldFromObject[3][0] = std::nan("");
-    scene.meshes["/far"].placement.worldFromObject[3][1] = 1e39; // infinite as a float
-    scene.meshes["/good"];
-    scene.meshes["/long"].placement.worldFromObject[0][0] = 1e36;
-    scene.meshes["/orphan"].placement.instancerPath = "/missing";
+    scene.geometry["/nan"].placement.worldFromObject[3][0] = std::nan("");
+    scene.geometry["/far"].placement.worldFromObject[3][1] = 1e39; // infinite as a float
+    scene.geometry["/good"];
+    scene.geometry["/long"].placement.worldFromObject[0][0] = 1e36;
+    scene.geometry["/orphan"].placement.instancerPath = "/missing";
     std::map<std::string, LeafObject> leaves;
-    std::uint32_t mesh = 0;
-    for (const auto& [path, prim] : scene.meshes) {
-        leaves[path] = UnitLeaf(mesh++);
+    std::uint32_t index = 0;
+    for (const auto& [path, prim] : scene.geometry) {
+        leaves[path] = UnitLeaf(index++);
     }
     Warnings warnings;
     const Hierarchy tables = Build(scene, leaves, 9, warnings);

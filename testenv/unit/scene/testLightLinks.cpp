@@ -62,7 +62,7 @@ TEST(LightLinks, MeshLightsAreLights) {
     SceneDescription scene;
     MeshLight light;
     light.links = {"lit", "shadowing"};
-    scene.meshes["/A"].light = std::make_shared<const MeshLight>(light);
+    scene.geometry["/A"].light = std::make_shared<const MeshLight>(light);
     LightLinks links(scene);
     ASSERT_TRUE(links.AreUsed());
     const std::uint32_t both = links.FlagsOf({"lit", "shadowing"});
@@ -117,7 +117,7 @@ TEST(LightLinks, InstancesInOtherCategoriesGetRecordsOfTheirOwn) {
     }
     instancer.instanceTransforms = std::move(transforms);
     instancer.instanceCategories = {{"lit", "shadowing"}, {"shadowing"}, {"lit", "shadowing"}};
-    GeometryPrim& mesh = scene.meshes["/M"];
+    GeometryPrim& mesh = scene.geometry["/M"];
     mesh.placement.instancerPath = "/I";
     mesh.placement.instances = std::vector<std::int32_t>{0, 1, 2};
     LightLinks links(scene);

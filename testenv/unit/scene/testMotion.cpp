@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Transforms over the shutter: what is between samples, keys that are fine enough, and boxes that
 // hold every pose, by brute force.
+#include "hdStream/scene/geometryMotion.h"
 #include "hdStream/scene/hierarchy.h"
-#include "hdStream/scene/meshMotion.h"
 #include "hdStream/scene/motion.h"
 #include "hdStream/scene/transforms.h"
 #include "kernels/shared/frame.h"
@@ -89,7 +89,7 @@ public:
     explicit RandomMotion(unsigned seed) : _random(seed) {
         GeometryPrim mesh;
         mesh.placement = Moving();
-        scene.meshes["/A"] = mesh;
+        scene.geometry["/A"] = mesh;
         InstancerPrim instancer;
         instancer.placement = Moving();
         for (const double time : {-0.25, 0.25}) {
@@ -100,7 +100,7 @@ public:
         mesh.placement = Moving();
         mesh.placement.instancerPath = "/I";
         mesh.placement.instances = std::vector<std::int32_t>{0, 1, 2};
-        scene.meshes["/I/B"] = mesh;
+        scene.geometry["/I/B"] = mesh;
         leaf.bounds = {glm::vec3(-0.5F, -1.0F, -0.2F), glm::vec3(1.0F, 0.5F, 0.7F)};
         leaf.origin = glm::dvec3(0.3, 0.0, 0.1);
         leaf.object = 1;
@@ -212,7 +212,7 @@ TEST(Motion, BoxesBetweenTheEndsHoldEveryPose) {
 
 TEST(Motion, WhatRestsHasNoKeys) {
     RandomMotion motion(1);
-    for (auto& [path, prim] : motion.scene.meshes) {
+    for (auto& [path, prim] : motion.scene.geometry) {
         prim.placement.samples = {{-0.5, glm::dmat4(1.0)}, {0.5, glm::dmat4(1.0)}};
     }
     motion.scene.instancers.clear();

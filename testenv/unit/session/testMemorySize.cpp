@@ -44,7 +44,8 @@ TEST(MemorySize, IsBytesOrAShare) {
 TEST(MemorySize, SaysWhatIsExpected) {
     for (const char* text : {"", "K", "12Q", "12KB", "1 G", "G2", "nan", "inf", "0x10", "1,5G",
                              "1e30", "99999999T", "1e999"}) {
-        const std::string expected = "'" + std::string(text) + "' is not a size such as 512M or 2G";
+        const std::string expected =
+            "'" + std::string(text) + "' is not a size such as 512M, 2G or 30%";
         EXPECT_EQ(ErrorOf(text), expected);
     }
     for (const char* text : {"0", "0G", "-1", "-2M", "0.5"}) {

@@ -4,7 +4,7 @@
 // by OIIO::ImageBuf, another reading path than ImageFile's bands.
 #include "hdStream/texture/imageReader.h"
 
-#include "hdStream/texture/plainTexture.h"
+#include "hdStream/texture/imageChannel.h"
 #include "testenv/support/temporaryFolder.h"
 
 #include <OpenImageIO/imagebuf.h>
@@ -39,7 +39,7 @@ struct Means {
 Means MeanColor(const hds::ImageSource& source, const std::string& colorSpace) {
     Means means;
     for (std::uint32_t c = 0; c < 4 && means.Ok(); ++c) {
-        const hds::PlainChannel channel = hds::LoadPlainChannel(source, colorSpace, c);
+        const hds::ImageChannel channel = hds::LoadImageChannel(source, colorSpace, c);
         means.error = channel.error;
         means.warning = channel.warning;
         long double sum = 0;
@@ -205,8 +205,8 @@ TEST_P(MeanOfFormat, ByteRangeEqualsFile) {
     EXPECT_EQ(mean.rgba, expected.rgba);
     EXPECT_EQ(hds::ProbeImage(range).fileFormat, hds::ProbeImage(Whole(file)).fileFormat);
     for (std::uint32_t c = 0; c < 4; ++c) {
-        EXPECT_EQ(hds::LoadPlainChannel(range, "auto", c).values,
-                  hds::LoadPlainChannel(Whole(file), "auto", c).values);
+        EXPECT_EQ(hds::LoadImageChannel(range, "auto", c).values,
+                  hds::LoadImageChannel(Whole(file), "auto", c).values);
     }
 }
 
@@ -223,7 +223,7 @@ TEST_P(MeanOfFormat, TruncatedFileIsAnErrorThatNamesIt) {
         EXPECT_FALSE(mean.Ok()) << fraction;
         EXPECT_NE(mean.error.find(file), std::string::npos) << mean.error;
         EXPECT_EQ(mean.error.find('\n'), std::string::npos) << mean.error;
-        EXPECT_TRUE(hds::LoadPlainChannel(Whole(file), "auto", 0).values.empty());
+        EXPECT_TRUE(hds::LoadImageChannel(Whole(file), "auto", 0).values.empty());
     }
 }
 
@@ -392,8 +392,8 @@ TEST(ImageReader, TiledImagesReadLikeScanlines) {
     const std::string tiles = folder.File("tiles.exr");
     Write(tiles, image);
     for (std::uint32_t c = 0; c < 3; ++c) {
-        EXPECT_EQ(hds::LoadPlainChannel(Whole(tiles), "auto", c).values,
-                  hds::LoadPlainChannel(Whole(scanlines), "auto", c).values);
+        EXPECT_EQ(hds::LoadImageChannel(Whole(tiles), "auto", c).values,
+                  hds::LoadImageChannel(Whole(scanlines), "auto", c).values);
     }
 }
 
@@ -435,7 +435,7 @@ TEST(ImageReader, HeaderThatClaimsTooMuchIsAnError) {
         const std::string file = folder.File("claim.hdr");
         WriteFile(file,
                   "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n" + size + "\n" + std::string(4096, '\0'));
-        const hds::PlainChannel image = hds::LoadPlainChannel(Whole(file), "auto", 0);
+        const hds::ImageChannel image = hds::LoadImageChannel(Whole(file), "auto", 0);
         EXPECT_FALSE(image.error.empty()) << size;
         EXPECT_NE(image.error.find(file), std::string::npos) << image.error;
     }
@@ -470,7 +470,7 @@ TEST(ImageReader, LatlongLoadsAsStored) {
     }
     Write(exr, image);
     for (std::uint32_t c = 0; c < 3; ++c) {
-        const hds::PlainChannel linear = hds::LoadPlainChannel(Whole(exr), "auto", c);
+        const hds::ImageChannel linear = hds::LoadImageChannel(Whole(exr), "auto", c);
         EXPECT_EQ(linear.error + linear.warning, "");
         EXPECT_EQ(linear.width, 64u);
         EXPECT_EQ(linear.height, 32u);
@@ -484,7 +484,7 @@ TEST(ImageReader, LatlongLoadsAsStored) {
     const Image bytes = MakeImage(64, 32, 3, OIIO::TypeUInt8);
     Write(png, bytes);
     for (std::uint32_t c = 0; c < 3; ++c) {
-        const hds::PlainChannel decoded = hds::LoadPlainChannel(Whole(png), "auto", c);
+        const hds::ImageChannel decoded = hds::LoadImageChannel(Whole(png), "auto", c);
         ASSERT_EQ(decoded.values.size(), 64u * 32u);
         for (std::size_t i = 0; i < decoded.values.size(); ++i) {
             ASSERT_NEAR(decoded.values[i], static_cast<double>(SrgbOracle(bytes.values[3 * i + c])),

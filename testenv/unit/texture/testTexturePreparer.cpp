@@ -131,6 +131,42 @@ TEST_P(PreparedKind, EveryMipIsTheImageInLinearLight) {
 
 INSTANTIATE_TEST_SUITE_P(Formats, PreparedKind, ::testing::ValuesIn(kKinds));
 
+TEST_F(TextureTest, MipZeroIsTheFile) {
+    // In a block of 4x4 a channel has two values, which the codec keeps.
+    const auto code = [](int x, int y, int c) {
+        const int isHigh = (x * 5 + y * 3 + c * 7 + x * y) % 3 == 0 ? 1 : 0;
+        return 40 * c + 11 * (x / 4) + 60 * isHigh;
+    };
+    const std::string path = WriteImage("two.png", 7, 3, 4, OIIO::TypeUInt8,
+                                        [&](int x, int y, int c) { return code(x, y, c) / 255.0; });
+    for (const char* space : {"raw", "sRGB"}) {
+        const bool isEncoded = std::string(space) == "sRGB";
+        const auto texture = Prepare(path, space);
+        ASSERT_TRUE(texture->Ok());
+        EXPECT_EQ(texture->Record().numMips, 3u);
+        EXPECT_EQ(texture->Record().format, HDS_TEXEL_U8 | 2u | (isEncoded ? HDS_TEXEL_SRGB : 0u));
+        const std::vector<float> pixels = texture->DecodeMip(0);
+        for (int i = 0; i < 4 * 7 * 3; ++i) {
+            const double stored = code(i / 4 % 7, i / 28, i % 4) / 255.0;
+            EXPECT_NEAR(pixels[std::size_t(i)], isEncoded && i % 4 < 3 ? Srgb(stored) : stored,
+                        1e-6)
+                << i;
+        }
+    }
+}
+
+TEST_F(TextureTest, MipsAreMeansByArea) {
+    const auto ramp = [](int x, int y, int) { return x + 10.0 * y; };
+    const auto texture = Prepare(WriteImage("ramp.exr", 5, 3, 1, OIIO::TypeFloat, ramp));
+    EXPECT_EQ(texture->Record().format, HDS_TEXEL_FLOAT);
+    EXPECT_EQ(texture->Record().swizzle, HDS_SWIZZLE_GRAY);
+    // Mip 1 is 2 x 1: columns 0, 1 and half of 2; half of 2, 3 and 4; all rows. Two values are
+    // kept.
+    EXPECT_NEAR(Texel(*texture, 1, 0, 0)[0], (0 + 1 + 0.5 * 2) / 2.5 + 10.0, 1e-5);
+    EXPECT_NEAR(Texel(*texture, 1, 1, 0)[0], (0.5 * 2 + 3 + 4) / 2.5 + 10.0, 1e-5);
+    EXPECT_NEAR(Texel(*texture, 2, 0, 0)[0], 2.0 + 10.0, 1e-5);
+}
+
 TEST_F(TextureTest, ChannelsThatNobodyReadsAreNotStored) {
     const std::string path = WriteImage("rgba.png", 20, 20, 4, OIIO::TypeUInt8);
     const auto green = Prepare(path, "raw", TextureRequest::kGreen);

@@ -152,13 +152,13 @@ class DrawModes:
         path = self._translator.ReservePath(prim, context)
         mesh = _MakeMesh(cards, color, path)
         placement = self._translator.PlacementOf(state, context)
-        meshPrim = _core.GeometryPrim(mesh, placement, state.purpose)
-        meshPrim.cullStyle = _core.CullStyle.Back
-        meshPrim.subsetMaterialPaths = [_MaterialPath(prim, texture) for texture in cards.textures]
+        geometryPrim = _core.GeometryPrim(mesh, placement, state.purpose)
+        geometryPrim.cullStyle = _core.CullStyle.Back
+        geometryPrim.subsetMaterialPaths = [_MaterialPath(prim, texture) for texture in cards.textures]
         for texture in sorted(set(cards.textures) - {None}):
             self._SetMaterial(prim, texture, color)
         context.isPlacing = context.isPlacing or bool(context.instancerPath)
-        return self._session.SetMesh(path, meshPrim)
+        return self._session.SetGeometry(path, geometryPrim)
 
     def _PlaceLines(self, prim, state, context):
         lines, points = _ORIGIN_LINES, _ORIGIN_POINTS
@@ -180,7 +180,7 @@ class DrawModes:
         path = self._translator.ReservePath(prim, context)
         placement = self._translator.PlacementOf(state, context)
         context.isPlacing = context.isPlacing or bool(context.instancerPath)
-        return self._session.SetMesh(path, _core.GeometryPrim(description, placement, state.purpose))
+        return self._session.SetGeometry(path, _core.GeometryPrim(description, placement, state.purpose))
 
     def _ColorOf(self, prim):
         if not prim.HasAPI(UsdGeom.ModelAPI):
@@ -282,7 +282,8 @@ class DrawModes:
 
 
 def _MaterialPath(prim, face):
-    """OpenUSD binds such a path without a texture too; there is no material then, so nothing is bound here."""
+    """As UsdImaging names it, so that both front ends give one scene. It binds such a path without a texture too, where
+    there is no material; nothing is bound then here."""
     return f"{prim.GetPath()}/subsetMaterial{face}" if face else ""
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Primvars per instance of point instancers.
 
-The core has none: a mesh whose instances have different values is added once for each combination of
-values, with constant primvars, as hdStream/hydra/instancePrimvars.cpp and meshVariants.cpp do.
+The core has none: a gprim whose instances have different values is added once for each combination of
+values, with constant primvars, as hdStream/hydra/instancePrimvars.cpp and geometryVariants.cpp do.
 """
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from hdstream import _core
 from hdstream.translate import primvars
 
-MAX_GROUPS = 64  # each is prepared as a mesh of its own
+MAX_GROUPS = 64  # each is planned as a prim of its own
 # UsdGeomPointInstancer: these have an element an instance, constant and uniform ones have a single one.
 _INSTANCE_RATE = (_core.Interpolation.Varying, _core.Interpolation.Vertex, _core.Interpolation.FaceVarying)
 _NOT_READ = ("primvars:points", "primvars:velocities", "primvars:angularVelocities", "primvars:accelerations",
@@ -49,7 +49,7 @@ def ReadInstancePrimvars(prim, names, numInstances, timeCode, warn):
 
 
 class InstanceGroups:
-    """The instances of a mesh by the bits of their values, in the order of first instances.
+    """The instances of a gprim by the bits of their values, in the order of first instances.
 
     groups: (constant primvars, int32 instances) each. The instances of other groups are -1: a rank in
     the list is what instanceId counts.
@@ -96,7 +96,7 @@ def _Constant(name, row):
 
 
 class InstanceLevels:
-    """All instancers of a translation; splits the meshes they place."""
+    """All instancers of a translation; splits the gprims they place."""
 
     def __init__(self, translator, session):
         self._translator = translator
@@ -108,13 +108,13 @@ class InstanceLevels:
         self._levelByPath[path] = level
         self._hasValues |= bool(level.rowsByName)
 
-    def Split(self, path, prim, meshPrim):
-        """(path, GeometryPrim) for each group of instances of a mesh that have equal values."""
-        where = meshPrim.placement
+    def Split(self, path, prim, geometryPrim):
+        """(path, GeometryPrim) for each group of instances of a gprim that have equal values."""
+        where = geometryPrim.placement
         levels = self._LevelsOf(where.instancerPath) if self._hasValues else []
         if not any(level.rowsByName for level in levels) or not len(where.instances):
-            return [(path, meshPrim)]
-        own = {primvar.name for primvar in meshPrim.mesh.primvars}
+            return [(path, geometryPrim)]
+        own = {primvar.name for primvar in geometryPrim.geometry.primvars}
         split = InstanceGroups(levels, where.instances, own)
         if split.hasTooMany:
             self._session.Warn(where.instancerPath, "primvars per instance of more than 64 different values are "
@@ -125,7 +125,7 @@ class InstanceLevels:
         result = []
         for index, (constants, instances) in enumerate(split.groups):
             name = self._translator.ReservePath(prim, _FixedPath(f"{path}{{{index}}}")) if index else path
-            result.append((name, _Copy(meshPrim, constants, instances) if constants else meshPrim))
+            result.append((name, _Copy(geometryPrim, constants, instances) if constants else geometryPrim))
         return result
 
     def _LevelsOf(self, instancerPath):
@@ -152,14 +152,14 @@ _SHARED_ATTRIBUTES = ("points", "faceVertexCounts", "faceVertexIndices", "holeIn
                       "subdivTags", "leftHanded", "subsets")
 
 
-def _Copy(meshPrim, constants, instances):
-    """The mesh with more primvars, placed by these instances; arrays are shared."""
-    mesh = _core.GeometryDescription()
+def _Copy(geometryPrim, constants, instances):
+    """The prim with more primvars, placed by these instances; arrays are shared."""
+    geometry = _core.GeometryDescription()
     for name in _SHARED_ATTRIBUTES:
-        setattr(mesh, name, getattr(meshPrim.mesh, name))
-    mesh.primvars = meshPrim.mesh.primvars + constants
-    where = meshPrim.placement
-    copy = _core.GeometryPrim(mesh, _core.Placement(where.worldFromObject, where.instancerPath, instances, where.visible),
-                          meshPrim.purpose)
-    copy.doubleSided = meshPrim.doubleSided
+        setattr(geometry, name, getattr(geometryPrim.geometry, name))
+    geometry.primvars = geometryPrim.geometry.primvars + constants
+    where = geometryPrim.placement
+    copy = _core.GeometryPrim(geometry, _core.Placement(where.worldFromObject, where.instancerPath, instances, where.visible),
+                          geometryPrim.purpose)
+    copy.doubleSided = geometryPrim.doubleSided
     return copy

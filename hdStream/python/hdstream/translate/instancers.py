@@ -31,9 +31,9 @@ class Instancers:
         self._reports = reports
         self._levels = InstanceLevels(translator, session)
 
-    def Split(self, path, prim, meshPrim):
-        """(path, GeometryPrim) for each group of a mesh's instances that have equal primvars."""
-        return self._levels.Split(path, prim, meshPrim)
+    def Split(self, path, prim, geometryPrim):
+        """(path, GeometryPrim) for each group of a gprim's instances that have equal primvars."""
+        return self._levels.Split(path, prim, geometryPrim)
 
     def AddInstance(self, prim, state, context):
         """Adds a native instance to the group that shares its prototype's look."""

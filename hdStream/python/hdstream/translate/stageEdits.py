@@ -36,7 +36,7 @@ class StageTranslation:
         self._shutter = (0.0, 0.0)
         self._isStale = True
         self._changes = {}  # prim path -> names of its properties that changed
-        self._paths = set()  # of meshes and lights in the scene
+        self._paths = set()  # of geometry and lights in the scene
         self._materialPaths = set()
         self._hasInstancers = False
         self._hasLinks = False  # what a prim's links are, lights elsewhere say
@@ -123,8 +123,8 @@ class StageTranslation:
         text = path.pathString
         isBelow = [found for found in self._paths if found == text or found.startswith(text + "/")]
         if all(_IsPlacing(name) for name in names):
-            meshes = self._session.Scene().meshes
-            kept = {found: meshes[found] for found in isBelow if found in meshes}
+            prims = self._session.Scene().geometry
+            kept = {found: prims[found] for found in isBelow if found in prims}
         for found in isBelow:
             self._session.Remove(found)
         translator.TranslateBelow(prim, _Ancestors(prim), kept)

@@ -2,7 +2,7 @@
 """The traversal of a stage: every prim is visited once, inherited values live on its stack.
 
 Native instances are collected while a context (the world, or the prototypes of an instancer) is
-walked and turned into instancers after it. Materials are found for all meshes at once at the end.
+walked and turned into instancers after it. Materials are found for all geometry at once at the end.
 """
 
 import functools
@@ -18,7 +18,7 @@ from hdstream.translate.assets import AssetResolver
 from hdstream.translate.instancers import Instancers
 from hdstream.translate.links import Links
 from hdstream.translate.materials import MaterialReader
-from hdstream.translate.meshBatch import MeshBatch
+from hdstream.translate.geometryBatch import GeometryBatch
 from hdstream.translate.motion import Motion
 from hdstream.translate.primState import PREDICATE, Context, State
 from hdstream.translate.reports import Reports
@@ -59,10 +59,10 @@ class StageTranslator:
         self._types = {}
         self._paths = set()
         self._links = Links()
-        self._meshes = MeshBatch(session, self._links, self._reports.Warn)
+        self._batch = GeometryBatch(session, self._links, self._reports.Warn)
         self._drawModes = drawModes.DrawModes(self, session, self._timeCode, self._assets, self._reports)
         self._instancers = Instancers(self, stage, session, self._timeCode, self._motion, self._links, self._reports)
-        self._kept = {}  # scene path -> GeometryPrim of before, whose mesh is as it was
+        self._kept = {}  # scene path -> GeometryPrim of before, whose geometry is as it was
         self.materialPaths = set()  # of the materials that were translated
         self.numPrims = 0  # prims visited, instance proxies of first instances included
         self._handlers = self._MakeHandlers()
@@ -78,9 +78,9 @@ class StageTranslator:
             if isCollecting:
                 gc.enable()
 
-    def TranslateBelow(self, prim, ancestors, keptMeshes):
-        """Translates a prim and all below it. `keptMeshes`: scene path -> GeometryPrim whose arrays still hold."""
-        self._kept = keptMeshes
+    def TranslateBelow(self, prim, ancestors, keptPrims):
+        """Translates a prim and all below it. `keptPrims`: scene path -> GeometryPrim whose arrays still hold."""
+        self._kept = keptPrims
         state = State()
         for ancestor in ancestors:
             info = self._types.get(ancestor.GetTypeName()) or self._AddType(ancestor)
@@ -97,12 +97,12 @@ class StageTranslator:
         return self._links.areUsed
 
     def Paths(self):
-        """Scene paths of the meshes and lights that were translated."""
+        """Scene paths of the geometry and lights that were translated."""
         return self._paths
 
     def _Translate(self, prims, state):
         self.Walk(prims, state, Context())
-        self._SetMaterials(self._meshes.Flush())
+        self._SetMaterials(self._batch.Flush())
         self._End()
 
     def _End(self):
@@ -255,7 +255,7 @@ class StageTranslator:
         if state.skelRoot is not None:
             skin, *endSkins = [functools.partial(skinning.PointsOf, rootPrim=state.skelRoot)
                                for skinning in (self._skinning, *self._endSkinnings)]
-        mesh = self._KeptMesh(prim, context) or meshes.ReadMesh(
+        mesh = self._KeptGeometry(prim, context) or meshes.ReadMesh(
             prim, names, state.primvars, self._timeCode, self._motion, skin, endSkins)
         if mesh is None:
             if lights.IsLight(prim):
@@ -265,7 +265,7 @@ class StageTranslator:
         return state
 
     def _OnImplicit(self, prim, schema, names, state, context):
-        mesh = self._KeptMesh(prim, context) or meshes.ReadImplicit(
+        mesh = self._KeptGeometry(prim, context) or meshes.ReadImplicit(
             prim, schema, names, state.primvars, self._timeCode, self._reports.Warn)
         self._AddMesh(prim, names, mesh, state, context)
         return state
@@ -292,14 +292,14 @@ class StageTranslator:
         if description is None:
             return
         path, placement = self._Place(prim, state, context)
-        meshPrim = _core.GeometryPrim(description, placement, state.purpose)
-        for splitPath, splitPrim in self._instancers.Split(path, prim, meshPrim):
-            self._meshes.Add(splitPath, prim, splitPrim, [])
+        geometryPrim = _core.GeometryPrim(description, placement, state.purpose)
+        for splitPath, splitPrim in self._instancers.Split(path, prim, geometryPrim):
+            self._batch.Add(splitPath, prim, splitPrim, [])
 
-    def _KeptMesh(self, prim, context):
-        """The mesh of before when it still holds, else None."""
+    def _KeptGeometry(self, prim, context):
+        """The geometry of before when it still holds, else None."""
         kept = self._kept.get(context.ScenePath(prim))
-        return kept.mesh if kept else None
+        return kept.geometry if kept else None
 
     def _AddMesh(self, prim, names, mesh, state, context):
         subsets = []
@@ -312,26 +312,26 @@ class StageTranslator:
                     subsets.append(subset)
                     subsetPrims.append(child)
         path, placement = self._Place(prim, state, context)
-        meshPrim = self._kept.get(path)
-        if meshPrim:  # the core knows a mesh by its identity
-            meshPrim.placement, meshPrim.purpose = placement, state.purpose
+        geometryPrim = self._kept.get(path)
+        if geometryPrim:  # the core knows geometry by its identity
+            geometryPrim.placement, geometryPrim.purpose = placement, state.purpose
         else:
             if subsets:
                 mesh.subsets = subsets
-            meshPrim = _core.GeometryPrim(mesh, placement, state.purpose)
+            geometryPrim = _core.GeometryPrim(mesh, placement, state.purpose)
         if "doubleSided" in names or prim.GetTypeName() == "Plane":  # whose fallback is true
-            meshPrim.doubleSided = bool(prim.GetAttribute("doubleSided").Get(self._timeCode))
+            geometryPrim.doubleSided = bool(prim.GetAttribute("doubleSided").Get(self._timeCode))
         if prim.IsA(UsdGeom.Mesh):
-            self._ReadMeshLight(prim, names, meshPrim)
-        for splitPath, splitPrim in self._instancers.Split(path, prim, meshPrim):
-            self._meshes.Add(splitPath, prim, splitPrim, subsetPrims)
+            self._ReadMeshLight(prim, names, geometryPrim)
+        for splitPath, splitPrim in self._instancers.Split(path, prim, geometryPrim):
+            self._batch.Add(splitPath, prim, splitPrim, subsetPrims)
 
-    def _ReadMeshLight(self, prim, names, meshPrim):
+    def _ReadMeshLight(self, prim, names, geometryPrim):
         if not lights.IsLight(prim):
-            meshPrim.RemoveLight()
+            geometryPrim.RemoveLight()
             return
         self._WarnOfLight(prim, names)
-        meshPrim.SetLight(lights.ReadLight(prim, "Mesh", names, self._timeCode, self._assets), lights.ReadSyncMode(prim),
+        geometryPrim.SetLight(lights.ReadLight(prim, "Mesh", names, self._timeCode, self._assets), lights.ReadSyncMode(prim),
                           self._links.Read(prim, names))
 
     def _WarnOfLight(self, prim, names):

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hdStream/scene/meshKey.h"
+#include "hdStream/scene/geometryKey.h"
 
 #include "hdStream/base/fieldHash.h"
 
 namespace hds {
 
-PageKey MakeMeshKey(const GeometryInputs& inputs) {
+PageKey MakeGeometryKey(const GeometryInputs& inputs) {
     Hasher hasher;
     FieldHasher fields(&hasher);
     fields.Add(inputs);
     if (inputs.shutter.IsOpen()) {
-        fields.Add(inputs.mesh->samples);
+        fields.Add(inputs.geometry->samples);
     }
     return MakePageKey(hasher);
 }

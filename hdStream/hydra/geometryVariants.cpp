@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hdStream/hydra/meshVariants.h"
+#include "hdStream/hydra/geometryVariants.h"
 
 #include "hdStream/hydra/arrays.h"
 #include "hdStream/hydra/primvars.h"
@@ -10,62 +10,64 @@
 
 PXR_NAMESPACE_OPEN_SCOPE
 
-bool HdStreamMeshVariants::Update(const std::shared_ptr<const hds::GeometryDescription>& mesh,
-                                  HdStreamInstanceGroups groups) {
+bool HdStreamGeometryVariants::Update(
+    const std::shared_ptr<const hds::GeometryDescription>& geometry,
+    HdStreamInstanceGroups groups) {
     std::vector<Variant> before = std::move(_variants);
-    const bool isSameMesh = mesh == _mesh;
-    _mesh = mesh;
+    const bool isSameGeometry = geometry == _geometry;
+    _geometry = geometry;
     _variants.clear();
     for (HdStreamInstanceGroup& group : groups.groups) {
-        Variant variant{std::move(group.primvars), mesh, std::move(group.instances)};
-        if (mesh && !variant.primvars.empty()) {
+        Variant variant{std::move(group.primvars), geometry, std::move(group.instances)};
+        if (geometry && !variant.primvars.empty()) {
             const auto known = std::find_if(before.begin(), before.end(), [&](const Variant& old) {
-                return isSameMesh && HdStreamEqual(old.primvars, variant.primvars);
+                return isSameGeometry && HdStreamEqual(old.primvars, variant.primvars);
             });
             if (known != before.end()) {
-                variant.mesh = known->mesh;
+                variant.geometry = known->geometry;
             } else {
-                auto split = std::make_shared<hds::GeometryDescription>(*mesh);
+                auto split = std::make_shared<hds::GeometryDescription>(*geometry);
                 split->primvars.insert(split->primvars.end(), variant.primvars.begin(),
                                        variant.primvars.end());
-                variant.mesh = std::move(split);
+                variant.geometry = std::move(split);
             }
         }
         _variants.push_back(std::move(variant));
     }
     return !std::equal(_variants.begin(), _variants.end(), before.begin(), before.end(),
                        [](const Variant& a, const Variant& b) {
-                           return a.mesh == b.mesh && HdStreamEqual(a.instances, b.instances);
+                           return a.geometry == b.geometry &&
+                                  HdStreamEqual(a.instances, b.instances);
                        });
 }
 
-void HdStreamMeshVariants::Push(HdStreamRenderParam* param, const SdfPath& id,
-                                const std::string& scenePath, const hds::GeometryPrim& prim,
-                                bool isDrawable) {
+void HdStreamGeometryVariants::Push(HdStreamRenderParam* param, const SdfPath& id,
+                                    const std::string& scenePath, const hds::GeometryPrim& prim,
+                                    bool isDrawable) {
     const std::size_t numDrawn = isDrawable ? _variants.size() : 0;
     for (std::size_t i = 0; i < numDrawn; ++i) {
         if (i > _paths.size()) {
             _paths.push_back(param->ReservePath(scenePath + "{" + std::to_string(i) + "}", id));
         }
         hds::GeometryPrim split = prim;
-        split.mesh = _variants[i].mesh;
+        split.geometry = _variants[i].geometry;
         split.placement.instances = _variants[i].instances;
         param->Push([path = PathOf(i, scenePath), split](hds::Session& session) mutable {
-            session.SetMesh(path, std::move(split));
+            session.SetGeometry(path, std::move(split));
         });
     }
     RemoveFrom(param, numDrawn, scenePath);
     _numInScene = numDrawn;
 }
 
-void HdStreamMeshVariants::RemoveFrom(HdStreamRenderParam* param, std::size_t first,
-                                      const std::string& scenePath) {
+void HdStreamGeometryVariants::RemoveFrom(HdStreamRenderParam* param, std::size_t first,
+                                          const std::string& scenePath) {
     for (std::size_t i = first; i < _numInScene; ++i) {
         param->Push([path = PathOf(i, scenePath)](hds::Session& session) { session.Remove(path); });
     }
 }
 
-void HdStreamMeshVariants::Finalize(HdStreamRenderParam* param, const std::string& scenePath) {
+void HdStreamGeometryVariants::Finalize(HdStreamRenderParam* param, const std::string& scenePath) {
     RemoveFrom(param, 0, scenePath);
     _numInScene = 0;
     for (const std::string& path : _paths) {
@@ -73,7 +75,7 @@ void HdStreamMeshVariants::Finalize(HdStreamRenderParam* param, const std::strin
     }
     _paths.clear();
     _variants.clear();
-    _mesh.reset();
+    _geometry.reset();
 }
 
 PXR_NAMESPACE_CLOSE_SCOPE

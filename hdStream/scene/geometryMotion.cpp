@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hdStream/scene/meshMotion.h"
+#include "hdStream/scene/geometryMotion.h"
 
 #include "hdStream/geometry/meshContent.h"
 
@@ -12,22 +12,23 @@ namespace hds {
 
 namespace {
 
-bool HasUsableSamples(const GeometryDescription& mesh) {
-    return mesh.samples.size() >= 2 &&
-           std::all_of(mesh.samples.begin(), mesh.samples.end(), [&](const PointSample& sample) {
-               return sample.points.size() == mesh.points.size();
-           });
+bool HasUsableSamples(const GeometryDescription& geometry) {
+    return geometry.samples.size() >= 2 &&
+           std::all_of(geometry.samples.begin(), geometry.samples.end(),
+                       [&](const PointSample& sample) {
+                           return sample.points.size() == geometry.points.size();
+                       });
 }
 
 /// Linear between the samples; before the first and after the last one they hold.
-SharedSpan<float> PointsAt(const GeometryDescription& mesh, double time) {
+SharedSpan<float> PointsAt(const GeometryDescription& geometry, double time) {
     const auto after =
-        std::find_if(mesh.samples.begin(), mesh.samples.end(),
+        std::find_if(geometry.samples.begin(), geometry.samples.end(),
                      [time](const PointSample& sample) { return sample.time >= time; });
-    if (after == mesh.samples.end()) {
-        return mesh.samples.back().points;
+    if (after == geometry.samples.end()) {
+        return geometry.samples.back().points;
     }
-    if (after == mesh.samples.begin() || after->time == time) {
+    if (after == geometry.samples.begin() || after->time == time) {
         return after->points;
     }
     const PointSample& before = *std::prev(after);
@@ -41,21 +42,21 @@ SharedSpan<float> PointsAt(const GeometryDescription& mesh, double time) {
 
 } // namespace
 
-bool Deforms(const GeometryDescription& mesh, const Shutter& shutter) {
-    if (!shutter.IsOpen() || !HasUsableSamples(mesh)) {
+bool Deforms(const GeometryDescription& geometry, const Shutter& shutter) {
+    if (!shutter.IsOpen() || !HasUsableSamples(geometry)) {
         return false;
     }
-    const SharedSpan<float> open = PointsAt(mesh, shutter.open);
-    const SharedSpan<float> close = PointsAt(mesh, shutter.close);
+    const SharedSpan<float> open = PointsAt(geometry, shutter.open);
+    const SharedSpan<float> close = PointsAt(geometry, shutter.close);
     return open.data() != close.data() && !std::equal(open.begin(), open.end(), close.begin());
 }
 
-std::shared_ptr<const GeometryDescription> AtShutter(const GeometryDescription& mesh,
+std::shared_ptr<const GeometryDescription> AtShutter(const GeometryDescription& geometry,
                                                      const Shutter& shutter) {
-    auto result = std::make_shared<GeometryDescription>(mesh);
+    auto result = std::make_shared<GeometryDescription>(geometry);
     result->samples.clear();
-    result->points = PointsAt(mesh, shutter.open);
-    result->closePoints = PointsAt(mesh, shutter.close);
+    result->points = PointsAt(geometry, shutter.open);
+    result->closePoints = PointsAt(geometry, shutter.close);
     // What cannot be drawn at one end is not drawn at all.
     const auto isBad = [](float value) { return !(std::fabs(value) <= kMaxCoordinate); };
     if (std::any_of(result->points.begin(), result->points.end(), isBad) ||

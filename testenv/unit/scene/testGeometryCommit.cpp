@@ -3,7 +3,7 @@
 // follow what they are made of.
 #include "hdStream/scene/geometryCommit.h"
 
-#include "hdStream/scene/meshKey.h"
+#include "hdStream/scene/geometryKey.h"
 
 #include "testenv/support/pageView.h"
 #include "testenv/support/temporaryFolder.h"
@@ -41,11 +41,11 @@ GeometryDescription Grid(std::int32_t size, const std::string& scheme) {
 
 PlannedGeometry Prepare(const GeometryDescription& mesh, GeometryInputs inputs) {
     static Warnings warnings; // outlives the meshes
-    inputs.mesh = std::make_shared<GeometryDescription>(mesh);
+    inputs.geometry = std::make_shared<GeometryDescription>(mesh);
     return PlanGeometry("/grid", inputs, nullptr, warnings);
 }
 
-TEST(MeshCommit, EveryTriangleIsInOneChunkWithinTheBound) {
+TEST(GeometryCommit, EveryTriangleIsInOneChunkWithinTheBound) {
     for (const std::uint64_t chunkBytes :
          {std::uint64_t{4096}, std::uint64_t{16384}, std::uint64_t{1} << 20U}) {
         GeometryInputs inputs;
@@ -64,9 +64,9 @@ TEST(MeshCommit, EveryTriangleIsInOneChunkWithinTheBound) {
             EXPECT_LE(bytes, bound);
             EXPECT_LE(bytes, chunkBytes);
         }
-        const ChunkPlan& plan = mesh.mesh->Plan();
+        const ChunkPlan& plan = mesh.geometry->Plan();
         for (std::size_t i = 0; i < plan.NumChunks(); ++i) {
-            const ChunkGeometry geometry = mesh.mesh->Source().Gather(
+            const ChunkGeometry geometry = mesh.geometry->Source().Gather(
                 plan.groups.data() + plan.begin[i], plan.begin[i + 1] - plan.begin[i]);
             EXPECT_EQ(geometry.triangles.size(), plan.counts[i]);
             for (const std::uint32_t face : geometry.faces) {
@@ -85,11 +85,11 @@ PlannedGeometry PrepareStored(const GeometryDescription& grid, const std::string
     options.directory = folder;
     GeometryInputs inputs;
     inputs.chunkBytes = 4096;
-    inputs.mesh = std::make_shared<GeometryDescription>(grid);
+    inputs.geometry = std::make_shared<GeometryDescription>(grid);
     return PlanGeometry("/grid", inputs, std::make_shared<PageStore>(options, warnings), *warnings);
 }
 
-TEST(MeshCommit, ASecondRunTakesTheSummaryFromTheStore) {
+TEST(GeometryCommit, ASecondRunTakesTheSummaryFromTheStore) {
     const test::TemporaryFolder folder;
     Warnings warnings;
     const GeometryDescription grid = Grid(40, "none");
@@ -99,7 +99,8 @@ TEST(MeshCommit, ASecondRunTakesTheSummaryFromTheStore) {
     const auto page = first.chunks[3]->Data(HDS_PAGE_GEOMETRY);
 
     const PlannedGeometry second = PrepareStored(grid, folder.Path(), &warnings);
-    EXPECT_EQ(SerializeSummary(second.mesh->Summary()), SerializeSummary(first.mesh->Summary()));
+    EXPECT_EQ(SerializeSummary(second.geometry->Summary()),
+              SerializeSummary(first.geometry->Summary()));
     ASSERT_EQ(second.topNodes.size(), first.topNodes.size());
     EXPECT_EQ(std::memcmp(second.topNodes.data(), first.topNodes.data(),
                           first.topNodes.size() * sizeof(first.topNodes[0])),
@@ -112,7 +113,7 @@ TEST(MeshCommit, ASecondRunTakesTheSummaryFromTheStore) {
                     second.chunks[4]->Data(HDS_PAGE_GEOMETRY));
 }
 
-TEST(MeshCommit, AMeshWithWarningsWarnsAgainInTheNextRun) {
+TEST(GeometryCommit, AMeshWithWarningsWarnsAgainInTheNextRun) {
     const test::TemporaryFolder folder;
     GeometryDescription grid = Grid(40, "none");
     std::vector<float> points(grid.points.begin(), grid.points.end());
@@ -128,7 +129,7 @@ TEST(MeshCommit, AMeshWithWarningsWarnsAgainInTheNextRun) {
     }
 }
 
-TEST(MeshCommit, BytesThatAreNoSummaryGiveNone) {
+TEST(GeometryCommit, BytesThatAreNoSummaryGiveNone) {
     GeometrySummary summary;
     summary.numTriangles = 7;
     summary.attributes = {{"st", 2}, {"displayColor", 3}};
@@ -150,7 +151,7 @@ TEST(MeshCommit, BytesThatAreNoSummaryGiveNone) {
     }
 }
 
-TEST(MeshCommit, SurfacesAreDicedAsAsked) {
+TEST(GeometryCommit, SurfacesAreDicedAsAsked) {
     GeometryInputs inputs;
     EXPECT_EQ(Prepare(Grid(4, "catmullClark"), inputs).numTriangles, 32U);
     inputs.dicing.emplace();
@@ -159,19 +160,21 @@ TEST(MeshCommit, SurfacesAreDicedAsAsked) {
 }
 
 // The same mesh has the same name in the cache; whatever its pages depend on gives another.
-TEST(MeshCommit, KeysFollowEveryInput) {
+TEST(GeometryCommit, KeysFollowEveryInput) {
     GeometryInputs inputs;
-    inputs.mesh = std::make_shared<GeometryDescription>(Grid(3, "catmullClark"));
-    std::vector<PageKey> keys = {MakeMeshKey(inputs)};
-    const auto add = [&](const GeometryInputs& changed) { keys.push_back(MakeMeshKey(changed)); };
+    inputs.geometry = std::make_shared<GeometryDescription>(Grid(3, "catmullClark"));
+    std::vector<PageKey> keys = {MakeGeometryKey(inputs)};
+    const auto add = [&](const GeometryInputs& changed) {
+        keys.push_back(MakeGeometryKey(changed));
+    };
     GeometryInputs other = inputs;
-    other.mesh = std::make_shared<GeometryDescription>(Grid(3, "catmullClark"));
-    EXPECT_EQ(MakeMeshKey(other), keys[0]);
-    other.mesh = std::make_shared<GeometryDescription>(Grid(3, "loop"));
+    other.geometry = std::make_shared<GeometryDescription>(Grid(3, "catmullClark"));
+    EXPECT_EQ(MakeGeometryKey(other), keys[0]);
+    other.geometry = std::make_shared<GeometryDescription>(Grid(3, "loop"));
     add(other);
     GeometryDescription left = Grid(3, "catmullClark");
     left.leftHanded = true;
-    other.mesh = std::make_shared<GeometryDescription>(left);
+    other.geometry = std::make_shared<GeometryDescription>(left);
     add(other);
     other = inputs;
     other.chunkBytes = 4096;

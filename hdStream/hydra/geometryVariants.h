@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The meshes of the core's scene that one mesh of Hydra becomes: one, or as many as its instances
+// The prims of the core's scene that one gprim of Hydra becomes: one, or as many as its instances
 // have different values.
 #pragma once
 
@@ -16,12 +16,12 @@ PXR_NAMESPACE_OPEN_SCOPE
 
 class HdStreamRenderParam;
 
-/// Externally synchronised, as the mesh it belongs to.
-class HdStreamMeshVariants {
+/// Externally synchronised, as the gprim it belongs to.
+class HdStreamGeometryVariants {
 public:
     /// Makes a variant of each group. Descriptions of groups whose values were there before stay
-    /// the same objects while `mesh` does. \return true when variants changed.
-    bool Update(const std::shared_ptr<const hds::GeometryDescription>& mesh,
+    /// the same objects while `geometry` does. \return true when variants changed.
+    bool Update(const std::shared_ptr<const hds::GeometryDescription>& geometry,
                 HdStreamInstanceGroups groups);
 
     bool IsInScene() const { return _numInScene > 0; }
@@ -31,13 +31,13 @@ public:
     void Push(HdStreamRenderParam* param, const SdfPath& id, const std::string& scenePath,
               const hds::GeometryPrim& prim, bool isDrawable);
 
-    /// Removes all from the scene and gives their own paths back; `scenePath` is the mesh's.
+    /// Removes all from the scene and gives their own paths back; `scenePath` is the gprim's.
     void Finalize(HdStreamRenderParam* param, const std::string& scenePath);
 
 private:
     struct Variant {
         std::vector<hds::Primvar> primvars;
-        std::shared_ptr<const hds::GeometryDescription> mesh;
+        std::shared_ptr<const hds::GeometryDescription> geometry;
         hds::SharedSpan<std::int32_t> instances;
     };
 
@@ -46,7 +46,7 @@ private:
         return index == 0 ? scenePath : _paths[index - 1];
     }
 
-    std::shared_ptr<const hds::GeometryDescription> _mesh; ///< that variants are made from
+    std::shared_ptr<const hds::GeometryDescription> _geometry; ///< that variants are made from
     std::vector<Variant> _variants;
     std::vector<std::string> _paths; ///< of the second variant and the next
     std::size_t _numInScene = 0;     ///< the first variants

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mesh is prepared again when, and only when, its description or the options are others.
+// Geometry is planned again when, and only when, its description or the options are others.
 #include "hdStream/scene/geometryStore.h"
 
 #include <gtest/gtest.h>
@@ -15,13 +15,13 @@ std::shared_ptr<const GeometryDescription> Triangle(float size) {
     return mesh;
 }
 
-class MeshStoreTest : public ::testing::Test {
+class GeometryStoreTest : public ::testing::Test {
 protected:
     bool Prepare(const CancelCallback& isCancelled = {}) {
         std::vector<GeometryStore::Drawn> drawn;
-        for (const auto& [path, prim] : scene.meshes) {
+        for (const auto& [path, prim] : scene.geometry) {
             if (prim.placement.visible) {
-                inputs.mesh = prim.mesh;
+                inputs.geometry = prim.geometry;
                 drawn.emplace_back(&path, inputs);
             }
         }
@@ -34,36 +34,36 @@ protected:
     }
 
     SceneDescription scene;
-    GeometryInputs inputs; ///< but for the mesh
+    GeometryInputs inputs; ///< but for the geometry
     Warnings warnings;
     GeometryStore store;
 };
 
-TEST_F(MeshStoreTest, EditsThatLeaveTheDescriptionPrepareNothing) {
-    scene.meshes["/a"].mesh = Triangle(1.0F);
-    scene.meshes["/b"].mesh = Triangle(2.0F);
+TEST_F(GeometryStoreTest, EditsThatLeaveTheDescriptionPrepareNothing) {
+    scene.geometry["/a"].geometry = Triangle(1.0F);
+    scene.geometry["/b"].geometry = Triangle(2.0F);
     ASSERT_TRUE(Prepare());
     EXPECT_EQ(store.NumPrepared(), 2U);
     const ChunkPages* chunk = store.Find("/a").chunks[0].get();
-    scene.meshes["/a"].placement.worldFromObject[3][0] = 5.0;
-    scene.meshes["/a"].materialPath = "/m";
-    scene.meshes["/a"].doubleSided = true;
-    scene.meshes["/b"].placement.visible = false;
+    scene.geometry["/a"].placement.worldFromObject[3][0] = 5.0;
+    scene.geometry["/a"].materialPath = "/m";
+    scene.geometry["/a"].doubleSided = true;
+    scene.geometry["/b"].placement.visible = false;
     ASSERT_TRUE(Prepare());
     EXPECT_EQ(store.NumPrepared(), 2U);
     EXPECT_EQ(Count(), 2U); // hidden, but kept
     EXPECT_EQ(store.Find("/a").chunks[0].get(), chunk);
-    scene.meshes["/b"].placement.visible = true;
+    scene.geometry["/b"].placement.visible = true;
     ASSERT_TRUE(Prepare());
     EXPECT_EQ(store.NumPrepared(), 2U);
 }
 
-TEST_F(MeshStoreTest, NewDescriptionsAndOptionsPrepareAgain) {
-    scene.meshes["/a"].mesh = Triangle(1.0F);
-    scene.meshes["/b"].mesh = Triangle(2.0F);
+TEST_F(GeometryStoreTest, NewDescriptionsAndOptionsPrepareAgain) {
+    scene.geometry["/a"].geometry = Triangle(1.0F);
+    scene.geometry["/b"].geometry = Triangle(2.0F);
     ASSERT_TRUE(Prepare());
     const std::uint64_t before = store.Find("/a").chunks[0]->Id(HDS_PAGE_GEOMETRY);
-    scene.meshes["/a"].mesh = Triangle(3.0F);
+    scene.geometry["/a"].geometry = Triangle(3.0F);
     ASSERT_TRUE(Prepare());
     EXPECT_EQ(store.NumPrepared(), 3U);
     EXPECT_NE(store.Find("/a").chunks[0]->Id(HDS_PAGE_GEOMETRY), before);
@@ -80,7 +80,7 @@ TEST_F(MeshStoreTest, NewDescriptionsAndOptionsPrepareAgain) {
     EXPECT_EQ(store.NumPrepared(), 9U);
 }
 
-TEST_F(MeshStoreTest, OnlyPrimvarsThatAreReadAreInPages) {
+TEST_F(GeometryStoreTest, OnlyPrimvarsThatAreReadAreInPages) {
     auto mesh = std::make_shared<GeometryDescription>(*Triangle(1.0F));
     for (const char* name : {"displayColor", "st"}) {
         Primvar primvar;
@@ -89,7 +89,7 @@ TEST_F(MeshStoreTest, OnlyPrimvarsThatAreReadAreInPages) {
         primvar.values = std::vector<float>{1.0F, 2.0F};
         mesh->primvars.push_back(primvar);
     }
-    scene.meshes["/a"].mesh = mesh;
+    scene.geometry["/a"].geometry = mesh;
     ASSERT_TRUE(Prepare());
     EXPECT_TRUE(store.Find("/a").attributes.empty());
     inputs.primvars = {"st"};
@@ -106,20 +106,20 @@ TEST_F(MeshStoreTest, OnlyPrimvarsThatAreReadAreInPages) {
     EXPECT_EQ(store.NumPrepared(), 3U);
 }
 
-TEST_F(MeshStoreTest, RemovedMeshesLeaveAndHiddenOnesAreNotPrepared) {
-    scene.meshes["/a"].mesh = Triangle(1.0F);
-    scene.meshes["/b"].mesh = Triangle(2.0F);
-    scene.meshes["/b"].placement.visible = false;
+TEST_F(GeometryStoreTest, RemovedMeshesLeaveAndHiddenOnesAreNotPrepared) {
+    scene.geometry["/a"].geometry = Triangle(1.0F);
+    scene.geometry["/b"].geometry = Triangle(2.0F);
+    scene.geometry["/b"].placement.visible = false;
     ASSERT_TRUE(Prepare());
     EXPECT_EQ(Count(), 1U);
-    scene.meshes.erase("/a");
+    scene.geometry.erase("/a");
     ASSERT_TRUE(Prepare());
     EXPECT_EQ(Count(), 0U);
 }
 
-TEST_F(MeshStoreTest, CancellingKeepsWhatIsPrepared) {
+TEST_F(GeometryStoreTest, CancellingKeepsWhatIsPrepared) {
     for (int i = 0; i < 64; ++i) {
-        scene.meshes["/" + std::to_string(i)].mesh = Triangle(1.0F + static_cast<float>(i));
+        scene.geometry["/" + std::to_string(i)].geometry = Triangle(1.0F + static_cast<float>(i));
     }
     int asked = 0;
     EXPECT_FALSE(Prepare([&] { return ++asked > 1; }));
@@ -131,8 +131,8 @@ TEST_F(MeshStoreTest, CancellingKeepsWhatIsPrepared) {
     EXPECT_EQ(Count(), 64U);
 }
 
-TEST_F(MeshStoreTest, TrianglesComeBackFromTheDescription) {
-    scene.meshes["/a"].mesh = Triangle(1.0F);
+TEST_F(GeometryStoreTest, TrianglesComeBackFromTheDescription) {
+    scene.geometry["/a"].geometry = Triangle(1.0F);
     ASSERT_TRUE(Prepare());
     const ChunkGeometry& triangles = store.Triangles("/a");
     ASSERT_EQ(triangles.triangles.size(), store.Find("/a").numTriangles);

@@ -9,10 +9,10 @@
 namespace hds {
 
 /// Whether the points differ when the shutter opens and when it closes.
-bool Deforms(const GeometryDescription& mesh, const Shutter& shutter);
+bool Deforms(const GeometryDescription& geometry, const Shutter& shutter);
 
-/// The mesh with its points when the shutter opens, and closePoints. \pre it deforms.
-std::shared_ptr<const GeometryDescription> AtShutter(const GeometryDescription& mesh,
+/// The geometry with its points when the shutter opens, and closePoints. \pre it deforms.
+std::shared_ptr<const GeometryDescription> AtShutter(const GeometryDescription& geometry,
                                                      const Shutter& shutter);
 
 } // namespace hds

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Conditions of path fields (shared/pathState.def) that several features make. Kernels evaluate
+ * them in #if, where features are macros; the host (hdStream/integrator) where features are
+ * variables that have the names of these macros. */
+#ifndef HDS_SHARED_PATH_CONDITIONS_H
+#define HDS_SHARED_PATH_CONDITIONS_H
+
+/* Rays keep a list of the missing chunks in their way. */
+#define HDS_KEEPS_WAIT_LISTS (HDS_FEATURE_STREAMING && !HDS_REQUEST_FIRST)
+
+/* Where the shadow ray goes is kept beside it. */
+#define HDS_KEEPS_SHADOW_LIGHT (HDS_FEATURE_LIGHT_CONTROLS || HDS_FEATURE_TEXTURED_EMISSION)
+
+#endif
