@@ -22,33 +22,38 @@ struct BinMapping {
     int numBins = 0;
     bool isUsable[3] = {};
 
+    float offsets[3];
+    float scales[3];
+
     BinMapping(const RangeBounds& bounds, std::size_t count) {
         numBins = count < 12 ? 8 : (count < 1024 ? 16 : kMaxBins);
         alignas(16) float extent[4];
         Store(extent, bounds.centreHi - bounds.centreLo);
-        alignas(16) float offsets[4];
-        Store(offsets, bounds.centreLo);
-        alignas(16) float scales[4] = {};
+        alignas(16) float from[4];
+        Store(from, bounds.centreLo);
+        alignas(16) float by[4] = {};
         for (int axis = 0; axis < 3; ++axis) {
             // 0.999: the largest centre stays below numBins after rounding.
             const float candidate = static_cast<float>(numBins) * 0.999F / extent[axis];
             isUsable[axis] = extent[axis] > 0.0F && std::isfinite(extent[axis]) &&
                              std::isfinite(candidate) && candidate > 0.0F;
-            scales[axis] = isUsable[axis] ? candidate : 0.0F;
+            by[axis] = isUsable[axis] ? candidate : 0.0F;
             // 0 * (centre - 0) is 0, where the extent may be infinite.
-            offsets[axis] = isUsable[axis] ? offsets[axis] : 0.0F;
+            from[axis] = isUsable[axis] ? from[axis] : 0.0F;
+            offsets[axis] = from[axis];
+            scales[axis] = by[axis];
         }
-        offset = LoadBox(offsets);
-        scale = LoadBox(scales);
+        offset = LoadBox(from);
+        scale = LoadBox(by);
     }
 
     void Bins(const BoxRef& ref, std::int32_t* bins) const {
         StoreInts(bins, (Centre(ref) - offset) * scale);
     }
+    /// The same of one axis, by the same operations.
     std::int32_t Bin(const BoxRef& ref, int axis) const {
-        alignas(16) std::int32_t bins[4];
-        Bins(ref, bins);
-        return bins[axis];
+        const float centre = ref.lo[axis] * 0.5F + ref.hi[axis] * 0.5F;
+        return static_cast<std::int32_t>((centre - offsets[axis]) * scales[axis]);
     }
 };
 
@@ -105,10 +110,15 @@ struct BestSplit {
 /// Scans the borders between the bins of one axis; earlier borders and axes win ties.
 void ScanAxis(const BinSet& set, int axis, const BinMapping& mapping, std::size_t minSide,
               BestSplit* best) {
-    float rightCost[kMaxBins];
+    float rightCost[kMaxBins + 1];
+    rightCost[mapping.numBins] = std::numeric_limits<float>::infinity();
     Bin box = {RangeBounds{}.lo, RangeBounds{}.hi};
     std::size_t count = 0;
     for (int i = mapping.numBins - 1; i > 0; --i) {
+        if (set.counts[axis][i] == 0) { // as without it
+            rightCost[i] = rightCost[i + 1];
+            continue;
+        }
         const Bin& bin = set.bins[axis][i];
         box = {Min(box.lo, bin.lo), Max(box.hi, bin.hi)};
         count += set.counts[axis][i];
@@ -118,6 +128,9 @@ void ScanAxis(const BinSet& set, int axis, const BinMapping& mapping, std::size_
     box = {RangeBounds{}.lo, RangeBounds{}.hi};
     count = 0;
     for (int i = 0; i + 1 < mapping.numBins; ++i) {
+        if (set.counts[axis][i] == 0) { // as the border before it
+            continue;
+        }
         const Bin& bin = set.bins[axis][i];
         box = {Min(box.lo, bin.lo), Max(box.hi, bin.hi)};
         count += set.counts[axis][i];
