@@ -231,6 +231,48 @@ SplitResult PartitionParallel(BoxRef* refs, std::size_t count, const IsLeft& isL
     return result;
 }
 
+constexpr std::size_t kFew = 4; ///< longer ranges are binned
+
+/// The cheapest of all ways to share out three or four references.
+SplitResult SplitFew(BoxRef* refs, std::size_t count) {
+    // Those on one side; the others are complements of these.
+    constexpr std::uint32_t kSides[] = {1, 2, 4, 8, 3, 5, 6};
+    const std::size_t numSides = count == 3 ? 3 : 7;
+    const RangeBounds empty;
+    std::uint32_t best = kSides[0];
+    float bestCost = std::numeric_limits<float>::infinity();
+    for (std::size_t s = 0; s < numSides; ++s) {
+        Bin sides[2] = {{empty.lo, empty.hi}, {empty.lo, empty.hi}};
+        float counts[2] = {};
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::uint32_t side = kSides[s] >> i & 1U;
+            sides[side].lo = Min(sides[side].lo, LoadBox(refs[i].lo));
+            sides[side].hi = Max(sides[side].hi, LoadBox(refs[i].hi));
+            counts[side] += 1.0F;
+        }
+        const float cost = HalfArea(sides[0].lo, sides[0].hi) * counts[0] +
+                           HalfArea(sides[1].lo, sides[1].hi) * counts[1];
+        if (cost < bestCost) {
+            bestCost = cost;
+            best = kSides[s];
+        }
+    }
+    BoxRef right[kFew];
+    std::size_t numRight = 0;
+    SplitResult result;
+    for (std::size_t i = 0; i < count; ++i) {
+        if ((best >> i & 1U) != 0) {
+            result.left.Grow(refs[i]);
+            refs[result.numLeft++] = refs[i];
+        } else {
+            result.right.Grow(refs[i]);
+            right[numRight++] = refs[i];
+        }
+    }
+    std::copy(right, right + numRight, refs + result.numLeft);
+    return result;
+}
+
 /// Cuts at the median of the centres along their widest axis; ties in the centre go by item.
 SplitResult SplitAtMedian(BoxRef* refs, std::size_t count, const RangeBounds& bounds) {
     alignas(16) float extent[4];
@@ -266,6 +308,9 @@ SplitResult SplitRange(BoxRef* refs, std::size_t count, const RangeBounds& bound
     }
     if (options.balanced) {
         return SplitAtMedian(refs, count, bounds);
+    }
+    if (count <= kFew && options.minSide == 1) {
+        return SplitFew(refs, count);
     }
     const BinMapping mapping(bounds, count);
     const BestSplit best = FindSplit(refs, count, mapping, options.minSide);
