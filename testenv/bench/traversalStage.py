@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The triangles of a stage, in world space, for `benchTraversal --stage FILE`.
 
-Usage: traversalStage.py STAGE FILE [--camera PATH]
+Usage: traversalStage.py STAGE FILE [--camera PATH]    (prints the number of triangles)
 
 Each mesh is cut into triangles as fans, as it is when it is not subdivided. The rays of the
 benchmark begin at the camera: the one that is named, else the first that the stage has.
@@ -59,6 +59,7 @@ def main():
             out.write(np.array([len(positions), len(triangles)], dtype="<u4").tobytes())
             out.write(positions.astype("<f4").tobytes())
             out.write(triangles.astype("<u4").tobytes())
+    print(sum(len(triangles) for _, triangles in parts))
 
 
 if __name__ == "__main__":
