@@ -71,10 +71,4 @@ RangeBounds ComputeRangeBounds(const BoxRef* refs, std::size_t count) {
     });
 }
 
-float HalfArea(Float4 lo, Float4 hi) {
-    alignas(16) float d[4];
-    Store(d, hi - lo);
-    return d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
-}
-
 } // namespace hds

@@ -66,6 +66,10 @@ std::vector<BoxRef> MakeRefs(const std::vector<glm::vec3>& positions,
 RangeBounds ComputeRangeBounds(const BoxRef* refs, std::size_t count);
 
 /// Half the surface area of the box lo..hi.
-float HalfArea(Float4 lo, Float4 hi);
+inline float HalfArea(Float4 lo, Float4 hi) {
+    alignas(16) float d[4];
+    Store(d, hi - lo);
+    return d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
+}
 
 } // namespace hds

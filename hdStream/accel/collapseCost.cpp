@@ -3,6 +3,8 @@
 
 #include <tbb/parallel_invoke.h>
 
+#include <algorithm>
+
 namespace hds {
 namespace {
 
@@ -49,7 +51,13 @@ void CollapsePlan::Solve(std::uint32_t node) {
     const Entry& left = _entries[node + 1];
     const Entry& right = _entries[node + binary.right];
     float distribute[kWidth + 1];
+    const int numItems = static_cast<int>(std::min<std::uint32_t>(binary.count, kWidth));
     for (int roots = 2; roots <= kWidth; ++roots) {
+        if (roots > numItems) { // more roots than items are of no use
+            distribute[roots] = distribute[roots - 1];
+            entry.split[roots - 1] = entry.split[roots - 2];
+            continue;
+        }
         float best = left.cost[0] + right.cost[roots - 2];
         int bestLeft = 1;
         for (int k = 2; k < roots; ++k) {

@@ -129,26 +129,37 @@ std::array<int, 8> AssignSlots(const SlotBox& parent, const std::array<SlotBox, 
                             ((slot & 1) != 0 ? -d[2] : d[2]);
         }
     }
+    // The cheapest pair first. A child's best slot changes only when another child takes it.
     std::array<int, 8> slotOf{};
+    std::array<int, 8> bestSlot{};
     std::uint32_t freeSlots = 0xffU;
-    std::uint32_t freeChildren = (1U << count) - 1U;
-    while (freeChildren != 0) {
-        int bestChild = -1;
-        int bestSlot = -1;
-        float best = std::numeric_limits<float>::infinity();
-        for (int c = 0; c < count; ++c) {
-            for (int slot = 0; slot < 8; ++slot) {
-                const bool isFree = (freeChildren >> c & 1U) != 0 && (freeSlots >> slot & 1U) != 0;
-                if (isFree && (bestChild < 0 || cost[c][slot] < best)) {
-                    best = cost[c][slot];
-                    bestChild = c;
-                    bestSlot = slot;
-                }
+    const auto findSlot = [&](int c) {
+        int best = -1;
+        for (std::uint32_t left = freeSlots; left != 0; left &= left - 1U) {
+            const int slot = __builtin_ctz(left);
+            best = best < 0 || cost[c][slot] < cost[c][best] ? slot : best;
+        }
+        bestSlot[c] = best;
+    };
+    for (int c = 0; c < count; ++c) {
+        findSlot(c);
+    }
+    for (std::uint32_t freeChildren = (1U << count) - 1U; freeChildren != 0;) {
+        int chosen = -1;
+        for (std::uint32_t left = freeChildren; left != 0; left &= left - 1U) {
+            const int c = __builtin_ctz(left);
+            chosen =
+                chosen < 0 || cost[c][bestSlot[c]] < cost[chosen][bestSlot[chosen]] ? c : chosen;
+        }
+        const int taken = bestSlot[chosen];
+        slotOf[chosen] = taken;
+        freeChildren &= ~(1U << chosen);
+        freeSlots &= ~(1U << taken);
+        for (std::uint32_t left = freeChildren; left != 0; left &= left - 1U) {
+            if (bestSlot[__builtin_ctz(left)] == taken) {
+                findSlot(__builtin_ctz(left));
             }
         }
-        slotOf[bestChild] = bestSlot;
-        freeChildren &= ~(1U << bestChild);
-        freeSlots &= ~(1U << bestSlot);
     }
     return slotOf;
 }

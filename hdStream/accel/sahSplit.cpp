@@ -22,33 +22,38 @@ struct BinMapping {
     int numBins = 0;
     bool isUsable[3] = {};
 
+    float offsets[3];
+    float scales[3];
+
     BinMapping(const RangeBounds& bounds, std::size_t count) {
         numBins = count < 12 ? 8 : (count < 1024 ? 16 : kMaxBins);
         alignas(16) float extent[4];
         Store(extent, bounds.centreHi - bounds.centreLo);
-        alignas(16) float offsets[4];
-        Store(offsets, bounds.centreLo);
-        alignas(16) float scales[4] = {};
+        alignas(16) float from[4];
+        Store(from, bounds.centreLo);
+        alignas(16) float by[4] = {};
         for (int axis = 0; axis < 3; ++axis) {
             // 0.999: the largest centre stays below numBins after rounding.
             const float candidate = static_cast<float>(numBins) * 0.999F / extent[axis];
             isUsable[axis] = extent[axis] > 0.0F && std::isfinite(extent[axis]) &&
                              std::isfinite(candidate) && candidate > 0.0F;
-            scales[axis] = isUsable[axis] ? candidate : 0.0F;
+            by[axis] = isUsable[axis] ? candidate : 0.0F;
             // 0 * (centre - 0) is 0, where the extent may be infinite.
-            offsets[axis] = isUsable[axis] ? offsets[axis] : 0.0F;
+            from[axis] = isUsable[axis] ? from[axis] : 0.0F;
+            offsets[axis] = from[axis];
+            scales[axis] = by[axis];
         }
-        offset = LoadBox(offsets);
-        scale = LoadBox(scales);
+        offset = LoadBox(from);
+        scale = LoadBox(by);
     }
 
     void Bins(const BoxRef& ref, std::int32_t* bins) const {
         StoreInts(bins, (Centre(ref) - offset) * scale);
     }
+    /// The same of one axis, by the same operations.
     std::int32_t Bin(const BoxRef& ref, int axis) const {
-        alignas(16) std::int32_t bins[4];
-        Bins(ref, bins);
-        return bins[axis];
+        const float centre = ref.lo[axis] * 0.5F + ref.hi[axis] * 0.5F;
+        return static_cast<std::int32_t>((centre - offsets[axis]) * scales[axis]);
     }
 };
 
@@ -105,10 +110,15 @@ struct BestSplit {
 /// Scans the borders between the bins of one axis; earlier borders and axes win ties.
 void ScanAxis(const BinSet& set, int axis, const BinMapping& mapping, std::size_t minSide,
               BestSplit* best) {
-    float rightCost[kMaxBins];
+    float rightCost[kMaxBins + 1];
+    rightCost[mapping.numBins] = std::numeric_limits<float>::infinity();
     Bin box = {RangeBounds{}.lo, RangeBounds{}.hi};
     std::size_t count = 0;
     for (int i = mapping.numBins - 1; i > 0; --i) {
+        if (set.counts[axis][i] == 0) { // as without it
+            rightCost[i] = rightCost[i + 1];
+            continue;
+        }
         const Bin& bin = set.bins[axis][i];
         box = {Min(box.lo, bin.lo), Max(box.hi, bin.hi)};
         count += set.counts[axis][i];
@@ -118,6 +128,9 @@ void ScanAxis(const BinSet& set, int axis, const BinMapping& mapping, std::size_
     box = {RangeBounds{}.lo, RangeBounds{}.hi};
     count = 0;
     for (int i = 0; i + 1 < mapping.numBins; ++i) {
+        if (set.counts[axis][i] == 0) { // as the border before it
+            continue;
+        }
         const Bin& bin = set.bins[axis][i];
         box = {Min(box.lo, bin.lo), Max(box.hi, bin.hi)};
         count += set.counts[axis][i];
@@ -218,6 +231,48 @@ SplitResult PartitionParallel(BoxRef* refs, std::size_t count, const IsLeft& isL
     return result;
 }
 
+constexpr std::size_t kFew = 4; ///< longer ranges are binned
+
+/// The cheapest of all ways to share out three or four references.
+SplitResult SplitFew(BoxRef* refs, std::size_t count) {
+    // Those on one side; the others are complements of these.
+    constexpr std::uint32_t kSides[] = {1, 2, 4, 8, 3, 5, 6};
+    const std::size_t numSides = count == 3 ? 3 : 7;
+    const RangeBounds empty;
+    std::uint32_t best = kSides[0];
+    float bestCost = std::numeric_limits<float>::infinity();
+    for (std::size_t s = 0; s < numSides; ++s) {
+        Bin sides[2] = {{empty.lo, empty.hi}, {empty.lo, empty.hi}};
+        float counts[2] = {};
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::uint32_t side = kSides[s] >> i & 1U;
+            sides[side].lo = Min(sides[side].lo, LoadBox(refs[i].lo));
+            sides[side].hi = Max(sides[side].hi, LoadBox(refs[i].hi));
+            counts[side] += 1.0F;
+        }
+        const float cost = HalfArea(sides[0].lo, sides[0].hi) * counts[0] +
+                           HalfArea(sides[1].lo, sides[1].hi) * counts[1];
+        if (cost < bestCost) {
+            bestCost = cost;
+            best = kSides[s];
+        }
+    }
+    BoxRef right[kFew];
+    std::size_t numRight = 0;
+    SplitResult result;
+    for (std::size_t i = 0; i < count; ++i) {
+        if ((best >> i & 1U) != 0) {
+            result.left.Grow(refs[i]);
+            refs[result.numLeft++] = refs[i];
+        } else {
+            result.right.Grow(refs[i]);
+            right[numRight++] = refs[i];
+        }
+    }
+    std::copy(right, right + numRight, refs + result.numLeft);
+    return result;
+}
+
 /// Cuts at the median of the centres along their widest axis; ties in the centre go by item.
 SplitResult SplitAtMedian(BoxRef* refs, std::size_t count, const RangeBounds& bounds) {
     alignas(16) float extent[4];
@@ -253,6 +308,9 @@ SplitResult SplitRange(BoxRef* refs, std::size_t count, const RangeBounds& bound
     }
     if (options.balanced) {
         return SplitAtMedian(refs, count, bounds);
+    }
+    if (count <= kFew && options.minSide == 1) {
+        return SplitFew(refs, count);
     }
     const BinMapping mapping(bounds, count);
     const BestSplit best = FindSplit(refs, count, mapping, options.minSide);

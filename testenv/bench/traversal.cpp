@@ -2,7 +2,7 @@
 // Traversal against Embree (issue 2, "what must be shown" 5): Mrays/s of both kernel forms and of
 // Embree, bytes a triangle, build speed; hits are compared while timing.
 // Usage: benchTraversal [--rays N] [--repeat N] [--triangles N] [--scene sphere|foliage|instances]
-//                       [--threads N]
+//                       [--threads N] [--stage FILE]    (FILE as traversalStage.py writes it)
 //        benchTraversal --watertight N    (leaks of N rays through closed meshes, must be 0)
 // Prints one table row a measurement. Figures of one thread are CPU seconds, so that other
 // processes disturb less; those of more are wall time.
@@ -16,6 +16,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <utility>
 
@@ -60,6 +62,7 @@ struct Options {
     int repeat = 3;
     int numThreads = 1;
     std::string scene;
+    std::string stage;
     std::uint64_t watertightRays = 0;
 };
 
@@ -68,6 +71,10 @@ struct BenchScene {
     std::vector<TriangleMesh> meshes;
     glm::vec3 eye;
     std::vector<BenchPlacement> placements = {}; ///< none: each mesh once, as it is
+    glm::vec3 forward = {0.0F, 1.0F, -0.2F};
+    glm::vec3 right = {0.7F, 0.0F, 0.0F}; ///< from the middle of the view to its border
+    glm::vec3 up = {0.0F, 0.0F, 0.7F};
+    float reach = 1.0F; ///< t at which any-hit rays end; 0: the median of the primary hits
 
     std::size_t NumTriangles() const {
         std::size_t count = 0;
@@ -119,6 +126,35 @@ BenchScene InstancesScene(std::size_t numTriangles) {
     return scene;
 }
 
+/// A stage from a file that traversalStage.py has written.
+BenchScene StageScene(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    file.exceptions(std::ios::badbit | std::ios::eofbit | std::ios::failbit);
+    const auto read = [&file](void* to, std::size_t bytes) {
+        file.read(static_cast<char*>(to), static_cast<std::streamsize>(bytes));
+    };
+    glm::vec3 frame[4];
+    std::uint32_t numMeshes = 0;
+    read(frame, sizeof(frame));
+    read(&numMeshes, sizeof(numMeshes));
+    BenchScene scene{std::filesystem::path(path).stem().string(), {}, frame[0]};
+    scene.forward = frame[1];
+    scene.right = frame[2];
+    scene.up = frame[3];
+    for (std::uint32_t i = 0; i < numMeshes; ++i) {
+        std::uint32_t counts[2];
+        read(counts, sizeof(counts));
+        TriangleMesh mesh;
+        mesh.positions.resize(counts[0]);
+        mesh.triangles.resize(counts[1]);
+        read(mesh.positions.data(), counts[0] * sizeof(glm::vec3));
+        read(mesh.triangles.data(), counts[1] * sizeof(glm::uvec3));
+        scene.meshes.push_back(std::move(mesh));
+    }
+    scene.reach = 0.0F;
+    return scene;
+}
+
 std::vector<BenchRay> PrimaryRays(const BenchScene& scene, std::size_t count) {
     const auto side = static_cast<std::uint32_t>(std::sqrt(static_cast<double>(count)));
     std::vector<BenchRay> rays;
@@ -127,9 +163,10 @@ std::vector<BenchRay> PrimaryRays(const BenchScene& scene, std::size_t count) {
         for (std::uint32_t x = 0; x < side; ++x) {
             const float u = (static_cast<float>(x) + 0.5F) / static_cast<float>(side) * 2.0F - 1.0F;
             const float v = (static_cast<float>(y) + 0.5F) / static_cast<float>(side) * 2.0F - 1.0F;
+            const glm::vec3 direction = scene.forward + u * scene.right - v * scene.up;
             rays.push_back({{scene.eye.x, scene.eye.y, scene.eye.z},
                             0.0F,
-                            {0.7F * u, 1.0F, -0.7F * v - 0.2F},
+                            {direction.x, direction.y, direction.z},
                             INFINITY});
         }
     }
@@ -175,6 +212,16 @@ std::vector<BenchRay> DiffuseRays(const BenchScene& scene, const std::vector<Ben
     return rays;
 }
 
+float MedianDistance(const std::vector<EmbreeHit>& hits) {
+    std::vector<float> distances;
+    for (const EmbreeHit& hit : hits) {
+        distances.push_back(hit.t);
+    }
+    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+    std::nth_element(distances.begin(), middle, distances.end());
+    return *middle;
+}
+
 double Seconds(const Options& options) {
     return options.numThreads == 1
                ? ProcessSeconds()
@@ -206,6 +253,7 @@ public:
                                                      {"HDS_FEATURE_GROUPS", "0"},
                                                      {"HDS_FEATURE_CUTOUT", "0"},
                                                      {"HDS_FEATURE_MOTION", "0"},
+                                                     {"HDS_FEATURE_CURVES", "0"},
                                                      {"HDS_NUM_POOLS", "1"}},
                                       nullptr, &text);
     }
@@ -316,8 +364,9 @@ void RunScene(const std::shared_ptr<Device>& device, const BenchScene& scene,
     OurScene scalar(device, ours, false);
     const std::vector<BenchRay> primary = PrimaryRays(scene, options.numRays);
     const auto numThreads = static_cast<unsigned>(options.numThreads);
-    const std::vector<BenchRay> diffuse =
-        DiffuseRays(scene, primary, compact.Closest(primary, numThreads));
+    const std::vector<EmbreeHit> primaryHits = compact.Closest(primary, numThreads);
+    const std::vector<BenchRay> diffuse = DiffuseRays(scene, primary, primaryHits);
+    const float reach = scene.reach > 0.0F ? scene.reach : MedianDistance(primaryHits);
     for (const bool isPrimary : {true, false}) {
         const std::vector<BenchRay>& rays = isPrimary ? primary : diffuse;
         double rates[4] = {};
@@ -339,7 +388,7 @@ void RunScene(const std::shared_ptr<Device>& device, const BenchScene& scene,
         std::vector<std::uint8_t> blocked;
         std::vector<BenchRay> finite = rays;
         for (BenchRay& ray : finite) {
-            ray.tMax = 1.0F;
+            ray.tMax = reach;
         }
         rates[2] = MeasureMrays(rays.size(), options,
                                 [&] { blocked = standard.Occluded(finite, numThreads); });
@@ -392,6 +441,8 @@ bool ParseOptions(int argc, char** argv, Options* options) {
             options->numTriangles = std::strtoull(value, nullptr, 10);
         } else if (name == "--scene") {
             options->scene = value;
+        } else if (name == "--stage") {
+            options->stage = value;
         } else if (name == "--watertight") {
             options->watertightRays = std::strtoull(value, nullptr, 10);
         } else {
@@ -405,7 +456,8 @@ int Main(int argc, char** argv) {
     Options options;
     if (!ParseOptions(argc, argv, &options)) {
         std::fprintf(stderr, "usage: benchTraversal [--rays N] [--repeat N] [--triangles N] "
-                             "[--scene sphere|foliage|instances] [--threads N] | --watertight N\n");
+                             "[--scene sphere|foliage|instances] [--threads N] [--stage FILE] | "
+                             "--watertight N\n");
         return 2;
     }
     if (options.watertightRays > 0) {
@@ -415,6 +467,10 @@ int Main(int argc, char** argv) {
     setenv("POCL_MAX_PTHREAD_COUNT", std::to_string(options.numThreads).c_str(), 1);
     const std::shared_ptr<Device> device = Device::Create("");
     std::printf("device: %s\n", device->Properties().name.c_str());
+    if (!options.stage.empty()) {
+        RunScene(device, StageScene(options.stage), options);
+        return 0;
+    }
     for (const auto& [name, make] :
          {std::pair("sphere", SphereScene), std::pair("foliage", FoliageScene),
           std::pair("instances", InstancesScene)}) {

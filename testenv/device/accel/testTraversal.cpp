@@ -31,7 +31,8 @@ struct MixedScene {
     std::vector<AccelPlacement> placements;
     AccelScene scene;
 
-    MixedScene() {
+    /// \param isWide something small lies far away: nodes above it are as large as the way there.
+    explicit MixedScene(bool isWide = false) {
         UniformSource uniform(7);
         std::vector<std::uint32_t> objects;
         for (const TriangleMesh& mesh : meshes) {
@@ -48,6 +49,12 @@ struct MixedScene {
             }
             meshOf.push_back(i % 4);
             placements.push_back({objects[i % 4], matrix, HDS_INSTANCE_CAMERA});
+        }
+        if (isWide) {
+            glm::dmat4 away(1.0);
+            away[3] = glm::dvec4(3e5, -2e5, 1e5, 1.0);
+            meshOf.push_back(3);
+            placements.push_back({objects[3], away, HDS_INSTANCE_CAMERA});
         }
         scene.SetRoot(placements);
     }
@@ -99,6 +106,25 @@ TEST_F(Traversal, BothFormsMatchBruteForceBitForBit) {
             ASSERT_EQ(blocked[i].triangle == kBlocked, IsHit(expected[i])) << "ray " << i;
         }
     }
+}
+
+TEST_F(Traversal, OneDistantThingMovesNoHit) {
+    const MixedScene mixed(true);
+    const DeviceAccelScene scene(device, mixed.scene);
+    std::vector<ProbeRay> rays = MixedRays(2500);
+    for (std::size_t i = 0; i < rays.size(); i += 4) { // along axes, past corners of the boxes
+        const shared::HdsBvhNode& node = mixed.scene.topNodes[i % mixed.scene.topNodes.size()];
+        for (int axis = 0; axis < 3; ++axis) {
+            rays[i].origin[axis] = axis == 0 ? -7.0F : node.origin[axis];
+            rays[i].direction[axis] = axis == 0 ? 1.0F : 0.0F;
+        }
+    }
+    const TraversalProbe simd8(device, true);
+    const TraversalProbe scalar(device, false);
+    const Hits expected = scalar.BruteForce(scene, rays);
+    EXPECT_GT(CountDifferentBits(expected, Hits(rays.size(), expected[0])), rays.size() / 10);
+    EXPECT_EQ(CountDifferentBits(simd8.Closest(scene, rays), expected), 0U);
+    EXPECT_EQ(CountDifferentBits(scalar.Closest(scene, rays), expected), 0U);
 }
 
 TEST_F(Traversal, VariantsGiveTheSameBits) {
