@@ -79,11 +79,11 @@ std::optional<ImageFacts> ImageLibrary::Probe(const AssetReference& asset) {
     return _headers.emplace(key, std::move(header)).first->second.facts;
 }
 
-ImageLibrary::Header ImageLibrary::ReadHeader(const AssetReference& asset) {
+ImageLibrary::Header ImageLibrary::ReadHeader(const AssetReference& asset) const {
     if (asset.file.empty()) {
         return {std::nullopt, UseOf(asset, {}, "the file does not exist")};
     }
-    const ImageInfo info = ProbeImage(SourceOf(asset));
+    const ImageInfo info = ProbeImage(SourceOf(asset), _store.get());
     Header header{std::nullopt, UseOf(asset, info, info.error)};
     if (info.Ok()) {
         header.facts = ImageFacts{info.hasAlpha, WrapFrom(info.wrapS), WrapFrom(info.wrapT)};
@@ -148,7 +148,7 @@ void ImageLibrary::DropLightImages() {
 }
 
 ImageLibrary::OfLight ImageLibrary::ReadLightImage(const AssetReference& asset,
-                                                   TexturePreparer* preparer) {
+                                                   TexturePreparer* preparer) const {
     OfLight light;
     const Header header = ReadHeader(asset);
     light.use = header.use;

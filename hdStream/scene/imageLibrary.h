@@ -37,6 +37,9 @@ class ImageLibrary {
 public:
     explicit ImageLibrary(Warnings& warnings) : _warnings(warnings) {}
 
+    /// Where headers are kept from process to process; null: nowhere. Before the first question.
+    void SetPageStore(std::shared_ptr<PageStore> store) { _store = std::move(store); }
+
     /// What materials need to know of an image; empty when it cannot be read (the caller warns).
     /// Reads its header.
     std::optional<ImageFacts> Probe(const AssetReference& asset);
@@ -84,10 +87,11 @@ private:
         bool isAskedFor = false;
     };
 
-    static Header ReadHeader(const AssetReference& asset);
-    static OfLight ReadLightImage(const AssetReference& asset, TexturePreparer* preparer);
+    Header ReadHeader(const AssetReference& asset) const;
+    OfLight ReadLightImage(const AssetReference& asset, TexturePreparer* preparer) const;
 
     Warnings& _warnings;
+    std::shared_ptr<PageStore> _store;
     mutable std::mutex _mutex;
     std::map<std::string, TextureUse> _uses;  ///< by file and range
     std::map<std::string, Header> _headers;   ///< by file and range

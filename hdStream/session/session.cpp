@@ -79,6 +79,7 @@ struct Session::Impl {
                 noCache ? nullptr
                         : std::make_shared<PageStore>(PageStoreOptions{cacheDirectory}, &warnings);
             cache.geometry.SetPageStore(pageStore);
+            cache.images.SetPageStore(pageStore);
             cache.textures = std::make_shared<TexturePreparer>(pageStore, &warnings);
         }
     }

@@ -38,4 +38,9 @@ struct ImageInfo {
 /// Reads the header only.
 ImageInfo ProbeImage(const ImageSource& source);
 
+class PageStore;
+/// The same, kept in the persistent store: the header of a progressive JPEG file takes as long to
+/// read as its texels. Errors are not kept. \param store may be null
+ImageInfo ProbeImage(const ImageSource& source, PageStore* store);
+
 } // namespace hds

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A texture's description as a page: numbers of 64 bits and the record as they are in memory, texts
-// as their length and bytes. The page store has verified what is read here; still nothing is
-// believed that could lead out of bounds.
+// A texture's description, and the header of an image, as pages: numbers of 64 bits and the record
+// as they are in memory, texts as their length and bytes. The page store has verified what is read
+// here; still nothing is believed that could lead out of bounds.
 #include "hdStream/texture/textureBuild.h"
 
 #include <cstring>
@@ -59,27 +59,88 @@ private:
     bool _isGood = true;
 };
 
-PageKey DescriptionKey(const PageKey& key) {
+/// The key of what is kept of a texture besides its lines.
+PageKey KeyFrom(const char* kind, const PageKey& texture) {
     Hasher hasher;
-    hasher.Append("description");
-    hasher.Append(key.words[0]);
-    hasher.Append(key.words[1]);
+    hasher.Append(kind);
+    hasher.Append(texture.words[0]);
+    hasher.Append(texture.words[1]);
     return MakePageKey(hasher);
 }
 
+PageKey DescriptionKey(const PageKey& key) {
+    return KeyFrom("description", key);
+}
+
+void AddInfo(PageWriter* page, const ImageInfo& info) {
+    page->Add(std::uint64_t{info.width});
+    page->Add(std::uint64_t{info.height});
+    page->Add(std::uint64_t{info.channels});
+    page->Add(info.fileFormat);
+    page->Add(info.channelType);
+    page->Add(info.autoColorSpace);
+    page->Add(info.bytesDecoded);
+}
+
+void GetInfo(PageReader* page, ImageInfo* info) {
+    info->width = static_cast<std::uint32_t>(page->Number());
+    info->height = static_cast<std::uint32_t>(page->Number());
+    info->channels = static_cast<std::uint32_t>(page->Number());
+    info->fileFormat = page->Text();
+    info->channelType = page->Text();
+    info->autoColorSpace = page->Text();
+    info->bytesDecoded = page->Number();
+}
+
+void SaveInfo(PageStore* store, const PageKey& key, const ImageInfo& info) {
+    PageWriter page;
+    AddInfo(&page, info);
+    page.Add(std::uint64_t{info.hasAlpha});
+    page.Add(info.wrapS);
+    page.Add(info.wrapT);
+    store->Save(key, page.Bytes().data(), page.Bytes().size());
+}
+
+/// \return empty when it is not there.
+std::optional<ImageInfo> LoadInfo(PageStore* store, const PageKey& key) {
+    std::vector<std::uint8_t> bytes;
+    if (!store->Load(key, &bytes)) {
+        return std::nullopt;
+    }
+    PageReader page(bytes);
+    ImageInfo info;
+    GetInfo(&page, &info);
+    info.hasAlpha = page.Number() != 0;
+    info.wrapS = page.Text();
+    info.wrapT = page.Text();
+    return page.IsGood() && page.IsAtEnd() ? std::make_optional(info) : std::nullopt;
+}
+
 } // namespace
+
+ImageInfo ProbeImage(const ImageSource& source, PageStore* store) {
+    const std::optional<PageKey> file =
+        store != nullptr ? TextureKey(source, TextureRequest()) : std::nullopt;
+    if (!file) {
+        return ProbeImage(source);
+    }
+    const PageKey key = KeyFrom("header", *file);
+    if (std::optional<ImageInfo> known = LoadInfo(store, key)) {
+        return *known;
+    }
+    ImageInfo info = ProbeImage(source);
+    // What is read of a file that changes meanwhile must not be kept under its old key.
+    if (info.Ok() && TextureKey(source, TextureRequest()) == file) {
+        SaveInfo(store, key, info);
+    }
+    return info;
+}
 
 void SaveDescription(PageStore* store, const PageKey& key, const TextureDescription& description) {
     PageWriter page;
     page.Add(&description.record, sizeof(description.record));
     page.Add(description.warning);
-    page.Add(std::uint64_t{description.info.width});
-    page.Add(std::uint64_t{description.info.height});
-    page.Add(std::uint64_t{description.info.channels});
-    page.Add(description.info.fileFormat);
-    page.Add(description.info.channelType);
-    page.Add(description.info.autoColorSpace);
-    page.Add(description.info.bytesDecoded);
+    AddInfo(&page, description.info);
     page.Add(description.numNonFinite);
     page.Add(description.numClamped);
     page.Add(std::uint64_t{description.repeats.size()});
@@ -98,13 +159,7 @@ std::optional<TextureDescription> LoadDescription(PageStore* store, const PageKe
     TextureDescription description;
     page.Get(&description.record, sizeof(description.record));
     description.warning = page.Text();
-    description.info.width = static_cast<std::uint32_t>(page.Number());
-    description.info.height = static_cast<std::uint32_t>(page.Number());
-    description.info.channels = static_cast<std::uint32_t>(page.Number());
-    description.info.fileFormat = page.Text();
-    description.info.channelType = page.Text();
-    description.info.autoColorSpace = page.Text();
-    description.info.bytesDecoded = page.Number();
+    GetInfo(&page, &description.info);
     description.numNonFinite = page.Number();
     description.numClamped = page.Number();
     const std::uint64_t numRepeats = page.Number();

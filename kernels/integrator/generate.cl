@@ -42,22 +42,24 @@ void generate_start(HdsPaths paths, uint i, constant const HdsFrameParams* frame
 #endif
 }
 
-/* A slot of the wave: its pixel and its sample. */
-uint2 generate_slot(HdsWave wave, global const uint* pixels, uint i) {
-    return (uint2)(pixels[wave.firstPixel + i / wave.numSamples],
-                   wave.firstSample + i % wave.numSamples);
-}
+/* Whether 8 camera rays are made at once. A camera may move, and has a pose for each path then. */
+#define HDS_GENERATE_WIDE (HDS_WIDE && !HDS_FEATURE_MOTION)
 
-#if HDS_WIDE
-/* Starts slots [i, i + count), count <= HDS_LANES, of a camera that does not move. */
+#if HDS_GENERATE_WIDE
+/* Starts slots [i, i + count), count <= HDS_LANES. */
 void generate_wide(constant const HdsFrameParams* frame, HdsWave wave, uint i, uint count,
                    HdsPaths paths, global const uint* pixels, global const float* filterTable) {
     uint lanePixels[HDS_LANES];
     uint laneSamples[HDS_LANES];
+    uint pixel = i / wave.numSamples;
+    uint sample = i % wave.numSamples;
     for (uint lane = 0u; lane < HDS_LANES; ++lane) {
-        const uint2 slot = generate_slot(wave, pixels, i + min(lane, count - 1u));
-        lanePixels[lane] = slot.x;
-        laneSamples[lane] = slot.y;
+        lanePixels[lane] = pixels[wave.firstPixel + pixel];
+        laneSamples[lane] = wave.firstSample + sample;
+        if (lane + 1u < count && ++sample == wave.numSamples) { /* else the last one again */
+            sample = 0u;
+            ++pixel;
+        }
     }
     const HdsTransform pose = camera_pose(frame, 0.0f);
     const HdsWideSampler sampler =
@@ -71,25 +73,25 @@ void generate_wide(constant const HdsFrameParams* frame, HdsWave wave, uint i, u
         ray.tMin = lanes_get(&wide.tMin, lane);
         ray.tMax = lanes_get(&wide.tMax, lane);
         ray.cone = (float2)(lanes_get(&wide.cone.x, lane), lanes_get(&wide.cone.y, lane));
-        const float time = 0.0f;
-        generate_start(paths, i + lane, frame, ray, time, lanePixels[lane], laneSamples[lane]);
+        generate_start(paths, i + lane, frame, ray, 0.0f, lanePixels[lane], laneSamples[lane]);
     }
 }
-#endif
-
+#else
 /* Starts slot i. */
-void generate_slotAlone(constant const HdsFrameParams* frame, HdsWave wave, uint i, HdsPaths paths,
-                        global const uint* pixels, global const float* filterTable) {
-    const uint2 slot = generate_slot(wave, pixels, i);
-    const HdsSampler sampler = pixel_sampler(frame, slot.x, slot.y);
+void generate_one(constant const HdsFrameParams* frame, HdsWave wave, uint i, HdsPaths paths,
+                  global const uint* pixels, global const float* filterTable) {
+    const uint pixel = pixels[wave.firstPixel + i / wave.numSamples];
+    const uint sample = wave.firstSample + i % wave.numSamples;
+    const HdsSampler sampler = pixel_sampler(frame, pixel, sample);
     float time = 0.0f;
 #if HDS_FEATURE_MOTION
     time = sampler_get1(sampler, HDS_DIM_TIME);
 #endif
     const HdsTransform pose = camera_pose(frame, time);
-    const HdsCameraRay ray = generate_ray(frame, &pose, slot.x, sampler, filterTable);
-    generate_start(paths, i, frame, ray, time, slot.x, slot.y);
+    const HdsCameraRay ray = generate_ray(frame, &pose, pixel, sampler, filterTable);
+    generate_start(paths, i, frame, ray, time, pixel, sample);
 }
+#endif
 
 /* Global size: count items, HDS_ITEMS_PER_WORK_ITEM for each work-item; slots [first, first +
  * count) of the wave. To: queue[queueFirst...]. */
@@ -103,14 +105,14 @@ kernel void generate_sample(constant const HdsFrameParams* frame, HdsWave wave, 
     for (uint item = begin; item < end; ++item) {
         queue[queueFirst + item] = first + item;
     }
-#if HDS_WIDE && !HDS_FEATURE_MOTION
+#if HDS_GENERATE_WIDE
     for (uint item = begin; item < end; item += HDS_LANES) {
         generate_wide(frame, wave, first + item, min(end - item, (uint)HDS_LANES), paths, pixels,
                       filterTable);
     }
 #else
     for (uint item = begin; item < end; ++item) {
-        generate_slotAlone(frame, wave, first + item, paths, pixels, filterTable);
+        generate_one(frame, wave, first + item, paths, pixels, filterTable);
     }
 #endif
 }

@@ -4,8 +4,12 @@
  * queue. To: path radiance, or the candidate queue and back; while geometry streams also to the
  * queues of what waits. Explained in docs/wavefront.md. */
 #include "integrator/itemLoop.clh"
-#include "integrator/passThrough.clh"
+#include "integrator/sceneArgs.clh"
 #include "integrator/trace.clh"
+/* Drivers compile all functions of a program, also those that no kernel calls. */
+#if HDS_FEATURE_CUTOUT
+#include "integrator/passThrough.clh"
+#endif
 
 void shadow_addRadiance(HdsPaths paths, uint i) {
     float4 radiance = path_load_radiance(paths, i);

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <thread>
+#include <tuple>
 
 namespace hds {
 namespace {
@@ -90,6 +91,32 @@ TEST_F(TextureStoreTest, WhateverTheTextureDependsOnChangesTheKey) {
     WriteFile(path, other);
     std::filesystem::last_write_time(path, time);
     EXPECT_TRUE(IsBuilt(source, Request("raw")));
+}
+
+TEST_F(TextureStoreTest, HeadersAreKept) {
+    const std::string path = WriteImage("image.exr", 30, 20, 4, OIIO::TypeHalf);
+    const ImageSource source{path, 0, 0, ""};
+    const ImageInfo plain = ProbeImage(source);
+    ASSERT_TRUE(plain.Ok() && plain.hasAlpha);
+    for (std::uint64_t process = 0; process < 2; ++process) {
+        const auto store = OpenStore();
+        const ImageInfo info = ProbeImage(source, store.get());
+        EXPECT_EQ(store->Statistics().pagesLoaded, process);
+        EXPECT_EQ(store->Statistics().pagesSaved, 1u - process);
+        EXPECT_TRUE(info.Ok());
+        EXPECT_EQ(std::tie(info.width, info.height, info.channels, info.hasAlpha, info.wrapS),
+                  std::tie(plain.width, plain.height, plain.channels, plain.hasAlpha, plain.wrapS));
+        EXPECT_EQ(std::tie(info.fileFormat, info.channelType, info.autoColorSpace, info.wrapT,
+                           info.bytesDecoded),
+                  std::tie(plain.fileFormat, plain.channelType, plain.autoColorSpace, plain.wrapT,
+                           plain.bytesDecoded));
+    }
+    WriteImage("image.exr", 31, 20, 3, OIIO::TypeHalf);
+    EXPECT_EQ(ProbeImage(source, OpenStore().get()).width, 31u);
+    WriteFile(path, "no image");
+    const auto store = OpenStore();
+    EXPECT_EQ(ProbeImage(source, store.get()).error, ProbeImage(source).error);
+    EXPECT_EQ(store->Statistics().pagesSaved, 0u);
 }
 
 TEST_F(TextureStoreTest, PackagesHoldManyTextures) {
