@@ -238,14 +238,13 @@ TEST_F(WideLights, RectsHaveTheSameBits) {
     const auto results =
         ExpectSameBits(*_program, "rectsForms", 80000, kRectResults, AddRect, {}, 7);
     EXPECT_EQ(CountConstant(results, kRectResults), 0U);
-    ExpectSameBits(
-        *_program, "RectLightLanes", 800, 52,
-        [](LaneRandom& r, LaneCase& one) {
-            for (int k = 0; k < 26; ++k) {
-                one.push_back(OfBits(r.Bits()));
-            }
-        },
-        {});
+    ExpectSameBits(*_program, "RectLightLanes", 800, 52,
+                   [](LaneRandom& r, LaneCase& one) {
+                       for (int k = 0; k < 26; ++k) {
+                           one.push_back(OfBits(r.Bits()));
+                       }
+                   },
+                   {});
 }
 
 TEST_F(WideLights, ChoicesHaveTheSameBits) {

@@ -161,8 +161,8 @@ public:
     float Signed(float value) { return _values() % 2 == 0 ? value : -value; }
     /// Whatever a float may be.
     float Any() {
-        const float special[] = {0.0F,      -0.0F, 1.0F,     -1.0F,         1e-45F, 1e-38F,
-                                 3.402e38F, 1e30F, INFINITY, float(NAN),    1e-30F, 0.5F};
+        const float special[] = {0.0F,      -0.0F, 1.0F,     -1.0F,      1e-45F, 1e-38F,
+                                 3.402e38F, 1e30F, INFINITY, float(NAN), 1e-30F, 0.5F};
         return _values() % 3 == 0 ? Signed(special[_values() % 12]) : Signed(Sized(-38.0F, 38.0F));
     }
 
@@ -219,10 +219,10 @@ protected:
     };
 
     /// Runs a kernel for `count` cases. \return what the form of one path gives.
-    std::vector<std::uint32_t> ExpectSameBits(Program& program, const std::string& kernel,
-                                              std::size_t count, std::size_t numOut,
-                                              const std::function<void(LaneRandom&, LaneCase&)>& make,
-                                              const Arguments& arguments, unsigned seed = 1) {
+    std::vector<std::uint32_t>
+    ExpectSameBits(Program& program, const std::string& kernel, std::size_t count,
+                   std::size_t numOut, const std::function<void(LaneRandom&, LaneCase&)>& make,
+                   const Arguments& arguments, unsigned seed = 1) {
         LaneRandom random(seed);
         std::vector<float> values;
         for (std::size_t i = 0; i < count; ++i) {

@@ -203,8 +203,9 @@ void AddLayered(LaneRandom& r, LaneCase& one) {
     one.Add({r.Is(2) ? r.Between(1.0005F, 4.0F) : 1.0F / r.Between(1.0005F, 4.0F)});
     one.Add({r.Unit(), r.Is(2) ? 0.0F : r.Unit(), r.Between(0.07F, 1.0F)});
     one.Add({has(6) * r.Unit(), r.Between(1.0005F, 4.0F), Alpha(r)});
-    const float shares[5] = {std::max(has(2), has(3)) * r.Unit(), std::max(has(0), has(1)) * r.Unit(),
-                             has(6) * r.Unit(), has(4) * r.Unit(), has(5) * r.Unit()};
+    const float shares[5] = {std::max(has(2), has(3)) * r.Unit(),
+                             std::max(has(0), has(1)) * r.Unit(), has(6) * r.Unit(),
+                             has(4) * r.Unit(), has(5) * r.Unit()};
     float sum = 0.0F;
     for (const float share : shares) {
         sum += share;
@@ -273,8 +274,8 @@ TEST_P(WideSurfaces, MicrofacetsHaveTheSameBits) {
 TEST_P(WideSurfaces, ScatteringHasTheSameBits) {
     for (const std::uint32_t flags : {0U, HDS_FRAME_ROULETTE}) {
         _arguments.frame.flags = flags;
-        const auto results =
-            ExpectSameBits(*_program, "scattersForms", 80000, 54, AddScatter, _arguments, 3 + flags);
+        const auto results = ExpectSameBits(*_program, "scattersForms", 80000, 54, AddScatter,
+                                            _arguments, 3 + flags);
         const bool transmits = (GetParam() & (HDS_LOBE_TRANSMISSION | HDS_LOBE_TRANSLUCENCY)) != 0;
         EXPECT_EQ(CountConstant(results, 54), (transmits ? 0U : 1U) + (flags != 0 ? 0U : 1U));
     }
