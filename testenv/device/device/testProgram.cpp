@@ -38,6 +38,42 @@ TEST(KernelSource, AConditionalIncludeHidesNothing) {
     EXPECT_EQ(CountOf(source, "#line 1 \"math/vector.clh\""), 2U);
 }
 
+/// Lines of the text of a file, each time that it comes.
+constexpr const char* kVectorLine = "Real vec_dot(Real3 a, Real3 b) {";
+
+TEST(KernelSource, AWideBlockBringsItsFilesAgain) {
+    const std::string text = "#include \"math/trig.clh\"\n"
+                             "#if HDS_WIDE\n"
+                             "#include \"math/wideBegin.clh\"\n"
+                             "#include \"math/vector.clh\"\n"
+                             "#include \"math/trig.clh\"\n"
+                             "#include \"math/wideEnd.clh\"\n"
+                             "#endif\n"
+                             "#include \"math/vector.clh\"\n"
+                             "#include \"math/lanes.clh\"\n";
+    const std::string source = ExpandKernelSource("test.cl", &text);
+    EXPECT_EQ(CountOf(source, kVectorLine), 2U);
+    EXPECT_EQ(CountOf(source, "Real trig_atan2("), 2U);
+    EXPECT_EQ(CountOf(source, "#line 1 \"math/lanes.clh\""), 1U) << "the block does not name it";
+    EXPECT_EQ(CountOf(source, "#line 1 \"math/wideBegin.clh\""), 1U);
+    EXPECT_EQ(CountOf(source, "#line 1 \"math/wideEnd.clh\""), 1U);
+    const std::size_t begin = source.find("#line 1 \"math/wideBegin.clh\"");
+    const std::size_t end = source.find("#line 1 \"math/wideEnd.clh\"");
+    EXPECT_EQ(CountOf(source.substr(0, begin), kVectorLine), 1U);
+    EXPECT_EQ(CountOf(source.substr(begin, end - begin), kVectorLine), 1U);
+    EXPECT_LT(source.find("#line 4 \"test.cl\"", begin), source.find("Real trig_atan2(", begin));
+}
+
+TEST(KernelSource, AWideBlockBringsWhatNothingElseDoes) {
+    const std::string text = "#include \"math/wideBegin.clh\"\n"
+                             "#include \"math/vector.clh\"\n"
+                             "#include \"math/wideEnd.clh\"\n"
+                             "#include \"math/vector.clh\"\n";
+    const std::string source = ExpandKernelSource("test.cl", &text);
+    EXPECT_EQ(CountOf(source, kVectorLine), 2U) << "for one path it has not come before";
+    EXPECT_EQ(CountOf(source, "#line 1 \"math/lanes.clh\""), 1U);
+}
+
 TEST(KernelSource, AMissingIncludeNamesBothFiles) {
     const std::string text = "#include \"no/such.clh\"\n";
     try {

@@ -55,6 +55,15 @@ protected:
 #include "kernels/shared/features.def"
     }
 
+    /// The programs that have code for 8 paths at once, with it.
+    void ExpectWideBuild(const NamedFeatures& set) {
+        ProgramDefines defines = set.f.Defines();
+        defines["HDS_ITEMS_PER_WORK_ITEM"] = "32";
+        for (const char* root : {"integrator/frame.cl", "integrator/shade.cl"}) {
+            EXPECT_NO_THROW(Program(device, root, defines)) << root << " features: " << set.name;
+        }
+    }
+
     /// Number of fields of a path's state that kernels see.
     std::uint32_t NumPathFields(const KernelFeatures& f) {
         const auto program = Build("#include \"integrator/pathState.clh\"\n"
@@ -75,6 +84,25 @@ TEST_F(Roots, BuildWithEachFeature) {
 TEST_F(Roots, HostCountsTheFieldsOfPaths) {
     for (const NamedFeatures& set : MakeSets()) {
         EXPECT_EQ(StageKernels::PathStateBytes(set.f), 16U * NumPathFields(set.f)) << set.name;
+    }
+}
+
+/// With all features, lights have controls and surfaces films, which have no wide form.
+TEST_F(Roots, BuildForEightPaths) {
+    if (!device->Properties().isCpu) {
+        GTEST_SKIP() << "the form of 8 paths is for CPUs";
+    }
+    NamedFeatures wide{"all that is wide", AllFeatures()};
+    wide.f.lobes &= ~HDS_LOBE_FILM;
+    wide.f.lightControls = false;
+    NamedFeatures preview{"all that is wide but layered surfaces", wide.f};
+    preview.f.lobes = 0;
+    NamedFeatures base{"none but the base of layered surfaces", {}};
+    base.f.lobes = HDS_LOBE_BASE;
+    base.f = base.f.WithNeeds();
+    for (const NamedFeatures& set :
+         {NamedFeatures{"none", {}}, NamedFeatures{"all", AllFeatures()}, wide, preview, base}) {
+        ExpectWideBuild(set);
     }
 }
 

@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rect lights and the choice of a light: 8 paths at once against one.
+#include "hdStream/integrator/kernelFeatures.h"
+#include "testenv/device/math/lanesFixture.h"
+
+#include <algorithm>
+#include <array>
+
+namespace hds::test {
+namespace {
+
+const char* const kText = R"(
+#define HDS_TEST_FIELDS_RectLight(R1, R2, R3, U)                                            \
+    R3(worldFromLight[0]) R3(worldFromLight[1]) R3(worldFromLight[2])                       \
+    R3(lightFromWorld[0]) R3(lightFromWorld[1]) R3(lightFromWorld[2])                       \
+    R3(origin) R3(radiance) R1(width) R1(height)
+HDS_TEST_STRUCT(RectLight)
+/* in: a light, a point, two numbers, the point in the light's space. */
+void rects(const HdsTestContext* context, const Real* in, Real* out) {
+    HdsRectLight rect;
+    RectLight_make(&rect, in);
+    const Real3 position = take3(in + 26);
+    const Real2 u = take2(in + 29);
+    const Real3 q = take3(in + 31);
+    const HdsSphericalRect r = rect_spherical(rect.width, rect.height, q);
+    const Bool isSeen = q.z < 0.0f;
+    out = put1(out, r.x0);
+    out = put1(out, r.x1);
+    out = put1(out, r.y0);
+    out = put1(out, r.y1);
+    out = put1(out, r.z0);
+    out = put2(out, r.left);
+    out = put1(out, r.solidAngle);
+    out = put3(out, only(isSeen, sphericalRect_sample(&r, u)));
+    HdsShapeSample shape;
+    const Bool isSampled = rect_sample(rect.width, rect.height, q, u, &shape);
+    out = putFlag(out, isSampled);
+    out = put3(out, only(isSampled, shape.direction));
+    out = put1(out, only1(isSampled, shape.distance));
+    out = put1(out, only1(isSampled, shape.pdf));
+    out = put1(out, rect_pdf(rect.width, rect.height, q, only(isSampled, shape.direction)));
+    HdsLightSample light;
+    const Bool isLit = rect_sampleWorld(&rect, position, u, &light);
+    out = putFlag(out, isLit);
+    out = put3(out, only(isLit, light.direction));
+    out = put3(out, only(isLit, light.radiance));
+    out = put1(out, only1(isLit, light.distance));
+    out = put1(out, only1(isLit, light.pdf));
+}
+/* in: a point, its normal, its link set, a number. out: the estimates of the first lights too. */
+void choices(const HdsTestContext* context, const Real* in, Real* out) {
+    HdsLightView view;
+    view.lights = context->lights;
+    view.nodes = 0;
+    view.triangles = 0;
+    view.cdf = context->table;
+    view.numLights = context->numLights;
+    HdsLitPoint at;
+    at.position = take3(in);
+    at.normal = take3(in + 3);
+    at.linkSet = as_Uint(in[6]);
+    Real u = in[7];
+    Real pmf;
+    out = putBits(out, light_selectFromLoop(&view, &at, &u, &pmf));
+    out = put1(out, u);
+    out = put1(out, pmf);
+    for (uint i = 0u; i < view.numLights; ++i) {
+        out = put1(out, light_estimate(&view, i, &at));
+    }
+}
+)";
+
+constexpr std::size_t kRectResults = 26;
+constexpr std::size_t kChoiceResults = 3 + HDS_LIGHT_LOOP_MAX;
+
+const char* const kKernels = R"(
+HDS_TEST_FORMS(rects, 34, 26)
+HDS_TEST_FORMS(choices, 8, 35)
+HDS_TEST_LANES(RectLight, 26)
+)";
+
+using Vec = std::array<float, 3>;
+
+/// Coordinates of a point seen from a rect of that size: near, far, beside it, behind it, in its
+/// plane.
+Vec PointBefore(LaneRandom& r, float width, float height) {
+    const unsigned kind = r.Kind(8);
+    const float distance = kind == 1   ? r.Sized(-6.0F, -2.0F)
+                           : kind == 2 ? r.Sized(1.0F, 5.0F)
+                           : kind == 3 ? r.Sized(-8.0F, -4.0F)
+                                       : r.Sized(-1.0F, 1.0F);
+    const float spread = kind == 3 ? 20.0F : 2.0F;
+    const float z = kind == 4 ? distance : kind == 5 ? r.Signed(0.0F) : -distance;
+    return {r.Signed(spread * width * r.Unit()), r.Signed(spread * height * r.Unit()), z};
+}
+
+/// A rotation from random angles, its rows.
+std::array<Vec, 3> Rotation(LaneRandom& r) {
+    const float a = 6.2831853F * r.Unit();
+    const float b = 6.2831853F * r.Unit();
+    const Vec z = {std::cos(a) * std::cos(b), std::sin(a) * std::cos(b), std::sin(b)};
+    const Vec x = {-std::sin(a), std::cos(a), 0.0F};
+    const Vec y = {z[1] * x[2] - z[2] * x[1], z[2] * x[0] - z[0] * x[2], z[0] * x[1] - z[1] * x[0]};
+    return {x, y, z};
+}
+
+void AddRect(LaneRandom& r, LaneCase& one) {
+    const std::array<Vec, 3> lightFromWorld = Rotation(r); // and its transpose back
+    for (std::size_t row = 0; row < 3; ++row) {
+        one.Add({lightFromWorld[0][row], lightFromWorld[1][row], lightFromWorld[2][row]});
+    }
+    for (const Vec& row : lightFromWorld) {
+        one.Add({row[0], row[1], row[2]});
+    }
+    const float scale = r.Is(4) ? 100.0F : 1.0F;
+    const Vec origin = {scale * r.Unit(), -scale * r.Unit(), scale * r.Unit()};
+    one.Add({origin[0], origin[1], origin[2]});
+    one.AddColor(r, 30.0F);
+    const float width = r.Sized(-3.0F, 2.0F);
+    const float height = r.Is(2) ? width : r.Sized(-3.0F, 2.0F);
+    one.Add({width, height});
+    const Vec q = PointBefore(r, width, height);
+    for (std::size_t k = 0; k < 3; ++k) {
+        one.push_back(lightFromWorld[0][k] * q[0] + lightFromWorld[1][k] * q[1] +
+                      lightFromWorld[2][k] * q[2] + origin[k]);
+    }
+    one.Add({r.Unit(), r.Unit()});
+    one.Add({q[0], q[1], q[2]});
+}
+
+/// Where the portals of domes lie in the table.
+constexpr std::uint32_t kPortalBase = 3;
+constexpr unsigned kNumPortals = 2;
+
+shared::HdsLight Finite(LaneRandom& r, std::uint32_t type) {
+    shared::HdsLight light{};
+    light.type = type;
+    for (float& entry : light.worldFromLight) {
+        entry = r.Signed(r.Unit());
+    }
+    for (float& entry : light.lightFromWorld) {
+        entry = r.Signed(r.Unit());
+    }
+    const Vec axis = Rotation(r)[2];
+    for (std::size_t row = 0; row < 3; ++row) { // the unit normal of its planes
+        light.lightFromWorld[4 * row + 3] = axis[row];
+        light.center[row] = r.Signed(5.0F * r.Unit());
+    }
+    if (type == HDS_LIGHT_MESH) {
+        std::copy(axis.begin(), axis.end(), light.worldFromLight);
+    }
+    light.params[0] = r.Unit();
+    light.boundRadius = r.Is(6) ? 0.0F : r.Sized(-3.0F, 0.5F);
+    light.strength = r.Is(5) ? 0.0F : r.Sized(-3.0F, 3.0F);
+    light.flags = r.Bits() & (HDS_LIGHT_TWO_SIDED | HDS_LIGHT_SAMPLED | HDS_LIGHT_TEXTURED);
+    light.treePath = light.shapingBase = light.controlBase = HDS_NONE;
+    light.lightLink = light.shadowLink = HDS_NONE;
+    return light;
+}
+
+/// Lights at infinity come first.
+std::vector<shared::HdsLight> Lights(LaneRandom& r, std::size_t count) {
+    const std::uint32_t types[] = {HDS_LIGHT_SPHERE, HDS_LIGHT_RECT, HDS_LIGHT_DISK,
+                                   HDS_LIGHT_CYLINDER, HDS_LIGHT_MESH};
+    const unsigned numFar = r.Kind(std::min<unsigned>(unsigned(count), 4) + 1);
+    std::vector<shared::HdsLight> lights;
+    for (unsigned i = 0; i < count; ++i) {
+        shared::HdsLight light = Finite(r, types[r.Kind(5)]);
+        if (i < numFar) {
+            light.type = r.Is(2) ? HDS_LIGHT_DISTANT : HDS_LIGHT_DOME;
+            light.boundRadius = HDS_LIGHT_FAR;
+            light.params[0] = r.Is(3) ? 0.0F : 2.0F * r.Unit();
+            light.treePath = r.Is(2) ? kPortalBase : HDS_NONE;
+        }
+        lights.push_back(light);
+    }
+    return lights;
+}
+
+/// The table of lights with a dome's portals in it.
+std::vector<float> PortalTable(LaneRandom& r) {
+    std::vector<float> table(kPortalBase + HDS_DOME_PORTALS);
+    table[kPortalBase] = OfBits(kNumPortals);
+    for (unsigned i = 0; i < kNumPortals; ++i) {
+        const shared::HdsLight portal = Finite(r, HDS_LIGHT_RECT);
+        const auto* words = reinterpret_cast<const float*>(&portal);
+        table.insert(table.end(), words, words + sizeof(portal) / sizeof(float));
+    }
+    return table;
+}
+
+void AddPoint(LaneRandom& r, const shared::HdsLight& light, LaneCase& one) {
+    if (r.Is(6)) { // in the middle of a light
+        one.Add({light.center[0], light.center[1], light.center[2]});
+    } else {
+        const float size = r.Is(4) ? 500.0F : 6.0F;
+        one.Add({r.Signed(size * r.Unit()), r.Signed(size * r.Unit()), r.Signed(size * r.Unit())});
+    }
+    if (r.Is(4)) {
+        one.Add({0.0F, 0.0F, 0.0F});
+    } else {
+        one.AddDirection(r, -1.0F);
+    }
+    one.Add({OfBits(r.Kind(90)), r.Unit()});
+}
+
+class WideLights : public LanesFixture {
+protected:
+    void Build(KernelFeatures features) {
+        _program = BuildForms("integrator/shade.cl", "integrator/shadeScatter.clh", kText, kKernels,
+                              features.WithNeeds().Defines());
+    }
+    /// \return how many points find no light.
+    std::size_t ExpectSameChoices(std::size_t numLights, unsigned seed) {
+        LaneRandom random(seed);
+        Arguments arguments;
+        arguments.table = PortalTable(random);
+        arguments.lights = Lights(random, numLights);
+        const auto results = ExpectSameBits(
+            *_program, "choicesForms", 800, kChoiceResults,
+            [&](LaneRandom& r, LaneCase& one) {
+                AddPoint(r, arguments.lights[r.Kind(unsigned(numLights))], one);
+            },
+            arguments, seed);
+        std::size_t numNone = 0;
+        for (std::size_t i = 0; i < results.size(); i += kChoiceResults) {
+            numNone += results[i] == HDS_NONE ? 1 : 0;
+            _chosen.push_back(results[i]);
+        }
+        return numNone;
+    }
+    std::unique_ptr<Program> _program;
+    std::vector<std::uint32_t> _chosen;
+};
+
+TEST_F(WideLights, RectsHaveTheSameBits) {
+    Build({});
+    const auto results =
+        ExpectSameBits(*_program, "rectsForms", 80000, kRectResults, AddRect, {}, 7);
+    EXPECT_EQ(CountConstant(results, kRectResults), 0U);
+    ExpectSameBits(*_program, "RectLightLanes", 800, 52,
+                   [](LaneRandom& r, LaneCase& one) {
+                       for (int k = 0; k < 26; ++k) {
+                           one.push_back(OfBits(r.Bits()));
+                       }
+                   },
+                   {});
+}
+
+TEST_F(WideLights, ChoicesHaveTheSameBits) {
+    KernelFeatures all;
+    all.meshLights = true;
+    all.lightPortals = true;
+    for (const KernelFeatures& features : {KernelFeatures{}, all}) {
+        Build(features);
+        std::size_t numNone = 0;
+        for (unsigned numLights = 2; numLights <= HDS_LIGHT_LOOP_MAX; ++numLights) {
+            for (unsigned seed = 0; seed < 4; ++seed) {
+                numNone += ExpectSameChoices(numLights, 4 * numLights + seed);
+            }
+        }
+        EXPECT_GT(numNone, 100U);
+        for (std::uint32_t light = 0; light < HDS_LIGHT_LOOP_MAX; ++light) {
+            EXPECT_NE(std::count(_chosen.begin(), _chosen.end(), light), 0) << light;
+        }
+    }
+}
+
+} // namespace
+} // namespace hds::test

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: Apache-2.0
+"""CPUs sample eight paths at once where they can (kernels/math/lanes.clh); the image has the bits that one path at a time gives.
+
+There is no setting for it: the other picture is rendered with a copy of the kernels that has no form of eight paths.
+"""
+
+import pathlib
+import shutil
+
+import pytest
+
+pytest.importorskip("hdstream._core")
+
+import numpy as np
+import ours
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, Vt
+from stages import author, lightCases, materialCases, materialX, shapes, textured
+
+KERNELS = pathlib.Path(__file__).resolve().parents[2] / "kernels"
+_AOVS = ("color", "alpha", "variance")
+_SIZE = (61, 47)  # odd: batches of eight are not all full
+
+
+@pytest.fixture(scope="module")
+def Kernels(tmp_path_factory):
+    """The folder of the kernels without the form of eight paths."""
+    folder = tmp_path_factory.mktemp("form") / "kernels"
+    shutil.copytree(KERNELS, folder)
+    lanes = folder / "math" / "lanes.clh"
+    text = lanes.read_text()
+    switch = "#define HDS_WIDE (HDS_ITEMS_PER_WORK_ITEM >= HDS_LANES)"
+    assert text.count(switch) == 1
+    lanes.write_text(text.replace(switch, "#define HDS_WIDE 0"))
+    return folder
+
+
+def _Blur(stage, fStop: float, distance: float) -> UsdGeom.Camera:
+    camera = UsdGeom.Camera(stage.GetPrimAtPath("/World/Camera"))
+    camera.CreateFStopAttr(fStop)
+    camera.CreateFocusDistanceAttr(distance)
+    return camera
+
+
+def _AddPortal(stage, dome) -> None:
+    portal = UsdLux.PortalLight.Define(stage, "/World/Portal")
+    for name in ("width", "height"):
+        portal.GetPrim().CreateAttribute(f"inputs:{name}", Sdf.ValueTypeNames.Float).Set(3.0)
+    author.Place(portal, translate=(-2, 4, 0), rotate=(-70, -30, 0))
+    dome.CreatePortalsRel().AddTarget(portal.GetPath())
+
+
+def _EveryLight(path) -> None:
+    """Each kind of light, on cut-outs and coats; a dome with a portal; a mesh light; a lens and clipping planes."""
+    stage = author.NewStage(path)
+    lightCases.FiveLights(stage, None)
+    author.AddLight(stage, "/World/Tube", "Cylinder", dict(translate=(1.5, 2.5, -1.0), rotate=(0, 30, 12)), radius=0.1,
+                    length=1.6, intensity=9.0)
+    author.AddLight(stage, "/World/Strip", "Rect", dict(translate=(2.5, 0.05, 1.5), rotate=(0, 60, 0), scale=(1, 2, 1)),
+                    width=0.02, height=1.5, intensity=40.0, normalize=True)
+    author.AddLight(stage, "/World/Point", "Sphere", dict(translate=(0, 3.0, 1.0)), intensity=4.0, treatAsPoint=True)
+    glow = author.AddMaterial(stage, "/World/Glow", diffuseColor=(0.2, 0.2, 0.2), emissiveColor=(9, 8, 6))
+    author.AddMesh(stage, "/World/Glows", shapes.Torus(0.3, 0.08), material=glow, translate=(-0.3, 0.4, 1.6))
+    _AddPortal(stage, UsdLux.DomeLight(stage.GetPrimAtPath("/World/Dome")))
+    looks = (dict(opacity=0.4, roughness=0.2), dict(clearcoat=1.0, clearcoatRoughness=0.1, roughness=0.5),
+             dict(metallic=1.0, roughness=0.05, diffuseColor=(0.9, 0.6, 0.3)), dict(opacity=0.3, opacityThreshold=0.5))
+    for index, look in enumerate(looks):
+        material = author.AddMaterial(stage, f"/World/Look{index}", **look)
+        author.AddMesh(stage, f"/World/Small{index}", shapes.Sphere(0.3, 24, 48), material=material,
+                       translate=(0.75 * index - 1.2, 0.3, 1.4))
+    _Blur(stage, 4.0, 5.0).CreateClippingPlanesAttr(Vt.Vec4fArray([Gf.Vec4f(0.1, 0, -1, -4.4), Gf.Vec4f(1, 0, 0, 2.5)]))
+    stage.GetRootLayer().Save()
+
+
+def _Layered(path) -> None:
+    """All lobes that have the form of eight paths; plain surfaces beside them."""
+    materialX.WriteMaterialBalls(str(path))
+    stage = Usd.Stage.Open(str(path))
+    sheet = materialX.AddSurface(stage, "/World/Looks/Sheet", thin_walled=True, subsurface=1.0, subsurface_color=(0.3, 0.8, 0.4))
+    author.AddMesh(stage, "/World/Sheet", shapes.Plane(2.0, 2.0), material=sheet, doubleSided=True, translate=(-2.4, 1.0, 2.0),
+                   rotate=(70, 30, 0))
+    _Blur(stage, 5.0, 9.0)
+    stage.GetRootLayer().Save()
+
+
+def _Textured(path) -> None:
+    """Images on surfaces, on a dome and on panels; a panel without one."""
+    textured.WriteImageLights(path, isTextured=True)
+    stage = Usd.Stage.Open(str(path))
+    author.AddLight(stage, "/World/Plain", "Rect", dict(translate=(0, 2.5, 1), rotate=(-90, 0, 0)), intensity=5.0)
+    stage.GetRootLayer().Save()
+
+
+def _ManyLights(path) -> None:
+    """A light tree, whose rects are plain and shaped; no perspective."""
+    stage = author.NewStage(path)
+    materialCases.AddRoom(stage)
+    random = np.random.default_rng(3)
+    for index in range(60):
+        place = dict(translate=random.uniform(-1.5, 1.5, 3) + (0, 1.6, 0), rotate=random.uniform(-180, 180, 3))
+        light = author.AddLight(stage, f"/World/Light{index}", ("Rect", "Disk", "Sphere")[index % 3], place, intensity=4.0)
+        for name in ("width", "height", "radius"):
+            if light.GetPrim().HasAttribute(f"inputs:{name}"):
+                light.GetPrim().GetAttribute(f"inputs:{name}").Set(0.2)
+        if index % 9 == 0:
+            author.ShapeLight(light, coneAngle=50.0, focus=2.0)
+    stage.RemovePrim("/World/Camera")
+    author.AddCamera(stage, eye=(0, 1.5, 6.0), target=(0, 1.2, 0), width=40.0, orthographic=True)
+    stage.GetRootLayer().Save()
+
+
+@pytest.mark.parametrize("write", [_EveryLight, _Layered, _Textured, _ManyLights], ids=lambda write: write.__name__[1:])
+def test_form_does_not_matter(write, Kernels, tmp_path):
+    path = f"{tmp_path}/stage.usda"
+    write(path)
+    settings = dict(aovs=list(_AOVS), samples=20, maxDepth=7, russianRoulette=True)
+    picture = ours.Render(path, *_SIZE, **settings)
+    assert picture.warnings == []
+    assert picture.rgb.std() > 0.01
+    expected = ours.RenderApart(path, *_SIZE, {"HDSTREAM_KERNEL_DIR": str(Kernels)}, **settings)
+    for name in _AOVS:
+        assert picture.layers[name].tobytes() == expected[name].tobytes(), f"layer {name} differs"
