@@ -50,7 +50,7 @@ void CollapsePlan::Solve(std::uint32_t node) {
     }
     const Entry& left = _entries[node + 1];
     const Entry& right = _entries[node + binary.right];
-    float distribute[kWidth + 1];
+    float distribute[kWidth + 1] = {};
     const int numItems = static_cast<int>(std::min<std::uint32_t>(binary.count, kWidth));
     for (int roots = 2; roots <= kWidth; ++roots) {
         if (roots > numItems) { // more roots than items are of no use
