@@ -47,7 +47,7 @@ struct MakeResidentCosts {
 
 /// Seconds until a set of kernels is there that is in the persistent cache, or has to be built:
 /// PoCL on two cores (docs/streaming.md).
-constexpr double kSecondsOfCachedKernels = 0.3;
+constexpr double kSecondsOfCachedKernels = 0.1;
 constexpr double kSecondsOfBuiltKernels = 5.0;
 
 /// Where a set of kernels is.

@@ -139,8 +139,9 @@ def test_waves_after_it_are_resident(LittleField, waveSize):
         geometry, pixels = statistics["geometry"], SIZE[0] * SIZE[1]
         assert statistics["rays"]["camera"] == pixels * _WAVES["samples"]
         if memory == "100%":
-            assert geometry["mode"] == "resident" and 0 < geometry["chunksTouched"] == geometry["chunks"]
-            assert 0 < geometry["streamedPaths"] <= pixels and (waveSize == 0 or geometry["streamedPaths"] % 256 == 0)
+            assert geometry["mode"] == "resident" and 0 < geometry["chunksTouched"] <= geometry["chunks"]
+            # What is hidden is loaded once the rate is known: after two waves.
+            assert geometry["streamedPaths"] in ((256, 512) if waveSize else (pixels, 16 * pixels))
         else:
             assert geometry["mode"] == "stream" and geometry["streamedPaths"] == statistics["rays"]["camera"]
 
@@ -159,23 +160,23 @@ def test_no_more_device_memory_than_resident(LittleField):
 def test_edits_and_smaller_pools_stream_again(LittleField):
     case, other = LittleField.Fresh().RenderResident(**_WAVES), LittleField.Fresh()
     total = case.statistics["geometry"]["bytesTotal"]
-    exactly = dict(_WAVES, geometryMemory=str(total))
-    assert case.AssertStreams(**exactly)["mode"] == "resident"
+    spare = dict(_WAVES, geometryMemory=str(total * 5 // 4))
+    assert case.AssertStreams(**spare)["mode"] == "resident"
     assert case.AssertStreams(**dict(_WAVES, geometryMemory="30%"))["mode"] == "stream"
-    assert case.AssertStreams(**exactly)["mode"] == "resident"
-    little = case.session.Scene().geometry["/World/Little"]
-    moved = MovedMesh(case.core, little, (0.1, 0.0, 0.0))
-    for path, mode in (("/World/Little", "resident"), ("/World/More", "stream")):  # the second one brings more than the pool holds
+    assert case.AssertStreams(**spare)["mode"] == "resident"
+    meshes = dict(case.session.Scene().geometry)
+    for old, new, mode in (("/World/Little", "/World/Little", "resident"), ("/World/Field", "/World/More", "stream")):
+        moved = MovedMesh(case.core, meshes[old], (0.1, 0.0, 0.0))
         for session in (case.session, other.session):
-            session.SetGeometry(path, moved)
+            session.SetGeometry(new, moved)
         other.RenderResident(**_WAVES)
         case.layers, case.statistics = other.layers, other.statistics
-        assert case.AssertStreams(**exactly)["mode"] == mode
+        assert case.AssertStreams(**spare)["mode"] == mode
     for session in (case.session, other.session):
         session.Remove("/World/More")
     other.RenderResident(**_WAVES)
     case.layers, case.statistics = other.layers, other.statistics
-    assert case.AssertStreams(**exactly)["mode"] == "resident"
+    assert case.AssertStreams(**spare)["mode"] == "resident"
 
 
 def test_a_render_may_be_stopped_on_either_side(LittleField):
