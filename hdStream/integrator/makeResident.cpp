@@ -15,6 +15,25 @@ constexpr double kSecondsPerByte = 1.0 / 100e6;
 
 } // namespace
 
+void TracingRate::EndWave(double seconds, double samples) {
+    _now = {seconds, samples};
+    if (!_hasBegun) {
+        _hasBegun = true;
+        _begin = _now;
+        _pass = _now;
+    }
+}
+
+void TracingRate::EndPass() {
+    _begin = _pass;
+    _pass = _now;
+}
+
+double TracingRate::SecondsPerSample() const {
+    const double samples = _now.samples - _begin.samples;
+    return samples > 0.0 ? (_now.seconds - _begin.seconds) / samples : 0.0;
+}
+
 bool BecomesResidentAtOnce(std::uint64_t missingBytes) {
     return missingBytes <= kLittleBytes;
 }

@@ -32,6 +32,9 @@ struct Onlooker {
     const ProgressCallback& onProgress;
     Timer timer; ///< since rendering began
     bool isStopped = false;
+    TracingRate rate;
+    std::uint64_t judgedUploads = 0; ///< pages loaded when residency was last thought about
+    std::uint64_t streamedPaths = 0; ///< when all pixels last had as many samples
 };
 
 } // namespace
@@ -144,6 +147,7 @@ struct PathTracer::Impl {
         const Buffer& paths = tracer.Paths();
         const std::uint32_t waveSize = tracer.WaveSize();
         statistics.cameraRays += numSlots;
+        statistics.streamedPaths += buffers.IsStreaming() ? numSlots : 0;
         tracer.Trace(
             numSlots,
             [&](std::uint32_t first, std::uint32_t count, const Buffer& queue,
@@ -172,19 +176,29 @@ struct PathTracer::Impl {
     /// \return whether all of the pass is rendered: it was not stopped before its last wave.
     bool RenderPass(const SamplePass& pass, Onlooker* onlooker) {
         UsePixels(pass.list);
-        // One work-item adds all samples of a pixel that a pass makes, so they are in one wave.
-        HDS_VERIFY(pass.numSamples <= tracer.WaveSize(),
-                   std::to_string(pass.numSamples) + " samples of a pixel do not fit a wave of " +
-                       std::to_string(tracer.WaveSize()));
-        const std::uint32_t pixelsPerWave = tracer.WaveSize() / pass.numSamples;
-        for (std::uint32_t first = pass.begin; first < pass.end; first += pixelsPerWave) {
-            const std::uint32_t count = std::min(pixelsPerWave, pass.end - first);
+        std::uint32_t first = pass.begin;
+        while (first < pass.end) {
+            // One work-item adds all samples of a pixel that a pass makes, so they are in one wave.
+            HDS_VERIFY(pass.numSamples <= tracer.WaveSize(),
+                       std::to_string(pass.numSamples) +
+                           " samples of a pixel do not fit a wave of " +
+                           std::to_string(tracer.WaveSize()));
+            const std::uint32_t count =
+                std::min(tracer.WaveSize() / pass.numSamples, pass.end - first);
             RenderWave({first, count, pass.firstSample, pass.numSamples});
-            Report(schedule.Equivalent(pass, first + count), onlooker);
-            if (onlooker->isStopped && first + count < pass.end) {
+            first += count;
+            const double samplesEquivalent = schedule.Equivalent(pass, first);
+            const bool hadRate = onlooker->rate.SecondsPerSample() > 0.0;
+            onlooker->rate.EndWave(TracingSeconds(), samplesEquivalent);
+            Report(samplesEquivalent, onlooker);
+            if (first < pass.end) {
+                MakeResidentIfWorth(samplesEquivalent, !hadRate, onlooker);
+            }
+            if (onlooker->isStopped && first < pass.end) {
                 return false;
             }
         }
+        onlooker->rate.EndPass();
         return true;
     }
 
@@ -203,15 +217,22 @@ struct PathTracer::Impl {
 
     double TracingSeconds() const { return statistics.traceSeconds + statistics.shadeSeconds; }
 
-    /// Between passes: makes geometry that streams resident when that is worth it (makeResident.h).
-    /// \param secondsPerSample of the last pass.
-    void MakeResidentIfWorth(double secondsPerSample, Onlooker* onlooker) {
-        if (schedule.Done() == options.samples || !buffers.MayBecomeResident()) {
+    /// Between waves: makes geometry that streams resident when that is worth it (makeResident.h).
+    /// \param isNews more is known than pages that were loaded since it was last asked for: while
+    /// samples are rendered it is worth less and less.
+    void MakeResidentIfWorth(double samplesEquivalent, bool isNews, Onlooker* onlooker) {
+        if (onlooker->isStopped || samplesEquivalent >= options.samples || !buffers.IsStreaming()) {
             return;
         }
         const StreamingStatistics pool = buffers.PoolStatistics();
+        const bool isAnyLoaded =
+            std::exchange(onlooker->judgedUploads, pool.uploads) != pool.uploads;
+        if (!(isNews || isAnyLoaded) || !buffers.MayBecomeResident()) {
+            return;
+        }
         MakeResidentCosts costs;
-        costs.secondsLeft = schedule.SecondsLeft(secondsPerSample, onlooker->timer.Seconds());
+        costs.secondsLeft = schedule.SecondsLeft(onlooker->rate.SecondsPerSample(),
+                                                 samplesEquivalent, onlooker->timer.Seconds());
         costs.kernelSeconds = SecondsToGet(PlaceOf(MakeFeatures(false)));
         costs.missingBytes = buffers.Streaming().MissingBytes();
         costs.prepareSeconds = pool.prepareSeconds;
@@ -222,7 +243,7 @@ struct PathTracer::Impl {
         while (buffers.MayBecomeResident()) {
             buffers.LoadMissing();
             if (buffers.IsStreaming()) {
-                Report(schedule.Done(), onlooker);
+                Report(samplesEquivalent, onlooker);
             }
             if (onlooker->isStopped) {
                 return;
@@ -272,10 +293,9 @@ struct PathTracer::Impl {
             statistics.firstImageSeconds = onlooker.timer.Seconds();
         }
         presentList.reset();
-        double tracingSeconds = 0.0;
         std::optional<SamplePass> pass = schedule.Next();
         while (pass && !onlooker.isStopped && RenderPass(*pass, &onlooker)) {
-            EndPass(*pass, &tracingSeconds, &onlooker);
+            EndPass(*pass, &onlooker);
             pass = schedule.Next();
         }
         statistics.renderSeconds = onlooker.timer.Seconds();
@@ -289,8 +309,7 @@ struct PathTracer::Impl {
         return RenderResult::Complete;
     }
 
-    /// \param[in,out] tracingSeconds of this render until the end of the pass before.
-    void EndPass(const SamplePass& pass, double* tracingSeconds, Onlooker* onlooker) {
+    void EndPass(const SamplePass& pass, Onlooker* onlooker) {
         const std::uint32_t before = schedule.Done();
         schedule.Complete();
         const std::uint32_t done = schedule.Done();
@@ -303,12 +322,11 @@ struct PathTracer::Impl {
             }
         }
         if (done > before) {
-            const double passSeconds = TracingSeconds() - *tracingSeconds;
-            *tracingSeconds += passSeconds;
-            statistics.streamedSamples = buffers.IsStreaming() ? done : statistics.streamedSamples;
-            if (!onlooker->isStopped) {
-                MakeResidentIfWorth(passSeconds / (done - before), onlooker);
+            if (std::exchange(onlooker->streamedPaths, statistics.streamedPaths) <
+                statistics.streamedPaths) {
+                statistics.streamedSamples = done;
             }
+            MakeResidentIfWorth(done, true, onlooker);
         }
         if (schedule.MayDrop() && !onlooker->isStopped) {
             if (schedule.Drop(RelativeErrors(pass.end))) {

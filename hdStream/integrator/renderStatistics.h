@@ -31,7 +31,8 @@ struct RenderStatistics {
     std::uint64_t endedPasses = 0; ///< rays that passed HDS_MAX_PASSES cut-out surfaces
     double meanRelativeError = 0.0;
     std::uint32_t samples = 0;         ///< per pixel, the least over all pixels
-    std::uint32_t streamedSamples = 0; ///< of these, those rendered while geometry streamed
+    std::uint32_t streamedSamples = 0; ///< of these, the last one for which geometry streamed
+    std::uint64_t streamedPaths = 0;   ///< camera rays that began while geometry streamed
     std::uint32_t waveSize = 0;
     bool isSimd8Traversal = false;
     std::uint64_t pathStateBytes = 0;

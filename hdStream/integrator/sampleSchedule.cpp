@@ -142,8 +142,9 @@ Progress SampleSchedule::MakeProgress(double samplesEquivalent, double seconds) 
     return progress;
 }
 
-double SampleSchedule::SecondsLeft(double secondsPerSample, double seconds) const {
-    const double left = secondsPerSample * (_samples - _done);
+double SampleSchedule::SecondsLeft(double secondsPerSample, double samplesEquivalent,
+                                   double seconds) const {
+    const double left = secondsPerSample * (_samples - samplesEquivalent);
     return _timeLimit > 0.0 ? std::min(left, _timeLimit - seconds) : left;
 }
 

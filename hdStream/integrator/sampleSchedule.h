@@ -63,8 +63,9 @@ public:
     /// \param seconds since rendering began.
     Progress MakeProgress(double samplesEquivalent, double seconds) const;
     bool IsTimeUp(double seconds) const { return _timeLimit > 0.0 && seconds >= _timeLimit; }
-    /// An estimate. \param secondsPerSample of the last pass.
-    double SecondsLeft(double secondsPerSample, double seconds) const;
+    /// An estimate. \param samplesEquivalent that are rendered. \param seconds since rendering
+    /// began.
+    double SecondsLeft(double secondsPerSample, double samplesEquivalent, double seconds) const;
 
 private:
     void MakeOrders(std::uint32_t width, std::uint32_t height);

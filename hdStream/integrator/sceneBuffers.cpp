@@ -69,8 +69,8 @@ void SceneBuffers::MakePool(PoolKind kind, const ResidencyOptions& residency) {
 }
 
 bool SceneBuffers::MayBecomeResident() const {
-    return IsStreaming() && _residency.mode == ResidencyMode::Auto && !_isScattered &&
-           _streaming->HasRoomForAll();
+    const bool isReport = _residency.mode == ResidencyMode::Stream && _residency.requestsFirst;
+    return IsStreaming() && !isReport && !_isScattered && _streaming->HasRoomForAll();
 }
 
 void SceneBuffers::LoadMissing() {
@@ -78,7 +78,9 @@ void SceneBuffers::LoadMissing() {
         _isScattered = true;
     } else if (_streaming->MissingBytes() == 0) {
         _streaming->CountUsed(); // kernels keep no account from here on
-        _streaming->MakeResident();
+        // Who asks for streaming may ask for another pool next: prepared pages stay as they do
+        // while geometry streams.
+        _streaming->MakeResident(_residency.mode == ResidencyMode::Stream);
         _isFullyResident = true;
     }
 }

@@ -53,7 +53,8 @@ public:
     StreamingPool& Streaming() { return *_streaming; }
     const StreamingPool& Streaming() const { return *_streaming; }
 
-    /// Whether geometry that streams may become resident where it is (ResidencyMode::Auto).
+    /// Whether geometry that streams may become resident where it is: all of it fits the pool, and
+    /// the design of the report, which knows nothing of this, was not asked for.
     bool MayBecomeResident() const;
     /// Loads some of the pages that are missing, which nobody has asked for. With the last one
     /// geometry is resident; when there is no room for one it never MayBecomeResident. Blocks.

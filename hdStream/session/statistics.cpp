@@ -61,6 +61,7 @@ Json GeometrySection(const StatisticsInput& in) {
                      : buffers.IsMapped()  ? "mapped"
                                            : "resident"},
             {"streamedSamples", render.streamedSamples},
+            {"streamedPaths", render.streamedPaths},
             {"meshes", counts.meshes},
             {"curves", counts.curves},
             {"points", counts.points},

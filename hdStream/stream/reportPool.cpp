@@ -22,9 +22,9 @@ bool ReportPool::Update(PageProvider* provider, std::uint64_t budgetBytes) {
     return StreamingPool::Update(provider, budgetBytes);
 }
 
-void ReportPool::MakeResident() {
+void ReportPool::MakeResident(bool keepsBytes) {
     BeginBatch(); // kernels that do not stream know nothing of "done"
-    StreamingPool::MakeResident();
+    StreamingPool::MakeResident(keepsBytes);
 }
 
 void ReportPool::BeginBatch() {

@@ -33,7 +33,7 @@ public:
     using StreamingPool::StreamingPool;
 
     bool Update(PageProvider* provider, std::uint64_t budgetBytes) override;
-    void MakeResident() override;
+    void MakeResident(bool keepsBytes) override;
 
     /// Begins a ray batch: no page is done.
     void BeginBatch();

@@ -48,9 +48,9 @@ public:
     /// Loads pages that nobody has asked for, about `bytes` of them; none leaves. Blocks.
     /// \return false when the room that is left is too scattered.
     bool LoadMissing(std::uint64_t bytes);
-    /// All pages are resident and stay: kernels may read them without asking, and their bytes need
-    /// not be kept elsewhere. \pre MissingBytes() is 0.
-    virtual void MakeResident();
+    /// All pages are resident and stay: kernels may read them without asking. \param keepsBytes the
+    /// provider, too, may keep them; otherwise it drops them. \pre MissingBytes() is 0.
+    virtual void MakeResident(bool keepsBytes);
 
     /// Loads what was asked for most: pages, and whole groups by the page that asks for them.
     /// Blocks.

@@ -64,10 +64,10 @@ bool StreamingPool::LoadMissing(std::uint64_t bytes) {
     return hasRoom;
 }
 
-void StreamingPool::MakeResident() {
+void StreamingPool::MakeResident(bool keepsBytes) {
     HDS_VERIFY(MissingBytes() == 0, _label);
     BeginEpoch();
-    for (std::uint32_t page = 0; page < _table.NumPages(); ++page) {
+    for (std::uint32_t page = 0; page < _table.NumPages() && !keepsBytes; ++page) {
         _provider->Drop(page);
     }
 }

@@ -149,24 +149,28 @@ class Case:
             assert pixels.tobytes() == self.layers[name].tobytes(), f"layer {name} differs"
 
     def AssertStreams(self, onProgress=None, **settings):
-        """Renders with streaming; checks bits and accounts. Returns geometry's statistics."""
+        """Renders with streaming; checks bits and accounts. Returns geometry's statistics. Geometry may have become resident, but only
+        once the pool held all of it."""
         layers, statistics = self.Render(onProgress, residency="stream", **settings)
         self.AssertBits(layers)
-        geometry = statistics["geometry"]
-        assert geometry["mode"] == "stream"
+        geometry, paths = statistics["geometry"], statistics["rays"]["camera"]
+        if geometry["mode"] == "stream":
+            assert geometry["streamedSamples"] == statistics["image"]["samples"] and geometry["streamedPaths"] == paths
+        else:
+            assert geometry["mode"] == "resident" and settings.get("request") != "first"
+            assert geometry["bytesTotal"] <= geometry["peakBytes"] <= geometry["budget"] and geometry["streamedPaths"] < paths
         if geometry["estimated"]:
             assert geometry["bytesTotal"] >= self.statistics["geometry"]["bytesTotal"]
         else:
             assert geometry["bytesTotal"] == self.statistics["geometry"]["bytesTotal"]
         assert geometry["uniqueBytesLoaded"] <= geometry["uploadedBytes"]
         assert geometry["uniqueBytesLoaded"] <= geometry["bytesTotal"]
-        assert geometry["chunksTouched"] > 0 or geometry["uniqueBytesLoaded"] == 0
+        assert geometry["chunksTouched"] > 0 or geometry["uniqueBytesLoaded"] == 0 or geometry["mode"] == "resident"
         assert geometry["pinnedBytes"] <= geometry["budget"] // 4
         assert geometry["pinnedBytes"] <= geometry["peakBytes"] <= geometry["budget"]
         assert geometry["iterations"] >= geometry["rayBatches"] > 0
         self.AssertTextures(statistics["texture"])
         assert geometry["chunksTouched"] <= geometry["chunks"]
-        assert geometry["streamedSamples"] == statistics["image"]["samples"]
         # What is resident at any time fits: only what has left can be loaded again.
         if geometry["evictions"] == 0:
             assert geometry["uploadedBytes"] == geometry["uniqueBytesLoaded"] <= geometry["peakBytes"]

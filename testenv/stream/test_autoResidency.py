@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`--residency auto` begins with little of the geometry and becomes resident where it is when that is worth it; bits
-never depend on it. The oracle is a picture of the same session with resident geometry, after which the kernels without
+"""`--residency auto`, and `stream` with a pool that holds everything, begin with little of the geometry and become
+resident where it is when that is worth it; bits never depend on it. The oracle is a picture of the same session with resident geometry, after which the kernels without
 streaming code are there: to become resident costs nothing once all chunks have been seen."""
 
 import pytest
@@ -8,10 +8,11 @@ import pytest
 pytest.importorskip("hdstream._core")
 
 from stages import author, bench, shapes, streaming
-from streamCase import Case, MovedMesh
+from streamCase import SIZE, Case, MovedMesh
 
 _SETTINGS = dict(noCache=True, chunkBytes=1 << 20, samples=20)
 _LITTLE = 16 << 20  # docs/streaming.md
+_BOTH = pytest.mark.parametrize("residency", ["auto", "stream"])
 
 
 def _WriteField(path, cells=600, hidden=0):
@@ -40,23 +41,28 @@ def _RenderAuto(case, **settings):
     case.AssertBits(layers)
     geometry = statistics["geometry"]
     assert (geometry["mode"] == "stream") == (geometry["streamedSamples"] == statistics["image"]["samples"])
+    assert (geometry["mode"] == "stream") == (geometry["streamedPaths"] == statistics["rays"]["camera"])
+    assert (geometry["streamedPaths"] > 0) == (geometry["streamedSamples"] > 0)
     return geometry
 
 
-@pytest.mark.parametrize("settings", [dict(), dict(traversal="scalar"), dict(request="first", geometryEviction="flush")],
-                         ids=["lists", "scalar", "report"])
+@pytest.mark.parametrize("settings", [dict(), dict(traversal="scalar"), dict(request="first", geometryEviction="flush"),
+                                      dict(residency="stream"), dict(residency="stream", traversal="scalar"),
+                                      dict(residency="stream", geometryEviction="flush", geometryMemory="100%")],
+                         ids=["lists", "scalar", "report", "stream", "stream-scalar", "stream-flush"])
 def test_becomes_resident_once_all_is_there(Field, settings):
-    Field.Render(residency="resident", **_SETTINGS, **settings)
+    Field.Render(**{**_SETTINGS, **settings, "residency": "resident"})
     geometry = _RenderAuto(Field, **settings)
     assert geometry["mode"] == "resident" and geometry["streamedSamples"] == 1
     assert 0 < geometry["chunksTouched"] == geometry["chunks"]
     assert geometry["uploadedBytes"] == geometry["bytesTotal"] <= geometry["budget"] and geometry["evictions"] == 0
 
 
-def test_stays_resident_until_an_edit_brings_many_new_pages(Field):
+@_BOTH
+def test_stays_resident_until_an_edit_brings_many_new_pages(Field, residency):
     case, other = Field.Fresh().RenderResident(**_SETTINGS), Field.Fresh()
-    assert _RenderAuto(case)["streamedSamples"] == 1
-    again = _RenderAuto(case)
+    assert _RenderAuto(case, residency=residency)["streamedSamples"] == 1
+    again = _RenderAuto(case, residency=residency)
     assert again["mode"] == "resident" and again["streamedSamples"] == again["uploads"] == 0
     meshes = dict(case.session.Scene().geometry)
     # The first edit finds a pool that is full: with the next one it has room to spare.
@@ -67,17 +73,18 @@ def test_stays_resident_until_an_edit_brings_many_new_pages(Field):
             session.SetGeometry(path, moved)
         other.RenderResident(**_SETTINGS)
         case.layers = other.layers
-        edited = _RenderAuto(case)
+        edited = _RenderAuto(case, residency=residency)
         assert edited["mode"] == "resident" and edited["uploads"] > 0
         assert edited["streamedSamples"] == (1 if isMuch else 0)
         assert isMuch or edited["uploads"] <= 4
 
 
-def test_what_nobody_sees_is_not_prepared(tmp_path):
+@_BOTH
+def test_what_nobody_sees_is_not_prepared(tmp_path, residency):
     """To prepare it takes longer than the render."""
     _WriteField(str(tmp_path / "stage.usdc"), cells=100, hidden=700)
     case = Case(tmp_path / "stage.usdc").RenderResident(**_SETTINGS)
-    geometry = _RenderAuto(case)
+    geometry = _RenderAuto(case, residency=residency)
     assert geometry["mode"] == "stream" and 0 < geometry["chunksBuilt"] < 0.5 * geometry["chunks"]
 
 
@@ -109,3 +116,78 @@ def test_little_is_resident_from_the_start(tmp_path):
 def test_what_does_not_fit_streams_to_the_end(Field):
     geometry = _RenderAuto(Field, geometryMemory="12M")
     assert geometry["mode"] == "stream" and geometry["evictions"] > 0
+
+
+_WAVES = dict(_SETTINGS, chunkBytes=1 << 12, waveSize=256)  # a sample of each pixel takes eleven waves
+
+
+@pytest.fixture(scope="module")
+def LittleField(tmp_path_factory):
+    path = tmp_path_factory.mktemp("littleField") / "stage.usda"
+    _WriteField(str(path), cells=60)
+    return Case(path).RenderResident(**_WAVES)
+
+
+@pytest.mark.parametrize("settings", [_WAVES, dict(_WAVES, waveSize=0, chunkBytes=1 << 20, samples=2, imageWidth=400, imageHeight=300)],
+                         ids=["small", "default"])
+def test_waves_after_it_are_resident(LittleField, settings):
+    """In the middle of a pass, after which waves may have another size: each path is traced once. By default they do where two
+    cores share the image."""
+    case = LittleField.Fresh()
+    pixels = settings.get("imageWidth", SIZE[0]) * settings.get("imageHeight", SIZE[1])
+    for memory in ("100%", "99%"):
+        case.RenderResident(**settings)
+        layers, statistics = case.Render(**settings, residency="stream", geometryMemory=memory)
+        case.AssertBits(layers)
+        geometry = statistics["geometry"]
+        assert statistics["rays"]["camera"] == pixels * settings["samples"]
+        if memory == "100%":
+            assert geometry["mode"] == "resident" and 0 < geometry["chunksTouched"] <= geometry["chunks"]
+            # What is hidden is loaded once the rate is known: after two waves.
+            assert geometry["streamedPaths"] in (256, 512) or (settings["waveSize"] == 0 and 0 < geometry["streamedPaths"] <= pixels)
+        else:
+            assert geometry["mode"] == "stream" and geometry["streamedPaths"] == statistics["rays"]["camera"]
+
+
+def test_no_more_device_memory_than_resident(LittleField):
+    peaks = []
+    for settings in (dict(residency="resident"), dict(residency="stream", geometryMemory="100%")):
+        case = LittleField.Fresh().RenderResident(**_WAVES)  # its kernels
+        case.Render(residency="stream", geometryMemory="30%", **_WAVES)
+        statistics = case.Render(**_WAVES, **settings)[1]
+        assert statistics["geometry"]["mode"] == "resident"
+        peaks.append(statistics["memory"]["pathState"] + statistics["geometry"]["budget"])
+    assert peaks[1] <= peaks[0]
+
+
+def test_edits_and_smaller_pools_stream_again(LittleField):
+    case, other = LittleField.Fresh().RenderResident(**_WAVES), LittleField.Fresh()
+    total = case.statistics["geometry"]["bytesTotal"]
+    spare = dict(_WAVES, geometryMemory=str(total * 5 // 4))
+    assert case.AssertStreams(**spare)["mode"] == "resident"
+    assert case.AssertStreams(**dict(_WAVES, geometryMemory="30%"))["mode"] == "stream"
+    assert case.AssertStreams(**spare)["mode"] == "resident"
+    meshes = dict(case.session.Scene().geometry)
+    for old, new, mode in (("/World/Little", "/World/Little", "resident"), ("/World/Field", "/World/More", "stream")):
+        moved = MovedMesh(case.core, meshes[old], (0.1, 0.0, 0.0))
+        for session in (case.session, other.session):
+            session.SetGeometry(new, moved)
+        other.RenderResident(**_WAVES)
+        case.layers, case.statistics = other.layers, other.statistics
+        assert case.AssertStreams(**spare)["mode"] == mode
+    for session in (case.session, other.session):
+        session.Remove("/World/More")
+    other.RenderResident(**_WAVES)
+    case.layers, case.statistics = other.layers, other.statistics
+    assert case.AssertStreams(**spare)["mode"] == "resident"
+
+
+def test_a_render_may_be_stopped_on_either_side(LittleField):
+    """And the next one has the bits."""
+    case = LittleField.Fresh().RenderResident(**_WAVES)
+    for stopsAt in (1, 3, 12, 14):
+        case.AssertStreams(geometryMemory="30%", **_WAVES)
+        reports = iter(range(1, 1000))
+        result = case.Start(lambda progress: next(reports) < stopsAt, residency="stream", geometryMemory="100%", **_WAVES)
+        assert result == case.core.RenderResult.Stopped
+        case.AssertStreams(geometryMemory="100%", **_WAVES)

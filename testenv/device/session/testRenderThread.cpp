@@ -133,29 +133,36 @@ TEST_F(RenderThreadTest, GeometryBecomesResidentWhileSomeoneLooks) {
         ground.geometry = MakeGrid(700, 0.1F); // too much to be resident from the start
         session.SetGeometry("/ground", ground);
     };
+    const auto whole = [](Settings settings, const char* residency) {
+        settings.residency = residency; // with a pool that holds everything
+        return settings;
+    };
     const auto geometry = [](const RenderThread& thread) {
         return nlohmann::json::parse(thread.Newest()->statistics)["geometry"];
     };
-    RenderThread thread;
-    thread.Post({Fill(), setGround});
-    thread.SetSettings(LongSettings()); // whose samples repay everything
-    WaitForAnImage(thread, thread.Version());
-    const auto end = std::chrono::steady_clock::now() + kGuard;
-    while (geometry(thread)["mode"] == "stream" && std::chrono::steady_clock::now() < end) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    for (const char* residency : {"auto", "stream"}) {
+        SCOPED_TRACE(residency);
+        RenderThread thread;
+        thread.Post({Fill(), setGround});
+        thread.SetSettings(whole(LongSettings(), residency)); // whose samples repay everything
+        WaitForAnImage(thread, thread.Version());
+        const auto end = std::chrono::steady_clock::now() + kGuard;
+        while (geometry(thread)["mode"] == "stream" && std::chrono::steady_clock::now() < end) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        }
+        EXPECT_EQ(geometry(thread)["mode"], "resident");
+        EXPECT_GE(geometry(thread)["streamedSamples"], 1) << "the first picture came before";
+        thread.Post({MoveBall(0.3)});
+        thread.SetSettings(whole(MakeSettings(), residency));
+        WaitUntilConverged(thread);
+        EXPECT_EQ(thread.Newest()->error, "");
+        EXPECT_EQ(geometry(thread)["mode"], "resident");
+        EXPECT_EQ(geometry(thread)["streamedSamples"], 0) << "it stays so";
+        EXPECT_TRUE(SameLayers(thread.Newest()->layers, Direct([&](Session& session) {
+                                   setGround(session);
+                                   MoveBall(0.3)(session);
+                               })));
     }
-    EXPECT_EQ(geometry(thread)["mode"], "resident");
-    EXPECT_GE(geometry(thread)["streamedSamples"], 1) << "the first picture came before";
-    thread.Post({MoveBall(0.3)});
-    thread.SetSettings(MakeSettings());
-    WaitUntilConverged(thread);
-    EXPECT_EQ(thread.Newest()->error, "");
-    EXPECT_EQ(geometry(thread)["mode"], "resident");
-    EXPECT_EQ(geometry(thread)["streamedSamples"], 0) << "it stays so";
-    EXPECT_TRUE(SameLayers(thread.Newest()->layers, Direct([&](Session& session) {
-                               setGround(session);
-                               MoveBall(0.3)(session);
-                           })));
 }
 
 TEST_F(RenderThreadTest, EditsThatNeverPauseShowPictures) {

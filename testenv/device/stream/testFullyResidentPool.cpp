@@ -29,7 +29,7 @@ TEST_F(FullyResidentPool, LoadsTheRestInPieces) {
     EXPECT_EQ(pool.Statistics().uploadedBytes, pages.TotalBytes());
     EXPECT_EQ(pool.Statistics().evictions, 0U);
     EXPECT_EQ(pool.Statistics().chunksUsed, used) << "nobody has asked for them";
-    pool.MakeResident();
+    pool.MakeResident(false);
     const auto words = Table(pool, ids); // checks all bytes
     for (std::uint32_t page = 0; page < ids.size(); ++page) {
         EXPECT_EQ(words[page] == HDS_NOT_RESIDENT, pages.PageBytes(page) == 0) << page;
@@ -62,7 +62,7 @@ TEST_F(FullyResidentPool, EditsBringNewPages) {
     while (pool.MissingBytes() > 0) {
         ASSERT_TRUE(pool.LoadMissing(500));
     }
-    pool.MakeResident();
+    pool.MakeResident(false);
     pool.Update(&all, 12 * 160);
     EXPECT_EQ(pool.MissingBytes(), 4U * 160);
     EXPECT_EQ(Resident(Table(pool, EqualIds(12))).size(), 8U) << "the others stay";

@@ -54,7 +54,7 @@ TEST_F(ReportPoolTest, NoPageIsDoneInAFullyResidentPool) {
     pool.ProcessBatchRequests();
     Ask(pool, {6, 7});
     pool.ProcessBatchRequests(); // those from before are done
-    pool.MakeResident();
+    pool.MakeResident(false);
     for (const std::uint32_t word : Table(pool, ids)) {
         EXPECT_EQ(word & HDS_PAGE_DONE, 0U);
     }

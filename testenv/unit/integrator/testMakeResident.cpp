@@ -41,6 +41,33 @@ TEST(MakeResident, WhatNobodyHasSeenIsPreparedForLongRendersOnly) {
     EXPECT_FALSE(IsWorthMakingResident(costs));
 }
 
+TEST(MakeResident, TheRateLeavesOutTheFirstWave) {
+    TracingRate rate;
+    EXPECT_EQ(rate.SecondsPerSample(), 0.0) << "nothing is rendered";
+    rate.EndWave(5.0, 0.5); // kernels were compiled
+    EXPECT_EQ(rate.SecondsPerSample(), 0.0) << "not known";
+    rate.EndWave(6.0, 1.0);
+    EXPECT_EQ(rate.SecondsPerSample(), 2.0);
+    rate.EndPass();
+    EXPECT_EQ(rate.SecondsPerSample(), 2.0);
+}
+
+TEST(MakeResident, TheRateIsThatOfOnePassAndWhatFollows) {
+    TracingRate rate;
+    rate.EndWave(5.0, 1.0);
+    rate.EndPass(); // of one wave
+    EXPECT_EQ(rate.SecondsPerSample(), 0.0);
+    rate.EndWave(8.0, 4.0);
+    EXPECT_EQ(rate.SecondsPerSample(), 1.0);
+    rate.EndWave(17.0, 16.0);
+    rate.EndPass();
+    EXPECT_EQ(rate.SecondsPerSample(), 0.8);
+    rate.EndWave(18.0, 24.0);
+    rate.EndWave(19.0, 32.0);
+    rate.EndPass(); // most pixels have met the error
+    EXPECT_EQ(rate.SecondsPerSample(), 0.125) << "the first pass counts no more";
+}
+
 TEST(MakeResident, LittleThatAnEditBringsIsLoadedAtOnce) {
     EXPECT_TRUE(BecomesResidentAtOnce(kLittleBytes));
     EXPECT_FALSE(BecomesResidentAtOnce(kLittleBytes + 1));

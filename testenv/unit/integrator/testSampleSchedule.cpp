@@ -222,11 +222,12 @@ TEST(SampleSchedule, TimeEndsARenderAndItsEstimates) {
     EXPECT_FALSE(schedule.IsTimeUp(9.9));
     EXPECT_TRUE(schedule.IsTimeUp(10.0));
     EXPECT_EQ(schedule.MakeProgress(17, 4.0).secondsLeft, 6.0);
-    EXPECT_EQ(schedule.SecondsLeft(0.1, 4.0), 2.0);
-    EXPECT_EQ(schedule.SecondsLeft(1.0, 4.0), 6.0);
+    EXPECT_EQ(schedule.SecondsLeft(0.1, 16, 4.0), 2.0);
+    EXPECT_EQ(schedule.SecondsLeft(0.1, 26, 4.0), 1.0) << "half-way";
+    EXPECT_EQ(schedule.SecondsLeft(1.0, 16, 4.0), 6.0);
     options.timeLimit = 0.0;
     schedule.Begin(options, {Sums(16)});
-    EXPECT_EQ(schedule.SecondsLeft(1.0, 4.0), 20.0);
+    EXPECT_EQ(schedule.SecondsLeft(1.0, 16, 4.0), 20.0);
 }
 
 } // namespace
