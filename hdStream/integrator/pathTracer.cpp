@@ -32,7 +32,7 @@ struct Onlooker {
     const ProgressCallback& onProgress;
     Timer timer; ///< since rendering began
     bool isStopped = false;
-    TracingRate rate;
+    TracingRate rate = {};
     std::uint64_t judgedUploads = 0; ///< pages loaded when residency was last thought about
     std::uint64_t streamedPaths = 0; ///< when all pixels last had as many samples
 };
