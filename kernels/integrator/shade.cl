@@ -171,7 +171,6 @@ uint shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
         return HDS_SHADE_ENDS;
     }
     scatter->point = at->surface.point;
-    scatter->lobes = bsdf_lobeProbabilities(&scatter->bsdf, scatter->shading.wo.z);
     scatter->throughput = path->throughput;
     scatter->pixel = path->status.x;
     scatter->sample = path->status.y;

@@ -43,9 +43,9 @@ def test_wrong_values_are_usage_errors():
 def test_wrong_sizes_have_one_text_everywhere(text):
     """The command line's, and that of keywords and attributes, is the core's."""
     from hdstream import options
-    with pytest.raises(_core.UsageError) as core:
-        _core.ParseMemorySize(text)
-    for parse in (options.Bytes, options.MemorySize):
+    for parse, coreParse in ((options.Bytes, _core.ParseBytes), (options.MemorySize, _core.ParseMemorySize)):
+        with pytest.raises(_core.UsageError) as core:
+            coreParse(text)
         with pytest.raises(argparse.ArgumentTypeError) as raised:
             parse(text)
         assert str(raised.value) == str(core.value)

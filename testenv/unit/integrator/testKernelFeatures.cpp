@@ -105,7 +105,6 @@ std::map<std::string, Names> AllNeeds() {
 TEST(KernelFeatures, HaveWhatTheyNeed) {
     const std::map<std::string, Names> expected = {
         {"patterns", {"programs"}},                      // is code of programs
-        {"lobes", {"programs"}},                         // programs set their inputs
         {"numTexturePools", {"textures"}},               // hold their texels
         {"textureStreaming", {"textures"}},              // whose lines are missing
         {"texturedEmission", {"cutouts", "meshLights"}}, // of a mesh, asked for as candidates are
