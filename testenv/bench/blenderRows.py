@@ -25,6 +25,8 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 import bpy  # noqa: E402
 import numpy as np  # noqa: E402
 
+bpy.utils.expose_bundled_modules()
+
 _SIZE, _BLOCK, _TOLERANCE = 128, 8, 0.02
 _METHODS = ("HYDRA", "USD")
 _RED, _GOLD = (0.6, 0.3, 0.2, 1.0), (0.9, 0.6, 0.3, 1.0)
@@ -41,6 +43,7 @@ def _Start(world=(0.0, 0.0, 0.0, 1.0), strength=1.0):
     scene = bpy.context.scene
     rivalsCycles.Configure(scene, dict(width=_SIZE, height=_SIZE, maxDepth=8, threads=os.cpu_count()))
     scene.render.image_settings.color_mode = "RGBA"
+    scene.render.use_persistent_data = False  # an engine that lives on keeps the prims of the other export method
     scene.world = bpy.data.worlds.new("World")
     scene.world.use_nodes = True
     background = scene.world.node_tree.nodes["Background"]
@@ -67,7 +70,7 @@ def _Look(item, inputs):
 def _Light(kind, energy, **properties):
     def Build():
         scene = _Start()
-        place = properties.pop("location", (0.5, -0.5, 3.0))
+        place = properties.pop("location", (0.5, -0.5, 5.0))
         bpy.ops.object.light_add(type=kind, location=place, rotation=(math.radians(15), 0, math.radians(20)))
         light = bpy.context.object.data
         light.energy = energy
@@ -161,6 +164,8 @@ def _Film():
 ROWS = {
     "point": _Light("POINT", 200.0, shadow_soft_size=0.2),
     "spot": _Light("SPOT", 800.0, shadow_soft_size=0.1, spot_size=math.radians(50), spot_blend=0.15),
+    "spot hard": _Light("SPOT", 800.0, shadow_soft_size=0.1, spot_size=math.radians(50), spot_blend=0.0),
+    "lamp in view": _Light("POINT", 200.0, shadow_soft_size=0.2, location=(0.0, 1.0, 1.5)),
     "sun": _Light("SUN", 3.0, angle=math.radians(5)),
     "area": _Light("AREA", 100.0, size=1.0),
     "area disk": _Light("AREA", 100.0, shape="DISK", size=1.0),
@@ -206,7 +211,7 @@ def MakeEngine(resources: str, samples: int):
     engine = names["StreamRenderEngine"]
     shown = engine.get_render_settings
     engine.get_render_settings = lambda self, kind: {**shown(self, kind), "samples": samples, "pixelFilter": "box",
-                                                     "pixelFilterWidth": 1.0, "noCache": True}
+                                                     "pixelFilterWidth": 1.0}
     names["register"]()
     return engine.bl_idname
 
