@@ -54,7 +54,7 @@ void HdStreamLight::SyncPlacement(HdSceneDelegate* delegate, HdStreamRenderParam
     }
     if (bits & (DirtyTransform | DirtyParams)) {
         // The dome offset turns a dome's pole to its pole axis (UsdLuxDomeLight_1).
-        const GfMatrix4d offset = delegate->GetLightParamValue(id, HdLightTokens->domeOffset)
+        const GfMatrix4d offset = HdStreamGetLightParameter(delegate, id, HdLightTokens->domeOffset)
                                       .GetWithDefault(GfMatrix4d(1.0));
         placement.worldFromObject = HdStreamToGlm(offset * delegate->GetTransform(id));
     }

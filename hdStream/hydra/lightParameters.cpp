@@ -27,7 +27,9 @@ class Reader {
 public:
     Reader(HdSceneDelegate* delegate, const SdfPath& id) : _delegate(delegate), _id(id) {}
 
-    VtValue Get(const TfToken& name) const { return _delegate->GetLightParamValue(_id, name); }
+    VtValue Get(const TfToken& name) const {
+        return HdStreamGetLightParameter(_delegate, _id, name);
+    }
 
     template <typename Type>
     void Read(const TfToken& name, Type* value) const {
@@ -109,6 +111,13 @@ bool IsPartial(HdSceneDelegate* delegate, const SdfPath& id, const TfToken& coll
 
 } // namespace
 
+VtValue HdStreamGetLightParameter(HdSceneDelegate* delegate, const SdfPath& id,
+                                  const TfToken& name) {
+    VtValue value = delegate->GetLightParamValue(id, name);
+    return value.IsEmpty() ? delegate->GetLightParamValue(id, TfToken("inputs:" + name.GetString()))
+                           : value;
+}
+
 std::optional<hds::LightType> HdStreamFindLightType(const TfToken& typeId) {
     static const std::pair<TfToken, hds::LightType> types[] = {
         {HdPrimTypeTokens->simpleLight, hds::LightType::Distant},
@@ -129,7 +138,7 @@ std::optional<hds::LightType> HdStreamFindLightType(const TfToken& typeId) {
 
 hds::LinkCategories HdStreamReadLinks(HdSceneDelegate* delegate, const SdfPath& id) {
     const auto linkOf = [&](const TfToken& name) {
-        return delegate->GetLightParamValue(id, name).GetWithDefault(TfToken()).GetString();
+        return HdStreamGetLightParameter(delegate, id, name).GetWithDefault(TfToken()).GetString();
     };
     return {linkOf(HdTokens->lightLink), linkOf(HdTokens->shadowLink)};
 }

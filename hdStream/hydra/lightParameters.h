@@ -14,6 +14,12 @@
 
 PXR_NAMESPACE_OPEN_SCOPE
 
+/// A parameter of a light under Hydra's name, else under the attribute's, which begins with
+/// "inputs:": some scene delegates (Blender's) know a few parameters by the latter alone. Empty:
+/// there is none. All reading of light parameters goes through here.
+VtValue HdStreamGetLightParameter(HdSceneDelegate* delegate, const SdfPath& id,
+                                  const TfToken& name);
+
 /// The core's type of a light prim; none for types it does not render. "simpleLight" is the
 /// application's camera light, which has the values of a distant light.
 std::optional<hds::LightType> HdStreamFindLightType(const TfToken& typeId);

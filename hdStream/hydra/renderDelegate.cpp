@@ -221,7 +221,6 @@ void HdStreamRenderDelegate::DestroyBprim(HdBprim* bprim) {
 
 void HdStreamRenderDelegate::CommitResources(HdChangeTracker*) {
     _param->Commit();
-    _param->PrintWarnings();
 }
 
 TfToken HdStreamRenderDelegate::GetMaterialBindingPurpose() const {

@@ -2,8 +2,10 @@
 #include "hdStream/hydra/renderParam.h"
 
 #include "hdStream/hydra/scenePaths.h"
+#include "hdStream/session/warningDigest.h"
 
 #include <pxr/base/tf/diagnostic.h>
+#include <pxr/base/tf/getenv.h>
 
 #include <algorithm>
 #include <utility>
@@ -45,10 +47,14 @@ void HdStreamRenderParam::Warn(const SdfPath& prim, const std::string& text) {
 }
 
 void HdStreamRenderParam::PrintWarnings() {
-    std::string line;
-    while (_warnings.try_pop(line)) {
+    static const bool isVerbose = TfGetenvBool("HDSTREAM_VERBOSE", false);
+    std::vector<std::string> lines;
+    for (std::string line; _warnings.try_pop(line);) {
+        lines.push_back(std::move(line));
+    }
+    for (const std::string& line : isVerbose ? lines : hds::DigestWarnings(std::move(lines))) {
         ++_numWarningsPrinted;
-        if (_numWarningsPrinted <= kMaxWarningsPrinted) {
+        if (isVerbose || _numWarningsPrinted <= kMaxWarningsPrinted) {
             TF_WARN("%s", line.c_str());
         } else if (_numWarningsPrinted == kMaxWarningsPrinted + 1) {
             TF_WARN("Stream: more warnings are in the render statistics only");

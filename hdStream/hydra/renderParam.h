@@ -38,8 +38,9 @@ public:
     /// A warning about scene content: printed once per text, and part of the statistics.
     void Warn(const SdfPath& prim, const std::string& text);
 
-    /// Prints warnings that arrived since the last call. Application's thread only: printing on the
-    /// render thread could meet a diagnostic delegate that waits for a lock the application holds.
+    /// Prints warnings that arrived since the last call, one line a kind (HDSTREAM_VERBOSE=1: all
+    /// of them). Application's thread only: printing on the render thread could meet a diagnostic
+    /// delegate that waits for a lock the application holds.
     void PrintWarnings();
 
     /// Reserves a path of the scene for a prim of Hydra: `wanted`, or a path made unique with the

@@ -131,7 +131,6 @@ HdStreamRenderPass::~HdStreamRenderPass() {
 void HdStreamRenderPass::_Execute(const HdRenderPassStateSharedPtr& state,
                                   const TfTokenVector& renderTags) {
     HdStreamRenderParam& param = _delegate->Param();
-    param.PrintWarnings();
     const hds::Settings settings = MakeSettings(*state, renderTags);
     if (settings.aovs.empty() || settings.imageWidth == 0 || settings.imageHeight == 0) {
         SetConverged(*state); // Nothing is asked for.
@@ -191,6 +190,7 @@ void HdStreamRenderPass::Show(const HdRenderPassState& state) {
     const std::shared_ptr<const hds::FilmImage> image = thread.Newest();
     if (image) {
         Report(*image);
+        PrintWarnings(*image);
     }
     const GfRect2i dataWindow = HdStreamFramingOf(state).dataWindow;
     bool isMapped = false;
@@ -203,6 +203,16 @@ void HdStreamRenderPass::Show(const HdRenderPassState& state) {
         }
     }
     _isConverged = isConverged && !isMapped;
+}
+
+void HdStreamRenderPass::PrintWarnings(const hds::FilmImage& image) {
+    // The scene has been prepared when it has a picture; what comes later, at the end.
+    HdStreamRenderParam& param = _delegate->Param();
+    const bool isNew = image.version != _warnedVersion && image.version == param.Thread().Version();
+    if (isNew || image.isFinal) {
+        _warnedVersion = image.version;
+        param.PrintWarnings();
+    }
 }
 
 void HdStreamRenderPass::Report(const hds::FilmImage& image) {

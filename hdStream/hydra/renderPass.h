@@ -40,13 +40,16 @@ private:
     void SetConverged(const HdRenderPassState& state);
     /// Reports an image's error, once while it lasts.
     void Report(const hds::FilmImage& image);
+    /// Prints the warnings of a version once it has a picture, and the late ones at its end.
+    void PrintWarnings(const hds::FilmImage& image);
 
     HdStreamRenderDelegate* _delegate;
     const std::string _cameraPath; ///< of the camera made of matrices
     bool _hasCamera = false;       ///< it was made
     GfMatrix4d _worldToView{0.0};
     GfMatrix4d _projection{0.0};
-    std::string _reported; ///< the error that was reported last
+    std::string _reported;            ///< the error that was reported last
+    std::uint64_t _warnedVersion = 0; ///< whose warnings were printed
     bool _isConverged = false;
 };
 

@@ -5,6 +5,7 @@
 #include "hdStream/session/memorySize.h"
 #include "hdStream/session/session.h"
 #include "hdStream/session/settingsTable.h"
+#include "hdStream/session/warningDigest.h"
 
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/map.h>
@@ -197,6 +198,7 @@ void BindSession(nb::module_& module) {
     BindSettings(module);
     BindSettingsTable(module);
     BindDevices(module);
+    module.def("DigestWarnings", &DigestWarnings, "lines"_a, "One line a kind, with three names.");
     nb::class_<Session>(module, "Session", "A scene, its device and its film.")
         .def(
             "__init__",

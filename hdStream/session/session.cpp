@@ -43,6 +43,17 @@ struct CommitKey {
     ResidencyOptions residency;
 };
 
+/// Premultiplied colours over black.
+void FillAlpha(std::vector<ImageLayer>* layers) {
+    for (ImageLayer& layer : *layers) {
+        if (layer.channels.size() == 4 && layer.channels.back() == "A") {
+            for (std::size_t i = 3; i < layer.values.size(); i += 4) {
+                layer.values[i] = 1.0F;
+            }
+        }
+    }
+}
+
 } // namespace
 
 std::vector<DeviceInfo> ListDevices() {
@@ -161,6 +172,7 @@ struct Session::Impl {
         const auto start = std::chrono::steady_clock::now();
         ReadyDevice(settings);
         ReadyDenoiser(settings);
+        isOpaque = settings.opaqueBackground;
         BeginStatistics();
         const CancelCallback isCancelled = [&] {
             Progress progress;
@@ -211,7 +223,8 @@ struct Session::Impl {
     std::unique_ptr<CommittedScene> scene;
     std::optional<CommitKey> committed; ///< what `scene` and the tracer's device tables hold
     std::unique_ptr<PathTracer> tracer;
-    bool hasFilm = false; ///< the tracer has begun a render
+    bool hasFilm = false;  ///< the tracer has begun a render
+    bool isOpaque = false; ///< the background of the present render
     std::unique_ptr<Denoiser> denoiser;
     std::vector<std::string> denoisedAovs; ///< of the present render; empty: it is not denoised
     StatisticsInput statistics;
@@ -325,6 +338,9 @@ std::vector<ImageLayer> Session::Layers(bool withFirstHits) const {
             DenoiseColor(*_impl->denoiser, &layers);
         }
         layers.resize(_impl->denoisedAovs.size()); // without the guides that were added
+    }
+    if (_impl->isOpaque) {
+        FillAlpha(&layers);
     }
     return layers;
 }

@@ -54,6 +54,8 @@ private:
     const SurfaceInput* _end;
 };
 
+constexpr const char* kSurfacesFrame = "is not supported; that of the surface is used";
+
 /// Reads one surface shader.
 class ModelReader {
 public:
@@ -99,9 +101,12 @@ public:
         SetOpacity(Read("opacity"));
         SetNormal("normal");
         Approximate("subsurface", "subsurface scattering is drawn as diffuse reflection");
-        Ignore({"transmission_extra_roughness", "transmission_dispersion", "coat_anisotropy"});
-        IgnoreColor("transmission_scatter");
-        IgnoreConnected({"coat_normal", "tangent"});
+        Ignore("transmission_extra_roughness", {"transmission"});
+        Ignore("transmission_dispersion", {"transmission"});
+        Ignore("transmission_scatter", {"transmission"});
+        Ignore("coat_anisotropy", {"coat"});
+        IgnoreFrame("coat_normal", "normal", {"coat"});
+        IgnoreFrame("tangent", "tangent", {"specular_anisotropy"});
         return Take();
     }
 
@@ -151,9 +156,13 @@ public:
         SetOpacity(Read("geometry_opacity"));
         SetNormal("geometry_normal");
         Approximate("subsurface_weight", "subsurface scattering is drawn as diffuse reflection");
-        Ignore({"transmission_dispersion_scale", "coat_roughness_anisotropy"});
-        IgnoreColor("transmission_scatter");
-        IgnoreConnected({"geometry_coat_normal", "geometry_tangent", "geometry_coat_tangent"});
+        Ignore("transmission_dispersion_scale", {"transmission_weight"});
+        Ignore("transmission_scatter", {"transmission_weight"});
+        Ignore("coat_roughness_anisotropy", {"coat_weight"});
+        IgnoreFrame("geometry_coat_normal", "geometry_normal", {"coat_weight"});
+        IgnoreFrame("geometry_tangent", "geometry_tangent", {"specular_roughness_anisotropy"});
+        IgnoreFrame("geometry_coat_tangent", "geometry_tangent",
+                    {"coat_weight", "coat_roughness_anisotropy"});
         return Take();
     }
 
@@ -192,8 +201,10 @@ public:
         }
         SetNormal("normal");
         SetFilm(Read("iridescence"), Read("iridescence_thickness"), Read("iridescence_ior"));
-        Ignore({"anisotropy_strength", "dispersion"});
-        IgnoreConnected({"clearcoat_normal", "tangent"});
+        Ignore("anisotropy_strength");
+        Ignore("dispersion", {"transmission"});
+        IgnoreFrame("clearcoat_normal", "normal", {"clearcoat"});
+        IgnoreFrame("tangent", "tangent", {"anisotropy_strength"});
         return Take();
     }
 
@@ -202,7 +213,7 @@ public:
         Set(HDS_INPUT_DIFFUSE_COLOR, MakeConstant({0.0F, 0.0F, 0.0F, 1.0F}, 3));
         Set(HDS_INPUT_EMISSIVE_COLOR, Multiply(Read("emission"), Read("emission_color"), 3));
         SetOpacity(Read("opacity"));
-        Ignore({"transmission"});
+        Ignore("transmission");
         return Take();
     }
 
@@ -354,27 +365,47 @@ private:
         const auto isOne = [&](const char* name) { return id.rfind(name, 0) == 0; };
         if (isOne("ND_normalmap") || isOne("ND_bump_") || isOne("ND_gltf_normalmap")) {
             Set(HDS_INPUT_NORMAL, _network.Evaluate(_node, input));
-        } else if (!isOne("ND_normal")) {
-            IgnoreConnected({input});
+        } else if (!IsSurfaces(input)) {
+            Warn(input, kSurfacesFrame);
         }
     }
 
-    void Ignore(std::initializer_list<const char*> inputs) {
-        for (const char* input : inputs) {
+    using Names = std::initializer_list<const char*>;
+
+    /// Warns where the input and all that it shows by are not 0.
+    void Ignore(const char* input, Names shownBy = {}) {
+        if (AreShown(shownBy)) {
             Approximate(input, "is not supported and is left out");
         }
     }
-    void IgnoreColor(const char* input) {
-        if (!IsAll(Read(input), 0.0F)) {
-            Warn(input, "is not supported and is left out");
+    /// Warns of a normal or tangent that is not the surface's, nor that of the input `same`.
+    void IgnoreFrame(const std::string& input, const std::string& same, Names shownBy) {
+        const auto own = _node.connections.find(input);
+        const auto other = _node.connections.find(same);
+        const bool isSame = input != same && own != _node.connections.end() &&
+                            other != _node.connections.end() &&
+                            own->second.upstreamPath == other->second.upstreamPath &&
+                            own->second.upstreamOutput == other->second.upstreamOutput;
+        if (AreShown(shownBy) && !isSame && !IsSurfaces(input)) {
+            Warn(input, kSurfacesFrame);
         }
     }
-    void IgnoreConnected(std::initializer_list<const char*> inputs) {
-        for (const char* input : inputs) {
-            if (_node.connections.count(input) != 0) {
-                Warn(input, "is not supported; that of the surface is used");
-            }
+    bool AreShown(Names inputs) {
+        return std::none_of(inputs.begin(), inputs.end(),
+                            [&](const char* input) { return IsAll(Read(input), 0.0F); });
+    }
+    /// Whether a normal or tangent is not connected, or connected to the surface's own, as
+    /// exporters do that connect all.
+    bool IsSurfaces(const std::string& input) {
+        if (_node.connections.count(input) == 0) {
+            return true;
         }
+        const MaterialNode* source = _network.FindSource(_node, input);
+        while (source != nullptr && source->identifier == "ND_normalize_vector3") {
+            source = _network.FindSource(*source, "in");
+        }
+        return source != nullptr && (source->identifier == "ND_normal_vector3" ||
+                                     source->identifier == "ND_tangent_vector3");
     }
     /// Warns where the input is not 0.
     void Approximate(const char* input, const char* what) {

@@ -2,7 +2,8 @@
 """Finds an OpenUSD with imaging, its Python and the built plug-in, and runs OpenUSD's programs with it.
 
 Looked for, in this order: $pxr_DIR, $PXR_ROOT, the CMake cache of the build under test, the programs on
-PATH, usual places. The build under test is $HDSTREAM_TEST_BUILD (scripts/test sets it), else
+PATH, usual places. A prefix without usdrecord is of use where its plug-in was built for Blender's module bpy: the Python that
+has it is $HDSTREAM_TEST_BPY, else the one whose folder the prefix's pxrConfig.cmake names, and recorder.py is its usdrecord. The build under test is $HDSTREAM_TEST_BUILD (scripts/test sets it), else
 build/release. Programs run in an environment of their own: OpenUSD's Python, not the one of the tests.
 """
 
@@ -16,7 +17,8 @@ import signal
 import subprocess
 from dataclasses import dataclass
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
 MINIMUM_VERSION = 2411  # as PXR_VERSION counts
 SECONDS = 600  # a program that takes longer hangs; the first render of a machine builds kernels
 _USUAL_PLACES = ("/opt/*/pxrConfig.cmake", "/usr/local/*/pxrConfig.cmake", "/usr/local/pxrConfig.cmake",
@@ -33,6 +35,7 @@ class OpenUsd:
     prefix: pathlib.Path
     version: int  # as PXR_VERSION: 2411
     python: str  # the interpreter it was built for
+    isBlenders: bool = False  # the one in bpy, which has no programs
 
     @property
     def modules(self) -> str:
@@ -43,7 +46,14 @@ class OpenUsd:
         return ""
 
     def Program(self, name: str) -> list[str]:
+        if self.isBlenders and name == "usdrecord":
+            return self.Script(HERE / "recorder.py")
         return [self.python, str(self.prefix / "bin" / name)]
+
+    def Script(self, *words) -> list[str]:
+        """The words that run a script with OpenUSD's modules; or "-c" and code."""
+        start = [str(HERE / "blenderProgram.py")] if self.isBlenders else []
+        return [self.python, *start, *map(str, words)]
 
     def Environment(self, plugin: pathlib.Path | None = None, **more: str) -> dict[str, str]:
         """The environment of a program. plugin: the plug-in's folder of resources."""
@@ -61,13 +71,13 @@ class OpenUsd:
     @property
     def hasMaterialX(self) -> bool:
         """Whether it was built with usdMtlx, which registers MaterialX's nodes."""
-        return any(self.prefix.glob("lib*/*usdMtlx*"))
+        return self.isBlenders or any(self.prefix.glob("lib*/*usdMtlx*"))
 
     @functools.lru_cache
     def HasModules(self, *names: str) -> bool:
         """True when its Python can import the modules."""
         code = "import " + ", ".join(names)
-        return subprocess.run([self.python, "-c", code], env=self.Environment(), capture_output=True).returncode == 0
+        return subprocess.run(self.Script("-c", code), env=self.Environment(), capture_output=True).returncode == 0
 
 
 @dataclass
@@ -148,20 +158,37 @@ def _PrefixOf(folder: pathlib.Path) -> pathlib.Path:
 def _Inspect(prefix: pathlib.Path) -> tuple[OpenUsd | None, str]:
     """The installation at a prefix; (None, "") when there is nothing at all."""
     header = prefix / "include" / "pxr" / "pxr.h"
-    program = prefix / "bin" / "usdrecord"
     if not header.is_file():
         return None, ""
-    if not program.is_file() or not (prefix / "include" / "pxr" / "imaging").is_dir():
-        return None, f"{prefix}: no imaging or no usdrecord"
+    program = prefix / "bin" / "usdrecord"
+    blenders = "" if program.is_file() else _BlendersPython(prefix)
+    if not (program.is_file() or blenders) or not (prefix / "include" / "pxr" / "imaging").is_dir():
+        return None, f"{prefix}: no imaging, or neither usdrecord nor a Python with bpy"
     text = header.read_text(errors="replace")
     numbers = {name: int(value) for name, value in re.findall(r"#define PXR_(MINOR|PATCH)_VERSION (\d+)", text)}
     version = numbers.get("MINOR", 0) * 100 + numbers.get("PATCH", 0)
     if version < MINIMUM_VERSION:
         return None, f"{prefix}: version {version} is older than {MINIMUM_VERSION}"
-    # The installer writes the interpreter that it was built for into its scripts.
-    python = program.read_bytes().split(b"\n", 1)[0].decode(errors="replace").removeprefix("#!").strip()
-    python = shutil.which(python.split()[-1]) if python else None
-    found = OpenUsd(prefix, version, python) if python else None
+    python = blenders or _PythonOf(program)
+    found = OpenUsd(prefix, version, python, bool(blenders)) if python else None
     if not found or not found.HasModules("pxr.UsdAppUtils"):
         return None, f"{prefix}: its Python cannot import pxr.UsdAppUtils"
     return found, ""
+
+
+def _PythonOf(program: pathlib.Path) -> str | None:
+    """The interpreter that OpenUSD was built for: the installer writes it into its scripts."""
+    python = program.read_bytes().split(b"\n", 1)[0].decode(errors="replace").removeprefix("#!").strip()
+    return shutil.which(python.split()[-1]) if python else None
+
+
+def _BlendersPython(prefix: pathlib.Path) -> str:
+    """The Python whose module bpy holds the libraries of this prefix; empty: none is named."""
+    named = os.environ.get("HDSTREAM_TEST_BPY")
+    if named:
+        return shutil.which(named) or ""
+    for config in (prefix / "pxrConfig.cmake", prefix / "lib" / "cmake" / "pxr" / "pxrConfig.cmake"):
+        text = config.read_text(errors="replace") if config.is_file() else ""
+        for root in re.findall(r"(/[^\s\"';()]*)/lib/python[\d.]+/site-packages/bpy\b", text):
+            return shutil.which(f"{root}/bin/python") or ""
+    return ""

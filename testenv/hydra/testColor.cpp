@@ -59,6 +59,22 @@ TEST_F(Color, IsPremultipliedByCoverage) {
     EXPECT_GT(numPartial, 20);
 }
 
+TEST_F(Color, AnOpaqueBackgroundHasAlphaOneAndTheSameColours) {
+    const Image image = RenderWith(HdFormatFloat32Vec4, GfVec4f(0.0F));
+    HostOptions options = WithColor(HdFormatFloat32Vec4, VtValue(GfVec4f(0.0F)));
+    options.settings[TfToken("opaqueBackground")] = VtValue(true);
+    const Image opaque = Host(EmissiveQuad(), options).Render();
+    ASSERT_EQ(opaque.width, image.width);
+    for (int y = 0; y < image.height; ++y) {
+        for (int x = 0; x < image.width; ++x) {
+            ASSERT_EQ(opaque.Float(x, y, 3), 1.0F);
+            for (int component = 0; component < 3; ++component) {
+                ASSERT_EQ(opaque.Float(x, y, component), image.Float(x, y, component));
+            }
+        }
+    }
+}
+
 TEST_F(Color, IsCompositedOverTheClearColor) {
     const Image plain = RenderWith(HdFormatFloat32Vec4, GfVec4f(0.0F));
     const GfVec4f clear(0.2F, 0.5F, 0.75F, 0.5F);

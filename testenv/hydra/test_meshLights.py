@@ -73,7 +73,7 @@ def test_edits_of_mesh_lights(mode, openUsd, plugin, isStream, tmp_path):
                width=WIDTH, out=str(tmp_path))
     (tmp_path / "job.json").write_text(json.dumps(job), encoding="utf-8")
     environment = {"USDIMAGINGGL_ENGINE_ENABLE_SCENE_INDEX": "1"} if mode == "sceneIndex" else {}
-    run = RunProgram([openUsd.python, _SCRIPT, tmp_path / "job.json"], openUsd.Environment(plugin, **environment))
+    run = RunProgram(openUsd.Script(_SCRIPT, tmp_path / "job.json"), openUsd.Environment(plugin, **environment))
     assert run.code == 0, run.output
     assert "/World/Lamp: links of a mesh light do not come through Hydra; ignored" in run.output
     before = "start"

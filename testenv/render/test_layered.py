@@ -10,8 +10,9 @@ import pytest
 pytest.importorskip("hdstream._core")
 
 import ours
+from pxr import Sdf, UsdShade
 from stages import author, shapes
-from stages.materialX import OPEN_PBR, STANDARD, AddSurface
+from stages.materialX import OPEN_PBR, STANDARD, AddNode, AddSurface
 
 _GLASS = dict(base=0.0, transmission=1.0, specular_roughness=0.0)
 
@@ -73,7 +74,7 @@ def test_opacity_shows_what_is_behind(tmp_path):
 
 def test_what_is_left_out_is_said_once(tmp_path):
     stage = author.NewStage(str(tmp_path / "stage.usda"))
-    material = AddSurface(stage, "/World/Look", subsurface=0.5, coat_anisotropy=0.5)
+    material = AddSurface(stage, "/World/Look", subsurface=0.5, coat=1.0, coat_anisotropy=0.5)
     for i in range(3):
         author.AddMesh(stage, f"/World/Ball{i}", shapes.Sphere(1.0, 8, 16), material=material, translate=(i, 0, 0))
     author.AddCamera(stage)
@@ -81,3 +82,56 @@ def test_what_is_left_out_is_said_once(tmp_path):
     warnings = ours.Render(stage.GetRootLayer().realPath, 4, 4, samples=1).warnings
     for name in ("subsurface of /World/Look/Surface", "coat_anisotropy of /World/Look/Surface"):
         assert len([text for text in warnings if name in text]) == 1, warnings
+
+
+# Exporters write every input, and connect the tangent (Blender). {material: (identifier, inputs, inputs with what shows them)}
+_WRITTEN = {
+    "Standard": (STANDARD, dict(coat_anisotropy=0.5, transmission_extra_roughness=0.1, transmission_dispersion=20.0,
+                                transmission_scatter=(0.1, 0.1, 0.1)),
+                 dict(coat=1.0, transmission=0.5)),
+    "OpenPbr": (OPEN_PBR, dict(coat_roughness_anisotropy=0.5, transmission_dispersion_scale=1.0,
+                               transmission_scatter=(0.1, 0.1, 0.1)),
+                dict(coat_weight=1.0, transmission_weight=0.5)),
+    "Gltf": ("ND_gltf_pbr_surfaceshader", dict(dispersion=0.1), dict(transmission=0.5)),
+}
+
+
+def _FrameStage(tmp_path, identifier, inputs, frames, isTurned):
+    """frames: inputs to which the surface's tangent is connected, normalised; isTurned: turned before that."""
+    stage = author.NewStage(str(tmp_path / "stage.usda"))
+    material = AddSurface(stage, "/World/Look", identifier, **inputs)
+    vector = Sdf.ValueTypeNames.Float3
+    tangent, _ = AddNode(stage, "/World/Look/Tangent", "ND_tangent_vector3", vector, space="world")
+    if isTurned:
+        turn, _ = AddNode(stage, "/World/Look/Turn", "ND_rotate3d_vector3", vector, amount=90.0)
+        turn.CreateInput("in", vector).ConnectToSource(tangent.GetOutput("out"))
+        tangent = turn
+    unit, _ = AddNode(stage, "/World/Look/Unit", "ND_normalize_vector3", vector)
+    unit.CreateInput("in", vector).ConnectToSource(tangent.GetOutput("out"))
+    surface = UsdShade.Shader.Get(stage, "/World/Look/Surface")
+    for frame in frames:
+        surface.CreateInput(frame, vector).ConnectToSource(unit.GetOutput("out"))
+    author.AddMesh(stage, "/World/Ball", shapes.Sphere(1.0, 8, 16), material=material)
+    author.AddCamera(stage)
+    author.AddLight(stage, "/World/Light", "Dome")
+    stage.GetRootLayer().Save()
+    return ours.Render(stage.GetRootLayer().realPath, 4, 4, samples=1).warnings
+
+
+@pytest.mark.parametrize("name", _WRITTEN)
+def test_what_a_material_does_not_show_is_not_warned_of(tmp_path, name):
+    identifier, written, shown = _WRITTEN[name]
+    assert _FrameStage(tmp_path, identifier, written, (), False) == []
+    assert len(_FrameStage(tmp_path, identifier, dict(written, **shown), (), False)) == len(written)
+
+
+def test_tangents_that_nothing_shows_are_not_warned_of(tmp_path):
+    frames, bent = ("geometry_tangent", "geometry_coat_tangent"), dict(specular_roughness_anisotropy=0.5)
+    coated = dict(coat_weight=1.0, coat_roughness_anisotropy=0.5)
+    assert _FrameStage(tmp_path, OPEN_PBR, {}, frames, True) == []
+    assert _FrameStage(tmp_path, OPEN_PBR, dict(coat_roughness_anisotropy=0.5), frames, True) == []
+    assert _FrameStage(tmp_path, OPEN_PBR, bent, frames, False) == []
+    assert ["geometry_tangent" in line for line in _FrameStage(tmp_path, OPEN_PBR, bent, frames, True)] == [True]
+    # The coat's own is not supported at all; its tangent is the surface's here.
+    assert ["coat_roughness_anisotropy" in line for line in _FrameStage(tmp_path, OPEN_PBR, coated, frames, True)] == [True]
+    assert len(_FrameStage(tmp_path, OPEN_PBR, coated, frames[1:], True)) == 2

@@ -147,6 +147,8 @@ def _AddRecordOptions(command):
     _AddFarmOptions(farm)
     machine.add_argument("--stats", metavar="FILE", help="write statistics as JSON")
     machine.add_argument("--quiet", action="store_true", help="no progress bar")
+    machine.add_argument("--verbose", action="store_true",
+                         help="every warning, as it comes (default: one line a kind, with three names)")
 
 
 def _AddFarmOptions(group):

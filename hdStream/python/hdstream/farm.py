@@ -40,10 +40,10 @@ def RunOnFarm(args, interruption):
         frame.statsFile = frame.statsFile and _Absolute(frame.statsFile)
     job.stage = _Absolute(job.stage)
     progress = ProgressBar(args.quiet)
-    warn = WarningPrinter(progress)
+    warn = WarningPrinter(progress, args.verbose)
     interruption.hasWork = True
     try:
-        with _Connect(args, distributed) as client:
+        with warn, _Connect(args, distributed) as client:
             numWorkers = _CheckWorkers(client, job, args, warn)
             return _Run(_Farm(client, distributed, job, args, numWorkers, progress, warn, shown), frames, progress)
     except KeyboardInterrupt:
@@ -172,6 +172,7 @@ class _Farm:
     def _Check(self, frame, result):
         for line in result.get("warnings", ()):
             self._warn(line)
+        self._warn.Flush()
         if result.get("isStopped"):
             raise KeyboardInterrupt
         if "error" in result:

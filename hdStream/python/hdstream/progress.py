@@ -4,8 +4,10 @@
 import os
 import shutil
 import sys
+import threading
 import time
 
+from hdstream import _core
 from hdstream.texts import SecondsText
 
 _INTERVAL = 0.2  # seconds between redraws
@@ -52,14 +54,35 @@ class ProgressBar:
 
 
 class WarningPrinter:
-    """Shows a warning once, however many frames have it."""
+    """Shows a warning once, however many frames have it: as it comes, or one line a kind when its block or `Flush` ends."""
 
-    def __init__(self, progress):
+    def __init__(self, progress, isVerbose=False):
         self._progress = progress
+        self._isVerbose = isVerbose or os.environ.get("HDSTREAM_VERBOSE") == "1"
         self._lines = set()
+        self._waiting = []
+        self._lock = threading.Lock()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.Flush()
 
     def __call__(self, line):
-        if line not in self._lines:
+        with self._lock:
+            if line in self._lines:
+                return
             self._lines.add(line)
+            self._waiting.append(line)
+        if self._isVerbose:
+            self.Flush()
+
+    def Flush(self):
+        """Shows those that wait. Any thread."""
+        with self._lock:
+            lines, self._waiting = self._waiting, []
+        if lines:
             self._progress.Clear()
+        for line in lines if self._isVerbose else _core.DigestWarnings(lines):
             print(f"warning: {line}", file=sys.stderr)

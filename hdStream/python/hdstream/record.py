@@ -19,21 +19,24 @@ def Run(args):
         if args.scheduler or args.workers:
             from hdstream.farm import RunOnFarm
             return RunOnFarm(args, interruption)
-        recorder = Recorder(args, interruption)
-        for frame in recorder.frames:
-            if not recorder.Record(frame):
-                return EXIT_INTERRUPTED
+        progress = ProgressBar(args.quiet)
+        with WarningPrinter(progress, args.verbose) as warn:
+            recorder = Recorder(args, interruption, progress, warn)
+            for frame in recorder.frames:
+                if not recorder.Record(frame):
+                    return EXIT_INTERRUPTED
     return EXIT_OK
 
 
 class Recorder:
     """Renders frames of one stage. Used from the main thread; renders on one of its own."""
 
-    def __init__(self, args, interruption):
+    def __init__(self, args, interruption, progress, warn):
         self._args = args
         self._interruption = interruption
-        self._progress = ProgressBar(args.quiet)
-        self._writer = FrameWriter(JobOf(args), WarningPrinter(self._progress))
+        self._progress = progress
+        self._warn = warn
+        self._writer = FrameWriter(JobOf(args), warn)
         self.frames = FramesOf(args, self._writer.renderer.stage)
 
     def Record(self, frame):
@@ -44,7 +47,9 @@ class Recorder:
             return True
         self._interruption.Check()
         image = self._Render(frame)
-        if not self._writer.Finish(frame, image):
+        isWritten = self._writer.Finish(frame, image)
+        self._warn.Flush()
+        if not isWritten:
             print(f"hdstream record: {frame.file}: not written, no sample of every pixel is done", file=sys.stderr)
         elif not self._args.quiet:
             done = "" if image.isComplete else " (interrupted)"
@@ -54,13 +59,16 @@ class Recorder:
 
     def _Render(self, frame):
         """Renders on a thread, so that Ctrl-C is seen at once."""
+        isPrepared = threading.Event()
         isStopping = threading.Event()
         isDone = threading.Event()
         images = []
         errors = []
 
         def OnProgress(progress):
-            # 0 while the scene is prepared.
+            if progress.fraction > 0 and not isPrepared.is_set():  # 0 while the scene is prepared
+                isPrepared.set()
+                self._warn.Flush()
             if progress.fraction > 0 and not isStopping.is_set():
                 self._progress.Update(progress)
 

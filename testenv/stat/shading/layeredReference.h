@@ -5,6 +5,8 @@
 #pragma once
 
 #include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
 #include <glm/vec3.hpp>
 
 #include <algorithm>
@@ -150,6 +152,35 @@ inline double Sheen(double roughness, const glm::dvec3& wo, const glm::dvec3& wi
     const double distribution =
         (2.0 + 1.0 / roughness) * std::pow(sine, 1.0 / roughness) / (2.0 * kPi);
     return distribution / (4.0 * (wo.z + wi.z - wo.z * wi.z));
+}
+
+/// OpenPBR's fuzz over its albedo, f |cos|: the density of a direction that the matrix M takes from
+/// a cosine lobe (Zeltner, Burley and Chiang 2022), by M's inverse as MaterialX 1.39 fits it.
+inline double Fuzz(double roughness, const glm::dvec3& wo, const glm::dvec3& wi) {
+    const double c = wo.z;
+    const double r = roughness;
+    const double a = (2.58126 * c + 0.813703 * r) * r / (1.0 + 0.310327 * c * c + 2.60994 * c * r);
+    const double b = std::sqrt(1.0 - c) * (r - 1.0) * r * r * r /
+                     (0.0000254053 + 1.71228 * c - 1.71506 * c * r + 1.34174 * r * r);
+    const double phi = std::atan2(wo.y, wo.x);
+    const glm::dvec3 turned(std::cos(phi) * wi.x + std::sin(phi) * wi.y,
+                            std::cos(phi) * wi.y - std::sin(phi) * wi.x, wi.z);
+    const glm::dmat3 inverse(glm::dvec3(a, 0.0, 0.0), glm::dvec3(0.0, a, 0.0),
+                             glm::dvec3(b, 0.0, 1.0)); // columns
+    const glm::dvec3 original = inverse * turned;
+    const double length = glm::length(original);
+    return original.z / length / kPi * glm::determinant(inverse) / (length * length * length);
+}
+
+/// Its directional albedo, by MaterialX's fit.
+inline double FuzzAlbedo(double c, double r) {
+    const double s = r * (0.0206607 + 1.58491 * r) / (0.0379424 + r * (1.32227 + r));
+    const double m =
+        r * (-0.193854 + r * (-1.14885 + r * (1.7932 - 0.95943 * r * r))) / (0.046391 + r);
+    const double o =
+        r * (0.000654023 + (-0.0207818 + 0.119681 * r) * r) / (1.26264 + r * (-1.92021 + r));
+    const double x = (c - m) / s;
+    return std::exp(-0.5 * x * x) / (s * std::sqrt(2.0 * kPi)) + o;
 }
 
 } // namespace hds::test::reference

@@ -132,19 +132,53 @@ TEST_F(LayeredLobesTest, SheenIsContyEstevezAndKullas) {
             pairs.erase(std::remove_if(pairs.begin(), pairs.end(),
                                        [&](const auto& pair) { return pair[0].z != Towards(o).z; }),
                         pairs.end());
-            for (const bool isFuzz : {false, true}) {
-                sheen.flags = over.flags = isFuzz ? HDS_MATERIAL_FUZZ : 0U;
-                const std::string name = "sheen " + std::to_string(roughness);
-                // Above 1 it is scaled by the table's albedo.
-                Check(name, sheen, pairs, albedo > 1.0 - kTables ? kFloat + kTables : kFloat, 0.0,
-                      [&](const glm::dvec3& wo, const glm::dvec3& wi, int k) {
-                          return 0.8 * colors[k] * lobe(wo, wi) / std::max(albedo, 1.0) * wi.z;
-                      });
-                Check(name + " below", over, pairs, kFloat, kTables,
-                      [&](const glm::dvec3&, const glm::dvec3& wi, int) {
-                          return (1.0 - 0.8 * std::min(albedo, 1.0)) * wi.z / reference::kPi;
-                      });
-            }
+            const std::string name = "sheen " + std::to_string(roughness);
+            // Above 1 it is scaled by the table's albedo.
+            Check(name, sheen, pairs, albedo > 1.0 - kTables ? kFloat + kTables : kFloat, 0.0,
+                  [&](const glm::dvec3& wo, const glm::dvec3& wi, int k) {
+                      return 0.8 * colors[k] * lobe(wo, wi) / std::max(albedo, 1.0) * wi.z;
+                  });
+            Check(name + " below", over, pairs, kFloat, kTables,
+                  [&](const glm::dvec3&, const glm::dvec3& wi, int) {
+                      return (1.0 - 0.8 * std::min(albedo, 1.0)) * wi.z / reference::kPi;
+                  });
+        }
+    }
+}
+
+TEST_F(LayeredLobesTest, FuzzIsZeltners) {
+    const double colors[] = {0.9, 0.5, 0.2};
+    for (const double roughness : {0.3, 0.5, 0.8, 1.0}) {
+        LayeredParameters fuzz = White()
+                                     .Set(HDS_INPUT_DIFFUSE_COLOR, 0.0F)
+                                     .Set(HDS_INPUT_SHEEN, 0.8F)
+                                     .Set(HDS_INPUT_SHEEN_COLOR, 0.9F, 0.5F, 0.2F)
+                                     .Set(HDS_INPUT_SHEEN_ROUGHNESS, float(roughness));
+        fuzz.flags = HDS_MATERIAL_FUZZ;
+        LayeredParameters over = fuzz;
+        over.Set(HDS_INPUT_DIFFUSE_COLOR, 1.0F).Set(HDS_INPUT_SHEEN_COLOR, 0.0F);
+        const std::string name = "fuzz " + std::to_string(roughness);
+        Check(name, fuzz, Above(), kFloat, 0.0,
+              [&](const glm::dvec3& wo, const glm::dvec3& wi, int k) {
+                  return 0.8 * colors[k] * reference::FuzzAlbedo(wo.z, roughness) *
+                         reference::Fuzz(roughness, wo, wi);
+              });
+        Check(name + " below", over, Above(), kFloat, 1e-4,
+              [&](const glm::dvec3& wo, const glm::dvec3& wi, int) {
+                  return (1.0 - 0.8 * reference::FuzzAlbedo(wo.z, roughness)) * wi.z /
+                         reference::kPi;
+              });
+    }
+}
+
+/// The reference is a density: whatever the fits are, it integrates to 1.
+TEST(LayeredReference, FuzzIsADensity) {
+    for (const double roughness : {0.3, 0.5, 1.0}) {
+        for (const double cosine : kCosines) {
+            const auto lobe = [&](const glm::dvec3& wo, const glm::dvec3& wi) {
+                return reference::Fuzz(roughness, wo, wi) / wi.z;
+            };
+            EXPECT_NEAR(reference::Albedo(cosine, lobe), 1.0, 2e-3) << roughness << " " << cosine;
         }
     }
 }

@@ -65,13 +65,12 @@ std::vector<Case> WhiteCases() {
 
 class LayeredTest : public LayeredFixture {
 protected:
-    glm::dvec3 Albedo(const LayeredParameters& parameters, double cosine) {
-        constexpr int kSide = 180;
+    glm::dvec3 Albedo(const LayeredParameters& parameters, double cosine, int side = 180) {
         std::vector<float> us;
-        for (int i = 0; i < kSide; ++i) {
-            for (int j = 0; j < kSide; ++j) {
-                us.push_back((float(i) + 0.5F) / kSide);
-                us.push_back((float(j) + 0.5F) / kSide);
+        for (int i = 0; i < side; ++i) {
+            for (int j = 0; j < side; ++j) {
+                us.push_back((float(i) + 0.5F) / float(side));
+                us.push_back((float(j) + 0.5F) / float(side));
             }
         }
         glm::dvec3 sum(0.0);
@@ -110,7 +109,9 @@ protected:
 TEST_F(LayeredTest, WhiteSurfacesVanishInAFurnace) {
     for (const Case& c : WhiteCases()) {
         for (const double cosine : {0.1, 0.3, 0.7, 1.0}) {
-            const glm::dvec3 albedo = Albedo(c.parameters, cosine);
+            // Smooth fuzz is at grazing angles, where samples of a cosine lobe are few.
+            const bool isGrazing = c.name.compare(0, 18, "fuzz roughness 0.2") == 0;
+            const glm::dvec3 albedo = Albedo(c.parameters, cosine, isGrazing ? 1000 : 180);
             // Tables are of isotropic lobes, and linear between their nodes.
             const double tolerance = c.name == "stretched metal" ? 0.05 : 0.03;
             EXPECT_NEAR(albedo.x, 1.0, tolerance) << c.name << " cosine " << cosine;

@@ -1,0 +1,290 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What of Blender arrives, row by row: blenderRows.py --plugin RESOURCES [--rows NAME ...] [--out FOLDER].
+
+Builds one small scene a row (kinds of lights, materials, worlds) and renders it by Cycles and by Stream, over both ways in
+which Blender hands a scene to Hydra (export methods HYDRA and USD). Printed: the mean of Cycles' picture, and ours over it;
+behind the slash the same of the mean alpha where it is not 1; and the share of 8 x 8 blocks whose means are within 2 %. The
+engine is the one that docs/blender.md shows, and that page says why rows differ.
+
+Runs in a Python that can import bpy, for whose OpenUSD the plug-in was built. --out keeps the .blend files and pictures.
+"""
+
+import argparse
+import math
+import os
+import pathlib
+import re
+import sys
+import tempfile
+import traceback
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import bpy  # noqa: E402
+import numpy as np  # noqa: E402
+
+bpy.utils.expose_bundled_modules()
+
+_SIZE, _BLOCK, _TOLERANCE = 128, 8, 0.02
+_METHODS = ("HYDRA", "USD")
+_RED, _GOLD = (0.6, 0.3, 0.2, 1.0), (0.9, 0.6, 0.3, 1.0)
+
+
+# --- Scenes ----------------------------------------------------------------------------------------
+
+
+def _Start(world=(0.0, 0.0, 0.0, 1.0), strength=1.0):
+    """A grey floor and a camera that looks down on it."""
+    import rivalsCycles
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    rivalsCycles.Configure(scene, dict(width=_SIZE, height=_SIZE, maxDepth=8, threads=os.cpu_count()))
+    scene.render.image_settings.color_mode = "RGBA"
+    scene.render.use_persistent_data = False  # an engine that lives on keeps the prims of the other export method
+    scene.world = bpy.data.worlds.new("World")
+    scene.world.use_nodes = True
+    background = scene.world.node_tree.nodes["Background"]
+    background.inputs["Color"].default_value, background.inputs["Strength"].default_value = world, strength
+    bpy.ops.mesh.primitive_plane_add(size=8)
+    _Look(bpy.context.object, {"Base Color": (0.5, 0.5, 0.5, 1.0), "Specular IOR Level": 0.0})
+    bpy.ops.object.camera_add(location=(0, -6, 4), rotation=(math.radians(59), 0, 0))
+    scene.camera = bpy.context.object
+    return scene
+
+
+def _Look(item, inputs):
+    """A material of one Principled BSDF; returns the node."""
+    material = bpy.data.materials.new("Look")
+    material.use_nodes = True
+    node = material.node_tree.nodes["Principled BSDF"]
+    for name, value in inputs.items():
+        node.inputs[name].default_value = value
+    item.data.materials.clear()
+    item.data.materials.append(material)
+    return node
+
+
+def _Light(kind, energy, **properties):
+    def Build():
+        scene = _Start()
+        place = properties.pop("location", (0.5, -0.5, 5.0))
+        bpy.ops.object.light_add(type=kind, location=place, rotation=(math.radians(15), 0, math.radians(20)))
+        light = bpy.context.object.data
+        light.energy = energy
+        for name, value in properties.items():
+            setattr(light, name, value)
+        return scene
+
+    return Build
+
+
+def _World(**words):
+    return lambda: _Start(**words)
+
+
+def _WorldImage():
+    """A sky that is bright on one side, turned by its mapping."""
+    scene = _Start()
+    tree = scene.world.node_tree
+    image = bpy.data.images.new("sky", 64, 32, float_buffer=True)
+    pixels = np.zeros((32, 64, 4), np.float32)
+    pixels[..., 3] = 1.0
+    pixels[16:, :16, :3] = (4.0, 2.0, 1.0)
+    pixels[16:, 16:, 2] = 0.5
+    image.pixels.foreach_set(pixels.ravel())
+    image.pack()
+    texture, mapping = tree.nodes.new("ShaderNodeTexEnvironment"), tree.nodes.new("ShaderNodeMapping")
+    coordinates = tree.nodes.new("ShaderNodeTexCoord")
+    texture.image = image
+    mapping.inputs["Rotation"].default_value[2] = math.radians(70)
+    tree.links.new(coordinates.outputs["Generated"], mapping.inputs["Vector"])
+    tree.links.new(mapping.outputs["Vector"], texture.inputs["Vector"])
+    tree.links.new(texture.outputs["Color"], tree.nodes["Background"].inputs["Color"])
+    return scene
+
+
+def _Material(inputs, Edit=None):
+    """A ball of the material over the floor, under an area light and a dim world."""
+    def Build():
+        scene = _Start(world=(0.3, 0.35, 0.4, 1.0))
+        bpy.ops.object.light_add(type="AREA", location=(-2.0, -2.0, 4.0), rotation=(math.radians(35), 0, math.radians(-45)))
+        bpy.context.object.data.energy, bpy.context.object.data.size = 250.0, 2.0
+        bpy.ops.mesh.primitive_uv_sphere_add(segments=96, ring_count=48, radius=1.3, location=(0, 0, 1.3))
+        bpy.ops.object.shade_smooth()
+        node = _Look(bpy.context.object, inputs)
+        if Edit:
+            Edit(node.id_data, node)
+        return scene
+
+    return Build
+
+
+def _AddImage(tree, node):
+    image = bpy.data.images.new("checks", 64, 64)
+    cells = (np.indices((64, 64)) // 8).sum(0) % 2
+    pixels = np.ones((64, 64, 4), np.float32)
+    pixels[..., :3] = np.where(cells[..., None], (0.8, 0.3, 0.1), (0.1, 0.4, 0.7))
+    image.pixels.foreach_set(pixels.ravel())
+    image.pack()
+    texture = tree.nodes.new("ShaderNodeTexImage")
+    texture.image = image
+    tree.links.new(texture.outputs["Color"], node.inputs["Base Color"])
+
+
+def _Alone(*kinds):
+    """One BSDF, or a mix of two, in place of Principled."""
+    def Edit(tree, node):
+        shaders = [tree.nodes.new(f"ShaderNode{kind}") for kind in kinds]
+        if len(shaders) == 2:
+            mix = tree.nodes.new("ShaderNodeMixShader")
+            for i, shader in enumerate(shaders):
+                tree.links.new(shader.outputs[0], mix.inputs[i + 1])
+            shaders = [mix]
+        tree.links.new(shaders[0].outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+
+    return Edit
+
+
+def _AddNode(kind, output="Color"):
+    def Edit(tree, node):
+        tree.links.new(tree.nodes.new(f"ShaderNode{kind}").outputs[output], node.inputs["Base Color"])
+
+    return Edit
+
+
+def _Film():
+    scene = _Material({"Base Color": _RED})()
+    scene.render.film_transparent = True
+    return scene
+
+
+ROWS = {
+    "point": _Light("POINT", 200.0, shadow_soft_size=0.2),
+    "spot": _Light("SPOT", 800.0, shadow_soft_size=0.1, spot_size=math.radians(50), spot_blend=0.15),
+    "spot hard": _Light("SPOT", 800.0, shadow_soft_size=0.1, spot_size=math.radians(50), spot_blend=0.0),
+    "lamp in view": _Light("POINT", 200.0, shadow_soft_size=0.2, location=(0.0, 1.0, 1.5)),
+    "sun": _Light("SUN", 3.0, angle=math.radians(5)),
+    "area": _Light("AREA", 100.0, size=1.0),
+    "area disk": _Light("AREA", 100.0, shape="DISK", size=1.0),
+    "area rectangle": _Light("AREA", 100.0, shape="RECTANGLE", size=1.0, size_y=0.4),
+    "world": _World(world=(0.5, 0.6, 0.8, 1.0)),
+    "world strength": _World(world=(0.5, 0.6, 0.8, 1.0), strength=2.0),
+    "world image": _WorldImage,
+    "plain": _Material({"Base Color": _RED}),
+    "rough": _Material({"Base Color": _RED, "Diffuse Roughness": 1.0, "Roughness": 1.0}),
+    "metal": _Material({"Base Color": _GOLD, "Metallic": 1.0, "Roughness": 0.3}),
+    "anisotropic": _Material({"Base Color": _GOLD, "Metallic": 1.0, "Roughness": 0.4, "Anisotropic": 0.6}),
+    "emission": _Material({"Emission Color": _GOLD, "Emission Strength": 2.0}),
+    "alpha": _Material({"Base Color": _RED, "Alpha": 0.4}),
+    "image": _Material({}, _AddImage),
+    "film": _Material({"Base Color": (0.02, 0.02, 0.02, 1.0), "Roughness": 0.2, "Thin Film Thickness": 400.0, "Thin Film IOR": 1.8}),
+    "glass": _Material({"Base Color": (1.0, 1.0, 1.0, 1.0), "Roughness": 0.0, "Transmission Weight": 1.0, "IOR": 1.5}),
+    "tinted glass": _Material({"Base Color": _RED, "Roughness": 0.3, "Transmission Weight": 1.0, "IOR": 1.5}),
+    "coat": _Material({"Base Color": _RED, "Roughness": 0.6, "Coat Weight": 1.0, "Coat Roughness": 0.1}),
+    "coat tint": _Material({"Base Color": _RED, "Roughness": 0.6, "Coat Weight": 1.0, "Coat Tint": (0.3, 0.6, 1.0, 1.0)}),
+    "sheen": _Material({"Base Color": _RED, "Sheen Weight": 1.0, "Sheen Roughness": 0.5}),
+    "subsurface": _Material({"Base Color": _RED, "Subsurface Weight": 1.0, "Subsurface Scale": 0.2}),
+    "diffuse": _Material({}, _Alone("BsdfDiffuse")),
+    "glossy": _Material({}, _Alone("BsdfGlossy")),
+    "emitter": _Material({}, _Alone("Emission")),
+    "mix": _Material({}, _Alone("BsdfDiffuse", "BsdfGlossy")),
+    "noise": _Material({}, _AddNode("TexNoise")),
+    "checker": _Material({}, _AddNode("TexChecker")),
+    "voronoi": _Material({}, _AddNode("TexVoronoi")),
+    "transparent film": _Film,
+}
+
+
+# --- Renders ---------------------------------------------------------------------------------------
+
+
+def MakeEngine(resources: str, samples: int):
+    """Registers the engine that docs/blender.md shows, with settings that compare."""
+    page = (ROOT / "docs" / "blender.md").read_text(encoding="utf-8")
+    code = re.search(r"```python\n(.*?)```", page, re.DOTALL).group(1)
+    os.environ["HDSTREAM_PLUGIN"] = resources
+    names = {"__name__": "streamEngine"}
+    exec(compile(code, "docs/blender.md", "exec"), names)  # pylint: disable=exec-used
+    engine = names["StreamRenderEngine"]
+    shown = engine.get_render_settings
+    engine.get_render_settings = lambda self, kind: {**shown(self, kind), "samples": samples, "pixelFilter": "box",
+                                                     "pixelFilterWidth": 1.0}
+    names["register"]()
+    return engine.bl_idname
+
+
+def Render(scene, file: pathlib.Path) -> np.ndarray:
+    """[height][width][RGBA]."""
+    from stages import imageFile
+
+    scene.render.filepath = str(file)
+    bpy.ops.render.render(write_still=True)
+    planes = imageFile.ReadExr(file)
+    return np.stack([planes.get(name, np.ones_like(planes["R"])) for name in "RGBA"], -1).astype(np.float64)
+
+
+def _Luminance(picture):
+    return picture[..., :3] @ [0.2126, 0.7152, 0.0722]
+
+
+def _Blocks(picture):
+    count = _SIZE // _BLOCK
+    return _Luminance(picture).reshape(count, _BLOCK, count, _BLOCK).mean((1, 3))
+
+
+def Compare(ours, cycles) -> str:
+    ratio = _Luminance(ours).mean() / max(_Luminance(cycles).mean(), 1e-9)
+    first, second = _Blocks(ours), _Blocks(cycles)
+    share = (np.abs(first - second) <= _TOLERANCE * second + 1e-4).mean()
+    alpha, wanted = ours[..., 3].mean(), cycles[..., 3].mean()
+    text = f"{ratio:6.3f} {100 * share:4.0f} %"
+    return text + ("" if abs(alpha - wanted) < 0.005 else f"  alpha {alpha:.2f} for {wanted:.2f}")
+
+
+def RunRow(name, engine, samples, folder):
+    scene = ROWS[name]()
+    stem = folder / name.replace(" ", "_")
+    bpy.ops.wm.save_as_mainfile(filepath=f"{stem}.blend", check_existing=False)
+    scene.render.engine, scene.cycles.samples = "CYCLES", samples
+    cycles = Render(scene, stem.with_suffix(".cycles.exr"))
+    columns = [f"{name:18s} {_Luminance(cycles).mean():8.4f}"]
+    scene.render.engine = engine
+    for method in _METHODS:
+        scene.hydra.export_method = method
+        columns.append(f"{Compare(Render(scene, stem.with_suffix(f'.{method}.exr')), cycles):32s}")
+    return " | ".join(columns).rstrip()
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
+    parser.add_argument("--plugin", required=True, help="folder of the plug-in's plugInfo.json")
+    parser.add_argument("--rows", nargs="+", choices=ROWS, default=list(ROWS))
+    parser.add_argument("--samples", type=int, default=256)
+    parser.add_argument("--out", type=pathlib.Path)
+    args = parser.parse_args()
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = args.out or pathlib.Path(temporary)
+        folder.mkdir(parents=True, exist_ok=True)
+        engine = MakeEngine(os.path.abspath(args.plugin), args.samples)
+        lines = [f"{'row':18s} {'Cycles':>8s} | {_METHODS[0]:>6s} blocks{'':18s} | {_METHODS[1]:>6s} blocks"]
+        print(lines[0], file=sys.stderr, flush=True)
+        for name in args.rows:
+            lines.append(RunRow(name, engine, args.samples, folder))
+            print(lines[-1], file=sys.stderr, flush=True)
+    print("\n".join(lines), flush=True)
+
+
+if __name__ == "__main__":
+    status = 0
+    try:
+        main()
+    except SystemExit as end:
+        status = end.code or 0
+    except BaseException:  # pylint: disable=broad-except
+        traceback.print_exc()
+        status = 1
+    sys.stdout.flush()
+    os._exit(status)  # Blender's own clean-up may wait for ever
