@@ -77,8 +77,9 @@ hds::Settings HdStreamRenderDelegate::ComposeSettings() {
         settings.refineLevel = static_cast<std::uint32_t>(std::max(0, _param->RefineLevel()));
     }
     // usdrecord and farms say no; hosts in which someone moves the camera say nothing.
-    settings.cameraMoves =
+    settings.interactive =
         HdRenderDelegate::GetRenderSetting<bool>(HdRenderSettingsTokens->enableInteractive, true);
+    settings.cameraMoves = settings.interactive;
     return settings;
 }
 
@@ -276,11 +277,11 @@ TfTokenVector HdStreamRenderDelegate::GetRenderSettingsNamespaces() const {
 }
 
 VtDictionary HdStreamRenderDelegate::GetRenderStats() const {
-    const std::shared_ptr<const hds::FilmImage> image = _param->Thread().Newest();
-    const bool isSame = !_statsImage.owner_before(image) && !image.owner_before(_statsImage);
+    const std::shared_ptr<const hds::RenderStatus> status = _param->Thread().Status();
+    const bool isSame = !_statsOf.owner_before(status) && !status.owner_before(_statsOf);
     if (!isSame) { // Hosts ask often.
-        _stats = HdStreamRenderStats(image.get());
-        _statsImage = image;
+        _stats = HdStreamRenderStats(status.get());
+        _statsOf = status;
     }
     return _stats;
 }

@@ -94,7 +94,7 @@ private:
     bool _isComposed = false;
     bool _isDumped = false;
     std::map<const HdRenderPass*, std::vector<std::string>> _aovsByPass;
-    mutable std::weak_ptr<const hds::FilmImage> _statsImage; ///< that `_stats` are of
+    mutable std::weak_ptr<const hds::RenderStatus> _statsOf; ///< what `_stats` are of
     mutable VtDictionary _stats;
     HdResourceRegistrySharedPtr _resourceRegistry;
     std::unique_ptr<HdStreamRenderParam> _param;

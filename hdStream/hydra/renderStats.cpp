@@ -11,36 +11,36 @@ PXR_NAMESPACE_OPEN_SCOPE
 
 namespace {
 
-std::string AnnotationOf(const hds::FilmImage& image) {
-    if (!image.error.empty()) {
-        return image.error;
+std::string AnnotationOf(const hds::RenderStatus& status) {
+    if (!status.error.empty()) {
+        return status.error;
     }
-    if (image.isFinal) {
+    if (status.isFinal) {
         return "done";
     }
-    const hds::Progress& progress = image.progress;
-    return progress.previewStride == 0
+    const hds::Progress& progress = status.progress;
+    return progress.fraction == 0.0
                ? std::string("preparing the scene")
                : TfStringPrintf("sample %u of %u", progress.samplesDone, progress.samplesTotal);
 }
 
 } // namespace
 
-VtDictionary HdStreamRenderStats(const hds::FilmImage* image) {
+VtDictionary HdStreamRenderStats(const hds::RenderStatus* status) {
     VtDictionary stats;
-    if (!image) {
+    if (!status) {
         return stats;
     }
-    if (!image->statistics.empty()) {
+    if (!status->statistics.empty()) {
         const VtValue parsed =
-            JsConvertToContainerType<VtValue, VtDictionary>(JsParseString(image->statistics));
+            JsConvertToContainerType<VtValue, VtDictionary>(JsParseString(status->statistics));
         stats = parsed.GetWithDefault(VtDictionary());
     }
-    const hds::Progress& progress = image->progress;
-    stats["percentDone"] = image->isFinal ? 100.0 : 100.0 * progress.fraction;
+    const hds::Progress& progress = status->progress;
+    stats["percentDone"] = status->isFinal ? 100.0 : 100.0 * progress.fraction;
     stats[HdPerfTokens->numCompletedSamples.GetString()] = static_cast<int>(progress.samplesDone);
     stats["totalClockTime"] = progress.secondsElapsed;
-    stats["renderProgressAnnotation"] = AnnotationOf(*image);
+    stats["renderProgressAnnotation"] = AnnotationOf(*status);
     return stats;
 }
 

@@ -8,9 +8,9 @@
 
 PXR_NAMESPACE_OPEN_SCOPE
 
-/// The statistics of an image (the keys of docs/statistics.md) with those that Hydra's hosts look
+/// The statistics of a render (the keys of docs/statistics.md) with those that Hydra's hosts look
 /// for: percentDone, numCompletedSamples, totalClockTime (seconds), renderProgressAnnotation.
-/// \param image may be null: nothing is rendered yet
-VtDictionary HdStreamRenderStats(const hds::FilmImage* image);
+/// \param status may be null: nothing is rendered yet
+VtDictionary HdStreamRenderStats(const hds::RenderStatus* status);
 
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -30,6 +30,7 @@ bool ChooseSimd8(const RenderOptions& options, const DeviceProperties& propertie
 /// Who looks on while a render runs, and whether it is to end.
 struct Onlooker {
     const ProgressCallback& onProgress;
+    const RenderWatch& watch;
     Timer timer; ///< since rendering began
     bool isStopped = false;
     TracingRate rate = {};
@@ -76,6 +77,7 @@ struct PathTracer::Impl {
         statistics.filmBytes = film.Bytes();
         film.Load(kernels, start);
         schedule.Begin(options, start);
+        SetWaveLimits();
     }
 
     /// What kernels for the present scene and options have to be able to.
@@ -127,6 +129,13 @@ struct PathTracer::Impl {
         tracer.Ready(kernels, scene->hasCutouts, waveSize, TileSize(device->Properties()),
                      options.shadeIterations);
         statistics.waveSize = waveSize;
+        SetWaveLimits();
+    }
+
+    void SetWaveLimits() {
+        const std::uint32_t most = tracer.WaveSize();
+        schedule.SetLimits(
+            {most, LeastWaveSize(options, device->Properties(), most), buffers.IsStreaming()});
     }
 
     /// \param list that waves take their pixels from.
@@ -142,13 +151,14 @@ struct PathTracer::Impl {
         presentList.reset();
     }
 
-    void RenderWave(const shared::HdsWave& wave) {
+    /// \return false when it was cancelled: the film is as before.
+    bool RenderWave(const shared::HdsWave& wave, const WaveTracer::IsCancelled& isCancelled) {
         const std::uint32_t numSlots = wave.numPixels * wave.numSamples;
         const Buffer& paths = tracer.Paths();
         const std::uint32_t waveSize = tracer.WaveSize();
         statistics.cameraRays += numSlots;
         statistics.streamedPaths += buffers.IsStreaming() ? numSlots : 0;
-        tracer.Trace(
+        const bool isTraced = tracer.Trace(
             numSlots,
             [&](std::uint32_t first, std::uint32_t count, const Buffer& queue,
                 std::uint32_t queueFirst) {
@@ -159,11 +169,16 @@ struct PathTracer::Impl {
                 const Buffer& next) {
                 kernels->shade.Launch(count, frame, paths, waveSize, queue, count, waiting, next,
                                       tracer.ShadowQueue(), tracer.Counters());
-            });
+            },
+            isCancelled);
+        if (!isTraced) {
+            return false;
+        }
         kernels->resolve.Launch(wave.numPixels, wave, paths, waveSize, pixels, film.Film(),
                                 tracer.Counters());
         device->Finish();
         CollectTexelCounts();
+        return true;
     }
 
     /// Before they overflow.
@@ -183,9 +198,14 @@ struct PathTracer::Impl {
                        std::to_string(pass.numSamples) +
                            " samples of a pixel do not fit a wave of " +
                            std::to_string(tracer.WaveSize()));
-            const std::uint32_t count =
-                std::min(tracer.WaveSize() / pass.numSamples, pass.end - first);
-            RenderWave({first, count, pass.firstSample, pass.numSamples});
+            const std::uint32_t count = schedule.WavePixels(pass, first);
+            const Timer timer;
+            if (!RenderWave({first, count, pass.firstSample, pass.numSamples},
+                            onlooker->watch.isCancelled)) {
+                onlooker->isStopped = true;
+                return false;
+            }
+            schedule.EndWave(count * pass.numSamples, timer.Seconds());
             first += count;
             const double samplesEquivalent = schedule.Equivalent(pass, first);
             const bool hadRate = onlooker->rate.SecondsPerSample() > 0.0;
@@ -287,8 +307,8 @@ struct PathTracer::Impl {
             errors.empty() ? 0.0 : sum / static_cast<double>(errors.size());
     }
 
-    RenderResult Render(const ProgressCallback& onProgress) {
-        Onlooker onlooker{onProgress, {}};
+    RenderResult Render(const ProgressCallback& onProgress, const RenderWatch& watch) {
+        Onlooker onlooker{onProgress, watch, {}};
         if (schedule.PreviewStride() > 0) { // the film that was loaded is a picture
             statistics.firstImageSeconds = onlooker.timer.Seconds();
         }
@@ -311,15 +331,16 @@ struct PathTracer::Impl {
 
     void EndPass(const SamplePass& pass, Onlooker* onlooker) {
         const std::uint32_t before = schedule.Done();
+        if (pass.isOfFirstPicture && pass.end == schedule.Pixels(pass.list).size()) {
+            statistics.firstImageSeconds = onlooker->timer.Seconds();
+            if (onlooker->watch.takesPictures && film.NeedsFirstHits() && !onlooker->isStopped) {
+                RenderFirstHits(schedule.Equivalent(pass, pass.end), onlooker);
+            }
+        }
         schedule.Complete();
         const std::uint32_t done = schedule.Done();
-        if (pass.isOfFirstPicture) {
-            if (done > 0) {
-                statistics.firstImageSeconds = onlooker->timer.Seconds();
-            }
-            if (!onlooker->isStopped) {
-                Report(schedule.Equivalent(pass, pass.end), onlooker);
-            }
+        if (pass.isOfFirstPicture && !onlooker->isStopped) {
+            Report(schedule.Equivalent(pass, pass.end), onlooker);
         }
         if (done > before) {
             if (std::exchange(onlooker->streamedPaths, statistics.streamedPaths) <
@@ -335,8 +356,9 @@ struct PathTracer::Impl {
         }
     }
 
-    /// First-hit AOVs through pixel centres, wave by wave.
-    void RenderFirstHits() {
+    /// First-hit AOVs through pixel centres, wave by wave. \param onlooker told after each wave
+    /// that so many samples are done, and may stop it; null: nobody is.
+    void RenderFirstHits(double samplesEquivalent, Onlooker* onlooker) {
         const shared::HdsAovOffsets offsets = film.FirstHitOffsets(scene->centre);
         const Buffer primvarSlots =
             UploadVector(device, "primvar slots", PrimvarSlots(options.aovs.primvars));
@@ -345,10 +367,18 @@ struct PathTracer::Impl {
         const std::uint64_t indirectRays = statistics.indirectRays; // counts those of pictures
         const Buffer& paths = tracer.Paths();
         const std::uint32_t waveSize = tracer.WaveSize();
+        const WaveTracer::IsCancelled isCancelled =
+            onlooker != nullptr ? onlooker->watch.isCancelled : WaveTracer::IsCancelled();
         for (std::uint32_t firstPixel = 0; firstPixel < pixelCount; firstPixel += waveSize) {
+            if (onlooker != nullptr && firstPixel > 0) {
+                Report(samplesEquivalent, onlooker);
+            }
+            if (onlooker != nullptr && onlooker->isStopped) {
+                return;
+            }
             const std::uint32_t numPixels = std::min(waveSize, pixelCount - firstPixel);
             const shared::HdsWave wave{firstPixel, numPixels, 0, 1};
-            tracer.Trace(
+            const bool isTraced = tracer.Trace(
                 numPixels,
                 [&](std::uint32_t first, std::uint32_t count, const Buffer& queue,
                     std::uint32_t queueFirst) {
@@ -360,7 +390,12 @@ struct PathTracer::Impl {
                     kernels->aov.Launch(count, frame, paths, waveSize, queue, count, waiting, next,
                                         tracer.Counters(), film.Floats(), film.Ints(), offsets,
                                         primvarSlots);
-                });
+                },
+                isCancelled);
+            if (!isTraced) {
+                onlooker->isStopped = true;
+                return;
+            }
         }
         statistics.indirectRays = indirectRays;
         CollectTexelCounts();
@@ -386,7 +421,7 @@ struct PathTracer::Impl {
         const Timer timer;
         if (withFirstHits && film.NeedsFirstHits() && !film.HasFirstHits() &&
             schedule.PreviewStride() > 0) {
-            RenderFirstHits();
+            RenderFirstHits(0.0, nullptr);
         }
         std::vector<ImageLayer> layers = film.Develop(kernels, schedule.PreviewStride());
         statistics.transferSeconds += timer.Seconds();
@@ -429,8 +464,8 @@ void PathTracer::Begin(RenderOptions options, const std::vector<FilmSums>& start
     _impl->Begin(std::move(options), start);
 }
 
-RenderResult PathTracer::Render(const ProgressCallback& onProgress) {
-    return _impl->Render(onProgress);
+RenderResult PathTracer::Render(const ProgressCallback& onProgress, const RenderWatch& watch) {
+    return _impl->Render(onProgress, watch);
 }
 
 std::vector<ImageLayer> PathTracer::Layers(bool withFirstHits) {

@@ -38,7 +38,7 @@ public:
     void Begin(RenderOptions options, const std::vector<FilmSums>& start = {});
 
     /// Renders all samples that the film lacks. Blocks; once after each Begin.
-    RenderResult Render(const ProgressCallback& onProgress);
+    RenderResult Render(const ProgressCallback& onProgress, const RenderWatch& watch = {});
 
     /// The AOVs of the options as rendered so far, also inside onProgress. \param withFirstHits
     /// traces the rays that find first-hit AOVs if that has not been done since Begin.

@@ -54,10 +54,15 @@ struct RenderOptions {
     std::uint32_t shadeIterations = 0;
     std::uint32_t waveSize = 0;
     TraversalForm traversal = TraversalForm::Auto;
-    /// Someone looks at the film while it is rendered: the first sample goes from coarse to fine,
-    /// and passes begin short. The final picture is the same.
-    bool showsPreviews = false;
+    /// Someone looks at the film while it is rendered, and edits: the first sample goes from coarse
+    /// to fine, and passes are short. The final picture is the same.
+    bool interactive = false;
+    double passSeconds = 0.0; ///< that a pass is to take; 0: by who looks on
 };
+
+/// Seconds that a pass is to take once passes have grown, and that pictures are apart.
+/// \param passSeconds as RenderOptions::passSeconds.
+double PassSeconds(bool interactive, double passSeconds = 0.0);
 
 /// Where geometry and textures live on the device (docs/streaming.md, docs/texturing.md). Textures
 /// stream unless they are to be resident: what nobody sees is never opened.
@@ -101,12 +106,22 @@ struct Progress {
     double secondsElapsed = 0.0; ///< since rendering began
     double secondsLeft = 0.0;    ///< estimate
     /// While the first sample goes from coarse to fine: pixels whose coordinates are multiples of
-    /// this have it. 1: all pixels; 0: none, the scene is being prepared.
+    /// this have it. 1: all pixels; 0: there is no picture yet.
     std::uint32_t previewStride = 0;
 };
 
 /// Return false to stop; what was rendered so far stays in the film.
 using ProgressCallback = std::function<bool(const Progress&)>;
+
+/// What else a front end wants while it renders.
+struct RenderWatch {
+    /// Asked between launches, many times a wave: true ends the render at once, without the samples
+    /// of the present wave. May be empty.
+    std::function<bool()> isCancelled;
+    /// Layers is called in the progress callback: the AOVs of first hits come with the first
+    /// picture.
+    bool takesPictures = false;
+};
 
 /// How a render ended.
 enum class RenderResult { Complete, Stopped };

@@ -13,13 +13,29 @@ namespace {
 
 /// Fewest samples before the error estimate of a pixel is believed.
 constexpr std::uint32_t kMinAdaptiveSamples = 2 * HDS_SAMPLE_BLOCK;
+/// Seconds of a pass: pictures follow each other fast enough to be looked at, or seldom enough to
+/// cost nothing.
+constexpr double kInteractivePassSeconds = 0.1;
+constexpr double kBatchPassSeconds = 1.0;
+/// Seconds of a wave at most, however long passes are: who looks on hears of it after each.
+constexpr double kMaxWaveSeconds = 0.5;
+/// Passes grow by this factor at most: the first ones take longer than those to come, for drivers
+/// compile what they launch first and pages are loaded.
+constexpr std::uint32_t kMaxGrowth = 2;
 constexpr auto kNumPreviews = static_cast<std::uint32_t>(std::size(kPreviewStrides));
 
 } // namespace
 
+double PassSeconds(bool interactive, double passSeconds) {
+    return passSeconds > 0.0 ? passSeconds
+           : interactive     ? kInteractivePassSeconds
+                             : kBatchPassSeconds;
+}
+
 void SampleSchedule::Begin(const RenderOptions& options, const std::vector<FilmSums>& start) {
     _samples = options.samples;
-    _showsPreviews = options.showsPreviews;
+    _isInteractive = options.interactive;
+    _passSeconds = PassSeconds(options.interactive, options.passSeconds);
     _noise = options.noise;
     _timeLimit = options.timeLimit;
     MakeOrders(options.imageWidth, options.imageHeight);
@@ -27,9 +43,14 @@ void SampleSchedule::Begin(const RenderOptions& options, const std::vector<FilmS
     _isInStep = false;
     LoadStart(start);
     const bool isNew = _firstMissing == 0 && !_hasLate;
-    _previewsLeft = isNew && _showsPreviews ? kNumPreviews : 0;
+    _previewsLeft = isNew && _isInteractive ? kNumPreviews : 0;
     _previewStride = isNew ? 0 : 1; // a film that was loaded is a picture
     _done = _firstMissing;
+    _waveSecondsPerPath = 0.0;
+    _passSecondsPerPath = 0.0;
+    _secondsInPass = 0.0;
+    _pathsInPass = 0;
+    _lastSamples = 1;
 }
 
 void SampleSchedule::MakeOrders(std::uint32_t width, std::uint32_t height) {
@@ -52,6 +73,7 @@ void SampleSchedule::LoadStart(const std::vector<FilmSums>& start) {
                      [&](std::uint32_t i) { return sums[i].numSamples == _firstMissing; });
     }
     _hasLate = !_late.empty();
+    _lateDone = _firstMissing;
 }
 
 const std::vector<std::uint32_t>& SampleSchedule::Pixels(PixelList list) const {
@@ -65,8 +87,12 @@ std::optional<SamplePass> SampleSchedule::Next() const {
             PixelList::Preview, i == 0 ? 0 : _preview.ends[i - 1], _preview.ends[i], 0, 1, true};
     }
     if (_hasLate) { // the pass that was stopped is ended
-        return SamplePass{PixelList::Late,          0,    Count(PixelList::Late), _firstMissing,
-                          _lateEnd - _firstMissing, false};
+        return SamplePass{PixelList::Late,
+                          0,
+                          Count(PixelList::Late),
+                          _lateDone,
+                          std::min(_lateEnd - _lateDone, MostInPass()),
+                          false};
     }
     const std::uint32_t count = Count(PixelList::Active);
     if (_done == 0) {
@@ -78,13 +104,55 @@ std::optional<SamplePass> SampleSchedule::Next() const {
     return SamplePass{PixelList::Active, 0, count, _done, PassEnd() - _done, false};
 }
 
-/// Where the pass after _done samples ends: block by block; for those who look at pictures doubling
-/// inside the first block, so that pictures follow each other soon.
+/// Where the pass after _done samples ends. Passes are as long as they should take; but while
+/// pixels may be dropped none goes beyond a border of blocks, and where nobody looks on, or every
+/// pass loads geometry anew, all end at such borders: samples of a pixel that are traced together
+/// share what they touch.
 std::uint32_t SampleSchedule::PassEnd() const {
-    const bool isDoubling = _showsPreviews && _done < HDS_SAMPLE_BLOCK;
-    const std::uint32_t border =
-        isDoubling ? 2 * _done : (_done / HDS_SAMPLE_BLOCK + 1) * HDS_SAMPLE_BLOCK;
-    return std::min(_samples, border);
+    const std::uint32_t border = (_done / HDS_SAMPLE_BLOCK + 1) * HDS_SAMPLE_BLOCK;
+    const std::uint32_t end = _noise > 0.0 ? std::min(_samples, border) : _samples;
+    if (!_isInteractive) {
+        const std::uint32_t inTime = _done + std::min(SamplesInTime(), MostInPass());
+        return std::min(end, std::max(border, inTime - inTime % HDS_SAMPLE_BLOCK));
+    }
+    if (_limits.isStreaming) {
+        return std::min({end, border, kMaxGrowth * _done});
+    }
+    // Parts of equal length, so that no short one is left.
+    const std::uint32_t left = end - _done;
+    const std::uint32_t samples = std::min({SamplesInTime(), MostInPass(), left});
+    const std::uint32_t numParts = (left + samples - 1) / samples;
+    return _done + (left + numParts - 1) / numParts;
+}
+
+/// Of each active pixel that a pass of _passSeconds can have, by the rate of the last one; at least
+/// one.
+std::uint32_t SampleSchedule::SamplesInTime() const {
+    const double secondsPerSample = _passSecondsPerPath * Count(PixelList::Active);
+    const std::uint32_t most = kMaxGrowth * _lastSamples;
+    if (secondsPerSample <= 0.0) {
+        return 1; // nothing is known
+    }
+    if (_passSeconds >= most * secondsPerSample) {
+        return most;
+    }
+    return std::max(1U, static_cast<std::uint32_t>(_passSeconds / secondsPerSample));
+}
+
+std::uint32_t SampleSchedule::WavePixels(const SamplePass& pass, std::uint32_t first) const {
+    double paths = _waveSecondsPerPath > 0.0 ? _limits.most : _limits.least; // the first is a trial
+    if (_waveSecondsPerPath > 0.0 && !_limits.isStreaming) {
+        paths = std::min(_passSeconds, kMaxWaveSeconds) / _waveSecondsPerPath;
+    }
+    paths = std::clamp<double>(paths, std::min(_limits.least, _limits.most), _limits.most);
+    const std::uint32_t pixels = static_cast<std::uint32_t>(paths) / pass.numSamples;
+    return std::min(std::max(pixels, 1U), pass.end - first);
+}
+
+void SampleSchedule::EndWave(std::uint32_t numPaths, double seconds) {
+    _waveSecondsPerPath = seconds / numPaths;
+    _secondsInPass += seconds;
+    _pathsInPass += numPaths;
 }
 
 void SampleSchedule::Complete() {
@@ -92,6 +160,12 @@ void SampleSchedule::Complete() {
     if (!pass) {
         return;
     }
+    if (_pathsInPass > 0) {
+        _passSecondsPerPath = _secondsInPass / static_cast<double>(_pathsInPass);
+    }
+    _secondsInPass = 0.0;
+    _pathsInPass = 0;
+    _lastSamples = pass->numSamples;
     _isInStep = pass->list == PixelList::Active && !pass->isOfFirstPicture;
     _previewStride = 1;
     if (pass->list == PixelList::Preview) {
@@ -99,8 +173,12 @@ void SampleSchedule::Complete() {
         _done = pass->end == Count(PixelList::Preview) ? 1 : 0;
         return;
     }
-    _hasLate = false;
-    _done = pass->firstSample + pass->numSamples;
+    const std::uint32_t end = pass->firstSample + pass->numSamples;
+    if (pass->list == PixelList::Late) {
+        _lateDone = end;
+        _hasLate = end < _lateEnd;
+    }
+    _done = end;
 }
 
 bool SampleSchedule::MayDrop() const {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which samples of which pixels a render traces, in which order, and when it is over. It knows no
-// device. Explained in docs/wavefront.md.
+// Which samples of which pixels a render traces, in which order, in which portions, and when it is
+// over. It knows no device and no clock: seconds are told. Explained in docs/wavefront.md.
 #pragma once
 
 #include "hdStream/film/filmSums.h"
 #include "hdStream/integrator/pixelOrder.h"
 #include "hdStream/integrator/renderOptions.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -30,14 +31,32 @@ struct SamplePass {
     bool isOfFirstPicture = false; ///< who looks on is told when it ends
 };
 
+/// What a wave can be at present; a render may change it between two waves.
+struct WaveLimits {
+    std::uint32_t most = 1U << 20U; ///< paths in flight
+    std::uint32_t least = 1;        ///< fewer paths are not worth a wave
+    /// Every pass over the picture loads geometry anew: passes are blocks of samples, whatever they
+    /// take, and waves are not cut.
+    bool isStreaming = false;
+};
+
 /// The passes of a render, and how far it is. A pass that was stopped half-way is not completed.
+/// Seconds that waves took decide the sizes of waves and passes, and nothing else: neither bits nor
+/// the samples after which pixels are dropped.
 class SampleSchedule {
 public:
     /// Begins a render of a film that has the sums `start` (CheckFilmSums).
     void Begin(const RenderOptions& options, const std::vector<FilmSums>& start);
+    /// Holds from the next wave, and the next pass, on.
+    void SetLimits(const WaveLimits& limits) { _limits = limits; }
 
     /// What is to be rendered next; none: all pixels have all their samples.
     std::optional<SamplePass> Next() const;
+    /// How many pixels of the pass the next wave takes, which begins with pixel `first` of its
+    /// list: as many as a wave of that many seconds can have, by the rate of the last one.
+    std::uint32_t WavePixels(const SamplePass& pass, std::uint32_t first) const;
+    /// A wave of so many paths has been rendered.
+    void EndWave(std::uint32_t numPaths, double seconds);
     /// What Next says has been rendered.
     void Complete();
     const std::vector<std::uint32_t>& Pixels(PixelList list) const;
@@ -71,12 +90,18 @@ private:
     void MakeOrders(std::uint32_t width, std::uint32_t height);
     void LoadStart(const std::vector<FilmSums>& start);
     std::uint32_t PassEnd() const;
+    std::uint32_t SamplesInTime() const;
+    /// Of a pixel: all that a pass makes of them are in one wave.
+    std::uint32_t MostInPass() const {
+        return std::max<std::uint32_t>(_limits.most, HDS_SAMPLE_BLOCK);
+    }
     std::uint32_t Count(PixelList list) const {
         return static_cast<std::uint32_t>(Pixels(list).size());
     }
 
     std::uint32_t _samples = 0;
-    bool _showsPreviews = false;
+    bool _isInteractive = false;
+    double _passSeconds = 0.0;
     double _noise = 0.0;
     double _timeLimit = 0.0;
     std::uint32_t _width = 0; ///< of the image that _order and _preview are of
@@ -87,12 +112,19 @@ private:
     std::vector<std::uint32_t> _active;
     std::uint32_t _filmBegin = 0;
     std::uint32_t _firstMissing = 0; ///< first sample that some pixel of the loaded film lacks
+    std::uint32_t _lateDone = 0;     ///< samples of the late pixels
     std::uint32_t _lateEnd = 0;      ///< samples of the other pixels
     std::uint32_t _previewsLeft = 0; ///< strides of the first picture that are to come
     bool _hasLate = false;           ///< the late pixels are to come
     bool _isInStep = false;          ///< the last pass was one of active pixels after the first
     std::uint32_t _done = 0;
     std::uint32_t _previewStride = 0;
+    WaveLimits _limits;
+    double _waveSecondsPerPath = 0.0; ///< of the last wave; 0: none has ended
+    double _passSecondsPerPath = 0.0; ///< of the last pass; 0: none has ended
+    double _secondsInPass = 0.0;      ///< of the waves of the present pass
+    std::uint64_t _pathsInPass = 0;
+    std::uint32_t _lastSamples = 0; ///< of a pixel in the last pass
 };
 
 } // namespace hds

@@ -13,11 +13,13 @@ namespace {
 constexpr std::uint32_t kMaxWaveSize = 1U << 20U;
 /// CPUs, for each core. What a launch waits for its last core and for the next launch costs some
 /// hundred paths, so waves are as large as memory (200 bytes a path) is cheap; tiles are what is
-/// traced together while nothing waits, and the wave of those who look at previews: edits wait for
-/// it.
+/// traced together while nothing waits, and the wave of interactive hosts.
 constexpr std::uint32_t kPathsPerCore = 1U << 16U;
 constexpr std::uint32_t kTilePathsPerCore = 1U << 14U;
 constexpr std::uint32_t kMinTileSizeCpu = 1U << 15U;
+/// Of a tile: waves that would take too long are cut to this part of it at most. Smaller ones cost
+/// more than they save (docs/performance.md, "Rays a second").
+constexpr std::uint32_t kLeastPart = 4;
 /// GPUs, while geometry streams.
 constexpr std::uint32_t kMinWaveSizeStreamingGpu = 1U << 17U;
 
@@ -31,7 +33,7 @@ std::uint64_t SizeForDevice(const RenderOptions& options, const DeviceProperties
                             std::uint64_t affordable) {
     const std::uint64_t least =
         properties.isCpu || affordable == 0 ? TileSize(properties) : kMinWaveSizeStreamingGpu;
-    if (options.showsPreviews) {
+    if (options.interactive) {
         return least;
     }
     const std::uint64_t most = ResidentWaveSize(properties);
@@ -57,6 +59,12 @@ std::uint32_t ChooseWaveSize(const RenderOptions& options, const DevicePropertie
 
 std::uint32_t ResidentWaveSize(const DeviceProperties& properties) {
     return properties.isCpu ? OfCores(properties, kPathsPerCore) : kMaxWaveSize;
+}
+
+std::uint32_t LeastWaveSize(const RenderOptions& options, const DeviceProperties& properties,
+                            std::uint32_t waveSize) {
+    const bool isCut = options.waveSize == 0 && properties.isCpu;
+    return isCut ? std::min(waveSize, TileSize(properties) / kLeastPart) : waveSize;
 }
 
 std::uint32_t TileSize(const DeviceProperties& properties) {

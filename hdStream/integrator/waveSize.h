@@ -16,6 +16,11 @@ namespace hds {
 std::uint32_t ChooseWaveSize(const RenderOptions& options, const DeviceProperties& properties,
                              std::uint64_t affordable);
 
+/// The least paths that a wave may be cut to, so that it ends in time (SampleSchedule::WavePixels):
+/// all of `waveSize` where the user has chosen it, and on GPUs, which trace a wave in no time.
+std::uint32_t LeastWaveSize(const RenderOptions& options, const DeviceProperties& properties,
+                            std::uint32_t waveSize);
+
 /// What suits the device when geometry is resident and memory does not matter.
 std::uint32_t ResidentWaveSize(const DeviceProperties& properties);
 

@@ -44,36 +44,44 @@ double WaveTracer::RequestSeconds() const {
     return pool.requestSeconds + pool.prepareSeconds + pool.transferSeconds + _texels.Seconds();
 }
 
-void WaveTracer::Trace(std::uint32_t numSlots, const Generate& generate, const Shade& shade) {
+bool WaveTracer::Trace(std::uint32_t numSlots, const Generate& generate, const Shade& shade,
+                       const IsCancelled& isCancelled) {
     if (_hasLists) {
-        TraceWithLists(numSlots, generate, shade);
-    } else {
-        generate(0, numSlots, _queues.Queue(_present), 0);
-        TraceInStep(numSlots, shade);
+        return TraceWithLists(numSlots, generate, shade, isCancelled);
     }
+    generate(0, numSlots, _queues.Queue(_present), 0);
+    return TraceInStep(numSlots, shade, isCancelled);
 }
 
 /// Traces the paths of queue _present, bounce by bounce, until all have ended.
-void WaveTracer::TraceInStep(std::uint32_t active, const Shade& shade) {
+bool WaveTracer::TraceInStep(std::uint32_t active, const Shade& shade,
+                             const IsCancelled& isCancelled) {
     std::uint32_t numShadows = 0;
     while (active + numShadows > 0) {
+        if (isCancelled && isCancelled()) {
+            return false;
+        }
         TraceNextBatch(active, numShadows);
         const Counts counts = ShadeNext(active, shade);
         active = counts[HDS_COUNTER_ACTIVE];
         numShadows = counts[HDS_COUNTER_SHADOW];
     }
+    return true;
 }
 
 /// Traces slots [0, numSlots), which are not in step: when few go on, new ones or, after a round
 /// of pages, those that have waited join them.
-void WaveTracer::TraceWithLists(std::uint32_t numSlots, const Generate& generate,
-                                const Shade& shade) {
+bool WaveTracer::TraceWithLists(std::uint32_t numSlots, const Generate& generate,
+                                const Shade& shade, const IsCancelled& isCancelled) {
     _queues.ClearWaiting();
     _queues.ClearCounter(HDS_COUNTER_READY);
     Counts counts{};
     std::uint32_t numBegun = 0;
     std::uint32_t iterations = 1;
     while (true) {
+        if (isCancelled && isCancelled()) {
+            return false;
+        }
         std::uint32_t active = counts[HDS_COUNTER_ACTIVE];
         const std::uint32_t numShadows = counts[HDS_COUNTER_SHADOW];
         const bool isAlone = active + numShadows < _tileSize / kCompanyPart;
@@ -102,6 +110,7 @@ void WaveTracer::TraceWithLists(std::uint32_t numSlots, const Generate& generate
         }
     }
     _launches->CountIterations(iterations);
+    return true;
 }
 
 /// Shades items of a queue; paths that go on come to `next`.

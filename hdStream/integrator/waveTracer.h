@@ -37,8 +37,13 @@ public:
     void Ready(StageKernels* kernels, bool hasCutouts, std::uint32_t waveSize,
                std::uint32_t tileSize, std::uint32_t shadeIterations);
 
-    /// Traces slots [0, numSlots) to completion.
-    void Trace(std::uint32_t numSlots, const Generate& generate, const Shade& shade);
+    /// Asked between launches; true ends the wave.
+    using IsCancelled = std::function<bool()>;
+
+    /// Traces slots [0, numSlots) to completion. \return false when it was cancelled before: the
+    /// radiance of the slots is not that of samples then.
+    bool Trace(std::uint32_t numSlots, const Generate& generate, const Shade& shade,
+               const IsCancelled& isCancelled);
 
     /// Bytes of queues a path needs, beside its state.
     static std::uint64_t QueueBytes(const KernelFeatures& features) {
@@ -54,8 +59,9 @@ public:
 
 private:
     double RequestSeconds() const;
-    void TraceInStep(std::uint32_t active, const Shade& shade);
-    void TraceWithLists(std::uint32_t numSlots, const Generate& generate, const Shade& shade);
+    bool TraceInStep(std::uint32_t active, const Shade& shade, const IsCancelled& isCancelled);
+    bool TraceWithLists(std::uint32_t numSlots, const Generate& generate, const Shade& shade,
+                        const IsCancelled& isCancelled);
     void TraceNextBatch(std::uint32_t active, std::uint32_t numShadows);
     void PassCandidates(std::uint32_t numShadows, std::uint32_t shadowQueue);
     void LaunchPass(const Buffer& queue, std::uint32_t count, std::uint32_t shadowQueue);

@@ -51,27 +51,36 @@ Session::WarningSink WarningSinkFromPython(nb::object onWarning) {
     };
 }
 
-/// Renders without the GIL. The callback (Progress) -> bool and pending signals are looked at on
-/// every progress report; an exception of either stops the render and is raised when it has ended.
+/// Renders without the GIL. The callbacks (Progress) -> bool and () -> bool are looked at after
+/// every wave and inside of waves, pending signals with both; an exception of any stops the render
+/// and is raised when it has ended.
 RenderResult Render(Session& session, const Settings& settings, nb::object onProgress,
-                    const std::vector<FilmSums>& start) {
+                    const std::vector<FilmSums>& start, nb::object isCancelled) {
     std::optional<nb::python_error> raised;
-    const auto onReport = [&](const Progress& progress) {
+    const auto mayGoOn = [&](const auto& callback) {
         const nb::gil_scoped_acquire gil;
         try {
             if (PyErr_CheckSignals() != 0) {
                 throw nb::python_error();
             }
-            return onProgress.is_none() || nb::cast<bool>(onProgress(progress));
+            return callback();
         } catch (nb::python_error& error) {
             raised.emplace(std::move(error));
             return false;
         }
     };
+    const auto onReport = [&](const Progress& progress) {
+        return mayGoOn(
+            [&] { return onProgress.is_none() || nb::cast<bool>(onProgress(progress)); });
+    };
+    RenderWatch watch;
+    watch.isCancelled = [&] {
+        return !mayGoOn([&] { return isCancelled.is_none() || !nb::cast<bool>(isCancelled()); });
+    };
     RenderResult result = RenderResult::Stopped;
     {
         const nb::gil_scoped_release released;
-        result = session.Render(settings, onReport, false, start);
+        result = session.Render(settings, onReport, start, watch);
     }
     if (raised) {
         throw nb::python_error(std::move(*raised));
@@ -213,7 +222,7 @@ void BindSession(nb::module_& module) {
         .def("Dump", &Session::Dump, ReleaseGil())
         .def("Info", &Session::Info, ReleaseGil())
         .def("Render", &Render, "settings"_a, "onProgress"_a = nb::none(),
-             "start"_a = std::vector<FilmSums>())
+             "start"_a = std::vector<FilmSums>(), "isCancelled"_a = nb::none())
         .def("Film", &Session::Film, ReleaseGil())
         .def("Redice", &Session::Redice)
         .def("HasImage", &Session::HasImage)

@@ -461,7 +461,9 @@ private:
     /// The instance of a record, whose keys become the hierarchy's.
     shared::HdsInstance PlacedInstance(const Record& record) {
         shared::HdsInstance instance = record.instance;
-        if (!record.keys.empty()) {
+        if (record.keys.empty()) {
+            instance.flags |= IsIdentity(instance.objectFromParent) ? HDS_INSTANCE_IN_PLACE : 0U;
+        } else {
             const auto first = static_cast<std::uint32_t>(_result.motionKeys.size());
             const auto numSegments = static_cast<std::uint32_t>(record.keys.size() - 1);
             instance.flags |= HDS_INSTANCE_MOVES;

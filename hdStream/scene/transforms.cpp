@@ -50,6 +50,11 @@ AffineRows RowsFromMatrix(const glm::dmat4& matrix) {
     return rows;
 }
 
+bool IsIdentity(const float* rows) {
+    const AffineRows identity = RowsFromMatrix(glm::dmat4(1.0));
+    return std::equal(identity.begin(), identity.end(), rows);
+}
+
 bool IsUsableTransform(const glm::dmat4& matrix) {
     for (int column = 0; column < 4; ++column) {
         for (int row = 0; row < 4; ++row) {

@@ -17,6 +17,9 @@ using AffineRows = std::array<float, 12>;
 /// The upper three rows of a matrix, rounded to float.
 AffineRows RowsFromMatrix(const glm::dmat4& matrix);
 
+/// Whether rows of an affine transform map every point to itself. \param rows [3][4].
+bool IsIdentity(const float* rows);
+
 /// True when all elements are finite and the linear part is invertible in practice: its
 /// determinant is not negligible against the product of its column lengths.
 bool IsUsableTransform(const glm::dmat4& matrix);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/session/renderThread.h"
 
+#include "hdStream/base/timer.h"
+#include "hdStream/session/picturePacing.h"
+
 #include <algorithm>
-#include <chrono>
 #include <condition_variable>
 #include <exception>
 #include <future>
@@ -14,12 +16,8 @@ namespace hds {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-/// Images follow each other at least this far apart, and so that making them takes at most this
-/// part of the time.
-constexpr std::chrono::milliseconds kMinInterval(100);
-constexpr int kMaxImageShare = 10;
+/// Statuses without a picture are at least this far apart, in seconds.
+constexpr double kStatusInterval = 0.1;
 
 } // namespace
 
@@ -67,10 +65,13 @@ struct RenderThread::Impl {
         std::shared_ptr<FilmImage> last;
         bool isDone = true;
         try {
-            Publisher publisher(this, rendered);
+            Publisher publisher(this, rendered, present);
+            RenderWatch watch;
+            watch.isCancelled = [&] { return publisher.IsCancelled(); };
+            watch.takesPictures = true;
             const RenderResult result = session.Render(
-                present, [&](const Progress& progress) { return publisher.Report(progress); },
-                true);
+                present, [&](const Progress& progress) { return publisher.Report(progress); }, {},
+                watch);
             isDone = result == RenderResult::Complete;
             if (isDone) {
                 last = publisher.MakeImage(true);
@@ -86,70 +87,111 @@ struct RenderThread::Impl {
         isRendering = false;
         if (isDone) {
             doneVersion = rendered;
+            status = last;
             newest = std::move(last);
         }
         changed.notify_all();
     }
 
-    /// Decides when images are made while one version is rendered.
+    /// Decides when images and statuses are made while one version is rendered.
     class Publisher {
     public:
-        Publisher(Impl* impl, std::uint64_t version) : _impl(impl), _version(version) {}
+        Publisher(Impl* impl, std::uint64_t version, const Settings& settings)
+            : _impl(impl), _version(version), _isInteractive(settings.interactive),
+              _pacing(PassSeconds(settings.interactive, settings.passSeconds)) {}
 
-        /// The progress callback; waits while paused. \return false when the render is to end. A
-        /// render that has a film ends with its first picture at the earliest, outdated as it is:
-        /// edits that follow each other faster than that would freeze the view.
+        /// The progress callback; waits while paused. \return false when the render is to end.
         bool Report(const Progress& progress) {
             const bool goesOn = _impl->MayGoOn(_version);
-            const bool owesPicture =
-                _shownStride == 0 && _impl->session.HasImage() && !_impl->MustEnd();
-            if (!goesOn && !owesPicture) {
+            if (!goesOn && !OwesPicture()) {
                 return false;
             }
             _progress = progress;
-            if (progress.previewStride == 0 || !IsDue()) {
-                return true;
+            if (progress.previewStride > 0 &&
+                _pacing.IsDue(_timer.Seconds(), progress.previewStride)) {
+                PublishImage();
+                return goesOn;
             }
-            const auto start = Clock::now();
-            auto image = MakeImage(progress.previewStride == 1);
-            const auto end = Clock::now();
-            _nextTime =
-                end + std::max<Clock::duration>(kMinInterval, kMaxImageShare * (end - start));
-            _shownStride = progress.previewStride;
-            const std::lock_guard<std::mutex> lock(_impl->mutex);
-            _impl->newest = std::move(image);
-            return goesOn;
+            if (_timer.Seconds() >= _nextStatus) {
+                PublishStatus();
+            }
+            return true;
         }
+
+        /// Inside a wave; does not wait while paused.
+        bool IsCancelled() const { return !_impl->IsWanted(_version) && !OwesPicture(); }
 
         std::shared_ptr<FilmImage> MakeImage(bool withFirstHits) {
             auto image = std::make_shared<FilmImage>();
-            image->version = _version;
             image->layers = _impl->session.Layers(withFirstHits);
-            image->progress = _progress;
-            image->statistics = _impl->session.Statistics();
+            Fill(image.get());
             return image;
         }
 
     private:
-        bool IsDue() const {
-            return _progress.previewStride != _shownStride || Clock::now() >= _nextTime;
+        /// A render that has a film and that someone looks at ends with its first picture at the
+        /// earliest, outdated as it is: edits that follow each other faster than that would freeze
+        /// the view.
+        bool OwesPicture() const {
+            return _isInteractive && _pacing.Stride() == 0 && _impl->session.HasImage() &&
+                   !_impl->MustEnd();
+        }
+
+        /// The render finds first hits before it tells of the first picture of all pixels
+        /// (RenderWatch); with them pictures are denoised.
+        void PublishImage() {
+            const double begin = _timer.Seconds();
+            auto image = MakeImage(_progress.previewStride == 1);
+            const double end = _timer.Seconds();
+            _pacing.Made(begin, end, _progress.previewStride);
+            _nextStatus = end + kStatusInterval;
+            const std::lock_guard<std::mutex> lock(_impl->mutex);
+            _impl->status = image;
+            _impl->newest = std::move(image);
+        }
+
+        void PublishStatus() {
+            auto status = std::make_shared<RenderStatus>();
+            Fill(status.get());
+            _nextStatus = _timer.Seconds() + kStatusInterval;
+            const std::lock_guard<std::mutex> lock(_impl->mutex);
+            if (status->statistics.empty() && _impl->status) {
+                status->statistics = _impl->status->statistics; // while the scene is prepared
+            }
+            _impl->status = std::move(status);
+        }
+
+        void Fill(RenderStatus* status) const {
+            status->version = _version;
+            status->progress = _progress;
+            status->statistics = _impl->session.HasImage() ? _impl->session.Statistics() : "";
         }
 
         Impl* _impl;
         std::uint64_t _version;
+        bool _isInteractive;
+        PicturePacing _pacing;
+        Timer _timer;
         Progress _progress;
-        std::uint32_t _shownStride = 0;
-        Clock::time_point _nextTime{};
+        double _nextStatus = 0.0;
     };
+
+    /// Precondition: locked.
+    bool IsAskedToEnd(std::uint64_t rendered) const {
+        return quits || isStopped || version != rendered || !inbox.empty();
+    }
 
     /// Waits while paused. \return false when another version, or none, is to be rendered.
     bool MayGoOn(std::uint64_t rendered) {
         std::unique_lock<std::mutex> lock(mutex);
-        const auto isAsked = [&] {
-            return quits || isStopped || version != rendered || !inbox.empty();
-        };
-        changed.wait(lock, [&] { return !isPaused || isAsked(); });
-        return !isAsked();
+        changed.wait(lock, [&] { return !isPaused || IsAskedToEnd(rendered); });
+        return !IsAskedToEnd(rendered);
+    }
+
+    /// Whether this version, and no other, is to be rendered.
+    bool IsWanted(std::uint64_t rendered) const {
+        const std::lock_guard<std::mutex> lock(mutex);
+        return !IsAskedToEnd(rendered);
     }
 
     /// True when nobody wants a picture any more.
@@ -172,6 +214,7 @@ struct RenderThread::Impl {
     std::uint64_t version = 0;
     std::uint64_t doneVersion = 0; ///< rendered to its end
     std::shared_ptr<const FilmImage> newest;
+    std::shared_ptr<const RenderStatus> status;
     std::thread thread; ///< last: it uses all the rest
 };
 
@@ -219,6 +262,11 @@ std::uint64_t RenderThread::Version() const {
 std::shared_ptr<const FilmImage> RenderThread::Newest() const {
     const std::lock_guard<std::mutex> lock(_impl->mutex);
     return _impl->newest;
+}
+
+std::shared_ptr<const RenderStatus> RenderThread::Status() const {
+    const std::lock_guard<std::mutex> lock(_impl->mutex);
+    return _impl->status;
 }
 
 bool RenderThread::IsConverged() const {

@@ -13,14 +13,19 @@
 
 namespace hds {
 
-/// One state of the film, as published to front ends. Immutable.
-struct FilmImage {
-    std::uint64_t version = 0; ///< of the edits it shows; see RenderThread::Version
-    std::vector<ImageLayer> layers;
+/// How far a render is, as published to front ends. Immutable.
+struct RenderStatus {
+    std::uint64_t version = 0; ///< of the edits that are rendered; see RenderThread::Version
     Progress progress;
-    std::string statistics; ///< JSON text (docs/statistics.md)
-    bool isFinal = false;   ///< nothing better will come for this version
-    std::string error;      ///< not empty: rendering failed, and layers may be empty
+    /// JSON text (docs/statistics.md); while a scene is prepared that of the render before, or "".
+    std::string statistics;
+    bool isFinal = false; ///< nothing better will come for this version
+    std::string error;    ///< not empty: rendering failed
+};
+
+/// One state of the film with the status that it had then. Immutable.
+struct FilmImage : RenderStatus {
+    std::vector<ImageLayer> layers; ///< may be empty after an error
 };
 
 /// Owns a Session and the only thread that touches it. All methods are thread-safe and none of
@@ -32,7 +37,7 @@ public:
 
     /// \param onWarning called on the render thread, once a line.
     explicit RenderThread(Session::WarningSink onWarning = {});
-    /// Cancels what runs and waits for its end (one wave, or the prim being planned).
+    /// Cancels what runs and waits for its end (some launches, or the prim being planned).
     ~RenderThread();
     RenderThread(const RenderThread&) = delete;
     RenderThread& operator=(const RenderThread&) = delete;
@@ -50,6 +55,10 @@ public:
 
     /// The newest published image, of whatever version; null before the first one.
     std::shared_ptr<const FilmImage> Newest() const;
+
+    /// The newest status, of whatever version; null before the first one. It follows the render
+    /// more closely than images do, which take longer to make.
+    std::shared_ptr<const RenderStatus> Status() const;
 
     /// True when the newest image is final and shows the newest version, or nothing is to be
     /// rendered because of Stop.

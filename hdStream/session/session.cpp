@@ -156,8 +156,8 @@ struct Session::Impl {
     }
 
     RenderResult Render(const Settings& settings, const CameraPrim& camera,
-                        const ProgressCallback& onProgress, bool showsPreviews,
-                        const std::vector<FilmSums>& film) {
+                        const ProgressCallback& onProgress, const std::vector<FilmSums>& film,
+                        const RenderWatch& watch) {
         const auto start = std::chrono::steady_clock::now();
         ReadyDevice(settings);
         ReadyDenoiser(settings);
@@ -171,7 +171,6 @@ struct Session::Impl {
         if (!denoisedAovs.empty()) {
             options.aovs = MakeAovLayout(WithDenoiserGuides(denoisedAovs));
         }
-        options.showsPreviews = showsPreviews;
         if (!dicingCamera || dicingCamera->isStill == settings.cameraMoves) {
             dicingCamera = MakeDicingCamera(options);
             dicingCamera->isStill = !settings.cameraMoves;
@@ -189,7 +188,7 @@ struct Session::Impl {
         statistics.imageWidth = settings.imageWidth;
         statistics.imageHeight = settings.imageHeight;
         statistics.beforeRenderingSeconds = sinceStartSeconds + SecondsSince(start);
-        const RenderResult result = tracer->Render(onProgress);
+        const RenderResult result = tracer->Render(onProgress, watch);
         if (rendered.endedPasses > 0) {
             warnings.Add("", std::to_string(rendered.endedPasses) +
                                  " rays ended after passing the most cut-out surfaces that one "
@@ -292,7 +291,7 @@ std::string Session::Info() const {
 }
 
 RenderResult Session::Render(const Settings& settings, const ProgressCallback& onProgress,
-                             bool showsPreviews, const std::vector<FilmSums>& start) {
+                             const std::vector<FilmSums>& start, const RenderWatch& watch) {
     Impl& impl = *_impl;
     CheckSettings(settings);
     CheckFilmSums(start, settings.imageWidth, settings.imageHeight, settings.samples);
@@ -306,7 +305,7 @@ RenderResult Session::Render(const Settings& settings, const ProgressCallback& o
     }
     impl.hasFilm = false;
     try {
-        return impl.Render(settings, camera->second, onProgress, showsPreviews, start);
+        return impl.Render(settings, camera->second, onProgress, start, watch);
     } catch (...) {
         // What is in device memory is not known, and contexts that ran out of it may be of no use.
         impl.hasFilm = false;

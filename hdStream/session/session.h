@@ -81,16 +81,14 @@ public:
 
     // --- Rendering -------------------------------------------------------------------------------
     /// Renders with the settings from the first sample on. Blocks. Stops early when `onProgress`
-    /// returns false; that is asked while the scene is prepared too. What did not change since the
-    /// last call is kept: planned geometry, images, light tables, device memory, kernels.
-    /// \throws Error when there is no device, memory runs out, or a setting is wrong.
-    /// \param showsPreviews someone looks at the film in onProgress: it is filled from coarse to
-    /// fine. The final picture is the same.
-    /// \param start the film begins with these sums of other renders of the same scene and
-    /// settings, and the samples that follow are rendered; the bits are those of one render. A film
-    /// without pixels begins a range of samples (docs/film.md). Not with --noise.
+    /// returns false; that is asked while the scene is prepared too. `watch` may stop it sooner.
+    /// What did not change since the last call is kept: planned geometry, images, light tables,
+    /// device memory, kernels. \throws Error when there is no device, memory runs out, or a setting
+    /// is wrong. \param start the film begins with these sums of other renders of the same scene
+    /// and settings, and the samples that follow are rendered; the bits are those of one render. A
+    /// film without pixels begins a range of samples (docs/film.md). Not with --noise.
     RenderResult Render(const Settings& settings, const ProgressCallback& onProgress = {},
-                        bool showsPreviews = false, const std::vector<FilmSums>& start = {});
+                        const std::vector<FilmSums>& start = {}, const RenderWatch& watch = {});
 
     /// The sums of the film as rendered so far: what another render, on any machine with the same
     /// device model, can begin with. \throws Error before the first Render.

@@ -98,6 +98,8 @@ RenderOptions MakeRenderOptions(const Settings& settings, const CameraPrim& came
     options.mipBias = settings.mipBias;
     options.shadeIterations = settings.shadeIterations;
     options.waveSize = settings.waveSize;
+    options.interactive = settings.interactive;
+    options.passSeconds = settings.passSeconds;
     options.traversal = EnumOf<TraversalForm>("traversal", settings.traversal);
     return options;
 }

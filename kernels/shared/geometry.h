@@ -31,6 +31,7 @@
 #define HDS_INSTANCE_CUTOUT 1u     /* some material may let rays pass: hits are candidates */
 #define HDS_INSTANCE_CAMERA 2u     /* seen by camera rays */
 #define HDS_INSTANCE_MOVES 4u      /* objectFromParent holds where its keys are (HDS_MOTION_*) */
+#define HDS_INSTANCE_IN_PLACE 8u   /* objectFromParent is the identity, and it does not move */
 #define HDS_INSTANCE_LINK_SHIFT 16 /* the bits from here on: the link set (shared/light.h) */
 
 /* Words of objectFromParent of an instance that moves, as bits: the first of its keys of the map

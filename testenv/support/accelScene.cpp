@@ -116,7 +116,9 @@ void AccelScene::BuildGroup(std::uint32_t object, const std::vector<AccelPlaceme
         record.flags = placement.flags;
         Bounds box = TransformedBounds(placement.parentFromObject, _bounds[placement.object], -19);
         closeBoxes.push_back(box);
-        if (!placement.keys.empty()) {
+        if (placement.keys.empty()) {
+            record.flags |= IsIdentity(record.objectFromParent) ? HDS_INSTANCE_IN_PLACE : 0U;
+        } else {
             AddKeys(placement.keys, &record);
             const auto ends = TransformEnds(placement.keys, _bounds[placement.object]);
             box = ends[0];

@@ -60,8 +60,8 @@ class Recorder:
         errors = []
 
         def OnProgress(progress):
-            # There is something to show, and to write, once every pixel has a sample.
-            if progress.previewStride == 1 and not isStopping.is_set():
+            # 0 while the scene is prepared.
+            if progress.fraction > 0 and not isStopping.is_set():
                 self._progress.Update(progress)
 
         def Work():

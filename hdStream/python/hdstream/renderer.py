@@ -104,8 +104,8 @@ class Renderer:
             Default: the stage's startTimeCode.
         onProgress : callable, optional
             Called on this thread after each wave of rays with an object of `samplesDone`, `samplesTotal` (per pixel),
-            `fraction` (of all work, 0 to 1), `secondsElapsed`, `secondsLeft` (an estimate) and `previewStride` (0 while
-            the scene is prepared). Returning `False` cancels; an exception cancels and is raised.
+            `fraction` (of all work, 0 to 1), `secondsElapsed`, `secondsLeft` (an estimate) and `previewStride` (0 until
+            every pixel has a sample). Returning `False` cancels; an exception cancels and is raised.
         **settings
             As `Prepare`.
 
@@ -217,7 +217,8 @@ class Renderer:
         def OnProgress(progress):
             return not self._isCancelled.is_set() and (onProgress is None or onProgress(progress) is not False)
 
-        return self._session.Render(frame.settings, OnProgress, list(start)) == _core.RenderResult.Complete
+        result = self._session.Render(frame.settings, OnProgress, list(start), self._isCancelled.is_set)
+        return result == _core.RenderResult.Complete
 
     def Sums(self) -> _core.FilmSums:
         """What another render of the scene can begin with (`RenderPrepared`): the film of the last render.
@@ -236,7 +237,8 @@ class Renderer:
         return self._session.Film()
 
     def Cancel(self) -> None:
-        """Ends the render in progress, or the next one that is prepared already. From any thread; does not wait."""
+        """Ends the render in progress, also inside a wave, or the next one that is prepared already. From any thread; does not
+        wait."""
         self._isCancelled.set()
 
     @property

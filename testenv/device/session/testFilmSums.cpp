@@ -33,14 +33,14 @@ protected:
         FillSession(&session);
         const Settings settings = SettingsOf(end);
         FilmSums black{settings.imageWidth, settings.imageHeight, first, first, {}};
-        EXPECT_EQ(session.Render(settings, {}, false, {black}), RenderResult::Complete);
+        EXPECT_EQ(session.Render(settings, {}, {black}), RenderResult::Complete);
         return session.Film();
     }
 
     static std::vector<ImageLayer> GoOn(const std::vector<FilmSums>& start) {
         Session session;
         FillSession(&session);
-        EXPECT_EQ(session.Render(SettingsOf(kSamples), {}, false, start), RenderResult::Complete);
+        EXPECT_EQ(session.Render(SettingsOf(kSamples), {}, start), RenderResult::Complete);
         return session.Layers();
     }
 
@@ -49,7 +49,7 @@ protected:
         Session session;
         FillSession(&session);
         try {
-            session.Render(settings, {}, false, start);
+            session.Render(settings, {}, start);
         } catch (const Error& error) {
             EXPECT_EQ(error.kind(), ErrorKind::Usage);
             return error.what();

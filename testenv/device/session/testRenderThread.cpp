@@ -59,6 +59,7 @@ protected:
     static Settings LongSettings() {
         Settings settings = MakeSettings();
         settings.samples = 1U << 20U;
+        settings.interactive = true;
         return settings;
     }
 };

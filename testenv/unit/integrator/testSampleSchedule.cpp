@@ -1,23 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-// The passes of a render, without a device: which samples of which pixels come next, where passes
-// end, what a film that was loaded lacks, which pixels are dropped, and when time is up.
+// The passes of a render, without a device or a clock: which samples of which pixels come next,
+// where passes and waves end by the seconds they are told to have taken, what a film that was
+// loaded lacks, which pixels are dropped, and when time is up.
 #include "hdStream/integrator/sampleSchedule.h"
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <limits>
+#include <numeric>
 
 namespace hds::test {
 namespace {
 
 constexpr std::uint32_t kBlock = HDS_SAMPLE_BLOCK;
 
-RenderOptions Options(std::uint32_t samples, bool showsPreviews = false) {
+RenderOptions Options(std::uint32_t samples, bool interactive = false) {
     RenderOptions options;
     options.imageWidth = 40;
     options.imageHeight = 9;
     options.samples = samples;
-    options.showsPreviews = showsPreviews;
+    options.interactive = interactive;
     return options;
 }
 
@@ -40,21 +43,128 @@ FilmSums Sums(std::uint32_t done, std::uint32_t more = 0) {
     return sums;
 }
 
+/// Seconds that one sample of all 360 pixels takes, by how many they have.
+using Clock = std::function<double(std::uint32_t sample)>;
+
+Clock Always(double secondsPerSample) {
+    return [=](std::uint32_t) { return secondsPerSample; };
+}
+
+/// A pass takes longer than it should, however short it is.
+const Clock kSlow = Always(1000.0);
+
+/// Renders the pass that is next, in waves as the schedule wants them. \return their paths.
+std::vector<std::uint32_t> RenderPass(SampleSchedule* schedule, const Clock& clock) {
+    const SamplePass pass = *schedule->Next();
+    const double secondsPerPath = clock(pass.firstSample) / 360;
+    std::vector<std::uint32_t> waves;
+    for (std::uint32_t first = pass.begin; first < pass.end;) {
+        const std::uint32_t count = schedule->WavePixels(pass, first);
+        waves.push_back(count * pass.numSamples);
+        schedule->EndWave(waves.back(), waves.back() * secondsPerPath);
+        first += count;
+        EXPECT_LE(first, pass.end);
+    }
+    schedule->Complete();
+    return waves;
+}
+
 /// Where passes end, from now on to the end of the render.
-std::vector<std::uint32_t> Borders(SampleSchedule schedule) {
+std::vector<std::uint32_t> Borders(SampleSchedule schedule, const Clock& clock = kSlow) {
     std::vector<std::uint32_t> borders;
     while (const auto pass = schedule.Next()) {
         EXPECT_EQ(pass->firstSample, schedule.Done());
-        schedule.Complete();
+        RenderPass(&schedule, clock);
         borders.push_back(schedule.Done());
     }
     return borders;
+}
+
+/// Every number in [first, last].
+std::vector<std::uint32_t> All(std::uint32_t first, std::uint32_t last) {
+    std::vector<std::uint32_t> all(last - first + 1);
+    std::iota(all.begin(), all.end(), first);
+    return all;
 }
 
 TEST(SampleSchedule, PassesAreTheFirstSampleAndBlocks) {
     EXPECT_EQ(Borders(Begun(Options(1))), (std::vector<std::uint32_t>{1}));
     EXPECT_EQ(Borders(Begun(Options(7))), (std::vector<std::uint32_t>{1, 7}));
     EXPECT_EQ(Borders(Begun(Options(50))), (std::vector<std::uint32_t>{1, 16, 32, 48, 50}));
+}
+
+TEST(SampleSchedule, PassesWhereNobodyLooksAreAsManyBlocksAsASecondHolds) {
+    EXPECT_EQ(Borders(Begun(Options(300)), Always(0.01)),
+              (std::vector<std::uint32_t>{1, 16, 32, 64, 128, 224, 300}))
+        << "100 samples, once passes have doubled as often as they may";
+    EXPECT_EQ(Borders(Begun(Options(100)), Always(1.0 / 33)),
+              (std::vector<std::uint32_t>{1, 16, 32, 64, 96, 100}));
+    RenderOptions options = Options(100);
+    options.passSeconds = 1.5;
+    EXPECT_EQ(Borders(Begun(options), Always(1.0 / 33)),
+              (std::vector<std::uint32_t>{1, 16, 32, 64, 100}));
+}
+
+TEST(SampleSchedule, PassesWhereSomeoneLooksTakeATenthOfASecond) {
+    const std::vector<FilmSums> start{Sums(1)}; // without previews
+    EXPECT_EQ(Borders(Begun(Options(40, true), start), Always(0.019)),
+              (std::vector<std::uint32_t>{2, 4, 8, 13, 18, 23, 28, 32, 36, 40}))
+        << "1, 2, 4, 5 samples; the rest in equal parts";
+    EXPECT_EQ(Borders(Begun(Options(9, true), start), Always(0.11)), All(2, 9));
+    EXPECT_EQ(Borders(Begun(Options(64, true), start), Always(1e-9)),
+              (std::vector<std::uint32_t>{2, 4, 8, 16, 32, 64}));
+}
+
+TEST(SampleSchedule, PassesShrinkAtOnceAndGrowAgain) {
+    const auto clock = [](std::uint32_t sample) { return sample == 16 ? 1.0 : 1e-9; };
+    EXPECT_EQ(Borders(Begun(Options(64, true), {Sums(1)}), clock),
+              (std::vector<std::uint32_t>{2, 4, 8, 16, 32, 33, 35, 39, 46, 55, 64}));
+}
+
+TEST(SampleSchedule, WhileGeometryStreamsPassesDoubleToBlocks) {
+    for (const Clock& clock : {kSlow, Always(1e-9)}) {
+        SampleSchedule schedule = Begun(Options(40, true), {Sums(1)});
+        schedule.SetLimits({1U << 20U, 1, true});
+        EXPECT_EQ(Borders(schedule, clock), (std::vector<std::uint32_t>{2, 4, 8, 16, 32, 40}));
+    }
+}
+
+TEST(SampleSchedule, SamplesOfAPixelFitAWave) {
+    SampleSchedule schedule = Begun(Options(300));
+    schedule.SetLimits({50, 50});
+    EXPECT_EQ(Borders(schedule, Always(1e-9)),
+              (std::vector<std::uint32_t>{1, 16, 32, 64, 112, 160, 208, 256, 300}));
+    schedule = Begun(Options(300, true), {Sums(1)});
+    schedule.SetLimits({5, 5});
+    for (const std::uint32_t border : Borders(schedule, Always(1e-9))) {
+        EXPECT_LE(border, schedule.Done() + HDS_SAMPLE_BLOCK);
+        while (schedule.Done() < border) {
+            RenderPass(&schedule, Always(1e-9));
+        }
+    }
+    schedule = Begun(Options(300), {Sums(16, 100)});
+    schedule.SetLimits({40, 40});
+    EXPECT_EQ(Borders(schedule), (std::vector<std::uint32_t>{56, 96, 116, 128, 144, 160, 176, 192,
+                                                             208, 224, 240, 256, 272, 288, 300}))
+        << "also those of late pixels";
+}
+
+TEST(SampleSchedule, TheFirstWaveIsATrialAndTheNextAreCutByTime) {
+    using Waves = std::vector<std::uint32_t>;
+    const auto waves = [](bool interactive, double seconds, WaveLimits limits) {
+        SampleSchedule schedule = Begun(Options(40, interactive), {Sums(16)});
+        schedule.SetLimits(limits);
+        return RenderPass(&schedule, Always(seconds));
+    };
+    EXPECT_EQ(waves(false, 1e-9, {3200, 320}), (Waves{320, 3200, 2240})) << "16 samples of a pixel";
+    EXPECT_EQ(waves(false, 0.5, {3200, 160}), (Waves{160, 352, 352, 352, 352, 352, 352, 352, 352,
+                                                     352, 352, 352, 352, 352, 352, 352, 320}))
+        << "half a second holds 360 paths";
+    EXPECT_EQ(waves(false, 1000.0, {3200, 1600}), (Waves{1600, 1600, 1600, 960}));
+    EXPECT_EQ(waves(true, 0.47, {3200, 36}), (Waves{36, 76, 76, 76, 76, 20}))
+        << "a tenth of a second; one sample of a pixel";
+    EXPECT_EQ(waves(false, 1000.0, {3200, 3200, true}), (Waves{3200, 2560}));
+    EXPECT_EQ(waves(false, 1e-9, {5, 5}), Waves(360, 16)) << "at least a pixel";
 }
 
 TEST(SampleSchedule, AllPixelsOfAPassAreActive) {
@@ -69,7 +179,7 @@ TEST(SampleSchedule, AllPixelsOfAPassAreActive) {
     EXPECT_EQ(schedule.Pixels(PixelList::Active), MakePixelOrder(40, 9));
 }
 
-TEST(SampleSchedule, PreviewsGoFromCoarseToFineAndThenDouble) {
+TEST(SampleSchedule, PreviewsGoFromCoarseToFine) {
     SampleSchedule schedule = Begun(Options(40, true));
     EXPECT_EQ(schedule.PreviewStride(), 0U);
     const std::vector<std::uint32_t>& pixels = schedule.Pixels(PixelList::Preview);
@@ -92,30 +202,30 @@ TEST(SampleSchedule, PreviewsGoFromCoarseToFineAndThenDouble) {
         EXPECT_EQ(schedule.PreviewStride(), stride);
     }
     EXPECT_EQ(schedule.Done(), 1U);
-    EXPECT_EQ(Borders(schedule), (std::vector<std::uint32_t>{2, 4, 8, 16, 32, 40}));
+    EXPECT_EQ(Borders(schedule), All(2, 40));
     EXPECT_EQ(Borders(Begun(Options(1, true))), (std::vector<std::uint32_t>{0, 0, 0, 1}));
 }
 
 TEST(SampleSchedule, AFilmThatWasLoadedGoesOnAtItsEnd) {
-    for (const bool showsPreviews : {false, true}) {
-        const SampleSchedule schedule = Begun(Options(40, showsPreviews), {Sums(16), Sums(20)});
+    for (const bool interactive : {false, true}) {
+        const SampleSchedule schedule = Begun(Options(40, interactive), {Sums(16), Sums(20)});
         EXPECT_EQ(schedule.PreviewStride(), 1U) << "it is a picture";
         EXPECT_EQ(schedule.Done(), 20U);
         EXPECT_FALSE(schedule.Next()->isOfFirstPicture);
-        EXPECT_EQ(Borders(schedule), (std::vector<std::uint32_t>{32, 40}));
+        EXPECT_EQ(Borders(schedule),
+                  interactive ? All(21, 40) : (std::vector<std::uint32_t>{32, 40}));
     }
     FilmSums middle = Sums(32);
     middle.firstSample = 16;
     EXPECT_EQ(Begun(Options(40), {middle}).FilmBegin(), 16U);
-    EXPECT_EQ(Borders(Begun(Options(40, true), {Sums(3)})),
-              (std::vector<std::uint32_t>{6, 12, 24, 32, 40}));
+    EXPECT_EQ(Borders(Begun(Options(40), {Sums(3)})), (std::vector<std::uint32_t>{16, 32, 40}));
     EXPECT_FALSE(Begun(Options(16), {Sums(16)}).Next()) << "nothing is missing";
     EXPECT_EQ(Borders(Begun(Options(2), {FilmSums{}})), (std::vector<std::uint32_t>{1, 2}))
         << "a black film is a new one";
 }
 
 TEST(SampleSchedule, LatePixelsComeFirstAndAlone) {
-    SampleSchedule schedule = Begun(Options(40, true), {Sums(16, 12)});
+    SampleSchedule schedule = Begun(Options(40), {Sums(16, 12)});
     const auto pass = schedule.Next();
     ASSERT_TRUE(pass);
     EXPECT_EQ(pass->list, PixelList::Late);
@@ -138,14 +248,14 @@ TEST(SampleSchedule, PixelsOfAFirstPassThatWasStoppedComeLate) {
     EXPECT_EQ(schedule.Next()->end, 240U);
     schedule.Complete();
     EXPECT_EQ(schedule.Done(), 1U);
-    EXPECT_EQ(Borders(schedule), (std::vector<std::uint32_t>{2, 4, 8, 16}));
+    EXPECT_EQ(Borders(schedule), All(2, 16));
 }
 
 /// Borders at which pixels may be dropped.
-std::vector<std::uint32_t> Drops(SampleSchedule schedule) {
+std::vector<std::uint32_t> Drops(SampleSchedule schedule, const Clock& clock) {
     std::vector<std::uint32_t> drops;
     while (schedule.Next()) {
-        schedule.Complete();
+        RenderPass(&schedule, clock);
         if (schedule.MayDrop()) {
             drops.push_back(schedule.Done());
         }
@@ -153,18 +263,21 @@ std::vector<std::uint32_t> Drops(SampleSchedule schedule) {
     return drops;
 }
 
-TEST(SampleSchedule, PixelsAreDroppedAtBlocksFromTheSecondOn) {
+TEST(SampleSchedule, PixelsAreDroppedAtBlocksFromTheSecondOnWhateverTimePassesTake) {
     RenderOptions options = Options(70);
-    EXPECT_TRUE(Drops(Begun(options)).empty()) << "no error is set";
+    EXPECT_TRUE(Drops(Begun(options), kSlow).empty()) << "no error is set";
     options.noise = 0.1;
-    EXPECT_EQ(Drops(Begun(options)),
-              (std::vector<std::uint32_t>{2 * kBlock, 3 * kBlock, 4 * kBlock}));
-    options.showsPreviews = true;
-    EXPECT_EQ(Drops(Begun(options)),
-              (std::vector<std::uint32_t>{2 * kBlock, 3 * kBlock, 4 * kBlock}));
-    EXPECT_EQ(Drops(Begun(options, {Sums(16, 16)})),
-              (std::vector<std::uint32_t>{3 * kBlock, 4 * kBlock}))
-        << "not after the pass that was stopped";
+    for (const double seconds : {1000.0, 0.05, 0.003, 1e-9}) {
+        for (const bool interactive : {false, true}) {
+            options.interactive = interactive;
+            EXPECT_EQ(Drops(Begun(options), Always(seconds)),
+                      (std::vector<std::uint32_t>{2 * kBlock, 3 * kBlock, 4 * kBlock}))
+                << seconds;
+            EXPECT_EQ(Drops(Begun(options, {Sums(16, 16)}), Always(seconds)),
+                      (std::vector<std::uint32_t>{3 * kBlock, 4 * kBlock}))
+                << "not after the pass that was stopped";
+        }
+    }
 }
 
 TEST(SampleSchedule, DroppedPixelsGetNoMoreSamples) {

@@ -37,9 +37,9 @@ TEST(WaveSize, WhileGeometryStreamsOfCpusIsOfWholeTilesThatMemoryAllows) {
     EXPECT_EQ(ChooseWaveSize(Options(), Cpu(2), 1U << 30U), ResidentWaveSize(Cpu(2)));
 }
 
-TEST(WaveSize, OfPreviewsAreTiles) {
+TEST(WaveSize, OfInteractiveHostsAreTiles) {
     RenderOptions options = Options();
-    options.showsPreviews = true;
+    options.interactive = true;
     EXPECT_EQ(ChooseWaveSize(options, Cpu(2), 0), TileSize(Cpu(2)));
     EXPECT_EQ(ChooseWaveSize(options, Cpu(2), 1), TileSize(Cpu(2)));
 }

@@ -179,6 +179,41 @@ TEST(Hierarchy, EqualsAFlattening) {
     }
 }
 
+// In a group's space, whatever places the group.
+TEST(Hierarchy, MarksWhatLiesInPlace) {
+    SceneDescription scene;
+    scene.geometry["/here"];
+    scene.geometry["/there"].placement.worldFromObject[3][1] = 1e-3;
+    InstancerPrim& instancer = scene.instancers["/I"];
+    const glm::dmat4 away = glm::translate(glm::dmat4(1.0), glm::dvec3(5.0, 0.0, 0.0));
+    instancer.instanceTransforms =
+        std::vector<double>(glm::value_ptr(away), glm::value_ptr(away) + 16);
+    for (const char* path : {"/I/here", "/I/there"}) {
+        Placement& placement = scene.geometry[path].placement;
+        placement.instancerPath = "/I";
+        placement.instances = std::vector<std::int32_t>{0};
+        placement.worldFromObject[0][0] = path[3] == 'h' ? 1.0 : -1.0;
+    }
+    std::map<std::string, LeafObject> leaves;
+    std::vector<std::string> paths;
+    for (const auto& [path, prim] : scene.geometry) {
+        leaves[path] = UnitLeaf(static_cast<std::uint32_t>(paths.size()));
+        paths.push_back(path);
+    }
+    Warnings warnings;
+    const Hierarchy tables = Build(scene, leaves, 9, warnings);
+    ASSERT_EQ(tables.instances.size(), 5U);
+    for (const shared::HdsInstance& record : tables.instances) {
+        const bool isInPlace = (record.flags & HDS_INSTANCE_IN_PLACE) != 0;
+        if (record.prim == HDS_NONE) {
+            EXPECT_FALSE(isInPlace);
+        } else {
+            EXPECT_EQ(isInPlace, paths[record.prim].find("there") == std::string::npos)
+                << paths[record.prim];
+        }
+    }
+}
+
 TEST(Hierarchy, AMillionInstancesCostRecordsOnly) {
     SceneDescription scene;
     scene.geometry["/M"].placement.instancerPath = "/I";
