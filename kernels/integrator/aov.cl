@@ -122,7 +122,8 @@ void aov_store(constant const HdsFrameParams* frame, const HdsSceneView* scene, 
 #if HDS_FEATURE_TEXTURES
     HdsRayCones cones;
     cones.pair = path_load_cones(paths, i);
-    surface.coneWidth = cones_width(cones_atHit(cones, hit.t, true));
+    surfaceHit_setFootprint(cones_atHit(cones, hit.t, true), -path_load_direction(paths, i).xyz,
+                            &surface);
     surface.choice = (HdsTexelChoice){0.0f, 8u};
 #endif
     if (!surfaceHit_shade(scene, &surface, -path_load_direction(paths, i).xyz, &shading, &bsdf)) {

@@ -15,6 +15,7 @@
 #include "math/wideBegin.clh"
 #include "math/vector.clh"
 #include "math/trig.clh"
+#include "math/inverse.clh"
 #include "math/offset.clh"
 #include "sample/warp.clh"
 #include "sample/sampler.clh"
@@ -29,9 +30,14 @@
 #include "shading/layeredSurface.clh"
 #endif
 #include "shading/bsdf.clh"
+#include "light/place.clh"
 #include "light/rect.clh"
 #include "light/estimate.clh"
 #include "light/select.clh"
+#if HDS_FEATURE_TEXTURES
+#include "texture/rayCone.clh"
+#endif
+#include "integrator/placement.clh"
 #include "integrator/pixelSampler.clh"
 #include "integrator/choices.clh"
 #include "integrator/scatter.clh"
@@ -39,39 +45,7 @@
 /* clang-format on */
 #include "integrator/shadeBatch.clh"
 #endif
-
-HdsShadePath shade_loadPath(HdsPaths paths, uint i) {
-    HdsShadePath path;
-    float4 throughput = path_load_throughput(paths, i);
-    float4 radiance = path_load_radiance(paths, i);
-    float4 sourceNormal = path_load_sourceNormal(paths, i);
-    path.origin = path_load_origin(paths, i).xyz;
-    path.direction = path_load_direction(paths, i).xyz;
-    path.throughput = throughput.xyz;
-    path.bsdfPdf = throughput.w;
-    const uint source = (uint)sourceNormal.w;
-    path.source.position = path.origin;
-    path.source.normal = sourceNormal.xyz;
-    path.source.linkSet = source >> 1;
-    path.isLast = (source & 1u) != 0u;
-    path.radiance = radiance.xyz;
-    path.alpha = radiance.w;
-    path.status = path_load_status(paths, i);
-    path.depth = path.status.z & HDS_PATH_DEPTH_MASK;
-    path.time = path_time(paths, i);
-    path.tBegin = 0.0f;
-#if HDS_FEATURE_CUTOUT
-    path.tBegin = as_float(path_load_after(paths, i).x);
-#endif
-    path.isMissing = false;
-#if HDS_FEATURE_TEXTURES
-    path.cones.pair = path_load_cones(paths, i);
-#endif
-#if HDS_FEATURE_LIGHT_CONTROLS
-    path.diffuseShare = path_load_diffuseShare(paths, i).xyz;
-#endif
-    return path;
-}
+#include "integrator/shadeHits.clh"
 
 #if HDS_FEATURE_CUTOUT
 /* Lets the ray go on behind a surface, by chance in proportion to the transparency; the throughput
@@ -118,33 +92,26 @@ HdsTexelChoice shade_chooseTexels(constant const HdsFrameParams* frame, const Hd
 }
 #endif
 
-/* Reads a hit and evaluates its material. Sets path->isMissing. */
-void shade_loadHit(constant const HdsFrameParams* frame, const HdsSceneView* scene,
-                   HdsShadePath* path, HdsShadeHit* at) {
-    surfaceHit_load(scene, &at->hit, path->time, &at->surface);
-    at->scatter.linkSet = surfaceHit_linkSet(scene, &at->surface);
-#if HDS_FEATURE_TEXTURES
-    path->hitCones = cones_atHit(path->cones, at->hit.t, path->depth == 0u);
-    at->surface.coneWidth = cones_width(path->hitCones);
-    at->surface.choice = shade_chooseTexels(frame, scene, &at->surface, path);
-#endif
-    at->isEnd = path->isLast && surfaceHit_isDark(scene, &at->surface);
-    if (!at->isEnd) {
-        path->isMissing = !surfaceHit_shade(scene, &at->surface, -path->direction,
-                                            &at->scatter.shading, &at->scatter.bsdf);
-    }
-}
-
 /* How shading goes on with a path after its hit has been read. */
 #define HDS_SHADE_ENDS 0u
 #define HDS_SHADE_PASSES 1u   /* slot i holds the rest of the ray */
 #define HDS_SHADE_SCATTERS 2u /* a light and the BSDF are to be sampled */
 
-/* Lets the ray pass, or adds what the surface emits. \return HDS_SHADE_ENDS and so on. */
+/* Evaluates the material of a hit, lets the ray pass or adds what the surface emits. Sets
+ * path->isMissing. \return HDS_SHADE_ENDS and so on. */
 uint shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* scene, HdsShadeHit* at,
-                   HdsShadePath* path, HdsPaths paths, uint i, volatile global uint* counters) {
-    HdsScatter* scatter = &at->scatter;
-    if (at->isEnd) {
+                   HdsShadePath* path, HdsScatter* scatter, HdsPaths paths, uint i,
+                   volatile global uint* counters) {
+    scatter->linkSet = surfaceHit_linkSet(scene, &at->surface);
+    if (path->isLast && surfaceHit_isDark(scene, &at->surface)) {
+        return HDS_SHADE_ENDS;
+    }
+#if HDS_FEATURE_TEXTURES
+    at->surface.choice = shade_chooseTexels(frame, scene, &at->surface, path);
+#endif
+    path->isMissing |=
+        !surfaceHit_shade(scene, &at->surface, -path->direction, &scatter->shading, &scatter->bsdf);
+    if (path->isMissing) {
         return HDS_SHADE_ENDS;
     }
 #if HDS_BSDF_TRANSMITS
@@ -178,33 +145,43 @@ uint shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
     return HDS_SHADE_SCATTERS;
 }
 
-/* Reads slot i and shades its hit up to where a light and the BSDF are sampled. Appends paths that
- * wait for their hit's pages or texels. \param[out] step HDS_SHADE_ENDS and so on. \return false
- * for a path that waits. */
-bool shade_begin(constant const HdsFrameParams* frame, const HdsSceneView* scene, HdsPaths paths,
-                 uint i, global uint* waitQueue, volatile global uint* counters, HdsShadeHit* at,
-                 HdsShadePath* path, uint* step) {
-    *step = HDS_SHADE_ENDS;
-#if HDS_WAIT_LISTS
-    if (path_loadWaits(paths, i) != 0u) {
-        return false;
+/* Shades a hit, or ends a path that has met nothing. */
+void shade_path(constant const HdsFrameParams* frame, const HdsSceneView* scene, HdsShadeHit* at,
+                HdsShadePath* path, uint i, HdsPaths paths, volatile global uint* counters,
+                HdsShadeBatch* batch, HdsShadeLists* lists) {
+    HdsScatter scatter;
+    scatter.linkSet = 0u;
+    uint step = HDS_SHADE_ENDS;
+    if (at->isHit) {
+        step = shade_surface(frame, scene, at, path, &scatter, paths, i, counters);
     }
+    HdsLitPath lit = shade_litPath(at, path, scatter.linkSet, i);
+    if (step != HDS_SHADE_SCATTERS) {
+        const uint result = step == HDS_SHADE_PASSES ? HDS_SHADE_GOES_ON : 0u;
+        shade_end(scene, &lit, result, paths, lists);
+        return;
+    }
+#if HDS_SHADE_WIDE
+    shadeBatch_add(batch, &scatter, &lit);
+    if (batch->count == HDS_LANES) {
+        shadeBatch_scatter(frame, scene, batch, paths, lists);
+    }
+#else
+    shade_scatter(frame, scene, &scatter, &lit, paths, lists);
 #endif
-    at->hit = path_loadHit(paths, i);
-    const bool isHit = at->hit.chunk != HDS_NONE;
-    if (isHit &&
-        surfaceHit_waits(scene, &at->hit, waitQueue, counters, HDS_COUNTER_WAITING_HITS, i)) {
-        return false;
+}
+
+/* Shades all hits of a batch, which is empty then. */
+void shade_hits(constant const HdsFrameParams* frame, const HdsSceneView* scene, HdsShadeHits* hits,
+                HdsPaths paths, volatile global uint* counters, HdsShadeBatch* batch,
+                HdsShadeLists* lists) {
+    shadeHits_place(scene, hits);
+    shadeHits_addLights(scene, hits);
+    for (uint lane = 0u; lane < hits->count; ++lane) {
+        shade_path(frame, scene, &hits->at[lane], &hits->path[lane], hits->slots[lane], paths,
+                   counters, batch, lists);
     }
-    *path = shade_loadPath(paths, i);
-    if (isHit) {
-        shade_loadHit(frame, scene, path, at);
-    }
-    shade_addLights(scene, isHit ? at->hit.t : INFINITY, path);
-    if (isHit && !path->isMissing) {
-        *step = shade_surface(frame, scene, at, path, paths, i, counters);
-    }
-    return true;
+    hits->count = 0u;
 }
 
 /* Global size: count items, HDS_ITEMS_PER_WORK_ITEM for each work-item. Appends paths that go on,
@@ -219,32 +196,18 @@ kernel void shade_paths(HDS_SCENE_ARGS, constant const HdsFrameParams* frame, gl
     HdsShadeLists lists;
     lists.next.count = 0u;
     lists.shadows.count = 0u;
-    HdsShadeHit at;
-    HdsShadePath path;
-#if HDS_SHADE_WIDE
+    HdsShadeHits hits;
+    hits.count = 0u;
     HdsShadeBatch batch;
     batch.count = 0u;
-#endif
     HDS_FOR_ITEMS(item, count) {
-        const uint i = queue[item];
-        uint step;
-        if (!shade_begin(frame, &scene, paths, i, waitQueue, counters, &at, &path, &step)) {
-            continue;
+        shadeHits_read(&scene, paths, queue[item], waitQueue, counters, &hits);
+        if (hits.count == HDS_HIT_LANES) {
+            shade_hits(frame, &scene, &hits, paths, counters, &batch, &lists);
         }
-        HdsLitPath lit = shade_litPath(&at, &path, i);
-        if (step != HDS_SHADE_SCATTERS) {
-            const uint result = step == HDS_SHADE_PASSES ? HDS_SHADE_GOES_ON : 0u;
-            shade_end(&scene, &lit, result, paths, &lists);
-            continue;
-        }
-#if HDS_SHADE_WIDE
-        shadeBatch_add(&batch, &at.scatter, &lit);
-        if (batch.count == HDS_LANES) {
-            shadeBatch_scatter(frame, &scene, &batch, paths, &lists);
-        }
-#else
-        shade_scatter(frame, &scene, &at.scatter, &lit, paths, &lists);
-#endif
+    }
+    if (hits.count > 0u) {
+        shade_hits(frame, &scene, &hits, paths, counters, &batch, &lists);
     }
 #if HDS_SHADE_WIDE
     if (batch.count > 0u) {

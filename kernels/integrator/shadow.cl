@@ -178,7 +178,8 @@ void shadow_passCandidate(const HdsSceneView* scene, HdsPaths paths, uint i, glo
     surfaceHit_load(scene, &hit, path_time(paths, i), &surface);
     float4 radiance = path_load_shadowRadiance(paths, i);
 #if HDS_FEATURE_TEXTURES
-    surface.coneWidth = cones_width(cones_atHit(cones_unpack(radiance.w), hit.t, false));
+    surfaceHit_setFootprint(cones_atHit(cones_unpack(radiance.w), hit.t, false), -direction.xyz,
+                            &surface);
     surface.choice = (HdsTexelChoice){0.0f, 8u};
 #endif
 #if HDS_FEATURE_TEXTURED_EMISSION

@@ -34,8 +34,7 @@ def _Mitsuba(entry: dict, job: dict) -> np.ndarray:
     scene = rivalsScene.Read(entry["stage"], entry["camera"])
     rivalsWorker.Fit(scene.camera, entry["width"], entry["height"])
     exposure = scene.camera["exposure"]
-    render, _ = rivalsMitsuba.Build(scene, dict(entry, renderer=rivalsMitsuba.PREVIEW, maxDepth=_DEPTH, threads=job["threads"],
-                                                renders=[]))
+    render, _ = rivalsMitsuba.Build(scene, dict(entry, renderer=rivalsMitsuba.PREVIEW, maxDepth=_DEPTH, threads=job["threads"]))
     return exposure * render(job["samples"], _SEED)
 
 

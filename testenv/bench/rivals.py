@@ -2,10 +2,11 @@
 """Equal-error time: hdStream against Mitsuba 3 (scalar, llvm) and Blender's Cycles on the CPU, on real stages.
 
 All renderers draw one scene (rivalsScene.py) at equal size, bounces and threads, with a box filter, no roulette, no clamping, no
-denoiser; each with its best sampler, in a process of its own. Against a converged reference of its own, each renders a
-ladder of sample counts. Seconds are a render's without what it costs whatever its samples; a fit of error against
-samples gives the seconds to a stated relMSE. Beside it: how far the renderers' references are from each other, since a
-rival that renders something else is not a rival; the time to the first pixel; peak memory of the process.
+denoiser; each with its best sampler, in a process of its own. Against a converged reference of its own, each renders 1, 2, 4,
+... samples until its relMSE is below the smallest of --errors. All renderers do so once before any does it again, with other
+seeds. Seconds to a stated relMSE lie between two rungs; nothing is said beyond twice the highest. The ratio of two renderers is
+the median of the repeats, with the least and the largest. Beside it: how far the renderers' references are from each other,
+since a rival that renders something else is not a rival; the time to the first pixel; peak memory of the process.
 
     python testenv/bench/rivals.py --scenes FOLDER --cache KEPT --out OUT     # FOLDER has chess/, bookstore/, coffee/, ycb/
     python testenv/bench/rivals.py --stages terrain,lambertRoom,rectLight     # small generated stages
@@ -58,19 +59,16 @@ def _Size(aspect: float, width: int) -> tuple[int, int]:
 def _Compare(stage, options, cache: pathlib.Path, scratch: pathlib.Path) -> list:
     scene, aspect = _PlainScene(stage, scratch)
     width, height = _Size(aspect, options.width)
-    results = []
-    for renderer in options.renderers:
-        print(f"{stage.name}: {renderer} ...", file=sys.stderr, flush=True)
-        job = dict(renderer=renderer, stage=stage.path, scene=scene, camera=stage.camera, width=width, height=height,
-                   maxDepth=stage.maxDepth, threads=options.threads, limit=options.limit)
-        try:
-            results.append(rivalsMeasure.Measure(job, options.ladder, options.repeat, options.reference, cache))
-        except rivalsMeasure.RunFailed as error:
-            print(f"not measured: {error}")
+    jobs = [dict(renderer=renderer, stage=stage.path, scene=scene, camera=stage.camera, width=width, height=height,
+                 maxDepth=stage.maxDepth, threads=options.threads, limit=options.limit, goal=min(options.errors),
+                 longest=options.longest) for renderer in options.renderers]
+    results, failures = rivalsMeasure.Measure(jobs, options.repeat, options.reference, cache)
+    for failure in failures:
+        print(f"not measured: {failure}")
     if results:
         rivalsReport.PrintStage(stage.name, results, options.errors)
         if options.out:
-            rivalsReport.Save(stage.name, results, options.errors, options.out)
+            rivalsReport.Save(stage.name, results, options.out)
     return results
 
 
@@ -82,8 +80,8 @@ def _Options() -> argparse.Namespace:
                         help=f"of {', '.join(RENDERERS)}; the first is compared with".replace("%", "%%"))
     parser.add_argument("--width", type=int, default=480, help="of the picture's longer side")
     parser.add_argument("--threads", type=int, default=os.cpu_count())
-    parser.add_argument("--ladder", type=lambda text: [int(n) for n in _Split(text)], default=[2, 4, 8, 16, 32], help="samples a pixel")
-    parser.add_argument("--repeat", type=int, default=1, help="renders of the ladder, with other seeds")
+    parser.add_argument("--longest", type=float, default=60, help="seconds of a rung; a ladder that would take longer ends below")
+    parser.add_argument("--repeat", type=int, default=3, help="ladders of each renderer, with other seeds, in turns")
     parser.add_argument("--reference", type=int, default=256, help="samples of the references")
     parser.add_argument("--errors", type=lambda text: [float(e) for e in _Split(text)], default=[1e-2, 1e-3],
                         help="relMSE to compare times at")
@@ -93,7 +91,8 @@ def _Options() -> argparse.Namespace:
     parser.add_argument("--short", action="store_true", help="one small stage, small pictures: is everything in place?")
     options = parser.parse_args()
     if options.short:
-        options.stages, options.width, options.ladder, options.reference = rivalsStages.SHORT, 96, [2, 4, 8, 16], 64
+        options.stages, options.width, options.reference, options.repeat = rivalsStages.SHORT, 96, 64, 1
+        options.errors = [2e-2, 5e-3]
     unknown = [name for name in options.renderers if name not in RENDERERS]
     if unknown:
         parser.error(f"no renderer {unknown[0]}; there are {', '.join(RENDERERS)}")
@@ -123,7 +122,7 @@ def main() -> int:
     for error in options.errors if rows else ():
         rivalsReport.PrintSummary(rows, error)
     if options.out:
-        rivalsReport.SaveTable(rows, options.errors, options.out / "rivals.csv")
+        rivalsReport.SaveTable(rows, options.out / "rivals.csv")
     return 0 if rows else 1
 
 

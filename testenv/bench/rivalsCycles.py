@@ -20,7 +20,7 @@ from stages import imageFile
 
 
 def Build(scene, job: dict):
-    """(render(samples, seed) -> [height][width][3], nothing to warm up). Takes the arrays out of `scene`."""
+    """render(samples, seed) -> [height][width][3]; and no counts to warm up. Takes the arrays out of `scene`."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     target = bpy.context.scene
     Configure(target, job)
@@ -30,7 +30,7 @@ def Build(scene, job: dict):
         _AddMesh(target, mesh, looks[mesh.material], len(scene.meshes))
     _AddLights(target, scene.lights)
     _AddCamera(target, scene.camera)
-    return Renderer(target), []
+    return Renderer(target), lambda samples: []
 
 
 def BuildImported(path: str, camera: dict, lights: list, job: dict):

@@ -24,8 +24,8 @@ _PASSES = 8  # surfaces that a path passes straight through: bounces to Mitsuba,
 
 
 def Build(scene, job: dict):
-    """(render(samples, seed) -> [height][width][3], counts of samples to render once before any is timed: this sampler's kernels
-    are compiled for one count). Takes the arrays out of `scene`."""
+    """render(samples, seed) -> [height][width][3]; and warmUp(samples) -> the counts to render once before a render of so many is
+    timed, since this sampler's kernels are compiled for one count. Takes the arrays out of `scene`."""
     mitsubaScene.UseVariant("scalar_rgb" if job["renderer"] == SCALAR else "llvm_ad_rgb")
     mi = mitsubaScene.mi
     mi.set_log_level(mi.LogLevel.Error)
@@ -58,8 +58,8 @@ def Build(scene, job: dict):
             done += count
         return total / samples
 
-    counts = [] if job["renderer"] == SCALAR else sorted({min(perPass, samples) for samples, _ in job["renders"]})
-    return Render, counts
+    isCompiled = job["renderer"] != SCALAR
+    return Render, lambda samples: [min(perPass, samples)] if isCompiled else []
 
 
 def _Enlarge(scene) -> None:

@@ -6,7 +6,8 @@ import pathlib
 
 import numpy as np
 
-import rivalsMeasure
+import rivalsLadder
+from rivalsLadder import Ladder, Ratio
 from stages import imageFile
 from support.svgChart import Chart
 
@@ -17,8 +18,17 @@ def _Row(cells) -> str:
     return "| " + " | ".join(str(cell) for cell in cells) + " |"
 
 
-def _Seconds(result, error: float) -> str:
-    return ("~" if result.IsFarFrom(error) else "") + f"{result.SecondsTo(error):.3g}"
+def _Number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3g}"
+
+
+def _Median(values: list | None) -> float | None:
+    return None if values is None else float(np.median(values))
+
+
+def _Interval(ratio: tuple | None) -> str:
+    """Median (least to largest)."""
+    return "-" if ratio is None else f"{ratio[0]:.2f} ({ratio[1]:.2f} to {ratio[2]:.2f})"
 
 
 def _Title(text: str) -> str:
@@ -28,38 +38,37 @@ def _Title(text: str) -> str:
 def PrintStage(name: str, results: list, errors: list) -> None:
     """Tables of one stage. The first result is what ratios are of."""
     mine = results[0]
-    print(_Title(f"{name}: equal-error seconds; ratio = {mine.renderer} / this one (below 1: {mine.renderer} is faster); "
-                 "~: more than 4 times outside of the ladder"))
-    head = ["renderer", "Msamples/s", "relMSE at 1 sample", "power"]
-    head += [f"{what} {error:g}" for error in errors for what in ("s to", "ratio at")]
-    head += ["first pixel s", "of it building", "fixed s a render", "peak MB"]
+    print(_Title(f"{name}: seconds to a relMSE, medians; -: not within twice the samples of the highest rung"))
+    head = ["renderer", "Msamples/s", *(f"{what} to {error:g}" for error in errors for what in ("samples", "s", "s of sampling")),
+            "first pixel s", "of it building", "fixed s a render", "peak MB"]
     print(_Row(head) + "\n" + "|---" * len(head) + "|")
     for result in results:
-        cells = [result.renderer, f"{result.pixels / result.perSample / 1e6:.3f}", f"{result.factor:.4g}", f"{result.power:.2f}"]
+        ladder = result.ladder
+        cells = [result.renderer, f"{result.pixels / np.median(ladder.perSample) / 1e6:.3f}"]
         for error in errors:
-            cells += [_Seconds(result, error), f"{mine.SecondsTo(error) / result.SecondsTo(error):.2f}"]
-        cells += [f"{result.FirstPixelSeconds():.2f}", f"{result.worker['buildSeconds']:.2f}", f"{result.fixed:.2f}",
+            cells += [_Number(value) for value in (ladder.SamplesTo(error), _Median(ladder.SecondsTo(error)),
+                                                   _Median(ladder.SamplingSecondsTo(error)))]
+        cells += [f"{result.FirstPixelSeconds():.2f}", f"{result.worker['buildSeconds']:.2f}", f"{np.median(ladder.fixed):.2f}",
                   f"{result.worker['peakBytes'] / 1e6:.0f}"]
         print(_Row(cells))
-    print(_Title(f"{name}: rungs, relMSE (without the worst 0.1 % of pixels), seconds as measured"))
-    print(_Row(["renderer", *("samples: relMSE, seconds" for _ in mine.samples)]) + "\n" + "|---" * (1 + len(mine.samples)) + "|")
+    print(_Title(f"{name}: rungs, relMSE (without the worst 0.1 % of pixels), seconds as measured, medians"))
     for result in results:
-        rungs = zip(result.samples, result.errors, result.trimmed, result.seconds)
-        print(_Row([result.renderer, *(f"{n}: {e:.3g} ({t:.3g}) {s:.2f} s" for n, e, t, s in rungs)]))
+        rungs = zip(result.ladder.samples, result.ladder.errors, result.trimmed, np.median(result.ladder.seconds, 0))
+        print(f"* {result.renderer}: " + ", ".join(f"{n}: {e:.3g} ({t:.3g}) {s:.2f} s" for n, e, t, s in rungs))
     print(_Title(f"{name}: references, {mine.renderer} against the others; noise is that of the reference itself"))
     print(_Row(["renderer", "mean radiance", "ratio of means", "relMSE of the difference", "noise"]) + "\n" + "|---" * 5 + "|")
     for result in results:
         a, b = result.reference
-        ratio, difference = rivalsMeasure.Bias(mine.reference, result.reference)
+        ratio, difference = rivalsLadder.Bias(mine.reference, result.reference)
         noise = np.mean((a - b) ** 2 / 4 / (((a + b) / 2) ** 2 + 0.01))
         print(_Row([result.renderer, f"{(a + b).mean() / 2:.5f}", f"{ratio:.4f}", f"{max(difference, 0):.2e}", f"{noise:.1e}"]), flush=True)
 
 
-def Save(name: str, results: list, errors: list, out: pathlib.Path) -> None:
-    """NAME.svg with NAME.csv (the curves), NAME-sheet.png (the references in the order of the results)."""
+def Save(name: str, results: list, out: pathlib.Path) -> None:
+    """NAME.svg with NAME.csv (the curves, seconds as measured), NAME-sheet.png (the references in the order of the results)."""
     chart = Chart(f"{name}: error against time", "seconds", "relMSE")
     for result in results:
-        chart.Add(result.renderer, [n * result.perSample for n in result.samples], result.errors)
+        chart.Add(result.renderer, np.median(result.ladder.seconds, 0).tolist(), result.ladder.errors)
     chart.Save(out / f"rivals-{name}")
     pictures = {}
     for result in results:  # modes of hdStream have the same bits
@@ -78,25 +87,28 @@ def SaveSheet(pictures: list, path) -> None:
     imageFile.WritePng(path, np.concatenate(strips[:-1], 1))
 
 
-def SaveTable(rows: list, errors: list, path) -> None:
-    """All stages as CSV: rows of (stage, result)."""
+def SaveTable(rows: list, path) -> None:
+    """The rungs of all stages as CSV: rows of (stage, result)."""
     with open(path, "w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["stage", "renderer", "samples", "seconds", "relMSE", "relMSE trimmed", "seconds a sample", "fixed seconds",
-                         *(f"seconds to {error:g}" for error in errors), "build seconds", "first render seconds", "peak bytes"])
+        writer.writerow(["stage", "renderer", "repeat", "samples", "seconds", "relMSE", "relMSE trimmed", "build seconds",
+                         "first render seconds", "peak bytes"])
         for stage, result in rows:
-            for rung in zip(result.samples, result.seconds, result.errors, result.trimmed):
-                writer.writerow([stage, result.renderer, *(f"{v:.6g}" for v in rung), f"{result.perSample:.6g}", f"{result.fixed:.6g}",
-                                 *(f"{result.SecondsTo(error):.6g}" for error in errors), f"{result.worker['buildSeconds']:.6g}",
-                                 f"{result.worker['firstSeconds']:.6g}", result.worker["peakBytes"]])
+            ladder, worker = result.ladder, result.worker
+            for repeat, seconds in enumerate(ladder.seconds):
+                for rung in zip(ladder.samples, seconds, ladder.errors, result.trimmed):
+                    writer.writerow([stage, result.renderer, repeat, *(f"{v:.6g}" for v in rung), f"{worker['buildSeconds']:.6g}",
+                                     f"{worker['firstSeconds']:.6g}", worker["peakBytes"]])
 
 
 def PrintSummary(rows: list, error: float) -> None:
-    """Ratios of equal-error seconds, one row a stage."""
+    """Ratios of equal-error seconds, one row a stage: of sampling alone, and as measured."""
     renderers = list(dict.fromkeys(result.renderer for _, result in rows))
-    print(_Title(f"equal-error seconds at relMSE {error:g}: {renderers[0]} / the others"))
-    print(_Row(["stage", *renderers[1:]]) + "\n" + "|---" * len(renderers) + "|")
-    for stage in dict.fromkeys(stage for stage, _ in rows):
-        own = {result.renderer: result.SecondsTo(error) for at, result in rows if at == stage}
-        if renderers[0] in own:
-            print(_Row([stage, *(f"{own[renderers[0]] / own[r]:.2f}" if r in own else "-" for r in renderers[1:])]))
+    for what, seconds in (("seconds of sampling, without what a render costs by itself", Ladder.SamplingSecondsTo),
+                          ("seconds as measured", Ladder.SecondsTo)):
+        print(_Title(f"{renderers[0]} / the others at relMSE {error:g} (below 1: {renderers[0]} is faster), {what}: "
+                     "median (least to largest) of the repeats"))
+        print(_Row(["stage", *renderers[1:]]) + "\n" + "|---" * len(renderers) + "|")
+        for stage in dict.fromkeys(stage for stage, _ in rows):
+            own = {result.renderer: seconds(result.ladder, error) for at, result in rows if at == stage}
+            print(_Row([stage, *(_Interval(Ratio(own.get(renderers[0]), own.get(other))) for other in renderers[1:])]))

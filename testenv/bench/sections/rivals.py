@@ -4,42 +4,62 @@
 import csv
 import pathlib
 import shutil
+import statistics
 import subprocess
 
+from bench import rivalsLadder
 from bench.performancePage import LeftOut, Table
 
 _PROGRAM = pathlib.Path(__file__).resolve().parents[1] / "rivals.py"
-_SIZES = ("--width", "320", "--reference", "96", "--ladder", "2,8,32", "--limit", "600")
-_MINE = "hdstream"
-_ERROR = "seconds to 0.01"
+_SIZES = ("--width", "320", "--reference", "256", "--repeat", "3", "--limit", "900")
+_RENDERERS = ("hdstream", "mitsuba scalar", "mitsuba llvm", "mitsuba preview", "cycles")  # streaming has a section of its own
+_MINE = _RENDERERS[0]
+_ERRORS = (0.01, 0.001)
 
 
 def _Rows(path: pathlib.Path) -> list:
-    """(stage, renderer, {column: number}) of each renderer on each stage, which rungs share."""
+    """(stage, renderer, its ladder, what it costs besides) of each renderer on each stage."""
+    rungs = {}
     with open(path, newline="") as file:
-        rows = {(row.pop("stage"), row.pop("renderer")): row for row in csv.DictReader(file)}
-    return [(*key, {name: float(value) for name, value in row.items()}) for key, row in rows.items()]
+        for row in csv.DictReader(file):
+            rungs.setdefault((row["stage"], row["renderer"]), {}).setdefault(int(row["repeat"]), []).append(row)
+    rows = []
+    for (stage, renderer), repeats in rungs.items():
+        first = repeats[0]
+        ladder = rivalsLadder.Ladder([float(row["samples"]) for row in first], [float(row["relMSE"]) for row in first],
+                                     [[float(row["seconds"]) for row in repeat] for repeat in repeats.values()])
+        rows.append((stage, renderer, ladder, first[0]))
+    return rows
 
 
-def _Ratios(rows: list) -> Table:
-    """Our seconds to the error, and those over the others'."""
-    renderers = list(dict.fromkeys(renderer for _, renderer, _ in rows))
-    seconds = {(stage, renderer): row[_ERROR] for stage, renderer, row in rows}
+def _Interval(ratio: tuple | None) -> str | None:
+    return None if ratio is None else f"{ratio[0]:.2f} ({ratio[1]:.2f} to {ratio[2]:.2f})"
+
+
+def _Ratios(rows: list, error: float, name: str, seconds) -> Table:
+    """Our seconds to the error over the others'."""
+    others = [renderer for renderer in dict.fromkeys(renderer for _, renderer, *_ in rows) if renderer != _MINE]
     shown = []
-    for stage in dict.fromkeys(stage for stage, _, _ in rows):
-        mine = seconds.get((stage, _MINE))
-        if mine is not None:
-            shown.append([stage, mine, *(mine / seconds[stage, other] if (stage, other) in seconds else None
-                                         for other in renderers if other != _MINE)])
-    return Table("rivalsRatios", ["stage", f"{_MINE}: {_ERROR}", *(f"/ {name}" for name in renderers if name != _MINE)], shown)
+    for stage in dict.fromkeys(row[0] for row in rows):
+        own = {renderer: seconds(ladder, error) for at, renderer, ladder, _ in rows if at == stage}
+        shown.append([stage, *(_Interval(rivalsLadder.Ratio(own.get(_MINE), own.get(other))) for other in others)])
+    return Table(f"{name}{error:g}".replace(".", ""), ["stage", *others], shown)
+
+
+def _Median(values: list | None) -> float | None:
+    return None if values is None else statistics.median(values)
 
 
 def _Costs(rows: list) -> Table:
-    """What a sample, the first picture and memory cost."""
-    head = ["stage", "renderer", "ms a sample of all pixels", _ERROR, "seconds to 0.001", "fixed s a render", "first picture s", "peak MB"]
-    return Table("rivals", head,
-                 [[stage, renderer, 1e3 * row["seconds a sample"], row[_ERROR], row["seconds to 0.001"], row["fixed seconds"],
-                   row["build seconds"] + row["first render seconds"], row["peak bytes"] / 1e6] for stage, renderer, row in rows])
+    """What a sample, the errors, the first picture and memory cost."""
+    head = ["stage", "renderer", "ms a sample of all pixels", "fixed s a render",
+            *(f"{what} to {error:g}" for error in _ERRORS for what in ("samples", "seconds")), "first picture s", "peak MB"]
+    shown = []
+    for stage, renderer, ladder, cost in rows:
+        to = [value for error in _ERRORS for value in (ladder.SamplesTo(error), _Median(ladder.SecondsTo(error)))]
+        shown.append([stage, renderer, 1e3 * statistics.median(ladder.perSample), statistics.median(ladder.fixed), *to,
+                      float(cost["build seconds"]) + float(cost["first render seconds"]), float(cost["peak bytes"]) / 1e6])
+    return Table("rivals", head, shown)
 
 
 def Items(out: pathlib.Path, images: pathlib.Path) -> list:
@@ -49,8 +69,13 @@ def Items(out: pathlib.Path, images: pathlib.Path) -> list:
     for path in charts:
         shutil.copy(path.with_suffix(".csv"), images)
     rows = _Rows(out / "rivals.csv")
-    return ["Our seconds to relMSE 0.01 over the others' (below 1: hdStream is faster):", _Ratios(rows), _Costs(rows),
-            *(pathlib.Path(shutil.copy(path, images)) for path in charts)]
+    ratios = []
+    for error in _ERRORS:
+        ratios += [f"Our seconds of sampling to relMSE {error:g} over the others' (below 1: hdStream is faster), without what a render "
+                   "costs whatever its samples; median, least and largest of the repeats:",
+                   _Ratios(rows, error, "rivalsSampling", rivalsLadder.Ladder.SamplingSecondsTo),
+                   "The same of the seconds as measured:", _Ratios(rows, error, "rivalsMeasured", rivalsLadder.Ladder.SecondsTo)]
+    return [*ratios, _Costs(rows), *(pathlib.Path(shutil.copy(path, images)) for path in charts)]
 
 
 def Run(bench) -> list:
@@ -58,7 +83,8 @@ def Run(bench) -> list:
         raise LeftOut("Mitsuba and bpy are not in the Python that --rivalsPython names")
     out = bench.folder / "rivals"
     scenes = ["--scenes", bench.scenes] if bench.scenes else []
-    done = subprocess.run([bench.rivalsPython, _PROGRAM, "--out", out, *(["--short"] if bench.isShort else _SIZES), *scenes],
+    done = subprocess.run([bench.rivalsPython, _PROGRAM, "--out", out, "--renderers", ",".join(_RENDERERS),
+                           *(["--short"] if bench.isShort else _SIZES), *scenes],
                           capture_output=True, text=True)
     if done.returncode != 0:
         last = (done.stderr.strip() or "no output").splitlines()[-1]

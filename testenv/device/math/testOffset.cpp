@@ -31,7 +31,9 @@ kernel void offsets(global const float* triangles, global const float* uv,
     for (uint level = 0; level < levels; ++level) {
         HdsTransform inward = transform_load(childFromParent + (i * levels + level) * 12);
         HdsTransform outward = transform_inverse(&inward);
-        offset_toParent(&point, &outward, &inward);
+        const HdsAffine in = affine_fromTransform(&inward);
+        const HdsAffine out = affine_fromTransform(&outward);
+        offset_toParent(&point, &out, &in);
     }
     offset_finish(&point);
     float3 d = vload3(i, directions);
