@@ -152,18 +152,8 @@ TEST_F(WidePlacement, BoundsOfLightsHaveTheSameBits) {
 }
 
 TEST_F(WidePlacement, LanesHoldWhatIsPutThere) {
-    const auto expectLanes = [&](const char* kernel, std::size_t count) {
-        ExpectSameBits(
-            *_program, kernel, 800, 2 * count,
-            [&](LaneRandom& r, LaneCase& one) {
-                for (std::size_t k = 0; k < count; ++k) {
-                    one.push_back(OfBits(r.Bits()));
-                }
-            },
-            Arguments{});
-    };
-    expectLanes("PlacementLanes", kPlacementResults);
-    expectLanes("AffineLanes", 12);
+    ExpectLanes(*_program, "Placement", kPlacementResults);
+    ExpectLanes(*_program, "Affine", 12);
 }
 
 } // namespace

@@ -255,6 +255,19 @@ protected:
         return expected;
     }
 
+    /// Copies of a struct of `count` numbers to and from lanes (HDS_TEST_LANES), whatever bits it
+    /// has.
+    void ExpectLanes(Program& program, const std::string& name, std::size_t count) {
+        ExpectSameBits(
+            program, name + "Lanes", 4000, 2 * count,
+            [&](LaneRandom& r, LaneCase& one) {
+                for (std::size_t k = 0; k < count; ++k) {
+                    one.push_back(OfBits(r.Bits()));
+                }
+            },
+            Arguments{});
+    }
+
     /// Numbers of the results that are the same in all cases: a text that computes nothing would
     /// have the same bits as well.
     static std::size_t CountConstant(const std::vector<std::uint32_t>& results,

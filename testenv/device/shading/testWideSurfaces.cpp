@@ -251,16 +251,6 @@ protected:
         _arguments.frame.seed = 77;
         _arguments.frame.exposureScale = 1.5F;
     }
-    void ExpectLanes(const std::string& name, std::size_t count) {
-        ExpectSameBits(
-            *_program, name + "Lanes", 800, 2 * count,
-            [&](LaneRandom& r, LaneCase& one) {
-                for (std::size_t k = 0; k < count; ++k) {
-                    one.push_back(OfBits(r.Bits()));
-                }
-            },
-            _arguments);
-    }
     std::unique_ptr<Program> _program;
     Arguments _arguments;
 };
@@ -282,13 +272,13 @@ TEST_P(WideSurfaces, ScatteringHasTheSameBits) {
 }
 
 TEST_P(WideSurfaces, StructsLieInTheirLane) {
-    ExpectLanes("Surface", 22);
-    ExpectLanes("ShadingPoint", 18);
-    ExpectLanes("SurfacePoint", 7);
-    ExpectLanes("LightSample", 12);
-    ExpectLanes("ScatteredRay", 20);
+    ExpectLanes(*_program, "Surface", 22);
+    ExpectLanes(*_program, "ShadingPoint", 18);
+    ExpectLanes(*_program, "SurfacePoint", 7);
+    ExpectLanes(*_program, "LightSample", 12);
+    ExpectLanes(*_program, "ScatteredRay", 20);
     if (GetParam() != 0) {
-        ExpectLanes("LayeredSurface", 53);
+        ExpectLanes(*_program, "LayeredSurface", 53);
     }
 }
 
