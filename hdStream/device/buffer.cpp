@@ -19,6 +19,12 @@ constexpr std::uint64_t kMinBytes = 16;
 /// Allocations until one fails (FailAllocation); negative: none does.
 std::atomic<std::int64_t> allocationsLeft{-1};
 
+/// Shared memory that an OpenCL buffer lives in, freed as large pages are.
+struct SharedMemory {
+    cl_context context;
+    void* memory;
+};
+
 /// Large pages that an OpenCL buffer lives in: freed when the device has ended all use of it.
 struct HugePages {
     void* memory;
@@ -37,6 +43,12 @@ struct HugePages {
 void CL_CALLBACK OnMemoryUnused(cl_mem, void* data) {
     const std::unique_ptr<HugePages> pages(static_cast<HugePages*>(data));
     FreeHugePages(pages->memory, pages->bytes);
+}
+
+void CL_CALLBACK OnSharedUnused(cl_mem, void* data) {
+    const std::unique_ptr<SharedMemory> shared(static_cast<SharedMemory*>(data));
+    clSVMFree(shared->context, shared->memory);
+    clReleaseContext(shared->context);
 }
 
 } // namespace
@@ -59,6 +71,8 @@ Buffer::Buffer(std::shared_ptr<Device> device, std::string label, std::uint64_t 
             ThrowNoMemory(*_device, _label, _bytes, CL_MEM_OBJECT_ALLOCATION_FAILURE);
         }
         CreateInHugePages(flags, pages);
+    } else if (_device->Properties().sharesBuffers) {
+        CreateShared(flags);
     } else {
         Create(flags, nullptr);
     }
@@ -103,6 +117,28 @@ void Buffer::CreateInHugePages(std::uint64_t flags, void* pages) {
                 "device memory for " + _label);
 }
 
+/// In memory that host and device share, so that the host needs no command to reach it: a command
+/// costs as much as tracing some hundred rays.
+void Buffer::CreateShared(std::uint64_t flags) {
+    cl_context context = _device->GetHandles().context;
+    void* memory = clSVMAlloc(context, CL_MEM_READ_WRITE | CL_MEM_SVM_FINE_GRAIN_BUFFER, _bytes, 0);
+    if (memory == nullptr) {
+        ThrowNoMemory(*_device, _label, _bytes, CL_MEM_OBJECT_ALLOCATION_FAILURE);
+    }
+    try {
+        Create(flags | CL_MEM_USE_HOST_PTR, memory);
+    } catch (...) {
+        clSVMFree(context, memory);
+        throw;
+    }
+    clRetainContext(context);
+    auto owner = std::make_unique<SharedMemory>(SharedMemory{context, memory});
+    CheckOpenCl(clSetMemObjectDestructorCallback(static_cast<cl_mem>(_memory), OnSharedUnused,
+                                                 owner.release()),
+                "device memory for " + _label);
+    _shared = static_cast<std::uint8_t*>(memory);
+}
+
 Buffer::~Buffer() {
     Release();
 }
@@ -119,6 +155,7 @@ Buffer& Buffer::operator=(Buffer&& other) noexcept {
         _bytes = std::exchange(other._bytes, 0);
         _isHostMemory = other._isHostMemory;
         _memory = std::exchange(other._memory, nullptr);
+        _shared = std::exchange(other._shared, nullptr);
     }
     return *this;
 }
@@ -130,6 +167,7 @@ void Buffer::Release() noexcept {
             _device->CountAllocation(-static_cast<std::int64_t>(_bytes));
         }
         _memory = nullptr;
+        _shared = nullptr;
     }
 }
 
@@ -138,9 +176,15 @@ void Buffer::Write(const void* data, std::uint64_t bytes, std::uint64_t offset) 
     if (bytes == 0) {
         return;
     }
+    if (_shared != nullptr) {
+        _device->Finish();
+        std::memcpy(_shared + offset, data, bytes);
+        return;
+    }
     CheckOpenCl(clEnqueueWriteBuffer(_device->GetHandles().queue, static_cast<cl_mem>(_memory),
                                      CL_TRUE, offset, bytes, data, 0, nullptr, nullptr),
                 "writing " + _label);
+    _device->_isIdle = true; // commands run in order
 }
 
 void Buffer::Read(void* data, std::uint64_t bytes, std::uint64_t offset) const {
@@ -148,9 +192,15 @@ void Buffer::Read(void* data, std::uint64_t bytes, std::uint64_t offset) const {
     if (bytes == 0) {
         return;
     }
+    if (_shared != nullptr) {
+        _device->Finish();
+        std::memcpy(data, _shared + offset, bytes);
+        return;
+    }
     CheckOpenCl(clEnqueueReadBuffer(_device->GetHandles().queue, static_cast<cl_mem>(_memory),
                                     CL_TRUE, offset, bytes, data, 0, nullptr, nullptr),
                 "reading " + _label);
+    _device->_isIdle = true;
 }
 
 void Buffer::WriteMany(const std::vector<BufferCopy>& copies) {
@@ -164,7 +214,7 @@ void Buffer::WriteMany(const std::vector<BufferCopy>& copies) {
         begin = std::min(begin, copy.offset);
         end = std::max(end, copy.offset + copy.bytes);
     }
-    if (!_device->Properties().isCpu) {
+    if (_shared != nullptr || !_device->Properties().isCpu) {
         for (const BufferCopy& copy : copies) {
             Write(copy.data, copy.bytes, copy.offset);
         }
@@ -188,17 +238,24 @@ void Buffer::WriteMany(const std::vector<BufferCopy>& copies) {
     CheckOpenCl(
         clEnqueueUnmapMemObject(queue, static_cast<cl_mem>(_memory), target, 0, nullptr, nullptr),
         "unmapping " + _label);
+    _device->_isIdle = false;
     _device->Finish();
 }
 
 void Buffer::Fill(std::uint32_t pattern, std::uint64_t bytes, std::uint64_t offset) {
     HDS_VERIFY(offset + bytes <= _bytes, "fill past the end of " + _label);
-    if (bytes > 0) {
-        CheckOpenCl(clEnqueueFillBuffer(_device->GetHandles().queue, static_cast<cl_mem>(_memory),
-                                        &pattern, sizeof(pattern), offset, bytes, 0, nullptr,
-                                        nullptr),
-                    "filling " + _label);
+    if (bytes == 0) {
+        return;
     }
+    if (_shared != nullptr && _device->IsIdle()) {
+        std::fill_n(reinterpret_cast<std::uint32_t*>(_shared + offset), bytes / sizeof(pattern),
+                    pattern);
+        return;
+    }
+    CheckOpenCl(clEnqueueFillBuffer(_device->GetHandles().queue, static_cast<cl_mem>(_memory),
+                                    &pattern, sizeof(pattern), offset, bytes, 0, nullptr, nullptr),
+                "filling " + _label);
+    _device->_isIdle = false;
 }
 
 } // namespace hds

@@ -120,6 +120,11 @@ std::vector<FoundDevice> FindDevices() {
             properties.computeUnits = DeviceValue<cl_uint>(device, CL_DEVICE_MAX_COMPUTE_UNITS);
             properties.isCpu =
                 (DeviceValue<cl_device_type>(device, CL_DEVICE_TYPE) & CL_DEVICE_TYPE_CPU) != 0;
+            // Devices of 1.2 do not know the question, which leaves the answer at 0.
+            properties.sharesBuffers =
+                properties.isCpu &&
+                (DeviceValue<cl_device_svm_capabilities>(device, CL_DEVICE_SVM_CAPABILITIES) &
+                 CL_DEVICE_SVM_FINE_GRAIN_BUFFER) != 0;
             properties.hasSlowBinaries = properties.platform == "Portable Computing Language";
             found.push_back({platform, device, properties});
         }
@@ -197,7 +202,10 @@ std::shared_ptr<Device> Device::Create(const std::string& name) {
 }
 
 void Device::Finish() {
-    CheckOpenCl(clFinish(_handles->queue), "running kernels on " + _properties.name);
+    if (!_isIdle) {
+        CheckOpenCl(clFinish(_handles->queue), "running kernels on " + _properties.name);
+        _isIdle = true;
+    }
 }
 
 void Device::CountAllocation(std::int64_t bytes) {

@@ -24,6 +24,8 @@ struct DeviceProperties {
     std::uint64_t maxAllocationBytes = 0;
     std::uint32_t computeUnits = 0;
     bool isCpu = false;
+    /// Host and device may share buffers: between commands the host reads and writes them in place.
+    bool sharesBuffers = false;
     /// To hand out a binary the driver compiles each kernel once more, for work-groups of any size
     /// (PoCL): binaries are asked for when there is time.
     bool hasSlowBinaries = false;
@@ -51,6 +53,8 @@ public:
     /// Blocks until everything queued has run.
     /// \throws Error when the device reports a failure.
     void Finish();
+    /// Whether nothing was queued since the last call that has waited for all.
+    bool IsIdle() const { return _isIdle; }
 
     /// Bytes allocated now, and the most that were allocated at once since BeginPeak.
     std::uint64_t AllocatedBytes() const { return _allocatedBytes; }
@@ -62,11 +66,13 @@ public:
 
 private:
     friend class Buffer;
+    friend class Kernel;
     Device();
     void CountAllocation(std::int64_t bytes);
 
     DeviceProperties _properties;
     std::unique_ptr<Handles> _handles;
+    bool _isIdle = true;
     std::uint64_t _allocatedBytes = 0;
     std::uint64_t _peakBytes = 0;
 };
@@ -113,7 +119,8 @@ public:
     /// Blocking copy of many pieces, in any order; they do not overlap. On CPU devices all cores
     /// copy into the buffer itself. \throws Error.
     void WriteMany(const std::vector<BufferCopy>& copies);
-    /// Queues a fill with a 32-bit pattern; `bytes` is a multiple of 4.
+    /// Fills with a 32-bit pattern, in the order of what is queued; `bytes` and `offset` are
+    /// multiples of 4.
     void Fill(std::uint32_t pattern, std::uint64_t bytes, std::uint64_t offset = 0);
 
     void* Memory() const { return _memory; } ///< cl_mem
@@ -121,6 +128,7 @@ public:
 private:
     void Create(std::uint64_t flags, void* hostMemory);
     void CreateInHugePages(std::uint64_t flags, void* pages);
+    void CreateShared(std::uint64_t flags);
     void Release() noexcept;
 
     std::shared_ptr<Device> _device;
@@ -128,6 +136,7 @@ private:
     std::uint64_t _bytes = 0;
     bool _isHostMemory = false;
     void* _memory = nullptr;
+    std::uint8_t* _shared = nullptr; ///< its bytes, where the host reaches them; may be null
 };
 
 /// A buffer that holds a vector's contents; an empty vector gives a valid tiny buffer.

@@ -4,7 +4,9 @@
 
 #include "hdStream/device/device.h"
 
-#define CL_TARGET_OPENCL_VERSION 120
+// Drivers of 1.2 will do: what came later is called where the device says that it has it.
+#define CL_TARGET_OPENCL_VERSION 200
+#define CL_USE_DEPRECATED_OPENCL_1_2_APIS
 #include <CL/cl.h>
 
 namespace hds {

@@ -237,6 +237,7 @@ void Kernel::Enqueue(std::size_t numItems) {
     CheckOpenCl(clEnqueueNDRangeKernel(_device->GetHandles().queue, static_cast<cl_kernel>(_kernel),
                                        1, nullptr, &global, &_groupSize, 0, nullptr, nullptr),
                 "launching " + _name);
+    _device->_isIdle = false;
 }
 
 } // namespace hds

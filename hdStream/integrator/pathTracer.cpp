@@ -122,8 +122,12 @@ struct PathTracer::Impl {
         const std::uint64_t savedBytes = totalBytes - std::min(totalBytes, buffers.PoolBytes());
         const std::uint64_t residentBytes =
             ResidentWaveSize(device->Properties()) * bytesPerSlot(MakeFeatures(false));
-        const std::uint64_t affordable =
-            (savedBytes + residentBytes) / bytesPerSlot(kernels->Features());
+        // Tables of textures that stream are there besides.
+        const std::uint64_t otherBytes =
+            buffers.Textures().Pool() != nullptr ? buffers.Textures().TableBytes() : 0;
+        const std::uint64_t pathBytes =
+            savedBytes + residentBytes - std::min(residentBytes, otherBytes);
+        const std::uint64_t affordable = pathBytes / bytesPerSlot(kernels->Features());
         const std::uint32_t waveSize =
             ChooseWaveSize(options, device->Properties(), buffers.IsStreaming() ? affordable : 0);
         tracer.Ready(kernels, scene->hasCutouts, waveSize, TileSize(device->Properties()),

@@ -145,8 +145,14 @@ std::uint32_t SampleSchedule::WavePixels(const SamplePass& pass, std::uint32_t f
         paths = std::min(_passSeconds, kMaxWaveSeconds) / _waveSecondsPerPath;
     }
     paths = std::clamp<double>(paths, std::min(_limits.least, _limits.most), _limits.most);
-    const std::uint32_t pixels = static_cast<std::uint32_t>(paths) / pass.numSamples;
-    return std::min(std::max(pixels, 1U), pass.end - first);
+    const std::uint32_t pixels = std::max(1U, static_cast<std::uint32_t>(paths) / pass.numSamples);
+    const std::uint32_t left = pass.end - first;
+    if (!_limits.isStreaming) {
+        return std::min(pixels, left);
+    }
+    // Equal parts: a small one that is left waits for pages as often as a large one.
+    const std::uint32_t numWaves = (left + pixels - 1) / pixels;
+    return (left + numWaves - 1) / numWaves;
 }
 
 void SampleSchedule::EndWave(std::uint32_t numPaths, double seconds) {

@@ -40,8 +40,7 @@ std::uint64_t SizeForDevice(const RenderOptions& options, const DeviceProperties
     if (affordable == 0) {
         return most;
     }
-    const std::uint64_t size = std::clamp(affordable, least, most);
-    return size - size % std::min<std::uint64_t>(size, TileSize(properties)); // no rest alone
+    return std::clamp(affordable, least, most);
 }
 
 } // namespace

@@ -28,7 +28,9 @@ void WaveTracer::Ready(StageKernels* kernels, bool hasCutouts, std::uint32_t wav
     _kernels = kernels;
     _hasCutouts = hasCutouts;
     _hasLists = kernels->Features().HasLists();
-    _tileSize = _hasLists ? std::min(waveSize, tileSize) : waveSize;
+    // Tiles of equal size, so that no small one is left.
+    const std::uint32_t numTiles = _hasLists ? std::max(1U, waveSize / tileSize) : 1;
+    _tileSize = (waveSize + numTiles - 1) / numTiles;
     _texels.Ready(kernels, waveSize, shadeIterations);
     _queues.Ready(*kernels, waveSize);
     _statistics->pathStateBytes = _queues.Bytes();

@@ -46,7 +46,8 @@ SlotPlan MakeSlotPlan(std::uint32_t numSlots, std::uint32_t linesPerItem, std::u
 }
 
 LineSlots::LineSlots(const SlotPlan& plan)
-    : _plan(plan), _lines(plan.NumSlots(), HDS_NONE), _placedIn(plan.NumSlots(), 0) {
+    : _plan(plan), _lines(plan.NumSlots(), HDS_NONE), _placedIn(plan.NumSlots(), 0),
+      _firstUnused(plan.numOverflow) {
     for (std::uint32_t i = 0; i < plan.numPinned; ++i) {
         _freePinned.push_back(plan.NumSlots() - 1 - i);
     }
@@ -55,6 +56,16 @@ LineSlots::LineSlots(const SlotPlan& plan)
 /// A slot that was empty is in use.
 void LineSlots::CountPlaced() {
     _mostUsed = std::max(_mostUsed, ++_numUsed);
+}
+
+/// An empty slot of any set, or HDS_NONE.
+std::uint32_t LineSlots::TakeEmptyOfSets() {
+    if (!_freed.empty()) {
+        const std::uint32_t slot = _freed.back();
+        _freed.pop_back();
+        return slot;
+    }
+    return _firstUnused < EndOfSets() ? _firstUnused++ : HDS_NONE;
 }
 
 std::uint32_t LineSlots::FindEmpty(std::uint32_t begin, std::uint32_t end) const {
@@ -81,12 +92,11 @@ std::uint32_t LineSlots::FindOldest(std::uint32_t begin, std::uint32_t end, std:
 
 LineSlots::Placement LineSlots::Place(std::uint32_t line, std::uint32_t epoch,
                                       const ReadStamps& readStamps) {
-    const std::uint32_t begin = _plan.numOverflow + line % _plan.numSets * SlotPlan::kWays;
-    const std::uint32_t end = begin + SlotPlan::kWays;
-    Placement placement{FindEmpty(begin, end), HDS_NONE, false};
+    Placement placement{TakeEmptyOfSets(), HDS_NONE, false};
     if (placement.slot == HDS_NONE) {
         const std::vector<std::uint32_t>& stamps = readStamps();
-        placement.slot = FindOldest(begin, end, epoch, stamps);
+        const std::uint32_t begin = _plan.numOverflow + line % _plan.numSets * SlotPlan::kWays;
+        placement.slot = FindOldest(begin, begin + SlotPlan::kWays, epoch, stamps);
         if (placement.slot == HDS_NONE) {
             placement.isConflict = true;
             placement.slot = FindEmpty(0, _plan.numOverflow);
@@ -121,8 +131,10 @@ void LineSlots::Free(std::uint32_t slot) {
     HDS_VERIFY(_lines[slot] != HDS_NONE, "slot " + std::to_string(slot) + " is empty");
     _lines[slot] = HDS_NONE;
     --_numUsed;
-    if (slot >= _plan.NumSlots() - _plan.numPinned) {
+    if (slot >= EndOfSets()) {
         _freePinned.push_back(slot);
+    } else if (slot >= _plan.numOverflow) {
+        _freed.push_back(slot);
     }
 }
 

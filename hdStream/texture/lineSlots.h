@@ -52,8 +52,9 @@ public:
 
     explicit LineSlots(const SlotPlan& plan);
 
-    /// Finds a slot in the line's set, else in the overflow: an empty one, else the one that was
-    /// used least recently. Lines that were used or placed in `epoch` stay.
+    /// Finds a slot: an empty one of the sets, the first ones first, so that what is used together
+    /// lies together; when all are in use, the one of the line's set that was used least recently,
+    /// else one of the overflow. Lines that were used or placed in `epoch` stay.
     Placement Place(std::uint32_t line, std::uint32_t epoch, const ReadStamps& readStamps);
     /// A pinned slot, or HDS_NONE when there is none left. What is in it only leaves by Free.
     std::uint32_t PlacePinned(std::uint32_t line);
@@ -72,6 +73,8 @@ public:
     }
 
 private:
+    std::uint32_t EndOfSets() const { return _plan.NumSlots() - _plan.numPinned; }
+    std::uint32_t TakeEmptyOfSets();
     void CountPlaced();
     std::uint32_t FindEmpty(std::uint32_t begin, std::uint32_t end) const;
     std::uint32_t FindOldest(std::uint32_t begin, std::uint32_t end, std::uint32_t epoch,
@@ -81,6 +84,8 @@ private:
     std::vector<std::uint32_t> _lines;
     std::vector<std::uint32_t> _placedIn; ///< epoch
     std::vector<std::uint32_t> _freePinned;
+    std::uint32_t _firstUnused;        ///< slots of sets from here on were never in use
+    std::vector<std::uint32_t> _freed; ///< slots of sets that Free has emptied
     std::uint32_t _numUsed = 0;
     std::uint32_t _mostUsed = 0;
 };

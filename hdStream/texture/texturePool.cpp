@@ -66,18 +66,19 @@ void TexturePool::Update(LineProvider* provider, std::uint64_t budgetBytes,
     }
     const std::uint32_t numPinned = PowerOfTwo(provider->NumTextures() + kMaxShared);
     const std::uint64_t enough = provider->MaxLines() == LineProvider::kUnknown
-                                     ? limit
+                                     ? limit + 1
                                      : EnoughSlots(provider->MaxLines(), linesPerItem, numPinned);
     const SlotPlan plan =
         MakeSlotPlan(static_cast<std::uint32_t>(std::min(limit, enough)), linesPerItem, numPinned);
+    const bool keepsStamps = enough > limit;
     const std::vector<LineRange> gone = _textures.Update(*provider);
     if (_textures.NumLines() > 2 * std::uint64_t{_textures.NumLiveLines()} + kGoneLines) {
         _textures = {}; // numbers begin anew
         _textures.Update(*provider);
         _table = {};
-        MakePool(plan);
-    } else if (!_slots || !(_slots->Plan() == plan)) {
-        MakePool(plan);
+        MakePool(plan, keepsStamps);
+    } else if (!_slots || !(_slots->Plan() == plan) || keepsStamps != _keepsStamps) {
+        MakePool(plan, keepsStamps);
     } else {
         RemoveLines(gone);
     }
@@ -93,7 +94,7 @@ void TexturePool::Update(LineProvider* provider, std::uint64_t budgetBytes,
 }
 
 /// Makes an empty pool.
-void TexturePool::MakePool(const SlotPlan& plan) {
+void TexturePool::MakePool(const SlotPlan& plan, bool keepsStamps) {
     _statistics.evictions += _slots ? _slots->NumUsed() : 0;
     _slots = nullptr; // until all is there: memory may run out
     _sharedSlots.clear();
@@ -109,8 +110,10 @@ void TexturePool::MakePool(const SlotPlan& plan) {
     for (Buffer* buffer : {&_stamps, &_staging, &_copies, &_updates}) {
         *buffer = Buffer(); // frees first
     }
-    _stamps = Buffer(_device, "texture use stamps", numSlots * kWord);
-    _stamps.Fill(0, numSlots * kWord);
+    _keepsStamps = keepsStamps;
+    const std::uint64_t stampBytes = keepsStamps ? numSlots * kWord : 0;
+    _stamps = Buffer(_device, "texture use stamps", stampBytes);
+    _stamps.Fill(0, stampBytes);
     _staging = Buffer(_device, "texture lines on their way", _stagedBytes.size());
     _copies = Buffer(_device, "texture line copies", numStaged * sizeof(shared::HdsLineCopy));
     _updates =
@@ -144,7 +147,7 @@ void TexturePool::MakeRequests() {
     _requests = Buffer(); // frees first
     _requests = Buffer(_device, "texture requests", (setBegin + setSize) * kWord);
     std::array<std::uint32_t, HDS_TEXELS_HEADER> header{};
-    header[HDS_TEXELS_EPOCH] = _epoch;
+    header[HDS_TEXELS_EPOCH] = Epoch();
     header[HDS_TEXELS_ACCEPT_COARSER_MIPS] = _acceptsCoarserMips ? 1 : 0;
     header[HDS_TEXELS_CAPACITY] = capacity;
     header[HDS_TEXELS_SET_BEGIN] = setBegin;
@@ -243,8 +246,9 @@ TexturePool::Outcome TexturePool::ProcessRequests() {
                    });
     _hasStamps = false;
     LoadAll(loads, &outcome);
-    ++_epoch;
-    _requests.Write(&_epoch, kWord, HDS_TEXELS_EPOCH * kWord);
+    _epoch = std::max(1U, _epoch + 1);
+    const std::uint32_t epoch = Epoch();
+    _requests.Write(&epoch, kWord, HDS_TEXELS_EPOCH * kWord);
     ++_statistics.requestRounds;
     _statistics.requestSeconds +=
         timer.Seconds() - (_statistics.openSeconds + _statistics.readSeconds - before);
@@ -346,6 +350,7 @@ std::uint32_t TexturePool::PlaceLine(const Load& load, const std::uint8_t* bytes
 }
 
 const std::vector<std::uint32_t>& TexturePool::ReadStamps() {
+    HDS_VERIFY(_keepsStamps, "a line has to leave a texture pool that has room for all");
     if (!_hasStamps) {
         _stampValues.resize(_slots->Plan().NumSlots());
         _stamps.Read(_stampValues.data(), _stampValues.size() * kWord);

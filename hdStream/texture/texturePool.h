@@ -80,7 +80,7 @@ private:
         bool isPinned = false;
     };
 
-    void MakePool(const SlotPlan& plan);
+    void MakePool(const SlotPlan& plan, bool keepsStamps);
     void RemoveLines(const std::vector<LineRange>& ranges);
     void MakeRequests();
     std::uint32_t TakeCounts();
@@ -92,6 +92,8 @@ private:
     void CopyStaged(std::vector<shared::HdsLineCopy> copies);
     void PublishTable();
     const std::vector<std::uint32_t>& ReadStamps();
+    /// As kernels see it.
+    std::uint32_t Epoch() const { return _keepsStamps ? _epoch : 0; }
 
     std::shared_ptr<Device> _device;
     std::unique_ptr<Program> _program;
@@ -115,7 +117,8 @@ private:
     Buffer _updates;
     std::vector<std::uint8_t> _stagedBytes;
     std::vector<std::uint32_t> _stampValues;
-    bool _hasStamps = false; ///< they are read, in this round
+    bool _keepsStamps = true; ///< false: there is room for all lines, so none ever leaves
+    bool _hasStamps = false;  ///< they are read, in this round
     bool _acceptsCoarserMips = false;
     std::uint32_t _setBegin = 0;
     std::uint32_t _setSize = 0;

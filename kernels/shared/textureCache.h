@@ -23,7 +23,8 @@
 
 /* The request buffer, u32 each: what the host says; what kernels count; the list of requests; and
  * the same requests as a set (open addressing), so that each is listed once. */
-#define HDS_TEXELS_EPOCH 0 /* stamp of the lines that are used now */
+/* Stamp of the lines that are used now; 0: there are no stamps, for no line will ever leave. */
+#define HDS_TEXELS_EPOCH 0
 /* Not 0: a coarser mip will do where a line is missing. */
 #define HDS_TEXELS_ACCEPT_COARSER_MIPS 1
 #define HDS_TEXELS_CAPACITY 2      /* requests that the list holds */

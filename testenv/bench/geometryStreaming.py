@@ -5,7 +5,8 @@ For each stage (default: those of testenv/stages/streaming.py, in sizes of some 
 its best wave size, then pools of several percentages of all bytes with either eviction, and the report's own design
 (whole meshes as units, flush, first request). Prints a table in Markdown a stage. `ratio` is time.render over that of
 resident, medians of --repeats runs that take turns; every picture must have the bits of the resident one.
-Stages are USD files with their camera after a colon: scene.usda:/World/Camera.
+Stages are USD files with their camera after a colon: scene.usda:/World/Camera. `--inTurn` compares with resident geometry at its
+default wave, which takes its turns with the pools; kernels of all forms are there, also those that a pool of 100 % changes to.
 """
 
 import argparse
@@ -31,6 +32,10 @@ GENERATED = {
     "overlap": lambda path: streaming.WriteOverlap(path, meshes=24, rings=220),
     "nested": lambda path: streaming.WriteNested(path, rings=400),
 }
+
+
+_HEAD = ("| pool | s | ratio | device memory | trace, shade, requests, transfer | loaded / unique | iterations a cast: mean / max | "
+         "relaunched, M | refetches | wave |\n|---|---|---|---|---|---|---|---|---|---|")
 
 
 def OpenScene(path: str, camera: str, args) -> Scene:
@@ -75,6 +80,20 @@ def Row(name: str, run: dict, resident: dict, residentBytes: int) -> str:
     return "| " + " | ".join(cells) + " |"
 
 
+def RunInTurn(name: str, path: str, camera: str, args) -> None:
+    scene = OpenScene(path, camera, args)
+    scene.Render(1, residency="auto", prepare="eager")
+    streams = {f"{pool} %": dict(residency="stream", geometryMemory=f"{pool}%", waveSize=args.waveSize) for pool in args.pools}
+    runs = Measure(scene, {"resident": dict(residency="resident"), **streams}, args.repeats, args.samples)
+    resident = runs["resident"]
+    print(f"\n### {name}\n\n{resident['geometry']['chunks']} chunks, {resident['geometry']['bytesTotal'] / 1e6:.1f} MB; {args.width} "
+          f"pixels wide, {args.samples} samples\n")
+    print(_HEAD)
+    for label, run in runs.items():
+        print(Row(label, run, resident, DeviceBytes(resident)))
+    sys.stdout.flush()
+
+
 def RunStage(name: str, path: str, camera: str, args) -> None:
     scene = OpenScene(path, camera, args)
     waves = {f"{wave}": dict(residency="resident", waveSize=wave) for wave in _RESIDENT_WAVES}
@@ -96,9 +115,7 @@ def RunStage(name: str, path: str, camera: str, args) -> None:
           f"{geometry['bytesTotal'] / 1e6:.1f} MB, always resident {geometry['alwaysResidentBytes'] / 1e6:.2f} MB, "
           f"{100 * touched:.0f} % of the chunks touched; {args.width} pixels wide, {args.samples} samples, "
           f"resident wave {residents[best]['wave']['size']}\n")
-    print("| pool | s | ratio | device memory | trace, shade, requests, transfer | loaded / unique | iterations a cast: "
-          "mean / max | relaunched, M | refetches | wave |")
-    print("|---|---|---|---|---|---|---|---|---|---|")
+    print(_HEAD)
     for label, run in {"resident": resident, **runs}.items():
         print(Row(label, run, resident, DeviceBytes(residents["0"])))
     if args.report:
@@ -120,6 +137,7 @@ def main() -> None:
     parser.add_argument("--waveSize", type=int, default=0)
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--pools", type=lambda text: [int(word) for word in text.split(",")], default=_POOLS)
+    parser.add_argument("--inTurn", action="store_true", help="resident geometry takes turns with the pools")
     parser.add_argument("--flush", action="store_true", help="also with flush eviction")
     parser.add_argument("--report", action="store_true", help="also the report's design")
     args = parser.parse_args()
@@ -129,7 +147,7 @@ def main() -> None:
             if stage in GENERATED:
                 path, camera = f"{folder}/{stage}.usdc", "/World/Camera"
                 GENERATED[stage](path)
-            RunStage(stage, path, camera, args)
+            (RunInTurn if args.inTurn else RunStage)(stage, path, camera, args)
 
 
 if __name__ == "__main__":

@@ -163,6 +163,35 @@ TEST_F(ProgramTest, BuffersCopyWhatTheySay) {
     EXPECT_TRUE(empty.IsValid());
 }
 
+/// Also where the host reaches the buffer itself, without a command.
+TEST_F(ProgramTest, CopiesAndFillsKeepTheOrderOfLaunches) {
+    const auto program =
+        Build("kernel void slow(global int* x, int turns) {\n"
+              "    const uint i = (uint)get_global_id(0);\n"
+              "    uint value = (uint)x[i];\n"
+              "    for (int turn = 0; turn < turns; ++turn) value = value * 1664525u + 1u;\n"
+              "    x[i] += value == 77u ? 2 : 1;\n"
+              "}\n",
+              {});
+    Kernel slow = program->GetKernel("slow");
+    Buffer buffer = Allocate(64 * sizeof(int));
+    const int turns = 300'000;
+    const std::vector<int> threes(64, 3);
+    for (int round = 0; round < 3; ++round) {
+        buffer.Fill(5, 64 * sizeof(int));
+        slow.Launch(64, buffer, turns);
+        EXPECT_EQ(Download<int>(buffer, 64), std::vector<int>(64, 6)) << "read too early";
+        slow.Launch(64, buffer, turns);
+        buffer.Write(threes.data(), 64 * sizeof(int));
+        EXPECT_EQ(Download<int>(buffer, 64), threes) << "written too early";
+        slow.Launch(64, buffer, turns);
+        buffer.Fill(9, 64 * sizeof(int));
+        slow.Launch(64, buffer, turns);
+        buffer.WriteMany({{threes.data(), 4 * sizeof(int), 0}});
+        EXPECT_EQ(Download<int>(buffer, 5), (std::vector<int>{3, 3, 3, 3, 10})) << "in order";
+    }
+}
+
 TEST_F(ProgramTest, AnImpossibleAllocationNamesTheBuffer) {
     try {
         const Buffer buffer(device, "the giant", std::uint64_t{1} << 50U);

@@ -381,6 +381,32 @@ TEST_F(TexturePoolTest, AKnownTotalBoundsThePool) {
     EXPECT_EQ(pool.Statistics().setConflicts, 0U);
 }
 
+TEST_F(TexturePoolTest, APoolWithRoomForAllKeepsNoMarks) {
+    FakeTextures textures({{80, 300, 200}, {81, 512, 512}});
+    TexturePool marked(device);
+    marked.Update(&textures, std::uint64_t{1} << 22U, 8); // of how many lines is not known
+    textures.maxLines = textures.TotalLines();
+    TexturePool pool(device);
+    pool.Update(&textures, std::uint64_t{1} << 22U, 8);
+    EXPECT_LE(pool.TableBytes() + 4 * pool.Bytes() / HDS_LINE_BYTES, marked.TableBytes());
+    // Edits change which lines there are: those that have gone make room, for nothing else does.
+    for (std::uint64_t id = 90; id < 96; ++id) {
+        FakeTextures after({{id, 300, 200}, {id + 10, 512, 512}});
+        after.maxLines = after.TotalLines();
+        pool.Update(&after, std::uint64_t{1} << 22U, 8);
+        const std::vector<Tap> list = RandomTaps(after, 8 * 400, static_cast<unsigned>(id));
+        ExpectExact(after, list, Read(&pool, list, 8));
+    }
+    EXPECT_EQ(pool.Statistics().evictions, 0U);
+    // A smaller budget takes lines away again.
+    FakeTextures last({{106, 512, 512}});
+    last.maxLines = last.TotalLines();
+    pool.Update(&last, 64 * HDS_LINE_BYTES, 8);
+    const std::vector<Tap> list = RandomTaps(last, 8 * 100, 3);
+    ExpectExact(last, list, Read(&pool, list, 8));
+    EXPECT_GT(pool.Statistics().evictions, 0U);
+}
+
 TEST_F(TexturePoolTest, ResidentTexturesReadTheSame) {
     FakeTextures textures(MixedTextures());
     program = Build(kProbeText, {{"HDS_FEATURE_TEXTURE_STREAMING", "0"}});

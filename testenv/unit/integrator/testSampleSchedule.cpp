@@ -163,7 +163,7 @@ TEST(SampleSchedule, TheFirstWaveIsATrialAndTheNextAreCutByTime) {
     EXPECT_EQ(waves(false, 1000.0, {3200, 1600}), (Waves{1600, 1600, 1600, 960}));
     EXPECT_EQ(waves(true, 0.47, {3200, 36}), (Waves{36, 76, 76, 76, 76, 20}))
         << "a tenth of a second; one sample of a pixel";
-    EXPECT_EQ(waves(false, 1000.0, {3200, 3200, true}), (Waves{3200, 2560}));
+    EXPECT_EQ(waves(false, 1000.0, {3200, 3200, true}), (Waves{2880, 2880}));
     EXPECT_EQ(waves(false, 1e-9, {5, 5}), Waves(360, 16)) << "at least a pixel";
 }
 

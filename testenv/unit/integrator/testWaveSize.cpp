@@ -31,9 +31,9 @@ TEST(WaveSize, GrowWithCoresWithinBounds) {
     EXPECT_EQ(TileSize(Cpu(8)), 131072);
 }
 
-TEST(WaveSize, WhileGeometryStreamsOfCpusIsOfWholeTilesThatMemoryAllows) {
+TEST(WaveSize, WhileGeometryStreamsOfCpusIsWhatMemoryAllows) {
     EXPECT_EQ(ChooseWaveSize(Options(), Cpu(2), 1), 32768U);
-    EXPECT_EQ(ChooseWaveSize(Options(), Cpu(2), 101000), 98304U);
+    EXPECT_EQ(ChooseWaveSize(Options(), Cpu(2), 101000), 101000U);
     EXPECT_EQ(ChooseWaveSize(Options(), Cpu(2), 1U << 30U), ResidentWaveSize(Cpu(2)));
 }
 

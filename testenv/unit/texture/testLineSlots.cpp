@@ -67,6 +67,23 @@ TEST(LineSlots, MostUsedIsAHighWaterMark) {
     EXPECT_EQ(slots.MostUsed(), 9U);
 }
 
+TEST(LineSlots, LinesLieTogetherInTheOrderInWhichTheyCame) {
+    LineSlots slots(SlotPlan{2, 5, 1});
+    const auto place = [&](std::uint32_t line) {
+        const auto placement =
+            slots.Place(line, 1, []() -> const std::vector<std::uint32_t>& { throw 1; });
+        EXPECT_EQ(placement.evicted, HDS_NONE);
+        return placement.slot;
+    };
+    for (std::uint32_t i = 0; i < 40; ++i) {
+        EXPECT_EQ(place(1000 + 5 * i), 2 + i) << "also those of one set";
+    }
+    slots.Free(20);
+    slots.Free(7);
+    EXPECT_EQ(place(3), 7U);
+    EXPECT_EQ(place(8), 20U) << "what was freed is taken first";
+}
+
 class OneSet : public ::testing::Test {
 protected:
     LineSlots::Placement Place(std::uint32_t line, std::uint32_t epoch) {
