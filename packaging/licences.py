@@ -39,10 +39,10 @@ def NanobindLicence() -> str:
     return next(path.read_text() for path in files if path.name == "LICENSE" and ".dist-info" in str(path))
 
 
-def WriteLicences(libraries: pathlib.Path, folder: pathlib.Path) -> None:
-    """`folder`/THIRD_PARTY.md lists what `libraries` holds and what is compiled in; beside it lie the licences."""
+def WriteLicences(libraries: list[str], folder: pathlib.Path, hasNanobind: bool = True) -> None:
+    """`folder`/THIRD_PARTY.md lists the bundled libraries and what is compiled in; beside it lie the licences."""
     parts = {package: ["headers"] for package in HEADER_PACKAGES}
-    for library in sorted(path.name for path in libraries.iterdir()):
+    for library in sorted(libraries):
         parts.setdefault(PackageOf(SystemName(library)), []).append(library)
     folder.mkdir(parents=True, exist_ok=True)
     lines = ["# Bundled parts", "", "Of Debian, unchanged but for the names of files. Sources: `apt-get source PACKAGE=VERSION`.",
@@ -51,6 +51,7 @@ def WriteLicences(libraries: pathlib.Path, folder: pathlib.Path) -> None:
         text = (DOCUMENTS / package / "copyright").read_text(errors="replace")
         (folder / f"{package}.txt").write_text(text)
         lines.append(f"| {package} | {VersionOf(package)} | {', '.join(files)} | {package}.txt |")
-    (folder / "nanobind.txt").write_text(NanobindLicence())
-    lines += ["", f"Of PyPI: nanobind {importlib.metadata.version('nanobind')}, headers, nanobind.txt."]
+    if hasNanobind:
+        (folder / "nanobind.txt").write_text(NanobindLicence())
+        lines += ["", f"Of PyPI: nanobind {importlib.metadata.version('nanobind')}, headers, nanobind.txt."]
     (folder / "THIRD_PARTY.md").write_text("\n".join(lines) + "\n")

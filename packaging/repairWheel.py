@@ -56,7 +56,7 @@ def Main(wheel: str, staged: str, target: str) -> None:
         shutil.copy(HERE / "bundle" / "ld", tree / "hdstream" / "linker" / "ld")
         (information,) = tree.glob("*.dist-info")
         AddRequirements(information / "METADATA", version.group(1))
-        WriteLicences(tree / "hdstream.libs", information / "licenses")
+        WriteLicences([path.name for path in (tree / "hdstream.libs").iterdir()], information / "licenses")
         pathlib.Path(target).mkdir(parents=True, exist_ok=True)
         print(Run(sys.executable, "-m", "wheel", "pack", "--dest-dir", target, tree).strip())
 

@@ -4,10 +4,16 @@
 #include <pxr/imaging/hd/aov.h>
 #include <pxr/pxr.h>
 
+#include <string>
+
 PXR_NAMESPACE_OPEN_SCOPE
 
+/// The name of the core's layer for an output of Hydra's: the same, but for "primvars_NAME", which
+/// stands for "primvars:NAME" where a host makes names of prims from those of outputs, as Blender.
+std::string HdStreamAovName(const TfToken& name);
+
 /// How Hydra is to allocate a buffer for an output: those of the core's AOV table and
-/// "primvars:NAME", whose layers have the same names. Invalid for everything else, so that nothing
+/// "primvars:NAME". Invalid for everything else, so that nothing
 /// is offered that would not be filled. Thread-safe.
 HdAovDescriptor HdStreamAovDescriptor(const TfToken& name);
 

@@ -32,6 +32,8 @@ PXR_NAMESPACE_OPEN_SCOPE
 
 namespace {
 
+const TfToken kHostStatusName("hostStatusName");
+const TfToken kHostStepSeconds("hostStepSeconds");
 constexpr const char* kMaterialXSurface = "ND_standard_surface_surfaceshader";
 
 bool Contains(const TfTokenVector& tokens, const TfToken& token) {
@@ -50,7 +52,7 @@ const TfTokenVector& UnsupportedLightTypes() {
 
 HdStreamRenderDelegate::HdStreamRenderDelegate(const HdRenderSettingsMap& settings)
     : _resourceRegistry(std::make_shared<HdResourceRegistry>()),
-      _param(std::make_unique<HdStreamRenderParam>()) {
+      _param(std::make_unique<HdStreamRenderParam>()), _hostStatus(_param.get()) {
     _PopulateDefaultSettings(GetRenderSettingDescriptors());
     for (const auto& [key, value] : settings) {
         SetRenderSetting(key, value);
@@ -251,12 +253,18 @@ bool HdStreamRenderDelegate::IsParallelSyncEnabled(const TfToken& primType) cons
 void HdStreamRenderDelegate::SetRenderSetting(const TfToken& key, const VtValue& value) {
     const std::string name = HdStreamSettingsBridge::NameOf(key);
     if (name.empty()) {
-        HdRenderDelegate::SetRenderSetting(key, value); // of other renderers, or without effect
+        if (key == kHostStatusName) {
+            _hostStatus.SetName(value.GetWithDefault(std::string()));
+        } else if (key == kHostStepSeconds) {
+            _hostStepSeconds = std::clamp(value.GetWithDefault(0.0), 0.0, 1.0);
+        } else {
+            HdRenderDelegate::SetRenderSetting(key, value); // of other renderers, or without effect
+        }
         return;
     }
     std::string problem;
     if (!_settings.Set(key, value, &problem)) {
-        TF_WARN("Stream: %s; the setting stays as it was", problem.c_str());
+        _param->PrintWarning("Stream: " + problem + "; the setting stays as it was");
         return;
     }
     HdRenderDelegate::SetRenderSetting(TfToken(name), _settings.Get(name));
@@ -276,6 +284,9 @@ TfTokenVector HdStreamRenderDelegate::GetRenderSettingsNamespaces() const {
 }
 
 VtDictionary HdStreamRenderDelegate::GetRenderStats() const {
+    if (_hostStepSeconds > 0.0) {
+        _param->Thread().WaitUntilConverged(_hostStepSeconds);
+    }
     const std::shared_ptr<const hds::RenderStatus> status = _param->Thread().Status();
     const bool isSame = !_statsOf.owner_before(status) && !status.owner_before(_statsOf);
     if (!isSame) { // Hosts ask often.

@@ -3,6 +3,7 @@
 // what a scene means is decided in the core. Explained in docs/hydra.md.
 #pragma once
 
+#include "hdStream/hydra/hostStatus.h"
 #include "hdStream/hydra/renderParam.h"
 #include "hdStream/hydra/settingsBridge.h"
 
@@ -34,6 +35,11 @@ public:
     /// wants now. Empty: it wants nothing.
     std::vector<std::string> UnionOfAovs(const HdRenderPass* pass, std::vector<std::string> aovs);
     void ForgetAovs(const HdRenderPass* pass);
+
+    /// Seconds for which a host waits for the render at a time (render setting `hostStepSeconds`);
+    /// 0: it never waits. Its passes say that they have converged after each step: Blender hands
+    /// control back to its add-on then, and only then.
+    double HostStepSeconds() const { return _hostStepSeconds; }
 
     /// Writes the scene to the file of HDSTREAM_DUMP_SCENE, the first time.
     void DumpOnce();
@@ -97,7 +103,9 @@ private:
     mutable std::weak_ptr<const hds::RenderStatus> _statsOf; ///< what `_stats` are of
     mutable VtDictionary _stats;
     HdResourceRegistrySharedPtr _resourceRegistry;
+    double _hostStepSeconds = 0.0;
     std::unique_ptr<HdStreamRenderParam> _param;
+    HdStreamHostStatus _hostStatus; ///< last: nobody asks while the rest goes
 };
 
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -16,7 +16,7 @@ PXR_NAMESPACE_OPEN_SCOPE
 namespace {
 
 /// More lines than this help nobody; all of them are in the statistics.
-constexpr unsigned int kMaxWarningsPrinted = 100;
+constexpr std::size_t kMaxWarningsPrinted = 100;
 
 } // namespace
 
@@ -52,14 +52,33 @@ void HdStreamRenderParam::PrintWarnings() {
     for (std::string line; _warnings.try_pop(line);) {
         lines.push_back(std::move(line));
     }
-    for (const std::string& line : isVerbose ? lines : hds::DigestWarnings(std::move(lines))) {
-        ++_numWarningsPrinted;
-        if (isVerbose || _numWarningsPrinted <= kMaxWarningsPrinted) {
-            TF_WARN("%s", line.c_str());
-        } else if (_numWarningsPrinted == kMaxWarningsPrinted + 1) {
-            TF_WARN("Stream: more warnings are in the render statistics only");
+    if (!isVerbose) {
+        lines = hds::DigestWarnings(std::move(lines));
+    }
+    for (const std::string& line : lines) {
+        const std::size_t numPrinted = PrintedWarnings().size();
+        if (isVerbose || numPrinted < kMaxWarningsPrinted) {
+            PrintWarning(line);
+        } else if (numPrinted == kMaxWarningsPrinted) {
+            PrintWarning("Stream: more warnings are in the render statistics only");
         }
     }
+}
+
+void HdStreamRenderParam::PrintWarning(const std::string& line) {
+    {
+        const std::lock_guard<std::mutex> lock(_printedMutex);
+        if (std::find(_printedWarnings.begin(), _printedWarnings.end(), line) ==
+            _printedWarnings.end()) {
+            _printedWarnings.push_back(line);
+        }
+    }
+    TF_WARN("%s", line.c_str());
+}
+
+std::vector<std::string> HdStreamRenderParam::PrintedWarnings() const {
+    const std::lock_guard<std::mutex> lock(_printedMutex);
+    return _printedWarnings;
 }
 
 std::string HdStreamRenderParam::ReservePath(const std::string& wanted, const SdfPath& id) {

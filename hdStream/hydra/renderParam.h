@@ -18,6 +18,7 @@
 #include <map>
 #include <mutex>
 #include <string>
+#include <vector>
 
 PXR_NAMESPACE_OPEN_SCOPE
 
@@ -42,6 +43,12 @@ public:
     /// of them). Application's thread only: printing on the render thread could meet a diagnostic
     /// delegate that waits for a lock the application holds.
     void PrintWarnings();
+
+    /// Prints a warning about what the application has set.
+    void PrintWarning(const std::string& line);
+
+    /// What was printed so far, each line once.
+    std::vector<std::string> PrintedWarnings() const;
 
     /// Reserves a path of the scene for a prim of Hydra: `wanted`, or a path made unique with the
     /// prim's id when another prim has it.
@@ -81,7 +88,8 @@ private:
     VtDictionary _sceneSettings;
     SdfPath _sceneSettingsOwner;
     unsigned int _sceneSettingsVersion = 0;
-    unsigned int _numWarningsPrinted = 0;
+    mutable std::mutex _printedMutex;
+    std::vector<std::string> _printedWarnings;
     hds::RenderThread _thread; ///< last: joined before what its edits and warnings use goes
 };
 

@@ -24,8 +24,9 @@ public:
                        HdStreamRenderDelegate* delegate);
     ~HdStreamRenderPass() override;
 
-    /// True once the final image, or an error, was shown in the bound buffers.
-    bool IsConverged() const override { return _isConverged; }
+    /// True once the final image, or an error, was shown in the bound buffers; after each step of a
+    /// host that takes steps.
+    bool IsConverged() const override;
 
 protected:
     void _Execute(const HdRenderPassStateSharedPtr& state,

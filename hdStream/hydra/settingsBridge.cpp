@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/hydra/settingsBridge.h"
 
+#include "hdStream/session/memorySize.h"
 #include "hdStream/session/session.h"
 
 #include <pxr/base/tf/diagnostic.h>
@@ -104,11 +105,16 @@ std::string Apply(hds::Settings* settings, const std::string& name, const VtValu
     if (!info || !info->IsUserSetting()) {
         return name + " is no render setting of Stream";
     }
-    const std::optional<hds::SettingValue> converted = ValueFrom(value, info->kind);
+    std::optional<hds::SettingValue> converted = ValueFrom(value, info->kind);
     if (!converted) {
         return name + ": a value of type " + value.GetTypeName() + " is of no use";
     }
     try {
+        if (const auto* text = std::get_if<std::string>(&*converted);
+            text &&
+            info->kind == hds::SettingKind::Bytes) { // no integer of a user interface holds it
+            converted = static_cast<std::int64_t>(hds::ParseBytes(*text));
+        }
         const std::string note = hds::SetSetting(settings, name, *converted);
         if (!note.empty() && told->insert(note).second) {
             TF_WARN("%s", note.c_str());

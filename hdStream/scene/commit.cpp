@@ -270,6 +270,7 @@ private:
         input.scene = &_scene;
         input.centre = _result->centre;
         input.domeVisible = _options.domeVisible;
+        input.lightsVisible = _options.lightsVisible;
         input.primInfos = &_primInfos;
         input.materials = &_materials;
         input.worldInstances = &_worldInstances;

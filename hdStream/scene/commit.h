@@ -38,6 +38,7 @@ struct CommitOptions {
     std::vector<std::string> purposes;        ///< drawn
     CullStyle cullStyle = CullStyle::Nothing; ///< of prims that say DontCare
     bool domeVisible = true;                  ///< domes are seen by camera rays
+    bool lightsVisible = true;                ///< and so are other lights that are no meshes
     std::uint64_t chunkBytes = 1U << 20U;     ///< about what the pages of a chunk take at most
     Subdivision subdivision = Subdivision::Adaptive;
     std::uint32_t refineLevel = 0;          ///< for Subdivision::Complexity
@@ -49,10 +50,10 @@ struct CommitOptions {
     static constexpr auto Fields() {
         return FieldList(
             HDS_FIELD(CommitOptions, purposes), HDS_FIELD(CommitOptions, cullStyle),
-            HDS_FIELD(CommitOptions, domeVisible), HDS_FIELD(CommitOptions, chunkBytes),
-            HDS_FIELD(CommitOptions, subdivision), HDS_FIELD(CommitOptions, refineLevel),
-            HDS_FIELD(CommitOptions, shownPrimvars), HDS_FIELD(CommitOptions, dicingCamera),
-            HDS_FIELD(CommitOptions, shutter));
+            HDS_FIELD(CommitOptions, domeVisible), HDS_FIELD(CommitOptions, lightsVisible),
+            HDS_FIELD(CommitOptions, chunkBytes), HDS_FIELD(CommitOptions, subdivision),
+            HDS_FIELD(CommitOptions, refineLevel), HDS_FIELD(CommitOptions, shownPrimvars),
+            HDS_FIELD(CommitOptions, dicingCamera), HDS_FIELD(CommitOptions, shutter));
     }
 };
 

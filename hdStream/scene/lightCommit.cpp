@@ -30,9 +30,8 @@ std::vector<PlacedLight> PlaceLights(const LightCommitInput& input) {
             continue;
         }
         LightDescription light = prim.light;
-        if (light.type == LightType::Dome) {
-            light.visibleToCamera = light.visibleToCamera && input.domeVisible;
-        }
+        const bool isSeen = light.type == LightType::Dome ? input.domeVisible : input.lightsVisible;
+        light.visibleToCamera = light.visibleToCamera && isSeen;
         PlacedLight place{path,
                           light,
                           {},

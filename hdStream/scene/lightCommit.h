@@ -21,6 +21,7 @@ struct LightCommitInput {
     const SceneDescription* scene = nullptr;
     glm::dvec3 centre{0.0};
     bool domeVisible = true;
+    bool lightsVisible = true;
     const std::vector<PrimMaterialInfo>* primInfos = nullptr; ///< by the prim of WorldInstance
     const MaterialCommit* materials = nullptr;
     const std::vector<WorldInstance>* worldInstances = nullptr;

@@ -5,6 +5,7 @@
 #include "hdStream/session/picturePacing.h"
 
 #include <algorithm>
+#include <chrono>
 #include <condition_variable>
 #include <exception>
 #include <future>
@@ -38,6 +39,11 @@ struct RenderThread::Impl {
                 RenderVersion(&lock);
             }
         }
+    }
+
+    /// Precondition: locked.
+    bool IsConverged() const {
+        return isStopped || (newest && newest->isFinal && newest->version == version);
     }
 
     /// Precondition: locked.
@@ -271,8 +277,13 @@ std::shared_ptr<const RenderStatus> RenderThread::Status() const {
 
 bool RenderThread::IsConverged() const {
     const std::lock_guard<std::mutex> lock(_impl->mutex);
-    return _impl->isStopped ||
-           (_impl->newest && _impl->newest->isFinal && _impl->newest->version == _impl->version);
+    return _impl->IsConverged();
+}
+
+void RenderThread::WaitUntilConverged(double seconds) const {
+    std::unique_lock<std::mutex> lock(_impl->mutex);
+    _impl->changed.wait_for(lock, std::chrono::duration<double>(seconds),
+                            [&] { return _impl->IsConverged(); });
 }
 
 void RenderThread::Pause() {

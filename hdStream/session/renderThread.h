@@ -64,6 +64,9 @@ public:
     /// rendered because of Stop.
     bool IsConverged() const;
 
+    /// Waits until then, or for so many seconds.
+    void WaitUntilConverged(double seconds) const;
+
     // --- Control: latched. Edits are accepted in every state and start nothing while stopped. ---
     void Pause(); ///< keeps the film; Resume goes on from there
     void Resume();

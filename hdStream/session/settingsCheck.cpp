@@ -125,6 +125,7 @@ CommitOptions MakeCommitOptions(const Settings& settings) {
     options.cullStyle = static_cast<CullStyle>(EnumOf<int>("cullStyle", settings.cullStyle) +
                                                static_cast<int>(CullStyle::Nothing));
     options.domeVisible = settings.domeVisible;
+    options.lightsVisible = settings.lightsVisible;
     options.chunkBytes = settings.chunkBytes;
     options.subdivision = EnumOf<Subdivision>("subdivision", settings.subdivision);
     options.refineLevel = options.subdivision == Subdivision::Complexity ? settings.refineLevel : 0;

@@ -1,26 +1,27 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What of Blender arrives, row by row: blenderRows.py --plugin RESOURCES [--rows NAME ...] [--out FOLDER].
+"""What of Blender arrives, row by row: blenderRows.py [--rows NAME ...] [--out FOLDER] [--picture FILE].
 
 Builds one small scene a row (kinds of lights, materials, worlds) and renders it by Cycles and by Stream, over both ways in
 which Blender hands a scene to Hydra (export methods HYDRA and USD). Printed: the mean of Cycles' picture, and ours over it;
-behind the slash the same of the mean alpha where it is not 1; and the share of 8 x 8 blocks whose means are within 2 %. The
-engine is the one that docs/blender.md shows, and that page says why rows differ.
+behind the slash the same of the mean alpha where it is not 1; and the share of 8 x 8 blocks whose means are within 2 %.
+docs/blender.md says why rows differ. --picture draws one scene by both, side by side, for that page, and no rows.
 
-Runs in a Python that can import bpy, for whose OpenUSD the plug-in was built. --out keeps the .blend files and pictures.
+Runs in a Python that can import bpy, for whose OpenUSD the plug-in of the build was made. --out keeps the .blend files and
+pictures.
 """
 
 import argparse
+import importlib
 import math
 import os
 import pathlib
-import re
 import sys
 import tempfile
 import traceback
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-sys.path[:0] = [str(HERE), str(HERE.parent)]
+sys.path[:0] = [str(HERE), str(HERE.parent), str(HERE.parent / "hydra")]
 
 import bpy  # noqa: E402
 import numpy as np  # noqa: E402
@@ -161,6 +162,103 @@ def _Film():
     return scene
 
 
+def _Changed(Change):
+    """The plain ball after `Change(scene, ball)`."""
+    def Build():
+        scene = _Material({"Base Color": _RED})()
+        Change(scene, bpy.context.object)
+        return scene
+
+    return Build
+
+
+def _Focus(scene, ball):
+    scene.camera.data.dof.use_dof, scene.camera.data.dof.focus_distance, scene.camera.data.dof.aperture_fstop = True, 4.0, 0.05
+
+
+def _Shift(scene, ball):
+    scene.camera.data.shift_x, scene.camera.data.shift_y = 0.2, -0.1
+
+
+def _Orthographic(scene, ball):
+    scene.camera.data.type, scene.camera.data.ortho_scale = "ORTHO", 5.0
+
+
+def _Panorama(scene, ball):
+    scene.camera.data.type = "PANO"
+
+
+def _Subdivide(scene, ball):
+    bpy.ops.mesh.primitive_cube_add(size=2.0, location=(0, -1.5, 1.0))
+    modifier = bpy.context.object.modifiers.new("Subdivision", "SUBSURF")
+    modifier.levels = modifier.render_levels = 3
+    _Look(bpy.context.object, {"Base Color": _GOLD})
+
+
+def _Instances(scene, ball):
+    """A ball on each face of a cube."""
+    bpy.ops.mesh.primitive_cube_add(size=1.6, location=(0, 0, 1.3))
+    cube = bpy.context.object
+    ball.scale = (0.3, 0.3, 0.3)
+    ball.parent = cube
+    cube.instance_type, cube.show_instancer_for_render = "FACES", False
+
+
+def _Moving(scene, ball):
+    scene.render.use_motion_blur, scene.render.motion_blur_shutter = True, 1.0
+    for frame, x in ((0, -1.0), (2, 1.0)):
+        ball.location.x = x
+        ball.keyframe_insert("location", frame=frame)
+    scene.frame_set(1)
+
+
+def _Hair(scene, ball):
+    curves = bpy.data.hair_curves.new("Hair")
+    curves.add_curves([4] * 60)
+    for i, curve in enumerate(curves.curves):
+        angle = 2.0 * math.pi * i / 60
+        for j, point in enumerate(curve.points):
+            reach = 1.3 + 0.25 * j
+            point.position, point.radius = (reach * math.cos(angle), reach * math.sin(angle), 1.3), 0.05
+    item = bpy.data.objects.new("Hair", curves)
+    scene.collection.objects.link(item)
+    _Look(item, {"Base Color": _GOLD})
+
+
+def _Points(scene, ball):
+    """The ball's vertices as a point cloud, by geometry nodes."""
+    tree = bpy.data.node_groups.new("Points", "GeometryNodeTree")
+    tree.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
+    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    begin, end, points = (tree.nodes.new(kind) for kind in ("NodeGroupInput", "NodeGroupOutput", "GeometryNodeMeshToPoints"))
+    points.inputs["Radius"].default_value = 0.05
+    tree.links.new(begin.outputs[0], points.inputs["Mesh"])
+    tree.links.new(points.outputs[0], end.inputs[0])
+    ball.modifiers.new("Points", "NODES").node_group = tree
+
+
+def _Volume(scene, ball):
+    tree = ball.data.materials[0].node_tree
+    volume = tree.nodes.new("ShaderNodeVolumePrincipled")
+    tree.links.new(volume.outputs[0], tree.nodes["Material Output"].inputs["Volume"])
+    for link in list(tree.nodes["Material Output"].inputs["Surface"].links):
+        tree.links.remove(link)
+
+
+def _Unseen(scene, ball):
+    ball.visible_camera = False
+
+
+def _VertexColors(tree, node):
+    mesh = bpy.context.object.data
+    colors = mesh.color_attributes.new("Colors", "FLOAT_COLOR", "POINT")
+    for vertex, color in zip(mesh.vertices, colors.data):
+        color.color = (0.5 + 0.5 * vertex.normal.x, 0.5 + 0.5 * vertex.normal.y, 0.2, 1.0)
+    attribute = tree.nodes.new("ShaderNodeVertexColor")
+    attribute.layer_name = "Colors"
+    tree.links.new(attribute.outputs["Color"], node.inputs["Base Color"])
+
+
 ROWS = {
     "point": _Light("POINT", 200.0, shadow_soft_size=0.2),
     "spot": _Light("SPOT", 800.0, shadow_soft_size=0.1, spot_size=math.radians(50), spot_blend=0.15),
@@ -194,26 +292,39 @@ ROWS = {
     "noise": _Material({}, _AddNode("TexNoise")),
     "checker": _Material({}, _AddNode("TexChecker")),
     "voronoi": _Material({}, _AddNode("TexVoronoi")),
+    "vertex colours": _Material({}, _VertexColors),
     "transparent film": _Film,
+    "depth of field": _Changed(_Focus),
+    "shift": _Changed(_Shift),
+    "orthographic": _Changed(_Orthographic),
+    "panorama": _Changed(_Panorama),
+    "subdivision": _Changed(_Subdivide),
+    "instances": _Changed(_Instances),
+    "motion blur": _Changed(_Moving),
+    "hair curves": _Changed(_Hair),
+    "point cloud": _Changed(_Points),
+    "volume": _Changed(_Volume),
+    "unseen by camera": _Changed(_Unseen),
 }
 
 
 # --- Renders ---------------------------------------------------------------------------------------
 
 
-def MakeEngine(resources: str, samples: int):
-    """Registers the engine that docs/blender.md shows, with settings that compare."""
-    page = (ROOT / "docs" / "blender.md").read_text(encoding="utf-8")
-    code = re.search(r"```python\n(.*?)```", page, re.DOTALL).group(1)
-    os.environ["HDSTREAM_PLUGIN"] = resources
-    names = {"__name__": "streamEngine"}
-    exec(compile(code, "docs/blender.md", "exec"), names)  # pylint: disable=exec-used
-    engine = names["StreamRenderEngine"]
-    shown = engine.get_render_settings
-    engine.get_render_settings = lambda self, kind: {**shown(self, kind), "samples": samples, "pixelFilter": "box",
-                                                     "pixelFilterWidth": 1.0}
-    names["register"]()
-    return engine.bl_idname
+def MakeEngine(folder: pathlib.Path) -> str:
+    """Registers the extension, made in a new folder below `folder`."""
+    from blenderCase import MakeExtension
+
+    place = MakeExtension(pathlib.Path(tempfile.mkdtemp(dir=folder)), ".".join(map(str, bpy.app.version[:2])))
+    sys.path.insert(0, str(place.parent))
+    importlib.import_module(place.name).register()
+    return "HYDRA_STREAM"
+
+
+def Configure(scene, samples: int):
+    """Settings that compare."""
+    scene.cycles.samples = scene.hdstream.final.samples = samples
+    scene.hdstream.final.pixelFilter, scene.hdstream.final.pixelFilterWidth = "box", 1.0
 
 
 def Render(scene, file: pathlib.Path) -> np.ndarray:
@@ -248,7 +359,8 @@ def RunRow(name, engine, samples, folder):
     scene = ROWS[name]()
     stem = folder / name.replace(" ", "_")
     bpy.ops.wm.save_as_mainfile(filepath=f"{stem}.blend", check_existing=False)
-    scene.render.engine, scene.cycles.samples = "CYCLES", samples
+    Configure(scene, samples)
+    scene.render.engine = "CYCLES"
     cycles = Render(scene, stem.with_suffix(".cycles.exr"))
     columns = [f"{name:18s} {_Luminance(cycles).mean():8.4f}"]
     scene.render.engine = engine
@@ -258,17 +370,66 @@ def RunRow(name, engine, samples, folder):
     return " | ".join(columns).rstrip()
 
 
+def _Showcase():
+    """Materials made in Blender, on a table under one lamp and a sky."""
+    scene = _Start(world=(0.35, 0.42, 0.55, 1.0))
+    scene.render.resolution_x, scene.render.resolution_y = 480, 320
+    looks = ({"Base Color": _RED, "Roughness": 0.4}, {"Base Color": _GOLD, "Metallic": 1.0, "Roughness": 0.2},
+             {"Base Color": (1.0, 1.0, 1.0, 1.0), "Roughness": 0.0, "Transmission Weight": 1.0, "IOR": 1.5},
+             {"Base Color": (0.02, 0.02, 0.02, 1.0), "Roughness": 0.2, "Thin Film Thickness": 400.0, "Thin Film IOR": 1.8},
+             {"Base Color": (0.1, 0.25, 0.6, 1.0), "Sheen Weight": 1.0, "Sheen Roughness": 0.3},
+             {"Emission Color": _GOLD, "Emission Strength": 1.5})
+    for i, look in enumerate(looks):
+        place = (1.5 * (i % 3) - 1.5, 1.4 * (i // 3) - 0.6, 0.6)
+        if i == 1:
+            bpy.ops.mesh.primitive_monkey_add(size=1.25, location=place, rotation=(math.radians(-20), 0, 0))
+            bpy.ops.object.modifier_add(type="SUBSURF")
+            bpy.context.object.modifiers[0].levels = bpy.context.object.modifiers[0].render_levels = 2
+        else:
+            bpy.ops.mesh.primitive_uv_sphere_add(segments=96, ring_count=48, radius=0.6, location=place)
+        bpy.ops.object.shade_smooth()
+        _Look(bpy.context.object, look)
+    bpy.ops.object.light_add(type="AREA", location=(-2.5, -2.0, 4.0), rotation=(math.radians(35), 0, math.radians(-45)))
+    bpy.context.object.data.energy, bpy.context.object.data.size = 350.0, 1.5
+    scene.camera.location, scene.camera.rotation_euler = (0.0, -5.2, 2.9), (math.radians(63), 0, 0)
+    return scene
+
+
+def DrawPicture(engine, samples, file: pathlib.Path, folder):
+    """Cycles left, Stream right, by Blender's standard display transform."""
+    scene = _Showcase()
+    Configure(scene, samples)
+    scene.view_settings.view_transform = "Standard"
+    halves = []
+    for name in ("CYCLES", engine):
+        scene.render.engine = name
+        picture = Render(scene, folder / f"{name}.exr")
+        halves.append(picture)
+        print(f"{name:14s} mean {_Luminance(picture).mean():.4f}", flush=True)
+    height, width = halves[0].shape[:2]
+    both = np.ones((height, 2 * width + 8, 4), np.float32)
+    both[:, :width], both[:, width + 8:] = halves
+    image = bpy.data.images.new("both", 2 * width + 8, height, float_buffer=True)
+    image.pixels.foreach_set(np.ascontiguousarray(both[::-1]).ravel())
+    settings = scene.render.image_settings
+    settings.file_format, settings.color_mode, settings.quality = "JPEG", "RGB", 90
+    image.save_render(str(file), scene=scene)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
-    parser.add_argument("--plugin", required=True, help="folder of the plug-in's plugInfo.json")
     parser.add_argument("--rows", nargs="+", choices=ROWS, default=list(ROWS))
     parser.add_argument("--samples", type=int, default=256)
     parser.add_argument("--out", type=pathlib.Path)
+    parser.add_argument("--picture", type=pathlib.Path, help="draw this JPEG in place of the rows")
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as temporary:
         folder = args.out or pathlib.Path(temporary)
         folder.mkdir(parents=True, exist_ok=True)
-        engine = MakeEngine(os.path.abspath(args.plugin), args.samples)
+        engine = MakeEngine(pathlib.Path(temporary))
+        if args.picture:
+            DrawPicture(engine, args.samples, args.picture.absolute(), folder)
+            return
         lines = [f"{'row':18s} {'Cycles':>8s} | {_METHODS[0]:>6s} blocks{'':18s} | {_METHODS[1]:>6s} blocks"]
         print(lines[0], file=sys.stderr, flush=True)
         for name in args.rows:

@@ -145,6 +145,11 @@ TEST_F(Aovs, PrimvarIsInterpolated) {
             return hit.isHit ? hit.position[component] * 0.25 + 0.5 : 0.0;
         });
     }
+    // As hosts say it that make names of prims from those of outputs.
+    const TfToken alias("primvars_displayColor");
+    Host other(scene, Quick({HdAovTokens->color, alias}));
+    ASSERT_TRUE(other.RenderUntilConverged());
+    EXPECT_EQ(other.Read(alias), host.Read(aov));
 }
 
 } // namespace

@@ -84,6 +84,24 @@ TEST_F(Control, SettingsEndAnEndlessRender) {
     EXPECT_EQ(host.Render(), RenderFresh(host, few));
 }
 
+TEST_F(Control, HostsThatTakeStepsGetControlBackAndThenAllSamples) {
+    HostOptions options = ClearedQuick(kEndless);
+    options.settings[TfToken("hostStepSeconds")] = VtValue(0.01);
+    Host host(ThreeMeshes(), options);
+    // The pass says that it has converged, and the buffer, which it has not, does not.
+    for (int step = 0; step < 3; ++step) {
+        EXPECT_TRUE(host.Frame());
+        host.Delegate().GetRenderStats(); // waits
+        EXPECT_FALSE(host.Buffer(HdAovTokens->color)->IsConverged());
+    }
+    host.SetSetting("samples", VtValue(4));
+    ASSERT_TRUE(host.FrameUntil([&] { //
+        host.Delegate().GetRenderStats();
+        return host.Buffer(HdAovTokens->color)->IsConverged();
+    }));
+    EXPECT_EQ(host.Read(), RenderFresh(host, ClearedQuick(4)));
+}
+
 TEST_F(Control, TimeLimitConverges) {
     HostOptions options = ClearedQuick(kEndless);
     options.settings[TfToken("timeLimit")] = VtValue(0.2);

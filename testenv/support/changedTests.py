@@ -56,6 +56,7 @@ RULES = (
     (r"docs/python\.(md|ipynb)$", ("python/test_docs.py", "docs/test_documentedCommands.py")),
     (r"docs/performance\.md$", ("cli/test_performancePage.py", "docs/test_documentedCommands.py")),
     (r"(docs/|README\.md)", ("docs/test_documentedCommands.py", "cli/test_settings.py")),
+    (r"packaging/blender/|(packaging|scripts)/(blender|settingsTable)", ("install/test_blenderExtension.py", "hydra/test_blender.py")),
     (r"(scripts|packaging|\.ci)/|CHANGELOG\.md|pyproject\.toml", ("install/test_packaging.py", "install/test_scripts.py")),
     (r"cmake/|hdStream/CMakeLists\.txt|CMake|plugInfo\.json", ("unit", "install/test_findOpenUsd.py")),
     (r"(LICENSE|\.\w[\w-]*)$", ()),

