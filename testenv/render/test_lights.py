@@ -158,6 +158,20 @@ def test_shaped_light_seen(tmp_path):
     assert not color[9, 18].any() and alpha[9, 18] == 0
 
 
+def test_lights_that_the_camera_does_not_see(tmp_path):
+    """A ball of light over a plate, from above: with `lightsVisible` off it lights as before, and the camera sees through it."""
+    radius, height = 0.3, 1.0
+    stage = author.NewStage(f"{tmp_path}/a.usda")
+    author.AddMesh(stage, "/World/Plate", shapes.Plane(40, 40), color=(ALBEDO,) * 3)
+    author.AddCamera(stage, eye=(0, 3, 0), target=(0, 0, 0), up=(0, 0, -1), width=SIZE * 10, orthographic=True)
+    author.AddLight(stage, "/World/Light", "Sphere", dict(translate=(0, height, 0)), radius=radius, intensity=2.0)
+    seen, unseen = (_Render(stage, samples=64, lightsVisible=isSeen).layers["color"] for isSeen in (True, False))
+    middle = (slice(HEIGHT // 2 - 1, HEIGHT // 2 + 1), slice(WIDTH // 2 - 1, WIDTH // 2 + 1))
+    assert (seen[middle][..., :3] >= 2.0).all()
+    np.testing.assert_allclose(unseen[middle][..., :3].mean(), ALBEDO * 2.0 * (radius / height) ** 2, rtol=0.03)
+    assert seen[:, :6].tobytes() == unseen[:, :6].tobytes()
+
+
 @pytest.mark.parametrize("content, reason", [
     (None, "the file does not exist"), ("", "it has no line TILT="), ("TILT=NONE\n1 2", "its header is incomplete")])
 def test_bad_profiles_are_named(content, reason, tmp_path):
