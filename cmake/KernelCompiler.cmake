@@ -6,6 +6,8 @@ set_target_properties(hdstreamCompileKernels PROPERTIES RUNTIME_OUTPUT_DIRECTORY
 # It starts in a moment: of the libraries that the layers are linked with it needs the loader of OpenCL.
 target_link_options(hdstreamCompileKernels PRIVATE -Wl,--as-needed)
 
+install(TARGETS hdstreamCompileKernels RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT sdk)
+
 # A link in the build tree; made before there is anything behind it.
 function(hds_put_kernel_compiler_beside target folder)
     file(MAKE_DIRECTORY "${folder}")

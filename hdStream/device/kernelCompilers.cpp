@@ -247,18 +247,18 @@ std::string KernelCompilers::Serve(int socket) {
         _queue.pop_front();
         --_numIdle;
         lock.unlock();
-        const bool isAnswered = exchange(source);
-        const bool isBuilt = isAnswered && kind == CompileMessage::Binary;
-        if (isBuilt) {
-            Program::SaveBinary(source, payload.data(), payload.size(), _store);
+        // Another process that renders may have needed it too.
+        std::vector<unsigned char> binary = Program::StoredBinary(source, _store);
+        const bool isAnswered = !binary.empty() || exchange(source);
+        if (binary.empty() && isAnswered && kind == CompileMessage::Binary) {
+            binary.assign(payload.begin(), payload.end());
+            Program::SaveBinary(source, binary.data(), binary.size(), _store);
         }
         lock.lock();
         ++_numIdle;
         Result& result = _results[source.key];
         result.isDone = true;
-        if (isBuilt) {
-            result.binary.assign(payload.begin(), payload.end());
-        }
+        result.binary = std::move(binary);
         _changed.notify_all();
         if (!isAnswered) {
             return "it ended or hangs while it compiles " + source.root;

@@ -75,8 +75,12 @@ bool Program::BuildFromStore(const ProgramSource& source, Store* store) {
     if (store == nullptr) {
         return false;
     }
-    const auto binary = store->Load(kBinaryKind, source.key);
-    return binary && BuildFromBinary(source, binary->data(), binary->size());
+    const std::vector<unsigned char> binary = StoredBinary(source, store);
+    return !binary.empty() && BuildFromBinary(source, binary.data(), binary.size());
+}
+
+std::vector<unsigned char> Program::StoredBinary(const ProgramSource& source, Store* store) {
+    return store->Load(kBinaryKind, source.key).value_or(std::vector<unsigned char>());
 }
 
 bool Program::BuildFromCompilers(const ProgramSource& source, const Store* store) {

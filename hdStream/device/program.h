@@ -103,6 +103,9 @@ public:
     static void SaveBinary(const ProgramSource& source, const void* binary, std::size_t bytes,
                            Store* store);
 
+    /// Empty: there is none in the store.
+    static std::vector<unsigned char> StoredBinary(const ProgramSource& source, Store* store);
+
     /// Empty: the device hands out none. May take as long as building.
     std::vector<unsigned char> Binary() const;
 

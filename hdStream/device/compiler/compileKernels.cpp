@@ -75,10 +75,13 @@ int Serve(int socket) {
             return kNoRequest;
         }
         if (!Answer(socket, request, &device)) {
-            return kClosed;
+            break;
         }
     }
-    return IsClosed(socket, 0) ? kClosed : kNoRequest;
+    while (IsClosed(socket, 0)) {
+        ::pause(); // the watch ends the process
+    }
+    return kNoRequest;
 }
 
 } // namespace
