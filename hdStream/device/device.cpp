@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/device/device.h"
 
+#include "hdStream/device/kernelCompilers.h"
 #include "hdStream/device/openclHandles.h"
 #include "hdStream/device/poclCache.h"
 
 #include <algorithm>
 #include <cctype>
 #include <mutex>
+#include <tuple>
+#include <utility>
 
 namespace hds {
 
@@ -53,6 +56,12 @@ void CheckOpenCl(cl_int code, const std::string& what) {
     }
 }
 
+struct FoundDevice {
+    cl_platform_id platform;
+    cl_device_id device;
+    DeviceProperties properties;
+};
+
 namespace {
 
 std::string DeviceString(cl_device_id device, cl_device_info key) {
@@ -85,15 +94,12 @@ std::string PlatformName(cl_platform_id platform) {
     return text;
 }
 
-struct FoundDevice {
-    cl_platform_id platform;
-    cl_device_id device;
-    DeviceProperties properties;
-};
-
 std::vector<FoundDevice> FindDevices() {
     static std::once_flag once;
-    std::call_once(once, EnsurePoclCache);
+    std::call_once(once, [] {
+        EnsurePoclCache();
+        ShareWorkGroupSizes();
+    });
     std::vector<FoundDevice> found;
     cl_uint numPlatforms = 0;
     if (clGetPlatformIDs(0, nullptr, &numPlatforms) != CL_SUCCESS) {
@@ -187,7 +193,26 @@ DeviceProperties FindDevice(const std::string& name) {
 }
 
 std::shared_ptr<Device> Device::Create(const std::string& name) {
-    const FoundDevice chosen = ChooseDevice(FindDevices(), name);
+    return Open(ChooseDevice(FindDevices(), name));
+}
+
+std::shared_ptr<Device> Device::Create(const DeviceProperties& properties) {
+    const auto texts = [](const DeviceProperties& p) {
+        return std::tie(p.platform, p.name, p.version, p.driverVersion);
+    };
+    for (const FoundDevice& found : FindDevices()) {
+        if (texts(found.properties) == texts(properties)) {
+            return Open(found);
+        }
+    }
+    throw Error("no OpenCL device " + properties.name);
+}
+
+void Device::SetCompilers(std::unique_ptr<KernelCompilers> compilers) {
+    _compilers = std::move(compilers);
+}
+
+std::shared_ptr<Device> Device::Open(const FoundDevice& chosen) {
     std::shared_ptr<Device> device(new Device);
     device->_properties = chosen.properties;
     Handles& handles = *device->_handles;

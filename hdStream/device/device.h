@@ -37,6 +37,8 @@ std::vector<DeviceProperties> ListDeviceProperties();
 /// The device that Device::Create takes by that name. \throws Error as it.
 DeviceProperties FindDevice(const std::string& name);
 
+class KernelCompilers;
+
 /// A device, its context and one in-order queue. Externally synchronised.
 class Device {
 public:
@@ -44,11 +46,17 @@ public:
     /// name picks the first GPU, else the first device.
     /// \throws Error when there is none.
     static std::shared_ptr<Device> Create(const std::string& name);
+    /// \overload the first device whose texts are those of `properties`.
+    static std::shared_ptr<Device> Create(const DeviceProperties& properties);
     ~Device();
     Device(const Device&) = delete;
     Device& operator=(const Device&) = delete;
 
     const DeviceProperties& Properties() const { return _properties; }
+
+    /// Who compiles programs besides this process; null: nobody.
+    KernelCompilers* Compilers() const { return _compilers.get(); }
+    void SetCompilers(std::unique_ptr<KernelCompilers> compilers);
 
     /// Blocks until everything queued has run.
     /// \throws Error when the device reports a failure.
@@ -68,11 +76,13 @@ private:
     friend class Buffer;
     friend class Kernel;
     Device();
+    static std::shared_ptr<Device> Open(const struct FoundDevice& chosen);
     void CountAllocation(std::int64_t bytes);
 
     DeviceProperties _properties;
     std::unique_ptr<Handles> _handles;
     bool _isIdle = true;
+    std::unique_ptr<KernelCompilers> _compilers;
     std::uint64_t _allocatedBytes = 0;
     std::uint64_t _peakBytes = 0;
 };

@@ -47,4 +47,8 @@ void EnsurePoclCache() {
     }
 }
 
+void ShareWorkGroupSizes() {
+    ::setenv("POCL_WORK_GROUP_SPECIALIZATION", "0", 0);
+}
+
 } // namespace hds

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/device/program.h"
 
-#include "hdStream/base/hash.h"
+#include "hdStream/device/kernelCompilers.h"
 #include "hdStream/device/openclHandles.h"
-
-#include "kernels/shared/material.h"
-#include "kernels/shared/residency.h"
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <utility>
 
 namespace hds {
@@ -16,8 +14,6 @@ namespace hds {
 namespace {
 
 constexpr const char* kBinaryKind = "kernel";
-/// Raised when the way programs are built changes.
-constexpr std::uint64_t kKernelAbi = 1;
 
 cl_program AsProgram(void* program) {
     return static_cast<cl_program>(program);
@@ -31,54 +27,15 @@ std::string BuildLog(cl_program program, cl_device_id device) {
     return log;
 }
 
-/// Adds the default of each define that is not said. \pre all that is said is in the table.
-ProgramDefines Complete(const ProgramDefines& said) {
-    ProgramDefines defines;
-#define HDS_FEATURE(type, member, macro, off, on, needs, doc) \
-    defines[#macro] = std::to_string(static_cast<std::uint32_t>(on));
-#define HDS_VARIANT(member, macro, needs, doc) defines[#macro] = "0";
-#define HDS_TUNABLE(macro, value, doc) defines[#macro] = #value;
-#include "kernels/shared/features.def"
-    for (const auto& [name, value] : said) {
-        const auto known = defines.find(name);
-        HDS_VERIFY(known != defines.end(), name + " is not in kernels/shared/features.def");
-        known->second = value;
-    }
-    return defines;
-}
-
-std::string OptionsOf(const ProgramDefines& said) {
-    std::string options = "-cl-std=CL1.2";
-    for (const auto& [name, value] : Complete(said)) {
-        options.append(" -D").append(name).append("=").append(value);
-    }
-    return options;
-}
-
-std::string BinaryKey(const Device& device, const std::string& source, const std::string& options) {
-    const DeviceProperties& properties = device.Properties();
-    Hasher hasher;
-    hasher.Append(kKernelAbi);
-    for (const std::string* part : {&source, &options, &properties.platform, &properties.name,
-                                    &properties.version, &properties.driverVersion}) {
-        hasher.Append(std::string_view(*part));
-    }
-    return hasher.Hex();
-}
-
 } // namespace
 
-Program::Program(std::shared_ptr<Device> device, const std::string& root,
-                 const ProgramDefines& defines, Store* store, const std::string* text)
-    : _device(std::move(device)), _root(root) {
+Program::Program(std::shared_ptr<Device> device, const ProgramSource& source, Store* store)
+    : _device(std::move(device)), _root(source.root) {
     const auto start = std::chrono::steady_clock::now();
-    const std::string source = ExpandKernelSource(root, text);
-    const std::string options = OptionsOf(defines);
-    const std::string key = BinaryKey(*_device, source, options);
-    _isFromCache = BuildFromCache(store, key, options);
-    if (!_isFromCache) {
-        BuildFromSource(source, options);
-        _unsavedKey = key;
+    _isFromCache = BuildFromStore(source, store);
+    if (!_isFromCache && !BuildFromCompilers(source, store)) {
+        BuildFromSource(source);
+        _unsavedKey = source.key;
         if (!_device->Properties().hasSlowBinaries) {
             SaveBinary(store);
         }
@@ -86,10 +43,26 @@ Program::Program(std::shared_ptr<Device> device, const std::string& root,
     _buildSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-bool Program::IsInStore(const Device& device, const std::string& root,
-                        const ProgramDefines& defines, const Store& store) {
-    return store.Contains(kBinaryKind,
-                          BinaryKey(device, ExpandKernelSource(root), OptionsOf(defines)));
+Program::Program(const std::shared_ptr<Device>& device, const std::string& root,
+                 const ProgramDefines& defines, Store* store, const std::string* text)
+    : Program(device, MakeProgramSource(device->Properties(), root, defines, text), store) {}
+
+bool Program::IsInStore(const ProgramSource& source, const Store& store) {
+    return store.Contains(kBinaryKind, source.key);
+}
+
+void Program::Announce(const Device& device, const std::vector<ProgramSource>& sources,
+                       const Store* store) {
+    KernelCompilers* compilers = device.Compilers();
+    if (compilers == nullptr || store == nullptr || !compilers->CanCompile()) {
+        return;
+    }
+    std::vector<ProgramSource> missing;
+    std::copy_if(sources.begin(), sources.end(), std::back_inserter(missing),
+                 [&](const ProgramSource& source) { return !IsInStore(source, *store); });
+    if (!missing.empty()) {
+        compilers->Begin(std::move(missing));
+    }
 }
 
 Program::~Program() {
@@ -98,17 +71,30 @@ Program::~Program() {
     }
 }
 
-bool Program::BuildFromCache(Store* store, const std::string& key, const std::string& options) {
+bool Program::BuildFromStore(const ProgramSource& source, Store* store) {
     if (store == nullptr) {
         return false;
     }
-    const auto binary = store->Load(kBinaryKind, key);
-    if (!binary) {
+    const std::vector<unsigned char> binary = StoredBinary(source, store);
+    return !binary.empty() && BuildFromBinary(source, binary.data(), binary.size());
+}
+
+std::vector<unsigned char> Program::StoredBinary(const ProgramSource& source, Store* store) {
+    return store->Load(kBinaryKind, source.key).value_or(std::vector<unsigned char>());
+}
+
+bool Program::BuildFromCompilers(const ProgramSource& source, const Store* store) {
+    KernelCompilers* compilers = store != nullptr ? _device->Compilers() : nullptr;
+    if (compilers == nullptr) {
         return false;
     }
+    const std::vector<unsigned char> binary = compilers->Take(source.key);
+    return !binary.empty() && BuildFromBinary(source, binary.data(), binary.size());
+}
+
+bool Program::BuildFromBinary(const ProgramSource& source, const unsigned char* data,
+                              std::size_t bytes) {
     const Device::Handles& handles = _device->GetHandles();
-    const std::size_t bytes = binary->size();
-    const unsigned char* data = binary->data();
     cl_int status = CL_SUCCESS;
     cl_int code = CL_SUCCESS;
     cl_program program = clCreateProgramWithBinary(handles.context, 1, &handles.device, &bytes,
@@ -116,7 +102,7 @@ bool Program::BuildFromCache(Store* store, const std::string& key, const std::st
     if (code != CL_SUCCESS) {
         return false;
     }
-    if (clBuildProgram(program, 1, &handles.device, options.c_str(), nullptr, nullptr) !=
+    if (clBuildProgram(program, 1, &handles.device, source.options.c_str(), nullptr, nullptr) !=
         CL_SUCCESS) {
         clReleaseProgram(program);
         return false;
@@ -125,22 +111,37 @@ bool Program::BuildFromCache(Store* store, const std::string& key, const std::st
     return true;
 }
 
-void Program::BuildFromSource(const std::string& source, const std::string& options) {
+void Program::BuildFromSource(const ProgramSource& source) {
     const Device::Handles& handles = _device->GetHandles();
-    const char* textPointer = source.c_str();
-    const std::size_t textBytes = source.size();
+    const char* textPointer = source.text.c_str();
+    const std::size_t textBytes = source.text.size();
     cl_int code = CL_SUCCESS;
     cl_program program =
         clCreateProgramWithSource(handles.context, 1, &textPointer, &textBytes, &code);
     CheckOpenCl(code, "creating program " + _root);
-    code = clBuildProgram(program, 1, &handles.device, options.c_str(), nullptr, nullptr);
+    code = clBuildProgram(program, 1, &handles.device, source.options.c_str(), nullptr, nullptr);
     if (code != CL_SUCCESS) {
         const std::string log = BuildLog(program, handles.device);
         clReleaseProgram(program);
         throw Error("building " + _root + " for " + _device->Properties().name + " with " +
-                    options + ": " + OpenClErrorName(code) + "\n" + log);
+                    source.options + ": " + OpenClErrorName(code) + "\n" + log);
     }
     _program = program;
+}
+
+std::vector<unsigned char> Program::Binary() const {
+    std::size_t bytes = 0;
+    if (clGetProgramInfo(AsProgram(_program), CL_PROGRAM_BINARY_SIZES, sizeof(bytes), &bytes,
+                         nullptr) != CL_SUCCESS) {
+        return {};
+    }
+    std::vector<unsigned char> binary(bytes);
+    unsigned char* pointer = binary.data();
+    if (bytes > 0 && clGetProgramInfo(AsProgram(_program), CL_PROGRAM_BINARIES, sizeof(pointer),
+                                      &pointer, nullptr) != CL_SUCCESS) {
+        return {};
+    }
+    return binary;
 }
 
 void Program::SaveBinary(Store* store) {
@@ -149,18 +150,15 @@ void Program::SaveBinary(Store* store) {
     if (store == nullptr || !store->IsEnabled() || key.empty()) {
         return;
     }
-    std::size_t bytes = 0;
-    if (clGetProgramInfo(AsProgram(_program), CL_PROGRAM_BINARY_SIZES, sizeof(bytes), &bytes,
-                         nullptr) != CL_SUCCESS ||
-        bytes == 0) {
-        return;
-    }
-    std::vector<unsigned char> binary(bytes);
-    unsigned char* pointer = binary.data();
-    if (clGetProgramInfo(AsProgram(_program), CL_PROGRAM_BINARIES, sizeof(pointer), &pointer,
-                         nullptr) == CL_SUCCESS) {
+    const std::vector<unsigned char> binary = Binary();
+    if (!binary.empty()) {
         store->Save(kBinaryKind, key, binary.data(), binary.size());
     }
+}
+
+void Program::SaveBinary(const ProgramSource& source, const void* binary, std::size_t bytes,
+                         Store* store) {
+    store->Save(kBinaryKind, source.key, binary, bytes);
 }
 
 Kernel Program::GetKernel(const std::string& name) const {

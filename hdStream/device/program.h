@@ -5,18 +5,14 @@
 
 #include "hdStream/device/device.h"
 #include "hdStream/device/kernelSource.h"
+#include "hdStream/device/programSource.h"
 #include "hdStream/persist/store.h"
 
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace hds {
-
-/// Defines of a program: macros of kernels/shared/features.def, sorted by name
-/// ("HDS_FEATURE_CUTOUT" -> "1"). Those that are left out have the table's defaults.
-using ProgramDefines = std::map<std::string, std::string>;
 
 /// A kernel of a program, with a launch helper. Externally synchronised.
 class Kernel {
@@ -77,11 +73,14 @@ private:
 /// A built program. Externally synchronised.
 class Program {
 public:
-    /// Builds from a root of kernels/ or, for tests, from `text` (which may #include kernel
-    /// modules). A cached binary that the device rejects is deleted and rebuilt from source.
+    /// Takes the binary from the store, else from the device's KernelCompilers, else builds from
+    /// the source. A binary that the device rejects is built again from source.
     /// \throws Error with the build log on failure.
-    Program(std::shared_ptr<Device> device, const std::string& root, const ProgramDefines& defines,
-            Store* store = nullptr, const std::string* text = nullptr);
+    Program(std::shared_ptr<Device> device, const ProgramSource& source, Store* store = nullptr);
+    /// \overload of a root of kernels/ or, for tests, of `text`.
+    Program(const std::shared_ptr<Device>& device, const std::string& root,
+            const ProgramDefines& defines, Store* store = nullptr,
+            const std::string* text = nullptr);
     ~Program();
     Program(const Program&) = delete;
     Program& operator=(const Program&) = delete;
@@ -90,19 +89,34 @@ public:
     Kernel GetKernel(const std::string& name) const;
 
     /// Whether the binary of such a program is in the store.
-    static bool IsInStore(const Device& device, const std::string& root,
-                          const ProgramDefines& defines, const Store& store);
+    static bool IsInStore(const ProgramSource& source, const Store& store);
+
+    /// Lets the device's KernelCompilers begin to compile what is not in the store, where that is
+    /// faster than to build it here; does nothing else.
+    static void Announce(const Device& device, const std::vector<ProgramSource>& sources,
+                         const Store* store);
 
     /// Saves the binary of a program that was built from source and is not saved yet: the
     /// constructor does, except where that takes long (DeviceProperties::hasSlowBinaries).
     void SaveBinary(Store* store);
+    /// \overload of a binary that was made elsewhere.
+    static void SaveBinary(const ProgramSource& source, const void* binary, std::size_t bytes,
+                           Store* store);
+
+    /// Empty: there is none in the store.
+    static std::vector<unsigned char> StoredBinary(const ProgramSource& source, Store* store);
+
+    /// Empty: the device hands out none. May take as long as building.
+    std::vector<unsigned char> Binary() const;
 
     bool IsFromCache() const { return _isFromCache; }
     double BuildSeconds() const { return _buildSeconds; }
 
 private:
-    bool BuildFromCache(Store* store, const std::string& key, const std::string& options);
-    void BuildFromSource(const std::string& source, const std::string& options);
+    bool BuildFromStore(const ProgramSource& source, Store* store);
+    bool BuildFromCompilers(const ProgramSource& source, const Store* store);
+    bool BuildFromBinary(const ProgramSource& source, const unsigned char* data, std::size_t bytes);
+    void BuildFromSource(const ProgramSource& source);
 
     std::shared_ptr<Device> _device;
     std::string _root;

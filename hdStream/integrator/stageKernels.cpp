@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/integrator/stageKernels.h"
 
+#include <algorithm>
 #include <string>
 
 namespace hds {
@@ -36,17 +37,27 @@ ProgramDefines MakeDefines(const Device& device, const KernelFeatures& features)
     return defines;
 }
 
+/// Of all programs, in the order of the table.
+std::vector<ProgramSource> MakeSources(const Device& device, const KernelFeatures& features) {
+    const ProgramDefines defines = MakeDefines(device, features);
+    const KernelFeatures& f = features;
+    std::vector<ProgramSource> sources;
+#define HDS_PROGRAM(name, root, condition)                                        \
+    if (condition) {                                                              \
+        sources.push_back(MakeProgramSource(device.Properties(), root, defines)); \
+    }
+#include "kernels/shared/features.def"
+    return sources;
+}
+
 } // namespace
 
 bool StageKernels::AreInStore(const Device& device, const Store& store,
                               const KernelFeatures& features) {
-    const ProgramDefines defines = MakeDefines(device, features);
-    const KernelFeatures& f = features;
-    bool areThere = true;
-#define HDS_PROGRAM(name, root, condition) \
-    areThere = areThere && (!(condition) || Program::IsInStore(device, root, defines, store));
-#include "kernels/shared/features.def"
-    return areThere;
+    const std::vector<ProgramSource> sources = MakeSources(device, features);
+    return std::all_of(sources.begin(), sources.end(), [&](const ProgramSource& source) {
+        return Program::IsInStore(source, store);
+    });
 }
 
 std::uint64_t StageKernels::PathStateBytes(const KernelFeatures& features) {
@@ -58,15 +69,16 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
     : _features(features) {
     HDS_VERIFY(features == features.WithNeeds(),
                "a feature is on without what it needs (kernels/shared/features.def)");
-    const ProgramDefines defines = MakeDefines(*device, features);
-    const auto build = [&](const char* root) {
-        _unsaved.push_back(std::make_unique<Program>(device, root, defines, store));
+    const std::vector<ProgramSource> sources = MakeSources(*device, features);
+    Program::Announce(*device, sources, store);
+    const auto build = [&] {
+        _unsaved.push_back(std::make_unique<Program>(device, sources[_unsaved.size()], store));
         _buildSeconds += _unsaved.back()->BuildSeconds();
         return _unsaved.back().get();
     };
     const KernelFeatures& f = features;
 #define HDS_PROGRAM(name, root, condition) \
-    const Program* name##Program = (condition) ? build(root) : nullptr;
+    const Program* name##Program = (condition) ? build() : nullptr;
 #include "kernels/shared/features.def"
     generateSample = frameProgram->GetKernel("generate_sample");
     generateCentre = frameProgram->GetKernel("generate_centre");

@@ -2,6 +2,7 @@
 #include "hdStream/session/session.h"
 
 #include "hdStream/base/machine.h"
+#include "hdStream/device/kernelCompilers.h"
 #include "hdStream/integrator/dicingCamera.h"
 #include "hdStream/integrator/pathTracer.h"
 #include "hdStream/persist/pageStore.h"
@@ -9,6 +10,7 @@
 #include "hdStream/session/denoising.h"
 #include "hdStream/session/settingsCheck.h"
 #include "hdStream/session/statistics.h"
+#include "hdStream/texture/texturePool.h"
 
 #include <chrono>
 #include <optional>
@@ -80,7 +82,8 @@ struct Session::Impl {
             deviceName = settings.device;
         }
         if (!store || cacheDirectory != settings.cacheDirectory || noCache != settings.noCache) {
-            Discard(); // the tracer holds the store
+            Discard();                     // the tracer holds the store
+            device->SetCompilers(nullptr); // they write to the store
             store = std::make_unique<Store>(
                 StoreOptions{settings.cacheDirectory, !settings.noCache}, &warnings);
             cacheDirectory = settings.cacheDirectory;
@@ -93,6 +96,22 @@ struct Session::Impl {
             cache.images.SetPageStore(pageStore);
             cache.textures = std::make_shared<TexturePreparer>(pageStore, &warnings);
         }
+        if (device->Compilers() == nullptr && device->Properties().hasSlowBinaries) {
+            ReadyCompilers();
+        }
+    }
+
+    /// Processes that compile take a while to start: they do it now where no kernel at all is in
+    /// the store.
+    void ReadyCompilers() {
+        auto compilers =
+            std::make_unique<KernelCompilers>(device->Properties(), store.get(), &warnings);
+        const ProgramSource anyScenes = TexturePool::KernelSource(*device);
+        if (compilers->CanCompile() && !Program::IsInStore(anyScenes, *store)) {
+            compilers->Begin({anyScenes});
+            compilers->Warm();
+        }
+        device->SetCompilers(std::move(compilers));
     }
 
     /// Everything in device memory.
@@ -191,6 +210,9 @@ struct Session::Impl {
             return RenderResult::Stopped;
         }
         tracer->Begin(std::move(options), film);
+        if (device->Compilers() != nullptr) {
+            device->Compilers()->Rest();
+        }
         hasFilm = true;
         const RenderStatistics& rendered = tracer->Statistics();
         statistics.device = device.get();
@@ -213,10 +235,10 @@ struct Session::Impl {
     hds::Warnings warnings;
     SceneDescription description;
     std::uint64_t sceneVersion = 1; ///< counts edits
-    std::shared_ptr<Device> device;
-    std::string deviceName; ///< what `device` was asked for by
     std::unique_ptr<Store> store;
-    std::string cacheDirectory; ///< what `store` was made with
+    std::shared_ptr<Device> device; ///< its compilers write to the store
+    std::string deviceName;         ///< what `device` was asked for by
+    std::string cacheDirectory;     ///< what `store` was made with
     bool noCache = false;
     CommitCache cache;
     std::optional<DicingCamera> dicingCamera; ///< of the first render of the scene

@@ -46,11 +46,22 @@ std::uint32_t PowerOfTwo(std::uint32_t least) {
 
 TexturePool::TexturePool(std::shared_ptr<Device> device, Store* store,
                          std::uint32_t requestCapacity)
-    : _device(std::move(device)),
-      _program(std::make_unique<Program>(_device, "texture/cacheFill.cl", ProgramDefines{}, store)),
-      _copyLines(_program->GetKernel("fill_copyLines")),
-      _updateTable(_program->GetKernel("fill_updateTable")), _requestCapacity(requestCapacity) {
-    _program->SaveBinary(store); // it is small
+    : _device(std::move(device)), _store(store), _requestCapacity(requestCapacity) {
+    Program::Announce(*_device, {KernelSource(*_device)}, store);
+}
+
+ProgramSource TexturePool::KernelSource(const Device& device) {
+    return MakeProgramSource(device.Properties(), "texture/cacheFill.cl", {});
+}
+
+/// Kernels are built when the first one is launched: they may be compiled elsewhere until then.
+void TexturePool::ReadyKernels() {
+    if (!_program) {
+        _program = std::make_unique<Program>(_device, KernelSource(*_device), _store);
+        _copyLines = _program->GetKernel("fill_copyLines");
+        _updateTable = _program->GetKernel("fill_updateTable");
+        _program->SaveBinary(_store); // it is small
+    }
 }
 
 void TexturePool::Update(LineProvider* provider, std::uint64_t budgetBytes,
@@ -365,6 +376,7 @@ void TexturePool::CopyStaged(std::vector<shared::HdsLineCopy> copies) {
         return;
     }
     const std::uint64_t bytes = copies.size() * HDS_LINE_BYTES;
+    ReadyKernels();
     _staging.Write(_stagedBytes.data(), bytes);
     _statistics.uploadedBytes += bytes;
     std::sort(copies.begin(), copies.end(),
@@ -400,6 +412,9 @@ void TexturePool::PublishTable() {
         _lineTable.Write(words.data(), bytes);
         _lineTable.Fill(HDS_NONE, _lineTable.Bytes() - bytes, bytes);
         return;
+    }
+    if (!updates.empty()) {
+        ReadyKernels();
     }
     for (std::size_t begin = 0; begin < updates.size(); begin += kMaxUpdates) {
         const auto count =

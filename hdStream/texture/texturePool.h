@@ -40,6 +40,9 @@ public:
     explicit TexturePool(std::shared_ptr<Device> device, Store* store = nullptr,
                          std::uint32_t requestCapacity = kRequestCapacity);
 
+    /// What its kernels are compiled from; the same for all scenes.
+    static ProgramSource KernelSource(const Device& device);
+
     /// Serves the textures of `provider`, which must live until the next call, from at most
     /// `budgetBytes` of device memory. What is loaded stays, as far as textures are the same (by
     /// id) and the budget is. \param linesPerItem most lines that an item needs at once.
@@ -91,12 +94,14 @@ private:
     std::uint32_t PlaceLine(const Load& load, const std::uint8_t* bytes, bool* needsCopy);
     void CopyStaged(std::vector<shared::HdsLineCopy> copies);
     void PublishTable();
+    void ReadyKernels();
     const std::vector<std::uint32_t>& ReadStamps();
     /// As kernels see it.
     std::uint32_t Epoch() const { return _keepsStamps ? _epoch : 0; }
 
     std::shared_ptr<Device> _device;
-    std::unique_ptr<Program> _program;
+    Store* _store;
+    std::unique_ptr<Program> _program; ///< null until its kernels are launched
     Kernel _copyLines;
     Kernel _updateTable;
     std::uint32_t _requestCapacity;

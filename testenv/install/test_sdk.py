@@ -85,6 +85,10 @@ def test_embedding_program_renders_as_the_command_line_does(sdk, tmp_path):
     assert abs(ours["R"][14:18, 14:18].mean() - 0.5) < 0.05
 
 
+def test_the_program_that_compiles_kernels_is_installed(sdk):
+    assert Run([sdk / "bin" / "hdstreamCompileKernels"]).returncode == 2, "started by hand"
+
+
 def test_an_older_interface_is_refused(sdk, tmp_path):
     (tmp_path / "CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.22)\nproject(p LANGUAGES CXX)\n"
                                              "find_package(hdStream 0.0 REQUIRED)\n")
@@ -103,6 +107,7 @@ def test_hydra_plugin_may_be_moved(tmp_path):
     root = moved / "plugin" / "usd" / "hdStream"
     library = (root / relative).resolve()
     assert library.exists() and library.is_relative_to(moved.resolve())
+    assert Run([library.parent / "hdstreamCompileKernels"]).returncode == 2, "beside the plug-in; started by hand"
     dynamic = Run(["readelf", "-d", library]).stdout
     assert "$ORIGIN" in dynamic and str(ROOT) not in dynamic and str(tmp_path) not in dynamic
     assert "not found" not in Run(["ldd", library]).stdout

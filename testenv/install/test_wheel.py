@@ -32,6 +32,7 @@ def test_wheel_holds_every_module_and_names_its_requirements(wheel):
     modules = {f"hdstream/{path.relative_to(PACKAGE).as_posix()}" for path in PACKAGE.rglob("*.py")}
     assert modules <= names
     assert any(name.startswith("hdstream/_core.") for name in names)
+    assert "hdstream/hdstreamCompileKernels" in names
     assert not [name for name in names if not name.startswith("hdstream")]
     assert any(name.endswith(".dist-info/licenses/LICENSE") for name in names)
     requirements = " ".join(metadata.get_all("Requires-Dist"))
@@ -43,6 +44,18 @@ def test_installed_package_is_not_the_build_tree(installed, tmp_path):
                  cwd=tmp_path, env=CleanEnvironment())
     assert result.returncode == 0, result.stderr
     assert pathlib.Path(result.stdout.strip()).is_relative_to(installed.parent)
+
+
+def test_installed_program_compiles_kernels(installed, stage, tmp_path):
+    """Beside the installed module; a first render that uses it keeps its kernels and says nothing."""
+    result = Run([installed / "python", "-c", "import hdstream._core as core; print(core.__file__)"], cwd=tmp_path,
+                 env=CleanEnvironment())
+    program = pathlib.Path(result.stdout.strip()).parent / "hdstreamCompileKernels"
+    assert Run([program]).returncode == 2, "started by hand"
+    result = Run([installed / "hdstream", "record", stage, tmp_path / "cold.exr", "--camera", "/Camera", "--imageWidth", 16,
+                  "--samples", 1, "--cacheDir", tmp_path / "cache", "--quiet"], cwd=tmp_path, env=CleanEnvironment())
+    assert result.returncode == 0 and not result.stderr, result.stderr
+    assert len(list((tmp_path / "cache").glob("kernel-*"))) >= 4
 
 
 def test_installed_command_lists_devices(installed, tmp_path):
