@@ -16,7 +16,7 @@ PXR_NAMESPACE_OPEN_SCOPE
 namespace {
 
 /// More lines than this help nobody; all of them are in the statistics.
-constexpr std::size_t kMaxWarningsPrinted = 100;
+constexpr unsigned int kMaxWarningsPrinted = 100;
 
 } // namespace
 
@@ -56,10 +56,10 @@ void HdStreamRenderParam::PrintWarnings() {
         lines = hds::DigestWarnings(std::move(lines));
     }
     for (const std::string& line : lines) {
-        const std::size_t numPrinted = PrintedWarnings().size();
-        if (isVerbose || numPrinted < kMaxWarningsPrinted) {
+        ++_numWarningsPrinted;
+        if (isVerbose || _numWarningsPrinted <= kMaxWarningsPrinted) {
             PrintWarning(line);
-        } else if (numPrinted == kMaxWarningsPrinted) {
+        } else if (_numWarningsPrinted == kMaxWarningsPrinted + 1) {
             PrintWarning("Stream: more warnings are in the render statistics only");
         }
     }

@@ -88,6 +88,7 @@ private:
     VtDictionary _sceneSettings;
     SdfPath _sceneSettingsOwner;
     unsigned int _sceneSettingsVersion = 0;
+    unsigned int _numWarningsPrinted = 0; ///< of the scene
     mutable std::mutex _printedMutex;
     std::vector<std::string> _printedWarnings;
     hds::RenderThread _thread; ///< last: joined before what its edits and warnings use goes
