@@ -2,9 +2,11 @@
 #include "hdStream/film/aov.h"
 
 #include "hdStream/base/error.h"
+#include "hdStream/film/cryptomatte.h"
 
 #include <cstring>
 #include <limits>
+#include <optional>
 
 namespace hds {
 
@@ -22,6 +24,11 @@ AovInfo Color(const char* name, const Channels& channels, AovFilter filter,
 AovInfo Data(const char* name, const Channels& channels, AovFilter filter, float clearValue,
              const char* description) {
     return {name, channels, false, false, filter, clearValue, 0, description};
+}
+
+/// A Cryptomatte, or a layer of it.
+AovInfo Matte(const std::string& name, const char* description) {
+    return {name, {"R", "G", "B", "A"}, false, false, AovFilter::Matte, 0.0f, 0, description};
 }
 
 AovInfo Integer(const char* name, const char* channel, AovFilter filter, std::int32_t clearId,
@@ -53,7 +60,35 @@ std::vector<AovInfo> MakeTable() {
              "estimated variance of the pixel's luminance (of the mean, not of one sample)"),
         Color("noisy", {"R", "G", "B", "A"}, AovFilter::Weighted, "color before it is denoised"),
         Integer("sampleCount", "count", AovFilter::Counter, 0, "samples taken in the pixel"),
+        Matte("crypto_object", "Cryptomatte of prims: three layers of two ids with coverages each"),
+        Matte("crypto_material", "Cryptomatte of materials"),
+        Matte("crypto_instance", "Cryptomatte of instances"),
     };
+}
+
+/// All layers of all Cryptomattes.
+std::vector<AovInfo> MakeMatteLayerTable() {
+    std::vector<AovInfo> rows;
+    for (const AovInfo& row : AovTable()) {
+        for (std::uint32_t layer = 0; layer < kMaxMatteLayers && row.filter == AovFilter::Matte;
+             ++layer) {
+            rows.push_back(Matte(MatteLayerName(row.name, layer), "a layer of a Cryptomatte"));
+        }
+    }
+    return rows;
+}
+
+/// The names of the layers that a Cryptomatte's name stands for; any other name as it is.
+std::vector<std::string> LayersOf(const std::string& name) {
+    const std::optional<MatteAov> matte = ParseMatteAov(name);
+    if (!matte || matte->layer) {
+        return {name};
+    }
+    std::vector<std::string> layers;
+    for (std::uint32_t layer = 0; layer < kMatteLayers; ++layer) {
+        layers.push_back(MatteLayerName(name, layer));
+    }
+    return layers;
 }
 
 bool IsPrimvarAov(const std::string& name) {
@@ -74,6 +109,32 @@ std::shared_ptr<const AovInfo> MakePrimvarAov(const std::string& name) {
     throw Error(message + " " + kPrimvarAovPrefix + "NAME)", ErrorKind::Usage);
 }
 
+/// Appends an AOV; primvars have no place yet.
+void AddSlot(const std::string& name, AovLayout* layout) {
+    if (layout->Find(name)) {
+        throw Error("--aovs: '" + name + "' is named twice", ErrorKind::Usage);
+    }
+    if (IsPrimvarAov(name)) {
+        layout->primvars.push_back(name.substr(std::strlen(kPrimvarAovPrefix)));
+        layout->slots.push_back({MakePrimvarAov(name), 0});
+        return;
+    }
+    const AovInfo* info = FindAov(name);
+    if (!info) {
+        FailUnknown(name);
+    }
+    // The table lives as long as the process: nothing is owned.
+    const std::shared_ptr<const AovInfo> shared(std::shared_ptr<void>(), info);
+    if (info->filter == AovFilter::Matte) {
+        layout->hasMattes = true;
+        layout->slots.push_back({shared, 0});
+        return;
+    }
+    std::uint32_t& used = info->isInteger ? layout->intsPerPixel : layout->floatsPerPixel;
+    layout->slots.push_back({shared, used});
+    used += info->NumChannels();
+}
+
 } // namespace
 
 const std::vector<AovInfo>& AovTable() {
@@ -82,12 +143,19 @@ const std::vector<AovInfo>& AovTable() {
 }
 
 const AovInfo* FindAov(const std::string& name) {
-    for (const AovInfo& info : AovTable()) {
-        if (info.name == name) {
-            return &info;
+    static const std::vector<AovInfo> matteLayers = MakeMatteLayerTable();
+    for (const std::vector<AovInfo>* table : {&AovTable(), &matteLayers}) {
+        for (const AovInfo& info : *table) {
+            if (info.name == name) {
+                return &info;
+            }
         }
     }
     return nullptr;
+}
+
+bool HasAov(const std::string& name) {
+    return FindAov(name) != nullptr || IsPrimvarAov(name);
 }
 
 const AovSlot* AovLayout::Find(const std::string& name) const {
@@ -105,23 +173,9 @@ AovLayout MakeAovLayout(const std::vector<std::string>& names) {
     }
     AovLayout layout;
     for (const std::string& name : names) {
-        if (layout.Find(name)) {
-            throw Error("--aovs: '" + name + "' is named twice", ErrorKind::Usage);
+        for (const std::string& layer : LayersOf(name)) {
+            AddSlot(layer, &layout);
         }
-        if (IsPrimvarAov(name)) {
-            layout.primvars.push_back(name.substr(std::strlen(kPrimvarAovPrefix)));
-            layout.slots.push_back({MakePrimvarAov(name), 0});
-            continue;
-        }
-        const AovInfo* info = FindAov(name);
-        if (!info) {
-            FailUnknown(name);
-        }
-        std::uint32_t& used = info->isInteger ? layout.intsPerPixel : layout.floatsPerPixel;
-        // The table lives as long as the process: nothing is owned.
-        layout.slots.push_back(
-            {std::shared_ptr<const AovInfo>(std::shared_ptr<void>(), info), used});
-        used += info->NumChannels();
     }
     layout.primvarOffset = layout.floatsPerPixel;
     for (AovSlot& slot : layout.slots) {
@@ -179,7 +233,8 @@ std::vector<ImageLayer> MakeLayers(const AovLayout& layout, std::uint32_t width,
     std::vector<ImageLayer> layers;
     for (const AovSlot& slot : layout.slots) {
         ImageLayer layer = MakeClearLayer(*slot.info, width, height);
-        const std::uint32_t numChannels = slot.info->NumChannels();
+        const std::uint32_t numChannels =
+            slot.info->filter == AovFilter::Matte ? 0 : slot.info->NumChannels();
         for (std::size_t pixel = 0; pixel < numPixels; ++pixel) {
             for (std::uint32_t c = 0; c < numChannels; ++c) {
                 if (slot.info->isInteger) {

@@ -19,6 +19,7 @@ enum class AovFilter {
     Weighted, ///< mean of the samples, weighted by the pixel filter
     First,    ///< of the ray through the pixel's centre: averages of depths and ids mean nothing
     Counter,  ///< the film's own bookkeeping of the pixel
+    Matte,    ///< shares of the samples, by what they met first (film/cryptomatte.h)
 };
 
 /// One row of the table.
@@ -38,8 +39,11 @@ struct AovInfo {
 /// All AOVs, in the order they are listed to users. Thread-safe.
 const std::vector<AovInfo>& AovTable();
 
-/// The row of that name; null when there is none.
+/// The row of that name, or of the layer of a Cryptomatte; null when there is none.
 const AovInfo* FindAov(const std::string& name);
+
+/// Whether there is such an AOV, primvars and layers of Cryptomattes included.
+bool HasAov(const std::string& name);
 
 /// AOVs of this prefix show a primvar of the first hit (three floats; 0 where there is none).
 constexpr const char* kPrimvarAovPrefix = "primvars:";
@@ -56,6 +60,7 @@ struct AovLayout {
     std::vector<AovSlot> slots; ///< in the order asked for
     std::uint32_t floatsPerPixel = 0;
     std::uint32_t intsPerPixel = 0;
+    bool hasMattes = false; ///< some AOV is a layer of a Cryptomatte, which lies in neither buffer
     /// Names of the primvars that are AOVs; they lie one after another from primvarOffset on.
     std::vector<std::string> primvars;
     std::uint32_t primvarOffset = 0;
@@ -64,7 +69,7 @@ struct AovLayout {
     const AovSlot* Find(const std::string& name) const;
 };
 
-/// Lays the AOVs out in the order given.
+/// Lays the AOVs out in the order given. The name of a Cryptomatte stands for kMatteLayers layers.
 /// \throws Error (Usage) that names the AOV, for an unknown or repeated name or an empty list.
 AovLayout MakeAovLayout(const std::vector<std::string>& names);
 
@@ -76,6 +81,7 @@ ImageLayer MakeClearLayer(const AovInfo& info, std::uint32_t width, std::uint32_
 void FillPreview(ImageLayer* layer, std::uint32_t stride);
 
 /// Splits resolved buffers (read back from the device) into layers, in the order of the layout.
+/// Cryptomattes are left clear.
 /// \param floats [height][width][floatsPerPixel]; may be null when floatsPerPixel is 0
 /// \param ints [height][width][intsPerPixel]; may be null when intsPerPixel is 0
 std::vector<ImageLayer> MakeLayers(const AovLayout& layout, std::uint32_t width,

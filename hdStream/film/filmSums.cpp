@@ -37,7 +37,7 @@ std::uint32_t FilmSums::MostSamples() const {
 }
 
 void CheckFilmSums(const std::vector<FilmSums>& start, std::uint32_t width, std::uint32_t height,
-                   std::uint32_t samples) {
+                   std::uint32_t samples, bool needsMattes) {
     for (std::size_t i = 0; i < start.size(); ++i) {
         const FilmSums& sums = start[i];
         if (sums.width != width || sums.height != height) {
@@ -56,6 +56,14 @@ void CheckFilmSums(const std::vector<FilmSums>& start, std::uint32_t width, std:
         if (i > 0 && (sums.firstSample != start[i - 1].endSample ||
                       sums.endSample - sums.firstSample > HDS_SAMPLE_BLOCK)) {
             Fail(sums, "blocks follow each other, without gaps");
+        }
+        if (needsMattes && !isBlack && !sums.hasMattes) {
+            Fail(sums, "they were made without a Cryptomatte, which is asked for now");
+        }
+        for (const MatteCount& matte : sums.mattes) {
+            if (matte.pixel >= std::uint64_t{width} * height) {
+                Fail(sums, "counts of a Cryptomatte lie outside of the image");
+            }
         }
         CheckPixels(sums);
         const std::uint32_t most = sums.MostSamples();

@@ -3,6 +3,7 @@
 // Explained in docs/film.md.
 #pragma once
 
+#include "hdStream/film/cryptomatte.h"
 #include "kernels/shared/frame.h"
 
 #include <cstdint>
@@ -18,6 +19,8 @@ struct FilmSums {
     std::uint32_t firstSample = 0; ///< where the film began, a multiple of HDS_SAMPLE_BLOCK
     std::uint32_t endSample = 0;   ///< every pixel has the samples below
     std::vector<shared::HdsFilmPixel> pixels; ///< [height][width]; empty: no sample yet, black
+    bool hasMattes = false;                   ///< what samples met was counted, for a Cryptomatte
+    std::vector<MatteCount> mattes;
 
     /// Samples of the pixels that have most.
     std::uint32_t MostSamples() const;
@@ -27,8 +30,9 @@ struct FilmSums {
 /// other one a block of HDS_SAMPLE_BLOCK samples or the beginning of one, since only block sums
 /// add up to the bits of one render.
 /// \param samples that the render ends with
+/// \param needsMattes the render has a Cryptomatte
 /// \throws Error (Usage) that says what is wrong
 void CheckFilmSums(const std::vector<FilmSums>& start, std::uint32_t width, std::uint32_t height,
-                   std::uint32_t samples);
+                   std::uint32_t samples, bool needsMattes);
 
 } // namespace hds

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,8 @@ struct ImageLayer {
     std::uint32_t height = 0;
     std::vector<float> values;     ///< [height][width][channels]; empty for integer layers
     std::vector<std::int32_t> ids; ///< [height][width] for integer layers
+    /// Texts by name that belong into the header of an EXR with the layer.
+    std::map<std::string, std::string> header;
 };
 
 } // namespace hds

@@ -151,6 +151,11 @@ EncodedImage EncodeExr(const std::vector<ImageLayer>& layers) {
             hasIntegers = hasIntegers || layer.isInteger;
         }
     }
+    for (const ImageLayer& layer : layers) {
+        for (const auto& [name, text] : layer.header) {
+            image.spec.attribute(name, text);
+        }
+    }
     image.spec.nchannels = static_cast<int>(image.spec.channelnames.size());
     if (!hasIntegers) {
         image.spec.channelformats.clear();

@@ -6,6 +6,8 @@
 #include <pxr/base/gf/vec3f.h>
 #include <pxr/base/gf/vec4f.h>
 
+#include <optional>
+
 PXR_NAMESPACE_OPEN_SCOPE
 
 namespace {
@@ -36,7 +38,8 @@ HdAovDescriptor HdStreamAovDescriptor(const TfToken& name) {
         return ThreeFloats(0.0F);
     }
     const hds::AovInfo* info = hds::FindAov(layer);
-    if (!info) {
+    const std::optional<hds::MatteAov> matte = hds::ParseMatteAov(layer);
+    if (!info || (matte && !matte->layer)) { // a Cryptomatte is several buffers: ask for its layers
         return {};
     }
     if (info->isInteger) {

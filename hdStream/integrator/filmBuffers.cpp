@@ -2,6 +2,9 @@
 #include "hdStream/integrator/filmBuffers.h"
 
 #include <algorithm>
+#include <map>
+#include <optional>
+#include <utility>
 
 namespace hds {
 
@@ -36,6 +39,9 @@ void FilmBuffers::Reset(const AovLayout& layout, std::uint32_t width, std::uint3
     Resize(_device, "film", numPixels * sizeof(shared::HdsFilmPixel), &_film);
     _film.Fill(0, _film.Bytes());
     Resize(_device, "AOV floats", numPixels * layout.floatsPerPixel * sizeof(float), &_floats);
+    if (layout.hasMattes) {
+        _mattes.Reset(width, height);
+    }
     Resize(_device, "AOV ids", numPixels * layout.intsPerPixel * sizeof(std::int32_t), &_ints);
 }
 
@@ -55,6 +61,15 @@ void FilmBuffers::Load(StageKernels* kernels, const std::vector<FilmSums>& start
             kernels->addBlock.Launch(numPixels, _film, block, numPixels);
             _device->Finish();
         }
+        for (std::uint32_t pixel = 0; _layout.hasMattes && pixel < numPixels; ++pixel) {
+            _mattes.SetSamples(pixel, sums.pixels.empty() ? sums.endSample
+                                                          : sums.pixels[pixel].numSamples);
+        }
+        for (const MatteCount& matte : sums.mattes) {
+            if (_layout.hasMattes) {
+                _mattes.Add(matte.pixel, matte.surface, matte.count);
+            }
+        }
     }
 }
 
@@ -64,6 +79,10 @@ FilmSums FilmBuffers::Read(std::uint32_t firstSample, std::uint32_t endSample) c
     sums.height = _height;
     sums.firstSample = firstSample;
     sums.endSample = endSample;
+    sums.hasMattes = _layout.hasMattes;
+    if (_layout.hasMattes) {
+        sums.mattes = _mattes.Counts();
+    }
     sums.pixels.resize(std::size_t{_width} * _height);
     _device->Finish();
     _film.Read(sums.pixels.data(), _film.Bytes());
@@ -89,7 +108,43 @@ shared::HdsAovOffsets FilmBuffers::FirstHitOffsets(const glm::dvec3& centre) con
     return offsets;
 }
 
-std::vector<ImageLayer> FilmBuffers::Develop(StageKernels* kernels, std::uint32_t previewStride) {
+void FilmBuffers::AddMattes(const std::uint32_t* pixels, std::uint32_t numSamples,
+                            const std::vector<std::array<std::uint32_t, 4>>& surfaces) {
+    for (std::size_t slot = 0; slot < surfaces.size(); ++slot) {
+        const std::uint32_t pixel = pixels[slot / numSamples];
+        const auto& [prim, entry, instance, unused] = surfaces[slot];
+        _mattes.AddSample(pixel);
+        if (prim != HDS_NONE) {
+            _mattes.Add(pixel, {prim, entry, static_cast<std::int32_t>(instance)}, 1);
+        }
+    }
+}
+
+/// Puts the layers of Cryptomattes into their places.
+void FilmBuffers::DevelopMattes(const MatteNamer& nameOf, std::vector<ImageLayer>* layers) const {
+    std::map<std::string, std::pair<MatteKind, std::uint32_t>> asked; // and the number of layers
+    for (const ImageLayer& layer : *layers) {
+        if (const std::optional<MatteAov> aov = ParseMatteAov(layer.name)) {
+            auto& [kind, numLayers] = asked[aov->cryptomatte];
+            kind = aov->kind;
+            numLayers = std::max(numLayers, *aov->layer + 1);
+        }
+    }
+    for (const auto& [cryptomatte, about] : asked) {
+        for (ImageLayer& made :
+             _mattes.MakeLayers(about.first, cryptomatte, about.second, nameOf)) {
+            const auto place =
+                std::find_if(layers->begin(), layers->end(),
+                             [&](const ImageLayer& layer) { return layer.name == made.name; });
+            if (place != layers->end()) {
+                *place = std::move(made);
+            }
+        }
+    }
+}
+
+std::vector<ImageLayer> FilmBuffers::Develop(StageKernels* kernels, std::uint32_t previewStride,
+                                             const MatteNamer& nameOf) {
     std::vector<ImageLayer> layers;
     if (previewStride == 0) {
         for (const AovSlot& slot : _layout.slots) {
@@ -108,11 +163,15 @@ std::vector<ImageLayer> FilmBuffers::Develop(StageKernels* kernels, std::uint32_
     _floats.Read(floats.data(), floats.size() * sizeof(float));
     _ints.Read(ints.data(), ints.size() * sizeof(std::int32_t));
     layers = MakeLayers(_layout, _width, _height, floats.data(), ints.data());
+    if (_layout.hasMattes) {
+        DevelopMattes(nameOf, &layers);
+    }
     for (std::size_t i = 0; i < layers.size(); ++i) {
         const AovInfo& info = *_layout.slots[i].info;
         if (info.filter == AovFilter::First && !_hasFirstHits) {
             layers[i] = MakeClearLayer(info, _width, _height);
-        } else if (info.filter == AovFilter::Weighted && previewStride > 1) {
+        } else if ((info.filter == AovFilter::Weighted || info.filter == AovFilter::Matte) &&
+                   previewStride > 1) {
             FillPreview(&layers[i], previewStride);
         }
     }

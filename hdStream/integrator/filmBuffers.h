@@ -9,6 +9,7 @@
 #include "hdStream/integrator/stageKernels.h"
 #include "kernels/shared/frame.h"
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -34,6 +35,12 @@ public:
     const Buffer& Ints() const { return _ints; }
     std::uint64_t Bytes() const { return _film.Bytes(); }
 
+    bool HasMattes() const { return _layout.hasMattes; }
+    /// Counts what the samples of a wave have met. \param pixels of the wave, numSamples slots
+    /// each. \param surfaces as the field `matte` of the path state, by slot.
+    void AddMattes(const std::uint32_t* pixels, std::uint32_t numSamples,
+                   const std::vector<std::array<std::uint32_t, 4>>& surfaces);
+
     /// Where the kernel `aov` writes. \param centre of the scene, world space.
     shared::HdsAovOffsets FirstHitOffsets(const glm::dvec3& centre) const;
 
@@ -44,9 +51,13 @@ public:
 
     /// All AOVs of the layout. Blocks. Those of first hits are at their clear values until they
     /// have been found. \param previewStride as Progress::previewStride; 0 gives clear values.
-    std::vector<ImageLayer> Develop(StageKernels* kernels, std::uint32_t previewStride);
+    /// \param nameOf what Cryptomattes show.
+    std::vector<ImageLayer> Develop(StageKernels* kernels, std::uint32_t previewStride,
+                                    const MatteNamer& nameOf);
 
 private:
+    void DevelopMattes(const MatteNamer& nameOf, std::vector<ImageLayer>* layers) const;
+
     std::shared_ptr<Device> _device;
     AovLayout _layout;
     std::uint32_t _width = 0;
@@ -55,6 +66,7 @@ private:
     Buffer _floats;
     Buffer _ints;
     bool _hasFirstHits = false;
+    MatteSums _mattes;
 };
 
 /// True when some AOV of the layout is found by a ray through each pixel's centre.

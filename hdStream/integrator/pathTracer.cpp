@@ -14,6 +14,7 @@
 #include "kernels/shared/frame.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -101,6 +102,7 @@ struct PathTracer::Impl {
         features.motion = scene->hasMotion || MovesOver(options.camera, options.shutter);
         features.simd8 = ChooseSimd8(options, device->Properties());
         features.firstHits = NeedsFirstHits(options.aovs);
+        features.mattes = options.aovs.hasMattes;
         features.numPools = buffers.NumPoolBuffers() > 1 ? kMaxPoolBuffers : 1;
         features.streaming = isStreaming;
         features.requestsFirst = features.streaming && requestsFirst;
@@ -181,8 +183,34 @@ struct PathTracer::Impl {
         kernels->resolve.Launch(wave.numPixels, wave, paths, waveSize, pixels, film.Film(),
                                 tracer.Counters());
         device->Finish();
+        if (film.HasMattes()) {
+            CollectMattes(wave);
+        }
         CollectTexelCounts();
         return true;
+    }
+
+    /// Counts what camera rays have met.
+    void CollectMattes(const shared::HdsWave& wave) {
+        std::vector<std::array<std::uint32_t, 4>> surfaces(std::size_t{wave.numPixels} *
+                                                           wave.numSamples);
+        const std::uint64_t offset =
+            StageKernels::MatteOffset(kernels->Features()) * tracer.WaveSize();
+        tracer.Paths().Read(surfaces.data(), surfaces.size() * sizeof(surfaces[0]), offset);
+        film.AddMattes(schedule.Pixels(*presentList).data() + wave.firstPixel, wave.numSamples,
+                       surfaces);
+    }
+
+    /// The name by which a Cryptomatte knows a surface.
+    std::string MatteName(MatteKind kind, const MatteSurface& surface) const {
+        if (kind == MatteKind::Material) {
+            const std::string& path = scene->entryMaterials[surface.entry];
+            return path.empty() ? "none" : path;
+        }
+        const std::string& path = scene->primPaths[surface.prim];
+        return kind == MatteKind::Instance && surface.instance >= 0
+                   ? path + "[" + std::to_string(surface.instance) + "]"
+                   : path;
     }
 
     /// Before they overflow.
@@ -427,7 +455,10 @@ struct PathTracer::Impl {
             schedule.PreviewStride() > 0) {
             RenderFirstHits(0.0, nullptr);
         }
-        std::vector<ImageLayer> layers = film.Develop(kernels, schedule.PreviewStride());
+        std::vector<ImageLayer> layers = film.Develop(
+            kernels, schedule.PreviewStride(), [this](MatteKind kind, const MatteSurface& surface) {
+                return MatteName(kind, surface);
+            });
         statistics.transferSeconds += timer.Seconds();
         return layers;
     }

@@ -11,7 +11,8 @@ namespace {
 /// Every field of the path state takes 16 bytes a path (kernels/shared/pathState.def).
 constexpr std::uint64_t kFieldBytes = 16;
 
-std::uint64_t NumPathFields(const KernelFeatures& features) {
+/// How many fields a path has before the one of that name, or in all.
+std::uint64_t NumPathFields(const KernelFeatures& features, const std::string& before = "") {
     // The conditions of fields, spelt as in the kernels.
 #define HDS_FEATURE(type, member, macro, off, on, needs, doc) \
     [[maybe_unused]] const bool macro = features.member != off;
@@ -20,7 +21,11 @@ std::uint64_t NumPathFields(const KernelFeatures& features) {
     const bool HDS_WAIT_LISTS = HDS_KEEPS_WAIT_LISTS;
     const bool HDS_SHADOW_LIGHT = HDS_KEEPS_SHADOW_LIGHT;
     std::uint64_t count = 0;
-#define HDS_PATH_FIELD(condition, type, name, doc) count += (condition) ? 1 : 0;
+#define HDS_PATH_FIELD(condition, type, name, doc) \
+    if (before == #name) {                         \
+        return count;                              \
+    }                                              \
+    count += (condition) ? 1 : 0;
 #include "kernels/shared/pathState.def"
 #undef HDS_PATH_FIELD
     return count;
@@ -62,6 +67,10 @@ bool StageKernels::AreInStore(const Device& device, const Store& store,
 
 std::uint64_t StageKernels::PathStateBytes(const KernelFeatures& features) {
     return kFieldBytes * NumPathFields(features);
+}
+
+std::uint64_t StageKernels::MatteOffset(const KernelFeatures& features) {
+    return kFieldBytes * NumPathFields(features, "matte");
 }
 
 StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,

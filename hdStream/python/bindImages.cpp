@@ -80,6 +80,7 @@ void BindWriting(nb::module_& module) {
         .def_ro("isInteger", &ImageLayer::isInteger)
         .def_ro("width", &ImageLayer::width)
         .def_ro("height", &ImageLayer::height)
+        .def_rw("header", &ImageLayer::header)
         .def_prop_ro("pixels", &PixelsOf, "[height][width][channels], or [height][width] of ids.");
 
     nb::class_<ImageMetadata>(module, "ImageMetadata", "What a file says about the render.")
@@ -117,16 +118,37 @@ void BindWriting(nb::module_& module) {
         .def_ro("channels", &AovInfo::channels)
         .def_ro("description", &AovInfo::description);
     module.def("AovTable", &AovTable, "All AOVs.");
+    module.def("HasAov", &HasAov, "name"_a, "Whether a render can write an AOV of that name.");
 }
+
+constexpr std::size_t kMatteWords = sizeof(MatteCount) / sizeof(std::uint32_t);
+static_assert(kMatteWords == 5);
+
+using MatteWords = nb::ndarray<const std::uint32_t, nb::ndim<2>, nb::c_contig>;
 
 constexpr std::size_t kFilmWords = sizeof(shared::HdsFilmPixel) / sizeof(std::uint32_t);
 
 /// A copy of an array [height][width][kFilmWords]; one of no pixels: a film without samples.
-FilmSums
-FilmSumsFromWords(std::uint32_t width, std::uint32_t height, std::uint32_t firstSample,
-                  std::uint32_t endSample,
-                  const nb::ndarray<const std::uint32_t, nb::ndim<3>, nb::c_contig>& words) {
-    FilmSums sums{width, height, firstSample, endSample, {}};
+FilmSums FilmSumsFromWords(std::uint32_t width, std::uint32_t height, std::uint32_t firstSample,
+                           std::uint32_t endSample,
+                           const nb::ndarray<const std::uint32_t, nb::ndim<3>, nb::c_contig>& words,
+                           const std::optional<MatteWords>& mattes) {
+    FilmSums sums;
+    sums.width = width;
+    sums.height = height;
+    sums.firstSample = firstSample;
+    sums.endSample = endSample;
+    if (mattes) {
+        if (mattes->shape(1) != kMatteWords) {
+            throw nb::value_error("the array of mattes is not [counts][5]");
+        }
+        sums.hasMattes = true;
+        sums.mattes.resize(mattes->shape(0));
+        if (mattes->size() > 0) {
+            std::memcpy(static_cast<void*>(sums.mattes.data()), mattes->data(),
+                        mattes->size() * sizeof(std::uint32_t));
+        }
+    }
     if (words.size() > 0) {
         if (words.shape(0) != height || words.shape(1) != width || words.shape(2) != kFilmWords) {
             throw nb::value_error("the array is not [height][width] pixels of a film");
@@ -143,11 +165,13 @@ void BindFilmSums(nb::module_& module) {
             "__init__",
             [](FilmSums* self, std::uint32_t width, std::uint32_t height, std::uint32_t firstSample,
                std::uint32_t endSample,
-               const nb::ndarray<const std::uint32_t, nb::ndim<3>, nb::c_contig>& words) {
-                new (self)
-                    FilmSums(FilmSumsFromWords(width, height, firstSample, endSample, words));
+               const nb::ndarray<const std::uint32_t, nb::ndim<3>, nb::c_contig>& words,
+               const std::optional<MatteWords>& mattes) {
+                new (self) FilmSums(
+                    FilmSumsFromWords(width, height, firstSample, endSample, words, mattes));
             },
-            "width"_a, "height"_a, "firstSample"_a, "endSample"_a, "words"_a)
+            "width"_a, "height"_a, "firstSample"_a, "endSample"_a, "words"_a,
+            "mattes"_a = nb::none())
         .def_ro("width", &FilmSums::width)
         .def_ro("height", &FilmSums::height)
         .def_ro("firstSample", &FilmSums::firstSample)
@@ -162,7 +186,20 @@ void BindFilmSums(nb::module_& module) {
                 return nb::cast(nb::ndarray<nb::numpy, const std::uint32_t>(
                     reinterpret_cast<const std::uint32_t*>(sums.pixels.data()), 3, shape, self));
             },
-            "The film's memory, uint32 [height][width][words]; no rows without samples.");
+            "The film's memory, uint32 [height][width][words]; no rows without samples.")
+        .def_prop_ro(
+            "mattes",
+            [](nb::handle self) -> nb::object {
+                const auto& sums = nb::cast<const FilmSums&>(self);
+                if (!sums.hasMattes) {
+                    return nb::none();
+                }
+                const std::size_t shape[2] = {sums.mattes.size(), kMatteWords};
+                return nb::cast(nb::ndarray<nb::numpy, const std::uint32_t>(
+                    reinterpret_cast<const std::uint32_t*>(sums.mattes.data()), 2, shape, self));
+            },
+            "Counts for a Cryptomatte, uint32 [counts][5]: pixel, prim, material entry, instance, "
+            "samples; None: they were not asked for.");
     module.attr("SAMPLE_BLOCK") = HDS_SAMPLE_BLOCK;
 }
 

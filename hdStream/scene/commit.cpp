@@ -200,6 +200,12 @@ private:
         record.numPrimvars = static_cast<std::uint32_t>(prepared.attributes.size());
         _result->prims.push_back(record);
         _result->primAttributes.push_back(&prepared.attributes);
+        if (_options.keepsNames) {
+            _result->primPaths.push_back(path);
+            const std::vector<std::string> materials = _materials.EntryPaths(prim);
+            _result->entryMaterials.insert(_result->entryMaterials.end(), materials.begin(),
+                                           materials.end());
+        }
         if (prepared.chunks.empty()) {
             return;
         }

@@ -43,6 +43,7 @@ struct CommitOptions {
     Subdivision subdivision = Subdivision::Adaptive;
     std::uint32_t refineLevel = 0;          ///< for Subdivision::Complexity
     std::vector<std::string> shownPrimvars; ///< kept for AOVs, whether materials read them or not
+    bool keepsNames = false;                ///< of prims and materials
     /// For Subdivision::Adaptive; nothing: no surface is on screen.
     std::optional<DicingCamera> dicingCamera;
     Shutter shutter; ///< closed: no motion blur
@@ -53,7 +54,8 @@ struct CommitOptions {
             HDS_FIELD(CommitOptions, domeVisible), HDS_FIELD(CommitOptions, lightsVisible),
             HDS_FIELD(CommitOptions, chunkBytes), HDS_FIELD(CommitOptions, subdivision),
             HDS_FIELD(CommitOptions, refineLevel), HDS_FIELD(CommitOptions, shownPrimvars),
-            HDS_FIELD(CommitOptions, dicingCamera), HDS_FIELD(CommitOptions, shutter));
+            HDS_FIELD(CommitOptions, keepsNames), HDS_FIELD(CommitOptions, dicingCamera),
+            HDS_FIELD(CommitOptions, shutter));
     }
 };
 
@@ -108,6 +110,8 @@ struct CommittedScene {
     /// next commit.
     std::vector<const std::vector<AttributeName>*> primAttributes;
     std::vector<std::uint32_t> primMaterials;
+    std::vector<std::string> primPaths;      ///< of `prims`; with CommitOptions::keepsNames
+    std::vector<std::string> entryMaterials; ///< of `primMaterials` the materials' paths, likewise
     std::vector<shared::HdsMaterial> materials;
     std::vector<std::uint32_t> programs;        ///< of the materials (kernels/shared/program.h)
     std::vector<MaterialTexture> textureTable;  ///< of lights, then what programs look up

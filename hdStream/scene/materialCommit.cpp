@@ -108,7 +108,6 @@ std::vector<std::uint32_t> MaterialCommit::AddTextures(const CompiledMaterial& m
     return indices;
 }
 
-/// The material of each entry: the prim's, then one for each subset.
 std::vector<std::string> MaterialCommit::EntryPaths(const GeometryPrim& prim) const {
     std::vector<std::string> paths = {prim.materialPath};
     for (std::size_t i = 0; i < prim.geometry->subsets.size(); ++i) {

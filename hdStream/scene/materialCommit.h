@@ -52,6 +52,9 @@ public:
     PrimMaterialInfo AddPrim(const std::string& path, const GeometryPrim& prim,
                              const PlannedGeometry& prepared);
 
+    /// The material of each entry: the prim's, then one for each subset.
+    std::vector<std::string> EntryPaths(const GeometryPrim& prim) const;
+
     /// Whether some material of the prim may emit. Precondition: compiled.
     bool MayEmit(const GeometryPrim& prim) const;
 
@@ -77,7 +80,6 @@ private:
         return _used.at(materialPath)->compiled;
     }
     MaterialSyncMode SyncModeOf(const GeometryPrim& prim, const std::string& materialPath) const;
-    std::vector<std::string> EntryPaths(const GeometryPrim& prim) const;
     CachedMaterial CompileNetwork(const std::string& path,
                                   const std::shared_ptr<const MaterialNetwork>& network);
 

@@ -329,7 +329,8 @@ RenderResult Session::Render(const Settings& settings, const ProgressCallback& o
                              const std::vector<FilmSums>& start, const RenderWatch& watch) {
     Impl& impl = *_impl;
     CheckSettings(settings);
-    CheckFilmSums(start, settings.imageWidth, settings.imageHeight, settings.samples);
+    CheckFilmSums(start, settings.imageWidth, settings.imageHeight, settings.samples,
+                  MakeAovLayout(settings.aovs).hasMattes);
     if (!start.empty() && settings.noise > 0.0) {
         throw Error("--noise: adaptive samples cannot be split or continued", ErrorKind::Usage);
     }
@@ -359,7 +360,8 @@ std::vector<ImageLayer> Session::Layers(bool withFirstHits) const {
         if (withFirstHits) {
             DenoiseColor(*_impl->denoiser, &layers);
         }
-        layers.resize(_impl->denoisedAovs.size()); // without the guides that were added
+        // Without the guides that were added.
+        layers.resize(MakeAovLayout(_impl->denoisedAovs).slots.size());
     }
     if (_impl->isOpaque) {
         FillAlpha(&layers);

@@ -129,7 +129,9 @@ CommitOptions MakeCommitOptions(const Settings& settings) {
     options.chunkBytes = settings.chunkBytes;
     options.subdivision = EnumOf<Subdivision>("subdivision", settings.subdivision);
     options.refineLevel = options.subdivision == Subdivision::Complexity ? settings.refineLevel : 0;
-    options.shownPrimvars = MakeAovLayout(settings.aovs).primvars;
+    const AovLayout aovs = MakeAovLayout(settings.aovs);
+    options.shownPrimvars = aovs.primvars;
+    options.keepsNames = aovs.hasMattes;
     return options;
 }
 

@@ -40,6 +40,9 @@ void generate_start(HdsPaths paths, uint i, constant const HdsFrameParams* frame
 #if HDS_FEATURE_CUTOUT
     path_store_after(paths, i, (uint4)(0u));
 #endif
+#if HDS_FEATURE_MATTES
+    path_store_matte(paths, i, (uint4)(HDS_NONE, 0u, 0u, 0u));
+#endif
 }
 
 /* Whether 8 camera rays are made at once. A camera may move, and has a pose for each path then. */

@@ -132,6 +132,11 @@ uint shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
 #endif
     if (path->depth == 0u) {
         path->alpha = 1.0f;
+#if HDS_FEATURE_MATTES
+        const uint entry = scene->prims[at->surface.prim].materialBase + at->surface.materialEntry;
+        path_store_matte(paths, i,
+                         (uint4)(at->surface.prim, entry, (uint)at->surface.instanceId, 0u));
+#endif
     }
     shade_addEmission(scene, &at->hit, &at->surface, bsdf_emission(&scatter->bsdf), path);
     if (path->isLast) {

@@ -8,6 +8,8 @@ import sys
 import time
 from types import SimpleNamespace
 
+import exrFile
+import numpy as np
 import pytest
 
 from cliCase import SECONDS, AssertFails, Command, Run, RunHere, WriteStage
@@ -53,6 +55,24 @@ def test_one_frame_in_parts(split, farm, case, tmp_path):
     result = RunHere("record", stage, output, *OPTIONS, "--frames", 3, "--samples", 72, "--scheduler", farm[0], *split)
     assert result.code == 0 and not result.errors, result.text
     assert SameImages(output, single)
+
+
+@pytest.mark.parametrize("split", [["--split", "samples", "--parts", "3"], ["--split", "tiles", "--parts", "4"]])
+def test_mattes_of_a_frame_in_parts(split, farm, case, tmp_path):
+    """Ids, coverages and the names in the header."""
+    stage, _, _ = case
+    options = [*OPTIONS[:-1], "crypto_object,crypto_instance", "--frames", 3, "--samples", 40]
+    single, output = tmp_path / "single.exr", tmp_path / "o.exr"
+    assert RunHere("record", stage, single, *options).code == 0
+    result = RunHere("record", stage, output, *options, "--scheduler", farm[0], *split)
+    assert result.code == 0 and not result.errors, result.text
+    texts, channels = exrFile.Read(single)
+    assert sum(name.endswith("/manifest") and "/Ball" in text for name, text in texts.items()) == 2
+    again, parts = exrFile.Read(output)
+    assert {name: text for name, text in texts.items() if name.startswith("cryptomatte/")} == \
+        {name: text for name, text in again.items() if name.startswith("cryptomatte/")}
+    assert len(channels) == 24 and channels.keys() == parts.keys()
+    assert all(np.array_equal(pixels.view(np.uint32), parts[name].view(np.uint32)) for name, pixels in channels.items())
 
 
 def test_a_worker_sees_an_edited_stage(farm, tmp_path):

@@ -4,6 +4,8 @@
 
 #include <pxr/imaging/hd/rprim.h>
 
+#include <cstring>
+
 namespace hydraHost {
 
 namespace {
@@ -27,6 +29,34 @@ TEST_F(Aovs, IdsAreHydrasAndBackgroundIsMinusOne) {
                [&host](const OracleHit& hit) { return hit.isHit ? PrimId(host, hit.prim) : -1; });
     ExpectInts(host.Read(HdAovTokens->instanceId), oracle,
                [](const OracleHit& hit) { return hit.isHit ? hit.instance : -1; });
+}
+
+/// The id is a hash of the path, as Cryptomatte 1.2 says; of /cube by a program of another author.
+TEST_F(Aovs, LayersOfCryptomattesHoldIdsOfPathsAndCoverages) {
+    const TfToken layer("crypto_object00");
+    Host host(ThreeMeshes(), Quick({HdAovTokens->color, HdAovTokens->primId, layer}));
+    ASSERT_TRUE(host.RenderUntilConverged());
+    const Oracle oracle(host);
+    const Image mattes = host.Read(layer);
+    ASSERT_EQ(mattes.format, HdFormatFloat32Vec4);
+    int numCubes = 0;
+    for (int y = 0; y < mattes.height; ++y) {
+        for (int x = 0; x < mattes.width; ++x) {
+            const OracleHit hit = oracle.Trace(x, y);
+            const float id = mattes.Float(x, y, 0);
+            std::uint32_t bits = 0;
+            std::memcpy(&bits, &id, sizeof(bits));
+            if (!hit.isAmbiguous && mattes.Float(x, y, 1) == 1.0F) {
+                EXPECT_TRUE(hit.isHit);
+                EXPECT_EQ(bits == 0x21268babU, hit.prim == SdfPath("/cube"));
+                numCubes += bits == 0x21268babU ? 1 : 0;
+            }
+            EXPECT_LE(mattes.Float(x, y, 1) + mattes.Float(x, y, 3), 1.00001F);
+        }
+    }
+    EXPECT_GT(numCubes, 10);
+    EXPECT_EQ(host.Delegate().GetDefaultAovDescriptor(TfToken("crypto_object")).format,
+              HdFormatInvalid);
 }
 
 TEST_F(Aovs, ElementIdIsTheAuthoredFace) {

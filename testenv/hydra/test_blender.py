@@ -5,6 +5,7 @@ passes and framing. testenv/install/test_blenderExtension.py judges what needs n
 import json
 import re
 
+import numpy as np
 import pytest
 from blenderCase import MakeExtension
 from openUsd import HERE, RunProgram
@@ -51,6 +52,22 @@ def test_passes_are_those_of_cycles(found, method):
                  "Denoising Albedo.G of hits", "Denoising Albedo.B of hits"):
         assert passes["shares"][name] > 0.93, (name, passes["shares"])
     assert abs(passes["ratio"] - 1.0) < 0.02
+
+
+def test_the_cryptomatte_node_reads_our_files(blenders, tmp_path):
+    """Mattes of the compositor are those of our own decoder."""
+    pytest.importorskip("hdstream._core")
+    import matteCase
+    file, names = str(tmp_path / "mattes.exr"), ["/World/Card", "/World/Mover", "/World/Wall"]
+    stage = matteCase.WriteMatteStage(tmp_path / "all.usda")
+    assert not matteCase.RenderMattes(stage, ("color", "crypto_object")).Write(file)
+    result = RunProgram([blenders.python, HERE / "cryptomatteScript.py", file, json.dumps(names), tmp_path / "mattes.npz"],
+                        blenders.Environment())
+    assert result.code == 0, result.output[-4000:]
+    ours = matteCase.Cryptomatte(file, "crypto_object")
+    with np.load(tmp_path / "mattes.npz") as mattes:
+        for name in names:
+            assert np.allclose(mattes[name], ours.Matte(name), atol=1e-6) and ours.Matte(name).max() > 0.5
 
 
 def test_borders_and_percentages_are_those_of_cycles(found):

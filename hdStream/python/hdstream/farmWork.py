@@ -13,6 +13,7 @@ import numpy as np
 from hdstream import _core, filmSums
 from hdstream.errors import EXIT_USAGE, CommandError
 from hdstream.frameJob import FrameWriter
+from hdstream.mattes import JoinHeaders
 
 BLOCK = _core.SAMPLE_BLOCK
 _JOINED = 8  # blocks of a frame that are in memory as a film has them
@@ -108,7 +109,8 @@ def RenderTile(jobId, job, frame, crop, interval=1.0):
         if not image.isComplete:
             return {"isStopped": True}
         # The frame stays prepared for tiles that follow; the arrays are views of memory that goes.
-        return {"aovs": {name: np.array(pixels) for name, pixels in image.aovs.items()}, **_Summary(image)}
+        return {"aovs": {name: np.array(pixels) for name, pixels in image.aovs.items()}, "headers": image.headers,
+                **_Summary(image)}
 
     return _Do(jobId, job, Work)
 
@@ -119,7 +121,8 @@ def JoinTiles(jobId, job, frame, parts):
         writer.Prepare(frame)
         names = parts[0]["aovs"]
         aovs = {name: np.concatenate([part["aovs"][name] for part in parts]) for name in names}
-        image = writer.renderer.ImageOf(aovs, parts[0]["samples"], {"parts": [part["statistics"] for part in parts]})
+        headers = JoinHeaders([part["headers"] for part in parts])
+        image = writer.renderer.ImageOf(aovs, parts[0]["samples"], {"parts": [part["statistics"] for part in parts]}, headers)
         writer.Finish(frame, image)
         return _Summary(image)
 

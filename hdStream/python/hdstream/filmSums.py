@@ -24,8 +24,9 @@ def Pack(sums):
         plane = words[:, :, index]
         isShared = plane.size > 0 and (plane == plane.flat[0]).all()
         planes[f"word{index}"] = np.array(plane[:1, :1] if isShared else plane)
+    mattes = {} if sums.mattes is None else {"mattes": np.array(sums.mattes)}
     return {"shape": (sums.width, sums.height, sums.firstSample, sums.endSample, words.shape[0], words.shape[2]),
-            **planes}
+            **planes, **mattes}
 
 
 def Unpack(packed):
@@ -34,7 +35,8 @@ def Unpack(packed):
     words = np.empty((rows, width, numWords), np.uint32)
     for index in range(numWords):
         words[:, :, index] = packed[f"word{index}"]
-    return _core.FilmSums(width, height, firstSample, endSample, words)
+    mattes = np.ascontiguousarray(packed["mattes"], np.uint32) if "mattes" in packed else None
+    return _core.FilmSums(width, height, firstSample, endSample, words, mattes)
 
 
 def BlackSums(width, height, sample, numWords=12):

@@ -12,10 +12,10 @@ from hdstream.stage import FrameOutputs
 
 def CheckArguments(args):
     """Whatever needs no stage."""
-    known = [info.name for info in _core.AovTable()]
     for name in args.aovs or ():
-        if name not in known:
-            raise UsageError(f"--aovs {name}: none of {', '.join(known)}")
+        if not _core.HasAov(name):
+            known = [info.name for info in _core.AovTable()]
+            raise UsageError(f"--aovs {name}: none of {', '.join(known)}, primvars:NAME")
     if args.aovs is not None and not args.aovs:
         raise UsageError("--aovs: no names")
     FindDenoiser()

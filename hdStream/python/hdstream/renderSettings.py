@@ -98,11 +98,12 @@ def _ReadCommon(prim, settings, session):
 
 
 def _ReadVars(stage, product, settings, session):
-    known = {info.name for info in _core.AovTable()}
     for target in _TargetsOf(product, "orderedVars", session):
         var = stage.GetPrimAtPath(target)
         source = var.GetAttribute("sourceName").Get() if var and var.IsA(UsdRender.Var) else None
-        name = source if source in known else _AOV_ALIASES.get(source)
+        if source and var.GetAttribute("sourceType").Get() == "primvar":
+            source = f"primvars:{source.removeprefix('primvars:')}"
+        name = source if source and _core.HasAov(source) else _AOV_ALIASES.get(source)
         if name is None:
             session.Warn(target.pathString, f"render var {source!r} is not one of the AOVs; left out")
         elif name not in settings.aovs:

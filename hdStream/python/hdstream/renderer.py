@@ -197,11 +197,16 @@ class Renderer:
         """As `RenderPrepared`, but gives the film's sums and no arrays; None when it was cancelled."""
         return self._session.Film() if self._RenderFilm(onProgress, start) else None
 
-    def ImageOf(self, aovs: Mapping[str, np.ndarray], samples: int, statistics: Mapping[str, Any]) -> "Image":
-        """The prepared frame as an image of arrays that were rendered elsewhere, of shapes and types as `Image.aovs`."""
+    def ImageOf(self, aovs: Mapping[str, np.ndarray], samples: int, statistics: Mapping[str, Any],
+                headers: Optional[Mapping[str, Mapping[str, str]]] = None) -> "Image":
+        """The prepared frame as an image of arrays that were rendered elsewhere, of shapes and types as `Image.aovs`, with
+        headers as `Image.headers`."""
         channels = {info.name: info.channels for info in _core.AovTable()}
-        layers = [_core.ImageLayer(name, channels.get(name, ["X", "Y", "Z"]), np.ascontiguousarray(pixels))
-                  for name, pixels in aovs.items()]
+        layers = []
+        for name, pixels in aovs.items():
+            known = channels.get(name) or (list("RGBA") if _core.HasAov(name) and pixels.shape[-1] == 4 else ["X", "Y", "Z"])
+            layers.append(_core.ImageLayer(name, known, np.ascontiguousarray(pixels)))
+            layers[-1].header = dict((headers or {}).get(name, {}))
         return Image(layers, self._Prepared(), True, samples, dict(statistics))
 
     def _Prepared(self):
@@ -303,6 +308,8 @@ class Image:
         Read-only. Names, units and spaces: docs/film.md. Colour is linear Rec. 709, premultiplied by alpha.
     channels : dict of str to list of str
         Names of the last dimension: R, G, B, A; X, Y, Z; Z; id.
+    headers : dict of str to dict of str to str
+        What an AOV adds to an EXR's header: of Cryptomattes the names of what they show.
     width, height : int
         Pixels.
     samples : int
@@ -325,6 +332,8 @@ class Image:
         self.height: int = frame.settings.imageHeight
         self.aovs: Mapping[str, np.ndarray] = {layer.name: layer.pixels for layer in self._layers}
         self.channels: Mapping[str, List[str]] = {layer.name: list(layer.channels) for layer in self._layers}
+        self.headers: Mapping[str, Mapping[str, str]] = {layer.name: dict(layer.header)
+                                                         for layer in self._layers if layer.header}
 
     def Write(self, file: Union[str, "os.PathLike[str]"], colorCorrectionMode: str = "",
               texts: Optional[Mapping[str, str]] = None) -> List[str]:
