@@ -78,19 +78,6 @@ std::vector<AovInfo> MakeMatteLayerTable() {
     return rows;
 }
 
-/// The names of the layers that a Cryptomatte's name stands for; any other name as it is.
-std::vector<std::string> LayersOf(const std::string& name) {
-    const std::optional<MatteAov> matte = ParseMatteAov(name);
-    if (!matte || matte->layer) {
-        return {name};
-    }
-    std::vector<std::string> layers;
-    for (std::uint32_t layer = 0; layer < kMatteLayers; ++layer) {
-        layers.push_back(MatteLayerName(name, layer));
-    }
-    return layers;
-}
-
 bool IsPrimvarAov(const std::string& name) {
     const std::size_t length = std::strlen(kPrimvarAovPrefix);
     return name.size() > length && name.compare(0, length, kPrimvarAovPrefix) == 0;
@@ -152,6 +139,18 @@ const AovInfo* FindAov(const std::string& name) {
         }
     }
     return nullptr;
+}
+
+std::vector<std::string> LayersOf(const std::string& name) {
+    const std::optional<MatteAov> matte = ParseMatteAov(name);
+    if (!matte || matte->layer) {
+        return {name};
+    }
+    std::vector<std::string> layers;
+    for (std::uint32_t layer = 0; layer < kMatteLayers; ++layer) {
+        layers.push_back(MatteLayerName(name, layer));
+    }
+    return layers;
 }
 
 bool HasAov(const std::string& name) {

@@ -45,6 +45,9 @@ const AovInfo* FindAov(const std::string& name);
 /// Whether there is such an AOV, primvars and layers of Cryptomattes included.
 bool HasAov(const std::string& name);
 
+/// The names of the layers that a Cryptomatte's name stands for; any other name as it is.
+std::vector<std::string> LayersOf(const std::string& name);
+
 /// AOVs of this prefix show a primvar of the first hit (three floats; 0 where there is none).
 constexpr const char* kPrimvarAovPrefix = "primvars:";
 

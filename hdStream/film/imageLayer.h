@@ -15,6 +15,7 @@ struct ImageLayer {
     std::string name;                  ///< AOV name as in --aovs
     std::vector<std::string> channels; ///< "R","G","B","A" | "Z" | "X","Y","Z" | "id" ...
     bool isInteger = false;            ///< ids are integers
+    bool isHalf = false;               ///< floats of 16 bits are enough in an EXR
     std::uint32_t width = 0;
     std::uint32_t height = 0;
     std::vector<float> values;     ///< [height][width][channels]; empty for integer layers

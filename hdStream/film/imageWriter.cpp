@@ -5,6 +5,7 @@
 #include "hdStream/film/aov.h"
 #include "hdStream/film/atomicFile.h"
 #include "hdStream/film/quantise.h"
+#include "hdStream/texture/halfFloat.h"
 #include "hdStream/texture/oneLine.h"
 
 #include <OpenImageIO/filesystem.h>
@@ -12,6 +13,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstring>
 #include <functional>
 #include <set>
@@ -132,13 +134,46 @@ void CheckLayers(const std::string& file, const std::vector<ImageLayer>& layers)
     }
 }
 
-/// All layers side by side; every channel has 4 bytes. The layers must outlive the result.
+/// The nearest half; what is finite stays so.
+std::uint16_t PackHalf(float value) {
+    if (std::isfinite(value)) {
+        return HalfOfFloat(std::clamp(value, -kLargestHalf, kLargestHalf));
+    }
+    constexpr std::uint16_t kInfinity = 0x7c00;
+    constexpr std::uint16_t kNan = 0x7e00;
+    constexpr std::uint16_t kSign = 0x8000;
+    return std::isnan(value) ? kNan : value < 0.0F ? kSign | kInfinity : kInfinity;
+}
+
+/// Writes row `y` of a layer to pixels that are `stride` bytes apart; returns its bytes in each.
+std::size_t PackLayer(const ImageLayer& layer, std::size_t y, std::size_t stride, char* row) {
+    const std::size_t numChannels = layer.channels.size();
+    const std::size_t first = y * layer.width * numChannels;
+    if (layer.isHalf && !layer.isInteger) {
+        for (std::size_t x = 0; x < layer.width; ++x) {
+            for (std::size_t c = 0; c < numChannels; ++c) {
+                const std::uint16_t half = PackHalf(layer.values[first + x * numChannels + c]);
+                std::memcpy(row + x * stride + c * sizeof(half), &half, sizeof(half));
+            }
+        }
+        return numChannels * sizeof(std::uint16_t);
+    }
+    const std::size_t bytes = 4 * numChannels;
+    const char* source = layer.isInteger ? reinterpret_cast<const char*>(&layer.ids[first])
+                                         : reinterpret_cast<const char*>(&layer.values[first]);
+    for (std::size_t x = 0; x < layer.width; ++x) {
+        std::memcpy(row + x * stride, source + x * bytes, bytes);
+    }
+    return bytes;
+}
+
+/// All layers side by side. The layers must outlive the result.
 EncodedImage EncodeExr(const std::vector<ImageLayer>& layers) {
     EncodedImage image;
     image.spec = OIIO::ImageSpec(static_cast<int>(layers[0].width),
                                  static_cast<int>(layers[0].height), 0, OIIO::TypeFloat);
     image.spec.channelnames.clear();
-    bool hasIntegers = false;
+    bool isMixed = false;
     for (const ImageLayer& layer : layers) {
         for (const std::string& channel : layer.channels) {
             const bool isMain = layer.name == "color";
@@ -147,8 +182,9 @@ EncodedImage EncodeExr(const std::vector<ImageLayer>& layers) {
             }
             image.spec.channelnames.push_back(isMain ? channel : layer.name + "." + channel);
             image.spec.channelformats.push_back(layer.isInteger ? OIIO::TypeUInt32
+                                                : layer.isHalf  ? OIIO::TypeHalf
                                                                 : OIIO::TypeFloat);
-            hasIntegers = hasIntegers || layer.isInteger;
+            isMixed = isMixed || layer.isInteger || layer.isHalf;
         }
     }
     for (const ImageLayer& layer : layers) {
@@ -157,26 +193,17 @@ EncodedImage EncodeExr(const std::vector<ImageLayer>& layers) {
         }
     }
     image.spec.nchannels = static_cast<int>(image.spec.channelnames.size());
-    if (!hasIntegers) {
+    if (!isMixed) {
         image.spec.channelformats.clear();
     }
     image.spec.attribute("compression", "zip");
     image.spec.attribute("oiio:ColorSpace", "Linear");
 
-    const std::size_t stride = 4 * image.spec.channelnames.size();
+    const std::size_t stride = image.spec.pixel_bytes(true);
     image.packRow = [&layers, stride](std::size_t y, char* row) {
         std::size_t offset = 0;
         for (const ImageLayer& layer : layers) {
-            const std::size_t bytes = 4 * layer.channels.size();
-            const std::size_t width = layer.width;
-            const char* source = layer.isInteger
-                                     ? reinterpret_cast<const char*>(layer.ids.data())
-                                     : reinterpret_cast<const char*>(layer.values.data());
-            source += y * width * bytes;
-            for (std::size_t x = 0; x < width; ++x) {
-                std::memcpy(row + x * stride + offset, source + x * bytes, bytes);
-            }
-            offset += bytes;
+            offset += PackLayer(layer, y, stride, row + offset);
         }
     };
     return image;
@@ -258,7 +285,8 @@ bool WriteRows(const EncodedImage& image, OIIO::ImageOutput* output) {
                           &band[static_cast<std::size_t>(row - y) * rowBytes]);
         }
         // Strides said: without them OpenImageIO 3.2 writes the first row again and again.
-        if (!output->write_scanlines(y, end, 0, OIIO::TypeUnknown, band.data(),
+        const int top = image.spec.y; // of the data window
+        if (!output->write_scanlines(top + y, top + end, 0, OIIO::TypeUnknown, band.data(),
                                      static_cast<OIIO::stride_t>(image.spec.pixel_bytes(true)),
                                      static_cast<OIIO::stride_t>(rowBytes))) {
             return false;
@@ -324,6 +352,12 @@ std::vector<std::string> WriteImage(const std::string& file, const std::vector<I
                     : EncodeLinear(layer, kind);
     }
     AddMetadata(&image.spec, options.metadata);
+    if (kind == FileKind::Exr && options.metadata.displayWindowSize[0] > 0) {
+        image.spec.x = options.metadata.dataWindowMin[0];
+        image.spec.y = options.metadata.dataWindowMin[1];
+        image.spec.full_width = static_cast<int>(options.metadata.displayWindowSize[0]);
+        image.spec.full_height = static_cast<int>(options.metadata.displayWindowSize[1]);
+    }
     EncodeToFile(file, kind, image);
     return left;
 }

@@ -25,6 +25,10 @@ struct ImageMetadata {
     std::optional<std::array<double, 16>> worldToCamera; ///< rows of GfMatrix4d (row vectors)
     std::optional<std::array<double, 16>> worldToNdc; ///< rows of GfMatrix4d, with the projection
     std::map<std::string, std::string> texts;         ///< further named texts
+    /// Where the image lies in a larger or smaller one, whose upper left pixel is (0, 0); sizes of
+    /// 0: it is the whole.
+    std::array<std::int32_t, 2> dataWindowMin{};
+    std::array<std::uint32_t, 2> displayWindowSize{};
 };
 
 /// Options of WriteImage.
@@ -41,7 +45,8 @@ void CheckImageFile(const std::string& file);
 /// Writes layers of one size.
 ///  .exr        all layers, linear float, ids as 32-bit unsigned integers (-1 is 4294967295):
 ///  colour
-///              as R, G, B, A (premultiplied), every other layer as NAME.CHANNEL
+///              as R, G, B, A (premultiplied), every other layer as NAME.CHANNEL; halves where
+///              ImageLayer::isHalf; data and display window of the metadata
 ///  .png        "color" (else the first layer) display-referred, 8 bits, not premultiplied
 ///  .jpg .jpeg  that layer display-referred, 8 bits, over black
 ///  .tif .tiff  that layer in linear float, premultiplied

@@ -75,7 +75,9 @@ void BindWriting(nb::module_& module) {
                 new (self) ImageLayer(LayerFromIds(name, channels, ids));
             },
             "name"_a, "channels"_a, "ids"_a)
-        .def_ro("name", &ImageLayer::name)
+        .def(nb::init<const ImageLayer&>(), "layer"_a, "A copy.")
+        .def_rw("name", &ImageLayer::name)
+        .def_rw("isHalf", &ImageLayer::isHalf)
         .def_ro("channels", &ImageLayer::channels)
         .def_ro("isInteger", &ImageLayer::isInteger)
         .def_ro("width", &ImageLayer::width)
@@ -91,7 +93,9 @@ void BindWriting(nb::module_& module) {
         .def_rw("pixelAspectRatio", &ImageMetadata::pixelAspectRatio)
         .def_rw("worldToCamera", &ImageMetadata::worldToCamera)
         .def_rw("worldToNdc", &ImageMetadata::worldToNdc)
-        .def_rw("texts", &ImageMetadata::texts);
+        .def_rw("texts", &ImageMetadata::texts)
+        .def_rw("dataWindowMin", &ImageMetadata::dataWindowMin)
+        .def_rw("displayWindowSize", &ImageMetadata::displayWindowSize);
 
     module.def("CheckImageFile", &CheckImageFile, "file"_a,
                "Raises Error unless an image can be written to the file.");
@@ -118,6 +122,8 @@ void BindWriting(nb::module_& module) {
         .def_ro("channels", &AovInfo::channels)
         .def_ro("description", &AovInfo::description);
     module.def("AovTable", &AovTable, "All AOVs.");
+    module.def("LayersOf", &LayersOf, "name"_a,
+               "Names of the layers that an AOV's name stands for.");
     module.def("HasAov", &HasAov, "name"_a, "Whether a render can write an AOV of that name.");
 }
 

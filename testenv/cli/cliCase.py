@@ -32,6 +32,17 @@ def Camera "Wide"
     uniform token[] xformOpOrder = ["xformOp:translate"]
 }
 """
+ANIMATED = TRIANGLE + """def DistantLight "Sun" { float inputs:intensity = 1 }
+def Sphere "Ball" {
+    double radius = 0.5
+    double3 xformOp:translate.timeSamples = { 1: (-1, 0, 1), 24: (1, 0.5, 1) }
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}
+def Camera "main_cam" {
+    double3 xformOp:translate = (0, 0, 8)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}
+"""
 SMALL = ["-w", "8", "--samples", "1", "--maxDepth", "1"]
 SECONDS = 300  # a command that takes longer hangs; the first one of a session builds kernels
 

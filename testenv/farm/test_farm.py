@@ -12,8 +12,8 @@ import exrFile
 import numpy as np
 import pytest
 
-from cliCase import SECONDS, AssertFails, Command, Run, RunHere, WriteStage
-from farmCase import ANIMATED, OPTIONS, SameImages
+from cliCase import ANIMATED, SECONDS, AssertFails, Command, Run, RunHere, WriteStage
+from farmCase import OPTIONS, SameImages
 from farmCluster import Cluster
 from hdstream import _core
 from hdstream.farm import CommandError, _CheckWorkers

@@ -7,8 +7,8 @@ import shutil
 
 import pytest
 
-from cliCase import SECONDS, Run, RunHere, WriteStage
-from farmCase import ANIMATED, OPTIONS, SameImages
+from cliCase import ANIMATED, SECONDS, Run, RunHere, WriteStage
+from farmCase import OPTIONS, SameImages
 
 RESUME = [*OPTIONS, "--resume"]
 KERNELS = pathlib.Path(__file__).resolve().parents[2] / "kernels"

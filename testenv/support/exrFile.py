@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """OpenEXR files read with numpy and zlib alone, for tests that must not trust the library that wrote them.
 
-Of the format ("OpenEXR File Layout", openexr.com) what hdStream writes: one part, scan lines, ZIP compression, channels of
-32 bits.
+Of the format ("OpenEXR File Layout", openexr.com) what hdStream writes: one part, scan lines, ZIP compression.
 """
 
 import struct
@@ -11,34 +10,45 @@ import zlib
 import numpy as np
 
 _MAGIC = 20000630
-_TYPES = {0: np.dtype("<u4"), 2: np.dtype("<f4")}
+_TYPES = {0: np.dtype("<u4"), 1: np.dtype("<f2"), 2: np.dtype("<f4")}
 _ZIP, _ZIP_LINES = 3, 16
 
 
 def Read(file):
     """(header, channels): texts by name, and arrays [height][width] by name."""
-    with open(file, "rb") as stream:
-        data = stream.read()
-    magic, version = struct.unpack_from("<ii", data)
-    assert magic == _MAGIC and version & 0x1e00 == 0, "not one part of scan lines"  # long names may be there
-    attributes, offset = _Attributes(data, 8)
+    data, attributes, offset = _Open(file)
     texts = {name: value.decode("utf-8") for name, (kind, value) in attributes.items() if kind == "string"}
     assert attributes["compression"][1][0] == _ZIP
     left, top, right, bottom = struct.unpack("<4i", attributes["dataWindow"][1])
     channels = _Channels(attributes["channels"][1])
     width, height = right - left + 1, bottom - top + 1
+    rowBytes = width * sum(kind.itemsize for _, kind in channels)
     images = {name: np.empty((height, width), kind) for name, kind in channels}
     numBlocks = (height + _ZIP_LINES - 1) // _ZIP_LINES
     for start in struct.unpack_from(f"<{numBlocks}Q", data, offset):
         row, size = struct.unpack_from("<ii", data, start)
         first, last = row - top, min(row - top + _ZIP_LINES, height)
-        raw = _Unpack(data[start + 8:start + 8 + size], 4 * width * len(channels) * (last - first))
+        raw = _Unpack(data[start + 8:start + 8 + size], rowBytes * (last - first))
         at = 0
         for y in range(first, last):
             for name, kind in channels:
                 images[name][y] = np.frombuffer(raw, kind, width, at)
-                at += 4 * width
+                at += kind.itemsize * width
     return texts, images
+
+
+def Windows(file):
+    """(data window, display window) as (left, top, right, bottom), all inclusive."""
+    _, attributes, _ = _Open(file)
+    return tuple(struct.unpack("<4i", attributes[name][1]) for name in ("dataWindow", "displayWindow"))
+
+
+def _Open(file):
+    with open(file, "rb") as stream:
+        data = stream.read()
+    magic, version = struct.unpack_from("<ii", data)
+    assert magic == _MAGIC and version & 0x1a00 == 0, "not one part of scan lines"  # long names may be there
+    return (data, *_Attributes(data, 8))
 
 
 def _Attributes(data, offset):

@@ -128,8 +128,9 @@ def _AddCompare(commands):
 def _AddRecordOptions(command):
     from hdstream import _core
     command.add_argument("stage", metavar="STAGE", help="USD file")
-    command.add_argument("output", metavar="OUT",
-                         help="image file, .exr, .png or .jpg; #### is the frame")
+    command.add_argument("output", metavar="OUT", nargs="?",
+                         help="image file, .exr, .png or .jpg; #### is the frame. Without it all products of the stage's "
+                              "render settings are written")
     kinds = _core.SettingGroup
     framing = command.add_argument_group("what to render (usdrecord's names)")
     groups = {kinds.Framing: framing,

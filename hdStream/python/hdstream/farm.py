@@ -31,16 +31,21 @@ def RunOnFarm(args, interruption):
         _LimitThreads(args.workers)
     distributed = _ImportDistributed("--scheduler" if args.scheduler else "--workers")
     job = JobOf(args)
-    frames = FramesOf(args, OpenStage(args.stage, args.mask))
+    warnings = []
+    frames = FramesOf(args, OpenStage(args.stage, args.mask), lambda subject, text: warnings.append(f"{subject}: {text}"))
     _CheckSplit(args, job)
     shown = {}
     for frame in frames:  # workers have working folders of their own
-        shown[_Absolute(frame.file)] = frame.file
+        shown[_Absolute(frame.file)] = ", ".join(output.file for output in frame.outputs) or frame.file
         frame.file = _Absolute(frame.file)
         frame.statsFile = frame.statsFile and _Absolute(frame.statsFile)
+        for output in frame.outputs:
+            output.file = _Absolute(output.file)
     job.stage = _Absolute(job.stage)
     progress = ProgressBar(args.quiet)
     warn = WarningPrinter(progress, args.verbose)
+    for warning in warnings:
+        warn(warning)
     interruption.hasWork = True
     try:
         with warn, _Connect(args, distributed) as client:

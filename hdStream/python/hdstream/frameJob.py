@@ -8,6 +8,7 @@ from typing import Any, Dict, Optional, Tuple
 
 from hdstream import _core, filmSums
 from hdstream.errors import CommandError
+from hdstream.products import Output
 from hdstream.renderer import Image, Renderer
 from hdstream.resume import AssetHashes, KeyOf, SamplesInFile, TextsOf
 
@@ -34,6 +35,8 @@ class Frame:
     timeCode: float
     file: str
     statsFile: Optional[str] = None
+    product: Optional[str] = None  # of the render settings, whose camera and size hold
+    outputs: Tuple[Output, ...] = ()  # files of products; the first is `file`. Empty: all AOVs go to `file`
 
 
 class FrameWriter:
@@ -51,7 +54,8 @@ class FrameWriter:
         if not self._job.resumes:
             return True
         self._key = KeyOf(self.renderer, self._assetHashes, self._FileFormat(frame.file))
-        return self._SamplesOf(frame.file) < self.renderer.settings["samples"]
+        files = [output.file for output in frame.outputs] or [frame.file]
+        return any(self._SamplesOf(file, frame.file) < self.renderer.settings["samples"] for file in files)
 
     def PrepareSamples(self, frame, samples):
         """For a render that ends after so many samples and whose sums alone are asked for."""
@@ -65,7 +69,10 @@ class FrameWriter:
 
     def _Prepare(self, frame, **further):
         values = {**self._job.settings, **further}
-        self.renderer.Prepare(frame.timeCode, renderSettingsPrimPath=self._job.renderSettingsPrimPath, **values)
+        if frame.outputs and "aovs" not in further:
+            values["aovs"] = list(dict.fromkeys(layer.aov for output in frame.outputs for layer in output.layers))
+        self.renderer.Prepare(frame.timeCode, renderSettingsPrimPath=self._job.renderSettingsPrimPath,
+                              renderProductPrimPath=frame.product, **values)
 
     def Render(self, frame, onProgress=None):
         """The picture; from the samples on that were kept, when the job resumes."""
@@ -81,9 +88,11 @@ class FrameWriter:
         if image.samples == 0:
             return False
         texts = TextsOf(self._key, done) if self._job.resumes else {}
-        left = image.Write(frame.file, self._job.colorCorrectionMode, texts)
-        if left:
-            self.renderer.Warn(frame.file, f"no room in this format for {', '.join(left)}; use .exr")
+        for output in frame.outputs or (Output(frame.file, None),):
+            layers = None if output.layers is None else [dataclasses.astuple(layer) for layer in output.layers]
+            left = image.Write(output.file, self._job.colorCorrectionMode, texts, layers)
+            if left:
+                self.renderer.Warn(output.file, f"no room in this format for {', '.join(left)}; use .exr")
         if frame.statsFile:
             WriteText("--stats", frame.statsFile, json.dumps(image.statistics, indent=2) + "\n")
         return True
@@ -94,12 +103,13 @@ class FrameWriter:
         isDisplay = extension in (".png", ".jpg", ".jpeg")
         return f"{extension} {self._job.colorCorrectionMode or os.environ.get('OCIO', '')}" if isDisplay else extension
 
-    def _SamplesOf(self, file):
-        """Samples of the picture that is there; 0: it is another one, or cannot be read to its end."""
+    def _SamplesOf(self, file, mainFile):
+        """Samples of the picture that is there; 0: it is another one, or cannot be read to its end. Sums lie beside the main
+        file."""
         if os.path.splitext(file)[1].lower() == ".exr":
             samples = SamplesInFile(file, self._key)
         else:
-            kept, _ = filmSums.Load(filmSums.FileOf(file), self._key)
+            kept, _ = filmSums.Load(filmSums.FileOf(mainFile), self._key)
             samples = kept.endSample if kept else 0
         return samples if samples > 0 and not _core.CompareImages(file, file).error else 0
 

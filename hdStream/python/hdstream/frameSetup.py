@@ -162,4 +162,8 @@ def MakeMetadata(settings, camera):
     metadata.worldToCamera = [value for row in view for value in row]
     projection = view * frustum.ComputeProjectionMatrix()
     metadata.worldToNdc = [value for row in projection for value in row]
+    left, top, right, bottom = (round(edge) for edge in settings.displayWindow)
+    if right > left and bottom > top:
+        metadata.displayWindowSize = [right - left, bottom - top]
+        metadata.dataWindowMin = [settings.dataWindowMin[0] - left, settings.dataWindowMin[1] - top]
     return metadata

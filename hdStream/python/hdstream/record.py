@@ -37,23 +37,24 @@ class Recorder:
         self._progress = progress
         self._warn = warn
         self._writer = FrameWriter(JobOf(args), warn)
-        self.frames = FramesOf(args, self._writer.renderer.stage)
+        self.frames = FramesOf(args, self._writer.renderer.stage, self._writer.renderer.Warn)
 
     def Record(self, frame):
         """Renders and writes one frame; False when it was interrupted."""
+        files = ", ".join(output.file for output in frame.outputs) or frame.file
         if not self._writer.Prepare(frame):
             if not self._args.quiet:
-                print(f"{frame.file}: is there already")
+                print(f"{files}: is there already")
             return True
         self._interruption.Check()
         image = self._Render(frame)
         isWritten = self._writer.Finish(frame, image)
         self._warn.Flush()
         if not isWritten:
-            print(f"hdstream record: {frame.file}: not written, no sample of every pixel is done", file=sys.stderr)
+            print(f"hdstream record: {files}: not written, no sample of every pixel is done", file=sys.stderr)
         elif not self._args.quiet:
             done = "" if image.isComplete else " (interrupted)"
-            print(f"{frame.file}: {image.width}x{image.height}, {image.samples} samples, "
+            print(f"{files}: {image.width}x{image.height}, {image.samples} samples, "
                   f"{SecondsText(image.statistics['time']['total'])}{done}")
         return image.isComplete
 

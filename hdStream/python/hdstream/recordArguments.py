@@ -7,7 +7,8 @@ from hdstream import _core
 from hdstream.denoiser import FindDenoiser
 from hdstream.errors import CommandError, UsageError
 from hdstream.frameJob import Frame, Job
-from hdstream.stage import FrameOutputs
+from hdstream.products import FindPictures
+from hdstream.stage import FrameOutputs, ParseFrames, StartTimeOf
 
 
 def CheckArguments(args):
@@ -24,7 +25,9 @@ def CheckArguments(args):
     for option in ("split", "parts"):
         if getattr(args, option) and not (args.scheduler or args.workers):
             raise UsageError(f"--{option}: needs --scheduler or --workers")
-    if "#" not in args.output:
+    if args.output is None and args.aovs:
+        raise UsageError("--aovs: files of render products hold the render vars of their product; say OUT to choose others")
+    if args.output is not None and "#" not in args.output:
         _core.CheckImageFile(args.output)
     if args.stats:
         folder = os.path.dirname(args.stats) or "."
@@ -39,12 +42,46 @@ def JobOf(args):
                args.renderSettingsPrimPath, args.colorCorrectionMode, args.resume)
 
 
-def FramesOf(args, stage):
-    """The frames to render, their files checked."""
-    outputs = FrameOutputs(stage, args.frames, args.defaultTime, args.output)
-    frames = [Frame(timeCode, outputs.FileOf(timeCode),
-                    outputs.StatsFileOf(args.stats, timeCode) if args.stats else None)
-              for timeCode in outputs.timeCodes]
+def FramesOf(args, stage, warn):
+    """The frames to render, their files checked. `warn(subject, text)` is called."""
+    frames = _FramesOfOutput(args, stage) if args.output is not None else _FramesOfProducts(args, stage, warn)
     for frame in frames:
-        _core.CheckImageFile(frame.file)
+        for file in [output.file for output in frame.outputs] or [frame.file]:
+            _core.CheckImageFile(file)
     return frames
+
+
+def _FramesOfOutput(args, stage):
+    outputs = FrameOutputs(stage, args.frames, args.defaultTime, args.output)
+    return [Frame(timeCode, outputs.FileOf(timeCode), outputs.StatsFileOf(args.stats, timeCode) if args.stats else None)
+            for timeCode in outputs.timeCodes]
+
+
+def _FramesOfProducts(args, stage, warn):
+    """A frame for each time and each picture that products need; products that differ in files alone share one."""
+    pictures = FindPictures(stage, args.renderSettingsPrimPath, _Session(warn))
+    if args.stats and (len(pictures) > 1 or args.frames):
+        raise UsageError("--stats: one file cannot hold the statistics of several pictures; say OUT")
+    frames, productOf = [], {}
+    timeCodes = ParseFrames(args.frames)[0] if args.frames else [StartTimeOf(stage, args.defaultTime)]
+    for timeCode in timeCodes:
+        for picture in pictures:
+            outputs = picture.OutputsAt(timeCode)
+            for index, output in enumerate(outputs):
+                if "#" in output.file:
+                    names = FrameOutputs(stage, args.frames or str(timeCode), args.defaultTime, output.file)
+                    output.file = names.FileOf(timeCode)
+                path = str(picture.prims[index].GetPath())
+                other = productOf.setdefault(os.path.abspath(output.file), (path, timeCode))
+                if other != (path, timeCode):
+                    raise UsageError(f"{path}: {output.file} is also written by {other[0]} at {other[1]:g}; a productName of "
+                                     "several frames needs #### or values over time")
+            frames.append(Frame(timeCode, outputs[0].file, args.stats, picture.product, tuple(outputs)))
+    return frames
+
+
+class _Session:
+    """What finds products warns here."""
+
+    def __init__(self, warn):
+        self.Warn = warn

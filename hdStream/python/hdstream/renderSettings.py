@@ -39,34 +39,45 @@ class RenderSettings:
         self.values = {}  # core setting -> value, of the "hdstream:" namespace
 
 
-def ReadRenderSettings(stage, path, session):
-    """The settings at `path`, or at the stage's renderSettingsPrimPath, or none."""
-    settings = RenderSettings()
+def FindRenderSettings(stage, path, session):
+    """The prim at `path`, or at the stage's renderSettingsPrimPath; None: there is none."""
     wanted = path or stage.GetMetadata("renderSettingsPrimPath")
     if not wanted:
-        return settings
+        return None
     prim = stage.GetPrimAtPath(wanted) if Sdf.Path.IsValidPathString(wanted) else None
-    if not prim or not prim.IsA(UsdRender.Settings):
-        if path:
-            raise UsageError(f"--renderSettingsPrimPath {path}: the stage has no such render settings")
-        session.Warn(wanted, "renderSettingsPrimPath of the stage names no render settings; ignored")
+    if prim and prim.IsA(UsdRender.Settings):
+        return prim
+    if path:
+        raise UsageError(f"--renderSettingsPrimPath {path}: the stage has no such render settings")
+    session.Warn(wanted, "renderSettingsPrimPath of the stage names no render settings; ignored")
+    return None
+
+
+def ReadRenderSettings(stage, path, session, productPath=None):
+    """The settings at `path`, or at the stage's renderSettingsPrimPath, or none; with the values of one of its products, by
+    default of the first."""
+    settings = RenderSettings()
+    prim = FindRenderSettings(stage, path, session)
+    if prim is None:
         return settings
-    settings.path = wanted
-    products = [stage.GetPrimAtPath(target) for target in _TargetsOf(prim, "products", session)]
+    settings.path = prim.GetPath().pathString
+    products = [stage.GetPrimAtPath(target) for target in TargetsOf(prim, "products", session)]
     products = [product for product in products if product and product.IsA(UsdRender.Product)]
     _ReadCommon(prim, settings, session)
-    if products:
+    if productPath:
+        _ReadCommon(stage.GetPrimAtPath(productPath), settings, session)
+    elif products:
         _ReadCommon(products[0], settings, session)
         _ReadVars(stage, products[0], settings, session)
         for product in products[1:]:
-            session.Warn(product.GetPath().pathString, "only the first product of render settings is rendered")
+            session.Warn(product.GetPath().pathString, "not rendered: without OUT all products of the render settings are")
     if prim.GetAttribute("includedPurposes").HasAuthoredValue():
         settings.purposes = list(prim.GetAttribute("includedPurposes").Get())
     _ReadNamespace(prim, settings, session)
     return settings
 
 
-def _TargetsOf(prim, name, session):
+def TargetsOf(prim, name, session):
     """What a relationship names; nothing, and one warning, where it is none."""
     try:
         return prim.GetRelationship(name).GetForwardedTargets()
@@ -81,7 +92,7 @@ def _ReadCommon(prim, settings, session):
         attribute = prim.GetAttribute(name)
         return attribute.Get() if attribute and attribute.HasAuthoredValue() else None
 
-    targets = _TargetsOf(prim, "camera", session)
+    targets = TargetsOf(prim, "camera", session)
     if targets:
         settings.camera = targets[0]
     settings.resolution = Authored("resolution") or settings.resolution
@@ -98,16 +109,25 @@ def _ReadCommon(prim, settings, session):
 
 
 def _ReadVars(stage, product, settings, session):
-    for target in _TargetsOf(product, "orderedVars", session):
-        var = stage.GetPrimAtPath(target)
-        source = var.GetAttribute("sourceName").Get() if var and var.IsA(UsdRender.Var) else None
-        if source and var.GetAttribute("sourceType").Get() == "primvar":
-            source = f"primvars:{source.removeprefix('primvars:')}"
-        name = source if source and _core.HasAov(source) else _AOV_ALIASES.get(source)
-        if name is None:
-            session.Warn(target.pathString, f"render var {source!r} is not one of the AOVs; left out")
-        elif name not in settings.aovs:
+    for target in TargetsOf(product, "orderedVars", session):
+        name = AovOfVar(stage.GetPrimAtPath(target), target, session)
+        if name is not None and name not in settings.aovs:
             settings.aovs.append(name)
+
+
+def AovOfVar(var, path, session):
+    """The AOV that a render var (an invalid prim: none) shows; None, and a warning, for what is none of ours."""
+    source = var.GetAttribute("sourceName").Get() if var and var.IsA(UsdRender.Var) else None
+    if source and var.GetAttribute("sourceType").Get() == "primvar":
+        source = "primvars:" + (source[len("primvars:"):] if source.startswith("primvars:") else source)
+    name = source if source and _core.HasAov(source) else _AOV_ALIASES.get(source)
+    kind = var.GetAttribute("sourceType").Get() if source else "raw"
+    if kind not in ("raw", "primvar"):
+        session.Warn(str(path), f"render var of the type {kind!r}, which is not supported; left out")
+        return None
+    if name is None:
+        session.Warn(str(path), f"render var {source!r} is not one of the AOVs; left out")
+    return name
 
 
 def _ReadNamespace(prim, settings, session):

@@ -129,8 +129,8 @@ class Renderer:
         return self.RenderPrepared(onProgress)
 
     def Prepare(self, timeCode: Union[float, Usd.TimeCode, None] = None, *,
-                renderSettingsPrimPath: Optional[str] = None, crop: Optional[Tuple[int, int, int, int]] = None,
-                **settings: Any) -> None:
+                renderSettingsPrimPath: Optional[str] = None, renderProductPrimPath: Optional[str] = None,
+                crop: Optional[Tuple[int, int, int, int]] = None, **settings: Any) -> None:
         """Brings the scene up to date with the stage, without rendering.
 
         Values that changed on cameras, lights, materials, groups and gprims translate these prims alone; any other
@@ -144,6 +144,9 @@ class Renderer:
             Default: the stage's startTimeCode.
         renderSettingsPrimPath : str, optional
             A UsdRenderSettings prim that fills what `settings` leave open. Default: the stage's own.
+        renderProductPrimPath : str, optional
+            The product of the render settings whose camera and size hold; its render vars do not. Default: the first,
+            with its render vars.
         crop : (int, int, int, int), optional
             left, top, right, bottom in pixels of the image, y down, right and bottom exclusive: only that part is
             rendered, with the bits that it has in the whole image.
@@ -164,7 +167,8 @@ class Renderer:
         if timeCode is None:
             timeCode = self._stage.GetStartTimeCode()
         self._frame = None  # what went wrong leaves nothing to render
-        self._frame = _Raising(self._MakeFrame, Usd.TimeCode(timeCode), settings, renderSettingsPrimPath, crop)
+        self._frame = _Raising(self._MakeFrame, Usd.TimeCode(timeCode), settings, renderSettingsPrimPath, renderProductPrimPath,
+                               crop)
 
     def RenderPrepared(self, onProgress: Optional[Callable[[_core.Progress], Any]] = None,
                        start: Sequence[_core.FilmSums] = ()) -> "Image":
@@ -272,9 +276,9 @@ class Renderer:
         """Adds a warning of the caller, for the statistics too."""
         self._session.Warn(subject, text)
 
-    def _MakeFrame(self, timeCode, values, renderSettingsPrimPath, crop):
+    def _MakeFrame(self, timeCode, values, renderSettingsPrimPath, renderProductPrimPath, crop):
         start = time.perf_counter()
-        renderSettings = ReadRenderSettings(self._stage, renderSettingsPrimPath, self._session)
+        renderSettings = ReadRenderSettings(self._stage, renderSettingsPrimPath, self._session, renderProductPrimPath)
         cameraPrim = FindCamera(self._stage, values.get("camera"), renderSettings.camera)
         settings = MakeSettings(values, renderSettings, self._session.Warn)
         shutter = ShutterOf(cameraPrim, timeCode, settings)
@@ -336,7 +340,8 @@ class Image:
                                                          for layer in self._layers if layer.header}
 
     def Write(self, file: Union[str, "os.PathLike[str]"], colorCorrectionMode: str = "",
-              texts: Optional[Mapping[str, str]] = None) -> List[str]:
+              texts: Optional[Mapping[str, str]] = None,
+              layers: Optional[Sequence[Tuple[str, str, bool]]] = None) -> List[str]:
         """Writes an image file, whole or not at all.
 
         Parameters
@@ -347,6 +352,8 @@ class Image:
             For `.png` and `.jpg`; "" is OpenColorIO when `$OCIO` is set, else sRGB.
         texts : mapping of str to str, optional
             Further entries of an EXR's header.
+        layers : sequence of (str, str, bool), optional
+            What is written: the AOV, its name in the file, whether an EXR has it as halves. Default: all, as floats.
 
         Returns
         -------
@@ -361,7 +368,14 @@ class Image:
         metadata = MakeMetadata(self._settings, self._camera)
         metadata.samples = self.samples
         metadata.texts = dict(texts or {})
-        return _core.WriteImage(os.fspath(file), self._layers, colorCorrectionMode, metadata)
+        written = self._layers
+        if layers is not None:
+            byName = {layer.name: layer for layer in self._layers}
+            written = []
+            for aov, name, isHalf in layers:
+                written.append(_core.ImageLayer(byName[aov]))
+                written[-1].name, written[-1].isHalf = name, isHalf
+        return _core.WriteImage(os.fspath(file), written, colorCorrectionMode, metadata)
 
     def _repr_png_(self):
         """Shown by notebooks."""

@@ -33,6 +33,11 @@ def OpenStage(path, maskPaths=()):
     return stage
 
 
+def StartTimeOf(stage, isDefaultTime):
+    """The time code of a single frame."""
+    return Usd.TimeCode.Default().GetValue() if isDefaultTime else stage.GetStartTimeCode()
+
+
 class FrameOutputs:
     """The time codes to render and the file of each."""
 
@@ -53,8 +58,7 @@ class FrameOutputs:
         else:
             if match:
                 raise UsageError(f"{output}: a frame placeholder needs --frames")
-            default = Usd.TimeCode.Default().GetValue()
-            self.timeCodes = [default if isDefaultTime else stage.GetStartTimeCode()]
+            self.timeCodes = [StartTimeOf(stage, isDefaultTime)]
         self._format = f"0{len(self._placeholder)}.{precision}f" if match else ""
 
     def FileOf(self, timeCode):

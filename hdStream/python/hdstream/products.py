@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Render products of a UsdRenderSettings prim: which files they are, and what is in each (docs/command-line.md)."""
+
+import dataclasses
+from typing import List, Optional, Tuple
+
+from pxr import UsdRender
+
+from hdstream import _core
+from hdstream.errors import UsageError
+from hdstream.renderSettings import AovOfVar, FindRenderSettings, TargetsOf
+
+_NAME_OF_VAR = "driver:parameters:aov:name"      # as hosts author them
+_FORMAT_OF_VAR = "driver:parameters:aov:format"
+# Attributes of a product that decide its picture: products that agree in all of them share a render.
+_OF_PICTURE = ("resolution", "pixelAspectRatio", "aspectRatioConformPolicy", "dataWindowNDC", "disableDepthOfField",
+               "disableMotionBlur", "instantaneousShutter")
+
+
+@dataclasses.dataclass(frozen=True)
+class Layer:
+    """An AOV in a file."""
+
+    aov: str
+    name: str
+    isHalf: bool
+
+
+@dataclasses.dataclass
+class Output:
+    """A file and its layers."""
+
+    file: str
+    layers: Optional[Tuple[Layer, ...]]  # None: all that was rendered
+
+
+@dataclasses.dataclass
+class Picture:
+    """What one render makes: the product whose camera and size hold, and the product of each file."""
+
+    product: str
+    prims: List
+    layers: List[Tuple[Layer, ...]]
+
+    def OutputsAt(self, timeCode):
+        """The files of a frame. Raises UsageError for a product without a name."""
+        outputs = []
+        for prim, layers in zip(self.prims, self.layers):
+            name = prim.GetAttribute("productName").Get(timeCode)
+            if not name:
+                raise UsageError(f"{prim.GetPath()}: the product has no productName to write to")
+            outputs.append(Output(str(name), layers))
+        return outputs
+
+
+def FindPictures(stage, path, session):
+    """What the raster products of the render settings at `path`, or of the stage's own, need. Raises UsageError without any."""
+    settings = FindRenderSettings(stage, path, session)
+    if settings is None:
+        raise UsageError("OUT is missing, and the stage has no render settings whose products could be written")
+    pictures = {}
+    for target in TargetsOf(settings, "products", session):
+        prim = stage.GetPrimAtPath(target)
+        if not prim or not prim.IsA(UsdRender.Product):
+            session.Warn(str(target), "is no render product; left out")
+            continue
+        kind = prim.GetAttribute("productType").Get()
+        if kind != "raster":
+            session.Warn(str(target), f"products of type {kind!r} are not supported; left out")
+            continue
+        key = tuple(str(prim.GetAttribute(name).Get()) if prim.GetAttribute(name).HasAuthoredValue() else None
+                    for name in _OF_PICTURE) + tuple(TargetsOf(prim, "camera", session))
+        picture = pictures.setdefault(key, Picture(str(target), [], []))
+        picture.prims.append(prim)
+        picture.layers.append(_LayersOf(stage, prim, session))
+    if not pictures:
+        raise UsageError(f"OUT is missing, and {settings.GetPath()} has no products")
+    return list(pictures.values())
+
+
+def _LayersOf(stage, product, session):
+    layers = {}
+    for target in TargetsOf(product, "orderedVars", session):
+        var = stage.GetPrimAtPath(target)
+        aov = AovOfVar(var, target, session)
+        if aov is None:
+            continue
+        authored = var.GetAttribute(_NAME_OF_VAR).Get() if var.GetAttribute(_NAME_OF_VAR) else None
+        kind = var.GetAttribute(_FORMAT_OF_VAR).Get() if var.GetAttribute(_FORMAT_OF_VAR) else var.GetAttribute("dataType").Get()
+        isHalf = str(kind).startswith("half") or (str(kind).startswith("color") and str(kind).endswith("h"))
+        for name in _core.LayersOf(aov):
+            layer = Layer(name, str(authored) if authored and name == aov else name, isHalf)
+            if layer.name in layers:
+                session.Warn(str(target), f"a second layer {layer.name!r} of {product.GetPath()}; left out")
+            else:
+                layers[layer.name] = layer
+    return tuple(layers.values()) or (Layer("color", "color", False),)

@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`hdstream record STAGE`: all products of the render settings, each with its camera, size and layers."""
+
+import exrFile
+import numpy as np
+import pytest
+
+from cliCase import ANIMATED, AssertFails, Run, RunHere, WriteStage
+
+_PRODUCTS = """
+def Camera "side_cam" {
+    double3 xformOp:translate = (1, 0, 9)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}
+def Scope "Render" {
+    def RenderSettings "Settings" {
+        rel products = [</Render/Main>, </Render/Mattes>, </Render/Side>, </Render/Deep>]
+        uniform int2 resolution = (24, 16)
+        rel camera = </main_cam>
+        custom int hdstream:samples = 4
+        custom int hdstream:maxDepth = 2
+    }
+    def RenderProduct "Main" {
+        token productName = "main.####.exr"
+        rel orderedVars = [</Render/Vars/beauty>, </Render/Vars/depth>, </Render/Vars/uv>]
+    }
+    def RenderProduct "Mattes" {
+        token productName.timeSamples = { 1: "mattes1.exr", 2: "mattes2.exr" }
+        rel orderedVars = [</Render/Vars/id>, </Render/Vars/crypto>]
+    }
+    def RenderProduct "Side" {
+        token productName = "side.####.exr"
+        uniform int2 resolution = (32, 20)
+        uniform float4 dataWindowNDC = (0.25, 0.25, 0.75, 0.75)
+        rel camera = </side_cam>
+        rel orderedVars = [</Render/Vars/beauty>]
+    }
+    def RenderProduct "Deep" {
+        token productName = "deep.exr"
+        token productType = "deepRaster"
+    }
+    def Scope "Vars" {
+        def RenderVar "beauty" { string sourceName = "Ci"
+            token dataType = "color4h" }
+        def RenderVar "depth" { string sourceName = "cameraDepth"
+            token dataType = "float"
+            custom string driver:parameters:aov:name = "Z" }
+        def RenderVar "uv" { string sourceName = "st"
+            token sourceType = "primvar"
+            custom token driver:parameters:aov:format = "half3" }
+        def RenderVar "id" { string sourceName = "primId" }
+        def RenderVar "crypto" { string sourceName = "crypto_object" }
+    }
+}
+"""
+_BRIGHT = ANIMATED.replace("inputs:intensity = 1", "inputs:intensity = 50000")
+_SELECT = ["-rs", "/Render/Settings"]
+
+
+@pytest.fixture(name="stage")
+def MakeStage(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return WriteStage(tmp_path, _BRIGHT + _PRODUCTS)
+
+
+def _SameBits(a, b):
+    return a.dtype == b.dtype and a.tobytes() == b.tobytes()
+
+
+def test_all_products_are_written(stage, tmp_path):
+    result = RunHere("record", stage, *_SELECT, "--frames", "1:2")
+    assert result.code == 0, result.text
+    assert len(result.out.splitlines()) == 4  # two frames of two pictures: two products share one
+    assert "main.0001.exr, mattes1.exr: 24x16, 4 samples" in result.out
+    assert "/Render/Deep: products of type 'deepRaster' are not supported; left out" in result.text
+    names = {path.name for path in tmp_path.glob("*.exr")}
+    assert names == {"main.0001.exr", "main.0002.exr", "mattes1.exr", "mattes2.exr", "side.0001.exr", "side.0002.exr"}
+    _, main = exrFile.Read(tmp_path / "main.0001.exr")
+    assert {name: kind.dtype.str for name, kind in main.items()} == {
+        **{channel: "<f2" for channel in "RGBA"}, "Z.Z": "<f4", **{f"primvars:st.{axis}": "<f2" for axis in "XYZ"}}
+    _, mattes = exrFile.Read(tmp_path / "mattes1.exr")
+    assert set(mattes) == {"primId.id", *(f"crypto_object{layer:02}.{channel}" for layer in range(3) for channel in "RGBA")}
+    assert not _SameBits(main["Z.Z"], exrFile.Read(tmp_path / "main.0002.exr")[1]["Z.Z"])
+
+
+def test_pixels_are_those_of_single_renders(stage, tmp_path):
+    """Halves are the nearest to the floats; the crop has the pixels of the whole and says where it lies."""
+    assert RunHere("record", stage, *_SELECT, "--frames", "1").code == 0
+    common = ["--frames", "1", "--samples", "4", "--maxDepth", "2"]
+    assert RunHere("record", stage, "whole.exr", *_SELECT, *common, "--aovs", "color,cameraDepth").code == 0
+    _, whole = exrFile.Read("whole.exr")
+    _, main = exrFile.Read("main.0001.exr")
+    assert all(_SameBits(main[channel], whole[channel].astype("<f2")) for channel in "RGBA")
+    assert _SameBits(main["Z.Z"], whole["cameraDepth.Z"])
+    assert whole["R"].max() > 0.1
+    bare = WriteStage(tmp_path, _BRIGHT + _PRODUCTS.split("def Scope")[0], "bare.usda")
+    assert RunHere("record", bare, "side.exr", *common, "--camera", "/side_cam", "-w", "32", "--imageHeight", "20").code == 0
+    _, side = exrFile.Read("side.exr")
+    _, crop = exrFile.Read("side.0001.exr")
+    assert exrFile.Windows("side.0001.exr") == ((8, 5, 23, 14), (0, 0, 31, 19))
+    assert all(_SameBits(crop[channel], side[channel][5:15, 8:24].astype("<f2")) for channel in "RGBA")
+
+
+def test_a_farm_writes_the_same(stage, tmp_path):
+    assert RunHere("record", stage, *_SELECT, "--frames", "1").code == 0
+    single = {path.name: exrFile.Read(path)[1] for path in tmp_path.glob("*.exr")}
+    for path in tmp_path.glob("*.exr"):
+        path.unlink()
+    result = Run("record", stage, *_SELECT, "--frames", "1", "--workers", "1", cwd=tmp_path)
+    assert result.code == 0, result.text
+    for name, channels in single.items():
+        _, again = exrFile.Read(tmp_path / name)
+        assert again.keys() == channels.keys() and all(_SameBits(again[key], channels[key]) for key in channels)
+
+
+def test_resume_knows_every_file(stage, tmp_path):
+    arguments = ["record", stage, *_SELECT, "--frames", "1", "--resume"]
+    assert RunHere(*arguments).code == 0
+    assert RunHere(*arguments).out.count("is there already") == 2
+    (tmp_path / "mattes1.exr").unlink()
+    assert RunHere(*arguments).out.count("is there already") == 1
+    assert (tmp_path / "mattes1.exr").exists()
+
+
+@pytest.mark.parametrize("body, words", [
+    ("", ("OUT is missing", "no render settings")),
+    ('def RenderSettings "S" {}\n', ("OUT is missing", "/S has no products")),
+    ('def RenderSettings "S" { rel products = </P> }\ndef RenderProduct "P" {}\n', ("/P", "no productName")),
+    ('def RenderSettings "S" { rel products = </P> }\ndef RenderProduct "P" { token productName = "a.gif" }\n', ("a.gif",)),
+])
+def test_what_cannot_be_written_is_said(body, words, tmp_path):
+    stage = WriteStage(tmp_path, ANIMATED + body)
+    AssertFails(Run("record", stage, *(["-rs", "/S"] if body else [])), 2, *words)
+
+
+def test_frames_need_names_of_their_own(tmp_path):
+    stage = WriteStage(tmp_path, ANIMATED + 'def RenderSettings "S" { rel products = </P> }\n'
+                                            'def RenderProduct "P" { token productName = "a.exr" }\n')
+    AssertFails(Run("record", stage, "-rs", "/S", "--frames", "1:2"), 2, "/P", "a.exr", "####")
+
+
+def test_vars_are_not_chosen_twice(tmp_path):
+    AssertFails(Run("record", WriteStage(tmp_path, ANIMATED), "--aovs", "depth"), 2, "--aovs", "OUT")
