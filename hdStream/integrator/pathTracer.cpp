@@ -102,6 +102,7 @@ struct PathTracer::Impl {
         features.motion = scene->hasMotion || MovesOver(options.camera, options.shutter);
         features.simd8 = ChooseSimd8(options, device->Properties());
         features.firstHits = NeedsFirstHits(options.aovs);
+        features.rayVisibility = scene->hasRayVisibility;
         features.mattes = options.aovs.hasMattes;
         features.numPools = buffers.NumPoolBuffers() > 1 ? kMaxPoolBuffers : 1;
         features.streaming = isStreaming;

@@ -6,6 +6,7 @@
 #include "hdStream/scene/hierarchy.h"
 #include "hdStream/scene/lightCommit.h"
 #include "hdStream/scene/materialCommit.h"
+#include "hdStream/scene/rayVisibility.h"
 #include "hdStream/scene/sceneCentre.h"
 #include "hdStream/scene/textureImages.h"
 #include "hdStream/scene/transforms.h"
@@ -213,7 +214,9 @@ private:
         LeafObject leaf;
         leaf.object = _objectByPath.at(path);
         leaf.prim = index;
-        leaf.flags = HDS_INSTANCE_CAMERA | (mayPass ? HDS_INSTANCE_CUTOUT : 0U);
+        const std::uint32_t seenBy = RayVisibilityFlags(prim.geometry->primvars);
+        _result->hasRayVisibility = _result->hasRayVisibility || seenBy != kSeenByAll;
+        leaf.flags = seenBy | (mayPass ? HDS_INSTANCE_CUTOUT : 0U);
         leaf.origin = prepared.origin;
         leaf.bounds = prepared.bounds;
         leaf.worldInstance = info.isEmissive;

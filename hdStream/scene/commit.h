@@ -123,11 +123,12 @@ struct CommittedScene {
     std::vector<std::uint32_t> lightByEntry; ///< HDS_MESH_LIGHT of emissive material entries
     std::vector<TextureUse> textures;        ///< images of materials and lights
     bool hasCutouts = false;
-    bool hasPatterns = false; ///< some program computes (HDS_FEATURE_PATTERNS)
-    std::uint32_t lobes = 0;  ///< HDS_LOBE_* of layered surfaces
-    bool hasGroups = false;   ///< instances below instances
-    bool hasCurves = false;   ///< or points
-    bool hasMotion = false;   ///< something moves while the shutter is open
+    bool hasPatterns = false;      ///< some program computes (HDS_FEATURE_PATTERNS)
+    std::uint32_t lobes = 0;       ///< HDS_LOBE_* of layered surfaces
+    bool hasGroups = false;        ///< instances below instances
+    bool hasCurves = false;        ///< or points
+    bool hasRayVisibility = false; ///< some prim is not seen by all rays, or is held out
+    bool hasMotion = false;        ///< something moves while the shutter is open
     SceneCounts counts;
     double seconds = 0.0;
 };

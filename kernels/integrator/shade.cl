@@ -130,6 +130,12 @@ uint shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
         return HDS_SHADE_ENDS;
     }
 #endif
+#if HDS_FEATURE_RAY_VISIBILITY
+    if (path->depth == 0u &&
+        (scene->geometry.instances[at->surface.leaf].flags & HDS_INSTANCE_HOLDOUT) != 0u) {
+        return HDS_SHADE_ENDS;
+    }
+#endif
     if (path->depth == 0u) {
         path->alpha = 1.0f;
 #if HDS_FEATURE_MATTES

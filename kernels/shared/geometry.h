@@ -28,10 +28,16 @@
 #define HDS_PRIM_CULL_FRONT 16u
 
 /* HdsInstance.flags */
-#define HDS_INSTANCE_CUTOUT 1u     /* some material may let rays pass: hits are candidates */
-#define HDS_INSTANCE_CAMERA 2u     /* seen by camera rays */
-#define HDS_INSTANCE_MOVES 4u      /* objectFromParent holds where its keys are (HDS_MOTION_*) */
-#define HDS_INSTANCE_IN_PLACE 8u   /* objectFromParent is the identity, and it does not move */
+#define HDS_INSTANCE_CUTOUT 1u   /* some material may let rays pass: hits are candidates */
+#define HDS_INSTANCE_CAMERA 2u   /* seen by camera rays */
+#define HDS_INSTANCE_MOVES 4u    /* objectFromParent holds where its keys are (HDS_MOTION_*) */
+#define HDS_INSTANCE_IN_PLACE 8u /* objectFromParent is the identity, and it does not move */
+#define HDS_INSTANCE_SHADOW 16u  /* casts shadows */
+/* Seen by rays that a surface has sent on, by the kind of the ray (HDS_RAY_KIND_*). */
+#define HDS_INSTANCE_DIFFUSE 32u
+#define HDS_INSTANCE_REFLECTION 64u
+#define HDS_INSTANCE_TRANSMISSION 128u
+#define HDS_INSTANCE_HOLDOUT 256u  /* camera rays end on it, and leave black with alpha 0 */
 #define HDS_INSTANCE_LINK_SHIFT 16 /* the bits from here on: the link set (shared/light.h) */
 
 /* Words of objectFromParent of an instance that moves, as bits: the first of its keys of the map
