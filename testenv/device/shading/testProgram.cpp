@@ -260,6 +260,7 @@ TEST_F(ProgramKernelTest, TransformsMapCoordinatesAndFootprints) {
 // The texels of the look-up before are read again where that is right, and nowhere else.
 TEST_F(ProgramKernelTest, LookUpsAtTheSameCoordinatesHaveTheBitsOfLookUpsAlone) {
     const std::uint32_t ofOneSize = textures.Add(64, 32, HDS_TEXEL_FLOAT | 2U, HDS_SWIZZLE_RGBA, 5);
+    const std::uint32_t taller = textures.Add(64, 64, HDS_TEXEL_FLOAT | 2U, HDS_SWIZZLE_RGBA, 7);
     const std::uint32_t turned = textures.Add(32, 64, HDS_TEXEL_FLOAT | 2U, HDS_SWIZZLE_RGBA, 6);
     const std::uint32_t clamp = HDS_LOOKUP_WRAPS(HDS_WRAP_CLAMP, HDS_WRAP_CLAMP);
     struct Step {
@@ -269,6 +270,7 @@ TEST_F(ProgramKernelTest, LookUpsAtTheSameCoordinatesHaveTheBitsOfLookUpsAlone) 
     };
     const Step steps[] = {{texture, kRepeat, false},
                           {ofOneSize, kRepeat | HDS_LOOKUP_AGAIN, false},
+                          {taller, kRepeat | HDS_LOOKUP_AGAIN, false},
                           {turned, kRepeat | HDS_LOOKUP_AGAIN, false},
                           {turned, clamp | HDS_LOOKUP_AGAIN, false},
                           {turned, clamp | HDS_LOOKUP_UDIM | HDS_LOOKUP_AGAIN, false},
