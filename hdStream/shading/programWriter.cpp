@@ -171,8 +171,10 @@ private:
         Emit(HDS_OP(HDS_OP_SHIFT, expression.code));
         _depth -= 2;
         _isShifted = true;
+        _lookupCoordinates.clear();
         Push(expression.operands[0]);
         _isShifted = false;
+        _lookupCoordinates.clear();
         Emit(HDS_OP(HDS_OP_SHIFT, HDS_SHIFT_BACK));
     }
 
@@ -194,9 +196,10 @@ private:
             std::for_each(parameters, expression.operands.end(),
                           [&](const ShaderValue& value) { Push(value); });
         }
-        PushCoordinates(expression.operands[0]);
+        const bool isAgain = PushLookupCoordinates(expression.operands[0]);
         Emit(HDS_OP(HDS_OP_TEXTURE, expression.lookup | (isConstant ? 0U : HDS_LOOKUP_POPS) |
-                                        (hasTangents ? HDS_LOOKUP_TANGENTS : 0U)));
+                                        (hasTangents ? HDS_LOOKUP_TANGENTS : 0U) |
+                                        (isAgain ? HDS_LOOKUP_AGAIN : 0U)));
         Emit(static_cast<std::uint32_t>(expression.tiles.size()));
         for (const std::uint32_t tile : expression.tiles) {
             Emit(tile == HDS_NONE ? HDS_NONE : _textures[tile]);
@@ -207,7 +210,24 @@ private:
                 std::for_each(constant.begin(), constant.end(), [&](float x) { EmitFloat(x); });
             });
         }
-        _depth -= isConstant ? 1 : 4;
+        _depth -= (isAgain ? 0 : 2) + (isConstant ? 0 : 3);
+        ++_depth;
+    }
+
+    /// As PushCoordinates for a look-up; adds nothing where they are those of the look-up before:
+    /// the same words then give the same values. \return whether they are.
+    bool PushLookupCoordinates(const ShaderValue& value) {
+        const std::size_t begin = _words.size();
+        PushCoordinates(value);
+        const std::vector<std::uint32_t> words(_words.begin() + static_cast<std::ptrdiff_t>(begin),
+                                               _words.end());
+        if (_isTooLarge || words != _lookupCoordinates) {
+            _lookupCoordinates = words;
+            return false;
+        }
+        _words.resize(begin);
+        _depth -= 2;
+        return true;
     }
 
     /// Adds coordinates and their derivatives. Those of look-ups have none: they are looked up as
@@ -259,6 +279,7 @@ private:
     UseCounts _counts; ///< empty: nothing is kept in registers
     std::map<const ShaderExpression*, std::uint32_t> _registers;
     std::vector<std::uint32_t> _words;
+    std::vector<std::uint32_t> _lookupCoordinates; ///< words of those of the last look-up
     std::uint32_t _depth = 0;
     bool _isTooLarge = false;
     bool _isShifted = false;

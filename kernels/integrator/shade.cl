@@ -51,14 +51,13 @@
 /* Lets the ray go on behind a surface, by chance in proportion to the transparency; the throughput
  * of either outcome is divided by its probability. \return true when it passed and slot i holds the
  * rest of the ray; the hit is not shaded then. */
-bool shade_passThrough(constant const HdsFrameParams* frame, const HdsHit* hit,
-                       const HdsSurfaceHit* surface, float3 transparency, HdsShadePath* path,
-                       HdsPaths paths, uint i) {
+bool shade_passThrough(const HdsHit* hit, const HdsSurfaceHit* surface, float3 transparency,
+                       HdsShadePath* path, HdsPaths paths, uint i) {
     float probability = vec_maxComponent(transparency);
     if (!(probability > 0.0f)) {
         return false;
     }
-    HdsSampler sampler = pixel_sampler(frame, path->status.x, path->status.y);
+    HdsSampler sampler = path->sampler;
     if (path->status.w != 0u) {
         sampler = sampler_fork(sampler, path->status.w);
     }
@@ -79,13 +78,16 @@ bool shade_passThrough(constant const HdsFrameParams* frame, const HdsHit* hit,
 #if HDS_FEATURE_TEXTURES
 /* How the textures of a hit are read. An opacity may be compared with a threshold, and a program
  * may do more than add and multiply: these need the filter's own value. */
-HdsTexelChoice shade_chooseTexels(constant const HdsFrameParams* frame, const HdsSceneView* scene,
-                                  const HdsSurfaceHit* surface, const HdsShadePath* path) {
+HdsTexelChoice shade_chooseTexels(const HdsSceneView* scene, const HdsSurfaceHit* surface,
+                                  const HdsShadePath* path) {
     HdsTexelChoice choice = {0.0f, 8u};
     if ((surfaceHit_material(scene, surface)->flags &
          (HDS_MATERIAL_CUTOUT | HDS_MATERIAL_COMPUTES)) == 0u) {
-        const HdsSampler sampler = pixel_sampler(frame, path->status.x, path->status.y);
-        choice.number = sampler_get2(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_OPACITY)).y;
+#if HDS_SHADE_WIDE
+        choice.number = surface->choice.number; /* shadeHits_setSamplers */
+#else
+        choice.number = sampler_get2(path->sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_OPACITY)).y;
+#endif
         choice.numTexels = path->depth == 0u ? 4u : 1u;
     }
     return choice;
@@ -99,15 +101,14 @@ HdsTexelChoice shade_chooseTexels(constant const HdsFrameParams* frame, const Hd
 
 /* Evaluates the material of a hit, lets the ray pass or adds what the surface emits. Sets
  * path->isMissing. \return HDS_SHADE_ENDS and so on. */
-uint shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* scene, HdsShadeHit* at,
-                   HdsShadePath* path, HdsScatter* scatter, HdsPaths paths, uint i,
-                   volatile global uint* counters) {
+uint shade_surface(const HdsSceneView* scene, HdsShadeHit* at, HdsShadePath* path,
+                   HdsScatter* scatter, HdsPaths paths, uint i, volatile global uint* counters) {
     scatter->linkSet = surfaceHit_linkSet(scene, &at->surface);
     if (path->isLast && surfaceHit_isDark(scene, &at->surface)) {
         return HDS_SHADE_ENDS;
     }
 #if HDS_FEATURE_TEXTURES
-    at->surface.choice = shade_chooseTexels(frame, scene, &at->surface, path);
+    at->surface.choice = shade_chooseTexels(scene, &at->surface, path);
 #endif
     path->isMissing |=
         !surfaceHit_shade(scene, &at->surface, -path->direction, &scatter->shading, &scatter->bsdf);
@@ -122,7 +123,7 @@ uint shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
     if (path->depth == 0u && passThrough_isCulled(scene, &at->surface, path->direction)) {
         transparency = (float3)(1.0f);
     }
-    if (shade_passThrough(frame, &at->hit, &at->surface, transparency, path, paths, i)) {
+    if (shade_passThrough(&at->hit, &at->surface, transparency, path, paths, i)) {
         if ((path->status.z >> HDS_PATH_PASS_SHIFT) < HDS_MAX_PASSES) {
             return HDS_SHADE_PASSES;
         }
@@ -150,8 +151,7 @@ uint shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
     }
     scatter->point = at->surface.point;
     scatter->throughput = path->throughput;
-    scatter->pixel = path->status.x;
-    scatter->sample = path->status.y;
+    scatter->sampler = path->sampler;
     scatter->depth = path->depth;
     return HDS_SHADE_SCATTERS;
 }
@@ -164,7 +164,7 @@ void shade_path(constant const HdsFrameParams* frame, const HdsSceneView* scene,
     scatter.linkSet = 0u;
     uint step = HDS_SHADE_ENDS;
     if (at->isHit) {
-        step = shade_surface(frame, scene, at, path, &scatter, paths, i, counters);
+        step = shade_surface(scene, at, path, &scatter, paths, i, counters);
     }
     HdsLitPath lit = shade_litPath(at, path, scatter.linkSet, i);
     if (step != HDS_SHADE_SCATTERS) {
@@ -182,11 +182,16 @@ void shade_path(constant const HdsFrameParams* frame, const HdsSceneView* scene,
 #endif
 }
 
-/* Shades all hits of a batch, which is empty then. */
+/* Shades all paths of a batch, which is empty then; either all have hit something or none has. */
 void shade_hits(constant const HdsFrameParams* frame, const HdsSceneView* scene, HdsShadeHits* hits,
                 HdsPaths paths, volatile global uint* counters, HdsShadeBatch* batch,
                 HdsShadeLists* lists) {
-    shadeHits_place(scene, hits);
+    if (hits->at[0].isHit) {
+        shadeHits_place(scene, hits);
+#if HDS_SHADE_WIDE
+        shadeHits_setSamplers(frame, hits);
+#endif
+    }
     shadeHits_addLights(scene, hits);
     for (uint lane = 0u; lane < hits->count; ++lane) {
         shade_path(frame, scene, &hits->at[lane], &hits->path[lane], hits->slots[lane], paths,
@@ -211,18 +216,34 @@ kernel void shade_paths(HDS_SCENE_ARGS, constant const HdsFrameParams* frame, gl
     hits.count = 0u;
     HdsShadeBatch batch;
     batch.count = 0u;
+#if HDS_SHADE_WIDE
+    HdsShadeHits misses;
+    misses.count = 0u;
     HDS_FOR_ITEMS(item, count) {
-        shadeHits_read(&scene, paths, queue[item], waitQueue, counters, &hits);
-        if (hits.count == HDS_HIT_LANES) {
-            shade_hits(frame, &scene, &hits, paths, counters, &batch, &lists);
+        if (item + HDS_HITS_AHEAD < count) {
+            shadeHits_fetch(&scene, paths, queue[item + HDS_HITS_AHEAD]);
         }
+        shadeHits_read(frame, &scene, paths, queue[item], waitQueue, counters, &hits, &misses);
+        HdsShadeHits* full = hits.count == HDS_HIT_LANES ? &hits : &misses;
+        if (full->count == HDS_HIT_LANES) {
+            shade_hits(frame, &scene, full, paths, counters, &batch, &lists);
+        }
+    }
+    if (misses.count > 0u) {
+        shade_hits(frame, &scene, &misses, paths, counters, &batch, &lists);
     }
     if (hits.count > 0u) {
         shade_hits(frame, &scene, &hits, paths, counters, &batch, &lists);
     }
-#if HDS_SHADE_WIDE
     if (batch.count > 0u) {
         shadeBatch_scatter(frame, &scene, &batch, paths, &lists);
+    }
+#else
+    HDS_FOR_ITEMS(item, count) {
+        shadeHits_read(frame, &scene, paths, queue[item], waitQueue, counters, &hits, &hits);
+        if (hits.count > 0u) {
+            shade_hits(frame, &scene, &hits, paths, counters, &batch, &lists);
+        }
     }
 #endif
     items_flush(&lists.next, nextQueue, &counters[HDS_COUNTER_ACTIVE]);

@@ -30,6 +30,9 @@ enum {
 #define HDS_LOOKUP_UDIM 16u     /* tile i of the texture list is UDIM 1001 + i */
 #define HDS_LOOKUP_TANGENTS 32u /* the normal input is in the frame of these coordinates */
 #define HDS_LOOKUP_POPS 64u
+#define HDS_LOOKUP_AGAIN 128u /* at the coordinates of the look-up before: none are popped */
+/* What of the argument says which texels are read. */
+#define HDS_LOOKUP_WHERE (15u | HDS_LOOKUP_UDIM)
 
 #define HDS_MATH(function, count) ((function) | ((count) << 8))
 

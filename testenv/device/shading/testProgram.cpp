@@ -22,7 +22,8 @@ const ProgramDefines kDefines = {{"HDS_NUM_TEXTURE_POOLS", "1"}};
 const char* const kSource = R"(
 #include "shading/program.clh"
 kernel void run(HDS_TEXTURE_ARGS, global const uint* program, global const uint* page,
-                global const float* in, uint isMask, global float4* out, uint count) {
+                global const float* in, uint isMask, uint numTexels, global float4* out,
+                uint count) {
     uint i = (uint)get_global_id(0);
     if (i >= count) return;
     HdsTextureView view;
@@ -33,7 +34,7 @@ kernel void run(HDS_TEXTURE_ARGS, global const uint* program, global const uint*
     point.textures = &view;
     point.footprint = (float4)(vload2(3 * i + 1, in), vload2(3 * i + 2, in));
     point.mipBias = 0.0f;
-    point.choice = (HdsTexelChoice){0.0f, 8u};
+    point.choice = (HdsTexelChoice){(float)(i % 16u) / 16.0f, numTexels};
     point.isMissing = false;
     point.tangents = (float4)(0.0f);
     float4 values[HDS_NUM_INPUTS];
@@ -119,7 +120,8 @@ protected:
         }
     }
 
-    std::vector<Values> Run(Words& words, bool isMask = false) {
+    /// \param numTexels as HdsTexelChoice; numbers that choose run over [0, 1)
+    std::vector<Values> Run(Words& words, bool isMask = false, std::uint32_t numTexels = 8) {
         words.Op(HDS_OP_END);
         if (!_program) {
             _program = Build(kSource, kDefines);
@@ -136,8 +138,8 @@ protected:
         const Buffer input = Upload(in);
         const Buffer out = Allocate(points.size() * sizeof(Values));
         _program->GetKernel("run").Launch(points.size(), HDS_TEST_TEXTURE_ARGS(records, lines),
-                                          program, page, input, std::uint32_t(isMask ? 1 : 0), out,
-                                          std::uint32_t(points.size()));
+                                          program, page, input, std::uint32_t(isMask ? 1 : 0),
+                                          numTexels, out, std::uint32_t(points.size()));
         return Download<Values>(out, points.size());
     }
 
@@ -251,6 +253,59 @@ TEST_F(ProgramKernelTest, TransformsMapCoordinatesAndFootprints) {
         for (std::size_t i = 0; i < points.size(); ++i) {
             ExpectNear(found[i][HDS_INPUT_DIFFUSE_COLOR],
                        Expected(points[i], matrix, {0.25, -0.5}, texture, HDS_WRAP_REPEAT), 2e-3);
+        }
+    }
+}
+
+// The texels of the look-up before are read again where that is right, and nowhere else.
+TEST_F(ProgramKernelTest, LookUpsAtTheSameCoordinatesHaveTheBitsOfLookUpsAlone) {
+    const std::uint32_t ofOneSize = textures.Add(64, 32, HDS_TEXEL_FLOAT | 2U, HDS_SWIZZLE_RGBA, 5);
+    const std::uint32_t taller = textures.Add(64, 64, HDS_TEXEL_FLOAT | 2U, HDS_SWIZZLE_RGBA, 7);
+    const std::uint32_t turned = textures.Add(32, 64, HDS_TEXEL_FLOAT | 2U, HDS_SWIZZLE_RGBA, 6);
+    const std::uint32_t clamp = HDS_LOOKUP_WRAPS(HDS_WRAP_CLAMP, HDS_WRAP_CLAMP);
+    struct Step {
+        std::uint32_t texture;
+        std::uint32_t flags;
+        bool isElsewhere;
+    };
+    const Step steps[] = {{texture, kRepeat, false},
+                          {ofOneSize, kRepeat | HDS_LOOKUP_AGAIN, false},
+                          {taller, kRepeat | HDS_LOOKUP_AGAIN, false},
+                          {turned, kRepeat | HDS_LOOKUP_AGAIN, false},
+                          {turned, clamp | HDS_LOOKUP_AGAIN, false},
+                          {turned, clamp | HDS_LOOKUP_UDIM | HDS_LOOKUP_AGAIN, false},
+                          {turned, clamp | HDS_LOOKUP_AGAIN | HDS_LOOKUP_TANGENTS, false},
+                          {turned, clamp, true}};
+    for (const std::uint32_t numTexels : {1U, 4U, 8U}) {
+        const auto run = [&](bool isAgain) {
+            Words words;
+            std::uint32_t input = 0;
+            for (const Step& step : steps) {
+                const bool pops = (step.flags & HDS_LOOKUP_AGAIN) == 0 || !isAgain;
+                if (step.isElsewhere) {
+                    words.Constant({0.3, 0.6, 0, 0}).Constant({1, 0, 0, 1});
+                } else if (pops) {
+                    words.Op(HDS_OP_COORDINATES, kStSlot);
+                }
+                words.Op(HDS_OP_TEXTURE, pops ? step.flags & ~HDS_LOOKUP_AGAIN : step.flags);
+                words.Raw(1).Raw(step.texture).Floats({9, 9, 9, 9, 1, 1, 1, 1, 0, 0, 0, 0});
+                words.Store(input++).Op(HDS_OP_POP);
+            }
+            return Run(words, false, numTexels);
+        };
+        const std::vector<Values> again = run(true);
+        const std::vector<Values> alone = run(false);
+        int numUnlike[std::size(steps)] = {};
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            for (std::size_t k = 0; k < again[i].size(); ++k) {
+                ASSERT_EQ(again[i][k], alone[i][k]) << numTexels << " texels, input " << k;
+            }
+            for (std::size_t k = 1; k < std::size(steps); ++k) {
+                numUnlike[k] += again[i][k] != again[i][k - 1] ? 1 : 0;
+            }
+        }
+        for (std::size_t k = 1; k < std::size(steps); ++k) {
+            EXPECT_GT(numUnlike[k], 20) << "look-ups " << k - 1 << " and " << k;
         }
     }
 }

@@ -84,15 +84,13 @@ void scatters(const HdsTestContext* context, const Real* in, Real* out) {
     const Real3 wi = take3(in + 9);
     SurfacePoint_make(&at.point, in + 12);
     at.throughput = take3(in + 19);
-    at.pixel = as_Uint(in[22]);
-    at.sample = as_Uint(in[23]);
+    at.sampler = pixel_sampler(context->frame, as_Uint(in[22]), as_Uint(in[23]));
     at.depth = as_Uint(in[24]);
     at.linkSet = as_Uint(in[25]);
     const Real2 u = take2(in + 26);
     HdsLightSample light;
     LightSample_make(&light, in + 28);
 
-    const HdsSampler sampler = pixel_sampler(context->frame, at.pixel, at.sample);
     at.lobes = bsdf_lobeProbabilities(&at.bsdf, at.shading.wo.z);
 #if HDS_LOBES
     at.lobes = only(at.bsdf.isLayered == 0u, at.lobes); /* layered surfaces keep their own */
@@ -107,7 +105,7 @@ void scatters(const HdsTestContext* context, const Real* in, Real* out) {
     out = put3(out, only(pdf > 0.0f, sampled));
     Real side = 1.0f;
 #if HDS_BSDF_TRANSMITS
-    side = choices_side(&at.bsdf, sampler, at.depth);
+    side = choices_side(&at.bsdf, at.sampler, at.depth);
     light.pdf *= bsdf_lightShare(&at.bsdf, side);
 #endif
     out = put1(out, side);
@@ -121,10 +119,10 @@ void scatters(const HdsTestContext* context, const Real* in, Real* out) {
     out = put1(out, weight);
     out = put3(out, scatter_contribution(&at, reflected, &light, weight));
     Real3 throughput = at.throughput;
-    out = putFlag(out, choices_survives(context->frame, sampler, at.depth, &throughput));
+    out = putFlag(out, choices_survives(context->frame, at.sampler, at.depth, &throughput));
     out = put3(out, throughput);
     HdsScatteredRay next;
-    const Bool goesOn = scatter_next(context->frame, &at, sampler, &next);
+    const Bool goesOn = scatter_next(context->frame, &at, &next);
     out = putFlag(out, goesOn);
     out = put3(out, only(goesOn, next.origin));
     out = put3(out, only(goesOn, next.direction));

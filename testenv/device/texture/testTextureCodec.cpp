@@ -50,6 +50,31 @@ kernel void decode(global const uint* lines, uint format, uint width, uint heigh
 }
 )";
 
+/* Two columns and two rows of one line, in one block or in up to four. */
+const char* const kDecodeLine = R"(
+#include "texture/codecQuad.clh"
+kernel void decode(global const uint* lines, uint format, uint width, uint height,
+                   global float* texels, uint count) {
+    uint i = (uint)get_global_id(0);
+    if (i >= count) return;
+    global const uint* line = lines + (i / (width * height)) * (HDS_LINE_BYTES / 4);
+    const uint x0 = i % (width * height) % width;
+    const uint y0 = i % (width * height) / width;
+    const uint x1 = (x0 + (i % 3u == 0u ? 1u : i % 5u)) % width;
+    const uint y1 = (y0 + (i % 7u == 0u ? 4u : 1u)) % height;
+    const uint4 x = (uint4)(x0, x1, x0, x1);
+    const uint4 y = (uint4)(y0, y0, y1, y1);
+    float4 values[4];
+    codec_lineQuad(line, format, x, y, values);
+    const bool isEqual =
+        all(as_int4(codec_texel(line, format, x.s0, y.s0)) == as_int4(values[0])) &&
+        all(as_int4(codec_texel(line, format, x.s1, y.s1)) == as_int4(values[1])) &&
+        all(as_int4(codec_texel(line, format, x.s2, y.s2)) == as_int4(values[2])) &&
+        all(as_int4(codec_texel(line, format, x.s3, y.s3)) == as_int4(values[3]));
+    vstore4(isEqual ? values[0] : (float4)(NAN), i, texels);
+}
+)";
+
 const char* const kPlace = R"(
 #include "texture/codec.clh"
 kernel void place(global const HdsTexture* textures, uint mip, uint width, uint height,
@@ -88,6 +113,10 @@ TEST_F(TextureCodec, DecodesToTheHostsBits) {
 
 TEST_F(TextureCodec, DecodesFourTexelsToTheBitsOfEach) {
     ExpectHostsBits(*Build(kDecodeQuad));
+}
+
+TEST_F(TextureCodec, DecodesFourTexelsOfALineToTheBitsOfEach) {
+    ExpectHostsBits(*Build(kDecodeLine));
 }
 
 void TextureCodec::ExpectHostsBits(const Program& program) {

@@ -72,7 +72,8 @@ std::string Disassemble(const std::vector<std::uint32_t>& words) {
             at += count;
             text << " wrap " << (argument & 3U) << "," << (argument >> 2U & 3U);
             text << ((argument & HDS_LOOKUP_UDIM) != 0 ? " udim" : "")
-                 << ((argument & HDS_LOOKUP_TANGENTS) != 0 ? " tangents" : "");
+                 << ((argument & HDS_LOOKUP_TANGENTS) != 0 ? " tangents" : "")
+                 << ((argument & HDS_LOOKUP_AGAIN) != 0 ? " again" : "");
             if ((argument & HDS_LOOKUP_POPS) != 0) {
                 text << " pops";
             } else {
@@ -159,6 +160,25 @@ TEST_F(ProgramTest, AMaterialOfConstantsAndPrimvarsHasNone) {
     EXPECT_EQ(resolved.record.slots[HDS_INPUT_ROUGHNESS], HDS_SLOT_USER + 1);
 }
 
+TEST_F(ProgramTest, TheCoordinatesOfTheLookUpBeforeAreNotPushedAgain) {
+    AddTexture("/m/t", "t.png").connections["st"] = {"/m/r", "result"};
+    AddTexture("/m/u", "u.png"); // without coordinates: at (0, 0)
+    AddTexture("/m/v", "v.png").connections["st"] = {"/m/r", "result"};
+    AddTexture("/m/w", "w.png").connections["st"] = {"/m/q", "result"};
+    AddReader("/m/r", "float2", "st");
+    AddReader("/m/q", "float2", "st");
+    Connect("diffuseColor", "/m/t", "rgb");
+    Connect("emissiveColor", "/m/u", "rgb");
+    Connect("metallic", "/m/v", "g");
+    Connect("roughness", "/m/w", "g");
+    const std::string lookup = std::string(" wrap 2,1") + kPlain;
+    EXPECT_EQ(Program(), "mask; coords 3; texture 10" + lookup + "store 0.4; pop; " +
+                             "constant 0,0,0,0; constant 0,0,0,0; texture 11" + lookup +
+                             "store 1.4; pop; coords 3; texture 12" + lookup +
+                             "store 4.1; pop; texture 13 wrap 2,1 again" + kPlain +
+                             "store 5.1; pop; end");
+}
+
 TEST_F(ProgramTest, ATextureIsLookedUpOnceForAllItsOutputs) {
     AddTexture("/m/t", "a.png").connections["st"] = {"/m/r", "result"};
     AddReader("/m/r", "float2", "st");
@@ -185,9 +205,8 @@ TEST_F(ProgramTest, WhatAMaskNeedsComesFirst) {
     Connect("diffuseColor", "/m/t", "rgb");
     Connect("opacity", "/m/u", "r");
     EXPECT_EQ(Program(), std::string("constant 0,0,0,0; constant 0,0,0,0; texture 11 wrap 2,1") +
-                             kPlain + "store 8.0; pop; mask; " +
-                             "constant 0,0,0,0; constant 0,0,0,0; texture 10 wrap 2,1" + kPlain +
-                             "store 0.4; pop; end");
+                             kPlain + "store 8.0; pop; mask; " + "texture 10 wrap 2,1 again" +
+                             kPlain + "store 0.4; pop; end");
     EXPECT_EQ(Resolve().record.flags, std::uint32_t{HDS_MATERIAL_CUTOUT | HDS_MATERIAL_MASK});
 }
 
