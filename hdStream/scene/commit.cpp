@@ -72,7 +72,7 @@ public:
         if (isCancelled && isCancelled()) {
             return nullptr;
         }
-        AddObjects();
+        AddObjects(drawn.size());
         for (std::size_t i = 0; i < drawn.size(); ++i) {
             AddPrim(*drawn[i], static_cast<std::uint32_t>(i));
         }
@@ -116,6 +116,7 @@ private:
         const bool isDiced = isAdaptive || (_options.subdivision == Subdivision::Complexity &&
                                             _options.refineLevel > 0);
         std::vector<GeometryStore::Drawn> inputs;
+        inputs.reserve(drawn.size());
         for (const GeometryEntry* entry : drawn) {
             GeometryInputs input;
             input.geometry = entry->second.geometry;
@@ -162,17 +163,19 @@ private:
     }
 
     /// Objects, chunks and pages of all planned geometry: what is hidden keeps its pages.
-    void AddObjects() {
+    void AddObjects(std::size_t numDrawn) {
         _result->objects.emplace_back(); // the TLAS
         _result->pages = std::make_unique<GeometryPages>(&_cache.pages);
-        _cache.geometry.ForEach([&](const std::string& path, const PlannedGeometry& prepared) {
-            AddObject(path, prepared);
+        _cache.geometry.ForEach([&](const std::string&, const PlannedGeometry& prepared) {
+            const std::size_t drawn = _objectOfDrawn.size();
+            if (drawn < numDrawn && &_cache.geometry.OfDrawn(drawn) == &prepared) {
+                _objectOfDrawn.push_back(static_cast<std::uint32_t>(_result->objects.size()));
+            }
+            AddObject(prepared);
         });
     }
 
-    void AddObject(const std::string& path, const PlannedGeometry& prepared) {
-        const auto index = static_cast<std::uint32_t>(_result->objects.size());
-        _objectByPath[path] = index;
+    void AddObject(const PlannedGeometry& prepared) {
         shared::HdsObject object{};
         object.kind = prepared.topNodes.empty() ? HDS_OBJECT_CHUNK : HDS_OBJECT_TOP_TREE;
         object.nodeBase = static_cast<std::uint32_t>(_result->topNodes.size());
@@ -188,7 +191,7 @@ private:
 
     void AddPrim(const GeometryEntry& entry, std::uint32_t index) {
         const auto& [path, prim] = entry;
-        const PlannedGeometry& prepared = _cache.geometry.Find(path);
+        const PlannedGeometry& prepared = _cache.geometry.OfDrawn(index);
         const PrimMaterialInfo info = _materials.AddPrim(path, prim, prepared);
         const bool hasFaces = prim.geometry->primitives == PrimitiveKind::Faces;
         const std::uint32_t cullFlags = hasFaces ? CullFlags(prim, _options.cullStyle) : 0U;
@@ -205,7 +208,7 @@ private:
         }
         const bool mayPass = info.hasCutouts || cullFlags != 0;
         LeafObject leaf;
-        leaf.object = _objectByPath.at(path);
+        leaf.object = _objectOfDrawn[index];
         leaf.prim = index;
         leaf.flags = HDS_INSTANCE_CAMERA | (mayPass ? HDS_INSTANCE_CUTOUT : 0U);
         leaf.origin = prepared.origin;
@@ -219,7 +222,7 @@ private:
             const shared::HdsObject& object = _result->objects[leaf.object];
             _result->pages->Keep(object.itemBase, object.numItems); // light paths end there
         }
-        _leaves[path] = leaf;
+        _leaves.push_back({&entry, leaf});
         _result->hasCutouts = _result->hasCutouts || mayPass;
         CountPrim(*prim.geometry, prepared.numTriangles);
     }
@@ -313,9 +316,9 @@ private:
     MaterialCommit _materials;
     std::unique_ptr<CommittedScene> _result;
     LightLinks _links;
-    std::map<std::string, std::uint32_t> _objectByPath;
-    std::vector<PrimMaterialInfo> _primInfos; ///< by the index of the prim
-    std::map<std::string, LeafObject> _leaves;
+    std::vector<std::uint32_t> _objectOfDrawn; ///< in the order of paths
+    std::vector<PrimMaterialInfo> _primInfos;  ///< by the index of the prim
+    std::vector<DrawnLeaf> _leaves;            ///< in the order of paths
     std::vector<WorldInstance> _worldInstances;
 };
 

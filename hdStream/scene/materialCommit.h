@@ -77,7 +77,7 @@ private:
         return _used.at(materialPath)->compiled;
     }
     MaterialSyncMode SyncModeOf(const GeometryPrim& prim, const std::string& materialPath) const;
-    std::vector<std::string> EntryPaths(const GeometryPrim& prim) const;
+    std::vector<const std::string*> EntryPaths(const GeometryPrim& prim) const;
     CachedMaterial CompileNetwork(const std::string& path,
                                   const std::shared_ptr<const MaterialNetwork>& network);
 
