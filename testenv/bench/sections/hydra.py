@@ -24,7 +24,7 @@ def Run(bench) -> list:
     theirs = os.environ.get("PXR_PLUGINPATH_NAME", "")  # where the other renderer is
     environment = {**os.environ, "PXR_PLUGINPATH_NAME": f"{theirs}{os.pathsep}{ours}" if theirs else ours}
     # Many small meshes, then 10^6 triangles in few.
-    scenes = bench.Pick([[], ["--meshes", "100", "--quads", "71"]],
+    scenes = bench.Pick([["--repeats", "3"], ["--repeats", "3", "--meshes", "100", "--quads", "71"]],
                         [["--meshes", "64", "--quads", "4", "--repeats", "1", "--width", "64"]])
     tables = []
     for scene in scenes:
