@@ -4,6 +4,7 @@
 #include "hdStream/base/error.h"
 #include "hdStream/film/cryptomatte.h"
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
 #include <optional>
@@ -202,25 +203,36 @@ ImageLayer MakeClearLayer(const AovInfo& info, std::uint32_t width, std::uint32_
     return layer;
 }
 
-void FillPreview(ImageLayer* layer, std::uint32_t stride) {
-    const auto fill = [&](auto& values) {
-        const std::size_t channels = values.size() / (std::size_t{layer->width} * layer->height);
-        for (std::uint32_t y = 0; y < layer->height; ++y) {
-            for (std::uint32_t x = 0; x < layer->width; ++x) {
-                const std::size_t from =
-                    std::size_t{y - y % stride} * layer->width + (x - x % stride);
-                const std::size_t to = std::size_t{y} * layer->width + x;
-                for (std::size_t c = 0; from != to && c < channels; ++c) {
-                    values[to * channels + c] = values[from * channels + c];
+ImageLayer EnlargePreview(const AovInfo& info, const ImageLayer& known, std::uint32_t width,
+                          std::uint32_t height, std::uint32_t stride, PreviewFill fill) {
+    ImageLayer layer = MakeClearLayer(info, width, height);
+    const std::size_t channels = info.NumChannels();
+    const auto enlarge = [&](const auto& from, auto* to) {
+        for (std::uint32_t y = 0; y < height; y += stride) {
+            const auto row = to->begin() + static_cast<std::ptrdiff_t>(y * channels * width);
+            const auto rowEnd = row + static_cast<std::ptrdiff_t>(channels * width);
+            auto target = row;
+            for (std::uint32_t x = 0; x < width; ++x) {
+                const std::size_t at = std::size_t{y / stride} * known.width + x / stride;
+                const auto pixel = from.begin() + static_cast<std::ptrdiff_t>(at * channels);
+                if (fill == PreviewFill::Squares || x % stride == 0) {
+                    std::copy_n(pixel, channels, target);
                 }
+                target += static_cast<std::ptrdiff_t>(channels);
+            }
+            const std::uint32_t last = std::min(y + stride, height);
+            for (std::uint32_t copy = y + 1; fill == PreviewFill::Squares && copy < last; ++copy) {
+                std::copy(row, rowEnd,
+                          to->begin() + static_cast<std::ptrdiff_t>(copy * channels * width));
             }
         }
     };
-    if (layer->isInteger) {
-        fill(layer->ids);
+    if (info.isInteger) {
+        enlarge(known.ids, &layer.ids);
     } else {
-        fill(layer->values);
+        enlarge(known.values, &layer.values);
     }
+    return layer;
 }
 
 std::vector<ImageLayer> MakeLayers(const AovLayout& layout, std::uint32_t width,
@@ -231,19 +243,20 @@ std::vector<ImageLayer> MakeLayers(const AovLayout& layout, std::uint32_t width,
     const std::size_t numPixels = std::size_t{width} * height;
     std::vector<ImageLayer> layers;
     for (const AovSlot& slot : layout.slots) {
-        ImageLayer layer = MakeClearLayer(*slot.info, width, height);
-        const std::uint32_t numChannels =
-            slot.info->filter == AovFilter::Matte ? 0 : slot.info->NumChannels();
-        for (std::size_t pixel = 0; pixel < numPixels; ++pixel) {
-            for (std::uint32_t c = 0; c < numChannels; ++c) {
-                if (slot.info->isInteger) {
-                    layer.ids[pixel * numChannels + c] =
-                        ints[pixel * layout.intsPerPixel + slot.offset + c];
-                } else {
-                    layer.values[pixel * numChannels + c] =
-                        floats[pixel * layout.floatsPerPixel + slot.offset + c];
-                }
+        const AovInfo& info = *slot.info;
+        ImageLayer layer = MakeClearLayer(info, width, height);
+        const std::size_t channels = info.NumChannels();
+        const auto copy = [&](const auto* from, std::size_t stride, auto* to) {
+            for (std::size_t pixel = 0; pixel < numPixels; ++pixel) {
+                std::copy_n(from + pixel * stride + slot.offset, channels, to + pixel * channels);
             }
+        };
+        if (info.filter == AovFilter::Matte) {
+            // lies in neither buffer
+        } else if (info.isInteger) {
+            copy(ints, layout.intsPerPixel, layer.ids.data());
+        } else {
+            copy(floats, layout.floatsPerPixel, layer.values.data());
         }
         layers.push_back(std::move(layer));
     }

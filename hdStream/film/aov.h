@@ -79,9 +79,16 @@ AovLayout MakeAovLayout(const std::vector<std::string>& names);
 /// A layer of that size with every pixel at the AOV's clear value.
 ImageLayer MakeClearLayer(const AovInfo& info, std::uint32_t width, std::uint32_t height);
 
-/// Shows a layer of which only the pixels with coordinates that are multiples of `stride` are
-/// known: each of them fills the square of pixels to its right and below.
-void FillPreview(ImageLayer* layer, std::uint32_t stride);
+/// How a layer shows pixels of which nothing is known.
+enum class PreviewFill {
+    Squares, ///< as the known pixel above and to the left of them
+    Clear,   ///< at the AOV's clear value
+};
+
+/// A layer of width x height of which only those pixels are known whose coordinates are multiples
+/// of `stride`: `known` has them, row by row.
+ImageLayer EnlargePreview(const AovInfo& info, const ImageLayer& known, std::uint32_t width,
+                          std::uint32_t height, std::uint32_t stride, PreviewFill fill);
 
 /// Splits resolved buffers (read back from the device) into layers, in the order of the layout.
 /// Cryptomattes are left clear.

@@ -57,6 +57,8 @@ HdStreamRenderDelegate::HdStreamRenderDelegate(const HdRenderSettingsMap& settin
     for (const auto& [key, value] : settings) {
         SetRenderSetting(key, value);
     }
+    // While the application fills the scene.
+    _param->Thread().Warm(ComposeSettings());
 }
 
 HdStreamRenderDelegate::~HdStreamRenderDelegate() = default;

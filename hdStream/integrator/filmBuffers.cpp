@@ -152,28 +152,33 @@ std::vector<ImageLayer> FilmBuffers::Develop(StageKernels* kernels, std::uint32_
         }
         return layers;
     }
-    const std::uint32_t numPixels = _width * _height;
-    kernels->develop.Launch(numPixels, _film, numPixels, _floats, _layout.floatsPerPixel, _ints,
-                            _layout.intsPerPixel, OffsetOf(_layout, "color"),
-                            OffsetOf(_layout, "alpha"), OffsetOf(_layout, "variance"),
-                            OffsetOf(_layout, "sampleCount"), OffsetOf(_layout, "noisy"));
+    // Of a preview only those pixels that it has: the next one waits for this one.
+    const std::uint32_t width = (_width + previewStride - 1) / previewStride;
+    const std::uint32_t height = (_height + previewStride - 1) / previewStride;
+    const std::uint32_t numPixels = width * height;
+    kernels->develop.Launch(numPixels, _film, numPixels, _width, width, previewStride, _floats,
+                            _layout.floatsPerPixel, _ints, _layout.intsPerPixel,
+                            OffsetOf(_layout, "color"), OffsetOf(_layout, "alpha"),
+                            OffsetOf(_layout, "variance"), OffsetOf(_layout, "sampleCount"),
+                            OffsetOf(_layout, "noisy"));
     std::vector<float> floats(std::size_t{numPixels} * _layout.floatsPerPixel);
     std::vector<std::int32_t> ints(std::size_t{numPixels} * _layout.intsPerPixel);
     _device->Finish();
     _floats.Read(floats.data(), floats.size() * sizeof(float));
     _ints.Read(ints.data(), ints.size() * sizeof(std::int32_t));
-    layers = MakeLayers(_layout, _width, _height, floats.data(), ints.data());
-    if (_layout.hasMattes) {
-        DevelopMattes(nameOf, &layers);
-    }
+    layers = MakeLayers(_layout, width, height, floats.data(), ints.data());
     for (std::size_t i = 0; i < layers.size(); ++i) {
         const AovInfo& info = *_layout.slots[i].info;
         if (info.filter == AovFilter::First && !_hasFirstHits) {
             layers[i] = MakeClearLayer(info, _width, _height);
-        } else if ((info.filter == AovFilter::Weighted || info.filter == AovFilter::Matte) &&
-                   previewStride > 1) {
-            FillPreview(&layers[i], previewStride);
+        } else if (previewStride > 1 && info.filter != AovFilter::Matte) {
+            layers[i] = EnlargePreview(info, layers[i], _width, _height, previewStride,
+                                       info.filter == AovFilter::Weighted ? PreviewFill::Squares
+                                                                          : PreviewFill::Clear);
         }
+    }
+    if (_layout.hasMattes) {
+        DevelopMattes(nameOf, &layers);
     }
     return layers;
 }

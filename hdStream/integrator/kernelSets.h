@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -31,10 +32,18 @@ public:
     /// Whether Get would read them from the store.
     bool AreInStore(const KernelFeatures& features) const;
 
+    /// Keeps in the store which features a render has asked for, for Warm of later processes.
+    void Remember(const KernelFeatures& features);
+    /// Makes those kernels that were asked for last on this device, if the store has them: nothing
+    /// is compiled.
+    void Warm();
+
     /// As StageKernels::SaveBinaries, of all.
     void SaveBinaries();
 
 private:
+    StageKernels& Add(const KernelFeatures& features);
+
     struct Set {
         std::unique_ptr<StageKernels> kernels;
         std::uint64_t boundScene = 0; ///< 0: none
@@ -43,7 +52,8 @@ private:
     std::shared_ptr<Device> _device;
     Store* _store;
     std::size_t _mostSets;
-    std::vector<Set> _sets; ///< used last comes last
+    std::vector<Set> _sets;                    ///< used last comes last
+    std::optional<KernelFeatures> _remembered; ///< what the store has
 };
 
 } // namespace hds

@@ -67,18 +67,29 @@ struct PathTracer::Impl {
             ++sceneNumber;
         }
         ReadyKernels();
+        if (remembersKernels) {
+            kernelSets.Remember(kernels->Features());
+        }
         ReadyPathState();
         const shared::HdsFrameParams params = MakeFrameParams(
             options, scene->centre, static_cast<std::uint32_t>(scene->lights->lights.size()));
         frame.Write(&params, sizeof(params));
-        filter = UploadVector(device, "pixel filter",
-                              BuildPixelFilterTable(options.pixelFilter, options.pixelFilterWidth));
+        ReadyFilter();
         tracer.ClearCounters();
         film.Reset(options.aovs, options.imageWidth, options.imageHeight);
         statistics.filmBytes = film.Bytes();
         film.Load(kernels, start);
         schedule.Begin(options, start);
         SetWaveLimits();
+    }
+
+    void ReadyFilter() {
+        const std::pair<std::string, double> shape(options.pixelFilter, options.pixelFilterWidth);
+        if (filterShape != shape) {
+            filter = UploadVector(device, "pixel filter",
+                                  BuildPixelFilterTable(shape.first, shape.second));
+            filterShape = shape;
+        }
     }
 
     /// What kernels for the present scene and options have to be able to.
@@ -316,9 +327,12 @@ struct PathTracer::Impl {
 
     /// \param count of the pixels in `pixels`.
     std::vector<float> RelativeErrors(std::uint32_t count) {
-        Buffer errors(device, "pixel errors", std::uint64_t{count} * sizeof(float));
+        const std::uint32_t numPixels = options.imageWidth * options.imageHeight;
+        const Buffer variances(device, "pixel variances", std::uint64_t{numPixels} * sizeof(float));
+        const Buffer errors(device, "pixel errors", std::uint64_t{count} * sizeof(float));
+        kernels->relativeVariance.Launch(numPixels, film.Film(), numPixels, variances);
         kernels->relativeError.Launch(
-            count, film.Film(), static_cast<std::int32_t>(options.imageWidth),
+            count, film.Film(), variances, static_cast<std::int32_t>(options.imageWidth),
             static_cast<std::int32_t>(options.imageHeight), pixels, count, errors);
         std::vector<float> values(count);
         errors.Read(values.data(), values.size() * sizeof(float));
@@ -470,6 +484,7 @@ struct PathTracer::Impl {
     RenderOptions options;
     SceneBuffers buffers;
     bool requestsFirst = false;
+    bool remembersKernels = false; ///< somebody warms them
     FilmBuffers film;
     std::uint64_t sceneNumber = 0;   ///< counts what kernels are bound to
     StageKernels* kernels = nullptr; ///< those of the present render
@@ -477,6 +492,7 @@ struct PathTracer::Impl {
     std::optional<PixelList> presentList; ///< that `pixels` holds
     Buffer frame;
     Buffer filter;
+    std::pair<std::string, double> filterShape; ///< name and width of `filter`
     Buffer pixels;
     RenderStatistics statistics;
     WaveTracer tracer;
@@ -486,6 +502,11 @@ PathTracer::PathTracer(std::shared_ptr<Device> device, Store* store)
     : _impl(std::make_unique<Impl>(std::move(device), store)) {}
 
 PathTracer::~PathTracer() = default;
+
+void PathTracer::WarmKernels() {
+    _impl->kernelSets.Warm();
+    _impl->remembersKernels = true;
+}
 
 bool PathTracer::NeedsAllPages(const CommittedScene& scene,
                                const ResidencyOptions& residency) const {

@@ -24,6 +24,10 @@ public:
     PathTracer(std::shared_ptr<Device> device, Store* store);
     ~PathTracer();
 
+    /// Makes the kernels that a render of an earlier process asked for last, if they need not be
+    /// compiled, and keeps what renders ask for from here on.
+    void WarmKernels();
+
     /// Whether SetScene asks for all pages of a scene, or for the sizes of all: they are better
     /// prepared before.
     bool NeedsAllPages(const CommittedScene& scene, const ResidencyOptions& residency) const;

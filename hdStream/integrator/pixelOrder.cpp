@@ -8,6 +8,16 @@ namespace {
 constexpr std::uint32_t kTileBits = 5;
 constexpr std::uint32_t kTileSize = 1U << kTileBits;
 
+constexpr std::uint32_t kLeastFirstStride = 8;
+constexpr std::uint32_t kMostFirstStride = 64;
+/// Pixels of the coarsest image, at least. Fewer show little, and launches take the time of some
+/// hundred paths anyway.
+constexpr std::uint64_t kLeastPreviewPixels = 256;
+
+std::uint64_t CountOf(std::uint32_t width, std::uint32_t height, std::uint32_t stride) {
+    return std::uint64_t{(width + stride - 1) / stride} * ((height + stride - 1) / stride);
+}
+
 /// Every second bit of a Z-curve index.
 std::uint32_t CompactBits(std::uint32_t index) {
     std::uint32_t value = 0;
@@ -39,11 +49,25 @@ std::vector<std::uint32_t> MakePixelOrder(std::uint32_t width, std::uint32_t hei
     return pixels;
 }
 
-PreviewOrder MakePreviewOrder(const std::vector<std::uint32_t>& order, std::uint32_t width) {
+std::vector<std::uint32_t> PreviewStrides(std::uint32_t width, std::uint32_t height) {
+    std::uint32_t stride = kLeastFirstStride;
+    while (stride < kMostFirstStride && CountOf(width, height, 2 * stride) >= kLeastPreviewPixels) {
+        stride *= 2;
+    }
+    std::vector<std::uint32_t> strides;
+    for (; stride > 0; stride /= 2) {
+        strides.push_back(stride);
+    }
+    return strides;
+}
+
+PreviewOrder MakePreviewOrder(const std::vector<std::uint32_t>& order, std::uint32_t width,
+                              std::uint32_t height) {
     PreviewOrder result;
+    result.strides = PreviewStrides(width, height);
     result.pixels.reserve(order.size());
     std::uint32_t coarser = 0;
-    for (const std::uint32_t stride : kPreviewStrides) {
+    for (const std::uint32_t stride : result.strides) {
         for (const std::uint32_t pixel : order) {
             const std::uint32_t bits = (pixel % width) | (pixel / width);
             if (bits % stride == 0 && (coarser == 0 || bits % coarser != 0)) {

@@ -12,18 +12,22 @@ namespace hds {
 /// image, so that a wave's camera rays touch little of the scene.
 std::vector<std::uint32_t> MakePixelOrder(std::uint32_t width, std::uint32_t height);
 
-/// Strides of a first image from coarse to fine, coarsest first.
-constexpr std::uint32_t kPreviewStrides[] = {8, 4, 2, 1};
+/// Strides of a first image from coarse to fine, each half of the one before, down to 1. The first
+/// is at least 8 and at most 64, and as coarse as leaves some hundred pixels: what these take is
+/// how long an edit takes to show.
+std::vector<std::uint32_t> PreviewStrides(std::uint32_t width, std::uint32_t height);
 
 /// Pixels in the order of a first image.
 struct PreviewOrder {
     std::vector<std::uint32_t> pixels;
-    /// For each of kPreviewStrides: so many pixels at the front of the list are all those whose
+    std::vector<std::uint32_t> strides; ///< as PreviewStrides
+    /// For each of them: so many pixels at the front of the list are all those whose
     /// coordinates are multiples of it.
     std::vector<std::uint32_t> ends;
 };
 
 /// The pixels of `order` sorted by the coarsest stride they belong to; otherwise in its order.
-PreviewOrder MakePreviewOrder(const std::vector<std::uint32_t>& order, std::uint32_t width);
+PreviewOrder MakePreviewOrder(const std::vector<std::uint32_t>& order, std::uint32_t width,
+                              std::uint32_t height);
 
 } // namespace hds

@@ -22,7 +22,6 @@ constexpr double kMaxWaveSeconds = 0.5;
 /// Passes grow by this factor at most: the first ones take longer than those to come, for drivers
 /// compile what they launch first and pages are loaded.
 constexpr std::uint32_t kMaxGrowth = 2;
-constexpr auto kNumPreviews = static_cast<std::uint32_t>(std::size(kPreviewStrides));
 
 } // namespace
 
@@ -43,7 +42,7 @@ void SampleSchedule::Begin(const RenderOptions& options, const std::vector<FilmS
     _isInStep = false;
     LoadStart(start);
     const bool isNew = _firstMissing == 0 && !_hasLate;
-    _previewsLeft = isNew && _isInteractive ? kNumPreviews : 0;
+    _previewsLeft = isNew && _isInteractive ? NumPreviews() : 0;
     _previewStride = isNew ? 0 : 1; // a film that was loaded is a picture
     _done = _firstMissing;
     _waveSecondsPerPath = 0.0;
@@ -58,7 +57,7 @@ void SampleSchedule::MakeOrders(std::uint32_t width, std::uint32_t height) {
         _width = width;
         _height = height;
         _order = MakePixelOrder(width, height);
-        _preview = MakePreviewOrder(_order, width);
+        _preview = MakePreviewOrder(_order, width, height);
     }
 }
 
@@ -82,7 +81,7 @@ const std::vector<std::uint32_t>& SampleSchedule::Pixels(PixelList list) const {
 
 std::optional<SamplePass> SampleSchedule::Next() const {
     if (_previewsLeft > 0) {
-        const std::uint32_t i = kNumPreviews - _previewsLeft;
+        const std::uint32_t i = NumPreviews() - _previewsLeft;
         return SamplePass{
             PixelList::Preview, i == 0 ? 0 : _preview.ends[i - 1], _preview.ends[i], 0, 1, true};
     }
@@ -175,7 +174,7 @@ void SampleSchedule::Complete() {
     _isInStep = pass->list == PixelList::Active && !pass->isOfFirstPicture;
     _previewStride = 1;
     if (pass->list == PixelList::Preview) {
-        _previewStride = kPreviewStrides[kNumPreviews - _previewsLeft--];
+        _previewStride = _preview.strides[NumPreviews() - _previewsLeft--];
         _done = pass->end == Count(PixelList::Preview) ? 1 : 0;
         return;
     }

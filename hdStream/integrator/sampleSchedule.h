@@ -95,6 +95,9 @@ private:
     std::uint32_t MostInPass() const {
         return std::max<std::uint32_t>(_limits.most, HDS_SAMPLE_BLOCK);
     }
+    std::uint32_t NumPreviews() const {
+        return static_cast<std::uint32_t>(_preview.strides.size());
+    }
     std::uint32_t Count(PixelList list) const {
         return static_cast<std::uint32_t>(Pixels(list).size());
     }

@@ -93,6 +93,7 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
     generateCentre = frameProgram->GetKernel("generate_centre");
     resolve = frameProgram->GetKernel("resolve_addSamples");
     develop = frameProgram->GetKernel("film_develop");
+    relativeVariance = frameProgram->GetKernel("film_relativeVariance");
     relativeError = frameProgram->GetKernel("film_relativeError");
     addBlock = frameProgram->GetKernel("film_addBlock");
     intersect = intersectProgram->GetKernel("intersect_closest");

@@ -38,6 +38,7 @@ public:
     Kernel shadowResume;    ///< only while geometry streams
     Kernel resolve;
     Kernel develop;
+    Kernel relativeVariance;
     Kernel relativeError;
     Kernel addBlock;
 

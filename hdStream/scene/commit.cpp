@@ -73,7 +73,7 @@ public:
         if (isCancelled && isCancelled()) {
             return nullptr;
         }
-        AddObjects();
+        AddObjects(drawn.size());
         for (std::size_t i = 0; i < drawn.size(); ++i) {
             AddPrim(*drawn[i], static_cast<std::uint32_t>(i));
         }
@@ -117,6 +117,7 @@ private:
         const bool isDiced = isAdaptive || (_options.subdivision == Subdivision::Complexity &&
                                             _options.refineLevel > 0);
         std::vector<GeometryStore::Drawn> inputs;
+        inputs.reserve(drawn.size());
         for (const GeometryEntry* entry : drawn) {
             GeometryInputs input;
             input.geometry = entry->second.geometry;
@@ -163,17 +164,19 @@ private:
     }
 
     /// Objects, chunks and pages of all planned geometry: what is hidden keeps its pages.
-    void AddObjects() {
+    void AddObjects(std::size_t numDrawn) {
         _result->objects.emplace_back(); // the TLAS
         _result->pages = std::make_unique<GeometryPages>(&_cache.pages);
-        _cache.geometry.ForEach([&](const std::string& path, const PlannedGeometry& prepared) {
-            AddObject(path, prepared);
+        _cache.geometry.ForEach([&](const std::string&, const PlannedGeometry& prepared) {
+            const std::size_t drawn = _objectOfDrawn.size();
+            if (drawn < numDrawn && &_cache.geometry.OfDrawn(drawn) == &prepared) {
+                _objectOfDrawn.push_back(static_cast<std::uint32_t>(_result->objects.size()));
+            }
+            AddObject(prepared);
         });
     }
 
-    void AddObject(const std::string& path, const PlannedGeometry& prepared) {
-        const auto index = static_cast<std::uint32_t>(_result->objects.size());
-        _objectByPath[path] = index;
+    void AddObject(const PlannedGeometry& prepared) {
         shared::HdsObject object{};
         object.kind = prepared.topNodes.empty() ? HDS_OBJECT_CHUNK : HDS_OBJECT_TOP_TREE;
         object.nodeBase = static_cast<std::uint32_t>(_result->topNodes.size());
@@ -189,7 +192,7 @@ private:
 
     void AddPrim(const GeometryEntry& entry, std::uint32_t index) {
         const auto& [path, prim] = entry;
-        const PlannedGeometry& prepared = _cache.geometry.Find(path);
+        const PlannedGeometry& prepared = _cache.geometry.OfDrawn(index);
         const PrimMaterialInfo info = _materials.AddPrim(path, prim, prepared);
         const bool hasFaces = prim.geometry->primitives == PrimitiveKind::Faces;
         const std::uint32_t cullFlags = hasFaces ? CullFlags(prim, _options.cullStyle) : 0U;
@@ -203,16 +206,16 @@ private:
         _result->primAttributes.push_back(&prepared.attributes);
         if (_options.keepsNames) {
             _result->primPaths.push_back(path);
-            const std::vector<std::string> materials = _materials.EntryPaths(prim);
-            _result->entryMaterials.insert(_result->entryMaterials.end(), materials.begin(),
-                                           materials.end());
+            for (const std::string* material : _materials.EntryPaths(prim)) {
+                _result->entryMaterials.push_back(*material);
+            }
         }
         if (prepared.chunks.empty()) {
             return;
         }
         const bool mayPass = info.hasCutouts || cullFlags != 0;
         LeafObject leaf;
-        leaf.object = _objectByPath.at(path);
+        leaf.object = _objectOfDrawn[index];
         leaf.prim = index;
         const std::uint32_t seenBy = RayVisibilityFlags(prim.geometry->primvars);
         _result->hasRayVisibility = _result->hasRayVisibility || seenBy != kSeenByAll;
@@ -228,7 +231,7 @@ private:
             const shared::HdsObject& object = _result->objects[leaf.object];
             _result->pages->Keep(object.itemBase, object.numItems); // light paths end there
         }
-        _leaves[path] = leaf;
+        _leaves.push_back({&entry, leaf});
         _result->hasCutouts = _result->hasCutouts || mayPass;
         CountPrim(*prim.geometry, prepared.numTriangles);
     }
@@ -322,9 +325,9 @@ private:
     MaterialCommit _materials;
     std::unique_ptr<CommittedScene> _result;
     LightLinks _links;
-    std::map<std::string, std::uint32_t> _objectByPath;
-    std::vector<PrimMaterialInfo> _primInfos; ///< by the index of the prim
-    std::map<std::string, LeafObject> _leaves;
+    std::vector<std::uint32_t> _objectOfDrawn; ///< in the order of paths
+    std::vector<PrimMaterialInfo> _primInfos;  ///< by the index of the prim
+    std::vector<DrawnLeaf> _leaves;            ///< in the order of paths
     std::vector<WorldInstance> _worldInstances;
 };
 

@@ -17,17 +17,20 @@ constexpr std::size_t kGrain = 1;
 
 bool GeometryStore::Prepare(const SceneDescription& scene, const std::vector<Drawn>& drawn,
                             Warnings& warnings, const CancelCallback& isCancelled) {
-    for (auto item = _items.begin(); item != _items.end();) {
-        const auto prim = scene.geometry.find(item->first);
-        const bool isCurrent =
-            prim != scene.geometry.end() && prim->second.geometry == item->second.inputs.geometry;
-        item = isCurrent ? std::next(item) : _items.erase(item);
-    }
-    std::vector<const Drawn*> missing;
-    for (const Drawn& one : drawn) {
-        const auto item = _items.find(*one.first);
-        if (item == _items.end() || !item->second.inputs.Suffice(one.second)) {
-            missing.push_back(&one);
+    ForgetOthers(scene);
+    // All of this is in the order of paths: nothing is looked up by name.
+    std::vector<Missing> missing;
+    _drawn.assign(drawn.size(), nullptr);
+    auto item = _items.begin();
+    for (std::size_t i = 0; i < drawn.size(); ++i) {
+        while (item != _items.end() && item->first < *drawn[i].first) {
+            ++item;
+        }
+        const bool isKnown = item != _items.end() && item->first == *drawn[i].first;
+        if (isKnown && item->second.inputs.Suffice(drawn[i].second)) {
+            _drawn[i] = item->second.prepared.get();
+        } else {
+            missing.push_back({i, item});
         }
     }
     std::vector<std::shared_ptr<const PlannedGeometry>> prepared(missing.size());
@@ -41,16 +44,33 @@ bool GeometryStore::Prepare(const SceneDescription& scene, const std::vector<Dra
             }
             for (std::size_t i = range.begin(); i < range.end() && !isStopped; ++i) {
                 prepared[i] = std::make_shared<const PlannedGeometry>(
-                    PlanGeometry(*missing[i]->first, missing[i]->second, _pageStore, warnings));
+                    PlanGeometry(*drawn[missing[i].index].first, drawn[missing[i].index].second,
+                                 _pageStore, warnings));
             }
         });
     for (std::size_t i = 0; i < missing.size(); ++i) {
         if (prepared[i]) {
             ++_numPrepared;
-            _items[*missing[i]->first] = {missing[i]->second, prepared[i], nullptr};
+            const Drawn& one = drawn[missing[i].index];
+            _drawn[missing[i].index] = prepared[i].get();
+            _items.try_emplace(missing[i].place, *one.first)->second = {one.second, prepared[i],
+                                                                        nullptr};
         }
     }
     return !isStopped;
+}
+
+/// Forgets what the scene has no more, or has anew.
+void GeometryStore::ForgetOthers(const SceneDescription& scene) {
+    auto prim = scene.geometry.begin();
+    for (auto item = _items.begin(); item != _items.end();) {
+        while (prim != scene.geometry.end() && prim->first < item->first) {
+            ++prim;
+        }
+        const bool isCurrent = prim != scene.geometry.end() && prim->first == item->first &&
+                               prim->second.geometry == item->second.inputs.geometry;
+        item = isCurrent ? std::next(item) : _items.erase(item);
+    }
 }
 
 const PlannedGeometry& GeometryStore::Find(const std::string& path) const {

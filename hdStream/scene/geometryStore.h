@@ -27,8 +27,12 @@ public:
     /// Prepares those of `drawn` that are not prepared so yet, on all cores, and forgets the prims
     /// that `scene` has no more. What is hidden stays prepared. \return false when it was
     /// cancelled; what is prepared by then is kept.
+    /// \pre `drawn` is in the order of paths.
     bool Prepare(const SceneDescription& scene, const std::vector<Drawn>& drawn, Warnings& warnings,
                  const CancelCallback& isCancelled);
+
+    /// Of drawn[index] of the last Prepare, which was not cancelled.
+    const PlannedGeometry& OfDrawn(std::size_t index) const { return *_drawn[index]; }
 
     /// Precondition: it was among `drawn`.
     const PlannedGeometry& Find(const std::string& path) const;
@@ -47,6 +51,7 @@ public:
 
     /// Finished pages go there and come from there; null: nowhere. Forgets all geometry.
     void SetPageStore(std::shared_ptr<PageStore> pageStore) {
+        _drawn.clear();
         _items.clear();
         _pageStore = std::move(pageStore);
     }
@@ -61,8 +66,19 @@ private:
         std::shared_ptr<const ChunkGeometry> triangles; ///< once asked for
     };
 
+    using Items = std::map<std::string, Item>;
+
+    /// One of `drawn` that is not prepared, and where it comes before in `_items`.
+    struct Missing {
+        std::size_t index;
+        Items::iterator place;
+    };
+
+    void ForgetOthers(const SceneDescription& scene);
+
     std::shared_ptr<PageStore> _pageStore;
-    std::map<std::string, Item> _items;
+    Items _items;
+    std::vector<const PlannedGeometry*> _drawn; ///< in the order of Prepare's `drawn`
     std::uint64_t _numPrepared = 0;
 };
 

@@ -51,8 +51,9 @@ MovingTransform PlacementTransform(const Placement& placement, const Shutter& sh
 
 /// What a group may contain at a path: a prim or a child instancer.
 struct Member {
-    std::string path;
-    const LeafObject* leaf = nullptr;           ///< a prim
+    const std::string* path = nullptr;
+    const DrawnLeaf* drawn = nullptr;           ///< a prim of the scene
+    const LeafObject* leaf = nullptr;           ///< its, or a group's
     const InstancerPrim* instancer = nullptr;   ///< or an instancer
     MovingTransform transform{glm::dmat4(1.0)}; ///< of the member, in its prototype's space
 };
@@ -129,7 +130,7 @@ struct Record {
 
 class Builder {
 public:
-    Builder(const SceneDescription& scene, const std::map<std::string, LeafObject>& leaves,
+    Builder(const SceneDescription& scene, const std::vector<DrawnLeaf>& leaves,
             const glm::dvec3& centre, std::uint32_t firstGroup, LightLinks* links,
             const Shutter& shutter, Warnings& warnings)
         : _scene(scene), _leaves(leaves), _centre(centre), _firstGroup(firstGroup), _links(*links),
@@ -140,6 +141,7 @@ public:
         _result.groups.resize(1); // the TLAS, filled last
         std::vector<Record> records;
         const glm::dmat4 centreFromWorld = glm::translate(glm::dmat4(1.0), -_centre);
+        records.reserve(_roots.size());
         for (const Member& member : _roots) {
             AppendMember(member, centreFromWorld, 0, &records);
         }
@@ -151,31 +153,39 @@ public:
 private:
     /// Sorts every drawn prim and instancer under the instancer that places it, in path order.
     void CollectMembers() {
-        std::map<std::string, Member> all;
-        for (const auto& [path, leaf] : _leaves) {
-            if (leaf.worldInstance || leaf.isLinkedByInstance ||
-                ChainLength(_scene.geometry.at(path).placement) > HDS_MAX_GROUP_DEPTH) {
-                _ownLeaves.push_back(path);
-                continue;
+        _roots.reserve(_leaves.size());
+        auto instancer = _scene.instancers.begin();
+        for (const DrawnLeaf& leaf : _leaves) {
+            for (; instancer != _scene.instancers.end() && instancer->first < leaf.Path();
+                 ++instancer) {
+                AddInstancer(instancer->first, instancer->second);
             }
-            all[path] = {path, &leaf, nullptr,
-                         PlacementTransform(_scene.geometry.at(path).placement, _shutter)};
-        }
-        for (const auto& [path, instancer] : _scene.instancers) {
-            if (instancer.placement.visible) {
-                all[path] = {path, nullptr, &instancer,
-                             PlacementTransform(instancer.placement, _shutter)};
-            }
-        }
-        for (auto& [path, member] : all) {
-            const std::string& parent = member.leaf != nullptr
-                                            ? _scene.geometry.at(path).placement.instancerPath
-                                            : member.instancer->placement.instancerPath;
-            if (parent.empty()) {
-                _roots.push_back(std::move(member));
+            const Placement& placement = leaf.Prim().placement;
+            if (leaf.object.worldInstance || leaf.object.isLinkedByInstance ||
+                ChainLength(placement) > HDS_MAX_GROUP_DEPTH) {
+                _ownLeaves.push_back(&leaf);
             } else {
-                AddToPrototype(parent, std::move(member));
+                AddMember(placement, {&leaf.Path(), &leaf, &leaf.object, nullptr,
+                                      PlacementTransform(placement, _shutter)});
             }
+        }
+        for (; instancer != _scene.instancers.end(); ++instancer) {
+            AddInstancer(instancer->first, instancer->second);
+        }
+    }
+
+    void AddInstancer(const std::string& path, const InstancerPrim& instancer) {
+        if (instancer.placement.visible) {
+            AddMember(instancer.placement, {&path, nullptr, nullptr, &instancer,
+                                            PlacementTransform(instancer.placement, _shutter)});
+        }
+    }
+
+    void AddMember(const Placement& placement, Member member) {
+        if (placement.instancerPath.empty()) {
+            _roots.push_back(std::move(member));
+        } else {
+            AddToPrototype(placement.instancerPath, std::move(member));
         }
     }
 
@@ -194,12 +204,12 @@ private:
     void AddToPrototype(const std::string& parent, Member member) {
         const auto instancer = _scene.instancers.find(parent);
         if (instancer == _scene.instancers.end()) {
-            _warnings.Add(member.path, "its instancer " + parent + " does not exist; not drawn");
+            _warnings.Add(*member.path, "its instancer " + parent + " does not exist; not drawn");
             return;
         }
-        const SharedSpan<std::int32_t>& instances =
-            member.leaf != nullptr ? _scene.geometry.at(member.path).placement.instances
-                                   : member.instancer->placement.instances;
+        const SharedSpan<std::int32_t>& instances = member.drawn != nullptr
+                                                        ? member.drawn->Prim().placement.instances
+                                                        : member.instancer->placement.instances;
         if (instances.empty()) {
             return; // placed nowhere
         }
@@ -225,18 +235,19 @@ private:
 
     void AppendInstancer(const Member& member, const MovingTransform& groupFromPrototype,
                          std::uint32_t depth, std::vector<Record>* records) {
-        if (!_active.insert(member.path).second) {
-            _warnings.Add(member.path, "instancers form a cycle; the inner placement is not drawn");
+        if (!_active.insert(*member.path).second) {
+            _warnings.Add(*member.path,
+                          "instancers form a cycle; the inner placement is not drawn");
             return;
         }
-        const auto prototypes = _prototypes.find(member.path);
+        const auto prototypes = _prototypes.find(*member.path);
         if (prototypes != _prototypes.end()) {
             const MovingTransform groupFromInstancer = groupFromPrototype * member.transform;
             for (const Prototype& prototype : prototypes->second) {
                 AppendPrototype(member, prototype, groupFromInstancer, depth, records);
             }
         }
-        _active.erase(member.path);
+        _active.erase(*member.path);
     }
 
     void AppendPrototype(const Member& instancer, const Prototype& prototype,
@@ -285,9 +296,9 @@ private:
                 records->end());
         }
         if (numBad > 0) {
-            _warnings.Add(instancer.path, std::to_string(numBad) +
-                                              " instances dropped: transform singular, not "
-                                              "finite or beyond 1e30, or index out of range");
+            _warnings.Add(*instancer.path, std::to_string(numBad) +
+                                               " instances dropped: transform singular, not "
+                                               "finite or beyond 1e30, or index out of range");
         }
     }
 
@@ -295,9 +306,9 @@ private:
                       std::uint32_t rank, std::uint32_t count, std::vector<Record>* records) {
         Record record;
         if (FillRecord(member, groupFromPrototype * member.transform, rank, count, 1, &record)) {
-            records->push_back(record);
+            records->push_back(std::move(record));
         } else {
-            _warnings.Add(member.path,
+            _warnings.Add(*member.path,
                           "not drawn: its transform is singular, not finite or beyond 1e30");
         }
     }
@@ -373,11 +384,12 @@ private:
     }
 
     void AppendWorldInstances(const glm::dmat4& centreFromWorld, std::vector<Record>* records) {
-        for (const std::string& path : _ownLeaves) {
-            const LeafObject& leaf = _leaves.at(path);
+        for (const DrawnLeaf* drawn : _ownLeaves) {
+            const std::string& path = drawn->Path();
+            const LeafObject& leaf = drawn->object;
             for (const Placed& placed :
-                 PlacementsOf(_scene, _scene.geometry.at(path).placement, _shutter, 0)) {
-                Member member{path, &leaf, nullptr, placed.worldFromObject};
+                 PlacementsOf(_scene, drawn->Prim().placement, _shutter, 0)) {
+                Member member{&path, drawn, &leaf, nullptr, placed.worldFromObject};
                 if (leaf.worldInstance && placed.worldFromObject.Moves()) {
                     member.transform = placed.worldFromObject.AtFrame(); // as its light is
                     _warnings.Add(path, "emits light: not blurred by its motion");
@@ -389,7 +401,7 @@ private:
                              placed.id < 0 ? 0 : 1, records);
                 if (records->size() > before && leaf.isLinkedByInstance) {
                     records->back().instance.flags |=
-                        _links.FlagsOf(_scene.geometry.at(path).categories, placed.categories);
+                        _links.FlagsOf(drawn->Prim().categories, placed.categories);
                 }
                 if (records->size() > before && leaf.worldInstance) {
                     records->back().worldInstance =
@@ -478,14 +490,14 @@ private:
     }
 
     const SceneDescription& _scene;
-    const std::map<std::string, LeafObject>& _leaves;
+    const std::vector<DrawnLeaf>& _leaves;
     glm::dvec3 _centre;
     std::uint32_t _firstGroup;
     LightLinks& _links;
     const Shutter& _shutter;
     Warnings& _warnings;
     std::vector<Member> _roots;
-    std::vector<std::string> _ownLeaves;
+    std::vector<const DrawnLeaf*> _ownLeaves;
     std::map<std::string, std::vector<Prototype>> _prototypes;
     std::map<const Prototype*, std::pair<LeafObject, std::uint64_t>> _groupByPrototype;
     std::set<std::string> _active; ///< instancers being expanded, against cycles
@@ -501,10 +513,9 @@ void ForEachPlacement(const SceneDescription& scene, const Placement& placement,
     }
 }
 
-Hierarchy BuildHierarchy(const SceneDescription& scene,
-                         const std::map<std::string, LeafObject>& leaves, const glm::dvec3& centre,
-                         std::uint32_t firstGroup, LightLinks* links, const Shutter& shutter,
-                         Warnings& warnings) {
+Hierarchy BuildHierarchy(const SceneDescription& scene, const std::vector<DrawnLeaf>& leaves,
+                         const glm::dvec3& centre, std::uint32_t firstGroup, LightLinks* links,
+                         const Shutter& shutter, Warnings& warnings) {
     return Builder(scene, leaves, centre, firstGroup, links, shutter, warnings).Build();
 }
 

@@ -13,8 +13,8 @@
 #include "kernels/shared/geometry.h"
 
 #include <functional>
-#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace hds {
@@ -29,6 +29,15 @@ struct LeafObject {
     bool worldInstance = false; ///< needs a record in the TLAS
     bool isLinkedByInstance =
         false; ///< its instances have link sets of their own, so it needs a record too
+};
+
+/// A drawn prim of the scene, with its path.
+struct DrawnLeaf {
+    const std::pair<const std::string, GeometryPrim>* entry = nullptr;
+    LeafObject object;
+
+    const std::string& Path() const { return entry->first; }
+    const GeometryPrim& Prim() const { return entry->second; }
 };
 
 /// One placement in the TLAS of a leaf that asked for its world instance.
@@ -54,7 +63,7 @@ struct Hierarchy {
 };
 
 /// Builds the hierarchy of all drawn prims.
-/// \param leaves the drawn prims by path.
+/// \param leaves the drawn prims, in the order of paths.
 /// \param centre scene centre, subtracted from world positions in double.
 /// \param firstGroup index of the first group after the TLAS in the object table (the TLAS is
 /// object
@@ -62,10 +71,9 @@ struct Hierarchy {
 /// \param links of the scene
 /// \param shutter closed: everything is at rest where the frame has it
 /// Prims with transforms that are singular, not finite or beyond 1e30 are dropped with a warning.
-Hierarchy BuildHierarchy(const SceneDescription& scene,
-                         const std::map<std::string, LeafObject>& leaves, const glm::dvec3& centre,
-                         std::uint32_t firstGroup, LightLinks* links, const Shutter& shutter,
-                         Warnings& warnings);
+Hierarchy BuildHierarchy(const SceneDescription& scene, const std::vector<DrawnLeaf>& leaves,
+                         const glm::dvec3& centre, std::uint32_t firstGroup, LightLinks* links,
+                         const Shutter& shutter, Warnings& warnings);
 
 /// Placements of an instancer in world space (its own and its ancestors' instances composed,
 /// parent-major) for a prim; calls `onPlacement(worldFromPrototype)` for each. For

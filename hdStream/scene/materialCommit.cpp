@@ -108,13 +108,13 @@ std::vector<std::uint32_t> MaterialCommit::AddTextures(const CompiledMaterial& m
     return indices;
 }
 
-std::vector<std::string> MaterialCommit::EntryPaths(const GeometryPrim& prim) const {
-    std::vector<std::string> paths = {prim.materialPath};
+std::vector<const std::string*> MaterialCommit::EntryPaths(const GeometryPrim& prim) const {
+    std::vector<const std::string*> paths = {&prim.materialPath};
     for (std::size_t i = 0; i < prim.geometry->subsets.size(); ++i) {
         // A subset without a material of its own shows the prim's.
         const bool hasOwn =
             i < prim.subsetMaterialPaths.size() && HasSurface(_scene, prim.subsetMaterialPaths[i]);
-        paths.push_back(hasOwn ? prim.subsetMaterialPaths[i] : prim.materialPath);
+        paths.push_back(hasOwn ? &prim.subsetMaterialPaths[i] : &prim.materialPath);
     }
     return paths;
 }
@@ -133,9 +133,9 @@ bool MaterialCommit::MayEmit(const GeometryPrim& prim) const {
     if (prim.light) {
         return true;
     }
-    const std::vector<std::string> paths = EntryPaths(prim);
-    return std::any_of(paths.begin(), paths.end(), [this](const std::string& path) {
-        const CompiledMaterial& material = Find(path);
+    const std::vector<const std::string*> paths = EntryPaths(prim);
+    return std::any_of(paths.begin(), paths.end(), [this](const std::string* path) {
+        const CompiledMaterial& material = Find(*path);
         const ShaderValue& value = material.values[HDS_INPUT_EMISSIVE_COLOR];
         const shared::float4& emission = material.constants.constants[HDS_INPUT_EMISSIVE_COLOR];
         return (value && !IsAll(value, 0.0F)) || emission.x > 0.0F || emission.y > 0.0F ||
@@ -145,8 +145,8 @@ bool MaterialCommit::MayEmit(const GeometryPrim& prim) const {
 
 std::vector<DisplacementInput> MaterialCommit::DisplacementsOf(const GeometryPrim& prim) const {
     std::vector<DisplacementInput> displacements;
-    for (const std::string& materialPath : EntryPaths(prim)) {
-        displacements.push_back(Find(materialPath).displacement);
+    for (const std::string* materialPath : EntryPaths(prim)) {
+        displacements.push_back(Find(*materialPath).displacement);
         if (auto& lookup = displacements.back().lookup) {
             lookup->image = _images.LoadHeights(lookup->texture, lookup->channel);
         }
@@ -157,8 +157,8 @@ std::vector<DisplacementInput> MaterialCommit::DisplacementsOf(const GeometryPri
 std::vector<const std::set<std::string>*>
 MaterialCommit::PrimvarsOf(const GeometryPrim& prim) const {
     std::vector<const std::set<std::string>*> names;
-    for (const std::string& materialPath : EntryPaths(prim)) {
-        names.push_back(&_used.at(materialPath)->primvars);
+    for (const std::string* materialPath : EntryPaths(prim)) {
+        names.push_back(&_used.at(*materialPath)->primvars);
     }
     return names;
 }
@@ -167,10 +167,10 @@ PrimMaterialInfo MaterialCommit::AddPrim(const std::string& path, const Geometry
                                          const PlannedGeometry& prepared) {
     PrimMaterialInfo info;
     info.materialBase = static_cast<std::uint32_t>(primMaterials.size());
-    for (const std::string& materialPath : EntryPaths(prim)) {
-        const MaterialSyncMode syncMode = SyncModeOf(prim, materialPath);
+    for (const std::string* materialPath : EntryPaths(prim)) {
+        const MaterialSyncMode syncMode = SyncModeOf(prim, *materialPath);
         const bool isBlack = syncMode == MaterialSyncMode::NoMaterialResponse;
-        const CompiledMaterial& compiled = isBlack ? _black : Find(materialPath);
+        const CompiledMaterial& compiled = isBlack ? _black : Find(*materialPath);
         ResolvedMaterial resolved =
             ResolveMaterial(compiled, AddTextures(compiled), prepared.attributes, path, _warnings);
         shared::HdsMaterial& record = resolved.record;

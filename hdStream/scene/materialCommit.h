@@ -53,7 +53,7 @@ public:
                              const PlannedGeometry& prepared);
 
     /// The material of each entry: the prim's, then one for each subset.
-    std::vector<std::string> EntryPaths(const GeometryPrim& prim) const;
+    std::vector<const std::string*> EntryPaths(const GeometryPrim& prim) const;
 
     /// Whether some material of the prim may emit. Precondition: compiled.
     bool MayEmit(const GeometryPrim& prim) const;

@@ -30,10 +30,19 @@ const Row kRows[] = {
     {"hdstream:holdout", HDS_INSTANCE_HOLDOUT},
 };
 
+/// Few prims have such primvars, and commits ask all of them.
+bool MaySay(const Primvar& primvar) {
+    return primvar.name.compare(0, 9, "hdstream:") == 0 ||
+           primvar.name.compare(0, 7, "arnold:") == 0;
+}
+
 } // namespace
 
 std::uint32_t RayVisibilityFlags(const std::vector<Primvar>& primvars) {
     std::uint32_t flags = kSeenByAll;
+    if (std::none_of(primvars.begin(), primvars.end(), MaySay)) {
+        return flags;
+    }
     for (const Row& row : kRows) {
         const auto found =
             std::find_if(primvars.begin(), primvars.end(),

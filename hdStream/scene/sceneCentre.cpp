@@ -35,13 +35,12 @@ void ExtendByLeaf(const glm::dmat4& worldFromObject, const LeafObject& leaf, Dou
 
 } // namespace
 
-glm::dvec3 ChooseSceneCentre(const SceneDescription& scene,
-                             const std::map<std::string, LeafObject>& leaves) {
+glm::dvec3 ChooseSceneCentre(const SceneDescription& scene, const std::vector<DrawnLeaf>& leaves) {
     DoubleBounds bounds;
-    for (const auto& [path, leaf] : leaves) {
-        const Placement& placement = scene.geometry.at(path).placement;
+    for (const DrawnLeaf& leaf : leaves) {
+        const Placement& placement = leaf.Prim().placement;
         if (placement.instancerPath.empty()) {
-            ExtendByLeaf(placement.worldFromObject, leaf, &bounds);
+            ExtendByLeaf(placement.worldFromObject, leaf.object, &bounds);
         }
     }
     for (const auto& [path, instancer] : scene.instancers) {

@@ -4,15 +4,11 @@
 
 #include "hdStream/scene/hierarchy.h"
 
-#include <map>
-#include <string>
-
 namespace hds {
 
 /// The middle of the drawn prims' placements (instances by their own origins), or the world's
 /// origin for a scene that is not far from it: at most four times its own half diagonal away.
 /// Positions near the origin so keep their authored bits.
-glm::dvec3 ChooseSceneCentre(const SceneDescription& scene,
-                             const std::map<std::string, LeafObject>& leaves);
+glm::dvec3 ChooseSceneCentre(const SceneDescription& scene, const std::vector<DrawnLeaf>& leaves);
 
 } // namespace hds

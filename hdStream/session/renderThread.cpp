@@ -10,6 +10,7 @@
 #include <exception>
 #include <future>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -30,9 +31,16 @@ struct RenderThread::Impl {
     void Run() {
         std::unique_lock<std::mutex> lock(mutex);
         while (true) {
-            changed.wait(lock, [&] { return quits || !inbox.empty() || HasWork(); });
+            changed.wait(lock, [&] { return quits || toWarm || !inbox.empty() || HasWork(); });
             if (quits) {
                 return;
+            }
+            if (toWarm) {
+                const Settings present = *std::exchange(toWarm, std::nullopt);
+                lock.unlock();
+                session.Warm(present);
+                lock.lock();
+                continue;
             }
             ApplyEdits(&lock);
             if (HasWork() && inbox.empty()) {
@@ -211,6 +219,7 @@ struct RenderThread::Impl {
     mutable std::mutex mutex;
     std::condition_variable changed;
     std::vector<Edit> inbox;
+    std::optional<Settings> toWarm;
     Settings settings;
     bool hasSettings = false;
     bool isPaused = false;
@@ -258,6 +267,12 @@ std::uint64_t RenderThread::SetSettings(const Settings& settings) {
         _impl->changed.notify_all();
     }
     return _impl->version;
+}
+
+void RenderThread::Warm(const Settings& settings) {
+    const std::lock_guard<std::mutex> lock(_impl->mutex);
+    _impl->toWarm = settings;
+    _impl->changed.notify_all();
 }
 
 std::uint64_t RenderThread::Version() const {

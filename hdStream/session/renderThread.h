@@ -50,6 +50,9 @@ public:
     /// ones. Nothing is rendered before the first call. Returns the version.
     std::uint64_t SetSettings(const Settings& settings);
 
+    /// Session::Warm on the render thread, as soon as it has nothing to render.
+    void Warm(const Settings& settings);
+
     /// The version of the newest edit or settings.
     std::uint64_t Version() const;
 

@@ -114,6 +114,18 @@ struct Session::Impl {
         device->SetCompilers(std::move(compilers));
     }
 
+    void Warm(const Settings& settings) {
+        ReadyDevice(settings);
+        ReadyTracer();
+        tracer->WarmKernels();
+    }
+
+    void ReadyTracer() {
+        if (!tracer) {
+            tracer = std::make_unique<PathTracer>(device, store.get());
+        }
+    }
+
     /// Everything in device memory.
     void Discard() {
         tracer.reset();
@@ -138,9 +150,7 @@ struct Session::Impl {
         if (!next) {
             return false;
         }
-        if (!tracer) {
-            tracer = std::make_unique<PathTracer>(device, store.get());
-        }
+        ReadyTracer();
         const bool isEager = residency.preparesAll || tracer->NeedsAllPages(*next, residency);
         if (isEager && !next->pages->PrepareAll(isCancelled)) {
             return false;
@@ -323,6 +333,15 @@ std::string Session::Info() const {
     const auto scene =
         CommitScene(_impl->description, MakeCommitOptions(Settings()), &cache, _impl->warnings);
     return MakeInfo(_impl->description, *scene, _impl->warnings.Lines());
+}
+
+void Session::Warm(const Settings& settings) {
+    try {
+        _impl->Warm(settings);
+    } catch (const Error&) {
+        _impl->Discard();
+        _impl->device.reset();
+    }
 }
 
 RenderResult Session::Render(const Settings& settings, const ProgressCallback& onProgress,

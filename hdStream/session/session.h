@@ -80,6 +80,11 @@ public:
     std::string Info() const;
 
     // --- Rendering -------------------------------------------------------------------------------
+    /// Makes what a first render with such settings will need whatever the scene: the device, the
+    /// kernels that a render of an earlier process asked for last. Blocks. What fails is left to
+    /// Render, which tells of it.
+    void Warm(const Settings& settings);
+
     /// Renders with the settings from the first sample on. Blocks. Stops early when `onProgress`
     /// returns false; that is asked while the scene is prepared too. `watch` may stop it sooner.
     /// What did not change since the last call is kept: planned geometry, images, light tables,

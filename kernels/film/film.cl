@@ -3,17 +3,18 @@
  * Explained in docs/film.md. */
 #include "film/filmPixel.clh"
 
-/* Writes the sampled AOVs of each pixel; offsets are values inside a pixel of `floats` or `ints`,
- * HDS_NONE: not asked for. Global size: number of pixels. */
-kernel void film_develop(global const HdsFilmPixel* film, uint numPixels, global float* floats,
-                         uint floatStride, global int* ints, uint intStride, uint colorOffset,
-                         uint alphaOffset, uint varianceOffset, uint countOffset,
-                         uint noisyOffset) {
+/* Writes the sampled AOVs of those pixels whose coordinates are multiples of `stride`, one after
+ * another; offsets are values inside a pixel of `floats` or `ints`, HDS_NONE: not asked for. Global
+ * size: number of these pixels, which are numAcross in a row. */
+kernel void film_develop(global const HdsFilmPixel* film, uint numPixels, uint width,
+                         uint numAcross, uint stride, global float* floats, uint floatStride,
+                         global int* ints, uint intStride, uint colorOffset, uint alphaOffset,
+                         uint varianceOffset, uint countOffset, uint noisyOffset) {
     uint i = (uint)get_global_id(0);
     if (i >= numPixels) {
         return;
     }
-    HdsFilmPixel pixel = film[i];
+    HdsFilmPixel pixel = film[i / numAcross * stride * width + i % numAcross * stride];
     global float* target = floats + (size_t)i * floatStride;
     float4 mean = filmPixel_mean(&pixel);
     if (colorOffset != HDS_NONE) {
@@ -38,15 +39,24 @@ kernel void film_develop(global const HdsFilmPixel* film, uint numPixels, global
 #define HDS_ERROR_RADIUS 2
 #define HDS_ERROR_OWN_SHARE 0.25f
 
-/* Mean of filmPixel_relativeVariance over the window around a pixel. */
-float film_windowVariance(global const HdsFilmPixel* film, int2 size, int2 at) {
+/* filmPixel_relativeVariance of each pixel. Global size: numPixels. */
+kernel void film_relativeVariance(global const HdsFilmPixel* film, uint numPixels,
+                                  global float* variances) {
+    uint i = (uint)get_global_id(0);
+    if (i < numPixels) {
+        const HdsFilmPixel pixel = film[i];
+        variances[i] = filmPixel_relativeVariance(&pixel);
+    }
+}
+
+/* Their mean over the window around a pixel. */
+float film_windowVariance(global const float* variances, int2 size, int2 at) {
     const int2 from = max(at - HDS_ERROR_RADIUS, 0);
     const int2 to = min(at + HDS_ERROR_RADIUS, size - 1);
     float sum = 0.0f;
     for (int y = from.y; y <= to.y; ++y) {
         for (int x = from.x; x <= to.x; ++x) {
-            const HdsFilmPixel pixel = film[y * size.x + x];
-            sum += filmPixel_relativeVariance(&pixel);
+            sum += variances[y * size.x + x];
         }
     }
     return sum / (float)((to.x - from.x + 1) * (to.y - from.y + 1));
@@ -56,18 +66,19 @@ float film_windowVariance(global const HdsFilmPixel* film, int2 size, int2 at) {
  * standard error of the mean over sqrt(mean^2 + 0.01), of luminance. A few blocks of one pixel say
  * little about its variance, and nothing of a bright path that it has not met: it is the mean of a
  * window of pixels, or a quarter of the pixel's own where that is more (a line thinner than the
- * window). Global size: numPixels. */
-kernel void film_relativeError(global const HdsFilmPixel* film, int width, int height,
-                               global const uint* pixels, uint numPixels, global float* errors) {
+ * window). `variances` are of film_relativeVariance. Global size: numPixels. */
+kernel void film_relativeError(global const HdsFilmPixel* film, global const float* variances,
+                               int width, int height, global const uint* pixels, uint numPixels,
+                               global float* errors) {
     uint i = (uint)get_global_id(0);
     if (i >= numPixels) {
         return;
     }
-    const HdsFilmPixel pixel = film[pixels[i]];
-    const int2 at = (int2)((int)(pixels[i] % (uint)width), (int)(pixels[i] / (uint)width));
-    const float variance = fmax(HDS_ERROR_OWN_SHARE * filmPixel_relativeVariance(&pixel),
-                                film_windowVariance(film, (int2)(width, height), at));
-    errors[i] = sqrt(variance / fmax((float)pixel.numSamples, 1.0f));
+    const uint index = pixels[i];
+    const int2 at = (int2)((int)(index % (uint)width), (int)(index / (uint)width));
+    const float variance = fmax(HDS_ERROR_OWN_SHARE * variances[index],
+                                film_windowVariance(variances, (int2)(width, height), at));
+    errors[i] = sqrt(variance / fmax((float)film[index].numSamples, 1.0f));
 }
 
 /* Adds the sums of the block that follows to each pixel: `film` is at its first sample. Global

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Interactive figures of render delegates on one scene of many meshes, in one run: the time to sync
-// the whole scene, and the latency from an edit to the first pixel that shows it.
+// the whole scene, and the latency from an edit of each kind to the first pixel of the render that
+// it starts.
 //   benchHydra [--meshes N] [--quads N] [--repeats N] [--width N] [RENDERER...]
 // RENDERERs are plug-in ids; ratios are to the last one. Prints tables in Markdown.
 #include "testenv/hydra/host.h"
@@ -9,6 +10,7 @@
 #include <pxr/base/work/threadLimits.h>
 #include <pxr/imaging/hd/camera.h>
 #include <pxr/imaging/hd/changeTracker.h>
+#include <pxr/imaging/hd/light.h>
 
 #include <algorithm>
 #include <chrono>
@@ -31,6 +33,7 @@ struct Options {
 };
 
 const SdfPath kCamera("/camera");
+constexpr int kNumSamples = 4;
 
 SdfPath MeshPath(int index) {
     return SdfPath("/wall/mesh" + std::to_string(index));
@@ -76,7 +79,6 @@ HostOptions MakeHostOptions(const Options& options, const TfToken& renderer) {
     AovRequest color{HdAovTokens->color};
     color.clearValue = VtValue(GfVec4f(0.0F));
     host.aovs = {color};
-    constexpr int kNumSamples = 4;
     host.settings[TfToken("samples")] = VtValue(kNumSamples);
     host.settings[TfToken("subdivision")] = VtValue(std::string("cage"));
     host.settings[HdRenderSettingsTokens->convergedSamplesPerPixel] = VtValue(kNumSamples);
@@ -132,14 +134,71 @@ bool ShowsEdit(const Image& image, const Image& before) {
     return false;
 }
 
+/// One kind of edit: what the repeat of that number changes.
+using Edit = std::function<void(Host&, int repeat)>;
+
+GprimData Mesh(Host& host, int index) {
+    return host.Scene().Data().gprims.at(MeshPath(index));
+}
+
+/// Of one prim each, but for the settings.
+std::map<std::string, Edit> Edits(const Options& options) {
+    const int middle = options.numMeshes / 2;
+    std::map<std::string, Edit> edits;
+    edits["camera edit"] = [](Host& host, int) {
+        CameraData camera = host.Scene().Data().cameras.at(kCamera);
+        camera.transform = camera.transform * Translation(0.05, 0.02, -0.05);
+        host.Scene().SetCamera(kCamera, camera, HdCamera::DirtyTransform);
+    };
+    edits["transform edit"] = [=](Host& host, int repeat) {
+        const int index = (middle + repeat) % options.numMeshes;
+        GprimData gprim = Mesh(host, index);
+        gprim.transform = gprim.transform *
+                          GfMatrix4d(1.0).SetRotate(GfRotation(GfVec3d(0, 1, 0), 3.0)) *
+                          Translation(0.0, 0.3, 0.5);
+        host.Scene().SetGprim(MeshPath(index), gprim, HdChangeTracker::DirtyTransform);
+    };
+    edits["visibility edit"] = [=](Host& host, int repeat) {
+        const int index = middle / 2 + repeat / 2 % (options.numMeshes - middle / 2);
+        GprimData gprim = Mesh(host, index);
+        gprim.isVisible = !gprim.isVisible;
+        host.Scene().SetGprim(MeshPath(index), gprim, HdChangeTracker::DirtyVisibility);
+    };
+    edits["points edit"] = [=](Host& host, int repeat) {
+        const int index = (middle + repeat) % options.numMeshes;
+        GprimData gprim = Mesh(host, index);
+        VtVec3fArray points = gprim.FindPrimvar(HdTokens->points)->value.Get<VtVec3fArray>();
+        for (GfVec3f& point : points) {
+            point[2] += 0.05F * std::sin(40.0F * point[0] + float(repeat));
+        }
+        gprim.SetPrimvar("points", HdInterpolationVertex, VtValue(points),
+                         HdPrimvarRoleTokens->point);
+        host.Scene().SetGprim(MeshPath(index), gprim, HdChangeTracker::DirtyPoints);
+    };
+    edits["material edit"] = [](Host& host, int repeat) {
+        host.Scene().SetMaterial(SdfPath("/materials/m7"),
+                                 MakeMaterial(GfVec3f(0.9F, 0.1F * float(repeat % 9), 0.1F)));
+    };
+    edits["light edit"] = [](Host& host, int repeat) {
+        host.Scene().SetLight(SdfPath("/dome"),
+                              MakeDome(GfVec3f(1.0F, 0.9F - 0.1F * float(repeat % 9), 0.8F)),
+                              HdLight::DirtyParams);
+    };
+    edits["settings edit"] = [](Host& host, int repeat) {
+        host.SetSetting(HdRenderSettingsTokens->convergedSamplesPerPixel.GetText(),
+                        VtValue(kNumSamples + 1 + repeat % 2));
+    };
+    return edits;
+}
+
 /// From an edit of a converged image to the first frame whose buffer shows it, as an application
 /// that redraws as fast as it can sees it. \return NaN when the renderer never shows such edits.
-double TimeEdit(Host& host, const std::function<void(SyntheticScene&)>& edit) {
+double TimeEdit(Host& host, const std::function<void(Host&)>& edit) {
     host.RenderUntilConverged();
     const Image before = host.Read();
     constexpr double kSecondsToShow = 5.0;
     const double start = Now();
-    edit(host.Scene());
+    edit(host);
     while (Now() - start < kSecondsToShow) {
         host.Frame();
         // An application draws the frame now; without a rest the loop would take the renderer's
@@ -162,33 +221,22 @@ void MeasureEdits(const SceneData& scene, const Options& options, Samples* sampl
                                [](auto byte) { return byte != 0; });
         });
         (*samples)["first pixel of all"][renderer].push_back((Now() - start) * 1e3);
-        for (int repeat = 0; repeat < options.numRepeats; ++repeat) {
-            const int index = options.numMeshes / 2 + repeat;
-            (*samples)["transform edit"][renderer].push_back(
-                TimeEdit(host, [index](SyntheticScene& edited) {
-                    GprimData gprim = edited.Data().gprims.at(MeshPath(index));
-                    gprim.transform = gprim.transform *
-                                      GfMatrix4d(1.0).SetRotate(GfRotation(GfVec3d(0, 1, 0), 3.0)) *
-                                      Translation(0.0, 0.3, 0.5);
-                    edited.SetGprim(MeshPath(index), gprim, HdChangeTracker::DirtyTransform);
-                }));
-            (*samples)["camera edit"][renderer].push_back(
-                TimeEdit(host, [](SyntheticScene& edited) {
-                    CameraData camera = edited.Data().cameras.at(kCamera);
-                    camera.transform = camera.transform * Translation(0.05, 0.02, -0.05);
-                    edited.SetCamera(kCamera, camera, HdCamera::DirtyTransform);
-                }));
-            (*samples)["material edit"][renderer].push_back(
-                TimeEdit(host, [repeat](SyntheticScene& edited) {
-                    edited.SetMaterial(SdfPath("/materials/m7"),
-                                       MakeMaterial(GfVec3f(0.9F, 0.1F * float(repeat % 9), 0.1F)));
-                }));
+        for (const auto& [figure, edit] : Edits(options)) {
+            for (int repeat = 0; repeat < options.numRepeats; ++repeat) {
+                const double milliseconds =
+                    TimeEdit(host, [&, &apply = edit](Host& edited) { apply(edited, repeat); });
+                (*samples)[figure][renderer].push_back(milliseconds);
+                if (std::isnan(milliseconds)) {
+                    break; // it never shows such edits
+                }
+            }
         }
     }
 }
 
 void Print(const Samples& samples, const Options& options) {
-    std::printf("\n| median ms |");
+    std::printf("\n| median ms, %d meshes of %d quads |", options.numMeshes,
+                options.numQuads * options.numQuads);
     for (const TfToken& renderer : options.renderers) {
         std::printf(" %s |", renderer.GetText());
     }

@@ -20,10 +20,18 @@ def _Tables(text: str) -> list:
 
 def Run(bench) -> list:
     program = bench.Program("testenv/hydra/benchHydra")
-    environment = {**os.environ, "PXR_PLUGINPATH_NAME": str(bench.build / "plugin/usd/hdStream/resources")}
-    sizes = bench.Pick([], ["--meshes", "64", "--quads", "4", "--repeats", "1", "--width", "64"])
-    done = subprocess.run([program, *sizes, "HdStreamRendererPlugin", "HdEmbreeRendererPlugin"], capture_output=True, text=True,
-                          env=environment)
-    if done.returncode != 0:
-        raise LeftOut(f"benchHydra ended with exit code {done.returncode}: {(done.stderr.strip() or 'no output').splitlines()[-1]}")
-    return [Table(f"hydra-{index}", head, rows) for index, (head, rows) in enumerate(_Tables(done.stdout))]
+    ours = str(bench.build / "plugin/usd/hdStream/resources")
+    theirs = os.environ.get("PXR_PLUGINPATH_NAME", "")  # where the other renderer is
+    environment = {**os.environ, "PXR_PLUGINPATH_NAME": f"{theirs}{os.pathsep}{ours}" if theirs else ours}
+    # Many small meshes, then 10^6 triangles in few.
+    scenes = bench.Pick([["--repeats", "3"], ["--repeats", "3", "--meshes", "100", "--quads", "71"]],
+                        [["--meshes", "64", "--quads", "4", "--repeats", "1", "--width", "64"]])
+    tables = []
+    for scene in scenes:
+        done = subprocess.run([program, *scene, "HdStreamRendererPlugin", "HdEmbreeRendererPlugin"], capture_output=True,
+                              text=True, env=environment)
+        if done.returncode != 0:
+            message = (done.stderr.strip() or "no output").splitlines()[-1]
+            raise LeftOut(f"benchHydra ended with exit code {done.returncode}: {message}")
+        tables += _Tables(done.stdout)
+    return [Table(f"hydra-{index}", head, rows) for index, (head, rows) in enumerate(tables)]

@@ -45,5 +45,34 @@ TEST_F(KernelSetsTest, ThoseUsedLastStay) {
     EXPECT_FALSE(sets.Has(one));
 }
 
+/// What a process asked for is made by the next one before it knows of a scene, and nothing else.
+TEST_F(KernelSetsTest, WarmMakesWhatWasRemembered) {
+    Warnings warnings;
+    const TemporaryFolder folder;
+    Store store({folder.Path()}, &warnings);
+    KernelFeatures first;
+    first.groups = true;
+    KernelFeatures last;
+    last.simd8 = true;
+    {
+        KernelSets sets(device, &store);
+        sets.Warm();
+        EXPECT_FALSE(sets.Has(first)) << "nothing is remembered";
+        for (const KernelFeatures& features : {first, last}) {
+            StageKernels(device, &store, features).SaveBinaries(&store);
+            sets.Remember(features);
+        }
+    }
+    KernelSets sets(device, &store);
+    sets.Warm();
+    EXPECT_TRUE(sets.Has(last));
+    EXPECT_FALSE(sets.Has(first));
+    store.Clear();
+    KernelSets(device, &store).Remember(last); // its kernels are in the store no more
+    KernelSets cold(device, &store);
+    cold.Warm();
+    EXPECT_FALSE(cold.Has(last)) << "it compiles nothing";
+}
+
 } // namespace
 } // namespace hds::test

@@ -279,5 +279,34 @@ TEST_F(RenderThreadTest, TwoAtOnce) {
     EXPECT_TRUE(SameLayers(b.Newest()->layers, Direct(MoveBall(1.0))));
 }
 
+TEST_F(RenderThreadTest, WarmingChangesNothing) {
+    RenderThread thread;
+    thread.Warm(MakeSettings());
+    EXPECT_EQ(thread.Version(), 0U);
+    thread.Call([](Session& session) { EXPECT_FALSE(session.HasImage()); }); // after it
+    thread.Post({Fill()});
+    thread.SetSettings(MakeSettings());
+    WaitUntilConverged(thread);
+    EXPECT_TRUE(thread.Newest()->error.empty()) << thread.Newest()->error;
+    const std::vector<ImageLayer> expected = Direct([](Session&) {});
+    ASSERT_EQ(thread.Newest()->layers.size(), expected.size());
+    EXPECT_EQ(thread.Newest()->layers[0].values, expected[0].values);
+}
+
+TEST_F(RenderThreadTest, WhatWarmingMissesIsToldByTheRender) {
+    Settings settings = MakeSettings();
+    settings.device = "no such device";
+    RenderThread thread;
+    thread.Warm(settings);
+    thread.Call([](Session&) {});
+    thread.Post({Fill()});
+    thread.SetSettings(settings);
+    WaitUntilConverged(thread);
+    EXPECT_NE(thread.Newest()->error.find("no such device"), std::string::npos);
+    thread.SetSettings(MakeSettings());
+    WaitUntilConverged(thread);
+    EXPECT_TRUE(thread.Newest()->error.empty()) << thread.Newest()->error;
+}
+
 } // namespace
 } // namespace hds::test

@@ -92,4 +92,31 @@ TEST(Aov, ClearLayerIsFilled) {
     EXPECT_EQ(depth.values, std::vector<float>(6, 1.0f));
 }
 
+TEST(Aov, APreviewFillsSquaresOrStaysClear) {
+    hds::ImageLayer known = hds::MakeClearLayer(*hds::FindAov("normal"), 2, 2);
+    for (std::size_t i = 0; i < known.values.size(); ++i) {
+        known.values[i] = float(i + 1); // of 5 x 3 pixels those at (0, 0) and (4, 0)
+    }
+    hds::ImageLayer ids = hds::MakeClearLayer(*hds::FindAov("elementId"), 2, 2);
+    ids.ids = {7, 8, 9, 10};
+    const auto shown = [&](const hds::ImageLayer& from, hds::PreviewFill fill) {
+        return hds::EnlargePreview(*hds::FindAov(from.name), from, 5, 3, 4, fill);
+    };
+    known.height = ids.height = 1;
+    EXPECT_EQ(shown(ids, hds::PreviewFill::Squares).ids,
+              (std::vector<std::int32_t>{7, 7, 7, 7, 8, 7, 7, 7, 7, 8, 7, 7, 7, 7, 8}));
+    EXPECT_EQ(
+        shown(ids, hds::PreviewFill::Clear).ids,
+        (std::vector<std::int32_t>{7, -1, -1, -1, 8, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1}));
+    const hds::ImageLayer squares = shown(known, hds::PreviewFill::Squares);
+    ASSERT_EQ(squares.values.size(), 45U);
+    for (std::size_t pixel = 0; pixel < 15; ++pixel) {
+        for (std::size_t c = 0; c < 3; ++c) {
+            EXPECT_EQ(squares.values[3 * pixel + c], float(c + (pixel % 5 == 4 ? 4 : 1)));
+        }
+    }
+    EXPECT_EQ(squares.width, 5U);
+    EXPECT_EQ(squares.height, 3U);
+}
+
 } // namespace

@@ -43,15 +43,16 @@ TEST(PixelOrder, ARunOf1024IsATile) {
 
 TEST(PixelOrder, PreviewsGoFromCoarseToFine) {
     for (const auto& [width, height] :
-         {std::pair<std::uint32_t, std::uint32_t>{1, 1}, {5, 3}, {33, 65}, {96, 64}}) {
+         {std::pair<std::uint32_t, std::uint32_t>{1, 1}, {5, 3}, {33, 65}, {96, 64}, {333, 250}}) {
         const std::vector<std::uint32_t> order = MakePixelOrder(width, height);
-        const PreviewOrder preview = MakePreviewOrder(order, width);
-        ASSERT_EQ(preview.ends.size(), std::size(kPreviewStrides));
+        const PreviewOrder preview = MakePreviewOrder(order, width, height);
+        EXPECT_EQ(preview.strides, PreviewStrides(width, height));
+        ASSERT_EQ(preview.ends.size(), preview.strides.size());
         EXPECT_EQ(preview.ends.back(), order.size());
         EXPECT_TRUE(std::is_permutation(order.begin(), order.end(), preview.pixels.begin(),
                                         preview.pixels.end()));
         for (std::size_t level = 0; level < preview.ends.size(); ++level) {
-            const std::uint32_t stride = kPreviewStrides[level];
+            const std::uint32_t stride = preview.strides[level];
             EXPECT_EQ(preview.ends[level],
                       ((width + stride - 1) / stride) * ((height + stride - 1) / stride));
             for (std::uint32_t i = 0; i < preview.ends[level]; ++i) {
@@ -60,6 +61,16 @@ TEST(PixelOrder, PreviewsGoFromCoarseToFine) {
             }
         }
     }
+}
+
+TEST(PixelOrder, TheFirstPreviewHasSomeHundredPixels) {
+    using Strides = std::vector<std::uint32_t>;
+    EXPECT_EQ(PreviewStrides(1, 1), (Strides{8, 4, 2, 1}));
+    EXPECT_EQ(PreviewStrides(255, 256), (Strides{16, 8, 4, 2, 1})); // 16 x 16, edges included
+    EXPECT_EQ(PreviewStrides(240, 256), (Strides{8, 4, 2, 1}));     // 15 x 16 are too few
+    EXPECT_EQ(PreviewStrides(320, 240), (Strides{16, 8, 4, 2, 1}));
+    EXPECT_EQ(PreviewStrides(1920, 1080), (Strides{64, 32, 16, 8, 4, 2, 1}));
+    EXPECT_EQ(PreviewStrides(20000, 10000), (Strides{64, 32, 16, 8, 4, 2, 1})) << "no coarser";
 }
 
 } // namespace

@@ -310,7 +310,7 @@ TEST(SampleSchedule, AnotherSizeHasOtherPixels) {
     schedule.Begin(options, {});
     EXPECT_EQ(schedule.AllPixels(), MakePixelOrder(9, 40));
     EXPECT_EQ(schedule.Pixels(PixelList::Preview),
-              MakePreviewOrder(MakePixelOrder(9, 40), 9).pixels);
+              MakePreviewOrder(MakePixelOrder(9, 40), 9, 40).pixels);
 }
 
 TEST(SampleSchedule, ProgressIsOfTheSamplesThatTheFilmLacked) {

@@ -4,6 +4,7 @@
 #include "hdStream/scene/hierarchy.h"
 
 #include "hdStream/scene/transforms.h"
+#include "testenv/support/drawnLeaves.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/type_ptr.hpp>
@@ -141,7 +142,8 @@ private:
 Hierarchy Build(const SceneDescription& scene, const std::map<std::string, LeafObject>& leaves,
                 std::uint32_t firstGroup, Warnings& warnings) {
     LightLinks links(scene);
-    return BuildHierarchy(scene, leaves, glm::dvec3(0.0), firstGroup, &links, Shutter(), warnings);
+    return BuildHierarchy(scene, test::DrawnLeaves(scene, leaves), glm::dvec3(0.0), firstGroup,
+                          &links, Shutter(), warnings);
 }
 
 TEST(Hierarchy, EqualsAFlattening) {

@@ -4,6 +4,7 @@
 #include "hdStream/scene/lightLinks.h"
 
 #include "hdStream/scene/hierarchy.h"
+#include "testenv/support/drawnLeaves.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/type_ptr.hpp>
@@ -128,8 +129,8 @@ TEST(LightLinks, InstancesInOtherCategoriesGetRecordsOfTheirOwn) {
     leaf.isLinkedByInstance = links.IsLinkedByInstance(mesh.placement);
     EXPECT_TRUE(leaf.isLinkedByInstance);
     Warnings warnings;
-    const Hierarchy tables =
-        BuildHierarchy(scene, {{"/M", leaf}}, glm::dvec3(0.0), 2, &links, Shutter(), warnings);
+    const Hierarchy tables = BuildHierarchy(scene, test::DrawnLeaves(scene, {{"/M", leaf}}),
+                                            glm::dvec3(0.0), 2, &links, Shutter(), warnings);
     ASSERT_EQ(tables.instances.size(), 3U);
     const LinkTable table = links.Table();
     for (const shared::HdsInstance& instance : tables.instances) {

@@ -6,6 +6,7 @@
 #include "hdStream/scene/motion.h"
 #include "hdStream/scene/transforms.h"
 #include "kernels/shared/frame.h"
+#include "testenv/support/drawnLeaves.h"
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
@@ -141,9 +142,10 @@ TEST(Motion, BoxesHoldEveryPose) {
         const RandomMotion motion(seed);
         Warnings warnings;
         LightLinks links(motion.scene);
-        const Hierarchy tables =
-            BuildHierarchy(motion.scene, {{"/A", motion.leaf}, {"/I/B", motion.leaf}},
-                           glm::dvec3(0.0), 2, &links, kShutter, warnings);
+        const Hierarchy tables = BuildHierarchy(
+            motion.scene,
+            test::DrawnLeaves(motion.scene, {{"/A", motion.leaf}, {"/I/B", motion.leaf}}),
+            glm::dvec3(0.0), 2, &links, kShutter, warnings);
         ASSERT_EQ(tables.instances.size(), 4U);
         for (const shared::HdsInstance& instance : tables.instances) {
             ASSERT_NE(instance.flags & HDS_INSTANCE_MOVES, 0U);
@@ -218,8 +220,9 @@ TEST(Motion, WhatRestsHasNoKeys) {
     motion.scene.instancers.clear();
     Warnings warnings;
     LightLinks links(motion.scene);
-    const Hierarchy tables = BuildHierarchy(motion.scene, {{"/A", motion.leaf}}, glm::dvec3(0.0), 2,
-                                            &links, kShutter, warnings);
+    const Hierarchy tables =
+        BuildHierarchy(motion.scene, test::DrawnLeaves(motion.scene, {{"/A", motion.leaf}}),
+                       glm::dvec3(0.0), 2, &links, kShutter, warnings);
     EXPECT_TRUE(tables.motionKeys.empty());
     EXPECT_EQ(tables.instances[0].flags & HDS_INSTANCE_MOVES, 0U);
 }
