@@ -7,6 +7,7 @@
 #include "kernels/shared/material.h"
 #include "kernels/shared/residency.h"
 
+#include <algorithm>
 #include <set>
 #include <string_view>
 

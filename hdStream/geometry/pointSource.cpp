@@ -5,6 +5,7 @@
 #include "hdStream/geometry/solidContent.h"
 #include "kernels/shared/geometry.h"
 
+#include <algorithm>
 #include <mutex>
 
 namespace hds {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/hydra/framing.h"
 
+#include <cmath>
+
 PXR_NAMESPACE_OPEN_SCOPE
 
 CameraUtilFraming HdStreamFramingOf(const HdRenderPassState& state) {

@@ -3,6 +3,7 @@
 
 #include "hdStream/texture/halfFloat.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace hds {

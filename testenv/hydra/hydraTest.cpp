@@ -4,6 +4,8 @@
 
 #include <pxr/base/tf/stringUtils.h>
 
+#include <cmath>
+
 namespace hydraHost {
 
 void HydraTest::SetUp() {

@@ -2,6 +2,8 @@
 // The colour buffer: premultiplied alpha, the clear colour, formats.
 #include "hydraTest.h"
 
+#include <algorithm>
+
 namespace hydraHost {
 
 namespace {

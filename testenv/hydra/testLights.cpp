@@ -7,6 +7,7 @@
 #include <pxr/imaging/hd/light.h>
 #include <pxr/usd/sdf/assetPath.h>
 
+#include <algorithm>
 #include <fstream>
 #include <map>
 #include <string>

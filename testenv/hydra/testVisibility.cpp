@@ -6,6 +6,7 @@
 #include <pxr/imaging/hd/changeTracker.h>
 #include <pxr/imaging/hd/rprim.h>
 
+#include <cmath>
 #include <set>
 
 namespace hydraHost {

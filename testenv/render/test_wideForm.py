@@ -108,7 +108,30 @@ def _ManyLights(path) -> None:
     stage.GetRootLayer().Save()
 
 
-@pytest.mark.parametrize("write", [_EveryLight, _Layered, _Textured, _ManyLights], ids=lambda write: write.__name__[1:])
+def _Nested(path) -> None:
+    """Bricks through one, two and three levels of instancers, side by side on a floor: hits of eight paths lie at unlike depths."""
+    stage = author.NewStage(path)
+    author.AddMesh(stage, "/World/Floor", shapes.Plane(8.0, 8.0), color=(0.5, 0.5, 0.5))
+    place = "/World/Rows"
+    for level in range(3):
+        instancer = UsdGeom.PointInstancer.Define(stage, f"{place}/I{level}" if level else place)
+        place = instancer.GetPath().pathString
+        inner = [f"{place}/Brick"] + ([f"{place}/I{level + 1}"] if level < 2 else [])
+        instancer.CreatePrototypesRel().SetTargets(inner)
+        number = 4 * len(inner)
+        instancer.CreateProtoIndicesAttr([index % len(inner) for index in range(number)])
+        random = np.random.default_rng(level)
+        instancer.CreatePositionsAttr([tuple(map(float, random.uniform(-0.9, 0.9, 3) * (1, 0.1, 1))) for _ in range(number)])
+        instancer.CreateOrientationsAttr([Gf.Quath(float(np.cos(a)), 0.0, float(np.sin(a)), 0.0) for a in range(number)])
+        instancer.CreateScalesAttr([(0.9, 1.1, 0.8)] * number)
+        author.AddMesh(stage, f"{place}/Brick", shapes.Box(0.25, 0.5, 0.2), color=(0.8, 0.4 + 0.2 * level, 0.2),
+                       translate=(0, 0.3, 0))
+    author.AddLight(stage, "/World/Lamp", "Rect", dict(translate=(0, 4, 1), rotate=(-90, 0, 0)), intensity=8.0)
+    author.AddCamera(stage, eye=(0, 3.0, 4.5), target=(0, 0.2, 0), focalLength=35.0)
+    stage.GetRootLayer().Save()
+
+
+@pytest.mark.parametrize("write", [_EveryLight, _Layered, _Textured, _ManyLights, _Nested], ids=lambda write: write.__name__[1:])
 def test_form_does_not_matter(write, Kernels, tmp_path):
     path = f"{tmp_path}/stage.usda"
     write(path)

@@ -5,6 +5,7 @@
 #include "hdStream/texture/halfFloat.h"
 #include "hdStream/texture/textureLayout.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <random>

@@ -5,6 +5,8 @@
 
 #include "hdStream/integrator/kernelFeatures.h"
 
+#include <algorithm>
+
 namespace hds::test {
 namespace {
 

@@ -8,6 +8,7 @@
 #include "kernels/shared/light.h"
 #include "testenv/support/deviceFixture.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <functional>

@@ -3,6 +3,7 @@
 #include "testenv/device/math/lanesFixture.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace hds::test {
 namespace {

@@ -2,6 +2,7 @@
 // kernels/math/trig.clh against double precision.
 #include "testenv/support/deviceFixture.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 

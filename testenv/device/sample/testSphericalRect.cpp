@@ -2,6 +2,7 @@
 // kernels/sample/sphericalRect.clh against double precision: solid angle and uniformity.
 #include "testenv/support/deviceFixture.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 

@@ -3,6 +3,8 @@
 #include "testenv/device/shading/previewReference.h"
 #include "testenv/support/deviceFixture.h"
 
+#include <algorithm>
+#include <cmath>
 #include <random>
 
 namespace hds::test {

@@ -3,6 +3,8 @@
 // number of requests are counted.
 #include "testenv/device/stream/poolFixture.h"
 
+#include <algorithm>
+
 namespace hds::test {
 namespace {
 

@@ -3,6 +3,8 @@
 // largest group finds room.
 #include "testenv/device/stream/poolFixture.h"
 
+#include <algorithm>
+#include <numeric>
 #include <random>
 
 namespace hds::test {

@@ -3,6 +3,8 @@
 #include "hdStream/stream/reportPool.h"
 #include "testenv/device/stream/poolFixture.h"
 
+#include <algorithm>
+
 namespace hds::test {
 namespace {
 

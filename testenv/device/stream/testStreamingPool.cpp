@@ -2,6 +2,7 @@
 // What kernels ask for is there, whole, after the round; the budget holds; the right pages leave.
 #include "testenv/device/stream/poolFixture.h"
 
+#include <algorithm>
 #include <random>
 
 namespace hds::test {

@@ -4,6 +4,7 @@
 // by rays that happen to find it. So does the power that leaves a light.
 #include "testenv/device/light/lightFixture.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hds::test {

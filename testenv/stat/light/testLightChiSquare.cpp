@@ -5,6 +5,8 @@
 #include "testenv/device/light/lightFixture.h"
 #include "testenv/stat/chiSquare.h"
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 
 namespace hds::test {

@@ -7,6 +7,8 @@
 
 #include <gtest/gtest-spi.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 
 namespace hds::test {

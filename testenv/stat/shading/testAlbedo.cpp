@@ -4,6 +4,8 @@
 #include "testenv/device/shading/previewReference.h"
 #include "testenv/support/deviceFixture.h"
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace hds::test {

@@ -6,6 +6,7 @@
 #include "testenv/stat/shading/layeredReference.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <map>
 

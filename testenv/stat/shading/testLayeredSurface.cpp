@@ -7,6 +7,8 @@
 
 #include <glm/geometric.hpp>
 
+#include <cmath>
+
 namespace hds::test {
 namespace {
 

@@ -5,6 +5,7 @@
 #include "testenv/stat/chiSquare.h"
 #include "testenv/support/deviceFixture.h"
 
+#include <cmath>
 #include <string>
 
 namespace hds::test {

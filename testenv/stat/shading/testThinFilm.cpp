@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 
+#include <cmath>
 #include <complex>
 
 namespace hds::test {

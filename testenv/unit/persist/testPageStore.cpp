@@ -4,6 +4,7 @@
 
 #include "hdStream/persist/pageFormat.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cstring>
 #include <thread>

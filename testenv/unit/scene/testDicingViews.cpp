@@ -10,6 +10,7 @@
 #include <glm/matrix.hpp>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 namespace hds {

@@ -3,6 +3,8 @@
 // by a cascade of box filters in double precision written as plain loops, sRGB by IEC 61966-2-1.
 #include "testenv/unit/texture/textureFixtures.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace hds {

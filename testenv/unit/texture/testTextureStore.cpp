@@ -3,6 +3,8 @@
 // Oracle: the lines of the same file prepared without a store.
 #include "testenv/unit/texture/textureFixtures.h"
 
+#include <algorithm>
+#include <cstring>
 #include <filesystem>
 #include <thread>
 #include <tuple>
