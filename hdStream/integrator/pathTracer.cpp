@@ -129,7 +129,7 @@ struct PathTracer::Impl {
 
     void ReadyPathState() {
         const auto bytesPerSlot = [](const KernelFeatures& features) {
-            return StageKernels::PathStateBytes(features) + WaveTracer::QueueBytes(features);
+            return StageKernels::PathStateBytes(features) + WaveTracer::SlotQueueBytes(features);
         };
         // Streamed, all together takes no more than resident geometry with its wave would.
         const std::uint64_t totalBytes = scene->pages->TotalBytes();
@@ -141,17 +141,23 @@ struct PathTracer::Impl {
             buffers.Textures().Pool() != nullptr ? buffers.Textures().TableBytes() : 0;
         const std::uint64_t pathBytes =
             savedBytes + residentBytes - std::min(residentBytes, otherBytes);
-        const std::uint64_t affordable = pathBytes / bytesPerSlot(kernels->Features());
-        const std::uint32_t waveSize =
+        const bool hasLists = kernels->Features().HasLists();
+        const bool evicts = hasLists && !buffers.Streaming().HasRoomForAll();
+        const std::uint64_t sumBytes =
+            hasLists ? StreamedPathsPerSlot(options, evicts) * WaveTracer::kSumBytes : 0;
+        const std::uint64_t affordable = pathBytes / (bytesPerSlot(kernels->Features()) + sumBytes);
+        const std::uint32_t numSlots =
             ChooseWaveSize(options, device->Properties(), buffers.IsStreaming() ? affordable : 0);
-        tracer.Ready(kernels, scene->hasCutouts, waveSize, TileSize(device->Properties()),
-                     options.shadeIterations);
-        statistics.waveSize = waveSize;
+        const std::uint32_t numPaths =
+            hasLists ? StreamedWavePaths(options, numSlots, evicts) : numSlots;
+        tracer.Ready(kernels, scene->hasCutouts, {numSlots, numPaths},
+                     TileSize(device->Properties()), options.shadeIterations);
+        statistics.waveSize = numSlots;
         SetWaveLimits();
     }
 
     void SetWaveLimits() {
-        const std::uint32_t most = tracer.WaveSize();
+        const std::uint32_t most = tracer.MaxPaths();
         schedule.SetLimits(
             {most, LeastWaveSize(options, device->Properties(), most), buffers.IsStreaming()});
     }
@@ -171,28 +177,28 @@ struct PathTracer::Impl {
 
     /// \return false when it was cancelled: the film is as before.
     bool RenderWave(const shared::HdsWave& wave, const WaveTracer::IsCancelled& isCancelled) {
-        const std::uint32_t numSlots = wave.numPixels * wave.numSamples;
+        const std::uint32_t numPaths = wave.numPixels * wave.numSamples;
         const Buffer& paths = tracer.Paths();
-        const std::uint32_t waveSize = tracer.WaveSize();
-        statistics.cameraRays += numSlots;
-        statistics.streamedPaths += buffers.IsStreaming() ? numSlots : 0;
+        const std::uint32_t numSlots = tracer.NumSlots();
+        statistics.cameraRays += numPaths;
+        statistics.streamedPaths += buffers.IsStreaming() ? numPaths : 0;
         const bool isTraced = tracer.Trace(
-            numSlots,
+            numPaths,
             [&](std::uint32_t first, std::uint32_t count, const Buffer& queue,
                 std::uint32_t queueFirst) {
-                kernels->generateSample.Launch(count, frame, wave, first, count, paths, waveSize,
+                kernels->generateSample.Launch(count, frame, wave, first, count, paths, numSlots,
                                                pixels, filter, queue, queueFirst);
             },
             [&](const Buffer& queue, std::uint32_t count, const Buffer& waiting,
                 const Buffer& next) {
-                kernels->shade.Launch(count, frame, paths, waveSize, queue, count, waiting, next,
+                kernels->shade.Launch(count, frame, paths, numSlots, queue, count, waiting, next,
                                       tracer.ShadowQueue(), tracer.Counters());
             },
             isCancelled);
         if (!isTraced) {
             return false;
         }
-        kernels->resolve.Launch(wave.numPixels, wave, paths, waveSize, pixels, film.Film(),
+        kernels->resolve.Launch(wave.numPixels, wave, tracer.Sums(), numSlots, pixels, film.Film(),
                                 tracer.Counters());
         device->Finish();
         if (film.HasMattes()) {
@@ -238,10 +244,10 @@ struct PathTracer::Impl {
         std::uint32_t first = pass.begin;
         while (first < pass.end) {
             // One work-item adds all samples of a pixel that a pass makes, so they are in one wave.
-            HDS_VERIFY(pass.numSamples <= tracer.WaveSize(),
+            HDS_VERIFY(pass.numSamples <= tracer.MaxPaths(),
                        std::to_string(pass.numSamples) +
                            " samples of a pixel do not fit a wave of " +
-                           std::to_string(tracer.WaveSize()));
+                           std::to_string(tracer.MaxPaths()));
             const std::uint32_t count = schedule.WavePixels(pass, first);
             const Timer timer;
             if (!RenderWave({first, count, pass.firstSample, pass.numSamples},
@@ -413,28 +419,29 @@ struct PathTracer::Impl {
         const auto pixelCount = static_cast<std::uint32_t>(schedule.AllPixels().size());
         const std::uint64_t indirectRays = statistics.indirectRays; // counts those of pictures
         const Buffer& paths = tracer.Paths();
-        const std::uint32_t waveSize = tracer.WaveSize();
+        const std::uint32_t numSlots = tracer.NumSlots();
+        const std::uint32_t maxPaths = tracer.MaxPaths();
         const WaveTracer::IsCancelled isCancelled =
             onlooker != nullptr ? onlooker->watch.isCancelled : WaveTracer::IsCancelled();
-        for (std::uint32_t firstPixel = 0; firstPixel < pixelCount; firstPixel += waveSize) {
+        for (std::uint32_t firstPixel = 0; firstPixel < pixelCount; firstPixel += maxPaths) {
             if (onlooker != nullptr && firstPixel > 0) {
                 Report(samplesEquivalent, onlooker);
             }
             if (onlooker != nullptr && onlooker->isStopped) {
                 return;
             }
-            const std::uint32_t numPixels = std::min(waveSize, pixelCount - firstPixel);
+            const std::uint32_t numPixels = std::min(maxPaths, pixelCount - firstPixel);
             const shared::HdsWave wave{firstPixel, numPixels, 0, 1};
             const bool isTraced = tracer.Trace(
                 numPixels,
                 [&](std::uint32_t first, std::uint32_t count, const Buffer& queue,
                     std::uint32_t queueFirst) {
                     kernels->generateCentre.Launch(count, frame, wave, first, count, paths,
-                                                   waveSize, order, queue, queueFirst);
+                                                   numSlots, order, queue, queueFirst);
                 },
                 [&](const Buffer& queue, std::uint32_t count, const Buffer& waiting,
                     const Buffer& next) {
-                    kernels->aov.Launch(count, frame, paths, waveSize, queue, count, waiting, next,
+                    kernels->aov.Launch(count, frame, paths, numSlots, queue, count, waiting, next,
                                         tracer.Counters(), film.Floats(), film.Ints(), offsets,
                                         primvarSlots);
                 },

@@ -30,25 +30,25 @@ void RayLaunches::LaunchOnce(WaveQueues::Waiting kind, const Buffer& queue, std:
 }
 
 void RayLaunches::LaunchRays(const Buffer& queue, std::uint32_t count) {
-    _kernels->intersect.Launch(count, _queues->Paths(), _queues->WaveSize(), queue, count,
+    _kernels->intersect.Launch(count, _queues->Paths(), _queues->NumSlots(), queue, count,
                                _queues->WaitQueue(WaveQueues::WaitingRays), _queues->Counters());
 }
 
 void RayLaunches::LaunchShadows(const Buffer& queue, std::uint32_t count, std::uint32_t shadows) {
-    _kernels->shadowCast.Launch(count, _queues->Paths(), _queues->WaveSize(), queue, count,
+    _kernels->shadowCast.Launch(count, _queues->Paths(), _queues->NumSlots(), queue, count,
                                 _queues->WaitQueue(WaveQueues::WaitingShadows),
                                 _queues->Queue(shadows + 1), _queues->ReadySlots(),
                                 _queues->Counters());
 }
 
 void RayLaunches::ResumeRays(const Buffer& queue, std::uint32_t count) {
-    _kernels->intersectResume.Launch(count, _queues->Paths(), _queues->WaveSize(), queue, count,
+    _kernels->intersectResume.Launch(count, _queues->Paths(), _queues->NumSlots(), queue, count,
                                      _queues->WaitQueue(WaveQueues::WaitingRays),
                                      _queues->ReadySlots(), _queues->Counters());
 }
 
 void RayLaunches::ResumeShadows(const Buffer& queue, std::uint32_t count, std::uint32_t shadows) {
-    _kernels->shadowResume.Launch(count, _queues->Paths(), _queues->WaveSize(), queue, count,
+    _kernels->shadowResume.Launch(count, _queues->Paths(), _queues->NumSlots(), queue, count,
                                   _queues->WaitQueue(WaveQueues::WaitingShadows),
                                   _queues->Queue(shadows + 1), _queues->ReadySlots(),
                                   _queues->Counters());

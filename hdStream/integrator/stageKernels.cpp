@@ -105,6 +105,9 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
     if (features.cutouts) {
         shadowPass = shadowProgram->GetKernel("shadow_pass");
     }
+    if (features.HasLists()) {
+        keepSums = frameProgram->GetKernel("resolve_keepSums");
+    }
     if (features.streaming) {
         intersectResume = intersectProgram->GetKernel("intersect_resume");
         shadowResume = shadowProgram->GetKernel("shadow_resume");

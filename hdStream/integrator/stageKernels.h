@@ -37,6 +37,7 @@ public:
     Kernel intersectResume; ///< only while geometry streams
     Kernel shadowResume;    ///< only while geometry streams
     Kernel resolve;
+    Kernel keepSums; ///< only while rays keep lists
     Kernel develop;
     Kernel relativeVariance;
     Kernel relativeError;

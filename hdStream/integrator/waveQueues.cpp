@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/integrator/waveQueues.h"
 
+#include "hdStream/base/error.h"
+
 #include <utility>
 
 namespace hds {
@@ -24,22 +26,26 @@ WaveQueues::WaveQueues(std::shared_ptr<Device> device) : _device(std::move(devic
     _counters = Buffer(_device, "counters", HDS_NUM_COUNTERS * sizeof(std::uint32_t));
 }
 
-std::uint64_t WaveQueues::BytesPerPath(const KernelFeatures& features) {
+std::uint64_t WaveQueues::BytesPerSlot(const KernelFeatures& features) {
     const std::uint64_t numWaiting = features.streaming ? 2 * NumWaiting : 0;
     return kItemBytes * (numWaiting + (features.HasLists() ? kNumQueues + 1 : kResumedQueue));
 }
 
-void WaveQueues::Ready(const StageKernels& kernels, std::uint32_t waveSize) {
+void WaveQueues::Ready(const StageKernels& kernels, std::uint32_t numSlots,
+                       std::uint32_t numPaths) {
     const bool hasLists = kernels.Features().HasLists();
-    _waveSize = waveSize;
-    Resize(&_paths, _device, "path state", waveSize * kernels.PathStateBytes());
-    _bytes = _paths.Bytes();
+    HDS_VERIFY(hasLists || numSlots == numPaths, "each path has its slot");
+    _numSlots = numSlots;
+    _hasSums = hasLists;
+    Resize(&_paths, _device, "path state", numSlots * kernels.PathStateBytes());
+    Resize(&_sums, _device, "sums of paths", hasLists ? numPaths * kSumBytes : 0);
+    _bytes = _paths.Bytes() + _sums.Bytes();
     for (std::uint32_t i = 0; i < kNumQueues; ++i) {
         const bool isUsed = hasLists || i < kResumedQueue;
-        Resize(&_queues[i], _device, "ray queue", isUsed ? waveSize * kItemBytes : 0);
+        Resize(&_queues[i], _device, "ray queue", isUsed ? numSlots * kItemBytes : 0);
         _bytes += _queues[i].Bytes();
     }
-    const std::uint64_t waitBytes = kernels.Features().streaming ? waveSize * kItemBytes : 0;
+    const std::uint64_t waitBytes = kernels.Features().streaming ? numSlots * kItemBytes : 0;
     for (auto& side : _waitQueues) {
         for (Buffer& queue : side) {
             Resize(&queue, _device, "queue of what waits", waitBytes);
@@ -48,6 +54,31 @@ void WaveQueues::Ready(const StageKernels& kernels, std::uint32_t waveSize) {
     }
     Resize(&_ready, _device, "queue of ready paths", hasLists ? waitBytes : 0);
     _bytes += _ready.Bytes();
+}
+
+std::vector<std::uint32_t> WaveQueues::EndedSlots(const Counts& counts, std::uint32_t present,
+                                                  std::uint32_t most) const {
+    std::vector<std::uint8_t> isInUse(_numSlots, 0);
+    std::vector<std::uint32_t> slots(_numSlots);
+    const auto mark = [&](const Buffer& queue, std::uint32_t count) {
+        queue.Read(slots.data(), count * kItemBytes);
+        for (std::uint32_t item = 0; item < count; ++item) {
+            isInUse[slots[item]] = 1;
+        }
+    };
+    mark(_queues[present], counts[HDS_COUNTER_ACTIVE]);
+    mark(_queues[kShadowQueue], counts[HDS_COUNTER_SHADOW]);
+    mark(_ready, counts[HDS_COUNTER_READY]);
+    for (std::uint32_t kind = 0; kind < NumWaiting; ++kind) {
+        mark(_waitQueues[_side][kind], counts[HDS_COUNTER_WAITING_RAYS + kind]);
+    }
+    slots.clear();
+    for (std::uint32_t slot = 0; slot < _numSlots && slots.size() < most; ++slot) {
+        if (isInUse[slot] == 0) {
+            slots.push_back(slot);
+        }
+    }
+    return slots;
 }
 
 void WaveQueues::Turn() {

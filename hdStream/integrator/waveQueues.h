@@ -10,6 +10,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 namespace hds {
 
@@ -26,16 +27,30 @@ public:
 
     explicit WaveQueues(std::shared_ptr<Device> device);
 
-    /// Readies buffers for waves of at most `waveSize` paths. \throws Error when memory runs out.
-    void Ready(const StageKernels& kernels, std::uint32_t waveSize);
-    /// Bytes of queues a path needs, beside its state.
-    static std::uint64_t BytesPerPath(const KernelFeatures& features);
+    /// Readies buffers for waves of at most `numPaths` paths, of which `numSlots` are in flight at
+    /// a time: as many, but for rays that keep lists. \throws Error when memory runs out.
+    void Ready(const StageKernels& kernels, std::uint32_t numSlots, std::uint32_t numPaths);
+    /// Bytes of queues a slot needs, beside its path's state.
+    static std::uint64_t BytesPerSlot(const KernelFeatures& features);
+    /// Bytes that a path keeps when its slot is another's.
+    static constexpr std::uint64_t kSumBytes = 16;
 
-    std::uint32_t WaveSize() const { return _waveSize; }
-    /// Bytes of path state and queues.
+    std::uint32_t NumSlots() const { return _numSlots; }
+    /// What the paths of a wave have gathered, as resolve_addSamples reads it.
+    const Buffer& Sums() const { return _hasSums ? _sums : _paths; }
+    /// Slots of paths that have ended: those in no queue. The lowest ones, at most `most`; all
+    /// slots have been used. \param present the queue of paths that go on. Blocks.
+    std::vector<std::uint32_t> EndedSlots(const Counts& counts, std::uint32_t present,
+                                          std::uint32_t most) const;
+    /// Bytes of path state, queues and sums.
     std::uint64_t Bytes() const { return _bytes; }
     const Buffer& Paths() const { return _paths; }
     const Buffer& Queue(std::uint32_t i) const { return _queues[i]; }
+    /// Puts slots into a queue, from item `first` on.
+    void WriteQueue(std::uint32_t i, const std::vector<std::uint32_t>& slots, std::uint32_t first) {
+        _queues[i].Write(slots.data(), slots.size() * sizeof(std::uint32_t),
+                         first * sizeof(std::uint32_t));
+    }
     /// Slots that may be shaded after they have waited.
     const Buffer& ReadySlots() const { return _ready; }
 
@@ -54,10 +69,12 @@ public:
 
 private:
     std::shared_ptr<Device> _device;
-    std::uint32_t _waveSize = 0;
+    std::uint32_t _numSlots = 0;
     std::uint64_t _bytes = 0;
     std::uint32_t _side = 0;
     Buffer _paths;
+    Buffer _sums;
+    bool _hasSums = false; ///< apart from the state of paths
     std::array<Buffer, kNumQueues> _queues;
     std::array<std::array<Buffer, NumWaiting>, 2> _waitQueues;
     Buffer _ready;

@@ -20,8 +20,13 @@ constexpr std::uint32_t kMinTileSizeCpu = 1U << 15U;
 /// Of a tile: waves that would take too long are cut to this part of it at most. Smaller ones cost
 /// more than they save (docs/performance.md, "Rays a second").
 constexpr std::uint32_t kLeastPart = 4;
+/// While geometry streams and pages leave. More would save little, and cost memory, of which slots
+/// make better use (docs/decisions/0007).
+constexpr std::uint32_t kPathsPerSlot = 6;
 /// GPUs, while geometry streams.
 constexpr std::uint32_t kMinWaveSizeStreamingGpu = 1U << 17U;
+/// The numbers of paths have to fit their state (kernels/integrator/pathState.clh).
+constexpr std::uint64_t kMaxWavePaths = 1U << 26U;
 
 std::uint32_t OfCores(const DeviceProperties& properties, std::uint32_t pathsPerCore) {
     return std::clamp<std::uint32_t>(std::min(properties.computeUnits, 1024U) * pathsPerCore,
@@ -54,6 +59,18 @@ std::uint32_t ChooseWaveSize(const RenderOptions& options, const DevicePropertie
                         std::max<std::uint64_t>(pixels * options.samples, HDS_SAMPLE_BLOCK));
     }
     return static_cast<std::uint32_t>(std::max<std::uint64_t>(size, HDS_SAMPLE_BLOCK));
+}
+
+std::uint32_t StreamedPathsPerSlot(const RenderOptions& options, bool evicts) {
+    return options.interactive || !evicts ? 1 : kPathsPerSlot;
+}
+
+std::uint32_t StreamedWavePaths(const RenderOptions& options, std::uint32_t numSlots, bool evicts) {
+    const std::uint64_t image =
+        std::uint64_t{options.imageWidth} * options.imageHeight * options.samples;
+    const std::uint64_t most = std::uint64_t{numSlots} * StreamedPathsPerSlot(options, evicts);
+    return static_cast<std::uint32_t>(
+        std::min(kMaxWavePaths, std::max<std::uint64_t>(numSlots, std::min(most, image))));
 }
 
 std::uint32_t ResidentWaveSize(const DeviceProperties& properties) {

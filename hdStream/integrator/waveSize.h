@@ -16,6 +16,14 @@ namespace hds {
 std::uint32_t ChooseWaveSize(const RenderOptions& options, const DeviceProperties& properties,
                              std::uint64_t affordable);
 
+/// How many paths a wave traces in so many slots while geometry streams. Where pages leave, several
+/// for each: paths that begin late take the slots of those that have ended, so that the last few
+/// paths of a wave, which wait for pages by themselves, are seldom.
+/// \param evicts the pool has no room for all pages.
+std::uint32_t StreamedWavePaths(const RenderOptions& options, std::uint32_t numSlots, bool evicts);
+/// The same by slot, where the image has enough paths.
+std::uint32_t StreamedPathsPerSlot(const RenderOptions& options, bool evicts);
+
 /// The least paths that a wave may be cut to, so that it ends in time (SampleSchedule::WavePixels):
 /// all of `waveSize` where the user has chosen it, and on GPUs, which trace a wave in no time.
 std::uint32_t LeastWaveSize(const RenderOptions& options, const DeviceProperties& properties,

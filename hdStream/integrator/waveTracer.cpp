@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <utility>
 
 namespace hds {
@@ -23,16 +24,17 @@ WaveTracer::WaveTracer(std::shared_ptr<Device> device, SceneBuffers* buffers,
     : _device(std::move(device)), _buffers(buffers), _statistics(statistics), _queues(_device),
       _texels(_device, buffers, statistics) {}
 
-void WaveTracer::Ready(StageKernels* kernels, bool hasCutouts, std::uint32_t waveSize,
-                       std::uint32_t tileSize, std::uint32_t shadeIterations) {
+void WaveTracer::Ready(StageKernels* kernels, bool hasCutouts, Size size, std::uint32_t tileSize,
+                       std::uint32_t shadeIterations) {
     _kernels = kernels;
+    _maxPaths = size.numPaths;
     _hasCutouts = hasCutouts;
     _hasLists = kernels->Features().HasLists();
     // Tiles of equal size, so that no small one is left.
-    const std::uint32_t numTiles = _hasLists ? std::max(1U, waveSize / tileSize) : 1;
-    _tileSize = (waveSize + numTiles - 1) / numTiles;
-    _texels.Ready(kernels, waveSize, shadeIterations);
-    _queues.Ready(*kernels, waveSize);
+    const std::uint32_t numTiles = _hasLists ? (size.numSlots + tileSize - 1) / tileSize : 1;
+    _tileSize = (size.numSlots + numTiles - 1) / numTiles;
+    _texels.Ready(kernels, size.numSlots, shadeIterations);
+    _queues.Ready(*kernels, size.numSlots, size.numPaths);
     _statistics->pathStateBytes = _queues.Bytes();
     _launches = MakeRayLaunches(kernels, _buffers, &_queues, &_texels, _statistics);
 }
@@ -46,13 +48,13 @@ double WaveTracer::RequestSeconds() const {
     return pool.requestSeconds + pool.prepareSeconds + pool.transferSeconds + _texels.Seconds();
 }
 
-bool WaveTracer::Trace(std::uint32_t numSlots, const Generate& generate, const Shade& shade,
+bool WaveTracer::Trace(std::uint32_t numPaths, const Generate& generate, const Shade& shade,
                        const IsCancelled& isCancelled) {
     if (_hasLists) {
-        return TraceWithLists(numSlots, generate, shade, isCancelled);
+        return TraceWithLists(numPaths, generate, shade, isCancelled);
     }
-    generate(0, numSlots, _queues.Queue(_present), 0);
-    return TraceInStep(numSlots, shade, isCancelled);
+    generate(0, numPaths, _queues.Queue(_present), 0);
+    return TraceInStep(numPaths, shade, isCancelled);
 }
 
 /// Traces the paths of queue _present, bounce by bounce, until all have ended.
@@ -71,9 +73,9 @@ bool WaveTracer::TraceInStep(std::uint32_t active, const Shade& shade,
     return true;
 }
 
-/// Traces slots [0, numSlots), which are not in step: when few go on, new ones or, after a round
+/// Traces paths [0, numPaths), which are not in step: when few go on, new ones or, after a round
 /// of pages, those that have waited join them.
-bool WaveTracer::TraceWithLists(std::uint32_t numSlots, const Generate& generate,
+bool WaveTracer::TraceWithLists(std::uint32_t numPaths, const Generate& generate,
                                 const Shade& shade, const IsCancelled& isCancelled) {
     _queues.ClearWaiting();
     _queues.ClearCounter(HDS_COUNTER_READY);
@@ -87,10 +89,9 @@ bool WaveTracer::TraceWithLists(std::uint32_t numSlots, const Generate& generate
         std::uint32_t active = counts[HDS_COUNTER_ACTIVE];
         const std::uint32_t numShadows = counts[HDS_COUNTER_SHADOW];
         const bool isAlone = active + numShadows < _tileSize / kCompanyPart;
-        const bool begins = isAlone && numBegun < numSlots;
+        const bool begins = isAlone && numBegun < numPaths && HasSlotsFor(counts, numBegun);
         if (begins) {
-            const std::uint32_t count = std::min(_tileSize, numSlots - numBegun);
-            generate(numBegun, count, _queues.Queue(_present), active);
+            const std::uint32_t count = BeginPaths(counts, numBegun, numPaths, generate);
             numBegun += count;
             active += count;
         }
@@ -106,13 +107,58 @@ bool WaveTracer::TraceWithLists(std::uint32_t numSlots, const Generate& generate
             ++iterations;
         } else if (counts[HDS_COUNTER_READY] > 0) {
             counts = ShadeReady(counts, nullptr, 0, shade);
-        } else if (!isAnyWaiting && numBegun == numSlots &&
+        } else if (!isAnyWaiting && numBegun == numPaths &&
                    counts[HDS_COUNTER_ACTIVE] + counts[HDS_COUNTER_SHADOW] == 0) {
             break;
         }
     }
+    std::vector<std::uint32_t> slots(std::min(numBegun, NumSlots()));
+    std::iota(slots.begin(), slots.end(), 0U);
+    _queues.WriteQueue(_present, slots, 0);
+    KeepSums(0, static_cast<std::uint32_t>(slots.size()));
     _launches->CountIterations(iterations);
     return true;
+}
+
+/// Whether there are slots for paths to begin in: some that no path has had yet, or a tile, or half
+/// of all, of paths that have ended. Fewer would lie scattered between those that wait, and share
+/// no cache lines. Where nothing waits and few go on there are.
+bool WaveTracer::HasSlotsFor(const Counts& counts, std::uint32_t numBegun) const {
+    std::uint32_t inUse =
+        counts[HDS_COUNTER_ACTIVE] + counts[HDS_COUNTER_SHADOW] + counts[HDS_COUNTER_READY];
+    for (std::uint32_t kind = 0; kind < WaveQueues::NumWaiting; ++kind) {
+        inUse += counts[HDS_COUNTER_WAITING_RAYS + kind]; // a slot may be in two queues
+    }
+    return numBegun < NumSlots() || inUse + std::min(_tileSize, NumSlots() / 2) <= NumSlots();
+}
+
+/// Begins paths of the wave: a tile of them at most. They join the paths of queue _present.
+/// \return how many.
+std::uint32_t WaveTracer::BeginPaths(const Counts& counts, std::uint32_t numBegun,
+                                     std::uint32_t numPaths, const Generate& generate) {
+    const std::uint32_t most = std::min(_tileSize, numPaths - numBegun);
+    const std::uint32_t active = counts[HDS_COUNTER_ACTIVE];
+    const bool areNew = numBegun < NumSlots();
+    std::vector<std::uint32_t> slots;
+    if (areNew) {
+        slots.resize(std::min(most, NumSlots() - numBegun));
+        std::iota(slots.begin(), slots.end(), numBegun);
+    } else {
+        slots = _queues.EndedSlots(counts, _present, most);
+    }
+    _queues.WriteQueue(_present, slots, active);
+    const auto count = static_cast<std::uint32_t>(slots.size());
+    if (!areNew) {
+        KeepSums(active, count);
+    }
+    generate(numBegun, count, _queues.Queue(_present), active);
+    return count;
+}
+
+/// Of paths that have ended: keeps what they have gathered. \param first item of queue _present.
+void WaveTracer::KeepSums(std::uint32_t first, std::uint32_t count) {
+    _kernels->keepSums.Launch(count, _queues.Paths(), NumSlots(), _queues.Queue(_present), first,
+                              count, _queues.Sums());
 }
 
 /// Shades items of a queue; paths that go on come to `next`.
@@ -175,7 +221,7 @@ void WaveTracer::LaunchPass(const Buffer& queue, std::uint32_t count, std::uint3
     _queues.ClearCounter(HDS_COUNTER_SHADOW);
     _launches->Launch(WaveQueues::WaitingCandidates, queue, count,
                       [&](const Buffer& items, std::uint32_t numItems, const Buffer& waiting) {
-                          _kernels->shadowPass.Launch(numItems, _queues.Paths(), _queues.WaveSize(),
+                          _kernels->shadowPass.Launch(numItems, _queues.Paths(), _queues.NumSlots(),
                                                       items, numItems, waiting,
                                                       _queues.Queue(shadowQueue),
                                                       _queues.ReadySlots(), _queues.Counters());

@@ -20,8 +20,8 @@ namespace hds {
 class WaveTracer {
 public:
     using Counts = WaveQueues::Counts;
-    /// Launches the kernel that fills slots [first, first + count), and `queue` with them from
-    /// `queueFirst` on.
+    /// Launches the kernel that begins paths [first, first + count) of the wave, in slots that
+    /// `queue` has from `queueFirst` on; without lists it writes them there.
     using Generate = std::function<void(std::uint32_t first, std::uint32_t count,
                                         const Buffer& queue, std::uint32_t queueFirst)>;
     /// Launches the kernel that shades `count` items of `queue`; it appends paths that go on to
@@ -31,27 +31,37 @@ public:
 
     WaveTracer(std::shared_ptr<Device> device, SceneBuffers* buffers, RenderStatistics* statistics);
 
-    /// Readies buffers for waves of at most `waveSize` paths, begun in tiles of `tileSize`.
+    /// Of a wave at most.
+    struct Size {
+        std::uint32_t numSlots = 0; ///< paths in flight at a time
+        std::uint32_t numPaths = 0; ///< without lists: as many
+    };
+
+    /// Readies buffers for waves that are begun in tiles of `tileSize`.
     /// \param shadeIterations as RenderOptions::shadeIterations.
     /// \throws Error when memory runs out.
-    void Ready(StageKernels* kernels, bool hasCutouts, std::uint32_t waveSize,
-               std::uint32_t tileSize, std::uint32_t shadeIterations);
+    void Ready(StageKernels* kernels, bool hasCutouts, Size size, std::uint32_t tileSize,
+               std::uint32_t shadeIterations);
 
     /// Asked between launches; true ends the wave.
     using IsCancelled = std::function<bool()>;
 
-    /// Traces slots [0, numSlots) to completion. \return false when it was cancelled before: the
-    /// radiance of the slots is not that of samples then.
-    bool Trace(std::uint32_t numSlots, const Generate& generate, const Shade& shade,
+    /// Traces paths [0, numPaths) to completion. \return false when it was cancelled before: the
+    /// sums are not those of samples then.
+    bool Trace(std::uint32_t numPaths, const Generate& generate, const Shade& shade,
                const IsCancelled& isCancelled);
 
-    /// Bytes of queues a path needs, beside its state.
-    static std::uint64_t QueueBytes(const KernelFeatures& features) {
-        return WaveQueues::BytesPerPath(features);
+    /// Bytes of queues a slot needs, beside its path's state; and of a path, beside its slot, with
+    /// lists.
+    static std::uint64_t SlotQueueBytes(const KernelFeatures& features) {
+        return WaveQueues::BytesPerSlot(features);
     }
+    static constexpr std::uint64_t kSumBytes = WaveQueues::kSumBytes;
 
-    std::uint32_t WaveSize() const { return _queues.WaveSize(); }
+    std::uint32_t NumSlots() const { return _queues.NumSlots(); }
+    std::uint32_t MaxPaths() const { return _maxPaths; }
     const Buffer& Paths() const { return _queues.Paths(); }
+    const Buffer& Sums() const { return _queues.Sums(); }
     const Buffer& ShadowQueue() const { return _queues.Queue(WaveQueues::kShadowQueue); }
     const Buffer& Counters() const { return _queues.Counters(); }
     Counts ReadCounters() const { return _queues.ReadCounters(); }
@@ -60,8 +70,12 @@ public:
 private:
     double RequestSeconds() const;
     bool TraceInStep(std::uint32_t active, const Shade& shade, const IsCancelled& isCancelled);
-    bool TraceWithLists(std::uint32_t numSlots, const Generate& generate, const Shade& shade,
+    bool TraceWithLists(std::uint32_t numPaths, const Generate& generate, const Shade& shade,
                         const IsCancelled& isCancelled);
+    bool HasSlotsFor(const Counts& counts, std::uint32_t numBegun) const;
+    std::uint32_t BeginPaths(const Counts& counts, std::uint32_t numBegun, std::uint32_t numPaths,
+                             const Generate& generate);
+    void KeepSums(std::uint32_t first, std::uint32_t count);
     void TraceNextBatch(std::uint32_t active, std::uint32_t numShadows);
     void PassCandidates(std::uint32_t numShadows, std::uint32_t shadowQueue);
     void LaunchPass(const Buffer& queue, std::uint32_t count, std::uint32_t shadowQueue);
@@ -80,6 +94,7 @@ private:
     StageKernels* _kernels = nullptr;
     bool _hasCutouts = false;
     bool _hasLists = false; ///< what waits goes on by itself
+    std::uint32_t _maxPaths = 0;
     std::uint32_t _tileSize = 0;
     std::uint32_t _present = 0; ///< queue of the paths that are traced
     WaveQueues _queues;

@@ -39,7 +39,7 @@ struct CommitOptions {
     CullStyle cullStyle = CullStyle::Nothing; ///< of prims that say DontCare
     bool domeVisible = true;                  ///< domes are seen by camera rays
     bool lightsVisible = true;                ///< and so are other lights that are no meshes
-    std::uint64_t chunkBytes = 1U << 20U;     ///< about what the pages of a chunk take at most
+    std::uint64_t chunkBytes = 1U << 17U;     ///< about what the pages of a chunk take at most
     Subdivision subdivision = Subdivision::Adaptive;
     std::uint32_t refineLevel = 0;          ///< for Subdivision::Complexity
     std::vector<std::string> shownPrimvars; ///< kept for AOVs, whether materials read them or not

@@ -30,7 +30,7 @@ struct PlannedGeometry {
 /// All that the pages of geometry are made of.
 struct GeometryInputs {
     std::shared_ptr<const GeometryDescription> geometry;
-    std::uint64_t chunkBytes = 1U << 20U; ///< about what the pages of a chunk take at most
+    std::uint64_t chunkBytes = 1U << 17U; ///< about what the pages of a chunk take at most
     /// Of a mesh with a subdivision scheme; nothing: its cage is drawn as polygons.
     std::optional<DicingOptions> dicing;
     std::vector<DisplacementInput> displacements; ///< by material entry

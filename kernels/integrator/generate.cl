@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
- * Starts the paths of a wave. From: nothing. To: the active queue (slot i is item i).
+ * Starts the paths of a wave. From: nothing. To: the active queue. Path i gets slot i; while rays
+ * keep lists the slot that the queue says, whose own path has ended.
  * Explained in docs/wavefront.md. */
 #include "integrator/generateRay.clh"
 #include "integrator/itemLoop.clh"
@@ -22,9 +23,22 @@
 /* clang-format on */
 #endif
 
-/* Writes a camera ray and a fresh state to slot i. */
-void generate_start(HdsPaths paths, uint i, constant const HdsFrameParams* frame, HdsCameraRay ray,
-                    float time, uint pixel, uint sample) {
+/* The slot of path `number` of the wave, item `item` of the queue. */
+uint generate_slot(global uint* queue, uint item, uint number) {
+#if HDS_WAIT_LISTS
+    return queue[item];
+#else
+    queue[item] = number;
+    return number;
+#endif
+}
+
+/* Writes a camera ray and a fresh state of path `number` to slot i. */
+void generate_start(HdsPaths paths, uint i, uint number, constant const HdsFrameParams* frame,
+                    HdsCameraRay ray, float time, uint pixel, uint sample) {
+#if HDS_WAIT_LISTS
+    path_beginNumber(paths, i, number);
+#endif
     path_store_origin(paths, i, (float4)(ray.origin, ray.tMin));
     path_store_direction(paths, i, (float4)(ray.direction, ray.tMax));
     path_store_throughput(paths, i, (float4)((float3)(frame->exposureScale), 0.0f));
@@ -49,9 +63,11 @@ void generate_start(HdsPaths paths, uint i, constant const HdsFrameParams* frame
 #define HDS_GENERATE_WIDE (HDS_WIDE && !HDS_FEATURE_MOTION)
 
 #if HDS_GENERATE_WIDE
-/* Starts slots [i, i + count), count <= HDS_LANES. */
+/* Starts paths [i, i + count) of the wave, count <= HDS_LANES. \param item of path i in the queue.
+ */
 void generate_wide(constant const HdsFrameParams* frame, HdsWave wave, uint i, uint count,
-                   HdsPaths paths, global const uint* pixels, global const float* filterTable) {
+                   HdsPaths paths, global const uint* pixels, global const float* filterTable,
+                   global uint* queue, uint item) {
     uint lanePixels[HDS_LANES];
     uint laneSamples[HDS_LANES];
     uint pixel = i / wave.numSamples;
@@ -76,13 +92,15 @@ void generate_wide(constant const HdsFrameParams* frame, HdsWave wave, uint i, u
         ray.tMin = lanes_get(&wide.tMin, lane);
         ray.tMax = lanes_get(&wide.tMax, lane);
         ray.cone = (float2)(lanes_get(&wide.cone.x, lane), lanes_get(&wide.cone.y, lane));
-        generate_start(paths, i + lane, frame, ray, 0.0f, lanePixels[lane], laneSamples[lane]);
+        generate_start(paths, generate_slot(queue, item + lane, i + lane), i + lane, frame, ray,
+                       0.0f, lanePixels[lane], laneSamples[lane]);
     }
 }
 #else
-/* Starts slot i. */
+/* Starts path i of the wave. \param item of it in the queue. */
 void generate_one(constant const HdsFrameParams* frame, HdsWave wave, uint i, HdsPaths paths,
-                  global const uint* pixels, global const float* filterTable) {
+                  global const uint* pixels, global const float* filterTable, global uint* queue,
+                  uint item) {
     const uint pixel = pixels[wave.firstPixel + i / wave.numSamples];
     const uint sample = wave.firstSample + i % wave.numSamples;
     const HdsSampler sampler = pixel_sampler(frame, pixel, sample);
@@ -92,12 +110,12 @@ void generate_one(constant const HdsFrameParams* frame, HdsWave wave, uint i, Hd
 #endif
     const HdsTransform pose = camera_pose(frame, time);
     const HdsCameraRay ray = generate_ray(frame, &pose, pixel, sampler, filterTable);
-    generate_start(paths, i, frame, ray, time, pixel, sample);
+    generate_start(paths, generate_slot(queue, item, i), i, frame, ray, time, pixel, sample);
 }
 #endif
 
-/* Global size: count items, HDS_ITEMS_PER_WORK_ITEM for each work-item; slots [first, first +
- * count) of the wave. To: queue[queueFirst...]. */
+/* Global size: count items, HDS_ITEMS_PER_WORK_ITEM for each work-item; paths [first, first +
+ * count) of the wave. To: queue[queueFirst...]; while rays keep lists it has their slots. */
 kernel void generate_sample(constant const HdsFrameParams* frame, HdsWave wave, uint first,
                             uint count, global uchar* state, uint numSlots,
                             global const uint* pixels, global const float* filterTable,
@@ -105,17 +123,15 @@ kernel void generate_sample(constant const HdsFrameParams* frame, HdsWave wave, 
     const HdsPaths paths = {state, numSlots};
     const uint begin = (uint)get_global_id(0) * HDS_ITEMS_PER_WORK_ITEM;
     const uint end = min(begin + HDS_ITEMS_PER_WORK_ITEM, count);
-    for (uint item = begin; item < end; ++item) {
-        queue[queueFirst + item] = first + item;
-    }
 #if HDS_GENERATE_WIDE
     for (uint item = begin; item < end; item += HDS_LANES) {
         generate_wide(frame, wave, first + item, min(end - item, (uint)HDS_LANES), paths, pixels,
-                      filterTable);
+                      filterTable, queue, queueFirst + item);
     }
 #else
     for (uint item = begin; item < end; ++item) {
-        generate_one(frame, wave, first + item, paths, pixels, filterTable);
+        generate_one(frame, wave, first + item, paths, pixels, filterTable, queue,
+                     queueFirst + item);
     }
 #endif
 }
@@ -136,6 +152,6 @@ kernel void generate_centre(constant const HdsFrameParams* frame, HdsWave wave, 
         (float2)((float)pixel_column(frame, pixel) + 0.5f, (float)pixel_row(frame, pixel) + 0.5f);
     const HdsTransform pose = camera_pose(frame, frame->frameTime);
     const HdsCameraRay ray = camera_generate(frame, &pose, raster, (float2)(0.5f));
-    generate_start(paths, i, frame, ray, frame->frameTime, pixel, 0u);
-    queue[queueFirst + item] = i;
+    generate_start(paths, generate_slot(queue, queueFirst + item, i), i, frame, ray,
+                   frame->frameTime, pixel, 0u);
 }

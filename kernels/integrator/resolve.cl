@@ -1,9 +1,35 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Adds the samples of a finished wave to the film, one work-item a pixel, in the order of samples:
- * the sums do not depend on how samples were spread over waves. From: path radiance. To: film.
- * Explained in docs/film.md. */
+ * the sums do not depend on how samples were spread over waves. From: path radiance; while rays
+ * keep lists, where slots are used again, the sums of paths. To: film. Explained in docs/film.md.
+ */
 #include "film/filmPixel.clh"
 #include "integrator/pathState.clh"
+
+#if HDS_WAIT_LISTS
+/* Global size: count. Keeps what paths that have ended have gathered, by their numbers in the wave.
+ * \param queue of their slots. */
+kernel void resolve_keepSums(global uchar* state, uint numSlots, global const uint* restrict queue,
+                             uint first, uint count, global float4* restrict sums) {
+    const uint item = (uint)get_global_id(0);
+    if (item >= count) {
+        return;
+    }
+    HdsPaths paths = {state, numSlots};
+    const uint i = queue[first + item];
+    sums[path_number(paths, i)] = path_load_radiance(paths, i);
+}
+#endif
+
+/* What path `number` of the wave has gathered. \param state of paths; with lists their sums. */
+float4 resolve_sum(global uchar* state, uint numSlots, uint number) {
+#if HDS_WAIT_LISTS
+    return ((global const float4*)state)[number];
+#else
+    HdsPaths paths = {state, numSlots};
+    return path_load_radiance(paths, number);
+#endif
+}
 
 /* Global size: wave.numPixels. */
 kernel void resolve_addSamples(HdsWave wave, global uchar* state, uint numSlots,
@@ -13,11 +39,10 @@ kernel void resolve_addSamples(HdsWave wave, global uchar* state, uint numSlots,
     if (i >= wave.numPixels) {
         return;
     }
-    HdsPaths paths = {state, numSlots};
     global HdsFilmPixel* slot = &film[pixels[wave.firstPixel + i]];
     HdsFilmPixel pixel = *slot;
     for (uint s = 0u; s < wave.numSamples; ++s) {
-        float4 value = path_load_radiance(paths, i * wave.numSamples + s);
+        float4 value = resolve_sum(state, numSlots, i * wave.numSamples + s);
         if (!(isfinite(value.x) && isfinite(value.y) && isfinite(value.z))) {
             atomic_inc(&counters[HDS_COUNTER_NAN]);
             value = (float4)(0.0f, 0.0f, 0.0f, isfinite(value.w) ? value.w : 0.0f);

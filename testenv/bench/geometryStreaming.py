@@ -133,7 +133,7 @@ def main() -> None:
     parser.add_argument("stages", nargs="*", default=list(GENERATED), help="FILE:CAMERA, or the name of a generated one")
     parser.add_argument("--width", type=int, default=480)
     parser.add_argument("--samples", type=int, default=16)
-    parser.add_argument("--chunkSize", type=int, default=1 << 18, help="bytes")
+    parser.add_argument("--chunkSize", type=int, default=_core.Settings().chunkBytes, help="bytes")
     parser.add_argument("--waveSize", type=int, default=0)
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--pools", type=lambda text: [int(word) for word in text.split(",")], default=_POOLS)

@@ -9,7 +9,7 @@ import pytest
 pytest.importorskip("hdstream._core")
 
 from stages import streaming
-from streamCase import Case
+from streamCase import SAMPLES, SIZE, Case
 
 _POOLS = ("100%", "79%", "50%", "30%", "15%", "5%", "2%")
 
@@ -39,6 +39,18 @@ def test_all_fits_means_loaded_once(Scene):
 ], ids=lambda settings: "-".join(f"{key}={value}" for key, value in settings.items()))
 def test_other_ways_give_the_same_bits(Scene, settings):
     Scene.AssertStreams(geometryMemory="10%", **settings)
+
+
+@pytest.mark.parametrize("pool", ["99%", "10%"])
+def test_slots_of_ended_paths_are_used_again(Scene, pool):
+    """Where pages leave, a wave has six paths for each of its slots: so few waves trace the passes of one and two samples, and the
+    first hits."""
+    slots, pixels = 128, SIZE[0] * SIZE[1]
+    layers, statistics = Scene.Render(residency="stream", geometryMemory=pool, waveSize=slots)
+    Scene.AssertBits(layers)
+    geometry = statistics["geometry"]
+    assert statistics["wave"]["size"] == slots and statistics["rays"]["camera"] == pixels * SAMPLES
+    assert geometry["rayBatches"] == sum(-(-pixels * samples // (6 * slots)) for samples in (1, 2, 1))
 
 
 def test_the_pool_of_the_largest_chunk_is_enough(Scene):

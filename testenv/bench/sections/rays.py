@@ -9,6 +9,7 @@ from bench.performancePage import LeftOut, Table
 from bench.recordRun import Record
 from bench.sceneRun import Scene, TracingSeconds
 from bench.sections import traversal
+from hdstream import _core
 from stages import bench as benchStages
 from stages import streaming
 from support.svgChart import Chart
@@ -46,7 +47,7 @@ def _Pools(bench) -> list:
     rows = []
     for name, (path, camera) in stages.items():
         width = bench.Pick(480, 64)
-        scene = Scene(path, camera, imageWidth=width, imageHeight=width * 9 // 16, chunkBytes=bench.Pick(1 << 18, 1 << 14))
+        scene = Scene(path, camera, imageWidth=width, imageHeight=width * 9 // 16, chunkBytes=bench.Pick(_core.Settings().chunkBytes, 1 << 14))
         variants = {"resident": dict(residency="resident")}
         variants.update({pool: dict(residency="stream", geometryMemory=f"{pool}%") for pool in pools})
         runs = geometryStreaming.Measure(scene, variants, 1, bench.Pick(16, 1))

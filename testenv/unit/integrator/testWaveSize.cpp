@@ -37,6 +37,20 @@ TEST(WaveSize, WhileGeometryStreamsOfCpusIsWhatMemoryAllows) {
     EXPECT_EQ(ChooseWaveSize(Options(), Cpu(2), 1U << 30U), ResidentWaveSize(Cpu(2)));
 }
 
+TEST(WaveSize, SlotsAreUsedSeveralTimesWherePagesLeave) {
+    RenderOptions options = Options();
+    EXPECT_EQ(StreamedPathsPerSlot(options, true), 6U);
+    EXPECT_EQ(StreamedWavePaths(options, 1000, true), 6000U);
+    EXPECT_EQ(StreamedWavePaths(options, 1000, false), 1000U);
+    EXPECT_EQ(StreamedWavePaths(options, 1U << 24U, true), 1U << 26U) << "their numbers end here";
+    options.imageWidth = 10;
+    options.imageHeight = 10;
+    EXPECT_EQ(StreamedWavePaths(options, 1000, true), 1600U) << "no more than the image has";
+    EXPECT_EQ(StreamedWavePaths(options, 5000, true), 5000U);
+    options.interactive = true;
+    EXPECT_EQ(StreamedWavePaths(options, 1000, true), 1000U);
+}
+
 TEST(WaveSize, OfInteractiveHostsAreTiles) {
     RenderOptions options = Options();
     options.interactive = true;
