@@ -143,8 +143,9 @@ struct PathTracer::Impl {
             savedBytes + residentBytes - std::min(residentBytes, otherBytes);
         const bool hasLists = kernels->Features().HasLists();
         const bool evicts = hasLists && !buffers.Streaming().HasRoomForAll();
-        const std::uint64_t sumBytes =
-            hasLists ? StreamedPathsPerSlot(options, evicts) * WaveTracer::kSumBytes : 0;
+        const std::uint64_t sumBytes = hasLists ? StreamedPathsPerSlot(options, evicts) *
+                                                      WaveTracer::SumBytes(kernels->Features())
+                                                : 0;
         const std::uint64_t affordable = pathBytes / (bytesPerSlot(kernels->Features()) + sumBytes);
         const std::uint32_t numSlots =
             ChooseWaveSize(options, device->Properties(), buffers.IsStreaming() ? affordable : 0);
@@ -212,9 +213,13 @@ struct PathTracer::Impl {
     void CollectMattes(const shared::HdsWave& wave) {
         std::vector<std::array<std::uint32_t, 4>> surfaces(std::size_t{wave.numPixels} *
                                                            wave.numSamples);
-        const std::uint64_t offset =
-            StageKernels::MatteOffset(kernels->Features()) * tracer.WaveSize();
-        tracer.Paths().Read(surfaces.data(), surfaces.size() * sizeof(surfaces[0]), offset);
+        const std::uint64_t bytes = surfaces.size() * sizeof(surfaces[0]);
+        if (kernels->Features().HasLists()) { // behind what paths have gathered
+            tracer.Sums().Read(surfaces.data(), bytes, tracer.MaxPaths() * sizeof(surfaces[0]));
+        } else {
+            tracer.Paths().Read(surfaces.data(), bytes,
+                                StageKernels::MatteOffset(kernels->Features()) * tracer.NumSlots());
+        }
         film.AddMattes(schedule.Pixels(*presentList).data() + wave.firstPixel, wave.numSamples,
                        surfaces);
     }

@@ -31,6 +31,10 @@ std::uint64_t WaveQueues::BytesPerSlot(const KernelFeatures& features) {
     return kItemBytes * (numWaiting + (features.HasLists() ? kNumQueues + 1 : kResumedQueue));
 }
 
+std::uint64_t WaveQueues::SumBytes(const KernelFeatures& features) {
+    return features.mattes ? 32 : 16;
+}
+
 void WaveQueues::Ready(const StageKernels& kernels, std::uint32_t numSlots,
                        std::uint32_t numPaths) {
     const bool hasLists = kernels.Features().HasLists();
@@ -38,7 +42,8 @@ void WaveQueues::Ready(const StageKernels& kernels, std::uint32_t numSlots,
     _numSlots = numSlots;
     _hasSums = hasLists;
     Resize(&_paths, _device, "path state", numSlots * kernels.PathStateBytes());
-    Resize(&_sums, _device, "sums of paths", hasLists ? numPaths * kSumBytes : 0);
+    Resize(&_sums, _device, "sums of paths",
+           hasLists ? numPaths * SumBytes(kernels.Features()) : 0);
     _bytes = _paths.Bytes() + _sums.Bytes();
     for (std::uint32_t i = 0; i < kNumQueues; ++i) {
         const bool isUsed = hasLists || i < kResumedQueue;

@@ -33,10 +33,12 @@ public:
     /// Bytes of queues a slot needs, beside its path's state.
     static std::uint64_t BytesPerSlot(const KernelFeatures& features);
     /// Bytes that a path keeps when its slot is another's.
-    static constexpr std::uint64_t kSumBytes = 16;
+    static std::uint64_t SumBytes(const KernelFeatures& features);
 
     std::uint32_t NumSlots() const { return _numSlots; }
-    /// What the paths of a wave have gathered, as resolve_addSamples reads it.
+    /// What the paths of a wave have gathered, as resolve_addSamples reads it. With lists, and for
+    /// a Cryptomatte, the surfaces that their camera rays have met follow behind those of all
+    /// paths.
     const Buffer& Sums() const { return _hasSums ? _sums : _paths; }
     /// Slots of paths that have ended: those in no queue. The lowest ones, at most `most`; all
     /// slots have been used. \param present the queue of paths that go on. Blocks.

@@ -158,7 +158,7 @@ std::uint32_t WaveTracer::BeginPaths(const Counts& counts, std::uint32_t numBegu
 /// Of paths that have ended: keeps what they have gathered. \param first item of queue _present.
 void WaveTracer::KeepSums(std::uint32_t first, std::uint32_t count) {
     _kernels->keepSums.Launch(count, _queues.Paths(), NumSlots(), _queues.Queue(_present), first,
-                              count, _queues.Sums());
+                              count, _queues.Sums(), _maxPaths);
 }
 
 /// Shades items of a queue; paths that go on come to `next`.

@@ -56,7 +56,9 @@ public:
     static std::uint64_t SlotQueueBytes(const KernelFeatures& features) {
         return WaveQueues::BytesPerSlot(features);
     }
-    static constexpr std::uint64_t kSumBytes = WaveQueues::kSumBytes;
+    static std::uint64_t SumBytes(const KernelFeatures& features) {
+        return WaveQueues::SumBytes(features);
+    }
 
     std::uint32_t NumSlots() const { return _queues.NumSlots(); }
     std::uint32_t MaxPaths() const { return _maxPaths; }

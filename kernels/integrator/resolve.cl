@@ -8,16 +8,21 @@
 
 #if HDS_WAIT_LISTS
 /* Global size: count. Keeps what paths that have ended have gathered, by their numbers in the wave.
- * \param queue of their slots. */
+ * \param queue of their slots. \param numPaths of the wave: behind their sums lie the surfaces that
+ * camera rays have met. */
 kernel void resolve_keepSums(global uchar* state, uint numSlots, global const uint* restrict queue,
-                             uint first, uint count, global float4* restrict sums) {
+                             uint first, uint count, global float4* restrict sums, uint numPaths) {
     const uint item = (uint)get_global_id(0);
     if (item >= count) {
         return;
     }
     HdsPaths paths = {state, numSlots};
     const uint i = queue[first + item];
-    sums[path_number(paths, i)] = path_load_radiance(paths, i);
+    const uint number = path_number(paths, i);
+    sums[number] = path_load_radiance(paths, i);
+#if HDS_FEATURE_MATTES
+    sums[(size_t)numPaths + number] = as_float4(path_load_matte(paths, i));
+#endif
 }
 #endif
 

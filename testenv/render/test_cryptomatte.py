@@ -100,7 +100,8 @@ def test_ids_are_hashes_of_names_and_ranks_fall(file):
 
 
 @pytest.mark.parametrize("settings", [{"residency": "stream", "geometryMemory": "30%", "chunkBytes": 16384}, {"waveSize": 4096},
-                                      {"traversal": "scalar"}], ids=["pool", "waves", "scalar"])
+                                      {"residency": "stream", "geometryMemory": "30%", "chunkBytes": 16384, "waveSize": 1024},
+                                      {"traversal": "scalar"}], ids=["pool", "waves", "slotsUsedAgain", "scalar"])
 def test_bits_depend_on_nothing_else(stage, image, settings):
     other = RenderMattes(stage, ("color", "alpha") + ALL, **settings)
     assert other.headers == image.headers
