@@ -218,7 +218,7 @@ private:
         leaf.object = _objectOfDrawn[index];
         leaf.prim = index;
         const std::uint32_t seenBy = RayVisibilityFlags(prim.geometry->primvars);
-        _result->hasRayVisibility = _result->hasRayVisibility || seenBy != kSeenByAll;
+        _result->hasRayVisibility = _result->hasRayVisibility || seenBy != HDS_INSTANCE_SEEN;
         leaf.flags = seenBy | (mayPass ? HDS_INSTANCE_CUTOUT : 0U);
         leaf.origin = prepared.origin;
         leaf.bounds = prepared.bounds;

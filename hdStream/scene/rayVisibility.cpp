@@ -39,7 +39,7 @@ bool MaySay(const Primvar& primvar) {
 } // namespace
 
 std::uint32_t RayVisibilityFlags(const std::vector<Primvar>& primvars) {
-    std::uint32_t flags = kSeenByAll;
+    std::uint32_t flags = HDS_INSTANCE_SEEN;
     if (std::none_of(primvars.begin(), primvars.end(), MaySay)) {
         return flags;
     }

@@ -10,11 +10,6 @@
 
 namespace hds {
 
-/// The flags of a prim whose primvars say nothing.
-constexpr std::uint32_t kSeenByAll = HDS_INSTANCE_CAMERA | HDS_INSTANCE_SHADOW |
-                                     HDS_INSTANCE_DIFFUSE | HDS_INSTANCE_REFLECTION |
-                                     HDS_INSTANCE_TRANSMISSION;
-
 /// HDS_INSTANCE_* of a prim: who sees it, and whether it is held out. Constant primvars of one
 /// number count; 0 is false. Those of hdstream win over those of other renderers.
 std::uint32_t RayVisibilityFlags(const std::vector<Primvar>& primvars);

@@ -37,6 +37,10 @@
 #define HDS_INSTANCE_DIFFUSE 32u
 #define HDS_INSTANCE_REFLECTION 64u
 #define HDS_INSTANCE_TRANSMISSION 128u
+/* Who sees a prim that says nothing of it. */
+#define HDS_INSTANCE_SEEN                                                                         \
+    (HDS_INSTANCE_CAMERA | HDS_INSTANCE_SHADOW | HDS_INSTANCE_DIFFUSE | HDS_INSTANCE_REFLECTION | \
+     HDS_INSTANCE_TRANSMISSION)
 #define HDS_INSTANCE_HOLDOUT 256u  /* camera rays end on it, and leave black with alpha 0 */
 #define HDS_INSTANCE_LINK_SHIFT 16 /* the bits from here on: the link set (shared/light.h) */
 

@@ -352,7 +352,7 @@ void RunScene(const std::shared_ptr<Device>& device, const BenchScene& scene,
     for (std::size_t i = 0; i < numPlacements; ++i) {
         const BenchPlacement placement = scene.Placement(i);
         placements.push_back(
-            {objects[placement.mesh], glm::dmat4(placement.worldFromMesh), HDS_INSTANCE_CAMERA});
+            {objects[placement.mesh], glm::dmat4(placement.worldFromMesh), HDS_INSTANCE_SEEN});
     }
     ours.SetRoot(placements);
     const std::chrono::duration<double> buildTime = std::chrono::steady_clock::now() - start;

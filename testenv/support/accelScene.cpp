@@ -113,7 +113,8 @@ void AccelScene::BuildGroup(std::uint32_t object, const std::vector<AccelPlaceme
         shared::HdsInstance record{};
         StoreRows(glm::inverse(placement.parentFromObject), record.objectFromParent);
         record.object = placement.object;
-        record.flags = placement.flags;
+        record.flags =
+            placement.flags | HDS_INSTANCE_SHADOW; // any hit counts, whatever a test is of
         Bounds box = TransformedBounds(placement.parentFromObject, _bounds[placement.object], -19);
         closeBoxes.push_back(box);
         if (placement.keys.empty()) {

@@ -21,7 +21,7 @@ namespace hds::test {
 struct AccelPlacement {
     std::uint32_t object = 0;
     glm::dmat4 parentFromObject{1.0};
-    std::uint32_t flags = HDS_INSTANCE_CAMERA;
+    std::uint32_t flags = HDS_INSTANCE_SEEN;
     std::vector<glm::dmat4> keys = {}; ///< of parentFromObject when it moves
 };
 

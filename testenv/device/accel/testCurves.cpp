@@ -160,7 +160,7 @@ struct SolidScene {
             }
             matrix[3] = glm::dvec4(0.7 * glm::dvec3(uniform.Vector()), 1.0);
             matrices.push_back(matrix);
-            placements.push_back({object, matrix, HDS_INSTANCE_CAMERA | HDS_INSTANCE_CUTOUT});
+            placements.push_back({object, matrix, HDS_INSTANCE_SEEN | HDS_INSTANCE_CUTOUT});
         }
         scene.SetRoot(placements);
         EXPECT_TRUE(warnings.Lines().empty());
@@ -342,7 +342,7 @@ TEST_F(Curves, ShadowRaysSeeWhatOthersSee) {
     const SolidScene solid;
     AccelScene opaque = solid.scene;
     for (shared::HdsInstance& instance : opaque.instances) {
-        instance.flags = HDS_INSTANCE_CAMERA;
+        instance.flags = HDS_INSTANCE_SEEN;
     }
     const DeviceAccelScene scene(device, opaque);
     const std::vector<ProbeRay> rays = AimedRays(solid, 2000);

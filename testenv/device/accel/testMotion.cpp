@@ -180,7 +180,7 @@ std::shared_ptr<GeometryDescription> Sheet() {
 AccelScene SceneOf(const ChunkSource& source) {
     AccelScene scene;
     const std::uint32_t object = scene.AddSource(source, 150);
-    scene.SetRoot({{object, glm::dmat4(1.0), HDS_INSTANCE_CAMERA, {}}});
+    scene.SetRoot({{object, glm::dmat4(1.0), HDS_INSTANCE_SEEN, {}}});
     return scene;
 }
 

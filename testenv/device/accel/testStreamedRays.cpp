@@ -81,7 +81,7 @@ AccelScene OverlappingScene(bool hasGroups) {
         matrix = glm::rotate(matrix, 3.0 * uniform(), glm::dvec3(1.0, 0.5, 0.2));
         placements.push_back({i % 3 == 0 ? small : ball,
                               glm::scale(matrix, glm::dvec3(1.0 + 0.1 * i)),
-                              HDS_INSTANCE_CAMERA | (i % 2 == 0 ? HDS_INSTANCE_CUTOUT : 0U)});
+                              HDS_INSTANCE_SEEN | (i % 2 == 0 ? HDS_INSTANCE_CUTOUT : 0U)});
     }
     if (hasGroups) {
         const std::uint32_t group = scene.AddGroup(placements);

@@ -53,13 +53,13 @@ struct MixedScene {
                 matrix = glm::dmat4(1.0); // in place: boxes are tested with the ray outside
             }
             meshOf.push_back(i % 4);
-            placements.push_back({objects[i % 4], matrix, HDS_INSTANCE_CAMERA});
+            placements.push_back({objects[i % 4], matrix, HDS_INSTANCE_SEEN});
         }
         if (isWide) {
             glm::dmat4 away(1.0);
             away[3] = glm::dvec4(3e5, -2e5, 1e5, 1.0);
             meshOf.push_back(3);
-            placements.push_back({objects[3], away, HDS_INSTANCE_CAMERA});
+            placements.push_back({objects[3], away, HDS_INSTANCE_SEEN});
         }
         scene.SetRoot(placements);
     }
