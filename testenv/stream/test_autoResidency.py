@@ -148,10 +148,12 @@ def test_waves_after_it_are_resident(LittleField, settings):
         assert statistics["rays"]["camera"] == pixels * settings["samples"]
         if memory == "100%":
             assert geometry["mode"] == "resident" and 0 < geometry["chunksTouched"] <= geometry["chunks"]
-            # What is hidden is loaded once the rate is known: after two waves.
+            # What is hidden is loaded between two waves, once the rate is known; how soon is a matter of seconds.
             if settings["waveSize"] > 0:
-                first = _EqualPart(pixels, settings["waveSize"])
-                assert geometry["streamedPaths"] in (first, first + _EqualPart(pixels - first, settings["waveSize"]))
+                ends = [0]
+                while ends[-1] < pixels:
+                    ends.append(ends[-1] + _EqualPart(pixels - ends[-1], settings["waveSize"]))
+                assert len(ends) == 12 and geometry["streamedPaths"] in ends[1:-1]
             else:
                 assert 0 < geometry["streamedPaths"] <= pixels
         else:
