@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""In Blender's Python: cryptomatteScript.py FILE NAMES OUT: mattes of an EXR as the compositor's Cryptomatte node makes them.
+"""In Blender's Python: cryptomatteScript.py FILE WIDTH HEIGHT NAMES OUT: mattes of an EXR as the compositor's Cryptomatte node makes them.
 
 NAMES is a JSON list; OUT gets a .npz of an array [height][width] for each.
 """
@@ -11,9 +11,8 @@ import sys
 import bpy
 import numpy as np
 
-file, names, out = sys.argv[1], json.loads(sys.argv[2]), sys.argv[3]
+file, width, height, names, out = sys.argv[1], int(sys.argv[2]), int(sys.argv[3]), json.loads(sys.argv[4]), sys.argv[5]
 image = bpy.data.images.load(file)
-width, height = image.size
 scene = bpy.context.scene
 scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = width, height, 100
 scene.render.image_settings.file_format = "OPEN_EXR"
