@@ -48,7 +48,8 @@ struct CommitKey {
 /// Premultiplied colours over black.
 void FillAlpha(std::vector<ImageLayer>* layers) {
     for (ImageLayer& layer : *layers) {
-        if (layer.channels.size() == 4 && layer.channels.back() == "A") {
+        const AovInfo* info = FindAov(layer.name);
+        if (info != nullptr && info->isColor && layer.channels.back() == "A") {
             for (std::size_t i = 3; i < layer.values.size(); i += 4) {
                 layer.values[i] = 1.0F;
             }

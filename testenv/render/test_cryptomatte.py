@@ -120,6 +120,12 @@ def test_adaptive_pixels_have_coverages_of_their_own_samples(stage):
     assert np.allclose(total, image.aovs["alpha"][..., 0], atol=1e-6)
 
 
+def test_an_opaque_background_is_of_colours_only(stage, image):
+    opaque = RenderMattes(stage, ("color", "crypto_object"), opaqueBackground=True)
+    assert (opaque.aovs["color"][..., 3] == 1.0).all()
+    assert opaque.aovs["crypto_object00"].tobytes() == image.aovs["crypto_object00"].tobytes()
+
+
 def test_single_layers(stage, image):
     """For hosts, which ask for one buffer after another."""
     alone = RenderMattes(stage, ("crypto_object01",))
