@@ -33,7 +33,7 @@ def test_modules_of_the_callers_folder_are_not_taken(stage, tmp_path):
     assert result.returncode == 0, result.stderr
 
 
-@pytest.mark.parametrize("arguments, code", [(["missing.usda", "out.exr"], 1), (["--noSuchOption"], 2), (["one"], 2)])
+@pytest.mark.parametrize("arguments, code", [(["missing.usda", "out.exr"], 1), (["missing.usda"], 1), (["--noSuchOption"], 2), (["one", "two", "three"], 2)])
 def test_exit_codes_are_passed_through(arguments, code, tmp_path):
     result = Run([RENDER, *arguments], cwd=tmp_path, env=CleanEnvironment())
     assert result.returncode == code, result.stderr
