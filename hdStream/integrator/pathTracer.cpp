@@ -98,6 +98,7 @@ struct PathTracer::Impl {
         features.cutouts = scene->hasCutouts;
         features.programs = buffers.HasPrograms();
         features.patterns = scene->hasPatterns;
+        features.closures = scene->hasClosures;
         features.lobes = scene->lobes;
         features.textures = buffers.HasTextures();
         features.lightShaping = scene->lights->hasShaping;

@@ -57,6 +57,8 @@ void BindMaterials(nb::module_& module) {
 
     module.def("PatternNames", &PatternNames,
                "The names of all pattern nodes, sorted: MaterialX's categories and USD's names.");
+    module.def("ClosureIds", &ClosureIds,
+               "The ids of all BSDF, EDF and VDF nodes of MaterialX that are drawn, sorted.");
     module.def(
         "SurfaceInputs",
         [](const std::string& identifier) {

@@ -87,6 +87,7 @@ public:
         _result->primMaterials = std::move(_materials.primMaterials);
         _result->programs = std::move(_materials.programs);
         _result->hasPatterns = HasPatterns(_result->programs);
+        _result->hasClosures = HasClosures(_result->programs);
         _result->lobes = _materials.lobes;
         OffsetPositions(&_result->programs, HDS_SPACE_WORLD,
                         {static_cast<float>(_result->centre.x),

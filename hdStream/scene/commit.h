@@ -124,6 +124,7 @@ struct CommittedScene {
     std::vector<TextureUse> textures;        ///< images of materials and lights
     bool hasCutouts = false;
     bool hasPatterns = false;      ///< some program computes (HDS_FEATURE_PATTERNS)
+    bool hasClosures = false;      ///< some hit takes one of several (HDS_FEATURE_CLOSURES)
     std::uint32_t lobes = 0;       ///< HDS_LOBE_* of layered surfaces
     bool hasGroups = false;        ///< instances below instances
     bool hasCurves = false;        ///< or points

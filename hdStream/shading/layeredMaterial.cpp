@@ -4,6 +4,7 @@
 #include "hdStream/shading/layeredMaterial.h"
 
 #include "hdStream/base/error.h"
+#include "hdStream/shading/closureTree.h"
 #include "hdStream/shading/shaderMath.h"
 #include "hdStream/shading/shaderNodes.h"
 #include "hdStream/shading/surfaceInputs.h"
@@ -16,29 +17,6 @@
 namespace hds {
 
 namespace {
-
-ShaderValue Add(const ShaderValue& a, const ShaderValue& b, std::uint32_t numComponents) {
-    return MakeMath(HDS_MATH_ADD, {a, b}, numComponents);
-}
-ShaderValue Subtract(const ShaderValue& a, const ShaderValue& b, std::uint32_t numComponents) {
-    return MakeMath(HDS_MATH_SUBTRACT, {a, b}, numComponents);
-}
-ShaderValue Multiply(const ShaderValue& a, const ShaderValue& b, std::uint32_t numComponents) {
-    return MakeMath(HDS_MATH_MULTIPLY, {a, b}, numComponents);
-}
-ShaderValue Divide(const ShaderValue& a, const ShaderValue& b, std::uint32_t numComponents) {
-    return MakeMath(HDS_MATH_DIVIDE, {a, b}, numComponents);
-}
-ShaderValue Power(const ShaderValue& a, const ShaderValue& b, std::uint32_t numComponents) {
-    return MakeMath(HDS_MATH_POWER, {a, b}, numComponents);
-}
-ShaderValue Mix(const ShaderValue& background, const ShaderValue& foreground,
-                const ShaderValue& share, std::uint32_t numComponents) {
-    return MakeMath(HDS_MATH_MIX, {background, foreground, share}, numComponents);
-}
-ShaderValue OneMinus(const ShaderValue& value, std::uint32_t numComponents) {
-    return Subtract(MakeScalar(1.0F), value, numComponents);
-}
 
 /// The inputs of a model.
 class InputTable {
@@ -55,6 +33,26 @@ private:
 };
 
 constexpr const char* kSurfacesFrame = "is not supported; that of the surface is used";
+
+void WarnOf(NetworkEvaluator& network, const MaterialNode& node, const std::string& input,
+            const std::string& what) {
+    network.Warn(input + " of " + node.path + ": " + what);
+}
+
+/// Whether a normal or tangent is not connected, or connected to the surface's own, as exporters do
+/// that connect all.
+bool IsSurfaces(const NetworkEvaluator& network, const MaterialNode& node,
+                const std::string& input) {
+    if (node.connections.count(input) == 0) {
+        return true;
+    }
+    const MaterialNode* source = network.FindSource(node, input);
+    while (source != nullptr && source->identifier == "ND_normalize_vector3") {
+        source = network.FindSource(*source, "in");
+    }
+    return source != nullptr && (source->identifier == "ND_normal_vector3" ||
+                                 source->identifier == "ND_tangent_vector3");
+}
 
 /// Reads one surface shader.
 class ModelReader {
@@ -357,16 +355,9 @@ private:
         return value.numComponents == 1 ? value : SelectChannel(value, 0);
     }
 
-    /// Normal maps and bumps count, which are in tangent space; other normals are those of the
-    /// surface.
     void SetNormal(const char* input) {
-        const MaterialNode* source = _network.FindSource(_node, input);
-        const std::string id = source == nullptr ? std::string() : source->identifier;
-        const auto isOne = [&](const char* name) { return id.rfind(name, 0) == 0; };
-        if (isOne("ND_normalmap") || isOne("ND_bump_") || isOne("ND_gltf_normalmap")) {
-            Set(HDS_INPUT_NORMAL, _network.Evaluate(_node, input));
-        } else if (!IsSurfaces(input)) {
-            Warn(input, kSurfacesFrame);
+        if (ShaderValue normal = EvaluateNormal(_network, _node, input)) {
+            Set(HDS_INPUT_NORMAL, normal);
         }
     }
 
@@ -386,26 +377,13 @@ private:
                             other != _node.connections.end() &&
                             own->second.upstreamPath == other->second.upstreamPath &&
                             own->second.upstreamOutput == other->second.upstreamOutput;
-        if (AreShown(shownBy) && !isSame && !IsSurfaces(input)) {
+        if (AreShown(shownBy) && !isSame && !IsSurfaces(_network, _node, input)) {
             Warn(input, kSurfacesFrame);
         }
     }
     bool AreShown(Names inputs) {
         return std::none_of(inputs.begin(), inputs.end(),
                             [&](const char* input) { return IsAll(Read(input), 0.0F); });
-    }
-    /// Whether a normal or tangent is not connected, or connected to the surface's own, as
-    /// exporters do that connect all.
-    bool IsSurfaces(const std::string& input) {
-        if (_node.connections.count(input) == 0) {
-            return true;
-        }
-        const MaterialNode* source = _network.FindSource(_node, input);
-        while (source != nullptr && source->identifier == "ND_normalize_vector3") {
-            source = _network.FindSource(*source, "in");
-        }
-        return source != nullptr && (source->identifier == "ND_normal_vector3" ||
-                                     source->identifier == "ND_tangent_vector3");
     }
     /// Warns where the input is not 0.
     void Approximate(const char* input, const char* what) {
@@ -416,37 +394,11 @@ private:
         }
     }
     void Warn(const std::string& input, const std::string& what) {
-        _network.Warn(input + " of " + _node.path + ": " + what);
-    }
-
-    /// Whether an input is something else than a constant 0.
-    bool Has(std::uint32_t input) const {
-        return _result.values[input] && !IsAll(_result.values[input], 0.0F);
+        WarnOf(_network, _node, input, what);
     }
 
     LayeredMaterial Take() {
-        _result.lobes = HDS_LOBE_BASE | (Has(HDS_INPUT_CLEARCOAT) ? HDS_LOBE_COAT : 0U) |
-                        (Has(HDS_INPUT_SHEEN) ? HDS_LOBE_SHEEN : 0U) |
-                        (_result.values[HDS_INPUT_STRETCH] ? HDS_LOBE_ANISOTROPY : 0U) |
-                        (_result.values[HDS_INPUT_FILM] ? HDS_LOBE_FILM : 0U) |
-                        (Has(HDS_INPUT_TRANSMISSION) ? HDS_LOBE_TRANSMISSION : 0U) |
-                        (Has(HDS_INPUT_TRANSLUCENCY) ? HDS_LOBE_TRANSLUCENCY : 0U);
-        // What belongs to lobes that are not there would only make programs longer.
-        const auto drop = [&](std::uint32_t lobe, std::initializer_list<std::uint32_t> inputs) {
-            for (const std::uint32_t input : inputs) {
-                _result.values[input] =
-                    (_result.lobes & lobe) != 0 ? _result.values[input] : ShaderValue{};
-            }
-        };
-        drop(HDS_LOBE_COAT, {HDS_INPUT_CLEARCOAT, HDS_INPUT_CLEARCOAT_ROUGHNESS, HDS_INPUT_COAT_IOR,
-                             HDS_INPUT_COAT_TINT});
-        drop(HDS_LOBE_SHEEN, {HDS_INPUT_SHEEN, HDS_INPUT_SHEEN_COLOR, HDS_INPUT_SHEEN_ROUGHNESS});
-        drop(HDS_LOBE_TRANSMISSION,
-             {HDS_INPUT_TRANSMISSION, HDS_INPUT_TRANSMISSION_COLOR, HDS_INPUT_ABSORPTION});
-        if (!Has(HDS_INPUT_METALLIC)) {
-            _result.values[HDS_INPUT_METAL_COLOR] = {};
-            _result.values[HDS_INPUT_EDGE_COLOR] = {};
-        }
+        FinishLayered(&_result);
         return std::move(_result);
     }
 
@@ -479,11 +431,56 @@ const Model* FindModel(std::string_view identifier) {
 
 } // namespace
 
+ShaderValue EvaluateNormal(NetworkEvaluator& network, const MaterialNode& node,
+                           const std::string& input) {
+    const MaterialNode* source = network.FindSource(node, input);
+    const std::string id = source == nullptr ? std::string() : source->identifier;
+    const auto isOne = [&](const char* name) { return id.rfind(name, 0) == 0; };
+    if (isOne("ND_normalmap") || isOne("ND_bump_") || isOne("ND_gltf_normalmap")) {
+        return network.Evaluate(node, input);
+    }
+    if (!IsSurfaces(network, node, input)) {
+        WarnOf(network, node, input, kSurfacesFrame);
+    }
+    return {};
+}
+
+void FinishLayered(LayeredMaterial* material) {
+    std::array<ShaderValue, HDS_NUM_LAYERED_INPUTS>& values = material->values;
+    const auto has = [&](std::uint32_t input) {
+        return values[input] && !IsAll(values[input], 0.0F);
+    };
+    material->lobes = HDS_LOBE_BASE | (has(HDS_INPUT_CLEARCOAT) ? HDS_LOBE_COAT : 0U) |
+                      (has(HDS_INPUT_SHEEN) ? HDS_LOBE_SHEEN : 0U) |
+                      (values[HDS_INPUT_STRETCH] ? HDS_LOBE_ANISOTROPY : 0U) |
+                      (values[HDS_INPUT_FILM] ? HDS_LOBE_FILM : 0U) |
+                      (has(HDS_INPUT_TRANSMISSION) ? HDS_LOBE_TRANSMISSION : 0U) |
+                      (has(HDS_INPUT_TRANSLUCENCY) ? HDS_LOBE_TRANSLUCENCY : 0U);
+    // What belongs to lobes that are not there would only make programs longer.
+    const auto drop = [&](std::uint32_t lobe, std::initializer_list<std::uint32_t> inputs) {
+        for (const std::uint32_t input : inputs) {
+            values[input] = (material->lobes & lobe) != 0 ? values[input] : ShaderValue{};
+        }
+    };
+    drop(HDS_LOBE_COAT, {HDS_INPUT_CLEARCOAT, HDS_INPUT_CLEARCOAT_ROUGHNESS, HDS_INPUT_COAT_IOR,
+                         HDS_INPUT_COAT_TINT});
+    drop(HDS_LOBE_SHEEN, {HDS_INPUT_SHEEN, HDS_INPUT_SHEEN_COLOR, HDS_INPUT_SHEEN_ROUGHNESS});
+    drop(HDS_LOBE_TRANSMISSION,
+         {HDS_INPUT_TRANSMISSION, HDS_INPUT_TRANSMISSION_COLOR, HDS_INPUT_ABSORPTION});
+    if (!has(HDS_INPUT_METALLIC)) {
+        values[HDS_INPUT_METAL_COLOR] = {};
+        values[HDS_INPUT_EDGE_COLOR] = {};
+    }
+}
+
 bool IsLayered(const std::string& identifier) {
-    return FindModel(identifier) != nullptr;
+    return FindModel(identifier) != nullptr || IsClosureSurface(identifier);
 }
 
 LayeredMaterial EvaluateLayered(NetworkEvaluator& network, const MaterialNode& node) {
+    if (IsClosureSurface(node.identifier)) {
+        return EvaluateClosureSurface(network, node);
+    }
     const Model& model = *FindModel(node.identifier);
     ModelReader reader(network, node, model.inputs);
     return (reader.*model.read)();

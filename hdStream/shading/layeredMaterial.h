@@ -19,6 +19,14 @@ struct LayeredMaterial {
     std::uint32_t lobes = 0;                                ///< HDS_LOBE_*
 };
 
+/// Normal maps and bumps count, which are in tangent space; of others, which warn, and of none it
+/// is empty: the surface's own.
+ShaderValue EvaluateNormal(NetworkEvaluator& network, const MaterialNode& node,
+                           const std::string& input);
+
+/// Sets the lobes by the values, and takes away what belongs to lobes that are not there.
+void FinishLayered(LayeredMaterial* material);
+
 /// Whether a shader id is a surface shader that EvaluateLayered knows.
 bool IsLayered(const std::string& identifier);
 

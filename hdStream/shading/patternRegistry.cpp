@@ -17,7 +17,7 @@ const TypeByIdName& Types() {
     static const TypeByIdName kTypes = [] {
         TypeByIdName types;
         for (const PatternTable& table :
-             {StandardNodes(), LibraryNodes(), ColorNodes(), MapNodes(), UsdNodes()}) {
+             {StandardNodes(), LibraryNodes(), ColorNodes(), MapNodes(), PbrNodes(), UsdNodes()}) {
             for (const PatternType& type : table) {
                 const std::string_view idName = type.idName.empty() ? type.name : type.idName;
                 HDS_VERIFY(types.emplace(idName, &type).second, "two nodes of one name");
@@ -50,7 +50,9 @@ bool IsOfUsd(const PatternType& type) {
 }
 
 bool IsKnownShader(const std::string& identifier) {
-    return FindPatternType(identifier) != nullptr || IsSurfaceShader(identifier);
+    const std::vector<std::string> closures = ClosureIds();
+    return FindPatternType(identifier) != nullptr || IsSurfaceShader(identifier) ||
+           std::binary_search(closures.begin(), closures.end(), identifier);
 }
 
 std::vector<std::string> PatternNames() {

@@ -43,6 +43,7 @@ PatternTable StandardNodes(); ///< patternNodes.cpp
 PatternTable LibraryNodes();
 PatternTable ColorNodes();
 PatternTable MapNodes();
+PatternTable PbrNodes();
 PatternTable UsdNodes();
 
 /// The type of a shader id: the longest name that the id, or what follows "ND_" in it, is, or

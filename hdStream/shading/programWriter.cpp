@@ -159,6 +159,10 @@ private:
             Emit(HDS_OP(HDS_OP_VIEW, 0U));
             Grow(1);
             break;
+        case Kind::Chance:
+            Emit(HDS_OP(HDS_OP_CHANCE, 0U));
+            Grow(1);
+            break;
         case Kind::Shifted:
             PushShifted(expression);
             break;
@@ -403,10 +407,21 @@ bool HasPatterns(const std::vector<std::uint32_t>& programs) {
     return false;
 }
 
+bool HasClosures(const std::vector<std::uint32_t>& programs) {
+    for (std::size_t at = 0; at < programs.size(); at += 1 + NumOperands(programs, at)) {
+        const std::uint32_t operation = OperationAt(programs, at);
+        if (operation == HDS_OP_CHANCE ||
+            (operation == HDS_OP_STORE && (programs[at] >> 8 & 0xffU) == HDS_INPUT_WEIGHT)) {
+            return true;
+        }
+    }
+    return false;
+}
+
 bool NeedsFilteredTexels(const std::vector<std::uint32_t>& program) {
     for (std::size_t at = 0; at < program.size(); at += 1 + NumOperands(program, at)) {
         const std::uint32_t operation = OperationAt(program, at);
-        if (operation == HDS_OP_SHIFT) {
+        if (operation == HDS_OP_SHIFT || operation == HDS_OP_CHANCE) {
             return true;
         }
         if (operation != HDS_OP_MATH) {

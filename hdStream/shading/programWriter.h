@@ -36,6 +36,10 @@ void OffsetPositions(std::vector<std::uint32_t>* programs, std::uint32_t space,
 /// Whether some instruction belongs to patterns (HDS_FEATURE_PATTERNS).
 bool HasPatterns(const std::vector<std::uint32_t>& programs);
 
+/// Whether some hit takes one of several closures, or scales what it reflects
+/// (HDS_FEATURE_CLOSURES).
+bool HasClosures(const std::vector<std::uint32_t>& programs);
+
 /// Whether a program computes more than sums and products: these may be of chosen texels, as what a
 /// surface reflects is, but a threshold, a root or a slope is of the filter's value.
 bool NeedsFilteredTexels(const std::vector<std::uint32_t>& program);

@@ -39,6 +39,7 @@ struct ShaderExpression {
         Normal,      ///< in HDS_SPACE_* `code`
         Tangent,     ///< in HDS_SPACE_* `code`, with HDS_TANGENT_ACROSS; operands: coordinates
         View,        ///< unit direction from the viewer
+        Chance,      ///< the number of the hit by which it takes one of several closures
         Shifted,     ///< as it is where HDS_SHIFT_* `code` leads; operands: value, coordinates
     };
     Kind kind = Kind::Constant;

@@ -108,7 +108,8 @@ ShaderValue Spread(const ShaderValue& value) {
     }
     const ShaderExpression& expression = *value.expression;
     const bool isSpread = value.channel != HDS_CHANNEL_ALL ||
-                          (expression.kind == Kind::Math && expression.numComponents == 1);
+                          (expression.kind == Kind::Math && expression.numComponents == 1) ||
+                          expression.kind == Kind::Chance;
     return isSpread ? value : ShaderValue{value.expression, 0, 1};
 }
 
@@ -136,6 +137,35 @@ ShaderValue MakeMath(std::uint32_t code, std::vector<ShaderValue> operands,
     expression->numComponents = numComponents;
     expression->operands = std::move(operands);
     return {std::move(expression), HDS_CHANNEL_ALL, numComponents};
+}
+
+ShaderValue Add(const ShaderValue& a, const ShaderValue& b, std::uint32_t numComponents) {
+    return MakeMath(HDS_MATH_ADD, {a, b}, numComponents);
+}
+
+ShaderValue Subtract(const ShaderValue& a, const ShaderValue& b, std::uint32_t numComponents) {
+    return MakeMath(HDS_MATH_SUBTRACT, {a, b}, numComponents);
+}
+
+ShaderValue Multiply(const ShaderValue& a, const ShaderValue& b, std::uint32_t numComponents) {
+    return MakeMath(HDS_MATH_MULTIPLY, {a, b}, numComponents);
+}
+
+ShaderValue Divide(const ShaderValue& a, const ShaderValue& b, std::uint32_t numComponents) {
+    return MakeMath(HDS_MATH_DIVIDE, {a, b}, numComponents);
+}
+
+ShaderValue Power(const ShaderValue& a, const ShaderValue& b, std::uint32_t numComponents) {
+    return MakeMath(HDS_MATH_POWER, {a, b}, numComponents);
+}
+
+ShaderValue OneMinus(const ShaderValue& value, std::uint32_t numComponents) {
+    return Subtract(MakeScalar(1.0F), value, numComponents);
+}
+
+ShaderValue Mix(const ShaderValue& background, const ShaderValue& foreground,
+                const ShaderValue& share, std::uint32_t numComponents) {
+    return MakeMath(HDS_MATH_MIX, {background, foreground, share}, numComponents);
 }
 
 } // namespace hds

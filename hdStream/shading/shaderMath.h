@@ -25,4 +25,15 @@ ShaderValue MakeScalar(float value);
 /// Whether all components that count are this constant.
 bool IsAll(const ShaderValue& value, float constant);
 
+// Arithmetic by components.
+ShaderValue Add(const ShaderValue& a, const ShaderValue& b, std::uint32_t numComponents);
+ShaderValue Subtract(const ShaderValue& a, const ShaderValue& b, std::uint32_t numComponents);
+ShaderValue Multiply(const ShaderValue& a, const ShaderValue& b, std::uint32_t numComponents);
+ShaderValue Divide(const ShaderValue& a, const ShaderValue& b, std::uint32_t numComponents);
+ShaderValue Power(const ShaderValue& a, const ShaderValue& b, std::uint32_t numComponents);
+ShaderValue OneMinus(const ShaderValue& value, std::uint32_t numComponents);
+/// \param share of the foreground
+ShaderValue Mix(const ShaderValue& background, const ShaderValue& foreground,
+                const ShaderValue& share, std::uint32_t numComponents);
+
 } // namespace hds

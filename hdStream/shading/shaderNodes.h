@@ -13,6 +13,9 @@ namespace hds {
 /// differ in their types alone, or in a primvar reader's type, are one.
 std::vector<std::string> PatternNames();
 
+/// The ids of all BSDF, EDF and VDF nodes of MaterialX that are drawn, sorted.
+std::vector<std::string> ClosureIds();
+
 /// Whether an id is that of a surface shader that is drawn.
 bool IsSurfaceShader(const std::string& identifier);
 

@@ -64,9 +64,26 @@ void aov_storeMiss(HdsAovOffsets offsets, global float* pixel, global int* ids) 
     }
 }
 
+#if HDS_FEATURE_CLOSURES
+/* Closures that a hit chooses from are evaluated at this many of the numbers that choose. */
+#define HDS_AOV_CHANCES 16u
+
+/* Mean albedo of the closures of a surface whose texels are there. */
+float3 aov_albedo(const HdsSceneView* scene, HdsSurfaceHit* surface, float3 viewer) {
+    float3 sum = (float3)(0.0f);
+    for (uint k = 0u; k < HDS_AOV_CHANCES; ++k) {
+        surface->chance = ((float)k + 0.5f) / (float)HDS_AOV_CHANCES;
+        HdsShadingPoint shading;
+        HdsBsdf bsdf;
+        surfaceHit_shade(scene, surface, viewer, &shading, &bsdf);
+        sum += bsdf_albedo(&bsdf, shading.wo.z);
+    }
+    return sum / (float)HDS_AOV_CHANCES;
+}
+#endif
+
 void aov_storeHit(constant const HdsFrameParams* frame, const HdsSceneView* scene,
-                  const HdsSurfaceHit* surface, const HdsBsdf* bsdf, float cosO,
-                  HdsAovOffsets offsets, global const uint* primvarSlots, global float* pixel,
+                  const HdsSurfaceHit* surface, float3 albedo, HdsAovOffsets offsets, global const uint* primvarSlots, global float* pixel,
                   global int* ids) {
     float2 depths = aov_depths(frame, surface->point.position);
     float3 normal = surface->shadingNormal;
@@ -78,7 +95,7 @@ void aov_storeHit(constant const HdsFrameParams* frame, const HdsSceneView* scen
     aov_store3(pixel, offsets.normal, normal);
     aov_store3(pixel, offsets.normalEye, aov_toEye(frame, normal));
     aov_store3(pixel, offsets.position, surface->point.position + vload3(0, offsets.centre));
-    aov_store3(pixel, offsets.albedo, bsdf_albedo(bsdf, cosO));
+    aov_store3(pixel, offsets.albedo, albedo);
     aov_storeId(ids, offsets.primId, scene->prims[surface->prim].primId);
     aov_storeId(ids, offsets.instanceId, surface->instanceId);
     aov_storeId(
@@ -141,7 +158,12 @@ void aov_store(constant const HdsFrameParams* frame, const HdsSceneView* scene, 
         return;
     }
 #endif
-    aov_storeHit(frame, scene, &surface, &bsdf, shading.wo.z, offsets, primvarSlots, pixel, ids);
+#if HDS_FEATURE_CLOSURES
+    const float3 albedo = aov_albedo(scene, &surface, -path_load_direction(paths, i).xyz);
+#else
+    const float3 albedo = bsdf_albedo(&bsdf, shading.wo.z);
+#endif
+    aov_storeHit(frame, scene, &surface, albedo, offsets, primvarSlots, pixel, ids);
 }
 
 /* Global size: count items, HDS_ITEMS_PER_WORK_ITEM for each work-item. */

@@ -47,6 +47,21 @@
 #endif
 #include "integrator/shadeHits.clh"
 
+#if HDS_FEATURE_CUTOUT || HDS_FEATURE_CLOSURES
+/* The sampler of a hit behind others that the ray has passed. */
+HdsSampler shade_sampler(const HdsShadePath* path) {
+    return path->status.w != 0u ? sampler_fork(path->sampler, path->status.w) : path->sampler;
+}
+#endif
+
+#if HDS_FEATURE_CLOSURES
+/* The number by which a hit takes one of several closures. Materials that have them take none for
+ * their texels (HDS_MATERIAL_COMPUTES). */
+float shade_chance(const HdsShadePath* path) {
+    return sampler_get2(shade_sampler(path), HDS_DIM_BOUNCE(path->depth, HDS_DIM_OPACITY)).y;
+}
+#endif
+
 #if HDS_FEATURE_CUTOUT
 /* Lets the ray go on behind a surface, by chance in proportion to the transparency; the throughput
  * of either outcome is divided by its probability. \return true when it passed and slot i holds the
@@ -57,10 +72,7 @@ bool shade_passThrough(const HdsHit* hit, const HdsSurfaceHit* surface, float3 t
     if (!(probability > 0.0f)) {
         return false;
     }
-    HdsSampler sampler = path->sampler;
-    if (path->status.w != 0u) {
-        sampler = sampler_fork(sampler, path->status.w);
-    }
+    const HdsSampler sampler = shade_sampler(path);
     if (sampler_get1(sampler, HDS_DIM_BOUNCE(path->depth, HDS_DIM_OPACITY)) >= probability) {
         path->throughput /= 1.0f - probability;
         return false;
@@ -107,6 +119,9 @@ uint shade_surface(const HdsSceneView* scene, HdsShadeHit* at, HdsShadePath* pat
     if (path->isLast && surfaceHit_isDark(scene, &at->surface)) {
         return HDS_SHADE_ENDS;
     }
+#if HDS_FEATURE_CLOSURES
+    at->surface.chance = shade_chance(path);
+#endif
 #if HDS_FEATURE_TEXTURES
     at->surface.choice = shade_chooseTexels(scene, &at->surface, path);
 #endif

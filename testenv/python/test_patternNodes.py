@@ -29,11 +29,23 @@ def test_ids_are_known_by_the_names_of_their_nodes():
     library = materialX.createDocument()
     materialX.loadLibraries(materialX.getDefaultDataLibraryFolders(), materialX.getDefaultDataSearchPath(), library)
     names = set(_core.PatternNames())
+    closures = set(_core.ClosureIds())
     definitions = [d for d in library.getNodeDefs() if "shader" not in d.getType()]
-    wrong = [d.getName() for d in definitions if _core.IsKnownShader(d.getName()) != (d.getNodeString() in names)]
+    wrong = [d.getName() for d in definitions if _core.IsKnownShader(d.getName()) != (d.getNodeString() in names or d.getName() in closures)]
     assert len(definitions) > 500 and not wrong
     # Of other versions of MaterialX than the package's; files have them.
     assert names - {d.getNodeString() for d in library.getNodeDefs()} <= {"swizzle", "mincomponent", "maxcomponent"}
+
+
+def test_closures_are_those_of_the_library():
+    materialX = pytest.importorskip("MaterialX")
+    library = materialX.createDocument()
+    materialX.loadLibraries(materialX.getDefaultDataLibraryFolders(), materialX.getDefaultDataSearchPath(), library)
+    page = (ROOT / "docs/materials.md").read_text(encoding="utf-8")
+    for identifier in _core.ClosureIds():
+        definition = library.getNodeDef(identifier)
+        assert definition and definition.getType() in ("BSDF", "EDF", "VDF"), identifier
+        assert f"`{definition.getNodeString()}`" in page, identifier
 
 
 def test_ids_without_a_prefix_are_of_usd_alone():

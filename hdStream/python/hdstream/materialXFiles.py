@@ -16,6 +16,9 @@ _TYPES = {
     "color3": Sdf.ValueTypeNames.Color3f, "color4": Sdf.ValueTypeNames.Color4f,
     "vector2": Sdf.ValueTypeNames.Float2, "vector3": Sdf.ValueTypeNames.Vector3f,
     "vector4": Sdf.ValueTypeNames.Float4,
+    # What has no value, and is connected only.
+    "BSDF": Sdf.ValueTypeNames.Token, "EDF": Sdf.ValueTypeNames.Token, "VDF": Sdf.ValueTypeNames.Token,
+    "surfaceshader": Sdf.ValueTypeNames.Token,
 }
 _VECTORS = {"color3": Gf.Vec3f, "color4": Gf.Vec4f, "vector2": Gf.Vec2f, "vector3": Gf.Vec3f, "vector4": Gf.Vec4f}
 _TERMINALS = {"surfaceshader": "surface", "displacementshader": "displacement"}

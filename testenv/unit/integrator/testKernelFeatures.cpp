@@ -105,6 +105,7 @@ std::map<std::string, Names> AllNeeds() {
 TEST(KernelFeatures, HaveWhatTheyNeed) {
     const std::map<std::string, Names> expected = {
         {"patterns", {"programs"}},                      // is code of programs
+        {"closures", {"patterns", "programs"}},          // are chosen from by programs that compute
         {"numTexturePools", {"textures"}},               // hold their texels
         {"textureStreaming", {"textures"}},              // whose lines are missing
         {"texturedEmission", {"cutouts", "meshLights"}}, // of a mesh, asked for as candidates are

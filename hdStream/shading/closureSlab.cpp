@@ -1,0 +1,412 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/shading/closureSlab.h"
+
+#include "hdStream/shading/shaderMath.h"
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <memory>
+#include <utility>
+
+namespace hds {
+
+namespace {
+
+struct InputRow {
+    std::uint32_t numComponents;
+    std::array<float, 4> fallback;
+};
+
+/// By HDS_INPUT_*.
+constexpr InputRow kInputs[] = {
+#define HDS_PREVIEW_INPUT(NAME, name, components, x, y, z, w) {components, {x, y, z, w}},
+#define HDS_LAYERED_INPUT(NAME, name, components, x, y, z, w) {components, {x, y, z, w}},
+#include "kernels/shared/materialInputs.def"
+};
+
+ShaderValue One() {
+    return MakeScalar(1.0F);
+}
+ShaderValue Zero() {
+    return MakeScalar(0.0F);
+}
+
+bool AreSame(const ShaderValue& a, const ShaderValue& b) {
+    if (!a || !b) {
+        return !a && !b;
+    }
+    if (IsConstant(a) && IsConstant(b)) {
+        return ConstantOf(a) == ConstantOf(b);
+    }
+    return a.expression == b.expression && a.channel == b.channel;
+}
+
+bool Has(const LayeredMaterial& layered, std::uint32_t input) {
+    return layered.values[input] && !IsAll(layered.values[input], 0.0F);
+}
+
+bool AreSame(const LayeredMaterial& a, const LayeredMaterial& b, std::uint32_t input) {
+    return AreSame(a.values[input], b.values[input]);
+}
+
+ShaderValue ValueOf(const LayeredMaterial& layered, std::uint32_t input) {
+    return layered.values[input]
+               ? layered.values[input]
+               : MakeConstant(kInputs[input].fallback, kInputs[input].numComponents);
+}
+
+/// Whether it has none of these.
+bool HasNone(const LayeredMaterial& layered, std::initializer_list<std::uint32_t> inputs) {
+    return std::none_of(inputs.begin(), inputs.end(),
+                        [&](std::uint32_t input) { return Has(layered, input); });
+}
+
+/// Whether no light comes from it, as of closures of weight 0.
+bool IsNothing(const LayeredMaterial& layered) {
+    return HasNone(layered, {HDS_INPUT_DIFFUSE_COLOR, HDS_INPUT_TRANSLUCENCY, HDS_INPUT_METALLIC,
+                             HDS_INPUT_TRANSMISSION, HDS_INPUT_SHEEN, HDS_INPUT_SPECULAR_WEIGHT,
+                             HDS_INPUT_CLEARCOAT});
+}
+
+/// Diffuse reflection and transmission, and nothing else.
+bool IsDiffuse(const LayeredMaterial& layered) {
+    return HasNone(layered, {HDS_INPUT_SPECULAR_WEIGHT, HDS_INPUT_METALLIC, HDS_INPUT_TRANSMISSION,
+                             HDS_INPUT_SHEEN, HDS_INPUT_CLEARCOAT});
+}
+
+/// A reflection that lets through what it does not reflect.
+bool IsReflection(const LayeredMaterial& layered) {
+    return Has(layered, HDS_INPUT_SPECULAR_WEIGHT) &&
+           HasNone(layered, {HDS_INPUT_DIFFUSE_COLOR, HDS_INPUT_TRANSLUCENCY, HDS_INPUT_METALLIC,
+                             HDS_INPUT_TRANSMISSION, HDS_INPUT_SHEEN, HDS_INPUT_CLEARCOAT});
+}
+
+bool IsSheen(const LayeredMaterial& layered) {
+    return Has(layered, HDS_INPUT_SHEEN) &&
+           HasNone(layered,
+                   {HDS_INPUT_DIFFUSE_COLOR, HDS_INPUT_TRANSLUCENCY, HDS_INPUT_METALLIC,
+                    HDS_INPUT_TRANSMISSION, HDS_INPUT_SPECULAR_WEIGHT, HDS_INPUT_CLEARCOAT});
+}
+
+/// Metal, and nothing beside it or above it.
+bool IsMetal(const LayeredMaterial& layered) {
+    return IsAll(ValueOf(layered, HDS_INPUT_METALLIC), 1.0F) &&
+           IsAll(ValueOf(layered, HDS_INPUT_DIELECTRIC), 0.0F) &&
+           HasNone(layered, {HDS_INPUT_SHEEN, HDS_INPUT_CLEARCOAT});
+}
+
+/// Whether both have one roughness where it shows.
+bool HaveOneRoughness(const LayeredMaterial& metal, const LayeredMaterial& other) {
+    return AreSame(metal, other, HDS_INPUT_STRETCH) && AreSame(metal, other, HDS_INPUT_FILM) &&
+           (IsDiffuse(other) || AreSame(metal, other, HDS_INPUT_ROUGHNESS));
+}
+
+/// Of two slabs of one roughness, whose colours are weighed by their shares.
+bool TryMergeDiffuse(const ClosureSlab& other, ClosureSlab* slab) {
+    LayeredMaterial& layered = slab->layered;
+    if (!IsDiffuse(layered) || !IsDiffuse(other.layered) ||
+        !AreSame(layered, other.layered, HDS_INPUT_NORMAL) ||
+        !AreSame(layered, other.layered, HDS_INPUT_DIFFUSE_ROUGHNESS)) {
+        return false;
+    }
+    const ShaderValue share = Add(slab->share, other.share, 1);
+    for (const std::uint32_t input : {HDS_INPUT_DIFFUSE_COLOR, HDS_INPUT_TRANSLUCENCY}) {
+        if (!Has(layered, input) && !Has(other.layered, input)) {
+            continue;
+        }
+        const auto weighed = [&](const ClosureSlab& one) {
+            return Multiply(one.share, Multiply(one.factor, ValueOf(one.layered, input), 3), 3);
+        };
+        layered.values[input] = Divide(Add(weighed(*slab), weighed(other), 3), share, 3);
+    }
+    slab->share = share;
+    slab->factor = One();
+    return true;
+}
+
+/// Of metal and something else, which lie beside each other in a layered surface.
+bool TryMergeMetal(const ClosureSlab& metal, const ClosureSlab& other, ClosureSlab* merged) {
+    if (!IsMetal(metal.layered) || Has(other.layered, HDS_INPUT_METALLIC) ||
+        Has(other.layered, HDS_INPUT_CLEARCOAT) || !IsAll(metal.factor, 1.0F) ||
+        !IsAll(other.factor, 1.0F) || (other.layered.flags & HDS_MATERIAL_FUZZ) != 0 ||
+        !AreSame(metal.layered, other.layered, HDS_INPUT_NORMAL) ||
+        !HaveOneRoughness(metal.layered, other.layered)) {
+        return false;
+    }
+    ClosureSlab both = other;
+    both.share = Add(metal.share, other.share, 1);
+    const ShaderValue part = Divide(metal.share, both.share, 1);
+    both.layered.values[HDS_INPUT_METALLIC] = part;
+    both.layered.values[HDS_INPUT_DIELECTRIC] = OneMinus(part, 1);
+    for (const std::uint32_t input :
+         {HDS_INPUT_METAL_COLOR, HDS_INPUT_EDGE_COLOR, HDS_INPUT_ROUGHNESS}) {
+        both.layered.values[input] = metal.layered.values[input];
+    }
+    *merged = std::move(both);
+    return true;
+}
+
+/// Of glass and what lies beside it below one reflection, or below none.
+bool TryMergeGlass(const ClosureSlab& glass, const ClosureSlab& other, ClosureSlab* merged) {
+    const LayeredMaterial& a = glass.layered;
+    const LayeredMaterial& b = other.layered;
+    const bool haveOneTop = AreSame(a, b, HDS_INPUT_SPECULAR_WEIGHT) &&
+                            (!Has(b, HDS_INPUT_SPECULAR_WEIGHT) ||
+                             (AreSame(a, b, HDS_INPUT_IOR) && HaveOneRoughness(a, b) &&
+                              AreSame(a, b, HDS_INPUT_SPECULAR_COLOR)));
+    if (!haveOneTop || !IsAll(ValueOf(a, HDS_INPUT_TRANSMISSION), 1.0F) ||
+        !HasNone(a, {HDS_INPUT_METALLIC, HDS_INPUT_SHEEN, HDS_INPUT_CLEARCOAT}) ||
+        !HasNone(b, {HDS_INPUT_METALLIC, HDS_INPUT_TRANSMISSION, HDS_INPUT_CLEARCOAT}) ||
+        (b.flags & HDS_MATERIAL_FUZZ) != 0 || !IsAll(glass.factor, 1.0F) ||
+        !IsAll(other.factor, 1.0F) || !AreSame(a, b, HDS_INPUT_NORMAL)) {
+        return false;
+    }
+    ClosureSlab both = other;
+    both.share = Add(glass.share, other.share, 1);
+    both.layered.values[HDS_INPUT_TRANSMISSION] = Divide(glass.share, both.share, 1);
+    for (const std::uint32_t input :
+         {HDS_INPUT_TRANSMISSION_COLOR, HDS_INPUT_ABSORPTION, HDS_INPUT_ROUGHNESS,
+          HDS_INPUT_STRETCH, HDS_INPUT_FILM, HDS_INPUT_IOR}) {
+        both.layered.values[input] = a.values[input];
+    }
+    *merged = std::move(both);
+    return true;
+}
+
+/// Makes one of a slab and another, where one layered surface has both.
+bool TryMerge(const ClosureSlab& other, ClosureSlab* slab) {
+    return TryMergeDiffuse(other, slab) || TryMergeMetal(*slab, other, slab) ||
+           TryMergeMetal(other, *slab, slab) || TryMergeGlass(*slab, other, slab) ||
+           TryMergeGlass(other, *slab, slab);
+}
+
+ClosureSlabs Merge(ClosureSlabs slabs) {
+    ClosureSlabs merged;
+    for (ClosureSlab& slab : slabs) {
+        if (IsAll(slab.share, 0.0F)) {
+            continue;
+        }
+        if (std::none_of(merged.begin(), merged.end(),
+                         [&](ClosureSlab& one) { return TryMerge(slab, &one); })) {
+            merged.push_back(std::move(slab));
+        }
+    }
+    return merged;
+}
+
+void Append(ClosureSlabs slabs, const ShaderValue& share, ClosureSlabs* all) {
+    for (ClosureSlab& slab : slabs) {
+        slab.share = Multiply(slab.share, share, 1);
+        all->push_back(std::move(slab));
+    }
+}
+
+/// Puts the factor of a slab into the colours of its lobes, since what comes to lie on top of it
+/// does not have it. Of metal the colours of the front and of the edge have it.
+void FoldFactor(ClosureSlab* slab) {
+    for (const std::uint32_t input :
+         {HDS_INPUT_DIFFUSE_COLOR, HDS_INPUT_TRANSLUCENCY, HDS_INPUT_TRANSMISSION_COLOR,
+          HDS_INPUT_METAL_COLOR, HDS_INPUT_SHEEN_COLOR, HDS_INPUT_SPECULAR_COLOR}) {
+        ShaderValue& value = slab->layered.values[input];
+        if (value) {
+            value = Multiply(value, slab->factor, 3);
+        }
+    }
+    slab->factor = One();
+}
+
+/// Whether FoldFactor leaves the slab as it is.
+bool IsFoldable(const ClosureSlab& slab) {
+    if (!IsConstant(slab.factor) ||
+        !HasNone(slab.layered, {HDS_INPUT_METALLIC, HDS_INPUT_CLEARCOAT})) {
+        return false;
+    }
+    const std::array<float, 4>& factor = ConstantOf(slab.factor);
+    return std::all_of(factor.begin(), factor.begin() + 3, [](float x) { return x <= 1.0F; });
+}
+
+/// The coat's inputs as those of a reflection.
+void SetCoat(const ClosureSlab& top, ClosureSlab* slab) {
+    LayeredMaterial& layered = slab->layered;
+    layered.values[HDS_INPUT_CLEARCOAT] = ValueOf(top.layered, HDS_INPUT_SPECULAR_WEIGHT);
+    layered.values[HDS_INPUT_CLEARCOAT_ROUGHNESS] = ValueOf(top.layered, HDS_INPUT_ROUGHNESS);
+    layered.values[HDS_INPUT_COAT_IOR] = ValueOf(top.layered, HDS_INPUT_IOR);
+    layered.values[HDS_INPUT_COAT_TINT] = slab->factor; // of what is below the coat
+    slab->factor = One();
+}
+
+void SetReflection(const ClosureSlab& top, ClosureSlab* slab) {
+    FoldFactor(slab);
+    LayeredMaterial& layered = slab->layered;
+    for (const std::uint32_t input : {HDS_INPUT_SPECULAR_WEIGHT, HDS_INPUT_ROUGHNESS, HDS_INPUT_IOR,
+                                      HDS_INPUT_STRETCH, HDS_INPUT_FILM}) {
+        layered.values[input] = top.layered.values[input];
+    }
+    layered.values[HDS_INPUT_SPECULAR_COLOR] =
+        Multiply(ValueOf(top.layered, HDS_INPUT_SPECULAR_COLOR), top.factor, 3);
+}
+
+void SetSheen(const ClosureSlab& top, bool isOverAll, ClosureSlab* slab) {
+    FoldFactor(slab);
+    LayeredMaterial& layered = slab->layered;
+    for (const std::uint32_t input : {HDS_INPUT_SHEEN, HDS_INPUT_SHEEN_ROUGHNESS}) {
+        layered.values[input] = top.layered.values[input];
+    }
+    layered.values[HDS_INPUT_SHEEN_COLOR] =
+        Multiply(ValueOf(top.layered, HDS_INPUT_SHEEN_COLOR), top.factor, 3);
+    layered.flags |= isOverAll ? HDS_MATERIAL_FUZZ : top.layered.flags & HDS_MATERIAL_FUZZ;
+}
+
+/// One slab on another. What has no place in a layered surface is left out.
+ClosureSlabs LayerOne(const ClosureSlab& top, ClosureSlab base, const ClosureWarning& warn) {
+    const LayeredMaterial& below = base.layered;
+    if (IsNothing(top.layered)) {
+        return {base};
+    }
+    if (!below.values[HDS_INPUT_NORMAL]) {
+        base.layered.values[HDS_INPUT_NORMAL] = top.layered.values[HDS_INPUT_NORMAL];
+    }
+    if (IsReflection(top.layered)) {
+        const bool isGlass =
+            Has(below, HDS_INPUT_TRANSMISSION) && AreSame(top.layered, below, HDS_INPUT_ROUGHNESS);
+        if (!Has(below, HDS_INPUT_SPECULAR_WEIGHT) && !Has(below, HDS_INPUT_METALLIC) &&
+            !Has(below, HDS_INPUT_CLEARCOAT) && (isGlass || !Has(below, HDS_INPUT_TRANSMISSION)) &&
+            (below.flags & HDS_MATERIAL_FUZZ) == 0) {
+            SetReflection(top, &base);
+        } else if (!Has(below, HDS_INPUT_CLEARCOAT)) {
+            SetCoat(top, &base);
+        } else {
+            warn("a reflection above a coat is left out");
+        }
+        return {base};
+    }
+    if (IsSheen(top.layered)) {
+        if (Has(below, HDS_INPUT_SHEEN)) {
+            warn("a sheen above another is left out");
+        } else {
+            SetSheen(top, !IsDiffuse(below), &base);
+        }
+        return {base};
+    }
+    // Whatever else lies on top lets nothing through where it is.
+    ClosureSlab opaque = top;
+    opaque.share = base.share;
+    if (!IsMetal(top.layered) && Has(top.layered, HDS_INPUT_METALLIC)) {
+        opaque.layered.values[HDS_INPUT_METALLIC] = One();
+        return MixSlabs({base}, {opaque}, ValueOf(top.layered, HDS_INPUT_METALLIC));
+    }
+    return {opaque};
+}
+
+/// A value that is `values[k]` where slab k is chosen. \param below share of those up to each slab
+ShaderValue ChooseValue(const std::vector<ShaderValue>& values,
+                        const std::vector<ShaderValue>& isChosen, std::uint32_t numComponents) {
+    ShaderValue result = values.back();
+    for (std::size_t k = values.size() - 1; k > 0; --k) {
+        if (!AreSame(values[k - 1], result)) {
+            result =
+                MakeMath(HDS_MATH_SELECT, {isChosen[k - 1], values[k - 1], result}, numComponents);
+        }
+    }
+    return result;
+}
+
+ShaderValue MakeChance() {
+    auto expression = std::make_shared<ShaderExpression>();
+    expression->kind = ShaderExpression::Kind::Chance;
+    return {std::move(expression), HDS_CHANNEL_ALL, 1};
+}
+
+} // namespace
+
+ClosureSlab BlackSlab() {
+    ClosureSlab slab;
+    slab.share = One();
+    slab.factor = One();
+    slab.layered.values[HDS_INPUT_DIFFUSE_COLOR] = MakeConstant({0.0F, 0.0F, 0.0F, 1.0F}, 3);
+    slab.layered.values[HDS_INPUT_SPECULAR_WEIGHT] = Zero();
+    slab.layered.values[HDS_INPUT_SPECULAR_COLOR] = MakeConstant({1.0F, 1.0F, 1.0F, 1.0F}, 3);
+    return slab;
+}
+
+ClosureSlabs MixSlabs(ClosureSlabs background, ClosureSlabs foreground, const ShaderValue& mix) {
+    ClosureSlabs all;
+    const ShaderValue share =
+        MakeMath(HDS_MATH_MAX, {MakeMath(HDS_MATH_MIN, {mix, One()}, 1), Zero()}, 1);
+    const auto orBlack = [](ClosureSlabs slabs) {
+        return slabs.empty() ? ClosureSlabs{BlackSlab()} : std::move(slabs);
+    };
+    Append(orBlack(std::move(background)), OneMinus(share, 1), &all);
+    Append(orBlack(std::move(foreground)), share, &all);
+    return Merge(std::move(all));
+}
+
+ClosureSlabs AddSlabs(ClosureSlabs a, ClosureSlabs b) {
+    if (a.empty() || b.empty()) {
+        return a.empty() ? std::move(b) : std::move(a);
+    }
+    ClosureSlabs all;
+    const ShaderValue half = MakeScalar(0.5F);
+    const ShaderValue two = MakeScalar(2.0F);
+    Append(MultiplySlabs(std::move(a), two), half, &all);
+    Append(MultiplySlabs(std::move(b), two), half, &all);
+    return Merge(std::move(all));
+}
+
+ClosureSlabs MultiplySlabs(ClosureSlabs slabs, const ShaderValue& factor) {
+    for (ClosureSlab& slab : slabs) {
+        slab.factor = Multiply(slab.factor, factor, 3);
+    }
+    return slabs;
+}
+
+ClosureSlabs LayerSlabs(const ClosureSlabs& top, const ClosureSlabs& base,
+                        const ClosureWarning& warn) {
+    if (top.empty()) {
+        return base;
+    }
+    const ClosureSlabs below = base.empty() ? ClosureSlabs{BlackSlab()} : base;
+    ClosureSlabs all;
+    for (const ClosureSlab& upper : top) {
+        for (const ClosureSlab& lower : below) {
+            Append(LayerOne(upper, lower, warn), upper.share, &all);
+        }
+    }
+    return Merge(std::move(all));
+}
+
+LayeredMaterial ChooseSlab(ClosureSlabs slabs) {
+    for (ClosureSlab& slab : slabs) {
+        if (IsFoldable(slab)) {
+            FoldFactor(&slab);
+        }
+    }
+    LayeredMaterial result = slabs.empty() ? BlackSlab().layered : slabs[0].layered;
+    std::vector<ShaderValue> isChosen; // or one of those before it
+    const ShaderValue chance = MakeChance();
+    ShaderValue below = Zero();
+    for (const ClosureSlab& slab : slabs) {
+        result.flags |= slab.layered.flags;
+        below = Add(below, slab.share, 1);
+        isChosen.push_back(MakeMath(HDS_MATH_GREATER, {below, chance}, 1));
+    }
+    for (std::uint32_t input = 0; input < HDS_NUM_LAYERED_INPUTS && slabs.size() > 1; ++input) {
+        std::vector<ShaderValue> values;
+        std::transform(slabs.begin(), slabs.end(), std::back_inserter(values),
+                       [&](const ClosureSlab& slab) { return ValueOf(slab.layered, input); });
+        if (std::any_of(slabs.begin(), slabs.end(),
+                        [&](const auto& slab) { return bool(slab.layered.values[input]); })) {
+            result.values[input] = ChooseValue(values, isChosen, kInputs[input].numComponents);
+        }
+    }
+    std::vector<ShaderValue> factors;
+    std::transform(slabs.begin(), slabs.end(), std::back_inserter(factors),
+                   [](const ClosureSlab& slab) { return slab.factor; });
+    if (!factors.empty()) {
+        result.values[HDS_INPUT_WEIGHT] = ChooseValue(factors, isChosen, 3);
+    }
+    return result;
+}
+
+} // namespace hds

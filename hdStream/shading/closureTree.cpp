@@ -1,0 +1,494 @@
+// SPDX-License-Identifier: Apache-2.0
+// Source of names, defaults and meanings: MaterialX 1.39, pbrlib.
+#include "hdStream/shading/closureTree.h"
+
+#include "hdStream/shading/closureSlab.h"
+#include "hdStream/shading/shaderMath.h"
+#include "hdStream/shading/shaderNodes.h"
+
+#include <algorithm>
+#include <iterator>
+#include <string_view>
+#include <utility>
+
+namespace hds {
+
+namespace {
+
+/// More surfaces side by side than this are not kept: programs would become long.
+constexpr std::size_t kMaxSlabs = 8;
+/// Longest chain of closures; longer ones are cycles.
+constexpr int kMaxDepth = 64;
+
+ShaderValue White() {
+    return MakeConstant({1.0F, 1.0F, 1.0F, 1.0F}, 3);
+}
+
+/// Reads the closures that a surface is made of.
+class ClosureReader {
+public:
+    explicit ClosureReader(NetworkEvaluator& network) : _network(network) {}
+
+    ClosureSlabs Bsdf(const MaterialNode& node, const std::string& input);
+    /// What is emitted; empty: nothing.
+    ShaderValue Edf(const MaterialNode& node, const std::string& input);
+
+    // One function for each kind of closure.
+    ClosureSlabs OrenNayar(const MaterialNode& node) {
+        ClosureSlab slab = Diffuse(node, 0.18F);
+        slab.layered.values[HDS_INPUT_DIFFUSE_ROUGHNESS] = Scalar(node, "roughness", 0.0F);
+        return {slab};
+    }
+    ClosureSlabs Subsurface(const MaterialNode& node) {
+        _network.Warn(node.path + ": subsurface scattering is drawn as diffuse reflection");
+        return {Diffuse(node, 0.18F)};
+    }
+    ClosureSlabs Translucent(const MaterialNode& node) {
+        ClosureSlab slab = Diffuse(node, 1.0F);
+        slab.layered.values[HDS_INPUT_TRANSLUCENCY] = slab.layered.values[HDS_INPUT_DIFFUSE_COLOR];
+        slab.layered.values[HDS_INPUT_DIFFUSE_COLOR] = MakeConstant({0.0F, 0.0F, 0.0F, 1.0F}, 3);
+        return {slab};
+    }
+    ClosureSlabs Dielectric(const MaterialNode& node) {
+        ClosureSlab slab = Rough(node);
+        const ShaderValue weight = Scalar(node, "weight", 1.0F);
+        const ShaderValue tint = Color(node, "tint", 1.0F);
+        const std::string mode = _network.Text(node, "scatter_mode");
+        LayeredMaterial& layered = slab.layered;
+        layered.values[HDS_INPUT_IOR] = Scalar(node, "ior", 1.5F);
+        layered.values[HDS_INPUT_SPECULAR_COLOR] = tint;
+        SetFilm(node, &layered);
+        if (mode.empty() || mode == "R") {
+            layered.values[HDS_INPUT_SPECULAR_WEIGHT] = weight;
+            return {slab};
+        }
+        layered.values[HDS_INPUT_TRANSMISSION] = MakeScalar(1.0F);
+        layered.values[HDS_INPUT_TRANSMISSION_COLOR] = tint;
+        layered.values[HDS_INPUT_SPECULAR_WEIGHT] = MakeScalar(mode == "RT" ? 1.0F : 0.0F);
+        slab.factor = weight;
+        return {slab};
+    }
+    ClosureSlabs Conductor(const MaterialNode& node) {
+        const ShaderValue index = _network.EvaluateOr(node, "ior", {0.183F, 0.421F, 1.373F}, 3);
+        const ShaderValue extinction =
+            _network.EvaluateOr(node, "extinction", {3.424F, 2.346F, 1.770F}, 3);
+        const ShaderValue front = ConductorFresnel(index, extinction, 1.0F);
+        // The tint of the edge is over Schlick's value at a cosine of 1/7 (Kutz et al. 2021).
+        const float cosine = 1.0F / 7.0F;
+        const float rise = 0.4626644F; // (1 - 1/7)^5
+        const ShaderValue schlick =
+            Add(front, Multiply(OneMinus(front, 3), MakeScalar(rise), 3), 3);
+        const ShaderValue edge = Divide(ConductorFresnel(index, extinction, cosine), schlick, 3);
+        return Metal(node, front, edge);
+    }
+    ClosureSlabs GeneralizedSchlick(const MaterialNode& node) {
+        const std::string mode = _network.Text(node, "scatter_mode");
+        const ShaderValue front = Color(node, "color0", 1.0F);
+        if (!IsAll(Color(node, "color90", 1.0F), 1.0F) ||
+            !IsAll(Scalar(node, "exponent", 5.0F), 5.0F)) {
+            _network.Warn(node.path + ": color90 is 1 and exponent 5 here");
+        }
+        if ((mode.empty() || mode == "R") && !IsDark(front)) {
+            return Metal(node, front, Color(node, "color82", 1.0F));
+        }
+        ClosureSlab slab = Rough(node);
+        LayeredMaterial& layered = slab.layered;
+        const ShaderValue weight = Scalar(node, "weight", 1.0F);
+        layered.values[HDS_INPUT_IOR] = IndexOf(front);
+        layered.values[HDS_INPUT_SPECULAR_WEIGHT] = mode == "T" ? MakeScalar(0.0F) : weight;
+        SetFilm(node, &layered);
+        if (!mode.empty() && mode != "R") {
+            layered.values[HDS_INPUT_SPECULAR_WEIGHT] = MakeScalar(mode == "RT" ? 1.0F : 0.0F);
+            layered.values[HDS_INPUT_TRANSMISSION] = MakeScalar(1.0F);
+            layered.values[HDS_INPUT_TRANSMISSION_COLOR] = Color(node, "color82", 1.0F);
+            slab.factor = weight;
+        }
+        return {slab};
+    }
+    ClosureSlabs Sheen(const MaterialNode& node) {
+        ClosureSlab slab = BlackSlab();
+        LayeredMaterial& layered = slab.layered;
+        layered.values[HDS_INPUT_SHEEN] = Scalar(node, "weight", 1.0F);
+        layered.values[HDS_INPUT_SHEEN_COLOR] = Color(node, "color", 1.0F);
+        layered.values[HDS_INPUT_SHEEN_ROUGHNESS] = Scalar(node, "roughness", 0.3F);
+        layered.values[HDS_INPUT_NORMAL] = EvaluateNormal(_network, node, "normal");
+        layered.flags |= _network.Text(node, "mode") == "zeltner" ? HDS_MATERIAL_FUZZ : 0U;
+        return {slab};
+    }
+    ClosureSlabs Layer(const MaterialNode& node) {
+        return LayerSlabs(Bsdf(node, "top"), Bsdf(node, "base"), WarningOf(node));
+    }
+    ClosureSlabs LayerMedium(const MaterialNode& node);
+    ClosureSlabs MixBsdf(const MaterialNode& node) {
+        const ShaderValue share = Scalar(node, "mix", 0.0F);
+        if (IsAll(share, 0.0F) || IsAll(share, 1.0F)) {
+            return Bsdf(node, IsAll(share, 0.0F) ? "bg" : "fg");
+        }
+        return MixSlabs(Bsdf(node, "bg"), Bsdf(node, "fg"), share);
+    }
+    ClosureSlabs AddBsdf(const MaterialNode& node) {
+        return AddSlabs(Bsdf(node, "in1"), Bsdf(node, "in2"));
+    }
+    ClosureSlabs MultiplyBsdf(const MaterialNode& node) {
+        return MultiplySlabs(Bsdf(node, "in1"), Color(node, "in2", 1.0F));
+    }
+
+    ShaderValue UniformEdf(const MaterialNode& node) { return Color(node, "color", 1.0F); }
+    ShaderValue ShapedEdf(const MaterialNode& node) {
+        _network.Warn(node.path + ": it emits alike in all directions");
+        return UniformEdf(node);
+    }
+    ShaderValue SchlickEdf(const MaterialNode& node) {
+        const ShaderValue base = Edf(node, "base");
+        return base ? Multiply(base, Color(node, "color0", 1.0F), 3) : base;
+    }
+    ShaderValue MixEdf(const MaterialNode& node) {
+        return Mix(OrBlack(Edf(node, "bg")), OrBlack(Edf(node, "fg")), Scalar(node, "mix", 0.0F),
+                   3);
+    }
+    ShaderValue AddEdf(const MaterialNode& node) {
+        return Add(OrBlack(Edf(node, "in1")), OrBlack(Edf(node, "in2")), 3);
+    }
+    ShaderValue MultiplyEdf(const MaterialNode& node) {
+        return Multiply(OrBlack(Edf(node, "in1")), Color(node, "in2", 1.0F), 3);
+    }
+
+    ShaderValue Scalar(const MaterialNode& node, const char* input, float fallback) {
+        return _network.EvaluateOr(node, input, {fallback, fallback, fallback, fallback}, 1);
+    }
+    ShaderValue Color(const MaterialNode& node, const char* input, float fallback) {
+        return _network.EvaluateOr(node, input, {fallback, fallback, fallback, 1.0F}, 3);
+    }
+    static ShaderValue OrBlack(const ShaderValue& value) {
+        return value ? value : MakeConstant({0.0F, 0.0F, 0.0F, 1.0F}, 3);
+    }
+
+private:
+    ClosureWarning WarningOf(const MaterialNode& node) {
+        return [this, &node](const std::string& text) { _network.Warn(node.path + ": " + text); };
+    }
+
+    ClosureSlab Diffuse(const MaterialNode& node, float fallback) {
+        ClosureSlab slab = BlackSlab();
+        slab.layered.values[HDS_INPUT_DIFFUSE_COLOR] =
+            Multiply(Scalar(node, "weight", 1.0F), Color(node, "color", fallback), 3);
+        slab.layered.values[HDS_INPUT_NORMAL] = EvaluateNormal(_network, node, "normal");
+        return slab;
+    }
+
+    /// A black slab with the roughness of a node of microfacets, which gives GGX's alpha along x
+    /// and y.
+    ClosureSlab Rough(const MaterialNode& node) {
+        ClosureSlab slab = BlackSlab();
+        const ShaderValue alpha = _network.EvaluateOr(node, "roughness", {0.05F, 0.05F}, 2);
+        const ShaderValue x = SelectChannel(alpha, 0);
+        const ShaderValue y = SelectChannel(alpha, 1);
+        const bool isRound = IsConstant(alpha) ? ConstantOf(alpha)[0] == ConstantOf(alpha)[1]
+                                               : IsOfOneRoughness(node);
+        const auto root = [](const ShaderValue& value) {
+            return MakeMath(HDS_MATH_SQRT, {value}, 1);
+        };
+        if (isRound) {
+            slab.layered.values[HDS_INPUT_ROUGHNESS] = root(x);
+        } else {
+            const ShaderValue mean =
+                MakeMath(HDS_MATH_MAX, {root(Multiply(x, y, 1)), MakeScalar(1e-6F)}, 1);
+            slab.layered.values[HDS_INPUT_ROUGHNESS] = root(mean);
+            slab.layered.values[HDS_INPUT_STRETCH] = MakeMath(
+                HDS_MATH_COMBINE,
+                {Divide(x, mean, 1), Divide(y, mean, 1), MakeScalar(0.0F), MakeScalar(0.0F)}, 4);
+        }
+        slab.layered.values[HDS_INPUT_NORMAL] = EvaluateNormal(_network, node, "normal");
+        return slab;
+    }
+
+    /// Whether the node that gives a roughness has no anisotropy.
+    bool IsOfOneRoughness(const MaterialNode& node) {
+        const MaterialNode* source = _network.FindSource(node, "roughness");
+        return source != nullptr && source->identifier.find("_anisotropy") != std::string::npos &&
+               IsAll(Scalar(*source, "anisotropy", 0.0F), 0.0F);
+    }
+
+    ClosureSlabs Metal(const MaterialNode& node, const ShaderValue& front,
+                       const ShaderValue& edge) {
+        ClosureSlab slab = Rough(node);
+        LayeredMaterial& layered = slab.layered;
+        layered.values[HDS_INPUT_DIELECTRIC] = MakeScalar(0.0F);
+        layered.values[HDS_INPUT_METALLIC] = Scalar(node, "weight", 1.0F);
+        layered.values[HDS_INPUT_METAL_COLOR] = front;
+        layered.values[HDS_INPUT_EDGE_COLOR] = edge;
+        SetFilm(node, &layered);
+        return {slab};
+    }
+
+    void SetFilm(const MaterialNode& node, LayeredMaterial* layered) {
+        const ShaderValue thickness = Scalar(node, "thinfilm_thickness", 0.0F);
+        if (!IsAll(thickness, 0.0F)) {
+            layered->values[HDS_INPUT_FILM] = MakeMath(
+                HDS_MATH_COMBINE,
+                {MakeScalar(1.0F), thickness, Scalar(node, "thinfilm_ior", 1.5F), MakeScalar(0.0F)},
+                4);
+        }
+    }
+
+    /// Reflectance of a conductor, without polarisation. Source: Born and Wolf, Principles of
+    /// Optics, section 14.2, as in MaterialX's mx_fresnel_conductor.
+    static ShaderValue ConductorFresnel(const ShaderValue& n, const ShaderValue& k, float cosine) {
+        const ShaderValue c2 = MakeScalar(cosine * cosine);
+        const ShaderValue s2 = MakeScalar(1.0F - cosine * cosine);
+        const ShaderValue n2 = Multiply(n, n, 3);
+        const ShaderValue k2 = Multiply(k, k, 3);
+        const ShaderValue t0 = Subtract(Subtract(n2, k2, 3), s2, 3);
+        const ShaderValue both = MakeMath(
+            HDS_MATH_SQRT,
+            {Add(Multiply(t0, t0, 3), Multiply(MakeScalar(4.0F), Multiply(n2, k2, 3), 3), 3)}, 3);
+        const ShaderValue half = MakeScalar(0.5F);
+        const ShaderValue a = MakeMath(
+            HDS_MATH_SQRT,
+            {MakeMath(HDS_MATH_MAX, {Multiply(half, Add(both, t0, 3), 3), MakeScalar(0.0F)}, 3)},
+            3);
+        const ShaderValue t1 = Add(both, c2, 3);
+        const ShaderValue t2 = Multiply(MakeScalar(2.0F * cosine), a, 3);
+        const ShaderValue perpendicular = Divide(Subtract(t1, t2, 3), Add(t1, t2, 3), 3);
+        const ShaderValue t3 = Add(Multiply(c2, both, 3), Multiply(s2, s2, 3), 3);
+        const ShaderValue t4 = Multiply(t2, s2, 3);
+        const ShaderValue parallel =
+            Multiply(perpendicular, Divide(Subtract(t3, t4, 3), Add(t3, t4, 3), 3), 3);
+        return Multiply(half, Add(perpendicular, parallel, 3), 3);
+    }
+
+    /// Whether a reflectance at normal incidence is one that dielectrics have.
+    static bool IsDark(const ShaderValue& front) {
+        return IsConstant(front) &&
+               std::all_of(ConstantOf(front).begin(), ConstantOf(front).begin() + 3,
+                           [](float x) { return x <= 0.1F; });
+    }
+    /// The index whose reflectance at normal incidence that is; of a colour, its first channel's.
+    static ShaderValue IndexOf(const ShaderValue& front) {
+        const ShaderValue root = MakeMath(HDS_MATH_SQRT, {SelectChannel(front, 0)}, 1);
+        return Divide(Add(MakeScalar(1.0F), root, 1), OneMinus(root, 1), 1);
+    }
+
+    NetworkEvaluator& _network;
+    int _depth = 0;
+};
+
+struct BsdfType {
+    std::string_view id;
+    ClosureSlabs (ClosureReader::*read)(const MaterialNode& node);
+};
+
+constexpr BsdfType kBsdfs[] = {
+    {"ND_oren_nayar_diffuse_bsdf", &ClosureReader::OrenNayar},
+    {"ND_burley_diffuse_bsdf", &ClosureReader::OrenNayar},
+    {"ND_subsurface_bsdf", &ClosureReader::Subsurface},
+    {"ND_translucent_bsdf", &ClosureReader::Translucent},
+    {"ND_dielectric_bsdf", &ClosureReader::Dielectric},
+    {"ND_conductor_bsdf", &ClosureReader::Conductor},
+    {"ND_generalized_schlick_bsdf", &ClosureReader::GeneralizedSchlick},
+    {"ND_sheen_bsdf", &ClosureReader::Sheen},
+    {"ND_layer_bsdf", &ClosureReader::Layer},
+    {"ND_layer_vdf", &ClosureReader::LayerMedium},
+    {"ND_mix_bsdf", &ClosureReader::MixBsdf},
+    {"ND_add_bsdf", &ClosureReader::AddBsdf},
+    {"ND_multiply_bsdfC", &ClosureReader::MultiplyBsdf},
+    {"ND_multiply_bsdfF", &ClosureReader::MultiplyBsdf},
+};
+
+struct EdfType {
+    std::string_view id;
+    ShaderValue (ClosureReader::*read)(const MaterialNode& node);
+};
+
+constexpr EdfType kEdfs[] = {
+    {"ND_uniform_edf", &ClosureReader::UniformEdf},
+    {"ND_conical_edf", &ClosureReader::ShapedEdf},
+    {"ND_measured_edf", &ClosureReader::ShapedEdf},
+    {"ND_generalized_schlick_edf", &ClosureReader::SchlickEdf},
+    {"ND_mix_edf", &ClosureReader::MixEdf},
+    {"ND_add_edf", &ClosureReader::AddEdf},
+    {"ND_multiply_edfC", &ClosureReader::MultiplyEdf},
+    {"ND_multiply_edfF", &ClosureReader::MultiplyEdf},
+};
+
+constexpr std::string_view kSurface = "ND_surface";
+constexpr std::string_view kMixSurface = "ND_mix_surfaceshader";
+constexpr std::string_view kAbsorption = "ND_absorption_vdf";
+constexpr std::string_view kAnisotropic = "ND_anisotropic_vdf";
+
+template <typename Type, std::size_t kCount>
+const Type* FindType(const Type (&types)[kCount], const MaterialNode* node) {
+    const auto* found = std::find_if(std::begin(types), std::end(types), [&](const Type& one) {
+        return node != nullptr && one.id == node->identifier;
+    });
+    return found == std::end(types) ? nullptr : found;
+}
+
+ClosureSlabs ClosureReader::Bsdf(const MaterialNode& node, const std::string& input) {
+    const MaterialNode* source = _network.FindSource(node, input);
+    if (source == nullptr) {
+        return {};
+    }
+    const BsdfType* type = FindType(kBsdfs, source);
+    if (type == nullptr || _depth >= kMaxDepth) {
+        _network.Warn(type == nullptr ? "closure " + source->identifier + " of " + source->path +
+                                            " is not supported and is left out"
+                                      : "the closures of " + node.path + " form a cycle");
+        return {};
+    }
+    ++_depth;
+    ClosureSlabs slabs = (this->*type->read)(*source);
+    --_depth;
+    if (slabs.size() > kMaxSlabs) {
+        _network.Warn(source->path + ": only the first " + std::to_string(kMaxSlabs) + " of its " +
+                      std::to_string(slabs.size()) + " closures are drawn");
+        slabs.resize(kMaxSlabs);
+    }
+    return slabs;
+}
+
+ShaderValue ClosureReader::Edf(const MaterialNode& node, const std::string& input) {
+    const MaterialNode* source = _network.FindSource(node, input);
+    const EdfType* type = FindType(kEdfs, source);
+    if (source == nullptr || type == nullptr || _depth >= kMaxDepth) {
+        if (source != nullptr) {
+            _network.Warn("closure " + source->identifier + " of " + source->path +
+                          " is not supported and is left out");
+        }
+        return {};
+    }
+    ++_depth;
+    ShaderValue value = (this->*type->read)(*source);
+    --_depth;
+    return value;
+}
+
+ClosureSlabs ClosureReader::LayerMedium(const MaterialNode& node) {
+    ClosureSlabs slabs = Bsdf(node, "top");
+    const MaterialNode* medium = _network.FindSource(node, "base");
+    if (medium == nullptr) {
+        return slabs;
+    }
+    if (medium->identifier != kAbsorption && medium->identifier != kAnisotropic) {
+        _network.Warn("closure " + medium->identifier + " of " + medium->path +
+                      " is not supported and is left out");
+        return slabs;
+    }
+    if (medium->identifier == kAnisotropic &&
+        !IsAll(_network.EvaluateOr(*medium, "scattering", {}, 3), 0.0F)) {
+        _network.Warn("scattering of " + medium->path + " is not supported and is left out");
+    }
+    const ShaderValue absorption = _network.EvaluateOr(*medium, "absorption", {}, 3);
+    for (ClosureSlab& slab : slabs) {
+        if (slab.layered.values[HDS_INPUT_TRANSMISSION]) {
+            slab.layered.values[HDS_INPUT_ABSORPTION] = absorption;
+        }
+    }
+    return slabs;
+}
+
+/// A surface and what shows it.
+struct WholeSurface {
+    ClosureSlabs slabs;
+    ShaderValue opacity;
+    ShaderValue emission;
+    std::uint32_t flags = 0;
+};
+
+WholeSurface ReadSurface(NetworkEvaluator& network, const MaterialNode* node, int depth);
+
+WholeSurface ReadClosures(NetworkEvaluator& network, const MaterialNode& node) {
+    ClosureReader reader(network);
+    WholeSurface surface;
+    surface.slabs = reader.Bsdf(node, "bsdf");
+    surface.emission = reader.Edf(node, "edf");
+    surface.opacity = reader.Scalar(node, "opacity", 1.0F);
+    const ShaderValue isThin = reader.Scalar(node, "thin_walled", 0.0F);
+    if (IsConstant(isThin) && ConstantOf(isThin)[0] != 0.0F) {
+        surface.flags |= HDS_MATERIAL_THIN_WALLED;
+    }
+    return surface;
+}
+
+/// One of the other models.
+WholeSurface ReadModel(NetworkEvaluator& network, const MaterialNode& node) {
+    WholeSurface surface;
+    ClosureSlab slab{EvaluateLayered(network, node), MakeScalar(1.0F), MakeScalar(1.0F)};
+    surface.opacity = std::exchange(slab.layered.values[HDS_INPUT_OPACITY], {});
+    surface.emission = std::exchange(slab.layered.values[HDS_INPUT_EMISSIVE_COLOR], {});
+    surface.opacity = surface.opacity ? surface.opacity : MakeScalar(1.0F);
+    surface.slabs = {slab};
+    return surface;
+}
+
+WholeSurface ReadMix(NetworkEvaluator& network, const MaterialNode& node, int depth) {
+    ClosureReader reader(network);
+    const ShaderValue share = reader.Scalar(node, "mix", 0.0F);
+    WholeSurface back = ReadSurface(network, network.FindSource(node, "bg"), depth + 1);
+    WholeSurface front = ReadSurface(network, network.FindSource(node, "fg"), depth + 1);
+    WholeSurface both;
+    both.flags = back.flags | front.flags;
+    both.opacity = Mix(back.opacity, front.opacity, share, 1);
+    // Opacity weighs both what is reflected and what is emitted.
+    const bool areOpaque = IsAll(back.opacity, 1.0F) && IsAll(front.opacity, 1.0F);
+    const ShaderValue part =
+        areOpaque ? share
+                  : Divide(Multiply(share, front.opacity, 1),
+                           MakeMath(HDS_MATH_MAX, {both.opacity, MakeScalar(1e-6F)}, 1), 1);
+    if (back.emission || front.emission) {
+        both.emission = Mix(ClosureReader::OrBlack(back.emission),
+                            ClosureReader::OrBlack(front.emission), part, 3);
+    }
+    both.slabs = MixSlabs(std::move(back.slabs), std::move(front.slabs), part);
+    return both;
+}
+
+WholeSurface ReadSurface(NetworkEvaluator& network, const MaterialNode* node, int depth) {
+    WholeSurface nothing;
+    nothing.opacity = MakeScalar(1.0F);
+    if (node == nullptr) {
+        return nothing;
+    }
+    if (depth < kMaxDepth && node->identifier == kMixSurface) {
+        return ReadMix(network, *node, depth);
+    }
+    if (node->identifier == kSurface) {
+        return ReadClosures(network, *node);
+    }
+    if (depth < kMaxDepth && IsLayered(node->identifier)) {
+        return ReadModel(network, *node);
+    }
+    network.Warn("surface shader " + node->identifier + " of " + node->path +
+                 " cannot be mixed; black is used");
+    return nothing;
+}
+
+} // namespace
+
+bool IsClosureSurface(const std::string& identifier) {
+    return identifier == kSurface || identifier == kMixSurface;
+}
+
+LayeredMaterial EvaluateClosureSurface(NetworkEvaluator& network, const MaterialNode& node) {
+    WholeSurface surface = ReadSurface(network, &node, 0);
+    LayeredMaterial layered = ChooseSlab(std::move(surface.slabs));
+    layered.flags |= surface.flags;
+    layered.values[HDS_INPUT_OPACITY] = surface.opacity;
+    if (surface.emission) {
+        layered.values[HDS_INPUT_EMISSIVE_COLOR] = surface.emission;
+    }
+    FinishLayered(&layered);
+    return layered;
+}
+
+std::vector<std::string> ClosureIds() {
+    std::vector<std::string> ids{std::string(kAbsorption), std::string(kAnisotropic)};
+    std::transform(std::begin(kBsdfs), std::end(kBsdfs), std::back_inserter(ids),
+                   [](const BsdfType& one) { return std::string(one.id); });
+    std::transform(std::begin(kEdfs), std::end(kEdfs), std::back_inserter(ids),
+                   [](const EdfType& one) { return std::string(one.id); });
+    std::sort(ids.begin(), ids.end());
+    return ids;
+}
+
+} // namespace hds

@@ -1,0 +1,248 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Surfaces whose closures are put together by hand: what fits one layered surface has its bits, a hit takes one of the others by
+chance, and MaterialX's own node graphs of its surfaces look like our built-in ones."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("hdstream._core")
+
+import ours
+from pxr import Sdf, UsdShade
+from stages import author, shapes
+from stages.materialX import OPEN_PBR, STANDARD, AddNode, AddSurface
+
+GLTF = "ND_gltf_pbr_surfaceshader"
+RED, BLUE, GOLD, EDGE, WHITE = (0.7, 0.1, 0.08), (0.1, 0.2, 0.9), (0.95, 0.7, 0.35), (0.9, 0.8, 0.7), (1.0, 1.0, 1.0)
+DOME = (("Dome", {}),)
+LAMP = (("Sphere", dict(placement=dict(translate=(3, 3, 3)), intensity=20.0)), ("Dome", dict(intensity=0.3)))
+
+
+class Closures:
+    """Closures below one material, each a node of its own; calls give (shader, output) to be connected."""
+
+    def __init__(self, stage):
+        self._stage, self._count = stage, 0
+
+    def __call__(self, kind, **inputs):
+        self._count += 1
+        return AddNode(self._stage, f"/World/Look/Node{self._count}", f"ND_{kind}", Sdf.ValueTypeNames.Token, **inputs)
+
+    def Diffuse(self, color=RED, **inputs):
+        return self("oren_nayar_diffuse_bsdf", color=color, **inputs)
+
+    def Reflection(self, alpha=0.25, **inputs):
+        return self("dielectric_bsdf", roughness=(alpha, alpha), **inputs)
+
+    def Metal(self, color=GOLD, edge=EDGE, alpha=0.25):
+        return self("generalized_schlick_bsdf", color0=color, color82=edge, roughness=(alpha, alpha))
+
+    def Layer(self, top, base):
+        return self("layer_bsdf", top=top, base=base)
+
+    def Mix(self, bg, fg, mix):
+        return self("mix_bsdf", bg=bg, fg=fg, mix=mix)
+
+
+def _Surface(bsdf, edf=None, **inputs):
+    """A function that adds a surface of closures to a stage. bsdf, edf: functions of Closures."""
+    def Add(stage):
+        UsdShade.Material.Define(stage, "/World/Look")
+        closures = Closures(stage)
+        connected = {name: make(closures) for name, make in (("bsdf", bsdf), ("edf", edf)) if make is not None}
+        return AddSurface(stage, "/World/Look", "ND_surface", **connected, **inputs)
+    return Add
+
+
+def _Standard(**inputs):
+    return lambda stage: AddSurface(stage, "/World/Look", STANDARD, **inputs)
+
+
+def _Picture(tmp_path, addMaterial, lights=LAMP, samples=64, size=32, shape=None, aovs=("color",), **settings):
+    stage = author.NewStage(str(tmp_path / "stage.usda"))
+    rotate = (0, 0, 0) if shape is None else (90, 0, 0)  # a plane faces the camera
+    author.AddMesh(stage, "/World/Shape", shape or shapes.Sphere(1.0, 32, 64), material=addMaterial(stage), doubleSided=True,
+                   rotate=rotate)
+    for index, (kind, inputs) in enumerate(lights):
+        author.AddLight(stage, f"/World/Light{index}", kind, **inputs)
+    author.AddCamera(stage, eye=(0, 0, 10), width=2.4, aspect=1.0, orthographic=True)
+    stage.GetRootLayer().Save()
+    return ours.Render(stage.GetRootLayer().realPath, size, size, samples=samples, aovs=aovs, **settings)
+
+
+FITS = {
+    "diffuse": (_Surface(lambda c: c.Diffuse()), _Standard(base=1.0, base_color=RED, specular=0.0)),
+    "plastic": (_Surface(lambda c: c.Layer(c.Reflection(), c.Diffuse())),
+                _Standard(base=1.0, base_color=RED, specular_roughness=0.5)),
+    "metal": (_Surface(lambda c: c.Metal()),
+              _Standard(base=1.0, base_color=GOLD, specular_color=EDGE, metalness=1.0, specular_roughness=0.5)),
+    "metalBesidePlastic": (
+        _Surface(lambda c: c.Mix(c.Layer(c.Reflection(tint=EDGE), c.Diffuse(GOLD)), c.Metal(), 0.5)),
+        _Standard(base=1.0, base_color=GOLD, specular_color=EDGE, metalness=0.5, specular_roughness=0.5)),
+    "coat": (_Surface(lambda c: c.Layer(c.Reflection(0.0625), c.Layer(c.Reflection(), c.Diffuse()))),
+             _Standard(base=1.0, base_color=RED, specular_roughness=0.5, coat=1.0, coat_roughness=0.25)),
+    "glass": (_Surface(lambda c: c.Reflection(scatter_mode="RT")),
+              _Standard(base=0.0, specular_roughness=0.5, transmission=1.0)),
+    "glassBesideDiffuse": (
+        _Surface(lambda c: c.Layer(c.Reflection(), c.Mix(c.Diffuse(), c.Reflection(scatter_mode="T"), 0.5))),
+        _Standard(base=1.0, base_color=RED, specular_roughness=0.5, transmission=0.5)),
+    "sheen": (_Surface(lambda c: c.Layer(c("sheen_bsdf", roughness=0.5), c.Diffuse())),
+              _Standard(base=1.0, base_color=RED, specular=0.0, sheen=1.0, sheen_roughness=0.5)),
+    "emission": (_Surface(lambda c: c.Diffuse(), lambda c: c("uniform_edf", color=BLUE)),
+                 _Standard(base=1.0, base_color=RED, specular=0.0, emission=1.0, emission_color=BLUE)),
+}
+
+
+@pytest.mark.parametrize("name", FITS)
+def test_what_fits_one_layered_surface_has_its_bits(tmp_path, name):
+    byHand, builtIn = (_Picture(tmp_path, surface, samples=4).rgb for surface in FITS[name])
+    assert np.array_equal(byHand, builtIn)
+
+
+def _Dull(c):
+    return c.Diffuse((0.8, 0.2, 0.1))
+
+
+def _Shiny(c):
+    return c.Metal((0.9, 0.9, 0.3), WHITE, 0.3)
+
+
+def _Plastic(c):
+    return c.Layer(c.Reflection(0.09), c.Diffuse(BLUE))
+
+
+def _Sum(c):
+    return c("add_bsdf", in1=c("multiply_bsdfF", in1=_Shiny(c), in2=0.25), in2=c("multiply_bsdfC", in1=_Plastic(c), in2=EDGE))
+
+
+CHOSEN = {
+    "mix": (lambda c: c.Mix(_Shiny(c), _Plastic(c), 0.3), (0.0, 0.7, 0.3)),
+    "mixOfMixes": (lambda c: c.Mix(c.Mix(_Dull(c), _Shiny(c), 0.5), _Plastic(c), 0.4), (0.3, 0.3, 0.4)),
+    "sum": (_Sum, (0.0, 0.25, np.array(EDGE))),
+}
+
+
+@pytest.mark.parametrize("name", CHOSEN)
+def test_a_mixture_looks_like_the_weighed_sum_of_its_parts(tmp_path, name):
+    # Without bounces pictures are linear in the BSDF.
+    closure, weights = CHOSEN[name]
+    parts = [_Picture(tmp_path, _Surface(part), samples=256, maxDepth=1).rgb for part in (_Dull, _Shiny, _Plastic)]
+    mixed = _Picture(tmp_path, _Surface(closure), samples=256, maxDepth=1).rgb
+    difference = mixed - sum(weight * part for weight, part in zip(weights, parts))
+    assert abs(difference.mean((0, 1))).max() < 5e-4  # of 0.1 to 0.25; the noise of one render is 1e-4
+    assert abs(difference.reshape(8, 4, 8, 4, 3).mean((1, 3))).max() < 4e-3
+
+
+def test_what_absorbs_nothing_is_invisible_in_a_furnace(tmp_path):
+    def White(c):
+        plastic = c.Layer(c.Reflection(), c.Diffuse(WHITE))
+        return c.Mix(c.Diffuse(WHITE, roughness=1.0), c.Mix(c.Metal(WHITE, WHITE, 0.64), plastic, 0.5), 0.6)
+    color = _Picture(tmp_path, _Surface(White), DOME, samples=64, maxDepth=24).rgb.mean((0, 1))
+    assert color == pytest.approx(np.ones(3), abs=5e-3)
+
+
+@pytest.mark.parametrize("light", [DOME, (("Distant", dict(angle=0.0, intensity=1.0, placement=dict(rotate=(180, 0, 0)))),)],
+                         ids=["dome", "sun"])
+def test_each_thin_wall_on_a_way_chooses_for_itself(tmp_path, light):
+    # Two walls in front of a dome, or of a diffuse leaf that a sun lights through both: half of each is black.
+    def Picture(mix):
+        def Wall(c):
+            return c.Mix(c.Reflection(1e-4, ior=1.0005, scatter_mode="RT"), c.Diffuse((0.0, 0.0, 0.0)), mix)
+        stage = author.NewStage(str(tmp_path / "stage.usda"))
+        wall = _Surface(Wall, thin_walled=True)(stage)
+        for index in range(2):
+            author.AddMesh(stage, f"/World/Wall{index}", shapes.Plane(4, 4), material=wall, doubleSided=True,
+                           translate=(0, 0, index), rotate=(90, 0, 0))
+        if light is not DOME:
+            leaf = AddSurface(stage, "/World/LeafLook", base=0.0, specular=0.0, subsurface=1.0, subsurface_color=WHITE,
+                              thin_walled=True)
+            author.AddMesh(stage, "/World/Leaf", shapes.Plane(4, 4), material=leaf, doubleSided=True,
+                           translate=(0, 0, 5), rotate=(90, 0, 0))
+        for index, (kind, inputs) in enumerate(light):
+            author.AddLight(stage, f"/World/Light{index}", kind, **inputs)
+        author.AddCamera(stage, eye=(0, 0, 10), width=1.0, aspect=1.0, orthographic=True)
+        stage.GetRootLayer().Save()
+        return ours.Render(stage.GetRootLayer().realPath, 16, 16, samples=256, maxDepth=8).rgb.mean()
+    assert Picture(0.5) / Picture(0.0) == pytest.approx(0.25, rel=0.03)
+
+
+def test_surfaces_are_mixed_with_what_shows_them(tmp_path):
+    def Mixed(stage):
+        UsdShade.Material.Define(stage, "/World/Look")
+        back, front = (AddNode(stage, f"/World/Look/{name}", STANDARD, Sdf.ValueTypeNames.Token, base=1.0, specular=0.0, **inputs)
+                       for name, inputs in (("Back", dict(base_color=RED, emission=1.0, emission_color=(0.0, 0.0, 0.4))),
+                                            ("Front", dict(base_color=RED, opacity=(0.5, 0.5, 0.5)))))
+        return AddSurface(stage, "/World/Look", "ND_mix_surfaceshader", bg=back, fg=front, mix=0.5)
+    color = _Picture(tmp_path, Mixed, DOME, shape=shapes.Plane(4, 4), samples=256, maxDepth=1).rgb.mean((0, 1))
+    # Present by 3/4: all of the back, which emits, and half of the front. The rest shows the dome.
+    assert color == pytest.approx(0.75 * np.array(RED) + np.array([0.0, 0.0, 0.2]) + 0.25, abs=0.01)
+
+
+def test_albedo_is_the_mean_of_what_is_chosen(tmp_path):
+    surface = _Surface(lambda c: c.Mix(c.Diffuse(RED, roughness=0.5), c.Diffuse(BLUE), 0.25))
+    albedo = _Picture(tmp_path, surface, samples=1, aovs=("color", "albedo")).layers["albedo"][16, 16, :3]
+    assert albedo == pytest.approx(0.75 * np.array(RED) + 0.25 * np.array(BLUE), abs=0.02)
+
+
+def test_bits_do_not_depend_on_pools_and_waves(tmp_path):
+    surface = _Surface(CHOSEN["mixOfMixes"][0])
+    streams = dict(residency="stream", chunkBytes=1 << 14, geometryMemory="30%")
+    whole, streamed, small = (_Picture(tmp_path, surface, samples=8, **settings).rgb
+                              for settings in (dict(residency="resident"), streams, dict(residency="resident", waveSize=1024)))
+    assert np.array_equal(whole, streamed) and np.array_equal(whole, small)
+
+
+def test_what_is_not_supported_is_said(tmp_path):
+    surface = _Surface(lambda c: c.Mix(c.Diffuse(), c("chiang_hair_bsdf"), 0.5), lambda c: c("conical_edf", color=BLUE))
+    warnings = " ".join(_Picture(tmp_path, surface, samples=1, size=8).warnings)
+    assert "ND_chiang_hair_bsdf" in warnings and "emits alike in all directions" in warnings
+
+
+GRAPHS = {
+    STANDARD: [dict(base=1.0, base_color=RED, specular_roughness=0.4),
+               dict(base=1.0, base_color=GOLD, metalness=0.5, specular_roughness=0.4),
+               dict(base=1.0, base_color=GOLD, metalness=1.0, specular_roughness=0.4, specular_anisotropy=0.5),
+               dict(base=1.0, base_color=RED, transmission=0.5, specular_roughness=0.3),
+               dict(base=1.0, base_color=RED, coat=0.7, coat_roughness=0.2, specular_roughness=0.5),
+               dict(base=1.0, base_color=RED, sheen=1.0, sheen_roughness=0.4, specular=0.5),
+               dict(base=0.5, emission=1.0, emission_color=(0.1, 0.2, 0.3)),
+               dict(base=1.0, base_color=GOLD, metalness=1.0, coat=1.0, coat_color=BLUE, specular_roughness=0.4)],
+    OPEN_PBR: [dict(base_color=RED, specular_roughness=0.4), dict(base_color=GOLD, base_metalness=1.0, specular_roughness=0.4),
+               dict(base_color=RED, coat_weight=0.7, coat_roughness=0.2), dict(base_color=RED, fuzz_weight=0.8),
+               dict(transmission_weight=1.0, specular_roughness=0.3)],
+    GLTF: [dict(base_color=RED, metallic=0.0, roughness=0.4), dict(base_color=GOLD, metallic=0.5, roughness=0.4)],
+}
+
+
+def _WriteGraph(identifier, inputs, path):
+    """A .mtlx file with a material whose surface is MaterialX's own node graph of a surface shader."""
+    materialX = pytest.importorskip("MaterialX")
+    library = materialX.createDocument()
+    materialX.loadLibraries(materialX.getDefaultDataLibraryFolders(), materialX.getDefaultDataSearchPath(), library)
+    document = materialX.createDocument()
+    document.setDataLibrary(library)
+    surface = document.addNode(library.getNodeDef(identifier).getNodeString(), "Surface", "surfaceshader")
+    for name, value in inputs.items():
+        surface.setInputValue(name, materialX.Color3(*value) if isinstance(value, tuple) else float(value))
+    document.addMaterialNode("Look", surface)
+    document.flattenSubgraphs()
+    materialX.writeToXmlFile(document, str(path))
+    return document
+
+
+@pytest.mark.parametrize("identifier, index", [(key, index) for key, rows in GRAPHS.items() for index in range(len(rows))])
+def test_node_graphs_of_surfaces_look_like_the_built_in_ones(tmp_path, identifier, index):
+    inputs = GRAPHS[identifier][index]
+    document = _WriteGraph(identifier, inputs, tmp_path / "graph.mtlx")
+    assert not document.getNode("Surface") and any(node.getType() == "BSDF" for node in document.getNodes())
+    from hdstream import materialXFiles
+    layer = materialXFiles._ReadLayer(str(tmp_path / "graph.mtlx"))
+
+    def Graph(stage):
+        Sdf.CopySpec(layer, "/MaterialX/Materials/Look", stage.GetRootLayer(), "/World/Look")
+        return UsdShade.Material.Get(stage, "/World/Look")
+    graph = _Picture(tmp_path, Graph)
+    builtIn = _Picture(tmp_path, lambda stage: AddSurface(stage, "/World/Look", identifier, **inputs))
+    assert not graph.warnings
+    blocks = [picture.rgb.reshape(4, 8, 4, 8, 3).mean((1, 3)) for picture in (graph, builtIn)]
+    assert blocks[0] == pytest.approx(blocks[1], rel=0.02)
