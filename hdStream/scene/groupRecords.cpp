@@ -101,13 +101,13 @@ void AppendKeys(const std::vector<glm::dmat4>& keys, shared::HdsInstance* instan
 
 MovingTransform InstanceTransform(const InstancerPrim& instancer, std::int32_t index,
                                   const Shutter& shutter) {
-    const glm::dmat4 atFrame = MatrixAt(instancer.instanceTransforms, index);
+    const glm::dmat4 atFrame = instancer.instanceTransforms.At(static_cast<std::size_t>(index));
     if (!shutter.IsOpen() || instancer.samples.empty()) {
         return atFrame;
     }
     std::vector<TransformSample> samples;
     for (const InstanceSample& sample : instancer.samples) {
-        if (sample.transforms.size() == instancer.instanceTransforms.size()) {
+        if (sample.transforms.size() == 16 * instancer.instanceTransforms.Size()) {
             samples.push_back({sample.time, MatrixAt(sample.transforms, index)});
         }
     }
@@ -167,7 +167,7 @@ PlacedRecord* GroupRecords::Add(PlacedRecord record) {
 }
 
 std::uint32_t GroupRecords::Add(InstanceRun run) {
-    const std::size_t limit = run.instancer->instanceTransforms.size() / 16;
+    const std::size_t limit = run.instancer->instanceTransforms.Size();
     const auto count = static_cast<std::uint32_t>(run.instances.size());
     if (MayMove(run)) {
         ReserveCloseBoxes();

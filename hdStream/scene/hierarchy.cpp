@@ -70,7 +70,7 @@ std::vector<Placed> PlacementsOf(const SceneDescription& scene, const Placement&
         return {};
     }
     const InstancerPrim& instancer = found->second;
-    const std::size_t limit = instancer.instanceTransforms.size() / 16;
+    const std::size_t limit = instancer.instanceTransforms.Size();
     const SharedSpan<std::int32_t>& instances = placement.instances;
     const auto count = static_cast<std::int64_t>(instances.size());
     std::vector<Placed> placements;
