@@ -97,7 +97,8 @@ public:
         : _scene(scene), _leaves(leaves), _centre(centre), _firstGroup(firstGroup), _links(*links),
           _shutter(shutter), _warnings(warnings) {}
 
-    Hierarchy Build() {
+    Hierarchy Build(HugeVector<shared::HdsBvhNode> nodes) {
+        _result.nodes = std::move(nodes);
         CollectMembers();
         _result.groups.resize(1); // the TLAS, filled last
         GroupRecords records(_shutter);
@@ -369,8 +370,10 @@ void ForEachPlacement(const SceneDescription& scene, const Placement& placement,
 
 Hierarchy BuildHierarchy(const SceneDescription& scene, const std::vector<DrawnLeaf>& leaves,
                          const glm::dvec3& centre, std::uint32_t firstGroup, LightLinks* links,
-                         const Shutter& shutter, Warnings& warnings) {
-    return Builder(scene, leaves, centre, firstGroup, links, shutter, warnings).Build();
+                         const Shutter& shutter, Warnings& warnings,
+                         HugeVector<shared::HdsBvhNode> nodes) {
+    return Builder(scene, leaves, centre, firstGroup, links, shutter, warnings)
+        .Build(std::move(nodes));
 }
 
 } // namespace hds

@@ -40,7 +40,7 @@ struct WorldInstance {
 
 /// Device tables of the hierarchy. Object 0 is the TLAS.
 struct Hierarchy {
-    std::vector<shared::HdsBvhNode> nodes;     ///< of all groups
+    HugeVector<shared::HdsBvhNode> nodes;      ///< those that were there, then those of all groups
     std::vector<shared::HdsObject> groups;     ///< nodeBase into nodes, itemBase into instances
     HugeVector<shared::HdsInstance> instances; ///< group by group, leaf order of its BVH
     HugeVector<std::uint32_t> instancesByPath; ///< per group, records in the order of pathOffset
@@ -59,10 +59,12 @@ struct Hierarchy {
 ///        0, the leaves' objects come between).
 /// \param links of the scene
 /// \param shutter closed: everything is at rest where the frame has it
+/// \param nodes to begin with: the groups' come behind them
 /// Prims with transforms that are singular, not finite or beyond 1e30 are dropped with a warning.
 Hierarchy BuildHierarchy(const SceneDescription& scene, const std::vector<DrawnLeaf>& leaves,
                          const glm::dvec3& centre, std::uint32_t firstGroup, LightLinks* links,
-                         const Shutter& shutter, Warnings& warnings);
+                         const Shutter& shutter, Warnings& warnings,
+                         HugeVector<shared::HdsBvhNode> nodes = {});
 
 /// Placements of an instancer in world space (its own and its ancestors' instances composed,
 /// parent-major) for a prim; calls `onPlacement(worldFromPrototype)` for each. For
