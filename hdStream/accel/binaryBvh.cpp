@@ -8,8 +8,7 @@
 namespace hds {
 namespace {
 
-constexpr std::size_t kTaskCount = 4096;     ///< items of both children from which they are tasks
-constexpr std::size_t kScratchCount = 65536; ///< items from which a build gets scratch memory
+constexpr std::uint32_t kTaskCount = 4096; ///< items of both children from which they are tasks
 
 std::uint32_t CeilLog2(std::size_t count) {
     std::uint32_t bits = 0;
@@ -22,44 +21,36 @@ std::uint32_t CeilLog2(std::size_t count) {
 class BinaryBuilder {
 public:
     BinaryBuilder(std::vector<BoxRef>& refs, bool balanced)
-        : _refs(refs), _nodes(2 * refs.size() - 1), _balanced(balanced) {
-        if (refs.size() >= kScratchCount) {
-            _scratch.resize(refs.size());
-        }
-    }
+        : _refs(refs), _nodes(new BoxRef[refs.size()]), _balanced(balanced) {}
 
-    std::vector<BinaryNode> Build() {
-        BuildRange(0, 0, _refs.size(), ComputeRangeBounds(_refs.data(), _refs.size()),
-                   kMaxBinaryDepth);
-        return std::move(_nodes);
+    BinaryBvh Build() {
+        const auto count = static_cast<std::uint32_t>(_refs.size());
+        BuildRange({0, 0, count}, ComputeRangeBounds(_refs.data(), count), kMaxBinaryDepth);
+        return {_refs.data(), std::move(_nodes), count};
     }
 
 private:
     /// \param depthLeft levels that this subtree may still take.
-    void BuildRange(std::size_t node, std::size_t begin, std::size_t count,
-                    const RangeBounds& bounds, std::uint32_t depthLeft) {
-        BinaryNode& target = _nodes[node];
-        Store(target.lo, bounds.lo);
-        Store(target.hi, bounds.hi);
-        target.count = static_cast<std::uint32_t>(count);
-        target.right = 0;
-        if (count == 1) {
+    void BuildRange(const BinarySubtree& tree, const RangeBounds& bounds, std::uint32_t depthLeft) {
+        if (tree.count == 1) {
             return;
         }
         SplitOptions options;
-        options.balanced = _balanced || depthLeft <= CeilLog2(count);
-        options.scratch = _scratch.empty() ? nullptr : _scratch.data() + begin;
-        const SplitResult split = SplitRange(_refs.data() + begin, count, bounds, options);
-        const std::size_t right = 2 * split.numLeft;
-        target.right = static_cast<std::uint32_t>(right);
-        const auto buildLeft = [&] {
-            BuildRange(node + 1, begin, split.numLeft, split.left, depthLeft - 1);
-        };
-        const auto buildRight = [&] {
-            BuildRange(node + right, begin + split.numLeft, count - split.numLeft, split.right,
-                       depthLeft - 1);
-        };
-        if (split.numLeft >= kTaskCount && count - split.numLeft >= kTaskCount) {
+        options.balanced = _balanced || depthLeft <= CeilLog2(tree.count);
+        // Where the subtree's nodes will be there is nothing yet.
+        options.scratch = &_nodes[tree.node];
+        const SplitResult split =
+            SplitRange(_refs.data() + tree.begin, tree.count, bounds, options);
+        BoxRef& node = _nodes[tree.node];
+        Store(node.lo, bounds.lo);
+        Store(node.hi, bounds.hi);
+        node.item = static_cast<std::uint32_t>(split.numLeft); // four lanes were stored
+        const BinarySubtree left{tree.node + 1, tree.begin, node.item};
+        const BinarySubtree right{tree.node + node.item, tree.begin + node.item,
+                                  tree.count - node.item};
+        const auto buildLeft = [&] { BuildRange(left, split.left, depthLeft - 1); };
+        const auto buildRight = [&] { BuildRange(right, split.right, depthLeft - 1); };
+        if (left.count >= kTaskCount && right.count >= kTaskCount) {
             tbb::parallel_invoke(buildLeft, buildRight);
         } else {
             buildLeft();
@@ -68,14 +59,13 @@ private:
     }
 
     std::vector<BoxRef>& _refs;
-    std::vector<BoxRef> _scratch;
-    std::vector<BinaryNode> _nodes;
+    std::unique_ptr<BoxRef[]> _nodes;
     bool _balanced;
 };
 
 } // namespace
 
-std::vector<BinaryNode> BuildBinaryBvh(std::vector<BoxRef>& refs, bool balanced) {
+BinaryBvh BuildBinaryBvh(std::vector<BoxRef>& refs, bool balanced) {
     return BinaryBuilder(refs, balanced).Build();
 }
 

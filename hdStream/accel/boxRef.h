@@ -13,10 +13,11 @@
 namespace hds {
 
 /// A box and the item it stands for. Never holds -0, so that minima and maxima do not depend on the
-/// order in which boxes are merged.
+/// order in which boxes are merged. The inner nodes of the binary tree have this form too, so that
+/// a range of references fits where its nodes will be.
 struct alignas(16) BoxRef {
     float lo[3];
-    std::uint32_t item;
+    std::uint32_t item; ///< of an inner node: how many items are below its left child
     float hi[3];
     std::uint32_t unused;
 };

@@ -20,6 +20,12 @@ Bvh BuildBvh(const std::vector<Bounds>& items, const BvhOptions& options) {
     return BuildWideBvh(refs, options);
 }
 
+Bvh BuildBvh(std::vector<Bounds>&& items, const BvhOptions& options) {
+    std::vector<BoxRef> refs = MakeRefs(items);
+    items = std::vector<Bounds>(); // frees them
+    return BuildWideBvh(refs, options);
+}
+
 Bvh BuildMovingBvh(const std::vector<Bounds>& open, const std::vector<Bounds>& close,
                    const BvhOptions& options) {
     std::vector<Bounds> both;

@@ -35,7 +35,10 @@ struct BvhOptions {
 /// Builds with the surface area heuristic (binned; Wald 2007) and collapses to 8-wide optimally
 /// (Ylitie 2017, section 3.1). Uses all cores. Any finite box is allowed, also flat, equal or empty
 /// ones (min > max: never hit, kept as a point). At most HDS_BVH_MAX_DEPTH nodes lie on a path.
+/// Memory on the way, beside the items and the result: 72 bytes an item.
 Bvh BuildBvh(const std::vector<Bounds>& items, const BvhOptions& options);
+/// The same, of many items that nobody needs any more: frees them before anything else is built.
+Bvh BuildBvh(std::vector<Bounds>&& items, const BvhOptions& options);
 
 /// The same for boxes that go straight from `open` to `close` while the shutter is open, with boxes
 /// that move or, where they do not go far, with boxes at rest.

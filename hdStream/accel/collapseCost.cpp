@@ -10,130 +10,128 @@ namespace {
 
 constexpr std::uint32_t kTaskCount = 16384; ///< items of a subtree from which its halves are tasks
 
-float NodeArea(const BinaryNode& node) {
-    return HalfArea(LoadBox(node.lo), LoadBox(node.hi));
+float AreaOf(const BoxRef& box) {
+    return HalfArea(LoadBox(box.lo), LoadBox(box.hi));
 }
 
 } // namespace
 
-CollapsePlan::CollapsePlan(const std::vector<BinaryNode>& nodes, const BvhOptions& options)
-    : _nodes(nodes), _options(options), _entries(nodes.size()) {
-    SolveSubtree(0);
+CollapsePlan::CollapsePlan(const BinaryBvh& binary, const BvhOptions& options)
+    : _binary(binary), _options(options), _splits(new Split[binary.count]) {
+    Solve(binary.Root());
 }
 
-void CollapsePlan::SolveSubtree(std::uint32_t node) {
-    const BinaryNode& binary = _nodes[node];
-    if (binary.count >= kTaskCount) {
-        tbb::parallel_invoke([&] { SolveSubtree(node + 1); },
-                             [&] { SolveSubtree(node + binary.right); });
-        Solve(node);
-        return;
+CollapsePlan::Costs CollapsePlan::Solve(const BinarySubtree& tree) {
+    if (tree.count == 1) {
+        Costs costs;
+        costs.fill(AreaOf(_binary.Box(tree)) * _options.itemCost);
+        return costs;
     }
-    // Children come after their parents.
-    for (std::uint32_t i = node + 2 * binary.count - 1; i-- > node;) {
-        Solve(i);
+    const BinarySubtree leftTree = _binary.Left(tree);
+    const BinarySubtree rightTree = _binary.Right(tree);
+    Costs left;
+    Costs right;
+    if (tree.count >= kTaskCount) {
+        tbb::parallel_invoke([&] { left = Solve(leftTree); }, [&] { right = Solve(rightTree); });
+    } else {
+        left = Solve(leftTree);
+        right = Solve(rightTree);
     }
+    return SolveInner(tree, left, right);
 }
 
-void CollapsePlan::Solve(std::uint32_t node) {
-    const BinaryNode& binary = _nodes[node];
-    Entry& entry = _entries[node];
-    const float area = NodeArea(binary);
-    const float leafCost = area * static_cast<float>(binary.count) * _options.itemCost;
-    if (binary.count == 1) {
-        for (int i = 0; i < kWidth - 1; ++i) {
-            entry.cost[i] = leafCost;
-            entry.split[i] = 0;
-        }
-        entry.split[0] = 1;
-        return;
-    }
-    const Entry& left = _entries[node + 1];
-    const Entry& right = _entries[node + binary.right];
+CollapsePlan::Costs CollapsePlan::SolveInner(const BinarySubtree& tree, const Costs& left,
+                                             const Costs& right) {
+    Split& split = _splits[tree.node];
+    Costs costs;
+    const float area = AreaOf(_binary.Box(tree));
+    const float leafCost = area * static_cast<float>(tree.count) * _options.itemCost;
     float distribute[kWidth + 1] = {};
-    const int numItems = static_cast<int>(std::min<std::uint32_t>(binary.count, kWidth));
+    const int numItems = static_cast<int>(std::min<std::uint32_t>(tree.count, kWidth));
     for (int roots = 2; roots <= kWidth; ++roots) {
         if (roots > numItems) { // more roots than items are of no use
             distribute[roots] = distribute[roots - 1];
-            entry.split[roots - 1] = entry.split[roots - 2];
+            split[roots - 1] = split[roots - 2];
             continue;
         }
-        float best = left.cost[0] + right.cost[roots - 2];
+        float best = left[0] + right[roots - 2];
         int bestLeft = 1;
         for (int k = 2; k < roots; ++k) {
-            const float cost = left.cost[k - 1] + right.cost[roots - k - 1];
+            const float cost = left[k - 1] + right[roots - k - 1];
             if (cost < best) {
                 best = cost;
                 bestLeft = k;
             }
         }
         distribute[roots] = best;
-        entry.split[roots - 1] = static_cast<std::uint8_t>(bestLeft);
+        split[roots - 1] = static_cast<std::uint8_t>(bestLeft);
     }
     const float innerCost = area * _options.traversalCost + distribute[kWidth];
-    const bool isLeaf = binary.count <= _options.maxLeafItems && !(innerCost < leafCost);
-    entry.cost[0] = isLeaf ? leafCost : innerCost;
-    entry.split[0] = isLeaf ? 1 : 0;
+    const bool isLeaf = tree.count <= _options.maxLeafItems && !(innerCost < leafCost);
+    costs[0] = isLeaf ? leafCost : innerCost;
+    split[0] = isLeaf ? 1 : 0;
     for (int roots = 2; roots < kWidth; ++roots) {
-        if (distribute[roots] < entry.cost[roots - 2]) {
-            entry.cost[roots - 1] = distribute[roots];
+        if (distribute[roots] < costs[roots - 2]) {
+            costs[roots - 1] = distribute[roots];
         } else {
-            entry.cost[roots - 1] = entry.cost[roots - 2];
-            entry.split[roots - 1] = 0;
+            costs[roots - 1] = costs[roots - 2];
+            split[roots - 1] = 0;
         }
     }
+    return costs;
 }
 
-void CollapsePlan::Gather(std::uint32_t node, std::uint32_t begin, int roots,
-                          CollapsedChildren* out) const {
-    const Entry& entry = _entries[node];
-    while (roots > 1 && entry.split[roots - 1] == 0) {
+CollapsePlan::Split CollapsePlan::SplitOf(const BinarySubtree& tree) const {
+    return tree.count == 1 ? Split{1} : _splits[tree.node];
+}
+
+void CollapsePlan::Gather(const BinarySubtree& tree, int roots, CollapsedChildren* out) const {
+    const Split split = SplitOf(tree);
+    while (roots > 1 && split[roots - 1] == 0) {
         --roots;
     }
     if (roots == 1) {
-        out->child[out->count++] = {node, begin, entry.split[0] == 1};
+        out->child[out->count++] = {tree, split[0] == 1};
         return;
     }
-    const int leftRoots = entry.split[roots - 1];
-    const std::uint32_t right = _nodes[node].right;
-    Gather(node + 1, begin, leftRoots, out);
-    Gather(node + right, begin + right / 2, roots - leftRoots, out);
+    const int leftRoots = split[roots - 1];
+    Gather(_binary.Left(tree), leftRoots, out);
+    Gather(_binary.Right(tree), roots - leftRoots, out);
 }
 
-CollapsedChildren CollapsePlan::Children(std::uint32_t node, std::uint32_t begin) const {
+CollapsedChildren CollapsePlan::Children(const BinarySubtree& tree) const {
     CollapsedChildren out;
-    const BinaryNode& binary = _nodes[node];
-    if (binary.count <= _options.maxLeafItems && _entries[node].split[0] == 1) {
-        out.child[out.count++] = {node, begin, true}; // a root that is a leaf
+    const Split split = SplitOf(tree);
+    if (tree.count <= _options.maxLeafItems && split[0] == 1) {
+        out.child[out.count++] = {tree, true}; // a root that is a leaf
         return out;
     }
-    const int leftRoots = _entries[node].split[kWidth - 1];
-    Gather(node + 1, begin, leftRoots, &out);
-    Gather(node + binary.right, begin + binary.right / 2, kWidth - leftRoots, &out);
+    const int leftRoots = split[kWidth - 1];
+    Gather(_binary.Left(tree), leftRoots, &out);
+    Gather(_binary.Right(tree), kWidth - leftRoots, &out);
     return out;
 }
 
-CollapsedChildren GatherBalanced(const std::vector<BinaryNode>& nodes, std::uint32_t node,
-                                 std::uint32_t begin, std::uint32_t maxLeafItems) {
+CollapsedChildren GatherBalanced(const BinaryBvh& binary, const BinarySubtree& tree,
+                                 std::uint32_t maxLeafItems) {
     CollapsedChildren out;
-    out.child[out.count++] = {node, begin, nodes[node].count <= maxLeafItems};
+    out.child[out.count++] = {tree, tree.count <= maxLeafItems};
     while (out.count < kWidth) {
         int largest = -1;
         for (int i = 0; i < out.count; ++i) {
-            if (!out.child[i].isLeaf && (largest < 0 || nodes[out.child[i].node].count >
-                                                            nodes[out.child[largest].node].count)) {
+            if (!out.child[i].isLeaf &&
+                (largest < 0 || out.child[i].tree.count > out.child[largest].tree.count)) {
                 largest = i;
             }
         }
         if (largest < 0) {
             break;
         }
-        const CollapsedChild opened = out.child[largest];
-        const std::uint32_t left = opened.node + 1;
-        const std::uint32_t right = opened.node + nodes[opened.node].right;
-        out.child[largest] = {left, opened.begin, nodes[left].count <= maxLeafItems};
-        out.child[out.count++] = {right, opened.begin + nodes[opened.node].right / 2,
-                                  nodes[right].count <= maxLeafItems};
+        const BinarySubtree opened = out.child[largest].tree;
+        const BinarySubtree left = binary.Left(opened);
+        const BinarySubtree right = binary.Right(opened);
+        out.child[largest] = {left, left.count <= maxLeafItems};
+        out.child[out.count++] = {right, right.count <= maxLeafItems};
     }
     return out;
 }

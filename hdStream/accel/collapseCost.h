@@ -8,16 +8,15 @@
 #include "hdStream/accel/bvh.h"
 
 #include <array>
-#include <vector>
+#include <memory>
 
 namespace hds {
 
 constexpr int kWidth = 8; ///< children of a node
 
-/// A child of a wide node: a binary subtree and the first of its references.
+/// A child of a wide node: a binary subtree.
 struct CollapsedChild {
-    std::uint32_t node;
-    std::uint32_t begin;
+    BinarySubtree tree;
     bool isLeaf;
 };
 
@@ -28,33 +27,33 @@ struct CollapsedChildren {
 };
 
 /// The optimal choice by dynamic programming: C(n, i) is the least cost of representing the subtree
-/// n with at most i roots. Memory: 36 B a binary node, held until the collapse is done.
+/// n with at most i roots. Memory: 8 B an item, held until the collapse is done; the costs are held
+/// only on the way up.
 class CollapsePlan {
 public:
-    CollapsePlan(const std::vector<BinaryNode>& nodes, const BvhOptions& options);
+    CollapsePlan(const BinaryBvh& binary, const BvhOptions& options);
 
-    /// Children of the wide node that stands for the binary subtree `node`.
-    CollapsedChildren Children(std::uint32_t node, std::uint32_t begin) const;
+    /// Children of the wide node that stands for the binary subtree.
+    CollapsedChildren Children(const BinarySubtree& tree) const;
 
 private:
-    /// cost[i - 1] = C(n, i); split[i - 1] = roots given to the left child when i are used, 0 when
-    /// fewer than i are; split[0]: 1 leaf, 0 inner; split[7]: the split of an inner node's 8 slots.
-    struct Entry {
-        float cost[kWidth - 1];
-        std::uint8_t split[kWidth];
-    };
-    void SolveSubtree(std::uint32_t node);
-    void Solve(std::uint32_t node);
-    void Gather(std::uint32_t node, std::uint32_t begin, int roots, CollapsedChildren* out) const;
+    using Costs = std::array<float, kWidth - 1>; ///< [i - 1] = C(n, i)
+    /// [i - 1]: roots given to the left child when i are used, 0 when fewer than i are; [0]: 1
+    /// leaf, 0 inner; [7]: the split of an inner node's 8 slots.
+    using Split = std::array<std::uint8_t, kWidth>;
+    Costs Solve(const BinarySubtree& tree);
+    Costs SolveInner(const BinarySubtree& tree, const Costs& left, const Costs& right);
+    Split SplitOf(const BinarySubtree& tree) const;
+    void Gather(const BinarySubtree& tree, int roots, CollapsedChildren* out) const;
 
-    const std::vector<BinaryNode>& _nodes;
+    const BinaryBvh& _binary;
     BvhOptions _options;
-    std::vector<Entry> _entries;
+    std::unique_ptr<Split[]> _splits; ///< of the inner nodes
 };
 
 /// The children when depth matters more than area: always opens the subtree of most items. Over a
 /// balanced binary tree this takes three binary levels a node.
-CollapsedChildren GatherBalanced(const std::vector<BinaryNode>& nodes, std::uint32_t node,
-                                 std::uint32_t begin, std::uint32_t maxLeafItems);
+CollapsedChildren GatherBalanced(const BinaryBvh& binary, const BinarySubtree& tree,
+                                 std::uint32_t maxLeafItems);
 
 } // namespace hds

@@ -193,7 +193,7 @@ SplitResult PartitionSerial(BoxRef* refs, std::size_t count, const IsLeft& isLef
     return result;
 }
 
-/// Stable partition by blocks of fixed size through `scratch`.
+/// Stable partition by blocks of fixed size through `scratch`, which has no room for the last one.
 template <typename IsLeft>
 SplitResult PartitionParallel(BoxRef* refs, std::size_t count, const IsLeft& isLeft,
                               BoxRef* scratch) {
@@ -203,6 +203,7 @@ SplitResult PartitionParallel(BoxRef* refs, std::size_t count, const IsLeft& isL
         RangeBounds left, right;
     };
     std::vector<Block> blocks(numBlocks);
+    const BoxRef last = refs[count - 1];
     const auto blockEnd = [&](std::size_t b) { return std::min(count, (b + 1) * kBlock); };
     tbb::parallel_for(std::size_t{0}, numBlocks, [&](std::size_t b) {
         Block block;
@@ -210,7 +211,9 @@ SplitResult PartitionParallel(BoxRef* refs, std::size_t count, const IsLeft& isL
             const bool left = isLeft(refs[i]);
             block.numLeft += left ? 1 : 0;
             (left ? block.left : block.right).Grow(refs[i]);
-            scratch[i] = refs[i];
+            if (i < count - 1) {
+                scratch[i] = refs[i];
+            }
         }
         blocks[b] = block;
     });
@@ -226,7 +229,8 @@ SplitResult PartitionParallel(BoxRef* refs, std::size_t count, const IsLeft& isL
         std::size_t left = leftStart[b];
         std::size_t right = result.numLeft + b * kBlock - leftStart[b];
         for (std::size_t i = b * kBlock; i < blockEnd(b); ++i) {
-            refs[isLeft(scratch[i]) ? left++ : right++] = scratch[i];
+            const BoxRef& ref = i < count - 1 ? scratch[i] : last;
+            refs[isLeft(ref) ? left++ : right++] = ref;
         }
     });
     return result;

@@ -13,9 +13,10 @@ namespace hds {
 
 /// How a range may be cut.
 struct SplitOptions {
-    std::size_t minSide = 1;   ///< fewest references on a side
-    bool balanced = false;     ///< ignore areas: cut at the median
-    BoxRef* scratch = nullptr; ///< room for the range, enables parallel partition of long ranges
+    std::size_t minSide = 1; ///< fewest references on a side
+    bool balanced = false;   ///< ignore areas: cut at the median
+    /// Room for the range but its last reference; enables parallel partition of long ranges.
+    BoxRef* scratch = nullptr;
 };
 
 /// The outcome: refs[0, numLeft) and refs[numLeft, count), and their bounds.

@@ -8,20 +8,27 @@
 #include <glm/common.hpp>
 
 #include <algorithm>
-#include <cstring>
+#include <memory>
 #include <optional>
 
 namespace hds {
 namespace {
 
-/// The nodes of a binary tree with their boxes when the shutter opens and when it closes.
-struct BothPoses {
-    std::vector<BinaryNode> open;
-    std::vector<BinaryNode> close;
+/// A binary tree with the boxes of its items at some time.
+struct Pose {
+    std::vector<BoxRef> refs;
+    BinaryBvh tree;
 };
 
-Bounds BoundsOf(const BinaryNode& node) {
-    return {{node.lo[0], node.lo[1], node.lo[2]}, {node.hi[0], node.hi[1], node.hi[2]}};
+/// The tree when the shutter opens and when it closes.
+struct BothPoses {
+    Pose open;
+    Pose close;
+};
+
+Bounds BoundsOf(const BinaryBvh& tree) {
+    const BoxRef& box = tree.Box(tree.Root());
+    return {{box.lo[0], box.lo[1], box.lo[2]}, {box.hi[0], box.hi[1], box.hi[2]}};
 }
 
 Bounds Union(const Bounds& a, const Bounds& b) {
@@ -32,16 +39,16 @@ Bounds Union(const Bounds& a, const Bounds& b) {
 class WideEmitter {
 public:
     /// \param plan null: balanced children. \param poses null: boxes do not move.
-    WideEmitter(const std::vector<BoxRef>& refs, const std::vector<BinaryNode>& binary,
-                const CollapsePlan* plan, std::uint32_t maxLeafItems, const BothPoses* poses)
-        : _refs(refs), _binary(binary), _plan(plan), _maxLeafItems(maxLeafItems), _poses(poses) {}
+    WideEmitter(const BinaryBvh& binary, const CollapsePlan* plan, std::uint32_t maxLeafItems,
+                const BothPoses* poses)
+        : _binary(binary), _plan(plan), _maxLeafItems(maxLeafItems), _poses(poses) {}
 
     /// \return nodes on the longest path from the root.
     std::uint32_t Emit(Bvh* bvh) {
-        bvh->order.reserve(_refs.size());
-        bvh->nodes.reserve(_refs.size() / 3 + 1);
+        bvh->order.reserve(_binary.count);
+        bvh->nodes.reserve(_binary.count / 3 + 1);
         bvh->nodes.emplace_back();
-        std::vector<Pending> stack = {{0, 0, 0, 1}};
+        std::vector<Pending> stack = {{0, _binary.Root(), 1}};
         std::uint32_t maxDepth = 0;
         while (!stack.empty()) {
             const Pending next = stack.back();
@@ -54,31 +61,30 @@ public:
 
 private:
     struct Pending {
-        std::uint32_t wide;   ///< node to write
-        std::uint32_t binary; ///< subtree that it stands for
-        std::uint32_t begin;  ///< first reference of the subtree
+        std::uint32_t wide; ///< node to write
+        BinarySubtree tree; ///< that it stands for
         std::uint32_t depth;
     };
 
-    /// \param binary the tree's nodes, with their boxes at some time.
-    static SlotBox Box(const std::vector<BinaryNode>& binary, std::uint32_t node) {
+    /// \param binary the tree, with its boxes at some time.
+    static SlotBox Box(const BinaryBvh& binary, const BinarySubtree& tree) {
+        const BoxRef& ref = binary.Box(tree);
         SlotBox box{};
-        Store(box.lo, LoadBox(binary[node].lo));
-        Store(box.hi, LoadBox(binary[node].hi));
+        Store(box.lo, LoadBox(ref.lo));
+        Store(box.hi, LoadBox(ref.hi));
         return box;
     }
 
     void EmitNode(const Pending& pending, Bvh* bvh, std::vector<Pending>* stack) {
         const CollapsedChildren children =
-            _plan != nullptr
-                ? _plan->Children(pending.binary, pending.begin)
-                : GatherBalanced(_binary, pending.binary, pending.begin, _maxLeafItems);
+            _plan != nullptr ? _plan->Children(pending.tree)
+                             : GatherBalanced(_binary, pending.tree, _maxLeafItems);
         std::array<SlotBox, 8> boxes{};
         for (int c = 0; c < children.count; ++c) {
-            boxes[c] = Box(_binary, children.child[c].node);
+            boxes[c] = Box(_binary, children.child[c].tree);
         }
         const std::array<int, 8> slotOf =
-            AssignSlots(Box(_binary, pending.binary), boxes, children.count);
+            AssignSlots(Box(_binary, pending.tree), boxes, children.count);
         std::array<const CollapsedChild*, 8> bySlot{};
         for (int c = 0; c < children.count; ++c) {
             bySlot[slotOf[c]] = &children.child[c];
@@ -88,23 +94,23 @@ private:
         node.itemBase = static_cast<std::uint32_t>(bvh->order.size());
         FillSlots(bySlot, &node, bvh);
         PushInner(pending, bySlot, bvh, stack);
-        WriteBoxes(_poses != nullptr ? _poses->open : _binary, pending.binary, bySlot, &node);
+        WriteBoxes(_poses != nullptr ? _poses->open.tree : _binary, pending.tree, bySlot, &node);
         bvh->nodes[pending.wide] = node;
         if (_poses != nullptr) {
-            WriteBoxes(_poses->close, pending.binary, bySlot, &node);
+            WriteBoxes(_poses->close.tree, pending.tree, bySlot, &node);
             bvh->closeNodes.resize(bvh->nodes.size());
             bvh->closeNodes[pending.wide] = node;
         }
     }
 
-    static void WriteBoxes(const std::vector<BinaryNode>& binary, std::uint32_t parent,
+    static void WriteBoxes(const BinaryBvh& binary, const BinarySubtree& parent,
                            const std::array<const CollapsedChild*, 8>& bySlot,
                            shared::HdsBvhNode* node) {
         std::array<SlotBox, 8> boxes{};
         std::uint32_t slotMask = 0;
         for (std::uint32_t slot = 0; slot < 8; ++slot) {
             if (bySlot[slot] != nullptr) {
-                boxes[slot] = Box(binary, bySlot[slot]->node);
+                boxes[slot] = Box(binary, bySlot[slot]->tree);
                 slotMask |= 1U << slot;
             }
         }
@@ -121,11 +127,11 @@ private:
             }
             std::uint32_t meta = 1U << 5U | (24U + slot);
             if (child->isLeaf) {
-                const std::uint32_t count = _binary[child->node].count;
+                const std::uint32_t count = child->tree.count;
                 const auto offset = static_cast<std::uint32_t>(bvh->order.size()) - node->itemBase;
                 meta = ((1U << count) - 1U) << 5U | offset;
                 for (std::uint32_t i = 0; i < count; ++i) {
-                    bvh->order.push_back(_refs[child->begin + i].item);
+                    bvh->order.push_back(_binary.refs[child->tree.begin + i].item);
                 }
             } else {
                 node->exponentsImask |= 1U << (24U + slot);
@@ -141,7 +147,7 @@ private:
         const std::size_t first = stack->size();
         for (const CollapsedChild* child : bySlot) {
             if (child != nullptr && !child->isLeaf) {
-                stack->push_back({wide++, child->node, child->begin, pending.depth + 1});
+                stack->push_back({wide++, child->tree, pending.depth + 1});
             }
         }
         bvh->nodes.resize(wide);
@@ -149,34 +155,41 @@ private:
         std::reverse(stack->begin() + static_cast<std::ptrdiff_t>(first), stack->end());
     }
 
-    const std::vector<BoxRef>& _refs;
-    const std::vector<BinaryNode>& _binary;
+    const BinaryBvh& _binary;
     const CollapsePlan* _plan;
     std::uint32_t _maxLeafItems;
     const BothPoses* _poses;
 };
 
-/// The nodes with the boxes that `items` have. \param refs the leaves, from left to right.
-std::vector<BinaryNode> WithBoxesOf(const std::vector<BoxRef>& items,
-                                    const std::vector<BoxRef>& refs,
-                                    std::vector<BinaryNode> nodes) {
-    std::size_t leaf = refs.size();
-    for (std::size_t i = nodes.size(); i-- > 0;) { // children come after their parents
-        BinaryNode& node = nodes[i];
-        const std::uint32_t count = node.count;
-        const std::uint32_t right = node.right;
-        if (count == 1) {
-            const BoxRef& item = items[refs[--leaf].item];
-            Store(node.lo, LoadBox(item.lo));
-            Store(node.hi, LoadBox(item.hi));
-        } else {
-            Store(node.lo, Min(LoadBox(nodes[i + 1].lo), LoadBox(nodes[i + right].lo)));
-            Store(node.hi, Max(LoadBox(nodes[i + 1].hi), LoadBox(nodes[i + right].hi)));
-        }
-        node.count = count; // four lanes were stored
-        node.right = right;
+/// Gives the nodes of a subtree the boxes of the pose's items.
+void Refit(Pose* pose, const BinarySubtree& tree) {
+    if (tree.count == 1) {
+        return;
     }
-    return nodes;
+    const BinarySubtree left = pose->tree.Left(tree);
+    const BinarySubtree right = pose->tree.Right(tree);
+    Refit(pose, left);
+    Refit(pose, right);
+    const BoxRef& leftBox = pose->tree.Box(left);
+    const BoxRef& rightBox = pose->tree.Box(right);
+    BoxRef& node = pose->tree.nodes[tree.node];
+    const std::uint32_t numLeft = node.item;
+    Store(node.lo, Min(LoadBox(leftBox.lo), LoadBox(rightBox.lo)));
+    Store(node.hi, Max(LoadBox(leftBox.hi), LoadBox(rightBox.hi)));
+    node.item = numLeft; // four lanes were stored
+}
+
+/// The tree with the boxes that `items` have.
+Pose WithBoxesOf(const std::vector<BoxRef>& items, const BinaryBvh& binary) {
+    Pose pose;
+    pose.refs.reserve(binary.count);
+    for (std::uint32_t i = 0; i < binary.count; ++i) {
+        pose.refs.push_back(items[binary.refs[i].item]);
+    }
+    pose.tree = {pose.refs.data(), std::make_unique<BoxRef[]>(binary.count), binary.count};
+    std::copy_n(binary.nodes.get(), binary.count - 1, pose.tree.nodes.get());
+    Refit(&pose, binary.Root());
+    return pose;
 }
 
 struct BothBoxes {
@@ -192,21 +205,21 @@ Bvh BuildFrom(std::vector<BoxRef>& refs, const BothBoxes* moving, const BvhOptio
     if (refs.empty()) {
         return bvh;
     }
-    const auto emit = [&](const std::vector<BinaryNode>& binary, const CollapsePlan* plan) {
+    const auto emit = [&](const BinaryBvh& binary, const CollapsePlan* plan) {
         std::optional<BothPoses> poses;
         if (moving != nullptr) {
-            poses.emplace(BothPoses{WithBoxesOf(moving->open, refs, binary),
-                                    WithBoxesOf(moving->close, refs, binary)});
-            bvh.bounds = Union(BoundsOf(poses->open[0]), BoundsOf(poses->close[0]));
+            poses.emplace(
+                BothPoses{WithBoxesOf(moving->open, binary), WithBoxesOf(moving->close, binary)});
+            bvh.bounds = Union(BoundsOf(poses->open.tree), BoundsOf(poses->close.tree));
         } else {
-            bvh.bounds = BoundsOf(binary[0]);
+            bvh.bounds = BoundsOf(binary);
         }
-        return WideEmitter(refs, binary, plan, options.maxLeafItems, poses ? &*poses : nullptr)
+        return WideEmitter(binary, plan, options.maxLeafItems, poses ? &*poses : nullptr)
             .Emit(&bvh);
     };
     std::uint32_t depth = 0;
     {
-        const std::vector<BinaryNode> binary = BuildBinaryBvh(refs, false);
+        const BinaryBvh binary = BuildBinaryBvh(refs, false);
         const CollapsePlan plan(binary, options);
         depth = emit(binary, &plan);
     }

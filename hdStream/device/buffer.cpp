@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hdStream/device/hugePages.h"
+#include "hdStream/base/hugePages.h"
 #include "hdStream/device/openclHandles.h"
 
 #include <tbb/parallel_for.h>
@@ -80,14 +80,17 @@ Buffer::Buffer(std::shared_ptr<Device> device, std::string label, std::uint64_t 
 }
 
 Buffer Buffer::OfHostMemory(std::shared_ptr<Device> device, std::string label, const void* data,
-                            std::uint64_t bytes) {
+                            std::uint64_t bytes, HostMemoryCount count) {
     Buffer buffer;
     buffer._device = std::move(device);
     buffer._label = std::move(label);
     buffer._bytes = bytes;
-    buffer._isHostMemory = true;
+    buffer._isCounted = count == HostMemoryCount::AsDeviceMemory;
     // Kernels only read it; the interface takes no const pointer.
     buffer.Create(CL_MEM_READ_ONLY | CL_MEM_USE_HOST_PTR, const_cast<void*>(data));
+    if (buffer._isCounted) {
+        buffer._device->CountAllocation(static_cast<std::int64_t>(bytes));
+    }
     return buffer;
 }
 
@@ -153,7 +156,7 @@ Buffer& Buffer::operator=(Buffer&& other) noexcept {
         _device = std::move(other._device);
         _label = std::move(other._label);
         _bytes = std::exchange(other._bytes, 0);
-        _isHostMemory = other._isHostMemory;
+        _isCounted = other._isCounted;
         _memory = std::exchange(other._memory, nullptr);
         _shared = std::exchange(other._shared, nullptr);
     }
@@ -163,7 +166,7 @@ Buffer& Buffer::operator=(Buffer&& other) noexcept {
 void Buffer::Release() noexcept {
     if (_memory != nullptr) {
         clReleaseMemObject(static_cast<cl_mem>(_memory));
-        if (!_isHostMemory) {
+        if (_isCounted) {
             _device->CountAllocation(-static_cast<std::int64_t>(_bytes));
         }
         _memory = nullptr;

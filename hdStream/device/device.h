@@ -101,6 +101,9 @@ void FailAllocation(std::int64_t index);
 /// How kernels use a buffer.
 enum class BufferAccess { ReadOnly, ReadWrite };
 
+/// Whether memory of the host that a device reads is among what its allocator has given out.
+enum class HostMemoryCount { AsDeviceMemory, NotAtAll };
+
 /// Device memory. Moves, never copies; freed on destruction. Externally synchronised.
 class Buffer {
 public:
@@ -111,9 +114,9 @@ public:
     Buffer(std::shared_ptr<Device> device, std::string label, std::uint64_t bytes,
            BufferAccess access = BufferAccess::ReadWrite);
     /// Memory of the host that kernels read in place, on CPU devices without a copy; it must
-    /// outlive the buffer. Counts as no device memory. \throws Error as above.
+    /// outlive their use of the buffer. \throws Error as above.
     static Buffer OfHostMemory(std::shared_ptr<Device> device, std::string label, const void* data,
-                               std::uint64_t bytes);
+                               std::uint64_t bytes, HostMemoryCount count);
     ~Buffer();
     Buffer(Buffer&& other) noexcept;
     Buffer& operator=(Buffer&& other) noexcept;
@@ -144,7 +147,7 @@ private:
     std::shared_ptr<Device> _device;
     std::string _label;
     std::uint64_t _bytes = 0;
-    bool _isHostMemory = false;
+    bool _isCounted = true;
     void* _memory = nullptr;
     std::uint8_t* _shared = nullptr; ///< its bytes, where the host reaches them; may be null
 };

@@ -122,7 +122,7 @@ void HdStreamInstancer::Sync(HdSceneDelegate* delegate, HdRenderParam* renderPar
         }
     }
     ShareLevel(param);
-    const bool isPlacing = !_prim.instanceTransforms.empty() && IsPlaced(placement);
+    const bool isPlacing = _prim.instanceTransforms.Size() > 0 && IsPlaced(placement);
     if (isPlacing) {
         param->Push([path = _scenePath, prim = _prim](hds::Session& session) mutable {
             session.SetInstancer(path, std::move(prim));
@@ -191,7 +191,7 @@ void HdStreamInstancer::SyncMotion(HdSceneDelegate* delegate, const hds::Shutter
 }
 
 void HdStreamInstancer::ShareLevel(HdStreamRenderParam* param) {
-    const std::size_t numInstances = _prim.instanceTransforms.size() / 16;
+    const std::size_t numInstances = _prim.instanceTransforms.Size();
     auto level = std::make_shared<HdStreamInstanceLevel>();
     level->placements = _prim.placement.instances;
     for (const hds::Primvar& primvar : _primvars) {

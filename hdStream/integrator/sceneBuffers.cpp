@@ -33,15 +33,34 @@ SceneBuffers::SceneBuffers(std::shared_ptr<Device> device, Store* store)
 
 template <typename T>
 void SceneBuffers::Upload(Table table, const std::vector<T>& values) {
-    Buffer& buffer = _tables[table];
+    Upload(table, values.data(), values.size() * sizeof(T));
+}
+
+template <typename T>
+void SceneBuffers::Upload(Table table, const HugeVector<T>& values) {
     const std::uint64_t bytes = values.size() * sizeof(T);
+    if (std::exchange(_isInPlace[table], false)) {
+        _tables[table] = Buffer(); // it is another scene's memory
+    }
+    if (bytes < kMinHugePageBytes || !_device->Properties().isCpu) {
+        Upload(table, values.data(), bytes);
+        return;
+    }
+    _tables[table] = Buffer(); // frees first
+    _tables[table] = Buffer::OfHostMemory(_device, kLabels[table], values.data(), bytes,
+                                          HostMemoryCount::AsDeviceMemory);
+    _isInPlace[table] = true;
+}
+
+void SceneBuffers::Upload(Table table, const void* values, std::uint64_t bytes) {
+    Buffer& buffer = _tables[table];
     const bool isTooLarge = buffer.Bytes() > kSmallBytes && bytes < buffer.Bytes() / kShrinkFactor;
     if (!buffer.IsValid() || buffer.Bytes() < bytes || isTooLarge) {
         buffer = Buffer(); // frees first
         buffer = Buffer(_device, kLabels[table], bytes, BufferAccess::ReadOnly);
     }
     if (bytes > 0) {
-        buffer.Write(values.data(), bytes);
+        buffer.Write(values, bytes);
     }
 }
 

@@ -21,7 +21,8 @@ public:
     /// \param store keeps compiled kernels, may be null.
     SceneBuffers(std::shared_ptr<Device> device, Store* store);
 
-    /// Uploads what is new in `scene`, which must live until the next call. Blocks. \return false
+    /// Uploads what is new in `scene`, which must live until the next call: CPU devices read its
+    /// large tables in place. Blocks. \return false
     /// when the pages of edited scenes have scattered the pool: start again with new SceneBuffers.
     /// \throws Error when the scene does not fit the device.
     bool Update(const CommittedScene& scene, const ResidencyOptions& residency);
@@ -98,6 +99,10 @@ private:
     bool UpdatePages(const CommittedScene& scene, const ResidencyOptions& residency);
     template <typename T>
     void Upload(Table table, const std::vector<T>& values);
+    /// Of tables that grow with the scene: CPU devices read large ones where they are.
+    template <typename T>
+    void Upload(Table table, const HugeVector<T>& values);
+    void Upload(Table table, const void* values, std::uint64_t bytes);
 
     std::shared_ptr<Device> _device;
     std::unique_ptr<PagePool> _pool; ///< of geometry, from the first Update on
@@ -107,6 +112,7 @@ private:
     bool _isFullyResident = false;       ///< _streaming holds all pages for good
     bool _isScattered = false;           ///< it has no room for all, until the next Update
     std::array<Buffer, NumTables> _tables;
+    std::array<bool, NumTables> _isInPlace{};  ///< in the memory of the scene
     std::shared_ptr<const LightTable> _lights; ///< what the light tables hold
     std::uint32_t _numLights = 0;
     SceneTextures _textures;

@@ -76,6 +76,50 @@ struct Attribute<glm::dmat4> {
     }
 };
 
+/// Matrices [count][16]; set as these or as a tuple of parts: translations [count][3], rotations
+/// [count][4] (i, j, k, real; float32 or float16) and scales [count][3], None where there are none.
+template <>
+struct Attribute<InstanceTransforms> {
+    static constexpr bool kIsOwn = true;
+    using Matrices = Attribute<SharedSpan<double>>;
+    static nanobind::object Get(const InstanceTransforms& transforms, std::size_t /*rowLength*/) {
+        return Matrices::Get(transforms.Matrices(), 16);
+    }
+    using Input = nanobind::handle;
+    static InstanceTransforms Set(nanobind::handle object, const char* name,
+                                  std::size_t /*rowLength*/) {
+        if (!nanobind::isinstance<nanobind::tuple>(object)) {
+            return Matrices::Set(object, name, 16);
+        }
+        const auto parts = nanobind::borrow<nanobind::tuple>(object);
+        if (parts.size() != 3) {
+            throw nanobind::value_error("instances have translations, rotations and scales");
+        }
+        InstanceTransforms transforms;
+        SetPart(parts[0], name, 3, &transforms.translations);
+        if (HasFormat(parts[1], "float16")) {
+            SetPart(parts[1], name, 4, &transforms.halfRotations);
+        } else {
+            SetPart(parts[1], name, 4, &transforms.rotations);
+        }
+        SetPart(parts[2], name, 3, &transforms.scales);
+        return transforms;
+    }
+
+private:
+    template <typename T>
+    static void SetPart(nanobind::handle part, const char* name, std::size_t rowLength,
+                        SharedSpan<T>* span) {
+        if (!part.is_none()) {
+            *span = Attribute<SharedSpan<T>>::Set(part, name, rowLength);
+        }
+    }
+    static bool HasFormat(nanobind::handle array, const char* dtype) {
+        const nanobind::object type = nanobind::getattr(array, "dtype", nanobind::none());
+        return std::string(nanobind::str(type).c_str()) == dtype;
+    }
+};
+
 /// A sample, or an interval: a struct of two members is a pair.
 template <typename T>
 struct PairAttribute {

@@ -53,6 +53,10 @@ constexpr char BufferFormat<double>() {
     return 'd';
 }
 template <>
+constexpr char BufferFormat<std::uint16_t>() {
+    return 'e'; // the bits of halves
+}
+template <>
 constexpr char BufferFormat<std::int32_t>() {
     return 'i';
 }

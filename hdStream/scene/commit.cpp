@@ -255,20 +255,15 @@ private:
     }
 
     void AddHierarchy() {
-        Hierarchy hierarchy = BuildHierarchy(_scene, _leaves, _result->centre,
-                                             static_cast<std::uint32_t>(_result->objects.size()),
-                                             &_links, _options.shutter, _warnings);
+        Hierarchy hierarchy = BuildHierarchy(
+            _scene, _leaves, _result->centre, static_cast<std::uint32_t>(_result->objects.size()),
+            &_links, _options.shutter, _warnings, std::move(_result->topNodes));
         _result->hasCutouts = _result->hasCutouts || _links.HaveUnshadowing();
         _links.WarnOfOverflow(_warnings);
-        const auto nodeBase = static_cast<std::uint32_t>(_result->topNodes.size());
-        for (shared::HdsObject& group : hierarchy.groups) {
-            group.nodeBase += nodeBase;
-        }
         _result->objects[0] = hierarchy.groups[0];
         _result->objects.insert(_result->objects.end(), hierarchy.groups.begin() + 1,
                                 hierarchy.groups.end());
-        _result->topNodes.insert(_result->topNodes.end(), hierarchy.nodes.begin(),
-                                 hierarchy.nodes.end());
+        _result->topNodes = std::move(hierarchy.nodes);
         _result->instances = std::move(hierarchy.instances);
         _result->instancesByPath = std::move(hierarchy.instancesByPath);
         _result->hasGroups = hierarchy.depth > 0;

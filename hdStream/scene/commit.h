@@ -4,6 +4,7 @@
 #pragma once
 
 #include "hdStream/accel/geometryPages.h"
+#include "hdStream/base/hugePages.h"
 #include "hdStream/base/log.h"
 #include "hdStream/persist/pageKey.h"
 #include "hdStream/scene/dicingViews.h"
@@ -100,9 +101,9 @@ struct SceneCounts {
 /// outlive it.
 struct CommittedScene {
     glm::dvec3 centre{0.0}; ///< world position of the device's origin
-    std::vector<shared::HdsBvhNode> topNodes;
-    std::vector<shared::HdsInstance> instances;
-    std::vector<std::uint32_t> instancesByPath;
+    HugeVector<shared::HdsBvhNode> topNodes;
+    HugeVector<shared::HdsInstance> instances;
+    HugeVector<std::uint32_t> instancesByPath;
     std::vector<AffineRows> motionKeys;     ///< of instances
     std::vector<shared::HdsObject> objects; ///< 0: the TLAS
     std::vector<shared::HdsPrim> prims;

@@ -76,13 +76,12 @@ void ForEachInstance(const SceneDescription& scene, const Placement& placement, 
         return;
     }
     const InstancerPrim& instancer = found->second;
-    const std::size_t limit = instancer.instanceTransforms.size() / 16;
+    const std::size_t limit = instancer.instanceTransforms.Size();
     ForEachInstance(scene, instancer.placement, chain + 1, [&](const glm::dmat4& parent) {
         const glm::dmat4 worldFromInstancer = parent * instancer.placement.worldFromObject;
         for (const std::int32_t index : placement.instances) {
             if (index >= 0 && std::size_t(index) < limit) {
-                visit(worldFromInstancer *
-                      glm::make_mat4(instancer.instanceTransforms.data() + 16 * index));
+                visit(worldFromInstancer * instancer.instanceTransforms.At(std::size_t(index)));
             }
         }
     });

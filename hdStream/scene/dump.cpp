@@ -362,7 +362,7 @@ void DumpInstancer(const std::string& path, const InstancerPrim& prim, const Lin
                    Writer* out) {
     out->Prim("instancer", path);
     out->Placed(prim.placement);
-    out->Line("instanceTransforms", Array(prim.instanceTransforms));
+    out->Line("instanceTransforms", Array(prim.instanceTransforms.Matrices()));
     for (const InstanceSample& sample : prim.samples) {
         out->Line("instanceTransforms at " + Number(static_cast<float>(sample.time)),
                   Array(sample.transforms));

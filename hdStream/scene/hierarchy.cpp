@@ -5,14 +5,8 @@
 #include "hdStream/scene/motion.h"
 
 #include <glm/gtc/matrix_transform.hpp>
-#include <glm/gtc/type_ptr.hpp>
-#include <glm/matrix.hpp>
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <atomic>
-#include <cstring>
 #include <set>
 
 namespace hds {
@@ -21,29 +15,6 @@ namespace {
 
 /// Deepest chain of instancers that is followed; longer ones are cycles in all likelihood.
 constexpr int kMaxChain = 64;
-
-/// In a list of instances: places nothing, but counts for the ranks of those after it, for prims
-/// of which the front end has made several with instances of one list (primvars per instance).
-constexpr std::int32_t kGap = -1;
-
-glm::dmat4 MatrixAt(const SharedSpan<double>& transforms, std::int32_t index) {
-    return glm::make_mat4(transforms.data() + 16 * static_cast<std::size_t>(index));
-}
-
-MovingTransform InstanceTransform(const InstancerPrim& instancer, std::int32_t index,
-                                  const Shutter& shutter) {
-    const glm::dmat4 atFrame = MatrixAt(instancer.instanceTransforms, index);
-    if (!shutter.IsOpen() || instancer.samples.empty()) {
-        return atFrame;
-    }
-    std::vector<TransformSample> samples;
-    for (const InstanceSample& sample : instancer.samples) {
-        if (sample.transforms.size() == instancer.instanceTransforms.size()) {
-            samples.push_back({sample.time, MatrixAt(sample.transforms, index)});
-        }
-    }
-    return {atFrame, samples, shutter};
-}
 
 MovingTransform PlacementTransform(const Placement& placement, const Shutter& shutter) {
     return {placement.worldFromObject, placement.samples, shutter};
@@ -99,7 +70,7 @@ std::vector<Placed> PlacementsOf(const SceneDescription& scene, const Placement&
         return {};
     }
     const InstancerPrim& instancer = found->second;
-    const std::size_t limit = instancer.instanceTransforms.size() / 16;
+    const std::size_t limit = instancer.instanceTransforms.Size();
     const SharedSpan<std::int32_t>& instances = placement.instances;
     const auto count = static_cast<std::int64_t>(instances.size());
     std::vector<Placed> placements;
@@ -118,16 +89,6 @@ std::vector<Placed> PlacementsOf(const SceneDescription& scene, const Placement&
     return placements;
 }
 
-/// A record before its group's BVH gives it a place.
-struct Record {
-    shared::HdsInstance instance;
-    Bounds bounds;      ///< when the shutter opens
-    Bounds closeBounds; ///< when it closes
-    std::uint64_t numLeaves = 0;
-    std::vector<glm::dmat4> keys;           ///< of the map outwards, of what moves
-    std::uint32_t worldInstance = HDS_NONE; ///< index in Hierarchy::worldInstances
-};
-
 class Builder {
 public:
     Builder(const SceneDescription& scene, const std::vector<DrawnLeaf>& leaves,
@@ -136,17 +97,18 @@ public:
         : _scene(scene), _leaves(leaves), _centre(centre), _firstGroup(firstGroup), _links(*links),
           _shutter(shutter), _warnings(warnings) {}
 
-    Hierarchy Build() {
+    Hierarchy Build(HugeVector<shared::HdsBvhNode> nodes) {
+        _result.nodes = std::move(nodes);
         CollectMembers();
         _result.groups.resize(1); // the TLAS, filled last
-        std::vector<Record> records;
+        GroupRecords records(_shutter);
         const glm::dmat4 centreFromWorld = glm::translate(glm::dmat4(1.0), -_centre);
-        records.reserve(_roots.size());
         for (const Member& member : _roots) {
             AppendMember(member, centreFromWorld, 0, &records);
         }
         AppendWorldInstances(centreFromWorld, &records);
-        _result.numLeaves = FinishGroup(std::move(records), 0, &_result.bounds);
+        _result.numLeaves = records.NumLeaves();
+        FinishGroup(std::move(records), 0, &_result.bounds);
         return std::move(_result);
     }
 
@@ -225,7 +187,7 @@ private:
 
     /// Records of a member in a group whose space is `groupFromPrototype` away from the member's.
     void AppendMember(const Member& member, const MovingTransform& groupFromPrototype,
-                      std::uint32_t depth, std::vector<Record>* records) {
+                      std::uint32_t depth, GroupRecords* records) {
         if (member.leaf != nullptr) {
             AppendRecord(member, groupFromPrototype, 0, 0, records);
         } else {
@@ -234,7 +196,7 @@ private:
     }
 
     void AppendInstancer(const Member& member, const MovingTransform& groupFromPrototype,
-                         std::uint32_t depth, std::vector<Record>* records) {
+                         std::uint32_t depth, GroupRecords* records) {
         if (!_active.insert(*member.path).second) {
             _warnings.Add(*member.path,
                           "instancers form a cycle; the inner placement is not drawn");
@@ -252,8 +214,7 @@ private:
 
     void AppendPrototype(const Member& instancer, const Prototype& prototype,
                          const MovingTransform& groupFromInstancer, std::uint32_t depth,
-                         std::vector<Record>* records) {
-        const std::size_t limit = instancer.instancer->instanceTransforms.size() / 16;
+                         GroupRecords* records) {
         const Member* only = prototype.members.size() == 1 && prototype.members[0].leaf != nullptr
                                  ? &prototype.members[0]
                                  : nullptr;
@@ -269,32 +230,9 @@ private:
             }
         }
         const Member& placed = only != nullptr ? *only : group;
-        const auto count = static_cast<std::uint32_t>(prototype.instances.size());
-        const std::size_t first = records->size();
-        records->resize(first + count);
-        std::atomic<std::uint32_t> numBad{0};
-        std::atomic<bool> isComplete{true};
-        tbb::parallel_for(std::uint32_t{0}, count, [&](std::uint32_t rank) {
-            const std::int32_t index = prototype.instances[rank];
-            const bool isInRange = index >= 0 && static_cast<std::size_t>(index) < limit;
-            const MovingTransform transform =
-                isInRange ? groupFromInstancer *
-                                InstanceTransform(*instancer.instancer, index, _shutter) *
-                                placed.transform
-                          : MovingTransform(glm::dmat4(0.0));
-            if (!FillRecord(placed, transform, rank, count, groupLeaves,
-                            &(*records)[first + rank])) {
-                isComplete = false;
-                numBad += index == kGap ? 0 : 1;
-            }
-        });
-        if (!isComplete) {
-            records->erase(
-                std::remove_if(records->begin() + static_cast<std::ptrdiff_t>(first),
-                               records->end(),
-                               [](const Record& record) { return record.numLeaves == 0; }),
-                records->end());
-        }
+        const std::uint32_t numBad =
+            records->Add(InstanceRun{*placed.leaf, groupLeaves, groupFromInstancer,
+                                     instancer.instancer, prototype.instances, placed.transform});
         if (numBad > 0) {
             _warnings.Add(*instancer.path, std::to_string(numBad) +
                                                " instances dropped: transform singular, not "
@@ -302,58 +240,16 @@ private:
         }
     }
 
-    void AppendRecord(const Member& member, const MovingTransform& groupFromPrototype,
-                      std::uint32_t rank, std::uint32_t count, std::vector<Record>* records) {
-        Record record;
-        if (FillRecord(member, groupFromPrototype * member.transform, rank, count, 1, &record)) {
-            records->push_back(std::move(record));
-        } else {
+    /// \return null when it cannot be drawn.
+    PlacedRecord* AppendRecord(const Member& member, const MovingTransform& groupFromPrototype,
+                               std::uint32_t rank, std::uint32_t count, GroupRecords* records) {
+        PlacedRecord* added = records->Add(
+            {member.leaf, groupFromPrototype * member.transform, count, rank, 0, HDS_NONE});
+        if (added == nullptr) {
             _warnings.Add(*member.path,
                           "not drawn: its transform is singular, not finite or beyond 1e30");
         }
-    }
-
-    static bool FillRecord(const Member& member, const MovingTransform& groupFromObject,
-                           std::uint32_t rank, std::uint32_t count, std::uint64_t numLeaves,
-                           Record* record) {
-        const LeafObject& leaf = *member.leaf;
-        const glm::dmat4 transform = glm::translate(groupFromObject.AtFrame(), leaf.origin);
-        if (!IsUsableTransform(transform) || !IsWithinReach(transform, leaf.bounds)) {
-            record->numLeaves = 0;
-            return false;
-        }
-        shared::HdsInstance& instance = record->instance;
-        const AffineRows inverse = RowsFromMatrix(glm::inverse(transform));
-        std::copy(inverse.begin(), inverse.end(), instance.objectFromParent);
-        instance.object = leaf.object;
-        instance.flags = leaf.flags;
-        instance.prim = leaf.prim;
-        instance.lightBase = HDS_NONE;
-        instance.instanceCount = count;
-        instance.instanceRank = rank;
-        record->bounds = record->closeBounds = TransformBounds(transform, leaf.bounds);
-        record->numLeaves = numLeaves;
-        if (groupFromObject.Moves()) {
-            FillMotion(groupFromObject, leaf, record);
-        }
-        return true;
-    }
-
-    /// What passes through a pose that cannot be inverted stays where the frame has it.
-    static void FillMotion(const MovingTransform& groupFromObject, const LeafObject& leaf,
-                           Record* record) {
-        const MovingTransform origin(glm::translate(glm::dmat4(1.0), leaf.origin));
-        std::vector<glm::dmat4> keys = MakeMotionKeys(groupFromObject * origin, leaf.bounds);
-        const bool areUsable =
-            std::all_of(keys.begin(), keys.end(), [&leaf](const glm::dmat4& key) {
-                return IsUsableTransform(key) && IsWithinReach(key, leaf.bounds);
-            });
-        if (areUsable) {
-            const std::array<Bounds, 2> ends = TransformEnds(keys, leaf.bounds);
-            record->bounds = ends[0];
-            record->closeBounds = ends[1];
-            record->keys = std::move(keys);
-        }
+        return added;
     }
 
     /// A group object that holds a prototype's members; built once per prototype.
@@ -365,25 +261,24 @@ private:
             return known->second.first;
         }
         _result.depth = std::max(_result.depth, depth);
-        std::vector<Record> records;
+        GroupRecords records(_shutter);
         for (const Member& member : prototype.members) {
             AppendMember(member, glm::dmat4(1.0), depth, &records);
         }
         LeafObject group;
         group.prim = HDS_NONE;
         // Visibility masks are tested on leaves; a group shows what any of its leaves shows.
-        for (const Record& record : records) {
-            group.flags |= record.instance.flags;
-        }
+        group.flags = records.Flags();
         const auto index = static_cast<std::uint32_t>(_result.groups.size());
         _result.groups.emplace_back();
-        *numLeaves = FinishGroup(std::move(records), index, &group.bounds);
+        *numLeaves = records.NumLeaves();
+        FinishGroup(std::move(records), index, &group.bounds);
         group.object = _firstGroup + index - 1;
         _groupByPrototype[&prototype] = {group, *numLeaves};
         return group;
     }
 
-    void AppendWorldInstances(const glm::dmat4& centreFromWorld, std::vector<Record>* records) {
+    void AppendWorldInstances(const glm::dmat4& centreFromWorld, GroupRecords* records) {
         for (const DrawnLeaf* drawn : _ownLeaves) {
             const std::string& path = drawn->Path();
             const LeafObject& leaf = drawn->object;
@@ -394,17 +289,16 @@ private:
                     member.transform = placed.worldFromObject.AtFrame(); // as its light is
                     _warnings.Add(path, "emits light: not blurred by its motion");
                 }
-                const std::size_t before = records->size();
                 // A record of the TLAS: its rank is the id, whatever the count.
-                AppendRecord(member, centreFromWorld,
-                             static_cast<std::uint32_t>(std::max<std::int64_t>(placed.id, 0)),
-                             placed.id < 0 ? 0 : 1, records);
-                if (records->size() > before && leaf.isLinkedByInstance) {
-                    records->back().instance.flags |=
-                        _links.FlagsOf(drawn->Prim().categories, placed.categories);
+                PlacedRecord* added =
+                    AppendRecord(member, centreFromWorld,
+                                 static_cast<std::uint32_t>(std::max<std::int64_t>(placed.id, 0)),
+                                 placed.id < 0 ? 0 : 1, records);
+                if (added != nullptr && leaf.isLinkedByInstance) {
+                    added->moreFlags = _links.FlagsOf(drawn->Prim().categories, placed.categories);
                 }
-                if (records->size() > before && leaf.worldInstance) {
-                    records->back().worldInstance =
+                if (added != nullptr && leaf.worldInstance) {
+                    added->worldInstance =
                         static_cast<std::uint32_t>(_result.worldInstances.size());
                     _result.worldInstances.push_back(
                         {path, leaf.prim,
@@ -416,36 +310,13 @@ private:
         }
     }
 
-    static std::vector<Bounds> CloseBoxes(const std::vector<Record>& records) {
-        std::vector<Bounds> boxes;
-        boxes.reserve(records.size());
-        for (const Record& record : records) {
-            boxes.push_back(record.closeBounds);
-        }
-        return boxes;
-    }
-
-    /// Builds the group's BVH, appends its records in leaf order and returns its leaf count.
-    std::uint64_t FinishGroup(std::vector<Record> records, std::uint32_t groupIndex,
-                              Bounds* bounds) {
-        std::uint64_t numLeaves = 0;
-        std::vector<Bounds> boxes;
-        bool moves = false;
-        boxes.reserve(records.size());
-        for (Record& record : records) {
-            record.instance.pathOffset[0] = static_cast<std::uint32_t>(numLeaves);
-            record.instance.pathOffset[1] = static_cast<std::uint32_t>(numLeaves >> 32U);
-            if (record.worldInstance != HDS_NONE) {
-                _result.worldInstances[record.worldInstance].pathIndex = numLeaves;
-            }
-            numLeaves += record.numLeaves;
-            boxes.push_back(record.bounds);
-            moves = moves || !record.keys.empty();
-        }
+    /// Builds the group's BVH and appends its records in leaf order.
+    void FinishGroup(GroupRecords records, std::uint32_t groupIndex, Bounds* bounds) {
         BvhOptions options;
         options.maxLeafItems = 1;
-        Bvh tree =
-            moves ? BuildMovingBvh(boxes, CloseBoxes(records), options) : BuildBvh(boxes, options);
+        Bvh tree = records.Moves()
+                       ? BuildMovingBvh(records.TakeBoxes(), records.TakeCloseBoxes(), options)
+                       : BuildBvh(records.TakeBoxes(), options);
         if (tree.nodes.empty()) {
             tree.nodes.emplace_back(); // a root without children
         }
@@ -454,39 +325,23 @@ private:
                                             << HDS_OBJECT_CLOSE_SHIFT;
         group.nodeBase = static_cast<std::uint32_t>(_result.nodes.size());
         group.itemBase = static_cast<std::uint32_t>(_result.instances.size());
-        group.numItems = static_cast<std::uint32_t>(records.size());
+        group.numItems = records.Size();
         _result.nodes.insert(_result.nodes.end(), tree.nodes.begin(), tree.nodes.end());
         _result.nodes.insert(_result.nodes.end(), tree.closeNodes.begin(), tree.closeNodes.end());
-        _result.instancesByPath.resize(_result.instances.size() + records.size());
-        for (std::uint32_t slot = 0; slot < tree.order.size(); ++slot) {
-            _result.instancesByPath[group.itemBase + tree.order[slot]] = group.itemBase + slot;
-            const Record& record = records[tree.order[slot]];
-            if (record.worldInstance != HDS_NONE) {
-                _result.worldInstances[record.worldInstance].instance = group.itemBase + slot;
-            }
-            _result.instances.push_back(PlacedInstance(record));
-        }
         *bounds = tree.bounds;
-        return numLeaves;
-    }
-
-    /// The instance of a record, whose keys become the hierarchy's.
-    shared::HdsInstance PlacedInstance(const Record& record) {
-        shared::HdsInstance instance = record.instance;
-        if (record.keys.empty()) {
-            instance.flags |= IsIdentity(instance.objectFromParent) ? HDS_INSTANCE_IN_PLACE : 0U;
-        } else {
-            const auto first = static_cast<std::uint32_t>(_result.motionKeys.size());
-            const auto numSegments = static_cast<std::uint32_t>(record.keys.size() - 1);
-            instance.flags |= HDS_INSTANCE_MOVES;
-            std::memcpy(&instance.objectFromParent[HDS_MOTION_FIRST_KEY], &first, sizeof(first));
-            std::memcpy(&instance.objectFromParent[HDS_MOTION_SEGMENTS], &numSegments,
-                        sizeof(numSegments));
-            for (const glm::dmat4& key : record.keys) {
-                _result.motionKeys.push_back(RowsFromMatrix(key));
-            }
+        const std::vector<std::uint32_t> order = std::move(tree.order);
+        tree = Bvh(); // frees its nodes
+        _result.instancesByPath.resize(group.itemBase + records.Size());
+        std::uint32_t* placeOf = _result.instancesByPath.data() + group.itemBase;
+        for (std::uint32_t place = 0; place < order.size(); ++place) {
+            placeOf[order[place]] = group.itemBase + place;
         }
-        return instance;
+        _result.instances.resize(group.itemBase + records.Size());
+        records.Write(order, _result.instances.data() + group.itemBase, &_result.motionKeys);
+        for (const GroupRecords::World& world : records.WorldRecords()) {
+            _result.worldInstances[world.worldInstance].pathIndex = world.pathOffset;
+            _result.worldInstances[world.worldInstance].instance = placeOf[world.record];
+        }
     }
 
     const SceneDescription& _scene;
@@ -515,8 +370,10 @@ void ForEachPlacement(const SceneDescription& scene, const Placement& placement,
 
 Hierarchy BuildHierarchy(const SceneDescription& scene, const std::vector<DrawnLeaf>& leaves,
                          const glm::dvec3& centre, std::uint32_t firstGroup, LightLinks* links,
-                         const Shutter& shutter, Warnings& warnings) {
-    return Builder(scene, leaves, centre, firstGroup, links, shutter, warnings).Build();
+                         const Shutter& shutter, Warnings& warnings,
+                         HugeVector<shared::HdsBvhNode> nodes) {
+    return Builder(scene, leaves, centre, firstGroup, links, shutter, warnings)
+        .Build(std::move(nodes));
 }
 
 } // namespace hds

@@ -5,8 +5,9 @@
 // Explained in docs/architecture.md, "Instances".
 #pragma once
 
+#include "hdStream/base/hugePages.h"
 #include "hdStream/base/log.h"
-#include "hdStream/geometry/triangleMesh.h"
+#include "hdStream/scene/groupRecords.h"
 #include "hdStream/scene/lightLinks.h"
 #include "hdStream/scene/sceneDescription.h"
 #include "hdStream/scene/transforms.h"
@@ -18,18 +19,6 @@
 #include <vector>
 
 namespace hds {
-
-/// A prim as the hierarchy sees it.
-struct LeafObject {
-    std::uint32_t object = 0;
-    std::uint32_t prim = 0;
-    std::uint32_t flags = 0;    ///< HDS_INSTANCE_*
-    glm::dvec3 origin{0.0};     ///< object-space origin of the device positions
-    Bounds bounds;              ///< relative to origin
-    bool worldInstance = false; ///< needs a record in the TLAS
-    bool isLinkedByInstance =
-        false; ///< its instances have link sets of their own, so it needs a record too
-};
 
 /// A drawn prim of the scene, with its path.
 struct DrawnLeaf {
@@ -51,11 +40,11 @@ struct WorldInstance {
 
 /// Device tables of the hierarchy. Object 0 is the TLAS.
 struct Hierarchy {
-    std::vector<shared::HdsBvhNode> nodes;      ///< of all groups
-    std::vector<shared::HdsObject> groups;      ///< nodeBase into nodes, itemBase into instances
-    std::vector<shared::HdsInstance> instances; ///< group by group, leaf order of its BVH
-    std::vector<std::uint32_t> instancesByPath; ///< per group, records in the order of pathOffset
-    std::vector<AffineRows> motionKeys;         ///< of the records with HDS_INSTANCE_MOVES
+    HugeVector<shared::HdsBvhNode> nodes;      ///< those that were there, then those of all groups
+    std::vector<shared::HdsObject> groups;     ///< nodeBase into nodes, itemBase into instances
+    HugeVector<shared::HdsInstance> instances; ///< group by group, leaf order of its BVH
+    HugeVector<std::uint32_t> instancesByPath; ///< per group, records in the order of pathOffset
+    std::vector<AffineRows> motionKeys;        ///< of the records with HDS_INSTANCE_MOVES
     std::vector<WorldInstance> worldInstances;
     std::uint64_t numLeaves = 0; ///< leaf instances in the scene
     std::uint32_t depth = 0;     ///< groups below the TLAS on the longest path
@@ -70,10 +59,12 @@ struct Hierarchy {
 ///        0, the leaves' objects come between).
 /// \param links of the scene
 /// \param shutter closed: everything is at rest where the frame has it
+/// \param nodes to begin with: the groups' come behind them
 /// Prims with transforms that are singular, not finite or beyond 1e30 are dropped with a warning.
 Hierarchy BuildHierarchy(const SceneDescription& scene, const std::vector<DrawnLeaf>& leaves,
                          const glm::dvec3& centre, std::uint32_t firstGroup, LightLinks* links,
-                         const Shutter& shutter, Warnings& warnings);
+                         const Shutter& shutter, Warnings& warnings,
+                         HugeVector<shared::HdsBvhNode> nodes = {});
 
 /// Placements of an instancer in world space (its own and its ancestors' instances composed,
 /// parent-major) for a prim; calls `onPlacement(worldFromPrototype)` for each. For

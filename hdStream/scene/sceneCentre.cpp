@@ -2,7 +2,6 @@
 #include "hdStream/scene/sceneCentre.h"
 
 #include <glm/geometric.hpp>
-#include <glm/gtc/type_ptr.hpp>
 
 #include <cmath>
 
@@ -47,9 +46,9 @@ glm::dvec3 ChooseSceneCentre(const SceneDescription& scene, const std::vector<Dr
         if (!instancer.placement.instancerPath.empty() || !instancer.placement.visible) {
             continue;
         }
-        for (std::size_t i = 0; i + 16 <= instancer.instanceTransforms.size(); i += 16) {
-            const glm::dmat4 transform = instancer.placement.worldFromObject *
-                                         glm::make_mat4(instancer.instanceTransforms.data() + i);
+        for (std::size_t i = 0; i < instancer.instanceTransforms.Size(); ++i) {
+            const glm::dmat4 transform =
+                instancer.placement.worldFromObject * instancer.instanceTransforms.At(i);
             bounds.Extend(glm::dvec3(transform[3]));
         }
     }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "hdStream/geometry/geometryDescription.h"
+#include "hdStream/scene/instanceTransforms.h"
 #include "hdStream/shading/lightDescription.h"
 #include "hdStream/shading/materialNetwork.h"
 
@@ -43,7 +44,7 @@ struct TransformSample {
 /// The transforms of all instances at a time.
 struct InstanceSample {
     double time = 0.0;
-    SharedSpan<double> transforms; ///< as InstancerPrim::instanceTransforms
+    SharedSpan<double> transforms; ///< as InstanceTransforms::matrices
 
     static constexpr auto Fields() {
         return FieldList(HDS_FIELD(InstanceSample, time),
@@ -147,15 +148,14 @@ struct GeometryPrim {
 /// instanceTransforms[i].
 struct InstancerPrim {
     Placement placement; ///< of the instancer itself (maybe below another instancer)
-    SharedSpan<double> instanceTransforms; ///< [numInstances][16], memory as glm::dmat4
-    std::vector<InstanceSample> samples;   ///< of them, as Placement::samples
+    InstanceTransforms instanceTransforms;
+    std::vector<InstanceSample> samples; ///< of them, as Placement::samples
     /// Of each instance, added to those of what it places; empty: none.
     std::vector<std::set<std::string>> instanceCategories;
 
     static constexpr auto Fields() {
         return FieldList(
-            HDS_FIELD(InstancerPrim, placement),
-            HDS_FIELD(InstancerPrim, instanceTransforms).Rows(16),
+            HDS_FIELD(InstancerPrim, placement), HDS_FIELD(InstancerPrim, instanceTransforms),
             HDS_FIELD(InstancerPrim, samples),
             HDS_FIELD(InstancerPrim, instanceCategories).NotInDump("see LinkCategories"));
     }

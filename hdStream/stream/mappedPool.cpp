@@ -67,8 +67,8 @@ std::uint32_t MappedPool::AddressOf(const MappedPage& mapped) {
                         std::to_string(kMaxPoolBuffers) +
                         " files of the persistent cache (hdstream cache --clear)");
         }
-        _buffers[found->second] =
-            Buffer::OfHostMemory(_device, _label + " file", mapped.file, mapped.fileBytes);
+        _buffers[found->second] = Buffer::OfHostMemory(_device, _label + " file", mapped.file,
+                                                       mapped.fileBytes, HostMemoryCount::NotAtAll);
     }
     return PoolRange{found->second, mapped.offset, 0}.Address();
 }

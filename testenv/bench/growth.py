@@ -16,7 +16,7 @@ import tempfile
 
 sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[1])]
 
-from bench.recordRun import FreshCache, Record, RunFailed  # noqa: E402
+from bench.recordRun import AnonymousPeak, FreshCache, Record, RunFailed  # noqa: E402
 from stages import bench, grove  # noqa: E402
 from support.svgChart import Chart  # noqa: E402
 
@@ -38,7 +38,7 @@ _KINDS = {"triangles": (WriteTriangles, (1_000_000, 5_000_000, 20_000_000, 80_00
           "instances": (WriteInstances, (10**3, 10**4, 10**5, 10**6, 10**7))}
 
 
-def Figures(run: dict, size: int, resident=None) -> dict:
+def Figures(run: dict, size: int, anonymousPeak: int, resident=None) -> dict:
     """A row."""
     time, memory, geometry, rays = run["time"], run["memory"], run["geometry"], run["rays"]
 
@@ -51,6 +51,7 @@ def Figures(run: dict, size: int, resident=None) -> dict:
             "perRayResident": MicrosecondsPerRay(resident) if resident else None,
             "pool": geometry["budget"], "alwaysResident": geometry["alwaysResidentBytes"], "pathState": memory["pathState"],
             "tables": memory["tables"], "devicePeak": memory["devicePeak"], "hostPeak": memory["hostPeak"],
+            "anonymousPeak": anonymousPeak,
             "touched": geometry["chunksTouched"], "built": geometry["chunksBuilt"], "uploaded": geometry["uploadedBytes"],
             "cpu": run["cpuSeconds"]}
 
@@ -61,12 +62,12 @@ def Row(row: dict) -> str:
     cells = [f"{row['size']:,}", f"{row['triangles']:,}", f"{row['chunks']:,}", f"{row['bytes'] / 1e6:.1f}", f"{row['translate']:.2f}",
              f"{row['prepare']:.2f}", f"{row['render']:.2f}", f"{row['cpu']:.1f}", f"{row['perRay']:.2f}", resident,
              *(f"{row[name] / 1e6:.1f}" for name in ("pool", "alwaysResident")), f"{row['alwaysResident'] / allowed:.2f}",
-             *(f"{row[name] / 1e6:.1f}" for name in ("tables", "pathState", "devicePeak", "hostPeak"))]
+             *(f"{row[name] / 1e6:.1f}" for name in ("tables", "pathState", "devicePeak", "hostPeak", "anonymousPeak"))]
     return "| " + " | ".join(cells) + " |"
 
 
 HEAD = ("| size | triangles | chunks | page MB | read USD s | prepare s | render s | CPU s of the process | us a ray | resident | pool MB | always "
-        "resident MB | of what is allowed | tables MB | path state MB | device peak MB | host peak MB |\n" + "|---" * 17 + "|")
+        "resident MB | of what is allowed | tables MB | path state MB | device peak MB | host peak MB | without pages of files MB |\n" + "|---" * 18 + "|")
 
 
 def Measure(kind: str, sizes, args) -> list:
@@ -80,12 +81,13 @@ def Measure(kind: str, sizes, args) -> list:
                 options = dict(camera=write(stage, size), imageWidth=args.width, samples=args.samples)
                 gc.collect()
                 cache = FreshCache(f"{folder}/cache")
-                run = Record(stage, cache, args.limit, residency="stream", geometryMemory="512M", prepare=args.prepare, **options)
+                anonymous = AnonymousPeak()
+                run = Record(stage, cache, args.limit, onPoll=anonymous, residency="stream", geometryMemory="512M", prepare=args.prepare, **options)
                 resident = Record(stage, cache, args.limit, residency="resident", **options) if size <= args.residentLimit else None
             except (RunFailed, MemoryError) as error:
                 print(f"<!-- {size:,}: {error} -->", flush=True)
                 break
-        rows.append(Figures(run, size, resident))
+        rows.append(Figures(run, size, anonymous.bytes, resident))
         print(Row(rows[-1]), flush=True)
     return rows
 

@@ -57,6 +57,20 @@ def _Run(command: list, limitSeconds: float, environment: dict, onPoll) -> tuple
     return process.returncode, said
 
 
+class AnonymousPeak:
+    """An `onPoll`: the most memory without pages of files that a process had (RssAnon of /proc), in bytes."""
+
+    def __init__(self):
+        self.bytes = 0
+
+    def __call__(self, process: int) -> None:
+        try:
+            lines = pathlib.Path(f"/proc/{process}/status").read_text().splitlines()
+        except OSError:
+            return  # it has just ended
+        self.bytes = max([self.bytes, *(int(line.split()[1]) * 1024 for line in lines if line.startswith("RssAnon:"))])
+
+
 def _CpuSecondsOfChildren() -> float:
     usage = resource.getrusage(resource.RUSAGE_CHILDREN)
     return usage.ru_utime + usage.ru_stime

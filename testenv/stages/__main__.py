@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """`python testenv/stages NAME OUT` writes a stage: demo, terrain, forest, meshes, grove, materialBalls,
-curveShapes, hair, pointCloud or a verification case.
+curveShapes, hair, pointCloud, island or a verification case.
 
 OUT's extension (.usda, .usdc) chooses the format. `terrain`, `forest`, `meshes`, `grove`, `hair` and
-`pointCloud` take a size as a third argument. Without arguments it lists the names.
+`pointCloud` take a size as a third argument, and `island` a fraction (0.01, 0.1, 1), whose counts it prints. Without
+arguments it lists the names.
 """
 
 import pathlib
@@ -11,12 +12,12 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 
-from stages import bench, curves, demo, grove, materialX  # noqa: E402
+from stages import bench, curves, demo, grove, island, materialX  # noqa: E402
 from stages.verify import CASES  # noqa: E402
 
 _WRITERS = {"demo": demo.WriteDemo, "terrain": bench.WriteTerrain, "forest": bench.WriteForest, "meshes": bench.WriteMeshes,
             "grove": grove.WriteGrove, "materialBalls": materialX.WriteMaterialBalls, "curveShapes": curves.WriteShapes,
-            "hair": curves.WriteHair, "pointCloud": curves.WritePointCloud}
+            "hair": curves.WriteHair, "pointCloud": curves.WritePointCloud, "island": island.WriteIsland}
 
 
 def main(arguments: list[str]) -> int:
@@ -24,11 +25,14 @@ def main(arguments: list[str]) -> int:
     if len(arguments) < 2 or arguments[0] not in names:
         print("usage: python testenv/stages NAME OUT [SIZE]; names: " + " ".join(names), file=sys.stderr)
         return 2
-    name, path, size = arguments[0], str(pathlib.Path(arguments[1]).resolve()), [int(a) for a in arguments[2:3]]
+    name, path = arguments[0], str(pathlib.Path(arguments[1]).resolve())
+    size = [float(a) if name == "island" else int(a) for a in arguments[2:3]]
     if name in CASES:
         CASES[name].Write(path)
     else:
-        _WRITERS[name](path, *size)
+        counts = _WRITERS[name](path, *size)
+        for what, count in counts.items() if name == "island" else ():
+            print(f"{what}: {count:,}")
     return 0
 
 

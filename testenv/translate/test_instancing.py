@@ -246,7 +246,7 @@ def test_random_stages_have_what_they_are_for():
 
 
 def test_a_million_instances_are_arrays():
-    """Transforms are the array that OpenUSD computed, and the prototype exists once."""
+    """Transforms are those that OpenUSD computes, and the prototype exists once."""
     count = 1000000
     stage = Usd.Stage.CreateInMemory()
     instancer = UsdGeom.PointInstancer.Define(stage, "/Points")
@@ -264,3 +264,47 @@ def test_a_million_instances_are_arrays():
     assert found.instanceTransforms.shape == (count, 16)
     np.testing.assert_array_equal(found.instanceTransforms[:, 12:15], positions.astype(np.float64))
     np.testing.assert_array_equal(scene.geometry["/Points/Ball"].placement.instances, np.flatnonzero(indices == 1))
+
+
+@pytest.mark.parametrize("rotations", ["none", "half", "single", "unnormalised"])
+@pytest.mark.parametrize("hasScales", [True, False])
+def test_the_core_composes_what_is_authored_as_usd_does(rotations, hasScales):
+    """Matrices that the core makes of arrays as authored have the bits of ComputeInstanceTransformsAtTime's."""
+    count = 3000
+    rng = np.random.default_rng(2)
+    stage = Usd.Stage.CreateInMemory()
+    instancer = UsdGeom.PointInstancer.Define(stage, "/Points")
+    UsdGeom.Cube.Define(stage, "/Points/Box")
+    instancer.CreatePrototypesRel().SetTargets(["/Points/Box"])
+    instancer.CreateProtoIndicesAttr(Vt.IntArray(count))
+    instancer.CreatePositionsAttr(Vt.Vec3fArray.FromNumpy(rng.normal(0, 100, (count, 3)).astype(np.float32)))
+    quaternions = rng.normal(size=(count, 4))
+    if rotations != "unnormalised":
+        quaternions /= np.linalg.norm(quaternions, axis=1, keepdims=True)
+    if rotations == "single":
+        if not hasattr(instancer, "CreateOrientationsfAttr"):
+            pytest.skip("this version of USD has no orientationsf")
+        instancer.CreateOrientationsfAttr(Vt.QuatfArray.FromNumpy(quaternions.astype(np.float32)))
+    elif rotations != "none":
+        instancer.CreateOrientationsAttr(Vt.QuathArray.FromNumpy(quaternions.astype(np.float16)))
+    if hasScales:
+        instancer.CreateScalesAttr(Vt.Vec3fArray.FromNumpy(rng.normal(0, 2, (count, 3)).astype(np.float32)))
+    wanted = np.asarray(instancer.ComputeInstanceTransformsAtTime(
+        TIME, TIME, UsdGeom.PointInstancer.ExcludeProtoXform, UsdGeom.PointInstancer.IgnoreMask))
+    found = Translate(stage).Scene().instancers["/Points"].instanceTransforms
+    np.testing.assert_array_equal(found.view(np.uint64), np.ascontiguousarray(wanted.reshape(count, 16)).view(np.uint64))
+
+
+@pytest.mark.parametrize("authored", ["scales", "orientations"])
+def test_arrays_that_do_not_match_are_refused(authored):
+    stage = Usd.Stage.CreateInMemory()
+    instancer = UsdGeom.PointInstancer.Define(stage, "/Points")
+    UsdGeom.Cube.Define(stage, "/Points/Box")
+    instancer.CreatePrototypesRel().SetTargets(["/Points/Box"])
+    instancer.CreateProtoIndicesAttr(Vt.IntArray(4))
+    instancer.CreatePositionsAttr(Vt.Vec3fArray(4))
+    if authored == "scales":
+        instancer.CreateScalesAttr(Vt.Vec3fArray(3, (1, 1, 1)))
+    else:
+        instancer.CreateOrientationsAttr(Vt.QuathArray(3, Gf.Quath(1)))
+    assert not Translate(stage).Scene().instancers

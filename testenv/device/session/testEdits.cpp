@@ -123,6 +123,41 @@ TEST_F(SessionEdits, GiveTheBitsOfAFreshSession) {
     }
 }
 
+// CPU devices read large tables in the memory of the scene, which goes with it: a table of another
+// size must not be written there.
+TEST_F(SessionEdits, ManyInstancesBecomeFewerAndMore) {
+    const auto place = [](int count, Session* session) {
+        InstancerPrim many = session->Scene().instancers.at("/many");
+        std::vector<float> translations;
+        std::vector<std::int32_t> all;
+        for (int i = 0; i < count; ++i) {
+            for (const int at : {i % 100, i / 100 % 20, i / 2000}) {
+                translations.push_back(0.05F * static_cast<float>(at) - 2.0F);
+            }
+            all.push_back(i);
+        }
+        many.instanceTransforms = {};
+        many.instanceTransforms.translations = std::move(translations);
+        many.instanceTransforms.scales =
+            std::vector<float>(3 * static_cast<std::size_t>(count), 0.05F);
+        session->SetInstancer("/many", many);
+        GeometryPrim leaf = MeshOf(*session, "/many/leaf");
+        leaf.placement.instances = std::move(all);
+        session->SetGeometry("/many/leaf", leaf);
+    };
+    Session edited;
+    FillSession(&edited);
+    // Records begin to be large between 50 000 and 60 000.
+    for (const int count : {60'000, 50'000, 70'000, 3, 61'000, 62'000}) {
+        place(count, &edited);
+        const std::vector<ImageLayer> after = RenderOf(&edited, MakeSettings());
+        Session fresh;
+        FillSession(&fresh);
+        place(count, &fresh);
+        EXPECT_TRUE(SameLayers(after, RenderOf(&fresh, MakeSettings()))) << count;
+    }
+}
+
 TEST_F(SessionEdits, SettingsChangeWithoutTouchingTheScene) {
     Session session;
     FillSession(&session);

@@ -128,7 +128,7 @@ private:
             return;
         }
         const InstancerPrim& instancer = scene.instancers[placement->instancerPath];
-        std::vector<std::int32_t> all(instancer.instanceTransforms.size() / 16);
+        std::vector<std::int32_t> all(instancer.instanceTransforms.Size());
         std::iota(all.begin(), all.end(), 0);
         if (Pick(2) == 0 && all.size() > 1) {
             all.erase(all.begin() + Pick(static_cast<int>(all.size()))); // a list of its own

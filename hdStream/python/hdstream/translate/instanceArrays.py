@@ -56,8 +56,29 @@ def InheritedKey(state, boundPaths):
     return state.purpose, state.isPurposeAuthored, primvars, bindings
 
 
+def _OrientationsAttr(instancer):
+    """Those in single precision win, where this version of USD has them."""
+    if hasattr(instancer, "GetOrientationsfAttr") and instancer.GetOrientationsfAttr().HasAuthoredValue():
+        return instancer.GetOrientationsfAttr()
+    return instancer.GetOrientationsAttr()
+
+
+def _IsAtRest(instancer):
+    """Whether the instances' arrays are the same at all times, so that the core may compose them itself."""
+    moving = (instancer.GetVelocitiesAttr(), instancer.GetAccelerationsAttr(), instancer.GetAngularVelocitiesAttr())
+    arrays = (instancer.GetPositionsAttr(), _OrientationsAttr(instancer), instancer.GetScalesAttr())
+    return (not any(attribute.HasAuthoredValue() for attribute in moving)
+            and not any(attribute.ValueMightBeTimeVarying() for attribute in arrays))
+
+
+def _Rows(attribute, timeCode):
+    """The values of an attribute, shared with the stage where it can be; None when there are none."""
+    values = attribute.Get(timeCode)
+    return np.asarray(values) if values else None
+
+
 class PointInstances:
-    """Arrays of a UsdGeomPointInstancer at a time."""
+    """Arrays of a UsdGeomPointInstancer at a time. transforms: matrices, or the core's tuple of parts."""
 
     def __init__(self, prim, timeCode):
         instancer = UsdGeom.PointInstancer(prim)
@@ -74,10 +95,18 @@ class PointInstances:
                             f"{len(positions) if positions is not None else 0} positions")
             return
         # The prototype's own transform is part of what it contains.
-        self.transforms = np.asarray(instancer.ComputeInstanceTransformsAtTime(
-            timeCode, timeCode, UsdGeom.PointInstancer.ExcludeProtoXform,
-            UsdGeom.PointInstancer.IgnoreMask))
-        if len(self.transforms) != self.numInstances:
+        self.isAtRest = _IsAtRest(instancer)
+        if self.isAtRest:
+            parts = (np.asarray(positions), *(_Rows(attribute, timeCode) for attribute in (
+                _OrientationsAttr(instancer), instancer.GetScalesAttr())))
+            self.transforms = parts
+            matches = all(part is None or len(part) == self.numInstances for part in parts)
+        else:
+            self.transforms = np.asarray(instancer.ComputeInstanceTransformsAtTime(
+                timeCode, timeCode, UsdGeom.PointInstancer.ExcludeProtoXform,
+                UsdGeom.PointInstancer.IgnoreMask))
+            matches = len(self.transforms) == self.numInstances
+        if not matches:
             self.problem = "orientations, scales or velocities do not match its positions"
             return
         self._indices = np.asarray(indices)

@@ -105,7 +105,8 @@ class Instancers:
                 isPlacing = True
         if isPlacing:
             placement = self._translator.PlacementOf(state, context)
-            samples = self._motion.PointInstanceSamplesOf(UsdGeom.PointInstancer(prim), arrays.numInstances)
+            samples = [] if arrays.isAtRest else self._motion.PointInstanceSamplesOf(
+                UsdGeom.PointInstancer(prim), arrays.numInstances)
             self._AddInstancer(path, placement, arrays.transforms, samples, context)
         return None
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hdStream/device/hugePages.h"
+#include "hdStream/base/hugePages.h"
 
 #if defined(__linux__)
 #include <sys/mman.h>

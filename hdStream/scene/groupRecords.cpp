@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/scene/groupRecords.h"
+
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/gtc/type_ptr.hpp>
+#include <glm/matrix.hpp>
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+
+namespace hds {
+
+namespace {
+
+/// In a list of instances: places nothing, but counts for the ranks of those after it, for prims
+/// of which the front end has made several with instances of one list (primvars per instance).
+constexpr std::int32_t kGap = -1;
+/// Records that move are written so many at a time, for their keys are kept that long.
+constexpr std::uint32_t kMovingBlock = 16384;
+
+glm::dmat4 MatrixAt(const SharedSpan<double>& transforms, std::int32_t index) {
+    return glm::make_mat4(transforms.data() + 16 * static_cast<std::size_t>(index));
+}
+
+bool IsUsable(const glm::dmat4& transform, const Bounds& bounds) {
+    return IsUsableTransform(transform) && IsWithinReach(transform, bounds);
+}
+
+/// Keys of what moves; none of what passes through a pose that cannot be inverted, which stays
+/// where the frame has it.
+std::vector<glm::dmat4> KeysOf(const MovingTransform& groupFromObject, const LeafObject& leaf) {
+    if (!groupFromObject.Moves()) {
+        return {};
+    }
+    const MovingTransform origin(glm::translate(glm::dmat4(1.0), leaf.origin));
+    std::vector<glm::dmat4> keys = MakeMotionKeys(groupFromObject * origin, leaf.bounds);
+    const bool areUsable = std::all_of(keys.begin(), keys.end(), [&leaf](const glm::dmat4& key) {
+        return IsUsable(key, leaf.bounds);
+    });
+    return areUsable ? keys : std::vector<glm::dmat4>();
+}
+
+/// Where a record is.
+struct Boxes {
+    Bounds open;
+    Bounds close;
+    bool isUsable = false;
+    bool moves = false;
+};
+
+Boxes BoxesOf(const MovingTransform& groupFromObject, const LeafObject& leaf) {
+    Boxes boxes;
+    const glm::dmat4 transform = glm::translate(groupFromObject.AtFrame(), leaf.origin);
+    boxes.isUsable = IsUsable(transform, leaf.bounds);
+    if (!boxes.isUsable) {
+        return boxes;
+    }
+    const std::vector<glm::dmat4> keys = KeysOf(groupFromObject, leaf);
+    boxes.moves = !keys.empty();
+    if (boxes.moves) {
+        const std::array<Bounds, 2> ends = TransformEnds(keys, leaf.bounds);
+        boxes.open = ends[0];
+        boxes.close = ends[1];
+    } else {
+        boxes.open = boxes.close = TransformBounds(transform, leaf.bounds);
+    }
+    return boxes;
+}
+
+/// Keeps those values whose flag is set.
+void Compact(const std::vector<std::uint8_t>& isKept, std::size_t first,
+             std::vector<Bounds>* values) {
+    std::size_t end = first;
+    for (std::size_t i = 0; i < isKept.size(); ++i) {
+        if (isKept[i] != 0) {
+            (*values)[end++] = (*values)[first + i];
+        }
+    }
+    values->resize(end);
+}
+
+/// The keys of a record become the device's.
+void AppendKeys(const std::vector<glm::dmat4>& keys, shared::HdsInstance* instance,
+                std::vector<AffineRows>* motionKeys) {
+    const auto first = static_cast<std::uint32_t>(motionKeys->size());
+    const auto numSegments = static_cast<std::uint32_t>(keys.size() - 1);
+    instance->flags &= ~HDS_INSTANCE_IN_PLACE;
+    instance->flags |= HDS_INSTANCE_MOVES;
+    std::memcpy(&instance->objectFromParent[HDS_MOTION_FIRST_KEY], &first, sizeof(first));
+    std::memcpy(&instance->objectFromParent[HDS_MOTION_SEGMENTS], &numSegments,
+                sizeof(numSegments));
+    for (const glm::dmat4& key : keys) {
+        motionKeys->push_back(RowsFromMatrix(key));
+    }
+}
+
+} // namespace
+
+MovingTransform InstanceTransform(const InstancerPrim& instancer, std::int32_t index,
+                                  const Shutter& shutter) {
+    const glm::dmat4 atFrame = instancer.instanceTransforms.At(static_cast<std::size_t>(index));
+    if (!shutter.IsOpen() || instancer.samples.empty()) {
+        return atFrame;
+    }
+    std::vector<TransformSample> samples;
+    for (const InstanceSample& sample : instancer.samples) {
+        if (sample.transforms.size() == 16 * instancer.instanceTransforms.Size()) {
+            samples.push_back({sample.time, MatrixAt(sample.transforms, index)});
+        }
+    }
+    return {atFrame, samples, shutter};
+}
+
+MovingTransform GroupRecords::TransformOf(const InstanceRun& run, std::int32_t instance) const {
+    return run.groupFromInstancer * InstanceTransform(*run.instancer, instance, _shutter) *
+           run.prototypeFromObject;
+}
+
+bool GroupRecords::MayMove(const InstanceRun& run) const {
+    return run.groupFromInstancer.Moves() || run.prototypeFromObject.Moves() ||
+           (_shutter.IsOpen() && !run.instancer->samples.empty());
+}
+
+/// From here on boxes have one at both ends.
+void GroupRecords::ReserveCloseBoxes() {
+    if (!_mayMove) {
+        _mayMove = true;
+        _closeBoxes = _boxes;
+    }
+}
+
+void GroupRecords::AddPart(Part part, std::uint32_t count, std::uint64_t numLeaves) {
+    part.first = _size;
+    part.firstLeaf = _numLeaves;
+    _parts.push_back(std::move(part));
+    _size += count;
+    _numLeaves += numLeaves * count;
+}
+
+PlacedRecord* GroupRecords::Add(PlacedRecord record) {
+    const Boxes boxes = BoxesOf(record.groupFromObject, *record.leaf);
+    if (!boxes.isUsable) {
+        return nullptr;
+    }
+    if (boxes.moves) {
+        ReserveCloseBoxes();
+        _moves = true;
+    }
+    _boxes.push_back(boxes.open);
+    if (_mayMove) {
+        _closeBoxes.push_back(boxes.close);
+    }
+    _flags |= record.leaf->flags;
+    if (_parts.empty() || _parts.back().run) {
+        Part part;
+        part.firstSingle = static_cast<std::uint32_t>(_singles.size());
+        AddPart(std::move(part), 1, 1);
+    } else {
+        ++_size;
+        ++_numLeaves;
+    }
+    _singles.push_back(std::move(record));
+    return &_singles.back();
+}
+
+std::uint32_t GroupRecords::Add(InstanceRun run) {
+    const std::size_t limit = run.instancer->instanceTransforms.Size();
+    const auto count = static_cast<std::uint32_t>(run.instances.size());
+    if (MayMove(run)) {
+        ReserveCloseBoxes();
+    }
+    const std::size_t first = _size;
+    _boxes.resize(first + count);
+    if (_mayMove) {
+        _closeBoxes.resize(first + count);
+    }
+    std::vector<std::uint8_t> isKept(count);
+    std::atomic<std::uint32_t> numBad{0};
+    std::atomic<bool> isComplete{true};
+    std::atomic<bool> moves{false};
+    tbb::parallel_for(std::uint32_t{0}, count, [&](std::uint32_t rank) {
+        const std::int32_t index = run.instances[rank];
+        const bool isInRange = index >= 0 && static_cast<std::size_t>(index) < limit;
+        const Boxes boxes = isInRange ? BoxesOf(TransformOf(run, index), run.leaf) : Boxes{};
+        if (!boxes.isUsable) {
+            isComplete = false;
+            numBad += index == kGap ? 0 : 1;
+            return;
+        }
+        isKept[rank] = 1;
+        _boxes[first + rank] = boxes.open;
+        if (_mayMove) {
+            _closeBoxes[first + rank] = boxes.close;
+        }
+        if (boxes.moves) {
+            moves = true;
+        }
+    });
+    _moves = _moves || moves;
+    Part part;
+    if (!isComplete) {
+        for (std::uint32_t rank = 0; rank < count; ++rank) {
+            if (isKept[rank] != 0) {
+                part.ranks.push_back(rank);
+            }
+        }
+        Compact(isKept, first, &_boxes);
+        if (_mayMove) {
+            Compact(isKept, first, &_closeBoxes);
+        }
+    }
+    const std::size_t numAdded = _boxes.size() - first;
+    if (numAdded > 0) {
+        _flags |= run.leaf.flags;
+        const std::uint64_t numLeaves = run.numLeaves;
+        part.run = std::move(run);
+        AddPart(std::move(part), static_cast<std::uint32_t>(numAdded), numLeaves);
+    }
+    return numBad;
+}
+
+GroupRecords::Found GroupRecords::Find(std::uint32_t record) const {
+    const auto after = std::upper_bound(
+        _parts.begin(), _parts.end(), record,
+        [](std::uint32_t wanted, const Part& part) { return wanted < part.first; });
+    const Part& part = *(after - 1);
+    const std::uint32_t index = record - part.first;
+    if (!part.run) {
+        const PlacedRecord& single = _singles[part.firstSingle + index];
+        return {single.leaf,
+                single.groupFromObject,
+                single.leaf->flags | single.moreFlags,
+                single.count,
+                single.rank,
+                part.firstLeaf + index};
+    }
+    const InstanceRun& run = *part.run;
+    const std::uint32_t rank = part.ranks.empty() ? index : part.ranks[index];
+    return {&run.leaf,      TransformOf(run, run.instances[rank]),
+            run.leaf.flags, static_cast<std::uint32_t>(run.instances.size()),
+            rank,           part.firstLeaf + index * run.numLeaves};
+}
+
+std::vector<GroupRecords::World> GroupRecords::WorldRecords() const {
+    std::vector<World> worlds;
+    for (const Part& part : _parts) {
+        const std::size_t end = &part == &_parts.back() ? _size : (&part + 1)->first;
+        for (std::uint32_t i = part.first; !part.run && i < end; ++i) {
+            const PlacedRecord& single = _singles[part.firstSingle + (i - part.first)];
+            if (single.worldInstance != HDS_NONE) {
+                worlds.push_back({single.worldInstance, i, part.firstLeaf + (i - part.first)});
+            }
+        }
+    }
+    return worlds;
+}
+
+void GroupRecords::Write(const std::vector<std::uint32_t>& order, shared::HdsInstance* places,
+                         std::vector<AffineRows>* motionKeys) const {
+    const auto write = [&](std::uint32_t place, std::vector<glm::dmat4>* keys) {
+        const Found found = Find(order[place]);
+        const glm::dmat4 transform =
+            glm::translate(found.groupFromObject.AtFrame(), found.leaf->origin);
+        shared::HdsInstance instance{};
+        const AffineRows inverse = RowsFromMatrix(glm::inverse(transform));
+        std::copy(inverse.begin(), inverse.end(), instance.objectFromParent);
+        instance.object = found.leaf->object;
+        instance.flags =
+            found.flags | (IsIdentity(instance.objectFromParent) ? HDS_INSTANCE_IN_PLACE : 0U);
+        instance.pathOffset[0] = static_cast<std::uint32_t>(found.pathOffset);
+        instance.pathOffset[1] = static_cast<std::uint32_t>(found.pathOffset >> 32U);
+        instance.prim = found.leaf->prim;
+        instance.lightBase = HDS_NONE;
+        instance.instanceCount = found.count;
+        instance.instanceRank = found.rank;
+        places[place] = instance;
+        if (keys != nullptr) {
+            *keys = KeysOf(found.groupFromObject, *found.leaf);
+        }
+    };
+    if (!_moves) {
+        tbb::parallel_for(std::uint32_t{0}, _size,
+                          [&](std::uint32_t place) { write(place, nullptr); });
+        return;
+    }
+    std::vector<std::vector<glm::dmat4>> keys;
+    for (std::uint32_t begin = 0; begin < _size; begin += kMovingBlock) {
+        const std::uint32_t end = std::min(_size, begin + kMovingBlock);
+        keys.assign(end - begin, {});
+        tbb::parallel_for(begin, end,
+                          [&](std::uint32_t place) { write(place, &keys[place - begin]); });
+        for (std::uint32_t place = begin; place < end; ++place) {
+            if (!keys[place - begin].empty()) {
+                AppendKeys(keys[place - begin], &places[place], motionKeys);
+            }
+        }
+    }
+}
+
+} // namespace hds

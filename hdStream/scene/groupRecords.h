@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+// The instance records of one group before its BVH gives them their places. Instances are kept as
+// runs, an instancer's list of them with what it places, and computed twice from the arrays as
+// authored: their boxes for the BVH, then the records where they stay. So a million instances take
+// no memory of their own on the way but a box each.
+// Explained in docs/architecture.md, "Instances".
+#pragma once
+
+#include "hdStream/geometry/triangleMesh.h"
+#include "hdStream/scene/motion.h"
+#include "hdStream/scene/sceneDescription.h"
+#include "hdStream/scene/transforms.h"
+#include "kernels/shared/geometry.h"
+
+#include <optional>
+#include <vector>
+
+namespace hds {
+
+/// A prim or a group as the hierarchy sees it.
+struct LeafObject {
+    std::uint32_t object = 0;
+    std::uint32_t prim = 0;
+    std::uint32_t flags = 0;    ///< HDS_INSTANCE_*
+    glm::dvec3 origin{0.0};     ///< object-space origin of the device positions
+    Bounds bounds;              ///< relative to origin
+    bool worldInstance = false; ///< needs a record in the TLAS
+    bool isLinkedByInstance =
+        false; ///< its instances have link sets of their own, so it needs a record too
+};
+
+/// One placement of a prim, which must outlive it.
+struct PlacedRecord {
+    const LeafObject* leaf = nullptr;
+    MovingTransform groupFromObject{glm::dmat4(1.0)};
+    std::uint32_t count = 0; ///< HdsInstance::instanceCount
+    std::uint32_t rank = 0;
+    std::uint32_t moreFlags = 0;            ///< HDS_INSTANCE_* beside the leaf's
+    std::uint32_t worldInstance = HDS_NONE; ///< index in Hierarchy::worldInstances
+};
+
+/// Placements of one thing by a list of an instancer's instances. The instancer must outlive it.
+struct InstanceRun {
+    LeafObject leaf;
+    std::uint64_t numLeaves = 1; ///< of each
+    MovingTransform groupFromInstancer{glm::dmat4(1.0)};
+    const InstancerPrim* instancer = nullptr;
+    SharedSpan<std::int32_t> instances;
+    MovingTransform prototypeFromObject{glm::dmat4(1.0)};
+};
+
+/// Collects the records of a group in the order of scene paths. Externally synchronised; uses all
+/// cores.
+class GroupRecords {
+public:
+    explicit GroupRecords(const Shutter& shutter) : _shutter(shutter) {}
+
+    /// \return the record, until the next one is added; null when its transform cannot be used: it
+    /// is not added.
+    PlacedRecord* Add(PlacedRecord record);
+    /// \return how many were not added, for their transforms or their indices; gaps of the list
+    /// (docs/architecture.md) do not count.
+    std::uint32_t Add(InstanceRun run);
+
+    std::uint32_t Size() const { return _size; }
+    std::uint64_t NumLeaves() const { return _numLeaves; }
+    /// HDS_INSTANCE_* that some record has.
+    std::uint32_t Flags() const { return _flags; }
+    /// Whether some record has keys of motion.
+    bool Moves() const { return _moves; }
+
+    /// Boxes of the records at rest or when the shutter opens; and, when Moves(), as it closes.
+    /// Moves them out.
+    std::vector<Bounds> TakeBoxes() { return std::move(_boxes); }
+    std::vector<Bounds> TakeCloseBoxes() { return std::move(_closeBoxes); }
+
+    /// A record of its own, which comes by PlacedRecord::worldInstance.
+    struct World {
+        std::uint32_t worldInstance;
+        std::uint32_t record; ///< in the order of paths
+        std::uint64_t pathOffset;
+    };
+    std::vector<World> WorldRecords() const;
+
+    /// Writes the records in the order of their places. \param order of each place its record.
+    /// \param motionKeys those of records that move are appended.
+    void Write(const std::vector<std::uint32_t>& order, shared::HdsInstance* places,
+               std::vector<AffineRows>* motionKeys) const;
+
+private:
+    /// Consecutive records: instances of a run, or single ones.
+    struct Part {
+        std::uint32_t first = 0; ///< record
+        std::uint64_t firstLeaf = 0;
+        std::optional<InstanceRun> run;   ///< nothing: singles from firstSingle on
+        std::vector<std::uint32_t> ranks; ///< of the records, when some of the run were left out
+        std::uint32_t firstSingle = 0;
+    };
+    /// A record, found again.
+    struct Found {
+        const LeafObject* leaf;
+        MovingTransform groupFromObject;
+        std::uint32_t flags;
+        std::uint32_t count;
+        std::uint32_t rank;
+        std::uint64_t pathOffset;
+    };
+
+    Found Find(std::uint32_t record) const;
+    MovingTransform TransformOf(const InstanceRun& run, std::int32_t instance) const;
+    bool MayMove(const InstanceRun& run) const;
+    void AddPart(Part part, std::uint32_t count, std::uint64_t numLeaves);
+    void ReserveCloseBoxes();
+
+    const Shutter& _shutter;
+    std::vector<Part> _parts;
+    std::vector<PlacedRecord> _singles;
+    std::vector<Bounds> _boxes;
+    std::vector<Bounds> _closeBoxes; ///< empty while nothing may move
+    std::uint32_t _size = 0;
+    std::uint64_t _numLeaves = 0;
+    std::uint32_t _flags = 0;
+    bool _mayMove = false;
+    bool _moves = false;
+};
+
+/// The matrix of an instance, which may move.
+MovingTransform InstanceTransform(const InstancerPrim& instancer, std::int32_t index,
+                                  const Shutter& shutter);
+
+} // namespace hds
