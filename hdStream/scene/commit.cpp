@@ -88,6 +88,7 @@ public:
         _result->programs = std::move(_materials.programs);
         _result->hasPatterns = HasPatterns(_result->programs);
         _result->lobes = _materials.lobes;
+        _result->hasMedia = _materials.hasMedia;
         OffsetPositions(&_result->programs, HDS_SPACE_WORLD,
                         {static_cast<float>(_result->centre.x),
                          static_cast<float>(_result->centre.y),

@@ -31,6 +31,7 @@ enum {
 #define HDS_MATERIAL_FUZZ 256u        /* the sheen lies on top of the coat */
 #define HDS_MATERIAL_COMPUTES 512u    /* its program does more than add and multiply */
 #define HDS_MATERIAL_PRESENCE 1024u   /* opacityMode presence */
+#define HDS_MATERIAL_MEDIUM 2048u     /* light is scattered below the surface */
 
 /* HdsMaterial.lobes: what a layered surface is made of; 0: a UsdPreviewSurface. HDS_LOBES is the
  * union over a scene: what is not in it is not compiled. */
@@ -42,6 +43,11 @@ enum {
 #define HDS_LOBE_TRANSLUCENCY 32u /* diffuse transmission */
 #define HDS_LOBE_FILM 64u         /* a thin film over the base */
 #define HDS_LOBES_ALL 127u
+
+/* What a ray goes through (shading/medium.clh). */
+#define HDS_MEDIUM_NONE 0u     /* vacuum, or what only absorbs */
+#define HDS_MEDIUM_INTERIOR 1u /* the inside of a surface that refracts */
+#define HDS_MEDIUM_WALK 2u     /* below a surface with subsurface scattering */
 
 HDS_SHARED_BEGIN
 typedef struct {
