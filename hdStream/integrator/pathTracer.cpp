@@ -116,6 +116,7 @@ struct PathTracer::Impl {
         features.firstHits = NeedsFirstHits(options.aovs);
         features.rayVisibility = scene->hasRayVisibility;
         features.mattes = options.aovs.hasMattes;
+        features.media = scene->hasMedia;
         features.numPools = buffers.NumPoolBuffers() > 1 ? kMaxPoolBuffers : 1;
         features.streaming = isStreaming;
         features.requestsFirst = features.streaming && requestsFirst;

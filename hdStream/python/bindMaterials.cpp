@@ -62,9 +62,11 @@ void BindMaterials(nb::module_& module) {
     module.def(
         "SurfaceInputs",
         [](const std::string& identifier) {
-            std::vector<std::tuple<std::string, std::uint32_t, float>> rows;
+            std::vector<std::tuple<std::string, std::uint32_t, std::vector<float>>> rows;
             for (const SurfaceInput& one : SurfaceInputs(identifier)) {
-                rows.emplace_back(one.name, one.numComponents, one.fallback);
+                const float* values = one.fallback.data();
+                rows.emplace_back(one.name, one.numComponents,
+                                  std::vector<float>(values, values + one.numComponents));
             }
             return rows;
         },

@@ -89,6 +89,7 @@ public:
         _result->hasPatterns = HasPatterns(_result->programs);
         _result->hasClosures = HasClosures(_result->programs);
         _result->lobes = _materials.lobes;
+        _result->hasMedia = _materials.hasMedia;
         OffsetPositions(&_result->programs, HDS_SPACE_WORLD,
                         {static_cast<float>(_result->centre.x),
                          static_cast<float>(_result->centre.y),

@@ -71,6 +71,7 @@ public:
     std::vector<MaterialTexture> textures; ///< that programs read, each once, after those of lights
     std::uint32_t maxLookups = 0;          ///< of textures in one program
     std::uint32_t lobes = 0;               ///< HDS_LOBE_* of all materials
+    bool hasMedia = false;                 ///< some material has HDS_MATERIAL_MEDIUM
 
 private:
     std::uint32_t AddRecord(const shared::HdsMaterial& record);

@@ -66,27 +66,28 @@ bool HasNone(const LayeredMaterial& layered, std::initializer_list<std::uint32_t
 bool IsNothing(const LayeredMaterial& layered) {
     return HasNone(layered, {HDS_INPUT_DIFFUSE_COLOR, HDS_INPUT_TRANSLUCENCY, HDS_INPUT_METALLIC,
                              HDS_INPUT_TRANSMISSION, HDS_INPUT_SHEEN, HDS_INPUT_SPECULAR_WEIGHT,
-                             HDS_INPUT_CLEARCOAT});
+                             HDS_INPUT_CLEARCOAT, HDS_INPUT_SUBSURFACE});
 }
 
 /// Diffuse reflection and transmission, and nothing else.
 bool IsDiffuse(const LayeredMaterial& layered) {
     return HasNone(layered, {HDS_INPUT_SPECULAR_WEIGHT, HDS_INPUT_METALLIC, HDS_INPUT_TRANSMISSION,
-                             HDS_INPUT_SHEEN, HDS_INPUT_CLEARCOAT});
+                             HDS_INPUT_SHEEN, HDS_INPUT_CLEARCOAT, HDS_INPUT_SUBSURFACE});
 }
 
 /// A reflection that lets through what it does not reflect.
 bool IsReflection(const LayeredMaterial& layered) {
     return Has(layered, HDS_INPUT_SPECULAR_WEIGHT) &&
            HasNone(layered, {HDS_INPUT_DIFFUSE_COLOR, HDS_INPUT_TRANSLUCENCY, HDS_INPUT_METALLIC,
-                             HDS_INPUT_TRANSMISSION, HDS_INPUT_SHEEN, HDS_INPUT_CLEARCOAT});
+                             HDS_INPUT_TRANSMISSION, HDS_INPUT_SHEEN, HDS_INPUT_CLEARCOAT,
+                             HDS_INPUT_SUBSURFACE});
 }
 
 bool IsSheen(const LayeredMaterial& layered) {
     return Has(layered, HDS_INPUT_SHEEN) &&
-           HasNone(layered,
-                   {HDS_INPUT_DIFFUSE_COLOR, HDS_INPUT_TRANSLUCENCY, HDS_INPUT_METALLIC,
-                    HDS_INPUT_TRANSMISSION, HDS_INPUT_SPECULAR_WEIGHT, HDS_INPUT_CLEARCOAT});
+           HasNone(layered, {HDS_INPUT_DIFFUSE_COLOR, HDS_INPUT_TRANSLUCENCY, HDS_INPUT_METALLIC,
+                             HDS_INPUT_TRANSMISSION, HDS_INPUT_SPECULAR_WEIGHT, HDS_INPUT_CLEARCOAT,
+                             HDS_INPUT_SUBSURFACE});
 }
 
 /// Metal, and nothing beside it or above it.
@@ -147,6 +148,33 @@ bool TryMergeMetal(const ClosureSlab& metal, const ClosureSlab& other, ClosureSl
     return true;
 }
 
+/// Of subsurface scattering and diffuse reflection, which a layered surface has side by side.
+bool TryMergeSubsurface(const ClosureSlab& walk, const ClosureSlab& other, ClosureSlab* merged) {
+    const LayeredMaterial& a = walk.layered;
+    const LayeredMaterial& b = other.layered;
+    if (!Has(a, HDS_INPUT_SUBSURFACE) || !IsDiffuse(b) || Has(b, HDS_INPUT_TRANSLUCENCY) ||
+        !HasNone(a, {HDS_INPUT_DIFFUSE_COLOR, HDS_INPUT_SPECULAR_WEIGHT, HDS_INPUT_METALLIC,
+                     HDS_INPUT_TRANSMISSION, HDS_INPUT_SHEEN, HDS_INPUT_CLEARCOAT}) ||
+        !IsAll(walk.factor, 1.0F) || !IsAll(other.factor, 1.0F) ||
+        !AreSame(a, b, HDS_INPUT_NORMAL)) {
+        return false;
+    }
+    ClosureSlab both = walk;
+    both.share = Add(walk.share, other.share, 1);
+    const ShaderValue part = Divide(walk.share, both.share, 1);
+    const ShaderValue walks = a.values[HDS_INPUT_SUBSURFACE];
+    both.layered.values[HDS_INPUT_SUBSURFACE] =
+        MakeMath(HDS_MATH_COMBINE,
+                 {Multiply(part, SelectChannel(walks, 0), 1), SelectChannel(walks, 1),
+                  SelectChannel(walks, 2), Zero()},
+                 4);
+    both.layered.values[HDS_INPUT_DIFFUSE_COLOR] =
+        Multiply(ValueOf(b, HDS_INPUT_DIFFUSE_COLOR), OneMinus(part, 1), 3);
+    both.layered.values[HDS_INPUT_DIFFUSE_ROUGHNESS] = b.values[HDS_INPUT_DIFFUSE_ROUGHNESS];
+    *merged = std::move(both);
+    return true;
+}
+
 /// Of glass and what lies beside it below one reflection, or below none.
 bool TryMergeGlass(const ClosureSlab& glass, const ClosureSlab& other, ClosureSlab* merged) {
     const LayeredMaterial& a = glass.layered;
@@ -178,7 +206,8 @@ bool TryMergeGlass(const ClosureSlab& glass, const ClosureSlab& other, ClosureSl
 bool TryMerge(const ClosureSlab& other, ClosureSlab* slab) {
     return TryMergeDiffuse(other, slab) || TryMergeMetal(*slab, other, slab) ||
            TryMergeMetal(other, *slab, slab) || TryMergeGlass(*slab, other, slab) ||
-           TryMergeGlass(other, *slab, slab);
+           TryMergeGlass(other, *slab, slab) || TryMergeSubsurface(*slab, other, slab) ||
+           TryMergeSubsurface(other, *slab, slab);
 }
 
 ClosureSlabs Merge(ClosureSlabs slabs) {
@@ -203,11 +232,13 @@ void Append(ClosureSlabs slabs, const ShaderValue& share, ClosureSlabs* all) {
 }
 
 /// Puts the factor of a slab into the colours of its lobes, since what comes to lie on top of it
-/// does not have it. Of metal the colours of the front and of the edge have it.
+/// does not have it. Of metal the colours of the front and of the edge have it, of subsurface
+/// scattering its colour.
 void FoldFactor(ClosureSlab* slab) {
     for (const std::uint32_t input :
          {HDS_INPUT_DIFFUSE_COLOR, HDS_INPUT_TRANSLUCENCY, HDS_INPUT_TRANSMISSION_COLOR,
-          HDS_INPUT_METAL_COLOR, HDS_INPUT_SHEEN_COLOR, HDS_INPUT_SPECULAR_COLOR}) {
+          HDS_INPUT_METAL_COLOR, HDS_INPUT_SHEEN_COLOR, HDS_INPUT_SPECULAR_COLOR,
+          HDS_INPUT_SUBSURFACE_COLOR}) {
         ShaderValue& value = slab->layered.values[input];
         if (value) {
             value = Multiply(value, slab->factor, 3);
@@ -219,7 +250,7 @@ void FoldFactor(ClosureSlab* slab) {
 /// Whether FoldFactor leaves the slab as it is.
 bool IsFoldable(const ClosureSlab& slab) {
     if (!IsConstant(slab.factor) ||
-        !HasNone(slab.layered, {HDS_INPUT_METALLIC, HDS_INPUT_CLEARCOAT})) {
+        !HasNone(slab.layered, {HDS_INPUT_METALLIC, HDS_INPUT_CLEARCOAT, HDS_INPUT_SUBSURFACE})) {
         return false;
     }
     const std::array<float, 4>& factor = ConstantOf(slab.factor);

@@ -27,7 +27,8 @@ ShaderValue White() {
 /// Reads the closures that a surface is made of.
 class ClosureReader {
 public:
-    explicit ClosureReader(NetworkEvaluator& network) : _network(network) {}
+    explicit ClosureReader(NetworkEvaluator& network, bool isThin = false)
+        : _network(network), _isThin(isThin) {}
 
     ClosureSlabs Bsdf(const MaterialNode& node, const std::string& input);
     /// What is emitted; empty: nothing.
@@ -40,8 +41,22 @@ public:
         return {slab};
     }
     ClosureSlabs Subsurface(const MaterialNode& node) {
-        _network.Warn(node.path + ": subsurface scattering is drawn as diffuse reflection");
-        return {Diffuse(node, 0.18F)};
+        const ShaderValue radius = Color(node, "radius", 1.0F);
+        if (_isThin || IsAll(radius, 0.0F)) {
+            return {Diffuse(node, 0.18F)};
+        }
+        ClosureSlab slab = BlackSlab();
+        LayeredMaterial& layered = slab.layered;
+        layered.flags |= HDS_MATERIAL_MEDIUM;
+        layered.values[HDS_INPUT_SUBSURFACE] =
+            MakeMath(HDS_MATH_COMBINE,
+                     {Scalar(node, "weight", 1.0F), Scalar(node, "anisotropy", 0.0F),
+                      MakeScalar(0.0F), MakeScalar(0.0F)},
+                     4);
+        layered.values[HDS_INPUT_SUBSURFACE_COLOR] = Color(node, "color", 0.18F);
+        layered.values[HDS_INPUT_SUBSURFACE_RADIUS] = radius;
+        layered.values[HDS_INPUT_NORMAL] = EvaluateNormal(_network, node, "normal");
+        return {slab};
     }
     ClosureSlabs Translucent(const MaterialNode& node) {
         ClosureSlab slab = Diffuse(node, 1.0F);
@@ -270,6 +285,7 @@ private:
     }
 
     NetworkEvaluator& _network;
+    bool _isThin; ///< of a thin wall
     int _depth = 0;
 };
 
@@ -398,15 +414,14 @@ struct WholeSurface {
 WholeSurface ReadSurface(NetworkEvaluator& network, const MaterialNode* node, int depth);
 
 WholeSurface ReadClosures(NetworkEvaluator& network, const MaterialNode& node) {
-    ClosureReader reader(network);
+    const ShaderValue isThin = network.EvaluateOr(node, "thin_walled", {}, 1);
+    const bool isThinWall = IsConstant(isThin) && ConstantOf(isThin)[0] != 0.0F;
+    ClosureReader reader(network, isThinWall);
     WholeSurface surface;
     surface.slabs = reader.Bsdf(node, "bsdf");
     surface.emission = reader.Edf(node, "edf");
     surface.opacity = reader.Scalar(node, "opacity", 1.0F);
-    const ShaderValue isThin = reader.Scalar(node, "thin_walled", 0.0F);
-    if (IsConstant(isThin) && ConstantOf(isThin)[0] != 0.0F) {
-        surface.flags |= HDS_MATERIAL_THIN_WALLED;
-    }
+    surface.flags |= isThinWall ? HDS_MATERIAL_THIN_WALLED : 0U;
     return surface;
 }
 

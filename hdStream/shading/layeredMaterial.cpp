@@ -10,6 +10,7 @@
 #include "hdStream/shading/surfaceInputs.h"
 
 #include <algorithm>
+#include <array>
 #include <initializer_list>
 #include <iterator>
 #include <utility>
@@ -72,6 +73,9 @@ public:
         const ShaderValue metalness = Read("metalness");
         SetThinWalled("thin_walled");
         SetDiffuse(color, subsurface, Read("subsurface"), MakeScalar(1.0F));
+        SetSubsurface(color, subsurface, Read("subsurface"),
+                      Multiply(Read("subsurface_radius"), Read("subsurface_scale"), 3),
+                      "subsurface_anisotropy");
         Set(HDS_INPUT_DIFFUSE_ROUGHNESS, Read("diffuse_roughness"));
         Set(HDS_INPUT_DIELECTRIC, OneMinus(metalness, 1));
         Set(HDS_INPUT_METALLIC, metalness);
@@ -98,10 +102,8 @@ public:
         SetFilm(MakeScalar(1.0F), Read("thin_film_thickness"), Read("thin_film_IOR"));
         SetOpacity(Read("opacity"));
         SetNormal("normal");
-        Approximate("subsurface", "subsurface scattering is drawn as diffuse reflection");
         Ignore("transmission_extra_roughness", {"transmission"});
         Ignore("transmission_dispersion", {"transmission"});
-        Ignore("transmission_scatter", {"transmission"});
         Ignore("coat_anisotropy", {"coat"});
         IgnoreFrame("coat_normal", "normal", {"coat"});
         IgnoreFrame("tangent", "tangent", {"specular_anisotropy"});
@@ -120,6 +122,9 @@ public:
         _result.flags |= HDS_MATERIAL_FUZZ;
         SetThinWalled("geometry_thin_walled");
         SetDiffuse(color, Read("subsurface_color"), subsurface, MakeScalar(0.5F));
+        SetSubsurface(color, Read("subsurface_color"), subsurface,
+                      Multiply(Read("subsurface_radius"), Read("subsurface_radius_scale"), 3),
+                      "subsurface_scatter_anisotropy");
         Set(HDS_INPUT_DIFFUSE_ROUGHNESS, Read("base_diffuse_roughness"));
         Set(HDS_INPUT_DIELECTRIC, OneMinus(metalness, 1));
         Set(HDS_INPUT_METALLIC, Multiply(metalness, specular, 1));
@@ -153,9 +158,7 @@ public:
         SetFilm(Read("thin_film_weight"), nanometres, Read("thin_film_ior"));
         SetOpacity(Read("geometry_opacity"));
         SetNormal("geometry_normal");
-        Approximate("subsurface_weight", "subsurface scattering is drawn as diffuse reflection");
         Ignore("transmission_dispersion_scale", {"transmission_weight"});
-        Ignore("transmission_scatter", {"transmission_weight"});
         Ignore("coat_roughness_anisotropy", {"coat_weight"});
         IgnoreFrame("geometry_coat_normal", "geometry_normal", {"coat_weight"});
         IgnoreFrame("geometry_tangent", "geometry_tangent", {"specular_roughness_anisotropy"});
@@ -221,8 +224,9 @@ private:
         const auto* found = std::find_if(_inputs.begin(), _inputs.end(),
                                          [&](const SurfaceInput& one) { return one.name == name; });
         HDS_VERIFY(found != _inputs.end(), "an input that its model does not list");
-        const float x = found->fallback;
-        const std::array<float, 4> fallback{x, x, x, found->numComponents == 1 ? x : 1.0F};
+        const std::array<float, 3>& c = found->fallback;
+        const std::array<float, 4> fallback{c[0], c[1], c[2],
+                                            found->numComponents == 1 ? c[0] : 1.0F};
         return _network.EvaluateOr(_node, std::string(name), fallback, found->numComponents);
     }
     void Set(std::uint32_t input, const ShaderValue& value) { _result.values[input] = value; }
@@ -244,6 +248,22 @@ private:
         const ShaderValue reflected = Multiply(OneMinus(transmitted, 1), subsurface, 3);
         Set(HDS_INPUT_DIFFUSE_COLOR, Mix(color, reflected, weight, 3));
         Set(HDS_INPUT_TRANSLUCENCY, Multiply(Multiply(transmitted, weight, 1), subsurface, 3));
+    }
+
+    /// Light that walks below the surface, where that is not a thin wall. A mean free path of 0 is
+    /// diffuse reflection.
+    void SetSubsurface(const ShaderValue& color, const ShaderValue& subsurface,
+                       const ShaderValue& weight, const ShaderValue& radius,
+                       const char* anisotropy) {
+        if ((_result.flags & HDS_MATERIAL_THIN_WALLED) != 0 || IsAll(weight, 0.0F) ||
+            IsAll(radius, 0.0F)) {
+            return;
+        }
+        Set(HDS_INPUT_DIFFUSE_COLOR, Multiply(color, OneMinus(weight, 1), 3));
+        Set(HDS_INPUT_SUBSURFACE_COLOR, subsurface);
+        Set(HDS_INPUT_SUBSURFACE_RADIUS, radius);
+        _subsurface = {weight, Read(anisotropy), MakeScalar(0.0F), MakeScalar(0.0F)};
+        _result.flags |= HDS_MATERIAL_MEDIUM;
     }
 
     void SetStandardStretch() {
@@ -290,7 +310,26 @@ private:
             Set(HDS_INPUT_TRANSMISSION_COLOR, tint);
         } else {
             SetAbsorption(tint, distance);
+            SetScattering(Divide(Read("transmission_scatter"), distance, 3));
         }
+    }
+
+    /// What scatters is a part of the extinction that SetAbsorption has set; where it is more, the
+    /// extinction is raised for all colours alike, until no absorption is below 0.
+    void SetScattering(const ShaderValue& scattering) {
+        if ((_result.flags & HDS_MATERIAL_THIN_WALLED) != 0 || IsAll(scattering, 0.0F) ||
+            !Has(HDS_INPUT_TRANSMISSION)) {
+            return;
+        }
+        const ShaderValue left = Subtract(_result.values[HDS_INPUT_ABSORPTION], scattering, 3);
+        ShaderValue missing = MakeScalar(0.0F);
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            missing = MakeMath(HDS_MATH_MIN, {missing, SelectChannel(left, k)}, 1);
+        }
+        Set(HDS_INPUT_ABSORPTION, Subtract(left, missing, 3));
+        Set(HDS_INPUT_SCATTERING, scattering);
+        _subsurface[2] = Read("transmission_scatter_anisotropy");
+        _result.flags |= HDS_MATERIAL_MEDIUM;
     }
 
     /// What is left after a distance is `color`. Colours of 0 are taken as 0.001.
@@ -365,8 +404,8 @@ private:
 
     /// Warns where the input and all that it shows by are not 0.
     void Ignore(const char* input, Names shownBy = {}) {
-        if (AreShown(shownBy)) {
-            Approximate(input, "is not supported and is left out");
+        if (AreShown(shownBy) && !IsAll(Read(input), 0.0F)) {
+            Warn(input, "is not supported and is left out");
         }
     }
     /// Warns of a normal or tangent that is not the surface's, nor that of the input `same`.
@@ -385,19 +424,16 @@ private:
         return std::none_of(inputs.begin(), inputs.end(),
                             [&](const char* input) { return IsAll(Read(input), 0.0F); });
     }
-    /// Warns where the input is not 0.
-    void Approximate(const char* input, const char* what) {
-        const bool isThin = (_result.flags & HDS_MATERIAL_THIN_WALLED) != 0;
-        const bool isSubsurface = std::string(input).compare(0, 10, "subsurface") == 0;
-        if (!IsAll(Read(input), 0.0F) && !(isThin && isSubsurface)) {
-            Warn(input, what);
-        }
-    }
     void Warn(const std::string& input, const std::string& what) {
         WarnOf(_network, _node, input, what);
     }
 
     LayeredMaterial Take() {
+        if ((_result.flags & HDS_MATERIAL_MEDIUM) != 0) {
+            Set(HDS_INPUT_SUBSURFACE,
+                MakeMath(HDS_MATH_COMBINE,
+                         {_subsurface[0], _subsurface[1], _subsurface[2], _subsurface[3]}, 4));
+        }
         FinishLayered(&_result);
         return std::move(_result);
     }
@@ -406,6 +442,9 @@ private:
     const MaterialNode& _node;
     const InputTable& _inputs;
     LayeredMaterial _result;
+    /// The components of HDS_INPUT_SUBSURFACE.
+    std::array<ShaderValue, 4> _subsurface{MakeScalar(0.0F), MakeScalar(0.0F), MakeScalar(0.0F),
+                                           MakeScalar(0.0F)};
 };
 
 struct Model {
@@ -455,7 +494,9 @@ void FinishLayered(LayeredMaterial* material) {
                       (values[HDS_INPUT_STRETCH] ? HDS_LOBE_ANISOTROPY : 0U) |
                       (values[HDS_INPUT_FILM] ? HDS_LOBE_FILM : 0U) |
                       (has(HDS_INPUT_TRANSMISSION) ? HDS_LOBE_TRANSMISSION : 0U) |
-                      (has(HDS_INPUT_TRANSLUCENCY) ? HDS_LOBE_TRANSLUCENCY : 0U);
+                      (has(HDS_INPUT_TRANSLUCENCY) || (material->flags & HDS_MATERIAL_MEDIUM) != 0
+                           ? HDS_LOBE_TRANSLUCENCY
+                           : 0U);
     // What belongs to lobes that are not there would only make programs longer.
     const auto drop = [&](std::uint32_t lobe, std::initializer_list<std::uint32_t> inputs) {
         for (const std::uint32_t input : inputs) {
@@ -465,8 +506,8 @@ void FinishLayered(LayeredMaterial* material) {
     drop(HDS_LOBE_COAT, {HDS_INPUT_CLEARCOAT, HDS_INPUT_CLEARCOAT_ROUGHNESS, HDS_INPUT_COAT_IOR,
                          HDS_INPUT_COAT_TINT});
     drop(HDS_LOBE_SHEEN, {HDS_INPUT_SHEEN, HDS_INPUT_SHEEN_COLOR, HDS_INPUT_SHEEN_ROUGHNESS});
-    drop(HDS_LOBE_TRANSMISSION,
-         {HDS_INPUT_TRANSMISSION, HDS_INPUT_TRANSMISSION_COLOR, HDS_INPUT_ABSORPTION});
+    drop(HDS_LOBE_TRANSMISSION, {HDS_INPUT_TRANSMISSION, HDS_INPUT_TRANSMISSION_COLOR,
+                                 HDS_INPUT_ABSORPTION, HDS_INPUT_SCATTERING});
     if (!has(HDS_INPUT_METALLIC)) {
         values[HDS_INPUT_METAL_COLOR] = {};
         values[HDS_INPUT_EDGE_COLOR] = {};

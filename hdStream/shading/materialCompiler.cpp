@@ -362,7 +362,7 @@ void PlaceValue(std::uint32_t input, const ShaderValue& value, const SlotCallbac
         return;
     }
     program.push_back({input, value});
-    record.programInputs |= 1U << input;
+    record.programInputs |= isInRecord ? 1U << input : 0U;
     if (input == HDS_INPUT_NORMAL && HasLookup(value)) {
         record.flags |= HDS_MATERIAL_TANGENTS;
     }

@@ -2,6 +2,7 @@
 // Which shader nodes there are, for front ends, documentation and tests.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -23,7 +24,13 @@ bool IsSurfaceShader(const std::string& identifier);
 struct SurfaceInput {
     std::string_view name;
     std::uint32_t numComponents;
-    float fallback; ///< of each component
+    std::array<float, 3> fallback; ///< of each component
+
+    constexpr SurfaceInput(std::string_view theName, std::uint32_t count, float value)
+        : SurfaceInput(theName, count, {value, value, value}) {}
+    constexpr SurfaceInput(std::string_view theName, std::uint32_t count,
+                           const std::array<float, 3>& values)
+        : name(theName), numComponents(count), fallback(values) {}
 };
 
 /// The inputs of a layered surface that are read and have defaults; of others none.

@@ -54,6 +54,9 @@ void generate_start(HdsPaths paths, uint i, uint number, constant const HdsFrame
 #if HDS_FEATURE_CUTOUT
     path_store_after(paths, i, (uint4)(0u));
 #endif
+#if HDS_FEATURE_MEDIA
+    path_store_medium(paths, i, (uint4)(0u));
+#endif
 #if HDS_FEATURE_MATTES
     path_store_matte(paths, i, (uint4)(HDS_NONE, 0u, 0u, 0u));
 #endif

@@ -46,6 +46,9 @@
 #include "integrator/shadeBatch.clh"
 #endif
 #include "integrator/shadeHits.clh"
+#if HDS_FEATURE_MEDIA
+#include "integrator/shadeMedium.clh"
+#endif
 
 #if HDS_FEATURE_CUTOUT || HDS_FEATURE_CLOSURES
 /* The sampler of a hit behind others that the ray has passed. */
@@ -106,11 +109,6 @@ HdsTexelChoice shade_chooseTexels(const HdsSceneView* scene, const HdsSurfaceHit
 }
 #endif
 
-/* How shading goes on with a path after its hit has been read. */
-#define HDS_SHADE_ENDS 0u
-#define HDS_SHADE_PASSES 1u   /* slot i holds the rest of the ray */
-#define HDS_SHADE_SCATTERS 2u /* a light and the BSDF are to be sampled */
-
 /* Evaluates the material of a hit, lets the ray pass or adds what the surface emits. Sets
  * path->isMissing. \return HDS_SHADE_ENDS and so on. */
 uint shade_surface(const HdsSceneView* scene, HdsShadeHit* at, HdsShadePath* path,
@@ -130,7 +128,11 @@ uint shade_surface(const HdsSceneView* scene, HdsShadeHit* at, HdsShadePath* pat
     if (path->isMissing) {
         return HDS_SHADE_ENDS;
     }
-#if HDS_BSDF_TRANSMITS
+#if HDS_FEATURE_MEDIA
+    if (path->medium.medium.kind == HDS_MEDIUM_NONE) {
+        path->throughput *= bsdf_transmittance(&scatter->bsdf, at->hit.t);
+    }
+#elif HDS_BSDF_TRANSMITS
     path->throughput *= bsdf_transmittance(&scatter->bsdf, at->hit.t);
 #endif
 #if HDS_FEATURE_CUTOUT
@@ -145,6 +147,9 @@ uint shade_surface(const HdsSceneView* scene, HdsShadeHit* at, HdsShadePath* pat
         atomic_inc(&counters[HDS_COUNTER_PASSES]);
         return HDS_SHADE_ENDS;
     }
+#endif
+#if HDS_FEATURE_MEDIA
+    path->throughput *= mediumPath_weightAt(&path->medium, at->hit.t);
 #endif
 #if HDS_FEATURE_RAY_VISIBILITY
     if (path->depth == 0u &&
@@ -178,7 +183,17 @@ void shade_path(constant const HdsFrameParams* frame, const HdsSceneView* scene,
     HdsScatter scatter;
     scatter.linkSet = 0u;
     uint step = HDS_SHADE_ENDS;
-    if (at->isHit) {
+#if HDS_FEATURE_MEDIA
+    const uint kind = path->medium.medium.kind;
+    if (!at->isHit && kind != HDS_MEDIUM_NONE) {
+        shadeMedium_scatter(frame, scene, at, path, i, paths, lists);
+        return;
+    }
+    if (kind == HDS_MEDIUM_WALK) {
+        step = shadeMedium_meet(scene, at, path, &scatter, paths, i, counters);
+    } else
+#endif
+        if (at->isHit) {
         step = shade_surface(scene, at, path, &scatter, paths, i, counters);
     }
     HdsLitPath lit = shade_litPath(at, path, scatter.linkSet, i);
@@ -187,6 +202,9 @@ void shade_path(constant const HdsFrameParams* frame, const HdsSceneView* scene,
         shade_end(scene, &lit, result, paths, lists);
         return;
     }
+#if HDS_FEATURE_MEDIA
+    shade_setMedia(scene, at, &scatter, &lit);
+#endif
 #if HDS_SHADE_WIDE
     shadeBatch_add(batch, &scatter, &lit);
     if (batch->count == HDS_LANES) {

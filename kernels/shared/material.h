@@ -31,6 +31,7 @@ enum {
 #define HDS_MATERIAL_FUZZ 256u        /* the sheen lies on top of the coat */
 #define HDS_MATERIAL_COMPUTES 512u    /* its program does more than add and multiply */
 #define HDS_MATERIAL_PRESENCE 1024u   /* opacityMode presence */
+#define HDS_MATERIAL_MEDIUM 2048u     /* light is scattered below the surface */
 
 /* HdsMaterial.lobes: what a layered surface is made of; 0: a UsdPreviewSurface. HDS_LOBES is the
  * union over a scene: what is not in it is not compiled. */
@@ -43,13 +44,18 @@ enum {
 #define HDS_LOBE_FILM 64u         /* a thin film over the base */
 #define HDS_LOBES_ALL 127u
 
+/* What a ray goes through (shading/medium.clh). */
+#define HDS_MEDIUM_NONE 0u     /* vacuum, or what only absorbs */
+#define HDS_MEDIUM_INTERIOR 1u /* the inside of a surface that refracts */
+#define HDS_MEDIUM_WALK 2u     /* below a surface with subsurface scattering */
+
 HDS_SHARED_BEGIN
 typedef struct {
     float4 constants[HDS_NUM_INPUTS];
     u32 slots[HDS_NUM_INPUTS]; /* attribute slot, or HDS_NONE: the constant */
     u32 flags;
     u32 program;       /* first word of its program, or HDS_NONE */
-    u32 programInputs; /* bit i: the program sets input i */
+    u32 programInputs; /* bit i: the program sets input i of those above */
     u32 lobes;         /* HDS_LOBE_* */
     u32 reserved;
 } HdsMaterial;

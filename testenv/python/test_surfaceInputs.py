@@ -21,4 +21,4 @@ def test_inputs_are_those_of_the_definition(identifier):
         defined = definition.getActiveInput(name)
         assert defined and _COMPONENTS[defined.getType()] == components, name
         values = {"true": "1", "false": "0", "": "0"}.get(defined.getValueString(), defined.getValueString())
-        assert [float(value) for value in values.split(",")] == pytest.approx([default] * components), name
+        assert [float(value) for value in values.split(",")] == pytest.approx(default), name

@@ -206,6 +206,7 @@ GRAPHS = {
                dict(base=1.0, base_color=RED, coat=0.7, coat_roughness=0.2, specular_roughness=0.5),
                dict(base=1.0, base_color=RED, sheen=1.0, sheen_roughness=0.4, specular=0.5),
                dict(base=0.5, emission=1.0, emission_color=(0.1, 0.2, 0.3)),
+               dict(base=1.0, base_color=RED, subsurface=0.5, subsurface_color=GOLD, subsurface_radius=(0.2, 0.1, 0.05)),
                dict(base=1.0, base_color=GOLD, metalness=1.0, coat=1.0, coat_color=BLUE, specular_roughness=0.4)],
     OPEN_PBR: [dict(base_color=RED, specular_roughness=0.4), dict(base_color=GOLD, base_metalness=1.0, specular_roughness=0.4),
                dict(base_color=RED, coat_weight=0.7, coat_roughness=0.2), dict(base_color=RED, fuzz_weight=0.8),

@@ -14,7 +14,7 @@ pytest.importorskip("hdstream._core")
 import numpy as np
 import ours
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, Vt
-from stages import author, lightCases, materialCases, materialX, shapes, textured
+from stages import author, lightCases, materialCases, materialX, media, shapes, textured
 
 KERNELS = pathlib.Path(__file__).resolve().parents[2] / "kernels"
 _AOVS = ("color", "alpha", "variance")
@@ -82,6 +82,11 @@ def _Layered(path) -> None:
     stage.GetRootLayer().Save()
 
 
+def _Media(path) -> None:
+    """Walks below surfaces and in glass, some of which end while others of their batch go on."""
+    media.WriteMedia(str(path))
+
+
 def _Textured(path) -> None:
     """Images on surfaces, on a dome and on panels; a panel without one."""
     textured.WriteImageLights(path, isTextured=True)
@@ -131,7 +136,7 @@ def _Nested(path) -> None:
     stage.GetRootLayer().Save()
 
 
-@pytest.mark.parametrize("write", [_EveryLight, _Layered, _Textured, _ManyLights, _Nested], ids=lambda write: write.__name__[1:])
+@pytest.mark.parametrize("write", [_EveryLight, _Layered, _Media, _Textured, _ManyLights, _Nested], ids=lambda write: write.__name__[1:])
 def test_form_does_not_matter(write, Kernels, tmp_path):
     path = f"{tmp_path}/stage.usda"
     write(path)

@@ -12,11 +12,12 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 
-from stages import bench, curves, demo, grove, island, materialX  # noqa: E402
+from stages import bench, curves, demo, grove, island, materialX, media  # noqa: E402
 from stages.verify import CASES  # noqa: E402
 
 _WRITERS = {"demo": demo.WriteDemo, "terrain": bench.WriteTerrain, "forest": bench.WriteForest, "meshes": bench.WriteMeshes,
-            "grove": grove.WriteGrove, "materialBalls": materialX.WriteMaterialBalls, "curveShapes": curves.WriteShapes,
+            "grove": grove.WriteGrove, "materialBalls": materialX.WriteMaterialBalls, "media": media.WriteMedia,
+            "curveShapes": curves.WriteShapes,
             "hair": curves.WriteHair, "pointCloud": curves.WritePointCloud, "island": island.WriteIsland}
 
 

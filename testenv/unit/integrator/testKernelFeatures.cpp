@@ -109,6 +109,7 @@ TEST(KernelFeatures, HaveWhatTheyNeed) {
         {"numTexturePools", {"textures"}},               // hold their texels
         {"textureStreaming", {"textures"}},              // whose lines are missing
         {"texturedEmission", {"cutouts", "meshLights"}}, // of a mesh, asked for as candidates are
+        {"media", {"lobes"}},                            // lie below layered surfaces
         {"requestsFirst", {"streaming"}},                // asks for pages that are missing
     };
     for (const auto& [name, needs] : AllNeeds()) {
