@@ -4,6 +4,7 @@
 #include "hdStream/base/hash.h"
 #include "hdStream/device/kernelSource.h"
 
+#include "kernels/shared/lightPaths.h"
 #include "kernels/shared/material.h"
 #include "kernels/shared/residency.h"
 

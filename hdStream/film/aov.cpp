@@ -3,6 +3,7 @@
 
 #include "hdStream/base/error.h"
 #include "hdStream/film/cryptomatte.h"
+#include "hdStream/film/lightPaths.h"
 
 #include <algorithm>
 #include <cstring>
@@ -19,22 +20,29 @@ using Channels = std::vector<std::string>;
 
 AovInfo Color(const char* name, const Channels& channels, AovFilter filter,
               const char* description) {
-    return {name, channels, false, true, filter, 0.0f, 0, description};
+    return {name, channels, false, true, filter, 0.0f, 0, description, ""};
 }
 
 AovInfo Data(const char* name, const Channels& channels, AovFilter filter, float clearValue,
              const char* description) {
-    return {name, channels, false, false, filter, clearValue, 0, description};
+    return {name, channels, false, false, filter, clearValue, 0, description, ""};
 }
 
 /// A Cryptomatte, or a layer of it.
 AovInfo Matte(const std::string& name, const char* description) {
-    return {name, {"R", "G", "B", "A"}, false, false, AovFilter::Matte, 0.0f, 0, description};
+    return {name, {"R", "G", "B", "A"}, false, false, AovFilter::Matte, 0.0f, 0, description, ""};
+}
+
+/// The light of a light path expression.
+AovInfo Light(const std::string& name, const std::string& expression,
+              const std::string& description) {
+    return {name, {"R", "G", "B"}, false,     true, AovFilter::Weighted, 0.0f,
+            0,    description,     expression};
 }
 
 AovInfo Integer(const char* name, const char* channel, AovFilter filter, std::int32_t clearId,
                 const char* description) {
-    return {name, {channel}, true, false, filter, 0.0f, clearId, description};
+    return {name, {channel}, true, false, filter, 0.0f, clearId, description, ""};
 }
 
 std::vector<AovInfo> MakeTable() {
@@ -64,6 +72,18 @@ std::vector<AovInfo> MakeTable() {
         Matte("crypto_object", "Cryptomatte of prims: three layers of two ids with coverages each"),
         Matte("crypto_material", "Cryptomatte of materials"),
         Matte("crypto_instance", "Cryptomatte of instances"),
+        Light("emission", "C[LO]", "light of what is seen directly"),
+        Light("diffuse", "C<RD>.*[LO]", "light that the surface seen reflects diffusely"),
+        Light("specular", "C<R[GS]>.*[LO]", "light that the surface seen reflects otherwise"),
+        Light("transmission", "CT.*[LO]", "light that the surface seen transmits"),
+        Light("direct", "C.[LO]", "light after one scattering"),
+        Light("indirect", "C..+[LO]", "light after more than one scattering"),
+        Light("directDiffuse", "C<RD>[LO]", "what diffuse has after one scattering"),
+        Light("indirectDiffuse", "C<RD>.+[LO]", "what diffuse has after more than one"),
+        Light("directSpecular", "C<R[GS]>[LO]", "what specular has after one scattering"),
+        Light("indirectSpecular", "C<R[GS]>.+[LO]", "what specular has after more than one"),
+        Light("directTransmission", "CT[LO]", "what transmission has after one scattering"),
+        Light("indirectTransmission", "CT.+[LO]", "what transmission has after more than one"),
     };
 }
 
@@ -79,9 +99,27 @@ std::vector<AovInfo> MakeMatteLayerTable() {
     return rows;
 }
 
+bool HasPrefix(const std::string& name, const char* prefix) {
+    const std::size_t length = std::strlen(prefix);
+    return name.size() > length && name.compare(0, length, prefix) == 0;
+}
+
 bool IsPrimvarAov(const std::string& name) {
-    const std::size_t length = std::strlen(kPrimvarAovPrefix);
-    return name.size() > length && name.compare(0, length, kPrimvarAovPrefix) == 0;
+    return HasPrefix(name, kPrimvarAovPrefix);
+}
+
+bool IsLightPathAov(const std::string& name) {
+    return HasPrefix(name, kLightPathPrefix) || HasPrefix(name, kLightGroupPrefix);
+}
+
+std::shared_ptr<const AovInfo> MakeLightPathAov(const std::string& name) {
+    if (HasPrefix(name, kLightPathPrefix)) {
+        return std::make_shared<const AovInfo>(
+            Light(name, name.substr(std::strlen(kLightPathPrefix)), "the light of an expression"));
+    }
+    const std::string group = name.substr(std::strlen(kLightGroupPrefix));
+    return std::make_shared<const AovInfo>(
+        Light(name, "C.*<L.'" + group + "'>", "the light of a group of lights"));
 }
 
 std::shared_ptr<const AovInfo> MakePrimvarAov(const std::string& name) {
@@ -94,7 +132,25 @@ std::shared_ptr<const AovInfo> MakePrimvarAov(const std::string& name) {
     for (const AovInfo& row : AovTable()) {
         message.append(" ").append(row.name);
     }
-    throw Error(message + " " + kPrimvarAovPrefix + "NAME)", ErrorKind::Usage);
+    throw Error(message + " " + kPrimvarAovPrefix + "NAME " + kLightPathPrefix + "EXPRESSION " +
+                    kLightGroupPrefix + "NAME)",
+                ErrorKind::Usage);
+}
+
+/// Appends an AOV with the place that it has among the floats or ids of a pixel.
+void PlaceSlot(const std::shared_ptr<const AovInfo>& info, AovLayout* layout) {
+    std::uint32_t lightPath = 0;
+    if (!info->lightPaths.empty()) {
+        std::vector<std::string>& all = layout->lightPaths;
+        lightPath = static_cast<std::uint32_t>(std::find(all.begin(), all.end(), info->lightPaths) -
+                                               all.begin());
+        if (lightPath == all.size()) {
+            all.push_back(info->lightPaths);
+        }
+    }
+    std::uint32_t& used = info->isInteger ? layout->intsPerPixel : layout->floatsPerPixel;
+    layout->slots.push_back({info, used, lightPath});
+    used += info->NumChannels();
 }
 
 /// Appends an AOV; primvars have no place yet.
@@ -104,7 +160,11 @@ void AddSlot(const std::string& name, AovLayout* layout) {
     }
     if (IsPrimvarAov(name)) {
         layout->primvars.push_back(name.substr(std::strlen(kPrimvarAovPrefix)));
-        layout->slots.push_back({MakePrimvarAov(name), 0});
+        layout->slots.push_back({MakePrimvarAov(name), 0, 0});
+        return;
+    }
+    if (IsLightPathAov(name)) {
+        PlaceSlot(MakeLightPathAov(name), layout);
         return;
     }
     const AovInfo* info = FindAov(name);
@@ -115,12 +175,10 @@ void AddSlot(const std::string& name, AovLayout* layout) {
     const std::shared_ptr<const AovInfo> shared(std::shared_ptr<void>(), info);
     if (info->filter == AovFilter::Matte) {
         layout->hasMattes = true;
-        layout->slots.push_back({shared, 0});
+        layout->slots.push_back({shared, 0, 0});
         return;
     }
-    std::uint32_t& used = info->isInteger ? layout->intsPerPixel : layout->floatsPerPixel;
-    layout->slots.push_back({shared, used});
-    used += info->NumChannels();
+    PlaceSlot(shared, layout);
 }
 
 } // namespace
@@ -155,7 +213,20 @@ std::vector<std::string> LayersOf(const std::string& name) {
 }
 
 bool HasAov(const std::string& name) {
-    return FindAov(name) != nullptr || IsPrimvarAov(name);
+    return FindAov(name) != nullptr || IsPrimvarAov(name) || IsLightPathAov(name);
+}
+
+bool IsSummed(const std::string& name) {
+    const AovInfo* info = FindAov(name);
+    return IsLightPathAov(name) ||
+           (info && (info->filter == AovFilter::Matte || !info->lightPaths.empty()));
+}
+
+void CheckAovs(const std::vector<std::string>& names) {
+    const AovLayout layout = MakeAovLayout(names);
+    if (!layout.lightPaths.empty()) {
+        CompileLightPaths(layout.lightPaths);
+    }
 }
 
 const AovSlot* AovLayout::Find(const std::string& name) const {

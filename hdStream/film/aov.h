@@ -32,6 +32,7 @@ struct AovInfo {
     float clearValue = 0.0f;  ///< every channel of a pixel that hit nothing
     std::int32_t clearId = 0; ///< of an integer AOV: a pixel that hit nothing
     std::string description;  ///< meaning, space and unit
+    std::string lightPaths;   ///< the light that it shows: an expression (film/lightPaths.h)
 
     std::uint32_t NumChannels() const { return static_cast<std::uint32_t>(channels.size()); }
 };
@@ -39,10 +40,12 @@ struct AovInfo {
 /// All AOVs, in the order they are listed to users. Thread-safe.
 const std::vector<AovInfo>& AovTable();
 
-/// The row of that name, or of the layer of a Cryptomatte; null when there is none.
+/// The row of that name, or of the layer of a Cryptomatte; null when there is none. Primvars, light
+/// path expressions and groups of lights have none.
 const AovInfo* FindAov(const std::string& name);
 
-/// Whether there is such an AOV, primvars and layers of Cryptomattes included.
+/// Whether there is such an AOV, primvars, layers of Cryptomattes, light path expressions, whether
+/// or not they can be read, and groups of lights included.
 bool HasAov(const std::string& name);
 
 /// The names of the layers that a Cryptomatte's name stands for; any other name as it is.
@@ -50,11 +53,24 @@ std::vector<std::string> LayersOf(const std::string& name);
 
 /// AOVs of this prefix show a primvar of the first hit (three floats; 0 where there is none).
 constexpr const char* kPrimvarAovPrefix = "primvars:";
+/// AOVs of this prefix show the light of an expression (film/lightPaths.h).
+constexpr const char* kLightPathPrefix = "lpe:";
+/// AOVs of this prefix show the light of the lights of a group.
+constexpr const char* kLightGroupPrefix = "lightGroup:";
+
+/// Whether a film keeps sums or counts for that AOV beside those of colour.
+bool IsSummed(const std::string& name);
+
+/// Throws an error (Usage) that names the AOV, and of a light path expression the column, for a
+/// list of AOVs that no render can have.
+void CheckAovs(const std::vector<std::string>& names);
 
 /// Where a render keeps one of its AOVs.
 struct AovSlot {
     std::shared_ptr<const AovInfo> info;
     std::uint32_t offset = 0; ///< first channel, in floats (ints for integer AOVs) inside a pixel
+    /// Of AovInfo::lightPaths: its number in AovLayout::lightPaths.
+    std::uint32_t lightPath = 0;
 };
 
 /// Layout of a render's resolved AOVs: one buffer of floats and one of int32s, each with all
@@ -67,6 +83,7 @@ struct AovLayout {
     /// Names of the primvars that are AOVs; they lie one after another from primvarOffset on.
     std::vector<std::string> primvars;
     std::uint32_t primvarOffset = 0;
+    std::vector<std::string> lightPaths; ///< expressions that AOVs show, each once
 
     /// The slot of that AOV; null when it was not asked for.
     const AovSlot* Find(const std::string& name) const;

@@ -37,7 +37,8 @@ std::uint32_t FilmSums::MostSamples() const {
 }
 
 void CheckFilmSums(const std::vector<FilmSums>& start, std::uint32_t width, std::uint32_t height,
-                   std::uint32_t samples, bool needsMattes) {
+                   std::uint32_t samples, bool needsMattes,
+                   const std::vector<std::string>& lightPaths) {
     for (std::size_t i = 0; i < start.size(); ++i) {
         const FilmSums& sums = start[i];
         if (sums.width != width || sums.height != height) {
@@ -59,6 +60,13 @@ void CheckFilmSums(const std::vector<FilmSums>& start, std::uint32_t width, std:
         }
         if (needsMattes && !isBlack && !sums.hasMattes) {
             Fail(sums, "they were made without a Cryptomatte, which is asked for now");
+        }
+        if (!isBlack && !lightPaths.empty() && sums.lightPaths != lightPaths) {
+            Fail(sums, "they were made with other light path expressions than are asked for now");
+        }
+        if (!isBlack &&
+            sums.lightPathPixels.size() != sums.lightPaths.size() * sums.pixels.size()) {
+            Fail(sums, "pixels of light path expressions are missing");
         }
         for (const MatteCount& matte : sums.mattes) {
             if (matte.pixel >= std::uint64_t{width} * height) {

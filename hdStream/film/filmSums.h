@@ -5,8 +5,10 @@
 
 #include "hdStream/film/cryptomatte.h"
 #include "kernels/shared/frame.h"
+#include "kernels/shared/lightPaths.h"
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace hds {
@@ -21,6 +23,9 @@ struct FilmSums {
     std::vector<shared::HdsFilmPixel> pixels; ///< [height][width]; empty: no sample yet, black
     bool hasMattes = false;                   ///< what samples met was counted, for a Cryptomatte
     std::vector<MatteCount> mattes;
+    std::vector<std::string> lightPaths; ///< expressions that were asked for, each once
+    /// [lightPaths][height][width], without samples none. 32 B each.
+    std::vector<shared::HdsLightPathPixel> lightPathPixels;
 
     /// Samples of the pixels that have most.
     std::uint32_t MostSamples() const;
@@ -31,8 +36,10 @@ struct FilmSums {
 /// add up to the bits of one render.
 /// \param samples that the render ends with
 /// \param needsMattes the render has a Cryptomatte
+/// \param lightPaths that the render has, in this order
 /// \throws Error (Usage) that says what is wrong
 void CheckFilmSums(const std::vector<FilmSums>& start, std::uint32_t width, std::uint32_t height,
-                   std::uint32_t samples, bool needsMattes);
+                   std::uint32_t samples, bool needsMattes,
+                   const std::vector<std::string>& lightPaths);
 
 } // namespace hds

@@ -5,8 +5,11 @@
 
 #include <pxr/base/gf/vec3f.h>
 #include <pxr/base/gf/vec4f.h>
+#include <pxr/base/tf/diagnostic.h>
 
+#include <mutex>
 #include <optional>
+#include <set>
 
 PXR_NAMESPACE_OPEN_SCOPE
 
@@ -22,7 +25,48 @@ HdAovDescriptor ThreeFloats(float clearValue) {
 #endif
 }
 
+bool BeginsWith(const std::string& text, const std::string& prefix) {
+    return text.compare(0, prefix.size(), prefix) == 0;
+}
+
+/// An entry of a binding's settings, a string or a token; empty: there is none.
+std::string TextOf(const HdAovSettingsMap& settings, const char* name) {
+    const auto found = settings.find(TfToken(name));
+    if (found == settings.end()) {
+        return {};
+    }
+    return found->second.IsHolding<TfToken>() ? found->second.UncheckedGet<TfToken>().GetString()
+                                              : found->second.GetWithDefault(std::string());
+}
+
+/// Whether light path expressions can be read; else there is a warning, the first time.
+bool IsReadable(const std::string& layer) {
+    try {
+        hds::CheckAovs({layer});
+        return true;
+    } catch (const hds::Error& error) {
+        static std::mutex mutex;
+        static std::set<std::string> warned;
+        const std::lock_guard<std::mutex> lock(mutex);
+        if (warned.insert(layer).second) {
+            TF_WARN("%s; left out", error.what());
+        }
+        return false;
+    }
+}
+
 } // namespace
+
+std::string HdStreamAovName(const HdRenderPassAovBinding& binding) {
+    const std::string own = HdStreamAovName(binding.aovName);
+    const std::string source = TextOf(binding.aovSettings, "sourceName");
+    const std::string type = TextOf(binding.aovSettings, "sourceType");
+    if (!source.empty() && (type == "lpe" || type == "primvar")) {
+        const std::string prefix = type == "lpe" ? hds::kLightPathPrefix : hds::kPrimvarAovPrefix;
+        return BeginsWith(source, prefix) ? source : prefix + source;
+    }
+    return hds::HasAov(own) || !hds::HasAov(source) ? own : source;
+}
 
 std::string HdStreamAovName(const TfToken& name) {
     static const std::string kPrefix = "primvars_";
@@ -36,6 +80,9 @@ HdAovDescriptor HdStreamAovDescriptor(const TfToken& name) {
     const HdParsedAovToken parsed{TfToken(layer)};
     if (parsed.isPrimvar) {
         return ThreeFloats(0.0F);
+    }
+    if (BeginsWith(layer, hds::kLightPathPrefix) || BeginsWith(layer, hds::kLightGroupPrefix)) {
+        return IsReadable(layer) ? ThreeFloats(0.0F) : HdAovDescriptor();
     }
     const hds::AovInfo* info = hds::FindAov(layer);
     const std::optional<hds::MatteAov> matte = hds::ParseMatteAov(layer);

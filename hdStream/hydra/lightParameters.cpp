@@ -87,6 +87,20 @@ hds::LightShaping ReadShaping(const Reader& reader) {
     return shaping;
 }
 
+/// The group that light path expressions know a light by: of strings and tokens.
+std::string ReadGroup(const Reader& reader) {
+    for (const char* name : hds::kLightGroupAttributes) {
+        const VtValue value = reader.Get(TfToken(name));
+        const std::string group = value.IsHolding<TfToken>()
+                                      ? value.UncheckedGet<TfToken>().GetString()
+                                      : value.GetWithDefault(std::string());
+        if (!group.empty()) {
+            return group;
+        }
+    }
+    return {};
+}
+
 /// Whether a light's collection is not the one that holds everything.
 bool IsPartial(HdSceneDelegate* delegate, const SdfPath& id, const TfToken& collection) {
     const Reader reader(delegate, id);
@@ -153,6 +167,7 @@ hds::LightDescription HdStreamReadLight(HdSceneDelegate* delegate, const SdfPath
     }
     ReadFields(reader, "", &light);
     light.visibleToCamera = true; // is decided by others, not by an input
+    light.group = ReadGroup(reader);
     ReadTexture(reader, &light);
     light.shaping = ReadShaping(reader);
     ReadFields(reader, "shadow:", &light.shadow);

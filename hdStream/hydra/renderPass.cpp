@@ -77,8 +77,8 @@ std::string CullStyleName(HdCullStyle style) {
 std::vector<std::string> AovsFrom(const HdRenderPassAovBindingVector& bindings) {
     std::vector<std::string> names;
     for (const HdRenderPassAovBinding& binding : bindings) {
-        const std::string name = HdStreamAovName(binding.aovName);
-        if (HdStreamAovDescriptor(binding.aovName).format != HdFormatInvalid &&
+        const std::string name = HdStreamAovName(binding);
+        if (HdStreamAovDescriptor(TfToken(name)).format != HdFormatInvalid &&
             std::find(names.begin(), names.end(), name) == names.end()) {
             names.push_back(name);
         }
@@ -200,8 +200,8 @@ void HdStreamRenderPass::Show(const HdRenderPassState& state) {
     bool isMapped = false;
     for (const HdRenderPassAovBinding& binding : state.GetAovBindings()) {
         if (HdStreamRenderBuffer* buffer = BufferOf(binding, GetRenderIndex())) {
-            const HdStreamShowResult result = buffer->Show(image, HdStreamAovName(binding.aovName),
-                                                           dataWindow, binding.clearValue);
+            const HdStreamShowResult result =
+                buffer->Show(image, HdStreamAovName(binding), dataWindow, binding.clearValue);
             isMapped |= result == HdStreamShowResult::Mapped;
             buffer->SetConverged(isConverged && result != HdStreamShowResult::Mapped);
         }

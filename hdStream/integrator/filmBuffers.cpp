@@ -42,6 +42,11 @@ void FilmBuffers::Reset(const AovLayout& layout, std::uint32_t width, std::uint3
     if (layout.hasMattes) {
         _mattes.Reset(width, height);
     }
+    Resize(_device, "light path sums",
+           numPixels * layout.lightPaths.size() * sizeof(shared::HdsLightPathPixel), &_lightPaths);
+    if (_lightPaths.Bytes() > 0) {
+        _lightPaths.Fill(0, _lightPaths.Bytes());
+    }
     Resize(_device, "AOV ids", numPixels * layout.intsPerPixel * sizeof(std::int32_t), &_ints);
 }
 
@@ -56,8 +61,12 @@ void FilmBuffers::Load(StageKernels* kernels, const std::vector<FilmSums>& start
             _film.Write(pixels.data(), _film.Bytes());
         } else if (i == 0) {
             _film.Write(sums.pixels.data(), _film.Bytes());
+            if (NumLightPaths() > 0) {
+                _lightPaths.Write(sums.lightPathPixels.data(), _lightPaths.Bytes());
+            }
         } else {
             const Buffer block = UploadVector(_device, "block sums", sums.pixels);
+            AddLightPathBlock(kernels, sums, block);
             kernels->addBlock.Launch(numPixels, _film, block, numPixels);
             _device->Finish();
         }
@@ -70,6 +79,17 @@ void FilmBuffers::Load(StageKernels* kernels, const std::vector<FilmSums>& start
                 _mattes.Add(matte.pixel, matte.surface, matte.count);
             }
         }
+    }
+}
+
+/// Adds the sums of the block that follows. \param block its film.
+void FilmBuffers::AddLightPathBlock(StageKernels* kernels, const FilmSums& sums,
+                                    const Buffer& block) {
+    if (NumLightPaths() > 0) {
+        const Buffer added = UploadVector(_device, "block light path sums", sums.lightPathPixels);
+        kernels->addLightPathBlock.Launch(std::size_t{NumPixels()} * NumLightPaths(), block,
+                                          NumPixels(), NumLightPaths(), _lightPaths, added);
+        _device->Finish();
     }
 }
 
@@ -86,6 +106,11 @@ FilmSums FilmBuffers::Read(std::uint32_t firstSample, std::uint32_t endSample) c
     sums.pixels.resize(std::size_t{_width} * _height);
     _device->Finish();
     _film.Read(sums.pixels.data(), _film.Bytes());
+    sums.lightPaths = _layout.lightPaths;
+    sums.lightPathPixels.resize(sums.pixels.size() * sums.lightPaths.size());
+    if (!sums.lightPathPixels.empty()) {
+        _lightPaths.Read(sums.lightPathPixels.data(), _lightPaths.Bytes());
+    }
     return sums;
 }
 
@@ -161,6 +186,13 @@ std::vector<ImageLayer> FilmBuffers::Develop(StageKernels* kernels, std::uint32_
                             OffsetOf(_layout, "color"), OffsetOf(_layout, "alpha"),
                             OffsetOf(_layout, "variance"), OffsetOf(_layout, "sampleCount"),
                             OffsetOf(_layout, "noisy"));
+    for (const AovSlot& slot : _layout.slots) {
+        if (!slot.info->lightPaths.empty()) {
+            kernels->developLightPath.Launch(
+                numPixels, _film, _lightPaths, slot.lightPath * NumPixels(), numPixels, _width,
+                width, previewStride, _floats, _layout.floatsPerPixel, slot.offset);
+        }
+    }
     std::vector<float> floats(std::size_t{numPixels} * _layout.floatsPerPixel);
     std::vector<std::int32_t> ints(std::size_t{numPixels} * _layout.intsPerPixel);
     _device->Finish();

@@ -33,7 +33,14 @@ public:
     const Buffer& Film() const { return _film; }
     const Buffer& Floats() const { return _floats; }
     const Buffer& Ints() const { return _ints; }
-    std::uint64_t Bytes() const { return _film.Bytes(); }
+    std::uint64_t Bytes() const { return _film.Bytes() + _lightPaths.Bytes(); }
+
+    /// Sums of light path expressions, and how many there are.
+    const Buffer& LightPaths() const { return _lightPaths; }
+    std::uint32_t NumLightPaths() const {
+        return static_cast<std::uint32_t>(_layout.lightPaths.size());
+    }
+    std::uint32_t NumPixels() const { return _width * _height; }
 
     bool HasMattes() const { return _layout.hasMattes; }
     /// Counts what the samples of a wave have met. \param pixels of the wave, numSamples slots
@@ -56,6 +63,7 @@ public:
                                     const MatteNamer& nameOf);
 
 private:
+    void AddLightPathBlock(StageKernels* kernels, const FilmSums& sums, const Buffer& block);
     void DevelopMattes(const MatteNamer& nameOf, std::vector<ImageLayer>* layers) const;
 
     std::shared_ptr<Device> _device;
@@ -65,6 +73,7 @@ private:
     Buffer _film;
     Buffer _floats;
     Buffer _ints;
+    Buffer _lightPaths; ///< HdsLightPathPixel [expressions][pixels]
     bool _hasFirstHits = false;
     MatteSums _mattes;
 };

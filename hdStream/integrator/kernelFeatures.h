@@ -5,6 +5,7 @@
 
 #include "hdStream/device/program.h"
 
+#include "kernels/shared/lightPaths.h"
 #include "kernels/shared/material.h"
 #include "kernels/shared/pathConditions.h"
 #include "kernels/shared/residency.h"

@@ -5,6 +5,7 @@
 #include "hdStream/integrator/cameraFrame.h"
 #include "hdStream/integrator/filmBuffers.h"
 #include "hdStream/integrator/kernelSets.h"
+#include "hdStream/integrator/lightPathTable.h"
 #include "hdStream/integrator/makeResident.h"
 #include "hdStream/integrator/sampleSchedule.h"
 #include "hdStream/integrator/waveSize.h"
@@ -44,10 +45,7 @@ struct Onlooker {
 struct PathTracer::Impl {
     Impl(std::shared_ptr<Device> theDevice, Store* theStore)
         : device(std::move(theDevice)), kernelSets(device, theStore), buffers(device, theStore),
-          film(device), tracer(device, &buffers, &statistics) {
-        frame = Buffer(device, "frame constants", sizeof(shared::HdsFrameParams),
-                       BufferAccess::ReadOnly);
-    }
+          film(device), tracer(device, &buffers, &statistics) {}
 
     bool SetScene(const CommittedScene& newScene, const ResidencyOptions& newResidency) {
         scene = nullptr;
@@ -73,7 +71,7 @@ struct PathTracer::Impl {
         ReadyPathState();
         const shared::HdsFrameParams params = MakeFrameParams(
             options, scene->centre, static_cast<std::uint32_t>(scene->lights->lights.size()));
-        frame.Write(&params, sizeof(params));
+        ReadyFrame(params);
         ReadyFilter();
         tracer.ClearCounters();
         film.Reset(options.aovs, options.imageWidth, options.imageHeight);
@@ -81,6 +79,24 @@ struct PathTracer::Impl {
         film.Load(kernels, start);
         schedule.Begin(options, start);
         SetWaveLimits();
+    }
+
+    /// The table of light path expressions follows the constants.
+    void ReadyFrame(const shared::HdsFrameParams& params) {
+        std::vector<std::uint32_t> table;
+        if (!options.aovs.lightPaths.empty()) {
+            table = MakeLightPathTable(CompileLightPaths(options.aovs.lightPaths),
+                                       scene->lights->groups);
+        }
+        const std::uint64_t tableBytes = table.size() * sizeof(table[0]);
+        if (!frame.IsValid() || frame.Bytes() != sizeof(params) + tableBytes) {
+            frame = Buffer(device, "frame constants", sizeof(params) + tableBytes,
+                           BufferAccess::ReadOnly);
+        }
+        frame.Write(&params, sizeof(params));
+        if (tableBytes > 0) {
+            frame.Write(table.data(), tableBytes, sizeof(params));
+        }
     }
 
     void ReadyFilter() {
@@ -117,6 +133,7 @@ struct PathTracer::Impl {
         features.rayVisibility = scene->hasRayVisibility;
         features.mattes = options.aovs.hasMattes;
         features.media = scene->hasMedia;
+        features.lightPaths = NumLightPathSums(options.aovs.lightPaths.size());
         features.numPools = buffers.NumPoolBuffers() > 1 ? kMaxPoolBuffers : 1;
         features.streaming = isStreaming;
         features.requestsFirst = features.streaming && requestsFirst;
@@ -200,6 +217,12 @@ struct PathTracer::Impl {
             isCancelled);
         if (!isTraced) {
             return false;
+        }
+        if (film.NumLightPaths() > 0) {
+            kernels->addLightPaths.Launch(std::size_t{wave.numPixels} * film.NumLightPaths(), wave,
+                                          tracer.Sums(), numSlots, tracer.MaxPaths(), pixels,
+                                          film.Film(), film.LightPaths(), film.NumPixels(),
+                                          film.NumLightPaths());
         }
         kernels->resolve.Launch(wave.numPixels, wave, tracer.Sums(), numSlots, pixels, film.Film(),
                                 tracer.Counters());

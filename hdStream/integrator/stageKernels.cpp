@@ -20,6 +20,7 @@ std::uint64_t NumPathFields(const KernelFeatures& features, const std::string& b
 #include "kernels/shared/features.def"
     const bool HDS_WAIT_LISTS = HDS_KEEPS_WAIT_LISTS;
     const bool HDS_SHADOW_LIGHT = HDS_KEEPS_SHADOW_LIGHT;
+    const bool HDS_LIGHT_PATH_STATE = HDS_FOLLOWS_LIGHT_PATHS;
     std::uint64_t count = 0;
 #define HDS_PATH_FIELD(condition, type, name, doc) \
     if (before == #name) {                         \
@@ -28,7 +29,7 @@ std::uint64_t NumPathFields(const KernelFeatures& features, const std::string& b
     count += (condition) ? 1 : 0;
 #include "kernels/shared/pathState.def"
 #undef HDS_PATH_FIELD
-    return count;
+    return count + features.lightPaths;
 }
 
 /// Items that a work-item of the kernels of queues takes (kernels/integrator/itemLoop.clh).
@@ -96,6 +97,11 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
     relativeVariance = frameProgram->GetKernel("film_relativeVariance");
     relativeError = frameProgram->GetKernel("film_relativeError");
     addBlock = frameProgram->GetKernel("film_addBlock");
+    if (features.lightPaths > 0) {
+        addLightPaths = frameProgram->GetKernel("resolve_addLightPaths");
+        addLightPathBlock = frameProgram->GetKernel("film_addLightPathBlock");
+        developLightPath = frameProgram->GetKernel("film_developLightPath");
+    }
     intersect = intersectProgram->GetKernel("intersect_closest");
     shade = shadeProgram->GetKernel("shade_paths");
     shadowCast = shadowProgram->GetKernel("shadow_cast");

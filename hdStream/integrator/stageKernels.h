@@ -42,6 +42,9 @@ public:
     Kernel relativeVariance;
     Kernel relativeError;
     Kernel addBlock;
+    Kernel addLightPaths; ///< with light path expressions alone, as are the next two
+    Kernel addLightPathBlock;
+    Kernel developLightPath;
 
     /// Bytes of path state a path needs with these features.
     std::uint64_t PathStateBytes() const { return PathStateBytes(_features); }

@@ -32,7 +32,7 @@ std::uint64_t WaveQueues::BytesPerSlot(const KernelFeatures& features) {
 }
 
 std::uint64_t WaveQueues::SumBytes(const KernelFeatures& features) {
-    return features.mattes ? 32 : 16;
+    return 16ULL * (1 + (features.mattes ? 1 : 0) + features.lightPaths);
 }
 
 void WaveQueues::Ready(const StageKernels& kernels, std::uint32_t numSlots,

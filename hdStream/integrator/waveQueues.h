@@ -38,7 +38,7 @@ public:
     std::uint32_t NumSlots() const { return _numSlots; }
     /// What the paths of a wave have gathered, as resolve_addSamples reads it. With lists, and for
     /// a Cryptomatte, the surfaces that their camera rays have met follow behind those of all
-    /// paths.
+    /// paths; behind these the sums of light path expressions.
     const Buffer& Sums() const { return _hasSums ? _sums : _paths; }
     /// Slots of paths that have ended: those in no queue. The lowest ones, at most `most`; all
     /// slots have been used. \param present the queue of paths that go on. Blocks.

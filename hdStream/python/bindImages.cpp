@@ -125,6 +125,14 @@ void BindWriting(nb::module_& module) {
     module.def("LayersOf", &LayersOf, "name"_a,
                "Names of the layers that an AOV's name stands for.");
     module.def("HasAov", &HasAov, "name"_a, "Whether a render can write an AOV of that name.");
+    module.def(
+        "ChannelsOf",
+        [](const std::string& name) { return MakeAovLayout({name}).slots.front().info->channels; },
+        "name"_a, "Channels of an AOV or of its layers.");
+    module.def("IsSummed", &IsSummed, "name"_a,
+               "Whether samples of that AOV add up in the sums of a film, beside those of colour.");
+    module.def("CheckAovs", &CheckAovs, "names"_a,
+               "Raises UsageError for a list of AOVs that no render can have.");
 }
 
 constexpr std::size_t kMatteWords = sizeof(MatteCount) / sizeof(std::uint32_t);
@@ -165,6 +173,22 @@ FilmSums FilmSumsFromWords(std::uint32_t width, std::uint32_t height, std::uint3
     return sums;
 }
 
+constexpr std::size_t kLightPathWords = sizeof(shared::HdsLightPathPixel) / sizeof(std::uint32_t);
+
+void SetLightPaths(FilmSums& sums, std::vector<std::string> expressions,
+                   const nb::ndarray<const std::uint32_t, nb::ndim<4>, nb::c_contig>& words) {
+    const std::size_t numPixels = sums.pixels.size() * expressions.size();
+    if (words.size() != numPixels * kLightPathWords) {
+        throw nb::value_error("the array is not [expressions][height][width] pixels");
+    }
+    sums.lightPaths = std::move(expressions);
+    sums.lightPathPixels.resize(numPixels);
+    if (numPixels > 0) {
+        std::memcpy(static_cast<void*>(sums.lightPathPixels.data()), words.data(),
+                    words.size() * sizeof(std::uint32_t));
+    }
+}
+
 void BindFilmSums(nb::module_& module) {
     nb::class_<FilmSums>(module, "FilmSums", "Sums of a range of samples of all pixels.")
         .def(
@@ -182,6 +206,21 @@ void BindFilmSums(nb::module_& module) {
         .def_ro("height", &FilmSums::height)
         .def_ro("firstSample", &FilmSums::firstSample)
         .def_ro("endSample", &FilmSums::endSample)
+        .def_ro("lightPaths", &FilmSums::lightPaths)
+        .def("SetLightPaths", &SetLightPaths, "expressions"_a, "words"_a,
+             "Sums of light path expressions, as lightPathWords has them.")
+        .def_prop_ro(
+            "lightPathWords",
+            [](nb::handle self) {
+                const auto& sums = nb::cast<const FilmSums&>(self);
+                const bool isBlack = sums.pixels.empty();
+                const std::size_t shape[4] = {sums.lightPaths.size(), isBlack ? 0 : sums.height,
+                                              sums.width, kLightPathWords};
+                return nb::cast(nb::ndarray<nb::numpy, const std::uint32_t>(
+                    reinterpret_cast<const std::uint32_t*>(sums.lightPathPixels.data()), 4, shape,
+                    self));
+            },
+            "Sums of light path expressions, uint32 [expressions][height][width][words].")
         .def("MostSamples", &FilmSums::MostSamples)
         .def_prop_ro(
             "words",

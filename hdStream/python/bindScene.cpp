@@ -127,6 +127,8 @@ void BindLight(nb::module_& module) {
                                "How a mesh light and its material go together.");
     BindStruct<LightShaping>(module, "LightShaping", "How light depends on its direction.");
     BindStruct<LightShadow>(module, "LightShadow", "The shadows a light casts.");
+    module.attr("LIGHT_GROUP_ATTRIBUTES") =
+        std::vector<std::string>(kLightGroupAttributes.begin(), kLightGroupAttributes.end());
     BindStruct<LightDescription>(module, "LightDescription", "A UsdLux light as authored.");
     nb::class_<LinkCategories> links(module, "LinkCategories", "What a light is linked to.");
     links.def(

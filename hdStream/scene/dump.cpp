@@ -107,6 +107,7 @@ template <typename Member>
 bool IsWorthALine(const LightDescription& light, const Field<LightDescription, Member>& field) {
     return field.IsFor(light.type) &&
            (!field.Is(&LightDescription::textureFile) || !light.textureFile.authoredPath.empty()) &&
+           (!field.Is(&LightDescription::group) || !light.group.empty()) &&
            (!field.Is(&LightDescription::shaping) || !IsUnshaped(light)) &&
            (!field.Is(&LightDescription::shadow) || IsRestricted(light.shadow));
 }

@@ -350,7 +350,7 @@ RenderResult Session::Render(const Settings& settings, const ProgressCallback& o
     Impl& impl = *_impl;
     CheckSettings(settings);
     CheckFilmSums(start, settings.imageWidth, settings.imageHeight, settings.samples,
-                  MakeAovLayout(settings.aovs).hasMattes);
+                  MakeAovLayout(settings.aovs).hasMattes, MakeAovLayout(settings.aovs).lightPaths);
     if (!start.empty() && settings.noise > 0.0) {
         throw Error("--noise: adaptive samples cannot be split or continued", ErrorKind::Usage);
     }

@@ -55,7 +55,7 @@ void CheckSettings(const Settings& settings) {
                         ErrorKind::Usage);
         }
     }
-    MakeAovLayout(settings.aovs);
+    CheckAovs(settings.aovs);
     if (settings.residency == "mapped" && settings.noCache) {
         throw Error("--residency mapped: needs the persistent cache, which --noCache switches off",
                     ErrorKind::Usage);

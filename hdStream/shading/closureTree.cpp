@@ -20,10 +20,6 @@ constexpr std::size_t kMaxSlabs = 8;
 /// Longest chain of closures; longer ones are cycles.
 constexpr int kMaxDepth = 64;
 
-ShaderValue White() {
-    return MakeConstant({1.0F, 1.0F, 1.0F, 1.0F}, 3);
-}
-
 /// Reads the closures that a surface is made of.
 class ClosureReader {
 public:

@@ -318,7 +318,8 @@ private:
     /// extinction is raised for all colours alike, until no absorption is below 0.
     void SetScattering(const ShaderValue& scattering) {
         if ((_result.flags & HDS_MATERIAL_THIN_WALLED) != 0 || IsAll(scattering, 0.0F) ||
-            !Has(HDS_INPUT_TRANSMISSION)) {
+            !_result.values[HDS_INPUT_TRANSMISSION] ||
+            IsAll(_result.values[HDS_INPUT_TRANSMISSION], 0.0F)) {
             return;
         }
         const ShaderValue left = Subtract(_result.values[HDS_INPUT_ABSORPTION], scattering, 3);

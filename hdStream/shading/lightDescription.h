@@ -109,6 +109,7 @@ struct LightDescription {
     LightShaping shaping;
     LightShadow shadow;
     bool visibleToCamera = true;
+    std::string group; ///< that light path expressions know it by; empty: of none
 
     /// In the order of the dump, and which lights have what.
     static constexpr auto Fields() {
@@ -119,7 +120,7 @@ struct LightDescription {
             HDS_FIELD(Light, diffuse), HDS_FIELD(Light, specular), HDS_FIELD(Light, normalize),
             HDS_FIELD(Light, color), HDS_FIELD(Light, enableColorTemperature),
             HDS_FIELD(Light, colorTemperature), HDS_FIELD(Light, visibleToCamera),
-            HDS_FIELD(Light, angle).For(T::Distant),
+            HDS_FIELD(Light, group), HDS_FIELD(Light, angle).For(T::Distant),
             HDS_FIELD(Light, radius).For(T::Sphere, T::Disk, T::Cylinder),
             HDS_FIELD(Light, width).For(T::Rect), HDS_FIELD(Light, height).For(T::Rect),
             HDS_FIELD(Light, length).For(T::Cylinder),
@@ -129,6 +130,12 @@ struct LightDescription {
             HDS_FIELD(Light, shaping), HDS_FIELD(Light, shadow));
     }
 };
+
+/// Attributes of lights that name their group, ours and those of hosts, the first that counts
+/// first.
+constexpr std::array<const char*, 6> kLightGroupAttributes{
+    "hdstream:light:group",       "inputs:karma:light:lpetag", "karma:light:lpetag",
+    "inputs:ri:light:lightGroup", "ri:light:lightGroup",       "primvars:arnold:aov"};
 
 /// An input that multiplies light: what is negative or not finite counts as 0.
 float LightFactor(float value);

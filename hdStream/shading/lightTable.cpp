@@ -68,6 +68,7 @@ public:
     LightTable Finish();
 
 private:
+    std::uint32_t GroupOf(const PlacedLight& placed);
     bool Radiance(const PlacedLight& placed, const shared::HdsLight& light, glm::dvec3* radiance);
     bool AddImage(const PlacedLight& placed, shared::HdsLight* light, double* meanLuminance);
     void AddLinks();
@@ -269,6 +270,24 @@ void Builder::Push(shared::HdsLight light, const glm::dvec3& radiance, double po
     _table.lights.push_back(light);
 }
 
+/// The number of a light's group; 0: it is in none.
+std::uint32_t Builder::GroupOf(const PlacedLight& placed) {
+    const std::string& group = placed.light.group;
+    if (group.empty()) {
+        return 0;
+    }
+    const auto found = std::find(_table.groups.begin(), _table.groups.end(), group);
+    const auto number = static_cast<std::uint32_t>(found - _table.groups.begin()) + 1;
+    if (number > HDS_MAX_LIGHT_GROUPS) {
+        _warnings.Add(placed.name, "there are too many groups of lights; in none");
+        return 0;
+    }
+    if (found == _table.groups.end()) {
+        _table.groups.push_back(group);
+    }
+    return number;
+}
+
 void Builder::AddLight(const PlacedLight& placed) {
     const LightDescription& description = placed.light;
     WarnIgnored(placed);
@@ -279,6 +298,7 @@ void Builder::AddLight(const PlacedLight& placed) {
         (description.type == LightType::Sphere && description.treatAsPoint) ||
         (description.type == LightType::Distant && !(DistantHalfAngle(description) > 0.0));
     light.flags |= isPoint ? HDS_LIGHT_POINT : 0U;
+    light.flags |= GroupOf(placed) << HDS_LIGHT_GROUP_SHIFT;
     if (!PlaceLight(description, placed.worldFromLight, &light)) {
         _warnings.Add(placed.name, "light has a singular transform or no size; left out");
         return;
@@ -344,6 +364,7 @@ shared::HdsLight Builder::BeginMesh(const EmissiveMesh& mesh, bool isWeighed, do
     *factor = kPi * (mesh.twoSided ? 2.0 : 1.0);
     if (mesh.lux) {
         light.flags |= mesh.lux->light.visibleToCamera ? HDS_LIGHT_VISIBLE : 0U;
+        light.flags |= GroupOf(*mesh.lux) << HDS_LIGHT_GROUP_SHIFT;
         AddShaping(*mesh.lux, &light, factor);
         AddControls(*mesh.lux, &light);
     }

@@ -51,6 +51,7 @@ struct LightTable {
     bool hasControls = false;         ///< some is linked, or has multipliers or shadow controls
     bool hasPortals = false;          ///< some is a dome with portals
     bool hasMeshes = false;           ///< some is a mesh
+    std::vector<std::string> groups;  ///< of lights, by the number that lights have: from 1 on
     bool hasTexturedEmission = false; ///< some is a mesh with HDS_LIGHT_TEXTURED_EMISSION
     /// For each emissive mesh of the input where its HDS_MESH_LIGHT begins in `cdf`, or HDS_NONE
     /// (black or no area).

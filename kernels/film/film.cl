@@ -34,6 +34,24 @@ kernel void film_develop(global const HdsFilmPixel* film, uint numPixels, uint w
     }
 }
 
+/* Writes a light path expression as film_develop does colour. \param firstSum of the expression in
+ * `sums`. */
+kernel void film_developLightPath(global const HdsFilmPixel* film,
+                                  global const HdsLightPathPixel* sums, uint firstSum,
+                                  uint numPixels, uint width, uint numAcross, uint stride,
+                                  global float* floats, uint floatStride, uint offset) {
+    const uint i = (uint)get_global_id(0);
+    if (i >= numPixels) {
+        return;
+    }
+    const uint at = i / numAcross * stride * width + i % numAcross * stride;
+    const HdsLightPathPixel pixel = sums[(size_t)firstSum + at];
+    const uint count = film[at].numSamples;
+    const float3 mean =
+        count > 0u ? (pixel.sum + pixel.blockSum).xyz / (float)count : (float3)(0.0f);
+    vstore3(mean, 0, floats + (size_t)i * floatStride + offset);
+}
+
 /* Pixels on each side of one that film_relativeError looks at, and what a pixel counts by itself.
  */
 #define HDS_ERROR_RADIUS 2
@@ -93,4 +111,20 @@ kernel void film_addBlock(global HdsFilmPixel* film, global const HdsFilmPixel* 
     const HdsFilmPixel added = block[i];
     filmPixel_addBlock(&pixel, &added);
     film[i] = pixel;
+}
+
+/* film_addBlock for light path expressions. Global size: numPixels * number of expressions.
+ * \param block [numPixels] film of the block. \param sums, blockSums [expressions][numPixels] */
+kernel void film_addLightPathBlock(global const HdsFilmPixel* block, uint numPixels, uint count,
+                                   global HdsLightPathPixel* sums,
+                                   global const HdsLightPathPixel* blockSums) {
+    const uint i = (uint)get_global_id(0);
+    if (i >= numPixels * count) {
+        return;
+    }
+    HdsLightPathPixel pixel = sums[i];
+    const HdsLightPathPixel added = blockSums[i];
+    pixel.blockSum = added.sum + added.blockSum;
+    filmPixel_closeLightPath(&pixel, block[i % numPixels].numSamples);
+    sums[i] = pixel;
 }

@@ -4,6 +4,7 @@
  * Explained in docs/wavefront.md. */
 #include "integrator/generateRay.clh"
 #include "integrator/itemLoop.clh"
+#include "integrator/lightPaths.clh"
 #include "integrator/pathState.clh"
 #include "sample/filter.clh"
 #include "texture/rayCone.clh"
@@ -59,6 +60,9 @@ void generate_start(HdsPaths paths, uint i, uint number, constant const HdsFrame
 #endif
 #if HDS_FEATURE_MATTES
     path_store_matte(paths, i, (uint4)(HDS_NONE, 0u, 0u, 0u));
+#endif
+#if HDS_LIGHT_PATH_STATE
+    lightPaths_begin(paths, i);
 #endif
 }
 

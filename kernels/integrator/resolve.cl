@@ -4,12 +4,13 @@
  * keep lists, where slots are used again, the sums of paths. To: film. Explained in docs/film.md.
  */
 #include "film/filmPixel.clh"
+#include "integrator/lightPaths.clh"
 #include "integrator/pathState.clh"
 
 #if HDS_WAIT_LISTS
 /* Global size: count. Keeps what paths that have ended have gathered, by their numbers in the wave.
  * \param queue of their slots. \param numPaths of the wave: behind their sums lie the surfaces that
- * camera rays have met. */
+ * camera rays have met, and behind these the sums of each light path expression. */
 kernel void resolve_keepSums(global uchar* state, uint numSlots, global const uint* restrict queue,
                              uint first, uint count, global float4* restrict sums, uint numPaths) {
     const uint item = (uint)get_global_id(0);
@@ -22,6 +23,12 @@ kernel void resolve_keepSums(global uchar* state, uint numSlots, global const ui
     sums[number] = path_load_radiance(paths, i);
 #if HDS_FEATURE_MATTES
     sums[(size_t)numPaths + number] = as_float4(path_load_matte(paths, i));
+#endif
+#if HDS_LIGHT_PATH_STATE
+    for (uint k = 0u; k < HDS_LIGHT_PATHS; ++k) {
+        sums[(size_t)numPaths * (1u + HDS_FEATURE_MATTES + k) + number] =
+            *path_lightSum(paths, i, k);
+    }
 #endif
 }
 #endif
@@ -36,6 +43,51 @@ float4 resolve_sum(global uchar* state, uint numSlots, uint number) {
 #endif
 }
 
+/* Whether a sample counts; else it is black. */
+bool resolve_isFinite(float4 value) {
+    return isfinite(value.x) && isfinite(value.y) && isfinite(value.z);
+}
+
+#if HDS_LIGHT_PATH_STATE
+/* What path `number` of the wave has gathered for light path expression k. */
+float4 resolve_lightSum(global uchar* state, uint numSlots, uint numPaths, uint number, uint k) {
+#if HDS_WAIT_LISTS
+    return ((global const float4*)state)[(size_t)numPaths * (1u + HDS_FEATURE_MATTES + k) + number];
+#else
+    HdsPaths paths = {state, numSlots};
+    return *path_lightSum(paths, number, k);
+#endif
+}
+
+/* Adds the samples of light path expressions, by the rules of resolve_addSamples, which comes after
+ * it: the film tells how many samples there are. Global size: wave.numPixels * number of
+ * expressions. \param sums [expressions][numPixels] */
+kernel void resolve_addLightPaths(HdsWave wave, global uchar* state, uint numSlots, uint numPaths,
+                                  global const uint* pixels, global const HdsFilmPixel* film,
+                                  global HdsLightPathPixel* sums, uint numPixels, uint count) {
+    const uint item = (uint)get_global_id(0);
+    if (item >= wave.numPixels * count) {
+        return;
+    }
+    const uint i = item % wave.numPixels;
+    const uint k = item / wave.numPixels;
+    const uint at = pixels[wave.firstPixel + i];
+    global HdsLightPathPixel* slot = &sums[(size_t)k * numPixels + at];
+    HdsLightPathPixel pixel = *slot;
+    uint numSamples = film[at].numSamples;
+    for (uint s = 0u; s < wave.numSamples; ++s) {
+        const uint number = i * wave.numSamples + s;
+        if (resolve_isFinite(resolve_sum(state, numSlots, number))) {
+            pixel.blockSum +=
+                fmin(resolve_lightSum(state, numSlots, numPaths, number, k), HDS_MAX_SAMPLE);
+        }
+        ++numSamples;
+        filmPixel_closeLightPath(&pixel, numSamples);
+    }
+    *slot = pixel;
+}
+#endif
+
 /* Global size: wave.numPixels. */
 kernel void resolve_addSamples(HdsWave wave, global uchar* state, uint numSlots,
                                global const uint* pixels, global HdsFilmPixel* film,
@@ -48,7 +100,7 @@ kernel void resolve_addSamples(HdsWave wave, global uchar* state, uint numSlots,
     HdsFilmPixel pixel = *slot;
     for (uint s = 0u; s < wave.numSamples; ++s) {
         float4 value = resolve_sum(state, numSlots, i * wave.numSamples + s);
-        if (!(isfinite(value.x) && isfinite(value.y) && isfinite(value.z))) {
+        if (!resolve_isFinite(value)) {
             atomic_inc(&counters[HDS_COUNTER_NAN]);
             value = (float4)(0.0f, 0.0f, 0.0f, isfinite(value.w) ? value.w : 0.0f);
         }

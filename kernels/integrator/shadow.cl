@@ -4,6 +4,7 @@
  * queue. To: path radiance, or the candidate queue and back; while geometry streams also to the
  * queues of what waits. Explained in docs/wavefront.md. */
 #include "integrator/itemLoop.clh"
+#include "integrator/lightPaths.clh"
 #include "integrator/sceneArgs.clh"
 #include "integrator/trace.clh"
 /* Drivers compile all functions of a program, also those that no kernel calls. */
@@ -11,10 +12,18 @@
 #include "integrator/passThrough.clh"
 #endif
 
-void shadow_addRadiance(HdsPaths paths, uint i) {
+/* Adds light that arrives to what the path has gathered. */
+void shadow_addLight(HdsPaths paths, uint i, float3 light) {
     float4 radiance = path_load_radiance(paths, i);
-    radiance.xyz += path_load_shadowRadiance(paths, i).xyz;
+    radiance.xyz += light;
     path_store_radiance(paths, i, radiance);
+#if HDS_LIGHT_PATH_STATE
+    lightPaths_addShadow(paths, i, light);
+#endif
+}
+
+void shadow_addRadiance(HdsPaths paths, uint i) {
+    shadow_addLight(paths, i, path_load_shadowRadiance(paths, i).xyz);
 }
 
 /* Adds what arrives though it is blocked: a share of the shadow ray's radiance. \param t distance
@@ -24,10 +33,9 @@ void shadow_addBlocked(const HdsSceneView* scene, HdsPaths paths, uint i, float3
     global const HdsLightControls* controls =
         light_controls(&scene->lights, path_load_shadowLight(paths, i).x);
     if (controls != 0) {
-        float4 radiance = path_load_radiance(paths, i);
-        radiance.xyz +=
-            path_load_shadowRadiance(paths, i).xyz * share * light_throughShadow(controls, t);
-        path_store_radiance(paths, i, radiance);
+        shadow_addLight(paths, i,
+                        path_load_shadowRadiance(paths, i).xyz * share *
+                            light_throughShadow(controls, t));
     }
 #endif
 }
@@ -155,9 +163,7 @@ bool shadow_addTarget(const HdsSceneView* scene, HdsPaths paths, uint i,
     if (!surfaceHit_shade(scene, surface, viewer, &shading, &bsdf)) {
         return false;
     }
-    float4 radiance = path_load_radiance(paths, i);
-    radiance.xyz += path_load_shadowRadiance(paths, i).xyz * bsdf_emission(&bsdf);
-    path_store_radiance(paths, i, radiance);
+    shadow_addLight(paths, i, path_load_shadowRadiance(paths, i).xyz * bsdf_emission(&bsdf));
     return true;
 }
 #endif

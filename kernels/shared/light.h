@@ -33,6 +33,10 @@
     128u /* mesh with UsdLuxMeshLightAPI: its radiance replaces the emission \
             of the material, for camera rays only if it is visible to them */
 
+/* Above the flags: the number of the light's group among the groups of the scene, 0: none. */
+#define HDS_LIGHT_GROUP_SHIFT 16
+#define HDS_MAX_LIGHT_GROUPS 65535u
+
 /* Most lights that are weighed one by one, and most nodes of a cut through the light tree. */
 #define HDS_LIGHT_LOOP_MAX 32u
 
@@ -56,8 +60,8 @@ typedef struct {
     f32 area;      /* world area of the shape; mesh: of all its triangles */
     u32 treePath;  /* finite lights: bit i is the child to take at level i of the light tree; dome:
                       in lightCdf, the number of its portals, or HDS_NONE */
-    u32 flags;
-    u32 dataBase;    /* image: its texture; mesh: first triangle in lightTriangles */
+    u32 flags;     /* and the group */
+    u32 dataBase;  /* image: its texture; mesh: first triangle in lightTriangles */
     u32 dataSize[2]; /* image: cells of its distribution, width, height; mesh: number of triangles,
                         0 */
     u32 cdfBase;     /* in lightCdf: image: marginal [height + 1], then conditionals

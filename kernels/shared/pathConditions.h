@@ -11,4 +11,7 @@
 /* Where the shadow ray goes is kept beside it. */
 #define HDS_KEEPS_SHADOW_LIGHT (HDS_FEATURE_LIGHT_CONTROLS || HDS_FEATURE_TEXTURED_EMISSION)
 
+/* Some light path expression is asked for: paths carry the state of an automaton. */
+#define HDS_FOLLOWS_LIGHT_PATHS (HDS_LIGHT_PATHS > 0)
+
 #endif

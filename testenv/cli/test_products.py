@@ -33,7 +33,7 @@ def Scope "Render" {
         uniform int2 resolution = (32, 20)
         uniform float4 dataWindowNDC = (0.25, 0.25, 0.75, 0.75)
         rel camera = </side_cam>
-        rel orderedVars = [</Render/Vars/beauty>]
+        rel orderedVars = [</Render/Vars/beauty>, </Render/Vars/lit>, </Render/Vars/key>]
     }
     def RenderProduct "Deep" {
         token productName = "deep.exr"
@@ -49,6 +49,11 @@ def Scope "Render" {
             token sourceType = "primvar"
             custom token driver:parameters:aov:format = "half3" }
         def RenderVar "id" { string sourceName = "primId" }
+        def RenderVar "lit" { string sourceName = "C.[LO]"
+            token sourceType = "lpe" }
+        def RenderVar "key" { string sourceName = "lpe:C.*<L.'key'>"
+            token sourceType = "lpe"
+            custom string driver:parameters:aov:name = "keyLight" }
         def RenderVar "crypto" { string sourceName = "crypto_object" }
     }
 }
@@ -80,6 +85,9 @@ def test_all_products_are_written(stage, tmp_path):
         **{channel: "<f2" for channel in "RGBA"}, "Z.Z": "<f4", **{f"primvars:st.{axis}": "<f2" for axis in "XYZ"}}
     _, mattes = exrFile.Read(tmp_path / "mattes1.exr")
     assert set(mattes) == {"primId.id", *(f"crypto_object{layer:02}.{channel}" for layer in range(3) for channel in "RGBA")}
+    _, side = exrFile.Read(tmp_path / "side.0001.exr")
+    assert set(side) == {*"RGBA", *(f"{name}.{channel}" for name in ("lit", "keyLight") for channel in "RGB")}
+    assert side["lit.R"].max() > 0.1 and not side["keyLight.R"].any()
     assert not _SameBits(main["Z.Z"], exrFile.Read(tmp_path / "main.0002.exr")[1]["Z.Z"])
 
 
@@ -127,6 +135,9 @@ def test_resume_knows_every_file(stage, tmp_path):
     ('def RenderSettings "S" {}\n', ("OUT is missing", "/S has no products")),
     ('def RenderSettings "S" { rel products = </P> }\ndef RenderProduct "P" {}\n', ("/P", "no productName")),
     ('def RenderSettings "S" { rel products = </P> }\ndef RenderProduct "P" { token productName = "a.gif" }\n', ("a.gif",)),
+    ('def RenderSettings "S" { rel products = </P> }\ndef RenderProduct "P" { token productName = "a.exr"\n'
+     'rel orderedVars = </V> }\ndef RenderVar "V" { string sourceName = "CXL"\ntoken sourceType = "lpe" }\n',
+     ("/V", "'CXL', column 2: 'X' is no event")),
 ])
 def test_what_cannot_be_written_is_said(body, words, tmp_path):
     stage = WriteStage(tmp_path, ANIMATED + body)

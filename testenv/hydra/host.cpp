@@ -91,6 +91,7 @@ void Host::SetAovs(const std::vector<AovRequest>& aovs) {
         const AovRequest& aov = _aovs[i];
         HdRenderPassAovBinding& binding = bindings[i % _tasks.size()].emplace_back();
         binding.aovName = aov.name;
+        binding.aovSettings = aov.settings;
         binding.renderBufferId = BufferPath(aov.name);
         binding.clearValue =
             aov.clearValue.value_or(_renderer->GetDefaultAovDescriptor(aov.name).clearValue);

@@ -33,6 +33,7 @@ struct AovRequest {
     TfToken name;
     std::optional<HdFormat> format;
     std::optional<VtValue> clearValue;
+    HdAovSettingsMap settings; ///< of the binding
 };
 
 struct HostOptions {

@@ -4,6 +4,7 @@
 
 #include <pxr/imaging/hd/rprim.h>
 
+#include <algorithm>
 #include <cstring>
 
 namespace hydraHost {
@@ -56,6 +57,52 @@ TEST_F(Aovs, LayersOfCryptomattesHoldIdsOfPathsAndCoverages) {
     }
     EXPECT_GT(numCubes, 10);
     EXPECT_EQ(host.Delegate().GetDefaultAovDescriptor(TfToken("crypto_object")).format,
+              HdFormatInvalid);
+}
+
+/// Of names, of expressions as names, and of the settings that render vars leave with a binding.
+TEST_F(Aovs, LightPathExpressionsAddUpToColour) {
+    const std::vector<const char*> names = {"diffuse", "lpe:C<R[GS]>.*[LO]", "renamed", "emission",
+                                            "primaries"};
+    std::vector<AovRequest> aovs = {HdAovTokens->color};
+    for (const char* name : names) {
+        aovs.emplace_back(TfToken(name));
+        aovs.back().format = HdFormatFloat32Vec3;
+        aovs.back().clearValue = VtValue(GfVec3f(0.0F));
+    }
+    aovs[3].settings = {{TfToken("sourceType"), VtValue(TfToken("lpe"))},
+                        {TfToken("sourceName"), VtValue(std::string("CT.*[LO]"))}};
+    aovs[5].settings = {{TfToken("sourceType"), VtValue(std::string("raw"))},
+                        {TfToken("sourceName"), VtValue(std::string("direct"))}};
+    Host host(ThreeMeshes(), Quick(aovs));
+    ASSERT_TRUE(host.RenderUntilConverged());
+    const Image color = host.Read(HdAovTokens->color);
+    double largest = 0.0;
+    double direct = 0.0;
+    for (int y = 0; y < color.height; ++y) {
+        for (int x = 0; x < color.width; ++x) {
+            for (int channel = 0; channel < 3; ++channel) {
+                float sum = 0.0F;
+                for (int i = 0; i < 4; ++i) {
+                    sum += host.Read(TfToken(names[i])).Float(x, y, channel);
+                }
+                EXPECT_NEAR(sum, color.Float(x, y, channel), 1e-5F);
+                largest = std::max(largest, double(sum));
+                direct =
+                    std::max(direct, double(host.Read(TfToken("primaries")).Float(x, y, channel)));
+            }
+        }
+    }
+    EXPECT_GT(largest, 0.1);
+    EXPECT_GT(direct, 0.05) << "an output of a name that is not ours shows its source";
+}
+
+TEST_F(Aovs, ExpressionsThatCannotBeReadAreNotOffered) {
+    Host host(ThreeMeshes(), Quick({HdAovTokens->color}));
+    EXPECT_EQ(host.Delegate().GetDefaultAovDescriptor(TfToken("lpe:C(")).format, HdFormatInvalid);
+    EXPECT_EQ(host.Delegate().GetDefaultAovDescriptor(TfToken("lightGroup:a'b")).format,
+              HdFormatInvalid);
+    EXPECT_NE(host.Delegate().GetDefaultAovDescriptor(TfToken("lightGroup:key")).format,
               HdFormatInvalid);
 }
 

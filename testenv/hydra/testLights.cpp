@@ -111,6 +111,21 @@ TEST_F(Lights, EveryParameterCountsUnderHydrasNameAndTheAttributes) {
     }
 }
 
+TEST_F(Lights, GroupsAreReadUnderTheNamesOfHosts) {
+    const TfToken type = HdPrimTypeTokens->sphereLight;
+    EXPECT_EQ(LinesOf(type, {}).count("group"), 0U);
+    for (const char* name : {"hdstream:light:group", "inputs:karma:light:lpetag",
+                             "inputs:ri:light:lightGroup", "primvars:arnold:aov"}) {
+        const Lines ofString = LinesOf(type, {{TfToken(name), VtValue(std::string("key"))}});
+        EXPECT_EQ(ofString.count("group"), 1U) << name;
+        EXPECT_NE(ofString.at("group").find("key"), std::string::npos) << name;
+        EXPECT_EQ(LinesOf(type, {{TfToken(name), VtValue(TfToken("key"))}}), ofString) << name;
+    }
+    const Lines both = LinesOf(type, {{TfToken("hdstream:light:group"), VtValue(std::string("a"))},
+                                      {TfToken("primvars:arnold:aov"), VtValue(std::string("b"))}});
+    EXPECT_NE(both.at("group").find('a'), std::string::npos) << "ours counts first";
+}
+
 TEST_F(Lights, HydrasNameWinsOverTheAttributes) {
     Params both = AllParams();
     for (const auto& [name, value] : WithPrefix(AllParams())) {

@@ -25,8 +25,19 @@ def Pack(sums):
         isShared = plane.size > 0 and (plane == plane.flat[0]).all()
         planes[f"word{index}"] = np.array(plane[:1, :1] if isShared else plane)
     mattes = {} if sums.mattes is None else {"mattes": np.array(sums.mattes)}
+    lightPaths = {"lightPaths": np.array(sums.lightPaths), **_PackLightPaths(sums.lightPathWords)} if sums.lightPaths else {}
     return {"shape": (sums.width, sums.height, sums.firstSample, sums.endSample, words.shape[0], words.shape[2]),
-            **planes, **mattes}
+            **planes, **mattes, **lightPaths}
+
+
+def _PackLightPaths(words):
+    """Of all expressions: the words of pixels by their place in them."""
+    planes = {"lightPathShape": np.array(words.shape)}
+    for index in range(words.shape[3]):
+        plane = words[..., index]
+        isShared = plane.size > 0 and (plane == plane.flat[0]).all()
+        planes[f"lightPathWord{index}"] = np.array(plane[:1, :1, :1] if isShared else plane)
+    return planes
 
 
 def Unpack(packed):
@@ -36,7 +47,13 @@ def Unpack(packed):
     for index in range(numWords):
         words[:, :, index] = packed[f"word{index}"]
     mattes = np.ascontiguousarray(packed["mattes"], np.uint32) if "mattes" in packed else None
-    return _core.FilmSums(width, height, firstSample, endSample, words, mattes)
+    sums = _core.FilmSums(width, height, firstSample, endSample, words, mattes)
+    if "lightPaths" in packed:
+        lightPathWords = np.empty(packed["lightPathShape"], np.uint32)
+        for index in range(lightPathWords.shape[3]):
+            lightPathWords[..., index] = packed[f"lightPathWord{index}"]
+        sums.SetLightPaths([str(name) for name in packed["lightPaths"]], lightPathWords)
+    return sums
 
 
 def BlackSums(width, height, sample, numWords=12):

@@ -13,9 +13,6 @@ from hdstream.renderer import Image, Renderer
 from hdstream.resume import AssetHashes, KeyOf, SamplesInFile, TextsOf
 
 
-MATTE_PREFIX = "crypto_"  # of the AOVs whose counts are part of a film's sums
-
-
 @dataclasses.dataclass
 class Job:
     """What all frames have in common. Plain values: it travels to other machines."""
@@ -60,8 +57,8 @@ class FrameWriter:
     def PrepareSamples(self, frame, samples):
         """For a render that ends after so many samples and whose sums alone are asked for."""
         self._Prepare(frame)
-        mattes = [name for name in self.renderer.settings["aovs"] if name.startswith(MATTE_PREFIX)]
-        self._Prepare(frame, samples=samples, aovs=["color"] + mattes, denoise=False)
+        summed = [name for name in self.renderer.settings["aovs"] if _core.IsSummed(name)]
+        self._Prepare(frame, samples=samples, aovs=list(dict.fromkeys(["color"] + summed)), denoise=False)
 
     def PrepareCrop(self, frame, crop):
         """For the part (left, top, right, bottom) of the image."""

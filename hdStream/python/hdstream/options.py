@@ -6,6 +6,7 @@ Functions that argparse calls raise argparse.ArgumentTypeError; it adds the opti
 
 import argparse
 import math
+import re
 
 PURPOSES = ("default", "render", "proxy", "guide")
 
@@ -66,8 +67,9 @@ def ChunkBytes(text):
 
 
 def Names(text):
-    """Names separated by commas and blanks, each once, in order."""
-    return list(dict.fromkeys(text.replace(",", " ").split()))
+    """Names separated by commas and blanks, each once, in order. Commas and blanks in quotes or in braces, as light path
+    expressions have them, are part of a name."""
+    return list(dict.fromkeys(re.findall(r"(?:'[^']*'|\{[^{}]*\}|[^\s,])+", text)))
 
 
 def Purposes(text):

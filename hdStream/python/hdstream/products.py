@@ -86,6 +86,8 @@ def _LayersOf(stage, product, session):
         if aov is None:
             continue
         authored = var.GetAttribute(_NAME_OF_VAR).Get() if var.GetAttribute(_NAME_OF_VAR) else None
+        if not authored and aov.startswith("lpe:"):
+            authored = var.GetName()  # the name that husk gives a layer; expressions are none to type
         kind = var.GetAttribute(_FORMAT_OF_VAR).Get() if var.GetAttribute(_FORMAT_OF_VAR) else var.GetAttribute("dataType").Get()
         isHalf = str(kind).startswith("half") or (str(kind).startswith("color") and str(kind).endswith("h"))
         for name in _core.LayersOf(aov):

@@ -16,9 +16,11 @@ def CheckArguments(args):
     for name in args.aovs or ():
         if not _core.HasAov(name):
             known = [info.name for info in _core.AovTable()]
-            raise UsageError(f"--aovs {name}: none of {', '.join(known)}, primvars:NAME")
+            raise UsageError(f"--aovs {name}: none of {', '.join(known)}, primvars:NAME, lpe:EXPRESSION, lightGroup:NAME")
     if args.aovs is not None and not args.aovs:
         raise UsageError("--aovs: no names")
+    if args.aovs:
+        _core.CheckAovs(list(args.aovs))
     FindDenoiser()
     if args.denoise:
         _core.CheckDenoiser()

@@ -120,13 +120,25 @@ def AovOfVar(var, path, session):
     source = var.GetAttribute("sourceName").Get() if var and var.IsA(UsdRender.Var) else None
     if source and var.GetAttribute("sourceType").Get() == "primvar":
         source = "primvars:" + (source[len("primvars:"):] if source.startswith("primvars:") else source)
-    name = source if source and _core.HasAov(source) else _AOV_ALIASES.get(source)
     kind = var.GetAttribute("sourceType").Get() if source else "raw"
+    if kind == "lpe":
+        return _LightPathOf(source, path)
+    name = source if source and _core.HasAov(source) else _AOV_ALIASES.get(source)
     if kind not in ("raw", "primvar"):
         session.Warn(str(path), f"render var of the type {kind!r}, which is not supported; left out")
         return None
     if name is None:
         session.Warn(str(path), f"render var {source!r} is not one of the AOVs; left out")
+    return name
+
+
+def _LightPathOf(source, path):
+    """The AOV of a light path expression. Raises UsageError for one that cannot be read."""
+    name = source if source.startswith("lpe:") else "lpe:" + source
+    try:
+        _core.CheckAovs([name])
+    except _core.UsageError as error:
+        raise UsageError(f"{path}: {OneLine(error)}") from None
     return name
 
 

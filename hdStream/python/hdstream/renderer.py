@@ -205,11 +205,9 @@ class Renderer:
                 headers: Optional[Mapping[str, Mapping[str, str]]] = None) -> "Image":
         """The prepared frame as an image of arrays that were rendered elsewhere, of shapes and types as `Image.aovs`, with
         headers as `Image.headers`."""
-        channels = {info.name: info.channels for info in _core.AovTable()}
         layers = []
         for name, pixels in aovs.items():
-            known = channels.get(name) or (list("RGBA") if _core.HasAov(name) and pixels.shape[-1] == 4 else ["X", "Y", "Z"])
-            layers.append(_core.ImageLayer(name, known, np.ascontiguousarray(pixels)))
+            layers.append(_core.ImageLayer(name, _core.ChannelsOf(name), np.ascontiguousarray(pixels)))
             layers[-1].header = dict((headers or {}).get(name, {}))
         return Image(layers, self._Prepared(), True, samples, dict(statistics))
 

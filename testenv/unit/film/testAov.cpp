@@ -10,10 +10,35 @@
 namespace {
 
 TEST(Aov, TableHasEveryAovOfTheContractOnce) {
-    const std::set<std::string> expected{
-        "color",    "alpha",       "depth",         "cameraDepth",     "normal",         "Neye",
-        "position", "albedo",      "primId",        "instanceId",      "elementId",      "variance",
-        "noisy",    "sampleCount", "crypto_object", "crypto_material", "crypto_instance"};
+    const std::set<std::string> expected{"color",
+                                         "alpha",
+                                         "depth",
+                                         "cameraDepth",
+                                         "normal",
+                                         "Neye",
+                                         "position",
+                                         "albedo",
+                                         "primId",
+                                         "instanceId",
+                                         "elementId",
+                                         "variance",
+                                         "noisy",
+                                         "sampleCount",
+                                         "crypto_object",
+                                         "crypto_material",
+                                         "crypto_instance",
+                                         "emission",
+                                         "diffuse",
+                                         "specular",
+                                         "transmission",
+                                         "direct",
+                                         "indirect",
+                                         "directDiffuse",
+                                         "indirectDiffuse",
+                                         "directSpecular",
+                                         "indirectSpecular",
+                                         "directTransmission",
+                                         "indirectTransmission"};
     std::set<std::string> names;
     for (const hds::AovInfo& info : hds::AovTable()) {
         EXPECT_TRUE(names.insert(info.name).second) << info.name;

@@ -20,7 +20,7 @@ _DISTANT_INTENSITY = 50000.0  # UsdLuxDistantLight's fallback; that of all other
 
 _SHAPING = "inputs:shaping:"
 _SHADOW = "inputs:shadow:"
-_NO_INPUTS = ("type", "shaping", "shadow", "visibleToCamera")
+_NO_INPUTS = ("type", "shaping", "shadow", "visibleToCamera", "group")
 _Z_FROM_Y = Gf.Matrix4d(1.0).SetRotate(Gf.Rotation(Gf.Vec3d(1, 0, 0), 90))
 
 
@@ -46,12 +46,19 @@ def ReadLight(prim, typeName, names, timeCode, assets):
         member = _Member(name[len("inputs:"):] if name.startswith("inputs:") else name)
         if member not in _NO_INPUTS and hasattr(light, member):
             _ReadInput(prim.GetAttribute(name), light, member, timeCode, assets)
+    light.group = _ReadGroup(prim, names, timeCode)
     # Where the schema is applied its fallbacks count: a cone of 90 degrees.
     if any(name.startswith(_SHAPING) for name in names) or "ShapingAPI" in prim.GetAppliedSchemas():
         light.shaping = _ReadInputs(prim, _SHAPING, _core.LightShaping(), timeCode, assets)
     if any(name.startswith(_SHADOW) for name in names):
         light.shadow = _ReadInputs(prim, _SHADOW, _core.LightShadow(), timeCode, assets)
     return light
+
+
+def _ReadGroup(prim, names, timeCode):
+    """The group that light path expressions know a light by."""
+    values = (prim.GetAttribute(name).Get(timeCode) for name in _core.LIGHT_GROUP_ATTRIBUTES if name in names)
+    return next((str(value) for value in values if value), "")
 
 
 def _Member(name):
