@@ -13,6 +13,7 @@ pytest.importorskip("hdstream._core")
 import hdstream
 from hdstream import _core, filmSums
 from lightPathCase import LIGHTS, RenderLightPaths, WriteLightPathStage
+from stages.media import WriteMedia
 
 _GROUPS = ("lightGroup:key", "lightGroup:fill", "lightGroup:sun", "lightGroup:panel", "lightGroup:default", "lpe:C.*O")
 _PARTS = {
@@ -47,6 +48,17 @@ def test_parts_add_up_to_colour(image, parts):
     for name in parts:
         if name != "directTransmission":  # through glass light is transmitted twice
             assert image.aovs[name].max() > 0.01, name
+
+
+def test_parts_add_up_to_colour_where_light_scatters_in_matter(tmp_path):
+    # Subsurface scattering, lamps inside of fog, milk; no lobe of theirs may be lost or counted twice.
+    WriteMedia(str(tmp_path / "media.usda"))
+    aovs = ("color", *_PARTS["lobes"], "direct", "indirect")
+    image = RenderLightPaths(tmp_path / "media.usda", aovs, samples=4, imageWidth=64, imageHeight=32).aovs
+    color = image["color"][..., :3]
+    for parts in (_PARTS["lobes"], ("emission", "direct", "indirect")):
+        total = sum(image[name].astype(np.float64) for name in parts)
+        assert (np.abs(total - color) <= 1e-5 * np.maximum(color, color.max() * 1e-2)).all(), parts
 
 
 def _Blocks(pixels):
