@@ -442,8 +442,11 @@ if __name__ == "__main__":
     status = 0
     try:
         main()
-    except SystemExit as end:
+    except SystemExit as end:  # with a line where something is missing
         status = end.code or 0
+        if isinstance(status, str):
+            print(status, file=sys.stderr)
+            status = 1
     except BaseException:  # pylint: disable=broad-except
         traceback.print_exc()
         status = 1
