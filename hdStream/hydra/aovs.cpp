@@ -3,6 +3,7 @@
 
 #include "hdStream/session/session.h"
 
+#include <pxr/base/gf/vec2f.h>
 #include <pxr/base/gf/vec3f.h>
 #include <pxr/base/gf/vec4f.h>
 #include <pxr/base/tf/diagnostic.h>
@@ -95,6 +96,8 @@ HdAovDescriptor HdStreamAovDescriptor(const TfToken& name) {
     switch (info->NumChannels()) {
     case 1:
         return {HdFormatFloat32, false, VtValue(info->clearValue)};
+    case 2:
+        return {HdFormatFloat32Vec2, false, VtValue(GfVec2f(info->clearValue))};
     case 3:
         return ThreeFloats(info->clearValue);
     case 4:

@@ -118,13 +118,15 @@ bool FilmBuffers::NeedsFirstHits() const {
     return hds::NeedsFirstHits(_layout);
 }
 
-shared::HdsAovOffsets FilmBuffers::FirstHitOffsets(const glm::dvec3& centre) const {
+shared::HdsAovOffsets FilmBuffers::FirstHitOffsets(const glm::dvec3& centre,
+                                                   double shutterFrames) const {
     shared::HdsAovOffsets offsets{};
     offsets.floatStride = _layout.floatsPerPixel;
     offsets.intStride = _layout.intsPerPixel;
 #define HDS_AOV_OFFSET(member, name) offsets.member = OffsetOf(_layout, name);
     HDS_FIRST_HIT_AOVS(HDS_AOV_OFFSET)
 #undef HDS_AOV_OFFSET
+    offsets.shutterFrames = static_cast<float>(shutterFrames);
     offsets.primvars = _layout.primvarOffset;
     offsets.numPrimvars = static_cast<std::uint32_t>(_layout.primvars.size());
     for (int i = 0; i < 3; ++i) {

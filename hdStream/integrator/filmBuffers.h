@@ -48,8 +48,9 @@ public:
     void AddMattes(const std::uint32_t* pixels, std::uint32_t numSamples,
                    const std::vector<std::array<std::uint32_t, 4>>& surfaces);
 
-    /// Where the kernel `aov` writes. \param centre of the scene, world space.
-    shared::HdsAovOffsets FirstHitOffsets(const glm::dvec3& centre) const;
+    /// Where the kernel `aov` writes. \param centre of the scene, world space. \param shutterFrames
+    /// length of the shutter's interval, 0: closed.
+    shared::HdsAovOffsets FirstHitOffsets(const glm::dvec3& centre, double shutterFrames) const;
 
     /// Some AOV is found by first hits / they have all been found since Reset.
     bool NeedsFirstHits() const;

@@ -442,7 +442,9 @@ struct PathTracer::Impl {
     /// First-hit AOVs through pixel centres, wave by wave. \param onlooker told after each wave
     /// that so many samples are done, and may stop it; null: nobody is.
     void RenderFirstHits(double samplesEquivalent, Onlooker* onlooker) {
-        const shared::HdsAovOffsets offsets = film.FirstHitOffsets(scene->centre);
+        const shared::HdsAovOffsets offsets = film.FirstHitOffsets(
+            scene->centre,
+            options.shutter.IsOpen() ? options.shutter.close - options.shutter.open : 0.0);
         const Buffer primvarSlots =
             UploadVector(device, "primvar slots", PrimvarSlots(options.aovs.primvars));
         const Buffer order = UploadVector(device, "all pixels", schedule.AllPixels());

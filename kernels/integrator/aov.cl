@@ -2,6 +2,7 @@
  * First-hit AOVs: one ray through each pixel's centre and the lens' centre; surfaces that let
  * everything pass are not there. From: the active queue after intersect. To: the AOV buffers, and
  * the next active queue for rays that passed. Explained in docs/film.md. */
+#include "integrator/camera.clh"
 #include "integrator/itemLoop.clh"
 #include "integrator/passThrough.clh"
 #include "integrator/pathState.clh"
@@ -43,10 +44,64 @@ void aov_store3(global float* pixel, uint offset, float3 value) {
     }
 }
 
+void aov_store2(global float* pixel, uint offset, float2 value) {
+    if (offset != HDS_NONE) {
+        vstore2(value, 0, pixel + offset);
+    }
+}
+
 void aov_storeId(global int* pixel, uint offset, int value) {
     if (offset != HDS_NONE) {
         pixel[offset] = value;
     }
+}
+
+/* A point in camera space, at a time in the shutter's interval. */
+float3 aov_eyePoint(constant const HdsFrameParams* frame, float time, float3 position) {
+    const HdsTransform pose = camera_pose(frame, time);
+    const HdsAffine worldFromEye = affine_fromTransform(&pose);
+    const HdsAffine eyeFromWorld = affine_inverse(&worldFromEye);
+    return affine_point(&eyeFromWorld, position);
+}
+
+#if HDS_FEATURE_MOTION
+/* Where a hit is seen at a time in the shutter's interval, in pixels. */
+float2 aov_raster(constant const HdsFrameParams* frame, const HdsSceneView* scene,
+                  const HdsHit* hit, float time) {
+    HdsSurfaceHit surface;
+    surfaceHit_load(scene, hit, time, &surface);
+    const float3 eye = aov_eyePoint(frame, time, surface.point.position);
+    const float2 film = (frame->flags & HDS_FRAME_ORTHOGRAPHIC) != 0u ? eye.xy : eye.xy / -eye.z;
+    return (float2)((film.x - frame->filmOrigin[0]) / frame->filmStep[0],
+                    (film.y - frame->filmOrigin[1]) / frame->filmStep[1]);
+}
+
+/* Pixels a frame that a hit moves by, over a part of the shutter's interval; over all of it where
+ * the part is empty. */
+float2 aov_motion(constant const HdsFrameParams* frame, const HdsSceneView* scene,
+                  const HdsHit* hit, float from, float to, float shutterFrames) {
+    const bool isEmpty = !(to > from);
+    from = isEmpty ? 0.0f : from;
+    to = isEmpty ? 1.0f : to;
+    return (aov_raster(frame, scene, hit, to) - aov_raster(frame, scene, hit, from)) /
+           ((to - from) * shutterFrames);
+}
+#endif
+
+/* Writes how a hit moves on the picture to the next frame, and to the one before. */
+void aov_storeMotion(constant const HdsFrameParams* frame, const HdsSceneView* scene,
+                     const HdsHit* hit, HdsAovOffsets offsets, global float* pixel) {
+    float2 forward = (float2)(0.0f);
+    float2 backward = (float2)(0.0f);
+#if HDS_FEATURE_MOTION
+    if (offsets.shutterFrames > 0.0f &&
+        (offsets.motionForward != HDS_NONE || offsets.motionBackward != HDS_NONE)) {
+        forward = aov_motion(frame, scene, hit, frame->frameTime, 1.0f, offsets.shutterFrames);
+        backward = -aov_motion(frame, scene, hit, 0.0f, frame->frameTime, offsets.shutterFrames);
+    }
+#endif
+    aov_store2(pixel, offsets.motionForward, forward);
+    aov_store2(pixel, offsets.motionBackward, backward);
 }
 
 void aov_storeMiss(HdsAovOffsets offsets, global float* pixel, global int* ids) {
@@ -55,6 +110,10 @@ void aov_storeMiss(HdsAovOffsets offsets, global float* pixel, global int* ids) 
     aov_store3(pixel, offsets.normal, (float3)(0.0f));
     aov_store3(pixel, offsets.normalEye, (float3)(0.0f));
     aov_store3(pixel, offsets.position, (float3)(0.0f));
+    aov_store3(pixel, offsets.positionEye, (float3)(0.0f));
+    aov_store1(pixel, offsets.facingRatio, 0.0f);
+    aov_store2(pixel, offsets.motionForward, (float2)(0.0f));
+    aov_store2(pixel, offsets.motionBackward, (float2)(0.0f));
     aov_store3(pixel, offsets.albedo, (float3)(0.0f));
     aov_storeId(ids, offsets.primId, -1);
     aov_storeId(ids, offsets.instanceId, -1);
@@ -83,8 +142,8 @@ float3 aov_albedo(const HdsSceneView* scene, HdsSurfaceHit* surface, float3 view
 #endif
 
 void aov_storeHit(constant const HdsFrameParams* frame, const HdsSceneView* scene,
-                  const HdsSurfaceHit* surface, float3 albedo, HdsAovOffsets offsets, global const uint* primvarSlots, global float* pixel,
-                  global int* ids) {
+                  const HdsSurfaceHit* surface, float3 albedo, float3 viewer, HdsAovOffsets offsets,
+                  global const uint* primvarSlots, global float* pixel, global int* ids) {
     float2 depths = aov_depths(frame, surface->point.position);
     float3 normal = surface->shadingNormal;
     if (!(vec_lengthSquared(normal) > 0.0f)) {
@@ -95,6 +154,11 @@ void aov_storeHit(constant const HdsFrameParams* frame, const HdsSceneView* scen
     aov_store3(pixel, offsets.normal, normal);
     aov_store3(pixel, offsets.normalEye, aov_toEye(frame, normal));
     aov_store3(pixel, offsets.position, surface->point.position + vload3(0, offsets.centre));
+    if (offsets.positionEye != HDS_NONE) {
+        aov_store3(pixel, offsets.positionEye,
+                   aov_eyePoint(frame, frame->frameTime, surface->point.position));
+    }
+    aov_store1(pixel, offsets.facingRatio, fabs(vec_dot(vec_normalize(normal), viewer)));
     aov_store3(pixel, offsets.albedo, albedo);
     aov_storeId(ids, offsets.primId, scene->prims[surface->prim].primId);
     aov_storeId(ids, offsets.instanceId, surface->instanceId);
@@ -158,12 +222,14 @@ void aov_store(constant const HdsFrameParams* frame, const HdsSceneView* scene, 
         return;
     }
 #endif
+    const float3 viewer = -path_load_direction(paths, i).xyz;
 #if HDS_FEATURE_CLOSURES
-    const float3 albedo = aov_albedo(scene, &surface, -path_load_direction(paths, i).xyz);
+    const float3 albedo = aov_albedo(scene, &surface, viewer);
 #else
     const float3 albedo = bsdf_albedo(&bsdf, shading.wo.z);
 #endif
-    aov_storeHit(frame, scene, &surface, albedo, offsets, primvarSlots, pixel, ids);
+    aov_storeHit(frame, scene, &surface, albedo, viewer, offsets, primvarSlots, pixel, ids);
+    aov_storeMotion(frame, scene, &hit, offsets, pixel);
 }
 
 /* Global size: count items, HDS_ITEMS_PER_WORK_ITEM for each work-item. */

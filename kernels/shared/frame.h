@@ -90,15 +90,19 @@ typedef struct {
 HDS_ASSERT_SIZE(HdsFilmPixel, 48);
 
 /* The AOVs of first hits: X(member of HdsAovOffsets, name of the AOV in hdStream/film/aov.cpp). */
-#define HDS_FIRST_HIT_AOVS(X)     \
-    X(depth, "depth")             \
-    X(cameraDepth, "cameraDepth") \
-    X(normal, "normal")           \
-    X(normalEye, "Neye")          \
-    X(position, "position")       \
-    X(albedo, "albedo")           \
-    X(primId, "primId")           \
-    X(instanceId, "instanceId")   \
+#define HDS_FIRST_HIT_AOVS(X)           \
+    X(depth, "depth")                   \
+    X(cameraDepth, "cameraDepth")       \
+    X(normal, "normal")                 \
+    X(normalEye, "Neye")                \
+    X(position, "position")             \
+    X(positionEye, "Peye")              \
+    X(facingRatio, "facingRatio")       \
+    X(motionForward, "motionForward")   \
+    X(motionBackward, "motionBackward") \
+    X(albedo, "albedo")                 \
+    X(primId, "primId")                 \
+    X(instanceId, "instanceId")         \
     X(elementId, "elementId")
 
 /* Where the first-hit AOVs lie inside a pixel of the float and the int buffer; HDS_NONE: not asked
@@ -109,10 +113,12 @@ typedef struct {
 #define HDS_AOV_OFFSET(member, name) u32 member;
     HDS_FIRST_HIT_AOVS(HDS_AOV_OFFSET)
 #undef HDS_AOV_OFFSET
-    u32 primvars;    /* of the first primvar AOV; the others follow, three floats each */
-    f32 centre[3];   /* world position of the device's origin, added to positions */
-    u32 numPrimvars; /* primvar AOVs; their slots: primvarSlots[prim * numPrimvars + i] */
+    u32 primvars;      /* of the first primvar AOV; the others follow, three floats each */
+    f32 centre[3];     /* world position of the device's origin, added to positions */
+    u32 numPrimvars;   /* primvar AOVs; their slots: primvarSlots[prim * numPrimvars + i] */
+    f32 shutterFrames; /* length of the shutter's interval; 0: closed */
+    u32 pad0[3];
 } HdsAovOffsets;
-HDS_ASSERT_SIZE(HdsAovOffsets, 64);
+HDS_ASSERT_SIZE(HdsAovOffsets, 96);
 HDS_SHARED_END
 #endif

@@ -70,10 +70,10 @@ TEST_F(Aovs, LightPathExpressionsAddUpToColour) {
         aovs.back().format = HdFormatFloat32Vec3;
         aovs.back().clearValue = VtValue(GfVec3f(0.0F));
     }
-    aovs[3].settings = {{TfToken("sourceType"), VtValue(TfToken("lpe"))},
-                        {TfToken("sourceName"), VtValue(std::string("CT.*[LO]"))}};
-    aovs[5].settings = {{TfToken("sourceType"), VtValue(std::string("raw"))},
-                        {TfToken("sourceName"), VtValue(std::string("direct"))}};
+    aovs[3].settings[TfToken("sourceType")] = VtValue(TfToken("lpe"));
+    aovs[3].settings[TfToken("sourceName")] = VtValue(std::string("CT.*[LO]"));
+    aovs[5].settings[TfToken("sourceType")] = VtValue(std::string("raw"));
+    aovs[5].settings[TfToken("sourceName")] = VtValue(std::string("direct"));
     Host host(ThreeMeshes(), Quick(aovs));
     ASSERT_TRUE(host.RenderUntilConverged());
     const Image color = host.Read(HdAovTokens->color);

@@ -15,8 +15,8 @@ import ours
 from stages import author, shapes
 
 WIDTH, HEIGHT, NEAR, FAR = 64, 48, 0.5, 40.0
-_AOVS = ("color", "alpha", "depth", "cameraDepth", "normal", "Neye", "position", "albedo", "primId", "instanceId", "elementId",
-         "variance", "sampleCount")
+_AOVS = ("color", "alpha", "depth", "cameraDepth", "normal", "Neye", "position", "Peye", "facingRatio", "motionForward",
+         "motionBackward", "albedo", "primId", "instanceId", "elementId", "variance", "sampleCount")
 
 
 def _Write(path: str, orthographic: bool) -> str:
@@ -66,6 +66,23 @@ def test_position_is_at_the_pixel_centre(Rendered):
     # 1e-3 pixels: float positions at a distance of 8 units.
     np.testing.assert_allclose(column, columns + 0.5, atol=1e-3)
     np.testing.assert_allclose(row, rows + 0.5, atol=1e-3)
+
+
+def test_eye_position_and_facing_ratio_belong_to_the_position(Rendered):
+    layers, view, orthographic = Rendered
+    hit = _Hit(layers)
+    eye = layers["position"].astype(float)[hit] @ view[:3, :3] + view[3, :3]
+    np.testing.assert_allclose(layers["Peye"][hit], eye, atol=2e-5)
+    toCamera = np.broadcast_to([0.0, 0.0, 1.0], eye.shape) if orthographic else -eye / np.linalg.norm(eye, axis=-1, keepdims=True)
+    cosine = np.abs((layers["Neye"][hit].astype(float) * toCamera).sum(-1))
+    np.testing.assert_allclose(layers["facingRatio"][..., 0][hit], cosine, atol=2e-5)
+    assert not layers["Peye"][~hit].any() and not layers["facingRatio"][~hit].any()
+    assert cosine.min() < 0.95 < cosine.max()
+
+
+def test_nothing_moves_without_a_shutter(Rendered):
+    layers, _, _ = Rendered
+    assert not layers["motionForward"].any() and not layers["motionBackward"].any()
 
 
 def test_depths_belong_to_the_position(Rendered):

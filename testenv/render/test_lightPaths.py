@@ -124,9 +124,9 @@ def Xform "World" {
 """
 
 
-def _PlaneIntegrals():
-    """What the plane's two lobes send of a dome of radiance 1 to a viewer at 45 degrees: the formulas of UsdPreviewSurface,
-    by the midpoint rule over the hemisphere, in double precision."""
+def _PlaneIntegrals(coat=0.0):
+    """What the plane's two lobes send of a dome of radiance 1 to a viewer at 45 degrees, under a coat of that weight: the
+    formulas of UsdPreviewSurface, by the midpoint rule over the hemisphere, in double precision."""
     count = 1200
     cosine = (np.arange(count) + 0.5) / count
     angle = 2.0 * np.pi * (np.arange(count) + 0.5) / count
@@ -145,10 +145,11 @@ def _PlaneIntegrals():
     def Lambda(cos):
         return 0.5 * (np.sqrt(1.0 + alpha2 * (1.0 - cos * cos) / (cos * cos)) - 1.0)
 
+    left = (1.0 - coat * (0.04 + 0.96 * schlick))[..., None]
     masking = 1.0 / (1.0 + Lambda(wo[2]) + Lambda(z))
     weight = 2.0 * np.pi / count / count
-    diffuse = (np.array([0.8, 0.6, 0.4]) * (1.0 - fresnel) / np.pi * z[..., None]).sum((0, 1)) * weight
-    specular = (fresnel * (distribution * masking / (4.0 * wo[2] * z) * z)[..., None]).sum((0, 1)) * weight
+    diffuse = (np.array([0.8, 0.6, 0.4]) * (1.0 - fresnel) / np.pi * left * z[..., None]).sum((0, 1)) * weight
+    specular = (left * fresnel * (distribution * masking / (4.0 * wo[2] * z) * z)[..., None]).sum((0, 1)) * weight
     return diffuse, specular
 
 
@@ -161,6 +162,19 @@ def test_lobes_of_unlike_colours_are_what_integrals_say(tmp_path):
     for name, expected in zip(("diffuse", "specular"), _PlaneIntegrals()):
         mean = layers[name].reshape(-1, 3).mean(0)
         assert np.allclose(mean, expected, rtol=0.006), (name, mean, expected)
+
+
+def test_a_smooth_coat_over_a_rough_lobe_is_told_apart(tmp_path):
+    """A coat of roughness 0 is a mirror: it sends Schlick's share of the dome at 45 degrees."""
+    stage = tmp_path / "coat.usda"
+    stage.write_text(_PLANE.replace("float inputs:roughness", "float inputs:clearcoat = 1\nfloat inputs:clearcoatRoughness = 0\n"
+                                    "float inputs:roughness"), encoding="utf-8")
+    names = ("lpe:C<RD>L", "lpe:C<RG>L", "lpe:C<RS>L")
+    layers = RenderLightPaths(stage, ("color",) + names, imageWidth=64, imageHeight=64, samples=64).aovs
+    mirror = np.full(3, 0.04 + 0.96 * (1.0 - np.sqrt(0.5)) ** 5)
+    for name, expected in zip(names, (*_PlaneIntegrals(coat=1.0), mirror)):
+        mean = layers[name].reshape(-1, 3).mean(0)
+        assert np.allclose(mean, expected, rtol=0.01), (name, mean, expected)
 
 
 def test_multipliers_of_lobes_are_those_of_their_lobe(tmp_path):

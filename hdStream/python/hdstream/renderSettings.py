@@ -18,7 +18,7 @@ NAMESPACE = "hdstream:"
 # Names of usual sources of render vars for our AOVs; an AOV's own name always works.
 _AOV_ALIASES = {
     "Ci": "color", "rgba": "color", "RGBA": "color", "beauty": "color", "a": "alpha", "z": "depth",
-    "N": "normal", "Nn": "normal", "P": "position", "id": "primId",
+    "N": "normal", "Nn": "normal", "P": "position", "id": "primId", "st": "primvars:st", "uv": "primvars:st",
 }
 
 

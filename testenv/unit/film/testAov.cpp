@@ -38,7 +38,11 @@ TEST(Aov, TableHasEveryAovOfTheContractOnce) {
                                          "directSpecular",
                                          "indirectSpecular",
                                          "directTransmission",
-                                         "indirectTransmission"};
+                                         "indirectTransmission",
+                                         "Peye",
+                                         "facingRatio",
+                                         "motionForward",
+                                         "motionBackward"};
     std::set<std::string> names;
     for (const hds::AovInfo& info : hds::AovTable()) {
         EXPECT_TRUE(names.insert(info.name).second) << info.name;
