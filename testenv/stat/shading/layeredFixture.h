@@ -24,7 +24,8 @@ struct LayeredParameters {
         for (const std::uint32_t input :
              {HDS_INPUT_SPECULAR_COLOR, HDS_INPUT_OPACITY, HDS_INPUT_DIELECTRIC,
               HDS_INPUT_SPECULAR_WEIGHT, HDS_INPUT_METAL_COLOR, HDS_INPUT_EDGE_COLOR,
-              HDS_INPUT_COAT_TINT, HDS_INPUT_SHEEN_COLOR, HDS_INPUT_TRANSMISSION_COLOR}) {
+              HDS_INPUT_COAT_TINT, HDS_INPUT_SHEEN_COLOR, HDS_INPUT_TRANSMISSION_COLOR,
+              HDS_INPUT_WEIGHT}) {
             Set(input, 1.0F);
         }
         values[HDS_INPUT_STRETCH] = {1.0F, 1.0F, 0.0F, 0.0F};
