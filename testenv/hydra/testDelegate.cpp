@@ -109,7 +109,7 @@ TEST_F(Delegate, AdvertisedAovsFillEveryPixel) {
 
 TEST_F(Delegate, UnknownAovsAreInvalid) {
     Host host(EmptyScene(), Quick());
-    for (const char* name : {"", "nonsense", "lpe:C<RD>L", "shader:x", "depthStencil"}) {
+    for (const char* name : {"", "nonsense", "lpe:C<RD", "shader:x", "depthStencil"}) {
         EXPECT_EQ(host.Delegate().GetDefaultAovDescriptor(TfToken(name)).format, HdFormatInvalid)
             << name;
     }
