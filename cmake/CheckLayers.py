@@ -10,12 +10,12 @@ import sys
 # A layer may include layers of lower rank; layers of one rank are siblings and never include each other.
 RANKS = {
     "base": 1, "persist": 2, "device": 3, "stream": 4, "geometry": 5,
-    "accel": 6, "texture": 6, "shading": 6, "scene": 7, "film": 7,
-    "integrator": 8, "session": 9, "hydra": 10, "python": 10,
+    "accel": 6, "texture": 6, "shading": 6, "volume": 7, "film": 7, "scene": 8,
+    "integrator": 9, "session": 10, "hydra": 11, "python": 11,
 }
 # Inside kernels/ the same idea: leaves first, program roots last.
 KERNEL_RANKS = {
-    "shared": 0, "math": 1, "sample": 2, "stream": 3, "accel": 4, "texture": 4, "shading": 5, "light": 5,
+    "shared": 0, "math": 1, "sample": 2, "stream": 3, "accel": 4, "texture": 4, "volume": 5, "shading": 5, "light": 5,
     "film": 6, "integrator": 7,
 }
 # Headers that only some layers may see.
@@ -25,6 +25,7 @@ MONOPOLIES = [
     (re.compile(r"^OpenImageIO/"), {"texture", "film"}),
     (re.compile(r"^OpenColorIO/"), {"texture", "film"}),
     (re.compile(r"^opensubdiv/"), {"geometry"}),
+    (re.compile(r"^openvdb/"), {"volume"}),
     (re.compile(r"^nanobind/"), {"python"}),
 ]
 # The façade's own data types are part of it: a front end sees session/ and nothing else.

@@ -54,6 +54,7 @@ function(hds_install_sdk header)
                   "${PROJECT_SOURCE_DIR}/cmake/FindOpenImageIO.cmake"
                   "${PROJECT_SOURCE_DIR}/cmake/FindOpenColorIO.cmake"
                   "${PROJECT_SOURCE_DIR}/cmake/FindOpenSubdiv.cmake"
+                  "${PROJECT_SOURCE_DIR}/cmake/FindOpenVDB.cmake"
             DESTINATION "${package}" COMPONENT sdk)
     install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT sdk)
 endfunction()

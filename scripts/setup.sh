@@ -16,7 +16,7 @@ packages=(
     g++ cmake ninja-build python3-dev python3-venv
     pocl-opencl-icd ocl-icd-opencl-dev
     libopenimageio-dev openimageio-tools # the tools only because OpenImageIO's CMake file insists on them
-    libopencolorio-dev libosd-dev libtbb-dev libglm-dev nlohmann-json3-dev libgtest-dev
+    libopencolorio-dev libopenvdb-dev libboost-dev libosd-dev libtbb-dev libglm-dev nlohmann-json3-dev libgtest-dev
 )
 
 Say() { echo "hdStream: $*" >&2; }

@@ -83,6 +83,7 @@ std::vector<AovInfo> MakeTable() {
         Light("diffuse", "C<RD>.*[LO]", "light that the surface seen reflects diffusely"),
         Light("specular", "C<R[GS]>.*[LO]", "light that the surface seen reflects otherwise"),
         Light("transmission", "CT.*[LO]", "light that the surface seen transmits"),
+        Light("volume", "CV.*[LO]", "light that the volume seen scatters"),
         Light("direct", "C.[LO]", "light after one scattering"),
         Light("indirect", "C..+[LO]", "light after more than one scattering"),
         Light("directDiffuse", "C<RD>[LO]", "what diffuse has after one scattering"),

@@ -23,7 +23,7 @@ bool IsOneOf(const char* letters, char letter) {
 }
 
 bool HasType(const LightEvent& event, char type) {
-    return type == 'B' ? event.isDome : event.type == type; // V: there are no volumes
+    return type == 'B' ? event.isDome : event.type == type;
 }
 
 using Predicate = std::function<bool(const LightEvent&)>;

@@ -12,7 +12,7 @@ namespace hds {
 
 /// What can happen to light: the letters of the words that expressions match.
 struct LightEvent {
-    char type = 'C';       ///< C, R, T, L or O
+    char type = 'C';       ///< C, R, T, V, L or O
     char scattering = '.'; ///< D, G or S, of R and T
     bool isDome = false;   ///< of L
     std::string label;     ///< of L: its group

@@ -23,7 +23,7 @@ constexpr std::uint32_t kMaxLightPathStates = 1024;
 constexpr std::uint32_t kMaxLightPathWords = 12U << 10U;
 
 /// What surfaces do with light, in the order of LightPathState::next.
-constexpr std::array<const char*, 6> kScatterings{"RD", "RG", "RS", "TD", "TG", "TS"};
+constexpr std::array<const char*, 7> kScatterings{"RD", "RG", "RS", "TD", "TG", "TS", "V."};
 
 /// A state: what has happened since the camera, as far as it matters.
 struct LightPathState {

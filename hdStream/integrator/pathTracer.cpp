@@ -133,6 +133,7 @@ struct PathTracer::Impl {
         features.rayVisibility = scene->hasRayVisibility;
         features.mattes = options.aovs.hasMattes;
         features.media = scene->hasMedia;
+        features.volumes = !scene->volumes.volumes.empty();
         features.lightPaths = NumLightPathSums(options.aovs.lightPaths.size());
         features.numPools = buffers.NumPoolBuffers() > 1 ? kMaxPoolBuffers : 1;
         features.streaming = isStreaming;

@@ -13,10 +13,11 @@ namespace hds {
 namespace {
 
 const char* const kLabels[] = {
-    "top nodes", "instances",      "instances by path", "objects",
-    "prims",     "prim materials", "materials",         "lights by material entry",
-    "lights",    "light tree",     "light triangles",   "light distributions",
-    "programs",  "motion keys"};
+    "top nodes",  "instances",      "instances by path", "objects",
+    "prims",      "prim materials", "materials",         "lights by material entry",
+    "lights",     "light tree",     "light triangles",   "light distributions",
+    "programs",   "motion keys",    "volumes",           "grids",
+    "grid tiles", "grid cells"};
 
 /// A table that has become smaller than this part of its buffer gets a smaller one.
 constexpr std::uint64_t kShrinkFactor = 4;
@@ -137,9 +138,14 @@ bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& r
     Upload(LightByEntry, scene.lightByEntry);
     Upload(Programs, scene.programs);
     Upload(MotionKeys, scene.motionKeys);
+    Upload(Volumes, scene.volumes.volumes);
+    Upload(Grids, scene.volumes.grids);
+    Upload(GridTiles, scene.volumes.tiles);
+    Upload(GridCells, scene.volumes.cells);
+    _numVolumes = static_cast<std::uint32_t>(scene.volumes.volumes.size());
     _textures.Update(scene, residency);
     _hasPrograms = !scene.programs.empty();
-    _hasTextures = !scene.textureTable.empty();
+    _hasTextures = scene.lines->NumTextures() > 0;
     if (_lights != scene.lights) {
         Upload(Lights, scene.lights->lights);
         Upload(LightNodes, scene.lights->nodes);
@@ -204,7 +210,14 @@ unsigned SceneBuffers::BindScene(Kernel* kernel, unsigned first, bool hasMotion)
     if (_hasPrograms) {
         kernel->SetBuffer(first++, _tables[Programs]);
     }
-    return _hasTextures ? _textures.Bind(kernel, first) : first;
+    first = _hasTextures ? _textures.Bind(kernel, first) : first;
+    if (_numVolumes > 0) {
+        for (const Table table : {Volumes, Grids, GridTiles, GridCells}) {
+            kernel->SetBuffer(first++, _tables[table]);
+        }
+        kernel->SetBytes(first++, &_numVolumes, sizeof(_numVolumes));
+    }
+    return first;
 }
 
 bool SceneBuffers::SetMipBias(float bias) {

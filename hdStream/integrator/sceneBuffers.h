@@ -92,6 +92,10 @@ private:
         LightCdf,
         Programs,
         MotionKeys,
+        Volumes,
+        Grids,
+        GridTiles,
+        GridCells,
         NumTables
     };
 
@@ -115,6 +119,7 @@ private:
     std::array<bool, NumTables> _isInPlace{};  ///< in the memory of the scene
     std::shared_ptr<const LightTable> _lights; ///< what the light tables hold
     std::uint32_t _numLights = 0;
+    std::uint32_t _numVolumes = 0;
     SceneTextures _textures;
     bool _hasPrograms = false;
     bool _hasTextures = false;

@@ -14,6 +14,9 @@ namespace {
 
 /// A look-up reads four texels of each of two mips.
 constexpr std::uint32_t kLinesPerLookup = 8;
+/// A collision in a volume reads a voxel of its density, of its temperature, and of each channel of
+/// its emission.
+constexpr std::uint32_t kLinesPerCollision = 5;
 
 } // namespace
 
@@ -21,7 +24,7 @@ SceneTextures::SceneTextures(std::shared_ptr<Device> device, Store* store)
     : _device(std::move(device)), _store(store) {}
 
 void SceneTextures::Update(const CommittedScene& scene, const ResidencyOptions& residency) {
-    const bool isNeeded = !scene.textureTable.empty();
+    const bool isNeeded = scene.lines->NumTextures() > 0;
     const bool isResident = isNeeded && residency.mode == ResidencyMode::Resident;
     const bool isStreamed = isNeeded && !isResident;
     // Frees what is not wanted any more first.
@@ -36,13 +39,15 @@ void SceneTextures::Update(const CommittedScene& scene, const ResidencyOptions& 
         if (!_resident) {
             _resident = std::make_unique<ResidentTextures>(_device);
         }
-        _resident->Update(scene.textureLines.get());
+        _resident->Update(scene.lines.get());
     } else if (isStreamed) {
         if (!_pool) {
             _pool = std::make_unique<TexturePool>(_device, _store);
         }
-        _pool->Update(scene.textureLines.get(), _budgetBytes,
-                      kLinesPerLookup * std::max(1U, scene.maxLookups));
+        const std::uint32_t linesPerCollision =
+            scene.volumes.volumes.empty() ? 0U : kLinesPerCollision;
+        _pool->Update(scene.lines.get(), _budgetBytes,
+                      kLinesPerLookup * std::max(1U, scene.maxLookups) + linesPerCollision);
     }
 }
 
@@ -61,12 +66,11 @@ std::uint64_t SceneTextures::Budget(const CommittedScene& scene,
     std::uint64_t totalBytes = 0;
     if (residency.textureBudgetShare > 0.0) {
         // Only what has been opened says how much it is.
-        std::vector<std::uint32_t> all(scene.textureTable.size());
+        std::vector<std::uint32_t> all(scene.lines->NumTextures());
         std::iota(all.begin(), all.end(), 0U);
-        scene.textureLines->Open(all);
+        scene.lines->Open(all);
         for (const std::uint32_t texture : all) {
-            totalBytes +=
-                std::uint64_t{scene.textureLines->Record(texture).numLines} * HDS_LINE_BYTES;
+            totalBytes += std::uint64_t{scene.lines->Record(texture).numLines} * HDS_LINE_BYTES;
         }
     }
     return TextureBudget(residency, totalBytes, _device->Properties().memoryBytes);

@@ -12,6 +12,11 @@ namespace hds::python {
 
 namespace {
 
+/// A grid that volumes share.
+struct GridInMemory {
+    std::shared_ptr<const VoxelGrid> voxels;
+};
+
 void BindPrimvar(nb::module_& module) {
     BindEnum<Interpolation>(module, "Interpolation", "How values go with a prim's parts.");
 
@@ -109,6 +114,74 @@ void BindPlaced(nb::module_& module) {
             "light"_a, "materialSyncMode"_a, "links"_a, "Makes the mesh a light.")
         .def("RemoveLight", [](GeometryPrim& self) { self.light = nullptr; });
     BindFields(geometryPrim);
+
+    nb::class_<GridInMemory>(module, "VoxelGrid", "Voxels of a box, as floats.")
+        .def(
+            "__init__",
+            [](GridInMemory* self, nb::handle values, std::array<int, 3> size,
+               std::array<int, 3> first, nb::handle objectFromIndex) {
+                const auto span = SpanFromBuffer<float>(values, "values").first;
+                const glm::dvec3 count(size[0], size[1], size[2]);
+                if (count.x * count.y * count.z != static_cast<double>(span.size())) {
+                    throw nb::value_error("values are not as many as the size says");
+                }
+                new (self) GridInMemory{std::make_shared<const VoxelGrid>(MakeVoxelGrid(
+                    span.data(), {first[0], first[1], first[2]}, {size[0], size[1], size[2]},
+                    MatrixFromBuffer(objectFromIndex, "objectFromIndex")))};
+            },
+            "values"_a, "size"_a, "first"_a, "objectFromIndex"_a,
+            "values: float32 [size z][size y][size x]; first: the least voxel; "
+            "objectFromIndex: 16 doubles in Gf's memory order.");
+    nb::class_<VolumePrim>(module, "VolumePrim", "A volume in the scene.")
+        .def(
+            "__init__",
+            [](VolumePrim* self, nb::handle worldFromObject, bool visible,
+               const std::string& purpose, const std::string& materialPath) {
+                new (self) VolumePrim;
+                self->worldFromObject = MatrixFromBuffer(worldFromObject, "worldFromObject");
+                self->visible = visible;
+                self->purpose = purpose;
+                self->materialPath = materialPath;
+            },
+            "worldFromObject"_a, "visible"_a = true, "purpose"_a = "default", "materialPath"_a = "")
+        .def_ro("materialPath", &VolumePrim::materialPath)
+        .def(
+            "SetMaterialPath",
+            [](VolumePrim& self, const std::string& path) { self.materialPath = path; }, "path"_a)
+        .def(
+            "SetShading",
+            [](VolumePrim& self, std::array<float, 3> absorption, std::array<float, 3> scattering,
+               float anisotropy, std::array<float, 3> emission, std::array<float, 3> blackbody,
+               float kelvin, const std::string& density, const std::string& emissionField,
+               const std::string& temperatureField) {
+                const auto vector = [](const std::array<float, 3>& v) {
+                    return glm::vec3(v[0], v[1], v[2]);
+                };
+                self.shading = VolumeShading{vector(absorption),
+                                             vector(scattering),
+                                             anisotropy,
+                                             vector(emission),
+                                             vector(blackbody),
+                                             kelvin,
+                                             density,
+                                             emissionField,
+                                             temperatureField};
+            },
+            "absorption"_a, "scattering"_a, "anisotropy"_a, "emission"_a, "blackbody"_a, "kelvin"_a,
+            "density"_a, "emissionField"_a, "temperatureField"_a, "In place of a material.")
+        .def(
+            "SetGrid",
+            [](VolumePrim& self, const std::string& name, const GridInMemory& grid) {
+                self.fields[name].voxels = grid.voxels;
+            },
+            "name"_a, "grid"_a, "A field in memory.")
+        .def(
+            "SetFile",
+            [](VolumePrim& self, const std::string& name, const AssetReference& asset,
+               const std::string& gridName, int gridIndex) {
+                self.fields[name] = VolumeField{asset, gridName, gridIndex, nullptr};
+            },
+            "name"_a, "asset"_a, "gridName"_a, "gridIndex"_a, "A field of an OpenVDB file.");
 
     nb::class_<InstancerPrim> instancer(module, "InstancerPrim", "Places its prototypes.");
     instancer.def(

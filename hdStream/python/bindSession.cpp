@@ -207,6 +207,7 @@ void BindSession(nb::module_& module) {
             },
             "onWarning"_a = nb::none())
         .def("SetGeometry", &Session::SetGeometry, "path"_a, "prim"_a)
+        .def("SetVolume", &Session::SetVolume, "path"_a, "prim"_a)
         .def("SetInstancer", &Session::SetInstancer, "path"_a, "prim"_a)
         .def("SetLight", &Session::SetLight, "path"_a, "prim"_a)
         .def(

@@ -101,6 +101,7 @@ public:
         _result->images = &_cache.images;
         _result->textureLines = std::make_unique<TextureLines>(
             _cache.textures, MakeTextureImages(_result->textureTable, _cache.images));
+        AddVolumes();
         _result->textures = _cache.images.Uses();
         Count();
         _result->seconds =
@@ -299,6 +300,20 @@ private:
         }
     }
 
+    /// After the textures, whose numbers those of grids follow.
+    void AddVolumes() {
+        _result->volumes = CommitVolumes(_scene, _options.purposes, _result->centre,
+                                         static_cast<std::uint32_t>(_result->textureTable.size()),
+                                         _cache.grids.get(), _warnings);
+        _result->lines =
+            std::make_unique<SceneLines>(_result->textureLines.get(), &_result->volumes.prepared);
+        if (!_result->volumes.volumes.empty()) { // kernels have what volumes need
+            _result->hasCutouts = true;
+            _result->hasMedia = true;
+            _result->lobes |= HDS_LOBE_BASE | HDS_LOBE_TRANSLUCENCY;
+        }
+    }
+
     void Count() {
         SceneCounts& counts = _result->counts;
         counts.chunks = _result->pages->NumChunks();
@@ -308,6 +323,16 @@ private:
             _result->motionKeys.size() * sizeof(AffineRows) +
             _result->objects.size() * sizeof(shared::HdsObject) +
             _result->pages->NumPages() * sizeof(std::uint32_t);
+        const CommittedVolumes& volumes = _result->volumes;
+        counts.volumes = volumes.volumes.size();
+        counts.grids = volumes.grids.size();
+        for (const auto& grid : volumes.prepared) {
+            counts.bricks += grid->description.numBricks;
+        }
+        counts.volumeTableBytes = volumes.volumes.size() * sizeof(shared::HdsVolume) +
+                                  volumes.grids.size() * sizeof(shared::HdsGrid) +
+                                  volumes.tiles.size() * sizeof(shared::HdsGridTile) +
+                                  volumes.cells.size() * sizeof(shared::HdsGridCell);
         counts.textures = _result->textures.size();
         for (const TextureUse& texture : _result->textures) {
             counts.textureSourceBytes += texture.bytesSource;

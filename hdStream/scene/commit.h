@@ -12,7 +12,9 @@
 #include "hdStream/scene/imageLibrary.h"
 #include "hdStream/scene/materialCommit.h"
 #include "hdStream/scene/sceneDescription.h"
+#include "hdStream/scene/sceneLines.h"
 #include "hdStream/scene/transforms.h"
+#include "hdStream/scene/volumeCommit.h"
 #include "hdStream/shading/lightTable.h"
 #include "hdStream/texture/textureLines.h"
 #include "kernels/shared/geometry.h"
@@ -70,7 +72,8 @@ struct EmissionImage {
 /// depend on what is in it. Externally synchronised.
 struct CommitCache {
     explicit CommitCache(Warnings& warnings)
-        : images(warnings), textures(std::make_shared<TexturePreparer>(nullptr, &warnings)) {}
+        : images(warnings), textures(std::make_shared<TexturePreparer>(nullptr, &warnings)),
+          grids(std::make_shared<GridPreparer>(nullptr, &warnings)) {}
     GeometryStore geometry;
     PreparedPages pages;
     ImageLibrary images;
@@ -78,7 +81,8 @@ struct CommitCache {
     std::shared_ptr<TexturePreparer> textures; ///< never null
     /// What EmissionGuess has read for the scene as it is, by texture and factors.
     std::map<std::string, EmissionImage> emissionImages;
-    PageKey lightKey; ///< all that `lights` is made of
+    std::shared_ptr<GridPreparer> grids; ///< never null
+    PageKey lightKey;                    ///< all that `lights` is made of
     std::shared_ptr<const LightTable> lights;
 };
 
@@ -95,6 +99,10 @@ struct SceneCounts {
     std::uint64_t textureSourceBytes = 0; ///< decoded base levels
     std::uint64_t lights = 0;
     std::uint64_t emissiveTriangles = 0;
+    std::uint64_t volumes = 0; ///< that are drawn
+    std::uint64_t grids = 0;
+    std::uint64_t bricks = 0;
+    std::uint64_t volumeTableBytes = 0;
 };
 
 /// Host images of the device tables. Immutable but for pages that are prepared. The cache must
@@ -118,7 +126,9 @@ struct CommittedScene {
     std::vector<MaterialTexture> textureTable;  ///< of lights, then what programs look up
     std::uint32_t maxLookups = 0;               ///< of textures to shade a point, at most
     std::unique_ptr<TextureLines> textureLines; ///< of textureTable; opened when they are needed
-    ImageLibrary* images = nullptr;             ///< the cache's
+    CommittedVolumes volumes;
+    std::unique_ptr<SceneLines> lines;    ///< of textures, then of the grids of volumes
+    ImageLibrary* images = nullptr;       ///< the cache's
     std::unique_ptr<GeometryPages> pages; ///< prepared when they are needed; in the cache's memory
     std::shared_ptr<const LightTable> lights;
     std::vector<std::uint32_t> lightByEntry; ///< HDS_MESH_LIGHT of emissive material entries

@@ -6,6 +6,7 @@
 
 #include "hdStream/geometry/geometryDescription.h"
 #include "hdStream/scene/instanceTransforms.h"
+#include "hdStream/scene/volumeDescription.h"
 #include "hdStream/shading/lightDescription.h"
 #include "hdStream/shading/materialNetwork.h"
 
@@ -216,6 +217,7 @@ struct SceneDescription {
     std::map<std::string, LightPrim> lights;
     std::map<std::string, std::shared_ptr<const MaterialNetwork>> materials;
     std::map<std::string, CameraPrim> cameras;
+    std::map<std::string, VolumePrim> volumes;
 };
 
 /// True when there is such a material and it has a surface: binding any other is binding none.

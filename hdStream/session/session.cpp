@@ -96,6 +96,7 @@ struct Session::Impl {
             cache.geometry.SetPageStore(pageStore);
             cache.images.SetPageStore(pageStore);
             cache.textures = std::make_shared<TexturePreparer>(pageStore, &warnings);
+            cache.grids = std::make_shared<GridPreparer>(pageStore, &warnings);
         }
         if (device->Compilers() == nullptr && device->Properties().hasSlowBinaries) {
             ReadyCompilers();
@@ -273,6 +274,11 @@ void Session::SetGeometry(const std::string& path, GeometryPrim prim) {
     ++_impl->sceneVersion;
 }
 
+void Session::SetVolume(const std::string& path, VolumePrim prim) {
+    _impl->description.volumes[path] = std::move(prim);
+    ++_impl->sceneVersion;
+}
+
 void Session::SetInstancer(const std::string& path, InstancerPrim prim) {
     _impl->description.instancers[path] = std::move(prim);
     ++_impl->sceneVersion;
@@ -299,6 +305,7 @@ void Session::Remove(const std::string& path) {
     scene.lights.erase(path);
     scene.materials.erase(path);
     scene.cameras.erase(path);
+    scene.volumes.erase(path);
     ++_impl->sceneVersion;
 }
 

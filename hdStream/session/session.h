@@ -58,6 +58,7 @@ public:
     // Cheap whatever the prim: what is expensive to prepare is shared through pointers
     // (GeometryPrim).
     void SetGeometry(const std::string& path, GeometryPrim prim);
+    void SetVolume(const std::string& path, VolumePrim prim);
     void SetInstancer(const std::string& path, InstancerPrim prim);
     void SetLight(const std::string& path, LightPrim prim);
     void SetMaterial(const std::string& path, std::shared_ptr<const MaterialNetwork> network);

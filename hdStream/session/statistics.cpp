@@ -93,7 +93,7 @@ Json TextureSection(const StatisticsInput& in) {
     const SceneTextures& textures = in.tracer->Buffers().Textures();
     const RenderStatistics& render = in.tracer->Statistics();
     const TextureStatistics cache = textures.Statistics();
-    const std::uint64_t linesTotal = in.scene->textureLines->TotalLines();
+    const std::uint64_t linesTotal = in.scene->lines->TotalLines();
     return {{"mode", textures.Pool() != nullptr ? "stream" : "resident"},
             {"textures", counts.textures},
             {"bytesSource", counts.textureSourceBytes},
@@ -113,6 +113,14 @@ Json TextureSection(const StatisticsInput& in) {
             {"shadeIterations", render.shadeIterations},
             {"fallbackTexels", cache.fallbackTexels},
             {"setConflicts", cache.setConflicts}};
+}
+
+Json VolumeCounts(const SceneCounts& counts) {
+    return {{"volumes", counts.volumes},
+            {"grids", counts.grids},
+            {"bricks", counts.bricks},
+            {"bytesTotal", counts.bricks * HDS_BRICK_LINES * HDS_LINE_BYTES},
+            {"alwaysResidentBytes", counts.volumeTableBytes}};
 }
 
 } // namespace
@@ -135,6 +143,7 @@ std::string MakeStatistics(const StatisticsInput& in) {
                        {"hostPeak", HostPeakBytes()}};
     stats["geometry"] = GeometrySection(in);
     stats["texture"] = TextureSection(in);
+    stats["volume"] = VolumeCounts(in.scene->counts);
     stats["rays"] = {{"camera", render.cameraRays},
                      {"indirect", render.indirectRays},
                      {"shadow", render.shadowRays},
@@ -176,6 +185,7 @@ std::string MakeInfo(const SceneDescription& scene, const CommittedScene& commit
     info["cameras"] = scene.cameras.size();
     info["textures"] = textures;
     info["textureBytesSource"] = counts.textureSourceBytes;
+    info["volume"] = VolumeCounts(counts);
     info["warnings"] = warnings;
     return info.dump(2) + "\n";
 }

@@ -58,6 +58,9 @@ void generate_start(HdsPaths paths, uint i, uint number, constant const HdsFrame
 #if HDS_FEATURE_MEDIA
     path_store_medium(paths, i, (uint4)(0u));
 #endif
+#if HDS_FEATURE_VOLUMES
+    path_beginVolumes(paths, i, ray.tMin);
+#endif
 #if HDS_FEATURE_MATTES
     path_store_matte(paths, i, (uint4)(HDS_NONE, 0u, 0u, 0u));
 #endif

@@ -86,6 +86,9 @@ bool shade_passThrough(const HdsHit* hit, const HdsSurfaceHit* surface, float3 t
     path_store_throughput(paths, i, (float4)(path->throughput, path->bsdfPdf));
     path_store_status(paths, i, path->status);
     path_store_after(paths, i, passThrough_key(hit, surface));
+#if HDS_FEATURE_VOLUMES
+    path_beginVolumes(paths, i, hit->t);
+#endif
     return true;
 }
 #endif
@@ -185,7 +188,12 @@ void shade_path(constant const HdsFrameParams* frame, const HdsSceneView* scene,
     uint step = HDS_SHADE_ENDS;
 #if HDS_FEATURE_MEDIA
     const uint kind = path->medium.medium.kind;
-    if (!at->isHit && kind != HDS_MEDIUM_NONE) {
+#if HDS_FEATURE_VOLUMES
+    const bool isEvent = kind != HDS_MEDIUM_NONE || path->volume != HDS_NONE;
+#else
+    const bool isEvent = kind != HDS_MEDIUM_NONE;
+#endif
+    if (!at->isHit && isEvent) {
         shadeMedium_scatter(frame, scene, at, path, i, paths, lists);
         return;
     }

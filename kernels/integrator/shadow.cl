@@ -11,6 +11,9 @@
 #if HDS_FEATURE_CUTOUT
 #include "integrator/passThrough.clh"
 #endif
+#if HDS_FEATURE_VOLUMES
+#include "integrator/volumePath.clh"
+#endif
 
 /* Adds light that arrives to what the path has gathered. */
 void shadow_addLight(HdsPaths paths, uint i, float3 light) {
@@ -67,7 +70,11 @@ void shadow_arrive(const HdsSceneView* scene, HdsPaths paths, uint i, const HdsH
                    global uint* candidateQueue, global uint* readyQueue,
                    volatile global uint* counters) {
 #if HDS_FEATURE_CUTOUT
-    if (candidate->chunk != HDS_NONE) {
+    bool passes = candidate->chunk != HDS_NONE;
+#if HDS_FEATURE_VOLUMES
+    passes = passes || (!shadow_needsLight(scene, paths, i) && volumePath_isAhead(scene, paths, i));
+#endif
+    if (passes) {
         path_storeCandidate(paths, i, candidate);
         queue_append(candidateQueue, &counters[HDS_COUNTER_SHADOW], i);
         return;
@@ -155,9 +162,17 @@ bool shadow_isTarget(const HdsSceneView* scene, HdsPaths paths, uint i,
            surface->primId == target.y && surfaceHit_light(scene, surface, &pdfArea) == target.x;
 }
 
-/* Adds what the light at the end of the shadow ray emits. \return false when texels are missing. */
+/* Adds what the light at the end of the shadow ray emits. \param t of the candidate. \return false
+ * when texels are missing. */
 bool shadow_addTarget(const HdsSceneView* scene, HdsPaths paths, uint i,
-                      const HdsSurfaceHit* surface, float3 viewer) {
+                      const HdsSurfaceHit* surface, float3 viewer, float t) {
+#if HDS_FEATURE_VOLUMES
+    const bool isDimmed = volumePath_dimShadow(scene, paths, i, t);
+    texture_count(&scene->textures);
+    if (!isDimmed) {
+        return false;
+    }
+#endif
     HdsShadingPoint shading;
     HdsBsdf bsdf;
     if (!surfaceHit_shade(scene, surface, viewer, &shading, &bsdf)) {
@@ -168,11 +183,32 @@ bool shadow_addTarget(const HdsSceneView* scene, HdsPaths paths, uint i,
 }
 #endif
 
+#if HDS_FEATURE_VOLUMES
+/* Ends a shadow ray that nothing but volumes is in the way of. */
+void shadow_passVolumes(const HdsSceneView* scene, HdsPaths paths, uint i, global uint* readyQueue,
+                        volatile global uint* counters) {
+    const bool isDone = volumePath_dimShadow(scene, paths, i, path_load_shadowOrigin(paths, i).w);
+    texture_count(&scene->textures);
+    if (!isDone) {
+        surfaceHit_waitForTexels(scene, i);
+        return;
+    }
+    shadow_addRadiance(paths, i);
+    shadow_end(paths, i, readyQueue, counters);
+}
+#endif
+
 /* Dims the shadow ray of slot i by its candidate, and appends what shadow_pass does. */
 void shadow_passCandidate(const HdsSceneView* scene, HdsPaths paths, uint i, global uint* waitQueue,
                           global uint* queue, global uint* readyQueue,
                           volatile global uint* counters) {
     HdsHit hit = path_loadCandidate(paths, i);
+#if HDS_FEATURE_VOLUMES
+    if (hit.chunk == HDS_NONE) {
+        shadow_passVolumes(scene, paths, i, readyQueue, counters);
+        return;
+    }
+#endif
     if (surfaceHit_waits(scene, &hit, waitQueue, counters, HDS_COUNTER_WAITING_CANDIDATES, i)) {
 #if HDS_WAIT_LISTS
         path_storeWaits(paths, i, path_loadWaits(paths, i) | HDS_PATH_SHADOW_WAITS);
@@ -190,7 +226,7 @@ void shadow_passCandidate(const HdsSceneView* scene, HdsPaths paths, uint i, glo
 #endif
 #if HDS_FEATURE_TEXTURED_EMISSION
     if (shadow_isTarget(scene, paths, i, &surface)) {
-        if (shadow_addTarget(scene, paths, i, &surface, -direction.xyz)) {
+        if (shadow_addTarget(scene, paths, i, &surface, -direction.xyz, hit.t)) {
             shadow_end(paths, i, readyQueue, counters);
         } else {
             surfaceHit_waitForTexels(scene, i);

@@ -12,11 +12,12 @@
 
 /* Words of a state: the states after each scattering, then by what emits a bit for each expression
  * that matches: for each label lights and domes in turn, and last what is no light. */
-#define HDS_SCATTERINGS 6u
+#define HDS_SCATTERINGS 7u
 #define HDS_SCATTERING_DIFFUSE 0u
 #define HDS_SCATTERING_GLOSSY 1u
 #define HDS_SCATTERING_SINGULAR 2u
 #define HDS_SCATTERING_TRANSMISSION 3u /* is added to these */
+#define HDS_SCATTERING_VOLUME 6u
 
 /* Three states, one of each colour channel, in one word. */
 #define HDS_LIGHT_PATH_STATE_BITS 10

@@ -44,6 +44,7 @@ RULES = (
     (r"hdStream/(stream|accel|geometry)/", (r"unit/\1", r"device/\1", "stream/test_geometryStreaming.py")),
     (r"hdStream/(persist)/", (r"unit/\1", "stream/test_cacheDamage.py")),
     (r"hdStream/(texture)/", (r"unit/\1", r"device/\1", "stream/test_textureStreaming.py")),
+    (r"(hdStream|kernels)/(volume)/", (r"unit/\2", "render/test_volumes.py")),
     (r"hdStream/(scene)/", ("unit/scene", "unit/geometry", "translate", "render/test_identity.py")),
     (r"hdStream/(film)/", (r"unit/\1", "device/session", "render/test_aovs.py")),
     (r"hdStream/(shading|integrator|device)/", (r"unit/\1", r"device/\1", r"stat/\1", "render/test_identity.py")),

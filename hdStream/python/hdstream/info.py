@@ -63,6 +63,10 @@ def _Print(info):
     print(f"instances   {info['instances']} drawn, {info['instancers']} instancers")
     print(f"materials   {info['materials']}")
     print(f"lights      {info['lights']}, {info['emissiveTriangles']} emissive triangles")
+    volume = info["volume"]
+    if volume["volumes"]:
+        print(f"volumes     {volume['volumes']}, {volume['grids']} grids, {volume['bricks']} bricks, "
+              f"{BytesText(volume['bytesTotal'])}")
     print(f"cameras     {', '.join(info['cameraPaths']) or 'none'}")
     print(f"textures    {len(info['textures'])}, {BytesText(info['textureBytesSource'])} decoded")
     for texture in info["textures"]:

@@ -31,6 +31,7 @@ TEST(Aov, TableHasEveryAovOfTheContractOnce) {
                                          "diffuse",
                                          "specular",
                                          "transmission",
+                                         "volume",
                                          "direct",
                                          "indirect",
                                          "directDiffuse",

@@ -110,7 +110,8 @@ TEST(KernelFeatures, HaveWhatTheyNeed) {
         {"textureStreaming", {"textures"}},              // whose lines are missing
         {"texturedEmission", {"cutouts", "meshLights"}}, // of a mesh, asked for as candidates are
         {"media", {"lobes"}},                            // lie below layered surfaces
-        {"requestsFirst", {"streaming"}},                // asks for pages that are missing
+        {"volumes", {"cutouts", "lobes", "media", "textures"}}, // bricks are lines; events of media
+        {"requestsFirst", {"streaming"}},                       // asks for pages that are missing
     };
     for (const auto& [name, needs] : AllNeeds()) {
         const auto found = expected.find(name);

@@ -75,7 +75,7 @@ class MaterialReader:
             path = shader.GetPath().pathString
             if path not in nodes:
                 nodes[path] = self._ReadNode(shader, pending)
-        if "surface" not in terminals:
+        if "surface" not in terminals and "volume" not in terminals:
             self._warn(prim, self._ReasonWithoutSurface(material))
         return _core.MaterialNetwork([nodes[path] for path in sorted(nodes)], terminals)
 

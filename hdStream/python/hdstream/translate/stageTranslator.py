@@ -13,11 +13,11 @@ from pxr import Tf, Usd, UsdGeom, UsdSkel
 
 from hdstream import _core
 from hdstream.diagnostics import MessagesOf
-from hdstream.translate import cameras, curves, drawModes, lights, meshes, primvars
+from hdstream.translate import cameras, curves, drawModes, lights, meshes, primvars, volumes
 from hdstream.translate.assets import AssetResolver
 from hdstream.translate.instancers import Instancers
 from hdstream.translate.links import Links
-from hdstream.translate.materials import MaterialReader
+from hdstream.translate.materials import FindBoundMaterials, MaterialReader
 from hdstream.translate.geometryBatch import GeometryBatch
 from hdstream.translate.motion import Motion
 from hdstream.translate.primState import PREDICATE, Context, State
@@ -25,7 +25,7 @@ from hdstream.translate.reports import Reports
 from hdstream.translate.skinning import Skinning
 
 # Schemas that are drawn by other renderers and skipped here, with a count.
-_SKIPPED_SCHEMAS = ("NurbsPatch", "TetMesh", "Volume", "ParticleField")
+_SKIPPED_SCHEMAS = ("NurbsPatch", "TetMesh", "ParticleField")
 
 
 class _TypeInfo:
@@ -62,6 +62,7 @@ class StageTranslator:
         self._batch = GeometryBatch(session, self._links, self._reports.Warn)
         self._drawModes = drawModes.DrawModes(self, session, self._timeCode, self._assets, self._reports)
         self._instancers = Instancers(self, stage, session, self._timeCode, self._motion, self._links, self._reports)
+        self._volumeMaterials = {}  # path -> prim
         self._kept = {}  # scene path -> GeometryPrim of before, whose geometry is as it was
         self.materialPaths = set()  # of the materials that were translated
         self.numPrims = 0  # prims visited, instance proxies of first instances included
@@ -102,7 +103,7 @@ class StageTranslator:
 
     def _Translate(self, prims, state):
         self.Walk(prims, state, Context())
-        self._SetMaterials(self._batch.Flush())
+        self._SetMaterials({**self._volumeMaterials, **self._batch.Flush()})
         self._End()
 
     def _End(self):
@@ -207,6 +208,7 @@ class StageTranslator:
                     ("Camera", self._OnCamera), ("Subset", self._OnSkipped)]
         handlers += [(name, self._OnCurves) for name in ("BasisCurves", "NurbsCurves", "HermiteCurves")]
         handlers += [(name, self._OnImplicit) for name in meshes.IMPLICIT_TYPES]
+        handlers += [("Volume", self._OnVolume), ("FieldBase", self._OnSkipped)]
         handlers += [(name, self._OnUnsupported) for name in _SKIPPED_SCHEMAS]
         handlers += [(name, self._OnLight) for name in lights.LIGHT_TYPES]
         handlers += [(name, self._OnUnsupported) for name in lights.UNSUPPORTED_LIGHT_TYPES]
@@ -282,6 +284,16 @@ class StageTranslator:
         description = curves.ReadPointCloud(prim, names, state.primvars, self._timeCode)
         self._AddPointSamples(prim, names, description)
         self._AddSolid(prim, description, state, context)
+        return state
+
+    def _OnVolume(self, prim, schema, names, state, context):
+        if context.instancerPath:
+            self._reports.Count(prim, "volumes of instancers are not drawn: {count}")
+            return state
+        (materialPath,), materials = FindBoundMaterials([prim], self._reports.Warn)
+        self._volumeMaterials.update(materials)
+        self._session.SetVolume(self.ReservePath(prim, context), volumes.ReadVolume(
+            prim, state, materialPath, self._timeCode, self._assets, self._reports.Warn))
         return state
 
     def _AddPointSamples(self, prim, names, description):

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the texture cache of a scene streams: lines of images, and of the grids of volumes.
+// Explained in docs/volumes.md, section "Grids".
+#pragma once
+
+#include "hdStream/texture/textureLines.h"
+#include "hdStream/volume/gridPreparer.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace hds {
+
+/// The lines of textures, then those of grids. Externally synchronised.
+class SceneLines : public LineProvider {
+public:
+    /// \param textures, grids must outlive it.
+    SceneLines(TextureLines* textures, const PreparedGrids* grids)
+        : _textures(textures), _grids(grids) {}
+
+    std::uint32_t NumTextures() const override {
+        return _textures->NumTextures() + static_cast<std::uint32_t>(_grids->size());
+    }
+    std::uint64_t TextureId(std::uint32_t texture) const override;
+    std::uint64_t MaxLines() const override;
+    /// As of TextureLines.
+    std::uint64_t TotalLines() const;
+    void Open(const std::vector<std::uint32_t>& textures) override;
+    shared::HdsTexture Record(std::uint32_t texture) const override;
+    void Read(const std::vector<LineId>& lines, std::uint8_t* bytes) override;
+
+private:
+    std::uint64_t GridLines() const;
+    bool IsGrid(std::uint32_t texture) const { return texture >= _textures->NumTextures(); }
+    const PreparedGrid& Grid(std::uint32_t texture) const {
+        return *(*_grids)[texture - _textures->NumTextures()];
+    }
+
+    TextureLines* _textures;
+    const PreparedGrids* _grids;
+};
+
+} // namespace hds

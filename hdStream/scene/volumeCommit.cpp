@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/scene/volumeCommit.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace hds {
+
+namespace {
+
+/// What glows beside its density has so many collisions on the way through a brick, about.
+constexpr double kGlowCollisions = 4.0;
+
+void StoreVector(glm::dvec3 v, float* out) {
+    for (int i = 0; i < 3; ++i) {
+        out[i] = static_cast<float>(v[i]);
+    }
+}
+
+bool HasPlace(const GridDescription& grid) {
+    const double determinant = glm::determinant(grid.objectFromIndex);
+    return std::abs(determinant) > 0.0 && std::isfinite(determinant);
+}
+
+/// The grids that light meets.
+struct VolumeGrids {
+    std::shared_ptr<const PreparedGrid> density;
+    PreparedGrids emission;                          ///< empty, one, or red, green and blue
+    std::shared_ptr<const PreparedGrid> temperature; ///< may be null
+};
+
+/// Collects the tables.
+class VolumeTables {
+public:
+    VolumeTables(glm::dvec3 centre, std::uint32_t numTextures)
+        : _centre(centre), _numTextures(numTextures) {}
+
+    /// \pre the grids are valid and the volume has a density.
+    void Add(const glm::dmat4& worldFromObject, const VolumeShading& shading,
+             const VolumeGrids& grids, std::uint32_t identity) {
+        const GridDescription& lattice = grids.density->description;
+        shared::HdsVolume volume{};
+        const glm::dmat4 worldFromLattice = worldFromObject * lattice.objectFromIndex;
+        glm::dvec3 least(lattice.first - 1);
+        glm::dvec3 most(lattice.first + lattice.size);
+        volume.fields[HDS_FIELD_DENSITY] = Field({grids.density}, lattice);
+        volume.fields[HDS_FIELD_EMISSION] = volume.fields[HDS_FIELD_DENSITY];
+        volume.fields[HDS_FIELD_TEMPERATURE].grid = HDS_NONE;
+        if (!grids.emission.empty()) {
+            volume.fields[HDS_FIELD_EMISSION] = Field(grids.emission, lattice);
+            Extend(grids.emission[0]->description, lattice, &least, &most);
+            StoreVector(shading.emission, volume.emission);
+        }
+        if (grids.temperature) {
+            volume.fields[HDS_FIELD_TEMPERATURE] = Field({grids.temperature}, lattice);
+            Extend(grids.temperature->description, lattice, &least, &most);
+            StoreVector(shading.blackbody, volume.blackbody);
+        }
+        PlaceBox(worldFromLattice, least, most, &volume);
+        const glm::vec3 extinction = shading.absorption + shading.scattering;
+        StoreVector(extinction, volume.extinction);
+        volume.most = std::max({extinction.x, extinction.y, extinction.z});
+        for (int i = 0; i < 3; ++i) {
+            volume.albedo[i] = extinction[i] > 0.0F ? shading.scattering[i] / extinction[i] : 0.0F;
+        }
+        volume.asymmetry = std::clamp(shading.anisotropy, -0.98F, 0.98F);
+        volume.kelvin = shading.kelvin;
+        const bool glows = (!grids.emission.empty() && shading.emission != glm::vec3(0.0F)) ||
+                           (grids.temperature && shading.blackbody != glm::vec3(0.0F));
+        const double voxel = std::cbrt(std::abs(glm::determinant(glm::dmat3(worldFromLattice))));
+        volume.emissionRate =
+            glows ? static_cast<float>(kGlowCollisions / (HDS_BRICK_VOXELS * voxel)) : 0.0F;
+        volume.identity = identity;
+        result.volumes.push_back(volume);
+    }
+
+    CommittedVolumes result;
+
+private:
+    void PlaceBox(const glm::dmat4& worldFromLattice, glm::dvec3 least, glm::dvec3 most,
+                  shared::HdsVolume* volume) const {
+        const glm::dvec3 middle = 0.5 * (least + most);
+        const glm::dmat3 inwards = glm::inverse(glm::dmat3(worldFromLattice));
+        for (int row = 0; row < 3; ++row) {
+            for (int column = 0; column < 3; ++column) {
+                volume->latticeFromWorld[3 * row + column] =
+                    static_cast<float>(inwards[column][row]);
+            }
+        }
+        StoreVector(glm::dvec3(worldFromLattice * glm::dvec4(middle, 1.0)) - _centre,
+                    volume->worldCentre);
+        StoreVector(middle, volume->latticeCentre);
+        StoreVector(least, volume->boxMin);
+        StoreVector(most, volume->boxMax);
+    }
+
+    /// Makes a box of the lattice hold another grid too.
+    static void Extend(const GridDescription& grid, const GridDescription& lattice,
+                       glm::dvec3* least, glm::dvec3* most) {
+        const glm::dmat4 map = glm::inverse(lattice.objectFromIndex) * grid.objectFromIndex;
+        for (int corner = 0; corner < 8; ++corner) {
+            glm::dvec3 at;
+            for (int i = 0; i < 3; ++i) {
+                at[i] = grid.first[i] + ((corner >> i & 1) != 0 ? grid.size[i] : -1);
+            }
+            const glm::dvec3 there(map * glm::dvec4(at, 1.0));
+            *least = glm::min(*least, there);
+            *most = glm::max(*most, there);
+        }
+    }
+
+    /// \param grids one, or those of red, green and blue, which follow one another.
+    shared::HdsVolumeField Field(const PreparedGrids& grids, const GridDescription& lattice) {
+        const glm::dmat4& place = grids[0]->description.objectFromIndex;
+        shared::HdsVolumeField field{};
+        field.grid = GridOf(grids[0]);
+        for (std::size_t i = 1; i < grids.size(); ++i) {
+            GridOf(grids[i]);
+        }
+        field.flags = grids.size() > 1 ? HDS_FIELD_IS_COLOR : 0U;
+        field.flags |= place == lattice.objectFromIndex ? HDS_FIELD_IS_ALIGNED : 0U;
+        const glm::dmat4 map = glm::inverse(place) * lattice.objectFromIndex;
+        for (int row = 0; row < 3; ++row) {
+            for (int column = 0; column < 4; ++column) {
+                field.indexFromLattice[4 * row + column] = static_cast<float>(map[column][row]);
+            }
+        }
+        return field;
+    }
+
+    std::uint32_t GridOf(const std::shared_ptr<const PreparedGrid>& grid) {
+        const auto number = static_cast<std::uint32_t>(result.grids.size());
+        const auto [found, isNew] = _numbers.emplace(grid.get(), number);
+        if (!isNew) {
+            return found->second;
+        }
+        const GridDescription& description = grid->description;
+        shared::HdsGrid record = description.record;
+        record.firstTile = static_cast<std::uint32_t>(result.tiles.size());
+        record.firstCell = static_cast<std::uint32_t>(result.cells.size());
+        record.texture = _numTextures + number;
+        result.grids.push_back(record);
+        result.tiles.insert(result.tiles.end(), description.tiles.begin(), description.tiles.end());
+        result.cells.insert(result.cells.end(), description.cells.begin(), description.cells.end());
+        result.prepared.push_back(grid);
+        return number;
+    }
+
+    glm::dvec3 _centre;
+    std::uint32_t _numTextures;
+    std::map<const PreparedGrid*, std::uint32_t> _numbers;
+};
+
+/// Finds the grids of one volume.
+class GridFinder {
+public:
+    GridFinder(const std::string& path, const VolumePrim& prim, GridPreparer* preparer,
+               Warnings& warnings)
+        : _path(path), _prim(prim), _preparer(*preparer), _warnings(warnings) {}
+
+    bool Has(const std::string& name) const { return _prim.fields.count(name) != 0; }
+
+    /// Of a field by name; nothing, with a warning, when it cannot be read.
+    PreparedGrids Find(const std::string& name) {
+        const auto found = _prim.fields.find(name);
+        if (found == _prim.fields.end()) {
+            _warnings.Add(_path, "volume without the field '" + name + "'");
+            return {};
+        }
+        const VolumeField& field = found->second;
+        PreparedGrids grids = field.voxels ? _preparer.Prepare(field.voxels) : Read(name, field);
+        if (!grids.empty() && !HasPlace(grids[0]->description)) {
+            _warnings.Add(_path, "field '" + name + "' has a place that makes no sense");
+            return {};
+        }
+        return grids;
+    }
+
+private:
+    PreparedGrids Read(const std::string& name, const VolumeField& field) {
+        const AssetReference& asset = field.asset;
+        if (asset.file.empty()) {
+            _warnings.Add(_path, "field '" + name + "': " + asset.authoredPath + " is not found");
+            return {};
+        }
+        std::string error;
+        PreparedGrids grids = _preparer.Prepare(
+            {asset.file, asset.offset, field.gridName, field.gridIndex}, asset.size, &error);
+        if (grids.empty()) {
+            _warnings.Add(_path, "field '" + name + "': " + error);
+        }
+        return grids;
+    }
+
+    const std::string& _path;
+    const VolumePrim& _prim;
+    GridPreparer& _preparer;
+    Warnings& _warnings;
+};
+
+VolumeShading ShadingOf(const SceneDescription& scene, const std::string& path,
+                        const VolumePrim& prim, Warnings& warnings) {
+    if (prim.shading) {
+        return *prim.shading;
+    }
+    const auto material = scene.materials.find(prim.materialPath);
+    if (material == scene.materials.end() || material->second->terminals.count("volume") == 0) {
+        return DefaultVolumeShading();
+    }
+    return ReadVolumeShading(*material->second, [&](const std::string& text) {
+        warnings.Add(path, prim.materialPath + ": " + text);
+    });
+}
+
+bool IsFinite(const VolumeShading& shading) {
+    const glm::vec3 sum = shading.absorption + shading.scattering + shading.emission +
+                          shading.blackbody + glm::vec3(shading.kelvin + shading.anisotropy);
+    return std::isfinite(sum.x) && std::isfinite(sum.y) && std::isfinite(sum.z) &&
+           glm::all(glm::greaterThanEqual(shading.absorption, glm::vec3(0.0F))) &&
+           glm::all(glm::greaterThanEqual(shading.scattering, glm::vec3(0.0F))) &&
+           glm::all(glm::greaterThanEqual(shading.emission, glm::vec3(0.0F))) &&
+           glm::all(glm::greaterThanEqual(shading.blackbody, glm::vec3(0.0F)));
+}
+
+/// \return false, with a warning, when there is nothing to draw.
+bool FindGrids(const VolumeShading& shading, GridFinder finder, VolumeGrids* grids) {
+    const auto density = finder.Find(shading.density);
+    if (density.empty()) {
+        return false;
+    }
+    grids->density = density[0];
+    if (shading.emission != glm::vec3(0.0F)) {
+        const bool isOwn =
+            !shading.emissionField.empty() && shading.emissionField != shading.density;
+        grids->emission = isOwn ? finder.Find(shading.emissionField) : density;
+    }
+    // Hosts' shaders name a temperature by default; without that field nothing glows.
+    if (shading.blackbody != glm::vec3(0.0F) && finder.Has(shading.temperatureField)) {
+        const auto temperature = finder.Find(shading.temperatureField);
+        grids->temperature = temperature.empty() ? nullptr : temperature[0];
+    }
+    return true;
+}
+
+} // namespace
+
+CommittedVolumes CommitVolumes(const SceneDescription& scene,
+                               const std::vector<std::string>& purposes, glm::dvec3 centre,
+                               std::uint32_t numTextures, GridPreparer* preparer,
+                               Warnings& warnings) {
+    VolumeTables tables(centre, numTextures);
+    std::uint32_t identity = 0;
+    for (const auto& [path, prim] : scene.volumes) {
+        ++identity;
+        const bool isDrawn = prim.visible && std::find(purposes.begin(), purposes.end(),
+                                                       prim.purpose) != purposes.end();
+        if (!isDrawn) {
+            continue;
+        }
+        const VolumeShading shading = ShadingOf(scene, path, prim, warnings);
+        const double determinant = glm::determinant(prim.worldFromObject);
+        if (!IsFinite(shading) || !(std::abs(determinant) > 0.0) || !std::isfinite(determinant)) {
+            warnings.Add(path, "volume with a place or material that makes no sense: left out");
+            continue;
+        }
+        VolumeGrids grids;
+        if (FindGrids(shading, {path, prim, preparer, warnings}, &grids)) {
+            tables.Add(prim.worldFromObject, shading, grids, identity);
+        }
+    }
+    preparer->ForgetUnused();
+    return std::move(tables.result);
+}
+
+} // namespace hds

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Volumes become the tables of kernels/shared/volume.h, and their voxels lines of the texture
+// cache. Explained in docs/volumes.md.
+#pragma once
+
+#include "hdStream/base/log.h"
+#include "hdStream/scene/sceneDescription.h"
+#include "hdStream/volume/gridPreparer.h"
+#include "kernels/shared/volume.h"
+
+#include <string>
+#include <vector>
+
+namespace hds {
+
+/// Host images of the tables of volumes.
+struct CommittedVolumes {
+    std::vector<shared::HdsVolume> volumes;
+    std::vector<shared::HdsGrid> grids;
+    std::vector<shared::HdsGridTile> tiles;
+    std::vector<shared::HdsGridCell> cells;
+    PreparedGrids prepared; ///< parallel to `grids`
+};
+
+/// \param centre of the scene. \param numTextures that come before the grids. Volumes that cannot
+/// be drawn warn and are left out.
+CommittedVolumes CommitVolumes(const SceneDescription& scene,
+                               const std::vector<std::string>& purposes, glm::dvec3 centre,
+                               std::uint32_t numTextures, GridPreparer* preparer,
+                               Warnings& warnings);
+
+} // namespace hds

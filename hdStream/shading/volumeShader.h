@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the volume terminal of a material says of light. Explained in docs/volumes.md.
+#pragma once
+
+#include "hdStream/shading/materialNetwork.h"
+
+#include <glm/vec3.hpp>
+
+#include <functional>
+#include <string>
+
+namespace hds {
+
+/// Coefficients of a volume, each times a field. Lengths are those of world space.
+struct VolumeShading {
+    glm::vec3 absorption{0.0F}; ///< a unit of length at a density of 1
+    glm::vec3 scattering{0.0F};
+    float anisotropy = 0.0F;      ///< mean cosine
+    glm::vec3 emission{0.0F};     ///< a unit of length at an emission of 1
+    glm::vec3 blackbody{0.0F};    ///< factor on sigma T^4 / pi in megawatts, a unit of length
+    float kelvin = 1.0F;          ///< at a temperature of 1
+    std::string density;          ///< name of the field
+    std::string emissionField;    ///< empty: the density
+    std::string temperatureField; ///< empty: no black body
+};
+
+/// Grey smoke, which volumes without a material of their own are: what Blender's default is.
+VolumeShading DefaultVolumeShading();
+
+/// \pre the network has a terminal "volume". Nodes that are not known count as their inputs'
+/// fallbacks. \param warn gets one line for each problem.
+VolumeShading ReadVolumeShading(const MaterialNetwork& network,
+                                const std::function<void(const std::string&)>& warn);
+
+} // namespace hds

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * A grid of voxels: floats in bricks of 8^3, which are lines of the texture cache, and above them
+ * the cells and tiles that say which bricks there are, what the others hold, and how large voxels
+ * can be. Voxel (i, j, k) is at the point (i, j, k). Explained in docs/volumes.md. */
+#ifndef HDS_SHARED_GRID_H
+#define HDS_SHARED_GRID_H
+#include "shared/compat.h"
+
+/* Voxels along an edge of a brick, and of a cell. Bricks are where leaf nodes of OpenVDB are. */
+#define HDS_BRICK_VOXELS 8
+#define HDS_BRICK_VOXELS_LOG2 3
+/* Lines of a brick (HDS_LINE_BYTES): x is fastest, then y, then z; line z >> 1 has voxel z. */
+#define HDS_BRICK_LINES 4u
+/* Cells along an edge of a tile. */
+#define HDS_TILE_CELLS 8
+#define HDS_TILE_VOXELS 64
+#define HDS_TILE_VOXELS_LOG2 6
+
+HDS_SHARED_BEGIN
+typedef struct {
+    u32 brick; /* number in the grid; HDS_NONE: every voxel has `value` */
+    float value;
+    float greatest; /* of the voxels that interpolation inside of the cell reads: its own and the
+                       next ones along each axis */
+} HdsGridCell;
+HDS_ASSERT_SIZE(HdsGridCell, 12);
+
+typedef struct {
+    u32 firstCell; /* of its HDS_TILE_CELLS^3, x fastest, among those of the grid; HDS_NONE: every
+                      voxel has `value` */
+    float value;
+    float greatest; /* as of a cell */
+} HdsGridTile;
+HDS_ASSERT_SIZE(HdsGridTile, 12);
+
+typedef struct {
+    int origin[3];    /* the first voxel of tile 0, a multiple of HDS_TILE_VOXELS */
+    u32 tiles[3];     /* along each axis, x fastest */
+    u32 firstTile;    /* among those of the scene */
+    u32 firstCell;    /* among those of the scene */
+    u32 texture;      /* whose lines the bricks are */
+    float background; /* outside of the tiles */
+    float greatest;   /* of all voxels */
+    u32 reserved;
+} HdsGrid;
+HDS_ASSERT_SIZE(HdsGrid, 48);
+HDS_SHARED_END
+#endif

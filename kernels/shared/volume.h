@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * A volume: what its grids mean to light. Explained in docs/volumes.md. */
+#ifndef HDS_SHARED_VOLUME_H
+#define HDS_SHARED_VOLUME_H
+#include "shared/grid.h"
+
+/* HdsVolumeField.flags: it has the voxels of the first field, so its cells are in the same places.
+ */
+#define HDS_FIELD_IS_ALIGNED 1u
+/* Its three grids are red, green and blue; else one is all. */
+#define HDS_FIELD_IS_COLOR 2u
+
+/* Fields of a volume, in this order. */
+#define HDS_FIELD_DENSITY 0
+#define HDS_FIELD_EMISSION 1
+#define HDS_FIELD_TEMPERATURE 2
+#define HDS_NUM_FIELDS 3
+
+HDS_SHARED_BEGIN
+typedef struct {
+    u32 grid; /* the first of its grids; HDS_NONE: the value is 1 everywhere */
+    u32 flags;
+    float indexFromLattice[12]; /* rows; of fields that are not aligned */
+} HdsVolumeField;
+HDS_ASSERT_SIZE(HdsVolumeField, 56);
+
+/* Lattice: the voxel coordinates of the volume's first field. */
+typedef struct {
+    float latticeFromWorld[9]; /* rows of the linear part */
+    float worldCentre[3];      /* of the box, relative to the scene centre */
+    float latticeCentre[3];    /* the same point */
+    float boxMin[3];           /* in the lattice; nothing is outside */
+    float boxMax[3];
+    float extinction[3]; /* a unit of length at a density of 1 */
+    float most;          /* the greatest of them */
+    float albedo[3];     /* of an event */
+    float asymmetry;     /* mean cosine of the phase function (Henyey and Greenstein 1941) */
+    float emission[3];   /* a unit of length at an emission of 1 */
+    float kelvin;        /* at a temperature of 1 */
+    float blackbody[3];  /* factor on the radiance of a black body; 0: temperature is not read */
+    float
+        emissionRate; /* collisions a unit of length, beside those of the density, where it glows */
+    HdsVolumeField fields[HDS_NUM_FIELDS];
+    u32 identity; /* what tells its random numbers from those of others */
+} HdsVolume;
+HDS_ASSERT_SIZE(HdsVolume, 320);
+HDS_SHARED_END
+#endif
