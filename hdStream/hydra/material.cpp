@@ -30,7 +30,7 @@ void HdStreamMaterial::Sync(HdSceneDelegate* delegate, HdRenderParam* renderPara
                 ? HdStreamMaterialNetworkFrom(SdfPath(_scenePath), GetId(),
                                               resource.UncheckedGet<HdMaterialNetworkMap>())
                 : hds::MaterialNetwork());
-        if (network->terminals.count("surface") == 0) {
+        if (network->terminals.count("surface") + network->terminals.count("volume") == 0) {
             param->Warn(SdfPath(_scenePath), "material has no surface");
         }
         param->Push([path = _scenePath, network](hds::Session& session) {

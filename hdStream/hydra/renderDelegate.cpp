@@ -15,6 +15,7 @@
 #include "hdStream/hydra/renderSettings.h"
 #include "hdStream/hydra/renderStats.h"
 #include "hdStream/hydra/sceneDump.h"
+#include "hdStream/hydra/volume.h"
 
 #include <pxr/base/tf/diagnostic.h>
 #include <pxr/imaging/hd/coordSys.h>
@@ -116,7 +117,7 @@ void HdStreamRenderDelegate::DumpOnce() {
 
 const TfTokenVector& HdStreamRenderDelegate::GetSupportedRprimTypes() const {
     static const TfTokenVector types{HdPrimTypeTokens->mesh, HdPrimTypeTokens->basisCurves,
-                                     HdPrimTypeTokens->points};
+                                     HdPrimTypeTokens->points, HdPrimTypeTokens->volume};
     return types;
 }
 
@@ -135,8 +136,11 @@ const TfTokenVector& HdStreamRenderDelegate::GetSupportedSprimTypes() const {
 }
 
 const TfTokenVector& HdStreamRenderDelegate::GetSupportedBprimTypes() const {
-    static const TfTokenVector types{HdPrimTypeTokens->renderBuffer,
-                                     HdPrimTypeTokens->renderSettings};
+    static const TfTokenVector types = [] {
+        TfTokenVector result{HdPrimTypeTokens->renderBuffer, HdPrimTypeTokens->renderSettings};
+        result.insert(result.end(), HdStreamFieldTypes().begin(), HdStreamFieldTypes().end());
+        return result;
+    }();
     return types;
 }
 
@@ -149,6 +153,9 @@ HdRprim* HdStreamRenderDelegate::CreateRprim(const TfToken& typeId, const SdfPat
     }
     if (typeId == HdPrimTypeTokens->points) {
         return new HdStreamPoints(id);
+    }
+    if (typeId == HdPrimTypeTokens->volume) {
+        return new HdStreamVolume(id);
     }
     TF_CODING_ERROR("Stream makes no rprims of type %s", typeId.GetText());
     return nullptr;
@@ -187,6 +194,9 @@ HdBprim* HdStreamRenderDelegate::CreateBprim(const TfToken& typeId, const SdfPat
     }
     if (typeId == HdPrimTypeTokens->renderSettings) {
         return new HdStreamRenderSettings(id);
+    }
+    if (Contains(HdStreamFieldTypes(), typeId)) {
+        return new HdStreamVolumeField(id);
     }
     TF_CODING_ERROR("Stream makes no bprims of type %s", typeId.GetText());
     return nullptr;

@@ -4,6 +4,7 @@
 // Explained in docs/hydra.md.
 #pragma once
 
+#include "hdStream/hydra/volumeTable.h"
 #include "hdStream/session/renderThread.h"
 
 #include <pxr/base/vt/dictionary.h>
@@ -29,6 +30,7 @@ public:
     ~HdStreamRenderParam() override;
 
     hds::RenderThread& Thread() { return _thread; }
+    HdStreamVolumeTable& Volumes() { return _volumes; }
 
     /// Queues an edit for the next Commit. Lock-free.
     void Push(hds::RenderThread::Edit edit);
@@ -78,6 +80,7 @@ public:
     unsigned int SceneSettingsVersion() const { return _sceneSettingsVersion; }
 
 private:
+    HdStreamVolumeTable _volumes;
     tbb::concurrent_queue<hds::RenderThread::Edit> _edits;
     tbb::concurrent_queue<std::string> _warnings;
     tbb::concurrent_hash_map<std::string, SdfPath> _idByScenePath;

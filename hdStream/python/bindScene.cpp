@@ -240,6 +240,7 @@ void BindScene(nb::module_& module) {
     // Copies of the maps, whose arrays are shared: edits of the session end the life of its own.
     nb::class_<SceneDescription>(module, "SceneDescription", "All prims, by path; copies.")
         .def_prop_ro("geometry", [](const SceneDescription& self) { return self.geometry; })
+        .def_prop_ro("volumes", [](const SceneDescription& self) { return self.volumes; })
         .def_prop_ro("instancers", [](const SceneDescription& self) { return self.instancers; })
         .def_prop_ro("lights", [](const SceneDescription& self) { return self.lights; })
         .def_prop_ro("materials",

@@ -228,6 +228,11 @@ std::string ParameterText(const ParameterValue& value) {
     return std::visit(Visitor{}, value);
 }
 
+bool HasVolume(const SceneDescription& scene, const std::string& materialPath) {
+    const auto material = scene.materials.find(materialPath);
+    return material != scene.materials.end() && material->second->terminals.count("volume") > 0;
+}
+
 using LinkedLights = std::vector<std::pair<std::string, LinkCategories>>;
 
 /// The lights and mesh lights that are linked, by path.
@@ -410,6 +415,18 @@ void DumpLight(const std::string& path, const LightPrim& prim, Writer* out) {
     }
 }
 
+void DumpVolume(const std::string& path, const VolumePrim& prim, const SceneDescription& scene,
+                Writer* out) {
+    out->Prim("volume", path);
+    out->Matrix("transform", prim.worldFromObject);
+    out->Line("purpose", prim.purpose);
+    out->Line("material", HasVolume(scene, prim.materialPath) ? prim.materialPath : "");
+    for (const auto& [name, field] : prim.fields) {
+        out->Line("field " + name,
+                  Text(field.asset) + " " + field.gridName + " " + Number(field.gridIndex));
+    }
+}
+
 void DumpCamera(const std::string& path, const CameraPrim& camera, Writer* out) {
     out->Prim("camera", path);
     ForEachField<CameraPrim>([&](const auto& field) {
@@ -453,6 +470,11 @@ std::set<std::string> BoundMaterials(const SceneDescription& scene) {
             bound.insert(prim.subsetMaterialPaths.begin(), prim.subsetMaterialPaths.end());
         }
     }
+    for (const auto& [path, prim] : scene.volumes) {
+        if (prim.visible) {
+            bound.insert(prim.materialPath);
+        }
+    }
     return bound;
 }
 
@@ -476,13 +498,18 @@ std::string DumpScene(const SceneDescription& scene) {
     }
     const std::set<std::string> bound = BoundMaterials(scene);
     for (const auto& [path, network] : scene.materials) {
-        if (bound.count(path) > 0 && HasSurface(scene, path)) {
+        if (bound.count(path) > 0 && (HasSurface(scene, path) || HasVolume(scene, path))) {
             DumpMaterial(path, *network, &out);
         }
     }
     for (const auto& [path, prim] : scene.geometry) {
         if (IsShown(scene, prim.placement)) {
             DumpGeometry(path, prim, scene, lights, &out);
+        }
+    }
+    for (const auto& [path, prim] : scene.volumes) {
+        if (prim.visible) {
+            DumpVolume(path, prim, scene, &out);
         }
     }
     return out.Take();

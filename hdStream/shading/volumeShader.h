@@ -2,6 +2,7 @@
 // What the volume terminal of a material says of light. Explained in docs/volumes.md.
 #pragma once
 
+#include "hdStream/base/fields.h"
 #include "hdStream/shading/materialNetwork.h"
 
 #include <glm/vec3.hpp>
@@ -22,6 +23,14 @@ struct VolumeShading {
     std::string density;          ///< name of the field
     std::string emissionField;    ///< empty: the density
     std::string temperatureField; ///< empty: no black body
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(VolumeShading, absorption), HDS_FIELD(VolumeShading, scattering),
+                         HDS_FIELD(VolumeShading, anisotropy), HDS_FIELD(VolumeShading, emission),
+                         HDS_FIELD(VolumeShading, blackbody), HDS_FIELD(VolumeShading, kelvin),
+                         HDS_FIELD(VolumeShading, density), HDS_FIELD(VolumeShading, emissionField),
+                         HDS_FIELD(VolumeShading, temperatureField));
+    }
 };
 
 /// Grey smoke, which volumes without a material of their own are: what Blender's default is.

@@ -24,6 +24,7 @@ ROOT = HERE.parents[1]
 sys.path[:0] = [str(HERE), str(HERE.parent), str(HERE.parent / "hydra")]
 
 import bpy  # noqa: E402
+import mathutils  # noqa: E402
 import numpy as np  # noqa: E402
 
 bpy.utils.expose_bundled_modules()
@@ -245,6 +246,17 @@ def _Volume(scene, ball):
         tree.links.remove(link)
 
 
+def _VolumeObject(scene, ball):
+    """A grid of a file in the ball's place, without a material."""
+    volume = bpy.data.volumes.new("Smoke")
+    volume.filepath = str(HERE.parent / "translate" / "volumes" / "grids.vdb")
+    smoke = bpy.data.objects.new("Smoke", volume)
+    smoke.location, smoke.scale = ball.location.copy(), (2.0, 2.0, 2.0)
+    smoke.location -= mathutils.Vector((1.25, 1.25, 1.25))
+    scene.collection.objects.link(smoke)
+    bpy.data.objects.remove(ball)
+
+
 def _Unseen(scene, ball):
     ball.visible_camera = False
 
@@ -304,6 +316,7 @@ ROWS = {
     "hair curves": _Changed(_Hair),
     "point cloud": _Changed(_Points),
     "volume": _Changed(_Volume),
+    "volume object": _Changed(_VolumeObject),
     "unseen by camera": _Changed(_Unseen),
 }
 

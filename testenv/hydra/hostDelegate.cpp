@@ -5,6 +5,7 @@
 #include <pxr/imaging/hd/camera.h>
 #include <pxr/imaging/hd/changeTracker.h>
 #include <pxr/imaging/hd/extComputation.h>
+#include <pxr/imaging/hd/field.h>
 #include <pxr/imaging/hd/light.h>
 #include <pxr/imaging/hd/material.h>
 #include <pxr/imaging/hd/renderBuffer.h>
@@ -80,8 +81,19 @@ void SyntheticScene::SetComputation(const SdfPath& path, const ComputationData& 
     }
 }
 
+void SyntheticScene::SetField(const SdfPath& path, const FieldData& field) {
+    if (Store(&_data.fields, path, field)) {
+        GetRenderIndex().InsertBprim(TfToken("openvdbAsset"), this, path);
+    } else {
+        GetRenderIndex().GetChangeTracker().MarkBprimDirty(path, HdField::DirtyParams);
+    }
+}
+
 void SyntheticScene::Insert(const SceneData& scene) {
     GetRenderIndex().SceneIndexEmulationNoticeBatchBegin();
+    for (const auto& [path, field] : scene.fields) {
+        SetField(path, field);
+    }
     for (const auto& [path, material] : scene.materials) {
         SetMaterial(path, material);
     }
@@ -120,6 +132,9 @@ void SyntheticScene::Remove(const SdfPath& path) {
     } else if (_data.computations.count(path)) {
         index.RemoveSprim(HdPrimTypeTokens->extComputation, path);
         _data.computations.erase(path);
+    } else if (_data.fields.count(path)) {
+        index.RemoveBprim(TfToken("openvdbAsset"), path);
+        _data.fields.erase(path);
     } else {
         const auto light = _data.lights.find(path);
         if (TF_VERIFY(light != _data.lights.end(), "%s is not in the scene", path.GetText())) {

@@ -28,7 +28,8 @@ public:
     void SetCamera(const SdfPath& path, const CameraData& camera, HdDirtyBits bits = 0);
     void SetComputation(const SdfPath& path, const ComputationData& computation,
                         HdDirtyBits bits = 0);
-    /// Inserts all prims of a scene; materials, computations, lights and cameras first.
+    void SetField(const SdfPath& path, const FieldData& field);
+    /// Inserts all prims of a scene; fields, materials, computations, lights and cameras first.
     void Insert(const SceneData& scene);
     /// Removes a prim of any kind. Precondition: the scene has it.
     void Remove(const SdfPath& path);
@@ -57,6 +58,7 @@ public:
     SdfPath GetMaterialId(const SdfPath& id) override;
     VtValue GetMaterialResource(const SdfPath& id) override;
     HdRenderBufferDescriptor GetRenderBufferDescriptor(const SdfPath& id) override;
+    HdVolumeFieldDescriptorVector GetVolumeFieldDescriptors(const SdfPath& id) override;
     VtValue GetLightParamValue(const SdfPath& id, const TfToken& name) override;
     VtValue GetCameraParamValue(const SdfPath& id, const TfToken& name) override;
     HdPrimvarDescriptorVector GetPrimvarDescriptors(const SdfPath& id,

@@ -106,6 +106,9 @@ HdDisplayStyle SyntheticScene::GetDisplayStyle(const SdfPath& id) {
 }
 
 VtValue SyntheticScene::Get(const SdfPath& id, const TfToken& key) {
+    if (const FieldData* field = Find(_data.fields, id)) {
+        return FindParam(field->params, key);
+    }
     const PrimvarData* primvar = _FindPrimvar(id, key);
     return primvar ? primvar->value : VtValue();
 }
@@ -166,6 +169,11 @@ SdfPath SyntheticScene::GetMaterialId(const SdfPath& id) {
 VtValue SyntheticScene::GetMaterialResource(const SdfPath& id) {
     const HdMaterialNetworkMap* material = Find(_data.materials, id);
     return material ? VtValue(*material) : VtValue();
+}
+
+HdVolumeFieldDescriptorVector SyntheticScene::GetVolumeFieldDescriptors(const SdfPath& id) {
+    const GprimData* gprim = Find(_data.gprims, id);
+    return gprim ? gprim->volumeFields : HdVolumeFieldDescriptorVector();
 }
 
 HdRenderBufferDescriptor SyntheticScene::GetRenderBufferDescriptor(const SdfPath& id) {

@@ -49,6 +49,7 @@ struct GprimData {
     SdfPath material;
     TfToken renderTag = HdRenderTagTokens->geometry;
     SdfPath instancer;
+    HdVolumeFieldDescriptorVector volumeFields; ///< of the type volume
 
     /// The primvar of that name; null when there is none.
     PrimvarData* FindPrimvar(const TfToken& name);
@@ -86,6 +87,11 @@ struct ComputationData {
     std::function<VtValue(const std::map<TfToken, VtValue>&)> run;
 };
 
+/// An OpenVDBAsset.
+struct FieldData {
+    std::map<TfToken, VtValue> params;
+};
+
 /// A whole scene. Copies are cheap: arrays are shared.
 struct SceneData {
     std::map<SdfPath, GprimData> gprims;
@@ -94,6 +100,7 @@ struct SceneData {
     std::map<SdfPath, LightData> lights;
     std::map<SdfPath, CameraData> cameras;
     std::map<SdfPath, ComputationData> computations;
+    std::map<SdfPath, FieldData> fields;
 };
 
 // --- Builders -----------------------------------------------------------------------------------

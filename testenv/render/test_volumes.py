@@ -1,9 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Volumes in pictures: closed forms, brute-force integrals, and the same bits at any budget."""
 
-import pathlib
-import subprocess
-
 import numpy as np
 import pytest
 
@@ -12,8 +9,8 @@ pytest.importorskip("hdstream._core")
 import compare
 import ours
 import volumeCase
-from hdstream import _core
 from stages import author, shapes
+from stages.smoke import WriteVdb
 
 _DARK = (("Dome", dict(intensity=0.0)),)
 _UNIT = np.ones((16, 16, 16))  # of edge 1: interpolation fades over half a voxel beyond
@@ -219,17 +216,10 @@ def test_a_cloud_below_a_lamp_equals_mitsubas(tmp_path):
 
 
 def _WriteVdb(path, **grids):
-    words = []
-    for name, values in grids.items():
-        values = np.asarray(values, np.float32)
-        raw = pathlib.Path(f"{path}.{name}")
-        raw.write_bytes(np.ascontiguousarray(values.transpose(2, 1, 0)).tobytes())
-        words += [name, str(raw)]
-    program = pathlib.Path(_core.__file__).parents[2] / "testenv" / "writeVdb"
-    if not program.exists():
-        pytest.skip("the program that writes OpenVDB files is part of a build tree")
-    subprocess.run([str(program), str(path), "0.0625", "-8", "-8", "-8", *map(str, values.shape), *words],
-                   check=True)
+    try:
+        WriteVdb(path, 1 / 16, (-8, -8, -8), **grids)
+    except FileNotFoundError as error:
+        pytest.skip(str(error))
 
 
 _USD = """

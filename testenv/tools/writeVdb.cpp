@@ -35,6 +35,8 @@ int main(int argc, char** argv) {
         grid->setTransform(openvdb::math::Transform::createLinearTransform(std::atof(argv[2])));
         grids.push_back(grid);
     }
-    openvdb::io::File(argv[1]).write(grids);
+    openvdb::io::File file(argv[1]);
+    file.setCompression(openvdb::io::COMPRESS_ZIP | openvdb::io::COMPRESS_ACTIVE_MASK);
+    file.write(grids);
     return 0;
 }

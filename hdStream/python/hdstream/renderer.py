@@ -282,7 +282,8 @@ class Renderer:
         shutter = ShutterOf(cameraPrim, timeCode, settings)
         self._translation.Update(timeCode, shutter)
         self._diagnostics.WarnOf(self._session)
-        if not self._session.Scene().geometry:
+        scene = self._session.Scene()
+        if not scene.geometry and not scene.volumes:
             self._session.Warn(self._name, "the stage has nothing to draw")
         framing = Framing(self._stage, self._session, renderSettings, values.get("imageWidth"),
                           values.get("imageHeight"), crop)
