@@ -15,8 +15,8 @@ LIBRARY_FOLDERS = ("/usr/lib/x86_64-linux-gnu", "/usr/lib/aarch64-linux-gnu", "/
 
 
 def SystemName(bundled: str) -> str:
-    """libtbb-1a2b3c4d.so.12.8 -> libtbb.so.12.8: auditwheel puts a hash into the name."""
-    return re.sub(r"-[0-9a-f]{8}(?=\.so)", "", bundled)
+    """libtbb-1a2b3c4d.so.12.8 -> libtbb.so.12.8: auditwheel puts a hash into the name, before its first dot."""
+    return re.sub(r"^([^.]+)-[0-9a-f]{8}(?=\.)", r"\1", bundled)
 
 
 def VersionOf(package: str) -> str:
