@@ -8,6 +8,7 @@
 #include <glm/matrix.hpp>
 
 #include <algorithm>
+#include <limits>
 
 namespace hds {
 
@@ -135,6 +136,15 @@ shared::HdsFrameParams MakeFrameParams(const RenderOptions& options, const glm::
     params.imageHeight = options.imageHeight;
     params.seed = options.seed;
     params.maxDepth = options.maxDepth;
+    const auto bound = [](double clamp) {
+        return clamp > 0.0 ? static_cast<float>(clamp) : std::numeric_limits<float>::infinity();
+    };
+    params.clampDirect = bound(options.clampDirect);
+    params.clampIndirect = bound(options.clampIndirect);
+    params.filterGlossy = static_cast<float>(options.filterGlossy);
+    params.maxDiffuseDepth = options.maxDiffuseDepth;
+    params.maxGlossyDepth = options.maxGlossyDepth;
+    params.maxTransmissionDepth = options.maxTransmissionDepth;
     params.numLights = numLights;
     params.dataWindowMin[0] = options.dataWindowMin[0];
     params.dataWindowMin[1] = options.dataWindowMin[1];

@@ -40,6 +40,14 @@ struct Onlooker {
     std::uint64_t streamedPaths = 0; ///< when all pixels last had as many samples
 };
 
+/// Whether kernels have to know of bounds beside maxDepth.
+bool HasPathLimits(const RenderOptions& options) {
+    const std::uint32_t least =
+        std::min({options.maxDiffuseDepth, options.maxGlossyDepth, options.maxTransmissionDepth});
+    return least < options.maxDepth || options.clampDirect > 0.0 || options.clampIndirect > 0.0 ||
+           options.filterGlossy > 0.0;
+}
+
 } // namespace
 
 struct PathTracer::Impl {
@@ -132,6 +140,7 @@ struct PathTracer::Impl {
         features.firstHits = NeedsFirstHits(options.aovs);
         features.rayVisibility = scene->hasRayVisibility;
         features.mattes = options.aovs.hasMattes;
+        features.pathLimits = HasPathLimits(options);
         features.media = scene->hasMedia;
         features.volumes = !scene->volumes.volumes.empty();
         features.lightPaths = NumLightPathSums(options.aovs.lightPaths.size());
@@ -380,6 +389,7 @@ struct PathTracer::Impl {
         const auto values = tracer.ReadCounters();
         statistics.nanSamples = values[HDS_COUNTER_NAN];
         statistics.endedPasses = values[HDS_COUNTER_PASSES];
+        statistics.clampedSamples = values[HDS_COUNTER_CLAMPED];
         const std::vector<std::uint32_t>& all = schedule.AllPixels();
         UploadPixels(all);
         const std::vector<float> errors = RelativeErrors(static_cast<std::uint32_t>(all.size()));

@@ -43,6 +43,12 @@ struct RenderOptions {
     AovLayout aovs;
     std::uint32_t samples = 64;
     std::uint32_t maxDepth = 8;
+    std::uint32_t maxDiffuseDepth = ~0U; ///< bounces of these lobes, of maxDepth
+    std::uint32_t maxGlossyDepth = ~0U;
+    std::uint32_t maxTransmissionDepth = ~0U;
+    double clampDirect = 0.0; ///< 0: none, as of the next two
+    double clampIndirect = 0.0;
+    double filterGlossy = 0.0;
     std::uint32_t seed = 0;
     double timeLimit = 0.0;
     double noise = 0.0;

@@ -89,6 +89,12 @@ RenderOptions MakeRenderOptions(const Settings& settings, const CameraPrim& came
     options.aovs = MakeAovLayout(settings.aovs);
     options.samples = settings.samples;
     options.maxDepth = settings.maxDepth;
+    options.maxDiffuseDepth = settings.maxDiffuseDepth;
+    options.maxGlossyDepth = settings.maxGlossyDepth;
+    options.maxTransmissionDepth = settings.maxTransmissionDepth;
+    options.clampDirect = settings.clampDirect;
+    options.clampIndirect = settings.clampIndirect;
+    options.filterGlossy = settings.filterGlossy;
     options.seed = settings.seed;
     options.timeLimit = settings.timeLimit;
     options.noise = settings.noise;

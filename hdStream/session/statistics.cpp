@@ -149,6 +149,7 @@ std::string MakeStatistics(const StatisticsInput& in) {
                      {"shadow", render.shadowRays},
                      {"perSecond", render.renderSeconds > 0.0 ? rays / render.renderSeconds : 0.0}};
     stats["accuracy"] = {{"nanSamples", render.nanSamples},
+                         {"clampedSamples", render.clampedSamples},
                          {"endedPasses", render.endedPasses},
                          {"meanRelativeError", render.meanRelativeError}};
     stats["wave"] = {{"size", render.waveSize},

@@ -5,6 +5,7 @@
 #include "integrator/generateRay.clh"
 #include "integrator/itemLoop.clh"
 #include "integrator/lightPaths.clh"
+#include "integrator/pathLimits.clh"
 #include "integrator/pathState.clh"
 #include "sample/filter.clh"
 #include "texture/rayCone.clh"
@@ -63,6 +64,9 @@ void generate_start(HdsPaths paths, uint i, uint number, constant const HdsFrame
 #endif
 #if HDS_FEATURE_MATTES
     path_store_matte(paths, i, (uint4)(HDS_NONE, 0u, 0u, 0u));
+#endif
+#if HDS_FEATURE_PATH_LIMITS
+    pathLimits_begin(paths, i);
 #endif
 #if HDS_LIGHT_PATH_STATE
     lightPaths_begin(paths, i);

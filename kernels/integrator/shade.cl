@@ -114,8 +114,9 @@ HdsTexelChoice shade_chooseTexels(const HdsSceneView* scene, const HdsSurfaceHit
 
 /* Evaluates the material of a hit, lets the ray pass or adds what the surface emits. Sets
  * path->isMissing. \return HDS_SHADE_ENDS and so on. */
-uint shade_surface(const HdsSceneView* scene, HdsShadeHit* at, HdsShadePath* path,
-                   HdsScatter* scatter, HdsPaths paths, uint i, volatile global uint* counters) {
+uint shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* scene, HdsShadeHit* at,
+                   HdsShadePath* path, HdsScatter* scatter, HdsPaths paths, uint i,
+                   volatile global uint* counters) {
     scatter->linkSet = surfaceHit_linkSet(scene, &at->surface);
     if (path->isLast && surfaceHit_isDark(scene, &at->surface)) {
         return HDS_SHADE_ENDS;
@@ -125,6 +126,9 @@ uint shade_surface(const HdsSceneView* scene, HdsShadeHit* at, HdsShadePath* pat
 #endif
 #if HDS_FEATURE_TEXTURES
     at->surface.choice = shade_chooseTexels(scene, &at->surface, path);
+#endif
+#if HDS_FEATURE_PATH_LIMITS
+    at->surface.leastRoughness = pathLimits_roughness(frame, &path->limits);
 #endif
     path->isMissing |=
         !surfaceHit_shade(scene, &at->surface, -path->direction, &scatter->shading, &scatter->bsdf);
@@ -202,7 +206,7 @@ void shade_path(constant const HdsFrameParams* frame, const HdsSceneView* scene,
     } else
 #endif
         if (at->isHit) {
-        step = shade_surface(scene, at, path, &scatter, paths, i, counters);
+        step = shade_surface(frame, scene, at, path, &scatter, paths, i, counters);
     }
     HdsLitPath lit = shade_litPath(at, path, scatter.linkSet, i);
     if (step != HDS_SHADE_SCATTERS) {
@@ -220,6 +224,9 @@ void shade_path(constant const HdsFrameParams* frame, const HdsSceneView* scene,
     }
 #else
     shade_scatter(frame, scene, &scatter, &lit, paths, lists);
+#if HDS_FEATURE_PATH_LIMITS
+    path->limits.hasClamped = lit.limits.hasClamped && !lit.isMissing;
+#endif
 #endif
 }
 
@@ -237,6 +244,11 @@ void shade_hits(constant const HdsFrameParams* frame, const HdsSceneView* scene,
     for (uint lane = 0u; lane < hits->count; ++lane) {
         shade_path(frame, scene, &hits->at[lane], &hits->path[lane], hits->slots[lane], paths,
                    counters, batch, lists);
+#if HDS_FEATURE_PATH_LIMITS
+        if (hits->path[lane].limits.hasClamped && !hits->path[lane].isMissing) {
+            atomic_inc(&counters[HDS_COUNTER_CLAMPED]);
+        }
+#endif
     }
     hits->count = 0u;
 }

@@ -38,7 +38,8 @@
 #define HDS_COUNTER_WAITING_HITS 6
 #define HDS_COUNTER_WAITING_CANDIDATES 7
 #define HDS_COUNTER_READY 8
-#define HDS_NUM_COUNTERS 9
+#define HDS_COUNTER_CLAMPED 9 /* of what paths add: what HDS_FEATURE_PATH_LIMITS has clamped */
+#define HDS_NUM_COUNTERS 10
 
 HDS_SHARED_BEGIN
 /* Camera space: x right, y up, looking along -z; world space is relative to the scene centre. */
@@ -62,11 +63,19 @@ typedef struct {
                              display window's, so that a crop has the bits of the full image */
     f32 frameTime;        /* of the frame in the shutter's interval, 0 to 1 */
     u32 cameraSegments;   /* keys after the first */
+    /* Of HDS_FEATURE_PATH_LIMITS (integrator/pathLimits.clh). */
+    f32 clampDirect; /* INFINITY: none */
+    f32 clampIndirect;
+    f32 filterGlossy;    /* 0: none */
+    u32 maxDiffuseDepth; /* bounces of these lobes */
+    u32 maxGlossyDepth;
+    u32 maxTransmissionDepth;
+    u32 unused[2];
     f32 clipPlanes[HDS_MAX_CLIP_PLANES][4]; /* camera rays see dot(plane, (p, 1)) >= 0, world */
     /* worldFromCamera at equal distances in time, from the opening of the shutter to its closing */
     f32 cameraKeys[HDS_MAX_MOTION_SEGMENTS + 1][12];
 } HdsFrameParams;
-HDS_ASSERT_SIZE(HdsFrameParams, 256 + 48 * (HDS_MAX_MOTION_SEGMENTS + 1));
+HDS_ASSERT_SIZE(HdsFrameParams, 288 + 48 * (HDS_MAX_MOTION_SEGMENTS + 1));
 
 /* A wave: slot i is sample firstSample + i % numSamples of pixel pixels[firstPixel + i /
  * numSamples]. */
