@@ -24,9 +24,10 @@ if(OpenVDB_FOUND AND NOT TARGET OpenVDB::openvdb)
         list(APPEND OpenVDB_libraries "${OpenVDB_IMATH_LIBRARY}")
     endif()
     list(REMOVE_DUPLICATES OpenVDB_includes)
-    # Its templates share their static members with the library: these must not be hidden.
     set_target_properties(OpenVDB::openvdb PROPERTIES
-        INTERFACE_COMPILE_OPTIONS "-fvisibility=default;-fno-visibility-inlines-hidden"
         IMPORTED_LOCATION "${OpenVDB_LIBRARY}" INTERFACE_INCLUDE_DIRECTORIES "${OpenVDB_includes}"
         INTERFACE_LINK_LIBRARIES "${OpenVDB_libraries}")
 endif()
+
+# For files that include it: its templates share their static members with the library, so these must not be hidden.
+set(OpenVDB_COMPILE_OPTIONS "-fvisibility=default;-fno-visibility-inlines-hidden")

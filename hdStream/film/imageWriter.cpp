@@ -5,6 +5,7 @@
 #include "hdStream/film/aov.h"
 #include "hdStream/film/atomicFile.h"
 #include "hdStream/film/quantise.h"
+#include "hdStream/texture/colorConfig.h"
 #include "hdStream/texture/halfFloat.h"
 #include "hdStream/texture/oneLine.h"
 
@@ -167,6 +168,11 @@ std::size_t PackLayer(const ImageLayer& layer, std::size_t y, std::size_t stride
     return bytes;
 }
 
+bool IsColor(const ImageLayer& layer) {
+    const AovInfo* info = FindAov(layer.name);
+    return info != nullptr && info->isColor;
+}
+
 /// All layers side by side. The layers must outlive the result.
 EncodedImage EncodeExr(const std::vector<ImageLayer>& layers) {
     EncodedImage image;
@@ -198,6 +204,11 @@ EncodedImage EncodeExr(const std::vector<ImageLayer>& layers) {
     }
     image.spec.attribute("compression", "zip");
     image.spec.attribute("oiio:ColorSpace", "Linear");
+    if (std::any_of(layers.begin(), layers.end(), IsColor) && !HasUserColorConfig()) {
+        // Of Rec. 709, red, green, blue and white: what colours are in.
+        const float rec709[] = {0.64F, 0.33F, 0.30F, 0.60F, 0.15F, 0.06F, 0.3127F, 0.3290F};
+        image.spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), rec709);
+    }
 
     const std::size_t stride = image.spec.pixel_bytes(true);
     image.packRow = [&layers, stride](std::size_t y, char* row) {

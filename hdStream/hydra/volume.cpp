@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/hydra/volume.h"
 
-#include "hdStream/hydra/arrays.h"
 #include "hdStream/hydra/assets.h"
 #include "hdStream/hydra/gprim.h"
+#include "hdStream/hydra/instancer.h"
 #include "hdStream/hydra/renderParam.h"
-#include "hdStream/hydra/scenePaths.h"
 
 #include <pxr/imaging/hd/changeTracker.h>
 #include <pxr/imaging/hd/sceneDelegate.h>
@@ -67,7 +66,7 @@ HdDirtyBits HdStreamVolume::GetInitialDirtyBitsMask() const {
     return HdChangeTracker::InitRepr | HdChangeTracker::DirtyTransform |
            HdChangeTracker::DirtyVisibility | HdChangeTracker::DirtyMaterialId |
            HdChangeTracker::DirtyVolumeField | HdChangeTracker::DirtyInstancer |
-           HdChangeTracker::DirtyRenderTag;
+           HdChangeTracker::DirtyInstanceIndex | HdChangeTracker::DirtyRenderTag;
 }
 
 void HdStreamVolume::_InitRepr(const TfToken& reprToken, HdDirtyBits*) {
@@ -84,24 +83,16 @@ void HdStreamVolume::Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
     const HdDirtyBits bits = *dirtyBits;
     _UpdateVisibility(delegate, dirtyBits);
     _UpdateInstancer(delegate, dirtyBits);
+    HdInstancer::_SyncInstancerAndParents(delegate->GetRenderIndex(), GetInstancerId());
     const bool isFirst = _scenePath.empty();
-    if (isFirst) {
-        hds::Placement placement;
-        _scenePath =
-            param->ReservePath(HdStreamScenePath(delegate, id, GetInstancerId(), placement), id);
-    }
-    *dirtyBits = HdChangeTracker::Clean;
-    if (!GetInstancerId().IsEmpty()) {
-        param->Warn(SdfPath(_scenePath), "volumes of instancers are not drawn");
-        return;
-    }
     const hds::VolumePrim before = _prim;
     const std::map<std::string, SdfPath> fieldsBefore = _fieldIds;
-    _prim.visible = IsVisible();
+    *dirtyBits = HdChangeTracker::Clean;
+    HdStreamSyncPlacement(delegate, id, GetInstancerId(), bits, param, &_prim.placement,
+                          &_scenePath);
+    _prim.placement.samples.clear(); // volumes are where the frame has them
+    _prim.placement.visible = IsVisible();
     _prim.purpose = HdStreamPurpose(GetRenderTag());
-    if (bits & HdChangeTracker::DirtyTransform) {
-        _prim.worldFromObject = HdStreamToGlm(delegate->GetTransform(id));
-    }
     if (bits & HdChangeTracker::DirtyMaterialId) {
         SetMaterialId(delegate->GetMaterialId(id));
         _prim.materialPath = param->MaterialPath(delegate, GetMaterialId());
@@ -131,7 +122,7 @@ void HdStreamVolume::SyncFields(HdSceneDelegate* delegate, HdStreamRenderParam* 
 void HdStreamVolume::UpdateRenderTag(HdSceneDelegate* delegate, HdRenderParam* renderParam) {
     HdVolume::UpdateRenderTag(delegate, renderParam);
     std::string purpose = HdStreamPurpose(GetRenderTag());
-    if (purpose != _prim.purpose && !_scenePath.empty() && GetInstancerId().IsEmpty()) {
+    if (purpose != _prim.purpose && !_scenePath.empty()) {
         _prim.purpose = std::move(purpose);
         auto* param = static_cast<HdStreamRenderParam*>(renderParam);
         Push(param, param->Volumes().SetVolume(GetId(), {_scenePath, _prim, _fieldIds}));

@@ -135,15 +135,14 @@ void BindPlaced(nb::module_& module) {
     nb::class_<VolumePrim>(module, "VolumePrim", "A volume in the scene.")
         .def(
             "__init__",
-            [](VolumePrim* self, nb::handle worldFromObject, bool visible,
-               const std::string& purpose, const std::string& materialPath) {
+            [](VolumePrim* self, const Placement& placement, const std::string& purpose,
+               const std::string& materialPath) {
                 new (self) VolumePrim;
-                self->worldFromObject = MatrixFromBuffer(worldFromObject, "worldFromObject");
-                self->visible = visible;
+                self->placement = placement;
                 self->purpose = purpose;
                 self->materialPath = materialPath;
             },
-            "worldFromObject"_a, "visible"_a = true, "purpose"_a = "default", "materialPath"_a = "")
+            "placement"_a, "purpose"_a = "default", "materialPath"_a = "")
         .def_ro("materialPath", &VolumePrim::materialPath)
         .def(
             "SetMaterialPath",

@@ -418,7 +418,7 @@ void DumpLight(const std::string& path, const LightPrim& prim, Writer* out) {
 void DumpVolume(const std::string& path, const VolumePrim& prim, const SceneDescription& scene,
                 Writer* out) {
     out->Prim("volume", path);
-    out->Matrix("transform", prim.worldFromObject);
+    out->Placed(prim.placement);
     out->Line("purpose", prim.purpose);
     out->Line("material", HasVolume(scene, prim.materialPath) ? prim.materialPath : "");
     for (const auto& [name, field] : prim.fields) {
@@ -471,7 +471,7 @@ std::set<std::string> BoundMaterials(const SceneDescription& scene) {
         }
     }
     for (const auto& [path, prim] : scene.volumes) {
-        if (prim.visible) {
+        if (IsShown(scene, prim.placement)) {
             bound.insert(prim.materialPath);
         }
     }
@@ -508,7 +508,7 @@ std::string DumpScene(const SceneDescription& scene) {
         }
     }
     for (const auto& [path, prim] : scene.volumes) {
-        if (prim.visible) {
+        if (IsShown(scene, prim.placement)) {
             DumpVolume(path, prim, scene, &out);
         }
     }

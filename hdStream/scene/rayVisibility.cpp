@@ -22,6 +22,11 @@ const Row kRows[] = {
     {"arnold:visibility:specular_reflect", HDS_INSTANCE_REFLECTION},
     {"arnold:visibility:specular_transmit", HDS_INSTANCE_TRANSMISSION},
     {"arnold:matte", HDS_INSTANCE_HOLDOUT},
+    {"ri:attributes:visibility:camera", HDS_INSTANCE_CAMERA},
+    {"ri:attributes:visibility:transmission", HDS_INSTANCE_SHADOW}, // RenderMan's shadow rays
+    {"ri:attributes:visibility:indirect",
+     HDS_INSTANCE_DIFFUSE | HDS_INSTANCE_REFLECTION | HDS_INSTANCE_TRANSMISSION},
+    {"ri:attributes:trace:holdout", HDS_INSTANCE_HOLDOUT},
     {"hdstream:visibility:camera", HDS_INSTANCE_CAMERA},
     {"hdstream:visibility:shadow", HDS_INSTANCE_SHADOW},
     {"hdstream:visibility:diffuse", HDS_INSTANCE_DIFFUSE},
@@ -33,7 +38,8 @@ const Row kRows[] = {
 /// Few prims have such primvars, and commits ask all of them.
 bool MaySay(const Primvar& primvar) {
     return primvar.name.compare(0, 9, "hdstream:") == 0 ||
-           primvar.name.compare(0, 7, "arnold:") == 0;
+           primvar.name.compare(0, 7, "arnold:") == 0 ||
+           primvar.name.compare(0, 14, "ri:attributes:") == 0;
 }
 
 } // namespace

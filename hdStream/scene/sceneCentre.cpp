@@ -42,6 +42,11 @@ glm::dvec3 ChooseSceneCentre(const SceneDescription& scene, const std::vector<Dr
             ExtendByLeaf(placement.worldFromObject, leaf.object, &bounds);
         }
     }
+    for (const auto& [path, volume] : scene.volumes) {
+        if (volume.placement.instancerPath.empty() && volume.placement.visible) {
+            bounds.Extend(glm::dvec3(volume.placement.worldFromObject[3]));
+        }
+    }
     for (const auto& [path, instancer] : scene.instancers) {
         if (!instancer.placement.instancerPath.empty() || !instancer.placement.visible) {
             continue;

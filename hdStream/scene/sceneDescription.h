@@ -6,15 +6,17 @@
 
 #include "hdStream/geometry/geometryDescription.h"
 #include "hdStream/scene/instanceTransforms.h"
-#include "hdStream/scene/volumeDescription.h"
 #include "hdStream/shading/lightDescription.h"
 #include "hdStream/shading/materialNetwork.h"
+#include "hdStream/shading/volumeShader.h"
+#include "hdStream/volume/voxelGrid.h"
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec4.hpp>
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -173,6 +175,36 @@ struct LightPrim {
         return FieldList(HDS_FIELD(LightPrim, placement), HDS_FIELD(LightPrim, light),
                          HDS_FIELD(LightPrim, links),
                          HDS_FIELD(LightPrim, portals).NotInPython("AddPortal"));
+    }
+};
+
+/// A field of a volume: a grid of a file, or one in memory.
+struct VolumeField {
+    AssetReference asset; ///< an OpenVDB file
+    std::string gridName;
+    int gridIndex = 0;                       ///< of those of that name
+    std::shared_ptr<const VoxelGrid> voxels; ///< in place of a file
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(VolumeField, asset), HDS_FIELD(VolumeField, gridName),
+                         HDS_FIELD(VolumeField, gridIndex),
+                         HDS_FIELD(VolumeField, voxels).NotInDump("of the Python interface"));
+    }
+};
+
+/// A volume in the scene.
+struct VolumePrim {
+    Placement placement;
+    std::string purpose = "default";
+    std::string materialPath;                  ///< whose terminal "volume" counts; empty: none
+    std::optional<VolumeShading> shading;      ///< in place of a material
+    std::map<std::string, VolumeField> fields; ///< by the names that materials know them by
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(VolumePrim, placement), HDS_FIELD(VolumePrim, purpose),
+                         HDS_FIELD(VolumePrim, materialPath),
+                         HDS_FIELD(VolumePrim, shading).NotInDump("of the Python interface"),
+                         HDS_FIELD(VolumePrim, fields));
     }
 };
 

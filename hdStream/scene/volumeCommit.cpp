@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/volumeCommit.h"
 
+#include "hdStream/scene/hierarchy.h"
+
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -15,6 +17,8 @@ namespace {
 
 /// What glows beside its density has so many collisions on the way through a brick, about.
 constexpr double kGlowCollisions = 4.0;
+/// Every ray looks at each of them.
+constexpr std::uint32_t kMaxVolumes = 4096;
 
 void StoreVector(glm::dvec3 v, float* out) {
     for (int i = 0; i < 3; ++i) {
@@ -22,8 +26,9 @@ void StoreVector(glm::dvec3 v, float* out) {
     }
 }
 
-bool HasPlace(const GridDescription& grid) {
-    const double determinant = glm::determinant(grid.objectFromIndex);
+/// Whether a matrix can be inverted.
+bool IsPlace(const glm::dmat4& matrix) {
+    const double determinant = glm::determinant(matrix);
     return std::abs(determinant) > 0.0 && std::isfinite(determinant);
 }
 
@@ -174,7 +179,7 @@ public:
         }
         const VolumeField& field = found->second;
         PreparedGrids grids = field.voxels ? _preparer.Prepare(field.voxels) : Read(name, field);
-        if (!grids.empty() && !HasPlace(grids[0]->description)) {
+        if (!grids.empty() && !IsPlace(grids[0]->description.objectFromIndex)) {
             _warnings.Add(_path, "field '" + name + "' has a place that makes no sense");
             return {};
         }
@@ -254,24 +259,40 @@ CommittedVolumes CommitVolumes(const SceneDescription& scene,
                                std::uint32_t numTextures, GridPreparer* preparer,
                                Warnings& warnings) {
     VolumeTables tables(centre, numTextures);
-    std::uint32_t identity = 0;
+    std::uint32_t number = 0;
+    std::uint64_t numLeftOut = 0;
     for (const auto& [path, prim] : scene.volumes) {
-        ++identity;
-        const bool isDrawn = prim.visible && std::find(purposes.begin(), purposes.end(),
-                                                       prim.purpose) != purposes.end();
-        if (!isDrawn) {
+        ++number;
+        const bool hasPurpose =
+            std::find(purposes.begin(), purposes.end(), prim.purpose) != purposes.end();
+        std::vector<glm::dmat4> places;
+        if (hasPurpose && prim.placement.visible) {
+            ForEachPlacement(scene, prim.placement,
+                             [&](const glm::dmat4& place) { places.push_back(place); });
+        }
+        if (places.empty()) {
             continue;
         }
         const VolumeShading shading = ShadingOf(scene, path, prim, warnings);
-        const double determinant = glm::determinant(prim.worldFromObject);
-        if (!IsFinite(shading) || !(std::abs(determinant) > 0.0) || !std::isfinite(determinant)) {
+        if (!IsFinite(shading) || !std::all_of(places.begin(), places.end(), IsPlace)) {
             warnings.Add(path, "volume with a place or material that makes no sense: left out");
             continue;
         }
         VolumeGrids grids;
-        if (FindGrids(shading, {path, prim, preparer, warnings}, &grids)) {
-            tables.Add(prim.worldFromObject, shading, grids, identity);
+        if (!FindGrids(shading, {path, prim, preparer, warnings}, &grids)) {
+            continue;
         }
+        for (std::uint32_t i = 0; i < places.size(); ++i) {
+            if (tables.result.volumes.size() == kMaxVolumes) {
+                numLeftOut += places.size() - i;
+                break;
+            }
+            tables.Add(places[i], shading, grids, number * kMaxVolumes + i);
+        }
+    }
+    if (numLeftOut > 0) {
+        warnings.Add("", std::to_string(numLeftOut) + " volumes are left out: at most " +
+                             std::to_string(kMaxVolumes) + " are drawn");
     }
     preparer->ForgetUnused();
     return std::move(tables.result);

@@ -171,7 +171,11 @@ def test_names_of_arnold_and_instances(tmp_path):
     assert np.array_equal(ours_["color"], _Render(tmp_path, hidden=("camera",), namespace="arnold:visibility:")["color"])
     assert np.array_equal(_Render(tmp_path, hidden=("diffuse",))["color"],
                           _Render(tmp_path, hidden=("diffuse_reflect",), namespace="arnold:visibility:")["color"])
-    assert np.array_equal(_Render(tmp_path, further=("hdstream:holdout",))["color"],
-                          _Render(tmp_path, further=("arnold:matte",))["color"])
+    held = _Render(tmp_path, further=("hdstream:holdout",))["color"]
+    for name in ("arnold:matte", "ri:attributes:trace:holdout"):
+        assert np.array_equal(held, _Render(tmp_path, further=(name,))["color"])
+    namespace = "ri:attributes:visibility:"
+    for name, kinds in (("camera", ("camera",)), ("transmission", ("shadow",)), ("indirect", ("diffuse", "reflection", "transmission"))):
+        assert np.array_equal(_Render(tmp_path, hidden=kinds)["color"], _Render(tmp_path, hidden=(name,), namespace=namespace)["color"])
     hidden = _Render(tmp_path, hidden=_KINDS, isInstanced=True)
     assert np.array_equal(hidden["color"], _Render(tmp_path, names=())["color"])

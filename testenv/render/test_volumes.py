@@ -9,6 +9,7 @@ pytest.importorskip("hdstream._core")
 import compare
 import ours
 import volumeCase
+from pxr import UsdGeom
 from stages import author, shapes
 from stages.smoke import WriteVdb
 
@@ -93,6 +94,22 @@ def test_two_volumes_in_one_place_are_their_sum(tmp_path):
     assert _Mean(layers["color"]) == pytest.approx(expected, rel=0.012)
 
 
+def test_instances_are_volumes(tmp_path):
+    """A slab at its own place, and twice more by an instancer: exp(-3 sigma)."""
+    def AddInstances(stage):
+        _AddSmoke(stage)
+        instancer = UsdGeom.PointInstancer.Define(stage, "/World/I")
+        instancer.CreatePositionsAttr([(0, 0, -1.5), (0, 0, -3)])
+        instancer.CreateProtoIndicesAttr([0, 0])
+        instancer.CreatePrototypesRel().SetTargets(["/World/Smoke"])
+
+    _WriteVdb(tmp_path / "smoke.vdb", density=_UNIT, flame=0 * _UNIT + 1e-30)
+    picture = ours.Render(volumeCase.Stage(tmp_path / "s.usda", width=0.5, add=AddInstances), 32, 32, samples=1024)
+    assert not picture.warnings
+    assert picture.rgb.reshape(-1, 3).mean(0) == pytest.approx(np.exp(-3 * np.array((0.5, 1.0, 2.0))), rel=0.02, abs=1e-3)
+    assert picture.statistics["volume"]["volumes"] == 3 and picture.statistics["volume"]["grids"] == 2
+
+
 def test_shadows_are_beers(tmp_path):
     """A floor below a slab, lit from above: exp(-sigma) of what it is without the slab."""
     absorption = np.array((0.5, 1.0, 2.0))
@@ -167,6 +184,16 @@ def test_bad_volumes_are_left_out(tmp_path, broken, text):
     layers, _, warnings = volumeCase.Render(volumeCase.Stage(tmp_path / "s.usda"), {"/V": volume}, size=8, samples=4)
     assert len(warnings) == 1 and text in str(warnings[0])
     assert np.all(layers["color"][..., :3] == 1)
+
+
+def test_hidden_volumes_are_not_drawn(tmp_path):
+    _WriteVdb(tmp_path / "smoke.vdb", density=_UNIT, flame=_UNIT)
+
+    def AddHidden(stage):
+        _AddSmoke(stage)
+        UsdGeom.Imageable(stage.GetPrimAtPath("/World/Smoke")).MakeInvisible()
+
+    assert np.all(ours.Render(volumeCase.Stage(tmp_path / "s.usda", add=AddHidden), 8, 8, samples=4).rgb == 1)
 
 
 def test_numbers_that_are_none_count_as_nothing(tmp_path):

@@ -23,7 +23,7 @@ def Grid(values, first=(0, 0, 0), objectFromIndex=None) -> "_core.VoxelGrid":
 
 def Volume(density, emissionGrid=None, temperature=None, scale=1.0, absorption=0.0, scattering=0.0, anisotropy=0.0,
            emission=0.0, blackbody=0.0, kelvin=1.0) -> "_core.VolumePrim":
-    volume = _core.VolumePrim(np.diag([scale, scale, scale, 1.0]))
+    volume = _core.VolumePrim(_core.Placement(np.diag([scale, scale, scale, 1.0])))
     vectors = [tuple(np.broadcast_to(value, 3).astype(float)) for value in (absorption, scattering, emission, blackbody)]
     volume.SetShading(vectors[0], vectors[1], anisotropy, vectors[2], vectors[3], kelvin, "density",
                       "emission" if emissionGrid is not None else "", "temperature" if temperature is not None else "")

@@ -137,6 +137,33 @@ TEST(ImageWriter, ExrMetadata) {
     }
 }
 
+/// Attributes of an EXR file's header are a name and a type that end in 0, and their length.
+std::string ExrAttribute(const std::string& bytes, const std::string& name, std::size_t length) {
+    const std::string begin = std::string(1, '\0') + name + std::string(1, '\0');
+    const std::size_t found = bytes.find(begin);
+    if (found == std::string::npos) {
+        return "";
+    }
+    const std::size_t type = found + begin.size();
+    return bytes.substr(bytes.find('\0', type) + 5, length);
+}
+
+TEST(ImageWriter, ColoursHaveTheirChromaticitiesAndDataHasNone) {
+    const TemporaryFolder folder;
+    const auto chromaticitiesOf = [&](const std::vector<hds::ImageLayer>& layers) {
+        const std::string file = folder.File("a.exr");
+        hds::WriteImage(file, layers);
+        return ExrAttribute(ReadFile(file), "chromaticities", 32);
+    };
+    const std::string bytes = chromaticitiesOf({MakeColor(1, 2, 3, 1)});
+    ASSERT_EQ(bytes.size(), 32U);
+    float values[8];
+    std::memcpy(values, bytes.data(), sizeof(values));
+    const float expected[] = {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f};
+    EXPECT_TRUE(std::equal(expected, expected + 8, values));
+    EXPECT_EQ(chromaticitiesOf({hds::MakeClearLayer(*hds::FindAov("depth"), kWidth, kHeight)}), "");
+}
+
 TEST(ImageWriter, PngIsSrgbAndNotPremultiplied) {
     const TemporaryFolder folder;
     const std::string file = folder.File("out.png");

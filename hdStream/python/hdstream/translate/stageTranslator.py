@@ -287,13 +287,12 @@ class StageTranslator:
         return state
 
     def _OnVolume(self, prim, schema, names, state, context):
-        if context.instancerPath:
-            self._reports.Count(prim, "volumes of instancers are not drawn: {count}")
-            return state
         (materialPath,), materials = FindBoundMaterials([prim], self._reports.Warn)
         self._volumeMaterials.update(materials)
-        self._session.SetVolume(self.ReservePath(prim, context), volumes.ReadVolume(
-            prim, state, materialPath, self._timeCode, self._assets, self._reports.Warn))
+        path, placement = self._Place(prim, state, context)
+        placement.samples = []  # volumes are where the frame has them
+        self._session.SetVolume(path, volumes.ReadVolume(
+            prim, placement, state.purpose, materialPath, self._timeCode, self._assets, self._reports.Warn))
         return state
 
     def _AddPointSamples(self, prim, names, description):

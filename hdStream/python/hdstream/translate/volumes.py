@@ -6,9 +6,9 @@ from pxr import UsdVol
 from hdstream import _core
 
 
-def ReadVolume(prim, state, materialPath, timeCode, assets, warn):
-    """The volume of a prim, in the space of the world. Fields that are no OpenVDB files are left out."""
-    volume = _core.VolumePrim(state.matrix, state.visible, state.purpose, materialPath)
+def ReadVolume(prim, placement, purpose, materialPath, timeCode, assets, warn):
+    """The volume of a prim. Fields that are no OpenVDB files are left out."""
+    volume = _core.VolumePrim(placement, purpose, materialPath)
     for name, path in sorted(UsdVol.Volume(prim).GetFieldPaths().items()):
         field = prim.GetStage().GetPrimAtPath(path)
         if not field or not field.IsA(UsdVol.OpenVDBAsset):
