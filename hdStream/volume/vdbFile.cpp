@@ -40,6 +40,16 @@ private:
     off_type _first;
 };
 
+/// What a file says, for a message: short, and of letters alone.
+std::string Legible(std::string text) {
+    constexpr std::size_t kMost = 200;
+    text.resize(std::min(text.size(), kMost));
+    for (char& letter : text) {
+        letter = letter >= ' ' && letter <= '~' ? letter : '?';
+    }
+    return text;
+}
+
 /// Reads a grid of a file. The library's own readers of files do not notice where a file ends.
 class GridReader : public openvdb::io::Archive {
 public:
@@ -61,7 +71,7 @@ public:
         int number = 0;
         std::string names;
         const auto isIt = [&](const openvdb::io::GridDescriptor& descriptor) {
-            names += (names.empty() ? "" : ", ") + descriptor.gridName();
+            names += (names.empty() ? "" : ", ") + Legible(descriptor.gridName());
             return descriptor.gridName() == request.gridName && number++ == request.gridIndex;
         };
         openvdb::io::GridDescriptor descriptor;
@@ -220,6 +230,9 @@ std::vector<VoxelGrid> ReadVdb(const VdbRequest& request, std::string* error) {
         if (!isRead) {
             throw std::runtime_error("grids of the type " + grid->valueType() + " are not drawn");
         }
+    } catch (const openvdb::Exception& problem) {
+        *error = request.file + ": " + Legible(problem.what());
+        result.clear();
     } catch (const std::exception& problem) {
         *error = request.file + ": " + problem.what();
         result.clear();

@@ -157,6 +157,13 @@ TEST_F(VdbFile, SaysWhatIsWrong) {
     EXPECT_NE(errorOf({"/nowhere.vdb", 0, "wide", 0}).find("cannot be opened"), std::string::npos);
 }
 
+TEST_F(VdbFile, IsNamedInLettersWhateverItsGridsAreCalled) {
+    const std::string path = Write({MakeGrid<openvdb::FloatGrid>("smo\n\xff\x9dke", 1.0F)});
+    std::string error;
+    EXPECT_TRUE(ReadVdb({path, 0, "density", 0}, &error).empty());
+    EXPECT_NE(error.find("there are: smo???ke"), std::string::npos) << error;
+}
+
 TEST_F(VdbFile, MayBeCutOff) {
     const std::string path = Write({MakeGrid<openvdb::FloatGrid>("density", 1.0F)});
     const auto size = std::filesystem::file_size(path);
