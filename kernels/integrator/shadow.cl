@@ -149,7 +149,7 @@ bool shadow_share(const HdsSceneView* scene, HdsPaths paths, uint i, const HdsSu
         return true;
     }
 #endif
-    return surfaceHit_passThrough(scene, surface, viewer, share);
+    return passThrough_share(scene, surface, viewer, share);
 }
 
 #if HDS_FEATURE_TEXTURED_EMISSION

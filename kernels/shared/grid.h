@@ -34,14 +34,13 @@ typedef struct {
 HDS_ASSERT_SIZE(HdsGridTile, 12);
 
 typedef struct {
-    int origin[3];    /* the first voxel of tile 0, a multiple of HDS_TILE_VOXELS */
-    u32 tiles[3];     /* along each axis, x fastest */
-    u32 firstTile;    /* among those of the scene */
-    u32 firstCell;    /* among those of the scene */
-    u32 texture;      /* whose lines the bricks are */
-    float background; /* outside of the tiles */
-    float greatest;   /* of all voxels */
-    u32 reserved;
+    int origin[3];  /* the first voxel of tile 0, a multiple of HDS_TILE_VOXELS */
+    u32 tiles[3];   /* along each axis, x fastest */
+    u32 firstTile;  /* among those of the scene */
+    u32 firstCell;  /* among those of the scene */
+    u32 texture;    /* whose lines the bricks are */
+    float greatest; /* of all voxels */
+    u32 reserved[2];
 } HdsGrid;
 HDS_ASSERT_SIZE(HdsGrid, 48);
 HDS_SHARED_END
