@@ -26,7 +26,7 @@ namespace {
 
 bool ChooseSimd8(const RenderOptions& options, const DeviceProperties& properties) {
     return options.traversal == TraversalForm::Auto ? properties.isCpu
-                                                    : options.traversal == TraversalForm::Simd8;
+                                                    : options.traversal != TraversalForm::Scalar;
 }
 
 /// Who looks on while a render runs, and whether it is to end.
@@ -60,7 +60,7 @@ struct PathTracer::Impl {
         if (!buffers.Update(newScene, newResidency)) {
             return false;
         }
-        requestsFirst = newResidency.requestsFirst;
+        residency = newResidency;
         scene = &newScene;
         ++sceneNumber;
         return true;
@@ -72,6 +72,7 @@ struct PathTracer::Impl {
         if (buffers.SetMipBias(static_cast<float>(options.mipBias))) {
             ++sceneNumber;
         }
+        ReadyHierarchy();
         ReadyKernels();
         if (remembersKernels) {
             kernelSets.Remember(kernels->Features());
@@ -137,6 +138,8 @@ struct PathTracer::Impl {
         features.curves = scene->hasCurves;
         features.motion = scene->hasMotion || MovesOver(options.camera, options.shutter);
         features.simd8 = ChooseSimd8(options, device->Properties());
+        features.flat = !isStreaming && buffers.Flat().IsThere() && MayBeFlat(features);
+        features.flatInstances = features.flat && buffers.Flat().HasInstances();
         features.firstHits = NeedsFirstHits(options.aovs);
         features.rayVisibility = scene->hasRayVisibility;
         features.mattes = options.aovs.hasMattes;
@@ -146,14 +149,41 @@ struct PathTracer::Impl {
         features.lightPaths = NumLightPathSums(options.aovs.lightPaths.size());
         features.numPools = buffers.NumPoolBuffers() > 1 ? kMaxPoolBuffers : 1;
         features.streaming = isStreaming;
-        features.requestsFirst = features.streaming && requestsFirst;
+        features.requestsFirst = features.streaming && residency.requestsFirst;
         return features;
+    }
+
+    /// \param features without those of a flat hierarchy.
+    bool MayBeFlat(const KernelFeatures& features) const {
+        const bool isAsked = options.traversal == TraversalForm::Flat ||
+                             (options.traversal == TraversalForm::Auto && !options.interactive);
+        return isAsked && features.simd8 && !features.motion && !buffers.IsMapped();
+    }
+
+    /// Builds the flat hierarchy when geometry is resident and rays will pay for it. Hosts that edit
+    /// do not wait for one.
+    void ReadyHierarchy() {
+        if (buffers.IsStreaming() || !MayBeFlat(MakeFeatures(false))) {
+            return;
+        }
+        FlatLimits limits;
+        limits.isForced = options.traversal == TraversalForm::Flat;
+        limits.cameraRays =
+            std::uint64_t{options.imageWidth} * options.imageHeight * options.samples;
+        const std::uint64_t budgetBytes = buffers.Plan(*scene, residency).budgetBytes;
+        limits.bytes = budgetBytes - std::min(budgetBytes, buffers.PoolBytes());
+        if (buffers.Flatten(*scene, limits)) {
+            ++sceneNumber;
+            statistics.flattenSeconds = buffers.Flat().BuildSeconds();
+        }
     }
 
     void ReadyKernels() {
         const KernelFeatures features = MakeFeatures(buffers.IsStreaming());
         kernels = &kernelSets.Get(features, buffers, sceneNumber, &statistics.compileSeconds);
-        statistics.isSimd8Traversal = features.simd8;
+        statistics.traversal = features.flat    ? TraversalForm::Flat
+                               : features.simd8 ? TraversalForm::Simd8
+                                                : TraversalForm::Scalar;
     }
 
     void ReadyPathState() {
@@ -360,6 +390,7 @@ struct PathTracer::Impl {
             }
         }
         if (!buffers.IsStreaming()) {
+            ReadyHierarchy();
             ReadyKernels();
             ReadyPathState();
         }
@@ -533,7 +564,7 @@ struct PathTracer::Impl {
     const CommittedScene* scene = nullptr;
     RenderOptions options;
     SceneBuffers buffers;
-    bool requestsFirst = false;
+    ResidencyOptions residency;
     bool remembersKernels = false; ///< somebody warms them
     FilmBuffers film;
     std::uint64_t sceneNumber = 0;   ///< counts what kernels are bound to
