@@ -68,10 +68,10 @@ public:
     FlatBvh Build() {
         FlatBvh flat;
         ListUnits();
-        if (_numTriangles == 0) {
+        std::vector<BoxRef> refs = MakeItems();
+        if (refs.empty()) {
             return flat;
         }
-        std::vector<BoxRef> refs = MakeItems();
         const BinaryBvh binary = BuildBinaryBvh(refs, false);
         BvhOptions options;
         options.maxLeafItems = HDS_FLAT_TRIANGLES;

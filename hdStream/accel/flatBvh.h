@@ -25,8 +25,8 @@ struct FlatSource {
 
 /// A finished flat hierarchy.
 struct FlatBvh {
-    HugeVector<std::uint8_t> buffer; ///< empty: nothing is flattened
-    std::uint64_t numTriangles = 0;  ///< each as often as it is placed
+    HugeVector<std::uint8_t> buffer; ///< empty: there is nothing, or it would be too deep
+    std::uint64_t numTriangles = 0;  ///< flattened ones, each as often as it is placed
     bool hasInstances = false;       ///< some instances of the TLAS are not flattened
 };
 

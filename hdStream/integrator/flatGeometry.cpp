@@ -66,7 +66,9 @@ bool FlatGeometry::Build(const std::shared_ptr<Device>& device, const CommittedS
         return reinterpret_cast<const std::uint8_t*>(&copies.bytes[copies.first[chunk]]);
     };
     _flat = BuildFlatBvh(source, maxTriangles);
-    if (IsThere()) {
+    if (!IsThere()) {
+        _flat = {}; // of instances alone it would be no better than the TLAS
+    } else {
         const std::string label = "flat hierarchy";
         const std::uint64_t bytes = _flat.buffer.size();
         if (device->Properties().isCpu && bytes >= kMinHugePageBytes) {
