@@ -160,8 +160,16 @@ private:
         return true;
     }
 
-    void EmitNode(const BinaryBvh& binary, const CollapsedChildren& children,
-                  const Pending& pending, std::vector<Pending>* stack) {
+    void EmitNode(const BinaryBvh& binary, CollapsedChildren children, const Pending& pending,
+                  std::vector<Pending>* stack) {
+        // Rays that anything stops take slots from the last one on: the largest boxes first.
+        const auto area = [&](const CollapsedChild& child) {
+            const BoxRef& box = binary.Box(child.tree);
+            return HalfArea(LoadBox(box.lo), LoadBox(box.hi));
+        };
+        std::stable_sort(
+            children.child.begin(), children.child.begin() + children.count,
+            [&](const CollapsedChild& a, const CollapsedChild& b) { return area(a) < area(b); });
         shared::HdsFlatNode node{};
         for (int axis = 0; axis < 3; ++axis) {
             std::fill_n(node.lo[axis], kWidth, kInfinity);
