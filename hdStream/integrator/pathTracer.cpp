@@ -138,7 +138,8 @@ struct PathTracer::Impl {
         features.curves = scene->hasCurves;
         features.motion = scene->hasMotion || MovesOver(options.camera, options.shutter);
         features.simd8 = ChooseSimd8(options, device->Properties());
-        features.flat = !isStreaming && buffers.Flat().IsThere() && MayBeFlat(features);
+        features.flat = !isStreaming && MayBeFlat(features) &&
+                        (buffers.Flat().IsThere() || (buffers.IsStreaming() && WillBeFlat()));
         features.flatInstances = features.flat && buffers.Flat().HasInstances();
         features.firstHits = NeedsFirstHits(options.aovs);
         features.rayVisibility = scene->hasRayVisibility;
@@ -160,19 +161,27 @@ struct PathTracer::Impl {
         return isAsked && features.simd8 && !features.motion && !buffers.IsMapped();
     }
 
-    /// Builds the flat hierarchy when geometry is resident and rays will pay for it. Hosts that edit
-    /// do not wait for one.
-    void ReadyHierarchy() {
-        if (buffers.IsStreaming() || !MayBeFlat(MakeFeatures(false))) {
-            return;
-        }
+    FlatLimits LimitsOfFlat() const {
         FlatLimits limits;
         limits.isForced = options.traversal == TraversalForm::Flat;
         limits.cameraRays =
             std::uint64_t{options.imageWidth} * options.imageHeight * options.samples;
         const std::uint64_t budgetBytes = buffers.Plan(*scene, residency).budgetBytes;
         limits.bytes = budgetBytes - std::min(budgetBytes, buffers.PoolBytes());
-        if (buffers.Flatten(*scene, limits)) {
+        return limits;
+    }
+
+    /// While geometry streams: whether it would be, once it is resident; meshes that are placed
+    /// several times are not looked at.
+    bool WillBeFlat() const { return scene->counts.triangles <= MaxFlatTriangles(LimitsOfFlat()); }
+
+    /// Builds the flat hierarchy when geometry is resident and rays will pay for it. Hosts that edit
+    /// do not wait for one.
+    void ReadyHierarchy() {
+        if (buffers.IsStreaming() || !MayBeFlat(MakeFeatures(false))) {
+            return;
+        }
+        if (buffers.Flatten(*scene, LimitsOfFlat())) {
             ++sceneNumber;
             statistics.flattenSeconds = buffers.Flat().BuildSeconds();
         }
@@ -373,7 +382,9 @@ struct PathTracer::Impl {
         MakeResidentCosts costs;
         costs.secondsLeft = schedule.SecondsLeft(onlooker->rate.SecondsPerSample(),
                                                  samplesEquivalent, onlooker->timer.Seconds());
-        costs.kernelSeconds = SecondsToGet(PlaceOf(MakeFeatures(false)));
+        const KernelFeatures features = MakeFeatures(false);
+        costs.kernelSeconds = SecondsToGet(PlaceOf(features));
+        costs.flatTriangles = features.flat ? scene->counts.triangles : 0;
         costs.missingBytes = buffers.Streaming().MissingBytes();
         costs.prepareSeconds = pool.prepareSeconds;
         costs.preparedBytes = pool.uploadedBytes;

@@ -75,6 +75,8 @@ Json GeometrySection(const StatisticsInput& in) {
             {"peakBytes", buffers.PeakUsedBytes()},
             {"pinnedBytes", buffers.PinnedBytes()},
             {"alwaysResidentBytes", counts.alwaysResidentBytes + streamingTableBytes},
+            {"flatTriangles", buffers.Flat().NumTriangles()},
+            {"flatBytes", buffers.Flat().Bytes()},
             {"uniqueBytesLoaded", pool.uniqueBytes},
             {"uploadedBytes", pool.uploadedBytes},
             {"uploads", pool.uploads},
