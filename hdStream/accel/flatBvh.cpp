@@ -70,7 +70,7 @@ public:
         ListUnits();
         std::vector<BoxRef> refs = MakeItems();
         if (refs.empty()) {
-            return flat;
+            return flat; // nothing is there, or too little would be flattened
         }
         const BinaryBvh binary = BuildBinaryBvh(refs, false);
         BvhOptions options;
@@ -268,8 +268,8 @@ private:
 
 } // namespace
 
-FlatBvh BuildFlatBvh(const FlatSource& source, std::uint64_t maxTriangles) {
-    return FlatBuilder(source, FindFlatPlaces(source, maxTriangles)).Build();
+FlatBvh BuildFlatBvh(const FlatSource& source, const FlatAmount& amount) {
+    return FlatBuilder(source, FindFlatPlaces(source, amount)).Build();
 }
 
 } // namespace hds

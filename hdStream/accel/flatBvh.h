@@ -33,11 +33,21 @@ struct FlatBvh {
 /// About what a flat hierarchy takes.
 constexpr std::uint64_t kFlatBytesATriangle = 80;
 
-/// Flattens instances of the TLAS, those of meshes that are placed least often first, until
-/// `maxTriangles` are reached. Not flattened are curves and points, meshes below more than
+/// How much is flattened.
+struct FlatAmount {
+    std::uint64_t maxTriangles = 0; ///< each as often as it is placed
+    /// Of what an instance of the TLAS places: copies of meshes that fit the caches of a CPU push
+    /// each other out of them (docs/accel.md).
+    double maxCopies = 4.0;
+    /// Of all that is placed at least so much is flattened, or nothing.
+    double minShare = 0.5;
+};
+
+/// Flattens instances of the TLAS, those of objects that are placed least often first. Not
+/// flattened are curves and points, meshes below more than
 /// HDS_FLAT_MAX_RECORDS instances, and instances that are sheared so strongly that boxes in world
 /// space could not be padded for it. Uses all cores; the result does not depend on their number.
 /// Memory on the way, beside the result: 80 bytes a triangle.
-FlatBvh BuildFlatBvh(const FlatSource& source, std::uint64_t maxTriangles);
+FlatBvh BuildFlatBvh(const FlatSource& source, const FlatAmount& amount);
 
 } // namespace hds

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <limits>
 #include <map>
+#include <unordered_set>
 
 namespace hds {
 namespace {
@@ -51,7 +52,8 @@ glm::dmat3 Abs(const glm::dmat3& matrix) {
 struct ObjectTraits {
     bool isFlat = true;        ///< it may be flattened
     std::uint32_t records = 0; ///< below it, on the longest way
-    double numTriangles = 0.0; ///< each as often as it is placed below it
+    double numTriangles = 0.0; ///< or other primitives, each as often as it is placed below it
+    double numUnique = 0.0;    ///< each once in every object it is placed in
 };
 
 /// Where a walk down the groups is.
@@ -70,7 +72,7 @@ public:
     PlaceFinder(const FlatSource& source, FlatPlaces* places)
         : _source(source), _objects(*source.objects), _places(*places) {}
 
-    void Find(std::uint64_t maxTriangles) {
+    void Find(const FlatAmount& amount) {
         const shared::HdsObject& root = _objects[0];
         if (root.numItems == 0 || root.numItems > kMaxInstances) {
             return;
@@ -87,11 +89,14 @@ public:
         });
         std::vector<bool> isFlat(root.numItems, false);
         double total = 0.0;
+        double placed = 0.0;
         for (const auto& [object, records] : order) {
             const ObjectTraits& traits = TraitsOf(object);
             const double added = traits.numTriangles * static_cast<double>(records.size());
+            placed += added;
             if (!traits.isFlat || traits.records >= HDS_FLAT_MAX_RECORDS ||
-                total + added > static_cast<double>(maxTriangles)) {
+                added > amount.maxCopies * traits.numUnique ||
+                total + added > static_cast<double>(amount.maxTriangles)) {
                 continue;
             }
             for (const std::uint32_t record : records) {
@@ -101,35 +106,46 @@ public:
                 }
             }
         }
-        _places.numTriangles = static_cast<std::uint64_t>(total);
+        if (total < amount.minShare * placed) {
+            _places = {};
+            return;
+        }
         NumberSpaces();
         AddInstances(isFlat);
     }
 
 private:
     const ObjectTraits& TraitsOf(std::uint32_t index) {
-        const auto known = _traits.find(index);
-        if (known != _traits.end()) {
-            return known->second;
+        const auto found = _traits.find(index);
+        if (found != _traits.end()) {
+            return found->second;
         }
         const shared::HdsObject& object = _objects[index];
         ObjectTraits traits;
         if ((object.kind & HDS_OBJECT_KIND) == HDS_OBJECT_GROUP) {
             traits.isFlat = object.numItems <= kMaxInstances;
-            for (std::uint32_t i = 0; traits.isFlat && i < object.numItems; ++i) {
+            traits.numTriangles = traits.isFlat ? 0.0 : std::numeric_limits<double>::infinity();
+            std::unordered_set<std::uint32_t> known;
+            const std::uint32_t numItems = traits.isFlat ? object.numItems : 0;
+            for (std::uint32_t i = 0; i < numItems; ++i) {
                 const shared::HdsInstance& instance = _source.instances[object.itemBase + i];
                 const ObjectTraits below = TraitsOf(instance.object);
-                traits.isFlat = below.isFlat;
+                traits.isFlat = traits.isFlat && below.isFlat;
                 traits.records = std::max(traits.records, below.records + 1);
                 traits.numTriangles += below.numTriangles;
+                if (known.insert(instance.object).second) {
+                    traits.numUnique += below.numUnique;
+                }
             }
         } else {
-            for (std::uint32_t i = 0; traits.isFlat && i < object.numItems; ++i) {
+            for (std::uint32_t i = 0; i < object.numItems; ++i) {
                 const std::uint8_t* page = _source.page(object.itemBase + i);
-                traits.isFlat = HeaderOf(page).numTriangles >> HDS_PRIMITIVE_SHIFT ==
-                                HDS_PRIMITIVE_TRIANGLES;
+                traits.isFlat = traits.isFlat && HeaderOf(page).numTriangles >>
+                                                         HDS_PRIMITIVE_SHIFT ==
+                                                     HDS_PRIMITIVE_TRIANGLES;
                 traits.numTriangles += NumPrimitivesOfPage(page);
             }
+            traits.numUnique = traits.numTriangles;
         }
         return _traits.emplace(index, traits).first->second;
     }
@@ -257,9 +273,9 @@ private:
 
 } // namespace
 
-FlatPlaces FindFlatPlaces(const FlatSource& source, std::uint64_t maxTriangles) {
+FlatPlaces FindFlatPlaces(const FlatSource& source, const FlatAmount& amount) {
     FlatPlaces places;
-    PlaceFinder(source, &places).Find(maxTriangles);
+    PlaceFinder(source, &places).Find(amount);
     return places;
 }
 

@@ -33,11 +33,9 @@ struct FlatPlaces {
     std::vector<FlatPlacement> placements; ///< [places.size()]
     std::vector<std::uint32_t> records;    ///< on the way to each place
     std::vector<FlatInstance> instances;
-    std::uint64_t numTriangles = 0; ///< of all placements
 };
 
-/// \param maxTriangles of all placements.
-FlatPlaces FindFlatPlaces(const FlatSource& source, std::uint64_t maxTriangles);
+FlatPlaces FindFlatPlaces(const FlatSource& source, const FlatAmount& amount);
 
 /// Widens a box by 2^exponent of its largest coordinate, and rounds it outwards.
 Bounds WidenForFlat(const glm::dvec3& lo, const glm::dvec3& hi, int exponent);

@@ -4,6 +4,7 @@
 #include "hdStream/base/timer.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace hds {
 
@@ -52,8 +53,13 @@ std::uint64_t MaxFlatTriangles(const FlatLimits& limits) {
 
 bool FlatGeometry::Build(const std::shared_ptr<Device>& device, const CommittedScene& scene,
                          const PagePool& pool, const FlatLimits& limits) {
-    const std::uint64_t maxTriangles = MaxFlatTriangles(limits);
-    if (IsThere() || maxTriangles == 0 || scene.pages->NumChunks() == 0) {
+    FlatAmount amount;
+    amount.maxTriangles = MaxFlatTriangles(limits);
+    if (limits.isForced) {
+        amount.maxCopies = std::numeric_limits<double>::infinity();
+        amount.minShare = 0.0;
+    }
+    if (IsThere() || amount.maxTriangles == 0 || scene.pages->NumChunks() == 0) {
         return IsThere();
     }
     const Timer timer;
@@ -65,7 +71,7 @@ bool FlatGeometry::Build(const std::shared_ptr<Device>& device, const CommittedS
     source.page = [&](std::uint32_t chunk) {
         return reinterpret_cast<const std::uint8_t*>(&copies.bytes[copies.first[chunk]]);
     };
-    _flat = BuildFlatBvh(source, maxTriangles);
+    _flat = BuildFlatBvh(source, amount);
     if (!IsThere()) {
         _flat = {}; // of instances alone it would be no better than the TLAS
     } else {

@@ -17,7 +17,7 @@ namespace hds {
 struct FlatLimits {
     std::uint64_t cameraRays = 0; ///< that are still to be traced
     std::uint64_t bytes = 0;      ///< of device memory
-    bool isForced = false;        ///< cameraRays do not matter
+    bool isForced = false;        ///< whatever it costs
 };
 
 /// Triangles that are worth flattening: what rays save must pay for building.

@@ -177,6 +177,11 @@ ProgramDefines DefinesOf(AccelForm form) {
             {"HDS_FEATURE_FLAT_INSTANCES", isFlat}};
 }
 
+FlatSource FlatSourceOf(const AccelScene& scene) {
+    return {scene.topNodes.data(), scene.instances.data(), &scene.objects,
+            [&scene](std::uint32_t chunk) { return scene.pages[chunk].bytes.data(); }};
+}
+
 DeviceAccelScene::DeviceAccelScene(const std::shared_ptr<Device>& device, const AccelScene& scene,
                                    const AccelUpload& upload)
     : _topNodes(UploadVector(device, "top nodes", scene.topNodes)),
@@ -199,10 +204,7 @@ DeviceAccelScene::DeviceAccelScene(const std::shared_ptr<Device>& device, const 
     }
     _addresses = UploadVector(device, "chunk addresses", addresses);
     if (upload.missing.empty() && scene.motionKeys.empty() && !scene.pages.empty()) {
-        const auto page = [&](std::uint32_t chunk) { return scene.pages[chunk].bytes.data(); };
-        _flat = BuildFlatBvh(
-            {scene.topNodes.data(), scene.instances.data(), &scene.objects, page},
-            upload.flatTriangles);
+        _flat = BuildFlatBvh(FlatSourceOf(scene), upload.flat);
         _flatBuffer = Buffer(device, "flat hierarchy", _flat.buffer.size());
         if (!_flat.buffer.empty()) {
             _flatBuffer.Write(_flat.buffer.data(), _flat.buffer.size());

@@ -63,11 +63,14 @@ const char* NameOf(AccelForm form);
 /// What chooses a form; the flat one with instances that it does not flatten.
 ProgramDefines DefinesOf(AccelForm form);
 
+/// What a flat hierarchy is built of; the scene must outlive it.
+FlatSource FlatSourceOf(const AccelScene& scene);
+
 /// How a scene lies in the pools.
 struct AccelUpload {
     std::uint32_t numPools = 1;         ///< chunks go to the pools in turn
     std::vector<std::uint32_t> missing; ///< chunks that are not resident
-    std::uint64_t flatTriangles = 1U << 28U; ///< at most, of the flat hierarchy
+    FlatAmount flat = {1U << 28U, 1e9, 0.0}; ///< of the flat hierarchy
 };
 
 /// A scene on a device.

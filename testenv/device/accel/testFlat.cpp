@@ -62,18 +62,21 @@ TEST_F(FlatBvhTest, FlattensWhatIsPlacedLeastOften) {
             {often, glm::translate(glm::dmat4(1.0), glm::dvec3(i % 7, i % 5, i % 3) - 2.0)});
     }
     built.SetRoot(placements);
-    const std::uint64_t ofSphere = DeviceAccelScene(device, built).Flat().numTriangles;
-    std::uint64_t ofBoxes = 0;
-    for (const std::uint64_t most : {ofSphere - 1, ofSphere - 480}) {
-        const FlatBvh& flat = DeviceAccelScene(device, built, {1, {}, most}).Flat();
-        EXPECT_LT(flat.numTriangles, ofSphere);
+    const std::uint64_t ofAll = DeviceAccelScene(device, built).Flat().numTriangles;
+    constexpr double kNoMatter = 1e9;
+    for (const FlatAmount amount :
+         {FlatAmount{ofAll - 1, kNoMatter, 0.1}, FlatAmount{ofAll, 39.0, 0.1}, FlatAmount{ofAll}}) {
+        const FlatBvh& flat = DeviceAccelScene(device, built, {1, {}, amount}).Flat();
+        EXPECT_EQ(ofAll - flat.numTriangles, 40 * 12U) << "the boxes";
         EXPECT_TRUE(flat.hasInstances);
-        ofBoxes = ofSphere - flat.numTriangles;
-        EXPECT_EQ(ofBoxes % 480, 0U) << "all boxes or none";
-        EXPECT_GT(ExpectSameHits(built, MixedRays(1000), {1, {}, most}), 100U);
+        EXPECT_GT(ExpectSameHits(built, MixedRays(1000), {1, {}, amount}), 100U);
     }
-    EXPECT_GT(ofBoxes, 0U);
-    EXPECT_EQ(DeviceAccelScene(device, built, {1, {}, 10}).Flat().numTriangles, 0U);
+    EXPECT_EQ(DeviceAccelScene(device, built, {1, {}, {ofAll, 40.0, 1.0}}).Flat().numTriangles, ofAll);
+    EXPECT_EQ(DeviceAccelScene(device, built, {1, {}, {10, kNoMatter, 0.0}}).Flat().numTriangles,
+              0U);
+    EXPECT_TRUE(
+        DeviceAccelScene(device, built, {1, {}, {ofAll, 39.0, 0.8}}).Flat().buffer.empty())
+        << "less than is asked for";
 }
 
 TEST_F(FlatBvhTest, FlattensGroupsOfAFewLevels) {
