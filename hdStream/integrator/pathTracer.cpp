@@ -125,6 +125,7 @@ struct PathTracer::Impl {
         features.closures = scene->hasClosures;
         features.lobes = scene->lobes;
         features.textures = buffers.HasTextures();
+        features.instancePrimvars = buffers.HasInstancePrimvars();
         features.lightShaping = scene->lights->hasShaping;
         features.lightControls = scene->lights->hasControls;
         features.lightPortals = scene->lights->hasPortals;
@@ -457,7 +458,7 @@ struct PathTracer::Impl {
             scene->centre,
             options.shutter.IsOpen() ? options.shutter.close - options.shutter.open : 0.0);
         const Buffer primvarSlots =
-            UploadVector(device, "primvar slots", PrimvarSlots(options.aovs.primvars));
+            UploadVector(device, "primvar slots", FindSlots(*scene, options.aovs.primvars));
         const Buffer order = UploadVector(device, "all pixels", schedule.AllPixels());
         const auto pixelCount = static_cast<std::uint32_t>(schedule.AllPixels().size());
         const std::uint64_t indirectRays = statistics.indirectRays; // counts those of pictures
@@ -497,21 +498,6 @@ struct PathTracer::Impl {
         statistics.indirectRays = indirectRays;
         CollectTexelCounts();
         film.SetHasFirstHits();
-    }
-
-    /// [numPrims][names.size()] attribute slot of each primvar, or HDS_NONE.
-    std::vector<std::uint32_t> PrimvarSlots(const std::vector<std::string>& names) const {
-        std::vector<std::uint32_t> slots;
-        for (const std::vector<AttributeName>* attributes : scene->primAttributes) {
-            for (const std::string& name : names) {
-                const auto found = std::find_if(
-                    attributes->begin(), attributes->end(),
-                    [&](const AttributeName& candidate) { return candidate.name == name; });
-                const auto index = static_cast<std::uint32_t>(found - attributes->begin());
-                slots.push_back(found == attributes->end() ? HDS_NONE : HDS_SLOT_USER + index);
-            }
-        }
-        return slots;
     }
 
     std::vector<ImageLayer> Layers(bool withFirstHits) {

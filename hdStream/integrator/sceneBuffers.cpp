@@ -12,12 +12,27 @@ namespace hds {
 
 namespace {
 
-const char* const kLabels[] = {
-    "top nodes",  "instances",      "instances by path", "objects",
-    "prims",      "prim materials", "materials",         "lights by material entry",
-    "lights",     "light tree",     "light triangles",   "light distributions",
-    "programs",   "motion keys",    "volumes",           "grids",
-    "grid tiles", "grid cells"};
+const char* const kLabels[] = {"top nodes",
+                               "instances",
+                               "instances by path",
+                               "objects",
+                               "prims",
+                               "prim materials",
+                               "materials",
+                               "lights by material entry",
+                               "lights",
+                               "light tree",
+                               "light triangles",
+                               "light distributions",
+                               "programs",
+                               "motion keys",
+                               "volumes",
+                               "grids",
+                               "grid tiles",
+                               "grid cells",
+                               "first instance slots",
+                               "instance slots",
+                               "instance values"};
 
 /// A table that has become smaller than this part of its buffer gets a smaller one.
 constexpr std::uint64_t kShrinkFactor = 4;
@@ -146,6 +161,10 @@ bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& r
     _textures.Update(scene, residency);
     _hasPrograms = !scene.programs.empty();
     _hasTextures = scene.lines->NumTextures() > 0;
+    Upload(FirstInstanceSlots, scene.instancePrimvars.firstSlots);
+    Upload(InstanceSlots, scene.instancePrimvars.slots);
+    Upload(InstanceValues, scene.instancePrimvars.values);
+    _hasInstancePrimvars = !scene.instancePrimvars.slots.empty();
     if (_lights != scene.lights) {
         Upload(Lights, scene.lights->lights);
         Upload(LightNodes, scene.lights->nodes);
@@ -209,6 +228,11 @@ unsigned SceneBuffers::BindScene(Kernel* kernel, unsigned first, bool hasMotion)
     kernel->SetBytes(first++, &_numLights, sizeof(_numLights));
     if (_hasPrograms) {
         kernel->SetBuffer(first++, _tables[Programs]);
+    }
+    if (_hasInstancePrimvars) {
+        for (const Table table : {FirstInstanceSlots, InstanceSlots, InstanceValues}) {
+            kernel->SetBuffer(first++, _tables[table]);
+        }
     }
     first = _hasTextures ? _textures.Bind(kernel, first) : first;
     if (_numVolumes > 0) {

@@ -31,13 +31,15 @@ public:
     /// \param hasMotion the kernel has HDS_FEATURE_MOTION.
     unsigned BindGeometry(Kernel* kernel, unsigned first, bool hasMotion) const;
 
-    /// Sets the arguments of HDS_SCENE_ARGS (geometry, materials, lights, and with programs and
-    /// textures those) from `first` on.
+    /// Sets the arguments of HDS_SCENE_ARGS (geometry, materials, lights, and what only some scenes
+    /// have) from `first` on.
     unsigned BindScene(Kernel* kernel, unsigned first, bool hasMotion) const;
 
     /// Whether some material has a program, and whether some program or light looks textures up.
     bool HasPrograms() const { return _hasPrograms; }
     bool HasTextures() const { return _hasTextures; }
+    /// Whether some primvar has a value an instance.
+    bool HasInstancePrimvars() const { return _hasInstancePrimvars; }
     /// \return true when it has changed: kernels have to be bound again.
     bool SetMipBias(float bias);
     SceneTextures& Textures() { return _textures; }
@@ -96,6 +98,9 @@ private:
         Grids,
         GridTiles,
         GridCells,
+        FirstInstanceSlots,
+        InstanceSlots,
+        InstanceValues,
         NumTables
     };
 
@@ -123,6 +128,7 @@ private:
     SceneTextures _textures;
     bool _hasPrograms = false;
     bool _hasTextures = false;
+    bool _hasInstancePrimvars = false;
 };
 
 } // namespace hds

@@ -10,6 +10,7 @@
 #include "hdStream/scene/dicingViews.h"
 #include "hdStream/scene/geometryStore.h"
 #include "hdStream/scene/imageLibrary.h"
+#include "hdStream/scene/instancePrimvars.h"
 #include "hdStream/scene/materialCommit.h"
 #include "hdStream/scene/sceneDescription.h"
 #include "hdStream/scene/sceneLines.h"
@@ -118,6 +119,7 @@ struct CommittedScene {
     /// User primvars of each prim, in the order of their slots; owned by the cache, valid until the
     /// next commit.
     std::vector<const std::vector<AttributeName>*> primAttributes;
+    InstancePrimvars instancePrimvars;
     std::vector<std::uint32_t> primMaterials;
     std::vector<std::string> primPaths;      ///< of `prims`; with CommitOptions::keepsNames
     std::vector<std::string> entryMaterials; ///< of `primMaterials` the materials' paths, likewise
@@ -145,6 +147,10 @@ struct CommittedScene {
     SceneCounts counts;
     double seconds = 0.0;
 };
+
+/// The slot of each primvar of each prim, HDS_NONE where it has none: [numPrims][names.size()].
+std::vector<std::uint32_t> FindSlots(const CommittedScene& scene,
+                                     const std::vector<std::string>& names);
 
 /// Interprets the scene. Content problems warn and fall back; nothing throws for them.
 /// \return null when `isCancelled` said so.

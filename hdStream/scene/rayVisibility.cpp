@@ -37,12 +37,15 @@ const Row kRows[] = {
 
 /// Few prims have such primvars, and commits ask all of them.
 bool MaySay(const Primvar& primvar) {
-    return primvar.name.compare(0, 9, "hdstream:") == 0 ||
-           primvar.name.compare(0, 7, "arnold:") == 0 ||
-           primvar.name.compare(0, 14, "ri:attributes:") == 0;
+    return SaysVisibility(primvar.name);
 }
 
 } // namespace
+
+bool SaysVisibility(const std::string& name) {
+    return name.compare(0, 9, "hdstream:") == 0 || name.compare(0, 7, "arnold:") == 0 ||
+           name.compare(0, 14, "ri:attributes:") == 0;
+}
 
 std::uint32_t RayVisibilityFlags(const std::vector<Primvar>& primvars) {
     std::uint32_t flags = HDS_INSTANCE_SEEN;

@@ -6,6 +6,7 @@
 #include "kernels/shared/geometry.h"
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace hds {
@@ -13,5 +14,8 @@ namespace hds {
 /// HDS_INSTANCE_* of a prim: who sees it, and whether it is held out. Constant primvars of one
 /// number count; 0 is false. Those of hdstream win over those of other renderers.
 std::uint32_t RayVisibilityFlags(const std::vector<Primvar>& primvars);
+
+/// Whether a primvar may be one of these, by its name.
+bool SaysVisibility(const std::string& name);
 
 } // namespace hds

@@ -87,6 +87,16 @@ typedef struct {
 } HdsPrim;
 HDS_ASSERT_SIZE(HdsPrim, 16);
 
+/* A primvar with a value an instance, of a prim. Its row: (n / divisor) % numRows, where n is the
+ * number of the prim's placement, folded parent-major: of the AOV instanceId, in 64 bits. */
+typedef struct {
+    u32 numComponents; /* 1 to 4 */
+    u32 numRows;
+    u32 divisor[2]; /* placements by the instancers further in: low, high */
+    u32 firstValue; /* in instanceValues: [numRows][numComponents] */
+} HdsInstanceSlot;
+HDS_ASSERT_SIZE(HdsInstanceSlot, 20);
+
 /* A chunk has two pages; their addresses are in the residency table chunkAddresses[2 * chunk +
  * page].
  */
@@ -172,4 +182,6 @@ HDS_SHARED_END
 #define HDS_SLOT_MATERIAL 1u /* u32: entry of the prim's material list; absent: entry 0 */
 #define HDS_SLOT_NORMAL 2u   /* 3 components, object space, towards the authored front */
 #define HDS_SLOT_USER 3u
+/* Not in pages: slots of the prim's HdsInstanceSlots follow from here on. 24 bits hold them all. */
+#define HDS_SLOT_INSTANCE 0x800000u
 #endif

@@ -96,8 +96,9 @@ def InheritFrom(prim, names, inherited, timeCode):
     return result
 
 
-def InheritableAbove(prim, timeCode):
-    """The primvars that `prim` inherits from its namespace ancestors, for a traversal from it."""
+def InheritableAbove(prim, timeCode, endsByPath):
+    """The primvars that `prim` inherits from its namespace ancestors, for a traversal from it; endsByPath: names
+    that are not inherited from ancestors of a path and the prim there."""
     ancestors = []
     parent = prim.GetParent()
     while parent and not parent.IsPseudoRoot():
@@ -106,6 +107,9 @@ def InheritableAbove(prim, timeCode):
     inherited = {}
     for ancestor in reversed(ancestors):
         inherited = InheritFrom(ancestor, ancestor.GetAuthoredPropertyNames(), inherited, timeCode)
+        ended = endsByPath.get(ancestor.GetPath())
+        if ended:
+            inherited = {name: entry for name, entry in inherited.items() if name not in ended}
     return inherited
 
 
