@@ -246,6 +246,14 @@ const AovSlot* AovLayout::Find(const std::string& name) const {
     return nullptr;
 }
 
+std::vector<std::string> AovLayout::SumNames() const {
+    std::vector<std::string> names = lightPaths;
+    if (hasCatchers) {
+        names.insert(names.end(), {"catchers", "catchersAlone"});
+    }
+    return names;
+}
+
 AovLayout MakeAovLayout(const std::vector<std::string>& names) {
     if (names.empty()) {
         throw Error("--aovs: no AOV is named", ErrorKind::Usage);

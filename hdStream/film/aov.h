@@ -84,6 +84,11 @@ struct AovLayout {
     std::vector<std::string> primvars;
     std::uint32_t primvarOffset = 0;
     std::vector<std::string> lightPaths; ///< expressions that AOVs show, each once
+    bool hasCatchers = false;            ///< sums of what catchers show are kept; the scene says it
+
+    /// What sums are kept beside colour: expressions, then what catchers get with and without
+    /// others.
+    std::vector<std::string> SumNames() const;
 
     /// The slot of that AOV; null when it was not asked for.
     const AovSlot* Find(const std::string& name) const;

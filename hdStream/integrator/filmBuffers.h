@@ -40,6 +40,8 @@ public:
     std::uint32_t NumLightPaths() const {
         return static_cast<std::uint32_t>(_layout.lightPaths.size());
     }
+    /// Of these and of catchers, behind them.
+    std::uint32_t NumSums() const { return static_cast<std::uint32_t>(_layout.SumNames().size()); }
     std::uint32_t NumPixels() const { return _width * _height; }
 
     bool HasMattes() const { return _layout.hasMattes; }
@@ -74,10 +76,13 @@ private:
     Buffer _film;
     Buffer _floats;
     Buffer _ints;
-    Buffer _lightPaths; ///< HdsLightPathPixel [expressions][pixels]
+    Buffer _lightPaths; ///< HdsLightPathPixel [NumSums()][pixels]
     bool _hasFirstHits = false;
     MatteSums _mattes;
 };
+
+/// The name by which a Cryptomatte knows a surface.
+std::string MatteName(const CommittedScene& scene, MatteKind kind, const MatteSurface& surface);
 
 /// True when some AOV of the layout is found by a ray through each pixel's centre.
 bool NeedsFirstHits(const AovLayout& layout);

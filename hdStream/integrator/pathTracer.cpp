@@ -3,6 +3,7 @@
 
 #include "hdStream/base/timer.h"
 #include "hdStream/integrator/cameraFrame.h"
+#include "hdStream/integrator/catcherLight.h"
 #include "hdStream/integrator/filmBuffers.h"
 #include "hdStream/integrator/kernelSets.h"
 #include "hdStream/integrator/lightPathTable.h"
@@ -53,7 +54,7 @@ bool HasPathLimits(const RenderOptions& options) {
 struct PathTracer::Impl {
     Impl(std::shared_ptr<Device> theDevice, Store* theStore)
         : device(std::move(theDevice)), kernelSets(device, theStore), buffers(device, theStore),
-          film(device), tracer(device, &buffers, &statistics) {}
+          film(device), tracer(device, &buffers, &statistics), catchers(device) {}
 
     bool SetScene(const CommittedScene& newScene, const ResidencyOptions& newResidency) {
         scene = nullptr;
@@ -140,6 +141,7 @@ struct PathTracer::Impl {
         features.simd8 = ChooseSimd8(options, device->Properties());
         features.firstHits = NeedsFirstHits(options.aovs);
         features.rayVisibility = scene->hasRayVisibility;
+        features.catchers = options.aovs.hasCatchers;
         features.mattes = options.aovs.hasMattes;
         features.pathLimits = HasPathLimits(options);
         features.media = scene->hasMedia;
@@ -206,14 +208,12 @@ struct PathTracer::Impl {
         presentList.reset();
     }
 
-    /// \return false when it was cancelled: the film is as before.
-    bool RenderWave(const shared::HdsWave& wave, const WaveTracer::IsCancelled& isCancelled) {
+    /// \return false when it was cancelled.
+    bool TraceSamples(const shared::HdsWave& wave, const WaveTracer::IsCancelled& isCancelled) {
         const std::uint32_t numPaths = wave.numPixels * wave.numSamples;
         const Buffer& paths = tracer.Paths();
         const std::uint32_t numSlots = tracer.NumSlots();
-        statistics.cameraRays += numPaths;
-        statistics.streamedPaths += buffers.IsStreaming() ? numPaths : 0;
-        const bool isTraced = tracer.Trace(
+        return tracer.Trace(
             numPaths,
             [&](std::uint32_t first, std::uint32_t count, const Buffer& queue,
                 std::uint32_t queueFirst) {
@@ -226,8 +226,27 @@ struct PathTracer::Impl {
                                       tracer.ShadowQueue(), tracer.Counters());
             },
             isCancelled);
-        if (!isTraced) {
+    }
+
+    /// A catcher that the film has sums for may be hidden.
+    bool ShowsCatchers() const { return kernels->Features().catchers && scene->hasCatchers; }
+
+    /// \return false when it was cancelled: the film is as before.
+    bool RenderWave(const shared::HdsWave& wave, const WaveTracer::IsCancelled& isCancelled) {
+        const std::uint32_t numPaths = wave.numPixels * wave.numSamples;
+        const Buffer& paths = tracer.Paths();
+        const std::uint32_t numSlots = tracer.NumSlots();
+        statistics.cameraRays += numPaths;
+        statistics.streamedPaths += buffers.IsStreaming() ? numPaths : 0;
+        const auto trace = [&] { return TraceSamples(wave, isCancelled); };
+        if (ShowsCatchers() && !catchers.TraceAlone(kernels, &buffers, tracer, numPaths, trace)) {
             return false;
+        }
+        if (!trace()) {
+            return false;
+        }
+        if (ShowsCatchers()) {
+            catchers.Add(kernels, wave, tracer, pixels, film);
         }
         if (film.NumLightPaths() > 0) {
             kernels->addLightPaths.Launch(std::size_t{wave.numPixels} * film.NumLightPaths(), wave,
@@ -258,18 +277,6 @@ struct PathTracer::Impl {
         }
         film.AddMattes(schedule.Pixels(*presentList).data() + wave.firstPixel, wave.numSamples,
                        surfaces);
-    }
-
-    /// The name by which a Cryptomatte knows a surface.
-    std::string MatteName(MatteKind kind, const MatteSurface& surface) const {
-        if (kind == MatteKind::Material) {
-            const std::string& path = scene->entryMaterials[surface.entry];
-            return path.empty() ? "none" : path;
-        }
-        const std::string& path = scene->primPaths[surface.prim];
-        return kind == MatteKind::Instance && surface.instance >= 0
-                   ? path + "[" + std::to_string(surface.instance) + "]"
-                   : path;
     }
 
     /// Before they overflow.
@@ -508,7 +515,7 @@ struct PathTracer::Impl {
         }
         std::vector<ImageLayer> layers = film.Develop(
             kernels, schedule.PreviewStride(), [this](MatteKind kind, const MatteSurface& surface) {
-                return MatteName(kind, surface);
+                return MatteName(*scene, kind, surface);
             });
         statistics.transferSeconds += timer.Seconds();
         return layers;
@@ -532,6 +539,7 @@ struct PathTracer::Impl {
     Buffer pixels;
     RenderStatistics statistics;
     WaveTracer tracer;
+    CatcherLight catchers;
 };
 
 PathTracer::PathTracer(std::shared_ptr<Device> device, Store* store)

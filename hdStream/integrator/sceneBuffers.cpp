@@ -32,7 +32,8 @@ const char* const kLabels[] = {"top nodes",
                                "grid cells",
                                "first instance slots",
                                "instance slots",
-                               "instance values"};
+                               "instance values",
+                               "catchers alone"};
 
 /// A table that has become smaller than this part of its buffer gets a smaller one.
 constexpr std::uint64_t kShrinkFactor = 4;
@@ -145,6 +146,7 @@ bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& r
     }
     Upload(TopNodes, scene.topNodes);
     Upload(Instances, scene.instances);
+    Upload(CatchersAlone, scene.catchersAlone);
     Upload(InstancesByPath, scene.instancesByPath);
     Upload(Objects, scene.objects);
     Upload(Prims, scene.prims);
@@ -203,7 +205,8 @@ std::uint64_t SceneBuffers::TableBytes() const {
 
 unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first, bool hasMotion) const {
     HDS_VERIFY(_pool != nullptr, "no geometry was taken before");
-    for (const Table table : {TopNodes, Instances, InstancesByPath, Objects}) {
+    for (const Table table :
+         {TopNodes, _showsCatchersAlone ? CatchersAlone : Instances, InstancesByPath, Objects}) {
         kernel->SetBuffer(first++, _tables[table]);
     }
     kernel->SetBuffer(first++, _pool->Addresses());
@@ -239,7 +242,8 @@ unsigned SceneBuffers::BindScene(Kernel* kernel, unsigned first, bool hasMotion)
         for (const Table table : {Volumes, Grids, GridTiles, GridCells}) {
             kernel->SetBuffer(first++, _tables[table]);
         }
-        kernel->SetBytes(first++, &_numVolumes, sizeof(_numVolumes));
+        const std::uint32_t numSeen = _showsCatchersAlone ? 0 : _numVolumes;
+        kernel->SetBytes(first++, &numSeen, sizeof(numSeen));
     }
     return first;
 }

@@ -35,6 +35,9 @@ public:
     /// have) from `first` on.
     unsigned BindScene(Kernel* kernel, unsigned first, bool hasMotion) const;
 
+    /// Whether kernels that are bound from here on see nothing but catchers, and lights.
+    void ShowCatchersAlone(bool isAlone) { _showsCatchersAlone = isAlone; }
+
     /// Whether some material has a program, and whether some program or light looks textures up.
     bool HasPrograms() const { return _hasPrograms; }
     bool HasTextures() const { return _hasTextures; }
@@ -101,6 +104,7 @@ private:
         FirstInstanceSlots,
         InstanceSlots,
         InstanceValues,
+        CatchersAlone,
         NumTables
     };
 
@@ -129,6 +133,7 @@ private:
     bool _hasPrograms = false;
     bool _hasTextures = false;
     bool _hasInstancePrimvars = false;
+    bool _showsCatchersAlone = false;
 };
 
 } // namespace hds

@@ -99,8 +99,15 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
     addBlock = frameProgram->GetKernel("film_addBlock");
     if (features.lightPaths > 0) {
         addLightPaths = frameProgram->GetKernel("resolve_addLightPaths");
-        addLightPathBlock = frameProgram->GetKernel("film_addLightPathBlock");
         developLightPath = frameProgram->GetKernel("film_developLightPath");
+    }
+    if (features.lightPaths > 0 || features.catchers) {
+        addLightPathBlock = frameProgram->GetKernel("film_addLightPathBlock");
+    }
+    if (features.catchers) {
+        keepAlone = frameProgram->GetKernel("resolve_keepAlone");
+        addCatchers = frameProgram->GetKernel("resolve_addCatchers");
+        developCatchers = frameProgram->GetKernel("film_developCatchers");
     }
     intersect = intersectProgram->GetKernel("intersect_closest");
     shade = shadeProgram->GetKernel("shade_paths");

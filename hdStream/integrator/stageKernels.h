@@ -42,9 +42,12 @@ public:
     Kernel relativeVariance;
     Kernel relativeError;
     Kernel addBlock;
-    Kernel addLightPaths; ///< with light path expressions alone, as are the next two
-    Kernel addLightPathBlock;
+    Kernel addLightPaths;     ///< with light path expressions alone, as are the next two
+    Kernel addLightPathBlock; ///< with catchers too
     Kernel developLightPath;
+    Kernel keepAlone; ///< with catchers alone, as are the next two
+    Kernel addCatchers;
+    Kernel developCatchers;
 
     /// Bytes of path state a path needs with these features.
     std::uint64_t PathStateBytes() const { return PathStateBytes(_features); }

@@ -84,6 +84,7 @@ public:
         _result->centre = ChooseSceneCentre(_scene, _leaves);
         AddHierarchy();
         AddLights();
+        AddCatchers();
         _result->instancePrimvars = _instancePrimvars.Take();
         _result->materials = std::move(_materials.materials);
         _result->primMaterials = std::move(_materials.primMaterials);
@@ -226,6 +227,7 @@ private:
         leaf.prim = index;
         const std::uint32_t seenBy = RayVisibilityFlags(prim.geometry->primvars);
         _result->hasRayVisibility = _result->hasRayVisibility || seenBy != HDS_INSTANCE_SEEN;
+        _result->hasCatchers = _result->hasCatchers || (seenBy & HDS_INSTANCE_CATCHER) != 0;
         leaf.flags = seenBy | (mayPass ? HDS_INSTANCE_CUTOUT : 0U);
         leaf.origin = prepared.origin;
         leaf.bounds = prepared.bounds;
@@ -304,6 +306,20 @@ private:
         }
     }
 
+    /// The scene that tells what light catchers have without others: what emits is there, as all
+    /// lights are.
+    void AddCatchers() {
+        if (!_result->hasCatchers) {
+            return;
+        }
+        _result->catchersAlone = _result->instances;
+        for (shared::HdsInstance& instance : _result->catchersAlone) {
+            const bool stays = instance.prim == HDS_NONE || instance.lightBase != HDS_NONE ||
+                               (instance.flags & HDS_INSTANCE_CATCHER) != 0;
+            instance.flags &= stays ? ~0U : ~HDS_INSTANCE_SEEN;
+        }
+    }
+
     /// After the textures, whose numbers those of grids follow.
     void AddVolumes() {
         _result->volumes = CommitVolumes(_scene, _options.purposes, _result->centre,
@@ -325,6 +341,7 @@ private:
             _result->topNodes.size() * sizeof(shared::HdsBvhNode) +
             _result->instances.size() * (sizeof(shared::HdsInstance) + sizeof(std::uint32_t)) +
             _result->motionKeys.size() * sizeof(AffineRows) +
+            _result->catchersAlone.size() * sizeof(shared::HdsInstance) +
             _result->objects.size() * sizeof(shared::HdsObject) +
             _result->instancePrimvars.Bytes() + _result->pages->NumPages() * sizeof(std::uint32_t);
         const CommittedVolumes& volumes = _result->volumes;

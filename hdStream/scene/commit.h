@@ -112,6 +112,7 @@ struct CommittedScene {
     glm::dvec3 centre{0.0}; ///< world position of the device's origin
     HugeVector<shared::HdsBvhNode> topNodes;
     HugeVector<shared::HdsInstance> instances;
+    HugeVector<shared::HdsInstance> catchersAlone; ///< `instances` with all others unseen
     HugeVector<std::uint32_t> instancesByPath;
     std::vector<AffineRows> motionKeys;     ///< of instances
     std::vector<shared::HdsObject> objects; ///< 0: the TLAS
@@ -143,6 +144,7 @@ struct CommittedScene {
     bool hasCurves = false;        ///< or points
     bool hasMedia = false;         ///< some material scatters light below its surface
     bool hasRayVisibility = false; ///< some prim is not seen by all rays, or is held out
+    bool hasCatchers = false;      ///< some prim shows only what others do to its light
     bool hasMotion = false;        ///< something moves while the shutter is open
     SceneCounts counts;
     double seconds = 0.0;

@@ -2,6 +2,8 @@
 #include "hdStream/scene/rayVisibility.h"
 
 #include <algorithm>
+#include <cstring>
+#include <iterator>
 #include <string>
 
 namespace hds {
@@ -32,8 +34,28 @@ const Row kRows[] = {
     {"hdstream:visibility:diffuse", HDS_INSTANCE_DIFFUSE},
     {"hdstream:visibility:reflection", HDS_INSTANCE_REFLECTION},
     {"hdstream:visibility:transmission", HDS_INSTANCE_TRANSMISSION},
+    {"cycles:object:is_shadow_catcher", HDS_INSTANCE_CATCHER},
     {"hdstream:holdout", HDS_INSTANCE_HOLDOUT},
+    {"hdstream:shadowCatcher", HDS_INSTANCE_CATCHER},
 };
+
+/// Karma's: 1 cuts the prim out of the picture, 2 shows what is behind the picture, and shadows.
+const char* const kHoldoutMode = "karma:object:holdoutmode";
+
+std::uint32_t FlagsOfHoldoutMode(float mode) {
+    return mode == 1.0F ? HDS_INSTANCE_HOLDOUT : mode == 2.0F ? HDS_INSTANCE_CATCHER : 0U;
+}
+
+/// The one number of a primvar; null when there is none.
+const float* NumberOf(const std::vector<Primvar>& primvars, const char* name) {
+    const auto found =
+        std::find_if(primvars.begin(), primvars.end(),
+                     [name](const Primvar& primvar) { return primvar.name == name; });
+    const bool isNumber = found != primvars.end() &&
+                          found->interpolation == Interpolation::Constant &&
+                          found->values.size() == 1;
+    return isNumber ? found->values.data() : nullptr;
+}
 
 /// Few prims have such primvars, and commits ask all of them.
 bool MaySay(const Primvar& primvar) {
@@ -43,8 +65,18 @@ bool MaySay(const Primvar& primvar) {
 } // namespace
 
 bool SaysVisibility(const std::string& name) {
-    return name.compare(0, 9, "hdstream:") == 0 || name.compare(0, 7, "arnold:") == 0 ||
-           name.compare(0, 14, "ri:attributes:") == 0;
+    const char* const prefixes[] = {
+        "hdstream:", "arnold:", "ri:attributes:", "karma:object:", "cycles:object:"};
+    return std::any_of(std::begin(prefixes), std::end(prefixes), [&name](const char* prefix) {
+        return name.compare(0, std::strlen(prefix), prefix) == 0;
+    });
+}
+
+bool HasCatchers(const SceneDescription& scene) {
+    return std::any_of(scene.geometry.begin(), scene.geometry.end(), [](const auto& entry) {
+        const std::shared_ptr<const GeometryDescription>& geometry = entry.second.geometry;
+        return geometry && (RayVisibilityFlags(geometry->primvars) & HDS_INSTANCE_CATCHER) != 0;
+    });
 }
 
 std::uint32_t RayVisibilityFlags(const std::vector<Primvar>& primvars) {
@@ -52,13 +84,12 @@ std::uint32_t RayVisibilityFlags(const std::vector<Primvar>& primvars) {
     if (std::none_of(primvars.begin(), primvars.end(), MaySay)) {
         return flags;
     }
+    if (const float* mode = NumberOf(primvars, kHoldoutMode)) {
+        flags |= FlagsOfHoldoutMode(*mode);
+    }
     for (const Row& row : kRows) {
-        const auto found =
-            std::find_if(primvars.begin(), primvars.end(),
-                         [&row](const Primvar& primvar) { return primvar.name == row.name; });
-        if (found != primvars.end() && found->interpolation == Interpolation::Constant &&
-            found->values.size() == 1) {
-            flags = found->values[0] != 0.0F ? flags | row.flags : flags & ~row.flags;
+        if (const float* number = NumberOf(primvars, row.name)) {
+            flags = *number != 0.0F ? flags | row.flags : flags & ~row.flags;
         }
     }
     return flags;

@@ -7,6 +7,7 @@
 #include "hdStream/integrator/pathTracer.h"
 #include "hdStream/persist/pageStore.h"
 #include "hdStream/scene/dump.h"
+#include "hdStream/scene/rayVisibility.h"
 #include "hdStream/session/denoising.h"
 #include "hdStream/session/settingsCheck.h"
 #include "hdStream/session/statistics.h"
@@ -214,6 +215,7 @@ struct Session::Impl {
         if (!denoisedAovs.empty()) {
             options.aovs = MakeAovLayout(WithDenoiserGuides(denoisedAovs));
         }
+        options.aovs.hasCatchers = HasCatchers(description);
         if (!dicingCamera || dicingCamera->isStill == settings.cameraMoves) {
             dicingCamera = MakeDicingCamera(options);
             dicingCamera->isStill = !settings.cameraMoves;
@@ -356,8 +358,10 @@ RenderResult Session::Render(const Settings& settings, const ProgressCallback& o
                              const std::vector<FilmSums>& start, const RenderWatch& watch) {
     Impl& impl = *_impl;
     CheckSettings(settings);
+    AovLayout aovs = MakeAovLayout(settings.aovs);
+    aovs.hasCatchers = HasCatchers(impl.description);
     CheckFilmSums(start, settings.imageWidth, settings.imageHeight, settings.samples,
-                  MakeAovLayout(settings.aovs).hasMattes, MakeAovLayout(settings.aovs).lightPaths);
+                  aovs.hasMattes, aovs.SumNames());
     if (!start.empty() && settings.noise > 0.0) {
         throw Error("--noise: adaptive samples cannot be split or continued", ErrorKind::Usage);
     }
