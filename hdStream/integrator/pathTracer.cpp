@@ -140,8 +140,8 @@ struct PathTracer::Impl {
         features.motion = scene->hasMotion || MovesOver(options.camera, options.shutter);
         features.simd8 = ChooseSimd8(options, device->Properties());
         features.firstHits = NeedsFirstHits(options.aovs);
-        features.rayVisibility = scene->hasRayVisibility;
         features.catchers = options.aovs.hasCatchers;
+        features.rayVisibility = scene->hasRayVisibility || features.catchers;
         features.mattes = options.aovs.hasMattes;
         features.pathLimits = HasPathLimits(options);
         features.media = scene->hasMedia;

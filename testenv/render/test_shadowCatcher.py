@@ -128,6 +128,20 @@ def test_what_is_no_catcher_looks_as_always(tmp_path):
     assert np.array_equal(caught["primId"], plain["primId"])
 
 
+def test_samples_of_others_are_no_part_of_the_shadow(tmp_path):
+    """Where what stands before a catcher casts no shadow, alpha is its coverage alone: that of a floor that is held out."""
+    def CastNothing(stage):
+        for name in ("Box", "Hidden"):
+            api = UsdGeom.PrimvarsAPI(stage.GetPrimAtPath(f"/World/{name}"))
+            for kind in ("shadow", "diffuse"):  # rays of lobes find lights too
+                api.CreatePrimvar(f"hdstream:visibility:{kind}", Sdf.ValueTypeNames.Bool, "constant").Set(False)
+
+    caught, held = (_Render(_Room(tmp_path / f"{name}.usda", catcher=(f"hdstream:{name}", 1), extras=(CastNothing,)), maxDepth=0)
+                    for name in ("shadowCatcher", "holdout"))
+    assert caught["color"].tobytes() == held["color"].tobytes()
+    assert ((held["alpha"] > 0) & (held["alpha"] < 1)).sum() > 10
+
+
 @pytest.mark.parametrize("name", _NAMES)
 def test_names_of_hosts(tmp_path, name):
     """Each is ours; Karma's mode 1 is a holdout; false is nothing."""
@@ -187,12 +201,13 @@ def test_light_by_its_path_is_that_of_the_picture(tmp_path):
     assert not layers["crypto_object00"][floor][:, 1].any()
 
 
-def test_a_hidden_catcher_does_nothing(tmp_path):
+@pytest.mark.parametrize("isWhole", [True, False])
+def test_a_hidden_catcher_does_nothing(tmp_path, isWhole):
     def Hide(stage):
         UsdGeom.Imageable(stage.GetPrimAtPath("/World/Floor")).MakeInvisible()
 
-    hidden = _Render(_Room(tmp_path / "a.usda", extras=(Hide,)))
-    plain = _Render(_Room(tmp_path / "b.usda", catcher=None, extras=(Hide,)))
+    hidden = _Render(_Room(tmp_path / "a.usda", isWhole=isWhole, extras=(Hide,)))
+    plain = _Render(_Room(tmp_path / "b.usda", catcher=None, isWhole=isWhole, extras=(Hide,)))
     assert hidden["color"].tobytes() == plain["color"].tobytes()
 
 
