@@ -17,7 +17,7 @@ bool CatcherLight::TraceAlone(StageKernels* kernels, SceneBuffers* buffers,
     buffers->ShowCatchersAlone(false);
     kernels->Bind(*buffers);
     if (isTraced) {
-        kernels->keepAlone.Launch(numPaths, tracer.Sums(), tracer.NumSlots(), numPaths, _alone);
+        kernels->keepSamples.Launch(numPaths, tracer.Sums(), tracer.NumSlots(), numPaths, _alone);
     }
     return isTraced;
 }

@@ -205,6 +205,11 @@ std::vector<ImageLayer> FilmBuffers::Develop(StageKernels* kernels, std::uint32_
             _width, width, previewStride, _floats, _layout.floatsPerPixel,
             OffsetOf(_layout, "color"), OffsetOf(_layout, "alpha"), OffsetOf(_layout, "noisy"));
     }
+    if (kernels->Features().occlusion) {
+        kernels->developOcclusion.Launch(
+            numPixels, _film, _lightPaths, OcclusionSum() * NumPixels(), numPixels, _width, width,
+            previewStride, _floats, _layout.floatsPerPixel, OffsetOf(_layout, kOcclusionAov));
+    }
     for (const AovSlot& slot : _layout.slots) {
         if (!slot.info->lightPaths.empty()) {
             kernels->developLightPath.Launch(

@@ -40,8 +40,10 @@ public:
     std::uint32_t NumLightPaths() const {
         return static_cast<std::uint32_t>(_layout.lightPaths.size());
     }
-    /// Of these and of catchers, behind them.
+    /// Of these, and behind them of catchers and of ambient occlusion.
     std::uint32_t NumSums() const { return static_cast<std::uint32_t>(_layout.SumNames().size()); }
+    /// The number of the sum of ambient occlusion, which is the last.
+    std::uint32_t OcclusionSum() const { return NumSums() - 1; }
     std::uint32_t NumPixels() const { return _width * _height; }
 
     bool HasMattes() const { return _layout.hasMattes; }

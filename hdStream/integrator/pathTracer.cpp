@@ -2,6 +2,7 @@
 #include "hdStream/integrator/pathTracer.h"
 
 #include "hdStream/base/timer.h"
+#include "hdStream/integrator/ambientOcclusion.h"
 #include "hdStream/integrator/cameraFrame.h"
 #include "hdStream/integrator/catcherLight.h"
 #include "hdStream/integrator/filmBuffers.h"
@@ -41,20 +42,13 @@ struct Onlooker {
     std::uint64_t streamedPaths = 0; ///< when all pixels last had as many samples
 };
 
-/// Whether kernels have to know of bounds beside maxDepth.
-bool HasPathLimits(const RenderOptions& options) {
-    const std::uint32_t least =
-        std::min({options.maxDiffuseDepth, options.maxGlossyDepth, options.maxTransmissionDepth});
-    return least < options.maxDepth || options.clampDirect > 0.0 || options.clampIndirect > 0.0 ||
-           options.filterGlossy > 0.0;
-}
-
 } // namespace
 
 struct PathTracer::Impl {
     Impl(std::shared_ptr<Device> theDevice, Store* theStore)
         : device(std::move(theDevice)), kernelSets(device, theStore), buffers(device, theStore),
-          film(device), tracer(device, &buffers, &statistics), catchers(device) {}
+          film(device), tracer(device, &buffers, &statistics), catchers(device), occlusion(device) {
+    }
 
     bool SetScene(const CommittedScene& newScene, const ResidencyOptions& newResidency) {
         scene = nullptr;
@@ -141,9 +135,10 @@ struct PathTracer::Impl {
         features.simd8 = ChooseSimd8(options, device->Properties());
         features.firstHits = NeedsFirstHits(options.aovs);
         features.catchers = options.aovs.hasCatchers;
+        features.occlusion = options.aovs.hasOcclusion;
         features.rayVisibility = scene->hasRayVisibility || features.catchers;
         features.mattes = options.aovs.hasMattes;
-        features.pathLimits = HasPathLimits(options);
+        features.pathLimits = options.HasPathLimits();
         features.media = scene->hasMedia;
         features.volumes = !scene->volumes.volumes.empty();
         features.lightPaths = NumLightPathSums(options.aovs.lightPaths.size());
@@ -208,18 +203,20 @@ struct PathTracer::Impl {
         presentList.reset();
     }
 
+    WaveTracer::Generate GenerateSamples(const shared::HdsWave& wave) {
+        return [this, wave](std::uint32_t first, std::uint32_t count, const Buffer& queue,
+                            std::uint32_t queueFirst) {
+            kernels->generateSample.Launch(count, frame, wave, first, count, tracer.Paths(),
+                                           tracer.NumSlots(), pixels, filter, queue, queueFirst);
+        };
+    }
+
     /// \return false when it was cancelled.
     bool TraceSamples(const shared::HdsWave& wave, const WaveTracer::IsCancelled& isCancelled) {
-        const std::uint32_t numPaths = wave.numPixels * wave.numSamples;
         const Buffer& paths = tracer.Paths();
         const std::uint32_t numSlots = tracer.NumSlots();
         return tracer.Trace(
-            numPaths,
-            [&](std::uint32_t first, std::uint32_t count, const Buffer& queue,
-                std::uint32_t queueFirst) {
-                kernels->generateSample.Launch(count, frame, wave, first, count, paths, numSlots,
-                                               pixels, filter, queue, queueFirst);
-            },
+            wave.numPixels * wave.numSamples, GenerateSamples(wave),
             [&](const Buffer& queue, std::uint32_t count, const Buffer& waiting,
                 const Buffer& next) {
                 kernels->shade.Launch(count, frame, paths, numSlots, queue, count, waiting, next,
@@ -234,10 +231,15 @@ struct PathTracer::Impl {
     /// \return false when it was cancelled: the film is as before.
     bool RenderWave(const shared::HdsWave& wave, const WaveTracer::IsCancelled& isCancelled) {
         const std::uint32_t numPaths = wave.numPixels * wave.numSamples;
-        const Buffer& paths = tracer.Paths();
         const std::uint32_t numSlots = tracer.NumSlots();
         statistics.cameraRays += numPaths;
         statistics.streamedPaths += buffers.IsStreaming() ? numPaths : 0;
+        const bool hasOcclusion = kernels->Features().occlusion;
+        if (hasOcclusion &&
+            !occlusion.Trace(kernels, &tracer, numPaths, frame, options.occlusionDistance,
+                             GenerateSamples(wave), isCancelled)) {
+            return false;
+        }
         const auto trace = [&] { return TraceSamples(wave, isCancelled); };
         if (ShowsCatchers() && !catchers.TraceAlone(kernels, &buffers, tracer, numPaths, trace)) {
             return false;
@@ -247,6 +249,9 @@ struct PathTracer::Impl {
         }
         if (ShowsCatchers()) {
             catchers.Add(kernels, wave, tracer, pixels, film);
+        }
+        if (hasOcclusion) {
+            occlusion.Add(kernels, wave, pixels, film);
         }
         if (film.NumLightPaths() > 0) {
             kernels->addLightPaths.Launch(std::size_t{wave.numPixels} * film.NumLightPaths(), wave,
@@ -540,6 +545,7 @@ struct PathTracer::Impl {
     RenderStatistics statistics;
     WaveTracer tracer;
     CatcherLight catchers;
+    AmbientOcclusion occlusion;
 };
 
 PathTracer::PathTracer(std::shared_ptr<Device> device, Store* store)

@@ -101,11 +101,19 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
         addLightPaths = frameProgram->GetKernel("resolve_addLightPaths");
         developLightPath = frameProgram->GetKernel("film_developLightPath");
     }
-    if (features.lightPaths > 0 || features.catchers) {
+    const bool tracesMore = features.catchers || features.occlusion;
+    if (features.lightPaths > 0 || tracesMore) {
         addLightPathBlock = frameProgram->GetKernel("film_addLightPathBlock");
     }
+    if (tracesMore) {
+        keepSamples = frameProgram->GetKernel("resolve_keepSamples");
+    }
+    if (features.occlusion) {
+        occlusion = occlusionProgram->GetKernel("occlusion_steps");
+        addOcclusion = frameProgram->GetKernel("resolve_addOcclusion");
+        developOcclusion = frameProgram->GetKernel("film_developOcclusion");
+    }
     if (features.catchers) {
-        keepAlone = frameProgram->GetKernel("resolve_keepAlone");
         addCatchers = frameProgram->GetKernel("resolve_addCatchers");
         developCatchers = frameProgram->GetKernel("film_developCatchers");
     }
@@ -126,7 +134,7 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
         shadowResume = shadowProgram->GetKernel("shadow_resume");
     }
     for (Kernel* kernel : {&generateSample, &intersect, &intersectResume, &shade, &shadowCast,
-                           &shadowPass, &shadowResume, &aov}) {
+                           &shadowPass, &shadowResume, &aov, &occlusion}) {
         kernel->SetItemsPerWorkItem(ItemsPerWorkItem(*device));
     }
 }
@@ -151,6 +159,9 @@ void StageKernels::Bind(const SceneBuffers& scene) {
     bindScene(&shadowCast);
     if (_features.firstHits) {
         bindScene(&aov);
+    }
+    if (_features.occlusion) {
+        bindScene(&occlusion);
     }
     if (_features.cutouts) {
         bindScene(&shadowPass);

@@ -34,6 +34,24 @@ kernel void film_develop(global const HdsFilmPixel* film, uint numPixels, uint w
     }
 }
 
+#if HDS_FEATURE_OCCLUSION
+/* Writes the mean of ambient occlusion as film_develop does colour. */
+kernel void film_developOcclusion(global const HdsFilmPixel* film,
+                                  global const HdsLightPathPixel* sums, uint firstSum,
+                                  uint numPixels, uint width, uint numAcross, uint stride,
+                                  global float* floats, uint floatStride, uint offset) {
+    const uint i = (uint)get_global_id(0);
+    if (i >= numPixels) {
+        return;
+    }
+    const uint at = i / numAcross * stride * width + i % numAcross * stride;
+    const HdsLightPathPixel pixel = sums[(size_t)firstSum + at];
+    const uint count = film[at].numSamples;
+    floats[(size_t)i * floatStride + offset] =
+        count > 0u ? (pixel.sum.x + pixel.blockSum.x) / (float)count : 0.0f;
+}
+#endif
+
 #if HDS_FEATURE_CATCHERS
 /* Adds what catchers show to what film_develop has written: alpha for the light that others take
  * from them, colour for the light that others add. \param firstSum as resolve_addCatchers has it.

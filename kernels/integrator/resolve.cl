@@ -94,20 +94,44 @@ kernel void resolve_addLightPaths(HdsWave wave, global uchar* state, uint numSlo
 }
 #endif
 
-#if HDS_FEATURE_CATCHERS
-/* Keeps what paths have gathered in a scene of catchers alone. Global size: count. */
-kernel void resolve_keepAlone(global uchar* state, uint numSlots, uint count,
-                              global float4* alone) {
+#if HDS_FEATURE_CATCHERS || HDS_FEATURE_OCCLUSION
+/* Keeps what the paths of a trace beside that of the picture have gathered. Global size: count. */
+kernel void resolve_keepSamples(global uchar* state, uint numSlots, uint count,
+                                global float4* kept) {
     const uint number = (uint)get_global_id(0);
     if (number < count) {
-        alone[number] = resolve_sum(state, numSlots, number);
+        kept[number] = resolve_sum(state, numSlots, number);
     }
 }
+#endif
 
+#if HDS_FEATURE_OCCLUSION
+/* Adds samples of ambient occlusion to sums[firstSum...], by the rules of resolve_addSamples, which
+ * comes after it. Global size: wave.numPixels. \param kept of the wave (resolve_keepSamples). */
+kernel void resolve_addOcclusion(HdsWave wave, global const float4* kept, global const uint* pixels,
+                                 global const HdsFilmPixel* film, global HdsLightPathPixel* sums,
+                                 uint firstSum) {
+    const uint i = (uint)get_global_id(0);
+    if (i >= wave.numPixels) {
+        return;
+    }
+    const uint at = pixels[wave.firstPixel + i];
+    HdsLightPathPixel pixel = sums[(size_t)firstSum + at];
+    uint numSamples = film[at].numSamples;
+    for (uint s = 0u; s < wave.numSamples; ++s) {
+        pixel.blockSum.x += kept[i * wave.numSamples + s].x;
+        ++numSamples;
+        filmPixel_closeLightPath(&pixel, numSamples);
+    }
+    sums[(size_t)firstSum + at] = pixel;
+}
+#endif
+
+#if HDS_FEATURE_CATCHERS
 /* Adds the samples that show catchers, by the rules of resolve_addSamples, which comes after it: to
  * sums[firstSum...] what they have gathered, and as the fourth how many they are; to the next
  * numPixels what the same samples gather without all that is no catcher. Global size:
- * wave.numPixels. \param alone of the wave (resolve_keepAlone). */
+ * wave.numPixels. \param alone of the wave (resolve_keepSamples). */
 kernel void resolve_addCatchers(HdsWave wave, global uchar* state, uint numSlots,
                                 global const float4* alone, global const uint* pixels,
                                 global const HdsFilmPixel* film, global HdsLightPathPixel* sums,
