@@ -136,7 +136,7 @@ struct PathTracer::Impl {
         features.firstHits = NeedsFirstHits(options.aovs);
         features.catchers = options.aovs.hasCatchers;
         features.occlusion = options.aovs.hasOcclusion;
-        features.rayVisibility = scene->hasRayVisibility || features.catchers;
+        features.rayVisibility = scene->hasRayVisibility;
         features.mattes = options.aovs.hasMattes;
         features.pathLimits = options.HasPathLimits();
         features.media = scene->hasMedia;
@@ -225,9 +225,6 @@ struct PathTracer::Impl {
             isCancelled);
     }
 
-    /// A catcher that the film has sums for may be hidden.
-    bool ShowsCatchers() const { return kernels->Features().catchers && scene->hasCatchers; }
-
     /// \return false when it was cancelled: the film is as before.
     bool RenderWave(const shared::HdsWave& wave, const WaveTracer::IsCancelled& isCancelled) {
         const std::uint32_t numPaths = wave.numPixels * wave.numSamples;
@@ -241,13 +238,14 @@ struct PathTracer::Impl {
             return false;
         }
         const auto trace = [&] { return TraceSamples(wave, isCancelled); };
-        if (ShowsCatchers() && !catchers.TraceAlone(kernels, &buffers, tracer, numPaths, trace)) {
+        const bool hasCatchers = kernels->Features().catchers;
+        if (hasCatchers && !catchers.TraceAlone(kernels, &buffers, tracer, numPaths, trace)) {
             return false;
         }
         if (!trace()) {
             return false;
         }
-        if (ShowsCatchers()) {
+        if (hasCatchers) {
             catchers.Add(kernels, wave, tracer, pixels, film);
         }
         if (hasOcclusion) {

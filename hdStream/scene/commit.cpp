@@ -225,7 +225,11 @@ private:
         LeafObject leaf;
         leaf.object = _objectOfDrawn[index];
         leaf.prim = index;
-        const std::uint32_t seenBy = RayVisibilityFlags(prim.geometry->primvars);
+        bool isUnreadable = false;
+        const std::uint32_t seenBy = RayVisibilityFlags(prim.geometry->primvars, &isUnreadable);
+        if (isUnreadable) {
+            _warnings.Add(path, std::string(kKarmaVisibility) + " cannot be read; it is ignored");
+        }
         _result->hasRayVisibility = _result->hasRayVisibility || seenBy != HDS_INSTANCE_SEEN;
         _result->hasCatchers = _result->hasCatchers || (seenBy & HDS_INSTANCE_CATCHER) != 0;
         leaf.flags = seenBy | (mayPass ? HDS_INSTANCE_CUTOUT : 0U);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 #include <iterator>
+#include <optional>
 #include <string>
 
 namespace hds {
@@ -39,6 +40,29 @@ const Row kRows[] = {
     {"hdstream:shadowCatcher", HDS_INSTANCE_CATCHER},
 };
 
+struct KarmaRays {
+    const char* name;
+    std::uint32_t flags;
+};
+
+const KarmaRays kKarmaRays[] = {
+    {"primary", HDS_INSTANCE_CAMERA},       {"shadow", HDS_INSTANCE_SHADOW},
+    {"diffuse", HDS_INSTANCE_DIFFUSE},      {"reflect", HDS_INSTANCE_REFLECTION},
+    {"refract", HDS_INSTANCE_TRANSMISSION}, {"*", HDS_INSTANCE_SEEN},
+};
+
+/// Flags of the rays that a term of an expression names, without blanks.
+std::optional<std::uint32_t> FlagsOfTerm(std::string term) {
+    const bool isAllBut = !term.empty() && term[0] == '-';
+    term.erase(0, isAllBut ? 1 : 0);
+    for (const KarmaRays& rays : kKarmaRays) {
+        if (term == rays.name) {
+            return isAllBut ? HDS_INSTANCE_SEEN & ~rays.flags : rays.flags;
+        }
+    }
+    return std::nullopt;
+}
+
 /// Karma's: 1 cuts the prim out of the picture, 2 shows what is behind the picture, and shadows.
 const char* const kHoldoutMode = "karma:object:holdoutmode";
 
@@ -72,17 +96,39 @@ bool SaysVisibility(const std::string& name) {
     });
 }
 
-bool HasCatchers(const SceneDescription& scene) {
-    return std::any_of(scene.geometry.begin(), scene.geometry.end(), [](const auto& entry) {
-        const std::shared_ptr<const GeometryDescription>& geometry = entry.second.geometry;
-        return geometry && (RayVisibilityFlags(geometry->primvars) & HDS_INSTANCE_CATCHER) != 0;
-    });
+float KarmaVisibilityNumber(const std::string& expression) {
+    std::string text = expression;
+    text.erase(std::remove_if(text.begin(), text.end(), [](char c) { return c == ' '; }),
+               text.end());
+    std::uint32_t flags = 0;
+    std::uint32_t group = HDS_INSTANCE_SEEN; // of terms that `&` joins
+    for (std::size_t at = 0; at < text.size();) {
+        const std::size_t end = std::min(text.find_first_of("&|", at), text.size());
+        const std::optional<std::uint32_t> term = FlagsOfTerm(text.substr(at, end - at));
+        if (!term || end + 1 == text.size()) {
+            return -1.0F;
+        }
+        group &= *term;
+        if (end == text.size() || text[end] == '|') {
+            flags |= group;
+            group = HDS_INSTANCE_SEEN;
+        }
+        at = end + 1;
+    }
+    return static_cast<float>(flags);
 }
 
-std::uint32_t RayVisibilityFlags(const std::vector<Primvar>& primvars) {
+std::uint32_t RayVisibilityFlags(const std::vector<Primvar>& primvars, bool* isUnreadable) {
     std::uint32_t flags = HDS_INSTANCE_SEEN;
     if (std::none_of(primvars.begin(), primvars.end(), MaySay)) {
         return flags;
+    }
+    if (const float* rays = NumberOf(primvars, kKarmaVisibility)) {
+        if (*rays >= 0.0F) {
+            flags = static_cast<std::uint32_t>(*rays) & HDS_INSTANCE_SEEN;
+        } else if (isUnreadable != nullptr) {
+            *isUnreadable = true;
+        }
     }
     if (const float* mode = NumberOf(primvars, kHoldoutMode)) {
         flags |= FlagsOfHoldoutMode(*mode);

@@ -13,10 +13,9 @@ namespace hds {
 
 /// HDS_INSTANCE_* of a prim: who sees it, and whether it is held out. Constant primvars of one
 /// number count; 0 is false. Those of hdstream win over those of other renderers.
-std::uint32_t RayVisibilityFlags(const std::vector<Primvar>& primvars);
-
-/// Whether some prim of a scene is a shadow catcher, seen or not.
-bool HasCatchers(const SceneDescription& scene);
+/// \param[out] isUnreadable may be null: Karma's expression could not be read, and does not count.
+std::uint32_t RayVisibilityFlags(const std::vector<Primvar>& primvars,
+                                 bool* isUnreadable = nullptr);
 
 /// Whether a primvar may be one of these, by its name.
 bool SaysVisibility(const std::string& name);

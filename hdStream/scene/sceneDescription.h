@@ -255,6 +255,13 @@ struct SceneDescription {
     std::map<std::string, VolumePrim> volumes;
 };
 
+/// Karma's primvar of who sees a prim, an expression; front ends hand it over as a number.
+constexpr const char* kKarmaVisibility = "karma:object:rendervisibility";
+
+/// The number for an expression: names of rays (primary, shadow, diffuse, reflect, refract, * for
+/// all), `-` for all but these, joined by `&` and `|`; empty: none. -1 when it cannot be read.
+float KarmaVisibilityNumber(const std::string& expression);
+
 /// Whether a primvar of that name says something of a whole prim (who sees it, its widths, its
 /// normals). Instances that differ in it need prims of their own: InstancerPrim::primvars has none.
 bool IsReadByPrim(const std::string& primvar);

@@ -7,7 +7,6 @@
 #include "hdStream/integrator/pathTracer.h"
 #include "hdStream/persist/pageStore.h"
 #include "hdStream/scene/dump.h"
-#include "hdStream/scene/rayVisibility.h"
 #include "hdStream/session/denoising.h"
 #include "hdStream/session/settingsCheck.h"
 #include "hdStream/session/statistics.h"
@@ -215,7 +214,6 @@ struct Session::Impl {
         if (!denoisedAovs.empty()) {
             options.aovs = MakeAovLayout(WithDenoiserGuides(denoisedAovs));
         }
-        options.aovs.hasCatchers = HasCatchers(description);
         if (!dicingCamera || dicingCamera->isStill == settings.cameraMoves) {
             dicingCamera = MakeDicingCamera(options);
             dicingCamera->isStill = !settings.cameraMoves;
@@ -223,6 +221,9 @@ struct Session::Impl {
         if (!Commit(settings, options.shutter, isCancelled)) {
             return RenderResult::Stopped;
         }
+        options.aovs.hasCatchers = scene->hasCatchers;
+        CheckFilmSums(film, settings.imageWidth, settings.imageHeight, settings.samples,
+                      options.aovs.hasMattes, options.aovs.SumNames());
         tracer->Begin(std::move(options), film);
         if (device->Compilers() != nullptr) {
             device->Compilers()->Rest();
@@ -358,10 +359,6 @@ RenderResult Session::Render(const Settings& settings, const ProgressCallback& o
                              const std::vector<FilmSums>& start, const RenderWatch& watch) {
     Impl& impl = *_impl;
     CheckSettings(settings);
-    AovLayout aovs = MakeAovLayout(settings.aovs);
-    aovs.hasCatchers = HasCatchers(impl.description);
-    CheckFilmSums(start, settings.imageWidth, settings.imageHeight, settings.samples,
-                  aovs.hasMattes, aovs.SumNames());
     if (!start.empty() && settings.noise > 0.0) {
         throw Error("--noise: adaptive samples cannot be split or continued", ErrorKind::Usage);
     }

@@ -13,6 +13,7 @@ from hdstream import _core
 
 PREFIX = "primvars:"
 _INDICES = ":indices"
+_KARMA_VISIBILITY = PREFIX + _core.KARMA_VISIBILITY  # a text
 # Read by systems that the renderer does not have; large and of no use to it.
 _SKIPPED = ("primvars:skel:",)
 # USD's: "instance" is Hydra's alone.
@@ -67,7 +68,10 @@ def ReadPrimvar(prim, name, names, timeCode):
     attribute = prim.GetAttribute(name)
     if not attribute:
         return None
-    rows = FloatRows(attribute.Get(timeCode), attribute)
+    value = attribute.Get(timeCode)
+    if name == _KARMA_VISIBILITY and isinstance(value, str):
+        value = _core.KarmaVisibilityNumber(value)
+    rows = FloatRows(value, attribute)
     interpolation = INTERPOLATIONS.get(attribute.GetMetadata("interpolation") or "constant")
     if rows is None or interpolation is None:
         return None
