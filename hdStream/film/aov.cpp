@@ -67,6 +67,9 @@ std::vector<AovInfo> MakeTable() {
              "pixels by which the hit moves on the picture to the next frame, y down"),
         Data("motionBackward", {"X", "Y"}, first, 0.0f,
              "pixels by which the hit lies elsewhere on the picture of the frame before, y down"),
+        Data(kOcclusionAov, {"Y"}, AovFilter::Weighted, 0.0f,
+             "share of the hemisphere, by cosine, in which nothing is nearer than "
+             "occlusionDistance; 0 where nothing is hit"),
         Color("albedo", {"R", "G", "B"}, first, "directional albedo of the first hit's material"),
         Integer("primId", "id", first, -1, "prim, -1 where nothing is hit"),
         Integer("instanceId", "id", first, -1,
@@ -186,6 +189,7 @@ void AddSlot(const std::string& name, AovLayout* layout) {
         layout->slots.push_back({shared, 0, 0});
         return;
     }
+    layout->hasOcclusion = layout->hasOcclusion || name == kOcclusionAov;
     PlaceSlot(shared, layout);
 }
 
@@ -226,8 +230,8 @@ bool HasAov(const std::string& name) {
 
 bool IsSummed(const std::string& name) {
     const AovInfo* info = FindAov(name);
-    return IsLightPathAov(name) ||
-           (info && (info->filter == AovFilter::Matte || !info->lightPaths.empty()));
+    return IsLightPathAov(name) || (info && (info->filter == AovFilter::Matte ||
+                                             !info->lightPaths.empty() || name == kOcclusionAov));
 }
 
 void CheckAovs(const std::vector<std::string>& names) {
@@ -244,6 +248,17 @@ const AovSlot* AovLayout::Find(const std::string& name) const {
         }
     }
     return nullptr;
+}
+
+std::vector<std::string> AovLayout::SumNames() const {
+    std::vector<std::string> names = lightPaths;
+    if (hasCatchers) {
+        names.insert(names.end(), {"catchers", "catchersAlone"});
+    }
+    if (hasOcclusion) {
+        names.emplace_back(kOcclusionAov);
+    }
+    return names;
 }
 
 AovLayout MakeAovLayout(const std::vector<std::string>& names) {

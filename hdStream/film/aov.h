@@ -53,6 +53,8 @@ std::vector<std::string> LayersOf(const std::string& name);
 
 /// AOVs of this prefix show a primvar of the first hit (three floats; 0 where there is none).
 constexpr const char* kPrimvarAovPrefix = "primvars:";
+/// The AOV whose samples are traced apart.
+constexpr const char* kOcclusionAov = "ambientOcclusion";
 /// AOVs of this prefix show the light of an expression (film/lightPaths.h).
 constexpr const char* kLightPathPrefix = "lpe:";
 /// AOVs of this prefix show the light of the lights of a group.
@@ -84,6 +86,12 @@ struct AovLayout {
     std::vector<std::string> primvars;
     std::uint32_t primvarOffset = 0;
     std::vector<std::string> lightPaths; ///< expressions that AOVs show, each once
+    bool hasCatchers = false;            ///< sums of what catchers show are kept; the scene says it
+    bool hasOcclusion = false;           ///< ambient occlusion is an AOV
+
+    /// What sums are kept beside colour: expressions, then what catchers get with and without
+    /// others, then ambient occlusion.
+    std::vector<std::string> SumNames() const;
 
     /// The slot of that AOV; null when it was not asked for.
     const AovSlot* Find(const std::string& name) const;

@@ -78,11 +78,12 @@ bool HdStreamSyncVariants(HdSceneDelegate* delegate, const SdfPath& instancerId,
     };
     if (groups.hasTooMany) {
         warn(placement.instancerPath,
-             "primvars per instance of more than 64 different values are not supported yet");
+             "more than 64 different values by instance of primvars that are read once a prim are "
+             "not supported");
     }
     if (groups.variesAbove) {
-        warn(scenePath, "primvars that differ between instances of an outer instancer are not "
-                        "supported yet; those of the first are used");
+        warn(scenePath, "primvars that are read once a prim differ between instances of an outer "
+                        "instancer; those of the first are used");
     }
     return variants->Update(prim.geometry, std::move(groups));
 }

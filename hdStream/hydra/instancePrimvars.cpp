@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <set>
 #include <string>
 #include <unordered_map>
@@ -38,22 +39,24 @@ hds::Primvar ConstantFrom(const hds::Primvar& primvar, std::int32_t index) {
     return constant;
 }
 
-/// Adds the value that the instances of an outer level have. \return false when they differ.
-bool AddShared(const hds::Primvar& primvar, const hds::SharedSpan<std::int32_t>& placements,
-               std::vector<hds::Primvar>* constants) {
-    const float* first = nullptr;
-    for (const std::int32_t index : placements) {
-        if (!HasRow(primvar, index)) {
-            continue;
-        }
-        if (!first) {
-            first = Row(primvar, index);
-            constants->push_back(ConstantFrom(primvar, index));
-        } else if (std::memcmp(first, Row(primvar, index), RowBytes(primvar)) != 0) {
-            return false;
-        }
-    }
-    return true;
+bool HasSameRow(const hds::Primvar& primvar, std::int32_t a, std::int32_t b) {
+    return std::memcmp(Row(primvar, a), Row(primvar, b), RowBytes(primvar)) == 0;
+}
+
+/// The first of some instances that has a value; -1 when none has.
+std::int32_t FirstIndex(const hds::Primvar& primvar,
+                        const hds::SharedSpan<std::int32_t>& instances) {
+    const auto* found = std::find_if(instances.begin(), instances.end(),
+                                     [&](std::int32_t index) { return HasRow(primvar, index); });
+    return found == instances.end() ? -1 : *found;
+}
+
+/// Whether those of some instances that have a value have the bits of that of `first`.
+bool AreEqual(const hds::Primvar& primvar, const hds::SharedSpan<std::int32_t>& instances,
+              std::int32_t first) {
+    return std::all_of(instances.begin(), instances.end(), [&](std::int32_t index) {
+        return !HasRow(primvar, index) || HasSameRow(primvar, index, first);
+    });
 }
 
 /// Groups instances by the values of one level.
@@ -133,28 +136,35 @@ HdStreamInstanceGroups HdStreamGroupInstances(const HdStreamInstanceLevels& leve
     for (const hds::Primvar& primvar : own) {
         names.insert(primvar.name);
     }
-    std::vector<const hds::Primvar*> varying;
+    std::vector<const hds::Primvar*> splitting;
     std::vector<hds::Primvar> shared;
     for (std::size_t i = 0; i < levels.size(); ++i) {
+        const hds::SharedSpan<std::int32_t>& placements =
+            i == 0 ? instances : levels[i - 1]->placements;
         for (const hds::Primvar& primvar : levels[i]->primvars) {
-            if (!names.insert(primvar.name).second) {
+            const std::int32_t first = FirstIndex(primvar, placements);
+            if (first < 0 || !names.insert(primvar.name).second) {
                 continue;
             }
-            if (i == 0) {
-                varying.push_back(&primvar);
-            } else if (!AddShared(primvar, levels[i - 1]->placements, &shared)) {
-                result.variesAbove = true;
+            if (AreEqual(primvar, placements, first)) {
+                shared.push_back(ConstantFrom(primvar, first));
+            } else if (hds::IsReadByPrim(primvar.name)) {
+                if (i == 0) {
+                    splitting.push_back(&primvar);
+                } else {
+                    shared.push_back(ConstantFrom(primvar, first));
+                    result.variesAbove = true;
+                }
             }
         }
     }
-    if (varying.empty()) {
-        result.groups = {{std::move(shared), instances}};
+    result.groups = {{shared, instances}};
+    if (splitting.empty()) {
         return result;
     }
-    Grouping grouping(std::move(varying));
+    Grouping grouping(std::move(splitting));
     if (!grouping.Read(instances)) {
         result.hasTooMany = true;
-        result.groups = {{{}, instances}};
         return result;
     }
     result.groups = grouping.Groups(instances);
@@ -162,6 +172,21 @@ HdStreamInstanceGroups HdStreamGroupInstances(const HdStreamInstanceLevels& leve
         group.primvars.insert(group.primvars.end(), shared.begin(), shared.end());
     }
     return result;
+}
+
+std::vector<hds::Primvar> HdStreamInstancerPrimvars(const std::vector<hds::Primvar>& primvars) {
+    std::vector<hds::Primvar> different;
+    std::copy_if(primvars.begin(), primvars.end(), std::back_inserter(different),
+                 [](const hds::Primvar& primvar) {
+                     const auto count =
+                         static_cast<std::int32_t>(primvar.values.size() / primvar.numComponents);
+                     bool areEqual = true;
+                     for (std::int32_t i = 1; areEqual && i < count; ++i) {
+                         areEqual = HasSameRow(primvar, i, 0);
+                     }
+                     return !areEqual && !hds::IsReadByPrim(primvar.name);
+                 });
+    return different;
 }
 
 PXR_NAMESPACE_CLOSE_SCOPE

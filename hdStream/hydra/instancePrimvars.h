@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Primvars per instance. The core has none: instances of a gprim are grouped by their values, and
-// each group is drawn as a prim of its own, with constant primvars.
+// Primvars per instance. The core has them as primvars of its instancers. What it reads once a prim
+// (visibility, widths, normals) it cannot have by instance: instances of a gprim are grouped by
+// these values, and each group is drawn as a prim of its own, with constant primvars.
 #pragma once
 
 #include "hdStream/session/session.h"
@@ -32,14 +33,18 @@ struct HdStreamInstanceGroup {
 
 struct HdStreamInstanceGroups {
     std::vector<HdStreamInstanceGroup> groups; ///< at least one, in the order of first instances
-    bool hasTooMany = false;  ///< one group without values, for more than 64 different ones
-    bool variesAbove = false; ///< values of an outer instancer differ; the first ones are taken
+    bool hasTooMany = false;  ///< one group without those values, for more than 64 different ones
+    bool variesAbove = false; ///< such values of an outer instancer differ; the first are taken
 };
 
-/// Groups the instances of a gprim by the bits of their values. Of primvars of one name those of
-/// the gprim itself win, then those of the inner instancer.
+/// Groups the instances of a gprim by the bits of those values that the core reads once a prim.
+/// Constant primvars of the groups are these, and those that all instances have equal. Of primvars
+/// of one name those of the gprim itself win, then those of the inner instancer.
 HdStreamInstanceGroups HdStreamGroupInstances(const HdStreamInstanceLevels& levels,
                                               const hds::SharedSpan<std::int32_t>& instances,
                                               const std::vector<hds::Primvar>& own);
+
+/// What the core is told of an instancer: those of its primvars that differ between its instances.
+std::vector<hds::Primvar> HdStreamInstancerPrimvars(const std::vector<hds::Primvar>& primvars);
 
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -207,6 +207,7 @@ void HdStreamInstancer::ShareLevel(HdStreamRenderParam* param) {
             });
         }
     }
+    _prim.primvars = HdStreamInstancerPrimvars(level->primvars);
     const std::lock_guard<std::mutex> lock(_levelMutex);
     _level = std::move(level);
 }

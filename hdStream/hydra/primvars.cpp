@@ -125,7 +125,10 @@ private:
 
     void Add(const TfToken& name, hds::Interpolation core, const VtValue& value,
              const VtIntArray& indices) {
-        std::optional<HdStreamFloatRows> rows = HdStreamGetFloatRows(value);
+        const bool isText = name == hds::kKarmaVisibility && value.IsHolding<std::string>();
+        std::optional<HdStreamFloatRows> rows = HdStreamGetFloatRows(
+            isText ? VtValue(hds::KarmaVisibilityNumber(value.UncheckedGet<std::string>()))
+                   : value);
         if (rows) {
             _new->push_back({name.GetString(), core, rows->numComponents, std::move(rows->values),
                              HdStreamShareArray<std::int32_t>(indices)});

@@ -25,6 +25,17 @@ std::uint32_t OffsetOf(const AovLayout& layout, const char* name) {
 
 } // namespace
 
+std::string MatteName(const CommittedScene& scene, MatteKind kind, const MatteSurface& surface) {
+    if (kind == MatteKind::Material) {
+        const std::string& path = scene.entryMaterials[surface.entry];
+        return path.empty() ? "none" : path;
+    }
+    const std::string& path = scene.primPaths[surface.prim];
+    return kind == MatteKind::Instance && surface.instance >= 0
+               ? path + "[" + std::to_string(surface.instance) + "]"
+               : path;
+}
+
 bool NeedsFirstHits(const AovLayout& layout) {
     return std::any_of(layout.slots.begin(), layout.slots.end(),
                        [](const AovSlot& slot) { return slot.info->filter == AovFilter::First; });
@@ -42,8 +53,8 @@ void FilmBuffers::Reset(const AovLayout& layout, std::uint32_t width, std::uint3
     if (layout.hasMattes) {
         _mattes.Reset(width, height);
     }
-    Resize(_device, "light path sums",
-           numPixels * layout.lightPaths.size() * sizeof(shared::HdsLightPathPixel), &_lightPaths);
+    Resize(_device, "light path sums", numPixels * NumSums() * sizeof(shared::HdsLightPathPixel),
+           &_lightPaths);
     if (_lightPaths.Bytes() > 0) {
         _lightPaths.Fill(0, _lightPaths.Bytes());
     }
@@ -61,7 +72,7 @@ void FilmBuffers::Load(StageKernels* kernels, const std::vector<FilmSums>& start
             _film.Write(pixels.data(), _film.Bytes());
         } else if (i == 0) {
             _film.Write(sums.pixels.data(), _film.Bytes());
-            if (NumLightPaths() > 0) {
+            if (NumSums() > 0) {
                 _lightPaths.Write(sums.lightPathPixels.data(), _lightPaths.Bytes());
             }
         } else {
@@ -85,10 +96,10 @@ void FilmBuffers::Load(StageKernels* kernels, const std::vector<FilmSums>& start
 /// Adds the sums of the block that follows. \param block its film.
 void FilmBuffers::AddLightPathBlock(StageKernels* kernels, const FilmSums& sums,
                                     const Buffer& block) {
-    if (NumLightPaths() > 0) {
+    if (NumSums() > 0) {
         const Buffer added = UploadVector(_device, "block light path sums", sums.lightPathPixels);
-        kernels->addLightPathBlock.Launch(std::size_t{NumPixels()} * NumLightPaths(), block,
-                                          NumPixels(), NumLightPaths(), _lightPaths, added);
+        kernels->addLightPathBlock.Launch(std::size_t{NumPixels()} * NumSums(), block, NumPixels(),
+                                          NumSums(), _lightPaths, added);
         _device->Finish();
     }
 }
@@ -106,7 +117,7 @@ FilmSums FilmBuffers::Read(std::uint32_t firstSample, std::uint32_t endSample) c
     sums.pixels.resize(std::size_t{_width} * _height);
     _device->Finish();
     _film.Read(sums.pixels.data(), _film.Bytes());
-    sums.lightPaths = _layout.lightPaths;
+    sums.lightPaths = _layout.SumNames();
     sums.lightPathPixels.resize(sums.pixels.size() * sums.lightPaths.size());
     if (!sums.lightPathPixels.empty()) {
         _lightPaths.Read(sums.lightPathPixels.data(), _lightPaths.Bytes());
@@ -188,6 +199,17 @@ std::vector<ImageLayer> FilmBuffers::Develop(StageKernels* kernels, std::uint32_
                             OffsetOf(_layout, "color"), OffsetOf(_layout, "alpha"),
                             OffsetOf(_layout, "variance"), OffsetOf(_layout, "sampleCount"),
                             OffsetOf(_layout, "noisy"));
+    if (kernels->Features().catchers) {
+        kernels->developCatchers.Launch(
+            numPixels, _film, _lightPaths, NumLightPaths() * NumPixels(), NumPixels(), numPixels,
+            _width, width, previewStride, _floats, _layout.floatsPerPixel,
+            OffsetOf(_layout, "color"), OffsetOf(_layout, "alpha"), OffsetOf(_layout, "noisy"));
+    }
+    if (kernels->Features().occlusion) {
+        kernels->developOcclusion.Launch(
+            numPixels, _film, _lightPaths, OcclusionSum() * NumPixels(), numPixels, _width, width,
+            previewStride, _floats, _layout.floatsPerPixel, OffsetOf(_layout, kOcclusionAov));
+    }
     for (const AovSlot& slot : _layout.slots) {
         if (!slot.info->lightPaths.empty()) {
             kernels->developLightPath.Launch(

@@ -40,6 +40,10 @@ public:
     std::uint32_t NumLightPaths() const {
         return static_cast<std::uint32_t>(_layout.lightPaths.size());
     }
+    /// Of these, and behind them of catchers and of ambient occlusion.
+    std::uint32_t NumSums() const { return static_cast<std::uint32_t>(_layout.SumNames().size()); }
+    /// The number of the sum of ambient occlusion, which is the last.
+    std::uint32_t OcclusionSum() const { return NumSums() - 1; }
     std::uint32_t NumPixels() const { return _width * _height; }
 
     bool HasMattes() const { return _layout.hasMattes; }
@@ -74,10 +78,13 @@ private:
     Buffer _film;
     Buffer _floats;
     Buffer _ints;
-    Buffer _lightPaths; ///< HdsLightPathPixel [expressions][pixels]
+    Buffer _lightPaths; ///< HdsLightPathPixel [NumSums()][pixels]
     bool _hasFirstHits = false;
     MatteSums _mattes;
 };
+
+/// The name by which a Cryptomatte knows a surface.
+std::string MatteName(const CommittedScene& scene, MatteKind kind, const MatteSurface& surface);
 
 /// True when some AOV of the layout is found by a ray through each pixel's centre.
 bool NeedsFirstHits(const AovLayout& layout);

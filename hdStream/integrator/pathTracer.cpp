@@ -2,7 +2,9 @@
 #include "hdStream/integrator/pathTracer.h"
 
 #include "hdStream/base/timer.h"
+#include "hdStream/integrator/ambientOcclusion.h"
 #include "hdStream/integrator/cameraFrame.h"
+#include "hdStream/integrator/catcherLight.h"
 #include "hdStream/integrator/filmBuffers.h"
 #include "hdStream/integrator/kernelSets.h"
 #include "hdStream/integrator/lightPathTable.h"
@@ -40,20 +42,13 @@ struct Onlooker {
     std::uint64_t streamedPaths = 0; ///< when all pixels last had as many samples
 };
 
-/// Whether kernels have to know of bounds beside maxDepth.
-bool HasPathLimits(const RenderOptions& options) {
-    const std::uint32_t least =
-        std::min({options.maxDiffuseDepth, options.maxGlossyDepth, options.maxTransmissionDepth});
-    return least < options.maxDepth || options.clampDirect > 0.0 || options.clampIndirect > 0.0 ||
-           options.filterGlossy > 0.0;
-}
-
 } // namespace
 
 struct PathTracer::Impl {
     Impl(std::shared_ptr<Device> theDevice, Store* theStore)
         : device(std::move(theDevice)), kernelSets(device, theStore), buffers(device, theStore),
-          film(device), tracer(device, &buffers, &statistics) {}
+          film(device), tracer(device, &buffers, &statistics), catchers(device), occlusion(device) {
+    }
 
     bool SetScene(const CommittedScene& newScene, const ResidencyOptions& newResidency) {
         scene = nullptr;
@@ -126,6 +121,7 @@ struct PathTracer::Impl {
         features.closures = scene->hasClosures;
         features.lobes = scene->lobes;
         features.textures = buffers.HasTextures();
+        features.instancePrimvars = buffers.HasInstancePrimvars();
         features.lightShaping = scene->lights->hasShaping;
         features.lightControls = scene->lights->hasControls;
         features.lightPortals = scene->lights->hasPortals;
@@ -142,9 +138,11 @@ struct PathTracer::Impl {
                         (buffers.Flat().IsThere() || (buffers.IsStreaming() && WillBeFlat()));
         features.flatInstances = features.flat && buffers.Flat().HasInstances();
         features.firstHits = NeedsFirstHits(options.aovs);
+        features.catchers = options.aovs.hasCatchers;
+        features.occlusion = options.aovs.hasOcclusion;
         features.rayVisibility = scene->hasRayVisibility;
         features.mattes = options.aovs.hasMattes;
-        features.pathLimits = HasPathLimits(options);
+        features.pathLimits = options.HasPathLimits();
         features.media = scene->hasMedia;
         features.volumes = !scene->volumes.volumes.empty();
         features.lightPaths = NumLightPathSums(options.aovs.lightPaths.size());
@@ -158,7 +156,9 @@ struct PathTracer::Impl {
     bool MayBeFlat(const KernelFeatures& features) const {
         const bool isAsked = options.traversal == TraversalForm::Flat ||
                              (options.traversal == TraversalForm::Auto && !options.interactive);
-        return isAsked && features.simd8 && !features.motion && !buffers.IsMapped();
+        // Scenes with catchers are drawn twice, with other instances.
+        return isAsked && features.simd8 && !features.motion && !options.aovs.hasCatchers &&
+               !buffers.IsMapped();
     }
 
     FlatLimits LimitsOfFlat() const {
@@ -244,28 +244,53 @@ struct PathTracer::Impl {
         presentList.reset();
     }
 
-    /// \return false when it was cancelled: the film is as before.
-    bool RenderWave(const shared::HdsWave& wave, const WaveTracer::IsCancelled& isCancelled) {
-        const std::uint32_t numPaths = wave.numPixels * wave.numSamples;
+    WaveTracer::Generate GenerateSamples(const shared::HdsWave& wave) {
+        return [this, wave](std::uint32_t first, std::uint32_t count, const Buffer& queue,
+                            std::uint32_t queueFirst) {
+            kernels->generateSample.Launch(count, frame, wave, first, count, tracer.Paths(),
+                                           tracer.NumSlots(), pixels, filter, queue, queueFirst);
+        };
+    }
+
+    /// \return false when it was cancelled.
+    bool TraceSamples(const shared::HdsWave& wave, const WaveTracer::IsCancelled& isCancelled) {
         const Buffer& paths = tracer.Paths();
         const std::uint32_t numSlots = tracer.NumSlots();
-        statistics.cameraRays += numPaths;
-        statistics.streamedPaths += buffers.IsStreaming() ? numPaths : 0;
-        const bool isTraced = tracer.Trace(
-            numPaths,
-            [&](std::uint32_t first, std::uint32_t count, const Buffer& queue,
-                std::uint32_t queueFirst) {
-                kernels->generateSample.Launch(count, frame, wave, first, count, paths, numSlots,
-                                               pixels, filter, queue, queueFirst);
-            },
+        return tracer.Trace(
+            wave.numPixels * wave.numSamples, GenerateSamples(wave),
             [&](const Buffer& queue, std::uint32_t count, const Buffer& waiting,
                 const Buffer& next) {
                 kernels->shade.Launch(count, frame, paths, numSlots, queue, count, waiting, next,
                                       tracer.ShadowQueue(), tracer.Counters());
             },
             isCancelled);
-        if (!isTraced) {
+    }
+
+    /// \return false when it was cancelled: the film is as before.
+    bool RenderWave(const shared::HdsWave& wave, const WaveTracer::IsCancelled& isCancelled) {
+        const std::uint32_t numPaths = wave.numPixels * wave.numSamples;
+        const std::uint32_t numSlots = tracer.NumSlots();
+        statistics.cameraRays += numPaths;
+        statistics.streamedPaths += buffers.IsStreaming() ? numPaths : 0;
+        const bool hasOcclusion = kernels->Features().occlusion;
+        if (hasOcclusion &&
+            !occlusion.Trace(kernels, &tracer, numPaths, frame, options.occlusionDistance,
+                             GenerateSamples(wave), isCancelled)) {
             return false;
+        }
+        const auto trace = [&] { return TraceSamples(wave, isCancelled); };
+        const bool hasCatchers = kernels->Features().catchers;
+        if (hasCatchers && !catchers.TraceAlone(kernels, &buffers, tracer, numPaths, trace)) {
+            return false;
+        }
+        if (!trace()) {
+            return false;
+        }
+        if (hasCatchers) {
+            catchers.Add(kernels, wave, tracer, pixels, film);
+        }
+        if (hasOcclusion) {
+            occlusion.Add(kernels, wave, pixels, film);
         }
         if (film.NumLightPaths() > 0) {
             kernels->addLightPaths.Launch(std::size_t{wave.numPixels} * film.NumLightPaths(), wave,
@@ -296,18 +321,6 @@ struct PathTracer::Impl {
         }
         film.AddMattes(schedule.Pixels(*presentList).data() + wave.firstPixel, wave.numSamples,
                        surfaces);
-    }
-
-    /// The name by which a Cryptomatte knows a surface.
-    std::string MatteName(MatteKind kind, const MatteSurface& surface) const {
-        if (kind == MatteKind::Material) {
-            const std::string& path = scene->entryMaterials[surface.entry];
-            return path.empty() ? "none" : path;
-        }
-        const std::string& path = scene->primPaths[surface.prim];
-        return kind == MatteKind::Instance && surface.instance >= 0
-                   ? path + "[" + std::to_string(surface.instance) + "]"
-                   : path;
     }
 
     /// Before they overflow.
@@ -499,7 +512,7 @@ struct PathTracer::Impl {
             scene->centre,
             options.shutter.IsOpen() ? options.shutter.close - options.shutter.open : 0.0);
         const Buffer primvarSlots =
-            UploadVector(device, "primvar slots", PrimvarSlots(options.aovs.primvars));
+            UploadVector(device, "primvar slots", FindSlots(*scene, options.aovs.primvars));
         const Buffer order = UploadVector(device, "all pixels", schedule.AllPixels());
         const auto pixelCount = static_cast<std::uint32_t>(schedule.AllPixels().size());
         const std::uint64_t indirectRays = statistics.indirectRays; // counts those of pictures
@@ -541,21 +554,6 @@ struct PathTracer::Impl {
         film.SetHasFirstHits();
     }
 
-    /// [numPrims][names.size()] attribute slot of each primvar, or HDS_NONE.
-    std::vector<std::uint32_t> PrimvarSlots(const std::vector<std::string>& names) const {
-        std::vector<std::uint32_t> slots;
-        for (const std::vector<AttributeName>* attributes : scene->primAttributes) {
-            for (const std::string& name : names) {
-                const auto found = std::find_if(
-                    attributes->begin(), attributes->end(),
-                    [&](const AttributeName& candidate) { return candidate.name == name; });
-                const auto index = static_cast<std::uint32_t>(found - attributes->begin());
-                slots.push_back(found == attributes->end() ? HDS_NONE : HDS_SLOT_USER + index);
-            }
-        }
-        return slots;
-    }
-
     std::vector<ImageLayer> Layers(bool withFirstHits) {
         const Timer timer;
         if (withFirstHits && film.NeedsFirstHits() && !film.HasFirstHits() &&
@@ -564,7 +562,7 @@ struct PathTracer::Impl {
         }
         std::vector<ImageLayer> layers = film.Develop(
             kernels, schedule.PreviewStride(), [this](MatteKind kind, const MatteSurface& surface) {
-                return MatteName(kind, surface);
+                return MatteName(*scene, kind, surface);
             });
         statistics.transferSeconds += timer.Seconds();
         return layers;
@@ -588,6 +586,8 @@ struct PathTracer::Impl {
     Buffer pixels;
     RenderStatistics statistics;
     WaveTracer tracer;
+    CatcherLight catchers;
+    AmbientOcclusion occlusion;
 };
 
 PathTracer::PathTracer(std::shared_ptr<Device> device, Store* store)

@@ -6,6 +6,7 @@
 #include "hdStream/scene/sceneDescription.h"
 #include "hdStream/stream/reportPool.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -50,6 +51,7 @@ struct RenderOptions {
     double clampDirect = 0.0; ///< 0: none, as of the next two
     double clampIndirect = 0.0;
     double filterGlossy = 0.0;
+    float occlusionDistance = 0.0F; ///< of the AOV ambientOcclusion; may be infinite
     std::uint32_t seed = 0;
     double timeLimit = 0.0;
     double noise = 0.0;
@@ -65,6 +67,13 @@ struct RenderOptions {
     /// to fine, and passes are short. The final picture is the same.
     bool interactive = false;
     double passSeconds = 0.0; ///< that a pass is to take; 0: by who looks on
+
+    /// Whether kernels have to know of bounds beside maxDepth.
+    bool HasPathLimits() const {
+        const std::uint32_t least =
+            std::min({maxDiffuseDepth, maxGlossyDepth, maxTransmissionDepth});
+        return least < maxDepth || clampDirect > 0.0 || clampIndirect > 0.0 || filterGlossy > 0.0;
+    }
 };
 
 /// Seconds that a pass is to take once passes have grown, and that pictures are apart.

@@ -12,12 +12,28 @@ namespace hds {
 
 namespace {
 
-const char* const kLabels[] = {
-    "top nodes",  "instances",      "instances by path", "objects",
-    "prims",      "prim materials", "materials",         "lights by material entry",
-    "lights",     "light tree",     "light triangles",   "light distributions",
-    "programs",   "motion keys",    "volumes",           "grids",
-    "grid tiles", "grid cells"};
+const char* const kLabels[] = {"top nodes",
+                               "instances",
+                               "instances by path",
+                               "objects",
+                               "prims",
+                               "prim materials",
+                               "materials",
+                               "lights by material entry",
+                               "lights",
+                               "light tree",
+                               "light triangles",
+                               "light distributions",
+                               "programs",
+                               "motion keys",
+                               "volumes",
+                               "grids",
+                               "grid tiles",
+                               "grid cells",
+                               "first instance slots",
+                               "instance slots",
+                               "instance values",
+                               "catchers alone"};
 
 /// A table that has become smaller than this part of its buffer gets a smaller one.
 constexpr std::uint64_t kShrinkFactor = 4;
@@ -135,6 +151,7 @@ bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& r
     }
     Upload(TopNodes, scene.topNodes);
     Upload(Instances, scene.instances);
+    Upload(CatchersAlone, scene.catchersAlone);
     Upload(InstancesByPath, scene.instancesByPath);
     Upload(Objects, scene.objects);
     Upload(Prims, scene.prims);
@@ -151,6 +168,10 @@ bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& r
     _textures.Update(scene, residency);
     _hasPrograms = !scene.programs.empty();
     _hasTextures = scene.lines->NumTextures() > 0;
+    Upload(FirstInstanceSlots, scene.instancePrimvars.firstSlots);
+    Upload(InstanceSlots, scene.instancePrimvars.slots);
+    Upload(InstanceValues, scene.instancePrimvars.values);
+    _hasInstancePrimvars = !scene.instancePrimvars.slots.empty();
     if (_lights != scene.lights) {
         Upload(Lights, scene.lights->lights);
         Upload(LightNodes, scene.lights->nodes);
@@ -190,7 +211,8 @@ std::uint64_t SceneBuffers::TableBytes() const {
 unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first, bool hasMotion,
                                     bool isFlat) const {
     HDS_VERIFY(_pool != nullptr, "no geometry was taken before");
-    for (const Table table : {TopNodes, Instances, InstancesByPath, Objects}) {
+    for (const Table table :
+         {TopNodes, _showsCatchersAlone ? CatchersAlone : Instances, InstancesByPath, Objects}) {
         kernel->SetBuffer(first++, _tables[table]);
     }
     kernel->SetBuffer(first++, _pool->Addresses());
@@ -220,12 +242,18 @@ unsigned SceneBuffers::BindScene(Kernel* kernel, unsigned first, bool hasMotion,
     if (_hasPrograms) {
         kernel->SetBuffer(first++, _tables[Programs]);
     }
+    if (_hasInstancePrimvars) {
+        for (const Table table : {FirstInstanceSlots, InstanceSlots, InstanceValues}) {
+            kernel->SetBuffer(first++, _tables[table]);
+        }
+    }
     first = _hasTextures ? _textures.Bind(kernel, first) : first;
     if (_numVolumes > 0) {
         for (const Table table : {Volumes, Grids, GridTiles, GridCells}) {
             kernel->SetBuffer(first++, _tables[table]);
         }
-        kernel->SetBytes(first++, &_numVolumes, sizeof(_numVolumes));
+        const std::uint32_t numSeen = _showsCatchersAlone ? 0 : _numVolumes;
+        kernel->SetBytes(first++, &numSeen, sizeof(numSeen));
     }
     return first;
 }

@@ -32,13 +32,18 @@ public:
     /// \param hasMotion, isFlat the kernel has HDS_FEATURE_MOTION, HDS_FEATURE_FLAT.
     unsigned BindGeometry(Kernel* kernel, unsigned first, bool hasMotion, bool isFlat) const;
 
-    /// Sets the arguments of HDS_SCENE_ARGS (geometry, materials, lights, and with programs and
-    /// textures those) from `first` on.
+    /// Sets the arguments of HDS_SCENE_ARGS (geometry, materials, lights, and what only some scenes
+    /// have) from `first` on.
     unsigned BindScene(Kernel* kernel, unsigned first, bool hasMotion, bool isFlat) const;
+
+    /// Whether kernels that are bound from here on see nothing but catchers, and lights.
+    void ShowCatchersAlone(bool isAlone) { _showsCatchersAlone = isAlone; }
 
     /// Whether some material has a program, and whether some program or light looks textures up.
     bool HasPrograms() const { return _hasPrograms; }
     bool HasTextures() const { return _hasTextures; }
+    /// Whether some primvar has a value an instance.
+    bool HasInstancePrimvars() const { return _hasInstancePrimvars; }
     /// \return true when it has changed: kernels have to be bound again.
     bool SetMipBias(float bias);
     SceneTextures& Textures() { return _textures; }
@@ -103,6 +108,10 @@ private:
         Grids,
         GridTiles,
         GridCells,
+        FirstInstanceSlots,
+        InstanceSlots,
+        InstanceValues,
+        CatchersAlone,
         NumTables
     };
 
@@ -131,6 +140,8 @@ private:
     SceneTextures _textures;
     bool _hasPrograms = false;
     bool _hasTextures = false;
+    bool _hasInstancePrimvars = false;
+    bool _showsCatchersAlone = false;
 };
 
 } // namespace hds

@@ -99,8 +99,23 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
     addBlock = frameProgram->GetKernel("film_addBlock");
     if (features.lightPaths > 0) {
         addLightPaths = frameProgram->GetKernel("resolve_addLightPaths");
-        addLightPathBlock = frameProgram->GetKernel("film_addLightPathBlock");
         developLightPath = frameProgram->GetKernel("film_developLightPath");
+    }
+    const bool tracesMore = features.catchers || features.occlusion;
+    if (features.lightPaths > 0 || tracesMore) {
+        addLightPathBlock = frameProgram->GetKernel("film_addLightPathBlock");
+    }
+    if (tracesMore) {
+        keepSamples = frameProgram->GetKernel("resolve_keepSamples");
+    }
+    if (features.occlusion) {
+        occlusion = occlusionProgram->GetKernel("occlusion_steps");
+        addOcclusion = frameProgram->GetKernel("resolve_addOcclusion");
+        developOcclusion = frameProgram->GetKernel("film_developOcclusion");
+    }
+    if (features.catchers) {
+        addCatchers = frameProgram->GetKernel("resolve_addCatchers");
+        developCatchers = frameProgram->GetKernel("film_developCatchers");
     }
     intersect = intersectProgram->GetKernel("intersect_closest");
     shade = shadeProgram->GetKernel("shade_paths");
@@ -119,7 +134,7 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
         shadowResume = shadowProgram->GetKernel("shadow_resume");
     }
     for (Kernel* kernel : {&generateSample, &intersect, &intersectResume, &shade, &shadowCast,
-                           &shadowPass, &shadowResume, &aov}) {
+                           &shadowPass, &shadowResume, &aov, &occlusion}) {
         kernel->SetItemsPerWorkItem(ItemsPerWorkItem(*device));
     }
 }
@@ -145,6 +160,9 @@ void StageKernels::Bind(const SceneBuffers& scene) {
     bindScene(&shadowCast);
     if (_features.firstHits) {
         bindScene(&aov);
+    }
+    if (_features.occlusion) {
+        bindScene(&occlusion);
     }
     if (_features.cutouts) {
         bindScene(&shadowPass);

@@ -42,9 +42,15 @@ public:
     Kernel relativeVariance;
     Kernel relativeError;
     Kernel addBlock;
-    Kernel addLightPaths; ///< with light path expressions alone, as are the next two
-    Kernel addLightPathBlock;
+    Kernel addLightPaths;     ///< with light path expressions alone, as are the next two
+    Kernel addLightPathBlock; ///< with catchers and ambient occlusion too
     Kernel developLightPath;
+    Kernel keepSamples; ///< with catchers or ambient occlusion alone
+    Kernel addCatchers; ///< with catchers alone, as is the next
+    Kernel developCatchers;
+    Kernel occlusion; ///< with ambient occlusion alone, as are the next two
+    Kernel addOcclusion;
+    Kernel developOcclusion;
 
     /// Bytes of path state a path needs with these features.
     std::uint64_t PathStateBytes() const { return PathStateBytes(_features); }

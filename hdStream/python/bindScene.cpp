@@ -61,6 +61,12 @@ void BindGeometry(nb::module_& module) {
         .def_rw("height", &ImplicitShape::height)
         .def_rw("width", &ImplicitShape::width)
         .def_rw("length", &ImplicitShape::length);
+    module.attr("KARMA_VISIBILITY") = kKarmaVisibility;
+    module.def("KarmaVisibilityNumber", &KarmaVisibilityNumber, "expression"_a,
+               "The number that the primvar of that name has for an expression.");
+    module.def("IsReadByPrim", &IsReadByPrim, "primvar"_a,
+               "Whether a primvar of that name says something of a whole prim, so that instances "
+               "that differ in it need prims of their own.");
     module.def("MakeImplicitMesh", &MakeImplicitMesh, "shape"_a, "The mesh of an implicit gprim.");
 }
 

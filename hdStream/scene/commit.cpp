@@ -54,7 +54,8 @@ public:
               Warnings& warnings)
         : _scene(scene), _options(options), _cache(*cache), _warnings(warnings),
           _materials(scene, &cache->materials, cache->images, warnings),
-          _result(std::make_unique<CommittedScene>()), _links(scene) {}
+          _instancePrimvars(scene, warnings), _result(std::make_unique<CommittedScene>()),
+          _links(scene) {}
 
     std::unique_ptr<CommittedScene> Run(const CancelCallback& isCancelled) {
         const auto start = std::chrono::steady_clock::now();
@@ -83,6 +84,8 @@ public:
         _result->centre = ChooseSceneCentre(_scene, _leaves);
         AddHierarchy();
         AddLights();
+        AddCatchers();
+        _result->instancePrimvars = _instancePrimvars.Take();
         _result->materials = std::move(_materials.materials);
         _result->primMaterials = std::move(_materials.primMaterials);
         _result->programs = std::move(_materials.programs);
@@ -196,7 +199,9 @@ private:
     void AddPrim(const GeometryEntry& entry, std::uint32_t index) {
         const auto& [path, prim] = entry;
         const PlannedGeometry& prepared = _cache.geometry.OfDrawn(index);
-        const PrimMaterialInfo info = _materials.AddPrim(path, prim, prepared);
+        const PrimMaterialInfo info = _materials.AddPrim(
+            path, prim, prepared,
+            _instancePrimvars.Add(prim, _materials.PrimvarsOf(prim), _options.shownPrimvars));
         const bool hasFaces = prim.geometry->primitives == PrimitiveKind::Faces;
         const std::uint32_t cullFlags = hasFaces ? CullFlags(prim, _options.cullStyle) : 0U;
         _primInfos.push_back(info);
@@ -220,8 +225,13 @@ private:
         LeafObject leaf;
         leaf.object = _objectOfDrawn[index];
         leaf.prim = index;
-        const std::uint32_t seenBy = RayVisibilityFlags(prim.geometry->primvars);
+        bool isUnreadable = false;
+        const std::uint32_t seenBy = RayVisibilityFlags(prim.geometry->primvars, &isUnreadable);
+        if (isUnreadable) {
+            _warnings.Add(path, std::string(kKarmaVisibility) + " cannot be read; it is ignored");
+        }
         _result->hasRayVisibility = _result->hasRayVisibility || seenBy != HDS_INSTANCE_SEEN;
+        _result->hasCatchers = _result->hasCatchers || (seenBy & HDS_INSTANCE_CATCHER) != 0;
         leaf.flags = seenBy | (mayPass ? HDS_INSTANCE_CUTOUT : 0U);
         leaf.origin = prepared.origin;
         leaf.bounds = prepared.bounds;
@@ -300,6 +310,20 @@ private:
         }
     }
 
+    /// The scene that tells what light catchers have without others: what emits is there, as all
+    /// lights are.
+    void AddCatchers() {
+        if (!_result->hasCatchers) {
+            return;
+        }
+        _result->catchersAlone = _result->instances;
+        for (shared::HdsInstance& instance : _result->catchersAlone) {
+            const bool stays = instance.prim == HDS_NONE || instance.lightBase != HDS_NONE ||
+                               (instance.flags & HDS_INSTANCE_CATCHER) != 0;
+            instance.flags &= stays ? ~0U : ~HDS_INSTANCE_SEEN;
+        }
+    }
+
     /// After the textures, whose numbers those of grids follow.
     void AddVolumes() {
         _result->volumes = CommitVolumes(_scene, _options.purposes, _result->centre,
@@ -321,8 +345,9 @@ private:
             _result->topNodes.size() * sizeof(shared::HdsBvhNode) +
             _result->instances.size() * (sizeof(shared::HdsInstance) + sizeof(std::uint32_t)) +
             _result->motionKeys.size() * sizeof(AffineRows) +
+            _result->catchersAlone.size() * sizeof(shared::HdsInstance) +
             _result->objects.size() * sizeof(shared::HdsObject) +
-            _result->pages->NumPages() * sizeof(std::uint32_t);
+            _result->instancePrimvars.Bytes() + _result->pages->NumPages() * sizeof(std::uint32_t);
         const CommittedVolumes& volumes = _result->volumes;
         counts.volumes = volumes.volumes.size();
         counts.grids = volumes.grids.size();
@@ -345,6 +370,7 @@ private:
     CommitCache& _cache;
     Warnings& _warnings;
     MaterialCommit _materials;
+    InstancePrimvarCollector _instancePrimvars;
     std::unique_ptr<CommittedScene> _result;
     LightLinks _links;
     std::vector<std::uint32_t> _objectOfDrawn; ///< in the order of paths
@@ -353,7 +379,32 @@ private:
     std::vector<WorldInstance> _worldInstances;
 };
 
+/// \param first slot of the list.
+std::uint32_t SlotIn(const std::vector<AttributeName>& list, std::uint32_t first,
+                     const std::string& name) {
+    const auto found = std::find_if(list.begin(), list.end(),
+                                    [&name](const AttributeName& one) { return one.name == name; });
+    return found == list.end() ? HDS_NONE
+                               : first + static_cast<std::uint32_t>(found - list.begin());
+}
+
 } // namespace
+
+std::vector<std::uint32_t> FindSlots(const CommittedScene& scene,
+                                     const std::vector<std::string>& names) {
+    const std::vector<std::vector<AttributeName>>& ofInstances = scene.instancePrimvars.names;
+    std::vector<std::uint32_t> slots;
+    for (std::size_t prim = 0; prim < scene.primAttributes.size(); ++prim) {
+        for (const std::string& name : names) {
+            std::uint32_t slot = SlotIn(*scene.primAttributes[prim], HDS_SLOT_USER, name);
+            if (slot == HDS_NONE && !ofInstances.empty()) {
+                slot = SlotIn(ofInstances[prim], HDS_SLOT_INSTANCE, name);
+            }
+            slots.push_back(slot);
+        }
+    }
+    return slots;
+}
 
 std::unique_ptr<CommittedScene> CommitScene(const SceneDescription& scene,
                                             const CommitOptions& options, CommitCache* cache,

@@ -10,6 +10,7 @@
 #include "hdStream/scene/dicingViews.h"
 #include "hdStream/scene/geometryStore.h"
 #include "hdStream/scene/imageLibrary.h"
+#include "hdStream/scene/instancePrimvars.h"
 #include "hdStream/scene/materialCommit.h"
 #include "hdStream/scene/sceneDescription.h"
 #include "hdStream/scene/sceneLines.h"
@@ -111,6 +112,7 @@ struct CommittedScene {
     glm::dvec3 centre{0.0}; ///< world position of the device's origin
     HugeVector<shared::HdsBvhNode> topNodes;
     HugeVector<shared::HdsInstance> instances;
+    HugeVector<shared::HdsInstance> catchersAlone; ///< `instances` with all others unseen
     HugeVector<std::uint32_t> instancesByPath;
     std::vector<AffineRows> motionKeys;     ///< of instances
     std::vector<shared::HdsObject> objects; ///< 0: the TLAS
@@ -118,6 +120,7 @@ struct CommittedScene {
     /// User primvars of each prim, in the order of their slots; owned by the cache, valid until the
     /// next commit.
     std::vector<const std::vector<AttributeName>*> primAttributes;
+    InstancePrimvars instancePrimvars;
     std::vector<std::uint32_t> primMaterials;
     std::vector<std::string> primPaths;      ///< of `prims`; with CommitOptions::keepsNames
     std::vector<std::string> entryMaterials; ///< of `primMaterials` the materials' paths, likewise
@@ -141,10 +144,15 @@ struct CommittedScene {
     bool hasCurves = false;        ///< or points
     bool hasMedia = false;         ///< some material scatters light below its surface
     bool hasRayVisibility = false; ///< some prim is not seen by all rays, or is held out
+    bool hasCatchers = false;      ///< some prim shows only what others do to its light
     bool hasMotion = false;        ///< something moves while the shutter is open
     SceneCounts counts;
     double seconds = 0.0;
 };
+
+/// The slot of each primvar of each prim, HDS_NONE where it has none: [numPrims][names.size()].
+std::vector<std::uint32_t> FindSlots(const CommittedScene& scene,
+                                     const std::vector<std::string>& names);
 
 /// Interprets the scene. Content problems warn and fall back; nothing throws for them.
 /// \return null when `isCancelled` said so.

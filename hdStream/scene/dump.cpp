@@ -321,6 +321,22 @@ private:
     Writer& _out;
 };
 
+/// In the order of their names.
+void DumpPrimvars(const std::vector<Primvar>& list, Writer* out) {
+    std::vector<const Primvar*> primvars;
+    for (const Primvar& primvar : list) {
+        primvars.push_back(&primvar);
+    }
+    std::sort(primvars.begin(), primvars.end(),
+              [](const Primvar* a, const Primvar* b) { return a->name < b->name; });
+    for (const Primvar* primvar : primvars) {
+        out->Line("primvar " + primvar->name,
+                  std::string(TextOf(primvar->interpolation)) + " x" +
+                      std::to_string(primvar->numComponents) + " " + Array(primvar->values) +
+                      (primvar->indices.empty() ? "" : " indices " + Array(primvar->indices)));
+    }
+}
+
 void DumpGeometry(const std::string& path, const GeometryPrim& prim, const SceneDescription& scene,
                   const LinkedLights& lights, Writer* out) {
     // Front ends see dangling bindings, and materials without a surface, differently.
@@ -339,18 +355,7 @@ void DumpGeometry(const std::string& path, const GeometryPrim& prim, const Scene
     if (prim.cullStyle != CullStyle::DontCare) {
         out->Value("cullStyle", prim.cullStyle);
     }
-    std::vector<const Primvar*> primvars;
-    for (const Primvar& primvar : geometry.primvars) {
-        primvars.push_back(&primvar);
-    }
-    std::sort(primvars.begin(), primvars.end(),
-              [](const Primvar* a, const Primvar* b) { return a->name < b->name; });
-    for (const Primvar* primvar : primvars) {
-        out->Line("primvar " + primvar->name,
-                  std::string(TextOf(primvar->interpolation)) + " x" +
-                      std::to_string(primvar->numComponents) + " " + Array(primvar->values) +
-                      (primvar->indices.empty() ? "" : " indices " + Array(primvar->indices)));
-    }
+    DumpPrimvars(geometry.primvars, out);
     for (std::size_t i = 0; i < geometry.subsets.size(); ++i) {
         const bool hasMaterial = i < prim.subsetMaterialPaths.size();
         out->Line("subset " + geometry.subsets[i].name,
@@ -373,6 +378,7 @@ void DumpInstancer(const std::string& path, const InstancerPrim& prim, const Lin
         out->Line("instanceTransforms at " + Number(static_cast<float>(sample.time)),
                   Array(sample.transforms));
     }
+    DumpPrimvars(prim.primvars, out);
     const bool hasCategories =
         std::any_of(prim.instanceCategories.begin(), prim.instanceCategories.end(),
                     [](const std::set<std::string>& categories) { return !categories.empty(); });

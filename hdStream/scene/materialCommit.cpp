@@ -164,15 +164,22 @@ MaterialCommit::PrimvarsOf(const GeometryPrim& prim) const {
 }
 
 PrimMaterialInfo MaterialCommit::AddPrim(const std::string& path, const GeometryPrim& prim,
-                                         const PlannedGeometry& prepared) {
+                                         const PlannedGeometry& prepared,
+                                         const std::vector<AttributeName>& ofInstances) {
     PrimMaterialInfo info;
     info.materialBase = static_cast<std::uint32_t>(primMaterials.size());
     for (const std::string* materialPath : EntryPaths(prim)) {
         const MaterialSyncMode syncMode = SyncModeOf(prim, *materialPath);
         const bool isBlack = syncMode == MaterialSyncMode::NoMaterialResponse;
         const CompiledMaterial& compiled = isBlack ? _black : Find(*materialPath);
-        ResolvedMaterial resolved =
-            ResolveMaterial(compiled, AddTextures(compiled), prepared.attributes, path, _warnings);
+        ResolvedMaterial resolved = ResolveMaterial(
+            compiled, AddTextures(compiled), prepared.attributes, ofInstances, path, _warnings);
+        const std::string& displacing = compiled.displacement.primvar;
+        if (std::any_of(ofInstances.begin(), ofInstances.end(),
+                        [&](const AttributeName& one) { return one.name == displacing; })) {
+            _warnings.Add(path, "primvar " + displacing +
+                                    " differs between instances and cannot displace them");
+        }
         shared::HdsMaterial& record = resolved.record;
         if (!resolved.program.empty()) {
             OffsetPositions(&resolved.program, HDS_SPACE_OBJECT,

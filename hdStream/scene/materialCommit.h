@@ -48,9 +48,11 @@ public:
     /// Compiles the materials the prims use, on all cores, unless the cache has them.
     void Compile(const std::vector<const std::pair<const std::string, GeometryPrim>*>& prims);
 
-    /// Appends the entries of a prim: its own material, then one for each subset.
+    /// Appends the entries of a prim: its own material, then one for each subset. \param
+    /// ofInstances its primvars with a value an instance.
     PrimMaterialInfo AddPrim(const std::string& path, const GeometryPrim& prim,
-                             const PlannedGeometry& prepared);
+                             const PlannedGeometry& prepared,
+                             const std::vector<AttributeName>& ofInstances);
 
     /// The material of each entry: the prim's, then one for each subset.
     std::vector<const std::string*> EntryPaths(const GeometryPrim& prim) const;

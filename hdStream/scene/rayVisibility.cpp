@@ -2,6 +2,9 @@
 #include "hdStream/scene/rayVisibility.h"
 
 #include <algorithm>
+#include <cstring>
+#include <iterator>
+#include <optional>
 #include <string>
 
 namespace hds {
@@ -32,30 +35,107 @@ const Row kRows[] = {
     {"hdstream:visibility:diffuse", HDS_INSTANCE_DIFFUSE},
     {"hdstream:visibility:reflection", HDS_INSTANCE_REFLECTION},
     {"hdstream:visibility:transmission", HDS_INSTANCE_TRANSMISSION},
+    {"cycles:object:is_shadow_catcher", HDS_INSTANCE_CATCHER},
     {"hdstream:holdout", HDS_INSTANCE_HOLDOUT},
+    {"hdstream:shadowCatcher", HDS_INSTANCE_CATCHER},
 };
+
+struct KarmaRays {
+    const char* name;
+    std::uint32_t flags;
+};
+
+const KarmaRays kKarmaRays[] = {
+    {"primary", HDS_INSTANCE_CAMERA},       {"shadow", HDS_INSTANCE_SHADOW},
+    {"diffuse", HDS_INSTANCE_DIFFUSE},      {"reflect", HDS_INSTANCE_REFLECTION},
+    {"refract", HDS_INSTANCE_TRANSMISSION}, {"*", HDS_INSTANCE_SEEN},
+};
+
+/// Flags of the rays that a term of an expression names, without blanks.
+std::optional<std::uint32_t> FlagsOfTerm(std::string term) {
+    const bool isAllBut = !term.empty() && term[0] == '-';
+    term.erase(0, isAllBut ? 1 : 0);
+    for (const KarmaRays& rays : kKarmaRays) {
+        if (term == rays.name) {
+            return isAllBut ? HDS_INSTANCE_SEEN & ~rays.flags : rays.flags;
+        }
+    }
+    return std::nullopt;
+}
+
+/// Karma's: 1 cuts the prim out of the picture, 2 shows what is behind the picture, and shadows.
+const char* const kHoldoutMode = "karma:object:holdoutmode";
+
+std::uint32_t FlagsOfHoldoutMode(float mode) {
+    return mode == 1.0F ? HDS_INSTANCE_HOLDOUT : mode == 2.0F ? HDS_INSTANCE_CATCHER : 0U;
+}
+
+/// The one number of a primvar; null when there is none.
+const float* NumberOf(const std::vector<Primvar>& primvars, const char* name) {
+    const auto found =
+        std::find_if(primvars.begin(), primvars.end(),
+                     [name](const Primvar& primvar) { return primvar.name == name; });
+    const bool isNumber = found != primvars.end() &&
+                          found->interpolation == Interpolation::Constant &&
+                          found->values.size() == 1;
+    return isNumber ? found->values.data() : nullptr;
+}
 
 /// Few prims have such primvars, and commits ask all of them.
 bool MaySay(const Primvar& primvar) {
-    return primvar.name.compare(0, 9, "hdstream:") == 0 ||
-           primvar.name.compare(0, 7, "arnold:") == 0 ||
-           primvar.name.compare(0, 14, "ri:attributes:") == 0;
+    return SaysVisibility(primvar.name);
 }
 
 } // namespace
 
-std::uint32_t RayVisibilityFlags(const std::vector<Primvar>& primvars) {
+bool SaysVisibility(const std::string& name) {
+    const char* const prefixes[] = {
+        "hdstream:", "arnold:", "ri:attributes:", "karma:object:", "cycles:object:"};
+    return std::any_of(std::begin(prefixes), std::end(prefixes), [&name](const char* prefix) {
+        return name.compare(0, std::strlen(prefix), prefix) == 0;
+    });
+}
+
+float KarmaVisibilityNumber(const std::string& expression) {
+    std::string text = expression;
+    text.erase(std::remove_if(text.begin(), text.end(), [](char c) { return c == ' '; }),
+               text.end());
+    std::uint32_t flags = 0;
+    std::uint32_t group = HDS_INSTANCE_SEEN; // of terms that `&` joins
+    for (std::size_t at = 0; at < text.size();) {
+        const std::size_t end = std::min(text.find_first_of("&|", at), text.size());
+        const std::optional<std::uint32_t> term = FlagsOfTerm(text.substr(at, end - at));
+        if (!term || end + 1 == text.size()) {
+            return -1.0F;
+        }
+        group &= *term;
+        if (end == text.size() || text[end] == '|') {
+            flags |= group;
+            group = HDS_INSTANCE_SEEN;
+        }
+        at = end + 1;
+    }
+    return static_cast<float>(flags);
+}
+
+std::uint32_t RayVisibilityFlags(const std::vector<Primvar>& primvars, bool* isUnreadable) {
     std::uint32_t flags = HDS_INSTANCE_SEEN;
     if (std::none_of(primvars.begin(), primvars.end(), MaySay)) {
         return flags;
     }
+    if (const float* rays = NumberOf(primvars, kKarmaVisibility)) {
+        if (*rays >= 0.0F) {
+            flags = static_cast<std::uint32_t>(*rays) & HDS_INSTANCE_SEEN;
+        } else if (isUnreadable != nullptr) {
+            *isUnreadable = true;
+        }
+    }
+    if (const float* mode = NumberOf(primvars, kHoldoutMode)) {
+        flags |= FlagsOfHoldoutMode(*mode);
+    }
     for (const Row& row : kRows) {
-        const auto found =
-            std::find_if(primvars.begin(), primvars.end(),
-                         [&row](const Primvar& primvar) { return primvar.name == row.name; });
-        if (found != primvars.end() && found->interpolation == Interpolation::Constant &&
-            found->values.size() == 1) {
-            flags = found->values[0] != 0.0F ? flags | row.flags : flags & ~row.flags;
+        if (const float* number = NumberOf(primvars, row.name)) {
+            flags = *number != 0.0F ? flags | row.flags : flags & ~row.flags;
         }
     }
     return flags;

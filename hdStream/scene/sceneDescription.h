@@ -155,11 +155,14 @@ struct InstancerPrim {
     std::vector<InstanceSample> samples; ///< of them, as Placement::samples
     /// Of each instance, added to those of what it places; empty: none.
     std::vector<std::set<std::string>> instanceCategories;
+    /// With a value an instance: interpolation Instance, no indices. Prims that it places have them
+    /// where they have none of that name themselves, and instancers further in have none either.
+    std::vector<Primvar> primvars;
 
     static constexpr auto Fields() {
         return FieldList(
             HDS_FIELD(InstancerPrim, placement), HDS_FIELD(InstancerPrim, instanceTransforms),
-            HDS_FIELD(InstancerPrim, samples),
+            HDS_FIELD(InstancerPrim, samples), HDS_FIELD(InstancerPrim, primvars),
             HDS_FIELD(InstancerPrim, instanceCategories).NotInDump("see LinkCategories"));
     }
 };
@@ -251,6 +254,17 @@ struct SceneDescription {
     std::map<std::string, CameraPrim> cameras;
     std::map<std::string, VolumePrim> volumes;
 };
+
+/// Karma's primvar of who sees a prim, an expression; front ends hand it over as a number.
+constexpr const char* kKarmaVisibility = "karma:object:rendervisibility";
+
+/// The number for an expression: names of rays (primary, shadow, diffuse, reflect, refract, * for
+/// all), `-` for all but these, joined by `&` and `|`; empty: none. -1 when it cannot be read.
+float KarmaVisibilityNumber(const std::string& expression);
+
+/// Whether a primvar of that name says something of a whole prim (who sees it, its widths, its
+/// normals). Instances that differ in it need prims of their own: InstancerPrim::primvars has none.
+bool IsReadByPrim(const std::string& primvar);
 
 /// True when there is such a material and it has a surface: binding any other is binding none.
 inline bool HasSurface(const SceneDescription& scene, const std::string& materialPath) {

@@ -221,6 +221,9 @@ struct Session::Impl {
         if (!Commit(settings, options.shutter, isCancelled)) {
             return RenderResult::Stopped;
         }
+        options.aovs.hasCatchers = scene->hasCatchers;
+        CheckFilmSums(film, settings.imageWidth, settings.imageHeight, settings.samples,
+                      options.aovs.hasMattes, options.aovs.SumNames());
         tracer->Begin(std::move(options), film);
         if (device->Compilers() != nullptr) {
             device->Compilers()->Rest();
@@ -356,8 +359,6 @@ RenderResult Session::Render(const Settings& settings, const ProgressCallback& o
                              const std::vector<FilmSums>& start, const RenderWatch& watch) {
     Impl& impl = *_impl;
     CheckSettings(settings);
-    CheckFilmSums(start, settings.imageWidth, settings.imageHeight, settings.samples,
-                  MakeAovLayout(settings.aovs).hasMattes, MakeAovLayout(settings.aovs).lightPaths);
     if (!start.empty() && settings.noise > 0.0) {
         throw Error("--noise: adaptive samples cannot be split or continued", ErrorKind::Usage);
     }

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace hds {
 
@@ -95,6 +96,9 @@ RenderOptions MakeRenderOptions(const Settings& settings, const CameraPrim& came
     options.clampDirect = settings.clampDirect;
     options.clampIndirect = settings.clampIndirect;
     options.filterGlossy = settings.filterGlossy;
+    options.occlusionDistance = settings.occlusionDistance > 0.0
+                                    ? static_cast<float>(settings.occlusionDistance)
+                                    : std::numeric_limits<float>::infinity();
     options.seed = settings.seed;
     options.timeLimit = settings.timeLimit;
     options.noise = settings.noise;

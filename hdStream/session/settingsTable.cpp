@@ -32,6 +32,7 @@ constexpr double kMaxPixelAspect = 1000.0;
 /// Path depths are kept in 16 bits together with their sampling dimensions.
 constexpr double kMaxDepth = 4096;
 constexpr double kMaxClamp = 1e6;
+constexpr double kMaxDistance = 1e30; ///< scene units
 constexpr double kMaxCount = 1U << 24U;
 constexpr double kMaxSeed = std::numeric_limits<std::uint32_t>::max();
 constexpr double kMaxRefineLevel = 8;

@@ -302,18 +302,29 @@ std::uint32_t DerivedFlags(const shared::HdsMaterial& m) {
     return flags;
 }
 
-/// Finds slots of a prim's attributes; those that are too short warn.
+/// Finds slots of a prim's attributes, then of its instances'; those that are too short warn.
 class SlotFinder {
 public:
-    SlotFinder(const std::vector<AttributeName>& attributes, const std::string& primPath,
+    SlotFinder(const std::vector<AttributeName>& attributes,
+               const std::vector<AttributeName>& ofInstances, const std::string& primPath,
                Warnings& warnings)
-        : _attributes(attributes), _primPath(primPath), _warnings(warnings) {}
+        : _attributes(attributes), _ofInstances(ofInstances), _primPath(primPath),
+          _warnings(warnings) {}
 
     std::uint32_t operator()(const std::string& primvar, std::uint32_t numComponents) const {
-        const auto found =
-            std::find_if(_attributes.begin(), _attributes.end(),
-                         [&](const AttributeName& one) { return one.name == primvar; });
-        if (found == _attributes.end()) {
+        const std::uint32_t slot = FindIn(_attributes, HDS_SLOT_USER, primvar, numComponents);
+        return slot != HDS_NONE ? slot
+                                : FindIn(_ofInstances, HDS_SLOT_INSTANCE, primvar, numComponents);
+    }
+
+private:
+    /// \param first slot of the list. \return HDS_NONE where there is none, or it is too short.
+    std::uint32_t FindIn(const std::vector<AttributeName>& list, std::uint32_t first,
+                         const std::string& primvar, std::uint32_t numComponents) const {
+        const auto found = std::find_if(list.begin(), list.end(), [&](const AttributeName& one) {
+            return one.name == primvar;
+        });
+        if (found == list.end()) {
             return HDS_NONE;
         }
         if (found->numComponents < numComponents) {
@@ -322,11 +333,11 @@ public:
                               " components; its material needs " + std::to_string(numComponents));
             return HDS_NONE;
         }
-        return HDS_SLOT_USER + static_cast<std::uint32_t>(found - _attributes.begin());
+        return first + static_cast<std::uint32_t>(found - list.begin());
     }
 
-private:
     const std::vector<AttributeName>& _attributes;
+    const std::vector<AttributeName>& _ofInstances;
     const std::string& _primPath;
     Warnings& _warnings;
 };
@@ -437,10 +448,11 @@ CompiledMaterial CompileMaterial(const MaterialNetwork& network, const std::stri
 ResolvedMaterial ResolveMaterial(const CompiledMaterial& material,
                                  const std::vector<std::uint32_t>& textures,
                                  const std::vector<AttributeName>& attributes,
+                                 const std::vector<AttributeName>& ofInstances,
                                  const std::string& primPath, Warnings& warnings) {
     ResolvedMaterial result;
     result.record = material.constants;
-    const SlotCallback findSlot = SlotFinder(attributes, primPath, warnings);
+    const SlotCallback findSlot = SlotFinder(attributes, ofInstances, primPath, warnings);
     ValueResolver resolver(findSlot);
     std::vector<ProgramInput> inputs;
     for (std::uint32_t i = 0; i < HDS_NUM_LAYERED_INPUTS; ++i) {
@@ -457,8 +469,11 @@ ResolvedMaterial ResolveMaterial(const CompiledMaterial& material,
                 return one.input == HDS_INPUT_NORMAL && HasSlope(one.value);
             });
         if (hasSlope || (result.record.lobes & HDS_LOBE_ANISOTROPY) != 0) {
+            // Coordinates that are the same all over a prim have no tangents.
+            const std::vector<AttributeName> none;
+            const SlotFinder findOwn(attributes, none, primPath, warnings);
             for (const char* const name : kTangentPrimvars) {
-                tangentSlot = tangentSlot == HDS_NONE ? findSlot(name, 2) : tangentSlot;
+                tangentSlot = tangentSlot == HDS_NONE ? findOwn(name, 2) : tangentSlot;
             }
             result.record.flags |= tangentSlot == HDS_NONE ? 0U : HDS_MATERIAL_TANGENTS;
         }

@@ -121,10 +121,12 @@ struct ResolvedMaterial {
 
 /// Fills slots, program and the flags that depend on them. A primvar that the prim lacks, or whose
 /// component count is wrong, gives its reader's fallback; the latter warns with `primPath`.
-/// \param textures index in the scene of each of the material's textures.
+/// \param textures index in the scene of each of the material's textures. \param ofInstances
+/// primvars with a value an instance; the slot of each is HDS_SLOT_INSTANCE + its index.
 ResolvedMaterial ResolveMaterial(const CompiledMaterial& material,
                                  const std::vector<std::uint32_t>& textures,
                                  const std::vector<AttributeName>& attributes,
+                                 const std::vector<AttributeName>& ofInstances,
                                  const std::string& primPath, Warnings& warnings);
 
 } // namespace hds

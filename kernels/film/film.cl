@@ -34,6 +34,63 @@ kernel void film_develop(global const HdsFilmPixel* film, uint numPixels, uint w
     }
 }
 
+#if HDS_FEATURE_OCCLUSION
+/* Writes the mean of ambient occlusion as film_develop does colour. */
+kernel void film_developOcclusion(global const HdsFilmPixel* film,
+                                  global const HdsLightPathPixel* sums, uint firstSum,
+                                  uint numPixels, uint width, uint numAcross, uint stride,
+                                  global float* floats, uint floatStride, uint offset) {
+    const uint i = (uint)get_global_id(0);
+    if (i >= numPixels) {
+        return;
+    }
+    const uint at = i / numAcross * stride * width + i % numAcross * stride;
+    const HdsLightPathPixel pixel = sums[(size_t)firstSum + at];
+    const uint count = film[at].numSamples;
+    floats[(size_t)i * floatStride + offset] =
+        count > 0u ? (pixel.sum.x + pixel.blockSum.x) / (float)count : 0.0f;
+}
+#endif
+
+#if HDS_FEATURE_CATCHERS
+/* Adds what catchers show to what film_develop has written: alpha for the light that others take
+ * from them, colour for the light that others add. \param firstSum as resolve_addCatchers has it.
+ */
+kernel void film_developCatchers(global const HdsFilmPixel* film,
+                                 global const HdsLightPathPixel* sums, uint firstSum,
+                                 uint numFilmPixels, uint numPixels, uint width, uint numAcross,
+                                 uint stride, global float* floats, uint floatStride,
+                                 uint colorOffset, uint alphaOffset, uint noisyOffset) {
+    const uint i = (uint)get_global_id(0);
+    if (i >= numPixels) {
+        return;
+    }
+    const uint at = i / numAcross * stride * width + i % numAcross * stride;
+    const float count = (float)film[at].numSamples;
+    const HdsLightPathPixel pixels[2] = {sums[(size_t)firstSum + at],
+                                         sums[(size_t)firstSum + numFilmPixels + at]};
+    const float4 lit = pixels[0].sum + pixels[0].blockSum;
+    const float3 unshadowed = (pixels[1].sum + pixels[1].blockSum).xyz;
+    if (!(lit.w > 0.0f)) {
+        return;
+    }
+    const float3 left = select((float3)(1.0f), fmin(lit.xyz / unshadowed, (float3)(1.0f)),
+                               isgreater(unshadowed, (float3)(0.0f)));
+    const float shadow = lit.w / count * (1.0f - (left.x + left.y + left.z) / 3.0f);
+    const float4 added = (float4)(fmax(lit.xyz - unshadowed, (float3)(0.0f)) / count, shadow);
+    global float* target = floats + (size_t)i * floatStride;
+    if (colorOffset != HDS_NONE) {
+        vstore4(vload4(0, target + colorOffset) + added, 0, target + colorOffset);
+    }
+    if (noisyOffset != HDS_NONE) {
+        vstore4(vload4(0, target + noisyOffset) + added, 0, target + noisyOffset);
+    }
+    if (alphaOffset != HDS_NONE) {
+        target[alphaOffset] += shadow;
+    }
+}
+#endif
+
 /* Writes a light path expression as film_develop does colour. \param firstSum of the expression in
  * `sums`. */
 kernel void film_developLightPath(global const HdsFilmPixel* film,

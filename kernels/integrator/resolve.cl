@@ -48,6 +48,11 @@ bool resolve_isFinite(float4 value) {
     return isfinite(value.x) && isfinite(value.y) && isfinite(value.z);
 }
 
+/* Whether a sample shows a catcher, and so is no part of the picture. */
+bool resolve_isCaught(float4 value) {
+    return HDS_FEATURE_CATCHERS && value.w == HDS_CAUGHT_ALPHA;
+}
+
 #if HDS_LIGHT_PATH_STATE
 /* What path `number` of the wave has gathered for light path expression k. */
 float4 resolve_lightSum(global uchar* state, uint numSlots, uint numPaths, uint number, uint k) {
@@ -77,7 +82,8 @@ kernel void resolve_addLightPaths(HdsWave wave, global uchar* state, uint numSlo
     uint numSamples = film[at].numSamples;
     for (uint s = 0u; s < wave.numSamples; ++s) {
         const uint number = i * wave.numSamples + s;
-        if (resolve_isFinite(resolve_sum(state, numSlots, number))) {
+        const float4 value = resolve_sum(state, numSlots, number);
+        if (resolve_isFinite(value) && !resolve_isCaught(value)) {
             pixel.blockSum +=
                 fmin(resolve_lightSum(state, numSlots, numPaths, number, k), HDS_MAX_SAMPLE);
         }
@@ -85,6 +91,75 @@ kernel void resolve_addLightPaths(HdsWave wave, global uchar* state, uint numSlo
         filmPixel_closeLightPath(&pixel, numSamples);
     }
     *slot = pixel;
+}
+#endif
+
+#if HDS_FEATURE_CATCHERS || HDS_FEATURE_OCCLUSION
+/* Keeps what the paths of a trace beside that of the picture have gathered. Global size: count. */
+kernel void resolve_keepSamples(global uchar* state, uint numSlots, uint count,
+                                global float4* kept) {
+    const uint number = (uint)get_global_id(0);
+    if (number < count) {
+        kept[number] = resolve_sum(state, numSlots, number);
+    }
+}
+#endif
+
+#if HDS_FEATURE_OCCLUSION
+/* Adds samples of ambient occlusion to sums[firstSum...], by the rules of resolve_addSamples, which
+ * comes after it. Global size: wave.numPixels. \param kept of the wave (resolve_keepSamples). */
+kernel void resolve_addOcclusion(HdsWave wave, global const float4* kept, global const uint* pixels,
+                                 global const HdsFilmPixel* film, global HdsLightPathPixel* sums,
+                                 uint firstSum) {
+    const uint i = (uint)get_global_id(0);
+    if (i >= wave.numPixels) {
+        return;
+    }
+    const uint at = pixels[wave.firstPixel + i];
+    HdsLightPathPixel pixel = sums[(size_t)firstSum + at];
+    uint numSamples = film[at].numSamples;
+    for (uint s = 0u; s < wave.numSamples; ++s) {
+        pixel.blockSum.x += kept[i * wave.numSamples + s].x;
+        ++numSamples;
+        filmPixel_closeLightPath(&pixel, numSamples);
+    }
+    sums[(size_t)firstSum + at] = pixel;
+}
+#endif
+
+#if HDS_FEATURE_CATCHERS
+/* Adds the samples that show catchers, by the rules of resolve_addSamples, which comes after it: to
+ * sums[firstSum...] what they have gathered, and as the fourth how many they are; to the next
+ * numPixels what the same samples gather without all that is no catcher. Global size:
+ * wave.numPixels. \param alone of the wave (resolve_keepSamples). */
+kernel void resolve_addCatchers(HdsWave wave, global uchar* state, uint numSlots,
+                                global const float4* alone, global const uint* pixels,
+                                global const HdsFilmPixel* film, global HdsLightPathPixel* sums,
+                                uint firstSum, uint numPixels) {
+    const uint i = (uint)get_global_id(0);
+    if (i >= wave.numPixels) {
+        return;
+    }
+    const uint at = pixels[wave.firstPixel + i];
+    global HdsLightPathPixel* slots[2] = {&sums[(size_t)firstSum + at],
+                                          &sums[(size_t)firstSum + numPixels + at]};
+    HdsLightPathPixel lit = *slots[0];
+    HdsLightPathPixel unshadowed = *slots[1];
+    uint numSamples = film[at].numSamples;
+    for (uint s = 0u; s < wave.numSamples; ++s) {
+        const uint number = i * wave.numSamples + s;
+        const float4 value = resolve_sum(state, numSlots, number);
+        const float4 without = alone[number];
+        if (resolve_isCaught(value) && resolve_isFinite(value) && resolve_isFinite(without)) {
+            lit.blockSum += (float4)(fmin(value.xyz, HDS_MAX_SAMPLE), 1.0f);
+            unshadowed.blockSum += (float4)(fmin(without.xyz, HDS_MAX_SAMPLE), 0.0f);
+        }
+        ++numSamples;
+        filmPixel_closeLightPath(&lit, numSamples);
+        filmPixel_closeLightPath(&unshadowed, numSamples);
+    }
+    *slots[0] = lit;
+    *slots[1] = unshadowed;
 }
 #endif
 
@@ -104,6 +179,7 @@ kernel void resolve_addSamples(HdsWave wave, global uchar* state, uint numSlots,
             atomic_inc(&counters[HDS_COUNTER_NAN]);
             value = (float4)(0.0f, 0.0f, 0.0f, isfinite(value.w) ? value.w : 0.0f);
         }
+        value = resolve_isCaught(value) ? (float4)(0.0f) : value;
         value = fmin(value, HDS_MAX_SAMPLE);
         filmPixel_addSample(&pixel, value);
     }

@@ -164,7 +164,15 @@ uint shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
         return HDS_SHADE_ENDS;
     }
 #endif
-    if (path->depth == 0u) {
+#if HDS_FEATURE_CATCHERS
+    const bool isCaught = path->depth == 0u && (scene->geometry.instances[at->surface.leaf].flags &
+                                                HDS_INSTANCE_CATCHER) != 0u;
+#else
+    const bool isCaught = false;
+#endif
+    if (isCaught) {
+        path->alpha = HDS_CAUGHT_ALPHA;
+    } else if (path->depth == 0u) {
         path->alpha = 1.0f;
 #if HDS_FEATURE_MATTES
         const uint entry = scene->prims[at->surface.prim].materialBase + at->surface.materialEntry;

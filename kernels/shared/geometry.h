@@ -42,6 +42,7 @@
     (HDS_INSTANCE_CAMERA | HDS_INSTANCE_SHADOW | HDS_INSTANCE_DIFFUSE | HDS_INSTANCE_REFLECTION | \
      HDS_INSTANCE_TRANSMISSION)
 #define HDS_INSTANCE_HOLDOUT 256u  /* camera rays end on it, and leave black with alpha 0 */
+#define HDS_INSTANCE_CATCHER 512u  /* camera rays end on it; what others do to its light is kept */
 #define HDS_INSTANCE_LINK_SHIFT 16 /* the bits from here on: the link set (shared/light.h) */
 
 /* Words of objectFromParent of an instance that moves, as bits: the first of its keys of the map
@@ -86,6 +87,16 @@ typedef struct {
     u32 numPrimvars; /* user primvar slots after the fixed ones */
 } HdsPrim;
 HDS_ASSERT_SIZE(HdsPrim, 16);
+
+/* A primvar with a value an instance, of a prim. Its row: (n / divisor) % numRows, where n is the
+ * number of the prim's placement, folded parent-major: of the AOV instanceId, in 64 bits. */
+typedef struct {
+    u32 numComponents; /* 1 to 4 */
+    u32 numRows;
+    u32 divisor[2]; /* placements by the instancers further in: low, high */
+    u32 firstValue; /* in instanceValues: [numRows][numComponents] */
+} HdsInstanceSlot;
+HDS_ASSERT_SIZE(HdsInstanceSlot, 20);
 
 /* A chunk has two pages; their addresses are in the residency table chunkAddresses[2 * chunk +
  * page].
@@ -172,4 +183,6 @@ HDS_SHARED_END
 #define HDS_SLOT_MATERIAL 1u /* u32: entry of the prim's material list; absent: entry 0 */
 #define HDS_SLOT_NORMAL 2u   /* 3 components, object space, towards the authored front */
 #define HDS_SLOT_USER 3u
+/* Not in pages: slots of the prim's HdsInstanceSlots follow from here on. 24 bits hold them all. */
+#define HDS_SLOT_INSTANCE 0x800000u
 #endif

@@ -5,6 +5,8 @@ import exrFile
 import numpy as np
 import pytest
 
+from hdstream import _core
+
 from cliCase import ANIMATED, AssertFails, Run, RunHere, WriteStage
 
 _PRODUCTS = """
@@ -89,6 +91,41 @@ def test_all_products_are_written(stage, tmp_path):
     assert set(side) == {*"RGBA", *(f"{name}.{channel}" for name in ("lit", "keyLight") for channel in "RGB")}
     assert side["lit.R"].max() > 0.1 and not side["keyLight.R"].any()
     assert not _SameBits(main["Z.Z"], exrFile.Read(tmp_path / "main.0002.exr")[1]["Z.Z"])
+
+
+_PACKED = """    def RenderProduct "%s" {
+        token productName = "%s.exr"
+        rel orderedVars = [</Render/Vars/beauty>, </Render/Vars/depth>, </Render/Vars/uv>]
+        custom token driver:parameters:OpenEXR:compression = "%s"
+        custom float driver:parameters:OpenEXR:dwaCompressionLevel = 20
+        custom string driver:parameters:OpenEXR:shot = "seq10"
+        custom int driver:parameters:OpenEXR:take = 7
+        custom string driver:parameters:artist = "somebody"
+        custom string driver:parameters:comment = "a test"
+    }
+"""
+
+
+def test_products_say_how_they_are_packed_and_what_is_in_the_header(tmp_path, monkeypatch):
+    """Lossless compressions hold the same pixels; DWAA, which is not, holds nearly the same."""
+    monkeypatch.chdir(tmp_path)
+    numbers = {"none": 0, "rle": 1, "zips": 2, "piz": 4, "dwaa": 8, "lzw": 3}
+    body = "".join(_PACKED % (name.upper(), name, name) for name in numbers)
+    rel = ", ".join(f"</Render/{name.upper()}>" for name in numbers)
+    products = _PRODUCTS.replace("</Render/Deep>]", f"{rel}]").replace('    def RenderProduct "Mattes" {',
+                                                                      body + '    def RenderProduct "Mattes" {')
+    result = RunHere("record", WriteStage(tmp_path, _BRIGHT + products), *_SELECT, "--frames", "1")
+    assert result.code == 0, result.text
+    assert "/Render/LZW: driver:parameters:OpenEXR:compression 'lzw' is none of none, rle, " in result.text
+    for name, number in numbers.items():
+        found, texts = exrFile.Compression(f"{name}.exr")
+        assert found == number, name
+        assert (texts["shot"], texts["take"], texts["Artist"], texts["comments"]) == ("seq10", "7", "somebody", "a test")
+        same = _core.CompareImages(f"{name}.exr", "main.0001.exr")
+        assert not same.error
+        assert all(layer.maxAbs == 0 for layer in same.layers) or name == "dwaa"
+    assert max(layer.maxAbs for layer in _core.CompareImages("dwaa.exr", "main.0001.exr").layers) < 0.1
+    assert exrFile.Compression("main.0001.exr")[0] == 3
 
 
 def test_pixels_are_those_of_single_renders(stage, tmp_path):

@@ -361,13 +361,12 @@ TEST_F(Instancers, SplitMeshesMayGoAndComeBack) {
     EXPECT_EQ(host.Read(), RenderFresh(host, options));
 }
 
-TEST_F(Instancers, ValuesOfOuterInstancersCountWhereTheyAreEqual) {
+TEST_F(Instancers, ValuesOfOuterInstancersAreThoseOfTheirInstances) {
     SceneData scene = NestedScene();
     const auto colors = [](const GfVec3f& first, const GfVec3f& second, const GfVec3f& third) {
         return InstancePrimvar(kColor, VtValue(VtVec3fArray{first, second, third}));
     };
     scene.instancers.at(kOuter).primvars.push_back(colors(kRed, kRed, kBlue));
-    const std::string warning = "instances of an outer instancer";
     {
         Host host(scene, Quick(kColorAovs));
         ExpectOracle(host);
@@ -375,41 +374,61 @@ TEST_F(Instancers, ValuesOfOuterInstancersCountWhereTheyAreEqual) {
         ExpectFloats(host.Read(kColorAov), oracle, 0, 1e-6, [](const OracleHit& hit) {
             return !hit.isHit ? 0.0 : double(hit.prim == kLeaf ? kRed[0] : kBlue[0]);
         });
-        EXPECT_EQ(NumWarnings(host, warning), 0);
     }
     scene.instancers.at(kOuter).primvars.back() = colors(kRed, kBlue, kBlue);
     Host host(scene, Quick(kColorAovs));
     ExpectOracle(host);
-    EXPECT_EQ(NumWarnings(host, warning), 1);
+    const Oracle oracle(host);
+    ExpectFloats(host.Read(kColorAov), oracle, 0, 1e-6, [](const OracleHit& hit) {
+        const bool isFirst = hit.prim == kLeaf && hit.instance < 3; // three leaves in each
+        return !hit.isHit ? 0.0 : double(isFirst ? kRed[0] : kBlue[0]);
+    });
+    EXPECT_EQ(NumWarnings(host, ""), 0);
 }
 
-TEST_F(Instancers, TooManyValuesAreAWarning) {
+/// 65 tiles of as many values of a primvar.
+SceneData ManyScene(const TfToken& name, VtVec3fArray* colors) {
     SceneData scene = RowScene({});
     InstancerData& row = scene.instancers.at(kRow);
     VtVec3fArray places;
-    VtVec3fArray colors;
+    VtFloatArray numbers;
     std::vector<int> indices;
     for (int i = 0; i < 65; ++i) {
         places.push_back(GfVec3f(float(i % 13) * 0.3F - 1.8F, float(i / 13) * 0.5F - 1.0F, 0.0F));
-        colors.push_back(GfVec3f(float(i) / 128.0F, 0.5F, 0.5F));
+        colors->push_back(GfVec3f(float(i) / 128.0F, 0.5F, 0.5F));
+        numbers.push_back(float(i));
         indices.push_back(i);
     }
     row.primvars = {InstancePrimvar(HdInstancerTokens->instanceTranslations, VtValue(places)),
-                    InstancePrimvar(kColor, VtValue(colors))};
+                    InstancePrimvar(name, name == kColor ? VtValue(*colors) : VtValue(numbers))};
     row.indicesByPrototype = {{kTile, VtIntArray(indices.begin(), indices.end())}};
     GprimData tile = MakeGrid(0.12F, 0.2F);
     tile.instancer = kRow;
     scene.gprims[kTile] = tile;
-    const std::string warning = "/row: primvars per instance of more than 64 different values";
+    return scene;
+}
+
+TEST_F(Instancers, ValuesMayBeAsManyAsInstances) {
+    VtVec3fArray colors;
+    Host host(ManyScene(kColor, &colors), Quick(kColorAovs));
+    ExpectColors(host, {colors.begin(), colors.end()});
+    EXPECT_EQ(host.Statistic("geometry.meshes"), 1.0);
+    EXPECT_EQ(NumWarnings(host, ""), 0);
+}
+
+TEST_F(Instancers, TooManyValuesOfWhatIsReadOnceAPrimAreAWarning) {
+    VtVec3fArray colors;
+    SceneData scene = ManyScene(TfToken("hdstream:holdout"), &colors);
+    const std::string warning = "/row: more than 64 different values by instance";
     Host host(scene, Quick(kColorAovs));
     ExpectColors(host, std::vector<GfVec3f>(65, GfVec3f(0.0F)));
     EXPECT_EQ(NumWarnings(host, warning), 1);
 
+    VtIntArray& indices = scene.instancers.at(kRow).indicesByPrototype.at(kTile);
     indices.pop_back(); // 64 are drawn
-    scene.instancers.at(kRow).indicesByPrototype = {
-        {kTile, VtIntArray(indices.begin(), indices.end())}};
     Host fewer(scene, Quick(kColorAovs));
-    ExpectColors(fewer, {colors.begin(), colors.end()});
+    ASSERT_TRUE(fewer.RenderUntilConverged());
+    EXPECT_EQ(fewer.Statistic("geometry.meshes"), 64.0);
     EXPECT_EQ(NumWarnings(fewer, warning), 0);
 }
 

@@ -7,7 +7,7 @@ diffuse and glossy lobes receive adds up.
 
 import numpy as np
 import pytest
-from pxr import Sdf, UsdGeom, UsdShade
+from pxr import Sdf, Usd, UsdGeom, UsdShade
 
 pytest.importorskip("hdstream._core")
 
@@ -85,6 +85,37 @@ def test_what_no_ray_sees_is_not_there(tmp_path):
     hidden = _Render(tmp_path, hidden=_KINDS)
     assert hidden["color"].tobytes() == _Render(tmp_path, names=())["color"].tobytes()
     assert hidden["color"].tobytes() != _Render(tmp_path)["color"].tobytes()
+
+
+@pytest.mark.parametrize("text, hidden", [
+    ("", _KINDS), ("*", ()), ("-primary", ("camera",)), ("shadow | diffuse|reflect|refract", ("camera",)),
+    ("-diffuse & -reflect&-refract", ("diffuse", "reflection", "transmission")), ("primary", _KINDS[1:]),
+    ("primary|-shadow&*", ("shadow",)),
+])
+def test_karma_says_it_by_an_expression(tmp_path, text, hidden):
+    def Karma(primvar):
+        path = _Write(tmp_path / "k.usda")
+        stage = Usd.Stage.Open(path)
+        UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/World/Ball")).CreatePrimvar(
+            "karma:object:rendervisibility", Sdf.ValueTypeNames.String, UsdGeom.Tokens.constant).Set(primvar)
+        stage.GetRootLayer().Save()
+        return ours.Render(path, WIDTH, HEIGHT, samples=8, maxDepth=2, domeVisible=False)
+
+    expected = _Render(tmp_path, hidden=hidden)
+    found = Karma(text)
+    assert found.layers["color"].tobytes() == expected["color"].tobytes()
+    assert not [line for line in found.warnings if "rendervisibility" in line]
+
+
+@pytest.mark.parametrize("text", ["primary|", "secondary", "--shadow", "&diffuse"])
+def test_an_expression_that_cannot_be_read_is_a_warning(tmp_path, text):
+    path = _Write(tmp_path / "k.usda")
+    stage = Usd.Stage.Open(path)
+    UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/World/Ball")).CreatePrimvar(
+        "karma:object:rendervisibility", Sdf.ValueTypeNames.String, UsdGeom.Tokens.constant).Set(text)
+    stage.GetRootLayer().Save()
+    picture = ours.Render(path, WIDTH, HEIGHT, samples=1)
+    assert "/World/Ball: karma:object:rendervisibility cannot be read; it is ignored" in picture.warnings
 
 
 def test_what_the_camera_does_not_see_still_casts_shadows(tmp_path):

@@ -69,6 +69,16 @@ def _Groups(stage, folder) -> None:
     author.AddMesh(stage, "/World/Outer/Inner/Mesh", shapes.Plane(0.1, 0.1))
 
 
+def _Tinted(stage, folder) -> None:
+    instancer = UsdGeom.PointInstancer.Define(stage, "/World/Tinted")
+    instancer.CreatePrototypesRel().SetTargets([Sdf.Path("/World/Tinted/Mesh")])
+    instancer.CreatePositionsAttr([Gf.Vec3f(*map(float, _BELOW)), Gf.Vec3f(0.0, -32.0, 0.0)])
+    instancer.CreateProtoIndicesAttr([0, 0])
+    author.AddMesh(stage, "/World/Tinted/Mesh", shapes.Plane(0.1, 0.1))
+    author.AddPrimvar(instancer, "displayColor", Sdf.ValueTypeNames.Color3fArray, "vertex",
+                      Vt.Vec3fArray([Gf.Vec3f(1, 0, 0), Gf.Vec3f(0, 1, 0)]))
+
+
 def _AddColours(stage) -> list:
     """Primvars of all points of the terrain."""
     mesh = UsdGeom.Mesh.Get(stage, "/World/Terrain")
@@ -103,13 +113,14 @@ def _Everything(stage, folder) -> None:
     stage.RemovePrim("/World/Below")
     _Curves(stage, folder)
     _Groups(stage, folder)
+    _Tinted(stage, folder)
     author.LinkLight(_Lamp(stage), "lightLink", excludes=["/World/Below"])
 
 
 # `nothing` first: what the others are compared with. Those of UNSEEN make the same picture.
 UNSEEN = {"nothing": _Plain, "curves": _Curves, "cut-outs": _Cutout, "textures": _Texture, "layered lobes": _Lobes,
-          "patterns": _Patterns, "light links": _Controls, "nested instances": _Groups, "all of these": _Everything,
-          "six unread primvars": _Unread}
+          "patterns": _Patterns, "light links": _Controls, "nested instances": _Groups, "colours by instance": _Tinted,
+          "all of these": _Everything, "six unread primvars": _Unread}
 ADDITIONS = {**UNSEEN, "six primvars, read": _Read, "light shaping": _Shaping}
 
 

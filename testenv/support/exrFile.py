@@ -37,6 +37,13 @@ def Read(file):
     return texts, images
 
 
+def Compression(file):
+    """The number of the compression: 0 none, 1 RLE, 2 ZIPS, 3 ZIP, 4 PIZ, 5 PXR24, 6 B44, 7 B44A, 8 DWAA, 9 DWAB; and the texts."""
+    _, attributes, _ = _Open(file)
+    return attributes["compression"][1][0], {name: value.decode("utf-8") for name, (kind, value) in attributes.items()
+                                             if kind == "string"}
+
+
 def Windows(file):
     """(data window, display window) as (left, top, right, bottom), all inclusive."""
     _, attributes, _ = _Open(file)

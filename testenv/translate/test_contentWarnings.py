@@ -35,13 +35,13 @@ def WarningsOf(text):
      'float[] primvars:a = [1, 2] (interpolation = "vertex")\ndef Sphere "S" {} }',
      "/P: primvar a has 2 values for 1 instances; ignored"),
     (f'def PointInstancer "P" {{ int[] protoIndices = {[0] * 65}\npoint3f[] positions = {[(0, 0, 0)] * 65}\n'
-     f'rel prototypes = </P/S>\nfloat[] primvars:a = {list(range(65))} (interpolation = "vertex")\n'
+     f'rel prototypes = </P/S>\nfloat[] primvars:widths = {list(range(65))} (interpolation = "vertex")\n'
      'def Sphere "S" {}\ndef Cube "T" {} }',
-     "/P: primvars per instance of more than 64 different values are not supported yet"),
+     "/P: more than 64 different values by instance of primvars that are read once a prim"),
     ('def PointInstancer "P" { int[] protoIndices = [0, 0]\npoint3f[] positions = [(0, 0, 0), (1, 0, 0)]\n'
-     'rel prototypes = </P/Q>\nfloat[] primvars:a = [1, 2] (interpolation = "vertex")\n'
+     'rel prototypes = </P/Q>\nfloat[] primvars:widths = [1, 2] (interpolation = "vertex")\n'
      'def PointInstancer "Q" { int[] protoIndices = [0]\npoint3f[] positions = [(0, 0, 0)]\nrel prototypes = </P/Q/S>\n'
-     'def Sphere "S" {} } }', "/P/Q/S: primvars that differ between instances of an outer instancer"),
+     'def Sphere "S" {} } }', "/P/Q/S: primvars that are read once a prim differ between instances of an outer instancer"),
     ('def NurbsPatch "A" {}\ndef NurbsPatch "B" {}', "/A: NurbsPatch is not supported yet: 2 prims skipped"),
     ('def NurbsCurves "N" { int[] curveVertexCounts = [2]\npoint3f[] points = [(0, 0, 0), (1, 0, 0)] }',
      "/N: NurbsCurves are drawn as lines between their points: 1 prim"),

@@ -84,13 +84,47 @@ def test_every_instance_has_its_bound_material(seed):
 
 
 def test_equal_looking_instances_share_an_instancer():
+    """Primvars of one value may differ: the instancer has them. What says who sees a prim may not, nor may arrays."""
     stage = StageOf("""
         class "P" { def Sphere "S" {} }
         def Xform "A" (instanceable = true; references = </P>) { color3f[] primvars:displayColor = [(1, 0, 0)] }
         def Xform "B" (instanceable = true; references = </P>) { color3f[] primvars:displayColor = [(1, 0, 0)] }
         def Xform "C" (instanceable = true; references = </P>) { color3f[] primvars:displayColor = [(0, 1, 0)] }
+        def Xform "D" (instanceable = true; references = </P>) {
+            color3f[] primvars:displayColor = [(1, 0, 0)]
+            bool primvars:hdstream:holdout = 1
+        }
+        def Xform "E" (instanceable = true; references = </P>) {
+            color3f[] primvars:displayColor = [(0, 0, 1)]
+            bool primvars:hdstream:holdout = 0
+        }
+        def Xform "F" (instanceable = true; references = </P>) { color3f[] primvars:displayColor = [(1, 0, 0), (0, 1, 0)] }
     """)
-    assert sorted(Translate(stage).Scene().instancers) == ["/A", "/C"]
+    scene = Translate(stage).Scene()
+    assert sorted(scene.instancers) == ["/A", "/D", "/E", "/F"]
+    (primvar,) = scene.instancers["/A"].primvars
+    assert (primvar.name, primvar.numComponents) == ("displayColor", 3)
+    assert np.array_equal(primvar.values.reshape(-1, 3), [[1, 0, 0], [1, 0, 0], [0, 1, 0]])
+    assert not [one for one in scene.geometry["/A/S"].geometry.primvars if one.name == "displayColor"]
+    assert all(not scene.instancers[path].primvars for path in ("/D", "/E", "/F"))
+    assert [one for one in scene.geometry["/F/S"].geometry.primvars if one.name == "displayColor"]
+
+
+def test_linked_instances_have_the_values_of_their_own():
+    """Links make several instancers of native instances; each has what its own instances inherit."""
+    stage = StageOf("""
+        class "P" { def Sphere "S" {} }
+        def Xform "A" (instanceable = true; references = </P>) { color3f[] primvars:displayColor = [(1, 0, 0)] }
+        def Xform "B" (instanceable = true; references = </P>) { color3f[] primvars:displayColor = [(0, 1, 0)] }
+        def SphereLight "L" (prepend apiSchemas = ["CollectionAPI:lightLink"]) {
+            uniform bool collection:lightLink:includeRoot = 0
+            rel collection:lightLink:includes = </A>
+        }
+    """)
+    scene = Translate(stage).Scene()
+    found = {path: [list(one.values.reshape(-1)) for one in prim.geometry.primvars if one.name == "displayColor"]
+             for path, prim in scene.geometry.items()}
+    assert found == {"/A/S": [[1, 0, 0]], "/B/S": [[0, 1, 0]]}
 
 
 def MakePackage(folder, nested):

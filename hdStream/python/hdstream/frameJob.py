@@ -87,7 +87,7 @@ class FrameWriter:
         texts = TextsOf(self._key, done) if self._job.resumes else {}
         for output in frame.outputs or (Output(frame.file, None),):
             layers = None if output.layers is None else [dataclasses.astuple(layer) for layer in output.layers]
-            left = image.Write(output.file, self._job.colorCorrectionMode, texts, layers)
+            left = image.Write(output.file, self._job.colorCorrectionMode, {**output.texts, **texts}, layers)
             if left:
                 self.renderer.Warn(output.file, f"no room in this format for {', '.join(left)}; use .exr")
         if frame.statsFile:

@@ -2,7 +2,7 @@
 """Render products of a UsdRenderSettings prim: which files they are, and what is in each (docs/command-line.md)."""
 
 import dataclasses
-from typing import List, Optional, Tuple
+from typing import Dict, List, Optional, Tuple
 
 from pxr import UsdRender
 
@@ -12,6 +12,12 @@ from hdstream.renderSettings import AovOfVar, FindRenderSettings, TargetsOf
 
 _NAME_OF_VAR = "driver:parameters:aov:name"      # as hosts author them
 _FORMAT_OF_VAR = "driver:parameters:aov:format"
+_COMPRESSION = "driver:parameters:OpenEXR:compression"
+_DWA_LEVEL = "driver:parameters:OpenEXR:dwaCompressionLevel"
+_COMPRESSIONS = ("none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab")
+_HEADER_PREFIX = "driver:parameters:OpenEXR:"
+# By what names OpenImageIO knows them; the latter is `comments` in the header.
+_TEXTS_OF_PRODUCT = {"driver:parameters:artist": "Artist", "driver:parameters:comment": "ImageDescription"}
 # Attributes of a product that decide its picture: products that agree in all of them share a render.
 _OF_PICTURE = ("resolution", "pixelAspectRatio", "aspectRatioConformPolicy", "dataWindowNDC", "disableDepthOfField",
                "disableMotionBlur", "instantaneousShutter")
@@ -32,6 +38,7 @@ class Output:
 
     file: str
     layers: Optional[Tuple[Layer, ...]]  # None: all that was rendered
+    texts: Dict[str, str] = dataclasses.field(default_factory=dict)  # of an EXR's header, and its compression
 
 
 @dataclasses.dataclass
@@ -41,15 +48,16 @@ class Picture:
     product: str
     prims: List
     layers: List[Tuple[Layer, ...]]
+    texts: List[Dict[str, str]]
 
     def OutputsAt(self, timeCode):
         """The files of a frame. Raises UsageError for a product without a name."""
         outputs = []
-        for prim, layers in zip(self.prims, self.layers):
+        for prim, layers, texts in zip(self.prims, self.layers, self.texts):
             name = prim.GetAttribute("productName").Get(timeCode)
             if not name:
                 raise UsageError(f"{prim.GetPath()}: the product has no productName to write to")
-            outputs.append(Output(str(name), layers))
+            outputs.append(Output(str(name), layers, texts))
         return outputs
 
 
@@ -70,12 +78,34 @@ def FindPictures(stage, path, session):
             continue
         key = tuple(str(prim.GetAttribute(name).Get()) if prim.GetAttribute(name).HasAuthoredValue() else None
                     for name in _OF_PICTURE) + tuple(TargetsOf(prim, "camera", session))
-        picture = pictures.setdefault(key, Picture(str(target), [], []))
+        picture = pictures.setdefault(key, Picture(str(target), [], [], []))
         picture.prims.append(prim)
         picture.layers.append(_LayersOf(stage, prim, session))
+        picture.texts.append(_TextsOf(prim, session))
     if not pictures:
         raise UsageError(f"OUT is missing, and {settings.GetPath()} has no products")
     return list(pictures.values())
+
+
+def _TextsOf(product, session):
+    """What a product says of the header of its EXR file, and of its compression."""
+    texts = {}
+    for attribute in product.GetAuthoredAttributes():
+        name, value = attribute.GetName(), attribute.Get()
+        if name in (_COMPRESSION, _DWA_LEVEL) or value is None:
+            continue
+        if name in _TEXTS_OF_PRODUCT:
+            texts[_TEXTS_OF_PRODUCT[name]] = str(value)
+        elif name.startswith(_HEADER_PREFIX):
+            texts[name[len(_HEADER_PREFIX):]] = str(value)
+    compression = product.GetAttribute(_COMPRESSION).Get() if product.GetAttribute(_COMPRESSION) else None
+    if compression and compression not in _COMPRESSIONS:
+        session.Warn(str(product.GetPath()), f"{_COMPRESSION} {compression!r} is none of {', '.join(_COMPRESSIONS)}; zip is used")
+    elif compression:
+        level = product.GetAttribute(_DWA_LEVEL).Get() if product.GetAttribute(_DWA_LEVEL) else None
+        isLevel = compression.startswith("dwa") and isinstance(level, (int, float))
+        texts["compression"] = f"{compression}:{level:g}" if isLevel else str(compression)
+    return texts
 
 
 def _LayersOf(stage, product, session):

@@ -43,7 +43,8 @@ TEST(Aov, TableHasEveryAovOfTheContractOnce) {
                                          "Peye",
                                          "facingRatio",
                                          "motionForward",
-                                         "motionBackward"};
+                                         "motionBackward",
+                                         "ambientOcclusion"};
     std::set<std::string> names;
     for (const hds::AovInfo& info : hds::AovTable()) {
         EXPECT_TRUE(names.insert(info.name).second) << info.name;
@@ -55,6 +56,16 @@ TEST(Aov, TableHasEveryAovOfTheContractOnce) {
     }
     EXPECT_EQ(names, expected);
     EXPECT_EQ(hds::FindAov("colour"), nullptr);
+}
+
+TEST(Aov, SumsAreInTheOrderThatFilmsKeepThemIn) {
+    hds::AovLayout layout = hds::MakeAovLayout({"ambientOcclusion", "color", "diffuse"});
+    EXPECT_EQ(layout.SumNames(), (std::vector<std::string>{"C<RD>.*[LO]", "ambientOcclusion"}));
+    layout.hasCatchers = true;
+    EXPECT_EQ(layout.SumNames(), (std::vector<std::string>{"C<RD>.*[LO]", "catchers",
+                                                           "catchersAlone", "ambientOcclusion"}));
+    EXPECT_TRUE(hds::IsSummed("ambientOcclusion"));
+    EXPECT_TRUE(hds::MakeAovLayout({"color"}).SumNames().empty());
 }
 
 TEST(Aov, ClearValuesOfHydra) {

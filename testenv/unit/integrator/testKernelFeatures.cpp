@@ -109,7 +109,8 @@ TEST(KernelFeatures, HaveWhatTheyNeed) {
         {"numTexturePools", {"textures"}},               // hold their texels
         {"textureStreaming", {"textures"}},              // whose lines are missing
         {"texturedEmission", {"cutouts", "meshLights"}}, // of a mesh, asked for as candidates are
-        {"media", {"lobes"}},                            // lie below layered surfaces
+        {"catchers", {"rayVisibility"}}, // others are unseen in the scene of catchers alone
+        {"media", {"lobes"}},            // lie below layered surfaces
         {"volumes", {"cutouts", "lobes", "media", "textures"}}, // bricks are lines; events of media
         {"requestsFirst", {"streaming"}},                       // asks for pages that are missing
     };

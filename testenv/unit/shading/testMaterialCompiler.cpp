@@ -43,7 +43,7 @@ CompiledMaterial Compile(const MaterialNetwork& network, Warnings& warnings) {
 
 shared::HdsMaterial Resolve(const CompiledMaterial& material,
                             const std::vector<AttributeName>& attributes, Warnings& warnings) {
-    return ResolveMaterial(material, {}, attributes, "/mesh", warnings).record;
+    return ResolveMaterial(material, {}, attributes, {}, "/mesh", warnings).record;
 }
 
 /// Inputs that are no constants.

@@ -139,7 +139,8 @@ protected:
         for (std::size_t i = 0; i < _compiled.textures.size(); ++i) {
             textures.push_back(static_cast<std::uint32_t>(10 + i));
         }
-        return ResolveMaterial(_compiled, textures, {{"st", 2}, {"amount", 1}}, "/mesh", _warnings);
+        return ResolveMaterial(_compiled, textures, {{"st", 2}, {"amount", 1}}, {}, "/mesh",
+                               _warnings);
     }
     std::string Program() { return Disassemble(Resolve().program); }
 

@@ -4,6 +4,8 @@
 import numpy as np
 from pxr import UsdGeom, Vt
 
+from hdstream import _core
+
 
 class InstanceGroup:
     """Native instances that share an instancer, in the order of their paths as UsdImaging has them."""
@@ -11,11 +13,12 @@ class InstanceGroup:
     def __init__(self, firstPrim, state):
         self.firstPrim = firstPrim
         self.state = state      # of the first instance, for what its prototype inherits
-        self._instances = []    # (Sdf.Path, Gf.Matrix4d: context space from instance, is drawn, matrices as State's)
+        # (Sdf.Path, Gf.Matrix4d: context space from instance, is drawn, matrices as State's, inherited primvars)
+        self._instances = []
         self._isSorted = False
 
     def Add(self, prim, state):
-        self._instances.append((prim.GetPath(), state.matrix, state.visible, state.matrices))
+        self._instances.append((prim.GetPath(), state.matrix, state.visible, state.matrices, state.primvars))
 
     def Split(self, keyOf):
         """A group for each key of the instances; keyOf: of the prim of an instance."""
@@ -34,24 +37,60 @@ class InstanceGroup:
         return self._instances
 
     def Transforms(self):
-        return np.asarray(Vt.Matrix4dArray([matrix for _, matrix, _, _ in self._Sorted()]))
+        return np.asarray(Vt.Matrix4dArray([matrix for _, matrix, _, _, _ in self._Sorted()]))
 
     def Samples(self, motion):
         """(time, arrays) while the shutter is open; empty when no instance moves."""
         instances = self._Sorted()
-        if all(matrices is None for _, _, _, matrices in instances):
+        if all(matrices is None for _, _, _, matrices, _ in instances):
             return []
         return motion.InstanceSamplesOf([matrices or [matrix] * len(motion.times)
-                                         for _, matrix, _, matrices in instances])
+                                         for _, matrix, _, matrices, _ in instances])
 
     def VisibleIndices(self):
-        return np.array([index for index, (_, _, isVisible, _) in enumerate(self._Sorted()) if isVisible],
+        return np.array([index for index, (_, _, isVisible, _, _) in enumerate(self._Sorted()) if isVisible],
                         np.int32)
 
 
+    def FirstPrimvars(self):
+        """Inherited primvars of the first instance."""
+        return self._Sorted()[0][4]
+
+    def DifferentPrimvars(self):
+        """Inherited primvars that differ between the instances: name -> float32 [numInstances][components]."""
+        instances = self._Sorted()
+        first = instances[0][4]
+        if all(inherited is first for _, _, _, _, inherited in instances):
+            return {}
+        rowsByName = {}
+        for name, entry in first.items():
+            if _IsRow(entry.primvar) and any(inherited[name].key != entry.key for _, _, _, _, inherited in instances):
+                rowsByName[name] = np.concatenate([_RowOf(inherited[name].primvar) for _, _, _, _, inherited in instances])
+        return rowsByName
+
+
+def _IsRow(primvar):
+    """Whether an inherited primvar may differ between instances that share an instancer."""
+    return (not _core.IsReadByPrim(primvar.name)
+            and (primvar.indices.size == 1 or len(_RowsOf(primvar)) == 1 and not primvar.indices.size))
+
+
+def _RowsOf(primvar):
+    return primvar.values.reshape(-1, primvar.numComponents)
+
+
+def _RowOf(primvar):
+    """The one value of a primvar, [1][components]; 0 where its index is wrong."""
+    rows = _RowsOf(primvar)
+    index = int(primvar.indices[0]) if primvar.indices.size else 0
+    return rows[index:index + 1] if 0 <= index < len(rows) else np.zeros((1, primvar.numComponents), np.float32)
+
+
 def InheritedKey(state, boundPaths):
-    """Equal for instances whose prototypes look the same; `boundPaths` when collections bind."""
-    primvars = tuple(sorted(entry.key for entry in state.primvars.values()))
+    """Equal for instances whose prototypes look the same but for primvars of one value; `boundPaths` when
+    collections bind."""
+    primvars = tuple(sorted((entry.primvar.name, entry.primvar.numComponents) if _IsRow(entry.primvar) else entry.key
+                            for entry in state.primvars.values()))
     bindings = boundPaths or tuple(sorted(state.bindings.items()))
     return state.purpose, state.isPurposeAuthored, primvars, bindings
 

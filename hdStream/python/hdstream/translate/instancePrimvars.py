@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Primvars per instance of point instancers.
+"""Primvars per instance, of point instancers and of native instances that inherit different values.
 
-The core has none: a gprim whose instances have different values is added once for each combination of
+The core has them as primvars of its instancers. What it reads once a prim (visibility, widths, normals)
+it cannot have by instance: a gprim whose instances differ there is added once for each combination of
 values, with constant primvars, as hdStream/hydra/instancePrimvars.cpp and geometryVariants.cpp do.
 """
 
@@ -48,11 +49,27 @@ def ReadInstancePrimvars(prim, names, numInstances, timeCode, warn):
     return rowsByName
 
 
+_FEW = 16
+
+
+def AreEqual(rows):
+    """Whether all rows have the same bits."""
+    bits = np.ascontiguousarray(rows).view(np.uint32)
+    return not len(bits) or bool((bits[:_FEW] == bits[0]).all() and (bits == bits[0]).all())
+
+
+def _AreEqualAt(rows, indices):
+    """The same of some rows; mostly a few tell."""
+    return AreEqual(rows[indices[:_FEW]]) and AreEqual(rows[indices])
+
+
 class InstanceGroups:
-    """The instances of a gprim by the bits of their values, in the order of first instances.
+    """The instances of a gprim by the bits of those values that the core reads once a prim, in the order
+    of first instances.
 
     groups: (constant primvars, int32 instances) each. The instances of other groups are -1: a rank in
-    the list is what instanceId counts.
+    the list is what instanceId counts. Constant are also those primvars whose values are equal for all
+    instances. All others are left to the core, which has them by instance.
     """
 
     def __init__(self, levels, instances, ownNames):
@@ -60,33 +77,35 @@ class InstanceGroups:
         self.variesAbove = False
         taken = set(ownNames)
         shared = []
-        varying = {}
+        splitting = {}
         for depth, level in enumerate(levels):
+            placements = levels[depth - 1].placements if depth else instances
             for name, rows in level.rowsByName.items():
-                if name in taken:
+                if name in taken or not len(placements):
                     continue
                 taken.add(name)
-                if depth == 0:
-                    varying[name] = rows
-                elif len(levels[depth - 1].placements):
-                    placed = rows[levels[depth - 1].placements]
-                    shared.append(_Constant(name, placed[0]))
-                    bits = placed.view(np.uint32)
-                    self.variesAbove |= bool((bits != bits[0]).any())
+                first = _Constant(name, rows[placements[0]])
+                if _AreEqualAt(rows, placements):
+                    shared.append(first)
+                elif _core.IsReadByPrim(name):
+                    if depth == 0:
+                        splitting[name] = rows
+                    else:
+                        shared.append(first)
+                        self.variesAbove = True
         self.groups = [(shared, instances)]
-        if varying:
-            self._Split(varying, shared, instances)
+        if splitting:
+            self._Split(splitting, shared, instances)
 
-    def _Split(self, varying, shared, instances):
-        bits = np.ascontiguousarray(np.concatenate([rows[instances] for rows in varying.values()], 1)).view(np.uint32)
+    def _Split(self, splitting, shared, instances):
+        bits = np.ascontiguousarray(np.concatenate([rows[instances] for rows in splitting.values()], 1)).view(np.uint32)
         _, firsts, groupByRank = np.unique(bits, axis=0, return_index=True, return_inverse=True)
         if len(firsts) > MAX_GROUPS:
             self.hasTooMany = True
-            self.groups = [([], instances)]
             return
         self.groups = []
         for group in np.argsort(firsts):
-            constants = [_Constant(name, rows[instances[firsts[group]]]) for name, rows in varying.items()]
+            constants = [_Constant(name, rows[instances[firsts[group]]]) for name, rows in splitting.items()]
             members = np.where(groupByRank.reshape(-1) == group, instances, np.int32(-1)).astype(np.int32)
             self.groups.append((constants + shared, members))
 
@@ -96,7 +115,7 @@ def _Constant(name, row):
 
 
 class InstanceLevels:
-    """All instancers of a translation; splits the gprims they place."""
+    """All instancers of a translation; adds what their prims have as constant primvars."""
 
     def __init__(self, translator, session):
         self._translator = translator
@@ -108,6 +127,12 @@ class InstanceLevels:
         self._levelByPath[path] = level
         self._hasValues |= bool(level.rowsByName)
 
+    def PrimvarsOf(self, path):
+        """What the core is told of an instancer: primvars that differ between its instances."""
+        return [_core.Primvar(name, _core.Interpolation.Instance, rows)
+                for name, rows in self._levelByPath[path].rowsByName.items()
+                if not _core.IsReadByPrim(name) and not AreEqual(rows)]
+
     def Split(self, path, prim, geometryPrim):
         """(path, GeometryPrim) for each group of instances of a gprim that have equal values."""
         where = geometryPrim.placement
@@ -117,11 +142,11 @@ class InstanceLevels:
         own = {primvar.name for primvar in geometryPrim.geometry.primvars}
         split = InstanceGroups(levels, where.instances, own)
         if split.hasTooMany:
-            self._session.Warn(where.instancerPath, "primvars per instance of more than 64 different values are "
-                                                    "not supported yet")
+            self._session.Warn(where.instancerPath, "more than 64 different values by instance of primvars that are "
+                                                    "read once a prim are not supported")
         if split.variesAbove:
-            self._session.Warn(path, "primvars that differ between instances of an outer instancer are not "
-                                     "supported yet; those of the first are used")
+            self._session.Warn(path, "primvars that are read once a prim differ between instances of an outer "
+                                     "instancer; those of the first are used")
         result = []
         for index, (constants, instances) in enumerate(split.groups):
             name = self._translator.ReservePath(prim, _FixedPath(f"{path}{{{index}}}")) if index else path
@@ -148,8 +173,8 @@ class _FixedPath:
         return self._path
 
 
-_SHARED_ATTRIBUTES = ("points", "faceVertexCounts", "faceVertexIndices", "holeIndices", "subdivisionScheme",
-                      "subdivTags", "leftHanded", "subsets")
+_SHARED_ATTRIBUTES = ("primitives", "points", "samples", "curves", "faceVertexCounts", "faceVertexIndices", "holeIndices",
+                      "subdivisionScheme", "subdivTags", "leftHanded", "subsets")
 
 
 def _Copy(geometryPrim, constants, instances):

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Native instances and point instancers as the core's instancers; never flattened.
 
-Native instances of one prototype that inherit the same values share an instancer, which takes the
-path of the first of them; what it places is translated once, from the instance proxies of that
+Native instances of one prototype share an instancer, which takes the path of the first of them, where
+they inherit the same but for primvars of one value each: these the core has by instance; what it places is translated once, from the instance proxies of that
 first instance. Instances in another context (below another instancer) get an instancer there.
 Prims below a point instancer are drawn as its prototypes only; prototypes elsewhere are drawn
 where they are as well, as UsdGeomPointInstancer says ("Processing and Not Processing Prototypes").
@@ -30,6 +30,7 @@ class Instancers:
         self._links = links
         self._reports = reports
         self._levels = InstanceLevels(translator, session)
+        self._differentBelow = {}  # path of a first instance -> names of primvars that its group has by instance
 
     def Split(self, path, prim, geometryPrim):
         """(path, GeometryPrim) for each group of a gprim's instances that have equal primvars."""
@@ -63,11 +64,14 @@ class Instancers:
         """Makes the instancer of native instances and translates what it places."""
         path = self._translator.ReservePath(group.firstPrim, context)
         inner = Context(path, group.VisibleIndices(), context.chain)
-        self._levels.Add(path, InstanceLevel(context.instancerPath, context.instances))
+        rowsByName = group.DifferentPrimvars()
+        self._levels.Add(path, InstanceLevel(context.instancerPath, context.instances, rowsByName))
+        if rowsByName:
+            self._differentBelow[group.firstPrim.GetPath()] = rowsByName.keys()
         state = State()
         state.purpose = group.state.purpose
         state.isPurposeAuthored = group.state.isPurposeAuthored
-        state.primvars = group.state.primvars
+        state.primvars = {name: entry for name, entry in group.FirstPrimvars().items() if name not in rowsByName}
         state.bindings = group.state.bindings
         state.hasCollections = group.state.hasCollections
         self._translator.Walk(group.firstPrim.GetFilteredChildren(inner.predicate), state, inner)
@@ -79,6 +83,7 @@ class Instancers:
         instancer = _core.InstancerPrim(placement)
         instancer.instanceTransforms = transforms
         instancer.samples = samples
+        instancer.primvars = self._levels.PrimvarsOf(path)
         context.isPlacing = True
         self._session.SetInstancer(path, instancer)
 
@@ -130,7 +135,7 @@ class Instancers:
         else:
             state.purpose = instancerState.purpose
             state.isPurposeAuthored = instancerState.isPurposeAuthored
-        state.primvars = primvars.InheritableAbove(root, self._timeCode)
+        state.primvars = primvars.InheritableAbove(root, self._timeCode, self._differentBelow)
         ancestor = root.GetParent()
         chain = []
         while ancestor and not ancestor.IsPseudoRoot():

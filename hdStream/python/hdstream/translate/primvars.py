@@ -13,6 +13,7 @@ from hdstream import _core
 
 PREFIX = "primvars:"
 _INDICES = ":indices"
+_KARMA_VISIBILITY = PREFIX + _core.KARMA_VISIBILITY  # a text
 # Read by systems that the renderer does not have; large and of no use to it.
 _SKIPPED = ("primvars:skel:",)
 # USD's: "instance" is Hydra's alone.
@@ -67,7 +68,10 @@ def ReadPrimvar(prim, name, names, timeCode):
     attribute = prim.GetAttribute(name)
     if not attribute:
         return None
-    rows = FloatRows(attribute.Get(timeCode), attribute)
+    value = attribute.Get(timeCode)
+    if name == _KARMA_VISIBILITY and isinstance(value, str):
+        value = _core.KarmaVisibilityNumber(value)
+    rows = FloatRows(value, attribute)
     interpolation = INTERPOLATIONS.get(attribute.GetMetadata("interpolation") or "constant")
     if rows is None or interpolation is None:
         return None
@@ -96,8 +100,9 @@ def InheritFrom(prim, names, inherited, timeCode):
     return result
 
 
-def InheritableAbove(prim, timeCode):
-    """The primvars that `prim` inherits from its namespace ancestors, for a traversal from it."""
+def InheritableAbove(prim, timeCode, endsByPath):
+    """The primvars that `prim` inherits from its namespace ancestors, for a traversal from it; endsByPath: names
+    that are not inherited from ancestors of a path and the prim there."""
     ancestors = []
     parent = prim.GetParent()
     while parent and not parent.IsPseudoRoot():
@@ -106,6 +111,9 @@ def InheritableAbove(prim, timeCode):
     inherited = {}
     for ancestor in reversed(ancestors):
         inherited = InheritFrom(ancestor, ancestor.GetAuthoredPropertyNames(), inherited, timeCode)
+        ended = endsByPath.get(ancestor.GetPath())
+        if ended:
+            inherited = {name: entry for name, entry in inherited.items() if name not in ended}
     return inherited
 
 
