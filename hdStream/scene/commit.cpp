@@ -90,6 +90,7 @@ public:
         _result->hasClosures = HasClosures(_result->programs);
         _result->lobes = _materials.lobes;
         _result->hasMedia = _materials.hasMedia;
+        _result->hasHair = _materials.hasHair;
         OffsetPositions(&_result->programs, HDS_SPACE_WORLD,
                         {static_cast<float>(_result->centre.x),
                          static_cast<float>(_result->centre.y),
@@ -222,7 +223,8 @@ private:
         leaf.prim = index;
         const std::uint32_t seenBy = RayVisibilityFlags(prim.geometry->primvars);
         _result->hasRayVisibility = _result->hasRayVisibility || seenBy != HDS_INSTANCE_SEEN;
-        leaf.flags = seenBy | (mayPass ? HDS_INSTANCE_CUTOUT : 0U);
+        leaf.flags =
+            seenBy | (mayPass ? HDS_INSTANCE_CUTOUT : 0U) | (info.isHair ? HDS_INSTANCE_FIBRE : 0U);
         leaf.origin = prepared.origin;
         leaf.bounds = prepared.bounds;
         leaf.worldInstance = info.isEmissive;
