@@ -144,6 +144,7 @@ struct PathTracer::Impl {
         features.mattes = options.aovs.hasMattes;
         features.pathLimits = options.HasPathLimits();
         features.media = scene->hasMedia;
+        features.hair = scene->hasHair;
         features.volumes = !scene->volumes.volumes.empty();
         features.lightPaths = NumLightPathSums(options.aovs.lightPaths.size());
         features.numPools = buffers.NumPoolBuffers() > 1 ? kMaxPoolBuffers : 1;

@@ -93,6 +93,7 @@ public:
         _result->hasClosures = HasClosures(_result->programs);
         _result->lobes = _materials.lobes;
         _result->hasMedia = _materials.hasMedia;
+        _result->hasHair = _materials.hasHair;
         OffsetPositions(&_result->programs, HDS_SPACE_WORLD,
                         {static_cast<float>(_result->centre.x),
                          static_cast<float>(_result->centre.y),
@@ -232,7 +233,8 @@ private:
         }
         _result->hasRayVisibility = _result->hasRayVisibility || seenBy != HDS_INSTANCE_SEEN;
         _result->hasCatchers = _result->hasCatchers || (seenBy & HDS_INSTANCE_CATCHER) != 0;
-        leaf.flags = seenBy | (mayPass ? HDS_INSTANCE_CUTOUT : 0U);
+        leaf.flags =
+            seenBy | (mayPass ? HDS_INSTANCE_CUTOUT : 0U) | (info.isHair ? HDS_INSTANCE_FIBRE : 0U);
         leaf.origin = prepared.origin;
         leaf.bounds = prepared.bounds;
         leaf.worldInstance = info.isEmissive;

@@ -142,6 +142,7 @@ struct CommittedScene {
     std::uint32_t lobes = 0;       ///< HDS_LOBE_* of layered surfaces
     bool hasGroups = false;        ///< instances below instances
     bool hasCurves = false;        ///< or points
+    bool hasHair = false;          ///< some material is hair
     bool hasMedia = false;         ///< some material scatters light below its surface
     bool hasRayVisibility = false; ///< some prim is not seen by all rays, or is held out
     bool hasCatchers = false;      ///< some prim shows only what others do to its light

@@ -191,6 +191,8 @@ PrimMaterialInfo MaterialCommit::AddPrim(const std::string& path, const Geometry
         record.flags |= prim.light ? HDS_MATERIAL_EMISSIVE : 0U;
         lobes |= record.lobes;
         hasMedia = hasMedia || (record.flags & HDS_MATERIAL_MEDIUM) != 0;
+        hasHair = hasHair || (record.flags & HDS_MATERIAL_HAIR) != 0;
+        info.isHair = info.isHair || (record.flags & HDS_MATERIAL_HAIR) != 0;
         info.hasCutouts = info.hasCutouts || (record.flags & HDS_MATERIAL_CUTOUT) != 0;
         info.isEmissive = info.isEmissive || (record.flags & HDS_MATERIAL_EMISSIVE) != 0;
         primMaterials.push_back(AddRecord(record));

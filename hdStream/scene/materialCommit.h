@@ -25,6 +25,7 @@ struct PrimMaterialInfo {
     std::vector<MaterialEntryInfo> entries;
     bool hasCutouts = false; ///< some entry may let rays pass
     bool isEmissive = false; ///< some entry emits
+    bool isHair = false;     ///< some entry is hair
 };
 
 /// A compiled material and what it was made of.
@@ -74,6 +75,7 @@ public:
     std::uint32_t maxLookups = 0;          ///< of textures in one program
     std::uint32_t lobes = 0;               ///< HDS_LOBE_* of all materials
     bool hasMedia = false;                 ///< some material has HDS_MATERIAL_MEDIUM
+    bool hasHair = false;                  ///< some material has HDS_MATERIAL_HAIR
 
 private:
     std::uint32_t AddRecord(const shared::HdsMaterial& record);

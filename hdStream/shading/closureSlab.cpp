@@ -66,13 +66,14 @@ bool HasNone(const LayeredMaterial& layered, std::initializer_list<std::uint32_t
 bool IsNothing(const LayeredMaterial& layered) {
     return HasNone(layered, {HDS_INPUT_DIFFUSE_COLOR, HDS_INPUT_TRANSLUCENCY, HDS_INPUT_METALLIC,
                              HDS_INPUT_TRANSMISSION, HDS_INPUT_SHEEN, HDS_INPUT_SPECULAR_WEIGHT,
-                             HDS_INPUT_CLEARCOAT, HDS_INPUT_SUBSURFACE});
+                             HDS_INPUT_CLEARCOAT, HDS_INPUT_SUBSURFACE, HDS_INPUT_HAIR});
 }
 
 /// Diffuse reflection and transmission, and nothing else.
 bool IsDiffuse(const LayeredMaterial& layered) {
-    return HasNone(layered, {HDS_INPUT_SPECULAR_WEIGHT, HDS_INPUT_METALLIC, HDS_INPUT_TRANSMISSION,
-                             HDS_INPUT_SHEEN, HDS_INPUT_CLEARCOAT, HDS_INPUT_SUBSURFACE});
+    return HasNone(layered,
+                   {HDS_INPUT_SPECULAR_WEIGHT, HDS_INPUT_METALLIC, HDS_INPUT_TRANSMISSION,
+                    HDS_INPUT_SHEEN, HDS_INPUT_CLEARCOAT, HDS_INPUT_SUBSURFACE, HDS_INPUT_HAIR});
 }
 
 /// A reflection that lets through what it does not reflect.
@@ -204,6 +205,9 @@ bool TryMergeGlass(const ClosureSlab& glass, const ClosureSlab& other, ClosureSl
 
 /// Makes one of a slab and another, where one layered surface has both.
 bool TryMerge(const ClosureSlab& other, ClosureSlab* slab) {
+    if (Has(other.layered, HDS_INPUT_HAIR) || Has(slab->layered, HDS_INPUT_HAIR)) {
+        return false;
+    }
     return TryMergeDiffuse(other, slab) || TryMergeMetal(*slab, other, slab) ||
            TryMergeMetal(other, *slab, slab) || TryMergeGlass(*slab, other, slab) ||
            TryMergeGlass(other, *slab, slab) || TryMergeSubsurface(*slab, other, slab) ||
@@ -244,11 +248,20 @@ void FoldFactor(ClosureSlab* slab) {
             value = Multiply(value, slab->factor, 3);
         }
     }
+    if (Has(slab->layered, HDS_INPUT_HAIR)) {
+        for (const std::uint32_t input :
+             {HDS_INPUT_HAIR_TINT_R, HDS_INPUT_HAIR_TINT_TT, HDS_INPUT_HAIR_TINT_TRT}) {
+            slab->layered.values[input] = Multiply(ValueOf(slab->layered, input), slab->factor, 3);
+        }
+    }
     slab->factor = One();
 }
 
 /// Whether FoldFactor leaves the slab as it is.
 bool IsFoldable(const ClosureSlab& slab) {
+    if (Has(slab.layered, HDS_INPUT_HAIR)) {
+        return true;
+    }
     if (!IsConstant(slab.factor) ||
         !HasNone(slab.layered, {HDS_INPUT_METALLIC, HDS_INPUT_CLEARCOAT, HDS_INPUT_SUBSURFACE})) {
         return false;
@@ -293,6 +306,10 @@ void SetSheen(const ClosureSlab& top, bool isOverAll, ClosureSlab* slab) {
 ClosureSlabs LayerOne(const ClosureSlab& top, ClosureSlab base, const ClosureWarning& warn) {
     const LayeredMaterial& below = base.layered;
     if (IsNothing(top.layered)) {
+        return {base};
+    }
+    if (Has(below, HDS_INPUT_HAIR)) {
+        warn("what lies on hair is left out");
         return {base};
     }
     if (!below.values[HDS_INPUT_NORMAL]) {

@@ -7,6 +7,7 @@
 #include "hdStream/shading/shaderNodes.h"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <string_view>
 #include <utility>
@@ -124,6 +125,39 @@ public:
         layered.values[HDS_INPUT_SHEEN_ROUGHNESS] = Scalar(node, "roughness", 0.3F);
         layered.values[HDS_INPUT_NORMAL] = EvaluateNormal(_network, node, "normal");
         layered.flags |= _network.Text(node, "mode") == "zeltner" ? HDS_MATERIAL_FUZZ : 0U;
+        return {slab};
+    }
+    ClosureSlabs ChiangHair(const MaterialNode& node) {
+        ClosureSlab slab;
+        slab.share = MakeScalar(1.0F);
+        slab.factor = MakeScalar(1.0F);
+        LayeredMaterial& layered = slab.layered;
+        layered.flags |= HDS_MATERIAL_HAIR;
+        layered.values[HDS_INPUT_HAIR] = MakeScalar(1.0F);
+        layered.values[HDS_INPUT_HAIR_TINT_R] = Color(node, "tint_R", 1.0F);
+        layered.values[HDS_INPUT_HAIR_TINT_TT] = Color(node, "tint_TT", 1.0F);
+        layered.values[HDS_INPUT_HAIR_TINT_TRT] = Color(node, "tint_TRT", 1.0F);
+        layered.values[HDS_INPUT_IOR] = Scalar(node, "ior", 1.55F);
+        const std::array<ShaderValue, 3> roughness = {
+            _network.EvaluateOr(node, "roughness_R", {0.1F, 0.1F}, 2),
+            _network.EvaluateOr(node, "roughness_TT", {0.05F, 0.05F}, 2),
+            _network.EvaluateOr(node, "roughness_TRT", {0.2F, 0.2F}, 2)};
+        const auto channels = [&](std::uint32_t k) {
+            return MakeMath(HDS_MATH_COMBINE,
+                            {SelectChannel(roughness[0], k), SelectChannel(roughness[1], k),
+                             SelectChannel(roughness[2], k), MakeScalar(0.0F)},
+                            4);
+        };
+        layered.values[HDS_INPUT_HAIR_VARIANCE] = channels(0);
+        layered.values[HDS_INPUT_HAIR_SCALE] = channels(1);
+        layered.values[HDS_INPUT_HAIR_CUTICLE_ANGLE] = Scalar(node, "cuticle_angle", 0.5F);
+        layered.values[HDS_INPUT_HAIR_ABSORPTION] =
+            _network.EvaluateOr(node, "absorption_coefficient", {}, 3);
+        layered.values[HDS_INPUT_NORMAL] = EvaluateNormal(_network, node, "normal");
+        if (node.connections.count("curve_direction") == 0 ||
+            !IsSurfaces(_network, node, "curve_direction")) {
+            layered.values[HDS_INPUT_HAIR_DIRECTION] = _network.Evaluate(node, "curve_direction");
+        }
         return {slab};
     }
     ClosureSlabs Layer(const MaterialNode& node) {
@@ -299,6 +333,7 @@ constexpr BsdfType kBsdfs[] = {
     {"ND_conductor_bsdf", &ClosureReader::Conductor},
     {"ND_generalized_schlick_bsdf", &ClosureReader::GeneralizedSchlick},
     {"ND_sheen_bsdf", &ClosureReader::Sheen},
+    {"ND_chiang_hair_bsdf", &ClosureReader::ChiangHair},
     {"ND_layer_bsdf", &ClosureReader::Layer},
     {"ND_layer_vdf", &ClosureReader::LayerMedium},
     {"ND_mix_bsdf", &ClosureReader::MixBsdf},

@@ -40,21 +40,6 @@ void WarnOf(NetworkEvaluator& network, const MaterialNode& node, const std::stri
     network.Warn(input + " of " + node.path + ": " + what);
 }
 
-/// Whether a normal or tangent is not connected, or connected to the surface's own, as exporters do
-/// that connect all.
-bool IsSurfaces(const NetworkEvaluator& network, const MaterialNode& node,
-                const std::string& input) {
-    if (node.connections.count(input) == 0) {
-        return true;
-    }
-    const MaterialNode* source = network.FindSource(node, input);
-    while (source != nullptr && source->identifier == "ND_normalize_vector3") {
-        source = network.FindSource(*source, "in");
-    }
-    return source != nullptr && (source->identifier == "ND_normal_vector3" ||
-                                 source->identifier == "ND_tangent_vector3");
-}
-
 /// Reads one surface shader.
 class ModelReader {
 public:
@@ -471,6 +456,19 @@ const Model* FindModel(std::string_view identifier) {
 
 } // namespace
 
+bool IsSurfaces(const NetworkEvaluator& network, const MaterialNode& node,
+                const std::string& input) {
+    if (node.connections.count(input) == 0) {
+        return true;
+    }
+    const MaterialNode* source = network.FindSource(node, input);
+    while (source != nullptr && source->identifier == "ND_normalize_vector3") {
+        source = network.FindSource(*source, "in");
+    }
+    return source != nullptr && (source->identifier == "ND_normal_vector3" ||
+                                 source->identifier == "ND_tangent_vector3");
+}
+
 ShaderValue EvaluateNormal(NetworkEvaluator& network, const MaterialNode& node,
                            const std::string& input) {
     const MaterialNode* source = network.FindSource(node, input);
@@ -498,6 +496,9 @@ void FinishLayered(LayeredMaterial* material) {
                       (has(HDS_INPUT_TRANSLUCENCY) || (material->flags & HDS_MATERIAL_MEDIUM) != 0
                            ? HDS_LOBE_TRANSLUCENCY
                            : 0U);
+    if (values[HDS_INPUT_HAIR] && IsAll(values[HDS_INPUT_HAIR], 1.0F)) {
+        material->lobes = 0; // nothing else, whatever is chosen
+    }
     // What belongs to lobes that are not there would only make programs longer.
     const auto drop = [&](std::uint32_t lobe, std::initializer_list<std::uint32_t> inputs) {
         for (const std::uint32_t input : inputs) {

@@ -19,6 +19,11 @@ struct LayeredMaterial {
     std::uint32_t lobes = 0;                                ///< HDS_LOBE_*
 };
 
+/// Whether a normal or tangent is not connected, or connected to the surface's own, as exporters do
+/// that connect all.
+bool IsSurfaces(const NetworkEvaluator& network, const MaterialNode& node,
+                const std::string& input);
+
 /// Normal maps and bumps count, which are in tangent space; of others, which warn, and of none it
 /// is empty: the surface's own.
 ShaderValue EvaluateNormal(NetworkEvaluator& network, const MaterialNode& node,

@@ -468,7 +468,8 @@ ResolvedMaterial ResolveMaterial(const CompiledMaterial& material,
             std::any_of(inputs.begin(), inputs.end(), [](const ProgramInput& one) {
                 return one.input == HDS_INPUT_NORMAL && HasSlope(one.value);
             });
-        if (hasSlope || (result.record.lobes & HDS_LOBE_ANISOTROPY) != 0) {
+        if (hasSlope || (result.record.lobes & HDS_LOBE_ANISOTROPY) != 0 ||
+            (result.record.flags & HDS_MATERIAL_HAIR) != 0) {
             // Coordinates that are the same all over a prim have no tangents.
             const std::vector<AttributeName> none;
             const SlotFinder findOwn(attributes, none, primPath, warnings);

@@ -30,7 +30,8 @@ std::set<std::string> PrimvarsOf(const CompiledMaterial& material) {
         AddPrimvars(value, &visited, &names);
     }
     const ShaderValue& normal = material.values[HDS_INPUT_NORMAL];
-    if ((material.constants.lobes & HDS_LOBE_ANISOTROPY) != 0 || (normal && HasSlope(normal))) {
+    if ((material.constants.lobes & HDS_LOBE_ANISOTROPY) != 0 ||
+        (material.constants.flags & HDS_MATERIAL_HAIR) != 0 || (normal && HasSlope(normal))) {
         names.insert(kTangentPrimvars.begin(), kTangentPrimvars.end());
     }
     if (!material.displacement.primvar.empty()) {

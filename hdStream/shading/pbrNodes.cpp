@@ -80,6 +80,73 @@ public:
             math(HDS_MATH_DIVIDE, squared, math(HDS_MATH_SUBTRACT, one, r));
         return MakeMath(HDS_MATH_SQRT, {math(HDS_MATH_MAX, quotient, MakeScalar(0.0F))}, 3);
     }
+
+    /// Longitudinal variance and azimuthal scale of hair. Chiang et al. 2016, eqs. 7 and 8; the
+    /// factors of the lobes are Marschner's et al. 2003.
+    ShaderValue HairRoughness() {
+        const auto polynomial = [](const ShaderValue& x, float linear, float square, float high,
+                                   float exponent) {
+            const ShaderValue sum = Scalar(HDS_MATH_ADD, Product(MakeScalar(linear), x),
+                                           Product(MakeScalar(square), Product(x, x)));
+            return Scalar(
+                HDS_MATH_ADD, sum,
+                Product(MakeScalar(high), Scalar(HDS_MATH_POWER, x, MakeScalar(exponent))));
+        };
+        const auto limited = [](const ShaderValue& x) {
+            return ClampTo(x, MakeScalar(0.001F), MakeScalar(1.0F), 1);
+        };
+        const ShaderValue deviation =
+            polynomial(limited(In("longitudinal", 0.1F)), 0.726F, 0.812F, 3.7F, 20.0F);
+        const ShaderValue scale =
+            polynomial(limited(In("azimuthal", 0.2F)), 0.265F, 1.194F, 5.372F, 22.0F);
+        ShaderValue factor = MakeScalar(1.0F);
+        if (_output == "roughness_TT") {
+            factor = In("scale_TT", 0.5F);
+        } else if (_output == "roughness_TRT") {
+            factor = In("scale_TRT", 2.0F);
+        }
+        const ShaderValue scaled = Product(deviation, factor);
+        return Pair(Product(scaled, scaled), scale);
+    }
+
+    /// Chiang et al. 2016, eq. 9: the absorption whose many times scattered light has a colour.
+    ShaderValue HairAbsorptionOfColor() {
+        const ShaderValue roughness = In("azimuthal_roughness", 0.2F);
+        ShaderValue divisor = MakeScalar(0.245F);
+        for (const float coefficient : {5.574F, -10.73F, 2.532F, -0.215F, 5.969F}) {
+            divisor = Scalar(HDS_MATH_ADD, MakeScalar(coefficient), Product(divisor, roughness));
+        }
+        const ShaderValue color = ClampTo(Vector("color", {1.0F, 1.0F, 1.0F, 1.0F}, 3),
+                                          MakeScalar(0.001F), MakeScalar(1.0F), 3);
+        const ShaderValue root =
+            MakeMath(HDS_MATH_DIVIDE, {MakeMath(HDS_MATH_LN, {color}, 3), divisor}, 3);
+        return MakeMath(HDS_MATH_MULTIPLY, {root, root}, 3);
+    }
+
+    /// d'Eon et al. 2011, section 6.1: both melanins by their concentration.
+    ShaderValue HairAbsorptionOfMelanin() {
+        const auto absorption = [](const ShaderValue& color) {
+            return MakeMath(HDS_MATH_SUBTRACT,
+                            {MakeScalar(0.0F), MakeMath(HDS_MATH_LN, {color}, 3)}, 3);
+        };
+        const ShaderValue one = MakeScalar(1.0F);
+        const ShaderValue left =
+            Scalar(HDS_MATH_MAX, Scalar(HDS_MATH_SUBTRACT, one, In("melanin_concentration", 0.25F)),
+                   MakeScalar(1e-4F));
+        const ShaderValue melanin =
+            Scalar(HDS_MATH_SUBTRACT, MakeScalar(0.0F), MakeMath(HDS_MATH_LN, {left}, 1));
+        const ShaderValue redness = In("melanin_redness", 0.5F);
+        const auto amount = [&](const ShaderValue& share, const ShaderValue& color) {
+            return MakeMath(HDS_MATH_MULTIPLY, {Product(melanin, share), absorption(color)}, 3);
+        };
+        const ShaderValue dark =
+            amount(Scalar(HDS_MATH_SUBTRACT, one, redness),
+                   Vector("eumelanin_color", {0.657704F, 0.498077F, 0.254107F, 1.0F}, 3));
+        const ShaderValue red =
+            amount(redness, Vector("pheomelanin_color", {0.829444F, 0.67032F, 0.349938F, 1.0F}, 3));
+        return MakeMath(HDS_MATH_MAX, {MakeMath(HDS_MATH_ADD, {dark, red}, 3), MakeScalar(0.0F)},
+                        3);
+    }
 };
 
 constexpr PatternType kTypes[] = {
@@ -88,6 +155,9 @@ constexpr PatternType kTypes[] = {
     {"glossiness_anisotropy", kPattern<&PbrNode::GlossinessAnisotropy>},
     {"open_pbr_anisotropy", kPattern<&PbrNode::OpenPbrAnisotropy>},
     {"artistic_ior", kPattern<&PbrNode::ArtisticIor>},
+    {"chiang_hair_roughness", kPattern<&PbrNode::HairRoughness>},
+    {"chiang_hair_absorption_from_color", kPattern<&PbrNode::HairAbsorptionOfColor>},
+    {"deon_hair_absorption_from_melanin", kPattern<&PbrNode::HairAbsorptionOfMelanin>},
 };
 
 } // namespace

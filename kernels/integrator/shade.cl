@@ -45,6 +45,7 @@
 /* clang-format on */
 #include "integrator/shadeBatch.clh"
 #endif
+#include "integrator/shadeHair.clh"
 #include "integrator/shadeHits.clh"
 #if HDS_FEATURE_MEDIA
 #include "integrator/shadeMedium.clh"
@@ -222,6 +223,15 @@ void shade_path(constant const HdsFrameParams* frame, const HdsSceneView* scene,
         shade_end(scene, &lit, result, paths, lists);
         return;
     }
+#if HDS_FEATURE_HAIR
+    if (scatter.bsdf.isHair != 0u) {
+        shadeHair_scatter(frame, scene, &scatter, &lit, paths, lists);
+#if HDS_FEATURE_PATH_LIMITS
+        path->limits.hasClamped = lit.limits.hasClamped && !lit.isMissing;
+#endif
+        return;
+    }
+#endif
 #if HDS_FEATURE_MEDIA
     shade_setMedia(scene, at, &scatter, &lit);
 #endif

@@ -8,7 +8,7 @@
 #include "shared/compat.h"
 
 /* HDS_INPUT_*: indices of inputs. Those below HDS_NUM_INPUTS are in the record, each a float4
- * constant with scalars in x; those above are of layered surfaces alone. */
+ * constant with scalars in x; those above are of layered surfaces and hair alone. */
 enum {
 #define HDS_PREVIEW_INPUT(NAME, name, components, x, y, z, w) HDS_INPUT_##NAME,
 #define HDS_LAYERED_INPUT(NAME, name, components, x, y, z, w) HDS_INPUT_##NAME,
@@ -32,6 +32,7 @@ enum {
 #define HDS_MATERIAL_COMPUTES 512u    /* its program does more than add and multiply */
 #define HDS_MATERIAL_PRESENCE 1024u   /* opacityMode presence */
 #define HDS_MATERIAL_MEDIUM 2048u     /* light is scattered below the surface */
+#define HDS_MATERIAL_HAIR 4096u       /* hair, or hair by chance (HDS_INPUT_HAIR) */
 
 /* HdsMaterial.lobes: what a layered surface is made of; 0: a UsdPreviewSurface. HDS_LOBES is the
  * union over a scene: what is not in it is not compiled. */

@@ -14,7 +14,7 @@ pytest.importorskip("hdstream._core")
 import numpy as np
 import ours
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, Vt
-from stages import author, lightCases, materialCases, materialX, media, shapes, textured
+from stages import author, hair, lightCases, materialCases, materialX, media, shapes, textured
 
 KERNELS = pathlib.Path(__file__).resolve().parents[2] / "kernels"
 _AOVS = ("color", "alpha", "variance")
@@ -136,7 +136,27 @@ def _Nested(path) -> None:
     stage.GetRootLayer().Save()
 
 
-@pytest.mark.parametrize("write", [_EveryLight, _Layered, _Media, _Textured, _ManyLights, _Nested], ids=lambda write: write.__name__[1:])
+def _Hair(path) -> None:
+    """Hair, which takes the form of one path, between layered and plain surfaces, and one of both by chance."""
+    stage = author.NewStage(path)
+    materialX.UsdShade.Material.Define(stage, "/World/Looks")
+    author.AddMesh(stage, "/World/Ground", shapes.Plane(24, 24), color=(0.3, 0.3, 0.3), translate=(0, -1.6, 0))
+    look = hair.AddHair(stage, "/World/Looks/Hair", hair.OfDisplayColor(stage, "/World/Looks/Colour"), cuticle=0.52)
+    colours = np.random.default_rng(1).uniform(0.1, 1.0, (300, 3))
+    hair.AddBall(stage, "/World/Ball", look, 300, (-1.2, 0, 0), colours)
+    both = hair.AddHair(stage, "/World/Looks/Both", (0.2, 0.4, 0.8))
+    node = materialX.UsdShade.Shader.Get(stage, "/World/Looks/Both/Hair"), "out"
+    diffuse = materialX.AddNode(stage, "/World/Looks/Both/Diffuse", "ND_oren_nayar_diffuse_bsdf", Sdf.ValueTypeNames.Token)
+    mixed = materialX.AddNode(stage, "/World/Looks/Both/Mix", "ND_mix_bsdf", Sdf.ValueTypeNames.Token, fg=node, bg=diffuse, mix=0.6)
+    materialX.AddSurface(stage, "/World/Looks/Both", "ND_surface", bsdf=mixed)
+    author.AddMesh(stage, "/World/Shell", shapes.Sphere(0.8, 24, 48), material=both, translate=(1.4, -0.6, 0))
+    author.AddLight(stage, "/World/Key", "Rect", dict(translate=(-4, 5, 5), rotate=(-40, -38, 0)), width=2.5, height=2.5, intensity=16.0)
+    author.AddLight(stage, "/World/Sky", "Dome", intensity=0.25)
+    author.AddCamera(stage, eye=(0, 1.1, 6.6), target=(0, -0.3, 0), focalLength=40.0)
+    stage.GetRootLayer().Save()
+
+
+@pytest.mark.parametrize("write", [_EveryLight, _Layered, _Media, _Hair, _Textured, _ManyLights, _Nested], ids=lambda write: write.__name__[1:])
 def test_form_does_not_matter(write, Kernels, tmp_path):
     path = f"{tmp_path}/stage.usda"
     write(path)

@@ -7,7 +7,7 @@ import pytest
 pytest.importorskip("hdstream._core")
 
 from pxr import UsdGeom
-from stages import author, curves, shapes
+from stages import author, curves, hair, shapes
 from streamCase import Case
 
 
@@ -40,6 +40,23 @@ def Scene(tmp_path_factory):
 def test_any_pool_gives_the_same_bits(Scene, pool):
     geometry = Scene.AssertStreams(geometryMemory=pool)
     assert geometry["curves"] == 300 + 40 and geometry["points"] == 300
+
+
+@pytest.fixture(scope="module")
+def Hair(tmp_path_factory):
+    path = str(tmp_path_factory.mktemp("hair") / "stage.usda")
+    stage = author.NewStage(path)
+    curves.AddLightsAndGround(stage, 12.0, -1.6)
+    look = hair.AddHair(stage, "/World/Look", hair.OfMelanin(stage, "/World/Melanin", 0.3, 0.7), cuticle=0.52)
+    hair.AddBall(stage, "/World/Hair", look, 400, (0, 0, 0))
+    author.AddCamera(stage, eye=(0, 0.9, 5.6), target=(0, -0.1, 0), focalLength=45.0, width=36.0)
+    stage.GetRootLayer().Save()
+    return Case(path).RenderResident()
+
+
+@pytest.mark.parametrize("settings", [{}, dict(traversal="scalar"), dict(request="first")], ids=["simd8", "scalar", "report"])
+def test_hair_streams(Hair, settings):
+    Hair.AssertStreams(geometryMemory="15%", **settings)
 
 
 def test_scalar_traversal_gives_the_same_bits(Scene):
