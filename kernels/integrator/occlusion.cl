@@ -76,6 +76,9 @@ void occlusion_step(constant const HdsFrameParams* frame, const HdsSceneView* sc
     HdsShadingPoint shading;
     HdsBsdf bsdf;
     surfaceHit_load(scene, &hit, path_time(paths, i), &surface);
+    if (!isCamera && (surfaceHit_material(scene, &surface)->flags & HDS_MATERIAL_CUTOUT) == 0u) {
+        return; /* occluded, whatever its textures */
+    }
 #if HDS_FEATURE_TEXTURES
     HdsRayCones cones;
     cones.pair = path_load_cones(paths, i);

@@ -17,6 +17,7 @@ SETS = {
     "first hits": ("depth", "normal", "position", "albedo", "primId"),
     "crypto_object": ("crypto_object",),
     "three Cryptomattes": ("crypto_object", "crypto_material", "crypto_instance"),
+    "ambient occlusion": ("ambientOcclusion",),
     "one lpe": ("diffuse",),
     "four lobes": ("emission", "diffuse", "specular", "transmission"),
     "nine lpe": ("emission", "directDiffuse", "indirectDiffuse", "directSpecular", "indirectSpecular", "directTransmission",

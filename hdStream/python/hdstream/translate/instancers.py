@@ -2,8 +2,9 @@
 """Native instances and point instancers as the core's instancers; never flattened.
 
 Native instances of one prototype share an instancer, which takes the path of the first of them, where
-they inherit the same but for primvars of one value each: these the core has by instance; what it places is translated once, from the instance proxies of that
-first instance. Instances in another context (below another instancer) get an instancer there.
+they inherit the same but for primvars of one value each: these the core has by instance. What it places
+is translated once, from the instance proxies of that first instance. Instances in another context
+(below another instancer) get an instancer there.
 Prims below a point instancer are drawn as its prototypes only; prototypes elsewhere are drawn
 where they are as well, as UsdGeomPointInstancer says ("Processing and Not Processing Prototypes").
 """
