@@ -263,11 +263,15 @@ def test_a_factor_is_that_of_the_tints(tmp_path):
     assert byFactor.layers["color"].tobytes() == byTints.layers["color"].tobytes()
 
 
-def test_a_mix_with_another_closure_is_the_mean_of_both(tmp_path):
+@pytest.mark.parametrize("other", ["diffuse", "nothing"])
+def test_a_mix_with_another_closure_is_the_mean_of_both(tmp_path, other):
     def Mix(share):
-        return _Closure(lambda stage, hair: AddNode(stage, "/World/Look/Mix", "ND_mix_bsdf", _T.Token, fg=hair, bg=_Diffuse(stage), mix=share))
+        def Build(stage, hair):
+            background = dict(bg=_Diffuse(stage)) if other == "diffuse" else {}
+            return AddNode(stage, "/World/Look/Mix", "ND_mix_bsdf", _T.Token, fg=hair, mix=share, **background)
+        return _Closure(Build)
 
-    settings = dict(samples=1024, maxDepth=1)
+    settings = dict(samples=1024, maxDepth=0)
     half = _Picture(tmp_path, "half", Mix(0.5), **settings)
     # Light that is scattered once is linear in the closure.
     hair, diffuse = (_Picture(tmp_path, str(share), Mix(share), **settings).rgb for share in (1.0, 0.0))
