@@ -71,9 +71,8 @@ bool IsNothing(const LayeredMaterial& layered) {
 
 /// Diffuse reflection and transmission, and nothing else.
 bool IsDiffuse(const LayeredMaterial& layered) {
-    return HasNone(layered,
-                   {HDS_INPUT_SPECULAR_WEIGHT, HDS_INPUT_METALLIC, HDS_INPUT_TRANSMISSION,
-                    HDS_INPUT_SHEEN, HDS_INPUT_CLEARCOAT, HDS_INPUT_SUBSURFACE, HDS_INPUT_HAIR});
+    return HasNone(layered, {HDS_INPUT_SPECULAR_WEIGHT, HDS_INPUT_METALLIC, HDS_INPUT_TRANSMISSION,
+                             HDS_INPUT_SHEEN, HDS_INPUT_CLEARCOAT, HDS_INPUT_SUBSURFACE});
 }
 
 /// A reflection that lets through what it does not reflect.

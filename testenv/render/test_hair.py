@@ -11,7 +11,7 @@ import ours
 from cardStrip import Strip
 from pxr import Sdf, UsdShade, Vt
 from stages import author, curves, shapes
-from stages.hair import AddHair, OfColor, OfDisplayColor
+from stages.hair import AddHair, OfColor, OfDisplayColor, OfMelanin
 from stages.materialX import AddNode, AddSurface
 
 _T = Sdf.ValueTypeNames
@@ -263,11 +263,15 @@ def test_a_factor_is_that_of_the_tints(tmp_path):
     assert byFactor.layers["color"].tobytes() == byTints.layers["color"].tobytes()
 
 
-def test_a_mix_with_another_closure_is_the_mean_of_both(tmp_path):
+@pytest.mark.parametrize("other", ["diffuse", "nothing"])
+def test_a_mix_with_another_closure_is_the_mean_of_both(tmp_path, other):
     def Mix(share):
-        return _Closure(lambda stage, hair: AddNode(stage, "/World/Look/Mix", "ND_mix_bsdf", _T.Token, fg=hair, bg=_Diffuse(stage), mix=share))
+        def Build(stage, hair):
+            background = dict(bg=_Diffuse(stage)) if other == "diffuse" else {}
+            return AddNode(stage, "/World/Look/Mix", "ND_mix_bsdf", _T.Token, fg=hair, mix=share, **background)
+        return _Closure(Build)
 
-    settings = dict(samples=1024, maxDepth=1)
+    settings = dict(samples=1024, maxDepth=0)
     half = _Picture(tmp_path, "half", Mix(0.5), **settings)
     # Light that is scattered once is linear in the closure.
     hair, diffuse = (_Picture(tmp_path, str(share), Mix(share), **settings).rgb for share in (1.0, 0.0))
@@ -406,3 +410,48 @@ def test_rough_bounces_make_hair_rougher_behind_them(tmp_path):
     plain = _Picture(tmp_path, "plain", _Hair((0.0, 0.0, 0.0)), samples=256).rgb
     assert rgb.mean() == pytest.approx(plain.mean(), rel=0.02)
     assert rgb.tobytes() != plain.tobytes()
+
+
+_FILE = """<?xml version="1.0"?>
+<materialx version="1.39">
+  <deon_hair_absorption_from_melanin name="melanin" type="vector3">
+    <input name="melanin_concentration" type="float" value="0.5"/>
+  </deon_hair_absorption_from_melanin>
+  <chiang_hair_roughness name="roughness" type="multioutput">
+    <input name="longitudinal" type="float" value="0.3"/>
+    <input name="azimuthal" type="float" value="0.3"/>
+  </chiang_hair_roughness>
+  <chiang_hair_bsdf name="hair" type="BSDF">
+    <input name="roughness_R" type="vector2" nodename="roughness" output="roughness_R"/>
+    <input name="roughness_TT" type="vector2" nodename="roughness" output="roughness_TT"/>
+    <input name="roughness_TRT" type="vector2" nodename="roughness" output="roughness_TRT"/>
+    <input name="absorption_coefficient" type="vector3" nodename="melanin"/>
+  </chiang_hair_bsdf>
+  <surface name="surface" type="surfaceshader">
+    <input name="bsdf" type="BSDF" nodename="hair"/>
+  </surface>
+  <surfacematerial name="Hair" type="material">
+    <input name="surfaceshader" type="surfaceshader" nodename="surface"/>
+  </surfacematerial>
+</materialx>
+"""
+
+
+def test_a_file_of_materialx_gives_the_bits_of_the_same_prims(tmp_path):
+    pytest.importorskip("MaterialX")
+    import hdstream
+
+    (tmp_path / "hair.mtlx").write_text(_FILE)
+
+    def Prims(stage):
+        _Fibre(stage, "/World/Fibre", AddHair(stage, "/World/Look", OfMelanin(stage, "/World/Melanin", 0.5, 0.5)))
+
+    def File(stage):
+        _Fibre(stage, "/World/Fibre", UsdShade.Material.Define(stage, "/World/Empty"))
+        stage.DefinePrim("/World/Looks").GetReferences().AddReference("hair.mtlx", "/MaterialX")
+        stage.GetPrimAtPath("/World/Fibre").GetRelationship("material:binding").SetTargets(["/World/Looks/Materials/Hair"])
+
+    prims, file = (hdstream.Renderer(_Stage(tmp_path / f"{fill.__name__}.usda", fill)).Render(camera="/World/Camera", imageWidth=16, samples=16)
+                   for fill in (Prims, File))
+    assert prims.aovs["color"].tobytes() == file.aovs["color"].tobytes()
+    assert prims.aovs["color"][8, 8, :3].max() < 0.9  # not the sky
