@@ -24,11 +24,6 @@ namespace hds {
 
 namespace {
 
-bool ChooseSimd8(const RenderOptions& options, const DeviceProperties& properties) {
-    return options.traversal == TraversalForm::Auto ? properties.isCpu
-                                                    : options.traversal == TraversalForm::Simd8;
-}
-
 /// Who looks on while a render runs, and whether it is to end.
 struct Onlooker {
     const ProgressCallback& onProgress;
@@ -77,8 +72,9 @@ struct PathTracer::Impl {
             kernelSets.Remember(kernels->Features());
         }
         ReadyPathState();
-        const shared::HdsFrameParams params = MakeFrameParams(
+        shared::HdsFrameParams params = MakeFrameParams(
             options, scene->centre, static_cast<std::uint32_t>(scene->lights->lights.size()));
+        params.probeLength = MediaProbeLength(params, scene->mediaBounds, scene->hasMotion);
         ReadyFrame(params);
         ReadyFilter();
         tracer.ClearCounters();
@@ -136,12 +132,16 @@ struct PathTracer::Impl {
         features.groups = scene->hasGroups;
         features.curves = scene->hasCurves;
         features.motion = scene->hasMotion || MovesOver(options.camera, options.shutter);
-        features.simd8 = ChooseSimd8(options, device->Properties());
+        features.simd8 = options.traversal == TraversalForm::Auto
+                             ? device->Properties().isCpu
+                             : options.traversal == TraversalForm::Simd8;
         features.firstHits = NeedsFirstHits(options.aovs);
         features.rayVisibility = scene->hasRayVisibility;
         features.mattes = options.aovs.hasMattes;
         features.pathLimits = HasPathLimits(options);
         features.media = scene->hasMedia;
+        features.glassShadows = scene->hasGlassShadows;
+        features.mediaStack = !scene->meshMedia.empty();
         features.volumes = !scene->volumes.volumes.empty();
         features.lightPaths = NumLightPathSums(options.aovs.lightPaths.size());
         features.numPools = buffers.NumPoolBuffers() > 1 ? kMaxPoolBuffers : 1;

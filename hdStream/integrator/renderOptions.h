@@ -49,6 +49,7 @@ struct RenderOptions {
     double clampDirect = 0.0; ///< 0: none, as of the next two
     double clampIndirect = 0.0;
     double filterGlossy = 0.0;
+    bool glassShadows = false; ///< as CommitOptions::glassShadows
     std::uint32_t seed = 0;
     double timeLimit = 0.0;
     double noise = 0.0;

@@ -17,7 +17,7 @@ const char* const kLabels[] = {
     "prims",      "prim materials", "materials",         "lights by material entry",
     "lights",     "light tree",     "light triangles",   "light distributions",
     "programs",   "motion keys",    "volumes",           "grids",
-    "grid tiles", "grid cells"};
+    "grid tiles", "grid cells",     "media of meshes"};
 
 /// A table that has become smaller than this part of its buffer gets a smaller one.
 constexpr std::uint64_t kShrinkFactor = 4;
@@ -142,7 +142,9 @@ bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& r
     Upload(Grids, scene.volumes.grids);
     Upload(GridTiles, scene.volumes.tiles);
     Upload(GridCells, scene.volumes.cells);
+    Upload(MeshMedia, scene.meshMedia);
     _numVolumes = static_cast<std::uint32_t>(scene.volumes.volumes.size());
+    _hasMeshMedia = !scene.meshMedia.empty();
     _textures.Update(scene, residency);
     _hasPrograms = !scene.programs.empty();
     _hasTextures = scene.lines->NumTextures() > 0;
@@ -216,6 +218,9 @@ unsigned SceneBuffers::BindScene(Kernel* kernel, unsigned first, bool hasMotion)
             kernel->SetBuffer(first++, _tables[table]);
         }
         kernel->SetBytes(first++, &_numVolumes, sizeof(_numVolumes));
+    }
+    if (_hasMeshMedia) {
+        kernel->SetBuffer(first++, _tables[MeshMedia]);
     }
     return first;
 }

@@ -96,6 +96,7 @@ private:
         Grids,
         GridTiles,
         GridCells,
+        MeshMedia,
         NumTables
     };
 
@@ -120,6 +121,7 @@ private:
     std::shared_ptr<const LightTable> _lights; ///< what the light tables hold
     std::uint32_t _numLights = 0;
     std::uint32_t _numVolumes = 0;
+    bool _hasMeshMedia = false;
     SceneTextures _textures;
     bool _hasPrograms = false;
     bool _hasTextures = false;

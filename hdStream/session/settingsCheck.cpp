@@ -95,6 +95,7 @@ RenderOptions MakeRenderOptions(const Settings& settings, const CameraPrim& came
     options.clampDirect = settings.clampDirect;
     options.clampIndirect = settings.clampIndirect;
     options.filterGlossy = settings.filterGlossy;
+    options.glassShadows = settings.glassShadows;
     options.seed = settings.seed;
     options.timeLimit = settings.timeLimit;
     options.noise = settings.noise;
@@ -131,6 +132,7 @@ CommitOptions MakeCommitOptions(const Settings& settings) {
     options.cullStyle = static_cast<CullStyle>(EnumOf<int>("cullStyle", settings.cullStyle) +
                                                static_cast<int>(CullStyle::Nothing));
     options.domeVisible = settings.domeVisible;
+    options.glassShadows = settings.glassShadows;
     options.lightsVisible = settings.lightsVisible;
     options.chunkBytes = settings.chunkBytes;
     options.subdivision = EnumOf<Subdivision>("subdivision", settings.subdivision);

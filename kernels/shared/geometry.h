@@ -42,6 +42,7 @@
     (HDS_INSTANCE_CAMERA | HDS_INSTANCE_SHADOW | HDS_INSTANCE_DIFFUSE | HDS_INSTANCE_REFLECTION | \
      HDS_INSTANCE_TRANSMISSION)
 #define HDS_INSTANCE_HOLDOUT 256u  /* camera rays end on it, and leave black with alpha 0 */
+#define HDS_INSTANCE_MEDIUM 512u   /* some material has a medium inside (shared/meshMedium.h) */
 #define HDS_INSTANCE_LINK_SHIFT 16 /* the bits from here on: the link set (shared/light.h) */
 
 /* Words of objectFromParent of an instance that moves, as bits: the first of its keys of the map

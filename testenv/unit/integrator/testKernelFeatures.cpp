@@ -110,6 +110,8 @@ TEST(KernelFeatures, HaveWhatTheyNeed) {
         {"textureStreaming", {"textures"}},              // whose lines are missing
         {"texturedEmission", {"cutouts", "meshLights"}}, // of a mesh, asked for as candidates are
         {"media", {"lobes"}},                            // lie below layered surfaces
+        {"glassShadows", {"cutouts", "lobes"}},          // are asked for as candidates are
+        {"mediaStack", {"cutouts", "lobes", "media"}},   // whose boundaries are passed as cut-outs
         {"volumes", {"cutouts", "lobes", "media", "textures"}}, // bricks are lines; events of media
         {"requestsFirst", {"streaming"}},                       // asks for pages that are missing
     };
