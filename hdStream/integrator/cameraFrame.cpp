@@ -4,8 +4,10 @@
 #include "hdStream/scene/motion.h"
 #include "hdStream/scene/transforms.h"
 
+#include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/matrix.hpp>
+#include <glm/vector_relational.hpp>
 
 #include <algorithm>
 #include <limits>
@@ -131,7 +133,8 @@ shared::HdsFrameParams MakeFrameParams(const RenderOptions& options, const glm::
     params.focusDistance = camera.focusDistance;
     params.exposureScale = camera.exposureScale;
     params.flags = (camera.orthographic ? HDS_FRAME_ORTHOGRAPHIC : 0U) |
-                   (options.russianRoulette ? HDS_FRAME_ROULETTE : 0U);
+                   (options.russianRoulette ? HDS_FRAME_ROULETTE : 0U) |
+                   (options.glassShadows ? HDS_FRAME_GLASS_SHADOWS : 0U);
     params.imageWidth = options.imageWidth;
     params.imageHeight = options.imageHeight;
     params.seed = options.seed;
@@ -151,6 +154,50 @@ shared::HdsFrameParams MakeFrameParams(const RenderOptions& options, const glm::
     SetMotion(options, centre, &params);
     SetClipPlanes(camera, worldFromCamera, &params);
     return params;
+}
+
+float MediaProbeLength(const shared::HdsFrameParams& params, const MediaBounds& box, bool moves) {
+    constexpr float kFilterMargin = 8.0F; // pixels
+    if (box.min.x > box.max.x) {
+        return 0.0F;
+    }
+    const bool isOrthographic = (params.flags & HDS_FRAME_ORTHOGRAPHIC) != 0;
+    const bool cameraMoves = (params.flags & HDS_FRAME_CAMERA_MOVES) != 0;
+    const std::uint32_t numPoses = cameraMoves ? params.cameraSegments + 1 : 1;
+    const glm::dvec3 middle = 0.5 * (box.min + box.max);
+    MediaBounds camera;
+    double furthest = 0.0;
+    for (std::uint32_t pose = 0; pose < numPoses; ++pose) {
+        const float* rows = cameraMoves ? params.cameraKeys[pose] : params.worldFromCamera;
+        for (int corner = 0; corner < 4; ++corner) {
+            glm::dvec3 at((corner & 1) != 0 ? params.lensRadius : -params.lensRadius,
+                          (corner & 2) != 0 ? params.lensRadius : -params.lensRadius, 0.0);
+            for (int i = 0; i < 2 && isOrthographic; ++i) {
+                const float size =
+                    static_cast<float>(i == 0 ? params.imageWidth : params.imageHeight);
+                const float raster =
+                    static_cast<float>(params.dataWindowMin[i]) +
+                    ((corner >> i & 1) != 0 ? size + kFilterMargin : -kFilterMargin);
+                at[i] += static_cast<double>(raster * params.filmStep[i] + params.filmOrigin[i]);
+            }
+            glm::dvec3 world;
+            for (int i = 0; i < 3; ++i) {
+                const float* row = rows + 4 * i;
+                world[i] =
+                    glm::dot(glm::dvec3(row[0], row[1], row[2]), at) + static_cast<double>(row[3]);
+            }
+            camera.min = glm::min(camera.min, world);
+            camera.max = glm::max(camera.max, world);
+            furthest = std::max(furthest, glm::length(world - middle));
+        }
+    }
+    const bool isApart = glm::any(glm::greaterThan(camera.min, box.max)) ||
+                         glm::any(glm::lessThan(camera.max, box.min));
+    if (isApart && !moves && !cameraMoves) {
+        return 0.0F;
+    }
+    // Beyond the far side of the box, whatever the direction.
+    return static_cast<float>(1.01 * (furthest + 0.5 * glm::length(box.max - box.min)));
 }
 
 } // namespace hds

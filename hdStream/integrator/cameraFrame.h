@@ -3,6 +3,7 @@
 #pragma once
 
 #include "hdStream/integrator/renderOptions.h"
+#include "hdStream/scene/mediaBounds.h"
 #include "kernels/shared/frame.h"
 
 #include <glm/vec3.hpp>
@@ -14,5 +15,9 @@ namespace hds {
 /// \param numLights entries of the light table.
 shared::HdsFrameParams MakeFrameParams(const RenderOptions& options, const glm::dvec3& centre,
                                        std::uint32_t numLights);
+
+/// Length of rays from outside of a box to the camera; 0: no camera ray begins in the box. \param
+/// moves what is in the box may leave it while the shutter is open.
+float MediaProbeLength(const shared::HdsFrameParams& params, const MediaBounds& box, bool moves);
 
 } // namespace hds

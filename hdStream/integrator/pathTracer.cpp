@@ -73,8 +73,9 @@ struct PathTracer::Impl {
             kernelSets.Remember(kernels->Features());
         }
         ReadyPathState();
-        const shared::HdsFrameParams params = MakeFrameParams(
+        shared::HdsFrameParams params = MakeFrameParams(
             options, scene->centre, static_cast<std::uint32_t>(scene->lights->lights.size()));
+        params.probeLength = MediaProbeLength(params, scene->mediaBounds, scene->hasMotion);
         ReadyFrame(params);
         ReadyFilter();
         tracer.ClearCounters();
@@ -145,6 +146,8 @@ struct PathTracer::Impl {
         features.pathLimits = options.HasPathLimits();
         features.media = scene->hasMedia;
         features.hair = scene->hasHair;
+        features.glassShadows = scene->hasGlassShadows;
+        features.mediaStack = !scene->meshMedia.empty();
         features.volumes = !scene->volumes.volumes.empty();
         features.lightPaths = NumLightPathSums(options.aovs.lightPaths.size());
         features.numPools = buffers.NumPoolBuffers() > 1 ? kMaxPoolBuffers : 1;

@@ -33,7 +33,8 @@ const char* const kLabels[] = {"top nodes",
                                "first instance slots",
                                "instance slots",
                                "instance values",
-                               "catchers alone"};
+                               "catchers alone",
+                               "media of meshes"};
 
 /// A table that has become smaller than this part of its buffer gets a smaller one.
 constexpr std::uint64_t kShrinkFactor = 4;
@@ -164,7 +165,9 @@ bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& r
     Upload(Grids, scene.volumes.grids);
     Upload(GridTiles, scene.volumes.tiles);
     Upload(GridCells, scene.volumes.cells);
+    Upload(MeshMedia, scene.meshMedia);
     _numVolumes = static_cast<std::uint32_t>(scene.volumes.volumes.size());
+    _hasMeshMedia = !scene.meshMedia.empty();
     _textures.Update(scene, residency);
     _hasPrograms = !scene.programs.empty();
     _hasTextures = scene.lines->NumTextures() > 0;
@@ -254,6 +257,9 @@ unsigned SceneBuffers::BindScene(Kernel* kernel, unsigned first, bool hasMotion,
         }
         const std::uint32_t numSeen = _showsCatchersAlone ? 0 : _numVolumes;
         kernel->SetBytes(first++, &numSeen, sizeof(numSeen));
+    }
+    if (_hasMeshMedia) {
+        kernel->SetBuffer(first++, _tables[MeshMedia]);
     }
     return first;
 }

@@ -112,6 +112,7 @@ private:
         InstanceSlots,
         InstanceValues,
         CatchersAlone,
+        MeshMedia,
         NumTables
     };
 
@@ -137,6 +138,7 @@ private:
     std::uint32_t _numLights = 0;
     std::uint32_t _numVolumes = 0;
     FlatGeometry _flat;
+    bool _hasMeshMedia = false;
     SceneTextures _textures;
     bool _hasPrograms = false;
     bool _hasTextures = false;

@@ -6,6 +6,7 @@
 #include "hdStream/scene/hierarchy.h"
 #include "hdStream/scene/lightCommit.h"
 #include "hdStream/scene/materialCommit.h"
+#include "hdStream/scene/mediaBounds.h"
 #include "hdStream/scene/rayVisibility.h"
 #include "hdStream/scene/sceneCentre.h"
 #include "hdStream/scene/textureImages.h"
@@ -53,7 +54,7 @@ public:
     Committer(const SceneDescription& scene, const CommitOptions& options, CommitCache* cache,
               Warnings& warnings)
         : _scene(scene), _options(options), _cache(*cache), _warnings(warnings),
-          _materials(scene, &cache->materials, cache->images, warnings),
+          _materials(scene, &cache->materials, cache->images, options.glassShadows, warnings),
           _instancePrimvars(scene, warnings), _result(std::make_unique<CommittedScene>()),
           _links(scene) {}
 
@@ -82,6 +83,7 @@ public:
             return nullptr;
         }
         _result->centre = ChooseSceneCentre(_scene, _leaves);
+        _result->mediaBounds = FindMediaBounds(_scene, _leaves, _result->centre);
         AddHierarchy();
         AddLights();
         AddCatchers();
@@ -106,6 +108,7 @@ public:
         _result->textureLines = std::make_unique<TextureLines>(
             _cache.textures, MakeTextureImages(_result->textureTable, _cache.images));
         AddVolumes();
+        AddMeshMedia();
         _result->textures = _cache.images.Uses();
         Count();
         _result->seconds =
@@ -222,7 +225,8 @@ private:
         if (prepared.chunks.empty()) {
             return;
         }
-        const bool mayPass = info.hasCutouts || cullFlags != 0;
+        const bool mayPass = info.hasCutouts || info.isGlass || cullFlags != 0;
+        _result->hasGlassShadows = _result->hasGlassShadows || info.isGlass;
         LeafObject leaf;
         leaf.object = _objectOfDrawn[index];
         leaf.prim = index;
@@ -233,8 +237,9 @@ private:
         }
         _result->hasRayVisibility = _result->hasRayVisibility || seenBy != HDS_INSTANCE_SEEN;
         _result->hasCatchers = _result->hasCatchers || (seenBy & HDS_INSTANCE_CATCHER) != 0;
-        leaf.flags =
-            seenBy | (mayPass ? HDS_INSTANCE_CUTOUT : 0U) | (info.isHair ? HDS_INSTANCE_FIBRE : 0U);
+        leaf.flags = seenBy | (mayPass ? HDS_INSTANCE_CUTOUT : 0U) |
+                     (info.isHair ? HDS_INSTANCE_FIBRE : 0U) |
+                     (info.hasMedium ? HDS_INSTANCE_MEDIUM : 0U);
         leaf.origin = prepared.origin;
         leaf.bounds = prepared.bounds;
         leaf.worldInstance = info.isEmissive;
@@ -335,6 +340,14 @@ private:
             std::make_unique<SceneLines>(_result->textureLines.get(), &_result->volumes.prepared);
         if (!_result->volumes.volumes.empty()) { // kernels have what volumes need
             _result->hasCutouts = true;
+            _result->hasMedia = true;
+            _result->lobes |= HDS_LOBE_BASE | HDS_LOBE_TRANSLUCENCY;
+        }
+    }
+
+    void AddMeshMedia() {
+        _result->meshMedia = std::move(_materials.meshMedia);
+        if (!_result->meshMedia.empty()) { // kernels have what they need
             _result->hasMedia = true;
             _result->lobes |= HDS_LOBE_BASE | HDS_LOBE_TRANSLUCENCY;
         }

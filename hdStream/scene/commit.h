@@ -12,6 +12,7 @@
 #include "hdStream/scene/imageLibrary.h"
 #include "hdStream/scene/instancePrimvars.h"
 #include "hdStream/scene/materialCommit.h"
+#include "hdStream/scene/mediaBounds.h"
 #include "hdStream/scene/sceneDescription.h"
 #include "hdStream/scene/sceneLines.h"
 #include "hdStream/scene/transforms.h"
@@ -48,6 +49,7 @@ struct CommitOptions {
     std::uint32_t refineLevel = 0;          ///< for Subdivision::Complexity
     std::vector<std::string> shownPrimvars; ///< kept for AOVs, whether materials read them or not
     bool keepsNames = false;                ///< of prims and materials
+    bool glassShadows = false; ///< shadow rays pass smooth refracting surfaces straight
     /// For Subdivision::Adaptive; nothing: no surface is on screen.
     std::optional<DicingCamera> dicingCamera;
     Shutter shutter; ///< closed: no motion blur
@@ -58,8 +60,8 @@ struct CommitOptions {
             HDS_FIELD(CommitOptions, domeVisible), HDS_FIELD(CommitOptions, lightsVisible),
             HDS_FIELD(CommitOptions, chunkBytes), HDS_FIELD(CommitOptions, subdivision),
             HDS_FIELD(CommitOptions, refineLevel), HDS_FIELD(CommitOptions, shownPrimvars),
-            HDS_FIELD(CommitOptions, keepsNames), HDS_FIELD(CommitOptions, dicingCamera),
-            HDS_FIELD(CommitOptions, shutter));
+            HDS_FIELD(CommitOptions, keepsNames), HDS_FIELD(CommitOptions, glassShadows),
+            HDS_FIELD(CommitOptions, dicingCamera), HDS_FIELD(CommitOptions, shutter));
     }
 };
 
@@ -130,8 +132,10 @@ struct CommittedScene {
     std::uint32_t maxLookups = 0;               ///< of textures to shade a point, at most
     std::unique_ptr<TextureLines> textureLines; ///< of textureTable; opened when they are needed
     CommittedVolumes volumes;
-    std::unique_ptr<SceneLines> lines;    ///< of textures, then of the grids of volumes
-    ImageLibrary* images = nullptr;       ///< the cache's
+    std::vector<shared::HdsMeshMedium> meshMedia; ///< that fill meshes
+    MediaBounds mediaBounds;                      ///< of these meshes
+    std::unique_ptr<SceneLines> lines;            ///< of textures, then of the grids of volumes
+    ImageLibrary* images = nullptr;               ///< the cache's
     std::unique_ptr<GeometryPages> pages; ///< prepared when they are needed; in the cache's memory
     std::shared_ptr<const LightTable> lights;
     std::vector<std::uint32_t> lightByEntry; ///< HDS_MESH_LIGHT of emissive material entries
@@ -144,6 +148,7 @@ struct CommittedScene {
     bool hasCurves = false;        ///< or points
     bool hasHair = false;          ///< some material is hair
     bool hasMedia = false;         ///< some material scatters light below its surface
+    bool hasGlassShadows = false;  ///< shadow rays pass some refracting surface
     bool hasRayVisibility = false; ///< some prim is not seen by all rays, or is held out
     bool hasCatchers = false;      ///< some prim shows only what others do to its light
     bool hasMotion = false;        ///< something moves while the shutter is open

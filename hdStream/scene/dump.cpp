@@ -228,11 +228,6 @@ std::string ParameterText(const ParameterValue& value) {
     return std::visit(Visitor{}, value);
 }
 
-bool HasVolume(const SceneDescription& scene, const std::string& materialPath) {
-    const auto material = scene.materials.find(materialPath);
-    return material != scene.materials.end() && material->second->terminals.count("volume") > 0;
-}
-
 using LinkedLights = std::vector<std::pair<std::string, LinkCategories>>;
 
 /// The lights and mesh lights that are linked, by path.
@@ -341,7 +336,7 @@ void DumpGeometry(const std::string& path, const GeometryPrim& prim, const Scene
                   const LinkedLights& lights, Writer* out) {
     // Front ends see dangling bindings, and materials without a surface, differently.
     const auto existing = [&](const std::string& materialPath) {
-        return HasSurface(scene, materialPath) ? materialPath : std::string();
+        return IsMaterial(scene, materialPath) ? materialPath : std::string();
     };
     const GeometryDescription& geometry = *prim.geometry;
     out->Prim(TextOf(geometry.primitives), path);
@@ -504,7 +499,7 @@ std::string DumpScene(const SceneDescription& scene) {
     }
     const std::set<std::string> bound = BoundMaterials(scene);
     for (const auto& [path, network] : scene.materials) {
-        if (bound.count(path) > 0 && (HasSurface(scene, path) || HasVolume(scene, path))) {
+        if (bound.count(path) > 0 && IsMaterial(scene, path)) {
             DumpMaterial(path, *network, &out);
         }
     }

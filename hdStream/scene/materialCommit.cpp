@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/materialCommit.h"
 
+#include "hdStream/scene/mediaBounds.h"
 #include "hdStream/shading/materialPrimvars.h"
 #include "hdStream/shading/programWriter.h"
 #include "hdStream/shading/shaderMath.h"
@@ -8,6 +9,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 namespace hds {
@@ -82,6 +84,56 @@ std::uint32_t MaterialCommit::AddRecord(const shared::HdsMaterial& record) {
     return found->second;
 }
 
+/// What fills a prim: the volume of its material, or where that has a priority, what its refracting
+/// surface encloses.
+std::optional<shared::HdsMeshMedium> MaterialCommit::MediumOf(const std::string& path,
+                                                              const GeometryPrim& prim,
+                                                              const CompiledMaterial& material) {
+    const bool refracts = (material.constants.lobes & HDS_LOBE_TRANSMISSION) != 0 &&
+                          (material.constants.flags & HDS_MATERIAL_THIN_WALLED) == 0;
+    const std::optional<float> ofPrim = DielectricPriority(prim.geometry->primvars);
+    const std::optional<float> priority = ofPrim ? ofPrim : material.dielectricPriority;
+    if (!material.meshMedium && !(priority && refracts)) {
+        return std::nullopt;
+    }
+    shared::HdsMeshMedium medium{};
+    if (refracts) {
+        medium = InteriorOf(material, path, _warnings);
+    }
+    if (material.meshMedium) {
+        const float ior = refracts ? medium.ior : 1.0F;
+        medium = *material.meshMedium;
+        medium.ior = ior;
+    }
+    medium.priority = priority && std::isfinite(*priority) ? *priority : 0.0F;
+    return medium;
+}
+
+/// Number of a medium that is to fill a prim; 0, with a warning: it cannot.
+std::uint32_t MaterialCommit::AddMedium(const std::string& path, const GeometryPrim& prim,
+                                        const shared::HdsMeshMedium& medium) {
+    if (prim.geometry->primitives != PrimitiveKind::Faces) {
+        _warnings.Add(path, "only meshes have an inside: the medium of its material is left out");
+        return 0;
+    }
+    const std::string bytes(reinterpret_cast<const char*>(&medium), sizeof(medium));
+    const auto found = _mediumByBytes.find(bytes);
+    if (found == _mediumByBytes.end() && meshMedia.size() == HDS_MAX_MESH_MEDIA) {
+        _warnings.Add(path, "more than " + std::to_string(HDS_MAX_MESH_MEDIA) +
+                                " media of meshes: its own is left out");
+        return 0;
+    }
+    if (!IsClosed(*prim.geometry)) {
+        _warnings.Add(path, "its mesh is not closed: the medium in it has no end where rays leave "
+                            "through a hole");
+    }
+    if (found != _mediumByBytes.end()) {
+        return found->second;
+    }
+    meshMedia.push_back(medium);
+    return _mediumByBytes[bytes] = static_cast<std::uint32_t>(meshMedia.size());
+}
+
 /// First word of the program in `programs`.
 std::uint32_t MaterialCommit::AddProgram(const std::vector<std::uint32_t>& words) {
     const auto [found, isNew] =
@@ -113,7 +165,7 @@ std::vector<const std::string*> MaterialCommit::EntryPaths(const GeometryPrim& p
     for (std::size_t i = 0; i < prim.geometry->subsets.size(); ++i) {
         // A subset without a material of its own shows the prim's.
         const bool hasOwn =
-            i < prim.subsetMaterialPaths.size() && HasSurface(_scene, prim.subsetMaterialPaths[i]);
+            i < prim.subsetMaterialPaths.size() && IsMaterial(_scene, prim.subsetMaterialPaths[i]);
         paths.push_back(hasOwn ? &prim.subsetMaterialPaths[i] : &prim.materialPath);
     }
     return paths;
@@ -189,6 +241,17 @@ PrimMaterialInfo MaterialCommit::AddPrim(const std::string& path, const Geometry
             record.program = AddProgram(resolved.program);
         }
         record.flags |= prim.light ? HDS_MATERIAL_EMISSIVE : 0U;
+        if (const auto medium = MediumOf(path, prim, compiled)) {
+            record.meshMedium = AddMedium(path, prim, *medium);
+            // Shadow rays that come to it ask what it lets pass.
+            record.flags |= record.meshMedium != 0 ? HDS_MATERIAL_CUTOUT : 0U;
+            info.hasMedium = info.hasMedium || record.meshMedium != 0;
+        }
+        if (_glassShadows && (record.lobes & HDS_LOBE_TRANSMISSION) != 0 &&
+            (record.flags & HDS_MATERIAL_THIN_WALLED) == 0) {
+            record.flags |= HDS_MATERIAL_GLASS;
+            info.isGlass = true;
+        }
         lobes |= record.lobes;
         hasMedia = hasMedia || (record.flags & HDS_MATERIAL_MEDIUM) != 0;
         hasHair = hasHair || (record.flags & HDS_MATERIAL_HAIR) != 0;

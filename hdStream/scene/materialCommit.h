@@ -7,6 +7,7 @@
 #include "hdStream/scene/imageLibrary.h"
 
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -26,6 +27,8 @@ struct PrimMaterialInfo {
     bool hasCutouts = false; ///< some entry may let rays pass
     bool isEmissive = false; ///< some entry emits
     bool isHair = false;     ///< some entry is hair
+    bool isGlass = false;    ///< shadow rays may pass some entry where it refracts
+    bool hasMedium = false;  ///< some entry has a medium inside (kernels/shared/meshMedium.h)
 };
 
 /// A compiled material and what it was made of.
@@ -42,9 +45,11 @@ using MaterialCache = std::map<std::string, CachedMaterial>;
 /// Collects the records. Externally synchronised.
 class MaterialCommit {
 public:
+    /// \param glassShadows as CommitOptions::glassShadows
     MaterialCommit(const SceneDescription& scene, MaterialCache* cache, ImageLibrary& images,
-                   Warnings& warnings)
-        : _scene(scene), _cache(*cache), _images(images), _warnings(warnings) {}
+                   bool glassShadows, Warnings& warnings)
+        : _scene(scene), _cache(*cache), _images(images), _glassShadows(glassShadows),
+          _warnings(warnings) {}
 
     /// Compiles the materials the prims use, on all cores, unless the cache has them.
     void Compile(const std::vector<const std::pair<const std::string, GeometryPrim>*>& prims);
@@ -76,8 +81,13 @@ public:
     std::uint32_t lobes = 0;               ///< HDS_LOBE_* of all materials
     bool hasMedia = false;                 ///< some material has HDS_MATERIAL_MEDIUM
     bool hasHair = false;                  ///< some material has HDS_MATERIAL_HAIR
+    std::vector<shared::HdsMeshMedium> meshMedia; ///< that fill meshes; materials count from 1
 
 private:
+    std::optional<shared::HdsMeshMedium> MediumOf(const std::string& path, const GeometryPrim& prim,
+                                                  const CompiledMaterial& material);
+    std::uint32_t AddMedium(const std::string& path, const GeometryPrim& prim,
+                            const shared::HdsMeshMedium& medium);
     std::uint32_t AddRecord(const shared::HdsMaterial& record);
     std::uint32_t AddProgram(const std::vector<std::uint32_t>& words);
     std::vector<std::uint32_t> AddTextures(const CompiledMaterial& material);
@@ -91,11 +101,13 @@ private:
     const SceneDescription& _scene;
     MaterialCache& _cache;
     ImageLibrary& _images;
+    bool _glassShadows;
     Warnings& _warnings;
     std::map<std::string, const CachedMaterial*> _used; ///< by path; "": no material
     CachedMaterial _displayColor;
     CompiledMaterial _black = BlackMaterial();
     std::map<std::string, std::uint32_t> _indexByBytes;
+    std::map<std::string, std::uint32_t> _mediumByBytes;
     std::map<std::vector<std::uint32_t>, std::uint32_t> _programByWords;
     std::map<std::string, std::uint32_t> _textureByKey;
 };

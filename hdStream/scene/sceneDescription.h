@@ -266,10 +266,25 @@ float KarmaVisibilityNumber(const std::string& expression);
 /// normals). Instances that differ in it need prims of their own: InstancerPrim::primvars has none.
 bool IsReadByPrim(const std::string& primvar);
 
-/// True when there is such a material and it has a surface: binding any other is binding none.
-inline bool HasSurface(const SceneDescription& scene, const std::string& materialPath) {
+/// Whether there is such a material and it has a terminal.
+inline bool HasTerminal(const SceneDescription& scene, const std::string& materialPath,
+                        const char* terminal) {
     const auto found = scene.materials.find(materialPath);
-    return found != scene.materials.end() && found->second->terminals.count("surface") > 0;
+    return found != scene.materials.end() && found->second->terminals.count(terminal) > 0;
+}
+
+inline bool HasSurface(const SceneDescription& scene, const std::string& materialPath) {
+    return HasTerminal(scene, materialPath, "surface");
+}
+
+inline bool HasVolume(const SceneDescription& scene, const std::string& materialPath) {
+    return HasTerminal(scene, materialPath, "volume");
+}
+
+/// True when there is such a material and it has a surface or a volume: binding any other is
+/// binding none.
+inline bool IsMaterial(const SceneDescription& scene, const std::string& materialPath) {
+    return HasSurface(scene, materialPath) || HasVolume(scene, materialPath);
 }
 
 } // namespace hds

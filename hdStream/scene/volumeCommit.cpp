@@ -222,16 +222,6 @@ VolumeShading ShadingOf(const SceneDescription& scene, const std::string& path,
     });
 }
 
-bool IsFinite(const VolumeShading& shading) {
-    const glm::vec3 sum = shading.absorption + shading.scattering + shading.emission +
-                          shading.blackbody + glm::vec3(shading.kelvin + shading.anisotropy);
-    return std::isfinite(sum.x) && std::isfinite(sum.y) && std::isfinite(sum.z) &&
-           glm::all(glm::greaterThanEqual(shading.absorption, glm::vec3(0.0F))) &&
-           glm::all(glm::greaterThanEqual(shading.scattering, glm::vec3(0.0F))) &&
-           glm::all(glm::greaterThanEqual(shading.emission, glm::vec3(0.0F))) &&
-           glm::all(glm::greaterThanEqual(shading.blackbody, glm::vec3(0.0F)));
-}
-
 /// \return false, with a warning, when there is nothing to draw.
 bool FindGrids(const VolumeShading& shading, GridFinder finder, VolumeGrids* grids) {
     const auto density = finder.Find(shading.density);

@@ -99,6 +99,7 @@ RenderOptions MakeRenderOptions(const Settings& settings, const CameraPrim& came
     options.occlusionDistance = settings.occlusionDistance > 0.0
                                     ? static_cast<float>(settings.occlusionDistance)
                                     : std::numeric_limits<float>::infinity();
+    options.glassShadows = settings.glassShadows;
     options.seed = settings.seed;
     options.timeLimit = settings.timeLimit;
     options.noise = settings.noise;
@@ -135,6 +136,7 @@ CommitOptions MakeCommitOptions(const Settings& settings) {
     options.cullStyle = static_cast<CullStyle>(EnumOf<int>("cullStyle", settings.cullStyle) +
                                                static_cast<int>(CullStyle::Nothing));
     options.domeVisible = settings.domeVisible;
+    options.glassShadows = settings.glassShadows;
     options.lightsVisible = settings.lightsVisible;
     options.chunkBytes = settings.chunkBytes;
     options.subdivision = EnumOf<Subdivision>("subdivision", settings.subdivision);

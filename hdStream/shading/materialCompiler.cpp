@@ -4,12 +4,15 @@
 #include "hdStream/shading/materialCompiler.h"
 
 #include "hdStream/shading/layeredMaterial.h"
+#include "hdStream/shading/meshMedium.h"
 #include "hdStream/shading/networkEvaluator.h"
 #include "hdStream/shading/programWriter.h"
 #include "hdStream/shading/shaderMath.h"
 #include "hdStream/shading/shaderNodes.h"
 #include "hdStream/shading/valueResolver.h"
 #include "kernels/shared/geometry.h"
+
+#include <glm/common.hpp>
 
 #include <algorithm>
 #include <memory>
@@ -403,19 +406,61 @@ CompiledMaterial BlackMaterial() {
     return material;
 }
 
+/// Lets all pass.
+CompiledMaterial BoundaryMaterial() {
+    CompiledMaterial material = BlackMaterial();
+    SetConstant(material.constants, HDS_INPUT_OPACITY, {0.0F, 0.0F, 0.0F, 1.0F});
+    return material;
+}
+
+shared::HdsMeshMedium InteriorOf(const CompiledMaterial& material, const std::string& primPath,
+                                 Warnings& warnings) {
+    const auto valueOf = [&](std::uint32_t input) {
+        const ShaderValue& value = material.values[input];
+        if (value && !IsConstant(value)) {
+            warnings.Add(primPath, std::string("the ") + kInputs[input].name +
+                                       " inside of it varies: where media have priorities it does "
+                                       "not");
+        }
+        std::array<float, 4> constant = kInputs[input].fallback;
+        if (input < HDS_NUM_INPUTS) {
+            const shared::float4& own = material.constants.constants[input];
+            constant = {own.x, own.y, own.z, own.w};
+        }
+        return value && IsConstant(value) ? ConstantOf(value) : constant;
+    };
+    const auto colorOf = [&](std::uint32_t input) {
+        const std::array<float, 4> value = valueOf(input);
+        return glm::max(glm::vec3(value[0], value[1], value[2]), glm::vec3(0.0F));
+    };
+    shared::HdsMeshMedium medium =
+        MakeMeshMedium(colorOf(HDS_INPUT_ABSORPTION), colorOf(HDS_INPUT_SCATTERING),
+                       valueOf(HDS_INPUT_SUBSURFACE)[2], glm::vec3(0.0F));
+    medium.ior = std::clamp(valueOf(HDS_INPUT_IOR)[0], 0.1F, 10.0F);
+    return medium;
+}
+
 bool HasConstantEmission(const shared::HdsMaterial& material) {
     return !Varies(material, HDS_INPUT_EMISSIVE_COLOR) &&
            (material.flags & HDS_MATERIAL_CUTOUT) == 0;
 }
 
-CompiledMaterial CompileMaterial(const MaterialNetwork& network, const std::string& materialPath,
-                                 const ImageQueries& images, Warnings& warnings) {
+namespace {
+
+/// Of the terminal "surface".
+CompiledMaterial CompileSurface(const MaterialNetwork& network, const std::string& materialPath,
+                                const ImageQueries& images, Warnings& warnings) {
     NetworkEvaluator evaluator(network, materialPath, images, warnings);
     const MaterialNode* surface = FindSurface(network, evaluator, materialPath, warnings);
     if (surface == nullptr) {
         return DisplayColorMaterial();
     }
     CompiledMaterial material = DefaultMaterial();
+    if (const ShaderValue priority = evaluator.Evaluate(*surface, "dielectric_priority")) {
+        if (IsConstant(priority)) {
+            material.dielectricPriority = ConstantOf(priority)[0];
+        }
+    }
     if (IsLayered(surface->identifier)) {
         SetLayered(material, EvaluateLayered(evaluator, *surface), *surface, materialPath,
                    warnings);
@@ -442,6 +487,19 @@ CompiledMaterial CompileMaterial(const MaterialNetwork& network, const std::stri
     material.textures = evaluator.Textures(); // without what only displaces
     SetEmission(&material);
     material.displacement = FindDisplacement(evaluator, *surface, materialPath, warnings);
+    return material;
+}
+
+} // namespace
+
+CompiledMaterial CompileMaterial(const MaterialNetwork& network, const std::string& materialPath,
+                                 const ImageQueries& images, Warnings& warnings) {
+    const auto medium = ReadMeshMedium(network, materialPath, warnings);
+    const bool isBoundary =
+        network.terminals.count("volume") > 0 && network.terminals.count("surface") == 0;
+    CompiledMaterial material =
+        isBoundary ? BoundaryMaterial() : CompileSurface(network, materialPath, images, warnings);
+    material.meshMedium = medium;
     return material;
 }
 

@@ -9,6 +9,7 @@
 #include "hdStream/shading/materialNetwork.h"
 #include "hdStream/shading/shaderExpression.h"
 #include "kernels/shared/material.h"
+#include "kernels/shared/meshMedium.h"
 
 #include <array>
 #include <cstdint>
@@ -87,6 +88,8 @@ struct CompiledMaterial {
     std::vector<MaterialTexture> textures; ///< what tiles of look-ups name
     DisplacementInput displacement;
     EmissionInput emission;
+    std::optional<shared::HdsMeshMedium> meshMedium; ///< that fills meshes, of the volume
+    std::optional<float> dielectricPriority;         ///< of the inside
 };
 
 /// Primvars along which the tangents of a surface lie that names none: the first that is there.
@@ -98,8 +101,8 @@ struct AttributeName {
     std::uint32_t numComponents = 1;
 };
 
-/// Compiles a network. A missing or unknown surface gives DisplayColorMaterial().
-/// \param materialPath subject of the warnings.
+/// Compiles a network. A missing or unknown surface gives DisplayColorMaterial(), or where there is
+/// a volume, the boundary of that, which is not seen. \param materialPath subject of the warnings.
 CompiledMaterial CompileMaterial(const MaterialNetwork& network, const std::string& materialPath,
                                  const ImageQueries& images, Warnings& warnings);
 
@@ -109,6 +112,11 @@ CompiledMaterial DisplayColorMaterial();
 
 /// Reflects nothing.
 CompiledMaterial BlackMaterial();
+
+/// What the inputs of a refracting surface say of its inside, as a medium that fills meshes. Inputs
+/// that vary count as their defaults, with a warning of primPath.
+shared::HdsMeshMedium InteriorOf(const CompiledMaterial& material, const std::string& primPath,
+                                 Warnings& warnings);
 
 /// Whether a material emits the same everywhere, or nothing.
 bool HasConstantEmission(const shared::HdsMaterial& material);

@@ -3,6 +3,7 @@
 
 #include <glm/common.hpp>
 #include <glm/exponential.hpp>
+#include <glm/vector_relational.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -265,6 +266,16 @@ VolumeShading DefaultVolumeShading() {
     shading.absorption = glm::vec3(0.5F);
     shading.density = kDensity;
     return shading;
+}
+
+bool IsFinite(const VolumeShading& shading) {
+    const glm::vec3 sum = shading.absorption + shading.scattering + shading.emission +
+                          shading.blackbody + glm::vec3(shading.kelvin + shading.anisotropy);
+    return std::isfinite(sum.x) && std::isfinite(sum.y) && std::isfinite(sum.z) &&
+           glm::all(glm::greaterThanEqual(shading.absorption, glm::vec3(0.0F))) &&
+           glm::all(glm::greaterThanEqual(shading.scattering, glm::vec3(0.0F))) &&
+           glm::all(glm::greaterThanEqual(shading.emission, glm::vec3(0.0F))) &&
+           glm::all(glm::greaterThanEqual(shading.blackbody, glm::vec3(0.0F)));
 }
 
 VolumeShading ReadVolumeShading(const MaterialNetwork& network,

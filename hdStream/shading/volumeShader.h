@@ -36,6 +36,9 @@ struct VolumeShading {
 /// Grey smoke, which volumes without a material of their own are: what Blender's default is.
 VolumeShading DefaultVolumeShading();
 
+/// Whether all of it is finite, and nothing that counts light is below 0.
+bool IsFinite(const VolumeShading& shading);
+
 /// \pre the network has a terminal "volume". Nodes that are not known count as their inputs'
 /// fallbacks. \param warn gets one line for each problem.
 VolumeShading ReadVolumeShading(const MaterialNetwork& network,

@@ -8,6 +8,7 @@
 #include "integrator/pathLimits.clh"
 #include "integrator/pathState.clh"
 #include "sample/filter.clh"
+#include "shared/material.h"
 #include "texture/rayCone.clh"
 #if HDS_WIDE
 /* The order counts. */
@@ -59,6 +60,13 @@ void generate_start(HdsPaths paths, uint i, uint number, constant const HdsFrame
 #if HDS_FEATURE_MEDIA
     path_store_medium(paths, i, (uint4)(0u));
 #endif
+#if HDS_FEATURE_GLASS_SHADOWS
+    path_store_glassSource(paths, i, (float4)(0.0f));
+#endif
+#if HDS_FEATURE_MEDIA_STACK
+    path_store_mediaLow(paths, i, (uint4)(0u));
+    path_store_mediaHigh(paths, i, (uint4)(0u, 0u, 0u, as_uint(ray.tMax)));
+#endif
 #if HDS_FEATURE_VOLUMES
     path_beginVolumes(paths, i, ray.tMin);
 #endif
@@ -70,6 +78,29 @@ void generate_start(HdsPaths paths, uint i, uint number, constant const HdsFrame
 #endif
 #if HDS_LIGHT_PATH_STATE
     lightPaths_begin(paths, i);
+#endif
+}
+
+#if HDS_FEATURE_MEDIA_STACK
+/* Any direction; along the axes rays would lie in the faces of boxes. */
+#define HDS_PROBE_DIRECTION (float3)(0.5883484f, 0.6276382f, 0.5098039f)
+
+#endif
+
+/* Where the camera may be in media of meshes, puts a ray before the camera ray of slot i that ends
+ * where that begins, and finds which they are (integrator/shadeMeshMedium.clh). */
+void generate_findMedia(constant const HdsFrameParams* frame, HdsPaths paths, uint i) {
+#if HDS_FEATURE_MEDIA_STACK
+    const float length = frame->probeLength;
+    if (length > 0.0f) {
+        const float4 origin = path_load_origin(paths, i);
+        path_store_shadowOrigin(paths, i, origin);
+        path_store_shadowDirection(paths, i, path_load_direction(paths, i));
+        const float3 direction = vec_normalize(HDS_PROBE_DIRECTION);
+        path_store_origin(paths, i, (float4)(vec_mulAdd(-length, direction, origin.xyz), 0.0f));
+        path_store_direction(paths, i, (float4)(direction, length));
+        path_store_medium(paths, i, (uint4)(HDS_MEDIUM_PROBE, 0u, 0u, 0u));
+    }
 #endif
 }
 
@@ -106,8 +137,10 @@ void generate_wide(constant const HdsFrameParams* frame, HdsWave wave, uint i, u
         ray.tMin = lanes_get(&wide.tMin, lane);
         ray.tMax = lanes_get(&wide.tMax, lane);
         ray.cone = (float2)(lanes_get(&wide.cone.x, lane), lanes_get(&wide.cone.y, lane));
-        generate_start(paths, generate_slot(queue, item + lane, i + lane), i + lane, frame, ray,
-                       0.0f, lanePixels[lane], laneSamples[lane]);
+        const uint slot = generate_slot(queue, item + lane, i + lane);
+        generate_start(paths, slot, i + lane, frame, ray, 0.0f, lanePixels[lane],
+                       laneSamples[lane]);
+        generate_findMedia(frame, paths, slot);
     }
 }
 #else
@@ -124,7 +157,9 @@ void generate_one(constant const HdsFrameParams* frame, HdsWave wave, uint i, Hd
 #endif
     const HdsTransform pose = camera_pose(frame, time);
     const HdsCameraRay ray = generate_ray(frame, &pose, pixel, sampler, filterTable);
-    generate_start(paths, generate_slot(queue, item, i), i, frame, ray, time, pixel, sample);
+    const uint slot = generate_slot(queue, item, i);
+    generate_start(paths, slot, i, frame, ray, time, pixel, sample);
+    generate_findMedia(frame, paths, slot);
 }
 #endif
 

@@ -50,6 +50,9 @@
 #if HDS_FEATURE_MEDIA
 #include "integrator/shadeMedium.clh"
 #endif
+#if HDS_FEATURE_MEDIA_STACK
+#include "integrator/shadeMeshMedium.clh"
+#endif
 
 #if HDS_FEATURE_CUTOUT || HDS_FEATURE_CLOSURES
 /* The sampler of a hit behind others that the ray has passed. */
@@ -70,8 +73,8 @@ float shade_chance(const HdsShadePath* path) {
 /* Lets the ray go on behind a surface, by chance in proportion to the transparency; the throughput
  * of either outcome is divided by its probability. \return true when it passed and slot i holds the
  * rest of the ray; the hit is not shaded then. */
-bool shade_passThrough(const HdsHit* hit, const HdsSurfaceHit* surface, float3 transparency,
-                       HdsShadePath* path, HdsPaths paths, uint i) {
+bool shade_passThrough(const HdsSceneView* scene, const HdsHit* hit, const HdsSurfaceHit* surface,
+                       float3 transparency, HdsShadePath* path, HdsPaths paths, uint i) {
     float probability = vec_maxComponent(transparency);
     if (!(probability > 0.0f)) {
         return false;
@@ -84,6 +87,13 @@ bool shade_passThrough(const HdsHit* hit, const HdsSurfaceHit* surface, float3 t
     path->throughput *= transparency / probability;
     path->status.z += HDS_PATH_ONE_PASS;
     path->status.w = passThrough_id(path->status.w, hit, surface);
+#if HDS_FEATURE_MEDIA_STACK
+    const uint number = shadeMeshMedium_number(scene, surface);
+    if (number != 0u) {
+        shadeMeshMedium_cross(scene, number, shadeMeshMedium_enters(surface, path->direction),
+                              hit->t, path, paths, i);
+    }
+#endif
     path_store_throughput(paths, i, (float4)(path->throughput, path->bsdfPdf));
     path_store_status(paths, i, path->status);
     path_store_after(paths, i, passThrough_key(hit, surface));
@@ -125,6 +135,11 @@ uint shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
 #if HDS_FEATURE_CLOSURES
     at->surface.chance = shade_chance(path);
 #endif
+#if HDS_FEATURE_MEDIA_STACK
+    const bool isThere = mediaStack_meet(
+        scene->meshMedia, &path->medium.stack, shadeMeshMedium_number(scene, &at->surface),
+        shadeMeshMedium_enters(&at->surface, path->direction), &at->surface.outsideIor);
+#endif
 #if HDS_FEATURE_TEXTURES
     at->surface.choice = shade_chooseTexels(scene, &at->surface, path);
 #endif
@@ -137,7 +152,11 @@ uint shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
         return HDS_SHADE_ENDS;
     }
 #if HDS_FEATURE_MEDIA
-    if (path->medium.medium.kind == HDS_MEDIUM_NONE) {
+    bool mayAbsorb = path->medium.medium.kind == HDS_MEDIUM_NONE;
+#if HDS_FEATURE_MEDIA_STACK
+    mayAbsorb = mayAbsorb && shadeMeshMedium_number(scene, &at->surface) == 0u;
+#endif
+    if (mayAbsorb) {
         path->throughput *= bsdf_transmittance(&scatter->bsdf, at->hit.t);
     }
 #elif HDS_BSDF_TRANSMITS
@@ -148,7 +167,10 @@ uint shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
     if (path->depth == 0u && passThrough_isCulled(scene, &at->surface, path->direction)) {
         transparency = (float3)(1.0f);
     }
-    if (shade_passThrough(&at->hit, &at->surface, transparency, path, paths, i)) {
+#if HDS_FEATURE_MEDIA_STACK
+    transparency = isThere ? transparency : (float3)(1.0f);
+#endif
+    if (shade_passThrough(scene, &at->hit, &at->surface, transparency, path, paths, i)) {
         if ((path->status.z >> HDS_PATH_PASS_SHIFT) < HDS_MAX_PASSES) {
             return HDS_SHADE_PASSES;
         }
@@ -201,6 +223,15 @@ void shade_path(constant const HdsFrameParams* frame, const HdsSceneView* scene,
     uint step = HDS_SHADE_ENDS;
 #if HDS_FEATURE_MEDIA
     const uint kind = path->medium.medium.kind;
+#if HDS_FEATURE_MEDIA_STACK
+    if (kind == HDS_MEDIUM_PROBE) {
+        shadeMeshMedium_probe(frame, scene, at, path, paths, i);
+        const HdsLitPath probe = shade_litPath(at, path, 0u, i);
+        shade_end(scene, &probe, HDS_SHADE_GOES_ON, paths, lists);
+        return;
+    }
+    shadeMeshMedium_addLight(frame, scene, paths, i, at->isHit ? at->hit.t : path->tEnd, path);
+#endif
 #if HDS_FEATURE_VOLUMES
     const bool isEvent = kind != HDS_MEDIUM_NONE || path->volume != HDS_NONE;
 #else
@@ -233,7 +264,11 @@ void shade_path(constant const HdsFrameParams* frame, const HdsSceneView* scene,
     }
 #endif
 #if HDS_FEATURE_MEDIA
-    shade_setMedia(scene, at, &scatter, &lit);
+    shade_setMedia(scene, at, path->direction, &scatter, &lit);
+#endif
+#if HDS_FEATURE_GLASS_SHADOWS
+    lit.isGlass = at->isHit && path->depth > 0u &&
+                  bsdf_isGlass(&scatter.bsdf, surfaceHit_material(scene, &at->surface)->flags);
 #endif
 #if HDS_SHADE_WIDE
     shadeBatch_add(batch, &scatter, &lit);
@@ -280,6 +315,9 @@ kernel void shade_paths(HDS_SCENE_ARGS, constant const HdsFrameParams* frame, gl
                         global uint* restrict shadowQueue, volatile global uint* counters) {
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
+#if HDS_FEATURE_GLASS_SHADOWS
+    scene.hasGlassShadows = (frame->flags & HDS_FRAME_GLASS_SHADOWS) != 0u;
+#endif
     HdsShadeLists lists;
     lists.next.count = 0u;
     lists.shadows.count = 0u;

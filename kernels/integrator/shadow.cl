@@ -14,6 +14,28 @@
 #if HDS_FEATURE_VOLUMES
 #include "integrator/volumePath.clh"
 #endif
+#if HDS_FEATURE_MEDIA_STACK
+#include "integrator/mediaStack.clh"
+#endif
+
+#if HDS_FEATURE_GLASS_SHADOWS
+#include "shading/medium.clh"
+#endif
+
+/* What media leave of the light of the shadow ray of slot i behind the last boundary that it has
+ * crossed, up to t. */
+float3 shadow_leftOfMedia(const HdsSceneView* scene, HdsPaths paths, uint i, float t) {
+    float3 left = (float3)(1.0f);
+#if HDS_FEATURE_MEDIA_STACK
+    const HdsMediaStack stack = mediaStack_loadShadow(paths, i);
+    left *= mediaStack_shadowLeft(scene->meshMedia, &stack, t);
+#endif
+#if HDS_FEATURE_GLASS_SHADOWS
+    const float4 glass = path_load_shadowGlass(paths, i);
+    left *= medium_transmittance(glass.xyz, fmax(t - glass.w, 0.0f));
+#endif
+    return left;
+}
 
 /* Adds light that arrives to what the path has gathered. */
 void shadow_addLight(HdsPaths paths, uint i, float3 light) {
@@ -25,8 +47,9 @@ void shadow_addLight(HdsPaths paths, uint i, float3 light) {
 #endif
 }
 
-void shadow_addRadiance(HdsPaths paths, uint i) {
-    shadow_addLight(paths, i, path_load_shadowRadiance(paths, i).xyz);
+void shadow_addRadiance(const HdsSceneView* scene, HdsPaths paths, uint i) {
+    const float3 left = shadow_leftOfMedia(scene, paths, i, path_load_shadowOrigin(paths, i).w);
+    shadow_addLight(paths, i, path_load_shadowRadiance(paths, i).xyz * left);
 }
 
 /* Adds what arrives though it is blocked: a share of the shadow ray's radiance. \param t distance
@@ -36,9 +59,10 @@ void shadow_addBlocked(const HdsSceneView* scene, HdsPaths paths, uint i, float3
     global const HdsLightControls* controls =
         light_controls(&scene->lights, path_load_shadowLight(paths, i).x);
     if (controls != 0) {
-        shadow_addLight(paths, i,
-                        path_load_shadowRadiance(paths, i).xyz * share *
-                            light_throughShadow(controls, t));
+        shadow_addLight(
+            paths, i,
+            path_load_shadowRadiance(paths, i).xyz * share * light_throughShadow(controls, t) *
+                shadow_leftOfMedia(scene, paths, i, path_load_shadowOrigin(paths, i).w));
     }
 #endif
 }
@@ -81,7 +105,7 @@ void shadow_arrive(const HdsSceneView* scene, HdsPaths paths, uint i, const HdsH
     }
 #endif
     if (!shadow_needsLight(scene, paths, i)) {
-        shadow_addRadiance(paths, i);
+        shadow_addRadiance(scene, paths, i);
     }
     shadow_end(paths, i, readyQueue, counters);
 }
@@ -137,10 +161,41 @@ kernel void shadow_resume(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
 #endif
 
 #if HDS_FEATURE_CUTOUT
-/* What a candidate lets pass: all where it casts no shadow of the light. \return false when texels
- * are missing. */
-bool shadow_share(const HdsSceneView* scene, HdsPaths paths, uint i, const HdsSurfaceHit* surface,
-                  float3 viewer, float3* share) {
+#if HDS_FEATURE_GLASS_SHADOWS
+/* The share that passes glass straight, dimmed by what is before it. \return as surfaceHit_shade.
+ */
+bool shadow_passGlass(const HdsSceneView* scene, HdsPaths paths, uint i,
+                      const HdsSurfaceHit* surface, float3 viewer, float t, float3* share) {
+    HdsShadingPoint shading;
+    HdsBsdf bsdf;
+    if (!surfaceHit_shade(scene, surface, viewer, &shading, &bsdf)) {
+        return false;
+    }
+    global const HdsMaterial* material = surfaceHit_material(scene, surface);
+    *share = bsdf_passThrough(&bsdf, shading.wo.z);
+    if (!bsdf_isGlass(&bsdf, material->flags)) {
+        return true;
+    }
+    *share += layered_straight(&bsdf.layered, shading.wo.z);
+    float4 glass = path_load_shadowGlass(paths, i);
+#if HDS_FEATURE_MEDIA_STACK
+    bsdf.extinction = material->meshMedium != 0u ? (float3)(0.0f) : bsdf.extinction;
+#endif
+    const bool isBack = vec_dot(surface->point.normal, viewer) < 0.0f;
+    /* Who begins inside of what only absorbs learns of it here. */
+    const float3 before = isBack ? bsdf.extinction : glass.xyz;
+    *share *= medium_transmittance(before, fmax(t - glass.w, 0.0f));
+    glass.xyz = isBack ? (float3)(0.0f) : bsdf.extinction;
+    glass.w = t;
+    path_store_shadowGlass(paths, i, glass);
+    return true;
+}
+#endif
+
+/* What a candidate at t lets pass: all where it casts no shadow of the light. \return false when
+ * texels are missing. */
+bool shadow_share(const HdsSceneView* scene, HdsPaths paths, uint i, HdsSurfaceHit* surface,
+                  float3 viewer, float t, float3* share) {
 #if HDS_FEATURE_LIGHT_CONTROLS
     const uint light = path_load_shadowLight(paths, i).x;
     if (!light_isLinked(&scene->lights, scene->lights.lights[light].shadowLink,
@@ -149,8 +204,40 @@ bool shadow_share(const HdsSceneView* scene, HdsPaths paths, uint i, const HdsSu
         return true;
     }
 #endif
+#if HDS_FEATURE_MEDIA_STACK
+    const HdsMediaStack stack = mediaStack_loadShadow(paths, i);
+    if (!mediaStack_meet(scene->meshMedia, &stack, surfaceHit_material(scene, surface)->meshMedium,
+                         vec_dot(surface->point.normal, viewer) > 0.0f, &surface->outsideIor)) {
+        *share = (float3)(1.0f);
+        return true;
+    }
+#endif
+#if HDS_FEATURE_GLASS_SHADOWS
+    if ((surfaceHit_material(scene, surface)->flags & HDS_MATERIAL_GLASS) != 0u) {
+        return shadow_passGlass(scene, paths, i, surface, viewer, t, share);
+    }
+#endif
     return passThrough_share(scene, surface, viewer, share);
 }
+
+#if HDS_FEATURE_MEDIA_STACK
+/* The shadow ray of slot i goes on behind the surface at t, which may be the boundary of a medium.
+ * \return what the medium before that has left of its light. */
+float3 shadow_crossMedium(const HdsSceneView* scene, HdsPaths paths, uint i,
+                          const HdsSurfaceHit* surface, float3 direction, float t) {
+    const uint number = surfaceHit_material(scene, surface)->meshMedium;
+    if (number == 0u) {
+        return (float3)(1.0f);
+    }
+    HdsMediaStack stack = mediaStack_loadShadow(paths, i);
+    const float3 left = mediaStack_shadowLeft(scene->meshMedia, &stack, t);
+    mediaStack_cross(&stack, number, vec_dot(surface->point.normal, direction) < 0.0f);
+    stack.begin = t;
+    stack.end = 1.0f;
+    mediaStack_storeShadow(&stack, paths, i);
+    return left;
+}
+#endif
 
 #if HDS_FEATURE_TEXTURED_EMISSION
 /* Whether the candidate is the triangle that the shadow ray goes to. */
@@ -178,7 +265,8 @@ bool shadow_addTarget(const HdsSceneView* scene, HdsPaths paths, uint i,
     if (!surfaceHit_shade(scene, surface, viewer, &shading, &bsdf)) {
         return false;
     }
-    shadow_addLight(paths, i, path_load_shadowRadiance(paths, i).xyz * bsdf_emission(&bsdf));
+    const float3 left = shadow_leftOfMedia(scene, paths, i, t);
+    shadow_addLight(paths, i, path_load_shadowRadiance(paths, i).xyz * bsdf_emission(&bsdf) * left);
     return true;
 }
 #endif
@@ -193,7 +281,7 @@ void shadow_passVolumes(const HdsSceneView* scene, HdsPaths paths, uint i, globa
         surfaceHit_waitForTexels(scene, i);
         return;
     }
-    shadow_addRadiance(paths, i);
+    shadow_addRadiance(scene, paths, i);
     shadow_end(paths, i, readyQueue, counters);
 }
 #endif
@@ -235,12 +323,15 @@ void shadow_passCandidate(const HdsSceneView* scene, HdsPaths paths, uint i, glo
     }
 #endif
     float3 share;
-    if (!shadow_share(scene, paths, i, &surface, -direction.xyz, &share)) {
+    if (!shadow_share(scene, paths, i, &surface, -direction.xyz, hit.t, &share)) {
         surfaceHit_waitForTexels(scene, i);
         return;
     }
     shadow_addBlocked(scene, paths, i, (float3)(1.0f) - share, hit.t);
     float3 left = radiance.xyz * share;
+#if HDS_FEATURE_MEDIA_STACK
+    left *= shadow_crossMedium(scene, paths, i, &surface, direction.xyz, hit.t);
+#endif
     if (!(vec_maxComponent(left) > 0.0f)) {
         shadow_end(paths, i, readyQueue, counters);
         return;

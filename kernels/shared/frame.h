@@ -15,7 +15,8 @@
 /* HdsFrameParams.flags */
 #define HDS_FRAME_ORTHOGRAPHIC 1u
 #define HDS_FRAME_ROULETTE 2u
-#define HDS_FRAME_CAMERA_MOVES 4u /* cameraKeys hold; clip planes are in camera space */
+#define HDS_FRAME_CAMERA_MOVES 4u  /* cameraKeys hold; clip planes are in camera space */
+#define HDS_FRAME_GLASS_SHADOWS 8u /* shadow rays pass materials with HDS_MATERIAL_GLASS */
 
 /* Most times that one ray may pass through cut-out surfaces; a ray that would pass once more ends
  * and is counted. */
@@ -70,7 +71,8 @@ typedef struct {
     u32 maxDiffuseDepth; /* bounces of these lobes */
     u32 maxGlossyDepth;
     u32 maxTransmissionDepth;
-    u32 unused[2];
+    f32 probeLength; /* of the rays that look for the media which the camera is in; 0: in none */
+    u32 unused;
     f32 clipPlanes[HDS_MAX_CLIP_PLANES][4]; /* camera rays see dot(plane, (p, 1)) >= 0, world */
     /* worldFromCamera at equal distances in time, from the opening of the shutter to its closing */
     f32 cameraKeys[HDS_MAX_MOTION_SEGMENTS + 1][12];

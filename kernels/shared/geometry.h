@@ -44,6 +44,7 @@
 #define HDS_INSTANCE_HOLDOUT 256u  /* camera rays end on it, and leave black with alpha 0 */
 #define HDS_INSTANCE_CATCHER 512u  /* camera rays end on it; what others do to its light is kept */
 #define HDS_INSTANCE_FIBRE 1024u   /* hair: rays leave its curves and points unhindered */
+#define HDS_INSTANCE_MEDIUM 2048u  /* some material has a medium inside (shared/meshMedium.h) */
 #define HDS_INSTANCE_LINK_SHIFT 16 /* the bits from here on: the link set (shared/light.h) */
 
 /* Words of objectFromParent of an instance that moves, as bits: the first of its keys of the map

@@ -33,6 +33,7 @@ enum {
 #define HDS_MATERIAL_PRESENCE 1024u   /* opacityMode presence */
 #define HDS_MATERIAL_MEDIUM 2048u     /* light is scattered below the surface */
 #define HDS_MATERIAL_HAIR 4096u       /* hair, or hair by chance (HDS_INPUT_HAIR) */
+#define HDS_MATERIAL_GLASS 8192u      /* shadow rays pass where it refracts and is smooth */
 
 /* HdsMaterial.lobes: what a layered surface is made of; 0: a UsdPreviewSurface. HDS_LOBES is the
  * union over a scene: what is not in it is not compiled. */
@@ -49,6 +50,10 @@ enum {
 #define HDS_MEDIUM_NONE 0u     /* vacuum, or what only absorbs */
 #define HDS_MEDIUM_INTERIOR 1u /* the inside of a surface that refracts */
 #define HDS_MEDIUM_WALK 2u     /* below a surface with subsurface scattering */
+/* The inside of a mesh, of its material's volume (shared/meshMedium.h). */
+#define HDS_MEDIUM_ABSORBS 3u /* it scatters nothing, and what is left of light is exact */
+#define HDS_MEDIUM_SCATTERS 4u
+#define HDS_MEDIUM_PROBE 5u /* none: the ray looks for the media that the camera is in */
 
 HDS_SHARED_BEGIN
 typedef struct {
@@ -58,7 +63,7 @@ typedef struct {
     u32 program;       /* first word of its program, or HDS_NONE */
     u32 programInputs; /* bit i: the program sets input i of those above */
     u32 lobes;         /* HDS_LOBE_* */
-    u32 reserved;
+    u32 meshMedium;    /* number of the medium inside (shared/meshMedium.h); 0: none of its own */
 } HdsMaterial;
 HDS_ASSERT_SIZE(HdsMaterial, HDS_NUM_INPUTS * 20 + 20);
 HDS_SHARED_END

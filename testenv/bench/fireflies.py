@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What bounds on fireflies bring and cost: noise, bias and time of a stage under each of them.
+"""What bounds on fireflies, and shadows of glass, bring and cost: noise, bias and time of a stage under each of them.
 
-    python testenv/bench/fireflies.py STAGE [--camera PATH] [--width 160] [--samples 16] [--seeds 8] [--reference 4096]
+    python testenv/bench/fireflies.py STAGE [--camera PATH] [--width 160] [--samples 16] [--seeds 8] [--reference 4096] [--rows NAME,...]
 
 Every row renders the stage with all seeds, in turn with the other rows. The error is the mean over pixels and channels of
 the squared difference to a render of many samples without bounds, over the square of that plus 0.01 (relMSE): `error` of a
@@ -26,6 +26,7 @@ ROWS = {
     "filterGlossy 1": dict(filterGlossy=1.0),
     "maxGlossyDepth 1": dict(maxGlossyDepth=1),
     "maxDiffuseDepth 2": dict(maxDiffuseDepth=2),
+    "glassShadows": dict(glassShadows=True),
 }
 
 
@@ -60,7 +61,10 @@ def main():
     parser.add_argument("--samples", type=int, default=16)
     parser.add_argument("--seeds", type=int, default=8)
     parser.add_argument("--reference", type=int, default=4096, help="samples of the reference")
+    parser.add_argument("--rows", help="names, with commas between them; all")
     args = parser.parse_args()
+    for name in set(ROWS) - set(args.rows.split(",") if args.rows else ROWS):
+        del ROWS[name]
     options = dict(imageWidth=args.width, pixelFilter="box", pixelFilterWidth=1.0)
     if args.camera:
         options["camera"] = args.camera

@@ -98,6 +98,8 @@ TEST_F(Roots, BuildForEightPaths) {
     NamedFeatures preview{"all that is wide but layered surfaces", wide.f};
     preview.f.lobes = 0;
     preview.f.media = false;
+    preview.f.mediaStack = false;
+    preview.f.glassShadows = false;
     preview.f.volumes = false;
     NamedFeatures base{"none but the base of layered surfaces", {}};
     base.f.lobes = HDS_LOBE_BASE;

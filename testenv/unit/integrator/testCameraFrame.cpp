@@ -5,6 +5,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace hds {
 namespace {
 
@@ -136,6 +138,42 @@ TEST(CameraFrame, TheCentreIsTakenOffInDouble) {
         glm::translate(glm::dmat4(1.0), glm::dvec3(1e9 + 0.25, 0.0, 0.0));
     const auto params = MakeFrameParams(options, glm::dvec3(1e9, 0.0, 0.0), 0);
     EXPECT_EQ(params.worldFromCamera[3], 0.25F);
+}
+
+/// A box of edge 2 around the origin.
+const MediaBounds kBox{glm::dvec3(-1.0), glm::dvec3(1.0)};
+
+TEST(CameraFrame, CamerasInTheBoxOfMediaLookForThem) {
+    RenderOptions options = OptionsOf(300, 200);
+    const auto length = [&](double z, bool moves) {
+        options.camera.worldFromCamera = glm::translate(glm::dmat4(1.0), glm::dvec3(0.0, 0.0, z));
+        return MediaProbeLength(MakeFrameParams(options, glm::dvec3(0.0), 0), kBox, moves);
+    };
+    // From outside of the box, whatever the direction.
+    EXPECT_GT(length(0.5, false), 0.5 + std::sqrt(3.0));
+    EXPECT_EQ(length(1.5, false), 0.0F);
+    EXPECT_GT(length(1.5, true), 1.5 + std::sqrt(3.0)); // the box may come to the camera
+    options.camera.fStop = 1.0F;
+    options.camera.focusDistance = 10.0F;
+    options.camera.worldFromCamera =
+        glm::translate(glm::dmat4(1.0), glm::dvec3(3.0, 0.0, 0.0)); // a lens of radius 2.5
+    EXPECT_GT(MediaProbeLength(MakeFrameParams(options, glm::dvec3(0.0), 0), kBox, false), 0.0F);
+}
+
+TEST(CameraFrame, NobodyLooksForMediaWhereThereAreNone) {
+    const auto params = MakeFrameParams(OptionsOf(300, 200), glm::dvec3(0.0), 0);
+    EXPECT_EQ(MediaProbeLength(params, MediaBounds(), true), 0.0F);
+}
+
+TEST(CameraFrame, OrthographicCamerasLookForMediaOverTheirWholeFilm) {
+    RenderOptions options = OptionsOf(300, 200);
+    options.camera.orthographic = true;
+    const auto length = [&](double x) {
+        options.camera.worldFromCamera = glm::translate(glm::dmat4(1.0), glm::dvec3(x, 0.0, 0.0));
+        return MediaProbeLength(MakeFrameParams(options, glm::dvec3(0.0), 0), kBox, false);
+    };
+    EXPECT_GT(length(2.5), 0.0F); // the film is 3.6 wide
+    EXPECT_EQ(length(3.5), 0.0F);
 }
 
 } // namespace

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Meshes that a medium fills: whether they have an inside, and where they are. Explained in
+// docs/volumes.md.
+#pragma once
+
+#include "hdStream/geometry/geometryDescription.h"
+#include "hdStream/scene/hierarchy.h"
+
+#include <glm/vec3.hpp>
+
+#include <optional>
+#include <vector>
+
+namespace hds {
+
+/// Whether the faces close up: each edge has as many faces on one side as on the other. Points in
+/// one place are one.
+bool IsClosed(const GeometryDescription& mesh);
+
+/// The priority of the inside of a prim where bodies overlap, as its primvars say: constant ones of
+/// one number. That of hdstream wins over RenderMan's.
+std::optional<float> DielectricPriority(const std::vector<Primvar>& primvars);
+
+/// A box; empty as it is made.
+struct MediaBounds {
+    glm::dvec3 min{1e300};
+    glm::dvec3 max{-1e300};
+};
+
+/// The box of all placements of leaves with HDS_INSTANCE_MEDIUM at the frame, relative to the
+/// centre of the scene.
+MediaBounds FindMediaBounds(const SceneDescription& scene, const std::vector<DrawnLeaf>& leaves,
+                            glm::dvec3 centre);
+
+} // namespace hds
