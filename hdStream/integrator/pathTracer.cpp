@@ -10,6 +10,7 @@
 #include "hdStream/integrator/lightPathTable.h"
 #include "hdStream/integrator/makeResident.h"
 #include "hdStream/integrator/sampleSchedule.h"
+#include "hdStream/integrator/sceneFeatures.h"
 #include "hdStream/integrator/waveSize.h"
 #include "hdStream/integrator/waveTracer.h"
 #include "hdStream/scene/motion.h"
@@ -25,11 +26,6 @@
 namespace hds {
 
 namespace {
-
-bool ChooseSimd8(const RenderOptions& options, const DeviceProperties& properties) {
-    return options.traversal == TraversalForm::Auto ? properties.isCpu
-                                                    : options.traversal != TraversalForm::Scalar;
-}
 
 /// Who looks on while a render runs, and whether it is to end.
 struct Onlooker {
@@ -113,79 +109,16 @@ struct PathTracer::Impl {
         }
     }
 
-    /// What kernels for the present scene and options have to be able to.
     KernelFeatures MakeFeatures(bool isStreaming) const {
-        KernelFeatures features;
-        features.cutouts = scene->hasCutouts;
-        features.programs = buffers.HasPrograms();
-        features.patterns = scene->hasPatterns;
-        features.closures = scene->hasClosures;
-        features.lobes = scene->lobes;
-        features.textures = buffers.HasTextures();
-        features.instancePrimvars = buffers.HasInstancePrimvars();
-        features.lightShaping = scene->lights->hasShaping;
-        features.lightControls = scene->lights->hasControls;
-        features.lightPortals = scene->lights->hasPortals;
-        features.meshLights = scene->lights->hasMeshes;
-        features.texturedEmission = scene->lights->hasTexturedEmission;
-        features.lightTree = scene->lights->lights.size() > HDS_LIGHT_LOOP_MAX;
-        features.numTexturePools = buffers.Textures().NumBuffers() > 1 ? kMaxPoolBuffers : 1;
-        features.textureStreaming = buffers.Textures().Pool() != nullptr;
-        features.groups = scene->hasGroups;
-        features.curves = scene->hasCurves;
-        features.motion = scene->hasMotion || MovesOver(options.camera, options.shutter);
-        features.simd8 = ChooseSimd8(options, device->Properties());
-        features.flat = !isStreaming && MayBeFlat(features) &&
-                        (buffers.Flat().IsThere() || (buffers.IsStreaming() && WillBeFlat()));
-        features.flatInstances = features.flat && buffers.Flat().HasInstances();
-        features.firstHits = NeedsFirstHits(options.aovs);
-        features.catchers = options.aovs.hasCatchers;
-        features.occlusion = options.aovs.hasOcclusion;
-        features.rayVisibility = scene->hasRayVisibility;
-        features.mattes = options.aovs.hasMattes;
-        features.pathLimits = options.HasPathLimits();
-        features.media = scene->hasMedia;
-        features.hair = scene->hasHair;
-        features.glassShadows = scene->hasGlassShadows;
-        features.mediaStack = !scene->meshMedia.empty();
-        features.volumes = !scene->volumes.volumes.empty();
-        features.lightPaths = NumLightPathSums(options.aovs.lightPaths.size());
-        features.numPools = buffers.NumPoolBuffers() > 1 ? kMaxPoolBuffers : 1;
-        features.streaming = isStreaming;
-        features.requestsFirst = features.streaming && residency.requestsFirst;
-        return features;
+        return SceneFeatures(*scene, options, residency, buffers, device->Properties(),
+                             isStreaming);
     }
 
-    /// \param features without those of a flat hierarchy.
-    bool MayBeFlat(const KernelFeatures& features) const {
-        const bool isAsked = options.traversal == TraversalForm::Flat ||
-                             (options.traversal == TraversalForm::Auto && !options.interactive);
-        // Scenes with catchers are drawn twice, with other instances.
-        return isAsked && features.simd8 && !features.motion && !options.aovs.hasCatchers &&
-               !buffers.IsMapped();
-    }
-
-    FlatLimits LimitsOfFlat() const {
-        FlatLimits limits;
-        limits.isForced = options.traversal == TraversalForm::Flat;
-        limits.cameraRays =
-            std::uint64_t{options.imageWidth} * options.imageHeight * options.samples;
-        const std::uint64_t budgetBytes = buffers.Plan(*scene, residency).budgetBytes;
-        limits.bytes = budgetBytes - std::min(budgetBytes, buffers.PoolBytes());
-        return limits;
-    }
-
-    /// While geometry streams: whether it would be, once it is resident; meshes that are placed
-    /// several times are not looked at.
-    bool WillBeFlat() const { return scene->counts.triangles <= MaxFlatTriangles(LimitsOfFlat()); }
-
-    /// Builds the flat hierarchy when geometry is resident and rays will pay for it. Hosts that edit
-    /// do not wait for one.
+    /// Builds the flat hierarchy when geometry is resident and rays will pay for it. Hosts that
+    /// edit do not wait for one.
     void ReadyHierarchy() {
-        if (buffers.IsStreaming() || !MayBeFlat(MakeFeatures(false))) {
-            return;
-        }
-        if (buffers.Flatten(*scene, LimitsOfFlat())) {
+        if (!buffers.IsStreaming() && MayBeFlat(options, MakeFeatures(false), buffers) &&
+            buffers.Flatten(*scene, LimitsOfFlat(*scene, options, residency, buffers))) {
             ++sceneNumber;
             statistics.flattenSeconds = buffers.Flat().BuildSeconds();
         }

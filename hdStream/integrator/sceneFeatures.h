@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// What kernels for a scene and a render have to be able to, and whether rays walk the flat
+// hierarchy. Explained in docs/wavefront.md and docs/accel.md.
+#pragma once
+
+#include "hdStream/integrator/flatGeometry.h"
+#include "hdStream/integrator/kernelFeatures.h"
+#include "hdStream/integrator/renderOptions.h"
+#include "hdStream/integrator/sceneBuffers.h"
+#include "hdStream/scene/commit.h"
+
+namespace hds {
+
+/// \param isStreaming pages of geometry may be missing; false while they are: what kernels will be
+/// able to once geometry is resident.
+KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& options,
+                             const ResidencyOptions& residency, const SceneBuffers& buffers,
+                             const DeviceProperties& properties, bool isStreaming);
+
+/// Whether rays may walk a flat hierarchy where geometry is resident. Hosts that edit do not wait
+/// for one. \param features without those of a flat hierarchy.
+bool MayBeFlat(const RenderOptions& options, const KernelFeatures& features,
+               const SceneBuffers& buffers);
+
+FlatLimits LimitsOfFlat(const CommittedScene& scene, const RenderOptions& options,
+                        const ResidencyOptions& residency, const SceneBuffers& buffers);
+
+} // namespace hds
