@@ -89,9 +89,8 @@ bool CollapsePlan::MayBeLeaf(const BinarySubtree& tree) const {
     }
     const BoxRef* refs = _binary.refs + tree.begin;
     const std::uint32_t unit = _options.unitOfItem[refs[0].item];
-    return std::all_of(refs, refs + tree.count, [&](const BoxRef& ref) {
-        return _options.unitOfItem[ref.item] == unit;
-    });
+    return std::all_of(refs, refs + tree.count,
+                       [&](const BoxRef& ref) { return _options.unitOfItem[ref.item] == unit; });
 }
 
 CollapsePlan::Split CollapsePlan::SplitOf(const BinarySubtree& tree) const {

@@ -90,8 +90,7 @@ public:
 private:
     void ListUnits() {
         for (std::uint32_t place = 0; place < _places.places.size(); ++place) {
-            const shared::HdsObject& object =
-                (*_source.objects)[_places.placements[place].object];
+            const shared::HdsObject& object = (*_source.objects)[_places.placements[place].object];
             for (std::uint32_t i = 0; i < object.numItems; ++i) {
                 const std::uint32_t chunk = object.itemBase + i;
                 const std::uint8_t* page = _source.page(chunk);
@@ -227,8 +226,8 @@ private:
         std::uint64_t bytes = sizeof(shared::HdsFlatHeader);
         const auto place = [&](std::uint64_t partBytes) {
             const std::uint64_t offset = bytes;
-            bytes += (partBytes + HDS_FLAT_UNIT_BYTES - 1) / HDS_FLAT_UNIT_BYTES *
-                     HDS_FLAT_UNIT_BYTES;
+            bytes +=
+                (partBytes + HDS_FLAT_UNIT_BYTES - 1) / HDS_FLAT_UNIT_BYTES * HDS_FLAT_UNIT_BYTES;
             return static_cast<std::uint32_t>(offset / HDS_FLAT_UNIT_BYTES);
         };
         shared::HdsFlatHeader header{};
@@ -248,13 +247,13 @@ private:
         std::memcpy(part(header.records), _places.records.data(),
                     _places.records.size() * sizeof(_places.records[0]));
         std::uint8_t* leaves = part(header.leaves);
-        tbb::parallel_for(
-            tbb::blocked_range<std::size_t>(0, _leaves.size(), kGrain), [&](const auto& range) {
-                for (std::size_t i = range.begin(); i != range.end(); ++i) {
-                    const shared::HdsFlatLeaf leaf = MakeLeaf(binary, _leaves[i]);
-                    std::memcpy(leaves + i * sizeof(leaf), &leaf, sizeof(leaf));
-                }
-            });
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, _leaves.size(), kGrain),
+                          [&](const auto& range) {
+                              for (std::size_t i = range.begin(); i != range.end(); ++i) {
+                                  const shared::HdsFlatLeaf leaf = MakeLeaf(binary, _leaves[i]);
+                                  std::memcpy(leaves + i * sizeof(leaf), &leaf, sizeof(leaf));
+                              }
+                          });
     }
 
     const FlatSource& _source;

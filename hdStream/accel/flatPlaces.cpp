@@ -140,9 +140,9 @@ private:
         } else {
             for (std::uint32_t i = 0; i < object.numItems; ++i) {
                 const std::uint8_t* page = _source.page(object.itemBase + i);
-                traits.isFlat = traits.isFlat && HeaderOf(page).numTriangles >>
-                                                         HDS_PRIMITIVE_SHIFT ==
-                                                     HDS_PRIMITIVE_TRIANGLES;
+                traits.isFlat =
+                    traits.isFlat &&
+                    HeaderOf(page).numTriangles >> HDS_PRIMITIVE_SHIFT == HDS_PRIMITIVE_TRIANGLES;
                 traits.numTriangles += NumPrimitivesOfPage(page);
             }
             traits.numUnique = traits.numTriangles;

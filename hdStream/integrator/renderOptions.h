@@ -52,7 +52,7 @@ struct RenderOptions {
     double clampIndirect = 0.0;
     double filterGlossy = 0.0;
     float occlusionDistance = 0.0F; ///< of the AOV ambientOcclusion; may be infinite
-    bool glassShadows = false; ///< as CommitOptions::glassShadows
+    bool glassShadows = false;      ///< as CommitOptions::glassShadows
     std::uint32_t seed = 0;
     double timeLimit = 0.0;
     double noise = 0.0;

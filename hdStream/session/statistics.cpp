@@ -37,8 +37,8 @@ Json TimeSection(const StatisticsInput& in) {
     const TextureStatistics textures = in.tracer->Buffers().Textures().Statistics();
     return {{"load", in.loadSeconds},
             {"translate", in.translateSeconds},
-            {"prepare", in.commitSeconds + in.pages->Seconds() + textures.openSeconds +
-                            render.flattenSeconds},
+            {"prepare",
+             in.commitSeconds + in.pages->Seconds() + textures.openSeconds + render.flattenSeconds},
             {"compile", render.compileSeconds},
             {"trace", render.traceSeconds},
             {"requests", pool.requestSeconds + textures.requestSeconds + textures.readSeconds},
@@ -156,9 +156,10 @@ std::string MakeStatistics(const StatisticsInput& in) {
                          {"clampedSamples", render.clampedSamples},
                          {"endedPasses", render.endedPasses},
                          {"meanRelativeError", render.meanRelativeError}};
-    stats["wave"] = {{"size", render.waveSize},
-                     {"traversal", FindSetting("traversal")->choices.at(
-                                       static_cast<std::size_t>(render.traversal))}};
+    stats["wave"] = {
+        {"size", render.waveSize},
+        {"traversal",
+         FindSetting("traversal")->choices.at(static_cast<std::size_t>(render.traversal))}};
     stats["warnings"] = in.warnings;
     return stats.dump(2) + "\n";
 }

@@ -26,8 +26,8 @@
 HDS_SHARED_BEGIN
 /* Begins the buffer; nodes follow, root first. */
 typedef struct {
-    u32 leaves; /* offset of HdsFlatLeaf[] */
-    u32 places; /* offset of HdsFlatPlace[] */
+    u32 leaves;  /* offset of HdsFlatLeaf[] */
+    u32 places;  /* offset of HdsFlatPlace[] */
     u32 records; /* offset of u32[]: records in instances, of each place from the TLAS inwards */
     u32 unused[13];
 } HdsFlatHeader;

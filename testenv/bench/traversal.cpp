@@ -250,8 +250,10 @@ public:
         : _device(device), _isFlat(form == test::AccelForm::Flat),
           _scene(device, scene, {1, {}, {_isFlat ? ~0ULL : 0, 4.0, 0.0}}) {
         const std::string text = kKernels;
-        ProgramDefines defines = {{"HDS_FEATURE_GROUPS", "0"}, {"HDS_FEATURE_CUTOUT", "0"},
-                                  {"HDS_FEATURE_MOTION", "0"}, {"HDS_FEATURE_CURVES", "0"},
+        ProgramDefines defines = {{"HDS_FEATURE_GROUPS", "0"},
+                                  {"HDS_FEATURE_CUTOUT", "0"},
+                                  {"HDS_FEATURE_MOTION", "0"},
+                                  {"HDS_FEATURE_CURVES", "0"},
                                   {"HDS_NUM_POOLS", "1"}};
         if (!_scene.Flat().hasInstances) {
             defines["HDS_FEATURE_FLAT_INSTANCES"] = "0";
@@ -397,7 +399,8 @@ void RunScene(const std::shared_ptr<Device>& device, const BenchScene& scene,
         std::vector<EmbreeHit> hits;
         rates.standard =
             MeasureMrays(rays.size(), options, [&] { hits = standard.Closest(rays, numThreads); });
-        const auto ourHits = simd8.Run<shared::HdsHit>("bench_closest", rays, options, &rates.simd8);
+        const auto ourHits =
+            simd8.Run<shared::HdsHit>("bench_closest", rays, options, &rates.simd8);
         const auto flatHits = flat.Run<shared::HdsHit>("bench_closest", rays, options, &rates.flat);
         rates.compact =
             MeasureMrays(rays.size(), options, [&] { hits = compact.Closest(rays, numThreads); });

@@ -68,8 +68,8 @@ FlatSource FlatSourceOf(const AccelScene& scene);
 
 /// How a scene lies in the pools.
 struct AccelUpload {
-    std::uint32_t numPools = 1;         ///< chunks go to the pools in turn
-    std::vector<std::uint32_t> missing; ///< chunks that are not resident
+    std::uint32_t numPools = 1;              ///< chunks go to the pools in turn
+    std::vector<std::uint32_t> missing;      ///< chunks that are not resident
     FlatAmount flat = {1U << 28U, 1e9, 0.0}; ///< of the flat hierarchy
 };
 

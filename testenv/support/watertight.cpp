@@ -158,9 +158,8 @@ LeakCounter::LeakCounter(std::shared_ptr<Device> device, AccelForm form)
     : _device(std::move(device)), _form(form) {
     const std::string text = kKernel;
     const auto build = [&](const char* groups) {
-        ProgramDefines defines = {{"HDS_FEATURE_GROUPS", groups},
-                                  {"HDS_FEATURE_MOTION", "0"},
-                                  {"HDS_NUM_POOLS", "1"}};
+        ProgramDefines defines = {
+            {"HDS_FEATURE_GROUPS", groups}, {"HDS_FEATURE_MOTION", "0"}, {"HDS_NUM_POOLS", "1"}};
         defines.merge(DefinesOf(form));
         return std::make_unique<Program>(_device, "watertight.cl", defines, nullptr, &text);
     };

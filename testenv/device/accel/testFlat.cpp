@@ -71,11 +71,11 @@ TEST_F(FlatBvhTest, FlattensWhatIsPlacedLeastOften) {
         EXPECT_TRUE(flat.hasInstances);
         EXPECT_GT(ExpectSameHits(built, MixedRays(1000), {1, {}, amount}), 100U);
     }
-    EXPECT_EQ(DeviceAccelScene(device, built, {1, {}, {ofAll, 40.0, 1.0}}).Flat().numTriangles, ofAll);
+    EXPECT_EQ(DeviceAccelScene(device, built, {1, {}, {ofAll, 40.0, 1.0}}).Flat().numTriangles,
+              ofAll);
     EXPECT_EQ(DeviceAccelScene(device, built, {1, {}, {10, kNoMatter, 0.0}}).Flat().numTriangles,
               0U);
-    EXPECT_TRUE(
-        DeviceAccelScene(device, built, {1, {}, {ofAll, 39.0, 0.8}}).Flat().buffer.empty())
+    EXPECT_TRUE(DeviceAccelScene(device, built, {1, {}, {ofAll, 39.0, 0.8}}).Flat().buffer.empty())
         << "less than is asked for";
 }
 
@@ -89,9 +89,9 @@ TEST_F(FlatBvhTest, FlattensGroupsOfAFewLevels) {
         const auto place = [&] {
             const glm::dmat4 moved =
                 glm::translate(glm::dmat4(1.0), 1.5 * glm::dvec3(uniform.Vector()));
-            return glm::scale(glm::rotate(moved, 3.0 * uniform(),
-                                          glm::normalize(glm::dvec3(uniform.Vector()))),
-                              glm::dvec3(0.7));
+            return glm::scale(
+                glm::rotate(moved, 3.0 * uniform(), glm::normalize(glm::dvec3(uniform.Vector()))),
+                glm::dvec3(0.7));
         };
         for (int level = 1; level < levels; ++level) {
             object = built.AddGroup({{object, place()}, {object, place()}, {mesh, place()}});

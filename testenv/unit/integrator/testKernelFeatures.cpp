@@ -109,10 +109,10 @@ TEST(KernelFeatures, HaveWhatTheyNeed) {
         {"numTexturePools", {"textures"}},               // hold their texels
         {"textureStreaming", {"textures"}},              // whose lines are missing
         {"texturedEmission", {"cutouts", "meshLights"}}, // of a mesh, asked for as candidates are
-        {"catchers", {"rayVisibility"}}, // others are unseen in the scene of catchers alone
-        {"media", {"lobes"}},                            // lie below layered surfaces
-        {"glassShadows", {"cutouts", "lobes"}},          // are asked for as candidates are
-        {"mediaStack", {"cutouts", "lobes", "media"}},   // whose boundaries are passed as cut-outs
+        {"catchers", {"rayVisibility"}},        // others are unseen in the scene of catchers alone
+        {"media", {"lobes"}},                   // lie below layered surfaces
+        {"glassShadows", {"cutouts", "lobes"}}, // are asked for as candidates are
+        {"mediaStack", {"cutouts", "lobes", "media"}}, // whose boundaries are passed as cut-outs
         {"volumes", {"cutouts", "lobes", "media", "textures"}}, // bricks are lines; events of media
         {"requestsFirst", {"streaming"}},                       // asks for pages that are missing
     };
