@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Nodes of the package MaterialX's libraries that hdStream does not know: unknownNodes.py [--all].
 
-Every node definition that could feed a surface, or is one, is looked up in hdStream's registry of nodes; those that are
-not there are printed, by group. --all also prints those that are. BSDF, EDF and VDF nodes are not asked, since surfaces
-put together of them are not drawn.
+Every node definition that could feed a surface, or is one or a closure of one, is looked up in hdStream's registry of nodes;
+those that are not there are printed, by group. --all also prints those that are.
 """
 
 import argparse
@@ -14,7 +13,7 @@ import MaterialX
 from hdstream import _core
 
 _KINDS = ("float", "integer", "boolean", "color3", "color4", "vector2", "vector3", "vector4", "multioutput", "matrix33", "matrix44",
-          "surfaceshader")
+          "surfaceshader", "BSDF", "EDF", "VDF")
 
 
 def main() -> int:
