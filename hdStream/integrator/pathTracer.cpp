@@ -134,6 +134,7 @@ struct PathTracer::Impl {
         features.numTexturePools = buffers.Textures().NumBuffers() > 1 ? kMaxPoolBuffers : 1;
         features.textureStreaming = buffers.Textures().Pool() != nullptr;
         features.groups = scene->hasGroups;
+        features.instanceChunks = scene->hasInstanceChunks;
         features.curves = scene->hasCurves;
         features.motion = scene->hasMotion || MovesOver(options.camera, options.shutter);
         features.simd8 = ChooseSimd8(options, device->Properties());
