@@ -30,6 +30,8 @@ struct BvhOptions {
     /// Boxes that move take about twice the time and bytes of others: they are made where boxes
     /// at rest, which hold both ends, have more than this times their area.
     float restingArea = 2.0F;
+    /// Not null: the items of a leaf are of one unit, and are tested together at the cost of one.
+    const std::uint32_t* unitOfItem = nullptr;
 };
 
 /// Builds with the surface area heuristic (binned; Wald 2007) and collapses to 8-wide optimally

@@ -45,7 +45,9 @@ CollapsePlan::Costs CollapsePlan::SolveInner(const BinarySubtree& tree, const Co
     Split& split = _splits[tree.node];
     Costs costs;
     const float area = AreaOf(_binary.Box(tree));
-    const float leafCost = area * static_cast<float>(tree.count) * _options.itemCost;
+    const bool isTogether = _options.unitOfItem != nullptr;
+    const float leafCost =
+        area * (isTogether ? 1.0F : static_cast<float>(tree.count)) * _options.itemCost;
     float distribute[kWidth + 1] = {};
     const int numItems = static_cast<int>(std::min<std::uint32_t>(tree.count, kWidth));
     for (int roots = 2; roots <= kWidth; ++roots) {
@@ -67,7 +69,7 @@ CollapsePlan::Costs CollapsePlan::SolveInner(const BinarySubtree& tree, const Co
         split[roots - 1] = static_cast<std::uint8_t>(bestLeft);
     }
     const float innerCost = area * _options.traversalCost + distribute[kWidth];
-    const bool isLeaf = tree.count <= _options.maxLeafItems && !(innerCost < leafCost);
+    const bool isLeaf = MayBeLeaf(tree) && !(innerCost < leafCost);
     costs[0] = isLeaf ? leafCost : innerCost;
     split[0] = isLeaf ? 1 : 0;
     for (int roots = 2; roots < kWidth; ++roots) {
@@ -79,6 +81,17 @@ CollapsePlan::Costs CollapsePlan::SolveInner(const BinarySubtree& tree, const Co
         }
     }
     return costs;
+}
+
+bool CollapsePlan::MayBeLeaf(const BinarySubtree& tree) const {
+    if (tree.count > _options.maxLeafItems || _options.unitOfItem == nullptr) {
+        return tree.count <= _options.maxLeafItems;
+    }
+    const BoxRef* refs = _binary.refs + tree.begin;
+    const std::uint32_t unit = _options.unitOfItem[refs[0].item];
+    return std::all_of(refs, refs + tree.count, [&](const BoxRef& ref) {
+        return _options.unitOfItem[ref.item] == unit;
+    });
 }
 
 CollapsePlan::Split CollapsePlan::SplitOf(const BinarySubtree& tree) const {

@@ -43,6 +43,7 @@ private:
     using Split = std::array<std::uint8_t, kWidth>;
     Costs Solve(const BinarySubtree& tree);
     Costs SolveInner(const BinarySubtree& tree, const Costs& left, const Costs& right);
+    bool MayBeLeaf(const BinarySubtree& tree) const;
     Split SplitOf(const BinarySubtree& tree) const;
     void Gather(const BinarySubtree& tree, int roots, CollapsedChildren* out) const;
 

@@ -10,6 +10,10 @@ namespace {
 /// Part of the time of tracing and shading that kernels without streaming code save when nothing is
 /// missing. Measured: docs/streaming.md, "What it costs".
 constexpr double kSavedPart = 0.05;
+/// The same with the flat hierarchy (docs/accel.md, "The flat hierarchy"), and the seconds that two
+/// cores take to build it.
+constexpr double kSavedPartOfFlat = 0.2;
+constexpr double kSecondsPerFlatTriangle = 0.5e-6;
 /// Of pages, while none has been prepared: two cores build so many.
 constexpr double kSecondsPerByte = 1.0 / 100e6;
 
@@ -54,8 +58,12 @@ bool IsWorthMakingResident(const MakeResidentCosts& costs) {
     const double secondsPerByte =
         costs.preparedBytes > 0 ? costs.prepareSeconds / static_cast<double>(costs.preparedBytes)
                                 : kSecondsPerByte;
-    return costs.kernelSeconds + secondsPerByte * static_cast<double>(costs.missingBytes) <=
-           kSavedPart * costs.secondsLeft;
+    const double flattenSeconds =
+        kSecondsPerFlatTriangle * static_cast<double>(costs.flatTriangles);
+    const double savedPart = costs.flatTriangles > 0 ? kSavedPartOfFlat : kSavedPart;
+    return costs.kernelSeconds + flattenSeconds +
+               secondsPerByte * static_cast<double>(costs.missingBytes) <=
+           savedPart * costs.secondsLeft;
 }
 
 } // namespace hds

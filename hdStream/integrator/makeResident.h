@@ -40,6 +40,7 @@ private:
 struct MakeResidentCosts {
     double secondsLeft = 0.0;        ///< of tracing and shading, at the present rate
     double kernelSeconds = 0.0;      ///< until kernels without streaming code are there
+    std::uint64_t flatTriangles = 0; ///< that are flattened then; 0: there is no flat hierarchy
     std::uint64_t missingBytes = 0;  ///< pages to be prepared and loaded
     double prepareSeconds = 0.0;     ///< what preparing pages has taken in this render
     std::uint64_t preparedBytes = 0; ///< these pages
@@ -56,7 +57,8 @@ enum class KernelPlace { Bound, Cached, Nowhere };
 /// An estimate.
 double SecondsToGet(KernelPlace place);
 
-/// Whether what resident kernels save is at least what it takes to have them and all pages.
+/// Whether what resident kernels save is at least what it takes to have them, all pages and the
+/// flat hierarchy.
 bool IsWorthMakingResident(const MakeResidentCosts& costs);
 
 } // namespace hds

@@ -26,7 +26,7 @@ namespace {
 
 bool ChooseSimd8(const RenderOptions& options, const DeviceProperties& properties) {
     return options.traversal == TraversalForm::Auto ? properties.isCpu
-                                                    : options.traversal == TraversalForm::Simd8;
+                                                    : options.traversal != TraversalForm::Scalar;
 }
 
 /// Who looks on while a render runs, and whether it is to end.
@@ -60,7 +60,7 @@ struct PathTracer::Impl {
         if (!buffers.Update(newScene, newResidency)) {
             return false;
         }
-        requestsFirst = newResidency.requestsFirst;
+        residency = newResidency;
         scene = &newScene;
         ++sceneNumber;
         return true;
@@ -72,6 +72,7 @@ struct PathTracer::Impl {
         if (buffers.SetMipBias(static_cast<float>(options.mipBias))) {
             ++sceneNumber;
         }
+        ReadyHierarchy();
         ReadyKernels();
         if (remembersKernels) {
             kernelSets.Remember(kernels->Features());
@@ -138,6 +139,9 @@ struct PathTracer::Impl {
         features.curves = scene->hasCurves;
         features.motion = scene->hasMotion || MovesOver(options.camera, options.shutter);
         features.simd8 = ChooseSimd8(options, device->Properties());
+        features.flat = !isStreaming && MayBeFlat(features) &&
+                        (buffers.Flat().IsThere() || (buffers.IsStreaming() && WillBeFlat()));
+        features.flatInstances = features.flat && buffers.Flat().HasInstances();
         features.firstHits = NeedsFirstHits(options.aovs);
         features.rayVisibility = scene->hasRayVisibility;
         features.mattes = options.aovs.hasMattes;
@@ -147,14 +151,51 @@ struct PathTracer::Impl {
         features.lightPaths = NumLightPathSums(options.aovs.lightPaths.size());
         features.numPools = buffers.NumPoolBuffers() > 1 ? kMaxPoolBuffers : 1;
         features.streaming = isStreaming;
-        features.requestsFirst = features.streaming && requestsFirst;
+        features.requestsFirst = features.streaming && residency.requestsFirst;
         return features;
+    }
+
+    /// \param features without those of a flat hierarchy.
+    bool MayBeFlat(const KernelFeatures& features) const {
+        const bool isAsked = options.traversal == TraversalForm::Flat ||
+                             (options.traversal == TraversalForm::Auto && !options.interactive);
+        // What is flattened is found by records in tables.
+        return isAsked && features.simd8 && !features.motion && !features.instanceChunks &&
+               !buffers.IsMapped();
+    }
+
+    FlatLimits LimitsOfFlat() const {
+        FlatLimits limits;
+        limits.isForced = options.traversal == TraversalForm::Flat;
+        limits.cameraRays =
+            std::uint64_t{options.imageWidth} * options.imageHeight * options.samples;
+        const std::uint64_t budgetBytes = buffers.Plan(*scene, residency).budgetBytes;
+        limits.bytes = budgetBytes - std::min(budgetBytes, buffers.PoolBytes());
+        return limits;
+    }
+
+    /// While geometry streams: whether it would be, once it is resident; meshes that are placed
+    /// several times are not looked at.
+    bool WillBeFlat() const { return scene->counts.triangles <= MaxFlatTriangles(LimitsOfFlat()); }
+
+    /// Builds the flat hierarchy when geometry is resident and rays will pay for it. Hosts that
+    /// edit do not wait for one.
+    void ReadyHierarchy() {
+        if (buffers.IsStreaming() || !MayBeFlat(MakeFeatures(false))) {
+            return;
+        }
+        if (buffers.Flatten(*scene, LimitsOfFlat())) {
+            ++sceneNumber;
+            statistics.flattenSeconds = buffers.Flat().BuildSeconds();
+        }
     }
 
     void ReadyKernels() {
         const KernelFeatures features = MakeFeatures(buffers.IsStreaming());
         kernels = &kernelSets.Get(features, buffers, sceneNumber, &statistics.compileSeconds);
-        statistics.isSimd8Traversal = features.simd8;
+        statistics.traversal = features.flat    ? TraversalForm::Flat
+                               : features.simd8 ? TraversalForm::Simd8
+                                                : TraversalForm::Scalar;
     }
 
     void ReadyPathState() {
@@ -344,7 +385,9 @@ struct PathTracer::Impl {
         MakeResidentCosts costs;
         costs.secondsLeft = schedule.SecondsLeft(onlooker->rate.SecondsPerSample(),
                                                  samplesEquivalent, onlooker->timer.Seconds());
-        costs.kernelSeconds = SecondsToGet(PlaceOf(MakeFeatures(false)));
+        const KernelFeatures features = MakeFeatures(false);
+        costs.kernelSeconds = SecondsToGet(PlaceOf(features));
+        costs.flatTriangles = features.flat ? scene->counts.triangles : 0;
         costs.missingBytes = buffers.Streaming().MissingBytes();
         costs.prepareSeconds = pool.prepareSeconds;
         costs.preparedBytes = pool.uploadedBytes;
@@ -361,6 +404,7 @@ struct PathTracer::Impl {
             }
         }
         if (!buffers.IsStreaming()) {
+            ReadyHierarchy();
             ReadyKernels();
             ReadyPathState();
         }
@@ -534,7 +578,7 @@ struct PathTracer::Impl {
     const CommittedScene* scene = nullptr;
     RenderOptions options;
     SceneBuffers buffers;
-    bool requestsFirst = false;
+    ResidencyOptions residency;
     bool remembersKernels = false; ///< somebody warms them
     FilmBuffers film;
     std::uint64_t sceneNumber = 0;   ///< counts what kernels are bound to

@@ -15,8 +15,9 @@ namespace hds {
 
 /// Which form of the traversal kernel runs (docs/accel.md).
 enum class TraversalForm {
-    Auto,   ///< Simd8 on CPU devices, Scalar on others
-    Simd8,  ///< 8-wide vectors inside a work-item
+    Auto,   ///< Flat where it is worth it, else Simd8 on CPU devices; Scalar on others
+    Flat,   ///< as Simd8, and the flat hierarchy wherever geometry is resident and at rest
+    Simd8,  ///< eight boxes a vector inside a work-item, level by level
     Scalar, ///< one work-item a ray
 };
 

@@ -2,6 +2,8 @@
 // What a render has done and how long it took.
 #pragma once
 
+#include "hdStream/integrator/renderOptions.h"
+
 #include <cstdint>
 
 namespace hds {
@@ -35,7 +37,8 @@ struct RenderStatistics {
     std::uint32_t streamedSamples = 0; ///< of these, the last one for which geometry streamed
     std::uint64_t streamedPaths = 0;   ///< camera rays that began while geometry streamed
     std::uint32_t waveSize = 0;
-    bool isSimd8Traversal = false;
+    TraversalForm traversal = TraversalForm::Scalar; ///< never Auto
+    double flattenSeconds = 0.0; ///< the flat hierarchy was built in
     std::uint64_t pathStateBytes = 0;
     std::uint64_t filmBytes = 0;
 };

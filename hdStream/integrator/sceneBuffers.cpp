@@ -124,7 +124,12 @@ bool SceneBuffers::UpdatePages(const CommittedScene& scene, const ResidencyOptio
     return true;
 }
 
+bool SceneBuffers::Flatten(const CommittedScene& scene, const FlatLimits& limits) {
+    return !_flat.IsThere() && _flat.Build(_device, scene, *_pool, limits);
+}
+
 bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& residency) {
+    _flat.Clear();
     if (!UpdatePages(scene, residency)) {
         return false;
     }
@@ -179,10 +184,11 @@ std::uint64_t SceneBuffers::TableBytes() const {
     for (const Buffer& buffer : _tables) {
         bytes += buffer.Bytes();
     }
-    return bytes + _textures.TableBytes();
+    return bytes + _flat.Bytes() + _textures.TableBytes();
 }
 
-unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first, bool hasMotion) const {
+unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first, bool hasMotion,
+                                    bool isFlat) const {
     HDS_VERIFY(_pool != nullptr, "no geometry was taken before");
     for (const Table table : {TopNodes, Instances, InstancesByPath, Objects}) {
         kernel->SetBuffer(first++, _tables[table]);
@@ -194,14 +200,18 @@ unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first, bool hasMoti
     if (hasMotion) {
         kernel->SetBuffer(first++, _tables[MotionKeys]);
     }
+    if (isFlat) {
+        kernel->SetBuffer(first++, _flat.DeviceBuffer());
+    }
     if (IsStreaming()) {
         kernel->SetBuffer(first++, _streaming->Uses());
     }
     return first;
 }
 
-unsigned SceneBuffers::BindScene(Kernel* kernel, unsigned first, bool hasMotion) const {
-    first = BindGeometry(kernel, first, hasMotion);
+unsigned SceneBuffers::BindScene(Kernel* kernel, unsigned first, bool hasMotion,
+                                 bool isFlat) const {
+    first = BindGeometry(kernel, first, hasMotion, isFlat);
     for (const Table table : {Prims, PrimMaterials, Materials, LightByEntry, Lights, LightNodes,
                               LightTriangles, LightCdf}) {
         kernel->SetBuffer(first++, _tables[table]);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "hdStream/device/program.h"
+#include "hdStream/integrator/flatGeometry.h"
 #include "hdStream/integrator/renderOptions.h"
 #include "hdStream/integrator/residencyPlan.h"
 #include "hdStream/integrator/sceneTextures.h"
@@ -28,12 +29,12 @@ public:
     bool Update(const CommittedScene& scene, const ResidencyOptions& residency);
 
     /// Sets the arguments of HDS_GEOMETRY_ARGS from `first` on; returns the next free index.
-    /// \param hasMotion the kernel has HDS_FEATURE_MOTION.
-    unsigned BindGeometry(Kernel* kernel, unsigned first, bool hasMotion) const;
+    /// \param hasMotion, isFlat the kernel has HDS_FEATURE_MOTION, HDS_FEATURE_FLAT.
+    unsigned BindGeometry(Kernel* kernel, unsigned first, bool hasMotion, bool isFlat) const;
 
     /// Sets the arguments of HDS_SCENE_ARGS (geometry, materials, lights, and with programs and
     /// textures those) from `first` on.
-    unsigned BindScene(Kernel* kernel, unsigned first, bool hasMotion) const;
+    unsigned BindScene(Kernel* kernel, unsigned first, bool hasMotion, bool isFlat) const;
 
     /// Whether some material has a program, and whether some program or light looks textures up.
     bool HasPrograms() const { return _hasPrograms; }
@@ -60,6 +61,12 @@ public:
     /// Loads some of the pages that are missing, which nobody has asked for. With the last one
     /// geometry is resident; when there is no room for one it never MayBecomeResident. Blocks.
     void LoadMissing();
+
+    /// Builds the flat hierarchy of the scene of the last Update, unless it is there. Blocks.
+    /// \pre geometry is resident, nothing moves. \return whether it is new: kernels have to be
+    /// bound again.
+    bool Flatten(const CommittedScene& scene, const FlatLimits& limits);
+    const FlatGeometry& Flat() const { return _flat; }
 
     /// Statistics of geometry and textures count from 0 again.
     void BeginStatistics();
@@ -120,6 +127,7 @@ private:
     std::shared_ptr<const LightTable> _lights; ///< what the light tables hold
     std::uint32_t _numLights = 0;
     std::uint32_t _numVolumes = 0;
+    FlatGeometry _flat;
     SceneTextures _textures;
     bool _hasPrograms = false;
     bool _hasTextures = false;

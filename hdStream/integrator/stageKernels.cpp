@@ -134,11 +134,12 @@ void StageKernels::SaveBinaries(Store* store) {
 
 void StageKernels::Bind(const SceneBuffers& scene) {
     const bool hasMotion = _features.motion;
+    const bool isFlat = _features.flat;
     const auto bindGeometry = [&](Kernel* kernel) {
-        kernel->KeepFirst(scene.BindGeometry(kernel, 0, hasMotion));
+        kernel->KeepFirst(scene.BindGeometry(kernel, 0, hasMotion, isFlat));
     };
     const auto bindScene = [&](Kernel* kernel) {
-        kernel->KeepFirst(scene.BindScene(kernel, 0, hasMotion));
+        kernel->KeepFirst(scene.BindScene(kernel, 0, hasMotion, isFlat));
     };
     bindGeometry(&intersect);
     bindScene(&shade);

@@ -27,7 +27,7 @@ Enum EnumOf(const std::string& setting, const std::string& value) {
 
 static_assert(static_cast<int>(ConformPolicy::AdjustPixelAspectRatio) == 4, "order of the choices");
 static_assert(static_cast<int>(Subdivision::Cage) == 2, "order of the choices");
-static_assert(static_cast<int>(TraversalForm::Scalar) == 2, "order of the choices");
+static_assert(static_cast<int>(TraversalForm::Scalar) == 3, "order of the choices");
 static_assert(static_cast<int>(ResidencyMode::Stream) == 2, "order of the choices");
 static_assert(static_cast<int>(Eviction::Flush) == 1, "order of the choices");
 // CullStyle begins with DontCare, which is no choice.

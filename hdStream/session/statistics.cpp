@@ -2,6 +2,7 @@
 #include "hdStream/session/statistics.h"
 
 #include "hdStream/base/version.h"
+#include "hdStream/session/settingsTable.h"
 
 #include <nlohmann/json.hpp>
 
@@ -36,7 +37,8 @@ Json TimeSection(const StatisticsInput& in) {
     const TextureStatistics textures = in.tracer->Buffers().Textures().Statistics();
     return {{"load", in.loadSeconds},
             {"translate", in.translateSeconds},
-            {"prepare", in.commitSeconds + in.pages->Seconds() + textures.openSeconds},
+            {"prepare", in.commitSeconds + in.pages->Seconds() + textures.openSeconds +
+                            render.flattenSeconds},
             {"compile", render.compileSeconds},
             {"trace", render.traceSeconds},
             {"requests", pool.requestSeconds + textures.requestSeconds + textures.readSeconds},
@@ -73,6 +75,8 @@ Json GeometrySection(const StatisticsInput& in) {
             {"peakBytes", buffers.PeakUsedBytes()},
             {"pinnedBytes", buffers.PinnedBytes()},
             {"alwaysResidentBytes", counts.alwaysResidentBytes + streamingTableBytes},
+            {"flatTriangles", buffers.Flat().NumTriangles()},
+            {"flatBytes", buffers.Flat().Bytes()},
             {"uniqueBytesLoaded", pool.uniqueBytes},
             {"uploadedBytes", pool.uploadedBytes},
             {"uploads", pool.uploads},
@@ -153,7 +157,8 @@ std::string MakeStatistics(const StatisticsInput& in) {
                          {"endedPasses", render.endedPasses},
                          {"meanRelativeError", render.meanRelativeError}};
     stats["wave"] = {{"size", render.waveSize},
-                     {"traversal", render.isSimd8Traversal ? "simd8" : "scalar"}};
+                     {"traversal", FindSetting("traversal")->choices.at(
+                                       static_cast<std::size_t>(render.traversal))}};
     stats["warnings"] = in.warnings;
     return stats.dump(2) + "\n";
 }

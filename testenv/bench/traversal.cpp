@@ -245,19 +245,21 @@ double MeasureMrays(std::size_t numRays, const Options& options, const Run& run)
 /// Our kernels on a device.
 class OurScene {
 public:
-    OurScene(const std::shared_ptr<Device>& device, const test::AccelScene& scene, bool simd8)
-        : _device(device), _scene(device, scene) {
+    OurScene(const std::shared_ptr<Device>& device, const test::AccelScene& scene,
+             test::AccelForm form)
+        : _device(device), _isFlat(form == test::AccelForm::Flat),
+          _scene(device, scene, {1, {}, {_isFlat ? ~0ULL : 0, 4.0, 0.0}}) {
         const std::string text = kKernels;
-        _program =
-            std::make_unique<Program>(device, "bench.cl",
-                                      ProgramDefines{{"HDS_TRAVERSAL_SIMD8", simd8 ? "1" : "0"},
-                                                     {"HDS_FEATURE_GROUPS", "0"},
-                                                     {"HDS_FEATURE_CUTOUT", "0"},
-                                                     {"HDS_FEATURE_MOTION", "0"},
-                                                     {"HDS_FEATURE_CURVES", "0"},
-                                                     {"HDS_NUM_POOLS", "1"}},
-                                      nullptr, &text);
+        ProgramDefines defines = {{"HDS_FEATURE_GROUPS", "0"}, {"HDS_FEATURE_CUTOUT", "0"},
+                                  {"HDS_FEATURE_MOTION", "0"}, {"HDS_FEATURE_CURVES", "0"},
+                                  {"HDS_NUM_POOLS", "1"}};
+        if (!_scene.Flat().hasInstances) {
+            defines["HDS_FEATURE_FLAT_INSTANCES"] = "0";
+        }
+        defines.merge(test::DefinesOf(form));
+        _program = std::make_unique<Program>(device, "bench.cl", defines, nullptr, &text);
     }
+    const FlatBvh& Flat() const { return _scene.Flat(); }
 
     template <typename Result>
     std::vector<Result> Run(const char* name, const std::vector<BenchRay>& rays,
@@ -269,7 +271,7 @@ public:
         kernel.SetBuffer(0, input);
         kernel.SetBytes(1, &count, sizeof(count));
         kernel.SetBuffer(2, output);
-        _scene.Bind(&kernel, 3);
+        _scene.Bind(&kernel, 3, false, _isFlat);
         kernel.Enqueue(rays.size());
         _device->Finish();
         *mrays = MeasureMrays(rays.size(), options, [&] {
@@ -283,6 +285,7 @@ public:
 
 private:
     std::shared_ptr<Device> _device;
+    bool _isFlat;
     test::DeviceAccelScene _scene;
     std::unique_ptr<Program> _program;
 };
@@ -327,13 +330,31 @@ void PrintBytes(const BenchScene& scene, const test::AccelScene& ours, double wa
                 triangles / compact.BuildSeconds() * 1e-6);
 }
 
-void PrintRow(const char* what, double simd8, double scalar, double standard, double compact,
-              std::size_t differences, std::size_t numRays) {
+void PrintFlat(const test::AccelScene& ours) {
+    const double start = ProcessSeconds();
+    const FlatBvh flat = BuildFlatBvh(test::FlatSourceOf(ours), {~0ULL, 4.0, 0.0});
+    const double seconds = ProcessSeconds() - start;
+    const auto triangles = static_cast<double>(std::max<std::uint64_t>(flat.numTriangles, 1));
+    std::printf("  flat hierarchy    %.1f bytes a triangle, %.2f Mtriangles a CPU second\n",
+                static_cast<double>(flat.buffer.size()) / triangles, triangles / seconds * 1e-6);
+}
+
+/// Million rays a second.
+struct Rates {
+    double flat = 0.0;
+    double simd8 = 0.0;
+    double scalar = 0.0;
+    double standard = 0.0;
+    double compact = 0.0;
+};
+
+void PrintRow(const char* what, const Rates& rates, std::size_t differences, std::size_t numRays) {
     std::printf(
-        "  %-16s  simd8 %.2f  scalar %.2f  Embree default %.2f  compact+robust %.2f Mrays/s; "
-        "simd8/default %.2f  simd8/compact %.2f; differing %zu of %zu\n",
-        what, simd8, scalar, standard, compact, simd8 / standard, simd8 / compact, differences,
-        numRays);
+        "  %-16s  flat %.2f  simd8 %.2f  scalar %.2f  Embree default %.2f  compact+robust %.2f "
+        "Mrays/s; flat/default %.2f  flat/compact %.2f  simd8/default %.2f; differing %zu of %zu\n",
+        what, rates.flat, rates.simd8, rates.scalar, rates.standard, rates.compact,
+        rates.flat / rates.standard, rates.flat / rates.compact, rates.simd8 / rates.standard,
+        differences, numRays);
     std::fflush(stdout);
 }
 
@@ -361,8 +382,10 @@ void RunScene(const std::shared_ptr<Device>& device, const BenchScene& scene,
     const EmbreeScene compact(scene.meshes, scene.placements, true);
     PrintBytes(scene, ours, buildTime.count(), buildCpuSeconds, standard, compact);
 
-    OurScene simd8(device, ours, true);
-    OurScene scalar(device, ours, false);
+    PrintFlat(ours);
+    OurScene flat(device, ours, test::AccelForm::Flat);
+    OurScene simd8(device, ours, test::AccelForm::Simd8);
+    OurScene scalar(device, ours, test::AccelForm::Scalar);
     const std::vector<BenchRay> primary = PrimaryRays(scene, options.numRays);
     const auto numThreads = static_cast<unsigned>(options.numThreads);
     const std::vector<EmbreeHit> primaryHits = compact.Closest(primary, numThreads);
@@ -370,55 +393,60 @@ void RunScene(const std::shared_ptr<Device>& device, const BenchScene& scene,
     const float reach = scene.reach > 0.0F ? scene.reach : MedianDistance(primaryHits);
     for (const bool isPrimary : {true, false}) {
         const std::vector<BenchRay>& rays = isPrimary ? primary : diffuse;
-        double rates[4] = {};
+        Rates rates;
         std::vector<EmbreeHit> hits;
-        rates[2] =
+        rates.standard =
             MeasureMrays(rays.size(), options, [&] { hits = standard.Closest(rays, numThreads); });
-        const auto ourHits = simd8.Run<shared::HdsHit>("bench_closest", rays, options, &rates[0]);
-        rates[3] =
+        const auto ourHits = simd8.Run<shared::HdsHit>("bench_closest", rays, options, &rates.simd8);
+        const auto flatHits = flat.Run<shared::HdsHit>("bench_closest", rays, options, &rates.flat);
+        rates.compact =
             MeasureMrays(rays.size(), options, [&] { hits = compact.Closest(rays, numThreads); });
         const auto scalarHits =
-            scalar.Run<shared::HdsHit>("bench_closest", rays, options, &rates[1]);
-        if (std::memcmp(ourHits.data(), scalarHits.data(), ourHits.size() * sizeof(ourHits[0])) !=
-            0) {
-            std::printf("  THE TWO FORMS DIFFER\n");
+            scalar.Run<shared::HdsHit>("bench_closest", rays, options, &rates.scalar);
+        const std::size_t bytes = ourHits.size() * sizeof(ourHits[0]);
+        if (std::memcmp(ourHits.data(), scalarHits.data(), bytes) != 0 ||
+            std::memcmp(ourHits.data(), flatHits.data(), bytes) != 0) {
+            std::printf("  THE FORMS DIFFER\n");
         }
-        PrintRow(isPrimary ? "primary closest" : "diffuse closest", rates[0], rates[1], rates[2],
-                 rates[3], CountDifferences(ourHits, hits), rays.size());
+        PrintRow(isPrimary ? "primary closest" : "diffuse closest", rates,
+                 CountDifferences(ourHits, hits), rays.size());
 
         std::vector<std::uint8_t> blocked;
         std::vector<BenchRay> finite = rays;
         for (BenchRay& ray : finite) {
             ray.tMax = reach;
         }
-        rates[2] = MeasureMrays(rays.size(), options,
-                                [&] { blocked = standard.Occluded(finite, numThreads); });
-        rates[3] = MeasureMrays(rays.size(), options,
-                                [&] { blocked = compact.Occluded(finite, numThreads); });
+        rates.standard = MeasureMrays(rays.size(), options,
+                                      [&] { blocked = standard.Occluded(finite, numThreads); });
+        rates.compact = MeasureMrays(rays.size(), options,
+                                     [&] { blocked = compact.Occluded(finite, numThreads); });
         const auto ourBlocked =
-            simd8.Run<std::uint32_t>("bench_occluded", finite, options, &rates[0]);
-        scalar.Run<std::uint32_t>("bench_occluded", finite, options, &rates[1]);
+            simd8.Run<std::uint32_t>("bench_occluded", finite, options, &rates.simd8);
+        if (flat.Run<std::uint32_t>("bench_occluded", finite, options, &rates.flat) != ourBlocked) {
+            std::printf("  THE FORMS DIFFER\n");
+        }
+        scalar.Run<std::uint32_t>("bench_occluded", finite, options, &rates.scalar);
         std::size_t differences = 0;
         for (std::size_t i = 0; i < blocked.size(); ++i) {
             differences += (ourBlocked[i] != 0) != (blocked[i] != 0) ? 1 : 0;
         }
-        PrintRow(isPrimary ? "primary any hit" : "diffuse any hit", rates[0], rates[1], rates[2],
-                 rates[3], differences, rays.size());
+        PrintRow(isPrimary ? "primary any hit" : "diffuse any hit", rates, differences,
+                 rays.size());
     }
 }
 
-/// Shares the rays among the cases and both forms. \return leaks.
+/// Shares the rays among the cases and forms. \return leaks.
 std::uint64_t RunWatertight(std::uint64_t numRays) {
     const std::shared_ptr<Device> device = Device::Create("");
     const std::vector<test::WatertightCase> cases = test::MakeWatertightCases();
-    const std::uint64_t raysPerRun = numRays / (2 * cases.size()) + 1;
+    const std::uint64_t raysPerRun = numRays / (3 * cases.size()) + 1;
     std::uint64_t total = 0;
-    for (const bool simd8 : {true, false}) {
-        test::LeakCounter counter(device, simd8);
+    for (const test::AccelForm form : test::kAccelForms) {
+        test::LeakCounter counter(device, form);
         for (const test::WatertightCase& watertight : cases) {
             const std::uint64_t leaks = counter.Count(watertight, raysPerRun);
             std::printf("%-36s %-4s  %llu rays  %llu leaks\n", watertight.name.c_str(),
-                        simd8 ? "simd8" : "scalar", static_cast<unsigned long long>(raysPerRun),
+                        test::NameOf(form), static_cast<unsigned long long>(raysPerRun),
                         static_cast<unsigned long long>(leaks));
             std::fflush(stdout);
             total += leaks;

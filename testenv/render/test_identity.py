@@ -38,7 +38,7 @@ def test_wave_size_does_not_matter(Stage, Expected, waveSize):
     _AssertSameBits(ours.Render(Stage, *_SIZE, _AOVS, samples=20, waveSize=waveSize).layers, Expected)
 
 
-@pytest.mark.parametrize("traversal", ["simd8", "scalar"])
+@pytest.mark.parametrize("traversal", ["flat", "simd8", "scalar"])
 def test_traversal_form_does_not_matter(Stage, Expected, traversal):
     _AssertSameBits(ours.Render(Stage, *_SIZE, _AOVS, samples=20, traversal=traversal).layers, Expected)
 

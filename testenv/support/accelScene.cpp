@@ -231,6 +231,22 @@ void AccelScene::AddKeys(const std::vector<glm::dmat4>& keys, shared::HdsInstanc
     }
 }
 
+const char* NameOf(AccelForm form) {
+    return form == AccelForm::Flat ? "flat" : (form == AccelForm::Simd8 ? "simd8" : "scalar");
+}
+
+ProgramDefines DefinesOf(AccelForm form) {
+    const char* isFlat = form == AccelForm::Flat ? "1" : "0";
+    return {{"HDS_TRAVERSAL_SIMD8", form == AccelForm::Scalar ? "0" : "1"},
+            {"HDS_FEATURE_FLAT", isFlat},
+            {"HDS_FEATURE_FLAT_INSTANCES", isFlat}};
+}
+
+FlatSource FlatSourceOf(const AccelScene& scene) {
+    return {scene.topNodes.data(), scene.instances.data(), &scene.objects,
+            [&scene](std::uint32_t chunk) { return scene.pages[chunk].bytes.data(); }};
+}
+
 DeviceAccelScene::DeviceAccelScene(const std::shared_ptr<Device>& device, const AccelScene& scene,
                                    const AccelUpload& upload)
     : _topNodes(UploadVector(device, "top nodes", scene.topNodes)),
@@ -252,12 +268,22 @@ DeviceAccelScene::DeviceAccelScene(const std::shared_ptr<Device>& device, const 
         addresses[2 * std::size_t{chunk} + HDS_PAGE_GEOMETRY] = HDS_NOT_RESIDENT;
     }
     _addresses = UploadVector(device, "chunk addresses", addresses);
+    if (upload.missing.empty() && scene.motionKeys.empty() && !scene.pages.empty()) {
+        _flat = BuildFlatBvh(FlatSourceOf(scene), upload.flat);
+        _flatBuffer = Buffer(device, "flat hierarchy", _flat.buffer.size());
+        if (!_flat.buffer.empty()) {
+            _flatBuffer.Write(_flat.buffer.data(), _flat.buffer.size());
+        }
+    }
     for (std::size_t i = 0; i < pools.size(); ++i) {
         _pools[i] = UploadVector(device, "pool", pools[i]);
     }
 }
 
-void DeviceAccelScene::Bind(Kernel* kernel, unsigned first, bool hasMotion) const {
+void DeviceAccelScene::Bind(Kernel* kernel, unsigned first, bool hasMotion, bool isFlat) const {
+    if (isFlat) {
+        kernel->SetBuffer(first + 5 + static_cast<unsigned>(_pools.size()), _flatBuffer);
+    }
     kernel->SetBuffer(first, _topNodes);
     kernel->SetBuffer(first + 1, _instances);
     kernel->SetBuffer(first + 2, _instancesByPath);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "hdStream/accel/bvh.h"
+#include "hdStream/accel/flatBvh.h"
 #include "hdStream/device/device.h"
 #include "hdStream/device/program.h"
 #include "hdStream/geometry/triangleMesh.h"
@@ -66,10 +67,21 @@ private:
     std::vector<std::uint64_t> _numLeaves; ///< leaf instances that placing each object makes
 };
 
+/// Forms of the traversal, which have equal bits.
+enum class AccelForm { Flat, Simd8, Scalar };
+constexpr AccelForm kAccelForms[] = {AccelForm::Flat, AccelForm::Simd8, AccelForm::Scalar};
+const char* NameOf(AccelForm form);
+/// What chooses a form; the flat one with instances that it does not flatten.
+ProgramDefines DefinesOf(AccelForm form);
+
+/// What a flat hierarchy is built of; the scene must outlive it.
+FlatSource FlatSourceOf(const AccelScene& scene);
+
 /// How a scene lies in the pools.
 struct AccelUpload {
     std::uint32_t numPools = 1;         ///< chunks go to the pools in turn
     std::vector<std::uint32_t> missing; ///< chunks that are not resident
+    FlatAmount flat = {1U << 28U, 1e9, 0.0}; ///< of the flat hierarchy
 };
 
 /// A scene on a device.
@@ -78,14 +90,18 @@ public:
     DeviceAccelScene(const std::shared_ptr<Device>& device, const AccelScene& scene,
                      const AccelUpload& upload = {});
 
-    /// Sets HDS_GEOMETRY_ARGS from argument `first` on. \param hasMotion the kernel has
-    /// HDS_FEATURE_MOTION.
-    void Bind(Kernel* kernel, unsigned first, bool hasMotion = false) const;
+    /// Sets HDS_GEOMETRY_ARGS from argument `first` on. \param hasMotion, isFlat the kernel has
+    /// HDS_FEATURE_MOTION, HDS_FEATURE_FLAT.
+    void Bind(Kernel* kernel, unsigned first, bool hasMotion = false, bool isFlat = false) const;
+    /// Empty where chunks are missing or something moves.
+    const FlatBvh& Flat() const { return _flat; }
     std::uint32_t NumInstances() const { return _numInstances; }
 
 private:
     Buffer _topNodes, _instances, _instancesByPath, _objects, _addresses, _motionKeys;
     std::array<Buffer, HDS_POOL_MAX_BUFFERS> _pools;
+    FlatBvh _flat;
+    Buffer _flatBuffer;
     std::uint32_t _numInstances = 0;
 };
 

@@ -154,17 +154,17 @@ std::vector<WatertightCase> MakeWatertightCases() {
     return cases;
 }
 
-LeakCounter::LeakCounter(std::shared_ptr<Device> device, bool simd8) : _device(std::move(device)) {
+LeakCounter::LeakCounter(std::shared_ptr<Device> device, AccelForm form)
+    : _device(std::move(device)), _form(form) {
     const std::string text = kKernel;
     const auto build = [&](const char* groups) {
-        return std::make_unique<Program>(_device, "watertight.cl",
-                                         ProgramDefines{{"HDS_TRAVERSAL_SIMD8", simd8 ? "1" : "0"},
-                                                        {"HDS_FEATURE_GROUPS", groups},
-                                                        {"HDS_FEATURE_MOTION", "0"},
-                                                        {"HDS_NUM_POOLS", "1"}},
-                                         nullptr, &text);
+        ProgramDefines defines = {{"HDS_FEATURE_GROUPS", groups},
+                                  {"HDS_FEATURE_MOTION", "0"},
+                                  {"HDS_NUM_POOLS", "1"}};
+        defines.merge(DefinesOf(form));
+        return std::make_unique<Program>(_device, "watertight.cl", defines, nullptr, &text);
     };
-    _flatProgram = build("0");
+    _plainProgram = build("0");
     _nestedProgram = build("1");
 }
 
@@ -183,7 +183,7 @@ std::uint64_t LeakCounter::Count(const WatertightCase& watertight, std::uint64_t
     Buffer leaks(_device, "leaks", sizeof(std::uint32_t));
     leaks.Fill(0, sizeof(std::uint32_t));
     const bool isNested = watertight.transforms.size() > 1;
-    Kernel kernel = (isNested ? _nestedProgram : _flatProgram)->GetKernel("leak_count");
+    Kernel kernel = (isNested ? _nestedProgram : _plainProgram)->GetKernel("leak_count");
     const auto numTriangles = static_cast<std::uint32_t>(watertight.mesh.triangles.size());
     kernel.SetBuffer(2, positions);
     kernel.SetBuffer(3, triangles);
@@ -191,7 +191,7 @@ std::uint64_t LeakCounter::Count(const WatertightCase& watertight, std::uint64_t
     kernel.SetBuffer(5, transform);
     kernel.SetBytes(6, &watertight.innerRadius, sizeof(float));
     kernel.SetBuffer(7, leaks);
-    onDevice.Bind(&kernel, 8);
+    onDevice.Bind(&kernel, 8, false, _form == AccelForm::Flat);
     std::uint32_t seed = 1;
     for (std::uint64_t done = 0; done < numRays; done += kRaysPerLaunch, ++seed) {
         const auto count =

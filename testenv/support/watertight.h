@@ -29,7 +29,7 @@ std::vector<WatertightCase> MakeWatertightCases();
 /// Casts rays with one form of the traversal.
 class LeakCounter {
 public:
-    LeakCounter(std::shared_ptr<Device> device, bool simd8);
+    LeakCounter(std::shared_ptr<Device> device, AccelForm form);
 
     /// Casts `numRays` rays, closest and any hit.
     /// \return rays for which either found nothing.
@@ -37,7 +37,8 @@ public:
 
 private:
     std::shared_ptr<Device> _device;
-    std::unique_ptr<Program> _flatProgram; ///< without groups
+    AccelForm _form;
+    std::unique_ptr<Program> _plainProgram; ///< without groups
     std::unique_ptr<Program> _nestedProgram;
 };
 

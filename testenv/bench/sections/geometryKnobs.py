@@ -20,7 +20,7 @@ def Run(bench) -> list:
         chunks = bench.Pick((1 << 14, 1 << 16, 1 << 18, 1 << 20), (1 << 14, 1 << 16))
         scene = Open(chunks[-2])
         reference, _ = scene.Render(bench.Pick(256, 16), seed=REFERENCE_SEED, residency="resident")
-        pools = {"resident": dict(residency="resident")}
+        pools = {"resident": dict(residency="resident", traversal="simd8"), "resident, flat": dict(residency="resident")}
         for pool in bench.Pick((100, 79, 30, 5), (30,)):
             pools[f"{pool} %"] = dict(residency="stream", geometryMemory=f"{pool}%")
         curves = {}

@@ -48,17 +48,17 @@ def _Pools(bench) -> list:
     for name, (path, camera) in stages.items():
         width = bench.Pick(480, 64)
         scene = Scene(path, camera, imageWidth=width, imageHeight=width * 9 // 16, chunkBytes=bench.Pick(_core.Settings().chunkBytes, 1 << 14))
-        variants = {"resident": dict(residency="resident")}
+        variants = {"resident": dict(residency="resident", traversal="simd8"), "resident, flat": dict(residency="resident")}
         variants.update({pool: dict(residency="stream", geometryMemory=f"{pool}%") for pool in pools})
         runs = geometryStreaming.Measure(scene, variants, 1, bench.Pick(16, 1))
         resident = runs["resident"]
         for pool, run in runs.items():
             geometry, memory = run["geometry"], run["memory"]
             seconds = run["time"]["render"]
-            rows.append([name, pool if pool == "resident" else f"{pool} %", seconds, seconds / resident["time"]["render"],
+            rows.append([name, pool if isinstance(pool, str) else f"{pool} %", seconds, seconds / resident["time"]["render"],
                          run["rays"]["perSecond"] / 1e6, geometry["uploadedBytes"] / max(1, geometry["uniqueBytesLoaded"]),
                          (geometry["budget"] + memory["pathState"] + memory["tables"]) / 1e6])
-        streamed = [pool for pool in runs if pool != "resident"]
+        streamed = [pool for pool in runs if not isinstance(pool, str)]
         chart.Add(name, streamed, [runs[pool]["rays"]["perSecond"] for pool in streamed])
         chart.Add(f"{name}, resident", streamed, [resident["rays"]["perSecond"]] * len(streamed))
     return ["Pools of a share of all pages; every picture has the bits of the resident one:",

@@ -11,26 +11,27 @@ import tempfile
 from bench.performancePage import Table
 from support.svgChart import Chart
 
-_RATES = re.compile(r"^  (\w+ \w+(?: hit)?) +simd8 ([\d.]+)  scalar ([\d.]+)  Embree default ([\d.]+)  compact\+robust ([\d.]+).*"
+_RATES = re.compile(r"^  (\w+ \w+(?: hit)?) +flat ([\d.]+)  simd8 ([\d.]+)  scalar ([\d.]+)  Embree default ([\d.]+)  compact\+robust ([\d.]+).*"
                     r"differing (\d+) of (\d+)", re.MULTILINE)
 _BYTES = re.compile(r"ours nodes [\d.]+, nodes \+ leaves ([\d.]+); Embree default ([\d.]+), compact\+robust ([\d.]+)")
+_FLAT = re.compile(r"flat hierarchy +([\d.]+) bytes a triangle, ([\d.]+) Mtriangles a CPU second")
 _BUILD = re.compile(r"build +ours ([\d.]+) Mtriangles/s wall, ([\d.]+) a CPU second.*default ([\d.]+), compact\+robust ([\d.]+)")
 _INTERIORS = ("coffee", "bookstore")
 _STAGE = pathlib.Path(__file__).parents[1] / "traversalStage.py"
-_FORMS = ("simd8", "scalar", "Embree default", "Embree compact+robust")
+_FORMS = ("flat", "simd8", "scalar", "Embree default", "Embree compact+robust")
 
 
 def Measure(program, triangles: int, scene: str, numRays: int, threads: int = 1) -> tuple[dict, list]:
-    """({kind of rays: (rates of _FORMS..., differing, rays)}, bytes a triangle: ours, Embree default, compact+robust, and million
-    triangles built: ours a second and a CPU second, Embree default, compact+robust)."""
+    """({kind of rays: (rates of _FORMS..., differing, rays)}, figures): bytes a triangle of ours, Embree default, compact+robust;
+    million triangles built: pages a second and a CPU second, Embree default, compact+robust; bytes and builds of flat."""
     return _Run(program, "--rays", numRays, "--repeat", 1, "--triangles", triangles, "--scene", scene, "--threads", threads)
 
 
 def _Run(program, *arguments) -> tuple:
     """As Measure."""
     text = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, check=True).stdout
-    rates = {match[1]: (*map(float, match.groups()[1:5]), int(match[6]), int(match[7])) for match in _RATES.finditer(text)}
-    return rates, [float(value) for line in (_BYTES, _BUILD) for value in line.search(text).groups()]
+    rates = {match[1]: (*map(float, match.groups()[1:6]), int(match[7]), int(match[8])) for match in _RATES.finditer(text)}
+    return rates, [float(value) for line in (_BYTES, _BUILD, _FLAT) for value in line.search(text).groups()]
 
 
 def _Interiors(bench, program, numRays: int):
@@ -59,15 +60,16 @@ def Run(bench) -> list:
         items.append((f"traversal-{scene}", chart))
     measured += [(name, size, *results) for name, size, results in _Interiors(bench, program, numRays)]
     for scene, size, rates, figures in measured:
-        memory.append([scene, size, *figures[:3]])
-        builds.append([scene, size, *figures[3:]])
-        for kind, (simd8, scalar, default, compact, differing, count) in rates.items():
-            rows.append([scene, size, kind, simd8, scalar, default, compact, simd8 / default, simd8 / compact, f"{differing} of {count}"])
+        memory.append([scene, size, figures[0], figures[7], *figures[1:3]])
+        builds.append([scene, size, *figures[3:5], figures[8], *figures[5:7]])
+        for kind, (flat, simd8, scalar, default, compact, differing, count) in rates.items():
+            rows.append([scene, size, kind, flat, simd8, scalar, default, compact, flat / default, flat / compact, simd8 / default,
+                         f"{differing} of {count}"])
     shown = [row for row in rows if row[0] in _INTERIORS or row[1] == bench.Pick(1_000_000, sizes[-1])]
-    head = ["scene", "triangles", "rays", *_FORMS, "simd8 / default", "simd8 / compact+robust", "differ"]
+    head = ["scene", "triangles", "rays", *_FORMS, "flat / default", "flat / compact+robust", "simd8 / default", "differ"]
     return ["Million rays a second of one core (CPU time).", Table("traversal", head, rows, shown),
             "Bytes a triangle, nodes and leaves, shared vertices left out:",
-            Table("traversal-bytes", ["scene", "triangles", "ours", "Embree default", "Embree compact+robust"], memory),
-            "Million triangles built: ours on all cores a second, and a CPU second of each:",
-            Table("traversal-build", ["scene", "triangles", "ours, all cores", "ours", "Embree default", "Embree compact+robust"], builds,
+            Table("traversal-bytes", ["scene", "triangles", "ours", "flat, beside it", "Embree default", "Embree compact+robust"], memory),
+            "Million triangles built: pages on all cores a second, and a CPU second of each; the flat hierarchy is made of finished pages:",
+            Table("traversal-build", ["scene", "triangles", "pages, all cores", "pages", "flat", "Embree default", "Embree compact+robust"], builds,
                   [row for row in builds if row[0] in _INTERIORS or row[1] == bench.Pick(1_000_000, sizes[-1])]), *items]

@@ -95,8 +95,8 @@ TEST_F(ContinuedRays, EnumerateEveryHitInOrder) {
     const AccelScene built = LayeredScene(0);
     const DeviceAccelScene scene(device, built);
     const std::vector<ProbeRay> rays = DownRays(60);
-    for (const bool simd8 : {true, false}) {
-        const TraversalProbe probe(device, simd8);
+    for (const AccelForm form : kAccelForms) {
+        const TraversalProbe probe(device, form);
         ExpectEnumeration(built, rays, [&](const std::vector<ProbeKey>& after) {
             return probe.Closest(scene, rays, 0, after);
         });
@@ -107,8 +107,8 @@ TEST_F(ContinuedRays, ShadowRaysEnumerateCutouts) {
     const AccelScene built = LayeredScene(HDS_INSTANCE_CUTOUT);
     const DeviceAccelScene scene(device, built);
     const std::vector<ProbeRay> rays = DownRays(60);
-    for (const bool simd8 : {true, false}) {
-        const TraversalProbe probe(device, simd8);
+    for (const AccelForm form : kAccelForms) {
+        const TraversalProbe probe(device, form);
         ExpectEnumeration(built, rays, [&](const std::vector<ProbeKey>& after) {
             return probe.Occluded(scene, rays, after);
         });
@@ -128,14 +128,17 @@ TEST_F(ContinuedRays, MatchBruteForceOnASoup) {
     }
     const TraversalProbe simd8(device, true);
     const TraversalProbe scalar(device, false);
+    const TraversalProbe flat(device, AccelForm::Flat);
     std::vector<ProbeKey> after(rays.size());
     for (int pass = 0; pass < 4; ++pass) {
         const Hits expected = scalar.BruteForce(scene, rays, after);
         const Hits bySimd8 = simd8.Closest(scene, rays, 0, after);
         const Hits byScalar = scalar.Closest(scene, rays, 0, after);
+        const Hits byFlat = flat.Closest(scene, rays, 0, after);
         for (std::size_t i = 0; i < rays.size(); ++i) {
             ASSERT_EQ(std::memcmp(&bySimd8[i], &expected[i], sizeof(expected[i])), 0) << i;
             ASSERT_EQ(std::memcmp(&byScalar[i], &expected[i], sizeof(expected[i])), 0) << i;
+            ASSERT_EQ(std::memcmp(&byFlat[i], &expected[i], sizeof(expected[i])), 0) << i;
             if (IsHit(expected[i])) {
                 after[i] = Encode(KeyOf(built, expected[i]));
             }
@@ -171,8 +174,8 @@ TEST_F(ContinuedRays, OpaqueBlockersWinOverCandidates) {
     }
     int numBlocked = 0;
     int numCandidates = 0;
-    for (const bool simd8 : {true, false}) {
-        const TraversalProbe probe(device, simd8);
+    for (const AccelForm form : kAccelForms) {
+        const TraversalProbe probe(device, form);
         const Hits blockers = probe.BruteForce(opaqueScene, rays);
         const Hits closest = probe.BruteForce(bothScene, rays);
         const Hits answers = probe.Occluded(bothScene, rays);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Traversal finds what testing every triangle finds: the same bits as a kernel without hierarchy,
 // and the same hits as double precision on the host.
-#include "testenv/device/accel/traversalProbe.h"
-#include "testenv/support/traversalMeshes.h"
+#include "testenv/device/accel/mixedScene.h"
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -15,87 +14,15 @@
 namespace hds::test {
 namespace {
 
-using Hits = std::vector<shared::HdsHit>;
-
-std::size_t CountDifferentBits(const Hits& a, const Hits& b) {
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        count += std::memcmp(&a[i], &b[i], sizeof(a[i])) != 0 ? 1 : 0;
-    }
-    return count;
-}
-
-/// Meshes of one and of many chunks under random affine maps, some of them equal.
-struct MixedScene {
-    std::vector<TriangleMesh> meshes = {BumpySphere(24), Foliage(700, 3), BumpySphere(3),
-                                        Box(0.7F)};
-    std::vector<std::uint32_t> meshOf; ///< [placement]
-    std::vector<AccelPlacement> placements;
-    AccelScene scene;
-
-    /// \param isWide something small lies far away: nodes above it are as large as the way there.
-    explicit MixedScene(bool isWide = false) {
-        UniformSource uniform(7);
-        std::vector<std::uint32_t> objects;
-        for (const TriangleMesh& mesh : meshes) {
-            objects.push_back(scene.AddMesh(mesh, 400));
-        }
-        for (std::uint32_t i = 0; i < 24; ++i) {
-            glm::dmat4 matrix(1.0);
-            for (int column = 0; column < 3; ++column) {
-                matrix[column] = glm::dvec4(uniform(), uniform(), uniform(), 0.0);
-            }
-            matrix[3] = glm::dvec4(3.0 * glm::dvec3(uniform.Vector()), 1.0);
-            if (i % 8 == 7) {
-                matrix = placements.back().parentFromObject;
-            }
-            if (i % 8 == 3) {
-                matrix = glm::dmat4(1.0); // in place: boxes are tested with the ray outside
-            }
-            meshOf.push_back(i % 4);
-            placements.push_back({objects[i % 4], matrix, HDS_INSTANCE_SEEN});
-        }
-        if (isWide) {
-            glm::dmat4 away(1.0);
-            away[3] = glm::dvec4(3e5, -2e5, 1e5, 1.0);
-            meshOf.push_back(3);
-            placements.push_back({objects[3], away, HDS_INSTANCE_SEEN});
-        }
-        scene.SetRoot(placements);
-    }
-};
-
-/// Random, axis-parallel (with +0 and -0), from far away, and bounded rays.
-std::vector<ProbeRay> MixedRays(std::size_t count) {
-    UniformSource uniform(11);
-    std::vector<ProbeRay> rays;
-    for (std::size_t i = 0; i < count; ++i) {
-        glm::vec3 origin = 4.0F * uniform.Vector();
-        glm::vec3 direction = uniform.Vector();
-        if (i % 5 == 1) {
-            const glm::vec3 axis(i % 3 == 0, i % 3 == 1, i % 3 == 2);
-            direction = (i % 2 == 0 ? 1.0F : -1.0F) * axis;
-        }
-        if (i % 5 == 2) {
-            direction *= 1e-4F;
-        }
-        if (i % 5 == 3) {
-            origin -= 1000.0F * direction;
-        }
-        rays.push_back(MakeProbeRay(origin, direction, i % 4 == 3 ? 2.0F : INFINITY,
-                                    i % 7 == 6 ? 0.5F : 0.0F));
-    }
-    return rays;
-}
-
 class Traversal : public DeviceFixture {};
 
-TEST_F(Traversal, BothFormsMatchBruteForceBitForBit) {
+TEST_F(Traversal, AllFormsMatchBruteForceBitForBit) {
     const MixedScene mixed;
     const DeviceAccelScene scene(device, mixed.scene);
     const std::vector<ProbeRay> rays = MixedRays(2500);
     const TraversalProbe simd8(device, true);
     const TraversalProbe scalar(device, false);
+    const TraversalProbe flat(device, AccelForm::Flat);
     const Hits expected = scalar.BruteForce(scene, rays);
     std::size_t numHits = 0;
     for (const shared::HdsHit& hit : expected) {
@@ -106,7 +33,8 @@ TEST_F(Traversal, BothFormsMatchBruteForceBitForBit) {
     EXPECT_EQ(CountDifferentBits(simd8.BruteForce(scene, rays), expected), 0U);
     EXPECT_EQ(CountDifferentBits(simd8.Closest(scene, rays), expected), 0U);
     EXPECT_EQ(CountDifferentBits(scalar.Closest(scene, rays), expected), 0U);
-    for (const TraversalProbe* probe : {&simd8, &scalar}) {
+    EXPECT_EQ(CountDifferentBits(flat.Closest(scene, rays), expected), 0U);
+    for (const TraversalProbe* probe : {&simd8, &scalar, &flat}) {
         const Hits blocked = probe->Occluded(scene, rays);
         for (std::size_t i = 0; i < rays.size(); ++i) {
             ASSERT_EQ(blocked[i].triangle == kBlocked, IsHit(expected[i])) << "ray " << i;
@@ -131,6 +59,8 @@ TEST_F(Traversal, OneDistantThingMovesNoHit) {
     EXPECT_GT(CountDifferentBits(expected, Hits(rays.size(), expected[0])), rays.size() / 10);
     EXPECT_EQ(CountDifferentBits(simd8.Closest(scene, rays), expected), 0U);
     EXPECT_EQ(CountDifferentBits(scalar.Closest(scene, rays), expected), 0U);
+    const TraversalProbe flat(device, AccelForm::Flat);
+    EXPECT_EQ(CountDifferentBits(flat.Closest(scene, rays), expected), 0U);
 }
 
 TEST_F(Traversal, VariantsGiveTheSameBits) {
@@ -251,8 +181,8 @@ TEST_F(Traversal, TiesGoToTheSmallerKey) {
             MakeProbeRay({0.9F * uniform(), 0.9F * uniform(), 1.0F}, {0.0F, 0.0F, -1.0F}));
     }
     rays.push_back(MakeProbeRay({0.0F, 0.0F, 1.0F}, {0.0F, 0.0F, -1.0F})); // on the diagonal
-    for (const bool simd8 : {true, false}) {
-        const Hits hits = TraversalProbe(device, simd8).Closest(scene, rays);
+    for (const AccelForm form : kAccelForms) {
+        const Hits hits = TraversalProbe(device, form).Closest(scene, rays);
         for (std::size_t i = 0; i < rays.size(); ++i) {
             ASSERT_TRUE(IsHit(hits[i]));
             EXPECT_NEAR(hits[i].t, 1.0F, 2e-7F); // two roundings
@@ -306,8 +236,8 @@ TEST_F(Traversal, NestedGroupsMatchFlattened) {
         rays.push_back(
             MakeProbeRay(origin, glm::round(64.0F * (uniform.Vector() - origin / 16.0F))));
     }
-    for (const bool simd8 : {true, false}) {
-        const TraversalProbe probe(device, simd8);
+    for (const AccelForm form : kAccelForms) {
+        const TraversalProbe probe(device, form);
         const Hits a = probe.Closest(nestedScene, rays);
         const Hits b = probe.Closest(flatScene, rays);
         int numHits = 0;
@@ -331,8 +261,8 @@ TEST_F(Traversal, SkipsInstancesWithoutTheFlag) {
     built.SetRoot({{quad, glm::dmat4(1.0), 0}, {quad, behind, HDS_INSTANCE_CAMERA}});
     const DeviceAccelScene scene(device, built);
     const std::vector<ProbeRay> rays = {MakeProbeRay({0.25F, 0.0F, 1.0F}, {0.0F, 0.0F, -1.0F})};
-    for (const bool simd8 : {true, false}) {
-        const TraversalProbe probe(device, simd8);
+    for (const AccelForm form : kAccelForms) {
+        const TraversalProbe probe(device, form);
         EXPECT_EQ(probe.Closest(scene, rays)[0].t, 1.0F);
         EXPECT_EQ(probe.Closest(scene, rays, HDS_INSTANCE_CAMERA)[0].t, 2.0F);
         EXPECT_FALSE(IsHit(probe.Closest(scene, rays, HDS_INSTANCE_CAMERA | 0x100U)[0]));
@@ -368,8 +298,8 @@ TEST_F(Traversal, TakesScenesOfNothing) {
     const std::uint32_t quad = emptyGroup.AddMesh(StackedQuads(1));
     emptyGroup.SetRoot({{group, glm::dmat4(1.0), 0}, {quad, glm::dmat4(1.0), 0}});
     const std::vector<ProbeRay> rays = {MakeProbeRay({0.25F, 0.0F, 1.0F}, {0.0F, 0.0F, -1.0F})};
-    for (const bool simd8 : {true, false}) {
-        const TraversalProbe probe(device, simd8);
+    for (const AccelForm form : {AccelForm::Simd8, AccelForm::Scalar}) {
+        const TraversalProbe probe(device, form);
         EXPECT_FALSE(IsHit(probe.Closest(DeviceAccelScene(device, empty), rays)[0]));
         EXPECT_TRUE(IsHit(probe.Closest(DeviceAccelScene(device, emptyGroup), rays)[0]));
     }
@@ -386,8 +316,8 @@ TEST_F(Traversal, LeavesOutBothEnds) {
         MakeProbeRay(origin, down, 1.0F), MakeProbeRay(origin, down, std::nextafter(1.0F, 2.0F)),
         MakeProbeRay(origin, down, INFINITY, 1.0F),
         MakeProbeRay(origin, down, INFINITY, std::nextafter(1.0F, 0.0F))};
-    for (const bool simd8 : {true, false}) {
-        const TraversalProbe probe(device, simd8);
+    for (const AccelForm form : kAccelForms) {
+        const TraversalProbe probe(device, form);
         const Hits closest = probe.Closest(scene, rays);
         const Hits any = probe.Occluded(scene, rays);
         for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -413,8 +343,8 @@ TEST_F(Traversal, TrianglesWithEqualCornersAreNeverHit) {
         const glm::vec3 target = i % 2 == 0 ? glm::vec3(uniform(), 0.0F, 0.0F) : mesh.positions[3];
         rays.push_back(MakeProbeRay(origin, target - origin));
     }
-    for (const bool simd8 : {true, false}) {
-        for (const shared::HdsHit& hit : TraversalProbe(device, simd8).Closest(scene, rays)) {
+    for (const AccelForm form : kAccelForms) {
+        for (const shared::HdsHit& hit : TraversalProbe(device, form).Closest(scene, rays)) {
             EXPECT_FALSE(IsHit(hit));
         }
     }

@@ -17,11 +17,11 @@ TEST_F(Watertight, ClosedMeshesDoNotLeak) {
     const std::uint64_t numRays =
         setting != nullptr ? std::strtoull(setting, nullptr, 10) : 1000000;
     const std::vector<WatertightCase> cases = MakeWatertightCases();
-    for (const bool simd8 : {true, false}) {
-        LeakCounter counter(device, simd8);
+    for (const AccelForm form : kAccelForms) {
+        LeakCounter counter(device, form);
         for (const WatertightCase& watertight : cases) {
-            EXPECT_EQ(counter.Count(watertight, numRays / (2 * cases.size()) + 1), 0U)
-                << watertight.name << (simd8 ? ", simd8" : ", scalar");
+            EXPECT_EQ(counter.Count(watertight, numRays / (3 * cases.size()) + 1), 0U)
+                << watertight.name << ", " << NameOf(form);
         }
     }
 }
@@ -30,7 +30,7 @@ TEST_F(Watertight, ClosedMeshesDoNotLeak) {
 TEST_F(Watertight, AHoleLeaks) {
     WatertightCase holed = MakeWatertightCases()[0];
     holed.mesh.triangles.erase(holed.mesh.triangles.begin() + 500);
-    EXPECT_GT(LeakCounter(device, true).Count(holed, 100000), 0U);
+    EXPECT_GT(LeakCounter(device, AccelForm::Flat).Count(holed, 100000), 0U);
 }
 
 } // namespace

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace hds::test {
@@ -134,9 +135,14 @@ kernel void probe_bruteForce(global const float* rays, uint count, global HdsHit
 class TraversalProbe {
 public:
     TraversalProbe(const std::shared_ptr<Device>& device, bool simd8, ProgramDefines defines = {})
-        : _device(device), _hasMotion(defines["HDS_FEATURE_MOTION"] == "1") {
+        : TraversalProbe(device, simd8 ? AccelForm::Simd8 : AccelForm::Scalar, std::move(defines)) {
+    }
+    TraversalProbe(const std::shared_ptr<Device>& device, AccelForm form,
+                   ProgramDefines defines = {})
+        : _device(device), _hasMotion(defines["HDS_FEATURE_MOTION"] == "1"),
+          _isFlat(form == AccelForm::Flat) {
         defines["HDS_FEATURE_MOTION"] = _hasMotion ? "1" : "0";
-        defines.emplace("HDS_TRAVERSAL_SIMD8", simd8 ? "1" : "0");
+        defines.merge(DefinesOf(form));
         defines.emplace("HDS_NUM_POOLS", "1");
         defines.emplace("HDS_FEATURE_CURVES", "0");
         const std::string text = kProbeText;
@@ -175,7 +181,7 @@ private:
         kernel.SetBuffer(2, output);
         kernel.SetBytes(3, &number, sizeof(number));
         kernel.SetBuffer(4, keys);
-        scene.Bind(&kernel, 5, _hasMotion);
+        scene.Bind(&kernel, 5, _hasMotion, _isFlat);
         kernel.Enqueue(rays.size());
         _device->Finish();
         std::vector<shared::HdsHit> hits(rays.size());
@@ -185,6 +191,7 @@ private:
 
     std::shared_ptr<Device> _device;
     bool _hasMotion;
+    bool _isFlat;
     std::unique_ptr<Program> _program;
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Geometry is made resident when what that saves is at least what it costs, and not before.
+#include "hdStream/integrator/flatGeometry.h"
 #include "hdStream/integrator/makeResident.h"
 #include "hdStream/integrator/residencyPlan.h"
 
@@ -39,6 +40,36 @@ TEST(MakeResident, WhatNobodyHasSeenIsPreparedForLongRendersOnly) {
     EXPECT_TRUE(IsWorthMakingResident(costs));
     costs.secondsLeft = 20.0;
     EXPECT_FALSE(IsWorthMakingResident(costs));
+}
+
+// It saves more, and has to be built first.
+TEST(MakeResident, TheFlatHierarchyCountsOnBothSides) {
+    MakeResidentCosts costs;
+    costs.kernelSeconds = kSecondsOfBuiltKernels;
+    costs.secondsLeft = 40.0;
+    EXPECT_FALSE(IsWorthMakingResident(costs));
+    costs.flatTriangles = 1'000'000;
+    EXPECT_TRUE(IsWorthMakingResident(costs));
+    costs.flatTriangles = 1'000'000'000;
+    EXPECT_FALSE(IsWorthMakingResident(costs));
+}
+
+TEST(MakeResident, WhatIsFlattenedIsBoundByRaysAndMemory) {
+    FlatLimits limits;
+    limits.bytes = 1U << 30U;
+    EXPECT_EQ(MaxFlatTriangles(limits), 0U) << "no ray pays";
+    limits.cameraRays = 4'000'000;
+    const std::uint64_t byRays = MaxFlatTriangles(limits);
+    EXPECT_GT(byRays, 0U);
+    EXPECT_LT(byRays, limits.cameraRays);
+    limits.isForced = true;
+    EXPECT_EQ(MaxFlatTriangles(limits), limits.bytes / kFlatBytesATriangle);
+    limits.bytes = kFlatBytesATriangle * byRays / 2;
+    EXPECT_EQ(MaxFlatTriangles(limits), byRays / 2);
+    limits.isForced = false;
+    EXPECT_EQ(MaxFlatTriangles(limits), byRays / 2);
+    limits.bytes = 0;
+    EXPECT_EQ(MaxFlatTriangles(limits), 0U);
 }
 
 TEST(MakeResident, TheRateLeavesOutTheFirstWave) {

@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/accel/flatBvh.h"
+
+#include "hdStream/accel/bvh.h"
+#include "hdStream/accel/collapseCost.h"
+#include "hdStream/accel/flatPlaces.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <glm/common.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <limits>
+
+namespace hds {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr std::size_t kGrain = 1024; ///< triangles or leaves of a task
+/// Of a leaf, whatever it holds, relative to that of a node.
+constexpr float kLeafCost = 1.0F;
+
+/// A chunk in a place: the triangles of a leaf are of one.
+struct Unit {
+    std::uint32_t place = 0;
+    std::uint32_t chunk = 0;
+    const std::uint8_t* page = nullptr;
+    std::uint32_t first = 0; ///< item of its first triangle
+};
+
+/// The parts of a geometry page of triangles.
+struct PageParts {
+    const shared::HdsTriangle* triangles;
+    const std::uint32_t* primIds;
+    const float* vertices;
+
+    explicit PageParts(const std::uint8_t* page) {
+        shared::HdsPageHeader header{};
+        std::memcpy(&header, page, sizeof(header));
+        const auto part = [&](std::uint32_t offset) {
+            return page + std::size_t{offset} * HDS_POOL_UNIT_BYTES;
+        };
+        triangles = reinterpret_cast<const shared::HdsTriangle*>(part(header.triangles));
+        primIds = reinterpret_cast<const std::uint32_t*>(part(header.primIds));
+        vertices = reinterpret_cast<const float*>(part(header.vertices));
+    }
+    const float* Corner(std::uint32_t triangle, std::uint32_t corner) const {
+        const std::uint64_t index = triangles[triangle].vertices >> (corner * HDS_VERTEX_BITS) &
+                                    (HDS_MAX_CHUNK_VERTICES - 1U);
+        return vertices + 3 * index;
+    }
+};
+
+/// A leaf before it is written: items refs[begin, begin + count).
+struct PlannedLeaf {
+    std::uint32_t begin;
+    std::uint32_t count;
+};
+
+class FlatBuilder {
+public:
+    FlatBuilder(const FlatSource& source, FlatPlaces places)
+        : _source(source), _places(std::move(places)) {}
+
+    FlatBvh Build() {
+        FlatBvh flat;
+        ListUnits();
+        std::vector<BoxRef> refs = MakeItems();
+        if (refs.empty()) {
+            return flat; // nothing is there, or too little would be flattened
+        }
+        const BinaryBvh binary = BuildBinaryBvh(refs, false);
+        BvhOptions options;
+        options.maxLeafItems = HDS_FLAT_TRIANGLES;
+        options.itemCost = kLeafCost;
+        options.unitOfItem = _unitOfItem.data();
+        const CollapsePlan plan(binary, options);
+        if (!EmitNodes(binary, plan)) {
+            return flat; // too deep for the stacks
+        }
+        Write(binary, &flat);
+        flat.numTriangles = _numTriangles;
+        flat.hasInstances = !_places.instances.empty();
+        return flat;
+    }
+
+private:
+    void ListUnits() {
+        for (std::uint32_t place = 0; place < _places.places.size(); ++place) {
+            const shared::HdsObject& object =
+                (*_source.objects)[_places.placements[place].object];
+            for (std::uint32_t i = 0; i < object.numItems; ++i) {
+                const std::uint32_t chunk = object.itemBase + i;
+                const std::uint8_t* page = _source.page(chunk);
+                _units.push_back({place, chunk, page, _numTriangles});
+                _numTriangles += NumPrimitivesOfPage(page);
+            }
+        }
+    }
+
+    /// Boxes of all triangles, then of the instances that stay.
+    std::vector<BoxRef> MakeItems() {
+        const std::size_t numItems = _numTriangles + _places.instances.size();
+        std::vector<Bounds> boxes(numItems);
+        _unitOfItem.resize(numItems);
+        tbb::parallel_for(std::size_t{0}, _units.size(), [&](std::size_t index) {
+            const Unit& unit = _units[index];
+            const FlatPlacement& placement = _places.placements[unit.place];
+            const PageParts page(unit.page);
+            const std::uint32_t count = NumPrimitivesOfPage(unit.page);
+            for (std::uint32_t triangle = 0; triangle < count; ++triangle) {
+                boxes[unit.first + triangle] = BoxOf(page, triangle, placement);
+                _unitOfItem[unit.first + triangle] = static_cast<std::uint32_t>(index);
+            }
+        });
+        for (std::size_t i = 0; i < _places.instances.size(); ++i) {
+            boxes[_numTriangles + i] = _places.instances[i].bounds;
+            _unitOfItem[_numTriangles + i] = static_cast<std::uint32_t>(_units.size() + i);
+        }
+        return MakeRefs(boxes);
+    }
+
+    static Bounds BoxOf(const PageParts& page, std::uint32_t triangle,
+                        const FlatPlacement& placement) {
+        glm::dvec3 lo(std::numeric_limits<double>::max());
+        glm::dvec3 hi(-lo);
+        for (std::uint32_t corner = 0; corner < 3; ++corner) {
+            const float* p = page.Corner(triangle, corner);
+            glm::dvec3 position(p[0], p[1], p[2]);
+            if (!placement.isInPlace) {
+                position = glm::dvec3(placement.worldFromObject * glm::dvec4(position, 1.0));
+            }
+            lo = glm::min(lo, position);
+            hi = glm::max(hi, position);
+        }
+        return WidenForFlat(lo, hi, placement.marginExponent);
+    }
+
+    struct Pending {
+        std::uint32_t node; ///< to write
+        BinarySubtree tree;
+        std::uint32_t depth;
+    };
+
+    /// \return false when a path is longer than the stacks of kernels are.
+    bool EmitNodes(const BinaryBvh& binary, const CollapsePlan& plan) {
+        _nodes.emplace_back();
+        std::vector<Pending> stack = {{0, binary.Root(), 1}};
+        while (!stack.empty()) {
+            const Pending next = stack.back();
+            stack.pop_back();
+            if (next.depth > HDS_BVH_MAX_DEPTH) {
+                return false;
+            }
+            EmitNode(binary, plan.Children(next.tree), next, &stack);
+        }
+        return true;
+    }
+
+    void EmitNode(const BinaryBvh& binary, CollapsedChildren children, const Pending& pending,
+                  std::vector<Pending>* stack) {
+        // Rays that anything stops take slots from the last one on: the largest boxes first.
+        const auto area = [&](const CollapsedChild& child) {
+            const BoxRef& box = binary.Box(child.tree);
+            return HalfArea(LoadBox(box.lo), LoadBox(box.hi));
+        };
+        std::stable_sort(
+            children.child.begin(), children.child.begin() + children.count,
+            [&](const CollapsedChild& a, const CollapsedChild& b) { return area(a) < area(b); });
+        shared::HdsFlatNode node{};
+        for (int axis = 0; axis < 3; ++axis) {
+            std::fill_n(node.lo[axis], kWidth, kInfinity);
+            std::fill_n(node.hi[axis], kWidth, -kInfinity);
+        }
+        const std::size_t firstPushed = stack->size();
+        for (int slot = 0; slot < children.count; ++slot) {
+            const CollapsedChild& child = children.child[slot];
+            const BoxRef& box = binary.Box(child.tree);
+            for (int axis = 0; axis < 3; ++axis) {
+                node.lo[axis][slot] = box.lo[axis];
+                node.hi[axis][slot] = box.hi[axis];
+            }
+            if (!child.isLeaf) {
+                node.child[slot] = HDS_FLAT_NODE | static_cast<std::uint32_t>(_nodes.size());
+                stack->push_back({node.child[slot], child.tree, pending.depth + 1});
+                _nodes.emplace_back();
+                continue;
+            }
+            const std::uint32_t item = binary.refs[child.tree.begin].item;
+            if (item >= _numTriangles) {
+                node.child[slot] =
+                    HDS_FLAT_INSTANCE | _places.instances[item - _numTriangles].record;
+            } else {
+                node.child[slot] = HDS_FLAT_LEAF | static_cast<std::uint32_t>(_leaves.size());
+                _leaves.push_back({child.tree.begin, child.tree.count});
+            }
+        }
+        // The first child is written next.
+        std::reverse(stack->begin() + static_cast<std::ptrdiff_t>(firstPushed), stack->end());
+        _nodes[pending.node] = node;
+    }
+
+    shared::HdsFlatLeaf MakeLeaf(const BinaryBvh& binary, const PlannedLeaf& planned) const {
+        shared::HdsFlatLeaf leaf{};
+        const Unit& unit = _units[_unitOfItem[binary.refs[planned.begin].item]];
+        const PageParts page(unit.page);
+        leaf.place = unit.place;
+        leaf.chunk = unit.chunk;
+        for (std::uint32_t lane = 0; lane < planned.count; ++lane) {
+            const std::uint32_t triangle = binary.refs[planned.begin + lane].item - unit.first;
+            leaf.triangle[lane] = triangle;
+            leaf.primId[lane] = page.primIds[triangle];
+            for (std::uint32_t corner = 0; corner < 3; ++corner) {
+                const float* p = page.Corner(triangle, corner);
+                for (int axis = 0; axis < 3; ++axis) {
+                    leaf.positions[corner][axis][lane] = p[axis];
+                }
+            }
+        }
+        return leaf;
+    }
+
+    void Write(const BinaryBvh& binary, FlatBvh* flat) const {
+        std::uint64_t bytes = sizeof(shared::HdsFlatHeader);
+        const auto place = [&](std::uint64_t partBytes) {
+            const std::uint64_t offset = bytes;
+            bytes += (partBytes + HDS_FLAT_UNIT_BYTES - 1) / HDS_FLAT_UNIT_BYTES *
+                     HDS_FLAT_UNIT_BYTES;
+            return static_cast<std::uint32_t>(offset / HDS_FLAT_UNIT_BYTES);
+        };
+        shared::HdsFlatHeader header{};
+        place(_nodes.size() * sizeof(_nodes[0]));
+        header.leaves = place(_leaves.size() * sizeof(shared::HdsFlatLeaf));
+        header.places = place(_places.places.size() * sizeof(_places.places[0]));
+        header.records = place(_places.records.size() * sizeof(_places.records[0]));
+        flat->buffer.resize(bytes);
+        std::uint8_t* data = flat->buffer.data();
+        std::memcpy(data, &header, sizeof(header));
+        std::memcpy(data + sizeof(header), _nodes.data(), _nodes.size() * sizeof(_nodes[0]));
+        const auto part = [&](std::uint32_t offset) {
+            return data + std::size_t{offset} * HDS_FLAT_UNIT_BYTES;
+        };
+        std::memcpy(part(header.places), _places.places.data(),
+                    _places.places.size() * sizeof(_places.places[0]));
+        std::memcpy(part(header.records), _places.records.data(),
+                    _places.records.size() * sizeof(_places.records[0]));
+        std::uint8_t* leaves = part(header.leaves);
+        tbb::parallel_for(
+            tbb::blocked_range<std::size_t>(0, _leaves.size(), kGrain), [&](const auto& range) {
+                for (std::size_t i = range.begin(); i != range.end(); ++i) {
+                    const shared::HdsFlatLeaf leaf = MakeLeaf(binary, _leaves[i]);
+                    std::memcpy(leaves + i * sizeof(leaf), &leaf, sizeof(leaf));
+                }
+            });
+    }
+
+    const FlatSource& _source;
+    FlatPlaces _places;
+    std::vector<Unit> _units;
+    std::vector<std::uint32_t> _unitOfItem;
+    std::uint32_t _numTriangles = 0;
+    std::vector<shared::HdsFlatNode> _nodes;
+    std::vector<PlannedLeaf> _leaves;
+};
+
+} // namespace
+
+FlatBvh BuildFlatBvh(const FlatSource& source, const FlatAmount& amount) {
+    return FlatBuilder(source, FindFlatPlaces(source, amount)).Build();
+}
+
+} // namespace hds

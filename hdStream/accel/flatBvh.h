@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// The flat hierarchy (kernels/shared/flatBvh.h): built over the triangles of placed meshes, from
+// the tables of a scene whose pages are all there. Hits do not depend on it.
+// Explained in docs/accel.md.
+#pragma once
+
+#include "hdStream/base/hugePages.h"
+#include "kernels/shared/flatBvh.h"
+#include "kernels/shared/geometry.h"
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace hds {
+
+/// What a flat hierarchy is made of. Positions are relative to the scene centre.
+struct FlatSource {
+    const shared::HdsBvhNode* topNodes = nullptr;
+    const shared::HdsInstance* instances = nullptr;
+    const std::vector<shared::HdsObject>* objects = nullptr; ///< 0: the TLAS; nothing moves
+    /// The bytes of a chunk's geometry page, which stay where they are.
+    std::function<const std::uint8_t*(std::uint32_t chunk)> page;
+};
+
+/// A finished flat hierarchy.
+struct FlatBvh {
+    HugeVector<std::uint8_t> buffer; ///< empty: there is nothing, or it would be too deep
+    std::uint64_t numTriangles = 0;  ///< flattened ones, each as often as it is placed
+    bool hasInstances = false;       ///< some instances of the TLAS are not flattened
+};
+
+/// About what a flat hierarchy takes.
+constexpr std::uint64_t kFlatBytesATriangle = 80;
+
+/// How much is flattened.
+struct FlatAmount {
+    std::uint64_t maxTriangles = 0; ///< each as often as it is placed
+    /// Of what an instance of the TLAS places: copies of meshes that fit the caches of a CPU push
+    /// each other out of them (docs/accel.md).
+    double maxCopies = 4.0;
+    /// Of all that is placed at least so much is flattened, or nothing.
+    double minShare = 0.5;
+};
+
+/// Flattens instances of the TLAS, those of objects that are placed least often first. Not
+/// flattened are curves and points, meshes below more than
+/// HDS_FLAT_MAX_RECORDS instances, and instances that are sheared so strongly that boxes in world
+/// space could not be padded for it. Uses all cores; the result does not depend on their number.
+/// Memory on the way, beside the result: 80 bytes a triangle.
+FlatBvh BuildFlatBvh(const FlatSource& source, const FlatAmount& amount);
+
+} // namespace hds

@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/accel/flatPlaces.h"
+
+#include "kernels/shared/bvhNode.h"
+
+#include <glm/common.hpp>
+#include <glm/matrix.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <unordered_set>
+
+namespace hds {
+namespace {
+
+/// Instances of the TLAS beyond which there is little to gain: rays meet few of them.
+constexpr std::uint32_t kMaxInstances = 1U << 16U;
+/// Of a box in units of its largest coordinate: 64 roundoffs of 2^-24 for one transform on the way,
+/// 256 for more. With them go HDS_FLAT_PAD of the kernels.
+constexpr int kMarginExponent = -18;
+constexpr int kDeepMarginExponent = -16;
+/// Largest row sum of |M^-1||M| that these margins are for.
+constexpr double kMaxGrowth = 3.0;
+constexpr double kMaxDeepGrowth = 9.0;
+constexpr double kTolerance = 1.0 + 1e-5;
+
+shared::HdsPageHeader HeaderOf(const std::uint8_t* page) {
+    shared::HdsPageHeader header{};
+    std::memcpy(&header, page, sizeof(header));
+    return header;
+}
+
+glm::dmat4 MatrixOf(const shared::HdsInstance& instance) {
+    glm::dmat4 matrix(1.0);
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 4; ++column) {
+            matrix[column][row] = instance.objectFromParent[4 * row + column];
+        }
+    }
+    return matrix;
+}
+
+glm::dmat3 Abs(const glm::dmat3& matrix) {
+    return {glm::abs(matrix[0]), glm::abs(matrix[1]), glm::abs(matrix[2])};
+}
+
+/// What is known of an object without its transforms.
+struct ObjectTraits {
+    bool isFlat = true;        ///< it may be flattened
+    std::uint32_t records = 0; ///< below it, on the longest way
+    double numTriangles = 0.0; ///< or other primitives, each as often as it is placed below it
+    double numUnique = 0.0;    ///< each once in every object it is placed in
+};
+
+/// Where a walk down the groups is.
+struct Way {
+    std::array<std::uint32_t, HDS_FLAT_MAX_RECORDS> records{};
+    std::uint32_t count = 0;
+    std::uint64_t path = 0;
+    std::uint32_t seen = ~0U;
+    glm::dmat4 objectFromWorld{1.0};
+    glm::dmat3 size{1.0}; ///< product of the linear parts' absolute values
+    bool isInPlace = true;
+};
+
+class PlaceFinder {
+public:
+    PlaceFinder(const FlatSource& source, FlatPlaces* places)
+        : _source(source), _objects(*source.objects), _places(*places) {}
+
+    void Find(const FlatAmount& amount) {
+        const shared::HdsObject& root = _objects[0];
+        if (root.numItems == 0 || root.numItems > kMaxInstances) {
+            return;
+        }
+        std::map<std::uint32_t, std::vector<std::uint32_t>> byObject; // records of the TLAS
+        for (std::uint32_t i = 0; i < root.numItems; ++i) {
+            const std::uint32_t record = root.itemBase + i;
+            byObject[_source.instances[record].object].push_back(record);
+        }
+        using Placed = std::pair<std::uint32_t, std::vector<std::uint32_t>>;
+        std::vector<Placed> order(byObject.begin(), byObject.end());
+        std::stable_sort(order.begin(), order.end(), [](const Placed& a, const Placed& b) {
+            return a.second.size() < b.second.size();
+        });
+        std::vector<bool> isFlat(root.numItems, false);
+        double total = 0.0;
+        double placed = 0.0;
+        for (const auto& [object, records] : order) {
+            const ObjectTraits& traits = TraitsOf(object);
+            const double added = traits.numTriangles * static_cast<double>(records.size());
+            placed += added;
+            if (!traits.isFlat || traits.records >= HDS_FLAT_MAX_RECORDS ||
+                added > amount.maxCopies * traits.numUnique ||
+                total + added > static_cast<double>(amount.maxTriangles)) {
+                continue;
+            }
+            for (const std::uint32_t record : records) {
+                if (AddPlaces(record)) {
+                    isFlat[record - root.itemBase] = true;
+                    total += traits.numTriangles;
+                }
+            }
+        }
+        if (total < amount.minShare * placed) {
+            _places = {};
+            return;
+        }
+        NumberSpaces();
+        AddInstances(isFlat);
+    }
+
+private:
+    const ObjectTraits& TraitsOf(std::uint32_t index) {
+        const auto found = _traits.find(index);
+        if (found != _traits.end()) {
+            return found->second;
+        }
+        const shared::HdsObject& object = _objects[index];
+        ObjectTraits traits;
+        if ((object.kind & HDS_OBJECT_KIND) == HDS_OBJECT_GROUP) {
+            traits.isFlat = object.numItems <= kMaxInstances;
+            traits.numTriangles = traits.isFlat ? 0.0 : std::numeric_limits<double>::infinity();
+            std::unordered_set<std::uint32_t> known;
+            const std::uint32_t numItems = traits.isFlat ? object.numItems : 0;
+            for (std::uint32_t i = 0; i < numItems; ++i) {
+                const shared::HdsInstance& instance = _source.instances[object.itemBase + i];
+                const ObjectTraits below = TraitsOf(instance.object);
+                traits.isFlat = traits.isFlat && below.isFlat;
+                traits.records = std::max(traits.records, below.records + 1);
+                traits.numTriangles += below.numTriangles;
+                if (known.insert(instance.object).second) {
+                    traits.numUnique += below.numUnique;
+                }
+            }
+        } else {
+            for (std::uint32_t i = 0; i < object.numItems; ++i) {
+                const std::uint8_t* page = _source.page(object.itemBase + i);
+                traits.isFlat = traits.isFlat && HeaderOf(page).numTriangles >>
+                                                         HDS_PRIMITIVE_SHIFT ==
+                                                     HDS_PRIMITIVE_TRIANGLES;
+                traits.numTriangles += NumPrimitivesOfPage(page);
+            }
+            traits.numUnique = traits.numTriangles;
+        }
+        return _traits.emplace(index, traits).first->second;
+    }
+
+    /// Adds the places below a record of the TLAS. \return false, and none, when one cannot be.
+    bool AddPlaces(std::uint32_t record) {
+        const std::size_t numPlaces = _places.places.size();
+        const std::size_t numRecords = _places.records.size();
+        if (Descend(record, Way())) {
+            return true;
+        }
+        _places.places.resize(numPlaces);
+        _places.placements.resize(numPlaces);
+        _places.records.resize(numRecords);
+        return false;
+    }
+
+    bool Descend(std::uint32_t record, Way way) {
+        const shared::HdsInstance& instance = _source.instances[record];
+        const shared::HdsObject& object = _objects[instance.object];
+        const glm::dmat4 objectFromParent = MatrixOf(instance);
+        way.records[way.count++] = record;
+        way.path += std::uint64_t{instance.pathOffset[1]} << 32U | instance.pathOffset[0];
+        way.seen &= instance.flags;
+        way.objectFromWorld = objectFromParent * way.objectFromWorld;
+        way.size = Abs(glm::dmat3(objectFromParent)) * way.size;
+        way.isInPlace = way.isInPlace && (instance.flags & HDS_INSTANCE_IN_PLACE) != 0;
+        if ((object.kind & HDS_OBJECT_KIND) != HDS_OBJECT_GROUP) {
+            return object.numItems == 0 || AddPlace(instance, record, way);
+        }
+        for (std::uint32_t i = 0; i < object.numItems; ++i) {
+            if (!Descend(object.itemBase + i, way)) {
+                return false;
+            }
+        }
+        return true;
+    }
+
+    bool AddPlace(const shared::HdsInstance& instance, std::uint32_t record, const Way& way) {
+        FlatPlacement placement;
+        placement.object = instance.object;
+        placement.worldFromObject = glm::inverse(way.objectFromWorld);
+        placement.isInPlace = way.isInPlace;
+        placement.marginExponent = way.count == 1 ? kMarginExponent : kDeepMarginExponent;
+        const glm::dmat3 growth = Abs(glm::dmat3(placement.worldFromObject)) * way.size;
+        const double largest = way.count == 1 ? kMaxGrowth : kMaxDeepGrowth;
+        for (int row = 0; row < 3; ++row) {
+            if (!(growth[0][row] + growth[1][row] + growth[2][row] <= largest * kTolerance)) {
+                return false;
+            }
+        }
+        shared::HdsFlatPlace place{};
+        place.instance = record;
+        place.flags = instance.flags;
+        place.seen = way.seen;
+        place.pathIndex[0] = static_cast<std::uint32_t>(way.path);
+        place.pathIndex[1] = static_cast<std::uint32_t>(way.path >> 32U);
+        place.firstRecord = static_cast<std::uint32_t>(_places.records.size());
+        place.numRecords = way.count;
+        _places.records.insert(_places.records.end(), way.records.begin(),
+                               way.records.begin() + way.count);
+        _places.places.push_back(place);
+        _places.placements.push_back(placement);
+        return true;
+    }
+
+    /// Places with equal transforms on the way get equal numbers.
+    void NumberSpaces() {
+        using Rows = std::array<std::uint32_t, 12>;
+        std::map<std::vector<Rows>, std::uint32_t> known;
+        for (shared::HdsFlatPlace& place : _places.places) {
+            std::vector<Rows> way(place.numRecords);
+            for (std::uint32_t i = 0; i < place.numRecords; ++i) {
+                const std::uint32_t record = _places.records[place.firstRecord + i];
+                std::memcpy(way[i].data(), _source.instances[record].objectFromParent,
+                            sizeof(Rows));
+            }
+            const auto next = static_cast<std::uint32_t>(known.size());
+            place.space = known.emplace(std::move(way), next).first->second;
+        }
+    }
+
+    /// Those of the TLAS that are not flattened, with the boxes that its nodes have.
+    void AddInstances(const std::vector<bool>& isFlat) {
+        const shared::HdsObject& root = _objects[0];
+        std::vector<std::uint32_t> stack = {0};
+        while (!stack.empty()) {
+            const shared::HdsBvhNode& node = _source.topNodes[root.nodeBase + stack.back()];
+            stack.pop_back();
+            std::uint32_t child = node.childBase;
+            for (int slot = 0; slot < 8; ++slot) {
+                const std::uint32_t meta = node.meta[slot / 4] >> (8 * (slot % 4)) & 0xffU;
+                if ((node.exponentsImask >> (24 + slot) & 1U) != 0) {
+                    stack.push_back(child++);
+                } else if (meta != 0) {
+                    const std::uint32_t item = node.itemBase + (meta & 31U); // one a slot
+                    if (!isFlat[item]) {
+                        _places.instances.push_back({root.itemBase + item, BoxOf(node, slot)});
+                    }
+                }
+            }
+        }
+    }
+
+    static Bounds BoxOf(const shared::HdsBvhNode& node, int slot) {
+        glm::dvec3 lo;
+        glm::dvec3 hi;
+        for (int axis = 0; axis < 3; ++axis) {
+            const int exponent = static_cast<int>(node.exponentsImask >> (8 * axis) & 0xffU) - 127;
+            const auto plane = [&](const std::uint32_t* words) {
+                const std::uint32_t q = words[slot / 4] >> (8 * (slot % 4)) & 0xffU;
+                return double{node.origin[axis]} + std::ldexp(double(q), exponent);
+            };
+            lo[axis] = plane(node.qlo[axis]);
+            hi[axis] = plane(node.qhi[axis]);
+        }
+        return WidenForFlat(lo, hi, kDeepMarginExponent);
+    }
+
+    const FlatSource& _source;
+    const std::vector<shared::HdsObject>& _objects;
+    FlatPlaces& _places;
+    std::map<std::uint32_t, ObjectTraits> _traits;
+};
+
+} // namespace
+
+FlatPlaces FindFlatPlaces(const FlatSource& source, const FlatAmount& amount) {
+    FlatPlaces places;
+    PlaceFinder(source, &places).Find(amount);
+    return places;
+}
+
+Bounds WidenForFlat(const glm::dvec3& lo, const glm::dvec3& hi, int exponent) {
+    const glm::dvec3 far = glm::max(glm::abs(lo), glm::abs(hi));
+    const double margin = std::ldexp(std::max({far.x, far.y, far.z}), exponent);
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    Bounds bounds;
+    for (int axis = 0; axis < 3; ++axis) {
+        bounds.min[axis] = std::nextafter(static_cast<float>(lo[axis] - margin), -kInfinity);
+        bounds.max[axis] = std::nextafter(static_cast<float>(hi[axis] + margin), kInfinity);
+    }
+    return bounds;
+}
+
+std::uint32_t NumPrimitivesOfPage(const std::uint8_t* page) {
+    return HeaderOf(page).numTriangles & ((1U << HDS_PRIMITIVE_SHIFT) - 1U);
+}
+
+} // namespace hds

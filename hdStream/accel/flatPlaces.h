@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which instances a flat hierarchy takes, and where their meshes are. Private to the layer.
+// Explained in docs/accel.md.
+#pragma once
+
+#include "hdStream/accel/flatBvh.h"
+#include "hdStream/geometry/chunkSource.h"
+
+#include <glm/mat4x4.hpp>
+
+#include <vector>
+
+namespace hds {
+
+/// A mesh in one place.
+struct FlatPlacement {
+    std::uint32_t object = 0;
+    glm::dmat4 worldFromObject{1.0};
+    bool isInPlace = false; ///< worldFromObject is the identity
+    /// Boxes are widened by 2^this of their largest coordinate (docs/accel.md, "Padding").
+    int marginExponent = 0;
+};
+
+/// An instance of the TLAS that stays one.
+struct FlatInstance {
+    std::uint32_t record = 0;
+    Bounds bounds; ///< widened
+};
+
+/// What a flat hierarchy is built over.
+struct FlatPlaces {
+    std::vector<shared::HdsFlatPlace> places;
+    std::vector<FlatPlacement> placements; ///< [places.size()]
+    std::vector<std::uint32_t> records;    ///< on the way to each place
+    std::vector<FlatInstance> instances;
+};
+
+FlatPlaces FindFlatPlaces(const FlatSource& source, const FlatAmount& amount);
+
+/// Widens a box by 2^exponent of its largest coordinate, and rounds it outwards.
+Bounds WidenForFlat(const glm::dvec3& lo, const glm::dvec3& hi, int exponent);
+
+/// Triangles of a geometry page, or primitives of another kind.
+std::uint32_t NumPrimitivesOfPage(const std::uint8_t* page);
+
+} // namespace hds

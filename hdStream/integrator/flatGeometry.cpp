@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/integrator/flatGeometry.h"
+
+#include "hdStream/base/timer.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace hds {
+
+namespace {
+
+/// Camera rays a triangle from which building pays: docs/accel.md, "The flat hierarchy".
+constexpr std::uint64_t kRaysATriangle = 4;
+/// Numbers of items have 32 bits.
+constexpr std::uint64_t kMaxTriangles = 1U << 29U;
+
+/// Copies of all geometry pages, and where each chunk's begins.
+struct PageCopies {
+    std::vector<std::uint64_t> bytes; ///< aligned
+    std::vector<std::uint64_t> first; ///< [numChunks] in units of 8 bytes
+
+    PageCopies(const CommittedScene& scene, const PagePool& pool) {
+        const std::uint32_t numChunks = scene.pages->NumChunks();
+        std::vector<std::uint32_t> addresses(scene.pages->NumPages());
+        if (addresses.empty()) {
+            return;
+        }
+        pool.Addresses().Read(addresses.data(), addresses.size() * sizeof(addresses[0]));
+        std::uint64_t total = 0;
+        for (std::uint32_t chunk = 0; chunk < numChunks; ++chunk) {
+            first.push_back(total);
+            total += scene.pages->PageBytes(2 * chunk + HDS_PAGE_GEOMETRY) / sizeof(bytes[0]);
+        }
+        bytes.resize(total);
+        for (std::uint32_t chunk = 0; chunk < numChunks; ++chunk) {
+            const std::uint32_t page = 2 * chunk + HDS_PAGE_GEOMETRY;
+            const std::uint32_t address = addresses[page];
+            const std::uint32_t unit = address & ((1U << HDS_POOL_BUFFER_SHIFT) - 1U);
+            pool.PoolBuffer(address >> HDS_POOL_BUFFER_SHIFT)
+                .Read(&bytes[first[chunk]], scene.pages->PageBytes(page),
+                      std::uint64_t{unit} * HDS_POOL_UNIT_BYTES);
+        }
+    }
+};
+
+} // namespace
+
+std::uint64_t MaxFlatTriangles(const FlatLimits& limits) {
+    const std::uint64_t affordable = std::min(limits.bytes / kFlatBytesATriangle, kMaxTriangles);
+    return limits.isForced ? affordable : std::min(affordable, limits.cameraRays / kRaysATriangle);
+}
+
+bool FlatGeometry::Build(const std::shared_ptr<Device>& device, const CommittedScene& scene,
+                         const PagePool& pool, const FlatLimits& limits) {
+    FlatAmount amount;
+    amount.maxTriangles = MaxFlatTriangles(limits);
+    if (limits.isForced) {
+        amount.maxCopies = std::numeric_limits<double>::infinity();
+        amount.minShare = 0.0;
+    }
+    if (IsThere() || amount.maxTriangles == 0 || scene.pages->NumChunks() == 0) {
+        return IsThere();
+    }
+    const Timer timer;
+    const PageCopies copies(scene, pool);
+    FlatSource source;
+    source.topNodes = scene.topNodes.data();
+    source.instances = scene.instances.data();
+    source.objects = &scene.objects;
+    source.page = [&](std::uint32_t chunk) {
+        return reinterpret_cast<const std::uint8_t*>(&copies.bytes[copies.first[chunk]]);
+    };
+    _flat = BuildFlatBvh(source, amount);
+    if (!IsThere()) {
+        _flat = {}; // of instances alone it would be no better than the TLAS
+    } else {
+        const std::string label = "flat hierarchy";
+        const std::uint64_t bytes = _flat.buffer.size();
+        if (device->Properties().isCpu && bytes >= kMinHugePageBytes) {
+            _buffer = Buffer::OfHostMemory(device, label, _flat.buffer.data(), bytes,
+                                           HostMemoryCount::AsDeviceMemory);
+        } else {
+            _buffer = Buffer(device, label, bytes, BufferAccess::ReadOnly);
+            _buffer.Write(_flat.buffer.data(), bytes);
+            _flat.buffer = {};
+        }
+    }
+    _seconds = timer.Seconds();
+    return IsThere();
+}
+
+void FlatGeometry::Clear() {
+    _buffer = Buffer(); // frees first: it may be the memory of the other
+    _flat = {};
+    _seconds = 0.0;
+}
+
+} // namespace hds

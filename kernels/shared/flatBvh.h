@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * The flat hierarchy: one BVH in world space over the triangles of placed meshes, with boxes of
+ * floats and leaves that hold vertices. It takes the place of TLAS, groups, top trees and the BVHs
+ * of chunks where everything is resident, and finds the same hits. All of it lies in one buffer:
+ * the header, nodes, leaves, places and their records. Explained in docs/accel.md. */
+#ifndef HDS_SHARED_FLAT_BVH_H
+#define HDS_SHARED_FLAT_BVH_H
+#include "shared/compat.h"
+
+/* HdsFlatNode.child: bits 31..30 kind, 29..0 the node, the leaf, or the record in instances of an
+ * instance that is not flattened. */
+#define HDS_FLAT_NODE 0u
+#define HDS_FLAT_LEAF 0x80000000u
+#define HDS_FLAT_INSTANCE 0xc0000000u
+#define HDS_FLAT_KIND 0xc0000000u
+
+/* Triangles of a leaf. */
+#define HDS_FLAT_TRIANGLES 4
+
+/* Offsets in the buffer are in units of so many bytes, the alignment of nodes and leaves. */
+#define HDS_FLAT_UNIT_BYTES 64u
+
+/* Most records on the way to a place that is flattened. */
+#define HDS_FLAT_MAX_RECORDS 3
+
+HDS_SHARED_BEGIN
+/* Begins the buffer; nodes follow, root first. */
+typedef struct {
+    u32 leaves; /* offset of HdsFlatLeaf[] */
+    u32 places; /* offset of HdsFlatPlace[] */
+    u32 records; /* offset of u32[]: records in instances, of each place from the TLAS inwards */
+    u32 unused[13];
+} HdsFlatHeader;
+HDS_ASSERT_SIZE(HdsFlatHeader, 64);
+
+/* Eight boxes in world space, per axis; a slot without a child is inside out and infinite. */
+typedef struct {
+    f32 lo[3][8];
+    f32 hi[3][8];
+    u32 child[8];
+    u32 unused[8];
+} HdsFlatNode;
+HDS_ASSERT_SIZE(HdsFlatNode, 256);
+
+/* Up to four triangles of one chunk in one place. Lanes without a triangle have equal corners. */
+typedef struct {
+    f32 positions[3][3][HDS_FLAT_TRIANGLES]; /* per corner, per axis; object space */
+    u32 place;
+    u32 chunk;
+    u32 triangle[HDS_FLAT_TRIANGLES]; /* chunk-local */
+    u32 primId[HDS_FLAT_TRIANGLES];   /* as in the page */
+    u32 unused[2];
+} HdsFlatLeaf;
+HDS_ASSERT_SIZE(HdsFlatLeaf, 192);
+
+/* A placement of a mesh, through all levels. */
+typedef struct {
+    u32 instance;     /* leaf record in instances */
+    u32 flags;        /* its flags */
+    u32 seen;         /* flags that all records on the way have */
+    u32 space;        /* places with equal transforms on the way have equal numbers */
+    u32 pathIndex[2]; /* low, high */
+    u32 firstRecord;  /* in records */
+    u32 numRecords;
+} HdsFlatPlace;
+HDS_ASSERT_SIZE(HdsFlatPlace, 32);
+HDS_SHARED_END
+#endif

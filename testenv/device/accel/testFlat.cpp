@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// The flat hierarchy finds the hits of the other forms, to the bit, whatever it flattens.
+#include "testenv/device/accel/mixedScene.h"
+
+#include <array>
+
+namespace hds::test {
+namespace {
+
+class FlatBvhTest : public DeviceFixture {
+protected:
+    /// Both kinds of hits against the form that walks level by level. \return hits.
+    std::size_t ExpectSameHits(const AccelScene& built, const std::vector<ProbeRay>& rays,
+                               const AccelUpload& upload = {}) {
+        const DeviceAccelScene scene(device, built, upload);
+        const TraversalProbe flat(device, AccelForm::Flat);
+        const TraversalProbe levels(device, AccelForm::Simd8);
+        const Hits expected = levels.Closest(scene, rays);
+        EXPECT_EQ(CountDifferentBits(flat.Closest(scene, rays), expected), 0U);
+        EXPECT_EQ(CountDifferentBits(flat.Occluded(scene, rays), levels.Occluded(scene, rays)), 0U);
+        std::size_t numHits = 0;
+        for (const shared::HdsHit& hit : expected) {
+            numHits += IsHit(hit) ? 1 : 0;
+        }
+        return numHits;
+    }
+};
+
+TEST_F(FlatBvhTest, MatchesBruteForceWhereAllIsFlat) {
+    for (const bool isWide : {false, true}) {
+        const MixedScene mixed(isWide, true);
+        const DeviceAccelScene scene(device, mixed.scene);
+        ASSERT_GT(scene.Flat().numTriangles, 20000U);
+        ASSERT_FALSE(scene.Flat().hasInstances);
+        const std::vector<ProbeRay> rays = MixedRays(2500);
+        const Hits expected = TraversalProbe(device, AccelForm::Scalar).BruteForce(scene, rays);
+        const ProgramDefines noInstances = {{"HDS_FEATURE_FLAT_INSTANCES", "0"},
+                                            {"HDS_FEATURE_GROUPS", "0"}};
+        for (const ProgramDefines& defines : {ProgramDefines(), noInstances}) {
+            const TraversalProbe probe(device, AccelForm::Flat, defines);
+            EXPECT_EQ(CountDifferentBits(probe.Closest(scene, rays), expected), 0U);
+        }
+    }
+}
+
+// Of random maps most are sheared too strongly: they stay instances.
+TEST_F(FlatBvhTest, WalksInstancesThatAreNotFlattened) {
+    const MixedScene mixed;
+    const DeviceAccelScene scene(device, mixed.scene);
+    ASSERT_TRUE(scene.Flat().hasInstances);
+    ASSERT_GT(scene.Flat().numTriangles, 0U);
+    EXPECT_GT(ExpectSameHits(mixed.scene, MixedRays(2500)), 250U);
+}
+
+TEST_F(FlatBvhTest, FlattensWhatIsPlacedLeastOften) {
+    AccelScene built;
+    const std::uint32_t once = built.AddMesh(BumpySphere(12), 100);
+    const std::uint32_t often = built.AddMesh(Box(0.7F), 100);
+    std::vector<AccelPlacement> placements = {{once, glm::dmat4(1.0)}};
+    for (int i = 0; i < 40; ++i) {
+        placements.push_back(
+            {often, glm::translate(glm::dmat4(1.0), glm::dvec3(i % 7, i % 5, i % 3) - 2.0)});
+    }
+    built.SetRoot(placements);
+    const std::uint64_t ofAll = DeviceAccelScene(device, built).Flat().numTriangles;
+    constexpr double kNoMatter = 1e9;
+    for (const FlatAmount amount :
+         {FlatAmount{ofAll - 1, kNoMatter, 0.1}, FlatAmount{ofAll, 39.0, 0.1}, FlatAmount{ofAll}}) {
+        const FlatBvh& flat = DeviceAccelScene(device, built, {1, {}, amount}).Flat();
+        EXPECT_EQ(ofAll - flat.numTriangles, 40 * 12U) << "the boxes";
+        EXPECT_TRUE(flat.hasInstances);
+        EXPECT_GT(ExpectSameHits(built, MixedRays(1000), {1, {}, amount}), 100U);
+    }
+    EXPECT_EQ(DeviceAccelScene(device, built, {1, {}, {ofAll, 40.0, 1.0}}).Flat().numTriangles, ofAll);
+    EXPECT_EQ(DeviceAccelScene(device, built, {1, {}, {10, kNoMatter, 0.0}}).Flat().numTriangles,
+              0U);
+    EXPECT_TRUE(
+        DeviceAccelScene(device, built, {1, {}, {ofAll, 39.0, 0.8}}).Flat().buffer.empty())
+        << "less than is asked for";
+}
+
+TEST_F(FlatBvhTest, FlattensGroupsOfAFewLevels) {
+    for (int levels = 1; levels <= HDS_FLAT_MAX_RECORDS + 1; ++levels) {
+        AccelScene built;
+        const std::uint32_t mesh = built.AddMesh(BumpySphere(8), 60);
+        const std::uint32_t floor = built.AddMesh(Box(3.0F), 60);
+        UniformSource uniform(41);
+        std::uint32_t object = mesh;
+        const auto place = [&] {
+            const glm::dmat4 moved =
+                glm::translate(glm::dmat4(1.0), 1.5 * glm::dvec3(uniform.Vector()));
+            return glm::scale(glm::rotate(moved, 3.0 * uniform(),
+                                          glm::normalize(glm::dvec3(uniform.Vector()))),
+                              glm::dvec3(0.7));
+        };
+        for (int level = 1; level < levels; ++level) {
+            object = built.AddGroup({{object, place()}, {object, place()}, {mesh, place()}});
+        }
+        built.SetRoot({{object, place()}, {floor, glm::dmat4(1.0)}, {object, place()}});
+        const FlatBvh& flat = DeviceAccelScene(device, built).Flat();
+        EXPECT_EQ(flat.hasInstances, levels > HDS_FLAT_MAX_RECORDS) << levels;
+        EXPECT_GT(flat.numTriangles, 0U);
+        EXPECT_GT(ExpectSameHits(built, MixedRays(1500)), 150U) << levels;
+    }
+}
+
+TEST_F(FlatBvhTest, TellsCutoutsFromBlockers) {
+    UniformSource uniform(43);
+    AccelScene built;
+    const std::array<std::uint32_t, 2> meshes = {built.AddMesh(Foliage(400, 5), 100),
+                                                 built.AddMesh(BumpySphere(6), 100)};
+    std::vector<AccelPlacement> placements;
+    for (std::uint32_t i = 0; i < 40; ++i) {
+        const glm::dvec3 away = 2.5 * glm::dvec3(uniform.Vector());
+        placements.push_back({meshes[i % 2], glm::translate(glm::dmat4(1.0), away),
+                              HDS_INSTANCE_SEEN | (i % 3 == 0 ? 0U : HDS_INSTANCE_CUTOUT)});
+    }
+    built.SetRoot(placements);
+    const DeviceAccelScene scene(device, built);
+    ASSERT_FALSE(scene.Flat().hasInstances);
+    const std::vector<ProbeRay> rays = MixedRays(3000);
+    const Hits found = TraversalProbe(device, AccelForm::Simd8).Occluded(scene, rays);
+    int numBlocked = 0;
+    int numCandidates = 0;
+    for (const shared::HdsHit& hit : found) {
+        numBlocked += hit.triangle == kBlocked ? 1 : 0;
+        numCandidates += IsHit(hit) ? 1 : 0;
+    }
+    EXPECT_GT(numBlocked, 300);
+    EXPECT_GT(numCandidates, 300);
+    ExpectSameHits(built, rays);
+}
+
+TEST_F(FlatBvhTest, TakesScenesOfNothing) {
+    AccelScene built;
+    const std::uint32_t group = built.AddGroup({});
+    built.SetRoot({{group, glm::dmat4(1.0)}});
+    built.AddMesh(Box(1.0F));
+    EXPECT_EQ(DeviceAccelScene(device, built).Flat().numTriangles, 0U);
+}
+
+} // namespace
+} // namespace hds::test

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The flat hierarchy: pictures have the bits of walks level by level, and it is there when it is worth it."""
+
+import pytest
+
+pytest.importorskip("hdstream._core")
+
+import hdstream
+import ours
+from stages import motion, streaming
+from stages.verify import CASES
+
+_AOVS = ("color", "depth", "instanceId", "primId", "elementId")
+_SIZE = (61, 47)
+
+
+def _OnlyFlat(stage, **settings) -> tuple:
+    """(picture by the flat hierarchy, picture level by level)."""
+    return tuple(ours.Render(stage, *_SIZE, _AOVS, samples=6, residency="resident", traversal=form, **settings) for form in ("flat", "simd8"))
+
+
+def _AssertSameBits(flat, levels) -> None:
+    assert (flat.statistics["wave"]["traversal"], levels.statistics["wave"]["traversal"]) == ("flat", "simd8")
+    assert flat.statistics["geometry"]["flatTriangles"] > 0 and levels.statistics["geometry"]["flatTriangles"] == 0
+    for name in levels.layers:
+        assert flat.layers[name].tobytes() == levels.layers[name].tobytes(), name
+
+
+@pytest.mark.parametrize("name", ["instancing", "surfaceCutout", "emissiveMesh", "lambertRoom"])
+def test_bits_are_those_of_levels(name, tmp_path):
+    _AssertSameBits(*_OnlyFlat(CASES[name].Write(f"{tmp_path}/stage.usda")))
+
+
+def test_groups_and_what_stays_an_instance(tmp_path):
+    """Instancers below instancers: some ways are too long for what is flattened."""
+    stage = f"{tmp_path}/nested.usda"
+    streaming.WriteNested(stage)
+    _AssertSameBits(*_OnlyFlat(stage))
+
+
+def test_curves_stay_instances(tmp_path):
+    stage = CASES["lambertRoom"].Write(f"{tmp_path}/stage.usda")
+    with open(stage, "a", encoding="utf-8") as file:
+        file.write("""
+def BasisCurves "Hair" {
+    uniform token type = "linear"
+    int[] curveVertexCounts = [3, 2]
+    point3f[] points = [(-0.5, -0.5, 0), (0, 0.4, 0.3), (0.5, -0.2, 0), (-0.4, 0.5, 0.1), (0.4, 0.5, 0.2)]
+    float[] widths = [0.2] (interpolation = "constant")
+}
+""")
+    _AssertSameBits(*_OnlyFlat(stage))
+
+
+def test_it_is_built_when_rays_pay_for_it(tmp_path):
+    stage = CASES["lambertRoom"].Write(f"{tmp_path}/stage.usda")
+    forms = {samples: ours.Render(stage, 64, 64, samples=samples).statistics["wave"]["traversal"] for samples in (1, 64)}
+    triangles = ours.Render(stage, 8, 8, samples=1).statistics["geometry"]["triangles"]
+    assert triangles < 64 * 64 // 4, "another stage is needed for a render that does not pay"
+    assert forms == {1: "flat", 64: "flat"}
+    assert ours.Render(stage, 2, 1, samples=1).statistics["wave"]["traversal"] == "simd8"
+
+
+def test_budgets_hold(tmp_path):
+    """A pool that geometry fills leaves no room for it."""
+    stage = CASES["lambertRoom"].Write(f"{tmp_path}/stage.usda")
+    picture = ours.Render(stage, *_SIZE, samples=4, residency="stream", geometryMemory="100%")
+    assert picture.statistics["geometry"]["flatBytes"] == 0
+    assert picture.statistics["wave"]["traversal"] == "simd8"
+
+
+def test_what_moves_is_walked_level_by_level(tmp_path):
+    stage = hdstream.Renderer(motion.Write(tmp_path / "moving.usda", next(iter(motion.SCENES))), onWarning=lambda line: None)
+    settings = dict(camera="/World/Camera", imageWidth=32, imageHeight=24, samples=4, traversal="flat", noCache=True)
+    assert stage.Render(motion.FRAME, **settings).statistics["wave"]["traversal"] == "simd8"
+    assert stage.Render(motion.FRAME, motionBlur="off", **settings).statistics["wave"]["traversal"] == "flat"
