@@ -3,7 +3,7 @@
 // chunk. Explained in docs/accel.md.
 #pragma once
 
-#include "hdStream/accel/chunkedGeometry.h"
+#include "hdStream/accel/pageMaker.h"
 #include "hdStream/stream/pageProvider.h"
 #include "kernels/shared/geometry.h"
 
@@ -20,8 +20,12 @@ class ChunkPages {
 public:
     static constexpr std::uint32_t kNumPages = 2;
 
-    /// Takes ids that no other page of the process has. \param chunk of the geometry.
-    ChunkPages(std::shared_ptr<const ChunkedGeometry> geometry, std::uint32_t chunk);
+    /// Where pages have come from; MadeAlways: they are never looked for in the store
+    /// (PageMaker::Key).
+    enum class Made { Loaded, Built, MadeAlways };
+
+    /// Takes ids that no other page of the process has. \param chunk of the maker.
+    ChunkPages(std::shared_ptr<const PageMaker> maker, std::uint32_t chunk);
 
     std::uint64_t Id(std::uint32_t page) const { return _firstId + page; }
     /// Exact once made, before that an upper bound.
@@ -30,29 +34,26 @@ public:
     /// Looks for exact sizes in the store.
     void FindSizes();
     const std::vector<std::uint8_t>& Data(std::uint32_t page) const { return _data[page]; }
-    bool HasData(std::uint32_t page) const { return !_data[page].empty(); }
+    /// Whether a page is there, or does not exist.
+    bool HasData(std::uint32_t page) const { return !_data[page].empty() || _bytes[page] == 0; }
     std::uint64_t DataBytes() const { return _data[0].size() + _data[1].size(); }
 
     /// Makes the pages that are asked for ready: from the store, or else both are built and kept
-    /// there. \param isWanted one flag a page. \return whether they were built.
-    bool Prepare(const std::array<bool, kNumPages>& isWanted);
+    /// there. \param isWanted one flag a page.
+    Made Prepare(const std::array<bool, kNumPages>& isWanted);
     /// Where a page lies in the store, mapped. \return false when it is not there.
     bool Locate(std::uint32_t page, MappedPage* mapped);
     void Drop(std::uint32_t page) { std::vector<std::uint8_t>().swap(_data[page]); }
 
 private:
-    PageKey KeyOf(std::uint32_t page) const {
-        return _geometry->PartKey(std::uint64_t{_chunk} * kNumPages + page);
-    }
     bool Load(const std::array<bool, kNumPages>& isWanted);
-    void Build();
 
-    std::shared_ptr<const ChunkedGeometry> _geometry;
+    std::shared_ptr<const PageMaker> _maker;
     std::uint32_t _chunk;
     std::uint64_t _firstId;
     bool _isExact = false;
     std::array<std::uint64_t, kNumPages> _bytes{};
-    std::array<std::vector<std::uint8_t>, kNumPages> _data; ///< empty: not there now
+    ChunkBytes _data; ///< empty: not there now
 };
 
 } // namespace hds

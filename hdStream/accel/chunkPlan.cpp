@@ -61,7 +61,7 @@ struct CellBox {
 /// Cuts the groups of one grid.
 class Planner {
 public:
-    Planner(const ChunkSource& source, std::uint32_t maxTriangles, ChunkPlan* plan)
+    Planner(const PrimitiveGroups& source, std::uint32_t maxTriangles, ChunkPlan* plan)
         : _source(source), _maxTriangles(maxTriangles), _plan(*plan) {}
 
     /// Appends the chunks of `groups`, which lie in `bounds` and have `numTriangles`.
@@ -197,12 +197,12 @@ private:
     /// Above any sum of weight times area.
     static constexpr double kSmallSidePenalty = 4.0;
 
-    const ChunkSource& _source;
+    const PrimitiveGroups& _source;
     std::uint32_t _maxTriangles;
     ChunkPlan& _plan;
 };
 
-std::vector<std::uint32_t> DrawnGroups(const ChunkSource& source) {
+std::vector<std::uint32_t> DrawnGroups(const PrimitiveGroups& source) {
     std::vector<std::uint32_t> groups;
     groups.reserve(source.NumPrimitiveGroups());
     for (std::uint32_t group = 0; group < source.NumPrimitiveGroups(); ++group) {
@@ -215,7 +215,7 @@ std::vector<std::uint32_t> DrawnGroups(const ChunkSource& source) {
 
 } // namespace
 
-ChunkPlan PlanChunks(const ChunkSource& source, std::uint32_t maxTriangles,
+ChunkPlan PlanChunks(const PrimitiveGroups& source, std::uint32_t maxTriangles,
                      std::uint32_t maxVertices) {
     HDS_VERIFY(maxTriangles > 0 && maxVertices >= 3, std::to_string(maxTriangles));
     if (source.NumVertices() > maxVertices) {

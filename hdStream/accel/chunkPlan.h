@@ -25,7 +25,7 @@ struct ChunkPlan {
 /// into the cells of a grid, and the grid is cut by the surface area heuristic until each part is
 /// small enough: two passes over the groups, whatever the number of chunks. Deterministic; uses all
 /// cores.
-ChunkPlan PlanChunks(const ChunkSource& source, std::uint32_t maxTriangles,
+ChunkPlan PlanChunks(const PrimitiveGroups& source, std::uint32_t maxTriangles,
                      std::uint32_t maxVertices = HDS_MAX_CHUNK_VERTICES);
 
 } // namespace hds

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/accel/chunkedGeometry.h"
 
+#include "hdStream/accel/bvh.h"
 #include "hdStream/base/error.h"
 #include "hdStream/base/hash.h"
+#include "hdStream/geometry/attributePage.h"
 
 #include <tbb/task_arena.h>
 
@@ -20,6 +22,12 @@ namespace {
 constexpr std::uint64_t kPageFormat = 5;
 /// The part of geometry that is its summary; pages count from 0.
 constexpr std::uint64_t kSummaryPart = ~std::uint64_t{0};
+/// Bytes of a page that do not grow with its triangles: header and root; slot word and padding.
+constexpr std::uint64_t kFixedBytes = 128;
+
+std::uint64_t RoundUp(std::uint64_t bytes) {
+    return (bytes + HDS_POOL_UNIT_BYTES - 1) / HDS_POOL_UNIT_BYTES * HDS_POOL_UNIT_BYTES;
+}
 
 class Writer {
 public:
@@ -194,6 +202,25 @@ const ChunkSource& ChunkedGeometry::Source() const {
 const ChunkPlan& ChunkedGeometry::Plan() const {
     MakeSourceOnce();
     return _plan;
+}
+
+std::array<std::uint64_t, 2> ChunkedGeometry::BoundBytes(std::uint32_t chunk) const {
+    const std::uint64_t count = _summary.numInChunk[chunk];
+    const TriangleBytes& bytes = _summary.boundBytes;
+    // Each block of attributes is padded.
+    const std::uint64_t padding = kFixedBytes * (1 + _summary.attributes.size());
+    return {RoundUp(count * bytes.geometry + kFixedBytes),
+            RoundUp(count * bytes.attributes + padding)};
+}
+
+ChunkBytes ChunkedGeometry::Make(std::uint32_t chunk) const {
+    const ChunkPlan& plan = Plan();
+    ChunkGeometry gathered = Source().Gather(plan.groups.data() + plan.begin[chunk],
+                                             plan.begin[chunk + 1] - plan.begin[chunk]);
+    ChunkBytes pages;
+    pages[HDS_PAGE_GEOMETRY] = BuildGeometryPage(gathered).bytes;
+    pages[HDS_PAGE_ATTRIBUTES] = BuildAttributePage(gathered);
+    return pages;
 }
 
 PageKey ChunkedGeometry::PartKey(std::uint64_t index) const {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "hdStream/accel/chunkPlan.h"
+#include "hdStream/accel/pageMaker.h"
 #include "hdStream/persist/pageStore.h"
 
 #include <functional>
@@ -33,7 +34,7 @@ std::vector<std::uint8_t> SerializeSummary(const GeometrySummary& summary);
 std::optional<GeometrySummary> ParseSummary(const std::vector<std::uint8_t>& bytes);
 
 /// Immutable, thread-safe.
-class ChunkedGeometry {
+class ChunkedGeometry final : public PageMaker {
 public:
     /// Makes the source; called at most once, perhaps never, by any thread.
     using SourceMaker = std::function<std::shared_ptr<const ChunkSource>()>;
@@ -51,7 +52,12 @@ public:
     const ChunkSource& Source() const;
     const ChunkPlan& Plan() const;
 
-    PageStore* Store() const { return _store.get(); }
+    std::array<std::uint64_t, 2> BoundBytes(std::uint32_t chunk) const override;
+    ChunkBytes Make(std::uint32_t chunk) const override;
+    PageStore* Store() const override { return _store.get(); }
+    std::optional<PageKey> Key(std::uint32_t chunk, std::uint32_t page) const override {
+        return PartKey(2 * std::uint64_t{chunk} + page);
+    }
     /// The name in the store of part `index` of the geometry: its pages in turn.
     PageKey PartKey(std::uint64_t index) const;
     /// Keeps the summary, so that the source need not be made again. Not to be called for geometry

@@ -51,10 +51,10 @@ void PreparedPages::Prepare(const std::vector<Wanted>& wanted) {
     for (const Wanted* one : missing) {
         bytesBefore.push_back(one->chunk->DataBytes());
     }
-    std::vector<std::uint8_t> isBuilt(missing.size());
+    std::vector<ChunkPages::Made> made(missing.size());
     try {
         tbb::parallel_for(std::size_t{0}, missing.size(), [&](std::size_t i) {
-            isBuilt[i] = missing[i]->chunk->Prepare(missing[i]->isWanted) ? 1 : 0;
+            made[i] = missing[i]->chunk->Prepare(missing[i]->isWanted);
         });
     } catch (...) { // memory has run out: what was to be made is forgotten
         for (std::size_t i = 0; i < missing.size(); ++i) {
@@ -68,7 +68,8 @@ void PreparedPages::Prepare(const std::vector<Wanted>& wanted) {
         if (_places.count(chunk.get()) == 0) {
             _places[chunk.get()] = _order.insert(_order.end(), chunk);
         }
-        ++(isBuilt[i] != 0 ? _numBuilt : _numLoaded);
+        _numBuilt += made[i] == ChunkPages::Made::Built ? 1 : 0;
+        _numLoaded += made[i] == ChunkPages::Made::Loaded ? 1 : 0;
     }
     _seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }

@@ -69,6 +69,12 @@ public:
         _chunks.push_back(std::move(chunk));
         _shouldStay.push_back(false);
     }
+    /// Chunks of instances come before all others (PageProvider::NumOuterPages).
+    void AddInstanceChunks(const std::vector<std::shared_ptr<ChunkPages>>& chunks) {
+        _chunks.insert(_chunks.begin(), chunks.begin(), chunks.end());
+        _shouldStay.insert(_shouldStay.begin(), chunks.size(), false);
+        _numInstanceChunks += static_cast<std::uint32_t>(chunks.size());
+    }
     /// The pages of chunks [first, first + count) are better kept once loaded.
     void Keep(std::uint32_t first, std::uint32_t count) {
         std::fill_n(_shouldStay.begin() + first, count, true);
@@ -84,6 +90,9 @@ public:
     std::uint32_t NumChunks() const { return static_cast<std::uint32_t>(_chunks.size()); }
     std::uint32_t NumPages() const override {
         return ChunkPages::kNumPages * static_cast<std::uint32_t>(_chunks.size());
+    }
+    std::uint32_t NumOuterPages() const override {
+        return ChunkPages::kNumPages * _numInstanceChunks;
     }
     std::uint64_t PageBytes(std::uint32_t page) const override {
         return ChunkOf(page)->Bytes(page % ChunkPages::kNumPages);
@@ -114,6 +123,7 @@ private:
     PreparedPages& _prepared;
     std::vector<std::shared_ptr<ChunkPages>> _chunks;
     std::vector<bool> _shouldStay; ///< by chunk
+    std::uint32_t _numInstanceChunks = 0;
 };
 
 } // namespace hds

@@ -28,8 +28,9 @@ void Grow(Bounds* bounds, const Bounds& other) {
 
 } // namespace
 
-PrimitiveGroupGrid::PrimitiveGroupGrid(const ChunkSource& source, std::vector<std::uint32_t> groups,
-                                       const Bounds& bounds, std::size_t numCells)
+PrimitiveGroupGrid::PrimitiveGroupGrid(const PrimitiveGroups& source,
+                                       std::vector<std::uint32_t> groups, const Bounds& bounds,
+                                       std::size_t numCells)
     : _groups(std::move(groups)),
       _blockSize(std::max(kMinBlockSize, (_groups.size() + kMaxBlocks - 1) / kMaxBlocks)),
       _numBlocks((_groups.size() + _blockSize - 1) / _blockSize) {

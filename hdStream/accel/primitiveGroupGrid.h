@@ -25,7 +25,7 @@ class PrimitiveGroupGrid {
 public:
     /// \param bounds holds the groups. \param numCells about how many cells with groups to aim at,
     /// where there are so many groups.
-    PrimitiveGroupGrid(const ChunkSource& source, std::vector<std::uint32_t> groups,
+    PrimitiveGroupGrid(const PrimitiveGroups& source, std::vector<std::uint32_t> groups,
                        const Bounds& bounds, std::size_t numCells);
 
     /// Those that have groups, in the order of their indices.

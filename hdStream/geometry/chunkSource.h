@@ -70,14 +70,11 @@ struct ChunkGeometry {
     std::vector<Bounds> closePrimitiveBounds; ///< where closePositions are: when the shutter closes
 };
 
-/// Geometry ready to be cut into chunks. Immutable, thread-safe; results depend on nothing but what
-/// the source was made of. Groups are numbered in the order of authored faces.
-class ChunkSource {
+/// What a plan of chunks needs to know: groups with boxes. Immutable, thread-safe.
+class PrimitiveGroups {
 public:
-    virtual ~ChunkSource() = default;
+    virtual ~PrimitiveGroups() = default;
 
-    /// Object-space point that positions and boxes are relative to.
-    const glm::dvec3& Origin() const { return _origin; }
     /// Holds all groups; empty when nothing can be drawn.
     const Bounds& AllBounds() const { return _bounds; }
     std::uint32_t NumPrimitiveGroups() const { return _numGroups; }
@@ -85,6 +82,25 @@ public:
     std::uint64_t NumTriangles() const { return _numTriangles; }
     /// Upper bound of the different vertices of all triangles.
     std::uint64_t NumVertices() const { return _numVertices; }
+
+    /// Upper bound; 0 for a group that is not drawn.
+    virtual std::uint32_t GroupTriangles(std::uint32_t group) const = 0;
+    /// Holds the group's triangles; empty for one that is not drawn.
+    virtual Bounds GroupBounds(std::uint32_t group) const = 0;
+
+protected:
+    Bounds _bounds;
+    std::uint32_t _numGroups = 0;
+    std::uint64_t _numTriangles = 0;
+    std::uint64_t _numVertices = 0;
+};
+
+/// Geometry ready to be cut into chunks. Immutable, thread-safe; results depend on nothing but what
+/// the source was made of. Groups are numbered in the order of authored faces.
+class ChunkSource : public PrimitiveGroups {
+public:
+    /// Object-space point that positions and boxes are relative to.
+    const glm::dvec3& Origin() const { return _origin; }
     bool IsLeftHanded() const { return _isLeftHanded; }
     /// User primvars, in the order of their slots: sorted by name.
     const std::vector<AttributeFormat>& Attributes() const { return _attributes; }
@@ -93,20 +109,12 @@ public:
     /// About what it adds where vertices are shared as they are on the mesh's average.
     const TriangleBytes& MeanBytes() const { return _meanBytes; }
 
-    /// Upper bound; 0 for a group that is not drawn.
-    virtual std::uint32_t GroupTriangles(std::uint32_t group) const = 0;
-    /// Holds the group's triangles; empty for one that is not drawn.
-    virtual Bounds GroupBounds(std::uint32_t group) const = 0;
     /// The triangles of some groups, in their order. Same groups, same bits, whatever was asked
     /// before.
     virtual ChunkGeometry Gather(const std::uint32_t* groups, std::size_t count) const = 0;
 
 protected:
     glm::dvec3 _origin{0.0};
-    Bounds _bounds;
-    std::uint32_t _numGroups = 0;
-    std::uint64_t _numTriangles = 0;
-    std::uint64_t _numVertices = 0;
     bool _isLeftHanded = false;
     std::vector<AttributeFormat> _attributes;
     TriangleBytes _boundBytes;

@@ -47,6 +47,7 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
     features.numTexturePools = buffers.Textures().NumBuffers() > 1 ? kMaxPoolBuffers : 1;
     features.textureStreaming = buffers.Textures().Pool() != nullptr;
     features.groups = scene.hasGroups;
+    features.instanceChunks = scene.hasInstanceChunks;
     features.curves = scene.hasCurves;
     features.motion = scene.hasMotion || MovesOver(options.camera, options.shutter);
     features.catchers = options.aovs.hasCatchers;
@@ -77,8 +78,8 @@ bool MayBeFlat(const RenderOptions& options, const KernelFeatures& features,
     const bool isAsked = options.traversal == TraversalForm::Flat ||
                          (options.traversal == TraversalForm::Auto && !options.interactive);
     // Scenes with catchers are drawn twice, with other instances.
-    return isAsked && features.simd8 && !features.motion && !features.catchers &&
-           !buffers.IsMapped();
+    return isAsked && features.simd8 && !features.motion && !features.instanceChunks &&
+           !features.catchers && !buffers.IsMapped();
 }
 
 FlatLimits LimitsOfFlat(const CommittedScene& scene, const RenderOptions& options,

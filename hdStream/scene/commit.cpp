@@ -274,9 +274,16 @@ private:
     }
 
     void AddHierarchy() {
-        Hierarchy hierarchy = BuildHierarchy(
-            _scene, _leaves, _result->centre, static_cast<std::uint32_t>(_result->objects.size()),
-            &_links, _options.shutter, _warnings, std::move(_result->topNodes));
+        Hierarchy hierarchy = BuildHierarchy(_scene, _leaves, _result->centre,
+                                             static_cast<std::uint32_t>(_result->objects.size()),
+                                             &_links, _options.shutter, _warnings,
+                                             // Catchers need a second table of all instances.
+                                             {_result->hasCatchers ? 0U : _options.instanceChunks,
+                                              _options.chunkBytes, _cache.geometry.Pages()},
+                                             std::move(_result->topNodes));
+        if (hierarchy.instanceChunks) {
+            AddInstanceChunks(hierarchy.instanceChunks);
+        }
         _result->hasCutouts = _result->hasCutouts || _links.HaveUnshadowing();
         _links.WarnOfOverflow(_warnings);
         _result->objects[0] = hierarchy.groups[0];
@@ -290,6 +297,19 @@ private:
         _result->motionKeys = std::move(hierarchy.motionKeys);
         _result->counts.instances = hierarchy.numLeaves;
         _worldInstances = std::move(hierarchy.worldInstances);
+    }
+
+    /// Their chunks come before all others.
+    void AddInstanceChunks(const std::shared_ptr<const InstanceChunks>& instances) {
+        std::vector<std::shared_ptr<ChunkPages>> chunks;
+        for (std::uint32_t chunk = 0; chunk < instances->NumChunks(); ++chunk) {
+            chunks.push_back(std::make_shared<ChunkPages>(instances, chunk));
+        }
+        for (std::size_t i = 1; i < _result->objects.size(); ++i) { // of geometry, so far
+            _result->objects[i].itemBase += instances->NumChunks();
+        }
+        _result->pages->AddInstanceChunks(chunks);
+        _result->hasInstanceChunks = true;
     }
 
     void AddLights() {

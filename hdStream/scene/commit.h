@@ -45,6 +45,8 @@ struct CommitOptions {
     bool domeVisible = true;                  ///< domes are seen by camera rays
     bool lightsVisible = true;                ///< and so are other lights that are no meshes
     std::uint64_t chunkBytes = 1U << 17U;     ///< about what the pages of a chunk take at most
+    /// The TLAS's instances of instancers, from so many on, lie in chunks; 0: they never do.
+    std::uint32_t instanceChunks = 0;
     Subdivision subdivision = Subdivision::Adaptive;
     std::uint32_t refineLevel = 0;          ///< for Subdivision::Complexity
     std::vector<std::string> shownPrimvars; ///< kept for AOVs, whether materials read them or not
@@ -58,10 +60,11 @@ struct CommitOptions {
         return FieldList(
             HDS_FIELD(CommitOptions, purposes), HDS_FIELD(CommitOptions, cullStyle),
             HDS_FIELD(CommitOptions, domeVisible), HDS_FIELD(CommitOptions, lightsVisible),
-            HDS_FIELD(CommitOptions, chunkBytes), HDS_FIELD(CommitOptions, subdivision),
-            HDS_FIELD(CommitOptions, refineLevel), HDS_FIELD(CommitOptions, shownPrimvars),
-            HDS_FIELD(CommitOptions, keepsNames), HDS_FIELD(CommitOptions, glassShadows),
-            HDS_FIELD(CommitOptions, dicingCamera), HDS_FIELD(CommitOptions, shutter));
+            HDS_FIELD(CommitOptions, chunkBytes), HDS_FIELD(CommitOptions, instanceChunks),
+            HDS_FIELD(CommitOptions, subdivision), HDS_FIELD(CommitOptions, refineLevel),
+            HDS_FIELD(CommitOptions, shownPrimvars), HDS_FIELD(CommitOptions, keepsNames),
+            HDS_FIELD(CommitOptions, glassShadows), HDS_FIELD(CommitOptions, dicingCamera),
+            HDS_FIELD(CommitOptions, shutter));
     }
 };
 
@@ -141,10 +144,11 @@ struct CommittedScene {
     std::vector<std::uint32_t> lightByEntry; ///< HDS_MESH_LIGHT of emissive material entries
     std::vector<TextureUse> textures;        ///< images of materials and lights
     bool hasCutouts = false;
-    bool hasPatterns = false;      ///< some program computes (HDS_FEATURE_PATTERNS)
-    bool hasClosures = false;      ///< some hit takes one of several (HDS_FEATURE_CLOSURES)
-    std::uint32_t lobes = 0;       ///< HDS_LOBE_* of layered surfaces
-    bool hasGroups = false;        ///< instances below instances
+    bool hasPatterns = false; ///< some program computes (HDS_FEATURE_PATTERNS)
+    bool hasClosures = false; ///< some hit takes one of several (HDS_FEATURE_CLOSURES)
+    std::uint32_t lobes = 0;  ///< HDS_LOBE_* of layered surfaces
+    bool hasGroups = false;   ///< instances below instances
+    bool hasInstanceChunks = false;
     bool hasCurves = false;        ///< or points
     bool hasHair = false;          ///< some material is hair
     bool hasMedia = false;         ///< some material scatters light below its surface

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "hdStream/accel/chunkPages.h"
+#include "hdStream/accel/chunkedGeometry.h"
 #include "hdStream/base/log.h"
 #include "hdStream/geometry/dicing.h"
 #include "hdStream/scene/sceneDescription.h"

@@ -56,6 +56,9 @@ public:
         _pageStore = std::move(pageStore);
     }
 
+    /// What SetPageStore was given.
+    const std::shared_ptr<PageStore>& Pages() const { return _pageStore; }
+
     /// Prims whose geometry was planned since the store was made.
     std::uint64_t NumPrepared() const { return _numPrepared; }
 

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <map>
 
 namespace hds {
 
@@ -218,15 +219,45 @@ std::uint32_t GroupRecords::Add(InstanceRun run) {
         const std::uint64_t numLeaves = run.numLeaves;
         part.run = std::move(run);
         AddPart(std::move(part), static_cast<std::uint32_t>(numAdded), numLeaves);
+        _numInRuns += static_cast<std::uint32_t>(numAdded);
     }
     return numBad;
 }
 
-GroupRecords::Found GroupRecords::Find(std::uint32_t record) const {
+const GroupRecords::Part& GroupRecords::PartOf(std::uint32_t record) const {
     const auto after = std::upper_bound(
         _parts.begin(), _parts.end(), record,
         [](std::uint32_t wanted, const Part& part) { return wanted < part.first; });
-    const Part& part = *(after - 1);
+    return *(after - 1);
+}
+
+Bounds GroupRecords::BoxOf(std::uint32_t record) const {
+    const Found found = Find(record);
+    return BoxesOf(found.groupFromObject, *found.leaf).open;
+}
+
+void GroupRecords::KeepRuns() {
+    std::map<const InstancerPrim*, const InstancerPrim*> keptOf;
+    for (Part& part : _parts) {
+        if (!part.run) {
+            continue;
+        }
+        const InstancerPrim*& kept = keptOf[part.run->instancer];
+        if (kept == nullptr) {
+            auto copy = std::make_shared<InstancerPrim>();
+            copy->instanceTransforms = part.run->instancer->instanceTransforms; // shares the arrays
+            kept = copy.get();
+            _kept.push_back(std::move(copy));
+        }
+        part.run->instancer = kept;
+    }
+    std::vector<PlacedRecord>().swap(_singles);
+    std::vector<Bounds>().swap(_boxes);
+    std::vector<Bounds>().swap(_closeBoxes);
+}
+
+GroupRecords::Found GroupRecords::Find(std::uint32_t record) const {
+    const Part& part = PartOf(record);
     const std::uint32_t index = record - part.first;
     if (!part.run) {
         const PlacedRecord& single = _singles[part.firstSingle + index];
@@ -281,14 +312,15 @@ void GroupRecords::Write(const std::vector<std::uint32_t>& order, shared::HdsIns
             *keys = KeysOf(found.groupFromObject, *found.leaf);
         }
     };
+    const auto size = static_cast<std::uint32_t>(order.size());
     if (!_moves) {
-        tbb::parallel_for(std::uint32_t{0}, _size,
+        tbb::parallel_for(std::uint32_t{0}, size,
                           [&](std::uint32_t place) { write(place, nullptr); });
         return;
     }
     std::vector<std::vector<glm::dmat4>> keys;
-    for (std::uint32_t begin = 0; begin < _size; begin += kMovingBlock) {
-        const std::uint32_t end = std::min(_size, begin + kMovingBlock);
+    for (std::uint32_t begin = 0; begin < size; begin += kMovingBlock) {
+        const std::uint32_t end = std::min(size, begin + kMovingBlock);
         keys.assign(end - begin, {});
         tbb::parallel_for(begin, end,
                           [&](std::uint32_t place) { write(place, &keys[place - begin]); });

@@ -12,6 +12,7 @@
 #include "hdStream/scene/transforms.h"
 #include "kernels/shared/geometry.h"
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -39,7 +40,8 @@ struct PlacedRecord {
     std::uint32_t worldInstance = HDS_NONE; ///< index in Hierarchy::worldInstances
 };
 
-/// Placements of one thing by a list of an instancer's instances. The instancer must outlive it.
+/// Placements of one thing by a list of an instancer's instances. The instancer must outlive it,
+/// but see GroupRecords::KeepRuns.
 struct InstanceRun {
     LeafObject leaf;
     std::uint64_t numLeaves = 1; ///< of each
@@ -69,6 +71,12 @@ public:
     /// Whether some record has keys of motion.
     bool Moves() const { return _moves; }
 
+    /// Records that belong to runs.
+    std::uint32_t NumInRuns() const { return _numInRuns; }
+    bool IsInRun(std::uint32_t record) const { return PartOf(record).run.has_value(); }
+    /// The box of a record at rest, computed again.
+    Bounds BoxOf(std::uint32_t record) const;
+
     /// Boxes of the records at rest or when the shutter opens; and, when Moves(), as it closes.
     /// Moves them out.
     std::vector<Bounds> TakeBoxes() { return std::move(_boxes); }
@@ -82,10 +90,15 @@ public:
     };
     std::vector<World> WorldRecords() const;
 
-    /// Writes the records in the order of their places. \param order of each place its record.
-    /// \param motionKeys those of records that move are appended.
+    /// Writes records in the order of their places. \param order of each place its record, perhaps
+    /// of some only. \param motionKeys those of records that move are appended; may be null where
+    /// none does.
     void Write(const std::vector<std::uint32_t>& order, shared::HdsInstance* places,
                std::vector<AffineRows>* motionKeys) const;
+
+    /// Makes the object independent of the scene. Single records are gone then: of each that is in
+    /// a run, box and record can be had for as long as one likes. \pre !Moves().
+    void KeepRuns();
 
 private:
     /// Consecutive records: instances of a run, or single ones.
@@ -106,18 +119,21 @@ private:
         std::uint64_t pathOffset;
     };
 
+    const Part& PartOf(std::uint32_t record) const;
     Found Find(std::uint32_t record) const;
     MovingTransform TransformOf(const InstanceRun& run, std::int32_t instance) const;
     bool MayMove(const InstanceRun& run) const;
     void AddPart(Part part, std::uint32_t count, std::uint64_t numLeaves);
     void ReserveCloseBoxes();
 
-    const Shutter& _shutter;
+    Shutter _shutter;
     std::vector<Part> _parts;
+    std::vector<std::shared_ptr<const InstancerPrim>> _kept; ///< of the runs, by KeepRuns
     std::vector<PlacedRecord> _singles;
     std::vector<Bounds> _boxes;
     std::vector<Bounds> _closeBoxes; ///< empty while nothing may move
     std::uint32_t _size = 0;
+    std::uint32_t _numInRuns = 0;
     std::uint64_t _numLeaves = 0;
     std::uint32_t _flags = 0;
     bool _mayMove = false;

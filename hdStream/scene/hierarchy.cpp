@@ -93,9 +93,9 @@ class Builder {
 public:
     Builder(const SceneDescription& scene, const std::vector<DrawnLeaf>& leaves,
             const glm::dvec3& centre, std::uint32_t firstGroup, LightLinks* links,
-            const Shutter& shutter, Warnings& warnings)
+            const Shutter& shutter, Warnings& warnings, const InstanceChunkOptions& chunking)
         : _scene(scene), _leaves(leaves), _centre(centre), _firstGroup(firstGroup), _links(*links),
-          _shutter(shutter), _warnings(warnings) {}
+          _shutter(shutter), _warnings(warnings), _chunking(chunking) {}
 
     Hierarchy Build(HugeVector<shared::HdsBvhNode> nodes) {
         _result.nodes = std::move(nodes);
@@ -108,7 +108,12 @@ public:
         }
         AppendWorldInstances(centreFromWorld, &records);
         _result.numLeaves = records.NumLeaves();
-        FinishGroup(std::move(records), 0, &_result.bounds);
+        if (_chunking.leastInstances > 0 && records.NumInRuns() >= _chunking.leastInstances &&
+            !records.Moves()) {
+            FinishInChunks(std::move(records));
+        } else {
+            FinishGroup(std::move(records), 0, &_result.bounds);
+        }
         return std::move(_result);
     }
 
@@ -344,6 +349,78 @@ private:
         }
     }
 
+    /// The same for the TLAS when its instances lie in chunks: single records stay in the table,
+    /// with a record that stands in for each chunk.
+    void FinishInChunks(GroupRecords records) {
+        std::vector<std::uint32_t> singles;
+        std::vector<std::uint32_t> inRuns;
+        inRuns.reserve(records.NumInRuns());
+        for (std::uint32_t i = 0; i < records.Size(); ++i) {
+            (records.IsInRun(i) ? inRuns : singles).push_back(i);
+        }
+        std::vector<Bounds> boxes = records.TakeBoxes();
+        ChunkPlan plan = PlanInstanceChunks(boxes, inRuns, _chunking.chunkBytes);
+        std::vector<std::uint32_t>().swap(inRuns);
+        std::vector<Bounds> topBoxes;
+        for (const std::uint32_t single : singles) {
+            topBoxes.push_back(boxes[single]);
+        }
+        topBoxes.insert(topBoxes.end(), plan.bounds.begin(), plan.bounds.end());
+        std::vector<Bounds>().swap(boxes);
+        std::vector<shared::HdsInstance> items(singles.size());
+        records.Write(singles, items.data(), nullptr);
+        for (std::uint32_t chunk = 0; chunk < plan.NumChunks(); ++chunk) {
+            items.push_back(InstanceOfChunk(chunk, records.Flags()));
+        }
+        const std::vector<std::uint32_t> placeOf = FinishTopLevel(std::move(topBoxes), items);
+        std::vector<std::uint32_t> itemOf(records.Size(), HDS_NONE);
+        for (std::uint32_t item = 0; item < singles.size(); ++item) {
+            itemOf[singles[item]] = item;
+        }
+        for (const GroupRecords::World& world : records.WorldRecords()) {
+            _result.worldInstances[world.worldInstance].pathIndex = world.pathOffset;
+            _result.worldInstances[world.worldInstance].instance = placeOf[itemOf[world.record]];
+        }
+        _result.instanceChunks =
+            std::make_shared<InstanceChunks>(std::move(records), std::move(plan), _chunking.store);
+    }
+
+    /// The record that stands in for an instance chunk. \param flags of what it may hold.
+    shared::HdsInstance InstanceOfChunk(std::uint32_t chunk, std::uint32_t flags) {
+        shared::HdsInstance record{};
+        for (const int diagonal : {0, 5, 10}) {
+            record.objectFromParent[diagonal] = 1.0F;
+        }
+        record.object = _firstGroup + static_cast<std::uint32_t>(_result.groups.size()) - 1;
+        record.flags = flags;
+        record.prim = HDS_NONE;
+        record.lightBase = HDS_NONE;
+        _result.groups.push_back({HDS_OBJECT_INSTANCES, 0, chunk, 1});
+        return record;
+    }
+
+    /// Builds the BVH of the TLAS over boxes and writes the items into the table. \return their
+    /// places.
+    std::vector<std::uint32_t> FinishTopLevel(std::vector<Bounds> boxes,
+                                              const std::vector<shared::HdsInstance>& items) {
+        BvhOptions options;
+        options.maxLeafItems = 1;
+        const Bvh tree = BuildBvh(std::move(boxes), options);
+        const auto first = static_cast<std::uint32_t>(_result.instances.size());
+        _result.groups[0] = {HDS_OBJECT_GROUP, static_cast<std::uint32_t>(_result.nodes.size()),
+                             first, static_cast<std::uint32_t>(items.size())};
+        _result.nodes.insert(_result.nodes.end(), tree.nodes.begin(), tree.nodes.end());
+        _result.bounds = tree.bounds;
+        std::vector<std::uint32_t> placeOf(items.size());
+        for (const std::uint32_t item : tree.order) {
+            placeOf[item] = static_cast<std::uint32_t>(_result.instances.size());
+            _result.instances.push_back(items[item]);
+        }
+        _result.instancesByPath.insert(_result.instancesByPath.end(), placeOf.begin(),
+                                       placeOf.end());
+        return placeOf;
+    }
+
     const SceneDescription& _scene;
     const std::vector<DrawnLeaf>& _leaves;
     glm::dvec3 _centre;
@@ -351,6 +428,7 @@ private:
     LightLinks& _links;
     const Shutter& _shutter;
     Warnings& _warnings;
+    const InstanceChunkOptions& _chunking;
     std::vector<Member> _roots;
     std::vector<const DrawnLeaf*> _ownLeaves;
     std::map<std::string, std::vector<Prototype>> _prototypes;
@@ -371,8 +449,9 @@ void ForEachPlacement(const SceneDescription& scene, const Placement& placement,
 Hierarchy BuildHierarchy(const SceneDescription& scene, const std::vector<DrawnLeaf>& leaves,
                          const glm::dvec3& centre, std::uint32_t firstGroup, LightLinks* links,
                          const Shutter& shutter, Warnings& warnings,
+                         const InstanceChunkOptions& chunking,
                          HugeVector<shared::HdsBvhNode> nodes) {
-    return Builder(scene, leaves, centre, firstGroup, links, shutter, warnings)
+    return Builder(scene, leaves, centre, firstGroup, links, shutter, warnings, chunking)
         .Build(std::move(nodes));
 }
 

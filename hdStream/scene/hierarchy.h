@@ -8,12 +8,14 @@
 #include "hdStream/base/hugePages.h"
 #include "hdStream/base/log.h"
 #include "hdStream/scene/groupRecords.h"
+#include "hdStream/scene/instanceChunks.h"
 #include "hdStream/scene/lightLinks.h"
 #include "hdStream/scene/sceneDescription.h"
 #include "hdStream/scene/transforms.h"
 #include "kernels/shared/geometry.h"
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -43,12 +45,23 @@ struct Hierarchy {
     HugeVector<shared::HdsBvhNode> nodes;      ///< those that were there, then those of all groups
     std::vector<shared::HdsObject> groups;     ///< nodeBase into nodes, itemBase into instances
     HugeVector<shared::HdsInstance> instances; ///< group by group, leaf order of its BVH
-    HugeVector<std::uint32_t> instancesByPath; ///< per group, records in the order of pathOffset
-    std::vector<AffineRows> motionKeys;        ///< of the records with HDS_INSTANCE_MOVES
+    /// Per group, records in the order of pathOffset; of the TLAS of no use with instance chunks.
+    HugeVector<std::uint32_t> instancesByPath;
+    /// Records of the TLAS that lie in chunks; null: none do. Their objects are the last groups,
+    /// HDS_OBJECT_INSTANCES, with the number among these chunks as itemBase.
+    std::shared_ptr<const InstanceChunks> instanceChunks;
+    std::vector<AffineRows> motionKeys; ///< of the records with HDS_INSTANCE_MOVES
     std::vector<WorldInstance> worldInstances;
     std::uint64_t numLeaves = 0; ///< leaf instances in the scene
     std::uint32_t depth = 0;     ///< groups below the TLAS on the longest path
     Bounds bounds;               ///< of the TLAS
+};
+
+/// When records of the TLAS lie in chunks.
+struct InstanceChunkOptions {
+    std::uint32_t leastInstances = 0;      ///< of instancers, in the TLAS; 0: never
+    std::uint64_t chunkBytes = 1U << 17U;  ///< about what a chunk takes at most
+    std::shared_ptr<PageStore> store = {}; ///< as of InstanceChunks
 };
 
 /// Builds the hierarchy of all drawn prims.
@@ -59,11 +72,13 @@ struct Hierarchy {
 ///        0, the leaves' objects come between).
 /// \param links of the scene
 /// \param shutter closed: everything is at rest where the frame has it
+/// \param chunking of the TLAS's instances, unless some of them move
 /// \param nodes to begin with: the groups' come behind them
 /// Prims with transforms that are singular, not finite or beyond 1e30 are dropped with a warning.
 Hierarchy BuildHierarchy(const SceneDescription& scene, const std::vector<DrawnLeaf>& leaves,
                          const glm::dvec3& centre, std::uint32_t firstGroup, LightLinks* links,
                          const Shutter& shutter, Warnings& warnings,
+                         const InstanceChunkOptions& chunking = {},
                          HugeVector<shared::HdsBvhNode> nodes = {});
 
 /// Placements of an instancer in world space (its own and its ancestors' instances composed,

@@ -139,6 +139,8 @@ CommitOptions MakeCommitOptions(const Settings& settings) {
     options.glassShadows = settings.glassShadows;
     options.lightsVisible = settings.lightsVisible;
     options.chunkBytes = settings.chunkBytes;
+    // The design of the report has no order in which such chunks could be done.
+    options.instanceChunks = settings.request == "first" ? 0 : settings.instanceChunks;
     options.subdivision = EnumOf<Subdivision>("subdivision", settings.subdivision);
     options.refineLevel = options.subdivision == Subdivision::Complexity ? settings.refineLevel : 0;
     const AovLayout aovs = MakeAovLayout(settings.aovs);

@@ -22,6 +22,9 @@ class PageProvider {
 public:
     virtual ~PageProvider() = default;
     virtual std::uint32_t NumPages() const = 0;
+    /// How many pages, the first ones, others are reached through: one of them and the group of
+    /// another page may be needed at once.
+    virtual std::uint32_t NumOuterPages() const { return 0; }
     /// Bytes of a page, a multiple of 16: exact once it has been prepared, before that an upper
     /// bound. 0 for a page that does not exist.
     virtual std::uint64_t PageBytes(std::uint32_t page) const = 0;

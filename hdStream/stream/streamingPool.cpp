@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <utility>
 
 namespace hds {
@@ -108,21 +109,32 @@ std::uint64_t StreamingPool::GroupBytes(std::uint32_t first) const {
     return bytes;
 }
 
-/// The largest group must fit the largest buffer, so that each round of requests can load one.
-/// \return its bytes.
+/// The largest group must fit the largest buffer, beside the largest one that it may be reached
+/// through, so that each round of requests can load both. \return their bytes.
 std::uint64_t StreamingPool::CheckFits(std::uint64_t budgetBytes) {
     const std::uint64_t limit = std::min(budgetBytes, _bufferLimit);
+    const std::uint32_t numOuter = _provider->NumOuterPages();
+    std::uint64_t inner = PrepareLarge(numOuter, _provider->NumPages(), limit);
+    const std::uint64_t outer = PrepareLarge(0, numOuter, limit - std::min(limit, inner));
+    inner = PrepareLarge(numOuter, _provider->NumPages(), limit - std::min(limit, outer));
+    if (inner + outer > limit) {
+        throw Error("--" + _label + "Memory: " + std::to_string(limit) +
+                    " bytes cannot hold the largest chunk, which takes " +
+                    std::to_string(inner + outer) + " (--chunkSize makes chunks smaller)");
+    }
+    return inner + outer;
+}
+
+/// Prepares those groups of pages [begin, end) that are larger than `limit`, as far as is known.
+/// \return the bytes of the largest one.
+std::uint64_t StreamingPool::PrepareLarge(std::uint32_t begin, std::uint32_t end,
+                                          std::uint64_t limit) {
     std::uint64_t largest = 0;
-    for (std::uint32_t first = 0; first < _provider->NumPages(); first += kGroupPages) {
+    for (std::uint32_t first = begin; first < end; first += kGroupPages) {
         if (GroupBytes(first) > limit && !_provider->IsExact(first)) {
             _provider->Prepare({first}); // one by one: few are so large
         }
         largest = std::max(largest, GroupBytes(first));
-    }
-    if (largest > limit) {
-        throw Error("--" + _label + "Memory: " + std::to_string(limit) +
-                    " bytes cannot hold the largest chunk, which takes " + std::to_string(largest) +
-                    " (--chunkSize makes chunks smaller)");
     }
     return largest;
 }
@@ -155,6 +167,7 @@ void StreamingPool::MakeTables() {
     _useTable = Buffer(_device, _label + " uses", kUseHeaderBytes + bytes);
     const std::uint32_t epoch = _uses.Epoch();
     _useTable.Write(&epoch, sizeof(epoch), HDS_USE_EPOCH * sizeof(epoch));
+    WithdrawWay();
     _uses.Reset(_table.NumPages());
     PublishUses();
     PublishTable();
@@ -177,6 +190,10 @@ void StreamingPool::ProcessRound(bool withGroups) {
     _order->BeginRound();
     _hasEvicted = false;
     ReadUses();
+    _placedBytes = 0;
+    if (_provider->NumOuterPages() > 0) {
+        PlaceWay(TakeWay());
+    }
     PlaceInBatches(_uses.TakeRequests(_table, withGroups), withGroups);
     HDS_VERIFY(_placedBytes > 0, _label + ": nothing was loaded");
     if (_queued.empty()) {
@@ -192,7 +209,6 @@ void StreamingPool::ProcessRound(bool withGroups) {
 /// Places requests, the first ones first, until there is no more room; those that can fit are
 /// prepared together. \param withGroups pages that hardly any ask for make none leave.
 void StreamingPool::PlaceInBatches(const std::vector<PageRequest>& requests, bool withGroups) {
-    _placedBytes = 0;
     std::size_t next = 0;
     bool isOver = false;
     while (next < requests.size() && !isOver) {
@@ -218,6 +234,74 @@ void StreamingPool::PlaceInBatches(const std::vector<PageRequest>& requests, boo
     }
 }
 
+/// No ray has offered its way.
+void StreamingPool::WithdrawWay() {
+    const std::uint32_t none = 0;
+    _useTable.Write(&none, sizeof(none), HDS_USE_WAY * sizeof(none));
+}
+
+/// The pages that one of those who wait needs at once.
+std::vector<std::uint32_t> StreamingPool::TakeWay() {
+    std::array<std::uint32_t, 1 + HDS_WAY_PAGES> words{};
+    _useTable.Read(words.data(), sizeof(words), HDS_USE_WAY * sizeof(words[0]));
+    std::vector<std::uint32_t> pages;
+    for (std::size_t i = 1; words[0] != 0 && i < words.size(); ++i) {
+        if (words[i] != HDS_NONE && _pageBytes[words[i]] > 0) {
+            pages.push_back(words[i]);
+        }
+    }
+    WithdrawWay();
+    return pages;
+}
+
+/// Places pages that are needed at once, so that whoever offered them goes on after this round.
+/// Without it those that need them could take each other's pages for ever.
+void StreamingPool::PlaceWay(const std::vector<std::uint32_t>& pages) {
+    std::vector<std::uint32_t> missing;
+    for (const std::uint32_t page : pages) {
+        if (_table.HasPlace(page)) {
+            _order->Protect(page);
+        } else {
+            missing.push_back(page);
+        }
+    }
+    Prepare(missing);
+    bool isPlaced = true;
+    for (const std::uint32_t page : missing) {
+        isPlaced = isPlaced && Place(page);
+    }
+    if (!isPlaced) { // what is kept of them lies in the way of the rest
+        for (const std::uint32_t page : _queued) {
+            _placedBytes -= _table.Place(page).bytes;
+            _table.Remove(page);
+        }
+        _queued.clear();
+        RemoveAll();
+        missing.clear();
+        std::copy_if(pages.begin(), pages.end(), std::back_inserter(missing),
+                     [this](std::uint32_t page) { return !_table.HasPlace(page); });
+        Prepare(missing);
+        for (const std::uint32_t page : missing) {
+            isPlaced = Place(page);
+            HDS_VERIFY(isPlaced, _label + ": no room for what a ray needs at once");
+        }
+    }
+    for (const std::uint32_t page : missing) {
+        _uses.Clear(page); // who asked for it has it
+    }
+    LoadQueued();
+    _hasEvicted = false;
+}
+
+/// All that may leave does.
+void StreamingPool::RemoveAll() {
+    for (std::uint32_t page = 0; page < _table.NumPages(); ++page) {
+        if (_table.MayLeave(page)) {
+            Remove(page);
+        }
+    }
+}
+
 /// Makes the bytes of pages ready.
 void StreamingPool::Prepare(const std::vector<std::uint32_t>& pages) {
     const Timer timer;
@@ -237,11 +321,7 @@ bool StreamingPool::PlaceRequest(const PageRequest& request) {
         }
         if (_placedBytes == 0) {
             // What was kept of the group lies in the way of the rest: begin with an empty pool.
-            for (std::uint32_t page = 0; page < _table.NumPages(); ++page) {
-                if (_table.MayLeave(page)) {
-                    Remove(page);
-                }
-            }
+            RemoveAll();
             PlaceGroup(first, request.count);
         }
         return false;

@@ -78,6 +78,7 @@ private:
     void Renumber();
     std::uint64_t GroupBytes(std::uint32_t first) const;
     std::uint64_t CheckFits(std::uint64_t budgetBytes);
+    std::uint64_t PrepareLarge(std::uint32_t begin, std::uint32_t end, std::uint64_t limit);
     std::uint64_t PinLimit(std::uint64_t bytes, std::uint64_t largestGroup) const;
     std::uint64_t ChoosePinned(std::uint64_t limit);
     void AllocateBuffers(std::uint64_t bytes, std::uint64_t pinnedBytes);
@@ -90,6 +91,10 @@ private:
     bool PlaceGroup(std::uint32_t first, std::uint32_t wanted);
     bool Place(std::uint32_t page);
     bool Evict();
+    void WithdrawWay();
+    std::vector<std::uint32_t> TakeWay();
+    void PlaceWay(const std::vector<std::uint32_t>& pages);
+    void RemoveAll();
     void Remove(std::uint32_t page);
     void LoadQueued(bool isAskedFor = true);
 

@@ -183,13 +183,14 @@ uint shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
 #endif
 #if HDS_FEATURE_RAY_VISIBILITY
     if (path->depth == 0u &&
-        (scene->geometry.instances[at->surface.leaf].flags & HDS_INSTANCE_HOLDOUT) != 0u) {
+        (scene_instance(&scene->geometry, at->surface.leaf)->flags & HDS_INSTANCE_HOLDOUT) != 0u) {
         return HDS_SHADE_ENDS;
     }
 #endif
 #if HDS_FEATURE_CATCHERS
-    const bool isCaught = path->depth == 0u && (scene->geometry.instances[at->surface.leaf].flags &
-                                                HDS_INSTANCE_CATCHER) != 0u;
+    const bool isCaught =
+        path->depth == 0u &&
+        (scene_instance(&scene->geometry, at->surface.leaf)->flags & HDS_INSTANCE_CATCHER) != 0u;
 #else
     const bool isCaught = false;
 #endif

@@ -11,6 +11,9 @@
 #define HDS_OBJECT_GROUP 0u    /* BVH over instances (the TLAS is group object 0) */
 #define HDS_OBJECT_TOP_TREE 1u /* top tree over chunks */
 #define HDS_OBJECT_CHUNK 2u    /* small geometry: one chunk, no top tree */
+/* One instance chunk, HDS_PRIMITIVE_INSTANCES: its records belong to the TLAS, a record of which
+ * stands in for them. That record's transform is the identity and its pathOffset 0. */
+#define HDS_OBJECT_INSTANCES 3u
 
 /* In HdsObject.kind of a group whose boxes move while the shutter is open: the number of its nodes,
  * behind which lie as many with the boxes when it closes, as behind those of pages with
@@ -52,6 +55,14 @@
  * equal distances in time, from the opening of the shutter to its closing. */
 #define HDS_MOTION_FIRST_KEY 0
 #define HDS_MOTION_SEGMENTS 1
+
+/* The number of a record: its place in the table or, in an instance chunk, HDS_RECORD_IN_CHUNK, the
+ * chunk above HDS_RECORD_CHUNK_SHIFT, and the place in its page below. Instance chunks come before
+ * all other chunks. */
+#define HDS_RECORD_IN_CHUNK 0x80000000u
+#define HDS_RECORD_CHUNK_SHIFT 13
+#define HDS_MAX_CHUNK_RECORDS (1u << HDS_RECORD_CHUNK_SHIFT)
+#define HDS_MAX_INSTANCE_CHUNKS (1u << (31 - HDS_RECORD_CHUNK_SHIFT))
 
 HDS_SHARED_BEGIN
 /* One placement of an object in a group; records of a group lie in the leaf order of its BVH.
@@ -109,7 +120,8 @@ HDS_ASSERT_SIZE(HdsInstanceSlot, 20);
 /* Begins a geometry page; the nodes of the chunk's BVH follow, root first. Offsets are from the
  * page's start, in units of 16 bytes. */
 typedef struct {
-    u32 triangles; /* offset of HdsTriangle[], in the leaf order of the BVH */
+    u32 triangles; /* offset of HdsTriangle[], in the leaf order of the BVH; of instance chunks of
+                      HdsInstance[], and there are neither primIds nor vertices */
     u32 primIds; /* offset of u32[]: of each triangle its index in the object, in order of (authored
                     face, sub-triangle) */
     u32 vertices;     /* offset of packed f32[3] positions, object space; HDS_PAGE_MOVES,
@@ -138,6 +150,7 @@ HDS_ASSERT_SIZE(HdsPageHeader, 16);
 #define HDS_PRIMITIVE_BEZIER 3u
 #define HDS_PRIMITIVE_BSPLINE 4u
 #define HDS_PRIMITIVE_CATMULL_ROM 5u
+#define HDS_PRIMITIVE_INSTANCES 6u      /* records of the TLAS: an instance chunk */
 #define HDS_PRIMITIVE_BASIS 7u          /* mask of the above */
 #define HDS_PRIMITIVE_RIBBON 8u         /* a curve that is flat and faces the normals; else round */
 #define HDS_PRIMITIVE_LINEAR_WIDTHS 16u /* radii are linear between the joints of a segment */
@@ -164,7 +177,8 @@ typedef struct {
                          accel/ribbon.clh, accel/ball.clh */
     u32 triangle;     /* chunk-local triangle */
     u32 chunk;        /* HDS_NONE: no hit */
-    u32 instance;     /* leaf instance record */
+    u32 instance;     /* leaf instance record; with HDS_FEATURE_INSTANCE_CHUNKS the TLAS's record
+                         that it lies below, or is */
     u32 pathIndex[2]; /* 64-bit identity of the leaf instance: low, high */
 } HdsHit;
 HDS_ASSERT_SIZE(HdsHit, 32);

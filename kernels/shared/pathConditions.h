@@ -8,6 +8,9 @@
 /* Rays keep a list of the missing chunks in their way. */
 #define HDS_KEEPS_WAIT_LISTS (HDS_FEATURE_STREAMING && !HDS_REQUEST_FIRST)
 
+/* Pending chunks may lie in instance chunks. */
+#define HDS_KEEPS_OUTER_WAITS (HDS_KEEPS_WAIT_LISTS && HDS_FEATURE_INSTANCE_CHUNKS)
+
 /* Where the shadow ray goes is kept beside it. */
 #define HDS_KEEPS_SHADOW_LIGHT (HDS_FEATURE_LIGHT_CONTROLS || HDS_FEATURE_TEXTURED_EMISSION)
 

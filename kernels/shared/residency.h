@@ -21,6 +21,11 @@
  * one that is missing, how many have asked for it, and beside that HDS_ASKED_WHOLE. */
 /* The present epoch: written by the host, counts ray batches and rounds of requests. */
 #define HDS_USE_EPOCH 0
+/* With instance chunks: the way of a ray that waits, all pages that it needs at once, so that they
+ * can be placed together. The first who finds HDS_USE_WAY 0 sets it, and writes
+ * HDS_WAY_PAGES pages behind it, HDS_NONE for none. */
+#define HDS_USE_WAY 4
+#define HDS_WAY_PAGES 3
 #define HDS_USE_HEADER \
     16 /* 64 bytes: every use reads the epoch, so it has a cache line to itself */
 /* Counts of askers end about here. */

@@ -52,6 +52,7 @@ def main() -> None:
     parser.add_argument("--samples", type=int, default=1)
     parser.add_argument("--geometryMemory", default="512M")
     parser.add_argument("--hostMemory", default="4G")
+    parser.add_argument("--instanceChunks", default=str(1 << 16), help="as of hdstream record; 0: records in tables")
     parser.add_argument("--limit", type=float, default=3600, help="seconds for one render")
     parser.add_argument("--scratch", type=pathlib.Path, help="folder that keeps stages and caches")
     args = parser.parse_args()
@@ -68,7 +69,7 @@ def main() -> None:
                     try:
                         run = Record(stage, cache, args.limit, onPoll=anonymous, camera=f"/World/{camera}", imageWidth=args.width,
                                      samples=args.samples, residency="stream", geometryMemory=args.geometryMemory,
-                                     hostMemory=args.hostMemory)
+                                     hostMemory=args.hostMemory, instanceChunks=args.instanceChunks)
                     except RunFailed as error:
                         print(f"<!-- {size:g} {camera} {kind}: {error} -->", flush=True)
                         break

@@ -96,19 +96,79 @@ std::uint32_t AccelScene::AddGroup(const std::vector<AccelPlacement>& placements
     objects.emplace_back();
     _bounds.emplace_back();
     _numLeaves.push_back(0);
-    BuildGroup(object, placements);
+    BuildGroup(object, MakeRecords(placements));
     return object;
 }
 
-void AccelScene::SetRoot(const std::vector<AccelPlacement>& placements) {
-    BuildGroup(0, placements);
+void AccelScene::SetRoot(const std::vector<AccelPlacement>& placements, std::uint32_t numInChunk) {
+    Records made = MakeRecords(placements);
+    if (numInChunk > 0) {
+        PutInChunks(numInChunk, &made);
+    }
+    BuildGroup(0, made);
 }
 
-void AccelScene::BuildGroup(std::uint32_t object, const std::vector<AccelPlacement>& placements) {
-    std::vector<shared::HdsInstance> records;
-    std::vector<Bounds> boxes;
-    std::vector<Bounds> closeBoxes;
-    std::uint64_t numLeaves = 0;
+/// Moves two of three records into instance chunks, which come before the pages there are.
+void AccelScene::PutInChunks(std::uint32_t numInChunk, Records* made) {
+    Records top;
+    top.numLeaves = made->numLeaves;
+    std::vector<std::size_t> inChunks;
+    for (std::size_t i = 0; i < made->records.size(); ++i) {
+        if (i % 3 == 0) {
+            top.records.push_back(made->records[i]);
+            top.boxes.push_back(made->boxes[i]);
+        } else {
+            inChunks.push_back(i);
+        }
+    }
+    std::vector<GeometryPage> chunks;
+    for (std::size_t begin = 0; begin < inChunks.size(); begin += numInChunk) {
+        std::vector<Bounds> boxes;
+        for (std::size_t i = begin; i < std::min(inChunks.size(), begin + numInChunk); ++i) {
+            boxes.push_back(made->boxes[inChunks[i]]);
+        }
+        const Bvh bvh = BuildBvh(boxes, TopOptions());
+        std::vector<shared::HdsInstance> records;
+        for (const std::uint32_t item : bvh.order) {
+            records.push_back(made->records[inChunks[begin + item]]);
+        }
+        shared::HdsPageHeader header{};
+        const std::size_t nodeBytes = bvh.nodes.size() * sizeof(bvh.nodes[0]);
+        header.triangles = static_cast<std::uint32_t>(1 + nodeBytes / HDS_POOL_UNIT_BYTES);
+        header.numTriangles = static_cast<std::uint32_t>(records.size()) |
+                              HDS_PRIMITIVE_INSTANCES << HDS_PRIMITIVE_SHIFT;
+        GeometryPage page;
+        page.bytes.resize(sizeof(header) + nodeBytes + records.size() * sizeof(records[0]));
+        std::memcpy(page.bytes.data(), &header, sizeof(header));
+        std::memcpy(page.bytes.data() + sizeof(header), bvh.nodes.data(), nodeBytes);
+        std::memcpy(page.bytes.data() + sizeof(header) + nodeBytes, records.data(),
+                    records.size() * sizeof(records[0]));
+        shared::HdsInstance record{};
+        StoreRows(glm::dmat4(1.0), record.objectFromParent);
+        record.object = static_cast<std::uint32_t>(objects.size());
+        record.flags = HDS_INSTANCE_SEEN;
+        record.prim = HDS_NONE;
+        record.lightBase = HDS_NONE;
+        objects.push_back({HDS_OBJECT_INSTANCES, 0, static_cast<std::uint32_t>(chunks.size()), 1});
+        top.records.push_back(record);
+        top.boxes.push_back(bvh.bounds);
+        chunks.push_back(std::move(page));
+    }
+    top.closeBoxes = top.boxes;
+    *made = std::move(top);
+    numInstanceChunks = static_cast<std::uint32_t>(chunks.size());
+    for (shared::HdsObject& object : objects) {
+        const std::uint32_t kind = object.kind & HDS_OBJECT_KIND;
+        if (kind == HDS_OBJECT_TOP_TREE || kind == HDS_OBJECT_CHUNK) {
+            object.itemBase += numInstanceChunks;
+        }
+    }
+    pages.insert(pages.begin(), chunks.begin(), chunks.end());
+}
+
+AccelScene::Records AccelScene::MakeRecords(const std::vector<AccelPlacement>& placements) {
+    Records made;
+    auto& [records, boxes, closeBoxes, numLeaves] = made;
     for (const AccelPlacement& placement : placements) {
         shared::HdsInstance record{};
         StoreRows(glm::inverse(placement.parentFromObject), record.objectFromParent);
@@ -134,6 +194,11 @@ void AccelScene::BuildGroup(std::uint32_t object, const std::vector<AccelPlaceme
         boxes.push_back(box);
         numLeaves += _numLeaves[placement.object];
     }
+    return made;
+}
+
+void AccelScene::BuildGroup(std::uint32_t object, const Records& made) {
+    const auto& [records, boxes, closeBoxes, numLeaves] = made;
     BvhOptions options = TopOptions();
     options.restingArea = 1.0F; // whatever moves has boxes that do
     const Bvh bvh = BuildMovingBvh(boxes, closeBoxes, options);

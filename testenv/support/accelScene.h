@@ -38,8 +38,9 @@ public:
     std::uint32_t AddSource(const ChunkSource& source, std::uint32_t maxTriangles);
     /// A group of placements; path indices follow their order. \return its object.
     std::uint32_t AddGroup(const std::vector<AccelPlacement>& placements);
-    /// Sets the TLAS. Call once, last.
-    void SetRoot(const std::vector<AccelPlacement>& placements);
+    /// Sets the TLAS. Call once, last. \param numInChunk two of three placements lie in instance
+    /// chunks of so many, in their order, which need not be compact; 0: all are in the table.
+    void SetRoot(const std::vector<AccelPlacement>& placements, std::uint32_t numInChunk = 0);
 
     std::vector<shared::HdsBvhNode> topNodes;
     std::vector<shared::HdsInstance> instances;
@@ -47,10 +48,20 @@ public:
     std::vector<shared::HdsObject> objects;
     std::vector<GeometryPage> pages; ///< geometry page of each chunk
     std::vector<std::array<float, 12>> motionKeys;
+    std::uint32_t numInstanceChunks = 0; ///< the first of `pages`
 
 private:
+    /// Records of a group in the order of placements, with their boxes.
+    struct Records {
+        std::vector<shared::HdsInstance> records;
+        std::vector<Bounds> boxes;
+        std::vector<Bounds> closeBoxes;
+        std::uint64_t numLeaves = 0;
+    };
+    Records MakeRecords(const std::vector<AccelPlacement>& placements);
+    void PutInChunks(std::uint32_t numInChunk, Records* made);
     void AddKeys(const std::vector<glm::dmat4>& keys, shared::HdsInstance* record);
-    void BuildGroup(std::uint32_t object, const std::vector<AccelPlacement>& placements);
+    void BuildGroup(std::uint32_t object, const Records& made);
 
     std::vector<Bounds> _bounds;           ///< of each object
     std::vector<std::uint64_t> _numLeaves; ///< leaf instances that placing each object makes

@@ -35,6 +35,9 @@ public:
     std::uint64_t PageId(std::uint32_t page) const override { return _ids[page]; }
     const std::uint8_t* Page(std::uint32_t page) const override { return _pages[page].data(); }
     bool IsExact(std::uint32_t) const override { return true; }
+    std::uint32_t NumOuterPages() const override { return _numOuter; }
+    /// The first `count` pages are such that others are reached through.
+    void SetOuterPages(std::uint32_t count) { _numOuter = count; }
     bool ShouldStay(std::uint32_t page) const override { return _shouldStay.count(page) > 0; }
     void Keep(std::vector<std::uint32_t> pages) {
         _shouldStay = std::set<std::uint32_t>(pages.begin(), pages.end());
@@ -73,6 +76,7 @@ private:
     std::vector<std::uint64_t> _ids;
     std::vector<std::vector<std::uint8_t>> _pages;
     std::set<std::uint32_t> _shouldStay;
+    std::uint32_t _numOuter = 0;
     std::vector<bool> _isKept;       ///< in the file, once prepared
     std::vector<std::uint8_t> _file; ///< empty: no page can be located
     std::vector<std::uint64_t> _offsets;

@@ -6,8 +6,10 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
+#include <array>
 #include <cstring>
 #include <random>
+#include <string>
 
 namespace hds::test {
 namespace {
@@ -15,8 +17,8 @@ namespace {
 /// What a ray keeps from launch to launch.
 struct RayState {
     shared::HdsHit hit;
-    std::uint32_t pending[HDS_WAIT_LIST][4];
-    std::uint32_t bound[4];
+    std::uint32_t pending[HDS_WAIT_LIST][2][4];
+    std::uint32_t bound[2][4];
     std::uint32_t size, primId, state, isShadow;
 };
 
@@ -24,10 +26,24 @@ const char* const kText = R"(
 #include "accel/traverse.clh"
 typedef struct {
     HdsHit hit;
-    uint4 pending[HDS_WAIT_LIST];
-    uint4 bound;
+    uint4 pending[HDS_WAIT_LIST][2];
+    uint4 bound[2];
     uint size, primId, state, isShadow;
 } RayState;
+HdsPending load(const uint4* words) {
+    HdsPending pending;
+    HDS_PENDING_AT(pending) = words[0];
+#if HDS_FEATURE_INSTANCE_CHUNKS
+    pending.outer = words[1];
+#endif
+    return pending;
+}
+void store(HdsPending pending, uint4* words) {
+    words[0] = HDS_PENDING_AT(pending);
+#if HDS_FEATURE_INSTANCE_CHUNKS
+    words[1] = pending.outer;
+#endif
+}
 kernel void probe_stream(global const float* rays, uint count, uint isFirst, global RayState* states,
                          HDS_GEOMETRY_ARGS) {
     const uint i = (uint)get_global_id(0);
@@ -49,18 +65,18 @@ kernel void probe_stream(global const float* rays, uint count, uint isFirst, glo
                       : streamed_beginClosest(&view, ray, 0u, none, &s.hit, &s.primId, &list);
     } else if (s.state == HDS_RAY_WAITS) {
         list.size = s.size;
-        list.bound = s.bound;
+        list.bound = load(s.bound);
         for (uint k = 0u; k < s.size; ++k) {
-            list.pending[k] = s.pending[k];
+            list.pending[k] = load(s.pending[k]);
         }
         s.state = s.isShadow != 0u
                       ? streamed_resumeOccluded(&view, ray, none, &s.hit, &s.primId, &list)
                       : streamed_resumeClosest(&view, ray, 0u, none, &s.hit, &s.primId, &list);
     }
     s.size = list.size;
-    s.bound = list.bound;
+    store(list.bound, s.bound);
     for (uint k = 0u; k < list.size; ++k) {
-        s.pending[k] = list.pending[k];
+        store(list.pending[k], s.pending[k]);
     }
     states[i] = s;
 }
@@ -70,7 +86,8 @@ constexpr std::uint32_t kRayBlocked = 2; ///< HDS_RAY_BLOCKED
 constexpr std::uint32_t kRayWaits = 1;   ///< HDS_RAY_WAITS
 
 /// Overlapping bumpy balls of many small chunks, in groups and alone, half of them cut-outs.
-AccelScene OverlappingScene(bool hasGroups) {
+/// \param numInChunk as of AccelScene::SetRoot.
+AccelScene OverlappingScene(bool hasGroups, std::uint32_t numInChunk = 0) {
     AccelScene scene;
     const std::uint32_t ball = scene.AddMesh(BumpySphere(24), 60);
     const std::uint32_t small = scene.AddMesh(BumpySphere(6), 1000); // one chunk
@@ -89,17 +106,19 @@ AccelScene OverlappingScene(bool hasGroups) {
         shifted[3].x = 0.5;
         placements = {{group, glm::dmat4(1.0)}, {group, shifted}, {ball, shifted}};
     }
-    scene.SetRoot(placements);
+    scene.SetRoot(placements, numInChunk);
     return scene;
 }
 
 class StreamedRays : public DeviceFixture {
 protected:
-    void Check(bool isWide, bool hasGroups) {
-        const AccelScene built = OverlappingScene(hasGroups);
+    void Check(bool isWide, bool hasGroups, std::uint32_t numInChunk = 0) {
+        const AccelScene built = OverlappingScene(hasGroups, numInChunk);
         const DeviceAccelScene all(device, built);
         const std::vector<ProbeRay> rays = Rays(600);
-        const ProgramDefines features = {{"HDS_FEATURE_GROUPS", hasGroups ? "1" : "0"}};
+        _hasInstanceChunks = numInChunk > 0 ? "1" : "0";
+        const ProgramDefines features = {{"HDS_FEATURE_GROUPS", hasGroups ? "1" : "0"},
+                                         {"HDS_FEATURE_INSTANCE_CHUNKS", _hasInstanceChunks}};
         const TraversalProbe oracle(device, isWide, features);
         const auto hits = oracle.Closest(all, rays);
         const auto shadows = oracle.Occluded(all, rays);
@@ -112,9 +131,37 @@ protected:
             EXPECT_TRUE(isBlocked || std::memcmp(&shadow.hit, &shadows[i], sizeof(hits[i])) == 0)
                 << "shadow ray " << i;
         }
+        if (numInChunk > 0) {
+            CheckTables(isWide, hasGroups, built.numInstanceChunks, rays, {hits, shadows});
+        }
     }
 
 private:
+    /// What was found with instance chunks equals what is found with all records in the table.
+    void CheckTables(bool isWide, bool hasGroups, std::uint32_t numInstanceChunks,
+                     const std::vector<ProbeRay>& rays,
+                     const std::array<std::vector<shared::HdsHit>, 2>& found) {
+        ASSERT_GT(numInstanceChunks, 1U);
+        const DeviceAccelScene tables(device, OverlappingScene(hasGroups));
+        const TraversalProbe oracle(
+            device, isWide,
+            {{"HDS_FEATURE_GROUPS", hasGroups ? "1" : "0"}, {"HDS_FEATURE_INSTANCE_CHUNKS", "0"}});
+        const std::array<std::vector<shared::HdsHit>, 2> wanted = {oracle.Closest(tables, rays),
+                                                                   oracle.Occluded(tables, rays)};
+        std::size_t numInChunks = 0;
+        for (std::size_t kind = 0; kind < 2; ++kind) {
+            for (std::size_t i = 0; i < rays.size(); ++i) {
+                shared::HdsHit hit = found[kind][i];
+                numInChunks += IsHit(hit) && (hit.instance & HDS_RECORD_IN_CHUNK) != 0 ? 1 : 0;
+                hit.chunk -= IsHit(hit) ? numInstanceChunks : 0;
+                hit.instance = wanted[kind][i].instance; // records have other numbers
+                EXPECT_EQ(std::memcmp(&hit, &wanted[kind][i], sizeof(hit)), 0)
+                    << "ray " << i << " of kind " << kind;
+            }
+        }
+        EXPECT_GT(numInChunks, rays.size() / 4);
+    }
+
     static std::vector<ProbeRay> Rays(std::size_t count) {
         UniformSource uniform(29);
         std::vector<ProbeRay> rays;
@@ -132,6 +179,7 @@ private:
                                  bool hasGroups) {
         const ProgramDefines defines = {{"HDS_TRAVERSAL_SIMD8", isWide ? "1" : "0"},
                                         {"HDS_FEATURE_GROUPS", hasGroups ? "1" : "0"},
+                                        {"HDS_FEATURE_INSTANCE_CHUNKS", _hasInstanceChunks},
                                         {"HDS_FEATURE_STREAMING", "1"},
                                         {"HDS_FEATURE_MOTION", "0"},
                                         {"HDS_NUM_POOLS", "1"}};
@@ -178,6 +226,8 @@ private:
     }
 
     Buffer Zeros(std::uint64_t bytes) { return Upload(std::vector<std::uint8_t>(bytes)); }
+
+    std::string _hasInstanceChunks = "0";
 };
 
 TEST_F(StreamedRays, Simd8FormEqualsTheResidentWalk) {
@@ -191,6 +241,22 @@ TEST_F(StreamedRays, Simd8FormEqualsTheResidentWalkInGroups) {
 }
 TEST_F(StreamedRays, ScalarFormEqualsTheResidentWalkInGroups) {
     Check(false, true);
+}
+TEST_F(StreamedRays, Simd8FormEqualsTheResidentWalkInInstanceChunks) {
+    for (const std::uint32_t numInChunk : {1U, 3U, 6U}) {
+        Check(true, false, numInChunk);
+    }
+}
+TEST_F(StreamedRays, ScalarFormEqualsTheResidentWalkInInstanceChunks) {
+    for (const std::uint32_t numInChunk : {1U, 3U, 6U}) {
+        Check(false, false, numInChunk);
+    }
+}
+TEST_F(StreamedRays, Simd8FormEqualsTheResidentWalkInGroupsInInstanceChunks) {
+    Check(true, true, 1);
+}
+TEST_F(StreamedRays, ScalarFormEqualsTheResidentWalkInGroupsInInstanceChunks) {
+    Check(false, true, 1);
 }
 
 } // namespace

@@ -3,6 +3,8 @@
 #include "testenv/device/stream/poolFixture.h"
 
 #include <algorithm>
+#include <array>
+#include <iterator>
 #include <random>
 
 namespace hds::test {
@@ -87,6 +89,70 @@ TEST_F(StreamingPoolTest, APoolOfOneGroupServesEverything) {
             pool.ProcessRequests();
             EXPECT_TRUE(isThere(page) && isThere(page ^ 1U));
         }
+    }
+}
+
+// Many ask for pages of which any two take each other's room, in pairs of which none would ever be
+// complete: one of each round has its own.
+TEST_F(StreamingPoolTest, WhatOneNeedsAtOnceComesTogether) {
+    const std::vector<std::uint64_t> ids = Range(0, 400); // all sizes, some pages are empty
+    FakePages pages(ids);
+    constexpr std::uint32_t kOuter = 100;
+    pages.SetOuterPages(kOuter);
+    std::array<std::uint64_t, 2> largest{};
+    for (std::uint32_t page = 0; page < ids.size(); page += 2) {
+        std::uint64_t& kind = largest[page < kOuter ? 0 : 1];
+        kind = std::max(kind, pages.PageBytes(page) + pages.PageBytes(page + 1));
+    }
+    const std::unique_ptr<Program> offering = Build(R"(
+#include "stream/residency.clh"
+kernel void probe_offer(global const uint* ways, uint count HDS_RESIDENCY_ARGS) {
+    const uint i = (uint)get_global_id(0);
+    HdsResidencyView view;
+    HDS_RESIDENCY_VIEW(view);
+    if (i < count) {
+        residency_offerWay(&view, ways[3u * i], ways[3u * i + 1u], ways[3u * i + 2u]);
+    }
+}
+)",
+                                                    {{"HDS_FEATURE_STREAMING", "1"}});
+    Kernel offer = offering->GetKernel("probe_offer");
+    StreamingPool pool(device, "fake");
+    pool.Update(&pages, largest[0] + largest[1]);
+    std::mt19937 random(13);
+    for (int round = 0; round < 100; ++round) {
+        const auto table = Table(pool, ids);
+        const auto isThere = [&](const std::vector<std::uint32_t>& words, std::uint32_t page) {
+            return page == HDS_NONE || pages.PageBytes(page) == 0 ||
+                   words[page] != HDS_NOT_RESIDENT;
+        };
+        Pages ways;
+        Pages missing;
+        while (ways.size() < 7 * 3) {
+            const std::uint32_t first = kOuter + random() % 150 * 2;
+            const Pages way = {random() % 4 == 0 ? HDS_NONE : random() % kOuter, first,
+                               random() % 2 == 0 ? HDS_NONE : first + 1};
+            const std::size_t numMissing = missing.size();
+            std::copy_if(way.begin(), way.end(), std::back_inserter(missing),
+                         [&](std::uint32_t page) { return !isThere(table, page); });
+            if (missing.size() > numMissing) { // it waits
+                ways.insert(ways.end(), way.begin(), way.end());
+            }
+        }
+        Ask(pool, missing);
+        const Buffer list = Upload(ways);
+        const auto count = static_cast<std::uint32_t>(ways.size() / 3);
+        offer.Launch(count, list, count, pool.Uses());
+        device->Finish();
+        pool.ProcessRequests();
+        const auto words = Table(pool, ids);
+        bool isAnyComplete = false;
+        for (std::size_t i = 0; i < ways.size(); i += 3) {
+            isAnyComplete =
+                isAnyComplete || (isThere(words, ways[i]) && isThere(words, ways[i + 1]) &&
+                                  isThere(words, ways[i + 2]));
+        }
+        EXPECT_TRUE(isAnyComplete) << "round " << round;
     }
 }
 

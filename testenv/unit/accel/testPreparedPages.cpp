@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Prepared pages are counted to the byte, also when memory runs out while they are made.
+#include "hdStream/accel/chunkedGeometry.h"
 #include "hdStream/accel/geometryPages.h"
 #include "testenv/support/meshSource.h"
 

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/scene/instanceChunks.h"
+
+#include "hdStream/accel/bvh.h"
+#include "hdStream/base/error.h"
+
+#include <glm/common.hpp>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+#include <utility>
+
+namespace hds {
+
+namespace {
+
+/// What a record takes in its page about, with its share of the nodes; and at most: a node of the
+/// collapsed tree and its inner children have more than nine children together.
+constexpr std::uint64_t kMeanBytes = 100;
+constexpr std::uint64_t kBoundBytes = 128;
+constexpr std::uint64_t kFixedBytes = sizeof(shared::HdsPageHeader) + sizeof(shared::HdsBvhNode);
+
+/// Records as PlanChunks takes them.
+class RecordBoxes final : public PrimitiveGroups {
+public:
+    RecordBoxes(const std::vector<Bounds>& boxes, const std::vector<std::uint32_t>& records)
+        : _boxes(boxes), _records(records) {
+        _numGroups = static_cast<std::uint32_t>(records.size());
+        _numTriangles = records.size();
+        for (const std::uint32_t record : records) {
+            _bounds.min = glm::min(_bounds.min, boxes[record].min);
+            _bounds.max = glm::max(_bounds.max, boxes[record].max);
+        }
+    }
+    std::uint32_t GroupTriangles(std::uint32_t /*group*/) const override { return 1; }
+    Bounds GroupBounds(std::uint32_t group) const override { return _boxes[_records[group]]; }
+
+private:
+    const std::vector<Bounds>& _boxes;
+    const std::vector<std::uint32_t>& _records;
+};
+
+} // namespace
+
+ChunkPlan PlanInstanceChunks(const std::vector<Bounds>& boxes,
+                             const std::vector<std::uint32_t>& records, std::uint64_t chunkBytes) {
+    // Cutting a grid makes no more than four times as many chunks as have to be.
+    const std::uint64_t least = 4 * records.size() / HDS_MAX_INSTANCE_CHUNKS + 1;
+    const std::uint64_t most = std::clamp<std::uint64_t>(std::max(least, chunkBytes / kMeanBytes),
+                                                         1, HDS_MAX_CHUNK_RECORDS);
+    ChunkPlan plan = PlanChunks(RecordBoxes(boxes, records), static_cast<std::uint32_t>(most));
+    for (std::uint32_t& group : plan.groups) {
+        group = records[group];
+    }
+    return plan;
+}
+
+InstanceChunks::InstanceChunks(GroupRecords records, ChunkPlan plan,
+                               std::shared_ptr<PageStore> store)
+    : _records(std::move(records)), _plan(std::move(plan)), _store(std::move(store)) {
+    HDS_VERIFY(_plan.NumChunks() <= HDS_MAX_INSTANCE_CHUNKS, std::to_string(_plan.NumChunks()));
+    for (const std::uint32_t count : _plan.counts) {
+        HDS_VERIFY(count <= HDS_MAX_CHUNK_RECORDS, std::to_string(count));
+    }
+    _records.KeepRuns();
+}
+
+std::array<std::uint64_t, 2> InstanceChunks::BoundBytes(std::uint32_t chunk) const {
+    return {kFixedBytes + kBoundBytes * _plan.counts[chunk], 0};
+}
+
+ChunkBytes InstanceChunks::Make(std::uint32_t chunk) const {
+    const std::uint32_t* first = _plan.groups.data() + _plan.begin[chunk];
+    const std::uint32_t count = _plan.begin[chunk + 1] - _plan.begin[chunk];
+    std::vector<Bounds> boxes(count);
+    tbb::parallel_for(std::uint32_t{0}, count,
+                      [&](std::uint32_t i) { boxes[i] = _records.BoxOf(first[i]); });
+    BvhOptions options;
+    options.maxLeafItems = 1;
+    Bvh tree = BuildBvh(std::move(boxes), options);
+    for (std::uint32_t& item : tree.order) {
+        item = first[item];
+    }
+    const std::size_t nodeBytes = tree.nodes.size() * sizeof(shared::HdsBvhNode);
+    shared::HdsPageHeader header{};
+    header.triangles =
+        static_cast<std::uint32_t>((sizeof(header) + nodeBytes) / HDS_POOL_UNIT_BYTES);
+    header.numTriangles = count | HDS_PRIMITIVE_INSTANCES << HDS_PRIMITIVE_SHIFT;
+    std::vector<shared::HdsInstance> records(count);
+    _records.Write(tree.order, records.data(), nullptr);
+    ChunkBytes pages;
+    std::vector<std::uint8_t>& page = pages[HDS_PAGE_GEOMETRY];
+    page.resize(sizeof(header) + nodeBytes + count * sizeof(shared::HdsInstance));
+    std::memcpy(page.data(), &header, sizeof(header));
+    std::memcpy(page.data() + sizeof(header), tree.nodes.data(), nodeBytes);
+    std::memcpy(page.data() + sizeof(header) + nodeBytes, records.data(),
+                count * sizeof(shared::HdsInstance));
+    return pages;
+}
+
+} // namespace hds

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Instance records of the TLAS in chunks that stream as geometry does: a chunk's page is a BVH over
+// records, made from the arrays as authored when rays ask for it. On the host an instance takes 4
+// bytes, its place in the order of the chunks.
+// Explained in docs/streaming.md, "Instances that stream".
+#pragma once
+
+#include "hdStream/accel/chunkPlan.h"
+#include "hdStream/accel/pageMaker.h"
+#include "hdStream/scene/groupRecords.h"
+
+#include <memory>
+#include <vector>
+
+namespace hds {
+
+/// Shares records out over chunks, which are compact in space. \param boxes of all records of the
+/// group. \param records those that are wanted, ascending. \param chunkBytes about what the page of
+/// a chunk takes at most.
+/// \return a plan whose groups are records.
+ChunkPlan PlanInstanceChunks(const std::vector<Bounds>& boxes,
+                             const std::vector<std::uint32_t>& records, std::uint64_t chunkBytes);
+
+/// The pages of a plan's chunks.
+class InstanceChunks final : public PageMaker {
+public:
+    /// \param records which do not move. \param store for pages that are to be mapped; may be null.
+    InstanceChunks(GroupRecords records, ChunkPlan plan, std::shared_ptr<PageStore> store);
+
+    std::uint32_t NumChunks() const { return static_cast<std::uint32_t>(_plan.NumChunks()); }
+
+    std::array<std::uint64_t, 2> BoundBytes(std::uint32_t chunk) const override;
+    ChunkBytes Make(std::uint32_t chunk) const override;
+    PageStore* Store() const override { return _store.get(); }
+    std::optional<PageKey> Key(std::uint32_t /*chunk*/, std::uint32_t /*page*/) const override {
+        return std::nullopt;
+    }
+
+private:
+    GroupRecords _records;
+    ChunkPlan _plan;
+    std::shared_ptr<PageStore> _store;
+};
+
+} // namespace hds

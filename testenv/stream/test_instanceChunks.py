@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Instances that lie in chunks give the bits of those in tables, with resident geometry and with any pool.
+
+The oracle is the resident mode with all records in tables, whose pictures testenv/render compares with closed forms.
+"""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("hdstream._core")
+
+from pxr import Usd, UsdGeom, Vt
+
+from stages import crowd
+from streamCase import Case
+
+_LEAST = 1  # instances of the scene's root, from which on they lie in chunks
+
+
+@pytest.fixture(scope="module")
+def Crowd(tmp_path_factory):
+    path = tmp_path_factory.mktemp("crowd") / "stage.usda"
+    crowd.WriteCrowd(str(path))
+    return Case(path).RenderResident(instanceChunks=0)
+
+
+def _AssertStreams(case, **settings):
+    """Case.AssertStreams compares accounts of resident geometry too, which has other chunks in tables."""
+    layers, statistics = case.Render(residency="stream", instanceChunks=_LEAST, **settings)
+    case.AssertBits(layers)
+    geometry = statistics["geometry"]
+    assert geometry["peakBytes"] <= geometry["budget"]
+    return geometry
+
+
+@pytest.mark.parametrize("settings", [
+    dict(residency="resident"),
+    dict(residency="resident", traversal="scalar"),
+    dict(residency="mapped"),
+], ids=lambda settings: "-".join(settings.values()))
+def test_without_streaming(Crowd, settings):
+    layers, statistics = Crowd.Render(instanceChunks=_LEAST, **settings)
+    Crowd.AssertBits(layers)
+    tables, chunks = Crowd.statistics["geometry"], statistics["geometry"]
+    assert chunks["chunks"] > tables["chunks"] + 10
+    assert chunks["instances"] == tables["instances"]
+    assert chunks["alwaysResidentBytes"] < tables["alwaysResidentBytes"] - 90 * 1200
+
+
+@pytest.mark.parametrize("pool", ["100%", "79%", "50%", "30%", "15%", "5%", "2%"])
+def test_any_pool_gives_the_same_bits(Crowd, pool):
+    _AssertStreams(Crowd, geometryMemory=pool)
+
+
+@pytest.mark.parametrize("settings", [
+    dict(traversal="scalar"),
+    dict(geometryEviction="flush"),
+    dict(traversal="scalar", geometryEviction="flush"),
+    dict(waveSize=1000),
+    dict(waveSize=1 << 20),
+    dict(prepare="eager"),
+    dict(hostMemory=1 << 16),
+], ids=lambda settings: "-".join(f"{key}={value}" for key, value in settings.items()))
+def test_other_ways_give_the_same_bits(Crowd, settings):
+    _AssertStreams(Crowd, geometryMemory="10%", **settings)
+
+
+def test_a_pool_of_one_way_is_enough(Crowd):
+    """It has to hold the largest chunk beside the largest one of instances, as one ray may need both at once."""
+    with pytest.raises(Crowd.core.Error, match="cannot hold the largest chunk, which takes") as error:
+        Crowd.Render(residency="stream", instanceChunks=_LEAST, geometryMemory="16")
+    needed = int(str(error.value).split("which takes ")[1].split()[0])
+    assert _AssertStreams(Crowd, geometryMemory=str(needed))["evictions"] > 1000
+
+
+def test_the_design_of_the_report_keeps_tables(Crowd):
+    layers, statistics = Crowd.Render(residency="stream", instanceChunks=_LEAST, request="first", geometryMemory="30%")
+    Crowd.AssertBits(layers)
+    assert statistics["geometry"]["chunks"] == Crowd.statistics["geometry"]["chunks"]
+
+
+def test_few_instances_stay_in_tables(Crowd):
+    layers, statistics = Crowd.Render(residency="resident")
+    Crowd.AssertBits(layers)
+    assert statistics["geometry"]["chunks"] == Crowd.statistics["geometry"]["chunks"]
+
+
+@pytest.mark.parametrize("settings", [
+    dict(residency="resident"),
+    dict(residency="stream", geometryMemory="10%"),
+    dict(residency="stream", geometryMemory="10%", traversal="scalar"),
+], ids=lambda settings: "-".join(settings.values()))
+def test_beside_what_moves(tmp_path, settings):
+    """Kernels know of motion, and of instances that are placed at rest."""
+    path = str(tmp_path / "stage.usda")
+    crowd.WriteCrowd(path)
+    stage = Usd.Stage.Open(path)
+    points = UsdGeom.Mesh.Get(stage, "/World/Ball1").GetPointsAttr()
+    still = np.array(points.Get())
+    for time in (0.0, 1.0):
+        points.Set(Vt.Vec3fArray.FromNumpy(still * np.float32(1 + 0.5 * time)), time)
+    stage.GetRootLayer().Save()
+    case = Case(path, timeCode=Usd.TimeCode(0.0), shutter=(0.0, 1.0)).RenderResident(instanceChunks=0)
+    layers, statistics = case.Render(instanceChunks=_LEAST, **settings)
+    case.AssertBits(layers)
+    assert statistics["geometry"]["chunks"] > case.statistics["geometry"]["chunks"]
+
+
+def test_edits_bring_other_chunks(Crowd):
+    """The arrays that pages are made of are those of the present version."""
+    case = Crowd.Fresh()
+    for hides in (True, False):
+        for path, prim in dict(case.session.Scene().geometry).items():
+            if path.endswith("/Veil"):
+                prim.placement.visible = not hides
+                case.session.SetGeometry(path, prim)
+        case.RenderResident(instanceChunks=0)
+        _AssertStreams(case, geometryMemory="20%")

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+// Instance chunks hold the records that the tables would hold, bit for bit, whatever becomes of the
+// scene that they were made from.
+#include "hdStream/scene/hierarchy.h"
+#include "testenv/support/drawnLeaves.h"
+#include "testenv/unit/accel/bvhCheck.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <random>
+
+namespace hds {
+namespace {
+
+constexpr std::uint32_t kNumPrims = 4;
+constexpr std::uint32_t kFirstGroup = 1 + kNumPrims;
+constexpr std::uint32_t kCount = 5000;
+constexpr std::uint64_t kChunkBytes = 8192;
+
+/// /I places /a and /b, each by a list of its own, some of which cannot be placed; /single is
+/// placed by none, /world by /I but in records of its own.
+SceneDescription MakeScene(unsigned seed) {
+    std::mt19937 random(seed);
+    const auto real = [&random] { return static_cast<double>(random() % 4096U) / 64.0 - 32.0; };
+    SceneDescription scene;
+    std::vector<float> translations;
+    for (std::uint32_t i = 0; i < 3 * kCount; ++i) {
+        translations.push_back(static_cast<float>(real()));
+    }
+    std::vector<float> scales(3 * std::size_t{kCount}, 1.0F);
+    std::vector<std::int32_t> even;
+    std::vector<std::int32_t> odd;
+    for (std::uint32_t i = 0; i < kCount; ++i) {
+        (i % 2 == 0 ? even : odd).push_back(static_cast<std::int32_t>(i));
+        if (i % 97 == 5) {
+            scales[3 * std::size_t{i}] = 0.0F; // dropped
+        }
+    }
+    InstancerPrim& instancer = scene.instancers["/I"];
+    instancer.instanceTransforms.translations = std::move(translations);
+    instancer.instanceTransforms.scales = std::move(scales);
+    instancer.placement.worldFromObject[3] = glm::dvec4(real(), real(), real(), 1.0);
+    const auto place = [&scene](const char* path, std::vector<std::int32_t> instances) {
+        scene.geometry[path].placement.instancerPath = "/I";
+        scene.geometry[path].placement.instances = std::move(instances);
+    };
+    place("/a", std::move(even));
+    place("/b", std::move(odd));
+    place("/world", {3, 7, 4});
+    scene.geometry["/single"].placement.worldFromObject[3][1] = real();
+    return scene;
+}
+
+Hierarchy Build(const SceneDescription& scene, std::uint32_t leastInstances,
+                const Shutter& shutter = {}) {
+    std::map<std::string, LeafObject> leaves;
+    for (const auto& [path, prim] : scene.geometry) {
+        LeafObject leaf;
+        leaf.prim = static_cast<std::uint32_t>(leaves.size());
+        leaf.object = 1 + leaf.prim;
+        leaf.flags = HDS_INSTANCE_SEEN;
+        leaf.origin = glm::dvec3(0.5, 0.0, -0.25);
+        leaf.bounds.min = glm::vec3(-0.5F);
+        leaf.bounds.max = glm::vec3(0.5F);
+        leaf.worldInstance = path == "/world";
+        leaves[path] = leaf;
+    }
+    LightLinks links(scene);
+    Warnings warnings;
+    InstanceChunkOptions options;
+    options.leastInstances = leastInstances;
+    options.chunkBytes = kChunkBytes;
+    return BuildHierarchy(scene, test::DrawnLeaves(scene, leaves), glm::dvec3(1.0, 2.0, 3.0),
+                          kFirstGroup, &links, shutter, warnings, options);
+}
+
+std::uint64_t PathOffset(const shared::HdsInstance& record) {
+    return std::uint64_t{record.pathOffset[1]} << 32U | record.pathOffset[0];
+}
+
+bool IsSame(const shared::HdsInstance& a, const shared::HdsInstance& b) {
+    return std::memcmp(&a, &b, sizeof(a)) == 0;
+}
+
+/// The records of a page; checks its tree.
+std::vector<shared::HdsInstance> RecordsOf(const std::vector<std::uint8_t>& page) {
+    shared::HdsPageHeader header{};
+    std::memcpy(&header, page.data(), sizeof(header));
+    EXPECT_EQ(header.numTriangles >> HDS_PRIMITIVE_SHIFT, HDS_PRIMITIVE_INSTANCES);
+    const std::size_t recordsAt = std::size_t{header.triangles} * HDS_POOL_UNIT_BYTES;
+    const std::size_t count = header.numTriangles & ((1U << HDS_PRIMITIVE_SHIFT) - 1U);
+    EXPECT_EQ(recordsAt + count * sizeof(shared::HdsInstance), page.size());
+    std::vector<shared::HdsBvhNode> nodes((recordsAt - sizeof(header)) /
+                                          sizeof(shared::HdsBvhNode));
+    std::memcpy(nodes.data(), page.data() + sizeof(header), recordsAt - sizeof(header));
+    std::vector<shared::HdsInstance> records(count);
+    std::memcpy(records.data(), page.data() + recordsAt, count * sizeof(records[0]));
+    std::vector<Bounds> boxes; // of objects of unit size that are moved only
+    for (const shared::HdsInstance& record : records) {
+        const float* rows = record.objectFromParent;
+        const glm::vec3 centre(-rows[3], -rows[7], -rows[11]);
+        boxes.push_back({centre - 0.5F, centre + 0.5F});
+    }
+    const test::BvhFacts facts = test::BvhWalker(nodes, boxes).Walk();
+    EXPECT_EQ(facts.numMalformed, 0U);
+    EXPECT_EQ(facts.numOutside, 0U);
+    EXPECT_TRUE(std::all_of(facts.timesSeen.begin(), facts.timesSeen.end(),
+                            [](std::uint32_t times) { return times == 1; }));
+    return records;
+}
+
+TEST(InstanceChunks, HoldTheRecordsOfTheTables) {
+    Hierarchy chunked;
+    Hierarchy tables;
+    {
+        const SceneDescription scene = MakeScene(1);
+        tables = Build(scene, 0);
+        chunked = Build(scene, kCount - 100);
+    }
+    const SceneDescription other = MakeScene(2); // perhaps where the first one was
+    ASSERT_FALSE(tables.instanceChunks);
+    ASSERT_TRUE(chunked.instanceChunks);
+    const InstanceChunks& chunks = *chunked.instanceChunks;
+    std::vector<shared::HdsInstance> records;
+    std::uint32_t numStandIns = 0;
+    for (const shared::HdsInstance& record : chunked.instances) {
+        const std::uint32_t group = record.object - kFirstGroup + 1;
+        if (record.object >= kFirstGroup && chunked.groups[group].kind == HDS_OBJECT_INSTANCES) {
+            ++numStandIns;
+        } else {
+            records.push_back(record);
+        }
+    }
+    EXPECT_EQ(records.size(), 4U) << "singles stay in the table";
+    EXPECT_EQ(numStandIns, chunks.NumChunks());
+    EXPECT_GT(chunks.NumChunks(), kCount * 80 / kChunkBytes);
+    for (std::uint32_t chunk = 0; chunk < chunks.NumChunks(); ++chunk) {
+        const ChunkBytes pages = chunks.Make(chunk);
+        EXPECT_TRUE(pages[HDS_PAGE_ATTRIBUTES].empty());
+        EXPECT_LE(pages[HDS_PAGE_GEOMETRY].size(), chunks.BoundBytes(chunk)[HDS_PAGE_GEOMETRY]);
+        EXPECT_EQ(pages, chunks.Make(chunk)) << "the same whenever it is made";
+        const std::vector<shared::HdsInstance> held = RecordsOf(pages[HDS_PAGE_GEOMETRY]);
+        EXPECT_LE(held.size(), HDS_MAX_CHUNK_RECORDS);
+        records.insert(records.end(), held.begin(), held.end());
+    }
+    const auto isBefore = [](const shared::HdsInstance& a, const shared::HdsInstance& b) {
+        return PathOffset(a) < PathOffset(b);
+    };
+    std::sort(records.begin(), records.end(), isBefore);
+    std::sort(tables.instances.begin(), tables.instances.end(), isBefore);
+    ASSERT_EQ(records.size(), tables.instances.size());
+    EXPECT_TRUE(std::equal(records.begin(), records.end(), tables.instances.begin(), IsSame));
+    EXPECT_EQ(chunked.numLeaves, tables.numLeaves);
+    EXPECT_EQ(chunked.bounds.min, tables.bounds.min);
+    EXPECT_EQ(chunked.bounds.max, tables.bounds.max);
+}
+
+TEST(InstanceChunks, WorldInstancesAreFoundInTheTable) {
+    const SceneDescription scene = MakeScene(3);
+    const Hierarchy tables = Build(scene, 0);
+    const Hierarchy chunked = Build(scene, 1);
+    ASSERT_EQ(chunked.worldInstances.size(), 3U);
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_EQ(chunked.worldInstances[i].pathIndex, tables.worldInstances[i].pathIndex);
+        EXPECT_TRUE(IsSame(chunked.instances[chunked.worldInstances[i].instance],
+                           tables.instances[tables.worldInstances[i].instance]));
+    }
+}
+
+TEST(InstanceChunks, FewOrMovingInstancesStayInTheTable) {
+    SceneDescription scene = MakeScene(4);
+    EXPECT_FALSE(Build(scene, kCount).instanceChunks) << "some of them cannot be placed";
+    InstancerPrim& instancer = scene.instancers["/I"];
+    std::vector<double> later;
+    for (std::uint32_t i = 0; i < kCount; ++i) {
+        glm::dmat4 matrix = instancer.instanceTransforms.At(i);
+        matrix[3][0] += 1.0;
+        for (int k = 0; k < 16; ++k) {
+            later.push_back(matrix[k / 4][k % 4]);
+        }
+    }
+    instancer.samples = {{0.0, instancer.instanceTransforms.Matrices()}, {1.0, std::move(later)}};
+    const Hierarchy moving = Build(scene, 1, Shutter{0.0, 1.0});
+    EXPECT_FALSE(moving.instanceChunks);
+    EXPECT_GT(moving.motionKeys.size(), kCount);
+}
+
+TEST(InstanceChunks, TakeFourBytesAnInstanceOfTheDevice) {
+    const SceneDescription scene = MakeScene(5);
+    const Hierarchy chunked = Build(scene, 1);
+    const std::size_t bytes = chunked.nodes.size() * sizeof(shared::HdsBvhNode) +
+                              chunked.instances.size() * sizeof(shared::HdsInstance) +
+                              chunked.groups.size() * sizeof(shared::HdsObject);
+    EXPECT_LE(bytes, 4 * kCount); // though chunks are small here
+}
+
+} // namespace
+} // namespace hds
