@@ -114,6 +114,8 @@ TEST(KernelFeatures, HaveWhatTheyNeed) {
         {"glassShadows", {"cutouts", "lobes"}}, // are asked for as candidates are
         {"mediaStack", {"cutouts", "lobes", "media"}}, // whose boundaries are passed as cut-outs
         {"volumes", {"cutouts", "lobes", "media", "textures"}}, // bricks are lines; events of media
+        {"flat", {"simd8"}},                                    // is walked as that form walks
+        {"flatInstances", {"flat", "simd8"}},                   // and beside it instances are
         {"requestsFirst", {"streaming"}},                       // asks for pages that are missing
     };
     for (const auto& [name, needs] : AllNeeds()) {
