@@ -101,7 +101,7 @@ def test_every_setting_has_a_property_with_the_words_of_the_table(extension):
         if row.kind == kind.Choice:
             assert [choice[0] for choice in item.words["items"]] == list(row.choices)
         elif row.kind in (kind.Integer, kind.Number):
-            assert item.words["min"] == row.minimum and item.words["max"] == min(row.maximum, 2**31 - 1)
+            assert item.words["min"] == row.minimum and item.words["max"] == (min(row.maximum, 2**31 - 1) if row.kind == kind.Integer else row.maximum)
         else:
             assert row.kind == kind.Bool and item.kind == "BoolProperty"
 

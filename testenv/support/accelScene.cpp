@@ -237,9 +237,13 @@ const char* NameOf(AccelForm form) {
 
 ProgramDefines DefinesOf(AccelForm form) {
     const char* isFlat = form == AccelForm::Flat ? "1" : "0";
-    return {{"HDS_TRAVERSAL_SIMD8", form == AccelForm::Scalar ? "0" : "1"},
-            {"HDS_FEATURE_FLAT", isFlat},
-            {"HDS_FEATURE_FLAT_INSTANCES", isFlat}};
+    ProgramDefines defines = {{"HDS_TRAVERSAL_SIMD8", form == AccelForm::Scalar ? "0" : "1"},
+                              {"HDS_FEATURE_FLAT", isFlat},
+                              {"HDS_FEATURE_FLAT_INSTANCES", isFlat}};
+    if (form == AccelForm::Flat) {
+        defines["HDS_FEATURE_INSTANCE_CHUNKS"] = "0"; // there is no flat hierarchy with them
+    }
+    return defines;
 }
 
 FlatSource FlatSourceOf(const AccelScene& scene) {

@@ -60,6 +60,7 @@ constexpr const char* kUnpackLayered = R"(
 HdsLayeredSurface unpackLayered(global const float* packed, float3 wo) {
     float4 values[HDS_NUM_LAYERED_INPUTS];
     for (uint i = 0; i < HDS_NUM_LAYERED_INPUTS; ++i) values[i] = vload4(i, packed);
+    values[HDS_INPUT_IOR].y = 1.0f; /* air is outside */
     HdsLayeredSurface s;
     layered_setup(&s, values, (uint)packed[PACKED - 2], (float3)(0.0f, 0.0f, 1.0f), wo,
                   packed[PACKED - 1] > 0.0f);
