@@ -146,6 +146,11 @@ private:
 
     /// \return false when a path is longer than the stacks of kernels are.
     bool EmitNodes(const BinaryBvh& binary, const CollapsePlan& plan) {
+        // What a ray of no direction meets in slots without a child.
+        _leaves.push_back({0, 0});
+        if (_places.places.empty()) {
+            _places.places.emplace_back();
+        }
         _nodes.emplace_back();
         std::vector<Pending> stack = {{0, binary.Root(), 1}};
         while (!stack.empty()) {
@@ -174,6 +179,7 @@ private:
             std::fill_n(node.lo[axis], kWidth, kInfinity);
             std::fill_n(node.hi[axis], kWidth, -kInfinity);
         }
+        std::fill_n(node.child, kWidth, HDS_FLAT_LEAF); // the one of nothing
         const std::size_t firstPushed = stack->size();
         for (int slot = 0; slot < children.count; ++slot) {
             const CollapsedChild& child = children.child[slot];
@@ -204,6 +210,9 @@ private:
 
     shared::HdsFlatLeaf MakeLeaf(const BinaryBvh& binary, const PlannedLeaf& planned) const {
         shared::HdsFlatLeaf leaf{};
+        if (planned.count == 0) {
+            return leaf;
+        }
         const Unit& unit = _units[_unitOfItem[binary.refs[planned.begin].item]];
         const PageParts page(unit.page);
         leaf.place = unit.place;

@@ -9,9 +9,9 @@
 
 namespace hds {
 
-/// Geometry of so many bytes is prepared and loaded in a moment (a third of a second on two cores):
+/// Geometry of so many bytes is prepared and loaded in a moment (a fifth of a second on two cores):
 /// "auto" does so before the first ray. Explained in docs/streaming.md.
-constexpr std::uint64_t kLittleBytes = 32U << 20U;
+constexpr std::uint64_t kLittleBytes = 16U << 20U;
 
 /// The kinds of pools of geometry.
 enum class PoolKind { Resident, Streaming, Mapped };

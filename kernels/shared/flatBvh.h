@@ -33,7 +33,8 @@ typedef struct {
 } HdsFlatHeader;
 HDS_ASSERT_SIZE(HdsFlatHeader, 64);
 
-/* Eight boxes in world space, per axis; a slot without a child is inside out and infinite. */
+/* Eight boxes in world space, per axis; a slot without a child is inside out and infinite, and
+ * leads to leaf 0, which holds nothing: only rays without a direction come to it. */
 typedef struct {
     f32 lo[3][8];
     f32 hi[3][8];

@@ -133,6 +133,22 @@ TEST_F(FlatBvhTest, TellsCutoutsFromBlockers) {
     ExpectSameHits(built, rays);
 }
 
+// Cameras without a focal length make such rays.
+TEST_F(FlatBvhTest, TakesRaysThatAreNone) {
+    const MixedScene mixed(false, true);
+    std::vector<ProbeRay> rays = MixedRays(400);
+    const float values[] = {NAN, INFINITY, -INFINITY, 0.0F};
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        float* of = i % 3 == 0 ? rays[i].origin : rays[i].direction;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            if (axis <= i % 5) { // one, two or all
+                of[axis] = values[i % 4];
+            }
+        }
+    }
+    ExpectSameHits(mixed.scene, rays);
+}
+
 TEST_F(FlatBvhTest, TakesScenesOfNothing) {
     AccelScene built;
     const std::uint32_t group = built.AddGroup({});
