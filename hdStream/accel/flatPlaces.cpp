@@ -34,6 +34,12 @@ shared::HdsPageHeader HeaderOf(const std::uint8_t* page) {
     return header;
 }
 
+/// Triangles at rest.
+bool IsFlatPage(const shared::HdsPageHeader& header) {
+    return header.numTriangles >> HDS_PRIMITIVE_SHIFT == HDS_PRIMITIVE_TRIANGLES &&
+           (header.vertices & (HDS_PAGE_MOVES | HDS_PAGE_BOXES_MOVE)) == 0;
+}
+
 glm::dmat4 MatrixOf(const shared::HdsInstance& instance) {
     glm::dmat4 matrix(1.0);
     for (int row = 0; row < 3; ++row) {
@@ -140,9 +146,7 @@ private:
         } else {
             for (std::uint32_t i = 0; i < object.numItems; ++i) {
                 const std::uint8_t* page = _source.page(object.itemBase + i);
-                traits.isFlat =
-                    traits.isFlat &&
-                    HeaderOf(page).numTriangles >> HDS_PRIMITIVE_SHIFT == HDS_PRIMITIVE_TRIANGLES;
+                traits.isFlat = traits.isFlat && IsFlatPage(HeaderOf(page));
                 traits.numTriangles += NumPrimitivesOfPage(page);
             }
             traits.numUnique = traits.numTriangles;
@@ -166,6 +170,9 @@ private:
     bool Descend(std::uint32_t record, Way way) {
         const shared::HdsInstance& instance = _source.instances[record];
         const shared::HdsObject& object = _objects[instance.object];
+        if ((instance.flags & HDS_INSTANCE_MOVES) != 0) {
+            return false;
+        }
         const glm::dmat4 objectFromParent = MatrixOf(instance);
         way.records[way.count++] = record;
         way.path += std::uint64_t{instance.pathOffset[1]} << 32U | instance.pathOffset[0];
