@@ -118,7 +118,9 @@ def test_what_does_not_fit_streams_to_the_end(Field):
     assert geometry["mode"] == "stream" and geometry["evictions"] > 0
 
 
-_WAVES = dict(_SETTINGS, chunkBytes=1 << 12, waveSize=256)  # a sample of each pixel takes eleven waves
+# A sample of each pixel takes eleven waves. Level by level: a pool of 100 % has no room for the flat hierarchy, so its kernels
+# would be others than those of RenderResident.
+_WAVES = dict(_SETTINGS, chunkBytes=1 << 12, waveSize=256, traversal="simd8")
 
 
 @pytest.fixture(scope="module")
@@ -157,6 +159,17 @@ def test_waves_after_it_are_resident(LittleField, settings):
                 assert 0 < geometry["streamedPaths"] <= pixels
         else:
             assert geometry["mode"] == "stream" and geometry["streamedPaths"] == statistics["rays"]["camera"]
+
+
+def test_what_becomes_resident_is_flat_where_there_is_room(LittleField):
+    settings = dict(_WAVES, traversal="auto", samples=100)
+    case = LittleField.Fresh().RenderResident(**settings)
+    assert case.statistics["wave"]["traversal"] == "flat"
+    total = case.statistics["geometry"]["bytesTotal"]
+    layers, statistics = case.Render(**settings, residency="stream", geometryMemory=str(8 * total))
+    case.AssertBits(layers)
+    assert statistics["geometry"]["mode"] == "resident" and statistics["geometry"]["streamedPaths"] > 0
+    assert statistics["wave"]["traversal"] == "flat" and statistics["geometry"]["flatBytes"] > 0
 
 
 def test_no_more_device_memory_than_resident(LittleField):
