@@ -100,8 +100,9 @@ public:
             const ObjectTraits& traits = TraitsOf(object);
             const double added = traits.numTriangles * static_cast<double>(records.size());
             placed += added;
+            const bool hasManyCopies = added > amount.maxCopies * traits.numUnique;
             if (!traits.isFlat || traits.records >= HDS_FLAT_MAX_RECORDS ||
-                added > amount.maxCopies * traits.numUnique ||
+                (hasManyCopies && total + added > amount.manyTriangles) ||
                 total + added > static_cast<double>(amount.maxTriangles)) {
                 continue;
             }

@@ -117,7 +117,7 @@ struct PathTracer::Impl {
     /// Builds the flat hierarchy when geometry is resident and rays will pay for it. Hosts that
     /// edit do not wait for one.
     void ReadyHierarchy() {
-        if (!buffers.IsStreaming() && MayBeFlat(options, MakeFeatures(false), buffers) &&
+        if (!buffers.IsStreaming() && MayBeFlat(*scene, options, residency, device->Properties()) &&
             buffers.Flatten(*scene, LimitsOfFlat(*scene, options, residency, buffers))) {
             ++sceneNumber;
             statistics.flattenSeconds = buffers.Flat().BuildSeconds();

@@ -17,12 +17,23 @@ bool ChooseSimd8(const RenderOptions& options, const DeviceProperties& propertie
                                                     : options.traversal != TraversalForm::Scalar;
 }
 
-/// While geometry streams: whether it would be flat, once it is resident; meshes that are placed
-/// several times are not looked at.
-bool WillBeFlat(const CommittedScene& scene, const RenderOptions& options,
-                const ResidencyOptions& residency, const SceneBuffers& buffers) {
-    return scene.counts.triangles <=
-           MaxFlatTriangles(LimitsOfFlat(scene, options, residency, buffers));
+/// Meshes that are placed several times are not looked at.
+bool WillBeFlat(const CommittedScene& scene, const FlatLimits& limits) {
+    return scene.counts.triangles <= MaxFlatTriangles(limits);
+}
+
+bool Moves(const CommittedScene& scene, const RenderOptions& options) {
+    return scene.hasMotion || MovesOver(options.camera, options.shutter);
+}
+
+/// \param budgetBytes of the pool, which holds `poolBytes`.
+FlatLimits MakeFlatLimits(const RenderOptions& options, std::uint64_t budgetBytes,
+                          std::uint64_t poolBytes) {
+    FlatLimits limits;
+    limits.isForced = options.traversal == TraversalForm::Flat;
+    limits.cameraRays = std::uint64_t{options.imageWidth} * options.imageHeight * options.samples;
+    limits.bytes = budgetBytes - std::min(budgetBytes, poolBytes);
+    return limits;
 }
 
 } // namespace
@@ -49,12 +60,13 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
     features.groups = scene.hasGroups;
     features.instanceChunks = scene.hasInstanceChunks;
     features.curves = scene.hasCurves;
-    features.motion = scene.hasMotion || MovesOver(options.camera, options.shutter);
+    features.motion = Moves(scene, options);
     features.catchers = options.aovs.hasCatchers;
     features.simd8 = ChooseSimd8(options, properties);
-    features.flat = !isStreaming && MayBeFlat(options, features, buffers) &&
+    features.flat = !isStreaming && MayBeFlat(scene, options, residency, properties) &&
                     (buffers.Flat().IsThere() ||
-                     (buffers.IsStreaming() && WillBeFlat(scene, options, residency, buffers)));
+                     (buffers.IsStreaming() &&
+                      WillBeFlat(scene, LimitsOfFlat(scene, options, residency, buffers))));
     features.flatInstances = features.flat && buffers.Flat().HasInstances();
     features.firstHits = NeedsFirstHits(options.aovs);
     features.occlusion = options.aovs.hasOcclusion;
@@ -73,23 +85,30 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
     return features;
 }
 
-bool MayBeFlat(const RenderOptions& options, const KernelFeatures& features,
-               const SceneBuffers& buffers) {
+bool MayBeFlat(const CommittedScene& scene, const RenderOptions& options,
+               const ResidencyOptions& residency, const DeviceProperties& properties) {
     const bool isAsked = options.traversal == TraversalForm::Flat ||
                          (options.traversal == TraversalForm::Auto && !options.interactive);
     // Scenes with catchers are drawn twice, with other instances.
-    return isAsked && features.simd8 && !features.motion && !features.instanceChunks &&
-           !features.catchers && !buffers.IsMapped();
+    return isAsked && ChooseSimd8(options, properties) && !Moves(scene, options) &&
+           !scene.hasInstanceChunks && !scene.hasCatchers &&
+           residency.mode != ResidencyMode::Mapped;
 }
 
 FlatLimits LimitsOfFlat(const CommittedScene& scene, const RenderOptions& options,
                         const ResidencyOptions& residency, const SceneBuffers& buffers) {
-    FlatLimits limits;
-    limits.isForced = options.traversal == TraversalForm::Flat;
-    limits.cameraRays = std::uint64_t{options.imageWidth} * options.imageHeight * options.samples;
-    const std::uint64_t budgetBytes = buffers.Plan(scene, residency).budgetBytes;
-    limits.bytes = budgetBytes - std::min(budgetBytes, buffers.PoolBytes());
-    return limits;
+    return MakeFlatLimits(options, buffers.Plan(scene, residency).budgetBytes, buffers.PoolBytes());
+}
+
+bool RaysPayForAllPages(const CommittedScene& scene, const RenderOptions& options,
+                        const ResidencyOptions& residency, const DeviceProperties& properties) {
+    const std::uint64_t totalBytes = scene.pages->TotalBytes();
+    const std::uint64_t budgetBytes =
+        PlanResidency(residency, totalBytes, properties.memoryBytes).budgetBytes;
+    // How many samples a limit of time leaves is not known yet.
+    return residency.mode == ResidencyMode::Auto && options.timeLimit == 0.0 &&
+           totalBytes <= budgetBytes && MayBeFlat(scene, options, residency, properties) &&
+           WillBeFlat(scene, MakeFlatLimits(options, budgetBytes, totalBytes));
 }
 
 } // namespace hds

@@ -18,11 +18,16 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
                              const DeviceProperties& properties, bool isStreaming);
 
 /// Whether rays may walk a flat hierarchy where geometry is resident. Hosts that edit do not wait
-/// for one. \param features without those of a flat hierarchy.
-bool MayBeFlat(const RenderOptions& options, const KernelFeatures& features,
-               const SceneBuffers& buffers);
+/// for one.
+bool MayBeFlat(const CommittedScene& scene, const RenderOptions& options,
+               const ResidencyOptions& residency, const DeviceProperties& properties);
 
 FlatLimits LimitsOfFlat(const CommittedScene& scene, const RenderOptions& options,
                         const ResidencyOptions& residency, const SceneBuffers& buffers);
+
+/// Whether "auto" had better have all geometry before the first ray: what rays save on the way
+/// through a flat hierarchy pays for it, even where few of the pages are seen.
+bool RaysPayForAllPages(const CommittedScene& scene, const RenderOptions& options,
+                        const ResidencyOptions& residency, const DeviceProperties& properties);
 
 } // namespace hds

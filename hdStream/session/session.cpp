@@ -5,6 +5,7 @@
 #include "hdStream/device/kernelCompilers.h"
 #include "hdStream/integrator/dicingCamera.h"
 #include "hdStream/integrator/pathTracer.h"
+#include "hdStream/integrator/sceneFeatures.h"
 #include "hdStream/persist/pageStore.h"
 #include "hdStream/scene/dump.h"
 #include "hdStream/session/denoising.h"
@@ -136,16 +137,17 @@ struct Session::Impl {
     }
 
     /// The scene in device memory. \return false when it was cancelled.
-    bool Commit(const Settings& settings, const Shutter& shutter,
+    bool Commit(const Settings& settings, const RenderOptions& options,
                 const CancelCallback& isCancelled) {
         CommitOptions commitOptions = MakeCommitOptions(settings);
         commitOptions.dicingCamera = dicingCamera;
-        commitOptions.shutter = shutter;
-        const ResidencyOptions residency = MakeResidencyOptions(settings);
+        commitOptions.shutter = options.shutter;
+        ResidencyOptions residency = MakeResidencyOptions(settings);
         if (tracer && committed && committed->sceneVersion == sceneVersion &&
             committed->options == commitOptions && committed->residency == residency) {
             return true;
         }
+        const CommitKey key{sceneVersion, commitOptions, residency};
         committed.reset();
         cache.pages.SetLimit(HostBytes(settings));
         auto next = CommitScene(description, commitOptions, &cache, warnings, isCancelled);
@@ -153,6 +155,8 @@ struct Session::Impl {
             return false;
         }
         ReadyTracer();
+        residency.preparesAll = residency.preparesAll ||
+                                RaysPayForAllPages(*next, options, residency, device->Properties());
         const bool isEager = residency.preparesAll || tracer->NeedsAllPages(*next, residency);
         if (isEager && !next->pages->PrepareAll(isCancelled)) {
             return false;
@@ -166,7 +170,7 @@ struct Session::Impl {
             }
         }
         scene = std::move(next);
-        committed = CommitKey{sceneVersion, commitOptions, residency};
+        committed = key;
         statistics.commitSeconds = scene->seconds;
         return true;
     }
@@ -218,7 +222,7 @@ struct Session::Impl {
             dicingCamera = MakeDicingCamera(options);
             dicingCamera->isStill = !settings.cameraMoves;
         }
-        if (!Commit(settings, options.shutter, isCancelled)) {
+        if (!Commit(settings, options, isCancelled)) {
             return RenderResult::Stopped;
         }
         options.aovs.hasCatchers = scene->hasCatchers;

@@ -3,6 +3,8 @@
 resident where it is when that is worth it; bits never depend on it. The oracle is a picture of the same session with resident geometry, after which the kernels without
 streaming code are there: to become resident costs nothing once all chunks have been seen."""
 
+import json
+
 import pytest
 
 pytest.importorskip("hdstream._core")
@@ -111,6 +113,23 @@ def test_little_is_resident_from_the_start(tmp_path):
     case = Case(tmp_path / "stage.usda").RenderResident(**_SETTINGS)
     geometry = _RenderAuto(case)
     assert geometry["mode"] == "resident" and geometry["streamedSamples"] == 0
+
+
+def test_what_rays_pay_for_is_resident_from_the_start(Field):
+    """Four camera rays a triangle, or a flat hierarchy that is asked for; not where the number of rays is unknown or somebody edits."""
+    triangles = Field.statistics["geometry"]["triangles"]
+    size = dict(imageWidth=400, imageHeight=300)
+    enough = -(-4 * triangles // (400 * 300))
+    for settings, isResident in ((dict(size, samples=enough), True), (dict(size, samples=enough - 1), False),
+                                 (dict(size, samples=enough, timeLimit=1000.0), False), (dict(size, samples=enough, interactive=True), False),
+                                 (dict(size, samples=enough, residency="stream"), False), (dict(size, samples=enough, traversal="simd8"), False),
+                                 (dict(traversal="flat"), True)):
+        case = Field.Fresh()
+        # The first report, before which all is prepared, ends it.
+        case.Start(lambda progress: progress.fraction == 0.0, **{"residency": "auto", **_SETTINGS, **settings})
+        geometry = json.loads(case.session.Statistics())["geometry"]
+        assert (geometry["streamedPaths"] == 0) == isResident, settings
+        assert geometry["mode"] == ("resident" if isResident else "stream"), settings
 
 
 def test_what_does_not_fit_streams_to_the_end(Field):

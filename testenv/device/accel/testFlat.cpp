@@ -67,17 +67,22 @@ TEST_F(FlatBvhTest, FlattensWhatIsPlacedLeastOften) {
     const std::uint64_t ofAll = DeviceAccelScene(device, built).Flat().numTriangles;
     constexpr double kNoMatter = 1e9;
     for (const FlatAmount amount :
-         {FlatAmount{ofAll - 1, kNoMatter, 0.1}, FlatAmount{ofAll, 39.0, 0.1}, FlatAmount{ofAll}}) {
+         {FlatAmount{ofAll - 1, kNoMatter, 0.1}, FlatAmount{ofAll, 39.0, 0.1, 0.0},
+          FlatAmount{ofAll, 4.0, 0.5, static_cast<double>(ofAll - 1)}}) {
         const FlatBvh& flat = DeviceAccelScene(device, built, {1, {}, amount}).Flat();
         EXPECT_EQ(ofAll - flat.numTriangles, 40 * 12U) << "the boxes";
         EXPECT_TRUE(flat.hasInstances);
         EXPECT_GT(ExpectSameHits(built, MixedRays(1000), {1, {}, amount}), 100U);
     }
-    EXPECT_EQ(DeviceAccelScene(device, built, {1, {}, {ofAll, 40.0, 1.0}}).Flat().numTriangles,
-              ofAll);
+    for (const FlatAmount amount :
+         {FlatAmount{ofAll, 40.0, 1.0, 0.0},
+          FlatAmount{ofAll, 4.0, 0.5, static_cast<double>(ofAll)}, FlatAmount{ofAll}}) {
+        EXPECT_EQ(DeviceAccelScene(device, built, {1, {}, amount}).Flat().numTriangles, ofAll);
+    }
     EXPECT_EQ(DeviceAccelScene(device, built, {1, {}, {10, kNoMatter, 0.0}}).Flat().numTriangles,
               0U);
-    EXPECT_TRUE(DeviceAccelScene(device, built, {1, {}, {ofAll, 39.0, 0.8}}).Flat().buffer.empty())
+    EXPECT_TRUE(
+        DeviceAccelScene(device, built, {1, {}, {ofAll, 39.0, 0.8, 0.0}}).Flat().buffer.empty())
         << "less than is asked for";
 }
 
