@@ -12,6 +12,9 @@ namespace hds {
 
 namespace {
 
+/// More than pages take, bounds of what is not prepared yet included.
+constexpr std::uint64_t kPageBytesATriangle = 256;
+
 bool ChooseSimd8(const RenderOptions& options, const DeviceProperties& properties) {
     return options.traversal == TraversalForm::Auto ? properties.isCpu
                                                     : options.traversal != TraversalForm::Scalar;
@@ -105,10 +108,12 @@ bool RaysPayForAllPages(const CommittedScene& scene, const RenderOptions& option
     const std::uint64_t totalBytes = scene.pages->TotalBytes();
     const std::uint64_t budgetBytes =
         PlanResidency(residency, totalBytes, properties.memoryBytes).budgetBytes;
-    // How many samples a limit of time leaves is not known yet.
+    const FlatLimits limits = MakeFlatLimits(options, budgetBytes, totalBytes);
+    // Curves and points are not flattened: they count by their bytes. How many samples a limit of
+    // time leaves is not known yet.
     return residency.mode == ResidencyMode::Auto && options.timeLimit == 0.0 &&
-           totalBytes <= budgetBytes && MayBeFlat(scene, options, residency, properties) &&
-           WillBeFlat(scene, MakeFlatLimits(options, budgetBytes, totalBytes));
+           totalBytes <= std::min(budgetBytes, MaxFlatTriangles(limits) * kPageBytesATriangle) &&
+           MayBeFlat(scene, options, residency, properties) && WillBeFlat(scene, limits);
 }
 
 } // namespace hds

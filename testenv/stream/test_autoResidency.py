@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip("hdstream._core")
 
-from stages import author, bench, shapes, streaming
+from stages import author, bench, curves, shapes, streaming
 from streamCase import SIZE, Case, MovedMesh
 
 _SETTINGS = dict(noCache=True, chunkBytes=1 << 20, samples=20)
@@ -130,6 +130,15 @@ def test_what_rays_pay_for_is_resident_from_the_start(Field):
         geometry = json.loads(case.session.Statistics())["geometry"]
         assert (geometry["streamedPaths"] == 0) == isResident, settings
         assert geometry["mode"] == ("resident" if isResident else "stream"), settings
+
+
+def test_curves_are_not_paid_for_by_the_rays_of_few_triangles(tmp_path):
+    case = Case(curves.WriteHair(tmp_path / "hair.usdc", 40000))
+    case.Start(lambda progress: progress.fraction == 0.0, **{**_SETTINGS, "residency": "auto", "samples": 20})
+    geometry = json.loads(case.session.Statistics())["geometry"]
+    assert geometry["bytesTotal"] > _LITTLE and 4 * geometry["triangles"] < SIZE[0] * SIZE[1] * 20
+    assert geometry["streamedPaths"] > 0
+    assert geometry["mode"] == "stream"
 
 
 def test_what_does_not_fit_streams_to_the_end(Field):
