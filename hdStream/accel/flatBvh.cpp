@@ -217,6 +217,7 @@ private:
         const PageParts page(unit.page);
         leaf.place = unit.place;
         leaf.chunk = unit.chunk;
+        leaf.numTriangles = planned.count;
         for (std::uint32_t lane = 0; lane < planned.count; ++lane) {
             const std::uint32_t triangle = binary.refs[planned.begin + lane].item - unit.first;
             leaf.triangle[lane] = triangle;

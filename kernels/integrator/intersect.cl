@@ -5,6 +5,17 @@
 #include "integrator/itemLoop.clh"
 #include "integrator/trace.clh"
 
+/* Whether 8 camera rays are traced together. */
+#define HDS_INTERSECT_PACKETS (HDS_FEATURE_FLAT && HDS_WIDE)
+#if HDS_INTERSECT_PACKETS
+#include "math/wideBegin.clh"
+
+#include "math/vector.clh"
+#include "math/wideEnd.clh"
+
+#include "integrator/tracePacket.clh"
+#endif
+
 /* Global size: count items, HDS_ITEMS_PER_WORK_ITEM for each work-item. Appends rays that wait for
  * a chunk (only while geometry streams). */
 kernel void intersect_closest(HDS_GEOMETRY_ARGS, global uchar* state, uint numSlots,
@@ -12,9 +23,17 @@ kernel void intersect_closest(HDS_GEOMETRY_ARGS, global uchar* state, uint numSl
                               global uint* restrict waitQueue, volatile global uint* counters) {
     HdsPaths paths = {state, numSlots};
     HDS_GEOMETRY_VIEW(view);
+#if HDS_INTERSECT_PACKETS
+    const uint first = (uint)get_global_id(0) * HDS_ITEMS_PER_WORK_ITEM;
+    if (first < count) {
+        trace_closestRun(&view, paths, queue + first,
+                         min(count - first, (uint)HDS_ITEMS_PER_WORK_ITEM), waitQueue, counters);
+    }
+#else
     HDS_FOR_ITEMS(item, count) {
         trace_closest(&view, paths, queue[item], waitQueue, counters);
     }
+#endif
 }
 
 #if HDS_FEATURE_STREAMING

@@ -50,7 +50,8 @@ typedef struct {
     u32 chunk;
     u32 triangle[HDS_FLAT_TRIANGLES]; /* chunk-local */
     u32 primId[HDS_FLAT_TRIANGLES];   /* as in the page */
-    u32 unused[2];
+    u32 numTriangles;
+    u32 unused;
 } HdsFlatLeaf;
 HDS_ASSERT_SIZE(HdsFlatLeaf, 192);
 

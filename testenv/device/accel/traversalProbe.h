@@ -80,6 +80,47 @@ kernel void probe_occluded(global const float* rays, uint count, global HdsHit* 
     }
     hits[i] = hit;
 }
+#if HDS_FEATURE_FLAT && HDS_WIDE
+#include "math/wideBegin.clh"
+
+#include "math/vector.clh"
+#include "math/wideEnd.clh"
+
+#include "accel/traverseFlatPacket.clh"
+/* Eight rays at once. The triangle of their hits is 0xfffffffd when they do not go the same way. */
+kernel void probe_packets(global const float* rays, uint count, global HdsHit* hits, uint flagMask,
+                          global const uint4* after, HDS_GEOMETRY_ARGS) {
+    const uint first = (uint)get_global_id(0);
+    if (first % HDS_PACKET_RAYS != 0u || first + HDS_PACKET_RAYS > count) {
+        return;
+    }
+    HDS_GEOMETRY_VIEW(view);
+    HdsPacket packet;
+    float lanes[8][HDS_PACKET_RAYS];
+    for (uint k = 0u; k < HDS_PACKET_RAYS; ++k) {
+        const HdsTraversalRay ray = probe_load(rays, first + k);
+        for (uint word = 0u; word < 8u; ++word) {
+            lanes[word][k] = rays[8u * (first + k) + word];
+        }
+        packet.tMax[k] = ray.tMax;
+        packet.best[k] = hit_begin(&ray, after[first + k]);
+    }
+    packet.origin = real_make3(vload8(0, lanes[0]), vload8(0, lanes[1]), vload8(0, lanes[2]));
+    packet.direction = real_make3(vload8(0, lanes[4]), vload8(0, lanes[5]), vload8(0, lanes[6]));
+    packet.tMin = vload8(0, lanes[3]);
+    packet.limit = vload8(0, lanes[7]);
+    const bool isTraced = traverse_packet(&view, flagMask, &packet);
+    for (uint k = 0u; k < HDS_PACKET_RAYS; ++k) {
+        HdsHit hit = hit_none();
+        if (isTraced) {
+            hit_end(&packet.best[k], &hit);
+        } else {
+            hit.triangle = 0xfffffffdu;
+        }
+        hits[first + k] = hit;
+    }
+}
+#endif
 /* Every triangle of every instance; scenes without groups. flagMask carries the instance count. */
 kernel void probe_bruteForce(global const float* rays, uint count, global HdsHit* hits,
                              uint numInstances, global const uint4* after, HDS_GEOMETRY_ARGS) {
@@ -155,6 +196,14 @@ public:
                                         const std::vector<ProbeKey>& after = {}) const {
         return Run("probe_closest", scene, rays, flagMask, after);
     }
+    /// Eight rays at once; needs HDS_ITEMS_PER_WORK_ITEM 8. kApart: they do
+    /// not go the same way.
+    std::vector<shared::HdsHit> Packets(const DeviceAccelScene& scene,
+                                        const std::vector<ProbeRay>& rays,
+                                        std::uint32_t flagMask = 0,
+                                        const std::vector<ProbeKey>& after = {}) const {
+        return Run("probe_packets", scene, rays, flagMask, after);
+    }
     std::vector<shared::HdsHit> Occluded(const DeviceAccelScene& scene,
                                          const std::vector<ProbeRay>& rays,
                                          const std::vector<ProbeKey>& after = {}) const {
@@ -196,6 +245,7 @@ private:
 };
 
 constexpr std::uint32_t kBlocked = 0xfffffffeU; ///< HdsHit.triangle of a blocked ray
+constexpr std::uint32_t kApart = 0xfffffffdU;   ///< of rays that are no packet
 
 inline bool IsHit(const shared::HdsHit& hit) {
     return hit.chunk != HDS_NONE;
