@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/python/bindings.h"
+#include "hdStream/session/imageMetadata.h"
 #include "hdStream/session/session.h"
 
 #include <cstring>
@@ -100,6 +101,8 @@ void BindWriting(nb::module_& module) {
         .def_rw("frameNumber", &ImageMetadata::frameNumber)
         .def_rw("tileSize", &ImageMetadata::tileSize);
 
+    module.def("MakeImageMetadata", &MakeImageMetadata, "settings"_a, "camera"_a,
+               "Samples, camera, matrices and windows of a render.");
     module.def("CheckImageFile", &CheckImageFile, "file"_a,
                "Raises Error unless an image can be written to the file.");
     module.def(

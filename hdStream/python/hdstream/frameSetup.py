@@ -174,27 +174,8 @@ class FrameTime:
 
 
 def MakeMetadata(settings, camera, frameTime=FrameTime()):
-    """What the EXR says of the camera, in Gf's convention (row vectors), as OpenEXR's own names."""
-    gfCamera = Gf.Camera()
-    gfCamera.transform = Gf.Matrix4d(camera.worldFromCamera.tolist())
-    gfCamera.projection = Gf.Camera.Orthographic if camera.orthographic else Gf.Camera.Perspective
-    for name in ("horizontalAperture", "verticalAperture", "horizontalApertureOffset",
-                 "verticalApertureOffset", "focalLength"):
-        setattr(gfCamera, name, 10.0 * getattr(camera, name))  # tenths of a scene unit
-    gfCamera.clippingRange = Gf.Range1f(camera.nearClip, camera.farClip)
-    frustum = gfCamera.frustum
-    view = frustum.ComputeViewMatrix()
-    metadata = _core.ImageMetadata()
-    metadata.samples = settings.samples
-    metadata.camera = settings.camera
-    metadata.pixelAspectRatio = settings.pixelAspectRatio
-    metadata.worldToCamera = [value for row in view for value in row]
-    projection = view * frustum.ComputeProjectionMatrix()
-    metadata.worldToNdc = [value for row in projection for value in row]
+    """What the EXR says of the render."""
+    metadata = _core.MakeImageMetadata(settings, camera)
     metadata.framesPerSecond = list(frameTime.framesPerSecond)
     metadata.frameNumber = frameTime.number
-    left, top, right, bottom = (round(edge) for edge in settings.displayWindow)
-    if right > left and bottom > top:
-        metadata.displayWindowSize = [right - left, bottom - top]
-        metadata.dataWindowMin = [settings.dataWindowMin[0] - left, settings.dataWindowMin[1] - top]
     return metadata
