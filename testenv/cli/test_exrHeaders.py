@@ -92,7 +92,7 @@ def test_a_foreign_reader_sees_the_tiles(tiled):
 
 
 @pytest.mark.parametrize("metadata, frame, rate, code", [
-    ("framesPerSecond = 24\n timeCodesPerSecond = 24", 90061 * 24 + 7, (24, 1), "01:01:01:07"),
+    ("framesPerSecond = 24\n timeCodesPerSecond = 24", (37 * 3600 + 25 * 60 + 42) * 24 + 17, (24, 1), "13:25:42:17"),
     ("framesPerSecond = 25\n timeCodesPerSecond = 50", 151, (25, 1), "00:00:03:00"),  # at time 151 its frame is 75
     ("framesPerSecond = 23.976\n timeCodesPerSecond = 23.976", 49, (24000, 1001), "00:00:02:01"),
     ("framesPerSecond = 29.97\n timeCodesPerSecond = 29.97", 30, (30000, 1001), "00:00:01:00"),

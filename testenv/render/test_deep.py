@@ -246,6 +246,28 @@ def test_depths_of_a_moving_camera_are_those_of_its_samples(tmp_path):
     assert samples[:, 0].mean() < 6.1 and samples[:, 1].mean() > 7.9
 
 
+def test_depths_are_along_the_axis_that_a_turning_camera_has(tmp_path):
+    """In the centre of a sphere each pixel has one depth, wherever the camera looks: of a pose of another time it had many."""
+    stage = author.NewStage(str(tmp_path / "turns.usda"))
+    author.AddMesh(stage, "/World/Sky", shapes.Sphere(5.0, 180, 360), doubleSided=True)
+    author.AddLight(stage, "/World/Dome", "Dome", intensity=1.0)
+    camera = author.AddCamera(stage, eye=(0, 0, 0), target=(0, 0, -1), width=36.0, aspect=1.0, focalLength=18.0)
+    turn = camera.AddRotateYOp(opSuffix="way")
+    turn.Set(0.0, 0)
+    turn.Set(40.0, 1)
+    camera.CreateShutterOpenAttr(0.0)
+    camera.CreateShutterCloseAttr(1.0)
+    stage.GetRootLayer().Save()
+    image = hdstream.Renderer(stage.GetRootLayer().realPath).Render(
+        0, imageWidth=8, imageHeight=8, samples=64, maxDepth=0, noCache=True, camera="/World/Camera", deep=True, deepTolerance=0.5,
+        pixelFilter="box", pixelFilterWidth=0.05)
+    x, y = np.meshgrid((np.arange(8) + 0.5) / 4 - 1, (np.arange(8) + 0.5) / 4 - 1)
+    expected = 5.0 / np.sqrt(1 + x * x + y * y)
+    assert (image.deep.counts == 1).all()
+    assert np.allclose(image.deep.samples[:, 0].reshape(8, 8), expected, rtol=0.01)
+    assert np.allclose(image.deep.samples[:, 1].reshape(8, 8), expected, rtol=0.01)
+
+
 def test_lights_volumes_and_what_is_held_out(tmp_path):
     """A light that is seen is there at its depth, a volume from its first to its last event; what is held out is not there."""
     stage = author.NewStage(str(tmp_path / "more.usda"))
