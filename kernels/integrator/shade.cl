@@ -204,12 +204,13 @@ uint shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
 #if HDS_FEATURE_MATTES
         const uint entry = scene->prims[at->surface.prim].materialBase + at->surface.materialEntry;
 #if HDS_FEATURE_DEEP
-        const uint depth = as_uint(deepPath_depth(frame, path, at->hit.t));
-#else
-        const uint depth = 0u;
-#endif
         path_store_matte(paths, i,
-                         (uint4)(at->surface.prim, entry, (uint)at->surface.instanceId, depth));
+                         (uint4)(at->surface.prim, entry, (uint)at->surface.instanceId,
+                                 as_uint(deepPath_depth(frame, path, at->hit.t))));
+#else
+        path_store_matte(paths, i,
+                         (uint4)(at->surface.prim, entry, (uint)at->surface.instanceId, 0u));
+#endif
 #endif
     }
     shade_addEmission(scene, &at->hit, &at->surface, bsdf_emission(&scatter->bsdf), path);

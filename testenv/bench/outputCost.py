@@ -3,6 +3,7 @@
 
     python testenv/bench/outputCost.py STAGE... [--width 320] [--samples 16] [--repeats 5] [--sets "NAME;..."]
     python testenv/bench/outputCost.py STAGE... --without BUILD [--repeats 9]
+    python testenv/bench/outputCost.py --kernels TREE
 
 The first form renders each stage with and without each set of outputs, in turn, in one process: CPU seconds of all threads over
 `RenderPrepared`, which other work on the machine disturbs less than it does seconds of a clock. Ratios are of neighbours in time: of
@@ -12,13 +13,17 @@ quartiles. The first render of each set, which compiles kernels and loads pages,
 The second form compares this program with another build of it, one without the code of an output, say of the commit before
 (PYTHONPATH of its folder `python`): colour alone, processes in turn, the same bits and CPU seconds of rendering. The cache
 folder is shared, so both read the same pages.
+
+The third form compares the kernels with those of another source tree of the program, as the C preprocessor (cpp) leaves them:
+with no feature of kernels/shared/features.def, and with each that both trees have, alone. What has the same text has the same bits and
+takes the same time.
 """
 
 import argparse
-import hashlib
 import json
 import os
 import pathlib
+import re
 import statistics
 import subprocess
 import sys
@@ -143,8 +148,7 @@ def _Worker(build, stage, args, cache):
 
 def _PrintUnused(args):
     """This program over the other one: the least of three renders of each process, ratios of neighbours."""
-    own = pathlib.Path(sys.modules["hdstream"].__file__).resolve() if "hdstream" in sys.modules else None
-    builds = {"with": own or os.environ["PYTHONPATH"].split(os.pathsep)[0], "without": args.without}
+    builds = {"with": os.environ["PYTHONPATH"].split(os.pathsep)[0], "without": args.without}
     print("| stage | CPU time over the build without | quartiles | CPU s | path state | color |")
     print("|---|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as cache:
@@ -164,15 +168,58 @@ def _PrintUnused(args):
                   f"{'same bits' if isSame else 'OTHER BITS'} |", flush=True)
 
 
+_ROWS = re.compile(r"HDS_(?:FEATURE|VARIANT)\(((?:[^()\"]|\([^()]*\)|\"[^\"]*\")*)\)")
+
+
+def _Features(tree):
+    """{macro: value that it is tried with} of a source tree."""
+    text = re.sub(r"/\*.*?\*/", "", (tree / "kernels/shared/features.def").read_text(encoding="utf-8"), flags=re.DOTALL)
+    values = {}
+    for row in _ROWS.findall(text):
+        cells = [cell.strip() for cell in row.split(",")]
+        if len(cells) > 2 and cells[0] in ("bool", "std::uint32_t"):
+            values[cells[2]] = "1" if cells[0] == "bool" else cells[4]
+        elif len(cells) > 1 and cells[1].startswith("HDS_"):
+            values[cells[1]] = "1"
+    return values
+
+
+def _Preprocessed(tree, root, defines):
+    """The text of a kernel program."""
+    return subprocess.run(["cpp", "-P", "-x", "c", "-D__OPENCL_VERSION__=120", "-D__OPENCL_C_VERSION__=120", f"-I{tree}/kernels", *defines,
+                           f"{tree}/kernels/{root}"], check=True, stdout=subprocess.PIPE, text=True).stdout
+
+
+def _PrintKernels(other):
+    own = pathlib.Path(__file__).resolve().parents[2]
+    roots = re.findall(r'HDS_PROGRAM\(\w+, "([^"]+)"', (other / "kernels/shared/features.def").read_text(encoding="utf-8"))
+    mine, theirs = _Features(own), _Features(other)
+    print(f"features that only this tree has: {', '.join(sorted(set(mine) - set(theirs))) or 'none'}")
+    same, differing = 0, []
+    for macro in [None, *sorted(set(mine) & set(theirs))]:
+        defines = [] if macro is None else [f"-D{macro}={mine[macro]}"]
+        for root in roots:
+            texts = [_Preprocessed(tree, root, defines) for tree in (own, other)]
+            assert all(len(text) > 1000 for text in texts), f"{root}: nothing is left of it"
+            same += texts[0] == texts[1]
+            if texts[0] != texts[1]:
+                differing.append(f"{root} with {macro or 'no feature'}")
+    print(f"{same} texts of kernel programs are the same; {len(differing)} differ{': ' + ', '.join(differing) if differing else ''}")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("stages", nargs="+")
+    parser.add_argument("stages", nargs="*")
     parser.add_argument("--width", type=int, default=320)
     parser.add_argument("--samples", type=int, default=16)
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--sets", default="", help="names of the table, divided by semicolons")
     parser.add_argument("--without", metavar="BUILD", help="folder `python` of a build to compare with")
+    parser.add_argument("--kernels", metavar="TREE", type=pathlib.Path, help="source tree whose kernels are compared")
     args = parser.parse_args()
+    if args.kernels:
+        _PrintKernels(args.kernels)
+        return
     (_PrintUnused if args.without else _PrintCosts)(args)
 
 

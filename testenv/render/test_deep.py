@@ -304,6 +304,24 @@ def _Bool():
     return Sdf.ValueTypeNames.Bool
 
 
+def test_shadow_catchers_are_said_not_to_be_there(tmp_path):
+    stage = author.NewStage(str(tmp_path / "catcher.usda"))
+    floor = author.AddMesh(stage, "/World/Floor", shapes.Box(4.0, 0.1, 4.0), translate=(0.0, -1.0, 0.0))
+    author.AddPrimvar(floor.GetPrim(), "hdstream:shadowCatcher", _Bool(), "constant", True)
+    author.AddMesh(stage, "/World/Box", shapes.Box(1.0, 1.0, 1.0))
+    author.AddLight(stage, "/World/Sun", "Distant", dict(rotate=(-60, 0, 0)), intensity=2.0, angle=1.0)
+    author.AddCamera(stage, eye=(0, 3, 6), target=(0, 0, 0), width=36.0, aspect=1.0)
+    stage.GetRootLayer().Save()
+    lines = []
+    image = hdstream.Renderer(stage.GetRootLayer().realPath, onWarning=lines.append).Render(
+        imageWidth=_SIZE, imageHeight=_SIZE, samples=16, maxDepth=1, noCache=True, camera="/World/Camera", deep=True,
+        aovs=["color", "crypto_object"])
+    assert any("a deep picture shows nothing of shadow catchers" in line for line in lines)
+    flat = deepFile.Flatten(image.deep.counts, image.deep.samples[:, 2:].astype(np.float64))[..., 3]
+    box = sum(image.aovs[f"crypto_object{layer:02}"][..., 1::2].sum(-1) for layer in range(3))
+    assert np.allclose(flat, box, atol=1e-6) and (image.aovs["color"][..., 3] > flat + 0.1).any()
+
+
 def test_samples_cannot_be_split(stage):
     renderer = hdstream.Renderer(stage)
     renderer.Prepare(1, imageWidth=8, imageHeight=8, samples=16, noCache=True, camera="/World/Camera", deep=True)
