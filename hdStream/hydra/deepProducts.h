@@ -19,10 +19,6 @@ struct HdStreamDeepProduct {
     std::string file;
     bool isHalf = false;                      ///< its colour
     std::map<std::string, std::string> texts; ///< of its header, and its compression
-
-    bool operator==(const HdStreamDeepProduct& other) const {
-        return file == other.file && isHalf == other.isHalf && texts == other.texts;
-    }
 };
 
 /// The deep ones of a value of `delegateRenderProducts`.

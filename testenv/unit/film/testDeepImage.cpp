@@ -3,9 +3,12 @@
 
 #include "hdStream/base/error.h"
 #include "hdStream/film/imageWriter.h"
+#include "testenv/support/fileSizeLimit.h"
+#include "testenv/support/temporaryFolder.h"
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <limits>
 
 namespace {
@@ -120,6 +123,24 @@ TEST(DeepImage, MemoryIsThatOfItsSamples) {
     }
     EXPECT_GE(sums.Bytes(), 8000U + 56U * 1000U * kPerPixel);
     EXPECT_LE(sums.Bytes(), 8000U + 56U * (1000U * kPerPixel + (1U << 14U)));
+}
+
+/// OpenImageIO writes deep files by name: a disk that is full leaves the old file and nothing else.
+TEST(DeepImage, AFullDiskLeavesTheOldFile) {
+    const hds::test::TemporaryFolder folder;
+    const std::string file = folder.File("out.exr");
+    DeepSums sums = MakeSums({}, 500);
+    for (std::uint32_t pixel = 0; pixel < 500; ++pixel) {
+        sums.Add(pixel, Hit(1, 1.0F + static_cast<float>(pixel) / 7.0F));
+    }
+    hds::WriteDeepImage(file, sums.Make(), false, {});
+    const auto bytes = std::filesystem::file_size(file);
+    for (const unsigned limit : {20U, 900U}) { // inside the header, inside the pixels
+        const hds::test::FileSizeLimit full(limit);
+        EXPECT_THROW(hds::WriteDeepImage(file, sums.Make(), false, {}), hds::Error) << limit;
+    }
+    EXPECT_EQ(std::filesystem::file_size(file), bytes);
+    EXPECT_EQ(folder.NumEntries(), 1U);
 }
 
 TEST(DeepImage, OnlyExrFilesAreDeep) {
