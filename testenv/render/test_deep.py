@@ -11,6 +11,7 @@ import deepFile
 import exrFile
 import numpy as np
 import pytest
+import volumeCase
 
 pytest.importorskip("hdstream._core")
 
@@ -57,8 +58,12 @@ def _AssertTidy(counts, z, zBack):
 
 def _AssertFlat(image):
     """Alpha to the last digits of a float, colour to 1e-6 of it."""
-    flat = deepFile.Flatten(image.deep.counts, image.deep.samples[:, 2:].astype(np.float64))
-    color = image.aovs["color"].astype(np.float64)
+    _AssertFlattens(image.deep, image.aovs["color"])
+
+
+def _AssertFlattens(deep, pixels):
+    flat = deepFile.Flatten(deep.counts, deep.samples[:, 2:].astype(np.float64))
+    color = pixels.astype(np.float64)
     assert np.abs(flat[..., 3] - color[..., 3]).max() < 2e-7
     assert (np.abs(flat - color) <= 1e-6 * (np.abs(color) + 0.01)).all()
 
@@ -302,6 +307,28 @@ def test_lights_volumes_and_what_is_held_out(tmp_path):
 def _Bool():
     from pxr import Sdf
     return Sdf.ValueTypeNames.Bool
+
+
+def test_a_cloud_between_cards_is_where_it_scatters(tmp_path):
+    """A grid between a half transparent card before it and an opaque one behind it, which let nothing of the dome be seen."""
+    def AddCards(stage):
+        veil = author.AddMaterial(stage, "/Looks/Veil", opacity=0.5, ior=1.0)
+        author.AddMesh(stage, "/World/Front", shapes.Box(4.0, 4.0, 0.01), material=veil, translate=(0, 0, 3))
+        author.AddMesh(stage, "/World/Back", shapes.Box(4.0, 4.0, 0.01), translate=(0, 0, -3))
+
+    volume = volumeCase.Volume(volumeCase.Grid(volumeCase.Cloud()), scattering=4.0)
+    stage = volumeCase.Stage(tmp_path / "cloud.usda", add=AddCards)
+    session = volumeCase.RenderSession(stage, {"/V": volume}, size=16, samples=64, deep=True)
+    deep, (color,) = session.Deep(), session.Layers()
+    _AssertFlattens(deep, color.pixels)
+    without = volumeCase.RenderSession(stage, {"/V": volume}, size=16, samples=64)
+    assert np.array_equal(without.Layers()[0].pixels, color.pixels)
+    depths = deep.samples[:, :2]
+    isFront, isBack = (depths[:, 1] < 7.1), (depths[:, 0] > 12.9)
+    inside = depths[~isFront & ~isBack]
+    assert isFront.any() and isBack.any() and len(inside) > 250
+    assert (inside[:, 0] > 9.5 - 0.05).all() and (inside[:, 1] < 10.5 + 0.05).all()  # the grid and half a voxel
+    assert inside[:, 0].min() < 9.6 and inside[:, 1].max() > 10.4
 
 
 def test_shadow_catchers_are_said_not_to_be_there(tmp_path):
