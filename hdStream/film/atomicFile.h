@@ -30,6 +30,10 @@ public:
     bool Seek(std::int64_t position);
     std::int64_t Tell() const;
 
+    /// Where the bytes are until Commit: for who must open a file by its name, and closes it
+    /// before.
+    const std::string& TemporaryPath() const { return _temporaryPath; }
+
     /// \throws Error that names the target and the reason when a write or a seek has failed
     void ThrowIfFailed() const;
 

@@ -9,6 +9,7 @@
 #include "hdStream/texture/halfFloat.h"
 #include "hdStream/texture/oneLine.h"
 
+#include <OpenImageIO/deepdata.h>
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
@@ -17,6 +18,7 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <limits>
 #include <set>
 
 namespace hds {
@@ -99,6 +101,36 @@ void AddMatrix(OIIO::ImageSpec* spec, const char* name,
     }
 }
 
+/// Two decimal digits as SMPTE 12M packs them.
+std::uint32_t PackDigits(std::uint32_t value) {
+    return value / 10 % 10 << 4U | value % 10;
+}
+
+/// Frame and time as SMPTE 12M counts them: whole frames a second, 30 at most, none dropped.
+void AddFrame(OIIO::ImageSpec* spec, const ImageMetadata& metadata) {
+    const auto [numerator, denominator] = metadata.framesPerSecond;
+    if (numerator == 0 || denominator == 0) {
+        return;
+    }
+    const int rate[2] = {static_cast<int>(numerator), static_cast<int>(denominator)};
+    spec->attribute("framesPerSecond", OIIO::TypeRational, rate); // by OpenEXR's name
+    constexpr std::uint32_t kMostFrames = 30; // the digits of a frame go to 39
+    const std::uint32_t rounded = (numerator + denominator - 1) / denominator;
+    if (!metadata.frameNumber || rounded > kMostFrames) {
+        return;
+    }
+    constexpr std::uint32_t kSixty = 60;
+    constexpr std::uint32_t kHours = 24;
+    const std::uint32_t frame = *metadata.frameNumber;
+    const std::uint32_t seconds = frame / rounded;
+    const std::uint32_t code[2] = {PackDigits(frame % rounded) |
+                                       PackDigits(seconds % kSixty) << 8U |
+                                       PackDigits(seconds / kSixty % kSixty) << 16U |
+                                       PackDigits(seconds / kSixty / kSixty % kHours) << 24U,
+                                   0};
+    spec->attribute("smpte:TimeCode", OIIO::TypeTimeCode, code);
+}
+
 void AddMetadata(OIIO::ImageSpec* spec, const ImageMetadata& metadata) {
     spec->attribute("Software", metadata.software);
     spec->attribute("DateTime", ""); // else the encoders write the present time
@@ -111,8 +143,28 @@ void AddMetadata(OIIO::ImageSpec* spec, const ImageMetadata& metadata) {
     }
     AddMatrix(spec, "worldtocamera", metadata.worldToCamera);
     AddMatrix(spec, "worldtoNDC", metadata.worldToNdc);
+    AddFrame(spec, metadata);
     for (const auto& [name, text] : metadata.texts) {
         spec->attribute(name, text);
+    }
+}
+
+void AddWindows(OIIO::ImageSpec* spec, const ImageMetadata& metadata) {
+    if (metadata.displayWindowSize[0] > 0) {
+        spec->x = metadata.dataWindowMin[0];
+        spec->y = metadata.dataWindowMin[1];
+        spec->full_width = static_cast<int>(metadata.displayWindowSize[0]);
+        spec->full_height = static_cast<int>(metadata.displayWindowSize[1]);
+    }
+}
+
+/// What colours are in.
+void AddColorSpace(OIIO::ImageSpec* spec) {
+    spec->attribute("oiio:ColorSpace", "Linear");
+    if (!HasUserColorConfig()) {
+        // Of Rec. 709, red, green, blue and white.
+        const float rec709[] = {0.64F, 0.33F, 0.30F, 0.60F, 0.15F, 0.06F, 0.3127F, 0.3290F};
+        spec->attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), rec709);
     }
 }
 
@@ -203,11 +255,10 @@ EncodedImage EncodeExr(const std::vector<ImageLayer>& layers) {
         image.spec.channelformats.clear();
     }
     image.spec.attribute("compression", "zip");
-    image.spec.attribute("oiio:ColorSpace", "Linear");
-    if (std::any_of(layers.begin(), layers.end(), IsColor) && !HasUserColorConfig()) {
-        // Of Rec. 709, red, green, blue and white: what colours are in.
-        const float rec709[] = {0.64F, 0.33F, 0.30F, 0.60F, 0.15F, 0.06F, 0.3127F, 0.3290F};
-        image.spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), rec709);
+    if (std::any_of(layers.begin(), layers.end(), IsColor)) {
+        AddColorSpace(&image.spec);
+    } else {
+        image.spec.attribute("oiio:ColorSpace", "Linear");
     }
 
     const std::size_t stride = image.spec.pixel_bytes(true);
@@ -306,7 +357,68 @@ bool WriteRows(const EncodedImage& image, OIIO::ImageOutput* output) {
     return true;
 }
 
-void EncodeToFile(const std::string& file, FileKind kind, const EncodedImage& image) {
+/// As WriteRows, a row of tiles at a time.
+bool WriteTiles(const EncodedImage& image, OIIO::ImageOutput* output) {
+    const OIIO::ImageSpec& spec = image.spec;
+    const std::size_t rowBytes = spec.scanline_bytes(true);
+    std::vector<char> band(rowBytes *
+                           static_cast<std::size_t>(std::min(spec.tile_height, spec.height)));
+    for (int y = 0; y < spec.height; y += spec.tile_height) {
+        const int end = std::min(y + spec.tile_height, spec.height);
+        for (int row = y; row < end; ++row) {
+            image.packRow(static_cast<std::size_t>(row),
+                          &band[static_cast<std::size_t>(row - y) * rowBytes]);
+        }
+        if (!output->write_tiles(spec.x, spec.x + spec.width, spec.y + y, spec.y + end, 0, 1,
+                                 OIIO::TypeUnknown, band.data(),
+                                 static_cast<OIIO::stride_t>(spec.pixel_bytes(true)),
+                                 static_cast<OIIO::stride_t>(rowBytes))) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/// All samples, in bands, so that they are not in memory twice.
+bool WriteDeepRows(const DeepImage& image, const OIIO::ImageSpec& spec, bool isHalf,
+                   OIIO::ImageOutput* output) {
+    constexpr int kBandRows = 64;
+    constexpr int kChannels = 6;
+    const float bound = isHalf ? kLargestHalf : std::numeric_limits<float>::max();
+    std::size_t first = 0;
+    for (int y = 0; y < spec.height; y += kBandRows) {
+        const int end = std::min(y + kBandRows, spec.height);
+        const auto begin = image.counts.begin() + std::ptrdiff_t{y} * spec.width;
+        const std::vector<std::uint32_t> counts(begin,
+                                                begin + std::ptrdiff_t{end - y} * spec.width);
+        OIIO::DeepData data;
+        data.init(static_cast<std::int64_t>(counts.size()), kChannels, spec.channelformats,
+                  spec.channelnames);
+        data.set_all_samples(counts);
+        for (std::size_t pixel = 0; pixel < counts.size(); ++pixel) {
+            for (std::uint32_t i = 0; i < counts[pixel]; ++i) {
+                const DeepSample& sample = image.samples[first++];
+                const auto set = [&](int channel, float value) {
+                    data.set_deep_value(static_cast<std::int64_t>(pixel), channel,
+                                        static_cast<int>(i), value);
+                };
+                for (int c = 0; c < 4; ++c) {
+                    set(c, std::clamp(sample.color[static_cast<std::size_t>(c)], -bound, bound));
+                }
+                set(4, sample.z);
+                set(5, sample.zBack);
+            }
+        }
+        if (!output->write_deep_scanlines(spec.y + y, spec.y + end, 0, data)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/// \param write what writes the pixels to the open encoder; false: it failed.
+void EncodeToFile(const std::string& file, FileKind kind, const OIIO::ImageSpec& spec,
+                  const std::function<bool(OIIO::ImageOutput*)>& write) {
     AtomicFile atomic(file);
     AtomicFileProxy proxy(&atomic, file);
     std::string reason;
@@ -318,9 +430,13 @@ void EncodeToFile(const std::string& file, FileKind kind, const EncodedImage& im
             OIIO::geterror();
             throw Error("cannot write '" + file + "': OpenImageIO has no usable writer for it");
         }
-        output->set_ioproxy(&proxy);
-        written =
-            output->open(file, image.spec) && WriteRows(image, output.get()) && output->close();
+        if (spec.deep) { // OpenImageIO 2.4 writes what is deep by name, whatever proxy it has
+            written = output->open(atomic.TemporaryPath(), spec);
+        } else {
+            output->set_ioproxy(&proxy);
+            written = output->open(file, spec);
+        }
+        written = written && write(output.get()) && output->close();
         reason = OneLine(output->geterror());
     } catch (const Error&) {
         throw;
@@ -363,14 +479,48 @@ std::vector<std::string> WriteImage(const std::string& file, const std::vector<I
                     : EncodeLinear(layer, kind);
     }
     AddMetadata(&image.spec, options.metadata);
-    if (kind == FileKind::Exr && options.metadata.displayWindowSize[0] > 0) {
-        image.spec.x = options.metadata.dataWindowMin[0];
-        image.spec.y = options.metadata.dataWindowMin[1];
-        image.spec.full_width = static_cast<int>(options.metadata.displayWindowSize[0]);
-        image.spec.full_height = static_cast<int>(options.metadata.displayWindowSize[1]);
+    if (kind == FileKind::Exr) {
+        AddWindows(&image.spec, options.metadata);
     }
-    EncodeToFile(file, kind, image);
+    const auto [tileWidth, tileHeight] = options.metadata.tileSize;
+    const bool isTiled = kind == FileKind::Exr && tileWidth > 0 && tileHeight > 0;
+    if (isTiled) {
+        image.spec.tile_width = static_cast<int>(tileWidth);
+        image.spec.tile_height = static_cast<int>(tileHeight);
+    }
+    EncodeToFile(file, kind, image.spec, [&](OIIO::ImageOutput* output) {
+        return isTiled ? WriteTiles(image, output) : WriteRows(image, output);
+    });
     return left;
+}
+
+void WriteDeepImage(const std::string& file, const DeepImage& image, bool isHalf,
+                    const ImageMetadata& metadata) {
+    if (KindOf(file) != FileKind::Exr) {
+        throw Error("cannot write '" + file + "': only .exr files are deep", ErrorKind::Usage);
+    }
+    if (image.counts.empty()) {
+        throw Error("cannot write '" + file + "': the image has no pixels");
+    }
+    OIIO::ImageSpec spec(static_cast<int>(image.width), static_cast<int>(image.height), 0,
+                         OIIO::TypeFloat);
+    spec.deep = true;
+    spec.channelnames = {"R", "G", "B", "A", "Z", "ZBack"};
+    spec.nchannels = static_cast<int>(spec.channelnames.size());
+    spec.alpha_channel = 3;
+    spec.z_channel = 4;
+    const OIIO::TypeDesc colorType = isHalf ? OIIO::TypeHalf : OIIO::TypeFloat;
+    spec.channelformats = {colorType, colorType,       colorType,
+                           colorType, OIIO::TypeFloat, OIIO::TypeFloat};
+    AddColorSpace(&spec);
+    AddMetadata(&spec, metadata);
+    AddWindows(&spec, metadata);
+    const std::string compression = spec.get_string_attribute("compression");
+    spec.attribute("compression",
+                   compression == "none" || compression == "rle" ? compression : "zips");
+    EncodeToFile(file, FileKind::Exr, spec, [&](OIIO::ImageOutput* output) {
+        return WriteDeepRows(image, spec, isHalf, output);
+    });
 }
 
 } // namespace hds

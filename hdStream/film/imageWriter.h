@@ -4,6 +4,7 @@
 // Explained in docs/film.md.
 #pragma once
 
+#include "hdStream/film/deepImage.h"
 #include "hdStream/film/displayTransform.h"
 #include "hdStream/film/imageLayer.h"
 
@@ -29,6 +30,12 @@ struct ImageMetadata {
     /// 0: it is the whole.
     std::array<std::int32_t, 2> dataWindowMin{};
     std::array<std::uint32_t, 2> displayWindowSize{};
+    /// Frames a second, as a fraction; 0: not said.
+    std::array<std::uint32_t, 2> framesPerSecond{};
+    /// Number of the frame, for a SMPTE time code; with framesPerSecond of 30 at most.
+    std::optional<std::uint32_t> frameNumber;
+    /// Width and height of the tiles that an EXR consists of; 0: of scan lines.
+    std::array<std::uint32_t, 2> tileSize{};
 };
 
 /// Options of WriteImage.
@@ -46,7 +53,7 @@ void CheckImageFile(const std::string& file);
 ///  .exr        all layers, linear float, ids as 32-bit unsigned integers (-1 is 4294967295):
 ///  colour
 ///              as R, G, B, A (premultiplied), every other layer as NAME.CHANNEL; halves where
-///              ImageLayer::isHalf; data and display window of the metadata
+///              ImageLayer::isHalf; data and display window of the metadata, and its tiles
 ///  .png        "color" (else the first layer) display-referred, 8 bits, not premultiplied
 ///  .jpg .jpeg  that layer display-referred, 8 bits, over black
 ///  .tif .tiff  that layer in linear float, premultiplied
@@ -56,5 +63,12 @@ void CheckImageFile(const std::string& file);
 ///         kept
 std::vector<std::string> WriteImage(const std::string& file, const std::vector<ImageLayer>& layers,
                                     const ImageWriteOptions& options = {});
+
+/// Writes a deep picture to an .exr: scan lines with R, G, B, A, Z and ZBack; by pixel the samples
+/// from front to back. Of the metadata all but the tiles; compression `none`, `rle` or, whatever
+/// else it says, `zips`. \param isHalf R, G, B and A are halves.
+/// \throws Error as WriteImage; Usage for a file of another format
+void WriteDeepImage(const std::string& file, const DeepImage& image, bool isHalf,
+                    const ImageMetadata& metadata);
 
 } // namespace hds

@@ -35,6 +35,7 @@ namespace {
 
 const TfToken kHostStatusName("hostStatusName");
 const TfToken kHostStepSeconds("hostStepSeconds");
+const TfToken kDelegateRenderProducts("delegateRenderProducts"); // husk's name
 constexpr const char* kMaterialXSurface = "ND_standard_surface_surfaceshader";
 
 bool Contains(const TfTokenVector& tokens, const TfToken& token) {
@@ -85,6 +86,7 @@ hds::Settings HdStreamRenderDelegate::ComposeSettings() {
     settings.interactive =
         HdRenderDelegate::GetRenderSetting<bool>(HdRenderSettingsTokens->enableInteractive, true);
     settings.cameraMoves = settings.interactive;
+    settings.deep = !_deepProducts.empty();
     return settings;
 }
 
@@ -104,6 +106,26 @@ std::vector<std::string> HdStreamRenderDelegate::UnionOfAovs(const HdRenderPass*
 
 void HdStreamRenderDelegate::ForgetAovs(const HdRenderPass* pass) {
     _aovsByPass.erase(pass);
+}
+
+void HdStreamRenderDelegate::WriteDeepProducts(const hds::Settings& settings) {
+    hds::RenderThread& thread = _param->Thread();
+    if (_deepProducts.empty() || !thread.IsConverged()) {
+        return;
+    }
+    const std::shared_ptr<const hds::FilmImage> image = thread.Newest();
+    if (!image || !image->isFinal || !image->error.empty() || image->version != thread.Version() ||
+        image->version == _deepVersion) {
+        return;
+    }
+    _deepVersion = image->version;
+    try {
+        thread.Call([&](hds::Session& session) {
+            HdStreamWriteDeepProducts(_deepProducts, settings, session);
+        });
+    } catch (const hds::Error& error) {
+        TF_RUNTIME_ERROR("Stream: %s", error.what());
+    }
 }
 
 void HdStreamRenderDelegate::DumpOnce() {
@@ -267,6 +289,14 @@ void HdStreamRenderDelegate::SetRenderSetting(const TfToken& key, const VtValue&
     if (name.empty()) {
         if (key == kHostStatusName) {
             _hostStatus.SetName(value.GetWithDefault(std::string()));
+        } else if (key == kDelegateRenderProducts) {
+            std::vector<std::string> problems;
+            _deepProducts = HdStreamDeepProducts(value, &problems);
+            _deepVersion = 0;
+            for (const std::string& problem : problems) {
+                _param->PrintWarning("Stream: " + problem);
+            }
+            HdRenderDelegate::SetRenderSetting(key, value);
         } else if (key == kHostStepSeconds) {
             _hostStepSeconds = std::clamp(value.GetWithDefault(0.0), 0.0, 1.0);
         } else {

@@ -3,6 +3,7 @@
 // what a scene means is decided in the core. Explained in docs/hydra.md.
 #pragma once
 
+#include "hdStream/hydra/deepProducts.h"
 #include "hdStream/hydra/hostStatus.h"
 #include "hdStream/hydra/renderParam.h"
 #include "hdStream/hydra/settingsBridge.h"
@@ -40,6 +41,10 @@ public:
     /// 0: it never waits. Its passes say that they have converged after each step: Blender hands
     /// control back to its add-on then, and only then.
     double HostStepSeconds() const { return _hostStepSeconds; }
+
+    /// Writes the deep pictures that the host leaves to the renderer, once for each version that is
+    /// rendered to its end. Waits for that. \param settings of the present version.
+    void WriteDeepProducts(const hds::Settings& settings);
 
     /// Writes the scene to the file of HDSTREAM_DUMP_SCENE, the first time.
     void DumpOnce();
@@ -104,6 +109,8 @@ private:
     mutable VtDictionary _stats;
     HdResourceRegistrySharedPtr _resourceRegistry;
     double _hostStepSeconds = 0.0;
+    std::vector<HdStreamDeepProduct> _deepProducts;
+    std::uint64_t _deepVersion = 0; ///< whose deep products are written; 0: none
     std::unique_ptr<HdStreamRenderParam> _param;
     HdStreamHostStatus _hostStatus; ///< last: nobody asks while the rest goes
 };

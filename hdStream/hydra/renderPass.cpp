@@ -143,6 +143,9 @@ void HdStreamRenderPass::_Execute(const HdRenderPassStateSharedPtr& state,
     _delegate->DumpOnce();
     param.Thread().SetSettings(settings);
     Show(*state);
+    if (_isConverged) {
+        _delegate->WriteDeepProducts(settings);
+    }
 }
 
 hds::Settings HdStreamRenderPass::MakeSettings(const HdRenderPassState& state,

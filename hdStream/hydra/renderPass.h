@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The render pass: tells the render thread what to render and shows what it has published. Never
-// waits for it.
+// The render pass: tells the render thread what to render and shows what it has published. Waits
+// for it only while that writes files that hosts leave to the renderer.
 #pragma once
 
 #include "hdStream/session/renderThread.h"

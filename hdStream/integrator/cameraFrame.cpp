@@ -101,6 +101,17 @@ void SetMotion(const RenderOptions& options, const glm::dvec3& centre,
 
 } // namespace
 
+FilmWindow ConformedFilmWindow(const RenderOptions& options) {
+    const CameraPrim& camera = options.camera;
+    const Film film = ConformFilm(options);
+    const double scale = camera.orthographic ? 1.0 : 1.0 / static_cast<double>(camera.focalLength);
+    const double left =
+        (static_cast<double>(camera.horizontalApertureOffset) - 0.5 * film.width) * scale;
+    const double top =
+        (static_cast<double>(camera.verticalApertureOffset) + 0.5 * film.height) * scale;
+    return {left, top, film.width * scale, film.height * scale};
+}
+
 shared::HdsFrameParams MakeFrameParams(const RenderOptions& options, const glm::dvec3& centre,
                                        std::uint32_t numLights) {
     const CameraPrim& camera = options.camera;
@@ -111,14 +122,9 @@ shared::HdsFrameParams MakeFrameParams(const RenderOptions& options, const glm::
     std::copy(rows.begin(), rows.end(), params.worldFromCamera);
 
     const Film film = ConformFilm(options);
-    // On the plane at distance 1 for a perspective, in scene units for an orthographic camera.
-    const double scale = camera.orthographic ? 1.0 : 1.0 / static_cast<double>(camera.focalLength);
-    const double left =
-        (static_cast<double>(camera.horizontalApertureOffset) - 0.5 * film.width) * scale;
-    const double top =
-        (static_cast<double>(camera.verticalApertureOffset) + 0.5 * film.height) * scale;
-    const double stepX = film.width * scale / film.windowWidth;
-    const double stepY = -film.height * scale / film.windowHeight;
+    const auto [left, top, width, height] = ConformedFilmWindow(options);
+    const double stepX = width / film.windowWidth;
+    const double stepY = -height / film.windowHeight;
     params.filmOrigin[0] = static_cast<float>(left - film.left * stepX);
     params.filmOrigin[1] = static_cast<float>(top - film.top * stepY);
     params.filmStep[0] = static_cast<float>(stepX);

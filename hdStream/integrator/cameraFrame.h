@@ -16,6 +16,18 @@ namespace hds {
 shared::HdsFrameParams MakeFrameParams(const RenderOptions& options, const glm::dvec3& centre,
                                        std::uint32_t numLights);
 
+/// Where the display window lies in camera space: at distance 1 of a perspective, in scene units
+/// for an orthographic camera.
+struct FilmWindow {
+    double left = 0.0;
+    double top = 0.0;
+    double width = 0.0;
+    double height = 0.0; ///< y up: the lower edge is at top - height
+};
+
+/// The film back, conformed to the display window by the policy.
+FilmWindow ConformedFilmWindow(const RenderOptions& options);
+
 /// Length of rays from outside of a box to the camera; 0: no camera ray begins in the box. \param
 /// moves what is in the box may leave it while the shutter is open.
 float MediaProbeLength(const shared::HdsFrameParams& params, const MediaBounds& box, bool moves);

@@ -2,6 +2,8 @@
 #include "hdStream/integrator/filmBuffers.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstring>
 #include <map>
 #include <optional>
 #include <utility>
@@ -23,6 +25,21 @@ std::uint32_t OffsetOf(const AovLayout& layout, const char* name) {
     return slot != nullptr ? slot->offset : HDS_NONE;
 }
 
+/// A sample as resolve_addSamples counts it (kernels/integrator/resolve.cl).
+std::array<float, 4> SampleThatCounts(const std::array<float, 4>& value) {
+    std::array<float, 4> counted = value;
+    const bool isFinite =
+        std::all_of(value.begin(), value.begin() + 3, [](float v) { return std::isfinite(v); });
+    if (value[3] < 0.0F) { // a shadow catcher's
+        return {};
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+        counted[c] = isFinite ? std::min(value[c], HDS_MAX_SAMPLE) : 0.0F;
+    }
+    counted[3] = std::isfinite(value[3]) ? value[3] : 0.0F;
+    return counted;
+}
+
 } // namespace
 
 std::string MatteName(const CommittedScene& scene, MatteKind kind, const MatteSurface& surface) {
@@ -41,7 +58,8 @@ bool NeedsFirstHits(const AovLayout& layout) {
                        [](const AovSlot& slot) { return slot.info->filter == AovFilter::First; });
 }
 
-void FilmBuffers::Reset(const AovLayout& layout, std::uint32_t width, std::uint32_t height) {
+void FilmBuffers::Reset(const AovLayout& layout, const std::optional<DeepLimits>& deep,
+                        std::uint32_t width, std::uint32_t height) {
     _layout = layout;
     _width = width;
     _height = height;
@@ -52,6 +70,10 @@ void FilmBuffers::Reset(const AovLayout& layout, std::uint32_t width, std::uint3
     Resize(_device, "AOV floats", numPixels * layout.floatsPerPixel * sizeof(float), &_floats);
     if (layout.hasMattes) {
         _mattes.Reset(width, height);
+    }
+    _deep.reset();
+    if (deep) {
+        _deep.emplace().Reset(width, height, *deep);
     }
     Resize(_device, "light path sums", numPixels * NumSums() * sizeof(shared::HdsLightPathPixel),
            &_lightPaths);
@@ -154,6 +176,26 @@ void FilmBuffers::AddMattes(const std::uint32_t* pixels, std::uint32_t numSample
         _mattes.AddSample(pixel);
         if (prim != HDS_NONE) {
             _mattes.Add(pixel, {prim, entry, static_cast<std::int32_t>(instance)}, 1);
+        }
+    }
+}
+
+void FilmBuffers::AddDeep(const std::uint32_t* pixels, std::uint32_t numSamples,
+                          const std::vector<std::array<std::uint32_t, 4>>& surfaces,
+                          const std::vector<std::array<float, 4>>& radiances) {
+    for (std::size_t slot = 0; slot < surfaces.size(); ++slot) {
+        const auto& [prim, kind, instance, depthBits] = surfaces[slot];
+        DeepHit hit;
+        hit.surface = {prim, prim == HDS_NONE ? kind : instance};
+        std::memcpy(&hit.depth, &depthBits, sizeof(hit.depth));
+        hit.radiance = SampleThatCounts(radiances[slot]);
+        const std::uint32_t pixel = pixels[slot / numSamples];
+        const bool isSeen = std::any_of(hit.radiance.begin(), hit.radiance.end(),
+                                        [](float value) { return value != 0.0F; });
+        if (isSeen) {
+            _deep->Add(pixel, hit);
+        } else {
+            _deep->AddNothing(pixel);
         }
     }
 }

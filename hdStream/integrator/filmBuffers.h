@@ -5,12 +5,14 @@
 
 #include "hdStream/device/device.h"
 #include "hdStream/film/aov.h"
+#include "hdStream/film/deepImage.h"
 #include "hdStream/film/filmSums.h"
 #include "hdStream/integrator/stageKernels.h"
 #include "kernels/shared/frame.h"
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace hds {
@@ -22,7 +24,8 @@ public:
     explicit FilmBuffers(std::shared_ptr<Device> device) : _device(std::move(device)) {}
 
     /// A black film of that size with buffers for the AOVs. Keeps memory of the same size.
-    void Reset(const AovLayout& layout, std::uint32_t width, std::uint32_t height);
+    void Reset(const AovLayout& layout, const std::optional<DeepLimits>& deep, std::uint32_t width,
+               std::uint32_t height);
 
     /// Puts sums (CheckFilmSums) into the film, which is black. Blocks.
     void Load(StageKernels* kernels, const std::vector<FilmSums>& start);
@@ -51,6 +54,15 @@ public:
     /// each. \param surfaces as the field `matte` of the path state, by slot.
     void AddMattes(const std::uint32_t* pixels, std::uint32_t numSamples,
                    const std::vector<std::array<std::uint32_t, 4>>& surfaces);
+
+    bool HasDeep() const { return _deep.has_value(); }
+    /// Adds the samples of a wave to the deep picture; parameters as of AddMattes.
+    /// \param radiances what paths have gathered, by slot.
+    void AddDeep(const std::uint32_t* pixels, std::uint32_t numSamples,
+                 const std::vector<std::array<std::uint32_t, 4>>& surfaces,
+                 const std::vector<std::array<float, 4>>& radiances);
+    /// Where HasDeep.
+    const DeepSums& Deep() const { return *_deep; }
 
     /// Where the kernel `aov` writes. \param centre of the scene, world space. \param shutterFrames
     /// length of the shutter's interval, 0: closed.
@@ -81,6 +93,7 @@ private:
     Buffer _lightPaths; ///< HdsLightPathPixel [NumSums()][pixels]
     bool _hasFirstHits = false;
     MatteSums _mattes;
+    std::optional<DeepSums> _deep;
 };
 
 /// The name by which a Cryptomatte knows a surface.

@@ -75,7 +75,7 @@ struct PathTracer::Impl {
         ReadyFrame(params);
         ReadyFilter();
         tracer.ClearCounters();
-        film.Reset(options.aovs, options.imageWidth, options.imageHeight);
+        film.Reset(options.aovs, options.deep, options.imageWidth, options.imageHeight);
         statistics.filmBytes = film.Bytes();
         film.Load(kernels, start);
         schedule.Begin(options, start);
@@ -238,26 +238,43 @@ struct PathTracer::Impl {
         kernels->resolve.Launch(wave.numPixels, wave, tracer.Sums(), numSlots, pixels, film.Film(),
                                 tracer.Counters());
         device->Finish();
-        if (film.HasMattes()) {
-            CollectMattes(wave);
+        if (film.HasMattes() || film.HasDeep()) {
+            CollectSurfaces(wave);
         }
         CollectTexelCounts();
         return true;
     }
 
-    /// Counts what camera rays have met.
-    void CollectMattes(const shared::HdsWave& wave) {
-        std::vector<std::array<std::uint32_t, 4>> surfaces(std::size_t{wave.numPixels} *
-                                                           wave.numSamples);
-        const std::uint64_t bytes = surfaces.size() * sizeof(surfaces[0]);
-        if (kernels->Features().HasLists()) { // behind what paths have gathered
-            tracer.Sums().Read(surfaces.data(), bytes, tracer.MaxPaths() * sizeof(surfaces[0]));
+    /// What paths of a wave keep, 16 bytes each: `field` of their state. \param sum with lists: the
+    /// number of it in the sums.
+    template <typename T>
+    std::vector<std::array<T, 4>> ReadField(const shared::HdsWave& wave, const char* field,
+                                            std::uint64_t sum) {
+        std::vector<std::array<T, 4>> values(std::size_t{wave.numPixels} * wave.numSamples);
+        const std::uint64_t bytes = values.size() * sizeof(values[0]);
+        if (kernels->Features().HasLists()) {
+            tracer.Sums().Read(values.data(), bytes, sum * tracer.MaxPaths() * sizeof(values[0]));
         } else {
-            tracer.Paths().Read(surfaces.data(), bytes,
-                                StageKernels::MatteOffset(kernels->Features()) * tracer.NumSlots());
+            tracer.Paths().Read(values.data(), bytes,
+                                StageKernels::FieldOffset(kernels->Features(), field) *
+                                    tracer.NumSlots());
         }
-        film.AddMattes(schedule.Pixels(*presentList).data() + wave.firstPixel, wave.numSamples,
-                       surfaces);
+        return values;
+    }
+
+    /// Counts what camera rays have met.
+    void CollectSurfaces(const shared::HdsWave& wave) {
+        const std::uint32_t* wavePixels = schedule.Pixels(*presentList).data() + wave.firstPixel;
+        const auto surfaces = ReadField<std::uint32_t>(wave, "matte", 1);
+        if (film.HasMattes()) {
+            film.AddMattes(wavePixels, wave.numSamples, surfaces);
+        }
+        if (film.HasDeep()) {
+            film.AddDeep(wavePixels, wave.numSamples, surfaces,
+                         ReadField<float>(wave, "radiance", 0));
+            statistics.deepBytes = film.Deep().Bytes();
+            statistics.deepCrowded = film.Deep().NumCrowded();
+        }
     }
 
     /// Before they overflow.
@@ -556,6 +573,10 @@ RenderResult PathTracer::Render(const ProgressCallback& onProgress, const Render
 
 std::vector<ImageLayer> PathTracer::Layers(bool withFirstHits) {
     return _impl->Layers(withFirstHits);
+}
+
+DeepImage PathTracer::Deep() const {
+    return _impl->film.HasDeep() ? _impl->film.Deep().Make() : DeepImage();
 }
 
 FilmSums PathTracer::Film() const {

@@ -48,6 +48,9 @@ public:
     /// traces the rays that find first-hit AOVs if that has not been done since Begin.
     std::vector<ImageLayer> Layers(bool withFirstHits);
 
+    /// The deep picture as rendered so far; without pixels where the options ask for none.
+    DeepImage Deep() const;
+
     /// The sums of the film as rendered so far. Blocks.
     FilmSums Film() const;
 

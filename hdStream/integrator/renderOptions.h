@@ -3,6 +3,7 @@
 #pragma once
 
 #include "hdStream/film/aov.h"
+#include "hdStream/film/deepImage.h"
 #include "hdStream/scene/sceneDescription.h"
 #include "hdStream/stream/reportPool.h"
 
@@ -10,6 +11,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 
 namespace hds {
@@ -43,6 +45,7 @@ struct RenderOptions {
     std::array<std::int32_t, 2> dataWindowMin{};
     ConformPolicy conformPolicy = ConformPolicy::ExpandAperture;
     AovLayout aovs;
+    std::optional<DeepLimits> deep; ///< of a deep picture, which is asked for
     std::uint32_t samples = 64;
     std::uint32_t maxDepth = 8;
     std::uint32_t maxDiffuseDepth = ~0U; ///< bounces of these lobes, of maxDepth

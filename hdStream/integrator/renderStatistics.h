@@ -41,6 +41,8 @@ struct RenderStatistics {
     double flattenSeconds = 0.0;                     ///< the flat hierarchy was built in
     std::uint64_t pathStateBytes = 0;
     std::uint64_t filmBytes = 0;
+    std::uint64_t deepBytes = 0;   ///< of host memory, for a deep picture
+    std::uint64_t deepCrowded = 0; ///< samples that have joined another surface there
 };
 
 } // namespace hds

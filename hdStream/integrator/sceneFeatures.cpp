@@ -74,7 +74,8 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
     features.firstHits = NeedsFirstHits(options.aovs);
     features.occlusion = options.aovs.hasOcclusion;
     features.rayVisibility = scene.hasRayVisibility;
-    features.mattes = options.aovs.hasMattes;
+    features.deep = options.deep.has_value();
+    features.mattes = options.aovs.hasMattes || features.deep;
     features.pathLimits = options.HasPathLimits();
     features.media = scene.hasMedia;
     features.hair = scene.hasHair;

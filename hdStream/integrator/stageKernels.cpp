@@ -71,8 +71,8 @@ std::uint64_t StageKernels::PathStateBytes(const KernelFeatures& features) {
     return kFieldBytes * NumPathFields(features);
 }
 
-std::uint64_t StageKernels::MatteOffset(const KernelFeatures& features) {
-    return kFieldBytes * NumPathFields(features, "matte");
+std::uint64_t StageKernels::FieldOffset(const KernelFeatures& features, const std::string& field) {
+    return kFieldBytes * NumPathFields(features, field);
 }
 
 StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,

@@ -56,8 +56,8 @@ public:
     std::uint64_t PathStateBytes() const { return PathStateBytes(_features); }
     /// \overload of any features.
     static std::uint64_t PathStateBytes(const KernelFeatures& features);
-    /// Where in a path state of one slot the field `matte` begins; of n slots it is n times that.
-    static std::uint64_t MatteOffset(const KernelFeatures& features);
+    /// Where in a path state of one slot a field begins; of n slots it is n times that.
+    static std::uint64_t FieldOffset(const KernelFeatures& features, const std::string& field);
     double BuildSeconds() const { return _buildSeconds; }
     const KernelFeatures& Features() const { return _features; }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/python/bindings.h"
+#include "hdStream/session/imageMetadata.h"
 #include "hdStream/session/session.h"
 
 #include <cstring>
@@ -95,8 +96,13 @@ void BindWriting(nb::module_& module) {
         .def_rw("worldToNdc", &ImageMetadata::worldToNdc)
         .def_rw("texts", &ImageMetadata::texts)
         .def_rw("dataWindowMin", &ImageMetadata::dataWindowMin)
-        .def_rw("displayWindowSize", &ImageMetadata::displayWindowSize);
+        .def_rw("displayWindowSize", &ImageMetadata::displayWindowSize)
+        .def_rw("framesPerSecond", &ImageMetadata::framesPerSecond)
+        .def_rw("frameNumber", &ImageMetadata::frameNumber)
+        .def_rw("tileSize", &ImageMetadata::tileSize);
 
+    module.def("MakeImageMetadata", &MakeImageMetadata, "settings"_a, "camera"_a,
+               "Samples, camera, matrices and windows of a render.");
     module.def("CheckImageFile", &CheckImageFile, "file"_a,
                "Raises Error unless an image can be written to the file.");
     module.def(
@@ -248,6 +254,35 @@ void BindFilmSums(nb::module_& module) {
     module.attr("SAMPLE_BLOCK") = HDS_SAMPLE_BLOCK;
 }
 
+void BindDeepImages(nb::module_& module) {
+    nb::class_<DeepImage>(module, "DeepImage", "A deep picture.")
+        .def_ro("width", &DeepImage::width)
+        .def_ro("height", &DeepImage::height)
+        .def_prop_ro(
+            "counts",
+            [](nb::handle self) {
+                const auto& image = nb::cast<const DeepImage&>(self);
+                const std::size_t shape[2] = {image.height, image.width};
+                return nb::cast(nb::ndarray<nb::numpy, const std::uint32_t>(image.counts.data(), 2,
+                                                                            shape, self));
+            },
+            "Samples by pixel, uint32 [height][width].")
+        .def_prop_ro(
+            "samples",
+            [](nb::handle self) {
+                const auto& image = nb::cast<const DeepImage&>(self);
+                constexpr std::size_t kFloats = sizeof(DeepSample) / sizeof(float);
+                static_assert(kFloats == 6);
+                const std::size_t shape[2] = {image.samples.size(), kFloats};
+                return nb::cast(nb::ndarray<nb::numpy, const float>(
+                    reinterpret_cast<const float*>(image.samples.data()), 2, shape, self));
+            },
+            "All samples, pixel by pixel, from front to back: float32 [samples][6], Z, ZBack, R, "
+            "G, B, A.");
+    module.def("WriteDeepImage", &WriteDeepImage, ReleaseGil(), "file"_a, "image"_a, "isHalf"_a,
+               "metadata"_a, "Writes a deep EXR.");
+}
+
 void BindComparing(nb::module_& module) {
     nb::class_<LayerDifference>(module, "LayerDifference", "Difference of one layer.")
         .def_ro("name", &LayerDifference::name)
@@ -272,6 +307,7 @@ void BindComparing(nb::module_& module) {
 void BindImages(nb::module_& module) {
     BindWriting(module);
     BindFilmSums(module);
+    BindDeepImages(module);
     BindComparing(module);
 }
 

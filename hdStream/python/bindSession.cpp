@@ -230,6 +230,7 @@ void BindSession(nb::module_& module) {
         .def("Redice", &Session::Redice)
         .def("HasImage", &Session::HasImage)
         .def("Layers", &Session::Layers, ReleaseGil(), "withFirstHits"_a = true)
+        .def("Deep", &Session::Deep, ReleaseGil())
         .def("FlushTextures", &Session::FlushTextures, ReleaseGil())
         .def("Statistics", &Session::Statistics, ReleaseGil())
         .def("SetFrontEndTimes", &Session::SetFrontEndTimes, "loadSeconds"_a, "translateSeconds"_a,

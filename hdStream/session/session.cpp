@@ -226,6 +226,9 @@ struct Session::Impl {
             return RenderResult::Stopped;
         }
         options.aovs.hasCatchers = scene->hasCatchers;
+        if (options.deep && scene->hasCatchers) {
+            warnings.Add("", "a deep picture shows nothing of shadow catchers");
+        }
         CheckFilmSums(film, settings.imageWidth, settings.imageHeight, settings.samples,
                       options.aovs.hasMattes, options.aovs.SumNames());
         tracer->Begin(std::move(options), film);
@@ -366,6 +369,10 @@ RenderResult Session::Render(const Settings& settings, const ProgressCallback& o
     if (!start.empty() && settings.noise > 0.0) {
         throw Error("--noise: adaptive samples cannot be split or continued", ErrorKind::Usage);
     }
+    if (!start.empty() && settings.deep) {
+        throw Error("--deep: samples of a deep picture cannot be split or continued",
+                    ErrorKind::Usage);
+    }
     const auto camera = impl.description.cameras.find(settings.camera);
     if (camera == impl.description.cameras.end()) {
         throw Error("--camera " + settings.camera + ": the stage has no such camera",
@@ -399,6 +406,17 @@ std::vector<ImageLayer> Session::Layers(bool withFirstHits) const {
         FillAlpha(&layers);
     }
     return layers;
+}
+
+DeepImage Session::Deep() const {
+    if (!_impl->hasFilm) {
+        throw Error("nothing has been rendered yet");
+    }
+    DeepImage image = _impl->tracer->Deep();
+    if (image.counts.empty()) {
+        throw Error("the render has no deep picture: its settings ask for none");
+    }
+    return image;
 }
 
 FilmSums Session::Film() const {

@@ -106,6 +106,10 @@ public:
     /// \throws Error before the first Render.
     std::vector<ImageLayer> Layers(bool withFirstHits = true) const;
 
+    /// The deep picture as rendered so far, where the settings ask for one. May be called inside
+    /// onProgress. \throws Error before the first Render, and where none was asked for.
+    DeepImage Deep() const;
+
     /// True when Layers and Statistics have something to say: a render has begun, and the scene of
     /// the last one was not cancelled while it was prepared.
     bool HasImage() const;

@@ -88,6 +88,12 @@ RenderOptions MakeRenderOptions(const Settings& settings, const CameraPrim& came
     }
     options.conformPolicy = EnumOf<ConformPolicy>("conformPolicy", settings.conformPolicy);
     options.aovs = MakeAovLayout(settings.aovs);
+    if (settings.deep) {
+        DeepLimits& deep = options.deep.emplace();
+        deep.tolerance = static_cast<float>(settings.deepTolerance);
+        deep.mostSamples = settings.deepSamples;
+        deep.farDepth = std::min(static_cast<float>(camera.farClip), deep.farDepth);
+    }
     options.samples = settings.samples;
     options.maxDepth = settings.maxDepth;
     options.maxDiffuseDepth = settings.maxDiffuseDepth;

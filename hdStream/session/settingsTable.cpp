@@ -31,6 +31,7 @@ constexpr double kMaxShadeIterations = 64.0;
 constexpr double kMaxPixelAspect = 1000.0;
 /// Path depths are kept in 16 bits together with their sampling dimensions.
 constexpr double kMaxDepth = 4096;
+constexpr double kMaxDeepSamples = 4096;
 constexpr double kMaxClamp = 1e6;
 constexpr double kMaxDistance = 1e30; ///< scene units
 constexpr double kMaxCount = 1U << 24U;

@@ -142,6 +142,7 @@ std::string MakeStatistics(const StatisticsInput& in) {
     stats["time"] = TimeSection(in);
     stats["memory"] = {{"pathState", render.pathStateBytes},
                        {"film", render.filmBytes},
+                       {"deep", render.deepBytes},
                        {"tables", in.tracer->Buffers().TableBytes()},
                        {"devicePeak", in.device->PeakBytes()},
                        {"hostPeak", HostPeakBytes()}};
@@ -155,6 +156,7 @@ std::string MakeStatistics(const StatisticsInput& in) {
     stats["accuracy"] = {{"nanSamples", render.nanSamples},
                          {"clampedSamples", render.clampedSamples},
                          {"endedPasses", render.endedPasses},
+                         {"deepCrowded", render.deepCrowded},
                          {"meanRelativeError", render.meanRelativeError}};
     stats["wave"] = {
         {"size", render.waveSize},

@@ -71,7 +71,11 @@ void generate_start(HdsPaths paths, uint i, uint number, constant const HdsFrame
     path_beginVolumes(paths, i, ray.tMin);
 #endif
 #if HDS_FEATURE_MATTES
+#if HDS_FEATURE_DEEP
+    path_store_matte(paths, i, (uint4)(HDS_NONE, 0u, 0u, as_uint(INFINITY)));
+#else
     path_store_matte(paths, i, (uint4)(HDS_NONE, 0u, 0u, 0u));
+#endif
 #endif
 #if HDS_FEATURE_PATH_LIMITS
     pathLimits_begin(paths, i);

@@ -47,6 +47,9 @@
 #endif
 #include "integrator/shadeHair.clh"
 #include "integrator/shadeHits.clh"
+#if HDS_FEATURE_DEEP
+#include "integrator/deepPath.clh"
+#endif
 #if HDS_FEATURE_MEDIA
 #include "integrator/shadeMedium.clh"
 #endif
@@ -200,8 +203,14 @@ uint shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
         path->alpha = 1.0f;
 #if HDS_FEATURE_MATTES
         const uint entry = scene->prims[at->surface.prim].materialBase + at->surface.materialEntry;
+#if HDS_FEATURE_DEEP
+        path_store_matte(paths, i,
+                         (uint4)(at->surface.prim, entry, (uint)at->surface.instanceId,
+                                 as_uint(deepPath_depth(frame, path, at->hit.t))));
+#else
         path_store_matte(paths, i,
                          (uint4)(at->surface.prim, entry, (uint)at->surface.instanceId, 0u));
+#endif
 #endif
     }
     shade_addEmission(scene, &at->hit, &at->surface, bsdf_emission(&scatter->bsdf), path);
@@ -222,6 +231,9 @@ void shade_path(constant const HdsFrameParams* frame, const HdsSceneView* scene,
     HdsScatter scatter;
     scatter.linkSet = 0u;
     uint step = HDS_SHADE_ENDS;
+#if HDS_FEATURE_DEEP
+    deepPath_keepLight(frame, path, paths, i);
+#endif
 #if HDS_FEATURE_MEDIA
     const uint kind = path->medium.medium.kind;
 #if HDS_FEATURE_MEDIA_STACK

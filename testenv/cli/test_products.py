@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`hdstream record STAGE`: all products of the render settings, each with its camera, size and layers."""
 
+import deepFile
 import exrFile
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ def Camera "side_cam" {
 }
 def Scope "Render" {
     def RenderSettings "Settings" {
-        rel products = [</Render/Main>, </Render/Mattes>, </Render/Side>, </Render/Deep>]
+        rel products = [</Render/Main>, </Render/Mattes>, </Render/Side>, </Render/Deep>, </Render/Other>]
         uniform int2 resolution = (24, 16)
         rel camera = </main_cam>
         custom int hdstream:samples = 4
@@ -38,12 +39,18 @@ def Scope "Render" {
         rel orderedVars = [</Render/Vars/beauty>, </Render/Vars/lit>, </Render/Vars/key>]
     }
     def RenderProduct "Deep" {
-        token productName = "deep.exr"
+        token productName = "deep.####.exr"
         token productType = "deepRaster"
+        rel orderedVars = [</Render/Vars/depth>, </Render/Vars/whole>, </Render/Vars/id>]
+    }
+    def RenderProduct "Other" {
+        token productName = "other.exr"
+        token productType = "path"
     }
     def Scope "Vars" {
         def RenderVar "beauty" { string sourceName = "Ci"
             token dataType = "color4h" }
+        def RenderVar "whole" { string sourceName = "Ci" }
         def RenderVar "depth" { string sourceName = "cameraDepth"
             token dataType = "float"
             custom string driver:parameters:aov:name = "Z" }
@@ -78,10 +85,12 @@ def test_all_products_are_written(stage, tmp_path):
     result = RunHere("record", stage, *_SELECT, "--frames", "1:2")
     assert result.code == 0, result.text
     assert len(result.out.splitlines()) == 4  # two frames of two pictures: two products share one
-    assert "main.0001.exr, mattes1.exr: 24x16, 4 samples" in result.out
-    assert "/Render/Deep: products of type 'deepRaster' are not supported; left out" in result.text
+    assert "main.0001.exr, mattes1.exr, deep.0001.exr: 24x16, 4 samples" in result.out
+    assert "/Render/Other: products of type 'path' are not supported; left out" in result.text
+    assert "/Render/Deep: a deep product holds colour and depth alone; left out: primId" in result.text
     names = {path.name for path in tmp_path.glob("*.exr")}
-    assert names == {"main.0001.exr", "main.0002.exr", "mattes1.exr", "mattes2.exr", "side.0001.exr", "side.0002.exr"}
+    assert names == {"main.0001.exr", "main.0002.exr", "mattes1.exr", "mattes2.exr", "side.0001.exr", "side.0002.exr",
+                     "deep.0001.exr", "deep.0002.exr"}
     _, main = exrFile.Read(tmp_path / "main.0001.exr")
     assert {name: kind.dtype.str for name, kind in main.items()} == {
         **{channel: "<f2" for channel in "RGBA"}, "Z.Z": "<f4", **{f"primvars:st.{axis}": "<f2" for axis in "XYZ"}}
@@ -91,6 +100,32 @@ def test_all_products_are_written(stage, tmp_path):
     assert set(side) == {*"RGBA", *(f"{name}.{channel}" for name in ("lit", "keyLight") for channel in "RGB")}
     assert side["lit.R"].max() > 0.1 and not side["keyLight.R"].any()
     assert not _SameBits(main["Z.Z"], exrFile.Read(tmp_path / "main.0002.exr")[1]["Z.Z"])
+
+
+def test_a_deep_product_is_the_flat_one_in_samples(stage, tmp_path):
+    """The layers of the same frame, and those of a single render to the bit; the compression is one that deep files have."""
+    assert RunHere("record", stage, *_SELECT, "--frames", "1").code == 0
+    single = ["--frames", "1", "--samples", "4", "--maxDepth", "2"]
+    assert RunHere("record", stage, "whole.exr", *_SELECT, *single).code == 0
+    assert RunHere("record", stage, "single.exr", *_SELECT, *single, "--deep", "--aovs", "color").code == 0
+    deep, again = deepFile.Read("deep.0001.exr"), deepFile.Read("single.exr")
+    assert np.array_equal(deep.counts, again.counts)
+    assert all(_SameBits(deep.channels[name], again.channels[name]) for name in ("R", "G", "B", "A", "Z", "ZBack"))
+    _, flat = exrFile.Read("whole.exr")
+    colors = np.stack([deep.channels[name] for name in "RGBA"], -1).astype(float)
+    for index, name in enumerate("RGBA"):
+        assert np.allclose(deepFile.Flatten(deep.counts, colors)[..., index], flat[name], rtol=1e-6, atol=1e-8)
+    assert flat["A"].max() == 1.0 and deep.texts["hdStream:camera"] == "/main_cam"
+
+
+@pytest.mark.parametrize("arguments, words", [
+    (["a.png", "--deep"], ("--deep", "a.png is no .exr")),
+    (["--deep"], ("--deep", "say OUT")),
+    (["a.exr", "--deep", "--aovs", "color,normal"], ("--deep", "no other --aovs")),
+    (["a.exr", "--deep", "--workers", "1", "--split", "tiles"], ("--split tiles", "deep picture")),
+])
+def test_what_cannot_be_deep_is_said(arguments, words, tmp_path):
+    AssertFails(Run("record", WriteStage(tmp_path, ANIMATED), *arguments, cwd=tmp_path), 2, *words)
 
 
 _PACKED = """    def RenderProduct "%s" {
@@ -112,7 +147,7 @@ def test_products_say_how_they_are_packed_and_what_is_in_the_header(tmp_path, mo
     numbers = {"none": 0, "rle": 1, "zips": 2, "piz": 4, "dwaa": 8, "lzw": 3}
     body = "".join(_PACKED % (name.upper(), name, name) for name in numbers)
     rel = ", ".join(f"</Render/{name.upper()}>" for name in numbers)
-    products = _PRODUCTS.replace("</Render/Deep>]", f"{rel}]").replace('    def RenderProduct "Mattes" {',
+    products = _PRODUCTS.replace("</Render/Deep>, </Render/Other>]", f"{rel}]").replace('    def RenderProduct "Mattes" {',
                                                                       body + '    def RenderProduct "Mattes" {')
     result = RunHere("record", WriteStage(tmp_path, _BRIGHT + products), *_SELECT, "--frames", "1")
     assert result.code == 0, result.text
@@ -148,6 +183,8 @@ def test_pixels_are_those_of_single_renders(stage, tmp_path):
 
 def test_a_farm_writes_the_same(stage, tmp_path):
     assert RunHere("record", stage, *_SELECT, "--frames", "1").code == 0
+    deep = deepFile.Read(tmp_path / "deep.0001.exr")
+    (tmp_path / "deep.0001.exr").unlink()
     single = {path.name: exrFile.Read(path)[1] for path in tmp_path.glob("*.exr")}
     for path in tmp_path.glob("*.exr"):
         path.unlink()
@@ -156,6 +193,8 @@ def test_a_farm_writes_the_same(stage, tmp_path):
     for name, channels in single.items():
         _, again = exrFile.Read(tmp_path / name)
         assert again.keys() == channels.keys() and all(_SameBits(again[key], channels[key]) for key in channels)
+    again = deepFile.Read(tmp_path / "deep.0001.exr")
+    assert all(_SameBits(again.channels[name], channel) for name, channel in deep.channels.items())
 
 
 def test_resume_knows_every_file(stage, tmp_path):
@@ -165,6 +204,9 @@ def test_resume_knows_every_file(stage, tmp_path):
     (tmp_path / "mattes1.exr").unlink()
     assert RunHere(*arguments).out.count("is there already") == 1
     assert (tmp_path / "mattes1.exr").exists()
+    (tmp_path / "deep.0001.exr").unlink()
+    assert RunHere(*arguments).out.count("is there already") == 1
+    assert (tmp_path / "deep.0001.exr").exists()
 
 
 @pytest.mark.parametrize("body, words", [

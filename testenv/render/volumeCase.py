@@ -45,8 +45,8 @@ def Stage(path, lights=(("Dome", {}),), width=2.0, add=None) -> str:
     return stage.GetRootLayer().realPath
 
 
-def Render(stagePath, volumes, size=16, aovs=("color",), **settings):
-    """(layers by name, statistics, warnings). \\param volumes: by path."""
+def RenderSession(stagePath, volumes, size=16, aovs=("color",), **settings):
+    """The session of a render. \\param volumes: by path."""
     session = _core.Session()
     TranslateStage(Usd.Stage.Open(str(stagePath)), session, Usd.TimeCode.Default())
     for path, volume in volumes.items():
@@ -58,6 +58,12 @@ def Render(stagePath, volumes, size=16, aovs=("color",), **settings):
     for name, value in settings.items():
         setattr(options, name, value)
     session.Render(options)
+    return session
+
+
+def Render(stagePath, volumes, size=16, aovs=("color",), **settings):
+    """(layers by name, statistics, warnings). \\param volumes: by path."""
+    session = RenderSession(stagePath, volumes, size, aovs, **settings)
     layers = {layer.name: np.array(layer.pixels) for layer in session.Layers()}
     return layers, json.loads(session.Statistics()), list(session.Warnings())
 

@@ -20,7 +20,7 @@ def Read(file):
     texts = {name: value.decode("utf-8") for name, (kind, value) in attributes.items() if kind == "string"}
     assert attributes["compression"][1][0] == _ZIP
     left, top, right, bottom = struct.unpack("<4i", attributes["dataWindow"][1])
-    channels = _Channels(attributes["channels"][1])
+    channels = Channels(attributes["channels"][1])
     width, height = right - left + 1, bottom - top + 1
     rowBytes = width * sum(kind.itemsize for _, kind in channels)
     images = {name: np.empty((height, width), kind) for name, kind in channels}
@@ -28,7 +28,7 @@ def Read(file):
     for start in struct.unpack_from(f"<{numBlocks}Q", data, offset):
         row, size = struct.unpack_from("<ii", data, start)
         first, last = row - top, min(row - top + _ZIP_LINES, height)
-        raw = _Unpack(data[start + 8:start + 8 + size], rowBytes * (last - first))
+        raw = Unpack(data[start + 8:start + 8 + size], rowBytes * (last - first))
         at = 0
         for y in range(first, last):
             for name, kind in channels:
@@ -55,10 +55,10 @@ def _Open(file):
         data = stream.read()
     magic, version = struct.unpack_from("<ii", data)
     assert magic == _MAGIC and version & 0x1a00 == 0, "not one part of scan lines"  # long names may be there
-    return (data, *_Attributes(data, 8))
+    return (data, *Attributes(data, 8))
 
 
-def _Attributes(data, offset):
+def Attributes(data, offset):
     attributes = {}
     while data[offset]:
         name, offset = _Text(data, offset)
@@ -69,7 +69,7 @@ def _Attributes(data, offset):
     return attributes, offset + 1
 
 
-def _Channels(data):
+def Channels(data):
     channels, offset = [], 0
     while data[offset]:
         name, offset = _Text(data, offset)
@@ -83,7 +83,7 @@ def _Text(data, offset):
     return data[offset:end].decode("utf-8"), end + 1
 
 
-def _Unpack(packed, size):
+def Unpack(packed, size):
     """A block as it was: differences of neighbours are added up, and the two halves take turns."""
     if len(packed) == size:
         return packed

@@ -120,10 +120,12 @@ class _Farm:
 
     def _SubmitParts(self, split, frame, probe):
         """Tasks of a frame's parts; returns the one that joins them."""
-        isAdaptive = probe["noise"] > 0.0 or probe["timeLimit"] > 0.0
-        if isAdaptive and self._args.split:
+        if probe["deep"] and self._args.split:
+            raise UsageError(f"--split {split}: a deep picture cannot be taken apart; its frames can be spread")
+        isWhole = probe["deep"] or probe["noise"] > 0.0 or probe["timeLimit"] > 0.0
+        if isWhole and self._args.split:
             raise UsageError(f"--split {split}: not together with --noise or --time, which depend on what is split")
-        if isAdaptive:
+        if isWhole:
             return self._Submit(farmWork.RenderFrame, frame, self._interval)
         if split == "tiles" and probe["denoise"]:
             raise UsageError("--split tiles: not together with --denoise, which looks at whole pictures")

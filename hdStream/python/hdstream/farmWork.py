@@ -42,7 +42,7 @@ def ProbeFrame(jobId, job, frame):
         settings = writer.renderer.settings
         kept = next(iter(writer.StartOf(frame)), None) if isMissing else None
         isBorder = kept is not None and kept.endSample % BLOCK == 0 and kept.MostSamples() == kept.endSample
-        names = ("imageWidth", "imageHeight", "samples", "noise", "timeLimit", "denoise")
+        names = ("imageWidth", "imageHeight", "samples", "noise", "timeLimit", "denoise", "deep")
         return {"isThere": not isMissing, "firstSample": kept.endSample if isBorder else 0,
                 **{name: settings[name] for name in names}}
 

@@ -51,8 +51,7 @@ class FrameWriter:
         if not self._job.resumes:
             return True
         self._key = KeyOf(self.renderer, self._assetHashes, self._FileFormat(frame.file))
-        files = [output.file for output in frame.outputs] or [frame.file]
-        return any(self._SamplesOf(file, frame.file) < self.renderer.settings["samples"] for file in files)
+        return any(self._SamplesOf(output, frame.file) < self.renderer.settings["samples"] for output in self._OutputsOf(frame))
 
     def PrepareSamples(self, frame, samples):
         """For a render that ends after so many samples and whose sums alone are asked for."""
@@ -68,6 +67,7 @@ class FrameWriter:
         values = {**self._job.settings, **further}
         if frame.outputs and "aovs" not in further:
             values["aovs"] = list(dict.fromkeys(layer.aov for output in frame.outputs for layer in output.layers))
+            values["deep"] = any(output.isDeep for output in frame.outputs)
         self.renderer.Prepare(frame.timeCode, renderSettingsPrimPath=self._job.renderSettingsPrimPath,
                               renderProductPrimPath=frame.product, **values)
 
@@ -85,14 +85,22 @@ class FrameWriter:
         if image.samples == 0:
             return False
         texts = TextsOf(self._key, done) if self._job.resumes else {}
-        for output in frame.outputs or (Output(frame.file, None),):
+        for output in self._OutputsOf(frame):
+            if output.isDeep:
+                isHalf = output.layers is not None and output.layers[0].isHalf
+                image.WriteDeep(output.file, {**output.texts, **texts}, isHalf)
+                continue
             layers = None if output.layers is None else [dataclasses.astuple(layer) for layer in output.layers]
-            left = image.Write(output.file, self._job.colorCorrectionMode, {**output.texts, **texts}, layers)
+            left = image.Write(output.file, self._job.colorCorrectionMode, {**output.texts, **texts}, layers, output.tileSize)
             if left:
                 self.renderer.Warn(output.file, f"no room in this format for {', '.join(left)}; use .exr")
         if frame.statsFile:
             WriteText("--stats", frame.statsFile, json.dumps(image.statistics, indent=2) + "\n")
         return True
+
+    def _OutputsOf(self, frame):
+        """The files of a prepared frame."""
+        return frame.outputs or (Output(frame.file, None, isDeep=self.renderer.settings["deep"]),)
 
     def _FileFormat(self, file):
         """What the bits of a file depend on besides the picture."""
@@ -100,15 +108,16 @@ class FrameWriter:
         isDisplay = extension in (".png", ".jpg", ".jpeg")
         return f"{extension} {self._job.colorCorrectionMode or os.environ.get('OCIO', '')}" if isDisplay else extension
 
-    def _SamplesOf(self, file, mainFile):
+    def _SamplesOf(self, output, mainFile):
         """Samples of the picture that is there; 0: it is another one, or cannot be read to its end. Sums lie beside the main
-        file."""
+        file. Deep files have none, and are taken for whole where their header is there."""
+        file = output.file
         if os.path.splitext(file)[1].lower() == ".exr":
             samples = SamplesInFile(file, self._key)
         else:
             kept, _ = filmSums.Load(filmSums.FileOf(mainFile), self._key)
             samples = kept.endSample if kept else 0
-        return samples if samples > 0 and not _core.CompareImages(file, file).error else 0
+        return samples if samples > 0 and (output.isDeep or not _core.CompareImages(file, file).error) else 0
 
     def StartOf(self, frame):
         """The sums that were kept of a prepared frame: one or none."""
@@ -125,8 +134,8 @@ class FrameWriter:
 
 
 def _CanGoOn(settings):
-    """Pixels of adaptive renders stop at different samples."""
-    return settings["noise"] == 0.0
+    """Pixels of adaptive renders stop at different samples; the samples of deep ones cannot be taken apart."""
+    return settings["noise"] == 0.0 and not settings["deep"]
 
 
 def WriteText(option, file, text):

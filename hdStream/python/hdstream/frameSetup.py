@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The settings and the camera of a frame: of the caller, else of the render settings prim, else defaults."""
 
+import dataclasses
+import math
+from fractions import Fraction
+from typing import Optional, Tuple
+
 import numpy as np
 from pxr import Gf, Usd, UsdGeom
 
@@ -144,26 +149,33 @@ def _SetWindow(window, settings):
     settings.imageWidth, settings.imageHeight = right - left, bottom - top
 
 
-def MakeMetadata(settings, camera):
-    """What the EXR says of the camera, in Gf's convention (row vectors), as OpenEXR's own names."""
-    gfCamera = Gf.Camera()
-    gfCamera.transform = Gf.Matrix4d(camera.worldFromCamera.tolist())
-    gfCamera.projection = Gf.Camera.Orthographic if camera.orthographic else Gf.Camera.Perspective
-    for name in ("horizontalAperture", "verticalAperture", "horizontalApertureOffset",
-                 "verticalApertureOffset", "focalLength"):
-        setattr(gfCamera, name, 10.0 * getattr(camera, name))  # tenths of a scene unit
-    gfCamera.clippingRange = Gf.Range1f(camera.nearClip, camera.farClip)
-    frustum = gfCamera.frustum
-    view = frustum.ComputeViewMatrix()
-    metadata = _core.ImageMetadata()
-    metadata.samples = settings.samples
-    metadata.camera = settings.camera
-    metadata.pixelAspectRatio = settings.pixelAspectRatio
-    metadata.worldToCamera = [value for row in view for value in row]
-    projection = view * frustum.ComputeProjectionMatrix()
-    metadata.worldToNdc = [value for row in projection for value in row]
-    left, top, right, bottom = (round(edge) for edge in settings.displayWindow)
-    if right > left and bottom > top:
-        metadata.displayWindowSize = [right - left, bottom - top]
-        metadata.dataWindowMin = [settings.dataWindowMin[0] - left, settings.dataWindowMin[1] - top]
+@dataclasses.dataclass(frozen=True)
+class FrameTime:
+    """When a frame is, as a header says it."""
+
+    framesPerSecond: Tuple[int, int] = (0, 0)  # a fraction; 0: the stage does not say
+    number: Optional[int] = None  # of the frame; None: at no time, or before the first
+
+    @staticmethod
+    def Of(stage, timeCode):
+        """Of a frame of a stage. Frames are those of framesPerSecond, which time codes may differ from."""
+        if not any(stage.HasAuthoredMetadata(name) for name in ("framesPerSecond", "timeCodesPerSecond")):
+            return FrameTime()
+        rate = stage.GetFramesPerSecond()
+        if not 0.01 <= rate <= 1e6:
+            return FrameTime()
+        whole = round(1.001 * rate)
+        isNtsc = rate != round(rate) and abs(1.001 * rate - whole) < 1e-3 * whole / 24
+        fraction = (1000 * whole, 1001) if isNtsc else Fraction(rate).limit_denominator(1000).as_integer_ratio()
+        if timeCode.IsDefault() or stage.GetTimeCodesPerSecond() <= 0.0:
+            return FrameTime(fraction)
+        number = math.floor(timeCode.GetValue() * rate / stage.GetTimeCodesPerSecond() + 1e-6)
+        return FrameTime(fraction, number if 0 <= number < 1 << 31 else None)
+
+
+def MakeMetadata(settings, camera, frameTime=FrameTime()):
+    """What the EXR says of the render."""
+    metadata = _core.MakeImageMetadata(settings, camera)
+    metadata.framesPerSecond = list(frameTime.framesPerSecond)
+    metadata.frameNumber = frameTime.number
     return metadata

@@ -4,7 +4,7 @@
 import dataclasses
 from typing import Dict, List, Optional, Tuple
 
-from pxr import UsdRender
+from pxr import Gf, UsdRender
 
 from hdstream import _core
 from hdstream.errors import UsageError
@@ -14,10 +14,14 @@ _NAME_OF_VAR = "driver:parameters:aov:name"      # as hosts author them
 _FORMAT_OF_VAR = "driver:parameters:aov:format"
 _COMPRESSION = "driver:parameters:OpenEXR:compression"
 _DWA_LEVEL = "driver:parameters:OpenEXR:dwaCompressionLevel"
+_MOST_TILE = 65536
 _COMPRESSIONS = ("none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab")
+_TILE_SIZE = "driver:parameters:OpenEXR:tileSize"  # ours
 _HEADER_PREFIX = "driver:parameters:OpenEXR:"
 # By what names OpenImageIO knows them; the latter is `comments` in the header.
 _TEXTS_OF_PRODUCT = {"driver:parameters:artist": "Artist", "driver:parameters:comment": "ImageDescription"}
+# What a deep file has beside its colour, under names of its own.
+_IN_DEEP_FILES = ("color", "alpha", "depth", "cameraDepth")
 # Attributes of a product that decide its picture: products that agree in all of them share a render.
 _OF_PICTURE = ("resolution", "pixelAspectRatio", "aspectRatioConformPolicy", "dataWindowNDC", "disableDepthOfField",
                "disableMotionBlur", "instantaneousShutter")
@@ -39,6 +43,8 @@ class Output:
     file: str
     layers: Optional[Tuple[Layer, ...]]  # None: all that was rendered
     texts: Dict[str, str] = dataclasses.field(default_factory=dict)  # of an EXR's header, and its compression
+    isDeep: bool = False
+    tileSize: Tuple[int, int] = (0, 0)  # of an EXR; 0: scan lines
 
 
 @dataclasses.dataclass
@@ -47,22 +53,21 @@ class Picture:
 
     product: str
     prims: List
-    layers: List[Tuple[Layer, ...]]
-    texts: List[Dict[str, str]]
+    outputs: List[Output]  # their files are those of a frame
 
     def OutputsAt(self, timeCode):
         """The files of a frame. Raises UsageError for a product without a name."""
         outputs = []
-        for prim, layers, texts in zip(self.prims, self.layers, self.texts):
+        for prim, output in zip(self.prims, self.outputs):
             name = prim.GetAttribute("productName").Get(timeCode)
             if not name:
                 raise UsageError(f"{prim.GetPath()}: the product has no productName to write to")
-            outputs.append(Output(str(name), layers, texts))
+            outputs.append(dataclasses.replace(output, file=str(name)))
         return outputs
 
 
 def FindPictures(stage, path, session):
-    """What the raster products of the render settings at `path`, or of the stage's own, need. Raises UsageError without any."""
+    """What the raster and the deep products of the render settings at `path`, or of the stage's own, need. Raises UsageError without any."""
     settings = FindRenderSettings(stage, path, session)
     if settings is None:
         raise UsageError("OUT is missing, and the stage has no render settings whose products could be written")
@@ -73,18 +78,41 @@ def FindPictures(stage, path, session):
             session.Warn(str(target), "is no render product; left out")
             continue
         kind = prim.GetAttribute("productType").Get()
-        if kind != "raster":
+        if kind not in ("raster", "deepRaster"):
             session.Warn(str(target), f"products of type {kind!r} are not supported; left out")
             continue
         key = tuple(str(prim.GetAttribute(name).Get()) if prim.GetAttribute(name).HasAuthoredValue() else None
                     for name in _OF_PICTURE) + tuple(TargetsOf(prim, "camera", session))
-        picture = pictures.setdefault(key, Picture(str(target), [], [], []))
+        picture = pictures.setdefault(key, Picture(str(target), [], []))
         picture.prims.append(prim)
-        picture.layers.append(_LayersOf(stage, prim, session))
-        picture.texts.append(_TextsOf(prim, session))
+        layers = _LayersOf(stage, prim, session)
+        if kind == "deepRaster":
+            layers = _LayersOfDeep(layers, prim, session)
+        picture.outputs.append(Output("", layers, _TextsOf(prim, session), kind == "deepRaster", _TileSizeOf(prim, session)))
     if not pictures:
         raise UsageError(f"OUT is missing, and {settings.GetPath()} has no products")
     return list(pictures.values())
+
+
+def _LayersOfDeep(layers, product, session):
+    """The colour, which a deep file holds alone."""
+    left = [layer.aov for layer in layers if layer.aov not in _IN_DEEP_FILES]
+    if left:
+        session.Warn(str(product.GetPath()), f"a deep product holds colour and depth alone; left out: {', '.join(left)}")
+    return tuple(layer for layer in layers if layer.aov == "color") or (Layer("color", "color", False),)
+
+
+def _TileSizeOf(product, session):
+    """One number or two."""
+    value = product.GetAttribute(_TILE_SIZE).Get() if product.GetAttribute(_TILE_SIZE) else None
+    if value is None:
+        return (0, 0)
+    size = (value, value) if isinstance(value, int) else tuple(value) if isinstance(value, Gf.Vec2i) else ()
+    if len(size) != 2 or not all(1 <= side <= _MOST_TILE for side in size):
+        session.Warn(str(product.GetPath()), f"{_TILE_SIZE} {value!r} is no size of 1 to {_MOST_TILE} pixels; scan lines are "
+                     "written")
+        return (0, 0)
+    return size
 
 
 def _TextsOf(product, session):
@@ -92,7 +120,7 @@ def _TextsOf(product, session):
     texts = {}
     for attribute in product.GetAuthoredAttributes():
         name, value = attribute.GetName(), attribute.Get()
-        if name in (_COMPRESSION, _DWA_LEVEL) or value is None:
+        if name in (_COMPRESSION, _DWA_LEVEL, _TILE_SIZE) or value is None:
             continue
         if name in _TEXTS_OF_PRODUCT:
             texts[_TEXTS_OF_PRODUCT[name]] = str(value)

@@ -29,6 +29,12 @@ def CheckArguments(args):
             raise UsageError(f"--{option}: needs --scheduler or --workers")
     if args.output is None and args.aovs:
         raise UsageError("--aovs: files of render products hold the render vars of their product; say OUT to choose others")
+    if args.output is None and args.deep:
+        raise UsageError("--deep: render products say by their productType whether they are deep; say OUT")
+    if args.deep and os.path.splitext(args.output)[1].lower() != ".exr":
+        raise UsageError(f"--deep: {args.output} is no .exr, and only these are deep")
+    if args.deep and args.aovs and args.aovs != ["color"]:
+        raise UsageError("--deep: a deep file holds colour and depth alone, and no other --aovs")
     if args.output is not None and "#" not in args.output:
         _core.CheckImageFile(args.output)
     if args.stats:

@@ -19,7 +19,7 @@ from hdstream.denoiser import FindDenoiser
 from hdstream.diagnostics import Diagnostics
 from hdstream.errors import EXIT_USAGE, CommandError
 from hdstream.framing import FindCamera
-from hdstream.frameSetup import Framing, MakeMetadata, MakeSettings, ShutterOf
+from hdstream.frameSetup import Framing, FrameTime, MakeMetadata, MakeSettings, ShutterOf
 from hdstream.processTime import SecondsSinceStart
 from hdstream.materialXFiles import UnreadFiles
 from hdstream.renderSettings import ReadRenderSettings
@@ -194,7 +194,8 @@ class Renderer:
         layers = self._session.Layers() if samples > 0 else []
         # Asked for last: finding first hits takes time and rays, and may warn.
         statistics = json.loads(self._session.Statistics()) if hasImage else {}
-        return Image(layers, self._Prepared(), isComplete, samples, statistics)
+        deep = self._session.Deep() if samples > 0 and self._Prepared().settings.deep else None
+        return Image(layers, self._Prepared(), isComplete, samples, statistics, deep)
 
     def RenderSums(self, onProgress: Optional[Callable[[_core.Progress], Any]] = None,
                    start: Sequence[_core.FilmSums] = ()) -> Optional[_core.FilmSums]:
@@ -289,15 +290,16 @@ class Renderer:
                           values.get("imageHeight"), crop)
         camera = framing.SetCamera(cameraPrim, timeCode, shutter, settings)
         self._session.Redice()  # surfaces are diced as for a fresh renderer, wherever the camera was before
-        return _Frame(settings, camera, time.perf_counter() - start)
+        return _Frame(settings, camera, FrameTime.Of(self._stage, timeCode), time.perf_counter() - start)
 
 
 class _Frame:
     """What is to be rendered."""
 
-    def __init__(self, settings, camera, translateSeconds):
+    def __init__(self, settings, camera, frameTime, translateSeconds):
         self.settings = settings
         self.camera = camera
+        self.frameTime = frameTime
         self.translateSeconds = translateSeconds
 
 
@@ -313,6 +315,9 @@ class Image:
         Names of the last dimension: R, G, B, A; X, Y, Z; Z; id.
     headers : dict of str to dict of str to str
         What an AOV adds to an EXR's header: of Cryptomattes the names of what they show.
+    deep : DeepImage or None
+        Where the setting `deep` asks for it, samples a surface by pixel (docs/film.md): `counts`, uint32 of shape (height,
+        width), and `samples`, float32 of shape (all counts, 6): Z, ZBack, R, G, B, A, pixel by pixel from front to back.
     width, height : int
         Pixels.
     samples : int
@@ -324,13 +329,15 @@ class Image:
     """
 
     def __init__(self, layers: Sequence[_core.ImageLayer], frame: _Frame, isComplete: bool, samples: int,
-                 statistics: Dict[str, Any]) -> None:
+                 statistics: Dict[str, Any], deep: Optional[_core.DeepImage] = None) -> None:
+        self.deep = deep
         self.isComplete = isComplete
         self.samples = samples
         self.statistics = statistics
         self._layers = list(layers)
         self._settings = frame.settings
         self._camera = frame.camera
+        self._frameTime = frame.frameTime
         self.width: int = frame.settings.imageWidth
         self.height: int = frame.settings.imageHeight
         self.aovs: Mapping[str, np.ndarray] = {layer.name: layer.pixels for layer in self._layers}
@@ -340,7 +347,8 @@ class Image:
 
     def Write(self, file: Union[str, "os.PathLike[str]"], colorCorrectionMode: str = "",
               texts: Optional[Mapping[str, str]] = None,
-              layers: Optional[Sequence[Tuple[str, str, bool]]] = None) -> List[str]:
+              layers: Optional[Sequence[Tuple[str, str, bool]]] = None,
+              tileSize: Tuple[int, int] = (0, 0)) -> List[str]:
         """Writes an image file, whole or not at all.
 
         Parameters
@@ -353,6 +361,8 @@ class Image:
             Further entries of an EXR's header.
         layers : sequence of (str, str, bool), optional
             What is written: the AOV, its name in the file, whether an EXR has it as halves. Default: all, as floats.
+        tileSize : (int, int)
+            Width and height of the tiles of an EXR, in pixels; 0: it consists of scan lines.
 
         Returns
         -------
@@ -364,9 +374,8 @@ class Image:
         hdstream.Error
             Names file and reason; the old file stays.
         """
-        metadata = MakeMetadata(self._settings, self._camera)
-        metadata.samples = self.samples
-        metadata.texts = dict(texts or {})
+        metadata = self._Metadata(texts)
+        metadata.tileSize = list(tileSize)
         written = self._layers
         if layers is not None:
             byName = {layer.name: layer for layer in self._layers}
@@ -375,6 +384,34 @@ class Image:
                 written.append(_core.ImageLayer(byName[aov]))
                 written[-1].name, written[-1].isHalf = name, isHalf
         return _core.WriteImage(os.fspath(file), written, colorCorrectionMode, metadata)
+
+    def WriteDeep(self, file: Union[str, "os.PathLike[str]"], texts: Optional[Mapping[str, str]] = None,
+                  isHalf: bool = False) -> None:
+        """Writes the deep picture to an `.exr`, whole or not at all.
+
+        Parameters
+        ----------
+        file : str
+            Of scan lines, with R, G, B, A, Z and ZBack.
+        texts : mapping of str to str, optional
+            Further entries of its header.
+        isHalf : bool
+            R, G, B and A are halves: alpha is no longer that of the flat picture to the last digit.
+
+        Raises
+        ------
+        hdstream.Error
+            Names file and reason; the old file stays. Also where the render had no deep picture.
+        """
+        if self.deep is None:
+            raise _core.Error(f"cannot write '{os.fspath(file)}': the render has no deep picture (the setting deep)")
+        _core.WriteDeepImage(os.fspath(file), self.deep, isHalf, self._Metadata(texts))
+
+    def _Metadata(self, texts):
+        metadata = MakeMetadata(self._settings, self._camera, self._frameTime)
+        metadata.samples = self.samples
+        metadata.texts = dict(texts or {})
+        return metadata
 
     def _repr_png_(self):
         """Shown by notebooks."""

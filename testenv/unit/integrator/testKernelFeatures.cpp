@@ -110,6 +110,7 @@ TEST(KernelFeatures, HaveWhatTheyNeed) {
         {"textureStreaming", {"textures"}},              // whose lines are missing
         {"texturedEmission", {"cutouts", "meshLights"}}, // of a mesh, asked for as candidates are
         {"catchers", {"rayVisibility"}},        // others are unseen in the scene of catchers alone
+        {"deep", {"mattes"}},                   // keeps depths where these keep surfaces
         {"media", {"lobes"}},                   // lie below layered surfaces
         {"glassShadows", {"cutouts", "lobes"}}, // are asked for as candidates are
         {"mediaStack", {"cutouts", "lobes", "media"}}, // whose boundaries are passed as cut-outs
