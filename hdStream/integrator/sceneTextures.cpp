@@ -17,6 +17,8 @@ constexpr std::uint32_t kLinesPerLookup = 8;
 /// A collision in a volume reads a voxel of its density, of its temperature, and of each channel of
 /// its emission.
 constexpr std::uint32_t kLinesPerCollision = 5;
+/// And where it moves one of each part of its velocity.
+constexpr std::uint32_t kLinesPerMove = HDS_VELOCITY_GRIDS;
 
 } // namespace
 
@@ -53,7 +55,8 @@ void SceneTextures::Update(const CommittedScene& scene, const ResidencyOptions& 
         }
         _pool->Update(scene.lines.get(), _budgetBytes,
                       kLinesPerLookup * std::max(1U, scene.maxLookups),
-                      {_volumeBudgetBytes, hasVolumes ? kLinesPerCollision : 0U});
+                      {_volumeBudgetBytes, (hasVolumes ? kLinesPerCollision : 0U) +
+                                               (scene.volumes.haveMotion ? kLinesPerMove : 0U)});
     }
 }
 
