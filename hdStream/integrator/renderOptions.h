@@ -105,6 +105,9 @@ struct ResidencyOptions {
     /// Of the pool for textures, as budgetBytes and budgetShare.
     std::uint64_t textureBudgetBytes = 0;
     double textureBudgetShare = 0.0;
+    /// Of the part of it that only volumes have, likewise. Both 0: volumes share with textures.
+    std::uint64_t volumeBudgetBytes = 0;
+    double volumeBudgetShare = 0.0;
     bool preparesAll = false; ///< all geometry is prepared before the first ray
 
     static constexpr auto Fields() {
@@ -114,6 +117,8 @@ struct ResidencyOptions {
             HDS_FIELD(ResidencyOptions, requestsFirst),
             HDS_FIELD(ResidencyOptions, textureBudgetBytes),
             HDS_FIELD(ResidencyOptions, textureBudgetShare),
+            HDS_FIELD(ResidencyOptions, volumeBudgetBytes),
+            HDS_FIELD(ResidencyOptions, volumeBudgetShare),
             HDS_FIELD(ResidencyOptions, preparesAll));
     }
 };

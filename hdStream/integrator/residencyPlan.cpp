@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/integrator/residencyPlan.h"
 
+#include <algorithm>
+
 namespace hds {
 
 namespace {
@@ -50,6 +52,13 @@ ResidencyPlan PlanResidency(const ResidencyOptions& options, std::uint64_t total
 std::uint64_t TextureBudget(const ResidencyOptions& options, std::uint64_t totalBytes,
                             std::uint64_t deviceBytes) {
     return Budget(options.textureBudgetBytes, options.textureBudgetShare, totalBytes, deviceBytes);
+}
+
+std::uint64_t VolumeBudget(const ResidencyOptions& options, std::uint64_t totalBytes) {
+    const bool isGiven = options.volumeBudgetBytes > 0 || options.volumeBudgetShare > 0.0;
+    return isGiven ? std::max<std::uint64_t>(1, Budget(options.volumeBudgetBytes,
+                                                       options.volumeBudgetShare, totalBytes, 0))
+                   : 0;
 }
 
 } // namespace hds

@@ -34,4 +34,8 @@ ResidencyPlan PlanResidency(const ResidencyOptions& options, std::uint64_t total
 std::uint64_t TextureBudget(const ResidencyOptions& options, std::uint64_t totalBytes,
                             std::uint64_t deviceBytes);
 
+/// Bytes of a pool for volumes alone; 0: they share that for textures. \param totalBytes of all
+/// bricks.
+std::uint64_t VolumeBudget(const ResidencyOptions& options, std::uint64_t totalBytes);
+
 } // namespace hds

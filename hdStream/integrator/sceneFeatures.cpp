@@ -82,6 +82,7 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
     features.glassShadows = scene.hasGlassShadows;
     features.mediaStack = !scene.meshMedia.empty();
     features.volumes = !scene.volumes.volumes.empty();
+    features.volumeMotion = scene.volumes.haveMotion;
     features.lightPaths = NumLightPathSums(options.aovs.lightPaths.size());
     features.numPools = buffers.NumPoolBuffers() > 1 ? kMaxPoolBuffers : 1;
     features.streaming = isStreaming;

@@ -17,6 +17,8 @@ constexpr std::uint32_t kLinesPerLookup = 8;
 /// A collision in a volume reads a voxel of its density, of its temperature, and of each channel of
 /// its emission.
 constexpr std::uint32_t kLinesPerCollision = 5;
+/// And where it moves one of each part of its velocity.
+constexpr std::uint32_t kLinesPerMove = HDS_VELOCITY_GRIDS;
 
 } // namespace
 
@@ -34,7 +36,14 @@ void SceneTextures::Update(const CommittedScene& scene, const ResidencyOptions& 
     if (!isStreamed) {
         _pool = nullptr;
     }
-    _budgetBytes = isStreamed ? Budget(scene, residency) : 0;
+    const bool hasVolumes = !scene.volumes.volumes.empty();
+    _volumeBudgetBytes = isStreamed && hasVolumes
+                             ? VolumeBudget(residency, scene.lines->GridLines() * HDS_LINE_BYTES)
+                             : 0;
+    _budgetBytes = isStreamed ? Budget(scene, residency,
+                                       _volumeBudgetBytes > 0 ? scene.lines->FirstGrid()
+                                                              : scene.lines->NumTextures())
+                              : 0;
     if (isResident) {
         if (!_resident) {
             _resident = std::make_unique<ResidentTextures>(_device);
@@ -44,10 +53,10 @@ void SceneTextures::Update(const CommittedScene& scene, const ResidencyOptions& 
         if (!_pool) {
             _pool = std::make_unique<TexturePool>(_device, _store);
         }
-        const std::uint32_t linesPerCollision =
-            scene.volumes.volumes.empty() ? 0U : kLinesPerCollision;
         _pool->Update(scene.lines.get(), _budgetBytes,
-                      kLinesPerLookup * std::max(1U, scene.maxLookups) + linesPerCollision);
+                      kLinesPerLookup * std::max(1U, scene.maxLookups),
+                      {_volumeBudgetBytes, (hasVolumes ? kLinesPerCollision : 0U) +
+                                               (scene.volumes.haveMotion ? kLinesPerMove : 0U)});
     }
 }
 
@@ -60,13 +69,13 @@ void SceneTextures::BeginStatistics() {
     }
 }
 
-/// Bytes of a pool.
-std::uint64_t SceneTextures::Budget(const CommittedScene& scene,
-                                    const ResidencyOptions& residency) const {
+/// Bytes of a pool for the first `numTextures` textures.
+std::uint64_t SceneTextures::Budget(const CommittedScene& scene, const ResidencyOptions& residency,
+                                    std::uint32_t numTextures) const {
     std::uint64_t totalBytes = 0;
     if (residency.textureBudgetShare > 0.0) {
         // Only what has been opened says how much it is.
-        std::vector<std::uint32_t> all(scene.lines->NumTextures());
+        std::vector<std::uint32_t> all(numTextures);
         std::iota(all.begin(), all.end(), 0U);
         scene.lines->Open(all);
         for (const std::uint32_t texture : all) {

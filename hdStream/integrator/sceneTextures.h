@@ -45,18 +45,23 @@ public:
     std::uint64_t TableBytes() const;
     /// Bytes that it may take, 0: what there is.
     std::uint64_t BudgetBytes() const { return _budgetBytes; }
+    /// Of a part that only volumes have; 0: they share.
+    std::uint64_t VolumeBudgetBytes() const { return _volumeBudgetBytes; }
+    std::uint64_t VolumePeakUsedBytes() const { return _pool ? _pool->GridPeakUsedBytes() : 0; }
     /// Bytes of lines that are never given away.
     std::uint64_t PinnedBytes() const { return _pool ? _pool->PinnedBytes() : 0; }
     TextureStatistics Statistics() const;
 
 private:
-    std::uint64_t Budget(const CommittedScene& scene, const ResidencyOptions& residency) const;
+    std::uint64_t Budget(const CommittedScene& scene, const ResidencyOptions& residency,
+                         std::uint32_t numTextures) const;
 
     std::shared_ptr<Device> _device;
     Store* _store;
     std::unique_ptr<TexturePool> _pool; ///< one of the two, if there are textures
     std::unique_ptr<ResidentTextures> _resident;
     std::uint64_t _budgetBytes = 0;
+    std::uint64_t _volumeBudgetBytes = 0;
     float _mipBias = 0.0F;
 };
 

@@ -151,6 +151,10 @@ void BindPlaced(nb::module_& module) {
             "placement"_a, "purpose"_a = "default", "materialPath"_a = "")
         .def_ro("materialPath", &VolumePrim::materialPath)
         .def(
+            "SetTimeCodesPerSecond",
+            [](VolumePrim& self, double rate) { self.timeCodesPerSecond = rate; }, "rate"_a,
+            "What a velocity, which is by second, means in frames.")
+        .def(
             "SetMaterialPath",
             [](VolumePrim& self, const std::string& path) { self.materialPath = path; }, "path"_a)
         .def(

@@ -353,15 +353,17 @@ private:
 
     /// After the textures, whose numbers those of grids follow.
     void AddVolumes() {
-        _result->volumes = CommitVolumes(_scene, _options.purposes, _result->centre,
-                                         static_cast<std::uint32_t>(_result->textureTable.size()),
-                                         _cache.grids.get(), _warnings);
+        _result->volumes =
+            CommitVolumes(_scene, _options.purposes, _options.shutter, _result->centre,
+                          static_cast<std::uint32_t>(_result->textureTable.size()),
+                          _cache.grids.get(), _warnings);
         _result->lines =
             std::make_unique<SceneLines>(_result->textureLines.get(), &_result->volumes.prepared);
         if (!_result->volumes.volumes.empty()) { // kernels have what volumes need
             _result->hasCutouts = true;
             _result->hasMedia = true;
             _result->lobes |= HDS_LOBE_BASE | HDS_LOBE_TRANSLUCENCY;
+            _result->hasMotion = _result->hasMotion || _result->volumes.haveMotion;
         }
     }
 

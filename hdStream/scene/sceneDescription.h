@@ -202,12 +202,16 @@ struct VolumePrim {
     std::string materialPath;                  ///< whose terminal "volume" counts; empty: none
     std::optional<VolumeShading> shading;      ///< in place of a material
     std::map<std::string, VolumeField> fields; ///< by the names that materials know them by
+    /// What velocities, which are by second, mean in frames; 0: nothing moves.
+    double timeCodesPerSecond = 24.0;
 
     static constexpr auto Fields() {
-        return FieldList(HDS_FIELD(VolumePrim, placement), HDS_FIELD(VolumePrim, purpose),
-                         HDS_FIELD(VolumePrim, materialPath),
-                         HDS_FIELD(VolumePrim, shading).NotInDump("of the Python interface"),
-                         HDS_FIELD(VolumePrim, fields));
+        return FieldList(
+            HDS_FIELD(VolumePrim, placement), HDS_FIELD(VolumePrim, purpose),
+            HDS_FIELD(VolumePrim, timeCodesPerSecond).NotInDump("Hydra does not know it"),
+            HDS_FIELD(VolumePrim, materialPath),
+            HDS_FIELD(VolumePrim, shading).NotInDump("of the Python interface"),
+            HDS_FIELD(VolumePrim, fields));
     }
 };
 

@@ -1,11 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/sceneLines.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cstring>
 #include <iterator>
 
 namespace hds {
+
+namespace {
+
+constexpr std::size_t kLinesPerTask = 64;
+/// Lines that are this far apart are read at once, with those between: less than another read is.
+constexpr std::uint32_t kMaxGap = 4;
+
+} // namespace
 
 std::uint64_t SceneLines::TextureId(std::uint32_t texture) const {
     return IsGrid(texture) ? Grid(texture).description.id : _textures->TextureId(texture);
@@ -49,11 +60,12 @@ void SceneLines::Read(const std::vector<LineId>& lines, std::uint8_t* bytes) {
         if (!IsGrid(lines[i].texture)) {
             images.push_back(lines[i]);
             places.push_back(i);
-            continue;
         }
-        TextureLine values{}; // zeros when it cannot be read any more
-        Grid(lines[i].texture).lines->ReadLine(lines[i].line, &values);
-        std::memcpy(bytes + i * HDS_LINE_BYTES, values.data(), HDS_LINE_BYTES);
+    }
+    if (images.size() < lines.size()) {
+        const tbb::blocked_range<std::size_t> all(0, lines.size(), kLinesPerTask);
+        tbb::parallel_for(
+            all, [&](const auto& range) { ReadGrids(lines, range.begin(), range.end(), bytes); });
     }
     if (images.size() == lines.size()) {
         _textures->Read(lines, bytes);
@@ -64,6 +76,31 @@ void SceneLines::Read(const std::vector<LineId>& lines, std::uint8_t* bytes) {
             std::memcpy(bytes + places[i] * HDS_LINE_BYTES, read.data() + i * HDS_LINE_BYTES,
                         HDS_LINE_BYTES);
         }
+    }
+}
+
+/// Those of lines [begin, end) that are of grids; zeros when they cannot be read any more. Lines of
+/// a grid that lie together are read at once.
+void SceneLines::ReadGrids(const std::vector<LineId>& lines, std::size_t begin, std::size_t end,
+                           std::uint8_t* bytes) const {
+    std::vector<TextureLine> run;
+    while (begin < end) {
+        const LineId first = lines[begin];
+        std::size_t next = begin + 1;
+        while (next < end && lines[next].texture == first.texture &&
+               lines[next].line > lines[next - 1].line &&
+               lines[next].line - lines[next - 1].line <= kMaxGap) {
+            ++next;
+        }
+        if (IsGrid(first.texture)) {
+            run.assign(lines[next - 1].line - first.line + 1, TextureLine{});
+            Grid(first.texture).lines->ReadLines(first.line, &run);
+            for (std::size_t i = begin; i < next; ++i) {
+                std::memcpy(bytes + i * HDS_LINE_BYTES, run[lines[i].line - first.line].data(),
+                            HDS_LINE_BYTES);
+            }
+        }
+        begin = next;
     }
 }
 

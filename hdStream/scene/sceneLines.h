@@ -22,7 +22,9 @@ public:
         return _textures->NumTextures() + static_cast<std::uint32_t>(_grids->size());
     }
     std::uint64_t TextureId(std::uint32_t texture) const override;
+    std::uint32_t FirstGrid() const override { return _textures->NumTextures(); }
     std::uint64_t MaxLines() const override;
+    std::uint64_t GridLines() const override;
     /// As of TextureLines.
     std::uint64_t TotalLines() const;
     void Open(const std::vector<std::uint32_t>& textures) override;
@@ -30,7 +32,8 @@ public:
     void Read(const std::vector<LineId>& lines, std::uint8_t* bytes) override;
 
 private:
-    std::uint64_t GridLines() const;
+    void ReadGrids(const std::vector<LineId>& lines, std::size_t begin, std::size_t end,
+                   std::uint8_t* bytes) const;
     bool IsGrid(std::uint32_t texture) const { return texture >= _textures->NumTextures(); }
     const PreparedGrid& Grid(std::uint32_t texture) const {
         return *(*_grids)[texture - _textures->NumTextures()];

@@ -2,6 +2,7 @@
 #include "hdStream/scene/volumeCommit.h"
 
 #include "hdStream/scene/hierarchy.h"
+#include "hdStream/scene/movingGrid.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace hds {
@@ -19,6 +21,10 @@ namespace {
 constexpr double kGlowCollisions = 4.0;
 /// Every ray looks at each of them.
 constexpr std::uint32_t kMaxVolumes = 4096;
+/// Names that hosts give to the field of velocities, in object space a second.
+constexpr const char* kVelocities[] = {"velocities", "velocity", "vel", "v"};
+/// Voxels that a volume may move while the shutter is open: bounds of cells would say nothing.
+constexpr double kMaxShift = 4096.0;
 
 void StoreVector(glm::dvec3 v, float* out) {
     for (int i = 0; i < 3; ++i) {
@@ -37,6 +43,7 @@ struct VolumeGrids {
     std::shared_ptr<const PreparedGrid> density;
     PreparedGrids emission;                          ///< empty, one, or red, green and blue
     std::shared_ptr<const PreparedGrid> temperature; ///< may be null
+    GridVelocity velocity;                           ///< of the density's lattice
 };
 
 /// Collects the tables.
@@ -53,7 +60,12 @@ public:
         const glm::dmat4 worldFromLattice = worldFromObject * lattice.objectFromIndex;
         glm::dvec3 least(lattice.first - 1);
         glm::dvec3 most(lattice.first + lattice.size);
-        volume.fields[HDS_FIELD_DENSITY] = Field({grids.density}, lattice);
+        volume.velocity.grid = HDS_NONE;
+        if (grids.velocity.grids.empty()) {
+            volume.fields[HDS_FIELD_DENSITY] = Field({grids.density}, lattice);
+        } else {
+            Move(grids, lattice, &volume);
+        }
         volume.fields[HDS_FIELD_EMISSION] = volume.fields[HDS_FIELD_DENSITY];
         volume.fields[HDS_FIELD_TEMPERATURE].grid = HDS_NONE;
         if (!grids.emission.empty()) {
@@ -65,6 +77,11 @@ public:
             volume.fields[HDS_FIELD_TEMPERATURE] = Field({grids.temperature}, lattice);
             Extend(grids.temperature->description, lattice, &least, &most);
             StoreVector(shading.blackbody, volume.blackbody);
+        }
+        if (!grids.velocity.grids.empty()) {
+            const VoxelShift shift = ShiftOf(grids.velocity);
+            least -= shift.most;
+            most -= shift.least;
         }
         PlaceBox(worldFromLattice, least, most, &volume);
         const glm::vec3 extinction = shading.absorption + shading.scattering;
@@ -138,27 +155,66 @@ private:
         return field;
     }
 
+    /// Makes a volume follow its velocity: its density has bounds that hold while it moves.
+    void Move(const VolumeGrids& grids, const GridDescription& lattice, shared::HdsVolume* volume) {
+        result.haveMotion = true;
+        const PreparedGrid* density = grids.density.get();
+        const auto number = static_cast<std::uint32_t>(result.grids.size());
+        const auto [found, isNew] =
+            _movingNumbers.emplace(std::pair(density, grids.velocity.grids[0].get()), number);
+        if (isNew) {
+            const MovingGrid moving = SpreadGrid(lattice, grids.velocity);
+            AddGrid(moving.record, moving.tiles, moving.cells, TextureOf(grids.density));
+        }
+        volume->fields[HDS_FIELD_DENSITY].grid = found->second;
+        volume->fields[HDS_FIELD_DENSITY].flags = HDS_FIELD_IS_ALIGNED;
+        volume->velocity = Field(grids.velocity.grids, lattice);
+        volume->velocity.flags &= ~HDS_FIELD_IS_COLOR;
+        for (int row = 0; row < 3; ++row) {
+            for (int column = 0; column < 3; ++column) {
+                volume->latticeFromVelocity[3 * row + column] =
+                    static_cast<float>(grids.velocity.latticeFromVelocity[column][row]);
+            }
+        }
+        volume->openSeconds = static_cast<float>(grids.velocity.openSeconds);
+        volume->closeSeconds = static_cast<float>(grids.velocity.closeSeconds);
+    }
+
     std::uint32_t GridOf(const std::shared_ptr<const PreparedGrid>& grid) {
         const auto number = static_cast<std::uint32_t>(result.grids.size());
         const auto [found, isNew] = _numbers.emplace(grid.get(), number);
-        if (!isNew) {
-            return found->second;
+        if (isNew) {
+            const GridDescription& description = grid->description;
+            AddGrid(description.record, description.tiles, description.cells, TextureOf(grid));
         }
-        const GridDescription& description = grid->description;
-        shared::HdsGrid record = description.record;
+        return found->second;
+    }
+
+    void AddGrid(shared::HdsGrid record, const std::vector<shared::HdsGridTile>& tiles,
+                 const std::vector<shared::HdsGridCell>& cells, std::uint32_t texture) {
         record.firstTile = static_cast<std::uint32_t>(result.tiles.size());
         record.firstCell = static_cast<std::uint32_t>(result.cells.size());
-        record.texture = _numTextures + number;
+        record.texture = texture;
         result.grids.push_back(record);
-        result.tiles.insert(result.tiles.end(), description.tiles.begin(), description.tiles.end());
-        result.cells.insert(result.cells.end(), description.cells.begin(), description.cells.end());
-        result.prepared.push_back(grid);
-        return number;
+        result.tiles.insert(result.tiles.end(), tiles.begin(), tiles.end());
+        result.cells.insert(result.cells.end(), cells.begin(), cells.end());
+    }
+
+    /// The texture whose lines a grid's bricks are.
+    std::uint32_t TextureOf(const std::shared_ptr<const PreparedGrid>& grid) {
+        const auto number = static_cast<std::uint32_t>(result.prepared.size());
+        const auto [found, isNew] = _textures.emplace(grid.get(), number);
+        if (isNew) {
+            result.prepared.push_back(grid);
+        }
+        return _numTextures + found->second;
     }
 
     glm::dvec3 _centre;
     std::uint32_t _numTextures;
-    std::map<const PreparedGrid*, std::uint32_t> _numbers;
+    std::map<const PreparedGrid*, std::uint32_t> _numbers; ///< of grids
+    std::map<std::pair<const PreparedGrid*, const PreparedGrid*>, std::uint32_t> _movingNumbers;
+    std::map<const PreparedGrid*, std::uint32_t> _textures; ///< among those of grids
 };
 
 /// Finds the grids of one volume.
@@ -171,14 +227,16 @@ public:
     bool Has(const std::string& name) const { return _prim.fields.count(name) != 0; }
 
     /// Of a field by name; nothing, with a warning, when it cannot be read.
-    PreparedGrids Find(const std::string& name) {
+    /// \param isNegated what is below 0 counts, in place of what is above.
+    PreparedGrids Find(const std::string& name, bool isNegated = false) {
         const auto found = _prim.fields.find(name);
         if (found == _prim.fields.end()) {
             _warnings.Add(_path, "volume without the field '" + name + "'");
             return {};
         }
         const VolumeField& field = found->second;
-        PreparedGrids grids = field.voxels ? _preparer.Prepare(field.voxels) : Read(name, field);
+        PreparedGrids grids =
+            field.voxels ? _preparer.Prepare(field.voxels) : Read(name, field, isNegated);
         if (!grids.empty() && !IsPlace(grids[0]->description.objectFromIndex)) {
             _warnings.Add(_path, "field '" + name + "' has a place that makes no sense");
             return {};
@@ -186,8 +244,10 @@ public:
         return grids;
     }
 
+    void Warn(const std::string& text) { _warnings.Add(_path, text); }
+
 private:
-    PreparedGrids Read(const std::string& name, const VolumeField& field) {
+    PreparedGrids Read(const std::string& name, const VolumeField& field, bool isNegated) {
         const AssetReference& asset = field.asset;
         if (asset.file.empty()) {
             _warnings.Add(_path, "field '" + name + "': " + asset.authoredPath + " is not found");
@@ -195,7 +255,8 @@ private:
         }
         std::string error;
         PreparedGrids grids = _preparer.Prepare(
-            {asset.file, asset.offset, field.gridName, field.gridIndex}, asset.size, &error);
+            {asset.file, asset.offset, field.gridName, field.gridIndex, isNegated}, asset.size,
+            &error);
         if (grids.empty()) {
             _warnings.Add(_path, "field '" + name + "': " + error);
         }
@@ -242,11 +303,44 @@ bool FindGrids(const VolumeShading& shading, GridFinder finder, VolumeGrids* gri
     return true;
 }
 
+/// \param density whose lattice is moved. \return one without grids where nothing moves.
+GridVelocity FindVelocity(const Shutter& shutter, double timeCodesPerSecond,
+                          const GridDescription& density, GridFinder finder) {
+    GridVelocity velocity;
+    const auto* const name = std::find_if(std::begin(kVelocities), std::end(kVelocities),
+                                          [&](const char* text) { return finder.Has(text); });
+    if (!shutter.IsOpen() || name == std::end(kVelocities) || !(timeCodesPerSecond > 0.0)) {
+        return velocity;
+    }
+    PreparedGrids above = finder.Find(*name);
+    const PreparedGrids below = above.empty() ? above : finder.Find(*name, true);
+    if (above.size() != 3 || below.size() != 3) {
+        if (!above.empty()) {
+            finder.Warn("field '" + std::string(*name) + "' is no vector: the volume is at rest");
+        }
+        return velocity;
+    }
+    const glm::dmat4& place = above[0]->description.objectFromIndex;
+    velocity.isAligned = place == density.objectFromIndex;
+    velocity.latticeFromVelocity = glm::inverse(glm::dmat3(density.objectFromIndex));
+    velocity.openSeconds = shutter.open / timeCodesPerSecond;
+    velocity.closeSeconds = shutter.close / timeCodesPerSecond;
+    above.insert(above.end(), below.begin(), below.end());
+    velocity.grids = std::move(above);
+    const VoxelShift shift = ShiftOf(velocity);
+    if (!(glm::length(shift.least) < kMaxShift && glm::length(shift.most) < kMaxShift)) {
+        finder.Warn("field '" + std::string(*name) + "' moves voxels further than " +
+                    std::to_string(static_cast<int>(kMaxShift)) + ": the volume is at rest");
+        velocity.grids.clear();
+    }
+    return velocity;
+}
+
 } // namespace
 
 CommittedVolumes CommitVolumes(const SceneDescription& scene,
-                               const std::vector<std::string>& purposes, glm::dvec3 centre,
-                               std::uint32_t numTextures, GridPreparer* preparer,
+                               const std::vector<std::string>& purposes, const Shutter& shutter,
+                               glm::dvec3 centre, std::uint32_t numTextures, GridPreparer* preparer,
                                Warnings& warnings) {
     VolumeTables tables(centre, numTextures);
     std::uint32_t number = 0;
@@ -272,6 +366,8 @@ CommittedVolumes CommitVolumes(const SceneDescription& scene,
         if (!FindGrids(shading, {path, prim, preparer, warnings}, &grids)) {
             continue;
         }
+        grids.velocity = FindVelocity(shutter, prim.timeCodesPerSecond, grids.density->description,
+                                      {path, prim, preparer, warnings});
         for (std::uint32_t i = 0; i < places.size(); ++i) {
             if (tables.result.volumes.size() == kMaxVolumes) {
                 numLeftOut += places.size() - i;

@@ -19,14 +19,15 @@ struct CommittedVolumes {
     std::vector<shared::HdsGrid> grids;
     std::vector<shared::HdsGridTile> tiles;
     std::vector<shared::HdsGridCell> cells;
-    PreparedGrids prepared; ///< parallel to `grids`
+    PreparedGrids prepared; ///< in the order of the textures whose lines they are
+    bool haveMotion = false;
 };
 
-/// \param centre of the scene. \param numTextures that come before the grids. Volumes that cannot
-/// be drawn warn and are left out.
+/// \param shutter closed: nothing moves. \param centre of the scene. \param numTextures that come
+/// before the grids. Volumes that cannot be drawn warn and are left out.
 CommittedVolumes CommitVolumes(const SceneDescription& scene,
-                               const std::vector<std::string>& purposes, glm::dvec3 centre,
-                               std::uint32_t numTextures, GridPreparer* preparer,
+                               const std::vector<std::string>& purposes, const Shutter& shutter,
+                               glm::dvec3 centre, std::uint32_t numTextures, GridPreparer* preparer,
                                Warnings& warnings);
 
 } // namespace hds

@@ -132,6 +132,9 @@ ResidencyOptions MakeResidencyOptions(const Settings& settings) {
     const MemorySize textures = MemoryOf(settings.textureMemory);
     options.textureBudgetBytes = textures.bytes;
     options.textureBudgetShare = textures.share;
+    const MemorySize volumes = MemoryOf(settings.volumeMemory);
+    options.volumeBudgetBytes = volumes.bytes;
+    options.volumeBudgetShare = volumes.share;
     options.preparesAll = settings.prepare == "eager";
     return options;
 }

@@ -127,6 +127,20 @@ Json VolumeCounts(const SceneCounts& counts) {
             {"alwaysResidentBytes", counts.volumeTableBytes}};
 }
 
+/// Of what TextureSection counts, the part that is voxels.
+Json VolumeSection(const StatisticsInput& in) {
+    const SceneTextures& textures = in.tracer->Buffers().Textures();
+    const LineTraffic voxels = textures.Statistics().grids;
+    Json section = VolumeCounts(in.scene->counts);
+    section["budget"] = textures.VolumeBudgetBytes();
+    section["peakBytes"] = textures.VolumePeakUsedBytes();
+    section["linesLoaded"] = voxels.linesLoaded;
+    section["uniqueBytesLoaded"] = voxels.uniqueBytesLoaded;
+    section["uploadedBytes"] = voxels.uploadedBytes;
+    section["evictions"] = voxels.evictions;
+    return section;
+}
+
 } // namespace
 
 std::string MakeStatistics(const StatisticsInput& in) {
@@ -148,7 +162,7 @@ std::string MakeStatistics(const StatisticsInput& in) {
                        {"hostPeak", HostPeakBytes()}};
     stats["geometry"] = GeometrySection(in);
     stats["texture"] = TextureSection(in);
-    stats["volume"] = VolumeCounts(in.scene->counts);
+    stats["volume"] = VolumeSection(in);
     stats["rays"] = {{"camera", render.cameraRays},
                      {"indirect", render.indirectRays},
                      {"shadow", render.shadowRays},

@@ -29,8 +29,12 @@ public:
     virtual std::uint32_t NumTextures() const = 0;
     /// What tells textures apart across providers: two with the same id have the same lines.
     virtual std::uint64_t TextureId(std::uint32_t texture) const = 0;
+    /// Textures from this one on are grids of volumes, which may have a budget of their own.
+    virtual std::uint32_t FirstGrid() const { return NumTextures(); }
     /// No less than the lines of all textures; kUnknown when that would take opening them.
     virtual std::uint64_t MaxLines() const = 0;
+    /// Lines of all grids, which MaxLines counts too.
+    virtual std::uint64_t GridLines() const { return 0; }
     /// Makes records and lines of some textures ready, on all cores. Blocks.
     virtual void Open(const std::vector<std::uint32_t>& textures) = 0;
     /// Record of a texture; its firstLine says nothing. \pre the texture was opened.

@@ -45,9 +45,9 @@ SlotPlan MakeSlotPlan(std::uint32_t numSlots, std::uint32_t linesPerItem, std::u
     return plan;
 }
 
-LineSlots::LineSlots(const SlotPlan& plan)
-    : _plan(plan), _lines(plan.NumSlots(), HDS_NONE), _placedIn(plan.NumSlots(), 0),
-      _firstUnused(plan.numOverflow) {
+LineSlots::LineSlots(const SlotPlan& plan, std::uint32_t firstSlot)
+    : _plan(plan), _firstSlot(firstSlot), _lines(plan.NumSlots(), HDS_NONE),
+      _placedIn(plan.NumSlots(), 0), _firstUnused(plan.numOverflow) {
     for (std::uint32_t i = 0; i < plan.numPinned; ++i) {
         _freePinned.push_back(plan.NumSlots() - 1 - i);
     }
@@ -81,7 +81,8 @@ std::uint32_t LineSlots::FindOldest(std::uint32_t begin, std::uint32_t end, std:
     std::uint32_t oldest = HDS_NONE;
     std::uint32_t oldestAge = 0;
     for (std::uint32_t slot = begin; slot < end; ++slot) {
-        const std::uint32_t age = std::min(epoch - stamps[slot], epoch - _placedIn[slot]);
+        const std::uint32_t age =
+            std::min(epoch - stamps[_firstSlot + slot], epoch - _placedIn[slot]);
         if (age > oldestAge) {
             oldest = slot;
             oldestAge = age;
@@ -112,6 +113,7 @@ LineSlots::Placement LineSlots::Place(std::uint32_t line, std::uint32_t epoch,
         }
         _lines[placement.slot] = line;
         _placedIn[placement.slot] = epoch;
+        placement.slot += _firstSlot;
     }
     return placement;
 }
@@ -124,11 +126,12 @@ std::uint32_t LineSlots::PlacePinned(std::uint32_t line) {
     _freePinned.pop_back();
     CountPlaced();
     _lines[slot] = line;
-    return slot;
+    return _firstSlot + slot;
 }
 
-void LineSlots::Free(std::uint32_t slot) {
-    HDS_VERIFY(_lines[slot] != HDS_NONE, "slot " + std::to_string(slot) + " is empty");
+void LineSlots::Free(std::uint32_t number) {
+    const std::uint32_t slot = number - _firstSlot;
+    HDS_VERIFY(_lines[slot] != HDS_NONE, "slot " + std::to_string(number) + " is empty");
     _lines[slot] = HDS_NONE;
     --_numUsed;
     if (slot >= EndOfSets()) {

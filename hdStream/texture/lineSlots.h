@@ -50,7 +50,8 @@ public:
         bool isConflict;       ///< all of the line's set is in use
     };
 
-    explicit LineSlots(const SlotPlan& plan);
+    /// \param firstSlot the number of its first slot, among those of other such parts.
+    explicit LineSlots(const SlotPlan& plan, std::uint32_t firstSlot = 0);
 
     /// Finds a slot: an empty one of the sets, the first ones first, so that what is used together
     /// lies together; when all are in use, the one of the line's set that was used least recently,
@@ -62,7 +63,7 @@ public:
     void Free(std::uint32_t slot);
 
     /// The line in a slot, or HDS_NONE.
-    std::uint32_t Line(std::uint32_t slot) const { return _lines[slot]; }
+    std::uint32_t Line(std::uint32_t slot) const { return _lines[slot - _firstSlot]; }
     const SlotPlan& Plan() const { return _plan; }
     std::uint32_t NumUsed() const { return _numUsed; }
     /// The most slots that were in use at a time since BeginMost.
@@ -81,6 +82,8 @@ private:
                              const std::vector<std::uint32_t>& stamps) const;
 
     SlotPlan _plan;
+    std::uint32_t _firstSlot;
+    /// Here and below slots count from the first one of this part.
     std::vector<std::uint32_t> _lines;
     std::vector<std::uint32_t> _placedIn; ///< epoch
     std::vector<std::uint32_t> _freePinned;

@@ -39,6 +39,14 @@ bool PreparedTexture::ReadLine(std::uint32_t line, TextureLine* out) const {
     return false;
 }
 
+void PreparedTexture::ReadLines(std::uint32_t first, std::vector<TextureLine>* out) const {
+    if (!Lines()->ReadRun(first, out)) {
+        for (std::size_t i = 0; i < out->size(); ++i) {
+            ReadLine(first + static_cast<std::uint32_t>(i), &(*out)[i]);
+        }
+    }
+}
+
 std::vector<float> PreparedTexture::DecodeMip(std::uint32_t mip) const {
     const shared::HdsTexture& record = Record();
     const std::uint32_t width = shared::texture_mipSize(record.width, mip);

@@ -87,9 +87,12 @@ void ResidentTextures::UploadLines(LineProvider* provider) {
             .Write(bytes.data(), lines.size() * HDS_LINE_BYTES,
                    first % LineBuffers::kSlotsPerBuffer * HDS_LINE_BYTES);
     }
-    _statistics.linesLoaded += numLines;
-    _statistics.uniqueBytesLoaded += std::uint64_t{numLines} * HDS_LINE_BYTES;
-    _statistics.uploadedBytes += std::uint64_t{numLines} * HDS_LINE_BYTES;
+    const std::uint64_t bytesLoaded = std::uint64_t{numLines} * HDS_LINE_BYTES;
+    const std::uint64_t gridBytes = provider->GridLines() * HDS_LINE_BYTES;
+    _statistics.Count(
+        {numLines - provider->GridLines(), bytesLoaded - gridBytes, bytesLoaded - gridBytes, 0},
+        false);
+    _statistics.Count({provider->GridLines(), gridBytes, gridBytes, 0}, true);
     _statistics.requestSeconds += timer.Seconds() - (_statistics.readSeconds - readBefore);
 }
 

@@ -64,37 +64,72 @@ void TexturePool::ReadyKernels() {
     }
 }
 
-void TexturePool::Update(LineProvider* provider, std::uint64_t budgetBytes,
-                         std::uint32_t linesPerItem) {
-    _provider = provider;
-    const std::uint64_t limit =
-        std::min(budgetBytes / HDS_LINE_BYTES, LineBuffers::MaxSlots(*_device));
-    const std::uint64_t fewest = FewestSlots(linesPerItem);
+/// Slots of one part of a pool. \param maxLines that it can ever have to hold. \param[out]
+/// keepsStamps set where these do not all find room.
+SlotPlan TexturePool::PlanPart(const Part& part, std::uint64_t maxSlots, bool* keepsStamps) {
+    const std::uint64_t limit = std::min(part.budgetBytes / HDS_LINE_BYTES, maxSlots);
+    const std::uint64_t fewest = FewestSlots(part.linesPerItem);
     if (limit < fewest) {
-        throw Error("--textureMemory: " + std::to_string(budgetBytes) + " bytes cannot hold the " +
-                    std::to_string(linesPerItem) + " texture lines that one surface point can " +
-                    "need; that takes " + std::to_string(fewest * HDS_LINE_BYTES) + " bytes");
+        throw Error(part.option + ": " + std::to_string(part.budgetBytes) +
+                    " bytes cannot hold the " + std::to_string(part.linesPerItem) + " " +
+                    part.lines + "; that takes " + std::to_string(fewest * HDS_LINE_BYTES) +
+                    " bytes");
     }
-    const std::uint32_t numPinned = PowerOfTwo(provider->NumTextures() + kMaxShared);
-    const std::uint64_t enough = provider->MaxLines() == LineProvider::kUnknown
+    const std::uint32_t numPinned = PowerOfTwo(part.numTextures + kMaxShared);
+    const std::uint64_t enough = part.maxLines == LineProvider::kUnknown
                                      ? limit + 1
-                                     : EnoughSlots(provider->MaxLines(), linesPerItem, numPinned);
-    const SlotPlan plan =
-        MakeSlotPlan(static_cast<std::uint32_t>(std::min(limit, enough)), linesPerItem, numPinned);
-    const bool keepsStamps = enough > limit;
+                                     : EnoughSlots(part.maxLines, part.linesPerItem, numPinned);
+    *keepsStamps = *keepsStamps || enough > limit;
+    return MakeSlotPlan(static_cast<std::uint32_t>(std::min(limit, enough)), part.linesPerItem,
+                        numPinned);
+}
+
+TexturePool::PoolPlan TexturePool::Plan(std::uint64_t budgetBytes, std::uint32_t linesPerItem,
+                                        const GridBudget& grids) const {
+    const std::uint32_t numTextures = _provider->NumTextures();
+    const std::uint32_t numGrids = numTextures - _provider->FirstGrid();
+    const bool areApart = grids.bytes > 0 && numGrids > 0;
+    Part rest{"--textureMemory",
+              "texture lines that one surface point can need",
+              budgetBytes,
+              numTextures,
+              linesPerItem + grids.linesPerItem,
+              _provider->MaxLines()};
+    PoolPlan plan;
+    if (areApart) {
+        rest.numTextures -= numGrids;
+        rest.linesPerItem = linesPerItem;
+        rest.maxLines -= rest.maxLines == LineProvider::kUnknown ? 0 : _provider->GridLines();
+    }
+    if (rest.numTextures > 0) {
+        plan.lines = PlanPart(rest, LineBuffers::MaxSlots(*_device), &plan.keepsStamps);
+    }
+    if (areApart) {
+        const std::uint64_t left = LineBuffers::MaxSlots(*_device) - plan.lines.NumSlots();
+        plan.grids = PlanPart({"--volumeMemory", "lines of volumes that one collision can need",
+                               grids.bytes, numGrids, grids.linesPerItem, _provider->GridLines()},
+                              left, &plan.keepsStamps);
+    }
+    return plan;
+}
+
+void TexturePool::Update(LineProvider* provider, std::uint64_t budgetBytes,
+                         std::uint32_t linesPerItem, GridBudget grids) {
+    _provider = provider;
+    const PoolPlan plan = Plan(budgetBytes, linesPerItem, grids);
     const std::vector<LineRange> gone = _textures.Update(*provider);
     if (_textures.NumLines() > 2 * std::uint64_t{_textures.NumLiveLines()} + kGoneLines) {
         _textures = {}; // numbers begin anew
         _textures.Update(*provider);
         _table = {};
-        MakePool(plan, keepsStamps);
-    } else if (!_slots || !(_slots->Plan() == plan) || keepsStamps != _keepsStamps) {
-        MakePool(plan, keepsStamps);
+        MakePool(plan);
+    } else if (!_slots || !(_plan == plan)) {
+        MakePool(plan);
     } else {
         RemoveLines(gone);
     }
     _provider->Open(_textures.Open());
-    HDS_VERIFY(Bytes() <= budgetBytes, "texture pool larger than its budget");
+    HDS_VERIFY(Bytes() <= budgetBytes + grids.bytes, "texture pool larger than its budget");
     // Requests and items of a render that was stopped mean something else now.
     MakeRequests();
     ReserveItems(0);
@@ -105,13 +140,17 @@ void TexturePool::Update(LineProvider* provider, std::uint64_t budgetBytes,
 }
 
 /// Makes an empty pool.
-void TexturePool::MakePool(const SlotPlan& plan, bool keepsStamps) {
-    _statistics.evictions += _slots ? _slots->NumUsed() : 0;
+void TexturePool::MakePool(const PoolPlan& plan) {
+    ForEachPart([&](const LineSlots& part) {
+        _statistics.evictions += part.NumUsed();
+        _statistics.grids.evictions += &part == _gridSlots.get() ? part.NumUsed() : 0;
+    });
     _slots = nullptr; // until all is there: memory may run out
+    _gridSlots = nullptr;
     _sharedSlots.clear();
     _table.Clear();
     _table.Reserve(std::max(1U, _textures.NumLines()));
-    const std::uint32_t numSlots = plan.NumSlots();
+    const std::uint32_t numSlots = plan.lines.NumSlots() + plan.grids.NumSlots();
     if (!_buffers || _buffers->NumSlots() != numSlots) {
         _buffers = nullptr; // frees first
         _buffers = std::make_unique<LineBuffers>(_device, numSlots);
@@ -121,15 +160,31 @@ void TexturePool::MakePool(const SlotPlan& plan, bool keepsStamps) {
     for (Buffer* buffer : {&_stamps, &_staging, &_copies, &_updates}) {
         *buffer = Buffer(); // frees first
     }
-    _keepsStamps = keepsStamps;
-    const std::uint64_t stampBytes = keepsStamps ? numSlots * kWord : 0;
+    _plan = plan;
+    const std::uint64_t stampBytes = plan.keepsStamps ? numSlots * kWord : 0;
     _stamps = Buffer(_device, "texture use stamps", stampBytes);
     _stamps.Fill(0, stampBytes);
     _staging = Buffer(_device, "texture lines on their way", _stagedBytes.size());
     _copies = Buffer(_device, "texture line copies", numStaged * sizeof(shared::HdsLineCopy));
     _updates =
         Buffer(_device, "texture table updates", kMaxUpdates * sizeof(shared::HdsTableUpdate));
-    _slots = std::make_unique<LineSlots>(plan);
+    _slots = std::make_unique<LineSlots>(plan.lines);
+    if (plan.grids.NumSlots() > 0) {
+        _gridSlots = std::make_unique<LineSlots>(plan.grids, plan.lines.NumSlots());
+    }
+}
+
+/// Calls `action` for each part of the pool.
+void TexturePool::ForEachPart(const std::function<void(const LineSlots&)>& action) const {
+    for (const LineSlots* part : {_slots.get(), _gridSlots.get()}) {
+        if (part != nullptr) {
+            action(*part);
+        }
+    }
+}
+
+std::uint32_t TexturePool::NumSlots() const {
+    return _plan.lines.NumSlots() + _plan.grids.NumSlots();
 }
 
 /// Takes lines of textures that have gone out of their slots.
@@ -137,22 +192,22 @@ void TexturePool::RemoveLines(const std::vector<LineRange>& ranges) {
     if (ranges.empty()) {
         return;
     }
-    for (std::uint32_t slot = 0; slot < _slots->Plan().NumSlots(); ++slot) {
-        const std::uint32_t line = _slots->Line(slot);
+    for (std::uint32_t slot = 0; slot < NumSlots(); ++slot) {
+        LineSlots* part = slot < _plan.lines.NumSlots() ? _slots.get() : _gridSlots.get();
+        const std::uint32_t line = part->Line(slot);
         const auto range = std::upper_bound(ranges.begin(), ranges.end(), line,
                                             [](std::uint32_t value, const LineRange& candidate) {
                                                 return value < candidate.first;
                                             });
         if (line < kSharedLine && range != ranges.begin() && line < (range - 1)->second) {
-            _slots->Free(slot);
+            part->Free(slot);
             _table.Set(line, HDS_NONE);
         }
     }
 }
 
 void TexturePool::MakeRequests() {
-    const std::uint32_t capacity =
-        std::min(_requestCapacity, PowerOfTwo(_slots->Plan().NumSlots()));
+    const std::uint32_t capacity = std::min(_requestCapacity, PowerOfTwo(NumSlots()));
     const std::uint32_t setSize = 2 * PowerOfTwo(capacity);
     const std::uint32_t setBegin = HDS_TEXELS_HEADER + capacity;
     _requests = Buffer(); // frees first
@@ -172,8 +227,10 @@ void TexturePool::MakeRequests() {
 void TexturePool::BeginStatistics() {
     _statistics = {};
     _table.ForgetPast();
-    if (_slots) {
-        _slots->BeginMost();
+    for (LineSlots* part : {_slots.get(), _gridSlots.get()}) {
+        if (part != nullptr) {
+            part->BeginMost();
+        }
     }
 }
 
@@ -307,7 +364,8 @@ void TexturePool::LoadBatch(const std::vector<Load>& loads, Outcome* outcome) {
     for (std::size_t i = 0; i < loads.size(); ++i) {
         std::uint8_t* bytes = _stagedBytes.data() + i * HDS_LINE_BYTES;
         bool needsCopy = true;
-        const std::uint32_t slot = PlaceLine(loads[i], bytes, &needsCopy);
+        const bool isOfGrid = IsOfGrid(lines[i]);
+        const std::uint32_t slot = PlaceLine(loads[i], isOfGrid, bytes, &needsCopy);
         if (slot == HDS_NONE) {
             ++outcome->numDenied;
             continue;
@@ -318,17 +376,22 @@ void TexturePool::LoadBatch(const std::vector<Load>& loads, Outcome* outcome) {
                          HDS_LINE_BYTES);
             copies.push_back({static_cast<std::uint32_t>(copies.size()), slot});
         }
+        LineTraffic loaded;
+        loaded.uploadedBytes = needsCopy ? HDS_LINE_BYTES : 0;
         if (!_table.Set(loads[i].line, slot)) {
-            ++_statistics.linesLoaded;
-            _statistics.uniqueBytesLoaded += needsCopy ? HDS_LINE_BYTES : 0;
+            loaded.linesLoaded = 1;
+            loaded.uniqueBytesLoaded = loaded.uploadedBytes;
         }
+        _statistics.Count(loaded, isOfGrid);
     }
     CopyStaged(std::move(copies));
     PublishTable(); // only now: words are read by whatever is launched next
 }
 
 /// \param[out] needsCopy false: the slot has these bytes. \return the slot, or HDS_NONE.
-std::uint32_t TexturePool::PlaceLine(const Load& load, const std::uint8_t* bytes, bool* needsCopy) {
+std::uint32_t TexturePool::PlaceLine(const Load& load, bool isOfGrid, const std::uint8_t* bytes,
+                                     bool* needsCopy) {
+    LineSlots* part = isOfGrid && _gridSlots ? _gridSlots.get() : _slots.get();
     if (IsRepeated(bytes)) {
         const std::string block(reinterpret_cast<const char*>(bytes), kBlockBytes);
         const auto known = _sharedSlots.find(block);
@@ -337,7 +400,7 @@ std::uint32_t TexturePool::PlaceLine(const Load& load, const std::uint8_t* bytes
             return known->second;
         }
         if (_sharedSlots.size() < kMaxShared) {
-            const std::uint32_t slot = _slots->PlacePinned(kSharedLine);
+            const std::uint32_t slot = part->PlacePinned(kSharedLine);
             if (slot != HDS_NONE) {
                 _sharedSlots.emplace(block, slot);
                 return slot;
@@ -345,25 +408,27 @@ std::uint32_t TexturePool::PlaceLine(const Load& load, const std::uint8_t* bytes
         }
     }
     if (load.isPinned) {
-        const std::uint32_t slot = _slots->PlacePinned(load.line);
+        const std::uint32_t slot = part->PlacePinned(load.line);
         if (slot != HDS_NONE) {
             return slot;
         }
     }
-    const LineSlots::Placement placement = _slots->Place(
+    const LineSlots::Placement placement = part->Place(
         load.line, _epoch, [this]() -> const std::vector<std::uint32_t>& { return ReadStamps(); });
     _statistics.setConflicts += placement.isConflict ? 1 : 0;
     if (placement.slot != HDS_NONE && placement.evicted != HDS_NONE) {
         _table.Set(placement.evicted, HDS_NONE);
-        ++_statistics.evictions;
+        LineTraffic gone;
+        gone.evictions = 1;
+        _statistics.Count(gone, IsOfGrid(_textures.Find(placement.evicted)));
     }
     return placement.slot;
 }
 
 const std::vector<std::uint32_t>& TexturePool::ReadStamps() {
-    HDS_VERIFY(_keepsStamps, "a line has to leave a texture pool that has room for all");
+    HDS_VERIFY(_plan.keepsStamps, "a line has to leave a texture pool that has room for all");
     if (!_hasStamps) {
-        _stampValues.resize(_slots->Plan().NumSlots());
+        _stampValues.resize(NumSlots());
         _stamps.Read(_stampValues.data(), _stampValues.size() * kWord);
         _hasStamps = true;
     }
@@ -378,7 +443,6 @@ void TexturePool::CopyStaged(std::vector<shared::HdsLineCopy> copies) {
     const std::uint64_t bytes = copies.size() * HDS_LINE_BYTES;
     ReadyKernels();
     _staging.Write(_stagedBytes.data(), bytes);
-    _statistics.uploadedBytes += bytes;
     std::sort(copies.begin(), copies.end(),
               [](const auto& a, const auto& b) { return a.slot < b.slot; });
     _copies.Write(copies.data(), copies.size() * sizeof(copies[0]));
@@ -445,11 +509,19 @@ std::uint64_t TexturePool::TableBytes() const {
 }
 
 std::uint64_t TexturePool::PeakUsedBytes() const {
-    return _slots ? std::uint64_t{_slots->MostUsed()} * HDS_LINE_BYTES : 0;
+    std::uint64_t most = 0;
+    ForEachPart([&](const LineSlots& part) { most += part.MostUsed(); });
+    return most * HDS_LINE_BYTES;
+}
+
+std::uint64_t TexturePool::GridPeakUsedBytes() const {
+    return _gridSlots ? std::uint64_t{_gridSlots->MostUsed()} * HDS_LINE_BYTES : 0;
 }
 
 std::uint64_t TexturePool::PinnedBytes() const {
-    return _slots ? std::uint64_t{_slots->NumPinned()} * HDS_LINE_BYTES : 0;
+    std::uint64_t pinned = 0;
+    ForEachPart([&](const LineSlots& part) { pinned += part.NumPinned(); });
+    return pinned * HDS_LINE_BYTES;
 }
 
 } // namespace hds

@@ -11,12 +11,19 @@
 #include "hdStream/texture/openTextures.h"
 #include "hdStream/texture/textureStatistics.h"
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
 namespace hds {
+
+/// What grids of volumes may take of a pool, and need.
+struct GridBudget {
+    std::uint64_t bytes = 0;        ///< 0: they share what there is with the other textures
+    std::uint32_t linesPerItem = 0; ///< most lines of theirs that an item needs at once
+};
 
 /// Device memory that holds some lines of a provider's textures. Externally synchronised.
 ///
@@ -44,10 +51,12 @@ public:
     static ProgramSource KernelSource(const Device& device);
 
     /// Serves the textures of `provider`, which must live until the next call, from at most
-    /// `budgetBytes` of device memory. What is loaded stays, as far as textures are the same (by
-    /// id) and the budget is. \param linesPerItem most lines that an item needs at once.
-    /// \throws Error that names the option --textureMemory when these do not fit.
-    void Update(LineProvider* provider, std::uint64_t budgetBytes, std::uint32_t linesPerItem);
+    /// `budgetBytes` of device memory, and its grids from these or from a budget of their own. What
+    /// is loaded stays, as far as textures are the same (by id) and budgets are.
+    /// \param linesPerItem most lines that an item needs at once, without those of grids.
+    /// \throws Error that names the option --textureMemory or --volumeMemory when these do not fit.
+    void Update(LineProvider* provider, std::uint64_t budgetBytes, std::uint32_t linesPerItem,
+                GridBudget grids = {});
 
     /// Counts from 0 again.
     void BeginStatistics();
@@ -72,6 +81,8 @@ public:
     std::uint64_t Bytes() const { return _buffers ? _buffers->Bytes() : 0; }
     /// The most bytes of lines that were in the pool at a time since BeginStatistics.
     std::uint64_t PeakUsedBytes() const;
+    /// Of these, the most that lines of grids with a budget of their own were.
+    std::uint64_t GridPeakUsedBytes() const;
     std::uint64_t TableBytes() const;
     std::uint64_t PinnedBytes() const;
     const TextureStatistics& Statistics() const { return _statistics; }
@@ -83,7 +94,33 @@ private:
         bool isPinned = false;
     };
 
-    void MakePool(const SlotPlan& plan, bool keepsStamps);
+    /// How many slots there are.
+    struct PoolPlan {
+        SlotPlan lines; ///< of all, but for grids that have a part of their own
+        SlotPlan grids;
+        bool keepsStamps = true; ///< false: there is room for all lines, so none ever leaves
+
+        static constexpr auto Fields() {
+            return FieldList(HDS_FIELD(PoolPlan, lines), HDS_FIELD(PoolPlan, grids),
+                             HDS_FIELD(PoolPlan, keepsStamps));
+        }
+    };
+    /// What is asked of a part of the pool.
+    struct Part {
+        std::string option;
+        std::string lines; ///< what they are, for a message
+        std::uint64_t budgetBytes;
+        std::uint32_t numTextures;
+        std::uint32_t linesPerItem;
+        std::uint64_t maxLines;
+    };
+    static SlotPlan PlanPart(const Part& part, std::uint64_t maxSlots, bool* keepsStamps);
+    PoolPlan Plan(std::uint64_t budgetBytes, std::uint32_t linesPerItem,
+                  const GridBudget& grids) const;
+    void MakePool(const PoolPlan& plan);
+    bool IsOfGrid(const LineId& line) const { return line.texture >= _provider->FirstGrid(); }
+    std::uint32_t NumSlots() const;
+    void ForEachPart(const std::function<void(const LineSlots&)>& action) const;
     void RemoveLines(const std::vector<LineRange>& ranges);
     void MakeRequests();
     std::uint32_t TakeCounts();
@@ -91,13 +128,14 @@ private:
     void OpenAll(const std::vector<std::uint32_t>& textures, std::vector<Load>* loads);
     void LoadAll(const std::vector<Load>& loads, Outcome* outcome);
     void LoadBatch(const std::vector<Load>& loads, Outcome* outcome);
-    std::uint32_t PlaceLine(const Load& load, const std::uint8_t* bytes, bool* needsCopy);
+    std::uint32_t PlaceLine(const Load& load, bool isOfGrid, const std::uint8_t* bytes,
+                            bool* needsCopy);
     void CopyStaged(std::vector<shared::HdsLineCopy> copies);
     void PublishTable();
     void ReadyKernels();
     const std::vector<std::uint32_t>& ReadStamps();
     /// As kernels see it.
-    std::uint32_t Epoch() const { return _keepsStamps ? _epoch : 0; }
+    std::uint32_t Epoch() const { return _plan.keepsStamps ? _epoch : 0; }
 
     std::shared_ptr<Device> _device;
     Store* _store;
@@ -108,7 +146,9 @@ private:
     LineProvider* _provider = nullptr;
     OpenTextures _textures;
     LineTable _table;
+    PoolPlan _plan;
     std::unique_ptr<LineSlots> _slots;
+    std::unique_ptr<LineSlots> _gridSlots; ///< null: grids have none of their own
     std::unique_ptr<LineBuffers> _buffers;
     /// Slots of lines of one repeated block, pinned; by that block.
     std::unordered_map<std::string, std::uint32_t> _sharedSlots;
@@ -122,8 +162,7 @@ private:
     Buffer _updates;
     std::vector<std::uint8_t> _stagedBytes;
     std::vector<std::uint32_t> _stampValues;
-    bool _keepsStamps = true; ///< false: there is room for all lines, so none ever leaves
-    bool _hasStamps = false;  ///< they are read, in this round
+    bool _hasStamps = false; ///< they are read, in this round
     bool _acceptsCoarserMips = false;
     std::uint32_t _setBegin = 0;
     std::uint32_t _setSize = 0;

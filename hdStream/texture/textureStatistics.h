@@ -6,13 +6,25 @@
 
 namespace hds {
 
-/// Bytes, seconds and counts.
-struct TextureStatistics {
-    std::uint64_t openedTextures = 0;
+/// Lines that came and went.
+struct LineTraffic {
     std::uint64_t linesLoaded = 0;       ///< different ones
     std::uint64_t uniqueBytesLoaded = 0; ///< of these; lines that share a slot count once
     std::uint64_t uploadedBytes = 0;
     std::uint64_t evictions = 0;
+
+    void Add(const LineTraffic& other) {
+        linesLoaded += other.linesLoaded;
+        uniqueBytesLoaded += other.uniqueBytesLoaded;
+        uploadedBytes += other.uploadedBytes;
+        evictions += other.evictions;
+    }
+};
+
+/// Bytes, seconds and counts.
+struct TextureStatistics : LineTraffic {
+    LineTraffic grids; ///< the part of it that is lines of volumes
+    std::uint64_t openedTextures = 0;
     std::uint64_t setConflicts = 0;   ///< lines that found all of their set in use
     std::uint64_t lookups = 0;        ///< texels read, also by items that had to come again
     std::uint64_t misses = 0;         ///< of these, those whose line was missing
@@ -22,6 +34,13 @@ struct TextureStatistics {
     double openSeconds = 0.0;          ///< preparing textures
     double readSeconds = 0.0;          ///< of lines
     double requestSeconds = 0.0;       ///< all else
+
+    void Count(const LineTraffic& traffic, bool isOfGrid) {
+        Add(traffic);
+        if (isOfGrid) {
+            grids.Add(traffic);
+        }
+    }
 };
 
 } // namespace hds

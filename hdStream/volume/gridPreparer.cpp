@@ -24,6 +24,9 @@ std::optional<PageKey> FileKey(const VdbRequest& request, std::uint64_t bytes) {
     hasher.Append(kCodeVersion);
     hasher.Append(request.gridName);
     hasher.Append(static_cast<std::uint64_t>(request.gridIndex));
+    if (request.isNegated) {
+        hasher.Append("negated");
+    }
     if (!AppendFileIdentity(&hasher, request.file, request.offset, bytes)) {
         return std::nullopt;
     }

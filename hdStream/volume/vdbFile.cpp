@@ -145,30 +145,35 @@ glm::ivec3 ToVector(const openvdb::Coord& coord) {
     return {coord.x(), coord.y(), coord.z()};
 }
 
-/// A component of a value of any type.
-template <typename Value>
-float Component(const Value& value, int component) {
-    if constexpr (openvdb::VecTraits<Value>::IsVec) {
-        return VoxelValue(static_cast<double>(value[component]));
-    } else {
-        return VoxelValue(static_cast<double>(value));
+/// Which numbers are taken out of values of any type.
+struct Component {
+    int number = 0;
+    double sign = 1.0;
+
+    template <typename Value>
+    float Of(const Value& value) const {
+        if constexpr (openvdb::VecTraits<Value>::IsVec) {
+            return VoxelValue(sign * static_cast<double>(value[number]));
+        } else {
+            return VoxelValue(sign * static_cast<double>(value));
+        }
     }
-}
+};
 
 /// Takes a leaf node over: OpenVDB has z fastest. Voxels that are not active stay 0.
 template <typename Leaf>
-void AddLeaf(const Leaf& leaf, int component, VoxelGrid* grid) {
+void AddLeaf(const Leaf& leaf, Component component, VoxelGrid* grid) {
     VoxelBrick* brick = grid->AddBrick(grid->CellOf(ToVector(leaf.origin())));
     for (auto value = leaf.cbeginValueOn(); value; ++value) {
         const openvdb::Coord at = Leaf::offsetToLocalCoord(value.pos());
         (*brick)[(at.z() * HDS_BRICK_VOXELS + at.y()) * HDS_BRICK_VOXELS + at.x()] =
-            Component(*value, component);
+            component.Of(*value);
     }
 }
 
 /// One component of a grid.
 template <typename Grid>
-VoxelGrid TakeOver(const Grid& grid, int component) {
+VoxelGrid TakeOver(const Grid& grid, Component component) {
     using Leaf = typename Grid::TreeType::LeafNodeType;
     static_assert(Leaf::DIM == HDS_BRICK_VOXELS, "leaf nodes are bricks");
     const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
@@ -195,7 +200,7 @@ VoxelGrid TakeOver(const Grid& grid, int component) {
         for (glm::ivec3 at = ToVector(tileBox.min()); at.z <= end.z; at.z += HDS_BRICK_VOXELS) {
             for (at.y = tileBox.min().y(); at.y <= end.y; at.y += HDS_BRICK_VOXELS) {
                 for (at.x = tileBox.min().x(); at.x <= end.x; at.x += HDS_BRICK_VOXELS) {
-                    result.cells[result.CellOf(at)].value = Component(*tile, component);
+                    result.cells[result.CellOf(at)].value = component.Of(*tile);
                 }
             }
         }
@@ -204,11 +209,11 @@ VoxelGrid TakeOver(const Grid& grid, int component) {
 }
 
 template <typename Grid>
-bool TryType(const openvdb::GridBase::Ptr& grid, int numComponents,
+bool TryType(const openvdb::GridBase::Ptr& grid, int numComponents, double sign,
              std::vector<VoxelGrid>* result) {
     const auto typed = openvdb::gridPtrCast<Grid>(grid);
     for (int component = 0; typed && component < numComponents; ++component) {
-        result->push_back(TakeOver(*typed, component));
+        result->push_back(TakeOver(*typed, Component{component, sign}));
     }
     return typed != nullptr;
 }
@@ -222,11 +227,12 @@ std::vector<VoxelGrid> ReadVdb(const VdbRequest& request, std::string* error) {
         if (grid->getGridClass() == openvdb::GRID_LEVEL_SET) {
             throw std::runtime_error("the grid is a level set, no fog volume");
         }
-        const bool isRead = TryType<openvdb::FloatGrid>(grid, 1, &result) ||
-                            TryType<openvdb::DoubleGrid>(grid, 1, &result) ||
-                            TryType<openvdb::Int32Grid>(grid, 1, &result) ||
-                            TryType<openvdb::Vec3SGrid>(grid, 3, &result) ||
-                            TryType<openvdb::Vec3DGrid>(grid, 3, &result);
+        const double sign = request.isNegated ? -1.0 : 1.0;
+        const bool isRead = TryType<openvdb::FloatGrid>(grid, 1, sign, &result) ||
+                            TryType<openvdb::DoubleGrid>(grid, 1, sign, &result) ||
+                            TryType<openvdb::Int32Grid>(grid, 1, sign, &result) ||
+                            TryType<openvdb::Vec3SGrid>(grid, 3, sign, &result) ||
+                            TryType<openvdb::Vec3DGrid>(grid, 3, sign, &result);
         if (!isRead) {
             throw std::runtime_error("grids of the type " + grid->valueType() + " are not drawn");
         }

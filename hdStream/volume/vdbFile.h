@@ -15,7 +15,8 @@ struct VdbRequest {
     std::string file;
     std::uint64_t offset = 0; ///< bytes: where it begins in a package
     std::string gridName;
-    int gridIndex = 0; ///< of those of that name
+    int gridIndex = 0;      ///< of those of that name
+    bool isNegated = false; ///< values count with the other sign: what is below 0
 };
 
 /// The active voxels of a fog volume: one grid of numbers, or three of vectors. Thread-safe.

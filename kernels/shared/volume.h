@@ -16,6 +16,9 @@
 #define HDS_FIELD_TEMPERATURE 2
 #define HDS_NUM_FIELDS 3
 
+/* Grids of a velocity, which has signs: what is above 0 along x, y and z, then what is below. */
+#define HDS_VELOCITY_GRIDS 6u
+
 HDS_SHARED_BEGIN
 typedef struct {
     u32 grid; /* the first of its grids; HDS_NONE: the value is 1 everywhere */
@@ -42,7 +45,12 @@ typedef struct {
         emissionRate; /* collisions a unit of length, beside those of the density, where it glows */
     HdsVolumeField fields[HDS_NUM_FIELDS];
     u32 identity; /* what tells its random numbers from those of others */
+    /* Of volumes that move. Its grid is the first of HDS_VELOCITY_GRIDS; HDS_NONE: at rest. */
+    HdsVolumeField velocity;
+    float latticeFromVelocity[9]; /* rows: voxels a second */
+    float openSeconds;            /* of the shutter, from the frame on */
+    float closeSeconds;
 } HdsVolume;
-HDS_ASSERT_SIZE(HdsVolume, 320);
+HDS_ASSERT_SIZE(HdsVolume, 420);
 HDS_SHARED_END
 #endif

@@ -27,6 +27,7 @@ from cliCase import SMALL, AssertFails, Run, RunHere, WriteStage
     (["record", "a.usda", "b.exr", "--residency", "nowhere"], "nowhere"),
     (["record", "a.usda", "b.exr", "--geometryMemory", "12Q"], "--geometryMemory"),
     (["record", "a.usda", "b.exr", "--textureMemory", "130%"], "130%"),
+    (["record", "a.usda", "b.exr", "--volumeMemory", "lots"], "--volumeMemory"),
     (["record", "a.usda", "b.exr", "--hostMemory", "0"], "--hostMemory"),
     (["record", "a.usda", "b.exr", "--chunkSize", "big"], "--chunkSize"),
     (["record", "a.usda", "b.exr", "--waveSize", "-1"], "--waveSize"),

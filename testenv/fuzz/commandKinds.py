@@ -61,6 +61,7 @@ class CommandLine(Kind):
             ("--noise", _NUMBERS), ("--aovs", _WORDS), ("--stats", ["s.json", "none/s.json", "", ".", "s.####.json"]),
             ("--device", ["", "cpu", "no such", "pthread", "x" * 300]), ("--cacheDir", ["stage.usda", "/proc/none", ""]),
             ("--residency", _WORDS), ("--hostMemory", _SIZES), ("--geometryMemory", _SIZES), ("--textureMemory", _SIZES),
+            ("--volumeMemory", _SIZES),
             ("--geometryEviction", _WORDS), ("--chunkSize", _SIZES + ["mesh"]), ("--request", _WORDS), ("--waveSize", _NUMBERS),
             ("--shadeIterations", _NUMBERS), ("--prepare", _WORDS), ("--nothing", _WORDS), ("--time", _NUMBERS)])
         if rng.random() < 0.05:

@@ -144,13 +144,29 @@ def resident(tmp_path_factory):
 @pytest.mark.parametrize("settings", [
     dict(textureMemory="100%"), dict(textureMemory="30%"), dict(textureMemory="5%"), dict(textureMemory="2%"),
     dict(traversal="scalar", residency="resident"), dict(waveSize=777, residency="resident"),
-    dict(waveSize=64, textureMemory="5%")], ids=str)
+    dict(waveSize=64, textureMemory="5%"), dict(volumeMemory="100%"), dict(volumeMemory="30%"), dict(volumeMemory="4K"),
+    dict(volumeMemory="5%", textureMemory="64M", waveSize=64)], ids=str)
 def test_bits_are_the_same(resident, settings):
     path, expected = resident
     layers, statistics, _ = volumeCase.Render(path, _TwoVolumes(), samples=8, **{"residency": "stream", **settings})
     assert np.array_equal(layers["color"], expected)
     if settings.get("residency") != "resident":
         assert statistics["texture"]["uniqueBytesLoaded"] > 0
+
+
+def test_volumes_keep_their_budget(resident):
+    """A pool for voxels alone, which the statistics tell from that for textures; by default they share one."""
+    path, _ = resident
+    whole = volumeCase.Render(path, _TwoVolumes(), samples=8, residency="resident")[1]["volume"]
+    assert whole["uploadedBytes"] == whole["uniqueBytesLoaded"] >= whole["bytesTotal"] and whole["budget"] == 0
+    shared = volumeCase.Render(path, _TwoVolumes(), samples=8, residency="stream", textureMemory="10%")[1]
+    assert shared["volume"]["budget"] == 0 == shared["volume"]["peakBytes"] and shared["volume"]["evictions"] > 0
+    apart = volumeCase.Render(path, _TwoVolumes(), samples=8, residency="stream", volumeMemory="10%")[1]
+    assert apart["volume"]["budget"] == whole["bytesTotal"] // 10
+    assert 0.7 * apart["volume"]["budget"] < apart["volume"]["peakBytes"] <= apart["volume"]["budget"]
+    assert apart["volume"]["uniqueBytesLoaded"] == shared["volume"]["uniqueBytesLoaded"] < apart["volume"]["uploadedBytes"]
+    with pytest.raises(volumeCase._core.Error, match="--volumeMemory: 4095 bytes cannot hold .* takes 4096 bytes"):
+        volumeCase.Render(path, _TwoVolumes(), samples=1, residency="stream", volumeMemory="4095")
 
 
 def test_light_path_expressions_know_volumes(resident):

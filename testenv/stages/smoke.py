@@ -14,18 +14,24 @@ _BUILDS = pathlib.Path(__file__).resolve().parents[2] / "build"
 
 
 def WriteVdb(path, voxelSize, first, **grids) -> None:
-    """Writes grids of one shape, each [x][y][z]. Raises FileNotFoundError without a build."""
+    """Writes grids of one shape, each [x][y][z], vectors [x][y][z][3]. Raises FileNotFoundError without a build."""
+    with tempfile.TemporaryDirectory() as folder:
+        files = {}
+        for name, values in grids.items():
+            values = np.asarray(values, np.float32)
+            file = pathlib.Path(folder) / name
+            file.write_bytes(np.ascontiguousarray(np.swapaxes(values, 0, 2)).tobytes())
+            files[name + (":3" if values.ndim == 4 else "")] = file
+        WriteVdbOfFiles(path, voxelSize, first, np.asarray(next(iter(grids.values()))).shape[:3], files)
+
+
+def WriteVdbOfFiles(path, voxelSize, first, shape, files: dict) -> None:
+    """The same of files of floats [z][y][x], by the grids' names (testenv/tools/writeVdb.cpp). \\param shape: x, y, z."""
     programs = sorted(_BUILDS.glob("*/testenv/writeVdb"), key=lambda program: program.parts[-3] != "release")
     if not programs:
         raise FileNotFoundError("writeVdb is not built")
-    with tempfile.TemporaryDirectory() as folder:
-        words = []
-        for name, values in grids.items():
-            raw = pathlib.Path(folder) / name
-            raw.write_bytes(np.ascontiguousarray(np.asarray(values, np.float32).transpose(2, 1, 0)).tobytes())
-            words += [name, str(raw)]
-        shape = np.asarray(next(iter(grids.values()))).shape
-        subprocess.run([str(programs[0]), str(path), *map(str, (voxelSize, *first, *shape)), *words], check=True)
+    words = [word for name, file in files.items() for word in (name, str(file))]
+    subprocess.run([str(programs[0]), str(path), *map(str, (voxelSize, *first, *shape)), *words], check=True)
 
 
 def _Noise(points, seed, octaves=5):

@@ -87,6 +87,14 @@ public:
     }
     std::uint64_t TextureId(std::uint32_t texture) const override { return _textures[texture].id; }
     std::uint64_t MaxLines() const override { return maxLines; }
+    std::uint32_t FirstGrid() const override { return NumTextures() - numGrids; }
+    std::uint64_t GridLines() const override {
+        std::uint64_t lines = 0;
+        for (std::uint32_t grid = FirstGrid(); grid < NumTextures(); ++grid) {
+            lines += _records[grid].numLines;
+        }
+        return lines;
+    }
     void Open(const std::vector<std::uint32_t>& textures) override {
         for (const std::uint32_t texture : textures) {
             opened.insert(texture);
@@ -117,6 +125,7 @@ public:
     }
 
     std::uint64_t maxLines = kUnknown;
+    std::uint32_t numGrids = 0; ///< the last textures stand for grids
     std::set<std::uint32_t> opened;
     std::uint64_t numOpens = 0;
     std::uint64_t numReads = 0;

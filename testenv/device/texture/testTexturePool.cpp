@@ -6,6 +6,7 @@
 #include "testenv/support/fakeTextures.h"
 
 #include <algorithm>
+#include <iterator>
 #include <numeric>
 #include <random>
 
@@ -202,6 +203,52 @@ TEST_F(TexturePoolTest, ABudgetBelowOneItemIsAnErrorThatNamesTheOption) {
     }
     EXPECT_THROW(pool.Update(&textures, 7 * HDS_LINE_BYTES, 1), Error);
     EXPECT_NO_THROW(pool.Update(&textures, 12 * HDS_LINE_BYTES, 12));
+}
+
+TEST_F(TexturePoolTest, GridsHaveABudgetOfTheirOwn) {
+    FakeTextures textures({{20, 256, 256}, {21, 512, 512}, {22, 512, 512}});
+    textures.numGrids = 2;
+    const std::vector<Tap> both = RandomTaps(textures, 4 * 1500, 9);
+    std::vector<Tap> images;
+    std::copy_if(both.begin(), both.end(), std::back_inserter(images),
+                 [](const Tap& tap) { return tap.texture == 0; });
+    TexturePool pool(device);
+    constexpr std::uint64_t kGrids = 40 * HDS_LINE_BYTES;
+    textures.maxLines = textures.TotalLines();
+    pool.Update(&textures, 1U << 20U, 8, {kGrids, 4});
+    ExpectExact(textures, both, Read(&pool, both, 4));
+    const TextureStatistics cold = pool.Statistics();
+    EXPECT_GT(cold.grids.evictions, 1000U);
+    EXPECT_EQ(cold.evictions, cold.grids.evictions) << "images have room";
+    EXPECT_EQ(cold.uploadedBytes - cold.grids.uploadedBytes,
+              cold.uniqueBytesLoaded - cold.grids.uniqueBytesLoaded);
+    EXPECT_LE(pool.GridPeakUsedBytes(), kGrids);
+    EXPECT_GE(pool.GridPeakUsedBytes(), kGrids / 2);
+    EXPECT_LT(pool.GridPeakUsedBytes(), pool.PeakUsedBytes());
+    ExpectExact(textures, images, Read(&pool, images, 1));
+    EXPECT_EQ(pool.Statistics().uploadedBytes, cold.uploadedBytes) << "no grid took their place";
+    // Another budget of grids: nothing is lost but what was in the pool.
+    pool.Update(&textures, 1U << 20U, 8, {0, 4});
+    EXPECT_EQ(pool.GridPeakUsedBytes(), 0U) << "they share";
+    ExpectExact(textures, both, Read(&pool, both, 4));
+}
+
+TEST_F(TexturePoolTest, GridsAloneNeedNoTextureMemory) {
+    FakeTextures textures({{20, 256, 256}, {21, 64, 64}});
+    textures.numGrids = 2;
+    textures.maxLines = textures.TotalLines();
+    TexturePool pool(device);
+    pool.Update(&textures, 0, 8, {64 * HDS_LINE_BYTES, 4});
+    EXPECT_LE(pool.Bytes(), 64U * HDS_LINE_BYTES);
+    const std::vector<Tap> list = RandomTaps(textures, 1000, 9);
+    ExpectExact(textures, list, Read(&pool, list, 1));
+    try {
+        pool.Update(&textures, 0, 8, {8 * HDS_LINE_BYTES - 1, 4});
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("--volumeMemory"), std::string::npos);
+        EXPECT_NE(std::string(error.what()).find("4096"), std::string::npos);
+    }
 }
 
 TEST_F(TexturePoolTest, LinesOfOneSetNeededAtOnce) {

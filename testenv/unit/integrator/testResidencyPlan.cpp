@@ -33,6 +33,12 @@ TEST(ResidencyPlan, BudgetsAreBytesOrAShareOrAQuarterOfTheDevice) {
     options.textureBudgetShare = 0.5;
     EXPECT_EQ(TextureBudget(options, 1001, kDevice), 500U);
     EXPECT_EQ(TextureBudget(Options(), 1000, kDevice), 1024 * kMega);
+    EXPECT_EQ(VolumeBudget(options, 1001), 0U) << "volumes share with textures";
+    options.volumeBudgetBytes = 55;
+    EXPECT_EQ(VolumeBudget(options, 1001), 55U);
+    options.volumeBudgetShare = 0.3;
+    EXPECT_EQ(VolumeBudget(options, 1001), 300U);
+    EXPECT_EQ(VolumeBudget(options, 2), 1U) << "0 would share";
 }
 
 TEST(ResidencyPlan, WhatIsAskedForIsDone) {

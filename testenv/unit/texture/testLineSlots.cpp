@@ -67,6 +67,32 @@ TEST(LineSlots, MostUsedIsAHighWaterMark) {
     EXPECT_EQ(slots.MostUsed(), 9U);
 }
 
+TEST(LineSlots, ThoseOfASecondPartCountOnFromTheFirst) {
+    constexpr std::uint32_t kFirst = 100;
+    LineSlots slots(SlotPlan{2, 1, 1}, kFirst);
+    std::vector<std::uint32_t> stamps(kFirst + 11, 1);
+    stamps[kFirst + 5] = 0; // used least recently
+    const auto place = [&](std::uint32_t line, std::uint32_t epoch) {
+        return slots.Place(line, epoch,
+                           [&]() -> const std::vector<std::uint32_t>& { return stamps; });
+    };
+    std::set<std::uint32_t> used = {slots.PlacePinned(50)};
+    for (std::uint32_t line = 0; line < 8; ++line) {
+        used.insert(place(line, 1).slot);
+    }
+    EXPECT_EQ(*used.begin(), kFirst + 2) << "the overflow comes first";
+    EXPECT_EQ(*used.rbegin(), kFirst + 10);
+    EXPECT_EQ(used.size(), 9U);
+    stamps.assign(stamps.size(), 7);
+    stamps[kFirst + 5] = 6;
+    const LineSlots::Placement placement = place(20, 8);
+    EXPECT_EQ(placement.slot, kFirst + 5);
+    EXPECT_EQ(placement.evicted, 3U);
+    EXPECT_EQ(slots.Line(kFirst + 5), 20U);
+    slots.Free(kFirst + 5);
+    EXPECT_EQ(slots.Line(kFirst + 5), HDS_NONE);
+}
+
 TEST(LineSlots, LinesLieTogetherInTheOrderInWhichTheyCame) {
     LineSlots slots(SlotPlan{2, 5, 1});
     const auto place = [&](std::uint32_t line) {

@@ -23,4 +23,6 @@ def ReadVolume(prim, placement, purpose, materialPath, timeCode, assets, warn):
             continue
         gridName = asset.GetFieldNameAttr().Get(timeCode) or name
         volume.SetFile(name, assets.Resolve(file, value), str(gridName), asset.GetFieldIndexAttr().Get(timeCode) or 0)
+    # At no frame nothing moves.
+    volume.SetTimeCodesPerSecond(prim.GetStage().GetTimeCodesPerSecond() if timeCode.IsNumeric() else 0.0)
     return volume
