@@ -10,6 +10,9 @@
 
 namespace hds {
 
+/// Whether a camera needs HDS_FEATURE_CAMERA_LENS.
+bool NeedsLensKernels(const CameraPrim& camera, const Shutter& shutter);
+
 /// Frame constants of a render. The film back is conformed to the display window by the policy.
 /// \param centre scene centre, subtracted in double.
 /// \param numLights entries of the light table.

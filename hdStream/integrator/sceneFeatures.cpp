@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/integrator/sceneFeatures.h"
 
+#include "hdStream/integrator/cameraFrame.h"
 #include "hdStream/integrator/filmBuffers.h"
 #include "hdStream/integrator/lightPathTable.h"
 #include "hdStream/scene/motion.h"
@@ -49,7 +50,9 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
     features.groups = scene.hasGroups;
     features.instanceChunks = scene.hasInstanceChunks;
     features.curves = scene.hasCurves;
-    features.motion = scene.hasMotion || MovesOver(options.camera, options.shutter);
+    features.motion = scene.hasMotion || MovesOver(options.camera, options.shutter) ||
+                      LensChangesOver(options.camera, options.shutter);
+    features.cameraLens = NeedsLensKernels(options.camera, options.shutter);
     features.catchers = options.aovs.hasCatchers;
     features.simd8 = ChooseSimd8(options, properties);
     features.flat = !isStreaming && MayBeFlat(options, features, buffers) &&

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <memory>
 
 namespace hds {
@@ -195,6 +196,43 @@ std::vector<glm::dmat4> MakeMotionKeys(const MovingTransform& transform, const B
 
 bool MovesOver(const CameraPrim& camera, const Shutter& shutter) {
     return !SamplesWithin(camera.samples, shutter).empty();
+}
+
+LensSample LensAt(const CameraPrim& camera, double time) {
+    const std::vector<LensSample>& samples = camera.lensSamples;
+    if (samples.empty()) {
+        return {time, camera.focalLength, camera.fStop, camera.focusDistance};
+    }
+    const auto after =
+        std::find_if(samples.begin(), samples.end(),
+                     [time](const LensSample& sample) { return sample.time >= time; });
+    LensSample lens = after == samples.end() ? samples.back() : *after;
+    if (after != samples.begin() && after != samples.end() && after->time > time) {
+        const LensSample& before = *std::prev(after);
+        const auto part = static_cast<float>((time - before.time) / (after->time - before.time));
+        lens.focalLength = glm::mix(before.focalLength, after->focalLength, part);
+        lens.fStop = glm::mix(before.fStop, after->fStop, part);
+        lens.focusDistance = glm::mix(before.focusDistance, after->focusDistance, part);
+    }
+    lens.time = time;
+    return lens;
+}
+
+bool LensChangesOver(const CameraPrim& camera, const Shutter& shutter) {
+    if (!shutter.IsOpen() || camera.lensSamples.empty()) {
+        return false;
+    }
+    const auto differs = [](LensSample a, const LensSample& b) {
+        a.time = b.time;
+        return a != b;
+    };
+    const LensSample first = LensAt(camera, shutter.open);
+    return differs(first, LensAt(camera, shutter.close)) ||
+           std::any_of(camera.lensSamples.begin(), camera.lensSamples.end(),
+                       [&](const LensSample& sample) {
+                           return sample.time > shutter.open && sample.time < shutter.close &&
+                                  differs(first, sample);
+                       });
 }
 
 std::vector<glm::dmat4> MakeCameraKeys(const CameraPrim& camera, const Shutter& shutter) {

@@ -52,6 +52,12 @@ std::vector<glm::dmat4> MakeMotionKeys(const MovingTransform& transform, const B
 /// Whether the camera's pose changes.
 bool MovesOver(const CameraPrim& camera, const Shutter& shutter);
 
+/// The lens at a time, in frames from the frame: linear between samples.
+LensSample LensAt(const CameraPrim& camera, double time);
+
+/// Whether the lens changes while the shutter is open.
+bool LensChangesOver(const CameraPrim& camera, const Shutter& shutter);
+
 /// The keys of a camera's pose.
 std::vector<glm::dmat4> MakeCameraKeys(const CameraPrim& camera, const Shutter& shutter);
 

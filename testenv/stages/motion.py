@@ -125,10 +125,16 @@ def _AddFar(stage):
     group.CreatePositionsAttr([(0, 0, 0)])
 
 
-# What moves in a stage, by name; "camera" is still but for the camera.
+def _SetOverFrames(attribute, first, last):
+    attribute.Set(first, 0.0)
+    attribute.Set(last, 2.0)
+
+
+# What moves in a stage, by name; "camera", "focus" and "zoom" are still but for the camera.
 SCENES = {
     "way": _AddMovingBox, "turn": _AddTurningBox, "nested": _AddNestedInstances, "polygons": _AddBendingPolygons,
     "surface": _AddBendingSurface, "curves": _AddCurves, "ribbons": _AddRibbons, "points": _AddPoints, "camera": _AddNothing,
+    "focus": _AddNothing, "zoom": _AddNothing,
 }
 
 
@@ -147,6 +153,11 @@ def Write(path, *names, shutter=SHUTTER):
     if "camera" in names:
         camera.ClearXformOpOrder()
         AddWay(camera, (-1.0, -0.5, 5), (1.0, 0.5, 7), degrees=40.0)
+    if "focus" in names:
+        _SetOverFrames(camera.CreateFStopAttr(), 1.5, 4.0)
+        _SetOverFrames(camera.CreateFocusDistanceAttr(), 2.0, 9.0)
+    if "zoom" in names:
+        _SetOverFrames(camera.CreateFocalLengthAttr(), 20.0, 60.0)
     stage.SetStartTimeCode(FRAME)
     stage.SetEndTimeCode(FRAME)
     stage.GetRootLayer().Save()
