@@ -41,6 +41,7 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
     features.instancePrimvars = buffers.HasInstancePrimvars();
     features.lightShaping = scene.lights->hasShaping;
     features.lightControls = scene.lights->hasControls;
+    features.lightMotion = scene.lights->hasMotion;
     features.lightPortals = scene.lights->hasPortals;
     features.meshLights = scene.lights->hasMeshes;
     features.texturedEmission = scene.lights->hasTexturedEmission;

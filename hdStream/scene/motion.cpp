@@ -20,6 +20,8 @@ namespace {
 
 /// How far a box may be from where it should be, as a part of the way that it goes.
 constexpr double kTolerance = 1.0 / 256.0;
+/// What a light may be stretched by and still count as rigid.
+constexpr double kMostStretch = 1e-4;
 
 /// A matrix as translation, rotation and stretch (Shoemake and Duff 1992, "Matrix Animation and
 /// Polar Decomposition").
@@ -192,6 +194,36 @@ std::vector<glm::dmat4> MakeMotionKeys(const MovingTransform& transform, const B
             return keys;
         }
     }
+}
+
+std::vector<LightKey> MakeLightKeys(const MovingTransform& worldFromLight, bool* isRigid) {
+    *isRigid = true;
+    const glm::dmat4& rest = worldFromLight.AtFrame();
+    if (!worldFromLight.Moves() || !IsUsableTransform(rest)) {
+        return {};
+    }
+    const glm::dmat3 lightFromWorld = glm::inverse(glm::dmat3(rest));
+    std::vector<LightKey> keys;
+    for (const glm::dmat4& pose :
+         MakeMotionKeys(worldFromLight, {glm::vec3(-1.0F), glm::vec3(1.0F)})) {
+        if (!IsUsableTransform(pose)) {
+            *isRigid = false;
+            return {};
+        }
+        glm::dmat4 turned(glm::dmat3(pose) * lightFromWorld);
+        const Decomposed parts = Decompose(turned);
+        const glm::dmat3 change = parts.stretch - glm::dmat3(1.0);
+        for (int column = 0; column < 3; ++column) {
+            *isRigid = *isRigid && glm::length(change[column]) < kMostStretch;
+        }
+        const glm::dquat& q = parts.rotation;
+        glm::dvec4 turn(q.x, q.y, q.z, q.w);
+        if (!keys.empty() && glm::dot(turn, keys.back().turn) < 0.0) {
+            turn = -turn; // the same, on the shorter way
+        }
+        keys.push_back({turn, glm::dvec3(pose[3] - rest[3])});
+    }
+    return keys;
 }
 
 bool MovesOver(const CameraPrim& camera, const Shutter& shutter) {

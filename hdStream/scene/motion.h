@@ -5,6 +5,7 @@
 
 #include "hdStream/geometry/triangleMesh.h"
 #include "hdStream/scene/sceneDescription.h"
+#include "hdStream/shading/emissiveMesh.h"
 
 #include <functional>
 #include <vector>
@@ -48,6 +49,10 @@ private:
 /// linear between each other to within a small part of the way that the box goes: at least two, at
 /// most HDS_MAX_MOTION_SEGMENTS + 1.
 std::vector<glm::dmat4> MakeMotionKeys(const MovingTransform& transform, const Bounds& bounds);
+
+/// The keys of a light, relative to where it is at the frame; empty when it rests. What is not
+/// rigid of its motion is left out. \param[out] isRigid whether nothing was.
+std::vector<LightKey> MakeLightKeys(const MovingTransform& worldFromLight, bool* isRigid);
 
 /// Whether the camera's pose changes.
 bool MovesOver(const CameraPrim& camera, const Shutter& shutter);
