@@ -68,6 +68,7 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
     features.media = scene.hasMedia;
     features.hair = scene.hasHair;
     features.glassShadows = scene.hasGlassShadows;
+    features.terminator = options.smoothTerminator;
     features.mediaStack = !scene.meshMedia.empty();
     features.volumes = !scene.volumes.volumes.empty();
     features.lightPaths = NumLightPathSums(options.aovs.lightPaths.size());
