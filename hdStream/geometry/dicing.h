@@ -16,6 +16,7 @@ namespace hds {
 struct DicingView {
     glm::dmat4 cameraFromObject{1.0};
     bool isOrthographic = false;
+    bool isPanoramic = false; ///< it may see all around; borders are in radians
     /// The image's borders: at distance 1 (perspective), or of every distance (orthographic).
     glm::dvec2 windowMin{-1.0};
     glm::dvec2 windowMax{1.0};
@@ -27,9 +28,10 @@ struct DicingView {
 
     static constexpr auto Fields() {
         return FieldList(HDS_FIELD(DicingView, cameraFromObject),
-                         HDS_FIELD(DicingView, isOrthographic), HDS_FIELD(DicingView, windowMin),
-                         HDS_FIELD(DicingView, windowMax), HDS_FIELD(DicingView, imageSize),
-                         HDS_FIELD(DicingView, nearClip), HDS_FIELD(DicingView, isOnlyInstance));
+                         HDS_FIELD(DicingView, isOrthographic), HDS_FIELD(DicingView, isPanoramic),
+                         HDS_FIELD(DicingView, windowMin), HDS_FIELD(DicingView, windowMax),
+                         HDS_FIELD(DicingView, imageSize), HDS_FIELD(DicingView, nearClip),
+                         HDS_FIELD(DicingView, isOnlyInstance));
     }
 };
 

@@ -104,7 +104,7 @@ Screen::Screen(const DicingView& view) : _view(view) {
     const glm::dvec2 size = view.windowMax - view.windowMin;
     _pixels = std::max(view.imageSize.x / size.x, view.imageSize.y / size.y);
     const glm::dvec2 far = glm::max(glm::abs(view.windowMin), glm::abs(view.windowMax));
-    _leastCosine = 1.0 / std::sqrt(1.0 + glm::dot(far, far));
+    _leastCosine = view.isPanoramic ? 1.0 : 1.0 / std::sqrt(1.0 + glm::dot(far, far));
 }
 
 glm::dvec3 Screen::ToCamera(const glm::dvec3& point) const {
@@ -121,12 +121,16 @@ double Screen::PixelsPerUnit(const glm::dvec3* points, std::size_t count,
         // Depth; what other instances, or a camera that turns, may bring on screen is not nearer
         // than its distance lets it be.
         const glm::dvec3& p = points[i * stride];
-        nearest = std::min(nearest, _view.isOnlyInstance ? -p.z : glm::length(p) * _leastCosine);
+        const bool isByDepth = _view.isOnlyInstance && !_view.isPanoramic;
+        nearest = std::min(nearest, isByDepth ? -p.z : glm::length(p) * _leastCosine);
     }
     return _pixels / std::max(nearest, _view.nearClip);
 }
 
 bool Screen::IsOutside(const std::vector<glm::dvec3>& points) const {
+    if (_view.isPanoramic) {
+        return false;
+    }
     bool isBeyond[5] = {true, true, true, true, true};
     for (const glm::dvec3& p : points) {
         const double scale = _view.isOrthographic ? 1.0 : -p.z;

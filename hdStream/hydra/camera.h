@@ -21,6 +21,7 @@ public:
 };
 
 /// The core's camera with the values of one of Hydra's: lengths in scene units, as they are.
-hds::CameraPrim HdStreamCameraFrom(const HdCamera& camera);
+/// \param delegate of exposure's newer attributes; null: they do not count.
+hds::CameraPrim HdStreamCameraFrom(const HdCamera& camera, HdSceneDelegate* delegate);
 
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -4,6 +4,7 @@
 #include "hdStream/hydra/arrays.h"
 #include "hdStream/hydra/instancer.h"
 #include "hdStream/hydra/lightParameters.h"
+#include "hdStream/hydra/motion.h"
 #include "hdStream/hydra/renderParam.h"
 #include "hdStream/hydra/scenePaths.h"
 
@@ -57,6 +58,10 @@ void HdStreamLight::SyncPlacement(HdSceneDelegate* delegate, HdStreamRenderParam
         const GfMatrix4d offset = HdStreamGetLightParameter(delegate, id, HdLightTokens->domeOffset)
                                       .GetWithDefault(GfMatrix4d(1.0));
         placement.worldFromObject = HdStreamToGlm(offset * delegate->GetTransform(id));
+        placement.samples = HdStreamSampleTransform(delegate, id, param->Shutter());
+        for (hds::TransformSample& sample : placement.samples) {
+            sample.matrix = sample.matrix * HdStreamToGlm(offset);
+        }
     }
     if (bits & DirtyParams) {
         placement.visible = delegate->GetVisible(id);

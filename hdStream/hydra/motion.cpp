@@ -6,6 +6,8 @@
 #include "hdStream/hydra/sceneIndexPlugins.h"
 
 #include <pxr/imaging/hd/extComputationUtils.h>
+#include <pxr/imaging/hd/renderIndex.h>
+#include <pxr/imaging/hd/sceneIndex.h>
 #include <pxr/imaging/hd/timeSampleArray.h>
 #include <pxr/imaging/hd/tokens.h>
 
@@ -19,6 +21,10 @@ namespace {
 constexpr unsigned int kUsualSamples = 4;
 
 using MatrixSamples = HdTimeSampleArray<GfMatrix4d, kUsualSamples>;
+
+double TimeCodesPerSecond(HdSceneDelegate* delegate) {
+    return HdStreamTimeCodesPerSecond(delegate->GetRenderIndex().GetTerminalSceneIndex());
+}
 
 /// Commit cuts out what lies in the interval.
 std::vector<hds::TransformSample> SamplesFrom(const MatrixSamples& matrices) {
@@ -99,9 +105,10 @@ std::vector<VtValue> HdStreamMoveByVelocities(HdSceneDelegate* delegate, const S
         return {};
     }
     const auto changes = delegate->Get(id, HdTokens->accelerations).GetWithDefault(VtVec3fArray());
+    const double timeCodesPerSecond = TimeCodesPerSecond(delegate);
     std::vector<VtValue> ends;
     for (const double time : {shutter.open, shutter.close}) {
-        const double seconds = time / kHdStreamTimeCodesPerSecond;
+        const double seconds = time / timeCodesPerSecond;
         VtVec3fArray moved = from;
         for (std::size_t i = 0; i < moved.size(); ++i) {
             GfVec3f velocity = perSecond[i];
@@ -125,9 +132,10 @@ std::vector<VtArray<GfRotation>> HdStreamTurnByVelocities(HdSceneDelegate* deleg
     if (!shutter.IsOpen() || !turn || degreesPerSecond.size() != count) {
         return {};
     }
+    const double timeCodesPerSecond = TimeCodesPerSecond(delegate);
     std::vector<VtArray<GfRotation>> ends;
     for (const double time : {shutter.open, shutter.close}) {
-        const double seconds = time / kHdStreamTimeCodesPerSecond;
+        const double seconds = time / timeCodesPerSecond;
         VtArray<GfRotation> turns;
         for (const GfVec3f& velocity : degreesPerSecond) {
             turns.push_back(GfRotation(velocity, seconds * velocity.GetLength()));

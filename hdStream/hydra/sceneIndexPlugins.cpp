@@ -11,6 +11,7 @@
 #include <pxr/imaging/hd/dependencyForwardingSceneIndex.h>
 #include <pxr/imaging/hd/materialBindingsSchema.h>
 #include <pxr/imaging/hd/retainedDataSource.h>
+#include <pxr/imaging/hd/sceneGlobalsSchema.h>
 #include <pxr/imaging/hd/sceneIndexPluginRegistry.h>
 #include <pxr/imaging/hd/tokens.h>
 #include <pxr/imaging/hdsi/implicitSurfaceSceneIndex.h>
@@ -47,9 +48,29 @@ HdContainerDataSourceHandle ImplicitSurfaceArguments() {
     return HdRetainedContainerDataSource::New(names.size(), names.data(), values.data());
 }
 
-HdContainerDataSourceHandle VelocityArguments() {
-    return HdRetainedContainerDataSource::New(
-        TfToken("fps"), HdRetainedTypedSampledDataSource<float>::New(kHdStreamTimeCodesPerSecond));
+constexpr double kDefaultTimeCodesPerSecond = 24.0;
+
+/// Time codes a second of a scene when it is asked for, which may be populated later.
+class TimeCodesSource final : public HdTypedSampledDataSource<float> {
+public:
+    HD_DECLARE_DATASOURCE(TimeCodesSource);
+
+    VtValue GetValue(Time time) override { return VtValue(GetTypedValue(time)); }
+    float GetTypedValue(Time) override {
+        return static_cast<float>(HdStreamTimeCodesPerSecond(_scene));
+    }
+    bool GetContributingSampleTimesForInterval(Time, Time, std::vector<Time>*) override {
+        return false;
+    }
+
+private:
+    explicit TimeCodesSource(const HdSceneIndexBaseRefPtr& scene) : _scene(scene) {}
+
+    HdSceneIndexBaseRefPtr _scene;
+};
+
+HdContainerDataSourceHandle VelocityArguments(const HdSceneIndexBaseRefPtr& scene) {
+    return HdRetainedContainerDataSource::New(TfToken("fps"), TimeCodesSource::New(scene));
 }
 
 void Register(const char* name, HdSceneIndexPluginRegistry::InsertionPhase phase,
@@ -71,6 +92,17 @@ TF_REGISTRY_FUNCTION(HdSceneIndexPlugin) {
              HdSceneIndexPluginRegistry::InsertionOrderAtEnd);
 }
 
+double HdStreamTimeCodesPerSecond(const HdSceneIndexBaseRefPtr& scene) {
+    // By name: the schema has had the member since 25.05 only.
+    static const TfToken name("timeCodesPerSecond");
+    const HdContainerDataSourceHandle globals =
+        scene ? HdSceneGlobalsSchema::GetFromSceneIndex(scene).GetContainer() : nullptr;
+    const auto source = globals ? HdSampledDataSource::Cast(globals->Get(name)) : nullptr;
+    const double found =
+        source ? VtValue::Cast<double>(source->GetValue(0.0F)).GetWithDefault(0.0) : 0.0;
+    return found > 0.0 ? found : kDefaultTimeCodesPerSecond;
+}
+
 HdStreamSceneIndexPlugin::HdStreamSceneIndexPlugin() = default;
 
 HdSceneIndexBaseRefPtr
@@ -81,7 +113,7 @@ HdStreamSceneIndexPlugin::_AppendSceneIndex(const HdSceneIndexBaseRefPtr& inputS
     scene = HdsiImplicitSurfaceSceneIndex::New(scene, ImplicitSurfaceArguments());
     scene = HdsiNurbsApproximatingSceneIndex::New(scene);
     scene = HdsiTetMeshConversionSceneIndex::New(scene);
-    scene = HdsiVelocityMotionResolvingSceneIndex::New(scene, VelocityArguments());
+    scene = HdsiVelocityMotionResolvingSceneIndex::New(scene, VelocityArguments(inputScene));
     scene = HdsiLightLinkingSceneIndex::New(scene, nullptr);
     scene = HdsiMaterialBindingResolvingSceneIndex::New(
         scene, {HdTokens->full, HdMaterialBindingsSchemaTokens->allPurpose},

@@ -8,8 +8,9 @@
 
 PXR_NAMESPACE_OPEN_SCOPE
 
-/// Hydra's scene does not tell its time codes per second; this is UsdStage's default, and Storm's.
-constexpr float kHdStreamTimeCodesPerSecond = 24.0F;
+/// Time codes a second, as the scene's globals say since OpenUSD 25.05; where they do not, 24:
+/// UsdStage's default, and Storm's. \param scene may be null.
+double HdStreamTimeCodesPerSecond(const HdSceneIndexBaseRefPtr& scene);
 
 /// Other gprims become meshes, velocities are applied, material bindings of purpose `full` win,
 /// the links of lights become categories,

@@ -70,6 +70,7 @@ void HdStreamShutterSceneIndex::DirtyWhatMoves() {
                                                  HdPrimvarsSchema::GetPointsLocator()};
     static const HdDataSourceLocatorSet ofInstancers{HdXformSchema::GetDefaultLocator(),
                                                      HdPrimvarsSchema::GetDefaultLocator()};
+    static const HdDataSourceLocatorSet ofLights{HdXformSchema::GetDefaultLocator()};
     HdSceneIndexObserver::DirtiedPrimEntries entries;
     for (const SdfPath& path : HdSceneIndexPrimView(_GetInputSceneIndex())) {
         const TfToken type = GetPrim(path).primType;
@@ -77,6 +78,8 @@ void HdStreamShutterSceneIndex::DirtyWhatMoves() {
             entries.emplace_back(path, ofInstancers);
         } else if (HdPrimTypeIsGprim(type)) {
             entries.emplace_back(path, ofGprims);
+        } else if (HdPrimTypeIsLight(type)) {
+            entries.emplace_back(path, ofLights);
         }
     }
     _SendPrimsDirtied(entries);

@@ -13,8 +13,8 @@
 
 PXR_NAMESPACE_OPEN_SCOPE
 
-/// Calls transforms and points of gprims and instancers dirty when a camera's shutter changes;
-/// otherwise its input.
+/// Calls transforms and points of gprims, lights and instancers dirty when a camera's shutter
+/// changes; otherwise its input.
 class HdStreamShutterSceneIndex final : public HdSingleInputFilteringSceneIndexBase {
 public:
     static HdSceneIndexBaseRefPtr New(const HdSceneIndexBaseRefPtr& inputScene);

@@ -10,6 +10,7 @@
 #include <glm/vector_relational.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace hds {
@@ -99,17 +100,125 @@ void SetMotion(const RenderOptions& options, const glm::dvec3& centre,
     }
 }
 
+constexpr double kPi = 3.14159265358979323846;
+
+double Radians(float degrees) {
+    return static_cast<double>(degrees) * (kPi / 180.0);
+}
+
+/// The display window in film coordinates: left, top, and the way from there to the right and to
+/// the bottom.
+std::array<double, 4> ProjectedWindow(const RenderOptions& options, float focalLength) {
+    const CameraLens& lens = options.camera.lens;
+    if (lens.projection == CameraProjection::Latlong) {
+        return {Radians(lens.longitudes[0]), Radians(lens.latitudes[1]),
+                Radians(lens.longitudes[1] - lens.longitudes[0]),
+                Radians(lens.latitudes[0] - lens.latitudes[1])};
+    }
+    if (lens.projection != CameraProjection::Film) {
+        // The field of view is a circle that touches the two longer sides.
+        const auto& window = options.displayWindow;
+        const double width = options.pixelAspectRatio * (window[2] - window[0]);
+        const double height = window[3] - window[1];
+        const double shorter = std::min(width, height);
+        return {-width / shorter, height / shorter, 2.0 * width / shorter, -2.0 * height / shorter};
+    }
+    const FilmWindow film = ConformedFilmWindow(options, focalLength);
+    return {film.left, film.top, film.width, -film.height};
+}
+
+/// What of the frame depends on the lens, which may change while the shutter is open.
+shared::HdsLensKey MakeLensKey(const RenderOptions& options, const LensSample& lens) {
+    const std::array<double, 4> film = ProjectedWindow(options, lens.focalLength);
+    const auto& window = options.displayWindow;
+    shared::HdsLensKey key{};
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+        const double step = film[axis + 2] / (window[axis + 2] - window[axis]);
+        key.filmOrigin[axis] = static_cast<float>(film[axis] - window[axis] * step);
+        key.filmStep[axis] = static_cast<float>(step);
+    }
+    const bool hasLens = lens.fStop > 0.0F && lens.focusDistance > 0.0F;
+    key.lensRadius = hasLens ? static_cast<float>(0.5 * static_cast<double>(lens.focalLength) /
+                                                  static_cast<double>(lens.fStop))
+                             : 0.0F;
+    key.focusDistance = lens.focusDistance;
+    return key;
+}
+
+/// Sets the members of the frame that a lens key has too.
+void SetLensKey(const shared::HdsLensKey& key, shared::HdsFrameParams* params) {
+    std::copy_n(key.filmOrigin, 2, params->filmOrigin);
+    std::copy_n(key.filmStep, 2, params->filmStep);
+    params->lensRadius = key.lensRadius;
+    params->focusDistance = key.focusDistance;
+}
+
+/// What HDS_FEATURE_CAMERA_LENS reads.
+void SetLens(const RenderOptions& options, shared::HdsFrameParams* params) {
+    const CameraPrim& camera = options.camera;
+    const CameraLens& lens = camera.lens;
+    params->projection = static_cast<std::uint32_t>(lens.projection);
+    const double half = 0.5 * Radians(lens.fieldOfView);
+    params->fieldScale = static_cast<float>(
+        lens.projection == CameraProjection::FisheyeEquisolid       ? std::sin(0.5 * half)
+        : lens.projection == CameraProjection::FisheyeStereographic ? std::tan(0.5 * half)
+                                                                    : half);
+    params->apertureBlades = static_cast<std::uint32_t>(HasBlades(lens) ? lens.apertureBlades : 0);
+    params->apertureRotation =
+        static_cast<float>(std::remainder(Radians(lens.apertureRotation), 2.0 * kPi));
+    params->apertureRoundness = lens.apertureRoundness;
+    params->apertureWidth = 1.0F / lens.apertureRatio;
+    params->vignetting = lens.vignetting;
+    const Shutter& shutter = options.shutter;
+    if (LensChangesOver(camera, shutter)) {
+        params->lensSegments = HDS_MAX_MOTION_SEGMENTS;
+        for (std::uint32_t i = 0; i <= params->lensSegments; ++i) {
+            const double part = double(i) / double(params->lensSegments);
+            const double time = shutter.open + part * (shutter.close - shutter.open);
+            params->lensKeys[i] = MakeLensKey(options, LensAt(camera, time));
+        }
+    }
+}
+
+/// The largest extent of the lens to each side, at any time. On a film it lies in the plane z = 0;
+/// else it turns with the ray.
+glm::dvec3 LensExtent(const shared::HdsFrameParams& params) {
+    float radius = params.lensRadius;
+    for (std::uint32_t i = 0; params.lensSegments > 0 && i <= params.lensSegments; ++i) {
+        radius = std::max(radius, params.lensKeys[i].lensRadius);
+    }
+    const float width = radius * params.apertureWidth;
+    return params.projection == HDS_PROJECTION_FILM ? glm::dvec3(width, radius, 0.0)
+                                                    : glm::dvec3(std::max(width, radius));
+}
+
 } // namespace
 
-FilmWindow ConformedFilmWindow(const RenderOptions& options) {
+FilmWindow ConformedFilmWindow(const RenderOptions& options, float focalLength) {
     const CameraPrim& camera = options.camera;
     const Film film = ConformFilm(options);
-    const double scale = camera.orthographic ? 1.0 : 1.0 / static_cast<double>(camera.focalLength);
+    const double scale = camera.orthographic ? 1.0 : 1.0 / static_cast<double>(focalLength);
     const double left =
         (static_cast<double>(camera.horizontalApertureOffset) - 0.5 * film.width) * scale;
     const double top =
         (static_cast<double>(camera.verticalApertureOffset) + 0.5 * film.height) * scale;
     return {left, top, film.width * scale, film.height * scale};
+}
+
+static_assert(static_cast<std::uint32_t>(CameraProjection::Film) == HDS_PROJECTION_FILM);
+static_assert(static_cast<std::uint32_t>(CameraProjection::FisheyeEquidistant) ==
+              HDS_PROJECTION_EQUIDISTANT);
+static_assert(static_cast<std::uint32_t>(CameraProjection::FisheyeEquisolid) ==
+              HDS_PROJECTION_EQUISOLID);
+static_assert(static_cast<std::uint32_t>(CameraProjection::FisheyeStereographic) ==
+              HDS_PROJECTION_STEREOGRAPHIC);
+static_assert(static_cast<std::uint32_t>(CameraProjection::Latlong) == HDS_PROJECTION_LATLONG);
+
+bool NeedsLensKernels(const CameraPrim& camera, const Shutter& shutter) {
+    const CameraLens& lens = camera.lens;
+    const bool hasAperture = HasBlades(lens) || lens.apertureRatio != 1.0F;
+    return lens.projection != CameraProjection::Film || lens.vignetting != 0.0F || hasAperture ||
+           LensChangesOver(camera, shutter);
 }
 
 shared::HdsFrameParams MakeFrameParams(const RenderOptions& options, const glm::dvec3& centre,
@@ -121,24 +230,13 @@ shared::HdsFrameParams MakeFrameParams(const RenderOptions& options, const glm::
     const AffineRows rows = RowsFromMatrix(worldFromCamera);
     std::copy(rows.begin(), rows.end(), params.worldFromCamera);
 
-    const Film film = ConformFilm(options);
-    const auto [left, top, width, height] = ConformedFilmWindow(options);
-    const double stepX = width / film.windowWidth;
-    const double stepY = -height / film.windowHeight;
-    params.filmOrigin[0] = static_cast<float>(left - film.left * stepX);
-    params.filmOrigin[1] = static_cast<float>(top - film.top * stepY);
-    params.filmStep[0] = static_cast<float>(stepX);
-    params.filmStep[1] = static_cast<float>(stepY);
-
+    SetLensKey(MakeLensKey(options, {0.0, camera.focalLength, camera.fStop, camera.focusDistance}),
+               &params);
     params.nearClip = camera.nearClip;
     params.farClip = camera.farClip;
-    const bool hasLens = camera.fStop > 0.0F && camera.focusDistance > 0.0F;
-    params.lensRadius = hasLens ? static_cast<float>(0.5 * static_cast<double>(camera.focalLength) /
-                                                     static_cast<double>(camera.fStop))
-                                : 0.0F;
-    params.focusDistance = camera.focusDistance;
     params.exposureScale = camera.exposureScale;
-    params.flags = (camera.orthographic ? HDS_FRAME_ORTHOGRAPHIC : 0U) |
+    const bool isOnFilm = camera.lens.projection == CameraProjection::Film;
+    params.flags = (camera.orthographic && isOnFilm ? HDS_FRAME_ORTHOGRAPHIC : 0U) |
                    (options.russianRoulette ? HDS_FRAME_ROULETTE : 0U) |
                    (options.glassShadows ? HDS_FRAME_GLASS_SHADOWS : 0U);
     params.imageWidth = options.imageWidth;
@@ -158,6 +256,7 @@ shared::HdsFrameParams MakeFrameParams(const RenderOptions& options, const glm::
     params.dataWindowMin[0] = options.dataWindowMin[0];
     params.dataWindowMin[1] = options.dataWindowMin[1];
     SetMotion(options, centre, &params);
+    SetLens(options, &params);
     SetClipPlanes(camera, worldFromCamera, &params);
     return params;
 }
@@ -171,13 +270,15 @@ float MediaProbeLength(const shared::HdsFrameParams& params, const MediaBounds& 
     const bool cameraMoves = (params.flags & HDS_FRAME_CAMERA_MOVES) != 0;
     const std::uint32_t numPoses = cameraMoves ? params.cameraSegments + 1 : 1;
     const glm::dvec3 middle = 0.5 * (box.min + box.max);
+    const glm::dvec3 lens = LensExtent(params);
     MediaBounds camera;
     double furthest = 0.0;
     for (std::uint32_t pose = 0; pose < numPoses; ++pose) {
         const float* rows = cameraMoves ? params.cameraKeys[pose] : params.worldFromCamera;
-        for (int corner = 0; corner < 4; ++corner) {
-            glm::dvec3 at((corner & 1) != 0 ? params.lensRadius : -params.lensRadius,
-                          (corner & 2) != 0 ? params.lensRadius : -params.lensRadius, 0.0);
+        for (int corner = 0; corner < 8; ++corner) {
+            glm::dvec3 at((corner & 1) != 0 ? lens.x : -lens.x,
+                          (corner & 2) != 0 ? lens.y : -lens.y,
+                          (corner & 4) != 0 ? lens.z : -lens.z);
             for (int i = 0; i < 2 && isOrthographic; ++i) {
                 const float size =
                     static_cast<float>(i == 0 ? params.imageWidth : params.imageHeight);

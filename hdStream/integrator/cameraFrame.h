@@ -10,6 +10,9 @@
 
 namespace hds {
 
+/// Whether a camera needs HDS_FEATURE_CAMERA_LENS.
+bool NeedsLensKernels(const CameraPrim& camera, const Shutter& shutter);
+
 /// Frame constants of a render. The film back is conformed to the display window by the policy.
 /// \param centre scene centre, subtracted in double.
 /// \param numLights entries of the light table.
@@ -25,8 +28,8 @@ struct FilmWindow {
     double height = 0.0; ///< y up: the lower edge is at top - height
 };
 
-/// The film back, conformed to the display window by the policy.
-FilmWindow ConformedFilmWindow(const RenderOptions& options);
+/// The film back of a camera with a film, conformed to the display window by the policy.
+FilmWindow ConformedFilmWindow(const RenderOptions& options, float focalLength);
 
 /// Length of rays from outside of a box to the camera; 0: no camera ray begins in the box. \param
 /// moves what is in the box may leave it while the shutter is open.

@@ -56,6 +56,7 @@ struct RenderOptions {
     double filterGlossy = 0.0;
     float occlusionDistance = 0.0F; ///< of the AOV ambientOcclusion; may be infinite
     bool glassShadows = false;      ///< as CommitOptions::glassShadows
+    bool smoothTerminator = false;  ///< rays leave triangles from the surface of their normals
     std::uint32_t seed = 0;
     double timeLimit = 0.0;
     double noise = 0.0;

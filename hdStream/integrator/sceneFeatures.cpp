@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/integrator/sceneFeatures.h"
 
+#include "hdStream/integrator/cameraFrame.h"
 #include "hdStream/integrator/filmBuffers.h"
 #include "hdStream/integrator/lightPathTable.h"
 #include "hdStream/scene/motion.h"
@@ -26,7 +27,8 @@ bool WillBeFlat(const CommittedScene& scene, const FlatLimits& limits) {
 }
 
 bool Moves(const CommittedScene& scene, const RenderOptions& options) {
-    return scene.hasMotion || MovesOver(options.camera, options.shutter);
+    return scene.hasMotion || MovesOver(options.camera, options.shutter) ||
+           LensChangesOver(options.camera, options.shutter);
 }
 
 /// \param budgetBytes of the pool, which holds `poolBytes`.
@@ -54,6 +56,7 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
     features.instancePrimvars = buffers.HasInstancePrimvars();
     features.lightShaping = scene.lights->hasShaping;
     features.lightControls = scene.lights->hasControls;
+    features.lightMotion = scene.lights->hasMotion;
     features.lightPortals = scene.lights->hasPortals;
     features.meshLights = scene.lights->hasMeshes;
     features.texturedEmission = scene.lights->hasTexturedEmission;
@@ -64,6 +67,7 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
     features.instanceChunks = scene.hasInstanceChunks;
     features.curves = scene.hasCurves;
     features.motion = Moves(scene, options);
+    features.cameraLens = NeedsLensKernels(options.camera, options.shutter);
     features.catchers = options.aovs.hasCatchers;
     features.simd8 = ChooseSimd8(options, properties);
     features.flat = !isStreaming && MayBeFlat(scene, options, residency, properties) &&
@@ -80,6 +84,7 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
     features.media = scene.hasMedia;
     features.hair = scene.hasHair;
     features.glassShadows = scene.hasGlassShadows;
+    features.terminator = options.smoothTerminator;
     features.mediaStack = !scene.meshMedia.empty();
     features.volumes = !scene.volumes.volumes.empty();
     features.volumeMotion = scene.volumes.haveMotion;

@@ -238,6 +238,27 @@ void BindLight(nb::module_& module) {
     BindFields(lightPrim);
 }
 
+void BindCamera(nb::module_& module) {
+    BindEnum<CameraProjection>(module, "CameraProjection",
+                               "How directions become points of the image.");
+    BindStruct<CameraLens>(module, "CameraLens", "Projection and aperture of a camera.");
+    BindStruct<LensSample>(module, "LensSample",
+                           "The lens at a time, in frames from the frame; scene units.");
+    BindStruct<CameraPrim>(module, "CameraPrim", "A camera in the scene.");
+    module.attr("CAMERA_ATTRIBUTES") = nb::cast(CameraAttributeNames());
+    module.attr("EXPOSURE_ATTRIBUTES") = nb::cast(ExposureAttributeNames());
+    module.def(
+        "SetCameraAttributes",
+        [](const CameraAttributes& attributes, CameraPrim& camera) {
+            return SetCameraAttributes(attributes, &camera);
+        },
+        "attributes"_a, "camera"_a,
+        "Sets what attributes (CAMERA_ATTRIBUTES by name) say of a camera's lens; returns what is "
+        "wrong with them, a line each.");
+    module.def("LinearExposureScale", &LinearExposureScale, "exposure"_a, "attributes"_a,
+               "The factor on radiance of `exposure`, in stops, and EXPOSURE_ATTRIBUTES by name.");
+}
+
 } // namespace
 
 void BindScene(nb::module_& module) {
@@ -245,7 +266,7 @@ void BindScene(nb::module_& module) {
     BindGeometry(module);
     BindPlaced(module);
     BindLight(module);
-    BindStruct<CameraPrim>(module, "CameraPrim", "A camera in the scene.");
+    BindCamera(module);
     // Copies of the maps, whose arrays are shared: edits of the session end the life of its own.
     nb::class_<SceneDescription>(module, "SceneDescription", "All prims, by path; copies.")
         .def_prop_ro("geometry", [](const SceneDescription& self) { return self.geometry; })

@@ -322,8 +322,10 @@ private:
         input.materials = &_materials;
         input.worldInstances = &_worldInstances;
         input.links = &_links;
+        input.shutter = _options.shutter;
         CommittedLights lights = CommitLights(input, &_cache, _warnings);
         _result->lights = _cache.lights;
+        _result->hasMotion = _result->hasMotion || _cache.lights->hasMotion;
         _result->lightByEntry = std::move(lights.lightByEntry);
         _result->counts.emissiveTriangles = lights.emissiveTriangles;
         _result->hasCutouts = _result->hasCutouts || _cache.lights->hasTexturedEmission;

@@ -106,11 +106,12 @@ Fineness Rate(const glm::dmat4& cameraFromPrototype, const Sphere& sphere,
     // Columns bound a matrix up to the square root of their number.
     const double radius = std::max(sphere.radius, 0.0) * scale * std::sqrt(3.0);
     const auto centre = glm::dvec3(cameraFromPrototype * glm::dvec4(sphere.centre, 1.0));
-    const double nearest = std::max(-centre.z - radius, camera.nearClip);
+    const double distance = camera.isPanoramic ? glm::length(centre) : -centre.z;
+    const double nearest = std::max(distance - radius, camera.nearClip);
     Fineness result;
     result.pixels = camera.isOrthographic ? scale : scale / nearest;
-    result.isOnScreen = centre.z - radius <= 0.0;
-    for (int axis = 0; axis < 2 && result.isOnScreen; ++axis) {
+    result.isOnScreen = camera.isPanoramic || centre.z - radius <= 0.0;
+    for (int axis = 0; axis < 2 && result.isOnScreen && !camera.isPanoramic; ++axis) {
         for (const double side : {-1.0, 1.0}) {
             const double border = side < 0.0 ? camera.windowMin[axis] : camera.windowMax[axis];
             // Outside of the border's plane, through the eye unless orthographic.
@@ -133,6 +134,7 @@ struct Group {
 DicingView ViewOf(const DicingCamera& camera) {
     DicingView view;
     view.isOrthographic = camera.isOrthographic;
+    view.isPanoramic = camera.isPanoramic;
     view.windowMin = camera.windowMin;
     view.windowMax = camera.windowMax;
     view.imageSize = camera.imageSize;

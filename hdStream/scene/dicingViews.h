@@ -17,6 +17,7 @@ namespace hds {
 struct DicingCamera {
     glm::dmat4 worldFromCamera{1.0};
     bool isOrthographic = false;
+    bool isPanoramic = false;
     glm::dvec2 windowMin{-1.0}; ///< as DicingView's
     glm::dvec2 windowMax{1.0};
     glm::dvec2 imageSize{0.0}; ///< pixels
@@ -26,9 +27,9 @@ struct DicingCamera {
     static constexpr auto Fields() {
         return FieldList(HDS_FIELD(DicingCamera, worldFromCamera),
                          HDS_FIELD(DicingCamera, isOrthographic),
-                         HDS_FIELD(DicingCamera, windowMin), HDS_FIELD(DicingCamera, windowMax),
-                         HDS_FIELD(DicingCamera, imageSize), HDS_FIELD(DicingCamera, nearClip),
-                         HDS_FIELD(DicingCamera, isStill));
+                         HDS_FIELD(DicingCamera, isPanoramic), HDS_FIELD(DicingCamera, windowMin),
+                         HDS_FIELD(DicingCamera, windowMax), HDS_FIELD(DicingCamera, imageSize),
+                         HDS_FIELD(DicingCamera, nearClip), HDS_FIELD(DicingCamera, isStill));
     }
 };
 

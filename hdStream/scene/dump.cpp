@@ -139,6 +139,11 @@ bool IsWorthALine(const GeometryDescription& geometry,
             !geometry.faceVertexIndices.empty());
 }
 
+template <typename Member>
+bool IsWorthALine(const CameraLens& lens, const Field<CameraLens, Member>& field) {
+    return lens.*field.member != CameraLens().*field.member;
+}
+
 template <typename T, typename Member>
 bool IsWorthALine(const T& /*object*/, const Field<T, Member>& /*field*/) {
     return true;
@@ -189,6 +194,12 @@ public:
     void Value(const std::string& /*name*/, const std::vector<glm::dvec4>& planes) {
         for (const glm::dvec4& plane : planes) {
             Line("clippingPlane", Array(glm::value_ptr(plane), 4));
+        }
+    }
+    void Value(const std::string& /*name*/, const std::vector<LensSample>& samples) {
+        for (const LensSample& sample : samples) {
+            const float values[] = {sample.focalLength, sample.fStop, sample.focusDistance};
+            Line("lens at " + Number(static_cast<float>(sample.time)), Array(values, 3));
         }
     }
     /// The members of a struct that are worth a line.

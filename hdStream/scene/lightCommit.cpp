@@ -5,6 +5,7 @@
 #include "hdStream/persist/file.h"
 #include "hdStream/persist/fileIdentity.h"
 #include "hdStream/scene/emissiveMeshes.h"
+#include "hdStream/scene/motion.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -21,7 +22,27 @@ namespace {
 /// Files of IES profiles have some kilobytes; what is longer is none.
 constexpr std::uint64_t kMaxProfileBytes = 64U << 20U;
 
-std::vector<PlacedLight> PlaceLights(const LightCommitInput& input) {
+/// Of a light that nothing instances.
+std::vector<LightKey> KeysOf(const std::string& path, const LightPrim& prim, const Shutter& shutter,
+                             Warnings& warnings) {
+    const Placement& placement = prim.placement;
+    if (!placement.instancerPath.empty()) {
+        return {};
+    }
+    bool isRigid = true;
+    std::vector<LightKey> keys = MakeLightKeys(
+        MovingTransform(placement.worldFromObject, placement.samples, shutter), &isRigid);
+    if (!keys.empty() && !prim.portals.empty()) {
+        warnings.Add(path, "dome with portals: not blurred by its motion");
+        return {};
+    }
+    if (!isRigid) {
+        warnings.Add(path, "light that changes its size: it has that of the frame");
+    }
+    return keys;
+}
+
+std::vector<PlacedLight> PlaceLights(const LightCommitInput& input, Warnings& warnings) {
     const SceneDescription& scene = *input.scene;
     const glm::dmat4 centreFromWorld = glm::translate(glm::dmat4(1.0), -input.centre);
     std::vector<PlacedLight> placed;
@@ -37,7 +58,8 @@ std::vector<PlacedLight> PlaceLights(const LightCommitInput& input) {
                           {},
                           input.links->IndexOf(prim.links.lightLink),
                           input.links->IndexOf(prim.links.shadowLink),
-                          prim.portals};
+                          prim.portals,
+                          KeysOf(path, prim, input.shutter, warnings)};
         for (LightPortal& portal : place.portals) {
             portal.worldFromPortal = centreFromWorld * portal.worldFromPortal;
         }
@@ -162,7 +184,7 @@ std::vector<MaterialTexture> LoadLightTextures(const SceneDescription& scene, Co
 CommittedLights CommitLights(const LightCommitInput& input, CommitCache* cache,
                              Warnings& warnings) {
     CommittedLights result;
-    std::vector<PlacedLight> lights = PlaceLights(input);
+    std::vector<PlacedLight> lights = PlaceLights(input, warnings);
     EmissiveMeshes emissive = CollectEmissiveMeshes(input, cache, warnings);
     result.firstEntryByRecord = std::move(emissive.firstEntryByRecord);
     result.lightByEntry = std::move(emissive.meshByEntry);

@@ -26,6 +26,7 @@ struct LightCommitInput {
     const MaterialCommit* materials = nullptr;
     const std::vector<WorldInstance>* worldInstances = nullptr;
     const LightLinks* links = nullptr;
+    Shutter shutter; ///< while it is open lights may move
 };
 
 /// Which lights of the table the material entries of each world instance are.

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <memory>
 
 namespace hds {
@@ -19,6 +20,8 @@ namespace {
 
 /// How far a box may be from where it should be, as a part of the way that it goes.
 constexpr double kTolerance = 1.0 / 256.0;
+/// What a light may be stretched by and still count as rigid.
+constexpr double kMostStretch = 1e-4;
 
 /// A matrix as translation, rotation and stretch (Shoemake and Duff 1992, "Matrix Animation and
 /// Polar Decomposition").
@@ -193,8 +196,75 @@ std::vector<glm::dmat4> MakeMotionKeys(const MovingTransform& transform, const B
     }
 }
 
+std::vector<LightKey> MakeLightKeys(const MovingTransform& worldFromLight, bool* isRigid) {
+    *isRigid = true;
+    const glm::dmat4& rest = worldFromLight.AtFrame();
+    if (!worldFromLight.Moves() || !IsUsableTransform(rest)) {
+        return {};
+    }
+    const glm::dmat3 lightFromWorld = glm::inverse(glm::dmat3(rest));
+    std::vector<LightKey> keys;
+    for (const glm::dmat4& pose :
+         MakeMotionKeys(worldFromLight, {glm::vec3(-1.0F), glm::vec3(1.0F)})) {
+        if (!IsUsableTransform(pose)) {
+            *isRigid = false;
+            return {};
+        }
+        glm::dmat4 turned(glm::dmat3(pose) * lightFromWorld);
+        const Decomposed parts = Decompose(turned);
+        const glm::dmat3 change = parts.stretch - glm::dmat3(1.0);
+        for (int column = 0; column < 3; ++column) {
+            *isRigid = *isRigid && glm::length(change[column]) < kMostStretch;
+        }
+        const glm::dquat& q = parts.rotation;
+        glm::dvec4 turn(q.x, q.y, q.z, q.w);
+        if (!keys.empty() && glm::dot(turn, keys.back().turn) < 0.0) {
+            turn = -turn; // the same, on the shorter way
+        }
+        keys.push_back({turn, glm::dvec3(pose[3] - rest[3])});
+    }
+    return keys;
+}
+
 bool MovesOver(const CameraPrim& camera, const Shutter& shutter) {
     return !SamplesWithin(camera.samples, shutter).empty();
+}
+
+LensSample LensAt(const CameraPrim& camera, double time) {
+    const std::vector<LensSample>& samples = camera.lensSamples;
+    if (samples.empty()) {
+        return {time, camera.focalLength, camera.fStop, camera.focusDistance};
+    }
+    const auto after =
+        std::find_if(samples.begin(), samples.end(),
+                     [time](const LensSample& sample) { return sample.time >= time; });
+    LensSample lens = after == samples.end() ? samples.back() : *after;
+    if (after != samples.begin() && after != samples.end() && after->time > time) {
+        const LensSample& before = *std::prev(after);
+        const auto part = static_cast<float>((time - before.time) / (after->time - before.time));
+        lens.focalLength = glm::mix(before.focalLength, after->focalLength, part);
+        lens.fStop = glm::mix(before.fStop, after->fStop, part);
+        lens.focusDistance = glm::mix(before.focusDistance, after->focusDistance, part);
+    }
+    lens.time = time;
+    return lens;
+}
+
+bool LensChangesOver(const CameraPrim& camera, const Shutter& shutter) {
+    if (!shutter.IsOpen() || camera.lensSamples.empty()) {
+        return false;
+    }
+    const auto differs = [](LensSample a, const LensSample& b) {
+        a.time = b.time;
+        return a != b;
+    };
+    const LensSample first = LensAt(camera, shutter.open);
+    return differs(first, LensAt(camera, shutter.close)) ||
+           std::any_of(camera.lensSamples.begin(), camera.lensSamples.end(),
+                       [&](const LensSample& sample) {
+                           return sample.time > shutter.open && sample.time < shutter.close &&
+                                  differs(first, sample);
+                       });
 }
 
 std::vector<glm::dmat4> MakeCameraKeys(const CameraPrim& camera, const Shutter& shutter) {

@@ -5,6 +5,7 @@
 
 #include "hdStream/geometry/triangleMesh.h"
 #include "hdStream/scene/sceneDescription.h"
+#include "hdStream/shading/emissiveMesh.h"
 
 #include <functional>
 #include <vector>
@@ -49,8 +50,18 @@ private:
 /// most HDS_MAX_MOTION_SEGMENTS + 1.
 std::vector<glm::dmat4> MakeMotionKeys(const MovingTransform& transform, const Bounds& bounds);
 
+/// The keys of a light, relative to where it is at the frame; empty when it rests. What is not
+/// rigid of its motion is left out. \param[out] isRigid whether nothing was.
+std::vector<LightKey> MakeLightKeys(const MovingTransform& worldFromLight, bool* isRigid);
+
 /// Whether the camera's pose changes.
 bool MovesOver(const CameraPrim& camera, const Shutter& shutter);
+
+/// The lens at a time, in frames from the frame: linear between samples.
+LensSample LensAt(const CameraPrim& camera, double time);
+
+/// Whether the lens changes while the shutter is open.
+bool LensChangesOver(const CameraPrim& camera, const Shutter& shutter);
 
 /// The keys of a camera's pose.
 std::vector<glm::dmat4> MakeCameraKeys(const CameraPrim& camera, const Shutter& shutter);

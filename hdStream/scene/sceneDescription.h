@@ -5,6 +5,7 @@
 #pragma once
 
 #include "hdStream/geometry/geometryDescription.h"
+#include "hdStream/scene/cameraLens.h"
 #include "hdStream/scene/instanceTransforms.h"
 #include "hdStream/shading/lightDescription.h"
 #include "hdStream/shading/materialNetwork.h"
@@ -233,6 +234,10 @@ struct CameraPrim {
     std::vector<glm::dvec4> clippingPlanes;
     Shutter shutter;
     std::vector<TransformSample> samples; ///< of worldFromCamera, as Placement::samples
+    CameraLens lens;
+    /// In the order of time; before the first and after the last the lens is theirs. Empty: it has
+    /// the values above at all times.
+    std::vector<LensSample> lensSamples;
 
     /// In the order of the dump.
     static constexpr auto Fields() {
@@ -245,7 +250,8 @@ struct CameraPrim {
                          HDS_FIELD(CameraPrim, focalLength), HDS_FIELD(CameraPrim, nearClip),
                          HDS_FIELD(CameraPrim, farClip), HDS_FIELD(CameraPrim, fStop),
                          HDS_FIELD(CameraPrim, focusDistance), HDS_FIELD(CameraPrim, exposureScale),
-                         HDS_FIELD(CameraPrim, shutter), HDS_FIELD(CameraPrim, clippingPlanes));
+                         HDS_FIELD(CameraPrim, shutter), HDS_FIELD(CameraPrim, clippingPlanes),
+                         HDS_FIELD(CameraPrim, lens), HDS_FIELD(CameraPrim, lensSamples));
     }
 };
 

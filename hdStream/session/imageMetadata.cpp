@@ -47,9 +47,12 @@ ImageMetadata MakeImageMetadata(const Settings& settings, const CameraPrim& came
     metadata.camera = settings.camera;
     metadata.pixelAspectRatio = settings.pixelAspectRatio;
     const glm::dmat4 view = glm::inverse(camera.worldFromCamera);
-    const FilmWindow film = ConformedFilmWindow(MakeRenderOptions(settings, camera));
     metadata.worldToCamera = RowsOf(view);
-    metadata.worldToNdc = RowsOf(MakeProjection(camera, film) * view);
+    if (camera.lens.projection == CameraProjection::Film) { // no matrix tells of others
+        const FilmWindow film =
+            ConformedFilmWindow(MakeRenderOptions(settings, camera), camera.focalLength);
+        metadata.worldToNdc = RowsOf(MakeProjection(camera, film) * view);
+    }
     const auto edge = [&](std::size_t i) {
         return static_cast<std::int32_t>(std::lround(settings.displayWindow[i]));
     };

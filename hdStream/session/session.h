@@ -13,6 +13,7 @@
 #include "hdStream/film/imageWriter.h"
 #include "hdStream/geometry/implicitMesh.h"
 #include "hdStream/integrator/renderOptions.h"
+#include "hdStream/scene/cameraAttributes.h"
 #include "hdStream/scene/sceneDescription.h"
 #include "hdStream/session/settings.h"
 #include "hdStream/shading/shaderNodes.h"

@@ -105,6 +105,7 @@ RenderOptions MakeRenderOptions(const Settings& settings, const CameraPrim& came
     options.occlusionDistance = settings.occlusionDistance > 0.0
                                     ? static_cast<float>(settings.occlusionDistance)
                                     : std::numeric_limits<float>::infinity();
+    options.smoothTerminator = settings.smoothTerminator;
     options.glassShadows = settings.glassShadows;
     options.seed = settings.seed;
     options.timeLimit = settings.timeLimit;

@@ -8,6 +8,7 @@
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 
 #include <cstdint>
 #include <optional>
@@ -15,6 +16,17 @@
 #include <vector>
 
 namespace hds {
+
+/// Where a light is at a time in the shutter's interval: turned about the origin of its space, then
+/// moved.
+struct LightKey {
+    glm::dvec4 turn{0.0, 0.0, 0.0, 1.0}; ///< unit quaternion: x, y, z, w
+    glm::dvec3 offset{0.0};
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(LightKey, turn), HDS_FIELD(LightKey, offset));
+    }
+};
 
 /// A light in its place.
 struct PlacedLight {
@@ -24,11 +36,13 @@ struct PlacedLight {
     std::uint32_t lightLink = HDS_NONE;  ///< index into LinkTable::categories
     std::uint32_t shadowLink = HDS_NONE; ///< index into LinkTable::categories
     std::vector<LightPortal> portals;    ///< dome: relative to the scene centre
+    std::vector<LightKey> keys; ///< at equal distances in time, at least two; empty: it rests
 
     static constexpr auto Fields() {
         return FieldList(HDS_FIELD(PlacedLight, name), HDS_FIELD(PlacedLight, light),
                          HDS_FIELD(PlacedLight, worldFromLight), HDS_FIELD(PlacedLight, lightLink),
-                         HDS_FIELD(PlacedLight, shadowLink), HDS_FIELD(PlacedLight, portals));
+                         HDS_FIELD(PlacedLight, shadowLink), HDS_FIELD(PlacedLight, portals),
+                         HDS_FIELD(PlacedLight, keys));
     }
 };
 

@@ -74,6 +74,7 @@ private:
     void AddLinks();
     void AddShaping(const PlacedLight& placed, shared::HdsLight* light, double* power);
     void AddControls(const PlacedLight& placed, shared::HdsLight* light);
+    void AddKeys(const PlacedLight& placed, shared::HdsLightControls* controls);
     void AddPortals(const PlacedLight& placed, shared::HdsLight* light);
     void WarnIgnored(const PlacedLight& placed);
     void Push(shared::HdsLight light, const glm::dvec3& radiance, double power);
@@ -142,6 +143,30 @@ void Builder::AddShaping(const PlacedLight& placed, shared::HdsLight* light, dou
     _table.hasShaping = true;
 }
 
+/// Where a light is while the shutter is open.
+void Builder::AddKeys(const PlacedLight& placed, shared::HdsLightControls* controls) {
+    if (placed.keys.empty()) {
+        return;
+    }
+    std::vector<shared::HdsLightKey> keys;
+    for (const LightKey& key : placed.keys) {
+        shared::HdsLightKey row{};
+        for (int i = 0; i < 4; ++i) {
+            row.turn[i] = float(key.turn[i]);
+        }
+        for (int i = 0; i < 3; ++i) {
+            row.offset[i] = float(key.offset[i]);
+        }
+        keys.push_back(row);
+    }
+    controls->motionBase = std::uint32_t(_table.cdf.size());
+    controls->motionSegments = std::uint32_t(keys.size() - 1);
+    const std::size_t bytes = keys.size() * sizeof(keys[0]);
+    _table.cdf.resize(_table.cdf.size() + bytes / sizeof(_table.cdf[0]));
+    std::memcpy(&_table.cdf[controls->motionBase], keys.data(), bytes);
+    _table.hasMotion = true;
+}
+
 void Builder::AddControls(const PlacedLight& placed, shared::HdsLight* light) {
     const LightDescription& description = placed.light;
     const LightShadow& shadow = description.shadow;
@@ -155,8 +180,10 @@ void Builder::AddControls(const PlacedLight& placed, shared::HdsLight* light) {
     if (!isShadowPlain || light->shadowLink != HDS_NONE) {
         light->flags |= HDS_LIGHT_SAMPLED;
     }
-    if (!isShadowPlain || description.diffuse != 1.0F || description.specular != 1.0F) {
+    if (!isShadowPlain || description.diffuse != 1.0F || description.specular != 1.0F ||
+        !placed.keys.empty()) {
         shared::HdsLightControls controls{};
+        AddKeys(placed, &controls);
         controls.diffuse = LightFactor(description.diffuse);
         controls.specular = LightFactor(description.specular);
         controls.shadowDistance = !shadow.enable            ? 0.0F

@@ -49,6 +49,7 @@ struct LightTable {
     std::uint32_t numImages = 0;      ///< of the lights, so many have an image
     bool hasShaping = false;          ///< some light is shaped
     bool hasControls = false;         ///< some is linked, or has multipliers or shadow controls
+    bool hasMotion = false;           ///< some light moves while the shutter is open
     bool hasPortals = false;          ///< some is a dome with portals
     bool hasMeshes = false;           ///< some is a mesh
     std::vector<std::string> groups;  ///< of lights, by the number that lights have: from 1 on

@@ -63,7 +63,51 @@ glm::dvec3 FacingOf(const shared::HdsLight& light, const std::vector<float>& cdf
                : glm::dvec3(0.0);
 }
 
+/// Of the arc between two keys, as part of the distance from the pivot: they turn by less.
+constexpr double kArc = 0.05;
+
+/// The sphere that holds a light wherever it moves, or false when it rests.
+bool HoldMotion(const shared::HdsLight& light, const std::vector<float>& cdf, Emitter* emitter) {
+    shared::HdsLightControls controls{};
+    if (light.controlBase != HDS_NONE) {
+        std::memcpy(&controls, &cdf[light.controlBase], sizeof(controls));
+    }
+    if (controls.motionSegments == 0) {
+        return false;
+    }
+    const glm::dvec3 pivot(light.worldFromLight[3], light.worldFromLight[7],
+                           light.worldFromLight[11]);
+    const glm::dvec3 fromPivot = emitter->center - pivot;
+    std::vector<glm::dvec3> centers;
+    for (std::uint32_t i = 0; i <= controls.motionSegments; ++i) {
+        shared::HdsLightKey key;
+        std::memcpy(&key, &cdf[controls.motionBase + i * sizeof(key) / sizeof(cdf[0])],
+                    sizeof(key));
+        const glm::dvec3 axis(key.turn[0], key.turn[1], key.turn[2]);
+        const glm::dvec3 twice = 2.0 * glm::cross(axis, fromPivot);
+        centers.push_back(pivot + glm::dvec3(key.offset[0], key.offset[1], key.offset[2]) +
+                          fromPivot + double(key.turn[3]) * twice + glm::cross(axis, twice));
+    }
+    glm::dvec3 low = centers[0];
+    glm::dvec3 high = centers[0];
+    for (const glm::dvec3& center : centers) {
+        low = glm::min(low, center);
+        high = glm::max(high, center);
+    }
+    emitter->center = 0.5 * (low + high);
+    emitter->radius += 0.5 * glm::length(high - low) + kArc * glm::length(fromPivot);
+    return true;
+}
+
 Emitter EmitterOf(const shared::HdsLight& light, const std::vector<float>& cdf) {
+    Emitter moving{{light.center[0], light.center[1], light.center[2]},
+                   light.boundRadius,
+                   light.strength,
+                   light.strength,
+                   glm::dvec3(0.0)};
+    if (light.type != HDS_LIGHT_MESH && HoldMotion(light, cdf, &moving)) {
+        return moving; // it may face anywhere
+    }
     const glm::dvec3 facing = FacingOf(light, cdf);
     double even = light.strength;
     if (light.type == HDS_LIGHT_MESH) {

@@ -7,13 +7,19 @@
 #include "integrator/passThrough.clh"
 #include "integrator/pathState.clh"
 
-/* Depth along the camera's -z, and the [0,1] depth of its clip range. */
+/* Depth along the camera's -z, or the distance where the picture is on no film, and the [0,1] depth
+ * of its clip range. */
 float2 aov_depths(constant const HdsFrameParams* frame, float3 position) {
     float3 axis =
         -(float3)(frame->worldFromCamera[2], frame->worldFromCamera[6], frame->worldFromCamera[10]);
     float3 eye =
         (float3)(frame->worldFromCamera[3], frame->worldFromCamera[7], frame->worldFromCamera[11]);
     float z = vec_dot(position - eye, axis) / vec_dot(axis, axis);
+#if HDS_FEATURE_CAMERA_LENS
+    if (frame->projection != HDS_PROJECTION_FILM) {
+        z = vec_length(position - eye) / vec_length(axis);
+    }
+#endif
     float n = frame->nearClip;
     float f = frame->farClip;
     float clip = (frame->flags & HDS_FRAME_ORTHOGRAPHIC) != 0u ? (z - n) / (f - n)
@@ -71,9 +77,15 @@ float2 aov_raster(constant const HdsFrameParams* frame, const HdsSceneView* scen
     HdsSurfaceHit surface;
     surfaceHit_load(scene, hit, time, &surface);
     const float3 eye = aov_eyePoint(frame, time, surface.point.position);
-    const float2 film = (frame->flags & HDS_FRAME_ORTHOGRAPHIC) != 0u ? eye.xy : eye.xy / -eye.z;
-    return (float2)((film.x - frame->filmOrigin[0]) / frame->filmStep[0],
-                    (film.y - frame->filmOrigin[1]) / frame->filmStep[1]);
+    float2 film = (frame->flags & HDS_FRAME_ORTHOGRAPHIC) != 0u ? eye.xy : eye.xy / -eye.z;
+#if HDS_FEATURE_CAMERA_LENS
+    if (frame->projection != HDS_PROJECTION_FILM) {
+        film = lens_project(frame, eye);
+    }
+#endif
+    const HdsLens lens = camera_lens(frame, time);
+    return (float2)((film.x - lens.filmOrigin.x) / lens.filmStep.x,
+                    (film.y - lens.filmOrigin.y) / lens.filmStep.y);
 }
 
 /* Pixels a frame that a hit moves by, over a part of the shutter's interval; over all of it where

@@ -44,7 +44,12 @@ void generate_start(HdsPaths paths, uint i, uint number, constant const HdsFrame
 #endif
     path_store_origin(paths, i, (float4)(ray.origin, ray.tMin));
     path_store_direction(paths, i, (float4)(ray.direction, ray.tMax));
-    path_store_throughput(paths, i, (float4)((float3)(frame->exposureScale), 0.0f));
+#if HDS_FEATURE_CAMERA_LENS
+    const float scale = frame->exposureScale * ray.weight;
+#else
+    const float scale = frame->exposureScale;
+#endif
+    path_store_throughput(paths, i, (float4)((float3)(scale), 0.0f));
     path_store_radiance(paths, i, (float4)(0.0f));
     path_store_sourceNormal(paths, i, (float4)(0.0f));
     path_store_status(paths, i, (uint4)(pixel, sample, 0u, 0u));
@@ -108,8 +113,9 @@ void generate_findMedia(constant const HdsFrameParams* frame, HdsPaths paths, ui
 #endif
 }
 
-/* Whether 8 camera rays are made at once. A camera may move, and has a pose for each path then. */
-#define HDS_GENERATE_WIDE (HDS_WIDE && !HDS_FEATURE_MOTION)
+/* Whether 8 camera rays are made at once. A camera may move, and has a pose for each path then;
+ * lenses of more than one kind are written for one path. */
+#define HDS_GENERATE_WIDE (HDS_WIDE && !HDS_FEATURE_MOTION && !HDS_FEATURE_CAMERA_LENS)
 
 #if HDS_GENERATE_WIDE
 /* Starts paths [i, i + count) of the wave, count <= HDS_LANES. \param item of path i in the queue.
@@ -132,8 +138,9 @@ void generate_wide(constant const HdsFrameParams* frame, HdsWave wave, uint i, u
     const HdsTransform pose = camera_pose(frame, 0.0f);
     const HdsWideSampler sampler =
         pixel_sampler(frame, vload8(0, lanePixels), vload8(0, laneSamples));
+    const HdsLens lens = camera_lens(frame, 0.0f);
     const HdsWideCameraRay wide =
-        generate_ray(frame, &pose, vload8(0, lanePixels), sampler, filterTable);
+        generate_ray(frame, &pose, &lens, vload8(0, lanePixels), sampler, filterTable);
     for (uint lane = 0u; lane < count; ++lane) {
         HdsOneCameraRay ray;
         ray.origin = lanes_get3(&wide.origin, lane);
@@ -160,7 +167,8 @@ void generate_one(constant const HdsFrameParams* frame, HdsWave wave, uint i, Hd
     time = sampler_get1(sampler, HDS_DIM_TIME);
 #endif
     const HdsTransform pose = camera_pose(frame, time);
-    const HdsCameraRay ray = generate_ray(frame, &pose, pixel, sampler, filterTable);
+    const HdsLens lens = camera_lens(frame, time);
+    const HdsCameraRay ray = generate_ray(frame, &pose, &lens, pixel, sampler, filterTable);
     const uint slot = generate_slot(queue, item, i);
     generate_start(paths, slot, i, frame, ray, time, pixel, sample);
     generate_findMedia(frame, paths, slot);
@@ -204,7 +212,8 @@ kernel void generate_centre(constant const HdsFrameParams* frame, HdsWave wave, 
     const float2 raster =
         (float2)((float)pixel_column(frame, pixel) + 0.5f, (float)pixel_row(frame, pixel) + 0.5f);
     const HdsTransform pose = camera_pose(frame, frame->frameTime);
-    const HdsCameraRay ray = camera_generate(frame, &pose, raster, (float2)(0.5f));
+    const HdsLens lens = camera_lens(frame, frame->frameTime);
+    const HdsCameraRay ray = camera_generate(frame, &pose, &lens, raster, (float2)(0.5f));
     generate_start(paths, generate_slot(queue, queueFirst + item, i), i, frame, ray,
                    frame->frameTime, pixel, 0u);
 }

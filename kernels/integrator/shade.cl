@@ -218,6 +218,9 @@ uint shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
         return HDS_SHADE_ENDS;
     }
     scatter->point = at->surface.point;
+#if HDS_FEATURE_TERMINATOR
+    scatter->lift = at->surface.lift;
+#endif
     scatter->throughput = path->throughput;
     scatter->sampler = path->sampler;
     scatter->depth = path->depth;

@@ -18,6 +18,13 @@
 #define HDS_FRAME_CAMERA_MOVES 4u  /* cameraKeys hold; clip planes are in camera space */
 #define HDS_FRAME_GLASS_SHADOWS 8u /* shadow rays pass materials with HDS_MATERIAL_GLASS */
 
+/* HdsFrameParams.projection: what film coordinates are. */
+#define HDS_PROJECTION_FILM 0u        /* of the plane at distance 1, or of the orthographic film */
+#define HDS_PROJECTION_EQUIDISTANT 1u /* fisheyes: 1 is at the border of the field of view */
+#define HDS_PROJECTION_EQUISOLID 2u
+#define HDS_PROJECTION_STEREOGRAPHIC 3u
+#define HDS_PROJECTION_LATLONG 4u /* longitude and latitude, radians */
+
 /* Most times that one ray may pass through cut-out surfaces; a ray that would pass once more ends
  * and is counted. */
 #define HDS_MAX_PASSES 1024u
@@ -43,6 +50,16 @@
 #define HDS_NUM_COUNTERS 10
 
 HDS_SHARED_BEGIN
+/* The lens at a time; as the members of HdsFrameParams. */
+typedef struct {
+    f32 filmOrigin[2];
+    f32 filmStep[2];
+    f32 lensRadius;
+    f32 focusDistance;
+    f32 unused[2];
+} HdsLensKey;
+HDS_ASSERT_SIZE(HdsLensKey, 32);
+
 /* Camera space: x right, y up, looking along -z; world space is relative to the scene centre. */
 typedef struct {
     f32 worldFromCamera[12]; /* 3 rows of 4 */
@@ -76,8 +93,18 @@ typedef struct {
     f32 clipPlanes[HDS_MAX_CLIP_PLANES][4]; /* camera rays see dot(plane, (p, 1)) >= 0, world */
     /* worldFromCamera at equal distances in time, from the opening of the shutter to its closing */
     f32 cameraKeys[HDS_MAX_MOTION_SEGMENTS + 1][12];
+    /* Of HDS_FEATURE_CAMERA_LENS (integrator/lens.clh). */
+    u32 projection;        /* HDS_PROJECTION_* */
+    f32 fieldScale;        /* fisheyes: the angle, or its function, at film coordinate 1 */
+    u32 apertureBlades;    /* 0: a disk */
+    f32 apertureRotation;  /* radians */
+    f32 apertureRoundness; /* 0: straight blades, 1: a disk */
+    f32 apertureWidth;     /* of its height */
+    f32 vignetting;        /* 0: none, 1: the cosine's fourth power */
+    u32 lensSegments;      /* lens keys after the first; 0: the lens is the same at all times */
+    HdsLensKey lensKeys[HDS_MAX_MOTION_SEGMENTS + 1]; /* at equal distances in time */
 } HdsFrameParams;
-HDS_ASSERT_SIZE(HdsFrameParams, 288 + 48 * (HDS_MAX_MOTION_SEGMENTS + 1));
+HDS_ASSERT_SIZE(HdsFrameParams, 320 + (48 + 32) * (HDS_MAX_MOTION_SEGMENTS + 1));
 
 /* A wave: slot i is sample firstSample + i % numSamples of pixel pixels[firstPixel + i /
  * numSamples]. */

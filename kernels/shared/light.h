@@ -96,7 +96,8 @@ typedef struct {
 } HdsLightShaping;
 HDS_ASSERT_SIZE(HdsLightShaping, 96);
 
-/* What is not physical about a light: its part in the lobes of surfaces, and its shadows. */
+/* What is not physical about a light: its part in the lobes of surfaces, and its shadows. And how
+ * it moves. */
 typedef struct {
     f32 diffuse;        /* factor on what diffuse lobes receive */
     f32 specular;       /* and on what all others do */
@@ -105,8 +106,19 @@ typedef struct {
     f32 shadowFade; /* 1 / length, up to that distance, over which shadows fade; 0: they do not */
     f32 shadowColor[3]; /* factor on what arrives in the shadow */
     f32 shadowGamma;    /* exponent of the fading, which is linear in the distance */
+    u32 motionBase;     /* in lightCdf: an HdsLightKey for each of the equal steps in time */
+    u32 motionSegments; /* keys after the first; 0: the light rests */
+    u32 pad0[2];
 } HdsLightControls;
-HDS_ASSERT_SIZE(HdsLightControls, 32);
+HDS_ASSERT_SIZE(HdsLightControls, 48);
+
+/* Where a light is at a time: it is turned about the origin of its space, then moved. */
+typedef struct {
+    f32 turn[4]; /* unit quaternion: x, y, z, w */
+    f32 offset[3];
+    u32 pad0;
+} HdsLightKey;
+HDS_ASSERT_SIZE(HdsLightKey, 32);
 
 /* A node of the light tree, the root first: a sphere that bounds the finite lights below it, around
  * the mean of their centres by strength. */

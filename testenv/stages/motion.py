@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stages in which something moves around frame 1, with samples at frames 0 and 2."""
 
+import pathlib
+
 import numpy as np
 from pxr import Gf, UsdGeom, Vt
 
-from . import author, curves, shapes
+from . import author, curves, imageFile, shapes
 
 FRAME = 1.0
 SHUTTER = (-0.5, 0.5)
@@ -125,10 +127,69 @@ def _AddFar(stage):
     group.CreatePositionsAttr([(0, 0, 0)])
 
 
-# What moves in a stage, by name; "camera" is still but for the camera.
+def _AddLamp(stage):
+    """A lamp that is seen, and its shadows, on a way."""
+    _Box(stage, "/World/Box")
+    lamp = author.AddLight(stage, "/World/Lamp", "Sphere", intensity=12.0, radius=0.4)
+    AddWay(lamp, (-3.5, 0.6, 1.5), (3.5, 1.6, 1.0))
+
+
+def _AddSpot(stage):
+    """A flat light with a beam, that turns about itself while it moves."""
+    _Box(stage, "/World/Box")
+    spot = author.AddLight(stage, "/World/Spot", "Rect", intensity=60.0, width=0.8, height=0.5)
+    author.ShapeLight(spot, coneAngle=35.0, coneSoftness=0.3, focus=2.0)
+    AddWay(spot, (-0.5, 0.3, 3.0), (0.8, 0.0, 3.2))
+    turn = UsdGeom.Xformable(spot).AddRotateYOp()
+    turn.Set(-70.0, 0.0)
+    turn.Set(70.0, 2.0)
+
+
+def _AddSun(stage):
+    """A narrow sun that goes over the sky."""
+    _Box(stage, "/World/Box")
+    sun = author.AddLight(stage, "/World/Moon", "Distant", intensity=2.0, angle=1.0, normalize=True)
+    turn = UsdGeom.Xformable(sun).AddRotateYOp()
+    turn.Set(-65.0, 0.0)
+    turn.Set(65.0, 2.0)
+
+
+def _AddSky(stage):
+    """A dome whose image turns, which is seen in a mirror."""
+    mirror = author.AddMaterial(stage, "/World/Mirror", metallic=1.0, roughness=0.05, diffuseColor=(0.9, 0.9, 0.9))
+    author.AddMesh(stage, "/World/Ball", shapes.Sphere(1.0, 24, 32), material=mirror)
+    folder = pathlib.Path(stage.GetRootLayer().realPath).parent
+    texels = np.zeros((32, 64, 3), np.float32)
+    texels[:, ::16] = texels[:, 1::16] = (3.0, 1.0, 0.5)
+    imageFile.WriteExr(folder / "sky.exr", {channel: texels[..., i] for i, channel in enumerate("RGB")})
+    sky = author.AddLight(stage, "/World/Sky", "Dome", intensity=1.0, textureFile=str(folder / "sky.exr"))
+    turn = UsdGeom.Xformable(sky).AddRotateYOp()
+    turn.Set(0.0, 0.0)
+    turn.Set(120.0, 2.0)
+
+
+def _AddLamps(stage):
+    """So many that there is a light tree: in a ring that turns."""
+    _Box(stage, "/World/Box")
+    AddWay(UsdGeom.Xform.Define(stage, "/World/Ring"), (0, 0, 0.8), (0, 0, 0.8), degrees=25.0)
+    for i in range(40):
+        angle = 2.0 * np.pi * i / 40
+        where = (2.4 * np.cos(angle), 1.8 * np.sin(angle), 0.2 * (i % 3))
+        kind = ("Sphere", "Disk")[i % 2]
+        author.AddLight(stage, f"/World/Ring/Lamp{i}", kind, dict(translate=where), intensity=1.0 + 14.0 * (i % 7 == 0), radius=0.15)
+
+
+def _SetOverFrames(attribute, first, last):
+    attribute.Set(first, 0.0)
+    attribute.Set(last, 2.0)
+
+
+# What moves in a stage, by name; "camera", "focus" and "zoom" are still but for the camera.
 SCENES = {
     "way": _AddMovingBox, "turn": _AddTurningBox, "nested": _AddNestedInstances, "polygons": _AddBendingPolygons,
     "surface": _AddBendingSurface, "curves": _AddCurves, "ribbons": _AddRibbons, "points": _AddPoints, "camera": _AddNothing,
+    "focus": _AddNothing, "zoom": _AddNothing,
+    "lamp": _AddLamp, "spot": _AddSpot, "sun": _AddSun, "sky": _AddSky, "lamps": _AddLamps,
 }
 
 
@@ -147,6 +208,11 @@ def Write(path, *names, shutter=SHUTTER):
     if "camera" in names:
         camera.ClearXformOpOrder()
         AddWay(camera, (-1.0, -0.5, 5), (1.0, 0.5, 7), degrees=40.0)
+    if "focus" in names:
+        _SetOverFrames(camera.CreateFStopAttr(), 1.5, 4.0)
+        _SetOverFrames(camera.CreateFocusDistanceAttr(), 2.0, 9.0)
+    if "zoom" in names:
+        _SetOverFrames(camera.CreateFocalLengthAttr(), 20.0, 60.0)
     stage.SetStartTimeCode(FRAME)
     stage.SetEndTimeCode(FRAME)
     stage.GetRootLayer().Save()

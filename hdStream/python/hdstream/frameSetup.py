@@ -14,7 +14,7 @@ from hdstream.diagnostics import MessagesOf, TfError
 from hdstream.errors import CommandError, UsageError
 from hdstream.framing import FREE_CAMERA_PATH, MakeFramingCamera
 from hdstream.renderSettings import DataWindow
-from hdstream.translate.cameras import CameraFromGf, ReadCamera
+from hdstream.translate.cameras import CameraFromGf, CloseLens, ReadCamera
 from hdstream.translate.motion import Motion, ReadShutter
 
 # Settings that SetCamera completes from the camera and the render settings prim.
@@ -88,7 +88,7 @@ class Framing:
             settings.camera = prim.GetPath().pathString
             try:
                 gfCamera = UsdGeom.Camera(prim).GetCamera(usdTime)
-                camera = ReadCamera(prim, usdTime, Motion(usdTime, shutter))
+                camera = ReadCamera(prim, usdTime, Motion(usdTime, shutter), self._Warn)
             except TfError as error:
                 raise CommandError(f"camera {settings.camera} cannot be read: {'; '.join(MessagesOf(error))}") from None
         if not camera.horizontalAperture > 0.0 or not camera.verticalAperture > 0.0:
@@ -96,13 +96,16 @@ class Framing:
             gfCamera = Gf.Camera()
             camera.horizontalAperture, camera.verticalAperture = 2.0955, 1.52908
         if self._renderSettings.disableDepthOfField:
-            camera.fStop = 0.0
+            CloseLens(camera)
         self._SetImageSize(gfCamera.aspectRatio, settings)
         self._SetDataWindow(settings)
         if self._crop is not None:
             _Crop(self._crop, settings)
         self._session.SetCamera(settings.camera, camera)
         return camera
+
+    def _Warn(self, prim, text):
+        self._session.Warn(prim.GetPath().pathString, text)
 
     def _SetImageSize(self, aspect, settings):
         """usdrecord's rule: the height follows from the width and the camera's aspect ratio."""

@@ -44,11 +44,11 @@ inline const char* const kLightKernels = R"(
 /* Radiance of a light that a ray of no width meets at t, with its image. */
 float3 radianceOf(const HdsLightView* view, const HdsTextureView* textures, uint light, float3 p,
                   float3 d, float t) {
-    float3 radiance = light_radiance(view, light, d);
+    float3 radiance = light_radiance(view, light, d, 0.0f);
     if (light_hasImage(view->lights + light)) {
         bool isMissing = false;
         radiance *= lightImage_lookup(view, textures, light, p, d, t, cones_begin(0.0f, 0.0f),
-                                      false, 0.0f, &isMissing);
+                                      false, 0.0f, 0.0f, &isMissing);
     }
     return radiance;
 }
@@ -72,7 +72,7 @@ kernel void sampleAll(LIGHT_ARGS, global const float* points, global const float
         s.radiance = radianceOf(&view, &textures, s.light, p, s.direction, s.distance);
     }
     float t = 0.0f;
-    bool isHit = isValid && light_intersect(&view, s.light, p, s.direction, INFINITY, &t);
+    bool isHit = isValid && light_intersect(&view, s.light, p, s.direction, INFINITY, 0.0f, &t);
     float hitPdf = isHit ? light_pdf(&view, s.light, &lit, s.direction, t) : 0.0f;
     global float* o = out + 16 * i;
     vstore3(s.direction, 0, o);
@@ -98,7 +98,7 @@ kernel void intersectAll(LIGHT_ARGS, uint light, global const float* points,
     float3 d = vload3(i, directions);
     const HdsLitPoint lit = {p, vload3(at, normals), 0u};
     float t;
-    bool isHit = light_intersect(&view, light, p, d, INFINITY, &t);
+    bool isHit = light_intersect(&view, light, p, d, INFINITY, 0.0f, &t);
     out[3 * i] = isHit ? t : -1.0f;
     out[3 * i + 1] = isHit ? light_pdf(&view, light, &lit, d, t) : 0.0f;
     out[3 * i + 2] = isHit ? radianceOf(&view, &textures, light, p, d, t).x : 0.0f;
@@ -129,7 +129,7 @@ kernel void irradiances(LIGHT_ARGS, global const float* points,
         float3 d = frame_toWorld(&frame, warp_cosineHemisphere(sampler_get2(sampler, 2u)));
         for (uint light = 0u; light < view.numLights; ++light) {
             float t;
-            if (light_intersect(&view, light, p, d, INFINITY, &t)) {
+            if (light_intersect(&view, light, p, d, INFINITY, 0.0f, &t)) {
                 gathered += HDS_PI * radianceOf(&view, &textures, light, p, d, t).x;
             }
         }
@@ -148,14 +148,14 @@ kernel void meetings(HDS_LIGHT_PARAMETERS, global const float* points,
     uint4 found = (uint4)(0u);
     float t;
     for (uint light = 0u; light < view.numLights; ++light) {
-        if (light_intersect(&view, light, p, d, tMax, &t)) {
+        if (light_intersect(&view, light, p, d, tMax, 0.0f, &t)) {
             found.xy += (uint2)(1u, light);
         }
     }
     HdsLightWalk walk = lightWalk_begin(&view);
     uint light;
     while ((light = lightWalk_next(&view, &walk, p, d, tMax)) != HDS_NONE) {
-        if (light_intersect(&view, light, p, d, tMax, &t)) {
+        if (light_intersect(&view, light, p, d, tMax, 0.0f, &t)) {
             found.zw += (uint2)(1u, light);
         }
     }

@@ -117,8 +117,9 @@ void rays(const HdsTestContext* context, const Real* in, Real* out) {
     const Uint pixel = as_Uint(in[0]);
     const HdsSampler sampler = pixel_sampler(frame, pixel, as_Uint(in[1]));
     const HdsTransform pose = camera_pose(frame, 0.0f);
-    out = putRay(out, generate_ray(frame, &pose, pixel, sampler, context->table));
-    out = putRay(out, camera_generate(frame, &pose, take2(in + 2), take2(in + 4)));
+    const HdsLens lens = camera_lens(frame, 0.0f);
+    out = putRay(out, generate_ray(frame, &pose, &lens, pixel, sampler, context->table));
+    out = putRay(out, camera_generate(frame, &pose, &lens, take2(in + 2), take2(in + 4)));
 }
 #define HDS_TEST_FIELDS_Frame(R1, R2, R3, U) R3(x) R3(y) R3(z)
 HDS_TEST_STRUCT(Frame)
@@ -153,6 +154,7 @@ shared::HdsFrameParams Camera(LaneRandom& r) {
     frame.lensRadius = r.Is(2) ? r.Sized(-4.0F, 0.0F) : 0.0F;
     frame.focusDistance = r.Sized(-1.0F, 2.0F);
     frame.flags = (r.Is(3) ? HDS_FRAME_ORTHOGRAPHIC : 0U) | (r.Is(4) ? HDS_FRAME_CAMERA_MOVES : 0U);
+    frame.apertureWidth = 1.0F;
     frame.imageWidth = 1 + r.Kind(700);
     frame.imageHeight = 400;
     frame.seed = r.Bits();

@@ -70,6 +70,9 @@ void microfacets(const HdsTestContext* context, const Real* in, Real* out) {
 /* in: a surface of each kind, which one it is, its place, a light sample. */
 void scatters(const HdsTestContext* context, const Real* in, Real* out) {
     HdsScatter at;
+#if HDS_FEATURE_TERMINATOR
+    at.lift = vec_splat((Real)(0.0f));
+#endif
     Surface_make(&at.bsdf.preview, in);
     in += 22;
 #if HDS_LOBES

@@ -109,6 +109,7 @@ TEST(KernelFeatures, HaveWhatTheyNeed) {
         {"numTexturePools", {"textures"}},               // hold their texels
         {"textureStreaming", {"textures"}},              // whose lines are missing
         {"texturedEmission", {"cutouts", "meshLights"}}, // of a mesh, asked for as candidates are
+        {"lightMotion", {"lightControls", "motion"}},    // keys are among the controls
         {"catchers", {"rayVisibility"}},        // others are unseen in the scene of catchers alone
         {"deep", {"mattes"}},                   // keeps depths where these keep surfaces
         {"media", {"lobes"}},                   // lie below layered surfaces

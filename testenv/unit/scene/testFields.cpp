@@ -211,6 +211,7 @@ CameraPrim FullCamera() {
     CameraPrim camera;
     camera.shutter = {0.0, 1.0};
     camera.samples = Placed().samples;
+    camera.lensSamples = {{-1.0, 5.0F, 2.0F, 3.0F}, {1.0, 6.0F, 2.0F, 3.0F}};
     return camera;
 }
 

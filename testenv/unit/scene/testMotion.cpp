@@ -64,6 +64,40 @@ TEST(Motion, SamplesAreCutToTheShutter) {
     EXPECT_EQ(within[2].matrix[3].x, 1.0);
 }
 
+TEST(Motion, LightsMoveRigidlyFromWhereTheFrameHasThem) {
+    const auto pose = [](double degrees, double scale, double x) {
+        const glm::dmat4 moved = glm::translate(glm::dmat4(1.0), glm::dvec3(x, 2.0, -1.0));
+        return glm::scale(
+            glm::rotate(moved, glm::radians(degrees), glm::dvec3(1.0, 2.0, 2.0) / 3.0),
+            glm::dvec3(scale));
+    };
+    const Shutter shutter{-0.5, 0.5};
+    const glm::dmat4 frame = pose(20.0, 3.0, 4.0);
+    bool isRigid = false;
+    const auto keys = MakeLightKeys(
+        MovingTransform(frame, {{-0.5, pose(-60.0, 3.0, 1.0)}, {0.5, pose(100.0, 3.0, 7.0)}},
+                        shutter),
+        &isRigid);
+    EXPECT_TRUE(isRigid);
+    ASSERT_GE(keys.size(), 9U);
+    const std::size_t last = keys.size() - 1;
+    for (std::size_t i = 0; i <= last; ++i) {
+        const double time = double(i) / double(last);
+        const glm::dvec4& q = keys[i].turn;
+        const double half = glm::radians(0.5 * (-80.0 + 160.0 * time)); // from the frame
+        const glm::dvec3 axis = std::sin(half) * glm::dvec3(1.0, 2.0, 2.0) / 3.0;
+        EXPECT_NEAR(glm::length(glm::dvec3(q) - axis * (q.w < 0.0 ? -1.0 : 1.0)), 0.0, 1e-9);
+        EXPECT_NEAR(glm::length(keys[i].offset - glm::dvec3(-3.0 + 6.0 * time, 0.0, 0.0)), 0.0,
+                    1e-9);
+        EXPECT_TRUE(i == 0 || glm::dot(q, keys[i - 1].turn) > 0.0);
+    }
+    MakeLightKeys(MovingTransform(frame, {{-0.5, frame}, {0.5, pose(20.0, 4.0, 4.0)}}, shutter),
+                  &isRigid);
+    EXPECT_FALSE(isRigid);
+    EXPECT_TRUE(MakeLightKeys(MovingTransform(frame), &isRigid).empty());
+    EXPECT_TRUE(isRigid);
+}
+
 TEST(Motion, KeysAreAsFineAsTheWayIsCurved) {
     const Bounds box{glm::vec3(-1.0F), glm::vec3(1.0F)};
     const glm::dmat4 one(1.0);

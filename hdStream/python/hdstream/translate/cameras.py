@@ -35,19 +35,56 @@ def _SceneUnits(tenths):
     return float(np.float32(tenths) * _TENTH)
 
 
-def ReadCamera(prim, timeCode, motion=None):
-    """The camera of a UsdGeomCamera prim, in world space; its poses while the shutter of a Motion is open."""
+def ReadCamera(prim, timeCode, motion=None, warn=lambda prim, text: None):
+    """The camera of a UsdGeomCamera prim, in world space; poses and lenses while the shutter of a Motion is open.
+
+    `warn(prim, text)` gets what is wrong with attributes beside UsdGeomCamera's.
+    """
     usdCamera = UsdGeom.Camera(prim)
-    camera = CameraFromGf(usdCamera.GetCamera(timeCode), _ExposureScale(usdCamera, timeCode))
+    attributes = _ReadAttributes(prim, timeCode)
+    exposure = prim.GetAttribute("exposure").Get(timeCode)
+    camera = CameraFromGf(usdCamera.GetCamera(timeCode), _core.LinearExposureScale(exposure or 0.0, attributes))
     camera.shutter = ReadShutter(prim, timeCode)
+    for text in _core.SetCameraAttributes(attributes, camera):
+        warn(prim, text)
     if motion is not None:
         camera.samples = motion.CameraSamplesOf(usdCamera)
+        camera.lensSamples = _ReadLensSamples(prim, motion)
     return camera
 
 
-def _ExposureScale(usdCamera, timeCode):
-    """Linear factor on radiance: UsdGeom's own formula where this usd-core has it (25.05 on)."""
-    if hasattr(usdCamera, "ComputeLinearExposureScale"):
-        return float(usdCamera.ComputeLinearExposureScale(timeCode))
-    exposure = usdCamera.GetPrim().GetAttribute("exposure").Get(timeCode)
-    return 2.0 ** exposure if exposure else 1.0
+def CloseLens(camera):
+    """Makes a camera a pinhole."""
+    camera.fStop = 0.0
+    samples = camera.lensSamples
+    for sample in samples:
+        sample.fStop = 0.0
+    camera.lensSamples = samples
+
+
+def _ReadAttributes(prim, timeCode):
+    """The values of attributes beside UsdGeomCamera's that the core reads, by name."""
+    values = {}
+    for name in _core.CAMERA_ATTRIBUTES + _core.EXPOSURE_ATTRIBUTES:
+        attribute = prim.GetAttribute(name)
+        value = attribute.Get(timeCode) if attribute and attribute.HasAuthoredValue() else None
+        if isinstance(value, (bool, int, float, str)):
+            values[name] = value
+        elif value is not None:
+            values[name] = [float(number) for number in value]
+    return values
+
+
+def _ReadLensSamples(prim, motion):
+    """The lens while the shutter is open; empty when it is the same at all times."""
+    attributes = [prim.GetAttribute(name) for name in ("focalLength", "fStop", "focusDistance")]
+    if not motion.isOn or not any(attribute.ValueMightBeTimeVarying() for attribute in attributes):
+        return []
+    samples = []
+    for time in motion.times:
+        sample = _core.LensSample()
+        sample.time = time
+        focalLength, sample.fStop, sample.focusDistance = [float(attribute.Get(motion.At(time))) for attribute in attributes]
+        sample.focalLength = _SceneUnits(focalLength)
+        samples.append(sample)
+    return samples

@@ -353,10 +353,11 @@ class StageTranslator:
         self._WarnOfLight(prim, names)
         light = lights.ReadLight(prim, schema, names, self._timeCode, self._assets)
         path, placement = self._Place(prim, state, context)
-        placement.samples = []  # lights are where the frame has them
         pole = lights.PoleTransform(prim, schema)
         if pole is not None:
             placement.worldFromObject = np.array(pole * state.matrix)
+            if state.matrices is not None:
+                placement.samples = self._motion.SamplesOf([pole * matrix for matrix in state.matrices])
         lightPrim = _core.LightPrim(light, placement)
         lightPrim.links = self._links.Read(prim, names)
         for matrix, width, height in lights.ReadPortals(prim, names, self._timeCode, self._reports.Warn):
