@@ -114,7 +114,7 @@ void AddFrame(OIIO::ImageSpec* spec, const ImageMetadata& metadata) {
     }
     const int rate[2] = {static_cast<int>(numerator), static_cast<int>(denominator)};
     spec->attribute("framesPerSecond", OIIO::TypeRational, rate); // by OpenEXR's name
-    constexpr std::uint32_t kMostFrames = 30; // the digits of a frame go to 39
+    constexpr std::uint32_t kMostFrames = 30;                     // the digits of a frame go to 39
     const std::uint32_t rounded = (numerator + denominator - 1) / denominator;
     if (!metadata.frameNumber || rounded > kMostFrames) {
         return;
