@@ -136,22 +136,29 @@ private:
         }
     }
 
-    /// \param grids one, or those of red, green and blue, which follow one another.
-    shared::HdsVolumeField Field(const PreparedGrids& grids, const GridDescription& lattice) {
+    /// Where the voxels of grids are, which are in one place.
+    static shared::HdsVolumeField PlaceField(const PreparedGrids& grids,
+                                             const GridDescription& lattice) {
         const glm::dmat4& place = grids[0]->description.objectFromIndex;
         shared::HdsVolumeField field{};
-        field.grid = GridOf(grids[0]);
-        for (std::size_t i = 1; i < grids.size(); ++i) {
-            GridOf(grids[i]);
-        }
-        field.flags = grids.size() > 1 ? HDS_FIELD_IS_COLOR : 0U;
-        field.flags |= place == lattice.objectFromIndex ? HDS_FIELD_IS_ALIGNED : 0U;
+        field.flags = place == lattice.objectFromIndex ? HDS_FIELD_IS_ALIGNED : 0U;
         const glm::dmat4 map = glm::inverse(place) * lattice.objectFromIndex;
         for (int row = 0; row < 3; ++row) {
             for (int column = 0; column < 4; ++column) {
                 field.indexFromLattice[4 * row + column] = static_cast<float>(map[column][row]);
             }
         }
+        return field;
+    }
+
+    /// \param grids one, or those of red, green and blue, which follow one another.
+    shared::HdsVolumeField Field(const PreparedGrids& grids, const GridDescription& lattice) {
+        shared::HdsVolumeField field = PlaceField(grids, lattice);
+        field.grid = GridOf(grids[0]);
+        for (std::size_t i = 1; i < grids.size(); ++i) {
+            GridOf(grids[i]);
+        }
+        field.flags |= grids.size() > 1 ? HDS_FIELD_IS_COLOR : 0U;
         return field;
     }
 
@@ -168,8 +175,8 @@ private:
         }
         volume->fields[HDS_FIELD_DENSITY].grid = found->second;
         volume->fields[HDS_FIELD_DENSITY].flags = HDS_FIELD_IS_ALIGNED;
-        volume->velocity = Field(grids.velocity.grids, lattice);
-        volume->velocity.flags &= ~HDS_FIELD_IS_COLOR;
+        volume->velocity = PlaceField(grids.velocity.grids, lattice);
+        volume->velocity.grid = VelocityOf(grids.velocity.grids);
         for (int row = 0; row < 3; ++row) {
             for (int column = 0; column < 3; ++column) {
                 volume->latticeFromVelocity[3 * row + column] =
@@ -200,6 +207,17 @@ private:
         result.cells.insert(result.cells.end(), cells.begin(), cells.end());
     }
 
+    /// The first of a velocity's grids, which follow one another, whoever else reads some of them.
+    std::uint32_t VelocityOf(const PreparedGrids& grids) {
+        const auto number = static_cast<std::uint32_t>(result.grids.size());
+        const auto [found, isNew] = _velocityNumbers.emplace(grids[0].get(), number);
+        for (std::size_t i = 0; isNew && i < grids.size(); ++i) {
+            const GridDescription& description = grids[i]->description;
+            AddGrid(description.record, description.tiles, description.cells, TextureOf(grids[i]));
+        }
+        return found->second;
+    }
+
     /// The texture whose lines a grid's bricks are.
     std::uint32_t TextureOf(const std::shared_ptr<const PreparedGrid>& grid) {
         const auto number = static_cast<std::uint32_t>(result.prepared.size());
@@ -214,6 +232,7 @@ private:
     std::uint32_t _numTextures;
     std::map<const PreparedGrid*, std::uint32_t> _numbers; ///< of grids
     std::map<std::pair<const PreparedGrid*, const PreparedGrid*>, std::uint32_t> _movingNumbers;
+    std::map<const PreparedGrid*, std::uint32_t> _velocityNumbers;
     std::map<const PreparedGrid*, std::uint32_t> _textures; ///< among those of grids
 };
 

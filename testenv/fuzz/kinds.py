@@ -8,6 +8,7 @@ from cacheKind import Cache
 from commandKinds import CommandLine, Settings
 from fileKinds import Ies, MaterialX
 from fuzzKind import Kind
+from volumeKind import Volume
 
 
 class Usd(Kind):
@@ -77,4 +78,4 @@ class SelfTest(Kind):
 
 
 KINDS = {"usd": Usd, "image": Image, "cache": Cache, "commandline": CommandLine, "settings": Settings, "ies": Ies,
-         "materialX": MaterialX, "selfTest": SelfTest}
+         "materialX": MaterialX, "volume": Volume, "selfTest": SelfTest}

@@ -16,7 +16,7 @@ from stages import fuzzBase
 
 
 @pytest.mark.parametrize("kind, count", [("usd", 16), ("image", 10), ("cache", 3), ("commandline", 40), ("settings", 10),
-                                         ("ies", 8), ("materialX", 4)])
+                                         ("ies", 8), ("materialX", 4), ("volume", 12)])
 def test_nothing_is_found(kind, count, tmp_path):
     assert kind in KINDS
     fuzzer = Fuzzer(kind, 7, tmp_path)
