@@ -18,7 +18,7 @@ from stages import author, shapes
 
 WIDTH, HEIGHT = 64, 48
 SETTINGS = dict(imageWidth=WIDTH, imageHeight=HEIGHT, camera="/World/Camera", pixelFilter="box", pixelFilterWidth=1.0, noCache=True)
-_TYPES = {str: Sdf.ValueTypeNames.Token, int: Sdf.ValueTypeNames.Int, float: Sdf.ValueTypeNames.Float}
+_TYPES = {list: Sdf.ValueTypeNames.StringArray, str: Sdf.ValueTypeNames.Token, int: Sdf.ValueTypeNames.Int, float: Sdf.ValueTypeNames.Float}
 
 
 def Author(camera, attributes):
@@ -178,6 +178,7 @@ def test_own_names_win_over_those_of_hosts():
     ("hdstream:camera:fieldOfView", 400.0, "out of its range"),
     ("hdstream:camera:fieldOfView", math.nan, "is no number"),
     ("hdstream:camera:latitudes", (10.0, -10.0), "no interval"),
+    ("hdstream:camera:apertureBlades", ["five"], "is no number"),
     ("hdstream:camera:vignetting", -1.0, "out of its range"),
     ("ri:dofaspect", 2.0, "hdstream:camera:apertureRatio is"),
 ])
@@ -195,6 +196,7 @@ def test_exposure_is_usds_formula():
     Author(camera, exposure)
     factor = 0.25 * 400.0 * 2.0 ** 1.5 * 1.3 / (100.0 * 2.8 ** 2)
     assert np.allclose(Render(stage, samples=1).aovs["color"][..., :3], factor * plain, rtol=1e-4)
+    assert _core.LinearExposureScale(0.0, {"exposure:fStop": 0.0}) == 1.0
     attributes = {name: value for name, value in exposure.items() if name != "exposure"}
     found = _core.LinearExposureScale(1.5, attributes)
     assert found == pytest.approx(factor, rel=1e-6)

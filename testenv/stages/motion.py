@@ -189,8 +189,9 @@ SCENES = {
     "way": _AddMovingBox, "turn": _AddTurningBox, "nested": _AddNestedInstances, "polygons": _AddBendingPolygons,
     "surface": _AddBendingSurface, "curves": _AddCurves, "ribbons": _AddRibbons, "points": _AddPoints, "camera": _AddNothing,
     "focus": _AddNothing, "zoom": _AddNothing,
-    "lamp": _AddLamp, "spot": _AddSpot, "sun": _AddSun, "sky": _AddSky, "lamps": _AddLamps,
 }
+# Lights that move. Their pictures need more stills: what moves is bright, or sharp.
+LIGHTS = {"lamp": _AddLamp, "spot": _AddSpot, "sun": _AddSun, "sky": _AddSky, "lamps": _AddLamps}
 
 
 def Write(path, *names, shutter=SHUTTER):
@@ -201,7 +202,7 @@ def Write(path, *names, shutter=SHUTTER):
     author.AddLight(stage, "/World/Sun", "Distant", dict(rotate=(-30, 25, 0)), intensity=1.5, angle=2.0, normalize=True)
     _AddFar(stage)
     for name in names:
-        SCENES[name](stage)
+        {**SCENES, **LIGHTS}[name](stage)
     camera = author.AddCamera(stage, eye=(0, 0, 6), focalLength=40.0)
     camera.CreateShutterOpenAttr(shutter[0])
     camera.CreateShutterCloseAttr(shutter[1])

@@ -71,7 +71,10 @@ def _ReadAttributes(prim, timeCode):
         if isinstance(value, (bool, int, float, str)):
             values[name] = value
         elif value is not None:
-            values[name] = [float(number) for number in value]
+            try:
+                values[name] = [float(number) for number in value]
+            except (TypeError, ValueError):
+                values[name] = str(value)  # of no use, which the core says
     return values
 
 
