@@ -180,6 +180,8 @@ def _AddUsdrecordOptions(group):
                        help="only these prims, their descendants and ancestors")
     group.add_argument("--renderSettingsPrimPath", "-rs", metavar="PATH",
                        help="UsdRenderSettings prim (default: the stage's renderSettingsPrimPath)")
+    group.add_argument("--renderPassPrimPath", "-rp", metavar="PATH",
+                       help="UsdRenderPass prim: its collections, and the render settings that are its renderSource")
     group.add_argument("--disableCameraLight", action="store_true",
                        help="accepted; no camera light is ever added")
 

@@ -21,6 +21,7 @@ class Job:
     mask: Tuple[str, ...] = ()
     settings: Dict[str, Any] = dataclasses.field(default_factory=dict)  # what the user said, by name
     renderSettingsPrimPath: Optional[str] = None
+    renderPassPrimPath: Optional[str] = None
     colorCorrectionMode: str = ""
     resumes: bool = False
 
@@ -69,7 +70,7 @@ class FrameWriter:
         if frame.outputs and "aovs" not in further:
             values["aovs"] = list(dict.fromkeys(layer.aov for output in frame.outputs for layer in output.layers))
         self.renderer.Prepare(frame.timeCode, renderSettingsPrimPath=self._job.renderSettingsPrimPath,
-                              renderProductPrimPath=frame.product, **values)
+                              renderPassPrimPath=self._job.renderPassPrimPath, renderProductPrimPath=frame.product, **values)
 
     def Render(self, frame, onProgress=None):
         """The picture; from the samples on that were kept, when the job resumes."""

@@ -77,6 +77,31 @@ def ReadRenderSettings(stage, path, session, productPath=None):
     return settings
 
 
+def FindRenderPass(stage, path, session):
+    """The render pass at `path`; None without a path. Raises UsageError where the stage has none there."""
+    if not path:
+        return None
+    prim = stage.GetPrimAtPath(path) if Sdf.Path.IsValidPathString(path) else None
+    if not prim or not prim.IsA(UsdRender.Pass):
+        raise UsageError(f"--renderPassPrimPath {path}: the stage has no such render pass")
+    if prim.GetAttribute("fileName").HasAuthoredValue():
+        session.Warn(path, "fileName is not read: what the pass names is looked for in the stage itself")
+    return prim
+
+
+def SettingsPathOf(stage, settingsPath, passPath, session):
+    """The path of the render settings that hold: those that are asked for, else the pass's renderSource; None: the stage's."""
+    passPrim = FindRenderPass(stage, passPath, session)
+    sources = TargetsOf(passPrim, "renderSource", session) if passPrim and not settingsPath else []
+    if not sources:
+        return settingsPath
+    source = stage.GetPrimAtPath(sources[0])
+    if source and source.IsA(UsdRender.Settings):
+        return sources[0].pathString
+    session.Warn(passPath, f"renderSource {sources[0]} is no render settings; ignored")
+    return settingsPath
+
+
 def TargetsOf(prim, name, session):
     """What a relationship names; nothing, and one warning, where it is none."""
     try:

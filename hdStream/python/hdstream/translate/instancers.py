@@ -22,13 +22,14 @@ from hdstream.translate.primState import PREDICATE, PROTOTYPE_PREDICATE, Context
 class Instancers:
     """Adds instancers to a session; walks their prototypes with the stage's translator."""
 
-    def __init__(self, translator, stage, session, timeCode, motion, links, reports):
+    def __init__(self, translator, stage, session, timeCode, motion, links, passCollections, reports):
         self._translator = translator
         self._stage = stage
         self._session = session
         self._timeCode = timeCode
         self._motion = motion
         self._links = links
+        self._pass = passCollections  # None: there is no pass
         self._reports = reports
         self._levels = InstanceLevels(translator, session)
         self._differentBelow = {}  # path of a first instance -> names of primvars that its group has by instance
@@ -40,7 +41,10 @@ class Instancers:
     def AddInstance(self, prim, state, context):
         """Adds a native instance to the group that shares its prototype's look."""
         boundPaths = self._BoundPathsBelow(prim) if state.hasCollections else None
-        key = (prim.GetPrototype().GetPath(), InheritedKey(state, boundPaths))
+        passKey = self._pass.KeyBelow(prim, context) if self._pass else ()
+        if passKey is None:
+            return
+        key = (prim.GetPrototype().GetPath(), InheritedKey(state, boundPaths), passKey)
         group = context.instanceGroups.get(key)
         if group is None:
             group = context.instanceGroups[key] = InstanceGroup(prim, state)
@@ -64,7 +68,7 @@ class Instancers:
     def _AddPart(self, group, context):
         """Makes the instancer of native instances and translates what it places."""
         path = self._translator.ReservePath(group.firstPrim, context)
-        inner = Context(path, group.VisibleIndices(), context.chain)
+        inner = Context(path, group.VisibleIndices(), context.chain, context.passOfInstancer)
         rowsByName = group.DifferentPrimvars()
         self._levels.Add(path, InstanceLevel(context.instancerPath, context.instances, rowsByName))
         if rowsByName:
@@ -122,7 +126,10 @@ class Instancers:
         if not root or not PROTOTYPE_PREDICATE(root):
             self._reports.Warn(instancer, f"prototype {prototypePath} does not exist or is not defined")
             return False
-        inner = Context(path, instances, context.chain + (instancer.GetPath().pathString,))
+        if self._pass and self._pass.IsPrunedWithin(root):
+            return False
+        ofInstancer = self._pass.InPrototype(instancer, root, instancerState, context) if self._pass else None
+        inner = Context(path, instances, context.chain + (instancer.GetPath().pathString,), ofInstancer)
         self._translator.Walk([root], self._PrototypeState(root, instancerState), inner)
         return inner.isPlacing
 
