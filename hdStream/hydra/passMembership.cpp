@@ -134,8 +134,9 @@ bool HdStreamPassMembership::IsPruned(const SdfPath& path) const {
 }
 
 bool HdStreamPassMembership::IsBelow(const SdfPath& path, const SdfPath& instancer) const {
-    return HdStreamUsdPaths(_scene, path).front().HasPrefix(
-        HdStreamUsdPaths(_scene, instancer).front());
+    return HdStreamUsdPaths(_scene, path)
+        .front()
+        .HasPrefix(HdStreamUsdPaths(_scene, instancer).front());
 }
 
 HdStreamPassMembership::OfInstancer
@@ -146,10 +147,9 @@ HdStreamPassMembership::OfInstancerAt(const SdfPath& instancer) const {
     if (!outer.asksPaths || !HdStreamInstanceLocations(prim.dataSource).empty()) {
         return outer; // native instances have flags of their own
     }
-    const bool isForeign =
-        !parent.IsEmpty() &&
-        HdStreamInstanceLocations(_scene->GetPrim(parent).dataSource).empty() &&
-        !IsBelow(instancer, parent);
+    const bool isForeign = !parent.IsEmpty() &&
+                           HdStreamInstanceLocations(_scene->GetPrim(parent).dataSource).empty() &&
+                           !IsBelow(instancer, parent);
     if (isForeign) {
         return {outer.flags, false};
     }
@@ -168,8 +168,7 @@ HdStreamPassFlags HdStreamPassMembership::FindFlagsOf(const SdfPath& path) const
         return Common(HdStreamUsdPaths(_scene, path));
     }
     const OfInstancer outer = OfInstancerAt(instancer);
-    const bool isNative =
-        !HdStreamInstanceLocations(_scene->GetPrim(instancer).dataSource).empty();
+    const bool isNative = !HdStreamInstanceLocations(_scene->GetPrim(instancer).dataSource).empty();
     if (!outer.asksPaths || (!isNative && !IsBelow(path, instancer))) {
         return outer.flags;
     }

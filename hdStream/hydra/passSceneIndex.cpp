@@ -51,9 +51,9 @@ Container(const std::vector<std::pair<TfToken, HdDataSourceBaseHandle>>& members
             values.push_back(value);
         }
     }
-    return names.empty() ? nullptr
-                         : HdRetainedContainerDataSource::New(names.size(), names.data(),
-                                                              values.data());
+    return names.empty()
+               ? nullptr
+               : HdRetainedContainerDataSource::New(names.size(), names.data(), values.data());
 }
 
 /// An instance-rate primvar of 0 and 1; null where none of them is `wanted`.
@@ -110,16 +110,16 @@ HdSceneIndexPrim HdStreamPassSceneIndex::GetPrim(const SdfPath& path) const {
     return prim;
 }
 
-HdContainerDataSourceHandle
-HdStreamPassSceneIndex::OfGprim(const SdfPath& path, const HdSceneIndexPrim& prim) const {
+HdContainerDataSourceHandle HdStreamPassSceneIndex::OfGprim(const SdfPath& path,
+                                                            const HdSceneIndexPrim& prim) const {
     static const HdContainerDataSourceHandle invisible =
         HdVisibilitySchema::Builder()
             .SetVisibility(HdRetainedTypedSampledDataSource<bool>::New(false))
             .Build();
     static const HdContainerDataSourceHandle no = Constant(0.0F);
     static const HdContainerDataSourceHandle yes = Constant(1.0F);
-    static const HdContainerDataSourceHandle hiddenLight =
-        Container({{kHdStreamLightSeenByCamera, HdRetainedTypedSampledDataSource<bool>::New(false)}});
+    static const HdContainerDataSourceHandle hiddenLight = Container(
+        {{kHdStreamLightSeenByCamera, HdRetainedTypedSampledDataSource<bool>::New(false)}});
     const HdStreamPassFlags flags = _pass->FlagsOf(path);
     const bool isLight = HdPrimTypeIsLight(prim.primType);
     const bool isHidden = !flags.isSeenByCamera;
@@ -158,12 +158,12 @@ HdStreamPassSceneIndex::OfInstancer(const SdfPath& path, const HdSceneIndexPrim&
                         .Build()
                   : nullptr},
         {HdPrimvarsSchema::GetSchemaToken(),
-         Container({{kSeenByCamera,
-                     ByInstance(instances, false,
-                                [](const auto& found) { return found.flags.isSeenByCamera; })},
-                    {kHoldout, ByInstance(instances, true, [](const auto& found) {
-                         return found.flags.isMatte;
-                     })}})},
+         Container(
+             {{kSeenByCamera,
+               ByInstance(instances, false,
+                          [](const auto& found) { return found.flags.isSeenByCamera; })},
+              {kHoldout, ByInstance(instances, true,
+                                    [](const auto& found) { return found.flags.isMatte; })}})},
     });
 }
 
@@ -186,7 +186,8 @@ Entries HdStreamPassSceneIndex::WithoutPruned(const Entries& entries) const {
     return kept;
 }
 
-template <typename Entries> void HdStreamPassSceneIndex::UpdatePass(const Entries& entries) {
+template <typename Entries>
+void HdStreamPassSceneIndex::UpdatePass(const Entries& entries) {
     const SdfPath path = _pass->Path();
     const bool isPossible = std::any_of(entries.begin(), entries.end(), [&path](const auto& entry) {
         return entry.primPath.IsAbsoluteRootPath() ||
@@ -213,8 +214,7 @@ void HdStreamPassSceneIndex::SendChanges(const HdStreamPassMembership& before) {
             added.push_back({path, type});
         } else if (isPruned && !wasPruned) {
             removed.push_back({path});
-        } else if (!isPruned &&
-                   (type == HdPrimTypeTokens->instancer || HdStreamIsInPasses(type))) {
+        } else if (!isPruned && (type == HdPrimTypeTokens->instancer || HdStreamIsInPasses(type))) {
             dirtied.push_back({path, LocatorsOfPasses()});
         }
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The active render pass of a scene (HdSceneGlobalsSchema), applied: what it prunes is gone, what it
-// does not render is invisible, and what the camera does not see, or what it mattes, says so by the
-// primvars of docs/geometry.md. Explained in docs/film.md.
+// The active render pass of a scene (HdSceneGlobalsSchema), applied: what it prunes is gone, what
+// it does not render is invisible, and what the camera does not see, or what it mattes, says so by
+// the primvars of docs/geometry.md. Explained in docs/film.md.
 #pragma once
 
 #include "hdStream/hydra/passMembership.h"
@@ -36,9 +36,11 @@ private:
     HdContainerDataSourceHandle OfGprim(const SdfPath& path, const HdSceneIndexPrim& prim) const;
     HdContainerDataSourceHandle OfInstancer(const SdfPath& path,
                                             const HdSceneIndexPrim& prim) const;
-    template <typename Entries> Entries WithoutPruned(const Entries& entries) const;
+    template <typename Entries>
+    Entries WithoutPruned(const Entries& entries) const;
     /// Reads the pass again where a change may be one of it.
-    template <typename Entries> void UpdatePass(const Entries& entries);
+    template <typename Entries>
+    void UpdatePass(const Entries& entries);
     /// Tells observers what another pass changes.
     void SendChanges(const HdStreamPassMembership& before);
 

@@ -369,6 +369,11 @@ struct PathTracer::Impl {
         const Buffer variances(device, "pixel variances", std::uint64_t{numPixels} * sizeof(float));
         const Buffer errors(device, "pixel errors", std::uint64_t{count} * sizeof(float));
         kernels->relativeVariance.Launch(numPixels, film.Film(), numPixels, variances);
+        if (kernels->Features().catchers) {
+            kernels->addCaughtVariance.Launch(numPixels, film.Film(), film.LightPaths(),
+                                              film.NumLightPaths() * numPixels, numPixels,
+                                              variances);
+        }
         kernels->relativeError.Launch(
             count, film.Film(), variances, static_cast<std::int32_t>(options.imageWidth),
             static_cast<std::int32_t>(options.imageHeight), pixels, count, errors);

@@ -2,6 +2,7 @@
 #include "hdStream/scene/commit.h"
 
 #include "hdStream/geometry/subdivSource.h"
+#include "hdStream/scene/drawnPaths.h"
 #include "hdStream/scene/geometryMotion.h"
 #include "hdStream/scene/hierarchy.h"
 #include "hdStream/scene/lightCommit.h"
@@ -25,9 +26,12 @@ namespace {
 
 using GeometryEntry = GeometryStore::Entry;
 
-bool IsDrawn(const GeometryPrim& prim, const std::vector<std::string>& purposes) {
+bool IsDrawn(const GeometryEntry& entry, const CommitOptions& options) {
+    const auto& [path, prim] = entry;
+    const std::vector<std::string>& purposes = options.purposes;
     return prim.geometry && prim.placement.visible &&
-           std::find(purposes.begin(), purposes.end(), prim.purpose) != purposes.end();
+           std::find(purposes.begin(), purposes.end(), prim.purpose) != purposes.end() &&
+           IsDrawnPath(path, options.drawnPaths, options.hiddenPaths);
 }
 
 /// HDS_PRIM_CULL_* of a prim.
@@ -62,7 +66,7 @@ public:
         const auto start = std::chrono::steady_clock::now();
         std::vector<const GeometryEntry*> drawn;
         for (const GeometryEntry& entry : _scene.geometry) {
-            if (IsDrawn(entry.second, _options.purposes)) {
+            if (IsDrawn(entry, _options)) {
                 drawn.push_back(&entry);
             }
         }
@@ -353,9 +357,13 @@ private:
 
     /// After the textures, whose numbers those of grids follow.
     void AddVolumes() {
-        _result->volumes = CommitVolumes(_scene, _options.purposes, _result->centre,
-                                         static_cast<std::uint32_t>(_result->textureTable.size()),
-                                         _cache.grids.get(), _warnings);
+        _result->volumes = CommitVolumes(
+            _scene, _options.purposes,
+            [this](const std::string& path) {
+                return IsDrawnPath(path, _options.drawnPaths, _options.hiddenPaths);
+            },
+            _result->centre, static_cast<std::uint32_t>(_result->textureTable.size()),
+            _cache.grids.get(), _warnings);
         _result->lines =
             std::make_unique<SceneLines>(_result->textureLines.get(), &_result->volumes.prepared);
         if (!_result->volumes.volumes.empty()) { // kernels have what volumes need

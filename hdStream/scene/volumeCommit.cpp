@@ -245,8 +245,9 @@ bool FindGrids(const VolumeShading& shading, GridFinder finder, VolumeGrids* gri
 } // namespace
 
 CommittedVolumes CommitVolumes(const SceneDescription& scene,
-                               const std::vector<std::string>& purposes, glm::dvec3 centre,
-                               std::uint32_t numTextures, GridPreparer* preparer,
+                               const std::vector<std::string>& purposes,
+                               const std::function<bool(const std::string&)>& isDrawn,
+                               glm::dvec3 centre, std::uint32_t numTextures, GridPreparer* preparer,
                                Warnings& warnings) {
     VolumeTables tables(centre, numTextures);
     std::uint32_t number = 0;
@@ -256,7 +257,7 @@ CommittedVolumes CommitVolumes(const SceneDescription& scene,
         const bool hasPurpose =
             std::find(purposes.begin(), purposes.end(), prim.purpose) != purposes.end();
         std::vector<glm::dmat4> places;
-        if (hasPurpose && prim.placement.visible) {
+        if (hasPurpose && prim.placement.visible && isDrawn(path)) {
             ForEachPlacement(scene, prim.placement,
                              [&](const glm::dmat4& place) { places.push_back(place); });
         }

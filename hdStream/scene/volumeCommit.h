@@ -8,6 +8,7 @@
 #include "hdStream/volume/gridPreparer.h"
 #include "kernels/shared/volume.h"
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -23,10 +24,11 @@ struct CommittedVolumes {
 };
 
 /// \param centre of the scene. \param numTextures that come before the grids. Volumes that cannot
-/// be drawn warn and are left out.
+/// be drawn warn and are left out. \param isDrawn of a path
 CommittedVolumes CommitVolumes(const SceneDescription& scene,
-                               const std::vector<std::string>& purposes, glm::dvec3 centre,
-                               std::uint32_t numTextures, GridPreparer* preparer,
+                               const std::vector<std::string>& purposes,
+                               const std::function<bool(const std::string&)>& isDrawn,
+                               glm::dvec3 centre, std::uint32_t numTextures, GridPreparer* preparer,
                                Warnings& warnings);
 
 } // namespace hds

@@ -7,6 +7,7 @@
 #include "hdStream/base/version.h"
 #include "hdStream/device/device.h"
 #include "hdStream/device/kernelSource.h"
+#include "hdStream/film/aovSources.h"
 #include "hdStream/film/compare.h"
 #include "hdStream/film/denoiser.h"
 #include "hdStream/film/filmSums.h"

@@ -156,6 +156,9 @@ def _AddFarmOptions(group):
     group.add_argument("--resume", action="store_true",
                        help="leave frames that are there already, go on with those that have fewer samples, and keep "
                             "what that takes beside the images (OUT.sums)")
+    group.add_argument("--snapshot", type=options.NotNegative, default=0.0, metavar="SECONDS",
+                       help="every so many seconds write the picture as it is beside its file (OUT_part), and with --resume "
+                            "what a later run goes on from")
     cluster = group.add_mutually_exclusive_group()
     cluster.add_argument("--scheduler", metavar="ADDRESS", help="render on the workers of this dask.distributed scheduler")
     cluster.add_argument("--workers", type=options.IntegerIn(1, 1024), metavar="N",

@@ -28,6 +28,8 @@ def CheckArguments(args):
     for option in ("split", "parts"):
         if getattr(args, option) and not (args.scheduler or args.workers):
             raise UsageError(f"--{option}: needs --scheduler or --workers")
+    if args.snapshot and (args.scheduler or args.workers):
+        raise UsageError("--snapshot: not with --scheduler or --workers")
     if args.output is None and args.aovs:
         raise UsageError("--aovs: files of render products hold the render vars of their product; say OUT to choose others")
     if args.output is not None and "#" not in args.output:
@@ -42,7 +44,8 @@ def JobOf(args):
     """The options as values that any process can work on."""
     values = {info.name: getattr(args, info.name, None) for info in _core.SettingTable()}
     return Job(args.stage, tuple(args.mask or ()), {name: value for name, value in values.items() if value is not None},
-               args.renderSettingsPrimPath, args.renderPassPrimPath, args.colorCorrectionMode, args.resume)
+               args.renderSettingsPrimPath, args.renderPassPrimPath, args.colorCorrectionMode, args.resume,
+               args.snapshot)
 
 
 def FramesOf(args, stage, warn):

@@ -15,11 +15,6 @@ from hdstream.diagnostics import MessagesOf, TfError
 from hdstream.errors import OneLine, UsageError
 
 NAMESPACE = "hdstream:"
-# Names of usual sources of render vars for our AOVs; an AOV's own name always works.
-_AOV_ALIASES = {
-    "Ci": "color", "rgba": "color", "RGBA": "color", "beauty": "color", "a": "alpha", "z": "depth",
-    "N": "normal", "Nn": "normal", "P": "position", "id": "primId", "st": "primvars:st", "uv": "primvars:st",
-}
 
 
 class RenderSettings:
@@ -148,8 +143,8 @@ def AovOfVar(var, path, session):
     kind = var.GetAttribute("sourceType").Get() if source else "raw"
     if kind == "lpe":
         return _LightPathOf(source, path)
-    name = source if source and _core.HasAov(source) else _AOV_ALIASES.get(source)
-    if kind not in ("raw", "primvar"):
+    name = _core.AovOfSource(source or "") or None
+    if kind not in ("raw", "intrinsic", "primvar"):
         session.Warn(str(path), f"render var of the type {kind!r}, which is not supported; left out")
         return None
     if name is None:

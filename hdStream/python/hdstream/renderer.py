@@ -192,7 +192,24 @@ class Renderer:
         hdstream.UsageError
             Also for sums of another size or order, and for sums together with the setting `noise`.
         """
-        isComplete = self._RenderFilm(onProgress, start)
+        return self._Image(self._RenderFilm(onProgress, start))
+
+    def ImageSoFar(self) -> "Image":
+        """The picture as it is. May be called inside of `onProgress`, on its thread, once `previewStride` is 1.
+
+        Returns
+        -------
+        Image
+            With `isComplete` False. Its statistics are those so far.
+
+        Raises
+        ------
+        hdstream.Error
+            Nothing has been rendered yet.
+        """
+        return self._Image(False)
+
+    def _Image(self, isComplete):
         hasImage = self._session.HasImage()
         samples = json.loads(self._session.Statistics())["image"]["samples"] if hasImage else 0
         layers = self._session.Layers() if samples > 0 else []
