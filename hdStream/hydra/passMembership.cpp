@@ -128,6 +128,10 @@ bool HdStreamPassMembership::IsPruned(const SdfPath& path) const {
     if (IsInPrunedTree(path)) {
         return true;
     }
+    const SdfPath instancer = HdStreamInstancerOf(_scene->GetPrim(path).dataSource);
+    if (!instancer.IsEmpty() && IsPruned(instancer)) {
+        return true;
+    }
     const SdfPathVector usdPaths = HdStreamUsdPaths(_scene, path);
     return std::all_of(usdPaths.begin(), usdPaths.end(),
                        [this](const SdfPath& usdPath) { return IsInPrunedTree(usdPath); });

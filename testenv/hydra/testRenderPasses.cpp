@@ -66,7 +66,11 @@ def PointInstancer "Many" {
     point3f[] positions = [(1.4, 0.4, 0), (1.4, -0.2, 0)]
     def Xform "P" { def Cube "Box" { double size = 0.3 } }
 }
-def Scope "Elsewhere" { def Cube "Q" { double size = 0.25 } }
+def Xform "Elsewhere" { # behind the camera; as a prototype Q is where its instancer has it
+    double3 xformOp:translate = (0, 0, 50)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+    def Cube "Q" { double size = 0.25 }
+}
 )";
 
 /// A pass: the body of a UsdRenderPass with the collections that 25.02 does not apply by itself.
@@ -203,9 +207,13 @@ TEST_F(RenderPasses, WhatIsNotRenderedIsInvisible) {
 }
 
 TEST_F(RenderPasses, TheCameraSeesWhatIsLeft) {
-    EXPECT_EQ(
-        PixelsOfPass("rel collection:cameraVisibility:excludes = [</World/A>, </I2>, </Many>]"),
-        WithPrimvars("hdstream:visibility:camera", 0.0F, {"/World/A", "/I2", "/Many"}));
+    const char* const primvar = "hdstream:visibility:camera";
+    EXPECT_EQ(PixelsOfPass("rel collection:cameraVisibility:excludes = </World/A>"),
+              WithPrimvars(primvar, 0.0F, {"/World/A"}));
+    EXPECT_EQ(PixelsOfPass("rel collection:cameraVisibility:excludes = </I2>"),
+              WithPrimvars(primvar, 0.0F, {"/I2"}));
+    EXPECT_EQ(PixelsOfPass("rel collection:cameraVisibility:excludes = [</World/B>, </Many>]"),
+              WithPrimvars(primvar, 0.0F, {"/World/B", "/Many/P/Box", "/Elsewhere/Q"}));
     const std::vector<float> whole = PixelsOf([](UsdStage&) {});
     const std::vector<float> hidden =
         PixelsOfPass("rel collection:cameraVisibility:excludes = </World/Lamp>");
@@ -214,27 +222,24 @@ TEST_F(RenderPasses, TheCameraSeesWhatIsLeft) {
 }
 
 TEST_F(RenderPasses, MattesAreHeldOut) {
-    EXPECT_EQ(PixelsOfPass("rel collection:matte:includes = [</World/B>, </I1>, </I3>, </Many>]"),
-              WithPrimvars("hdstream:holdout", 1.0F, {"/World/B", "/I1", "/I3", "/Many"}));
+    const char* const primvar = "hdstream:holdout";
+    EXPECT_EQ(PixelsOfPass("rel collection:matte:includes = [</World/B>, </Many>]"),
+              WithPrimvars(primvar, 1.0F, {"/World/B", "/Many/P/Box", "/Elsewhere/Q"}));
+    EXPECT_EQ(PixelsOfPass("rel collection:matte:includes = [</I1>, </I3>]"),
+              WithPrimvars(primvar, 1.0F, {"/I1", "/I3"}));
     // What is the same in all instances may be said of a prim inside.
     EXPECT_EQ(PixelsOfPass("pathExpression collection:matte:membershipExpression = \"//Head\""),
-              PixelsOf([](UsdStage& stage) {
-                  stage.GetPrimAtPath(SdfPath("/Shape/Head"))
-                      .CreateAttribute(TfToken("primvars:hdstream:holdout"),
-                                       SdfValueTypeNames->Float)
-                      .Set(1.0F);
-              }));
+              WithPrimvars(primvar, 1.0F, {"/Shape/Head"}));
+    // What is not does not count.
+    EXPECT_EQ(PixelsOfPass("rel collection:matte:includes = </I2/Head>"),
+              PixelsOf([](UsdStage&) {}));
 }
 
 TEST_F(RenderPasses, PrototypesElsewhereHaveTheMembershipOfTheirInstancer) {
-    EXPECT_EQ(PixelsOfPass("rel collection:matte:includes = </Elsewhere/Q>"),
-              PixelsOf([](UsdStage&) {})); // is drawn as a prototype only, in Hydra
-    EXPECT_EQ(
-        PixelsOfPass("rel collection:matte:includes = </Many/P>"), PixelsOf([](UsdStage& stage) {
-            stage.GetPrimAtPath(SdfPath("/Many/P/Box"))
-                .CreateAttribute(TfToken("primvars:hdstream:holdout"), SdfValueTypeNames->Float)
-                .Set(1.0F);
-        }));
+    const std::vector<float> plain = PixelsOf([](UsdStage&) {});
+    EXPECT_EQ(PixelsOfPass("rel collection:matte:includes = </Elsewhere/Q>"), plain);
+    EXPECT_EQ(PixelsOfPass("rel collection:matte:includes = </Many/P>"),
+              WithPrimvars("hdstream:holdout", 1.0F, {"/Many/P/Box"}));
 }
 
 TEST_F(RenderPasses, HostsChooseAndStagesChange) {
