@@ -24,8 +24,8 @@ PXR_NAMESPACE_OPEN_SCOPE
 
 namespace {
 
-const TfToken kSeenByCamera("hdstream:visibility:camera");
-const TfToken kHoldout("hdstream:holdout");
+const TfToken kSeenByCamera("hdstream:pass:camera");
+const TfToken kHoldout("hdstream:pass:matte");
 
 HdContainerDataSourceHandle Primvar(const HdSampledDataSourceHandle& value,
                                     const TfToken& interpolation) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/python/bindFields.h"
 #include "hdStream/python/bindings.h"
+#include "hdStream/scene/rayVisibility.h"
 
 #include <map>
 #include <memory>
@@ -64,6 +65,8 @@ void BindGeometry(nb::module_& module) {
     module.attr("KARMA_VISIBILITY") = kKarmaVisibility;
     module.def("KarmaVisibilityNumber", &KarmaVisibilityNumber, "expression"_a,
                "The number that the primvar of that name has for an expression.");
+    module.def("SaysRayVisibility", &SaysRayVisibility, "primvar"_a,
+               "Whether a primvar says which rays see a prim, by its name.");
     module.def("IsReadByPrim", &IsReadByPrim, "primvar"_a,
                "Whether a primvar of that name says something of a whole prim, so that instances "
                "that differ in it need prims of their own.");

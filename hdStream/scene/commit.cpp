@@ -234,14 +234,7 @@ private:
         LeafObject leaf;
         leaf.object = _objectOfDrawn[index];
         leaf.prim = index;
-        bool isUnreadable = false;
-        const std::uint32_t seenBy = RayVisibilityFlags(prim.geometry->primvars, &isUnreadable);
-        if (isUnreadable) {
-            _warnings.Add(path, std::string(kKarmaVisibility) + " cannot be read; it is ignored");
-        }
-        _result->hasRayVisibility = _result->hasRayVisibility || seenBy != HDS_INSTANCE_SEEN;
-        _result->hasCatchers = _result->hasCatchers || (seenBy & HDS_INSTANCE_CATCHER) != 0;
-        leaf.flags = seenBy | (mayPass ? HDS_INSTANCE_CUTOUT : 0U) |
+        leaf.flags = (mayPass ? HDS_INSTANCE_CUTOUT : 0U) |
                      (info.isHair ? HDS_INSTANCE_FIBRE : 0U) |
                      (info.hasMedium ? HDS_INSTANCE_MEDIUM : 0U);
         leaf.origin = prepared.origin;
@@ -255,9 +248,31 @@ private:
             const shared::HdsObject& object = _result->objects[leaf.object];
             _result->pages->Keep(object.itemBase, object.numItems); // light paths end there
         }
-        _leaves.push_back({&entry, leaf});
+        AddLeaves(entry, leaf);
         _result->hasCutouts = _result->hasCutouts || mayPass;
         CountPrim(*prim.geometry, prepared.numTriangles);
+    }
+
+    /// A leaf, or one for each way in which rays see instances of the prim.
+    void AddLeaves(const GeometryEntry& entry, const LeafObject& leaf) {
+        bool isUnreadable = false;
+        std::vector<InstancesSeen> seen =
+            RayVisibilityByInstance(_scene, entry.second, &isUnreadable);
+        if (seen.empty()) {
+            seen.push_back(
+                {RayVisibilityFlags(entry.second.geometry->primvars, &isUnreadable), {}});
+        }
+        if (isUnreadable) {
+            _warnings.Add(entry.first,
+                          std::string(kKarmaVisibility) + " cannot be read; it is ignored");
+        }
+        for (InstancesSeen& part : seen) {
+            const std::uint32_t flags = part.flags;
+            _result->hasRayVisibility = _result->hasRayVisibility || flags != HDS_INSTANCE_SEEN;
+            _result->hasCatchers = _result->hasCatchers || (flags & HDS_INSTANCE_CATCHER) != 0;
+            _leaves.push_back({&entry, leaf, std::move(part.instances)});
+            _leaves.back().object.flags |= flags;
+        }
     }
 
     void CountPrim(const GeometryDescription& geometry, std::uint64_t numPrimitives) {

@@ -47,7 +47,7 @@ def PointInstancer "Many" {
 }
 def Scope "Elsewhere" { def Cube "Q" {} }
 """
-_CAMERA, _HOLDOUT = "hdstream:visibility:camera", "hdstream:holdout"
+_CAMERA, _HOLDOUT = "hdstream:pass:camera", "hdstream:pass:matte"
 
 
 def _Stage():
@@ -180,8 +180,10 @@ def _FlagsByPlace(session):
         instancer = scene.instancers.get(prim.placement.instancerPath)
         if instancer is None or not path.endswith(("Body", "Head")):
             continue
-        primvars = {primvar.name: float(primvar.values[0]) for primvar in prim.geometry.primvars}
+        rows = {primvar.name: primvar.values.reshape(-1) for primvar in instancer.primvars}
+        own = {primvar.name: float(primvar.values[0]) for primvar in prim.geometry.primvars}
         for index in prim.placement.instances:
+            primvars = {**{name: float(values[index]) for name, values in rows.items()}, **own}
             place = round(float(instancer.instanceTransforms.reshape(-1, 4, 4)[index, 3, 0]))
             found[place, path[-4:]] = (prim.placement.visible, primvars.get(_CAMERA, 1.0) != 0.0, primvars.get(_HOLDOUT) == 1.0)
     return found
@@ -260,3 +262,16 @@ def test_edits_of_a_pass_and_of_what_is_in_it(tmp_path):
     AssertFresh("")
     UsdLux.SphereLight(stage.GetPrimAtPath("/World/Lamp")).GetIntensityAttr().Set(3.0)
     AssertFresh()
+
+
+@pytest.mark.parametrize("collections", [dict(matte=(["/I2"], [])), dict(cameraVisibility=(None, ["/I1"]), matte=(["/I1", "/I3"], []))])
+def test_instances_that_differ_as_wholes_share_their_geometry(collections):
+    """By primvars of their instancer; not where something inside a prototype is an instance again."""
+    stage = _Stage()
+    scene = _Session(stage, _Pass(stage, **collections)).Scene()
+    assert [path for path in scene.instancers if path.startswith("/I")] == ["/I1"]
+    assert sorted(path for path in scene.geometry if path.startswith("/I")) == ["/I1/Body", "/I1/Head"]
+    nested = StageOf(BODY.replace('def Xform "Shape" {', 'def Xform "Shape" { def Xform "In" (instanceable = true; '
+                                  'references = </World/Left>) {} '))
+    scene = _Session(nested, _Pass(nested, **collections)).Scene()
+    assert [path for path in scene.instancers if path in ("/I1", "/I2")] == ["/I1", "/I2"]

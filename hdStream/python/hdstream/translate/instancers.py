@@ -32,6 +32,7 @@ class Instancers:
         self._pass = passCollections  # None: there is no pass
         self._reports = reports
         self._levels = InstanceLevels(translator, session)
+        self._isFlat = {}  # path of a prototype -> bool
         self._differentBelow = {}  # path of a first instance -> names of primvars that its group has by instance
 
     def Split(self, path, prim, geometryPrim):
@@ -44,11 +45,26 @@ class Instancers:
         passKey = self._pass.KeyBelow(prim, context) if self._pass else ()
         if passKey is None:
             return
-        key = (prim.GetPrototype().GetPath(), InheritedKey(state, boundPaths), passKey)
+        isFlat = self._IsFlat(prim.GetPrototype()) and not state.drawMode
+        passByInstance = frozenset()
+        if self._pass and isFlat:
+            state, passKey, passByInstance = self._pass.ByInstance(state, passKey, context)
+        key = (prim.GetPrototype().GetPath(), InheritedKey(state, boundPaths, isFlat), passKey)
         group = context.instanceGroups.get(key)
         if group is None:
             group = context.instanceGroups[key] = InstanceGroup(prim, state)
+            group.passByInstance = passByInstance
         group.Add(prim, state)
+
+    def _IsFlat(self, prototype):
+        """Whether a prototype has neither instances nor draw modes inside: what differs between its instances, the core has
+        for the innermost of them alone."""
+        path = prototype.GetPath()
+        if path not in self._isFlat:
+            self._isFlat[path] = not any(
+                child.IsInstance() or child.IsA(UsdGeom.PointInstancer) or child.HasAPI(UsdGeom.ModelAPI)
+                for child in Usd.PrimRange(prototype))
+        return self._isFlat[path]
 
     @staticmethod
     def _BoundPathsBelow(prim):
@@ -68,7 +84,7 @@ class Instancers:
     def _AddPart(self, group, context):
         """Makes the instancer of native instances and translates what it places."""
         path = self._translator.ReservePath(group.firstPrim, context)
-        inner = Context(path, group.VisibleIndices(), context.chain, context.passOfInstancer)
+        inner = Context(path, group.VisibleIndices(), context.chain, context.passOfInstancer, group.passByInstance)
         rowsByName = group.DifferentPrimvars()
         self._levels.Add(path, InstanceLevel(context.instancerPath, context.instances, rowsByName))
         if rowsByName:
@@ -77,6 +93,8 @@ class Instancers:
         state.purpose = group.state.purpose
         state.isPurposeAuthored = group.state.isPurposeAuthored
         state.primvars = {name: entry for name, entry in group.FirstPrimvars().items() if name not in rowsByName}
+        if group.passByInstance:
+            state.primvars = self._pass.DropUsual(state.primvars, group.passByInstance)
         state.bindings = group.state.bindings
         state.hasCollections = group.state.hasCollections
         self._translator.Walk(group.firstPrim.GetFilteredChildren(inner.predicate), state, inner)

@@ -15,9 +15,11 @@ from pxr import Sdf, Usd
 
 from hdstream import _core
 from hdstream.translate.primState import PREDICATE
+from hdstream.translate.primvars import InheritedPrimvar
 
-_SEEN_BY_CAMERA = "hdstream:visibility:camera"
-_HOLDOUT = "hdstream:holdout"
+# Names of the core's own: what a pass takes away, whatever other primvars say.
+_SEEN_BY_CAMERA = "hdstream:pass:camera"
+_MATTE = "hdstream:pass:matte"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -39,15 +41,19 @@ class Membership:
         if not self.isSeenByCamera:
             values[_SEEN_BY_CAMERA] = 0.0
         if self.isMatte:
-            values[_HOLDOUT] = 1.0
+            values[_MATTE] = 1.0
         if values:
             geometry = geometryPrim.geometry
+            # Geometry that is kept from before has them already.
             geometry.primvars = [primvar for primvar in geometry.primvars if primvar.name not in values] + [
-                _core.Primvar(name, _core.Interpolation.Constant, np.array([value], np.float32))
-                for name, value in sorted(values.items())]
+                _Primvar(name, value) for name, value in sorted(values.items())]
 
 
 _NOTHING_DONE = Membership()
+
+
+def _Primvar(name, value):
+    return _core.Primvar(name, _core.Interpolation.Constant, np.array([value], np.float32))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -88,12 +94,10 @@ def _MembersOf(prim, name, isAllUsual):
             text.startswith(f"collection:{name}:") for text in prim.GetAuthoredPropertyNames()):
         return None
     query = api.ComputeMembershipQuery()
-    isAll = query.IsPathIncluded(Sdf.Path.absoluteRootPath) and not query.HasExcludes()
     if query.UsesPathExpansionRuleMap():
         rules = query.GetAsPathExpansionRuleMap()
-        if isAllUsual and isAll and rules.get(Sdf.Path.absoluteRootPath) == Usd.Tokens.expandPrims:
-            return None
-        if not isAllUsual and not rules:
+        usual = {Sdf.Path.absoluteRootPath: Usd.Tokens.expandPrims} if isAllUsual else {}
+        if dict(rules) == usual:
             return None
     return _Members(query)
 
@@ -120,6 +124,10 @@ class PassCollections:
 
     def Of(self, prim, context):
         """What happens to a prim, in a Context of a traversal."""
+        if context.passByInstance:
+            own = self._Own(prim.GetPath())
+            return Membership(own.isRendered, own.isSeenByCamera or _SEEN_BY_CAMERA in context.passByInstance,
+                              own.isMatte and _MATTE not in context.passByInstance)
         outer = context.passOfInstancer
         if outer is None:
             return self._Own(prim.GetPath())
@@ -143,3 +151,25 @@ class PassCollections:
             self._rendered, self._seen, self._matte, self._pruned))
         isHidden = self._rendered is not None and not (any(key[0]) if isinstance(key[0], tuple) else key[0])
         return None if isHidden else key
+
+    def ByInstance(self, state, key, context):
+        """What a key says of an instance as a whole becomes primvars that it inherits, so that instances which differ in it
+        share an instancer and their geometry. Returns (state, key, names of these primvars)."""
+        if len(key) != 4 or context.passOfInstancer is not None:
+            return state, key, frozenset()
+        key, values = list(key), {}
+        for place, name in ((1, _SEEN_BY_CAMERA), (2, _MATTE)):
+            if isinstance(key[place], bool):
+                values[name] = float(key[place])
+                key[place] = ()
+        if values:
+            state = state.Copy()
+            state.primvars = {**state.primvars, **{
+                name: InheritedPrimvar(_Primvar(name, value), (name, value)) for name, value in values.items()}}
+        return state, tuple(key), frozenset(values)
+
+    @staticmethod
+    def DropUsual(primvars, names):
+        """Without those of `names` that all instances have and that take nothing away."""
+        usual = {_SEEN_BY_CAMERA: 1.0, _MATTE: 0.0}
+        return {name: entry for name, entry in primvars.items() if name not in names or entry.key[1] != usual[name]}

@@ -63,7 +63,7 @@ class State:
 class Context:
     """A space that prims are placed in: the world, or the prototypes of one instancer."""
 
-    def __init__(self, instancerPath="", instances=None, chain=(), passOfInstancer=None):
+    def __init__(self, instancerPath="", instances=None, chain=(), passOfInstancer=None, passByInstance=frozenset()):
         self.instancerPath = instancerPath  # scene path of the instancer; empty: the world
         self.instances = instances          # int32: those of its instances that place what is here
         self.isPlacing = False              # some prim is placed here
@@ -72,6 +72,7 @@ class Context:
         self.contextsByDrawMode = {}        # draw mode -> Context: collects the instances that inherit it
         self.chain = chain                  # USD paths of the point instancers around
         self.passOfInstancer = passOfInstancer  # OfInstancer of the point instancer around; None: there is none, or no pass
+        self.passByInstance = passByInstance    # names of primvars by which the pass tells the native instances around apart
         # Below an `over` nothing is defined; the prototypes of point instancers may be there.
         self.predicate = PROTOTYPE_PREDICATE if chain else PREDICATE
 
@@ -81,7 +82,7 @@ class Context:
             return self
         found = self.contextsByDrawMode.get(drawMode)
         if found is None:
-            found = Context(self.instancerPath, self.instances, self.chain, self.passOfInstancer)
+            found = Context(self.instancerPath, self.instances, self.chain, self.passOfInstancer, self.passByInstance)
             self.contextsByDrawMode[drawMode] = found
         return found
 
