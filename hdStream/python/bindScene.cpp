@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/python/bindFields.h"
 #include "hdStream/python/bindings.h"
-#include "hdStream/scene/rayVisibility.h"
 
 #include <map>
 #include <memory>

@@ -14,6 +14,7 @@
 #include "hdStream/film/imageWriter.h"
 #include "hdStream/geometry/implicitMesh.h"
 #include "hdStream/integrator/renderOptions.h"
+#include "hdStream/scene/rayVisibility.h"
 #include "hdStream/scene/sceneDescription.h"
 #include "hdStream/session/settings.h"
 #include "hdStream/shading/shaderNodes.h"

@@ -144,3 +144,19 @@ def test_expressions_say_the_same(tmp_path):
 def test_a_pass_has_the_same_bits_at_any_wave_and_pool(tmp_path, settings):
     collections = dict(matte=(_A,), cameraVisibility=(_COPY,), prune=("/World/Copy0",))
     _AssertSameBits(_Layers(tmp_path, settings=settings, **collections), _Layers(tmp_path, **collections))
+
+
+def test_passes_take_away_whatever_prims_say(tmp_path):
+    """A prim that says that the camera sees it is hidden by the pass; one that says it does not stays hidden."""
+    def Say(**values):
+        def Edit(stage):
+            for name, value in values.items():
+                UsdGeom.PrimvarsAPI(stage.GetPrimAtPath(f"/World/{name}")).CreatePrimvar(
+                    "hdstream:visibility:camera", Sdf.ValueTypeNames.Bool, "constant").Set(value)
+
+        return Edit
+
+    both = _Layers(tmp_path, cameraVisibility=(_A, _B))
+    _AssertSameBits(_Layers(tmp_path, edit=Say(A=True, B=False), cameraVisibility=(_A,)), both)
+    instances = _Layers(tmp_path, cameraVisibility=("/World/Copy0", _COPY))
+    _AssertSameBits(_Layers(tmp_path, edit=Say(Copy0=True, Copy1=True, Copy2=False), cameraVisibility=("/World/Copy0",)), instances)

@@ -241,8 +241,8 @@ def test_volumes_warn():
 def test_edits_of_a_pass_and_of_what_is_in_it(tmp_path):
     """An edited session has the scene of a fresh one."""
     from hdstream.translate.stageEdits import StageTranslation
-    stage = _Stage()
-    prim = _Pass(stage, prune=(["/World/Left"], []), matte=(["/World/Right/C"], []))
+    stage = StageOf(BODY.split('def Xform "Shape"')[0])  # without instances, so that edits translate what they touch
+    prim = _Pass(stage, prune="/World/Left", matte=(["/World/Right/C"], []))
     session = _core.Session()
     translation = StageTranslation(stage, session, lambda: None)
 
@@ -257,7 +257,7 @@ def test_edits_of_a_pass_and_of_what_is_in_it(tmp_path):
     AssertFresh()
     UsdGeom.Imageable(stage.GetPrimAtPath("/World/Right")).MakeInvisible()
     AssertFresh()
-    Usd.CollectionAPI(prim, "prune").GetIncludesRel().SetTargets(["/World/Lamp"])
+    Usd.CollectionAPI(prim, "prune").GetMembershipExpressionAttr().Set(Sdf.PathExpression("/World/Lamp"))
     AssertFresh()
     AssertFresh("")
     UsdLux.SphereLight(stage.GetPrimAtPath("/World/Lamp")).GetIntensityAttr().Set(3.0)
