@@ -62,11 +62,13 @@ std::string HdStreamAovName(const HdRenderPassAovBinding& binding) {
     const std::string own = HdStreamAovName(binding.aovName);
     const std::string source = TextOf(binding.aovSettings, "sourceName");
     const std::string type = TextOf(binding.aovSettings, "sourceType");
+    // What is neither ("raw", "intrinsic") is known by its name.
     if (!source.empty() && (type == "lpe" || type == "primvar")) {
         const std::string prefix = type == "lpe" ? hds::kLightPathPrefix : hds::kPrimvarAovPrefix;
         return BeginsWith(source, prefix) ? source : prefix + source;
     }
-    return hds::HasAov(own) || !hds::HasAov(source) ? own : source;
+    const std::string known = hds::AovOfSource(source);
+    return hds::HasAov(own) || known.empty() ? own : known;
 }
 
 std::string HdStreamAovName(const TfToken& name) {

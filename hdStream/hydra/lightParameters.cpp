@@ -125,6 +125,8 @@ bool IsPartial(HdSceneDelegate* delegate, const SdfPath& id, const TfToken& coll
 
 } // namespace
 
+const TfToken kHdStreamLightSeenByCamera("hdstream:visibility:camera");
+
 VtValue HdStreamGetLightParameter(HdSceneDelegate* delegate, const SdfPath& id,
                                   const TfToken& name) {
     VtValue value = delegate->GetLightParamValue(id, name);
@@ -166,7 +168,8 @@ hds::LightDescription HdStreamReadLight(HdSceneDelegate* delegate, const SdfPath
         light.intensity = kDistantIntensity;
     }
     ReadFields(reader, "", &light);
-    light.visibleToCamera = true; // is decided by others, not by an input
+    light.visibleToCamera = true; // no input of the light says it, but a render pass may
+    reader.Read(kHdStreamLightSeenByCamera, &light.visibleToCamera);
     light.group = ReadGroup(reader);
     ReadTexture(reader, &light);
     light.shaping = ReadShaping(reader);

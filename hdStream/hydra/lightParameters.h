@@ -20,6 +20,9 @@ PXR_NAMESPACE_OPEN_SCOPE
 VtValue HdStreamGetLightParameter(HdSceneDelegate* delegate, const SdfPath& id,
                                   const TfToken& name);
 
+/// The parameter, a bool, by which a render pass hides a light from the camera.
+extern const TfToken kHdStreamLightSeenByCamera;
+
 /// The core's type of a light prim; none for types it does not render. "simpleLight" is the
 /// application's camera light, which has the values of a distant light.
 std::optional<hds::LightType> HdStreamFindLightType(const TfToken& typeId);

@@ -12,6 +12,7 @@
 
 #include <pxr/base/gf/camera.h>
 #include <pxr/base/tf/diagnostic.h>
+#include <pxr/imaging/hd/rprimCollection.h>
 #include <pxr/imaging/hd/tokens.h>
 
 #include <algorithm>
@@ -55,6 +56,19 @@ std::vector<std::string> PurposesFrom(const TfTokenVector& renderTags) {
         }
     }
     std::sort(result.begin() + static_cast<std::ptrdiff_t>(numKnown), result.end());
+    return result;
+}
+
+/// Paths of a collection, in one order; none where the root is among them.
+std::vector<std::string> PathsFrom(const SdfPathVector& paths) {
+    std::vector<std::string> result;
+    for (const SdfPath& path : paths) {
+        if (path.IsAbsoluteRootPath()) {
+            return {};
+        }
+        result.push_back(path.GetString());
+    }
+    std::sort(result.begin(), result.end());
     return result;
 }
 
@@ -155,6 +169,8 @@ hds::Settings HdStreamRenderPass::MakeSettings(const HdRenderPassState& state,
     settings.conformPolicy = HdStreamConformPolicy(state.GetWindowPolicy());
     settings.camera = CameraPath(state, &settings);
     settings.purposes = PurposesFrom(renderTags);
+    settings.drawnPaths = PathsFrom(GetRprimCollection().GetRootPaths());
+    settings.hiddenPaths = PathsFrom(GetRprimCollection().GetExcludePaths());
     settings.cullStyle = CullStyleName(state.GetCullStyle());
     settings.aovs = _delegate->UnionOfAovs(this, AovsFrom(state.GetAovBindings()));
     return settings;

@@ -17,7 +17,7 @@ PXR_NAMESPACE_OPEN_SCOPE
 
 class HdStreamRenderDelegate;
 
-/// A pass over the whole scene. Application's thread only.
+/// A pass over what its collection holds. Application's thread only.
 class HdStreamRenderPass final : public HdRenderPass {
 public:
     HdStreamRenderPass(HdRenderIndex* index, const HdRprimCollection& collection,

@@ -2,6 +2,7 @@
 #include "hdStream/hydra/sceneIndexPlugins.h"
 
 #include "hdStream/hydra/editSceneIndex.h"
+#include "hdStream/hydra/passSceneIndex.h"
 #include "hdStream/hydra/rendererPlugin.h"
 #include "hdStream/hydra/shutterSceneIndex.h"
 
@@ -108,8 +109,8 @@ HdStreamSceneIndexPlugin::HdStreamSceneIndexPlugin() = default;
 HdSceneIndexBaseRefPtr
 HdStreamSceneIndexPlugin::_AppendSceneIndex(const HdSceneIndexBaseRefPtr& inputScene,
                                             const HdContainerDataSourceHandle&) {
-    HdSceneIndexBaseRefPtr scene =
-        HdsiRenderSettingsFilteringSceneIndex::New(inputScene, RenderSettingsArguments());
+    HdSceneIndexBaseRefPtr scene = HdStreamPassSceneIndex::New(inputScene);
+    scene = HdsiRenderSettingsFilteringSceneIndex::New(scene, RenderSettingsArguments());
     scene = HdsiImplicitSurfaceSceneIndex::New(scene, ImplicitSurfaceArguments());
     scene = HdsiNurbsApproximatingSceneIndex::New(scene);
     scene = HdsiTetMeshConversionSceneIndex::New(scene);

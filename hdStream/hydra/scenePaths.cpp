@@ -5,7 +5,6 @@
 #include <pxr/imaging/hd/instancerTopologySchema.h>
 #include <pxr/imaging/hd/primOriginSchema.h>
 #include <pxr/imaging/hd/renderIndex.h>
-#include <pxr/imaging/hd/sceneIndex.h>
 
 #include <algorithm>
 #include <numeric>
@@ -24,20 +23,10 @@ SdfPath OriginOf(const HdSceneIndexPrim& prim) {
     return schema ? schema.GetOriginPath(HdPrimOriginSchemaTokens->scenePath) : SdfPath();
 }
 
-/// The instancer of a prim; empty: none.
-SdfPath InstancerOf(const HdSceneIndexPrim& prim) {
-    const HdInstancedBySchema schema = HdInstancedBySchema::GetFromParent(prim.dataSource);
-    const HdPathArrayDataSourceHandle source = schema ? schema.GetPaths() : nullptr;
-    const VtArray<SdfPath> paths = source ? source->GetTypedValue(0.0F) : VtArray<SdfPath>();
-    return paths.empty() ? SdfPath() : paths.front();
-}
-
 /// Where the first native instance of an instancer is; empty for point instancers.
 SdfPath FirstLocationOf(const HdSceneIndexBaseRefPtr& scene, const SdfPath& instancer) {
-    HdInstancerTopologySchema topology =
-        HdInstancerTopologySchema::GetFromParent(scene->GetPrim(instancer).dataSource);
-    const HdPathArrayDataSourceHandle source = topology ? topology.GetInstanceLocations() : nullptr;
-    const VtArray<SdfPath> locations = source ? source->GetTypedValue(0.0F) : VtArray<SdfPath>();
+    const VtArray<SdfPath> locations =
+        HdStreamInstanceLocations(scene->GetPrim(instancer).dataSource);
     return locations.empty() ? SdfPath() : locations.front();
 }
 
@@ -45,7 +34,7 @@ SdfPath FirstLocationOf(const HdSceneIndexBaseRefPtr& scene, const SdfPath& inst
 /// level; empty when it is not known.
 SdfPath ThroughInstances(const HdSceneIndexBaseRefPtr& scene, SdfPath path, SdfPath origin) {
     while (!origin.IsEmpty() && !origin.IsAbsolutePath()) {
-        const SdfPath instancer = InstancerOf(scene->GetPrim(path));
+        const SdfPath instancer = HdStreamInstancerOf(scene->GetPrim(path).dataSource);
         if (instancer.IsEmpty()) {
             return {};
         }
@@ -99,6 +88,51 @@ SdfPath PathBelow(HdSceneDelegate* legacy, const SdfPath& id, const SdfPath& ins
 }
 
 } // namespace
+
+SdfPath HdStreamInstancerOf(const HdContainerDataSourceHandle& prim) {
+    const HdInstancedBySchema schema = HdInstancedBySchema::GetFromParent(prim);
+    const HdPathArrayDataSourceHandle source = schema ? schema.GetPaths() : nullptr;
+    const VtArray<SdfPath> paths = source ? source->GetTypedValue(0.0F) : VtArray<SdfPath>();
+    return paths.empty() ? SdfPath() : paths.front();
+}
+
+VtArray<SdfPath> HdStreamInstanceLocations(const HdContainerDataSourceHandle& instancer) {
+    HdInstancerTopologySchema topology = HdInstancerTopologySchema::GetFromParent(instancer);
+    const HdPathArrayDataSourceHandle source = topology ? topology.GetInstanceLocations() : nullptr;
+    return source ? source->GetTypedValue(0.0F) : VtArray<SdfPath>();
+}
+
+SdfPathVector HdStreamUsdPaths(const HdSceneIndexBaseRefPtr& scene, const SdfPath& path) {
+    const HdSceneIndexPrim prim = scene->GetPrim(path);
+    const SdfPath origin = OriginOf(prim);
+    if (origin.IsEmpty()) {
+        return {path};
+    }
+    if (origin.IsAbsolutePath()) {
+        return {origin};
+    }
+    const SdfPath instancer = HdStreamInstancerOf(prim.dataSource);
+    SdfPathVector paths = HdStreamUsdPathsOfInstances(scene, instancer);
+    if (paths.empty()) {
+        paths.push_back(FullOrigin(scene, path));
+    } else {
+        for (SdfPath& instance : paths) {
+            instance = instance.IsEmpty() ? instance : instance.AppendPath(origin);
+        }
+    }
+    return paths;
+}
+
+SdfPathVector HdStreamUsdPathsOfInstances(const HdSceneIndexBaseRefPtr& scene,
+                                          const SdfPath& instancer) {
+    SdfPathVector paths;
+    for (const SdfPath& location :
+         HdStreamInstanceLocations(scene->GetPrim(instancer).dataSource)) {
+        const SdfPath origin = OriginOf(scene->GetPrim(location));
+        paths.push_back(origin.IsEmpty() ? location : ThroughInstances(scene, instancer, origin));
+    }
+    return paths;
+}
 
 HdSceneDelegate* HdStreamFindLegacyDelegate(HdSceneDelegate* delegate, const SdfPath& id) {
     const HdRenderIndex& index = delegate->GetRenderIndex();

@@ -6,6 +6,7 @@
 #include "hdStream/session/session.h"
 
 #include <pxr/imaging/hd/sceneDelegate.h>
+#include <pxr/imaging/hd/sceneIndex.h>
 #include <pxr/pxr.h>
 #include <pxr/usd/sdf/path.h>
 
@@ -30,6 +31,20 @@ std::string HdStreamInstancerScenePath(HdSceneDelegate* delegate, const SdfPath&
 /// The path of a material: its id, and below native instances that in the first instance where
 /// scene indices tell it.
 std::string HdStreamMaterialScenePath(HdSceneDelegate* delegate, const SdfPath& id);
+
+/// The instancer of a prim of a scene index; empty: none.
+SdfPath HdStreamInstancerOf(const HdContainerDataSourceHandle& prim);
+
+/// Where the native instances of an instancer are in its scene index; empty for point instancers.
+VtArray<SdfPath> HdStreamInstanceLocations(const HdContainerDataSourceHandle& instancer);
+
+/// The USD paths of a prim: one, or one for each native instance that shows it, through the first
+/// instance of what is further out. Empty paths where scene indices do not tell.
+SdfPathVector HdStreamUsdPaths(const HdSceneIndexBaseRefPtr& scene, const SdfPath& path);
+
+/// The same of the native instances of an instancer, in its order; none for point instancers.
+SdfPathVector HdStreamUsdPathsOfInstances(const HdSceneIndexBaseRefPtr& scene,
+                                          const SdfPath& instancer);
 
 /// The legacy scene delegate that a prim comes from; null when scene indices made it.
 HdSceneDelegate* HdStreamFindLegacyDelegate(HdSceneDelegate* delegate, const SdfPath& id);

@@ -126,6 +126,23 @@ void FilmBuffers::AddLightPathBlock(StageKernels* kernels, const FilmSums& sums,
     }
 }
 
+std::vector<float> FilmBuffers::RelativeErrors(StageKernels* kernels, const Buffer& pixels,
+                                               std::uint32_t count) const {
+    const std::uint32_t numPixels = _width * _height;
+    const Buffer variances(_device, "pixel variances", std::uint64_t{numPixels} * sizeof(float));
+    const Buffer errors(_device, "pixel errors", std::uint64_t{count} * sizeof(float));
+    kernels->relativeVariance.Launch(numPixels, _film, numPixels, variances);
+    if (kernels->Features().catchers) {
+        kernels->addCaughtVariance.Launch(numPixels, _film, _lightPaths,
+                                          NumLightPaths() * numPixels, numPixels, variances);
+    }
+    kernels->relativeError.Launch(count, _film, variances, static_cast<std::int32_t>(_width),
+                                  static_cast<std::int32_t>(_height), pixels, count, errors);
+    std::vector<float> values(count);
+    errors.Read(values.data(), values.size() * sizeof(float));
+    return values;
+}
+
 FilmSums FilmBuffers::Read(std::uint32_t firstSample, std::uint32_t endSample) const {
     FilmSums sums;
     sums.width = _width;

@@ -33,6 +33,11 @@ public:
     /// The sums as they are. Blocks. \param samples [first, end) that every pixel has.
     FilmSums Read(std::uint32_t firstSample, std::uint32_t endSample) const;
 
+    /// Standard errors over brightness around a pixel (docs/film.md). Blocks. \param pixels
+    /// [>= count] on the device. \return [count].
+    std::vector<float> RelativeErrors(StageKernels* kernels, const Buffer& pixels,
+                                      std::uint32_t count) const;
+
     const Buffer& Film() const { return _film; }
     const Buffer& Floats() const { return _floats; }
     const Buffer& Ints() const { return _ints; }

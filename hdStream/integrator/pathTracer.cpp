@@ -380,20 +380,6 @@ struct PathTracer::Impl {
                                                  : KernelPlace::Nowhere;
     }
 
-    /// \param count of the pixels in `pixels`.
-    std::vector<float> RelativeErrors(std::uint32_t count) {
-        const std::uint32_t numPixels = options.imageWidth * options.imageHeight;
-        const Buffer variances(device, "pixel variances", std::uint64_t{numPixels} * sizeof(float));
-        const Buffer errors(device, "pixel errors", std::uint64_t{count} * sizeof(float));
-        kernels->relativeVariance.Launch(numPixels, film.Film(), numPixels, variances);
-        kernels->relativeError.Launch(
-            count, film.Film(), variances, static_cast<std::int32_t>(options.imageWidth),
-            static_cast<std::int32_t>(options.imageHeight), pixels, count, errors);
-        std::vector<float> values(count);
-        errors.Read(values.data(), values.size() * sizeof(float));
-        return values;
-    }
-
     void CountAccuracy() {
         const auto values = tracer.ReadCounters();
         statistics.nanSamples = values[HDS_COUNTER_NAN];
@@ -401,7 +387,8 @@ struct PathTracer::Impl {
         statistics.clampedSamples = values[HDS_COUNTER_CLAMPED];
         const std::vector<std::uint32_t>& all = schedule.AllPixels();
         UploadPixels(all);
-        const std::vector<float> errors = RelativeErrors(static_cast<std::uint32_t>(all.size()));
+        const std::vector<float> errors =
+            film.RelativeErrors(kernels, pixels, static_cast<std::uint32_t>(all.size()));
         double sum = 0.0;
         for (const float error : errors) {
             sum += std::isfinite(error) ? error : 0.0;
@@ -453,7 +440,7 @@ struct PathTracer::Impl {
             MakeResidentIfWorth(done, true, onlooker);
         }
         if (schedule.MayDrop() && !onlooker->isStopped) {
-            if (schedule.Drop(RelativeErrors(pass.end))) {
+            if (schedule.Drop(film.RelativeErrors(kernels, pixels, pass.end))) {
                 presentList.reset();
             }
         }

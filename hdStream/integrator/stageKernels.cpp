@@ -117,6 +117,7 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
     if (features.catchers) {
         addCatchers = frameProgram->GetKernel("resolve_addCatchers");
         developCatchers = frameProgram->GetKernel("film_developCatchers");
+        addCaughtVariance = frameProgram->GetKernel("film_addCaughtVariance");
     }
     intersect = intersectProgram->GetKernel("intersect_closest");
     shade = shadeProgram->GetKernel("shade_paths");

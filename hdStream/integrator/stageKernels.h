@@ -46,8 +46,9 @@ public:
     Kernel addLightPathBlock; ///< with catchers and ambient occlusion too
     Kernel developLightPath;
     Kernel keepSamples; ///< with catchers or ambient occlusion alone
-    Kernel addCatchers; ///< with catchers alone, as is the next
+    Kernel addCatchers; ///< with catchers alone, as are the next
     Kernel developCatchers;
+    Kernel addCaughtVariance;
     Kernel occlusion; ///< with ambient occlusion alone, as are the next two
     Kernel addOcclusion;
     Kernel developOcclusion;

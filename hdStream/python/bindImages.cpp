@@ -130,6 +130,8 @@ void BindWriting(nb::module_& module) {
     module.def("AovTable", &AovTable, "All AOVs.");
     module.def("LayersOf", &LayersOf, "name"_a,
                "Names of the layers that an AOV's name stands for.");
+    module.def("AovOfSource", &AovOfSource, "sourceName"_a,
+               "The AOV that the source name of a render var (raw, intrinsic) means; empty: none.");
     module.def("HasAov", &HasAov, "name"_a, "Whether a render can write an AOV of that name.");
     module.def(
         "ChannelsOf",

@@ -64,6 +64,8 @@ void BindGeometry(nb::module_& module) {
     module.attr("KARMA_VISIBILITY") = kKarmaVisibility;
     module.def("KarmaVisibilityNumber", &KarmaVisibilityNumber, "expression"_a,
                "The number that the primvar of that name has for an expression.");
+    module.def("SaysRayVisibility", &SaysRayVisibility, "primvar"_a,
+               "Whether a primvar says which rays see a prim, by its name.");
     module.def("IsReadByPrim", &IsReadByPrim, "primvar"_a,
                "Whether a primvar of that name says something of a whole prim, so that instances "
                "that differ in it need prims of their own.");
@@ -141,10 +143,10 @@ void BindPlaced(nb::module_& module) {
     nb::class_<VolumePrim>(module, "VolumePrim", "A volume in the scene.")
         .def(
             "__init__",
-            [](VolumePrim* self, const Placement& placement, const std::string& purpose,
+            [](VolumePrim* self, const Placement& placed, const std::string& purpose,
                const std::string& materialPath) {
                 new (self) VolumePrim;
-                self->placement = placement;
+                self->placement = placed;
                 self->purpose = purpose;
                 self->materialPath = materialPath;
             },

@@ -2,6 +2,7 @@
 #include "hdStream/scene/commit.h"
 
 #include "hdStream/geometry/subdivSource.h"
+#include "hdStream/scene/drawnPaths.h"
 #include "hdStream/scene/geometryMotion.h"
 #include "hdStream/scene/hierarchy.h"
 #include "hdStream/scene/lightCommit.h"
@@ -25,9 +26,12 @@ namespace {
 
 using GeometryEntry = GeometryStore::Entry;
 
-bool IsDrawn(const GeometryPrim& prim, const std::vector<std::string>& purposes) {
+bool IsDrawn(const GeometryEntry& entry, const CommitOptions& options) {
+    const auto& [path, prim] = entry;
+    const std::vector<std::string>& purposes = options.purposes;
     return prim.geometry && prim.placement.visible &&
-           std::find(purposes.begin(), purposes.end(), prim.purpose) != purposes.end();
+           std::find(purposes.begin(), purposes.end(), prim.purpose) != purposes.end() &&
+           IsDrawnPath(path, options.drawnPaths, options.hiddenPaths);
 }
 
 /// HDS_PRIM_CULL_* of a prim.
@@ -62,7 +66,7 @@ public:
         const auto start = std::chrono::steady_clock::now();
         std::vector<const GeometryEntry*> drawn;
         for (const GeometryEntry& entry : _scene.geometry) {
-            if (IsDrawn(entry.second, _options.purposes)) {
+            if (IsDrawn(entry, _options)) {
                 drawn.push_back(&entry);
             }
         }
@@ -230,14 +234,7 @@ private:
         LeafObject leaf;
         leaf.object = _objectOfDrawn[index];
         leaf.prim = index;
-        bool isUnreadable = false;
-        const std::uint32_t seenBy = RayVisibilityFlags(prim.geometry->primvars, &isUnreadable);
-        if (isUnreadable) {
-            _warnings.Add(path, std::string(kKarmaVisibility) + " cannot be read; it is ignored");
-        }
-        _result->hasRayVisibility = _result->hasRayVisibility || seenBy != HDS_INSTANCE_SEEN;
-        _result->hasCatchers = _result->hasCatchers || (seenBy & HDS_INSTANCE_CATCHER) != 0;
-        leaf.flags = seenBy | (mayPass ? HDS_INSTANCE_CUTOUT : 0U) |
+        leaf.flags = (mayPass ? HDS_INSTANCE_CUTOUT : 0U) |
                      (info.isHair ? HDS_INSTANCE_FIBRE : 0U) |
                      (info.hasMedium ? HDS_INSTANCE_MEDIUM : 0U);
         leaf.origin = prepared.origin;
@@ -251,9 +248,31 @@ private:
             const shared::HdsObject& object = _result->objects[leaf.object];
             _result->pages->Keep(object.itemBase, object.numItems); // light paths end there
         }
-        _leaves.push_back({&entry, leaf});
+        AddLeaves(entry, leaf);
         _result->hasCutouts = _result->hasCutouts || mayPass;
         CountPrim(*prim.geometry, prepared.numTriangles);
+    }
+
+    /// A leaf, or one for each way in which rays see instances of the prim.
+    void AddLeaves(const GeometryEntry& entry, const LeafObject& leaf) {
+        bool isUnreadable = false;
+        std::vector<InstancesSeen> seen =
+            RayVisibilityByInstance(_scene, entry.second, &isUnreadable);
+        if (seen.empty()) {
+            seen.push_back(
+                {RayVisibilityFlags(entry.second.geometry->primvars, &isUnreadable), {}});
+        }
+        if (isUnreadable) {
+            _warnings.Add(entry.first,
+                          std::string(kKarmaVisibility) + " cannot be read; it is ignored");
+        }
+        for (InstancesSeen& part : seen) {
+            const std::uint32_t flags = part.flags;
+            _result->hasRayVisibility = _result->hasRayVisibility || flags != HDS_INSTANCE_SEEN;
+            _result->hasCatchers = _result->hasCatchers || (flags & HDS_INSTANCE_CATCHER) != 0;
+            _leaves.push_back({&entry, leaf, std::move(part.instances)});
+            _leaves.back().object.flags |= flags;
+        }
     }
 
     void CountPrim(const GeometryDescription& geometry, std::uint64_t numPrimitives) {
@@ -355,10 +374,14 @@ private:
 
     /// After the textures, whose numbers those of grids follow.
     void AddVolumes() {
-        _result->volumes =
-            CommitVolumes(_scene, _options.purposes, _options.shutter, _result->centre,
-                          static_cast<std::uint32_t>(_result->textureTable.size()),
-                          _cache.grids.get(), _warnings);
+        _result->volumes = CommitVolumes(
+            _scene, _options.purposes,
+            [this](const std::string& path) {
+                return IsDrawnPath(path, _options.drawnPaths, _options.hiddenPaths);
+            },
+            _options.shutter, _result->centre,
+            static_cast<std::uint32_t>(_result->textureTable.size()), _cache.grids.get(),
+            _warnings);
         _result->lines =
             std::make_unique<SceneLines>(_result->textureLines.get(), &_result->volumes.prepared);
         if (!_result->volumes.volumes.empty()) { // kernels have what volumes need

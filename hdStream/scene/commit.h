@@ -41,6 +41,8 @@ enum class Subdivision {
 /// What decides which prims are drawn and how they are cut.
 struct CommitOptions {
     std::vector<std::string> purposes;        ///< drawn
+    std::vector<std::string> drawnPaths;      ///< at and below which prims are; empty: all are
+    std::vector<std::string> hiddenPaths;     ///< at and below which none is
     CullStyle cullStyle = CullStyle::Nothing; ///< of prims that say DontCare
     bool domeVisible = true;                  ///< domes are seen by camera rays
     bool lightsVisible = true;                ///< and so are other lights that are no meshes
@@ -58,7 +60,8 @@ struct CommitOptions {
 
     static constexpr auto Fields() {
         return FieldList(
-            HDS_FIELD(CommitOptions, purposes), HDS_FIELD(CommitOptions, cullStyle),
+            HDS_FIELD(CommitOptions, purposes), HDS_FIELD(CommitOptions, drawnPaths),
+            HDS_FIELD(CommitOptions, hiddenPaths), HDS_FIELD(CommitOptions, cullStyle),
             HDS_FIELD(CommitOptions, domeVisible), HDS_FIELD(CommitOptions, lightsVisible),
             HDS_FIELD(CommitOptions, chunkBytes), HDS_FIELD(CommitOptions, instanceChunks),
             HDS_FIELD(CommitOptions, subdivision), HDS_FIELD(CommitOptions, refineLevel),

@@ -175,7 +175,7 @@ private:
             return;
         }
         const SharedSpan<std::int32_t>& instances = member.drawn != nullptr
-                                                        ? member.drawn->Prim().placement.instances
+                                                        ? member.drawn->Instances()
                                                         : member.instancer->placement.instances;
         if (instances.empty()) {
             return; // placed nowhere
@@ -287,8 +287,9 @@ private:
         for (const DrawnLeaf* drawn : _ownLeaves) {
             const std::string& path = drawn->Path();
             const LeafObject& leaf = drawn->object;
-            for (const Placed& placed :
-                 PlacementsOf(_scene, drawn->Prim().placement, _shutter, 0)) {
+            Placement placement = drawn->Prim().placement;
+            placement.instances = drawn->Instances();
+            for (const Placed& placed : PlacementsOf(_scene, placement, _shutter, 0)) {
                 Member member{&path, drawn, &leaf, nullptr, placed.worldFromObject};
                 if (leaf.worldInstance && placed.worldFromObject.Moves()) {
                     member.transform = placed.worldFromObject.AtFrame(); // as its light is

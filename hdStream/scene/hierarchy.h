@@ -26,7 +26,11 @@ namespace hds {
 struct DrawnLeaf {
     const std::pair<const std::string, GeometryPrim>* entry = nullptr;
     LeafObject object;
+    SharedSpan<std::int32_t> instances; ///< of the prim's those that are meant; empty: all
 
+    const SharedSpan<std::int32_t>& Instances() const {
+        return instances.empty() ? Prim().placement.instances : instances;
+    }
     const std::string& Path() const { return entry->first; }
     const GeometryPrim& Prim() const { return entry->second; }
 };

@@ -25,7 +25,8 @@ bool HasOwn(const GeometryPrim& prim, const std::string& name) {
 } // namespace
 
 bool IsReadByPrim(const std::string& primvar) {
-    return primvar == "widths" || primvar == "normals" || SaysVisibility(primvar);
+    return primvar == "widths" || primvar == "normals" ||
+           (IsInObjectNamespace(primvar) && !SaysRayVisibility(primvar));
 }
 
 InstancePrimvarCollector::InstancePrimvarCollector(const SceneDescription& scene,

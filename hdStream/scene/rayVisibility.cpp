@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cstring>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace hds {
 
@@ -70,6 +72,11 @@ std::uint32_t FlagsOfHoldoutMode(float mode) {
     return mode == 1.0F ? HDS_INSTANCE_HOLDOUT : mode == 2.0F ? HDS_INSTANCE_CATCHER : 0U;
 }
 
+/// What a render pass says, which takes away alone: 0: the camera does not see it; 1: it is held
+/// out.
+const char* const kPassCamera = "hdstream:pass:camera";
+const char* const kPassMatte = "hdstream:pass:matte";
+
 /// The one number of a primvar; null when there is none.
 const float* NumberOf(const std::vector<Primvar>& primvars, const char* name) {
     const auto found =
@@ -83,12 +90,36 @@ const float* NumberOf(const std::vector<Primvar>& primvars, const char* name) {
 
 /// Few prims have such primvars, and commits ask all of them.
 bool MaySay(const Primvar& primvar) {
-    return SaysVisibility(primvar.name);
+    return IsInObjectNamespace(primvar.name);
+}
+
+/// Primvars of an instancer that say something of instances of a prim which says nothing itself.
+std::vector<const Primvar*> ByInstance(const InstancerPrim& instancer, const GeometryPrim& prim) {
+    const std::size_t numInstances = instancer.instanceTransforms.Size();
+    const std::vector<Primvar>& own = prim.geometry->primvars;
+    std::vector<const Primvar*> found;
+    for (const Primvar& primvar : instancer.primvars) {
+        const bool isOwn = std::any_of(own.begin(), own.end(), [&primvar](const Primvar& other) {
+            return other.name == primvar.name;
+        });
+        if (!isOwn && SaysRayVisibility(primvar.name) && primvar.numComponents == 1 &&
+            primvar.indices.empty() && primvar.values.size() == numInstances) {
+            found.push_back(&primvar);
+        }
+    }
+    return found;
 }
 
 } // namespace
 
-bool SaysVisibility(const std::string& name) {
+bool SaysRayVisibility(const std::string& name) {
+    return name == kKarmaVisibility || name == kHoldoutMode || name == kPassCamera ||
+           name == kPassMatte ||
+           std::any_of(std::begin(kRows), std::end(kRows),
+                       [&name](const Row& row) { return name == row.name; });
+}
+
+bool IsInObjectNamespace(const std::string& name) {
     const char* const prefixes[] = {
         "hdstream:", "arnold:", "ri:attributes:", "karma:object:", "cycles:object:"};
     return std::any_of(std::begin(prefixes), std::end(prefixes), [&name](const char* prefix) {
@@ -138,7 +169,65 @@ std::uint32_t RayVisibilityFlags(const std::vector<Primvar>& primvars, bool* isU
             flags = *number != 0.0F ? flags | row.flags : flags & ~row.flags;
         }
     }
+    if (const float* isSeen = NumberOf(primvars, kPassCamera); isSeen && *isSeen == 0.0F) {
+        flags &= ~static_cast<std::uint32_t>(HDS_INSTANCE_CAMERA);
+    }
+    if (const float* isMatte = NumberOf(primvars, kPassMatte); isMatte && *isMatte != 0.0F) {
+        flags |= HDS_INSTANCE_HOLDOUT;
+    }
     return flags;
+}
+
+std::vector<InstancesSeen> RayVisibilityByInstance(const SceneDescription& scene,
+                                                   const GeometryPrim& prim, bool* isUnreadable) {
+    const SharedSpan<std::int32_t>& instances = prim.placement.instances;
+    const auto instancer = scene.instancers.find(prim.placement.instancerPath);
+    if (instancer == scene.instancers.end()) {
+        return {};
+    }
+    const std::vector<const Primvar*> byInstance = ByInstance(instancer->second, prim);
+    if (byInstance.empty()) {
+        return {};
+    }
+    const std::size_t numInstances = instancer->second.instanceTransforms.Size();
+    std::vector<Primvar> primvars = prim.geometry->primvars;
+    const std::size_t numOwn = primvars.size();
+    std::map<std::vector<std::uint32_t>, std::size_t> groupOfRow;
+    std::vector<std::pair<std::uint32_t, std::vector<std::int32_t>>> groups; // flags, instances
+    std::vector<std::uint32_t> row(byInstance.size());
+    for (std::size_t rank = 0; rank < instances.size(); ++rank) {
+        if (instances[rank] < 0 || static_cast<std::size_t>(instances[rank]) >= numInstances) {
+            continue;
+        }
+        const auto index = static_cast<std::size_t>(instances[rank]);
+        for (std::size_t i = 0; i < row.size(); ++i) {
+            std::memcpy(&row[i], &byInstance[i]->values[index], sizeof(row[i]));
+        }
+        const auto [known, isNew] = groupOfRow.emplace(row, groups.size());
+        if (isNew) {
+            primvars.resize(numOwn);
+            for (const Primvar* primvar : byInstance) {
+                primvars.push_back({primvar->name,
+                                    Interpolation::Constant,
+                                    1,
+                                    std::vector<float>{primvar->values[index]},
+                                    {}});
+            }
+            const std::uint32_t flags = RayVisibilityFlags(primvars, isUnreadable);
+            const auto same = std::find_if(groups.begin(), groups.end(),
+                                           [flags](const auto& one) { return one.first == flags; });
+            known->second = static_cast<std::size_t>(same - groups.begin());
+            if (same == groups.end()) {
+                groups.emplace_back(flags, std::vector<std::int32_t>(instances.size(), -1));
+            }
+        }
+        groups[known->second].second[rank] = instances[rank];
+    }
+    std::vector<InstancesSeen> result;
+    for (auto& [flags, members] : groups) {
+        result.push_back({flags, std::move(members)});
+    }
+    return result;
 }
 
 } // namespace hds

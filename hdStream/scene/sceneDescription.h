@@ -272,8 +272,8 @@ constexpr const char* kKarmaVisibility = "karma:object:rendervisibility";
 /// all), `-` for all but these, joined by `&` and `|`; empty: none. -1 when it cannot be read.
 float KarmaVisibilityNumber(const std::string& expression);
 
-/// Whether a primvar of that name says something of a whole prim (who sees it, its widths, its
-/// normals). Instances that differ in it need prims of their own: InstancerPrim::primvars has none.
+/// Whether a primvar of that name says something of a whole prim (widths, normals, priorities; not
+/// who sees it). Instances that differ in it need prims of their own: no InstancerPrim has it.
 bool IsReadByPrim(const std::string& primvar);
 
 /// Whether there is such a material and it has a terminal.

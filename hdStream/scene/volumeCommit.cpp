@@ -358,9 +358,10 @@ GridVelocity FindVelocity(const Shutter& shutter, double timeCodesPerSecond,
 } // namespace
 
 CommittedVolumes CommitVolumes(const SceneDescription& scene,
-                               const std::vector<std::string>& purposes, const Shutter& shutter,
-                               glm::dvec3 centre, std::uint32_t numTextures, GridPreparer* preparer,
-                               Warnings& warnings) {
+                               const std::vector<std::string>& purposes,
+                               const std::function<bool(const std::string&)>& isDrawn,
+                               const Shutter& shutter, glm::dvec3 centre, std::uint32_t numTextures,
+                               GridPreparer* preparer, Warnings& warnings) {
     VolumeTables tables(centre, numTextures);
     std::uint32_t number = 0;
     std::uint64_t numLeftOut = 0;
@@ -369,7 +370,7 @@ CommittedVolumes CommitVolumes(const SceneDescription& scene,
         const bool hasPurpose =
             std::find(purposes.begin(), purposes.end(), prim.purpose) != purposes.end();
         std::vector<glm::dmat4> places;
-        if (hasPurpose && prim.placement.visible) {
+        if (hasPurpose && prim.placement.visible && isDrawn(path)) {
             ForEachPlacement(scene, prim.placement,
                              [&](const glm::dmat4& place) { places.push_back(place); });
         }

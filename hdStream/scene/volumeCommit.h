@@ -8,6 +8,7 @@
 #include "hdStream/volume/gridPreparer.h"
 #include "kernels/shared/volume.h"
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -23,11 +24,13 @@ struct CommittedVolumes {
     bool haveMotion = false;
 };
 
-/// \param shutter closed: nothing moves. \param centre of the scene. \param numTextures that come
-/// before the grids. Volumes that cannot be drawn warn and are left out.
+/// \param isDrawn of a path. \param shutter closed: nothing moves. \param centre of the scene.
+/// \param numTextures that come before the grids. Volumes that cannot be drawn warn and are left
+/// out.
 CommittedVolumes CommitVolumes(const SceneDescription& scene,
-                               const std::vector<std::string>& purposes, const Shutter& shutter,
-                               glm::dvec3 centre, std::uint32_t numTextures, GridPreparer* preparer,
-                               Warnings& warnings);
+                               const std::vector<std::string>& purposes,
+                               const std::function<bool(const std::string&)>& isDrawn,
+                               const Shutter& shutter, glm::dvec3 centre, std::uint32_t numTextures,
+                               GridPreparer* preparer, Warnings& warnings);
 
 } // namespace hds

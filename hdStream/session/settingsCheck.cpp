@@ -143,6 +143,8 @@ ResidencyOptions MakeResidencyOptions(const Settings& settings) {
 CommitOptions MakeCommitOptions(const Settings& settings) {
     CommitOptions options;
     options.purposes = settings.purposes;
+    options.drawnPaths = settings.drawnPaths;
+    options.hiddenPaths = settings.hiddenPaths;
     options.cullStyle = static_cast<CullStyle>(EnumOf<int>("cullStyle", settings.cullStyle) +
                                                static_cast<int>(CullStyle::Nothing));
     options.domeVisible = settings.domeVisible;

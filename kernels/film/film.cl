@@ -66,18 +66,14 @@ kernel void film_developCatchers(global const HdsFilmPixel* film,
         return;
     }
     const uint at = i / numAcross * stride * width + i % numAcross * stride;
-    const float count = (float)film[at].numSamples;
     const HdsLightPathPixel pixels[2] = {sums[(size_t)firstSum + at],
                                          sums[(size_t)firstSum + numFilmPixels + at]};
     const float4 lit = pixels[0].sum + pixels[0].blockSum;
-    const float3 unshadowed = (pixels[1].sum + pixels[1].blockSum).xyz;
     if (!(lit.w > 0.0f)) {
         return;
     }
-    const float3 left = select((float3)(1.0f), fmin(lit.xyz / unshadowed, (float3)(1.0f)),
-                               isgreater(unshadowed, (float3)(0.0f)));
-    const float shadow = lit.w / count * (1.0f - (left.x + left.y + left.z) / 3.0f);
-    const float4 added = (float4)(fmax(lit.xyz - unshadowed, (float3)(0.0f)) / count, shadow);
+    const float4 added = filmPixel_caught(lit, (pixels[1].sum + pixels[1].blockSum).xyz,
+                                          film[at].numSamples);
     global float* target = floats + (size_t)i * floatStride;
     if (colorOffset != HDS_NONE) {
         vstore4(vload4(0, target + colorOffset) + added, 0, target + colorOffset);
@@ -86,7 +82,7 @@ kernel void film_developCatchers(global const HdsFilmPixel* film,
         vstore4(vload4(0, target + noisyOffset) + added, 0, target + noisyOffset);
     }
     if (alphaOffset != HDS_NONE) {
-        target[alphaOffset] += shadow;
+        target[alphaOffset] += added.w;
     }
 }
 #endif
@@ -123,6 +119,20 @@ kernel void film_relativeVariance(global const HdsFilmPixel* film, uint numPixel
         variances[i] = filmPixel_relativeVariance(&pixel);
     }
 }
+
+#if HDS_FEATURE_CATCHERS
+/* Adds filmPixel_caughtVariance to those of film_relativeVariance. Global size: numPixels. */
+kernel void film_addCaughtVariance(global const HdsFilmPixel* film,
+                                   global const HdsLightPathPixel* sums, uint firstSum,
+                                   uint numPixels, global float* variances) {
+    const uint i = (uint)get_global_id(0);
+    if (i < numPixels) {
+        const HdsLightPathPixel lit = sums[(size_t)firstSum + i];
+        const HdsLightPathPixel unshadowed = sums[(size_t)firstSum + numPixels + i];
+        variances[i] += filmPixel_caughtVariance(&lit, &unshadowed, film[i].numSamples);
+    }
+}
+#endif
 
 /* Their mean over the window around a pixel. */
 float film_windowVariance(global const float* variances, int2 size, int2 at) {

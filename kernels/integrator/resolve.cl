@@ -130,7 +130,8 @@ kernel void resolve_addOcclusion(HdsWave wave, global const float4* kept, global
 #if HDS_FEATURE_CATCHERS
 /* Adds the samples that show catchers, by the rules of resolve_addSamples, which comes after it: to
  * sums[firstSum...] what they have gathered, and as the fourth how many they are; to the next
- * numPixels what the same samples gather without all that is no catcher. Global size:
+ * numPixels what the same samples gather without all that is no catcher, and as the fourth the
+ * squares of what blocks differ by in luminance (filmPixel_caughtVariance). Global size:
  * wave.numPixels. \param alone of the wave (resolve_keepSamples). */
 kernel void resolve_addCatchers(HdsWave wave, global uchar* state, uint numSlots,
                                 global const float4* alone, global const uint* pixels,
@@ -155,6 +156,10 @@ kernel void resolve_addCatchers(HdsWave wave, global uchar* state, uint numSlots
             unshadowed.blockSum += (float4)(fmin(without.xyz, HDS_MAX_SAMPLE), 0.0f);
         }
         ++numSamples;
+        if (numSamples % HDS_SAMPLE_BLOCK == 0u) {
+            const float difference = vec_luminance(lit.blockSum.xyz - unshadowed.blockSum.xyz);
+            unshadowed.sum.w = fma(difference, difference, unshadowed.sum.w);
+        }
         filmPixel_closeLightPath(&lit, numSamples);
         filmPixel_closeLightPath(&unshadowed, numSamples);
     }

@@ -58,6 +58,7 @@ def test_wrong_usage_is_exit_code_2(arguments, part):
     (["--camera", "/Triangle"], "--camera /Triangle"),
     (["--mask", "relative"], "--mask relative"),
     (["--renderSettingsPrimPath", "/None"], "/None"),
+    (["--renderPassPrimPath", "/Triangle"], "--renderPassPrimPath /Triangle"),
 ])
 def test_wrong_usage_for_a_stage(tmp_path, arguments, part):
     stage = WriteStage(tmp_path)

@@ -57,7 +57,7 @@ class CommandLine(Kind):
         name, values = rng.choice([
             ("--camera", _WORDS), ("--frames", _FRAMES), ("--imageWidth", _NUMBERS), ("--imageHeight", _NUMBERS), ("--purposes", _WORDS),
             ("--mask", _WORDS), ("--complexity", _NUMBERS + _WORDS), ("--subdivision", _WORDS), ("--colorCorrectionMode", _WORDS),
-            ("--renderSettingsPrimPath", _WORDS), ("--samples", _NUMBERS), ("--maxDepth", _NUMBERS), ("--seed", _NUMBERS),
+            ("--renderSettingsPrimPath", _WORDS), ("--renderPassPrimPath", _WORDS), ("--samples", _NUMBERS), ("--maxDepth", _NUMBERS), ("--seed", _NUMBERS),
             ("--noise", _NUMBERS), ("--aovs", _WORDS), ("--stats", ["s.json", "none/s.json", "", ".", "s.####.json"]),
             ("--device", ["", "cpu", "no such", "pthread", "x" * 300]), ("--cacheDir", ["stage.usda", "/proc/none", ""]),
             ("--residency", _WORDS), ("--hostMemory", _SIZES), ("--geometryMemory", _SIZES), ("--textureMemory", _SIZES),

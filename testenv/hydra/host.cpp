@@ -125,6 +125,12 @@ void Host::SetFraming(const CameraUtilFraming& framing) {
     }
 }
 
+void Host::SetCollection(const HdRprimCollection& collection) {
+    for (const auto& task : _tasks) {
+        task->Pass().SetRprimCollection(collection);
+    }
+}
+
 void Host::SetSetting(const char* name, const VtValue& value) {
     _renderer->SetRenderSetting(TfToken(name), value);
 }

@@ -65,6 +65,8 @@ public:
     /// Size of the buffers; the framing becomes the whole buffer.
     void SetSize(int width, int height);
     void SetFraming(const CameraUtilFraming& framing);
+    /// What all render passes draw.
+    void SetCollection(const HdRprimCollection& collection);
     void SetSetting(const char* name, const VtValue& value);
 
     /// One frame of the application: sync, commit, execute.

@@ -20,6 +20,7 @@ public:
     /// Buffers are looked up by renderBufferId in each frame.
     void SetAovBindings(const HdRenderPassAovBindingVector& bindings) { _bindings = bindings; }
     HdRenderPassState& State() { return *_state; }
+    HdRenderPass& Pass() { return *_pass; }
     bool IsConverged() const { return _pass->IsConverged(); }
 
     void Sync(HdSceneDelegate* delegate, HdTaskContext* context, HdDirtyBits* dirtyBits) override;

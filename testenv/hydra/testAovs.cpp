@@ -97,6 +97,28 @@ TEST_F(Aovs, LightPathExpressionsAddUpToColour) {
     EXPECT_GT(direct, 0.05) << "an output of a name that is not ours shows its source";
 }
 
+TEST_F(Aovs, OutputsOfOtherNamesShowWhatTheirSourcesUsuallyMean) {
+    std::vector<AovRequest> aovs = {TfToken("position"), TfToken("whereItIs")};
+    aovs[1].format = HdFormatFloat32Vec3;
+    aovs[1].clearValue = VtValue(GfVec3f(0.0F));
+    aovs[1].settings[TfToken("sourceType")] = VtValue(TfToken("intrinsic"));
+    aovs[1].settings[TfToken("sourceName")] = VtValue(std::string("P"));
+    Host host(ThreeMeshes(), Quick(aovs));
+    ASSERT_TRUE(host.RenderUntilConverged());
+    const Image position = host.Read(TfToken("position"));
+    const Image other = host.Read(TfToken("whereItIs"));
+    int numSeen = 0;
+    for (int y = 0; y < position.height; ++y) {
+        for (int x = 0; x < position.width; ++x) {
+            numSeen += position.Float(x, y, 0) != 0.0F;
+            for (int channel = 0; channel < 3; ++channel) {
+                EXPECT_EQ(other.Float(x, y, channel), position.Float(x, y, channel));
+            }
+        }
+    }
+    EXPECT_GT(numSeen, 100);
+}
+
 TEST_F(Aovs, ExpressionsThatCannotBeReadAreNotOffered) {
     Host host(ThreeMeshes(), Quick({HdAovTokens->color}));
     EXPECT_EQ(host.Delegate().GetDefaultAovDescriptor(TfToken("lpe:C(")).format, HdFormatInvalid);

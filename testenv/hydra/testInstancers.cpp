@@ -418,7 +418,7 @@ TEST_F(Instancers, ValuesMayBeAsManyAsInstances) {
 
 TEST_F(Instancers, TooManyValuesOfWhatIsReadOnceAPrimAreAWarning) {
     VtVec3fArray colors;
-    SceneData scene = ManyScene(TfToken("hdstream:holdout"), &colors);
+    SceneData scene = ManyScene(TfToken("hdstream:dielectricPriority"), &colors);
     const std::string warning = "/row: more than 64 different values by instance";
     Host host(scene, Quick(kColorAovs));
     ExpectColors(host, std::vector<GfVec3f>(65, GfVec3f(0.0F)));
@@ -430,6 +430,29 @@ TEST_F(Instancers, TooManyValuesOfWhatIsReadOnceAPrimAreAWarning) {
     ASSERT_TRUE(fewer.RenderUntilConverged());
     EXPECT_EQ(fewer.Statistic("geometry.meshes"), 64.0);
     EXPECT_EQ(NumWarnings(fewer, warning), 0);
+}
+
+TEST_F(Instancers, WhoSeesThemMayDifferBetweenAllInstances) {
+    VtVec3fArray colors;
+    Host host(ManyScene(TfToken("hdstream:holdout"), &colors),
+              Quick({HdAovTokens->color, HdAovTokens->instanceId}));
+    ASSERT_TRUE(host.RenderUntilConverged());
+    EXPECT_EQ(host.Statistic("geometry.meshes"), 1.0);
+    EXPECT_EQ(NumWarnings(host, ""), 0);
+    const Image image = host.Read();
+    const Image ids = host.Read(HdAovTokens->instanceId);
+    int numOfFirst = 0; // whose number is 0
+    int numHeldOut = 0;
+    for (int y = 0; y < image.height; ++y) {
+        for (int x = 0; x < image.width; ++x) {
+            const bool isBlack = image.Float(x, y, 3) == 0.0F && image.Float(x, y, 0) == 0.0F;
+            numOfFirst += ids.Int(x, y) == 0;
+            numHeldOut += ids.Int(x, y) > 0 && isBlack;
+            EXPECT_FALSE(ids.Int(x, y) == 0 && isBlack);
+        }
+    }
+    EXPECT_GT(numOfFirst, 2);
+    EXPECT_GT(numHeldOut, 500);
 }
 
 } // namespace

@@ -51,6 +51,25 @@ TEST_F(Visibility, EditsHideAndShow) {
     EXPECT_EQ(SeenPrims(host), (std::set<SdfPath>{kQuad, kCube, kNgons}));
 }
 
+TEST_F(Visibility, CollectionsOfRenderPassesAreWhatIsDrawn) {
+    Host host(ThreeMeshes(), Quick(kAovs));
+    const std::set<SdfPath> all{kQuad, kCube, kNgons};
+    const auto seen = [&host](const SdfPathVector& roots, const SdfPathVector& excluded) {
+        HdRprimCollection collection(HdTokens->geometry, HdReprSelector(HdReprTokens->refined));
+        collection.SetRootPaths(roots);
+        collection.SetExcludePaths(excluded);
+        host.SetCollection(collection);
+        return SeenPrims(host);
+    };
+    const SdfPath root = SdfPath::AbsoluteRootPath();
+    EXPECT_EQ(SeenPrims(host), all);
+    EXPECT_EQ(seen({kQuad, kNgons}, {}), (std::set<SdfPath>{kQuad, kNgons}));
+    EXPECT_EQ(seen({root}, {kNgons}), (std::set<SdfPath>{kQuad, kCube}));
+    EXPECT_EQ(seen({root, kQuad}, {}), all);
+    EXPECT_EQ(seen({SdfPath("/qua")}, {SdfPath("/cub")}), std::set<SdfPath>());
+    EXPECT_EQ(seen({kQuad, kCube}, {kQuad}), (std::set<SdfPath>{kCube}));
+}
+
 TEST_F(Visibility, PrimEditedWhileInvisibleShowsTheEdit) {
     const HostOptions options = Quick(kAovs);
     SceneData scene = ThreeMeshes();

@@ -29,14 +29,16 @@ class Picture:
         return self.layers["color"][..., :3].astype(np.float64)
 
 
-def Render(stagePath, width: int, height: int, aovs=("color",), camera: str = "/World/Camera", **settings) -> Picture:
-    """One frame at the default time. `settings` are members of hdstream's Settings."""
+def Render(stagePath, width: int, height: int, aovs=("color",), camera: str = "/World/Camera", renderPass: str = "",
+           **settings) -> Picture:
+    """One frame at the default time, of a UsdRenderPass where a path says so. `settings` are members of hdstream's Settings."""
     from hdstream import _core
     from hdstream.translate import TranslateStage
     from pxr import Usd
 
     session = _core.Session()
-    TranslateStage(Usd.Stage.Open(str(stagePath)), session, Usd.TimeCode.Default())
+    stage = Usd.Stage.Open(str(stagePath))
+    TranslateStage(stage, session, Usd.TimeCode.Default(), passPrim=stage.GetPrimAtPath(renderPass) if renderPass else None)
     options = _core.Settings()
     options.camera, options.imageWidth, options.imageHeight = camera, width, height
     options.aovs, options.pixelFilter, options.pixelFilterWidth = list(aovs), "box", 1.0

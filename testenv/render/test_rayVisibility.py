@@ -210,3 +210,53 @@ def test_names_of_arnold_and_instances(tmp_path):
         assert np.array_equal(_Render(tmp_path, hidden=kinds)["color"], _Render(tmp_path, hidden=(name,), namespace=namespace)["color"])
     hidden = _Render(tmp_path, hidden=_KINDS, isInstanced=True)
     assert np.array_equal(hidden["color"], _Render(tmp_path, names=())["color"])
+
+
+def _Many(path, isInstanced, values):
+    """Boxes in rows above a floor, as instances or as prims of their own; values: primvar -> one an instance."""
+    stage = author.NewStage(str(path))
+    author.AddMesh(stage, "/World/Floor", shapes.Box(12.0, 0.2, 12.0), color=(0.6, 0.6, 0.6), translate=(0, -0.1, 0))
+    count = len(next(iter(values.values())))
+    places = [(0.5 * (number % 14) - 3.2, 0.3, 0.5 * (number // 14) - 2.5) for number in range(count)]
+    box = shapes.Box(0.3, 0.3, 0.3)
+    if isInstanced:
+        instancer = UsdGeom.PointInstancer.Define(stage, "/World/Many")
+        author.AddMesh(stage, "/World/Many/Box", box, color=(0.9, 0.3, 0.1))
+        author.AddMesh(stage, "/World/Many/Lid", box, color=(0.1, 0.3, 0.9), translate=(0, 0.3, 0))
+        group = UsdGeom.Xform.Define(stage, "/World/Many/Two")
+        author.AddMesh(stage, "/World/Many/Two/A", box, color=(0.1, 0.9, 0.2))
+        author.AddMesh(stage, "/World/Many/Two/B", box, color=(0.9, 0.9, 0.2), translate=(0, 0.4, 0))
+        instancer.CreatePrototypesRel().SetTargets(["/World/Many/Box", "/World/Many/Lid", group.GetPath()])
+        instancer.CreateProtoIndicesAttr([number % 3 for number in range(count)])
+        instancer.CreatePositionsAttr(places)
+        for name, rows in values.items():
+            UsdGeom.PrimvarsAPI(instancer).CreatePrimvar(name, Sdf.ValueTypeNames.FloatArray, "vertex").Set([float(row) for row in rows])
+    for number, place in enumerate(() if isInstanced else places):
+        parent = UsdGeom.Xform.Define(stage, f"/World/Many/I{number:03}")
+        author.Place(parent, translate=place)
+        parts = [[("Box", (0.9, 0.3, 0.1), 0.0)], [("Lid", (0.1, 0.3, 0.9), 0.3)], [("A", (0.1, 0.9, 0.2), 0.0), ("B", (0.9, 0.9, 0.2), 0.4)]]
+        for name, color, height in parts[number % 3]:
+            mesh = author.AddMesh(stage, f"{parent.GetPath()}/{name}", box, color=color, translate=(0, height, 0))
+            for primvar, rows in values.items():
+                UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(primvar, Sdf.ValueTypeNames.Float, "constant").Set(float(rows[number]))
+    author.AddLight(stage, "/World/Lamp", "Rect", placement=dict(translate=(0, 4, 0), rotate=(-90, 0, 0)), intensity=8.0)
+    author.AddLight(stage, "/World/Dome", "Dome", intensity=0.3)
+    author.AddCamera(stage, eye=(2.0, 4.0, 7.0), target=(0, 0.2, 0), focalLength=30.0)
+    stage.GetRootLayer().Save()
+    return str(path)
+
+
+def test_instances_are_seen_each_for_itself_however_many_differ(tmp_path):
+    """As prims of their own are, and with one geometry: 196 instances, no two with the same values."""
+    rng = np.random.default_rng(5)
+    count = 196
+    values = {f"hdstream:visibility:{kind}": np.where(rng.random(count) < 0.4, 0.0, 1.0 + np.arange(count)) for kind in _KINDS}
+    values["hdstream:holdout"] = np.where(rng.random(count) < 0.2, 1.0 + np.arange(count), 0.0)
+    pictures = [ours.Render(_Many(tmp_path / f"{isInstanced}.usda", isInstanced, values), WIDTH, HEIGHT, ("color", "alpha", "cameraDepth"),
+                            samples=8, maxDepth=2, domeVisible=False) for isInstanced in (True, False)]
+    for name, pixels in pictures[0].layers.items():
+        assert np.allclose(pixels, pictures[1].layers[name], rtol=2e-4, atol=2e-4), name
+    assert pictures[0].statistics["geometry"]["triangles"] == 12 + 4 * 12  # the floor, and each prim once
+    assert not [line for line in pictures[0].warnings if "64" in line]
+    plain = ours.Render(_Many(tmp_path / "plain.usda", True, {"other": np.ones(count)}), WIDTH, HEIGHT, samples=8, maxDepth=2, domeVisible=False)
+    assert np.abs(plain.layers["color"] - pictures[0].layers["color"]).mean() > 0.02

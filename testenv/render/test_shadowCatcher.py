@@ -235,3 +235,23 @@ def test_alpha_is_that_of_cycles(tmp_path):
 
     assert np.abs(Blocks(alpha) - Blocks(theirs)).max() < 0.01
     assert ((Blocks(theirs) > 0.1) & (Blocks(theirs) < 0.9)).sum() > 5
+
+
+def test_adaptive_sampling_sees_the_noise_of_shadows(tmp_path):
+    """The spread of pictures of other seeds, laid over white, is the error that was asked for where pixels stopped for it."""
+    path = _Room(tmp_path / "room.usda")
+    target, seeds = 0.008, 6
+    shown, counts = [], []
+    for seed in range(seeds):
+        layers = _Render(path, ("color", "alpha", "sampleCount"), samples=1024, noise=target, seed=seed)
+        shown.append(layers["color"][..., :3].astype(np.float64) @ (0.2126, 0.7152, 0.0722) + 1 - layers["alpha"])
+        counts.append(layers["sampleCount"])
+    counts = np.array(counts)
+    mean, spread = np.mean(shown, 0), np.std(shown, 0, ddof=1)
+    floor = _Floor(tmp_path)
+    isNoisy = floor & (counts.min(0) > 32) & (counts.max(0) < 1024)
+    isStill = floor & (spread == 0)
+    assert isNoisy.sum() > 100 and isStill.sum() > 20
+    error = np.sqrt(np.mean(spread[isNoisy] ** 2 / (mean[isNoisy] ** 2 + 0.01)))
+    assert 0.4 * target < error < 0.9 * target, error
+    assert counts[:, isStill].mean() < 0.5 * counts[:, isNoisy].mean()

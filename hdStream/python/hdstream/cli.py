@@ -156,6 +156,9 @@ def _AddFarmOptions(group):
     group.add_argument("--resume", action="store_true",
                        help="leave frames that are there already, go on with those that have fewer samples, and keep "
                             "what that takes beside the images (OUT.sums)")
+    group.add_argument("--snapshot", type=options.NotNegative, default=0.0, metavar="SECONDS",
+                       help="every so many seconds write the picture as it is beside its file (OUT_part), and with --resume "
+                            "what a later run goes on from")
     cluster = group.add_mutually_exclusive_group()
     cluster.add_argument("--scheduler", metavar="ADDRESS", help="render on the workers of this dask.distributed scheduler")
     cluster.add_argument("--workers", type=options.IntegerIn(1, 1024), metavar="N",
@@ -180,6 +183,8 @@ def _AddUsdrecordOptions(group):
                        help="only these prims, their descendants and ancestors")
     group.add_argument("--renderSettingsPrimPath", "-rs", metavar="PATH",
                        help="UsdRenderSettings prim (default: the stage's renderSettingsPrimPath)")
+    group.add_argument("--renderPassPrimPath", "-rp", metavar="PATH",
+                       help="UsdRenderPass prim: its collections, and the render settings that are its renderSource")
     group.add_argument("--disableCameraLight", action="store_true",
                        help="accepted; no camera light is ever added")
 

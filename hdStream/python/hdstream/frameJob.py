@@ -11,6 +11,7 @@ from hdstream.errors import CommandError
 from hdstream.products import Output
 from hdstream.renderer import Image, Renderer
 from hdstream.resume import AssetHashes, KeyOf, SamplesInFile, TextsOf
+from hdstream.snapshots import PartFileOf, RemoveParts, Snapshots
 
 
 @dataclasses.dataclass
@@ -21,8 +22,10 @@ class Job:
     mask: Tuple[str, ...] = ()
     settings: Dict[str, Any] = dataclasses.field(default_factory=dict)  # what the user said, by name
     renderSettingsPrimPath: Optional[str] = None
+    renderPassPrimPath: Optional[str] = None
     colorCorrectionMode: str = ""
     resumes: bool = False
+    snapshotSeconds: float = 0.0  # 0: none
 
 
 @dataclasses.dataclass
@@ -69,38 +72,57 @@ class FrameWriter:
             values["aovs"] = list(dict.fromkeys(layer.aov for output in frame.outputs for layer in output.layers))
             values["deep"] = any(output.isDeep for output in frame.outputs)
         self.renderer.Prepare(frame.timeCode, renderSettingsPrimPath=self._job.renderSettingsPrimPath,
-                              renderProductPrimPath=frame.product, **values)
+                              renderPassPrimPath=self._job.renderPassPrimPath, renderProductPrimPath=frame.product, **values)
 
     def Render(self, frame, onProgress=None):
         """The picture; from the samples on that were kept, when the job resumes."""
+        if self._job.snapshotSeconds > 0.0:
+            onProgress = Snapshots(self._job.snapshotSeconds, lambda: self._WriteSnapshot(frame), onProgress)
         return self.renderer.RenderPrepared(onProgress, self.StartOf(frame))
 
     def Finish(self, frame, image: Image):
         """Writes picture, sums and statistics; returns False for a picture without a whole sample, which is not written."""
         settings = self.renderer.settings
         done = settings["samples"] if image.isComplete else image.samples
-        if self._job.resumes and _CanGoOn(settings) and "device" in image.statistics:
-            # Before the picture: one that is whole has its sums.
-            filmSums.Save(filmSums.FileOf(frame.file), self.renderer.Sums(), self._key, image.statistics["device"]["name"])
+        self._SaveSums(frame, image)  # before the picture: one that is whole has its sums
         if image.samples == 0:
             return False
         texts = TextsOf(self._key, done) if self._job.resumes else {}
-        for output in self._OutputsOf(frame):
-            if output.isDeep:
-                isHalf = output.layers is not None and output.layers[0].isHalf
-                image.WriteDeep(output.file, {**output.texts, **texts}, isHalf)
-                continue
-            layers = None if output.layers is None else [dataclasses.astuple(layer) for layer in output.layers]
-            left = image.Write(output.file, self._job.colorCorrectionMode, {**output.texts, **texts}, layers, output.tileSize)
+        outputs = self._OutputsOf(frame)
+        for output in outputs:
+            left = self._Write(image, output, output.file, texts)
             if left:
                 self.renderer.Warn(output.file, f"no room in this format for {', '.join(left)}; use .exr")
+        if self._job.snapshotSeconds > 0.0:
+            RemoveParts(output.file for output in outputs)
         if frame.statsFile:
             WriteText("--stats", frame.statsFile, json.dumps(image.statistics, indent=2) + "\n")
         return True
 
+    def _WriteSnapshot(self, frame):
+        image = self.renderer.ImageSoFar()
+        self._SaveSums(frame, image)
+        for output in self._OutputsOf(frame):
+            if not output.isDeep:  # what is deep is known at the end
+                self._Write(image, output, PartFileOf(output.file), {})
+
     def _OutputsOf(self, frame):
         """The files of a prepared frame."""
         return frame.outputs or (Output(frame.file, None, isDeep=self.renderer.settings["deep"]),)
+
+    def _Write(self, image, output, file, texts):
+        """Returns the names of layers for which the format has no room."""
+        if output.isDeep:
+            isHalf = output.layers is not None and output.layers[0].isHalf
+            image.WriteDeep(file, {**output.texts, **texts}, isHalf)
+            return ()
+        layers = None if output.layers is None else [dataclasses.astuple(layer) for layer in output.layers]
+        return image.Write(file, self._job.colorCorrectionMode, {**output.texts, **texts}, layers, output.tileSize)
+
+    def _SaveSums(self, frame, image):
+        """What `--resume` goes on from."""
+        if self._job.resumes and _CanGoOn(self.renderer.settings) and "device" in image.statistics:
+            filmSums.Save(filmSums.FileOf(frame.file), self.renderer.Sums(), self._key, image.statistics["device"]["name"])
 
     def _FileFormat(self, file):
         """What the bits of a file depend on besides the picture."""

@@ -8,6 +8,7 @@ from hdstream.denoiser import FindDenoiser
 from hdstream.errors import CommandError, UsageError
 from hdstream.frameJob import Frame, Job
 from hdstream.products import FindPictures
+from hdstream.renderSettings import SettingsPathOf
 from hdstream.stage import FrameOutputs, ParseFrames, StartTimeOf
 
 
@@ -27,6 +28,8 @@ def CheckArguments(args):
     for option in ("split", "parts"):
         if getattr(args, option) and not (args.scheduler or args.workers):
             raise UsageError(f"--{option}: needs --scheduler or --workers")
+    if args.snapshot and (args.scheduler or args.workers):
+        raise UsageError("--snapshot: not with --scheduler or --workers")
     if args.output is None and args.aovs:
         raise UsageError("--aovs: files of render products hold the render vars of their product; say OUT to choose others")
     if args.output is None and args.deep:
@@ -47,7 +50,8 @@ def JobOf(args):
     """The options as values that any process can work on."""
     values = {info.name: getattr(args, info.name, None) for info in _core.SettingTable()}
     return Job(args.stage, tuple(args.mask or ()), {name: value for name, value in values.items() if value is not None},
-               args.renderSettingsPrimPath, args.colorCorrectionMode, args.resume)
+               args.renderSettingsPrimPath, args.renderPassPrimPath, args.colorCorrectionMode, args.resume,
+               args.snapshot)
 
 
 def FramesOf(args, stage, warn):
@@ -67,7 +71,9 @@ def _FramesOfOutput(args, stage):
 
 def _FramesOfProducts(args, stage, warn):
     """A frame for each time and each picture that products need; products that differ in files alone share one."""
-    pictures = FindPictures(stage, args.renderSettingsPrimPath, _Session(warn))
+    session = _Session(warn)
+    path = SettingsPathOf(stage, args.renderSettingsPrimPath, args.renderPassPrimPath, session)
+    pictures = FindPictures(stage, path, session)
     if args.stats and (len(pictures) > 1 or args.frames):
         raise UsageError("--stats: one file cannot hold the statistics of several pictures; say OUT")
     frames, productOf = [], {}

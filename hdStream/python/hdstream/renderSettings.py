@@ -15,11 +15,6 @@ from hdstream.diagnostics import MessagesOf, TfError
 from hdstream.errors import OneLine, UsageError
 
 NAMESPACE = "hdstream:"
-# Names of usual sources of render vars for our AOVs; an AOV's own name always works.
-_AOV_ALIASES = {
-    "Ci": "color", "rgba": "color", "RGBA": "color", "beauty": "color", "a": "alpha", "z": "depth",
-    "N": "normal", "Nn": "normal", "P": "position", "id": "primId", "st": "primvars:st", "uv": "primvars:st",
-}
 
 
 class RenderSettings:
@@ -77,6 +72,31 @@ def ReadRenderSettings(stage, path, session, productPath=None):
     return settings
 
 
+def FindRenderPass(stage, path, session):
+    """The render pass at `path`; None without a path. Raises UsageError where the stage has none there."""
+    if not path:
+        return None
+    prim = stage.GetPrimAtPath(path) if Sdf.Path.IsValidPathString(path) else None
+    if not prim or not prim.IsA(UsdRender.Pass):
+        raise UsageError(f"--renderPassPrimPath {path}: the stage has no such render pass")
+    if prim.GetAttribute("fileName").HasAuthoredValue():
+        session.Warn(path, "fileName is not read: what the pass names is looked for in the stage itself")
+    return prim
+
+
+def SettingsPathOf(stage, settingsPath, passPath, session):
+    """The path of the render settings that hold: those that are asked for, else the pass's renderSource; None: the stage's."""
+    passPrim = FindRenderPass(stage, passPath, session)
+    sources = TargetsOf(passPrim, "renderSource", session) if passPrim and not settingsPath else []
+    if not sources:
+        return settingsPath
+    source = stage.GetPrimAtPath(sources[0])
+    if source and source.IsA(UsdRender.Settings):
+        return sources[0].pathString
+    session.Warn(passPath, f"renderSource {sources[0]} is no render settings; ignored")
+    return settingsPath
+
+
 def TargetsOf(prim, name, session):
     """What a relationship names; nothing, and one warning, where it is none."""
     try:
@@ -123,8 +143,8 @@ def AovOfVar(var, path, session):
     kind = var.GetAttribute("sourceType").Get() if source else "raw"
     if kind == "lpe":
         return _LightPathOf(source, path)
-    name = source if source and _core.HasAov(source) else _AOV_ALIASES.get(source)
-    if kind not in ("raw", "primvar"):
+    name = _core.AovOfSource(source or "") or None
+    if kind not in ("raw", "intrinsic", "primvar"):
         session.Warn(str(path), f"render var of the type {kind!r}, which is not supported; left out")
         return None
     if name is None:

@@ -22,7 +22,7 @@ from hdstream.framing import FindCamera
 from hdstream.frameSetup import Framing, FrameTime, MakeMetadata, MakeSettings, ShutterOf
 from hdstream.processTime import SecondsSinceStart
 from hdstream.materialXFiles import UnreadFiles
-from hdstream.renderSettings import ReadRenderSettings
+from hdstream.renderSettings import ReadRenderSettings, SettingsPathOf
 from hdstream.stage import OpenStage
 from hdstream.translate.stageEdits import StageTranslation
 
@@ -130,6 +130,7 @@ class Renderer:
 
     def Prepare(self, timeCode: Union[float, Usd.TimeCode, None] = None, *,
                 renderSettingsPrimPath: Optional[str] = None, renderProductPrimPath: Optional[str] = None,
+                renderPassPrimPath: Optional[str] = None,
                 crop: Optional[Tuple[int, int, int, int]] = None, **settings: Any) -> None:
         """Brings the scene up to date with the stage, without rendering.
 
@@ -144,6 +145,9 @@ class Renderer:
             Default: the stage's startTimeCode.
         renderSettingsPrimPath : str, optional
             A UsdRenderSettings prim that fills what `settings` leave open. Default: the stage's own.
+        renderPassPrimPath : str, optional
+            A UsdRenderPass prim, whose collections say what is drawn and seen (docs/film.md). Its `renderSource` are the
+            render settings where `renderSettingsPrimPath` says none.
         renderProductPrimPath : str, optional
             The product of the render settings whose camera and size hold; its render vars do not. Default: the first,
             with its render vars.
@@ -168,7 +172,7 @@ class Renderer:
             timeCode = self._stage.GetStartTimeCode()
         self._frame = None  # what went wrong leaves nothing to render
         self._frame = _Raising(self._MakeFrame, Usd.TimeCode(timeCode), settings, renderSettingsPrimPath, renderProductPrimPath,
-                               crop)
+                               renderPassPrimPath, crop)
 
     def RenderPrepared(self, onProgress: Optional[Callable[[_core.Progress], Any]] = None,
                        start: Sequence[_core.FilmSums] = ()) -> "Image":
@@ -188,7 +192,24 @@ class Renderer:
         hdstream.UsageError
             Also for sums of another size or order, and for sums together with the setting `noise`.
         """
-        isComplete = self._RenderFilm(onProgress, start)
+        return self._Image(self._RenderFilm(onProgress, start))
+
+    def ImageSoFar(self) -> "Image":
+        """The picture as it is. May be called inside of `onProgress`, on its thread, once `previewStride` is 1.
+
+        Returns
+        -------
+        Image
+            With `isComplete` False. Its statistics are those so far.
+
+        Raises
+        ------
+        hdstream.Error
+            Nothing has been rendered yet.
+        """
+        return self._Image(False)
+
+    def _Image(self, isComplete):
         hasImage = self._session.HasImage()
         samples = json.loads(self._session.Statistics())["image"]["samples"] if hasImage else 0
         layers = self._session.Layers() if samples > 0 else []
@@ -275,13 +296,14 @@ class Renderer:
         """Adds a warning of the caller, for the statistics too."""
         self._session.Warn(subject, text)
 
-    def _MakeFrame(self, timeCode, values, renderSettingsPrimPath, renderProductPrimPath, crop):
+    def _MakeFrame(self, timeCode, values, renderSettingsPrimPath, renderProductPrimPath, renderPassPrimPath, crop):
         start = time.perf_counter()
-        renderSettings = ReadRenderSettings(self._stage, renderSettingsPrimPath, self._session, renderProductPrimPath)
+        settingsPath = SettingsPathOf(self._stage, renderSettingsPrimPath, renderPassPrimPath, self._session)
+        renderSettings = ReadRenderSettings(self._stage, settingsPath, self._session, renderProductPrimPath)
         cameraPrim = FindCamera(self._stage, values.get("camera"), renderSettings.camera)
         settings = MakeSettings(values, renderSettings, self._session.Warn)
         shutter = ShutterOf(cameraPrim, timeCode, settings)
-        self._translation.Update(timeCode, shutter)
+        self._translation.Update(timeCode, shutter, renderPassPrimPath or "")
         self._diagnostics.WarnOf(self._session)
         scene = self._session.Scene()
         if not scene.geometry and not scene.volumes:

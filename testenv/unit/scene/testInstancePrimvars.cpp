@@ -175,10 +175,12 @@ TEST_F(InstancePrimvarsTest, ValuesThatAreNotAsManyAsInstancesAreIgnored) {
 }
 
 TEST(IsReadByPrim, NamesWhatInstancesCannotHave) {
-    for (const char* name : {"widths", "normals", "hdstream:holdout", "arnold:visibility:camera"}) {
+    for (const char* name : {"widths", "normals", "hdstream:dielectricPriority",
+                             "ri:attributes:trace:intersectpriority", "arnold:subdiv_type"}) {
         EXPECT_TRUE(IsReadByPrim(name)) << name;
     }
-    for (const char* name : {"displayColor", "st", "hdstreamColor", "arnoldish"}) {
+    for (const char* name : {"displayColor", "st", "hdstreamColor", "arnoldish", "hdstream:holdout",
+                             "arnold:visibility:camera", "karma:object:rendervisibility"}) {
         EXPECT_FALSE(IsReadByPrim(name)) << name;
     }
 }

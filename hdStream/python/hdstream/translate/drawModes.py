@@ -121,7 +121,7 @@ class DrawModes:
         look = tuple((name, repr(prim.GetAttribute(name).Get(self._timeCode))) for name in sorted(names)
                      if name.startswith("model:") or name == "extentsHint")
         key = (prim.GetPrototype().GetPath(), state.drawMode, look, state.purpose,
-               tuple(sorted(state.bindings.items())))
+               tuple(sorted(state.bindings.items())), state.ofPass)
         group = context.standInGroups.get(key)
         if group is None:
             group = context.standInGroups[key] = InstanceGroup(prim, state)
@@ -130,9 +130,10 @@ class DrawModes:
     def AddGroup(self, group, context):
         """Makes the instancer of native instances that show the same cards."""
         path = self._translator.ReservePath(group.firstPrim, context)
-        inner = Context(path, group.VisibleIndices(), context.chain)
+        inner = Context(path, group.VisibleIndices(), context.chain, context.passOfInstancer)
         state = State()
         state.purpose = group.state.purpose
+        state.ofPass = group.state.ofPass
         state.drawMode = group.state.drawMode
         self._Place(group.firstPrim, state, inner)
         if inner.isPlacing:
@@ -158,6 +159,8 @@ class DrawModes:
         for texture in sorted(set(cards.textures) - {None}):
             self._SetMaterial(prim, texture, color)
         context.isPlacing = context.isPlacing or bool(context.instancerPath)
+        if state.ofPass:
+            state.ofPass.Apply(geometryPrim)
         return self._session.SetGeometry(path, geometryPrim)
 
     def _PlaceLines(self, prim, state, context):
@@ -180,7 +183,10 @@ class DrawModes:
         path = self._translator.ReservePath(prim, context)
         placement = self._translator.PlacementOf(state, context)
         context.isPlacing = context.isPlacing or bool(context.instancerPath)
-        return self._session.SetGeometry(path, _core.GeometryPrim(description, placement, state.purpose))
+        geometryPrim = _core.GeometryPrim(description, placement, state.purpose)
+        if state.ofPass:
+            state.ofPass.Apply(geometryPrim)
+        return self._session.SetGeometry(path, geometryPrim)
 
     def _ColorOf(self, prim):
         if not prim.HasAPI(UsdGeom.ModelAPI):

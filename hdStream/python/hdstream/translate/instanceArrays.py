@@ -12,6 +12,7 @@ class InstanceGroup:
 
     def __init__(self, firstPrim, state):
         self.firstPrim = firstPrim
+        self.passByInstance = frozenset()  # as of Context
         self.state = state      # of the first instance, for what its prototype inherits
         # (Sdf.Path, Gf.Matrix4d: context space from instance, is drawn, matrices as State's, inherited primvars)
         self._instances = []
@@ -27,6 +28,7 @@ class InstanceGroup:
         for instance in self._instances:
             prim = stage.GetPrimAtPath(instance[0])
             group = groups.setdefault(keyOf(prim), InstanceGroup(prim, self.state))
+            group.passByInstance = self.passByInstance
             group._instances.append(instance)
         return list(groups.values())
 
@@ -86,11 +88,13 @@ def _RowOf(primvar):
     return rows[index:index + 1] if 0 <= index < len(rows) else np.zeros((1, primvar.numComponents), np.float32)
 
 
-def InheritedKey(state, boundPaths):
+def InheritedKey(state, boundPaths, isFlat):
     """Equal for instances whose prototypes look the same but for primvars of one value; `boundPaths` when
-    collections bind."""
-    primvars = tuple(sorted((entry.primvar.name, entry.primvar.numComponents) if _IsRow(entry.primvar) else entry.key
-                            for entry in state.primvars.values()))
+    collections bind. Who sees them may differ where their prototype is flat."""
+    primvars = tuple(sorted(
+        (entry.primvar.name, entry.primvar.numComponents)
+        if _IsRow(entry.primvar) and (isFlat or not _core.SaysRayVisibility(entry.primvar.name)) else entry.key
+        for entry in state.primvars.values()))
     bindings = boundPaths or tuple(sorted(state.bindings.items()))
     return state.purpose, state.isPurposeAuthored, primvars, bindings
 

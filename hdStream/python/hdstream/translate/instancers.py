@@ -22,15 +22,17 @@ from hdstream.translate.primState import PREDICATE, PROTOTYPE_PREDICATE, Context
 class Instancers:
     """Adds instancers to a session; walks their prototypes with the stage's translator."""
 
-    def __init__(self, translator, stage, session, timeCode, motion, links, reports):
+    def __init__(self, translator, stage, session, timeCode, motion, links, passCollections, reports):
         self._translator = translator
         self._stage = stage
         self._session = session
         self._timeCode = timeCode
         self._motion = motion
         self._links = links
+        self._pass = passCollections  # None: there is no pass
         self._reports = reports
         self._levels = InstanceLevels(translator, session)
+        self._isFlat = {}  # path of a prototype -> bool
         self._differentBelow = {}  # path of a first instance -> names of primvars that its group has by instance
 
     def Split(self, path, prim, geometryPrim):
@@ -40,11 +42,29 @@ class Instancers:
     def AddInstance(self, prim, state, context):
         """Adds a native instance to the group that shares its prototype's look."""
         boundPaths = self._BoundPathsBelow(prim) if state.hasCollections else None
-        key = (prim.GetPrototype().GetPath(), InheritedKey(state, boundPaths))
+        passKey = self._pass.KeyBelow(prim, context) if self._pass else ()
+        if passKey is None:
+            return
+        isFlat = self._IsFlat(prim.GetPrototype()) and not state.drawMode
+        passByInstance = frozenset()
+        if self._pass and isFlat:
+            state, passKey, passByInstance = self._pass.ByInstance(state, passKey, context)
+        key = (prim.GetPrototype().GetPath(), InheritedKey(state, boundPaths, isFlat), passKey)
         group = context.instanceGroups.get(key)
         if group is None:
             group = context.instanceGroups[key] = InstanceGroup(prim, state)
+            group.passByInstance = passByInstance
         group.Add(prim, state)
+
+    def _IsFlat(self, prototype):
+        """Whether a prototype has neither instances nor draw modes inside: what differs between its instances, the core has
+        for the innermost of them alone."""
+        path = prototype.GetPath()
+        if path not in self._isFlat:
+            self._isFlat[path] = not any(
+                child.IsInstance() or child.IsA(UsdGeom.PointInstancer) or child.HasAPI(UsdGeom.ModelAPI)
+                for child in Usd.PrimRange(prototype))
+        return self._isFlat[path]
 
     @staticmethod
     def _BoundPathsBelow(prim):
@@ -64,7 +84,7 @@ class Instancers:
     def _AddPart(self, group, context):
         """Makes the instancer of native instances and translates what it places."""
         path = self._translator.ReservePath(group.firstPrim, context)
-        inner = Context(path, group.VisibleIndices(), context.chain)
+        inner = Context(path, group.VisibleIndices(), context.chain, context.passOfInstancer, group.passByInstance)
         rowsByName = group.DifferentPrimvars()
         self._levels.Add(path, InstanceLevel(context.instancerPath, context.instances, rowsByName))
         if rowsByName:
@@ -73,6 +93,8 @@ class Instancers:
         state.purpose = group.state.purpose
         state.isPurposeAuthored = group.state.isPurposeAuthored
         state.primvars = {name: entry for name, entry in group.FirstPrimvars().items() if name not in rowsByName}
+        if group.passByInstance:
+            state.primvars = self._pass.DropUsual(state.primvars, group.passByInstance)
         state.bindings = group.state.bindings
         state.hasCollections = group.state.hasCollections
         self._translator.Walk(group.firstPrim.GetFilteredChildren(inner.predicate), state, inner)
@@ -122,7 +144,10 @@ class Instancers:
         if not root or not PROTOTYPE_PREDICATE(root):
             self._reports.Warn(instancer, f"prototype {prototypePath} does not exist or is not defined")
             return False
-        inner = Context(path, instances, context.chain + (instancer.GetPath().pathString,))
+        if self._pass and self._pass.IsPrunedWithin(root):
+            return False
+        ofInstancer = self._pass.InPrototype(instancer, root, instancerState, context) if self._pass else None
+        inner = Context(path, instances, context.chain + (instancer.GetPath().pathString,), ofInstancer)
         self._translator.Walk([root], self._PrototypeState(root, instancerState), inner)
         return inner.isPlacing
 

@@ -18,7 +18,7 @@ class State:
     """Inherited values at a prim, relative to the space of its Context."""
 
     __slots__ = ("matrix", "matrices", "visible", "purpose", "isPurposeAuthored", "primvars", "bindings",
-                 "hasCollections", "drawMode", "skelRoot")
+                 "hasCollections", "drawMode", "skelRoot", "ofPass")
 
     def __init__(self):
         self.matrix = IDENTITY          # context space from prim, row vectors (Gf)
@@ -31,6 +31,7 @@ class State:
         self.hasCollections = False     # a collection-based material binding applies
         self.drawMode = ""              # UsdGeomModelAPI; empty: default
         self.skelRoot = None            # the SkelRoot prim around, whose meshes may be skinned
+        self.ofPass = None              # the prim's own Membership, not inherited; None: there is no pass
 
     def Copy(self):
         copy = State.__new__(State)
@@ -62,7 +63,7 @@ class State:
 class Context:
     """A space that prims are placed in: the world, or the prototypes of one instancer."""
 
-    def __init__(self, instancerPath="", instances=None, chain=()):
+    def __init__(self, instancerPath="", instances=None, chain=(), passOfInstancer=None, passByInstance=frozenset()):
         self.instancerPath = instancerPath  # scene path of the instancer; empty: the world
         self.instances = instances          # int32: those of its instances that place what is here
         self.isPlacing = False              # some prim is placed here
@@ -70,6 +71,8 @@ class Context:
         self.standInGroups = {}             # the same of instances that a draw mode replaces
         self.contextsByDrawMode = {}        # draw mode -> Context: collects the instances that inherit it
         self.chain = chain                  # USD paths of the point instancers around
+        self.passOfInstancer = passOfInstancer  # OfInstancer of the point instancer around; None: there is none, or no pass
+        self.passByInstance = passByInstance    # names of primvars by which the pass tells the native instances around apart
         # Below an `over` nothing is defined; the prototypes of point instancers may be there.
         self.predicate = PROTOTYPE_PREDICATE if chain else PREDICATE
 
@@ -79,7 +82,7 @@ class Context:
             return self
         found = self.contextsByDrawMode.get(drawMode)
         if found is None:
-            found = Context(self.instancerPath, self.instances, self.chain)
+            found = Context(self.instancerPath, self.instances, self.chain, self.passOfInstancer, self.passByInstance)
             self.contextsByDrawMode[drawMode] = found
         return found
 

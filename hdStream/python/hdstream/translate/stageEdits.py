@@ -34,6 +34,7 @@ class StageTranslation:
         self._onBegin = onBegin
         self._timeCode = None
         self._shutter = (0.0, 0.0)
+        self._pass = ""  # path of the render pass; empty: none
         self._isStale = True
         self._changes = {}  # prim path -> names of its properties that changed
         self._paths = set()  # of geometry and lights in the scene
@@ -45,12 +46,12 @@ class StageTranslation:
         self._listener = Tf.Notice.Register(
             Usd.Notice.ObjectsChanged, lambda notice, _: onChanged() and onChanged()(notice), stage)
 
-    def Update(self, timeCode, shutter=(0.0, 0.0)):
-        """Brings the session up to date; returns how many prims were visited."""
+    def Update(self, timeCode, shutter=(0.0, 0.0), passPath=""):
+        """Brings the session up to date; returns how many prims were visited. `passPath`: of a UsdRenderPass."""
         timeCode = Usd.TimeCode(timeCode)
         changes, self._changes = self._changes, {}
-        isWhole = self._isStale or timeCode != self._timeCode or shutter != self._shutter
-        self._timeCode, self._shutter = timeCode, shutter
+        isWhole = self._isStale or (timeCode, shutter, passPath) != (self._timeCode, self._shutter, self._pass)
+        self._timeCode, self._shutter, self._pass = timeCode, shutter, passPath
         if isWhole or not self._AreSafe(changes):
             return self._TranslateAll()
         return sum(self._TranslateBelow(path, names) for path, names in changes.items())
@@ -71,10 +72,14 @@ class StageTranslation:
         else:
             self._isStale = True
 
+    def _NewTranslator(self):
+        passPrim = self._stage.GetPrimAtPath(self._pass) if self._pass else None
+        return StageTranslator(self._stage, self._session, self._timeCode, self._shutter, passPrim)
+
     def _TranslateAll(self):
         self._session.Clear()
         self._onBegin()
-        translator = StageTranslator(self._stage, self._session, self._timeCode, self._shutter)
+        translator = self._NewTranslator()
         translator.Translate()
         self._paths = set(translator.Paths())
         self._materialPaths = translator.materialPaths
@@ -112,7 +117,7 @@ class StageTranslation:
         prim = self._stage.GetPrimAtPath(path)
         if prim.GetTypeName() in _RENDER:
             return 0
-        translator = StageTranslator(self._stage, self._session, self._timeCode, self._shutter)
+        translator = self._NewTranslator()
         material = _MaterialOf(prim)
         if material:
             if material.GetPath().pathString not in self._materialPaths:

@@ -20,6 +20,7 @@ from hdstream.translate.links import Links
 from hdstream.translate.materials import FindBoundMaterials, MaterialReader
 from hdstream.translate.geometryBatch import GeometryBatch
 from hdstream.translate.motion import Motion
+from hdstream.translate.passCollections import PassCollections
 from hdstream.translate.primState import PREDICATE, Context, State
 from hdstream.translate.reports import Reports
 from hdstream.translate.skinning import Skinning
@@ -45,8 +46,9 @@ class _TypeInfo:
 class StageTranslator:
     """Translates one stage at one time code, and while a shutter is open around it, into a session. Used once."""
 
-    def __init__(self, stage, session, timeCode, shutter=(0.0, 0.0)):
+    def __init__(self, stage, session, timeCode, shutter=(0.0, 0.0), passPrim=None):
         self._stage = stage
+        self._pass = PassCollections(passPrim) if passPrim else None
         self._session = session
         self._timeCode = Usd.TimeCode(timeCode)
         self._motion = Motion(timeCode, shutter)
@@ -61,7 +63,8 @@ class StageTranslator:
         self._links = Links()
         self._batch = GeometryBatch(session, self._links, self._reports.Warn)
         self._drawModes = drawModes.DrawModes(self, session, self._timeCode, self._assets, self._reports)
-        self._instancers = Instancers(self, stage, session, self._timeCode, self._motion, self._links, self._reports)
+        self._instancers = Instancers(self, stage, session, self._timeCode, self._motion, self._links, self._pass,
+                                      self._reports)
         self._volumeMaterials = {}  # path -> prim
         self._kept = {}  # scene path -> GeometryPrim of before, whose geometry is as it was
         self.materialPaths = set()  # of the materials that were translated
@@ -81,6 +84,8 @@ class StageTranslator:
 
     def TranslateBelow(self, prim, ancestors, keptPrims):
         """Translates a prim and all below it. `keptPrims`: scene path -> GeometryPrim whose arrays still hold."""
+        if self._pass and self._pass.IsPrunedWithin(prim):
+            return
         self._kept = keptPrims
         state = State()
         for ancestor in ancestors:
@@ -145,6 +150,8 @@ class StageTranslator:
 
     def _Visit(self, prim, inherited, context):
         """Translates a prim; returns the state of its children, None when they are not visited."""
+        if self._pass and self._pass.IsPruned(prim):
+            return None
         self.numPrims += 1
         info = self._types.get(prim.GetTypeName()) or self._AddType(prim)
         names = prim.GetAuthoredPropertyNames()
@@ -153,14 +160,25 @@ class StageTranslator:
             state = state.Copy()
             state.skelRoot = prim
         if state.drawMode and self._drawModes.IsApplied(prim):
-            self._drawModes.Add(prim, names, state, context)
+            self._drawModes.Add(prim, names, self._InPass(prim, state, context), context)
             return None
         if info.handler is None:
             if prim.IsInstance():
                 self._instancers.AddInstance(prim, state, context.OfDrawMode(state.drawMode))
                 return None
             return state
-        return info.handler(prim, info.schema, names, state, context)
+        own = self._InPass(prim, state, context)
+        below = info.handler(prim, info.schema, names, own, context)
+        return state if below is own else below
+
+    def _InPass(self, prim, state, context):
+        """A prim's state with what the pass does to it, which those below do not inherit."""
+        if self._pass is None:
+            return state
+        own = state.Copy()
+        own.ofPass = self._pass.Of(prim, context)
+        own.visible = state.visible and own.ofPass.isRendered
+        return own
 
     def _StateOf(self, prim, info, names, inherited):
         """The prim's own state: `inherited` itself when it changes nothing."""
@@ -290,6 +308,8 @@ class StageTranslator:
         (materialPath,), materials = FindBoundMaterials([prim], self._reports.Warn)
         self._volumeMaterials.update(materials)
         path, placement = self._Place(prim, state, context)
+        if state.ofPass and placement.visible and (state.ofPass.isMatte or not state.ofPass.isSeenByCamera):
+            self._reports.Count(prim, "volumes have no matte and are always seen by the camera, whatever the pass says: {count}")
         placement.samples = []  # volumes are where the frame has them
         self._session.SetVolume(path, volumes.ReadVolume(
             prim, placement, state.purpose, materialPath, self._timeCode, self._assets, self._reports.Warn))
@@ -304,6 +324,8 @@ class StageTranslator:
             return
         path, placement = self._Place(prim, state, context)
         geometryPrim = _core.GeometryPrim(description, placement, state.purpose)
+        if state.ofPass:
+            state.ofPass.Apply(geometryPrim)
         for splitPath, splitPrim in self._instancers.Split(path, prim, geometryPrim):
             self._batch.Add(splitPath, prim, splitPrim, [])
 
@@ -334,6 +356,8 @@ class StageTranslator:
             geometryPrim.doubleSided = bool(prim.GetAttribute("doubleSided").Get(self._timeCode))
         if prim.IsA(UsdGeom.Mesh):
             self._ReadMeshLight(prim, names, geometryPrim)
+        if state.ofPass:
+            state.ofPass.Apply(geometryPrim)
         for splitPath, splitPrim in self._instancers.Split(path, prim, geometryPrim):
             self._batch.Add(splitPath, prim, splitPrim, subsetPrims)
 
@@ -352,6 +376,8 @@ class StageTranslator:
     def _OnLight(self, prim, schema, names, state, context):
         self._WarnOfLight(prim, names)
         light = lights.ReadLight(prim, schema, names, self._timeCode, self._assets)
+        if state.ofPass and not state.ofPass.isSeenByCamera:
+            light.visibleToCamera = False
         path, placement = self._Place(prim, state, context)
         pole = lights.PoleTransform(prim, schema)
         if pole is not None:
@@ -389,9 +415,9 @@ def _SchemaClass(name):
     return None
 
 
-def TranslateStage(stage, session, timeCode, shutter=(0.0, 0.0)):
+def TranslateStage(stage, session, timeCode, shutter=(0.0, 0.0), passPrim=None):
     """Fills `session` with the stage at a time code (a float, or Usd.TimeCode), and while the shutter is open
-    around it: (open, close) in frames."""
-    translator = StageTranslator(stage, session, timeCode, shutter)
+    around it: (open, close) in frames. `passPrim`: a UsdRenderPass whose collections count."""
+    translator = StageTranslator(stage, session, timeCode, shutter, passPrim)
     translator.Translate()
     return translator
