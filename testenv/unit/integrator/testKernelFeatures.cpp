@@ -116,9 +116,11 @@ TEST(KernelFeatures, HaveWhatTheyNeed) {
         {"glassShadows", {"cutouts", "lobes"}}, // are asked for as candidates are
         {"mediaStack", {"cutouts", "lobes", "media"}}, // whose boundaries are passed as cut-outs
         {"volumes", {"cutouts", "lobes", "media", "textures"}}, // bricks are lines; events of media
-        {"flat", {"simd8"}},                                    // is walked as that form walks
-        {"flatInstances", {"flat", "simd8"}},                   // and beside it instances are
-        {"requestsFirst", {"streaming"}},                       // asks for pages that are missing
+        {"volumeMotion", // moves what volumes hold by the time of a path
+         {"cutouts", "lobes", "media", "motion", "textures", "volumes"}},
+        {"flat", {"simd8"}},                  // is walked as that form walks
+        {"flatInstances", {"flat", "simd8"}}, // and beside it instances are
+        {"requestsFirst", {"streaming"}},     // asks for pages that are missing
     };
     for (const auto& [name, needs] : AllNeeds()) {
         const auto found = expected.find(name);
