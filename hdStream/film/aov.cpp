@@ -133,6 +133,27 @@ std::shared_ptr<const AovInfo> MakeLightPathAov(const std::string& name) {
         Light(name, "C.*<L.'" + group + "'>", "the light of a group of lights"));
 }
 
+/// The AOV whose variance that one is; null: it is no variance.
+std::shared_ptr<const AovInfo> FindVaryingAov(const std::string& name) {
+    if (!HasPrefix(name, kVariancePrefix)) {
+        return nullptr;
+    }
+    const std::string of = name.substr(std::strlen(kVariancePrefix));
+    if (IsLightPathAov(of)) {
+        return MakeLightPathAov(of);
+    }
+    const AovInfo* info = FindAov(of);
+    return info != nullptr && !info->lightPaths.empty() ? std::make_shared<const AovInfo>(*info)
+                                                        : nullptr;
+}
+
+std::shared_ptr<const AovInfo> MakeVarianceAov(const std::string& name, const AovInfo& of) {
+    AovInfo info = Data(name.c_str(), {"Y"}, AovFilter::Counter, 0.0F,
+                        "estimated variance of the luminance of an AOV");
+    info.lightPaths = of.lightPaths;
+    return std::make_shared<const AovInfo>(info);
+}
+
 std::shared_ptr<const AovInfo> MakePrimvarAov(const std::string& name) {
     return std::make_shared<const AovInfo>(
         Data(name.c_str(), {"X", "Y", "Z"}, AovFilter::First, 0.0F, "a primvar of the first hit"));
@@ -144,7 +165,7 @@ std::shared_ptr<const AovInfo> MakePrimvarAov(const std::string& name) {
         message.append(" ").append(row.name);
     }
     throw Error(message + " " + kPrimvarAovPrefix + "NAME " + kLightPathPrefix + "EXPRESSION " +
-                    kLightGroupPrefix + "NAME)",
+                    kLightGroupPrefix + "NAME " + kVariancePrefix + "NAME of light)",
                 ErrorKind::Usage);
 }
 
@@ -176,6 +197,10 @@ void AddSlot(const std::string& name, AovLayout* layout) {
     }
     if (IsLightPathAov(name)) {
         PlaceSlot(MakeLightPathAov(name), layout);
+        return;
+    }
+    if (const std::shared_ptr<const AovInfo> of = FindVaryingAov(name)) {
+        PlaceSlot(MakeVarianceAov(name, *of), layout);
         return;
     }
     const AovInfo* info = FindAov(name);
@@ -225,13 +250,15 @@ std::vector<std::string> LayersOf(const std::string& name) {
 }
 
 bool HasAov(const std::string& name) {
-    return FindAov(name) != nullptr || IsPrimvarAov(name) || IsLightPathAov(name);
+    return FindAov(name) != nullptr || IsPrimvarAov(name) || IsLightPathAov(name) ||
+           FindVaryingAov(name) != nullptr;
 }
 
 bool IsSummed(const std::string& name) {
     const AovInfo* info = FindAov(name);
-    return IsLightPathAov(name) || (info && (info->filter == AovFilter::Matte ||
-                                             !info->lightPaths.empty() || name == kOcclusionAov));
+    return IsLightPathAov(name) || FindVaryingAov(name) != nullptr ||
+           (info && (info->filter == AovFilter::Matte || !info->lightPaths.empty() ||
+                     name == kOcclusionAov));
 }
 
 void CheckAovs(const std::vector<std::string>& names) {

@@ -59,6 +59,8 @@ constexpr const char* kOcclusionAov = "ambientOcclusion";
 constexpr const char* kLightPathPrefix = "lpe:";
 /// AOVs of this prefix show the light of the lights of a group.
 constexpr const char* kLightGroupPrefix = "lightGroup:";
+/// AOVs of this prefix show the variance of an AOV that is the light of an expression.
+constexpr const char* kVariancePrefix = "variance:";
 
 /// Whether a film keeps sums or counts for that AOV beside those of colour.
 bool IsSummed(const std::string& name);

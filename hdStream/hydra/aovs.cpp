@@ -87,6 +87,11 @@ HdAovDescriptor HdStreamAovDescriptor(const TfToken& name) {
     if (BeginsWith(layer, hds::kLightPathPrefix) || BeginsWith(layer, hds::kLightGroupPrefix)) {
         return IsReadable(layer) ? ThreeFloats(0.0F) : HdAovDescriptor();
     }
+    if (BeginsWith(layer, hds::kVariancePrefix)) {
+        return hds::HasAov(layer) && IsReadable(layer)
+                   ? HdAovDescriptor{HdFormatFloat32, false, VtValue(0.0F)}
+                   : HdAovDescriptor();
+    }
     const hds::AovInfo* info = hds::FindAov(layer);
     const std::optional<hds::MatteAov> matte = hds::ParseMatteAov(layer);
     if (!info || (matte && !matte->layer)) { // a Cryptomatte is several buffers: ask for its layers

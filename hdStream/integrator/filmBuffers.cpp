@@ -121,7 +121,7 @@ void FilmBuffers::AddLightPathBlock(StageKernels* kernels, const FilmSums& sums,
     if (NumSums() > 0) {
         const Buffer added = UploadVector(_device, "block light path sums", sums.lightPathPixels);
         kernels->addLightPathBlock.Launch(std::size_t{NumPixels()} * NumSums(), block, NumPixels(),
-                                          NumSums(), _lightPaths, added);
+                                          NumSums(), NumLightPaths(), _lightPaths, added);
         _device->Finish();
     }
 }
@@ -273,7 +273,8 @@ std::vector<ImageLayer> FilmBuffers::Develop(StageKernels* kernels, std::uint32_
         if (!slot.info->lightPaths.empty()) {
             kernels->developLightPath.Launch(
                 numPixels, _film, _lightPaths, slot.lightPath * NumPixels(), numPixels, _width,
-                width, previewStride, _floats, _layout.floatsPerPixel, slot.offset);
+                width, previewStride, _floats, _layout.floatsPerPixel, slot.offset,
+                std::uint32_t{slot.info->filter == AovFilter::Counter ? 1U : 0U});
         }
     }
     std::vector<float> floats(std::size_t{numPixels} * _layout.floatsPerPixel);

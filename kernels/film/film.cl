@@ -72,8 +72,8 @@ kernel void film_developCatchers(global const HdsFilmPixel* film,
     if (!(lit.w > 0.0f)) {
         return;
     }
-    const float4 added = filmPixel_caught(lit, (pixels[1].sum + pixels[1].blockSum).xyz,
-                                          film[at].numSamples);
+    const float4 added =
+        filmPixel_caught(lit, (pixels[1].sum + pixels[1].blockSum).xyz, film[at].numSamples);
     global float* target = floats + (size_t)i * floatStride;
     if (colorOffset != HDS_NONE) {
         vstore4(vload4(0, target + colorOffset) + added, 0, target + colorOffset);
@@ -87,12 +87,13 @@ kernel void film_developCatchers(global const HdsFilmPixel* film,
 }
 #endif
 
-/* Writes a light path expression as film_develop does colour. \param firstSum of the expression in
- * `sums`. */
+/* Writes a light path expression as film_develop does colour, or the variance of its mean.
+ * \param firstSum of the expression in `sums`. */
 kernel void film_developLightPath(global const HdsFilmPixel* film,
                                   global const HdsLightPathPixel* sums, uint firstSum,
                                   uint numPixels, uint width, uint numAcross, uint stride,
-                                  global float* floats, uint floatStride, uint offset) {
+                                  global float* floats, uint floatStride, uint offset,
+                                  uint isVariance) {
     const uint i = (uint)get_global_id(0);
     if (i >= numPixels) {
         return;
@@ -100,6 +101,10 @@ kernel void film_developLightPath(global const HdsFilmPixel* film,
     const uint at = i / numAcross * stride * width + i % numAcross * stride;
     const HdsLightPathPixel pixel = sums[(size_t)firstSum + at];
     const uint count = film[at].numSamples;
+    if (isVariance != 0u) {
+        floats[(size_t)i * floatStride + offset] = filmPixel_lightPathVariance(&pixel, count);
+        return;
+    }
     const float3 mean =
         count > 0u ? (pixel.sum + pixel.blockSum).xyz / (float)count : (float3)(0.0f);
     vstore3(mean, 0, floats + (size_t)i * floatStride + offset);
@@ -180,10 +185,11 @@ kernel void film_addBlock(global HdsFilmPixel* film, global const HdsFilmPixel* 
     film[i] = pixel;
 }
 
-/* film_addBlock for light path expressions. Global size: numPixels * number of expressions.
- * \param block [numPixels] film of the block. \param sums, blockSums [expressions][numPixels] */
+/* film_addBlock for the sums beside colour, the first numLightPaths of which are those of light
+ * path expressions. Global size: numPixels * count. \param block [numPixels] film of the block.
+ * \param sums, blockSums [count][numPixels] */
 kernel void film_addLightPathBlock(global const HdsFilmPixel* block, uint numPixels, uint count,
-                                   global HdsLightPathPixel* sums,
+                                   uint numLightPaths, global HdsLightPathPixel* sums,
                                    global const HdsLightPathPixel* blockSums) {
     const uint i = (uint)get_global_id(0);
     if (i >= numPixels * count) {
@@ -192,6 +198,11 @@ kernel void film_addLightPathBlock(global const HdsFilmPixel* block, uint numPix
     HdsLightPathPixel pixel = sums[i];
     const HdsLightPathPixel added = blockSums[i];
     pixel.blockSum = added.sum + added.blockSum;
-    filmPixel_closeLightPath(&pixel, block[i % numPixels].numSamples);
+    const uint numSamples = block[i % numPixels].numSamples;
+    if (i / numPixels < numLightPaths) {
+        filmPixel_closeLightPath(&pixel, numSamples);
+    } else {
+        filmPixel_closeSum(&pixel, numSamples);
+    }
     sums[i] = pixel;
 }

@@ -84,8 +84,8 @@ kernel void resolve_addLightPaths(HdsWave wave, global uchar* state, uint numSlo
         const uint number = i * wave.numSamples + s;
         const float4 value = resolve_sum(state, numSlots, number);
         if (resolve_isFinite(value) && !resolve_isCaught(value)) {
-            pixel.blockSum +=
-                fmin(resolve_lightSum(state, numSlots, numPaths, number, k), HDS_MAX_SAMPLE);
+            const float4 light = resolve_lightSum(state, numSlots, numPaths, number, k);
+            filmPixel_addLightSample(&pixel, fmin(light.xyz, HDS_MAX_SAMPLE));
         }
         ++numSamples;
         filmPixel_closeLightPath(&pixel, numSamples);
@@ -121,7 +121,7 @@ kernel void resolve_addOcclusion(HdsWave wave, global const float4* kept, global
     for (uint s = 0u; s < wave.numSamples; ++s) {
         pixel.blockSum.x += kept[i * wave.numSamples + s].x;
         ++numSamples;
-        filmPixel_closeLightPath(&pixel, numSamples);
+        filmPixel_closeSum(&pixel, numSamples);
     }
     sums[(size_t)firstSum + at] = pixel;
 }
@@ -160,8 +160,8 @@ kernel void resolve_addCatchers(HdsWave wave, global uchar* state, uint numSlots
             const float difference = vec_luminance(lit.blockSum.xyz - unshadowed.blockSum.xyz);
             unshadowed.sum.w = fma(difference, difference, unshadowed.sum.w);
         }
-        filmPixel_closeLightPath(&lit, numSamples);
-        filmPixel_closeLightPath(&unshadowed, numSamples);
+        filmPixel_closeSum(&lit, numSamples);
+        filmPixel_closeSum(&unshadowed, numSamples);
     }
     *slots[0] = lit;
     *slots[1] = unshadowed;

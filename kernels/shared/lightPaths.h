@@ -29,7 +29,7 @@
 HDS_SHARED_BEGIN
 /* Sums of a pixel for one expression, as HdsFilmPixel's: rgb, the fourth is 0. */
 typedef struct {
-    float4 sum;      /* of finished blocks */
+    float4 sum;      /* of finished blocks; w: film/filmPixel.clh */
     float4 blockSum; /* of the present block */
 } HdsLightPathPixel;
 HDS_ASSERT_SIZE(HdsLightPathPixel, 32);

@@ -265,3 +265,57 @@ def test_lights_without_samples_are_black_and_groups_without_lights_too(tmp_path
 
 def test_all_lights_are_in_their_groups():
     assert set(LIGHTS) == {name.split(":")[1] for name in _GROUPS[:4]} | {"sky"}
+
+
+_VARYING = ("diffuse", "lightGroup:key", "direct")
+
+
+def _WithVariances(renderer, samples, seed=0):
+    aovs = ["color", "variance", *_VARYING, *(f"variance:{name}" for name in _VARYING), "lpe:C.*[LO]", "variance:lpe:C.*[LO]"]
+    renderer.Prepare(aovs=aovs, samples=samples, seed=seed, **_SETTINGS)
+    return renderer.RenderPrepared(None).aovs
+
+
+@pytest.mark.parametrize("samples", [2, 16, 21, 32, 40, 64])
+def test_the_variance_of_all_light_is_that_of_colour(stage, samples):
+    """By samples and by blocks, with the last block whole or begun."""
+    layers = _WithVariances(hdstream.Renderer(str(stage)), samples)
+    colour, all_ = layers["variance"][..., 0].astype(float), layers["variance:lpe:C.*[LO]"][..., 0].astype(float)
+    rounding = 1e-6 * (layers["color"][..., :3].astype(float) @ (0.2126, 0.7152, 0.0722)) ** 2  # of a mean of squares less a square
+    assert colour.max() > 0 and (np.abs(all_ - colour) <= 1e-4 * colour + rounding).all()
+
+
+def test_variances_are_what_renders_of_other_seeds_spread_by(stage):
+    """Against the spread of 48 renders. From fewer than two blocks samples count as independent, which states too much."""
+    renderer = hdstream.Renderer(str(stage))
+    runs = [_WithVariances(renderer, 64, seed) for seed in range(48)]
+    for name in _VARYING:
+        spread = np.mean(np.var([run[name] @ (0.2126, 0.7152, 0.0722) for run in runs], axis=0, ddof=1))
+        told = np.mean([run[f"variance:{name}"][..., 0] for run in runs])
+        assert spread > 0 and 0.9 < told / spread < 2.0, name
+
+
+def test_variances_of_parts_have_the_bits_of_the_whole(stage):
+    renderer = hdstream.Renderer(str(stage))
+    settings = {"aovs": ["color", "variance:diffuse", "ambientOcclusion"], **_SETTINGS}
+    renderer.Prepare(samples=40, **settings)
+    whole = renderer.RenderPrepared(None)
+    parts = []
+    for begin, end in ((0, 16), (16, 32), (32, 40)):
+        renderer.Prepare(samples=end, **settings)
+        parts.append(renderer.RenderSums(None, [filmSums.BlackSums(48, 32, begin)]))
+    renderer.Prepare(samples=40, **settings)
+    joined = renderer.RenderPrepared(None, parts)
+    renderer.Prepare(samples=24, **settings)
+    begun = renderer.RenderSums(None, [])
+    renderer.Prepare(samples=40, **settings)
+    for other in (joined, renderer.RenderPrepared(None, [begun])):
+        for name, pixels in whole.aovs.items():
+            assert pixels.tobytes() == other.aovs[name].tobytes(), name
+
+
+@pytest.mark.parametrize("name", ["variance:depth", "variance:", "variance:primvars:st", "variance:crypto_object", "variance:variance:diffuse"])
+def test_only_light_has_variances(name):
+    assert not _core.HasAov(name)
+    with pytest.raises(_core.UsageError, match="there is no AOV"):
+        _core.CheckAovs([name])

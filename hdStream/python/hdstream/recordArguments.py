@@ -17,7 +17,7 @@ def CheckArguments(args):
     for name in args.aovs or ():
         if not _core.HasAov(name):
             known = [info.name for info in _core.AovTable()]
-            raise UsageError(f"--aovs {name}: none of {', '.join(known)}, primvars:NAME, lpe:EXPRESSION, lightGroup:NAME")
+            raise UsageError(f"--aovs {name}: none of {', '.join(known)}, primvars:NAME, lpe:EXPRESSION, lightGroup:NAME, variance:NAME of light")
     if args.aovs is not None and not args.aovs:
         raise UsageError("--aovs: no names")
     if args.aovs:
