@@ -26,7 +26,7 @@ FlatLimits LimitsOfFlat(const CommittedScene& scene, const RenderOptions& option
                         const ResidencyOptions& residency, const SceneBuffers& buffers);
 
 /// Whether "auto" had better have all geometry before the first ray: what rays save on the way
-/// through a flat hierarchy pays for it, even where few of the pages are seen.
+/// through a flat hierarchy pays for it, unless most of it is hidden. Numbers: docs/streaming.md.
 bool RaysPayForAllPages(const CommittedScene& scene, const RenderOptions& options,
                         const ResidencyOptions& residency, const DeviceProperties& properties);
 
