@@ -4,7 +4,8 @@
     wideForm.py STAGE... [--samples 48] [--imageWidth 640] [--repeats 3] [--lanes 0,8,16]
 
 Renders each stage with kernels of each number of lanes, interleaved, after a run that makes them and prepares the stage: 0 is the form
-of one path, 8 what is shipped. 16 needs no other text than the vectors' names. Prints medians of `time.shade`, `time.trace` (with the
+of one path, 8 what is shipped. 16 needs no other text than the vectors' names, and has no packets of
+camera rays. Prints medians of `time.shade`, `time.trace` (with the
 rays that the camera sends) and `time.render`, each over that of the first number of lanes, and the range of the quotients over the
 repeats. Geometry and textures are resident. Run it with PYTHONPATH=build/release/python on a quiet machine with a CPU as its device."""
 
@@ -38,12 +39,22 @@ def MakeKernels(folder: pathlib.Path, lanes: int) -> pathlib.Path:
         for path in folder.rglob("*.cl*"):
             path.write_text(re.sub(r"\b((?:u?int|float|v(?:load|store)))8\b|(##)8\b", lambda m: f"{m[1] or m[2]}{lanes}",
                                    path.read_text()) if _IsWide(path) else path.read_text())
+        _TakePacketsOut(folder / "integrator/intersect.cl")
     return folder
+
+
+def _TakePacketsOut(path: pathlib.Path) -> None:
+    """Packets of camera rays have eight rays, whatever the number of lanes."""
+    text = path.read_text()
+    changed = text.replace("#define HDS_INTERSECT_PACKETS (HDS_FEATURE_FLAT && HDS_WIDE)", "#define HDS_INTERSECT_PACKETS 0")
+    if changed == text:
+        raise SystemExit(f"wideForm.py: {path} has not the text that is to be replaced")
+    path.write_text(changed)
 
 
 def _IsWide(path: pathlib.Path) -> bool:
     """Whether the file names vectors of as many lanes."""
-    return path.name in ("lanes.clh", "wideBegin.clh", "wideEnd.clh", "shadeBatch.clh", "generate.cl")
+    return path.name in ("lanes.clh", "wideBegin.clh", "wideEnd.clh", "shadeBatch.clh", "shadeHits.clh", "generate.cl")
 
 
 def Main() -> None:
