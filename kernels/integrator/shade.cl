@@ -264,37 +264,43 @@ void shade_path(constant const HdsFrameParams* frame, const HdsSceneView* scene,
         if (at->isHit) {
         step = shade_surface(frame, scene, at, path, &scatter, paths, i, counters);
     }
-    HdsLitPath lit = shade_litPath(at, path, scatter.linkSet, i);
+#if HDS_SHADE_WIDE
+    HdsLitPath* lit = shadeBatch_next(batch); /* in its place, where it stays if it is lit */
+#else
+    HdsLitPath one;
+    HdsLitPath* lit = &one;
+#endif
+    *lit = shade_litPath(at, path, scatter.linkSet, i);
     if (step != HDS_SHADE_SCATTERS) {
         const uint result = step == HDS_SHADE_PASSES ? HDS_SHADE_GOES_ON : 0u;
-        shade_end(scene, &lit, result, paths, lists);
+        shade_end(scene, lit, result, paths, lists);
         return;
     }
 #if HDS_FEATURE_HAIR
     if (scatter.bsdf.isHair != 0u) {
-        shadeHair_scatter(frame, scene, &scatter, &lit, paths, lists);
+        shadeHair_scatter(frame, scene, &scatter, lit, paths, lists);
 #if HDS_FEATURE_PATH_LIMITS
-        path->limits.hasClamped = lit.limits.hasClamped && !lit.isMissing;
+        path->limits.hasClamped = lit->limits.hasClamped && !lit->isMissing;
 #endif
         return;
     }
 #endif
 #if HDS_FEATURE_MEDIA
-    shade_setMedia(scene, at, path->direction, &scatter, &lit);
+    shade_setMedia(scene, at, path->direction, &scatter, lit);
 #endif
 #if HDS_FEATURE_GLASS_SHADOWS
-    lit.isGlass = at->isHit && path->depth > 0u &&
-                  bsdf_isGlass(&scatter.bsdf, surfaceHit_material(scene, &at->surface)->flags);
+    lit->isGlass = at->isHit && path->depth > 0u &&
+                   bsdf_isGlass(&scatter.bsdf, surfaceHit_material(scene, &at->surface)->flags);
 #endif
 #if HDS_SHADE_WIDE
-    shadeBatch_add(batch, &scatter, &lit);
+    shadeBatch_add(batch, &scatter);
     if (batch->count == HDS_LANES) {
         shadeBatch_scatter(frame, scene, batch, paths, lists);
     }
 #else
-    shade_scatter(frame, scene, &scatter, &lit, paths, lists);
+    shade_scatter(frame, scene, &scatter, lit, paths, lists);
 #if HDS_FEATURE_PATH_LIMITS
-    path->limits.hasClamped = lit.limits.hasClamped && !lit.isMissing;
+    path->limits.hasClamped = lit->limits.hasClamped && !lit->isMissing;
 #endif
 #endif
 }
