@@ -26,21 +26,27 @@ Bvh BuildBvh(std::vector<Bounds>&& items, const BvhOptions& options) {
     return BuildWideBvh(refs, options);
 }
 
-Bvh BuildMovingBvh(const std::vector<Bounds>& open, const std::vector<Bounds>& close,
-                   const BvhOptions& options) {
-    std::vector<Bounds> both;
-    both.reserve(open.size());
+Bvh BuildMovingBvh(const std::vector<std::vector<Bounds>>& keys, const BvhOptions& options) {
+    std::vector<Bounds> all = keys.front();
     double resting = 0.0;
     double moving = 0.0;
-    for (std::size_t i = 0; i < open.size(); ++i) {
-        both.push_back({glm::min(open[i].min, close[i].min), glm::max(open[i].max, close[i].max)});
-        resting += HalfArea(both[i]);
-        moving += 0.5 * (HalfArea(open[i]) + HalfArea(close[i]));
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        double sum = 0.0;
+        for (const std::vector<Bounds>& key : keys) {
+            all[i] = {glm::min(all[i].min, key[i].min), glm::max(all[i].max, key[i].max)};
+            sum += HalfArea(key[i]);
+        }
+        resting += HalfArea(all[i]);
+        moving += sum / static_cast<double>(keys.size());
     }
     if (!(resting > options.restingArea * moving)) {
-        return BuildBvh(both, options);
+        return BuildBvh(all, options);
     }
-    return BuildWideBvh(MakeRefs(open), MakeRefs(close), options);
+    std::vector<std::vector<BoxRef>> refs;
+    for (const std::vector<Bounds>& key : keys) {
+        refs.push_back(MakeRefs(key));
+    }
+    return BuildWideBvh(refs, options);
 }
 
 } // namespace hds

@@ -15,9 +15,9 @@ namespace hds {
 /// An 8-wide BVH. Items are referenced in leaf order: slot i of the order holds item `order[i]`.
 struct Bvh {
     std::vector<shared::HdsBvhNode> nodes; ///< root first; empty when there are no items
-    /// Of boxes that move: as `nodes`, when the shutter closes; they differ in origin, exponents
-    /// and planes only. Else empty.
-    std::vector<shared::HdsBvhNode> closeNodes;
+    /// Of boxes that move: as many as `nodes` for each of the later keys, one after the other; they
+    /// differ in origin, exponents and planes only. Else empty.
+    std::vector<shared::HdsBvhNode> laterNodes;
     std::vector<std::uint32_t> order; ///< permutation of the items
     Bounds bounds;                    ///< at all times
 };
@@ -42,15 +42,15 @@ Bvh BuildBvh(const std::vector<Bounds>& items, const BvhOptions& options);
 /// The same, of many items that nobody needs any more: frees them before anything else is built.
 Bvh BuildBvh(std::vector<Bounds>&& items, const BvhOptions& options);
 
-/// The same for boxes that go straight from `open` to `close` while the shutter is open, with boxes
-/// that move or, where they do not go far, with boxes at rest.
-Bvh BuildMovingBvh(const std::vector<Bounds>& open, const std::vector<Bounds>& close,
-                   const BvhOptions& options);
+/// The same for boxes that go straight from key to key while the shutter is open, with boxes that
+/// move or, where they do not go far, with boxes at rest. \param keys boxes of the items at equal
+/// steps of time: at least when it opens and when it closes.
+Bvh BuildMovingBvh(const std::vector<std::vector<Bounds>>& keys, const BvhOptions& options);
 
 /// A finished geometry page (kernels/shared/geometry.h).
 struct GeometryPage {
     std::vector<std::uint8_t> bytes;
-    std::uint32_t numNodes = 0; ///< those of the other end not counted
+    std::uint32_t numNodes = 0; ///< those of later keys not counted
     Bounds bounds;
 };
 

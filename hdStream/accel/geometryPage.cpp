@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The geometry page of a chunk: header, nodes, triangles in leaf order, vertices in order of first
 // use; of curves and points in their own order, with radii. Nodes and vertices that move are there
-// twice.
+// once for each key.
 #include "hdStream/accel/bvh.h"
 #include "hdStream/accel/wideBvh.h"
 #include "hdStream/base/error.h"
@@ -35,11 +35,13 @@ void ReorderTriangles(const std::vector<std::uint32_t>& order, ChunkGeometry* ch
     Permute(order, &chunk->corners);
     Permute(order, &chunk->materialEntries);
     Permute(order, &chunk->primitiveBounds);
-    Permute(order, &chunk->closePrimitiveBounds);
+    for (ChunkKey& key : chunk->keys) {
+        Permute(order, &key.primitiveBounds);
+    }
 }
 
 bool Moves(const ChunkGeometry& chunk) {
-    return !chunk.closePositions.empty();
+    return !chunk.keys.empty();
 }
 
 /// Vertices of curves and points as kernels read them.
@@ -52,21 +54,23 @@ std::vector<float> PackSolidVertices(const ChunkGeometry& chunk) {
             const glm::vec3& normal = chunk.jointNormals[i];
             packed.insert(packed.end(), {normal.x, normal.y, normal.z, 0.0F});
         }
-        if (Moves(chunk)) {
-            const glm::vec3& close = chunk.closePositions[i];
-            packed.insert(packed.end(), {close.x, close.y, close.z, chunk.radii[i]});
+        for (const ChunkKey& key : chunk.keys) {
+            const glm::vec3& later = key.positions[i];
+            packed.insert(packed.end(), {later.x, later.y, later.z, key.radii[i]});
         }
     }
     return packed;
 }
 
-/// Positions when the shutter opens, and behind each the one when it closes.
+/// Positions when the shutter opens, and behind each those at the later keys.
 std::vector<glm::vec3> PackMovingVertices(const ChunkGeometry& chunk) {
     std::vector<glm::vec3> packed;
-    packed.reserve(2 * chunk.positions.size());
+    packed.reserve((1 + chunk.keys.size()) * chunk.positions.size());
     for (std::size_t i = 0; i < chunk.positions.size(); ++i) {
         packed.push_back(chunk.positions[i]);
-        packed.push_back(chunk.closePositions[i]);
+        for (const ChunkKey& key : chunk.keys) {
+            packed.push_back(key.positions[i]);
+        }
     }
     return packed;
 }
@@ -90,32 +94,34 @@ std::vector<Bounds> BoundTriangles(const std::vector<glm::vec3>& positions,
     return boxes;
 }
 
-/// Boxes of the primitives of a chunk that moves, at both ends of their way.
-struct MovingBoxes {
-    std::vector<Bounds> open;
-    std::vector<Bounds> close;
-
-    explicit MovingBoxes(const ChunkGeometry& chunk)
-        : open(chunk.primitiveBounds), close(chunk.closePrimitiveBounds) {
-        if (chunk.primitives == HDS_PRIMITIVE_TRIANGLES) {
-            open = BoundTriangles(chunk.positions, chunk.triangles);
-            close = BoundTriangles(chunk.closePositions, chunk.triangles);
+/// Boxes of the primitives of a chunk that moves, at its keys.
+std::vector<std::vector<Bounds>> MovingBoxes(const ChunkGeometry& chunk) {
+    const bool hasTriangles = chunk.primitives == HDS_PRIMITIVE_TRIANGLES;
+    std::vector<std::vector<Bounds>> keys;
+    keys.push_back(hasTriangles ? BoundTriangles(chunk.positions, chunk.triangles)
+                                : chunk.primitiveBounds);
+    for (const ChunkKey& key : chunk.keys) {
+        keys.push_back(hasTriangles ? BoundTriangles(key.positions, chunk.triangles)
+                                    : key.primitiveBounds);
+    }
+    // What kernels round when they interpolate depends on the larger of two keys.
+    constexpr float kRounding = 8.0F / (1U << 24U);
+    for (std::size_t i = 0; i < keys[0].size(); ++i) {
+        Bounds all;
+        for (const std::vector<Bounds>& key : keys) {
+            all = Union(all, key[i]);
         }
-        // What kernels round when they interpolate depends on the larger end.
-        constexpr float kRounding = 8.0F / (1U << 24U);
-        for (std::size_t i = 0; i < open.size(); ++i) {
-            const Bounds both = Union(open[i], close[i]);
-            const glm::vec3 pad = kRounding * glm::max(glm::abs(both.min), glm::abs(both.max));
-            open[i] = {open[i].min - pad, open[i].max + pad};
-            close[i] = {close[i].min - pad, close[i].max + pad};
+        const glm::vec3 pad = kRounding * glm::max(glm::abs(all.min), glm::abs(all.max));
+        for (std::vector<Bounds>& key : keys) {
+            key[i] = {key[i].min - pad, key[i].max + pad};
         }
     }
-};
+    return keys;
+}
 
 Bvh BuildPageBvh(const ChunkGeometry& chunk) {
     if (Moves(chunk)) {
-        const MovingBoxes boxes(chunk);
-        return BuildMovingBvh(boxes.open, boxes.close, BvhOptions{});
+        return BuildMovingBvh(MovingBoxes(chunk), BvhOptions{});
     }
     std::vector<BoxRef> refs = chunk.primitives != HDS_PRIMITIVE_TRIANGLES
                                    ? MakeRefs(chunk.primitiveBounds)
@@ -127,7 +133,7 @@ Bvh BuildPageBvh(const ChunkGeometry& chunk) {
 void ReorderVertices(ChunkGeometry* chunk) {
     std::vector<std::uint32_t> newIndex(chunk->positions.size(), HDS_NONE);
     std::vector<glm::vec3> positions;
-    std::vector<glm::vec3> closePositions;
+    std::vector<std::vector<glm::vec3>> later(chunk->keys.size());
     std::vector<std::uint32_t> points;
     positions.reserve(chunk->positions.size());
     points.reserve(chunk->points.size());
@@ -138,15 +144,17 @@ void ReorderVertices(ChunkGeometry* chunk) {
                 index = static_cast<std::uint32_t>(positions.size());
                 positions.push_back(chunk->positions[triangle[corner]]);
                 points.push_back(chunk->points[triangle[corner]]);
-                if (Moves(*chunk)) {
-                    closePositions.push_back(chunk->closePositions[triangle[corner]]);
+                for (std::size_t i = 0; i < later.size(); ++i) {
+                    later[i].push_back(chunk->keys[i].positions[triangle[corner]]);
                 }
             }
             triangle[corner] = index;
         }
     }
     chunk->positions = std::move(positions);
-    chunk->closePositions = std::move(closePositions);
+    for (std::size_t i = 0; i < later.size(); ++i) {
+        chunk->keys[i].positions = std::move(later[i]);
+    }
     chunk->points = std::move(points);
 }
 
@@ -206,14 +214,20 @@ GeometryPage BuildGeometryPage(ChunkGeometry& chunk) {
     PageWriter writer;
     shared::HdsPageHeader header{};
     writer.Append(bvh.nodes);
-    writer.Append(bvh.closeNodes);
+    writer.Append(bvh.laterNodes);
     header.triangles = writer.Append(triangles);
     header.primIds = writer.Append(chunk.primIds);
     header.vertices = isSolid        ? writer.Append(PackSolidVertices(chunk))
                       : Moves(chunk) ? writer.Append(PackMovingVertices(chunk))
                                      : writer.Append(chunk.positions);
-    header.vertices |= Moves(chunk) ? HDS_PAGE_MOVES : 0U;
-    header.vertices |= bvh.closeNodes.empty() ? 0U : HDS_PAGE_BOXES_MOVE;
+    if (Moves(chunk)) {
+        HDS_VERIFY(header.vertices <= HDS_PAGE_VERTICES &&
+                       chunk.keys.size() <= HDS_MAX_DEFORMATION_SEGMENTS,
+                   std::to_string(header.vertices) + ", " + std::to_string(chunk.keys.size()));
+        header.vertices |= HDS_PAGE_MOVES | (static_cast<std::uint32_t>(chunk.keys.size()) - 1)
+                                                << HDS_PAGE_SEGMENTS_SHIFT;
+    }
+    header.vertices |= bvh.laterNodes.empty() ? 0U : HDS_PAGE_BOXES_MOVE;
     header.numTriangles = static_cast<std::uint32_t>(triangles.size()) | chunk.primitives
                                                                              << HDS_PRIMITIVE_SHIFT;
     GeometryPage page;

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <optional>
 
 namespace hds {
 namespace {
@@ -18,12 +17,6 @@ namespace {
 struct Pose {
     std::vector<BoxRef> refs;
     BinaryBvh tree;
-};
-
-/// The tree when the shutter opens and when it closes.
-struct BothPoses {
-    Pose open;
-    Pose close;
 };
 
 Bounds BoundsOf(const BinaryBvh& tree) {
@@ -38,10 +31,11 @@ Bounds Union(const Bounds& a, const Bounds& b) {
 /// Writes wide nodes in depth-first order, the children of a node next to each other.
 class WideEmitter {
 public:
-    /// \param plan null: balanced children. \param poses null: boxes do not move.
+    /// \param plan null: balanced children. \param poses empty: boxes do not move.
     WideEmitter(const BinaryBvh& binary, const CollapsePlan* plan, std::uint32_t maxLeafItems,
-                const BothPoses* poses)
-        : _binary(binary), _plan(plan), _maxLeafItems(maxLeafItems), _poses(poses) {}
+                const std::vector<Pose>& poses)
+        : _binary(binary), _plan(plan), _maxLeafItems(maxLeafItems), _poses(poses),
+          _later(poses.empty() ? 0 : poses.size() - 1) {}
 
     /// \return nodes on the longest path from the root.
     std::uint32_t Emit(Bvh* bvh) {
@@ -55,6 +49,9 @@ public:
             stack.pop_back();
             maxDepth = std::max(maxDepth, next.depth);
             EmitNode(next, bvh, &stack);
+        }
+        for (const std::vector<shared::HdsBvhNode>& nodes : _later) {
+            bvh->laterNodes.insert(bvh->laterNodes.end(), nodes.begin(), nodes.end());
         }
         return maxDepth;
     }
@@ -94,12 +91,12 @@ private:
         node.itemBase = static_cast<std::uint32_t>(bvh->order.size());
         FillSlots(bySlot, &node, bvh);
         PushInner(pending, bySlot, bvh, stack);
-        WriteBoxes(_poses != nullptr ? _poses->open.tree : _binary, pending.tree, bySlot, &node);
+        WriteBoxes(_poses.empty() ? _binary : _poses[0].tree, pending.tree, bySlot, &node);
         bvh->nodes[pending.wide] = node;
-        if (_poses != nullptr) {
-            WriteBoxes(_poses->close.tree, pending.tree, bySlot, &node);
-            bvh->closeNodes.resize(bvh->nodes.size());
-            bvh->closeNodes[pending.wide] = node;
+        for (std::size_t i = 0; i < _later.size(); ++i) {
+            WriteBoxes(_poses[i + 1].tree, pending.tree, bySlot, &node);
+            _later[i].resize(bvh->nodes.size());
+            _later[i][pending.wide] = node;
         }
     }
 
@@ -158,7 +155,8 @@ private:
     const BinaryBvh& _binary;
     const CollapsePlan* _plan;
     std::uint32_t _maxLeafItems;
-    const BothPoses* _poses;
+    const std::vector<Pose>& _poses;
+    std::vector<std::vector<shared::HdsBvhNode>> _later; ///< nodes of the poses but the first
 };
 
 /// Gives the nodes of a subtree the boxes of the pose's items.
@@ -192,13 +190,9 @@ Pose WithBoxesOf(const std::vector<BoxRef>& items, const BinaryBvh& binary) {
     return pose;
 }
 
-struct BothBoxes {
-    const std::vector<BoxRef>& open;
-    const std::vector<BoxRef>& close;
-};
-
-/// \param moving null: `refs` are where they are.
-Bvh BuildFrom(std::vector<BoxRef>& refs, const BothBoxes* moving, const BvhOptions& options) {
+/// \param keys boxes of the items over time; empty: they are where `refs` has them.
+Bvh BuildFrom(std::vector<BoxRef>& refs, const std::vector<std::vector<BoxRef>>& keys,
+              const BvhOptions& options) {
     HDS_VERIFY(options.maxLeafItems >= 1 && options.maxLeafItems <= HDS_BVH_MAX_LEAF_ITEMS,
                std::to_string(options.maxLeafItems));
     Bvh bvh;
@@ -206,16 +200,15 @@ Bvh BuildFrom(std::vector<BoxRef>& refs, const BothBoxes* moving, const BvhOptio
         return bvh;
     }
     const auto emit = [&](const BinaryBvh& binary, const CollapsePlan* plan) {
-        std::optional<BothPoses> poses;
-        if (moving != nullptr) {
-            poses.emplace(
-                BothPoses{WithBoxesOf(moving->open, binary), WithBoxesOf(moving->close, binary)});
-            bvh.bounds = Union(BoundsOf(poses->open.tree), BoundsOf(poses->close.tree));
-        } else {
+        std::vector<Pose> poses;
+        for (const std::vector<BoxRef>& key : keys) {
+            poses.push_back(WithBoxesOf(key, binary));
+            bvh.bounds = Union(bvh.bounds, BoundsOf(poses.back().tree));
+        }
+        if (keys.empty()) {
             bvh.bounds = BoundsOf(binary);
         }
-        return WideEmitter(binary, plan, options.maxLeafItems, poses ? &*poses : nullptr)
-            .Emit(&bvh);
+        return WideEmitter(binary, plan, options.maxLeafItems, poses).Emit(&bvh);
     };
     std::uint32_t depth = 0;
     {
@@ -234,21 +227,22 @@ Bvh BuildFrom(std::vector<BoxRef>& refs, const BothBoxes* moving, const BvhOptio
 } // namespace
 
 Bvh BuildWideBvh(std::vector<BoxRef>& refs, const BvhOptions& options) {
-    return BuildFrom(refs, nullptr, options);
+    return BuildFrom(refs, {}, options);
 }
 
-Bvh BuildWideBvh(const std::vector<BoxRef>& open, const std::vector<BoxRef>& close,
-                 const BvhOptions& options) {
-    std::vector<BoxRef> refs = open;
+Bvh BuildWideBvh(const std::vector<std::vector<BoxRef>>& keys, const BvhOptions& options) {
+    std::vector<BoxRef> refs = keys.front();
+    const float weight = 1.0F / static_cast<float>(keys.size()); // before adding: no overflow
     for (std::size_t i = 0; i < refs.size(); ++i) {
         for (int axis = 0; axis < 3; ++axis) {
-            // Halved before adding, so that they cannot overflow.
-            refs[i].lo[axis] = 0.5F * open[i].lo[axis] + 0.5F * close[i].lo[axis] + 0.0F;
-            refs[i].hi[axis] = 0.5F * open[i].hi[axis] + 0.5F * close[i].hi[axis] + 0.0F;
+            refs[i].lo[axis] = refs[i].hi[axis] = 0.0F;
+            for (const std::vector<BoxRef>& key : keys) {
+                refs[i].lo[axis] += weight * key[i].lo[axis];
+                refs[i].hi[axis] += weight * key[i].hi[axis];
+            }
         }
     }
-    const BothBoxes moving{open, close};
-    return BuildFrom(refs, &moving, options);
+    return BuildFrom(refs, keys, options);
 }
 
 } // namespace hds

@@ -12,9 +12,8 @@ namespace hds {
 /// tree by areas that would be deeper is replaced by a balanced one.
 Bvh BuildWideBvh(std::vector<BoxRef>& refs, const BvhOptions& options);
 
-/// The same for boxes that move; what lies together is decided by the boxes half way.
-/// \param open, close boxes of each item at both ends, in the order of items.
-Bvh BuildWideBvh(const std::vector<BoxRef>& open, const std::vector<BoxRef>& close,
-                 const BvhOptions& options);
+/// The same for boxes that move; what lies together is decided by the means of their boxes.
+/// \param keys boxes of each item at the keys, in the order of items.
+Bvh BuildWideBvh(const std::vector<std::vector<BoxRef>>& keys, const BvhOptions& options);
 
 } // namespace hds

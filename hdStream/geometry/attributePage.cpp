@@ -99,7 +99,7 @@ class PageBuilder {
 public:
     explicit PageBuilder(const ChunkGeometry& chunk)
         : _chunk(chunk),
-          _bytes(RoundUp((HDS_SLOT_USER + chunk.attributes.size() + (Moves(chunk) ? 1U : 0U)) *
+          _bytes(RoundUp((HDS_SLOT_USER + chunk.attributes.size() + chunk.keys.size()) *
                          sizeof(std::uint32_t))) {}
 
     std::vector<std::uint8_t> Build() {
@@ -116,18 +116,19 @@ public:
                           CopyFinite(from, attribute.numComponents, to);
                       });
         }
-        if (!_chunk.closeNormals.empty()) {
+        for (std::size_t i = 0; i < _chunk.keys.size(); ++i) {
+            if (_chunk.keys[i].normals.empty()) {
+                continue;
+            }
             GeometryAttribute normals = _chunk.normals;
-            normals.values = _chunk.closeNormals;
-            AddValues(static_cast<std::uint32_t>(HDS_SLOT_USER + _chunk.attributes.size()), normals,
-                      [](const float* from, float* to) { CopyUnit(from, to); });
+            normals.values = _chunk.keys[i].normals;
+            AddValues(static_cast<std::uint32_t>(HDS_SLOT_USER + _chunk.attributes.size() + i),
+                      normals, [](const float* from, float* to) { CopyUnit(from, to); });
         }
         return std::move(_bytes);
     }
 
 private:
-    static bool Moves(const ChunkGeometry& chunk) { return !chunk.closePositions.empty(); }
-
     /// Appends a block and writes its slot word. \return the block; valid until the next one.
     std::uint8_t* AddBlock(std::uint32_t slot, std::uint32_t interpolation,
                            std::uint32_t numComponents, std::size_t numValues) {
@@ -219,25 +220,26 @@ double VerticesPerTriangle(std::size_t numPoints, std::size_t numTriangles) {
 }
 
 TriangleBytes MeanTriangleBytes(const std::vector<GeometryAttribute>& attributes,
-                                std::optional<Interpolation> normals, bool hasMaterials, bool moves,
-                                double verticesPerTriangle) {
-    const std::size_t copies = moves ? 2 : 1;
+                                std::optional<Interpolation> normals, bool hasMaterials,
+                                std::size_t numPoses, double verticesPerTriangle) {
     return EstimateTriangle(attributes, normals, hasMaterials, verticesPerTriangle,
-                            int(copies) * kMeanNodeBytes, copies * sizeof(glm::vec3), int(copies));
+                            static_cast<double>(numPoses) * kMeanNodeBytes,
+                            numPoses * sizeof(glm::vec3), static_cast<int>(numPoses));
 }
 
 TriangleBytes BoundTriangleBytes(const std::vector<GeometryAttribute>& attributes,
                                  std::optional<Interpolation> normals, bool hasMaterials,
-                                 bool moves) {
-    const std::size_t copies = moves ? 2 : 1;
-    return EstimateTriangle(attributes, normals, hasMaterials, 3.0, int(copies) * kMostNodeBytes,
-                            copies * sizeof(glm::vec3), int(copies));
+                                 std::size_t numPoses) {
+    return EstimateTriangle(attributes, normals, hasMaterials, 3.0,
+                            static_cast<double>(numPoses) * kMostNodeBytes,
+                            numPoses * sizeof(glm::vec3), static_cast<int>(numPoses));
 }
 
 TriangleBytes SolidBytes(const std::vector<GeometryAttribute>& attributes,
-                         double verticesPerPrimitive, std::size_t vertexBytes, bool moves,
+                         double verticesPerPrimitive, std::size_t vertexBytes, std::size_t numPoses,
                          bool mean) {
-    const double nodeBytes = (moves ? 2.0 : 1.0) * (mean ? kMeanNodeBytes : kMostNodeBytes);
+    const double nodeBytes =
+        static_cast<double>(numPoses) * (mean ? kMeanNodeBytes : kMostNodeBytes);
     return EstimateTriangle(attributes, std::nullopt, false, verticesPerPrimitive, nodeBytes,
                             vertexBytes);
 }

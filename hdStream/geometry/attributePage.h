@@ -18,22 +18,22 @@ std::vector<std::uint8_t> BuildAttributePage(const ChunkGeometry& chunk);
 /// chunk's border count again.
 double VerticesPerTriangle(std::size_t numPoints, std::size_t numTriangles);
 
-/// Upper bound. \param normals how normals are stored, if they are. \param moves vertices, normals
-/// and nodes are there twice.
+/// Upper bound. \param normals how normals are stored, if they are. \param numPoses that vertices,
+/// normals and nodes are there in: 1 where nothing moves.
 TriangleBytes BoundTriangleBytes(const std::vector<GeometryAttribute>& attributes,
                                  std::optional<Interpolation> normals, bool hasMaterials,
-                                 bool moves);
+                                 std::size_t numPoses);
 
 /// About what it is where a triangle adds `verticesPerTriangle`.
 TriangleBytes MeanTriangleBytes(const std::vector<GeometryAttribute>& attributes,
-                                std::optional<Interpolation> normals, bool hasMaterials, bool moves,
-                                double verticesPerTriangle);
+                                std::optional<Interpolation> normals, bool hasMaterials,
+                                std::size_t numPoses, double verticesPerTriangle);
 
 /// What a primitive of curves or points adds, whose chunks have so many vertices a primitive.
-/// \param vertexBytes of both ends, where they move. \param mean about what it is, else an upper
+/// \param vertexBytes of all poses. \param mean about what it is, else an upper
 /// bound.
 TriangleBytes SolidBytes(const std::vector<GeometryAttribute>& attributes,
-                         double verticesPerPrimitive, std::size_t vertexBytes, bool moves,
+                         double verticesPerPrimitive, std::size_t vertexBytes, std::size_t numPoses,
                          bool mean);
 
 } // namespace hds

@@ -44,6 +44,14 @@ struct TriangleBytes {
     std::uint32_t Both() const { return geometry + attributes; }
 };
 
+/// What of a chunk moves, at a time while the shutter is open.
+struct ChunkKey {
+    std::vector<glm::vec3> positions;    ///< [numVertices]
+    SharedSpan<float> normals;           ///< of the elements of the chunk's; empty: those
+    std::vector<float> radii;            ///< [numVertices] of curves and points
+    std::vector<Bounds> primitiveBounds; ///< [numTriangles] of curves and points
+};
+
 /// A chunk's triangles, with all values that its pages hold.
 struct ChunkGeometry {
     std::vector<glm::vec3> positions;  ///< [numVertices] relative to the source's origin
@@ -56,18 +64,17 @@ struct ChunkGeometry {
     std::vector<glm::uvec3> corners; ///< [numTriangles] elements of FaceVarying attributes
     std::vector<GeometryAttribute> attributes; ///< as ChunkSource::Attributes
     GeometryAttribute normals; ///< object space, towards the authored front; values empty: flat
-    /// When the shutter closes: [numVertices], and of the elements of `normals`; empty: as above.
-    std::vector<glm::vec3> closePositions;
-    SharedSpan<float> closeNormals;
+    /// After the opening of the shutter, where all else is, at equal steps of time; the last one
+    /// when it closes. Empty: nothing moves. At most HDS_MAX_DEFORMATION_SEGMENTS.
+    std::vector<ChunkKey> keys;
 
     /// HDS_PRIMITIVE_* (kernels/shared/geometry.h). Of curves and points an entry of `triangles` is
     /// the first vertex and the piece's bits above it; vertices stay in their order.
     std::uint32_t primitives = 0;
-    std::vector<float> radii;                 ///< [numVertices] of curves and points
-    std::vector<glm::vec3> jointNormals;      ///< [numVertices] of ribbons
-    std::vector<std::uint32_t> joints;        ///< [numVertices] element of Varying attributes
-    std::vector<Bounds> primitiveBounds;      ///< [numTriangles] of curves and points
-    std::vector<Bounds> closePrimitiveBounds; ///< where closePositions are: when the shutter closes
+    std::vector<float> radii;            ///< [numVertices] of curves and points
+    std::vector<glm::vec3> jointNormals; ///< [numVertices] of ribbons
+    std::vector<std::uint32_t> joints;   ///< [numVertices] element of Varying attributes
+    std::vector<Bounds> primitiveBounds; ///< [numTriangles] of curves and points
 };
 
 /// What a plan of chunks needs to know: groups with boxes. Immutable, thread-safe.

@@ -43,15 +43,15 @@ public:
         for (std::uint32_t group = 0; group < _numGroups; ++group) {
             _numVertices += GroupVertices(_groups[group]);
         }
-        const std::size_t vertexBytes = ((_hasNormals ? 8 : 4) + (Moves() ? 4 : 0)) * sizeof(float);
+        const std::size_t vertexBytes = ((_hasNormals ? 4 : 0) + 4 * NumPoses()) * sizeof(float);
         constexpr double kMostVertices = 5.0; // of a group of one piece
-        _boundBytes = SolidBytes(_values, kMostVertices, vertexBytes, Moves(), false);
+        _boundBytes = SolidBytes(_values, kMostVertices, vertexBytes, NumPoses(), false);
         _meanBytes =
             SolidBytes(_values,
                        std::min(kMostVertices,
                                 static_cast<double>(_numVertices) /
                                     static_cast<double>(std::max<std::uint64_t>(1, _numTriangles))),
-                       vertexBytes, Moves(), true);
+                       vertexBytes, NumPoses(), true);
     }
 
     std::uint32_t GroupTriangles(std::uint32_t group) const override {
@@ -63,6 +63,7 @@ public:
         std::call_once(_isRead, [this] { ReadValues(); });
         ChunkGeometry chunk;
         chunk.primitives = _basis->Primitives();
+        chunk.keys.resize(NumPoses() - 1);
         chunk.attributes = _values;
         for (std::size_t i = 0; i < count; ++i) {
             if (GroupTriangles(groups[i]) > 0) {
@@ -174,6 +175,7 @@ private:
             _widths = std::move(*widths);
             WarnBadWidths(_widths, _log);
         }
+        _widthsOfPoses = WidthsOfPoses(*_curves, _widths);
         if (auto normals = AuthoredNormals(*_curves, _size, _log)) {
             _normals = std::move(*normals);
             _hasNormals = true;
@@ -261,8 +263,7 @@ private:
         for (std::uint32_t k = isLinear ? 1 : 0; k < (isLinear ? 3U : 4U); ++k) {
             const RunVertex vertex =
                 _basis->VertexOf(_basis->FirstVertex(segment) + k, _counts[curve]);
-            const std::size_t point = PointAt(curve, vertex.point);
-            if (!FindPoint(*_curves, point) || (Moves() && !FindClosePoint(*_curves, point))) {
+            if (!HasPoint(*_curves, PointAt(curve, vertex.point))) {
                 return kDropped;
             }
         }
@@ -288,60 +289,57 @@ private:
         return level;
     }
 
-    bool Moves() const { return !_curves->closePoints.empty(); }
+    std::size_t NumPoses() const { return 1 + _curves->keys.size(); }
 
     /// A vertex of a run relative to the origin, with its radius, as its page holds it. \param
-    /// isClosed when the shutter closes.
-    glm::vec4 VertexAt(std::uint32_t curve, std::uint32_t run, bool isClosed) const {
+    /// pose 0: when the shutter opens; else of a key.
+    glm::vec4 VertexAt(std::uint32_t curve, std::uint32_t run, std::size_t pose) const {
         const RunVertex vertex = _basis->VertexOf(run, _counts[curve]);
         const auto at = [&](std::uint32_t place) {
-            const std::size_t index = PointAt(curve, place);
-            const auto point =
-                isClosed ? FindClosePoint(*_curves, index) : FindPoint(*_curves, index);
+            const auto point = FindPointAt(*_curves, pose, PointAt(curve, place));
             return glm::vec4(point ? *point - glm::vec3(_origin) : glm::vec3(0.0F),
-                             VertexRadius(curve, run, place));
+                             VertexRadius(_widthsOfPoses[pose], curve, run, place));
         };
         return vertex.isPhantom ? 2.0F * at(vertex.point) - at(vertex.next) : at(vertex.point);
     }
 
-    float VertexRadius(std::uint32_t curve, std::uint32_t run, std::uint32_t place) const {
-        switch (_widths.interpolation) {
+    float VertexRadius(const GeometryAttribute& widths, std::uint32_t curve, std::uint32_t run,
+                       std::uint32_t place) const {
+        switch (widths.interpolation) {
         case Interpolation::Uniform:
-            return RadiusOf(_widths, curve);
+            return RadiusOf(widths, curve);
         case Interpolation::Vertex:
-            return PointAt(curve, place) < _size.numPoints
-                       ? RadiusOf(_widths, PointAt(curve, place))
-                       : 0.0F;
+            return PointAt(curve, place) < _size.numPoints ? RadiusOf(widths, PointAt(curve, place))
+                                                           : 0.0F;
         case Interpolation::Varying:
             break;
         default:
-            return RadiusOf(_widths, 0);
+            return RadiusOf(widths, 0);
         }
         const std::uint32_t segments = SegmentsOf(curve);
-        const float radius =
-            RadiusOf(_widths, _firstJoints[curve] + _basis->JointOf(run, segments));
+        const float radius = RadiusOf(widths, _firstJoints[curve] + _basis->JointOf(run, segments));
         const bool isBezier = (_basis->Primitives() & HDS_PRIMITIVE_BASIS) == HDS_PRIMITIVE_BEZIER;
         if (!isBezier || run % 3 == 0) {
             return radius;
         }
         const float next =
-            RadiusOf(_widths, _firstJoints[curve] + _basis->JointOf((run / 3 + 1) * 3, segments));
+            RadiusOf(widths, _firstJoints[curve] + _basis->JointOf((run / 3 + 1) * 3, segments));
         return radius + (next - radius) * (static_cast<float>(run % 3) / 3.0F);
     }
 
-    Points ShapeOf(std::uint32_t curve, std::uint32_t segment, bool isClosed) const {
+    Points ShapeOf(std::uint32_t curve, std::uint32_t segment, std::size_t pose) const {
         Points vertices;
         for (std::uint32_t k = 0; k < 4; ++k) {
-            vertices[k] = glm::dvec4(VertexAt(curve, _basis->FirstVertex(segment) + k, isClosed));
+            vertices[k] = glm::dvec4(VertexAt(curve, _basis->FirstVertex(segment) + k, pose));
         }
         return _basis->Bezier(vertices);
     }
 
-    /// When the shutter opens and, of curves that move, when it closes.
+    /// When the shutter opens and, of curves that move, at each of the keys.
     std::vector<Points> ShapesOf(std::uint32_t curve, std::uint32_t segment) const {
-        std::vector<Points> shapes{ShapeOf(curve, segment, false)};
-        if (Moves()) {
-            shapes.push_back(ShapeOf(curve, segment, true));
+        std::vector<Points> shapes;
+        for (std::size_t pose = 0; pose < NumPoses(); ++pose) {
+            shapes.push_back(ShapeOf(curve, segment, pose));
         }
         return shapes;
     }
@@ -418,12 +416,14 @@ private:
         const std::uint32_t numSegments = SegmentsOf(group.curve);
         for (std::uint32_t i = 0; i < GroupVertices(group); ++i) {
             const std::uint32_t run = firstRun + i;
-            const glm::vec4 vertex = VertexAt(group.curve, run, false);
+            const glm::vec4 vertex = VertexAt(group.curve, run, 0);
             chunk->positions.emplace_back(vertex);
-            if (Moves()) {
-                chunk->closePositions.emplace_back(VertexAt(group.curve, run, true));
-            }
             chunk->radii.push_back(vertex.w);
+            for (std::size_t pose = 1; pose < NumPoses(); ++pose) {
+                const glm::vec4 later = VertexAt(group.curve, run, pose);
+                chunk->keys[pose - 1].positions.emplace_back(later);
+                chunk->keys[pose - 1].radii.push_back(later.w);
+            }
             const RunVertex from = _basis->VertexOf(run, _counts[group.curve]);
             const std::size_t point = PointAt(group.curve, from.point);
             chunk->points.push_back(
@@ -472,7 +472,8 @@ private:
                                   : PartOfBezier(shapes[i], static_cast<double>(piece) / count,
                                                  static_cast<double>(piece + 1) / count),
                        &bounds);
-                (i == 0 ? chunk->primitiveBounds : chunk->closePrimitiveBounds).push_back(bounds);
+                (i == 0 ? chunk->primitiveBounds : chunk->keys[i - 1].primitiveBounds)
+                    .push_back(bounds);
             }
         }
     }
@@ -523,6 +524,7 @@ private:
     std::vector<std::uint32_t> _firstJoints; ///< [numCurves]
     std::optional<CurveBasis> _basis;
     GeometryAttribute _widths;
+    std::vector<GeometryAttribute> _widthsOfPoses;
     GeometryAttribute _normals;
     bool _hasNormals = false;
     std::vector<Group> _groups; ///< and one more for the end

@@ -108,6 +108,28 @@ struct PointSample {
     }
 };
 
+/// Values of a primvar at a time, in frames from the frame on.
+struct FloatSample {
+    double time = 0.0;
+    SharedSpan<float> values; ///< as Primvar::values
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(FloatSample, time), HDS_FIELD(FloatSample, values));
+    }
+};
+
+/// What moves, at a time while the shutter is open.
+struct ShutterKey {
+    SharedSpan<float> points;  ///< as GeometryDescription::points
+    SharedSpan<float> widths;  ///< values of the primvar; empty: they do not change
+    SharedSpan<float> normals; ///< the same
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(ShutterKey, points), HDS_FIELD(ShutterKey, widths),
+                         HDS_FIELD(ShutterKey, normals));
+    }
+};
+
 /// Topology, points and primvars of a mesh, of curves or of points. Object space, float as
 /// authored. Widths and normals are primvars of these names.
 struct GeometryDescription {
@@ -115,8 +137,13 @@ struct GeometryDescription {
     SharedSpan<float> points; ///< [numPoints][3]
     /// The points around the frame, in ascending order of time; fewer than two: they are at rest.
     std::vector<PointSample> samples;
-    /// Where commit lets points go straight to while the shutter is open; empty: nowhere.
-    SharedSpan<float> closePoints;
+    /// The same of the primvars "widths" (of curves and points) and "normals" (of faces): samples
+    /// of as many values. Fewer than two: they are those of the frame.
+    std::vector<FloatSample> widthSamples;
+    std::vector<PointSample> normalSamples;
+    /// Where commit lets all go while the shutter is open, straight from one to the next: at equal
+    /// steps of time, the last one when it closes. `points` are where it opens. Empty: nowhere.
+    std::vector<ShutterKey> keys;
     SharedSpan<std::int32_t> faceVertexCounts;  ///< curves: vertices of each curve
     SharedSpan<std::int32_t> faceVertexIndices; ///< curves: empty: points in their order
     CurveForm curves;
@@ -134,7 +161,13 @@ struct GeometryDescription {
                          HDS_FIELD(GeometryDescription, points).Rows(3),
                          HDS_FIELD(GeometryDescription, samples)
                              .NotInKey("MakeGeometryKey adds them while the shutter is open"),
-                         HDS_FIELD(GeometryDescription, closePoints)
+                         HDS_FIELD(GeometryDescription, widthSamples)
+                             .For(kCurves, PrimitiveKind::Points)
+                             .NotInKey("MakeGeometryKey adds them while the shutter is open"),
+                         HDS_FIELD(GeometryDescription, normalSamples)
+                             .For(kFaces)
+                             .NotInKey("MakeGeometryKey adds them while the shutter is open"),
+                         HDS_FIELD(GeometryDescription, keys)
                              .NotInKey("made of samples and the shutter")
                              .NotInDump("no front end sets it")
                              .NotInPython("no front end sets it"),

@@ -30,6 +30,7 @@ public:
             _widths = std::move(*widths);
             WarnBadWidths(_widths, _log);
         }
+        _widthsOfPoses = WidthsOfPoses(*_points, _widths);
         _values = SolidAttributes(*_points, size, _log);
         for (const GeometryAttribute& attribute : _values) {
             _attributes.push_back({attribute.name, attribute.numComponents});
@@ -56,25 +57,22 @@ public:
             _log.Warn(std::to_string(count - numBad - _numTriangles) + " points dropped: no width");
         }
         _numVertices = _numTriangles;
-        const std::size_t vertexBytes = (Moves() ? 8 : 4) * sizeof(float);
-        _boundBytes = SolidBytes(_values, 1.0, vertexBytes, Moves(), false);
-        _meanBytes = SolidBytes(_values, 1.0, vertexBytes, Moves(), true);
+        const std::size_t vertexBytes = NumPoses() * 4 * sizeof(float);
+        _boundBytes = SolidBytes(_values, 1.0, vertexBytes, NumPoses(), false);
+        _meanBytes = SolidBytes(_values, 1.0, vertexBytes, NumPoses(), true);
     }
 
     std::uint32_t GroupTriangles(std::uint32_t group) const override {
-        return FindPoint(*_points, group) && (!Moves() || FindClosePoint(*_points, group)) &&
-                       RadiusOf(_widths, group) > 0.0F
-                   ? 1
-                   : 0;
+        const bool hasWidth = std::any_of(
+            _widthsOfPoses.begin(), _widthsOfPoses.end(),
+            [&](const GeometryAttribute& widths) { return RadiusOf(widths, group) > 0.0F; });
+        return hasWidth && HasPoint(*_points, group) ? 1 : 0;
     }
     Bounds GroupBounds(std::uint32_t group) const override {
         Bounds bounds;
         if (GroupTriangles(group) > 0) {
-            ExtendBySolid(glm::dvec3(*FindPoint(*_points, group)) - _origin,
-                          RadiusOf(_widths, group), &bounds);
-            if (Moves()) {
-                ExtendBySolid(glm::dvec3(*FindClosePoint(*_points, group)) - _origin,
-                              RadiusOf(_widths, group), &bounds);
+            for (std::size_t pose = 0; pose < NumPoses(); ++pose) {
+                Extend(group, pose, &bounds);
             }
         }
         return bounds;
@@ -88,6 +86,7 @@ public:
         ChunkGeometry chunk;
         chunk.primitives = HDS_PRIMITIVE_POINTS;
         chunk.attributes = _values;
+        chunk.keys.resize(NumPoses() - 1);
         for (std::size_t i = 0; i < count; ++i) {
             const std::uint32_t group = groups[i];
             if (GroupTriangles(group) == 0) {
@@ -95,34 +94,36 @@ public:
             }
             chunk.triangles.emplace_back(static_cast<std::uint32_t>(chunk.points.size()), 0U, 0U);
             chunk.points.push_back(group);
-            chunk.positions.push_back(*FindPoint(*_points, group) - glm::vec3(_origin));
-            if (Moves()) {
-                chunk.closePositions.push_back(*FindClosePoint(*_points, group) -
-                                               glm::vec3(_origin));
-            }
-            chunk.radii.push_back(RadiusOf(_widths, group));
+            Add(group, 0, &chunk.positions, &chunk.radii, &chunk.primitiveBounds);
             chunk.primIds.push_back(group);
             chunk.faces.push_back(group);
-            chunk.primitiveBounds.push_back(BoundAt(*FindPoint(*_points, group), group));
-            if (Moves()) {
-                chunk.closePrimitiveBounds.push_back(
-                    BoundAt(*FindClosePoint(*_points, group), group));
+            for (std::size_t pose = 1; pose < NumPoses(); ++pose) {
+                ChunkKey& key = chunk.keys[pose - 1];
+                Add(group, pose, &key.positions, &key.radii, &key.primitiveBounds);
             }
         }
         return chunk;
     }
 
 private:
-    Bounds BoundAt(const glm::vec3& point, std::uint32_t group) const {
-        Bounds bounds;
-        ExtendBySolid(glm::dvec3(point) - _origin, RadiusOf(_widths, group), &bounds);
-        return bounds;
+    std::size_t NumPoses() const { return 1 + _points->keys.size(); }
+
+    void Extend(std::uint32_t group, std::size_t pose, Bounds* bounds) const {
+        ExtendBySolid(glm::dvec3(*FindPointAt(*_points, pose, group)) - _origin,
+                      RadiusOf(_widthsOfPoses[pose], group), bounds);
     }
-    bool Moves() const { return !_points->closePoints.empty(); }
+    void Add(std::uint32_t group, std::size_t pose, std::vector<glm::vec3>* positions,
+             std::vector<float>* radii, std::vector<Bounds>* bounds) const {
+        positions->push_back(*FindPointAt(*_points, pose, group) - glm::vec3(_origin));
+        radii->push_back(RadiusOf(_widthsOfPoses[pose], group));
+        bounds->emplace_back();
+        Extend(group, pose, &bounds->back());
+    }
 
     std::shared_ptr<const GeometryDescription> _points;
     mutable PrimLog _log;
     GeometryAttribute _widths;
+    std::vector<GeometryAttribute> _widthsOfPoses;
     std::vector<GeometryAttribute> _values; ///< user primvars
     mutable std::once_flag _isRead;
 };

@@ -87,8 +87,8 @@ public:
             bounds->min = glm::min(bounds->min, glm::vec3(point));
             bounds->max = glm::max(bounds->max, glm::vec3(point));
         }
-        if (!_mesh.closePoints.empty()) {
-            ExtendByFace(_mesh, _mesh.closePoints, {_firstCorner, _count}, bounds);
+        for (const ShutterKey& key : _mesh.keys) {
+            ExtendByFace(_mesh, key.points, {_firstCorner, _count}, bounds);
         }
     }
 
@@ -114,7 +114,8 @@ class PolygonSource final : public ChunkSource {
 public:
     PolygonSource(std::shared_ptr<const GeometryDescription> mesh, const std::string& primPath,
                   const Displacement& displacement, Warnings& warnings)
-        : _mesh(std::move(mesh)), _displacement(displacement), _log(primPath, warnings) {
+        : _mesh(std::move(mesh)), _displacement(displacement), _log(primPath, warnings),
+          _keys(_mesh->keys.size()) {
         const FaceTable table = BuildFaceTable(*_mesh);
         CheckHeader(*_mesh, table, _log);
         _isLeftHanded = _mesh->leftHanded;
@@ -144,8 +145,8 @@ public:
             return bounds;
         }
         ExtendByFace(*_mesh, _mesh->points, FaceAt(index), &bounds);
-        if (Moves()) {
-            ExtendByFace(*_mesh, _mesh->closePoints, FaceAt(index), &bounds);
+        for (const ShutterKey& key : _mesh->keys) {
+            ExtendByFace(*_mesh, key.points, FaceAt(index), &bounds);
         }
         const glm::vec3 origin(_origin); // exact, and so are the differences
         bounds.min -= origin + _reach;
@@ -175,15 +176,23 @@ public:
             GatherGroup(groups[i], cutter, numbering, chunk);
         }
         GatherPositions(chunk.points, _mesh->points, _moved, &chunk.positions);
-        if (Moves()) {
-            GatherPositions(chunk.points, _mesh->closePoints, _closeMoved, &chunk.closePositions);
-            chunk.closeNormals = _closeNormals;
+        chunk.keys.resize(_mesh->keys.size());
+        for (std::size_t i = 0; i < chunk.keys.size(); ++i) {
+            GatherPositions(chunk.points, _mesh->keys[i].points, _keys[i].moved,
+                            &chunk.keys[i].positions);
+            chunk.keys[i].normals = _keys[i].normals;
         }
         return chunk;
     }
 
 private:
-    bool Moves() const { return !_mesh->closePoints.empty(); }
+    /// What ReadValues makes of a key.
+    struct Key {
+        std::vector<glm::vec3> moved; ///< [numPoints] displaced; empty: as authored
+        SharedSpan<float> normals;    ///< of the elements of _normals; empty: as they are
+    };
+
+    std::size_t NumPoses() const { return 1 + _mesh->keys.size(); }
 
     /// \param moved all positions, if they are not where `authored` has them.
     void GatherPositions(const std::vector<std::uint32_t>& points,
@@ -312,8 +321,8 @@ private:
         if (!_displacement.empty()) {
             SetReach();
         }
-        _boundBytes = BoundTriangleBytes(_values, normals, !_entries.empty(), Moves());
-        _meanBytes = MeanTriangleBytes(_values, normals, !_entries.empty(), Moves(),
+        _boundBytes = BoundTriangleBytes(_values, normals, !_entries.empty(), NumPoses());
+        _meanBytes = MeanTriangleBytes(_values, normals, !_entries.empty(), NumPoses(),
                                        VerticesPerTriangle(_size.numPoints, _numTriangles));
     }
 
@@ -351,7 +360,7 @@ private:
         return normals;
     }
 
-    /// The whole mesh with points of either pose, relative to the source's origin.
+    /// The whole mesh with the points of a pose, relative to the source's origin.
     TriangleMesh Whole(const SharedSpan<float>& points) const {
         GeometryDescription posed = *_mesh;
         posed.points = points;
@@ -367,13 +376,18 @@ private:
     }
 
     /// What moves with the points: of a displaced mesh its positions, and normals that follow from
-    /// them.
-    void ReadClosed() const {
-        if (!_displacement.empty()) {
-            const auto normals = Displace(Whole(_mesh->closePoints), &_closeMoved);
-            _closeNormals = normals ? normals->values : SharedSpan<float>();
-        } else if (!IsPolygonal(_mesh->subdivisionScheme)) {
-            _closeNormals = Whole(_mesh->closePoints).normals.values;
+    /// them. \param isRepaired authored normals have become others, which stay.
+    void ReadKeys(bool isRepaired) const {
+        for (std::size_t i = 0; i < _keys.size(); ++i) {
+            const ShutterKey& key = _mesh->keys[i];
+            if (!_displacement.empty()) {
+                const auto normals = Displace(Whole(key.points), &_keys[i].moved);
+                _keys[i].normals = normals ? normals->values : SharedSpan<float>();
+            } else if (!IsPolygonal(_mesh->subdivisionScheme)) {
+                _keys[i].normals = Whole(key.points).normals.values;
+            } else if (!isRepaired && key.normals.size() == _normals.values.size()) {
+                _keys[i].normals = key.normals;
+            }
         }
     }
 
@@ -389,13 +403,11 @@ private:
             WarnNotFinite(_normals, _log.PrimPath(), _log.Sink());
         }
         const bool mustRepair = isAuthored && HasUnusableNormals(_normals);
+        ReadKeys(mustRepair);
         if (!isSmooth && !mustRepair && _displacement.empty()) {
             return;
         }
         TriangleMesh whole = Whole(_mesh->points);
-        if (Moves()) {
-            ReadClosed();
-        }
         if (!_displacement.empty()) {
             if (auto normals = Displace(std::move(whole), &_moved)) {
                 _normals = std::move(*normals);
@@ -450,9 +462,7 @@ private:
     mutable std::once_flag _isRead;
     mutable GeometryAttribute _normals;    ///< final once ReadValues has run
     mutable std::vector<glm::vec3> _moved; ///< [numPoints] displaced; empty: as authored
-    mutable std::vector<glm::vec3>
-        _closeMoved; ///< [numPoints] when the shutter closes; empty: as authored
-    mutable SharedSpan<float> _closeNormals; ///< of the elements of _normals; empty: as they are
+    mutable std::vector<Key> _keys;        ///< of _mesh->keys
 };
 
 } // namespace

@@ -41,8 +41,29 @@ std::optional<glm::vec3> FindPoint(const GeometryDescription& description, std::
     return FindIn(description.points, index);
 }
 
-std::optional<glm::vec3> FindClosePoint(const GeometryDescription& description, std::size_t index) {
-    return FindIn(description.closePoints, index);
+std::optional<glm::vec3> FindPointAt(const GeometryDescription& description, std::size_t pose,
+                                     std::size_t index) {
+    return FindIn(pose == 0 ? description.points : description.keys[pose - 1].points, index);
+}
+
+bool HasPoint(const GeometryDescription& description, std::size_t index) {
+    for (std::size_t pose = 0; pose <= description.keys.size(); ++pose) {
+        if (!FindPointAt(description, pose, index)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+std::vector<GeometryAttribute> WidthsOfPoses(const GeometryDescription& description,
+                                             const GeometryAttribute& widths) {
+    std::vector<GeometryAttribute> poses(1 + description.keys.size(), widths);
+    for (std::size_t i = 0; i < description.keys.size(); ++i) {
+        if (description.keys[i].widths.size() == widths.values.size()) {
+            poses[i + 1].values = description.keys[i].widths;
+        }
+    }
+    return poses;
 }
 
 Bounds BoundPoints(const GeometryDescription& description) {

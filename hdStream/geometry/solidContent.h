@@ -14,8 +14,17 @@ namespace hds {
 /// Point `index` of a description; nothing when there is none, or it is not finite or too far.
 std::optional<glm::vec3> FindPoint(const GeometryDescription& description, std::size_t index);
 
-/// The same when the shutter closes. \pre the description has closePoints.
-std::optional<glm::vec3> FindClosePoint(const GeometryDescription& description, std::size_t index);
+/// The same at a time while the shutter is open. \param pose 0: when it opens; else of keys[pose -
+/// 1].
+std::optional<glm::vec3> FindPointAt(const GeometryDescription& description, std::size_t pose,
+                                     std::size_t index);
+
+/// Whether there is such a point in all poses.
+bool HasPoint(const GeometryDescription& description, std::size_t index);
+
+/// Widths in all poses: when the shutter opens, and at each of the keys.
+std::vector<GeometryAttribute> WidthsOfPoses(const GeometryDescription& description,
+                                             const GeometryAttribute& widths);
 
 /// The box of all points that can be used.
 Bounds BoundPoints(const GeometryDescription& description);

@@ -32,9 +32,11 @@ public:
                 _hasCornerValues || primvar.attribute.interpolation == Interpolation::FaceVarying;
         }
         _values.resize(_model.Primvars().size());
-        if (dice.closeModel) {
-            _closePoints.emplace(*dice.closeModel, dice.displacement, dice.entries);
+        for (const auto& model : dice.keyModels) {
+            _keys.push_back(
+                {std::make_unique<SubdivPoints>(*model, dice.displacement, dice.entries), {}, {}});
         }
+        _chunk.keys.resize(_keys.size());
     }
 
     void AddGroup(std::uint32_t group) {
@@ -87,6 +89,13 @@ public:
     }
 
 private:
+    /// A pose after the opening of the shutter.
+    struct Key {
+        std::unique_ptr<SubdivPoints> points;
+        std::vector<float> normals;     ///< as _normals
+        std::vector<float> sideNormals; ///< as _sideNormals
+    };
+
     void StartFace(int face) {
         if (face == _face) {
             return;
@@ -165,8 +174,8 @@ private:
             }
         };
         add(_points, _chunk.positions, _normals);
-        if (_closePoints) {
-            add(*_closePoints, _chunk.closePositions, _closeNormals);
+        for (std::size_t i = 0; i < _keys.size(); ++i) {
+            add(*_keys[i].points, _chunk.keys[i].positions, _keys[i].normals);
         }
         const int vertexSize = _model.VertexRows().rowSize;
         const int varyingSize = _model.VaryingRows().rowSize;
@@ -204,8 +213,8 @@ private:
         if (const auto side = SideNormal(_points, location)) {
             _cornerNormals.back() = -1 - static_cast<std::int32_t>(_sideNormals.size() / 3);
             Append(*side, _sideNormals);
-            if (_closePoints) {
-                Append(*SideNormal(*_closePoints, location), _closeSideNormals);
+            for (Key& key : _keys) {
+                Append(*SideNormal(*key.points, location), key.sideNormals);
             }
         }
         if (_hasCornerValues) {
@@ -245,7 +254,8 @@ private:
     /// As Triangulate: no area once rounded to float, in any pose.
     bool HasArea(const glm::uvec3& triangle) const {
         return HasArea(_chunk.positions, triangle) ||
-               (_closePoints && HasArea(_chunk.closePositions, triangle));
+               std::any_of(_chunk.keys.begin(), _chunk.keys.end(),
+                           [&](const ChunkKey& key) { return HasArea(key.positions, triangle); });
     }
 
     static bool HasArea(const std::vector<glm::vec3>& positions, const glm::uvec3& triangle) {
@@ -269,19 +279,23 @@ private:
                 index = index >= 0 ? index : numVertices - 1 - index;
             }
             _normals.insert(_normals.end(), _sideNormals.begin(), _sideNormals.end());
-            _closeNormals.insert(_closeNormals.end(), _closeSideNormals.begin(),
-                                 _closeSideNormals.end());
+            for (Key& key : _keys) {
+                key.normals.insert(key.normals.end(), key.sideNormals.begin(),
+                                   key.sideNormals.end());
+            }
             normals.interpolation = Interpolation::FaceVarying;
             normals.indices = std::move(_cornerNormals);
         }
         normals.values = std::move(_normals);
-        _chunk.closeNormals = std::move(_closeNormals);
+        for (std::size_t i = 0; i < _keys.size(); ++i) {
+            _chunk.keys[i].normals = std::move(_keys[i].normals);
+        }
     }
 
     const SubdivDice& _dice;
     const SubdivModel& _model;
     SubdivPoints _points;
-    std::optional<SubdivPoints> _closePoints; ///< of what moves
+    std::vector<Key> _keys;
     ChunkGeometry _chunk;
     bool _hasCornerValues = false;
 
@@ -296,8 +310,6 @@ private:
     std::vector<float> _normals;              ///< [vertices][3]
     std::vector<std::int32_t> _cornerNormals; ///< [corners] vertex, or -1 - side normal
     std::vector<float> _sideNormals;
-    std::vector<float> _closeNormals;        ///< as _normals
-    std::vector<float> _closeSideNormals;    ///< as _sideNormals
     std::vector<std::vector<float>> _values; ///< by primvar
     std::vector<double> _vertexRow;
     std::vector<double> _varyingRow;

@@ -13,9 +13,9 @@ namespace hds {
 /// What groups are made from. Immutable; any number of threads may read it.
 struct SubdivDice {
     std::unique_ptr<const SubdivModel> model;
-    std::unique_ptr<Warnings> closeWarnings; ///< of closeModel: all were heard of the other
-    /// The same topology when the shutter closes; null: it does not move.
-    std::unique_ptr<const SubdivModel> closeModel;
+    std::unique_ptr<Warnings> keyWarnings; ///< of keyModels: all were heard of the other
+    /// The same topology at each of the mesh's keys; empty: it does not move.
+    std::vector<std::unique_ptr<const SubdivModel>> keyModels;
     SubdivDisplacement displacement;
     std::vector<std::uint32_t> entries;        ///< material entry by authored face; empty: all 0
     std::vector<std::uint8_t> edgeLevels;      ///< [cage edges]

@@ -41,13 +41,19 @@ Bounds RoundOut(const ExactBox& box, const glm::dvec3& origin) {
     return bounds;
 }
 
+void RaiseTo(std::uint8_t level, std::atomic<std::uint8_t>* highest) {
+    std::uint8_t seen = highest->load();
+    while (seen < level && !highest->compare_exchange_weak(seen, level)) {
+    }
+}
+
 class SubdivSource final : public SubdivChunkSource {
 public:
     SubdivSource(std::unique_ptr<const SubdivModel> model, const std::string& primPath,
                  const DicingOptions& options, const Displacement& displacement,
                  Warnings& warnings) {
         _dice.model = std::move(model);
-        MakeCloseModel(primPath);
+        MakeKeyModels(primPath);
         PrimLog log(primPath, warnings);
         _dice.entries = AssignSubsets(Model().Mesh(), log);
         _isLeftHanded = Model().Mesh().leftHanded;
@@ -81,29 +87,30 @@ public:
 
 private:
     const SubdivModel& Model() const { return *_dice.model; }
-    bool Moves() const { return _dice.closeModel != nullptr; }
+    std::size_t NumPoses() const { return 1 + _dice.keyModels.size(); }
 
-    void MakeCloseModel(const std::string& primPath) {
-        if (Model().Mesh().closePoints.empty()) {
-            return;
-        }
-        auto closed = std::make_shared<GeometryDescription>(Model().Mesh());
-        closed->points = closed->closePoints;
-        _dice.closeWarnings = std::make_unique<Warnings>();
-        auto model = SubdivModel::Make(std::move(closed), primPath, *_dice.closeWarnings);
-        if (model && model->Cage().faces == Model().Cage().faces) {
-            _dice.closeModel = std::move(model);
+    void MakeKeyModels(const std::string& primPath) {
+        _dice.keyWarnings = std::make_unique<Warnings>();
+        for (const ShutterKey& key : Model().Mesh().keys) {
+            auto posed = std::make_shared<GeometryDescription>(Model().Mesh());
+            posed->points = key.points;
+            auto model = SubdivModel::Make(std::move(posed), primPath, *_dice.keyWarnings);
+            if (!model || model->Cage().faces != Model().Cage().faces) {
+                _dice.keyModels.clear();
+                return;
+            }
+            _dice.keyModels.push_back(std::move(model));
         }
     }
 
-    /// The box of what `boxOf` says of a face, in both poses.
+    /// The box of what `boxOf` says of a face, in all poses.
     template <typename BoxOf>
     ExactBox BoxOfPoses(int face, const BoxOf& boxOf) const {
         ExactBox box = boxOf(FaceMeter(Model(), face));
-        if (Moves()) {
-            const ExactBox close = boxOf(FaceMeter(*_dice.closeModel, face));
-            box.min = glm::min(box.min, close.min);
-            box.max = glm::max(box.max, close.max);
+        for (const auto& model : _dice.keyModels) {
+            const ExactBox posed = boxOf(FaceMeter(*model, face));
+            box.min = glm::min(box.min, posed.min);
+            box.max = glm::max(box.max, posed.max);
         }
         return box;
     }
@@ -134,10 +141,10 @@ private:
         };
         // Chunks with a crease have normals per corner.
         _boundBytes = BoundTriangleBytes(attributes, normalsAs(Interpolation::FaceVarying),
-                                         !_dice.entries.empty(), Moves());
+                                         !_dice.entries.empty(), NumPoses());
         _meanBytes =
             MeanTriangleBytes(attributes, normalsAs(Interpolation::Vertex), !_dice.entries.empty(),
-                              Moves(), VerticesPerTriangle(_numVertices, _numTriangles));
+                              NumPoses(), VerticesPerTriangle(_numVertices, _numTriangles));
     }
 
     /// Boxes of the faces' limit surfaces, and the levels of all edges.
@@ -161,13 +168,15 @@ private:
                 }
                 const Far::ConstIndexArray edges = level.GetFaceEdges(face);
                 requests.resize(std::size_t(edges.size()));
-                meter.RequestLevels(options, bump, requests.data());
-                for (int i = 0; i < edges.size(); ++i) {
-                    std::atomic<std::uint8_t>& highest = levels[std::size_t(edges[i])];
-                    std::uint8_t seen = highest.load();
-                    while (seen < requests[std::size_t(i)] &&
-                           !highest.compare_exchange_weak(seen, requests[std::size_t(i)])) {
+                const auto request = [&](const FaceMeter& pose) {
+                    pose.RequestLevels(options, bump, requests.data());
+                    for (int i = 0; i < edges.size(); ++i) {
+                        RaiseTo(requests[std::size_t(i)], &levels[std::size_t(edges[i])]);
                     }
+                };
+                request(meter);
+                for (const auto& model : _dice.keyModels) {
+                    request(FaceMeter(*model, face));
                 }
             }
         });

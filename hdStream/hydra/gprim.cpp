@@ -43,6 +43,8 @@ bool HdStreamEqual(const hds::GeometryDescription& a, const hds::GeometryDescrip
            a.curves.basis == b.curves.basis && a.curves.wrap == b.curves.wrap &&
            a.subdivisionScheme == b.subdivisionScheme && a.leftHanded == b.leftHanded &&
            HdStreamEqual(a.points, b.points) && HdStreamEqual(a.samples, b.samples) &&
+           HdStreamEqual(a.widthSamples, b.widthSamples) &&
+           HdStreamEqual(a.normalSamples, b.normalSamples) &&
            HdStreamEqual(a.faceVertexCounts, b.faceVertexCounts) &&
            HdStreamEqual(a.faceVertexIndices, b.faceVertexIndices) &&
            HdStreamEqual(a.holeIndices, b.holeIndices) && IsEqual(a.subdivTags, b.subdivTags) &&

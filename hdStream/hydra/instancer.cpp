@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <iterator>
 #include <optional>
+#include <set>
 #include <utility>
 
 PXR_NAMESPACE_OPEN_SCOPE
@@ -163,31 +164,33 @@ void HdStreamInstancer::SyncPrimvars(HdSceneDelegate* delegate, HdDirtyBits bits
 
 void HdStreamInstancer::SyncMotion(HdSceneDelegate* delegate, const hds::Shutter& shutter) {
     _prim.samples.clear();
-    std::map<TfToken, VtValue> ends[2] = {_values, _values};
-    std::vector<VtArray<GfRotation>> turns;
-    bool moves = false;
+    std::map<TfToken, HdStreamMovingValue> moving;
+    HdStreamTurn turn;
+    std::set<double> times;
     for (const auto& [name, value] : _values) {
-        std::vector<VtValue> values = value.IsEmpty()
-                                          ? std::vector<VtValue>()
-                                          : HdStreamSamplePrimvar(delegate, GetId(), name, shutter);
-        if (values.empty() && name == HdInstancerTokens->instanceTranslations) {
+        HdStreamMovingValue values;
+        if (!value.IsEmpty()) {
+            values = HdStreamSamplePrimvar(delegate, GetId(), name, shutter);
+        }
+        if (!values.Moves() && name == HdInstancerTokens->instanceTranslations) {
             values = HdStreamMoveByVelocities(delegate, GetId(), value, shutter);
         }
-        if (values.empty() && name == HdInstancerTokens->instanceRotations) {
-            turns = HdStreamTurnByVelocities(delegate, GetId(), value.GetArraySize(), shutter);
+        if (!values.Moves() && name == HdInstancerTokens->instanceRotations) {
+            turn = HdStreamTurnByVelocities(delegate, GetId(), value.GetArraySize(), shutter);
+            times.insert(turn.times.begin(), turn.times.end());
         }
-        if (!values.empty()) {
-            moves = true;
-            ends[0][name] = values[0];
-            ends[1][name] = values[1];
+        if (values.Moves()) {
+            times.insert(values.times.begin(), values.times.end());
+            moving[name] = std::move(values);
         }
     }
-    if (!moves && turns.empty()) {
-        return;
+    for (const double time : times) {
+        std::map<TfToken, VtValue> values = _values;
+        for (const auto& [name, value] : moving) {
+            values[name] = value.At(time);
+        }
+        _prim.samples.push_back({time, TransformsOf(values, turn.At(time))});
     }
-    turns.resize(2);
-    _prim.samples = {{shutter.open, TransformsOf(ends[0], turns[0])},
-                     {shutter.close, TransformsOf(ends[1], turns[1])}};
 }
 
 void HdStreamInstancer::ShareLevel(HdStreamRenderParam* param) {

@@ -19,6 +19,10 @@ namespace {
 
 /// Samples that need no memory of their own.
 constexpr unsigned int kUsualSamples = 4;
+/// What accelerations or angular velocities move is sampled at so many equal steps.
+constexpr int kNumSteps = 16;
+/// Most samples of points that a computation makes.
+constexpr std::size_t kMostComputed = 32;
 
 using MatrixSamples = HdTimeSampleArray<GfMatrix4d, kUsualSamples>;
 
@@ -38,21 +42,56 @@ std::vector<hds::TransformSample> SamplesFrom(const MatrixSamples& matrices) {
     return moves ? samples : std::vector<hds::TransformSample>();
 }
 
-/// The value when the shutter opens and when it closes; empty when it does not change.
-template <typename Samples>
-std::vector<VtValue> EndsOf(const Samples& samples, const hds::Shutter& shutter) {
+/// At what times the samples say something of the shutter's interval.
+void FindTimes(const hds::Shutter& shutter, HdStreamMovingValue* value) {
+    const HdTimeSampleArray<VtValue, kUsualSamples>& samples = value->samples;
     if (samples.count < 2) {
-        return {};
+        return;
     }
-    const std::size_t size = samples.values[0].GetArraySize();
     for (std::size_t i = 1; i < samples.count; ++i) {
-        if (samples.values[i].GetArraySize() != size) {
-            return {}; // nothing to interpolate between
+        if (samples.values[i].GetArraySize() != samples.values[0].GetArraySize()) {
+            value->fits = false; // nothing to interpolate between
+            return;
         }
     }
-    std::vector<VtValue> ends{samples.Resample(static_cast<float>(shutter.open)),
-                              samples.Resample(static_cast<float>(shutter.close))};
-    return ends[0] == ends[1] ? std::vector<VtValue>() : ends;
+    std::vector<double> times{shutter.open};
+    for (std::size_t i = 0; i < samples.count; ++i) {
+        const auto time = static_cast<double>(samples.times[i]);
+        if (time > times.back() && time < shutter.close &&
+            samples.times[i] < static_cast<float>(shutter.close)) {
+            times.push_back(time);
+        }
+    }
+    times.push_back(shutter.close);
+    const VtValue open = value->At(shutter.open);
+    if (std::any_of(times.begin() + 1, times.end(),
+                    [&](double time) { return value->At(time) != open; })) {
+        value->times = std::move(times);
+    }
+}
+
+/// The shutter's ends and, of what goes along a curve, equal steps between them.
+std::vector<double> StepsOver(const hds::Shutter& shutter, bool isCurved) {
+    std::vector<double> times{shutter.open};
+    for (int i = 1; isCurved && i < kNumSteps; ++i) {
+        times.push_back(i * ((shutter.close - shutter.open) / kNumSteps) + shutter.open);
+    }
+    times.push_back(shutter.close);
+    return times;
+}
+
+/// Samples as rows of floats.
+template <typename Sample>
+std::vector<Sample> RowsOf(const HdStreamMovingValue& value, std::uint32_t numComponents) {
+    std::vector<Sample> samples;
+    for (const double time : value.times) {
+        const std::optional<HdStreamFloatRows> rows = HdStreamGetFloatRows(value.At(time));
+        if (!rows || rows->numComponents != numComponents) {
+            return {};
+        }
+        samples.push_back({time, rows->values});
+    }
+    return samples;
 }
 
 } // namespace
@@ -80,20 +119,20 @@ std::vector<hds::TransformSample> HdStreamSampleInstancerTransform(HdSceneDelega
     return SamplesFrom(matrices);
 }
 
-std::vector<VtValue> HdStreamSamplePrimvar(HdSceneDelegate* delegate, const SdfPath& id,
-                                           const TfToken& name, const hds::Shutter& shutter) {
-    if (!shutter.IsOpen()) {
-        return {};
+HdStreamMovingValue HdStreamSamplePrimvar(HdSceneDelegate* delegate, const SdfPath& id,
+                                          const TfToken& name, const hds::Shutter& shutter) {
+    HdStreamMovingValue value;
+    if (shutter.IsOpen()) {
+        delegate->SamplePrimvar(id, name, static_cast<float>(shutter.open),
+                                static_cast<float>(shutter.close), &value.samples);
+        FindTimes(shutter, &value);
     }
-    HdTimeSampleArray<VtValue, kUsualSamples> samples;
-    delegate->SamplePrimvar(id, name, static_cast<float>(shutter.open),
-                            static_cast<float>(shutter.close), &samples);
-    return EndsOf(samples, shutter);
+    return value;
 }
 
 // The arithmetic of both is UsdGeom's, so that both front ends give the same bits.
-std::vector<VtValue> HdStreamMoveByVelocities(HdSceneDelegate* delegate, const SdfPath& id,
-                                              const VtValue& points, const hds::Shutter& shutter) {
+HdStreamMovingValue HdStreamMoveByVelocities(HdSceneDelegate* delegate, const SdfPath& id,
+                                             const VtValue& points, const hds::Shutter& shutter) {
     const VtValue velocities = delegate->Get(id, HdTokens->velocities);
     if (!shutter.IsOpen() || !points.IsHolding<VtVec3fArray>() ||
         !velocities.IsHolding<VtVec3fArray>()) {
@@ -106,8 +145,8 @@ std::vector<VtValue> HdStreamMoveByVelocities(HdSceneDelegate* delegate, const S
     }
     const auto changes = delegate->Get(id, HdTokens->accelerations).GetWithDefault(VtVec3fArray());
     const double timeCodesPerSecond = TimeCodesPerSecond(delegate);
-    std::vector<VtValue> ends;
-    for (const double time : {shutter.open, shutter.close}) {
+    HdStreamMovingValue value;
+    for (const double time : StepsOver(shutter, changes.size() == from.size())) {
         const double seconds = time / timeCodesPerSecond;
         VtVec3fArray moved = from;
         for (std::size_t i = 0; i < moved.size(); ++i) {
@@ -117,36 +156,39 @@ std::vector<VtValue> HdStreamMoveByVelocities(HdSceneDelegate* delegate, const S
             }
             moved[i] += seconds * velocity;
         }
-        ends.emplace_back(std::move(moved));
+        const std::size_t last = value.samples.count;
+        value.samples.Resize(static_cast<unsigned int>(last + 1));
+        value.samples.times[last] = static_cast<float>(time);
+        value.samples.values[last] = VtValue(std::move(moved));
     }
-    return ends[0] == ends[1] ? std::vector<VtValue>() : ends;
+    FindTimes(shutter, &value);
+    return value;
 }
 
-std::vector<VtArray<GfRotation>> HdStreamTurnByVelocities(HdSceneDelegate* delegate,
-                                                          const SdfPath& id, std::size_t count,
-                                                          const hds::Shutter& shutter) {
-    const auto degreesPerSecond =
+VtArray<GfRotation> HdStreamTurn::At(double time) const {
+    const double seconds = time / timeCodesPerSecond;
+    VtArray<GfRotation> turns;
+    for (const GfVec3f& velocity : degreesPerSecond) {
+        turns.push_back(GfRotation(velocity, seconds * velocity.GetLength()));
+    }
+    return turns;
+}
+
+HdStreamTurn HdStreamTurnByVelocities(HdSceneDelegate* delegate, const SdfPath& id,
+                                      std::size_t count, const hds::Shutter& shutter) {
+    auto degreesPerSecond =
         delegate->Get(id, HdTokens->angularVelocities).GetWithDefault(VtVec3fArray());
     const bool turn = std::any_of(degreesPerSecond.cbegin(), degreesPerSecond.cend(),
                                   [](const GfVec3f& velocity) { return velocity != GfVec3f(0); });
     if (!shutter.IsOpen() || !turn || degreesPerSecond.size() != count) {
         return {};
     }
-    const double timeCodesPerSecond = TimeCodesPerSecond(delegate);
-    std::vector<VtArray<GfRotation>> ends;
-    for (const double time : {shutter.open, shutter.close}) {
-        const double seconds = time / timeCodesPerSecond;
-        VtArray<GfRotation> turns;
-        for (const GfVec3f& velocity : degreesPerSecond) {
-            turns.push_back(GfRotation(velocity, seconds * velocity.GetLength()));
-        }
-        ends.push_back(std::move(turns));
-    }
-    return ends;
+    return {StepsOver(shutter, true), std::move(degreesPerSecond), TimeCodesPerSecond(delegate)};
 }
 
 std::vector<hds::PointSample> HdStreamSamplePoints(HdSceneDelegate* delegate, const SdfPath& id,
-                                                   const hds::Shutter& shutter) {
+                                                   const hds::Shutter& shutter, bool* fit) {
+    *fit = true;
     if (!shutter.IsOpen()) {
         return {};
     }
@@ -157,29 +199,44 @@ std::vector<hds::PointSample> HdStreamSamplePoints(HdSceneDelegate* delegate, co
             computed.push_back(descriptor);
         }
     }
-    std::vector<VtValue> ends;
+    HdStreamMovingValue points;
     if (computed.empty()) {
-        ends = HdStreamSamplePrimvar(delegate, id, HdTokens->points, shutter);
-        if (ends.empty()) {
-            ends = HdStreamMoveByVelocities(delegate, id, delegate->Get(id, HdTokens->points),
-                                            shutter);
+        points = HdStreamSamplePrimvar(delegate, id, HdTokens->points, shutter);
+        *fit = points.fits;
+        if (!points.Moves()) {
+            points = HdStreamMoveByVelocities(delegate, id, delegate->Get(id, HdTokens->points),
+                                              shutter);
+            *fit = *fit || points.Moves();
         }
     } else {
         HdExtComputationUtils::SampledValueStore<kUsualSamples> values;
         HdExtComputationUtils::SampleComputedPrimvarValues(
             computed, delegate, static_cast<float>(shutter.open), static_cast<float>(shutter.close),
-            kUsualSamples, &values);
-        ends = EndsOf(values[HdTokens->points], shutter);
+            kMostComputed, &values);
+        points.samples = values[HdTokens->points];
+        FindTimes(shutter, &points);
     }
-    std::vector<hds::PointSample> samples;
-    for (const VtValue& value : ends) {
-        const std::optional<HdStreamFloatRows> rows = HdStreamGetFloatRows(value);
-        if (!rows || rows->numComponents != 3) {
-            return {};
-        }
-        samples.push_back({samples.empty() ? shutter.open : shutter.close, rows->values});
-    }
-    return samples;
+    return RowsOf<hds::PointSample>(points, 3);
+}
+
+std::vector<hds::FloatSample> HdStreamSampleWidths(HdSceneDelegate* delegate, const SdfPath& id,
+                                                   const hds::Shutter& shutter) {
+    return RowsOf<hds::FloatSample>(HdStreamSamplePrimvar(delegate, id, HdTokens->widths, shutter),
+                                    1);
+}
+
+std::vector<hds::PointSample> HdStreamSampleNormals(HdSceneDelegate* delegate, const SdfPath& id,
+                                                    const hds::Shutter& shutter) {
+    return RowsOf<hds::PointSample>(HdStreamSamplePrimvar(delegate, id, HdTokens->normals, shutter),
+                                    3);
+}
+
+bool HdStreamEqual(const std::vector<hds::FloatSample>& a, const std::vector<hds::FloatSample>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                      [](const hds::FloatSample& left, const hds::FloatSample& right) {
+                          return left.time == right.time &&
+                                 HdStreamEqual(left.values, right.values);
+                      });
 }
 
 bool HdStreamEqual(const std::vector<hds::PointSample>& a, const std::vector<hds::PointSample>& b) {

@@ -7,6 +7,7 @@
 #include <pxr/base/gf/rotation.h>
 #include <pxr/base/vt/array.h>
 #include <pxr/imaging/hd/sceneDelegate.h>
+#include <pxr/imaging/hd/timeSampleArray.h>
 #include <pxr/pxr.h>
 
 #include <vector>
@@ -21,26 +22,49 @@ std::vector<hds::TransformSample> HdStreamSampleInstancerTransform(HdSceneDelega
                                                                    const SdfPath& id,
                                                                    const hds::Shutter& shutter);
 
-/// A primvar when the shutter opens and when it closes; empty when it does not change.
-std::vector<VtValue> HdStreamSamplePrimvar(HdSceneDelegate* delegate, const SdfPath& id,
-                                           const TfToken& name, const hds::Shutter& shutter);
+/// A value while the shutter is open: when it opens, when it closes, and where there are samples in
+/// between.
+struct HdStreamMovingValue {
+    std::vector<double> times; ///< empty: it does not change
+    HdTimeSampleArray<VtValue, 4> samples;
+    bool fits = true; ///< false: arrays of different lengths
 
-/// Points at the same times, from their velocities and accelerations at the frame; empty where
-/// there are none. OpenUSD's scene index does so for points of several samples only.
-std::vector<VtValue> HdStreamMoveByVelocities(HdSceneDelegate* delegate, const SdfPath& id,
-                                              const VtValue& points, const hds::Shutter& shutter);
+    bool Moves() const { return !times.empty(); }
+    VtValue At(double time) const { return samples.Resample(static_cast<float>(time)); }
+};
 
-/// How far instances have turned since the frame at the same times, by their angular velocities;
-/// empty where there are none.
-std::vector<VtArray<GfRotation>> HdStreamTurnByVelocities(HdSceneDelegate* delegate,
-                                                          const SdfPath& id, std::size_t count,
-                                                          const hds::Shutter& shutter);
+HdStreamMovingValue HdStreamSamplePrimvar(HdSceneDelegate* delegate, const SdfPath& id,
+                                          const TfToken& name, const hds::Shutter& shutter);
 
-/// Points, authored or computed, at the same times; empty when they do not move.
+/// Points by their velocities and accelerations at the frame. OpenUSD's scene index does so for
+/// points of several samples only.
+HdStreamMovingValue HdStreamMoveByVelocities(HdSceneDelegate* delegate, const SdfPath& id,
+                                             const VtValue& points, const hds::Shutter& shutter);
+
+/// How far instances turn by their angular velocities, from the frame on.
+struct HdStreamTurn {
+    std::vector<double> times; ///< empty: they do not
+    VtVec3fArray degreesPerSecond;
+    double timeCodesPerSecond = 24.0;
+
+    VtArray<GfRotation> At(double time) const; ///< empty where they do not turn
+};
+HdStreamTurn HdStreamTurnByVelocities(HdSceneDelegate* delegate, const SdfPath& id,
+                                      std::size_t count, const hds::Shutter& shutter);
+
+/// Points, authored or computed; empty when they do not move.
+/// \param[out] fit false: they change in number, and are taken to be at rest.
 std::vector<hds::PointSample> HdStreamSamplePoints(HdSceneDelegate* delegate, const SdfPath& id,
+                                                   const hds::Shutter& shutter, bool* fit);
+
+/// The primvars "widths" and "normals"; empty when they do not change.
+std::vector<hds::FloatSample> HdStreamSampleWidths(HdSceneDelegate* delegate, const SdfPath& id,
                                                    const hds::Shutter& shutter);
+std::vector<hds::PointSample> HdStreamSampleNormals(HdSceneDelegate* delegate, const SdfPath& id,
+                                                    const hds::Shutter& shutter);
 
 bool HdStreamEqual(const std::vector<hds::PointSample>& a, const std::vector<hds::PointSample>& b);
+bool HdStreamEqual(const std::vector<hds::FloatSample>& a, const std::vector<hds::FloatSample>& b);
 bool HdStreamEqual(const std::vector<hds::TransformSample>& a,
                    const std::vector<hds::TransformSample>& b);
 

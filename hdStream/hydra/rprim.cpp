@@ -119,7 +119,19 @@ void HdStreamRprim<Base>::SyncGeometry(HdSceneDelegate* delegate, HdStreamRender
     SyncTopology(delegate, param, bits, geometry.get());
     if (HdChangeTracker::IsAnyPrimvarDirty(bits, id)) {
         HdStreamSyncPrimvars(delegate, id, bits, &geometry->points, &geometry->primvars);
-        geometry->samples = HdStreamSamplePoints(delegate, id, param->Shutter());
+        bool fit = true;
+        geometry->samples = HdStreamSamplePoints(delegate, id, param->Shutter(), &fit);
+        if (!fit) {
+            param->Push([path = _scenePath](hds::Session& session) {
+                session.Warn(path, "its points change in number while the shutter is open: drawn "
+                                   "without motion blur");
+            });
+        }
+        if (geometry->primitives == hds::PrimitiveKind::Faces) {
+            geometry->normalSamples = HdStreamSampleNormals(delegate, id, param->Shutter());
+        } else {
+            geometry->widthSamples = HdStreamSampleWidths(delegate, id, param->Shutter());
+        }
         AddDefaultPrimvars(&geometry->primvars);
     }
     if (!_prim.geometry || !HdStreamEqual(*geometry, *_prim.geometry)) {

@@ -175,6 +175,8 @@ struct Attribute<Shutter> : PairAttribute<Shutter> {};
 template <>
 struct Attribute<std::vector<PointSample>> : PairsAttribute<PointSample> {};
 template <>
+struct Attribute<std::vector<FloatSample>> : PairsAttribute<FloatSample> {};
+template <>
 struct Attribute<std::vector<TransformSample>> : PairsAttribute<TransformSample> {};
 template <>
 struct Attribute<std::vector<InstanceSample>> : PairsAttribute<InstanceSample> {};

@@ -304,11 +304,18 @@ private:
     void Value(const std::string& /*name*/, PrimitiveKind /*kind*/) const {} // in the header
     void Value(const std::string& /*name*/, const std::vector<Primvar>& /*list*/) const {}
     void Value(const std::string& /*name*/, const std::vector<MeshSubset>& /*list*/) const {}
-    void Value(const std::string& /*name*/, const std::vector<PointSample>& samples) const {
+    void Value(const std::string& name, const std::vector<PointSample>& samples) const {
+        const std::string what = name == "samples" ? "points at " : "normals at ";
         for (const PointSample& sample : samples) {
-            _out.Line("points at " + Number(static_cast<float>(sample.time)), Array(sample.points));
+            _out.Line(what + Number(static_cast<float>(sample.time)), Array(sample.points));
         }
     }
+    void Value(const std::string& /*name*/, const std::vector<FloatSample>& samples) const {
+        for (const FloatSample& sample : samples) {
+            _out.Line("widths at " + Number(static_cast<float>(sample.time)), Array(sample.values));
+        }
+    }
+    void Value(const std::string& /*name*/, const std::vector<ShutterKey>& /*keys*/) const {}
     void Value(const std::string& /*name*/, const SubdivTags& tags) const { _out.Fields(tags); }
     void Value(const std::string& /*name*/, const CurveForm& curves) const { _out.Fields(curves); }
     void Value(const std::string& name, const SharedSpan<std::int32_t>& indices) const {

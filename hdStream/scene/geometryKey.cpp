@@ -11,6 +11,8 @@ PageKey MakeGeometryKey(const GeometryInputs& inputs) {
     fields.Add(inputs);
     if (inputs.shutter.IsOpen()) {
         fields.Add(inputs.geometry->samples);
+        fields.Add(inputs.geometry->widthSamples);
+        fields.Add(inputs.geometry->normalSamples);
     }
     return MakePageKey(hasher);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Points of meshes, curves and points while the shutter is open. Explained in docs/motionBlur.md.
+// What of meshes, curves and points changes while the shutter is open. Explained in
+// docs/motionBlur.md.
 #pragma once
 
 #include "hdStream/scene/sceneDescription.h"
@@ -8,10 +9,12 @@
 
 namespace hds {
 
-/// Whether the points differ when the shutter opens and when it closes.
+/// Whether points, widths or normals change while the shutter is open.
 bool Deforms(const GeometryDescription& geometry, const Shutter& shutter);
 
-/// The geometry with its points when the shutter opens, and closePoints. \pre it deforms.
+/// The geometry when the shutter opens, with keys: as few as hold all samples to within a small
+/// part of the way that the furthest value goes, at most HDS_MAX_DEFORMATION_SEGMENTS. \pre it
+/// deforms.
 std::shared_ptr<const GeometryDescription> AtShutter(const GeometryDescription& geometry,
                                                      const Shutter& shutter);
 

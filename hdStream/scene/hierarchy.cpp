@@ -321,19 +321,19 @@ private:
         BvhOptions options;
         options.maxLeafItems = 1;
         Bvh tree = records.Moves()
-                       ? BuildMovingBvh(records.TakeBoxes(), records.TakeCloseBoxes(), options)
+                       ? BuildMovingBvh({records.TakeBoxes(), records.TakeCloseBoxes()}, options)
                        : BuildBvh(records.TakeBoxes(), options);
         if (tree.nodes.empty()) {
             tree.nodes.emplace_back(); // a root without children
         }
         shared::HdsObject& group = _result.groups[groupIndex];
-        group.kind = HDS_OBJECT_GROUP | static_cast<std::uint32_t>(tree.closeNodes.size())
+        group.kind = HDS_OBJECT_GROUP | static_cast<std::uint32_t>(tree.laterNodes.size())
                                             << HDS_OBJECT_CLOSE_SHIFT;
         group.nodeBase = static_cast<std::uint32_t>(_result.nodes.size());
         group.itemBase = static_cast<std::uint32_t>(_result.instances.size());
         group.numItems = records.Size();
         _result.nodes.insert(_result.nodes.end(), tree.nodes.begin(), tree.nodes.end());
-        _result.nodes.insert(_result.nodes.end(), tree.closeNodes.begin(), tree.closeNodes.end());
+        _result.nodes.insert(_result.nodes.end(), tree.laterNodes.begin(), tree.laterNodes.end());
         *bounds = tree.bounds;
         const std::vector<std::uint32_t> order = std::move(tree.order);
         tree = Bvh(); // frees its nodes
@@ -444,6 +444,14 @@ void ForEachPlacement(const SceneDescription& scene, const Placement& placement,
                       const std::function<void(const glm::dmat4&)>& onPlacement) {
     for (const Placed& placed : PlacementsOf(scene, placement, Shutter(), 0)) {
         onPlacement(placed.worldFromObject.AtFrame());
+    }
+}
+
+void ForEachPlacement(const SceneDescription& scene, const Placement& placement,
+                      const Shutter& shutter,
+                      const std::function<void(const MovingTransform&)>& onPlacement) {
+    for (const Placed& placed : PlacementsOf(scene, placement, shutter, 0)) {
+        onPlacement(placed.worldFromObject);
     }
 }
 

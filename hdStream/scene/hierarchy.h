@@ -87,8 +87,12 @@ Hierarchy BuildHierarchy(const SceneDescription& scene, const std::vector<DrawnL
 
 /// Placements of an instancer in world space (its own and its ancestors' instances composed,
 /// parent-major) for a prim; calls `onPlacement(worldFromPrototype)` for each. For
-/// lights and bounds, at the frame.
+/// bounds, at the frame.
 void ForEachPlacement(const SceneDescription& scene, const Placement& placement,
                       const std::function<void(const glm::dmat4& worldFromObject)>& onPlacement);
+/// The same while the shutter is open, for lights.
+void ForEachPlacement(
+    const SceneDescription& scene, const Placement& placement, const Shutter& shutter,
+    const std::function<void(const MovingTransform& worldFromObject)>& onPlacement);
 
 } // namespace hds

@@ -22,25 +22,32 @@ namespace {
 /// Files of IES profiles have some kilobytes; what is longer is none.
 constexpr std::uint64_t kMaxProfileBytes = 64U << 20U;
 
-/// Of a light that nothing instances.
-std::vector<LightKey> KeysOf(const std::string& path, const LightPrim& prim, const Shutter& shutter,
-                             Warnings& warnings) {
-    const Placement& placement = prim.placement;
-    if (!placement.instancerPath.empty()) {
-        return {};
-    }
+/// The way of one placement of a light, and what is left out of that of any.
+struct LightWay {
+    std::vector<LightKey> keys;
     bool isRigid = true;
-    std::vector<LightKey> keys = MakeLightKeys(
-        MovingTransform(placement.worldFromObject, placement.samples, shutter), &isRigid);
-    if (!keys.empty() && !prim.portals.empty()) {
-        warnings.Add(path, "dome with portals: not blurred by its motion");
-        return {};
+    bool hasPortals = false; ///< and would move
+
+    void Follow(const LightPrim& prim, const MovingTransform& worldFromLight) {
+        bool isRigidHere = true;
+        keys = MakeLightKeys(worldFromLight, &isRigidHere);
+        if (!keys.empty() && !prim.portals.empty()) {
+            hasPortals = true;
+            keys.clear();
+        } else {
+            isRigid = isRigid && isRigidHere;
+        }
     }
-    if (!isRigid) {
-        warnings.Add(path, "light that changes its size: it has that of the frame");
+
+    void Warn(const std::string& path, Warnings& warnings) const {
+        if (hasPortals) {
+            warnings.Add(path, "dome with portals: not blurred by its motion");
+        }
+        if (!isRigid) {
+            warnings.Add(path, "light that changes its size: it has that of the frame");
+        }
     }
-    return keys;
-}
+};
 
 std::vector<PlacedLight> PlaceLights(const LightCommitInput& input, Warnings& warnings) {
     const SceneDescription& scene = *input.scene;
@@ -59,14 +66,19 @@ std::vector<PlacedLight> PlaceLights(const LightCommitInput& input, Warnings& wa
                           input.links->IndexOf(prim.links.lightLink),
                           input.links->IndexOf(prim.links.shadowLink),
                           prim.portals,
-                          KeysOf(path, prim, input.shutter, warnings)};
+                          {}};
         for (LightPortal& portal : place.portals) {
             portal.worldFromPortal = centreFromWorld * portal.worldFromPortal;
         }
-        ForEachPlacement(scene, prim.placement, [&](const glm::dmat4& worldFromLight) {
-            place.worldFromLight = centreFromWorld * worldFromLight;
-            placed.push_back(place);
-        });
+        LightWay way;
+        ForEachPlacement(scene, prim.placement, input.shutter,
+                         [&](const MovingTransform& worldFromLight) {
+                             way.Follow(prim, worldFromLight);
+                             place.worldFromLight = centreFromWorld * worldFromLight.AtFrame();
+                             place.keys = way.keys;
+                             placed.push_back(place);
+                         });
+        way.Warn(path, warnings);
     }
     return placed;
 }

@@ -125,20 +125,26 @@ typedef struct {
     u32 primIds; /* offset of u32[]: of each triangle its index in the object, in order of (authored
                     face, sub-triangle) */
     u32 vertices;     /* offset of packed f32[3] positions, object space; HDS_PAGE_MOVES,
-                         HDS_PAGE_BOXES_MOVE */
+                         HDS_PAGE_BOXES_MOVE, HDS_PAGE_SEGMENTS_SHIFT */
     u32 numTriangles; /* bits 26..0: triangles, or primitives of another kind; 31..27: the kind */
 } HdsPageHeader;
 HDS_ASSERT_SIZE(HdsPageHeader, 16);
 
-/* In HdsPageHeader.vertices: vertices move while the shutter is open. Behind each position lies
- * that when the shutter closes; of curves and points, behind each vertex with its radius. The
- * attribute page has a slot more, behind the user's: HDS_SLOT_NORMAL when the shutter closes. */
+/* In HdsPageHeader.vertices: vertices move while the shutter is open, straight from key to key;
+ * keys are at equal steps of time, from its opening to its closing. Behind each position lie those
+ * at the later keys; of curves and points, behind each vertex the later ones with their radii. The
+ * attribute page has as many slots more, behind the user's: HDS_SLOT_NORMAL at the later keys. */
 #define HDS_PAGE_MOVES 0x80000000u
 
 /* A geometry page's flag: boxes move too. Behind the nodes, whose boxes are those when the shutter
- * opens, lie as many that differ from them in origin, exponents and planes only: the boxes when it
- * closes. Explained in docs/motionBlur.md. */
+ * opens, lie as many for each later key, that differ from them in origin, exponents and planes
+ * only. Explained in docs/motionBlur.md. */
 #define HDS_PAGE_BOXES_MOVE 0x40000000u
+
+/* Where vertices move, 4 bits: the number of later keys less 1; and the bits below. */
+#define HDS_PAGE_SEGMENTS_SHIFT 26
+#define HDS_MAX_DEFORMATION_SEGMENTS 16
+#define HDS_PAGE_VERTICES 0x03ffffffu
 
 /* What the primitives of a chunk are: HDS_PRIMITIVE_* in bits 31..27 of HdsPageHeader.numTriangles.
  * All but triangles have vertices of four floats, the last one the radius; those of ribbons have

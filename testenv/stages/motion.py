@@ -111,6 +111,78 @@ def _AddPoints(stage):
     prim.CreateVelocitiesAttr().Set(Vt.Vec3fArray.FromNumpy(velocities.astype(np.float32)), FRAME)
 
 
+# Frames at which what goes there and back has samples: so many parts of the shutter's interval lie between them.
+_STEPS = (0.5, 0.75, 1.0, 1.25, 1.5)
+
+
+def _SetOverSteps(attribute, valueAt, steps=_STEPS):
+    """valueAt(part) at frames: part 0 at the opening of the shutter, 1 at its closing."""
+    for frame in steps:
+        attribute.Set(valueAt((frame - steps[0]) / (steps[-1] - steps[0])), frame)
+
+
+def _Float3s(points):
+    return Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(points, np.float32))
+
+
+def _AddReturningPolygons(stage):
+    """A sheet that leaves and is back when the shutter closes, with authored normals that turn as it bends."""
+    grid = Grid(12)
+    mesh = author.AddMesh(stage, "/World/Sheet", grid, color=(0.8, 0.5, 0.2), doubleSided=True)
+    mesh.GetSubdivisionSchemeAttr().Set("none")
+    bend = lambda part: 1.6 * np.sin(np.pi * part)
+    _SetOverSteps(mesh.GetPointsAttr(), lambda part: _Float3s(_Wave(grid.points, bend(part))))
+    slope = lambda part: np.stack([-0.8 * bend(part) + 0 * grid.points[:, 0], 0 * grid.points[:, 0], 1 + 0 * grid.points[:, 0]], -1)
+    mesh.SetNormalsInterpolation("vertex")
+    _SetOverSteps(mesh.CreateNormalsAttr(), lambda part: _Float3s(slope(part) / np.linalg.norm(slope(part), axis=1, keepdims=True)))
+
+
+def _AddUnevenSurface(stage):
+    """A subdivided sheet whose samples lie at odd times."""
+    grid = Grid(8)
+    mesh = author.AddMesh(stage, "/World/Sheet", grid, color=(0.8, 0.5, 0.2), doubleSided=True)
+    mesh.GetSubdivisionSchemeAttr().Set("catmullClark")
+    steps = (0.5, 0.6, 0.9, 1.5)
+    _SetOverSteps(mesh.GetPointsAttr(), lambda part: _Float3s(_Wave(grid.points, 1.2 * np.sin(4.0 * part))), steps)
+
+
+def _AddGrowingHair(stage):
+    """Hairs that swing, and get thicker and thinner."""
+    rng = np.random.default_rng(3)
+    roots = rng.uniform(-1, 1, (40, 1, 3)) * (1, 1, 0.2)
+    along = np.linspace(0, 1, 5)[:, None]
+    hairs = roots + along * (0.2, 0.6, 0.1)
+    prim = curves.AddCurves(stage, "/World/Hair", list(hairs), 0.12, wrap="pinned", color=(0.6, 0.4, 0.2))
+    swing = lambda part: hairs + along ** 2 * (1.2 * np.sin(2 * np.pi * part), -0.6 * part, 0.4)
+    _SetOverSteps(prim.GetPointsAttr(), lambda part: _Float3s(swing(part).reshape(-1, 3)))
+    for widths in (prim.GetPrim().GetAttribute(name) for name in ("widths", "primvars:widths")):
+        if widths and widths.HasAuthoredValue():
+            size = len(widths.Get())
+            widths.Clear()
+            _SetOverSteps(widths, lambda part: Vt.FloatArray([0.06 + 0.3 * part * (1 - part)] * size))
+
+
+def _AddThrownPoints(stage):
+    """Dust on parabolas, by velocities and accelerations, that grows."""
+    rng = np.random.default_rng(5)
+    points = rng.uniform(-1.2, 1.2, (60, 3))
+    prim = UsdGeom.Points(curves.AddPoints(stage, "/World/Dust", points, rng.uniform(0.1, 0.3, 60), color=(0.5, 0.5, 0.8)))
+    prim.GetPointsAttr().Set(_Float3s(points), FRAME)
+    prim.CreateVelocitiesAttr().Set(_Float3s(rng.uniform(-1, 1, (60, 3)) * 12.0), FRAME)
+    prim.CreateAccelerationsAttr().Set(_Float3s(rng.uniform(-1, 1, (60, 3)) * 8.0 * 24.0 ** 2), FRAME)
+
+
+def _AddReturningSwarm(stage):
+    """Instances that leave and return."""
+    swarm = UsdGeom.PointInstancer.Define(stage, "/World/Swarm")
+    _Box(stage, "/World/Swarm/Box")
+    swarm.CreatePrototypesRel().SetTargets(["/World/Swarm/Box"])
+    swarm.CreateProtoIndicesAttr([0, 0, 0])
+    places = np.array([(-1.2, 0, 0), (1.2, 0, 0), (0, -1, 0)])
+    ways = np.array([(0, 1.5, 0), (-0.8, 0.3, 0), (1.0, 0.0, 0.2)])
+    _SetOverSteps(swarm.CreatePositionsAttr(), lambda part: _Float3s(places + ways * np.sin(np.pi * part)))
+
+
 def _AddNothing(stage):
     _Box(stage, "/World/Box")
 
@@ -179,6 +251,19 @@ def _AddLamps(stage):
         author.AddLight(stage, f"/World/Ring/Lamp{i}", kind, dict(translate=where), intensity=1.0 + 14.0 * (i % 7 == 0), radius=0.15)
 
 
+def _AddLampSwarm(stage):
+    """Lamps of an instancer whose instances move, and which turns itself."""
+    _Box(stage, "/World/Box")
+    swarm = UsdGeom.PointInstancer.Define(stage, "/World/Lamps")
+    AddWay(swarm, (0, 0, 1.2), (0, 0.4, 1.2), degrees=70.0)
+    author.AddLight(stage, "/World/Lamps/Lamp", "Rect", intensity=14.0, width=0.7, height=0.3)
+    swarm.CreatePrototypesRel().SetTargets(["/World/Lamps/Lamp"])
+    swarm.CreateProtoIndicesAttr([0, 0])
+    positions = swarm.CreatePositionsAttr()
+    positions.Set([(-2.5, 0, 0), (2, 1, 0)], 0.0)
+    positions.Set([(2.5, 0.5, 0), (0, -1.5, 0.6)], 2.0)
+
+
 def _SetOverFrames(attribute, first, last):
     attribute.Set(first, 0.0)
     attribute.Set(last, 2.0)
@@ -190,8 +275,13 @@ SCENES = {
     "surface": _AddBendingSurface, "curves": _AddCurves, "ribbons": _AddRibbons, "points": _AddPoints, "camera": _AddNothing,
     "focus": _AddNothing, "zoom": _AddNothing,
 }
+# What has samples within the shutter's interval, more than at its ends.
+KEYS = {
+    "returns": _AddReturningPolygons, "uneven": _AddUnevenSurface, "growing": _AddGrowingHair, "thrown": _AddThrownPoints,
+    "swarm": _AddReturningSwarm,
+}
 # Lights that move. Their pictures need more stills: what moves is bright, or sharp.
-LIGHTS = {"lamp": _AddLamp, "spot": _AddSpot, "sun": _AddSun, "sky": _AddSky, "lamps": _AddLamps}
+LIGHTS = {"lamp": _AddLamp, "spot": _AddSpot, "sun": _AddSun, "sky": _AddSky, "lamps": _AddLamps, "lampSwarm": _AddLampSwarm}
 
 
 def Write(path, *names, shutter=SHUTTER):
@@ -202,7 +292,7 @@ def Write(path, *names, shutter=SHUTTER):
     author.AddLight(stage, "/World/Sun", "Distant", dict(rotate=(-30, 25, 0)), intensity=1.5, angle=2.0, normalize=True)
     _AddFar(stage)
     for name in names:
-        {**SCENES, **LIGHTS}[name](stage)
+        {**SCENES, **KEYS, **LIGHTS}[name](stage)
     camera = author.AddCamera(stage, eye=(0, 0, 6), focalLength=40.0)
     camera.CreateShutterOpenAttr(shutter[0])
     camera.CreateShutterCloseAttr(shutter[1])

@@ -11,7 +11,7 @@ from streamCase import Case
 
 @pytest.fixture(scope="module")
 def Scene(tmp_path_factory):
-    path = motion.Write(tmp_path_factory.mktemp("motion") / "stage.usda", "nested", "polygons", "surface", "curves", "points", "camera", "focus", "zoom", "spot")
+    path = motion.Write(tmp_path_factory.mktemp("motion") / "stage.usda", "nested", "polygons", "surface", "curves", "points", "camera", "focus", "zoom", "spot", "growing", "swarm")
     return Case(path, timeCode=motion.FRAME, shutter=motion.SHUTTER).RenderResident()
 
 

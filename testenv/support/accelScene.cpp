@@ -201,14 +201,14 @@ void AccelScene::BuildGroup(std::uint32_t object, const Records& made) {
     const auto& [records, boxes, closeBoxes, numLeaves] = made;
     BvhOptions options = TopOptions();
     options.restingArea = 1.0F; // whatever moves has boxes that do
-    const Bvh bvh = BuildMovingBvh(boxes, closeBoxes, options);
-    const auto numClose = static_cast<std::uint32_t>(bvh.closeNodes.size());
+    const Bvh bvh = BuildMovingBvh({boxes, closeBoxes}, options);
+    const auto numClose = static_cast<std::uint32_t>(bvh.laterNodes.size());
     objects[object] = {HDS_OBJECT_GROUP | numClose << HDS_OBJECT_CLOSE_SHIFT,
                        static_cast<std::uint32_t>(topNodes.size()),
                        static_cast<std::uint32_t>(instances.size()),
                        static_cast<std::uint32_t>(records.size())};
     topNodes.insert(topNodes.end(), bvh.nodes.begin(), bvh.nodes.end());
-    topNodes.insert(topNodes.end(), bvh.closeNodes.begin(), bvh.closeNodes.end());
+    topNodes.insert(topNodes.end(), bvh.laterNodes.begin(), bvh.laterNodes.end());
     const auto first = static_cast<std::uint32_t>(instances.size());
     instancesByPath.resize(first + records.size());
     for (const std::uint32_t i : bvh.order) {

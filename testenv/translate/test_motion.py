@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Samples while the shutter is open are what the stage has at those times."""
 
+import functools
+
 import numpy as np
 import pytest
-from pxr import Usd
+from pxr import Sdf, Usd
 
 from hdstream import _core
 from hdstream.translate import TranslateStage
@@ -20,18 +22,19 @@ def SceneAt(stage, timeCode, shutter=(0.0, 0.0)):
 
 
 @pytest.mark.parametrize("case, time", [("skinning", 2.5), ("motion", 2.0)])
-def test_points_are_those_of_the_shutters_ends(case, time):
+def test_points_are_those_of_the_shutters_ends_and_of_samples_between(case, time):
     stage = Usd.Stage.Open(str(FOLDER / case / "scene.usda"))
     moving = SceneAt(stage, time, SHUTTER).geometry
-    ends = [SceneAt(stage, time + end).geometry for end in SHUTTER]
+    sceneAt = functools.cache(lambda offset: SceneAt(stage, time + offset).geometry)
     numMoving = 0
     for path, prim in moving.items():
-        points = [scene[path].geometry.points for scene in ends]
+        points = [sceneAt(end)[path].geometry.points for end in SHUTTER]
         if prim.geometry.samples:
             numMoving += 1
-            assert [sample[0] for sample in prim.geometry.samples] == list(SHUTTER)
-            for (_, found), expected in zip(prim.geometry.samples, points):
-                np.testing.assert_allclose(found, expected, atol=1e-5)
+            times = [sample[0] for sample in prim.geometry.samples]
+            assert (times[0], times[-1]) == SHUTTER and times == sorted(set(times))
+            for offset, found in prim.geometry.samples:
+                np.testing.assert_allclose(found, sceneAt(offset)[path].geometry.points, atol=1e-5)
         elif len(points[0]) == len(points[1]) == len(prim.geometry.points):
             np.testing.assert_array_equal(points[0], points[1], path)
     assert numMoving > 0, "the test would show little"
@@ -89,3 +92,82 @@ def test_a_shutter_of_a_wrong_type_is_closed():
         }
         """)
     assert ReadShutter(stage.GetPrimAtPath("/A"), Usd.TimeCode(1.0)) == (-0.5, 0.0)
+
+
+def _Sampled(text):
+    """The stage's one gprim, with samples at frames."""
+    return SceneAt(StageOf(text), 1.0, SHUTTER).geometry["/A"].geometry
+
+
+def test_points_are_sampled_where_the_stage_has_samples():
+    geometry = _Sampled("""
+        def Points "A"
+        {
+            point3f[] points.timeSamples = { 0: [(0, 0, 0)], 0.9: [(3, 0, 0)], 1.25: [(0, 1, 0)], 2: [(0, 0, 0)] }
+            float[] widths.timeSamples = { 1: [1], 1.125: [3] }
+        }
+        """)
+    times = [time for time, _ in geometry.samples]
+    np.testing.assert_allclose(times, [-0.25, -0.1, 0.25, 0.5], atol=1e-7)
+    np.testing.assert_allclose([points[0] for _, points in geometry.samples],
+                               [(2.5, 0, 0), (3, 0, 0), (0, 1, 0), (0, 2 / 3, 0)], atol=1e-5)
+    np.testing.assert_allclose([time for time, _ in geometry.widthSamples], [-0.25, 0.0, 0.125, 0.5])
+    np.testing.assert_allclose([widths[0] for _, widths in geometry.widthSamples], [1, 1, 3, 3])
+
+
+def test_accelerations_bend_the_way():
+    geometry = _Sampled("""
+        def Points "A"
+        {
+            point3f[] points.timeSamples = { 1: [(0, 0, 0)] }
+            vector3f[] velocities.timeSamples = { 1: [(24, 0, 0)] }
+            vector3f[] accelerations.timeSamples = { 1: [(0, 1152, 0)] }
+            float[] widths = [1]
+        }
+        """)
+    assert len(geometry.samples) == 17
+    for time, points in geometry.samples:
+        np.testing.assert_allclose(points[0], (time, time ** 2, 0), atol=1e-6)
+
+
+def test_normals_are_sampled():
+    geometry = _Sampled("""
+        def Mesh "A"
+        {
+            uniform token subdivisionScheme = "none"
+            int[] faceVertexCounts = [3]
+            int[] faceVertexIndices = [0, 1, 2]
+            point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+            normal3f[] normals.timeSamples = { 1: [(0, 0, 1), (0, 0, 1), (0, 0, 1)], 1.25: [(0, 1, 0), (0, 1, 0), (0, 1, 0)] }
+        }
+        """)
+    assert [time for time, _ in geometry.normalSamples] == [-0.25, 0.0, 0.25, 0.5]
+    np.testing.assert_array_equal(geometry.normalSamples[2][1][0], (0, 1, 0))
+    assert not geometry.samples
+
+
+@pytest.mark.parametrize("velocities", [False, True])
+def test_topology_that_changes_is_warned_of_unless_velocities_move_it(velocities):
+    stage = StageOf("""
+        def Mesh "A"
+        {
+            int[] faceVertexCounts.timeSamples = { 1: [3], 1.25: [4] }
+            int[] faceVertexIndices.timeSamples = { 1: [0, 1, 2], 1.25: [0, 1, 2, 3] }
+            point3f[] points.timeSamples = { 1: [(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)], 1.25: [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)] }
+        }
+        """)
+    if velocities:
+        attribute = stage.GetPrimAtPath("/A").CreateAttribute("velocities", Sdf.ValueTypeNames.Vector3fArray)
+        attribute.Set([(0, 0, 24)] * 4, 1.0)
+        attribute.Set([(0, 0, 0)] * 4, 1.25)
+    session = _core.Session()
+    TranslateStage(stage, session, 1.0, SHUTTER)
+    samples = session.Scene().geometry["/A"].geometry.samples
+    warned = [line for line in session.Warnings() if "topology" in line]
+    if velocities:
+        assert not warned
+        for time, points in samples:
+            np.testing.assert_allclose(points[:, 2], time, atol=1e-6)
+        assert len(samples) == 2
+    else:
+        assert warned == ["/A: its topology changes while the shutter is open: drawn without motion blur"] and not samples

@@ -171,7 +171,7 @@ std::shared_ptr<GeometryDescription> Sheet() {
         }
     }
     mesh->points = std::move(open);
-    mesh->closePoints = std::move(close);
+    mesh->keys = {{std::move(close), {}, {}}};
     mesh->faceVertexCounts = std::move(counts);
     mesh->faceVertexIndices = std::move(indices);
     return mesh;
@@ -213,7 +213,7 @@ std::shared_ptr<GeometryDescription> Solids(PrimitiveKind kind) {
         }
     }
     solids->points = std::move(open);
-    solids->closePoints = std::move(close);
+    solids->keys = {{std::move(close), {}, {}}};
     solids->faceVertexCounts = std::vector<std::int32_t>(kCount, kVertices);
     Primvar widths;
     widths.name = "widths";
@@ -239,14 +239,76 @@ TEST_F(Motion, VerticesAreOnTheirWay) {
     for (const float time : {0.0F, 0.31F, 0.75F, 1.0F}) {
         std::vector<float> points(sheet->points.begin(), sheet->points.end());
         for (std::size_t i = 0; i < points.size(); ++i) {
-            points[i] += time * (sheet->closePoints[i] - points[i]);
+            points[i] += time * (sheet->keys[0].points[i] - points[i]);
         }
         auto posed = std::make_shared<GeometryDescription>(*sheet);
         posed->points = std::move(points);
-        posed->closePoints = {};
+        posed->keys.clear();
         ExpectSameHits(moving.Closest(onDevice, RaysAt(time, 1500)),
                        still.Closest(DeviceAccelScene(device, SceneOf(posed)), RaysAt(0.0F, 1500)));
     }
+}
+
+/// The sheet at three keys more, after which it is back: a way that no line is near.
+std::shared_ptr<GeometryDescription> RoundTrip(const std::shared_ptr<GeometryDescription>& once) {
+    auto mesh = std::make_shared<GeometryDescription>(*once);
+    const SharedSpan<float>& open = mesh->points;
+    const SharedSpan<float> far = mesh->keys[0].points;
+    std::vector<float> beyond(far.begin(), far.end());
+    for (std::size_t i = 0; i < beyond.size(); i += 3) {
+        beyond[i] = 0.5F * open[i + 1] - far[i];
+        beyond[i + 1] += 0.7F;
+    }
+    mesh->keys = {{far, {}, {}}, {std::move(beyond), {}, {}}, {open, {}, {}}};
+    return mesh;
+}
+
+TEST_F(Motion, VerticesGoFromKeyToKey) {
+    const TraversalProbe moving(device, true, kMotion);
+    const TraversalProbe still(device, true);
+    const auto sheet = RoundTrip(Sheet());
+    const AccelScene scene = SceneOf(sheet);
+    EXPECT_EQ(CountMovingPages(scene), scene.pages.size());
+    const DeviceAccelScene onDevice(device, scene);
+    for (const float time : {0.0F, 0.2F, 1.0F / 3.0F, 0.45F, 0.9F, 1.0F}) {
+        const auto segment = std::min(static_cast<std::size_t>(3.0F * time), std::size_t{2});
+        const float part = 3.0F * time - static_cast<float>(segment);
+        const SharedSpan<float>& from =
+            segment == 0 ? sheet->points : sheet->keys[segment - 1].points;
+        std::vector<float> points(from.begin(), from.end());
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            points[i] += part * (sheet->keys[segment].points[i] - points[i]);
+        }
+        auto posed = std::make_shared<GeometryDescription>(*sheet);
+        posed->points = std::move(points);
+        posed->keys.clear();
+        ExpectSameHits(moving.Closest(onDevice, RaysAt(time, 1500)),
+                       still.Closest(DeviceAccelScene(device, SceneOf(posed)), RaysAt(0.0F, 1500)));
+    }
+}
+
+TEST_F(Motion, BoxesHoldAllPosesBetweenKeys) {
+    const AccelScene scene = SceneOf(RoundTrip(Sheet()));
+    EXPECT_EQ(CountMovingPages(scene), scene.pages.size());
+    ExpectBitsOfBruteForce(scene);
+    Warnings warnings;
+    auto hair = RoundTrip(Solids(PrimitiveKind::Curves));
+    auto dust = RoundTrip(Solids(PrimitiveKind::Points));
+    auto ribbons = std::make_shared<GeometryDescription>(*hair);
+    Primvar normals;
+    normals.name = "normals";
+    normals.numComponents = 3;
+    normals.values = std::vector<float>{0.0F, 0.0F, 1.0F};
+    ribbons->primvars.push_back(normals);
+    for (const auto& solids : {hair, dust, ribbons}) {
+        for (std::size_t i = 0; i < solids->keys.size(); ++i) {
+            solids->keys[i].widths = std::vector<float>{0.02F + 0.04F * static_cast<float>(i)};
+        }
+        ExpectBitsOfBruteForce(SceneOf(solids == dust
+                                           ? *MakePointSource(solids, "/Dust", warnings)
+                                           : *MakeCurveSource(solids, "/Hair", warnings)));
+    }
+    EXPECT_TRUE(warnings.Lines().empty());
 }
 
 TEST_F(Motion, BoxesOfTrianglesHoldAllPoses) {
@@ -273,7 +335,7 @@ TEST_F(Motion, BoxesOfShortWaysAreAtRest) {
     for (std::size_t i = 2; i < close.size(); i += 3) {
         close[i] += 0.02F;
     }
-    sheet->closePoints = std::move(close);
+    sheet->keys[0].points = std::move(close);
     const AccelScene scene = SceneOf(sheet);
     EXPECT_EQ(CountMovingPages(scene), 0U);
     ExpectBitsOfBruteForce(scene);

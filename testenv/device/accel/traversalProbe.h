@@ -151,7 +151,7 @@ kernel void probe_bruteForce(global const float* rays, uint count, global HdsHit
                     continue;
                 }
 #endif
-                if (page_moves(chunk.page)) {
+                if (page_segments(chunk.page) != 0u) {
                     leaf_testTriangle(&chunk, t, &shear, &leaf, ray.tMax, &best);
                     continue;
                 }

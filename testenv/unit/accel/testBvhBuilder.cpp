@@ -58,11 +58,11 @@ TEST(BvhBuilder, HoldsMovingBoxesAtBothEnds) {
     for (const std::size_t count : {1, 2, 4, 25, 5000}) {
         const std::vector<Bounds> open = RandomBoxes(count, 0.02F, 3);
         const std::vector<Bounds> close = RandomBoxes(count, 0.5F, 9);
-        const Bvh bvh = BuildMovingBvh(open, close, {});
-        ExpectSameTree(bvh.nodes, bvh.closeNodes);
+        const Bvh bvh = BuildMovingBvh({open, close}, {});
+        ExpectSameTree(bvh.nodes, bvh.laterNodes);
         ExpectSound(bvh, open);
         Bvh closed = bvh;
-        closed.nodes = bvh.closeNodes;
+        closed.nodes = bvh.laterNodes;
         ExpectSound(closed, close);
         for (const std::vector<Bounds>* boxes : {&open, &close}) {
             for (const Bounds& box : *boxes) {
@@ -73,6 +73,25 @@ TEST(BvhBuilder, HoldsMovingBoxesAtBothEnds) {
     }
 }
 
+TEST(BvhBuilder, HoldsMovingBoxesAtAllKeys) {
+    std::vector<std::vector<Bounds>> keys;
+    for (unsigned seed = 3; seed < 8; ++seed) {
+        keys.push_back(RandomBoxes(2000, seed == 5 ? 0.5F : 0.02F, seed));
+    }
+    const Bvh bvh = BuildMovingBvh(keys, {});
+    const std::size_t numNodes = bvh.nodes.size();
+    ASSERT_EQ(bvh.laterNodes.size(), (keys.size() - 1) * numNodes);
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+        Bvh posed = bvh;
+        if (i > 0) {
+            posed.nodes.assign(bvh.laterNodes.begin() + std::ptrdiff_t((i - 1) * numNodes),
+                               bvh.laterNodes.begin() + std::ptrdiff_t(i * numNodes));
+        }
+        ExpectSameTree(bvh.nodes, posed.nodes);
+        ExpectSound(posed, keys[i]);
+    }
+}
+
 // Half way all boxes are the same point: the tree is cut at medians.
 TEST(BvhBuilder, HoldsMovingBoxesThatMeetHalfWay) {
     const std::vector<Bounds> open = RandomBoxes(3000, 0.0F, 3);
@@ -80,10 +99,10 @@ TEST(BvhBuilder, HoldsMovingBoxesThatMeetHalfWay) {
     for (const Bounds& box : open) {
         close.push_back({-box.min, -box.max});
     }
-    const Bvh bvh = BuildMovingBvh(open, close, {});
+    const Bvh bvh = BuildMovingBvh({open, close}, {});
     ExpectSound(bvh, open);
     Bvh closed = bvh;
-    closed.nodes = bvh.closeNodes;
+    closed.nodes = bvh.laterNodes;
     ExpectSound(closed, close);
 }
 

@@ -6,6 +6,7 @@
 #include "hdStream/scene/motion.h"
 #include "hdStream/scene/transforms.h"
 #include "kernels/shared/frame.h"
+#include "kernels/shared/geometry.h"
 #include "testenv/support/drawnLeaves.h"
 
 #include <glm/geometric.hpp>
@@ -18,6 +19,7 @@
 #include <cmath>
 #include <cstring>
 #include <random>
+#include <utility>
 
 namespace hds::test {
 namespace {
@@ -272,9 +274,102 @@ TEST(Motion, PointsAreThoseOfTheShuttersEnds) {
     ASSERT_TRUE(Deforms(mesh, kShutter));
     const auto moved = AtShutter(mesh, kShutter);
     EXPECT_EQ(moved->points[0], -1.0F);
-    EXPECT_EQ(moved->closePoints[1], 2.0F);
+    ASSERT_EQ(moved->keys.size(), 2U) << "one at the sample between";
+    EXPECT_EQ(moved->keys[0].points[0], 0.0F);
+    EXPECT_EQ(moved->keys[1].points[1], 2.0F);
     mesh.samples[2].points = std::vector<float>{0.0F};
     EXPECT_FALSE(Deforms(mesh, kShutter)) << "of another length";
+}
+
+/// A point with x at some times; y follows a straight line.
+GeometryDescription PointAlong(const std::vector<std::pair<double, float>>& samples) {
+    GeometryDescription mesh;
+    mesh.points = std::vector<float>{0.0F, 0.0F, 0.0F};
+    for (const auto& [time, x] : samples) {
+        mesh.samples.push_back({time, std::vector<float>{x, 0.0F, 0.0F}});
+    }
+    return mesh;
+}
+
+TEST(Motion, PointsThatReturnMove) {
+    const GeometryDescription mesh = PointAlong({{-0.25, 1.0F}, {0.0, 5.0F}, {0.25, 1.0F}});
+    ASSERT_TRUE(Deforms(mesh, kShutter));
+    EXPECT_EQ(AtShutter(mesh, kShutter)->keys.size(), 2U);
+    EXPECT_FALSE(
+        Deforms(PointAlong({{-0.25, 1.0F}, {0.0, 1.0F}, {0.25, 1.0F}, {0.5, 7.0F}}), kShutter))
+        << "only after it";
+}
+
+TEST(Motion, KeysAreAsFewAsHoldTheSamples) {
+    const auto numKeys = [](const GeometryDescription& mesh) {
+        return AtShutter(mesh, kShutter)->keys.size();
+    };
+    EXPECT_EQ(numKeys(PointAlong({{-0.25, 0.0F}, {-0.1, 0.3F}, {0.1, 0.7F}, {0.25, 1.0F}})), 1U)
+        << "on a line";
+    EXPECT_EQ(numKeys(PointAlong({{-0.25, 0.0F}, {-0.15, 4.0F}, {0.25, 1.0F}})), 5U)
+        << "a fifth of the way";
+    std::vector<std::pair<double, float>> many;
+    for (int i = 0; i <= 40; ++i) {
+        many.emplace_back(-0.25 + 0.5 * i / 40.0, i % 2 == 0 ? 0.0F : 1.0F);
+    }
+    EXPECT_EQ(numKeys(PointAlong(many)), std::size_t{HDS_MAX_DEFORMATION_SEGMENTS});
+}
+
+// Between keys points go straight: at every time they are near where the samples have them.
+TEST(Motion, KeysAreWhereTheSamplesAre) {
+    const GeometryDescription mesh =
+        PointAlong({{-0.3, -1.0F}, {-0.21, 2.0F}, {-0.02, 2.5F}, {0.17, 0.0F}, {0.4, 1.0F}});
+    const auto posed = AtShutter(mesh, kShutter);
+    const auto numSegments = static_cast<double>(posed->keys.size());
+    const auto keyAt = [&](std::size_t i) {
+        return double{i == 0 ? posed->points[0] : posed->keys[i - 1].points[0]};
+    };
+    for (double time = 0.0; time < 1.0; time += 0.01) {
+        const double at = -0.25 + 0.5 * time;
+        std::size_t i = 1;
+        while (mesh.samples[i].time < at) {
+            ++i;
+        }
+        const double part =
+            (at - mesh.samples[i - 1].time) / (mesh.samples[i].time - mesh.samples[i - 1].time);
+        const double exact = (1.0 - part) * double{mesh.samples[i - 1].points[0]} +
+                             part * double{mesh.samples[i].points[0]};
+        const auto segment = static_cast<std::size_t>(time * numSegments);
+        const double within = time * numSegments - double(segment);
+        // In between a corner is cut, by no more than a step is long.
+        EXPECT_NEAR((1.0 - within) * keyAt(segment) + within * keyAt(segment + 1), exact, 0.25)
+            << time;
+    }
+}
+
+TEST(Motion, TimesThatMakeNoSenseSayNothing) {
+    GeometryDescription mesh = PointAlong({{-0.25, 0.0F}, {0.25, 1.0F}});
+    const auto expected = AtShutter(mesh, kShutter);
+    mesh.samples.push_back({std::nan(""), std::vector<float>{9.0F, 9.0F, 9.0F}});
+    mesh.samples.push_back({-0.1, std::vector<float>{9.0F, 9.0F, 9.0F}});
+    const auto found = AtShutter(mesh, kShutter);
+    ASSERT_EQ(found->keys.size(), 1U);
+    EXPECT_EQ(found->keys[0].points, expected->keys[0].points);
+    EXPECT_FALSE(Deforms(PointAlong({{std::nan(""), 0.0F}, {0.0, 1.0F}}), kShutter));
+}
+
+TEST(Motion, WidthsMoveWithoutPoints) {
+    GeometryDescription dust;
+    dust.primitives = PrimitiveKind::Points;
+    dust.points = std::vector<float>{0.0F, 0.0F, 0.0F};
+    Primvar widths;
+    widths.name = "widths";
+    widths.values = std::vector<float>{1.0F};
+    dust.primvars = {widths};
+    dust.widthSamples = {{-0.25, std::vector<float>{2.0F}}, {0.25, std::vector<float>{4.0F}}};
+    ASSERT_TRUE(Deforms(dust, kShutter));
+    const auto posed = AtShutter(dust, kShutter);
+    EXPECT_EQ(posed->primvars[0].values[0], 2.0F);
+    ASSERT_EQ(posed->keys.size(), 1U);
+    EXPECT_EQ(posed->keys[0].widths[0], 4.0F);
+    EXPECT_EQ(posed->keys[0].points, dust.points);
+    dust.widthSamples[1].values = std::vector<float>{4.0F, 4.0F};
+    EXPECT_FALSE(Deforms(dust, kShutter)) << "of another length";
 }
 
 } // namespace

@@ -54,11 +54,11 @@ def ReadPoints(prim, names, timeCode):
     return None if points is None else np.asarray(points)
 
 
-def ReadMesh(prim, names, inherited, timeCode, motion, skin=None, endSkins=()):
+def ReadMesh(prim, names, inherited, timeCode, motion, warn, skin=None, skinAt=None, skinTimes=()):
     """The description of a UsdGeomMesh; None when it has no points or no faces.
 
-    `skin(prim, points)` gives the points of a skinned mesh, None for others; `endSkins` do so at the motion's ends. Normals that were authored for
-    the points at rest are left out, as UsdSkelImaging does: they follow from the skinned points.
+    `skin(prim, points)` gives the points of a skinned mesh, None for others; skinAt(time) does so at each of `skinTimes`. Normals that were
+    authored for the points at rest are left out, as UsdSkelImaging does: they follow from the skinned points.
     """
     points = ReadPoints(prim, names, timeCode)
     isSkinned = False
@@ -75,9 +75,9 @@ def ReadMesh(prim, names, inherited, timeCode, motion, skin=None, endSkins=()):
     mesh = _core.GeometryDescription()
     mesh.points = points
     if isSkinned:
-        mesh.samples = motion.SkinnedSamplesOf(prim, atRest, endSkins)
-    elif not any(prim.GetAttribute(name).ValueMightBeTimeVarying() for name in ("faceVertexCounts", "faceVertexIndices")):
-        mesh.samples = motion.PointSamplesOf(prim, names, len(points))
+        mesh.samples = motion.SkinnedSamplesOf(prim, atRest, skinTimes, skinAt)
+    else:
+        mesh.samples = motion.PointSamplesOf(prim, names, len(points), warn, ("faceVertexCounts", "faceVertexIndices"))
     mesh.faceVertexCounts = counts
     mesh.faceVertexIndices = indices
     mesh.subdivisionScheme = "catmullClark"  # UsdGeomMesh's fallback
@@ -92,6 +92,8 @@ def ReadMesh(prim, names, inherited, timeCode, motion, skin=None, endSkins=()):
     if "orientation" in names:
         mesh.leftHanded = prim.GetAttribute("orientation").Get(timeCode) == "leftHanded"
     mesh.primvars = PrimvarsOf(prim, names, inherited, timeCode)
+    if not isSkinned:
+        mesh.normalSamples = motion.PrimvarSamplesOf(prim, "normals", names, mesh.primvars)
     return mesh
 
 

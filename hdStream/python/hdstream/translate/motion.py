@@ -7,10 +7,14 @@ Times are offsets in frames from the frame, as the core and Hydra have them.
 import math
 
 import numpy as np
-from pxr import Usd, UsdGeom, Vt
+from pxr import Gf, Usd, UsdGeom, Vt
+
+from hdstream.translate.primvars import FloatRows
 
 # Transforms are sampled at so many equal steps: they may turn by half a circle in each.
 _NUM_STEPS = 8
+# And what accelerations or angular velocities move.
+_NUM_CURVED_STEPS = 16
 
 
 def ReadShutter(prim, timeCode):
@@ -35,9 +39,17 @@ class Motion:
     def At(self, time):
         return Usd.TimeCode(self.timeCode.GetValue() + time)
 
-    def AtEnds(self, make):
-        """What make(timeCode) gives at the shutter's ends."""
-        return [make(self.At(time)) for time in self.ends] if self.isOn else []
+    def TimesOf(self, prim, names, isCurved=False):
+        """When to sample what attributes of a prim say: at the shutter's ends and where they have samples in between, as
+        the floats that Hydra tells; where they tell of a curved way at equal steps too."""
+        within = Gf.Interval(*(self.timeCode.GetValue() + end for end in self.ends), False, False)
+        frame = self.timeCode.GetValue()
+        times = set(np.linspace(*self.ends, _NUM_CURVED_STEPS + 1).tolist() if isCurved else self.ends)
+        for name in names:
+            attribute = prim.GetAttribute(name)
+            if attribute and attribute.GetNumTimeSamples() > 1:
+                times.update(float(np.float32(time - frame)) for time in attribute.GetTimeSamplesInInterval(within))
+        return sorted(time for time in times if self.ends[0] <= time <= self.ends[1])
 
     def MatricesOf(self, prim, local, resets, inheritedMatrix, inheritedMatrices):
         """The matrices of a prim at `times`, composed with the inherited ones; None when they are all the same."""
@@ -59,35 +71,67 @@ class Motion:
         return [(time, np.asarray(Vt.Matrix4dArray([own[i] for own in matrices]))) for i, time in enumerate(self.times)]
 
     def PointInstanceSamplesOf(self, instancer, count):
-        """(time, arrays) of a UsdGeomPointInstancer at the shutter's ends; velocities count."""
+        """(time, arrays) of a UsdGeomPointInstancer; velocities count."""
         if not self.isOn:
             return []
+        names = instancer.GetPrim().GetAuthoredPropertyNames()
+        times = self.TimesOf(instancer.GetPrim(), ("positions", "orientations", "orientationsf", "scales"),
+                             isCurved="accelerations" in names or "angularVelocities" in names)
         arrays = instancer.ComputeInstanceTransformsAtTimes(
-            [self.At(time) for time in self.ends], self.timeCode, UsdGeom.PointInstancer.ExcludeProtoXform,
+            [self.At(time) for time in times], self.timeCode, UsdGeom.PointInstancer.ExcludeProtoXform,
             UsdGeom.PointInstancer.IgnoreMask)
-        arrays = [np.asarray(array) for array in arrays]
-        if len(arrays) != 2 or any(len(array) != count for array in arrays) or np.array_equal(*arrays):
-            return []
-        return list(zip(self.ends, arrays))
+        return _Samples(times, [np.asarray(array) for array in arrays], count)
 
-    def PointSamplesOf(self, prim, names, count):
-        """(time, points) of a PointBased prim at the shutter's ends; velocities count."""
-        isVarying = self.isOn and ("velocities" in names or prim.GetAttribute("points").ValueMightBeTimeVarying())
-        if not isVarying:
+    def PointSamplesOf(self, prim, names, count, warn, topology=()):
+        """(time, points) of a PointBased prim; velocities count. `topology`: names of what must not change; where it
+        does, velocities alone tell how the points of the frame move."""
+        points = prim.GetAttribute("points")
+        if not self.isOn or not ("velocities" in names or points.ValueMightBeTimeVarying()):
             return []
-        return self._Ends(UsdGeom.PointBased(prim).ComputePointsAtTimes(
-            [self.At(time) for time in self.ends], self.timeCode), count)
+        hasVelocities = "velocities" in names and self._HasVelocities(prim, count)
+        if hasVelocities:
+            times = self.TimesOf(prim, (), isCurved="accelerations" in names)
+        else:
+            times = self.TimesOf(prim, ("points",))
+            if any(self._Changes(prim.GetAttribute(name)) for name in topology):
+                warn(prim, "its topology changes while the shutter is open: drawn without motion blur")
+                return []
+        arrays = UsdGeom.PointBased(prim).ComputePointsAtTimes([self.At(time) for time in times], self.timeCode)
+        samples = _Samples(times, arrays, count)
+        if not samples and any(array is None or len(array) != count for array in arrays):
+            warn(prim, "its points change in number while the shutter is open: drawn without motion blur")
+        return samples
 
-    def SkinnedSamplesOf(self, prim, points, endSkins):
-        """The same of a skinned mesh; `endSkins`: functions that skin it at the shutter's ends."""
-        return self._Ends([skin(prim, points) for skin in endSkins], len(points)) if self.isOn else []
+    def _HasVelocities(self, prim, count):
+        """Whether UsdGeom moves the points by them: they have a sample where the points have that before the frame."""
+        velocities = prim.GetAttribute("velocities")
+        frame = self.timeCode.GetValue()
+        samples = [attribute.GetBracketingTimeSamples(frame)[:1] for attribute in (prim.GetAttribute("points"), velocities)]
+        return len(velocities.Get(self.timeCode) or ()) == count and bool(samples[0]) and samples[0] == samples[1]
 
-    def _Ends(self, arrays, count):
-        """(time, array) at the shutter's ends; empty when the arrays do not fit or are the same."""
-        arrays = [np.ascontiguousarray(array, np.float32) for array in arrays if array is not None]
-        if len(arrays) != 2 or any(len(array) != count for array in arrays) or np.array_equal(*arrays):
+    def _Changes(self, attribute):
+        if not attribute or not attribute.ValueMightBeTimeVarying():
+            return False
+        values = [attribute.Get(self.At(time)) for time in (0.0, *self.TimesOf(attribute.GetPrim(), (attribute.GetName(),)))]
+        return any(value != values[0] for value in values)
+
+    def SkinnedSamplesOf(self, prim, points, times, skinAt):
+        """The same of a skinned mesh; skinAt(time): a function that skins it then."""
+        return _Samples(times, [skinAt(time)(prim, points) for time in times], len(points)) if self.isOn else []
+
+    def PrimvarSamplesOf(self, prim, name, names, primvars):
+        """(time, values) of the primvar `name` of a gprim, or the attribute; empty where its indices change."""
+        primvar = next((primvar for primvar in primvars if primvar.name == name), None)
+        attributeName = next((text for text in (f"primvars:{name}", name) if text in names), None)
+        if not self.isOn or primvar is None or attributeName is None:
             return []
-        return list(zip(self.ends, arrays))
+        attribute = prim.GetAttribute(attributeName)
+        indices = prim.GetAttribute(attributeName + ":indices")
+        if not attribute.ValueMightBeTimeVarying() or (indices and indices.ValueMightBeTimeVarying()):
+            return []
+        times = self.TimesOf(prim, (attributeName,))
+        arrays = [FloatRows(attribute.Get(self.At(time)), attribute) for time in times]
+        return _Samples(times, arrays, primvar.values.size // primvar.numComponents)
 
     def CameraSamplesOf(self, camera):
         """(time, array) of a UsdGeomCamera's pose."""
@@ -95,3 +139,13 @@ class Motion:
             return []
         matrices = [camera.GetCamera(self.At(time)).transform for time in self.times]
         return self.SamplesOf(matrices if any(matrix != matrices[0] for matrix in matrices) else None)
+
+
+def _Samples(times, arrays, count):
+    """(time, array) at times; empty when the arrays do not fit or are all the same."""
+    arrays = [array if array is None or np.asarray(array).dtype == np.float64 else np.ascontiguousarray(array, np.float32) for array in arrays]
+    if len(arrays) != len(times) or any(array is None or len(array) != count for array in arrays):
+        return []
+    if all(np.array_equal(array, arrays[0]) for array in arrays[1:]):
+        return []
+    return list(zip(times, arrays))

@@ -38,6 +38,16 @@ class Skinning:
             skinned = self._ApplyJoints(prim, skeleton, query, skelQuery, skinned)
         return skinned
 
+    def TimesOf(self, prim, rootPrim, motion):
+        """When a mesh is to be skinned while the shutter is open: at its ends, and where its animation has samples."""
+        path = rootPrim.GetPath()
+        if path not in self._targets:
+            self._targets[path] = self._FindTargets(UsdSkel.Root(rootPrim))
+        target = self._targets[path].get(prim.GetPath())
+        animation = self._cache.GetSkelQuery(target[0]).GetAnimQuery() if target else None
+        names = ("translations", "rotations", "scales", "blendShapeWeights")
+        return motion.TimesOf(animation.GetPrim() if animation else prim, names)
+
     def _FindTargets(self, root):
         self._cache.Populate(root, _PREDICATE)
         targets = {}

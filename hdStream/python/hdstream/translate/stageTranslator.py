@@ -56,8 +56,7 @@ class StageTranslator:
         self._assets = AssetResolver()
         self._xforms = UsdGeom.XformCache(self._timeCode)
         self._skinning = Skinning(self._timeCode, self._xforms, self._reports.Warn)
-        self._endSkinnings = self._motion.AtEnds(
-            lambda time: Skinning(time, UsdGeom.XformCache(time), self._reports.Warn))
+        self._skinnings = {}  # by time while the shutter is open
         self._types = {}
         self._paths = set()
         self._links = Links()
@@ -271,18 +270,26 @@ class StageTranslator:
         return path, self.PlacementOf(state, context)
 
     def _OnMesh(self, prim, schema, names, state, context):
-        skin, endSkins = None, ()
+        skin, skinTimes = None, ()
         if state.skelRoot is not None:
-            skin, *endSkins = [functools.partial(skinning.PointsOf, rootPrim=state.skelRoot)
-                               for skinning in (self._skinning, *self._endSkinnings)]
+            skin = functools.partial(self._skinning.PointsOf, rootPrim=state.skelRoot)
+            if self._motion.isOn:
+                skinTimes = self._skinning.TimesOf(prim, state.skelRoot, self._motion)
         mesh = self._KeptGeometry(prim, context) or meshes.ReadMesh(
-            prim, names, state.primvars, self._timeCode, self._motion, skin, endSkins)
+            prim, names, state.primvars, self._timeCode, self._motion, self._reports.Warn, skin,
+            lambda time: functools.partial(self._SkinningAt(time).PointsOf, rootPrim=state.skelRoot), skinTimes)
         if mesh is None:
             if lights.IsLight(prim):
                 self._reports.Warn(prim, "mesh light has no faces; it lights nothing")
             return state
         self._AddMesh(prim, names, mesh, state, context)
         return state
+
+    def _SkinningAt(self, time):
+        if time not in self._skinnings:
+            timeCode = self._motion.At(time)
+            self._skinnings[time] = Skinning(timeCode, UsdGeom.XformCache(timeCode), self._reports.Warn)
+        return self._skinnings[time]
 
     def _OnImplicit(self, prim, schema, names, state, context):
         mesh = self._KeptGeometry(prim, context) or meshes.ReadImplicit(
@@ -316,8 +323,11 @@ class StageTranslator:
         return state
 
     def _AddPointSamples(self, prim, names, description):
-        if description is not None:
-            description.samples = self._motion.PointSamplesOf(prim, names, len(description.points))
+        if description is None:
+            return
+        topology = ("curveVertexCounts",) if description.primitives == _core.PrimitiveKind.Curves else ()
+        description.samples = self._motion.PointSamplesOf(prim, names, len(description.points), self._reports.Warn, topology)
+        description.widthSamples = self._motion.PrimvarSamplesOf(prim, "widths", names, description.primvars)
 
     def _AddSolid(self, prim, description, state, context):
         if description is None:
