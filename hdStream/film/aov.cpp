@@ -71,6 +71,9 @@ std::vector<AovInfo> MakeTable() {
              "share of the hemisphere, by cosine, in which nothing is nearer than "
              "occlusionDistance; 0 where nothing is hit"),
         Color("albedo", {"R", "G", "B"}, first, "directional albedo of the first hit's material"),
+        Data("volumeDepth", {"Z"}, first, kFar,
+             "distance along the camera's -Z axis in scene units at which a volume has taken half "
+             "of the light; infinite where none does"),
         Integer("primId", "id", first, -1, "prim, -1 where nothing is hit"),
         Integer("instanceId", "id", first, -1,
                 "instance inside its instancer, -1 where nothing is hit or not instanced"),

@@ -27,12 +27,12 @@ shared::HdsGridCell CellAt(const GridDescription& grid, glm::ivec3 voxel) {
     const glm::ivec3 tile = at >> HDS_TILE_VOXELS_LOG2;
     const glm::ivec3 size(record.tiles[0], record.tiles[1], record.tiles[2]);
     if (glm::any(glm::lessThan(at, glm::ivec3(0))) || glm::any(glm::greaterThanEqual(tile, size))) {
-        return {HDS_NONE, 0.0F, 0.0F};
+        return {HDS_NONE, 0.0F, 0.0F, 0.0F};
     }
     const std::size_t number = (std::size_t(tile.z) * size.y + tile.y) * size.x + tile.x;
     const shared::HdsGridTile& above = grid.tiles[number];
     if (above.firstCell == HDS_NONE) {
-        return {HDS_NONE, above.value, above.greatest};
+        return {HDS_NONE, above.value, above.greatest, above.least};
     }
     const glm::ivec3 cell = (at >> HDS_BRICK_VOXELS_LOG2) & (HDS_TILE_CELLS - 1);
     return grid.cells[above.firstCell +
@@ -101,7 +101,7 @@ VoxelShift ShiftOf(const GridVelocity& velocity, const float* greatest) {
 }
 
 struct TileBuild {
-    shared::HdsGridTile tile{HDS_NONE, 0.0F, 0.0F};
+    shared::HdsGridTile tile{HDS_NONE, 0.0F, 0.0F, 0.0F};
     std::vector<shared::HdsGridCell> cells; ///< empty: all alike
 };
 
@@ -125,6 +125,7 @@ TileBuild MakeTile(const GridDescription& grid, const GridVelocity& velocity, Vo
         }
         shared::HdsGridCell cell = CellAt(grid, at);
         const glm::dvec3 begin(at);
+        cell.least = 0.0F; // of what moves in from elsewhere nothing is known
         cell.greatest = GreatestBetween(grid, begin + shift.least - kSlack,
                                         begin + double(HDS_BRICK_VOXELS) + shift.most + kSlack);
         const shared::HdsGridCell& head = build.cells.empty() ? cell : build.cells[0];

@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
+#include <numeric>
 
 namespace hds {
 
@@ -17,7 +19,7 @@ constexpr std::size_t kTileCells = std::size_t{HDS_TILE_CELLS} * HDS_TILE_CELLS 
 
 /// A tile while it is made.
 struct TileBuild {
-    shared::HdsGridTile tile{HDS_NONE, 0.0F, 0.0F};
+    shared::HdsGridTile tile{HDS_NONE, 0.0F, 0.0F, 0.0F};
     std::vector<shared::HdsGridCell> cells; ///< empty: the tile is constant
     std::vector<std::uint32_t> bricks;      ///< of the source, in the order of the cells
 };
@@ -34,31 +36,50 @@ bool IsConstant(const VoxelGrid& source, glm::ivec3 first) {
     return source.cells[source.CellOf(glm::clamp(first, source.first, end - 1))].brick == HDS_NONE;
 }
 
-/// The greatest value of the voxels that interpolation inside of a cell reads.
-float GreatestIn(const VoxelGrid& source, glm::ivec3 first) {
-    bool isConstant = true;
+/// Of the voxels that interpolation inside of a cell reads.
+struct VoxelBounds {
+    float least = std::numeric_limits<float>::max();
     float greatest = 0.0F;
+
+    void Add(float value) {
+        least = std::min(least, value);
+        greatest = std::max(greatest, value);
+    }
+};
+
+VoxelBounds BoundsIn(const VoxelGrid& source, glm::ivec3 first) {
+    bool isConstant = true;
+    VoxelBounds bounds;
     for (int corner = 0; corner < 8; ++corner) {
         const glm::ivec3 there =
             first + HDS_BRICK_VOXELS * glm::ivec3(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
         isConstant = isConstant && IsConstant(source, there);
-        greatest = std::max(greatest, source.ValueAt(there));
+        bounds.Add(source.ValueAt(there));
     }
     if (isConstant) {
-        return greatest;
+        return bounds;
     }
     for (int z = 0; z <= HDS_BRICK_VOXELS; ++z) {
         for (int y = 0; y <= HDS_BRICK_VOXELS; ++y) {
             for (int x = 0; x <= HDS_BRICK_VOXELS; ++x) {
-                greatest = std::max(greatest, source.ValueAt(first + glm::ivec3(x, y, z)));
+                bounds.Add(source.ValueAt(first + glm::ivec3(x, y, z)));
             }
         }
     }
-    return greatest;
+    return bounds;
+}
+
+/// Of the voxels of a cell that are in the grid's box: those beyond are 0.
+float MeanOf(const VoxelGrid& source, glm::ivec3 first, const VoxelBrick& values) {
+    const glm::ivec3 inside = glm::min(first + HDS_BRICK_VOXELS, source.first + source.size) -
+                              glm::max(first, source.first);
+    const double sum = std::accumulate(values.begin(), values.end(), 0.0);
+    return static_cast<float>(sum / (double(inside.x) * inside.y * inside.z));
 }
 
 shared::HdsGridCell MakeCell(const VoxelGrid& source, glm::ivec3 first, TileBuild* tile) {
-    shared::HdsGridCell cell{HDS_NONE, source.ValueAt(first), GreatestIn(source, first)};
+    const VoxelBounds bounds = BoundsIn(source, first);
+    shared::HdsGridCell cell{HDS_NONE, source.ValueAt(first), bounds.greatest, bounds.least};
     if (!IsConstant(source, first)) {
         const std::uint32_t brick = source
                                         .cells[source.CellOf(glm::clamp(
@@ -69,6 +90,7 @@ shared::HdsGridCell MakeCell(const VoxelGrid& source, glm::ivec3 first, TileBuil
                         [&](float value) { return value == values[0]; })) {
             cell.value = values[0];
         } else {
+            cell.value = MeanOf(source, first, values);
             cell.brick = static_cast<std::uint32_t>(tile->bricks.size());
             tile->bricks.push_back(brick);
         }
@@ -88,13 +110,14 @@ TileBuild MakeTile(const VoxelGrid& source, glm::ivec3 first) {
                 build.tile.greatest = std::max(build.tile.greatest, cell.greatest);
                 const shared::HdsGridCell& head = build.cells.empty() ? cell : build.cells[0];
                 isConstant = isConstant && cell.brick == HDS_NONE && cell.value == head.value &&
-                             cell.greatest == head.greatest;
+                             cell.greatest == head.greatest && cell.least == head.least;
                 build.cells.push_back(cell);
             }
         }
     }
     build.tile.value = build.cells[0].value;
     if (isConstant) {
+        build.tile.least = build.cells[0].least;
         build.cells.clear();
     }
     return build;

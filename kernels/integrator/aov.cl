@@ -2,6 +2,9 @@
  * First-hit AOVs: one ray through each pixel's centre and the lens' centre; surfaces that let
  * everything pass are not there. From: the active queue after intersect. To: the AOV buffers, and
  * the next active queue for rays that passed. Explained in docs/film.md. */
+#if HDS_FEATURE_VOLUMES
+#include "integrator/aovVolume.clh"
+#endif
 #include "integrator/camera.clh"
 #include "integrator/itemLoop.clh"
 #include "integrator/passThrough.clh"
@@ -127,6 +130,7 @@ void aov_storeMiss(HdsAovOffsets offsets, global float* pixel, global int* ids) 
     aov_store2(pixel, offsets.motionForward, (float2)(0.0f));
     aov_store2(pixel, offsets.motionBackward, (float2)(0.0f));
     aov_store3(pixel, offsets.albedo, (float3)(0.0f));
+    aov_store1(pixel, offsets.volumeDepth, INFINITY);
     aov_storeId(ids, offsets.primId, -1);
     aov_storeId(ids, offsets.instanceId, -1);
     aov_storeId(ids, offsets.elementId, -1);
@@ -172,6 +176,7 @@ void aov_storeHit(constant const HdsFrameParams* frame, const HdsSceneView* scen
     }
     aov_store1(pixel, offsets.facingRatio, fabs(vec_dot(vec_normalize(normal), viewer)));
     aov_store3(pixel, offsets.albedo, albedo);
+    aov_store1(pixel, offsets.volumeDepth, INFINITY);
     aov_storeId(ids, offsets.primId, scene->prims[surface->prim].primId);
     aov_storeId(ids, offsets.instanceId, surface->instanceId);
     aov_storeId(
@@ -186,6 +191,28 @@ void aov_storeHit(constant const HdsFrameParams* frame, const HdsSceneView* scen
         aov_store3(pixel, offsets.primvars + 3u * k, value.xyz);
     }
 }
+
+#if HDS_FEATURE_VOLUMES
+/* Adds to what is written for slot i what volumes before its first hit are. \param t of that. */
+void aov_addVolumes(constant const HdsFrameParams* frame, const HdsSceneView* scene, HdsPaths paths,
+                    uint i, float t, HdsAovOffsets offsets, global float* pixel) {
+    if (offsets.albedo == HDS_NONE && offsets.volumeDepth == HDS_NONE) {
+        return;
+    }
+    const float4 origin = path_load_origin(paths, i);
+    const float4 direction = path_load_direction(paths, i);
+    const HdsAovVolumes volumes =
+        aovVolume_cross(&scene->volumes, origin.xyz, direction.xyz, origin.w, fmin(t, direction.w));
+    if (offsets.albedo != HDS_NONE) {
+        const float3 behind = vload3(0, pixel + offsets.albedo);
+        vstore3(fma(volumes.left, behind, volumes.albedo), 0, pixel + offsets.albedo);
+    }
+    if (volumes.t < INFINITY) {
+        aov_store1(pixel, offsets.volumeDepth,
+                   aov_depths(frame, vec_mulAdd(volumes.t, direction.xyz, origin.xyz)).x);
+    }
+}
+#endif
 
 /* Writes the first hit of slot i, or appends it to what goes on or waits. */
 void aov_store(constant const HdsFrameParams* frame, const HdsSceneView* scene, HdsPaths paths,
@@ -203,6 +230,9 @@ void aov_store(constant const HdsFrameParams* frame, const HdsSceneView* scene, 
     global int* ids = ints + (size_t)status.x * offsets.intStride;
     if (hit.chunk == HDS_NONE) {
         aov_storeMiss(offsets, pixel, ids);
+#if HDS_FEATURE_VOLUMES
+        aov_addVolumes(frame, scene, paths, i, INFINITY, offsets, pixel);
+#endif
         return;
     }
     if (surfaceHit_waits(scene, &hit, waitQueue, counters, HDS_COUNTER_WAITING_HITS, i)) {
@@ -242,6 +272,9 @@ void aov_store(constant const HdsFrameParams* frame, const HdsSceneView* scene, 
 #endif
     aov_storeHit(frame, scene, &surface, albedo, viewer, offsets, primvarSlots, pixel, ids);
     aov_storeMotion(frame, scene, &hit, offsets, pixel);
+#if HDS_FEATURE_VOLUMES
+    aov_addVolumes(frame, scene, paths, i, hit.t, offsets, pixel);
+#endif
 }
 
 /* Global size: count items, HDS_ITEMS_PER_WORK_ITEM for each work-item. */

@@ -139,6 +139,7 @@ HDS_ASSERT_SIZE(HdsFilmPixel, 48);
     X(motionForward, "motionForward")   \
     X(motionBackward, "motionBackward") \
     X(albedo, "albedo")                 \
+    X(volumeDepth, "volumeDepth")       \
     X(primId, "primId")                 \
     X(instanceId, "instanceId")         \
     X(elementId, "elementId")
@@ -155,7 +156,7 @@ typedef struct {
     f32 centre[3];     /* world position of the device's origin, added to positions */
     u32 numPrimvars;   /* primvar AOVs; their slots: primvarSlots[prim * numPrimvars + i] */
     f32 shutterFrames; /* length of the shutter's interval; 0: closed */
-    u32 pad0[3];
+    u32 pad0[2];
 } HdsAovOffsets;
 HDS_ASSERT_SIZE(HdsAovOffsets, 96);
 HDS_SHARED_END

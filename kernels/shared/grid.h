@@ -18,20 +18,22 @@
 
 HDS_SHARED_BEGIN
 typedef struct {
-    u32 brick; /* number in the grid; HDS_NONE: every voxel has `value` */
-    float value;
+    u32 brick;      /* number in the grid; HDS_NONE: every voxel has `value` */
+    float value;    /* else the mean of those that are in the box of the grid */
     float greatest; /* of the voxels that interpolation inside of the cell reads: its own and the
                        next ones along each axis */
+    float least;    /* of the same voxels, or any number from 0 up to that */
 } HdsGridCell;
-HDS_ASSERT_SIZE(HdsGridCell, 12);
+HDS_ASSERT_SIZE(HdsGridCell, 16);
 
 typedef struct {
     u32 firstCell; /* of its HDS_TILE_CELLS^3, x fastest, among those of the grid; HDS_NONE: every
                       voxel has `value` */
     float value;
     float greatest; /* as of a cell */
+    float least;    /* where the tile has no cells; else nothing */
 } HdsGridTile;
-HDS_ASSERT_SIZE(HdsGridTile, 12);
+HDS_ASSERT_SIZE(HdsGridTile, 16);
 
 typedef struct {
     int origin[3];  /* the first voxel of tile 0, a multiple of HDS_TILE_VOXELS */

@@ -122,6 +122,24 @@ def test_shadows_are_beers(tmp_path):
     assert _Mean(dark["color"]) / _Mean(bright["color"]) == pytest.approx(np.exp(-2 * absorption), rel=0.02)
 
 
+def test_shadows_of_a_cloud_are_the_integrals_of_its_voxels(tmp_path):
+    """Seen and lit along -z through voxels of which each differs: exp(-2 depth), by channel, pixel blocks and mean."""
+    size, absorption = 24, np.array((0.5, 2.0, 4.0))
+    voxels = volumeCase.Cloud(size) + 0.25
+    stage = volumeCase.Stage(tmp_path / "s.usda", lights=(("Distant", dict(angle=0.0)),), width=0.5, add=_AddWall)
+    dark, *_ = volumeCase.Render(stage, {"/V": volumeCase.Volume(volumeCase.Grid(voxels), absorption=absorption)}, size=32,
+                                 samples=2048)
+    bright, *_ = volumeCase.Render(stage, {}, size=32, samples=16)
+    at = ((np.arange(256) + 0.5) / 256 - 0.5) * 0.5 * size + 0.5 * (size - 1)  # in voxels, eight points a pixel
+    columns = voxels.sum(2) / size
+    along = np.array([np.interp(at, np.arange(size), row) for row in columns.T]).T  # [x][voxel of y]
+    depth = np.array([np.interp(at, np.arange(size), row) for row in along])[:, ::-1].T  # [row][x]
+    exact = np.exp(-2 * depth[..., None] * absorption).reshape(8, 32, 8, 32, 3).mean((1, 3))
+    ratio = (dark["color"][..., :3] / bright["color"][..., :3].mean()).reshape(8, 4, 8, 4, 3).mean((1, 3))
+    assert ratio.mean((0, 1)) == pytest.approx(exact.mean((0, 1)), rel=0.02)
+    assert np.abs(ratio / exact - 1)[..., :2].max() < 0.12
+
+
 def _AddWall(stage):
     wall = shapes.Sphere(0.4, 4, 8)
     author.AddMesh(stage, "/World/Wall", wall, translate=(0, 0, -2), scale=(8, 8, 0.01))

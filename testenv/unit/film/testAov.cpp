@@ -44,7 +44,8 @@ TEST(Aov, TableHasEveryAovOfTheContractOnce) {
                                          "facingRatio",
                                          "motionForward",
                                          "motionBackward",
-                                         "ambientOcclusion"};
+                                         "ambientOcclusion",
+                                         "volumeDepth"};
     std::set<std::string> names;
     for (const hds::AovInfo& info : hds::AovTable()) {
         EXPECT_TRUE(names.insert(info.name).second) << info.name;

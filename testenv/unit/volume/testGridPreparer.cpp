@@ -39,6 +39,9 @@ VoxelGrid MakeWaves(glm::ivec3 first, glm::ivec3 size) {
 struct Found {
     float value = 0.0F;
     float greatest = 0.0F;
+    float least = 0.0F;
+    bool hasBrick = false;
+    float mean = 0.0F; ///< of a cell with a brick
 };
 
 Found Find(const PreparedGrid& grid, glm::ivec3 voxel) {
@@ -50,14 +53,14 @@ Found Find(const PreparedGrid& grid, glm::ivec3 voxel) {
     const shared::HdsGridTile& tile =
         description.tiles[(tileAt.z * tiles[1] + tileAt.y) * tiles[0] + tileAt.x];
     if (tile.firstCell == HDS_NONE) {
-        return {tile.value, tile.greatest};
+        return {tile.value, tile.greatest, tile.least};
     }
     const glm::ivec3 cellAt = at % HDS_TILE_VOXELS / kVoxels;
     const shared::HdsGridCell& cell =
         description.cells[tile.firstCell + (cellAt.z * HDS_TILE_CELLS + cellAt.y) * HDS_TILE_CELLS +
                           cellAt.x];
     if (cell.brick == HDS_NONE) {
-        return {cell.value, cell.greatest};
+        return {cell.value, cell.greatest, cell.least};
     }
     const glm::ivec3 inside = at % kVoxels;
     const int place = (inside.z * kVoxels + inside.y) * kVoxels + inside.x;
@@ -65,10 +68,11 @@ Found Find(const PreparedGrid& grid, glm::ivec3 voxel) {
     EXPECT_TRUE(grid.lines->ReadLine(cell.brick * HDS_BRICK_LINES + place / 128, &line));
     float value = 0.0F;
     std::memcpy(&value, &line[place % 128], sizeof(value));
-    return {value, cell.greatest};
+    return {value, cell.greatest, cell.least, true, cell.value};
 }
 
-/// Every voxel has its value, and every cell a bound of those that it interpolates.
+/// Every voxel has its value, and every cell bounds of those that it interpolates, as tight as can
+/// be.
 void ExpectWaves(const PreparedGrid& grid) {
     const GridDescription& description = grid.description;
     const glm::ivec3 end = description.first + description.size;
@@ -76,6 +80,30 @@ void ExpectWaves(const PreparedGrid& grid) {
         const bool isInside = glm::all(glm::greaterThanEqual(voxel, description.first)) &&
                               glm::all(glm::lessThan(voxel, end));
         return isInside ? Made(voxel) : 0.0F;
+    };
+    // By the first voxel of a cell: the least and the greatest that it interpolates.
+    const auto boundsAt = [&](glm::ivec3 cell) {
+        std::pair<float, float> bounds(valueAt(cell), valueAt(cell));
+        for (int i = 0; i < (kVoxels + 1) * (kVoxels + 1) * (kVoxels + 1); ++i) {
+            const float value =
+                valueAt(cell + glm::ivec3(i % (kVoxels + 1), i / (kVoxels + 1) % (kVoxels + 1),
+                                          i / (kVoxels + 1) / (kVoxels + 1)));
+            bounds = {std::min(bounds.first, value), std::max(bounds.second, value)};
+        }
+        return bounds;
+    };
+    // Bricks' cells have the mean of what is in the box.
+    const auto meanOf = [&](glm::ivec3 cell) {
+        double sum = 0.0;
+        int count = 0;
+        for (int i = 0; i < kVoxels * kVoxels * kVoxels; ++i) {
+            const glm::ivec3 voxel =
+                cell + glm::ivec3(i % kVoxels, i / kVoxels % kVoxels, i / kVoxels / kVoxels);
+            sum += valueAt(voxel);
+            count += glm::all(glm::greaterThanEqual(voxel, description.first)) &&
+                     glm::all(glm::lessThan(voxel, end));
+        }
+        return sum / count;
     };
     for (int z = description.first.z - 1; z <= end.z; ++z) {
         for (int y = description.first.y - 1; y <= end.y; ++y) {
@@ -86,7 +114,15 @@ void ExpectWaves(const PreparedGrid& grid) {
                     const glm::ivec3 next(x + (corner & 1), y + (corner >> 1 & 1),
                                           z + (corner >> 2 & 1));
                     ASSERT_LE(valueAt(next), found.greatest);
+                    ASSERT_GE(valueAt(next), found.least);
                     ASSERT_LE(found.greatest, description.record.greatest);
+                }
+                if ((x & (kVoxels - 1)) == 0 && (y & (kVoxels - 1)) == 0 &&
+                    (z & (kVoxels - 1)) == 0) {
+                    ASSERT_EQ(std::pair(found.least, found.greatest), boundsAt({x, y, z}));
+                    if (found.hasBrick) {
+                        ASSERT_NEAR(found.mean, meanOf({x, y, z}), 1e-5);
+                    }
                 }
             }
         }
