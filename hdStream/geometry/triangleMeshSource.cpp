@@ -28,9 +28,9 @@ TriangleMeshSource::TriangleMeshSource(std::shared_ptr<const TriangleMesh> mesh)
         normals = _mesh->normals.interpolation;
     }
     const bool hasMaterials = !_mesh->materialEntries.empty();
-    _boundBytes = BoundTriangleBytes(_mesh->attributes, normals, hasMaterials, false);
+    _boundBytes = BoundTriangleBytes(_mesh->attributes, normals, hasMaterials, 1);
     _meanBytes =
-        MeanTriangleBytes(_mesh->attributes, normals, hasMaterials, false,
+        MeanTriangleBytes(_mesh->attributes, normals, hasMaterials, 1,
                           VerticesPerTriangle(_mesh->positions.size(), _mesh->triangles.size()));
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/hydra/lightParameters.h"
 
+#include "hdStream/hydra/arrays.h"
 #include "hdStream/hydra/assets.h"
+#include "hdStream/hydra/materialParameters.h"
 
 #include <pxr/base/gf/vec3f.h>
 #include <pxr/imaging/hd/collectionsSchema.h>
@@ -201,13 +203,48 @@ std::set<std::string> HdStreamUnsupportedLightFeatures(HdSceneDelegate* delegate
                                                        const SdfPath& id) {
     const Reader reader(delegate, id);
     std::set<std::string> features;
-    for (const SdfPath& filter : reader.Get(HdTokens->filters).GetWithDefault(SdfPathVector())) {
-        features.insert("light filter " + filter.GetString());
+    const bool isMesh = delegate->GetRenderIndex().GetRprim(id) != nullptr;
+    for (const SdfPath& filter : HdStreamFiltersOf(delegate, id)) {
+        if (isMesh) {
+            features.insert("light filter " + filter.GetString());
+        }
     }
     if (!reader.Get(HdTokens->portals).GetWithDefault(SdfPathVector()).empty()) {
         features.insert("portals");
     }
     return features;
+}
+
+SdfPathVector HdStreamFiltersOf(HdSceneDelegate* delegate, const SdfPath& id) {
+    return Reader(delegate, id).Get(HdTokens->filters).GetWithDefault(SdfPathVector());
+}
+
+std::vector<hds::LightFilter> HdStreamReadFilters(HdSceneDelegate* delegate, const SdfPath& id,
+                                                  std::vector<std::string>* problems) {
+    std::vector<hds::LightFilter> filters;
+    for (const SdfPath& path : HdStreamFiltersOf(delegate, id)) {
+        // Prims whose type OpenUSD does not know come from nowhere.
+        if (delegate->GetRenderIndex().GetSprim(HdPrimTypeTokens->lightFilter, path) == nullptr) {
+            problems->push_back("light filter " + path.GetString() +
+                                " is not handed over by Hydra; left out");
+            continue;
+        }
+        const VtValue resource = delegate->GetMaterialResource(path);
+        hds::LightFilter filter;
+        filter.node.path = path.GetString();
+        filter.worldFromFilter = HdStreamToGlm(delegate->GetTransform(path));
+        if (resource.IsHolding<HdMaterialNetworkMap>()) {
+            const hds::MaterialNetwork network = HdStreamMaterialNetworkFrom(
+                path, path, resource.UncheckedGet<HdMaterialNetworkMap>());
+            for (const hds::MaterialNode& node : network.nodes) {
+                if (node.path == filter.node.path) {
+                    filter.node = node;
+                }
+            }
+        }
+        filters.push_back(std::move(filter));
+    }
+    return filters;
 }
 
 bool HdStreamHidesLinks(HdSceneDelegate* delegate, const SdfPath& id) {

@@ -38,6 +38,13 @@ hds::LinkCategories HdStreamReadLinks(HdSceneDelegate* delegate, const SdfPath& 
 std::shared_ptr<const hds::MeshLight> HdStreamReadMeshLight(HdSceneDelegate* delegate,
                                                             const SdfPath& id);
 
+/// The prims that filter a light.
+SdfPathVector HdStreamFiltersOf(HdSceneDelegate* delegate, const SdfPath& id);
+
+/// The same with their kinds and inputs. \param[out] problems of those that cannot be read
+std::vector<hds::LightFilter> HdStreamReadFilters(HdSceneDelegate* delegate, const SdfPath& id,
+                                                  std::vector<std::string>* problems);
+
 /// Names of features of a light that the core does not have yet.
 std::set<std::string> HdStreamUnsupportedLightFeatures(HdSceneDelegate* delegate,
                                                        const SdfPath& id);

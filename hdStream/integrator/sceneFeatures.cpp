@@ -57,6 +57,7 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
     features.lightShaping = scene.lights->hasShaping;
     features.lightControls = scene.lights->hasControls;
     features.lightMotion = scene.lights->hasMotion;
+    features.lightFilters = scene.lights->hasFilters;
     features.lightPortals = scene.lights->hasPortals;
     features.meshLights = scene.lights->hasMeshes;
     features.texturedEmission = scene.lights->hasTexturedEmission;

@@ -227,7 +227,7 @@ void BindLight(nb::module_& module) {
         .def(
             "__init__",
             [](LightPrim* self, const LightDescription& light, const Placement& where) {
-                new (self) LightPrim{where, light, {}, {}};
+                new (self) LightPrim{where, light, {}, {}, {}};
             },
             "light"_a, "placement"_a)
         .def(
@@ -236,7 +236,14 @@ void BindLight(nb::module_& module) {
                 self.portals.push_back(
                     {MatrixFromBuffer(worldFromPortal, "worldFromPortal"), width, height});
             },
-            "worldFromPortal"_a, "width"_a, "height"_a);
+            "worldFromPortal"_a, "width"_a, "height"_a)
+        .def(
+            "AddFilter",
+            [](LightPrim& self, const MaterialNode& node, nb::handle worldFromFilter) {
+                self.filters.push_back(
+                    {node, MatrixFromBuffer(worldFromFilter, "worldFromFilter")});
+            },
+            "node"_a, "worldFromFilter"_a);
     BindFields(lightPrim);
 }
 

@@ -432,6 +432,16 @@ void DumpLight(const std::string& path, const LightPrim& prim, Writer* out) {
         out->Value(name + " width", prim.portals[i].width);
         out->Value(name + " height", prim.portals[i].height);
     }
+    for (const LightFilter& filter : prim.filters) {
+        out->Line("filter " + filter.node.path, filter.node.identifier);
+        for (const auto& [name, value] : filter.node.parameters) {
+            out->Line("  " + name, ParameterText(value));
+        }
+        for (const auto& [name, source] : filter.node.connections) {
+            out->Line("  " + name, "<- " + source.upstreamPath + "." + source.upstreamOutput);
+        }
+        out->Matrix("  worldFromFilter", filter.worldFromFilter);
+    }
 }
 
 void DumpVolume(const std::string& path, const VolumePrim& prim, const SceneDescription& scene,

@@ -10,6 +10,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -21,6 +22,9 @@ namespace {
 
 /// Files of IES profiles have some kilobytes; what is longer is none.
 constexpr std::uint64_t kMaxProfileBytes = 64U << 20U;
+
+/// Images of filters always lie in the light table: what is larger is averaged.
+constexpr std::uint32_t kMaxFilterTexels = 1024;
 
 /// The way of one placement of a light, and what is left out of that of any.
 struct LightWay {
@@ -49,6 +53,18 @@ struct LightWay {
     }
 };
 
+/// The filters of a light where one of its instances is.
+void PlaceFilters(const LightPrim& prim, const glm::dmat4& worldFromLight,
+                  std::vector<LightFilter>* filters) {
+    if (prim.filters.empty()) {
+        return;
+    }
+    const glm::dmat4 moved = worldFromLight * glm::inverse(prim.placement.worldFromObject);
+    for (std::size_t i = 0; i < filters->size(); ++i) {
+        (*filters)[i].worldFromFilter = moved * prim.filters[i].worldFromFilter;
+    }
+}
+
 std::vector<PlacedLight> PlaceLights(const LightCommitInput& input, Warnings& warnings) {
     const SceneDescription& scene = *input.scene;
     const glm::dmat4 centreFromWorld = glm::translate(glm::dmat4(1.0), -input.centre);
@@ -66,6 +82,7 @@ std::vector<PlacedLight> PlaceLights(const LightCommitInput& input, Warnings& wa
                           input.links->IndexOf(prim.links.lightLink),
                           input.links->IndexOf(prim.links.shadowLink),
                           prim.portals,
+                          prim.filters,
                           {}};
         for (LightPortal& portal : place.portals) {
             portal.worldFromPortal = centreFromWorld * portal.worldFromPortal;
@@ -76,11 +93,48 @@ std::vector<PlacedLight> PlaceLights(const LightCommitInput& input, Warnings& wa
                              way.Follow(prim, worldFromLight);
                              place.worldFromLight = centreFromWorld * worldFromLight.AtFrame();
                              place.keys = way.keys;
+                             PlaceFilters(prim, place.worldFromLight, &place.filters);
                              placed.push_back(place);
                          });
         way.Warn(path, warnings);
     }
     return placed;
+}
+
+/// The image of a filter, at most kMaxFilterTexels in width and height; null, after a warning, when
+/// it cannot be read.
+std::shared_ptr<const FilterImage> LoadImageOfFilter(const AssetReference& asset,
+                                                     ImageLibrary* images) {
+    std::array<std::shared_ptr<const HeightImage>, 3> channels;
+    for (std::uint32_t c = 0; c < 3; ++c) {
+        channels[c] = images->LoadHeights(LightTextureOf(asset), c);
+        if (!channels[c]) {
+            return nullptr;
+        }
+    }
+    const std::uint32_t width = channels[0]->width;
+    const std::uint32_t height = channels[0]->height;
+    const std::uint32_t step =
+        (std::max(width, height) + kMaxFilterTexels - 1) / kMaxFilterTexels; // texels to one
+    auto image = std::make_shared<FilterImage>();
+    image->width = (width + step - 1) / step;
+    image->height = (height + step - 1) / step;
+    for (std::uint32_t y = 0; y < image->height; ++y) {
+        for (std::uint32_t x = 0; x < image->width; ++x) {
+            for (const auto& channel : channels) {
+                double sum = 0.0;
+                std::uint32_t count = 0;
+                for (std::uint32_t j = y * step; j < std::min((y + 1) * step, height); ++j) {
+                    for (std::uint32_t i = x * step; i < std::min((x + 1) * step, width); ++i) {
+                        sum += channel->values[std::size_t(j) * width + i];
+                        ++count;
+                    }
+                }
+                image->rgb.push_back(float(sum / count));
+            }
+        }
+    }
+    return image;
 }
 
 /// Lights of these types show their images.
@@ -153,6 +207,10 @@ void UpdateTable(const std::vector<PlacedLight>& lights, const std::vector<Emiss
     for (const PlacedLight& light : lights) {
         table.Add(HasImage(light.light) ? images.Find(light.light.textureFile).index : 0);
         table.Add(IdentityOf(light.light.shaping.iesFile));
+        for (const LightFilter& filter : light.filters) {
+            const AssetReference* file = FilterImageFile(filter);
+            table.Add(file == nullptr ? std::string() : IdentityOf(*file));
+        }
     }
     for (const EmissiveMesh& mesh : emissive) {
         if (mesh.lux) {
@@ -165,6 +223,9 @@ void UpdateTable(const std::vector<PlacedLight>& lights, const std::vector<Emiss
         input.loadImage = [&](const AssetReference& asset) { return images.Find(asset); };
         input.loadProfile = [&](const AssetReference& asset) {
             return LoadProfile(asset, warnings);
+        };
+        input.loadFilterImage = [&](const AssetReference& asset) {
+            return LoadImageOfFilter(asset, &cache->images);
         };
         input.links = links;
         cache->lights =

@@ -7,7 +7,7 @@
 #include "hdStream/geometry/geometryDescription.h"
 #include "hdStream/scene/cameraLens.h"
 #include "hdStream/scene/instanceTransforms.h"
-#include "hdStream/shading/lightDescription.h"
+#include "hdStream/shading/lightFilter.h"
 #include "hdStream/shading/materialNetwork.h"
 #include "hdStream/shading/volumeShader.h"
 #include "hdStream/volume/voxelGrid.h"
@@ -174,11 +174,13 @@ struct LightPrim {
     LightDescription light;
     LinkCategories links;
     std::vector<LightPortal> portals; ///< dome
+    std::vector<LightFilter> filters; ///< placed as the light is
 
     static constexpr auto Fields() {
         return FieldList(HDS_FIELD(LightPrim, placement), HDS_FIELD(LightPrim, light),
                          HDS_FIELD(LightPrim, links),
-                         HDS_FIELD(LightPrim, portals).NotInPython("AddPortal"));
+                         HDS_FIELD(LightPrim, portals).NotInPython("AddPortal"),
+                         HDS_FIELD(LightPrim, filters).NotInPython("AddFilter"));
     }
 };
 

@@ -3,7 +3,7 @@
 // a light of its own. Pure functions; any thread. Explained in docs/lights.md, "Emissive meshes".
 #pragma once
 
-#include "hdStream/shading/lightDescription.h"
+#include "hdStream/shading/lightFilter.h"
 #include "kernels/shared/compat.h"
 
 #include <glm/mat4x4.hpp>
@@ -36,13 +36,14 @@ struct PlacedLight {
     std::uint32_t lightLink = HDS_NONE;  ///< index into LinkTable::categories
     std::uint32_t shadowLink = HDS_NONE; ///< index into LinkTable::categories
     std::vector<LightPortal> portals;    ///< dome: relative to the scene centre
+    std::vector<LightFilter> filters;    ///< relative to the scene centre
     std::vector<LightKey> keys; ///< at equal distances in time, at least two; empty: it rests
 
     static constexpr auto Fields() {
         return FieldList(HDS_FIELD(PlacedLight, name), HDS_FIELD(PlacedLight, light),
                          HDS_FIELD(PlacedLight, worldFromLight), HDS_FIELD(PlacedLight, lightLink),
                          HDS_FIELD(PlacedLight, shadowLink), HDS_FIELD(PlacedLight, portals),
-                         HDS_FIELD(PlacedLight, keys));
+                         HDS_FIELD(PlacedLight, filters), HDS_FIELD(PlacedLight, keys));
     }
 };
 

@@ -73,7 +73,8 @@ private:
     bool AddImage(const PlacedLight& placed, shared::HdsLight* light, double* meanLuminance);
     void AddLinks();
     void AddShaping(const PlacedLight& placed, shared::HdsLight* light, double* power);
-    void AddControls(const PlacedLight& placed, shared::HdsLight* light);
+    void AddControls(const PlacedLight& placed, shared::HdsLight* light, double* power);
+    void AddFilters(const PlacedLight& placed, shared::HdsLightControls* controls, double* power);
     void AddKeys(const PlacedLight& placed, shared::HdsLightControls* controls);
     void AddPortals(const PlacedLight& placed, shared::HdsLight* light);
     void WarnIgnored(const PlacedLight& placed);
@@ -167,7 +168,23 @@ void Builder::AddKeys(const PlacedLight& placed, shared::HdsLightControls* contr
     _table.hasMotion = true;
 }
 
-void Builder::AddControls(const PlacedLight& placed, shared::HdsLight* light) {
+void Builder::AddFilters(const PlacedLight& placed, shared::HdsLightControls* controls,
+                         double* power) {
+    if (placed.filters.empty()) {
+        return;
+    }
+    double peak = 1.0;
+    controls->numFilters =
+        AppendFilters(placed.filters, _input.loadFilterImage, _warnings, &_table.cdf, &peak);
+    controls->filterBase =
+        std::uint32_t(_table.cdf.size() - controls->numFilters * sizeof(shared::HdsLightFilter) /
+                                              sizeof(_table.cdf[0]));
+    *power *= peak;
+    _table.hasFilters = _table.hasFilters || controls->numFilters > 0;
+}
+
+/// \param[in,out] power grows by the peak of the filters
+void Builder::AddControls(const PlacedLight& placed, shared::HdsLight* light, double* power) {
     const LightDescription& description = placed.light;
     const LightShadow& shadow = description.shadow;
     const auto linkOf = [&](std::uint32_t category) {
@@ -180,9 +197,10 @@ void Builder::AddControls(const PlacedLight& placed, shared::HdsLight* light) {
     if (!isShadowPlain || light->shadowLink != HDS_NONE) {
         light->flags |= HDS_LIGHT_SAMPLED;
     }
+    shared::HdsLightControls controls{};
+    AddFilters(placed, &controls, power);
     if (!isShadowPlain || description.diffuse != 1.0F || description.specular != 1.0F ||
-        !placed.keys.empty()) {
-        shared::HdsLightControls controls{};
+        !placed.keys.empty() || controls.numFilters > 0) {
         AddKeys(placed, &controls);
         controls.diffuse = LightFactor(description.diffuse);
         controls.specular = LightFactor(description.specular);
@@ -315,7 +333,9 @@ std::uint32_t Builder::GroupOf(const PlacedLight& placed) {
     return number;
 }
 
-void Builder::AddLight(const PlacedLight& placed) {
+void Builder::AddLight(const PlacedLight& authored) {
+    PlacedLight placed = authored;
+    ApplyFilterMultipliers(placed.filters, _warnings, &placed.light);
     const LightDescription& description = placed.light;
     WarnIgnored(placed);
     shared::HdsLight light = PlainLight();
@@ -353,7 +373,7 @@ void Builder::AddLight(const PlacedLight& placed) {
         power *= meanLuminance;
     }
     AddShaping(placed, &light, &power);
-    AddControls(placed, &light);
+    AddControls(placed, &light, &power);
     if (power > 0.0) {
         Push(light, radiance, power);
     }
@@ -393,7 +413,7 @@ shared::HdsLight Builder::BeginMesh(const EmissiveMesh& mesh, bool isWeighed, do
         light.flags |= mesh.lux->light.visibleToCamera ? HDS_LIGHT_VISIBLE : 0U;
         light.flags |= GroupOf(*mesh.lux) << HDS_LIGHT_GROUP_SHIFT;
         AddShaping(*mesh.lux, &light, factor);
-        AddControls(*mesh.lux, &light);
+        AddControls(*mesh.lux, &light, factor);
     }
     _table.hasMeshes = true;
     _table.hasTexturedEmission = _table.hasTexturedEmission || mesh.hasTexturedEmission;

@@ -38,6 +38,7 @@ struct LightTableInput {
     LoadLightImage loadImage;
     LoadIesProfile loadProfile;
     LinkTable links;
+    LoadFilterImage loadFilterImage = {};
 };
 
 /// Device tables of all lights.
@@ -50,6 +51,7 @@ struct LightTable {
     bool hasShaping = false;          ///< some light is shaped
     bool hasControls = false;         ///< some is linked, or has multipliers or shadow controls
     bool hasMotion = false;           ///< some light moves while the shutter is open
+    bool hasFilters = false;          ///< some light has a filter of what passes it
     bool hasPortals = false;          ///< some is a dome with portals
     bool hasMeshes = false;           ///< some is a mesh
     std::vector<std::string> groups;  ///< of lights, by the number that lights have: from 1 on

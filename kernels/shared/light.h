@@ -108,9 +108,52 @@ typedef struct {
     f32 shadowGamma;    /* exponent of the fading, which is linear in the distance */
     u32 motionBase;     /* in lightCdf: an HdsLightKey for each of the equal steps in time */
     u32 motionSegments; /* keys after the first; 0: the light rests */
-    u32 pad0[2];
+    u32 filterBase;     /* in lightCdf: the first HdsLightFilter */
+    u32 numFilters;     /* 0: what leaves the light arrives */
 } HdsLightControls;
 HDS_ASSERT_SIZE(HdsLightControls, 48);
+
+/* HdsLightFilter.type */
+#define HDS_FILTER_BARN 0u   /* an opening in the plane z = 0 of the filter */
+#define HDS_FILTER_COOKIE 1u /* an image in that plane */
+#define HDS_FILTER_RAMP 2u   /* by a distance of the lit point */
+#define HDS_FILTER_ROD 3u    /* by whether the lit point is in a box */
+
+/* HdsLightFilter.mode of a barn: what a way does that does not cross the plane of the opening */
+#define HDS_FILTER_PASSES 0u /* it is left alone */
+#define HDS_FILTER_CONE 1u   /* the straight line on through the light decides */
+#define HDS_FILTER_BLOCKED 2u
+/* of a cookie: what lies beyond its image */
+#define HDS_FILTER_FILL 0u
+#define HDS_FILTER_REPEAT 1u
+#define HDS_FILTER_CLAMP 2u
+/* of a ramp: which distance */
+#define HDS_FILTER_TO_LIGHT 0u
+#define HDS_FILTER_LINEAR 1u    /* along -z of the filter */
+#define HDS_FILTER_SPHERICAL 2u /* from its origin */
+#define HDS_FILTER_RADIAL 3u    /* from its z axis */
+
+/* What a light filter leaves of a light (UsdLuxLightFilter). */
+typedef struct {
+    f32 filterFromWorld[12]; /* 3 rows of 4, relative to the scene centre */
+    u32 type;
+    u32 mode;
+    f32 density;     /* part of the effect, 0: none */
+    f32 inverted;    /* 1: inside and outside change places, else 0 */
+    f32 low[3];      /* barn, rod: corners of the inner box; cookie: of its rect */
+    f32 radius;      /* barn, rod: by which the box grows */
+    f32 high[3];     /* likewise */
+    f32 edge;        /* width of the border over which the effect ends */
+    f32 inside[3];   /* factor: rod: in its box; cookie: tint */
+    f32 begin;       /* ramp: distance of its first position */
+    f32 outside[3];  /* cookie: beyond its image */
+    f32 perLength;   /* ramp: 1 / its length */
+    f32 texture[4];  /* cookie: image coordinates are xy * coordinate + zw, y from the top */
+    u32 dataBase;    /* in lightCdf: cookie: texels rgb; ramp: positions and rgb, twice */
+    u32 dataSize[2]; /* cookie: width, height; ramp: positions of either; 0: white */
+    u32 pad0;
+} HdsLightFilter;
+HDS_ASSERT_SIZE(HdsLightFilter, 160);
 
 /* Where a light is at a time: it is turned about the origin of its space, then moved. */
 typedef struct {

@@ -167,6 +167,9 @@ SdfPath SyntheticScene::GetMaterialId(const SdfPath& id) {
 }
 
 VtValue SyntheticScene::GetMaterialResource(const SdfPath& id) {
+    if (const LightData* light = Find(_data.lights, id)) {
+        return light->resource;
+    }
     const HdMaterialNetworkMap* material = Find(_data.materials, id);
     return material ? VtValue(*material) : VtValue();
 }

@@ -71,6 +71,7 @@ struct LightData {
     GfMatrix4d transform{1.0};
     std::map<TfToken, VtValue> params;
     bool isVisible = true;
+    VtValue resource; ///< of a lightFilter: its network
 };
 
 struct CameraData {

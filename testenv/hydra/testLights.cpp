@@ -158,6 +158,50 @@ TEST_F(Lights, AConeUnderTheAttributesNameIsInThePicture) {
     EXPECT_GT(cone.Float(32, 24), 0.0F);
 }
 
+/// A lightFilter: what UsdImaging hands over of a UsdLuxLightFilter with a shader id.
+LightData Doors(const SdfPath& path, const GfMatrix4d& transform, float width) {
+    HdMaterialNode node;
+    node.path = path;
+    node.identifier = TfToken("PxrBarnLightFilter");
+    node.parameters = {{TfToken("width"), VtValue(width)},
+                       {TfToken("height"), VtValue(10.0F)},
+                       {TfToken("radius"), VtValue(0.0F)}};
+    HdMaterialNetworkMap map;
+    map.map[HdMaterialTerminalTokens->lightFilter].nodes.push_back(node);
+    map.terminals.push_back(path);
+    LightData filter;
+    filter.type = HdPrimTypeTokens->lightFilter;
+    filter.transform = transform;
+    filter.resource = VtValue(map);
+    return filter;
+}
+
+/// A point light 2 above a floor of 2 x 2, doors half way; edits of the filter alone are drawn.
+TEST_F(Lights, FiltersAreInThePictureAndTheirEditsToo) {
+    const SdfPath path("/doors");
+    SceneData scene = EmptyScene();
+    scene.lights.clear();
+    scene.gprims[SdfPath("/floor")] = MakeGrid(2.0F, 2.0F);
+    LightData lamp;
+    lamp.type = HdPrimTypeTokens->sphereLight;
+    lamp.transform = Translation(0.0, 0.0, 2.0);
+    lamp.params = {{HdLightTokens->radius, VtValue(0.01F)},
+                   {HdLightTokens->intensity, VtValue(5000.0F)},
+                   {HdTokens->filters, VtValue(SdfPathVector{path})}};
+    scene.lights[SdfPath("/lamp")] = lamp;
+    scene.lights[path] = Doors(path, Translation(0.0, 0.0, 1.0), 0.25F); // lights |x| < 0.25
+    Host host(scene, Quick());
+    const auto lit = [&](int x) { return host.Render().Float(x, 24) > 0.0F; };
+    const int middle = 32;
+    EXPECT_TRUE(lit(middle));
+    EXPECT_FALSE(lit(12)) << "behind the doors";
+    host.Scene().SetLight(path, Doors(path, Translation(0.0, 0.0, 1.0), 10.0F),
+                          HdLight::DirtyParams);
+    EXPECT_TRUE(lit(12)) << "the doors are open";
+    host.Scene().SetLight(path, Doors(path, Translation(-1.0, 0.0, 1.0), 0.25F), HdLight::AllDirty);
+    EXPECT_FALSE(lit(middle)) << "the doors have moved";
+}
+
 } // namespace
 
 } // namespace hydraHost

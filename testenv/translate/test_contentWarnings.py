@@ -51,8 +51,8 @@ def WarningsOf(text):
     (f'def Mesh "M" (prepend apiSchemas = ["MeshLightAPI"]) {{ {TRIANGLE}\nrel light:filters = </F> }}',
      "/M: light filter /F is not supported yet"),
     ('def Mesh "M" (prepend apiSchemas = ["MeshLightAPI"]) {}', "/M: mesh light has no faces; it lights nothing"),
-    ('def RectLight "L" { rel light:filters = [</F>, </G>] }', "/L: light filter /F is not supported yet"),
-    ('def RectLight "L" { rel light:filters = [</F>, </G>] }', "/L: light filter /G is not supported yet"),
+    ('def RectLight "L" { rel light:filters = [</F>, </G>] }', "/L: light filter /F does not exist; left out"),
+    ('def RectLight "L" { rel light:filters = [</F>, </G>] }', "/L: light filter /G does not exist; left out"),
     ('def SphereLight "L" { color3f inputs:color.connect = </S.outputs:out> }', "/L: a shader on inputs:color is not supported yet"),
     (f'def Mesh "M" (prepend apiSchemas = ["MeshLightAPI"]) {{ {TRIANGLE}\ncolor3f inputs:color = (1, 0, 0)\n'
      'color3f inputs:color.connect = </S.outputs:out> }', "/M: a shader on inputs:color is not supported yet"),

@@ -288,7 +288,8 @@ TEST(Fields, EachOfAMeshIsInThePagesKey) {
     }
     inputs.shutter = {0.0, 1.0};
     for (const auto& one : VariationsOf(inputs)) {
-        const bool isSample = one.path.rfind(".geometry.samples", 0) == 0;
+        const bool isSample = one.path.rfind(".geometry.samples", 0) == 0 ||
+                              one.path.rfind(".geometry.normalSamples", 0) == 0;
         EXPECT_EQ(MakeGeometryKey(one.value) != MakeGeometryKey(inputs), one.isInKey || isSample)
             << one.path;
     }
@@ -299,11 +300,17 @@ TEST(Fields, EachOfALightIsInTheTablesKey) {
     LightPrim& prim = scene.lights["/L"];
     prim.light = FullLight(LightType::Dome);
     prim.portals.emplace_back();
+    LightFilter filter;
+    filter.node.identifier = "PxrBarnLightFilter";
+    filter.node.parameters["width"] = 1.0;
+    prim.filters.push_back(filter);
     CommitOptions options;
+    std::vector<LightFilter> filters = prim.filters;
     const auto keyOf = [&](const LightDescription& light, std::vector<LightPortal> portals) {
         SceneDescription changed = scene;
         changed.lights["/L"].light = light;
         changed.lights["/L"].portals = std::move(portals);
+        changed.lights["/L"].filters = filters;
         Warnings warnings;
         CommitCache cache(warnings);
         CommitScene(changed, options, &cache, warnings);
@@ -316,6 +323,10 @@ TEST(Fields, EachOfALightIsInTheTablesKey) {
     }
     for (const auto& one : VariationsOf(prim.portals)) {
         EXPECT_NE(keyOf(prim.light, one.value), key) << one.path;
+    }
+    for (const auto& one : VariationsOf(prim.filters)) {
+        filters = one.value;
+        EXPECT_NE(keyOf(prim.light, prim.portals), key) << one.path;
     }
 }
 
@@ -400,6 +411,15 @@ TEST(Fields, EachOfAPrimIsInTheDump) {
 
 TEST(Fields, EachOfAPlacedLightIsInTheDump) {
     Seen seen;
+    LightFilter filter;
+    filter.node.parameters["width"] = 1.0;
+    filter.node.connections["map"] = {"/F/Texture", "out"};
+    Dump(
+        std::vector<LightFilter>{filter},
+        [](SceneDescription* scene, const std::vector<LightFilter>& filters) {
+            scene->lights["/L"].filters = filters;
+        },
+        0, &seen);
     Dump(
         std::vector<LightPortal>(1),
         [](SceneDescription* scene, const std::vector<LightPortal>& portals) {

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """UsdLux lights as light descriptions: authored inputs, UsdLux's fallbacks, nothing folded in."""
 
-from pxr import Gf, UsdGeom
+from pxr import Gf, Sdf, UsdGeom
 
 from hdstream import _core
+from hdstream.translate.materials import ParameterFrom
 
 _TYPES = {
     "DistantLight": _core.LightType.Distant,
@@ -18,6 +19,10 @@ LIGHT_TYPES = tuple(_TYPES)
 UNSUPPORTED_LIGHT_TYPES = ("GeometryLight", "PluginLight")
 _DISTANT_INTENSITY = 50000.0  # UsdLuxDistantLight's fallback; that of all others is 1
 
+FILTERS = "light:filters"
+_FILTER_IDS = ("ri:lightFilter:shaderId", "lightFilter:shaderId", "info:id")
+_HOST_FILTER = "Pxr"
+_NO_FILTER_INPUTS = ("xformOp", "visibility", "purpose", "collection:", "lightFilter:", "ri:lightFilter:", "info:")
 _SHAPING = "inputs:shaping:"
 _SHADOW = "inputs:shadow:"
 _NO_INPUTS = ("type", "shaping", "shadow", "visibleToCamera", "group")
@@ -120,11 +125,56 @@ def ReadPortals(prim, names, timeCode, warn):
     return portals
 
 
+def ReadFilters(prim, names, matrix, timeCode, assets, warn):
+    """(node, worldFromFilter) of the light filters that a light names, which are placed as the light of that matrix is;
+    warn(prim, message) of paths without a prim."""
+    if FILTERS not in names:
+        return []
+    filters = []
+    transforms = UsdGeom.XformCache(timeCode)
+    for path in prim.GetRelationship(FILTERS).GetForwardedTargets():
+        source = prim.GetStage().GetPrimAtPath(path)
+        if not source:
+            warn(prim, f"light filter {path} does not exist; left out")
+            continue
+        lightFromFilter = (transforms.GetLocalToWorldTransform(source)
+                           * transforms.GetLocalToWorldTransform(prim).GetInverse())
+        filters.append((_ReadFilterNode(source, timeCode, assets), lightFromFilter * matrix))
+    return filters
+
+
+def _ReadFilterNode(prim, timeCode, assets):
+    """A filter as a node: its kind and what is authored of its inputs, nothing folded in."""
+    kind = prim.GetTypeName()
+    isOfHost = kind.startswith(_HOST_FILTER)  # UsdRi's schemas had inputs without "inputs:" before OpenUSD 21.02
+    if not isOfHost:
+        ids = (prim.GetAttribute(name) for name in _FILTER_IDS)
+        kind = next((str(value) for value in (each.Get() if each else None for each in ids) if value), "")
+    parameters = {}
+    connections = {}
+    for attribute in prim.GetAuthoredAttributes():
+        name = attribute.GetName()
+        isInput = name.startswith("inputs:")
+        if not isInput and not (isOfHost and not name.startswith(_NO_FILTER_INPUTS)):
+            continue
+        name = name[len("inputs:"):] if isInput else name
+        if attribute.HasAuthoredConnections():
+            source = attribute.GetConnections()[0]
+            connections[name] = _core.Connection(source.GetPrimPath().pathString, source.name.split(":", 1)[-1])
+            continue
+        value = attribute.Get(timeCode)
+        if isinstance(value, Sdf.AssetPath):
+            parameters[name] = assets.Resolve(attribute, value)
+        elif value is not None and (converted := ParameterFrom(value)) is not None:
+            parameters[name] = converted
+    return _core.MaterialNode(prim.GetPath().pathString, kind, parameters, connections)
+
+
 def UnsupportedFeatures(prim, names):
     """Names of authored light features that the renderer does not have yet, sorted."""
     features = set()
     for name in names:
-        if name == "light:filters":
+        if name == FILTERS and prim.IsA(UsdGeom.Mesh):
             features.update(f"light filter {path}" for path in prim.GetRelationship(name).GetForwardedTargets())
         elif name.startswith("inputs:") and prim.GetAttribute(name).HasAuthoredConnections():
             features.add(f"a shader on {name}")

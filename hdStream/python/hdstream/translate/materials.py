@@ -108,7 +108,7 @@ class MaterialReader:
             if attribute.HasColorSpace():
                 parameters["colorSpace:" + name] = attribute.GetColorSpace()
             return
-        converted = _ParameterFrom(value)
+        converted = ParameterFrom(value)
         if converted is not None:
             parameters[name] = converted
 
@@ -122,7 +122,7 @@ class MaterialReader:
         return "material has no surface"
 
 
-def _ParameterFrom(value):
+def ParameterFrom(value):
     """A UsdShade value as the core's: bool, int, float, list of floats or string."""
     if isinstance(value, (bool, int, float, str)):
         return value

@@ -97,6 +97,31 @@ def ReadMesh(prim, names, inherited, timeCode, motion, warn, skin=None, skinAt=N
     return mesh
 
 
+def ReadTetMesh(prim, names, inherited, timeCode, motion):
+    """The surface of a UsdGeomTetMesh as a mesh: `surfaceFaceVertexIndices`, or else the faces that belong to one
+    tetrahedron alone, as UsdImaging has them; None without points or faces. Primvars of tetrahedra are left out."""
+    points = ReadPoints(prim, names, timeCode)
+    if points is None or not points.size:
+        return None
+    faces = ReadArray(prim, "surfaceFaceVertexIndices", timeCode, np.int32)
+    if faces is None or not faces.size:
+        faces = np.ascontiguousarray(UsdGeom.TetMesh.ComputeSurfaceFaces(UsdGeom.TetMesh(prim), timeCode), np.int32)
+    if not faces.size:
+        return None
+    mesh = _core.GeometryDescription()
+    mesh.points = points
+    mesh.faceVertexCounts = np.full(faces.size // 3, 3, np.int32)
+    mesh.faceVertexIndices = faces.ravel()
+    mesh.subdivisionScheme = "none"
+    faceNames = ("tetVertexIndices", "surfaceFaceVertexIndices")
+    if not any(prim.GetAttribute(name).ValueMightBeTimeVarying() for name in faceNames):
+        mesh.samples = motion.PointSamplesOf(prim, names, len(points))
+    if "orientation" in names:
+        mesh.leftHanded = prim.GetAttribute("orientation").Get(timeCode) == "leftHanded"
+    mesh.primvars = PrimvarsOf(prim, names, inherited, timeCode)
+    return mesh
+
+
 def ReadImplicit(prim, typeName, names, inherited, timeCode, warn):
     """The description of an implicit gprim as OpenUSD's mesh of it."""
     baseType = typeName[:-2] if typeName.endswith("_1") else typeName

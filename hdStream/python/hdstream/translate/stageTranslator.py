@@ -26,7 +26,7 @@ from hdstream.translate.reports import Reports
 from hdstream.translate.skinning import Skinning
 
 # Schemas that are drawn by other renderers and skipped here, with a count.
-_SKIPPED_SCHEMAS = ("NurbsPatch", "TetMesh", "ParticleField")
+_SKIPPED_SCHEMAS = ("NurbsPatch", "ParticleField")
 
 
 class _TypeInfo:
@@ -223,6 +223,7 @@ class StageTranslator:
         """(schema class, handler) from special to general; prims of no schema here are groups."""
         handlers = [("Mesh", self._OnMesh), ("Points", self._OnPoints), ("PointInstancer", self._instancers.AddPointInstancer),
                     ("Camera", self._OnCamera), ("Subset", self._OnSkipped)]
+        handlers += [("TetMesh", self._OnTetMesh)]
         handlers += [(name, self._OnCurves) for name in ("BasisCurves", "NurbsCurves", "HermiteCurves")]
         handlers += [(name, self._OnImplicit) for name in meshes.IMPLICIT_TYPES]
         handlers += [("Volume", self._OnVolume), ("FieldBase", self._OnSkipped)]
@@ -241,7 +242,8 @@ class StageTranslator:
             if schema is not None and prim.IsA(schema):
                 found = (name, handler)
                 break
-        info = _TypeInfo(prim, *found, isLeaf=found[1] in (self._OnMesh, self._OnImplicit, self._OnCurves, self._OnPoints))
+        leaves = (self._OnMesh, self._OnTetMesh, self._OnImplicit, self._OnCurves, self._OnPoints)
+        info = _TypeInfo(prim, *found, isLeaf=found[1] in leaves)
         self._types[prim.GetTypeName()] = info
         return info
 
@@ -290,6 +292,13 @@ class StageTranslator:
             timeCode = self._motion.At(time)
             self._skinnings[time] = Skinning(timeCode, UsdGeom.XformCache(timeCode), self._reports.Warn)
         return self._skinnings[time]
+
+    def _OnTetMesh(self, prim, schema, names, state, context):
+        mesh = self._KeptGeometry(prim, context) or meshes.ReadTetMesh(
+            prim, names, state.primvars, self._timeCode, self._motion)
+        if mesh is not None:
+            self._AddMesh(prim, names, mesh, state, context)
+        return state
 
     def _OnImplicit(self, prim, schema, names, state, context):
         mesh = self._KeptGeometry(prim, context) or meshes.ReadImplicit(
@@ -398,6 +407,9 @@ class StageTranslator:
         lightPrim.links = self._links.Read(prim, names)
         for matrix, width, height in lights.ReadPortals(prim, names, self._timeCode, self._reports.Warn):
             lightPrim.AddPortal(np.array(matrix), width, height)
+        for node, matrix in lights.ReadFilters(prim, names, state.matrix, self._timeCode, self._assets,
+                                               self._reports.Warn):
+            lightPrim.AddFilter(node, np.array(matrix))
         self._session.SetLight(path, lightPrim)
         return state
 
