@@ -416,6 +416,21 @@ bool WriteDeepRows(const DeepImage& image, const OIIO::ImageSpec& spec, bool isH
     return true;
 }
 
+/// Whether the last row of a deep file is there: not every version of OpenImageIO says when the
+/// disk was full.
+bool HasLastDeepRow(const std::string& file, const OIIO::ImageSpec& spec) {
+    const std::unique_ptr<OIIO::ImageInput> input =
+        OIIO::ImageInput::create(FormatName(FileKind::Exr));
+    OIIO::ImageSpec found;
+    OIIO::DeepData row;
+    const int end = spec.y + spec.height;
+    const bool isThere =
+        input && input->open(file, found) &&
+        input->read_native_deep_scanlines(0, 0, end - 1, end, 0, 0, spec.nchannels, row);
+    OIIO::geterror();
+    return isThere;
+}
+
 /// \param write what writes the pixels to the open encoder; false: it failed.
 void EncodeToFile(const std::string& file, FileKind kind, const OIIO::ImageSpec& spec,
                   const std::function<bool(OIIO::ImageOutput*)>& write) {
@@ -424,8 +439,7 @@ void EncodeToFile(const std::string& file, FileKind kind, const OIIO::ImageSpec&
     std::string reason;
     bool written = false;
     try {
-        const std::unique_ptr<OIIO::ImageOutput> output =
-            OIIO::ImageOutput::create(FormatName(kind));
+        std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(FormatName(kind));
         if (!output || !output->supports("ioproxy")) {
             OIIO::geterror();
             throw Error("cannot write '" + file + "': OpenImageIO has no usable writer for it");
@@ -438,6 +452,8 @@ void EncodeToFile(const std::string& file, FileKind kind, const OIIO::ImageSpec&
         }
         written = written && write(output.get()) && output->close();
         reason = OneLine(output->geterror());
+        output.reset();
+        written = written && (!spec.deep || HasLastDeepRow(atomic.TemporaryPath(), spec));
     } catch (const Error&) {
         throw;
     } catch (const std::exception& failure) {

@@ -97,7 +97,7 @@ def ReadMesh(prim, names, inherited, timeCode, motion, warn, skin=None, skinAt=N
     return mesh
 
 
-def ReadTetMesh(prim, names, inherited, timeCode, motion):
+def ReadTetMesh(prim, names, inherited, timeCode, motion, warn):
     """The surface of a UsdGeomTetMesh as a mesh: `surfaceFaceVertexIndices`, or else the faces that belong to one
     tetrahedron alone, as UsdImaging has them; None without points or faces. Primvars of tetrahedra are left out."""
     points = ReadPoints(prim, names, timeCode)
@@ -113,9 +113,7 @@ def ReadTetMesh(prim, names, inherited, timeCode, motion):
     mesh.faceVertexCounts = np.full(faces.size // 3, 3, np.int32)
     mesh.faceVertexIndices = faces.ravel()
     mesh.subdivisionScheme = "none"
-    faceNames = ("tetVertexIndices", "surfaceFaceVertexIndices")
-    if not any(prim.GetAttribute(name).ValueMightBeTimeVarying() for name in faceNames):
-        mesh.samples = motion.PointSamplesOf(prim, names, len(points))
+    mesh.samples = motion.PointSamplesOf(prim, names, len(points), warn, ("tetVertexIndices", "surfaceFaceVertexIndices"))
     if "orientation" in names:
         mesh.leftHanded = prim.GetAttribute("orientation").Get(timeCode) == "leftHanded"
     mesh.primvars = PrimvarsOf(prim, names, inherited, timeCode)

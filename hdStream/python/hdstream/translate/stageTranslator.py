@@ -295,7 +295,7 @@ class StageTranslator:
 
     def _OnTetMesh(self, prim, schema, names, state, context):
         mesh = self._KeptGeometry(prim, context) or meshes.ReadTetMesh(
-            prim, names, state.primvars, self._timeCode, self._motion)
+            prim, names, state.primvars, self._timeCode, self._motion, self._reports.Warn)
         if mesh is not None:
             self._AddMesh(prim, names, mesh, state, context)
         return state
