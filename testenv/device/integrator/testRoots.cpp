@@ -87,14 +87,16 @@ TEST_F(Roots, HostCountsTheFieldsOfPaths) {
     }
 }
 
-/// With all features, lights have controls and surfaces films, which have no wide form.
+/// What HDS_SHADE_WIDE (kernels/integrator/shadeScatter.clh) excludes is off.
 TEST_F(Roots, BuildForEightPaths) {
     if (!device->Properties().isCpu) {
         GTEST_SKIP() << "the form of 8 paths is for CPUs";
     }
     NamedFeatures wide{"all that is wide", AllFeatures()};
     wide.f.lobes &= ~HDS_LOBE_FILM;
-    wide.f.lightControls = false;
+    wide.f.lightControls = wide.f.lightMotion = wide.f.lightFilters = false;
+    wide.f.rayVisibility = wide.f.catchers = wide.f.pathLimits = wide.f.terminator = false;
+    wide.f.lightPaths = 0;
     NamedFeatures preview{"all that is wide but layered surfaces", wide.f};
     preview.f.lobes = 0;
     preview.f.media = false;

@@ -110,6 +110,7 @@ TEST(KernelFeatures, HaveWhatTheyNeed) {
         {"textureStreaming", {"textures"}},              // whose lines are missing
         {"texturedEmission", {"cutouts", "meshLights"}}, // of a mesh, asked for as candidates are
         {"lightMotion", {"lightControls", "motion"}},    // keys are among the controls
+        {"lightFilters", {"lightControls"}},             // and so are filters
         {"catchers", {"rayVisibility"}},        // others are unseen in the scene of catchers alone
         {"deep", {"mattes"}},                   // keeps depths where these keep surfaces
         {"media", {"lobes"}},                   // lie below layered surfaces
