@@ -74,6 +74,9 @@ void HdStreamLight::SyncPlacement(HdSceneDelegate* delegate, HdStreamRenderParam
 
 void HdStreamLight::SyncParameters(HdSceneDelegate* delegate, HdStreamRenderParam* param) {
     _prim.light = HdStreamReadLight(delegate, GetId(), _typeId, _type);
+    if (_typeId != HdPrimTypeTokens->simpleLight) { // which no exporter wrote
+        HdStreamFixLight(param->Exporter(), &_prim.light);
+    }
     _prim.links = HdStreamReadLinks(delegate, GetId());
     if (_typeId == HdPrimTypeTokens->simpleLight) {
         return; // The application's own: nobody can act on a warning about it.

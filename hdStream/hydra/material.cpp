@@ -30,6 +30,7 @@ void HdStreamMaterial::Sync(HdSceneDelegate* delegate, HdRenderParam* renderPara
                 ? HdStreamMaterialNetworkFrom(SdfPath(_scenePath), GetId(),
                                               resource.UncheckedGet<HdMaterialNetworkMap>())
                 : hds::MaterialNetwork());
+        HdStreamFixMaterial(param->Exporter(), network.get());
         if (network->terminals.count("surface") + network->terminals.count("volume") == 0) {
             param->Warn(SdfPath(_scenePath), "material has no surface");
         }

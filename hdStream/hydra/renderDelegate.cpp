@@ -33,6 +33,7 @@ PXR_NAMESPACE_OPEN_SCOPE
 
 namespace {
 
+const TfToken kHostExporter("hostExporter");
 const TfToken kHostStatusName("hostStatusName");
 const TfToken kHostStepSeconds("hostStepSeconds");
 const TfToken kDelegateRenderProducts("delegateRenderProducts"); // husk's name
@@ -297,6 +298,8 @@ void HdStreamRenderDelegate::SetRenderSetting(const TfToken& key, const VtValue&
                 _param->PrintWarning("Stream: " + problem);
             }
             HdRenderDelegate::SetRenderSetting(key, value);
+        } else if (key == kHostExporter) {
+            _param->SetExporter(HdStreamFindExporter(value.GetWithDefault(std::string())));
         } else if (key == kHostStepSeconds) {
             _hostStepSeconds = std::clamp(value.GetWithDefault(0.0), 0.0, 1.0);
         } else {

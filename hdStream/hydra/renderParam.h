@@ -4,6 +4,7 @@
 // Explained in docs/hydra.md.
 #pragma once
 
+#include "hdStream/hydra/exporterFixes.h"
 #include "hdStream/hydra/volumeTable.h"
 #include "hdStream/session/renderThread.h"
 
@@ -65,6 +66,10 @@ public:
     void SetRefineLevel(int level) { _refineLevel.store(level, std::memory_order_relaxed); }
     int RefineLevel() const { return _refineLevel.load(std::memory_order_relaxed); }
 
+    /// Whose mistakes are turned back in what is synced from now on. Application's thread only.
+    void SetExporter(HdStreamExporter exporter) { _exporter = exporter; }
+    HdStreamExporter Exporter() const { return _exporter; }
+
     /// What a camera's shutter is. Cameras are synced before what moves in front of them, which
     /// HdStreamShutterSceneIndex marks.
     void SetShutter(const SdfPath& camera, const hds::Shutter& shutter);
@@ -86,6 +91,7 @@ private:
     tbb::concurrent_hash_map<std::string, SdfPath> _idByScenePath;
     tbb::concurrent_hash_map<std::string, std::string> _materialPathById;
     std::atomic<int> _refineLevel{0};
+    HdStreamExporter _exporter = HdStreamExporter::None;
     mutable std::mutex _shutterMutex;
     std::map<SdfPath, hds::Shutter> _shutters; ///< of cameras that have one
     VtDictionary _sceneSettings;

@@ -26,6 +26,7 @@ class StreamRenderEngine(bpy.types.HydraRenderEngine):
     def get_render_settings(self, engine_type):
         isViewport = engine_type == "VIEWPORT"
         values = settings.Values(self._Scene(), isViewport)
+        values["hostExporter"] = "blender"
         values["hostStatusName"] = self._Name()
         values["enableInteractive"] = isViewport
         if not isViewport:

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a host's exporter is known to write otherwise than it is meant, turned back. A host asks for
+// it by name (render setting `hostExporter`); docs/blender.md has the table.
+#pragma once
+
+#include "hdStream/session/session.h"
+
+#include <pxr/pxr.h>
+
+#include <string>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+enum class HdStreamExporter {
+    None,
+    Blender, ///< both of Blender's exporters, 4.4 and 4.5
+};
+
+/// The exporter that a host names; None for names that are not known.
+HdStreamExporter HdStreamFindExporter(const std::string& name);
+
+/// Suns have a quarter of their strength. The blend of a spot is a share of a range of cosines,
+/// and is handed over as UsdLux's softness, which is a share of the angle: the softness becomes the
+/// one that lets the same flux of a small lamp through.
+void HdStreamFixLight(HdStreamExporter exporter, hds::LightDescription* light);
+
+/// Principled's coat does not darken what it covers, and OpenPBR's does unless a node says
+/// otherwise, which the exporter does not. An image that is in Blender's memory is written to a
+/// file of the output's format and named as of the image's own colour space; where the format is
+/// linear (EXR, Radiance), Blender has decoded it already.
+void HdStreamFixMaterial(HdStreamExporter exporter, hds::MaterialNetwork* network);
+
+PXR_NAMESPACE_CLOSE_SCOPE

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// What Blender's exporters write otherwise than it is meant is turned back where the host says that
+// it is Blender (render setting hostExporter), and nowhere else.
+#include "hydraTest.h"
+
+#include <pxr/imaging/hd/light.h>
+#include <pxr/usd/sdf/assetPath.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+namespace hydraHost {
+
+namespace {
+
+using Exporter = HydraTest;
+
+constexpr const char* kBlender = "blender";
+
+/// The dump of what arrives of a scene.
+std::string DumpOf(const SceneData& scene, const std::string& exporter) {
+    HostOptions options = Quick();
+    options.settings[TfToken("hostExporter")] = VtValue(exporter);
+    Host host(scene, options);
+    host.Frame();
+    const std::string file = ::testing::TempDir() + "hydraExporter.txt";
+    EXPECT_TRUE(
+        host.Delegate().InvokeCommand(TfToken("dumpScene"), {{TfToken("file"), VtValue(file)}}));
+    std::ifstream stream(file);
+    return std::string(std::istreambuf_iterator<char>(stream), {});
+}
+
+/// The number of a line "  NAME: NUMBER"; NaN where there is none.
+double Number(const std::string& dump, const std::string& name) {
+    const std::string key = "\n  " + name + ": ";
+    const std::size_t at = dump.find(key);
+    return at == std::string::npos ? std::nan("") : std::stod(dump.substr(at + key.size()));
+}
+
+SceneData WithLight(const TfToken& type, const std::map<TfToken, VtValue>& params) {
+    SceneData scene = EmptyScene();
+    scene.lights.clear();
+    LightData& light = scene.lights[SdfPath("/light")];
+    light.type = type;
+    light.params = params;
+    return scene;
+}
+
+/// A floor with a material of one node of MaterialX behind the surface's input.
+SceneData WithMaterial(const std::map<TfToken, VtValue>& surface,
+                       const std::map<TfToken, VtValue>& image) {
+    SceneData scene = EmptyScene();
+    HdMaterialNode texture;
+    texture.path = SdfPath("/Image");
+    texture.identifier = TfToken("ND_image_color3");
+    texture.parameters = image;
+    HdMaterialNode node;
+    node.path = SdfPath("/Surface");
+    node.identifier = TfToken("ND_open_pbr_surface_surfaceshader");
+    node.parameters = surface;
+    HdMaterialNetworkMap map;
+    HdMaterialNetwork& network = map.map[HdMaterialTerminalTokens->surface];
+    network.nodes = {texture, node};
+    network.relationships = {{texture.path, TfToken("out"), node.path, TfToken("base_color")}};
+    map.terminals.push_back(node.path);
+    scene.materials[SdfPath("/look")] = map;
+    scene.gprims[SdfPath("/floor")] = MakeGrid(2.0F, 2.0F);
+    scene.gprims[SdfPath("/floor")].material = SdfPath("/look");
+    return scene;
+}
+
+TEST_F(Exporter, SunsHaveTheirStrengthAndOtherLightsKeepTheirs) {
+    for (const TfToken& type : {HdPrimTypeTokens->distantLight, HdPrimTypeTokens->sphereLight,
+                                HdPrimTypeTokens->rectLight, HdPrimTypeTokens->domeLight}) {
+        const SceneData scene = WithLight(type, {{HdLightTokens->intensity, VtValue(3.0F)}});
+        const double factor = type == HdPrimTypeTokens->distantLight ? 4.0 : 1.0;
+        EXPECT_EQ(Number(DumpOf(scene, kBlender), "intensity"), 3.0 * factor) << type;
+        EXPECT_EQ(Number(DumpOf(scene, "another"), "intensity"), 3.0) << type;
+        EXPECT_EQ(DumpOf(scene, "another"), DumpOf(scene, "")) << type;
+    }
+}
+
+TEST_F(Exporter, ABlendOfSpotsLetsTheFluxOfCyclesThrough) {
+    constexpr double kHalf = 40.0 * 3.14159265358979323846 / 180.0;
+    for (const double blend : {0.15, 0.6, 1.0}) {
+        const SceneData scene =
+            WithLight(HdPrimTypeTokens->sphereLight,
+                      {{HdLightTokens->shapingConeAngle, VtValue(40.0F)},
+                       {HdLightTokens->shapingConeSoftness, VtValue(float(blend))}});
+        EXPECT_FLOAT_EQ(float(Number(DumpOf(scene, ""), "shaping coneSoftness")), float(blend));
+        const double softness = Number(DumpOf(scene, kBlender), "shaping coneSoftness");
+        // Cycles: a smooth step of (cos - cos(half)) / (blend (1 - cos(half))). Ours: of the angle.
+        double cycles = 0.0;
+        double ours = 0.0;
+        constexpr int kNumSteps = 200000;
+        for (int i = 0; i < kNumSteps; ++i) {
+            const double cosine = std::cos(kHalf) + (1.0 - std::cos(kHalf)) * (i + 0.5) / kNumSteps;
+            const auto step = [](double t) {
+                t = std::clamp(t, 0.0, 1.0);
+                return t * t * (3.0 - 2.0 * t);
+            };
+            cycles += step((cosine - std::cos(kHalf)) / (blend * (1.0 - std::cos(kHalf))));
+            ours += step((kHalf - std::acos(cosine)) / (softness * kHalf));
+        }
+        EXPECT_NEAR(ours / cycles, 1.0, 1e-3) << blend;
+    }
+    const SceneData hard = WithLight(HdPrimTypeTokens->sphereLight,
+                                     {{HdLightTokens->shapingConeAngle, VtValue(40.0F)}});
+    EXPECT_EQ(DumpOf(hard, kBlender), DumpOf(hard, ""));
+}
+
+TEST_F(Exporter, CoatsDoNotDarkenUnlessANodeSaysSo) {
+    const SceneData coat = WithMaterial({{TfToken("coat_weight"), VtValue(1.0F)}}, {});
+    EXPECT_TRUE(std::isnan(Number(DumpOf(coat, ""), "  coat_darkening")));
+    EXPECT_EQ(Number(DumpOf(coat, kBlender), "  coat_darkening"), 0.0);
+    const SceneData authored = WithMaterial(
+        {{TfToken("coat_weight"), VtValue(1.0F)}, {TfToken("coat_darkening"), VtValue(0.5F)}}, {});
+    EXPECT_EQ(Number(DumpOf(authored, kBlender), "  coat_darkening"), 0.5);
+}
+
+TEST_F(Exporter, ImagesThatBlenderWroteAsLinearOnesAreNotDecodedAgain) {
+    const auto decodes = [](const std::string& file, const char* space, const char* exporter) {
+        const SceneData scene =
+            WithMaterial({}, {{TfToken("file"), VtValue(SdfAssetPath(file))},
+                              {TfToken("colorSpace:file"), VtValue(TfToken(space))}});
+        const std::string dump = DumpOf(scene, exporter);
+        EXPECT_NE(dump.find(file), std::string::npos) << dump;
+        return dump.find("\"srgb_texture\"") != std::string::npos;
+    };
+    const std::string cache = "/tmp/blender_abc/usd/image_cache/img_0x12";
+    EXPECT_FALSE(decodes(cache + ".exr", "srgb_texture", kBlender));
+    EXPECT_FALSE(decodes(cache + ".hdr", "srgb_texture", kBlender));
+    EXPECT_TRUE(decodes(cache + ".png", "srgb_texture", kBlender)) << "holds what the image held";
+    EXPECT_TRUE(decodes(cache + ".exr", "srgb_texture", "")) << "another host's";
+    EXPECT_TRUE(decodes("/tmp/wood.exr", "srgb_texture", kBlender)) << "the user's own file";
+}
+
+} // namespace
+
+} // namespace hydraHost
