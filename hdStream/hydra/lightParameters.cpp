@@ -125,6 +125,26 @@ bool IsPartial(HdSceneDelegate* delegate, const SdfPath& id, const TfToken& coll
     return expression != SdfPathExpression::Everything() && expression != allButProperties;
 }
 
+/// Legacy scene delegates make no network of shaders that are not registered, but they tell the
+/// value of an attribute by its name. What the core does not know remains unsaid.
+void ReadFilterByNames(HdSceneDelegate* delegate, const SdfPath& path, hds::MaterialNode* node) {
+    for (const char* name : {"ri:lightFilter:shaderId", "lightFilter:shaderId", "info:id"}) {
+        const VtValue value = delegate->GetLightParamValue(path, TfToken(name));
+        const std::string id = value.IsHolding<TfToken>()
+                                   ? value.UncheckedGet<TfToken>().GetString()
+                                   : value.GetWithDefault(std::string());
+        if (node->identifier.empty()) {
+            node->identifier = id;
+        }
+    }
+    for (const std::string& name : hds::LightFilterInputs()) {
+        const VtValue value = delegate->GetLightParamValue(path, TfToken("inputs:" + name));
+        if (auto parameter = value.IsEmpty() ? std::nullopt : HdStreamParameterFrom(value)) {
+            node->parameters[name] = std::move(*parameter);
+        }
+    }
+}
+
 } // namespace
 
 const TfToken kHdStreamLightSeenByCamera("hdstream:visibility:camera");
@@ -241,6 +261,9 @@ std::vector<hds::LightFilter> HdStreamReadFilters(HdSceneDelegate* delegate, con
                     filter.node = node;
                 }
             }
+        }
+        if (filter.node.identifier.empty()) {
+            ReadFilterByNames(delegate, path, &filter.node);
         }
         filters.push_back(std::move(filter));
     }

@@ -36,6 +36,7 @@ public:
     const ParameterValue* Find(Names names) {
         for (const char* name : names) {
             for (const std::string& key : {std::string(name), std::string("ri:") + name}) {
+                _asked.insert(key);
                 const auto found = _node.parameters.find(key);
                 if (found != _node.parameters.end()) {
                     _known.insert(key);
@@ -91,6 +92,9 @@ public:
                    : fallback;
     }
 
+    /// All names that were asked for.
+    const std::set<std::string>& Asked() const { return _asked; }
+
     /// What is authored and was not asked for, in the order of names.
     std::vector<std::string> Unknown() const {
         std::vector<std::string> unknown;
@@ -121,6 +125,7 @@ private:
 
     const MaterialNode& _node;
     std::set<std::string> _known;
+    std::set<std::string> _asked;
 };
 
 void Write(const glm::dvec3& v, float* out) {
@@ -163,7 +168,7 @@ void ReadBarn(Parameters* in, shared::HdsLightFilter* out) {
     Write(glm::dvec3(in->Number({"intensity"}, 1.0)), out->inside);
 }
 
-/// Grows the box of a ramp: positions from 0 to 1 and a colour each; white without one.
+/// Appends a ramp: positions from 0 to 1 and a colour each; white without one.
 std::uint32_t AppendRamp(Parameters* in, Names positionNames, Names colorNames, int channels,
                          std::vector<float>* data, double* peak) {
     const std::vector<float> positions = in->Floats(positionNames);
@@ -235,6 +240,17 @@ bool ReadCookie(Parameters* in, const FilterImage* image, std::vector<float>* da
     const double texel = *std::max_element(data->begin() + out->dataBase, data->end());
     *peak = std::max(texel * double(largestOf(out->inside)), double(largestOf(out->outside)));
     return true;
+}
+
+struct Multiplier {
+    double intensity;
+    double exposure;
+    double saturation;
+};
+
+Multiplier ReadMultiplier(Parameters* in) {
+    return {in->Number({"intensity"}, 1.0), in->Number({"exposure"}, 0.0),
+            in->Number({"saturation", "colorSaturation"}, 1.0)};
 }
 
 /// What filters of all kinds have in common.
@@ -312,6 +328,25 @@ std::optional<shared::HdsLightFilter> ReadFilter(const LightFilter& filter,
 
 } // namespace
 
+const std::set<std::string>& LightFilterInputs() {
+    static const std::set<std::string> names = [] {
+        const LightFilter filter;
+        Warnings warnings;
+        std::vector<float> data;
+        shared::HdsLightFilter out{};
+        double peak = 1.0;
+        Parameters in(filter.node);
+        ReadCommon(&in, filter, warnings, &out);
+        ReadMultiplier(&in);
+        ReadBarn(&in, &out);
+        ReadRegion(&in, false, &out);
+        ReadRamp(&in, &data, &out, &peak);
+        ReadCookie(&in, nullptr, &data, &out, &peak);
+        return in.Asked();
+    }();
+    return names;
+}
+
 const AssetReference* FilterImageFile(const LightFilter& filter) {
     for (const char* name : {"texture:map", "map", "ri:texture:map", "ri:map"}) {
         const auto found = filter.node.parameters.find(name);
@@ -331,9 +366,10 @@ void ApplyFilterMultipliers(const std::vector<LightFilter>& filters, Warnings& w
         if (filter.node.identifier != kIntMult) {
             continue;
         }
-        light->intensity *= float(in.Number({"intensity"}, 1.0));
-        light->exposure += float(in.Number({"exposure"}, 0.0));
-        const double saturation = in.Number({"saturation", "colorSaturation"}, 1.0);
+        const Multiplier multiplier = ReadMultiplier(&in);
+        light->intensity *= float(multiplier.intensity);
+        light->exposure += float(multiplier.exposure);
+        const double saturation = multiplier.saturation;
         if (saturation != 1.0 && !light->textureFile.authoredPath.empty()) {
             warnings.Add(filter.node.path,
                          "light filter: the saturation of an image is not changed");

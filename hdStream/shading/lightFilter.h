@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,10 @@ struct FilterImage {
 
 /// Reads an image that a filter names; null, after a warning, when it cannot be used. May be empty.
 using LoadFilterImage = std::function<std::shared_ptr<const FilterImage>(const AssetReference&)>;
+
+/// The names of all inputs that some kind of filter reads, for front ends that cannot list what is
+/// authored. Thread-safe.
+const std::set<std::string>& LightFilterInputs();
 
 /// The file of a filter's image; null: it has none.
 const AssetReference* FilterImageFile(const LightFilter& filter);

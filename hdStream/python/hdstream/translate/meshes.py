@@ -112,7 +112,7 @@ def ReadTetMesh(prim, names, inherited, timeCode, motion, warn):
     mesh.points = points
     mesh.faceVertexCounts = np.full(faces.size // 3, 3, np.int32)
     mesh.faceVertexIndices = faces.ravel()
-    mesh.subdivisionScheme = "none"
+    mesh.subdivisionScheme = "catmullClark"  # as UsdImaging hands it over
     mesh.samples = motion.PointSamplesOf(prim, names, len(points), warn, ("tetVertexIndices", "surfaceFaceVertexIndices"))
     if "orientation" in names:
         mesh.leftHanded = prim.GetAttribute("orientation").Get(timeCode) == "leftHanded"
