@@ -32,7 +32,7 @@ class _Still:
     """The motion of a closed shutter."""
 
     @staticmethod
-    def PointSamplesOf(prim, names, count):
+    def PointSamplesOf(prim, names, count, warn, topology):
         return []
 
 
@@ -44,7 +44,8 @@ def test_faces_are_those_of_one_tetrahedron(n):
     mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(points.astype(np.float32)))
     mesh.CreateTetVertexIndicesAttr(Vt.Vec4iArray.FromNumpy(np.array(tets, np.int32)))
     assert Translate(stage).Warnings() == []
-    read = meshes.ReadTetMesh(mesh.GetPrim(), mesh.GetPrim().GetPropertyNames(), {}, Usd.TimeCode.Default(), _Still)
+    read = meshes.ReadTetMesh(mesh.GetPrim(), mesh.GetPrim().GetPropertyNames(), {}, Usd.TimeCode.Default(), _Still,
+                             lambda *_: pytest.fail("a warning"))
     faces = np.array(read.faceVertexIndices).reshape(-1, 3)
     assert list(read.faceVertexCounts) == [3] * len(faces)
     uses = collections.Counter(frozenset(face) for tet in tets for face in itertools.combinations(tet, 3))
