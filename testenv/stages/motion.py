@@ -143,7 +143,7 @@ def _AddUnevenSurface(stage):
     mesh = author.AddMesh(stage, "/World/Sheet", grid, color=(0.8, 0.5, 0.2), doubleSided=True)
     mesh.GetSubdivisionSchemeAttr().Set("catmullClark")
     steps = (0.5, 0.6, 0.9, 1.5)
-    _SetOverSteps(mesh.GetPointsAttr(), lambda part: _Float3s(_Wave(grid.points, 1.2 * np.sin(4.0 * part))), steps)
+    _SetOverSteps(mesh.GetPointsAttr(), lambda part: _Float3s(_Wave(grid.points, 2.0 * np.sin(4.0 * part))), steps)
 
 
 def _AddGrowingHair(stage):
