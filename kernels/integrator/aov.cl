@@ -150,7 +150,7 @@ float3 aov_albedo(const HdsSceneView* scene, HdsSurfaceHit* surface, float3 view
         surface->chance = ((float)k + 0.5f) / (float)HDS_AOV_CHANCES;
         HdsShadingPoint shading;
         HdsBsdf bsdf;
-        surfaceHit_shade(scene, surface, viewer, &shading, &bsdf);
+        surfaceMaterial_shade(scene, surface, viewer, &shading, &bsdf);
         sum += bsdf_albedo(&bsdf, shading.wo.z);
     }
     return sum / (float)HDS_AOV_CHANCES;
@@ -249,8 +249,9 @@ void aov_store(constant const HdsFrameParams* frame, const HdsSceneView* scene, 
                             &surface);
     surface.choice = (HdsTexelChoice){0.0f, 8u};
 #endif
-    if (!surfaceHit_shade(scene, &surface, -path_load_direction(paths, i).xyz, &shading, &bsdf)) {
-        surfaceHit_waitForTexels(scene, i);
+    if (!surfaceMaterial_shade(scene, &surface, -path_load_direction(paths, i).xyz, &shading,
+                               &bsdf)) {
+        surfaceMaterial_waitForTexels(scene, i);
         return;
     }
 #if HDS_FEATURE_CUTOUT

@@ -76,7 +76,7 @@ void occlusion_step(constant const HdsFrameParams* frame, const HdsSceneView* sc
     HdsShadingPoint shading;
     HdsBsdf bsdf;
     surfaceHit_load(scene, &hit, path_time(paths, i), &surface);
-    if (!isCamera && (surfaceHit_material(scene, &surface)->flags & HDS_MATERIAL_CUTOUT) == 0u) {
+    if (!isCamera && (surfaceMaterial_of(scene, &surface)->flags & HDS_MATERIAL_CUTOUT) == 0u) {
         return; /* occluded, whatever its textures */
     }
 #if HDS_FEATURE_TEXTURES
@@ -85,8 +85,8 @@ void occlusion_step(constant const HdsFrameParams* frame, const HdsSceneView* sc
     surfaceHit_setFootprint(cones_atHit(cones, hit.t, isCamera), viewer, &surface);
     surface.choice = (HdsTexelChoice){0.0f, 8u};
 #endif
-    if (!surfaceHit_shade(scene, &surface, viewer, &shading, &bsdf)) {
-        surfaceHit_waitForTexels(scene, i);
+    if (!surfaceMaterial_shade(scene, &surface, viewer, &shading, &bsdf)) {
+        surfaceMaterial_waitForTexels(scene, i);
         return;
     }
     HdsSampler sampler = pixel_sampler(frame, status.x, status.y);

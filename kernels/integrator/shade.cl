@@ -113,7 +113,7 @@ bool shade_passThrough(const HdsSceneView* scene, const HdsHit* hit, const HdsSu
 HdsTexelChoice shade_chooseTexels(const HdsSceneView* scene, const HdsSurfaceHit* surface,
                                   const HdsShadePath* path) {
     HdsTexelChoice choice = {0.0f, 8u};
-    if ((surfaceHit_material(scene, surface)->flags &
+    if ((surfaceMaterial_of(scene, surface)->flags &
          (HDS_MATERIAL_CUTOUT | HDS_MATERIAL_COMPUTES)) == 0u) {
 #if HDS_SHADE_WIDE
         choice.number = surface->choice.number; /* shadeHits_setSamplers */
@@ -132,7 +132,7 @@ uint shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
                    HdsShadePath* path, HdsScatter* scatter, HdsPaths paths, uint i,
                    volatile global uint* counters) {
     scatter->linkSet = surfaceHit_linkSet(scene, &at->surface);
-    if (path->isLast && surfaceHit_isDark(scene, &at->surface)) {
+    if (path->isLast && surfaceMaterial_isDark(scene, &at->surface)) {
         return HDS_SHADE_ENDS;
     }
 #if HDS_FEATURE_CLOSURES
@@ -149,8 +149,8 @@ uint shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
 #if HDS_FEATURE_PATH_LIMITS
     at->surface.leastRoughness = pathLimits_roughness(frame, &path->limits);
 #endif
-    path->isMissing |=
-        !surfaceHit_shade(scene, &at->surface, -path->direction, &scatter->shading, &scatter->bsdf);
+    path->isMissing |= !surfaceMaterial_shade(scene, &at->surface, -path->direction,
+                                              &scatter->shading, &scatter->bsdf);
     if (path->isMissing) {
         return HDS_SHADE_ENDS;
     }
@@ -290,7 +290,7 @@ void shade_path(constant const HdsFrameParams* frame, const HdsSceneView* scene,
 #endif
 #if HDS_FEATURE_GLASS_SHADOWS
     lit->isGlass = at->isHit && path->depth > 0u &&
-                   bsdf_isGlass(&scatter.bsdf, surfaceHit_material(scene, &at->surface)->flags);
+                   bsdf_isGlass(&scatter.bsdf, surfaceMaterial_of(scene, &at->surface)->flags);
 #endif
 #if HDS_SHADE_WIDE
     shadeBatch_add(batch, &scatter);

@@ -162,16 +162,17 @@ kernel void shadow_resume(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
 
 #if HDS_FEATURE_CUTOUT
 #if HDS_FEATURE_GLASS_SHADOWS
-/* The share that passes glass straight, dimmed by what is before it. \return as surfaceHit_shade.
+/* The share that passes glass straight, dimmed by what is before it. \return as
+ * surfaceMaterial_shade.
  */
 bool shadow_passGlass(const HdsSceneView* scene, HdsPaths paths, uint i,
                       const HdsSurfaceHit* surface, float3 viewer, float t, float3* share) {
     HdsShadingPoint shading;
     HdsBsdf bsdf;
-    if (!surfaceHit_shade(scene, surface, viewer, &shading, &bsdf)) {
+    if (!surfaceMaterial_shade(scene, surface, viewer, &shading, &bsdf)) {
         return false;
     }
-    global const HdsMaterial* material = surfaceHit_material(scene, surface);
+    global const HdsMaterial* material = surfaceMaterial_of(scene, surface);
     *share = bsdf_passThrough(&bsdf, shading.wo.z);
     if (!bsdf_isGlass(&bsdf, material->flags)) {
         return true;
@@ -206,14 +207,14 @@ bool shadow_share(const HdsSceneView* scene, HdsPaths paths, uint i, HdsSurfaceH
 #endif
 #if HDS_FEATURE_MEDIA_STACK
     const HdsMediaStack stack = mediaStack_loadShadow(paths, i);
-    if (!mediaStack_meet(scene->meshMedia, &stack, surfaceHit_material(scene, surface)->meshMedium,
+    if (!mediaStack_meet(scene->meshMedia, &stack, surfaceMaterial_of(scene, surface)->meshMedium,
                          vec_dot(surface->point.normal, viewer) > 0.0f, &surface->outsideIor)) {
         *share = (float3)(1.0f);
         return true;
     }
 #endif
 #if HDS_FEATURE_GLASS_SHADOWS
-    if ((surfaceHit_material(scene, surface)->flags & HDS_MATERIAL_GLASS) != 0u) {
+    if ((surfaceMaterial_of(scene, surface)->flags & HDS_MATERIAL_GLASS) != 0u) {
         return shadow_passGlass(scene, paths, i, surface, viewer, t, share);
     }
 #endif
@@ -225,7 +226,7 @@ bool shadow_share(const HdsSceneView* scene, HdsPaths paths, uint i, HdsSurfaceH
  * \return what the medium before that has left of its light. */
 float3 shadow_crossMedium(const HdsSceneView* scene, HdsPaths paths, uint i,
                           const HdsSurfaceHit* surface, float3 direction, float t) {
-    const uint number = surfaceHit_material(scene, surface)->meshMedium;
+    const uint number = surfaceMaterial_of(scene, surface)->meshMedium;
     if (number == 0u) {
         return (float3)(1.0f);
     }
@@ -262,7 +263,7 @@ bool shadow_addTarget(const HdsSceneView* scene, HdsPaths paths, uint i,
 #endif
     HdsShadingPoint shading;
     HdsBsdf bsdf;
-    if (!surfaceHit_shade(scene, surface, viewer, &shading, &bsdf)) {
+    if (!surfaceMaterial_shade(scene, surface, viewer, &shading, &bsdf)) {
         return false;
     }
     const float3 left = shadow_leftOfMedia(scene, paths, i, t);
@@ -278,7 +279,7 @@ void shadow_passVolumes(const HdsSceneView* scene, HdsPaths paths, uint i, globa
     const bool isDone = volumePath_dimShadow(scene, paths, i, path_load_shadowOrigin(paths, i).w);
     texture_count(&scene->textures);
     if (!isDone) {
-        surfaceHit_waitForTexels(scene, i);
+        surfaceMaterial_waitForTexels(scene, i);
         return;
     }
     shadow_addRadiance(scene, paths, i);
@@ -317,14 +318,14 @@ void shadow_passCandidate(const HdsSceneView* scene, HdsPaths paths, uint i, glo
         if (shadow_addTarget(scene, paths, i, &surface, -direction.xyz, hit.t)) {
             shadow_end(paths, i, readyQueue, counters);
         } else {
-            surfaceHit_waitForTexels(scene, i);
+            surfaceMaterial_waitForTexels(scene, i);
         }
         return;
     }
 #endif
     float3 share;
     if (!shadow_share(scene, paths, i, &surface, -direction.xyz, hit.t, &share)) {
-        surfaceHit_waitForTexels(scene, i);
+        surfaceMaterial_waitForTexels(scene, i);
         return;
     }
     shadow_addBlocked(scene, paths, i, (float3)(1.0f) - share, hit.t);

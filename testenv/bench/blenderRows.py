@@ -17,7 +17,6 @@ import os
 import pathlib
 import sys
 import tempfile
-import traceback
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
@@ -26,6 +25,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent), str(HERE.parent / "hydra")]
 import bpy  # noqa: E402
 import mathutils  # noqa: E402
 import numpy as np  # noqa: E402
+from blenderProcess import RunAndExit  # noqa: E402
 
 bpy.utils.expose_bundled_modules()
 
@@ -452,16 +452,4 @@ def main():
 
 
 if __name__ == "__main__":
-    status = 0
-    try:
-        main()
-    except SystemExit as end:  # with a line where something is missing
-        status = end.code or 0
-        if isinstance(status, str):
-            print(status, file=sys.stderr)
-            status = 1
-    except BaseException:  # pylint: disable=broad-except
-        traceback.print_exc()
-        status = 1
-    sys.stdout.flush()
-    os._exit(status)  # Blender's own clean-up may wait for ever
+    RunAndExit(main)

@@ -16,7 +16,6 @@ import pathlib
 import sys
 import tempfile
 import time
-import traceback
 
 import numpy as np
 
@@ -28,6 +27,7 @@ import bpy  # noqa: E402
 import rivalsCycles  # noqa: E402
 import rivalsLadder  # noqa: E402
 import rivalsStages  # noqa: E402
+from blenderProcess import RunAndExit  # noqa: E402
 
 _MAX_DEPTH = 8
 _MOST_SECONDS = 90.0  # a ladder ends below a rung that would take longer
@@ -158,16 +158,4 @@ def main():
 
 
 if __name__ == "__main__":
-    code = 0
-    try:
-        main()
-    except SystemExit as end:  # with a line where something is missing
-        code = end.code or 0
-        if isinstance(code, str):
-            print(code, file=sys.stderr)
-            code = 1
-    except BaseException:  # pylint: disable=broad-except
-        traceback.print_exc()
-        code = 1
-    sys.stdout.flush()
-    os._exit(code)  # Blender's own clean-up may wait for ever
+    RunAndExit(main)

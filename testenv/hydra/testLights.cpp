@@ -136,17 +136,22 @@ TEST_F(Lights, HydrasNameWinsOverTheAttributes) {
               LinesOf(HdPrimTypeTokens->sphereLight, AllParams()));
 }
 
+/// A lamp 2 above a floor of 2 x 2.
+SceneData LampOverFloor(const Params& params) {
+    SceneData scene = EmptyScene();
+    scene.lights.clear();
+    scene.gprims[SdfPath("/floor")] = MakeGrid(2.0F, 2.0F);
+    LightData lamp;
+    lamp.type = HdPrimTypeTokens->sphereLight;
+    lamp.transform = Translation(0.0, 0.0, 2.0);
+    lamp.params = params;
+    scene.lights[SdfPath("/lamp")] = lamp;
+    return scene;
+}
+
 TEST_F(Lights, AConeUnderTheAttributesNameIsInThePicture) {
     const auto render = [](const Params& params) {
-        SceneData scene = EmptyScene();
-        scene.lights.clear();
-        scene.gprims[SdfPath("/floor")] = MakeGrid(2.0F, 2.0F);
-        LightData lamp;
-        lamp.type = HdPrimTypeTokens->sphereLight;
-        lamp.transform = Translation(0.0, 0.0, 2.0);
-        lamp.params = params;
-        scene.lights[SdfPath("/lamp")] = lamp;
-        return Host(scene, Quick()).Render();
+        return Host(LampOverFloor(params), Quick()).Render();
     };
     Params lamp = {{HdLightTokens->radius, VtValue(0.01F)},
                    {HdLightTokens->intensity, VtValue(5000.0F)}};
@@ -176,19 +181,12 @@ LightData Doors(const SdfPath& path, const GfMatrix4d& transform, float width) {
     return filter;
 }
 
-/// A point light 2 above a floor of 2 x 2, doors half way; edits of the filter alone are drawn.
+/// Doors half way between them; edits of the filter alone are drawn.
 TEST_F(Lights, FiltersAreInThePictureAndTheirEditsToo) {
     const SdfPath path("/doors");
-    SceneData scene = EmptyScene();
-    scene.lights.clear();
-    scene.gprims[SdfPath("/floor")] = MakeGrid(2.0F, 2.0F);
-    LightData lamp;
-    lamp.type = HdPrimTypeTokens->sphereLight;
-    lamp.transform = Translation(0.0, 0.0, 2.0);
-    lamp.params = {{HdLightTokens->radius, VtValue(0.01F)},
-                   {HdLightTokens->intensity, VtValue(5000.0F)},
-                   {HdTokens->filters, VtValue(SdfPathVector{path})}};
-    scene.lights[SdfPath("/lamp")] = lamp;
+    SceneData scene = LampOverFloor({{HdLightTokens->radius, VtValue(0.01F)},
+                                     {HdLightTokens->intensity, VtValue(5000.0F)},
+                                     {HdTokens->filters, VtValue(SdfPathVector{path})}});
     scene.lights[path] = Doors(path, Translation(0.0, 0.0, 1.0), 0.25F); // lights |x| < 0.25
     Host host(scene, Quick());
     const auto lit = [&](int x) { return host.Render().Float(x, 24) > 0.0F; };
