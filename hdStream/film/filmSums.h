@@ -13,8 +13,9 @@
 
 namespace hds {
 
-/// Sums of the samples [firstSample, endSample) of every pixel. After a render that was stopped,
-/// pixels of its last pass may have more: all those have equally many. 48 B a pixel.
+/// Sums of the samples [firstSample, endSample) of every pixel. In the midst of a render, and after
+/// one that was stopped, pixels of its last pass may have more, all of them if its last wave is
+/// done: those that do have equally many. 48 B a pixel.
 struct FilmSums {
     std::uint32_t width = 0;
     std::uint32_t height = 0;

@@ -72,6 +72,9 @@ void SampleSchedule::LoadStart(const std::vector<FilmSums>& start) {
                      [&](std::uint32_t i) { return sums[i].numSamples == _firstMissing; });
     }
     _hasLate = !_late.empty();
+    if (!_hasLate) { // also of sums that were taken behind the last wave of a pass
+        _firstMissing = _lateEnd;
+    }
     _lateDone = _firstMissing;
 }
 

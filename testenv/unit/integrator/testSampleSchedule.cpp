@@ -242,6 +242,20 @@ TEST(SampleSchedule, LatePixelsComeFirstAndAlone) {
     EXPECT_EQ(Borders(schedule), (std::vector<std::uint32_t>{32, 40}));
 }
 
+/// Of sums that were taken when the last wave of a pass was done, and the pass was not.
+TEST(SampleSchedule, NoSampleIsRenderedTwiceWherePixelsHaveMoreThanTheSumsSay) {
+    FilmSums sums = Sums(32);
+    for (shared::HdsFilmPixel& pixel : sums.pixels) {
+        pixel.numSamples = 64;
+    }
+    const std::optional<SamplePass> pass = Begun(Options(200), {sums}).Next();
+    ASSERT_TRUE(pass);
+    EXPECT_EQ(pass->list, PixelList::Active);
+    EXPECT_EQ(pass->firstSample, 64U);
+    sums.endSample = 0;
+    EXPECT_EQ(Begun(Options(200, true), {sums}).Next()->firstSample, 64U);
+}
+
 TEST(SampleSchedule, PixelsOfAFirstPassThatWasStoppedComeLate) {
     SampleSchedule schedule = Begun(Options(16, true), {Sums(0, 1)});
     EXPECT_EQ(schedule.Next()->list, PixelList::Late);
