@@ -17,10 +17,12 @@ namespace {
 
 constexpr int kVoxels = HDS_BRICK_VOXELS;
 
-/// A value of a voxel that differs from its neighbours', with holes.
+/// A value of a voxel that differs from its neighbours', with holes; rough, so that what is least
+/// in a cell and its neighbours may lie anywhere.
 float Made(glm::ivec3 voxel) {
     const double wave = std::sin(0.3 * voxel.x) + std::cos(0.2 * voxel.y - 0.1 * voxel.z);
-    return wave > 0.0 ? static_cast<float>(wave) : 0.0F;
+    const double rough = std::sin(12.9898 * voxel.x + 78.233 * voxel.y + 37.719 * voxel.z);
+    return wave > 0.0 ? static_cast<float>(wave * (1.5 + rough)) : 0.0F;
 }
 
 VoxelGrid MakeWaves(glm::ivec3 first, glm::ivec3 size) {
