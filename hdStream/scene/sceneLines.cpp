@@ -39,11 +39,11 @@ std::uint64_t SceneLines::GridLines() const {
     return sum;
 }
 
-void SceneLines::Open(const std::vector<std::uint32_t>& textures) {
+void SceneLines::Open(const std::vector<std::uint32_t>& textures, bool allLines) {
     std::vector<std::uint32_t> images;
     std::copy_if(textures.begin(), textures.end(), std::back_inserter(images),
                  [&](std::uint32_t texture) { return !IsGrid(texture); });
-    _textures->Open(images);
+    _textures->Open(images, allLines);
 }
 
 shared::HdsTexture SceneLines::Record(std::uint32_t texture) const {

@@ -27,7 +27,7 @@ public:
     std::uint64_t GridLines() const override;
     /// As of TextureLines.
     std::uint64_t TotalLines() const;
-    void Open(const std::vector<std::uint32_t>& textures) override;
+    void Open(const std::vector<std::uint32_t>& textures, bool allLines) override;
     shared::HdsTexture Record(std::uint32_t texture) const override;
     void Read(const std::vector<LineId>& lines, std::uint8_t* bytes) override;
 

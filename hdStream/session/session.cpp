@@ -24,6 +24,9 @@ namespace {
 /// Lines in the statistics, which are made for every image that is shown.
 constexpr std::size_t kMaxWarnings = 1000;
 
+/// Images whose lines are made one by one may take this part of the bytes of prepared pages.
+constexpr std::uint64_t kKeptImagesDivisor = 8;
+
 /// Bytes of prepared pages that may stay in host memory.
 std::uint64_t HostBytes(const Settings& settings) {
     constexpr std::uint64_t kDivisor = 4;
@@ -96,7 +99,8 @@ struct Session::Impl {
                         : std::make_shared<PageStore>(PageStoreOptions{cacheDirectory}, &warnings);
             cache.geometry.SetPageStore(pageStore);
             cache.images.SetPageStore(pageStore);
-            cache.textures = std::make_shared<TexturePreparer>(pageStore, &warnings);
+            cache.textures = std::make_shared<TexturePreparer>(
+                pageStore, &warnings, HostBytes(settings) / kKeptImagesDivisor);
             cache.grids = std::make_shared<GridPreparer>(pageStore, &warnings);
         }
         if (device->Compilers() == nullptr && device->Properties().hasSlowBinaries) {

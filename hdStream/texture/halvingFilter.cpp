@@ -4,8 +4,23 @@
 #include "hdStream/texture/halvingFilter.h"
 
 #include <algorithm>
+#include <array>
 
 namespace hds {
+
+namespace {
+
+/// Of an even width.
+template <std::size_t channels>
+void ReducePairs(const float* row, std::size_t targetWidth, float* out) {
+    for (std::size_t x = 0; x < targetWidth; ++x, row += 2 * channels, out += channels) {
+        for (std::size_t c = 0; c < channels; ++c) {
+            out[c] = 0.5f * (row[c] + row[channels + c]);
+        }
+    }
+}
+
+} // namespace
 
 HalvingFilter::HalvingFilter(std::uint32_t width, std::uint32_t height, std::uint32_t numChannels)
     : _width(width), _height(height), _channels(numChannels), _targetWidth(std::max(1u, width / 2)),
@@ -20,11 +35,9 @@ void HalvingFilter::ReduceRow(const float* row) {
     }
     float* out = _reduced.data();
     if (_width % 2 == 0) {
-        for (std::size_t x = 0; x < _targetWidth; ++x, row += 2 * channels, out += channels) {
-            for (std::size_t c = 0; c < channels; ++c) {
-                out[c] = 0.5f * (row[c] + row[channels + c]);
-            }
-        }
+        constexpr std::array kReduce = {ReducePairs<1>, ReducePairs<2>, ReducePairs<3>,
+                                        ReducePairs<4>};
+        kReduce[channels - 1](row, _targetWidth, out);
         return;
     }
     const float scale = 1.0f / static_cast<float>(_width);
@@ -48,6 +61,12 @@ void HalvingFilter::Accumulate(float weight, bool isFirst) {
     for (std::size_t i = 0; i < _sum.size(); ++i) {
         _sum[i] += weight * _reduced[i];
     }
+}
+
+void HalvingFilter::Begin(std::uint32_t targetRow) {
+    _firstRow = 2 * targetRow;
+    _nextRow = _firstRow;
+    _isCarried = false;
 }
 
 const float* HalvingFilter::AddRow(const float* row) {
@@ -74,8 +93,11 @@ const float* HalvingFilter::AddRow(const float* row) {
         Accumulate(static_cast<float>(_targetHeight) * scale, false);
         return nullptr;
     }
-    Accumulate(static_cast<float>(y / 2) * scale, false); // the end of target y / 2 - 1
     _isCarried = y + 1 < _height;
+    if (y == _firstRow) { // the target row before is not wanted
+        return nullptr;
+    }
+    Accumulate(static_cast<float>(y / 2) * scale, false); // the end of target y / 2 - 1
     return _sum.data();
 }
 

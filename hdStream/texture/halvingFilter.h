@@ -17,6 +17,9 @@ public:
 
     std::uint32_t TargetWidth() const { return _targetWidth; }
 
+    /// Starts anew at a row of the target: the next row is the first of the source that it covers.
+    void Begin(std::uint32_t targetRow);
+
     /// Takes the next row. \return the target row that it completes, valid until the next call, or
     /// null.
     const float* AddRow(const float* row);
@@ -30,6 +33,7 @@ private:
     std::uint32_t _channels;
     std::uint32_t _targetWidth;
     std::uint32_t _targetHeight;
+    std::uint32_t _firstRow = 0; ///< of the source
     std::uint32_t _nextRow = 0;
     bool _isCarried = false;     ///< the present row has its part in the next target row too
     std::vector<float> _reduced; ///< the present row at target width

@@ -31,14 +31,13 @@ std::string ReadChannel(ImageFile* file, const std::string& colorSpace, std::uin
     const std::uint32_t component = form.swizzle >> (2 * channel) & 3U;
     const std::uint32_t stored = 1U << (form.format & HDS_TEXEL_CHANNELS_LOG2_MASK);
     const float missing = component == 3 ? 1.0F : 0.0F;
-    const auto addRows = [&](std::uint32_t numRows, const std::uint8_t*, const float* linear) {
-        const std::size_t count = std::size_t{numRows} * result->width;
-        for (std::size_t i = 0; i < count; ++i) {
+    const auto addRow = [&](const std::uint8_t*, const float* linear) {
+        for (std::size_t i = 0; i < result->width; ++i) {
             result->values.push_back(component < stored ? linear[i * stored + component] : missing);
         }
     };
     TexelRepairs repairs;
-    error = TextureRows(file, &decoder, form).Read(addRows, &repairs);
+    error = TextureRows(file, &decoder, form).Read(addRow, &repairs);
     if (result->warning.empty()) {
         result->warning = WarningOf(repairs);
     }

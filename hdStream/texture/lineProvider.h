@@ -35,8 +35,9 @@ public:
     virtual std::uint64_t MaxLines() const = 0;
     /// Lines of all grids, which MaxLines counts too.
     virtual std::uint64_t GridLines() const { return 0; }
-    /// Makes records and lines of some textures ready, on all cores. Blocks.
-    virtual void Open(const std::vector<std::uint32_t>& textures) = 0;
+    /// Makes the records of some textures ready, on all cores, and such lines as are cheap to make
+    /// with them; Read makes the others. Blocks. \param allLines all of them will be read
+    virtual void Open(const std::vector<std::uint32_t>& textures, bool allLines) = 0;
     /// Record of a texture; its firstLine says nothing. \pre the texture was opened.
     virtual shared::HdsTexture Record(std::uint32_t texture) const = 0;
     /// Copies lines of textures that were opened, one after the other, to `bytes`

@@ -24,6 +24,29 @@ PageKey LineStore::KeyOf(std::uint32_t group) const {
     return MakePageKey(hasher);
 }
 
+bool LineStore::Has(std::uint32_t line) const {
+    const std::uint32_t index = line / kGroupLines;
+    return _groups[index].data.load(std::memory_order_acquire) != nullptr ||
+           (_store && _store->Contains(KeyOf(index)));
+}
+
+void LineStore::BeginFilling(std::uint32_t first) {
+    for (std::uint32_t index = 0; index < _groups.size(); ++index) {
+        _groups[index].isFilling = index >= first / kGroupLines && !Has(index * kGroupLines);
+        _groups[index].numComplete = 0;
+    }
+}
+
+void LineStore::BeginFilling(const std::vector<std::uint32_t>& lines) {
+    for (Group& group : _groups) {
+        group.isFilling = false;
+        group.numComplete = 0;
+    }
+    for (const std::uint32_t line : lines) {
+        _groups[line / kGroupLines].isFilling = !Has(line);
+    }
+}
+
 TextureLine* LineStore::Open(std::uint32_t line) {
     Group& group = _groups[line / kGroupLines];
     if (group.lines.empty()) {

@@ -19,7 +19,7 @@ namespace hds {
 
 using TextureLine = std::array<std::uint32_t, HDS_LINE_BYTES / 4>;
 
-/// Filled by one thread at a time; reading a line that is complete is thread-safe.
+/// Filled by one thread at a time; reading is thread-safe, also meanwhile.
 class LineStore {
 public:
     static constexpr std::uint32_t kGroupLines = 128; ///< 64 KiB: what one read of a page verifies
@@ -27,6 +27,16 @@ public:
     /// \param store may be null
     /// \param key of the texture; the key of a group is made of it and of the group's number
     LineStore(std::shared_ptr<PageStore> store, const PageKey& key, std::uint32_t numLines);
+
+    /// Whether a line is complete, here or in the store.
+    bool Has(std::uint32_t line) const;
+
+    /// Chooses what is to be filled in: all lines of those groups that are not there, from the
+    /// group of `first` on. Without such a call it is all lines.
+    void BeginFilling(std::uint32_t first);
+    /// The same for the groups of some lines.
+    void BeginFilling(const std::vector<std::uint32_t>& lines);
+    bool IsFilling(std::uint32_t line) const { return _groups[line / kGroupLines].isFilling; }
 
     /// A line to be filled in, zeros at first; stays in place until it is complete.
     TextureLine* Open(std::uint32_t line);
@@ -45,6 +55,7 @@ private:
     struct Group {
         std::vector<TextureLine> lines; ///< while it is filled, and when the store did not take it
         std::uint32_t numComplete = 0;
+        bool isFilling = true;
         std::atomic<const TextureLine*> data{nullptr}; ///< of complete `lines`
     };
 

@@ -4,35 +4,44 @@
 #include "hdStream/texture/textureLayout.h"
 #include "kernels/shared/textureCodec.h"
 
+#include <algorithm>
+#include <iterator>
+#include <map>
+
 namespace hds {
 
 PreparedTexture::PreparedTexture(TextureDescription description,
-                                 std::shared_ptr<const LineStore> lines, Restore restore)
-    : _description(std::move(description)), _restore(std::move(restore)), _lines(std::move(lines)) {
-}
+                                 std::shared_ptr<const LineStore> lines, Make make)
+    : _description(std::move(description)), _make(std::move(make)), _lines(std::move(lines)) {}
 
 std::shared_ptr<const LineStore> PreparedTexture::Lines() const {
     const std::lock_guard<std::mutex> lock(_mutex);
     return _lines;
 }
 
-std::uint32_t PreparedTexture::CanonicalLine(std::uint32_t line) const {
-    const auto repeat = _description.repeats.find(line);
-    return repeat == _description.repeats.end() ? line : repeat->second;
+void PreparedTexture::MakeLines(const std::vector<std::uint32_t>& lines) const {
+    const std::lock_guard<std::mutex> making(_making);
+    std::vector<std::uint32_t> missing;
+    const std::shared_ptr<const LineStore> present = Lines();
+    std::copy_if(lines.begin(), lines.end(), std::back_inserter(missing),
+                 [&](std::uint32_t line) { return !present->Has(line); });
+    if (missing.empty() || _isLost) {
+        return; // another thread has made them meanwhile
+    }
+    std::shared_ptr<const LineStore> made = _make ? _make(missing) : nullptr;
+    _isLost = !made;
+    if (made) {
+        const std::lock_guard<std::mutex> lock(_mutex);
+        _lines = std::move(made);
+    }
 }
 
 bool PreparedTexture::ReadLine(std::uint32_t line, TextureLine* out) const {
-    const std::shared_ptr<const LineStore> lines = Lines();
-    if (lines->Read(line, out)) {
+    if (Lines()->Read(line, out)) {
         return true;
     }
-    const std::lock_guard<std::mutex> lock(_mutex);
-    if (_lines == lines && !_isLost) { // else another thread has tried meanwhile
-        const std::shared_ptr<const LineStore> restored = _restore ? _restore() : nullptr;
-        _isLost = !restored;
-        _lines = restored ? restored : _lines;
-    }
-    if (!_isLost && _lines->Read(line, out)) {
+    MakeLines({line});
+    if (Lines()->Read(line, out)) {
         return true;
     }
     out->fill(0);
@@ -81,6 +90,7 @@ std::vector<float> PreparedTexture::DecodeMip(std::uint32_t mip) const {
 }
 
 std::uint64_t PreparedTexture::HostBytes() const {
+    const std::lock_guard<std::mutex> making(_making);
     return Lines()->HostBytes();
 }
 

@@ -9,7 +9,6 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -25,28 +24,32 @@ struct TextureDescription {
     ImageInfo info;                 ///< of the file
     std::uint64_t numNonFinite = 0; ///< values that were NaN or infinite and were replaced
     std::uint64_t numClamped = 0;   ///< values beyond the stored format's range after decoding
-    std::map<std::uint32_t, std::uint32_t> repeats; ///< see CanonicalLine
 };
 
 /// Thread-safe.
 class PreparedTexture {
 public:
-    /// Makes the lines again when some are found damaged. Empty: they cannot be made any more.
-    using Restore = std::function<std::shared_ptr<const LineStore>()>;
+    /// Makes lines, and others with them, that are not there: they were not asked for until now, or
+    /// they were found damaged. \return all lines, or null: they cannot be made any more
+    using Make =
+        std::function<std::shared_ptr<const LineStore>(const std::vector<std::uint32_t>& lines)>;
 
+    /// \param make empty: all lines are there, and none can be made again
     PreparedTexture(TextureDescription description, std::shared_ptr<const LineStore> lines,
-                    Restore restore);
+                    Make make);
 
     const TextureDescription& Description() const { return _description; }
     const shared::HdsTexture& Record() const { return _description.record; }
     bool Ok() const { return _description.error.empty(); }
     std::uint32_t NumLines() const { return _description.record.numLines; }
 
-    /// The first line with the content of this one, as far as lines of equal blocks (parts of one
-    /// colour) go: who keeps canonical lines only keeps each of them once.
-    std::uint32_t CanonicalLine(std::uint32_t line) const;
+    /// Whether a line can be read without making it.
+    bool HasLine(std::uint32_t line) const { return Lines()->Has(line); }
 
-    /// Copies a line. Damaged lines are made again from the file, which blocks for as long as that
+    /// Makes those of some lines that are not there, as ReadLine does one by one.
+    void MakeLines(const std::vector<std::uint32_t>& lines) const;
+
+    /// Copies a line. What is not there is made from the file, which blocks for as long as that
     /// takes. \return false when that fails (the file is gone, or is another one now): the line is
     /// zeros then, which decode to black.
     bool ReadLine(std::uint32_t line, TextureLine* out) const;
@@ -64,10 +67,11 @@ private:
     std::shared_ptr<const LineStore> Lines() const;
 
     TextureDescription _description;
-    Restore _restore;
+    Make _make;
+    mutable std::mutex _making; ///< held while lines are made; taken before the other
     mutable std::mutex _mutex;
     mutable std::shared_ptr<const LineStore> _lines; ///< never null
-    mutable bool _isLost = false;                    ///< restoring failed: it is not tried again
+    mutable bool _isLost = false;                    ///< making one failed: it is not tried again
 };
 
 } // namespace hds

@@ -53,7 +53,7 @@ void ResidentTextures::OpenAll(LineProvider* provider) {
         const std::size_t end = std::min(all.size(), begin + kBatchTextures);
         const std::vector<std::uint32_t> batch(all.begin() + static_cast<std::ptrdiff_t>(begin),
                                                all.begin() + static_cast<std::ptrdiff_t>(end));
-        provider->Open(batch);
+        provider->Open(batch, true);
         for (const std::uint32_t texture : batch) {
             _textures.Add(*provider, texture);
         }

@@ -18,7 +18,7 @@ namespace hds {
 namespace {
 
 /// Bump when preparation gives other bytes for the same file.
-constexpr std::uint64_t kTextureVersion = 3;
+constexpr std::uint64_t kTextureVersion = 4;
 
 bool IsNamedSpace(const std::string& space) {
     return !space.empty() && space != "raw" && space != "sRGB" && space != "auto";
@@ -32,19 +32,19 @@ public:
         : _record(record), _lines(lines), _texelBytes(TexelBytes(record.format)),
           _rowValues(std::size_t{record.width} << (record.format & HDS_TEXEL_CHANNELS_LOG2_MASK)) {}
 
-    void AddRows(std::uint32_t numRows, const std::uint8_t* stored, const float* linear) {
+    void AddRow(const std::uint8_t* stored, const float* linear) {
         if (_first.empty()) {
             _first.assign(stored, stored + _texelBytes);
             _firstLinear.assign(linear, linear + _rowValues / _record.width);
         }
-        if (!_chain && IsFirstEverywhere(stored, std::size_t{numRows} * _record.width)) {
-            _numConstantRows += numRows;
+        if (!_chain && IsFirstEverywhere(stored)) {
+            ++_numConstantRows;
             return;
         }
         if (!_chain) {
             StartChain();
         }
-        _chain->AddRows(numRows, stored, linear);
+        _chain->AddRow(stored, linear);
     }
 
     const MipChain* Chain() const { return _chain.get(); }
@@ -53,9 +53,9 @@ public:
     const std::vector<std::uint8_t>& First() const { return _first; }
 
 private:
-    bool IsFirstEverywhere(const std::uint8_t* stored, std::size_t numTexels) const {
+    bool IsFirstEverywhere(const std::uint8_t* stored) const {
         return std::equal(_first.begin(), _first.end(), stored) &&
-               std::memcmp(stored, stored + _texelBytes, (numTexels - 1) * _texelBytes) == 0;
+               std::memcmp(stored, stored + _texelBytes, (_record.width - 1) * _texelBytes) == 0;
     }
 
     void StartChain() {
@@ -67,7 +67,7 @@ private:
             linear.insert(linear.end(), _firstLinear.begin(), _firstLinear.end());
         }
         for (std::uint64_t row = 0; row < _numConstantRows; ++row) {
-            _chain->AddRows(1, stored.data(), linear.data());
+            _chain->AddRow(stored.data(), linear.data());
         }
     }
 
@@ -95,12 +95,32 @@ std::shared_ptr<LineStore> MakeConstantLines(std::uint32_t format,
     return lines;
 }
 
+/// One line that names the file.
+std::string ErrorOf(const ImageSource& source, const std::exception& failure) {
+    const std::string reason = dynamic_cast<const std::bad_alloc*>(&failure) != nullptr
+                                   ? "there is not enough memory to prepare it"
+                                   : failure.what();
+    return (source.name.empty() ? source.file : source.name) + ": " + reason;
+}
+
 std::string Named(const ImageFile& file, const std::string& warning) {
     return warning.empty() ? warning : file.Name() + ": " + warning;
 }
 
+/// The finest mip of at most so many texels, or the coarsest.
+std::uint32_t MipOfTexels(const shared::HdsTexture& record, std::uint64_t maxTexels) {
+    std::uint32_t mip = 0;
+    while (mip + 1 < record.numMips && std::uint64_t{shared::texture_mipSize(record.width, mip)} *
+                                               shared::texture_mipSize(record.height, mip) >
+                                           maxTexels) {
+        ++mip;
+    }
+    return mip;
+}
+
 BuiltTexture Build(const ImageSource& source, const TextureRequest& request,
-                   const std::shared_ptr<PageStore>& store, const PageKey& key) {
+                   const std::shared_ptr<PageStore>& store, const PageKey& key,
+                   const BuildExtent& extent) {
     std::string error;
     const std::unique_ptr<ImageFile> file = ImageFile::Open(source, &error);
     if (!file) {
@@ -118,20 +138,23 @@ BuiltTexture Build(const ImageSource& source, const TextureRequest& request,
     description.record = *record;
     description.info = DescribeImage(*file);
     built.lines = std::make_shared<LineStore>(store, key, record->numLines);
+    const std::uint32_t finest = MipOfTexels(*record, extent.maxTexels);
+    built.lines->BeginFilling(FirstLineOf(*record, finest));
     ConstantFilter rows(*record, built.lines.get());
     TexelRepairs repairs;
-    error = TextureRows(file.get(), &decoder, form)
-                .Read([&](std::uint32_t numRows, const std::uint8_t* stored,
-                          const float* linear) { rows.AddRows(numRows, stored, linear); },
-                      &repairs);
+    TextureRows reader(file.get(), &decoder, form);
+    built.image = finest > 0 ? reader.Keep(extent.maxKeptBytes) : nullptr;
+    error = reader.Read(
+        [&](const std::uint8_t* stored, const float* linear) { rows.AddRow(stored, linear); },
+        &repairs);
     if (!error.empty()) {
         return MakeMissingTexture(error);
     }
     if (rows.Chain() != nullptr) {
         rows.Finish();
-        description.repeats = rows.Chain()->Repeats();
     } else {
         MakeConstant(&description.record);
+        built.image.reset();
         built.lines = MakeConstantLines(record->format, rows.First(), store, key);
     }
     description.numNonFinite = repairs.numNonFinite;
@@ -193,15 +216,40 @@ BuiltTexture MakeMissingTexture(const std::string& error) {
 }
 
 BuiltTexture BuildTexture(const ImageSource& source, const TextureRequest& request,
-                          const std::shared_ptr<PageStore>& store, const PageKey& key) {
+                          const std::shared_ptr<PageStore>& store, const PageKey& key,
+                          const BuildExtent& extent) {
     try {
-        return Build(source, request, store, key);
+        return Build(source, request, store, key, extent);
     } catch (const std::exception& failure) {
-        const std::string reason = dynamic_cast<const std::bad_alloc*>(&failure) != nullptr
-                                       ? "there is not enough memory to prepare it"
-                                       : failure.what();
-        const std::string& name = source.name.empty() ? source.file : source.name;
-        return MakeMissingTexture(name + ": " + reason);
+        return MakeMissingTexture(ErrorOf(source, failure));
+    }
+}
+
+std::string BuildLines(const ImageSource& source, const TextureRequest& request,
+                       const shared::HdsTexture& record, std::uint32_t line, LineStore* lines) {
+    try {
+        std::string error;
+        const std::unique_ptr<ImageFile> file = ImageFile::Open(source, &error);
+        if (!file) {
+            return error;
+        }
+        const ColorDecoder decoder(request.colorSpace, file->Spec(), &error);
+        TextureForm form = ChooseTextureForm(*file, decoder, request);
+        form.format = record.format;
+        form.dependsOnRange = false;
+        lines->BeginFilling(FirstLineOf(record, MipOfLine(record, line)));
+        MipChain chain(record, lines);
+        TexelRepairs ignored;
+        error = TextureRows(file.get(), &decoder, form)
+                    .Read([&](const std::uint8_t* stored,
+                              const float* linear) { chain.AddRow(stored, linear); },
+                          &ignored);
+        if (error.empty()) {
+            chain.Finish();
+        }
+        return error;
+    } catch (const std::exception& failure) {
+        return ErrorOf(source, failure);
     }
 }
 

@@ -92,10 +92,6 @@ void SaveDescription(PageStore* store, const PageKey& key, const TextureDescript
     AddInfo(&page, description.info);
     page.Add(description.numNonFinite);
     page.Add(description.numClamped);
-    page.Add(std::uint64_t{description.repeats.size()});
-    for (const auto& [line, first] : description.repeats) {
-        page.Add((std::uint64_t{line} << 32) | first);
-    }
     store->Save(DescriptionKey(key), page.Bytes().data(), page.Bytes().size());
 }
 
@@ -111,13 +107,6 @@ std::optional<TextureDescription> LoadDescription(PageStore* store, const PageKe
     GetInfo(&page, &description.info);
     description.numNonFinite = page.Number();
     description.numClamped = page.Number();
-    const std::uint64_t numRepeats = page.Number();
-    for (std::uint64_t i = 0; i < numRepeats && page.IsGood(); ++i) {
-        const std::uint64_t pair = page.Number();
-        description.repeats.emplace_hint(description.repeats.end(),
-                                         static_cast<std::uint32_t>(pair >> 32),
-                                         static_cast<std::uint32_t>(pair));
-    }
     if (!page.IsGood() || !page.IsAtEnd()) {
         return std::nullopt;
     }

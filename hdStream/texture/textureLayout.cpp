@@ -76,4 +76,19 @@ shared::HdsTexelPlace PlaceOf(const shared::HdsTexture& texture, std::uint32_t m
                                  texture.mipBlock[mip], mip, x, y);
 }
 
+std::uint32_t FirstLineOf(const shared::HdsTexture& texture, std::uint32_t mip) {
+    const std::uint32_t blocksLog2 =
+        shared::texel_lineWidthLog2(texture.format) + shared::texel_lineHeightLog2(texture.format);
+    return texture.mipBlock[mip] >> blocksLog2;
+}
+
+std::uint32_t MipOfLine(const shared::HdsTexture& texture, std::uint32_t line) {
+    std::uint32_t mip = 0;
+    while (mip + 1 < texture.numMips && FirstLineOf(texture, mip) < line &&
+           FirstLineOf(texture, mip + 1) <= line) {
+        ++mip;
+    }
+    return mip;
+}
+
 } // namespace hds

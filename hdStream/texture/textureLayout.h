@@ -24,4 +24,10 @@ std::uint32_t TexelBytes(std::uint32_t format);
 shared::HdsTexelPlace PlaceOf(const shared::HdsTexture& texture, std::uint32_t mip, std::uint32_t x,
                               std::uint32_t y);
 
+/// The first line of a mip. \pre not constant
+std::uint32_t FirstLineOf(const shared::HdsTexture& texture, std::uint32_t mip);
+
+/// The mip that a line is of; of the line that several share, the finest. \pre not constant
+std::uint32_t MipOfLine(const shared::HdsTexture& texture, std::uint32_t line);
+
 } // namespace hds

@@ -4,7 +4,9 @@
 #include <tbb/parallel_for.h>
 
 #include <cstring>
+#include <map>
 #include <utility>
+#include <vector>
 
 namespace hds {
 
@@ -45,16 +47,34 @@ std::uint64_t TextureLines::TotalLines() const {
     return lines;
 }
 
-void TextureLines::Open(const std::vector<std::uint32_t>& textures) {
+void TextureLines::Open(const std::vector<std::uint32_t>& textures, bool allLines) {
+    const std::uint64_t texelsAtOnce =
+        allLines ? TexturePreparer::kAllTexels : TexturePreparer::kTexelsAtOnce;
     tbb::parallel_for(std::size_t{0}, textures.size(), [&](std::size_t i) {
         const TextureImage& image = _images[textures[i]];
         if (!_textures[textures[i]]) {
-            _textures[textures[i]] = _preparer->Prepare(image.source, image.request);
+            _textures[textures[i]] = _preparer->Prepare(image.source, image.request, texelsAtOnce);
         }
     });
 }
 
+/// Makes what is not there, different textures at once.
+void TextureLines::MakeMissing(const std::vector<LineId>& lines) const {
+    std::map<std::uint32_t, std::vector<std::uint32_t>> byTexture;
+    for (const LineId& id : lines) {
+        if (!_textures[id.texture]->HasLine(id.line)) {
+            byTexture[id.texture].push_back(id.line);
+        }
+    }
+    const std::vector<std::pair<std::uint32_t, std::vector<std::uint32_t>>> missing(
+        byTexture.begin(), byTexture.end());
+    tbb::parallel_for(std::size_t{0}, missing.size(), [&](std::size_t i) {
+        _textures[missing[i].first]->MakeLines(missing[i].second);
+    });
+}
+
 void TextureLines::Read(const std::vector<LineId>& lines, std::uint8_t* bytes) {
+    MakeMissing(lines);
     const tbb::blocked_range<std::size_t> all(0, lines.size(), kLinesPerTask);
     tbb::parallel_for(all, [&](const auto& range) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {

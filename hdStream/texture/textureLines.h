@@ -33,13 +33,15 @@ public:
     /// All lines: exact for textures that were opened, upper bounds for others. Reads the headers
     /// of those without one.
     std::uint64_t TotalLines() const;
-    void Open(const std::vector<std::uint32_t>& textures) override;
+    void Open(const std::vector<std::uint32_t>& textures, bool allLines) override;
     shared::HdsTexture Record(std::uint32_t texture) const override {
         return _textures[texture]->Record();
     }
     void Read(const std::vector<LineId>& lines, std::uint8_t* bytes) override;
 
 private:
+    void MakeMissing(const std::vector<LineId>& lines) const;
+
     std::shared_ptr<TexturePreparer> _preparer;
     std::vector<TextureImage> _images;
     std::vector<std::shared_ptr<const PreparedTexture>> _textures; ///< null: not opened

@@ -128,7 +128,7 @@ void TexturePool::Update(LineProvider* provider, std::uint64_t budgetBytes,
     } else {
         RemoveLines(gone);
     }
-    _provider->Open(_textures.Open());
+    _provider->Open(_textures.Open(), false);
     HDS_VERIFY(Bytes() <= budgetBytes + grids.bytes, "texture pool larger than its budget");
     // Requests and items of a render that was stopped mean something else now.
     MakeRequests();
@@ -329,7 +329,7 @@ void TexturePool::OpenAll(const std::vector<std::uint32_t>& textures, std::vecto
         return;
     }
     const Timer timer;
-    _provider->Open(textures);
+    _provider->Open(textures, false);
     _statistics.openSeconds += timer.Seconds();
     for (const std::uint32_t texture : textures) {
         _textures.Add(*_provider, texture);

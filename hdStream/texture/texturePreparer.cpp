@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/texture/texturePreparer.h"
 
+#include "hdStream/texture/keptImage.h"
 #include "hdStream/texture/textureBuild.h"
+
+#include <algorithm>
 
 namespace hds {
 
@@ -10,30 +13,49 @@ namespace {
 /// Times that a file which is written to while it is read is read again.
 constexpr int kMaxTries = 3;
 
-/// Lines of a texture whose description is known, read from its file again; empty when that is not
-/// the same file any more.
-std::shared_ptr<const LineStore> RestoreLines(const ImageSource& source,
-                                              const TextureRequest& request,
-                                              const std::shared_ptr<PageStore>& store,
-                                              const PageKey& key, Warnings* warnings) {
-    if (TextureKey(source, request) == key) {
-        BuiltTexture built = BuildTexture(source, request, store, key);
-        if (built.description.error.empty() && TextureKey(source, request) == key) {
-            return built.lines;
-        }
+/// What lines of a texture are made of later.
+struct Origin {
+    ImageSource source;
+    TextureRequest request;
+    PageKey key;
+    shared::HdsTexture record;
+    std::shared_ptr<PageStore> store;
+    std::shared_ptr<LineStore> lines;
+    std::shared_ptr<KeptImages> images;
+};
+
+/// Makes missing lines; null when they are not kept and the file is not the same any more.
+std::shared_ptr<const LineStore> MakeLines(const Origin& origin,
+                                           const std::vector<std::uint32_t>& missing) {
+    if (const std::shared_ptr<const KeptImage> image = origin.images->Find(origin.key)) {
+        origin.lines->BeginFilling(missing);
+        image->FillLines(origin.record, origin.lines.get());
+        return origin.lines;
     }
-    if (warnings != nullptr) {
-        const std::string& name = source.name.empty() ? source.file : source.name;
-        warnings->Add(name,
-                      "the prepared texture is damaged, and the file is not the same any more");
+    if (TextureKey(origin.source, origin.request) != origin.key) {
+        return nullptr;
     }
-    return nullptr;
+    std::shared_ptr<const LineStore> made = origin.lines;
+    std::string error;
+    if ((origin.record.flags & HDS_TEXTURE_CONSTANT) != 0) {
+        BuiltTexture built =
+            BuildTexture(origin.source, origin.request, origin.store, origin.key, {});
+        made = built.lines;
+        error = built.description.error;
+    } else {
+        error = BuildLines(origin.source, origin.request, origin.record,
+                           *std::min_element(missing.begin(), missing.end()), origin.lines.get());
+    }
+    const bool isSame = TextureKey(origin.source, origin.request) == origin.key;
+    return error.empty() && isSame ? made : nullptr;
 }
 
 } // namespace
 
-TexturePreparer::TexturePreparer(std::shared_ptr<PageStore> store, Warnings* warnings)
-    : _store(std::move(store)), _warnings(warnings) {}
+TexturePreparer::TexturePreparer(std::shared_ptr<PageStore> store, Warnings* warnings,
+                                 std::uint64_t keptBytes)
+    : _store(std::move(store)), _warnings(warnings), _keptBytes(keptBytes),
+      _kept(std::make_shared<KeptImages>(keptBytes)) {}
 
 void TexturePreparer::Report(const TextureDescription& description) const {
     for (const std::string* line : {&description.error, &description.warning}) {
@@ -44,7 +66,8 @@ void TexturePreparer::Report(const TextureDescription& description) const {
 }
 
 std::shared_ptr<const PreparedTexture> TexturePreparer::Prepare(const ImageSource& source,
-                                                                const TextureRequest& request) {
+                                                                const TextureRequest& request,
+                                                                std::uint64_t texelsAtOnce) {
     std::optional<PageKey> key = TextureKey(source, request);
     std::shared_ptr<Slot> slot = std::make_shared<Slot>();
     if (key) {
@@ -68,10 +91,16 @@ std::shared_ptr<const PreparedTexture> TexturePreparer::Prepare(const ImageSourc
         for (int i = 0; i < kMaxTries && !isStable; ++i) {
             // What is read of a file that changes meanwhile must not be kept under its old key.
             const std::optional<PageKey> before = TextureKey(source, request);
-            result = BuildTexture(source, request, before ? _store : nullptr,
-                                  before.value_or(PageKey()));
+            // Nor can any more be made of it later.
+            const bool isAll = !before || i + 1 == kMaxTries;
+            result =
+                BuildTexture(source, request, before ? _store : nullptr, before.value_or(PageKey()),
+                             isAll ? BuildExtent() : BuildExtent{texelsAtOnce, _keptBytes});
             isStable = TextureKey(source, request) == before;
             key = before;
+        }
+        if (isStable && result.image) {
+            _kept->Add(*key, result.image);
         }
         _numBuilt.fetch_add(1, std::memory_order_relaxed);
         // Only beside lines that are all in the store: else the next process would find no lines.
@@ -81,14 +110,23 @@ std::shared_ptr<const PreparedTexture> TexturePreparer::Prepare(const ImageSourc
         }
     }
     Report(result.description);
-    PreparedTexture::Restore restore;
+    PreparedTexture::Make make;
     if (key && result.description.error.empty()) {
-        restore = [source, request, store = _store, textureKey = *key, warnings = _warnings] {
-            return RestoreLines(source, request, store, textureKey, warnings);
+        Origin origin{source, request,      *key, result.description.record,
+                      _store, result.lines, _kept};
+        make = [origin = std::move(origin),
+                warnings = _warnings](const std::vector<std::uint32_t>& missing) {
+            auto made = MakeLines(origin, missing);
+            if (!made && warnings != nullptr) {
+                const std::string& name = origin.source.name;
+                warnings->Add(name.empty() ? origin.source.file : name,
+                              "finer mips cannot be made: the file is not the same any more");
+            }
+            return made;
         };
     }
     auto texture = std::make_shared<const PreparedTexture>(
-        std::move(result.description), std::move(result.lines), std::move(restore));
+        std::move(result.description), std::move(result.lines), std::move(make));
     slot->texture = texture;
     return texture;
 }

@@ -22,18 +22,6 @@ int ChannelOf(const ColorChannels& channels, int output) {
     return output < 0 ? -1 : order[output];
 }
 
-/// Linear value of each code.
-template <typename T>
-std::vector<float> LinearTable(bool isSrgb) {
-    constexpr std::size_t kNumCodes = std::size_t{1} << (8 * sizeof(T));
-    std::vector<float> table(kNumCodes);
-    for (std::size_t code = 0; code < kNumCodes; ++code) {
-        const double value = static_cast<double>(code) / (kNumCodes - 1);
-        table[code] = static_cast<float>(isSrgb ? LinearFromSrgb(value) : value);
-    }
-    return table;
-}
-
 } // namespace
 
 TextureRows::TextureRows(ImageFile* file, const ColorDecoder* decoder, const TextureForm& form)
@@ -62,31 +50,41 @@ int TextureRows::Source(std::size_t stored) const {
     return ChannelOf(_channels, _form.sources[stored]);
 }
 
-template <typename T>
-std::string TextureRows::ReadCodes(const OIIO::TypeDesc& type, const RowsCallback& onRows) {
-    const std::vector<float> color = LinearTable<T>(_decoder->IsSrgb());
-    const std::vector<float> alpha = LinearTable<T>(false);
-    const std::size_t numChannels = _form.numChannels;
-    const auto stride = static_cast<std::size_t>(_end - _begin);
-    std::vector<T> stored;
-    std::vector<float> linear;
-    return _file->ReadBands(
-        type, _begin, _end, [&](std::uint32_t, std::uint32_t rows, const void* band) {
-            const std::size_t numTexels = std::size_t{rows} * _file->Width();
-            stored.resize(numTexels * numChannels);
-            linear.resize(stored.size());
-            for (std::size_t c = 0; c < numChannels; ++c) {
-                const int source = Source(c);
-                const std::vector<float>& table = _form.sources[c] == kAlphaOutput ? alpha : color;
-                const T* codes = static_cast<const T*>(band) + std::max(0, source - _begin);
-                for (std::size_t i = 0; i < numTexels; ++i) {
-                    const T code = source < 0 ? static_cast<T>(c == 3 ? -1 : 0) : codes[i * stride];
-                    stored[i * numChannels + c] = code;
-                    linear[i * numChannels + c] = source < 0 ? (c == 3 ? 1.0f : 0.0f) : table[code];
-                }
-            }
-            onRows(rows, reinterpret_cast<const std::uint8_t*>(stored.data()), linear.data());
-        });
+CodeRows TextureRows::Codes() const {
+    std::array<int, 4> places{-1, -1, -1, -1};
+    for (std::size_t c = 0; c < _form.numChannels; ++c) {
+        places[c] = Source(c) < 0 ? -1 : Source(c) - _begin;
+    }
+    return {_form, _decoder->IsSrgb(), places, static_cast<std::size_t>(_end - _begin)};
+}
+
+std::shared_ptr<const KeptImage> TextureRows::Keep(std::uint64_t maxBytes) {
+    const std::uint64_t pixelBytes = 2 * static_cast<std::uint64_t>(_end - _begin);
+    if (_form.isVerbatim && pixelBytes * _file->Width() * _file->Height() <= maxBytes) {
+        _kept = std::make_shared<KeptImage>(Codes(), _file->Width(), _file->Height());
+    }
+    return _kept;
+}
+
+std::string TextureRows::ReadCodes(const RowCallback& onRow) {
+    const CodeRows codes = Codes();
+    const std::size_t width = _file->Width();
+    const bool isByte = (_form.format & HDS_TEXEL_TYPE_MASK) == HDS_TEXEL_U8;
+    // Row by row: what a row becomes stays in the processor's cache until it is used.
+    std::vector<std::uint8_t> stored(width * TexelBytes(_form.format));
+    std::vector<float> linear(width * _form.numChannels);
+    return _file->ReadBands(isByte ? OIIO::TypeUInt8 : OIIO::TypeUInt16, _begin, _end,
+                            [&](std::uint32_t, std::uint32_t rows, const void* band) {
+                                for (std::size_t row = 0; row < rows; ++row) {
+                                    const void* from = static_cast<const std::uint8_t*>(band) +
+                                                       row * codes.RowBytes(width);
+                                    codes.Decode(from, width, stored.data(), linear.data());
+                                    if (_kept) {
+                                        _kept->AddRow(from);
+                                    }
+                                    onRow(stored.data(), linear.data());
+                                }
+                            });
 }
 
 void TextureRows::DecodeRow(const float* pixels, float* linear, TexelRepairs* repairs) {
@@ -137,22 +135,20 @@ void TextureRows::DecodeRow(const float* pixels, float* linear, TexelRepairs* re
     }
 }
 
-std::string TextureRows::ReadFloats(const RowsCallback& onRows, TexelRepairs* repairs) {
+std::string TextureRows::ReadFloats(const RowCallback& onRow, TexelRepairs* repairs) {
     const TexelConverter converter(_form.format);
     const std::size_t width = _file->Width();
     const auto stride = static_cast<std::size_t>(_end - _begin);
-    std::vector<float> linear;
-    std::vector<std::uint8_t> stored;
+    std::vector<float> linear(width * _form.numChannels);
+    std::vector<std::uint8_t> stored(width * TexelBytes(_form.format));
     return _file->ReadBands(
         OIIO::TypeFloat, _begin, _end, [&](std::uint32_t, std::uint32_t rows, const void* band) {
-            linear.resize(std::size_t{rows} * width * _form.numChannels);
-            stored.resize(std::size_t{rows} * width * TexelBytes(_form.format));
             for (std::size_t row = 0; row < rows; ++row) {
-                DecodeRow(static_cast<const float*>(band) + row * width * stride,
-                          &linear[row * width * _form.numChannels], repairs);
+                DecodeRow(static_cast<const float*>(band) + row * width * stride, linear.data(),
+                          repairs);
+                converter.Convert(linear.data(), width, stored.data());
+                onRow(stored.data(), linear.data());
             }
-            converter.Convert(linear.data(), std::size_t{rows} * width, stored.data());
-            onRows(rows, stored.data(), linear.data());
         });
 }
 
@@ -162,8 +158,8 @@ std::string TextureRows::FindRange(double* largestMagnitude) {
     const std::size_t numChannels = _form.numChannels;
     const std::size_t rowValues = std::size_t{_file->Width()} * numChannels;
     std::string error = ReadFloats(
-        [&](std::uint32_t rows, const std::uint8_t*, const float* linear) {
-            for (std::size_t i = 0; i < rows * rowValues; ++i) {
+        [&](const std::uint8_t*, const float* linear) {
+            for (std::size_t i = 0; i < rowValues; ++i) {
                 const bool isFilledIn = Source(i % numChannels) < 0;
                 largest = isFilledIn ? largest : std::max(largest, std::abs(linear[i]));
             }
@@ -173,13 +169,8 @@ std::string TextureRows::FindRange(double* largestMagnitude) {
     return error;
 }
 
-std::string TextureRows::Read(const RowsCallback& onRows, TexelRepairs* repairs) {
-    if (!_form.isVerbatim) {
-        return ReadFloats(onRows, repairs);
-    }
-    return (_form.format & HDS_TEXEL_TYPE_MASK) == HDS_TEXEL_U8
-               ? ReadCodes<std::uint8_t>(OIIO::TypeUInt8, onRows)
-               : ReadCodes<std::uint16_t>(OIIO::TypeUInt16, onRows);
+std::string TextureRows::Read(const RowCallback& onRow, TexelRepairs* repairs) {
+    return _form.isVerbatim ? ReadCodes(onRow) : ReadFloats(onRow, repairs);
 }
 
 std::string WarningOf(const TexelRepairs& repairs) {

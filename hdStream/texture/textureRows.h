@@ -3,10 +3,13 @@
 // filtering. See textureForm.h.
 #pragma once
 
+#include "hdStream/texture/codeRows.h"
+#include "hdStream/texture/keptImage.h"
 #include "hdStream/texture/textureForm.h"
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -46,10 +49,9 @@ std::string ChooseForm(ImageFile* file, const ColorDecoder& decoder, TextureForm
 /// Reads one file. One thread.
 class TextureRows {
 public:
-    /// Rows in order from the top. \param stored [numRows][width] texels as TexelConverter's;
-    /// \param linear [numRows][width][channels]
-    using RowsCallback =
-        std::function<void(std::uint32_t numRows, const std::uint8_t* stored, const float* linear)>;
+    /// Rows in order from the top, one by one. \param stored [width] texels as TexelConverter's;
+    /// \param linear [width][channels]
+    using RowCallback = std::function<void(const std::uint8_t* stored, const float* linear)>;
 
     TextureRows(ImageFile* file, const ColorDecoder* decoder, const TextureForm& form);
 
@@ -58,12 +60,16 @@ public:
     std::string FindRange(double* largestMagnitude);
 
     /// Reads the file. \return as FindRange
-    std::string Read(const RowsCallback& onRows, TexelRepairs* repairs);
+    std::string Read(const RowCallback& onRow, TexelRepairs* repairs);
+
+    /// Lets Read keep the file's codes. \return null: the form is not verbatim, or they take more
+    /// than `maxBytes`
+    std::shared_ptr<const KeptImage> Keep(std::uint64_t maxBytes);
 
 private:
-    template <typename T>
-    std::string ReadCodes(const OIIO::TypeDesc& type, const RowsCallback& onRows);
-    std::string ReadFloats(const RowsCallback& onRows, TexelRepairs* repairs);
+    CodeRows Codes() const;
+    std::string ReadCodes(const RowCallback& onRow);
+    std::string ReadFloats(const RowCallback& onRow, TexelRepairs* repairs);
     void DecodeRow(const float* pixels, float* linear, TexelRepairs* repairs);
     int Source(std::size_t stored) const;
 
@@ -75,6 +81,7 @@ private:
     int _end = 0;
     float _limit; ///< of magnitudes
     std::vector<float> _rgb;
+    std::shared_ptr<KeptImage> _kept;
 };
 
 } // namespace hds

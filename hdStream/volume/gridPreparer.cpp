@@ -60,7 +60,7 @@ PageKey MemoryKey(const VoxelGrid& grid) {
 
 std::shared_ptr<const PreparedGrid> MakePrepared(GridDescription description,
                                                  std::shared_ptr<const LineStore> lines,
-                                                 PreparedTexture::Restore restore) {
+                                                 PreparedTexture::Make restore) {
     TextureDescription texture = LinesOf(description);
     auto prepared = std::make_shared<PreparedGrid>();
     prepared->description = std::move(description);
@@ -154,10 +154,10 @@ PreparedGrids GridPreparer::Load(const VdbRequest& request, std::uint64_t bytes,
 }
 
 /// What makes the bricks of a component again when some are found damaged.
-PreparedTexture::Restore GridPreparer::Restorer(const VdbRequest& request, std::uint64_t bytes,
-                                                const PageKey& key, std::size_t component) const {
-    return [request, bytes, key, component, store = _store,
-            warnings = _warnings]() -> std::shared_ptr<const LineStore> {
+PreparedTexture::Make GridPreparer::Restorer(const VdbRequest& request, std::uint64_t bytes,
+                                             const PageKey& key, std::size_t component) const {
+    return [request, bytes, key, component, store = _store, warnings = _warnings](
+               const std::vector<std::uint32_t>&) -> std::shared_ptr<const LineStore> {
         if (FileKey(request, bytes) == key) {
             std::string error;
             const std::vector<BuiltGrid> built = BuildFile(request, store, key, &error);

@@ -42,8 +42,8 @@ private:
     };
 
     PreparedGrids Load(const VdbRequest& request, std::uint64_t bytes, const PageKey& key) const;
-    PreparedTexture::Restore Restorer(const VdbRequest& request, std::uint64_t bytes,
-                                      const PageKey& key, std::size_t component) const;
+    PreparedTexture::Make Restorer(const VdbRequest& request, std::uint64_t bytes,
+                                   const PageKey& key, std::size_t component) const;
 
     std::shared_ptr<PageStore> _store;
     Warnings* _warnings;

@@ -95,7 +95,7 @@ public:
         }
         return lines;
     }
-    void Open(const std::vector<std::uint32_t>& textures) override {
+    void Open(const std::vector<std::uint32_t>& textures, bool allLines) override {
         for (const std::uint32_t texture : textures) {
             opened.insert(texture);
             ++numOpens;

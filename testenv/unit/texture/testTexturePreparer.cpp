@@ -251,23 +251,6 @@ TEST_F(TextureTest, AnImageOfOneColorTakesOneLine) {
     EXPECT_NEAR(Texel(*late, 8, 0, 0)[0], 0.6, 0.01);
 }
 
-TEST_F(TextureTest, LinesOfOneColorHaveACanonicalLine) {
-    const auto texture =
-        Prepare(WriteImage("islands.png", 256, 256, 3, OIIO::TypeUInt8, [](int x, int y, int c) {
-            return x < 128 ? (y < 128 ? 0.2 : 0.8) : Waves(x, y, c);
-        }));
-    std::vector<TextureLine> lines = AllLines(*texture);
-    std::size_t numRepeats = 0;
-    for (std::uint32_t line = 0; line < texture->NumLines(); ++line) {
-        const std::uint32_t canonical = texture->CanonicalLine(line);
-        EXPECT_LE(canonical, line);
-        EXPECT_EQ(lines[canonical], lines[line]);
-        numRepeats += canonical == line ? 0 : 1;
-    }
-    // The left half of mips of 16 and more lines: 128 + 32 + 8 + 2 lines of two colours.
-    EXPECT_EQ(numRepeats, 170u - 2u);
-}
-
 TEST_F(TextureTest, WideImagesAreFilteredRowByRow) {
     // 16k: the longest rows that common tools write. Columns of one value check every line's place.
     const auto texture = Prepare(WriteImage("wide.png", 16384, 33, 1, OIIO::TypeUInt8,
