@@ -13,7 +13,7 @@ from pxr import Tf, Usd, UsdGeom, UsdSkel
 
 from hdstream import _core
 from hdstream.diagnostics import MessagesOf
-from hdstream.translate import cameras, curves, drawModes, lights, meshes, primvars, volumes
+from hdstream.translate import cameras, colorSpaces, curves, drawModes, lights, meshes, primvars, volumes
 from hdstream.translate.assets import AssetResolver
 from hdstream.translate.instancers import Instancers
 from hdstream.translate.links import Links
@@ -51,6 +51,7 @@ class StageTranslator:
         self._pass = PassCollections(passPrim) if passPrim else None
         self._session = session
         self._timeCode = Usd.TimeCode(timeCode)
+        colorSpaces.Forget()
         self._motion = Motion(timeCode, shutter)
         self._reports = Reports(session)
         self._assets = AssetResolver()
