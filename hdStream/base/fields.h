@@ -95,7 +95,7 @@ constexpr bool kHasFields = HasFieldsTrait<T>::value;
 template <typename T>
 auto CountMembers(const T& object) {
     constexpr std::size_t kCount = std::tuple_size_v<decltype(T::Fields())>;
-    static_assert(kCount >= 1 && kCount <= 22, "more members: add their number below");
+    static_assert(kCount >= 1 && kCount <= 23, "more members: add their number below");
 #define HDS_TAKE_APART(count, ...)                           \
     if constexpr (kCount == (count)) {                       \
         [[maybe_unused]] const auto& [__VA_ARGS__] = object; \
@@ -122,6 +122,7 @@ auto CountMembers(const T& object) {
     HDS_TAKE_APART(20, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t)
     HDS_TAKE_APART(21, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u)
     HDS_TAKE_APART(22, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v)
+    HDS_TAKE_APART(23, a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w)
 #undef HDS_TAKE_APART
     return std::integral_constant<std::size_t, kCount>();
 }

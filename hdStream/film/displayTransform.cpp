@@ -6,13 +6,44 @@
 #include "hdStream/texture/oneLine.h"
 #include "hdStream/texture/srgb.h"
 
+#include <vector>
+
 namespace OCIO = OCIO_NAMESPACE;
 
 namespace hds {
 
 struct DisplayTransform::Processor {
-    OCIO::ConstCPUProcessorRcPtr cpu;
+    std::vector<OCIO::ConstCPUProcessorRcPtr> steps; ///< one after another
 };
+
+namespace {
+
+/// The default view of the default display, from a space that the configuration knows.
+OCIO::ConstCPUProcessorRcPtr MakeView(const OCIO::ConstConfigRcPtr& config, const char* from) {
+    const std::string display = config->getDefaultDisplay();
+    const std::string view = config->getDefaultView(display.c_str());
+    return config->getProcessor(from, display.c_str(), view.c_str(), OCIO::TRANSFORM_DIR_FORWARD)
+        ->getOptimizedCPUProcessor(OCIO::OPTIMIZATION_LOSSLESS);
+}
+
+/// What leads from a working space to the display.
+std::vector<OCIO::ConstCPUProcessorRcPtr> MakeSteps(bool isSrgb, const std::string& workingSpace) {
+    if (isSrgb) {
+        return {MakeColorProcessor(workingSpace, "lin_rec709")};
+    }
+    const OCIO::ConstConfigRcPtr config = ColorConfig();
+    if (workingSpace.empty() || !config->getColorSpace(workingSpace.c_str())) {
+        std::vector<OCIO::ConstCPUProcessorRcPtr> steps;
+        if (!workingSpace.empty()) { // of the built-in configuration
+            steps.push_back(MakeColorProcessor(workingSpace, OCIO::ROLE_SCENE_LINEAR));
+        }
+        steps.push_back(MakeView(config, OCIO::ROLE_SCENE_LINEAR));
+        return steps;
+    }
+    return {MakeView(config, workingSpace.c_str())};
+}
+
+} // namespace
 
 ColorCorrection ParseColorCorrection(const std::string& mode) {
     if (mode.empty()) {
@@ -31,22 +62,18 @@ ColorCorrection ParseColorCorrection(const std::string& mode) {
                 ErrorKind::Usage);
 }
 
-DisplayTransform::DisplayTransform(ColorCorrection mode) : _mode(mode) {
+DisplayTransform::DisplayTransform(ColorCorrection mode, const std::string& workingSpace)
+    : _mode(mode) {
     if (_mode == ColorCorrection::Automatic) {
         _mode = HasUserColorConfig() ? ColorCorrection::OpenColorIO : ColorCorrection::Srgb;
     }
-    if (_mode != ColorCorrection::OpenColorIO) {
+    const bool isSrgb = _mode == ColorCorrection::Srgb && !workingSpace.empty();
+    if (_mode != ColorCorrection::OpenColorIO && !isSrgb) {
         return;
     }
-    const OCIO::ConstConfigRcPtr config = ColorConfig();
     try {
-        const std::string display = config->getDefaultDisplay();
-        const std::string view = config->getDefaultView(display.c_str());
         _processor = std::make_unique<Processor>();
-        _processor->cpu = config
-                              ->getProcessor(OCIO::ROLE_SCENE_LINEAR, display.c_str(), view.c_str(),
-                                             OCIO::TRANSFORM_DIR_FORWARD)
-                              ->getOptimizedCPUProcessor(OCIO::OPTIMIZATION_LOSSLESS);
+        _processor->steps = MakeSteps(isSrgb, workingSpace);
     } catch (const std::exception& failure) {
         throw Error("OCIO: the default display of the colour configuration cannot be used: " +
                     OneLine(failure.what()));
@@ -58,8 +85,11 @@ DisplayTransform::~DisplayTransform() = default;
 void DisplayTransform::Apply(float* rgb, std::size_t numPixels) const {
     if (_processor) {
         OCIO::PackedImageDesc pixels(rgb, static_cast<long>(numPixels), 1, 3);
-        _processor->cpu->apply(pixels);
-    } else if (_mode == ColorCorrection::Srgb) {
+        for (const OCIO::ConstCPUProcessorRcPtr& step : _processor->steps) {
+            step->apply(pixels);
+        }
+    }
+    if (_mode == ColorCorrection::Srgb) {
         for (std::size_t i = 0; i < 3 * numPixels; ++i) {
             rgb[i] = static_cast<float>(SrgbFromLinear(rgb[i]));
         }

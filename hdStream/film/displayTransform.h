@@ -25,8 +25,10 @@ ColorCorrection ParseColorCorrection(const std::string& mode);
 /// A display transform. Immutable after construction, thread-safe.
 class DisplayTransform {
 public:
+    /// \param workingSpace that colours are in; empty: the configuration's scene_linear role (mode
+    ///        Srgb: linear Rec.709)
     /// \throws Error when the OpenColorIO configuration has no usable default display
-    explicit DisplayTransform(ColorCorrection mode);
+    explicit DisplayTransform(ColorCorrection mode, const std::string& workingSpace = "");
     ~DisplayTransform();
 
     /// Transforms RGB triples in place. Values are not clamped.
@@ -38,7 +40,7 @@ public:
 private:
     struct Processor;
     ColorCorrection _mode;
-    std::unique_ptr<Processor> _processor; ///< mode OpenColorIO only
+    std::unique_ptr<Processor> _processor; ///< of OpenColorIO; before the sRGB function
 };
 
 } // namespace hds

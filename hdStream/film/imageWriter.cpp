@@ -158,13 +158,18 @@ void AddWindows(OIIO::ImageSpec* spec, const ImageMetadata& metadata) {
     }
 }
 
-/// What colours are in.
-void AddColorSpace(OIIO::ImageSpec* spec) {
+/// What colours are in. Of a working space its name is said, and its primaries where it is built
+/// in.
+void AddColorSpace(OIIO::ImageSpec* spec, const std::string& workingSpace) {
     spec->attribute("oiio:ColorSpace", "Linear");
-    if (!HasUserColorConfig()) {
-        // Of Rec. 709, red, green, blue and white.
-        const float rec709[] = {0.64F, 0.33F, 0.30F, 0.60F, 0.15F, 0.06F, 0.3127F, 0.3290F};
-        spec->attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), rec709);
+    if (!workingSpace.empty()) {
+        spec->attribute("hdStream:workingSpace", workingSpace);
+    }
+    const bool isKnown = !workingSpace.empty() || !HasUserColorConfig();
+    const auto xy = isKnown ? ChromaticitiesOf(workingSpace.empty() ? "lin_rec709" : workingSpace)
+                            : std::nullopt;
+    if (xy) {
+        spec->attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), xy->data());
     }
 }
 
@@ -226,7 +231,7 @@ bool IsColor(const ImageLayer& layer) {
 }
 
 /// All layers side by side. The layers must outlive the result.
-EncodedImage EncodeExr(const std::vector<ImageLayer>& layers) {
+EncodedImage EncodeExr(const std::vector<ImageLayer>& layers, const std::string& workingSpace) {
     EncodedImage image;
     image.spec = OIIO::ImageSpec(static_cast<int>(layers[0].width),
                                  static_cast<int>(layers[0].height), 0, OIIO::TypeFloat);
@@ -256,7 +261,7 @@ EncodedImage EncodeExr(const std::vector<ImageLayer>& layers) {
     }
     image.spec.attribute("compression", "zip");
     if (std::any_of(layers.begin(), layers.end(), IsColor)) {
-        AddColorSpace(&image.spec);
+        AddColorSpace(&image.spec, workingSpace);
     } else {
         image.spec.attribute("oiio:ColorSpace", "Linear");
     }
@@ -272,13 +277,14 @@ EncodedImage EncodeExr(const std::vector<ImageLayer>& layers) {
 }
 
 /// Display-referred 8-bit pixels.
-EncodedImage EncodeDisplay(const ImageLayer& layer, FileKind kind, ColorCorrection correction) {
+EncodedImage EncodeDisplay(const ImageLayer& layer, FileKind kind, ColorCorrection correction,
+                           const std::string& workingSpace) {
     const AlphaMode alphaMode =
         kind == FileKind::Png ? AlphaMode::Unpremultiplied : AlphaMode::OverBlack;
     // Data that is no colour (depth, normals) is stored as it is.
     const AovInfo* info = FindAov(layer.name);
-    const DisplayTransform transform(info && info->isColor ? correction
-                                                           : ColorCorrection::Disabled);
+    const DisplayTransform transform(info && info->isColor ? correction : ColorCorrection::Disabled,
+                                     workingSpace);
     QuantisedImage quantised = QuantiseLayer(layer, transform, alphaMode);
     EncodedImage image;
     image.spec = OIIO::ImageSpec(static_cast<int>(layer.width), static_cast<int>(layer.height),
@@ -482,7 +488,7 @@ std::vector<std::string> WriteImage(const std::string& file, const std::vector<I
     std::vector<std::string> left;
     EncodedImage image;
     if (kind == FileKind::Exr) {
-        image = EncodeExr(layers);
+        image = EncodeExr(layers, options.metadata.workingSpace);
     } else {
         const ImageLayer& layer = MainLayer(file, layers);
         for (const ImageLayer& other : layers) {
@@ -490,9 +496,10 @@ std::vector<std::string> WriteImage(const std::string& file, const std::vector<I
                 left.push_back(other.name);
             }
         }
-        image = kind == FileKind::Png || kind == FileKind::Jpeg
-                    ? EncodeDisplay(layer, kind, options.colorCorrection)
-                    : EncodeLinear(layer, kind);
+        image =
+            kind == FileKind::Png || kind == FileKind::Jpeg
+                ? EncodeDisplay(layer, kind, options.colorCorrection, options.metadata.workingSpace)
+                : EncodeLinear(layer, kind);
     }
     AddMetadata(&image.spec, options.metadata);
     if (kind == FileKind::Exr) {
@@ -528,7 +535,7 @@ void WriteDeepImage(const std::string& file, const DeepImage& image, bool isHalf
     const OIIO::TypeDesc colorType = isHalf ? OIIO::TypeHalf : OIIO::TypeFloat;
     spec.channelformats = {colorType, colorType,       colorType,
                            colorType, OIIO::TypeFloat, OIIO::TypeFloat};
-    AddColorSpace(&spec);
+    AddColorSpace(&spec, metadata.workingSpace);
     AddMetadata(&spec, metadata);
     AddWindows(&spec, metadata);
     const std::string compression = spec.get_string_attribute("compression");

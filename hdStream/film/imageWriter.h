@@ -34,6 +34,8 @@ struct ImageMetadata {
     std::array<std::uint32_t, 2> framesPerSecond{};
     /// Number of the frame, for a SMPTE time code; with framesPerSecond of 30 at most.
     std::optional<std::uint32_t> frameNumber;
+    /// What colours are in; empty: the configuration's scene_linear role.
+    std::string workingSpace = {};
     /// Width and height of the tiles that an EXR consists of; 0: of scan lines.
     std::array<std::uint32_t, 2> tileSize{};
 };

@@ -32,12 +32,15 @@ struct Primvar {
     std::uint32_t numComponents = 1;  ///< 1 to 4
     SharedSpan<float> values;         ///< [count][numComponents]
     SharedSpan<std::int32_t> indices; ///< empty: values are used in order
+    std::string colorSpace = {};      ///< of the values; empty: none is said
 
     static constexpr auto Fields() {
-        return FieldList(HDS_FIELD(Primvar, name), HDS_FIELD(Primvar, interpolation),
-                         HDS_FIELD(Primvar, numComponents),
-                         HDS_FIELD(Primvar, values).NotInPython("rows of numComponents"),
-                         HDS_FIELD(Primvar, indices));
+        return FieldList(
+            HDS_FIELD(Primvar, name), HDS_FIELD(Primvar, interpolation),
+            HDS_FIELD(Primvar, numComponents),
+            HDS_FIELD(Primvar, values).NotInPython("rows of numComponents"),
+            HDS_FIELD(Primvar, indices),
+            HDS_FIELD(Primvar, colorSpace).NotInKey("pages have values in the working space"));
     }
 };
 

@@ -12,6 +12,8 @@
 
 #include <cstdint>
 #include <utility>
+#include <variant>
+#include <vector>
 
 PXR_NAMESPACE_OPEN_SCOPE
 
@@ -42,6 +44,13 @@ bool TryMatrix(const VtValue& value, Parameter* result) {
 /// Attributes of inputs ("typeName:x", "colorSpace:x") that newer versions of Hydra put among them.
 bool IsMetadata(const std::string& name) {
     return TfStringStartsWith(name, "typeName:") || TfStringStartsWith(name, "colorSpace:");
+}
+
+/// Of images and of colours.
+bool MayHaveColorSpace(const hds::ParameterValue& value) {
+    const auto* numbers = std::get_if<std::vector<float>>(&value);
+    return std::holds_alternative<hds::AssetReference>(value) ||
+           (numbers != nullptr && (numbers->size() == 3 || numbers->size() == 4));
 }
 
 /// Paths of nodes: relative to the material or absolute in Hydra, absolute in the scene.
@@ -80,7 +89,7 @@ hds::MaterialNode NodeFrom(const SdfPath& path, const NodePaths& paths,
         if (!parameter) {
             continue;
         }
-        if (std::holds_alternative<hds::AssetReference>(*parameter)) {
+        if (MayHaveColorSpace(*parameter)) {
             const std::string key = "colorSpace:" + name;
             const auto space = source.parameters.find(TfToken(key));
             if (space != source.parameters.end() && space->second.IsHolding<TfToken>() &&

@@ -164,6 +164,7 @@ bool HdStreamEqual(const std::vector<hds::Primvar>& a, const std::vector<hds::Pr
                           return left.name == right.name &&
                                  left.interpolation == right.interpolation &&
                                  left.numComponents == right.numComponents &&
+                                 left.colorSpace == right.colorSpace &&
                                  HdStreamEqual(left.values, right.values) &&
                                  HdStreamEqual(left.indices, right.indices);
                       });

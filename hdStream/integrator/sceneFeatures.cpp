@@ -84,6 +84,7 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
     features.pathLimits = options.HasPathLimits();
     features.media = scene.hasMedia;
     features.hair = scene.hasHair;
+    features.workingSpace = scene.hasWorkingSpace;
     features.glassShadows = scene.hasGlassShadows;
     features.terminator = options.smoothTerminator;
     features.mediaStack = !scene.meshMedia.empty();

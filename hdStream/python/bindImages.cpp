@@ -2,6 +2,7 @@
 #include "hdStream/python/bindings.h"
 #include "hdStream/session/imageMetadata.h"
 #include "hdStream/session/session.h"
+#include "hdStream/session/settingsCheck.h"
 
 #include <cstring>
 #include <nanobind/ndarray.h>
@@ -99,6 +100,7 @@ void BindWriting(nb::module_& module) {
         .def_rw("displayWindowSize", &ImageMetadata::displayWindowSize)
         .def_rw("framesPerSecond", &ImageMetadata::framesPerSecond)
         .def_rw("frameNumber", &ImageMetadata::frameNumber)
+        .def_rw("workingSpace", &ImageMetadata::workingSpace)
         .def_rw("tileSize", &ImageMetadata::tileSize);
 
     module.def("MakeImageMetadata", &MakeImageMetadata, "settings"_a, "camera"_a,
@@ -118,6 +120,8 @@ void BindWriting(nb::module_& module) {
         "metadata"_a = ImageMetadata(),
         "Writes layers; returns those that the format cannot hold.");
 
+    module.def("IsWorkingSpace", &IsWorkingSpace, "name"_a,
+               "Whether the setting workingSpace takes a name.");
     module.def("AddDenoiserLibrary", &AddDenoiserLibrary, "file"_a,
                "A file of Open Image Denoise that is tried before the system's.");
     module.def("CheckDenoiser", &CheckDenoiser, ReleaseGil(),

@@ -17,10 +17,10 @@ void BindMaterials(nb::module_& module) {
     asset.def(
         "__init__",
         [](AssetReference* self, const std::string& authoredPath, const std::string& file,
-           std::uint64_t offset, std::uint64_t size) {
-            new (self) AssetReference{authoredPath, file, offset, size};
+           std::uint64_t offset, std::uint64_t size, const std::string& colorSpace) {
+            new (self) AssetReference{authoredPath, file, offset, size, colorSpace};
         },
-        "authoredPath"_a = "", "file"_a = "", "offset"_a = 0, "size"_a = 0);
+        "authoredPath"_a = "", "file"_a = "", "offset"_a = 0, "size"_a = 0, "colorSpace"_a = "");
     BindFields<FieldAccess::ReadOnly>(asset);
 
     nb::class_<MaterialNode::Connection> connection(module, "Connection", "The output of a node.");

@@ -24,7 +24,7 @@ void BindPrimvar(nb::module_& module) {
     primvar.def(
         "__init__",
         [](Primvar* self, const std::string& name, Interpolation interpolation, nb::handle values,
-           nb::handle indices) {
+           nb::handle indices, const std::string& colorSpace) {
             auto [span, numComponents] = SpanFromBuffer<float>(values, name.c_str());
             if (numComponents < 1 || numComponents > 4) {
                 throw nb::value_error("a primvar has 1 to 4 components");
@@ -33,10 +33,14 @@ void BindPrimvar(nb::module_& module) {
             if (!indices.is_none()) {
                 indexSpan = SpanFromBuffer<std::int32_t>(indices, name.c_str()).first;
             }
-            new (self) Primvar{name, interpolation, static_cast<std::uint32_t>(numComponents),
-                               std::move(span), std::move(indexSpan)};
+            new (self) Primvar{name,
+                               interpolation,
+                               static_cast<std::uint32_t>(numComponents),
+                               std::move(span),
+                               std::move(indexSpan),
+                               colorSpace};
         },
-        "name"_a, "interpolation"_a, "values"_a, "indices"_a = nb::none(),
+        "name"_a, "interpolation"_a, "values"_a, "indices"_a = nb::none(), "colorSpace"_a = "",
         "`values` is a float32 array [count] or [count][components].");
     BindFields<FieldAccess::ReadOnly>(primvar);
     primvar.def_prop_ro("values", [](const Primvar& self) {

@@ -390,6 +390,12 @@ private:
             _result->lobes |= HDS_LOBE_BASE | HDS_LOBE_TRANSLUCENCY;
             _result->hasMotion = _result->hasMotion || _result->volumes.haveMotion;
         }
+        if (const auto matrix = WorkingFromRec709(_options.workingSpace)) {
+            for (shared::HdsVolume& volume : _result->volumes.volumes) {
+                std::copy(matrix->begin(), matrix->end(), volume.workingFromRec709);
+                _result->hasWorkingSpace = true;
+            }
+        }
     }
 
     void AddMeshMedia() {
@@ -471,7 +477,9 @@ std::vector<std::uint32_t> FindSlots(const CommittedScene& scene,
 std::unique_ptr<CommittedScene> CommitScene(const SceneDescription& scene,
                                             const CommitOptions& options, CommitCache* cache,
                                             Warnings& warnings, const CancelCallback& isCancelled) {
-    return Committer(scene, options, cache, warnings).Run(isCancelled);
+    const SceneDescription& inWorkingSpace =
+        cache->colors.Convert(scene, options.workingSpace, warnings);
+    return Committer(inWorkingSpace, options, cache, warnings).Run(isCancelled);
 }
 
 } // namespace hds

@@ -13,6 +13,7 @@
 #include "hdStream/scene/instancePrimvars.h"
 #include "hdStream/scene/materialCommit.h"
 #include "hdStream/scene/mediaBounds.h"
+#include "hdStream/scene/sceneColors.h"
 #include "hdStream/scene/sceneDescription.h"
 #include "hdStream/scene/sceneLines.h"
 #include "hdStream/scene/transforms.h"
@@ -53,6 +54,7 @@ struct CommitOptions {
     std::uint32_t refineLevel = 0;          ///< for Subdivision::Complexity
     std::vector<std::string> shownPrimvars; ///< kept for AOVs, whether materials read them or not
     bool keepsNames = false;                ///< of prims and materials
+    std::string workingSpace;  ///< of all colours; empty: the configuration's scene_linear role
     bool glassShadows = false; ///< shadow rays pass smooth refracting surfaces straight
     /// For Subdivision::Adaptive; nothing: no surface is on screen.
     std::optional<DicingCamera> dicingCamera;
@@ -66,8 +68,8 @@ struct CommitOptions {
             HDS_FIELD(CommitOptions, chunkBytes), HDS_FIELD(CommitOptions, instanceChunks),
             HDS_FIELD(CommitOptions, subdivision), HDS_FIELD(CommitOptions, refineLevel),
             HDS_FIELD(CommitOptions, shownPrimvars), HDS_FIELD(CommitOptions, keepsNames),
-            HDS_FIELD(CommitOptions, glassShadows), HDS_FIELD(CommitOptions, dicingCamera),
-            HDS_FIELD(CommitOptions, shutter));
+            HDS_FIELD(CommitOptions, workingSpace), HDS_FIELD(CommitOptions, glassShadows),
+            HDS_FIELD(CommitOptions, dicingCamera), HDS_FIELD(CommitOptions, shutter));
     }
 };
 
@@ -83,6 +85,7 @@ struct CommitCache {
     explicit CommitCache(Warnings& warnings)
         : images(warnings), textures(std::make_shared<TexturePreparer>(nullptr, &warnings)),
           grids(std::make_shared<GridPreparer>(nullptr, &warnings)) {}
+    SceneColors colors;
     GeometryStore geometry;
     PreparedPages pages;
     ImageLibrary images;
@@ -154,6 +157,7 @@ struct CommittedScene {
     bool hasInstanceChunks = false;
     bool hasCurves = false;        ///< or points
     bool hasHair = false;          ///< some material is hair
+    bool hasWorkingSpace = false;  ///< black bodies are converted to another space than Rec.709
     bool hasMedia = false;         ///< some material scatters light below its surface
     bool hasGlassShadows = false;  ///< shadow rays pass some refracting surface
     bool hasRayVisibility = false; ///< some prim is not seen by all rays, or is held out

@@ -68,7 +68,8 @@ std::string Text(const std::string& text) {
     return text;
 }
 std::string Text(const AssetReference& asset) {
-    return '@' + asset.authoredPath + '@';
+    return '@' + asset.authoredPath + '@' +
+           (asset.colorSpace.empty() ? "" : ' ' + asset.colorSpace);
 }
 template <typename T>
 std::string Text(const T& value) {
@@ -108,6 +109,7 @@ bool IsWorthALine(const LightDescription& light, const Field<LightDescription, M
     return field.IsFor(light.type) &&
            (!field.Is(&LightDescription::textureFile) || !light.textureFile.authoredPath.empty()) &&
            (!field.Is(&LightDescription::group) || !light.group.empty()) &&
+           (!field.Is(&LightDescription::colorSpace) || !light.colorSpace.empty()) &&
            (!field.Is(&LightDescription::shaping) || !IsUnshaped(light)) &&
            (!field.Is(&LightDescription::shadow) || IsRestricted(light.shadow));
 }
@@ -346,7 +348,8 @@ void DumpPrimvars(const std::vector<Primvar>& list, Writer* out) {
         out->Line("primvar " + primvar->name,
                   std::string(TextOf(primvar->interpolation)) + " x" +
                       std::to_string(primvar->numComponents) + " " + Array(primvar->values) +
-                      (primvar->indices.empty() ? "" : " indices " + Array(primvar->indices)));
+                      (primvar->indices.empty() ? "" : " indices " + Array(primvar->indices)) +
+                      (primvar->colorSpace.empty() ? "" : " in " + primvar->colorSpace));
     }
 }
 

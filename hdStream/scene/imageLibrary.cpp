@@ -57,7 +57,8 @@ TextureRequest RequestOf(const MaterialTexture& texture) {
 MaterialTexture LightTextureOf(const AssetReference& asset) {
     MaterialTexture texture;
     texture.file = asset;
-    texture.colorSpace = "auto";
+    texture.file.colorSpace.clear();
+    texture.colorSpace = asset.colorSpace.empty() ? "auto" : asset.colorSpace;
     texture.channels = TextureRequest::kRed | TextureRequest::kGreen | TextureRequest::kBlue;
     texture.isRadiance = true;
     return texture;
@@ -127,14 +128,14 @@ std::shared_ptr<const HeightImage> ImageLibrary::LoadHeights(const MaterialTextu
 
 std::shared_ptr<const LightImage> ImageLibrary::LoadLightImage(const AssetReference& asset,
                                                                TexturePreparer* preparer) {
-    const std::string key = KeyOf(asset);
+    const std::string key = KeyOf(asset) + '\n' + asset.colorSpace;
     const std::lock_guard<std::mutex> lock(_mutex);
     auto known = _ofLights.find(key);
     if (known == _ofLights.end()) {
         known = _ofLights.emplace(key, ReadLightImage(asset, preparer)).first;
     }
     known->second.isAskedFor = true;
-    _uses[key] = known->second.use;
+    _uses[KeyOf(asset)] = known->second.use;
     return known->second.image;
 }
 

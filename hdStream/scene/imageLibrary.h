@@ -95,7 +95,7 @@ private:
     mutable std::mutex _mutex;
     std::map<std::string, TextureUse> _uses;  ///< by file and range
     std::map<std::string, Header> _headers;   ///< by file and range
-    std::map<std::string, OfLight> _ofLights; ///< by file and range
+    std::map<std::string, OfLight> _ofLights; ///< by file, range and colour space
     /// By texture and channel, as long as some prim uses it.
     std::map<std::string, std::weak_ptr<const HeightImage>> _heights;
     std::uint64_t _epoch = 0;

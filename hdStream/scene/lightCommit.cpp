@@ -246,7 +246,7 @@ std::vector<MaterialTexture> LoadLightTextures(const SceneDescription& scene, Co
         }
         const MaterialTexture texture = LightTextureOf(prim.light.textureFile);
         const bool isReadable =
-            cache->images.LoadLightImage(texture.file, cache->textures.get()) != nullptr;
+            cache->images.LoadLightImage(prim.light.textureFile, cache->textures.get()) != nullptr;
         if (isReadable && keys.insert(MaterialTextureKey(texture)).second) {
             textures.push_back(texture);
         }

@@ -45,6 +45,7 @@ ImageMetadata MakeImageMetadata(const Settings& settings, const CameraPrim& came
     ImageMetadata metadata;
     metadata.samples = settings.samples;
     metadata.camera = settings.camera;
+    metadata.workingSpace = settings.workingSpace;
     metadata.pixelAspectRatio = settings.pixelAspectRatio;
     const glm::dmat4 view = glm::inverse(camera.worldFromCamera);
     metadata.worldToCamera = RowsOf(view);

@@ -4,6 +4,7 @@
 #include "hdStream/base/error.h"
 #include "hdStream/session/memorySize.h"
 #include "hdStream/session/settingsTable.h"
+#include "hdStream/texture/colorConversion.h"
 
 #include <algorithm>
 #include <array>
@@ -41,6 +42,10 @@ MemorySize MemoryOf(const std::string& text) {
 
 } // namespace
 
+bool IsWorkingSpace(const std::string& name) {
+    return IsColorSpace(name) && !IsDataSpace(name);
+}
+
 void CheckSettings(const Settings& settings) {
     for (const SettingInfo& info : SettingTable()) {
         CheckSettingValue(info, GetSetting(settings, info.name));
@@ -57,6 +62,11 @@ void CheckSettings(const Settings& settings) {
         }
     }
     CheckAovs(settings.aovs);
+    if (!settings.workingSpace.empty() && !IsWorkingSpace(settings.workingSpace)) {
+        throw Error("--workingSpace: '" + settings.workingSpace +
+                        "' is no colour space of the OpenColorIO configuration",
+                    ErrorKind::Usage);
+    }
     if (settings.residency == "mapped" && settings.noCache) {
         throw Error("--residency mapped: needs the persistent cache, which --noCache switches off",
                     ErrorKind::Usage);
@@ -157,6 +167,7 @@ CommitOptions MakeCommitOptions(const Settings& settings) {
     options.refineLevel = options.subdivision == Subdivision::Complexity ? settings.refineLevel : 0;
     const AovLayout aovs = MakeAovLayout(settings.aovs);
     options.shownPrimvars = aovs.primvars;
+    options.workingSpace = settings.workingSpace;
     options.keepsNames = aovs.hasMattes;
     return options;
 }

@@ -6,10 +6,16 @@
 #include "hdStream/scene/commit.h"
 #include "hdStream/session/settings.h"
 
+#include <string>
+
 namespace hds {
 
 /// Largest width and height of an image.
 constexpr std::uint32_t kMaxImageSize = 32768;
+
+/// Whether a name is one of a colour space that can be rendered in.
+/// \throws Error when $OCIO cannot be read
+bool IsWorkingSpace(const std::string& name);
 
 /// \throws Error (usage) that names the option of the first setting that is out of range.
 void CheckSettings(const Settings& settings);

@@ -95,6 +95,7 @@ struct LightDescription {
     float specular = 1.0F; ///< multiplier on what specular lobes receive
     bool normalize = false;
     std::array<float, 3> color{1.0F, 1.0F, 1.0F};
+    std::string colorSpace; ///< of color, focusTint and the shadow's color; empty: none is said
     bool enableColorTemperature = false;
     float colorTemperature = 6500.0F; ///< kelvin
     float angle = 0.53F;              ///< degrees, full cone
@@ -118,9 +119,10 @@ struct LightDescription {
         return FieldList(
             HDS_FIELD(Light, type), HDS_FIELD(Light, intensity), HDS_FIELD(Light, exposure),
             HDS_FIELD(Light, diffuse), HDS_FIELD(Light, specular), HDS_FIELD(Light, normalize),
-            HDS_FIELD(Light, color), HDS_FIELD(Light, enableColorTemperature),
-            HDS_FIELD(Light, colorTemperature), HDS_FIELD(Light, visibleToCamera),
-            HDS_FIELD(Light, group), HDS_FIELD(Light, angle).For(T::Distant),
+            HDS_FIELD(Light, color), HDS_FIELD(Light, colorSpace),
+            HDS_FIELD(Light, enableColorTemperature), HDS_FIELD(Light, colorTemperature),
+            HDS_FIELD(Light, visibleToCamera), HDS_FIELD(Light, group),
+            HDS_FIELD(Light, angle).For(T::Distant),
             HDS_FIELD(Light, radius).For(T::Sphere, T::Disk, T::Cylinder),
             HDS_FIELD(Light, width).For(T::Rect), HDS_FIELD(Light, height).For(T::Rect),
             HDS_FIELD(Light, length).For(T::Cylinder),

@@ -19,13 +19,16 @@ struct AssetReference {
     std::string file;         ///< resolved file; empty: could not be resolved
     std::uint64_t offset = 0; ///< bytes
     std::uint64_t size = 0;   ///< bytes; 0: the whole file
+    /// Of an image that a light names: the colour space of its attribute; empty: none is said.
+    std::string colorSpace = {};
 
     static constexpr auto Fields() {
         constexpr auto kWhy = "the text does not depend on where a stage lies";
         return FieldList(HDS_FIELD(AssetReference, authoredPath),
                          HDS_FIELD(AssetReference, file).NotInDump(kWhy),
                          HDS_FIELD(AssetReference, offset).NotInDump(kWhy),
-                         HDS_FIELD(AssetReference, size).NotInDump(kWhy));
+                         HDS_FIELD(AssetReference, size).NotInDump(kWhy),
+                         HDS_FIELD(AssetReference, colorSpace));
     }
 };
 

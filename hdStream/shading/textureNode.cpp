@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // UsdUVTexture and MaterialX's image: files, UDIM sets, wrap modes and outputs.
+#include "hdStream/shading/colorInputs.h"
 #include "hdStream/shading/networkEvaluator.h"
 #include "hdStream/shading/shaderMath.h"
 #include "kernels/shared/compat.h"
@@ -64,7 +65,7 @@ std::uint32_t NetworkEvaluator::AddTexture(const MaterialNode& node, const Asset
     if (node.identifier.compare(0, 3, "ND_") == 0 && node.identifier.find("Usd") == 3) {
         space = space.empty() ? "auto" : space;
     } else if (node.identifier.compare(0, 3, "ND_") == 0) {
-        space = MaterialXColorSpace(space);
+        space = IsColorImage(node.identifier) ? MaterialXColorSpace(space) : "raw";
     }
     if (space.empty()) {
         space = "auto";

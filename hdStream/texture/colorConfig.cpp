@@ -4,7 +4,12 @@
 #include "hdStream/base/error.h"
 #include "hdStream/texture/oneLine.h"
 
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+
+#include <algorithm>
 #include <cstdlib>
+#include <map>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -60,19 +65,96 @@ void AddAcesSpace(const OCIO::ConfigRcPtr& config, const char* name,
     config->addColorSpace(space);
 }
 
-/// A space with Rec.709 primaries and a power law, linear near black when `offset` is not 0.
-void AddPowerSpace(const OCIO::ConfigRcPtr& config, const char* name,
-                   const std::vector<const char*>& aliases, double gamma, double offset) {
-    OCIO::ColorSpaceRcPtr space = MakeSpace(name, aliases, "Rec.709 primaries, power law");
+/// A power law, linear near black when `offset` is not 0.
+OCIO::TransformRcPtr PowerOf(double gamma, double offset) {
     OCIO::ExponentWithLinearTransformRcPtr power = OCIO::ExponentWithLinearTransform::Create();
     power->setGamma({gamma, gamma, gamma, 1.0});
     power->setOffset({offset, offset, offset, 0.0});
     power->setNegativeStyle(OCIO::NEGATIVE_MIRROR);
-    space->setTransform(power, OCIO::COLORSPACE_DIR_TO_REFERENCE);
+    return power;
+}
+
+/// A space with Rec.709 primaries and a power law.
+void AddPowerSpace(const OCIO::ConfigRcPtr& config, const char* name,
+                   const std::vector<const char*>& aliases, double gamma, double offset) {
+    OCIO::ColorSpaceRcPtr space = MakeSpace(name, aliases, "Rec.709 primaries, power law");
+    space->setTransform(PowerOf(gamma, offset), OCIO::COLORSPACE_DIR_TO_REFERENCE);
     config->addColorSpace(space);
 }
 
-/// Names are those of OpenUSD's UsdColorSpace and of the ACES configurations.
+/// CIE xy of red, green, blue and white.
+using Primaries = std::array<double, 8>;
+
+constexpr Primaries kRec709 = {0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290};
+constexpr Primaries kRec2020 = {0.708, 0.292, 0.170, 0.797, 0.131, 0.046, 0.3127, 0.3290};
+constexpr Primaries kP3 = {0.680, 0.320, 0.265, 0.690, 0.150, 0.060, 0.3127, 0.3290};
+constexpr Primaries kAdobe = {0.64, 0.33, 0.21, 0.71, 0.15, 0.06, 0.3127, 0.3290};
+constexpr Primaries kAp0 = {0.7347, 0.2653, 0.0, 1.0, 0.0001, -0.0770, 0.32168, 0.33767};
+constexpr Primaries kAp1 = {0.713, 0.293, 0.165, 0.830, 0.128, 0.044, 0.32168, 0.33767};
+
+/// XYZ of a linear space of the white D65, scaled to a white of Y 1.
+glm::dmat3 XyzFrom(const Primaries& xy) {
+    const auto column = [&](std::size_t i) {
+        return glm::dvec3(xy[i] / xy[i + 1], 1.0, (1.0 - xy[i] - xy[i + 1]) / xy[i + 1]);
+    };
+    const glm::dmat3 unscaled(column(0), column(2), column(4));
+    const glm::dvec3 scales = glm::inverse(unscaled) * column(6);
+    return {unscaled[0] * scales.x, unscaled[1] * scales.y, unscaled[2] * scales.z};
+}
+
+OCIO::TransformRcPtr MatrixOf(const glm::dmat3& matrix) {
+    double rows[16] = {};
+    for (int i = 0; i < 3; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            rows[4 * i + k] = matrix[k][i];
+        }
+    }
+    rows[15] = 1.0;
+    OCIO::MatrixTransformRcPtr transform = OCIO::MatrixTransform::Create();
+    transform->setMatrix(rows);
+    return transform;
+}
+
+/// A space of other primaries, after a power law where there is one.
+void AddWideSpace(const OCIO::ConfigRcPtr& config, const char* name,
+                  const std::vector<const char*>& aliases, const OCIO::TransformRcPtr& power,
+                  const OCIO::TransformRcPtr& toRec709) {
+    OCIO::ColorSpaceRcPtr space = MakeSpace(name, aliases, "Other primaries than Rec.709");
+    OCIO::GroupTransformRcPtr group = OCIO::GroupTransform::Create();
+    if (power) {
+        group->appendTransform(power);
+    }
+    group->appendTransform(toRec709);
+    space->setTransform(group, OCIO::COLORSPACE_DIR_TO_REFERENCE);
+    config->addColorSpace(space);
+}
+
+/// The spaces of OpenUSD's GfColorSpaceNames that are neither of Rec.709 nor ACES2065-1 or ACEScg.
+void AddWideSpaces(const OCIO::ConfigRcPtr& config) {
+    const glm::dmat3 rec709 = glm::inverse(XyzFrom(kRec709));
+    const auto to709 = [&](const Primaries& xy) { return MatrixOf(rec709 * XyzFrom(xy)); };
+    const OCIO::TransformRcPtr srgb = PowerOf(2.4, 0.055);
+    const OCIO::TransformRcPtr gamma22 = PowerOf(2.2, 0.0);
+    AddWideSpace(config, "lin_rec2020", {"lin_rec2020_scene", "Linear Rec.2020"}, nullptr,
+                 to709(kRec2020));
+    AddWideSpace(config, "lin_p3d65",
+                 {"lin_p3d65_scene", "lin_displayp3", "lin_displayp3_scene", "Linear P3-D65"},
+                 nullptr, to709(kP3));
+    AddWideSpace(config, "lin_adobergb", {"lin_adobergb_scene", "Linear AdobeRGB"}, nullptr,
+                 to709(kAdobe));
+    AddWideSpace(config, "lin_ciexyzd65", {"lin_ciexyzd65_scene"}, nullptr, MatrixOf(rec709));
+    AddWideSpace(config, "srgb_displayp3",
+                 {"srgb_displayp3_scene", "srgb_p3d65", "srgb_p3d65_scene"}, srgb, to709(kP3));
+    AddWideSpace(config, "g22_adobergb", {"g22_adobergb_scene"}, gamma22, to709(kAdobe));
+    AddWideSpace(config, "adobergb", {}, PowerOf(563.0 / 256.0, 0.0), to709(kAdobe));
+    OCIO::ColorSpaceTransformRcPtr ap1 = OCIO::ColorSpaceTransform::Create();
+    ap1->setSrc("ACEScg");
+    ap1->setDst("lin_rec709");
+    AddWideSpace(config, "srgb_ap1", {"srgb_ap1_scene", "srgb_encoded_ap1_tx"}, srgb, ap1);
+    AddWideSpace(config, "g22_ap1", {"g22_ap1_scene"}, gamma22, ap1);
+}
+
+/// Names are those of OpenUSD's GfColorSpaceNames, of MaterialX and of the ACES configurations.
 OCIO::ConstConfigRcPtr MakeBuiltInConfig() {
     OCIO::ConfigRcPtr config = OCIO::Config::Create();
     config->setVersion(2, 1);
@@ -84,17 +166,21 @@ OCIO::ConstConfigRcPtr MakeBuiltInConfig() {
                   0.055);
     AddPowerSpace(config, "g22_rec709", {"g22_rec709_scene", "Gamma 2.2 Rec.709 - Texture"}, 2.2,
                   0.0);
+    AddPowerSpace(config, "g24_rec709", {"g24_rec709_scene"}, 2.4, 0.0);
     AddPowerSpace(config, "g18_rec709", {"g18_rec709_scene", "Gamma 1.8 Rec.709 - Texture"}, 1.8,
                   0.0);
     AddAcesSpace(config, "ACEScg", {"lin_ap1", "lin_ap1_scene"},
                  "UTILITY - ACES-AP1_to_CIE-XYZ-D65_BFD");
     AddAcesSpace(config, "ACES2065-1", {"lin_ap0", "lin_ap0_scene"},
                  "UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD");
-    OCIO::ColorSpaceRcPtr raw = MakeSpace("raw", {"data", "Utility - Raw"}, "Not a colour");
+    AddWideSpaces(config);
+    OCIO::ColorSpaceRcPtr raw =
+        MakeSpace("raw", {"data", "identity", "unknown", "Utility - Raw"}, "Not a colour");
     raw->setIsData(true);
     config->addColorSpace(raw);
     config->setRole(OCIO::ROLE_SCENE_LINEAR, "lin_rec709");
     config->setRole(OCIO::ROLE_DEFAULT, "raw");
+    config->setRole(OCIO::ROLE_INTERCHANGE_SCENE, "ACES2065-1");
     config->addDisplayView("sRGB", "Standard", "srgb_texture", "");
     config->setActiveDisplays("sRGB");
     config->setActiveViews("Standard");
@@ -107,7 +193,46 @@ std::string EnvironmentConfig() {
     return value ? value : "";
 }
 
+bool Knows(const OCIO::ConstConfigRcPtr& config, const std::string& space) {
+    return config->getColorSpace(space.c_str()) != nullptr;
+}
+
 } // namespace
+
+OCIO::ConstConfigRcPtr BuiltInColorConfig() {
+    static const OCIO::ConstConfigRcPtr config = MakeBuiltInConfig();
+    return config;
+}
+
+OCIO::ConstCPUProcessorRcPtr MakeColorProcessor(const std::string& from, const std::string& to) {
+    const OCIO::ConstConfigRcPtr config = ColorConfig();
+    const OCIO::ConstConfigRcPtr ours = BuiltInColorConfig();
+    const auto configOf = [&](const std::string& space) {
+        return Knows(config, space) || !Knows(ours, space) ? config : ours;
+    };
+    const OCIO::ConstConfigRcPtr source = configOf(from);
+    const OCIO::ConstConfigRcPtr target = configOf(to);
+    const OCIO::ConstProcessorRcPtr processor =
+        source == target
+            ? source->getProcessor(from.c_str(), to.c_str())
+            : OCIO::Config::GetProcessorFromConfigs(source, from.c_str(), target, to.c_str());
+    return processor->getOptimizedCPUProcessor(OCIO::OPTIMIZATION_LOSSLESS);
+}
+
+std::optional<std::array<float, 8>> ChromaticitiesOf(const std::string& space) {
+    static const std::map<std::string, Primaries> kLinear = {
+        {"lin_rec709", kRec709},   {"ACEScg", kAp1},   {"ACES2065-1", kAp0},
+        {"lin_rec2020", kRec2020}, {"lin_p3d65", kP3}, {"lin_adobergb", kAdobe}};
+    const OCIO::ConstColorSpaceRcPtr known = BuiltInColorConfig()->getColorSpace(space.c_str());
+    const auto found = known ? kLinear.find(known->getName()) : kLinear.end();
+    if (found == kLinear.end()) {
+        return std::nullopt;
+    }
+    std::array<float, 8> xy{};
+    std::transform(found->second.begin(), found->second.end(), xy.begin(),
+                   [](double value) { return static_cast<float>(value); });
+    return xy;
+}
 
 bool HasUserColorConfig() {
     return !EnvironmentConfig().empty();
@@ -127,7 +252,7 @@ OCIO::ConstConfigRcPtr ColorConfig() {
         return loaded;
     }
     try {
-        loaded = name.empty() ? MakeBuiltInConfig() : OCIO::Config::CreateFromFile(name.c_str());
+        loaded = name.empty() ? BuiltInColorConfig() : OCIO::Config::CreateFromFile(name.c_str());
     } catch (const std::exception& failure) {
         throw Error("OCIO: cannot read the colour configuration '" + name +
                     "': " + OneLine(failure.what()));

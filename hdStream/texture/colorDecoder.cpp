@@ -2,6 +2,7 @@
 #include "hdStream/texture/colorDecoder.h"
 
 #include "hdStream/texture/colorConfig.h"
+#include "hdStream/texture/colorConversion.h"
 #include "hdStream/texture/oneLine.h"
 #include "hdStream/texture/srgb.h"
 
@@ -26,31 +27,54 @@ std::string AutoColorSpace(const OIIO::ImageSpec& spec) {
 
 ColorDecoder::ColorDecoder(const std::string& colorSpace, const OIIO::ImageSpec& spec,
                            std::string* warning) {
-    std::string space = colorSpace;
+    const ColorConversionName name = SplitConversion(colorSpace);
+    std::string space = name.from;
+    const bool isColor = space == kAutoColor;
+    if (isColor) {
+        space = "auto";
+    }
     if (!space.empty() && space != "auto" && space != "raw" && space != "sRGB") {
         try {
-            const OCIO::ConstConfigRcPtr config = ColorConfig();
-            const OCIO::ConstColorSpaceRcPtr known = config->getColorSpace(space.c_str());
-            if (known && known->isData()) {
-                space = "raw";
-            } else if (known) {
-                _processor = config->getProcessor(known->getName(), OCIO::ROLE_SCENE_LINEAR)
-                                 ->getOptimizedCPUProcessor(OCIO::OPTIMIZATION_LOSSLESS);
+            if (TryNamed(space, name.to)) {
                 return;
-            } else {
-                *warning = "colour space '" + space + "' is unknown; auto is used";
-                space = "auto";
             }
+            *warning = "colour space '" + space + "' is unknown; auto is used";
         } catch (const std::exception& failure) {
             *warning = "colour space '" + space + "' cannot be used (" + OneLine(failure.what()) +
                        "); auto is used";
-            space = "auto";
         }
+        space = "auto";
     }
     if (space.empty() || space == "auto") {
         space = AutoColorSpace(spec);
     }
+    if (!name.to.empty() && (space == "sRGB" || isColor)) {
+        try {
+            _processor =
+                MakeColorProcessor(space == "sRGB" ? "srgb_texture" : "lin_rec709", name.to);
+            return;
+        } catch (const std::exception& failure) {
+            *warning = "colour space '" + name.to + "' cannot be used (" + OneLine(failure.what()) +
+                       "); it is left as it is";
+        }
+    }
     _isSrgb = space == "sRGB";
+}
+
+/// Decodes by a processor between named spaces; false: the first is unknown. Data are raw.
+bool ColorDecoder::TryNamed(const std::string& space, const std::string& workingSpace) {
+    OCIO::ConstConfigRcPtr config = ColorConfig();
+    OCIO::ConstColorSpaceRcPtr known = config->getColorSpace(space.c_str());
+    if (!known && !workingSpace.empty()) {
+        known = BuiltInColorConfig()->getColorSpace(space.c_str());
+    }
+    if (known && !known->isData()) {
+        _processor = workingSpace.empty()
+                         ? config->getProcessor(known->getName(), OCIO::ROLE_SCENE_LINEAR)
+                               ->getOptimizedCPUProcessor(OCIO::OPTIMIZATION_LOSSLESS)
+                         : MakeColorProcessor(known->getName(), workingSpace);
+    }
+    return known != nullptr;
 }
 
 void ColorDecoder::DecodeRgb(float* rgb, std::size_t numPixels) const {

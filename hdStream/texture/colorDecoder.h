@@ -20,6 +20,8 @@ std::string AutoColorSpace(const OIIO::ImageSpec& spec);
 /// Decodes colours of one image. Immutable after construction, thread-safe.
 class ColorDecoder {
 public:
+    /// \param colorSpace of the file, or a conversion to another than the scene_linear role
+    ///        (colorConversion.h)
     /// \param warning one line (without the file's name) when the space is unknown or unusable and
     ///        the image is decoded as "auto" instead; else left alone
     ColorDecoder(const std::string& colorSpace, const OIIO::ImageSpec& spec, std::string* warning);
@@ -34,6 +36,8 @@ public:
     void DecodeRgb(float* rgb, std::size_t numPixels) const;
 
 private:
+    bool TryNamed(const std::string& space, const std::string& workingSpace);
+
     bool _isSrgb = false;
     OCIO_NAMESPACE::ConstCPUProcessorRcPtr _processor; ///< null: raw or sRGB
 };

@@ -50,7 +50,8 @@ typedef struct {
     float latticeFromVelocity[9]; /* rows: voxels a second */
     float openSeconds;            /* of the shutter, from the frame on */
     float closeSeconds;
+    float workingFromRec709[9]; /* rows; with HDS_FEATURE_WORKING_SPACE */
 } HdsVolume;
-HDS_ASSERT_SIZE(HdsVolume, 420);
+HDS_ASSERT_SIZE(HdsVolume, 456);
 HDS_SHARED_END
 #endif

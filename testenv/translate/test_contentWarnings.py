@@ -42,7 +42,7 @@ def WarningsOf(text):
      'rel prototypes = </P/Q>\nfloat[] primvars:widths = [1, 2] (interpolation = "vertex")\n'
      'def PointInstancer "Q" { int[] protoIndices = [0]\npoint3f[] positions = [(0, 0, 0)]\nrel prototypes = </P/Q/S>\n'
      'def Sphere "S" {} } }', "/P/Q/S: primvars that are read once a prim differ between instances of an outer instancer"),
-    ('def NurbsPatch "A" {}\ndef NurbsPatch "B" {}', "/A: NurbsPatch is not supported yet: 2 prims skipped"),
+    ('def ParticleField "A" {}\ndef ParticleField "B" {}', "/A: ParticleField is not supported yet: 2 prims skipped"),
     ('def NurbsCurves "N" { int[] curveVertexCounts = [2]\npoint3f[] points = [(0, 0, 0), (1, 0, 0)] }',
      "/N: NurbsCurves are drawn as lines between their points: 1 prim"),
     ('def BasisCurves "C" { uniform token basis = "power"\nint[] curveVertexCounts = [4]\n'

@@ -21,6 +21,8 @@ _TYPES = {
     "surfaceshader": Sdf.ValueTypeNames.Token,
 }
 _VECTORS = {"color3": Gf.Vec3f, "color4": Gf.Vec4f, "vector2": Gf.Vec2f, "vector3": Gf.Vec3f, "vector4": Gf.Vec4f}
+_COLORS = ("color3", "color4")
+_FALLBACK_SPACES = ("lin_rec709", "lin_rec709_scene")  # USD's, which goes without saying
 _TERMINALS = {"surfaceshader": "surface", "displacementshader": "displacement"}
 _layers = {}  # path -> layer as read last; an anonymous layer lives as long as someone holds it
 
@@ -152,4 +154,7 @@ class _Material:
             value = None
         if value is None:
             raise ValueError(f'{source.getNamePath()}: "{source.getValueString()}" is no {kind}')
+        space = source.getActiveColorSpace() if kind in _COLORS else ""
+        if space and space not in _FALLBACK_SPACES:
+            target.GetAttr().SetColorSpace(space)
         target.Set(_VECTORS[kind](*(value[i] for i in range(_VECTORS[kind].dimension))) if kind in _VECTORS else value)

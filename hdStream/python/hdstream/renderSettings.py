@@ -68,6 +68,7 @@ def ReadRenderSettings(stage, path, session, productPath=None):
             session.Warn(product.GetPath().pathString, "not rendered: without OUT all products of the render settings are")
     if prim.GetAttribute("includedPurposes").HasAuthoredValue():
         settings.purposes = list(prim.GetAttribute("includedPurposes").Get())
+    _ReadColorSpace(prim, settings, session)
     _ReadNamespace(prim, settings, session)
     return settings
 
@@ -160,6 +161,18 @@ def _LightPathOf(source, path):
     except _core.UsageError as error:
         raise UsageError(f"{path}: {OneLine(error)}") from None
     return name
+
+
+def _ReadColorSpace(prim, settings, session):
+    """renderingColorSpace: the working space of all shading; hdstream:workingSpace precedes it."""
+    attribute = prim.GetAttribute("renderingColorSpace")
+    space = attribute.Get() if attribute and attribute.HasAuthoredValue() else None
+    if not space:
+        return
+    if _core.IsWorkingSpace(space):
+        settings.values["workingSpace"] = space
+    else:
+        session.Warn(prim.GetPath().pathString, f"renderingColorSpace {space!r} is no colour space that is known; ignored")
 
 
 def _ReadNamespace(prim, settings, session):

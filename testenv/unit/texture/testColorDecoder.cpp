@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Oracles: IEC 61966-2-1's formula in long double; the ACEScg matrix as the Academy publishes it
 // (AP1 to linear Rec.709 with Bradford adaptation, ACES 1.x, rounded to 10 digits).
+#include "hdStream/texture/colorConversion.h"
 #include "hdStream/texture/colorDecoder.h"
 #include "hdStream/texture/oneLine.h"
 #include "hdStream/texture/srgb.h"
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 namespace {
@@ -83,6 +85,71 @@ TEST(ColorDecoder, AcesCgMatrix) {
             EXPECT_NEAR(rgb[row], expected, 1e-5) << name; // matrices of both use rounded whites
         }
     }
+}
+
+/// What a decoder makes of three numbers of an image of 8 bits or of floats.
+std::array<double, 3> Decoded(const std::string& space, OIIO::TypeDesc type) {
+    std::string warning;
+    const hds::ColorDecoder decoder(space, OIIO::ImageSpec(1, 1, 3, type), &warning);
+    EXPECT_EQ(warning, "");
+    float rgb[3] = {0.25f, 0.5f, 0.75f};
+    decoder.DecodeRgb(rgb, 1);
+    return {rgb[0], rgb[1], rgb[2]};
+}
+
+TEST(ColorDecoder, ConvertsToAnotherWorkingSpace) {
+    const double rec709[3][3] = {{1.7050509927, -0.6217921207, -0.0832588720},
+                                 {-0.1302564175, 1.1408047366, -0.0105483191},
+                                 {-0.0240033568, -0.1289689761, 1.1529723329}};
+    const auto expect = [&](const std::array<double, 3>& aces, bool isEncoded) {
+        const double codes[3] = {0.25, 0.5, 0.75};
+        for (int row = 0; row < 3; ++row) {
+            const double value =
+                rec709[row][0] * aces[0] + rec709[row][1] * aces[1] + rec709[row][2] * aces[2];
+            EXPECT_NEAR(value, isEncoded ? hds::LinearFromSrgb(codes[row]) : codes[row], 1e-5);
+        }
+    };
+    expect(Decoded("sRGB>ACEScg", OIIO::TypeFloat), true);
+    expect(Decoded("auto>ACEScg", OIIO::TypeUInt8), true);
+    expect(Decoded("autoColor>ACEScg", OIIO::TypeUInt8), true);
+    expect(Decoded("autoColor>ACEScg", OIIO::TypeFloat), false);
+    expect(Decoded("lin_rec709>lin_ap1", OIIO::TypeFloat), false);
+    const std::array<double, 3> same{0.25, 0.5, 0.75};
+    EXPECT_EQ(Decoded("auto>ACEScg", OIIO::TypeFloat), same); // data
+    EXPECT_EQ(Decoded("raw>ACEScg", OIIO::TypeUInt8), same);
+    EXPECT_EQ(Decoded("ACEScg>ACEScg", OIIO::TypeFloat), same);
+    std::string warning;
+    const hds::ColorDecoder unknown("sRGB>none", OIIO::ImageSpec(1, 1, 3, OIIO::TypeFloat),
+                                    &warning);
+    EXPECT_NE(warning.find("'none' cannot be used"), std::string::npos) << warning;
+    EXPECT_TRUE(unknown.IsSrgb());
+}
+
+/// The same space by way of another, in both directions, is the identity; grey stays grey, since
+/// whites are adapted.
+TEST(ColorConversion, InvertsItselfAndKeepsWhite) {
+    for (const char* name : {"ACEScg", "ACES2065-1", "lin_rec2020", "lin_p3d65", "lin_adobergb",
+                             "srgb_ap1", "g22_ap1", "g22_adobergb", "adobergb", "srgb_displayp3"}) {
+        ASSERT_TRUE(hds::IsColorSpace(name));
+        EXPECT_FALSE(hds::IsDataSpace(name));
+        const hds::ColorConversion to("lin_rec709", name);
+        const hds::ColorConversion from(name, "lin_rec709");
+        EXPECT_FALSE(to.IsIdentity());
+        float rgba[8] = {0.25f, 0.5f, 0.75f, 9.0f, 1.0f, 1.0f, 1.0f, 8.0f};
+        to.Apply(rgba, 2, 4);
+        EXPECT_NEAR(rgba[4], 1.0, 2e-4) << name;
+        EXPECT_NEAR(rgba[6], 1.0, 2e-4) << name;
+        from.Apply(rgba, 2, 4);
+        const float before[8] = {0.25f, 0.5f, 0.75f, 9.0f, 1.0f, 1.0f, 1.0f, 8.0f};
+        for (int i = 0; i < 8; ++i) {
+            EXPECT_NEAR(rgba[i], before[i], 2e-5) << name << " " << i;
+        }
+        EXPECT_EQ(rgba[3], 9.0f);
+    }
+    EXPECT_TRUE(hds::ColorConversion("lin_srgb", "").IsIdentity());
+    EXPECT_TRUE(hds::IsDataSpace("raw"));
+    EXPECT_TRUE(hds::IsDataSpace("auto"));
+    EXPECT_FALSE(hds::IsColorSpace("noSuchSpace"));
 }
 
 TEST(ColorDecoder, SrgbOfFloatsDecodesEachChannel) {

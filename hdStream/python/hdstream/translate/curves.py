@@ -5,6 +5,7 @@ import numpy as np
 from pxr import Vt
 
 from hdstream import _core
+from hdstream.translate import nurbs
 from hdstream.translate.meshes import ReadArray, ReadPoints
 from hdstream.translate.primvars import FloatRows, INTERPOLATIONS, PrimvarsOf
 
@@ -15,8 +16,8 @@ _FALLBACKS = {"type": "cubic", "basis": "bezier", "wrap": "nonperiodic"}
 
 
 def ReadCurves(prim, schema, names, inherited, timeCode, warn):
-    """The description of UsdGeomCurves; None when there are no points or no curves. NURBS and Hermite
-    curves are lines between their points, as UsdImaging has them."""
+    """The description of UsdGeomCurves; None when there are no points or no curves. Hermite curves are lines between their
+    points, as UsdImaging has them."""
     points = ReadPoints(prim, names, timeCode)
     counts = ReadArray(prim, "curveVertexCounts", timeCode, np.int32)
     if points is None or counts is None or not points.size or not counts.size:
@@ -37,6 +38,29 @@ def ReadCurves(prim, schema, names, inherited, timeCode, warn):
     curves.faceVertexCounts = counts
     curves.primvars = _WithWidths(PrimvarsOf(prim, names, inherited, timeCode), prim, names, timeCode,
                                   _DEFAULT_WIDTH)
+    return curves
+
+
+def ReadNurbsCurves(prim, names, inherited, timeCode, motion, warn):
+    """UsdGeomNurbsCurves as cubic Bezier curves; None when there is none that can be drawn."""
+    points = ReadPoints(prim, names, timeCode)
+    counts = ReadArray(prim, "curveVertexCounts", timeCode, np.int32)
+    if points is None or counts is None or not points.size or not counts.size:
+        return None
+    nurbsCurves = nurbs.Curves(prim, counts.tolist(), len(points), timeCode, warn)
+    if not len(nurbsCurves.counts):
+        return None
+    curves = _core.GeometryDescription()
+    curves.primitives = _core.PrimitiveKind.Curves
+    form = _core.CurveForm()
+    form.type, form.basis, form.wrap = "cubic", "bezier", "nonperiodic"
+    curves.curves = form
+    curves.points = nurbsCurves.Of(points)
+    curves.faceVertexCounts = nurbsCurves.counts
+    curves.samples = [(time, nurbsCurves.Of(array))
+                      for time, array in motion.PointSamplesOf(prim, names, len(points), warn, ("curveVertexCounts",))]
+    primvars = _WithWidths(PrimvarsOf(prim, names, inherited, timeCode), prim, names, timeCode, _DEFAULT_WIDTH)
+    curves.primvars = nurbsCurves.Primvars(primvars, prim, warn)
     return curves
 
 

@@ -73,7 +73,7 @@ class InstanceGroup:
 
 def _IsRow(primvar):
     """Whether an inherited primvar may differ between instances that share an instancer."""
-    return (not _core.IsReadByPrim(primvar.name)
+    return (not _core.IsReadByPrim(primvar.name) and not primvar.colorSpace
             and (primvar.indices.size == 1 or len(_RowsOf(primvar)) == 1 and not primvar.indices.size))
 
 

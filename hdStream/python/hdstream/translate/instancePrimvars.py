@@ -42,6 +42,9 @@ def ReadInstancePrimvars(prim, names, numInstances, timeCode, warn):
             if primvar.indices.min() < 0 or primvar.indices.max() >= len(rows):
                 continue
             rows = rows[primvar.indices]
+        if primvar.colorSpace:
+            warn(prim, f"primvar {primvar.name}: the colour space of values by instance is not supported; they are taken as "
+                       "they are")
         if len(rows) == numInstances:
             rowsByName[primvar.name] = np.ascontiguousarray(rows)
         else:

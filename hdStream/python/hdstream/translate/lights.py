@@ -4,6 +4,7 @@
 from pxr import Gf, Sdf, UsdGeom
 
 from hdstream import _core
+from hdstream.translate.colorSpaces import ColorSpaceOf, ColorSpaceOfColor
 from hdstream.translate.materials import ParameterFrom
 
 _TYPES = {
@@ -22,10 +23,11 @@ _DISTANT_INTENSITY = 50000.0  # UsdLuxDistantLight's fallback; that of all other
 FILTERS = "light:filters"
 _FILTER_IDS = ("ri:lightFilter:shaderId", "lightFilter:shaderId", "info:id")
 _HOST_FILTER = "Pxr"
-_NO_FILTER_INPUTS = ("xformOp", "visibility", "purpose", "collection:", "lightFilter:", "ri:lightFilter:", "info:")
+_NO_FILTER_INPUTS = ("xformOp", "visibility", "purpose", "collection:", "lightFilter:", "ri:lightFilter:", "info:",
+                     "colorSpace:")
 _SHAPING = "inputs:shaping:"
 _SHADOW = "inputs:shadow:"
-_NO_INPUTS = ("type", "shaping", "shadow", "visibleToCamera", "group")
+_NO_INPUTS = ("type", "colorSpace", "shaping", "shadow", "visibleToCamera", "group")
 _Z_FROM_Y = Gf.Matrix4d(1.0).SetRotate(Gf.Rotation(Gf.Vec3d(1, 0, 0), 90))
 
 
@@ -52,6 +54,8 @@ def ReadLight(prim, typeName, names, timeCode, assets):
         if member not in _NO_INPUTS and hasattr(light, member):
             _ReadInput(prim.GetAttribute(name), light, member, timeCode, assets)
     light.group = _ReadGroup(prim, names, timeCode)
+    color = prim.GetAttribute("inputs:color")
+    light.colorSpace = ColorSpaceOf(color) if color else ""
     # Where the schema is applied its fallbacks count: a cone of 90 degrees.
     if any(name.startswith(_SHAPING) for name in names) or "ShapingAPI" in prim.GetAppliedSchemas():
         light.shaping = _ReadInputs(prim, _SHAPING, _core.LightShaping(), timeCode, assets)
@@ -78,9 +82,14 @@ def _ReadInput(attribute, target, member, timeCode, assets):
     kind = type(getattr(target, member))
     if kind is _core.AssetReference:
         if value and value.path:
-            setattr(target, member, assets.Resolve(attribute, value))
+            setattr(target, member, _InSpace(assets.Resolve(attribute, value), attribute))
     elif value is not None:
         setattr(target, member, kind(value))
+
+
+def _InSpace(asset, attribute):
+    """The same file, which says its colour space."""
+    return _core.AssetReference(asset.authoredPath, asset.file, asset.offset, asset.size, ColorSpaceOf(attribute))
 
 
 def _ReadInputs(prim, prefix, target, timeCode, assets):
@@ -164,9 +173,11 @@ def _ReadFilterNode(prim, timeCode, assets):
             continue
         value = attribute.Get(timeCode)
         if isinstance(value, Sdf.AssetPath):
-            parameters[name] = assets.Resolve(attribute, value)
+            parameters[name] = _InSpace(assets.Resolve(attribute, value), attribute)
         elif value is not None and (converted := ParameterFrom(value)) is not None:
             parameters[name] = converted
+            if space := ColorSpaceOfColor(attribute):
+                parameters["colorSpace:" + name] = space
     return _core.MaterialNode(prim.GetPath().pathString, kind, parameters, connections)
 
 

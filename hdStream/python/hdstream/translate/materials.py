@@ -10,6 +10,7 @@ from pxr import Sdf, Usd, UsdShade
 
 from hdstream import _core
 from hdstream.diagnostics import MessagesOf, TfError
+from hdstream.translate.colorSpaces import ColorSpaceOf, ColorSpaceOfColor
 
 _TERMINALS = ("surface", "displacement", "volume")
 # Render contexts of terminals, best first: MaterialX, then the universal one.
@@ -105,12 +106,15 @@ class MaterialReader:
             return
         if isinstance(value, Sdf.AssetPath):
             parameters[name] = self._assets.Resolve(attribute, value)
-            if attribute.HasColorSpace():
-                parameters["colorSpace:" + name] = attribute.GetColorSpace()
-            return
-        converted = ParameterFrom(value)
-        if converted is not None:
+            space = ColorSpaceOf(attribute)
+        else:
+            converted = ParameterFrom(value)
+            if converted is None:
+                return
             parameters[name] = converted
+            space = ColorSpaceOfColor(attribute) if isinstance(converted, list) and len(converted) in (3, 4) else ""
+        if space:
+            parameters["colorSpace:" + name] = space
 
     @staticmethod
     def _ReasonWithoutSurface(material):

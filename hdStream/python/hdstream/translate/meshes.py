@@ -5,6 +5,7 @@ import numpy as np
 from pxr import Usd, UsdGeom, Vt
 
 from hdstream import _core
+from hdstream.translate import nurbs
 from hdstream.translate.primvars import PrimvarsOf
 
 _TAG_ARRAYS = {
@@ -117,6 +118,34 @@ def ReadTetMesh(prim, names, inherited, timeCode, motion, warn):
     if "orientation" in names:
         mesh.leftHanded = prim.GetAttribute("orientation").Get(timeCode) == "leftHanded"
     mesh.primvars = PrimvarsOf(prim, names, inherited, timeCode)
+    return mesh
+
+
+def ReadNurbsPatch(prim, names, inherited, timeCode, motion, warn):
+    """A UsdGeomNurbsPatch as a grid of quads with the surface's normals; None where it is none."""
+    points = ReadPoints(prim, names, timeCode)
+    if points is None or not points.size:
+        return None
+    patch = nurbs.Patch(prim, len(points), timeCode)
+    if patch.rows is None:
+        warn(prim, "its orders, knots and vertex counts make no NURBS patch; it is left out")
+        return None
+    trims = prim.GetAttribute("trimCurve:counts").Get(timeCode)
+    if trims:
+        warn(prim, "trim curves of NURBS patches are not supported; it is drawn whole")
+    mesh = _core.GeometryDescription()
+    mesh.points = patch.Of(points)
+    mesh.faceVertexCounts, mesh.faceVertexIndices = patch.Faces()
+    mesh.subdivisionScheme = "none"
+    mesh.leftHanded = prim.GetAttribute("orientation").Get(timeCode) == "leftHanded"
+    samples = motion.PointSamplesOf(prim, names, len(points), warn, ("uVertexCount", "vVertexCount"))
+    mesh.samples = [(time, patch.Of(array)) for time, array in samples]
+    mesh.primvars = patch.Primvars(PrimvarsOf(prim, names, inherited, timeCode), prim, warn)
+    side = np.float32(-1.0 if mesh.leftHanded else 1.0)
+    normals = [patch.Normals(array) for array in (points, *(array for _, array in samples))]
+    if all(rows is not None for rows in normals):  # at a pole they are those of the faces around
+        mesh.primvars = mesh.primvars + [_core.Primvar("normals", _core.Interpolation.Vertex, side * normals[0])]
+        mesh.normalSamples = [(time, side * rows) for (time, _), rows in zip(samples, normals[1:])]
     return mesh
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from pxr import Vt
 
 from hdstream import _core
+from hdstream.translate.colorSpaces import ColorSpaceOfColor
 
 PREFIX = "primvars:"
 _INDICES = ":indices"
@@ -78,7 +79,8 @@ def ReadPrimvar(prim, name, names, timeCode):
     indices = None
     if name + _INDICES in names:
         indices = prim.GetAttribute(name + _INDICES).Get(timeCode)
-    return _core.Primvar(name[len(PREFIX):], interpolation, rows, indices)
+    space = ColorSpaceOfColor(attribute) if rows.ndim == 2 and rows.shape[1] >= 3 else ""
+    return _core.Primvar(name[len(PREFIX):], interpolation, rows, indices, space)
 
 
 def InheritFrom(prim, names, inherited, timeCode):
@@ -93,7 +95,7 @@ def InheritFrom(prim, names, inherited, timeCode):
         if result is inherited:
             result = dict(inherited)
         if primvar.interpolation == _core.Interpolation.Constant:
-            key = (primvar.name, primvar.values.tobytes(), primvar.indices.tobytes())
+            key = (primvar.name, primvar.values.tobytes(), primvar.indices.tobytes(), primvar.colorSpace)
             result[primvar.name] = InheritedPrimvar(primvar, key)
         else:
             result.pop(primvar.name, None)

@@ -20,7 +20,7 @@ _ALONE = {"Camera", *LIGHT_TYPES}
 _GROUPS = {"Xform", "Scope"}
 _BELOW = {"", "GeomSubset", "Material", "Shader", "NodeGraph"}  # met below a prim that changed
 _GEOMETRY = {"Mesh", *IMPLICIT_TYPES}
-_WHOLE = ("material:binding", "collection:", "model:", "skel:", "light:")  # others depend on these
+_WHOLE = ("material:binding", "collection:", "model:", "skel:", "light:", "colorSpace:")  # others depend on these
 _RENDER = ("RenderSettings", "RenderProduct", "RenderVar")  # read at every render
 
 

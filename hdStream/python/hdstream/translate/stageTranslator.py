@@ -13,7 +13,7 @@ from pxr import Tf, Usd, UsdGeom, UsdSkel
 
 from hdstream import _core
 from hdstream.diagnostics import MessagesOf
-from hdstream.translate import cameras, curves, drawModes, lights, meshes, primvars, volumes
+from hdstream.translate import cameras, colorSpaces, curves, drawModes, lights, meshes, primvars, volumes
 from hdstream.translate.assets import AssetResolver
 from hdstream.translate.instancers import Instancers
 from hdstream.translate.links import Links
@@ -26,7 +26,7 @@ from hdstream.translate.reports import Reports
 from hdstream.translate.skinning import Skinning
 
 # Schemas that are drawn by other renderers and skipped here, with a count.
-_SKIPPED_SCHEMAS = ("NurbsPatch", "ParticleField")
+_SKIPPED_SCHEMAS = ("ParticleField",)
 
 
 class _TypeInfo:
@@ -51,6 +51,7 @@ class StageTranslator:
         self._pass = PassCollections(passPrim) if passPrim else None
         self._session = session
         self._timeCode = Usd.TimeCode(timeCode)
+        colorSpaces.Forget()
         self._motion = Motion(timeCode, shutter)
         self._reports = Reports(session)
         self._assets = AssetResolver()
@@ -223,7 +224,7 @@ class StageTranslator:
         """(schema class, handler) from special to general; prims of no schema here are groups."""
         handlers = [("Mesh", self._OnMesh), ("Points", self._OnPoints), ("PointInstancer", self._instancers.AddPointInstancer),
                     ("Camera", self._OnCamera), ("Subset", self._OnSkipped)]
-        handlers += [("TetMesh", self._OnTetMesh)]
+        handlers += [("TetMesh", self._OnTetMesh), ("NurbsPatch", self._OnNurbsPatch)]
         handlers += [(name, self._OnCurves) for name in ("BasisCurves", "NurbsCurves", "HermiteCurves")]
         handlers += [(name, self._OnImplicit) for name in meshes.IMPLICIT_TYPES]
         handlers += [("Volume", self._OnVolume), ("FieldBase", self._OnSkipped)]
@@ -300,6 +301,13 @@ class StageTranslator:
             self._AddMesh(prim, names, mesh, state, context)
         return state
 
+    def _OnNurbsPatch(self, prim, schema, names, state, context):
+        mesh = self._KeptGeometry(prim, context) or meshes.ReadNurbsPatch(
+            prim, names, state.primvars, self._timeCode, self._motion, self._reports.Warn)
+        if mesh is not None:
+            self._AddMesh(prim, names, mesh, state, context)
+        return state
+
     def _OnImplicit(self, prim, schema, names, state, context):
         mesh = self._KeptGeometry(prim, context) or meshes.ReadImplicit(
             prim, schema, names, state.primvars, self._timeCode, self._reports.Warn)
@@ -307,6 +315,10 @@ class StageTranslator:
         return state
 
     def _OnCurves(self, prim, schema, names, state, context):
+        if schema == "NurbsCurves" and "order" in names and "knots" in names:
+            self._AddSolid(prim, curves.ReadNurbsCurves(prim, names, state.primvars, self._timeCode, self._motion,
+                                                        self._reports.Warn), state, context)
+            return state
         description = curves.ReadCurves(prim, schema, names, state.primvars, self._timeCode, self._reports.Warn)
         self._AddPointSamples(prim, names, description)
         if description is not None and schema != "BasisCurves":

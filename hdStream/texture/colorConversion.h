@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// Colours from one space to another, and how a texture's request names both: "FROM>TO".
+// Explained in docs/color.md.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+
+namespace hds {
+
+/// FROM of an image of colours that names no space: its codes are sRGB where "auto" says so, else
+/// they are linear Rec.709 (where "auto" stands alone, numbers that are not sRGB are data).
+constexpr const char* kAutoColor = "autoColor";
+
+/// A request's colour space taken apart.
+struct ColorConversionName {
+    std::string from;
+    std::string to; ///< empty: the working space is the configuration's scene_linear role
+};
+
+std::string JoinConversion(const std::string& from, const std::string& to);
+ColorConversionName SplitConversion(const std::string& name);
+
+/// Whether values of a space are no colours, or of none that is known by name (raw, data, auto):
+/// they stay as they are.
+bool IsDataSpace(const std::string& space);
+
+/// Whether the configuration in force, or the built-in one, has a space of that name.
+/// \throws Error as ColorConfig
+bool IsColorSpace(const std::string& name);
+
+/// Colours from one space to another. Immutable after construction, thread-safe.
+class ColorConversion {
+public:
+    /// \param to empty: the configuration's scene_linear role
+    /// \throws std::exception when a name is unknown, or there is no way between the two
+    ColorConversion(const std::string& from, const std::string& to);
+    ~ColorConversion();
+
+    /// Whether all colours stay as they are, to the bit.
+    bool IsIdentity() const;
+
+    /// Converts colours in place. \param stride floats from one to the next, 3 at least
+    void Apply(float* rgb, std::size_t numColors, std::size_t stride = 3) const;
+
+private:
+    struct Processor;
+    std::unique_ptr<Processor> _processor;
+};
+
+} // namespace hds
