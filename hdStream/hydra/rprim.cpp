@@ -7,6 +7,7 @@
 #include "hdStream/hydra/motion.h"
 #include "hdStream/hydra/primvars.h"
 #include "hdStream/hydra/renderParam.h"
+#include "hdStream/hydra/skinnedNormals.h"
 
 #include <pxr/imaging/hd/changeTracker.h>
 #include <pxr/imaging/hd/sceneDelegate.h>
@@ -127,10 +128,12 @@ void HdStreamRprim<Base>::SyncGeometry(HdSceneDelegate* delegate, HdStreamRender
                                    "without motion blur");
             });
         }
-        if (geometry->primitives == hds::PrimitiveKind::Faces) {
-            geometry->normalSamples = HdStreamSampleNormals(delegate, id, param->Shutter());
-        } else {
+        if (geometry->primitives != hds::PrimitiveKind::Faces) {
             geometry->widthSamples = HdStreamSampleWidths(delegate, id, param->Shutter());
+        } else if (HdStreamHasComputedPoints(delegate, id)) {
+            HdStreamCarryNormals(delegate, id, geometry.get());
+        } else {
+            geometry->normalSamples = HdStreamSampleNormals(delegate, id, param->Shutter());
         }
         AddDefaultPrimvars(&geometry->primvars);
     }

@@ -2,6 +2,8 @@
 #include "hdStream/python/bindFields.h"
 #include "hdStream/python/bindings.h"
 
+#include <nanobind/stl/optional.h>
+
 #include <map>
 #include <memory>
 
@@ -73,6 +75,16 @@ void BindGeometry(nb::module_& module) {
     module.def("IsReadByPrim", &IsReadByPrim, "primvar"_a,
                "Whether a primvar of that name says something of a whole prim, so that instances "
                "that differ in it need prims of their own.");
+    module.def(
+        "CarryNormals",
+        [](const Primvar& normals, const GeometryDescription& mesh, nb::handle atRest,
+           nb::handle posed) {
+            return CarryNormals(normals, mesh, SpanFromBuffer<float>(atRest, "atRest").first,
+                                SpanFromBuffer<float>(posed, "posed").first);
+        },
+        "normals"_a, "mesh"_a, "atRest"_a, "posed"_a,
+        "The primvar `normals` of a mesh whose points, float32 [count][3], went from one pose to "
+        "another; None where it does not fit the faces of `mesh`.");
     module.def("MakeImplicitMesh", &MakeImplicitMesh, "shape"_a, "The mesh of an implicit gprim.");
 }
 

@@ -12,6 +12,7 @@
 #include "hdStream/film/denoiser.h"
 #include "hdStream/film/filmSums.h"
 #include "hdStream/film/imageWriter.h"
+#include "hdStream/geometry/carriedNormals.h"
 #include "hdStream/geometry/implicitMesh.h"
 #include "hdStream/integrator/renderOptions.h"
 #include "hdStream/scene/cameraAttributes.h"

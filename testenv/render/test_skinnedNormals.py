@@ -13,8 +13,8 @@ from stages import author, shapes
 _SCALE = np.array([1.6, 0.8, 0.5])
 
 
-def _Write(path, scheme: str) -> None:
-    """A ball of radius 1, carried by one joint that scales it along the axes and turns it by 30 degrees about z."""
+def _Write(path, scheme: str, hasNormals: bool) -> None:
+    """A ball of radius 1, with its normals where asked for, carried by one joint that scales it along the axes and turns it by 30 degrees about z."""
     stage = author.NewStage(str(path))
     root = UsdSkel.Root.Define(stage, "/World/Figure")
     skeleton = UsdSkel.Skeleton.Define(stage, "/World/Figure/Skeleton")
@@ -30,6 +30,8 @@ def _Write(path, scheme: str) -> None:
     mesh = author.AddMesh(stage, "/World/Figure/Ball", shapes.Sphere(1.0, 48, 96))
     mesh.CreateSubdivisionSchemeAttr(scheme)
     count = len(mesh.GetPointsAttr().Get())
+    if not hasNormals:
+        mesh.GetPrim().RemoveProperty("normals")
     for prim in (skeleton, mesh):
         UsdSkel.BindingAPI.Apply(prim.GetPrim())
     UsdSkel.BindingAPI(skeleton).CreateAnimationSourceRel().SetTargets([animation.GetPath()])
@@ -42,11 +44,13 @@ def _Write(path, scheme: str) -> None:
     stage.GetRootLayer().Save()
 
 
-@pytest.mark.parametrize("scheme, degrees", [("catmullClark", 0.5), ("none", 6.0)], ids=["subdivided", "flat"])
-def test_normals_are_those_of_the_ellipsoid(tmp_path, scheme, degrees):
+@pytest.mark.parametrize("scheme, hasNormals, degrees", [("catmullClark", False, 0.5), ("none", False, 6.0), ("none", True, 0.6)],
+                         ids=["subdivided", "flat", "smooth"])
+def test_normals_are_those_of_the_ellipsoid(tmp_path, scheme, hasNormals, degrees):
     """The ball becomes an ellipsoid, whose normal at p is D^-2 p in its own axes. Flat facets are 4 by 4 degrees of the
-    ball, which the scales stretch. At 0.5 also the facets of the cage, which lies inside, are no matter."""
-    _Write(tmp_path / "stage.usda", scheme)
+    ball, which the scales stretch; normals that are authored at rest go with them, and are blended across a facet. At 0.5
+    also the facets of the cage, which lies inside, are no matter."""
+    _Write(tmp_path / "stage.usda", scheme, hasNormals)
     picture = ours.Render(tmp_path / "stage.usda", 48, 48, ("normal", "position"), samples=1, maxDepth=0)
     normals, positions = (picture.layers[name][..., :3].reshape(-1, 3).astype(float) for name in ("normal", "position"))
     hit = np.linalg.norm(normals, axis=1) > 0.5

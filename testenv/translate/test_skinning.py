@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Skinned points against closed forms and against UsdSkel's own baking; what follows from time and instances.
+"""Skinned points and normals against closed forms and against UsdSkel's own baking; what follows from time and instances.
 
 The stage is that of the golden case `skinning` with an elbow, at x = 2, that bends by 90 degrees about z instead of
 180, while the arm, which lies along x, moves by 2 (t - 2) along z.
@@ -7,7 +7,10 @@ The stage is that of the golden case `skinning` with an elbow, at x = 2, that be
 
 import numpy as np
 import pytest
-from pxr import Gf, Usd, UsdSkel
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, Vt
+
+from hdstream import _core
+from hdstream.translate.stageTranslator import TranslateStage
 
 from translateCase import FOLDER, Translate
 
@@ -74,10 +77,132 @@ def test_points_are_those_of_usdskel_baking():
             assert Points(name, time) == pytest.approx(expected, abs=1e-5), (name, time)
 
 
-def test_normals_at_rest_are_left_out():
-    meshes = Translate(Usd.Stage.Open(STAGE)).Scene().geometry
-    assert [p.name for p in meshes["/Arm/Linear"].geometry.primvars] == []
-    assert [p.name for p in meshes["/Arm/Unskinned"].geometry.primvars] == ["normals"]
+def Normals(stage, name, time=2.5):
+    """[count][3], unit, and the interpolation."""
+    geometry = Translate(stage, time).Scene().geometry[f"/Arm/{name}"].geometry
+    (normals,) = [primvar for primvar in geometry.primvars if primvar.name == "normals"]
+    rows = np.asarray(normals.values, float)
+    return rows / np.linalg.norm(rows, axis=1, keepdims=True), normals.interpolation
+
+
+_AUTHORED = np.array([(0.3, 0.2, 0.93), (-0.1, 0.4, 0.91), (0, 0, 1), (0.5, -0.5, 0.7), (0.1, 0.1, 1), (-0.6, 0.2, 0.77)])
+
+
+@pytest.mark.parametrize("interpolation", ["vertex", "faceVarying"])
+@pytest.mark.parametrize("isRigid", [True, False], ids=["rigid", "bent"])
+def test_normals_are_those_of_usdskel_baking(isRigid, interpolation):
+    """Where one joint alone carries a face its turn is exact. Where the weights of a face differ UsdSkel weighs normals by
+    joints and knows nothing of the face, which the joints shear: within 25 degrees, at an elbow of 90."""
+    stage = Bending()
+    mesh = stage.GetPrimAtPath("/Arm/Linear")
+    if isRigid:
+        mesh.GetAttribute("primvars:skel:jointWeights").Set([0.0, 1.0] * 6)
+    corners = np.array(mesh.GetAttribute("faceVertexIndices").Get())
+    normals = mesh.GetAttribute("normals")
+    normals.Set(Vt.Vec3fArray.FromNumpy((_AUTHORED if interpolation == "vertex" else _AUTHORED[corners]).astype(np.float32)))
+    normals.SetMetadata("interpolation", interpolation)
+    baked = Usd.Stage.Open(stage.Flatten())
+    assert UsdSkel.BakeSkinning(baked.Traverse())
+    expected = np.asarray(baked.GetPrimAtPath("/Arm/Linear").GetAttribute("normals").Get(3.0), float)
+    expected /= np.linalg.norm(expected, axis=1, keepdims=True)
+    found, kind = Normals(stage, "Linear", 3.0)
+    assert kind == getattr(_core.Interpolation, interpolation[0].upper() + interpolation[1:])
+    angles = np.degrees(np.arccos(np.clip(np.sum(found * expected, 1), -1, 1)))
+    assert angles.max() < (0.01 if isRigid else 25)
+    turned = np.degrees(np.arccos(np.clip(np.sum(found * (_AUTHORED if len(found) == 6 else _AUTHORED[corners]), 1), -1, 1)))
+    assert not isRigid or turned.max() > 20  # the test can fail
+
+
+@pytest.mark.parametrize("scales, isOblique", [((3, 3, 3), True), ((1.6, 0.8, 0.5), False)], ids=["uniform", "hardEdges"])
+def test_normals_under_scales_are_mapped_by_the_inverse_transpose(scales, isOblique):
+    """Oblique normals keep their angles under a uniform scale; those of a box keep standing on its faces under any."""
+    stage = Usd.Stage.CreateInMemory()
+    root = UsdSkel.Root.Define(stage, "/Arm")
+    skeleton = UsdSkel.Skeleton.Define(stage, "/Arm/Skeleton")
+    animation = UsdSkel.Animation.Define(stage, "/Arm/Pose")
+    for joints in (skeleton.CreateJointsAttr, animation.CreateJointsAttr):
+        joints(["joint"])
+    skeleton.CreateBindTransformsAttr([Gf.Matrix4d(1)])
+    skeleton.CreateRestTransformsAttr([Gf.Matrix4d(1)])
+    turn = Gf.Rotation(Gf.Vec3d(1, 2, 3), 50)
+    animation.CreateTranslationsAttr([Gf.Vec3f(1, 2, 3)])
+    animation.CreateRotationsAttr([Gf.Quatf(turn.GetQuat())])
+    animation.CreateScalesAttr([Gf.Vec3h(*scales)])
+    mesh = UsdGeom.Mesh.Define(stage, "/Arm/Box")
+    mesh.CreatePointsAttr([(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)])
+    mesh.CreateFaceVertexCountsAttr([4] * 6)
+    mesh.CreateFaceVertexIndicesAttr([0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5])
+    mesh.CreateSubdivisionSchemeAttr("none")
+    faces = np.repeat([(0, 0, -1), (0, 0, 1), (0, -1, 0), (0, 1, 0), (-1, 0, 0), (1, 0, 0)], 4, axis=0).astype(np.float32)
+    authored = faces + (np.random.default_rng(1).uniform(-0.6, 0.6, faces.shape).astype(np.float32) if isOblique else 0)
+    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(authored.astype(np.float32)))
+    mesh.SetNormalsInterpolation("faceVarying")
+    for prim in (root, skeleton, mesh):
+        UsdSkel.BindingAPI.Apply(prim.GetPrim())
+    UsdSkel.BindingAPI(skeleton).CreateAnimationSourceRel().SetTargets([animation.GetPath()])
+    binding = UsdSkel.BindingAPI(mesh)
+    binding.CreateSkeletonRel().SetTargets([skeleton.GetPath()])
+    binding.CreateJointIndicesPrimvar(True, 1).Set([0])
+    binding.CreateJointWeightsPrimvar(True, 1).Set([1.0])
+    found, _ = Normals(stage, "Box")
+    expected = authored.astype(float) / scales @ np.array(Gf.Matrix3d(turn))  # the inverse transpose, of row vectors
+    expected /= np.linalg.norm(expected, axis=1, keepdims=True)
+    assert found == pytest.approx(expected, abs=2e-3)  # the scales are halves
+
+
+def test_indexed_normals_of_a_primvar_are_carried():
+    stage = Bending()
+    mesh = stage.GetPrimAtPath("/Arm/Linear")
+    mesh.RemoveProperty("normals")
+    stage.GetPrimAtPath("/Arm/Linear").GetAttribute("normals").Block()
+    primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("normals", Sdf.ValueTypeNames.Normal3fArray, "faceVarying")
+    primvar.Set([(0, 0, 1), (0, 0, -1)])
+    primvar.SetIndices(Vt.IntArray([0, 0, 0, 0, 1, 1, 1, 1]))
+    found, _ = Normals(stage, "Linear")
+    assert found[:4] == pytest.approx(np.array([(0, 0, 1)] * 4), abs=1e-6)  # the elbow bends in the plane
+    assert found[4:] == pytest.approx(np.array([(0, 0, -1)] * 4), abs=1e-6)
+
+
+def test_normals_follow_blend_shapes():
+    """The triangle of the bulge stands in x and y at rest; its points 0 and 2 rise by 2 and 4 times the weight."""
+    stage = Bending()
+    mesh = stage.GetPrimAtPath("/Arm/Shape")
+    UsdGeom.Mesh(mesh).CreateNormalsAttr([(0, 0, 1)] * 3)
+    for time in (2.0, 2.25, 3.0):
+        weight = time - 2
+        expected = np.cross((1, 0, -2 * weight), (0, 1, 2 * weight))
+        found, _ = Normals(stage, "Shape", time)
+        assert found == pytest.approx(np.array([expected / np.linalg.norm(expected)] * 3), abs=1e-6)
+
+
+def test_normals_that_cannot_be_carried_are_left_out():
+    stage = Bending()
+    mesh = stage.GetPrimAtPath("/Arm/Linear")
+    Names = lambda: [p.name for p in Translate(stage, 2.5).Scene().geometry["/Arm/Linear"].geometry.primvars]  # noqa: E731
+    assert Names() == ["normals"]
+    mesh.GetAttribute("normals").Set([(0, 0, 1)] * 5)  # one is missing
+    assert Names() == []
+    mesh.GetAttribute("normals").Set([(0, 0, 1)] * 6)
+    mesh.GetAttribute("faceVertexIndices").Set([0, 1, 4, 3, 1, 2, 5, 6])
+    assert Names() == []
+    mesh.GetAttribute("faceVertexIndices").Set([0, 1, 4, 3, 1, 2, 5, 4])
+    mesh.GetAttribute("subdivisionScheme").Set("catmullClark")  # has the limit surface's
+    assert Names() == []
+
+
+def test_normals_move_while_the_shutter_is_open():
+    """As the arm of the golden case moves along z alone, what turns here is the blend shape's triangle."""
+    stage = Bending()
+    UsdGeom.Mesh(stage.GetPrimAtPath("/Arm/Shape")).CreateNormalsAttr([(0, 0, 1)] * 3)
+    session = _core.Session()
+    TranslateStage(stage, session, 2.5, (-0.25, 0.25))
+    geometry = session.Scene().geometry["/Arm/Shape"].geometry
+    assert [time for time, _ in geometry.normalSamples] == [time for time, _ in geometry.samples]
+    for time, normals in geometry.normalSamples:
+        found = np.asarray(normals, float).reshape(-1, 3)
+        expected = np.cross((1, 0, -2 * (0.5 + time)), (0, 1, 2 * (0.5 + time)))
+        assert found == pytest.approx(np.array([expected / np.linalg.norm(expected)] * 3), abs=1e-6)
+    assert len(geometry.normalSamples) >= 2
 
 
 def test_influences_that_do_not_fit_leave_all_points():

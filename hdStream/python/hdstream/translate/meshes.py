@@ -58,8 +58,8 @@ def ReadPoints(prim, names, timeCode):
 def ReadMesh(prim, names, inherited, timeCode, motion, warn, skin=None, skinAt=None, skinTimes=()):
     """The description of a UsdGeomMesh; None when it has no points or no faces.
 
-    `skin(prim, points)` gives the points of a skinned mesh, None for others; skinAt(time) does so at each of `skinTimes`. Normals that were
-    authored for the points at rest are left out, as UsdSkelImaging does: they follow from the skinned points.
+    `skin(prim, points)` gives the points of a skinned mesh, None for others; skinAt(time) does so at each of `skinTimes`. Normals are
+    carried from the points at rest to these.
     """
     points = ReadPoints(prim, names, timeCode)
     isSkinned = False
@@ -68,7 +68,6 @@ def ReadMesh(prim, names, inherited, timeCode, motion, warn, skin=None, skinAt=N
         if skinned is not None:
             isSkinned = True
             atRest, points = points, np.asarray(skinned)
-            names = [name for name in names if name not in ("normals", "primvars:normals")]
     counts = ReadArray(prim, "faceVertexCounts", timeCode, np.int32)
     indices = ReadArray(prim, "faceVertexIndices", timeCode, np.int32)
     if points is None or counts is None or indices is None or not points.size or not counts.size:
@@ -93,9 +92,26 @@ def ReadMesh(prim, names, inherited, timeCode, motion, warn, skin=None, skinAt=N
     if "orientation" in names:
         mesh.leftHanded = prim.GetAttribute("orientation").Get(timeCode) == "leftHanded"
     mesh.primvars = PrimvarsOf(prim, names, inherited, timeCode)
-    if not isSkinned:
+    if isSkinned:
+        _CarryNormals(mesh, atRest)
+    else:
         mesh.normalSamples = motion.PrimvarSamplesOf(prim, "normals", names, mesh.primvars)
     return mesh
+
+
+def _CarryNormals(mesh, atRest):
+    """Normals of a skinned polygon mesh go with its points; other schemes have none of their own."""
+    normals = next((primvar for primvar in mesh.primvars if primvar.name == "normals"), None)
+    if normals is None:
+        return
+    carried = samples = None
+    if mesh.subdivisionScheme == "none":
+        atRest = np.ascontiguousarray(atRest, np.float32)
+        carried = _core.CarryNormals(normals, mesh, atRest, mesh.points)
+        samples = [(time, _core.CarryNormals(normals, mesh, atRest, points)) for time, points in mesh.samples]
+    mesh.primvars = [primvar for primvar in mesh.primvars if primvar.name != "normals"] + ([carried] if carried else [])
+    if carried:
+        mesh.normalSamples = [(time, primvar.values) for time, primvar in samples]
 
 
 def ReadTetMesh(prim, names, inherited, timeCode, motion, warn):
