@@ -50,7 +50,12 @@ typedef struct {
     float latticeFromVelocity[9]; /* rows: voxels a second */
     float openSeconds;            /* of the shutter, from the frame on */
     float closeSeconds;
+    /* Of volumes whose transform moves: keys from a point of the lattice, less latticeCentre, to
+     * the world, relative to the scene centre, at equal steps of the shutter. The map above is that
+     * of the frame. */
+    u32 firstKey;
+    u32 numSegments; /* of keys; 0: the transform is at rest */
 } HdsVolume;
-HDS_ASSERT_SIZE(HdsVolume, 420);
+HDS_ASSERT_SIZE(HdsVolume, 428);
 HDS_SHARED_END
 #endif
