@@ -90,7 +90,6 @@ void HdStreamVolume::Sync(HdSceneDelegate* delegate, HdRenderParam* renderParam,
     *dirtyBits = HdChangeTracker::Clean;
     HdStreamSyncPlacement(delegate, id, GetInstancerId(), bits, param, &_prim.placement,
                           &_scenePath);
-    _prim.placement.samples.clear(); // volumes are where the frame has them
     _prim.placement.visible = IsVisible();
     _prim.purpose = HdStreamPurpose(GetRenderTag());
     if (bits & HdChangeTracker::DirtyMaterialId) {

@@ -389,6 +389,7 @@ private:
             _result->hasMedia = true;
             _result->lobes |= HDS_LOBE_BASE | HDS_LOBE_TRANSLUCENCY;
             _result->hasMotion = _result->hasMotion || _result->volumes.haveMotion;
+            AddVolumeKeys();
         }
         if (const auto matrix = WorkingFromRec709(_options.workingSpace)) {
             for (shared::HdsVolume& volume : _result->volumes.volumes) {
@@ -396,6 +397,17 @@ private:
                 _result->hasWorkingSpace = true;
             }
         }
+    }
+
+    /// Behind those of instances.
+    void AddVolumeKeys() {
+        const auto first = static_cast<std::uint32_t>(_result->motionKeys.size());
+        for (shared::HdsVolume& volume : _result->volumes.volumes) {
+            volume.firstKey += volume.numSegments > 0 ? first : 0;
+        }
+        std::vector<AffineRows>& keys = _result->volumes.motionKeys;
+        _result->motionKeys.insert(_result->motionKeys.end(), keys.begin(), keys.end());
+        keys.clear();
     }
 
     void AddMeshMedia() {

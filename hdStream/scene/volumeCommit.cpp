@@ -2,9 +2,12 @@
 #include "hdStream/scene/volumeCommit.h"
 
 #include "hdStream/scene/hierarchy.h"
+#include "hdStream/scene/motion.h"
 #include "hdStream/scene/movingGrid.h"
+#include "kernels/shared/frame.h"
 
 #include <glm/common.hpp>
+#include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
@@ -38,6 +41,15 @@ bool IsPlace(const glm::dmat4& matrix) {
     return std::abs(determinant) > 0.0 && std::isfinite(determinant);
 }
 
+/// The same at the frame, and at the times of all keys that there may be.
+bool IsPlaceAlways(const MovingTransform& transform) {
+    bool isPlace = IsPlace(transform.AtFrame());
+    for (int i = 0; transform.Moves() && i <= HDS_MAX_MOTION_SEGMENTS; ++i) {
+        isPlace = isPlace && IsPlace(transform.At(double(i) / HDS_MAX_MOTION_SEGMENTS));
+    }
+    return isPlace;
+}
+
 /// The grids that light meets.
 struct VolumeGrids {
     std::shared_ptr<const PreparedGrid> density;
@@ -53,11 +65,11 @@ public:
         : _centre(centre), _numTextures(numTextures) {}
 
     /// \pre the grids are valid and the volume has a density.
-    void Add(const glm::dmat4& worldFromObject, const VolumeShading& shading,
+    void Add(const MovingTransform& worldFromObject, const VolumeShading& shading,
              const VolumeGrids& grids, std::uint32_t identity) {
         const GridDescription& lattice = grids.density->description;
         shared::HdsVolume volume{};
-        const glm::dmat4 worldFromLattice = worldFromObject * lattice.objectFromIndex;
+        const glm::dmat4 worldFromLattice = worldFromObject.AtFrame() * lattice.objectFromIndex;
         glm::dvec3 least(lattice.first - 1);
         glm::dvec3 most(lattice.first + lattice.size);
         volume.velocity.grid = HDS_NONE;
@@ -84,6 +96,7 @@ public:
             most -= shift.least;
         }
         PlaceBox(worldFromLattice, least, most, &volume);
+        AddKeys(worldFromObject, lattice, least, most, &volume);
         const glm::vec3 extinction = shading.absorption + shading.scattering;
         StoreVector(extinction, volume.extinction);
         volume.most = std::max({extinction.x, extinction.y, extinction.z});
@@ -119,6 +132,27 @@ private:
         StoreVector(middle, volume->latticeCentre);
         StoreVector(least, volume->boxMin);
         StoreVector(most, volume->boxMax);
+    }
+
+    /// \param least, most the box in the lattice.
+    void AddKeys(const MovingTransform& worldFromObject, const GridDescription& lattice,
+                 glm::dvec3 least, glm::dvec3 most, shared::HdsVolume* volume) {
+        if (!worldFromObject.Moves()) {
+            return;
+        }
+        result.haveMotion = true;
+        const glm::dmat4 identity(1.0);
+        const MovingTransform place =
+            MovingTransform(glm::translate(identity, -_centre)) * worldFromObject *
+            MovingTransform(lattice.objectFromIndex *
+                            glm::translate(identity, 0.5 * (least + most)));
+        const Bounds bounds{glm::vec3(0.5 * (least - most)), glm::vec3(0.5 * (most - least))};
+        const std::vector<glm::dmat4> keys = MakeMotionKeys(place, bounds);
+        volume->firstKey = static_cast<std::uint32_t>(result.motionKeys.size());
+        volume->numSegments = static_cast<std::uint32_t>(keys.size() - 1);
+        for (const glm::dmat4& key : keys) {
+            result.motionKeys.push_back(RowsFromMatrix(key));
+        }
     }
 
     /// Makes a box of the lattice hold another grid too.
@@ -165,6 +199,7 @@ private:
     /// Makes a volume follow its velocity: its density has bounds that hold while it moves.
     void Move(const VolumeGrids& grids, const GridDescription& lattice, shared::HdsVolume* volume) {
         result.haveMotion = true;
+        result.haveVelocities = true;
         const PreparedGrid* density = grids.density.get();
         const auto number = static_cast<std::uint32_t>(result.grids.size());
         const auto [found, isNew] =
@@ -369,16 +404,16 @@ CommittedVolumes CommitVolumes(const SceneDescription& scene,
         ++number;
         const bool hasPurpose =
             std::find(purposes.begin(), purposes.end(), prim.purpose) != purposes.end();
-        std::vector<glm::dmat4> places;
+        std::vector<MovingTransform> places;
         if (hasPurpose && prim.placement.visible && isDrawn(path)) {
-            ForEachPlacement(scene, prim.placement,
-                             [&](const glm::dmat4& place) { places.push_back(place); });
+            ForEachPlacement(scene, prim.placement, shutter,
+                             [&](const MovingTransform& place) { places.push_back(place); });
         }
         if (places.empty()) {
             continue;
         }
         const VolumeShading shading = ShadingOf(scene, path, prim, warnings);
-        if (!IsFinite(shading) || !std::all_of(places.begin(), places.end(), IsPlace)) {
+        if (!IsFinite(shading) || !std::all_of(places.begin(), places.end(), IsPlaceAlways)) {
             warnings.Add(path, "volume with a place or material that makes no sense: left out");
             continue;
         }

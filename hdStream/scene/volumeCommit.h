@@ -5,6 +5,7 @@
 
 #include "hdStream/base/log.h"
 #include "hdStream/scene/sceneDescription.h"
+#include "hdStream/scene/transforms.h"
 #include "hdStream/volume/gridPreparer.h"
 #include "kernels/shared/volume.h"
 
@@ -20,8 +21,10 @@ struct CommittedVolumes {
     std::vector<shared::HdsGrid> grids;
     std::vector<shared::HdsGridTile> tiles;
     std::vector<shared::HdsGridCell> cells;
-    PreparedGrids prepared; ///< in the order of the textures whose lines they are
-    bool haveMotion = false;
+    PreparedGrids prepared;             ///< in the order of the textures whose lines they are
+    std::vector<AffineRows> motionKeys; ///< of volumes whose transforms move
+    bool haveMotion = false;            ///< velocities or transforms
+    bool haveVelocities = false;
 };
 
 /// \param isDrawn of a path. \param shutter closed: nothing moves. \param centre of the scene.

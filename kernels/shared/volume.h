@@ -51,7 +51,12 @@ typedef struct {
     float openSeconds;            /* of the shutter, from the frame on */
     float closeSeconds;
     float workingFromRec709[9]; /* rows; with HDS_FEATURE_WORKING_SPACE */
+    /* Of volumes whose transform moves: keys from a point of the lattice, less latticeCentre, to
+     * the world, relative to the scene centre, at equal steps of the shutter. The map above is that
+     * of the frame. */
+    u32 firstKey;
+    u32 numSegments; /* of keys; 0: the transform is at rest */
 } HdsVolume;
-HDS_ASSERT_SIZE(HdsVolume, 456);
+HDS_ASSERT_SIZE(HdsVolume, 464);
 HDS_SHARED_END
 #endif

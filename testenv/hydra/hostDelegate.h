@@ -44,6 +44,10 @@ public:
     PxOsdSubdivTags GetSubdivTags(const SdfPath& id) override;
     GfRange3d GetExtent(const SdfPath& id) override;
     GfMatrix4d GetTransform(const SdfPath& id) override;
+    size_t SampleTransform(const SdfPath& id, size_t maxSampleCount, float* sampleTimes,
+                           GfMatrix4d* sampleValues) override;
+    size_t SampleTransform(const SdfPath& id, float startTime, float endTime, size_t maxSampleCount,
+                           float* sampleTimes, GfMatrix4d* sampleValues) override;
     bool GetVisible(const SdfPath& id) override;
     bool GetDoubleSided(const SdfPath& id) override;
     HdCullStyle GetCullStyle(const SdfPath& id) override;

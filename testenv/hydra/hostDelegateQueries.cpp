@@ -79,6 +79,28 @@ GfMatrix4d SyntheticScene::GetTransform(const SdfPath& id) {
     return camera ? camera->transform : GfMatrix4d(1.0);
 }
 
+size_t SyntheticScene::SampleTransform(const SdfPath& id, size_t maxSampleCount, float* sampleTimes,
+                                       GfMatrix4d* sampleValues) {
+    const GprimData* gprim = Find(_data.gprims, id);
+    if (!gprim || gprim->transformSamples.empty()) {
+        return HdSceneDelegate::SampleTransform(id, maxSampleCount, sampleTimes, sampleValues);
+    }
+    size_t count = 0;
+    for (const auto& [time, matrix] : gprim->transformSamples) {
+        if (count < maxSampleCount) {
+            sampleTimes[count] = time;
+            sampleValues[count] = matrix;
+        }
+        ++count;
+    }
+    return count;
+}
+
+size_t SyntheticScene::SampleTransform(const SdfPath& id, float, float, size_t maxSampleCount,
+                                       float* sampleTimes, GfMatrix4d* sampleValues) {
+    return SampleTransform(id, maxSampleCount, sampleTimes, sampleValues);
+}
+
 bool SyntheticScene::GetVisible(const SdfPath& id) {
     if (const GprimData* gprim = Find(_data.gprims, id)) {
         return gprim->isVisible;

@@ -42,6 +42,7 @@ struct GprimData {
     std::vector<PrimvarData> primvars;
     std::vector<HdExtComputationPrimvarDescriptor> computedPrimvars;
     GfMatrix4d transform{1.0}; ///< world from object; below an instancer: prototype from object
+    std::map<float, GfMatrix4d> transformSamples; ///< by time, in frames; empty: at rest
     bool isVisible = true;
     bool isDoubleSided = true;
     HdCullStyle cullStyle = HdCullStyleDontCare;

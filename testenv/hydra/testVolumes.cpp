@@ -86,6 +86,37 @@ INSTANTIATE_TEST_SUITE_P(All, Volumes, ::testing::Range(size_t(0), Cases().size(
                              return std::string(Cases()[paramInfo.param].name);
                          });
 
+using MovingVolumes = HydraTest;
+
+// With a shutter that opens later, and a transform whose samples change, as from the start.
+TEST_F(MovingVolumes, AreBlurred) {
+    SceneData scene = Smoke();
+    GprimData& smoke = scene.gprims[kSmoke];
+    const GfMatrix4d place = smoke.transform;
+    smoke.transformSamples = {{-0.25F, place * Translation(-0.8, 0, 0)},
+                              {0.0F, place},
+                              {0.5F, place * Translation(1.6, 0.6, 0)}};
+    const HostOptions options = Quick({HdAovTokens->color}, 8);
+    Host host(scene, options);
+    const Image still = host.Render();
+
+    const SdfPath path("/camera");
+    CameraData camera = host.Scene().Data().cameras.at(path);
+    camera.params[HdCameraTokens->shutterOpen] = VtValue(-0.25);
+    camera.params[HdCameraTokens->shutterClose] = VtValue(0.5);
+    host.Scene().SetCamera(path, camera, HdCamera::DirtyParams);
+    const Image blurred = host.Render();
+    EXPECT_NE(blurred, still);
+    EXPECT_EQ(blurred, RenderFresh(host, options));
+
+    GprimData turned = host.Scene().Data().gprims.at(kSmoke);
+    turned.transformSamples[0.5F] = place * Translation(0, -1.6, 0);
+    host.Scene().SetGprim(kSmoke, turned, HdChangeTracker::DirtyTransform);
+    const Image other = host.Render();
+    EXPECT_NE(other, blurred);
+    EXPECT_EQ(other, RenderFresh(host, options));
+}
+
 using BadVolumes = HydraTest;
 
 TEST_F(BadVolumes, AreNamed) {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Volumes that move with their velocities while the shutter is open, against brute-force integrals."""
+"""Volumes that move while the shutter is open, by velocities and by transforms, against brute-force integrals."""
 
 import json
 
@@ -12,6 +12,7 @@ import ours
 import volumeCase
 from hdstream import _core
 from hdstream.translate import TranslateStage
+from hdstream.translate.motion import ReadShutter
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, UsdVol
 from stages.smoke import WriteVdb
 
@@ -57,7 +58,8 @@ def _Stage(tmp_path, density, velocity, voxel, shutter, absorption, name="vel", 
 
 def _Render(path, size, timeCode=Usd.TimeCode(0), **settings) -> ours.Picture:
     session, options = _core.Session(), _core.Settings()
-    TranslateStage(Usd.Stage.Open(path), session, timeCode)
+    stage = Usd.Stage.Open(path)
+    TranslateStage(stage, session, timeCode, ReadShutter(stage.GetPrimAtPath("/World/Camera"), timeCode))
     options.camera, options.imageWidth, options.imageHeight = "/World/Camera", size, size
     options.pixelFilter, options.pixelFilterWidth, options.noCache, options.russianRoulette = "box", 1.0, True, False
     for name, value in settings.items():
@@ -178,3 +180,54 @@ def test_a_velocity_that_is_no_vector_warns_once(tmp_path):
     path = _Stage(tmp_path, density, density, 1 / 8, (0.0, 1.0), 1.0)
     picture = _Render(path, 8, samples=4)
     assert [warning for warning in picture.warnings if "no vector" in warning and "/World/Smoke" in warning], picture.warnings
+
+
+def _Moving(tmp_path, way, **options):
+    """A cloud whose transform goes by `way` from frame -24 to 24."""
+    density, velocity = volumeCase.Cloud(24), np.broadcast_to(options.pop("velocity", (0, 0, 0)), (48, 48, 48, 3))
+    path = _Stage(tmp_path, density, velocity, 1 / 24, options.pop("shutter", (-12.0, 12.0)), 1.0, scattering=4.0, **options)
+    stage = Usd.Stage.Open(path)
+    volume = UsdGeom.Xformable(stage.GetPrimAtPath("/World/Smoke"))
+    scale = volume.GetOrderedXformOps()
+    translate = volume.AddTranslateOp()
+    for time, sign in ((-24.0, -0.5), (24.0, 0.5)):
+        translate.Set(sign * Gf.Vec3d(*way), time)
+    volume.SetXformOpOrder([translate, *scale])
+    stage.GetRootLayer().Save()
+    return path
+
+
+def test_a_transform_that_undoes_the_velocity_is_at_rest(tmp_path):
+    """The velocity carries the smoke along x, of the volume's own space, and the transform carries that back: in the world it is
+    at rest, where the frame has it. An event's place, its shadows and its boundaries follow both."""
+    speed = np.array((1.3, -0.4, 0.2))
+    path = _Moving(tmp_path, tuple(-_SCALE * speed * 48 / _RATE), velocity=speed)
+    moving, still = (_Render(path, 16, samples=2048, motionBlur=blur) for blur in ("on", "off"))
+    assert not moving.warnings
+    assert moving.rgb.mean() == pytest.approx(still.rgb.mean(), rel=0.003)
+    blocks = [picture.rgb.reshape(4, 4, 4, 4, 3).mean((1, 3)) for picture in (moving, still)]
+    assert blocks[0] == pytest.approx(blocks[1], abs=0.01)
+    (tmp_path / "b").mkdir()
+    alone = _Render(_Moving(tmp_path / "b", tuple(-_SCALE * speed * 48 / _RATE)), 16, samples=64)
+    assert np.abs(alone.rgb.reshape(4, 4, 4, 4, 3).mean((1, 3)) - blocks[1]).max() > 0.05, "it must matter"
+
+
+def test_bits_of_a_moving_transform_are_the_same_at_any_budget(tmp_path):
+    path = _Moving(tmp_path, (1.5, 0.5, 0.0))
+    resident, *others = [_Render(path, 16, samples=8, **settings) for settings in (
+        dict(residency="resident"), dict(residency="stream", volumeMemory="5%"), dict(residency="stream", waveSize=64),
+        dict(residency="resident", traversal="scalar"), dict(motionBlur="off"))]
+    for other in others[:-1]:
+        assert np.array_equal(other.rgb, resident.rgb)
+    assert not np.array_equal(others[-1].rgb, resident.rgb)
+
+
+def test_a_moving_volume_that_becomes_flat_warns(tmp_path):
+    path = _Moving(tmp_path, (1.5, 0.5, 0.0))
+    stage = Usd.Stage.Open(path)
+    flat = UsdGeom.Xformable(stage.GetPrimAtPath("/World/Smoke")).AddScaleOp(opSuffix="flat")
+    flat.Set(Gf.Vec3f(1), 0.0)
+    flat.Set(Gf.Vec3f(1, 0, 1), 12.0)
+    stage.GetRootLayer().Save()
+    picture = _Render(path, 8, samples=2)
+    assert [line for line in picture.warnings if "/World/Smoke" in line and "no sense" in line] and np.isfinite(picture.rgb).all()

@@ -4,9 +4,9 @@
 import pathlib
 
 import numpy as np
-from pxr import Gf, UsdGeom, Vt
+from pxr import Gf, UsdGeom, UsdShade, UsdVol, Vt
 
-from . import author, curves, imageFile, shapes
+from . import author, curves, imageFile, shapes, smoke
 
 FRAME = 1.0
 SHUTTER = (-0.5, 0.5)
@@ -264,6 +264,49 @@ def _AddLampSwarm(stage):
     positions.Set([(2.5, 0.5, 0), (0, -1.5, 0.6)], 2.0)
 
 
+def _AddSmoke(stage, path):
+    """A volume of 32^3 voxels, 1.6 wide, of bars and a corner that glows: nothing of it is the same from elsewhere."""
+    folder = pathlib.Path(stage.GetRootLayer().realPath).parent
+    density = np.zeros((32, 32, 32))
+    density[4:28, 12:18, 10:20] = 1.0
+    density[20:27, 4:28, 12:20] = np.linspace(0.2, 2.0, 24)[:, None]
+    heat = np.zeros_like(density)
+    heat[4:10, 12:18, 10:20] = 1.0
+    smoke.WriteVdb(folder / "bars.vdb", 0.05, (-16, -16, -16), density=density, heat=heat)
+    look = UsdShade.Material.Define(stage, "/World/SmokeLook")
+    look.CreateVolumeOutput().ConnectToSource(smoke.AddShader(
+        stage, "/World/SmokeLook/Volume", "arnold:standard_volume", density=4.0, scatter_color=(0.8, 0.5, 0.3), emission=3.0,
+        emission_color=(0.2, 0.5, 1.0), emission_mode="channel", emission_channel="heat"))
+    volume = UsdVol.Volume.Define(stage, path)
+    for name in ("density", "heat"):
+        asset = UsdVol.OpenVDBAsset.Define(stage, f"{path}/{name}")
+        asset.CreateFilePathAttr("./bars.vdb")
+        volume.CreateFieldRelationship(name, asset.GetPath())
+    UsdShade.MaterialBindingAPI.Apply(volume.GetPrim()).Bind(look)
+    return volume
+
+
+def _AddTurningSmoke(stage):
+    """It goes along, turns by more than half a circle, and grows, behind a box that moves too."""
+    AddWay(author.AddMesh(stage, "/World/Box", shapes.Box(0.5, 0.3, 0.3), color=(0.8, 0.5, 0.2)), (-1, -1.4, 0.5), (1, -1.4, 0.5))
+    volume = _AddSmoke(stage, "/World/Smoke")
+    AddWay(volume, (-1.2, 0.3, 0), (1.4, 0, 0), degrees=420.0)
+    grow = UsdGeom.Xformable(volume).AddScaleOp()
+    grow.Set(Gf.Vec3f(0.7, 0.9, 1.0), 0.0)
+    grow.Set(Gf.Vec3f(1.6, 1.1, 1.0), 2.0)
+
+
+def _AddSmokeSwarm(stage):
+    """Volumes of an instancer that moves, whose instances leave and return."""
+    swarm = UsdGeom.PointInstancer.Define(stage, "/World/Puffs")
+    AddWay(swarm, (0, 0, 0), (0.4, 0, 0), degrees=60.0)
+    _AddSmoke(stage, "/World/Puffs/Puff")
+    swarm.CreatePrototypesRel().SetTargets(["/World/Puffs/Puff"])
+    swarm.CreateProtoIndicesAttr([0, 0])
+    places, ways = np.array([(-1.2, 0, 0), (1.0, 0.4, 0.0)]), np.array([(0.3, 1.5, 0), (-0.4, -1.2, 0.5)])
+    _SetOverSteps(swarm.CreatePositionsAttr(), lambda part: _Float3s(places + ways * np.sin(np.pi * part)))
+
+
 def _SetOverFrames(attribute, first, last):
     attribute.Set(first, 0.0)
     attribute.Set(last, 2.0)
@@ -282,6 +325,8 @@ KEYS = {
 }
 # Lights that move. Their pictures need more stills: what moves is bright, or sharp.
 LIGHTS = {"lamp": _AddLamp, "spot": _AddSpot, "sun": _AddSun, "sky": _AddSky, "lamps": _AddLamps, "lampSwarm": _AddLampSwarm}
+# Volumes whose transforms move.
+VOLUMES = {"turningSmoke": _AddTurningSmoke, "smokeSwarm": _AddSmokeSwarm}
 
 
 def Write(path, *names, shutter=SHUTTER):
@@ -292,7 +337,7 @@ def Write(path, *names, shutter=SHUTTER):
     author.AddLight(stage, "/World/Sun", "Distant", dict(rotate=(-30, 25, 0)), intensity=1.5, angle=2.0, normalize=True)
     _AddFar(stage)
     for name in names:
-        {**SCENES, **KEYS, **LIGHTS}[name](stage)
+        {**SCENES, **KEYS, **LIGHTS, **VOLUMES}[name](stage)
     camera = author.AddCamera(stage, eye=(0, 0, 6), focalLength=40.0)
     camera.CreateShutterOpenAttr(shutter[0])
     camera.CreateShutterCloseAttr(shutter[1])

@@ -89,7 +89,8 @@ def _AddVolume(stage, path, file, look, translate, scale, **fields):
     UsdShade.MaterialBindingAPI.Apply(volume.GetPrim()).Bind(look)
 
 
-def _AddShader(stage, path, identifier, **inputs):
+def AddShader(stage, path, identifier, **inputs):
+    """A shader by its inputs: texts, floats and colours. Returns its output."""
     shader = UsdShade.Shader.Define(stage, path)
     shader.CreateIdAttr(identifier)
     for name, value in inputs.items():
@@ -101,13 +102,13 @@ def _AddShader(stage, path, identifier, **inputs):
 
 def _Looks(stage):
     cloud = UsdShade.Material.Define(stage, "/World/Looks/Cloud")
-    medium = _AddShader(stage, "/World/Looks/Cloud/Medium", "ND_anisotropic_vdf", absorption=(0.0, 0.0, 0.0),
+    medium = AddShader(stage, "/World/Looks/Cloud/Medium", "ND_anisotropic_vdf", absorption=(0.0, 0.0, 0.0),
                         scattering=(24.0, 24.0, 24.0), anisotropy=0.6)
-    volume = _AddShader(stage, "/World/Looks/Cloud/Volume", "ND_volume")
+    volume = AddShader(stage, "/World/Looks/Cloud/Volume", "ND_volume")
     UsdShade.Shader(volume.GetPrim()).CreateInput("vdf", Sdf.ValueTypeNames.Token).ConnectToSource(medium)
     cloud.CreateVolumeOutput("mtlx").ConnectToSource(volume)
     fire = UsdShade.Material.Define(stage, "/World/Looks/Fire")
-    fire.CreateVolumeOutput().ConnectToSource(_AddShader(
+    fire.CreateVolumeOutput().ConnectToSource(AddShader(
         stage, "/World/Looks/Fire/Volume", "arnold:standard_volume", density=9.0, scatter_color=(0.3, 0.3, 0.3),
         emission_mode="blackbody", temperature=0.38, temperature_channel="temperature", blackbody_intensity=12.0))
     return cloud, fire

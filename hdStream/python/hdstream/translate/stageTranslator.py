@@ -338,7 +338,6 @@ class StageTranslator:
         path, placement = self._Place(prim, state, context)
         if state.ofPass and placement.visible and (state.ofPass.isMatte or not state.ofPass.isSeenByCamera):
             self._reports.Count(prim, "volumes have no matte and are always seen by the camera, whatever the pass says: {count}")
-        placement.samples = []  # volumes are where the frame has them
         self._session.SetVolume(path, volumes.ReadVolume(
             prim, placement, state.purpose, materialPath, self._timeCode, self._assets, self._reports.Warn))
         return state
