@@ -2,6 +2,7 @@
 // Volumes and their fields: edits give the bits of a fresh delegate, bad ones are named.
 #include "hydraTest.h"
 
+#include <pxr/imaging/hd/camera.h>
 #include <pxr/imaging/hd/changeTracker.h>
 #include <pxr/imaging/hd/field.h>
 #include <pxr/usd/sdf/assetPath.h>
