@@ -45,6 +45,8 @@ public:
 
     /// Whether a line can be read without making it.
     bool HasLine(std::uint32_t line) const { return Lines()->Has(line); }
+    /// Copies a line if it can be read without making it. \return whether it can
+    bool FindLine(std::uint32_t line, TextureLine* out) const { return Lines()->Read(line, out); }
 
     /// Makes those of some lines that are not there, as ReadLine does one by one.
     void MakeLines(const std::vector<std::uint32_t>& lines) const;

@@ -58,32 +58,47 @@ void TextureLines::Open(const std::vector<std::uint32_t>& textures, bool allLine
     });
 }
 
-/// Makes what is not there, different textures at once.
-void TextureLines::MakeMissing(const std::vector<LineId>& lines) const {
+/// Makes lines that are not there, different textures at once.
+void TextureLines::Make(const std::vector<LineId>& lines) const {
     std::map<std::uint32_t, std::vector<std::uint32_t>> byTexture;
     for (const LineId& id : lines) {
-        if (!_textures[id.texture]->HasLine(id.line)) {
-            byTexture[id.texture].push_back(id.line);
-        }
+        byTexture[id.texture].push_back(id.line);
     }
-    const std::vector<std::pair<std::uint32_t, std::vector<std::uint32_t>>> missing(
+    const std::vector<std::pair<std::uint32_t, std::vector<std::uint32_t>>> ofTextures(
         byTexture.begin(), byTexture.end());
-    tbb::parallel_for(std::size_t{0}, missing.size(), [&](std::size_t i) {
-        _textures[missing[i].first]->MakeLines(missing[i].second);
+    tbb::parallel_for(std::size_t{0}, ofTextures.size(), [&](std::size_t i) {
+        _textures[ofTextures[i].first]->MakeLines(ofTextures[i].second);
     });
 }
 
 void TextureLines::Read(const std::vector<LineId>& lines, std::uint8_t* bytes) {
-    MakeMissing(lines);
+    std::vector<std::uint8_t> isMissing(lines.size());
     const tbb::blocked_range<std::size_t> all(0, lines.size(), kLinesPerTask);
     tbb::parallel_for(all, [&](const auto& range) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            TextureLine line;
+            if (_textures[lines[i].texture]->FindLine(lines[i].line, &line)) {
+                std::memcpy(bytes + i * HDS_LINE_BYTES, line.data(), HDS_LINE_BYTES);
+            } else {
+                isMissing[i] = 1;
+            }
+        }
+    });
+    std::vector<LineId> missing;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        if (isMissing[i] != 0) {
+            missing.push_back(lines[i]);
+        }
+    }
+    Make(missing);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        if (isMissing[i] != 0) {
             TextureLine line;
             // A line that is lost is black; the preparer has said so.
             _textures[lines[i].texture]->ReadLine(lines[i].line, &line);
             std::memcpy(bytes + i * HDS_LINE_BYTES, line.data(), HDS_LINE_BYTES);
         }
-    });
+    }
 }
 
 } // namespace hds

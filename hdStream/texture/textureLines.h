@@ -40,7 +40,7 @@ public:
     void Read(const std::vector<LineId>& lines, std::uint8_t* bytes) override;
 
 private:
-    void MakeMissing(const std::vector<LineId>& lines) const;
+    void Make(const std::vector<LineId>& lines) const;
 
     std::shared_ptr<TexturePreparer> _preparer;
     std::vector<TextureImage> _images;

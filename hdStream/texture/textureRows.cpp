@@ -59,9 +59,11 @@ CodeRows TextureRows::Codes() const {
 }
 
 std::shared_ptr<const KeptImage> TextureRows::Keep(std::uint64_t maxBytes) {
-    const std::uint64_t pixelBytes = 2 * static_cast<std::uint64_t>(_end - _begin);
-    if (_form.isVerbatim && pixelBytes * _file->Width() * _file->Height() <= maxBytes) {
-        _kept = std::make_shared<KeptImage>(Codes(), _file->Width(), _file->Height());
+    if (_form.isVerbatim) {
+        const CodeRows codes = Codes();
+        if (codes.RowBytes(_file->Width()) * _file->Height() <= maxBytes) {
+            _kept = std::make_shared<KeptImage>(codes, _file->Width(), _file->Height());
+        }
     }
     return _kept;
 }

@@ -182,7 +182,8 @@ double PrepareSeconds(const char* path) {
     tbb::task_arena(1).execute([&] {
         hds::TextureRequest request;
         request.colorSpace = "auto";
-        hds::TexturePreparer(nullptr).Prepare({path, 0, 0, ""}, request);
+        hds::TexturePreparer(nullptr).Prepare({path, 0, 0, ""}, request,
+                                              hds::TexturePreparer::kAllTexels);
     });
     return std::max(CpuSeconds() - begin, 1e-6);
 }

@@ -3,6 +3,7 @@
 #include "hydraTest.h"
 
 #include <pxr/base/tf/stringUtils.h>
+#include <pxr/imaging/hd/camera.h>
 
 #include <cmath>
 
@@ -127,6 +128,14 @@ void ExpectFloats(const Image& image, const Oracle& oracle, int component, doubl
         const bool isRight = value == wanted || std::abs(value - wanted) <= tolerance;
         return isRight ? std::string() : Mismatch(value, wanted);
     });
+}
+
+void SetShutter(Host& host, double open, double close) {
+    const SdfPath path("/camera");
+    CameraData camera = host.Scene().Data().cameras.at(path);
+    camera.params[HdCameraTokens->shutterOpen] = VtValue(open);
+    camera.params[HdCameraTokens->shutterClose] = VtValue(close);
+    host.Scene().SetCamera(path, camera, HdCamera::DirtyParams);
 }
 
 int NumWarnings(Host& host, const std::string& text) {

@@ -43,6 +43,9 @@ void ExpectFloats(const Image& image, const Oracle& oracle, int component, doubl
 /// Renders a host's present scene with a fresh delegate, same settings and AOVs of the options.
 Image RenderFresh(Host& host, const HostOptions& options, const TfToken& aov = HdAovTokens->color);
 
+/// When the shutter of EmptyScene's camera opens and closes, in frames.
+void SetShutter(Host& host, double open, double close);
+
 /// Warnings in the statistics that contain a text.
 int NumWarnings(Host& host, const std::string& text);
 

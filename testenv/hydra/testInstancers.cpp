@@ -3,7 +3,6 @@
 #include "hydraTest.h"
 
 #include <pxr/base/gf/quath.h>
-#include <pxr/imaging/hd/camera.h>
 #include <pxr/imaging/hd/changeTracker.h>
 #include <pxr/imaging/hd/rprim.h>
 
@@ -152,17 +151,12 @@ TEST_F(Instancers, AShutterThatOpensLaterBlursThem) {
     Host host(scene, options);
     const Image still = host.Render();
 
-    const SdfPath path("/camera");
-    CameraData camera = host.Scene().Data().cameras.at(path);
-    camera.params[HdCameraTokens->shutterOpen] = VtValue(-0.25);
-    camera.params[HdCameraTokens->shutterClose] = VtValue(0.5);
-    host.Scene().SetCamera(path, camera, HdCamera::DirtyParams);
+    SetShutter(host, -0.25, 0.5);
     const Image blurred = host.Render();
     EXPECT_NE(blurred, still);
     EXPECT_EQ(blurred, RenderFresh(host, options));
 
-    camera.params[HdCameraTokens->shutterClose] = VtValue(-0.25);
-    host.Scene().SetCamera(path, camera, HdCamera::DirtyParams);
+    SetShutter(host, -0.25, -0.25);
     EXPECT_EQ(host.Render(), still);
 }
 

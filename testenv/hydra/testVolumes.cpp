@@ -2,7 +2,6 @@
 // Volumes and their fields: edits give the bits of a fresh delegate, bad ones are named.
 #include "hydraTest.h"
 
-#include <pxr/imaging/hd/camera.h>
 #include <pxr/imaging/hd/changeTracker.h>
 #include <pxr/imaging/hd/field.h>
 #include <pxr/usd/sdf/assetPath.h>
@@ -101,11 +100,7 @@ TEST_F(MovingVolumes, AreBlurred) {
     Host host(scene, options);
     const Image still = host.Render();
 
-    const SdfPath path("/camera");
-    CameraData camera = host.Scene().Data().cameras.at(path);
-    camera.params[HdCameraTokens->shutterOpen] = VtValue(-0.25);
-    camera.params[HdCameraTokens->shutterClose] = VtValue(0.5);
-    host.Scene().SetCamera(path, camera, HdCamera::DirtyParams);
+    SetShutter(host, -0.25, 0.5);
     const Image blurred = host.Render();
     EXPECT_NE(blurred, still);
     EXPECT_EQ(blurred, RenderFresh(host, options));

@@ -295,14 +295,14 @@ class StageTranslator:
         return self._skinnings[time]
 
     def _OnTetMesh(self, prim, schema, names, state, context):
-        mesh = self._KeptGeometry(prim, context) or meshes.ReadTetMesh(
-            prim, names, state.primvars, self._timeCode, self._motion, self._reports.Warn)
-        if mesh is not None:
-            self._AddMesh(prim, names, mesh, state, context)
-        return state
+        return self._AddConverted(meshes.ReadTetMesh, prim, names, state, context)
 
     def _OnNurbsPatch(self, prim, schema, names, state, context):
-        mesh = self._KeptGeometry(prim, context) or meshes.ReadNurbsPatch(
+        return self._AddConverted(meshes.ReadNurbsPatch, prim, names, state, context)
+
+    def _AddConverted(self, read, prim, names, state, context):
+        """A prim that `read` makes a mesh of."""
+        mesh = self._KeptGeometry(prim, context) or read(
             prim, names, state.primvars, self._timeCode, self._motion, self._reports.Warn)
         if mesh is not None:
             self._AddMesh(prim, names, mesh, state, context)
