@@ -130,6 +130,18 @@ Build() {
     fi
 }
 
+# Compiles the kernels that most scenes need into the user's cache, so that no first render waits for them (docs/device.md).
+# Where there is no device this fails, and renders say why.
+PrepareKernels() {
+    local value
+    value=$({ find "$root/kernels" "$root/hdStream/integrator" -type f -print0 | sort -z | xargs -0 sha256sum; } | sha256sum)
+    [ "$(cat "$state/kernels" 2>/dev/null)" = "$value" ] && return
+    Say "compiling kernels for this machine (about half a minute)"
+    if "$root/.venv/bin/python" -m hdstream cache --kernels >"$state/kernels.log" 2>&1 </dev/null; then
+        echo "$value" >"$state/kernels"
+    fi
+}
+
 # SetUp TARGET: all of the above, as far as it is needed. Runs of several processes take turns.
 SetUp() {
     mkdir -p "$state" || Fail "cannot write to $root"
@@ -148,5 +160,6 @@ SetUp() {
     fi
     UseCompilerCache
     Build "$1"
+    PrepareKernels
     exec 9>&-
 }

@@ -143,6 +143,15 @@ std::vector<float> FilmBuffers::RelativeErrors(StageKernels* kernels, const Buff
     return values;
 }
 
+double FilmBuffers::MeanRelativeError(StageKernels* kernels, const Buffer& pixels,
+                                      std::uint32_t count) const {
+    double sum = 0.0;
+    for (const float error : RelativeErrors(kernels, pixels, count)) {
+        sum += std::isfinite(error) ? error : 0.0;
+    }
+    return count > 0 ? sum / count : 0.0;
+}
+
 FilmSums FilmBuffers::Read(std::uint32_t firstSample, std::uint32_t endSample) const {
     FilmSums sums;
     sums.width = _width;

@@ -37,6 +37,9 @@ public:
     /// [>= count] on the device. \return [count].
     std::vector<float> RelativeErrors(StageKernels* kernels, const Buffer& pixels,
                                       std::uint32_t count) const;
+    /// Their mean; those that are not finite count as 0. 0 without pixels.
+    double MeanRelativeError(StageKernels* kernels, const Buffer& pixels,
+                             std::uint32_t count) const;
 
     const Buffer& Film() const { return _film; }
     const Buffer& Floats() const { return _floats; }

@@ -2,6 +2,8 @@
 #include "hdStream/integrator/kernelSets.h"
 
 #include "hdStream/base/hash.h"
+#include "hdStream/device/kernelCompilers.h"
+#include "hdStream/integrator/generalKernels.h"
 
 #include <algorithm>
 #include <cstring>
@@ -14,6 +16,20 @@ namespace {
 
 /// Of the features that a render has asked for, in the store.
 const char* const kFeaturesKind = "features";
+
+/// Of the seconds that renders have spent in general kernels, in the store.
+const char* const kSecondsKind = "generalSeconds";
+
+/// Another one for other features, or another device.
+std::string SecondsKey(const Device& device, const KernelFeatures& features) {
+    Hasher hasher;
+    hasher.Append(std::string_view(device.Properties().name));
+    for (const auto& [name, value] : features.Defines()) {
+        hasher.Append(std::string_view(name));
+        hasher.Append(std::string_view(value));
+    }
+    return hasher.Hex();
+}
 
 /// Another one for another device or table of features.
 std::string FeaturesKey(const Device& device) {
@@ -82,6 +98,58 @@ void KernelSets::Warm() {
     }
 }
 
+KernelFeatures KernelSets::Choose(const KernelFeatures& features, KernelChoice choice,
+                                  bool mayWait) {
+    // Others compile fast enough.
+    if (choice == KernelChoice::Own || !_device->Properties().hasSlowBinaries) {
+        return features;
+    }
+    const std::vector<KernelFeatures> sets = GeneralFeatures(features);
+    if (choice == KernelChoice::General) {
+        return sets.empty() ? features : sets.front();
+    }
+    const auto isThere = [this](const KernelFeatures& set) { return Has(set) || AreInStore(set); };
+    if (isThere(features)) {
+        return features;
+    }
+    const auto set = std::find_if(sets.begin(), sets.end(), isThere);
+    const bool hasPaid = mayWait && PayForOwnKernels(GeneralSeconds(features));
+    return set == sets.end() || hasPaid ? features : *set;
+}
+
+bool KernelSets::HaveOwnCome(const KernelFeatures& features, double secondsLeft) {
+    if (EndsBeforeOwnKernels(secondsLeft)) {
+        return false;
+    }
+    if (_announced && *_announced == features) {
+        return AreInStore(features);
+    }
+    const bool canCompile = _device->Compilers() != nullptr && _device->Compilers()->CanCompile();
+    if (canCompile && PayForOwnKernels(GeneralSeconds(features) + secondsLeft)) {
+        StageKernels::Announce(*_device, _store, features);
+        _announced = features;
+    }
+    return false;
+}
+
+double KernelSets::GeneralSeconds(const KernelFeatures& features) const {
+    const auto bytes = _store != nullptr
+                           ? _store->Load(kSecondsKind, SecondsKey(*_device, features))
+                           : std::optional<std::vector<std::uint8_t>>();
+    double seconds = 0.0;
+    if (bytes && bytes->size() == sizeof(seconds)) {
+        std::memcpy(&seconds, bytes->data(), sizeof(seconds));
+    }
+    return seconds;
+}
+
+void KernelSets::AddGeneralSeconds(const KernelFeatures& features, double seconds) {
+    if (_store != nullptr && _store->IsEnabled()) {
+        const double sum = GeneralSeconds(features) + seconds;
+        _store->Save(kSecondsKind, SecondsKey(*_device, features), &sum, sizeof(sum));
+    }
+}
+
 bool KernelSets::Has(const KernelFeatures& features) const {
     return std::any_of(_sets.begin(), _sets.end(),
                        [&](const Set& set) { return set.kernels->Features() == features; });
@@ -89,6 +157,12 @@ bool KernelSets::Has(const KernelFeatures& features) const {
 
 bool KernelSets::AreInStore(const KernelFeatures& features) const {
     return _store != nullptr && StageKernels::AreInStore(*_device, *_store, features);
+}
+
+KernelPlace KernelSets::PlaceOf(const KernelFeatures& features) const {
+    return Has(features)          ? KernelPlace::Bound
+           : AreInStore(features) ? KernelPlace::Cached
+                                  : KernelPlace::Nowhere;
 }
 
 void KernelSets::SaveBinaries() {

@@ -3,6 +3,8 @@
 // of megabytes for each, and a long session of edits meets many.
 #pragma once
 
+#include "hdStream/integrator/makeResident.h"
+#include "hdStream/integrator/renderOptions.h"
 #include "hdStream/integrator/stageKernels.h"
 
 #include <cstdint>
@@ -31,6 +33,17 @@ public:
     bool Has(const KernelFeatures& features) const;
     /// Whether Get would read them from the store.
     bool AreInStore(const KernelFeatures& features) const;
+    KernelPlace PlaceOf(const KernelFeatures& features) const;
+
+    /// The features of the set that a render of `features` begins with: general ones where its own
+    /// are not there and renders have not paid for them, else `features`. \param mayWait nobody
+    /// looks on, so that kernels may be compiled before it begins.
+    KernelFeatures Choose(const KernelFeatures& features, KernelChoice choice, bool mayWait);
+    /// Between two waves of a render by general kernels. Begins to compile those of `features` when
+    /// it pays. \param secondsLeft of the render. \return whether they have come.
+    bool HaveOwnCome(const KernelFeatures& features, double secondsLeft);
+    /// A render of `features` has spent so long in general kernels; kept in the store.
+    void AddGeneralSeconds(const KernelFeatures& features, double seconds);
 
     /// Keeps in the store which features a render has asked for, for Warm of later processes.
     void Remember(const KernelFeatures& features);
@@ -43,6 +56,7 @@ public:
 
 private:
     StageKernels& Add(const KernelFeatures& features);
+    double GeneralSeconds(const KernelFeatures& features) const;
 
     struct Set {
         std::unique_ptr<StageKernels> kernels;
@@ -54,6 +68,7 @@ private:
     std::size_t _mostSets;
     std::vector<Set> _sets;                    ///< used last comes last
     std::optional<KernelFeatures> _remembered; ///< what the store has
+    std::optional<KernelFeatures> _announced;  ///< what is compiled beside a render
 };
 
 } // namespace hds

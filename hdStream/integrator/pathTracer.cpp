@@ -19,7 +19,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -125,8 +124,10 @@ struct PathTracer::Impl {
     }
 
     void ReadyKernels() {
-        const KernelFeatures features = MakeFeatures(buffers.IsStreaming());
-        kernels = &kernelSets.Get(features, buffers, sceneNumber, &statistics.compileSeconds);
+        const KernelFeatures features = PresentFeatures();
+        kernels =
+            &kernelSets.Get(Choose(features), buffers, sceneNumber, &statistics.compileSeconds);
+        statistics.hasGeneralKernels = !(kernels->Features() == features);
         statistics.traversal = features.flat    ? TraversalForm::Flat
                                : features.simd8 ? TraversalForm::Simd8
                                                 : TraversalForm::Scalar;
@@ -310,6 +311,7 @@ struct PathTracer::Impl {
             if (first < pass.end) {
                 MakeResidentIfWorth(samplesEquivalent, !hadRate, onlooker);
             }
+            TakeOwnKernels(SecondsLeft(samplesEquivalent, *onlooker));
             if (onlooker->isStopped && first < pass.end) {
                 return false;
             }
@@ -331,6 +333,11 @@ struct PathTracer::Impl {
         }
     }
 
+    double SecondsLeft(double samplesEquivalent, const Onlooker& onlooker) const {
+        return schedule.SecondsLeft(onlooker.rate.SecondsPerSample(), samplesEquivalent,
+                                    onlooker.timer.Seconds());
+    }
+
     double TracingSeconds() const { return statistics.traceSeconds + statistics.shadeSeconds; }
 
     /// Between waves: makes geometry that streams resident when that is worth it (makeResident.h).
@@ -347,10 +354,9 @@ struct PathTracer::Impl {
             return;
         }
         MakeResidentCosts costs;
-        costs.secondsLeft = schedule.SecondsLeft(onlooker->rate.SecondsPerSample(),
-                                                 samplesEquivalent, onlooker->timer.Seconds());
+        costs.secondsLeft = SecondsLeft(samplesEquivalent, *onlooker);
         const KernelFeatures features = MakeFeatures(false);
-        costs.kernelSeconds = SecondsToGet(PlaceOf(features));
+        costs.kernelSeconds = SecondsToGet(kernelSets.PlaceOf(Choose(features)));
         costs.flatTriangles = features.flat ? scene->counts.triangles : 0;
         costs.missingBytes = buffers.Streaming().MissingBytes();
         costs.prepareSeconds = pool.prepareSeconds;
@@ -374,10 +380,20 @@ struct PathTracer::Impl {
         }
     }
 
-    KernelPlace PlaceOf(const KernelFeatures& features) const {
-        return kernelSets.Has(features)          ? KernelPlace::Bound
-               : kernelSets.AreInStore(features) ? KernelPlace::Cached
-                                                 : KernelPlace::Nowhere;
+    KernelFeatures PresentFeatures() const { return MakeFeatures(buffers.IsStreaming()); }
+
+    /// The features of the kernels that render what asks for `features`.
+    KernelFeatures Choose(const KernelFeatures& features) {
+        return kernelSets.Choose(features, options.kernels, !options.interactive);
+    }
+
+    /// Between waves: kernels of the scene's own take the place of general ones.
+    void TakeOwnKernels(double secondsLeft) {
+        if (options.kernels == KernelChoice::Auto && statistics.hasGeneralKernels &&
+            kernelSets.HaveOwnCome(PresentFeatures(), secondsLeft)) {
+            ReadyKernels();
+            ReadyPathState();
+        }
     }
 
     void CountAccuracy() {
@@ -387,14 +403,8 @@ struct PathTracer::Impl {
         statistics.clampedSamples = values[HDS_COUNTER_CLAMPED];
         const std::vector<std::uint32_t>& all = schedule.AllPixels();
         UploadPixels(all);
-        const std::vector<float> errors =
-            film.RelativeErrors(kernels, pixels, static_cast<std::uint32_t>(all.size()));
-        double sum = 0.0;
-        for (const float error : errors) {
-            sum += std::isfinite(error) ? error : 0.0;
-        }
         statistics.meanRelativeError =
-            errors.empty() ? 0.0 : sum / static_cast<double>(errors.size());
+            film.MeanRelativeError(kernels, pixels, static_cast<std::uint32_t>(all.size()));
     }
 
     RenderResult Render(const ProgressCallback& onProgress, const RenderWatch& watch) {
@@ -412,6 +422,9 @@ struct PathTracer::Impl {
         statistics.samples = schedule.Done();
         CountAccuracy();
         buffers.CountUsed();
+        if (statistics.hasGeneralKernels) {
+            kernelSets.AddGeneralSeconds(PresentFeatures(), TracingSeconds());
+        }
         if (onlooker.isStopped && !schedule.IsTimeUp(onlooker.timer.Seconds())) {
             return RenderResult::Stopped;
         }

@@ -24,6 +24,13 @@ enum class TraversalForm {
     Scalar, ///< one work-item a ray
 };
 
+/// Which kernels a render runs (docs/device.md); equal bits.
+enum class KernelChoice {
+    Auto,    ///< general ones until those of its own are there, if it pays to have them
+    Own,     ///< those that its own features need
+    General, ///< general ones wherever they cover the scene
+};
+
 /// How an aperture of another aspect ratio is fitted to the display window (UsdRender's
 /// aspectRatioConformPolicy).
 enum class ConformPolicy {
@@ -68,6 +75,7 @@ struct RenderOptions {
     std::uint32_t shadeIterations = 0;
     std::uint32_t waveSize = 0;
     TraversalForm traversal = TraversalForm::Auto;
+    KernelChoice kernels = KernelChoice::Auto;
     /// Someone looks at the film while it is rendered, and edits: the first sample goes from coarse
     /// to fine, and passes are short. The final picture is the same.
     bool interactive = false;

@@ -38,6 +38,7 @@ struct RenderStatistics {
     std::uint64_t streamedPaths = 0;   ///< camera rays that began while geometry streamed
     std::uint32_t waveSize = 0;
     TraversalForm traversal = TraversalForm::Scalar; ///< never Auto
+    bool hasGeneralKernels = false;                  ///< at the end, as generalKernels.h
     double flattenSeconds = 0.0;                     ///< the flat hierarchy was built in
     std::uint64_t pathStateBytes = 0;
     std::uint64_t filmBytes = 0;

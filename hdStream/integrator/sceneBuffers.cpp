@@ -167,7 +167,6 @@ bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& r
     Upload(GridCells, scene.volumes.cells);
     Upload(MeshMedia, scene.meshMedia);
     _numVolumes = static_cast<std::uint32_t>(scene.volumes.volumes.size());
-    _hasMeshMedia = !scene.meshMedia.empty();
     _textures.Update(scene, residency);
     _hasPrograms = !scene.programs.empty();
     _hasTextures = scene.lines->NumTextures() > 0;
@@ -211,8 +210,8 @@ std::uint64_t SceneBuffers::TableBytes() const {
     return bytes + _flat.Bytes() + _textures.TableBytes();
 }
 
-unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first, bool hasMotion,
-                                    bool isFlat) const {
+unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first,
+                                    const KernelFeatures& features) const {
     HDS_VERIFY(_pool != nullptr, "no geometry was taken before");
     for (const Table table :
          {TopNodes, _showsCatchersAlone ? CatchersAlone : Instances, InstancesByPath, Objects}) {
@@ -222,43 +221,45 @@ unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first, bool hasMoti
     for (std::uint32_t i = 0; i < kMaxPoolBuffers; ++i) {
         kernel->SetBuffer(first++, _pool->PoolBuffer(i));
     }
-    if (hasMotion) {
+    if (features.motion) {
         kernel->SetBuffer(first++, _tables[MotionKeys]);
     }
-    if (isFlat) {
+    if (features.flat) {
         kernel->SetBuffer(first++, _flat.DeviceBuffer());
     }
-    if (IsStreaming()) {
+    if (features.streaming) {
         kernel->SetBuffer(first++, _streaming->Uses());
     }
     return first;
 }
 
-unsigned SceneBuffers::BindScene(Kernel* kernel, unsigned first, bool hasMotion,
-                                 bool isFlat) const {
-    first = BindGeometry(kernel, first, hasMotion, isFlat);
+unsigned SceneBuffers::BindScene(Kernel* kernel, unsigned first,
+                                 const KernelFeatures& features) const {
+    first = BindGeometry(kernel, first, features);
     for (const Table table : {Prims, PrimMaterials, Materials, LightByEntry, Lights, LightNodes,
                               LightTriangles, LightCdf}) {
         kernel->SetBuffer(first++, _tables[table]);
     }
     kernel->SetBytes(first++, &_numLights, sizeof(_numLights));
-    if (_hasPrograms) {
+    if (features.programs) {
         kernel->SetBuffer(first++, _tables[Programs]);
     }
-    if (_hasInstancePrimvars) {
+    if (features.instancePrimvars) {
         for (const Table table : {FirstInstanceSlots, InstanceSlots, InstanceValues}) {
             kernel->SetBuffer(first++, _tables[table]);
         }
     }
-    first = _hasTextures ? _textures.Bind(kernel, first) : first;
-    if (_numVolumes > 0) {
+    if (features.textures) {
+        first = _textures.Bind(kernel, first, features.textureStreaming);
+    }
+    if (features.volumes) {
         for (const Table table : {Volumes, Grids, GridTiles, GridCells}) {
             kernel->SetBuffer(first++, _tables[table]);
         }
         const std::uint32_t numSeen = _showsCatchersAlone ? 0 : _numVolumes;
         kernel->SetBytes(first++, &numSeen, sizeof(numSeen));
     }
-    if (_hasMeshMedia) {
+    if (features.mediaStack) {
         kernel->SetBuffer(first++, _tables[MeshMedia]);
     }
     return first;

@@ -4,6 +4,7 @@
 
 #include "hdStream/device/program.h"
 #include "hdStream/integrator/flatGeometry.h"
+#include "hdStream/integrator/kernelFeatures.h"
 #include "hdStream/integrator/renderOptions.h"
 #include "hdStream/integrator/residencyPlan.h"
 #include "hdStream/integrator/sceneTextures.h"
@@ -29,12 +30,12 @@ public:
     bool Update(const CommittedScene& scene, const ResidencyOptions& residency);
 
     /// Sets the arguments of HDS_GEOMETRY_ARGS from `first` on; returns the next free index.
-    /// \param hasMotion, isFlat the kernel has HDS_FEATURE_MOTION, HDS_FEATURE_FLAT.
-    unsigned BindGeometry(Kernel* kernel, unsigned first, bool hasMotion, bool isFlat) const;
+    /// \param features of the kernel: at least what the scene needs.
+    unsigned BindGeometry(Kernel* kernel, unsigned first, const KernelFeatures& features) const;
 
-    /// Sets the arguments of HDS_SCENE_ARGS (geometry, materials, lights, and what only some scenes
-    /// have) from `first` on.
-    unsigned BindScene(Kernel* kernel, unsigned first, bool hasMotion, bool isFlat) const;
+    /// Sets the arguments of HDS_SCENE_ARGS (geometry, materials, lights, and what only some
+    /// kernels know) from `first` on.
+    unsigned BindScene(Kernel* kernel, unsigned first, const KernelFeatures& features) const;
 
     /// Whether kernels that are bound from here on see nothing but catchers, and lights.
     void ShowCatchersAlone(bool isAlone) { _showsCatchersAlone = isAlone; }
@@ -138,7 +139,6 @@ private:
     std::uint32_t _numLights = 0;
     std::uint32_t _numVolumes = 0;
     FlatGeometry _flat;
-    bool _hasMeshMedia = false;
     SceneTextures _textures;
     bool _hasPrograms = false;
     bool _hasTextures = false;

@@ -23,7 +23,7 @@ constexpr std::uint32_t kLinesPerMove = HDS_VELOCITY_GRIDS;
 } // namespace
 
 SceneTextures::SceneTextures(std::shared_ptr<Device> device, Store* store)
-    : _device(std::move(device)), _store(store) {}
+    : _device(std::move(device)), _store(store), _nothing(_device, "no textures", 0) {}
 
 void SceneTextures::Update(const CommittedScene& scene, const ResidencyOptions& residency) {
     const bool isNeeded = scene.lines->NumTextures() > 0;
@@ -85,9 +85,21 @@ std::uint64_t SceneTextures::Budget(const CommittedScene& scene, const Residency
     return TextureBudget(residency, totalBytes, _device->Properties().memoryBytes);
 }
 
-unsigned SceneTextures::Bind(Kernel* kernel, unsigned first) const {
+unsigned SceneTextures::Bind(Kernel* kernel, unsigned first, bool isStreaming) const {
     kernel->SetBytes(first++, &_mipBias, sizeof(_mipBias));
-    return (_resident ? _resident->Binding() : _pool->Binding()).Bind(kernel, first);
+    TextureBinding binding;
+    if (_resident) {
+        binding = _resident->Binding();
+    } else if (_pool) {
+        binding = _pool->Binding();
+    } else {
+        binding.textures = binding.lineTable = &_nothing;
+        binding.pools.fill(&_nothing);
+        if (isStreaming) {
+            binding.requests = binding.stamps = binding.waiting = &_nothing;
+        }
+    }
+    return binding.Bind(kernel, first);
 }
 
 std::uint32_t SceneTextures::NumBuffers() const {

@@ -29,8 +29,10 @@ public:
     void SetMipBias(float bias) { _mipBias = bias; }
     float MipBias() const { return _mipBias; }
 
-    /// Sets HDS_SCENE_TEXTURE_ARGS from `first` on; returns the next free index.
-    unsigned Bind(Kernel* kernel, unsigned first) const;
+    /// Sets HDS_SCENE_TEXTURE_ARGS from `first` on; returns the next free index. Where there are no
+    /// textures, kernels that look none up get tiny buffers. \param isStreaming the kernel has
+    /// HDS_FEATURE_TEXTURE_STREAMING, as a scene with textures in a pool needs.
+    unsigned Bind(Kernel* kernel, unsigned first, bool isStreaming) const;
     /// Bind again when this has changed.
     std::uint64_t Generation() const { return _pool ? _pool->Generation() : 0; }
 
@@ -63,6 +65,7 @@ private:
     std::uint64_t _budgetBytes = 0;
     std::uint64_t _volumeBudgetBytes = 0;
     float _mipBias = 0.0F;
+    Buffer _nothing; ///< bound where there are no textures
 };
 
 } // namespace hds

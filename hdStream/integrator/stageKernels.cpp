@@ -67,6 +67,11 @@ bool StageKernels::AreInStore(const Device& device, const Store& store,
     });
 }
 
+void StageKernels::Announce(const Device& device, const Store* store,
+                            const KernelFeatures& features) {
+    Program::Announce(device, MakeSources(device, features), store);
+}
+
 std::uint64_t StageKernels::PathStateBytes(const KernelFeatures& features) {
     return kFieldBytes * NumPathFields(features);
 }
@@ -149,13 +154,11 @@ void StageKernels::SaveBinaries(Store* store) {
 }
 
 void StageKernels::Bind(const SceneBuffers& scene) {
-    const bool hasMotion = _features.motion;
-    const bool isFlat = _features.flat;
     const auto bindGeometry = [&](Kernel* kernel) {
-        kernel->KeepFirst(scene.BindGeometry(kernel, 0, hasMotion, isFlat));
+        kernel->KeepFirst(scene.BindGeometry(kernel, 0, _features));
     };
     const auto bindScene = [&](Kernel* kernel) {
-        kernel->KeepFirst(scene.BindScene(kernel, 0, hasMotion, isFlat));
+        kernel->KeepFirst(scene.BindScene(kernel, 0, _features));
     };
     bindGeometry(&intersect);
     bindScene(&shade);

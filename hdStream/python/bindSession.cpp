@@ -179,6 +179,9 @@ void BindDevices(nb::module_& module) {
     module.def("ClearCache", &ClearCache, ReleaseGil(), "directory"_a,
                "Deletes all entries; returns their bytes.");
 
+    module.def("PrepareKernels", &PrepareKernels, ReleaseGil(), "device"_a, "directory"_a,
+               "Compiles the general kernels of a device into the cache; returns warnings.");
+
     nb::enum_<RenderResult>(module, "RenderResult")
         .value("Complete", RenderResult::Complete)
         .value("Stopped", RenderResult::Stopped);

@@ -4,8 +4,10 @@
 #include "hdStream/base/machine.h"
 #include "hdStream/device/kernelCompilers.h"
 #include "hdStream/integrator/dicingCamera.h"
+#include "hdStream/integrator/generalKernels.h"
 #include "hdStream/integrator/pathTracer.h"
 #include "hdStream/integrator/sceneFeatures.h"
+#include "hdStream/integrator/stageKernels.h"
 #include "hdStream/persist/pageStore.h"
 #include "hdStream/scene/dump.h"
 #include "hdStream/session/denoising.h"
@@ -13,6 +15,7 @@
 #include "hdStream/session/statistics.h"
 #include "hdStream/texture/texturePool.h"
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 #include <utility>
@@ -74,6 +77,34 @@ CacheState InspectCache(const std::string& directory) {
 
 std::uint64_t ClearCache(const std::string& directory) {
     return Store({directory, true}, nullptr).Clear() + UnopenedPages(directory).Clear();
+}
+
+std::vector<std::string> PrepareKernels(const std::string& device, const std::string& directory) {
+    Warnings warnings;
+    const std::shared_ptr<Device> chosen = Device::Create(device);
+    if (!chosen->Properties().hasSlowBinaries) {
+        return {};
+    }
+    Store store({directory, true}, &warnings);
+    chosen->SetCompilers(
+        std::make_unique<KernelCompilers>(chosen->Properties(), &store, &warnings));
+    std::vector<KernelFeatures> sets = AllGeneralFeatures();
+    sets.erase(std::remove_if(sets.begin(), sets.end(),
+                              [&](const KernelFeatures& features) {
+                                  return StageKernels::AreInStore(*chosen, store, features);
+                              }),
+               sets.end());
+    const ProgramSource anyScenes = TexturePool::KernelSource(*chosen);
+    Program::Announce(*chosen, {anyScenes}, &store);
+    for (const KernelFeatures& features : sets) {
+        StageKernels::Announce(*chosen, &store, features);
+    }
+    Program(chosen, anyScenes, &store).SaveBinary(&store);
+    for (const KernelFeatures& features : sets) {
+        StageKernels(chosen, &store, features).SaveBinaries(&store);
+    }
+    chosen->SetCompilers(nullptr); // they write to the store
+    return warnings.Lines();
 }
 
 struct Session::Impl {

@@ -46,6 +46,12 @@ CacheState InspectCache(const std::string& directory);
 /// Deletes all entries; returns their bytes.
 std::uint64_t ClearCache(const std::string& directory);
 
+/// Compiles the general kernels of a device (docs/device.md) into the persistent cache, as far as
+/// they are not there; nothing where its driver compiles fast. Blocks, for seconds.
+/// \param device, directory as Settings::device and Settings::cacheDirectory.
+/// \return warnings. \throws Error when there is no such device or a kernel does not build.
+std::vector<std::string> PrepareKernels(const std::string& device, const std::string& directory);
+
 /// A scene, its device and its film. Externally synchronised: one thread at a time; RenderThread
 /// owns one for front ends that edit while it renders.
 class Session {

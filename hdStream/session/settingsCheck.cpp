@@ -129,6 +129,7 @@ RenderOptions MakeRenderOptions(const Settings& settings, const CameraPrim& came
     options.interactive = settings.interactive;
     options.passSeconds = settings.passSeconds;
     options.traversal = EnumOf<TraversalForm>("traversal", settings.traversal);
+    options.kernels = EnumOf<KernelChoice>("kernels", settings.kernels);
     return options;
 }
 

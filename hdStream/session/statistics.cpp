@@ -175,7 +175,8 @@ std::string MakeStatistics(const StatisticsInput& in) {
     stats["wave"] = {
         {"size", render.waveSize},
         {"traversal",
-         FindSetting("traversal")->choices.at(static_cast<std::size_t>(render.traversal))}};
+         FindSetting("traversal")->choices.at(static_cast<std::size_t>(render.traversal))},
+        {"kernels", render.hasGeneralKernels ? "general" : "own"}};
     stats["warnings"] = in.warnings;
     return stats.dump(2) + "\n";
 }

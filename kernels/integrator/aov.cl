@@ -143,17 +143,23 @@ void aov_storeMiss(HdsAovOffsets offsets, global float* pixel, global int* ids) 
 /* Closures that a hit chooses from are evaluated at this many of the numbers that choose. */
 #define HDS_AOV_CHANCES 16u
 
-/* Mean albedo of the closures of a surface whose texels are there. */
+/* Mean albedo of the closures of a surface whose texels are there. One closure's keeps its bits. */
 float3 aov_albedo(const HdsSceneView* scene, HdsSurfaceHit* surface, float3 viewer) {
-    float3 sum = (float3)(0.0f);
+    float3 first;
+    float3 beyond = (float3)(0.0f); /* of the others, together */
     for (uint k = 0u; k < HDS_AOV_CHANCES; ++k) {
         surface->chance = ((float)k + 0.5f) / (float)HDS_AOV_CHANCES;
         HdsShadingPoint shading;
         HdsBsdf bsdf;
         surfaceMaterial_shade(scene, surface, viewer, &shading, &bsdf);
-        sum += bsdf_albedo(&bsdf, shading.wo.z);
+        const float3 albedo = bsdf_albedo(&bsdf, shading.wo.z);
+        if (k == 0u) {
+            first = albedo;
+        } else {
+            beyond += albedo - first;
+        }
     }
-    return sum / (float)HDS_AOV_CHANCES;
+    return first + beyond / (float)HDS_AOV_CHANCES;
 }
 #endif
 

@@ -11,10 +11,8 @@ import pytest
 
 pytest.importorskip("hdstream._core")
 
-import numpy as np
+import formStages
 import ours
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, Vt
-from stages import author, hair, lightCases, materialCases, materialX, media, shapes, textured
 
 KERNELS = pathlib.Path(__file__).resolve().parents[2] / "kernels"
 _AOVS = ("color", "alpha", "variance")
@@ -34,129 +32,8 @@ def Kernels(tmp_path_factory):
     return folder
 
 
-def _Blur(stage, fStop: float, distance: float) -> UsdGeom.Camera:
-    camera = UsdGeom.Camera(stage.GetPrimAtPath("/World/Camera"))
-    camera.CreateFStopAttr(fStop)
-    camera.CreateFocusDistanceAttr(distance)
-    return camera
-
-
-def _AddPortal(stage, dome) -> None:
-    portal = UsdLux.PortalLight.Define(stage, "/World/Portal")
-    for name in ("width", "height"):
-        portal.GetPrim().CreateAttribute(f"inputs:{name}", Sdf.ValueTypeNames.Float).Set(3.0)
-    author.Place(portal, translate=(-2, 4, 0), rotate=(-70, -30, 0))
-    dome.CreatePortalsRel().AddTarget(portal.GetPath())
-
-
-def _EveryLight(path) -> None:
-    """Each kind of light, on cut-outs and coats; a dome with a portal; a mesh light; a lens and clipping planes."""
-    stage = author.NewStage(path)
-    lightCases.FiveLights(stage, None)
-    author.AddLight(stage, "/World/Tube", "Cylinder", dict(translate=(1.5, 2.5, -1.0), rotate=(0, 30, 12)), radius=0.1,
-                    length=1.6, intensity=9.0)
-    author.AddLight(stage, "/World/Strip", "Rect", dict(translate=(2.5, 0.05, 1.5), rotate=(0, 60, 0), scale=(1, 2, 1)),
-                    width=0.02, height=1.5, intensity=40.0, normalize=True)
-    author.AddLight(stage, "/World/Point", "Sphere", dict(translate=(0, 3.0, 1.0)), intensity=4.0, treatAsPoint=True)
-    glow = author.AddMaterial(stage, "/World/Glow", diffuseColor=(0.2, 0.2, 0.2), emissiveColor=(9, 8, 6))
-    author.AddMesh(stage, "/World/Glows", shapes.Torus(0.3, 0.08), material=glow, translate=(-0.3, 0.4, 1.6))
-    _AddPortal(stage, UsdLux.DomeLight(stage.GetPrimAtPath("/World/Dome")))
-    looks = (dict(opacity=0.4, roughness=0.2), dict(clearcoat=1.0, clearcoatRoughness=0.1, roughness=0.5),
-             dict(metallic=1.0, roughness=0.05, diffuseColor=(0.9, 0.6, 0.3)), dict(opacity=0.3, opacityThreshold=0.5))
-    for index, look in enumerate(looks):
-        material = author.AddMaterial(stage, f"/World/Look{index}", **look)
-        author.AddMesh(stage, f"/World/Small{index}", shapes.Sphere(0.3, 24, 48), material=material,
-                       translate=(0.75 * index - 1.2, 0.3, 1.4))
-    _Blur(stage, 4.0, 5.0).CreateClippingPlanesAttr(Vt.Vec4fArray([Gf.Vec4f(0.1, 0, -1, -4.4), Gf.Vec4f(1, 0, 0, 2.5)]))
-    stage.GetRootLayer().Save()
-
-
-def _Layered(path) -> None:
-    """All lobes that have the form of eight paths; plain surfaces beside them."""
-    materialX.WriteMaterialBalls(str(path))
-    stage = Usd.Stage.Open(str(path))
-    sheet = materialX.AddSurface(stage, "/World/Looks/Sheet", thin_walled=True, subsurface=1.0, subsurface_color=(0.3, 0.8, 0.4))
-    author.AddMesh(stage, "/World/Sheet", shapes.Plane(2.0, 2.0), material=sheet, doubleSided=True, translate=(-2.4, 1.0, 2.0),
-                   rotate=(70, 30, 0))
-    _Blur(stage, 5.0, 9.0)
-    stage.GetRootLayer().Save()
-
-
-def _Media(path) -> None:
-    """Walks below surfaces and in glass, some of which end while others of their batch go on."""
-    media.WriteMedia(str(path))
-
-
-def _Textured(path) -> None:
-    """Images on surfaces, on a dome and on panels; a panel without one."""
-    textured.WriteImageLights(path, isTextured=True)
-    stage = Usd.Stage.Open(str(path))
-    author.AddLight(stage, "/World/Plain", "Rect", dict(translate=(0, 2.5, 1), rotate=(-90, 0, 0)), intensity=5.0)
-    stage.GetRootLayer().Save()
-
-
-def _ManyLights(path) -> None:
-    """A light tree, whose rects are plain and shaped; no perspective."""
-    stage = author.NewStage(path)
-    materialCases.AddRoom(stage)
-    random = np.random.default_rng(3)
-    for index in range(60):
-        place = dict(translate=random.uniform(-1.5, 1.5, 3) + (0, 1.6, 0), rotate=random.uniform(-180, 180, 3))
-        light = author.AddLight(stage, f"/World/Light{index}", ("Rect", "Disk", "Sphere")[index % 3], place, intensity=4.0)
-        for name in ("width", "height", "radius"):
-            if light.GetPrim().HasAttribute(f"inputs:{name}"):
-                light.GetPrim().GetAttribute(f"inputs:{name}").Set(0.2)
-        if index % 9 == 0:
-            author.ShapeLight(light, coneAngle=50.0, focus=2.0)
-    stage.RemovePrim("/World/Camera")
-    author.AddCamera(stage, eye=(0, 1.5, 6.0), target=(0, 1.2, 0), width=40.0, orthographic=True)
-    stage.GetRootLayer().Save()
-
-
-def _Nested(path) -> None:
-    """Bricks through one, two and three levels of instancers, side by side on a floor: hits of eight paths lie at unlike depths."""
-    stage = author.NewStage(path)
-    author.AddMesh(stage, "/World/Floor", shapes.Plane(8.0, 8.0), color=(0.5, 0.5, 0.5))
-    place = "/World/Rows"
-    for level in range(3):
-        instancer = UsdGeom.PointInstancer.Define(stage, f"{place}/I{level}" if level else place)
-        place = instancer.GetPath().pathString
-        inner = [f"{place}/Brick"] + ([f"{place}/I{level + 1}"] if level < 2 else [])
-        instancer.CreatePrototypesRel().SetTargets(inner)
-        number = 4 * len(inner)
-        instancer.CreateProtoIndicesAttr([index % len(inner) for index in range(number)])
-        random = np.random.default_rng(level)
-        instancer.CreatePositionsAttr([tuple(map(float, random.uniform(-0.9, 0.9, 3) * (1, 0.1, 1))) for _ in range(number)])
-        instancer.CreateOrientationsAttr([Gf.Quath(float(np.cos(a)), 0.0, float(np.sin(a)), 0.0) for a in range(number)])
-        instancer.CreateScalesAttr([(0.9, 1.1, 0.8)] * number)
-        author.AddMesh(stage, f"{place}/Brick", shapes.Box(0.25, 0.5, 0.2), color=(0.8, 0.4 + 0.2 * level, 0.2),
-                       translate=(0, 0.3, 0))
-    author.AddLight(stage, "/World/Lamp", "Rect", dict(translate=(0, 4, 1), rotate=(-90, 0, 0)), intensity=8.0)
-    author.AddCamera(stage, eye=(0, 3.0, 4.5), target=(0, 0.2, 0), focalLength=35.0)
-    stage.GetRootLayer().Save()
-
-
-def _Hair(path) -> None:
-    """Hair, which takes the form of one path, between layered and plain surfaces, and one of both by chance."""
-    stage = author.NewStage(path)
-    materialX.UsdShade.Material.Define(stage, "/World/Looks")
-    author.AddMesh(stage, "/World/Ground", shapes.Plane(24, 24), color=(0.3, 0.3, 0.3), translate=(0, -1.6, 0))
-    look = hair.AddHair(stage, "/World/Looks/Hair", hair.OfDisplayColor(stage, "/World/Looks/Colour"), cuticle=0.52)
-    colours = np.random.default_rng(1).uniform(0.1, 1.0, (300, 3))
-    hair.AddBall(stage, "/World/Ball", look, 300, (-1.2, 0, 0), colours)
-    both = hair.AddHair(stage, "/World/Looks/Both", (0.2, 0.4, 0.8))
-    node = materialX.UsdShade.Shader.Get(stage, "/World/Looks/Both/Hair"), "out"
-    diffuse = materialX.AddNode(stage, "/World/Looks/Both/Diffuse", "ND_oren_nayar_diffuse_bsdf", Sdf.ValueTypeNames.Token)
-    mixed = materialX.AddNode(stage, "/World/Looks/Both/Mix", "ND_mix_bsdf", Sdf.ValueTypeNames.Token, fg=node, bg=diffuse, mix=0.6)
-    materialX.AddSurface(stage, "/World/Looks/Both", "ND_surface", bsdf=mixed)
-    author.AddMesh(stage, "/World/Shell", shapes.Sphere(0.8, 24, 48), material=both, translate=(1.4, -0.6, 0))
-    author.AddLight(stage, "/World/Key", "Rect", dict(translate=(-4, 5, 5), rotate=(-40, -38, 0)), width=2.5, height=2.5, intensity=16.0)
-    author.AddLight(stage, "/World/Sky", "Dome", intensity=0.25)
-    author.AddCamera(stage, eye=(0, 1.1, 6.6), target=(0, -0.3, 0), focalLength=40.0)
-    stage.GetRootLayer().Save()
-
-
-@pytest.mark.parametrize("write", [_EveryLight, _Layered, _Media, _Hair, _Textured, _ManyLights, _Nested], ids=lambda write: write.__name__[1:])
+@pytest.mark.parametrize("write", [formStages.EveryLight, formStages.Layered, formStages.Media, formStages.Hair, formStages.Textured,
+                                   formStages.ManyLights, formStages.FewShaped, formStages.Nested], ids=lambda write: write.__name__)
 def test_form_does_not_matter(write, Kernels, tmp_path):
     path = f"{tmp_path}/stage.usda"
     write(path)

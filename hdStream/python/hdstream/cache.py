@@ -1,14 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`hdstream cache`: where the persistent cache is, how large, and how to empty it."""
+"""`hdstream cache`: where the persistent cache is, how large, how to empty it, and how to have kernels in it before the
+first render."""
+
+import sys
 
 from hdstream import _core
 from hdstream.texts import BytesText
 
 
 def Run(args):
-    state = _core.InspectCache("")
     if args.clear:
-        freed = _core.ClearCache("")
-        print(f"{state.directory}: {BytesText(freed)} deleted")
-    else:
-        print(f"{state.directory}: {BytesText(state.bytes)}")
+        directory = _core.InspectCache("").directory
+        print(f"{directory}: {BytesText(_core.ClearCache(''))} deleted")
+        return
+    if args.kernels is not None:
+        for line in _core.PrepareKernels(args.kernels, ""):
+            print(f"warning: {line}", file=sys.stderr)
+    state = _core.InspectCache("")
+    print(f"{state.directory}: {BytesText(state.bytes)}")

@@ -80,7 +80,10 @@ def _MakeParser(hasRecord):
     _AddCompare(commands)
     _AddCommand(commands, "devices", "list the OpenCL devices")
     cache = _AddCommand(commands, "cache", "show or clear the persistent cache")
-    cache.add_argument("--clear", action="store_true", help="delete all entries")
+    action = cache.add_mutually_exclusive_group()
+    action.add_argument("--clear", action="store_true", help="delete all entries")
+    action.add_argument("--kernels", nargs="?", const="", metavar="DEVICE",
+                        help="compile what most scenes need on the device, so that a first render does not wait for it")
     return parser
 
 
