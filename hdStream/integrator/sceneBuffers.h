@@ -108,6 +108,7 @@ private:
         Grids,
         GridTiles,
         GridCells,
+        VolumeTerms,
         FirstInstanceSlots,
         InstanceSlots,
         InstanceValues,
@@ -138,6 +139,7 @@ private:
     std::uint32_t _numLights = 0;
     std::uint32_t _numVolumes = 0;
     FlatGeometry _flat;
+    bool _hasVolumeTerms = false;
     bool _hasMeshMedia = false;
     SceneTextures _textures;
     bool _hasPrograms = false;

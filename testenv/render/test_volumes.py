@@ -239,15 +239,16 @@ def test_numbers_that_are_none_count_as_nothing(tmp_path):
 
 
 def _MitsubaCloud(density, extinction, albedo, asymmetry, samples):
-    """A cloud in a cube of edge 1 below a lamp, by Mitsuba's volpathmis."""
+    """A cloud in a cube of edge 1 below a lamp, by Mitsuba's volpathmis. \\param albedo: a colour, or a volume of Mitsuba's."""
     import mitsuba as mi
 
     color = lambda values: dict(type="rgb", value=[float(value) for value in values])
     place = mi.ScalarTransform4f
     fits = place().translate([-0.5, -0.5, -0.5])
     grid = mi.VolumeGrid(np.ascontiguousarray(density.transpose(2, 1, 0)[..., None]).astype(np.float32))
-    medium = dict(type="heterogeneous", scale=float(extinction), phase=dict(type="hg", g=asymmetry), albedo=dict(
-        type="constvolume", value=color(albedo)), sigma_t=dict(type="gridvolume", grid=grid, to_world=fits, wrap_mode="clamp"))
+    medium = dict(type="heterogeneous", scale=float(extinction), phase=dict(type="hg", g=asymmetry), albedo=(
+        albedo if isinstance(albedo, dict) else dict(type="constvolume", value=color(albedo))), sigma_t=dict(
+            type="gridvolume", grid=grid, to_world=fits, wrap_mode="clamp"))
     film = dict(type="hdrfilm", width=16, height=16, rfilter=dict(type="box"), pixel_format="rgb")
     view = place().look_at(origin=[0, 0, 10], target=[0, 0, 0], up=[0, 1, 0]) @ place().scale([0.6, 0.6, 1])
     lamp = place().translate([0, 3, 0]) @ place().rotate([1, 0, 0], 90) @ place().scale([3, 3, 1])
