@@ -238,7 +238,7 @@ def test_numbers_that_are_none_count_as_nothing(tmp_path):
     assert np.all(layers["color"][..., :3] == 1)
 
 
-def _MitsubaCloud(density, extinction, albedo, asymmetry, samples):
+def _MitsubaCloud(density, extinction, albedo, asymmetry, samples, seed=3):
     """A cloud in a cube of edge 1 below a lamp, by Mitsuba's volpathmis. \\param albedo: a colour, or a volume of Mitsuba's."""
     import mitsuba as mi
 
@@ -257,7 +257,7 @@ def _MitsubaCloud(density, extinction, albedo, asymmetry, samples):
         sensor=dict(type="orthographic", to_world=view, film=film, sampler=dict(type="independent")),
         cloud=dict(type="cube", to_world=place().scale([0.5] * 3), bsdf=dict(type="null"), interior=medium),
         lamp=dict(type="rectangle", to_world=lamp, emitter=dict(type="area", radiance=color((1.0,) * 3)))))
-    return np.array(mi.render(scene, spp=samples, seed=3)).astype(np.float64)
+    return np.array(mi.render(scene, spp=samples, seed=seed)).astype(np.float64)
 
 
 def test_a_cloud_below_a_lamp_equals_mitsubas(tmp_path):
