@@ -12,29 +12,13 @@ namespace hds {
 
 namespace {
 
-const char* const kLabels[] = {"top nodes",
-                               "instances",
-                               "instances by path",
-                               "objects",
-                               "prims",
-                               "prim materials",
-                               "materials",
-                               "lights by material entry",
-                               "lights",
-                               "light tree",
-                               "light triangles",
-                               "light distributions",
-                               "programs",
-                               "motion keys",
-                               "volumes",
-                               "grids",
-                               "grid tiles",
-                               "grid cells",
-                               "first instance slots",
-                               "instance slots",
-                               "instance values",
-                               "catchers alone",
-                               "media of meshes"};
+const char* const kLabels[] = {
+    "top nodes",      "instances",       "instances by path", "objects",
+    "prims",          "prim materials",  "materials",         "lights by material entry",
+    "lights",         "light tree",      "light triangles",   "light distributions",
+    "programs",       "motion keys",     "volumes",           "grids",
+    "grid tiles",     "grid cells",      "terms of volumes",  "first instance slots",
+    "instance slots", "instance values", "catchers alone",    "media of meshes"};
 
 /// A table that has become smaller than this part of its buffer gets a smaller one.
 constexpr std::uint64_t kShrinkFactor = 4;
@@ -165,6 +149,7 @@ bool SceneBuffers::Update(const CommittedScene& scene, const ResidencyOptions& r
     Upload(Grids, scene.volumes.grids);
     Upload(GridTiles, scene.volumes.tiles);
     Upload(GridCells, scene.volumes.cells);
+    Upload(VolumeTerms, scene.volumes.terms);
     Upload(MeshMedia, scene.meshMedia);
     _numVolumes = static_cast<std::uint32_t>(scene.volumes.volumes.size());
     _textures.Update(scene, residency);
@@ -258,6 +243,9 @@ unsigned SceneBuffers::BindScene(Kernel* kernel, unsigned first,
         }
         const std::uint32_t numSeen = _showsCatchersAlone ? 0 : _numVolumes;
         kernel->SetBytes(first++, &numSeen, sizeof(numSeen));
+        if (features.volumeTerms) {
+            kernel->SetBuffer(first++, _tables[VolumeTerms]);
+        }
     }
     if (features.mediaStack) {
         kernel->SetBuffer(first++, _tables[MeshMedia]);

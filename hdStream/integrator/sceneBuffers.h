@@ -109,6 +109,7 @@ private:
         Grids,
         GridTiles,
         GridCells,
+        VolumeTerms,
         FirstInstanceSlots,
         InstanceSlots,
         InstanceValues,

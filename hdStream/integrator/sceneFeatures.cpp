@@ -90,6 +90,7 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
     features.mediaStack = !scene.meshMedia.empty();
     features.volumes = !scene.volumes.volumes.empty();
     features.volumeMotion = scene.volumes.haveMotion;
+    features.volumeTerms = !scene.volumes.terms.empty();
     features.lightPaths = NumLightPathSums(options.aovs.lightPaths.size());
     features.numPools = buffers.NumPoolBuffers() > 1 ? kMaxPoolBuffers : 1;
     features.streaming = isStreaming;

@@ -53,10 +53,11 @@ void SceneTextures::Update(const CommittedScene& scene, const ResidencyOptions& 
         if (!_pool) {
             _pool = std::make_unique<TexturePool>(_device, _store);
         }
-        _pool->Update(
-            scene.lines.get(), _budgetBytes, kLinesPerLookup * std::max(1U, scene.maxLookups),
-            {_volumeBudgetBytes, (hasVolumes ? kLinesPerCollision : 0U) +
-                                     (scene.volumes.haveVelocities ? kLinesPerMove : 0U)});
+        _pool->Update(scene.lines.get(), _budgetBytes,
+                      kLinesPerLookup * std::max(1U, scene.maxLookups),
+                      {_volumeBudgetBytes, (hasVolumes ? kLinesPerCollision : 0U) +
+                                               (scene.volumes.haveVelocities ? kLinesPerMove : 0U) +
+                                               scene.volumes.linesOfTerms});
     }
 }
 

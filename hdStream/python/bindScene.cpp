@@ -192,10 +192,28 @@ void BindPlaced(nb::module_& module) {
                                              kelvin,
                                              density,
                                              emissionField,
-                                             temperatureField};
+                                             temperatureField,
+                                             {}};
             },
             "absorption"_a, "scattering"_a, "anisotropy"_a, "emission"_a, "blackbody"_a, "kelvin"_a,
             "density"_a, "emissionField"_a, "temperatureField"_a, "In place of a material.")
+        .def(
+            "AddTerm",
+            [](VolumePrim& self, const std::vector<std::string>& fields,
+               std::array<float, 3> absorption, std::array<float, 3> scattering,
+               std::array<float, 3> emission) {
+                const auto vector = [](const std::array<float, 3>& v) {
+                    return glm::vec3(v[0], v[1], v[2]);
+                };
+                if (!self.shading) {
+                    self.shading = VolumeShading();
+                }
+                self.shading->terms.push_back(
+                    {fields, vector(absorption), vector(scattering), vector(emission)});
+            },
+            "fields"_a, "absorption"_a, "scattering"_a, "emission"_a,
+            "A product of fields, by name, and what each coefficient has of it, a unit of length "
+            "of world space: in place of the coefficients of SetShading.")
         .def(
             "SetGrid",
             [](VolumePrim& self, const std::string& name, const GridInMemory& grid) {

@@ -435,6 +435,7 @@ private:
             counts.bricks += grid->description.numBricks;
         }
         counts.volumeTableBytes = volumes.volumes.size() * sizeof(shared::HdsVolume) +
+                                  volumes.terms.size() * sizeof(shared::HdsVolumeTerms) +
                                   volumes.grids.size() * sizeof(shared::HdsGrid) +
                                   volumes.tiles.size() * sizeof(shared::HdsGridTile) +
                                   volumes.cells.size() * sizeof(shared::HdsGridCell);

@@ -3,6 +3,7 @@
 // section "Motion".
 #pragma once
 
+#include "hdStream/scene/gridBounds.h"
 #include "hdStream/volume/gridPreparer.h"
 
 #include <glm/mat3x3.hpp>
@@ -19,14 +20,6 @@ struct GridVelocity {
     double closeSeconds = 0.0;
 };
 
-/// Tiles and cells of a grid whose `greatest` holds at any time of the shutter. Cells have the
-/// values and bricks of the grid's own.
-struct MovingGrid {
-    shared::HdsGrid record{}; ///< as of GridDescription
-    std::vector<shared::HdsGridTile> tiles;
-    std::vector<shared::HdsGridCell> cells;
-};
-
 /// How far a point is moved before it is looked up, in voxels: the least and the most.
 struct VoxelShift {
     glm::dvec3 least{0.0};
@@ -36,7 +29,8 @@ struct VoxelShift {
 /// Of all points of the lattice.
 VoxelShift ShiftOf(const GridVelocity& velocity);
 
-/// On all cores. \pre the velocity has grids.
-MovingGrid SpreadGrid(const GridDescription& grid, const GridVelocity& velocity);
+/// Tiles and cells of a grid whose `greatest` holds at any time of the shutter. Cells have the
+/// values and bricks of the grid's own. \pre the velocity has grids.
+GridBounds SpreadGrid(const GridDescription& grid, const GridVelocity& velocity);
 
 } // namespace hds

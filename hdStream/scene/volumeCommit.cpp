@@ -4,6 +4,7 @@
 #include "hdStream/scene/hierarchy.h"
 #include "hdStream/scene/motion.h"
 #include "hdStream/scene/movingGrid.h"
+#include "hdStream/scene/volumeTerms.h"
 #include "kernels/shared/frame.h"
 
 #include <glm/common.hpp>
@@ -50,9 +51,19 @@ bool IsPlaceAlways(const MovingTransform& transform) {
     return isPlace;
 }
 
+/// Where the terms of a volume are in the tables, once for all its placements.
+struct PlacedTerms {
+    std::uint32_t number = HDS_NONE;     ///< HDS_NONE: it has none
+    std::uint32_t extinction = HDS_NONE; ///< grids of bounds
+    std::uint32_t emission = HDS_NONE;
+    glm::dvec3 least{0.0}; ///< box of the lattice
+    glm::dvec3 most{0.0};
+};
+
 /// The grids that light meets.
 struct VolumeGrids {
-    std::shared_ptr<const PreparedGrid> density;
+    std::shared_ptr<const PreparedGrid> density; ///< whose voxels the lattice has
+    PlacedTerms terms;
     PreparedGrids emission;                          ///< empty, one, or red, green and blue
     std::shared_ptr<const PreparedGrid> temperature; ///< may be null
     GridVelocity velocity;                           ///< of the density's lattice
@@ -73,14 +84,27 @@ public:
         glm::dvec3 least(lattice.first - 1);
         glm::dvec3 most(lattice.first + lattice.size);
         volume.velocity.grid = HDS_NONE;
-        if (grids.velocity.grids.empty()) {
+        volume.terms = grids.terms.number;
+        const bool hasTerms = volume.terms != HDS_NONE;
+        if (hasTerms) {
+            least = grids.terms.least;
+            most = grids.terms.most;
+            volume.fields[HDS_FIELD_DENSITY].grid = grids.terms.extinction;
+            volume.fields[HDS_FIELD_DENSITY].flags = HDS_FIELD_IS_ALIGNED;
+        } else if (grids.velocity.grids.empty()) {
             volume.fields[HDS_FIELD_DENSITY] = Field({grids.density}, lattice);
         } else {
+            volume.fields[HDS_FIELD_DENSITY].grid = MovingGridOf(grids, lattice);
+            volume.fields[HDS_FIELD_DENSITY].flags = HDS_FIELD_IS_ALIGNED;
+        }
+        if (!grids.velocity.grids.empty()) {
             Move(grids, lattice, &volume);
         }
         volume.fields[HDS_FIELD_EMISSION] = volume.fields[HDS_FIELD_DENSITY];
         volume.fields[HDS_FIELD_TEMPERATURE].grid = HDS_NONE;
-        if (!grids.emission.empty()) {
+        if (hasTerms) {
+            volume.fields[HDS_FIELD_EMISSION].grid = grids.terms.emission;
+        } else if (!grids.emission.empty()) {
             volume.fields[HDS_FIELD_EMISSION] = Field(grids.emission, lattice);
             Extend(grids.emission[0]->description, lattice, &least, &most);
             StoreVector(shading.emission, volume.emission);
@@ -97,7 +121,8 @@ public:
         }
         PlaceBox(worldFromLattice, least, most, &volume);
         AddKeys(worldFromObject, lattice, least, most, &volume);
-        const glm::vec3 extinction = shading.absorption + shading.scattering;
+        const glm::vec3 extinction =
+            hasTerms ? glm::vec3(1.0F) : shading.absorption + shading.scattering;
         StoreVector(extinction, volume.extinction);
         volume.most = std::max({extinction.x, extinction.y, extinction.z});
         for (int i = 0; i < 3; ++i) {
@@ -106,7 +131,8 @@ public:
         volume.asymmetry = std::clamp(shading.anisotropy, -0.98F, 0.98F);
         volume.kelvin = shading.kelvin;
         const bool glows = (!grids.emission.empty() && shading.emission != glm::vec3(0.0F)) ||
-                           (grids.temperature && shading.blackbody != glm::vec3(0.0F));
+                           (grids.temperature && shading.blackbody != glm::vec3(0.0F)) ||
+                           grids.terms.emission != HDS_NONE;
         const double voxel = std::cbrt(std::abs(glm::determinant(glm::dmat3(worldFromLattice))));
         volume.emissionRate =
             glows ? static_cast<float>(kGlowCollisions / (HDS_BRICK_VOXELS * voxel)) : 0.0F;
@@ -114,9 +140,48 @@ public:
         result.volumes.push_back(volume);
     }
 
+    /// The tables of a volume's terms. \param velocity of their lattice.
+    PlacedTerms AddTerms(const TermPlan& plan, const GridVelocity& velocity) {
+        const GridDescription& lattice = plan.fields[plan.lattice][0]->description;
+        PlacedTerms placed;
+        placed.least = glm::dvec3(lattice.first - 1);
+        placed.most = glm::dvec3(lattice.first + lattice.size);
+        shared::HdsVolumeTerms record{};
+        record.numTerms = static_cast<std::uint32_t>(plan.terms.size());
+        record.numMedium = plan.numMedium;
+        std::copy(plan.terms.begin(), plan.terms.end(), record.terms);
+        std::uint32_t numLines = 0;
+        for (std::size_t i = 0; i < plan.fields.size(); ++i) {
+            record.fields[i] = Field(plan.fields[i], lattice);
+            Extend(plan.fields[i][0]->description, lattice, &placed.least, &placed.most);
+            numLines += static_cast<std::uint32_t>(plan.fields[i].size());
+        }
+        if (!MayBound(placed.least, placed.most)) {
+            return placed;
+        }
+        result.linesOfTerms = std::max(result.linesOfTerms, numLines);
+        placed.number = static_cast<std::uint32_t>(result.terms.size());
+        result.terms.push_back(record);
+        const TermBounds bounds = BoundTerms(plan, placed.least, placed.most);
+        placed.extinction = AddBounds(
+            velocity.grids.empty() ? GridBounds{bounds.extinction.record, bounds.extinction.tiles,
+                                                bounds.extinction.cells}
+                                   : SpreadGrid(bounds.extinction, velocity));
+        if (!bounds.emission.tiles.empty()) {
+            placed.emission = AddBounds(bounds.emission);
+        }
+        return placed;
+    }
+
     CommittedVolumes result;
 
 private:
+    /// Cells that have no voxels.
+    std::uint32_t AddBounds(const GridBounds& bounds) {
+        AddGrid(bounds.record, bounds.tiles, bounds.cells, HDS_NONE);
+        return static_cast<std::uint32_t>(result.grids.size() - 1);
+    }
+
     void PlaceBox(const glm::dmat4& worldFromLattice, glm::dvec3 least, glm::dvec3 most,
                   shared::HdsVolume* volume) const {
         const glm::dvec3 middle = 0.5 * (least + most);
@@ -196,20 +261,23 @@ private:
         return field;
     }
 
-    /// Makes a volume follow its velocity: its density has bounds that hold while it moves.
-    void Move(const VolumeGrids& grids, const GridDescription& lattice, shared::HdsVolume* volume) {
-        result.haveMotion = true;
-        result.haveVelocities = true;
+    /// A density whose bounds hold while it moves.
+    std::uint32_t MovingGridOf(const VolumeGrids& grids, const GridDescription& lattice) {
         const PreparedGrid* density = grids.density.get();
         const auto number = static_cast<std::uint32_t>(result.grids.size());
         const auto [found, isNew] =
             _movingNumbers.emplace(std::pair(density, grids.velocity.grids[0].get()), number);
         if (isNew) {
-            const MovingGrid moving = SpreadGrid(lattice, grids.velocity);
+            const GridBounds moving = SpreadGrid(lattice, grids.velocity);
             AddGrid(moving.record, moving.tiles, moving.cells, TextureOf(grids.density));
         }
-        volume->fields[HDS_FIELD_DENSITY].grid = found->second;
-        volume->fields[HDS_FIELD_DENSITY].flags = HDS_FIELD_IS_ALIGNED;
+        return found->second;
+    }
+
+    /// Makes a volume follow its velocity.
+    void Move(const VolumeGrids& grids, const GridDescription& lattice, shared::HdsVolume* volume) {
+        result.haveMotion = true;
+        result.haveVelocities = true;
         volume->velocity = PlaceField(grids.velocity.grids, lattice);
         volume->velocity.grid = VelocityOf(grids.velocity.grids);
         for (int row = 0; row < 3; ++row) {
@@ -338,13 +406,22 @@ VolumeShading ShadingOf(const SceneDescription& scene, const std::string& path,
 }
 
 /// \return false, with a warning, when there is nothing to draw.
-bool FindGrids(const VolumeShading& shading, GridFinder finder, VolumeGrids* grids) {
-    const auto density = finder.Find(shading.density);
+/// \param[out] plan where coefficients are sums of products; else without terms.
+bool FindGrids(const VolumeShading& shading, GridFinder finder, VolumeGrids* grids,
+               TermPlan* plan) {
+    *plan = PlanTerms(
+        shading, [&](const std::string& name) { return finder.Find(name); },
+        [&](const std::string& text) { finder.Warn(text); });
+    if (!shading.terms.empty() && plan->fields.empty()) {
+        return false;
+    }
+    const auto density =
+        shading.terms.empty() ? finder.Find(shading.density) : plan->fields[plan->lattice];
     if (density.empty()) {
         return false;
     }
     grids->density = density[0];
-    if (shading.emission != glm::vec3(0.0F)) {
+    if (shading.terms.empty() && shading.emission != glm::vec3(0.0F)) {
         const bool isOwn =
             !shading.emissionField.empty() && shading.emissionField != shading.density;
         grids->emission = isOwn ? finder.Find(shading.emissionField) : density;
@@ -355,6 +432,30 @@ bool FindGrids(const VolumeShading& shading, GridFinder finder, VolumeGrids* gri
         grids->temperature = temperature.empty() ? nullptr : temperature[0];
     }
     return true;
+}
+
+/// The plain form as terms, where its kernels cannot draw it: a density that has three channels, or
+/// none beside what glows.
+VolumeShading WithTerms(VolumeShading shading, GridFinder finder) {
+    if (!shading.terms.empty()) {
+        return shading;
+    }
+    const std::string& emissionField =
+        shading.emissionField.empty() ? shading.density : shading.emissionField;
+    const bool isGlowAlone = !finder.Has(shading.density) &&
+                             shading.absorption + shading.scattering == glm::vec3(0.0F) &&
+                             shading.emission != glm::vec3(0.0F);
+    const bool isColored = finder.Has(shading.density) && finder.Find(shading.density).size() > 1;
+    if (!isGlowAlone && !isColored) {
+        return shading;
+    }
+    if (isColored) {
+        shading.terms.push_back({{shading.density}, shading.absorption, shading.scattering, {}});
+    }
+    if (shading.emission != glm::vec3(0.0F)) {
+        shading.terms.push_back({{emissionField}, {}, {}, shading.emission});
+    }
+    return shading;
 }
 
 /// \param density whose lattice is moved. \return one without grids where nothing moves.
@@ -412,17 +513,26 @@ CommittedVolumes CommitVolumes(const SceneDescription& scene,
         if (places.empty()) {
             continue;
         }
-        const VolumeShading shading = ShadingOf(scene, path, prim, warnings);
+        const VolumeShading shading =
+            WithTerms(ShadingOf(scene, path, prim, warnings), {path, prim, preparer, warnings});
         if (!IsFinite(shading) || !std::all_of(places.begin(), places.end(), IsPlaceAlways)) {
             warnings.Add(path, "volume with a place or material that makes no sense: left out");
             continue;
         }
         VolumeGrids grids;
-        if (!FindGrids(shading, {path, prim, preparer, warnings}, &grids)) {
+        TermPlan plan;
+        if (!FindGrids(shading, {path, prim, preparer, warnings}, &grids, &plan)) {
             continue;
         }
         grids.velocity = FindVelocity(shutter, prim.timeCodesPerSecond, grids.density->description,
                                       {path, prim, preparer, warnings});
+        if (!shading.terms.empty()) {
+            grids.terms = tables.AddTerms(plan, grids.velocity);
+            if (grids.terms.number == HDS_NONE) {
+                warnings.Add(path, "volume whose fields are too far apart: left out");
+                continue;
+            }
+        }
         for (std::uint32_t i = 0; i < places.size(); ++i) {
             if (tables.result.volumes.size() == kMaxVolumes) {
                 numLeftOut += places.size() - i;

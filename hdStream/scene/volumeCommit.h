@@ -18,6 +18,7 @@ namespace hds {
 /// Host images of the tables of volumes.
 struct CommittedVolumes {
     std::vector<shared::HdsVolume> volumes;
+    std::vector<shared::HdsVolumeTerms> terms; ///< of those that have some
     std::vector<shared::HdsGrid> grids;
     std::vector<shared::HdsGridTile> tiles;
     std::vector<shared::HdsGridCell> cells;
@@ -25,6 +26,7 @@ struct CommittedVolumes {
     std::vector<AffineRows> motionKeys; ///< of volumes whose transforms move
     bool haveMotion = false;            ///< velocities or transforms
     bool haveVelocities = false;
+    std::uint32_t linesOfTerms = 0; ///< that one collision reads at most for them
 };
 
 /// \param isDrawn of a path. \param shutter closed: nothing moves. \param centre of the scene.

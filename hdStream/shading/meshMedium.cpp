@@ -5,6 +5,7 @@
 #include "kernels/shared/material.h"
 
 #include <algorithm>
+#include <set>
 
 namespace hds {
 
@@ -38,9 +39,15 @@ std::optional<shared::HdsMeshMedium> ReadMeshMedium(const MaterialNetwork& netwo
         warnings.Add(materialPath, "volume that makes no sense: left out");
         return std::nullopt;
     }
-    const bool hasEmission = shading.emission != glm::vec3(0.0F);
-    for (const std::string& field :
-         {shading.density, hasEmission ? shading.emissionField : shading.density}) {
+    std::set<std::string> fields;
+    if (shading.terms.empty()) {
+        fields.insert(shading.density);
+        fields.insert(shading.emission != glm::vec3(0.0F) ? shading.emissionField : "");
+    }
+    for (const VolumeTerm& term : shading.terms) {
+        fields.insert(term.fields.begin(), term.fields.end());
+    }
+    for (const std::string& field : fields) {
         if (!field.empty() && field != DefaultVolumeShading().density) {
             warnings.Add(materialPath,
                          "its volume follows the field " + field + ", which counts as 1 in a mesh");

@@ -9,8 +9,22 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace hds {
+
+/// A product of fields, and what each coefficient has of it, a unit of length of world space.
+struct VolumeTerm {
+    std::vector<std::string> fields; ///< names; one that is squared is there twice; may be empty
+    glm::vec3 absorption{0.0F};      ///< may be below 0, as the others
+    glm::vec3 scattering{0.0F};
+    glm::vec3 emission{0.0F};
+
+    static constexpr auto Fields() {
+        return FieldList(HDS_FIELD(VolumeTerm, fields), HDS_FIELD(VolumeTerm, absorption),
+                         HDS_FIELD(VolumeTerm, scattering), HDS_FIELD(VolumeTerm, emission));
+    }
+};
 
 /// Coefficients of a volume, each times a field. Lengths are those of world space.
 struct VolumeShading {
@@ -23,13 +37,17 @@ struct VolumeShading {
     std::string density;          ///< name of the field
     std::string emissionField;    ///< empty: the density
     std::string temperatureField; ///< empty: no black body
+    /// Where coefficients are more than a colour times a field: their sums. Then absorption,
+    /// scattering and emission are what these are where all fields are 1.
+    std::vector<VolumeTerm> terms;
 
     static constexpr auto Fields() {
         return FieldList(HDS_FIELD(VolumeShading, absorption), HDS_FIELD(VolumeShading, scattering),
                          HDS_FIELD(VolumeShading, anisotropy), HDS_FIELD(VolumeShading, emission),
                          HDS_FIELD(VolumeShading, blackbody), HDS_FIELD(VolumeShading, kelvin),
                          HDS_FIELD(VolumeShading, density), HDS_FIELD(VolumeShading, emissionField),
-                         HDS_FIELD(VolumeShading, temperatureField));
+                         HDS_FIELD(VolumeShading, temperatureField),
+                         HDS_FIELD(VolumeShading, terms));
     }
 };
 

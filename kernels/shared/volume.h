@@ -16,6 +16,11 @@
 #define HDS_FIELD_TEMPERATURE 2
 #define HDS_NUM_FIELDS 3
 
+/* Of volumes whose coefficients are sums of products of fields. */
+#define HDS_MAX_TERMS 16u
+#define HDS_MAX_TERM_FIELDS 8u
+#define HDS_MAX_TERM_FACTORS 4u
+
 /* Grids of a velocity, which has signs: what is above 0 along x, y and z, then what is below. */
 #define HDS_VELOCITY_GRIDS 6u
 
@@ -26,6 +31,26 @@ typedef struct {
     float indexFromLattice[12]; /* rows; of fields that are not aligned */
 } HdsVolumeField;
 HDS_ASSERT_SIZE(HdsVolumeField, 56);
+
+/* A product of fields, and what each coefficient has of it, a unit of length. */
+typedef struct {
+    float extinction[3];
+    float scattering[3];
+    float emission[3];
+    u32 factors; /* a byte for each of its fields, the first in the lowest: its number, counted from
+                    1; 0: no more */
+} HdsVolumeTerm;
+HDS_ASSERT_SIZE(HdsVolumeTerm, 40);
+
+/* What light meets in a volume, as a sum. A field that is squared is in the table twice, so that
+ * each factor reads a voxel of its own. */
+typedef struct {
+    u32 numTerms;
+    u32 numMedium; /* the first of them, which have extinction or scattering */
+    HdsVolumeField fields[HDS_MAX_TERM_FIELDS];
+    HdsVolumeTerm terms[HDS_MAX_TERMS];
+} HdsVolumeTerms;
+HDS_ASSERT_SIZE(HdsVolumeTerms, 1096);
 
 /* Lattice: the voxel coordinates of the volume's first field. */
 typedef struct {
@@ -56,7 +81,12 @@ typedef struct {
      * of the frame. */
     u32 firstKey;
     u32 numSegments; /* of keys; 0: the transform is at rest */
+    /* With HDS_FEATURE_VOLUME_TERMS: among those of the scene; HDS_NONE: extinction, albedo and
+     * emission are what is said above. Where there are some, the first field's cells bound the
+     * greatest and the least channel of the extinction, the second's that of the emission, and
+     * neither has voxels; extinction is 1, albedo and emission say nothing. */
+    u32 terms;
 } HdsVolume;
-HDS_ASSERT_SIZE(HdsVolume, 464);
+HDS_ASSERT_SIZE(HdsVolume, 468);
 HDS_SHARED_END
 #endif

@@ -10,6 +10,7 @@ since a rival that renders something else is not a rival; the time to the first 
 
     python testenv/bench/rivals.py --scenes FOLDER --cache KEPT --out OUT     # FOLDER has chess/, bookstore/, coffee/, ycb/
     python testenv/bench/rivals.py --stages terrain,lambertRoom,rectLight     # small generated stages
+    python testenv/bench/rivals.py --stages cloud,ink,jade,wax                 # light inside matter (rivalsMatter.py)
     python testenv/bench/rivals.py --short
 
 Needs, in this Python: hdstream on the path, usd-core, and for the rivals mitsuba and bpy (`pip install mitsuba==3.9.1
@@ -61,7 +62,7 @@ def _Compare(stage, options, cache: pathlib.Path, scratch: pathlib.Path) -> list
     width, height = _Size(aspect, options.width)
     jobs = [dict(renderer=renderer, stage=stage.path, scene=scene, camera=stage.camera, width=width, height=height,
                  maxDepth=stage.maxDepth, threads=options.threads, limit=options.limit, goal=min(options.errors),
-                 longest=options.longest) for renderer in options.renderers]
+                 longest=options.longest, clock=options.clock) for renderer in options.renderers]
     results, failures = rivalsMeasure.Measure(jobs, options.repeat, options.reference, cache)
     for failure in failures:
         print(f"not measured: {failure}")
@@ -80,6 +81,8 @@ def _Options() -> argparse.Namespace:
                         help=f"of {', '.join(RENDERERS)}; the first is compared with".replace("%", "%%"))
     parser.add_argument("--width", type=int, default=480, help="of the picture's longer side")
     parser.add_argument("--threads", type=int, default=os.cpu_count())
+    parser.add_argument("--clock", choices=("wall", "cpu"), default="wall",
+                        help="cpu: seconds of all threads, for machines that others load")
     parser.add_argument("--longest", type=float, default=60, help="seconds of a rung; a ladder that would take longer ends below")
     parser.add_argument("--repeat", type=int, default=3, help="ladders of each renderer, with other seeds, in turns")
     parser.add_argument("--reference", type=int, default=256, help="samples of the references")

@@ -16,6 +16,7 @@ import mathutils
 import numpy as np
 from pxr import Usd, UsdGeom
 
+import rivalsMatter
 from stages import imageFile
 
 
@@ -28,6 +29,11 @@ def Build(scene, job: dict):
     while scene.meshes:
         mesh = scene.meshes.pop()
         _AddMesh(target, mesh, looks[mesh.material], len(scene.meshes))
+    if rivalsMatter.HasMatter(scene):  # the bounces of surfaces are those of Configure
+        cycles = target.cycles
+        cycles.max_bounces = cycles.volume_bounces = cycles.min_light_bounces = rivalsMatter.DEPTH
+    for volume in scene.volumes:
+        rivalsMatter.AddCyclesVolume(target, _Nodes("volume"), volume)
     _AddLights(target, scene.lights)
     _AddCamera(target, scene.camera)
     return Renderer(target), lambda samples: []
@@ -155,6 +161,8 @@ class _Nodes:
 
 def _Look(material: dict, index: int):
     nodes = _Nodes(f"material{index}")
+    if "medium" in material or "subsurface" in material:
+        return rivalsMatter.CyclesLook(nodes, material)
     if "lambert" in material:
         surface = nodes.Add("ShaderNodeBsdfDiffuse", {"Color": material["lambert"]}).outputs[0]
     else:

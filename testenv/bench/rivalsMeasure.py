@@ -62,7 +62,7 @@ def _Run(job: dict, cache: pathlib.Path) -> dict:
 def _Digest(job: dict) -> str:
     """Of what the reference depends on: the job, the stage file, and the code that translates it."""
     stage = pathlib.Path(job["stage"]).stat()
-    kept = {name: value for name, value in job.items() if name not in ("scene", "limit", "goal", "longest")}
+    kept = {name: value for name, value in job.items() if name not in ("scene", "limit", "goal", "longest", "clock")}
     digest = hashlib.sha256(json.dumps([kept, stage.st_size, stage.st_mtime_ns], sort_keys=True).encode())
     if job["renderer"] == "hdstream":
         files = [next(pathlib.Path(importlib.util.find_spec("hdstream").origin).parent.glob("_core*.so")), _HERE / "rivalsWorker.py"]

@@ -15,6 +15,7 @@ import math
 import numpy as np
 
 import mitsubaScene
+import rivalsMatter
 
 SCALAR, PREVIEW = "mitsuba scalar", "mitsuba preview"
 _PASS_PATHS = 1 << 23
@@ -32,16 +33,20 @@ def Build(scene, job: dict):
     import drjit
 
     drjit.set_thread_count(job["threads"])
-    _Enlarge(scene)
+    factor = _Enlarge(scene)
     sensor = mitsubaScene.Sensor(scene.camera, job["width"], job["height"])
     sensor["sampler"] = {"type": _SAMPLER}
     passes = _PASSES if any(material.get("opacity", 1.0) != 1.0 for material in scene.materials) else 0
     integrator = {"type": "path", "max_depth": job["maxDepth"] + 2 + passes, "rr_depth": 100000}
+    if rivalsMatter.HasMatter(scene):
+        integrator = {"type": "volpath", "max_depth": rivalsMatter.DEPTH, "rr_depth": 100000}
     content = {"type": "scene", "sensor": sensor, "integrator": integrator}
     looks = _Looks(mi, scene.materials, _PreviewLook if job["renderer"] == PREVIEW else _PrincipledLook)
     while scene.meshes:
         mesh = scene.meshes.pop()
-        _AddMesh(mi, content, mesh, looks[mesh.material], len(scene.meshes))
+        _AddMesh(mi, content, mesh, looks[mesh.material], len(scene.meshes), _Interior(mi, scene.materials[mesh.material], factor))
+    for i, volume in enumerate(scene.volumes):
+        content[f"volume{i}"] = rivalsMatter.MitsubaVolume(mi, volume, factor)
     for i, light in enumerate(scene.lights):
         shape = mitsubaScene.LightShape(light, "")
         if "bsdf" in shape:
@@ -62,9 +67,14 @@ def Build(scene, job: dict):
     return Render, lambda samples: [min(perPass, samples)] if isCompiled else []
 
 
-def _Enlarge(scene) -> None:
+def _Interior(mi, material: dict, factor: float):
+    medium = rivalsMatter.WalkOf(material["subsurface"]) if "subsurface" in material else material.get("medium")
+    return mi.load_dict(rivalsMatter.MitsubaMedium(mi, medium, factor)) if medium else None
+
+
+def _Enlarge(scene) -> float:
     """Scales a small scene up, lights and camera with it: Mitsuba moves rays by at least 1.8e-4 of a unit, and so skips
-    surfaces that lie closer together. Radiance stays."""
+    surfaces that lie closer together. Radiance stays. Returns the factor."""
     boxes = [bounds @ place[:3, :3] + place[3, :3] for mesh in scene.meshes for place in mesh.places
              for bounds in [np.stack([mesh.points.min(0), mesh.points.max(0)])]]
     corners = np.concatenate(boxes)
@@ -80,6 +90,7 @@ def _Enlarge(scene) -> None:
     camera["focus"] *= factor
     if camera["fStop"] > 0:
         camera["fStop"] /= factor
+    return factor
 
 
 def _Looks(mi, materials: list, Look) -> list:
@@ -97,6 +108,8 @@ def _Looks(mi, materials: list, Look) -> list:
 
 
 def _Look(material: dict, Value, Look) -> dict:
+    if "medium" in material or "subsurface" in material:
+        return {"type": "null"}
     if "lambert" in material:
         return {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": Value(material["lambert"], True)}}
     return Look(material, Value)
@@ -137,11 +150,11 @@ def _Reflectance(ior: float) -> float:
     return ((1 - ior) / (1 + ior)) ** 2
 
 
-def _AddMesh(mi, content: dict, mesh, look, index: int) -> None:
+def _AddMesh(mi, content: dict, mesh, look, index: int, interior) -> None:
     """A mesh at one place in world space, at several as a group and its instances."""
     matrices = mesh.places
     if len(matrices) == 1:
-        content[f"mesh{index}"] = _Mesh(mi, mesh, look, matrices[0])
+        content[f"mesh{index}"] = _Mesh(mi, mesh, look, matrices[0], interior)
         return
     content[f"group{index}"] = {"type": "shapegroup", "mesh": _Mesh(mi, mesh, look, np.eye(4))}
     group = mi.load_dict(content.pop(f"group{index}"))
@@ -150,9 +163,11 @@ def _AddMesh(mi, content: dict, mesh, look, index: int) -> None:
         content[f"instance{index}_{i}"] = {"type": "instance", "group": group, "to_world": mi.ScalarTransform4f(matrix.T.copy())}
 
 
-def _Mesh(mi, mesh, look, matrix: np.ndarray):
+def _Mesh(mi, mesh, look, matrix: np.ndarray, interior=None):
     properties = mi.Properties()
     properties["mesh_bsdf"] = look
+    if interior is not None:
+        properties["interior"] = interior
     out = mi.Mesh("mesh", len(mesh.points), len(mesh.triangles), props=properties, has_vertex_normals=mesh.normals is not None,
                   has_vertex_texcoords=mesh.texcoords is not None)
     params = mi.traverse(out)

@@ -11,8 +11,9 @@ import pickle
 from dataclasses import dataclass, field
 
 import numpy as np
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade, UsdVol
 
+import rivalsMatter
 from stageReader import ReadCamera, ReadLight, Spread, Triangulate
 
 _PURPOSES = {"default", "render"}
@@ -50,11 +51,12 @@ class Texture:
 
 @dataclass
 class PlainScene:
-    """All that is drawn. A material has the inputs of _DEFAULTS, or is {"lambert": color}."""
+    """All that is drawn. A material has the inputs of _DEFAULTS, or is {"lambert": color}, or what rivalsMatter reads."""
 
     meshes: list = field(default_factory=list)
     materials: list = field(default_factory=list)
     lights: list = field(default_factory=list)  # of stageReader
+    volumes: list = field(default_factory=list)  # of rivalsMatter
     camera: dict = field(default_factory=dict)
 
     def NumTriangles(self) -> tuple[int, int]:
@@ -123,6 +125,9 @@ class _Reader:
             content += [(i, np.eye(4)[None]) for i in self._Mesh(UsdGeom.Mesh(prim))]
         elif prim.IsA(UsdGeom.PointInstancer):
             return self._Moved(prim, self._Instances(UsdGeom.PointInstancer(prim)))
+        elif prim.IsA(UsdVol.Volume):
+            self._scene.volumes.append(rivalsMatter.ReadVolume(prim))
+            return []
         elif prim.IsA(UsdGeom.Gprim):
             raise ValueError(f"{prim.GetPath()}: {prim.GetTypeName()} is not handled")
         elif prim.HasAPI(UsdLux.LightAPI):
@@ -237,7 +242,10 @@ class _Reader:
     def _Material(self, material, mesh) -> tuple[int, str]:
         """(index, name of the coordinates that its images use or "")."""
         surface = material.ComputeSurfaceSource()[0] if material else None
-        if surface:
+        matter = rivalsMatter.ReadLook(material)
+        if matter:
+            inputs, coordinates = matter, ""
+        elif surface:
             inputs, coordinates = _ReadSurface(surface)
         else:
             inputs, coordinates = {"lambert": _DisplayColor(mesh)}, ""

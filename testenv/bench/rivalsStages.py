@@ -4,7 +4,7 @@
 import pathlib
 from dataclasses import dataclass
 
-from stages import bench, grove
+from stages import bench, grove, matter
 from stages.verify import CASES
 
 
@@ -21,6 +21,10 @@ _GENERATED = {
     # Dr.Jit traces what happens at an instance anew for each of them: with 20 000 Mitsuba's llvm variant takes minutes and gigabytes.
     "forest": (lambda path: bench.WriteForest(path, instances=1000, species=5), 4),
     "grove": (lambda path: grove.WriteGrove(path, triangles=2_000_000), 4),
+    "cloud": (matter.WriteCloud, matter.MAX_DEPTH),
+    "ink": (matter.WriteInk, matter.MAX_DEPTH),
+    "jade": (matter.WriteJade, matter.MAX_DEPTH),
+    "wax": (matter.WriteWax, matter.MAX_DEPTH),
     "smallForest": (lambda path: bench.WriteForest(path, instances=100, species=8, leaves=300), 3),
 }
 REAL = {  # name -> file below the folder of real scenes, camera

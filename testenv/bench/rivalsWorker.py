@@ -82,17 +82,18 @@ def _BuildRival(job: dict):
 class _Timer:
     """Renders with the clock running, once what a count of samples needs is warm."""
 
-    def __init__(self, render, warmUp):
+    def __init__(self, render, warmUp, clock):
         self._render, self._warmUp, self._warm = render, warmUp, set()
+        self._clock = time.process_time if clock == "cpu" else time.perf_counter
 
     def Render(self, samples: int, seed: int) -> tuple[np.ndarray, float]:
         for count in self._warmUp(samples):
             if count not in self._warm:
                 self._render(count, 998)
                 self._warm.add(count)
-        begin = time.perf_counter()
+        begin = self._clock()
         picture = self._render(samples, seed)
-        return picture, time.perf_counter() - begin
+        return picture, self._clock() - begin
 
 
 def _Climb(timer: _Timer, job: dict) -> dict:
@@ -122,7 +123,7 @@ def Work(job: dict) -> dict:
     built = time.perf_counter()
     render(1, 999)
     first = time.perf_counter()
-    done = (_Save if "renders" in job else _Climb)(_Timer(render, warmUp), job)
+    done = (_Save if "renders" in job else _Climb)(_Timer(render, warmUp, job["clock"]), job)
     return dict(done, importSeconds=start - _START, buildSeconds=built - start, firstSeconds=first - built, peakBytes=_PeakBytes())
 
 

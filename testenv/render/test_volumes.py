@@ -238,16 +238,17 @@ def test_numbers_that_are_none_count_as_nothing(tmp_path):
     assert np.all(layers["color"][..., :3] == 1)
 
 
-def _MitsubaCloud(density, extinction, albedo, asymmetry, samples):
-    """A cloud in a cube of edge 1 below a lamp, by Mitsuba's volpathmis."""
+def _MitsubaCloud(density, extinction, albedo, asymmetry, samples, seed=3):
+    """A cloud in a cube of edge 1 below a lamp, by Mitsuba's volpathmis. \\param albedo: a colour, or a volume of Mitsuba's."""
     import mitsuba as mi
 
     color = lambda values: dict(type="rgb", value=[float(value) for value in values])
     place = mi.ScalarTransform4f
     fits = place().translate([-0.5, -0.5, -0.5])
     grid = mi.VolumeGrid(np.ascontiguousarray(density.transpose(2, 1, 0)[..., None]).astype(np.float32))
-    medium = dict(type="heterogeneous", scale=float(extinction), phase=dict(type="hg", g=asymmetry), albedo=dict(
-        type="constvolume", value=color(albedo)), sigma_t=dict(type="gridvolume", grid=grid, to_world=fits, wrap_mode="clamp"))
+    medium = dict(type="heterogeneous", scale=float(extinction), phase=dict(type="hg", g=asymmetry), albedo=(
+        albedo if isinstance(albedo, dict) else dict(type="constvolume", value=color(albedo))), sigma_t=dict(
+            type="gridvolume", grid=grid, to_world=fits, wrap_mode="clamp"))
     film = dict(type="hdrfilm", width=16, height=16, rfilter=dict(type="box"), pixel_format="rgb")
     view = place().look_at(origin=[0, 0, 10], target=[0, 0, 0], up=[0, 1, 0]) @ place().scale([0.6, 0.6, 1])
     lamp = place().translate([0, 3, 0]) @ place().rotate([1, 0, 0], 90) @ place().scale([3, 3, 1])
@@ -256,7 +257,7 @@ def _MitsubaCloud(density, extinction, albedo, asymmetry, samples):
         sensor=dict(type="orthographic", to_world=view, film=film, sampler=dict(type="independent")),
         cloud=dict(type="cube", to_world=place().scale([0.5] * 3), bsdf=dict(type="null"), interior=medium),
         lamp=dict(type="rectangle", to_world=lamp, emitter=dict(type="area", radiance=color((1.0,) * 3)))))
-    return np.array(mi.render(scene, spp=samples, seed=3)).astype(np.float64)
+    return np.array(mi.render(scene, spp=samples, seed=seed)).astype(np.float64)
 
 
 def test_a_cloud_below_a_lamp_equals_mitsubas(tmp_path):

@@ -21,7 +21,7 @@ def Grid(values, first=(0, 0, 0), objectFromIndex=None) -> "_core.VoxelGrid":
     return _core.VoxelGrid(np.ascontiguousarray(values.transpose(2, 1, 0)), values.shape, first, np.array(objectFromIndex))
 
 
-def Volume(density, emissionGrid=None, temperature=None, scale=1.0, absorption=0.0, scattering=0.0, anisotropy=0.0,
+def Volume(density=None, emissionGrid=None, temperature=None, scale=1.0, absorption=0.0, scattering=0.0, anisotropy=0.0,
            emission=0.0, blackbody=0.0, kelvin=1.0) -> "_core.VolumePrim":
     volume = _core.VolumePrim(_core.Placement(np.diag([scale, scale, scale, 1.0])))
     vectors = [tuple(np.broadcast_to(value, 3).astype(float)) for value in (absorption, scattering, emission, blackbody)]

@@ -119,6 +119,8 @@ TEST(KernelFeatures, HaveWhatTheyNeed) {
         {"volumes", {"cutouts", "lobes", "media", "textures"}}, // bricks are lines; events of media
         {"volumeMotion", // moves what volumes hold by the time of a path
          {"cutouts", "lobes", "media", "motion", "textures", "volumes"}},
+        {"volumeTerms", // what is read at a collision
+         {"cutouts", "lobes", "media", "textures", "volumes"}},
         {"workingSpace", // converts the glow of volumes
          {"cutouts", "lobes", "media", "textures", "volumes"}},
         {"flat", {"simd8"}},                  // is walked as that form walks
