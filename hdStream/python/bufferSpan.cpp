@@ -124,6 +124,16 @@ std::shared_ptr<const void> ShareBuffer(std::unique_ptr<HeldBuffer> buffer) {
             }};
 }
 
+std::shared_ptr<nb::object> ShareObject(nb::object object) {
+    return {new nb::object(std::move(object)), [](nb::object* held) {
+                if (!Py_IsInitialized()) {
+                    return; // The interpreter took the object with it.
+                }
+                const nb::gil_scoped_acquire gil;
+                delete held;
+            }};
+}
+
 std::size_t NumBuffersToRelease() {
     return Releases().Count();
 }

@@ -5,6 +5,7 @@
 // core never blocks on Python.
 #pragma once
 
+#include "hdStream/python/stageArray.h"
 #include "hdStream/session/session.h"
 
 #include <nanobind/nanobind.h>
@@ -39,6 +40,9 @@ private:
 /// Shared ownership of a buffer whose last owner may be any thread. Call under the GIL.
 std::shared_ptr<const void> ShareBuffer(std::unique_ptr<HeldBuffer> buffer);
 
+/// A Python object that any thread may drop.
+std::shared_ptr<nanobind::object> ShareObject(nanobind::object object);
+
 /// Number of buffers that wait to be released by the main thread.
 std::size_t NumBuffersToRelease();
 
@@ -61,11 +65,18 @@ constexpr char BufferFormat<std::int32_t>() {
     return 'i';
 }
 
-/// The items of a buffer as a span and their number a row. Call under the GIL.
+/// The items of a buffer, or of a StageArray, as a span and their number a row. Call under the GIL.
 /// \param what names the member in the error.
 /// \throws nanobind::type_error for another item type or a strided buffer.
 template <typename T>
 std::pair<SharedSpan<T>, std::size_t> SpanFromBuffer(nanobind::handle object, const char* what) {
+    if (nanobind::isinstance<StageArray>(object)) {
+        const auto& array = nanobind::cast<const StageArray&>(object);
+        if (array.Format() != BufferFormat<T>()) {
+            throw nanobind::type_error((std::string(what) + ": items of another type").c_str());
+        }
+        return {SharedSpan<T>(array.Source()), array.ItemsPerRow()};
+    }
     auto buffer = std::make_unique<HeldBuffer>(object, BufferFormat<T>(), sizeof(T), what);
     const auto* items = static_cast<const T*>(buffer->data());
     const std::size_t numItems = buffer->numItems();
@@ -76,7 +87,7 @@ std::pair<SharedSpan<T>, std::size_t> SpanFromBuffer(nanobind::handle object, co
 /// A read-only numpy array [size / itemsPerRow][itemsPerRow] that shares the span's memory.
 template <typename T>
 nanobind::object ArrayFromSpan(const SharedSpan<T>& span, std::size_t itemsPerRow) {
-    auto held = std::make_unique<SharedSpan<T>>(span);
+    auto held = std::make_unique<SharedSpan<T>>(span.Held());
     nanobind::capsule owner(held.get(), [](void* spanPointer) noexcept {
         delete static_cast<SharedSpan<T>*>(spanPointer);
     });

@@ -17,6 +17,8 @@ struct StatisticsInput {
     const Device* device = nullptr;
     const CommittedScene* scene = nullptr;
     const PreparedPages* pages = nullptr;
+    const SourceKeeper* sources = nullptr;
+    std::uint64_t arrayBytesReadBefore = 0; ///< this render (ArrayCounts)
     double commitSeconds = 0.0; ///< of the scene; 0: it was there from the render before
     const PathTracer* tracer = nullptr;
     std::uint32_t imageWidth = 0;
