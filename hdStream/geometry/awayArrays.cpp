@@ -43,6 +43,12 @@ Held(const std::shared_ptr<const GeometryDescription>& geometry) {
     return held;
 }
 
+Primvar Held(const Primvar& primvar) {
+    Primvar held = primvar;
+    ForEachArray(held, [](auto& array) { array = array.Held(); });
+    return held;
+}
+
 void DropArrays(const GeometryDescription& geometry) {
     ForEachArray(geometry, [](const auto& array) {
         if (array.Source() != nullptr) {

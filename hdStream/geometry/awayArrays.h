@@ -14,6 +14,9 @@ namespace hds {
 std::shared_ptr<const GeometryDescription>
 Held(const std::shared_ptr<const GeometryDescription>& geometry);
 
+/// The same of a primvar.
+Primvar Held(const Primvar& primvar);
+
 /// Its sources keep their arrays no more than others do who hold them.
 void DropArrays(const GeometryDescription& geometry);
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Python buffers (numpy arrays, Vt arrays) as SharedSpans, without a copy, and back.
-// The span keeps the buffer alive. A buffer may be dropped by any thread, with or without the GIL:
-// those dropped without it wait in a list that the main thread empties under the GIL, so that the
-// core never blocks on Python.
+// Python buffers (numpy arrays, Vt arrays) as SharedSpans, without a copy unless they are small,
+// and back. The span keeps the buffer alive. A buffer may be dropped by any thread, with or without
+// the GIL: those dropped without it wait in a list that the main thread empties under the GIL, so
+// that the core never blocks on Python.
 #pragma once
 
 #include "hdStream/python/stageArray.h"
@@ -29,6 +29,7 @@ public:
     HeldBuffer& operator=(const HeldBuffer&) = delete;
 
     const void* data() const { return _view.buf; }
+    std::size_t numBytes() const { return static_cast<std::size_t>(_view.len); }
     std::size_t numItems() const;
     /// Items of all dimensions but the first; 1 for a flat array.
     std::size_t itemsPerRow() const;
@@ -36,6 +37,10 @@ public:
 private:
     Py_buffer _view{};
 };
+
+/// What a span shares: the buffer itself or, of a small array that OpenUSD does not map, a copy in
+/// the pool of the process (arrayPool.h). Call under the GIL.
+ArrayBytes KeepBuffer(std::unique_ptr<HeldBuffer> buffer, bool isOfFloats);
 
 /// Shared ownership of a buffer whose last owner may be any thread. Call under the GIL.
 std::shared_ptr<const void> ShareBuffer(std::unique_ptr<HeldBuffer> buffer);
@@ -78,10 +83,11 @@ std::pair<SharedSpan<T>, std::size_t> SpanFromBuffer(nanobind::handle object, co
         return {SharedSpan<T>(array.Source()), array.ItemsPerRow()};
     }
     auto buffer = std::make_unique<HeldBuffer>(object, BufferFormat<T>(), sizeof(T), what);
-    const auto* items = static_cast<const T*>(buffer->data());
-    const std::size_t numItems = buffer->numItems();
     const std::size_t itemsPerRow = buffer->itemsPerRow();
-    return {SharedSpan<T>(items, numItems, ShareBuffer(std::move(buffer))), itemsPerRow};
+    ArrayBytes kept = KeepBuffer(std::move(buffer), std::is_floating_point_v<T>);
+    return {SharedSpan<T>(static_cast<const T*>(kept.data), kept.bytes / sizeof(T),
+                          std::move(kept.owner)),
+            itemsPerRow};
 }
 
 /// A read-only numpy array [size / itemsPerRow][itemsPerRow] that shares the span's memory.

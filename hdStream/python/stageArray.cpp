@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/python/stageArray.h"
 
+#include "hdStream/python/arrayPool.h"
 #include "hdStream/python/bufferSpan.h"
 
 #include <nanobind/stl/string.h>
@@ -78,9 +79,11 @@ void BindStageArray(nb::module_& module) {
             result["bytes"] = counts.bytes;
             result["keptBytes"] = counts.keptBytes;
             result["readBytes"] = counts.readBytes;
+            result["poolBytes"] = ArrayPool::BlockBytes();
             return result;
         },
-        "Of all StageArrays: bytes; those that wait in memory; those that were read again.");
+        "Of all StageArrays: bytes; those that wait in memory; those that were read again. And the "
+        "bytes of the blocks that hold small arrays.");
 }
 
 } // namespace hds::python
