@@ -180,6 +180,7 @@ struct Session::Impl {
         scene = std::move(next);
         committed = key;
         statistics.commitSeconds = scene->seconds;
+        statistics.keptArrays = CountKeptArrays(description);
         return true;
     }
 

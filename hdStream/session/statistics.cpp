@@ -160,6 +160,8 @@ std::string MakeStatistics(const StatisticsInput& in) {
         {"deep", render.deepBytes},
         {"tables", in.tracer->Buffers().TableBytes()},
         {"devicePeak", in.device->PeakBytes()},
+        {"arraysKept", in.keptArrays.geometryBytes},
+        {"instanceArraysKept", in.keptArrays.instanceBytes},
         {"arrays", ArraySource::Counts().bytes},
         {"arraysReadAgain", ArraySource::Counts().readBytes - in.arrayBytesReadBefore},
         {"sourcesPeak", in.sources->PeakBytes()},

@@ -114,6 +114,37 @@ def test_arrays_leave_memory(allArrays, monkeypatch, tmp_path):
     case.session.Clear()
 
 
+@pytest.mark.parametrize("smallest", [0, 5000, 1 << 62])
+def test_statistics_count_arrays_to_the_byte(monkeypatch, tmp_path, smallest):
+    """Against the arrays as Python has them: those that are kept and those that are read again."""
+    monkeypatch.setattr(rereading, "SMALLEST", smallest)
+    streaming.WriteNested(str(tmp_path / "stage.usda"), depth=2, copies=5, rings=12)
+    before = _core.ArrayCounts()["bytes"]
+    case = Case(tmp_path / "stage.usda")
+    _, statistics = case.Render(noCache=True)
+    kept = away = instances = 0
+    for prim in case.session.Scene().geometry.values():
+        mesh = prim.geometry
+        arrays = [mesh.points, mesh.faceVertexCounts, mesh.faceVertexIndices, mesh.holeIndices]
+        for primvar in mesh.primvars:
+            if primvar.interpolation == _core.Interpolation.Constant:
+                kept += primvar.values.nbytes
+            else:
+                arrays.append(primvar.values)
+            arrays.append(primvar.indices)
+        for array in arrays:
+            isAway = 0 < array.nbytes >= smallest
+            away += array.nbytes * isAway
+            kept += array.nbytes * (not isAway)
+        instances += prim.placement.instances.nbytes
+    for instancer in case.session.Scene().instancers.values():
+        instances += 5 * (12 + 12) + instancer.placement.instances.nbytes  # positions and scales
+    memory = statistics["memory"]
+    assert (away > 0) == (smallest == 0 or smallest == 5000)
+    assert memory["arraysKept"] == kept and memory["instanceArraysKept"] == instances
+    assert memory["arrays"] - before == away
+
+
 def test_edits_read_what_is_there_then(allArrays, tmp_path):
     """An edited stage is drawn as it is, not as it was, and its other prims are found again."""
     from hdstream import Renderer
