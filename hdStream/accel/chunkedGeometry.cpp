@@ -135,12 +135,18 @@ std::optional<GeometrySummary> ParseSummary(const std::vector<std::uint8_t>& byt
 }
 
 ChunkedGeometry::ChunkedGeometry(SourceMaker makeSource, std::uint64_t chunkBytes,
-                                 std::shared_ptr<PageStore> store, const PageKey& key)
+                                 std::shared_ptr<PageStore> store, const PageKey& key,
+                                 std::shared_ptr<SourceKeeper> keeper, std::uint64_t arrayBytes)
     : _makeSource(std::move(makeSource)), _chunkBytes(chunkBytes), _store(std::move(store)),
-      _key(key) {
+      _key(key), _keeper(std::move(keeper)), _arrayBytes(arrayBytes) {
     if (!LoadSummary()) {
-        MakeSourceOnce();
-        MakeSummary();
+        MakeSummary(*Hold());
+    }
+}
+
+ChunkedGeometry::~ChunkedGeometry() {
+    if (_keeper) {
+        _keeper->Forget(this);
     }
 }
 
@@ -165,43 +171,58 @@ void ChunkedGeometry::SaveSummary() const {
     }
 }
 
-void ChunkedGeometry::MakeSummary() {
-    _summary.origin = _source->Origin();
-    _summary.isLeftHanded = _source->IsLeftHanded();
-    _summary.numTriangles = _source->NumTriangles();
-    _summary.attributes = _source->Attributes();
-    _summary.boundBytes = _source->BoundBytes();
-    _summary.chunkBounds = _plan.bounds;
-    _summary.numInChunk = _plan.counts;
+void ChunkedGeometry::MakeSummary(const Cut& cut) {
+    _summary.origin = cut.source->Origin();
+    _summary.isLeftHanded = cut.source->IsLeftHanded();
+    _summary.numTriangles = cut.source->NumTriangles();
+    _summary.attributes = cut.source->Attributes();
+    _summary.boundBytes = cut.source->BoundBytes();
+    _summary.chunkBounds = cut.plan.bounds;
+    _summary.numInChunk = cut.plan.counts;
 }
 
-void ChunkedGeometry::MakeSourceOnce() const {
-    std::call_once(_isMade, [this] {
-        // A thread that took another task meanwhile might come here again and wait for itself.
-        tbb::this_task_arena::isolate([this] {
-            _source = _makeSource();
-            if (_source->NumTriangles() == 0) {
-                return;
-            }
-            const std::uint64_t maxTriangles =
-                std::clamp<std::uint64_t>(_chunkBytes / _source->MeanBytes().Both(), 1,
-                                          std::numeric_limits<std::uint32_t>::max());
-            _plan = PlanChunks(*_source, static_cast<std::uint32_t>(maxTriangles));
-        });
-        // A chunk of another plan would be drawn in the place of this one.
-        HDS_VERIFY(_summary.NumChunks() == 0 || _summary.numInChunk == _plan.counts,
-                   "the cache has the summary of other geometry: hdstream cache --clear");
+std::shared_ptr<const ChunkedGeometry::Cut> ChunkedGeometry::MakeCut() const {
+    auto cut = std::make_shared<Cut>();
+    // A thread that took another task meanwhile might come here again and wait for itself.
+    tbb::this_task_arena::isolate([&] {
+        cut->source = _makeSource();
+        if (cut->source->NumTriangles() == 0) {
+            return;
+        }
+        const std::uint64_t maxTriangles =
+            std::clamp<std::uint64_t>(_chunkBytes / cut->source->MeanBytes().Both(), 1,
+                                      std::numeric_limits<std::uint32_t>::max());
+        cut->plan = PlanChunks(*cut->source, static_cast<std::uint32_t>(maxTriangles));
     });
+    // A chunk of another plan would be drawn in the place of this one.
+    if (_summary.NumChunks() > 0 && _summary.numInChunk != cut->plan.counts) {
+        throw Error("geometry is not what it was when it was planned: the stage has been written "
+                    "into, or the cache has the summary of other geometry (hdstream cache "
+                    "--clear)");
+    }
+    return cut;
 }
 
-const ChunkSource& ChunkedGeometry::Source() const {
-    MakeSourceOnce();
-    return *_source;
+std::uint64_t ChunkedGeometry::BytesOf(const Cut& cut) const {
+    return _arrayBytes + cut.source->TableBytes() +
+           cut.plan.groups.size() * sizeof(cut.plan.groups[0]) +
+           cut.plan.NumChunks() * (sizeof(Bounds) + 2 * sizeof(std::uint32_t));
 }
 
-const ChunkPlan& ChunkedGeometry::Plan() const {
-    MakeSourceOnce();
-    return _plan;
+std::shared_ptr<const ChunkedGeometry::Cut> ChunkedGeometry::Hold() const {
+    const std::lock_guard<std::mutex> lock(_mutex);
+    std::shared_ptr<const Cut> cut = _cut.lock();
+    if (!cut) {
+        cut = MakeCut();
+        _cut = cut;
+        if (!_keeper) {
+            _kept = cut;
+        }
+    }
+    if (_keeper) {
+        _keeper->Use(this, cut, BytesOf(*cut));
+    }
+    return cut;
 }
 
 std::array<std::uint64_t, 2> ChunkedGeometry::BoundBytes(std::uint32_t chunk) const {
@@ -214,9 +235,10 @@ std::array<std::uint64_t, 2> ChunkedGeometry::BoundBytes(std::uint32_t chunk) co
 }
 
 ChunkBytes ChunkedGeometry::Make(std::uint32_t chunk) const {
-    const ChunkPlan& plan = Plan();
-    ChunkGeometry gathered = Source().Gather(plan.groups.data() + plan.begin[chunk],
-                                             plan.begin[chunk + 1] - plan.begin[chunk]);
+    const std::shared_ptr<const Cut> cut = Hold();
+    const ChunkPlan& plan = cut->plan;
+    ChunkGeometry gathered = cut->source->Gather(plan.groups.data() + plan.begin[chunk],
+                                                 plan.begin[chunk + 1] - plan.begin[chunk]);
     ChunkBytes pages;
     pages[HDS_PAGE_GEOMETRY] = BuildGeometryPage(gathered).bytes;
     pages[HDS_PAGE_ATTRIBUTES] = BuildAttributePage(gathered);

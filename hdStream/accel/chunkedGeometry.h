@@ -6,6 +6,7 @@
 
 #include "hdStream/accel/chunkPlan.h"
 #include "hdStream/accel/pageMaker.h"
+#include "hdStream/accel/sourceKeeper.h"
 #include "hdStream/persist/pageStore.h"
 
 #include <functional>
@@ -36,21 +37,30 @@ std::optional<GeometrySummary> ParseSummary(const std::vector<std::uint8_t>& byt
 /// Immutable, thread-safe.
 class ChunkedGeometry final : public PageMaker {
 public:
-    /// Makes the source; called at most once, perhaps never, by any thread.
+    /// Makes the source: the same however often, perhaps never; any thread, one at a time.
     using SourceMaker = std::function<std::shared_ptr<const ChunkSource>()>;
+
+    /// The source and how it is cut.
+    struct Cut {
+        std::shared_ptr<const ChunkSource> source;
+        ChunkPlan plan;
+    };
 
     /// Takes the summary from the store, or else makes source and plan. \param chunkBytes about
     /// what the pages of a chunk take at most. \param store of summaries and finished pages; may be
-    /// null. \param key of all that the source and the plan are made of.
+    /// null. \param key of all that the source and the plan are made of. \param keeper of sources;
+    /// null: it stays once it is made. \param arrayBytes of arrays that the source alone holds.
     ChunkedGeometry(SourceMaker makeSource, std::uint64_t chunkBytes,
-                    std::shared_ptr<PageStore> store, const PageKey& key);
+                    std::shared_ptr<PageStore> store, const PageKey& key,
+                    std::shared_ptr<SourceKeeper> keeper = nullptr, std::uint64_t arrayBytes = 0);
+    ~ChunkedGeometry() override;
     ChunkedGeometry(const ChunkedGeometry&) = delete;
     ChunkedGeometry& operator=(const ChunkedGeometry&) = delete;
 
     const GeometrySummary& Summary() const { return _summary; }
-    /// Made when they are first asked for. Runs no other TBB task meanwhile.
-    const ChunkSource& Source() const;
-    const ChunkPlan& Plan() const;
+    /// Made where they are not there. Runs no other TBB task meanwhile. \throws what the maker of
+    /// the source does.
+    std::shared_ptr<const Cut> Hold() const;
 
     std::array<std::uint64_t, 2> BoundBytes(std::uint32_t chunk) const override;
     ChunkBytes Make(std::uint32_t chunk) const override;
@@ -66,17 +76,20 @@ public:
 
 private:
     bool LoadSummary();
-    void MakeSummary();
-    void MakeSourceOnce() const;
+    void MakeSummary(const Cut& cut);
+    std::shared_ptr<const Cut> MakeCut() const;
+    std::uint64_t BytesOf(const Cut& cut) const;
 
     SourceMaker _makeSource;
     std::uint64_t _chunkBytes;
     std::shared_ptr<PageStore> _store;
     PageKey _key;
     GeometrySummary _summary;
-    mutable std::once_flag _isMade;
-    mutable std::shared_ptr<const ChunkSource> _source;
-    mutable ChunkPlan _plan;
+    std::shared_ptr<SourceKeeper> _keeper;
+    std::uint64_t _arrayBytes;
+    mutable std::mutex _mutex;
+    mutable std::weak_ptr<const Cut> _cut;
+    mutable std::shared_ptr<const Cut> _kept; ///< where there is no keeper
 };
 
 } // namespace hds

@@ -70,7 +70,8 @@ private:
     void AddWhole(const std::string& text) { _hasher.Append(std::string_view(text)); }
     template <typename T>
     void AddWhole(const SharedSpan<T>& values) {
-        AddNumbers(values.data(), values.size());
+        const SharedSpan<T> held = values.Held();
+        AddNumbers(held.data(), held.size());
     }
     template <typename T>
     void AddWhole(const std::vector<T>& values) {

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // A read-only array view that keeps its memory alive through a type-erased owner.
-// Front ends hand VtArrays, numpy arrays or our own vectors to the core without a copy.
+// Front ends hand VtArrays, numpy arrays or our own vectors to the core without a copy. Large
+// arrays of a scene may be away: then the view knows where they are read again, and has to be held.
 #pragma once
+
+#include "hdStream/base/arraySource.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -19,6 +22,9 @@ public:
     SharedSpan() = default;
     SharedSpan(const T* data, std::size_t size, std::shared_ptr<const void> owner)
         : _data(data), _size(size), _owner(std::move(owner)) {}
+    /// An array that is away.
+    explicit SharedSpan(std::shared_ptr<const ArraySource> source)
+        : _size(source->Bytes() / sizeof(T)), _owner(std::move(source)) {}
     /// Takes a vector over.
     SharedSpan(
         std::vector<T> values) { // NOLINT(google-explicit-constructor): a conversion by design
@@ -26,6 +32,21 @@ public:
         _data = held->data();
         _size = held->size();
         _owner = std::move(held);
+    }
+
+    /// Where the array is read again; null: it is in memory. What is away has a size, no elements.
+    const ArraySource* Source() const {
+        return _data == nullptr && _size > 0 ? static_cast<const ArraySource*>(_owner.get())
+                                             : nullptr;
+    }
+    /// The array in memory, as long as the result lives. \throws Error where it cannot be read.
+    SharedSpan Held() const {
+        const ArraySource* source = Source();
+        if (source == nullptr) {
+            return *this;
+        }
+        ArrayBytes array = source->Hold();
+        return {static_cast<const T*>(array.data), _size, std::move(array.owner)};
     }
 
     const T* data() const { return _data; }
@@ -37,8 +58,12 @@ public:
 
     /// Whether the values are equal, wherever they lie.
     bool operator==(const SharedSpan& other) const {
-        return _size == other._size &&
-               (_data == other._data || std::equal(begin(), end(), other.begin()));
+        if (_size != other._size || (_data == other._data && _owner == other._owner)) {
+            return _size == other._size;
+        }
+        const SharedSpan mine = Held();
+        const SharedSpan others = other.Held();
+        return mine._data == others._data || std::equal(mine.begin(), mine.end(), others.begin());
     }
 
 private:

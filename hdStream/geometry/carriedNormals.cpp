@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/geometry/carriedNormals.h"
 
+#include "hdStream/geometry/awayArrays.h"
 #include "hdStream/geometry/normals.h"
 
 #include <glm/geometric.hpp>
@@ -165,9 +166,12 @@ void Put(const glm::dvec3& normal, float* row) {
 
 } // namespace
 
-std::optional<Primvar> CarryNormals(const Primvar& normals, const GeometryDescription& mesh,
+std::optional<Primvar> CarryNormals(const Primvar& authored, const GeometryDescription& geometry,
                                     const SharedSpan<float>& atRest,
                                     const SharedSpan<float>& posed) {
+    const Primvar normals = Held(authored);
+    const auto held = Held(std::make_shared<const GeometryDescription>(geometry));
+    const GeometryDescription& mesh = *held;
     const std::size_t numPoints = atRest.size() / 3;
     const std::vector<Corner> corners = CornersOf(mesh, numPoints);
     if (normals.numComponents != 3 || posed.size() != atRest.size() || corners.empty()) {

@@ -77,6 +77,12 @@ struct ChunkGeometry {
     std::vector<Bounds> primitiveBounds; ///< [numTriangles] of curves and points
 };
 
+/// Bytes of the elements of vectors.
+template <typename... T>
+std::uint64_t VectorBytes(const std::vector<T>&... vectors) {
+    return (std::uint64_t{0} + ... + (vectors.size() * sizeof(T)));
+}
+
 /// What a plan of chunks needs to know: groups with boxes. Immutable, thread-safe.
 class PrimitiveGroups {
 public:
@@ -119,6 +125,9 @@ public:
     /// The triangles of some groups, in their order. Same groups, same bits, whatever was asked
     /// before.
     virtual ChunkGeometry Gather(const std::uint32_t* groups, std::size_t count) const = 0;
+
+    /// About the host memory that it takes, without the arrays of the geometry.
+    virtual std::uint64_t TableBytes() const { return 0; }
 
 protected:
     glm::dvec3 _origin{0.0};

@@ -58,6 +58,10 @@ public:
         return _groups[group + 1].firstPrimId - _groups[group].firstPrimId;
     }
     Bounds GroupBounds(std::uint32_t group) const override { return _groupBounds[group]; }
+    std::uint64_t TableBytes() const override {
+        return sizeof(*this) +
+               VectorBytes(_begins, _counts, _faces, _firstJoints, _groups, _groupBounds, _levels);
+    }
 
     ChunkGeometry Gather(const std::uint32_t* groups, std::size_t count) const override {
         std::call_once(_isRead, [this] { ReadValues(); });

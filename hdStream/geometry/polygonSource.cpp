@@ -185,6 +185,14 @@ public:
         return chunk;
     }
 
+    std::uint64_t TableBytes() const override {
+        const bool isSmooth = !IsPolygonal(_mesh->subdivisionScheme);
+        const std::uint64_t perPoint =
+            (isSmooth ? sizeof(glm::vec3) : 0) + (_displacement.empty() ? 0 : sizeof(glm::vec3));
+        return sizeof(*this) + VectorBytes(_cornerBegin, _parts, _entries) + _isLeftOut.size() / 8 +
+               NumPoses() * _size.numPoints * perPoint;
+    }
+
 private:
     /// What ReadValues makes of a key.
     struct Key {

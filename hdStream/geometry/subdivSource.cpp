@@ -77,6 +77,13 @@ public:
 
     const std::vector<std::uint8_t>& EdgeLevels() const override { return _dice.edgeLevels; }
 
+    std::uint64_t TableBytes() const override {
+        constexpr std::uint64_t kTopologyBytes = 200; ///< about, a face, of OpenSubdiv
+        return sizeof(*this) + NumPoses() * Model().NumFaces() * kTopologyBytes +
+               VectorBytes(_groupBounds, _dice.entries, _dice.edgeLevels, _dice.faceGroups,
+                           _dice.groupTriangles);
+    }
+
     ChunkGeometry Gather(const std::uint32_t* groups, std::size_t count) const override {
         for (std::size_t i = 0; i < count; ++i) {
             HDS_VERIFY(groups[i] < _numGroups,

@@ -2,6 +2,7 @@
 // Session for Python. Every call that may take long or a lock of the core releases the GIL, and the
 // callbacks take it, so that the core never waits for Python while Python waits for the core.
 #include "hdStream/python/bindings.h"
+#include "hdStream/python/bufferSpan.h"
 #include "hdStream/session/memorySize.h"
 #include "hdStream/session/session.h"
 #include "hdStream/session/settingsTable.h"
@@ -25,14 +26,6 @@ namespace hds::python {
 namespace {
 
 using ReleaseGil = nb::call_guard<nb::gil_scoped_release>;
-
-/// A Python object that any thread may drop.
-std::shared_ptr<nb::object> ShareObject(nb::object object) {
-    return {new nb::object(std::move(object)), [](nb::object* held) {
-                const nb::gil_scoped_acquire gil;
-                delete held;
-            }};
-}
 
 Session::WarningSink WarningSinkFromPython(nb::object onWarning) {
     if (onWarning.is_none()) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/python/bufferSpan.h"
 
+#include "hdStream/python/arrayPool.h"
+
 #include <mutex>
 #include <string>
 
@@ -110,6 +112,18 @@ std::size_t HeldBuffer::itemsPerRow() const {
     return items;
 }
 
+ArrayBytes KeepBuffer(std::unique_ptr<HeldBuffer> buffer, bool isOfFloats) {
+    // OpenUSD maps arrays of files of crate format from 2048 bytes on, but for compressed integers.
+    constexpr std::size_t kLeastMapped = 2048;
+    static auto* pool = new ArrayPool; // under the GIL
+    const std::size_t bytes = buffer->numBytes();
+    if (bytes > 0 && bytes <= (isOfFloats ? kLeastMapped - 1 : ArrayPool::kMostBytes)) {
+        return pool->Add(buffer->data(), bytes);
+    }
+    const void* data = buffer->data();
+    return {ShareBuffer(std::move(buffer)), data, bytes};
+}
+
 std::shared_ptr<const void> ShareBuffer(std::unique_ptr<HeldBuffer> buffer) {
     Releases().Drain();
     return {buffer.release(), [](const HeldBuffer* held) {
@@ -121,6 +135,16 @@ std::shared_ptr<const void> ShareBuffer(std::unique_ptr<HeldBuffer> buffer) {
                 } else {
                     Releases().Add(const_cast<HeldBuffer*>(held));
                 }
+            }};
+}
+
+std::shared_ptr<nb::object> ShareObject(nb::object object) {
+    return {new nb::object(std::move(object)), [](nb::object* held) {
+                if (!Py_IsInitialized()) {
+                    return; // The interpreter took the object with it.
+                }
+                const nb::gil_scoped_acquire gil;
+                delete held;
             }};
 }
 

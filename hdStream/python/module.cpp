@@ -11,6 +11,7 @@ NB_MODULE(_core, module) {
     nanobind::set_leak_warnings(false);
     module.attr("VERSION") = hds::kVersion;
     hds::python::BindMaterials(module);
+    hds::python::BindStageArray(module);
     hds::python::BindScene(module);
     hds::python::BindImages(module);
     hds::python::BindSession(module);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/commit.h"
 
+#include "hdStream/geometry/awayArrays.h"
 #include "hdStream/geometry/subdivSource.h"
 #include "hdStream/scene/drawnPaths.h"
 #include "hdStream/scene/geometryMotion.h"
@@ -68,6 +69,8 @@ public:
         for (const GeometryEntry& entry : _scene.geometry) {
             if (IsDrawn(entry, _options)) {
                 drawn.push_back(&entry);
+            } else if (entry.second.geometry) {
+                DropArrays(*entry.second.geometry);
             }
         }
         _cache.images.BeginCommit();

@@ -31,7 +31,7 @@ struct Sphere {
 Sphere SphereOf(const GeometryPrim& prim) {
     glm::dvec3 low(1e300);
     glm::dvec3 high(-1e300);
-    const SharedSpan<float>& points = prim.geometry->points;
+    const SharedSpan<float> points = prim.geometry->points.Held();
     for (std::size_t i = 0; i + 2 < points.size(); i += 3) {
         const glm::dvec3 p(points[i], points[i + 1], points[i + 2]);
         if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) {

@@ -56,7 +56,8 @@ std::string Array(const T* values, std::size_t count) {
 
 template <typename T>
 std::string Array(const SharedSpan<T>& span) {
-    return Array(span.data(), span.size());
+    const SharedSpan<T> held = span.Held();
+    return Array(held.data(), held.size());
 }
 
 template <typename T, std::size_t N>

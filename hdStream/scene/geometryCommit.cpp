@@ -2,6 +2,7 @@
 #include "hdStream/scene/geometryCommit.h"
 
 #include "hdStream/accel/bvh.h"
+#include "hdStream/geometry/awayArrays.h"
 #include "hdStream/geometry/curveSource.h"
 #include "hdStream/geometry/pointSource.h"
 #include "hdStream/geometry/polygonSource.h"
@@ -39,8 +40,9 @@ void BuildTopTree(PlannedGeometry* planned) {
 
 std::shared_ptr<const ChunkSource> MakeSource(const std::string& path, const GeometryInputs& inputs,
                                               Warnings& warnings) {
+    const std::shared_ptr<const GeometryDescription> held = Held(inputs.geometry);
     const std::shared_ptr<const GeometryDescription> geometry =
-        inputs.shutter.IsOpen() ? AtShutter(*inputs.geometry, inputs.shutter) : inputs.geometry;
+        inputs.shutter.IsOpen() ? AtShutter(*held, inputs.shutter) : held;
     if (geometry->primitives == PrimitiveKind::Curves) {
         return MakeCurveSource(geometry, path, warnings);
     }
@@ -88,12 +90,15 @@ bool GeometryInputs::Suffice(const GeometryInputs& other) const {
 }
 
 PlannedGeometry PlanGeometry(const std::string& path, const GeometryInputs& all,
-                             std::shared_ptr<PageStore> store, Warnings& warnings) {
+                             std::shared_ptr<PageStore> store, Warnings& warnings,
+                             std::shared_ptr<SourceKeeper> keeper) {
     const GeometryInputs inputs = OnlyRead(all);
+    const auto held = Held(inputs.geometry); // read once, for the key and for the source
     const PageKey key = store ? MakeGeometryKey(inputs) : PageKey();
     const auto geometry = std::make_shared<const ChunkedGeometry>(
         [path, inputs, &warnings] { return MakeSource(path, inputs, warnings); }, inputs.chunkBytes,
-        std::move(store), key);
+        std::move(store), key, std::move(keeper), AwayBytes(*inputs.geometry));
+    DropArrays(*all.geometry);
     const GeometrySummary& summary = geometry->Summary();
     if (summary.numTriangles >= kMinKeptSummary && !warnings.Has(path)) {
         geometry->SaveSummary();
@@ -116,9 +121,10 @@ PlannedGeometry PlanGeometry(const std::string& path, const GeometryInputs& all,
 }
 
 ChunkGeometry GatherAll(const PlannedGeometry& planned) {
-    std::vector<std::uint32_t> groups = planned.geometry->Plan().groups;
+    const auto cut = planned.geometry->Hold();
+    std::vector<std::uint32_t> groups = cut->plan.groups;
     std::sort(groups.begin(), groups.end());
-    return planned.geometry->Source().Gather(groups.data(), groups.size());
+    return cut->source->Gather(groups.data(), groups.size());
 }
 
 } // namespace hds

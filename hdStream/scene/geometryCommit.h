@@ -4,6 +4,7 @@
 
 #include "hdStream/accel/chunkPages.h"
 #include "hdStream/accel/chunkedGeometry.h"
+#include "hdStream/accel/sourceKeeper.h"
 #include "hdStream/base/log.h"
 #include "hdStream/geometry/dicing.h"
 #include "hdStream/scene/sceneDescription.h"
@@ -55,9 +56,12 @@ struct GeometryInputs {
 
 /// Checks geometry, cuts it into chunks and builds its top tree, on all cores if it is large; makes
 /// no triangles. Unusable geometry has no chunks. \param path subject of the warnings, which must
-/// outlive the result. \param store of finished pages; may be null.
+/// outlive the result. \param store of finished pages; may be null. \param keeper of what chunks
+/// are cut from; null: it stays. Arrays of the geometry that can be read again are dropped.
+/// \throws Error where they cannot be read again.
 PlannedGeometry PlanGeometry(const std::string& path, const GeometryInputs& inputs,
-                             std::shared_ptr<PageStore> store, Warnings& warnings);
+                             std::shared_ptr<PageStore> store, Warnings& warnings,
+                             std::shared_ptr<SourceKeeper> keeper = nullptr);
 
 /// All triangles of planned geometry, in an order that does not depend on its chunks.
 ChunkGeometry GatherAll(const PlannedGeometry& planned);

@@ -45,7 +45,7 @@ bool GeometryStore::Prepare(const SceneDescription& scene, const std::vector<Dra
             for (std::size_t i = range.begin(); i < range.end() && !isStopped; ++i) {
                 prepared[i] = std::make_shared<const PlannedGeometry>(
                     PlanGeometry(*drawn[missing[i].index].first, drawn[missing[i].index].second,
-                                 _pageStore, warnings));
+                                 _pageStore, warnings, _sources));
             }
         });
     for (std::size_t i = 0; i < missing.size(); ++i) {

@@ -59,6 +59,9 @@ public:
     /// What SetPageStore was given.
     const std::shared_ptr<PageStore>& Pages() const { return _pageStore; }
 
+    /// What chunks are cut from, as far as it can be made again.
+    SourceKeeper& Sources() const { return *_sources; }
+
     /// Prims whose geometry was planned since the store was made.
     std::uint64_t NumPrepared() const { return _numPrepared; }
 
@@ -80,6 +83,7 @@ private:
     void ForgetOthers(const SceneDescription& scene);
 
     std::shared_ptr<PageStore> _pageStore;
+    std::shared_ptr<SourceKeeper> _sources = std::make_shared<SourceKeeper>();
     Items _items;
     std::vector<const PlannedGeometry*> _drawn; ///< in the order of Prepare's `drawn`
     std::uint64_t _numPrepared = 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/materialCommit.h"
 
+#include "hdStream/geometry/awayArrays.h"
 #include "hdStream/scene/mediaBounds.h"
 #include "hdStream/shading/materialPrimvars.h"
 #include "hdStream/shading/programWriter.h"
@@ -123,7 +124,7 @@ std::uint32_t MaterialCommit::AddMedium(const std::string& path, const GeometryP
                                 " media of meshes: its own is left out");
         return 0;
     }
-    if (!IsClosed(*prim.geometry)) {
+    if (!IsClosed(*Held(prim.geometry))) {
         _warnings.Add(path, "its mesh is not closed: the medium in it has no end where rays leave "
                             "through a hole");
     }

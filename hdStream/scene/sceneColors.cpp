@@ -167,7 +167,8 @@ private:
                     ? nullptr
                     : Find(primvar.colorSpace, isFallback, "primvar " + primvar.name);
             if (conversion != nullptr) {
-                std::vector<float> values(primvar.values.begin(), primvar.values.end());
+                const SharedSpan<float> held = primvar.values.Held();
+                std::vector<float> values(held.begin(), held.end());
                 conversion->Apply(values.data(), values.size() / primvar.numComponents,
                                   primvar.numComponents);
                 primvar.values = std::move(values);

@@ -30,6 +30,9 @@ constexpr std::size_t kMaxWarnings = 1000;
 /// Images whose lines are made one by one may take this part of the bytes of prepared pages.
 constexpr std::uint64_t kKeptImagesDivisor = 8;
 
+/// What chunks are cut from may take this part of them.
+constexpr std::uint64_t kSourcesDivisor = 4;
+
 /// Bytes of prepared pages that may stay in host memory.
 std::uint64_t HostBytes(const Settings& settings) {
     constexpr std::uint64_t kDivisor = 4;
@@ -185,6 +188,7 @@ struct Session::Impl {
         const CommitKey key{sceneVersion, commitOptions, residency};
         committed.reset();
         cache.pages.SetLimit(HostBytes(settings));
+        cache.geometry.Sources().SetLimit(HostBytes(settings) / kSourcesDivisor);
         auto next = CommitScene(description, commitOptions, &cache, warnings, isCancelled);
         if (!next) {
             return false;
@@ -207,6 +211,7 @@ struct Session::Impl {
         scene = std::move(next);
         committed = key;
         statistics.commitSeconds = scene->seconds;
+        statistics.keptArrays = CountKeptArrays(description);
         return true;
     }
 
@@ -230,6 +235,8 @@ struct Session::Impl {
     void BeginStatistics() {
         statistics.commitSeconds = 0.0;
         cache.pages.BeginStatistics();
+        cache.geometry.Sources().BeginPeak();
+        statistics.arrayBytesReadBefore = ArraySource::Counts().readBytes;
         device->BeginPeak();
         if (tracer) {
             tracer->BeginStatistics();
@@ -275,6 +282,7 @@ struct Session::Impl {
         statistics.device = device.get();
         statistics.scene = scene.get();
         statistics.pages = &cache.pages;
+        statistics.sources = &cache.geometry.Sources();
         statistics.tracer = tracer.get();
         statistics.imageWidth = settings.imageWidth;
         statistics.imageHeight = settings.imageHeight;

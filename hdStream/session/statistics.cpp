@@ -154,12 +154,18 @@ std::string MakeStatistics(const StatisticsInput& in) {
     stats["image"] = {
         {"width", in.imageWidth}, {"height", in.imageHeight}, {"samples", render.samples}};
     stats["time"] = TimeSection(in);
-    stats["memory"] = {{"pathState", render.pathStateBytes},
-                       {"film", render.filmBytes},
-                       {"deep", render.deepBytes},
-                       {"tables", in.tracer->Buffers().TableBytes()},
-                       {"devicePeak", in.device->PeakBytes()},
-                       {"hostPeak", HostPeakBytes()}};
+    stats["memory"] = {
+        {"pathState", render.pathStateBytes},
+        {"film", render.filmBytes},
+        {"deep", render.deepBytes},
+        {"tables", in.tracer->Buffers().TableBytes()},
+        {"devicePeak", in.device->PeakBytes()},
+        {"arraysKept", in.keptArrays.geometryBytes},
+        {"instanceArraysKept", in.keptArrays.instanceBytes},
+        {"arrays", ArraySource::Counts().bytes},
+        {"arraysReadAgain", ArraySource::Counts().readBytes - in.arrayBytesReadBefore},
+        {"sourcesPeak", in.sources->PeakBytes()},
+        {"hostPeak", HostPeakBytes()}};
     stats["geometry"] = GeometrySection(in);
     stats["texture"] = TextureSection(in);
     stats["volume"] = VolumeSection(in);

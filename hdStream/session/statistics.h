@@ -6,6 +6,7 @@
 #include "hdStream/device/device.h"
 #include "hdStream/integrator/pathTracer.h"
 #include "hdStream/scene/commit.h"
+#include "hdStream/scene/keptArrays.h"
 
 #include <string>
 #include <vector>
@@ -17,6 +18,9 @@ struct StatisticsInput {
     const Device* device = nullptr;
     const CommittedScene* scene = nullptr;
     const PreparedPages* pages = nullptr;
+    const SourceKeeper* sources = nullptr;
+    KeptArrays keptArrays;
+    std::uint64_t arrayBytesReadBefore = 0; ///< this render (ArrayCounts)
     double commitSeconds = 0.0; ///< of the scene; 0: it was there from the render before
     const PathTracer* tracer = nullptr;
     std::uint32_t imageWidth = 0;

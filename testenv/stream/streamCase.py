@@ -49,10 +49,10 @@ def StartRecord(case, cache, folder, name, *options):
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
-def FinishRecord(process, folder, name):
-    """(picture file's bytes, statistics) of a command that must succeed."""
+def FinishRecord(process, folder, name, seconds=RECORD_SECONDS):
+    """(picture file's bytes, statistics) of a command that must succeed within so many seconds."""
     try:
-        out, err = process.communicate(timeout=RECORD_SECONDS)
+        out, err = process.communicate(timeout=seconds)
     except subprocess.TimeoutExpired:
         process.kill()
         pytest.fail(f"hdstream record hangs: {process.communicate()}")

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Arrays are shared, not copied, and released on the main thread whichever thread drops them."""
+"""Large arrays are shared, not copied, and released on the main thread whichever thread drops them. Small ones are copied into a
+few large allocations."""
 
 import gc
 import threading
@@ -24,11 +25,11 @@ def AddressOf(array):
 
 
 def test_arrays_are_not_copied():
-    points = np.zeros((4, 3), np.float32)
+    points = np.zeros((400, 3), np.float32)
     mesh = _core.GeometryDescription()
     mesh.points = points
     assert AddressOf(mesh.points) == AddressOf(points)
-    vt = Vt.Vec3fArray(5)
+    vt = Vt.Vec3fArray(500)
     mesh.points = vt
     assert AddressOf(mesh.points) == AddressOf(np.asarray(vt))
     session = _core.Session()
@@ -52,6 +53,59 @@ def test_other_arrays_are_refused(bad):
 def test_incomplete_rows_are_refused():
     with pytest.raises(ValueError):
         _core.GeometryDescription().points = np.zeros(4, np.float32)
+
+
+def MakeSmall(count, seed=0):
+    """Points, counts and indices of so many meshes, all different but the counts."""
+    rng = np.random.default_rng(seed)
+    meshes = []
+    for _ in range(count):
+        mesh = _core.GeometryDescription()
+        mesh.points = rng.random((20, 3), np.float32)
+        mesh.faceVertexCounts = np.full(15, 4, np.int32)
+        mesh.faceVertexIndices = rng.integers(0, 20, 60).astype(np.int32)
+        meshes.append(mesh)
+    return meshes
+
+
+def test_small_arrays_are_values_of_their_own():
+    """Whatever becomes of what they were copied from, and of others in their block; up to the largest and the smallest."""
+    rng = np.random.default_rng(1)
+    expected, meshes = [], []
+    for size in [1, 2, 511, 512, 513, 16383, 16384, 16385, *rng.integers(1, 20_000, 100), *rng.integers(1, 4, 3000)]:
+        values = rng.integers(0, 1 << 30, size).astype(np.int32)
+        mesh = _core.GeometryDescription()
+        mesh.faceVertexIndices = values
+        expected.append(values.copy())
+        values[:] = -1 if size <= 16384 else values
+        meshes.append(mesh)
+        if len(meshes) % 3 == 0:
+            del meshes[0], expected[0]
+    for mesh, values in zip(meshes, expected):
+        assert np.array_equal(mesh.faceVertexIndices, values)
+
+
+def test_small_arrays_take_few_allocations():
+    """Of a thousand meshes: their bytes and some of the last block; equal arrays once."""
+    before = _core.ArrayCounts()["poolBytes"]
+    meshes = MakeSmall(5000)
+    grown = _core.ArrayCounts()["poolBytes"] - before
+    unique = 5000 * (240 + 240)
+    assert unique - (1 << 20) <= grown <= 1.1 * unique + (2 << 20)
+    assert len({AddressOf(mesh.faceVertexCounts) for mesh in meshes}) <= 5
+    del meshes
+    gc.collect()
+    assert _core.ArrayCounts()["poolBytes"] <= before + (1 << 20), "blocks go with their last array"
+
+
+def test_an_array_stays_when_others_of_its_block_go():
+    meshes = MakeSmall(20_000, seed=2)
+    kept = meshes[7777]
+    points = np.array(kept.points)
+    del meshes
+    gc.collect()
+    MakeSmall(20_000, seed=3)
+    assert np.array_equal(kept.points, points)
 
 
 class Tracked(np.ndarray):
@@ -85,7 +139,7 @@ def test_many_arrays_dropped_at_once_are_all_released():
     session = _core.Session()
     alive = []
     for index in range(500):
-        points = np.zeros((3, 3), np.float32).view(Tracked)
+        points = np.zeros((300, 3), np.float32).view(Tracked)
         alive.append(weakref.ref(points))
         session.SetGeometry(f"/M{index}", MakePrim(points))
     del points

@@ -5,6 +5,7 @@ import difflib
 
 import pytest
 
+from hdstream.translate import rereading
 from translateCase import CASES, FOLDER, GoldenText
 
 
@@ -15,6 +16,13 @@ def test_dump_is_golden(case):
     difference = "\n".join(difflib.unified_diff(golden.splitlines(), found.splitlines(),
                                                 "golden", "found", lineterm="", n=2))
     assert found == golden, f"{case}:\n{difference}\n(see updateGoldens.py)"
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_dump_of_arrays_that_are_away_is_golden(case, monkeypatch):
+    """Where every array counts as large and is read again (docs/memory-budgets.md)."""
+    monkeypatch.setattr(rereading, "SMALLEST", 0)
+    assert GoldenText(case) == (FOLDER / case / "scene.golden.txt").read_text(encoding="utf-8")
 
 
 def test_dump_does_not_depend_on_earlier_scenes():

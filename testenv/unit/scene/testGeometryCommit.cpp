@@ -68,10 +68,11 @@ TEST(GeometryCommit, EveryTriangleIsInOneChunkWithinTheBound) {
             EXPECT_LE(bytes, bound);
             EXPECT_LE(bytes, chunkBytes);
         }
-        const ChunkPlan& plan = mesh.geometry->Plan();
+        const auto cut = mesh.geometry->Hold();
+        const ChunkPlan& plan = cut->plan;
         for (std::size_t i = 0; i < plan.NumChunks(); ++i) {
-            const ChunkGeometry geometry = mesh.geometry->Source().Gather(
-                plan.groups.data() + plan.begin[i], plan.begin[i + 1] - plan.begin[i]);
+            const ChunkGeometry geometry = cut->source->Gather(plan.groups.data() + plan.begin[i],
+                                                               plan.begin[i + 1] - plan.begin[i]);
             EXPECT_EQ(geometry.triangles.size(), plan.counts[i]);
             for (const std::uint32_t face : geometry.faces) {
                 ++seen.at(face);

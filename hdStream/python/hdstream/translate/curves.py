@@ -6,7 +6,7 @@ from pxr import Vt
 
 from hdstream import _core
 from hdstream.translate import nurbs
-from hdstream.translate.meshes import ReadArray, ReadPoints
+from hdstream.translate.meshes import OrAgain, PointsAgain, ReadArray, ReadPoints
 from hdstream.translate.primvars import FloatRows, INTERPOLATIONS, PrimvarsOf
 
 _DEFAULT_WIDTH = 1.0  # as UsdImaging has it
@@ -34,8 +34,8 @@ def ReadCurves(prim, schema, names, inherited, timeCode, warn):
     curves = _core.GeometryDescription()
     curves.primitives = _core.PrimitiveKind.Curves
     curves.curves = form
-    curves.points = points
-    curves.faceVertexCounts = counts
+    curves.points = PointsAgain(prim, names, timeCode, points)
+    curves.faceVertexCounts = OrAgain(prim, "curveVertexCounts", timeCode, counts)
     curves.primvars = _WithWidths(PrimvarsOf(prim, names, inherited, timeCode), prim, names, timeCode,
                                   _DEFAULT_WIDTH)
     return curves
@@ -71,7 +71,7 @@ def ReadPointCloud(prim, names, inherited, timeCode):
         return None
     points = _core.GeometryDescription()
     points.primitives = _core.PrimitiveKind.Points
-    points.points = positions
+    points.points = PointsAgain(prim, names, timeCode, positions)
     points.primvars = _WithWidths(PrimvarsOf(prim, names, inherited, timeCode), prim, names, timeCode, None)
     return points
 

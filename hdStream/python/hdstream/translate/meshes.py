@@ -7,6 +7,7 @@ from pxr import Usd, UsdGeom, Vt
 from hdstream import _core
 from hdstream.translate import nurbs
 from hdstream.translate.primvars import PrimvarsOf
+from hdstream.translate.rereading import Again
 
 _TAG_ARRAYS = {
     "creaseIndices": np.int32, "creaseLengths": np.int32, "creaseSharpnesses": np.float32,
@@ -27,6 +28,12 @@ def ReadArray(prim, name, timeCode, itemType):
     if value is None:
         return None
     return np.ascontiguousarray(value, itemType)
+
+
+def OrAgain(prim, name, timeCode, values):
+    """What ReadArray gave, in a form that the core may read again where it is large."""
+    itemType = values.dtype  # the function below must not keep the values
+    return Again(prim.GetAttribute(name), timeCode, values, lambda: ReadArray(prim, name, timeCode, itemType))
 
 
 def _ReadSubdivTags(prim, names, timeCode):
@@ -55,6 +62,11 @@ def ReadPoints(prim, names, timeCode):
     return None if points is None else np.asarray(points)
 
 
+def PointsAgain(prim, names, timeCode, points):
+    """What ReadPoints gave, in a form that the core may read again where it is large."""
+    return Again(prim.GetAttribute("points"), timeCode, points, lambda: ReadPoints(prim, names, timeCode))
+
+
 def ReadMesh(prim, names, inherited, timeCode, motion, warn, skin=None, skinAt=None, skinTimes=()):
     """The description of a UsdGeomMesh; None when it has no points or no faces.
 
@@ -73,20 +85,20 @@ def ReadMesh(prim, names, inherited, timeCode, motion, warn, skin=None, skinAt=N
     if points is None or counts is None or indices is None or not points.size or not counts.size:
         return None
     mesh = _core.GeometryDescription()
-    mesh.points = points
+    mesh.points = points if isSkinned else PointsAgain(prim, names, timeCode, points)
     if isSkinned:
         mesh.samples = motion.SkinnedSamplesOf(prim, atRest, skinTimes, skinAt)
     else:
         mesh.samples = motion.PointSamplesOf(prim, names, len(points), warn, ("faceVertexCounts", "faceVertexIndices"))
-    mesh.faceVertexCounts = counts
-    mesh.faceVertexIndices = indices
+    mesh.faceVertexCounts = OrAgain(prim, "faceVertexCounts", timeCode, counts)
+    mesh.faceVertexIndices = OrAgain(prim, "faceVertexIndices", timeCode, indices)
     mesh.subdivisionScheme = "catmullClark"  # UsdGeomMesh's fallback
     if "subdivisionScheme" in names:
         mesh.subdivisionScheme = prim.GetAttribute("subdivisionScheme").Get(timeCode) or "none"
     if "holeIndices" in names:
         holes = ReadArray(prim, "holeIndices", timeCode, np.int32)
         if holes is not None:
-            mesh.holeIndices = holes
+            mesh.holeIndices = OrAgain(prim, "holeIndices", timeCode, holes)
     if not _TAG_NAMES.isdisjoint(names):
         mesh.subdivTags = _ReadSubdivTags(prim, names, timeCode)
     if "orientation" in names:
@@ -198,5 +210,5 @@ def ReadSubset(prim, timeCode):
     if faces is None or not faces.size:
         return None
     subset = _core.MeshSubset()
-    subset.faces = faces
+    subset.faces = OrAgain(prim, "indices", timeCode, faces)
     return subset

@@ -11,6 +11,7 @@ from pxr import Vt
 
 from hdstream import _core
 from hdstream.translate.colorSpaces import ColorSpaceOfColor
+from hdstream.translate.rereading import Again
 
 PREFIX = "primvars:"
 _INDICES = ":indices"
@@ -78,9 +79,24 @@ def ReadPrimvar(prim, name, names, timeCode):
         return None
     indices = None
     if name + _INDICES in names:
-        indices = prim.GetAttribute(name + _INDICES).Get(timeCode)
+        indices = _IndicesAgain(prim.GetAttribute(name + _INDICES), timeCode)
     space = ColorSpaceOfColor(attribute) if rows.ndim == 2 and rows.shape[1] >= 3 else ""
+    if interpolation != _core.Interpolation.Constant:  # these are looked at in many places
+        rows = _RowsAgain(attribute, timeCode, rows)
     return _core.Primvar(name[len(PREFIX):], interpolation, rows, indices, space)
+
+
+def _RowsAgain(attribute, timeCode, rows):
+    """What FloatRows gave, in a form that the core may read again where it is large."""
+    return Again(attribute, timeCode, rows, lambda: FloatRows(attribute.Get(timeCode), attribute))
+
+
+def _IndicesAgain(attribute, timeCode):
+    """The same of indices, which are read here."""
+    indices = attribute.Get(timeCode)
+    if not isinstance(indices, Vt.IntArray):
+        return indices
+    return Again(attribute, timeCode, np.asarray(indices), lambda: np.asarray(attribute.Get(timeCode)))
 
 
 def InheritFrom(prim, names, inherited, timeCode):
@@ -148,4 +164,4 @@ def _ReadNormals(prim, timeCode):
     interpolation = INTERPOLATIONS.get(attribute.GetMetadata("interpolation") or "vertex")
     if rows is None or interpolation is None:
         return None
-    return _core.Primvar("normals", interpolation, rows)
+    return _core.Primvar("normals", interpolation, _RowsAgain(attribute, timeCode, rows))

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Large arrays of a stage that the core need not keep: it gets them with a way to read them again when it needs them.
+
+Files of crate format are mapped by OpenUSD, and other layers are in its memory, so reading again is cheap. A file that was
+deleted, or replaced by another of its name, stays mapped as it was; one that was written into is found out.
+"""
+
+import os
+
+from pxr import Usd
+
+from hdstream import _core
+
+SMALLEST = 1 << 16  # bytes; smaller arrays are kept
+
+
+def Again(attribute, timeCode, values, read):
+    """`values`, read from an attribute by `read()`; where they are large as an array that the core may read again."""
+    if values is None or values.nbytes < SMALLEST:
+        return values
+    return _core.StageArray(attribute.GetPath().pathString, values, _Reader(attribute, timeCode, read))
+
+
+class _Reader:
+    """Reads an array again. Keeps the stage open."""
+
+    __slots__ = ("_stage", "_attribute", "_read", "_files")
+
+    def __init__(self, attribute, timeCode, read):
+        self._stage = attribute.GetStage()
+        self._attribute = attribute
+        self._read = read
+        specs = attribute.GetPropertyStack(Usd.TimeCode(timeCode))
+        paths = {spec.layer.realPath.split("[")[0] for spec in specs}  # of packages the package
+        self._files = [(path, _IdentityOf(path)) for path in sorted(paths) if path]
+
+    def __call__(self):
+        if not self._attribute:
+            raise RuntimeError("the stage has it no more")
+        for path, identity in self._files:
+            now = _IdentityOf(path)
+            if now and identity and now[0] == identity[0] and now != identity:
+                raise RuntimeError(f"{path} has been written into")
+        values = self._read()
+        if values is None:
+            raise RuntimeError("it has no value")
+        return values
+
+
+def _IdentityOf(path):
+    """(what the file is, size, time of the last change); None where there is no such file."""
+    try:
+        found = os.stat(path)
+    except OSError:
+        return None
+    return (found.st_dev, found.st_ino), found.st_size, found.st_mtime_ns

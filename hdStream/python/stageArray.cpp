@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/python/stageArray.h"
+
+#include "hdStream/python/arrayPool.h"
+#include "hdStream/python/bufferSpan.h"
+
+#include <nanobind/stl/string.h>
+
+#include <utility>
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace hds::python {
+
+namespace {
+
+ArrayBytes BytesOf(nb::handle array, char format, const char* what, std::size_t* itemsPerRow) {
+    constexpr std::size_t kItemBytes = 4; // of float32 and int32
+    auto buffer = std::make_unique<HeldBuffer>(array, format, kItemBytes, what);
+    ArrayBytes bytes;
+    bytes.data = buffer->data();
+    bytes.bytes = buffer->numItems() * kItemBytes;
+    *itemsPerRow = buffer->itemsPerRow();
+    bytes.owner = ShareBuffer(std::move(buffer));
+    return bytes;
+}
+
+/// Calls `read`; what Python raises becomes an Error. An interruption by the user waits until the
+/// array is there: the render asks for it between its waves.
+ArrayBytes Read(const nb::object& read, char format) {
+    const nb::gil_scoped_acquire gil;
+    for (bool isInterrupted = false;; isInterrupted = true) {
+        try {
+            const nb::object array = read();
+            std::size_t itemsPerRow = 1;
+            ArrayBytes bytes = BytesOf(array, format, "array", &itemsPerRow);
+            if (isInterrupted) {
+                PyErr_SetInterrupt();
+            }
+            return bytes;
+        } catch (nb::python_error& error) {
+            if (!error.matches(PyExc_KeyboardInterrupt) || isInterrupted) {
+                const nb::object text = nb::str(error.value());
+                throw Error(nb::cast<std::string>(text));
+            }
+        } catch (const std::exception& error) { // no array of this type
+            throw Error(error.what());
+        }
+    }
+}
+
+} // namespace
+
+StageArray::StageArray(const std::string& name, nb::handle values, nb::object read) {
+    ArrayBytes first;
+    try {
+        first = BytesOf(values, _format, name.c_str(), &_itemsPerRow);
+    } catch (const nb::builtin_exception&) { // not of floats
+        _format = 'i';
+        first = BytesOf(values, _format, name.c_str(), &_itemsPerRow);
+    }
+    _source = std::make_shared<const ArraySource>(
+        name, std::move(first),
+        [held = ShareObject(std::move(read)), format = _format] { return Read(*held, format); });
+}
+
+void BindStageArray(nb::module_& module) {
+    nb::class_<StageArray>(module, "StageArray", "An array that is read again when it is needed.")
+        .def(nb::init<const std::string&, nb::handle, nb::object>(), "name"_a, "values"_a, "read"_a,
+             "`values`: a float32 or int32 array as it is now. `read`: a function without "
+             "parameters that gives the same array at any later time. `name` starts the line of "
+             "an error.");
+    module.def(
+        "ArrayCounts",
+        [] {
+            const ArrayCounts counts = ArraySource::Counts();
+            nb::dict result;
+            result["bytes"] = counts.bytes;
+            result["keptBytes"] = counts.keptBytes;
+            result["readBytes"] = counts.readBytes;
+            result["poolBytes"] = ArrayPool::BlockBytes();
+            return result;
+        },
+        "Of all StageArrays: bytes; those that wait in memory; those that were read again. And the "
+        "bytes of the blocks that hold small arrays.");
+}
+
+} // namespace hds::python

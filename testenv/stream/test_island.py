@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The generated island (stages/island.py): bits at any pool, with the hierarchy's pages among them, and preparation that is
+killed, or loses its cache, or fills its disk. HDSTREAM_ISLAND_SIZE=0.01 makes it the island of size 1/100.
+
+The oracle is the picture with resident geometry, all instances in tables, all arrays kept, and no cache.
+"""
+
+import os
+import pathlib
+import shutil
+import signal
+import time
+
+import pytest
+
+pytest.importorskip("hdstream._core")
+
+from hdstream.translate import rereading
+from stages import island
+from streamCase import Case, ColdCache, FinishRecord, FullDisk, Segments, StartRecord
+
+_SIZE = float(os.environ.get("HDSTREAM_ISLAND_SIZE", "0.001"))
+_SECONDS = 120 + 60_000 * _SIZE  # a command that takes longer hangs
+_POOLS = ("100%", "50%", "15%", "2%") if _SIZE < 0.01 else ("100%", "79%", "50%", "30%", "15%", "5%", "2%")
+_EAGER = ("--prepare", "eager")  # which pages rays ask for may differ a little from run to run
+_CHUNKS = dict(chunkBytes=1 << 15, instanceChunks=256)
+_OPTIONS = ("--chunkSize", "32768", "--instanceChunks", "256", "--geometryMemory", "2M", "--hostMemory", "1M")
+_BLOCK_BYTES = 1 << 16  # of a segment's index (docs/cache-format.md)
+
+
+@pytest.fixture(scope="module")
+def Island(tmp_path_factory):
+    path = tmp_path_factory.mktemp("island") / "stage.usdc"
+    island.WriteIsland(path, _SIZE)
+    smallest, rereading.SMALLEST = rereading.SMALLEST, 1 << 62  # all arrays are kept
+    try:
+        case = Case(path).RenderResident(noCache=True, chunkBytes=1 << 15, instanceChunks=0)
+    finally:
+        rereading.SMALLEST = smallest
+    case.session.Clear()
+    return case
+
+
+@pytest.mark.parametrize("eviction", ["lru", "flush"])
+def test_any_pool_gives_the_same_bits(Island, eviction):
+    case = Island.Fresh()
+    for pool in _POOLS:
+        layers, statistics = case.Render(residency="stream", geometryMemory=pool, geometryEviction=eviction, hostMemory=1 << 20,
+                                         **_CHUNKS)
+        case.AssertBits(layers)
+        geometry = statistics["geometry"]
+        assert geometry["budget"] <= float(pool[:-1]) / 100 * geometry["bytesTotal"] + 1
+        assert geometry["peakBytes"] <= geometry["budget"]
+    assert geometry["evictions"] > 0
+
+
+def test_a_cache_cold_and_warm(Island, tmp_path):
+    cache = ColdCache(tmp_path / "cache")
+    numBuilt = []
+    for _ in range(2):
+        case = Island.Fresh()
+        layers, statistics = case.Render(residency="stream", geometryMemory="15%", prepare="eager", cacheDirectory=cache, hostMemory=1 << 20,
+                                         **_CHUNKS)
+        case.AssertBits(layers)
+        numBuilt.append(statistics["geometry"]["chunksBuilt"])
+        assert statistics["memory"]["arrays"] > 0
+    assert numBuilt[0] > 0 and numBuilt[1] == 0
+
+
+# --- Processes ----------------------------------------------------------------------------------------------------------
+
+
+def _Start(case, cache, folder, name, *options):
+    return StartRecord(case, cache, folder, name, *_OPTIONS, *options)
+
+
+def _Finish(process, folder, name):
+    """(picture file's bytes, geometry's statistics)"""
+    picture, statistics = FinishRecord(process, folder, name, _SECONDS)
+    return picture, statistics["geometry"]
+
+
+@pytest.fixture(scope="module")
+def Recorded(Island, tmp_path_factory):
+    """The file that `hdstream record` writes with an empty cache."""
+    folder = tmp_path_factory.mktemp("recorded")
+    return _Finish(_Start(Island, ColdCache(folder / "cache"), folder, "alone"), folder, "alone")[0]
+
+
+def _PageBytes(cache):
+    return sum(segment.stat().st_size for segment in Segments(cache))
+
+
+# When a run is killed: by what is in the cache, which it fills with summaries, then with pages while it renders.
+_PHASES = {
+    "before the first summary": lambda cache: any(pathlib.Path(cache).glob("pages-*")),
+    "among summaries": lambda cache: _PageBytes(cache) > 0,
+    "at the first pages": lambda cache: _PageBytes(cache) > _BLOCK_BYTES + (1 << 16),
+    "among pages": lambda cache: _PageBytes(cache) > _BLOCK_BYTES + (1 << 20),
+}
+
+
+def test_killed_in_every_phase_of_preparation(Island, Recorded, tmp_path):
+    """Each run finds what those before it left; the last one has all of it and nothing that is wrong."""
+    cache = ColdCache(tmp_path / "cache")
+    for index, (phase, isReached) in enumerate(_PHASES.items()):
+        process = _Start(Island, cache, tmp_path, f"killed{index}")
+        end = time.monotonic() + _SECONDS
+        while process.poll() is None and not isReached(cache):
+            assert time.monotonic() < end, f"{phase}: not reached"
+            time.sleep(0.0005)
+        process.send_signal(signal.SIGKILL)
+        process.communicate(timeout=_SECONDS)
+        assert process.returncode == -signal.SIGKILL, f"{phase}: the run was done before"
+    picture, geometry = _Finish(_Start(Island, cache, tmp_path, "last", *_EAGER), tmp_path, "last")
+    assert picture == Recorded and geometry["chunksBuilt"] > 0
+    picture, geometry = _Finish(_Start(Island, cache, tmp_path, "again", *_EAGER), tmp_path, "again")
+    assert picture == Recorded and geometry["chunksBuilt"] == 0
+
+
+def test_two_processes_share_a_cold_cache(Island, Recorded, tmp_path):
+    cache = ColdCache(tmp_path / "cache")
+    processes = {name: _Start(Island, cache, tmp_path, name, *_EAGER) for name in "ab"}
+    for name, process in processes.items():
+        assert _Finish(process, tmp_path, name)[0] == Recorded
+    picture, geometry = _Finish(_Start(Island, cache, tmp_path, "c", *_EAGER), tmp_path, "c")
+    assert picture == Recorded and geometry["chunksBuilt"] == 0
+
+
+def test_the_cache_is_deleted_while_it_renders(Island, Recorded, tmp_path):
+    cache = pathlib.Path(ColdCache(tmp_path / "cache"))
+    process = _Start(Island, cache, tmp_path, "deleted", "--hostMemory", "1G")  # else pages are made again and again
+    end = time.monotonic() + _SECONDS
+    while process.poll() is None and not _PHASES["at the first pages"](cache):
+        assert time.monotonic() < end
+        time.sleep(0.0005)
+    assert process.poll() is None, "the run was done before"
+    while cache.exists():
+        shutil.rmtree(cache, ignore_errors=True)
+    assert _Finish(process, tmp_path, "deleted")[0] == Recorded
+
+
+def test_the_disk_runs_full(Island, Recorded, tmp_path):
+    """One warning and the same bits; the next run uses what is in the cache, and all of it is right."""
+    cache, case = ColdCache(tmp_path / "cache"), Island.Fresh()
+    with FullDisk(cache, _BLOCK_BYTES) as disk:
+        layers, statistics = case.Render(disk, residency="stream", geometryMemory="15M", hostMemory=1 << 20, waveSize=64,
+                                         cacheDirectory=cache, **_CHUNKS)
+    case.AssertBits(layers)
+    assert disk.limit and _PageBytes(cache) <= disk.limit * len(Segments(cache))
+    assert len([line for line in case.session.Warnings() if "no more pages are kept" in line]) == 1, case.session.Warnings()
+    picture, geometry = _Finish(_Start(Island, cache, tmp_path, "after"), tmp_path, "after")
+    assert picture == Recorded and 0 < geometry["chunksBuilt"] < statistics["geometry"]["chunks"]
