@@ -9,6 +9,7 @@
 #include "hdStream/shading/programWriter.h"
 #include "hdStream/shading/shaderMath.h"
 #include "hdStream/shading/shaderNodes.h"
+#include "hdStream/shading/surfaceGraphs.h"
 #include "hdStream/shading/valueResolver.h"
 #include "kernels/shared/geometry.h"
 
@@ -386,7 +387,8 @@ void PlaceValue(std::uint32_t input, const ShaderValue& value, const SlotCallbac
 
 bool IsSurfaceShader(const std::string& identifier) {
     return identifier == "UsdPreviewSurface" ||
-           identifier.compare(0, 20, "ND_UsdPreviewSurface") == 0 || IsLayered(identifier);
+           identifier.compare(0, 20, "ND_UsdPreviewSurface") == 0 || IsLayered(identifier) ||
+           HasSurfaceGraph(identifier);
 }
 
 CompiledMaterial DisplayColorMaterial() {
@@ -492,8 +494,9 @@ CompiledMaterial CompileSurface(const MaterialNetwork& network, const std::strin
 
 } // namespace
 
-CompiledMaterial CompileMaterial(const MaterialNetwork& network, const std::string& materialPath,
+CompiledMaterial CompileMaterial(const MaterialNetwork& authored, const std::string& materialPath,
                                  const ImageQueries& images, Warnings& warnings) {
+    const MaterialNetwork network = ExpandSurfaceGraphs(authored);
     const auto medium = ReadMeshMedium(network, materialPath, warnings);
     const bool isBoundary =
         network.terminals.count("volume") > 0 && network.terminals.count("surface") == 0;
