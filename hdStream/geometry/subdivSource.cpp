@@ -126,8 +126,8 @@ private:
         }
         _dice.displacement.owner = displacement;
         _dice.displacement.amounts = BindAmounts(displacement, attributes);
-        _dice.displacement.range =
-            RangeOf(_dice.displacement.amounts, attributes, last >= displacement.size());
+        _dice.displacement.range = RangeOf(_dice.displacement.amounts, attributes, Model().Mesh(),
+                                           last >= displacement.size());
     }
 
     void DescribePages() {

@@ -180,11 +180,11 @@ std::optional<DisplacementInput> LookupDisplacement(const ShaderValue& value,
     return result;
 }
 
-/// Constants, primvars and look-ups; what else there is warns and is ignored.
-DisplacementInput FindDisplacement(NetworkEvaluator& evaluator, const MaterialNode& surface,
-                                   const std::string& materialPath, Warnings& warnings) {
+/// Constants, primvars, look-ups and networks; what the host cannot evaluate warns and is ignored.
+DisplacementInput DisplacementBy(const ShaderValue& value,
+                                 const std::vector<MaterialTexture>& textures,
+                                 const std::string& materialPath, Warnings& warnings) {
     DisplacementInput displacement;
-    const ShaderValue value = evaluator.Evaluate(surface, "displacement");
     if (!value) {
         return displacement;
     }
@@ -192,13 +192,18 @@ DisplacementInput FindDisplacement(NetworkEvaluator& evaluator, const MaterialNo
     if (IsConstant(value)) {
         displacement.constant = expression.constant[0];
     } else if (expression.kind == ShaderExpression::Kind::Primvar &&
+               (value.channel == HDS_CHANNEL_ALL || value.channel == 0) &&
                IsConstant(expression.operands[0])) {
         displacement.constant = ConstantOf(expression.operands[0])[0];
         displacement.primvar = expression.primvar;
-    } else if (auto lookup = LookupDisplacement(value, evaluator.Textures())) {
+    } else if (auto lookup = LookupDisplacement(value, textures)) {
         displacement = std::move(*lookup);
     } else {
-        warnings.Add(materialPath, "displacement by such a network is ignored");
+        std::string problem;
+        displacement.network = MakeDisplacementNetwork(value, textures, &problem);
+        if (!displacement.network) {
+            warnings.Add(materialPath, "displacement by a network with " + problem + " is ignored");
+        }
     }
     return displacement;
 }
@@ -259,18 +264,29 @@ DisplacementInput MaterialXDisplacement(NetworkEvaluator& evaluator, const Mater
     if (node == nullptr) {
         return {};
     }
-    const ShaderValue scale = evaluator.EvaluateOr(*node, "scale", {1.0F, 1.0F, 1.0F, 1.0F}, 1);
-    DisplacementInput result = FindDisplacement(evaluator, *node, materialPath, warnings);
+    if (node->identifier == "ND_displacement_vector3") {
+        warnings.Add(materialPath, "vector displacement of " + node->path + " is ignored");
+        return {};
+    }
+    ShaderValue scale = evaluator.EvaluateOr(*node, "scale", {1.0F, 1.0F, 1.0F, 1.0F}, 1);
+    ShaderValue amount = evaluator.Evaluate(*node, "displacement");
     const float factor = IsConstant(scale) ? ConstantOf(scale)[0] : 1.0F;
-    if (!IsConstant(scale) || (factor != 1.0F && !result.primvar.empty() && !result.lookup)) {
-        warnings.Add(materialPath, "scale of " + node->path + " is ignored");
+    const bool isLookup = amount && LookupDisplacement(amount, evaluator.Textures());
+    if (amount && !isLookup) {
+        amount = Multiply(amount, scale, 1);
+        scale = MakeScalar(1.0F);
+    }
+    DisplacementInput result = DisplacementBy(amount, evaluator.Textures(), materialPath, warnings);
+    if (!isLookup) {
         return result;
     }
-    result.constant *= factor;
-    if (result.lookup) {
-        result.lookup->scale *= factor;
-        result.lookup->bias *= factor;
+    if (!IsConstant(scale)) {
+        return DisplacementBy(Multiply(amount, scale, 1), evaluator.Textures(), materialPath,
+                              warnings);
     }
+    result.constant *= factor;
+    result.lookup->scale *= factor;
+    result.lookup->bias *= factor;
     return result;
 }
 
@@ -488,7 +504,8 @@ CompiledMaterial CompileSurface(const MaterialNetwork& network, const std::strin
     }
     material.textures = evaluator.Textures(); // without what only displaces
     SetEmission(&material);
-    material.displacement = FindDisplacement(evaluator, *surface, materialPath, warnings);
+    material.displacement = DisplacementBy(evaluator.Evaluate(*surface, "displacement"),
+                                           evaluator.Textures(), materialPath, warnings);
     return material;
 }
 
