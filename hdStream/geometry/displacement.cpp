@@ -3,6 +3,9 @@
 
 #include "hdStream/geometry/primvars.h"
 
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <cmath>
 
@@ -16,57 +19,131 @@ double Finite(double value) {
 class ConstantAmount : public DisplacementAmount {
 public:
     explicit ConstantAmount(double amount) : _amount(Finite(amount)) {}
-    const std::string& Primvar() const override { return _primvar; }
-    std::uint32_t NumComponents() const override { return 0; }
-    double At(const double*) const override { return _amount; }
-    AmountRange Over(const double*, const double*) const override { return {_amount, _amount}; }
-    double Fallback() const override { return _amount; }
+    const std::vector<AmountPrimvar>& Primvars() const override { return _primvars; }
+    double At(const AmountPoint&) const override { return _amount; }
+    AmountRange Over(const AmountBox&) const override { return {_amount, _amount}; }
 
 private:
-    std::string _primvar;
+    std::vector<AmountPrimvar> _primvars;
     double _amount;
 };
 
 class PrimvarAmount : public DisplacementAmount {
 public:
     PrimvarAmount(std::string primvar, double fallback)
-        : _primvar(std::move(primvar)), _fallback(Finite(fallback)) {}
-    const std::string& Primvar() const override { return _primvar; }
-    std::uint32_t NumComponents() const override { return 1; }
-    double At(const double* value) const override { return value[0]; }
-    AmountRange Over(const double* low, const double* high) const override {
-        return {low[0], high[0]};
+        : _primvars{{{std::move(primvar)}, 1, {Finite(fallback)}}} {}
+    const std::vector<AmountPrimvar>& Primvars() const override { return _primvars; }
+    double At(const AmountPoint& point) const override { return point.primvars[0][0]; }
+    AmountRange Over(const AmountBox& box) const override {
+        return {box.low.primvars[0][0], box.high.primvars[0][0]};
     }
-    double Fallback() const override { return _fallback; }
 
 private:
-    std::string _primvar;
-    double _fallback;
+    std::vector<AmountPrimvar> _primvars;
 };
 
-/// The amount of an element of its primvar.
-double AmountAt(const BoundAmount& bound, const std::vector<GeometryAttribute>& attributes,
-                std::size_t element) {
-    if (bound.amount == nullptr) {
-        return bound.constant;
+/// Index of the first of its names that is there and has enough components.
+std::size_t FindPrimvar(const AmountPrimvar& primvar,
+                        const std::vector<GeometryAttribute>& attributes) {
+    for (const std::string& name : primvar.names) {
+        const auto found = std::find_if(
+            attributes.begin(), attributes.end(), [&](const GeometryAttribute& attribute) {
+                return attribute.name == name && !attribute.values.empty() &&
+                       attribute.numComponents >= primvar.numComponents;
+            });
+        if (found != attributes.end()) {
+            return std::size_t(found - attributes.begin());
+        }
     }
-    const GeometryAttribute& attribute = attributes[bound.attribute];
-    const float* from = ValueOf(attribute, element);
-    double value[4] = {};
-    std::transform(from, from + attribute.numComponents, value, Finite);
-    return bound.amount->At(value);
+    return BoundAmount::kMissing;
 }
 
-AmountRange RangeOver(const DisplacementAmount& amount, const GeometryAttribute& attribute) {
-    double low[4] = {1e300, 1e300, 1e300, 1e300};
-    double high[4] = {-1e300, -1e300, -1e300, -1e300};
+/// The first four components of a value of a primvar.
+std::array<double, 4> ReadValue(const GeometryAttribute& attribute, std::size_t element) {
+    std::array<double, 4> value{};
+    const float* from = ValueOf(attribute, element);
+    std::transform(from, from + std::min(attribute.numComponents, 4U), value.begin(), Finite);
+    return value;
+}
+
+/// Which value of a primvar a face-vertex has.
+std::size_t ElementOf(const GeometryAttribute& attribute, std::size_t face, std::size_t corner,
+                      std::size_t point) {
+    switch (attribute.interpolation) {
+    case Interpolation::Uniform:
+        return face;
+    case Interpolation::FaceVarying:
+        return corner;
+    case Interpolation::Constant:
+        return 0;
+    default:
+        return point;
+    }
+}
+
+/// All values of a primvar.
+void AddRange(const GeometryAttribute& attribute, std::array<double, 4>* low,
+              std::array<double, 4>* high) {
+    low->fill(0.0);
+    high->fill(0.0);
     for (std::size_t i = 0; i < attribute.values.size(); ++i) {
         const double value = Finite(attribute.values[i]);
         const std::size_t c = i % attribute.numComponents;
-        low[c] = std::min(low[c], value);
-        high[c] = std::max(high[c], value);
+        if (c < 4) {
+            const bool isFirst = i < attribute.numComponents;
+            (*low)[c] = isFirst ? value : std::min((*low)[c], value);
+            (*high)[c] = isFirst ? value : std::max((*high)[c], value);
+        }
     }
-    return amount.Over(low, high);
+}
+
+/// Of all poses of a mesh, with what approximations of limit surfaces leave its points by.
+void AddPositions(const GeometryDescription& mesh, glm::dvec3* low, glm::dvec3* high) {
+    constexpr double kMargin = 1.0 / 64.0;
+    constexpr double kFar = 1e18; // points beyond are dropped with their faces
+    bool isFirst = true;
+    const auto add = [&](const SharedSpan<float>& points) {
+        for (std::size_t i = 0; i + 3 <= points.size(); i += 3) {
+            const glm::dvec3 point(points[i], points[i + 1], points[i + 2]);
+            if (!(std::fabs(point.x) <= kFar && std::fabs(point.y) <= kFar &&
+                  std::fabs(point.z) <= kFar)) {
+                continue;
+            }
+            *low = isFirst ? point : glm::min(*low, point);
+            *high = isFirst ? point : glm::max(*high, point);
+            isFirst = false;
+        }
+    };
+    add(mesh.points);
+    for (const ShutterKey& key : mesh.keys) {
+        add(key.points);
+    }
+    const glm::dvec3 margin = kMargin * (*high - *low);
+    *low -= margin;
+    *high += margin;
+}
+
+AmountRange RangeOver(const BoundAmount& bound, const std::vector<GeometryAttribute>& attributes,
+                      const GeometryDescription& mesh) {
+    AmountBox box{MissingPoint(*bound.amount), MissingPoint(*bound.amount)};
+    for (std::size_t i = 0; i < bound.attributes.size(); ++i) {
+        if (bound.attributes[i] != BoundAmount::kMissing) {
+            AddRange(attributes[bound.attributes[i]], &box.low.primvars[i], &box.high.primvars[i]);
+        }
+    }
+    if (bound.amount->ReadsPosition()) {
+        AddPositions(mesh, &box.low.position, &box.high.position);
+    }
+    AmountRange range = bound.amount->Over(box);
+    if (!std::isfinite(range.low) || !std::isfinite(range.high)) {
+        AddPositions(mesh, &box.low.position, &box.high.position);
+        const double limit = glm::length(box.high.position - box.low.position);
+        range.low = std::isfinite(range.low) ? range.low : std::min(-limit, range.high);
+        range.high = std::isfinite(range.high) ? range.high : std::max(limit, range.low);
+        range.low = std::isfinite(range.low) ? range.low : -limit;
+        range.high = std::isfinite(range.high) ? range.high : limit;
+    }
+    return range;
 }
 
 } // namespace
@@ -79,6 +156,14 @@ std::shared_ptr<const DisplacementAmount> MakePrimvarAmount(std::string primvar,
     return std::make_shared<PrimvarAmount>(std::move(primvar), fallback);
 }
 
+AmountPoint MissingPoint(const DisplacementAmount& amount) {
+    AmountPoint point;
+    for (const AmountPrimvar& primvar : amount.Primvars()) {
+        point.primvars.push_back(primvar.missing);
+    }
+    return point;
+}
+
 std::vector<BoundAmount> BindAmounts(const Displacement& displacement,
                                      const std::vector<GeometryAttribute>& attributes) {
     std::vector<BoundAmount> result;
@@ -87,22 +172,21 @@ std::vector<BoundAmount> BindAmounts(const Displacement& displacement,
         if (!amount) {
             continue;
         }
-        bound.constant = amount->Fallback();
-        const auto found = std::find_if(attributes.begin(), attributes.end(),
-                                        [&](const GeometryAttribute& attribute) {
-                                            return attribute.name == amount->Primvar();
-                                        });
-        if (found != attributes.end() && !found->values.empty() && amount->NumComponents() > 0 &&
-            found->numComponents >= amount->NumComponents()) {
-            bound.amount = amount.get();
-            bound.attribute = std::size_t(found - attributes.begin());
+        bool varies = amount->ReadsPosition();
+        for (const AmountPrimvar& primvar : amount->Primvars()) {
+            const std::size_t index = FindPrimvar(primvar, attributes);
+            bound.attributes.push_back(index);
+            varies = varies || index != BoundAmount::kMissing;
         }
+        bound.amount = varies ? amount.get() : nullptr;
+        bound.constant = varies ? 0.0 : amount->At(MissingPoint(*amount));
     }
     return result;
 }
 
 AmountRange RangeOf(const std::vector<BoundAmount>& amounts,
-                    const std::vector<GeometryAttribute>& attributes, bool hasOthers) {
+                    const std::vector<GeometryAttribute>& attributes,
+                    const GeometryDescription& mesh, bool hasOthers) {
     if (amounts.empty()) {
         return {};
     }
@@ -113,7 +197,7 @@ AmountRange RangeOf(const std::vector<BoundAmount>& amounts,
     };
     for (const BoundAmount& bound : amounts) {
         add(bound.amount == nullptr ? AmountRange{bound.constant, bound.constant}
-                                    : RangeOver(*bound.amount, attributes[bound.attribute]));
+                                    : RangeOver(bound, attributes, mesh));
     }
     if (hasOthers) {
         add({});
@@ -121,8 +205,8 @@ AmountRange RangeOf(const std::vector<BoundAmount>& amounts,
     return range;
 }
 
-std::vector<float> PointAmounts(const GeometryDescription& mesh,
-                                const std::vector<std::uint32_t>& entries,
+std::vector<float> PointAmounts(const GeometryDescription& mesh, const SharedSpan<float>& points,
+                                const AmountRange& range, const std::vector<std::uint32_t>& entries,
                                 const std::vector<GeometryAttribute>& attributes,
                                 const Displacement& displacement) {
     const std::vector<BoundAmount> amounts = BindAmounts(displacement, attributes);
@@ -143,15 +227,21 @@ std::vector<float> PointAmounts(const GeometryDescription& mesh,
                 continue;
             }
             const BoundAmount& bound = amounts[entry];
-            std::size_t element = 0;
-            if (bound.amount != nullptr) {
-                const Interpolation interpolation = attributes[bound.attribute].interpolation;
-                element = interpolation == Interpolation::Uniform       ? face
-                          : interpolation == Interpolation::FaceVarying ? corner
-                          : interpolation == Interpolation::Constant    ? 0
-                                                                        : std::size_t(point);
+            if (bound.amount == nullptr) {
+                sums[point] += bound.constant;
+                continue;
             }
-            sums[point] += AmountAt(bound, attributes, element);
+            AmountPoint at = MissingPoint(*bound.amount);
+            for (std::size_t i = 0; i < bound.attributes.size(); ++i) {
+                if (bound.attributes[i] != BoundAmount::kMissing) {
+                    const GeometryAttribute& attribute = attributes[bound.attributes[i]];
+                    at.primvars[i] = ReadValue(
+                        attribute, ElementOf(attribute, face, corner, std::size_t(point)));
+                }
+            }
+            const auto xyz = 3 * std::size_t(point);
+            at.position = {Finite(points[xyz]), Finite(points[xyz + 1]), Finite(points[xyz + 2])};
+            sums[point] += glm::clamp(bound.amount->At(at), range.low, range.high);
         }
         corner = end;
     }

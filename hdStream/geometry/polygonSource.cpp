@@ -337,10 +337,10 @@ private:
     /// How far displacement moves points at most, with the rounding of what is moved.
     void SetReach() {
         const std::size_t numEntries = 1 + _mesh->subsets.size();
-        const AmountRange range = RangeOf(BindAmounts(_displacement, _values), _values,
-                                          _displacement.size() < numEntries);
+        _range = RangeOf(BindAmounts(_displacement, _values), _values, *_mesh,
+                         _displacement.size() < numEntries);
         const glm::vec3 far = glm::max(glm::abs(_bounds.min), glm::abs(_bounds.max));
-        const double most = std::max(std::abs(range.low), std::abs(range.high));
+        const double most = std::max(std::abs(_range.low), std::abs(_range.high));
         constexpr double kRounding = 1.0 / (1U << 20U);
         _reach = static_cast<float>(
             most + kRounding * (most + static_cast<double>(std::max({far.x, far.y, far.z}))));
@@ -348,12 +348,14 @@ private:
         _bounds.max += _reach;
     }
 
-    /// Moves all points along the smooth normals of the mesh as it was. \return smooth normals of
-    /// the moved mesh, where those are the mesh's.
-    std::optional<GeometryAttribute> Displace(TriangleMesh whole,
+    /// Moves the points of a pose along the smooth normals of the mesh as it was. \return smooth
+    /// normals of the moved mesh, where those are the mesh's.
+    std::optional<GeometryAttribute> Displace(const SharedSpan<float>& points,
                                               std::vector<glm::vec3>* moved) const {
+        TriangleMesh whole = Whole(points);
         const GeometryAttribute smooth = ComputeSmoothNormals(whole);
-        const std::vector<float> amounts = PointAmounts(*_mesh, _entries, _values, _displacement);
+        const std::vector<float> amounts =
+            PointAmounts(*_mesh, points, _range, _entries, _values, _displacement);
         for (std::size_t i = 0; i < whole.positions.size(); ++i) {
             const float* n = ValueOf(smooth, i);
             whole.positions[i] =
@@ -389,7 +391,7 @@ private:
         for (std::size_t i = 0; i < _keys.size(); ++i) {
             const ShutterKey& key = _mesh->keys[i];
             if (!_displacement.empty()) {
-                const auto normals = Displace(Whole(key.points), &_keys[i].moved);
+                const auto normals = Displace(key.points, &_keys[i].moved);
                 _keys[i].normals = normals ? normals->values : SharedSpan<float>();
             } else if (!IsPolygonal(_mesh->subdivisionScheme)) {
                 _keys[i].normals = Whole(key.points).normals.values;
@@ -415,12 +417,14 @@ private:
         if (!isSmooth && !mustRepair && _displacement.empty()) {
             return;
         }
-        TriangleMesh whole = Whole(_mesh->points);
         if (!_displacement.empty()) {
-            if (auto normals = Displace(std::move(whole), &_moved)) {
+            if (auto normals = Displace(_mesh->points, &_moved)) {
                 _normals = std::move(*normals);
             }
-        } else if (isSmooth) {
+            return;
+        }
+        TriangleMesh whole = Whole(_mesh->points);
+        if (isSmooth) {
             _normals = std::move(whole.normals);
         } else {
             RepairAuthoredNormals(whole, _size, _normals, _log);
@@ -458,6 +462,7 @@ private:
 
     std::shared_ptr<const GeometryDescription> _mesh;
     Displacement _displacement;
+    AmountRange _range;  ///< of displacement
     float _reach = 0.0F; ///< of displacement
     mutable PrimLog _log;
     TopologySize _size;

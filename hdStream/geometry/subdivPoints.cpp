@@ -42,20 +42,15 @@ FaceLocation SubdivPoints::AtVertex(int vertex) const {
     return VertexIn(_model.VertexOwner(vertex), vertex);
 }
 
-double SubdivPoints::Amount(const FaceLocation& location) {
-    const std::uint32_t face = _model.Cage().faces[location.face];
-    const std::uint32_t entry = _entries.empty() ? 0 : _entries[face];
-    if (entry >= _displacement.amounts.size()) {
-        return 0.0;
-    }
-    const BoundAmount& bound = _displacement.amounts[entry];
-    if (bound.amount == nullptr) {
-        return bound.constant;
-    }
-    const SubdivPrimvar& primvar = _model.Primvars()[bound.attribute];
+/// The first four components of a primvar on the limit surface.
+std::array<double, 4> SubdivPoints::PrimvarAt(std::size_t index, const FaceLocation& location) {
+    const SubdivPrimvar& primvar = _model.Primvars()[index];
     const GeometryAttribute& attribute = primvar.attribute;
     FaceSurface& surface = _surfaces.At(location.face);
-    _row.assign(std::max({_model.VertexRows().rowSize, _model.VaryingRows().rowSize, 4}), 0.0);
+    const int own = std::max(int(attribute.numComponents), 4);
+    _row.assign(
+        std::size_t(std::max({_model.VertexRows().rowSize, _model.VaryingRows().rowSize, own})),
+        0.0);
     switch (attribute.interpolation) {
     case Interpolation::Vertex:
         surface.VertexValues(location.at, _row.data());
@@ -68,15 +63,40 @@ double SubdivPoints::Amount(const FaceLocation& location) {
         break;
     default: {
         const bool isUniform = attribute.interpolation == Interpolation::Uniform;
+        const std::uint32_t face = _model.Cage().faces[location.face];
         const float* value = ValueOf(attribute, isUniform ? face : 0);
-        std::transform(value, value + attribute.numComponents, _row.begin(),
+        std::transform(value, value + attribute.numComponents, _row.begin() + primvar.offset,
                        [](float v) { return std::isfinite(v) ? double(v) : 0.0; });
         break;
     }
     }
-    const double amount = bound.amount->At(_row.data() + primvar.offset);
+    std::array<double, 4> value{};
+    std::copy_n(_row.begin() + primvar.offset, std::min(attribute.numComponents, 4U),
+                value.begin());
+    return value;
+}
+
+double SubdivPoints::Amount(const FaceLocation& location) {
+    const std::uint32_t face = _model.Cage().faces[location.face];
+    const std::uint32_t entry = _entries.empty() ? 0 : _entries[face];
+    if (entry >= _displacement.amounts.size()) {
+        return 0.0;
+    }
+    const BoundAmount& bound = _displacement.amounts[entry];
+    if (bound.amount == nullptr) {
+        return bound.constant;
+    }
+    _point.primvars.clear();
+    for (std::size_t i = 0; i < bound.attributes.size(); ++i) {
+        _point.primvars.push_back(bound.attributes[i] == BoundAmount::kMissing
+                                      ? bound.amount->Primvars()[i].missing
+                                      : PrimvarAt(bound.attributes[i], location));
+    }
+    if (bound.amount->ReadsPosition()) {
+        _point.position = _surfaces.At(location.face).Frame(location.at).point;
+    }
     // Interpolation may leave the range by rounding; boxes rely on it.
-    return glm::clamp(amount, _displacement.range.low, _displacement.range.high);
+    return glm::clamp(bound.amount->At(_point), _displacement.range.low, _displacement.range.high);
 }
 
 /// Displaced along the face's own normal.

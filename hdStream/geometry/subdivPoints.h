@@ -7,6 +7,7 @@
 #include "hdStream/geometry/displacement.h"
 #include "hdStream/geometry/faceSurface.h"
 
+#include <array>
 #include <vector>
 
 namespace hds {
@@ -60,6 +61,7 @@ private:
     FaceLocation VertexIn(int face, int vertex) const;
     SurfacePoint Shared(const std::vector<FaceLocation>& locations, bool isSharp);
     double Amount(const FaceLocation& location);
+    std::array<double, 4> PrimvarAt(std::size_t attribute, const FaceLocation& location);
     glm::dvec3 Normal(const FaceLocation& location);
     glm::dvec3 OwnPosition(const FaceLocation& location);
     glm::dvec3 DisplacedNormal(const FaceLocation& location);
@@ -70,6 +72,7 @@ private:
     FaceSurfaces _surfaces;
     std::vector<FaceLocation> _locations;
     std::vector<double> _row;
+    AmountPoint _point;
 };
 
 } // namespace hds

@@ -133,8 +133,8 @@ private:
         }
         _dice.displacement.owner = displacement;
         _dice.displacement.amounts = BindAmounts(displacement, attributes);
-        _dice.displacement.range =
-            RangeOf(_dice.displacement.amounts, attributes, last >= displacement.size());
+        _dice.displacement.range = RangeOf(_dice.displacement.amounts, attributes, Model().Mesh(),
+                                           last >= displacement.size());
     }
 
     void DescribePages() {

@@ -71,6 +71,8 @@ void BindMaterials(nb::module_& module) {
             return rows;
         },
         "identifier"_a, "Name, components and default of a MaterialX surface's inputs.");
+    module.def("IsSurfaceShader", &IsSurfaceShader, "identifier"_a,
+               "Whether a shader id is that of a surface that is drawn.");
     module.def("IsKnownShader", &IsKnownShader, "identifier"_a,
                "Whether an id is that of a pattern node or of a surface shader that is drawn.");
 }

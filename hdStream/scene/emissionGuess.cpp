@@ -132,6 +132,7 @@ double EmissionGuess::Of(std::uint32_t triangle) const {
         return (Luminance(values[0]) + Luminance(values[1]) + Luminance(values[2])) / 3.0;
     }
     double sum = 0.0;
+    AmountPoint point = MissingPoint(*_texture);
     for (std::uint32_t i = 0; i < _numPoints; ++i) {
         // Source: Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences": R2.
         double u = std::fmod(0.5 + 0.7548776662466927 * i, 1.0);
@@ -140,12 +141,11 @@ double EmissionGuess::Of(std::uint32_t triangle) const {
             u = 1.0 - u;
             v = 1.0 - v;
         }
-        double st[2];
-        for (int k = 0; k < 2; ++k) {
-            st[k] = (1.0 - u - v) * double(values[0][k]) + u * double(values[1][k]) +
-                    v * double(values[2][k]);
+        for (std::size_t k = 0; k < 2; ++k) {
+            point.primvars[0][k] = (1.0 - u - v) * double(values[0][k]) + u * double(values[1][k]) +
+                                   v * double(values[2][k]);
         }
-        sum += _texture->At(st);
+        sum += _texture->At(point);
     }
     return sum / _numPoints;
 }

@@ -196,12 +196,43 @@ bool MaterialCommit::MayEmit(const GeometryPrim& prim) const {
     });
 }
 
+namespace {
+
+/// Whether an amount depends on a primvar.
+bool Displaces(const DisplacementInput& displacement, const std::string& primvar) {
+    return displacement.primvar == primvar ||
+           (displacement.network &&
+            std::any_of(displacement.network->primvars.begin(),
+                        displacement.network->primvars.end(), [&](const DisplacementPrimvar& one) {
+                            return std::find(one.names.begin(), one.names.end(), primvar) !=
+                                   one.names.end();
+                        }));
+}
+
+/// Reads the images of a network's look-ups.
+void LoadHeights(DisplacementNetwork* network, ImageLibrary* images) {
+    for (DisplacementStep& step : network->steps) {
+        for (DisplacementTile& tile : step.tiles) {
+            for (std::uint32_t channel = 0; channel < 4; ++channel) {
+                if ((tile.channels >> channel & 1U) != 0) {
+                    tile.heights[channel] = images->LoadHeights(tile.texture, channel);
+                }
+            }
+        }
+    }
+}
+
+} // namespace
+
 std::vector<DisplacementInput> MaterialCommit::DisplacementsOf(const GeometryPrim& prim) const {
     std::vector<DisplacementInput> displacements;
     for (const std::string* materialPath : EntryPaths(prim)) {
         displacements.push_back(Find(*materialPath).displacement);
         if (auto& lookup = displacements.back().lookup) {
             lookup->image = _images.LoadHeights(lookup->texture, lookup->channel);
+        }
+        if (auto& network = displacements.back().network) {
+            LoadHeights(&*network, &_images);
         }
     }
     return displacements;
@@ -227,11 +258,11 @@ PrimMaterialInfo MaterialCommit::AddPrim(const std::string& path, const Geometry
         const CompiledMaterial& compiled = isBlack ? _black : Find(*materialPath);
         ResolvedMaterial resolved = ResolveMaterial(
             compiled, AddTextures(compiled), prepared.attributes, ofInstances, path, _warnings);
-        const std::string& displacing = compiled.displacement.primvar;
-        if (std::any_of(ofInstances.begin(), ofInstances.end(),
-                        [&](const AttributeName& one) { return one.name == displacing; })) {
-            _warnings.Add(path, "primvar " + displacing +
-                                    " differs between instances and cannot displace them");
+        for (const AttributeName& one : ofInstances) {
+            if (Displaces(compiled.displacement, one.name)) {
+                _warnings.Add(path, "primvar " + one.name +
+                                        " differs between instances and cannot displace them");
+            }
         }
         shared::HdsMaterial& record = resolved.record;
         if (!resolved.program.empty()) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/meshDisplacement.h"
 
+#include "hdStream/scene/networkAmount.h"
 #include "hdStream/scene/textureAmount.h"
 
 #include <algorithm>
@@ -10,7 +11,9 @@ namespace hds {
 Displacement MakeDisplacement(const std::vector<DisplacementInput>& inputs) {
     Displacement displacement;
     for (const DisplacementInput& input : inputs) {
-        if (input.lookup && input.lookup->image) {
+        if (input.network) {
+            displacement.push_back(MakeNetworkAmount(*input.network));
+        } else if (input.lookup && input.lookup->image) {
             displacement.push_back(MakeTextureAmount(input.primvar, *input.lookup));
         } else if (input.lookup) {
             displacement.push_back(MakeConstantAmount(static_cast<double>(input.constant)));

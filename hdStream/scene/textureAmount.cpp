@@ -32,67 +32,70 @@ std::int64_t WrapTexel(double index, std::uint32_t size, std::uint32_t wrap) {
 
 class TextureAmount : public DisplacementAmount {
 public:
-    TextureAmount(std::string primvar, DisplacementLookup lookup)
-        : _primvar(std::move(primvar)), _lookup(std::move(lookup)) {
-        const std::vector<float>& values = _lookup.image->values;
-        const auto [low, high] = std::minmax_element(values.begin(), values.end());
-        double least = *low;
-        double most = *high;
-        if (_lookup.wrapS == HDS_WRAP_BLACK || _lookup.wrapT == HDS_WRAP_BLACK) {
-            least = std::min(least, 0.0);
-            most = std::max(most, 0.0);
+    TextureAmount(std::string primvar, DisplacementLookup lookup) : _lookup(std::move(lookup)) {
+        if (!primvar.empty()) {
+            _primvars.push_back(
+                {{std::move(primvar)}, 2, {_lookup.missing[0], _lookup.missing[1]}});
         }
-        const double a = Finite(Scaled(least));
-        const double b = Finite(Scaled(most));
+        const AmountRange heights = RangeOfHeights(*_lookup.image, _lookup.wrapS, _lookup.wrapT);
+        const double a = Finite(Scaled(heights.low));
+        const double b = Finite(Scaled(heights.high));
         _range = {std::min(a, b), std::max(a, b)};
     }
 
-    const std::string& Primvar() const override { return _primvar; }
-    std::uint32_t NumComponents() const override { return _primvar.empty() ? 0 : 2; }
-    double At(const double* value) const override {
+    const std::vector<AmountPrimvar>& Primvars() const override { return _primvars; }
+    double At(const AmountPoint& point) const override {
         const std::array<double, 6>& m = _lookup.rows;
-        const double s = Finite(m[0] * value[0] + m[1] * value[1] + m[2]);
-        const double t = Finite(m[3] * value[0] + m[4] * value[1] + m[5]);
-        return Finite(Scaled(Bilinear(s, t)));
+        const std::array<double, 4> at =
+            _primvars.empty()
+                ? std::array<double, 4>{_lookup.missing[0], _lookup.missing[1], 0.0, 0.0}
+                : point.primvars[0];
+        const double s = m[0] * at[0] + m[1] * at[1] + m[2];
+        const double t = m[3] * at[0] + m[4] * at[1] + m[5];
+        return Finite(Scaled(LookUpHeight(*_lookup.image, _lookup.wrapS, _lookup.wrapT, s, t)));
     }
-    AmountRange Over(const double*, const double*) const override { return _range; }
-    double Fallback() const override {
-        const double missing[2] = {_lookup.missing[0], _lookup.missing[1]};
-        return At(missing);
-    }
+    AmountRange Over(const AmountBox&) const override { return _range; }
 
 private:
     double Scaled(double value) const {
         return value * static_cast<double>(_lookup.scale) + static_cast<double>(_lookup.bias);
     }
 
-    double Bilinear(double s, double t) const {
-        const HeightImage& image = *_lookup.image;
-        const double x = s * image.width - 0.5;
-        const double y = (1.0 - t) * image.height - 0.5;
-        const double x0 = std::floor(x);
-        const double y0 = std::floor(y);
-        double sum = 0.0;
-        for (int k = 0; k < 4; ++k) {
-            const std::int64_t column = WrapTexel(x0 + (k & 1), image.width, _lookup.wrapS);
-            const std::int64_t row = WrapTexel(y0 + (k >> 1), image.height, _lookup.wrapT);
-            if (column >= 0 && row >= 0) {
-                const double weightX = (k & 1) != 0 ? x - x0 : 1.0 - (x - x0);
-                const double weightY = (k & 2) != 0 ? y - y0 : 1.0 - (y - y0);
-                const auto index =
-                    static_cast<std::size_t>(row) * image.width + static_cast<std::size_t>(column);
-                sum += weightX * weightY * static_cast<double>(image.values[index]);
-            }
-        }
-        return sum;
-    }
-
-    std::string _primvar;
+    std::vector<AmountPrimvar> _primvars;
     DisplacementLookup _lookup;
     AmountRange _range;
 };
 
 } // namespace
+
+double LookUpHeight(const HeightImage& image, std::uint32_t wrapS, std::uint32_t wrapT, double s,
+                    double t) {
+    const double x = Finite(s) * image.width - 0.5;
+    const double y = (1.0 - Finite(t)) * image.height - 0.5;
+    const double x0 = std::floor(x);
+    const double y0 = std::floor(y);
+    double sum = 0.0;
+    for (int k = 0; k < 4; ++k) {
+        const std::int64_t column = WrapTexel(x0 + (k & 1), image.width, wrapS);
+        const std::int64_t row = WrapTexel(y0 + (k >> 1), image.height, wrapT);
+        if (column >= 0 && row >= 0) {
+            const double weightX = (k & 1) != 0 ? x - x0 : 1.0 - (x - x0);
+            const double weightY = (k & 2) != 0 ? y - y0 : 1.0 - (y - y0);
+            const auto index =
+                static_cast<std::size_t>(row) * image.width + static_cast<std::size_t>(column);
+            sum += weightX * weightY * static_cast<double>(image.values[index]);
+        }
+    }
+    return sum;
+}
+
+AmountRange RangeOfHeights(const HeightImage& image, std::uint32_t wrapS, std::uint32_t wrapT) {
+    const auto [low, high] = std::minmax_element(image.values.begin(), image.values.end());
+    const bool hasBorder = wrapS == HDS_WRAP_BLACK || wrapT == HDS_WRAP_BLACK;
+    const auto least = static_cast<double>(*low);
+    const auto most = static_cast<double>(*high);
+    return {hasBorder ? std::min(least, 0.0) : least, hasBorder ? std::max(most, 0.0) : most};
+}
 
 std::shared_ptr<const DisplacementAmount> MakeTextureAmount(std::string primvar,
                                                             DisplacementLookup lookup) {

@@ -98,6 +98,25 @@ public:
         const Layers layers = ReadLayers();
         return Merged(layers, Multiply(layers.fg, OneMinus(layers.back)));
     }
+    /// Over, for what does not overlap as far as there is room.
+    ShaderValue DisjointOver() {
+        const Layers layers = ReadLayers();
+        const ShaderValue one = MakeScalar(1.0F);
+        const ShaderValue zero = MakeScalar(0.0F);
+        const ShaderValue sum = MakeMath(HDS_MATH_ADD, {layers.front, layers.back}, 1);
+        const ShaderValue isCrowded = MakeMath(HDS_MATH_GREATER, {sum, one}, 1);
+        const ShaderValue rest = MakeMath(
+            HDS_MATH_DIVIDE, {MakeMath(HDS_MATH_SUBTRACT, {one, layers.front}, 1), layers.back}, 1);
+        const ShaderValue isClear = MakeMath(
+            HDS_MATH_GREATER, {MakeScalar(1e-8F), MakeMath(HDS_MATH_ABS, {layers.back}, 1)}, 1);
+        const ShaderValue crowded =
+            Math(HDS_MATH_SELECT, {isClear, zero, Add(layers.fg, Multiply(layers.bg, rest))});
+        const ShaderValue color =
+            Math(HDS_MATH_SELECT, {isCrowded, crowded, Add(layers.fg, layers.bg)});
+        const ShaderValue alpha = MakeMath(HDS_MATH_MIN, {sum, one}, 1);
+        return Merged(layers, CombineChannels(ChannelOf(color, 0), ChannelOf(color, 1),
+                                              ChannelOf(color, 2), alpha, 4));
+    }
     ShaderValue Mask() {
         const Layers layers = ReadLayers();
         return Merged(layers, Multiply(layers.bg, layers.front));
@@ -121,6 +140,7 @@ constexpr PatternType kTypes[] = {
     {"over", kPattern<&ColorNode::Over>},
     {"in", kPattern<&ColorNode::InNode>},
     {"out", kPattern<&ColorNode::Out>},
+    {"disjointover", kPattern<&ColorNode::DisjointOver>},
     {"mask", kPattern<&ColorNode::Mask>},
     {"matte", kPattern<&ColorNode::Matte>},
 };

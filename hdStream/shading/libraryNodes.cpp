@@ -134,31 +134,7 @@ public:
         return Math(HDS_MATH_HSV_TO_RGB, {hsv});
     }
 
-    // Shapes and ramps.
-    ShaderValue Centred() {
-        return MakeMath(HDS_MATH_SUBTRACT, {Coordinates(), Vector("center", {}, 2)}, 2);
-    }
-    ShaderValue Circle() {
-        const ShaderValue delta = Centred();
-        const ShaderValue radius = In("radius", 0.5F);
-        return IfGreater(DotProduct(delta, delta, 2), Multiply(radius, radius), MakeScalar(0.0F),
-                         MakeScalar(1.0F));
-    }
-    ShaderValue Line() {
-        const auto math = [](std::uint32_t code, const ShaderValue& a, const ShaderValue& b) {
-            return MakeMath(code, {a, b}, 2);
-        };
-        const ShaderValue begin = Vector("point1", {0.25F, 0.25F, 0.0F, 0.0F}, 2);
-        const ShaderValue end = Vector("point2", {0.75F, 0.75F, 0.0F, 0.0F}, 2);
-        const ShaderValue toPoint = math(HDS_MATH_SUBTRACT, Centred(), begin);
-        const ShaderValue toEnd = math(HDS_MATH_SUBTRACT, end, begin);
-        const ShaderValue share =
-            ClampTo(Divide(DotProduct(toPoint, toEnd, 2), DotProduct(toEnd, toEnd, 2)),
-                    MakeScalar(0.0F), MakeScalar(1.0F), 1);
-        const ShaderValue nearest = math(HDS_MATH_MULTIPLY, toEnd, share);
-        return IfGreater(LengthOf(math(HDS_MATH_SUBTRACT, toPoint, nearest), 2), In("radius", 0.1F),
-                         MakeScalar(0.0F), MakeScalar(1.0F));
-    }
+    // Grids and ramps.
     ShaderValue Grid() {
         const auto at = [&](const char* input, float value) {
             return Vector(input, {value, value, 0.0F, 0.0F}, 2);
@@ -296,6 +272,35 @@ public:
                                        ? Multiply(cosine, MakeScalar(-1.0F))
                                        : Math(HDS_MATH_ABS, {cosine});
         return IsOn("invert") ? OneMinus(facing) : facing;
+    }
+
+    /// Gooch et al. 1998: warm where the light does not come from, and a highlight.
+    ShaderValue GoochShade() {
+        _n = 3;
+        const auto unit = [](const ShaderValue& value) {
+            return MakeMath(HDS_MATH_NORMALIZE, {value}, 3);
+        };
+        auto ownNormal = std::make_shared<ShaderExpression>();
+        ownNormal->kind = Kind::Normal;
+        ownNormal->code = HDS_SPACE_WORLD;
+        const ShaderValue normal = unit({std::move(ownNormal), HDS_CHANNEL_ALL, 3});
+        const ShaderValue view = unit(View());
+        const ShaderValue light = unit(Vector("light_direction", {1.0F, -0.5F, -0.5F, 0.0F}, 3));
+        const ShaderValue cool = Scalar(
+            HDS_MATH_DIVIDE, Scalar(HDS_MATH_ADD, MakeScalar(1.0F), DotProduct(normal, light, 3)),
+            MakeScalar(2.0F));
+        const ShaderValue color = Mix(Vector("warm_color", {0.8F, 0.8F, 0.7F, 1.0F}, 3),
+                                      Vector("cool_color", {0.3F, 0.3F, 0.8F, 1.0F}, 3), cool);
+        const ShaderValue twice =
+            Scalar(HDS_MATH_MULTIPLY, DotProduct(normal, view, 3), MakeScalar(2.0F));
+        const ShaderValue reflected = Subtract(view, Multiply(normal, twice));
+        const ShaderValue cosine =
+            Scalar(HDS_MATH_MAX,
+                   Scalar(HDS_MATH_MULTIPLY, DotProduct(light, reflected, 3), MakeScalar(-1.0F)),
+                   MakeScalar(0.0F));
+        return Add(color,
+                   Scalar(HDS_MATH_MULTIPLY, Scalar(HDS_MATH_POWER, cosine, In("shininess", 64.0F)),
+                          In("specular_intensity", 1.0F)));
     }
 
     static ShaderValue ShiftedTo(std::uint32_t direction, const ShaderValue& value,
@@ -481,6 +486,20 @@ public:
         const ShaderValue share = ChannelOf(GltfImage(3, {}), 1);
         return Mix(In("thicknessMax", 400.0F), In("thicknessMin", 100.0F), share);
     }
+    /// A direction in the plane, encoded, and a strength.
+    ShaderValue GltfAnisotropyImage() {
+        const ShaderValue image = GltfImage(3, {1.0F, 0.5F, 1.0F, 0.0F});
+        if (_output == "anisotropy_strength_out") {
+            return Scalar(HDS_MATH_MULTIPLY, In("anisotropy_strength", 1.0F), ChannelOf(image, 2));
+        }
+        const auto part = [&](std::uint32_t channel) {
+            return Scalar(HDS_MATH_SUBTRACT,
+                          Scalar(HDS_MATH_MULTIPLY, ChannelOf(image, channel), MakeScalar(2.0F)),
+                          MakeScalar(1.0F));
+        };
+        return Scalar(HDS_MATH_ADD, In("anisotropy_rotation", 0.0F),
+                      Scalar(HDS_MATH_ATAN2, part(1), part(0)));
+    }
     ShaderValue GltfColorImage() {
         _n = 4;
         const std::array<float, 4> white{1.0F, 1.0F, 1.0F, 1.0F};
@@ -502,8 +521,6 @@ constexpr PatternType kTypes[] = {
     {"unifiednoise3d", kPattern<&LibraryNode::UnifiedNoise>},
     {"randomfloat", kPattern<&LibraryNode::RandomFloat>},
     {"randomcolor", kPattern<&LibraryNode::RandomColor>},
-    {"circle", kPattern<&LibraryNode::Circle>},
-    {"line", kPattern<&LibraryNode::Line>},
     {"grid", kPattern<&LibraryNode::Grid>},
     {"ramp", kPattern<&LibraryNode::Ramp>},
     {"ramp_gradient", kPattern<&LibraryNode::RampGradient>},
@@ -511,6 +528,7 @@ constexpr PatternType kTypes[] = {
     {"bitangent", kPattern<&LibraryNode::Tangent<HDS_TANGENT_ACROSS>>},
     {"viewdirection", kPattern<&LibraryNode::ViewDirection>},
     {"facingratio", kPattern<&LibraryNode::FacingRatio>},
+    {"gooch_shade", kPattern<&LibraryNode::GoochShade>},
     {"heighttonormal", kPattern<&LibraryNode::HeightToNormal>},
     {"bump", kPattern<&LibraryNode::Bump>},
     {"triplanarprojection", kPattern<&LibraryNode::Triplanar>},
@@ -527,6 +545,7 @@ constexpr PatternType kTypes[] = {
     {"not", kPattern<&LibraryNode::Not>, "logical_not"},
     {"gltf_image", kPattern<&LibraryNode::GltfScaledImage>},
     {"gltf_colorimage", kPattern<&LibraryNode::GltfColorImage>},
+    {"gltf_anisotropy_image", kPattern<&LibraryNode::GltfAnisotropyImage>},
     {"gltf_normalmap", kPattern<&LibraryNode::GltfNormalMap>},
     {"gltf_iridescence_thickness", kPattern<&LibraryNode::GltfIridescenceThickness>},
 };

@@ -9,6 +9,7 @@
 #include "hdStream/shading/programWriter.h"
 #include "hdStream/shading/shaderMath.h"
 #include "hdStream/shading/shaderNodes.h"
+#include "hdStream/shading/surfaceGraphs.h"
 #include "hdStream/shading/valueResolver.h"
 #include "kernels/shared/geometry.h"
 
@@ -179,11 +180,11 @@ std::optional<DisplacementInput> LookupDisplacement(const ShaderValue& value,
     return result;
 }
 
-/// Constants, primvars and look-ups; what else there is warns and is ignored.
-DisplacementInput FindDisplacement(NetworkEvaluator& evaluator, const MaterialNode& surface,
-                                   const std::string& materialPath, Warnings& warnings) {
+/// Constants, primvars, look-ups and networks; what the host cannot evaluate warns and is ignored.
+DisplacementInput DisplacementBy(const ShaderValue& value,
+                                 const std::vector<MaterialTexture>& textures,
+                                 const std::string& materialPath, Warnings& warnings) {
     DisplacementInput displacement;
-    const ShaderValue value = evaluator.Evaluate(surface, "displacement");
     if (!value) {
         return displacement;
     }
@@ -191,13 +192,18 @@ DisplacementInput FindDisplacement(NetworkEvaluator& evaluator, const MaterialNo
     if (IsConstant(value)) {
         displacement.constant = expression.constant[0];
     } else if (expression.kind == ShaderExpression::Kind::Primvar &&
+               (value.channel == HDS_CHANNEL_ALL || value.channel == 0) &&
                IsConstant(expression.operands[0])) {
         displacement.constant = ConstantOf(expression.operands[0])[0];
         displacement.primvar = expression.primvar;
-    } else if (auto lookup = LookupDisplacement(value, evaluator.Textures())) {
+    } else if (auto lookup = LookupDisplacement(value, textures)) {
         displacement = std::move(*lookup);
     } else {
-        warnings.Add(materialPath, "displacement by such a network is ignored");
+        std::string problem;
+        displacement.network = MakeDisplacementNetwork(value, textures, &problem);
+        if (!displacement.network) {
+            warnings.Add(materialPath, "displacement by a network with " + problem + " is ignored");
+        }
     }
     return displacement;
 }
@@ -258,18 +264,29 @@ DisplacementInput MaterialXDisplacement(NetworkEvaluator& evaluator, const Mater
     if (node == nullptr) {
         return {};
     }
-    const ShaderValue scale = evaluator.EvaluateOr(*node, "scale", {1.0F, 1.0F, 1.0F, 1.0F}, 1);
-    DisplacementInput result = FindDisplacement(evaluator, *node, materialPath, warnings);
+    if (node->identifier == "ND_displacement_vector3") {
+        warnings.Add(materialPath, "vector displacement of " + node->path + " is ignored");
+        return {};
+    }
+    ShaderValue scale = evaluator.EvaluateOr(*node, "scale", {1.0F, 1.0F, 1.0F, 1.0F}, 1);
+    ShaderValue amount = evaluator.Evaluate(*node, "displacement");
     const float factor = IsConstant(scale) ? ConstantOf(scale)[0] : 1.0F;
-    if (!IsConstant(scale) || (factor != 1.0F && !result.primvar.empty() && !result.lookup)) {
-        warnings.Add(materialPath, "scale of " + node->path + " is ignored");
+    const bool isLookup = amount && LookupDisplacement(amount, evaluator.Textures());
+    if (amount && !isLookup) {
+        amount = Multiply(amount, scale, 1);
+        scale = MakeScalar(1.0F);
+    }
+    DisplacementInput result = DisplacementBy(amount, evaluator.Textures(), materialPath, warnings);
+    if (!isLookup) {
         return result;
     }
-    result.constant *= factor;
-    if (result.lookup) {
-        result.lookup->scale *= factor;
-        result.lookup->bias *= factor;
+    if (!IsConstant(scale)) {
+        return DisplacementBy(Multiply(amount, scale, 1), evaluator.Textures(), materialPath,
+                              warnings);
     }
+    result.constant *= factor;
+    result.lookup->scale *= factor;
+    result.lookup->bias *= factor;
     return result;
 }
 
@@ -386,7 +403,8 @@ void PlaceValue(std::uint32_t input, const ShaderValue& value, const SlotCallbac
 
 bool IsSurfaceShader(const std::string& identifier) {
     return identifier == "UsdPreviewSurface" ||
-           identifier.compare(0, 20, "ND_UsdPreviewSurface") == 0 || IsLayered(identifier);
+           identifier.compare(0, 20, "ND_UsdPreviewSurface") == 0 || IsLayered(identifier) ||
+           HasSurfaceGraph(identifier);
 }
 
 CompiledMaterial DisplayColorMaterial() {
@@ -486,14 +504,16 @@ CompiledMaterial CompileSurface(const MaterialNetwork& network, const std::strin
     }
     material.textures = evaluator.Textures(); // without what only displaces
     SetEmission(&material);
-    material.displacement = FindDisplacement(evaluator, *surface, materialPath, warnings);
+    material.displacement = DisplacementBy(evaluator.Evaluate(*surface, "displacement"),
+                                           evaluator.Textures(), materialPath, warnings);
     return material;
 }
 
 } // namespace
 
-CompiledMaterial CompileMaterial(const MaterialNetwork& network, const std::string& materialPath,
+CompiledMaterial CompileMaterial(const MaterialNetwork& authored, const std::string& materialPath,
                                  const ImageQueries& images, Warnings& warnings) {
+    const MaterialNetwork network = ExpandSurfaceGraphs(authored);
     const auto medium = ReadMeshMedium(network, materialPath, warnings);
     const bool isBoundary =
         network.terminals.count("volume") > 0 && network.terminals.count("surface") == 0;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "hdStream/base/log.h"
+#include "hdStream/shading/displacementNetwork.h"
 #include "hdStream/shading/imageQueries.h"
 #include "hdStream/shading/materialNetwork.h"
 #include "hdStream/shading/shaderExpression.h"
@@ -19,18 +20,6 @@
 #include <vector>
 
 namespace hds {
-
-/// One channel of an image in linear light, rows from the top. Filled in by commit.
-struct HeightImage {
-    std::uint32_t width = 0;
-    std::uint32_t height = 0;
-    std::vector<float> values;
-
-    static constexpr auto Fields() {
-        return FieldList(HDS_FIELD(HeightImage, width), HDS_FIELD(HeightImage, height),
-                         HDS_FIELD(HeightImage, values));
-    }
-};
 
 /// An amount that is looked up: value * scale + bias.
 struct DisplacementLookup {
@@ -61,11 +50,13 @@ struct DisplacementInput {
     std::string primvar;   ///< without "primvars:"; empty: the constant
     /// Nothing: the primvar's first component is the amount; else its first two are coordinates.
     std::optional<DisplacementLookup> lookup = {};
+    /// What is none of these; then all else is at its default.
+    std::optional<DisplacementNetwork> network = {};
 
     static constexpr auto Fields() {
-        return FieldList(HDS_FIELD(DisplacementInput, constant),
-                         HDS_FIELD(DisplacementInput, primvar),
-                         HDS_FIELD(DisplacementInput, lookup));
+        return FieldList(
+            HDS_FIELD(DisplacementInput, constant), HDS_FIELD(DisplacementInput, primvar),
+            HDS_FIELD(DisplacementInput, lookup), HDS_FIELD(DisplacementInput, network));
     }
 };
 

@@ -37,6 +37,11 @@ std::set<std::string> PrimvarsOf(const CompiledMaterial& material) {
     if (!material.displacement.primvar.empty()) {
         names.insert(material.displacement.primvar);
     }
+    if (material.displacement.network) {
+        for (const DisplacementPrimvar& primvar : material.displacement.network->primvars) {
+            names.insert(primvar.names.begin(), primvar.names.end());
+        }
+    }
     return names;
 }
 

@@ -43,7 +43,9 @@ PatternTable StandardNodes(); ///< patternNodes.cpp
 PatternTable LibraryNodes();
 PatternTable ColorNodes();
 PatternTable MapNodes();
+PatternTable MatrixNodes();
 PatternTable PbrNodes();
+PatternTable ShapeNodes();
 PatternTable UsdNodes();
 
 /// The type of a shader id: the longest name that the id, or what follows "ND_" in it, is, or

@@ -81,6 +81,43 @@ public:
         return MakeMath(HDS_MATH_SQRT, {math(HDS_MATH_MAX, quotient, MakeScalar(0.0F))}, 3);
     }
 
+    /// Kang et al. 2002, "Design of advanced color temperature control system": the locus of
+    /// chromaticities by cubic splines; then linear Rec. 709 of luminance 1.
+    ShaderValue Blackbody() {
+        const auto cubic = [](const ShaderValue& x, const std::array<float, 4>& coefficients) {
+            ShaderValue sum = MakeScalar(coefficients[0]);
+            for (std::size_t k = 1; k < 4; ++k) {
+                sum = Scalar(HDS_MATH_ADD, Product(sum, x), MakeScalar(coefficients[k]));
+            }
+            return sum;
+        };
+        const ShaderValue kelvin =
+            ClampTo(In("temperature", 5000.0F), MakeScalar(800.0F), MakeScalar(25000.0F), 1);
+        const auto below = [&](float limit, const ShaderValue& low, const ShaderValue& high) {
+            return MakeMath(HDS_MATH_SELECT,
+                            {Scalar(HDS_MATH_GREATER, MakeScalar(limit), kelvin), low, high}, 1);
+        };
+        const ShaderValue t = Scalar(HDS_MATH_DIVIDE, MakeScalar(1000.0F), kelvin);
+        const ShaderValue x =
+            below(4000.0F, cubic(t, {-0.2661239F, -0.2343580F, 0.8776956F, 0.17991F}),
+                  cubic(t, {-3.0258469F, 2.1070379F, 0.2226347F, 0.24039F}));
+        const ShaderValue y =
+            below(2222.0F, cubic(x, {-1.1063814F, -1.34811020F, 2.18555832F, -0.20219683F}),
+                  below(4000.0F, cubic(x, {-0.9549476F, -1.37418593F, 2.09137015F, -0.16748867F}),
+                        cubic(x, {3.0817580F, -5.87338670F, 3.75112997F, -0.37001483F})));
+        const ShaderValue one = MakeScalar(1.0F);
+        const ShaderValue z = Scalar(HDS_MATH_SUBTRACT, Scalar(HDS_MATH_SUBTRACT, one, x), y);
+        const ShaderValue xyz = CombineChannels(Scalar(HDS_MATH_DIVIDE, x, y), one,
+                                                Scalar(HDS_MATH_DIVIDE, z, y), MakeScalar(0.0F), 3);
+        const auto row = [&](const std::array<float, 4>& weights) {
+            return DotProduct(xyz, MakeConstant(weights, 3), 3);
+        };
+        const ShaderValue color = CombineChannels(
+            row({3.2406F, -1.5372F, -0.4986F, 0.0F}), row({-0.9689F, 1.8758F, 0.0415F, 0.0F}),
+            row({0.0557F, -0.2040F, 1.0570F, 0.0F}), MakeScalar(0.0F), 3);
+        return MakeMath(HDS_MATH_MAX, {color, MakeScalar(0.0F)}, 3);
+    }
+
     /// Longitudinal variance and azimuthal scale of hair. Chiang et al. 2016, eqs. 7 and 8; the
     /// factors of the lobes are Marschner's et al. 2003.
     ShaderValue HairRoughness() {
@@ -154,6 +191,7 @@ constexpr PatternType kTypes[] = {
     {"roughness_dual", kPattern<&PbrNode::RoughnessDual>},
     {"glossiness_anisotropy", kPattern<&PbrNode::GlossinessAnisotropy>},
     {"open_pbr_anisotropy", kPattern<&PbrNode::OpenPbrAnisotropy>},
+    {"blackbody", kPattern<&PbrNode::Blackbody>},
     {"artistic_ior", kPattern<&PbrNode::ArtisticIor>},
     {"chiang_hair_roughness", kPattern<&PbrNode::HairRoughness>},
     {"chiang_hair_absorption_from_color", kPattern<&PbrNode::HairAbsorptionOfColor>},

@@ -16,7 +16,7 @@ import numpy as np
 def _Library():
     document = MaterialX.createDocument()
     folder = pathlib.Path(MaterialX.__file__).parent / "libraries"
-    for name in ("stdlib", "nprlib", "bxdf"):
+    for name in ("stdlib", "nprlib", "bxdf", "cmlib"):
         for file in sorted((folder / name).glob("*.mtlx")):
             MaterialX.readFromXmlFile(document, str(file))
     return document
@@ -27,7 +27,7 @@ def _Parse(text: str, kind: str):
         return text
     if kind == "boolean":
         return np.array([1.0 if text == "true" else 0.0])
-    return np.array([float(part) for part in text.split(",")])
+    return np.array([float(part) for part in text.split(",") if part.strip()])
 
 
 def _Rotate3d(v, degrees, axis):
@@ -72,7 +72,7 @@ _LEAVES = {
     "remap": lambda i: i["outlow"] + (i["in"] - i["inlow"]) * (i["outhigh"] - i["outlow"]) / (i["inhigh"] - i["inlow"]),
     "smoothstep": lambda i: _Smooth(i["in"], i["low"], i["high"]), "mix": lambda i: i["bg"] + (i["fg"] - i["bg"]) * i["mix"],
     "rotate2d": lambda i: _Rotate2d(i["in"], i["amount"]), "rotate3d": lambda i: _Rotate3d(i["in"], i["amount"], i["axis"]),
-    "combine2": lambda i: np.concatenate([i["in1"], i["in2"]]),
+    "combine2": lambda i: np.concatenate([np.atleast_1d(i["in1"]), np.atleast_1d(i["in2"])]),
     "combine3": lambda i: np.concatenate([i["in1"], i["in2"], i["in3"]]),
     "extract": lambda i: i["in"][[int(i["index"][0])]], "rgbtohsv": lambda i: _RgbToHsv(i["in"]),
     "hsvtorgb": lambda i: _HsvToRgb(i["in"]),
@@ -80,7 +80,8 @@ _LEAVES = {
     "ifgreater": lambda i: i["in1"] if i["value1"] > i["value2"] else i["in2"],
     "ifgreatereq": lambda i: i["in1"] if i["value1"] >= i["value2"] else i["in2"],
     "ifequal": lambda i: i["in1"] if i["value1"] == i["value2"] else i["in2"],
-    "convert": lambda i: i["in"],
+    "convert": lambda i: i["in"], "constant": lambda i: i["value"],
+    "transformmatrix": lambda i: i["in"] @ i["mat"].reshape(3, 3),
 }
 
 

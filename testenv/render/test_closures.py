@@ -13,6 +13,7 @@ from stages import author, shapes
 from stages.materialX import OPEN_PBR, STANDARD, AddNode, AddSurface
 
 GLTF = "ND_gltf_pbr_surfaceshader"
+DISNEY = "ND_disney_principled"
 RED, BLUE, GOLD, EDGE, WHITE = (0.7, 0.1, 0.08), (0.1, 0.2, 0.9), (0.95, 0.7, 0.35), (0.9, 0.8, 0.7), (1.0, 1.0, 1.0)
 DOME = (("Dome", {}),)
 LAMP = (("Sphere", dict(placement=dict(translate=(3, 3, 3)), intensity=20.0)), ("Dome", dict(intensity=0.3)))
@@ -211,6 +212,9 @@ GRAPHS = {
     OPEN_PBR: [dict(base_color=RED, specular_roughness=0.4), dict(base_color=GOLD, base_metalness=1.0, specular_roughness=0.4),
                dict(base_color=RED, coat_weight=0.7, coat_roughness=0.2), dict(base_color=RED, fuzz_weight=0.8),
                dict(transmission_weight=1.0, specular_roughness=0.3)],
+    DISNEY: [dict(baseColor=RED, roughness=0.4, specularTint=0.5), dict(baseColor=GOLD, metallic=0.5, roughness=0.4, anisotropic=0.3),
+             dict(baseColor=RED, clearcoat=1.0, clearcoatGloss=0.8, sheen=0.5), dict(baseColor=RED, specTrans=0.5, ior=1.3),
+             dict(baseColor=RED, subsurface=0.5, subsurfaceDistance=(0.2, 0.1, 0.05), specular=1.0)],
     GLTF: [dict(base_color=RED, metallic=0.0, roughness=0.4), dict(base_color=GOLD, metallic=0.5, roughness=0.4)],
 }
 

@@ -7,7 +7,7 @@ Oracles: the library's own node graphs, evaluated in numpy (nodeGraphs.py); nois
 
 import numpy as np
 import pytest
-from pxr import Sdf, UsdShade
+from pxr import Sdf, UsdLux, UsdShade
 
 pytest.importorskip("hdstream._core")
 pytest.importorskip("MaterialX")
@@ -18,6 +18,7 @@ from stages import author, imageFile
 from stages.materialX import STANDARD, AddNode
 
 _T = Sdf.ValueTypeNames
+_KELVINS = (2000, 3200, 6500, 10000)
 _A, _B = (0.2, 0.5, 0.8), (0.6, 0.3, 0.1)
 _FRONT, _BACK = (0.2, 0.5, 0.8, 0.4), (0.6, 0.3, 0.1, 0.7)
 _ST = (0.3, 0.7)
@@ -94,11 +95,58 @@ def _Graph(category, types, **inputs):
     return Value(category, types, leaves, **{**own, **given}), category, types, inputs
 
 
+def _Value(category, inputs):
+    """A case of a node that looks along -z at a card that faces it."""
+    up = {"normal": lambda i: np.array(_UP), "viewdirection": lambda i: -np.array(_UP),
+          "reflect": lambda i: i["in"] - 2 * (i["normal"] @ i["in"]) * i["normal"]}
+    return Value(category, "", up, **inputs), category, "", inputs
+
+
 def _Ramp(**inputs):
     return _Graph("ramp", "", num_intervals=4, interval2=0.3, interval3=0.6, color1=_BACK, color2=_FRONT,
                   color3=(0.9, 0.1, 0.4, 1.0), color4=(0.0, 0.7, 0.3, 1.0), **inputs)
 
 
+def _Tiled(category, **inputs):
+    """A tiled shape at several places, some inside and some outside."""
+    for number, move in enumerate(((0.0, 0.0), (0.2, 0.45), (-0.35, 0.3), (0.4, 0.65), (0.1, -0.2))):
+        for isStaggered in (False, True):
+            yield (f"{category}_{number}{'_staggered' * isStaggered}",
+                   _Graph(category, "color3", uvtiling=(2.0, 1.7), uvoffset=move, staggered=isStaggered, **inputs))
+
+
+def _Shapes():
+    """Shapes whose centres lie at several places around the point."""
+    for number, center in enumerate(((0.3, 0.7), (0.1, 0.4), (0.55, 0.9), (0.72, 0.7), (0.3, 0.25), (0.05, 0.4))):
+        for category in ("hexagon", "cloverleaf"):
+            yield f"{category}_{number}", _Graph(category, "float", center=center, radius=0.4)
+
+
+_SPACES = ("g18_rec709", "g22_rec709", "rec709_display", "acescg", "g22_ap1", "srgb_texture", "lin_adobergb", "adobergb",
+           "srgb_displayp3", "lin_displayp3")
+_M33 = np.array([[0.9, 0.2, 0.1], [0.1, 0.7, 0.3], [0.05, 0.4, 1.1]])
+_M44 = np.vstack([np.hstack([_M33, np.zeros((3, 1))]), [0.1, 0.2, 0.05, 1.0]])
+_ROWS33 = {f"in{k + 1}": tuple(row) for k, row in enumerate(_M33)}
+_NODE33 = ("creatematrix", "vector3_matrix33", _ROWS33)
+_NODE44 = ("creatematrix", "vector4_matrix44", {f"in{k + 1}": tuple(row) for k, row in enumerate(_M44)})
+_MATRICES = {
+    "transformmatrix": (_A @ _M33, "transformmatrix", "vector3", dict(mat=_NODE33, **{"in": _A})),
+    "transformmatrix_transposed": (_M33 @ _A, "transformmatrix", "vector3",
+                                   dict(mat=("transpose", "matrix33", {"in": _NODE33}), **{"in": _A})),
+    "transformmatrix_inverse": (_M33.T @ np.linalg.inv(_M33), "transformmatrix", "vector3", dict(
+        mat=("invertmatrix", "matrix33", {"in": _NODE33}), **{"in": tuple(_M33.T[0])})),
+    "transformmatrix_point": (np.array([*_A, 1]) @ _M44, "transformmatrix", "vector3M4", dict(mat=_NODE44, **{"in": _A})),
+    "transformmatrix_inversePoint": (np.array([*_A, 1]) @ np.linalg.inv(_M44), "absval", "vector3", {"in": (
+        "transformmatrix", "vector3M4", dict(mat=("invertmatrix", "matrix44", {"in": _NODE44}), **{"in": _A}))}),
+    "determinant": (np.linalg.det(_M33), "determinant", "matrix33", {"in": _NODE33}),
+    "determinant_44": (np.linalg.det(_M44), "determinant", "matrix44", {"in": _NODE44}),
+    # The shape of the point makes one that no constant folds.
+    "determinant_varying": (np.linalg.det([[0.3, 0.7, 0], *_M33[1:]]), "determinant", "matrix33", {"in": (
+        "creatematrix", "vector3_matrix33", {**_ROWS33, "in1": ("convert", "vector2_vector3", {"in": ("texcoord", "vector2", {})})})}),
+}
+_MATRICES["transformmatrix_inverse"] = (_M33.T[0] @ np.linalg.inv(_M33), *_MATRICES["transformmatrix_inverse"][1:])
+_MATRICES["transformmatrix_inversePoint"] = (np.abs(_MATRICES["transformmatrix_inversePoint"][0]),
+                                             *_MATRICES["transformmatrix_inversePoint"][1:])
 _TRIPLANAR = dict(filex="x.exr", filey="y.exr", filez="z.exr", position=(0.3, 0.6, 0.45))
 _CASES = {
     "worleynoise2d": (0.600949407, "worleynoise2d", "float", {}),
@@ -170,6 +218,15 @@ _CASES = {
                                  {"in": (f"logical_{name}", "", dict(in1=bool(a), in2=bool(b)))})
        for a, b in ((0, 0), (0, 1), (1, 1)) for name, value in (("and", a and b), ("or", a or b), ("xor", a != b))},
     "logical_not": (1.0, "convert", "boolean_float", {"in": ("logical_not", "", {"in": False})}),
+    **dict(_Shapes()), **dict(_Tiled("tiledcircles")), **dict(_Tiled("tiledhexagons", size=0.7)),
+    **dict(_Tiled("tiledcloverleafs", size=0.8)), **dict(_Tiled("crosshatch", thickness=0.3)),
+    **{space: _Graph(f"{space}_to_lin_rec709", "color3", **{"in": (0.02, 0.3, 0.8)}) for space in _SPACES},
+    **_MATRICES,
+    "gooch_shade": (*_Value("gooch_shade", dict(light_direction=(0.2, -0.1, -1.0), shininess=4.0, specular_intensity=0.2)),),
+    "disjointover": (np.array(_A) + np.array(_B) * (0.6 / 0.7), "disjointover", "color4", dict(fg=_FRONT, bg=_BACK)),
+    "disjointover_apart": (0.5 * (np.array(_A) + 2 * np.array(_B)), "disjointover", "color4",
+                           dict(fg=_FRONT, bg=(*_B, 0.5), mix=0.5)),
+    "anisotropy_image": (0.9 * 0.5, "gltf_anisotropy_image", "", dict(file="z.exr", texcoord=(0.25, 0.6), anisotropy_strength=0.5)),
     "viewdirection": ((0, 0, 1), "absval", "vector3", dict(**{"in": ("viewdirection", "vector3", {})})),
     "facingratio": (1.0, "facingratio", "float", {}),
     "facingratio_inverted": (0.0, "facingratio", "float", dict(invert=True)),
@@ -200,6 +257,8 @@ _VARYING = {
 
 
 def _Output(category, types):
+    if category == "determinant":
+        return _T.Float
     return {"float": _T.Float, "vector2": _T.Float2, "vector2FA": _T.Float2}.get(types, _T.Color3f)
 
 
@@ -212,6 +271,9 @@ def _Node(stage, path, folder, category, types, inputs):
             value = Sdf.AssetPath(str(folder / value))
         values[name] = value
     node, out = AddNode(stage, path, f"ND_{category}_{types}" if types else f"ND_{category}", _Output(category, types), **values)
+    if category == "gltf_anisotropy_image":
+        node.CreateOutput("anisotropy_strength_out", _T.Float)
+        return node, "anisotropy_strength_out"
     if category == "gltf_colorimage":
         node.CreateOutput("outcolor", _T.Color3f)
         return node, "outcolor"
@@ -266,6 +328,8 @@ def strip(tmp_path_factory):
     result = Strip(folder / "strip.usda")
     for name, case in _CASES.items():
         result.Add(name, _Glowing(folder, case), st=_ST)
+    for kelvin in _KELVINS:
+        result.Add(f"blackbody {kelvin}", _Glowing(folder, (0, "blackbody", "", dict(temperature=float(kelvin)))))
     for name, case in _VARYING.items():
         result.Add(f"varying {name}", _Glowing(folder, case))
     result.Add("facingratio_tilted", _Glowing(folder, (0, "facingratio", "float", {})), tilt=60.0)
@@ -288,7 +352,7 @@ def bumps(tmp_path_factory):
 def test_node(strip, name):
     expected = np.asarray(_CASES[name][0], float)[..., :3] if np.ndim(_CASES[name][0]) else _CASES[name][0]
     expected = np.maximum(np.broadcast_to(expected if np.size(expected) > 1 else np.ravel(expected)[0], 3), 0)
-    isImage = name.startswith(("triplanar", "gltf", "latlong", "hextiled"))  # texels are kept in half precision
+    isImage = name.startswith(("triplanar", "gltf", "latlong", "hextiled", "anisotropy"))  # texels are kept in half precision
     assert strip.Pixels(name)[:, :3] == pytest.approx(np.tile(expected, (4, 1)), abs=5e-4 if isImage else 3e-5), name
 
 
@@ -296,6 +360,16 @@ def test_node(strip, name):
 def test_geometry_and_slopes(strip, name):
     expected = np.broadcast_to(np.asarray(_VARYING[name][0], float), 3)
     assert strip.Pixels(f"varying {name}")[:, :3] == pytest.approx(np.tile(expected, (4, 1)), abs=5e-4), name
+
+
+@pytest.mark.parametrize("kelvin", _KELVINS)
+def test_blackbodies_have_the_colour_of_their_temperature(strip, kelvin):
+    """Against UsdLux, which fits Planck's spectra by another curve; the node's own fit is within 3 % of those."""
+    color = strip.Pixels(f"blackbody {kelvin}")[0, :3]
+    expected = np.array(UsdLux.BlackbodyTemperatureAsRgb(kelvin))
+    luminance = np.array([0.2126, 0.7152, 0.0722])
+    assert color @ luminance == pytest.approx(1.0, abs=2e-3)
+    assert color == pytest.approx(expected / (expected @ luminance), abs=0.04)
 
 
 def test_facingratio_is_the_cosine(strip):

@@ -93,3 +93,138 @@ def test_broken_values_are_named_and_circles_end(good, bad, line, tmp_path):
     assert good in _FILE
     warnings = list(_Translate(tmp_path, _FILE.replace(good, bad)).Warnings())
     assert any(line in warning and "looks.mtlx" in warning for warning in warnings) if line else not warnings, warnings
+
+
+# Definitions of a file's own: "tinted" of a product and of "halved", "coated" of a surface; what is passed through
+# the interfaces is a value, a connection, a default and the geometry that a default names.
+_OWN = """<?xml version="1.0"?>
+<materialx version="1.38">
+  <nodedef name="ND_halved_color3" node="halved">
+    <input name="in" type="color3" value="1, 1, 1"/>
+    <input name="by" type="float" value="0.5"/>
+    <output name="out" type="color3"/>
+  </nodedef>
+  <nodegraph name="NG_halved" nodedef="ND_halved_color3">
+    <multiply name="product" type="color3">
+      <input name="in1" type="color3" interfacename="in"/>
+      <input name="in2" type="float" interfacename="by"/>
+    </multiply>
+    <output name="out" type="color3" nodename="product"/>
+  </nodegraph>
+  <nodedef name="ND_tinted" node="tinted">
+    <input name="tint" type="color3" value="0.25, 0.5, 0.75"/>
+    <input name="place" type="vector3" defaultgeomprop="Pworld"/>
+    <output name="bright" type="color3"/>
+    <output name="dark" type="color3"/>
+  </nodedef>
+  <nodegraph name="NG_tinted" nodedef="ND_tinted">
+    <noise3d name="noise" type="color3">
+      <input name="position" type="vector3" interfacename="place"/>
+    </noise3d>
+    <multiply name="product" type="color3">
+      <input name="in1" type="color3" nodename="noise"/>
+      <input name="in2" type="color3" interfacename="tint"/>
+    </multiply>
+    <halved name="half" type="color3">
+      <input name="in" type="color3" nodename="product"/>
+    </halved>
+    <output name="bright" type="color3" nodename="product"/>
+    <output name="dark" type="color3" nodename="half"/>
+  </nodegraph>
+  <nodedef name="ND_coated" node="coated">
+    <input name="color" type="color3" value="0.5, 0.5, 0.5"/>
+    <input name="strength" type="float" value="0.5"/>
+    <output name="out" type="surfaceshader"/>
+  </nodedef>
+  <nodegraph name="NG_coated" nodedef="ND_coated">
+    <standard_surface name="inner" type="surfaceshader">
+      <input name="base_color" type="color3" interfacename="color"/>
+      <input name="coat" type="float" interfacename="strength"/>
+    </standard_surface>
+    <output name="out" type="surfaceshader" nodename="inner"/>
+  </nodegraph>
+  <constant name="red" type="color3">
+    <input name="value" type="color3" value="0.5, 0.0, 0.0"/>
+  </constant>
+  <tinted name="mine" type="multioutput">
+    <input name="tint" type="color3" nodename="red"/>
+  </tinted>
+  <coated name="Surface" type="surfaceshader">
+    <input name="color" type="color3" nodename="mine" output="dark"/>
+  </coated>
+  <surfacematerial name="Wood" type="material">
+    <input name="surfaceshader" type="surfaceshader" nodename="Surface"/>
+  </surfacematerial>
+</materialx>
+"""
+_BY_HAND = """<?xml version="1.0"?>
+<materialx version="1.38">
+  <constant name="red" type="color3">
+    <input name="value" type="color3" value="0.5, 0.0, 0.0"/>
+  </constant>
+  <position name="place" type="vector3"> <input name="space" type="string" value="world"/> </position>
+  <noise3d name="noise" type="color3"> <input name="position" type="vector3" nodename="place"/> </noise3d>
+  <multiply name="product" type="color3">
+    <input name="in1" type="color3" nodename="noise"/>
+    <input name="in2" type="color3" nodename="red"/>
+  </multiply>
+  <multiply name="half" type="color3">
+    <input name="in1" type="color3" nodename="product"/>
+    <input name="in2" type="float" value="0.5"/>
+  </multiply>
+  <standard_surface name="Surface" type="surfaceshader">
+    <input name="base_color" type="color3" nodename="half"/>
+    <input name="coat" type="float" value="0.5"/>
+  </standard_surface>
+  <surfacematerial name="Wood" type="material">
+    <input name="surfaceshader" type="surfaceshader" nodename="Surface"/>
+  </surfacematerial>
+</materialx>
+"""
+
+
+def _Tree(session):
+    """The network as its terminal sees it, without the names of nodes."""
+    network = session.Scene().materials["/Looks/Wood"]
+    nodes = {node.path: node for node in network.nodes}
+
+    def Of(path, output):
+        node = nodes[path]
+        return (node.identifier, output, dict(node.parameters),
+                {name: Of(one.upstreamPath, one.upstreamOutput) for name, one in node.connections.items()})
+
+    return Of(network.terminals["surface"].upstreamPath, "")
+
+
+def test_nodes_that_a_file_defines_are_the_nodes_of_their_graphs(tmp_path):
+    pytest.importorskip("MaterialX")
+    folders = [tmp_path / "own", tmp_path / "byHand"]
+    for folder in folders:
+        folder.mkdir()
+    own, byHand = (_Translate(folder, text) for folder, text in zip(folders, (_OWN, _BY_HAND)))
+    assert _Tree(own) == _Tree(byHand)
+    assert list(own.Warnings()) == []
+
+
+def test_two_calls_of_one_definition_are_apart(tmp_path):
+    pytest.importorskip("MaterialX")
+    second = '<tinted name="other" type="multioutput"> <input name="tint" type="color3" nodename="mine" output="dark"/> </tinted>'
+    text = _OWN.replace('<coated name="Surface"', f'{second}<coated name="Surface"') \
+        .replace('nodename="mine" output="dark"/>\n  </coated>', 'nodename="other" output="bright"/>\n  </coated>')
+    product = _Tree(_Translate(tmp_path, text))[3]["base_color"]
+    inner = product[3]["in2"]
+    assert (product[0], inner[0], inner[3]["in1"][0]) == ("ND_multiply_color3", "ND_multiply_color3FA", "ND_multiply_color3")
+    assert inner[3]["in1"][3]["in2"] == ("ND_constant_color3", "out", {"value": [0.5, 0.0, 0.0]}, {})
+
+
+@pytest.mark.parametrize("good, bad", [
+    ('<multiply name="product" type="color3">\n      <input name="in1" type="color3" interfacename="in"/>\n'
+     '      <input name="in2" type="float" interfacename="by"/>\n    </multiply>',
+     '<halved name="product" type="color3">\n      <input name="in" type="color3" interfacename="in"/>\n    </halved>'),
+    ('<nodegraph name="NG_halved" nodedef="ND_halved_color3">', '<nodegraph name="NG_halved">')])
+def test_definitions_that_call_themselves_or_have_no_graph_stay_unknown_nodes(good, bad, tmp_path):
+    """The core warns of those, once a node."""
+    pytest.importorskip("MaterialX")
+    assert good in _OWN
+    session = _Translate(tmp_path, _OWN.replace(good, bad))
+    assert "ND_halved_color3" in str(_Tree(session)) and not _core.IsKnownShader("ND_halved_color3")

@@ -203,3 +203,21 @@ def test_udim_pattern_is_resolved(tmp_path):
     attribute = stage.GetPrimAtPath("/T").GetAttribute("inputs:file")
     reference = AssetResolver().Resolve(attribute, attribute.Get())
     assert reference.file == str(tmp_path / "t.<UDIM>.png")
+
+
+@pytest.mark.parametrize("surface, drawn, warns", [
+    ("ND_standard_surface_surfaceshader", "Mtlx", False), ("ND_lama_surface", "Preview", True), ("", "Preview", True)])
+def test_a_surface_that_is_drawn_is_preferred_to_one_that_is_not(surface, drawn, warns):
+    text = f"""def Material "M" {{
+        token outputs:mtlx:surface.connect = </M/Mtlx.outputs:out>
+        token outputs:surface.connect = </M/Preview.outputs:surface>
+        def Shader "Mtlx" {{ {f'uniform token info:id = "{surface}"' if surface else ''}
+            token outputs:out }}
+        def Shader "Preview" {{ uniform token info:id = "UsdPreviewSurface"
+            token outputs:surface }}
+    }}
+    def Sphere "S" (prepend apiSchemas = ["MaterialBindingAPI"]) {{ rel material:binding = </M> }}"""
+    session = Translate(StageOf(text))
+    assert session.Scene().materials["/M"].terminals["surface"].upstreamPath == f"/M/{drawn}"
+    lines = [line for line in session.Warnings() if "is not supported; the universal surface is used" in line]
+    assert len(lines) == warns and all(line.startswith("/M: ") for line in lines)

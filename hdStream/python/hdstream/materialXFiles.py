@@ -24,6 +24,8 @@ _VECTORS = {"color3": Gf.Vec3f, "color4": Gf.Vec4f, "vector2": Gf.Vec2f, "vector
 _COLORS = ("color3", "color4")
 _FALLBACK_SPACES = ("lin_rec709", "lin_rec709_scene")  # USD's, which goes without saying
 _TERMINALS = {"surfaceshader": "surface", "displacementshader": "displacement"}
+# Streams of geometry that inputs of definitions take where nothing is connected.
+_GEOMETRY = ("texcoord", "position", "normal", "tangent", "bitangent", "viewdirection")
 _layers = {}  # path -> layer as read last; an anonymous layer lives as long as someone holds it
 
 
@@ -92,8 +94,21 @@ def _ReadLayer(path):
     return layer
 
 
+class _Call:
+    """A node that is replaced by the node graph of its definition, within the call whose graph it stands in."""
+
+    def __init__(self, node, definition, outer, path):
+        self.node, self.definition, self.outer, self.path = node, definition, outer, path
+
+    def Contains(self, definition):
+        return self.definition.getName() == definition.getName() or (self.outer is not None and self.outer.Contains(definition))
+
+
 class _Material:
-    """Writes one material: all nodes above its terminals, without node graphs, as shaders below it."""
+    """Writes one material: all nodes above its terminals, without node graphs, as shaders below it.
+
+    Nodes that the file defines itself by node graphs are written as the nodes of those, as OpenUSD's own plug-in does.
+    """
 
     def __init__(self, stage, node, mx, folder):
         self._stage, self._node, self._mx, self._folder = stage, node, mx, folder
@@ -104,41 +119,90 @@ class _Material:
         material = UsdShade.Material.Define(self._stage, self._path)
         for kind, terminal in _TERMINALS.items():
             for node in self._mx.getShaderNodes(self._node, kind):
-                output = material.CreateOutput(f"mtlx:{terminal}", Sdf.ValueTypeNames.Token)
-                output.ConnectToSource(self._Shader(node).CreateOutput("out", Sdf.ValueTypeNames.Token))
+                found = self._Inside(node, "", None)
+                if found is not None and isinstance(found[0], self._mx.Node):
+                    output = material.CreateOutput(f"mtlx:{terminal}", Sdf.ValueTypeNames.Token)
+                    output.ConnectToSource(self._Shader(found[0], found[2]).CreateOutput("out", Sdf.ValueTypeNames.Token))
 
-    def _Shader(self, node):
-        known = self._shaders.get(node.getNamePath())
-        if known is not None:
-            return known
-        path = f"{self._path}/{Tf.MakeValidIdentifier(node.getNamePath())}"
-        shader = self._shaders[node.getNamePath()] = UsdShade.Shader.Define(self._stage, path)
+    def _ShaderPath(self, node, call):
+        name = node.getNamePath() if call is None else node.getName()
+        return (self._path + "/" if call is None else call.path + "_") + Tf.MakeValidIdentifier(name)
+
+    def _Shader(self, node, call):
+        path = self._ShaderPath(node, call)
+        if path in self._shaders:
+            return self._shaders[path]
+        shader = self._shaders[path] = UsdShade.Shader.Define(self._stage, path)
         definition = node.getNodeDef()
         shader.SetShaderId(definition.getName() if definition else f"ND_{node.getCategory()}_{node.getType()}")
         for source in node.getInputs():
-            self._WriteInput(shader, source)
+            self._WriteInput(shader, source, call)
         return shader
 
-    def _WriteInput(self, shader, source):
-        name, value = source.getName(), source
-        passed = {value.getNamePath()}
-        while value.hasInterfaceName():
-            outer = value.getInterfaceInput()
-            if outer is None or outer.getNamePath() in passed:
+    def _WriteInput(self, shader, source, call):
+        name, kind = source.getName(), _TYPES.get(source.getType())
+        found = None if kind is None else self._Follow(source, call)
+        if found is None:
+            return
+        origin, output, call = found
+        if isinstance(origin, self._mx.Node):
+            upstreamKind = _TYPES.get(origin.getType(), kind)
+            shader.CreateInput(name, kind).ConnectToSource(self._Shader(origin, call).CreateOutput(output, upstreamKind))
+        elif origin.hasValueString():
+            self._WriteValue(shader.CreateInput(name, kind), origin)
+        elif origin.hasDefaultGeomPropString():
+            self._WriteGeometry(shader.CreateInput(name, kind), origin.getDefaultGeomProp())
+
+    def _Follow(self, port, call):
+        """What feeds a port: (node, its output, its call), or (the port with the value, "", None). None: nothing."""
+        passed = set()
+        while port.hasInterfaceName():
+            if (port.getNamePath(), call) in passed:
                 break
-            passed.add(outer.getNamePath())
-            value = outer
-        upstream = value.getConnectedNode()
-        kind = _TYPES.get(source.getType())
-        if upstream is not None and kind is not None:
-            target = self._Shader(upstream)
-            output = value.getConnectedOutput()
-            outputName = (value.getOutputString() if not value.hasNodeGraphString() else "") or \
-                (output.getOutputString() if output is not None else "") or "out"
-            upstreamKind = _TYPES.get(upstream.getType(), kind)
-            shader.CreateInput(name, kind).ConnectToSource(target.CreateOutput(outputName, upstreamKind))
-        elif kind is not None and value.hasValueString():
-            self._WriteValue(shader.CreateInput(name, kind), value)
+            passed.add((port.getNamePath(), call))
+            outer = port.getInterfaceInput()
+            if outer is None and call is not None:
+                outer = call.node.getInput(port.getInterfaceName())
+                if outer is None:
+                    port = call.definition.getActiveInput(port.getInterfaceName())
+                    return None if port is None else (port, "", None)
+                call = call.outer
+            if outer is None:
+                break
+            port = outer
+        upstream = port.getConnectedNode()
+        if upstream is None:
+            return port, "", None
+        output = port.getConnectedOutput()
+        name = (port.getOutputString() if not port.hasNodeGraphString() else "") or \
+            (output.getOutputString() if output is not None else "")
+        return self._Inside(upstream, name, call)
+
+    def _Inside(self, node, output, call):
+        """As _Follow, of a node's output. A definition that calls itself is left as a node that is not known."""
+        definition = node.getNodeDef()
+        graph = None if definition is None else definition.getImplementation()
+        isOwn = graph is not None and graph.isA(self._mx.NodeGraph) and _Library().getNodeDef(definition.getName()) is None
+        if not isOwn or (call is not None and call.Contains(definition)):
+            return node, output or "out", call
+        outputs = graph.getOutputs()
+        port = graph.getOutput(output) if output else None
+        port = port if port is not None else outputs[0] if outputs else None
+        inner = _Call(node, definition, call, self._ShaderPath(node, call))
+        return None if port is None else self._Follow(port, inner)
+
+    def _WriteGeometry(self, target, prop):
+        """What an input of a definition is that nothing is connected to: texture coordinates, a position, a normal..."""
+        if prop is None or prop.getGeomProp() not in _GEOMETRY:
+            return
+        path = f"{self._path}/{Tf.MakeValidIdentifier(prop.getName())}"
+        shader = UsdShade.Shader.Define(self._stage, path)
+        shader.SetShaderId(f"ND_{prop.getGeomProp()}_{prop.getType()}")
+        if prop.getSpace():
+            shader.CreateInput("space", Sdf.ValueTypeNames.String).Set(prop.getSpace())
+        if prop.getIndex():
+            shader.CreateInput("index", Sdf.ValueTypeNames.Int).Set(int(prop.getIndex()))
+        target.ConnectToSource(shader.CreateOutput("out", target.GetTypeName()))
 
     def _WriteValue(self, target, source):
         kind = source.getType()

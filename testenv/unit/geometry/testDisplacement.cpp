@@ -132,11 +132,12 @@ TEST(Displacement, PointAmountsAreMeansOverFaces) {
     attribute.name = "uniform";
     attribute.interpolation = Interpolation::Uniform;
     attribute.values = grid.primvars[0].values;
-    const std::vector<float> amounts =
-        PointAmounts(grid, {}, {attribute}, {MakePrimvarAmount("uniform", 0.0)});
+    const std::vector<float> amounts = PointAmounts(grid, grid.points, {0.0, 4.0}, {}, {attribute},
+                                                    {MakePrimvarAmount("uniform", 0.0)});
     EXPECT_EQ(amounts, (std::vector<float>{1, 1.5, 2, 2, 2.5, 3, 3, 3.5, 4}));
     const std::vector<float> entries =
-        PointAmounts(grid, {0, 1, 0, 1}, {attribute}, {nullptr, MakeConstantAmount(4.0)});
+        PointAmounts(grid, grid.points, {0.0, 4.0}, {0, 1, 0, 1}, {attribute},
+                     {nullptr, MakeConstantAmount(4.0)});
     EXPECT_EQ(entries, (std::vector<float>{0, 2, 4, 0, 2, 4, 0, 2, 4}));
 }
 

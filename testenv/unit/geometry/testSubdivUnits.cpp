@@ -83,7 +83,8 @@ SubdivDice MakeDice(const GeometryDescription& mesh, std::mt19937& random, std::
     }
     dice.displacement.owner = displacement;
     dice.displacement.amounts = BindAmounts(displacement, attributes);
-    dice.displacement.range = RangeOf(dice.displacement.amounts, attributes, displacement.empty());
+    dice.displacement.range =
+        RangeOf(dice.displacement.amounts, attributes, mesh, displacement.empty());
     dice.NumberGroups();
     return dice;
 }

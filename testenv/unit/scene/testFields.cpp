@@ -97,8 +97,17 @@ Variations<std::optional<T>> Vary(const std::optional<T>& value) {
 }
 template <typename T, std::size_t N>
 Variations<std::array<T, N>> Vary(std::array<T, N> values) {
-    values[N - 1] += 1;
-    return {{values}};
+    if constexpr (std::is_arithmetic_v<T>) {
+        values[N - 1] += 1;
+        return {{values}};
+    } else {
+        Variations<std::array<T, N>> result;
+        for (auto& one : VariationsOf(values[0])) {
+            result.push_back({values, "[0]" + one.path, one.isInKey, one.isInDump});
+            result.back().value[0] = std::move(one.value);
+        }
+        return result;
+    }
 }
 Variations<std::string> Vary(const std::string& text) {
     return {{text + "x"}};
@@ -219,6 +228,11 @@ DisplacementInput FullDisplacement() {
     DisplacementInput displacement;
     displacement.lookup.emplace();
     displacement.lookup->image = std::make_shared<const HeightImage>();
+    displacement.network.emplace();
+    displacement.network->primvars.emplace_back();
+    DisplacementStep& step = displacement.network->steps.emplace_back();
+    step.operands.emplace_back();
+    step.tiles.emplace_back().heights[0] = std::make_shared<const HeightImage>();
     return displacement;
 }
 

@@ -25,14 +25,16 @@ DisplacementLookup Ramp(std::uint32_t wrap) {
 }
 
 double At(const DisplacementAmount& amount, double s, double t) {
-    const double st[2] = {s, t};
-    return amount.At(st);
+    AmountPoint point = MissingPoint(amount);
+    point.primvars[0] = {s, t, 0.0, 0.0};
+    return amount.At(point);
 }
 
 TEST(TextureAmount, IsBilinearBetweenTexels) {
     const auto amount = MakeTextureAmount("st", Ramp(HDS_WRAP_CLAMP));
-    EXPECT_EQ(amount->Primvar(), "st");
-    EXPECT_EQ(amount->NumComponents(), 2U);
+    ASSERT_EQ(amount->Primvars().size(), 1U);
+    EXPECT_EQ(amount->Primvars()[0].names, std::vector<std::string>{"st"});
+    EXPECT_EQ(amount->Primvars()[0].numComponents, 2U);
     EXPECT_DOUBLE_EQ(At(*amount, 0.125, 0.75), 0.0) << "the centre of the upper left texel";
     EXPECT_DOUBLE_EQ(At(*amount, 0.625, 0.25), 12.0);
     EXPECT_DOUBLE_EQ(At(*amount, 0.5, 0.5), 6.5) << "where four meet";
@@ -55,8 +57,8 @@ TEST(TextureAmount, TransformsScalesAndFallsBack) {
     lookup.missing = {0.5F, 0.5F};
     const auto amount = MakeTextureAmount("st", lookup);
     EXPECT_DOUBLE_EQ(At(*amount, 0.0, 0.5), -2.0 * 12.0 + 1.0);
-    EXPECT_DOUBLE_EQ(amount->Fallback(), -2.0 * 2.0 + 1.0);
-    EXPECT_EQ(MakeTextureAmount("", lookup)->NumComponents(), 0U);
+    EXPECT_DOUBLE_EQ(amount->At(MissingPoint(*amount)), -2.0 * 2.0 + 1.0);
+    EXPECT_TRUE(MakeTextureAmount("", lookup)->Primvars().empty());
 }
 
 TEST(TextureAmount, NothingIsOutsideItsRange) {
@@ -67,7 +69,7 @@ TEST(TextureAmount, NothingIsOutsideItsRange) {
         lookup.scale = -0.5F;
         lookup.bias = 20.0F;
         const auto amount = MakeTextureAmount("st", lookup);
-        const AmountRange range = amount->Over(nullptr, nullptr);
+        const AmountRange range = amount->Over({});
         EXPECT_DOUBLE_EQ(range.low, 13.5);
         EXPECT_DOUBLE_EQ(range.high, 20.0);
         for (int i = 0; i < 1000; ++i) {
@@ -86,11 +88,11 @@ TEST(TextureAmount, AnUnreadableImageLeavesTheFallback) {
     input.constant = 0.75F;
     input.primvar = "st";
     input.lookup = Ramp(HDS_WRAP_CLAMP);
-    EXPECT_EQ(MakeDisplacement({input})[0]->NumComponents(), 2U);
+    EXPECT_EQ(MakeDisplacement({input})[0]->Primvars().size(), 1U);
     input.lookup->image = nullptr;
     const Displacement displacement = MakeDisplacement({input});
-    EXPECT_EQ(displacement[0]->NumComponents(), 0U);
-    EXPECT_DOUBLE_EQ(displacement[0]->Fallback(), 0.75);
+    EXPECT_TRUE(displacement[0]->Primvars().empty());
+    EXPECT_DOUBLE_EQ(displacement[0]->At({}), 0.75);
 }
 
 } // namespace

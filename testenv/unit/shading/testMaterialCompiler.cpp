@@ -3,6 +3,8 @@
 // in testShaderProgram.cpp.
 #include "hdStream/shading/materialCompiler.h"
 
+#include "hdStream/shading/materialPrimvars.h"
+
 #include "kernels/shared/geometry.h"
 #include "testenv/unit/shading/imageQueries.h"
 
@@ -284,7 +286,20 @@ TEST(MaterialCompilerTest, DisplacementMayBeLookedUp) {
     texture.connections["scale"] = {"/m/scale", "result"};
     const CompiledMaterial other = Compile(network, warnings);
     EXPECT_FALSE(other.displacement.lookup);
-    EXPECT_EQ(warnings.Lines().back(), "/m: displacement by such a network is ignored");
+    ASSERT_TRUE(other.displacement.network) << "a scale that varies";
+    EXPECT_EQ(other.displacement.network->primvars.size(), 2U);
+    EXPECT_EQ(PrimvarsOf(other), (std::set<std::string>{"s", "st"}));
+    EXPECT_TRUE(warnings.Lines().empty());
+}
+
+TEST(MaterialCompilerTest, DisplacementByWhatTheHostCannotEvaluateWarns) {
+    MaterialNetwork network = Preview();
+    Surface(network).connections["displacement"] = {"/m/facing", "out"};
+    AddNode(network, "/m/facing", "ND_facingratio_float");
+    Warnings warnings;
+    EXPECT_EQ(Compile(network, warnings).displacement, DisplacementInput());
+    EXPECT_EQ(warnings.Lines().back(), "/m: displacement by a network with normals, tangents, "
+                                       "directions or slopes is ignored");
 }
 
 } // namespace

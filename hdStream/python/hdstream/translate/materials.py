@@ -66,7 +66,7 @@ class MaterialReader:
         nodes = {}
         pending = []
         for terminal in _TERMINALS:
-            source = _FindTerminal(material, terminal)
+            source = self._FindTerminal(material, terminal)
             if source is not None:
                 # As Hydra, which names the terminal instead of the shader's output.
                 terminals[terminal] = _core.Connection(source[0], terminal)
@@ -79,6 +79,20 @@ class MaterialReader:
         if "surface" not in terminals and "volume" not in terminals:
             self._warn(prim, self._ReasonWithoutSurface(material))
         return _core.MaterialNetwork([nodes[path] for path in sorted(nodes)], terminals)
+
+    def _FindTerminal(self, material, terminal):
+        """The best context's source; of surfaces that of the first that is drawn, else of the first."""
+        found = []
+        for context in _CONTEXTS:
+            output = material.GetOutput(context + terminal)
+            source = _FindSource(output) if output else None
+            if source is not None:
+                found.append(source)
+        drawn = found if terminal != "surface" else [source for source in found if _IsDrawn(source[2])]
+        if drawn and drawn[0] is not found[0]:
+            identifier = UsdShade.Shader(found[0][2]).GetShaderId() or "without an id"
+            self._warn(material.GetPrim(), f"surface shader {identifier} is not supported; the universal surface is used")
+        return (drawn or found or [None])[0]
 
     def _ReadNode(self, prim, pending):
         shader = UsdShade.Shader(prim)
@@ -139,13 +153,15 @@ def ParameterFrom(value):
     return [float(item) for item in array.ravel()]
 
 
-def _FindTerminal(material, terminal):
-    for context in _CONTEXTS:
-        output = material.GetOutput(context + terminal)
-        source = _FindSource(output) if output else None
-        if source is not None:
-            return source
-    return None
+def _IsDrawn(prim):
+    """Whether a surface shader is one that is drawn, behind ND_surfacematerial or not."""
+    shader = UsdShade.Shader(prim)
+    identifier = shader.GetShaderId() or ""
+    if identifier.startswith("ND_surfacematerial"):
+        inner = shader.GetInput("surfaceshader")
+        source = _FindSource(inner) if inner else None
+        return source is not None and _IsDrawn(source[2])
+    return _core.IsSurfaceShader(identifier)
 
 
 def _FindSource(shaderOutput):

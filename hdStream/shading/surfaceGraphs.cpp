@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hdStream/shading/surfaceGraphs.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace hds {
+
+namespace {
+
+/// What feeds an input of a graph's node: an input of the surface, a node of the graph, a number or
+/// a text.
+struct Source {
+    enum class Kind { Interface, Node, Numbers, Text };
+    Kind kind = Kind::Numbers;
+    std::string name; ///< or the text
+    std::vector<float> numbers;
+};
+
+Source From(const char* input) {
+    return {Source::Kind::Interface, input, {}};
+}
+Source Of(const char* node) {
+    return {Source::Kind::Node, node, {}};
+}
+Source Is(std::vector<float> numbers) {
+    return {Source::Kind::Numbers, "", std::move(numbers)};
+}
+Source Named(const char* text) {
+    return {Source::Kind::Text, text, {}};
+}
+
+struct GraphNode {
+    std::string name;       ///< "": the surface
+    std::string identifier; ///< without "ND_"
+    std::map<std::string, Source> inputs;
+};
+
+struct SurfaceGraph {
+    std::string identifier;
+    std::map<std::string, std::vector<float>> defaults; ///< of the surface's inputs
+    std::vector<GraphNode> nodes;
+};
+
+/// Burley's model of 2012: what is diffuse or scatters below the surface under sheen, beside glass;
+/// a reflection over that, beside metal, under a coat.
+SurfaceGraph DisneyPrincipled() {
+    const std::vector<float> white = {1.0F, 1.0F, 1.0F};
+    return {
+        "ND_disney_principled",
+        {{"baseColor", {0.16F, 0.16F, 0.16F}},
+         {"metallic", {0.0F}},
+         {"roughness", {0.5F}},
+         {"anisotropic", {0.0F}},
+         {"specular", {0.5F}},
+         {"specularTint", {0.0F}},
+         {"sheen", {0.0F}},
+         {"sheenTint", {0.5F}},
+         {"clearcoat", {0.0F}},
+         {"clearcoatGloss", {1.0F}},
+         {"specTrans", {0.0F}},
+         {"ior", {1.5F}},
+         {"subsurface", {0.0F}},
+         {"subsurfaceDistance", white}},
+        {
+            {"notMetal", "invert_float", {{"in", From("metallic")}}},
+            {"diffuse",
+             "burley_diffuse_bsdf",
+             {{"weight", Of("notMetal")},
+              {"color", From("baseColor")},
+              {"roughness", From("roughness")}}},
+            {"below",
+             "subsurface_bsdf",
+             {{"color", From("baseColor")}, {"radius", From("subsurfaceDistance")}}},
+            {"body",
+             "mix_bsdf",
+             {{"bg", Of("diffuse")}, {"fg", Of("below")}, {"mix", From("subsurface")}}},
+            {"sheenColor",
+             "mix_color3",
+             {{"bg", Is(white)}, {"fg", From("baseColor")}, {"mix", From("sheenTint")}}},
+            {"sheen", "sheen_bsdf", {{"weight", From("sheen")}, {"color", Of("sheenColor")}}},
+            {"cloth", "layer_bsdf", {{"top", Of("sheen")}, {"base", Of("body")}}},
+            {"glass",
+             "dielectric_bsdf",
+             {{"tint", From("baseColor")},
+              {"ior", From("ior")},
+              {"roughness", Is({0.0F, 0.0F})},
+              {"scatter_mode", Named("T")}}},
+            {"clothOrGlass",
+             "mix_bsdf",
+             {{"bg", Of("cloth")}, {"fg", Of("glass")}, {"mix", From("specTrans")}}},
+            {"alpha",
+             "roughness_anisotropy",
+             {{"roughness", From("roughness")}, {"anisotropy", From("anisotropic")}}},
+            {"strength", "multiply_float", {{"in1", From("specular")}, {"in2", Is({0.08F})}}},
+            {"tint",
+             "mix_color3",
+             {{"bg", Is(white)}, {"fg", From("baseColor")}, {"mix", From("specularTint")}}},
+            {"reflection",
+             "generalized_schlick_bsdf",
+             {{"weight", Of("strength")}, {"color0", Of("tint")}, {"roughness", Of("alpha")}}},
+            {"dielectric", "layer_bsdf", {{"top", Of("reflection")}, {"base", Of("clothOrGlass")}}},
+            {"metal",
+             "generalized_schlick_bsdf",
+             {{"color0", From("baseColor")}, {"roughness", Of("alpha")}}},
+            {"base",
+             "mix_bsdf",
+             {{"bg", Of("dielectric")}, {"fg", Of("metal")}, {"mix", From("metallic")}}},
+            {"coatStrength", "multiply_float", {{"in1", From("clearcoat")}, {"in2", Is({0.04F})}}},
+            {"matt", "invert_float", {{"in", From("clearcoatGloss")}}},
+            {"mattBoth", "convert_float_vector2", {{"in", Of("matt")}}},
+            {"coatAlpha", "roughness_dual", {{"roughness", Of("mattBoth")}}},
+            {"coat",
+             "generalized_schlick_bsdf",
+             {{"weight", Of("coatStrength")}, {"roughness", Of("coatAlpha")}}},
+            {"all", "layer_bsdf", {{"top", Of("coat")}, {"base", Of("base")}}},
+            {"", "surface", {{"bsdf", Of("all")}}},
+        }};
+}
+
+const std::vector<SurfaceGraph>& Graphs() {
+    static const std::vector<SurfaceGraph> kGraphs = {DisneyPrincipled()};
+    return kGraphs;
+}
+
+const SurfaceGraph* FindGraph(const std::string& identifier) {
+    const auto found = std::find_if(Graphs().begin(), Graphs().end(), [&](const SurfaceGraph& one) {
+        return one.identifier == identifier;
+    });
+    return found == Graphs().end() ? nullptr : &*found;
+}
+
+std::string PathOf(const MaterialNode& surface, const std::string& name) {
+    return name.empty() ? surface.path : surface.path + "/" + name;
+}
+
+/// An input of the surface as an input of a node of its graph.
+void PassOn(const SurfaceGraph& graph, const MaterialNode& surface, const std::string& from,
+            const std::string& input, MaterialNode* node) {
+    if (const auto connection = surface.connections.find(from);
+        connection != surface.connections.end()) {
+        node->connections[input] = connection->second;
+    }
+    const auto parameter = surface.parameters.find(from);
+    const auto fallback = graph.defaults.find(from);
+    if (parameter != surface.parameters.end()) {
+        node->parameters[input] = parameter->second;
+    } else if (fallback != graph.defaults.end()) {
+        node->parameters[input] = fallback->second;
+    }
+    const auto space = surface.parameters.find("colorSpace:" + from);
+    if (space != surface.parameters.end()) {
+        node->parameters["colorSpace:" + input] = space->second;
+    }
+}
+
+MaterialNode MakeNode(const SurfaceGraph& graph, const MaterialNode& surface,
+                      const GraphNode& row) {
+    MaterialNode node;
+    node.path = PathOf(surface, row.name);
+    node.identifier = "ND_" + row.identifier;
+    for (const auto& [input, source] : row.inputs) {
+        switch (source.kind) {
+        case Source::Kind::Interface:
+            PassOn(graph, surface, source.name, input, &node);
+            break;
+        case Source::Kind::Node:
+            node.connections[input] = {PathOf(surface, source.name), "out"};
+            break;
+        case Source::Kind::Numbers:
+            node.parameters[input] = source.numbers;
+            break;
+        case Source::Kind::Text:
+            node.parameters[input] = source.name;
+            break;
+        }
+    }
+    return node;
+}
+
+} // namespace
+
+bool HasSurfaceGraph(const std::string& identifier) {
+    return FindGraph(identifier) != nullptr;
+}
+
+MaterialNetwork ExpandSurfaceGraphs(const MaterialNetwork& network) {
+    MaterialNetwork result = network;
+    for (const MaterialNode& surface : network.nodes) {
+        const SurfaceGraph* graph = FindGraph(surface.identifier);
+        if (graph == nullptr) {
+            continue;
+        }
+        for (const GraphNode& row : graph->nodes) {
+            MaterialNode node = MakeNode(*graph, surface, row);
+            if (row.name.empty()) {
+                const auto self =
+                    std::find_if(result.nodes.begin(), result.nodes.end(),
+                                 [&](const MaterialNode& one) { return one.path == surface.path; });
+                *self = std::move(node);
+            } else {
+                result.nodes.push_back(std::move(node));
+            }
+        }
+    }
+    return result;
+}
+
+} // namespace hds
