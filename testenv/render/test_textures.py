@@ -159,6 +159,16 @@ def test_udim_tiles_and_holes(tmp_path, isPacked):
     assert difference.mean() < 2e-3 and difference.max() < 0.06  # tiles end with jumps
 
 
+def test_long_images_keep_their_short_side(tmp_path):
+    """3 x 997 texels over the whole picture: every pixel has 28 rows and a sixteenth of a column."""
+    columns = np.array([0.1, 0.9, 0.4])[None, :, None]
+    image = np.float32(columns + 0.1 * np.random.default_rng(6).random((997, 3, 3)))
+    _WriteExr(f"{tmp_path}/a.exr", image)
+    path = GlowingPlate(f"{tmp_path}/a.usda", _Glow(lambda m: AddTexture(m, "T", file="./a.exr")))
+    expected = PixelMeans(Bilinear(image, Coordinates(steps=56)))
+    np.testing.assert_allclose(_Render(path, samples=256), expected, atol=0.02)
+
+
 def test_a_material_without_coordinates_reads_one_point(tmp_path):
     """st that nothing is connected to is (0, 0): the corner where four texels meet under repeat."""
     image = np.float32(KeptCodes(3, 3, 3, 1) + 1) / 256
