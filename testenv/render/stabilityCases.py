@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Callable
 
 import numpy as np
-from pxr import Gf
+from pxr import Gf, UsdGeom, UsdLux
 
 import closedForm
 import ours
@@ -286,6 +286,31 @@ def FlatTransform(folder) -> float:
     ball = shapes.Sphere(1.0, 12, 24)
     ball = shapes.Shape(ball.points[:, [0, 2, 1]] * (1, -1, 1), ball.counts, ball.indices)  # its equator in the plane that stays
     return RelMse(Picture("flat", ball, matrix), Picture("disc", disc, unflattened))
+
+
+@_Add("relMSE to a scale of 1", 1e-10, "the inverse is infinite: left out, or NaN rays",
+      "a thickness of 2^-16 of the plane's scale, along its normal")
+def FlatPlanes(folder) -> float:
+    """Planes by a scale of 0 along their normals: a panel that glows, a mesh light, and instances."""
+    def Picture(name, scale):
+        def Edit(stage):
+            glow = author.AddMaterial(stage, "/World/Glow", diffuseColor=(0, 0, 0), emissiveColor=(8, 6, 4))
+            author.AddMesh(stage, "/World/Glowing", shapes.Plane(1, 0.6), material=glow, doubleSided=True,
+                           translate=(-0.6, 2.4, 1.0), rotate=(160, 0, 0), scale=scale)
+            light = author.AddMesh(stage, "/World/MeshLight", shapes.Plane(0.5, 0.5), translate=(1.4, 1.6, 1.4),
+                                   rotate=(0, 0, 120), scale=scale).GetPrim()
+            UsdLux.MeshLightAPI.Apply(light)
+            UsdLux.LightAPI(light).CreateIntensityAttr(5.0)
+            instancer = UsdGeom.PointInstancer.Define(stage, "/World/Many")
+            author.AddMesh(stage, "/World/Many/One", shapes.Plane(0.4, 0.4), color=(0.2, 0.8, 0.2))
+            instancer.CreatePositionsAttr([(x, 0.3, 1.8) for x in (-0.6, 0.0, 0.6)])
+            instancer.CreateScalesAttr([scale] * 3)
+            instancer.CreateProtoIndicesAttr([0] * 3)
+            instancer.CreatePrototypesRel().AddTarget("/World/Many/One")
+
+        return _Picture(hardCases.Blocks(f"{folder}/{name}.usda", Edit), 16)
+
+    return RelMse(Picture("flat", (1.0, 0.0, 1.0)), Picture("whole", (1.0, 1.0, 1.0)))
 
 
 # --- Materials -----------------------------------------------------------------------------------
