@@ -71,9 +71,6 @@ bool IsUsableTransform(const glm::dmat4& matrix) {
 }
 
 glm::dmat4 ThickenFlat(const glm::dmat4& matrix) {
-    if (IsUsableTransform(matrix)) {
-        return matrix;
-    }
     // Of rank 2, the matrix of cofactors is the product of both stretches times the plane's normal
     // times the direction that is lost, transposed. Of rank 1 or 0, it is 0.
     const glm::dmat3 linear(matrix);
@@ -85,7 +82,10 @@ glm::dmat4 ThickenFlat(const glm::dmat4& matrix) {
     const double square = glm::dot(linear[0], linear[0]) + glm::dot(linear[1], linear[1]) +
                           glm::dot(linear[2], linear[2]);
     constexpr double kMinRelativeArea = 1e-9;
-    if (!(area > kMinRelativeArea * square) || !std::isfinite(area)) {
+    constexpr double kMinRelativeThickness = 1e-12;
+    const bool isThick =
+        std::abs(glm::determinant(linear)) > kMinRelativeThickness * area * std::sqrt(area);
+    if (isThick || !(area > kMinRelativeArea * square) || !std::isfinite(area)) {
         return matrix;
     }
     constexpr int kThicknessExponent = -16;

@@ -266,11 +266,15 @@ def SingularTransform(folder, diagonal) -> float:
     return RelMse(_Picture(hardCases.Blocks(f"{folder}/singular.usda", _Singular(matrix)), 8), plain)
 
 
-@_Add("relMSE to a disc with the ball's outline", 1e-6, "the inverse is infinite: left out, or NaN rays",
-      "a thickness of 2^-16 of the plane's scale, along its normal")
-def FlatTransform(folder) -> float:
-    """A ball by a scale of 0 along one axis, behind a turn."""
-    matrix = np.diag([1.0, 1.0, 0.0, 1.0]) @ np.array(Gf.Matrix4d().SetRotate(Gf.Rotation(Gf.Vec3d(1, 2, 0.5), 35)))
+_FLAT = ("the inverse is infinite: left out, or NaN rays", "a thickness of 2^-16 of the plane's scale, along its normal")
+
+
+@_Add("relMSE to a disc with the ball's outline", 1e-6, *_FLAT, scale=0.0)
+@_Add("relMSE to a disc with the ball's outline", 1e-6, *_FLAT, scale=1e-9)
+@_Add("relMSE to a disc with the ball's outline", 1e-6, *_FLAT, scale=1e-40)
+def FlatTransform(folder, scale) -> float:
+    """A ball by a scale along one axis, behind a turn."""
+    matrix = np.diag([1.0, 1.0, scale, 1.0]) @ np.array(Gf.Matrix4d().SetRotate(Gf.Rotation(Gf.Vec3d(1, 2, 0.5), 35)))
     matrix[3, :3] = (0.3, 1.0, 1.2)
     turn = np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
     disc = shapes.Shape(np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1), np.array([24]), np.arange(24))
@@ -288,8 +292,7 @@ def FlatTransform(folder) -> float:
     return RelMse(Picture("flat", ball, matrix), Picture("disc", disc, unflattened))
 
 
-@_Add("relMSE to a scale of 1", 1e-10, "the inverse is infinite: left out, or NaN rays",
-      "a thickness of 2^-16 of the plane's scale, along its normal")
+@_Add("relMSE to a scale of 1", 1e-10, *_FLAT)
 def FlatPlanes(folder) -> float:
     """Planes by a scale of 0 along their normals: a panel that glows, a mesh light, and instances."""
     def Picture(name, scale):

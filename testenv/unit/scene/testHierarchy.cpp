@@ -318,6 +318,8 @@ TEST(Transforms, WhatIsFlatBecomesAThinSheet) {
     EXPECT_EQ(ThickenFlat(scale), scale);
     scale[1][1] = 1e-7; // thin, but no plane
     EXPECT_EQ(ThickenFlat(scale), scale);
+    scale[1][1] = 1e-40; // its inverse is no float
+    EXPECT_NEAR(ThickenFlat(scale)[1][1], std::ldexp(1.0, -16), 1e-12);
     scale[1][1] = scale[2][2] = 0.0; // a line
     EXPECT_EQ(ThickenFlat(scale), scale);
     scale[0][0] = 0.0; // a point
