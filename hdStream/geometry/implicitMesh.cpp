@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The numbers below (10 sides, 10 or 4 rings, order of points, where rings are doubled) and the
-// precision of every step are those of OpenUSD 24.08's pxr/imaging/geomUtil, so that a gprim that
+// precision of every step are those of OpenUSD 25.02's pxr/imaging/geomUtil, so that a gprim that
 // Hydra turned into a mesh and one that we did are the same bits.
 #include "hdStream/geometry/implicitMesh.h"
 
@@ -9,6 +9,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -121,14 +122,15 @@ GeometryDescription MakeSphere(const ImplicitShape& shape) {
 
 GeometryDescription MakeCylinder(const ImplicitShape& shape) {
     const auto radius = static_cast<float>(shape.radius);
+    const auto radiusTop = static_cast<float>(shape.radiusTop.value_or(shape.radius));
     const auto top = static_cast<float>(0.5 * static_cast<float>(shape.height));
     const auto ring = MakeRing();
     MeshBuilder builder;
     builder.AddPoint(0.0F, 0.0F, -top);
     builder.AddRing(ring, radius, -top);
     builder.AddRing(ring, radius, -top);
-    builder.AddRing(ring, radius, top);
-    builder.AddRing(ring, radius, top);
+    builder.AddRing(ring, radiusTop, top);
+    builder.AddRing(ring, radiusTop, top);
     builder.AddPoint(0.0F, 0.0F, top);
     builder.AddTube(1, Cap::Separate, Cap::Separate);
     builder.Orient(shape.axis);
@@ -149,26 +151,49 @@ GeometryDescription MakeCone(const ImplicitShape& shape) {
     return builder.Finish("catmullClark");
 }
 
+float Lerp(double part, float a, float b) {
+    return static_cast<float>((1.0 - part) * a + part * b);
+}
+
+/// Parts of two spheres and the cone, or the cylinder, that touches both.
 GeometryDescription MakeCapsule(const ImplicitShape& shape) {
-    const auto radius = static_cast<float>(shape.radius);
-    const double half = 0.5 * static_cast<float>(shape.height);
-    const auto ring = MakeRing();
+    const auto bottom = static_cast<float>(shape.radius);
+    const auto top = static_cast<float>(shape.radiusTop.value_or(shape.radius));
+    const auto height = static_cast<float>(shape.height);
     const auto quarter = static_cast<float>(0.5 * kPi);
+    float latitudeOfSeam = 0.0F; // where the spheres end, on both
+    std::array<float, 2> radii{bottom, top};
+    std::array<float, 2> centres{0.0F, 0.0F};
+    if (bottom != top && height != 0.0F) {
+        const float slope = (bottom - top) / height;
+        centres = {-(slope * bottom), -(slope * top)};
+        for (std::size_t i = 0; i < 2; ++i) {
+            radii[i] = static_cast<float>(
+                std::sqrt(double{radii[i] * radii[i]} + double{centres[i] * centres[i]}));
+        }
+        latitudeOfSeam = std::atan(slope);
+    }
+    centres[0] = static_cast<float>(centres[0] - 0.5 * height);
+    centres[1] = static_cast<float>(centres[1] + 0.5 * height);
+    constexpr int kRings = 2 * kCapsuleCapRings;
+    const int numBottom = std::clamp(
+        static_cast<int>(std::rint(kRings * (0.5 * kPi + latitudeOfSeam) / kPi)), 1, kRings - 1);
+
+    const auto ring = MakeRing();
     MeshBuilder builder;
-    builder.AddPoint(0.0F, 0.0F, static_cast<float>(-(radius + half)));
-    for (int i = 1; i <= kCapsuleCapRings; ++i) {
-        const auto latitude =
-            static_cast<float>((1.0 - double(i) / kCapsuleCapRings) * -quarter + 0.0);
-        builder.AddRing(ring, std::cos(latitude) * radius,
-                        static_cast<float>(-half + radius * std::sin(latitude)));
+    const auto addRing = [&](std::size_t end, float latitude) {
+        builder.AddRing(ring, radii[end] * std::cos(latitude),
+                        centres[end] + radii[end] * std::sin(latitude));
+    };
+    builder.AddPoint(0.0F, 0.0F, centres[0] - radii[0]);
+    for (int i = 1; i <= numBottom; ++i) {
+        addRing(0, Lerp(double(i) / numBottom, -quarter, latitudeOfSeam));
     }
-    for (int i = 0; i < kCapsuleCapRings; ++i) {
-        const auto latitude = static_cast<float>(double(i) / kCapsuleCapRings * quarter);
-        builder.AddRing(ring, std::cos(latitude) * radius,
-                        static_cast<float>(half + radius * std::sin(latitude)));
+    for (int i = 0; i < kRings - numBottom; ++i) {
+        addRing(1, Lerp(double(i) / (kRings - numBottom), latitudeOfSeam, quarter));
     }
-    builder.AddPoint(0.0F, 0.0F, static_cast<float>(radius + half));
-    builder.AddTube(2 * kCapsuleCapRings - 1, Cap::Shared, Cap::Shared);
+    builder.AddPoint(0.0F, 0.0F, centres[1] + radii[1]);
+    builder.AddTube(kRings - 1, Cap::Shared, Cap::Shared);
     builder.Orient(shape.axis);
     return builder.Finish("catmullClark");
 }

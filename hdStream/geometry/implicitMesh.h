@@ -5,6 +5,7 @@
 
 #include "hdStream/geometry/geometryDescription.h"
 
+#include <optional>
 #include <string>
 
 namespace hds {
@@ -15,6 +16,8 @@ struct ImplicitShape {
     std::string axis = "Z";
     double size = 2.0;   ///< Cube
     double radius = 1.0; ///< Sphere, Cylinder, Cone, Capsule
+    /// Cylinder, Capsule: at the end towards +axis; empty: radius.
+    std::optional<double> radiusTop;
     double height = 2.0; ///< Cylinder, Cone; Capsule: 1 is USD's default, the caller passes it
     double width = 2.0;  ///< Plane
     double length = 2.0; ///< Plane

@@ -15,8 +15,8 @@ hds::AssetReference HdStreamAssetReference(const SdfAssetPath& asset) {
     hds::AssetReference reference;
     reference.authoredPath = asset.GetAssetPath();
     const std::string& resolved = asset.GetResolvedPath();
-    if (!ArIsPackageRelativePath(resolved)) {
-        reference.file = resolved;
+    if (!ArIsPackageRelativePath(resolved) || resolved.find("<UDIM>") != std::string::npos) {
+        reference.file = resolved; // of a UDIM set the core looks which tiles there are
         return reference;
     }
     const std::shared_ptr<ArAsset> opened = ArGetResolver().OpenAsset(ArResolvedPath(resolved));

@@ -55,6 +55,17 @@ void BindMaterials(nb::module_& module) {
         "nodes"_a, "terminals"_a);
     BindFields<FieldAccess::ReadOnly>(network);
 
+    module.def(
+        "FindInPackage",
+        [](const std::string& path) -> nb::object {
+            const std::optional<ByteRange> range = FindInPackage(path);
+            return range ? nb::cast(std::make_tuple(range->file, range->offset, range->size))
+                         : nb::none();
+        },
+        "path"_a,
+        "File, offset and size in bytes of an entry of a package, \"a.usdz[b.png]\", nested or "
+        "not. "
+        "None: the package cannot be read, or has no such entry that is stored as it is.");
     module.def("PatternNames", &PatternNames,
                "The names of all pattern nodes, sorted: MaterialX's categories and USD's names.");
     module.def("ClosureIds", &ClosureIds,

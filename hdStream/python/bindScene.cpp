@@ -64,6 +64,7 @@ void BindGeometry(nb::module_& module) {
         .def_rw("axis", &ImplicitShape::axis)
         .def_rw("size", &ImplicitShape::size)
         .def_rw("radius", &ImplicitShape::radius)
+        .def_rw("radiusTop", &ImplicitShape::radiusTop, nb::arg().none())
         .def_rw("height", &ImplicitShape::height)
         .def_rw("width", &ImplicitShape::width)
         .def_rw("length", &ImplicitShape::length);

@@ -38,6 +38,7 @@ std::vector<glm::dmat4> KeysOf(const MovingTransform& groupFromObject, const Lea
     }
     const MovingTransform origin(glm::translate(glm::dmat4(1.0), leaf.origin));
     std::vector<glm::dmat4> keys = MakeMotionKeys(groupFromObject * origin, leaf.bounds);
+    std::transform(keys.begin(), keys.end(), keys.begin(), ThickenFlat);
     const bool areUsable = std::all_of(keys.begin(), keys.end(), [&leaf](const glm::dmat4& key) {
         return IsUsable(key, leaf.bounds);
     });
@@ -54,7 +55,7 @@ struct Boxes {
 
 Boxes BoxesOf(const MovingTransform& groupFromObject, const LeafObject& leaf) {
     Boxes boxes;
-    const glm::dmat4 transform = glm::translate(groupFromObject.AtFrame(), leaf.origin);
+    const glm::dmat4 transform = GroupFromDevice(groupFromObject.AtFrame(), leaf);
     boxes.isUsable = IsUsable(transform, leaf.bounds);
     if (!boxes.isUsable) {
         return boxes;
@@ -99,6 +100,10 @@ void AppendKeys(const std::vector<glm::dmat4>& keys, shared::HdsInstance* instan
 }
 
 } // namespace
+
+glm::dmat4 GroupFromDevice(const glm::dmat4& groupFromObject, const LeafObject& leaf) {
+    return ThickenFlat(glm::translate(groupFromObject, leaf.origin));
+}
 
 MovingTransform InstanceTransform(const InstancerPrim& instancer, std::int32_t index,
                                   const Shutter& shutter) {
@@ -293,8 +298,7 @@ void GroupRecords::Write(const std::vector<std::uint32_t>& order, shared::HdsIns
                          std::vector<AffineRows>* motionKeys) const {
     const auto write = [&](std::uint32_t place, std::vector<glm::dmat4>* keys) {
         const Found found = Find(order[place]);
-        const glm::dmat4 transform =
-            glm::translate(found.groupFromObject.AtFrame(), found.leaf->origin);
+        const glm::dmat4 transform = GroupFromDevice(found.groupFromObject.AtFrame(), *found.leaf);
         shared::HdsInstance instance{};
         const AffineRows inverse = RowsFromMatrix(glm::inverse(transform));
         std::copy(inverse.begin(), inverse.end(), instance.objectFromParent);

@@ -30,6 +30,10 @@ struct LeafObject {
         false; ///< its instances have link sets of their own, so it needs a record too
 };
 
+/// From the device positions of an object to its group; what is flattened is a thin sheet
+/// (ThickenFlat).
+glm::dmat4 GroupFromDevice(const glm::dmat4& groupFromObject, const LeafObject& leaf);
+
 /// One placement of a prim, which must outlive it.
 struct PlacedRecord {
     const LeafObject* leaf = nullptr;

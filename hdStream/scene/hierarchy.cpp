@@ -308,8 +308,7 @@ private:
                         static_cast<std::uint32_t>(_result.worldInstances.size());
                     _result.worldInstances.push_back(
                         {path, leaf.prim,
-                         glm::translate(centreFromWorld * placed.worldFromObject.AtFrame(),
-                                        leaf.origin),
+                         GroupFromDevice(centreFromWorld * placed.worldFromObject.AtFrame(), leaf),
                          0, HDS_NONE});
                 }
             }

@@ -95,9 +95,8 @@ ImageLibrary::Header ImageLibrary::ReadHeader(const AssetReference& asset) const
 std::vector<UdimTile> ImageLibrary::FindTiles(const AssetReference& pattern) {
     std::vector<UdimTile> tiles;
     for (const UdimFile& file : FindUdimFiles(pattern.file)) {
-        const std::string name =
-            pattern.authoredPath + " (" + std::to_string(kFirstUdim + file.index) + ")";
-        tiles.push_back({file.index, {name, file.path, 0, 0}});
+        const std::string name = TileName(pattern.authoredPath, file.index);
+        tiles.push_back({file.index, {name, file.place.file, file.place.offset, file.place.size}});
     }
     return tiles;
 }

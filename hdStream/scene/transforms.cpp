@@ -70,6 +70,33 @@ bool IsUsableTransform(const glm::dmat4& matrix) {
            std::isfinite(static_cast<float>(lengths));
 }
 
+glm::dmat4 ThickenFlat(const glm::dmat4& matrix) {
+    // Of rank 2, the matrix of cofactors is the product of both stretches times the plane's normal
+    // times the direction that is lost, transposed. Of rank 1 or 0, it is 0.
+    const glm::dmat3 linear(matrix);
+    const glm::dmat3 cofactors(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
+                               glm::cross(linear[0], linear[1]));
+    const double area =
+        std::sqrt(glm::dot(cofactors[0], cofactors[0]) + glm::dot(cofactors[1], cofactors[1]) +
+                  glm::dot(cofactors[2], cofactors[2]));
+    const double square = glm::dot(linear[0], linear[0]) + glm::dot(linear[1], linear[1]) +
+                          glm::dot(linear[2], linear[2]);
+    constexpr double kMinRelativeArea = 1e-9;
+    constexpr double kMinRelativeThickness = 1e-12;
+    const bool isThick =
+        std::abs(glm::determinant(linear)) > kMinRelativeThickness * area * std::sqrt(area);
+    if (isThick || !(area > kMinRelativeArea * square) || !std::isfinite(area)) {
+        return matrix;
+    }
+    constexpr int kThicknessExponent = -16;
+    const double thickness = std::ldexp(std::sqrt(area), kThicknessExponent);
+    glm::dmat4 thick = matrix;
+    for (int column = 0; column < 3; ++column) {
+        thick[column] += glm::dvec4(thickness / area * cofactors[column], 0.0);
+    }
+    return thick;
+}
+
 bool IsWithinReach(const glm::dmat4& matrix, const Bounds& bounds) {
     if (!IsValidBounds(bounds)) {
         return true;

@@ -24,6 +24,12 @@ bool IsIdentity(const float* rows);
 /// determinant is not negligible against the product of its column lengths.
 bool IsUsableTransform(const glm::dmat4& matrix);
 
+/// The transform itself, but where its linear part maps space onto a plane (a scale of 0, or below
+/// 1e-12 of the others, along one axis): there with a thickness of 2^-16 of the plane's scale, so
+/// that it can be inverted and what it places is drawn as a thin sheet. Its determinant is
+/// positive. What maps space onto a line or a point, or is not finite, stays as it is.
+glm::dmat4 ThickenFlat(const glm::dmat4& matrix);
+
 /// Whether a transform leaves a box where hierarchies of boxes in single precision can be built.
 bool IsWithinReach(const glm::dmat4& matrix, const Bounds& bounds);
 

@@ -16,7 +16,9 @@ namespace hds {
 /// A file, or a byte range of one (a texture inside a usdz package), resolved by the front end.
 struct AssetReference {
     std::string authoredPath; ///< as written in the scene, for messages
-    std::string file;         ///< resolved file; empty: could not be resolved
+    /// Resolved file; empty: could not be resolved. Of UDIM sets, whose path has "<UDIM>", also a
+    /// path into a package: "a.usdz[b.<UDIM>.png]".
+    std::string file;
     std::uint64_t offset = 0; ///< bytes
     std::uint64_t size = 0;   ///< bytes; 0: the whole file
     /// Of an image that a light names: the colour space of its attribute; empty: none is said.

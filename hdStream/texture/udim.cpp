@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <system_error>
 
 namespace hds {
@@ -12,36 +13,89 @@ namespace {
 const std::string kToken = "<UDIM>";
 constexpr std::size_t kDigits = 4;
 
-} // namespace
+/// Names with a number in the place of the token.
+class TilePattern {
+public:
+    /// \param name what has no token fits nothing.
+    explicit TilePattern(const std::string& name) {
+        const std::size_t at = name.find(kToken);
+        _hasToken = at != std::string::npos;
+        if (_hasToken) {
+            _before = name.substr(0, at);
+            _after = name.substr(at + kToken.size());
+        }
+    }
 
-std::vector<UdimFile> FindUdimFiles(const std::string& pattern) {
+    bool HasToken() const { return _hasToken; }
+
+    /// The index of a name that fits.
+    std::optional<std::uint32_t> IndexOf(const std::string& name) const {
+        const std::size_t at = _before.size();
+        if (!_hasToken || name.size() != at + kDigits + _after.size() ||
+            name.compare(0, at, _before) != 0 ||
+            name.compare(at + kDigits, std::string::npos, _after) != 0) {
+            return std::nullopt;
+        }
+        const std::string digits = name.substr(at, kDigits);
+        const bool isNumber = std::all_of(digits.begin(), digits.end(),
+                                          [](unsigned char c) { return c >= '0' && c <= '9'; });
+        const std::uint32_t number = isNumber ? std::uint32_t(std::stoul(digits)) : 0;
+        return number >= kFirstUdim && number <= kLastUdim ? std::make_optional(number - kFirstUdim)
+                                                           : std::nullopt;
+    }
+
+private:
+    bool _hasToken = false;
+    std::string _before;
+    std::string _after;
+};
+
+std::vector<UdimFile> FindInFolder(const std::string& pattern) {
     namespace fs = std::filesystem;
     const fs::path path(pattern);
-    const std::string name = path.filename().string();
-    const std::size_t at = name.find(kToken);
+    const TilePattern tiles(path.filename().string());
     std::vector<UdimFile> files;
-    if (at == std::string::npos) {
+    if (!tiles.HasToken()) {
         return files;
     }
-    const std::string suffix = name.substr(at + kToken.size());
     const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
     std::error_code error;
     for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
          entry.increment(error)) {
-        const std::string candidate = entry->path().filename().string();
-        if (candidate.size() != at + kDigits + suffix.size() ||
-            candidate.compare(0, at, name, 0, at) != 0 ||
-            candidate.compare(at + kDigits, suffix.size(), suffix) != 0) {
-            continue;
-        }
-        const std::string digits = candidate.substr(at, kDigits);
-        const bool isNumber = std::all_of(digits.begin(), digits.end(),
-                                          [](unsigned char c) { return c >= '0' && c <= '9'; });
-        const std::uint32_t number = isNumber ? std::uint32_t(std::stoul(digits)) : 0;
-        if (number >= kFirstUdim && number <= kLastUdim) {
-            files.push_back({number - kFirstUdim, entry->path().string()});
+        if (const auto index = tiles.IndexOf(entry->path().filename().string())) {
+            files.push_back({*index, {entry->path().string(), 0, 0}});
         }
     }
+    return files;
+}
+
+std::vector<UdimFile> FindInDirectory(const std::string& packagePath, const std::string& pattern) {
+    const TilePattern tiles(pattern);
+    std::vector<UdimFile> files;
+    const std::optional<PackageFile> package = PackageFile::Open(packagePath);
+    for (const std::string& name : package ? package->Names() : std::vector<std::string>()) {
+        const auto index = tiles.IndexOf(name);
+        const auto range = index ? package->Find(name) : std::nullopt;
+        if (range) {
+            files.push_back({*index, *range});
+        }
+    }
+    return files;
+}
+
+} // namespace
+
+std::string TileName(const std::string& pattern, std::uint32_t index) {
+    const std::size_t at = pattern.find(kToken);
+    return at == std::string::npos ? pattern
+                                   : std::string(pattern).replace(
+                                         at, kToken.size(), std::to_string(kFirstUdim + index));
+}
+
+std::vector<UdimFile> FindUdimFiles(const std::string& pattern) {
+    const auto inPackage = SplitPackagePath(pattern);
+    std::vector<UdimFile> files =
+        inPackage ? FindInDirectory(inPackage->first, inPackage->second) : FindInFolder(pattern);
     std::sort(files.begin(), files.end(),
               [](const UdimFile& a, const UdimFile& b) { return a.index < b.index; });
     return files;

@@ -56,6 +56,20 @@ def test_image_size_follows_usdrecord(tmp_path):
         assert Image(tmp_path / "o.exr")[:2] == size
 
 
+def test_a_framed_stage_names_its_cameras(tmp_path):
+    """Once for all frames, and only where nobody has chosen one and none is called main_cam."""
+    cameras = [f"Camera{i}" for i in range(5)]
+    stage = WriteStage(tmp_path, TRIANGLE + "".join(f'def Camera "{name}"\n{{\n}}\n' for name in cameras))
+    note = "the stage is framed from the front; --camera takes /Camera0, /Camera1, /Camera2 and 2 more"
+    result = Run("record", stage, tmp_path / "o.#.exr", *SMALL, "--frames", "1:2")
+    assert result.code == 0 and not result.errors and result.out.splitlines()[0] == note and result.out.count(note) == 1
+    for words in (["--camera", "Camera1"], ["--quiet"]):
+        result = Run("record", stage, tmp_path / "o.exr", *SMALL, *words)
+        assert result.code == 0 and "is framed" not in result.text, result.text
+    result = Run("record", WriteStage(tmp_path), tmp_path / "o.exr", *SMALL)
+    assert result.code == 0 and "is framed" not in result.text, result.text
+
+
 @pytest.mark.parametrize("name", ["o.exr", "o.png", "o.jpg"])
 def test_formats(tmp_path, name):
     assert Run("record", WriteStage(tmp_path), tmp_path / name, *SMALL).code == 0

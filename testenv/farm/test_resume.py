@@ -9,6 +9,7 @@ import pytest
 
 from cliCase import ANIMATED, SECONDS, Run, RunHere, WriteStage
 from farmCase import OPTIONS, SameImages
+from hdstream.resume import AssetHashes
 
 RESUME = [*OPTIONS, "--resume"]
 KERNELS = pathlib.Path(__file__).resolve().parents[2] / "kernels"
@@ -39,6 +40,18 @@ def test_finished_frames_are_not_rendered_again(stage, tmp_path):
     assert result.out.count("is there already") == 2 and "f0003.exr: 24x" in result.out
     result = Record(stage, output, 2, "--frames", 1)
     assert IsThere(result), "samples are never taken away"
+
+
+@pytest.mark.parametrize("pattern", ["{}/t.<UDIM>.png", "{}/p.usdz[t.<UDIM>.png]", "{}/p.usdz[q.usdz[a/t.<UDIM>.png]]"])
+def test_tiles_of_udim_sets_count(tmp_path, pattern):
+    """In a folder each tile; in a package the whole of it."""
+    file = tmp_path / ("p.usdz" if "usdz" in pattern else "t.1002.png")
+    file.write_bytes(b"first")
+    first = AssetHashes().Of(pattern.format(tmp_path))
+    assert first and "missing" not in first
+    assert AssetHashes().Of(pattern.format(tmp_path)) == first
+    file.write_bytes(b"other")
+    assert AssetHashes().Of(pattern.format(tmp_path)) != first
 
 
 def test_changes_are_seen_by_content(stage, tmp_path):

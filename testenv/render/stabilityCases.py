@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Callable
 
 import numpy as np
+from pxr import Gf, UsdGeom, UsdLux
 
 import closedForm
 import ours
@@ -255,7 +256,7 @@ def _Singular(matrix):
 _MATRIX = ("the inverse is infinite: NaN rays", "the placement is left out with a warning")
 
 
-@_Add("relMSE to the scene without it", 0.0, *_MATRIX, diagonal=(1.0, 0.0, 1.0))
+@_Add("relMSE to the scene without it", 0.0, *_MATRIX, diagonal=(1.0, 0.0, 0.0))
 @_Add("relMSE to the scene without it", 0.0, *_MATRIX, diagonal=(0.0, 0.0, 0.0))
 @_Add("relMSE to the scene without it", 0.0, *_MATRIX, diagonal=(1.0, float("nan"), 1.0))
 @_Add("relMSE to the scene without it", 0.0, *_MATRIX, diagonal=(1.0, float("inf"), 1.0))
@@ -263,6 +264,56 @@ def SingularTransform(folder, diagonal) -> float:
     plain = _Picture(hardCases.Blocks(f"{folder}/plain.usda"), 8)
     matrix = [[diagonal[0], 0, 0, 0], [0, diagonal[1], 0, 0], [0, 0, diagonal[2], 0], [0, 1, 1, 1]]
     return RelMse(_Picture(hardCases.Blocks(f"{folder}/singular.usda", _Singular(matrix)), 8), plain)
+
+
+_FLAT = ("the inverse is infinite: left out, or NaN rays", "a thickness of 2^-16 of the plane's scale, along its normal")
+
+
+@_Add("relMSE to a disc with the ball's outline", 1e-6, *_FLAT, scale=0.0)
+@_Add("relMSE to a disc with the ball's outline", 1e-6, *_FLAT, scale=1e-9)
+@_Add("relMSE to a disc with the ball's outline", 1e-6, *_FLAT, scale=1e-40)
+def FlatTransform(folder, scale) -> float:
+    """A ball by a scale along one axis, behind a turn."""
+    matrix = np.diag([1.0, 1.0, scale, 1.0]) @ np.array(Gf.Matrix4d().SetRotate(Gf.Rotation(Gf.Vec3d(1, 2, 0.5), 35)))
+    matrix[3, :3] = (0.3, 1.0, 1.2)
+    turn = np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
+    disc = shapes.Shape(np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1), np.array([24]), np.arange(24))
+
+    def Picture(name, shape, place):
+        def Edit(stage):
+            author.AddMesh(stage, "/World/Flat", shape, color=(0.7, 0.3, 0.2), matrix=place.tolist())
+
+        return _Picture(hardCases.Blocks(f"{folder}/{name}.usda", Edit), 64)
+
+    unflattened = matrix.copy()
+    unflattened[2, :3] = np.cross(matrix[0, :3], matrix[1, :3])
+    ball = shapes.Sphere(1.0, 12, 24)
+    ball = shapes.Shape(ball.points[:, [0, 2, 1]] * (1, -1, 1), ball.counts, ball.indices)  # its equator in the plane that stays
+    return RelMse(Picture("flat", ball, matrix), Picture("disc", disc, unflattened))
+
+
+@_Add("relMSE to a scale of 1", 1e-10, *_FLAT)
+def FlatPlanes(folder) -> float:
+    """Planes by a scale of 0 along their normals: a panel that glows, a mesh light, and instances."""
+    def Picture(name, scale):
+        def Edit(stage):
+            glow = author.AddMaterial(stage, "/World/Glow", diffuseColor=(0, 0, 0), emissiveColor=(8, 6, 4))
+            author.AddMesh(stage, "/World/Glowing", shapes.Plane(1, 0.6), material=glow, doubleSided=True,
+                           translate=(-0.6, 2.4, 1.0), rotate=(160, 0, 0), scale=scale)
+            light = author.AddMesh(stage, "/World/MeshLight", shapes.Plane(0.5, 0.5), translate=(1.4, 1.6, 1.4),
+                                   rotate=(0, 0, 120), scale=scale).GetPrim()
+            UsdLux.MeshLightAPI.Apply(light)
+            UsdLux.LightAPI(light).CreateIntensityAttr(5.0)
+            instancer = UsdGeom.PointInstancer.Define(stage, "/World/Many")
+            author.AddMesh(stage, "/World/Many/One", shapes.Plane(0.4, 0.4), color=(0.2, 0.8, 0.2))
+            instancer.CreatePositionsAttr([(x, 0.3, 1.8) for x in (-0.6, 0.0, 0.6)])
+            instancer.CreateScalesAttr([scale] * 3)
+            instancer.CreateProtoIndicesAttr([0] * 3)
+            instancer.CreatePrototypesRel().AddTarget("/World/Many/One")
+
+        return _Picture(hardCases.Blocks(f"{folder}/{name}.usda", Edit), 16)
+
+    return RelMse(Picture("flat", (1.0, 0.0, 1.0)), Picture("whole", (1.0, 1.0, 1.0)))
 
 
 # --- Materials -----------------------------------------------------------------------------------

@@ -7,8 +7,11 @@ definition is the mean over a pixel of a continuous function by 64 samples. Of 8
 noise; where that would show, images have values that it keeps (KeptCodes).
 """
 
+import pathlib
+
 import numpy as np
 import pytest
+from pxr import Sdf, UsdUtils
 
 pytest.importorskip("hdstream._core")
 
@@ -122,14 +125,29 @@ def test_transforms_are_chained(tmp_path):
     np.testing.assert_allclose(picture, PixelMeans(Bilinear(image, st)), atol=0.01)
 
 
-def test_udim_tiles_and_holes(tmp_path):
-    """Tiles 1001, 1003 and 1012 of a set; what is in none shows the fallback, also at negative coordinates."""
+def _Packed(path) -> str:
+    """A usdz of a stage and its textures, in a usdz."""
+    inner, outer = f"{path}.inner.usdz", f"{path}.usdz"
+    assert UsdUtils.CreateNewUsdzPackage(path, inner)
+    root = f"{path}.root.usda"
+    pathlib.Path(root).write_text("#usda 1.0\n(\nsubLayers = [@inner.usdz@]\n)\n", encoding="utf-8")
+    with Sdf.ZipFileWriter.CreateNew(outer) as writer:
+        writer.AddFile(root, "root.usda")
+        writer.AddFile(inner, "inner.usdz")
+    return outer
+
+
+@pytest.mark.parametrize("isPacked", [False, True])
+def test_udim_tiles_and_holes(tmp_path, isPacked):
+    """Tiles 1001, 1003 and 1012 of a set; what is in none shows the fallback, also at negative coordinates. In packages
+    too, which nest."""
     images = {number: _Noise(4, 4, number) for number in (1001, 1003, 1012)}
     for number, image in images.items():
         _WriteExr(f"{tmp_path}/a.{number}.exr", image)
     low, high = (-0.5, -0.25), (3.5, 2.25)
     path = GlowingPlate(f"{tmp_path}/a.usda", _Glow(lambda m: AddTexture(
         m, "T", file="./a.<UDIM>.exr", fallback=(0.25, 0.5, 0.75, 1.0))), low, high)
+    path = _Packed(path) if isPacked else path
     st = Coordinates(low, high)
     tile = 1001 + np.floor(st[..., 0]) + 10 * np.floor(st[..., 1])
     tile[(st < 0).any(-1)] = 0
@@ -139,6 +157,16 @@ def test_udim_tiles_and_holes(tmp_path):
         expected[inside] = Bilinear(image, st[inside] % 1, "clamp", "clamp")
     difference = np.abs(_Render(path, samples=256) - PixelMeans(expected))
     assert difference.mean() < 2e-3 and difference.max() < 0.06  # tiles end with jumps
+
+
+def test_long_images_keep_their_short_side(tmp_path):
+    """3 x 997 texels over the whole picture: every pixel has 28 rows and a sixteenth of a column."""
+    columns = np.array([0.1, 0.9, 0.4])[None, :, None]
+    image = np.float32(columns + 0.1 * np.random.default_rng(6).random((997, 3, 3)))
+    _WriteExr(f"{tmp_path}/a.exr", image)
+    path = GlowingPlate(f"{tmp_path}/a.usda", _Glow(lambda m: AddTexture(m, "T", file="./a.exr")))
+    expected = PixelMeans(Bilinear(image, Coordinates(steps=56)))
+    np.testing.assert_allclose(_Render(path, samples=256), expected, atol=0.02)
 
 
 def test_a_material_without_coordinates_reads_one_point(tmp_path):

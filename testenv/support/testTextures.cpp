@@ -103,7 +103,11 @@ double LevelOf(const shared::HdsTexture& record, glm::dvec4 axes, double bias) {
     const double area = a.x * b.y - a.y * b.x;
     const double root = std::sqrt(std::max(0.0, squares * squares - 4.0 * area * area));
     const double major = std::sqrt(0.5 * (squares + root));
-    const double minor = major > 0.0 ? std::max(std::abs(area) / major, major / 8.0) : 0.0;
+    // Of images beyond 4 : 1 the limit grows with what is beyond.
+    const double longSide = std::max(record.width, record.height);
+    const double shortSide = std::min(record.width, record.height);
+    const double limit = longSide > 4.0 * shortSide ? 2.0 * longSide / shortSide : 8.0;
+    const double minor = major > 0.0 ? std::max(std::abs(area) / major, major / limit) : 0.0;
     const double level = minor > 0.0 ? std::log2(minor) + bias : 0.0;
     return std::clamp(level, 0.0, record.numMips - 1.0);
 }

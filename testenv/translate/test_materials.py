@@ -2,11 +2,14 @@
 """Bound materials are those UsdShade computes for every drawn prim, instances included; assets are
 found inside packages at the byte where they are stored."""
 
+import zipfile
+
 import numpy as np
 import pytest
 from pxr import Ar, Sdf, Usd, UsdGeom, UsdShade
 
-from hdstream.translate.assets import AssetResolver, FindInPackage
+from hdstream import _core
+from hdstream.translate.assets import AssetResolver
 from translateCase import StageOf, Translate
 
 
@@ -186,13 +189,43 @@ def test_textures_in_packages_are_byte_ranges(tmp_path, nested):
         assert (reference.offset, reference.size) == (info.dataOffset, info.size)
 
 
-def test_packages_that_cannot_be_read_raise_oserror(tmp_path):
-    package, _ = MakePackage(tmp_path, False)
-    with pytest.raises(OSError):
-        FindInPackage(package, "tex/none.png")
+def test_what_packages_do_not_have_is_not_found(tmp_path):
+    package, image = MakePackage(tmp_path, False)
+    file, offset, size = _core.FindInPackage(f"{package}[tex/image.png]")
+    assert (file, size) == (package, len(image)) and offset > 0
+    assert _core.FindInPackage(f"{package}[tex/none.png]") is None
+    assert _core.FindInPackage(package) is None
     (tmp_path / "broken.usdz").write_bytes(b"no zip")
-    with pytest.raises(OSError):
-        FindInPackage(str(tmp_path / "broken.usdz"), "a.png")
+    assert _core.FindInPackage(f"{tmp_path}/broken.usdz[a.png]") is None
+
+
+@pytest.mark.parametrize("utf8Flag", [False, True])
+@pytest.mark.parametrize("folder", ["plain", "odd [v2] folder"])
+def test_names_that_are_not_ascii_are_found_in_packages(tmp_path, folder, utf8Flag):
+    """OpenUSD writes UTF-8 without the flag that says so; other programs set it. Brackets of folders are no package's."""
+    (tmp_path / folder).mkdir()
+    package = f"{tmp_path}/{folder}/names.usdz"
+    names = ["tex/Grün 木.png", "tex/a[1].png"]
+    text = "#usda 1.0\n" + "".join(f'def Shader "T{i}" {{\nasset inputs:file = @{name}@\n}}\n'
+                                    for i, name in enumerate(names))
+    contents = {"s.usda": text.encode(), names[0]: b"first image", names[1]: b"second"}
+    if utf8Flag:
+        with zipfile.ZipFile(package, "w") as archive:
+            for name, content in contents.items():
+                archive.writestr(name, content)
+    else:
+        with Sdf.ZipFileWriter.CreateNew(package) as writer:
+            for name, content in contents.items():
+                (tmp_path / "file").write_bytes(content)
+                writer.AddFile(str(tmp_path / "file"), name)
+    stage = Usd.Stage.Open(package)
+    for i, name in enumerate(names):
+        attribute = stage.GetPrimAtPath(f"/T{i}").GetAttribute("inputs:file")
+        reference = AssetResolver().Resolve(attribute, attribute.Get())
+        assert reference.file == package
+        with open(package, "rb") as stream:
+            stream.seek(reference.offset)
+            assert stream.read(reference.size) == contents[name]
 
 
 def test_udim_pattern_is_resolved(tmp_path):

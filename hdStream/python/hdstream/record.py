@@ -6,10 +6,13 @@ import threading
 
 from hdstream.errors import EXIT_INTERRUPTED, EXIT_OK
 from hdstream.frameJob import FrameWriter
+from hdstream.framing import FREE_CAMERA_PATH
 from hdstream.interruption import Interruption
 from hdstream.progress import ProgressBar, WarningPrinter
 from hdstream.recordArguments import CheckArguments, FramesOf, JobOf
 from hdstream.texts import SecondsText
+
+_NAMED_CAMERAS = 3  # in the line that says that none of them is used
 
 
 def Run(args):
@@ -37,6 +40,7 @@ class Recorder:
         self._progress = progress
         self._warn = warn
         self._writer = FrameWriter(JobOf(args), warn)
+        self._isFramingNoted = False
         self.frames = FramesOf(args, self._writer.renderer.stage, self._writer.renderer.Warn)
 
     def Record(self, frame):
@@ -47,6 +51,7 @@ class Recorder:
                 print(f"{files}: is there already")
             return True
         self._interruption.Check()
+        self._NoteFraming()
         image = self._Render(frame)
         isWritten = self._writer.Finish(frame, image)
         self._warn.Flush()
@@ -57,6 +62,17 @@ class Recorder:
             print(f"{files}: {image.width}x{image.height}, {image.samples} samples, "
                   f"{SecondsText(image.statistics['time']['total'])}{done}")
         return image.isComplete
+
+    def _NoteFraming(self):
+        """Says once that none of the stage's cameras is used, where nobody has chosen one."""
+        renderer = self._writer.renderer
+        cameras = renderer.CameraPaths()
+        if self._args.quiet or self._isFramingNoted or not cameras or renderer.settings["camera"] != FREE_CAMERA_PATH:
+            return
+        self._isFramingNoted = True
+        more = f" and {len(cameras) - _NAMED_CAMERAS} more" if len(cameras) > _NAMED_CAMERAS else ""
+        self._progress.Clear()
+        print(f"the stage is framed from the front; --camera takes {', '.join(cameras[:_NAMED_CAMERAS])}{more}")
 
     def _Render(self, frame):
         """Renders on a thread, so that Ctrl-C is seen at once."""

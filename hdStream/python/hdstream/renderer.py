@@ -18,7 +18,7 @@ from hdstream import _core
 from hdstream.denoiser import FindDenoiser
 from hdstream.diagnostics import Diagnostics
 from hdstream.errors import EXIT_USAGE, CommandError
-from hdstream.framing import FindCamera
+from hdstream.framing import FREE_CAMERA_PATH, FindCamera
 from hdstream.frameSetup import Framing, FrameTime, MakeMetadata, MakeSettings, ShutterOf
 from hdstream.processTime import SecondsSinceStart
 from hdstream.materialXFiles import UnreadFiles
@@ -280,6 +280,10 @@ class Renderer:
     def SceneText(self) -> str:
         """The prepared scene as text: all values, hashes of long arrays. Equal scenes have equal texts."""
         return self._session.Dump()
+
+    def CameraPaths(self) -> List[str]:
+        """Paths of the stage's cameras, sorted; without the one that frames a stage."""
+        return sorted(path for path in self._session.Scene().cameras if path != FREE_CAMERA_PATH)
 
     def AssetFiles(self) -> List[str]:
         """Files, besides the stage's, that the prepared scene reads: images, light profiles."""

@@ -9,6 +9,8 @@ import glob
 import hashlib
 import json
 
+from pxr import Ar
+
 from hdstream import _core
 from hdstream.translate.exrHeader import ReadTexts
 
@@ -30,9 +32,11 @@ class AssetHashes:
 
 
 def _PartsOf(file):
-    """The tiles of a UDIM, else the file itself."""
+    """The tiles of a UDIM, or the package that they are in; else the file itself."""
     if "<UDIM>" not in file:
         return [file]
+    if Ar.IsPackageRelativePath(file):
+        return [Ar.SplitPackageRelativePathOuter(file)[0]]
     before, _, after = file.partition("<UDIM>")
     return sorted(glob.glob(f"{glob.escape(before)}[0-9][0-9][0-9][0-9]{glob.escape(after)}"))
 

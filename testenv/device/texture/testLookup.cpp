@@ -245,6 +245,18 @@ TEST_F(LookupTest, TheLevelFollowsTheMinorAxisUpToTheAnisotropy) {
     ExpectReference(texture, 2, 2, RandomQueries(200, 1.0F), 2e-4, -2.0F);
 }
 
+TEST_F(LookupTest, LongImagesKeepTheirShortSide) {
+    const std::uint32_t texture = textures.Add(3, 997, HDS_TEXEL_FLOAT | 2U, HDS_SWIZZLE_RGBA, 5);
+    // A hundredth of the square that the image covers: 10 rows, 0.03 columns.
+    const Query square{{0.4F, 0.6F}, {0.01F, 0.0F, 0.0F, 0.01F}};
+    const Query point{{0.4F, 0.6F}, {}};
+    EXPECT_EQ(Look(texture, 2, 2, {square}), Look(texture, 2, 2, {point}));
+    // A row of a thousand is known to 2^-14 of its height.
+    ExpectReference(texture, 2, 2, RandomQueries(2000, 1.0F), 1e-3);
+    const std::uint32_t wide = textures.Add(640, 20, HDS_TEXEL_FLOAT | 2U, HDS_SWIZZLE_RGBA, 7);
+    ExpectReference(wide, 2, 2, RandomQueries(2000, 1.0F), 1e-3);
+}
+
 TEST_F(LookupTest, ChoicesAverageToTheTrilinearValue) {
     const std::uint32_t texture = textures.Add(32, 64, HDS_TEXEL_U8 | 2U, HDS_SWIZZLE_RGBA, 6);
     const std::vector<Query> queries = RandomQueries(200, 1.5F);

@@ -40,7 +40,7 @@ double CageVolume(const ImplicitShape& s) {
         return s.size * s.size * s.size;
     }
     if (s.type == "Cylinder") {
-        return kTenGon * s.radius * s.radius * s.height;
+        return Frustum(s.radius, s.radiusTop.value_or(s.radius), s.height);
     }
     if (s.type == "Cone") {
         return kTenGon * s.radius * s.radius * s.height / 3.0;
@@ -138,6 +138,61 @@ TEST(ImplicitMesh, PointsAreOpenUsds) {
         EXPECT_FLOAT_EQ(mesh.points[3 * e.point], e.x);
         EXPECT_FLOAT_EQ(mesh.points[3 * e.point + 1], e.y);
         EXPECT_FLOAT_EQ(mesh.points[3 * e.point + 2], e.z);
+    }
+}
+
+TEST(ImplicitMesh, PointsOfTwoRadiiAreOpenUsds) {
+    // Printed by GeomUtilCylinderMeshGenerator and GeomUtilCapsuleMeshGenerator of OpenUSD 25.02,
+    // in floats, with 10 sides and 4 rings a cap. The second capsule has 7 rings at its bottom.
+    struct Expected {
+        const char* type;
+        double radius, radiusTop, height;
+        std::size_t point;
+        float x, y, z;
+    };
+    const Expected cases[] = {
+        {"Cylinder", 0.3, 0.7, 1.7, 0, 0.0F, 0.0F, -0.850000024F},
+        {"Cylinder", 0.3, 0.7, 1.7, 12, 0.242705107F, 0.176335573F, -0.850000024F},
+        {"Cylinder", 0.3, 0.7, 1.7, 22, 0.566311896F, 0.411449671F, 0.850000024F},
+        {"Capsule", 0.9, 0.35, 1.1, 0, 0.0F, 0.0F, -2.00623035F},
+        {"Capsule", 0.9, 0.35, 1.1, 34, -0.310441732F, 0.955440938F, -0.942918181F},
+        {"Capsule", 0.9, 0.35, 1.1, 52, 0.283155948F, 0.205724835F, 0.550000012F},
+        {"Capsule", 0.9, 0.35, 1.1, 61, 0.263307095F, 0.0F, 0.66447258F},
+        {"Capsule", 0.9, 0.35, 1.1, 81, 0.0F, 0.0F, 0.766311884F},
+        {"Capsule", 0.1, 2.3, 0.2, 1, 0.100000054F, 0.0F, -0.100000024F},
+        {"Capsule", 0.1, 2.3, 0.2, 23, 3.94494271F, 12.1412868F, 3.43624496F},
+        {"Capsule", 0.1, 2.3, 0.2, 72, 8.6768446F, 6.30409622F, 48.4293442F},
+        {"Capsule", 0.1, 0.2, 0.0, 41, 0.200000003F, 0.0F, 0.0F},
+        {"Capsule", 0.1, 0.2, 0.0, 72, 0.0619194806F, 0.0449871346F, 0.184775904F},
+    };
+    for (const Expected& e : cases) {
+        SCOPED_TRACE(std::string(e.type) + " point " + std::to_string(e.point));
+        ImplicitShape shape;
+        shape.type = e.type;
+        shape.radius = e.radius;
+        shape.radiusTop = e.radiusTop;
+        shape.height = e.height;
+        const GeometryDescription mesh = MakeImplicitMesh(shape);
+        EXPECT_FLOAT_EQ(mesh.points[3 * e.point], e.x);
+        EXPECT_FLOAT_EQ(mesh.points[3 * e.point + 1], e.y);
+        EXPECT_FLOAT_EQ(mesh.points[3 * e.point + 2], e.z);
+    }
+}
+
+TEST(ImplicitMesh, CagesOfTwoRadiiAreClosedAndFaceOutwards) {
+    for (const char* type : {"Cylinder", "Capsule"}) {
+        for (const double top : {0.2, 3.0}) {
+            SCOPED_TRACE(std::string(type) + " " + std::to_string(top));
+            ImplicitShape shape = MakeShape(type, "Y");
+            shape.radiusTop = top;
+            const Triangulated run = RunTriangulate(MakeImplicitMesh(shape));
+            EXPECT_EQ(CountOpenEdges(*run.mesh), 0U);
+            if (std::string(type) == "Cylinder") {
+                EXPECT_NEAR(SignedVolume(*run.mesh), CageVolume(shape), 1e-6 * CageVolume(shape));
+            } else { // the frustum is a part of it
+                EXPECT_GT(SignedVolume(*run.mesh), Frustum(shape.radius, top, shape.height));
+            }
+        }
     }
 }
 

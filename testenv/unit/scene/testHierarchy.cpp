@@ -246,7 +246,7 @@ TEST(Hierarchy, AMillionInstancesCostRecordsOnly) {
 TEST(Hierarchy, BadPlacementsAreDroppedAndNamed) {
     SceneDescription scene;
     scene.geometry["/singular"].placement.worldFromObject =
-        glm::scale(glm::dmat4(1.0), glm::dvec3(1.0, 0.0, 1.0));
+        glm::scale(glm::dmat4(1.0), glm::dvec3(1.0, 0.0, 0.0));
     scene.geometry["/nan"].placement.worldFromObject[3][0] = std::nan("");
     scene.geometry["/far"].placement.worldFromObject[3][1] = 1e39; // infinite as a float
     scene.geometry["/good"];
@@ -279,6 +279,53 @@ TEST(Hierarchy, CyclesEnd) {
     Warnings warnings;
     const Hierarchy tables = Build(scene, {}, 1, warnings);
     EXPECT_EQ(tables.numLeaves, 0U);
+}
+
+TEST(Transforms, WhatIsFlatBecomesAThinSheet) {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> real(-1.0, 1.0);
+    const auto direction = [&] {
+        return glm::normalize(glm::dvec3(real(random), real(random), real(random)));
+    };
+    for (int i = 0; i < 2000; ++i) {
+        // Any map, behind a projection along a direction.
+        const double size = std::pow(10.0, 3.0 * real(random));
+        const glm::dvec3 lost = direction();
+        glm::dmat3 linear;
+        for (int column = 0; column < 3; ++column) {
+            linear[column] = size * direction();
+        }
+        if (std::abs(glm::determinant(linear)) < 0.01 * size * size * size) {
+            continue;
+        }
+        const glm::dmat3 flat = linear * (glm::dmat3(1.0) - glm::outerProduct(lost, lost));
+        const glm::dmat4 moved = glm::translate(glm::dmat4(1.0), glm::dvec3(3.0, -2.0, 1.0));
+        ASSERT_FALSE(IsUsableTransform(moved * glm::dmat4(flat)));
+        const glm::dmat4 thick = ThickenFlat(moved * glm::dmat4(flat));
+        EXPECT_TRUE(IsUsableTransform(thick));
+        EXPECT_GT(glm::determinant(glm::dmat3(thick)), 0.0);
+        EXPECT_EQ(thick[3], moved[3]);
+        // What is not lost goes where it went; what is lost goes along the normal.
+        const glm::dmat3 added = glm::dmat3(thick) - flat;
+        const glm::dvec3 kept = glm::cross(lost, direction());
+        EXPECT_LT(glm::length(added * kept), 1e-12 * size);
+        const glm::dvec3 along = added * lost;
+        EXPECT_NEAR(glm::dot(glm::normalize(along), glm::normalize(flat * kept)), 0.0, 1e-6);
+        EXPECT_GT(glm::length(along), 1e-6 * size);
+        EXPECT_LT(glm::length(along), 1e-4 * size);
+    }
+    glm::dmat4 scale(1.0);
+    EXPECT_EQ(ThickenFlat(scale), scale);
+    scale[1][1] = 1e-7; // thin, but no plane
+    EXPECT_EQ(ThickenFlat(scale), scale);
+    scale[1][1] = 1e-40; // its inverse is no float
+    EXPECT_NEAR(ThickenFlat(scale)[1][1], std::ldexp(1.0, -16), 1e-12);
+    scale[1][1] = scale[2][2] = 0.0; // a line
+    EXPECT_EQ(ThickenFlat(scale), scale);
+    scale[0][0] = 0.0; // a point
+    EXPECT_EQ(ThickenFlat(scale), scale);
+    scale[0][0] = std::nan("");
+    EXPECT_FALSE(IsUsableTransform(ThickenFlat(scale)));
 }
 
 TEST(Transforms, BoundsHoldEveryTransformedPoint) {

@@ -20,10 +20,16 @@ TEST(UdimTest, FilesAreFoundByTheirNumber) {
     const std::vector<UdimFile> files = FindUdimFiles(folder.File("a.<UDIM>.png"));
     ASSERT_EQ(files.size(), 2U);
     EXPECT_EQ(files[0].index, 0U);
-    EXPECT_EQ(files[0].path, folder.File("a.1001.png"));
+    EXPECT_EQ(files[0].place.file, folder.File("a.1001.png"));
     EXPECT_EQ(files[1].index, 99U);
+    EXPECT_EQ(files[0].place.size, 0U); // all of it
     EXPECT_TRUE(FindUdimFiles(folder.File("nowhere/a.<UDIM>.png")).empty());
     EXPECT_TRUE(FindUdimFiles(folder.File("a.1001.png")).empty());
+}
+
+TEST(UdimTest, TilesAreNamed) {
+    EXPECT_EQ(TileName("a/b.<UDIM>.png", 12), "a/b.1013.png");
+    EXPECT_EQ(TileName("a.png", 12), "a.png");
 }
 
 } // namespace

@@ -177,7 +177,7 @@ def ReadNurbsPatch(prim, names, inherited, timeCode, motion, warn):
     return mesh
 
 
-def ReadImplicit(prim, typeName, names, inherited, timeCode, warn):
+def ReadImplicit(prim, typeName, names, inherited, timeCode):
     """The description of an implicit gprim as OpenUSD's mesh of it."""
     baseType = typeName[:-2] if typeName.endswith("_1") else typeName
     shape = _core.ImplicitShape()
@@ -187,10 +187,8 @@ def ReadImplicit(prim, typeName, names, inherited, timeCode, warn):
         if name in names:
             values[name] = prim.GetAttribute(name).Get(timeCode)
     if typeName != baseType:
-        bottom = prim.GetAttribute("radiusBottom").Get(timeCode)
-        if bottom != prim.GetAttribute("radiusTop").Get(timeCode):
-            warn(prim, f"a {baseType.lower()} with two radii is drawn with radiusBottom only")
-        values["radius"] = bottom
+        values["radius"] = prim.GetAttribute("radiusBottom").Get(timeCode)
+        values["radiusTop"] = prim.GetAttribute("radiusTop").Get(timeCode)
     for name, value in values.items():
         if value is not None:
             setattr(shape, name, value)

@@ -310,7 +310,7 @@ class StageTranslator:
 
     def _OnImplicit(self, prim, schema, names, state, context):
         mesh = self._KeptGeometry(prim, context) or meshes.ReadImplicit(
-            prim, schema, names, state.primvars, self._timeCode, self._reports.Warn)
+            prim, schema, names, state.primvars, self._timeCode)
         self._AddMesh(prim, names, mesh, state, context)
         return state
 
