@@ -85,10 +85,10 @@ std::uint64_t ClearCache(const std::string& directory) {
 std::vector<std::string> PrepareKernels(const std::string& device, const std::string& directory) {
     Warnings warnings;
     const std::shared_ptr<Device> chosen = Device::Create(device);
-    if (!chosen->Properties().hasSlowBinaries) {
-        return {};
-    }
     Store store({directory, true}, &warnings);
+    if (!chosen->Properties().hasSlowBinaries || !store.IsEnabled()) {
+        return warnings.Lines();
+    }
     chosen->SetCompilers(
         std::make_unique<KernelCompilers>(chosen->Properties(), &store, &warnings));
     std::vector<KernelFeatures> sets = AllGeneralFeatures();

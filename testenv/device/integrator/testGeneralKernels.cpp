@@ -65,6 +65,8 @@ TEST_F(GeneralKernelsTest, LeaveWhenOwnOnesCome) {
     settings.cacheDirectory = folder.Path();
     settings.noCache = false;
     settings.samples = 1U << 22U; // hours
+    settings.passSeconds = 1e-3;  // of a wave each: who stops has all pixels equally often
+    settings.waveSize = 1U << 17U;
     const auto kernelsOf = [](const Session& session) {
         return nlohmann::json::parse(session.Statistics())["wave"]["kernels"].get<std::string>();
     };
