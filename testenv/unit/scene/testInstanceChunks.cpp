@@ -36,7 +36,8 @@ SceneDescription MakeScene(unsigned seed) {
     for (std::uint32_t i = 0; i < kCount; ++i) {
         (i % 2 == 0 ? even : odd).push_back(static_cast<std::int32_t>(i));
         if (i % 97 == 5) {
-            scales[3 * std::size_t{i}] = 0.0F; // dropped
+            scales[3 * std::size_t{i}] = 0.0F; // a line: dropped
+            scales[3 * std::size_t{i} + 1] = 0.0F;
         }
     }
     InstancerPrim& instancer = scene.instancers["/I"];
