@@ -193,7 +193,7 @@ def test_bad_mesh_lights_are_named(tmp_path):
     shape["Flat"].points[:, 0] = 0.0
     shape["Unreal"].points[:] = np.nan
     for name, value in shape.items():
-        places = dict(scale=(0, 1, 1)) if name == "Squeezed" else _DOWN
+        places = dict(scale=(0, 0, 1)) if name == "Squeezed" else _DOWN  # to a line: what is flat is a thin sheet
         mesh = author.AddMesh(stage, f"/World/{name}", value, translate=(0, 1, 0), **places)
         _MakeLight(mesh, "noMaterialResponse", normalize=True)
         if name == "Empty":
