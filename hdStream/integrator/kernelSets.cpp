@@ -67,6 +67,7 @@ StageKernels& KernelSets::Get(const KernelFeatures& features, const SceneBuffers
 
 StageKernels& KernelSets::Add(const KernelFeatures& features) {
     auto kernels = std::make_unique<StageKernels>(_device, _store, features);
+    _lacking.erase(SecondsKey(*_device, features));
     if (_sets.size() == _mostSets) {
         _sets.front().kernels->SaveBinaries(_store);
         _sets.erase(_sets.begin());
@@ -108,12 +109,14 @@ KernelFeatures KernelSets::Choose(const KernelFeatures& features, KernelChoice c
     if (choice == KernelChoice::General) {
         return sets.empty() ? features : sets.front();
     }
-    const auto isThere = [this](const KernelFeatures& set) { return Has(set) || AreInStore(set); };
-    if (isThere(features)) {
+    const Lack* lack = Has(features) ? nullptr : FindLack(features);
+    if (lack == nullptr) {
         return features;
     }
-    const auto set = std::find_if(sets.begin(), sets.end(), isThere);
-    const bool hasPaid = mayWait && PayForOwnKernels(GeneralSeconds(features));
+    const auto set = std::find_if(sets.begin(), sets.end(), [this](const KernelFeatures& general) {
+        return Has(general) || AreInStore(general);
+    });
+    const bool hasPaid = mayWait && PayForOwnKernels(lack->generalSeconds);
     return set == sets.end() || hasPaid ? features : *set;
 }
 
@@ -121,32 +124,51 @@ bool KernelSets::HaveOwnCome(const KernelFeatures& features, double secondsLeft)
     if (EndsBeforeOwnKernels(secondsLeft)) {
         return false;
     }
-    if (_announced && *_announced == features) {
-        return AreInStore(features);
+    Lack* lack = FindLack(features);
+    if (lack == nullptr) {
+        return true;
+    }
+    if (!lack->awaited.empty()) {
+        const bool haveCome =
+            std::all_of(lack->awaited.begin(), lack->awaited.end(),
+                        [this](const auto& source) { return Program::IsInStore(source, *_store); });
+        if (haveCome) {
+            _lacking.erase(SecondsKey(*_device, features));
+        }
+        return haveCome;
     }
     const bool canCompile = _device->Compilers() != nullptr && _device->Compilers()->CanCompile();
-    if (canCompile && PayForOwnKernels(GeneralSeconds(features) + secondsLeft)) {
-        StageKernels::Announce(*_device, _store, features);
-        _announced = features;
+    if (canCompile && PayForOwnKernels(lack->generalSeconds + secondsLeft)) {
+        lack->awaited = StageKernels::Announce(*_device, _store, features);
     }
     return false;
 }
 
-double KernelSets::GeneralSeconds(const KernelFeatures& features) const {
-    const auto bytes = _store != nullptr
-                           ? _store->Load(kSecondsKind, SecondsKey(*_device, features))
-                           : std::optional<std::vector<std::uint8_t>>();
-    double seconds = 0.0;
-    if (bytes && bytes->size() == sizeof(seconds)) {
-        std::memcpy(&seconds, bytes->data(), sizeof(seconds));
+/// Null: they are in the store.
+KernelSets::Lack* KernelSets::FindLack(const KernelFeatures& features) {
+    const std::string key = SecondsKey(*_device, features);
+    const auto known = _lacking.find(key);
+    if (known != _lacking.end()) {
+        return &known->second;
     }
-    return seconds;
+    if (AreInStore(features)) {
+        return nullptr;
+    }
+    Lack& lack = _lacking[key];
+    const auto bytes = _store != nullptr ? _store->Load(kSecondsKind, key)
+                                         : std::optional<std::vector<std::uint8_t>>();
+    if (bytes && bytes->size() == sizeof(lack.generalSeconds)) {
+        std::memcpy(&lack.generalSeconds, bytes->data(), sizeof(lack.generalSeconds));
+    }
+    return &lack;
 }
 
 void KernelSets::AddGeneralSeconds(const KernelFeatures& features, double seconds) {
-    if (_store != nullptr && _store->IsEnabled()) {
-        const double sum = GeneralSeconds(features) + seconds;
-        _store->Save(kSecondsKind, SecondsKey(*_device, features), &sum, sizeof(sum));
+    Lack* lack = FindLack(features);
+    if (lack != nullptr && _store != nullptr && _store->IsEnabled()) {
+        lack->generalSeconds += seconds;
+        _store->Save(kSecondsKind, SecondsKey(*_device, features), &lack->generalSeconds,
+                     sizeof(lack->generalSeconds));
     }
 }
 

@@ -8,8 +8,10 @@
 #include "hdStream/integrator/stageKernels.h"
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -42,7 +44,7 @@ public:
     /// Between two waves of a render by general kernels. Begins to compile those of `features` when
     /// it pays. \param secondsLeft of the render. \return whether they have come.
     bool HaveOwnCome(const KernelFeatures& features, double secondsLeft);
-    /// A render of `features` has spent so long in general kernels; kept in the store.
+    /// A whole render of `features` has spent so long in general kernels; kept in the store.
     void AddGeneralSeconds(const KernelFeatures& features, double seconds);
 
     /// Keeps in the store which features a render has asked for, for Warm of later processes.
@@ -56,7 +58,15 @@ public:
 
 private:
     StageKernels& Add(const KernelFeatures& features);
-    double GeneralSeconds(const KernelFeatures& features) const;
+    /// What is known of kernels that were not in the store when they were looked for: to look again
+    /// for each edit and each wave takes longer than an edit.
+    struct Lack {
+        double generalSeconds = 0.0; ///< that renders have spent without them
+        std::vector<ProgramSource>
+            awaited; ///< their programs, once they are compiled beside a render
+    };
+
+    Lack* FindLack(const KernelFeatures& features);
 
     struct Set {
         std::unique_ptr<StageKernels> kernels;
@@ -68,7 +78,7 @@ private:
     std::size_t _mostSets;
     std::vector<Set> _sets;                    ///< used last comes last
     std::optional<KernelFeatures> _remembered; ///< what the store has
-    std::optional<KernelFeatures> _announced;  ///< what is compiled beside a render
+    std::map<std::string, Lack> _lacking;      ///< by key of features
 };
 
 } // namespace hds

@@ -422,11 +422,11 @@ struct PathTracer::Impl {
         statistics.samples = schedule.Done();
         CountAccuracy();
         buffers.CountUsed();
-        if (statistics.hasGeneralKernels) {
-            kernelSets.AddGeneralSeconds(PresentFeatures(), TracingSeconds());
-        }
         if (onlooker.isStopped && !schedule.IsTimeUp(onlooker.timer.Seconds())) {
             return RenderResult::Stopped;
+        }
+        if (statistics.hasGeneralKernels) {
+            kernelSets.AddGeneralSeconds(PresentFeatures(), TracingSeconds());
         }
         kernelSets.SaveBinaries();
         return RenderResult::Complete;

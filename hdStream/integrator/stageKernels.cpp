@@ -67,9 +67,11 @@ bool StageKernels::AreInStore(const Device& device, const Store& store,
     });
 }
 
-void StageKernels::Announce(const Device& device, const Store* store,
-                            const KernelFeatures& features) {
-    Program::Announce(device, MakeSources(device, features), store);
+std::vector<ProgramSource> StageKernels::Announce(const Device& device, const Store* store,
+                                                  const KernelFeatures& features) {
+    std::vector<ProgramSource> sources = MakeSources(device, features);
+    Program::Announce(device, sources, store);
+    return sources;
 }
 
 std::uint64_t StageKernels::PathStateBytes(const KernelFeatures& features) {

@@ -22,7 +22,9 @@ public:
                            const KernelFeatures& features);
 
     /// Begins to compile what of them is not in the store, where processes compile; never blocks.
-    static void Announce(const Device& device, const Store* store, const KernelFeatures& features);
+    /// \return all their programs.
+    static std::vector<ProgramSource> Announce(const Device& device, const Store* store,
+                                               const KernelFeatures& features);
 
     /// Binds a scene to all kernels that read it; again after each SceneBuffers::Update.
     void Bind(const SceneBuffers& scene);
