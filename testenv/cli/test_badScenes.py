@@ -55,7 +55,7 @@ def Bound(identifier, inputs=""):
     (BadMesh(points="[(nan, 0, 0), (1, 0, 0), (0, 1, 0)]"), "/Bad"),
     (BadMesh(points="[(inf, 0, 0), (1, 0, 0), (0, 1, 0)]"), "/Bad"),
     (BadMesh(points="[(0, 0, 0), (0, 0, 0), (0, 0, 0)]"), "/Bad"),
-    (BadMesh(more=MATRIX.format("((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 0, 0), (0, 0, 0, 1))")), "/Bad"),
+    (BadMesh(more=MATRIX.format("((1, 0, 0, 0), (0, 0, 0, 0), (0, 0, 0, 0), (0, 0, 0, 1))")), "/Bad"),
     (BadMesh(more=MATRIX.format("((0, 0, 0, 0), (0, 0, 0, 0), (0, 0, 0, 0), (0, 0, 0, 1))")), "/Bad"),
     (BadMesh(more=MATRIX.format("((nan, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))")), "/Bad"),
     (Bound("NoSuchShader"), "/Look"),
