@@ -57,7 +57,7 @@ bool ReceiveAll(int socket, char* data, std::size_t bytes) {
 std::string PackRequest(const DeviceProperties& device, const ProgramSource& source) {
     std::string payload;
     for (const std::string* part : {&device.platform, &device.name, &device.version,
-                                    &device.driverVersion, &source.options, &source.text}) {
+                                    &device.driverVersion, &source.options, source.text.get()}) {
         const std::uint64_t bytes = part->size();
         payload.append(reinterpret_cast<const char*>(&bytes), sizeof(bytes));
         payload.append(*part);

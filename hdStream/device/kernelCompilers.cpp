@@ -168,7 +168,7 @@ void KernelCompilers::Begin(std::vector<ProgramSource> sources) {
         }
     }
     std::stable_sort(_queue.begin(), _queue.end(),
-                     [](const auto& a, const auto& b) { return a.text.size() > b.text.size(); });
+                     [](const auto& a, const auto& b) { return a.text->size() > b.text->size(); });
     AddProcesses(_queue.size() - std::min(_queue.size(), _numIdle));
     _changed.notify_all();
 }
@@ -224,7 +224,7 @@ std::string KernelCompilers::Serve(int socket) {
     CompileMessage kind{};
     std::string payload;
     ProgramSource smallest;
-    smallest.text = kSmallestProgram;
+    smallest.text = std::make_shared<const std::string>(kSmallestProgram);
     const auto exchange = [&](const ProgramSource& source) {
         const std::string request = PackRequest(_device, source);
         return SendMessage(socket, CompileMessage::Compile, request.data(), request.size()) &&

@@ -6,11 +6,12 @@
 #include "hdStream/base/hash.h"
 #include "hdStream/device/embeddedKernels.h"
 
+#include <algorithm>
 #include <cstdlib>
-#include <cstring>
 #include <fstream>
+#include <iterator>
 #include <set>
-#include <sstream>
+#include <string_view>
 
 namespace hds {
 
@@ -19,74 +20,74 @@ namespace {
 /// Every program is compiled with strict arithmetic: bits are part of the contract.
 constexpr const char* kPrologue = "#pragma OPENCL FP_CONTRACT OFF\n";
 
-bool FindEmbedded(const std::string& path, std::string* text) {
+/// The text of an embedded file, or null data.
+std::string_view FindEmbedded(const std::string& path) {
     for (std::size_t i = 0; i < NumEmbeddedKernels(); ++i) {
         const EmbeddedKernel& file = EmbeddedKernels()[i];
         if (path == file.path) {
-            text->assign(reinterpret_cast<const char*>(file.bytes), file.size);
-            return true;
+            return {reinterpret_cast<const char*>(file.bytes), file.size};
         }
     }
-    return false;
+    return {};
 }
 
-std::string ReadKernelFile(const std::string& path, const std::string& includer) {
-    std::string text;
-    if (const char* folder = std::getenv("HDSTREAM_KERNEL_DIR");
-        folder != nullptr && *folder != 0) {
+const char* KernelFolder() {
+    const char* folder = std::getenv("HDSTREAM_KERNEL_DIR");
+    return folder != nullptr && *folder != 0 ? folder : nullptr;
+}
+
+/// \param read holds the text of files that are not embedded.
+std::string_view ReadKernelFile(const std::string& path, const std::string& includer,
+                                std::string* read) {
+    if (const char* folder = KernelFolder(); folder != nullptr) {
         std::ifstream file(std::string(folder) + "/" + path, std::ios::binary);
         if (file) {
-            std::ostringstream contents;
-            contents << file.rdbuf();
-            return contents.str();
+            read->assign(std::istreambuf_iterator<char>(file), {});
+            return *read;
         }
-    } else if (FindEmbedded(path, &text)) {
+    } else if (const std::string_view text = FindEmbedded(path); text.data() != nullptr) {
         return text;
     }
     throw Error("kernel source " + path + " does not exist (included by " + includer + ")");
 }
 
-/// The path of an `#include "path"` line, or empty.
-std::string IncludedPath(const std::string& line) {
-    std::size_t at = line.find_first_not_of(" \t");
-    if (at == std::string::npos || line[at] != '#') {
+/// A line that begins with '#', from the word after it on; empty: another line.
+std::string_view Directive(std::string_view line) {
+    constexpr const char* kBlanks = " \t";
+    std::size_t at = line.find_first_not_of(kBlanks);
+    if (at == std::string_view::npos || line[at] != '#') {
         return {};
     }
-    at = line.find_first_not_of(" \t", at + 1);
-    if (at == std::string::npos || line.compare(at, 7, "include") != 0) {
-        return {};
-    }
-    const std::size_t open = line.find('"', at);
-    const std::size_t close = open == std::string::npos ? open : line.find('"', open + 1);
-    return close == std::string::npos ? std::string() : line.substr(open + 1, close - open - 1);
+    at = line.find_first_not_of(kBlanks, at + 1);
+    return at == std::string_view::npos ? std::string_view() : line.substr(at);
 }
 
-/// The directive of a line ("if", "ifdef", "ifndef", "endif", "define", ...), or empty.
-std::string Directive(const std::string& line) {
-    std::size_t at = line.find_first_not_of(" \t");
-    if (at == std::string::npos || line[at] != '#') {
+bool BeginsWith(std::string_view text, std::string_view beginning) {
+    return text.substr(0, beginning.size()) == beginning;
+}
+
+/// The path of an `#include "path"` line, or empty.
+std::string IncludedPath(std::string_view directive) {
+    if (!BeginsWith(directive, "include")) {
         return {};
     }
-    at = line.find_first_not_of(" \t", at + 1);
-    const std::size_t end =
-        at == std::string::npos ? at : line.find_first_not_of("abcdefghijklmnopqrstuvwxyz", at);
-    return at == std::string::npos ? std::string() : line.substr(at, end - at);
+    const std::size_t open = directive.find('"');
+    const std::size_t close = open == std::string_view::npos ? open : directive.find('"', open + 1);
+    return close == std::string_view::npos
+               ? std::string()
+               : std::string(directive.substr(open + 1, close - open - 1));
 }
 
 /// How many conditionals are open at each line, not counting a header's own include guard, which is
 /// the first directive of the file: #ifndef, or #if !defined of text that has a wide form.
 class ConditionalDepth {
 public:
-    void Read(const std::string& line) {
-        const std::string directive = Directive(line);
-        if (directive.empty()) {
-            return;
-        }
-        if (directive.compare(0, 2, "if") == 0) {
-            const bool isGuard = _isFirst && (directive == "ifndef" ||
-                                              line.find("if !defined(") != std::string::npos);
+    void Read(std::string_view directive) {
+        if (BeginsWith(directive, "if")) {
+            const bool isGuard = _isFirst && (BeginsWith(directive, "ifndef") ||
+                                              BeginsWith(directive, "if !defined("));
             _depth += isGuard ? 0 : 1;
-        } else if (directive == "endif") {
+        } else if (BeginsWith(directive, "endif")) {
             --_depth; // the guard's own #endif is the last line: -1 there means nothing
         }
         _isFirst = false;
@@ -116,27 +117,38 @@ class Expander {
 public:
     explicit Expander(std::string* out) : _out(out) {}
 
-    void Expand(const std::string& path, const std::string& text, FileSet* seen) {
-        *_out += "#line 1 \"" + path + "\"\n";
-        std::istringstream lines(text);
-        std::string line;
-        int number = 0;
+    void Expand(const std::string& path, std::string_view text, FileSet* seen) {
+        BeginFile(1, path);
         ConditionalDepth depth;
-        while (std::getline(lines, line)) {
+        std::size_t copied = 0; ///< up to there, whole lines
+        int number = 0;
+        for (std::size_t begin = 0; begin < text.size();) {
             ++number;
-            depth.Read(line);
-            const std::string included = IncludedPath(line);
-            if (included.empty()) {
-                *_out += line;
-                *_out += '\n';
-                continue;
+            const std::size_t end = std::min(text.find('\n', begin), text.size());
+            const std::string_view directive = Directive(text.substr(begin, end - begin));
+            if (!directive.empty()) {
+                depth.Read(directive);
+                if (const std::string included = IncludedPath(directive); !included.empty()) {
+                    _out->append(text.substr(copied, begin - copied));
+                    copied = std::min(end + 1, text.size());
+                    Include(included, path, depth.IsConditional(), seen);
+                    BeginFile(number + 1, path);
+                }
             }
-            Include(included, path, depth.IsConditional(), seen);
-            *_out += "#line " + std::to_string(number + 1) + " \"" + path + "\"\n";
+            begin = end + 1;
+        }
+        _out->append(text.substr(copied));
+        if (_out->back() != '\n') {
+            *_out += '\n';
         }
     }
 
 private:
+    void BeginFile(int line, const std::string& path) {
+        _out->append("#line ").append(std::to_string(line)).append(" \"").append(path);
+        *_out += "\"\n";
+    }
+
     void Include(const std::string& included, const std::string& path, bool isConditional,
                  FileSet* seen) {
         if (included == kWideBegin) {
@@ -145,12 +157,17 @@ private:
         const bool isInBlock = _wideBlockOf == path;
         const bool isWanted = _wideBlockOf.empty() ? seen->count(included) == 0 : isInBlock;
         if (IsList(included) || isWanted) {
-            FileSet inside = *seen;
-            FileSet* target = isConditional || isInBlock ? &inside : seen;
+            FileSet inside;
+            FileSet* target = seen;
+            if (isConditional || isInBlock) {
+                inside = *seen;
+                target = &inside;
+            }
             if (!IsList(included)) {
                 target->insert(included);
             }
-            Expand(included, ReadKernelFile(included, path), target);
+            std::string read;
+            Expand(included, ReadKernelFile(included, path, &read), target);
         }
         if (included == kWideEnd) {
             _wideBlockOf.clear();
@@ -165,18 +182,24 @@ private:
 
 std::string ExpandKernelSource(const std::string& root, const std::string* text) {
     std::string source = kPrologue;
+    std::string read;
     FileSet seen;
-    Expander(&source).Expand(root, text != nullptr ? *text : ReadKernelFile(root, "the program"),
-                             &seen);
+    Expander(&source).Expand(
+        root, text != nullptr ? *text : ReadKernelFile(root, "the program", &read), &seen);
     return source;
+}
+
+bool AreKernelsEmbedded() {
+    return KernelFolder() == nullptr;
 }
 
 std::string KernelSourceHash() {
     Hasher hasher;
+    std::string read;
     for (std::size_t i = 0; i < NumEmbeddedKernels(); ++i) {
         const std::string path = EmbeddedKernels()[i].path;
         hasher.Append(std::string_view(path));
-        hasher.Append(std::string_view(ReadKernelFile(path, "the hash of all kernels")));
+        hasher.Append(ReadKernelFile(path, "the hash of all kernels", &read));
     }
     return hasher.Hex();
 }

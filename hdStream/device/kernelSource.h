@@ -13,6 +13,9 @@ namespace hds {
 /// given. \throws Error that names the including file when an include does not exist.
 std::string ExpandKernelSource(const std::string& root, const std::string* text = nullptr);
 
+/// Sources cannot change while the process runs.
+bool AreKernelsEmbedded();
+
 /// Of all kernel sources as programs read them: pictures of equal scenes and settings have equal
 /// bits on a device only where it is equal. \throws Error when a source is missing.
 std::string KernelSourceHash();

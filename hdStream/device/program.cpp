@@ -113,8 +113,8 @@ bool Program::BuildFromBinary(const ProgramSource& source, const unsigned char* 
 
 void Program::BuildFromSource(const ProgramSource& source) {
     const Device::Handles& handles = _device->GetHandles();
-    const char* textPointer = source.text.c_str();
-    const std::size_t textBytes = source.text.size();
+    const char* textPointer = source.text->c_str();
+    const std::size_t textBytes = source.text->size();
     cl_int code = CL_SUCCESS;
     cl_program program =
         clCreateProgramWithSource(handles.context, 1, &textPointer, &textBytes, &code);

@@ -9,6 +9,8 @@
 #include "kernels/shared/residency.h"
 
 #include <algorithm>
+#include <map>
+#include <mutex>
 #include <set>
 #include <string_view>
 
@@ -17,7 +19,7 @@ namespace hds {
 namespace {
 
 /// Raised when the way programs are built changes.
-constexpr std::uint64_t kKernelAbi = 1;
+constexpr std::uint64_t kKernelAbi = 2;
 
 /// Adds the default of each define that is not said. \pre all that is said is in the table.
 ProgramDefines Complete(const ProgramDefines& said) {
@@ -35,8 +37,14 @@ ProgramDefines Complete(const ProgramDefines& said) {
     return defines;
 }
 
-/// All names that begin as those of the table do.
-std::set<std::string_view> NamesIn(std::string_view text) {
+/// The text of a program, and what options and key are made of.
+struct ProgramText {
+    std::string text;
+    std::string hash;
+    std::set<std::string_view> macros; ///< in the text: all names that begin as those of the table
+};
+
+std::set<std::string_view> MacrosIn(std::string_view text) {
     constexpr std::string_view kPrefix = "HDS_";
     constexpr std::string_view kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_abcdefghijklmnopqrs"
                                           "tuvwxyz";
@@ -49,23 +57,48 @@ std::set<std::string_view> NamesIn(std::string_view text) {
     return names;
 }
 
+std::shared_ptr<const ProgramText> MakeText(const std::string& root, const std::string* text) {
+    auto made = std::make_shared<ProgramText>();
+    made->text = ExpandKernelSource(root, text);
+    Hasher hasher;
+    hasher.Append(std::string_view(made->text));
+    made->hash = hasher.Hex();
+    made->macros = MacrosIn(made->text);
+    return made;
+}
+
+/// Of a root of kernels/. Renders ask for the same few again and again (which kernels are in the
+/// store?), so the texts of roots that cannot change are kept. Any thread.
+std::shared_ptr<const ProgramText> TextOf(const std::string& root) {
+    if (!AreKernelsEmbedded()) {
+        return MakeText(root, nullptr);
+    }
+    static std::mutex mutex;
+    static std::map<std::string, std::shared_ptr<const ProgramText>> texts;
+    const std::lock_guard<std::mutex> lock(mutex);
+    std::shared_ptr<const ProgramText>& text = texts[root];
+    if (text == nullptr) {
+        text = MakeText(root, nullptr);
+    }
+    return text;
+}
+
 /// Only what the text names: scenes that differ in other features share the binary.
-std::string OptionsOf(const ProgramDefines& said, std::string_view text) {
-    const std::set<std::string_view> names = NamesIn(text);
+std::string OptionsOf(const ProgramDefines& said, const std::set<std::string_view>& macros) {
     std::string options = "-cl-std=CL1.2";
     for (const auto& [name, value] : Complete(said)) {
-        if (names.count(name) > 0) {
+        if (macros.count(name) > 0) {
             options.append(" -D").append(name).append("=").append(value);
         }
     }
     return options;
 }
 
-std::string BinaryKey(const DeviceProperties& device, const std::string& text,
+std::string BinaryKey(const DeviceProperties& device, const std::string& textHash,
                       const std::string& options) {
     Hasher hasher;
     hasher.Append(kKernelAbi);
-    for (const std::string* part : {&text, &options, &device.platform, &device.name,
+    for (const std::string* part : {&textHash, &options, &device.platform, &device.name,
                                     &device.version, &device.driverVersion}) {
         hasher.Append(std::string_view(*part));
     }
@@ -78,9 +111,10 @@ ProgramSource MakeProgramSource(const DeviceProperties& device, const std::strin
                                 const ProgramDefines& defines, const std::string* text) {
     ProgramSource source;
     source.root = root;
-    source.text = ExpandKernelSource(root, text);
-    source.options = OptionsOf(defines, source.text);
-    source.key = BinaryKey(device, source.text, source.options);
+    const auto made = text != nullptr ? MakeText(root, text) : TextOf(root);
+    source.text = {made, &made->text};
+    source.options = OptionsOf(defines, made->macros);
+    source.key = BinaryKey(device, made->hash, source.options);
     return source;
 }
 

@@ -6,6 +6,7 @@
 #include "hdStream/device/device.h"
 
 #include <map>
+#include <memory>
 #include <string>
 
 namespace hds {
@@ -16,8 +17,8 @@ using ProgramDefines = std::map<std::string, std::string>;
 
 /// All that the binary of a program depends on, besides the device.
 struct ProgramSource {
-    std::string root;    ///< names it in messages
-    std::string text;    ///< with all includes expanded
+    std::string root;                        ///< names it in messages
+    std::shared_ptr<const std::string> text; ///< with all includes expanded; programs share it
     std::string options; ///< of the compiler: they define those macros that the text names
     std::string key;     ///< of its binary for one device
 };

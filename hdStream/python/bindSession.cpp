@@ -220,6 +220,7 @@ void BindSession(nb::module_& module) {
         .def("Warnings", &Session::Warnings, ReleaseGil())
         .def("Dump", &Session::Dump, ReleaseGil())
         .def("Info", &Session::Info, ReleaseGil())
+        .def("Warm", &Session::Warm, ReleaseGil(), "settings"_a)
         .def("Render", &Render, "settings"_a, "onProgress"_a = nb::none(),
              "start"_a = std::vector<FilmSums>(), "isCancelled"_a = nb::none())
         .def("Film", &Session::Film, ReleaseGil())

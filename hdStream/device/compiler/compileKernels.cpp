@@ -52,7 +52,7 @@ bool Answer(int socket, const CompileRequest& request, std::shared_ptr<Device>* 
         }
         ProgramSource source;
         source.root = "the program";
-        source.text = request.text;
+        source.text = std::make_shared<const std::string>(request.text);
         source.options = request.options;
         const std::vector<unsigned char> binary = Program(*device, source).Binary();
         return SendMessage(socket, CompileMessage::Binary, binary.data(), binary.size());

@@ -28,6 +28,7 @@ class _Parser(argparse.ArgumentParser):
 def Main(arguments=None):
     """Runs a command; returns the exit code. Never shows a traceback for a user's error."""
     arguments = sys.argv[1:] if arguments is None else list(arguments)
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # numpy's other threads would spin beside the render, with nothing to do
     with Interruption():  # the core is loaded for its settings
         args = _MakeParser("record" in arguments[:1]).parse_args(arguments)
     try:

@@ -42,11 +42,11 @@ class Frame:
 class FrameWriter:
     """Prepares, renders and writes frames of a job, one after another. One thread at a time."""
 
-    def __init__(self, job, onWarning):
+    def __init__(self, job, onWarning, warmth=None):
         self._job = job
         self._assetHashes = AssetHashes()
         self._key = ""
-        self.renderer = Renderer(job.stage, job.mask, onWarning)
+        self.renderer = Renderer(job.stage, job.mask, onWarning, _session=warmth and warmth.TakeSession())
 
     def Prepare(self, frame):
         """Translates; returns False when the file of the frame is there already."""

@@ -1,119 +1,34 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`hdstream record`: stage in, images out. Everything that can fail early is checked early."""
+"""`hdstream record`: stage in, images out. Everything that can fail early is checked early.
 
-import sys
-import threading
+Modules that read stages are imported when a device has begun to get ready: both take as long.
+"""
 
 from hdstream.errors import EXIT_INTERRUPTED, EXIT_OK
-from hdstream.frameJob import FrameWriter
-from hdstream.framing import FREE_CAMERA_PATH
 from hdstream.interruption import Interruption
 from hdstream.progress import ProgressBar, WarningPrinter
-from hdstream.recordArguments import CheckArguments, FramesOf, JobOf
-from hdstream.texts import SecondsText
-
-_NAMED_CAMERAS = 3  # in the line that says that none of them is used
+from hdstream.warmth import Warmth
 
 
 def Run(args):
     """Renders all frames; returns the exit code."""
     with Interruption() as interruption:
-        CheckArguments(args)
         if args.scheduler or args.workers:
-            from hdstream.farm import RunOnFarm
-            return RunOnFarm(args, interruption)
+            return _RunOnFarm(args, interruption)
         progress = ProgressBar(args.quiet)
-        with WarningPrinter(progress, args.verbose) as warn:
-            recorder = Recorder(args, interruption, progress, warn)
+        with WarningPrinter(progress, args.verbose) as warn, Warmth(args, warn) as warmth:
+            from hdstream.recordArguments import CheckArguments
+            CheckArguments(args)
+            from hdstream.recorder import Recorder
+            recorder = Recorder(args, interruption, progress, warn, warmth)
             for frame in recorder.frames:
                 if not recorder.Record(frame):
                     return EXIT_INTERRUPTED
     return EXIT_OK
 
 
-class Recorder:
-    """Renders frames of one stage. Used from the main thread; renders on one of its own."""
-
-    def __init__(self, args, interruption, progress, warn):
-        self._args = args
-        self._interruption = interruption
-        self._progress = progress
-        self._warn = warn
-        self._writer = FrameWriter(JobOf(args), warn)
-        self._isFramingNoted = False
-        self.frames = FramesOf(args, self._writer.renderer.stage, self._writer.renderer.Warn)
-
-    def Record(self, frame):
-        """Renders and writes one frame; False when it was interrupted."""
-        files = ", ".join(output.file for output in frame.outputs) or frame.file
-        if not self._writer.Prepare(frame):
-            if not self._args.quiet:
-                print(f"{files}: is there already")
-            return True
-        self._interruption.Check()
-        self._NoteFraming()
-        image = self._Render(frame)
-        isWritten = self._writer.Finish(frame, image)
-        self._warn.Flush()
-        if not isWritten:
-            print(f"hdstream record: {files}: not written, no sample of every pixel is done", file=sys.stderr)
-        elif not self._args.quiet:
-            done = "" if image.isComplete else " (interrupted)"
-            print(f"{files}: {image.width}x{image.height}, {image.samples} samples, "
-                  f"{SecondsText(image.statistics['time']['total'])}{done}")
-        return image.isComplete
-
-    def _NoteFraming(self):
-        """Says once that none of the stage's cameras is used, where nobody has chosen one."""
-        renderer = self._writer.renderer
-        cameras = renderer.CameraPaths()
-        if self._args.quiet or self._isFramingNoted or not cameras or renderer.settings["camera"] != FREE_CAMERA_PATH:
-            return
-        self._isFramingNoted = True
-        more = f" and {len(cameras) - _NAMED_CAMERAS} more" if len(cameras) > _NAMED_CAMERAS else ""
-        self._progress.Clear()
-        print(f"the stage is framed from the front; --camera takes {', '.join(cameras[:_NAMED_CAMERAS])}{more}")
-
-    def _Render(self, frame):
-        """Renders on a thread, so that Ctrl-C is seen at once."""
-        isPrepared = threading.Event()
-        isStopping = threading.Event()
-        isDone = threading.Event()
-        images = []
-        errors = []
-
-        def OnProgress(progress):
-            if progress.fraction > 0 and not isPrepared.is_set():  # 0 while the scene is prepared
-                isPrepared.set()
-                self._warn.Flush()
-            if progress.fraction > 0 and not isStopping.is_set():
-                self._progress.Update(progress)
-
-        def Work():
-            try:
-                images.append(self._writer.Render(frame, OnProgress))
-            except BaseException as error:  # pylint: disable=broad-except
-                errors.append(error)
-            finally:
-                isDone.set()
-
-        self._interruption.hasWork = True
-        threading.Thread(target=Work, name="render", daemon=True).start()
-        # Not Thread.join: when it is interrupted, Python 3.11 takes the thread for finished.
-        while not isDone.is_set():
-            try:
-                isDone.wait(0.1)
-            except KeyboardInterrupt:
-                pass  # kept by the interruption
-            if self._interruption.isRequested and not isStopping.is_set():
-                isStopping.set()
-                self._writer.renderer.Cancel()
-                self._progress.Clear()
-                print("hdstream record: interrupted; writing what is rendered so far", file=sys.stderr)
-        self._progress.Clear()
-        if errors and isStopping.is_set():
-            # The compiler in the device's driver removes its files at SIGINT, and fails for want of them.
-            raise KeyboardInterrupt from errors[0]
-        if errors:
-            raise errors[0]
-        return images[0]
+def _RunOnFarm(args, interruption):
+    from hdstream.farm import RunOnFarm
+    from hdstream.recordArguments import CheckArguments
+    CheckArguments(args)
+    return RunOnFarm(args, interruption)

@@ -61,10 +61,10 @@ class Renderer:
     """
 
     def __init__(self, stage: Union[Usd.Stage, str, "os.PathLike[str]"], mask: Sequence[str] = (),
-                 onWarning: Optional[Callable[[str], None]] = None) -> None:
+                 onWarning: Optional[Callable[[str], None]] = None, *, _session: Optional[_core.Session] = None) -> None:
         FindDenoiser()
         # Not a method: a cycle through the session would be kept for ever.
-        self._session = _core.Session(onWarning or _WarnOnce())
+        self._session = _session or _core.Session(onWarning or _WarnOnce())
         self._diagnostics = Diagnostics()
         self._isCancelled = threading.Event()
         start = time.perf_counter()

@@ -3,6 +3,7 @@
 // process, who asks for a program gets it, and no process stays behind.
 #include "hdStream/device/compileProtocol.h"
 #include "hdStream/device/kernelCompilers.h"
+#include "hdStream/device/kernelSource.h"
 #include "testenv/support/deviceFixture.h"
 #include "testenv/support/temporaryFolder.h"
 
@@ -13,6 +14,8 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
+#include <fstream>
 
 extern char** environ;
 
@@ -303,6 +306,26 @@ TEST(ProgramSource, OptionsAreThoseThatTheTextNames) {
     EXPECT_EQ(source("0", "0").options, "-cl-std=CL1.2 -DHDS_FEATURE_GROUPS=0");
     EXPECT_EQ(source("0", "0").key, source("0", "1").key);
     EXPECT_NE(source("0", "0").key, source("1", "0").key);
+}
+
+TEST(ProgramSource, TextsOfRootsAreMadeOnce) {
+    const auto source = [](const char* groups) {
+        return MakeProgramSource({}, "integrator/intersect.cl", {{"HDS_FEATURE_GROUPS", groups}});
+    };
+    EXPECT_EQ(source("0").text, source("1").text) << "one object";
+    EXPECT_EQ(*source("0").text, ExpandKernelSource("integrator/intersect.cl"));
+    EXPECT_NE(source("0").key, source("1").key);
+}
+
+TEST(ProgramSource, TextsOfAFolderAreReadAgain) {
+    const TemporaryFolder folder;
+    ::setenv("HDSTREAM_KERNEL_DIR", folder.Path().c_str(), 1);
+    for (const char* line : {"kernel void one() {}\n", "kernel void two() {}\n"}) {
+        std::ofstream(folder.File("some.cl")) << line;
+        const ProgramSource source = MakeProgramSource({}, "some.cl", {});
+        EXPECT_NE(source.text->find(line), std::string::npos);
+    }
+    ::unsetenv("HDSTREAM_KERNEL_DIR");
 }
 
 } // namespace
