@@ -44,15 +44,16 @@ void generate_start(HdsPaths paths, uint i, uint number, constant const HdsFrame
 #endif
     path_store_origin(paths, i, (float4)(ray.origin, ray.tMin));
     path_store_direction(paths, i, (float4)(ray.direction, ray.tMax));
+    path_store_status(paths, i, (uint4)(pixel, sample, 0u, 0u));
+#if !HDS_CAMERA_RAYS_ARE_ALIKE
+    float4 throughput = path_cameraThroughput(frame);
 #if HDS_FEATURE_CAMERA_LENS
-    const float scale = frame->exposureScale * ray.weight;
-#else
-    const float scale = frame->exposureScale;
+    throughput.xyz *= ray.weight;
 #endif
-    path_store_throughput(paths, i, (float4)((float3)(scale), 0.0f));
+    path_store_throughput(paths, i, throughput);
     path_store_radiance(paths, i, (float4)(0.0f));
     path_store_sourceNormal(paths, i, (float4)(0.0f));
-    path_store_status(paths, i, (uint4)(pixel, sample, 0u, 0u));
+#endif
 #if HDS_FEATURE_MOTION
     path_store_motion(paths, i, (float4)(time, 0.0f, 0.0f, 0.0f));
 #endif
@@ -118,29 +119,27 @@ void generate_findMedia(constant const HdsFrameParams* frame, HdsPaths paths, ui
 #define HDS_GENERATE_WIDE (HDS_WIDE && !HDS_FEATURE_MOTION && !HDS_FEATURE_CAMERA_LENS)
 
 #if HDS_GENERATE_WIDE
+uint8 generate_pixels(global const uint* pixels, uint8 i) {
+    return (uint8)(pixels[i.s0], pixels[i.s1], pixels[i.s2], pixels[i.s3], pixels[i.s4],
+                   pixels[i.s5], pixels[i.s6], pixels[i.s7]);
+}
+
 /* Starts paths [i, i + count) of the wave, count <= HDS_LANES. \param item of path i in the queue.
  */
 void generate_wide(constant const HdsFrameParams* frame, HdsWave wave, uint i, uint count,
                    HdsPaths paths, global const uint* pixels, global const float* filterTable,
                    global uint* queue, uint item) {
-    uint lanePixels[HDS_LANES];
-    uint laneSamples[HDS_LANES];
-    uint pixel = i / wave.numSamples;
-    uint sample = i % wave.numSamples;
-    for (uint lane = 0u; lane < HDS_LANES; ++lane) {
-        lanePixels[lane] = pixels[wave.firstPixel + pixel];
-        laneSamples[lane] = wave.firstSample + sample;
-        if (lane + 1u < count && ++sample == wave.numSamples) { /* else the last one again */
-            sample = 0u;
-            ++pixel;
-        }
-    }
+    /* Spelt out: what is stored lane by lane and read at once makes the processor wait. */
+    const uint8 lanes = (uint8)(0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u);
+    const uint8 number = i + min(lanes, (uint8)(count - 1u)); /* else the last one again */
+    const uint8 pixel = number / wave.numSamples;
+    const uint8 lanePixel = generate_pixels(pixels + wave.firstPixel, pixel);
+    const uint8 laneSample = wave.firstSample + (number - pixel * wave.numSamples);
     const HdsTransform pose = camera_pose(frame, 0.0f);
-    const HdsWideSampler sampler =
-        pixel_sampler(frame, vload8(0, lanePixels), vload8(0, laneSamples));
+    const HdsWideSampler sampler = pixel_sampler(frame, lanePixel, laneSample);
     const HdsLens lens = camera_lens(frame, 0.0f);
     const HdsWideCameraRay wide =
-        generate_ray(frame, &pose, &lens, vload8(0, lanePixels), sampler, filterTable);
+        generate_ray(frame, &pose, &lens, lanePixel, sampler, filterTable);
     for (uint lane = 0u; lane < count; ++lane) {
         HdsOneCameraRay ray;
         ray.origin = lanes_get3(&wide.origin, lane);
@@ -149,8 +148,8 @@ void generate_wide(constant const HdsFrameParams* frame, HdsWave wave, uint i, u
         ray.tMax = lanes_get(&wide.tMax, lane);
         ray.cone = (float2)(lanes_get(&wide.cone.x, lane), lanes_get(&wide.cone.y, lane));
         const uint slot = generate_slot(queue, item + lane, i + lane);
-        generate_start(paths, slot, i + lane, frame, ray, 0.0f, lanePixels[lane],
-                       laneSamples[lane]);
+        generate_start(paths, slot, i + lane, frame, ray, 0.0f, lanes_getUint(&lanePixel, lane),
+                       lanes_getUint(&laneSample, lane));
         generate_findMedia(frame, paths, slot);
     }
 }

@@ -87,6 +87,9 @@ bool shade_passThrough(const HdsSceneView* scene, const HdsHit* hit, const HdsSu
         path->throughput /= 1.0f - probability;
         return false;
     }
+    if (path_isFresh(path->status)) {
+        path_store_sourceNormal(paths, i, (float4)(0.0f));
+    }
     path->throughput *= transparency / probability;
     path->status.z += HDS_PATH_ONE_PASS;
     path->status.w = passThrough_id(path->status.w, hit, surface);
