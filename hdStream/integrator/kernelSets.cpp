@@ -49,13 +49,15 @@ KernelSets::KernelSets(std::shared_ptr<Device> device, Store* store, std::size_t
 
 StageKernels& KernelSets::Get(const KernelFeatures& features, const SceneBuffers& scene,
                               std::uint64_t sceneNumber, double* buildSeconds) {
+    HDS_VERIFY(!_warmed.valid(), "kernels are asked for while they are still loaded");
     const auto known = std::find_if(_sets.begin(), _sets.end(), [&](const Set& set) {
         return set.kernels->Features() == features;
     });
     if (known != _sets.end()) {
         std::rotate(known, std::next(known), _sets.end());
     } else {
-        *buildSeconds += Add(features).BuildSeconds();
+        *buildSeconds +=
+            Add(std::make_unique<StageKernels>(_device, _store, features)).BuildSeconds();
     }
     Set& set = _sets.back();
     if (set.boundScene != sceneNumber) {
@@ -65,9 +67,8 @@ StageKernels& KernelSets::Get(const KernelFeatures& features, const SceneBuffers
     return *set.kernels;
 }
 
-StageKernels& KernelSets::Add(const KernelFeatures& features) {
-    auto kernels = std::make_unique<StageKernels>(_device, _store, features);
-    _lacking.erase(SecondsKey(*_device, features));
+StageKernels& KernelSets::Add(std::unique_ptr<StageKernels> kernels) {
+    _lacking.erase(SecondsKey(*_device, kernels->Features()));
     if (_sets.size() == _mostSets) {
         _sets.front().kernels->SaveBinaries(_store);
         _sets.erase(_sets.begin());
@@ -84,18 +85,39 @@ void KernelSets::Remember(const KernelFeatures& features) {
     }
 }
 
-void KernelSets::Warm() {
+std::optional<KernelFeatures> KernelSets::LoadRemembered() const {
     static_assert(std::is_trivially_copyable_v<KernelFeatures>);
     const auto bytes = _store != nullptr ? _store->Load(kFeaturesKind, FeaturesKey(*_device))
                                          : std::optional<std::vector<std::uint8_t>>();
     if (!bytes || bytes->size() != sizeof(KernelFeatures)) {
-        return;
+        return std::nullopt;
     }
     KernelFeatures features;
     std::memcpy(&features, bytes->data(), sizeof(features));
-    _remembered = features;
-    if (!Has(features) && features == features.WithNeeds() && AreInStore(features)) {
-        Add(features);
+    return features;
+}
+
+void KernelSets::Warm() {
+    EndWarm();
+    _remembered = LoadRemembered();
+    if (!_remembered || Has(*_remembered) || !(*_remembered == _remembered->WithNeeds())) {
+        return;
+    }
+    _warmed = std::async(std::launch::async, [this, features = *_remembered] {
+        return StageKernels::FromStore(_device, _store, features);
+    });
+}
+
+void KernelSets::EndWarm() {
+    if (!_warmed.valid()) {
+        return;
+    }
+    try {
+        if (std::unique_ptr<StageKernels> kernels = _warmed.get()) {
+            Add(std::move(kernels));
+        }
+    } catch (const Error&) {
+        // Who asks for them makes them again, and is told.
     }
 }
 

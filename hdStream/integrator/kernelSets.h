@@ -8,6 +8,7 @@
 #include "hdStream/integrator/stageKernels.h"
 
 #include <cstdint>
+#include <future>
 #include <map>
 #include <memory>
 #include <optional>
@@ -49,15 +50,19 @@ public:
 
     /// Keeps in the store which features a render has asked for, for Warm of later processes.
     void Remember(const KernelFeatures& features);
-    /// Makes those kernels that were asked for last on this device, if the store has them: nothing
-    /// is compiled.
+    /// Begins to make those kernels that were asked for last on this device, if the store has them,
+    /// on a thread of its own: nothing is compiled. Until EndWarm nothing else may be called.
     void Warm();
+    /// Waits for what Warm has begun, if anything.
+    void EndWarm();
 
     /// As StageKernels::SaveBinaries, of all.
     void SaveBinaries();
 
 private:
-    StageKernels& Add(const KernelFeatures& features);
+    /// What was asked for last on this device; none where the store does not tell.
+    std::optional<KernelFeatures> LoadRemembered() const;
+    StageKernels& Add(std::unique_ptr<StageKernels> kernels);
     /// What is known of kernels that were not in the store when they were looked for: to look again
     /// for each edit and each wave takes longer than an edit.
     struct Lack {
@@ -76,9 +81,10 @@ private:
     std::shared_ptr<Device> _device;
     Store* _store;
     std::size_t _mostSets;
-    std::vector<Set> _sets;                    ///< used last comes last
-    std::optional<KernelFeatures> _remembered; ///< what the store has
-    std::map<std::string, Lack> _lacking;      ///< by key of features
+    std::vector<Set> _sets;                             ///< used last comes last
+    std::optional<KernelFeatures> _remembered;          ///< what the store has
+    std::map<std::string, Lack> _lacking;               ///< by key of features
+    std::future<std::unique_ptr<StageKernels>> _warmed; ///< last: the thread uses all the rest
 };
 
 } // namespace hds

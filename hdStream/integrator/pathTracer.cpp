@@ -63,6 +63,7 @@ struct PathTracer::Impl {
             ++sceneNumber;
         }
         ReadyHierarchy();
+        kernelSets.EndWarm();
         ReadyKernels();
         if (remembersKernels) {
             kernelSets.Remember(kernels->Features());

@@ -24,8 +24,8 @@ public:
     PathTracer(std::shared_ptr<Device> device, Store* store);
     ~PathTracer();
 
-    /// Makes the kernels that a render of an earlier process asked for last, if they need not be
-    /// compiled, and keeps what renders ask for from here on.
+    /// Begins to make the kernels that a render of an earlier process asked for last, if they need
+    /// not be compiled, and keeps what renders ask for from here on. Begin waits for them.
     void WarmKernels();
 
     /// Whether SetScene asks for all pages of a scene, or for the sizes of all: they are better

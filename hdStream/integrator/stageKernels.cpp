@@ -57,14 +57,27 @@ std::vector<ProgramSource> MakeSources(const Device& device, const KernelFeature
     return sources;
 }
 
+bool AreAllInStore(const std::vector<ProgramSource>& sources, const Store& store) {
+    return std::all_of(sources.begin(), sources.end(), [&](const ProgramSource& source) {
+        return Program::IsInStore(source, store);
+    });
+}
+
 } // namespace
 
 bool StageKernels::AreInStore(const Device& device, const Store& store,
                               const KernelFeatures& features) {
-    const std::vector<ProgramSource> sources = MakeSources(device, features);
-    return std::all_of(sources.begin(), sources.end(), [&](const ProgramSource& source) {
-        return Program::IsInStore(source, store);
-    });
+    return AreAllInStore(MakeSources(device, features), store);
+}
+
+std::unique_ptr<StageKernels> StageKernels::FromStore(const std::shared_ptr<Device>& device,
+                                                      Store* store,
+                                                      const KernelFeatures& features) {
+    const std::vector<ProgramSource> sources = MakeSources(*device, features);
+    if (!AreAllInStore(sources, *store)) {
+        return nullptr;
+    }
+    return std::unique_ptr<StageKernels>(new StageKernels(device, store, features, sources));
 }
 
 std::vector<ProgramSource> StageKernels::Announce(const Device& device, const Store* store,
@@ -84,10 +97,14 @@ std::uint64_t StageKernels::FieldOffset(const KernelFeatures& features, const st
 
 StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
                            const KernelFeatures& features)
+    : StageKernels(device, store, features, MakeSources(*device, features)) {}
+
+StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
+                           const KernelFeatures& features,
+                           const std::vector<ProgramSource>& sources)
     : _features(features) {
     HDS_VERIFY(features == features.WithNeeds(),
                "a feature is on without what it needs (kernels/shared/features.def)");
-    const std::vector<ProgramSource> sources = MakeSources(*device, features);
     Program::Announce(*device, sources, store);
     const auto build = [&] {
         _unsaved.push_back(std::make_unique<Program>(device, sources[_unsaved.size()], store));

@@ -17,6 +17,11 @@ public:
     StageKernels(const std::shared_ptr<Device>& device, Store* store,
                  const KernelFeatures& features);
 
+    /// Such kernels if all of their programs are in the store, else null: nothing is compiled, but
+    /// what the driver rejects. \throws Error as the constructor.
+    static std::unique_ptr<StageKernels> FromStore(const std::shared_ptr<Device>& device,
+                                                   Store* store, const KernelFeatures& features);
+
     /// Whether all programs of such kernels are in the store.
     static bool AreInStore(const Device& device, const Store& store,
                            const KernelFeatures& features);
@@ -68,6 +73,10 @@ public:
     const KernelFeatures& Features() const { return _features; }
 
 private:
+    /// \param sources of all programs.
+    StageKernels(const std::shared_ptr<Device>& device, Store* store,
+                 const KernelFeatures& features, const std::vector<ProgramSource>& sources);
+
     KernelFeatures _features;
     std::vector<std::unique_ptr<Program>> _unsaved; ///< programs whose binaries are
     double _buildSeconds = 0.0;

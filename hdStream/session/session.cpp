@@ -127,6 +127,16 @@ struct Session::Impl {
                 StoreOptions{settings.cacheDirectory, !settings.noCache}, &warnings);
             cacheDirectory = settings.cacheDirectory;
             noCache = settings.noCache;
+            hasCaches = false;
+        }
+        if (device->Compilers() == nullptr && device->Properties().hasSlowBinaries) {
+            ReadyCompilers();
+        }
+    }
+
+    /// What of a scene is kept in the folder of ReadyDevice.
+    void ReadyCaches(const Settings& settings) {
+        if (!std::exchange(hasCaches, true)) {
             cache.pages.Clear();
             const auto pageStore =
                 noCache ? nullptr
@@ -136,9 +146,6 @@ struct Session::Impl {
             cache.textures = std::make_shared<TexturePreparer>(
                 pageStore, &warnings, HostBytes(settings) / kKeptImagesDivisor);
             cache.grids = std::make_shared<GridPreparer>(pageStore, &warnings);
-        }
-        if (device->Compilers() == nullptr && device->Properties().hasSlowBinaries) {
-            ReadyCompilers();
         }
     }
 
@@ -158,7 +165,8 @@ struct Session::Impl {
     void Warm(const Settings& settings) {
         ReadyDevice(settings);
         ReadyTracer();
-        tracer->WarmKernels();
+        tracer->WarmKernels(); // takes longer than the rest
+        ReadyCaches(settings);
     }
 
     void ReadyTracer() {
@@ -248,6 +256,7 @@ struct Session::Impl {
                         const RenderWatch& watch) {
         const auto start = std::chrono::steady_clock::now();
         ReadyDevice(settings);
+        ReadyCaches(settings);
         ReadyDenoiser(settings);
         isOpaque = settings.opaqueBackground;
         BeginStatistics();
@@ -305,6 +314,7 @@ struct Session::Impl {
     std::string deviceName;         ///< what `device` was asked for by
     std::string cacheDirectory;     ///< what `store` was made with
     bool noCache = false;
+    bool hasCaches = false; ///< `cache` is of that folder
     CommitCache cache;
     std::optional<DicingCamera> dicingCamera; ///< of the first render of the scene
     std::unique_ptr<CommittedScene> scene;

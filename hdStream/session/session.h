@@ -93,8 +93,9 @@ public:
 
     // --- Rendering -------------------------------------------------------------------------------
     /// Makes what a first render with such settings will need whatever the scene: the device, the
-    /// kernels that a render of an earlier process asked for last. Blocks. What fails is left to
-    /// Render, which tells of it.
+    /// kernels that a render of an earlier process asked for last. Blocks, but for the kernels:
+    /// they are made on a thread of their own, and Render waits for them when the scene is
+    /// committed. What fails is left to Render, which tells of it.
     void Warm(const Settings& settings);
 
     /// Renders with the settings from the first sample on. Blocks. Stops early when `onProgress`

@@ -57,6 +57,7 @@ TEST_F(KernelSetsTest, WarmMakesWhatWasRemembered) {
     {
         KernelSets sets(device, &store);
         sets.Warm();
+        sets.EndWarm();
         EXPECT_FALSE(sets.Has(first)) << "nothing is remembered";
         for (const KernelFeatures& features : {first, last}) {
             StageKernels(device, &store, features).SaveBinaries(&store);
@@ -65,12 +66,14 @@ TEST_F(KernelSetsTest, WarmMakesWhatWasRemembered) {
     }
     KernelSets sets(device, &store);
     sets.Warm();
+    sets.EndWarm();
     EXPECT_TRUE(sets.Has(last));
     EXPECT_FALSE(sets.Has(first));
     store.Clear();
     KernelSets(device, &store).Remember(last); // its kernels are in the store no more
     KernelSets cold(device, &store);
     cold.Warm();
+    cold.EndWarm();
     EXPECT_FALSE(cold.Has(last)) << "it compiles nothing";
 }
 

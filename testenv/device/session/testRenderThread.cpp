@@ -4,6 +4,7 @@
 
 #include "testenv/support/deviceFixture.h"
 #include "testenv/support/sessionScene.h"
+#include "testenv/support/temporaryFolder.h"
 
 #include <nlohmann/json.hpp>
 
@@ -291,6 +292,28 @@ TEST_F(RenderThreadTest, WarmingChangesNothing) {
     const std::vector<ImageLayer> expected = Direct([](Session&) {});
     ASSERT_EQ(thread.Newest()->layers.size(), expected.size());
     EXPECT_EQ(thread.Newest()->layers[0].values, expected[0].values);
+}
+
+TEST_F(RenderThreadTest, WarmKernelsAreThoseOfTheRender) {
+    const TemporaryFolder cache;
+    Settings settings = MakeSettings();
+    settings.noCache = false;
+    settings.cacheDirectory = cache.Path();
+    settings.interactive = true;
+    const std::vector<ImageLayer> expected = Direct([](Session&) {});
+    for (const bool isFirst : {true, false}) {
+        RenderThread thread;
+        thread.Warm(settings);
+        thread.Post({Fill()});
+        thread.SetSettings(settings); // while kernels are loaded, if any are
+        WaitUntilConverged(thread);
+        const std::shared_ptr<const FilmImage> image = thread.Newest();
+        ASSERT_TRUE(image->error.empty()) << image->error;
+        EXPECT_EQ(image->layers[0].values, expected[0].values);
+        const double seconds =
+            nlohmann::json::parse(image->statistics)["time"]["compile"].get<double>();
+        EXPECT_EQ(seconds > 0.0, isFirst) << "the render has loaded kernels itself";
+    }
 }
 
 TEST_F(RenderThreadTest, WhatWarmingMissesIsToldByTheRender) {
