@@ -289,14 +289,15 @@ struct PathTracer::Impl {
     /// \return whether all of the pass is rendered: it was not stopped before its last wave.
     bool RenderPass(const SamplePass& pass, Onlooker* onlooker) {
         UsePixels(pass.list);
-        std::uint32_t first = pass.begin;
-        while (first < pass.end) {
+        std::uint32_t rendered = pass.begin;
+        while (rendered < pass.end) {
             // One work-item adds all samples of a pixel that a pass makes, so they are in one wave.
             HDS_VERIFY(pass.numSamples <= tracer.MaxPaths(),
                        std::to_string(pass.numSamples) +
                            " samples of a pixel do not fit a wave of " +
                            std::to_string(tracer.MaxPaths()));
-            const std::uint32_t count = schedule.WavePixels(pass, first);
+            const std::uint32_t count = schedule.WavePixels(pass, rendered);
+            const std::uint32_t first = pass.FirstOfWave(rendered, count);
             const Timer timer;
             if (!RenderWave({first, count, pass.firstSample, pass.numSamples},
                             onlooker->watch.isCancelled)) {
@@ -304,16 +305,16 @@ struct PathTracer::Impl {
                 return false;
             }
             schedule.EndWave(count * pass.numSamples, timer.Seconds());
-            first += count;
-            const double samplesEquivalent = schedule.Equivalent(pass, first);
+            rendered += count;
+            const double samplesEquivalent = schedule.Equivalent(pass, rendered);
             const bool hadRate = onlooker->rate.SecondsPerSample() > 0.0;
             onlooker->rate.EndWave(TracingSeconds(), samplesEquivalent);
             Report(samplesEquivalent, onlooker);
-            if (first < pass.end) {
+            if (rendered < pass.end) {
                 MakeResidentIfWorth(samplesEquivalent, !hadRate, onlooker);
             }
             TakeOwnKernels(SecondsLeft(samplesEquivalent, *onlooker));
-            if (onlooker->isStopped && first < pass.end) {
+            if (onlooker->isStopped && rendered < pass.end) {
                 return false;
             }
         }

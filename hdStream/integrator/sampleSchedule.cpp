@@ -40,6 +40,7 @@ void SampleSchedule::Begin(const RenderOptions& options, const std::vector<FilmS
     MakeOrders(options.imageWidth, options.imageHeight);
     _active = _order;
     _isInStep = false;
+    _isBackward = false;
     LoadStart(start);
     const bool isNew = _firstMissing == 0 && !_hasLate;
     _previewsLeft = isNew && _isInteractive ? NumPreviews() : 0;
@@ -103,7 +104,7 @@ std::optional<SamplePass> SampleSchedule::Next() const {
     if (_done >= _samples || count == 0) {
         return std::nullopt;
     }
-    return SamplePass{PixelList::Active, 0, count, _done, PassEnd() - _done, false};
+    return SamplePass{PixelList::Active, 0, count, _done, PassEnd() - _done, false, _isBackward};
 }
 
 /// Where the pass after _done samples ends. Passes are as long as they should take; but while
@@ -141,14 +142,14 @@ std::uint32_t SampleSchedule::SamplesInTime() const {
     return std::max(1U, static_cast<std::uint32_t>(_passSeconds / secondsPerSample));
 }
 
-std::uint32_t SampleSchedule::WavePixels(const SamplePass& pass, std::uint32_t first) const {
+std::uint32_t SampleSchedule::WavePixels(const SamplePass& pass, std::uint32_t rendered) const {
     double paths = _waveSecondsPerPath > 0.0 ? _limits.most : _limits.least; // the first is a trial
     if (_waveSecondsPerPath > 0.0 && !_limits.isStreaming) {
         paths = std::min(_passSeconds, kMaxWaveSeconds) / _waveSecondsPerPath;
     }
     paths = std::clamp<double>(paths, std::min(_limits.least, _limits.most), _limits.most);
     const std::uint32_t pixels = std::max(1U, static_cast<std::uint32_t>(paths) / pass.numSamples);
-    const std::uint32_t left = pass.end - first;
+    const std::uint32_t left = pass.end - rendered;
     if (!_limits.isStreaming) {
         return std::min(pixels, left);
     }
@@ -175,6 +176,7 @@ void SampleSchedule::Complete() {
     _pathsInPass = 0;
     _lastSamples = pass->numSamples;
     _isInStep = pass->list == PixelList::Active && !pass->isOfFirstPicture;
+    _isBackward = pass->list == PixelList::Active && !pass->isBackward;
     _previewStride = 1;
     if (pass->list == PixelList::Preview) {
         _previewStride = _preview.strides[NumPreviews() - _previewsLeft--];

@@ -29,6 +29,13 @@ struct SamplePass {
     std::uint32_t firstSample = 0;
     std::uint32_t numSamples = 0;
     bool isOfFirstPicture = false; ///< who looks on is told when it ends
+    bool isBackward = false;       ///< waves take the last pixels of the list first
+
+    /// Where in the list a wave of `count` pixels begins, when `rendered` pixels of the list are
+    /// before those of the pass or rendered by it.
+    std::uint32_t FirstOfWave(std::uint32_t rendered, std::uint32_t count) const {
+        return isBackward ? begin + (end - rendered) - count : rendered;
+    }
 };
 
 /// What a wave can be at present; a render may change it between two waves.
@@ -52,9 +59,9 @@ public:
 
     /// What is to be rendered next; none: all pixels have all their samples.
     std::optional<SamplePass> Next() const;
-    /// How many pixels of the pass the next wave takes, which begins with pixel `first` of its
-    /// list: as many as a wave of that many seconds can have, by the rate of the last one.
-    std::uint32_t WavePixels(const SamplePass& pass, std::uint32_t first) const;
+    /// How many pixels of the pass the next wave takes: as many as a wave of that many seconds can
+    /// have, by the rate of the last one. \param rendered as of SamplePass::FirstOfWave.
+    std::uint32_t WavePixels(const SamplePass& pass, std::uint32_t rendered) const;
     /// A wave of so many paths has been rendered.
     void EndWave(std::uint32_t numPaths, double seconds);
     /// What Next says has been rendered.
@@ -120,6 +127,7 @@ private:
     std::uint32_t _previewsLeft = 0; ///< strides of the first picture that are to come
     bool _hasLate = false;           ///< the late pixels are to come
     bool _isInStep = false;          ///< the last pass was one of active pixels after the first
+    bool _isBackward = false;        ///< the next pass of active pixels begins with the last ones
     std::uint32_t _done = 0;
     std::uint32_t _previewStride = 0;
     WaveLimits _limits;

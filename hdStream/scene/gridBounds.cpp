@@ -3,7 +3,6 @@
 
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -13,7 +12,6 @@ namespace hds {
 
 namespace {
 
-constexpr std::size_t kTileCells = std::size_t{HDS_TILE_CELLS} * HDS_TILE_CELLS * HDS_TILE_CELLS;
 /// Where a range spans more cells than these along an axis, tiles are looked at.
 constexpr int kMaxCells = 4;
 
@@ -35,34 +33,6 @@ ValueRange RangeOfTiles(const GridDescription& grid, glm::ivec3 first, glm::ivec
         }
     }
     return range;
-}
-
-struct TileBuild {
-    shared::HdsGridTile tile{HDS_NONE, 0.0F, 0.0F, 0.0F};
-    std::vector<shared::HdsGridCell> cells; ///< empty: all alike
-};
-
-TileBuild MakeTile(glm::ivec3 first, const std::function<shared::HdsGridCell(glm::ivec3)>& cellAt) {
-    TileBuild build;
-    bool isAlike = true;
-    for (std::size_t i = 0; i < kTileCells; ++i) {
-        const auto n = static_cast<int>(i);
-        const shared::HdsGridCell cell =
-            cellAt(first + HDS_BRICK_VOXELS * glm::ivec3(n % HDS_TILE_CELLS,
-                                                         n / HDS_TILE_CELLS % HDS_TILE_CELLS,
-                                                         n / HDS_TILE_CELLS / HDS_TILE_CELLS));
-        const shared::HdsGridCell& head = build.cells.empty() ? cell : build.cells[0];
-        isAlike = isAlike && cell.brick == HDS_NONE && cell.value == head.value &&
-                  cell.greatest == head.greatest && cell.least == head.least;
-        build.tile.greatest = std::max(build.tile.greatest, cell.greatest);
-        build.cells.push_back(cell);
-    }
-    build.tile.value = build.cells[0].value;
-    if (isAlike) {
-        build.tile.least = build.cells[0].least;
-        build.cells.clear();
-    }
-    return build;
 }
 
 } // namespace
@@ -104,33 +74,6 @@ ValueRange RangeBetween(const GridDescription& grid, glm::dvec3 first, glm::dvec
         }
     }
     return range;
-}
-
-GridBounds MakeGridBounds(glm::ivec3 first, glm::ivec3 last,
-                          const std::function<shared::HdsGridCell(glm::ivec3)>& cellAt) {
-    const glm::ivec3 origin = (first >> HDS_TILE_VOXELS_LOG2) * HDS_TILE_VOXELS;
-    const glm::ivec3 numTiles = ((last - origin) >> HDS_TILE_VOXELS_LOG2) + glm::ivec3(1);
-    GridBounds bounds;
-    for (int i = 0; i < 3; ++i) {
-        bounds.record.origin[i] = origin[i];
-        bounds.record.tiles[i] = static_cast<std::uint32_t>(numTiles[i]);
-    }
-    std::vector<TileBuild> tiles(std::size_t(numTiles.x) * numTiles.y * numTiles.z);
-    tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t i) {
-        const auto n = static_cast<int>(i);
-        const glm::ivec3 at(n % numTiles.x, n / numTiles.x % numTiles.y,
-                            n / numTiles.x / numTiles.y);
-        tiles[i] = MakeTile(origin + HDS_TILE_VOXELS * at, cellAt);
-    });
-    for (TileBuild& tile : tiles) {
-        if (!tile.cells.empty()) {
-            tile.tile.firstCell = static_cast<std::uint32_t>(bounds.cells.size());
-        }
-        bounds.cells.insert(bounds.cells.end(), tile.cells.begin(), tile.cells.end());
-        bounds.tiles.push_back(tile.tile);
-        bounds.record.greatest = std::max(bounds.record.greatest, tile.tile.greatest);
-    }
-    return bounds;
 }
 
 } // namespace hds

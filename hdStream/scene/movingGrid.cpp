@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/movingGrid.h"
 
+#include "hdStream/scene/gridBounds.h"
 #include "kernels/shared/volume.h"
 
 #include <glm/common.hpp>
@@ -64,12 +65,12 @@ VoxelShift ShiftOf(const GridVelocity& velocity) {
     return ShiftOf(velocity, greatest);
 }
 
-GridBounds SpreadGrid(const GridDescription& grid, const GridVelocity& velocity) {
+GridTiles SpreadGrid(const GridDescription& grid, const GridVelocity& velocity) {
     const VoxelShift shift = ShiftOf(velocity);
     // A point is seen where it has come to: opposite to where it is looked up.
     const glm::ivec3 first = glm::ivec3(glm::floor(glm::dvec3(grid.first - 1) - shift.most));
     const glm::ivec3 last = glm::ivec3(glm::ceil(glm::dvec3(grid.first + grid.size) - shift.least));
-    return MakeGridBounds(
+    return MakeGridTiles(
         first, last, [&](glm::ivec3 voxel) { return MovingCell(grid, velocity, shift, voxel); });
 }
 

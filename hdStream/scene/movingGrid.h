@@ -3,8 +3,8 @@
 // section "Motion".
 #pragma once
 
-#include "hdStream/scene/gridBounds.h"
 #include "hdStream/volume/gridPreparer.h"
+#include "hdStream/volume/gridTiles.h"
 
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
@@ -31,6 +31,6 @@ VoxelShift ShiftOf(const GridVelocity& velocity);
 
 /// Tiles and cells of a grid whose `greatest` holds at any time of the shutter. Cells have the
 /// values and bricks of the grid's own. \pre the velocity has grids.
-GridBounds SpreadGrid(const GridDescription& grid, const GridVelocity& velocity);
+GridTiles SpreadGrid(const GridDescription& grid, const GridVelocity& velocity);
 
 } // namespace hds

@@ -164,8 +164,8 @@ public:
         result.terms.push_back(record);
         const TermBounds bounds = BoundTerms(plan, placed.least, placed.most);
         placed.extinction = AddBounds(
-            velocity.grids.empty() ? GridBounds{bounds.extinction.record, bounds.extinction.tiles,
-                                                bounds.extinction.cells}
+            velocity.grids.empty() ? GridTiles{bounds.extinction.record, bounds.extinction.tiles,
+                                               bounds.extinction.cells}
                                    : SpreadGrid(bounds.extinction, velocity));
         if (!bounds.emission.tiles.empty()) {
             placed.emission = AddBounds(bounds.emission);
@@ -177,7 +177,7 @@ public:
 
 private:
     /// Cells that have no voxels.
-    std::uint32_t AddBounds(const GridBounds& bounds) {
+    std::uint32_t AddBounds(const GridTiles& bounds) {
         AddGrid(bounds.record, bounds.tiles, bounds.cells, HDS_NONE);
         return static_cast<std::uint32_t>(result.grids.size() - 1);
     }
@@ -268,7 +268,7 @@ private:
         const auto [found, isNew] =
             _movingNumbers.emplace(std::pair(density, grids.velocity.grids[0].get()), number);
         if (isNew) {
-            const GridBounds moving = SpreadGrid(lattice, grids.velocity);
+            const GridTiles moving = SpreadGrid(lattice, grids.velocity);
             AddGrid(moving.record, moving.tiles, moving.cells, TextureOf(grids.density));
         }
         return found->second;

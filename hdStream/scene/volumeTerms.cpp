@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/volumeTerms.h"
 
+#include "hdStream/scene/gridBounds.h"
+
 #include <glm/common.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
@@ -204,17 +206,17 @@ TermBounds BoundTerms(const TermPlan& plan, glm::dvec3 least, glm::dvec3 most) {
         placed.emplace_back(grids, lattice);
     }
     const auto cellsOf = [&](const float(shared::HdsVolumeTerm::*coefficient)[3]) {
-        return MakeGridBounds(glm::ivec3(glm::floor(least)), glm::ivec3(glm::ceil(most)),
-                              [&](glm::ivec3 voxel) {
-                                  std::vector<FieldInCell> fields;
-                                  for (const PlacedField& field : placed) {
-                                      fields.push_back(field.In(voxel));
-                                  }
-                                  return CellOf(plan, fields, coefficient);
-                              });
+        return MakeGridTiles(glm::ivec3(glm::floor(least)), glm::ivec3(glm::ceil(most)),
+                             [&](glm::ivec3 voxel) {
+                                 std::vector<FieldInCell> fields;
+                                 for (const PlacedField& field : placed) {
+                                     fields.push_back(field.In(voxel));
+                                 }
+                                 return CellOf(plan, fields, coefficient);
+                             });
     };
     TermBounds bounds;
-    GridBounds extinction = cellsOf(&shared::HdsVolumeTerm::extinction);
+    GridTiles extinction = cellsOf(&shared::HdsVolumeTerm::extinction);
     bounds.extinction.record = extinction.record;
     bounds.extinction.tiles = std::move(extinction.tiles);
     bounds.extinction.cells = std::move(extinction.cells);

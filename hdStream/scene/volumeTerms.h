@@ -3,9 +3,9 @@
 // which values the sums are in each cell. Explained in docs/volumes.md.
 #pragma once
 
-#include "hdStream/scene/gridBounds.h"
 #include "hdStream/shading/volumeShader.h"
 #include "hdStream/volume/gridPreparer.h"
+#include "hdStream/volume/gridTiles.h"
 #include "kernels/shared/volume.h"
 
 #include <functional>
@@ -32,7 +32,7 @@ TermPlan PlanTerms(const VolumeShading& shading,
 struct TermBounds {
     /// Greatest and least channel of the extinction, and the mean of the channels as the value.
     GridDescription extinction;
-    GridBounds emission; ///< greatest channel; without tiles where nothing glows
+    GridTiles emission; ///< greatest channel; without tiles where nothing glows
 };
 
 /// Whether a box of the lattice is small enough for cells of its own.

@@ -98,23 +98,21 @@ bool LineStore::Read(std::uint32_t line, TextureLine* out) const {
                             sizeof(*out), out->data());
 }
 
-bool LineStore::ReadRun(std::uint32_t first, std::vector<TextureLine>* out) const {
-    std::size_t done = 0;
-    while (done < out->size()) {
-        const std::uint32_t line = first + static_cast<std::uint32_t>(done);
+bool LineStore::ReadRun(std::uint32_t first, std::uint32_t count, TextureLine* out) const {
+    const std::uint32_t end = first + count;
+    for (std::uint32_t line = first; line < end;) {
         const std::uint32_t index = line / kGroupLines;
-        const std::size_t count =
-            std::min<std::size_t>(out->size() - done, kGroupLines - line % kGroupLines);
+        const std::uint32_t inGroup = std::min(end - line, kGroupLines - line % kGroupLines);
         const TextureLine* group = _groups[index].data.load(std::memory_order_acquire);
         if (group != nullptr) {
-            std::copy_n(group + line % kGroupLines, count,
-                        out->begin() + static_cast<std::ptrdiff_t>(done));
-        } else if (!_store || !_store->LoadPart(KeyOf(index),
-                                                std::uint64_t{line % kGroupLines} * HDS_LINE_BYTES,
-                                                count * HDS_LINE_BYTES, (*out)[done].data())) {
+            std::copy_n(group + line % kGroupLines, inGroup, out);
+        } else if (!_store || !_store->LoadPart(
+                                  KeyOf(index), std::uint64_t{line % kGroupLines} * HDS_LINE_BYTES,
+                                  std::size_t{inGroup} * HDS_LINE_BYTES, out->data())) {
             return false;
         }
-        done += count;
+        out += inGroup;
+        line += inGroup;
     }
     return true;
 }

@@ -45,8 +45,8 @@ public:
 
     /// Copies a line. \return false when its group is not there (any more).
     bool Read(std::uint32_t line, TextureLine* out) const;
-    /// Copies as many lines as `out` has, from `first` on. \return false when one is not there.
-    bool ReadRun(std::uint32_t first, std::vector<TextureLine>* out) const;
+    /// Copies lines [first, first + count) to `out`. \return false when one is not there.
+    bool ReadRun(std::uint32_t first, std::uint32_t count, TextureLine* out) const;
 
     /// Bytes of memory that groups which the store did not take occupy.
     std::uint64_t HostBytes() const;

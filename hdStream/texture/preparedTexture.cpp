@@ -48,10 +48,10 @@ bool PreparedTexture::ReadLine(std::uint32_t line, TextureLine* out) const {
     return false;
 }
 
-void PreparedTexture::ReadLines(std::uint32_t first, std::vector<TextureLine>* out) const {
-    if (!Lines()->ReadRun(first, out)) {
-        for (std::size_t i = 0; i < out->size(); ++i) {
-            ReadLine(first + static_cast<std::uint32_t>(i), &(*out)[i]);
+void PreparedTexture::ReadLines(std::uint32_t first, std::uint32_t count, TextureLine* out) const {
+    if (!Lines()->ReadRun(first, count, out)) {
+        for (std::uint32_t i = 0; i < count; ++i) {
+            ReadLine(first + i, out + i);
         }
     }
 }

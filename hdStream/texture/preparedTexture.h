@@ -55,8 +55,8 @@ public:
     /// takes. \return false when that fails (the file is gone, or is another one now): the line is
     /// zeros then, which decode to black.
     bool ReadLine(std::uint32_t line, TextureLine* out) const;
-    /// The same for as many lines as `out` has, from `first` on.
-    void ReadLines(std::uint32_t first, std::vector<TextureLine>* out) const;
+    /// The same for lines [first, first + count).
+    void ReadLines(std::uint32_t first, std::uint32_t count, TextureLine* out) const;
 
     /// A mip as linear RGBA floats [height][width][4], rows from the top; for light tables and
     /// displacement, which need all of it. \return empty when a line cannot be read.

@@ -2,27 +2,19 @@
 #include "hdStream/volume/preparedGrid.h"
 
 #include "hdStream/persist/pageBytes.h"
+#include "hdStream/volume/gridTiles.h"
 
 #include <glm/gtc/type_ptr.hpp>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cstring>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace hds {
 
 namespace {
-
-constexpr std::size_t kTileCells = std::size_t{HDS_TILE_CELLS} * HDS_TILE_CELLS * HDS_TILE_CELLS;
-
-/// A tile while it is made.
-struct TileBuild {
-    shared::HdsGridTile tile{HDS_NONE, 0.0F, 0.0F, 0.0F};
-    std::vector<shared::HdsGridCell> cells; ///< empty: the tile is constant
-    std::vector<std::uint32_t> bricks;      ///< of the source, in the order of the cells
-};
 
 /// Whether a cell, from voxel `first` on, has one value, also where it is outside of the grid's
 /// box.
@@ -77,7 +69,8 @@ float MeanOf(const VoxelGrid& source, glm::ivec3 first, const VoxelBrick& values
     return static_cast<float>(sum / (double(inside.x) * inside.y * inside.z));
 }
 
-shared::HdsGridCell MakeCell(const VoxelGrid& source, glm::ivec3 first, TileBuild* tile) {
+/// The cell from voxel `first` on, with the number of its brick in the source.
+shared::HdsGridCell MakeCell(const VoxelGrid& source, glm::ivec3 first) {
     const VoxelBounds bounds = BoundsIn(source, first);
     shared::HdsGridCell cell{HDS_NONE, source.ValueAt(first), bounds.greatest, bounds.least};
     if (!IsConstant(source, first)) {
@@ -91,36 +84,21 @@ shared::HdsGridCell MakeCell(const VoxelGrid& source, glm::ivec3 first, TileBuil
             cell.value = values[0];
         } else {
             cell.value = MeanOf(source, first, values);
-            cell.brick = static_cast<std::uint32_t>(tile->bricks.size());
-            tile->bricks.push_back(brick);
+            cell.brick = brick;
         }
     }
     return cell;
 }
 
-TileBuild MakeTile(const VoxelGrid& source, glm::ivec3 first) {
-    TileBuild build;
-    build.cells.reserve(kTileCells);
-    bool isConstant = true;
-    for (int z = 0; z < HDS_TILE_CELLS; ++z) {
-        for (int y = 0; y < HDS_TILE_CELLS; ++y) {
-            for (int x = 0; x < HDS_TILE_CELLS; ++x) {
-                const shared::HdsGridCell cell =
-                    MakeCell(source, first + HDS_BRICK_VOXELS * glm::ivec3(x, y, z), &build);
-                build.tile.greatest = std::max(build.tile.greatest, cell.greatest);
-                const shared::HdsGridCell& head = build.cells.empty() ? cell : build.cells[0];
-                isConstant = isConstant && cell.brick == HDS_NONE && cell.value == head.value &&
-                             cell.greatest == head.greatest && cell.least == head.least;
-                build.cells.push_back(cell);
-            }
+/// Numbers bricks in the order of the cells. \return their numbers in the source.
+std::vector<std::uint32_t> NumberBricks(std::vector<shared::HdsGridCell>* cells) {
+    std::vector<std::uint32_t> bricks;
+    for (shared::HdsGridCell& cell : *cells) {
+        if (cell.brick != HDS_NONE) {
+            bricks.push_back(std::exchange(cell.brick, static_cast<std::uint32_t>(bricks.size())));
         }
     }
-    build.tile.value = build.cells[0].value;
-    if (isConstant) {
-        build.tile.least = build.cells[0].least;
-        build.cells.clear();
-    }
-    return build;
+    return bricks;
 }
 
 template <typename Element>
@@ -154,33 +132,12 @@ BuiltGrid BuildGrid(const VoxelGrid& grid, const std::shared_ptr<PageStore>& sto
     description.size = grid.size;
     description.objectFromIndex = grid.objectFromIndex;
     // A voxel more on each side: interpolation fades to 0 there.
-    const glm::ivec3 origin = ((grid.first - 1) >> HDS_TILE_VOXELS_LOG2) * HDS_TILE_VOXELS;
-    const glm::ivec3 numTiles =
-        ((grid.first + grid.size - origin) >> HDS_TILE_VOXELS_LOG2) + glm::ivec3(1);
-    for (int i = 0; i < 3; ++i) {
-        description.record.origin[i] = origin[i];
-        description.record.tiles[i] = static_cast<std::uint32_t>(numTiles[i]);
-    }
-    std::vector<TileBuild> tiles(std::size_t(numTiles.x) * numTiles.y * numTiles.z);
-    tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t i) {
-        const auto n = static_cast<int>(i);
-        const glm::ivec3 at(n % numTiles.x, n / numTiles.x % numTiles.y,
-                            n / numTiles.x / numTiles.y);
-        tiles[i] = MakeTile(grid, origin + HDS_TILE_VOXELS * at);
-    });
-    std::vector<std::uint32_t> bricks;
-    for (TileBuild& tile : tiles) {
-        if (!tile.cells.empty()) {
-            tile.tile.firstCell = static_cast<std::uint32_t>(description.cells.size());
-        }
-        for (shared::HdsGridCell& cell : tile.cells) {
-            cell.brick += cell.brick != HDS_NONE ? static_cast<std::uint32_t>(bricks.size()) : 0U;
-        }
-        description.cells.insert(description.cells.end(), tile.cells.begin(), tile.cells.end());
-        bricks.insert(bricks.end(), tile.bricks.begin(), tile.bricks.end());
-        description.tiles.push_back(tile.tile);
-        description.record.greatest = std::max(description.record.greatest, tile.tile.greatest);
-    }
+    GridTiles made = MakeGridTiles(grid.first - 1, grid.first + grid.size,
+                                   [&](glm::ivec3 voxel) { return MakeCell(grid, voxel); });
+    description.record = made.record;
+    description.tiles = std::move(made.tiles);
+    description.cells = std::move(made.cells);
+    const std::vector<std::uint32_t> bricks = NumberBricks(&description.cells);
     description.numBricks = static_cast<std::uint32_t>(bricks.size());
     description.id = key.words[0];
     built.lines = std::make_shared<LineStore>(store, key, LinesOf(description).record.numLines);

@@ -14,6 +14,9 @@
 /* Where the shadow ray goes is kept beside it. */
 #define HDS_KEEPS_SHADOW_LIGHT (HDS_FEATURE_LIGHT_CONTROLS || HDS_FEATURE_TEXTURED_EMISSION)
 
+/* Walks through volumes may wait at a collision for a line of a brick. */
+#define HDS_KEEPS_COLLISIONS (HDS_FEATURE_VOLUMES && HDS_FEATURE_TEXTURE_STREAMING)
+
 /* Some light path expression is asked for: paths carry the state of an automaton. */
 #define HDS_FOLLOWS_LIGHT_PATHS (HDS_LIGHT_PATHS > 0)
 

@@ -3,7 +3,8 @@
 
 Mitsuba has no subsurface scattering of a surface's own: its walk is in a medium of the albedo that Standard Surface's
 formula gives (Kulla and Conty 2017), behind a boundary that does nothing. That is another picture than the one of a surface which
-light enters by a diffuse lobe, with about the same walks. Cycles samples a volume's way by steps of its own choice, and a body's
+light enters by a diffuse lobe, with about the same walks. Cycles divides the radius of a random walk by 4 pi to get the mean free
+path, which is what Standard Surface's radius is. Cycles samples a volume's way by steps of its own choice, and a body's
 exactly."""
 
 import pathlib
@@ -13,6 +14,7 @@ import numpy as np
 from pxr import Usd, UsdGeom, UsdShade
 
 _SURFACES = ("ND_standard_surface_surfaceshader",)
+_CYCLES_RADIUS = 4 * np.pi  # of a random walk, over its mean free path
 DEPTH = 1024  # events of a path in media; all renderers go on to the end
 
 
@@ -97,7 +99,7 @@ def CyclesLook(nodes, look: dict):
         nodes.Add("ShaderNodeOutputMaterial", {"Volume": _CyclesMedium(nodes, look["medium"])})
     else:
         inputs = {"Base Color": look["subsurface"]["color"], "Subsurface Weight": 1.0,
-                  "Subsurface Radius": look["subsurface"]["radius"], "Subsurface Scale": 1.0, "Specular IOR Level": 0.0,
+                  "Subsurface Radius": look["subsurface"]["radius"], "Subsurface Scale": _CYCLES_RADIUS, "Specular IOR Level": 0.0,
                   "Subsurface Anisotropy": 0.0}
         surface = nodes.Add("ShaderNodeBsdfPrincipled", inputs, subsurface_method="RANDOM_WALK").outputs[0]
         nodes.Add("ShaderNodeOutputMaterial", {"Surface": surface})

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 #include <numeric>
@@ -165,6 +166,35 @@ TEST(SampleSchedule, TheFirstWaveIsATrialAndTheNextAreCutByTime) {
         << "a tenth of a second; one sample of a pixel";
     EXPECT_EQ(waves(false, 1000.0, {3200, 3200, true}), (Waves{2880, 2880}));
     EXPECT_EQ(waves(false, 1e-9, {5, 5}), Waves(360, 16)) << "at least a pixel";
+}
+
+TEST(SampleSchedule, EverySecondPassBeginsWhereTheOneBeforeHasEnded) {
+    SampleSchedule schedule = Begun(Options(64));
+    schedule.SetLimits({100, 100}); // pixels are cut into several waves
+    std::vector<bool> areBackward;
+    std::uint32_t last = 0; // first pixel of the wave before
+    while (const auto pass = schedule.Next()) {
+        std::vector<std::uint32_t> timesRendered(360, 0);
+        for (std::uint32_t rendered = pass->begin; rendered < pass->end;) {
+            const std::uint32_t count = schedule.WavePixels(*pass, rendered);
+            const std::uint32_t first = pass->FirstOfWave(rendered, count);
+            ASSERT_LE(first + count, 360U);
+            if (rendered > 0) {
+                EXPECT_EQ(first < last, pass->isBackward) << "neighbours follow each other";
+            } else if (!areBackward.empty()) {
+                EXPECT_EQ(first, pass->isBackward ? 360 - count : 0U);
+            }
+            last = first;
+            std::for_each(timesRendered.begin() + first, timesRendered.begin() + first + count,
+                          [](std::uint32_t& times) { ++times; });
+            schedule.EndWave(count * pass->numSamples, 1000.0);
+            rendered += count;
+        }
+        EXPECT_EQ(timesRendered, std::vector<std::uint32_t>(360, 1));
+        areBackward.push_back(pass->isBackward);
+        schedule.Complete();
+    }
+    EXPECT_EQ(areBackward, (std::vector<bool>{false, true, false, true, false}));
 }
 
 TEST(SampleSchedule, AllPixelsOfAPassAreActive) {
