@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/python/stageArray.h"
 
-#include "hdStream/python/arrayPool.h"
+#include "hdStream/base/arrayBlocks.h"
 #include "hdStream/python/bufferSpan.h"
 
 #include <nanobind/stl/string.h>
@@ -79,7 +79,7 @@ void BindStageArray(nb::module_& module) {
             result["bytes"] = counts.bytes;
             result["keptBytes"] = counts.keptBytes;
             result["readBytes"] = counts.readBytes;
-            result["poolBytes"] = ArrayPool::BlockBytes();
+            result["poolBytes"] = arrayBlockBytes.load();
             return result;
         },
         "Of all StageArrays: bytes; those that wait in memory; those that were read again. And the "

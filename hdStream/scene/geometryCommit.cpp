@@ -50,8 +50,8 @@ std::shared_ptr<const ChunkSource> MakeSource(const std::string& path, const Geo
         return MakePointSource(geometry, path, warnings);
     }
     const Displacement displacement = MakeDisplacement(inputs.displacements);
-    if (inputs.dicing) {
-        auto source = MakeSubdivSource(geometry, path, *inputs.dicing, displacement, warnings);
+    if (*inputs.dicing) {
+        auto source = MakeSubdivSource(geometry, path, **inputs.dicing, displacement, warnings);
         if (source) {
             return source;
         }
@@ -59,19 +59,23 @@ std::shared_ptr<const ChunkSource> MakeSource(const std::string& path, const Geo
     return MakePolygonSource(geometry, path, displacement, warnings);
 }
 
-/// The inputs without the primvars that nobody reads.
-GeometryInputs OnlyRead(GeometryInputs inputs) {
+/// The inputs without the primvars that nobody reads: themselves where all are read.
+std::shared_ptr<const GeometryInputs>
+OnlyRead(const std::shared_ptr<const GeometryInputs>& inputs) {
+    const std::vector<std::string>& read = inputs->primvars;
     const auto isUnread = [&](const Primvar& primvar) {
         return primvar.name != "normals" && primvar.name != "widths" &&
-               !std::binary_search(inputs.primvars.begin(), inputs.primvars.end(), primvar.name);
+               !std::binary_search(read.begin(), read.end(), primvar.name);
     };
-    const std::vector<Primvar>& all = inputs.geometry->primvars;
+    const std::vector<Primvar>& all = inputs->geometry->primvars;
     if (std::any_of(all.begin(), all.end(), isUnread)) {
-        auto geometry = std::make_shared<GeometryDescription>(*inputs.geometry);
+        auto geometry = std::make_shared<GeometryDescription>(*inputs->geometry);
         geometry->primvars.erase(
             std::remove_if(geometry->primvars.begin(), geometry->primvars.end(), isUnread),
             geometry->primvars.end());
-        inputs.geometry = std::move(geometry);
+        auto fewer = std::make_shared<GeometryInputs>(*inputs);
+        fewer->geometry = std::move(geometry);
+        return fewer;
     }
     return inputs;
 }
@@ -89,16 +93,17 @@ bool GeometryInputs::Suffice(const GeometryInputs& other) const {
                                      other.primvars.end());
 }
 
-PlannedGeometry PlanGeometry(const std::string& path, const GeometryInputs& all,
+PlannedGeometry PlanGeometry(const std::string& path,
+                             const std::shared_ptr<const GeometryInputs>& all,
                              std::shared_ptr<PageStore> store, Warnings& warnings,
                              std::shared_ptr<SourceKeeper> keeper) {
-    const GeometryInputs inputs = OnlyRead(all);
-    const auto held = Held(inputs.geometry); // read once, for the key and for the source
-    const PageKey key = store ? MakeGeometryKey(inputs) : PageKey();
+    const std::shared_ptr<const GeometryInputs> inputs = OnlyRead(all);
+    const auto held = Held(inputs->geometry); // read once, for the key and for the source
+    const PageKey key = store ? MakeGeometryKey(*inputs) : PageKey();
     const auto geometry = std::make_shared<const ChunkedGeometry>(
-        [path, inputs, &warnings] { return MakeSource(path, inputs, warnings); }, inputs.chunkBytes,
-        std::move(store), key, std::move(keeper), AwayBytes(*inputs.geometry));
-    DropArrays(*all.geometry);
+        [path, inputs, &warnings] { return MakeSource(path, *inputs, warnings); },
+        inputs->chunkBytes, std::move(store), key, std::move(keeper), AwayBytes(*inputs->geometry));
+    DropArrays(*all->geometry);
     const GeometrySummary& summary = geometry->Summary();
     if (summary.numTriangles >= kMinKeptSummary && !warnings.Has(path)) {
         geometry->SaveSummary();
