@@ -8,6 +8,9 @@ namespace hds {
 
 namespace {
 
+/// What makes the source of a prim again, without the path.
+constexpr std::uint64_t kRecipe = sizeof(GeometryInputs) + 80;
+
 /// Of an allocation, with the counts of a shared pointer or the links of a map's node about.
 constexpr std::uint64_t kBlock = 32;
 
@@ -65,9 +68,10 @@ std::uint64_t PlannedBytes(const GeometryStore& store) {
     std::uint64_t bytes = 0;
     store.ForEach([&](const std::string& path, const PlannedGeometry& planned) {
         // The path is in the store and with what makes the source again.
-        bytes += 2 * (sizeof(path) + TextBytes(path)) + sizeof(GeometryInputs) + sizeof(planned) +
-                 4 * kBlock + ListBytes(planned.attributes) + ListBytes(planned.topNodes) +
+        bytes += 2 * (sizeof(path) + TextBytes(path)) + kRecipe + sizeof(planned) + 4 * kBlock +
+                 ListBytes(planned.attributes) + ListBytes(planned.topNodes) +
                  ListBytes(planned.chunks) + planned.chunks.size() * (sizeof(ChunkPages) + kBlock);
+        bytes += planned.attributes.size() * (sizeof(std::string) + kBlock / 2); // that are read
         if (planned.geometry) {
             bytes += sizeof(ChunkedGeometry) + kBlock + BytesOf(planned.geometry->Summary());
         }
