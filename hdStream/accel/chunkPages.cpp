@@ -48,14 +48,14 @@ ChunkPages::Made ChunkPages::Prepare(const std::array<bool, kNumPages>& isWanted
     if (Load(isWanted)) {
         return Made::Loaded;
     }
-    _data = _maker->Make(_chunk);
+    _data.Edit() = _maker->Make(_chunk);
     Made made = Made::MadeAlways;
     for (std::uint32_t page = 0; page < kNumPages; ++page) {
-        _bytes[page] = _data[page].size();
+        _bytes[page] = Data(page).size();
         const auto key = _maker->Key(_chunk, page);
         made = key ? Made::Built : made;
         if (_maker->Store() && key) {
-            _maker->Store()->Save(*key, _data[page].data(), _data[page].size());
+            _maker->Store()->Save(*key, Data(page).data(), Data(page).size());
         }
     }
     _isExact = true;
@@ -69,8 +69,8 @@ bool ChunkPages::Locate(std::uint32_t page, MappedPage* mapped) {
     }
     auto key = _maker->Key(_chunk, page);
     if (!key && HasData(page)) {
-        key = KeyOfBytes(_data[page]);
-        store->Save(*key, _data[page].data(), _data[page].size());
+        key = KeyOfBytes(Data(page));
+        store->Save(*key, Data(page).data(), Data(page).size());
     }
     const auto location = key ? store->Locate(*key) : std::nullopt;
     if (!location) {
@@ -83,6 +83,16 @@ bool ChunkPages::Locate(std::uint32_t page, MappedPage* mapped) {
     return mapped->file != nullptr;
 }
 
+void ChunkPages::Drop(std::uint32_t page) {
+    if (!_data.IsApart()) {
+        return;
+    }
+    std::vector<std::uint8_t>().swap(_data.Edit()[page]);
+    if (DataBytes() == 0) {
+        _data = Apart<ChunkBytes>();
+    }
+}
+
 /// \return whether all that is wanted is there now.
 bool ChunkPages::Load(const std::array<bool, kNumPages>& isWanted) {
     FindSizes();
@@ -91,10 +101,10 @@ bool ChunkPages::Load(const std::array<bool, kNumPages>& isWanted) {
             continue;
         }
         const auto key = _maker->Key(_chunk, page);
-        if (!_maker->Store() || !key || !_maker->Store()->Load(*key, &_data[page])) {
+        if (!_maker->Store() || !key || !_maker->Store()->Load(*key, &_data.Edit()[page])) {
             return false;
         }
-        _bytes[page] = _data[page].size();
+        _bytes[page] = Data(page).size();
     }
     return true;
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "hdStream/accel/pageMaker.h"
+#include "hdStream/base/apart.h"
 #include "hdStream/stream/pageProvider.h"
 #include "kernels/shared/geometry.h"
 
@@ -33,17 +34,17 @@ public:
     bool IsExact() const { return _isExact; }
     /// Looks for exact sizes in the store.
     void FindSizes();
-    const std::vector<std::uint8_t>& Data(std::uint32_t page) const { return _data[page]; }
+    const std::vector<std::uint8_t>& Data(std::uint32_t page) const { return (*_data)[page]; }
     /// Whether a page is there, or does not exist.
-    bool HasData(std::uint32_t page) const { return !_data[page].empty() || _bytes[page] == 0; }
-    std::uint64_t DataBytes() const { return _data[0].size() + _data[1].size(); }
+    bool HasData(std::uint32_t page) const { return !Data(page).empty() || _bytes[page] == 0; }
+    std::uint64_t DataBytes() const { return Data(0).size() + Data(1).size(); }
 
     /// Makes the pages that are asked for ready: from the store, or else both are built and kept
     /// there. \param isWanted one flag a page.
     Made Prepare(const std::array<bool, kNumPages>& isWanted);
     /// Where a page lies in the store, mapped. \return false when it is not there.
     bool Locate(std::uint32_t page, MappedPage* mapped);
-    void Drop(std::uint32_t page) { std::vector<std::uint8_t>().swap(_data[page]); }
+    void Drop(std::uint32_t page);
 
 private:
     bool Load(const std::array<bool, kNumPages>& isWanted);
@@ -53,7 +54,7 @@ private:
     std::uint64_t _firstId;
     bool _isExact = false;
     std::array<std::uint64_t, kNumPages> _bytes{};
-    ChunkBytes _data; ///< empty: not there now
+    Apart<ChunkBytes> _data; ///< of a page empty: not there now
 };
 
 } // namespace hds

@@ -2,6 +2,7 @@
 // Cache keys of structs that list their members (fields.h): whatever a struct gains is in the key.
 #pragma once
 
+#include "hdStream/base/apart.h"
 #include "hdStream/base/fields.h"
 #include "hdStream/base/hash.h"
 #include "hdStream/base/sharedSpan.h"
@@ -127,6 +128,10 @@ private:
         if (value) {
             Add(*value);
         }
+    }
+    template <typename T>
+    void AddWhole(const Apart<T>& value) {
+        Add(*value);
     }
     /// What it points to, not where that lies.
     template <typename T>

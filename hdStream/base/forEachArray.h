@@ -2,6 +2,7 @@
 // The arrays of structs that list their members (fields.h): whatever array a struct gains is found.
 #pragma once
 
+#include "hdStream/base/apart.h"
 #include "hdStream/base/fields.h"
 #include "hdStream/base/sharedSpan.h"
 
@@ -30,6 +31,14 @@ void ForEachArray(T& object, const Function& function) {
     } else if constexpr (IsVectorTrait<Plain>::value) {
         for (auto& item : object) {
             ForEachArray(item, function);
+        }
+    } else if constexpr (IsApartTrait<Plain>::value) {
+        if (object.IsApart()) {
+            if constexpr (std::is_const_v<T>) {
+                ForEachArray(*object, function);
+            } else {
+                ForEachArray(object.Edit(), function);
+            }
         }
     } else if constexpr (kHasFields<Plain>) {
         ForEachField<Plain>(

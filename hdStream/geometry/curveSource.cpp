@@ -97,7 +97,7 @@ private:
         const bool isIndexed = !_curves->faceVertexIndices.empty();
         const std::uint64_t numGiven =
             isIndexed ? _curves->faceVertexIndices.size() : _size.numPoints;
-        const bool isSegmented = _curves->curves.wrap == "segmented";
+        const bool isSegmented = _curves->curves->wrap == "segmented";
         std::uint64_t begin = 0;
         std::size_t numBad = 0;
         for (const std::int32_t count : _curves->faceVertexCounts) {
@@ -145,7 +145,7 @@ private:
     /// Finds the basis, which widths and normals take part in. \return false: nothing can be drawn.
     bool ReadPrimvars() {
         // Joints must be counted before anything varying is looked at.
-        CurveBasis plain(_curves->curves, false, false, _log);
+        CurveBasis plain(*_curves->curves, false, false, _log);
         std::size_t numShort = 0;
         std::size_t numUnused = 0;
         for (const std::uint32_t count : _counts) {
@@ -160,7 +160,7 @@ private:
         _size.numCorners = _size.numJoints;
         if (numShort > 0) {
             _log.Warn(std::to_string(numShort) + " curves dropped: too few vertices for " +
-                      (_curves->curves.type == "linear" ? "linear" : _curves->curves.basis) +
+                      (_curves->curves->type == "linear" ? "linear" : _curves->curves->basis) +
                       " curves");
         }
         if (numUnused > 0) {
@@ -186,7 +186,7 @@ private:
         }
         Warnings unheard; // of the form: heard above
         PrimLog quiet(_log.PrimPath(), unheard);
-        _basis.emplace(_curves->curves, _hasNormals,
+        _basis.emplace(*_curves->curves, _hasNormals,
                        _widths.interpolation == Interpolation::Varying, quiet);
         _values = SolidAttributes(*_curves, _size, _log);
         for (const GeometryAttribute& attribute : _values) {

@@ -3,6 +3,7 @@
 // Explained in docs/architecture.md.
 #pragma once
 
+#include "hdStream/base/apart.h"
 #include "hdStream/base/enumTable.h"
 #include "hdStream/base/fields.h"
 #include "hdStream/base/sharedSpan.h"
@@ -149,10 +150,10 @@ struct GeometryDescription {
     std::vector<ShutterKey> keys;
     SharedSpan<std::int32_t> faceVertexCounts;  ///< curves: vertices of each curve
     SharedSpan<std::int32_t> faceVertexIndices; ///< curves: empty: points in their order
-    CurveForm curves;
+    Apart<CurveForm> curves;
     SharedSpan<std::int32_t> holeIndices;   ///< faces left out
     std::string subdivisionScheme = "none"; ///< none, bilinear, catmullClark, loop
-    SubdivTags subdivTags;
+    Apart<SubdivTags> subdivTags;
     bool leftHanded = false;
     std::vector<Primvar> primvars;
     std::vector<MeshSubset> subsets;

@@ -51,7 +51,7 @@ bool IsPoint(const GeometryDescription& mesh, std::int32_t index) {
 
 /// Creases are chains of points; sharpness is per chain or per edge.
 bool AddCreases(const GeometryDescription& mesh, SubdivCage& cage) {
-    const SubdivTags& tags = mesh.subdivTags;
+    const SubdivTags& tags = *mesh.subdivTags;
     std::size_t numIndices = 0;
     std::size_t numEdges = 0;
     for (const std::int32_t length : tags.creaseLengths) {
@@ -84,7 +84,7 @@ bool AddCreases(const GeometryDescription& mesh, SubdivCage& cage) {
 }
 
 bool AddCorners(const GeometryDescription& mesh, SubdivCage& cage) {
-    const SubdivTags& tags = mesh.subdivTags;
+    const SubdivTags& tags = *mesh.subdivTags;
     if (tags.cornerIndices.size() != tags.cornerSharpnesses.size()) {
         return false;
     }
@@ -181,7 +181,7 @@ std::unique_ptr<Far::TopologyRefiner> CreateRefiner(const GeometryDescription& m
     descriptor.numFVarChannels = static_cast<int>(farChannels.size());
     descriptor.fvarChannels = farChannels.data();
     using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
-    Factory::Options options(SchemeOf(mesh.subdivisionScheme), MakeOptions(mesh.subdivTags));
+    Factory::Options options(SchemeOf(mesh.subdivisionScheme), MakeOptions(*mesh.subdivTags));
     options.validateFullTopology = true;
     return std::unique_ptr<Far::TopologyRefiner>(Factory::Create(descriptor, options));
 }

@@ -19,9 +19,10 @@ void HdStreamBasisCurves::SyncTopology(HdSceneDelegate* delegate, HdStreamRender
         curves->faceVertexCounts =
             HdStreamShareArray<std::int32_t>(topology.GetCurveVertexCounts());
         curves->faceVertexIndices = HdStreamShareArray<std::int32_t>(topology.GetCurveIndices());
-        curves->curves.type = topology.GetCurveType().GetString();
-        curves->curves.basis = topology.GetCurveBasis().GetString();
-        curves->curves.wrap = topology.GetCurveWrap().GetString();
+        hds::CurveForm& form = curves->curves.Edit();
+        form.type = topology.GetCurveType().GetString();
+        form.basis = topology.GetCurveBasis().GetString();
+        form.wrap = topology.GetCurveWrap().GetString();
     }
 }
 

@@ -39,15 +39,15 @@ std::string HdStreamPurpose(const TfToken& renderTag) {
 }
 
 bool HdStreamEqual(const hds::GeometryDescription& a, const hds::GeometryDescription& b) {
-    return a.primitives == b.primitives && a.curves.type == b.curves.type &&
-           a.curves.basis == b.curves.basis && a.curves.wrap == b.curves.wrap &&
+    return a.primitives == b.primitives && a.curves->type == b.curves->type &&
+           a.curves->basis == b.curves->basis && a.curves->wrap == b.curves->wrap &&
            a.subdivisionScheme == b.subdivisionScheme && a.leftHanded == b.leftHanded &&
            HdStreamEqual(a.points, b.points) && HdStreamEqual(a.samples, b.samples) &&
            HdStreamEqual(a.widthSamples, b.widthSamples) &&
            HdStreamEqual(a.normalSamples, b.normalSamples) &&
            HdStreamEqual(a.faceVertexCounts, b.faceVertexCounts) &&
            HdStreamEqual(a.faceVertexIndices, b.faceVertexIndices) &&
-           HdStreamEqual(a.holeIndices, b.holeIndices) && IsEqual(a.subdivTags, b.subdivTags) &&
+           HdStreamEqual(a.holeIndices, b.holeIndices) && IsEqual(*a.subdivTags, *b.subdivTags) &&
            HdStreamEqual(a.primvars, b.primvars) &&
            std::equal(a.subsets.begin(), a.subsets.end(), b.subsets.begin(), b.subsets.end(),
                       [](const hds::MeshSubset& left, const hds::MeshSubset& right) {

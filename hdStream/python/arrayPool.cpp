@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/python/arrayPool.h"
 
+#include "hdStream/base/arrayBlocks.h"
+
 #include <algorithm>
-#include <atomic>
 #include <cstring>
 #include <functional>
 #include <string_view>
@@ -17,13 +18,11 @@ constexpr std::uint32_t kMostUses = 1000;
 /// What arrays begin at multiples of.
 constexpr std::size_t kAlignment = 16;
 
-std::atomic<std::uint64_t> blockBytes{0};
-
 } // namespace
 
 struct ArrayPool::Block {
-    Block() : bytes(new std::uint8_t[kBlockBytes]) { blockBytes += kBlockBytes; }
-    ~Block() { blockBytes -= kBlockBytes; }
+    Block() : bytes(new std::uint8_t[kBlockBytes]) { arrayBlockBytes += kBlockBytes; }
+    ~Block() { arrayBlockBytes -= kBlockBytes; }
     Block(const Block&) = delete;
     Block& operator=(const Block&) = delete;
 
@@ -57,10 +56,6 @@ ArrayBytes ArrayPool::Add(const void* data, std::size_t bytes) {
         known = {hash, _block, copy, bytes};
     }
     return {_block, copy, bytes};
-}
-
-std::uint64_t ArrayPool::BlockBytes() {
-    return blockBytes;
 }
 
 } // namespace hds::python

@@ -27,9 +27,6 @@ public:
     /// \pre 0 < bytes <= kMostBytes.
     ArrayBytes Add(const void* data, std::size_t bytes);
 
-    /// Bytes of the blocks of all pools that are alive. Thread-safe.
-    static std::uint64_t BlockBytes();
-
 private:
     struct Block;
     struct Known {

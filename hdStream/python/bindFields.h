@@ -231,6 +231,11 @@ void BindFields(nanobind::class_<T>& binding) {
                         self.*member = Own::Set(value, name, rowLength);
                     });
             }
+        } else if constexpr (IsApartTrait<Member>::value) {
+            using Value = std::decay_t<decltype(*std::declval<Member>())>;
+            binding.def_prop_rw(
+                name, [member](T& self) -> Value& { return (self.*member).Edit(); },
+                [member](T& self, const Value& value) { self.*member = value; });
         } else if constexpr (access == FieldAccess::ReadOnly) {
             binding.def_ro(name, member);
         } else {

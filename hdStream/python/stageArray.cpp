@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/python/stageArray.h"
 
-#include "hdStream/python/arrayPool.h"
+#include "hdStream/base/arrayBlocks.h"
+#include "hdStream/persist/arrayFiles.h"
 #include "hdStream/python/bufferSpan.h"
 
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <utility>
 
@@ -50,6 +52,19 @@ ArrayBytes Read(const nb::object& read, char format) {
     }
 }
 
+/// A source whose files are watched as long as it lives.
+std::shared_ptr<const ArraySource> WatchFiles(std::unique_ptr<const ArraySource> source,
+                                              const std::vector<std::string>& paths) {
+    if (paths.empty()) {
+        return source;
+    }
+    ArrayFiles::Watch(source.get(), paths);
+    return {source.release(), [](const ArraySource* watched) {
+                ArrayFiles::Forget(watched);
+                delete watched;
+            }};
+}
+
 } // namespace
 
 StageArray::StageArray(const std::string& name, nb::handle values, nb::object read) {
@@ -60,17 +75,24 @@ StageArray::StageArray(const std::string& name, nb::handle values, nb::object re
         _format = 'i';
         first = BytesOf(values, _format, name.c_str(), &_itemsPerRow);
     }
-    _source = std::make_shared<const ArraySource>(
-        name, std::move(first),
-        [held = ShareObject(std::move(read)), format = _format] { return Read(*held, format); });
+    std::vector<std::string> files;
+    if (nb::hasattr(read, "files")) {
+        files = nb::cast<std::vector<std::string>>(read.attr("files"));
+    }
+    _source = WatchFiles(
+        std::make_unique<const ArraySource>(name, std::move(first),
+                                            [held = ShareObject(std::move(read)),
+                                             format = _format] { return Read(*held, format); }),
+        files);
 }
 
 void BindStageArray(nb::module_& module) {
     nb::class_<StageArray>(module, "StageArray", "An array that is read again when it is needed.")
         .def(nb::init<const std::string&, nb::handle, nb::object>(), "name"_a, "values"_a, "read"_a,
              "`values`: a float32 or int32 array as it is now. `read`: a function without "
-             "parameters that gives the same array at any later time. `name` starts the line of "
-             "an error.");
+             "parameters that gives the same array at any later time; its attribute `files`, where "
+             "it has one, are the paths of files that arrays may be mapped from. `name` starts the "
+             "line of an error.");
     module.def(
         "ArrayCounts",
         [] {
@@ -79,7 +101,7 @@ void BindStageArray(nb::module_& module) {
             result["bytes"] = counts.bytes;
             result["keptBytes"] = counts.keptBytes;
             result["readBytes"] = counts.readBytes;
-            result["poolBytes"] = ArrayPool::BlockBytes();
+            result["poolBytes"] = arrayBlockBytes.load();
             return result;
         },
         "Of all StageArrays: bytes; those that wait in memory; those that were read again. And the "

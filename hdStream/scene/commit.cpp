@@ -136,7 +136,8 @@ private:
         std::vector<GeometryStore::Drawn> inputs;
         inputs.reserve(drawn.size());
         for (const GeometryEntry* entry : drawn) {
-            GeometryInputs input;
+            auto made = std::make_shared<GeometryInputs>();
+            GeometryInputs& input = *made;
             input.geometry = entry->second.geometry;
             input.chunkBytes = _options.chunkBytes;
             input.displacements = _materials.DisplacementsOf(entry->second);
@@ -150,15 +151,15 @@ private:
                 }
             }
             if (isDiced && IsSubdivisionScheme(input.geometry->subdivisionScheme)) {
-                input.dicing.emplace();
-                input.dicing->isAdaptive = isAdaptive;
-                input.dicing->level = isAdaptive ? kAdaptiveLevel : _options.refineLevel;
+                DicingOptions& dicing = input.dicing.Edit().emplace();
+                dicing.isAdaptive = isAdaptive;
+                dicing.level = isAdaptive ? kAdaptiveLevel : _options.refineLevel;
                 const auto view = views.find(entry->first);
                 if (view != views.end()) {
-                    input.dicing->view = view->second;
+                    dicing.view = view->second;
                 }
             }
-            inputs.emplace_back(&entry->first, std::move(input));
+            inputs.emplace_back(&entry->first, std::move(made));
         }
         return inputs;
     }

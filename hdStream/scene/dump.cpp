@@ -319,8 +319,12 @@ private:
         }
     }
     void Value(const std::string& /*name*/, const std::vector<ShutterKey>& /*keys*/) const {}
-    void Value(const std::string& /*name*/, const SubdivTags& tags) const { _out.Fields(tags); }
-    void Value(const std::string& /*name*/, const CurveForm& curves) const { _out.Fields(curves); }
+    void Value(const std::string& /*name*/, const Apart<SubdivTags>& tags) const {
+        _out.Fields(*tags);
+    }
+    void Value(const std::string& /*name*/, const Apart<CurveForm>& curves) const {
+        _out.Fields(*curves);
+    }
     void Value(const std::string& name, const SharedSpan<std::int32_t>& indices) const {
         const bool isOfCurves = _geometry.primitives == PrimitiveKind::Curves;
         _out.Value(!isOfCurves                  ? name

@@ -34,7 +34,7 @@ struct GeometryInputs {
     std::shared_ptr<const GeometryDescription> geometry;
     std::uint64_t chunkBytes = 1U << 17U; ///< about what the pages of a chunk take at most
     /// Of a mesh with a subdivision scheme; nothing: its cage is drawn as polygons.
-    std::optional<DicingOptions> dicing;
+    Apart<std::optional<DicingOptions>> dicing;
     std::vector<DisplacementInput> displacements; ///< by material entry
     /// Those that something reads, sorted; of the others only normals and widths, which
     /// give shape, count.
@@ -59,7 +59,8 @@ struct GeometryInputs {
 /// outlive the result. \param store of finished pages; may be null. \param keeper of what chunks
 /// are cut from; null: it stays. Arrays of the geometry that can be read again are dropped.
 /// \throws Error where they cannot be read again.
-PlannedGeometry PlanGeometry(const std::string& path, const GeometryInputs& inputs,
+PlannedGeometry PlanGeometry(const std::string& path,
+                             const std::shared_ptr<const GeometryInputs>& inputs,
                              std::shared_ptr<PageStore> store, Warnings& warnings,
                              std::shared_ptr<SourceKeeper> keeper = nullptr);
 

@@ -27,7 +27,7 @@ bool GeometryStore::Prepare(const SceneDescription& scene, const std::vector<Dra
             ++item;
         }
         const bool isKnown = item != _items.end() && item->first == *drawn[i].first;
-        if (isKnown && item->second.inputs.Suffice(drawn[i].second)) {
+        if (isKnown && item->second.inputs->Suffice(*drawn[i].second)) {
             _drawn[i] = item->second.prepared.get();
         } else {
             missing.push_back({i, item});
@@ -68,7 +68,7 @@ void GeometryStore::ForgetOthers(const SceneDescription& scene) {
             ++prim;
         }
         const bool isCurrent = prim != scene.geometry.end() && prim->first == item->first &&
-                               prim->second.geometry == item->second.inputs.geometry;
+                               prim->second.geometry == item->second.inputs->geometry;
         item = isCurrent ? std::next(item) : _items.erase(item);
     }
 }

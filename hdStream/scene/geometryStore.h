@@ -22,7 +22,7 @@ public:
     using Entry = std::pair<const std::string, GeometryPrim>;
 
     /// The path of a drawn prim and what its geometry is to be made of.
-    using Drawn = std::pair<const std::string*, GeometryInputs>;
+    using Drawn = std::pair<const std::string*, std::shared_ptr<const GeometryInputs>>;
 
     /// Prepares those of `drawn` that are not prepared so yet, on all cores, and forgets the prims
     /// that `scene` has no more. What is hidden stays prepared. \return false when it was
@@ -67,7 +67,7 @@ public:
 
 private:
     struct Item {
-        GeometryInputs inputs;
+        std::shared_ptr<const GeometryInputs> inputs;
         std::shared_ptr<const PlannedGeometry> prepared;
         std::shared_ptr<const ChunkGeometry> triangles; ///< once asked for
     };

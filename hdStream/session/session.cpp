@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/session/session.h"
 
+#include "hdStream/base/arrayBlocks.h"
 #include "hdStream/base/machine.h"
 #include "hdStream/device/kernelCompilers.h"
 #include "hdStream/integrator/dicingCamera.h"
@@ -10,7 +11,9 @@
 #include "hdStream/integrator/stageKernels.h"
 #include "hdStream/persist/pageStore.h"
 #include "hdStream/scene/dump.h"
+#include "hdStream/scene/hostRecords.h"
 #include "hdStream/session/denoising.h"
+#include "hdStream/session/hostShares.h"
 #include "hdStream/session/settingsCheck.h"
 #include "hdStream/session/statistics.h"
 #include "hdStream/texture/texturePool.h"
@@ -27,13 +30,10 @@ namespace {
 /// Lines in the statistics, which are made for every image that is shown.
 constexpr std::size_t kMaxWarnings = 1000;
 
-/// Images whose lines are made one by one may take this part of the bytes of prepared pages.
+/// Images whose lines are made one by one may take this part of the host's bytes beside them.
 constexpr std::uint64_t kKeptImagesDivisor = 8;
 
-/// What chunks are cut from may take this part of them.
-constexpr std::uint64_t kSourcesDivisor = 4;
-
-/// Bytes of prepared pages that may stay in host memory.
+/// Bytes of host memory that may be taken.
 std::uint64_t HostBytes(const Settings& settings) {
     constexpr std::uint64_t kDivisor = 4;
     return settings.hostMemory > 0 ? settings.hostMemory : MachineMemoryBytes() / kDivisor;
@@ -182,6 +182,15 @@ struct Session::Impl {
         committed.reset();
     }
 
+    /// Bounds what is kept besides the scene as it is now.
+    void ShareHostMemory(const Settings& settings) {
+        statistics.sceneBytes = DescribedBytes(description) + PlannedBytes(cache.geometry);
+        const HostShares shares =
+            hds::ShareHostMemory(HostBytes(settings), statistics.sceneBytes + arrayBlockBytes);
+        cache.pages.SetLimit(shares.pages);
+        cache.geometry.Sources().SetLimit(shares.sources);
+    }
+
     /// The scene in device memory. \return false when it was cancelled.
     bool Commit(const Settings& settings, const RenderOptions& options,
                 const CancelCallback& isCancelled) {
@@ -195,12 +204,12 @@ struct Session::Impl {
         }
         const CommitKey key{sceneVersion, commitOptions, residency};
         committed.reset();
-        cache.pages.SetLimit(HostBytes(settings));
-        cache.geometry.Sources().SetLimit(HostBytes(settings) / kSourcesDivisor);
+        ShareHostMemory(settings);
         auto next = CommitScene(description, commitOptions, &cache, warnings, isCancelled);
         if (!next) {
             return false;
         }
+        ShareHostMemory(settings);
         ReadyTracer();
         residency.preparesAll = residency.preparesAll ||
                                 RaysPayForAllPages(*next, options, residency, device->Properties());

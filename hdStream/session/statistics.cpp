@@ -160,6 +160,7 @@ std::string MakeStatistics(const StatisticsInput& in) {
         {"deep", render.deepBytes},
         {"tables", in.tracer->Buffers().TableBytes()},
         {"devicePeak", in.device->PeakBytes()},
+        {"scene", in.sceneBytes},
         {"arraysKept", in.keptArrays.geometryBytes},
         {"instanceArraysKept", in.keptArrays.instanceBytes},
         {"arrays", ArraySource::Counts().bytes},

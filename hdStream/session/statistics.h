@@ -19,6 +19,7 @@ struct StatisticsInput {
     const CommittedScene* scene = nullptr;
     const PreparedPages* pages = nullptr;
     const SourceKeeper* sources = nullptr;
+    std::uint64_t sceneBytes = 0; ///< of host memory (scene/hostRecords.h)
     KeptArrays keptArrays;
     std::uint64_t arrayBytesReadBefore = 0; ///< this render (ArrayCounts)
     double commitSeconds = 0.0; ///< of the scene; 0: it was there from the render before

@@ -242,6 +242,26 @@ def test_values_that_differ_are_one_line(Big):
     assert str(error.value) == "/World/Ball0.points: has changed since the stage was translated"
 
 
+def test_a_file_that_is_written_into_under_held_arrays_is_one_line(Big, tmp_path):
+    """Also where nothing is read again: pages are made of arrays that are mapped from the file. None of them stays in the
+    cache, which serves the next run."""
+    content, before = Big.path.read_bytes(), os.stat(Big.path)
+    settings = dict(residency="stream", geometryMemory="40K", waveSize=64, cacheDirectory=ColdCache(tmp_path / "cache"))
+    once = _Once(Big.Change)
+    with pytest.raises(_core.Error) as error:
+        Case(Big.path).Start(once, **settings)
+    assert once.isDone
+    line = str(error.value)
+    assert line.startswith("/World/Ball") and line.endswith(f": cannot be read again: {Big.path} has been written into"), line
+    with open(Big.path, "r+b") as file:
+        file.write(content)
+    os.utime(Big.path, ns=(before.st_atime_ns, before.st_mtime_ns))
+    layers, statistics = Case(Big.path).Render(**settings)
+    geometry = statistics["geometry"]
+    assert 0 < geometry["chunksBuilt"] < geometry["chunksTouched"], "the cache has pages of the run before"
+    Case(Big.path).RenderResident(noCache=True).AssertBits(layers)
+
+
 def test_the_session_renders_again_after_the_error(Big):
     case = Case(Big.path)
     content, before = Big.path.read_bytes(), os.stat(Big.path)

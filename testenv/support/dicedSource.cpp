@@ -32,9 +32,9 @@ public:
         mesh.points = _points;
         mesh.faceVertexCounts = _counts;
         mesh.faceVertexIndices = _indices;
-        mesh.subdivTags.creaseIndices = _creases;
-        mesh.subdivTags.creaseLengths = std::vector<std::int32_t>(_sharpnesses.size(), 2);
-        mesh.subdivTags.creaseSharpnesses = _sharpnesses;
+        mesh.subdivTags.Edit().creaseIndices = _creases;
+        mesh.subdivTags.Edit().creaseLengths = std::vector<std::int32_t>(_sharpnesses.size(), 2);
+        mesh.subdivTags.Edit().creaseSharpnesses = _sharpnesses;
         Primvar bumps;
         bumps.name = "bumps";
         bumps.interpolation = Interpolation::Vertex;

@@ -44,7 +44,8 @@ struct Solid {
         description->points = std::move(positions);
         description->faceVertexCounts =
             std::vector<std::int32_t>{static_cast<std::int32_t>(points.size())};
-        description->curves = {basis == "linear" ? "linear" : "cubic", basis, "nonperiodic"};
+        description->curves =
+            CurveForm{basis == "linear" ? "linear" : "cubic", basis, "nonperiodic"};
         Primvar primvar;
         primvar.name = "widths";
         primvar.interpolation = Interpolation::Vertex;

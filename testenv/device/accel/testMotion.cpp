@@ -196,8 +196,8 @@ std::shared_ptr<GeometryDescription> Solids(PrimitiveKind kind) {
     UniformSource uniform(23);
     auto solids = std::make_shared<GeometryDescription>();
     solids->primitives = kind;
-    solids->curves.type = "cubic";
-    solids->curves.basis = "bezier";
+    solids->curves.Edit().type = "cubic";
+    solids->curves.Edit().basis = "bezier";
     std::vector<float> open;
     std::vector<float> close;
     for (std::size_t i = 0; i < kCount; ++i) {

@@ -114,7 +114,7 @@ inline void AddRandomTags(GeometryDescription& mesh, std::mt19937& random) {
     const auto pick = [&](std::initializer_list<const char*> tokens) {
         return std::string(tokens.begin()[random() % tokens.size()]);
     };
-    SubdivTags& tags = mesh.subdivTags;
+    SubdivTags& tags = mesh.subdivTags.Edit();
     tags.interpolateBoundary = pick({"none", "edgeOnly", "edgeAndCorner"});
     tags.faceVaryingLinearInterpolation =
         pick({"none", "cornersOnly", "cornersPlus1", "cornersPlus2", "boundaries", "all"});
@@ -162,7 +162,7 @@ inline LimitLevel RefineToLimit(const GeometryDescription& mesh, int level,
         void Clear() { v = glm::dvec3(0.0); }
         void AddWithWeight(const Vec3& other, double weight) { v += weight * other.v; }
     };
-    const SubdivTags& tags = mesh.subdivTags;
+    const SubdivTags& tags = *mesh.subdivTags;
     Sdc::Options options;
     const auto& boundary = tags.interpolateBoundary;
     options.SetVtxBoundaryInterpolation(boundary == "none" ? Sdc::Options::VTX_BOUNDARY_NONE

@@ -51,7 +51,7 @@ TEST(Dicing, TrianglesAreNearTheLimitOnScreen) {
         GeometryDescription mesh = MakeRandomCage(random, round % 3 == 2);
         if (round >= 3) {
             AddRandomTags(mesh, random);
-            mesh.subdivTags.interpolateBoundary = "edgeAndCorner";
+            mesh.subdivTags.Edit().interpolateBoundary = "edgeAndCorner";
         }
         const glm::dvec3 eye(0.3, 0.2, -6.0);
         const DicingOptions options = MakeOptions(eye);

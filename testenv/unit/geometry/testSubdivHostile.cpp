@@ -26,9 +26,9 @@ TEST(SubdivHostile, WhatIsRefusedSaysSoOnce) {
 
 TEST(SubdivHostile, BadTagsAreIgnored) {
     GeometryDescription mesh = MakeCube();
-    mesh.subdivTags.creaseLengths = std::vector<std::int32_t>{3};
-    mesh.subdivTags.cornerIndices = std::vector<std::int32_t>{8};
-    mesh.subdivTags.cornerSharpnesses = std::vector<float>{1.0F};
+    mesh.subdivTags.Edit().creaseLengths = std::vector<std::int32_t>{3};
+    mesh.subdivTags.Edit().cornerIndices = std::vector<std::int32_t>{8};
+    mesh.subdivTags.Edit().cornerSharpnesses = std::vector<float>{1.0F};
     const Diced diced = DiceUniform(mesh, 1);
     EXPECT_EQ(diced.warnings,
               (std::vector<std::string>{
@@ -165,11 +165,12 @@ TEST(SubdivHostile, GarbageNeverBreaksTheInvariants) {
         mesh.faceVertexCounts = counts;
         mesh.faceVertexIndices = indices;
         mesh.holeIndices = std::vector<std::int32_t>(random() % 3, std::int32_t(random() % 6) - 1);
-        mesh.subdivTags.creaseLengths = std::vector<std::int32_t>(1, 3);
-        mesh.subdivTags.creaseIndices = std::vector<std::int32_t>{0, 1, 5};
-        mesh.subdivTags.creaseSharpnesses = std::vector<float>{random() % 2 == 0 ? 10.0F : 1.5F};
+        mesh.subdivTags.Edit().creaseLengths = std::vector<std::int32_t>(1, 3);
+        mesh.subdivTags.Edit().creaseIndices = std::vector<std::int32_t>{0, 1, 5};
+        mesh.subdivTags.Edit().creaseSharpnesses =
+            std::vector<float>{random() % 2 == 0 ? 10.0F : 1.5F};
         const char* const boundaries[] = {"none", "edgeOnly", "edgeAndCorner"};
-        mesh.subdivTags.interpolateBoundary = boundaries[random() % 3];
+        mesh.subdivTags.Edit().interpolateBoundary = boundaries[random() % 3];
         Primvar primvar;
         primvar.name = "st";
         primvar.interpolation = static_cast<Interpolation>(random() % 5);

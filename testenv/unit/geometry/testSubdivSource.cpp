@@ -143,7 +143,7 @@ TEST(SubdivSource, OpenCagesFollowEveryBoundaryRule) {
             AddRandomTags(mesh, random);
         }
         const char* const rules[] = {"none", "edgeOnly", "edgeAndCorner"};
-        mesh.subdivTags.interpolateBoundary = rules[round % 3];
+        mesh.subdivTags.Edit().interpolateBoundary = rules[round % 3];
         CheckAgainstLimit(mesh, 2);
     }
 }
@@ -179,7 +179,7 @@ TEST(SubdivSource, FaceVaryingValuesFollowTheirOwnTopology) {
     for (int round = 0; round < 12; ++round) {
         SCOPED_TRACE(rules[round % 6]);
         GeometryDescription mesh = MakeRandomCage(random, round >= 6);
-        mesh.subdivTags.faceVaryingLinearInterpolation = rules[round % 6];
+        mesh.subdivTags.Edit().faceVaryingLinearInterpolation = rules[round % 6];
         std::vector<glm::dvec2> uv;
         std::vector<int> indices;
         std::map<int, int> shared;
@@ -286,9 +286,9 @@ TEST(SubdivSource, SharpCreasesKeepTheCubeAndItsNormals) {
             creases.push_back(mesh.faceVertexIndices[4 * f + (k + 1) % 4]);
         }
     }
-    mesh.subdivTags.creaseLengths = std::vector<std::int32_t>(24, 2);
-    mesh.subdivTags.creaseSharpnesses = std::vector<float>(24, 10.0F);
-    mesh.subdivTags.creaseIndices = creases;
+    mesh.subdivTags.Edit().creaseLengths = std::vector<std::int32_t>(24, 2);
+    mesh.subdivTags.Edit().creaseSharpnesses = std::vector<float>(24, 10.0F);
+    mesh.subdivTags.Edit().creaseIndices = creases;
     const Diced diced = DiceUniform(mesh, 3);
     EXPECT_TRUE(diced.warnings.empty());
     ASSERT_EQ(diced.chunk.normals.interpolation, Interpolation::FaceVarying);

@@ -95,6 +95,14 @@ Variations<std::optional<T>> Vary(const std::optional<T>& value) {
     }
     return result;
 }
+template <typename T>
+Variations<Apart<T>> Vary(const Apart<T>& value) {
+    Variations<Apart<T>> result;
+    for (auto& one : VariationsOf(*value)) {
+        result.push_back({Apart<T>(one.value), one.path, one.isInKey, one.isInDump});
+    }
+    return result;
+}
 template <typename T, std::size_t N>
 Variations<std::array<T, N>> Vary(std::array<T, N> values) {
     if constexpr (std::is_arithmetic_v<T>) {
@@ -169,8 +177,8 @@ GeometryDescription FullMesh(PrimitiveKind kind) {
     mesh.faceVertexIndices = indices;
     mesh.holeIndices = std::vector<std::int32_t>{0};
     mesh.subdivisionScheme = "catmullClark";
-    mesh.subdivTags.creaseIndices = indices;
-    mesh.subdivTags.cornerIndices = indices;
+    mesh.subdivTags.Edit().creaseIndices = indices;
+    mesh.subdivTags.Edit().cornerIndices = indices;
     mesh.primvars = {
         {"x", Interpolation::Constant, 1, std::vector<float>{1.0F}, SharedSpan<std::int32_t>()}};
     mesh.subsets = {{"/A/s", indices}};
@@ -294,7 +302,7 @@ TEST(Fields, AnElementThatMovesBetweenListsIsInTheKey) {
 TEST(Fields, EachOfAMeshIsInThePagesKey) {
     GeometryInputs inputs;
     inputs.geometry = std::make_shared<const GeometryDescription>(FullMesh(PrimitiveKind::Faces));
-    inputs.dicing.emplace();
+    inputs.dicing.Edit().emplace();
     inputs.displacements = {FullDisplacement()};
     for (const auto& one : VariationsOf(inputs)) {
         EXPECT_EQ(MakeGeometryKey(one.value) != MakeGeometryKey(inputs), one.isInKey) << one.path;

@@ -46,7 +46,7 @@ GeometryDescription Grid(std::int32_t size, const std::string& scheme) {
 PlannedGeometry Prepare(const GeometryDescription& mesh, GeometryInputs inputs) {
     static Warnings warnings; // outlives the meshes
     inputs.geometry = std::make_shared<GeometryDescription>(mesh);
-    return PlanGeometry("/grid", inputs, nullptr, warnings);
+    return PlanGeometry("/grid", std::make_shared<const GeometryInputs>(inputs), nullptr, warnings);
 }
 
 TEST(GeometryCommit, EveryTriangleIsInOneChunkWithinTheBound) {
@@ -91,7 +91,8 @@ PlannedGeometry PrepareStored(const GeometryDescription& grid, const std::string
     GeometryInputs inputs;
     inputs.chunkBytes = 4096;
     inputs.geometry = std::make_shared<GeometryDescription>(grid);
-    return PlanGeometry("/grid", inputs, std::make_shared<PageStore>(options, warnings), *warnings);
+    return PlanGeometry("/grid", std::make_shared<const GeometryInputs>(inputs),
+                        std::make_shared<PageStore>(options, warnings), *warnings);
 }
 
 TEST(GeometryCommit, ASecondRunTakesTheSummaryFromTheStore) {
@@ -160,8 +161,8 @@ TEST(GeometryCommit, BytesThatAreNoSummaryGiveNone) {
 TEST(GeometryCommit, SurfacesAreDicedAsAsked) {
     GeometryInputs inputs;
     EXPECT_EQ(Prepare(Grid(4, "catmullClark"), inputs).numTriangles, 32U);
-    inputs.dicing.emplace();
-    inputs.dicing->level = 2;
+    inputs.dicing.Edit().emplace();
+    inputs.dicing.Edit()->level = 2;
     EXPECT_EQ(Prepare(Grid(4, "catmullClark"), inputs).numTriangles, 32U * 16U);
 }
 
@@ -191,11 +192,11 @@ TEST(GeometryCommit, KeysFollowEveryInput) {
     other.displacements = {{0.25F, "height"}};
     add(other);
     other = inputs;
-    other.dicing.emplace();
+    other.dicing.Edit().emplace();
     add(other);
-    other.dicing->isAdaptive = true;
+    other.dicing.Edit()->isAdaptive = true;
     add(other);
-    other.dicing->view.cameraFromObject[3][2] = -5.0;
+    other.dicing.Edit()->view.cameraFromObject[3][2] = -5.0;
     add(other);
     for (std::size_t i = 0; i < keys.size(); ++i) {
         for (std::size_t k = 0; k < i; ++k) {

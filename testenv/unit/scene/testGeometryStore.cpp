@@ -22,7 +22,7 @@ protected:
         for (const auto& [path, prim] : scene.geometry) {
             if (prim.placement.visible) {
                 inputs.geometry = prim.geometry;
-                drawn.emplace_back(&path, inputs);
+                drawn.emplace_back(&path, std::make_shared<const GeometryInputs>(inputs));
             }
         }
         return store.Prepare(scene, drawn, warnings, isCancelled);
@@ -71,7 +71,7 @@ TEST_F(GeometryStoreTest, NewDescriptionsAndOptionsPrepareAgain) {
     inputs.chunkBytes = 8192;
     ASSERT_TRUE(Prepare());
     EXPECT_EQ(store.NumPrepared(), 5U);
-    inputs.dicing.emplace();
+    inputs.dicing.Edit().emplace();
     ASSERT_TRUE(Prepare());
     EXPECT_EQ(store.NumPrepared(), 7U);
     inputs.displacements = {{0.1F, ""}};

@@ -26,6 +26,10 @@ class _Reader:
 
     __slots__ = ("_stage", "_attribute", "_read", "_files")
 
+    @property
+    def files(self):
+        return [path for path, _ in self._files]
+
     def __init__(self, attribute, timeCode, read):
         self._stage = attribute.GetStage()
         self._attribute = attribute
