@@ -30,21 +30,6 @@ bool IsUsable(const glm::dmat4& transform, const Bounds& bounds) {
     return IsUsableTransform(transform) && IsWithinReach(transform, bounds);
 }
 
-/// Keys of what moves; none of what passes through a pose that cannot be inverted, which stays
-/// where the frame has it.
-std::vector<glm::dmat4> KeysOf(const MovingTransform& groupFromObject, const LeafObject& leaf) {
-    if (!groupFromObject.Moves()) {
-        return {};
-    }
-    const MovingTransform origin(glm::translate(glm::dmat4(1.0), leaf.origin));
-    std::vector<glm::dmat4> keys = MakeMotionKeys(groupFromObject * origin, leaf.bounds);
-    std::transform(keys.begin(), keys.end(), keys.begin(), ThickenFlat);
-    const bool areUsable = std::all_of(keys.begin(), keys.end(), [&leaf](const glm::dmat4& key) {
-        return IsUsable(key, leaf.bounds);
-    });
-    return areUsable ? keys : std::vector<glm::dmat4>();
-}
-
 /// Where a record is.
 struct Boxes {
     Bounds open;
@@ -60,7 +45,7 @@ Boxes BoxesOf(const MovingTransform& groupFromObject, const LeafObject& leaf) {
     if (!boxes.isUsable) {
         return boxes;
     }
-    const std::vector<glm::dmat4> keys = KeysOf(groupFromObject, leaf);
+    const std::vector<glm::dmat4> keys = KeysFromDevice(groupFromObject, leaf);
     boxes.moves = !keys.empty();
     if (boxes.moves) {
         const std::array<Bounds, 2> ends = TransformEnds(keys, leaf.bounds);
@@ -103,6 +88,20 @@ void AppendKeys(const std::vector<glm::dmat4>& keys, shared::HdsInstance* instan
 
 glm::dmat4 GroupFromDevice(const glm::dmat4& groupFromObject, const LeafObject& leaf) {
     return ThickenFlat(glm::translate(groupFromObject, leaf.origin));
+}
+
+std::vector<glm::dmat4> KeysFromDevice(const MovingTransform& groupFromObject,
+                                       const LeafObject& leaf) {
+    if (!groupFromObject.Moves()) {
+        return {};
+    }
+    const MovingTransform origin(glm::translate(glm::dmat4(1.0), leaf.origin));
+    std::vector<glm::dmat4> keys = MakeMotionKeys(groupFromObject * origin, leaf.bounds);
+    std::transform(keys.begin(), keys.end(), keys.begin(), ThickenFlat);
+    const bool areUsable = std::all_of(keys.begin(), keys.end(), [&leaf](const glm::dmat4& key) {
+        return IsUsable(key, leaf.bounds);
+    });
+    return areUsable ? keys : std::vector<glm::dmat4>();
 }
 
 MovingTransform InstanceTransform(const InstancerPrim& instancer, std::int32_t index,
@@ -313,7 +312,7 @@ void GroupRecords::Write(const std::vector<std::uint32_t>& order, shared::HdsIns
         instance.instanceRank = found.rank;
         places[place] = instance;
         if (keys != nullptr) {
-            *keys = KeysOf(found.groupFromObject, *found.leaf);
+            *keys = KeysFromDevice(found.groupFromObject, *found.leaf);
         }
     };
     const auto size = static_cast<std::uint32_t>(order.size());
