@@ -89,8 +89,14 @@ public:
         const auto i = static_cast<std::size_t>(after - _samples.begin());
         const TransformSample& before = _samples[i - 1];
         const double part = (time - before.time) / (after->time - before.time);
-        if (_isLinear || glm::dmat3(before.matrix) == glm::dmat3(after->matrix)) {
-            return (1.0 - part) * before.matrix + part * after->matrix;
+        const glm::dmat4 between = (1.0 - part) * before.matrix + part * after->matrix;
+        if (_isLinear) {
+            return between;
+        }
+        if (glm::dmat3(before.matrix) == glm::dmat3(after->matrix)) {
+            glm::dmat4 matrix = before.matrix; // to the bit but for the translation
+            matrix[3] = between[3];
+            return matrix;
         }
         return Interpolate(_poses[i - 1], _poses[i], part);
     }

@@ -3,12 +3,12 @@
 
 import numpy as np
 import pytest
-from pxr import Usd, UsdLux
+from pxr import Gf, Usd, UsdGeom, UsdLux
 
 pytest.importorskip("hdstream._core")
 
 import hdstream
-from stages import motion
+from stages import author, motion, shapes
 
 WIDTH, HEIGHT, BLOCK = 48, 36, 6
 STILLS, STILL_SAMPLES = 32, 16
@@ -45,6 +45,32 @@ def test_blur_is_the_average_of_stills(name, tmp_path):
     assert abs(((blurred - still) * effect).sum() / (effect ** 2).sum() - 1) < 0.1
 
 
+def test_an_instance_that_slides_is_a_mesh_whose_points_do(tmp_path):
+    """The map inwards, which its record has, against points in the world, path by path."""
+    box = shapes.Box(1.4, 0.8, 0.3)
+    ends = [Gf.Vec3d(-2.5, 0.5, 0.2), Gf.Vec3d(2.0, -0.4, 0.6)]
+    pictures = []
+    for movesPoints in (False, True):
+        path = motion.Write(tmp_path / f"{movesPoints}.usda")
+        stage = Usd.Stage.Open(path)
+        mesh = author.AddMesh(stage, "/World/Box", box, color=(0.8, 0.5, 0.2), translate=(0, 0, 0), rotate=(20, 50, 10), scale=(1.5, 0.7, 1.0))
+        mesh.GetNormalsAttr().Clear()
+        atRest = UsdGeom.Xformable(mesh).GetLocalTransformation()
+        if movesPoints:
+            UsdGeom.Xformable(mesh).ClearXformOpOrder()
+            placed = np.array([atRest.Transform(Gf.Vec3d(*map(float, point))) for point in box.points])
+            motion.SetPoints(mesh, *(placed + np.array(end) for end in ends))
+        else:
+            way = UsdGeom.Xformable(mesh).MakeMatrixXform()
+            for time, end in zip((0.0, 2.0), ends):
+                way.Set(atRest * Gf.Matrix4d().SetTranslate(end), time)
+        stage.GetRootLayer().Save()
+        pictures.append(Color(path, motion.FRAME, samples=8))
+    # A path may meet an edge on either side of it by rounding.
+    assert (np.abs(pictures[0] - pictures[1]).max(-1) > 1e-3).mean() < 0.01
+    assert np.abs(pictures[0] - Color(path, motion.FRAME, samples=8, motionBlur="off")).mean() > 0.01, "the test would show little"
+
+
 def test_a_closed_shutter_and_no_blur_are_the_same_bits(tmp_path):
     closed = Color(motion.Write(tmp_path / "closed.usda", "way", "polygons", shutter=(0.0, 0.0)), motion.FRAME, samples=2)
     stage = motion.Write(tmp_path / "open.usda", "way", "polygons")
@@ -70,7 +96,6 @@ def test_first_hits_are_the_frames(tmp_path):
 
 def test_what_emits_moves_as_what_does_not(tmp_path):
     """Meshes that emit, by their material or as mesh lights, cover what the same meshes cover without: to the bit."""
-    from stages import author, shapes
     pictures, lines = [], []
     for emits in (True, False):
         stage = author.NewStage(tmp_path / f"{emits}.usda")
