@@ -265,7 +265,8 @@ def _AddLampSwarm(stage):
 
 
 def _AddGlow(stage):
-    """Boxes that emit, by material, below an instancer that turns: each moves, turns and grows."""
+    """Boxes that emit, by material, below an instancer that turns: each moves, turns and grows. And a panel near the wall,
+    which the camera does not see, whose area becomes 64 times as large: the density at hits is that of the time."""
     _Box(stage, "/World/Box")
     swarm = UsdGeom.PointInstancer.Define(stage, "/World/Glows")
     AddWay(swarm, (0, 0, 1.4), (0, 0.3, 1.4), degrees=70.0)
@@ -274,6 +275,10 @@ def _AddGlow(stage):
     grow = UsdGeom.Xformable(mesh).AddScaleOp()
     grow.Set(Gf.Vec3f(0.6, 1.0, 1.0), 0.0)
     grow.Set(Gf.Vec3f(1.6, 0.7, 1.0), 2.0)
+    panel = author.AddMesh(stage, "/World/Panel", Grid(1), material=glow, doubleSided=True, translate=(-3.6, 0.2, -0.7))
+    grow = UsdGeom.Xformable(panel).AddScaleOp()
+    grow.Set(Gf.Vec3f(0.1, 0.2, 1.0), 0.0)
+    grow.Set(Gf.Vec3f(0.8, 1.6, 1.0), 2.0)
     swarm.CreatePrototypesRel().SetTargets(["/World/Glows/Glow"])
     swarm.CreateProtoIndicesAttr([0, 0])
     positions = swarm.CreatePositionsAttr()
