@@ -143,12 +143,8 @@ private:
             input.displacements = _materials.DisplacementsOf(entry->second);
             input.primvars = ReadPrimvars(entry->second);
             if (Deforms(*input.geometry, _options.shutter)) {
-                if (_materials.MayEmit(entry->second)) {
-                    _warnings.Add(entry->first, "emits light: not blurred by its motion");
-                } else {
-                    input.shutter = _options.shutter;
-                    _result->hasMotion = true;
-                }
+                input.shutter = _options.shutter;
+                _result->hasMotion = true;
             }
             if (isDiced && IsSubdivisionScheme(input.geometry->subdivisionScheme)) {
                 DicingOptions& dicing = input.dicing.Edit().emplace();

@@ -2,10 +2,12 @@
 #include "hdStream/scene/emissiveMeshes.h"
 
 #include "hdStream/scene/emissionGuess.h"
+#include "hdStream/scene/motion.h"
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <utility>
@@ -16,6 +18,8 @@ namespace {
 
 /// The rounding of float transforms and positions, against the magnitudes that are rounded.
 constexpr int kPositionErrorExponent = -21;
+/// So many of them where the device interpolates and inverts what it rounds.
+constexpr double kMotionErrors = 4.0;
 
 glm::dvec3 EmissionOf(const shared::HdsMaterial& material) {
     const shared::float4& color = material.constants[HDS_INPUT_EMISSIVE_COLOR];
@@ -143,14 +147,16 @@ private:
         // A reflection turns the winding; emission keeps to the side of the object's normals.
         const bool isTurned = (glm::determinant(glm::dmat3(record.worldFromObject)) < 0.0) !=
                               _cache.geometry.Find(record.path).leftHanded;
-        glm::dvec3 reach(0.0);
+        const bool moves = !chunk.keys.empty() || !record.keys.empty();
+        if (moves && isSampled) {
+            BeginMotion(record, chunk, mesh);
+        }
         for (std::uint32_t i = 0; i < chunk.triangles.size(); ++i) {
             EmissiveMesh::Triangle triangle;
             for (int k = 0; k < 3; ++k) {
                 const glm::dvec3 position(chunk.positions[chunk.triangles[i][k]]);
                 const int to = isTurned ? 2 - k : k;
                 triangle.p[to] = glm::dvec3(record.worldFromObject * glm::dvec4(position, 1.0));
-                reach = glm::max(reach, glm::abs(position));
             }
             mesh->wholeArea += 0.5 * glm::length(glm::cross(triangle.p[1] - triangle.p[0],
                                                             triangle.p[2] - triangle.p[0]));
@@ -160,13 +166,61 @@ private:
                 triangle.primId = chunk.primIds[i];
                 triangle.meanEmission = guess.Of(i);
                 mesh->triangles.push_back(triangle);
+                AddShapes(chunk, chunk.triangles[i], isTurned, mesh);
             }
         }
-        glm::dvec3 magnitude = glm::abs(glm::dvec3(record.worldFromObject[3]));
-        for (int column = 0; column < 3; ++column) {
-            magnitude += glm::abs(glm::dvec3(record.worldFromObject[column])) * reach[column];
+        SetPositionError(record, chunk, mesh);
+    }
+
+    static void BeginMotion(const WorldInstance& record, const ChunkGeometry& chunk,
+                            EmissiveMesh* mesh) {
+        mesh->shapes.resize(chunk.keys.size() + 1);
+        mesh->worldFromObject = record.keys;
+        if (record.keys.empty()) {
+            mesh->worldFromObject = {record.worldFromObject};
+        } else {
+            bool isRigid = true;
+            mesh->turns = TurnsOf(record.keys, record.worldFromObject, &isRigid);
         }
-        mesh->positionError = std::ldexp(glm::length(magnitude), kPositionErrorExponent);
+    }
+
+    /// The triangle at the keys of its vertices, where the mesh moves.
+    static void AddShapes(const ChunkGeometry& chunk, const glm::uvec3& corners, bool isTurned,
+                          EmissiveMesh* mesh) {
+        for (std::size_t key = 0; key < mesh->shapes.size(); ++key) {
+            const std::vector<glm::vec3>& positions =
+                key == 0 ? chunk.positions : chunk.keys[key - 1].positions;
+            EmissiveMesh::Shape shape;
+            for (int k = 0; k < 3; ++k) {
+                shape.p[isTurned ? 2 - k : k] = positions[corners[k]];
+            }
+            mesh->shapes[key].push_back(shape);
+        }
+    }
+
+    static void SetPositionError(const WorldInstance& record, const ChunkGeometry& chunk,
+                                 EmissiveMesh* mesh) {
+        glm::dvec3 reach(0.0);
+        const auto grow = [&reach](const std::vector<glm::vec3>& positions) {
+            for (const glm::vec3& position : positions) {
+                reach = glm::max(reach, glm::dvec3(glm::abs(position)));
+            }
+        };
+        grow(chunk.positions);
+        for (const ChunkKey& key : chunk.keys) {
+            grow(key.positions);
+        }
+        const auto errorOf = [&reach](const glm::dmat4& worldFromObject) {
+            glm::dvec3 magnitude = glm::abs(glm::dvec3(worldFromObject[3]));
+            for (int column = 0; column < 3; ++column) {
+                magnitude += glm::abs(glm::dvec3(worldFromObject[column])) * reach[column];
+            }
+            return std::ldexp(glm::length(magnitude), kPositionErrorExponent);
+        };
+        mesh->positionError = errorOf(record.worldFromObject);
+        for (const glm::dmat4& key : mesh->worldFromObject) {
+            mesh->positionError = std::max(mesh->positionError, kMotionErrors * errorOf(key));
+        }
     }
 
     const LightCommitInput& _input;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/groupRecords.h"
 
+#include "kernels/shared/motionKeys.h"
+
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <glm/matrix.hpp>
@@ -10,6 +12,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <iterator>
 #include <map>
 
 namespace hds {
@@ -30,21 +33,6 @@ bool IsUsable(const glm::dmat4& transform, const Bounds& bounds) {
     return IsUsableTransform(transform) && IsWithinReach(transform, bounds);
 }
 
-/// Keys of what moves; none of what passes through a pose that cannot be inverted, which stays
-/// where the frame has it.
-std::vector<glm::dmat4> KeysOf(const MovingTransform& groupFromObject, const LeafObject& leaf) {
-    if (!groupFromObject.Moves()) {
-        return {};
-    }
-    const MovingTransform origin(glm::translate(glm::dmat4(1.0), leaf.origin));
-    std::vector<glm::dmat4> keys = MakeMotionKeys(groupFromObject * origin, leaf.bounds);
-    std::transform(keys.begin(), keys.end(), keys.begin(), ThickenFlat);
-    const bool areUsable = std::all_of(keys.begin(), keys.end(), [&leaf](const glm::dmat4& key) {
-        return IsUsable(key, leaf.bounds);
-    });
-    return areUsable ? keys : std::vector<glm::dmat4>();
-}
-
 /// Where a record is.
 struct Boxes {
     Bounds open;
@@ -60,7 +48,7 @@ Boxes BoxesOf(const MovingTransform& groupFromObject, const LeafObject& leaf) {
     if (!boxes.isUsable) {
         return boxes;
     }
-    const std::vector<glm::dmat4> keys = KeysOf(groupFromObject, leaf);
+    const std::vector<glm::dmat4> keys = KeysFromDevice(groupFromObject, leaf);
     boxes.moves = !keys.empty();
     if (boxes.moves) {
         const std::array<Bounds, 2> ends = TransformEnds(keys, leaf.bounds);
@@ -84,25 +72,59 @@ void Compact(const std::vector<std::uint8_t>& isKept, std::size_t first,
     values->resize(end);
 }
 
+/// The linear part of the device's rows.
+glm::dmat3 LinearOf(const AffineRows& rows) {
+    glm::dmat3 linear;
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 3; ++column) {
+            linear[column][row] = rows[static_cast<std::size_t>(4 * row + column)];
+        }
+    }
+    return linear;
+}
+
 /// The keys of a record become the device's.
 void AppendKeys(const std::vector<glm::dmat4>& keys, shared::HdsInstance* instance,
                 std::vector<AffineRows>* motionKeys) {
     const auto first = static_cast<std::uint32_t>(motionKeys->size());
-    const auto numSegments = static_cast<std::uint32_t>(keys.size() - 1);
+    auto segments = static_cast<std::uint32_t>(keys.size() - 1);
     instance->flags &= ~HDS_INSTANCE_IN_PLACE;
     instance->flags |= HDS_INSTANCE_MOVES;
-    std::memcpy(&instance->objectFromParent[HDS_MOTION_FIRST_KEY], &first, sizeof(first));
-    std::memcpy(&instance->objectFromParent[HDS_MOTION_SEGMENTS], &numSegments,
-                sizeof(numSegments));
-    for (const glm::dmat4& key : keys) {
-        motionKeys->push_back(RowsFromMatrix(key));
+    std::transform(keys.begin(), keys.end(), std::back_inserter(*motionKeys), RowsFromMatrix);
+    const glm::dmat3 linear = LinearOf((*motionKeys)[first]);
+    const bool slides =
+        std::all_of(motionKeys->begin() + first, motionKeys->end(),
+                    [&linear](const AffineRows& rows) { return LinearOf(rows) == linear; });
+    if (slides) {
+        segments |= HDS_MOTION_SLIDES;
+        const glm::dmat3 inverse = glm::inverse(linear);
+        for (int i = 0; i < 9; ++i) {
+            instance->objectFromParent[HDS_MOTION_INVERSE + i] =
+                static_cast<float>(inverse[i % 3][i / 3]);
+        }
     }
+    std::memcpy(&instance->objectFromParent[HDS_MOTION_FIRST_KEY], &first, sizeof(first));
+    std::memcpy(&instance->objectFromParent[HDS_MOTION_SEGMENTS], &segments, sizeof(segments));
 }
 
 } // namespace
 
 glm::dmat4 GroupFromDevice(const glm::dmat4& groupFromObject, const LeafObject& leaf) {
     return ThickenFlat(glm::translate(groupFromObject, leaf.origin));
+}
+
+std::vector<glm::dmat4> KeysFromDevice(const MovingTransform& groupFromObject,
+                                       const LeafObject& leaf) {
+    if (!groupFromObject.Moves()) {
+        return {};
+    }
+    const MovingTransform origin(glm::translate(glm::dmat4(1.0), leaf.origin));
+    std::vector<glm::dmat4> keys = MakeMotionKeys(groupFromObject * origin, leaf.bounds);
+    std::transform(keys.begin(), keys.end(), keys.begin(), ThickenFlat);
+    const bool areUsable = std::all_of(keys.begin(), keys.end(), [&leaf](const glm::dmat4& key) {
+        return IsUsable(key, leaf.bounds);
+    });
+    return areUsable ? keys : std::vector<glm::dmat4>();
 }
 
 MovingTransform InstanceTransform(const InstancerPrim& instancer, std::int32_t index,
@@ -313,7 +335,7 @@ void GroupRecords::Write(const std::vector<std::uint32_t>& order, shared::HdsIns
         instance.instanceRank = found.rank;
         places[place] = instance;
         if (keys != nullptr) {
-            *keys = KeysOf(found.groupFromObject, *found.leaf);
+            *keys = KeysFromDevice(found.groupFromObject, *found.leaf);
         }
     };
     const auto size = static_cast<std::uint32_t>(order.size());

@@ -34,6 +34,11 @@ struct LeafObject {
 /// (ThickenFlat).
 glm::dmat4 GroupFromDevice(const glm::dmat4& groupFromObject, const LeafObject& leaf);
 
+/// The same at equal steps in time, as the device has it; none of what passes through a pose that
+/// cannot be inverted, which stays where the frame has it, and none of what rests.
+std::vector<glm::dmat4> KeysFromDevice(const MovingTransform& groupFromObject,
+                                       const LeafObject& leaf);
+
 /// One placement of a prim, which must outlive it.
 struct PlacedRecord {
     const LeafObject* leaf = nullptr;

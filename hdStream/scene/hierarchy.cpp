@@ -290,11 +290,7 @@ private:
             Placement placement = drawn->Prim().placement;
             placement.instances = drawn->Instances();
             for (const Placed& placed : PlacementsOf(_scene, placement, _shutter, 0)) {
-                Member member{&path, drawn, &leaf, nullptr, placed.worldFromObject};
-                if (leaf.worldInstance && placed.worldFromObject.Moves()) {
-                    member.transform = placed.worldFromObject.AtFrame(); // as its light is
-                    _warnings.Add(path, "emits light: not blurred by its motion");
-                }
+                const Member member{&path, drawn, &leaf, nullptr, placed.worldFromObject};
                 // A record of the TLAS: its rank is the id, whatever the count.
                 PlacedRecord* added =
                     AppendRecord(member, centreFromWorld,
@@ -309,6 +305,8 @@ private:
                     _result.worldInstances.push_back(
                         {path, leaf.prim,
                          GroupFromDevice(centreFromWorld * placed.worldFromObject.AtFrame(), leaf),
+                         KeysFromDevice(MovingTransform(centreFromWorld) * placed.worldFromObject,
+                                        leaf),
                          0, HDS_NONE});
                 }
             }

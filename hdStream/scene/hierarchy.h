@@ -40,6 +40,7 @@ struct WorldInstance {
     std::string path;
     std::uint32_t prim = 0;
     glm::dmat4 worldFromObject{1.0}; ///< relative to the scene centre, from device positions
+    std::vector<glm::dmat4> keys;    ///< the same while the shutter is open (KeysFromDevice)
     std::uint64_t pathIndex = 0;
     std::uint32_t instance = HDS_NONE; ///< the record in Hierarchy::instances
 };

@@ -182,20 +182,6 @@ MaterialSyncMode MaterialCommit::SyncModeOf(const GeometryPrim& prim,
                                             : MaterialSyncMode::NoMaterialResponse;
 }
 
-bool MaterialCommit::MayEmit(const GeometryPrim& prim) const {
-    if (prim.light) {
-        return true;
-    }
-    const std::vector<const std::string*> paths = EntryPaths(prim);
-    return std::any_of(paths.begin(), paths.end(), [this](const std::string* path) {
-        const CompiledMaterial& material = Find(*path);
-        const ShaderValue& value = material.values[HDS_INPUT_EMISSIVE_COLOR];
-        const shared::float4& emission = material.constants.constants[HDS_INPUT_EMISSIVE_COLOR];
-        return (value && !IsAll(value, 0.0F)) || emission.x > 0.0F || emission.y > 0.0F ||
-               emission.z > 0.0F;
-    });
-}
-
 namespace {
 
 /// Whether an amount depends on a primvar.

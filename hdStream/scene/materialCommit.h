@@ -63,9 +63,6 @@ public:
     /// The material of each entry: the prim's, then one for each subset.
     std::vector<const std::string*> EntryPaths(const GeometryPrim& prim) const;
 
-    /// Whether some material of the prim may emit. Precondition: compiled.
-    bool MayEmit(const GeometryPrim& prim) const;
-
     /// By material entry, as AddPrim adds them; reads images of heights. Precondition: compiled.
     std::vector<DisplacementInput> DisplacementsOf(const GeometryPrim& prim) const;
 

@@ -89,8 +89,14 @@ public:
         const auto i = static_cast<std::size_t>(after - _samples.begin());
         const TransformSample& before = _samples[i - 1];
         const double part = (time - before.time) / (after->time - before.time);
-        if (_isLinear || glm::dmat3(before.matrix) == glm::dmat3(after->matrix)) {
-            return (1.0 - part) * before.matrix + part * after->matrix;
+        const glm::dmat4 between = (1.0 - part) * before.matrix + part * after->matrix;
+        if (_isLinear) {
+            return between;
+        }
+        if (glm::dmat3(before.matrix) == glm::dmat3(after->matrix)) {
+            glm::dmat4 matrix = before.matrix; // to the bit but for the translation
+            matrix[3] = between[3];
+            return matrix;
         }
         return Interpolate(_poses[i - 1], _poses[i], part);
     }
@@ -196,32 +202,42 @@ std::vector<glm::dmat4> MakeMotionKeys(const MovingTransform& transform, const B
     }
 }
 
-std::vector<LightKey> MakeLightKeys(const MovingTransform& worldFromLight, bool* isRigid) {
+std::vector<glm::dvec4> TurnsOf(const std::vector<glm::dmat4>& poses, const glm::dmat4& rest,
+                                bool* isRigid) {
     *isRigid = true;
-    const glm::dmat4& rest = worldFromLight.AtFrame();
-    if (!worldFromLight.Moves() || !IsUsableTransform(rest)) {
-        return {};
-    }
-    const glm::dmat3 lightFromWorld = glm::inverse(glm::dmat3(rest));
-    std::vector<LightKey> keys;
-    for (const glm::dmat4& pose :
-         MakeMotionKeys(worldFromLight, {glm::vec3(-1.0F), glm::vec3(1.0F)})) {
-        if (!IsUsableTransform(pose)) {
-            *isRigid = false;
-            return {};
-        }
-        glm::dmat4 turned(glm::dmat3(pose) * lightFromWorld);
+    const glm::dmat3 objectFromWorld = glm::inverse(glm::dmat3(rest));
+    std::vector<glm::dvec4> turns;
+    for (const glm::dmat4& pose : poses) {
+        glm::dmat4 turned(glm::dmat3(pose) * objectFromWorld);
         const Decomposed parts = Decompose(turned);
         const glm::dmat3 change = parts.stretch - glm::dmat3(1.0);
         for (int column = 0; column < 3; ++column) {
             *isRigid = *isRigid && glm::length(change[column]) < kMostStretch;
         }
         const glm::dquat& q = parts.rotation;
-        glm::dvec4 turn(q.x, q.y, q.z, q.w);
-        if (!keys.empty() && glm::dot(turn, keys.back().turn) < 0.0) {
-            turn = -turn; // the same, on the shorter way
-        }
-        keys.push_back({turn, glm::dvec3(pose[3] - rest[3])});
+        const glm::dvec4 turn(q.x, q.y, q.z, q.w);
+        const bool isLonger = !turns.empty() && glm::dot(turn, turns.back()) < 0.0;
+        turns.push_back(isLonger ? -turn : turn);
+    }
+    return turns;
+}
+
+std::vector<LightKey> MakeLightKeys(const MovingTransform& worldFromLight, bool* isRigid) {
+    *isRigid = true;
+    const glm::dmat4& rest = worldFromLight.AtFrame();
+    if (!worldFromLight.Moves() || !IsUsableTransform(rest)) {
+        return {};
+    }
+    const std::vector<glm::dmat4> poses =
+        MakeMotionKeys(worldFromLight, {glm::vec3(-1.0F), glm::vec3(1.0F)});
+    if (!std::all_of(poses.begin(), poses.end(), IsUsableTransform)) {
+        *isRigid = false;
+        return {};
+    }
+    const std::vector<glm::dvec4> turns = TurnsOf(poses, rest, isRigid);
+    std::vector<LightKey> keys;
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+        keys.push_back({turns[i], glm::dvec3(poses[i][3] - rest[3])});
     }
     return keys;
 }

@@ -50,6 +50,12 @@ private:
 /// most HDS_MAX_MOTION_SEGMENTS + 1.
 std::vector<glm::dmat4> MakeMotionKeys(const MovingTransform& transform, const Bounds& bounds);
 
+/// The rotation of each pose against rest, as LightKey has it, each by the shorter way from the one
+/// before. \param[out] isRigid whether the poses differ by nothing else in their linear parts.
+/// \pre all are usable.
+std::vector<glm::dvec4> TurnsOf(const std::vector<glm::dmat4>& poses, const glm::dmat4& rest,
+                                bool* isRigid);
+
 /// The keys of a light, relative to where it is at the frame; empty when it rests. What is not
 /// rigid of its motion is left out. \param[out] isRigid whether nothing was.
 std::vector<LightKey> MakeLightKeys(const MovingTransform& worldFromLight, bool* isRigid);

@@ -161,6 +161,7 @@ EmissiveClusters ClusterTriangles(const EmissiveMesh& mesh) {
         EmissiveTriangle out;
         std::copy(triangle.p, triangle.p + 3, out.p);
         out.primId = triangle.primId;
+        out.source = std::size_t(&triangle - mesh.triangles.data());
         out.area = glm::length(AreaVector(out));
         if (out.area > 0.0 && std::isfinite(out.area)) {
             result.area += out.area;

@@ -61,8 +61,15 @@ struct EmissiveMesh {
                              HDS_FIELD(Triangle, meanEmission));
         }
     };
+    /// The same triangle in object space, when its vertices are at a key.
+    struct Shape {
+        glm::vec3 p[3];
+
+        static constexpr auto Fields() { return FieldList(HDS_FIELD(Shape, p)); }
+    };
     std::string name;
-    std::vector<Triangle> triangles;
+    std::vector<Triangle> triangles; ///< at rest: the instance at the frame, vertices when the
+                                     ///< shutter opens
     glm::dvec3 radiance{1.0};
     bool twoSided = false;
     /// The radiance is a factor on what the material emits at each point.
@@ -73,13 +80,22 @@ struct EmissiveMesh {
     /// Bound on the distance between these positions and where rays meet the triangles, besides the
     /// rounding of the positions themselves: about 2^-21 (|worldFromObject| |p| + |translation|).
     double positionError = 0.0;
+    /// At equal steps in time, as the device has them, relative to the scene centre; one where the
+    /// instance rests; empty: the mesh rests.
+    std::vector<glm::dmat4> worldFromObject;
+    std::vector<glm::dvec4> turns; ///< of these against rest, as LightKey; empty: not turned
+    /// [key][triangle] at equal steps in time; one where vertices rest; empty: the mesh rests.
+    std::vector<std::vector<Shape>> shapes;
+
+    bool Moves() const { return !worldFromObject.empty(); }
 
     static constexpr auto Fields() {
         return FieldList(HDS_FIELD(EmissiveMesh, name), HDS_FIELD(EmissiveMesh, triangles),
                          HDS_FIELD(EmissiveMesh, radiance), HDS_FIELD(EmissiveMesh, twoSided),
                          HDS_FIELD(EmissiveMesh, hasTexturedEmission), HDS_FIELD(EmissiveMesh, lux),
-                         HDS_FIELD(EmissiveMesh, wholeArea),
-                         HDS_FIELD(EmissiveMesh, positionError));
+                         HDS_FIELD(EmissiveMesh, wholeArea), HDS_FIELD(EmissiveMesh, positionError),
+                         HDS_FIELD(EmissiveMesh, worldFromObject), HDS_FIELD(EmissiveMesh, turns),
+                         HDS_FIELD(EmissiveMesh, shapes));
     }
 };
 
@@ -88,7 +104,8 @@ struct EmissiveTriangle {
     glm::dvec3 p[3];
     std::uint32_t primId = 0;
     double area = 0.0;
-    double weight = 0.0; ///< area * meanEmission
+    double weight = 0.0;    ///< area * meanEmission
+    std::size_t source = 0; ///< in EmissiveMesh::triangles
 };
 
 /// What the estimate of a cluster's light is made of.

@@ -6,6 +6,7 @@
 #include "hdStream/shading/lightShaping.h"
 #include "hdStream/shading/lightTree.h"
 #include "hdStream/shading/lightUnits.h"
+#include "hdStream/shading/movingMesh.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -31,6 +32,9 @@ double Luminance(const glm::dvec3& rgb) {
 constexpr double kMaxRadiance = 1e30;
 /// Of a light: sums over lights stay finite. Only ratios matter.
 constexpr double kMaxStrength = 1e28;
+/// Most of a mesh that moves: its turns between keys are not quite those of its triangles, and so
+/// its estimate must not become 0.
+constexpr float kMovingFlatness = 0.99F;
 
 bool IsUsable(const glm::dvec3& radiance) {
     return glm::all(glm::lessThanEqual(radiance, glm::dvec3(kMaxRadiance))); // false for NaN
@@ -75,16 +79,20 @@ private:
     void AddShaping(const PlacedLight& placed, shared::HdsLight* light, double* power);
     void AddControls(const PlacedLight& placed, shared::HdsLight* light, double* power);
     void AddFilters(const PlacedLight& placed, shared::HdsLightControls* controls, double* power);
-    void AddKeys(const PlacedLight& placed, shared::HdsLightControls* controls);
+    void AddKeys(const std::vector<LightKey>& lightKeys, shared::HdsLightControls* controls);
+    void AppendControls(const shared::HdsLightControls& controls, shared::HdsLight* light);
+    void AddMeshMotion(const EmissiveMesh& mesh, const EmissiveClusters& all,
+                       const EmissiveCluster& cluster, std::uint32_t matrixBase,
+                       shared::HdsLight* light);
     void AddPortals(const PlacedLight& placed, shared::HdsLight* light);
     void WarnIgnored(const PlacedLight& placed);
     void Push(shared::HdsLight light, const glm::dvec3& radiance, double power);
     bool MeshRadiance(const EmissiveMesh& mesh, glm::dvec3* radiance);
     shared::HdsLight BeginMesh(const EmissiveMesh& mesh, bool isWeighed, double* factor);
-    void AddTriangle(const EmissiveTriangle& triangle, double positionError);
+    void AddTriangle(const EmissiveMesh& mesh, const EmissiveTriangle& triangle);
     void AddCluster(const EmissiveMesh& mesh, const EmissiveClusters& all,
                     const EmissiveCluster& cluster, shared::HdsLight light,
-                    const glm::dvec3& radiance, double factor);
+                    const glm::dvec3& radiance, double factor, std::uint32_t matrixBase);
     void AddMeshTable(std::uint32_t firstLight, std::uint32_t firstTriangle, bool isOneLight);
     std::uint32_t BitsAt(std::uint32_t word) const {
         std::uint32_t bits = 0;
@@ -145,12 +153,12 @@ void Builder::AddShaping(const PlacedLight& placed, shared::HdsLight* light, dou
 }
 
 /// Where a light is while the shutter is open.
-void Builder::AddKeys(const PlacedLight& placed, shared::HdsLightControls* controls) {
-    if (placed.keys.empty()) {
+void Builder::AddKeys(const std::vector<LightKey>& lightKeys, shared::HdsLightControls* controls) {
+    if (lightKeys.empty()) {
         return;
     }
     std::vector<shared::HdsLightKey> keys;
-    for (const LightKey& key : placed.keys) {
+    for (const LightKey& key : lightKeys) {
         shared::HdsLightKey row{};
         for (int i = 0; i < 4; ++i) {
             row.turn[i] = float(key.turn[i]);
@@ -183,6 +191,13 @@ void Builder::AddFilters(const PlacedLight& placed, shared::HdsLightControls* co
     _table.hasFilters = _table.hasFilters || controls->numFilters > 0;
 }
 
+void Builder::AppendControls(const shared::HdsLightControls& controls, shared::HdsLight* light) {
+    light->controlBase = std::uint32_t(_table.cdf.size());
+    _table.cdf.resize(_table.cdf.size() + sizeof(controls) / sizeof(_table.cdf[0]));
+    std::memcpy(&_table.cdf[light->controlBase], &controls, sizeof(controls));
+    _table.hasControls = true;
+}
+
 /// \param[in,out] power grows by the peak of the filters
 void Builder::AddControls(const PlacedLight& placed, shared::HdsLight* light, double* power) {
     const LightDescription& description = placed.light;
@@ -197,28 +212,15 @@ void Builder::AddControls(const PlacedLight& placed, shared::HdsLight* light, do
     if (!isShadowPlain || light->shadowLink != HDS_NONE) {
         light->flags |= HDS_LIGHT_SAMPLED;
     }
-    shared::HdsLightControls controls{};
+    shared::HdsLightControls controls = LightControls(description);
     AddFilters(placed, &controls, power);
     if (!isShadowPlain || description.diffuse != 1.0F || description.specular != 1.0F ||
         !placed.keys.empty() || controls.numFilters > 0) {
-        AddKeys(placed, &controls);
-        controls.diffuse = LightFactor(description.diffuse);
-        controls.specular = LightFactor(description.specular);
-        controls.shadowDistance = !shadow.enable            ? 0.0F
-                                  : shadow.distance >= 0.0F ? shadow.distance
-                                                            : HDS_LIGHT_FAR;
-        controls.shadowFade =
-            IsFading(shadow) ? 1.0F / std::min(shadow.falloff, shadow.distance) : 0.0F;
-        controls.shadowGamma = LightFactor(shadow.falloffGamma);
-        for (int i = 0; i < 3; ++i) {
-            controls.shadowColor[i] = LightFactor(shadow.color[i]);
-        }
-        light->controlBase = std::uint32_t(_table.cdf.size());
-        _table.cdf.resize(_table.cdf.size() + sizeof(controls) / sizeof(_table.cdf[0]));
-        std::memcpy(&_table.cdf[light->controlBase], &controls, sizeof(controls));
+        AddKeys(placed.keys, &controls);
+        AppendControls(controls, light);
     }
-    _table.hasControls = _table.hasControls || light->controlBase != HDS_NONE ||
-                         light->lightLink != HDS_NONE || light->shadowLink != HDS_NONE;
+    _table.hasControls =
+        _table.hasControls || light->lightLink != HDS_NONE || light->shadowLink != HDS_NONE;
 }
 
 /// The portals of a dome, as rects of radiance 1.
@@ -405,9 +407,11 @@ bool Builder::MeshRadiance(const EmissiveMesh& mesh, glm::dvec3* radiance) {
 shared::HdsLight Builder::BeginMesh(const EmissiveMesh& mesh, bool isWeighed, double* factor) {
     shared::HdsLight light = PlainLight();
     light.type = HDS_LIGHT_MESH;
+    light.dataSize[1] = HDS_NONE;
     light.flags = (mesh.twoSided ? HDS_LIGHT_TWO_SIDED : 0U) |
                   (mesh.hasTexturedEmission ? HDS_LIGHT_TEXTURED_EMISSION : 0U) |
-                  (isWeighed ? HDS_LIGHT_WEIGHED : 0U) | (mesh.lux ? HDS_LIGHT_REPLACES : 0U);
+                  (isWeighed || mesh.Moves() ? HDS_LIGHT_WEIGHED : 0U) |
+                  (mesh.lux ? HDS_LIGHT_REPLACES : 0U);
     *factor = kPi * (mesh.twoSided ? 2.0 : 1.0);
     if (mesh.lux) {
         light.flags |= mesh.lux->light.visibleToCamera ? HDS_LIGHT_VISIBLE : 0U;
@@ -420,14 +424,18 @@ shared::HdsLight Builder::BeginMesh(const EmissiveMesh& mesh, bool isWeighed, do
     return light;
 }
 
-void Builder::AddTriangle(const EmissiveTriangle& triangle, double positionError) {
+void Builder::AddTriangle(const EmissiveMesh& mesh, const EmissiveTriangle& triangle) {
     constexpr double kRounding = 8.0 / 16777216.0; ///< of the float positions and their use
-    const glm::dvec3 e1 = triangle.p[1] - triangle.p[0];
-    const glm::dvec3 e2 = triangle.p[2] - triangle.p[0];
+    glm::dvec3 p[3];
+    for (int i = 0; i < 3; ++i) {
+        p[i] = mesh.Moves() ? glm::dvec3(mesh.shapes[0][triangle.source].p[i]) : triangle.p[i];
+    }
+    const glm::dvec3 e1 = p[1] - p[0];
+    const glm::dvec3 e2 = p[2] - p[0];
     shared::HdsLightTriangle out{};
     double largest = 0.0;
     for (int i = 0; i < 3; ++i) {
-        out.p0[i] = float(triangle.p[0][i]);
+        out.p0[i] = float(p[0][i]);
         out.e1[i] = float(e1[i]);
         out.e2[i] = float(e2[i]);
         largest = std::max({largest, std::abs(triangle.p[0][i]), std::abs(triangle.p[1][i]),
@@ -435,14 +443,33 @@ void Builder::AddTriangle(const EmissiveTriangle& triangle, double positionError
     }
     out.light = std::uint32_t(_table.lights.size());
     out.primId = triangle.primId;
-    out.error = float(kRounding * largest + positionError);
+    out.error = float(kRounding * largest + mesh.positionError);
     _table.triangles.push_back(out);
+}
+
+/// What is chosen by goes with its sphere; directions are bounds only where nothing bends.
+void Builder::AddMeshMotion(const EmissiveMesh& mesh, const EmissiveClusters& all,
+                            const EmissiveCluster& cluster, std::uint32_t matrixBase,
+                            shared::HdsLight* light) {
+    const ClusterWay way = FollowCluster(mesh, all, cluster);
+    light->dataSize[1] = AppendMeshMotion(mesh, all, cluster, matrixBase, &_table.cdf);
+    for (int i = 0; i < 3; ++i) {
+        light->worldFromLight[4 * i + 3] = light->center[i];
+    }
+    light->params[0] = way.isBent ? 0.0F : std::min(light->params[0], kMovingFlatness);
+    light->boundRadius = float(way.radius * (1.0 + 1e-5));
+    shared::HdsLightControls controls = LightControls(LightDescription());
+    if (light->controlBase != HDS_NONE) {
+        std::memcpy(&controls, &_table.cdf[light->controlBase], sizeof(controls));
+    }
+    AddKeys(way.keys, &controls);
+    AppendControls(controls, light);
 }
 
 /// A cluster's triangles, their distribution, and the light that it is.
 void Builder::AddCluster(const EmissiveMesh& mesh, const EmissiveClusters& all,
                          const EmissiveCluster& cluster, shared::HdsLight light,
-                         const glm::dvec3& radiance, double factor) {
+                         const glm::dvec3& radiance, double factor, std::uint32_t matrixBase) {
     light.area = float(cluster.area);
     light.dataBase = std::uint32_t(_table.triangles.size());
     light.dataSize[0] = std::uint32_t(cluster.end - cluster.begin);
@@ -450,7 +477,7 @@ void Builder::AddCluster(const EmissiveMesh& mesh, const EmissiveClusters& all,
     double sum = 0.0;
     _table.cdf.push_back(0.0F);
     for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
-        AddTriangle(all.triangles[i], mesh.positionError);
+        AddTriangle(mesh, all.triangles[i]);
         sum += all.triangles[i].weight;
         _table.cdf.push_back(i + 1 == cluster.end ? 1.0F : float(sum / cluster.weight));
     }
@@ -461,6 +488,9 @@ void Builder::AddCluster(const EmissiveMesh& mesh, const EmissiveClusters& all,
     }
     light.params[0] = float(cluster.flatness);
     light.boundRadius = float(0.5 * glm::length(cluster.high - cluster.low) * (1.0 + 1e-5));
+    if (mesh.Moves()) {
+        AddMeshMotion(mesh, all, cluster, matrixBase, &light);
+    }
     Push(light, radiance, Luminance(radiance) * factor * cluster.weight);
 }
 
@@ -496,10 +526,12 @@ void Builder::AddMesh(const EmissiveMesh& mesh) {
     const bool isUsable = MeshRadiance(mesh, &radiance);
     if (isUsable && all.weight > 0.0) {
         const shared::HdsLight light = BeginMesh(mesh, all.isWeighed, &factor);
+        const std::uint32_t matrixBase = mesh.Moves() ? AppendMatrices(mesh, &_table.cdf) : 0;
         for (const EmissiveCluster& cluster : all.clusters) {
-            AddCluster(mesh, all, cluster, light, radiance, factor);
+            AddCluster(mesh, all, cluster, light, radiance, factor, matrixBase);
         }
-        AddMeshTable(firstLight, firstTriangle, all.clusters.size() == 1 && !all.isWeighed);
+        AddMeshTable(firstLight, firstTriangle,
+                     all.clusters.size() == 1 && (light.flags & HDS_LIGHT_WEIGHED) == 0);
     } else if (mesh.lux) {
         // Not sampled, but rays that find it see what it emits, which may be nothing.
         Push(BeginMesh(mesh, false, &factor), isUsable ? radiance : glm::dvec3(0.0), 0.0);

@@ -105,7 +105,7 @@ Emitter EmitterOf(const shared::HdsLight& light, const std::vector<float>& cdf) 
                    light.strength,
                    light.strength,
                    glm::dvec3(0.0)};
-    if (light.type != HDS_LIGHT_MESH && HoldMotion(light, cdf, &moving)) {
+    if (HoldMotion(light, cdf, &moving)) {
         return moving; // it may face anywhere
     }
     const glm::dvec3 facing = FacingOf(light, cdf);

@@ -136,4 +136,21 @@ double DistantIrradiance(double halfAngle) {
     return kPi * (halfAngle <= 0.5 * kPi ? sine * sine : 2.0 - sine * sine);
 }
 
+shared::HdsLightControls LightControls(const LightDescription& description) {
+    const LightShadow& shadow = description.shadow;
+    shared::HdsLightControls controls{};
+    controls.diffuse = LightFactor(description.diffuse);
+    controls.specular = LightFactor(description.specular);
+    controls.shadowDistance = !shadow.enable            ? 0.0F
+                              : shadow.distance >= 0.0F ? shadow.distance
+                                                        : HDS_LIGHT_FAR;
+    controls.shadowFade =
+        IsFading(shadow) ? 1.0F / std::min(shadow.falloff, shadow.distance) : 0.0F;
+    controls.shadowGamma = LightFactor(shadow.falloffGamma);
+    for (int i = 0; i < 3; ++i) {
+        controls.shadowColor[i] = LightFactor(shadow.color[i]);
+    }
+    return controls;
+}
+
 } // namespace hds

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "hdStream/shading/lightDescription.h"
+#include "kernels/shared/light.h"
 
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
@@ -29,5 +30,8 @@ double DistantHalfAngle(const LightDescription& light);
 /// pi sin^2 up to a half angle of 90 degrees, pi (2 - sin^2) beyond; 1 for angle 0.
 /// It is also what `normalize` divides a distant light by.
 double DistantIrradiance(double halfAngle);
+
+/// What is not physical about a light, as kernels read it: at rest and without filters.
+shared::HdsLightControls LightControls(const LightDescription& light);
 
 } // namespace hds

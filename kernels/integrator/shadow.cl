@@ -247,7 +247,8 @@ bool shadow_isTarget(const HdsSceneView* scene, HdsPaths paths, uint i,
     const uint4 target = path_load_shadowLight(paths, i);
     float pdfArea;
     return (scene->lights.lights[target.x].flags & HDS_LIGHT_TEXTURED_EMISSION) != 0u &&
-           surface->primId == target.y && surfaceHit_light(scene, surface, &pdfArea) == target.x;
+           surface->primId == target.y &&
+           surfaceHit_light(scene, surface, path_time(paths, i), &pdfArea) == target.x;
 }
 
 /* Adds what the light at the end of the shadow ray emits. \param t of the candidate. \return false

@@ -47,7 +47,8 @@ HDS_SHARED_BEGIN
 typedef struct {
     f32 worldFromLight[12]; /* 3 rows of 4, relative to the scene centre; |determinant| is 1: scale
                                is folded into params. Distant: a rotation. Mesh: [0..2] the mean
-                               normal, unit or zero */
+                               normal, unit or zero; of one that moves, [3], [7], [11]: its centre
+                             */
     f32 lightFromWorld[12]; /* rows of its inverse; in place of the translation, which is not used:
                                the unit normal of the planes of constant z, world space */
     f32 radiance[3]; /* factor on the image of a textured light; point sphere: radiant intensity;
@@ -63,7 +64,7 @@ typedef struct {
     u32 flags;     /* and the group */
     u32 dataBase;  /* image: its texture; mesh: first triangle in lightTriangles */
     u32 dataSize[2]; /* image: cells of its distribution, width, height; mesh: number of triangles,
-                        0 */
+                        and in lightCdf its HdsMeshMotion, or HDS_NONE: it rests */
     u32 cdfBase;     /* in lightCdf: image: marginal [height + 1], then conditionals
                         [height][width + 1]; mesh: by weight [numTriangles + 1] */
     f32 strength;    /* luminance; finite: power / (4 pi); at infinity: irradiance */
@@ -163,6 +164,17 @@ typedef struct {
 } HdsLightKey;
 HDS_ASSERT_SIZE(HdsLightKey, 32);
 
+/* How the triangles of a mesh light move: as its instance and its vertices do, so that light
+ * samples lie on what rays meet. */
+typedef struct {
+    u32 matrixBase;     /* in lightCdf: worldFromObject, 3 rows of 4, at equal steps in time */
+    u32 matrixSegments; /* keys after the first; 0: the instance rests */
+    u32 edgesBase;     /* in lightCdf: p0, e1, e2 of the light's triangles in object space, for each
+                          key after the first at equal steps in time */
+    u32 edgesSegments; /* such keys; 0: vertices rest */
+} HdsMeshMotion;
+HDS_ASSERT_SIZE(HdsMeshMotion, 16);
+
 /* A node of the light tree, the root first: a sphere that bounds the finite lights below it, around
  * the mean of their centres by strength. */
 typedef struct {
@@ -177,7 +189,8 @@ typedef struct {
 HDS_ASSERT_SIZE(HdsLightNode, 48);
 #define HDS_LIGHT_LEAF 0x80000000u
 
-/* An emissive triangle in world space (relative to the scene centre). */
+/* An emissive triangle in world space (relative to the scene centre); of a mesh that moves, in
+ * object space when the shutter opens. */
 typedef struct {
     f32 p0[3];
     u32 light; /* that it is part of */

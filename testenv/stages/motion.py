@@ -4,7 +4,7 @@
 import pathlib
 
 import numpy as np
-from pxr import Gf, UsdGeom, UsdShade, UsdVol, Vt
+from pxr import Gf, Sdf, UsdGeom, UsdLux, UsdShade, UsdVol, Vt
 
 from . import author, curves, imageFile, shapes, smoke
 
@@ -264,6 +264,57 @@ def _AddLampSwarm(stage):
     positions.Set([(2.5, 0.5, 0), (0, -1.5, 0.6)], 2.0)
 
 
+def _AddGlow(stage):
+    """Boxes that emit, by material, below an instancer that turns: each moves, turns and grows. And a panel near the wall,
+    which the camera does not see, whose area becomes 64 times as large: the density at hits is that of the time."""
+    _Box(stage, "/World/Box")
+    swarm = UsdGeom.PointInstancer.Define(stage, "/World/Glows")
+    AddWay(swarm, (0, 0, 1.4), (0, 0.3, 1.4), degrees=70.0)
+    glow = author.AddMaterial(stage, "/World/Glow", emissiveColor=(9.0, 4.0, 2.0), diffuseColor=(0.0, 0.0, 0.0))
+    mesh = author.AddMesh(stage, "/World/Glows/Glow", shapes.Box(0.6, 0.2, 0.3), material=glow)
+    grow = UsdGeom.Xformable(mesh).AddScaleOp()
+    grow.Set(Gf.Vec3f(0.6, 1.0, 1.0), 0.0)
+    grow.Set(Gf.Vec3f(1.6, 0.7, 1.0), 2.0)
+    panel = author.AddMesh(stage, "/World/Panel", Grid(1), material=glow, doubleSided=True, translate=(-3.6, 0.2, -0.7))
+    grow = UsdGeom.Xformable(panel).AddScaleOp()
+    grow.Set(Gf.Vec3f(0.1, 0.2, 1.0), 0.0)
+    grow.Set(Gf.Vec3f(0.8, 1.6, 1.0), 2.0)
+    swarm.CreatePrototypesRel().SetTargets(["/World/Glows/Glow"])
+    swarm.CreateProtoIndicesAttr([0, 0])
+    positions = swarm.CreatePositionsAttr()
+    positions.Set([(-2.5, 0, 0), (2, 1, 0)], 0.0)
+    positions.Set([(2.5, 0.5, 0), (0, -1.5, 0.6)], 2.0)
+
+
+def _AddBeam(stage):
+    """A flat mesh light with a beam, that turns and moves: its light samples follow its axis."""
+    _Box(stage, "/World/Box")
+    mesh = author.AddMesh(stage, "/World/Beam", Grid(2), doubleSided=True)
+    UsdLux.MeshLightAPI.Apply(mesh.GetPrim())
+    light = UsdLux.LightAPI(mesh.GetPrim())
+    light.CreateIntensityAttr(60.0)
+    author.ShapeLight(light, coneAngle=40.0, coneSoftness=0.3, focus=2.0)
+    AddWay(mesh, (-0.5, 0.3, 3.0), (0.8, 0.0, 3.2))
+    turn = UsdGeom.Xformable(mesh).AddRotateYOp()
+    turn.Set(-70.0, 0.0)
+    turn.Set(70.0, 2.0)
+    UsdGeom.Xformable(mesh).AddScaleOp().Set(Gf.Vec3f(0.4, 0.25, 1.0))
+
+
+def _AddFlame(stage):
+    """A subdivided tongue that bends, there and back, while it goes along, and whose emission a primvar varies."""
+    _Box(stage, "/World/Box")
+    grid = Grid(6)
+    glow = author.AddMaterial(stage, "/World/Heat", {"emissiveColor": ("heat", "float3", (0.0, 0.0, 0.0))}, diffuseColor=(0.0, 0.0, 0.0))
+    mesh = author.AddMesh(stage, "/World/Flame", grid, material=glow, doubleSided=True)
+    mesh.GetSubdivisionSchemeAttr().Set("catmullClark")
+    heat = np.clip(grid.points[:, :1] + 0.6, 0.0, None) * np.array([6.0, 3.0, 1.0])
+    UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("heat", Sdf.ValueTypeNames.Color3fArray, "vertex").Set(_Float3s(heat))
+    tongue = grid.points * (0.5, 0.9, 1.0)
+    _SetOverSteps(mesh.GetPointsAttr(), lambda part: _Float3s(_Wave(tongue, 1.5 * np.sin(np.pi * part))))
+    AddWay(mesh, (-1.5, 0.3, 0.8), (1.5, -0.2, 1.0), degrees=60.0)
+
+
 def _AddSmoke(stage, path):
     """A volume of 32^3 voxels, 1.6 wide, of bars and a corner that glows: nothing of it is the same from elsewhere."""
     folder = pathlib.Path(stage.GetRootLayer().realPath).parent
@@ -324,7 +375,10 @@ KEYS = {
     "swarm": _AddReturningSwarm,
 }
 # Lights that move. Their pictures need more stills: what moves is bright, or sharp.
-LIGHTS = {"lamp": _AddLamp, "spot": _AddSpot, "sun": _AddSun, "sky": _AddSky, "lamps": _AddLamps, "lampSwarm": _AddLampSwarm}
+LIGHTS = {
+    "lamp": _AddLamp, "spot": _AddSpot, "sun": _AddSun, "sky": _AddSky, "lamps": _AddLamps, "lampSwarm": _AddLampSwarm,
+    "glow": _AddGlow, "beam": _AddBeam, "flame": _AddFlame,
+}
 # Volumes whose transforms move.
 VOLUMES = {"turningSmoke": _AddTurningSmoke, "smokeSwarm": _AddSmokeSwarm}
 

@@ -11,7 +11,8 @@ from streamCase import Case
 
 @pytest.fixture(scope="module")
 def Scene(tmp_path_factory):
-    path = motion.Write(tmp_path_factory.mktemp("motion") / "stage.usda", "nested", "polygons", "surface", "curves", "points", "camera", "focus", "zoom", "spot", "growing", "swarm")
+    path = motion.Write(tmp_path_factory.mktemp("motion") / "stage.usda", "nested", "polygons", "surface", "curves", "points", "camera", "focus", "zoom", "spot", "growing", "swarm",
+                        "glow", "flame")
     return Case(path, timeCode=motion.FRAME, shutter=motion.SHUTTER).RenderResident()
 
 

@@ -7,6 +7,7 @@
 #include "hdStream/scene/transforms.h"
 #include "kernels/shared/frame.h"
 #include "kernels/shared/geometry.h"
+#include "kernels/shared/motionKeys.h"
 #include "testenv/support/drawnLeaves.h"
 
 #include <glm/geometric.hpp>
@@ -244,6 +245,48 @@ TEST(Motion, BoxesBetweenTheEndsHoldEveryPose) {
                     ASSERT_LE(moved[axis],
                               (1.0 - time) * ends[0].max[axis] + time * ends[1].max[axis]);
                 }
+            }
+        }
+    }
+}
+
+/// The words of an instance's record and its first key, of a leaf that goes from pose to pose.
+TEST(Motion, InstancesThatSlideBringTheirInverse) {
+    for (unsigned seed = 0; seed < 20; ++seed) {
+        RandomMotion motion(seed);
+        motion.scene.instancers.clear();
+        const glm::dmat4 pose = motion.Pose();
+        const bool turns = seed % 4 == 3;
+        for (auto& [path, prim] : motion.scene.geometry) {
+            glm::dmat4 last = turns ? motion.Pose() : pose;
+            last[3] = motion.Pose()[3];
+            prim.placement.samples = {{-0.7, pose}, {0.9, last}};
+            prim.placement.worldFromObject = pose;
+        }
+        Warnings warnings;
+        LightLinks links(motion.scene);
+        const Hierarchy tables =
+            BuildHierarchy(motion.scene, test::DrawnLeaves(motion.scene, {{"/A", motion.leaf}}),
+                           glm::dvec3(0.0), 2, &links, kShutter, warnings);
+        ASSERT_EQ(tables.instances.size(), 1U);
+        const float* words = tables.instances[0].objectFromParent;
+        std::uint32_t first = 0;
+        std::uint32_t segments = 0;
+        std::memcpy(&first, &words[HDS_MOTION_FIRST_KEY], sizeof(first));
+        std::memcpy(&segments, &words[HDS_MOTION_SEGMENTS], sizeof(segments));
+        EXPECT_EQ((segments & HDS_MOTION_SLIDES) == 0U, turns) << "seed " << seed;
+        if (turns) {
+            continue;
+        }
+        EXPECT_EQ(segments & ~HDS_MOTION_SLIDES, 1U);
+        for (int row = 0; row < 3; ++row) {
+            for (int column = 0; column < 3; ++column) {
+                double product = 0.0;
+                for (int k = 0; k < 3; ++k) {
+                    product += double(words[HDS_MOTION_INVERSE + 3 * row + k]) *
+                               double(tables.motionKeys[first][std::size_t(4 * k + column)]);
+                }
+                EXPECT_NEAR(product, row == column ? 1.0 : 0.0, 1e-6);
             }
         }
     }
