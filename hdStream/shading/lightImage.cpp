@@ -120,4 +120,21 @@ LightImageTable BuildFlatTable(const LightImage& image) {
     return BuildTable(image, Sides::Clamp, 1.0, [&](std::uint32_t) { return cell; });
 }
 
+std::vector<std::uint32_t> SumCells(const float* cdf, std::uint32_t width, std::uint32_t height) {
+    const std::size_t stride = std::size_t(width) + 1;
+    const double whole = double(~std::uint32_t{0}) - double(width) * double(height);
+    std::vector<std::uint32_t> sums((height + 1) * stride);
+    for (std::uint32_t y = 0; y < height; ++y) {
+        const float* conditional = cdf + height + 1 + y * stride;
+        const double row = double(cdf[y + 1]) - double(cdf[y]);
+        std::uint32_t running = 0;
+        for (std::uint32_t x = 0; x < width; ++x) {
+            const double share = row * (double(conditional[x + 1]) - double(conditional[x]));
+            running += std::uint32_t(share * whole) + 1U;
+            sums[(y + 1) * stride + x + 1] = sums[y * stride + x + 1] + running;
+        }
+    }
+    return sums;
+}
+
 } // namespace hds

@@ -42,4 +42,9 @@ LightImageTable BuildLatLongTable(const LightImage& image);
 /// The same for an image on a flat light, by area.
 LightImageTable BuildFlatTable(const LightImage& image);
 
+/// What portals need of a distribution: the mass of all cells above row y and left of column x, at
+/// [y * (width + 1) + x]. No cell is without mass, and all together have less than 2^32.
+/// \param cdf of LightImageTable.
+std::vector<std::uint32_t> SumCells(const float* cdf, std::uint32_t width, std::uint32_t height);
+
 } // namespace hds

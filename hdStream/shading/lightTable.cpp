@@ -223,7 +223,8 @@ void Builder::AddControls(const PlacedLight& placed, shared::HdsLight* light, do
         _table.hasControls || light->lightLink != HDS_NONE || light->shadowLink != HDS_NONE;
 }
 
-/// The portals of a dome, as rects of radiance 1.
+/// The portals of a dome, as rects of radiance 1, and the sums over its image. To be called after
+/// AddImage.
 void Builder::AddPortals(const PlacedLight& placed, shared::HdsLight* light) {
     std::vector<shared::HdsLight> portals;
     for (const LightPortal& portal : placed.portals) {
@@ -241,8 +242,16 @@ void Builder::AddPortals(const PlacedLight& placed, shared::HdsLight* light) {
         }
     }
     if (!portals.empty()) {
+        const auto sumsBase = std::uint32_t(_table.cdf.size());
+        if ((light->flags & HDS_LIGHT_TEXTURED) != 0U) {
+            const std::vector<std::uint32_t> sums =
+                SumCells(&_table.cdf[light->cdfBase], light->dataSize[0], light->dataSize[1]);
+            _table.cdf.resize(_table.cdf.size() + sums.size());
+            std::memcpy(&_table.cdf[sumsBase], sums.data(), sums.size() * sizeof(sums[0]));
+        }
         light->treePath = std::uint32_t(_table.cdf.size());
         _table.cdf.push_back(shared::FloatOfBits(std::uint32_t(portals.size())));
+        _table.cdf.push_back(shared::FloatOfBits(sumsBase));
         const std::size_t first = _table.cdf.size();
         const std::size_t size = portals.size() * sizeof(portals[0]);
         _table.cdf.resize(first + size / sizeof(_table.cdf[0]));

@@ -202,8 +202,11 @@ typedef struct {
 HDS_ASSERT_SIZE(HdsLightTriangle, 48);
 HDS_SHARED_END
 
-/* The portals of a dome in lightCdf: their number, then an HdsLight each, a rect of radiance 1. */
-#define HDS_DOME_PORTALS 1u /* where the first of them begins */
+/* The portals of a dome in lightCdf: their number; where in lightCdf the sums over the cells of its
+ * image begin, if it has one, u32 [height + 1][width + 1]; then an HdsLight each, a rect of
+ * radiance 1. */
+#define HDS_DOME_IMAGE_SUMS 1u
+#define HDS_DOME_PORTALS 2u /* where the first of them begins */
 
 /* The lights of an emissive mesh in lightCdf, u32: the light of all its triangles, or HDS_NONE;
  * then only: the number of triangles, their primIds in ascending order, and for each of these its

@@ -62,6 +62,30 @@ def test_portals_change_the_noise_alone(image, tmp_path):
     assert errors["exact"] < 0.3 * errors["none"]
 
 
+def _Noise(folder, sun, hasPortal):
+    """Relative RMS difference of two pictures by a sky with a sun, through the window; and their mean."""
+    stage = _Window(f"{folder}/{sun[0]}{hasPortal}.usda")
+    sky = np.ones((64, 128))
+    sky[sun] = 5000.0
+    imageFile.WriteExr(folder / f"{sun[0]}.exr", {name: sky for name in "RGB"}, half=False)
+    dome = author.AddLight(stage, "/World/Sky", "Dome", textureFile=f"./{sun[0]}.exr")
+    if hasPortal:
+        author.Place(UsdLux.PortalLight.Define(stage, "/World/Portal"), translate=(0, 1.5, 0), rotate=_DOWN)
+        dome.CreatePortalsRel().AddTarget("/World/Portal")
+    first, second = (_Render(stage, samples=64, seed=seed).rgb for seed in (1, 2))
+    mean = 0.5 * (first + second).mean()
+    return np.sqrt(np.mean((first - second) ** 2)) / mean, mean
+
+
+@pytest.mark.parametrize("sun, bound", [((1, 40), 0.9), ((29, 40), 0.6)], ids=["overhead", "that the window does not show"])
+def test_portals_know_the_sun(sun, bound, tmp_path):
+    """Samples through a portal follow the image: they waste none on a sun beside it, and do not miss one behind it."""
+    noise, mean = _Noise(tmp_path, sun, False)
+    withPortal, sameMean = _Noise(tmp_path, sun, True)
+    assert sameMean == pytest.approx(mean, rel=0.02)
+    assert withPortal < bound * noise
+
+
 def test_portals_that_are_none_are_named(tmp_path):
     stage = _Plate(f"{tmp_path}/a.usda")
     dome = author.AddLight(stage, "/World/Sky", "Dome")

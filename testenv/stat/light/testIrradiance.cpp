@@ -330,6 +330,37 @@ TEST_F(IrradianceTest, DomeWithPortals) {
     Expect("a dome with an image", {0, 0, 0}, normal, kPi + 2.0 * kPi / 3.0 * normal.y);
 }
 
+/// Portals choose among the cells of an image that they show: around the pole, over the seam of its
+/// longitudes, several and overlapping, nearly half of the sphere, in a turned dome. The whole
+/// image is found all the same.
+TEST_F(IrradianceTest, DomeWithAnImageAndPortals) {
+    const auto portal = [](const glm::dvec3& at, double angle, const glm::dvec3& axis, float size) {
+        const glm::dmat4 placed = glm::rotate(glm::translate(glm::dmat4(1.0), at), angle, axis);
+        return LightPortal{placed, size, 0.7F * size};
+    };
+    const LightPortal overhead = portal({0.3, 2.0, 0.1}, -0.5 * kPi, {1, 0, 0}, 3.0F);
+    const LightPortal below = portal({-0.2, -1.0, 0.1}, 0.5 * kPi, {1, 0, 0}, 2.0F);
+    const LightPortal seam = portal({0.2, 0.5, -1.5}, kPi, {0, 1, 0}, 2.0F);
+    const LightPortal wide = portal({0.0, 0.0, 0.2}, 0.0, {0, 1, 0}, 40.0F);
+    const LightPortal side = portal({2.0, 0.4, 0.3}, 0.4 * kPi, {0, 1, 0}, 1.0F);
+    const std::pair<const char*, std::vector<LightPortal>> cases[] = {
+        {"overhead", {overhead}},          {"below", {below}},
+        {"at the seam", {seam}},           {"wide", {wide}},
+        {"three", {overhead, seam, side}}, {"twice the same", {side, side}}};
+    PlacedLight dome = MakeLight(LightType::Dome);
+    dome.light.textureFile.authoredPath = "dome.exr";
+    dome.worldFromLight = glm::rotate(glm::dmat4(1.0), 0.8, glm::dvec3(1.0, 0.3, 0.2));
+    const glm::dvec3 up(dome.worldFromLight[1]);
+    for (const auto& [name, portals] : cases) {
+        dome.portals = portals;
+        SetLights({dome}, GradientImage());
+        for (const glm::dvec3& n : {glm::dvec3(0, 1, 0), glm::dvec3(0.1, -0.5, -1.0)}) {
+            const glm::dvec3 normal = glm::normalize(n);
+            Expect(name, {0, 0, 0}, normal, kPi + 2.0 * kPi / 3.0 * glm::dot(normal, up));
+        }
+    }
+}
+
 /// A rect with an image of two columns, 2 and 0, and rows of 1 and 3 times that: bright where +x
 /// and -y of the light are. By midpoints over the light.
 TEST_F(IrradianceTest, RectWithAnImage) {

@@ -48,6 +48,31 @@ TEST(LightImageTableTest, ABrightTexelSpreadsAsItsBilinearTent) {
     }
 }
 
+/// The mass of every box is that of its cells; beside a sun of 1e9 no cell is without.
+TEST(LightImageTableTest, SumsOfCellsAreExact) {
+    LightImage image = Constant(16, 8, 0.0F);
+    image.rgb[(2 * 16 + 5) * 3 + 1] = 1e9F;
+    image.rgb[(6 * 16 + 9) * 3 + 1] = 100.0F;
+    const LightImageTable table = BuildLatLongTable(image);
+    const std::vector<std::uint32_t> sums = SumCells(table.cdf.data(), 16, 8);
+    ASSERT_EQ(sums.size(), 9U * 17U);
+    const auto box = [&](std::size_t x0, std::size_t y0, std::size_t x1, std::size_t y1) {
+        return sums[y1 * 17 + x1] - sums[y0 * 17 + x1] - sums[y1 * 17 + x0] + sums[y0 * 17 + x0];
+    };
+    std::uint64_t all = 0;
+    for (std::size_t y = 0; y < 8; ++y) {
+        const float* row = &table.cdf[9 + y * 17];
+        for (std::size_t x = 0; x < 16; ++x) {
+            const double share =
+                (double(table.cdf[y + 1]) - table.cdf[y]) * (double(row[x + 1]) - row[x]);
+            EXPECT_GE(box(x, y, x + 1, y + 1), 1U);
+            EXPECT_NEAR(box(x, y, x + 1, y + 1), share * 0x1p32, 1.0 + share * 256.0);
+            all += box(x, y, x + 1, y + 1);
+        }
+    }
+    EXPECT_EQ(all, box(0, 0, 16, 8)) << "no overflow";
+}
+
 TEST(LightImageTableTest, AFlatImageCountsAreaAndEndsAtItsEdges) {
     LightImage image = Constant(4, 2, 0.0F);
     for (int c = 0; c < 3; ++c) {

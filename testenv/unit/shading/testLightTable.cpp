@@ -336,6 +336,8 @@ TEST(LightTableTest, PortalsAreRectsOfTheirDome) {
     EXPECT_TRUE(table.hasPortals);
     const std::uint32_t base = table.lights[0].treePath;
     EXPECT_EQ(Word(table, base), 1U);
+    EXPECT_EQ(table.cdf.size(), base + HDS_DOME_PORTALS + sizeof(shared::HdsLight) / sizeof(float))
+        << "sums for images alone";
     shared::HdsLight portal;
     std::memcpy(&portal, &table.cdf.at(base + HDS_DOME_PORTALS), sizeof(portal));
     EXPECT_FLOAT_EQ(portal.params[0], 1.0F);
