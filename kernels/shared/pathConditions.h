@@ -21,7 +21,7 @@
 #define HDS_FOLLOWS_LIGHT_PATHS (HDS_LIGHT_PATHS > 0)
 
 /* All camera rays begin with the same throughput, radiance and source normal, which are not kept
- * until their first hit is shaded: they are a third of what a wave writes when it begins. Lenses
+ * until their first hit is shaded: they were three of seven fields that waves began with. Lenses
  * weigh their rays; paths in media have their own before. */
 #define HDS_CAMERA_RAYS_ARE_ALIKE                                              \
     (!HDS_FEATURE_CAMERA_LENS && !HDS_FEATURE_MEDIA && !HDS_FEATURE_VOLUMES && \
