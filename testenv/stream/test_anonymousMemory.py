@@ -52,8 +52,9 @@ def test_the_process_has_the_pool_that_was_asked_for(Render):
 
 
 def test_the_process_keeps_the_prepared_pages_that_it_may(Render):
-    """The pool is small: what a round prepares for it is kept, whatever the bound."""
+    """The pool is small: what a round prepares for it is kept, up to three quarters of the bound; a quarter is for what pages
+    are made of (docs/memory-budgets.md), and these come from the cache."""
     budgets = [8 * _MEGA, 72 * _MEGA]
     runs = _Pair(Render, "hostMemory", budgets, geometryMemory=str(4 * _MEGA))
-    _Grows(runs, budgets[1] - budgets[0])
+    _Grows(runs, (budgets[1] - budgets[0]) * 3 // 4)
     assert all(run["geometry"]["uniqueBytesLoaded"] > budgets[1] for run in runs), "more is prepared than is kept"
