@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/python/arrayPool.h"
 
-#include "hdStream/base/arrayBlocks.h"
+#include "hdStream/session/frontEndArrays.h"
 
 #include <algorithm>
 #include <cstring>

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/python/stageArray.h"
 
-#include "hdStream/base/arrayBlocks.h"
-#include "hdStream/persist/arrayFiles.h"
 #include "hdStream/python/bufferSpan.h"
+#include "hdStream/session/frontEndArrays.h"
 
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/session/session.h"
 
-#include "hdStream/base/arrayBlocks.h"
 #include "hdStream/base/machine.h"
 #include "hdStream/device/kernelCompilers.h"
 #include "hdStream/integrator/dicingCamera.h"
@@ -13,6 +12,7 @@
 #include "hdStream/scene/dump.h"
 #include "hdStream/scene/hostRecords.h"
 #include "hdStream/session/denoising.h"
+#include "hdStream/session/frontEndArrays.h"
 #include "hdStream/session/hostShares.h"
 #include "hdStream/session/settingsCheck.h"
 #include "hdStream/session/statistics.h"
