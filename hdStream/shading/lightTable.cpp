@@ -109,7 +109,7 @@ private:
 /// A light that shines alike in all directions on everything.
 shared::HdsLight PlainLight() {
     shared::HdsLight light{};
-    light.treePath = HDS_NONE;
+    light.treePlace = HDS_NONE;
     light.shapingBase = HDS_NONE;
     light.controlBase = HDS_NONE;
     light.lightLink = HDS_NONE;
@@ -249,7 +249,7 @@ void Builder::AddPortals(const PlacedLight& placed, shared::HdsLight* light) {
             _table.cdf.resize(_table.cdf.size() + sums.size());
             std::memcpy(&_table.cdf[sumsBase], sums.data(), sums.size() * sizeof(sums[0]));
         }
-        light->treePath = std::uint32_t(_table.cdf.size());
+        light->treePlace = std::uint32_t(_table.cdf.size());
         _table.cdf.push_back(shared::FloatOfBits(std::uint32_t(portals.size())));
         _table.cdf.push_back(shared::FloatOfBits(sumsBase));
         const std::size_t first = _table.cdf.size();

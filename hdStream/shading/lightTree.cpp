@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light tree by the surface area orientation heuristic. Source: Conty Estevez and Kulla 2018,
-// "Importance Sampling of Many Lights with Adaptive Tree Splitting", section 4. Deviates: extents
-// in place of areas, which is as good here; the directions of a node are their mean vector.
+// Light tree by the surface area orientation heuristic: a binary one, whose levels are then put
+// together until nodes have eight children. Source: Conty Estevez and Kulla 2018, "Importance
+// Sampling of Many Lights with Adaptive Tree Splitting", section 4. Deviates: extents in place of
+// areas, which is as good here; the directions of a node are their mean vector.
 #include "hdStream/shading/lightTree.h"
 
 #include <glm/common.hpp>
@@ -13,6 +14,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <iterator>
 #include <limits>
 
 namespace hds {
@@ -24,6 +26,7 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kBoundPadding = 1.0 + 1e-5;
 constexpr std::size_t kNumBins = 16;
 constexpr std::uint32_t kMaxDepth = 31;
+constexpr std::uint32_t kWidth = 8; ///< children of a node
 
 /// What the tree knows of a light.
 struct Emitter {
@@ -32,12 +35,18 @@ struct Emitter {
     double strength;   ///< HdsLight's
     double even;       ///< what it sends alike in all directions, as its strength
     glm::dvec3 facing; ///< what it sends by the cosine, times the direction to it
+    bool isBothWays;   ///< and as much in the opposite direction
+    bool isMoving;
 };
 
 /// Of a light that sends nothing into the half space behind its axis, whose emission is shaped.
 constexpr double kBeam = 2.0;
 /// Of a flat light: intensity at the normal over that of the same power spread evenly.
 constexpr double kFlat = 4.0;
+
+bool IsBothWays(const shared::HdsLight& light) {
+    return light.type == HDS_LIGHT_MESH && (light.flags & HDS_LIGHT_TWO_SIDED) != 0;
+}
 
 /// What the light sends by the cosine, as a factor on its strength, times the direction in which
 /// the light is seen from where it sends most.
@@ -47,11 +56,9 @@ glm::dvec3 FacingOf(const shared::HdsLight& light, const std::vector<float>& cdf
                                   light.lightFromWorld[11]);
     }
     if (light.type == HDS_LIGHT_MESH) {
-        const bool isTwoSided = (light.flags & HDS_LIGHT_TWO_SIDED) != 0;
-        return isTwoSided ? glm::dvec3(0.0)
-                          : -kFlat * double(light.params[0]) *
-                                glm::dvec3(light.worldFromLight[0], light.worldFromLight[1],
-                                           light.worldFromLight[2]);
+        return (IsBothWays(light) ? -0.5 : -1.0) * kFlat * double(light.params[0]) *
+               glm::dvec3(light.worldFromLight[0], light.worldFromLight[1],
+                          light.worldFromLight[2]);
     }
     if (light.shapingBase == HDS_NONE) {
         return glm::dvec3(0.0);
@@ -104,14 +111,16 @@ Emitter EmitterOf(const shared::HdsLight& light, const std::vector<float>& cdf) 
                    light.boundRadius,
                    light.strength,
                    light.strength,
-                   glm::dvec3(0.0)};
+                   glm::dvec3(0.0),
+                   false,
+                   true};
     if (HoldMotion(light, cdf, &moving)) {
         return moving; // it may face anywhere
     }
     const glm::dvec3 facing = FacingOf(light, cdf);
     double even = light.strength;
     if (light.type == HDS_LIGHT_MESH) {
-        even *= std::max(1.0 - glm::length(facing) / kFlat, 0.0);
+        even *= std::max(1.0 - double(light.params[0]), 0.0);
     } else if (glm::length(facing) > 0.0) {
         even = 0.0;
     }
@@ -119,7 +128,9 @@ Emitter EmitterOf(const shared::HdsLight& light, const std::vector<float>& cdf) 
             light.boundRadius,
             light.strength,
             even,
-            facing * double(light.strength)};
+            facing * double(light.strength),
+            IsBothWays(light),
+            false};
 }
 
 /// Of several lights.
@@ -135,9 +146,13 @@ struct Sum {
     void Add(const Emitter& emitter) {
         ++count;
         strength += emitter.strength;
-        even += emitter.even;
-        cosine += glm::length(emitter.facing);
-        facing += emitter.facing;
+        if (emitter.isBothWays) {
+            even += emitter.strength;
+        } else {
+            even += emitter.even;
+            cosine += glm::length(emitter.facing);
+            facing += emitter.facing;
+        }
         low = glm::min(low, emitter.center - emitter.radius);
         high = glm::max(high, emitter.center + emitter.radius);
     }
@@ -214,28 +229,62 @@ public:
         }
     }
 
-    /// Builds the subtree over [begin, end) of the order. \return node, or HDS_LIGHT_LEAF | light.
+    /// Builds the subtree over [begin, end) of the order. \return cluster, or HDS_LIGHT_LEAF |
+    /// light.
     std::uint32_t Build(std::vector<std::uint32_t>& order, std::size_t begin, std::size_t end,
-                        std::uint32_t path, std::uint32_t depth) {
+                        std::uint32_t depth) {
         if (end - begin == 1) {
-            _lights[order[begin]].treePath = path;
             return HDS_LIGHT_LEAF | order[begin];
         }
-        const std::uint32_t index = std::uint32_t(nodes.size());
-        nodes.push_back(NodeOf(order, begin, end));
+        const auto index = std::uint32_t(_clusters.size());
+        _clusters.push_back(ClusterOf(order, begin, end));
         const std::size_t middle = Partition(order, begin, end, depth);
-        const std::uint32_t left = Build(order, begin, middle, path, depth + 1);
-        const std::uint32_t right = Build(order, middle, end, path | (1U << depth), depth + 1);
-        nodes[index].child[0] = left;
-        nodes[index].child[1] = right;
+        const std::uint32_t left = Build(order, begin, middle, depth + 1);
+        const std::uint32_t right = Build(order, middle, end, depth + 1);
+        _clusters[index].child = {left, right};
+        _clusters[index].isMet = Get(left).isMet || Get(right).isMet;
         return index;
+    }
+
+    /// Adds the node of the clusters below `top`. \param place of the node: 8 * parent + slot.
+    void AddNode(std::uint32_t top, std::uint32_t place) {
+        const auto index = std::uint32_t(nodes.size());
+        nodes.emplace_back();
+        const std::vector<std::uint32_t> children = ChildrenOf(top);
+        FillNode(children, place, &nodes[index]);
+        for (std::uint32_t slot = 0; slot < children.size(); ++slot) {
+            const std::uint32_t child = children[slot];
+            if ((child & HDS_LIGHT_LEAF) != 0) {
+                _lights[child & ~HDS_LIGHT_LEAF].treePlace = kWidth * index + slot;
+                continue;
+            }
+            nodes[index].child[slot] = std::uint32_t(nodes.size());
+            AddNode(child, kWidth * index + slot);
+        }
     }
 
     std::vector<shared::HdsLightNode> nodes;
 
 private:
-    shared::HdsLightNode NodeOf(const std::vector<std::uint32_t>& order, std::size_t begin,
-                                std::size_t end) const {
+    /// Lights that are close, as the tree knows them.
+    struct Cluster {
+        glm::dvec3 center{0.0};
+        double radius = 0.0;
+        glm::dvec3 facing{0.0}; ///< what they send by the cosine, times the direction to them
+        double even = 0.0;      ///< what they send alike in all directions
+        bool isBothWays = false;
+        bool isMet = false; ///< rays can meet some of them
+        std::array<std::uint32_t, 2> child{HDS_NONE, HDS_NONE};
+    };
+
+    static Cluster ClusterOf(const shared::HdsLight& light, const Emitter& emitter) {
+        const bool isMet = light.type != HDS_LIGHT_MESH && (light.flags & HDS_LIGHT_POINT) == 0;
+        return {emitter.center,     emitter.radius, emitter.facing,      emitter.even,
+                emitter.isBothWays, isMet,          {HDS_NONE, HDS_NONE}};
+    }
+
+    Cluster ClusterOf(const std::vector<std::uint32_t>& order, std::size_t begin,
+                      std::size_t end) const {
         Sum sum;
         glm::dvec3 weighted(0.0);
         for (std::size_t i = begin; i < end; ++i) {
@@ -243,27 +292,88 @@ private:
             sum.Add(emitter);
             weighted += emitter.strength * emitter.center;
         }
+        Cluster cluster;
         // Around the centre of what they send: that is where the estimate takes it all to be.
-        const glm::dvec3 center =
-            sum.strength > 0.0 ? weighted / sum.strength : 0.5 * (sum.low + sum.high);
-        double radius = 0.0;
+        cluster.center = sum.strength > 0.0 ? weighted / sum.strength : 0.5 * (sum.low + sum.high);
         for (std::size_t i = begin; i < end; ++i) {
             const Emitter& emitter = _emitters[order[i]];
-            radius = std::max(radius, glm::length(emitter.center - center) + emitter.radius);
+            cluster.radius = std::max(cluster.radius, glm::length(emitter.center - cluster.center) +
+                                                          emitter.radius);
         }
-        shared::HdsLightNode node{};
-        double magnitude = 0.0;
-        const double facing = glm::length(sum.facing);
-        for (int axis = 0; axis < 3; ++axis) {
-            node.center[axis] = float(center[axis]);
-            node.axis[axis] = facing > 0.0 ? float(sum.facing[axis] / facing) : 0.0F;
-            magnitude = std::max(magnitude, std::abs(center[axis]));
-        }
-        node.radius = float(radius * kBoundPadding + magnitude * 1e-6);
-        node.cosineStrength = float(facing);
+        cluster.facing = sum.facing;
         // What the directions cancel out is sent everywhere.
-        node.strength = float(sum.even + std::max(sum.cosine - facing, 0.0) / kFlat);
-        return node;
+        cluster.even = sum.even + std::max(sum.cosine - glm::length(sum.facing), 0.0) / kFlat;
+        return cluster;
+    }
+
+    /// \param child as Build returns it.
+    Cluster Get(std::uint32_t child) const {
+        const std::uint32_t light = child & ~HDS_LIGHT_LEAF;
+        return (child & HDS_LIGHT_LEAF) != 0 ? ClusterOf(_lights[light], _emitters[light])
+                                             : _clusters[child];
+    }
+
+    /// Up to eight parts of a cluster in the order of the binary tree. The part whose estimate is
+    /// worst at equal distance is cut first.
+    std::vector<std::uint32_t> ChildrenOf(std::uint32_t top) const {
+        std::vector<std::uint32_t> children{top};
+        while (children.size() < kWidth) {
+            std::size_t worst = children.size();
+            double largest = -1.0;
+            for (std::size_t i = 0; i < children.size(); ++i) {
+                if ((children[i] & HDS_LIGHT_LEAF) == 0) {
+                    const Cluster& cluster = _clusters[children[i]];
+                    const double error =
+                        (cluster.even + glm::length(cluster.facing)) * cluster.radius;
+                    if (error > largest) {
+                        largest = error;
+                        worst = i;
+                    }
+                }
+            }
+            if (worst == children.size()) {
+                break;
+            }
+            const std::array<std::uint32_t, 2> parts = _clusters[children[worst]].child;
+            children[worst] = parts[1];
+            children.insert(children.begin() + std::ptrdiff_t(worst), parts[0]);
+        }
+        return children;
+    }
+
+    void FillNode(const std::vector<std::uint32_t>& children, std::uint32_t place,
+                  shared::HdsLightNode* node) const {
+        node->place = place;
+        std::fill(std::begin(node->child), std::end(node->child), HDS_NONE);
+        for (std::size_t slot = 0; slot < children.size(); ++slot) {
+            const std::uint32_t bit = 1U << slot;
+            const std::uint32_t child = children[slot];
+            const Cluster cluster = Get(child);
+            const double facing = glm::length(cluster.facing);
+            const glm::dvec3 axis = facing > 0.0 ? cluster.facing / facing : glm::dvec3(0.0);
+            const double magnitude =
+                std::max({std::abs(cluster.center.x), std::abs(cluster.center.y),
+                          std::abs(cluster.center.z)});
+            node->centerX[slot] = float(cluster.center.x);
+            node->centerY[slot] = float(cluster.center.y);
+            node->centerZ[slot] = float(cluster.center.z);
+            node->radius[slot] = float(cluster.radius * kBoundPadding + magnitude * 1e-6);
+            node->axisX[slot] = float(axis.x);
+            node->axisY[slot] = float(axis.y);
+            node->axisZ[slot] = float(axis.z);
+            node->strength[slot] = float(cluster.even);
+            node->cosineStrength[slot] = float(facing);
+            node->child[slot] = child;
+            node->metByRays |= cluster.isMet ? bit : 0U;
+            if ((child & HDS_LIGHT_LEAF) != 0) {
+                const std::uint32_t index = child & ~HDS_LIGHT_LEAF;
+                const shared::HdsLight& light = _lights[index];
+                const bool isInDetail = light.shapingBase != HDS_NONE ||
+                                        light.lightLink != HDS_NONE || _emitters[index].isMoving;
+                node->bothWays |= cluster.isBothWays ? bit : 0U;
+                node->inDetail |= isInDetail ? bit : 0U;
+            }
+        }
     }
 
     /// Reorders the range into two parts. \return where the second begins.
@@ -325,6 +435,7 @@ private:
 
     std::vector<shared::HdsLight>& _lights;
     std::vector<Emitter> _emitters;
+    std::vector<Cluster> _clusters;
 };
 
 } // namespace
@@ -337,11 +448,11 @@ std::vector<shared::HdsLightNode> BuildLightTree(std::vector<shared::HdsLight>& 
             order.push_back(std::uint32_t(i));
         }
     }
-    if (order.size() < 2) {
+    if (order.empty()) {
         return {};
     }
     TreeBuilder builder(lights, cdf);
-    builder.Build(order, 0, order.size(), 0, 0);
+    builder.AddNode(builder.Build(order, 0, order.size(), 0), HDS_NONE);
     return std::move(builder.nodes);
 }
 

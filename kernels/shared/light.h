@@ -37,7 +37,7 @@
 #define HDS_LIGHT_GROUP_SHIFT 16
 #define HDS_MAX_LIGHT_GROUPS 65535u
 
-/* Most lights that are weighed one by one, and most nodes of a cut through the light tree. */
+/* Most lights that are weighed one by one. */
 #define HDS_LIGHT_LOOP_MAX 32u
 
 /* Distance of lights at infinity. */
@@ -54,15 +54,15 @@ typedef struct {
     f32 radiance[3]; /* factor on the image of a textured light; point sphere: radiant intensity;
                         distant with angle 0: irradiance at normal incidence */
     u32 type;
-    f32 params[4]; /* sphere: radius; rect: width, height; disk: radius; cylinder: radius, length;
-                      distant: 1 - cos(half angle); mesh: flatness, 1 when all normals are alike, 0
-                      when they cancel out; with an image, [3]: the coarsest mip that is looked up,
-                      of which its distribution is made */
-    f32 area;      /* world area of the shape; mesh: of all its triangles */
-    u32 treePath;  /* finite lights: bit i is the child to take at level i of the light tree; dome:
-                      in lightCdf, the number of its portals, or HDS_NONE */
-    u32 flags;     /* and the group */
-    u32 dataBase;  /* image: its texture; mesh: first triangle in lightTriangles */
+    f32 params[4];   /* sphere: radius; rect: width, height; disk: radius; cylinder: radius, length;
+                        distant: 1 - cos(half angle); mesh: flatness, 1 when all normals are alike, 0
+                        when they cancel out; with an image, [3]: the coarsest mip that is looked up,
+                        of which its distribution is made */
+    f32 area;        /* world area of the shape; mesh: of all its triangles */
+    u32 treePlace;   /* finite lights: 8 * node + slot of the light tree; dome: in lightCdf, the
+                        number of its portals, or HDS_NONE */
+    u32 flags;       /* and the group */
+    u32 dataBase;    /* image: its texture; mesh: first triangle in lightTriangles */
     u32 dataSize[2]; /* image: cells of its distribution, width, height; mesh: number of triangles,
                         and in lightCdf its HdsMeshMotion, or HDS_NONE: it rests */
     u32 cdfBase;     /* in lightCdf: image: marginal [height + 1], then conditionals
@@ -175,18 +175,28 @@ typedef struct {
 } HdsMeshMotion;
 HDS_ASSERT_SIZE(HdsMeshMotion, 16);
 
-/* A node of the light tree, the root first: a sphere that bounds the finite lights below it, around
- * the mean of their centres by strength. */
+/* A node of the light tree, the root first, with up to eight children in its slots. A child is a
+ * light, or all lights below a node: a sphere that bounds them, around the mean of their centres by
+ * strength. */
 typedef struct {
-    f32 center[3];
-    f32 radius;
-    f32 axis[3]; /* unit or zero: mean direction in which lights are seen that send by the cosine */
-    f32 strength;       /* of what is sent alike in all directions */
-    f32 cosineStrength; /* of what is sent by the cosine about the axis: intensity there */
-    u32 child[2];       /* node, or HDS_LIGHT_LEAF | light */
-    u32 pad0;
+    f32 centerX[8]; /* relative to the scene centre */
+    f32 centerY[8];
+    f32 centerZ[8];
+    f32 radius[8];
+    f32 axisX[8]; /* unit or zero: mean direction in which lights are seen that send by the cosine
+                   */
+    f32 axisY[8];
+    f32 axisZ[8];
+    f32 strength[8];       /* of what is sent alike in all directions */
+    f32 cosineStrength[8]; /* of what is sent by the cosine about the axis: intensity there */
+    u32 child[8];          /* node, HDS_LIGHT_LEAF | light, or HDS_NONE: the slot is empty */
+    u32 place;             /* of the node: 8 * parent + slot; HDS_NONE: the root */
+    u32 bothWays; /* one bit a slot: the light sends by the cosine in both directions of the axis */
+    u32 inDetail; /* one bit a slot: the light is shaped, linked or moves, and has an estimate of
+                     its own */
+    u32 metByRays; /* one bit a slot: it holds lights that rays can meet: not points, not meshes */
 } HdsLightNode;
-HDS_ASSERT_SIZE(HdsLightNode, 48);
+HDS_ASSERT_SIZE(HdsLightNode, 336);
 #define HDS_LIGHT_LEAF 0x80000000u
 
 /* An emissive triangle in world space (relative to the scene centre); of a mesh that moves, in

@@ -152,7 +152,7 @@ kernel void meetings(HDS_LIGHT_PARAMETERS, global const float* points,
             found.xy += (uint2)(1u, light);
         }
     }
-    HdsLightWalk walk = lightWalk_begin(&view);
+    HdsLightWalk walk = lightWalk_begin(&view, p, d, tMax);
     uint light;
     while ((light = lightWalk_next(&view, &walk, p, d, tMax)) != HDS_NONE) {
         if (light_intersect(&view, light, p, d, tMax, 0.0f, &t)) {

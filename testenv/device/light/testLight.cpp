@@ -394,15 +394,16 @@ TEST_F(LightTest, ManyLightsAreChosenInTheOrderOfTheTree) {
         Append(normals, {0.0, 0.0, 1.0});
         us.insert(us.end(), {(float(i) + 0.5F) / kCount, 0.0F, 0.5F, 0.5F});
     }
-    // The first bit of a path is the child of the root.
+    // The slots from the root down to the light.
     const auto place = [&](std::uint32_t light) {
-        std::uint32_t reversed = 0;
-        for (std::uint32_t bit = 0; bit < 32; ++bit) {
-            reversed |= (table.lights[light].treePath >> bit & 1U) << (31U - bit);
+        std::vector<std::uint32_t> slots;
+        for (std::uint32_t p = table.lights[light].treePlace; p != HDS_NONE;
+             p = table.nodes[p / 8].place) {
+            slots.insert(slots.begin(), p % 8);
         }
-        return reversed;
+        return slots;
     };
-    std::uint32_t last = 0;
+    std::vector<std::uint32_t> last;
     std::size_t numChanges = 0;
     for (const LightSampleResult& result : Sample(points, normals, us)) {
         if (result.light != HDS_NONE) {
@@ -512,6 +513,41 @@ TEST_F(LightTest, ACutWhoseSumVanishesIsNotSplitFurther) {
             sum += p;
         }
         EXPECT_LE(sum, 1.001) << i;
+    }
+}
+
+/// Flat meshes that emit on both sides, more than are weighed one by one, in a plane: points on
+/// either side see all of them, and nothing of those beside whose edges they are.
+TEST_F(LightTest, MeshesThatEmitOnBothSidesAreChosenFromBoth) {
+    constexpr std::size_t kCount = 60;
+    std::vector<EmissiveMesh> meshes(kCount);
+    for (std::size_t i = 0; i < kCount; ++i) {
+        const glm::dvec3 corner(double(i % 10), double(i / 10), 0.0);
+        meshes[i].twoSided = true;
+        meshes[i].triangles.push_back(
+            {{corner, corner + glm::dvec3(0.5, 0, 0), corner + glm::dvec3(0, 0.5, 0)}, 0});
+    }
+    Warnings warnings;
+    const LightTable table = BuildLightTable({}, meshes, {}, warnings);
+    ASSERT_EQ(table.lights.size(), kCount);
+    SetTable(table);
+    for (const float height : {3.0F, -3.0F}) {
+        const std::vector<float> pmf = Selections({4.0F, 3.0F, height}, {0, 0, 0});
+        double variance = -1.0;
+        double sum = 0.0;
+        std::vector<double> values;
+        for (std::size_t i = 0; i < kCount; ++i) {
+            ASSERT_GT(pmf[i], 0.0F) << "light " << i << " from " << height;
+            const double x = double(i % 10) + 1.0 / 6 - 4.0;
+            const double y = double(i / 10) + 1.0 / 6 - 3.0;
+            const double squared = x * x + y * y + 9.0;
+            values.push_back(3.0 / (squared * std::sqrt(squared))); // cosine / distance^2
+            sum += values.back();
+        }
+        for (std::size_t i = 0; i < kCount; ++i) {
+            variance += values[i] * values[i] / (sum * sum * double(pmf[i]));
+        }
+        EXPECT_LT(variance, 0.05) << "from " << height;
     }
 }
 

@@ -154,7 +154,7 @@ shared::HdsLight Finite(LaneRandom& r, std::uint32_t type) {
     light.boundRadius = r.Is(6) ? 0.0F : r.Sized(-3.0F, 0.5F);
     light.strength = r.Is(5) ? 0.0F : r.Sized(-3.0F, 3.0F);
     light.flags = r.Bits() & (HDS_LIGHT_TWO_SIDED | HDS_LIGHT_SAMPLED | HDS_LIGHT_TEXTURED);
-    light.treePath = light.shapingBase = light.controlBase = HDS_NONE;
+    light.treePlace = light.shapingBase = light.controlBase = HDS_NONE;
     light.lightLink = light.shadowLink = HDS_NONE;
     return light;
 }
@@ -171,7 +171,7 @@ std::vector<shared::HdsLight> Lights(LaneRandom& r, std::size_t count) {
             light.type = r.Is(2) ? HDS_LIGHT_DISTANT : HDS_LIGHT_DOME;
             light.boundRadius = HDS_LIGHT_FAR;
             light.params[0] = r.Is(3) ? 0.0F : 2.0F * r.Unit();
-            light.treePath = r.Is(2) ? kPortalBase : HDS_NONE;
+            light.treePlace = r.Is(2) ? kPortalBase : HDS_NONE;
         }
         lights.push_back(light);
     }

@@ -8,6 +8,8 @@
 
 #include <cmath>
 #include <cstring>
+#include <utility>
+#include <vector>
 
 namespace hds {
 namespace {
@@ -166,46 +168,54 @@ TEST(LightTableTest, LightsAtInfinityComeFirst) {
     EXPECT_EQ(table.triangles[0].light, 4U);
 }
 
-/// Walks the tree: every light inside all nodes above it, strengths, paths.
+/// Walks the tree: every light inside all spheres above it, strengths, places.
 class TreeWalk {
 public:
     std::vector<int> seen; ///< visits of each light
 
     explicit TreeWalk(const LightTable& table) : seen(table.lights.size(), 0), _table(table) {}
 
-    void Visit(std::uint32_t child, std::uint32_t path, std::uint32_t depth) {
-        if ((child & HDS_LIGHT_LEAF) != 0) {
-            VisitLight(child & ~HDS_LIGHT_LEAF, path);
-            return;
+    /// \return the strength below the node.
+    double Visit(std::uint32_t index, std::uint32_t place, std::uint32_t depth) {
+        const shared::HdsLightNode& node = _table.nodes[index];
+        EXPECT_LE(depth, 30U);
+        EXPECT_EQ(node.place, place);
+        double sum = 0.0;
+        for (std::uint32_t slot = 0; slot < 8; ++slot) {
+            const std::uint32_t child = node.child[slot];
+            const std::uint32_t own = 8 * index + slot;
+            if (child == HDS_NONE) {
+                EXPECT_EQ(node.strength[slot], 0.0F) << "an empty slot";
+                EXPECT_EQ(node.metByRays >> slot & 1U, 0U);
+                continue;
+            }
+            _above.emplace_back(&node, slot);
+            const double strength = (child & HDS_LIGHT_LEAF) != 0
+                                        ? VisitLight(child & ~HDS_LIGHT_LEAF, own)
+                                        : Visit(child, own, depth + 1);
+            _above.pop_back();
+            EXPECT_NEAR(node.strength[slot], strength, 1e-5 * strength);
+            sum += strength;
         }
-        const shared::HdsLightNode& node = _table.nodes[child];
-        EXPECT_LE(depth, 30U); // of the node: its children's paths have one bit more
-        EXPECT_NEAR(node.strength, Strength(node.child[0]) + Strength(node.child[1]),
-                    1e-5 * node.strength);
-        _above.push_back(&node);
-        Visit(node.child[0], path, depth + 1);
-        Visit(node.child[1], path | (1U << depth), depth + 1);
-        _above.pop_back();
+        return sum;
     }
 
 private:
-    double Strength(std::uint32_t child) const {
-        return (child & HDS_LIGHT_LEAF) != 0 ? _table.lights[child & ~HDS_LIGHT_LEAF].strength
-                                             : _table.nodes[child].strength;
-    }
-    void VisitLight(std::uint32_t index, std::uint32_t path) {
+    double VisitLight(std::uint32_t index, std::uint32_t place) {
         const shared::HdsLight& light = _table.lights[index];
         ++seen[index];
-        EXPECT_EQ(light.treePath, path);
-        for (const shared::HdsLightNode* node : _above) {
-            const double distance = std::hypot(double(light.center[0]) - node->center[0],
-                                               double(light.center[1]) - node->center[1],
-                                               double(light.center[2]) - node->center[2]);
-            EXPECT_LE(distance + light.boundRadius, node->radius);
+        EXPECT_EQ(light.treePlace, place);
+        for (const auto& [node, slot] : _above) {
+            const double distance = std::hypot(double(light.center[0]) - node->centerX[slot],
+                                               double(light.center[1]) - node->centerY[slot],
+                                               double(light.center[2]) - node->centerZ[slot]);
+            EXPECT_LE(distance + light.boundRadius, node->radius[slot]);
+            EXPECT_EQ(node->metByRays >> slot & 1U, 1U);
         }
+        return light.strength;
     }
     const LightTable& _table;
-    std::vector<const shared::HdsLightNode*> _above;
+    std::vector<std::pair<const shared::HdsLightNode*, std::uint32_t>> _above;
 };
 
 TEST(LightTableTest, TheTreeHoldsEachFiniteLightOnce) {
@@ -219,14 +229,15 @@ TEST(LightTableTest, TheTreeHoldsEachFiniteLightOnce) {
     }
     Warnings warnings;
     const LightTable table = Build(lights, warnings);
-    ASSERT_EQ(table.nodes.size(), 199U);
+    EXPECT_LT(table.nodes.size(), 100U) << "nodes have two children each";
     TreeWalk walk(table);
-    walk.Visit(0, 0, 0);
+    walk.Visit(0, HDS_NONE, 0);
     EXPECT_EQ(walk.seen[0], 0) << "the dome is not in the tree";
     for (std::size_t i = 1; i < walk.seen.size(); ++i) {
         EXPECT_EQ(walk.seen[i], 1);
     }
-    EXPECT_TRUE(Build({Make(LightType::Sphere)}, warnings).nodes.empty());
+    EXPECT_EQ(Build({Make(LightType::Sphere)}, warnings).nodes.size(), 1U);
+    EXPECT_TRUE(Build({Make(LightType::Dome)}, warnings).nodes.empty());
 }
 
 /// Each light four times as far as the one before: bins set few of them apart at a time.
@@ -241,42 +252,68 @@ TEST(LightTableTest, TheTreeIsNoDeeperThanItsPaths) {
     Warnings warnings;
     const LightTable table = Build(lights, warnings);
     TreeWalk walk(table);
-    walk.Visit(0, 0, 0);
+    walk.Visit(0, HDS_NONE, 0);
     EXPECT_EQ(walk.seen, std::vector<int>(100, 1));
 }
 
 TEST(LightTableTest, NodesKnowWhereTheirLightsFace) {
-    // Two rows, which face each other: the heuristic tells them apart.
+    // Two rows far apart, which face each other.
     std::vector<PlacedLight> lights;
     for (int i = 0; i < 40; ++i) {
         lights.push_back(Make(LightType::Rect)); // emits towards -z
         const double side = i % 2 == 0 ? 1.0 : -1.0;
-        lights.back().worldFromLight = glm::translate(glm::dmat4(1.0), {4.0 * i, 0.0, 5.0 * side}) *
-                                       glm::scale(glm::dmat4(1.0), {1.0, 1.0, side});
+        lights.back().worldFromLight =
+            glm::translate(glm::dmat4(1.0), {4.0 * i, 0.0, 500.0 * side}) *
+            glm::scale(glm::dmat4(1.0), {1.0, 1.0, side});
+    }
+    Warnings warnings;
+    const LightTable table = Build(lights, warnings);
+    // The intensity of a flat light at its normal is 4 times that of its power in all directions.
+    const float intensity = 4.0F * table.lights[0].strength;
+    std::size_t numClusters = 0;
+    for (const shared::HdsLightNode& node : table.nodes) {
+        for (std::uint32_t slot = 0; slot < 8; ++slot) {
+            if (node.child[slot] != HDS_NONE) {
+                EXPECT_LT(node.strength[slot], 1e-6F) << "directions are not told apart";
+                const double count = node.cosineStrength[slot] / intensity;
+                EXPECT_NEAR(count, std::round(count), 1e-5);
+                EXPECT_NEAR(std::abs(node.axisZ[slot]), 1.0F, 1e-6F);
+                numClusters += count > 1.5 ? 1 : 0;
+            }
+        }
+    }
+    EXPECT_GE(numClusters, 6U);
+    PlacedLight sphere = Make(LightType::Sphere);
+    const LightTable even = Build({sphere, sphere}, warnings);
+    EXPECT_EQ(even.nodes[0].cosineStrength[0], 0.0F);
+    const LightTable up = Build({lights[0], lights[2]}, warnings);
+    EXPECT_EQ(up.nodes[0].axisZ[0], 1.0F) << "who sees it looks towards +z";
+}
+
+/// Rows of lights that face each other, too close to be told apart: opposite directions are all
+/// directions.
+TEST(LightTableTest, DirectionsThatCancelOutAreAllDirections) {
+    std::vector<PlacedLight> lights;
+    for (int i = 0; i < 80; ++i) {
+        lights.push_back(Make(LightType::Rect));
+        lights.back().worldFromLight =
+            glm::translate(glm::dmat4(1.0), {100.0 * (i / 2), 0.0, 0.0}) *
+            glm::scale(glm::dmat4(1.0), {1.0, 1.0, i % 2 == 0 ? 1.0 : -1.0});
     }
     Warnings warnings;
     const LightTable table = Build(lights, warnings);
     const float each = table.lights[0].strength;
-    const shared::HdsLightNode& root = table.nodes[0];
-    EXPECT_NEAR(root.cosineStrength, 0.0F, 1e-5F);
-    EXPECT_NEAR(root.strength, 40.0F * each, 1e-4F) << "opposite directions are all directions";
-    std::size_t numPure = 0;
-    for (const shared::HdsLightNode& node : table.nodes) {
-        if (node.strength < 1e-6F) {
-            ++numPure;
-            // The intensity of a flat light at its normal is 4 times that of its power in all
-            // directions.
-            const double count = node.cosineStrength / (4.0F * each);
-            EXPECT_NEAR(count, std::round(count), 1e-5);
-            EXPECT_NEAR(std::abs(node.axis[2]), 1.0F, 1e-6F);
+    std::size_t numClusters = 0;
+    for (std::uint32_t slot = 0; slot < 8; ++slot) {
+        const shared::HdsLightNode& root = table.nodes[0];
+        if ((root.child[slot] & HDS_LIGHT_LEAF) == 0) {
+            ++numClusters;
+            EXPECT_NEAR(root.cosineStrength[slot], 0.0F, 1e-5F);
+            const double count = root.strength[slot] / each;
+            EXPECT_NEAR(count, std::round(count), 1e-4);
         }
     }
-    EXPECT_GE(numPure, 10U);
-    PlacedLight sphere = Make(LightType::Sphere);
-    const LightTable even = Build({sphere, sphere}, warnings);
-    EXPECT_EQ(even.nodes[0].cosineStrength, 0.0F);
-    const LightTable up = Build({lights[0], lights[2]}, warnings);
-    EXPECT_EQ(up.nodes[0].axis[2], 1.0F) << "who sees it looks towards +z";
+    EXPECT_GE(numClusters, 4U);
 }
 
 TEST(LightTableTest, WhatCannotBeRenderedIsLeftOutWithAWarning) {
@@ -327,14 +364,14 @@ TEST(LightTableTest, PortalsAreRectsOfTheirDome) {
     Warnings warnings;
     const LightTable without = Build({dome}, warnings);
     EXPECT_FALSE(without.hasPortals);
-    EXPECT_EQ(without.lights[0].treePath, HDS_NONE);
+    EXPECT_EQ(without.lights[0].treePlace, HDS_NONE);
     dome.portals.push_back({glm::scale(glm::dmat4(1.0), {0.0, 1.0, 1.0}), 1.0F, 1.0F});
     dome.portals.push_back({glm::scale(glm::dmat4(1.0), {2.0, 3.0, 1.0}), 0.5F, 1.0F});
     const LightTable table = Build({dome}, warnings);
     ASSERT_EQ(warnings.Lines().size(), 1U);
     EXPECT_NE(warnings.Lines()[0].find("portal"), std::string::npos);
     EXPECT_TRUE(table.hasPortals);
-    const std::uint32_t base = table.lights[0].treePath;
+    const std::uint32_t base = table.lights[0].treePlace;
     EXPECT_EQ(Word(table, base), 1U);
     EXPECT_EQ(table.cdf.size(), base + HDS_DOME_PORTALS + sizeof(shared::HdsLight) / sizeof(float))
         << "sums for images alone";

@@ -103,12 +103,18 @@ TEST(MovingMesh, TheTreeHoldsLightsWhereverTheyGo) {
     const LightTable table = BuildLightTable({}, {mesh}, {}, warnings);
     ASSERT_TRUE(table.hasMotion);
     ASSERT_FALSE(table.nodes.empty());
-    const shared::HdsLightNode& root = table.nodes[0];
-    const glm::dvec3 center(root.center[0], root.center[1], root.center[2]);
-    for (const glm::dmat4& matrix : mesh.worldFromObject) {
-        for (const EmissiveMesh::Shape& shape : mesh.shapes[0]) {
-            const glm::dvec3 p(matrix * glm::dvec4(glm::dvec3(shape.p[0]), 1.0));
-            EXPECT_LE(glm::length(p - center), double(root.radius));
+    for (const shared::HdsLightTriangle& triangle : table.triangles) {
+        const glm::dvec3 rest(mesh.shapes[0].at(triangle.primId).p[0]);
+        std::uint32_t place = table.lights[triangle.light].treePlace;
+        EXPECT_EQ(table.nodes[place / 8].inDetail >> place % 8 & 1U, 1U);
+        for (; place != HDS_NONE; place = table.nodes[place / 8].place) {
+            const shared::HdsLightNode& node = table.nodes[place / 8];
+            const std::uint32_t slot = place % 8;
+            const glm::dvec3 center(node.centerX[slot], node.centerY[slot], node.centerZ[slot]);
+            for (const glm::dmat4& matrix : mesh.worldFromObject) {
+                const glm::dvec3 p(matrix * glm::dvec4(rest, 1.0));
+                EXPECT_LE(glm::length(p - center), double(node.radius[slot]));
+            }
         }
     }
     for (const shared::HdsLight& light : table.lights) {
