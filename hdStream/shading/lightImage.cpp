@@ -2,12 +2,14 @@
 // Cumulative distributions of a light's image.
 #include "hdStream/shading/lightImage.h"
 
+#include "kernels/shared/compat.h"
 #include "kernels/shared/texture.h"
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 
 namespace hds {
@@ -24,21 +26,26 @@ double Luminance(const float* rgb) {
     return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
 }
 
-/// What is beside the first and the last column.
-enum class Sides { Wrap, Clamp };
+/// Luminance of all texels.
+std::vector<double> LuminanceOf(const LightImage& image) {
+    std::vector<double> values(std::size_t(image.width) * image.height);
+    tbb::parallel_for(std::uint32_t(0), image.height, [&](std::uint32_t y) {
+        for (std::size_t i = std::size_t(y) * image.width; i < (y + std::size_t{1}) * image.width;
+             ++i) {
+            values[i] = Luminance(&image.rgb[3 * i]);
+        }
+    });
+    return values;
+}
 
-/// Luminance of a row after the horizontal part of the bilinear lookup's integral over a cell: the
-/// tent of a texel lies 6/8 in its own cell and 1/8 in each neighbour's.
-std::vector<double> FilteredRow(const LightImage& image, Sides sides, std::uint32_t y) {
-    const std::size_t width = image.width;
-    const std::size_t beforeFirst = sides == Sides::Wrap ? width - 1 : 0;
-    const std::size_t afterLast = sides == Sides::Wrap ? 0 : width - 1;
-    const float* row = &image.rgb[std::size_t(y) * width * 3];
+/// A row of a flat light's luminance after the horizontal part of the bilinear lookup's integral
+/// over a cell: the tent of a texel lies 6/8 in its own cell and 1/8 in each neighbour's.
+std::vector<double> FilteredRow(const double* row, std::size_t width) {
     std::vector<double> values(width);
     for (std::size_t x = 0; x < width; ++x) {
-        const double left = Luminance(row + (x == 0 ? beforeFirst : x - 1) * 3);
-        const double right = Luminance(row + (x + 1 == width ? afterLast : x + 1) * 3);
-        values[x] = 0.125 * (left + right) + 0.75 * Luminance(row + x * 3);
+        const double left = row[x == 0 ? 0 : x - 1];
+        const double right = row[std::min(x + 1, width - 1)];
+        values[x] = 0.125 * (left + right) + 0.75 * row[x];
     }
     return values;
 }
@@ -65,31 +72,48 @@ double WriteCdf(const std::vector<double>& weights, float* cdf) {
     return sum;
 }
 
-/// \param areaOfRow of each cell of a row; the areas of all cells have the sum `area`.
-template <typename AreaOfRow>
-LightImageTable BuildTable(const LightImage& image, Sides sides, double area,
-                           const AreaOfRow& areaOfRow) {
-    const std::size_t width = image.width;
-    const std::uint32_t height = image.height;
-    std::vector<std::vector<double>> rows(height);
-    tbb::parallel_for(std::uint32_t(0), height,
-                      [&](std::uint32_t y) { rows[y] = FilteredRow(image, sides, y); });
-
+/// \param valuesOfRow the mean luminance of a row's cells. \param areaOfRow of each of them; the
+/// areas of all cells have the sum `area`.
+template <typename ValuesOfRow, typename AreaOfRow>
+LightImageTable BuildTable(std::uint32_t width, std::uint32_t numRows, double area,
+                           const ValuesOfRow& valuesOfRow, const AreaOfRow& areaOfRow) {
     LightImageTable table;
-    table.cdf.resize(height + 1 + std::size_t(height) * (width + 1));
-    std::vector<double> rowWeights(height);
-    tbb::parallel_for(std::uint32_t(0), height, [&](std::uint32_t y) {
-        const std::vector<double>& above = rows[y == 0 ? 0 : y - 1];
-        const std::vector<double>& below = rows[std::min(y + 1, height - 1)];
-        std::vector<double> values(width);
-        for (std::size_t x = 0; x < width; ++x) {
-            values[x] = 0.125 * (above[x] + below[x]) + 0.75 * rows[y][x];
-        }
-        const double sum = WriteCdf(values, &table.cdf[height + 1 + y * (width + 1)]);
+    table.width = width;
+    table.numRows = numRows;
+    const std::size_t stride = std::size_t(width) + 1;
+    table.cdf.resize(numRows + 1 + numRows * stride);
+    std::vector<double> rowWeights(numRows);
+    tbb::parallel_for(std::uint32_t(0), numRows, [&](std::uint32_t y) {
+        const double sum = WriteCdf(valuesOfRow(y), &table.cdf[numRows + 1 + y * stride]);
         rowWeights[y] = sum * areaOfRow(y);
     });
     table.meanLuminance = WriteCdf(rowWeights, table.cdf.data()) / area;
     return table;
+}
+
+/// The upper half of a float's bits, rounded.
+std::uint32_t HalfOf(double value) {
+    const auto single = float(value);
+    std::uint32_t bits = 0;
+    std::memcpy(&bits, &single, sizeof(bits));
+    return (bits + 0x8000U) >> 16U;
+}
+
+/// Appends the luminance of texels, as part of the largest.
+void AppendTexels(const std::vector<double>& values, std::size_t width, std::vector<float>* words) {
+    const double largest = *std::max_element(values.begin(), values.end());
+    const double scale = largest > 0.0 ? 1.0 / largest : 0.0;
+    const std::size_t perRow = (width + 1) / 2;
+    const std::size_t first = words->size();
+    words->resize(first + values.size() / width * perRow);
+    tbb::parallel_for(std::size_t(0), values.size() / width, [&](std::size_t y) {
+        for (std::size_t x = 0; x < width; x += 2) {
+            const double* value = &values[y * width + x];
+            const std::uint32_t other = x + 1 < width ? HalfOf(scale * value[1]) << 16U : 0U;
+            (*words)[first + y * perRow + x / 2] =
+                shared::FloatOfBits(HalfOf(scale * value[0]) | other);
+        }
+    });
 }
 
 } // namespace
@@ -109,23 +133,59 @@ std::uint32_t FindTableMip(std::uint32_t width, std::uint32_t height) {
 }
 
 LightImageTable BuildLatLongTable(const LightImage& image) {
-    return BuildTable(image, Sides::Wrap, 4.0 * kPi, [&](std::uint32_t y) {
-        return 4.0 * kPi / double(image.width) * std::sin((y + 0.5) * kPi / image.height) *
-               std::sin(0.5 * kPi / image.height);
-    });
+    const std::size_t width = image.width;
+    const std::size_t height = image.height;
+    const std::vector<double> texels = LuminanceOf(image);
+    const auto valuesOfRow = [&](std::size_t y) {
+        const double* above = &texels[(std::max(y, std::size_t{1}) - 1) * width];
+        const double* below = &texels[std::min(y, height - 1) * width];
+        std::vector<double> values(width);
+        for (std::size_t x = 0; x < width; ++x) {
+            const std::size_t right = x + 1 < width ? x + 1 : 0;
+            values[x] = 0.25 * ((above[x] + above[right]) + (below[x] + below[right]));
+        }
+        return values;
+    };
+    const auto areaOfRow = [&](std::size_t y) {
+        const double begin = y == 0 ? 0.0 : double(y) - 0.5;
+        const double end = std::min(double(y) + 0.5, double(height));
+        const double step = 0.5 * kPi / double(height);
+        return 4.0 * kPi / double(width) * std::sin((begin + end) * step) *
+               std::sin((end - begin) * step);
+    };
+    LightImageTable table =
+        BuildTable(image.width, image.height + 1, 4.0 * kPi, valuesOfRow, areaOfRow);
+    AppendTexels(texels, width, &table.cdf);
+    return table;
 }
 
 LightImageTable BuildFlatTable(const LightImage& image) {
-    const double cell = 1.0 / (double(image.width) * double(image.height));
-    return BuildTable(image, Sides::Clamp, 1.0, [&](std::uint32_t) { return cell; });
+    const std::size_t width = image.width;
+    const std::size_t height = image.height;
+    const std::vector<double> texels = LuminanceOf(image);
+    const auto valuesOfRow = [&](std::size_t y) {
+        const auto filtered = [&](std::size_t row) {
+            return FilteredRow(&texels[row * width], width);
+        };
+        const std::vector<double> above = filtered(y == 0 ? 0 : y - 1);
+        const std::vector<double> below = filtered(std::min(y + 1, height - 1));
+        std::vector<double> values = filtered(y);
+        for (std::size_t x = 0; x < width; ++x) {
+            values[x] = 0.125 * (above[x] + below[x]) + 0.75 * values[x];
+        }
+        return values;
+    };
+    const double cell = 1.0 / (double(width) * double(height));
+    return BuildTable(image.width, image.height, 1.0, valuesOfRow,
+                      [&](std::size_t) { return cell; });
 }
 
-std::vector<std::uint32_t> SumCells(const float* cdf, std::uint32_t width, std::uint32_t height) {
+std::vector<std::uint32_t> SumCells(const float* cdf, std::uint32_t width, std::uint32_t numRows) {
     const std::size_t stride = std::size_t(width) + 1;
-    const double whole = double(~std::uint32_t{0}) - double(width) * double(height);
-    std::vector<std::uint32_t> sums((height + 1) * stride);
-    for (std::uint32_t y = 0; y < height; ++y) {
-        const float* conditional = cdf + height + 1 + y * stride;
+    const double whole = double(~std::uint32_t{0}) - double(width) * double(numRows);
+    std::vector<std::uint32_t> sums((numRows + 1) * stride);
+    for (std::uint32_t y = 0; y < numRows; ++y) {
+        const float* conditional = cdf + numRows + 1 + y * stride;
         const double row = double(cdf[y + 1]) - double(cdf[y]);
         std::uint32_t running = 0;
         for (std::uint32_t x = 0; x < width; ++x) {

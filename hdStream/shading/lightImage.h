@@ -25,26 +25,31 @@ struct LightTexture {
 
 /// The mip of an image that its distribution is made of: the finest of at most 2^21 texels, and of
 /// at most 8192 in a row or a column. 2048 x 1024 cells of a dome are 0.18 degrees wide, a third of
-/// the sun, and take 8 MB.
+/// the sun, and take 12 MB.
 std::uint32_t FindTableMip(std::uint32_t width, std::uint32_t height);
 
 /// Distribution of a light's directions or points, in proportion to the luminance of the image's
 /// bilinear lookup; no cell is without a share, since finer mips are looked up too.
 struct LightImageTable {
-    std::vector<float> cdf;     ///< marginal [height + 1], then conditionals [height][width + 1]
+    std::uint32_t width = 0;    ///< cells in a row
+    std::uint32_t numRows = 0;  ///< of cells
+    std::vector<float> cdf;     ///< marginal [numRows + 1], then conditionals [numRows][width + 1];
+                                ///< of a dome then the luminance of texels: [height][width], the
+                                ///< upper halves of floats, two in a word, rows in whole words
     double meanLuminance = 0.0; ///< over the sphere of directions, or the image
 };
 
-/// For a dome's latitude-longitude image, by solid angle. Cost: O(pixels), on all cores; the result
-/// does not depend on their number. A black image gives a uniform distribution.
+/// For a dome's latitude-longitude image, by solid angle. Cells lie between the centres of texels
+/// (kernels/light/dome.clh), so there is a row more than the image has. Cost: O(pixels), on all
+/// cores; the result does not depend on their number. A black image gives a uniform distribution.
 LightImageTable BuildLatLongTable(const LightImage& image);
 
-/// The same for an image on a flat light, by area.
+/// The same for an image on a flat light, by area. Its cells are the texels.
 LightImageTable BuildFlatTable(const LightImage& image);
 
 /// What portals need of a distribution: the mass of all cells above row y and left of column x, at
 /// [y * (width + 1) + x]. No cell is without mass, and all together have less than 2^32.
 /// \param cdf of LightImageTable.
-std::vector<std::uint32_t> SumCells(const float* cdf, std::uint32_t width, std::uint32_t height);
+std::vector<std::uint32_t> SumCells(const float* cdf, std::uint32_t width, std::uint32_t numRows);
 
 } // namespace hds

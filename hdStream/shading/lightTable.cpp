@@ -307,8 +307,8 @@ bool Builder::AddImage(const PlacedLight& placed, shared::HdsLight* light, doubl
     const LightImageTable distribution = isDome ? BuildLatLongTable(image) : BuildFlatTable(image);
     light->flags |= HDS_LIGHT_TEXTURED;
     light->dataBase = texture.index;
-    light->dataSize[0] = image.width;
-    light->dataSize[1] = image.height;
+    light->dataSize[0] = distribution.width;
+    light->dataSize[1] = distribution.numRows;
     light->params[3] = float(image.mip);
     light->cdfBase = std::uint32_t(_table.cdf.size());
     ++_table.numImages;

@@ -32,6 +32,9 @@
 #include "shading/bsdf.clh"
 #include "light/place.clh"
 #include "light/rect.clh"
+#if HDS_FEATURE_TEXTURES
+#include "light/dome.clh"
+#endif
 #include "light/estimate.clh"
 #include "light/select.clh"
 #if HDS_FEATURE_TEXTURES

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rect lights and the choice of a light: 8 paths at once against one.
+// Rect lights, cells of domes and the choice of a light: 8 paths at once against one.
 #include "hdStream/integrator/kernelFeatures.h"
 #include "testenv/device/math/lanesFixture.h"
 
@@ -71,6 +71,32 @@ void choices(const HdsTestContext* context, const Real* in, Real* out) {
 }
 )";
 
+const char* const kDomeText = R"(
+#define HDS_TEST_FIELDS_DomeCell(R1, R2, R3, U)                                             \
+    R3(worldFromLight[0]) R3(worldFromLight[1]) R3(worldFromLight[2]) R3(radiance)          \
+    R1(corners.topLeft) R1(corners.topRight) R1(corners.bottomLeft) R1(corners.bottomRight) \
+    R2(u) R1(width) R1(numRows) R1(x) R1(y) R1(pmf)
+HDS_TEST_STRUCT(DomeCell)
+void domes(const HdsTestContext* context, const Real* in, Real* out) {
+    HdsDomeCell cell;
+    DomeCell_make(&cell, in);
+    HdsLightSample light;
+    domeCell_sample(&cell, &light);
+    out = put3(out, light.direction);
+    out = put3(out, light.radiance);
+    out = put2(out, light.image);
+    out = put1(out, light.distance);
+    out = put1(out, light.pdf);
+}
+)";
+
+constexpr std::size_t kDomeResults = 10;
+
+const char* const kDomeKernels = R"(
+HDS_TEST_FORMS(domes, 23, 10)
+HDS_TEST_LANES(DomeCell, 23)
+)";
+
 constexpr std::size_t kRectResults = 26;
 constexpr std::size_t kChoiceResults = 3 + HDS_LIGHT_LOOP_MAX;
 
@@ -127,6 +153,23 @@ void AddRect(LaneRandom& r, LaneCase& one) {
     }
     one.Add({r.Unit(), r.Unit()});
     one.Add({q[0], q[1], q[2]});
+}
+
+/// A cell of a dome of some size, in a corner of it or anywhere; corners that are alike or not.
+void AddDomeCell(LaneRandom& r, LaneCase& one) {
+    for (const Vec& row : Rotation(r)) {
+        one.Add({row[0], row[1], row[2]});
+    }
+    one.AddColor(r, 30.0F);
+    const float luminance = r.Sized(-10.0F, 5.0F);
+    for (int i = 0; i < 4; ++i) {
+        one.push_back(r.Is(3) ? luminance : luminance * (0.01F + r.Unit()));
+    }
+    one.Add({r.Is(8) ? 0.0F : r.Unit(), r.Is(8) ? 0.0F : r.Unit()});
+    const unsigned width = 1U + r.Kind(r.Is(2) ? 8 : 2048);
+    const unsigned numRows = 2U + r.Kind(r.Is(2) ? 4 : 1024);
+    const unsigned y = r.Is(4) ? 0U : r.Is(4) ? numRows - 1U : r.Kind(numRows);
+    one.Add({float(width), float(numRows), float(r.Kind(width)), float(y), r.Unit()});
 }
 
 /// Where the portals of domes lie in the table.
@@ -240,6 +283,17 @@ TEST_F(WideLights, RectsHaveTheSameBits) {
         ExpectSameBits(*_program, "rectsForms", 80000, kRectResults, AddRect, {}, 7);
     EXPECT_EQ(CountConstant(results, kRectResults), 0U);
     ExpectLanes(*_program, "RectLight", 26);
+}
+
+TEST_F(WideLights, CellsOfDomesHaveTheSameBits) {
+    KernelFeatures features;
+    features.textures = true;
+    const auto program = BuildForms("integrator/shade.cl", "integrator/shadeScatter.clh", kDomeText,
+                                    kDomeKernels, features.WithNeeds().Defines());
+    const auto results =
+        ExpectSameBits(*program, "domesForms", 80000, kDomeResults, AddDomeCell, {}, 8);
+    EXPECT_EQ(CountConstant(results, kDomeResults), 1U) << "the distance alone";
+    ExpectLanes(*program, "DomeCell", 23);
 }
 
 TEST_F(WideLights, ChoicesHaveTheSameBits) {

@@ -2,9 +2,13 @@
 // The distributions of images on lights.
 #include "hdStream/shading/lightImage.h"
 
+#include "kernels/shared/compat.h"
+
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace hds {
 namespace {
@@ -18,34 +22,55 @@ LightImage Constant(std::uint32_t width, std::uint32_t height, float value) {
 TEST(LightImageTableTest, AConstantImageIsUniformOverTheSphere) {
     const LightImageTable table = BuildLatLongTable(Constant(8, 4, 3.0F));
     EXPECT_NEAR(table.meanLuminance, 3.0, 1e-6);
-    for (std::uint32_t y = 0; y <= 4; ++y) {
-        EXPECT_NEAR(table.cdf[y], 0.5 - 0.5 * std::cos(kPi * y / 4.0), 1e-6); // area above row y
+    EXPECT_EQ(table.width, 8U);
+    ASSERT_EQ(table.numRows, 5U);
+    for (std::uint32_t y = 0; y <= 5; ++y) {
+        // Rows begin at the poles and between texels; the area above row y.
+        const double begin = std::clamp((double(y) - 0.5) / 4.0, 0.0, 1.0);
+        EXPECT_NEAR(table.cdf[y], 0.5 - 0.5 * std::cos(kPi * begin), 1e-6);
     }
     for (std::uint32_t x = 0; x <= 8; ++x) {
-        EXPECT_NEAR(table.cdf[5 + x], x / 8.0, 1e-6);
+        EXPECT_NEAR(table.cdf[6 + x], x / 8.0, 1e-6);
     }
 }
 
-TEST(LightImageTableTest, ABrightTexelSpreadsAsItsBilinearTent) {
+TEST(LightImageTableTest, ABrightTexelSharesTheCellsAroundIt) {
     LightImage image = Constant(16, 8, 0.0F);
     for (int c = 0; c < 3; ++c) {
         image.rgb[(4 * 16 + 0) * 3 + std::size_t(c)] = 1.0F; // at the seam, row 4
     }
     const LightImageTable table = BuildLatLongTable(image);
     const auto weight = [&](std::size_t x, std::size_t y) {
-        const float* row = &table.cdf[9 + y * 17];
+        const float* row = &table.cdf[10 + y * 17];
         return double(table.cdf[y + 1] - table.cdf[y]) * (row[x + 1] - row[x]) /
-               std::sin((double(y) + 0.5) * kPi / 8.0);
+               std::sin(double(y) * kPi / 8.0);
     };
     const double peak = weight(0, 4);
-    EXPECT_NEAR(weight(1, 4) / peak, 1.0 / 6.0, 1e-5);
-    EXPECT_NEAR(weight(15, 4) / peak, 1.0 / 6.0, 1e-5) << "longitude wraps";
-    EXPECT_NEAR(weight(0, 3) / peak, 1.0 / 6.0, 1e-5);
-    EXPECT_NEAR(weight(1, 5) / peak, 1.0 / 36.0, 1e-5);
-    for (const double dark : {weight(2, 4), weight(0, 6)}) {
+    EXPECT_NEAR(weight(15, 4) / peak, 1.0, 1e-5) << "longitude wraps";
+    EXPECT_NEAR(weight(0, 5) / peak, 1.0, 1e-5);
+    EXPECT_NEAR(weight(15, 5) / peak, 1.0, 1e-5);
+    for (const double dark : {weight(1, 4), weight(0, 6), weight(0, 3)}) {
         EXPECT_GT(dark, 0.0) << "finer mips may be bright here";
         EXPECT_LT(dark / peak, 1e-5);
     }
+}
+
+/// The sampling inside of cells needs them.
+TEST(LightImageTableTest, TheLuminanceOfTexelsIsThere) {
+    LightImage image = Constant(3, 2, 0.5F); // rows of an odd number of texels end in half a word
+    for (std::size_t c = 0; c < 3; ++c) {
+        image.rgb[(1 * 3 + 2) * 3 + c] = 4.0F;
+    }
+    const LightImageTable table = BuildLatLongTable(image);
+    ASSERT_EQ(table.cdf.size(), 4U + 3U * 4U + 2U * 2U);
+    const auto texel = [&](std::size_t x, std::size_t y) {
+        std::uint32_t word = 0;
+        std::memcpy(&word, &table.cdf[16 + y * 2 + x / 2], sizeof(word));
+        return shared::FloatOfBits(x % 2 == 0 ? word << 16U : word & 0xffff0000U);
+    };
+    EXPECT_EQ(texel(2, 1), 1.0F) << "the largest";
+    EXPECT_EQ(texel(0, 0), 0.125F);
+    EXPECT_EQ(texel(1, 1), 0.125F);
 }
 
 /// The mass of every box is that of its cells; beside a sun of 1e9 no cell is without.
@@ -54,14 +79,14 @@ TEST(LightImageTableTest, SumsOfCellsAreExact) {
     image.rgb[(2 * 16 + 5) * 3 + 1] = 1e9F;
     image.rgb[(6 * 16 + 9) * 3 + 1] = 100.0F;
     const LightImageTable table = BuildLatLongTable(image);
-    const std::vector<std::uint32_t> sums = SumCells(table.cdf.data(), 16, 8);
-    ASSERT_EQ(sums.size(), 9U * 17U);
+    const std::vector<std::uint32_t> sums = SumCells(table.cdf.data(), 16, 9);
+    ASSERT_EQ(sums.size(), 10U * 17U);
     const auto box = [&](std::size_t x0, std::size_t y0, std::size_t x1, std::size_t y1) {
         return sums[y1 * 17 + x1] - sums[y0 * 17 + x1] - sums[y1 * 17 + x0] + sums[y0 * 17 + x0];
     };
     std::uint64_t all = 0;
-    for (std::size_t y = 0; y < 8; ++y) {
-        const float* row = &table.cdf[9 + y * 17];
+    for (std::size_t y = 0; y < 9; ++y) {
+        const float* row = &table.cdf[10 + y * 17];
         for (std::size_t x = 0; x < 16; ++x) {
             const double share =
                 (double(table.cdf[y + 1]) - table.cdf[y]) * (double(row[x + 1]) - row[x]);
@@ -70,7 +95,7 @@ TEST(LightImageTableTest, SumsOfCellsAreExact) {
             all += box(x, y, x + 1, y + 1);
         }
     }
-    EXPECT_EQ(all, box(0, 0, 16, 8)) << "no overflow";
+    EXPECT_EQ(all, box(0, 0, 16, 9)) << "no overflow";
 }
 
 TEST(LightImageTableTest, AFlatImageCountsAreaAndEndsAtItsEdges) {
@@ -90,8 +115,8 @@ TEST(LightImageTableTest, AFlatImageCountsAreaAndEndsAtItsEdges) {
 TEST(LightImageTableTest, ABlackImageIsNotAnError) {
     const LightImageTable table = BuildLatLongTable(Constant(4, 2, 0.0F));
     EXPECT_EQ(table.meanLuminance, 0.0);
-    EXPECT_FLOAT_EQ(table.cdf[1], 0.5F);
-    EXPECT_FLOAT_EQ(table.cdf[2], 1.0F);
+    EXPECT_FLOAT_EQ(table.cdf[1], 1.0F / 3.0F);
+    EXPECT_FLOAT_EQ(table.cdf[3], 1.0F);
 }
 
 /// A sun that is all but all of the power: what floats make of the sums may leave no cell out.
@@ -102,16 +127,17 @@ TEST(LightImageTableTest, NoCellIsWithoutAShare) {
         image.rgb[std::size_t{3} * kWidth + c] = 1e10F; // first in the middle row
     }
     for (const LightImageTable& table : {BuildLatLongTable(image), BuildFlatTable(image)}) {
-        for (std::uint32_t y = 0; y < 3; ++y) {
+        for (std::uint32_t y = 0; y < table.numRows; ++y) {
             ASSERT_GT(table.cdf[y + 1], table.cdf[y]) << y;
-            const float* row = &table.cdf[4 + y * (kWidth + 1)];
+            const float* row = &table.cdf[table.numRows + 1 + y * (kWidth + 1)];
             ASSERT_EQ(row[0], 0.0F);
             ASSERT_EQ(row[kWidth], 1.0F);
             for (std::uint32_t x = 0; x < kWidth; ++x) {
                 ASSERT_GT(row[x + 1], row[x]) << x << " " << y;
             }
         }
-        EXPECT_GT(table.cdf[5 + kWidth + 1], 0.7F) << "the sun's own cell keeps its share";
+        const float* row = &table.cdf[table.numRows + 1 + kWidth + 1];
+        EXPECT_GT(row[1], 0.4F) << "the sun's own cell keeps its share";
     }
 }
 

@@ -464,12 +464,14 @@ TEST(LightTableTest, ImagesOfRectsAndDomes) {
     for (int i = 0; i < 2; ++i) {
         const shared::HdsLight& light = table.lights[i];
         EXPECT_TRUE(light.flags & HDS_LIGHT_TEXTURED);
-        EXPECT_EQ(light.dataSize[0] * 10 + light.dataSize[1], 42U);
+        const bool isDome = light.type == HDS_LIGHT_DOME;
+        EXPECT_EQ(light.dataSize[0], 4U);
+        EXPECT_EQ(light.dataSize[1], isDome ? 3U : 2U) << "cells";
         EXPECT_EQ(light.dataBase, 5U) << "its texture";
         EXPECT_EQ(light.params[3], 3.0F) << "the mip of the distribution";
     }
     EXPECT_EQ(table.numImages, 2U);
-    EXPECT_EQ(table.cdf.size(), 2U * (3U + 2U * 5U));
+    EXPECT_EQ(table.cdf.size(), (3U + 2U * 5U) + (4U + 3U * 5U + 2U * 2U));
     const double luminance = 2.0 * (7.0 + 0.7152 + 0.0722) / 8.0; // of the image, without the red
     EXPECT_NEAR(table.lights[1].strength, 0.25 * luminance, 1e-5) << "power over 4 pi";
     EXPECT_TRUE(warnings.Lines().empty());
