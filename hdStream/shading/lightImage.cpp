@@ -8,8 +8,8 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstring>
 #include <numeric>
 
 namespace hds {
@@ -91,27 +91,29 @@ LightImageTable BuildTable(std::uint32_t width, std::uint32_t numRows, double ar
     return table;
 }
 
-/// The upper half of a float's bits, rounded.
-std::uint32_t HalfOf(double value) {
-    const auto single = float(value);
-    std::uint32_t bits = 0;
-    std::memcpy(&bits, &single, sizeof(bits));
-    return (bits + 0x8000U) >> 16U;
+/// A texel in two words: three factors of 16 bits, then the exponent of what they are multiplied
+/// with, as a float has it.
+std::array<std::uint32_t, 2> PackTexel(const float* rgb) {
+    const float largest = std::max({rgb[0], rgb[1], rgb[2]});
+    int exponent = 0;
+    std::frexp(largest, &exponent); // largest < 2^exponent
+    exponent = std::max(exponent - 16, -126);
+    std::array<std::uint32_t, 3> factors{};
+    for (int i = 0; i < 3; ++i) {
+        factors[i] = std::uint32_t(std::min(std::lround(std::ldexp(rgb[i], -exponent)), 65535L));
+    }
+    return {factors[0] | factors[1] << 16U, factors[2] | std::uint32_t(exponent + 127) << 16U};
 }
 
-/// Appends the luminance of texels, as part of the largest.
-void AppendTexels(const std::vector<double>& values, std::size_t width, std::vector<float>* words) {
-    const double largest = *std::max_element(values.begin(), values.end());
-    const double scale = largest > 0.0 ? 1.0 / largest : 0.0;
-    const std::size_t perRow = (width + 1) / 2;
+void AppendTexels(const LightImage& image, std::vector<float>* words) {
     const std::size_t first = words->size();
-    words->resize(first + values.size() / width * perRow);
-    tbb::parallel_for(std::size_t(0), values.size() / width, [&](std::size_t y) {
-        for (std::size_t x = 0; x < width; x += 2) {
-            const double* value = &values[y * width + x];
-            const std::uint32_t other = x + 1 < width ? HalfOf(scale * value[1]) << 16U : 0U;
-            (*words)[first + y * perRow + x / 2] =
-                shared::FloatOfBits(HalfOf(scale * value[0]) | other);
+    const std::size_t width = image.width;
+    words->resize(first + 2 * width * image.height);
+    tbb::parallel_for(std::size_t(0), std::size_t(image.height), [&](std::size_t y) {
+        for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
+            const std::array<std::uint32_t, 2> texel = PackTexel(&image.rgb[3 * i]);
+            (*words)[first + 2 * i] = shared::FloatOfBits(texel[0]);
+            (*words)[first + 2 * i + 1] = shared::FloatOfBits(texel[1]);
         }
     });
 }
@@ -155,7 +157,7 @@ LightImageTable BuildLatLongTable(const LightImage& image) {
     };
     LightImageTable table =
         BuildTable(image.width, image.height + 1, 4.0 * kPi, valuesOfRow, areaOfRow);
-    AppendTexels(texels, width, &table.cdf);
+    AppendTexels(image, &table.cdf);
     return table;
 }
 

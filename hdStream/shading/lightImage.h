@@ -25,7 +25,7 @@ struct LightTexture {
 
 /// The mip of an image that its distribution is made of: the finest of at most 2^21 texels, and of
 /// at most 8192 in a row or a column. 2048 x 1024 cells of a dome are 0.18 degrees wide, a third of
-/// the sun, and take 12 MB.
+/// the sun, and take 24 MB.
 std::uint32_t FindTableMip(std::uint32_t width, std::uint32_t height);
 
 /// Distribution of a light's directions or points, in proportion to the luminance of the image's
@@ -34,8 +34,8 @@ struct LightImageTable {
     std::uint32_t width = 0;    ///< cells in a row
     std::uint32_t numRows = 0;  ///< of cells
     std::vector<float> cdf;     ///< marginal [numRows + 1], then conditionals [numRows][width + 1];
-                                ///< of a dome then the luminance of texels: [height][width], the
-                                ///< upper halves of floats, two in a word, rows in whole words
+                                ///< of a dome then the texels, [height][width][2] words
+                                ///< (kernels/light/domeImage.clh)
     double meanLuminance = 0.0; ///< over the sphere of directions, or the image
 };
 

@@ -66,8 +66,8 @@ typedef struct {
     u32 dataSize[2]; /* image: cells of its distribution, columns, rows; mesh: number of triangles,
                         and in lightCdf its HdsMeshMotion, or HDS_NONE: it rests */
     u32 cdfBase;     /* in lightCdf: image: marginal [height + 1], then conditionals
-                        [height][width + 1], of a dome then the luminance of
-                        texels; mesh: by weight [numTriangles + 1] */
+                        [height][width + 1], of a dome then its texels
+                        (light/domeImage); mesh: by weight [numTriangles + 1] */
     f32 strength;    /* luminance; finite: power / (4 pi); at infinity: irradiance */
     f32 center[3];   /* of a sphere that bounds the emitting shape, world */
     f32 boundRadius; /* HDS_LIGHT_FAR: at infinity */

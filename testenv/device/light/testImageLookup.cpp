@@ -51,18 +51,13 @@ class LightImageLookup : public DeviceFixture {
 protected:
     void SetUp() override {
         DeviceFixture::SetUp();
-        textures.Add(kWidth, kHeight, HDS_TEXEL_FLOAT | 2U, HDS_SWIZZLE_RGBA, 11);
+        textures.Add(kWidth, kHeight, HDS_TEXEL_U8 | 2U, HDS_SWIZZLE_RGBA, 11);
     }
 
     std::vector<glm::dvec3> LookUpOf(const PlacedLight& light, const std::vector<Ray>& rays,
                                      float t, float width, float bias = 0.0F) {
-        const LoadLightImage load = [](const AssetReference&) {
-            const std::uint32_t columns = kWidth >> kTableMip;
-            const std::uint32_t rows = kHeight >> kTableMip;
-            return LightTexture{
-                std::make_shared<LightImage>(LightImage{
-                    columns, rows, std::vector<float>(columns * rows * 3, 1.0F), kTableMip}),
-                0};
+        const LoadLightImage load = [this](const AssetReference&) {
+            return LightTexture{std::make_shared<LightImage>(TableImage()), 0};
         };
         Warnings warnings;
         const LightTable table = BuildLightTable({light}, {}, {load, {}, {}}, warnings);
@@ -90,6 +85,20 @@ protected:
             colors.emplace_back(results[3 * i], results[3 * i + 1], results[3 * i + 2]);
         }
         return colors;
+    }
+
+    /// The mip that tables are made of.
+    LightImage TableImage() const {
+        LightImage image{kWidth >> kTableMip, kHeight >> kTableMip, {}, kTableMip};
+        for (std::uint32_t y = 0; y < image.height; ++y) {
+            for (std::uint32_t x = 0; x < image.width; ++x) {
+                const glm::dvec2 middle((x + 0.5) / image.width, 1.0 - (y + 0.5) / image.height);
+                const glm::dvec3 texel =
+                    Expected(middle, HDS_WRAP_REPEAT, double(1U << kTableMip), 0.0);
+                image.rgb.insert(image.rgb.end(), {float(texel.x), float(texel.y), float(texel.z)});
+            }
+        }
+        return image;
     }
 
     /// \param texels that a footprint's lesser axis covers

@@ -150,7 +150,10 @@ TEST_F(LightEdits, ImagesOfLightsCountAsTextures) {
         return nlohmann::json::parse(session.Statistics())["texture"];
     };
     EXPECT_EQ(statisticsOf()["linesTotal"], 0);
-    Light("/dome", LightType::Dome, WriteImage("a.ppm", 640, 320, 1))(session);
+    Light("/dome", LightType::Dome, WriteImage("b.ppm", 64, 32, 1))(session);
+    EXPECT_EQ(statisticsOf()["lookups"], 0) << "the image is beside its distribution";
+    session.Remove("/dome");
+    Light("/rect", LightType::Rect, WriteImage("a.ppm", 640, 320, 1))(session);
     const nlohmann::json texture = statisticsOf();
     EXPECT_EQ(texture["textures"], 1);
     EXPECT_EQ(texture["mode"], "stream");

@@ -55,22 +55,26 @@ TEST(LightImageTableTest, ABrightTexelSharesTheCellsAroundIt) {
     }
 }
 
-/// The sampling inside of cells needs them.
-TEST(LightImageTableTest, TheLuminanceOfTexelsIsThere) {
-    LightImage image = Constant(3, 2, 0.5F); // rows of an odd number of texels end in half a word
-    for (std::size_t c = 0; c < 3; ++c) {
-        image.rgb[(1 * 3 + 2) * 3 + c] = 4.0F;
-    }
+/// 16 bits beside the largest channel, whatever the size of the numbers.
+TEST(LightImageTableTest, TexelsKeepSixteenBits) {
+    LightImage image = Constant(3, 2, 0.7F);
+    const float colors[3][3] = {{1e5F, 3.0F, 0.123F}, {1e-30F, 3e-31F, 0.0F}, {0.0F, 0.0F, 0.0F}};
+    std::memcpy(image.rgb.data(), colors, sizeof(colors));
+    image.rgb[3 * 5] = 65535.99F; // rounds up to the next power of two
     const LightImageTable table = BuildLatLongTable(image);
-    ASSERT_EQ(table.cdf.size(), 4U + 3U * 4U + 2U * 2U);
-    const auto texel = [&](std::size_t x, std::size_t y) {
-        std::uint32_t word = 0;
-        std::memcpy(&word, &table.cdf[16 + y * 2 + x / 2], sizeof(word));
-        return shared::FloatOfBits(x % 2 == 0 ? word << 16U : word & 0xffff0000U);
-    };
-    EXPECT_EQ(texel(2, 1), 1.0F) << "the largest";
-    EXPECT_EQ(texel(0, 0), 0.125F);
-    EXPECT_EQ(texel(1, 1), 0.125F);
+    ASSERT_EQ(table.cdf.size(), 4U + 3U * 4U + 6U * 2U);
+    for (std::size_t i = 0; i < 6; ++i) {
+        std::uint32_t words[2];
+        std::memcpy(words, &table.cdf[16 + 2 * i], sizeof(words));
+        const double unit = shared::FloatOfBits(words[1] >> 16U << 23U);
+        const double texel[3] = {(words[0] & 0xffffU) * unit, (words[0] >> 16U) * unit,
+                                 (words[1] & 0xffffU) * unit};
+        const float* expected = &image.rgb[3 * i];
+        const double largest = *std::max_element(expected, expected + 3);
+        for (std::size_t c = 0; c < 3; ++c) {
+            EXPECT_NEAR(texel[c], expected[c], 0x1p-16 * largest) << i << " " << c;
+        }
+    }
 }
 
 /// The mass of every box is that of its cells; beside a sun of 1e9 no cell is without.

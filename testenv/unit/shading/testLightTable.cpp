@@ -471,7 +471,7 @@ TEST(LightTableTest, ImagesOfRectsAndDomes) {
         EXPECT_EQ(light.params[3], 3.0F) << "the mip of the distribution";
     }
     EXPECT_EQ(table.numImages, 2U);
-    EXPECT_EQ(table.cdf.size(), (3U + 2U * 5U) + (4U + 3U * 5U + 2U * 2U));
+    EXPECT_EQ(table.cdf.size(), (3U + 2U * 5U) + (4U + 3U * 5U + 8U * 2U));
     const double luminance = 2.0 * (7.0 + 0.7152 + 0.0722) / 8.0; // of the image, without the red
     EXPECT_NEAR(table.lights[1].strength, 0.25 * luminance, 1e-5) << "power over 4 pi";
     EXPECT_TRUE(warnings.Lines().empty());
