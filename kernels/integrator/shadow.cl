@@ -95,6 +95,13 @@ void shadow_arrive(const HdsSceneView* scene, HdsPaths paths, uint i, const HdsH
                    volatile global uint* counters) {
 #if HDS_FEATURE_CUTOUT
     bool passes = candidate->chunk != HDS_NONE;
+#if HDS_FEATURE_MEDIA_STACK
+    const float bound = as_float(path_load_shadowMediaHigh(paths, i).w);
+    if (!passes && bound > 0.0f && bound < path_load_shadowOrigin(paths, i).w) {
+        shadow_end(paths, i, readyQueue, counters); /* it ends in the medium that it begins in */
+        return;
+    }
+#endif
 #if HDS_FEATURE_VOLUMES
     passes = passes || (!shadow_needsLight(scene, paths, i) && volumePath_isAhead(scene, paths, i));
 #endif
@@ -234,7 +241,7 @@ float3 shadow_crossMedium(const HdsSceneView* scene, HdsPaths paths, uint i,
     const float3 left = mediaStack_shadowLeft(scene->meshMedia, &stack, t);
     mediaStack_cross(&stack, number, vec_dot(surface->point.normal, direction) < 0.0f);
     stack.begin = t;
-    stack.end = 1.0f;
+    stack.end = INFINITY;
     mediaStack_storeShadow(&stack, paths, i);
     return left;
 }
