@@ -7,6 +7,9 @@
 #endif
 #include "integrator/camera.clh"
 #include "integrator/itemLoop.clh"
+#if HDS_FEATURE_MEDIA_STACK
+#include "integrator/meshMedia.clh"
+#endif
 #include "integrator/passThrough.clh"
 #include "integrator/pathState.clh"
 
@@ -220,6 +223,43 @@ void aov_addVolumes(constant const HdsFrameParams* frame, const HdsSceneView* sc
 }
 #endif
 
+#if HDS_FEATURE_MEDIA_STACK
+/* Whether the ray of slot i looks for the media that the camera is in. */
+bool aov_isProbe(HdsPaths paths, uint i) {
+    return (path_load_medium(paths, i).x & HDS_PATH_MEDIUM_MASK) == HDS_MEDIUM_PROBE;
+}
+
+/* Begins the camera ray of slot i, which has waited in the fields of the shadow ray. */
+void aov_beginCamera(HdsPaths paths, uint i, global uint* nextQueue,
+                     volatile global uint* counters) {
+    path_store_origin(paths, i, path_load_shadowOrigin(paths, i));
+    path_store_direction(paths, i, path_load_shadowDirection(paths, i));
+    path_store_medium(paths, i, (uint4)(0u));
+    path_store_status(paths, i, (uint4)(path_load_status(paths, i).xy, 0u, 0u));
+    path_store_after(paths, i, (uint4)(0u));
+    queue_append(nextQueue, &counters[HDS_COUNTER_ACTIVE], i);
+}
+#endif
+
+#if HDS_FEATURE_CUTOUT
+/* The ray of slot i goes on behind a surface, unless it has passed too many. */
+bool aov_pass(const HdsSceneView* scene, const HdsHit* hit, const HdsSurfaceHit* surface,
+              HdsPaths paths, uint i, global uint* nextQueue, volatile global uint* counters) {
+    uint4 status = path_load_status(paths, i);
+    if ((status.z >> HDS_PATH_PASS_SHIFT) >= HDS_MAX_PASSES) {
+        return false;
+    }
+#if HDS_FEATURE_MEDIA_STACK
+    meshMedia_pass(scene, surface, path_load_direction(paths, i).xyz, paths, i);
+#endif
+    status.z += HDS_PATH_ONE_PASS;
+    path_store_status(paths, i, status);
+    path_store_after(paths, i, passThrough_key(hit, surface));
+    queue_append(nextQueue, &counters[HDS_COUNTER_ACTIVE], i);
+    return true;
+}
+#endif
+
 /* Writes the first hit of slot i, or appends it to what goes on or waits. */
 void aov_store(constant const HdsFrameParams* frame, const HdsSceneView* scene, HdsPaths paths,
                uint i, global uint* waitQueue, global uint* nextQueue,
@@ -231,9 +271,15 @@ void aov_store(constant const HdsFrameParams* frame, const HdsSceneView* scene, 
     }
 #endif
     HdsHit hit = path_loadHit(paths, i);
-    uint4 status = path_load_status(paths, i);
+    const uint4 status = path_load_status(paths, i);
     global float* pixel = floats + (size_t)status.x * offsets.floatStride;
     global int* ids = ints + (size_t)status.x * offsets.intStride;
+#if HDS_FEATURE_MEDIA_STACK
+    if (hit.chunk == HDS_NONE && aov_isProbe(paths, i)) {
+        aov_beginCamera(paths, i, nextQueue, counters);
+        return;
+    }
+#endif
     if (hit.chunk == HDS_NONE) {
         aov_storeMiss(offsets, pixel, ids);
 #if HDS_FEATURE_VOLUMES
@@ -248,6 +294,18 @@ void aov_store(constant const HdsFrameParams* frame, const HdsSceneView* scene, 
     HdsShadingPoint shading;
     HdsBsdf bsdf;
     surfaceHit_load(scene, &hit, path_time(paths, i), &surface);
+#if HDS_FEATURE_MEDIA_STACK
+    if (aov_isProbe(paths, i)) {
+        if (!aov_pass(scene, &hit, &surface, paths, i, nextQueue, counters)) {
+            aov_beginCamera(paths, i, nextQueue, counters);
+        }
+        return;
+    }
+    const HdsMediaStack stack = mediaStack_load(paths, i);
+    const bool isThere = meshMedia_meet(scene, &stack, path_load_direction(paths, i).xyz, &surface);
+#elif HDS_FEATURE_CUTOUT
+    const bool isThere = true;
+#endif
 #if HDS_FEATURE_TEXTURES
     HdsRayCones cones;
     cones.pair = path_load_cones(paths, i);
@@ -261,13 +319,10 @@ void aov_store(constant const HdsFrameParams* frame, const HdsSceneView* scene, 
         return;
     }
 #if HDS_FEATURE_CUTOUT
-    bool isPassed = vec_minComponent(bsdf_passThrough(&bsdf, shading.wo.z)) >= 1.0f ||
-                    passThrough_isCulled(scene, &surface, path_load_direction(paths, i).xyz);
-    if (isPassed && (status.z >> HDS_PATH_PASS_SHIFT) < HDS_MAX_PASSES) {
-        status.z += HDS_PATH_ONE_PASS;
-        path_store_status(paths, i, status);
-        path_store_after(paths, i, passThrough_key(&hit, &surface));
-        queue_append(nextQueue, &counters[HDS_COUNTER_ACTIVE], i);
+    const bool isPassed = !isThere ||
+                          vec_minComponent(bsdf_passThrough(&bsdf, shading.wo.z)) >= 1.0f ||
+                          passThrough_isCulled(scene, &surface, path_load_direction(paths, i).xyz);
+    if (isPassed && aov_pass(scene, &hit, &surface, paths, i, nextQueue, counters)) {
         return;
     }
 #endif

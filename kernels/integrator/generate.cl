@@ -213,6 +213,7 @@ kernel void generate_centre(constant const HdsFrameParams* frame, HdsWave wave, 
     const HdsTransform pose = camera_pose(frame, frame->frameTime);
     const HdsLens lens = camera_lens(frame, frame->frameTime);
     const HdsCameraRay ray = camera_generate(frame, &pose, &lens, raster, (float2)(0.5f));
-    generate_start(paths, generate_slot(queue, queueFirst + item, i), i, frame, ray,
-                   frame->frameTime, pixel, 0u);
+    const uint slot = generate_slot(queue, queueFirst + item, i);
+    generate_start(paths, slot, i, frame, ray, frame->frameTime, pixel, 0u);
+    generate_findMedia(frame, paths, slot);
 }

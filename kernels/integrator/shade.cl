@@ -97,10 +97,10 @@ bool shade_passThrough(const HdsSceneView* scene, const HdsHit* hit, const HdsSu
     path->status.z += HDS_PATH_ONE_PASS;
     path->status.w = passThrough_id(path->status.w, hit, surface);
 #if HDS_FEATURE_MEDIA_STACK
-    const uint number = shadeMeshMedium_number(scene, surface);
+    const uint number = meshMedia_number(scene, surface);
     if (number != 0u) {
-        shadeMeshMedium_cross(scene, number, shadeMeshMedium_enters(surface, path->direction),
-                              hit->t, path, paths, i);
+        shadeMeshMedium_cross(scene, number, meshMedia_enters(surface, path->direction), hit->t,
+                              path, paths, i);
     }
 #endif
     path_store_throughput(paths, i, (float4)(path->throughput, path->bsdfPdf));
@@ -145,9 +145,7 @@ uint shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
     at->surface.chance = shade_chance(path);
 #endif
 #if HDS_FEATURE_MEDIA_STACK
-    const bool isThere = mediaStack_meet(
-        scene->meshMedia, &path->medium.stack, shadeMeshMedium_number(scene, &at->surface),
-        shadeMeshMedium_enters(&at->surface, path->direction), &at->surface.outsideIor);
+    const bool isThere = meshMedia_meet(scene, &path->medium.stack, path->direction, &at->surface);
 #endif
 #if HDS_FEATURE_TEXTURES
     at->surface.choice = shade_chooseTexels(scene, &at->surface, path);
@@ -163,7 +161,7 @@ uint shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
 #if HDS_FEATURE_MEDIA
     bool mayAbsorb = path->medium.medium.kind == HDS_MEDIUM_NONE;
 #if HDS_FEATURE_MEDIA_STACK
-    mayAbsorb = mayAbsorb && shadeMeshMedium_number(scene, &at->surface) == 0u;
+    mayAbsorb = mayAbsorb && meshMedia_number(scene, &at->surface) == 0u;
 #endif
     if (mayAbsorb) {
         path->throughput *= bsdf_transmittance(&scatter->bsdf, at->hit.t);

@@ -15,7 +15,7 @@
 #include "integrator/volumePath.clh"
 #endif
 #if HDS_FEATURE_MEDIA_STACK
-#include "integrator/mediaStack.clh"
+#include "integrator/meshMedia.clh"
 #endif
 
 #if HDS_FEATURE_GLASS_SHADOWS
@@ -95,6 +95,13 @@ void shadow_arrive(const HdsSceneView* scene, HdsPaths paths, uint i, const HdsH
                    volatile global uint* counters) {
 #if HDS_FEATURE_CUTOUT
     bool passes = candidate->chunk != HDS_NONE;
+#if HDS_FEATURE_MEDIA_STACK
+    const float bound = as_float(path_load_shadowMediaHigh(paths, i).w);
+    if (!passes && bound > 0.0f && bound < path_load_shadowOrigin(paths, i).w) {
+        shadow_end(paths, i, readyQueue, counters); /* it ends in the medium that it begins in */
+        return;
+    }
+#endif
 #if HDS_FEATURE_VOLUMES
     passes = passes || (!shadow_needsLight(scene, paths, i) && volumePath_isAhead(scene, paths, i));
 #endif
@@ -207,8 +214,7 @@ bool shadow_share(const HdsSceneView* scene, HdsPaths paths, uint i, HdsSurfaceH
 #endif
 #if HDS_FEATURE_MEDIA_STACK
     const HdsMediaStack stack = mediaStack_loadShadow(paths, i);
-    if (!mediaStack_meet(scene->meshMedia, &stack, surfaceMaterial_of(scene, surface)->meshMedium,
-                         vec_dot(surface->point.normal, viewer) > 0.0f, &surface->outsideIor)) {
+    if (!meshMedia_meet(scene, &stack, -viewer, surface)) {
         *share = (float3)(1.0f);
         return true;
     }
@@ -226,15 +232,15 @@ bool shadow_share(const HdsSceneView* scene, HdsPaths paths, uint i, HdsSurfaceH
  * \return what the medium before that has left of its light. */
 float3 shadow_crossMedium(const HdsSceneView* scene, HdsPaths paths, uint i,
                           const HdsSurfaceHit* surface, float3 direction, float t) {
-    const uint number = surfaceMaterial_of(scene, surface)->meshMedium;
+    const uint number = meshMedia_number(scene, surface);
     if (number == 0u) {
         return (float3)(1.0f);
     }
     HdsMediaStack stack = mediaStack_loadShadow(paths, i);
     const float3 left = mediaStack_shadowLeft(scene->meshMedia, &stack, t);
-    mediaStack_cross(&stack, number, vec_dot(surface->point.normal, direction) < 0.0f);
+    mediaStack_cross(&stack, number, meshMedia_enters(surface, direction));
     stack.begin = t;
-    stack.end = 1.0f;
+    stack.end = INFINITY;
     mediaStack_storeShadow(&stack, paths, i);
     return left;
 }

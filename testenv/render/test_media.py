@@ -14,6 +14,7 @@ pytest.importorskip("hdstream._core")
 
 import compare
 import ours
+from ballWalk import AlbedoOf, BallAlbedo
 from stages import author, shapes
 from stages.materialX import OPEN_PBR, STANDARD, AddSurface
 
@@ -114,33 +115,12 @@ def test_a_light_in_fog_that_absorbs_nothing_keeps_its_power(tmp_path, medium):
     assert fog == pytest.approx(np.full(3, 100.0 * np.pi * 0.1**2 / 2.1**2), rel=0.01)
 
 
-def _BallAlbedo(color: float, radius: float, count=200000) -> float:
-    """What a ball of radius 1 gives back of the light that enters it by Lambert's law: walks in double precision with events that
-    end them by chance, of the albedo by Kulla and Conty's fit."""
-    random = np.random.default_rng(3)
-    albedo = 1 - np.exp(-5.09406 * color + 2.61188 * color**2 - 4.31805 * color**3)
-    def Directions(count, z):
-        phi, r = 2 * np.pi * random.random(count), np.sqrt(1 - z * z)
-        return np.stack([r * np.cos(phi), r * np.sin(phi), z], -1)
-    at, to = np.tile([0.0, 0.0, 1.0], (count, 1)), Directions(count, -np.sqrt(random.random(count)))
-    escaped = 0
-    while len(at):
-        b = np.sum(at * to, -1)
-        exits = -b + np.sqrt(np.maximum(b * b + 1 - np.sum(at * at, -1), 0))
-        way = -np.log(1 - random.random(len(at))) * radius
-        escaped += np.sum(way >= exits)
-        goesOn = (way < exits) & (random.random(len(at)) < albedo)
-        at = at[goesOn] + way[goesOn, None] * to[goesOn]
-        to = Directions(len(at), 2 * random.random(len(at)) - 1)
-    return escaped / count
-
-
 @pytest.mark.parametrize("radius", [0.03, 0.4])
 def test_a_ball_below_a_uniform_sky_gives_back_what_walks_in_it_do(tmp_path, radius):
     # All of its points are alike, and leave by Lambert's law: so are all pixels. The smaller it is beside the mean free path, the
     # more does it give back than a half-space, whose part is subsurface_color.
     color = np.array([0.8, 0.5, 0.3])
-    expected = np.array([_BallAlbedo(one, radius) for one in color])
+    expected = np.array([BallAlbedo(AlbedoOf(one), radius) for one in color])
     assert (expected > color * (1.005 if radius < 0.1 else 1.08)).all()
     assert _Mean(tmp_path, shapes.Sphere(1.0, 96, 192), _Below(color, radius), samples=512) == pytest.approx(expected, rel=0.01)
 

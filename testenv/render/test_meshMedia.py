@@ -247,6 +247,19 @@ def test_the_camera_may_be_in_ten_media(tmp_path):
     assert _Mean(path, 4) == pytest.approx(np.full(3, np.exp(-np.dot(ways, sigmas))), rel=1e-3)
 
 
+@pytest.mark.parametrize("fromInside", [False, True], ids=["outside", "inside"])
+def test_bodies_beyond_the_twelfth_are_not_there(tmp_path, fromInside):
+    """Fifteen of them, one in the other: what a path comes into when it is in twelve changes nothing, nor does leaving it."""
+    sigmas = np.linspace(0.1, 0.4, 15)
+    bodies = [(shapes.Box(6 - k / 4, 6 - k / 4, 6 - k / 4), dict(absorption=float(s)), {}) for k, s in enumerate(sigmas)]
+    eye = (0.1, 0.1, 0.1) if fromInside else (0.1, 0.1, 10.0)
+    path = _Stage(tmp_path / "s.usda", bodies, eye=eye, target=(0.1, 0.1, -1), width=0.02)
+    halves = np.array([3 - k / 8 for k in range(12)])
+    shells = np.append(halves[:-1] - halves[1:], 0.0)
+    ways = shells + np.append(np.zeros(11), halves[-1] + 0.1) if fromInside else 2 * shells + np.append(np.zeros(11), 2 * halves[-1])
+    assert _Mean(path, 4) == pytest.approx(np.full(3, np.exp(-np.dot(ways, sigmas[:12]))), rel=1e-3)
+
+
 def test_the_camera_in_fog_that_absorbs_nothing_sees_a_furnace(tmp_path):
     body = (_BALL, dict(scattering=(0.5, 2.0, 8.0), anisotropy=0.3), {})
     path = _Stage(tmp_path / "s.usda", [body], eye=(0.2, 0.1, 0.3), target=(0, 0, -5), width=2.0, orthographic=False)

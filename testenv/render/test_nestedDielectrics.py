@@ -170,6 +170,40 @@ def test_shadows_of_glass_know_of_the_water_around_it(tmp_path):
     assert through / alone == pytest.approx(expected, rel=1e-3)
 
 
+def _FirstHits(stage, y):
+    """cameraDepth and primId from a height, straight down."""
+    author.AddCamera(stage, eye=(0, y, 0), target=(0, 0, 0), up=(0, 0, 1), width=5.0, aspect=1.0, orthographic=True)
+    author.AddLight(stage, "/World/Sky", "Dome")
+    stage.GetRootLayer().Save()
+    picture = ours.Render(stage.GetRootLayer().realPath, 8, 8, ("color", "cameraDepth", "primId"), samples=1)
+    assert not picture.warnings
+    return picture.layers["cameraDepth"][..., 0], picture.layers["primId"]
+
+
+@pytest.mark.parametrize("priority, depth", [(1, 4.0), (3, 2.0)], ids=["less", "more"])
+def test_first_hits_are_of_boundaries_that_are_there(tmp_path, priority, depth):
+    """Glass in a body without a surface: of a lesser priority it is not there, and the floor below both is what is seen first."""
+    stage = author.NewStage(str(tmp_path / "s.usda"))
+    author.AddMesh(stage, "/World/Floor", shapes.Plane(20, 20))
+    fog = author.AddMesh(stage, "/World/Fog", shapes.Box(10, 2, 10), material=AddVolume(stage, "/World/FogLook", (0.1, 0.1, 0.1)),
+                         translate=(0, 2, 0))
+    UsdGeom.PrimvarsAPI(fog).CreatePrimvar("hdstream:dielectricPriority", Sdf.ValueTypeNames.Int).Set(2)
+    _AddBody(stage, "Glass", shapes.Box(5, 0.5, 5), _GLASS, priority, translate=(0, 1.75, 0))
+    depths, prims = _FirstHits(stage, 4.0)
+    assert depths == pytest.approx(np.full((8, 8), depth), rel=1e-5)
+    assert len(np.unique(prims)) == 1
+
+
+@pytest.mark.parametrize("priority, depth", [(1, 3.0), (3, 0.75)], ids=["less", "more"])
+def test_first_hits_know_what_the_camera_is_in(tmp_path, priority, depth):
+    """The camera in water, above glass: of a lesser priority that is not there, and the bottom of the water is what is seen first."""
+    stage = author.NewStage(str(tmp_path / "s.usda"))
+    _AddBody(stage, "Water", shapes.Box(10, 4, 10), _WATER, 2, translate=(0, 2, 0))
+    _AddBody(stage, "Glass", shapes.Box(5, 0.5, 5), _GLASS, priority, translate=(0, 2, 0))
+    depths, _ = _FirstHits(stage, 3.0)
+    assert depths == pytest.approx(np.full((8, 8), depth), rel=1e-5)
+
+
 def test_open_meshes_with_priorities_are_finite_with_one_warning(tmp_path):
     kept = _BALL.counts.cumsum() < _BALL.indices.size * 2 // 3
     half = shapes.Shape(_BALL.points, _BALL.counts[kept], _BALL.indices[:int(_BALL.counts[kept].sum())])

@@ -238,6 +238,28 @@ def test_numbers_that_are_none_count_as_nothing(tmp_path):
     assert np.all(layers["color"][..., :3] == 1)
 
 
+@pytest.mark.parametrize("value", [0.0, -0.0, np.inf, -np.inf, -3e38], ids=str)
+def test_grids_of_nothing_are_not_there(tmp_path, value):
+    layers, *_ = volumeCase.Render(volumeCase.Stage(tmp_path / "s.usda"), {"/V": volumeCase.Volume(
+        volumeCase.Grid(np.full((16, 16, 16), value)), absorption=1.0, scattering=1.0)}, size=8, samples=4)
+    assert np.all(layers["color"][..., :3] == 1)
+
+
+@pytest.mark.parametrize("residency", ["resident", "stream"])
+def test_numbers_that_are_none_are_the_zeros_of_their_places(tmp_path, residency):
+    """Beside good voxels: the picture has the bits of that of zeros in their places."""
+    random = np.random.default_rng(4)
+    density = random.random((24, 24, 24))
+    places = random.random(density.shape) < 0.2
+    pictures = []
+    for values in (0.0, random.choice([np.nan, np.inf, -np.inf, -2.0], density.shape)):
+        volume = volumeCase.Volume(volumeCase.Grid(np.where(places, values, density)), absorption=0.5, scattering=2.0)
+        layers, *_ = volumeCase.Render(volumeCase.Stage(tmp_path / "s.usda"), {"/V": volume}, size=16, samples=16, residency=residency)
+        pictures.append(layers["color"])
+    assert np.isfinite(pictures[1]).all() and pictures[1][..., :3].min() < 0.9
+    assert np.array_equal(*pictures)
+
+
 def _MitsubaCloud(density, extinction, albedo, asymmetry, samples, seed=3):
     """A cloud in a cube of edge 1 below a lamp, by Mitsuba's volpathmis. \\param albedo: a colour, or a volume of Mitsuba's."""
     import mitsuba as mi

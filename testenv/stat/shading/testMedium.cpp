@@ -43,6 +43,14 @@ kernel void distances(global const float* u, float x, float y, float z, float fi
     vstore3(isEvent ? (float3)(0.0f) : medium_weightAt(medium.extinction, chances, end),
             2 * i + 1, out);
 }
+kernel void bounds(global const float* u, float x, float y, float z, float t, global float* out,
+                   uint count) {
+    uint i = (uint)get_global_id(0);
+    if (i >= count) return;
+    float3 extinction = (float3)(x, y, z);
+    bool comesSoFar = t < medium_sampleBound(extinction, u[2 * i]);
+    vstore3(comesSoFar ? medium_leftOfBounded(extinction, t) : (float3)(0.0f), i, out);
+}
 kernel void albedos(global const float* colors, float asymmetry, global float* out, uint count) {
     uint i = (uint)get_global_id(0);
     if (i < count) out[i] = medium_albedoOf((float3)(colors[i]), asymmetry).x;
@@ -121,6 +129,30 @@ TEST_F(MediumTest, DistancesAreWeighedForAllChannels) {
                 const double left = std::exp(-extinction[k] * double(end));
                 EXPECT_NEAR(mean[k], kAlbedo[k] * (1.0 - left), 0.008) << extinction[k];
                 EXPECT_NEAR(mean[3 + k], left, 0.008) << extinction[k];
+            }
+        }
+    }
+}
+
+TEST_F(MediumTest, BoundsOfShadowRaysKeepBeersLaw) {
+    unsigned seed = 90;
+    for (const std::array<float, 3>& extinction :
+         {std::array<float, 3>{1.0F, 1.0F, 1.0F}, {0.5F, 2.0F, 8.0F}}) {
+        for (const float t : {0.3F, 2.0F, 4.0F}) {
+            const std::vector<float> left =
+                Run("bounds", RandomSquares(kNumSamples, seed++), kNumSamples, 3, extinction[0],
+                    extinction[1], extinction[2], t);
+            std::array<double, 3> mean{};
+            for (std::size_t i = 0; i < left.size(); ++i) {
+                mean[i % 3] += double(left[i]) / double(kNumSamples);
+            }
+            const float least = *std::min_element(extinction.begin(), extinction.end());
+            const auto reached =
+                std::count_if(left.begin(), left.end(), [](float x) { return x > 0.0F; });
+            const double chance = std::min(1.0, std::exp(1.0 - double(least * t)));
+            EXPECT_NEAR(double(reached) / double(left.size()), chance, 0.003) << t;
+            for (std::size_t k = 0; k < 3; ++k) {
+                EXPECT_NEAR(mean[k], std::exp(-double(extinction[k]) * t), 0.002) << t;
             }
         }
     }
