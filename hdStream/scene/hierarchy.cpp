@@ -115,6 +115,7 @@ public:
         for (const Member& member : _roots) {
             AppendMember(member, centreFromWorld, 0, &records);
         }
+        std::vector<Member>().swap(_roots); // of many prims they take more than their records
         AppendWorldInstances(centreFromWorld, &records);
         _result.numLeaves = records.NumLeaves();
         if (_chunking.leastInstances > 0 && records.NumInRuns() >= _chunking.leastInstances &&
@@ -385,13 +386,11 @@ private:
             items.push_back(InstanceOfChunk(chunk, records.Flags()));
         }
         const std::vector<std::uint32_t> placeOf = FinishTopLevel(std::move(topBoxes), items);
-        std::vector<std::uint32_t> itemOf(records.Size(), HDS_NONE);
-        for (std::uint32_t item = 0; item < inTable.size(); ++item) {
-            itemOf[inTable[item]] = item;
-        }
         for (const GroupRecords::World& world : records.WorldRecords()) {
             _result.worldInstances[world.worldInstance].pathIndex = world.pathOffset;
-            _result.worldInstances[world.worldInstance].instance = placeOf[itemOf[world.record]];
+            const auto item = std::lower_bound(inTable.begin(), inTable.end(), world.record);
+            _result.worldInstances[world.worldInstance].instance =
+                placeOf[static_cast<std::size_t>(item - inTable.begin())];
         }
         _result.instanceChunks =
             std::make_shared<InstanceChunks>(std::move(records), std::move(plan), _chunking.store);

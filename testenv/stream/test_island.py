@@ -54,6 +54,24 @@ def test_any_pool_gives_the_same_bits(Island, eviction):
     assert geometry["evictions"] > 0
 
 
+def test_islands_by_one_more_level_of_instancing(Island, tmp_path):
+    """They are one group, whose records do not stream; their geometry does. Tables do not grow with the number of islands."""
+
+    def Islands(count):
+        path = tmp_path / f"islands-{count}.usdc"
+        island.WriteArchipelago(path, Island.path, count, _SIZE)
+        return Case(path)
+
+    case = Islands(4).RenderResident(noCache=True, chunkBytes=1 << 15)
+    layers, few = case.Fresh().Render(residency="stream", geometryMemory="2M", **_CHUNKS)
+    case.AssertBits(layers)
+    many = Islands(9).Render(residency="stream", geometryMemory="2M", samples=1, **_CHUNKS)[1]
+    for count, statistics in ((4, few), (9, many)):
+        assert statistics["geometry"]["instances"] == count * Island.statistics["geometry"]["instances"]
+        assert statistics["geometry"]["evictions"] > 0
+    assert many["geometry"]["alwaysResidentBytes"] - few["geometry"]["alwaysResidentBytes"] <= 5 * 200  # records and their nodes
+
+
 def test_a_cache_cold_and_warm(Island, tmp_path):
     cache = ColdCache(tmp_path / "cache")
     numBuilt = []
