@@ -259,6 +259,8 @@ def WriteArchipelago(path, islandPath, count: int, size: float) -> None:
     ground = float(_Height(np.array(3.0), np.array(0.45 * side), side))
     author.AddCamera(root, "/World/Inside", eye=(x + 3, ground + 3, z + 0.45 * side), target=(x + 3, ground + 2.5, z + 0.45 * side - 10),
                      aspect=1024 / 429)
+    for camera in ("Camera", "Inside"):
+        UsdGeom.Camera(root.GetPrimAtPath(f"/World/{camera}")).GetClippingRangeAttr().Set(Gf.Vec2f(0.01, 10 * extent))
     root.GetRootLayer().Save()
 
 
