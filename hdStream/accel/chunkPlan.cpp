@@ -232,6 +232,7 @@ ChunkPlan PlanChunks(const PrimitiveGroups& source, std::uint32_t maxTriangles,
         plan.counts = {static_cast<std::uint32_t>(source.NumTriangles())};
         plan.groups = std::move(groups);
     } else {
+        plan.groups.reserve(groups.size());
         Planner(source, maxTriangles, &plan)
             .Plan(std::move(groups), source.AllBounds(), source.NumTriangles());
     }

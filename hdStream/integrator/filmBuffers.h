@@ -44,7 +44,9 @@ public:
     const Buffer& Film() const { return _film; }
     const Buffer& Floats() const { return _floats; }
     const Buffer& Ints() const { return _ints; }
-    std::uint64_t Bytes() const { return _film.Bytes() + _lightPaths.Bytes(); }
+    std::uint64_t Bytes() const {
+        return _film.Bytes() + _floats.Bytes() + _ints.Bytes() + _lightPaths.Bytes();
+    }
 
     /// Sums of light path expressions, and how many there are.
     const Buffer& LightPaths() const { return _lightPaths; }

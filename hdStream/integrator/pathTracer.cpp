@@ -153,7 +153,11 @@ struct PathTracer::Impl {
         const std::uint64_t sumBytes = hasLists ? StreamedPathsPerSlot(options, evicts) *
                                                       WaveTracer::SumBytes(kernels->Features())
                                                 : 0;
-        const std::uint64_t affordable = pathBytes / (bytesPerSlot(kernels->Features()) + sumBytes);
+        const std::uint64_t slotBytes = bytesPerSlot(kernels->Features()) + sumBytes;
+        const std::uint64_t stateBytes = StreamedStateBytes(
+            buffers.PoolBytes(), ResidentWaveSize(device->Properties()) * slotBytes,
+            buffers.GeometryTableBytes());
+        const std::uint64_t affordable = std::min(pathBytes, stateBytes) / slotBytes;
         const std::uint32_t numSlots =
             ChooseWaveSize(options, device->Properties(), buffers.IsStreaming() ? affordable : 0);
         const std::uint32_t numPaths =

@@ -188,11 +188,15 @@ StreamingStatistics SceneBuffers::PoolStatistics() const {
 }
 
 std::uint64_t SceneBuffers::TableBytes() const {
+    return GeometryTableBytes() + _textures.TableBytes();
+}
+
+std::uint64_t SceneBuffers::GeometryTableBytes() const {
     std::uint64_t bytes = _pool ? _pool->TableBytes() : 0;
     for (const Buffer& buffer : _tables) {
         bytes += buffer.Bytes();
     }
-    return bytes + _flat.Bytes() + _textures.TableBytes();
+    return bytes + _flat.Bytes();
 }
 
 unsigned SceneBuffers::BindGeometry(Kernel* kernel, unsigned first,

@@ -87,6 +87,8 @@ public:
     /// The most bytes of its pages that were resident at a time since BeginStatistics.
     std::uint64_t PeakUsedBytes() const { return _pool ? _pool->PeakUsedBytes() : 0; }
     std::uint64_t TableBytes() const;
+    /// Of them those that are not of textures.
+    std::uint64_t GeometryTableBytes() const;
 
 private:
     /// The tables in device memory, in the order of the constructor's labels.

@@ -23,6 +23,8 @@ constexpr std::uint32_t kLeastPart = 4;
 /// While geometry streams and pages leave. More would save little, and cost memory, of which slots
 /// make better use (docs/decisions/0007).
 constexpr std::uint32_t kPathsPerSlot = 6;
+/// While geometry streams: of the pool, what path state and tables may take together.
+constexpr std::uint64_t kStatePartOfPool = 8;
 /// GPUs, while geometry streams.
 constexpr std::uint32_t kMinWaveSizeStreamingGpu = 1U << 17U;
 /// The numbers of paths have to fit their state (kernels/integrator/pathState.clh).
@@ -59,6 +61,12 @@ std::uint32_t ChooseWaveSize(const RenderOptions& options, const DevicePropertie
                         std::max<std::uint64_t>(pixels * options.samples, HDS_SAMPLE_BLOCK));
     }
     return static_cast<std::uint32_t>(std::max<std::uint64_t>(size, HDS_SAMPLE_BLOCK));
+}
+
+std::uint64_t StreamedStateBytes(std::uint64_t poolBytes, std::uint64_t stateBytes,
+                                 std::uint64_t tableBytes) {
+    const std::uint64_t together = std::max(stateBytes, poolBytes / kStatePartOfPool);
+    return together - std::min(together, tableBytes);
 }
 
 std::uint32_t StreamedPathsPerSlot(const RenderOptions& options, bool evicts) {

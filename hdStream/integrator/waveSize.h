@@ -16,6 +16,12 @@ namespace hds {
 std::uint32_t ChooseWaveSize(const RenderOptions& options, const DeviceProperties& properties,
                              std::uint64_t affordable);
 
+/// What path state may take while geometry streams, so that all that is beside the pool stays
+/// small: with the tables of geometry as much as the state of the default wave, or an eighth of the
+/// pool. \param stateBytes of that wave. \param tableBytes of geometry.
+std::uint64_t StreamedStateBytes(std::uint64_t poolBytes, std::uint64_t stateBytes,
+                                 std::uint64_t tableBytes);
+
 /// How many paths a wave traces in so many slots while geometry streams. Where pages leave, several
 /// for each: paths that begin late take the slots of those that have ended, so that the last few
 /// paths of a wave, which wait for pages by themselves, are seldom.

@@ -258,12 +258,41 @@ const GroupRecords::Part& GroupRecords::PartOf(std::uint32_t record) const {
     return *(after - 1);
 }
 
+std::optional<std::uint32_t> GroupRecords::SingleOf(std::uint32_t record) const {
+    const Part& part = PartOf(record);
+    return part.run ? std::nullopt : std::optional(part.firstSingle + record - part.first);
+}
+
+bool GroupRecords::IsWorldInstance(std::uint32_t record) const {
+    const std::optional<std::uint32_t> single = SingleOf(record);
+    return single && _singles[*single].worldInstance != HDS_NONE;
+}
+
 Bounds GroupRecords::BoxOf(std::uint32_t record) const {
+    const std::optional<std::uint32_t> single = SingleOf(record);
+    if (single && !_keptBoxes.empty()) {
+        return _keptBoxes[*single];
+    }
     const Found found = Find(record);
     return BoxesOf(found.groupFromObject, *found.leaf).open;
 }
 
-void GroupRecords::KeepRuns() {
+void GroupRecords::Keep() {
+    std::vector<std::uint32_t> singles;
+    singles.reserve(_singles.size());
+    for (const Part& part : _parts) {
+        const std::uint32_t end = &part == &_parts.back() ? _size : (&part + 1)->first;
+        for (std::uint32_t record = part.first; !part.run && record < end; ++record) {
+            singles.push_back(record);
+        }
+    }
+    std::vector<shared::HdsInstance> records(singles.size());
+    Write(singles, records.data(), nullptr);
+    std::vector<Bounds> boxes(singles.size());
+    tbb::parallel_for(std::size_t{0}, singles.size(),
+                      [&](std::size_t i) { boxes[i] = BoxOf(singles[i]); });
+    _keptSingles = std::move(records);
+    _keptBoxes = std::move(boxes);
     std::map<const InstancerPrim*, const InstancerPrim*> keptOf;
     for (Part& part : _parts) {
         if (!part.run) {
@@ -319,6 +348,11 @@ std::vector<GroupRecords::World> GroupRecords::WorldRecords() const {
 void GroupRecords::Write(const std::vector<std::uint32_t>& order, shared::HdsInstance* places,
                          std::vector<AffineRows>* motionKeys) const {
     const auto write = [&](std::uint32_t place, std::vector<glm::dmat4>* keys) {
+        const std::optional<std::uint32_t> single = SingleOf(order[place]);
+        if (single && !_keptSingles.empty()) {
+            places[place] = _keptSingles[*single];
+            return;
+        }
         const Found found = Find(order[place]);
         const glm::dmat4 transform = GroupFromDevice(found.groupFromObject.AtFrame(), *found.leaf);
         shared::HdsInstance instance{};

@@ -50,7 +50,7 @@ struct PlacedRecord {
 };
 
 /// Placements of one thing by a list of an instancer's instances. The instancer must outlive it,
-/// but see GroupRecords::KeepRuns.
+/// but see GroupRecords::Keep.
 struct InstanceRun {
     LeafObject leaf;
     std::uint64_t numLeaves = 1; ///< of each
@@ -83,6 +83,8 @@ public:
     /// Records that belong to runs.
     std::uint32_t NumInRuns() const { return _numInRuns; }
     bool IsInRun(std::uint32_t record) const { return PartOf(record).run.has_value(); }
+    /// Whether something else names the record by its place (PlacedRecord::worldInstance).
+    bool IsWorldInstance(std::uint32_t record) const;
     /// The box of a record at rest, computed again.
     Bounds BoxOf(std::uint32_t record) const;
 
@@ -105,9 +107,9 @@ public:
     void Write(const std::vector<std::uint32_t>& order, shared::HdsInstance* places,
                std::vector<AffineRows>* motionKeys) const;
 
-    /// Makes the object independent of the scene. Single records are gone then: of each that is in
-    /// a run, box and record can be had for as long as one likes. \pre !Moves().
-    void KeepRuns();
+    /// Makes the object independent of the scene: box and record of each can be had for as long as
+    /// one likes. Of singles they are kept as they are. \pre !Moves().
+    void Keep();
 
 private:
     /// Consecutive records: instances of a run, or single ones.
@@ -129,6 +131,8 @@ private:
     };
 
     const Part& PartOf(std::uint32_t record) const;
+    /// Where a record is among the singles; nothing: it is in a run.
+    std::optional<std::uint32_t> SingleOf(std::uint32_t record) const;
     Found Find(std::uint32_t record) const;
     MovingTransform TransformOf(const InstanceRun& run, std::int32_t instance) const;
     bool MayMove(const InstanceRun& run) const;
@@ -137,8 +141,10 @@ private:
 
     Shutter _shutter;
     std::vector<Part> _parts;
-    std::vector<std::shared_ptr<const InstancerPrim>> _kept; ///< of the runs, by KeepRuns
-    std::vector<PlacedRecord> _singles;
+    std::vector<std::shared_ptr<const InstancerPrim>> _kept; ///< of the runs, by Keep
+    std::vector<PlacedRecord> _singles;                      ///< empty after Keep
+    std::vector<shared::HdsInstance> _keptSingles;           ///< by Keep
+    std::vector<Bounds> _keptBoxes;                          ///< of the same
     std::vector<Bounds> _boxes;
     std::vector<Bounds> _closeBoxes; ///< empty while nothing may move
     std::uint32_t _size = 0;

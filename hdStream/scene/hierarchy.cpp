@@ -4,9 +4,12 @@
 #include "hdStream/accel/bvh.h"
 #include "hdStream/scene/motion.h"
 
+#include <glm/common.hpp>
 #include <glm/gtc/matrix_transform.hpp>
+#include <glm/vector_relational.hpp>
 
 #include <algorithm>
+#include <numeric>
 #include <set>
 
 namespace hds {
@@ -15,6 +18,12 @@ namespace {
 
 /// Deepest chain of instancers that is followed; longer ones are cycles in all likelihood.
 constexpr int kMaxChain = 64;
+/// Single records with larger boxes stay out of instance chunks: part of the TLAS's box, by axis.
+constexpr float kLargestInChunks = 1.0F / 16.0F;
+
+Bounds Union(const Bounds& a, const Bounds& b) {
+    return {glm::min(a.min, b.min), glm::max(a.max, b.max)};
+}
 
 MovingTransform PlacementTransform(const Placement& placement, const Shutter& shutter) {
     return {placement.worldFromObject, placement.samples, shutter};
@@ -106,6 +115,7 @@ public:
         for (const Member& member : _roots) {
             AppendMember(member, centreFromWorld, 0, &records);
         }
+        std::vector<Member>().swap(_roots); // of many prims they take more than their records
         AppendWorldInstances(centreFromWorld, &records);
         _result.numLeaves = records.NumLeaves();
         if (_chunking.leastInstances > 0 && records.NumInRuns() >= _chunking.leastInstances &&
@@ -347,37 +357,40 @@ private:
         }
     }
 
-    /// The same for the TLAS when its instances lie in chunks: single records stay in the table,
-    /// with a record that stands in for each chunk.
+    /// The same for the TLAS when its instances lie in chunks. Of single records those stay in the
+    /// table that are world instances, or so large that they would make a chunk's box large. The
+    /// table has a record more that stands in for each chunk.
     void FinishInChunks(GroupRecords records) {
-        std::vector<std::uint32_t> singles;
-        std::vector<std::uint32_t> inRuns;
-        inRuns.reserve(records.NumInRuns());
-        for (std::uint32_t i = 0; i < records.Size(); ++i) {
-            (records.IsInRun(i) ? inRuns : singles).push_back(i);
-        }
         std::vector<Bounds> boxes = records.TakeBoxes();
-        ChunkPlan plan = PlanInstanceChunks(boxes, inRuns, _chunking.chunkBytes);
-        std::vector<std::uint32_t>().swap(inRuns);
+        const Bounds all = std::accumulate(boxes.begin(), boxes.end(), Bounds(), Union);
+        const glm::vec3 largest = kLargestInChunks * (all.max - all.min);
+        std::vector<std::uint32_t> inTable;
+        std::vector<std::uint32_t> inChunks;
+        inChunks.reserve(records.Size());
+        for (std::uint32_t i = 0; i < records.Size(); ++i) {
+            const bool isSmall = glm::all(glm::lessThanEqual(boxes[i].max - boxes[i].min, largest));
+            const bool isInChunk = records.IsInRun(i) || (isSmall && !records.IsWorldInstance(i));
+            (isInChunk ? inChunks : inTable).push_back(i);
+        }
+        ChunkPlan plan = PlanInstanceChunks(boxes, inChunks, _chunking.chunkBytes);
+        std::vector<std::uint32_t>().swap(inChunks);
         std::vector<Bounds> topBoxes;
-        for (const std::uint32_t single : singles) {
-            topBoxes.push_back(boxes[single]);
+        for (const std::uint32_t record : inTable) {
+            topBoxes.push_back(boxes[record]);
         }
         topBoxes.insert(topBoxes.end(), plan.bounds.begin(), plan.bounds.end());
         std::vector<Bounds>().swap(boxes);
-        std::vector<shared::HdsInstance> items(singles.size());
-        records.Write(singles, items.data(), nullptr);
+        std::vector<shared::HdsInstance> items(inTable.size());
+        records.Write(inTable, items.data(), nullptr);
         for (std::uint32_t chunk = 0; chunk < plan.NumChunks(); ++chunk) {
             items.push_back(InstanceOfChunk(chunk, records.Flags()));
         }
         const std::vector<std::uint32_t> placeOf = FinishTopLevel(std::move(topBoxes), items);
-        std::vector<std::uint32_t> itemOf(records.Size(), HDS_NONE);
-        for (std::uint32_t item = 0; item < singles.size(); ++item) {
-            itemOf[singles[item]] = item;
-        }
         for (const GroupRecords::World& world : records.WorldRecords()) {
             _result.worldInstances[world.worldInstance].pathIndex = world.pathOffset;
-            _result.worldInstances[world.worldInstance].instance = placeOf[itemOf[world.record]];
+            const auto item = std::lower_bound(inTable.begin(), inTable.end(), world.record);
+            _result.worldInstances[world.worldInstance].instance =
+                placeOf[static_cast<std::size_t>(item - inTable.begin())];
         }
         _result.instanceChunks =
             std::make_shared<InstanceChunks>(std::move(records), std::move(plan), _chunking.store);

@@ -64,7 +64,7 @@ InstanceChunks::InstanceChunks(GroupRecords records, ChunkPlan plan,
     for (const std::uint32_t count : _plan.counts) {
         HDS_VERIFY(count <= HDS_MAX_CHUNK_RECORDS, std::to_string(count));
     }
-    _records.KeepRuns();
+    _records.Keep();
 }
 
 std::array<std::uint64_t, 2> InstanceChunks::BoundBytes(std::uint32_t chunk) const {

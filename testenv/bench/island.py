@@ -3,8 +3,8 @@
 
 Renders one sample at 1024 x 429 with a budget of 512 MiB for geometry, cold (an empty cache, but for kernels) and warm,
 one process a render. Prints what the stage has, the memory of the process without pages of files, the most that the
-device's allocator has given out, seconds to the first pixel, nanoseconds a ray and bytes loaded. Stages and caches are
-kept in --scratch, where they are found again.
+device's allocator has given out, seconds to the first pixel, CPU seconds of the process, nanoseconds a ray and bytes
+loaded. Stages and caches are kept in --scratch, where they are found again.
 """
 
 import argparse
@@ -19,7 +19,7 @@ from bench.recordRun import AnonymousPeak, FreshCache, Record, RunFailed  # noqa
 from stages import island  # noqa: E402
 
 HEAD = ("| size | camera | cache | without pages of files MB | device peak MB | always resident MB | first pixel s | read USD s | prepare s | "
-        "render s | ns a ray | pages MB | loaded MB | loads of each byte |\n" + "|---" * 14 + "|")
+        "render s | CPU s | ns a ray | pages MB | loaded MB | loads of each byte |\n" + "|---" * 15 + "|")
 
 
 def Stage(folder: pathlib.Path, size: float) -> pathlib.Path:
@@ -40,7 +40,7 @@ def Row(size: float, camera: str, kind: str, run: dict, anonymous: int) -> str:
     megabytes = [value / 1e6 for value in (anonymous, memory["devicePeak"], geometry["alwaysResidentBytes"])]
     seconds = [time["firstPixel"], time["load"] + time["translate"], time["prepare"], time["render"]]
     cells = [f"{size:g}", camera, kind, *(f"{value:.0f}" for value in megabytes), *(f"{value:.1f}" for value in seconds),
-             f"{nanoseconds:.0f}", f"{geometry['bytesTotal'] / 1e6:.0f}", f"{geometry['uploadedBytes'] / 1e6:.0f}", f"{loads:.2f}"]
+             f"{run['cpuSeconds']:.0f}", f"{nanoseconds:.0f}", f"{geometry['bytesTotal'] / 1e6:.0f}", f"{geometry['uploadedBytes'] / 1e6:.0f}", f"{loads:.2f}"]
     return "| " + " | ".join(cells) + " |"
 
 

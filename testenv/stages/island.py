@@ -7,6 +7,8 @@ All counts grow with the size and the ground's area does too, so that what a cam
 The parts are files of their own beside the root layer, so that writing one needs the memory of one part. Deterministic.
 """
 
+import math
+import os
 import pathlib
 
 import numpy as np
@@ -232,6 +234,34 @@ class _Writer:
         author.AddCamera(root, "/World/Inside", eye=(3, ground + 3, at), target=(3, ground + 2.5, at - 10), aspect=1024 / 429)
         root.GetRootLayer().Save()
         return {name: int(round(value)) for name, value in self.counts.items()}
+
+
+def WriteArchipelago(path, islandPath, count: int, size: float) -> None:
+    """Writes PATH: `count` islands of that size, all of them the one at islandPath (WriteIsland), placed by one point instancer on
+    a square grid. /World/Camera sees all of them from above, /World/Inside stands on one."""
+    path, parts = pathlib.Path(path), sorted(pathlib.Path(islandPath).with_suffix("").glob("*.usdc"))
+    side = _SIDE * size**0.5
+    edge = math.ceil(count**0.5)
+    extent = edge * side
+    root = author.NewStage(str(path))
+    prototype = "/World/Sea/Prototypes/Island"
+    for part in parts:
+        root.DefinePrim(f"{prototype}/{part.stem}").GetReferences().AddReference(os.path.relpath(part, path.parent))
+    instancer = UsdGeom.PointInstancer.Define(root, "/World/Sea")
+    instancer.CreatePrototypesRel().SetTargets([Sdf.Path(prototype)])
+    instancer.CreateProtoIndicesAttr(Vt.IntArray(count, 0))
+    at = np.array([((i % edge - (edge - 1) / 2) * side, 0, (i // edge - (edge - 1) / 2) * side) for i in range(count)], np.float32)
+    instancer.CreatePositionsAttr(Vt.Vec3fArray.FromNumpy(at))
+    author.AddLight(root, "/World/Sun", "Distant", dict(rotate=(-40, 30, 0)), intensity=2.0, angle=1.0, normalize=True)
+    author.AddLight(root, "/World/Dome", "Dome", intensity=0.5, color=(0.7, 0.85, 1.0))
+    author.AddCamera(root, "/World/Camera", eye=(0, 0.5 * extent, 0.9 * extent), target=(0, 0, 0), aspect=1024 / 429)
+    x, _, z = (float(value) for value in at[0])
+    ground = float(_Height(np.array(3.0), np.array(0.45 * side), side))
+    author.AddCamera(root, "/World/Inside", eye=(x + 3, ground + 3, z + 0.45 * side), target=(x + 3, ground + 2.5, z + 0.45 * side - 10),
+                     aspect=1024 / 429)
+    for camera in ("Camera", "Inside"):
+        UsdGeom.Camera(root.GetPrimAtPath(f"/World/{camera}")).GetClippingRangeAttr().Set(Gf.Vec2f(0.01, 10 * extent))
+    root.GetRootLayer().Save()
 
 
 def WriteIsland(path, size: float = 0.01) -> dict:

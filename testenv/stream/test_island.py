@@ -24,7 +24,10 @@ _SECONDS = 120 + 60_000 * _SIZE  # a command that takes longer hangs
 _POOLS = ("100%", "50%", "15%", "2%") if _SIZE < 0.01 else ("100%", "79%", "50%", "30%", "15%", "5%", "2%")
 _EAGER = ("--prepare", "eager")  # which pages rays ask for may differ a little from run to run
 _CHUNKS = dict(chunkBytes=1 << 15, instanceChunks=256)
-_OPTIONS = ("--chunkSize", "32768", "--instanceChunks", "256", "--geometryMemory", "2M", "--hostMemory", "1M")
+# Memory grows with the island: else larger ones would load and make their pages again for hours.
+_POOL, _ROOMY_POOL = (f"{max(1, round(part * _SIZE))}M" for part in (2000, 15_000))
+_HOST = max(1, round(1000 * _SIZE)) << 20
+_OPTIONS = ("--chunkSize", "32768", "--instanceChunks", "256", "--geometryMemory", _POOL, "--hostMemory", str(_HOST))
 _BLOCK_BYTES = 1 << 16  # of a segment's index (docs/cache-format.md)
 
 
@@ -45,7 +48,7 @@ def Island(tmp_path_factory):
 def test_any_pool_gives_the_same_bits(Island, eviction):
     case = Island.Fresh()
     for pool in _POOLS:
-        layers, statistics = case.Render(residency="stream", geometryMemory=pool, geometryEviction=eviction, hostMemory=1 << 20,
+        layers, statistics = case.Render(residency="stream", geometryMemory=pool, geometryEviction=eviction, hostMemory=_HOST,
                                          **_CHUNKS)
         case.AssertBits(layers)
         geometry = statistics["geometry"]
@@ -54,12 +57,30 @@ def test_any_pool_gives_the_same_bits(Island, eviction):
     assert geometry["evictions"] > 0
 
 
+def test_islands_by_one_more_level_of_instancing(Island, tmp_path):
+    """They are one group, whose records do not stream; their geometry does. Tables do not grow with the number of islands."""
+
+    def Islands(count):
+        path = tmp_path / f"islands-{count}.usdc"
+        island.WriteArchipelago(path, Island.path, count, _SIZE)
+        return Case(path)
+
+    case = Islands(4).RenderResident(noCache=True, chunkBytes=1 << 15)
+    layers, few = case.Fresh().Render(residency="stream", geometryMemory=_POOL, **_CHUNKS)
+    case.AssertBits(layers)
+    many = Islands(9).Render(residency="stream", geometryMemory=_POOL, samples=1, **_CHUNKS)[1]
+    for count, statistics in ((4, few), (9, many)):
+        assert statistics["geometry"]["instances"] == count * Island.statistics["geometry"]["instances"]
+        assert statistics["geometry"]["evictions"] > 0
+    assert many["geometry"]["alwaysResidentBytes"] - few["geometry"]["alwaysResidentBytes"] <= 5 * 200  # records and their nodes
+
+
 def test_a_cache_cold_and_warm(Island, tmp_path):
     cache = ColdCache(tmp_path / "cache")
     numBuilt = []
     for _ in range(2):
         case = Island.Fresh()
-        layers, statistics = case.Render(residency="stream", geometryMemory="15%", prepare="eager", cacheDirectory=cache, hostMemory=1 << 20,
+        layers, statistics = case.Render(residency="stream", geometryMemory="15%", prepare="eager", cacheDirectory=cache, hostMemory=_HOST,
                                          **_CHUNKS)
         case.AssertBits(layers)
         numBuilt.append(statistics["geometry"]["chunksBuilt"])
@@ -144,7 +165,7 @@ def test_the_disk_runs_full(Island, Recorded, tmp_path):
     """One warning and the same bits; the next run uses what is in the cache, and all of it is right."""
     cache, case = ColdCache(tmp_path / "cache"), Island.Fresh()
     with FullDisk(cache, _BLOCK_BYTES) as disk:
-        layers, statistics = case.Render(disk, residency="stream", geometryMemory="15M", hostMemory=1 << 20, waveSize=64,
+        layers, statistics = case.Render(disk, residency="stream", geometryMemory=_ROOMY_POOL, hostMemory=_HOST, waveSize=64,
                                          cacheDirectory=cache, **_CHUNKS)
     case.AssertBits(layers)
     assert disk.limit and _PageBytes(cache) <= disk.limit * len(Segments(cache))

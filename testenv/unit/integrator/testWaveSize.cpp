@@ -37,6 +37,15 @@ TEST(WaveSize, WhileGeometryStreamsOfCpusIsWhatMemoryAllows) {
     EXPECT_EQ(ChooseWaveSize(Options(), Cpu(2), 1U << 30U), ResidentWaveSize(Cpu(2)));
 }
 
+TEST(WaveSize, TakesLessWhereTheTablesOfGeometryTakeMuch) {
+    constexpr std::uint64_t kMiB = 1U << 20U;
+    EXPECT_EQ(StreamedStateBytes(512 * kMiB, 70 * kMiB, kMiB), 69 * kMiB);
+    EXPECT_EQ(StreamedStateBytes(512 * kMiB, 60 * kMiB, kMiB), 63 * kMiB)
+        << "an eighth of the pool";
+    EXPECT_EQ(StreamedStateBytes(512 * kMiB, 70 * kMiB, 100 * kMiB), 0U) << "a tile, then";
+    EXPECT_EQ(StreamedStateBytes(16 * kMiB, 70 * kMiB, 0), 70 * kMiB) << "as without tables";
+}
+
 TEST(WaveSize, SlotsAreUsedSeveralTimesWherePagesLeave) {
     RenderOptions options = Options();
     EXPECT_EQ(StreamedPathsPerSlot(options, true), 6U);
