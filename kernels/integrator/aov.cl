@@ -248,6 +248,12 @@ void aov_store(constant const HdsFrameParams* frame, const HdsSceneView* scene, 
     HdsShadingPoint shading;
     HdsBsdf bsdf;
     surfaceHit_load(scene, &hit, path_time(paths, i), &surface);
+#if HDS_FEATURE_SPLATS
+    if (surface.splat.w > 0.0f) {
+        surface.point.position =
+            vec_mulAdd(hit.t, path_load_direction(paths, i).xyz, path_load_origin(paths, i).xyz);
+    }
+#endif
 #if HDS_FEATURE_TEXTURES
     HdsRayCones cones;
     cones.pair = path_load_cones(paths, i);
