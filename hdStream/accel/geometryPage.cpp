@@ -54,6 +54,12 @@ std::vector<float> PackSolidVertices(const ChunkGeometry& chunk) {
             const glm::vec3& normal = chunk.jointNormals[i];
             packed.insert(packed.end(), {normal.x, normal.y, normal.z, 0.0F});
         }
+        if (!chunk.shapes.empty()) {
+            const SplatShape& shape = chunk.shapes[i];
+            packed.insert(packed.end(), shape.turn.begin(), shape.turn.end());
+            packed.insert(packed.end(), shape.inverseScales.begin(), shape.inverseScales.end());
+            packed.push_back(shape.cutoff);
+        }
         for (const ChunkKey& key : chunk.keys) {
             const glm::vec3& later = key.positions[i];
             packed.insert(packed.end(), {later.x, later.y, later.z, key.radii[i]});

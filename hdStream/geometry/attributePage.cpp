@@ -62,15 +62,15 @@ TriangleBytes EstimateTriangle(const std::vector<GeometryAttribute>& attributes,
                                std::optional<Interpolation> normals, bool hasMaterials,
                                double verticesPerTriangle, double nodeBytes,
                                std::size_t vertexBytes = sizeof(glm::vec3), int numNormals = 1) {
-    const auto blockBytes = [&](Interpolation interpolation, std::uint32_t numComponents) {
+    const auto blockBytes = [&](Interpolation interpolation, std::uint32_t numFloats) {
         return ValuesPerTriangle(PageInterpolation(interpolation), verticesPerTriangle) *
-               numComponents * sizeof(float);
+               numFloats * sizeof(float);
     };
     double bytes = sizeof(std::uint32_t); // authored face
     bytes += hasMaterials ? sizeof(std::uint32_t) : 0.0;
     bytes += normals ? numNormals * blockBytes(*normals, 3) : 0.0;
     for (const GeometryAttribute& attribute : attributes) {
-        bytes += blockBytes(attribute.interpolation, attribute.numComponents);
+        bytes += blockBytes(attribute.interpolation, attribute.NumFloats());
     }
     const double geometry = nodeBytes + sizeof(shared::HdsTriangle) +
                             sizeof(std::uint32_t) + // primId
@@ -111,10 +111,9 @@ public:
         }
         for (std::size_t i = 0; i < _chunk.attributes.size(); ++i) {
             const GeometryAttribute& attribute = _chunk.attributes[i];
-            AddValues(static_cast<std::uint32_t>(HDS_SLOT_USER + i), attribute,
-                      [&](const float* from, float* to) {
-                          CopyFinite(from, attribute.numComponents, to);
-                      });
+            AddValues(
+                static_cast<std::uint32_t>(HDS_SLOT_USER + i), attribute,
+                [&](const float* from, float* to) { CopyFinite(from, attribute.NumFloats(), to); });
         }
         for (std::size_t i = 0; i < _chunk.keys.size(); ++i) {
             if (_chunk.keys[i].normals.empty()) {
@@ -179,11 +178,11 @@ private:
                                       : interpolation == HDS_ATTR_LINEAR   ? _chunk.joints.size()
                                       : interpolation == HDS_ATTR_TRIANGLE ? numTriangles
                                                                            : 3 * numTriangles;
-        std::vector<float> values(numValues * numComponents);
+        std::vector<float> values(numValues * attribute.NumFloats());
         float* to = values.data();
         const auto add = [&](std::size_t element) {
             copyTuple(ValueOf(attribute, element), to);
-            to += numComponents;
+            to += attribute.NumFloats();
         };
         if (interpolation == HDS_ATTR_CONSTANT) {
             add(0);

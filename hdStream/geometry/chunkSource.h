@@ -8,6 +8,7 @@
 
 #include <glm/vec3.hpp>
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -29,6 +30,10 @@ struct GeometryAttribute {
     std::uint32_t numComponents = 1;
     SharedSpan<float> values;
     SharedSpan<std::int32_t> indices; ///< empty: direct
+    std::uint32_t numTuples = 1;      ///< of numComponents each, that an element has
+
+    /// Floats of an element.
+    std::uint32_t NumFloats() const { return numComponents * numTuples; }
 };
 
 /// What the pages hold of a user primvar.
@@ -42,6 +47,13 @@ struct TriangleBytes {
     std::uint32_t geometry = 0; ///< nodes, indices, vertices
     std::uint32_t attributes = 0;
     std::uint32_t Both() const { return geometry + attributes; }
+};
+
+/// The ellipsoid of a Gaussian splat, as pages have it.
+struct SplatShape {
+    std::array<float, 4> turn{};          ///< unit quaternion: i, j, k, real
+    std::array<float, 3> inverseScales{}; ///< of the standard deviations along the turned axes
+    float cutoff = 0.0F; ///< squared distance, in standard deviations, where it ends
 };
 
 /// What of a chunk moves, at a time while the shutter is open.
@@ -73,6 +85,7 @@ struct ChunkGeometry {
     std::uint32_t primitives = 0;
     std::vector<float> radii;            ///< [numVertices] of curves and points
     std::vector<glm::vec3> jointNormals; ///< [numVertices] of ribbons
+    std::vector<SplatShape> shapes;      ///< [numVertices] of splats, whose radii are opacities
     std::vector<std::uint32_t> joints;   ///< [numVertices] element of Varying attributes
     std::vector<Bounds> primitiveBounds; ///< [numTriangles] of curves and points
 };

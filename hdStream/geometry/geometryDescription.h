@@ -82,12 +82,14 @@ enum class PrimitiveKind {
     Faces,
     Curves, ///< UsdGeomBasisCurves: round, or ribbons where there are normals
     Points, ///< UsdGeomPoints: spheres
+    Splats, ///< UsdVolParticleField3DGaussianSplat; their shapes are primvars of the points
 };
 
-constexpr EnumTable<PrimitiveKind, 3> NamesOf(PrimitiveKind) {
+constexpr EnumTable<PrimitiveKind, 4> NamesOf(PrimitiveKind) {
     return {{{PrimitiveKind::Faces, "Faces", "mesh"},
              {PrimitiveKind::Curves, "Curves", "curves"},
-             {PrimitiveKind::Points, "Points", "points"}}};
+             {PrimitiveKind::Points, "Points", "points"},
+             {PrimitiveKind::Splats, "Splats", "splats"}}};
 }
 
 /// How the points of curves become curves (UsdGeomBasisCurves).

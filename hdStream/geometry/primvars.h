@@ -41,7 +41,7 @@ inline std::size_t ValueIndex(const GeometryAttribute& attribute, std::size_t el
 
 /// The value tuple of an element.
 inline const float* ValueOf(const GeometryAttribute& attribute, std::size_t element) {
-    return attribute.values.data() + ValueIndex(attribute, element) * attribute.numComponents;
+    return attribute.values.data() + ValueIndex(attribute, element) * attribute.NumFloats();
 }
 
 } // namespace hds

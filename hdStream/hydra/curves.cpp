@@ -55,4 +55,23 @@ bool HdStreamPoints::CheckGeometry(HdStreamRenderParam*) const {
     return _prim.geometry && !_prim.geometry->points.empty();
 }
 
+const TfToken& HdStreamParticleField() {
+    static const TfToken type("particleField");
+    return type;
+}
+
+void HdStreamSplats::SyncTopology(HdSceneDelegate*, HdStreamRenderParam*, HdDirtyBits,
+                                  hds::GeometryDescription* splats) {
+    splats->primitives = hds::PrimitiveKind::Splats;
+}
+
+const TfToken& HdStreamSplats::PointsName() const {
+    static const TfToken name("positions");
+    return name;
+}
+
+bool HdStreamSplats::CheckGeometry(HdStreamRenderParam*) const {
+    return _prim.geometry && !_prim.geometry->points.empty();
+}
+
 PXR_NAMESPACE_CLOSE_SCOPE

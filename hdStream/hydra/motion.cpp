@@ -187,7 +187,8 @@ HdStreamTurn HdStreamTurnByVelocities(HdSceneDelegate* delegate, const SdfPath& 
 }
 
 std::vector<hds::PointSample> HdStreamSamplePoints(HdSceneDelegate* delegate, const SdfPath& id,
-                                                   const hds::Shutter& shutter, bool* fit) {
+                                                   const TfToken& name, const hds::Shutter& shutter,
+                                                   bool* fit) {
     *fit = true;
     if (!shutter.IsOpen()) {
         return {};
@@ -195,17 +196,16 @@ std::vector<hds::PointSample> HdStreamSamplePoints(HdSceneDelegate* delegate, co
     HdExtComputationPrimvarDescriptorVector computed;
     for (const HdExtComputationPrimvarDescriptor& descriptor :
          delegate->GetExtComputationPrimvarDescriptors(id, HdInterpolationVertex)) {
-        if (descriptor.name == HdTokens->points) {
+        if (descriptor.name == name) {
             computed.push_back(descriptor);
         }
     }
     HdStreamMovingValue points;
     if (computed.empty()) {
-        points = HdStreamSamplePrimvar(delegate, id, HdTokens->points, shutter);
+        points = HdStreamSamplePrimvar(delegate, id, name, shutter);
         *fit = points.fits;
         if (!points.Moves()) {
-            points = HdStreamMoveByVelocities(delegate, id, delegate->Get(id, HdTokens->points),
-                                              shutter);
+            points = HdStreamMoveByVelocities(delegate, id, delegate->Get(id, name), shutter);
             *fit = *fit || points.Moves();
         }
     } else {
@@ -213,7 +213,7 @@ std::vector<hds::PointSample> HdStreamSamplePoints(HdSceneDelegate* delegate, co
         HdExtComputationUtils::SampleComputedPrimvarValues(
             computed, delegate, static_cast<float>(shutter.open), static_cast<float>(shutter.close),
             kMostComputed, &values);
-        points.samples = values[HdTokens->points];
+        points.samples = values[name];
         FindTimes(shutter, &points);
     }
     return RowsOf<hds::PointSample>(points, 3);

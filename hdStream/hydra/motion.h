@@ -52,10 +52,11 @@ struct HdStreamTurn {
 HdStreamTurn HdStreamTurnByVelocities(HdSceneDelegate* delegate, const SdfPath& id,
                                       std::size_t count, const hds::Shutter& shutter);
 
-/// Points, authored or computed; empty when they do not move.
+/// Points, authored or computed; empty when they do not move. \param name of the primvar.
 /// \param[out] fit false: they change in number, and are taken to be at rest.
 std::vector<hds::PointSample> HdStreamSamplePoints(HdSceneDelegate* delegate, const SdfPath& id,
-                                                   const hds::Shutter& shutter, bool* fit);
+                                                   const TfToken& name, const hds::Shutter& shutter,
+                                                   bool* fit);
 
 /// The primvars "widths" and "normals"; empty when they do not change.
 std::vector<hds::FloatSample> HdStreamSampleWidths(HdSceneDelegate* delegate, const SdfPath& id,

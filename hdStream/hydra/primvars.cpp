@@ -28,10 +28,11 @@ constexpr std::array<std::pair<HdInterpolation, hds::Interpolation>, 5> kInterpo
 /// One pass over a prim's primvars.
 class Reader {
 public:
-    Reader(HdSceneDelegate* delegate, const SdfPath& id, HdDirtyBits dirtyBits,
-           hds::SharedSpan<float>* points, std::vector<hds::Primvar>* primvars)
-        : _delegate(delegate), _id(id), _dirtyBits(dirtyBits), _points(points),
-          _old(std::move(*primvars)), _new(primvars) {
+    Reader(HdSceneDelegate* delegate, const SdfPath& id, const TfToken& pointsName,
+           HdDirtyBits dirtyBits, hds::SharedSpan<float>* points,
+           std::vector<hds::Primvar>* primvars)
+        : _delegate(delegate), _id(id), _pointsName(pointsName), _dirtyBits(dirtyBits),
+          _points(points), _old(std::move(*primvars)), _new(primvars) {
         _new->clear();
     }
 
@@ -41,7 +42,7 @@ public:
             hasPoints |= ReadComputed(hydra, core);
             for (const HdPrimvarDescriptor& descriptor :
                  _delegate->GetPrimvarDescriptors(_id, hydra)) {
-                if (descriptor.name == HdTokens->points) {
+                if (descriptor.name == _pointsName) {
                     hasPoints |= ReadPoints();
                 } else {
                     ReadAuthored(descriptor.name, core);
@@ -68,21 +69,21 @@ private:
             // Scene indices say only that some computed primvar is dirty, of points too.
             if (IsDirty(descriptor.name) || (_dirtyBits & HdChangeTracker::DirtyPrimvar)) {
                 dirty.push_back(descriptor);
-            } else if (descriptor.name != HdTokens->points) {
+            } else if (descriptor.name != _pointsName) {
                 Keep(descriptor.name);
             }
         }
         if (!dirty.empty()) {
             for (const auto& [name, value] :
                  HdExtComputationUtils::GetComputedPrimvarValues(dirty, _delegate)) {
-                if (name == HdTokens->points) {
+                if (name == _pointsName) {
                     SetPoints(value);
                 } else {
                     Add(name, core, value, {});
                 }
             }
         }
-        return IsComputed(HdTokens->points);
+        return IsComputed(_pointsName);
     }
 
     bool IsComputed(const TfToken& name) const {
@@ -90,8 +91,8 @@ private:
     }
 
     bool ReadPoints() {
-        if (!IsComputed(HdTokens->points) && IsDirty(HdTokens->points)) {
-            SetPoints(_delegate->Get(_id, HdTokens->points));
+        if (!IsComputed(_pointsName) && IsDirty(_pointsName)) {
+            SetPoints(_delegate->Get(_id, _pointsName));
         }
         return true;
     }
@@ -137,6 +138,7 @@ private:
 
     HdSceneDelegate* _delegate;
     const SdfPath& _id;
+    const TfToken& _pointsName;
     HdDirtyBits _dirtyBits;
     hds::SharedSpan<float>* _points;
     std::vector<hds::Primvar> _old;
@@ -153,9 +155,10 @@ bool HdStreamIsSkippedPrimvar(const TfToken& name) {
            std::find(std::begin(names), std::end(names), name.GetString()) != std::end(names);
 }
 
-void HdStreamSyncPrimvars(HdSceneDelegate* delegate, const SdfPath& id, HdDirtyBits dirtyBits,
-                          hds::SharedSpan<float>* points, std::vector<hds::Primvar>* primvars) {
-    Reader(delegate, id, dirtyBits, points, primvars).Read();
+void HdStreamSyncPrimvars(HdSceneDelegate* delegate, const SdfPath& id, const TfToken& pointsName,
+                          HdDirtyBits dirtyBits, hds::SharedSpan<float>* points,
+                          std::vector<hds::Primvar>* primvars) {
+    Reader(delegate, id, pointsName, dirtyBits, points, primvars).Read();
 }
 
 bool HdStreamEqual(const std::vector<hds::Primvar>& a, const std::vector<hds::Primvar>& b) {

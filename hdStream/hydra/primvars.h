@@ -16,8 +16,10 @@ PXR_NAMESPACE_OPEN_SCOPE
 
 /// Brings points and primvars up to date: pulls those that are dirty, keeps the others, drops what
 /// the prim has no longer. Thread-safe during Sync, as is all of a scene delegate.
-void HdStreamSyncPrimvars(HdSceneDelegate* delegate, const SdfPath& id, HdDirtyBits dirtyBits,
-                          hds::SharedSpan<float>* points, std::vector<hds::Primvar>* primvars);
+/// \param pointsName the primvar that has the points.
+void HdStreamSyncPrimvars(HdSceneDelegate* delegate, const SdfPath& id, const TfToken& pointsName,
+                          HdDirtyBits dirtyBits, hds::SharedSpan<float>* points,
+                          std::vector<hds::Primvar>* primvars);
 
 /// Attributes of motion blur that UsdImaging lists as primvars, and what only skinning reads.
 bool HdStreamIsSkippedPrimvar(const TfToken& name);

@@ -140,7 +140,8 @@ void HdStreamRenderDelegate::DumpOnce() {
 
 const TfTokenVector& HdStreamRenderDelegate::GetSupportedRprimTypes() const {
     static const TfTokenVector types{HdPrimTypeTokens->mesh, HdPrimTypeTokens->basisCurves,
-                                     HdPrimTypeTokens->points, HdPrimTypeTokens->volume};
+                                     HdPrimTypeTokens->points, HdPrimTypeTokens->volume,
+                                     HdStreamParticleField()};
     return types;
 }
 
@@ -176,6 +177,9 @@ HdRprim* HdStreamRenderDelegate::CreateRprim(const TfToken& typeId, const SdfPat
     }
     if (typeId == HdPrimTypeTokens->points) {
         return new HdStreamPoints(id);
+    }
+    if (typeId == HdStreamParticleField()) {
+        return new HdStreamSplats(id);
     }
     if (typeId == HdPrimTypeTokens->volume) {
         return new HdStreamVolume(id);

@@ -119,9 +119,10 @@ void HdStreamRprim<Base>::SyncGeometry(HdSceneDelegate* delegate, HdStreamRender
                                    : std::make_shared<hds::GeometryDescription>();
     SyncTopology(delegate, param, bits, geometry.get());
     if (HdChangeTracker::IsAnyPrimvarDirty(bits, id)) {
-        HdStreamSyncPrimvars(delegate, id, bits, &geometry->points, &geometry->primvars);
+        const TfToken& points = PointsName();
+        HdStreamSyncPrimvars(delegate, id, points, bits, &geometry->points, &geometry->primvars);
         bool fit = true;
-        geometry->samples = HdStreamSamplePoints(delegate, id, param->Shutter(), &fit);
+        geometry->samples = HdStreamSamplePoints(delegate, id, points, param->Shutter(), &fit);
         if (!fit) {
             param->Push([path = _scenePath](hds::Session& session) {
                 session.Warn(path, "its points change in number while the shutter is open: drawn "

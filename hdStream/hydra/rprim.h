@@ -10,6 +10,7 @@
 #include <pxr/imaging/hd/basisCurves.h>
 #include <pxr/imaging/hd/mesh.h>
 #include <pxr/imaging/hd/points.h>
+#include <pxr/imaging/hd/tokens.h>
 #include <pxr/pxr.h>
 
 #include <string>
@@ -45,6 +46,8 @@ protected:
     /// Pulls the geometry apart from primvars.
     virtual void SyncTopology(HdSceneDelegate* delegate, HdStreamRenderParam* param,
                               HdDirtyBits bits, hds::GeometryDescription* geometry) = 0;
+    /// The primvar that has the points.
+    virtual const TfToken& PointsName() const { return HdTokens->points; }
     /// Adds the primvars that this kind has by default.
     virtual void AddDefaultPrimvars(std::vector<hds::Primvar>*) const {}
     /// True when the geometry has something to draw; warns where the scene says otherwise.

@@ -67,6 +67,7 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
     features.groups = scene.hasGroups;
     features.instanceChunks = scene.hasInstanceChunks;
     features.curves = scene.hasCurves;
+    features.splats = scene.hasSplats;
     features.motion = Moves(scene, options);
     features.cameraLens = NeedsLensKernels(options.camera, options.shutter);
     features.catchers = options.aovs.hasCatchers;

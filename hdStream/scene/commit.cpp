@@ -211,6 +211,7 @@ private:
             path, prim, prepared,
             _instancePrimvars.Add(prim, _materials.PrimvarsOf(prim), _options.shownPrimvars));
         const bool hasFaces = prim.geometry->primitives == PrimitiveKind::Faces;
+        const bool hasSplats = prim.geometry->primitives == PrimitiveKind::Splats;
         const std::uint32_t cullFlags = hasFaces ? CullFlags(prim, _options.cullStyle) : 0U;
         _primInfos.push_back(info);
         shared::HdsPrim record{};
@@ -239,12 +240,12 @@ private:
                      (info.hasMedium ? HDS_INSTANCE_MEDIUM : 0U);
         leaf.origin = prepared.origin;
         leaf.bounds = prepared.bounds;
-        leaf.worldInstance = info.isEmissive;
+        leaf.worldInstance = info.isEmissive && !hasSplats;
         leaf.isLinkedByInstance = _links.IsLinkedByInstance(prim.placement);
         if (!leaf.isLinkedByInstance) {
             leaf.flags |= _links.FlagsOf(prim.categories);
         }
-        if (info.isEmissive) {
+        if (leaf.worldInstance) {
             const shared::HdsObject& object = _result->objects[leaf.object];
             _result->pages->Keep(object.itemBase, object.numItems); // light paths end there
         }
@@ -287,6 +288,10 @@ private:
             break;
         case PrimitiveKind::Points:
             counts.points += numPrimitives;
+            break;
+        case PrimitiveKind::Splats:
+            counts.splats += numPrimitives;
+            _result->hasSplats = true;
             break;
         }
         _result->hasCurves = true;

@@ -105,6 +105,7 @@ struct SceneCounts {
     std::uint64_t triangles = 0; ///< unique; an upper bound where surfaces are subdivided
     std::uint64_t curves = 0;    ///< as authored
     std::uint64_t points = 0;    ///< that are spheres
+    std::uint64_t splats = 0;    ///< Gaussian
     std::uint64_t chunks = 0;
     std::uint64_t alwaysResidentBytes = 0; ///< nodes above the chunks, records, tables
     std::uint64_t textures = 0;
@@ -155,7 +156,8 @@ struct CommittedScene {
     std::uint32_t lobes = 0;  ///< HDS_LOBE_* of layered surfaces
     bool hasGroups = false;   ///< instances below instances
     bool hasInstanceChunks = false;
-    bool hasCurves = false;        ///< or points
+    bool hasCurves = false; ///< or points, or splats
+    bool hasSplats = false;
     bool hasHair = false;          ///< some material is hair
     bool hasWorkingSpace = false;  ///< black bodies are converted to another space than Rec.709
     bool hasMedia = false;         ///< some material scatters light below its surface

@@ -8,6 +8,7 @@
 #include "hdStream/geometry/curveSource.h"
 #include "hdStream/geometry/pointSource.h"
 #include "hdStream/geometry/polygonSource.h"
+#include "hdStream/geometry/splatSource.h"
 #include "hdStream/geometry/subdivSource.h"
 #include "hdStream/persist/arrayFiles.h"
 #include "hdStream/scene/geometryKey.h"
@@ -95,6 +96,9 @@ std::shared_ptr<const ChunkSource> SourceOf(const std::shared_ptr<const Geometry
     }
     if (geometry->primitives == PrimitiveKind::Points) {
         return MakePointSource(geometry, path, warnings);
+    }
+    if (geometry->primitives == PrimitiveKind::Splats) {
+        return MakeSplatSource(geometry, path, warnings);
     }
     const Displacement displacement = MakeDisplacement(inputs.displacements);
     if (*inputs.dicing) {

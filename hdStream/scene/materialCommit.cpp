@@ -2,6 +2,7 @@
 #include "hdStream/scene/materialCommit.h"
 
 #include "hdStream/geometry/awayArrays.h"
+#include "hdStream/geometry/splatSource.h"
 #include "hdStream/scene/mediaBounds.h"
 #include "hdStream/shading/materialPrimvars.h"
 #include "hdStream/shading/programWriter.h"
@@ -15,11 +16,22 @@
 
 namespace hds {
 
+namespace {
+
+/// In the place of a path: what splats have for a material.
+constexpr const char* kSplats = "splats";
+
+} // namespace
+
 void MaterialCommit::Compile(
     const std::vector<const std::pair<const std::string, GeometryPrim>*>& prims) {
     _displayColor.compiled = DisplayColorMaterial();
     _displayColor.primvars = hds::PrimvarsOf(_displayColor.compiled);
     _used[""] = &_displayColor;
+    _splats.compiled = SplatMaterial(kSplatHarmonics);
+    _splats.primvars = {kSplatHarmonics, kSplatDegree, kSplatOpacities, kSplatOrientations,
+                        kSplatScales};
+    _used[kSplats] = &_splats;
     std::vector<const std::pair<const std::string, std::shared_ptr<const MaterialNetwork>>*>
         missing;
     const auto use = [&](const std::string& primPath, const std::string& materialPath) {
@@ -45,6 +57,9 @@ void MaterialCommit::Compile(
         }
     };
     for (const auto* prim : prims) {
+        if (prim->second.geometry->primitives == PrimitiveKind::Splats) {
+            continue;
+        }
         use(prim->first, prim->second.materialPath);
         for (const std::string& materialPath : prim->second.subsetMaterialPaths) {
             use(prim->first, materialPath);
@@ -162,6 +177,10 @@ std::vector<std::uint32_t> MaterialCommit::AddTextures(const CompiledMaterial& m
 }
 
 std::vector<const std::string*> MaterialCommit::EntryPaths(const GeometryPrim& prim) const {
+    static const std::string splats = kSplats;
+    if (prim.geometry->primitives == PrimitiveKind::Splats) {
+        return {&splats};
+    }
     std::vector<const std::string*> paths = {&prim.materialPath};
     for (std::size_t i = 0; i < prim.geometry->subsets.size(); ++i) {
         // A subset without a material of its own shows the prim's.
@@ -238,12 +257,14 @@ PrimMaterialInfo MaterialCommit::AddPrim(const std::string& path, const Geometry
                                          const std::vector<AttributeName>& ofInstances) {
     PrimMaterialInfo info;
     info.materialBase = static_cast<std::uint32_t>(primMaterials.size());
+    const bool hasSplats = prim.geometry->primitives == PrimitiveKind::Splats;
     for (const std::string* materialPath : EntryPaths(prim)) {
         const MaterialSyncMode syncMode = SyncModeOf(prim, *materialPath);
         const bool isBlack = syncMode == MaterialSyncMode::NoMaterialResponse;
         const CompiledMaterial& compiled = isBlack ? _black : Find(*materialPath);
         ResolvedMaterial resolved = ResolveMaterial(
-            compiled, AddTextures(compiled), prepared.attributes, ofInstances, path, _warnings);
+            compiled, AddTextures(compiled), prepared.attributes,
+            hasSplats ? std::vector<AttributeName>() : ofInstances, path, _warnings);
         for (const AttributeName& one : ofInstances) {
             if (Displaces(compiled.displacement, one.name)) {
                 _warnings.Add(path, "primvar " + one.name +
@@ -259,6 +280,9 @@ PrimMaterialInfo MaterialCommit::AddPrim(const std::string& path, const Geometry
             record.program = AddProgram(resolved.program);
         }
         record.flags |= prim.light ? HDS_MATERIAL_EMISSIVE : 0U;
+        if (hasSplats) {
+            record.flags |= SplatDegree(*prim.geometry).value_or(0) << HDS_MATERIAL_DEGREE_SHIFT;
+        }
         if (const auto medium = MediumOf(path, prim, compiled)) {
             record.meshMedium = AddMedium(path, prim, *medium);
             // Shadow rays that come to it ask what it lets pass.

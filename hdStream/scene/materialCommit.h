@@ -102,6 +102,7 @@ private:
     Warnings& _warnings;
     std::map<std::string, const CachedMaterial*> _used; ///< by path; "": no material
     CachedMaterial _displayColor;
+    CachedMaterial _splats;
     CompiledMaterial _black = BlackMaterial();
     std::map<std::string, std::uint32_t> _indexByBytes;
     std::map<std::string, std::uint32_t> _mediumByBytes;

@@ -2,6 +2,7 @@
 #include "hdStream/scene/sceneColors.h"
 
 #include "hdStream/base/error.h"
+#include "hdStream/geometry/splatSource.h"
 #include "hdStream/shading/colorInputs.h"
 #include "hdStream/shading/lightUnits.h"
 #include "hdStream/texture/colorConfig.h"
@@ -161,7 +162,8 @@ private:
     bool ConvertPrimvars(std::vector<Primvar>* primvars) {
         bool hasChanged = false;
         for (Primvar& primvar : *primvars) {
-            const bool isFallback = primvar.name == "displayColor";
+            const bool isFallback =
+                primvar.name == "displayColor" || primvar.name == kSplatHarmonics;
             const ColorConversion* conversion =
                 primvar.numComponents < 3
                     ? nullptr

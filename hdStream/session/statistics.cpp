@@ -67,6 +67,7 @@ Json GeometrySection(const StatisticsInput& in) {
             {"meshes", counts.meshes},
             {"curves", counts.curves},
             {"points", counts.points},
+            {"splats", counts.splats},
             {"instances", counts.instances},
             {"triangles", counts.triangles},
             {"chunks", counts.chunks},
@@ -204,6 +205,7 @@ std::string MakeInfo(const SceneDescription& scene, const CommittedScene& commit
     info["meshes"] = counts.meshes;
     info["curves"] = counts.curves;
     info["points"] = counts.points;
+    info["splats"] = counts.splats;
     info["instancers"] = scene.instancers.size();
     info["instances"] = counts.instances;
     info["triangles"] = counts.triangles;

@@ -424,6 +424,13 @@ CompiledMaterial BlackMaterial() {
     return material;
 }
 
+CompiledMaterial SplatMaterial(const char* harmonics) {
+    CompiledMaterial material = BlackMaterial();
+    material.constants.flags |= HDS_MATERIAL_SPLAT | HDS_MATERIAL_CUTOUT | HDS_MATERIAL_EMISSIVE;
+    material.values[HDS_INPUT_EMISSIVE_COLOR] = MakePrimvar(harmonics, {0.0F, 0.0F, 0.0F, 1.0F}, 3);
+    return material;
+}
+
 /// Lets all pass.
 CompiledMaterial BoundaryMaterial() {
     CompiledMaterial material = BlackMaterial();

@@ -101,6 +101,10 @@ CompiledMaterial CompileMaterial(const MaterialNetwork& network, const std::stri
 /// UsdImaging) with displayOpacity.
 CompiledMaterial DisplayColorMaterial();
 
+/// Of Gaussian splats: kernels make opacity and emission of what the splat is (HDS_MATERIAL_SPLAT).
+/// \param harmonics the primvar with their coefficients.
+CompiledMaterial SplatMaterial(const char* harmonics);
+
 /// Reflects nothing.
 CompiledMaterial BlackMaterial();
 

@@ -2,9 +2,14 @@
 // MaterialX's nodes of matrices, and of colour spaces, which are matrices and curves. No value of
 // the machine is a matrix: one is read as rows from the nodes that make it. Definitions: stdlib and
 // cmlib 1.39. The table of what there is: docs/materials.md.
+#include "hdStream/shading/matrixNodes.h"
+
 #include "hdStream/shading/patternNode.h"
 
+#include <algorithm>
 #include <array>
+#include <optional>
+#include <string>
 
 namespace hds {
 
@@ -86,6 +91,53 @@ Matrix InverseOf(const Matrix& matrix) {
     return result;
 }
 
+/// \param scale of the diagonal
+Matrix Diagonal(std::uint32_t size, float scale) {
+    Matrix matrix = Identity(size);
+    for (std::uint32_t k = 0; k < size; ++k) {
+        matrix.at[k][k] = MakeScalar(scale);
+    }
+    return matrix;
+}
+
+/// What a function makes of the entries of two matrices, one by one.
+template <typename Function>
+Matrix ByEntry(const Matrix& a, const Matrix& b, Function function) {
+    Matrix result = a;
+    for (std::uint32_t row = 0; row < a.size; ++row) {
+        for (std::uint32_t column = 0; column < a.size; ++column) {
+            result.at[row][column] = function(a.at[row][column], b.at[row][column]);
+        }
+    }
+    return result;
+}
+
+Matrix ByCode(std::uint32_t code, const Matrix& a, const Matrix& b) {
+    return ByEntry(
+        a, b, [code](const ShaderValue& x, const ShaderValue& y) { return Scalar(code, x, y); });
+}
+
+Matrix Choice(const ShaderValue& condition, const Matrix& a, const Matrix& b) {
+    return ByEntry(a, b, [&](const ShaderValue& x, const ShaderValue& y) {
+        return MakeMath(HDS_MATH_SELECT, {condition, x, y}, 1);
+    });
+}
+
+/// a, then b, of row vectors.
+Matrix ProductOf(const Matrix& a, const Matrix& b) {
+    Matrix result = a;
+    for (std::uint32_t row = 0; row < a.size; ++row) {
+        for (std::uint32_t column = 0; column < a.size; ++column) {
+            ShaderValue sum = Product(a.at[row][0], b.at[0][column]);
+            for (std::uint32_t k = 1; k < a.size; ++k) {
+                sum = Scalar(HDS_MATH_ADD, sum, Product(a.at[row][k], b.at[k][column]));
+            }
+            result.at[row][column] = sum;
+        }
+    }
+    return result;
+}
+
 /// A row vector times the matrix, as USD and MaterialX have it.
 ShaderValue Transformed(const std::array<ShaderValue, 4>& vector, const Matrix& matrix,
                         std::uint32_t numComponents) {
@@ -104,13 +156,14 @@ class MatrixNode : public PatternNode {
 public:
     using PatternNode::PatternNode;
 
+    /// \param diagonal of the matrix that it is by default
     Matrix MatrixInput(const MaterialNode& node, const std::string& input, std::uint32_t size,
-                       int depth) {
+                       int depth, float diagonal = 1.0F) {
         const MaterialNode* source = _network.FindSource(node, input);
         if (source != nullptr && depth < kMaxDepth) {
             return MatrixFrom(*source, size, depth + 1);
         }
-        Matrix matrix = Identity(size);
+        Matrix matrix = Diagonal(size, diagonal);
         const auto found = node.parameters.find(input);
         const auto* numbers = found == node.parameters.end()
                                   ? nullptr
@@ -125,10 +178,82 @@ public:
         }
         return matrix;
     }
+    /// The second input of arithmetic: a matrix, or a number in all places.
+    Matrix SecondInput(const MaterialNode& node, std::uint32_t size, int depth, float diagonal) {
+        const bool isNumber =
+            node.identifier.compare(node.identifier.size() - 2, std::string::npos, "FA") == 0;
+        if (!isNumber) {
+            return MatrixInput(node, "in2", size, depth, diagonal);
+        }
+        const ShaderValue number = _network.EvaluateOr(node, "in2", {}, 1);
+        Matrix matrix = Identity(size);
+        for (auto& row : matrix.at) {
+            row.fill(number);
+        }
+        return matrix;
+    }
+    ShaderValue Condition(const MaterialNode& node, std::uint32_t code, float value1) {
+        return MakeMath(code,
+                        {_network.EvaluateOr(node, "value1", {value1, 0.0F, 0.0F, 0.0F}, 1),
+                         _network.EvaluateOr(node, "value2", {}, 1)},
+                        1);
+    }
+    Matrix If(const MaterialNode& node, const ShaderValue& condition, std::uint32_t size,
+              int depth) {
+        return Choice(condition, MatrixInput(node, "in1", size, depth, 0.0F),
+                      MatrixInput(node, "in2", size, depth, 0.0F));
+    }
+    Matrix SwitchOf(const MaterialNode& node, std::uint32_t size, int depth) {
+        const ShaderValue which = _network.EvaluateOr(node, "which", {}, 1);
+        Matrix result = Diagonal(size, 0.0F);
+        for (int i = 10; i > 0; --i) {
+            const ShaderValue isBelow =
+                MakeMath(HDS_MATH_GREATER, {MakeScalar(static_cast<float>(i)), which}, 1);
+            const std::string input = "in" + std::to_string(i);
+            result = Choice(isBelow, MatrixInput(node, input, size, depth, 0.0F), result);
+        }
+        return result;
+    }
+    /// What arithmetic and conditions make of matrices; nothing: the node is none of these.
+    std::optional<Matrix> ComputedFrom(const MaterialNode& node, const std::string& category,
+                                       std::uint32_t size, int depth) {
+        if (category == "add" || category == "subtract") {
+            return ByCode(category == "add" ? HDS_MATH_ADD : HDS_MATH_SUBTRACT,
+                          MatrixInput(node, "in1", size, depth),
+                          SecondInput(node, size, depth, 0.0F));
+        }
+        if (category == "multiply") {
+            return ProductOf(MatrixInput(node, "in1", size, depth),
+                             MatrixInput(node, "in2", size, depth));
+        }
+        if (category == "divide") {
+            return ProductOf(MatrixInput(node, "in1", size, depth),
+                             InverseOf(MatrixInput(node, "in2", size, depth)));
+        }
+        if (category == "ifgreater") {
+            return If(node, Condition(node, HDS_MATH_GREATER, 1.0F), size, depth);
+        }
+        if (category == "ifgreatereq") {
+            return If(node, Condition(node, HDS_MATH_GREATER_OR_EQUAL, 1.0F), size, depth);
+        }
+        if (category == "ifequal") {
+            return If(node, Condition(node, HDS_MATH_EQUAL, 0.0F), size, depth);
+        }
+        return std::nullopt;
+    }
     Matrix MatrixFrom(const MaterialNode& node, std::uint32_t size, int depth) {
         const NodeId id = ParseId(node.identifier);
         if (id.category == "constant") {
             return MatrixInput(node, "value", size, depth);
+        }
+        if (id.category == "dot") {
+            return MatrixInput(node, "in", size, depth);
+        }
+        if (id.category == "switch") {
+            return SwitchOf(node, size, depth);
+        }
+        if (const auto computed = ComputedFrom(node, id.category, size, depth)) {
+            return *computed;
         }
         if (id.category == "transpose") {
             return TransposeOf(MatrixInput(node, "in", size, depth));
@@ -263,6 +388,15 @@ constexpr PatternType kTypes[] = {
 };
 
 } // namespace
+
+ShaderValue ExtractRow(NetworkEvaluator& network, const MaterialNode& node, std::uint32_t index) {
+    const std::string output;
+    MatrixNode reader(network, node, output);
+    const std::uint32_t size = reader.SizeInId();
+    const Matrix matrix = reader.MatrixInput(node, "in", size, 0, 0.0F);
+    const std::array<ShaderValue, 4>& row = matrix.at[std::min(index, size - 1)];
+    return CombineChannels(row[0], row[1], row[2], row[3], size);
+}
 
 PatternTable MatrixNodes() {
     return PatternTable(kTypes);

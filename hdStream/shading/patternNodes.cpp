@@ -2,6 +2,7 @@
 // MaterialX's standard nodes as expressions. Nodes are told by the id of their definition,
 // ND_<category>_<types>. Semantics and defaults: MaterialX 1.39 specification, standard nodes.
 // The table of what there is: docs/materials.md.
+#include "hdStream/shading/matrixNodes.h"
 #include "hdStream/shading/patternNode.h"
 
 #include <algorithm>
@@ -179,8 +180,11 @@ public:
             _network.Warn("the index of " + _node.path + " varies; 0 is used");
         }
         const float number = IsConstant(index) ? ConstantOf(index)[0] : 0.0F;
-        return ChannelOf(In("in", 0.0F),
-                         static_cast<std::uint32_t>(std::clamp(number, 0.0F, 3.0F)));
+        const auto place = static_cast<std::uint32_t>(std::clamp(number, 0.0F, 3.0F));
+        if (_node.identifier.find("_matrix") != std::string::npos) {
+            return ExtractRow(_network, _node, place);
+        }
+        return ChannelOf(In("in", 0.0F), place);
     }
     ShaderValue Separate() {
         static const std::string kNames = "rgbaxyzw";

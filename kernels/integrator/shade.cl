@@ -221,6 +221,11 @@ uint shade_surface(constant const HdsFrameParams* frame, const HdsSceneView* sce
     if (path->isLast) {
         return HDS_SHADE_ENDS;
     }
+#if HDS_FEATURE_SPLATS
+    if (at->surface.splat.w > 0.0f) { /* it reflects nothing */
+        return HDS_SHADE_ENDS;
+    }
+#endif
     scatter->point = at->surface.point;
 #if HDS_FEATURE_TERMINATOR
     scatter->lift = at->surface.lift;

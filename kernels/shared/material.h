@@ -34,6 +34,8 @@ enum {
 #define HDS_MATERIAL_MEDIUM 2048u     /* light is scattered below the surface */
 #define HDS_MATERIAL_HAIR 4096u       /* hair, or hair by chance (HDS_INPUT_HAIR) */
 #define HDS_MATERIAL_GLASS 8192u      /* shadow rays pass where it refracts and is smooth */
+#define HDS_MATERIAL_SPLAT 16384u     /* of Gaussian splats: opacity and emission are theirs */
+#define HDS_MATERIAL_DEGREE_SHIFT 15  /* 2 bits: the degree of their spherical harmonics */
 
 /* HdsMaterial.lobes: what a layered surface is made of; 0: a UsdPreviewSurface. HDS_LOBES is the
  * union over a scene: what is not in it is not compiled. */

@@ -26,8 +26,8 @@ bool Has(const TfTokenVector& tokens, const TfToken& token) {
 
 TEST_F(Delegate, SupportsTheTypesOfAPathTracer) {
     Host host(EmptyScene(), Quick());
-    for (const TfToken& type :
-         {HdPrimTypeTokens->mesh, HdPrimTypeTokens->basisCurves, HdPrimTypeTokens->points}) {
+    for (const TfToken& type : {HdPrimTypeTokens->mesh, HdPrimTypeTokens->basisCurves,
+                                HdPrimTypeTokens->points, TfToken("particleField")}) {
         EXPECT_TRUE(Has(host.Delegate().GetSupportedRprimTypes(), type)) << type;
     }
     const TfTokenVector& sprims = host.Delegate().GetSupportedSprimTypes();

@@ -2,6 +2,8 @@
 // The life of prims: added, removed, added again; primvars that vanish; computed primvars.
 #include "hydraTest.h"
 
+#include <pxr/base/gf/quatf.h>
+#include <pxr/base/gf/quath.h>
 #include <pxr/imaging/hd/changeTracker.h>
 #include <pxr/imaging/hd/extComputation.h>
 
@@ -255,6 +257,44 @@ TEST_F(Prims, CurvesPointsAndBadMeshesAreAcceptedBesideMeshes) {
     EXPECT_NE(withCurves, all);
     EXPECT_NE(meshes, withCurves);
     EXPECT_EQ(meshes, Host(ThreeMeshes(), Quick()).Render());
+}
+
+/// A grey disk of standard deviation 0.5 that faces the camera, as UsdImaging hands splats over.
+GprimData MakeSplat(bool isHalf) {
+    GprimData splat;
+    splat.type = TfToken("particleField");
+    const auto set = [&](const char* name, const auto& floats, const auto& halfs) {
+        splat.SetPrimvar(name, HdInterpolationVertex, isHalf ? VtValue(halfs) : VtValue(floats));
+    };
+    set("positions", VtVec3fArray{GfVec3f(0.25F, 0.5F, 0)}, VtVec3hArray{GfVec3h(0.25F, 0.5F, 0)});
+    set("orientations", VtQuatfArray{GfQuatf(1, 0, 0, 0)}, VtQuathArray{GfQuath(1, 0, 0, 0)});
+    set("scales", VtVec3fArray{GfVec3f(0.5F)}, VtVec3hArray{GfVec3h(0.5F)});
+    set("opacities", VtFloatArray{1.0F}, VtHalfArray{GfHalf(1.0F)});
+    set("radiance:sphericalHarmonicsCoefficients", VtVec3fArray{GfVec3f(1, 0, -1)},
+        VtVec3hArray{GfVec3h(1, 0, -1)});
+    splat.SetPrimvar("radiance:sphericalHarmonicsDegree", HdInterpolationConstant, VtValue(0));
+    return splat;
+}
+
+TEST_F(Prims, SplatsAreDrawnFromFloatsAndHalfsAndMove) {
+    const HostOptions options = Quick();
+    const SdfPath path("/splat");
+    SceneData scene = ThreeMeshes();
+    const Image meshes = Host(scene, options).Render();
+    scene.gprims[path] = MakeSplat(false);
+    Host host(scene, options);
+    const Image floats = host.Render();
+    EXPECT_NE(floats, meshes);
+    host.Scene().SetGprim(path, MakeSplat(true));
+    EXPECT_EQ(host.Render(), floats);
+    GprimData moved = MakeSplat(true);
+    moved.SetPrimvar("positions", HdInterpolationVertex, VtValue(VtVec3fArray{GfVec3f(-0.5F)}));
+    host.Scene().SetGprim(path, moved);
+    const Image after = host.Render();
+    EXPECT_NE(after, floats);
+    EXPECT_EQ(after, RenderFresh(host, options));
+    host.Scene().Remove(path);
+    EXPECT_EQ(host.Render(), meshes);
 }
 
 } // namespace

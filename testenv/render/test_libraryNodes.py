@@ -129,6 +129,8 @@ _M44 = np.vstack([np.hstack([_M33, np.zeros((3, 1))]), [0.1, 0.2, 0.05, 1.0]])
 _ROWS33 = {f"in{k + 1}": tuple(row) for k, row in enumerate(_M33)}
 _NODE33 = ("creatematrix", "vector3_matrix33", _ROWS33)
 _NODE44 = ("creatematrix", "vector4_matrix44", {f"in{k + 1}": tuple(row) for k, row in enumerate(_M44)})
+_N33 = np.array([[0.8, 0.1, 0.3], [0.2, 0.9, 0.1], [0.3, 0.2, 0.7]])
+_OTHER33 = ("creatematrix", "vector3_matrix33", {f"in{k + 1}": tuple(row) for k, row in enumerate(_N33)})
 _MATRICES = {
     "transformmatrix": (_A @ _M33, "transformmatrix", "vector3", dict(mat=_NODE33, **{"in": _A})),
     "transformmatrix_transposed": (_M33 @ _A, "transformmatrix", "vector3",
@@ -140,6 +142,27 @@ _MATRICES = {
         "transformmatrix", "vector3M4", dict(mat=("invertmatrix", "matrix44", {"in": _NODE44}), **{"in": _A}))}),
     "determinant": (np.linalg.det(_M33), "determinant", "matrix33", {"in": _NODE33}),
     "determinant_44": (np.linalg.det(_M44), "determinant", "matrix44", {"in": _NODE44}),
+    "transformmatrix_multiply": (_A @ _M33 @ _N33, "transformmatrix", "vector3", dict(
+        mat=("multiply", "matrix33", dict(in1=_NODE33, in2=_OTHER33)), **{"in": _A})),
+    "transformmatrix_divide": (_A @ _M33 @ np.linalg.inv(_N33), "transformmatrix", "vector3", dict(
+        mat=("divide", "matrix33", dict(in1=_NODE33, in2=_OTHER33)), **{"in": _A})),
+    "transformmatrix_multiply44": (np.array([*_A, 1]) @ _M44 @ _M44.T, "transformmatrix", "vector3M4", dict(
+        mat=("multiply", "matrix44", dict(in1=_NODE44, in2=("transpose", "matrix44", {"in": _NODE44}))), **{"in": _A})),
+    "transformmatrix_add": (_A @ (_M33 + _N33), "transformmatrix", "vector3", dict(
+        mat=("add", "matrix33", dict(in1=_NODE33, in2=_OTHER33)), **{"in": _A})),
+    "transformmatrix_addNumber": (_A @ (_M33 + 0.2), "transformmatrix", "vector3", dict(
+        mat=("add", "matrix33FA", dict(in1=_NODE33, in2=0.2)), **{"in": _A})),
+    "transformmatrix_subtract": (_A @ (_M33 - 0.1 * _N33), "transformmatrix", "vector3", dict(
+        mat=("subtract", "matrix33", dict(in1=_NODE33, in2=("creatematrix", "vector3_matrix33", {
+            f"in{k + 1}": tuple(0.1 * row) for k, row in enumerate(_N33)}))), **{"in": _A})),
+    "transformmatrix_dot": (_A @ _M33, "transformmatrix", "vector3", dict(mat=("dot", "matrix33", {"in": _NODE33}), **{"in": _A})),
+    "transformmatrix_ifgreater": (_A @ _N33, "transformmatrix", "vector3", dict(
+        mat=("ifgreater", "matrix33", dict(value1=0.2, value2=0.3, in1=_NODE33, in2=_OTHER33)), **{"in": _A})),
+    "transformmatrix_ifequal": (_A @ _M33, "transformmatrix", "vector3", dict(
+        mat=("ifequal", "matrix33", dict(value1=0.3, value2=0.3, in1=_NODE33, in2=_OTHER33)), **{"in": _A})),
+    "transformmatrix_switch": (_A @ _N33, "transformmatrix", "vector3", dict(
+        mat=("switch", "matrix33", dict(which=1.0, in1=_NODE33, in2=_OTHER33)), **{"in": _A})),
+    "extract_matrix": (_M33[1], "extract", "matrix33", {"in": _NODE33, "index": 1}),
     # The shape of the point makes one that no constant folds.
     "determinant_varying": (np.linalg.det([[0.3, 0.7, 0], *_M33[1:]]), "determinant", "matrix33", {"in": (
         "creatematrix", "vector3_matrix33", {**_ROWS33, "in1": ("convert", "vector2_vector3", {"in": ("texcoord", "vector2", {})})})}),

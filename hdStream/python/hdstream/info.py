@@ -59,7 +59,7 @@ def _Print(info):
           f"frames {info['startTimeCode']:g} to {info['endTimeCode']:g}")
     print("prims       " + (", ".join(f"{count} {name}" for name, count in info["primTypes"].items()) or "none"))
     print(f"meshes      {info['meshes']}, {info['triangles']} triangles, {BytesText(info['geometryBytes'])}")
-    print(f"curves      {info['curves']}, {info['points']} points")
+    print(f"curves      {info['curves']}, {info['points']} points, {info['splats']} splats")
     print(f"instances   {info['instances']} drawn, {info['instancers']} instancers")
     print(f"materials   {info['materials']}")
     print(f"lights      {info['lights']}, {info['emissiveTriangles']} emissive triangles")

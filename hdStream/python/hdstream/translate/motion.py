@@ -97,10 +97,15 @@ class Motion:
                 warn(prim, "its topology changes while the shutter is open: drawn without motion blur")
                 return []
         arrays = UsdGeom.PointBased(prim).ComputePointsAtTimes([self.At(time) for time in times], self.timeCode)
-        samples = _Samples(times, arrays, count)
-        if not samples and any(array is None or len(array) != count for array in arrays):
-            warn(prim, "its points change in number while the shutter is open: drawn without motion blur")
-        return samples
+        return _SamplesOrWarning(prim, times, arrays, count, warn)
+
+    def ArraySamplesOf(self, prim, name, count, warn):
+        """(time, values) of an attribute with the places of `count` points."""
+        attribute = prim.GetAttribute(name)
+        if not self.isOn or not attribute or not attribute.ValueMightBeTimeVarying():
+            return []
+        times = self.TimesOf(prim, (name,))
+        return _SamplesOrWarning(prim, times, [attribute.Get(self.At(time)) for time in times], count, warn)
 
     def _HasVelocities(self, prim, count):
         """Whether UsdGeom moves the points by them: they have a sample where the points have that before the frame."""
@@ -139,6 +144,14 @@ class Motion:
             return []
         matrices = [camera.GetCamera(self.At(time)).transform for time in self.times]
         return self.SamplesOf(matrices if any(matrix != matrices[0] for matrix in matrices) else None)
+
+
+def _SamplesOrWarning(prim, times, arrays, count, warn):
+    """_Samples of points, whose number has to stay."""
+    samples = _Samples(times, arrays, count)
+    if not samples and any(array is None or len(array) != count for array in arrays):
+        warn(prim, "its points change in number while the shutter is open: drawn without motion blur")
+    return samples
 
 
 def _Samples(times, arrays, count):

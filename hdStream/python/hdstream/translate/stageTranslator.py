@@ -13,7 +13,7 @@ from pxr import Tf, Usd, UsdGeom, UsdSkel
 
 from hdstream import _core
 from hdstream.diagnostics import MessagesOf
-from hdstream.translate import cameras, colorSpaces, curves, drawModes, lights, meshes, primvars, volumes
+from hdstream.translate import cameras, colorSpaces, curves, drawModes, lights, meshes, primvars, splats, volumes
 from hdstream.translate.assets import AssetResolver
 from hdstream.translate.instancers import Instancers
 from hdstream.translate.links import Links
@@ -37,8 +37,8 @@ class _TypeInfo:
     def __init__(self, prim, schema, handler, isLeaf):
         self.schema = schema
         self.handler = handler
-        self.isImageable = prim.IsA(UsdGeom.Imageable)
-        self.isXformable = prim.IsA(UsdGeom.Xformable)
+        self.isImageable = prim.IsA(UsdGeom.Imageable) or schema == splats.TYPE
+        self.isXformable = prim.IsA(UsdGeom.Xformable) or schema == splats.TYPE
         self.isSkelRoot = prim.IsA(UsdSkel.Root)
         self.isLeaf = isLeaf  # a gprim: nothing of use below it inherits primvars or bindings
 
@@ -228,6 +228,7 @@ class StageTranslator:
         handlers += [(name, self._OnCurves) for name in ("BasisCurves", "NurbsCurves", "HermiteCurves")]
         handlers += [(name, self._OnImplicit) for name in meshes.IMPLICIT_TYPES]
         handlers += [("Volume", self._OnVolume), ("FieldBase", self._OnSkipped)]
+        handlers += [(splats.TYPE, self._OnSplats)]
         handlers += [(name, self._OnUnsupported) for name in _SKIPPED_SCHEMAS]
         handlers += [(name, self._OnLight) for name in lights.LIGHT_TYPES]
         handlers += [(name, self._OnUnsupported) for name in lights.UNSUPPORTED_LIGHT_TYPES]
@@ -243,7 +244,9 @@ class StageTranslator:
             if schema is not None and prim.IsA(schema):
                 found = (name, handler)
                 break
-        leaves = (self._OnMesh, self._OnTetMesh, self._OnImplicit, self._OnCurves, self._OnPoints)
+        if prim.GetTypeName() == splats.TYPE:  # whatever this usd-core knows of it
+            found = (splats.TYPE, self._OnSplats)
+        leaves = (self._OnMesh, self._OnTetMesh, self._OnImplicit, self._OnCurves, self._OnPoints, self._OnSplats)
         info = _TypeInfo(prim, *found, isLeaf=found[1] in leaves)
         self._types[prim.GetTypeName()] = info
         return info
@@ -329,6 +332,14 @@ class StageTranslator:
     def _OnPoints(self, prim, schema, names, state, context):
         description = curves.ReadPointCloud(prim, names, state.primvars, self._timeCode)
         self._AddPointSamples(prim, names, description)
+        self._AddSolid(prim, description, state, context)
+        return state
+
+    def _OnSplats(self, prim, schema, names, state, context):
+        description = splats.ReadSplats(prim, names, state.primvars, self._timeCode)
+        if description is not None:
+            description.samples = self._motion.ArraySamplesOf(
+                prim, splats.PositionsName(prim, self._timeCode), len(description.points), self._reports.Warn)
         self._AddSolid(prim, description, state, context)
         return state
 

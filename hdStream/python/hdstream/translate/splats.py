@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+"""UsdVolParticleField3DGaussianSplat, by the names of its attributes: an OpenUSD before 26.03 has no such schema."""
+
+import numpy as np
+
+from hdstream import _core
+from hdstream.translate.primvars import PrimvarsOf
+from hdstream.translate.rereading import Again
+
+TYPE = "ParticleField3DGaussianSplat"
+_SHAPES = ("orientations", "scales", "opacities", "radiance:sphericalHarmonicsCoefficients")
+_DEGREE = "radiance:sphericalHarmonicsDegree"
+
+
+def PositionsName(prim, timeCode):
+    """The attribute that has the positions: that of floats before that of halfs."""
+    return _NameOf(prim, "positions", timeCode)
+
+
+def ReadSplats(prim, names, inherited, timeCode):
+    """The description of the splats; None where there are none."""
+    positions = PositionsName(prim, timeCode)
+    points = _Read(prim, positions, timeCode)
+    if points is None or points.ndim != 2 or points.shape[1] != 3:
+        return None
+    splats = _core.GeometryDescription()
+    splats.primitives = _core.PrimitiveKind.Splats
+    splats.points = _ReadAgain(prim, positions, timeCode, points)
+    splats.primvars = PrimvarsOf(prim, names, inherited, timeCode)
+    vertex, constant = _core.Interpolation.Vertex, _core.Interpolation.Constant
+    for name in _SHAPES:
+        attribute = _NameOf(prim, name, timeCode)
+        values = _Read(prim, attribute, timeCode)
+        if values is not None:
+            splats.primvars = splats.primvars + [_core.Primvar(name, vertex, _ReadAgain(prim, attribute, timeCode, values))]
+    degree = _Value(prim, _DEGREE, timeCode)
+    if degree is not None:
+        splats.primvars = splats.primvars + [_core.Primvar(_DEGREE, constant, np.array([degree], np.float32))]
+    return splats
+
+
+def _NameOf(prim, name, timeCode):
+    """The attribute of floats or, where that has no value, of halfs."""
+    return name if _Value(prim, name, timeCode) else name + "h"
+
+
+def _Value(prim, name, timeCode):
+    attribute = prim.GetAttribute(name)
+    return attribute.Get(timeCode) if attribute else None
+
+
+def _Read(prim, name, timeCode):
+    """[count] or [count][components] floats, of quaternions i, j, k, real; None where there are none."""
+    value = _Value(prim, name, timeCode)
+    rows = np.asarray(value) if value else None
+    return None if rows is None or rows.dtype.kind != "f" else np.ascontiguousarray(rows, np.float32)
+
+
+def _ReadAgain(prim, name, timeCode, values):
+    return Again(prim.GetAttribute(name), timeCode, values, lambda: _Read(prim, name, timeCode))
