@@ -4,6 +4,7 @@
 #include "hdStream/hydra/editSceneIndex.h"
 #include "hdStream/hydra/passSceneIndex.h"
 #include "hdStream/hydra/rendererPlugin.h"
+#include "hdStream/hydra/roundSceneIndex.h"
 #include "hdStream/hydra/shutterSceneIndex.h"
 
 #include <pxr/base/tf/registryManager.h>
@@ -111,7 +112,8 @@ HdStreamSceneIndexPlugin::_AppendSceneIndex(const HdSceneIndexBaseRefPtr& inputS
                                             const HdContainerDataSourceHandle&) {
     HdSceneIndexBaseRefPtr scene = HdStreamPassSceneIndex::New(inputScene);
     scene = HdsiRenderSettingsFilteringSceneIndex::New(scene, RenderSettingsArguments());
-    scene = HdsiImplicitSurfaceSceneIndex::New(scene, ImplicitSurfaceArguments());
+    scene = HdStreamRoundSceneIndex::New(
+        HdsiImplicitSurfaceSceneIndex::New(scene, ImplicitSurfaceArguments()), scene);
     scene = HdsiNurbsApproximatingSceneIndex::New(scene);
     scene = HdsiTetMeshConversionSceneIndex::New(scene);
     scene = HdsiVelocityMotionResolvingSceneIndex::New(scene, VelocityArguments(inputScene));

@@ -86,7 +86,12 @@ void BindGeometry(nb::module_& module) {
         "normals"_a, "mesh"_a, "atRest"_a, "posed"_a,
         "The primvar `normals` of a mesh whose points, float32 [count][3], went from one pose to "
         "another; None where it does not fit the faces of `mesh`.");
-    module.def("MakeImplicitMesh", &MakeImplicitMesh, "shape"_a, "The mesh of an implicit gprim.");
+    module.def("MakeImplicitMesh", &MakeImplicitMesh, "shape"_a,
+               "OpenUSD's mesh of an implicit gprim, whose points lie on the gprim.");
+    module.def(
+        "FitLimitSurface", &FitLimitSurface, "cage"_a,
+        "Moves the points of a catmullClark cage so that its limit surface goes through where "
+        "they were.");
 }
 
 void BindPlaced(nb::module_& module) {

@@ -11,6 +11,7 @@
 #include "hdStream/persist/pageStore.h"
 #include "hdStream/scene/dump.h"
 #include "hdStream/scene/hostRecords.h"
+#include "hdStream/scene/transforms.h"
 #include "hdStream/session/denoising.h"
 #include "hdStream/session/frontEndArrays.h"
 #include "hdStream/session/hostShares.h"
@@ -439,6 +440,11 @@ RenderResult Session::Render(const Settings& settings, const ProgressCallback& o
     if (camera == impl.description.cameras.end()) {
         throw Error("--camera " + settings.camera + ": the stage has no such camera",
                     ErrorKind::Usage);
+    }
+    if (!IsUsableTransform(camera->second.worldFromCamera)) {
+        Warn(settings.camera,
+             "a camera whose transform is singular or not finite; the picture says "
+             "nothing of the scene");
     }
     impl.hasFilm = false;
     try {

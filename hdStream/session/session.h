@@ -14,6 +14,7 @@
 #include "hdStream/film/imageWriter.h"
 #include "hdStream/geometry/carriedNormals.h"
 #include "hdStream/geometry/implicitMesh.h"
+#include "hdStream/geometry/limitCage.h"
 #include "hdStream/integrator/renderOptions.h"
 #include "hdStream/persist/packageFile.h"
 #include "hdStream/scene/cameraAttributes.h"

@@ -98,6 +98,18 @@ def test_degenerate_cameras_do_not_crash(tmp_path, body):
     assert result.code in (0, 1) and "Traceback" not in result.text, result.text
 
 
+@pytest.mark.parametrize("translate, isUsable", [("(nan, 0, 5)", False), ("(0, 0, inf)", False), ("(0, 0, 5)", True)])
+def test_cameras_without_a_place_are_told(tmp_path, translate, isUsable):
+    from cliCase import TRIANGLE
+    body = f'def Camera "main_cam" {{ double3 xformOp:translate = {translate}\nuniform token[] xformOpOrder = ["xformOp:translate"]\n}}\n'
+    result = Run("record", WriteStage(tmp_path, TRIANGLE + body), tmp_path / "o.exr", *SMALL, "--camera", "/main_cam")
+    assert result.code == 0 and not result.errors, result.text
+    told = [line for line in result.warnings if "/main_cam" in line]
+    assert [line.partition(" or not finite")[0] for line in told] == (
+        [] if isUsable else ["/main_cam: a camera whose transform is singular"]), result.text
+    assert Finite(tmp_path / "o.exr")
+
+
 def test_extreme_lights_stay_finite(tmp_path):
     """Sums of samples and of their squares would not be."""
     lamp = 'def SphereLight "Lamp" { float inputs:intensity = 1e29\nfloat inputs:radius = 100\n}\n'

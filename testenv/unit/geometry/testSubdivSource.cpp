@@ -2,6 +2,7 @@
 // Diced surfaces against the limit masks of uniform refinement: every vertex, normal and
 // face-varying value of a uniform level, for all tags, schemes and kinds of faces.
 #include "hdStream/geometry/implicitMesh.h"
+#include "hdStream/geometry/limitCage.h"
 #include "testenv/unit/geometry/subdivFixtures.h"
 
 #include <gtest/gtest.h>
@@ -402,20 +403,59 @@ TEST(SubdivSource, RegularGridsAreBicubicBSplines) {
     }
 }
 
-TEST(SubdivSource, ImplicitShapesAreRound) {
+/// How far a point is from a shape about the z axis with radius 1 and height 2, ends left out.
+double DistanceFrom(const std::string& type, const glm::dvec3& p) {
+    const double toAxis = std::hypot(p.x, p.y);
+    if (type == "Sphere") {
+        return std::abs(glm::length(p) - 1.0);
+    }
+    if (type == "Capsule") {
+        return std::abs(std::hypot(toAxis, std::max(std::abs(p.z) - 1.0, 0.0)) - 1.0);
+    }
+    const double radius = type == "Cone" ? 0.5 * (1.0 - p.z) : 1.0;
+    return std::abs(p.z) == 1.0 ? std::max(toAxis - radius, 0.0) : std::abs(toAxis - radius);
+}
+
+TEST(SubdivSource, FittedCagesOfImplicitShapesAreRound) {
+    struct Expected {
+        const char* type;
+        double farthest; ///< between the vertices of the cage; capsules change their curvature
+    };
+    const Expected cases[] = {
+        {"Sphere", 0.002}, {"Capsule", 0.04}, {"Cylinder", 0.002}, {"Cone", 0.002}};
+    for (const Expected& e : cases) {
+        SCOPED_TRACE(e.type);
+        ImplicitShape shape;
+        shape.type = e.type;
+        GeometryDescription mesh = MakeImplicitMesh(shape);
+        FitLimitSurface(mesh);
+        // By OpenSubdiv: vertices of the cage are on the shape, all others close to it.
+        const Diced vertices = DiceUniform(mesh, 0);
+        EXPECT_TRUE(vertices.warnings.empty());
+        ASSERT_FALSE(vertices.chunk.positions.empty());
+        for (const glm::vec3& p : vertices.chunk.positions) {
+            EXPECT_LT(DistanceFrom(e.type, p), 1e-6);
+        }
+        for (const glm::vec3& p : DiceUniform(mesh, 3).chunk.positions) {
+            EXPECT_LT(DistanceFrom(e.type, p), e.farthest);
+        }
+    }
+}
+
+TEST(SubdivSource, WhatHasNoLimitSurfaceIsNotFitted) {
     ImplicitShape shape;
-    shape.type = "Sphere";
-    const Diced sphere = DiceUniform(MakeImplicitMesh(shape), 3);
-    EXPECT_TRUE(sphere.warnings.empty());
-    // The limit lies inside the cage, whose points are on the sphere; 10 sides lose about 5 %.
-    for (const glm::vec3& p : sphere.chunk.positions) {
-        EXPECT_LT(glm::length(p), 1.0F);
-        EXPECT_GT(glm::length(p), 0.9F);
-    }
-    for (const char* type : {"Cone", "Cylinder", "Capsule", "Cube", "Plane"}) {
-        shape.type = type;
-        EXPECT_TRUE(DiceUniform(MakeImplicitMesh(shape), 2).warnings.empty()) << type;
-    }
+    shape.type = "Cube"; // bilinear
+    const auto pointsOf = [](const GeometryDescription& mesh) {
+        return std::vector<float>(mesh.points.begin(), mesh.points.end());
+    };
+    GeometryDescription mesh = MakeImplicitMesh(shape);
+    const std::vector<float> authored = pointsOf(mesh);
+    FitLimitSurface(mesh);
+    EXPECT_EQ(pointsOf(mesh), authored);
+    mesh.subdivisionScheme = "catmullClark";
+    mesh.faceVertexIndices = std::vector<std::int32_t>{0, 1, 2, 8};
+    FitLimitSurface(mesh); // more corners are counted, and one is no point
+    EXPECT_EQ(pointsOf(mesh), authored);
 }
 
 TEST(SubdivSource, FarCagesKeepTheirDetail) {

@@ -178,7 +178,7 @@ def ReadNurbsPatch(prim, names, inherited, timeCode, motion, warn):
 
 
 def ReadImplicit(prim, typeName, names, inherited, timeCode):
-    """The description of an implicit gprim as OpenUSD's mesh of it."""
+    """The description of an implicit gprim: OpenUSD's mesh of it, fitted so that its limit surface is the gprim."""
     baseType = typeName[:-2] if typeName.endswith("_1") else typeName
     shape = _core.ImplicitShape()
     shape.type = baseType
@@ -195,6 +195,7 @@ def ReadImplicit(prim, typeName, names, inherited, timeCode):
     if "axis" in names:
         shape.axis = prim.GetAttribute("axis").Get(timeCode) or "Z"
     mesh = _core.MakeImplicitMesh(shape)
+    _core.FitLimitSurface(mesh)
     mesh.primvars = mesh.primvars + PrimvarsOf(prim, names, inherited, timeCode)
     return mesh
 
