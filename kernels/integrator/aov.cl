@@ -294,7 +294,12 @@ void aov_store(constant const HdsFrameParams* frame, const HdsSceneView* scene, 
     HdsShadingPoint shading;
     HdsBsdf bsdf;
     surfaceHit_load(scene, &hit, path_time(paths, i), &surface);
-<<<<<<< HEAD
+#if HDS_FEATURE_SPLATS
+    if (surface.splat.w > 0.0f) {
+        surface.point.position =
+            vec_mulAdd(hit.t, path_load_direction(paths, i).xyz, path_load_origin(paths, i).xyz);
+    }
+#endif
 #if HDS_FEATURE_MEDIA_STACK
     if (aov_isProbe(paths, i)) {
         if (!aov_pass(scene, &hit, &surface, paths, i, nextQueue, counters)) {
@@ -306,13 +311,6 @@ void aov_store(constant const HdsFrameParams* frame, const HdsSceneView* scene, 
     const bool isThere = meshMedia_meet(scene, &stack, path_load_direction(paths, i).xyz, &surface);
 #elif HDS_FEATURE_CUTOUT
     const bool isThere = true;
-=======
-#if HDS_FEATURE_SPLATS
-    if (surface.splat.w > 0.0f) {
-        surface.point.position =
-            vec_mulAdd(hit.t, path_load_direction(paths, i).xyz, path_load_origin(paths, i).xyz);
-    }
->>>>>>> whole
 #endif
 #if HDS_FEATURE_TEXTURES
     HdsRayCones cones;
