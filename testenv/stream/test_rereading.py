@@ -7,6 +7,7 @@ Here every array counts as large, and so little may stay in host memory that eac
 import gc
 import json
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -334,8 +335,16 @@ def test_what_python_does_wrong_is_one_line(read, text):
     assert str(error.value).startswith(f"/M.points: {text}") and "\n" not in str(error.value)
 
 
-def test_an_interruption_while_an_array_is_read_waits(monkeypatch):
-    """It is Python's to raise, when the core has returned."""
+def test_an_interruption_while_an_array_is_read_waits():
+    """It is Python's to raise, when the core has returned. Shells start what runs in the background with the signal ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        _RaiseWhileReading()
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _RaiseWhileReading():
     isInterrupted = []
 
     def Read():

@@ -172,7 +172,8 @@ kernel void probe_bruteForce(global const float* rays, uint count, global HdsHit
 }
 )";
 
-/// Kernels of one form with all features but curves and motion, unless `defines` says otherwise.
+/// Kernels of one form with all features but curves, splats and motion, unless `defines` says
+/// otherwise.
 class TraversalProbe {
 public:
     TraversalProbe(const std::shared_ptr<Device>& device, bool simd8, ProgramDefines defines = {})
@@ -186,6 +187,7 @@ public:
         defines.merge(DefinesOf(form));
         defines.emplace("HDS_NUM_POOLS", "1");
         defines.emplace("HDS_FEATURE_CURVES", "0");
+        defines.emplace("HDS_FEATURE_SPLATS", defines["HDS_FEATURE_CURVES"]); // they need them
         const std::string text = kProbeText;
         _program = std::make_unique<Program>(device, "probe.cl", defines, nullptr, &text);
     }

@@ -47,10 +47,9 @@ float3 radianceOf(const HdsLightView* view, const HdsTextureView* textures, uint
     float3 radiance = light_radiance(view, light, d, 0.0f);
     if (light_hasImage(view->lights + light)) {
         bool isMissing = false;
-        radiance *= lightImage_lookup(view, textures, light,
-                                      light_imageCoordinates(view, light, p, d, t, 0.0f), d, t,
-                                      cones_begin(0.0f, 0.0f),
-                                      false, 0.0f, 0.0f, &isMissing);
+        const HdsImagePlace place = light_imagePlace(view, light, p, d, t, 0.0f);
+        radiance *= lightImage_lookup(view, textures, light, place.image, d, t,
+                                      cones_begin(0.0f, 0.0f), false, 0.0f, 0.0f, &isMissing);
     }
     return radiance;
 }
@@ -75,8 +74,11 @@ kernel void sampleAll(LIGHT_ARGS, global const float* points, global const float
     }
     float t = 0.0f;
     bool isHit = isValid && light_intersect(&view, s.light, p, s.direction, INFINITY, 0.0f, &t);
-    float hitPdf = isHit ? light_pdf(&view, s.light, &lit, s.direction, t,
-                                     light_imageCoordinates(&view, s.light, p, s.direction, t, 0.0f)) : 0.0f;
+    float hitPdf = 0.0f;
+    if (isHit) {
+        const HdsImagePlace place = light_imagePlace(&view, s.light, p, s.direction, t, 0.0f);
+        hitPdf = light_pdf(&view, s.light, &lit, s.direction, t, &place);
+    }
     global float* o = out + 16 * i;
     vstore3(s.direction, 0, o);
     o[3] = s.distance;
@@ -103,8 +105,11 @@ kernel void intersectAll(LIGHT_ARGS, uint light, global const float* points,
     float t;
     bool isHit = light_intersect(&view, light, p, d, INFINITY, 0.0f, &t);
     out[3 * i] = isHit ? t : -1.0f;
-    out[3 * i + 1] = isHit ? light_pdf(&view, light, &lit, d, t,
-                                     light_imageCoordinates(&view, light, p, d, t, 0.0f)) : 0.0f;
+    out[3 * i + 1] = 0.0f;
+    if (isHit) {
+        const HdsImagePlace place = light_imagePlace(&view, light, p, d, t, 0.0f);
+        out[3 * i + 1] = light_pdf(&view, light, &lit, d, t, &place);
+    }
     out[3 * i + 2] = isHit ? radianceOf(&view, &textures, light, p, d, t).x : 0.0f;
 }
 /* Irradiance by light sampling, and by cosine-weighted directions that look for lights. */

@@ -112,6 +112,7 @@ TEST(KernelFeatures, HaveWhatTheyNeed) {
         {"lightMotion", {"lightControls", "motion"}},    // keys are among the controls
         {"lightFilters", {"lightControls"}},             // and so are filters
         {"catchers", {"rayVisibility"}},        // others are unseen in the scene of catchers alone
+        {"splats", {"curves", "cutouts"}},      // are solids that let rays pass
         {"deep", {"mattes"}},                   // keeps depths where these keep surfaces
         {"media", {"lobes"}},                   // lie below layered surfaces
         {"glassShadows", {"cutouts", "lobes"}}, // are asked for as candidates are
