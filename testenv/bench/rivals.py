@@ -14,7 +14,8 @@ since a rival that renders something else is not a rival; the time to the first 
     python testenv/bench/rivals.py --short
 
 Needs, in this Python: hdstream on the path, usd-core, and for the rivals mitsuba and bpy (`pip install mitsuba==3.9.1
-"bpy==4.5.*"`); a missing one is left out, and said.
+"bpy==4.5.*"`); a missing one is left out, and said. Mitsuba's llvm variant aborts (exit code -6) with LLVM 14 to 16, which
+PoCL brings: let DRJIT_LIBLLVM_PATH name a newer libLLVM.
 """
 
 import argparse

@@ -7,7 +7,13 @@
 #   KEEP=1             use the system that the folder already holds
 # shellcheck shell=bash
 
-# MakeSystem FOLDER PACKAGES: the system, with proc, sys and dev of this machine while the script runs.
+# Mounts are those of this script's processes alone and go with the last of them, however it ends. Where the machine saw
+# them, one that was killed left its /dev in the folder, and who then removed the folder removed the machine's devices.
+if [ -z "${HDSTREAM_OWN_MOUNTS:-}" ]; then
+    exec env HDSTREAM_OWN_MOUNTS=1 unshare --mount --propagation private bash "$0" "$@"
+fi
+
+# MakeSystem FOLDER PACKAGES: the system, with proc, sys and dev of this machine for this script.
 MakeSystem() {
     folder=$1
     local file
@@ -22,11 +28,9 @@ MakeSystem() {
             cp -rL -T "$file" "$folder$file"
         fi
     done
-    trap 'umount -l "$folder/proc" "$folder/sys" "$folder/dev"' EXIT
     mount -t proc proc "$folder/proc"
     mount -t sysfs sys "$folder/sys"
     mount --rbind /dev "$folder/dev"
-    mount --make-rslave "$folder/dev"
     In update-ca-certificates >/dev/null
     # shellcheck source=/dev/null
     echo "== $(. "$folder/etc/os-release" && echo "$PRETTY_NAME"), $(In dpkg-query -W | wc -l) packages, $(nproc) cores"
