@@ -138,16 +138,13 @@ struct PathTracer::Impl {
         const auto bytesPerSlot = [](const KernelFeatures& features) {
             return StageKernels::PathStateBytes(features) + WaveTracer::SlotQueueBytes(features);
         };
-        // Streamed, all together takes no more than resident geometry with its wave would.
-        const std::uint64_t totalBytes = scene->pages->TotalBytes();
-        const std::uint64_t savedBytes = totalBytes - std::min(totalBytes, buffers.PoolBytes());
-        const std::uint64_t residentBytes =
-            ResidentWaveSize(device->Properties()) * bytesPerSlot(MakeFeatures(false));
+        const std::uint64_t residentSlots = ResidentWaveSize(device->Properties());
         // Tables of textures that stream are there besides.
         const std::uint64_t otherBytes =
             buffers.Textures().Pool() != nullptr ? buffers.Textures().TableBytes() : 0;
         const std::uint64_t pathBytes =
-            savedBytes + residentBytes - std::min(residentBytes, otherBytes);
+            StreamedPathBytes(scene->pages->TotalBytes(), buffers.PoolBytes(),
+                              residentSlots * bytesPerSlot(MakeFeatures(false)), otherBytes);
         const bool hasLists = kernels->Features().HasLists();
         const bool evicts = hasLists && !buffers.Streaming().HasRoomForAll();
         const std::uint64_t sumBytes = hasLists ? StreamedPathsPerSlot(options, evicts) *
@@ -155,8 +152,7 @@ struct PathTracer::Impl {
                                                 : 0;
         const std::uint64_t slotBytes = bytesPerSlot(kernels->Features()) + sumBytes;
         const std::uint64_t stateBytes = StreamedStateBytes(
-            buffers.PoolBytes(), ResidentWaveSize(device->Properties()) * slotBytes,
-            buffers.GeometryTableBytes());
+            buffers.PoolBytes(), residentSlots * slotBytes, buffers.GeometryTableBytes());
         const std::uint64_t affordable = std::min(pathBytes, stateBytes) / slotBytes;
         const std::uint32_t numSlots =
             ChooseWaveSize(options, device->Properties(), buffers.IsStreaming() ? affordable : 0);

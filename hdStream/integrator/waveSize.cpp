@@ -63,6 +63,12 @@ std::uint32_t ChooseWaveSize(const RenderOptions& options, const DevicePropertie
     return static_cast<std::uint32_t>(std::max<std::uint64_t>(size, HDS_SAMPLE_BLOCK));
 }
 
+std::uint64_t StreamedPathBytes(std::uint64_t totalBytes, std::uint64_t poolBytes,
+                                std::uint64_t residentBytes, std::uint64_t otherBytes) {
+    const std::uint64_t savedBytes = totalBytes - std::min(totalBytes, poolBytes);
+    return savedBytes + residentBytes - std::min(residentBytes, otherBytes);
+}
+
 std::uint64_t StreamedStateBytes(std::uint64_t poolBytes, std::uint64_t stateBytes,
                                  std::uint64_t tableBytes) {
     const std::uint64_t together = std::max(stateBytes, poolBytes / kStatePartOfPool);

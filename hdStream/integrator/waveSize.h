@@ -16,6 +16,12 @@ namespace hds {
 std::uint32_t ChooseWaveSize(const RenderOptions& options, const DeviceProperties& properties,
                              std::uint64_t affordable);
 
+/// What path state may take while geometry streams, so that all together takes no more than
+/// resident geometry with its wave would. \param residentBytes of that wave's state. \param
+/// otherBytes of tables that are there besides.
+std::uint64_t StreamedPathBytes(std::uint64_t totalBytes, std::uint64_t poolBytes,
+                                std::uint64_t residentBytes, std::uint64_t otherBytes);
+
 /// What path state may take while geometry streams, so that all that is beside the pool stays
 /// small: with the tables of geometry as much as the state of the default wave, or an eighth of the
 /// pool. \param stateBytes of that wave. \param tableBytes of geometry.

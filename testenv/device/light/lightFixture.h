@@ -13,6 +13,7 @@
 
 #include <array>
 #include <cstring>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -337,6 +338,14 @@ inline PlacedLight MakeLight(LightType type) {
     placed.name = "/light";
     placed.light.type = type;
     return placed;
+}
+
+inline std::vector<float> RandomUnits(std::mt19937& generator, std::size_t count) {
+    std::vector<float> values(count);
+    for (float& value : values) {
+        value = float(generator() >> 8) * 0x1p-24F;
+    }
+    return values;
 }
 
 inline void Append(std::vector<float>& values, const glm::dvec3& v) {

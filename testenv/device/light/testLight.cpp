@@ -31,14 +31,6 @@ glm::dmat4 RandomTransform(std::mt19937& generator, bool isSheared) {
     return m;
 }
 
-std::vector<float> RandomUnits(std::mt19937& generator, std::size_t count) {
-    std::vector<float> values(count);
-    for (float& value : values) {
-        value = float(generator() >> 8) * 0x1p-24F;
-    }
-    return values;
-}
-
 /// The nearest hit of the emitting side in light space, or 0.
 double ReferenceHit(const LightDescription& light, const glm::dvec3& o, const glm::dvec3& d) {
     const double radius = light.radius;
@@ -413,37 +405,6 @@ TEST_F(LightTest, ManyLightsAreChosenInTheOrderOfTheTree) {
         }
     }
     EXPECT_GT(numChanges, 50U);
-}
-
-/// Light samples of a sky with a sun of few texels: what a sample brings, radiance over density, is
-/// the same wherever it goes, also where the lookup goes from the sun's texels to those beside it.
-/// What is left are the floor of the density and the rounding of luminances.
-TEST_F(LightTest, SamplesOfASunInASkyAllBringTheSame) {
-    LightImage image{64, 32, std::vector<float>(std::size_t{64} * 32 * 3, 1.0F), 0};
-    for (const std::size_t texel : {5U * 64 + 63, 5U * 64 + 0, 6U * 64 + 63}) { // at the seam
-        std::fill_n(&image.rgb[3 * texel], 3, 20000.0F);
-    }
-    std::fill_n(&image.rgb[std::size_t{3} * 64 * 20], 3 * 64, 0.0F);
-    PlacedLight light = MakeLight(LightType::Dome);
-    light.light.textureFile.authoredPath = "dome.exr";
-    SetLights({light}, image);
-    std::mt19937 generator(49);
-    constexpr std::size_t kCount = 40000;
-    const std::vector<float> points(3 * kCount, 0.0F);
-    const std::vector<float> us = RandomUnits(generator, 4 * kCount);
-    double sum = 0.0;
-    double second = 0.0;
-    std::size_t numOff = 0; // rounded into the next cell, whose floor is another one
-    for (const LightSampleResult& sample : Sample(points, points, us)) {
-        ASSERT_TRUE(sample.isValid);
-        numOff += std::abs(sample.pdf - sample.hitPdf) < 2e-3 * sample.pdf ? 0 : 1;
-        const double value = sample.radiance.x / sample.pdf;
-        sum += value;
-        second += value * value;
-    }
-    const double mean = sum / kCount;
-    EXPECT_LT(second / kCount / (mean * mean) - 1.0, 0.003);
-    EXPECT_LT(numOff, kCount / 2000);
 }
 
 TEST_F(LightTest, WalksMeetTheLightsThatRaysCross) {

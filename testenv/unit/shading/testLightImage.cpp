@@ -141,7 +141,9 @@ TEST(LightImageTableTest, NoCellIsWithoutAShare) {
             }
         }
         const float* row = &table.cdf[table.numRows + 1 + kWidth + 1];
-        EXPECT_GT(row[1], 0.4F) << "the sun's own cell keeps its share";
+        // A cell of a dome has one half of the texel's width, a cell of a rect most of its tent.
+        const bool isDome = table.numRows > 3;
+        EXPECT_GT(row[1], isDome ? 0.4F : 0.7F) << "the sun's own cell keeps its share";
     }
 }
 
