@@ -32,9 +32,10 @@
 #include "shading/bsdf.clh"
 #include "light/place.clh"
 #include "light/rect.clh"
-#if HDS_FEATURE_TEXTURES
+#include "light/image.clh"
+#include "light/domeImage.clh"
 #include "light/dome.clh"
-#endif
+#include "light/far.clh"
 #include "light/estimate.clh"
 #include "light/select.clh"
 #if HDS_FEATURE_TEXTURES

@@ -49,7 +49,7 @@ float3 radianceOf(const HdsLightView* view, const HdsTextureView* textures, uint
     if (light_hasImage(view->lights + light)) {
         bool isMissing = false;
         const HdsImagePlace place = light_imagePlace(view, light, p, d, t, 0.0f);
-        radiance *= lightImage_lookup(view, textures, light, place.image, d, t,
+        radiance *= lightImage_lookup(view, textures, light, place.image, place.color, d, t,
                                       cones_begin(0.0f, 0.0f), false, 0.0f, 0.0f, &isMissing);
     }
     return radiance;

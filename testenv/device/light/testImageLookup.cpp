@@ -33,9 +33,9 @@ kernel void lookUp(HDS_LIGHT_PARAMETERS, HDS_TEXTURE_ARGS, global const float* r
     HdsRayCones cones = cones_begin(width, rays[7 * i + 6]);
     float3 origin = vload3(0, rays + 7 * i);
     float3 direction = vload3(0, rays + 7 * i + 3);
-    float2 image = light_imagePlace(&view, 0u, origin, direction, t, 0.0f).image;
-    float3 value = lightImage_lookup(&view, &textures, 0u, image, direction, t, cones, false, bias,
-                                     0.0f, &isMissing);
+    const HdsImagePlace place = light_imagePlace(&view, 0u, origin, direction, t, 0.0f);
+    float3 value = lightImage_lookup(&view, &textures, 0u, place.image, place.color, direction, t,
+                                     cones, false, bias, 0.0f, &isMissing);
     vstore3(isMissing ? (float3)(-1.0f) : value, i, out);
 }
 )";

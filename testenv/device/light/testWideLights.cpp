@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rect lights, cells of domes and the choice of a light: 8 paths at once against one.
+// Rect lights, lights at infinity and the choice of a light: 8 paths at once against one.
 #include "hdStream/integrator/kernelFeatures.h"
 #include "testenv/device/math/lanesFixture.h"
 
@@ -71,30 +71,39 @@ void choices(const HdsTestContext* context, const Real* in, Real* out) {
 }
 )";
 
-const char* const kDomeText = R"(
-#define HDS_TEST_FIELDS_DomeCell(R1, R2, R3, U)                                             \
-    R3(worldFromLight[0]) R3(worldFromLight[1]) R3(worldFromLight[2]) R3(radiance)          \
-    R1(corners.topLeft) R1(corners.topRight) R1(corners.bottomLeft) R1(corners.bottomRight) \
-    R2(u) R1(width) R1(numRows) R1(x) R1(y) R1(pmf)
-HDS_TEST_STRUCT(DomeCell)
-void domes(const HdsTestContext* context, const Real* in, Real* out) {
-    HdsDomeCell cell;
-    DomeCell_make(&cell, in);
-    HdsLightSample light;
-    domeCell_sample(&cell, &light);
-    out = put3(out, light.direction);
-    out = put3(out, light.radiance);
-    out = put2(out, light.image);
-    out = put1(out, light.distance);
-    out = put1(out, light.pdf);
+const char* const kFarText = R"(
+/* in: a direction, two numbers, another direction. out: a sample of each light, and where the
+ * second direction meets the image of the first light. */
+void farLights(const HdsTestContext* context, const Real* in, Real* out) {
+    for (uint i = 0u; i < context->numLights; ++i) {
+        global const HdsLight* light = context->lights + i;
+        HdsLightSample s;
+        s.image = take2(in + 3);
+        s.color = vec_splat((Real)(0.0f));
+        far_sample(light, context->table, take3(in), take2(in + 3), &s);
+        out = put3(out, s.direction);
+        out = put3(out, s.radiance);
+        out = put3(out, s.color);
+        out = put2(out, s.image);
+        out = put1(out, s.distance);
+        out = put1(out, s.pdf);
+    }
+    const HdsImagePlace place = dome_placeOf(context->lights, context->table, take3(in + 5));
+    out = put3(out, place.color);
+    out = put2(out, place.image);
+    out = put1(out, place.x);
+    out = put1(out, place.y);
+    out = put1(out, place.pdf);
+    out = put1(out, place.inCell);
 }
 )";
 
-constexpr std::size_t kDomeResults = 10;
+constexpr std::size_t kSampleResults = 13;
+constexpr std::size_t kFarLights = 4;
+constexpr std::size_t kFarResults = kFarLights * kSampleResults + 9;
 
-const char* const kDomeKernels = R"(
-HDS_TEST_FORMS(domes, 23, 10)
-HDS_TEST_LANES(DomeCell, 23)
+const char* const kFarKernels = R"(
+HDS_TEST_FORMS(farLights, 8, 61)
 )";
 
 constexpr std::size_t kRectResults = 26;
@@ -155,21 +164,19 @@ void AddRect(LaneRandom& r, LaneCase& one) {
     one.Add({q[0], q[1], q[2]});
 }
 
-/// A cell of a dome of some size, in a corner of it or anywhere; corners that are alike or not.
-void AddDomeCell(LaneRandom& r, LaneCase& one) {
-    for (const Vec& row : Rotation(r)) {
-        one.Add({row[0], row[1], row[2]});
+/// A point's normal, or that it has none; two numbers; a direction, at times a pole's.
+void AddFar(LaneRandom& r, LaneCase& one) {
+    if (r.Is(4)) {
+        one.Add({0.0F, 0.0F, 0.0F});
+    } else {
+        one.AddDirection(r, -1.0F);
     }
-    one.AddColor(r, 30.0F);
-    const float luminance = r.Sized(-10.0F, 5.0F);
-    for (int i = 0; i < 4; ++i) {
-        one.push_back(r.Is(3) ? luminance : luminance * (0.01F + r.Unit()));
+    one.Add({r.Unit(), r.Unit()});
+    if (r.Is(8)) {
+        one.Add({0.0F, r.Signed(1.0F), 0.0F});
+    } else {
+        one.AddDirection(r, -1.0F);
     }
-    one.Add({r.Is(8) ? 0.0F : r.Unit(), r.Is(8) ? 0.0F : r.Unit()});
-    const unsigned width = 1U + r.Kind(r.Is(2) ? 8 : 2048);
-    const unsigned numRows = 2U + r.Kind(r.Is(2) ? 4 : 1024);
-    const unsigned y = r.Is(4) ? 0U : r.Is(4) ? numRows - 1U : r.Kind(numRows);
-    one.Add({float(width), float(numRows), float(r.Kind(width)), float(y), r.Unit()});
 }
 
 /// Where the portals of domes lie in the table.
@@ -217,6 +224,46 @@ std::vector<shared::HdsLight> Lights(LaneRandom& r, std::size_t count) {
             light.treePlace = r.Is(2) ? kPortalBase : HDS_NONE;
         }
         lights.push_back(light);
+    }
+    return lights;
+}
+
+/// A dome with an image, one without, and distant lights with an angle and without. \param[out]
+/// table with the dome's distribution and texels, as random as such may be: some rows and cells are
+/// empty.
+std::vector<shared::HdsLight> FarLights(LaneRandom& r, std::vector<float>* table) {
+    std::vector<shared::HdsLight> lights;
+    for (std::size_t i = 0; i < kFarLights; ++i) {
+        lights.push_back(Finite(r, i < 2 ? HDS_LIGHT_DOME : HDS_LIGHT_DISTANT));
+        lights[i].boundRadius = HDS_LIGHT_FAR;
+        lights[i].flags = i == 0 ? HDS_LIGHT_TEXTURED : i == 3 ? HDS_LIGHT_POINT : 0U;
+        lights[i].params[0] = 2.0F * r.Unit() + 0x1p-20F;
+        for (float& channel : lights[i].radiance) {
+            channel = 5.0F * r.Unit();
+        }
+    }
+    const std::uint32_t width = 1U + r.Kind(r.Is(2) ? 8 : 300);
+    const std::uint32_t numRows = 2U + r.Kind(r.Is(2) ? 4 : 200);
+    lights[0].dataSize[0] = width;
+    lights[0].dataSize[1] = numRows;
+    lights[0].cdfBase = 1U + r.Kind(50);
+    table->assign(lights[0].cdfBase, float(NAN)); // of other lights
+    const auto addCdf = [&](std::uint32_t count) {
+        std::vector<float> cdf(count + 1, 0.0F);
+        for (std::uint32_t i = 0; i < count; ++i) {
+            cdf[i + 1] = cdf[i] + (r.Bits() % 5 == 0 ? 0.0F : 0.01F + r.Unit());
+        }
+        for (float& entry : cdf) {
+            entry = cdf.back() > 0.0F ? entry / cdf.back() : entry;
+        }
+        table->insert(table->end(), cdf.begin(), cdf.end());
+    };
+    for (std::uint32_t row = 0; row <= numRows; ++row) {
+        addCdf(row == 0 ? numRows : width);
+    }
+    for (std::uint32_t texel = 0; texel < width * (numRows - 1); ++texel) {
+        table->push_back(OfBits(r.Bits()));
+        table->push_back(OfBits((90U + r.Bits() % 60) << 16U | (r.Bits() & 0xffffU)));
     }
     return lights;
 }
@@ -285,15 +332,20 @@ TEST_F(WideLights, RectsHaveTheSameBits) {
     ExpectLanes(*_program, "RectLight", 26);
 }
 
-TEST_F(WideLights, CellsOfDomesHaveTheSameBits) {
+TEST_F(WideLights, LightsAtInfinityHaveTheSameBits) {
     KernelFeatures features;
     features.textures = true;
-    const auto program = BuildForms("integrator/shade.cl", "integrator/shadeScatter.clh", kDomeText,
-                                    kDomeKernels, features.WithNeeds().Defines());
-    const auto results =
-        ExpectSameBits(*program, "domesForms", 80000, kDomeResults, AddDomeCell, {}, 8);
-    EXPECT_EQ(CountConstant(results, kDomeResults), 1U) << "the distance alone";
-    ExpectLanes(*program, "DomeCell", 23);
+    const auto program = BuildForms("integrator/shade.cl", "integrator/shadeScatter.clh", kFarText,
+                                    kFarKernels, features.WithNeeds().Defines());
+    for (unsigned seed = 0; seed < 40; ++seed) {
+        LaneRandom random(seed);
+        Arguments arguments;
+        arguments.lights = FarLights(random, &arguments.table);
+        const auto results = ExpectSameBits(*program, "farLightsForms", 2000, kFarResults, AddFar,
+                                            arguments, 8 + seed);
+        // Of each light the radiance and the distance, and what of a sample it does not set.
+        EXPECT_LT(CountConstant(results, kFarResults), 40U);
+    }
 }
 
 TEST_F(WideLights, ChoicesHaveTheSameBits) {
