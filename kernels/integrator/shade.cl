@@ -44,6 +44,7 @@
 #include "texture/rayCone.clh"
 #endif
 #include "integrator/placement.clh"
+#include "integrator/trianglePoint.clh"
 #include "integrator/pixelSampler.clh"
 #include "integrator/choices.clh"
 #include "integrator/scatter.clh"
@@ -180,11 +181,11 @@ void shade_path(constant const HdsFrameParams* frame, const HdsSceneView* scene,
     HdsShadeHit* at = &hits->at[0];
     HdsShadePath* path = &hits->path[0];
     const uint i = hits->slots[0];
-    hits->count = 0u;
     if (at->isHit) {
         shadeHits_place(scene, hits);
     }
     shadeHits_addLights(scene, hits);
+    hits->count = 0u;
     if (shade_onTheWay(frame, scene, at, path, i, paths, lists)) {
         return;
     }
@@ -228,6 +229,7 @@ kernel void shade_paths(HDS_SCENE_ARGS, constant const HdsFrameParams* frame, gl
     HdsShadeHits hits;
     hits.count = 0u;
 #if HDS_SHADE_WIDE
+    HDS_LANES_CLEAR(&hits.triangles);
     HdsShadeHits ends;
     ends.count = 0u;
     HdsShadeBatch batch;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hits that are carried to world space, footprints of ray cones, and bounds of lights: 8 paths at
-// once against one.
+// Points of triangles, hits that are carried to world space, footprints of ray cones, and bounds of
+// lights: 8 paths at once against one.
 #include "testenv/device/math/lanesFixture.h"
 
 #include "hdStream/integrator/kernelFeatures.h"
@@ -47,6 +47,23 @@ void placement(const HdsTestContext* context, const Real* in, Real* out) {
     placement_end(&hit);
     Placement_store(&hit, out);
 }
+/* in: corners and their normals, weights of two of them, whether normals count. */
+void triangle(const HdsTestContext* context, const Real* in, Real* out) {
+    HdsTrianglePoint t;
+    t.p0 = take3(in);
+    t.p1 = take3(in + 3);
+    t.p2 = take3(in + 6);
+    t.n0 = take3(in + 9);
+    t.n1 = take3(in + 12);
+    t.n2 = take3(in + 15);
+    t.u = in[18];
+    t.v = in[19];
+    t.hasNormals = in[20] > 0.0f;
+    HdsPlacement hit;
+    trianglePoint_place(&t, &hit);
+    hit.objectArea = in[18];
+    Placement_store(&hit, out);
+}
 void footprint(const HdsTestContext* context, const Real* in, Real* out) {
     const HdsFootprint ellipse = cones_meet(in[0], take3(in + 1), take3(in + 4), take3(in + 7));
     out = put2(out, ellipse.first);
@@ -64,6 +81,7 @@ constexpr std::size_t kFootprintResults = 4;
 const char* const kKernels = R"(
 HDS_TEST_FORMS(inverse, 15, 21)
 HDS_TEST_FORMS(placement, 42, 18)
+HDS_TEST_FORMS(triangle, 21, 18)
 HDS_TEST_FORMS(footprint, 10, 4)
 HDS_TEST_FORMS(bound, 10, 1)
 HDS_TEST_LANES(Placement, 18)
@@ -126,6 +144,15 @@ TEST_F(WidePlacement, PlacementsHaveTheSameBits) {
         one.Add({r.Sized(-8.0F, -3.0F), r.Signed(r.Unit()), r.Unit()});
         AddMap(r, one);
         AddMap(r, one);
+    });
+}
+
+TEST_F(WidePlacement, TrianglesHaveTheSameBits) {
+    Expect("triangleForms", kPlacementResults, [](LaneRandom& r, LaneCase& one) {
+        for (int i = 0; i < 6; ++i) {
+            AddVector(r, one);
+        }
+        one.Add({r.Unit(), 0.5F * r.Unit(), r.Is(3) ? 0.0F : 1.0F});
     });
 }
 
