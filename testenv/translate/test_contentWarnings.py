@@ -11,6 +11,27 @@ TRIANGLE = """int[] faceVertexCounts = [3]
 int[] faceVertexIndices = [0, 1, 2]
 point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
 """
+LOOK = """def Mesh "B" (prepend apiSchemas = ["MaterialBindingAPI"]) {{
+    int[] faceVertexCounts = [3]
+    int[] faceVertexIndices = [0, 1, 2]
+    point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+    rel material:binding = </M>
+}}
+def Material "M" {{
+    token outputs:surface.connect = </M/S.outputs:surface>
+    float3 inputs:empty
+    def Shader "S" {{
+        uniform token info:id = "UsdPreviewSurface"
+        color3f inputs:diffuseColor.connect = {source}
+        token outputs:surface
+    }}
+    def Shader "T" {{
+        uniform token info:id = "UsdPrimvarReader_float3"
+        string inputs:varname = "displayColor"
+        float3 outputs:result
+    }}
+}}
+"""
 
 
 def WarningsOf(text):
@@ -50,6 +71,9 @@ def WarningsOf(text):
      "/M: primvars:displayColor has the unknown interpolation weird; left out"),
     ('def "A" (references = </A>) {}', "/A: Cycle detected: "),
     ('def "A" (references = </B>) {}\ndef "B" (references = </A>) {}', "/B: Cycle detected: "),
+    (LOOK.format(source="</M/None.outputs:rgb>"), "/M/S: input diffuseColor is connected to /M/None.outputs:rgb, which does not exist"),
+    (LOOK.format(source="</M/T.outputs:xyz>"), "/M/S: input diffuseColor is connected to /M/T.outputs:xyz, which does not exist"),
+    (f'def Mesh "M" {{ {TRIANGLE}\nuniform token orientation = "up" }}', "/M: orientation up is unknown; rightHanded is used"),
     ('def ParticleField "A" {}\ndef ParticleField "B" {}', "/A: ParticleField is not supported yet: 2 prims skipped"),
     ('def NurbsCurves "N" { int[] curveVertexCounts = [2]\npoint3f[] points = [(0, 0, 0), (1, 0, 0)] }',
      "/N: NurbsCurves are drawn as lines between their points: 1 prim"),
@@ -122,6 +146,7 @@ def test_value_clips_that_are_not_there(tmp_path, clips, numPoints, expected):
 
 
 @pytest.mark.parametrize("text", [
+    LOOK.format(source="</M/T.outputs:result>"), LOOK.format(source="</M.inputs:empty>"),
     "", 'def "A" {}', 'def Mesh "M" {}', f'def Mesh "M" {{ {TRIANGLE} }}', 'def Camera "C" {}',
     'def RectLight "L" (prepend apiSchemas = ["ShapingAPI"]) { float inputs:shaping:cone:angle = 90 }',
 ])

@@ -91,10 +91,8 @@ class Framing:
                 camera = ReadCamera(prim, usdTime, Motion(usdTime, shutter), self._Warn)
             except TfError as error:
                 raise CommandError(f"camera {settings.camera} cannot be read: {'; '.join(MessagesOf(error))}") from None
-        if not camera.horizontalAperture > 0.0 or not camera.verticalAperture > 0.0:
-            self._session.Warn(settings.camera, "aperture is not above 0; 20.955 x 15.2908 is used")
-            gfCamera = Gf.Camera()
-            camera.horizontalAperture, camera.verticalAperture = 2.0955, 1.52908
+        if not all(0.0 < length < math.inf for length in (camera.horizontalAperture, camera.verticalAperture)):
+            gfCamera = Gf.Camera()  # which the core takes the apertures of, and says so
         if self._renderSettings.disableDepthOfField:
             CloseLens(camera)
         self._SetImageSize(gfCamera.aspectRatio, settings)
