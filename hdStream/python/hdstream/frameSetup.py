@@ -11,7 +11,7 @@ from pxr import Gf, Usd, UsdGeom
 
 from hdstream import _core
 from hdstream.diagnostics import MessagesOf, TfError
-from hdstream.errors import CommandError, UsageError
+from hdstream.errors import CommandError, OneLine, UsageError
 from hdstream.framing import FREE_CAMERA_PATH, MakeFramingCamera
 from hdstream.renderSettings import DataWindow
 from hdstream.translate.cameras import CameraFromGf, CloseLens, ReadCamera
@@ -109,17 +109,23 @@ class Framing:
         """usdrecord's rule: the height follows from the width and the camera's aspect ratio."""
         resolution = self._renderSettings.resolution
         width, height = self._width, self._height
-        if width is None and height is None and resolution:
+        isOfPrim = width is None and height is None and bool(resolution)
+        if isOfPrim:
             width, height = resolution
-        width = width or settings.imageWidth
+        width = settings.imageWidth if width is None else width
         if height is None:
             # As usdrecord: cut off, computed with floats; what the rounding leaves is the width's.
             pixels = np.float32(settings.pixelAspectRatio) * np.float32(width)
             height = max(1, int(pixels / np.float32(aspect)))
             settings.conformPolicy = "adjustApertureWidth"
         settings.conformPolicy = self._renderSettings.conformPolicy or settings.conformPolicy
-        _core.SetSetting(settings, "imageWidth", width)
-        _core.SetSetting(settings, "imageHeight", height)
+        try:
+            _core.SetSetting(settings, "imageWidth", width)
+            _core.SetSetting(settings, "imageHeight", height)
+        except _core.UsageError as error:
+            if not isOfPrim:
+                raise
+            raise UsageError(f"{self._renderSettings.path}: resolution: {OneLine(error)}") from None
 
     def _SetDataWindow(self, settings):
         """The render settings' data window: the image is that part of the full image."""
