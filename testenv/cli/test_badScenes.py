@@ -79,6 +79,14 @@ def Finite(path):
     return all(layer.numNonFinite == 0 for layer in comparison.layers)
 
 
+def test_displacement_without_end_is_not_laid_to_the_transform(tmp_path):
+    body = Bound("UsdPreviewSurface", "float inputs:displacement = 1e30\ntoken outputs:displacement").replace(
+        "token outputs:surface.connect", "token outputs:displacement.connect = </Look/Surface.outputs:displacement>\ntoken outputs:surface.connect")
+    result = Run("record", WriteStage(tmp_path, SCENE + body), tmp_path / "o.exr", *SMALL)
+    assert result.code == 0 and not result.errors, result.text
+    assert [line for line in result.warnings if line.startswith("/Bad: ") and "its place or size is not finite" in line], result.text
+
+
 def test_empty_stage(tmp_path):
     result = Run("record", WriteStage(tmp_path, ""), tmp_path / "o.exr", *SMALL)
     assert result.code == 0 and not result.errors, result.text
