@@ -262,7 +262,8 @@ private:
             {member.leaf, groupFromPrototype * member.transform, count, rank, 0, HDS_NONE});
         if (added == nullptr) {
             _warnings.Add(*member.path,
-                          "not drawn: its transform is singular, not finite or beyond 1e30");
+                          "not drawn: its transform is singular, or its place or size is not "
+                          "finite or beyond 1e30");
         }
         return added;
     }

@@ -50,9 +50,9 @@ ImageMetadata MakeImageMetadata(const Settings& settings, const CameraPrim& came
     const glm::dmat4 view = glm::inverse(camera.worldFromCamera);
     metadata.worldToCamera = RowsOf(view);
     if (camera.lens.projection == CameraProjection::Film) { // no matrix tells of others
-        const FilmWindow film =
-            ConformedFilmWindow(MakeRenderOptions(settings, camera), camera.focalLength);
-        metadata.worldToNdc = RowsOf(MakeProjection(camera, film) * view);
+        const RenderOptions options = MakeRenderOptions(settings, camera);
+        const FilmWindow film = ConformedFilmWindow(options, options.camera.focalLength);
+        metadata.worldToNdc = RowsOf(MakeProjection(options.camera, film) * view);
     }
     const auto edge = [&](std::size_t i) {
         return static_cast<std::int32_t>(std::lround(settings.displayWindow[i]));

@@ -9,6 +9,7 @@
 #include "hdStream/integrator/sceneFeatures.h"
 #include "hdStream/integrator/stageKernels.h"
 #include "hdStream/persist/pageStore.h"
+#include "hdStream/scene/cameraNumbers.h"
 #include "hdStream/scene/dump.h"
 #include "hdStream/scene/hostRecords.h"
 #include "hdStream/scene/transforms.h"
@@ -445,6 +446,10 @@ RenderResult Session::Render(const Settings& settings, const ProgressCallback& o
         Warn(settings.camera,
              "a camera whose transform is singular or not finite; the picture says "
              "nothing of the scene");
+    }
+    CameraPrim mended = camera->second;
+    for (const std::string& problem : MendCamera(&mended)) {
+        Warn(settings.camera, problem);
     }
     impl.hasFilm = false;
     try {

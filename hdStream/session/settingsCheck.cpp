@@ -2,6 +2,7 @@
 #include "hdStream/session/settingsCheck.h"
 
 #include "hdStream/base/error.h"
+#include "hdStream/scene/cameraNumbers.h"
 #include "hdStream/session/memorySize.h"
 #include "hdStream/session/settingsTable.h"
 #include "hdStream/texture/colorConversion.h"
@@ -76,6 +77,7 @@ void CheckSettings(const Settings& settings) {
 RenderOptions MakeRenderOptions(const Settings& settings, const CameraPrim& camera) {
     RenderOptions options;
     options.camera = camera;
+    MendCamera(&options.camera); // Session::Render says what is wrong
     if (settings.motionBlur == "on" && camera.shutter.IsOpen()) {
         options.shutter = camera.shutter;
     }
@@ -102,7 +104,7 @@ RenderOptions MakeRenderOptions(const Settings& settings, const CameraPrim& came
         DeepLimits& deep = options.deep.emplace();
         deep.tolerance = static_cast<float>(settings.deepTolerance);
         deep.mostSamples = settings.deepSamples;
-        deep.farDepth = std::min(static_cast<float>(camera.farClip), deep.farDepth);
+        deep.farDepth = std::min(static_cast<float>(options.camera.farClip), deep.farDepth);
     }
     options.samples = settings.samples;
     options.maxDepth = settings.maxDepth;

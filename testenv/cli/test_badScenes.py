@@ -79,6 +79,14 @@ def Finite(path):
     return all(layer.numNonFinite == 0 for layer in comparison.layers)
 
 
+def test_displacement_without_end_is_not_laid_to_the_transform(tmp_path):
+    body = Bound("UsdPreviewSurface", "float inputs:displacement = 1e30\ntoken outputs:displacement").replace(
+        "token outputs:surface.connect", "token outputs:displacement.connect = </Look/Surface.outputs:displacement>\ntoken outputs:surface.connect")
+    result = Run("record", WriteStage(tmp_path, SCENE + body), tmp_path / "o.exr", *SMALL)
+    assert result.code == 0 and not result.errors, result.text
+    assert [line for line in result.warnings if line.startswith("/Bad: ") and "its place or size is not finite" in line], result.text
+
+
 def test_empty_stage(tmp_path):
     result = Run("record", WriteStage(tmp_path, ""), tmp_path / "o.exr", *SMALL)
     assert result.code == 0 and not result.errors, result.text
@@ -108,6 +116,42 @@ def test_cameras_without_a_place_are_told(tmp_path, translate, isUsable):
     assert [line.partition(" or not finite")[0] for line in told] == (
         [] if isUsable else ["/main_cam: a camera whose transform is singular"]), result.text
     assert Finite(tmp_path / "o.exr")
+
+
+PLACE = 'double3 xformOp:translate = (0, 0, 5)\nuniform token[] xformOpOrder = ["xformOp:translate"]\n'
+
+
+@pytest.mark.parametrize("numbers, meant, expected", [
+    ("float focalLength = 0\nfloat fStop = 1\nfloat focusDistance = 3", "float focalLength = 10", "focalLength is 0;"),
+    ("float focalLength = nan", "", "focalLength is not finite; 50 is used"),
+    ("float horizontalAperture = inf", "", "aperture is not above 0; 20.955 x 15.2908 is used"),
+    ("float horizontalApertureOffset = nan", "", "horizontalApertureOffset is not finite; 0 is used"),
+    ("float2 clippingRange = (nan, 1)", "", "clippingRange is not a number; (1, 1000000) is used"),
+    ("float2 clippingRange = (5, 1)", "float2 clippingRange = (5, 1)", "clippingRange is empty;"),
+    ("float fStop = 1\nfloat focusDistance = inf", "float fStop = 1\nfloat focusDistance = 1e18", ""),
+    ("float fStop = nan\nfloat focusDistance = 3", "", ""),
+])
+def test_numbers_of_cameras_become_what_is_said(tmp_path, numbers, meant, expected):
+    """The picture is, to the bit, that of the camera that is meant."""
+    from cliCase import TRIANGLE
+    pictures = []
+    for name, body in (("odd", numbers), ("meant", meant)):
+        camera = f'def Camera "main_cam" {{ {body}\n{PLACE} }}\n'
+        result = Run("record", WriteStage(tmp_path, TRIANGLE + camera), tmp_path / f"{name}.exr", *SMALL, "--camera", "/main_cam")
+        assert result.code == 0 and not result.errors, result.text
+        told = [line for line in result.warnings if line.startswith("/main_cam: ")]
+        isTold = bool(expected) and (name == "odd" or "empty" in expected)
+        assert len(told) == isTold and (not isTold or told[0].startswith(f"/main_cam: {expected}")), result.text
+        pictures.append(tmp_path / f"{name}.exr")
+    from hdstream import _core
+    layers = _core.CompareImages(*map(str, pictures)).layers
+    assert layers and all(layer.maxAbs == 0 and layer.numNonFinite == 0 for layer in layers)
+
+
+def test_a_focal_length_of_0_has_the_frustum_of_openusd():
+    from pxr import Gf
+    windows = [Gf.Camera(focalLength=length).frustum.window for length in (0.0, 10.0)]
+    assert windows[0] == windows[1]
 
 
 def test_extreme_lights_stay_finite(tmp_path):

@@ -160,6 +160,18 @@ token prototypes = "z" }
         AssertFails(RunHere("record", WriteStage(tmp_path, body), tmp_path / "o.exr", "-w", "8", "-rs", "/Settings"), 2, "pixelAspectRatio")
 
 
+@pytest.mark.parametrize("attribute", [
+    "int2 resolution = (2000000000, 4)", "int2 resolution = (-4, 4)", "int2 resolution = (4, 0)", "float pixelAspectRatio = nan",
+    'token aspectRatioConformPolicy = "fit"', "float4 dataWindowNDC = (nan, 0, 1, 1)", "float4 dataWindowNDC = (0, 0, inf, 1)",
+])
+def test_render_settings_of_no_use_are_told_with_their_prim(tmp_path, attribute):
+    name = attribute.split()[1]
+    stage = WriteStage(tmp_path, SCENE + f'def RenderSettings "Settings" {{ {attribute}\n}}\n')
+    AssertFails(RunHere("record", stage, tmp_path / "o.exr", "-rs", "/Settings"), 2, f"/Settings: {name}: ")
+    if name == "resolution":  # options win, whatever the prim says
+        assert Run("record", stage, tmp_path / "o.exr", *SMALL, "-rs", "/Settings").code == 0
+
+
 def test_render_settings_of_the_stage_are_used(tmp_path):
     stage = WriteStage(tmp_path, SETTINGS, header='(\n    renderSettingsPrimPath = "/Settings"\n)')
     assert Run("record", stage, tmp_path / "o.exr").code == 0

@@ -11,6 +11,27 @@ TRIANGLE = """int[] faceVertexCounts = [3]
 int[] faceVertexIndices = [0, 1, 2]
 point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
 """
+LOOK = """def Mesh "B" (prepend apiSchemas = ["MaterialBindingAPI"]) {{
+    int[] faceVertexCounts = [3]
+    int[] faceVertexIndices = [0, 1, 2]
+    point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+    rel material:binding = </M>
+}}
+def Material "M" {{
+    token outputs:surface.connect = </M/S.outputs:surface>
+    float3 inputs:empty
+    def Shader "S" {{
+        uniform token info:id = "UsdPreviewSurface"
+        color3f inputs:diffuseColor.connect = {source}
+        token outputs:surface
+    }}
+    def Shader "T" {{
+        uniform token info:id = "UsdPrimvarReader_float3"
+        string inputs:varname = "displayColor"
+        float3 outputs:result
+    }}
+}}
+"""
 
 
 def WarningsOf(text):
@@ -42,6 +63,17 @@ def WarningsOf(text):
      'rel prototypes = </P/Q>\nfloat[] primvars:widths = [1, 2] (interpolation = "vertex")\n'
      'def PointInstancer "Q" { int[] protoIndices = [0]\npoint3f[] positions = [(0, 0, 0)]\nrel prototypes = </P/Q/S>\n'
      'def Sphere "S" {} } }', "/P/Q/S: primvars that are read once a prim differ between instances of an outer instancer"),
+    ('def PointInstancer "P" { int[] protoIndices = [0, 0, 0]\npoint3f[] positions = [(0, 0, 0), (1, 0, 0), (2, 0, 0)]\n'
+     'int64[] ids = [1, 2]\nint64[] invisibleIds = [1]\nrel prototypes = </P/S>\ndef Sphere "S" {} }',
+     "/P: 2 ids but 3 instances"),
+    ('def Sphere "S" { uniform token purpose = "proxies" }', "/S: purpose proxies is unknown; not drawn"),
+    (f'def Mesh "M" {{ {TRIANGLE}\ncolor3f[] primvars:displayColor = [(1, 0, 0)] (interpolation = "weird") }}',
+     "/M: primvars:displayColor has the unknown interpolation weird; left out"),
+    ('def "A" (references = </A>) {}', "/A: Cycle detected: "),
+    ('def "A" (references = </B>) {}\ndef "B" (references = </A>) {}', "/B: Cycle detected: "),
+    (LOOK.format(source="</M/None.outputs:rgb>"), "/M/S: input diffuseColor is connected to /M/None.outputs:rgb, which does not exist"),
+    (LOOK.format(source="</M/T.outputs:xyz>"), "/M/S: input diffuseColor is connected to /M/T.outputs:xyz, which does not exist"),
+    (f'def Mesh "M" {{ {TRIANGLE}\nuniform token orientation = "up" }}', "/M: orientation up is unknown; rightHanded is used"),
     ('def ParticleField "A" {}\ndef ParticleField "B" {}', "/A: ParticleField is not supported yet: 2 prims skipped"),
     ('def NurbsCurves "N" { int[] curveVertexCounts = [2]\npoint3f[] points = [(0, 0, 0), (1, 0, 0)] }',
      "/N: NurbsCurves are drawn as lines between their points: 1 prim"),
@@ -66,7 +98,55 @@ def test_one_line_names_the_prim(text, expected):
     assert all("\n" not in line for line in warnings)
 
 
+@pytest.mark.parametrize("text", ['def "A" (references = </A>) {}', 'def "A" (references = </B>) {}\ndef "B" (references = </A>) {}'])
+def test_a_cycle_of_references_is_one_line_a_prim(text):
+    warnings = WarningsOf(text)
+    assert len(warnings) == text.count("def") and not any("@anon" in line and "session" in line for line in warnings), warnings
+
+
+@pytest.mark.parametrize("numIds, expected", [(2, [1, 2]), (3, [1, 2]), (5, [1, 2])])
+def test_ids_that_do_not_match_hide_what_they_name(numIds, expected):
+    """UsdGeomPointInstancer has an id an instance; the first of three is hidden."""
+    session = Translate(StageOf(
+        'def PointInstancer "P" { int[] protoIndices = [0, 0, 0]\npoint3f[] positions = [(0, 0, 0), (1, 0, 0), (2, 0, 0)]\n'
+        f'int64[] ids = {list(range(7, 7 + numIds))}\nint64[] invisibleIds = [7]\nrel prototypes = </P/S>\ndef Sphere "S" {{}} }}'))
+    assert list(session.Scene().geometry["/P/S"].placement.instances) == expected
+
+
+CLIPS = """def "A" (clips = {{ dictionary default = {{ string primPath = "/A"\n{clips} }} }})
+{{ def Mesh "M" {{ int[] faceVertexCounts = [3]\nint[] faceVertexIndices = [0, 1, 2] }} }}
+"""
+EXPLICIT = "asset[] assetPaths = [@./there.usda@, @./none.usda@]\ndouble2[] active = [(0, 0), (3, 1)]\ndouble2[] times = [(0, 0), (9, 9)]"
+TEMPLATE = ('string templateAssetPath = "./{0}.##.usda"\ndouble templateStartTime = 1\ndouble templateEndTime = 4\n'
+            'double templateStride = 1')
+
+
+@pytest.mark.parametrize("clips, numPoints, expected", [
+    (EXPLICIT.replace(", @./none.usda@", "").replace(", (3, 1)", ""), 3, []),
+    (EXPLICIT, 0, ["/A: value clip ./none.usda does not exist; it has no values"]),
+    (EXPLICIT + "\nasset manifestAssetPath = @./none.usda@", 0,
+     ["/A: the manifest ./none.usda of its value clips does not exist; they are not used",
+      "/A: value clip ./none.usda does not exist; it has no values"]),
+    (TEMPLATE.format("all"), 3, []),
+    (TEMPLATE.format("some"), 3, ["/A: 2 of 4 value clips ./some.##.usda do not exist; those that do fill their times"]),
+    (TEMPLATE.format("none"), 0, ["/A: none of 4 value clips ./none.##.usda exists"]),
+])
+def test_value_clips_that_are_not_there(tmp_path, clips, numPoints, expected):
+    """OpenUSD itself is silent on templates, and names no prim on files."""
+    clip = '#usda 1.0\ndef "A"\n{\ndef Mesh "M"\n{\npoint3f[] points.timeSamples = {0: [(0, 0, 0), (1, 0, 0), (0, 1, 0)]}\n}\n}\n'
+    for name in ("there", "all.01", "all.02", "all.03", "all.04", "some.01", "some.03"):
+        (tmp_path / f"{name}.usda").write_text(clip)
+    (tmp_path / "stage.usda").write_text("#usda 1.0\n" + CLIPS.format(clips=clips).replace("}", "\n}\n"))
+    diagnostics = Diagnostics()
+    session = Translate(Usd.Stage.Open(str(tmp_path / "stage.usda")), 4.0)
+    diagnostics.WarnOf(session)
+    assert sorted(session.Warnings()) == expected
+    points = [prim.geometry.points for prim in session.Scene().geometry.values()]
+    assert sum(len(array) for array in points) in (numPoints, 3 * numPoints)
+
+
 @pytest.mark.parametrize("text", [
+    LOOK.format(source="</M/T.outputs:result>"), LOOK.format(source="</M.inputs:empty>"),
     "", 'def "A" {}', 'def Mesh "M" {}', f'def Mesh "M" {{ {TRIANGLE} }}', 'def Camera "C" {}',
     'def RectLight "L" (prepend apiSchemas = ["ShapingAPI"]) { float inputs:shaping:cone:angle = 90 }',
 ])

@@ -12,8 +12,11 @@ from hdstream import materialXFiles
 from hdstream.errors import OneLine
 
 _ERROR = re.compile(r"Error in '.*?' at line \d+ in file .*? : '(.*?)'\s*(?=$|\n\s*Error in )", re.DOTALL)
+_CLIP = "Unable to open clip layer @"  # the translation says so, with the prim
 _UNOPENED = re.compile(r"Could not open asset @([^@]*\.mtlx)@", re.IGNORECASE)
 _PRIM = re.compile(r"^In <([^>]*)>: *(.*)$")
+_CYCLE = re.compile(r"Cycle detected:.*?(?= *\((?:instantiating|recomposing) |$)", re.DOTALL)  # each place on a line of its own
+_SESSION_LAYER = re.compile(r"@,@anon:[^@]*@")
 _ORIGIN = re.compile(r" *\((?:instantiating|recomposing)[^()]*stage on stage @[^@]*@ <[^>]*>\)\.?$")
 
 
@@ -27,7 +30,7 @@ class Diagnostics:
         """(subject, text) of everything since the last call, each once, in order."""
         found = {}
         for diagnostic in self._delegate.TakeUncoalescedDiagnostics():
-            for line in str(diagnostic.commentary).splitlines():
+            for line in _CYCLE.sub(_OneLineOfCycle, str(diagnostic.commentary)).splitlines():
                 entry = _Parse(line.strip())
                 if entry is not None and not _IsOutdated(entry[1]):
                     found[entry] = None
@@ -37,6 +40,11 @@ class Diagnostics:
         """Passes what was collected on as warnings of the session."""
         for subject, text in self.Take():
             session.Warn(subject, text)
+
+
+def _OneLineOfCycle(match):
+    """How a cycle of references goes, without the session layer that each of its places names."""
+    return _SESSION_LAYER.sub("@", OneLine(match.group()))
 
 
 def _Parse(line):
@@ -49,7 +57,9 @@ def _Parse(line):
 
 
 def _IsOutdated(text):
-    """Whether OpenUSD could not open a MaterialX file that was read since."""
+    """Whether OpenUSD could not open a MaterialX file that was read since, or a value clip."""
+    if text.startswith(_CLIP):
+        return True
     match = _UNOPENED.search(text)
     return match is not None and materialXFiles.IsRead(match.group(1))
 

@@ -11,7 +11,7 @@ from pxr import Gf, Usd, UsdGeom
 
 from hdstream import _core
 from hdstream.diagnostics import MessagesOf, TfError
-from hdstream.errors import CommandError, UsageError
+from hdstream.errors import CommandError, OneLine, UsageError
 from hdstream.framing import FREE_CAMERA_PATH, MakeFramingCamera
 from hdstream.renderSettings import DataWindow
 from hdstream.translate.cameras import CameraFromGf, CloseLens, ReadCamera
@@ -91,10 +91,8 @@ class Framing:
                 camera = ReadCamera(prim, usdTime, Motion(usdTime, shutter), self._Warn)
             except TfError as error:
                 raise CommandError(f"camera {settings.camera} cannot be read: {'; '.join(MessagesOf(error))}") from None
-        if not camera.horizontalAperture > 0.0 or not camera.verticalAperture > 0.0:
-            self._session.Warn(settings.camera, "aperture is not above 0; 20.955 x 15.2908 is used")
-            gfCamera = Gf.Camera()
-            camera.horizontalAperture, camera.verticalAperture = 2.0955, 1.52908
+        if not all(0.0 < length < math.inf for length in (camera.horizontalAperture, camera.verticalAperture)):
+            gfCamera = Gf.Camera()  # which the core takes the apertures of, and says so
         if self._renderSettings.disableDepthOfField:
             CloseLens(camera)
         self._SetImageSize(gfCamera.aspectRatio, settings)
@@ -111,17 +109,23 @@ class Framing:
         """usdrecord's rule: the height follows from the width and the camera's aspect ratio."""
         resolution = self._renderSettings.resolution
         width, height = self._width, self._height
-        if width is None and height is None and resolution:
+        isOfPrim = width is None and height is None and bool(resolution)
+        if isOfPrim:
             width, height = resolution
-        width = width or settings.imageWidth
+        width = settings.imageWidth if width is None else width
         if height is None:
             # As usdrecord: cut off, computed with floats; what the rounding leaves is the width's.
             pixels = np.float32(settings.pixelAspectRatio) * np.float32(width)
             height = max(1, int(pixels / np.float32(aspect)))
             settings.conformPolicy = "adjustApertureWidth"
         settings.conformPolicy = self._renderSettings.conformPolicy or settings.conformPolicy
-        _core.SetSetting(settings, "imageWidth", width)
-        _core.SetSetting(settings, "imageHeight", height)
+        try:
+            _core.SetSetting(settings, "imageWidth", width)
+            _core.SetSetting(settings, "imageHeight", height)
+        except _core.UsageError as error:
+            if not isOfPrim:
+                raise
+            raise UsageError(f"{self._renderSettings.path}: resolution: {OneLine(error)}") from None
 
     def _SetDataWindow(self, settings):
         """The render settings' data window: the image is that part of the full image."""

@@ -15,6 +15,8 @@ from hdstream.diagnostics import MessagesOf, TfError
 from hdstream.errors import OneLine, UsageError
 
 NAMESPACE = "hdstream:"
+# Settings that judge what an attribute of UsdRenderSettingsBase says; of `resolution` the options may say something else.
+_SETTING_BY_ATTRIBUTE = {"pixelAspectRatio": "pixelAspectRatio", "aspectRatioConformPolicy": "conformPolicy"}
 
 
 class RenderSettings:
@@ -111,7 +113,10 @@ def _ReadCommon(prim, settings, session):
     """UsdRenderSettingsBase: only authored values, so that a product overrides its settings."""
     def Authored(name):
         attribute = prim.GetAttribute(name)
-        return attribute.Get() if attribute and attribute.HasAuthoredValue() else None
+        value = attribute.Get() if attribute and attribute.HasAuthoredValue() else None
+        if value is not None:
+            _Check(prim, name, value)
+        return value
 
     targets = TargetsOf(prim, "camera", session)
     if targets:
@@ -127,6 +132,20 @@ def _ReadCommon(prim, settings, session):
         isDisabled = Authored(name)
         if isDisabled is not None:
             settings.disableMotionBlur = isDisabled
+
+
+def _Check(prim, name, value):
+    """Raises UsageError for a value of an attribute of UsdRenderSettingsBase that no picture can be made with."""
+    problem = ""
+    if name == "dataWindowNDC" and not all(map(math.isfinite, value)):
+        problem = "must be finite numbers"
+    elif setting := _SETTING_BY_ATTRIBUTE.get(name):
+        try:
+            _core.SetSetting(_core.Settings(), setting, value)
+        except _core.UsageError as error:
+            problem = OneLine(error)
+    if problem:
+        raise UsageError(f"{prim.GetPath()}: {name}: {problem}")
 
 
 def _ReadVars(stage, product, settings, session):

@@ -153,8 +153,12 @@ class PointInstances:
             self.problem = "orientations, scales or velocities do not match its positions"
             return
         self._indices = np.asarray(indices)
-        mask = instancer.ComputeMaskAtTime(timeCode)
-        self._mask = np.array(mask, bool) if len(mask) else None
+        mask = np.array(instancer.ComputeMaskAtTime(timeCode), bool)
+        self.numMasked = len(mask)  # one an id; 0: none is hidden
+        self._mask = None
+        if self.numMasked:  # instances without an id cannot be hidden by it
+            self._mask = np.ones(self.numInstances, bool)
+            self._mask[:self.numMasked] = mask[:self.numInstances]
         outside = (self._indices < 0) | (self._indices >= len(self.prototypePaths))
         self.numOutside = int(np.count_nonzero(outside))
         # Instances by prototype: one stable sort, however many prototypes there are.

@@ -123,6 +123,8 @@ class Instancers:
             return None
         if arrays.numOutside:
             self._reports.Warn(prim, f"{arrays.numOutside} instances have no prototype and are skipped")
+        if arrays.numMasked not in (0, arrays.numInstances):
+            self._reports.Warn(prim, f"{arrays.numMasked} ids but {arrays.numInstances} instances; what has no id is not hidden by it")
         path = self._translator.ReservePath(prim, context)
         rowsByName = ReadInstancePrimvars(prim, names, arrays.numInstances, self._timeCode, self._reports.Warn)
         self._levels.Add(path, InstanceLevel(context.instancerPath, context.instances, rowsByName))

@@ -101,13 +101,14 @@ class MaterialReader:
         for shaderInput in shader.GetInputs():
             name = shaderInput.GetBaseName()
             attributes = UsdShade.Utils.GetValueProducingAttributes(shaderInput)
-            if not attributes:
-                continue
-            source = _SourceOf(attributes[0])
+            source = _SourceOf(attributes[0]) if attributes else None
             if source is not None:
                 connections[name] = _core.Connection(*source[:2])
                 pending.append(source[2])
-            else:
+                continue
+            if missing := _MissingSource(shaderInput):
+                self._warn(prim, f"input {name} is connected to {missing}, which does not exist")
+            if attributes:
                 self._ReadParameter(attributes[0], name, parameters)
         identifier = shader.GetShaderId() or ""
         if not identifier:
@@ -162,6 +163,13 @@ def _IsDrawn(prim):
         source = _FindSource(inner) if inner else None
         return source is not None and _IsDrawn(source[2])
     return _core.IsSurfaceShader(identifier)
+
+
+def _MissingSource(shaderInput):
+    """The path of what an input is connected to where there is no such thing; None for others."""
+    paths = shaderInput.GetAttr().GetConnections()
+    stage = shaderInput.GetPrim().GetStage()
+    return next((path for path in paths if not stage.GetAttributeAtPath(path)), None)
 
 
 def _FindSource(shaderOutput):

@@ -102,7 +102,10 @@ def ReadMesh(prim, names, inherited, timeCode, motion, warn, skin=None, skinAt=N
     if not _TAG_NAMES.isdisjoint(names):
         mesh.subdivTags = _ReadSubdivTags(prim, names, timeCode)
     if "orientation" in names:
-        mesh.leftHanded = prim.GetAttribute("orientation").Get(timeCode) == "leftHanded"
+        orientation = prim.GetAttribute("orientation").Get(timeCode)
+        mesh.leftHanded = orientation == "leftHanded"
+        if orientation not in ("leftHanded", "rightHanded"):
+            warn(prim, f"orientation {orientation} is unknown; rightHanded is used")
     mesh.primvars = PrimvarsOf(prim, names, inherited, timeCode)
     if isSkinned:
         _CarryNormals(mesh, atRest)

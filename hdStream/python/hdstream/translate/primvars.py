@@ -7,7 +7,7 @@ ancestor ends the inheritance of its name.
 """
 
 import numpy as np
-from pxr import Vt
+from pxr import Tf, Vt
 
 from hdstream import _core
 from hdstream.translate.colorSpaces import ColorSpaceOfColor
@@ -74,7 +74,7 @@ def ReadPrimvar(prim, name, names, timeCode):
     if name == _KARMA_VISIBILITY and isinstance(value, str):
         value = _core.KarmaVisibilityNumber(value)
     rows = FloatRows(value, attribute)
-    interpolation = INTERPOLATIONS.get(attribute.GetMetadata("interpolation") or "constant")
+    interpolation = _InterpolationOf(attribute, "constant")
     if rows is None or interpolation is None:
         return None
     indices = None
@@ -84,6 +84,15 @@ def ReadPrimvar(prim, name, names, timeCode):
     if interpolation != _core.Interpolation.Constant:  # these are looked at in many places
         rows = _RowsAgain(attribute, timeCode, rows)
     return _core.Primvar(name[len(PREFIX):], interpolation, rows, indices, space)
+
+
+def _InterpolationOf(attribute, fallback):
+    """The interpolation of an attribute; None, and a warning, for one that USD does not have."""
+    text = attribute.GetMetadata("interpolation") or fallback
+    interpolation = INTERPOLATIONS.get(text)
+    if interpolation is None:
+        Tf.Warn(f"In <{attribute.GetPrim().GetPath()}>: {attribute.GetName()} has the unknown interpolation {text}; left out")
+    return interpolation
 
 
 def _RowsAgain(attribute, timeCode, rows):
@@ -161,7 +170,7 @@ def _ReadNormals(prim, timeCode):
     if not isinstance(value, Vt.Vec3fArray):
         return None  # as UsdImaging: UsdGeomPointBased has normal3f[] normals
     rows = FloatRows(value, attribute)
-    interpolation = INTERPOLATIONS.get(attribute.GetMetadata("interpolation") or "vertex")
+    interpolation = _InterpolationOf(attribute, "vertex")
     if rows is None or interpolation is None:
         return None
     return _core.Primvar("normals", interpolation, _RowsAgain(attribute, timeCode, rows))

@@ -13,7 +13,8 @@ from pxr import Tf, Usd, UsdGeom, UsdSkel
 
 from hdstream import _core
 from hdstream.diagnostics import MessagesOf
-from hdstream.translate import cameras, colorSpaces, curves, drawModes, lights, meshes, primvars, splats, volumes
+from hdstream.translate import (cameras, colorSpaces, curves, drawModes, lights, meshes, primvars, splats, valueClips,
+                                volumes)
 from hdstream.translate.assets import AssetResolver
 from hdstream.translate.instancers import Instancers
 from hdstream.translate.links import Links
@@ -27,6 +28,9 @@ from hdstream.translate.skinning import Skinning
 
 # Schemas that are drawn by other renderers and skipped here, with a count.
 _SKIPPED_SCHEMAS = ("ParticleField",)
+
+
+_PURPOSES = frozenset(UsdGeom.Imageable.GetOrderedPurposeTokens())
 
 
 class _TypeInfo:
@@ -156,6 +160,8 @@ class StageTranslator:
         info = self._types.get(prim.GetTypeName()) or self._AddType(prim)
         names = prim.GetAuthoredPropertyNames()
         state = self._StateOf(prim, info, names, inherited) if names else inherited
+        if not info.isLeaf:  # asking each gprim too would cost as much as its names
+            self._WarnOfClips(prim)
         if info.isSkelRoot:
             state = state.Copy()
             state.skelRoot = prim
@@ -196,6 +202,8 @@ class StageTranslator:
             if "purpose" in names and prim.GetAttribute("purpose").HasAuthoredValue():
                 state = inherited.Copy() if state is inherited else state
                 state.purpose = prim.GetAttribute("purpose").Get()
+                if state.purpose not in _PURPOSES:
+                    self._reports.Warn(prim, f"purpose {state.purpose} is unknown; not drawn")
                 state.isPurposeAuthored = True
         if drawModes.ATTRIBUTE in names:
             drawMode = self._drawModes.ModeOf(prim, inherited.drawMode)
@@ -285,11 +293,18 @@ class StageTranslator:
             prim, names, state.primvars, self._timeCode, self._motion, self._reports.Warn, skin,
             lambda time: functools.partial(self._SkinningAt(time).PointsOf, rootPrim=state.skelRoot), skinTimes)
         if mesh is None:
+            self._WarnOfClips(prim)
             if lights.IsLight(prim):
                 self._reports.Warn(prim, "mesh light has no faces; it lights nothing")
             return state
         self._AddMesh(prim, names, mesh, state, context)
         return state
+
+    def _WarnOfClips(self, prim):
+        """Names the files of a prim's own value clips that are not there."""
+        if prim.HasAuthoredMetadata(valueClips.METADATA):
+            for text in valueClips.MissingClips(prim):
+                self._reports.Warn(prim, text)
 
     def _SkinningAt(self, time):
         if time not in self._skinnings:

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Files of value clips that are not there. OpenUSD names neither the prim nor the files of a template."""
+
+import math
+
+from pxr import Ar, Sdf, Usd
+
+METADATA = "clips"
+
+
+def MissingClips(prim):
+    """What is wrong with the files of a prim's clip sets, a line each; METADATA is authored on the prim."""
+    clips = Usd.ClipsAPI(prim)
+    texts = []
+    for name, clipSet in clips.GetClips().items():
+        manifest = clipSet.get("manifestAssetPath")
+        if manifest and not _IsThere(prim, manifest):
+            texts.append(f"the manifest {manifest.path} of its value clips does not exist; they are not used")
+        template = clipSet.get("templateAssetPath")
+        if template and not clipSet.get("assetPaths"):  # these win
+            found = len(clips.ComputeClipAssetPaths(name))
+            numClips = _NumClips(clipSet)
+            if found < numClips:
+                texts.append(f"{numClips - found} of {numClips} value clips {template} do not exist; those that do fill their times"
+                             if found else f"none of {numClips} value clips {template} exists")
+            continue
+        missing = [asset.path for asset in clips.ComputeClipAssetPaths(name) if not asset.resolvedPath]
+        if missing:
+            others = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
+            texts.append(f"value clip {missing[0]}{others} does not exist; it has no values")
+    return texts
+
+
+def _IsThere(prim, asset):
+    """Whether an asset of a prim's metadata is found, from a layer that says something of the prim."""
+    return bool(asset.resolvedPath) or any(
+        Ar.GetResolver().Resolve(Sdf.ComputeAssetPathRelativeToLayer(spec.layer, asset.path)) for spec in prim.GetPrimStack())
+
+
+def _NumClips(clipSet):
+    """How many files a template stands for."""
+    start, end, stride = (clipSet.get("template" + name, 0.0) for name in ("StartTime", "EndTime", "Stride"))
+    return max(0, math.floor((end - start) / stride + 1e-6) + 1) if stride > 0.0 else 0
