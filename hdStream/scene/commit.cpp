@@ -83,6 +83,8 @@ public:
             return nullptr;
         }
         AddObjects(drawn.size());
+        _primInfos.reserve(drawn.size());
+        _leaves.reserve(drawn.size());
         for (std::size_t i = 0; i < drawn.size(); ++i) {
             AddPrim(*drawn[i], static_cast<std::uint32_t>(i));
         }
@@ -135,17 +137,20 @@ private:
                                             _options.refineLevel > 0);
         std::vector<GeometryStore::Drawn> inputs;
         inputs.reserve(drawn.size());
-        for (const GeometryEntry* entry : drawn) {
-            auto made = std::make_shared<GeometryInputs>();
-            GeometryInputs& input = *made;
+        GeometryStore::InputsReader known(_cache.geometry);
+        GeometryInputs input; // its lists keep their memory from prim to prim
+        input.chunkBytes = _options.chunkBytes;
+        for (std::size_t i = 0; i < drawn.size(); ++i) {
+            const GeometryEntry* entry = drawn[i];
             input.geometry = entry->second.geometry;
-            input.chunkBytes = _options.chunkBytes;
-            input.displacements = _materials.DisplacementsOf(entry->second);
-            input.primvars = ReadPrimvars(entry->second);
+            _materials.GetDisplacements(i, &input.displacements);
+            ReadPrimvars(i, *input.geometry, &input.primvars);
+            input.shutter = Shutter();
             if (Deforms(*input.geometry, _options.shutter)) {
                 input.shutter = _options.shutter;
                 _result->hasMotion = true;
             }
+            input.dicing = {};
             if (isDiced && IsSubdivisionScheme(input.geometry->subdivisionScheme)) {
                 DicingOptions& dicing = input.dicing.Edit().emplace();
                 dicing.isAdaptive = isAdaptive;
@@ -155,26 +160,27 @@ private:
                     dicing.view = view->second;
                 }
             }
-            inputs.emplace_back(&entry->first, std::move(made));
+            inputs.emplace_back(&entry->first, known.Get(entry->first, input));
         }
         return inputs;
     }
 
-    /// Of those that the prim has, sorted.
-    std::vector<std::string> ReadPrimvars(const GeometryPrim& prim) const {
-        const std::vector<const std::set<std::string>*> asked = _materials.PrimvarsOf(prim);
+    /// Of those that the geometry of a drawn prim has, sorted.
+    void ReadPrimvars(std::size_t index, const GeometryDescription& geometry,
+                      std::vector<std::string>* read) const {
         const std::vector<std::string>& shown = _options.shownPrimvars;
-        std::set<std::string> read;
-        for (const Primvar& primvar : prim.geometry->primvars) {
-            const bool isAsked =
-                std::any_of(asked.begin(), asked.end(), [&](const std::set<std::string>* names) {
-                    return names->count(primvar.name) > 0;
-                });
-            if (isAsked || std::find(shown.begin(), shown.end(), primvar.name) != shown.end()) {
-                read.insert(primvar.name);
+        read->clear();
+        for (const Primvar& primvar : geometry.primvars) {
+            bool isRead = std::find(shown.begin(), shown.end(), primvar.name) != shown.end();
+            _materials.ForEachEntry(index, [&](const MaterialCommit::Entry& entry) {
+                isRead = isRead || entry.material->primvars.count(primvar.name) > 0;
+            });
+            if (isRead) {
+                read->push_back(primvar.name);
             }
         }
-        return {read.begin(), read.end()};
+        std::sort(read->begin(), read->end());
+        read->erase(std::unique(read->begin(), read->end()), read->end());
     }
 
     /// Objects, chunks and pages of all planned geometry: what is hidden keeps its pages.
@@ -207,13 +213,17 @@ private:
     void AddPrim(const GeometryEntry& entry, std::uint32_t index) {
         const auto& [path, prim] = entry;
         const PlannedGeometry& prepared = _cache.geometry.OfDrawn(index);
-        const PrimMaterialInfo info = _materials.AddPrim(
-            path, prim, prepared,
-            _instancePrimvars.Add(prim, _materials.PrimvarsOf(prim), _options.shownPrimvars));
+        std::vector<const std::set<std::string>*> asked;
+        if (_instancePrimvars.HasAny()) {
+            asked = _materials.PrimvarsOf(index);
+        }
+        _primInfos.push_back(
+            _materials.AddPrim(index, path, prim, prepared,
+                               _instancePrimvars.Add(prim, asked, _options.shownPrimvars)));
+        const PrimMaterialInfo& info = _primInfos.back();
         const bool hasFaces = prim.geometry->primitives == PrimitiveKind::Faces;
         const bool hasSplats = prim.geometry->primitives == PrimitiveKind::Splats;
         const std::uint32_t cullFlags = hasFaces ? CullFlags(prim, _options.cullStyle) : 0U;
-        _primInfos.push_back(info);
         shared::HdsPrim record{};
         record.materialBase = info.materialBase;
         record.flags = (prepared.leftHanded ? HDS_PRIM_LEFT_HANDED : 0U) | cullFlags;
@@ -223,9 +233,9 @@ private:
         _result->primAttributes.push_back(&prepared.attributes);
         if (_options.keepsNames) {
             _result->primPaths.push_back(path);
-            for (const std::string* material : _materials.EntryPaths(prim)) {
-                _result->entryMaterials.push_back(*material);
-            }
+            _materials.ForEachEntry(index, [&](const MaterialCommit::Entry& material) {
+                _result->entryMaterials.push_back(*material.path);
+            });
         }
         if (prepared.chunks.empty()) {
             return;

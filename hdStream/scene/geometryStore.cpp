@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/geometryStore.h"
 
+#include "hdStream/scene/hostRecords.h"
+
 #include <tbb/parallel_for.h>
 
 #include <atomic>
 #include <thread>
+#include <utility>
 
 namespace hds {
 
@@ -15,6 +18,16 @@ constexpr std::size_t kGrain = 1;
 
 } // namespace
 
+std::shared_ptr<const GeometryInputs>
+GeometryStore::InputsReader::Get(const std::string& path, const GeometryInputs& wanted) {
+    int order = -1;
+    while (_next != _end && (order = _next->first.compare(path)) < 0) {
+        ++_next;
+    }
+    const bool isKnown = _next != _end && order == 0 && _next->second.inputs->Suffice(wanted);
+    return isKnown ? _next->second.inputs : std::make_shared<const GeometryInputs>(wanted);
+}
+
 bool GeometryStore::Prepare(const SceneDescription& scene, const std::vector<Drawn>& drawn,
                             Warnings& warnings, const CancelCallback& isCancelled) {
     ForgetOthers(scene);
@@ -23,11 +36,14 @@ bool GeometryStore::Prepare(const SceneDescription& scene, const std::vector<Dra
     _drawn.assign(drawn.size(), nullptr);
     auto item = _items.begin();
     for (std::size_t i = 0; i < drawn.size(); ++i) {
-        while (item != _items.end() && item->first < *drawn[i].first) {
+        int order = -1;
+        while (item != _items.end() && (order = item->first.compare(*drawn[i].first)) < 0) {
             ++item;
         }
-        const bool isKnown = item != _items.end() && item->first == *drawn[i].first;
-        if (isKnown && item->second.inputs->Suffice(*drawn[i].second)) {
+        const bool isKnown = item != _items.end() && order == 0 &&
+                             (item->second.inputs == drawn[i].second ||
+                              item->second.inputs->Suffice(*drawn[i].second));
+        if (isKnown) {
             _drawn[i] = item->second.prepared.get();
         } else {
             missing.push_back({i, item});
@@ -51,25 +67,40 @@ bool GeometryStore::Prepare(const SceneDescription& scene, const std::vector<Dra
     for (std::size_t i = 0; i < missing.size(); ++i) {
         if (prepared[i]) {
             ++_numPrepared;
-            const Drawn& one = drawn[missing[i].index];
             _drawn[missing[i].index] = prepared[i].get();
-            _items.try_emplace(missing[i].place, *one.first)->second = {one.second, prepared[i],
-                                                                        nullptr};
+            Put(missing[i].place, drawn[missing[i].index], prepared[i]);
         }
     }
     return !isStopped;
+}
+
+/// \param place where the item is, or would come before.
+void GeometryStore::Put(Items::iterator place, const Drawn& drawn,
+                        std::shared_ptr<const PlannedGeometry> prepared) {
+    const auto item = _items.try_emplace(place, *drawn.first);
+    if (item->second.prepared) {
+        _bytes -= PlannedBytes(item->first, *item->second.prepared);
+    }
+    item->second = {drawn.second, std::move(prepared), nullptr};
+    _bytes += PlannedBytes(item->first, *item->second.prepared);
 }
 
 /// Forgets what the scene has no more, or has anew.
 void GeometryStore::ForgetOthers(const SceneDescription& scene) {
     auto prim = scene.geometry.begin();
     for (auto item = _items.begin(); item != _items.end();) {
-        while (prim != scene.geometry.end() && prim->first < item->first) {
+        int order = -1;
+        while (prim != scene.geometry.end() && (order = prim->first.compare(item->first)) < 0) {
             ++prim;
         }
-        const bool isCurrent = prim != scene.geometry.end() && prim->first == item->first &&
+        const bool isCurrent = prim != scene.geometry.end() && order == 0 &&
                                prim->second.geometry == item->second.inputs->geometry;
-        item = isCurrent ? std::next(item) : _items.erase(item);
+        if (isCurrent) {
+            ++item;
+        } else {
+            _bytes -= PlannedBytes(item->first, *item->second.prepared);
+            item = _items.erase(item);
+        }
     }
 }
 

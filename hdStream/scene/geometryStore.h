@@ -18,11 +18,35 @@ using CancelCallback = std::function<bool()>;
 
 /// By prim path. Externally synchronised.
 class GeometryStore {
+    struct Item {
+        std::shared_ptr<const GeometryInputs> inputs;
+        std::shared_ptr<const PlannedGeometry> prepared;
+        std::shared_ptr<const ChunkGeometry> triangles; ///< once asked for
+    };
+
+    using Items = std::map<std::string, Item>;
+
 public:
     using Entry = std::pair<const std::string, GeometryPrim>;
 
     /// The path of a drawn prim and what its geometry is to be made of.
     using Drawn = std::pair<const std::string*, std::shared_ptr<const GeometryInputs>>;
+
+    /// Finds out which inputs are there already. The store must stay as it is meanwhile.
+    class InputsReader {
+    public:
+        explicit InputsReader(const GeometryStore& store)
+            : _next(store._items.begin()), _end(store._items.end()) {}
+
+        /// Inputs that serve where `wanted` is asked for: those that the geometry of the path is
+        /// prepared of, else a copy. \pre paths come in their order.
+        std::shared_ptr<const GeometryInputs> Get(const std::string& path,
+                                                  const GeometryInputs& wanted);
+
+    private:
+        Items::const_iterator _next;
+        Items::const_iterator _end;
+    };
 
     /// Prepares those of `drawn` that are not prepared so yet, on all cores, and forgets the prims
     /// that `scene` has no more. What is hidden stays prepared. \return false when it was
@@ -53,6 +77,7 @@ public:
     void SetPageStore(std::shared_ptr<PageStore> pageStore) {
         _drawn.clear();
         _items.clear();
+        _bytes = 0;
         _pageStore = std::move(pageStore);
     }
 
@@ -62,18 +87,13 @@ public:
     /// What chunks are cut from, as far as it can be made again.
     SourceKeeper& Sources() const { return *_sources; }
 
+    /// About the bytes of what is known of the chunks, without pages and sources.
+    std::uint64_t Bytes() const { return _bytes; }
+
     /// Prims whose geometry was planned since the store was made.
     std::uint64_t NumPrepared() const { return _numPrepared; }
 
 private:
-    struct Item {
-        std::shared_ptr<const GeometryInputs> inputs;
-        std::shared_ptr<const PlannedGeometry> prepared;
-        std::shared_ptr<const ChunkGeometry> triangles; ///< once asked for
-    };
-
-    using Items = std::map<std::string, Item>;
-
     /// One of `drawn` that is not prepared, and where it comes before in `_items`.
     struct Missing {
         std::size_t index;
@@ -81,11 +101,14 @@ private:
     };
 
     void ForgetOthers(const SceneDescription& scene);
+    void Put(Items::iterator place, const Drawn& drawn,
+             std::shared_ptr<const PlannedGeometry> prepared);
 
     std::shared_ptr<PageStore> _pageStore;
     std::shared_ptr<SourceKeeper> _sources = std::make_shared<SourceKeeper>();
     Items _items;
     std::vector<const PlannedGeometry*> _drawn; ///< in the order of Prepare's `drawn`
+    std::uint64_t _bytes = 0;                   ///< of `_items`
     std::uint64_t _numPrepared = 0;
 };
 

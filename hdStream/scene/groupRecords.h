@@ -66,6 +66,11 @@ class GroupRecords {
 public:
     explicit GroupRecords(const Shutter& shutter) : _shutter(shutter) {}
 
+    /// Makes room for so many single records.
+    void Reserve(std::size_t count) {
+        _singles.reserve(count);
+        _boxes.reserve(count);
+    }
     /// \return the record, until the next one is added; null when its transform cannot be used: it
     /// is not added.
     PlacedRecord* Add(PlacedRecord record);

@@ -111,6 +111,7 @@ public:
         CollectMembers();
         _result.groups.resize(1); // the TLAS, filled last
         GroupRecords records(_shutter);
+        records.Reserve(_roots.size() + _ownLeaves.size());
         const glm::dmat4 centreFromWorld = glm::translate(glm::dmat4(1.0), -_centre);
         for (const Member& member : _roots) {
             AppendMember(member, centreFromWorld, 0, &records);

@@ -49,33 +49,27 @@ std::uint64_t BytesOf(const GeometrySummary& summary) {
 
 } // namespace
 
-std::uint64_t DescribedBytes(const SceneDescription& scene) {
-    std::uint64_t bytes = 0;
-    for (const auto& [path, prim] : scene.geometry) {
-        bytes += sizeof(path) + sizeof(prim) + kBlock + TextBytes(path) +
-                 TextBytes(prim.materialPath) + BytesOf(prim.placement) +
-                 ListBytes(prim.subsetMaterialPaths) +
-                 (prim.geometry ? BytesOf(*prim.geometry) : 0);
-    }
-    for (const auto& [path, prim] : scene.instancers) {
-        bytes += sizeof(path) + sizeof(prim) + kBlock + TextBytes(path) + BytesOf(prim.placement) +
-                 ListBytes(prim.primvars);
-    }
-    return bytes;
+std::uint64_t DescribedBytes(const std::string& path, const GeometryPrim& prim) {
+    return sizeof(path) + sizeof(prim) + kBlock + TextBytes(path) + TextBytes(prim.materialPath) +
+           BytesOf(prim.placement) + ListBytes(prim.subsetMaterialPaths) +
+           (prim.geometry ? BytesOf(*prim.geometry) : 0);
 }
 
-std::uint64_t PlannedBytes(const GeometryStore& store) {
-    std::uint64_t bytes = 0;
-    store.ForEach([&](const std::string& path, const PlannedGeometry& planned) {
-        // The path is in the store and with what makes the source again.
-        bytes += 2 * (sizeof(path) + TextBytes(path)) + kRecipe + sizeof(planned) + 4 * kBlock +
-                 ListBytes(planned.attributes) + ListBytes(planned.topNodes) +
-                 ListBytes(planned.chunks) + planned.chunks.size() * (sizeof(ChunkPages) + kBlock);
-        bytes += planned.attributes.size() * (sizeof(std::string) + kBlock / 2); // that are read
-        if (planned.geometry) {
-            bytes += sizeof(ChunkedGeometry) + kBlock + BytesOf(planned.geometry->Summary());
-        }
-    });
+std::uint64_t DescribedBytes(const std::string& path, const InstancerPrim& prim) {
+    return sizeof(path) + sizeof(prim) + kBlock + TextBytes(path) + BytesOf(prim.placement) +
+           ListBytes(prim.primvars);
+}
+
+std::uint64_t PlannedBytes(const std::string& path, const PlannedGeometry& planned) {
+    // The path is in the store and with what makes the source again.
+    std::uint64_t bytes = 2 * (sizeof(path) + TextBytes(path)) + kRecipe + sizeof(planned) +
+                          4 * kBlock + ListBytes(planned.attributes) + ListBytes(planned.topNodes) +
+                          ListBytes(planned.chunks) +
+                          planned.chunks.size() * (sizeof(ChunkPages) + kBlock);
+    bytes += planned.attributes.size() * (sizeof(std::string) + kBlock / 2); // that are read
+    if (planned.geometry) {
+        bytes += sizeof(ChunkedGeometry) + kBlock + BytesOf(planned.geometry->Summary());
+    }
     return bytes;
 }
 

@@ -36,6 +36,9 @@ class InstancePrimvarCollector {
 public:
     InstancePrimvarCollector(const SceneDescription& scene, Warnings& warnings);
 
+    /// Whether there is anything to collect.
+    bool HasAny() const { return _hasAny; }
+
     /// Adds the next prim. \param asked names that its materials or AOVs read. \return those which
     /// its instancers have and it has not, in the order of their slots; valid until the next prim.
     const std::vector<AttributeName>& Add(const GeometryPrim& prim,

@@ -18,16 +18,12 @@ std::uint64_t KeptBytes(const T& object) {
 
 } // namespace
 
-KeptArrays CountKeptArrays(const SceneDescription& scene) {
-    KeptArrays kept;
-    for (const auto& [path, prim] : scene.geometry) {
-        kept.geometryBytes += prim.geometry ? KeptBytes(*prim.geometry) : 0;
-        kept.instanceBytes += KeptBytes(prim.placement);
-    }
-    for (const auto& [path, prim] : scene.instancers) {
-        kept.instanceBytes += KeptBytes(prim);
-    }
-    return kept;
+KeptArrays KeptArraysOf(const GeometryPrim& prim) {
+    return {prim.geometry ? KeptBytes(*prim.geometry) : 0, KeptBytes(prim.placement)};
+}
+
+KeptArrays KeptArraysOf(const InstancerPrim& prim) {
+    return {0, KeptBytes(prim)};
 }
 
 } // namespace hds

@@ -15,6 +15,8 @@ struct KeptArrays {
     std::uint64_t instanceBytes = 0; ///< of instancers, and of what they place the numbers of
 };
 
-KeptArrays CountKeptArrays(const SceneDescription& scene);
+/// Those of a prim.
+KeptArrays KeptArraysOf(const GeometryPrim& prim);
+KeptArrays KeptArraysOf(const InstancerPrim& prim);
 
 } // namespace hds

@@ -19,7 +19,7 @@ namespace hds {
 namespace {
 
 /// In the place of a path: what splats have for a material.
-constexpr const char* kSplats = "splats";
+const std::string kSplats = "splats";
 
 } // namespace
 
@@ -34,36 +34,50 @@ void MaterialCommit::Compile(
     _used[kSplats] = &_splats;
     std::vector<const std::pair<const std::string, std::shared_ptr<const MaterialNetwork>>*>
         missing;
-    const auto use = [&](const std::string& primPath, const std::string& materialPath) {
-        if (_used.count(materialPath) > 0) {
-            return;
+    const auto use = [&](const std::string& primPath,
+                         const std::string& materialPath) -> const CachedMaterial* {
+        const auto [known, isNew] = _used.try_emplace(materialPath, &_displayColor);
+        if (!isNew) {
+            return known->second;
         }
-        const CachedMaterial*& used = _used[materialPath];
-        used = &_displayColor;
         const auto found = _scene.materials.find(materialPath);
         if (found == _scene.materials.end()) {
             _warnings.Add(primPath, "its material " + materialPath +
                                         " does not exist; drawn with displayColor");
-            return;
+            return known->second;
         }
         CachedMaterial& cached = _cache[materialPath];
-        used = &cached;
+        known->second = &cached;
         if (cached.network != found->second) {
             missing.push_back(&*found);
-            return;
+            return &cached;
         }
         for (const AssetReference& asset : cached.images) {
             _images.Probe(asset); // counts as used
         }
+        return &cached;
     };
-    for (const auto* prim : prims) {
-        if (prim->second.geometry->primitives == PrimitiveKind::Splats) {
-            continue;
+    _firstEntry.reserve(prims.size() + 1);
+    for (const auto* entry : prims) {
+        const auto& [path, prim] = *entry;
+        if (prim.geometry->primitives == PrimitiveKind::Splats) {
+            _entries.push_back({&kSplats, &_splats});
+        } else {
+            const Entry own = {&prim.materialPath, use(path, prim.materialPath)};
+            _entries.push_back(own);
+            const std::vector<std::string>& ofSubsets = prim.subsetMaterialPaths;
+            const std::size_t numSubsets = prim.geometry->subsets.size();
+            for (std::size_t i = 0; i < std::max(ofSubsets.size(), numSubsets); ++i) {
+                // A subset without a material of its own shows the prim's.
+                const CachedMaterial* material =
+                    i < ofSubsets.size() ? use(path, ofSubsets[i]) : nullptr;
+                if (i < numSubsets) {
+                    const bool hasOwn = material != nullptr && IsMaterial(_scene, ofSubsets[i]);
+                    _entries.push_back(hasOwn ? Entry{&ofSubsets[i], material} : own);
+                }
+            }
         }
-        use(prim->first, prim->second.materialPath);
-        for (const std::string& materialPath : prim->second.subsetMaterialPaths) {
-            use(prim->first, materialPath);
-        }
+        _firstEntry.push_back(static_cast<std::uint32_t>(_entries.size()));
     }
     tbb::parallel_for(std::size_t{0}, missing.size(), [&](std::size_t i) {
         _cache.at(missing[i]->first) = CompileNetwork(missing[i]->first, missing[i]->second);
@@ -176,21 +190,6 @@ std::vector<std::uint32_t> MaterialCommit::AddTextures(const CompiledMaterial& m
     return indices;
 }
 
-std::vector<const std::string*> MaterialCommit::EntryPaths(const GeometryPrim& prim) const {
-    static const std::string splats = kSplats;
-    if (prim.geometry->primitives == PrimitiveKind::Splats) {
-        return {&splats};
-    }
-    std::vector<const std::string*> paths = {&prim.materialPath};
-    for (std::size_t i = 0; i < prim.geometry->subsets.size(); ++i) {
-        // A subset without a material of its own shows the prim's.
-        const bool hasOwn =
-            i < prim.subsetMaterialPaths.size() && IsMaterial(_scene, prim.subsetMaterialPaths[i]);
-        paths.push_back(hasOwn ? &prim.subsetMaterialPaths[i] : &prim.materialPath);
-    }
-    return paths;
-}
-
 /// Of a mesh that is no light: as if the light asked its material.
 MaterialSyncMode MaterialCommit::SyncModeOf(const GeometryPrim& prim,
                                             const std::string& materialPath) const {
@@ -229,39 +228,37 @@ void LoadHeights(DisplacementNetwork* network, ImageLibrary* images) {
 
 } // namespace
 
-std::vector<DisplacementInput> MaterialCommit::DisplacementsOf(const GeometryPrim& prim) const {
-    std::vector<DisplacementInput> displacements;
-    for (const std::string* materialPath : EntryPaths(prim)) {
-        displacements.push_back(Find(*materialPath).displacement);
-        if (auto& lookup = displacements.back().lookup) {
+void MaterialCommit::GetDisplacements(std::size_t index,
+                                      std::vector<DisplacementInput>* displacements) const {
+    displacements->clear();
+    ForEachEntry(index, [&](const Entry& entry) {
+        DisplacementInput& input =
+            displacements->emplace_back(entry.material->compiled.displacement);
+        if (auto& lookup = input.lookup) {
             lookup->image = _images.LoadHeights(lookup->texture, lookup->channel);
         }
-        if (auto& network = displacements.back().network) {
+        if (auto& network = input.network) {
             LoadHeights(&*network, &_images);
         }
-    }
-    return displacements;
+    });
 }
 
-std::vector<const std::set<std::string>*>
-MaterialCommit::PrimvarsOf(const GeometryPrim& prim) const {
+std::vector<const std::set<std::string>*> MaterialCommit::PrimvarsOf(std::size_t index) const {
     std::vector<const std::set<std::string>*> names;
-    for (const std::string* materialPath : EntryPaths(prim)) {
-        names.push_back(&_used.at(*materialPath)->primvars);
-    }
+    ForEachEntry(index, [&](const Entry& entry) { names.push_back(&entry.material->primvars); });
     return names;
 }
 
-PrimMaterialInfo MaterialCommit::AddPrim(const std::string& path, const GeometryPrim& prim,
-                                         const PlannedGeometry& prepared,
+PrimMaterialInfo MaterialCommit::AddPrim(std::size_t index, const std::string& path,
+                                         const GeometryPrim& prim, const PlannedGeometry& prepared,
                                          const std::vector<AttributeName>& ofInstances) {
     PrimMaterialInfo info;
     info.materialBase = static_cast<std::uint32_t>(primMaterials.size());
     const bool hasSplats = prim.geometry->primitives == PrimitiveKind::Splats;
-    for (const std::string* materialPath : EntryPaths(prim)) {
-        const MaterialSyncMode syncMode = SyncModeOf(prim, *materialPath);
+    ForEachEntry(index, [&](const Entry& entry) {
+        const MaterialSyncMode syncMode = SyncModeOf(prim, *entry.path);
         const bool isBlack = syncMode == MaterialSyncMode::NoMaterialResponse;
-        const CompiledMaterial& compiled = isBlack ? _black : Find(*materialPath);
+        const CompiledMaterial& compiled = isBlack ? _black : entry.material->compiled;
         ResolvedMaterial resolved = ResolveMaterial(
             compiled, AddTextures(compiled), prepared.attributes,
             hasSplats ? std::vector<AttributeName>() : ofInstances, path, _warnings);
@@ -302,7 +299,7 @@ PrimMaterialInfo MaterialCommit::AddPrim(const std::string& path, const Geometry
         info.isEmissive = info.isEmissive || (record.flags & HDS_MATERIAL_EMISSIVE) != 0;
         primMaterials.push_back(AddRecord(record));
         info.entries.push_back({compiled.emission, syncMode});
-    }
+    });
     return info;
 }
 

@@ -6,6 +6,9 @@
 #include "hdStream/scene/geometryStore.h"
 #include "hdStream/scene/imageLibrary.h"
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <set>
@@ -51,24 +54,33 @@ public:
         : _scene(scene), _cache(*cache), _images(images), _glassShadows(glassShadows),
           _warnings(warnings) {}
 
-    /// Compiles the materials the prims use, on all cores, unless the cache has them.
+    /// A material of a prim: its own, or that of a subset.
+    struct Entry {
+        const std::string* path;
+        const CachedMaterial* material;
+    };
+
+    /// Compiles the materials the prims use, on all cores, unless the cache has them. Below, prims
+    /// are told by their index in this list.
     void Compile(const std::vector<const std::pair<const std::string, GeometryPrim>*>& prims);
 
-    /// Appends the entries of a prim: its own material, then one for each subset. \param
-    /// ofInstances its primvars with a value an instance.
-    PrimMaterialInfo AddPrim(const std::string& path, const GeometryPrim& prim,
+    /// Calls `function` with each entry of a prim: its own material, then one for each subset.
+    template <typename Function>
+    void ForEachEntry(std::size_t index, const Function& function) const {
+        std::for_each(_entries.begin() + _firstEntry[index],
+                      _entries.begin() + _firstEntry[index + 1], function);
+    }
+
+    /// Appends the entries of a prim. \param ofInstances its primvars with a value an instance.
+    PrimMaterialInfo AddPrim(std::size_t index, const std::string& path, const GeometryPrim& prim,
                              const PlannedGeometry& prepared,
                              const std::vector<AttributeName>& ofInstances);
 
-    /// The material of each entry: the prim's, then one for each subset.
-    std::vector<const std::string*> EntryPaths(const GeometryPrim& prim) const;
+    /// By entry; reads images of heights.
+    void GetDisplacements(std::size_t index, std::vector<DisplacementInput>* displacements) const;
 
-    /// By material entry, as AddPrim adds them; reads images of heights. Precondition: compiled.
-    std::vector<DisplacementInput> DisplacementsOf(const GeometryPrim& prim) const;
-
-    /// Names of the primvars that the materials of a prim may read, by entry. Precondition:
-    /// compiled.
-    std::vector<const std::set<std::string>*> PrimvarsOf(const GeometryPrim& prim) const;
+    /// Names of the primvars that the materials of a prim may read, by entry.
+    std::vector<const std::set<std::string>*> PrimvarsOf(std::size_t index) const;
 
     std::vector<shared::HdsMaterial> materials;
     std::vector<std::uint32_t> primMaterials;
@@ -88,9 +100,6 @@ private:
     std::uint32_t AddRecord(const shared::HdsMaterial& record);
     std::uint32_t AddProgram(const std::vector<std::uint32_t>& words);
     std::vector<std::uint32_t> AddTextures(const CompiledMaterial& material);
-    const CompiledMaterial& Find(const std::string& materialPath) const {
-        return _used.at(materialPath)->compiled;
-    }
     MaterialSyncMode SyncModeOf(const GeometryPrim& prim, const std::string& materialPath) const;
     CachedMaterial CompileNetwork(const std::string& path,
                                   const std::shared_ptr<const MaterialNetwork>& network);
@@ -101,6 +110,8 @@ private:
     bool _glassShadows;
     Warnings& _warnings;
     std::map<std::string, const CachedMaterial*> _used; ///< by path; "": no material
+    std::vector<Entry> _entries;                        ///< of all prims
+    std::vector<std::uint32_t> _firstEntry = {0};       ///< by prim, and the end
     CachedMaterial _displayColor;
     CachedMaterial _splats;
     CompiledMaterial _black = BlackMaterial();

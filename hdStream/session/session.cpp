@@ -11,7 +11,7 @@
 #include "hdStream/persist/pageStore.h"
 #include "hdStream/scene/cameraNumbers.h"
 #include "hdStream/scene/dump.h"
-#include "hdStream/scene/hostRecords.h"
+#include "hdStream/scene/sceneSizes.h"
 #include "hdStream/scene/transforms.h"
 #include "hdStream/session/denoising.h"
 #include "hdStream/session/frontEndArrays.h"
@@ -186,7 +186,7 @@ struct Session::Impl {
 
     /// Bounds what is kept besides the scene as it is now.
     void ShareHostMemory(const Settings& settings) {
-        statistics.sceneBytes = DescribedBytes(description) + PlannedBytes(cache.geometry);
+        statistics.sceneBytes = sizes.DescribedBytes() + cache.geometry.Bytes();
         const HostShares shares =
             hds::ShareHostMemory(HostBytes(settings), statistics.sceneBytes + arrayBlockBytes);
         cache.pages.SetLimit(shares.pages);
@@ -230,7 +230,7 @@ struct Session::Impl {
         scene = std::move(next);
         committed = key;
         statistics.commitSeconds = scene->seconds;
-        statistics.keptArrays = CountKeptArrays(description);
+        statistics.keptArrays = sizes.Arrays();
         return true;
     }
 
@@ -319,6 +319,7 @@ struct Session::Impl {
 
     hds::Warnings warnings;
     SceneDescription description;
+    SceneSizes sizes;               ///< of `description`
     std::uint64_t sceneVersion = 1; ///< counts edits
     std::unique_ptr<Store> store;
     std::shared_ptr<Device> device; ///< its compilers write to the store
@@ -344,7 +345,7 @@ Session::Session(WarningSink onWarning) : _impl(std::make_unique<Impl>(std::move
 Session::~Session() = default;
 
 void Session::SetGeometry(const std::string& path, GeometryPrim prim) {
-    _impl->description.geometry[path] = std::move(prim);
+    _impl->sizes.Set(&_impl->description.geometry, path, std::move(prim));
     ++_impl->sceneVersion;
 }
 
@@ -354,7 +355,7 @@ void Session::SetVolume(const std::string& path, VolumePrim prim) {
 }
 
 void Session::SetInstancer(const std::string& path, InstancerPrim prim) {
-    _impl->description.instancers[path] = std::move(prim);
+    _impl->sizes.Set(&_impl->description.instancers, path, std::move(prim));
     ++_impl->sceneVersion;
 }
 
@@ -374,8 +375,8 @@ void Session::SetCamera(const std::string& path, CameraPrim prim) {
 
 void Session::Remove(const std::string& path) {
     SceneDescription& scene = _impl->description;
-    scene.geometry.erase(path);
-    scene.instancers.erase(path);
+    _impl->sizes.Erase(&scene.geometry, path);
+    _impl->sizes.Erase(&scene.instancers, path);
     scene.lights.erase(path);
     scene.materials.erase(path);
     scene.cameras.erase(path);
@@ -385,6 +386,7 @@ void Session::Remove(const std::string& path) {
 
 void Session::Clear() {
     _impl->description = {};
+    _impl->sizes = {};
     _impl->warnings.Clear();
     ++_impl->sceneVersion;
     Redice();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Interactive figures of render delegates on one scene of many meshes, in one run: the time to sync
 // the whole scene, and the latency from an edit of each kind to the first pixel of the render that
-// it starts.
+// it starts: on the clock, and in CPU time of the process, which other work disturbs less.
 //   benchHydra [--meshes N] [--quads N] [--repeats N] [--width N] [RENDERER...]
 // RENDERERs are plug-in ids; ratios are to the last one. Prints tables in Markdown.
 #include "testenv/hydra/host.h"
@@ -18,6 +18,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <thread>
 
 using namespace hydraHost;
@@ -88,6 +89,11 @@ HostOptions MakeHostOptions(const Options& options, const TfToken& renderer) {
 double Now() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
         .count();
+}
+
+/// Seconds of all threads.
+double CpuNow() {
+    return double(std::clock()) / CLOCKS_PER_SEC;
 }
 
 double Median(std::vector<double> values) {
@@ -191,13 +197,20 @@ std::map<std::string, Edit> Edits(const Options& options) {
     return edits;
 }
 
+/// Milliseconds on the clock, and of the CPU.
+struct Latency {
+    double wall;
+    double cpu;
+};
+
 /// From an edit of a converged image to the first frame whose buffer shows it, as an application
 /// that redraws as fast as it can sees it. \return NaN when the renderer never shows such edits.
-double TimeEdit(Host& host, const std::function<void(Host&)>& edit) {
+Latency TimeEdit(Host& host, const std::function<void(Host&)>& edit) {
     host.RenderUntilConverged();
     const Image before = host.Read();
     constexpr double kSecondsToShow = 5.0;
     const double start = Now();
+    const double cpuStart = CpuNow();
     edit(host);
     while (Now() - start < kSecondsToShow) {
         host.Frame();
@@ -205,10 +218,10 @@ double TimeEdit(Host& host, const std::function<void(Host&)>& edit) {
         // CPU.
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
         if (ShowsEdit(host.Read(), before)) {
-            return (Now() - start) * 1e3;
+            return {(Now() - start) * 1e3, (CpuNow() - cpuStart) * 1e3};
         }
     }
-    return std::nan("");
+    return {std::nan(""), std::nan("")};
 }
 
 void MeasureEdits(const SceneData& scene, const Options& options, Samples* samples) {
@@ -223,10 +236,11 @@ void MeasureEdits(const SceneData& scene, const Options& options, Samples* sampl
         (*samples)["first pixel of all"][renderer].push_back((Now() - start) * 1e3);
         for (const auto& [figure, edit] : Edits(options)) {
             for (int repeat = 0; repeat < options.numRepeats; ++repeat) {
-                const double milliseconds =
+                const Latency latency =
                     TimeEdit(host, [&, &apply = edit](Host& edited) { apply(edited, repeat); });
-                (*samples)[figure][renderer].push_back(milliseconds);
-                if (std::isnan(milliseconds)) {
+                (*samples)[figure][renderer].push_back(latency.wall);
+                (*samples)[figure + ", CPU"][renderer].push_back(latency.cpu);
+                if (std::isnan(latency.wall)) {
                     break; // it never shows such edits
                 }
             }

@@ -58,6 +58,51 @@ TEST_F(GeometryStoreTest, EditsThatLeaveTheDescriptionPrepareNothing) {
     EXPECT_EQ(store.NumPrepared(), 2U);
 }
 
+TEST_F(GeometryStoreTest, InputsThatServeAreSharedAndOthersAreCopied) {
+    for (const char* path : {"/a", "/b", "/d"}) {
+        scene.geometry[path].geometry = Triangle(1.0F);
+    }
+    inputs.primvars = {"st"};
+    ASSERT_TRUE(Prepare());
+    GeometryStore::InputsReader reader(store);
+    GeometryInputs wanted; // reads less than what is prepared
+    wanted.geometry = scene.geometry["/a"].geometry;
+    const auto served = reader.Get("/a", wanted);
+    EXPECT_EQ(served->primvars, inputs.primvars);
+    wanted.geometry = scene.geometry["/b"].geometry;
+    wanted.chunkBytes = 8192;
+    const auto copied = reader.Get("/b", wanted);
+    EXPECT_EQ(copied->chunkBytes, 8192U);
+    EXPECT_EQ(copied->geometry, wanted.geometry);
+    EXPECT_EQ(reader.Get("/c", wanted)->chunkBytes, 8192U); // there is none
+    wanted.chunkBytes = inputs.chunkBytes;
+    wanted.geometry = scene.geometry["/d"].geometry;
+    EXPECT_EQ(reader.Get("/d", wanted)->primvars, inputs.primvars);
+    EXPECT_TRUE(reader.Get("/e", wanted)->primvars.empty());
+}
+
+TEST_F(GeometryStoreTest, CountsItsBytesAsPrimsComeAndGo) {
+    EXPECT_EQ(store.Bytes(), 0U);
+    scene.geometry["/a"].geometry = Triangle(1.0F);
+    ASSERT_TRUE(Prepare());
+    const std::uint64_t ofOne = store.Bytes();
+    EXPECT_GT(ofOne, 0U);
+    scene.geometry["/b"].geometry = Triangle(2.0F);
+    ASSERT_TRUE(Prepare());
+    EXPECT_EQ(store.Bytes(), 2 * ofOne);
+    inputs.chunkBytes = 8192; // all are planned anew
+    ASSERT_TRUE(Prepare());
+    EXPECT_EQ(store.Bytes(), 2 * ofOne);
+    scene.geometry["/a"].geometry = Triangle(3.0F);
+    ASSERT_TRUE(Prepare());
+    EXPECT_EQ(store.Bytes(), 2 * ofOne);
+    scene.geometry.erase("/b");
+    ASSERT_TRUE(Prepare());
+    EXPECT_EQ(store.Bytes(), ofOne);
+    store.SetPageStore(nullptr);
+    EXPECT_EQ(store.Bytes(), 0U);
+}
+
 TEST_F(GeometryStoreTest, NewDescriptionsAndOptionsPrepareAgain) {
     scene.geometry["/a"].geometry = Triangle(1.0F);
     scene.geometry["/b"].geometry = Triangle(2.0F);
