@@ -49,6 +49,20 @@ struct FoundPage {
 
 } // namespace
 
+struct OpenedPage::Impl {
+    FoundPage page;
+};
+
+OpenedPage::OpenedPage(std::unique_ptr<const Impl> impl) : _impl(std::move(impl)) {}
+
+OpenedPage::~OpenedPage() = default;
+
+bool OpenedPage::Read(std::uint64_t offset, std::size_t bytes, void* data) const {
+    const FoundPage& page = _impl->page;
+    return offset <= page.stored.bytes && bytes <= page.stored.bytes - offset &&
+           page.segment->ReadPart(page.stored, offset, bytes, data);
+}
+
 /// Locks: writeMutex before mutex. writeMutex serialises who takes room in the segment that is
 /// appended to; mutex guards the index and the list of segments.
 struct PageStore::Impl {
@@ -342,6 +356,15 @@ bool PageStore::LoadPart(const PageKey& key, std::uint64_t offset, std::size_t b
         return false;
     }
     return true;
+}
+
+std::unique_ptr<const OpenedPage> PageStore::Open(const PageKey& key) {
+    auto page = _impl->FindVerified(key);
+    if (!page) {
+        return nullptr;
+    }
+    auto impl = std::make_unique<const OpenedPage::Impl>(OpenedPage::Impl{*std::move(page)});
+    return std::unique_ptr<const OpenedPage>(new OpenedPage(std::move(impl)));
 }
 
 std::optional<PageLocation> PageStore::Locate(const PageKey& key) {

@@ -32,6 +32,25 @@ struct PageLocation {
     std::uint64_t bytes = 0;
 };
 
+/// A page that was found and verified, for who reads many parts of it: nothing is looked up again.
+/// Its file stays open as long as this is there, also when the cache is cleared.
+class OpenedPage {
+public:
+    ~OpenedPage();
+    OpenedPage(const OpenedPage&) = delete;
+    OpenedPage& operator=(const OpenedPage&) = delete;
+
+    /// Copies bytes [offset, offset + bytes); thread-safe. \return false: not inside the page, or
+    /// the file was cut meanwhile.
+    bool Read(std::uint64_t offset, std::size_t bytes, void* data) const;
+
+private:
+    friend class PageStore;
+    struct Impl;
+    explicit OpenedPage(std::unique_ptr<const Impl> impl);
+    std::unique_ptr<const Impl> _impl;
+};
+
 /// What a store has done since it was opened.
 struct PageStoreStatistics {
     std::uint64_t pagesLoaded = 0;
@@ -67,6 +86,9 @@ public:
     /// Copies bytes [offset, offset + bytes) of a page. The page is verified as a whole the first
     /// time. \return as Load; a part that is not inside the page is absent.
     bool LoadPart(const PageKey& key, std::uint64_t offset, std::size_t bytes, void* data);
+
+    /// A page to read parts of. It is verified as a whole the first time. \return null: as Load.
+    std::unique_ptr<const OpenedPage> Open(const PageKey& key);
 
     /// Keeps a page; one that is there is left as it is. After a failure (one warning) nothing is
     /// saved any more, what was saved stays readable.

@@ -8,6 +8,7 @@
 #include <glm/matrix.hpp>
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <atomic>
@@ -60,9 +61,12 @@ Boxes BoxesOf(const MovingTransform& groupFromObject, const LeafObject& leaf) {
     return boxes;
 }
 
-/// Keeps those values whose flag is set.
+/// Keeps those values whose flag is set, if there are values.
 void Compact(const std::vector<std::uint8_t>& isKept, std::size_t first,
              std::vector<Bounds>* values) {
+    if (values->empty()) {
+        return;
+    }
     std::size_t end = first;
     for (std::size_t i = 0; i < isKept.size(); ++i) {
         if (isKept[i] != 0) {
@@ -156,7 +160,7 @@ bool GroupRecords::MayMove(const InstanceRun& run) const {
 void GroupRecords::ReserveCloseBoxes() {
     if (!_mayMove) {
         _mayMove = true;
-        _closeBoxes = _boxes;
+        _closeBoxes = _boxes; // nothing when they are not kept
     }
 }
 
@@ -177,8 +181,10 @@ PlacedRecord* GroupRecords::Add(PlacedRecord record) {
         ReserveCloseBoxes();
         _moves = true;
     }
-    _boxes.push_back(boxes.open);
-    if (_mayMove) {
+    if (_keepsBoxes) {
+        _boxes.push_back(boxes.open);
+    }
+    if (_keepsBoxes && _mayMove) {
         _closeBoxes.push_back(boxes.close);
     }
     _flags |= record.leaf->flags;
@@ -201,54 +207,89 @@ std::uint32_t GroupRecords::Add(InstanceRun run) {
         ReserveCloseBoxes();
     }
     const std::size_t first = _size;
-    _boxes.resize(first + count);
-    if (_mayMove) {
-        _closeBoxes.resize(first + count);
+    if (_keepsBoxes) {
+        _boxes.resize(first + count);
+        _closeBoxes.resize(_mayMove ? first + count : 0);
     }
     std::vector<std::uint8_t> isKept(count);
     std::atomic<std::uint32_t> numBad{0};
     std::atomic<bool> isComplete{true};
     std::atomic<bool> moves{false};
-    tbb::parallel_for(std::uint32_t{0}, count, [&](std::uint32_t rank) {
-        const std::int32_t index = run.instances[rank];
-        const bool isInRange = index >= 0 && static_cast<std::size_t>(index) < limit;
-        const Boxes boxes = isInRange ? BoxesOf(TransformOf(run, index), run.leaf) : Boxes{};
-        if (!boxes.isUsable) {
-            isComplete = false;
-            numBad += index == kGap ? 0 : 1;
-            return;
+    const auto add = [&](const tbb::blocked_range<std::uint32_t>& ranks, Bounds bounds) {
+        for (std::uint32_t rank = ranks.begin(); rank < ranks.end(); ++rank) {
+            const std::int32_t index = run.instances[rank];
+            const bool isInRange = index >= 0 && static_cast<std::size_t>(index) < limit;
+            const Boxes boxes = isInRange ? BoxesOf(TransformOf(run, index), run.leaf) : Boxes{};
+            if (!boxes.isUsable) {
+                isComplete = false;
+                numBad += index == kGap ? 0 : 1;
+                continue;
+            }
+            isKept[rank] = 1;
+            ExtendBounds(&bounds, boxes.open);
+            if (_keepsBoxes) {
+                _boxes[first + rank] = boxes.open;
+            }
+            if (_keepsBoxes && _mayMove) {
+                _closeBoxes[first + rank] = boxes.close;
+            }
+            if (boxes.moves) {
+                moves = true;
+            }
         }
-        isKept[rank] = 1;
-        _boxes[first + rank] = boxes.open;
-        if (_mayMove) {
-            _closeBoxes[first + rank] = boxes.close;
-        }
-        if (boxes.moves) {
-            moves = true;
-        }
-    });
+        return bounds;
+    };
+    const Bounds bounds = tbb::parallel_reduce(tbb::blocked_range<std::uint32_t>(0, count),
+                                               Bounds(), add, [](Bounds a, const Bounds& b) {
+                                                   ExtendBounds(&a, b);
+                                                   return a;
+                                               });
+    ExtendBounds(&_boundsOfRuns, bounds);
     _moves = _moves || moves;
     Part part;
+    std::uint32_t numAdded = count;
     if (!isComplete) {
         for (std::uint32_t rank = 0; rank < count; ++rank) {
             if (isKept[rank] != 0) {
                 part.ranks.push_back(rank);
             }
         }
+        numAdded = static_cast<std::uint32_t>(part.ranks.size());
         Compact(isKept, first, &_boxes);
-        if (_mayMove) {
-            Compact(isKept, first, &_closeBoxes);
-        }
+        Compact(isKept, first, &_closeBoxes);
     }
-    const std::size_t numAdded = _boxes.size() - first;
     if (numAdded > 0) {
         _flags |= run.leaf.flags;
         const std::uint64_t numLeaves = run.numLeaves;
         part.run = std::move(run);
-        AddPart(std::move(part), static_cast<std::uint32_t>(numAdded), numLeaves);
-        _numInRuns += static_cast<std::uint32_t>(numAdded);
+        AddPart(std::move(part), numAdded, numLeaves);
+        _numInRuns += numAdded;
     }
     return numBad;
+}
+
+/// Of all records, where they were not kept.
+void GroupRecords::ComputeBoxes() {
+    _boxes.resize(_size);
+    _closeBoxes.resize(_moves ? _size : 0);
+    tbb::parallel_for(std::uint32_t{0}, _size, [&](std::uint32_t record) {
+        const Found found = Find(record);
+        const Boxes boxes = BoxesOf(found.groupFromObject, *found.leaf);
+        _boxes[record] = boxes.open;
+        if (_moves) {
+            _closeBoxes[record] = boxes.close;
+        }
+    });
+}
+
+BoxesOfRecords GroupRecords::TakeBoxes() {
+    if (!_keepsBoxes) {
+        ComputeBoxes();
+    }
+    if (!_moves) {
+        std::vector<Bounds>().swap(_closeBoxes);
+    }
+    return {std::move(_boxes), std::move(_closeBoxes)};
 }
 
 const GroupRecords::Part& GroupRecords::PartOf(std::uint32_t record) const {
@@ -277,7 +318,7 @@ Bounds GroupRecords::BoxOf(std::uint32_t record) const {
     return BoxesOf(found.groupFromObject, *found.leaf).open;
 }
 
-void GroupRecords::Keep() {
+std::vector<std::uint32_t> GroupRecords::Singles() const {
     std::vector<std::uint32_t> singles;
     singles.reserve(_singles.size());
     for (const Part& part : _parts) {
@@ -286,6 +327,11 @@ void GroupRecords::Keep() {
             singles.push_back(record);
         }
     }
+    return singles;
+}
+
+void GroupRecords::Keep() {
+    const std::vector<std::uint32_t> singles = Singles();
     std::vector<shared::HdsInstance> records(singles.size());
     Write(singles, records.data(), nullptr);
     std::vector<Bounds> boxes(singles.size());

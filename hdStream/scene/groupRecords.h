@@ -2,7 +2,7 @@
 // The instance records of one group before its BVH gives them their places. Instances are kept as
 // runs, an instancer's list of them with what it places, and computed twice from the arrays as
 // authored: their boxes for the BVH, then the records where they stay. So a million instances take
-// no memory of their own on the way but a box each.
+// no memory of their own on the way but a box each, and none where boxes are computed again.
 // Explained in docs/architecture.md, "Instances".
 #pragma once
 
@@ -60,16 +60,25 @@ struct InstanceRun {
     MovingTransform prototypeFromObject{glm::dmat4(1.0)};
 };
 
+/// Where the records of a group are.
+struct BoxesOfRecords {
+    std::vector<Bounds> open;
+    std::vector<Bounds> close; ///< empty when nothing moves
+};
+
 /// Collects the records of a group in the order of scene paths. Externally synchronised; uses all
 /// cores.
 class GroupRecords {
 public:
-    explicit GroupRecords(const Shutter& shutter) : _shutter(shutter) {}
+    /// \param keepsBoxes of instances: else they are computed again when they are asked for, which
+    /// takes time in place of 24 bytes an instance.
+    explicit GroupRecords(const Shutter& shutter, bool keepsBoxes = true)
+        : _shutter(shutter), _keepsBoxes(keepsBoxes) {}
 
     /// Makes room for so many single records.
     void Reserve(std::size_t count) {
         _singles.reserve(count);
-        _boxes.reserve(count);
+        _boxes.reserve(_keepsBoxes ? count : 0);
     }
     /// \return the record, until the next one is added; null when its transform cannot be used: it
     /// is not added.
@@ -85,18 +94,19 @@ public:
     /// Whether some record has keys of motion.
     bool Moves() const { return _moves; }
 
-    /// Records that belong to runs.
+    /// Records that belong to runs, and what holds their boxes when the shutter opens.
     std::uint32_t NumInRuns() const { return _numInRuns; }
-    bool IsInRun(std::uint32_t record) const { return PartOf(record).run.has_value(); }
+    const Bounds& BoundsOfRuns() const { return _boundsOfRuns; }
+    /// Those that do not, ascending.
+    std::vector<std::uint32_t> Singles() const;
     /// Whether something else names the record by its place (PlacedRecord::worldInstance).
     bool IsWorldInstance(std::uint32_t record) const;
     /// The box of a record at rest, computed again.
     Bounds BoxOf(std::uint32_t record) const;
 
     /// Boxes of the records at rest or when the shutter opens; and, when Moves(), as it closes.
-    /// Moves them out.
-    std::vector<Bounds> TakeBoxes() { return std::move(_boxes); }
-    std::vector<Bounds> TakeCloseBoxes() { return std::move(_closeBoxes); }
+    /// Moves them out, so it is called once.
+    BoxesOfRecords TakeBoxes();
 
     /// A record of its own, which comes by PlacedRecord::worldInstance.
     struct World {
@@ -141,17 +151,20 @@ private:
     Found Find(std::uint32_t record) const;
     MovingTransform TransformOf(const InstanceRun& run, std::int32_t instance) const;
     bool MayMove(const InstanceRun& run) const;
+    void ComputeBoxes();
     void AddPart(Part part, std::uint32_t count, std::uint64_t numLeaves);
     void ReserveCloseBoxes();
 
     Shutter _shutter;
+    bool _keepsBoxes;
     std::vector<Part> _parts;
     std::vector<std::shared_ptr<const InstancerPrim>> _kept; ///< of the runs, by Keep
     std::vector<PlacedRecord> _singles;                      ///< empty after Keep
     std::vector<shared::HdsInstance> _keptSingles;           ///< by Keep
     std::vector<Bounds> _keptBoxes;                          ///< of the same
-    std::vector<Bounds> _boxes;
-    std::vector<Bounds> _closeBoxes; ///< empty while nothing may move
+    std::vector<Bounds> _boxes;                              ///< empty when they are not kept
+    std::vector<Bounds> _closeBoxes;                         ///< empty while nothing may move
+    Bounds _boundsOfRuns;
     std::uint32_t _size = 0;
     std::uint32_t _numInRuns = 0;
     std::uint64_t _numLeaves = 0;

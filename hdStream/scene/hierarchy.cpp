@@ -8,6 +8,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/vector_relational.hpp>
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <numeric>
 #include <set>
@@ -110,7 +112,7 @@ public:
         _result.nodes = std::move(nodes);
         CollectMembers();
         _result.groups.resize(1); // the TLAS, filled last
-        GroupRecords records(_shutter);
+        GroupRecords records(_shutter, !MayStream(CountRootInstances()));
         records.Reserve(_roots.size() + _ownLeaves.size());
         const glm::dmat4 centreFromWorld = glm::translate(glm::dmat4(1.0), -_centre);
         for (const Member& member : _roots) {
@@ -119,8 +121,7 @@ public:
         std::vector<Member>().swap(_roots); // of many prims they take more than their records
         AppendWorldInstances(centreFromWorld, &records);
         _result.numLeaves = records.NumLeaves();
-        if (_chunking.leastInstances > 0 && records.NumInRuns() >= _chunking.leastInstances &&
-            !records.Moves()) {
+        if (MayStream(records.NumInRuns()) && !records.Moves()) {
             FinishInChunks(std::move(records));
         } else {
             FinishGroup(std::move(records), 0, &_result.bounds);
@@ -129,6 +130,25 @@ public:
     }
 
 private:
+    /// Whether so many instances of the TLAS lie in chunks, if they rest.
+    bool MayStream(std::uint64_t numInstances) const {
+        return _chunking.leastInstances > 0 && numInstances >= _chunking.leastInstances;
+    }
+
+    /// At most so many instances has the TLAS.
+    std::uint64_t CountRootInstances() const {
+        std::uint64_t count = 0;
+        for (const Member& member : _roots) {
+            const auto prototypes = _prototypes.find(*member.path);
+            if (member.leaf == nullptr && prototypes != _prototypes.end()) {
+                for (const Prototype& prototype : prototypes->second) {
+                    count += prototype.instances.size();
+                }
+            }
+        }
+        return count;
+    }
+
     /// Sorts every drawn prim and instancer under the instancer that places it, in path order.
     void CollectMembers() {
         _roots.reserve(_leaves.size());
@@ -329,9 +349,10 @@ private:
     void FinishGroup(GroupRecords records, std::uint32_t groupIndex, Bounds* bounds) {
         BvhOptions options;
         options.maxLeafItems = 1;
+        BoxesOfRecords boxes = records.TakeBoxes();
         Bvh tree = records.Moves()
-                       ? BuildMovingBvh({records.TakeBoxes(), records.TakeCloseBoxes()}, options)
-                       : BuildBvh(records.TakeBoxes(), options);
+                       ? BuildMovingBvh({std::move(boxes.open), std::move(boxes.close)}, options)
+                       : BuildBvh(std::move(boxes.open), options);
         if (tree.nodes.empty()) {
             tree.nodes.emplace_back(); // a root without children
         }
@@ -363,25 +384,27 @@ private:
     /// table that are world instances, or so large that they would make a chunk's box large. The
     /// table has a record more that stands in for each chunk.
     void FinishInChunks(GroupRecords records) {
-        std::vector<Bounds> boxes = records.TakeBoxes();
-        const Bounds all = std::accumulate(boxes.begin(), boxes.end(), Bounds(), Union);
+        const std::vector<std::uint32_t> singles = records.Singles();
+        std::vector<Bounds> boxes(singles.size());
+        tbb::parallel_for(std::size_t{0}, singles.size(),
+                          [&](std::size_t i) { boxes[i] = records.BoxOf(singles[i]); });
+        const Bounds all =
+            std::accumulate(boxes.begin(), boxes.end(), records.BoundsOfRuns(), Union);
         const glm::vec3 largest = kLargestInChunks * (all.max - all.min);
         std::vector<std::uint32_t> inTable;
-        std::vector<std::uint32_t> inChunks;
-        inChunks.reserve(records.Size());
-        for (std::uint32_t i = 0; i < records.Size(); ++i) {
-            const bool isSmall = glm::all(glm::lessThanEqual(boxes[i].max - boxes[i].min, largest));
-            const bool isInChunk = records.IsInRun(i) || (isSmall && !records.IsWorldInstance(i));
-            (isInChunk ? inChunks : inTable).push_back(i);
-        }
-        ChunkPlan plan = PlanInstanceChunks(boxes, inChunks, _chunking.chunkBytes);
-        std::vector<std::uint32_t>().swap(inChunks);
         std::vector<Bounds> topBoxes;
-        for (const std::uint32_t record : inTable) {
-            topBoxes.push_back(boxes[record]);
+        Bounds inChunks = records.BoundsOfRuns();
+        for (std::size_t i = 0; i < singles.size(); ++i) {
+            const bool isSmall = glm::all(glm::lessThanEqual(boxes[i].max - boxes[i].min, largest));
+            if (isSmall && !records.IsWorldInstance(singles[i])) {
+                ExtendBounds(&inChunks, boxes[i]);
+            } else {
+                inTable.push_back(singles[i]);
+                topBoxes.push_back(boxes[i]);
+            }
         }
+        ChunkPlan plan = PlanInstanceChunks(records, inTable, inChunks, _chunking.chunkBytes);
         topBoxes.insert(topBoxes.end(), plan.bounds.begin(), plan.bounds.end());
-        std::vector<Bounds>().swap(boxes);
         std::vector<shared::HdsInstance> items(inTable.size());
         records.Write(inTable, items.data(), nullptr);
         for (std::uint32_t chunk = 0; chunk < plan.NumChunks(); ++chunk) {

@@ -22,38 +22,55 @@ constexpr std::uint64_t kMeanBytes = 100;
 constexpr std::uint64_t kBoundBytes = 128;
 constexpr std::uint64_t kFixedBytes = sizeof(shared::HdsPageHeader) + sizeof(shared::HdsBvhNode);
 
-/// Records as PlanChunks takes them.
+/// Records as PlanChunks takes them: all but some. Their boxes are computed whenever they are asked
+/// for.
 class RecordBoxes final : public PrimitiveGroups {
 public:
-    RecordBoxes(const std::vector<Bounds>& boxes, const std::vector<std::uint32_t>& records)
-        : _boxes(boxes), _records(records) {
-        _numGroups = static_cast<std::uint32_t>(records.size());
-        _numTriangles = records.size();
-        for (const std::uint32_t record : records) {
-            _bounds.min = glm::min(_bounds.min, boxes[record].min);
-            _bounds.max = glm::max(_bounds.max, boxes[record].max);
-        }
+    RecordBoxes(const GroupRecords& records, const std::vector<std::uint32_t>& leftOut,
+                const Bounds& bounds)
+        : _records(records), _leftOut(leftOut) {
+        _numGroups = records.Size() - static_cast<std::uint32_t>(leftOut.size());
+        _numTriangles = _numGroups;
+        _bounds = bounds;
     }
     std::uint32_t GroupTriangles(std::uint32_t /*group*/) const override { return 1; }
-    Bounds GroupBounds(std::uint32_t group) const override { return _boxes[_records[group]]; }
+    Bounds GroupBounds(std::uint32_t group) const override {
+        return _records.BoxOf(RecordOf(group));
+    }
+
+    /// The record of that rank among those that are not left out.
+    std::uint32_t RecordOf(std::uint32_t group) const {
+        std::uint32_t before = 0; // of those left out, how many come before it
+        auto end = static_cast<std::uint32_t>(_leftOut.size());
+        while (before < end) {
+            const std::uint32_t middle = before + (end - before) / 2;
+            if (_leftOut[middle] - middle <= group) {
+                before = middle + 1;
+            } else {
+                end = middle;
+            }
+        }
+        return group + before;
+    }
 
 private:
-    const std::vector<Bounds>& _boxes;
-    const std::vector<std::uint32_t>& _records;
+    const GroupRecords& _records;
+    const std::vector<std::uint32_t>& _leftOut;
 };
 
 } // namespace
 
-ChunkPlan PlanInstanceChunks(const std::vector<Bounds>& boxes,
-                             const std::vector<std::uint32_t>& records, std::uint64_t chunkBytes) {
+ChunkPlan PlanInstanceChunks(const GroupRecords& records, const std::vector<std::uint32_t>& inTable,
+                             const Bounds& bounds, std::uint64_t chunkBytes) {
+    const RecordBoxes boxes(records, inTable, bounds);
     // Cutting a grid makes no more than four times as many chunks as have to be.
-    const std::uint64_t least = 4 * records.size() / HDS_MAX_INSTANCE_CHUNKS + 1;
+    const std::uint64_t least =
+        4 * std::uint64_t{boxes.NumPrimitiveGroups()} / HDS_MAX_INSTANCE_CHUNKS + 1;
     const std::uint64_t most = std::clamp<std::uint64_t>(std::max(least, chunkBytes / kMeanBytes),
                                                          1, HDS_MAX_CHUNK_RECORDS);
-    ChunkPlan plan = PlanChunks(RecordBoxes(boxes, records), static_cast<std::uint32_t>(most));
-    for (std::uint32_t& group : plan.groups) {
-        group = records[group];
-    }
+    ChunkPlan plan = PlanChunks(boxes, static_cast<std::uint32_t>(most));
+    tbb::parallel_for(std::size_t{0}, plan.groups.size(),
+                      [&](std::size_t i) { plan.groups[i] = boxes.RecordOf(plan.groups[i]); });
     return plan;
 }
 

@@ -14,12 +14,11 @@
 
 namespace hds {
 
-/// Shares records out over chunks, which are compact in space. \param boxes of all records of the
-/// group. \param records those that are wanted, ascending. \param chunkBytes about what the page of
-/// a chunk takes at most.
-/// \return a plan whose groups are records.
-ChunkPlan PlanInstanceChunks(const std::vector<Bounds>& boxes,
-                             const std::vector<std::uint32_t>& records, std::uint64_t chunkBytes);
+/// Shares records out over chunks, which are compact in space. \param inTable records that are left
+/// out, ascending. \param bounds hold the boxes of all others. \param chunkBytes about what the
+/// page of a chunk takes at most. \return a plan whose groups are records.
+ChunkPlan PlanInstanceChunks(const GroupRecords& records, const std::vector<std::uint32_t>& inTable,
+                             const Bounds& bounds, std::uint64_t chunkBytes);
 
 /// The pages of a plan's chunks.
 class InstanceChunks final : public PageMaker {

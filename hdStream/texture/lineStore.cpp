@@ -85,30 +85,46 @@ bool LineStore::Keep(std::uint32_t index) const {
     return false;
 }
 
-bool LineStore::Read(std::uint32_t line, TextureLine* out) const {
+/// The page of a group, which is opened when it is asked for first; null: it is not there.
+const OpenedPage* LineStore::PageOf(std::uint32_t group) const {
+    std::atomic<const OpenedPage*>& kept = _groups[group].page;
+    const OpenedPage* page = kept.load(std::memory_order_acquire);
+    if (page != nullptr || !_store) {
+        return page;
+    }
+    std::unique_ptr<const OpenedPage> opened = _store->Open(KeyOf(group));
+    if (opened && kept.compare_exchange_strong(page, opened.get(), std::memory_order_acq_rel)) {
+        return opened.release();
+    }
+    return page; // of another thread, or null
+}
+
+/// Copies lines of one group.
+bool LineStore::ReadOfGroup(std::uint32_t line, std::uint32_t count, TextureLine* out) const {
     const std::uint32_t index = line / kGroupLines;
+    const std::uint32_t first = line % kGroupLines;
     const TextureLine* group = _groups[index].data.load(std::memory_order_acquire);
     if (group != nullptr) {
-        *out = group[line % kGroupLines];
+        std::copy_n(group + first, count, out);
         return true;
     }
     // Not through a mapping: a file that is cut while it is mapped would be a signal.
-    return _store &&
-           _store->LoadPart(KeyOf(index), std::uint64_t{line % kGroupLines} * HDS_LINE_BYTES,
-                            sizeof(*out), out->data());
+    const std::uint64_t offset = std::uint64_t{first} * HDS_LINE_BYTES;
+    const std::size_t bytes = std::size_t{count} * HDS_LINE_BYTES;
+    const OpenedPage* page = PageOf(index);
+    return page != nullptr && (page->Read(offset, bytes, out->data()) ||
+                               _store->LoadPart(KeyOf(index), offset, bytes, out->data()));
+}
+
+bool LineStore::Read(std::uint32_t line, TextureLine* out) const {
+    return ReadOfGroup(line, 1, out);
 }
 
 bool LineStore::ReadRun(std::uint32_t first, std::uint32_t count, TextureLine* out) const {
     const std::uint32_t end = first + count;
     for (std::uint32_t line = first; line < end;) {
-        const std::uint32_t index = line / kGroupLines;
         const std::uint32_t inGroup = std::min(end - line, kGroupLines - line % kGroupLines);
-        const TextureLine* group = _groups[index].data.load(std::memory_order_acquire);
-        if (group != nullptr) {
-            std::copy_n(group + line % kGroupLines, inGroup, out);
-        } else if (!_store || !_store->LoadPart(
-                                  KeyOf(index), std::uint64_t{line % kGroupLines} * HDS_LINE_BYTES,
-                                  std::size_t{inGroup} * HDS_LINE_BYTES, out->data())) {
+        if (!ReadOfGroup(line, inGroup, out)) {
             return false;
         }
         out += inGroup;

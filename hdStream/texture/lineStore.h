@@ -53,15 +53,21 @@ public:
 
 private:
     struct Group {
+        ~Group() { delete page.load(std::memory_order_relaxed); }
+
         std::vector<TextureLine> lines; ///< while it is filled, and when the store did not take it
         std::uint32_t numComplete = 0;
         bool isFilling = true;
         std::atomic<const TextureLine*> data{nullptr}; ///< of complete `lines`
+        /// Of the store, once a line was read of it; owned.
+        mutable std::atomic<const OpenedPage*> page{nullptr};
     };
 
     std::uint32_t GroupSize(std::uint32_t group) const;
     PageKey KeyOf(std::uint32_t group) const;
     bool Keep(std::uint32_t group) const;
+    const OpenedPage* PageOf(std::uint32_t group) const;
+    bool ReadOfGroup(std::uint32_t line, std::uint32_t count, TextureLine* out) const;
 
     std::shared_ptr<PageStore> _store;
     PageKey _key;

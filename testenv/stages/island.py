@@ -24,7 +24,7 @@ LEAVES = 1000
 LEAF_QUADS = 100
 PEBBLE_QUADS = 60         # a million * size meshes of their own, placed once
 PEBBLES_A_FILE = 20_000
-SCATTERED = 40            # small meshes of about 150 quads, placed 37.5 million * size times by 10 instancers
+SCATTERED = 40            # small meshes of about 150 quads, placed 37.7 million * size times by 10 instancers
 BLADES_A_PATCH = 20_000   # of grass: 250 * size patches of their own, each placed four times
 _SIDE = 6200.0            # of the ground at size 1
 
@@ -127,7 +127,7 @@ class _Writer:
             for i in range(file * TREES_A_FILE, min(count, (file + 1) * TREES_A_FILE)):
                 shade = rng.uniform(0.7, 1.3)
                 names.append(f"/Trees{file}/Forest/Prototypes/Tree{i}")
-                self._Mesh(stage, names[-1], grove._Tree(rng, 2 * TREE_QUADS), placed / count,
+                self._Mesh(stage, names[-1], grove._Tree(rng, round(2.1 * TREE_QUADS)), placed / count,
                            color=(0.16 * shade, 0.34 * shade, 0.1), doubleSided=True)
             share = placed * (file + 1) // numFiles - placed * file // numFiles
             self._Placed(stage, f"/Trees{file}/Forest", names, _OnGround(rng, share, self.side), rng)
@@ -180,7 +180,7 @@ class _Writer:
 
     def Scattered(self, root) -> None:
         rng = np.random.default_rng(4)
-        placed = self.Count(37.5e6, 1000)
+        placed = self.Count(37.7e6, 1000)
         numFiles = 10
         for file in range(numFiles):
             stage = _Part(self.folder, f"Scattered{file}")

@@ -5,7 +5,7 @@ import difflib
 
 import pytest
 
-from hdstream.translate import rereading
+from hdstream.translate import geometryBatch, rereading
 from translateCase import CASES, FOLDER, GoldenText
 
 
@@ -22,6 +22,12 @@ def test_dump_is_golden(case):
 def test_dump_of_arrays_that_are_away_is_golden(case, monkeypatch):
     """Where every array counts as large and is read again (docs/memory-budgets.md)."""
     monkeypatch.setattr(rereading, "SMALLEST", 0)
+    assert GoldenText(case) == (FOLDER / case / "scene.golden.txt").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_dump_of_prims_that_are_handed_over_one_by_one_is_golden(case, monkeypatch):
+    monkeypatch.setattr(geometryBatch, "_AT_ONCE", 1)
     assert GoldenText(case) == (FOLDER / case / "scene.golden.txt").read_text(encoding="utf-8")
 
 

@@ -128,6 +128,34 @@ TEST_F(PageDamageTest, PartsOfADamagedOrCutPageAreAbsent) {
     EXPECT_EQ(store.Statistics().pagesRejected, 2U);
 }
 
+TEST_F(PageDamageTest, AnOpenedPageIsVerifiedOnceAndReadAsLongAsItsFileIsThere) {
+    const auto path = MakeSegment();
+    FlipByte(path, kBlockBytes + 128 + 5);
+    PageStore store(Options(), &warnings);
+    EXPECT_EQ(store.Open(TestKey(1)), nullptr) << "damaged";
+    EXPECT_EQ(store.Open(TestKey(100)), nullptr) << "unknown";
+    EXPECT_EQ(store.Statistics().pagesRejected, 1U);
+    const auto page = store.Open(TestKey(2));
+    const auto cut = store.Open(TestKey(3));
+    ASSERT_NE(page, nullptr);
+    ASSERT_NE(cut, nullptr);
+    std::vector<std::uint8_t> part(40);
+    for (const std::size_t offset : {0U, 1U, 60U}) {
+        ASSERT_TRUE(page->Read(offset, part.size(), part.data()));
+        const std::vector<std::uint8_t> whole = TestPage(2, kPageBytes);
+        EXPECT_TRUE(std::equal(part.begin(), part.end(),
+                               whole.begin() + static_cast<std::ptrdiff_t>(offset)));
+    }
+    EXPECT_FALSE(page->Read(61, part.size(), part.data())) << "the next page's bytes";
+    EXPECT_FALSE(page->Read(~std::uint64_t{0}, part.size(), part.data()));
+    std::filesystem::resize_file(path, kBlockBytes + 3 * 128);
+    EXPECT_FALSE(cut->Read(0, 1, part.data()));
+    EXPECT_TRUE(page->Read(0, 1, part.data()));
+    store.Clear();
+    EXPECT_EQ(store.Open(TestKey(2)), nullptr);
+    EXPECT_TRUE(page->Read(60, part.size(), part.data())) << "its file is still open";
+}
+
 TEST_F(PageDamageTest, AFileThatIsCutIsNotAppendedTo) {
     const auto path = MakeSegment();
     std::uint8_t byte = 0;

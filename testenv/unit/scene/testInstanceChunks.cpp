@@ -95,6 +95,18 @@ bool IsSame(const shared::HdsInstance& a, const shared::HdsInstance& b) {
     return std::memcmp(&a, &b, sizeof(a)) == 0;
 }
 
+/// All that kernels read of the hierarchy.
+void ExpectSameTables(const Hierarchy& a, const Hierarchy& b) {
+    const auto areSame = [](const auto& one, const auto& other) {
+        return one.size() == other.size() &&
+               std::memcmp(one.data(), other.data(), one.size() * sizeof(one[0])) == 0;
+    };
+    EXPECT_TRUE(areSame(a.nodes, b.nodes));
+    EXPECT_TRUE(areSame(a.instances, b.instances));
+    EXPECT_TRUE(areSame(a.instancesByPath, b.instancesByPath));
+    EXPECT_TRUE(areSame(a.motionKeys, b.motionKeys));
+}
+
 /// The records of a page; checks its tree.
 std::vector<shared::HdsInstance> RecordsOf(const std::vector<std::uint8_t>& page) {
     shared::HdsPageHeader header{};
@@ -184,7 +196,9 @@ TEST(InstanceChunks, WorldInstancesAreFoundInTheTable) {
 
 TEST(InstanceChunks, FewOrMovingInstancesStayInTheTable) {
     SceneDescription scene = MakeScene(4);
-    EXPECT_FALSE(Build(scene, kCount).instanceChunks) << "some of them cannot be placed";
+    const Hierarchy few = Build(scene, kCount);
+    EXPECT_FALSE(few.instanceChunks) << "some of them cannot be placed";
+    ExpectSameTables(few, Build(scene, 0)); // though boxes were not kept until that was known
     InstancerPrim& instancer = scene.instancers["/I"];
     std::vector<double> later;
     for (std::uint32_t i = 0; i < kCount; ++i) {
@@ -198,6 +212,7 @@ TEST(InstanceChunks, FewOrMovingInstancesStayInTheTable) {
     const Hierarchy moving = Build(scene, 1, Shutter{0.0, 1.0});
     EXPECT_FALSE(moving.instanceChunks);
     EXPECT_GT(moving.motionKeys.size(), kCount);
+    ExpectSameTables(moving, Build(scene, 0, Shutter{0.0, 1.0}));
 }
 
 TEST(InstanceChunks, TakeFourBytesAnInstanceOfTheDevice) {

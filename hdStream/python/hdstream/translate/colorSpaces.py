@@ -7,12 +7,12 @@ The schema is read by its name, so that a usd-core that does not know it yet rea
 
 _SCHEMA = "ColorSpaceAPI"
 _NAME = "colorSpace:name"
-_ofPrims = {}  # prim -> name, "" where there is none
+_ofAncestors = {}  # prim -> name, "" where there is none
 
 
 def Forget():
     """Stages may have been edited since: prims are asked again."""
-    _ofPrims.clear()
+    _ofAncestors.clear()
 
 
 def ColorSpaceOf(attribute):
@@ -30,11 +30,15 @@ def ColorSpaceOfColor(attribute):
 
 
 def _OfPrim(prim):
+    """Its own, else that of its ancestors. Those are remembered; prims with attributes may be millions."""
+    attribute = prim.GetAttribute(_NAME) if _SCHEMA in prim.GetAppliedSchemas() else None
+    return (attribute.Get() if attribute else None) or _OfAncestor(prim.GetParent())
+
+
+def _OfAncestor(prim):
     if not prim or prim.IsPseudoRoot():
         return ""
-    space = _ofPrims.get(prim)
+    space = _ofAncestors.get(prim)
     if space is None:
-        attribute = prim.GetAttribute(_NAME) if _SCHEMA in prim.GetAppliedSchemas() else None
-        space = (attribute.Get() if attribute else None) or _OfPrim(prim.GetParent())
-        _ofPrims[prim] = space
+        space = _ofAncestors[prim] = _OfPrim(prim)
     return space
