@@ -144,6 +144,7 @@ bool TryMergeMetal(const ClosureSlab& metal, const ClosureSlab& other, ClosureSl
          {HDS_INPUT_METAL_COLOR, HDS_INPUT_EDGE_COLOR, HDS_INPUT_ROUGHNESS}) {
         both.layered.values[input] = metal.layered.values[input];
     }
+    both.layered.lobes |= metal.layered.lobes;
     *merged = std::move(both);
     return true;
 }
@@ -194,10 +195,19 @@ bool TryMergeGlass(const ClosureSlab& glass, const ClosureSlab& other, ClosureSl
     both.share = Add(glass.share, other.share, 1);
     both.layered.values[HDS_INPUT_TRANSMISSION] = Divide(glass.share, both.share, 1);
     for (const std::uint32_t input :
-         {HDS_INPUT_TRANSMISSION_COLOR, HDS_INPUT_ABSORPTION, HDS_INPUT_ROUGHNESS,
-          HDS_INPUT_STRETCH, HDS_INPUT_FILM, HDS_INPUT_IOR}) {
+         {HDS_INPUT_TRANSMISSION_COLOR, HDS_INPUT_ABSORPTION, HDS_INPUT_SCATTERING,
+          HDS_INPUT_ROUGHNESS, HDS_INPUT_STRETCH, HDS_INPUT_FILM, HDS_INPUT_IOR}) {
         both.layered.values[input] = a.values[input];
     }
+    if (a.values[HDS_INPUT_SUBSURFACE]) { // it has the asymmetry inside of the glass
+        const ShaderValue walks = ValueOf(b, HDS_INPUT_SUBSURFACE);
+        both.layered.values[HDS_INPUT_SUBSURFACE] =
+            MakeMath(HDS_MATH_COMBINE,
+                     {SelectChannel(walks, 0), SelectChannel(walks, 1),
+                      SelectChannel(a.values[HDS_INPUT_SUBSURFACE], 2), Zero()},
+                     4);
+    }
+    both.layered.flags |= a.flags & HDS_MATERIAL_MEDIUM;
     *merged = std::move(both);
     return true;
 }
@@ -435,6 +445,7 @@ LayeredMaterial ChooseSlab(ClosureSlabs slabs) {
     ShaderValue below = Zero();
     for (const ClosureSlab& slab : slabs) {
         result.flags |= slab.layered.flags;
+        result.lobes |= slab.layered.lobes;
         below = Add(below, slab.share, 1);
         isChosen.push_back(MakeMath(HDS_MATH_GREATER, {below, chance}, 1));
     }

@@ -81,17 +81,28 @@ public:
         return {slab};
     }
     ClosureSlabs Conductor(const MaterialNode& node) {
-        const ShaderValue index = _network.EvaluateOr(node, "ior", {0.183F, 0.421F, 1.373F}, 3);
+        ClosureSlab slab = MetalSlab(node);
+        const MaterialNode* source = _network.FindSource(node, "ior");
+        if (source != nullptr && source->identifier == "ND_artistic_ior" &&
+            source == _network.FindSource(node, "extinction")) {
+            SetConductor(
+                _network.EvaluateOr(*source, "reflectivity", {0.944F, 0.776F, 0.373F, 1.0F}, 3),
+                _network.EvaluateOr(*source, "edge_color", {0.998F, 0.981F, 0.751F, 1.0F}, 3),
+                &slab.layered);
+            return {slab};
+        }
+        const ShaderValue index =
+            _network.EvaluateOr(node, "ior", {0.183F, 0.421F, 1.373F, 1.0F}, 3);
         const ShaderValue extinction =
-            _network.EvaluateOr(node, "extinction", {3.424F, 2.346F, 1.770F}, 3);
-        const ShaderValue front = ConductorFresnel(index, extinction, 1.0F);
-        // The tint of the edge is over Schlick's value at a cosine of 1/7 (Kutz et al. 2021).
-        const float cosine = 1.0F / 7.0F;
-        const float rise = 0.4626644F; // (1 - 1/7)^5
-        const ShaderValue schlick =
-            Add(front, Multiply(OneMinus(front, 3), MakeScalar(rise), 3), 3);
-        const ShaderValue edge = Divide(ConductorFresnel(index, extinction, cosine), schlick, 3);
-        return Metal(node, front, edge);
+            _network.EvaluateOr(node, "extinction", {3.424F, 2.346F, 1.770F, 1.0F}, 3);
+        const ShaderValue color = NormalReflectance(index, extinction);
+        const ShaderValue one = MakeScalar(1.0F);
+        const ShaderValue root = MakeMath(HDS_MATH_SQRT, {color}, 3);
+        const ShaderValue least = Divide(OneMinus(color, 3), Add(one, color, 3), 3);
+        const ShaderValue most = Divide(Add(one, root, 3), OneMinus(root, 3), 3);
+        const ShaderValue edge = Divide(Subtract(most, index, 3), Subtract(most, least, 3), 3);
+        SetConductor(color, edge, &slab.layered);
+        return {slab};
     }
     ClosureSlabs GeneralizedSchlick(const MaterialNode& node) {
         const std::string mode = _network.Text(node, "scatter_mode");
@@ -254,15 +265,20 @@ private:
                IsAll(Scalar(*source, "anisotropy", 0.0F), 0.0F);
     }
 
+    /// A metal without a colour.
+    ClosureSlab MetalSlab(const MaterialNode& node) {
+        ClosureSlab slab = Rough(node);
+        slab.layered.values[HDS_INPUT_DIELECTRIC] = MakeScalar(0.0F);
+        slab.layered.values[HDS_INPUT_METALLIC] = Scalar(node, "weight", 1.0F);
+        SetFilm(node, &slab.layered);
+        return slab;
+    }
+
     ClosureSlabs Metal(const MaterialNode& node, const ShaderValue& front,
                        const ShaderValue& edge) {
-        ClosureSlab slab = Rough(node);
-        LayeredMaterial& layered = slab.layered;
-        layered.values[HDS_INPUT_DIELECTRIC] = MakeScalar(0.0F);
-        layered.values[HDS_INPUT_METALLIC] = Scalar(node, "weight", 1.0F);
-        layered.values[HDS_INPUT_METAL_COLOR] = front;
-        layered.values[HDS_INPUT_EDGE_COLOR] = edge;
-        SetFilm(node, &layered);
+        ClosureSlab slab = MetalSlab(node);
+        slab.layered.values[HDS_INPUT_METAL_COLOR] = front;
+        slab.layered.values[HDS_INPUT_EDGE_COLOR] = edge;
         return {slab};
     }
 
@@ -276,30 +292,17 @@ private:
         }
     }
 
-    /// Reflectance of a conductor, without polarisation. Source: Born and Wolf, Principles of
-    /// Optics, section 14.2, as in MaterialX's mx_fresnel_conductor.
-    static ShaderValue ConductorFresnel(const ShaderValue& n, const ShaderValue& k, float cosine) {
-        const ShaderValue c2 = MakeScalar(cosine * cosine);
-        const ShaderValue s2 = MakeScalar(1.0F - cosine * cosine);
-        const ShaderValue n2 = Multiply(n, n, 3);
+    /// Of a conductor, at most what has an index (Gulbrandsen 2014, eq. 1).
+    static ShaderValue NormalReflectance(const ShaderValue& n, const ShaderValue& k) {
+        const ShaderValue one = MakeScalar(1.0F);
         const ShaderValue k2 = Multiply(k, k, 3);
-        const ShaderValue t0 = Subtract(Subtract(n2, k2, 3), s2, 3);
-        const ShaderValue both = MakeMath(
-            HDS_MATH_SQRT,
-            {Add(Multiply(t0, t0, 3), Multiply(MakeScalar(4.0F), Multiply(n2, k2, 3), 3), 3)}, 3);
-        const ShaderValue half = MakeScalar(0.5F);
-        const ShaderValue a = MakeMath(
-            HDS_MATH_SQRT,
-            {MakeMath(HDS_MATH_MAX, {Multiply(half, Add(both, t0, 3), 3), MakeScalar(0.0F)}, 3)},
+        const ShaderValue up = Add(n, one, 3);
+        const ShaderValue down = Subtract(n, one, 3);
+        return MakeMath(
+            HDS_MATH_MIN,
+            {Divide(Add(Multiply(down, down, 3), k2, 3), Add(Multiply(up, up, 3), k2, 3), 3),
+             MakeScalar(0.99F)},
             3);
-        const ShaderValue t1 = Add(both, c2, 3);
-        const ShaderValue t2 = Multiply(MakeScalar(2.0F * cosine), a, 3);
-        const ShaderValue perpendicular = Divide(Subtract(t1, t2, 3), Add(t1, t2, 3), 3);
-        const ShaderValue t3 = Add(Multiply(c2, both, 3), Multiply(s2, s2, 3), 3);
-        const ShaderValue t4 = Multiply(t2, s2, 3);
-        const ShaderValue parallel =
-            Multiply(perpendicular, Divide(Subtract(t3, t4, 3), Add(t3, t4, 3), 3), 3);
-        return Multiply(half, Add(perpendicular, parallel, 3), 3);
     }
 
     /// Whether a reflectance at normal incidence is one that dielectrics have.
@@ -421,14 +424,24 @@ ClosureSlabs ClosureReader::LayerMedium(const MaterialNode& node) {
                       " is not supported and is left out");
         return slabs;
     }
-    if (medium->identifier == kAnisotropic &&
-        !IsAll(_network.EvaluateOr(*medium, "scattering", {}, 3), 0.0F)) {
-        _network.Warn("scattering of " + medium->path + " is not supported and is left out");
-    }
     const ShaderValue absorption = _network.EvaluateOr(*medium, "absorption", {}, 3);
+    const ShaderValue scattering = medium->identifier == kAnisotropic && !_isThin
+                                       ? _network.EvaluateOr(*medium, "scattering", {}, 3)
+                                       : MakeScalar(0.0F);
     for (ClosureSlab& slab : slabs) {
-        if (slab.layered.values[HDS_INPUT_TRANSMISSION]) {
-            slab.layered.values[HDS_INPUT_ABSORPTION] = absorption;
+        LayeredMaterial& layered = slab.layered;
+        if (!layered.values[HDS_INPUT_TRANSMISSION]) {
+            continue;
+        }
+        layered.values[HDS_INPUT_ABSORPTION] = absorption;
+        if (!IsAll(scattering, 0.0F)) {
+            layered.flags |= HDS_MATERIAL_MEDIUM;
+            layered.values[HDS_INPUT_SCATTERING] = scattering;
+            layered.values[HDS_INPUT_SUBSURFACE] =
+                MakeMath(HDS_MATH_COMBINE,
+                         {MakeScalar(0.0F), MakeScalar(0.0F), Scalar(*medium, "anisotropy", 0.0F),
+                          MakeScalar(0.0F)},
+                         4);
         }
     }
     return slabs;

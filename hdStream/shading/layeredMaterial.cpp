@@ -64,8 +64,8 @@ public:
         Set(HDS_INPUT_DIFFUSE_ROUGHNESS, Read("diffuse_roughness"));
         Set(HDS_INPUT_DIELECTRIC, OneMinus(metalness, 1));
         Set(HDS_INPUT_METALLIC, metalness);
-        Set(HDS_INPUT_METAL_COLOR, Multiply(base, Read("base_color"), 3));
-        Set(HDS_INPUT_EDGE_COLOR, Multiply(specular, specularColor, 3));
+        SetConductor(Multiply(base, Read("base_color"), 3), Multiply(specular, specularColor, 3),
+                     &_result);
         Set(HDS_INPUT_SPECULAR_WEIGHT, specular);
         Set(HDS_INPUT_SPECULAR_COLOR, specularColor);
         Set(HDS_INPUT_IOR, Read("specular_IOR"));
@@ -483,12 +483,20 @@ ShaderValue EvaluateNormal(NetworkEvaluator& network, const MaterialNode& node,
     return {};
 }
 
+void SetConductor(const ShaderValue& color, const ShaderValue& edge, LayeredMaterial* material) {
+    material->values[HDS_INPUT_METAL_COLOR] = color;
+    material->values[HDS_INPUT_EDGE_COLOR] = Subtract(MakeScalar(-1.0F), edge, 3);
+    material->lobes |= HDS_LOBE_CONDUCTOR;
+}
+
 void FinishLayered(LayeredMaterial* material) {
     std::array<ShaderValue, HDS_NUM_LAYERED_INPUTS>& values = material->values;
     const auto has = [&](std::uint32_t input) {
         return values[input] && !IsAll(values[input], 0.0F);
     };
-    material->lobes = HDS_LOBE_BASE | (has(HDS_INPUT_CLEARCOAT) ? HDS_LOBE_COAT : 0U) |
+    const std::uint32_t conductor =
+        has(HDS_INPUT_METALLIC) ? material->lobes & HDS_LOBE_CONDUCTOR : 0U;
+    material->lobes = HDS_LOBE_BASE | conductor | (has(HDS_INPUT_CLEARCOAT) ? HDS_LOBE_COAT : 0U) |
                       (has(HDS_INPUT_SHEEN) ? HDS_LOBE_SHEEN : 0U) |
                       (values[HDS_INPUT_STRETCH] ? HDS_LOBE_ANISOTROPY : 0U) |
                       (values[HDS_INPUT_FILM] ? HDS_LOBE_FILM : 0U) |

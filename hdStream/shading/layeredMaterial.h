@@ -16,7 +16,7 @@ namespace hds {
 struct LayeredMaterial {
     std::array<ShaderValue, HDS_NUM_LAYERED_INPUTS> values; ///< empty: the default
     std::uint32_t flags = 0;                                ///< HDS_MATERIAL_*
-    std::uint32_t lobes = 0;                                ///< HDS_LOBE_*
+    std::uint32_t lobes = 0; ///< HDS_LOBE_*; before FinishLayered HDS_LOBE_CONDUCTOR alone
 };
 
 /// Whether a normal or tangent is not connected, or connected to the surface's own, as exporters do
@@ -28,6 +28,10 @@ bool IsSurfaces(const NetworkEvaluator& network, const MaterialNode& node,
 /// is empty: the surface's own.
 ShaderValue EvaluateNormal(NetworkEvaluator& network, const MaterialNode& node,
                            const std::string& input);
+
+/// Makes the metal a conductor, with Fresnel's equations. \param color reflectance at normal
+/// incidence. \param edge Gulbrandsen's tint of its edge (Gulbrandsen 2014)
+void SetConductor(const ShaderValue& color, const ShaderValue& edge, LayeredMaterial* material);
 
 /// Sets the lobes by the values, and takes away what belongs to lobes that are not there.
 void FinishLayered(LayeredMaterial* material);

@@ -46,7 +46,8 @@ enum {
 #define HDS_LOBE_TRANSMISSION 16u /* refraction */
 #define HDS_LOBE_TRANSLUCENCY 32u /* diffuse transmission */
 #define HDS_LOBE_FILM 64u         /* a thin film over the base */
-#define HDS_LOBES_ALL 127u
+#define HDS_LOBE_CONDUCTOR 128u   /* metal by Fresnel's equations, not by Schlick's term */
+#define HDS_LOBES_ALL 255u
 
 /* What a ray goes through (shading/medium.clh). */
 #define HDS_MEDIUM_NONE 0u     /* vacuum, or what only absorbs */

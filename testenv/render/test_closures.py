@@ -38,6 +38,12 @@ class Closures:
     def Metal(self, color=GOLD, edge=EDGE, alpha=0.25):
         return self("generalized_schlick_bsdf", color0=color, color82=edge, roughness=(alpha, alpha))
 
+    def Conductor(self, color=GOLD, edge=EDGE, alpha=0.25):
+        index, _ = self("artistic_ior", reflectivity=color, edge_color=edge)
+        for output in ("ior", "extinction"):
+            index.CreateOutput(output, Sdf.ValueTypeNames.Color3f)
+        return self("conductor_bsdf", ior=(index, "ior"), extinction=(index, "extinction"), roughness=(alpha, alpha))
+
     def Layer(self, top, base):
         return self("layer_bsdf", top=top, base=base)
 
@@ -59,6 +65,10 @@ def _Standard(**inputs):
     return lambda stage: AddSurface(stage, "/World/Look", STANDARD, **inputs)
 
 
+def _OpenPbr(**inputs):
+    return lambda stage: AddSurface(stage, "/World/Look", OPEN_PBR, **inputs)
+
+
 def _Picture(tmp_path, addMaterial, lights=LAMP, samples=64, size=32, shape=None, aovs=("color",), **settings):
     stage = author.NewStage(str(tmp_path / "stage.usda"))
     rotate = (0, 0, 0) if shape is None else (90, 0, 0)  # a plane faces the camera
@@ -76,9 +86,11 @@ FITS = {
     "plastic": (_Surface(lambda c: c.Layer(c.Reflection(), c.Diffuse())),
                 _Standard(base=1.0, base_color=RED, specular_roughness=0.5)),
     "metal": (_Surface(lambda c: c.Metal()),
-              _Standard(base=1.0, base_color=GOLD, specular_color=EDGE, metalness=1.0, specular_roughness=0.5)),
+              _OpenPbr(base_color=GOLD, specular_color=EDGE, base_metalness=1.0, specular_roughness=0.5)),
+    "conductor": (_Surface(lambda c: c.Conductor()),
+                  _Standard(base=1.0, base_color=GOLD, specular_color=EDGE, metalness=1.0, specular_roughness=0.5)),
     "metalBesidePlastic": (
-        _Surface(lambda c: c.Mix(c.Layer(c.Reflection(tint=EDGE), c.Diffuse(GOLD)), c.Metal(), 0.5)),
+        _Surface(lambda c: c.Mix(c.Layer(c.Reflection(tint=EDGE), c.Diffuse(GOLD)), c.Conductor(), 0.5)),
         _Standard(base=1.0, base_color=GOLD, specular_color=EDGE, metalness=0.5, specular_roughness=0.5)),
     "coat": (_Surface(lambda c: c.Layer(c.Reflection(0.0625), c.Layer(c.Reflection(), c.Diffuse()))),
              _Standard(base=1.0, base_color=RED, specular_roughness=0.5, coat=1.0, coat_roughness=0.25)),
@@ -98,6 +110,37 @@ FITS = {
 def test_what_fits_one_layered_surface_has_its_bits(tmp_path, name):
     byHand, builtIn = (_Picture(tmp_path, surface, samples=4).rgb for surface in FITS[name])
     assert np.array_equal(byHand, builtIn)
+
+
+def _FresnelOfMetal(n, k, cosine):
+    """Fresnel's amplitudes with a complex index, for both polarisations, averaged."""
+    index = np.asarray(n) + 1j * np.asarray(k)
+    within = np.sqrt(1 - (1 - cosine ** 2) / index ** 2)
+    s = (cosine - index * within) / (cosine + index * within)
+    p = (within - index * cosine) / (within + index * cosine)
+    return 0.5 * (abs(s) ** 2 + abs(p) ** 2)
+
+
+@pytest.mark.parametrize("degrees", [0, 45, 75])
+def test_a_smooth_conductor_reflects_by_fresnels_equations(tmp_path, degrees):
+    n, k = (0.183, 1.2, 1.373), (3.424, 0.7, 1.770)
+    stage = author.NewStage(str(tmp_path / "stage.usda"))
+    mirror = _Surface(lambda c: c("conductor_bsdf", ior=n, extinction=k, roughness=(0.0, 0.0)))(stage)
+    author.AddMesh(stage, "/World/Shape", shapes.Plane(4, 4), material=mirror, doubleSided=True, rotate=(90 + degrees, 0, 0))
+    author.AddLight(stage, "/World/Sky", "Dome")
+    author.AddCamera(stage, eye=(0, 0, 10), width=1.0, aspect=1.0, orthographic=True)
+    stage.GetRootLayer().Save()
+    color = ours.Render(stage.GetRootLayer().realPath, 8, 8, samples=16).rgb.mean((0, 1))
+    assert color == pytest.approx(_FresnelOfMetal(n, k, np.cos(np.radians(degrees))), rel=2e-3)
+
+
+def test_metals_of_both_kinds_are_mixed(tmp_path):
+    def Other(c):
+        return c.Conductor(edge=(0.0, 0.2, 0.9))
+    schlick, conductor, mixed = (_Picture(tmp_path, _Surface(part), samples=64, maxDepth=1).rgb.mean((0, 1))
+                                 for part in (lambda c: c.Metal(), Other, lambda c: c.Mix(c.Metal(), Other(c), 0.5)))
+    assert abs(schlick - conductor).max() > 0.01
+    assert mixed == pytest.approx(0.5 * (schlick + conductor), abs=2e-3)
 
 
 def _Dull(c):
@@ -211,7 +254,9 @@ GRAPHS = {
                dict(base=1.0, base_color=GOLD, metalness=1.0, coat=1.0, coat_color=BLUE, specular_roughness=0.4)],
     OPEN_PBR: [dict(base_color=RED, specular_roughness=0.4), dict(base_color=GOLD, base_metalness=1.0, specular_roughness=0.4),
                dict(base_color=RED, coat_weight=0.7, coat_roughness=0.2), dict(base_color=RED, fuzz_weight=0.8),
-               dict(transmission_weight=1.0, specular_roughness=0.3)],
+               dict(transmission_weight=1.0, specular_roughness=0.3),
+               dict(transmission_weight=0.7, transmission_color=(0.8, 0.4, 0.1), transmission_depth=1.0,
+                    transmission_scatter=(0.6, 0.6, 0.6), transmission_scatter_anisotropy=0.5)],
     DISNEY: [dict(baseColor=RED, roughness=0.4, specularTint=0.5), dict(baseColor=GOLD, metallic=0.5, roughness=0.4, anisotropic=0.3),
              dict(baseColor=RED, clearcoat=1.0, clearcoatGloss=0.8, sheen=0.5), dict(baseColor=RED, specTrans=0.5, ior=1.3),
              dict(baseColor=RED, subsurface=0.5, subsurfaceDistance=(0.2, 0.1, 0.05), specular=1.0)],
@@ -219,33 +264,28 @@ GRAPHS = {
 }
 
 
-def _WriteGraph(identifier, inputs, path):
-    """A .mtlx file with a material whose surface is MaterialX's own node graph of a surface shader."""
+def _GraphLayer(identifier, inputs):
+    """A layer with a material whose surface is MaterialX's own node graph of a surface shader, down to nodes without graphs."""
     materialX = pytest.importorskip("MaterialX")
-    library = materialX.createDocument()
-    materialX.loadLibraries(materialX.getDefaultDataLibraryFolders(), materialX.getDefaultDataSearchPath(), library)
-    document = materialX.createDocument()
-    document.setDataLibrary(library)
-    surface = document.addNode(library.getNodeDef(identifier).getNodeString(), "Surface", "surfaceshader")
+    from stages import surfaceGraphs
+    document = surfaceGraphs.NewDocument()
+    surface = document.addNode(document.getNodeDef(identifier).getNodeString(), "Surface", "surfaceshader")
     for name, value in inputs.items():
         surface.setInputValue(name, materialX.Color3(*value) if isinstance(value, tuple) else float(value))
     document.addMaterialNode("Look", surface)
     document.flattenSubgraphs()
-    materialX.writeToXmlFile(document, str(path))
-    return document
+    assert not document.getNode("Surface") and any(node.getType() == "BSDF" for node in document.getNodes())
+    return surfaceGraphs.ReadLayer(document)
 
 
 @pytest.mark.parametrize("identifier, index", [(key, index) for key, rows in GRAPHS.items() for index in range(len(rows))])
 def test_node_graphs_of_surfaces_look_like_the_built_in_ones(tmp_path, identifier, index):
     inputs = GRAPHS[identifier][index]
-    document = _WriteGraph(identifier, inputs, tmp_path / "graph.mtlx")
-    assert not document.getNode("Surface") and any(node.getType() == "BSDF" for node in document.getNodes())
-    from hdstream import materialXFiles
-    layer = materialXFiles._ReadLayer(str(tmp_path / "graph.mtlx"))
+    layer = _GraphLayer(identifier, inputs)
 
     def Graph(stage):
-        Sdf.CopySpec(layer, "/MaterialX/Materials/Look", stage.GetRootLayer(), "/World/Look")
-        return UsdShade.Material.Get(stage, "/World/Look")
+        from stages import surfaceGraphs
+        return surfaceGraphs.CopyMaterial(layer, "Look", stage, "/World/Look")
     graph = _Picture(tmp_path, Graph)
     builtIn = _Picture(tmp_path, lambda stage: AddSurface(stage, "/World/Look", identifier, **inputs))
     assert not graph.warnings

@@ -137,6 +137,11 @@ void AddMaterial(LaneRandom& r, std::uint32_t lobes, LaneCase& one) {
         const float flat[] = {0.0F, 0.0F, 1.0F};
         std::copy(std::begin(flat), std::end(flat), &one[std::size_t{3} * HDS_INPUT_NORMAL]);
     }
+    if (r.Is(3)) { // a conductor
+        for (std::size_t i = 0; i < 3; ++i) {
+            one[3 * HDS_INPUT_EDGE_COLOR + i] = -1.0F - r.Unit();
+        }
+    }
     one[std::size_t{3} * HDS_INPUT_IOR] = r.Is(4) ? InputValue(r) : r.Between(0.5F, 3.0F);
     one[std::size_t{3} * HDS_INPUT_IOR + 1] = r.Is(2) ? 1.0F : r.Between(0.0F, 3.0F);
     one.AddDirection(r, -1.0F);

@@ -188,8 +188,8 @@ void AddLayered(LaneRandom& r, LaneCase& one) {
     const auto has = [&](unsigned bit) { return (kinds >> bit & 1U) != 0 ? 1.0F : 0.0F; };
     one.AddColor(r, has(0)); // dielectric
     one.AddColor(r, has(1)); // metal
-    one.AddColor(r);
-    one.AddColor(r, r.Is(2) ? 1.0F : 0.0F);
+    one.AddColor(r, 0.99F);
+    one.AddColor(r, r.Is(3) ? -9.0F : r.Is(2) ? 1.0F : 0.0F); // minus the index of conductors
     one.AddColor(r);
     one.AddColor(r, has(2)); // diffuse
     one.AddColor(r, has(3)); // sheen

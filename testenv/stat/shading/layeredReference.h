@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <functional>
 
 namespace hds::test::reference {
@@ -37,6 +38,26 @@ inline double Metal(double color, double tint, double cosine) {
     const auto lazanyi = [](double c) { return c * std::pow(1.0 - c, 6.0); };
     const double a = schlick(1.0 / 7.0) * (1.0 - tint) / lazanyi(1.0 / 7.0);
     return std::max(0.0, schlick(cosine) - a * lazanyi(cosine));
+}
+
+/// Index and extinction of a metal by its reflectance at normal incidence and the tint of its edge
+/// (Gulbrandsen 2014, "Artist Friendly Metallic Fresnel", equations 1 to 3, solved for k).
+inline std::complex<double> ConductorIndex(double color, double tint) {
+    const double root = std::sqrt(color);
+    const double n =
+        tint * (1.0 - color) / (1.0 + color) + (1.0 - tint) * (1.0 + root) / (1.0 - root);
+    // ((n - 1)^2 + k^2) / ((n + 1)^2 + k^2) is the colour.
+    const double k2 = (color * std::pow(n + 1.0, 2.0) - std::pow(n - 1.0, 2.0)) / (1.0 - color);
+    return {n, std::sqrt(std::max(k2, 0.0))};
+}
+
+/// Fresnel's amplitudes with a complex index, for the two polarisations, averaged.
+inline double Conductor(std::complex<double> index, double cosine) {
+    const std::complex<double> within =
+        std::sqrt(1.0 - (1.0 - cosine * cosine) / (index * index)); // Snell
+    const std::complex<double> s = (cosine - index * within) / (cosine + index * within);
+    const std::complex<double> p = (within - index * cosine) / (within + index * cosine);
+    return 0.5 * (std::norm(s) + std::norm(p));
 }
 
 /// Trowbridge and Reitz's distribution (Walter et al. 2007, eq. 33).

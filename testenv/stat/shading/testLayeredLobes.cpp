@@ -219,15 +219,22 @@ TEST_F(LayeredLobesTest, CoatIsADielectricsGgx) {
     }
 }
 
-TEST_F(LayeredLobesTest, MetalIsGgxWithF82AndTurquinsFactor) {
-    const double colors[] = {0.95, 0.5, 0.1};
-    const double edges[] = {0.7, 1.0, 0.4};
+class Metals : public LayeredLobesTest {
+protected:
+    /// \param edges as the input has them. \param fresnel of the cosine and a channel
+    template <typename Fresnel>
+    void CheckMetals(const std::array<float, 3>& edges, const Fresnel& fresnelOf);
+    static constexpr double kColors[] = {0.95, 0.5, 0.1};
+};
+
+template <typename Fresnel>
+void Metals::CheckMetals(const std::array<float, 3>& edges, const Fresnel& fresnelOf) {
     for (const double roughness : {0.1, 0.3, 0.6, 1.0}) {
         const double alpha = AlphaOf(roughness);
         const LayeredParameters metal = Black()
                                             .Set(HDS_INPUT_METALLIC, 0.9F)
                                             .Set(HDS_INPUT_METAL_COLOR, 0.95F, 0.5F, 0.1F)
-                                            .Set(HDS_INPUT_EDGE_COLOR, 0.7F, 1.0F, 0.4F)
+                                            .Set(HDS_INPUT_EDGE_COLOR, edges[0], edges[1], edges[2])
                                             .Set(HDS_INPUT_ROUGHNESS, float(roughness));
         std::map<double, double> albedos;
         for (const double o : kCosines) {
@@ -240,10 +247,27 @@ TEST_F(LayeredLobesTest, MetalIsGgxWithF82AndTurquinsFactor) {
               [&](const glm::dvec3& wo, const glm::dvec3& wi, int k) {
                   const double albedo = albedos.at(wo.z);
                   const double cosine = glm::dot(wo, glm::normalize(wo + wi));
-                  const double fresnel = reference::Metal(colors[k], edges[k], cosine);
-                  return 0.9 * reference::Reflection(wo, wi, alpha, fresnel) *
-                         (1.0 + colors[k] * (1.0 - albedo) / albedo);
+                  return 0.9 * reference::Reflection(wo, wi, alpha, fresnelOf(cosine, k)) *
+                         (1.0 + kColors[k] * (1.0 - albedo) / albedo);
               });
+    }
+}
+
+TEST_F(Metals, AreGgxWithF82AndTurquinsFactor) {
+    const std::array<float, 3> edges = {0.7F, 1.0F, 0.4F};
+    CheckMetals(edges, [&](double cosine, int k) {
+        return reference::Metal(kColors[k], double(edges[std::size_t(k)]), cosine);
+    });
+}
+
+TEST_F(Metals, OfConductorsHaveFresnelsEquations) {
+    for (const std::array<double, 3>& edges :
+         {std::array<double, 3>{0.7, 1.0, 0.4}, std::array<double, 3>{0.0, 0.2, 0.9}}) {
+        CheckMetals({float(-1.0 - edges[0]), float(-1.0 - edges[1]), float(-1.0 - edges[2])},
+                    [&](double cosine, int k) {
+                        return reference::Conductor(
+                            reference::ConductorIndex(kColors[k], edges[std::size_t(k)]), cosine);
+                    });
     }
 }
 

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: Apache-2.0
+"""MaterialX's example materials by our built-in surfaces and by MaterialX's own node graphs of the same surfaces.
+
+    python testenv/bench/materialExamples.py FOLDER [--only TEXT] [--samples N] [--pictures OUT]
+
+FOLDER: .mtlx files, such as resources/Materials/Examples of the repository AcademySoftwareFoundation/MaterialX beside its
+resources/Images. Each material is drawn on a ball below a sky and a wide sun, twice: with its surface shader, which
+hdStream has built in, and with the closures that the shader's definition is made of (NG_standard_surface_surfaceshader_100,
+NG_open_pbr_surface_surfaceshader, ...). Printed, of means of 8 x 8 pixels and of each colour: the largest difference over
+the built-in picture, what of that block is noise (one standard deviation, by renders of other seeds), and the difference of the whole
+picture. UsdPreviewSurface is left out: its definition is OpenUSD's text, not MaterialX's node graph. The exit code is 1 where a block differs by more than 2 % and by more than three times its noise.
+"""
+
+import argparse
+import pathlib
+import sys
+import tempfile
+
+sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[1] / name) for name in ("", "support", "render")]
+import builtPackage  # noqa: E402
+
+builtPackage.PutOnPath()
+import numpy as np  # noqa: E402
+
+import ours  # noqa: E402
+from stages import author, imageFile, surfaceGraphs  # noqa: E402
+from stages.materialX import Ball  # noqa: E402
+
+SIZE, BLOCK, SEEDS = 64, 8, 4
+LIMIT = 0.02
+
+
+def Pictures(layer, name: str, samples: int):
+    """([seed][height][width][channel], warnings) of a material on a ball."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = f"{folder}/stage.usda"
+        stage = author.NewStage(path)
+        material = surfaceGraphs.CopyMaterial(layer, name, stage, "/World/Look")
+        author.AddMesh(stage, "/World/Ball", Ball(1.0), material=material, rotate=(20, -70, 0))
+        author.AddLight(stage, "/World/Sky", "Dome", intensity=0.5)
+        author.AddLight(stage, "/World/Sun", "Distant", dict(rotate=(-30, 40, 0)), angle=50.0, intensity=4.0)
+        author.AddCamera(stage, eye=(0, 0, 10), width=20.0, aspect=1.0, orthographic=True)
+        stage.GetRootLayer().Save()
+        renders = [ours.Render(path, SIZE, SIZE, samples=samples, maxDepth=24, seed=seed) for seed in range(SEEDS)]
+    return np.stack([render.rgb for render in renders]), renders[0].warnings
+
+
+def _Blocks(pictures):
+    """[seed][block][channel], of blocks that the ball fills"""
+    n = SIZE // BLOCK
+    blocks = pictures.reshape(SEEDS, n, BLOCK, n, BLOCK, 3).mean((2, 4))
+    at = (np.abs(np.arange(n) - (n - 1) / 2) + 0.5) * 2 / n  # the outer edges, of a ball of radius 1
+    return blocks[:, at[:, None] ** 2 + at[None, :] ** 2 < 1]
+
+
+def Compare(builtIn, graph):
+    """(largest relative difference of a block, its noise, relative difference of all), as (graph - built-in) / built-in"""
+    one, other = _Blocks(builtIn), _Blocks(graph)
+    scale = one.mean(0) + 0.01 * one.mean()  # what is black has no relative difference
+    difference = (other.mean(0) - one.mean(0)) / scale
+    noise = np.sqrt((one.var(0, ddof=1) + other.var(0, ddof=1)) / SEEDS) / scale
+    worst = np.unravel_index(np.argmax(np.abs(difference) - noise), difference.shape)
+    return difference[worst], noise[worst], other.mean() / one.mean() - 1
+
+
+def Materials(folder: pathlib.Path, only: str):
+    """(label, layer with built-in surfaces, layer with node graphs, name of the material)"""
+    for file in sorted(folder.rglob("*.mtlx")):
+        document = surfaceGraphs.ReadDocument(file)
+        names = [name for name, node in surfaceGraphs.SurfaceNodes(document).items()
+                 if node.getCategory() != "UsdPreviewSurface" and only.lower() in f"{file.stem} {name} {node.getCategory()}".lower()]
+        if not names:
+            continue
+        builtIn = surfaceGraphs.ReadLayer(document)
+        surfaceGraphs.ReplaceSurfaces(document)
+        graph = surfaceGraphs.ReadLayer(document)
+        for name in names:
+            yield file.stem if len(names) == 1 else f"{file.stem}: {name}", builtIn, graph, name
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("--only", default="", help="materials whose file, name or surface has this text")
+    parser.add_argument("--samples", type=int, default=64, help="a pixel, of each of the seeds")
+    parser.add_argument("--pictures", type=pathlib.Path, help="folder for pictures: built-in, node graph")
+    options = parser.parse_args()
+    differing = []
+    print("| material | largest difference of a block | its noise | of all |\n|---|---|---|---|")
+    count = 0
+    for label, builtInLayer, graphLayer, name in Materials(options.folder, options.only):
+        (builtIn, builtInWarnings), (graph, graphWarnings) = (Pictures(layer, name, options.samples) for layer in (builtInLayer, graphLayer))
+        worst, noise, whole = Compare(builtIn, graph)
+        if abs(worst) > LIMIT and abs(worst) > 3 * noise:
+            differing.append(label)
+        count += 1
+        print(f"| {label} | {worst:+.2%} | {noise:.2%} | {whole:+.2%} |", flush=True)
+        for line in sorted({*builtInWarnings, *graphWarnings}):
+            print(f"  {'both' if line in builtInWarnings and line in graphWarnings else 'node graph' if line in graphWarnings else 'built-in'}: {line}")
+        if options.pictures:
+            options.pictures.mkdir(parents=True, exist_ok=True)
+            row = np.concatenate([builtIn.mean(0), graph.mean(0)], 1)
+            imageFile.WritePng(options.pictures / f"{label.replace(': ', '-')}.png",
+                               (255.0 * np.clip(row, 0.0, 1.0) ** (1 / 2.2)).astype(np.uint8))
+    print(f"{len(differing)} of {count} differ by more than {LIMIT:.0%}: {', '.join(differing) or 'none'}")
+    return 1 if differing else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
