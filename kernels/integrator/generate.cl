@@ -119,11 +119,6 @@ void generate_findMedia(constant const HdsFrameParams* frame, HdsPaths paths, ui
 #define HDS_GENERATE_WIDE (HDS_WIDE && !HDS_FEATURE_MOTION && !HDS_FEATURE_CAMERA_LENS)
 
 #if HDS_GENERATE_WIDE
-uint8 generate_pixels(global const uint* pixels, uint8 i) {
-    return (uint8)(pixels[i.s0], pixels[i.s1], pixels[i.s2], pixels[i.s3], pixels[i.s4],
-                   pixels[i.s5], pixels[i.s6], pixels[i.s7]);
-}
-
 /* Starts paths [i, i + count) of the wave, count <= HDS_LANES. \param item of path i in the queue.
  */
 void generate_wide(constant const HdsFrameParams* frame, HdsWave wave, uint i, uint count,
@@ -133,7 +128,7 @@ void generate_wide(constant const HdsFrameParams* frame, HdsWave wave, uint i, u
     const uint8 lanes = (uint8)(0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u);
     const uint8 number = i + min(lanes, (uint8)(count - 1u)); /* else the last one again */
     const uint8 pixel = number / wave.numSamples;
-    const uint8 lanePixel = generate_pixels(pixels + wave.firstPixel, pixel);
+    const uint8 lanePixel = lanes_loadUint(pixels + wave.firstPixel, pixel);
     const uint8 laneSample = wave.firstSample + (number - pixel * wave.numSamples);
     const HdsTransform pose = camera_pose(frame, 0.0f);
     const HdsWideSampler sampler = pixel_sampler(frame, lanePixel, laneSample);

@@ -6,7 +6,6 @@
  * docs/wavefront.md. */
 #include "integrator/itemLoop.clh"
 #include "integrator/pathState.clh"
-#include "integrator/pixelSampler.clh"
 #include "integrator/shadeScatter.clh"
 #if HDS_SHADE_WIDE
 /* The order counts. */

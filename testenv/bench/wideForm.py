@@ -4,10 +4,9 @@
     wideForm.py STAGE... [--samples 48] [--imageWidth 640] [--repeats 3] [--lanes 0,8,16]
 
 Renders each stage with kernels of each number of lanes, interleaved, after a run that makes them and prepares the stage: 0 is the form
-of one path, 8 what is shipped. 16 needs no other text than the vectors' names, and has no packets of
-camera rays. Prints medians of `time.shade`, `time.trace` (with the
-rays that the camera sends) and `time.render`, each over that of the first number of lanes, and the range of the quotients over the
-repeats. Geometry and textures are resident. Run it with PYTHONPATH=build/release/python on a quiet machine with a CPU as its device."""
+of one path, 8 what is shipped. 16 needs no other text than the vectors' names and their members, and has no packets of camera rays.
+Prints medians of `time.shade`, `time.trace` (with the rays that the camera sends) and `time.render`, each over that of the first
+number of lanes, and the range of the quotients over the repeats. Geometry and textures are resident. Run it with PYTHONPATH=build/release/python on a quiet machine with a CPU as its device."""
 
 import argparse
 import pathlib
@@ -39,8 +38,18 @@ def MakeKernels(folder: pathlib.Path, lanes: int) -> pathlib.Path:
         for path in folder.rglob("*.cl*"):
             path.write_text(re.sub(r"\b((?:u?int|float|v(?:load|store)))8\b|(##)8\b", lambda m: f"{m[1] or m[2]}{lanes}",
                                    path.read_text()) if _IsWide(path) else path.read_text())
+        _SpellOut(folder / "math/wideBegin.clh", "table[index.s7]", [f"table[index.s{lane:x}]" for lane in range(7, lanes)])
+        _SpellOut(folder / "integrator/generate.cl", "6u, 7u", [f"{lane}u" for lane in range(6, lanes)])
         _TakePacketsOut(folder / "integrator/intersect.cl")
     return folder
+
+
+def _SpellOut(path: pathlib.Path, last: str, more: list) -> None:
+    """Lists of members have as many as there are lanes."""
+    text = path.read_text()
+    if last not in text:
+        raise SystemExit(f"wideForm.py: {path} has not the text that is to be replaced")
+    path.write_text(text.replace(last, ", ".join(more)))
 
 
 def _TakePacketsOut(path: pathlib.Path) -> None:
