@@ -58,7 +58,8 @@
 
 #if HDS_SHADE_WIDE
 /* Reads the material of a hit and puts it into its lane. \return HDS_SHADE_SCATTERS where the
- * surface is to be set up with the others; else it has been shaded, or nothing of it counts. */
+ * surface is to be set up with the others; HDS_SHADE_WALKS where shade_lightSurface does that;
+ * HDS_SHADE_ENDS where the path has been shaded. */
 uint shade_putSurface(constant const HdsFrameParams* frame, const HdsSceneView* scene,
                       HdsShadeHits* hits, uint lane, HdsPaths paths, volatile global uint* counters,
                       HdsShadeBatch* batch, HdsShadeLists* lists) {
@@ -68,14 +69,13 @@ uint shade_putSurface(constant const HdsFrameParams* frame, const HdsSceneView* 
     if (shade_onTheWay(frame, scene, at, path, i, paths, lists)) {
         return HDS_SHADE_ENDS;
     }
-    uint step = HDS_SHADE_WALKS;
 #if HDS_FEATURE_MEDIA
     if (path->medium.medium.kind == HDS_MEDIUM_WALK) {
-        return step;
+        return HDS_SHADE_WALKS;
     }
 #endif
     HdsMaterialPoint material;
-    step = shade_readSurface(frame, scene, at, path, &material);
+    const uint step = shade_readSurface(frame, scene, at, path, &material);
     if (step == HDS_SHADE_ENDS) {
         const HdsLitPath lit = shade_litPath(at, path, 0u, i);
         shade_leave(scene, &lit, step, paths, lists);

@@ -72,8 +72,8 @@ void choices(const HdsTestContext* context, const Real* in, Real* out) {
 )";
 
 const char* const kFarText = R"(
-/* in: a direction, two numbers, another direction. out: a sample of each light, and where the
- * second direction meets the image of the first light. */
+/* in: a normal or zero, two numbers, a direction. out: a sample of each light, and where the
+ * direction meets the image of the first light. */
 void farLights(const HdsTestContext* context, const Real* in, Real* out) {
     for (uint i = 0u; i < context->numLights; ++i) {
         global const HdsLight* light = context->lights + i;
