@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace hds {
@@ -100,31 +101,57 @@ bool AddCorners(const GeometryDescription& mesh, SubdivCage& cage) {
     return true;
 }
 
-/// UsdGeomMesh's tokens; unknown ones read as the schema's fallback.
-Sdc::Options MakeOptions(const SubdivTags& tags) {
-    Sdc::Options options;
-    const std::string& boundary = tags.interpolateBoundary;
-    options.SetVtxBoundaryInterpolation(boundary == "none" ? Sdc::Options::VTX_BOUNDARY_NONE
-                                        : boundary == "edgeOnly"
-                                            ? Sdc::Options::VTX_BOUNDARY_EDGE_ONLY
-                                            : Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER);
-    static constexpr std::pair<const char*, Sdc::Options::FVarLinearInterpolation> kLinear[] = {
-        {"none", Sdc::Options::FVAR_LINEAR_NONE},
-        {"cornersOnly", Sdc::Options::FVAR_LINEAR_CORNERS_ONLY},
-        {"cornersPlus1", Sdc::Options::FVAR_LINEAR_CORNERS_PLUS1},
-        {"cornersPlus2", Sdc::Options::FVAR_LINEAR_CORNERS_PLUS2},
-        {"boundaries", Sdc::Options::FVAR_LINEAR_BOUNDARIES},
-        {"all", Sdc::Options::FVAR_LINEAR_ALL},
-    };
-    options.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_CORNERS_PLUS1);
-    for (const auto& [token, value] : kLinear) {
-        if (tags.faceVaryingLinearInterpolation == token) {
-            options.SetFVarLinearInterpolation(value);
+/// A rule of OpenSubdiv and UsdGeomMesh's token of it.
+template <typename Rule>
+using RuleToken = std::pair<const char*, Rule>;
+
+constexpr RuleToken<Sdc::Options::VtxBoundaryInterpolation> kBoundaries[] = {
+    {"edgeAndCorner", Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER},
+    {"edgeOnly", Sdc::Options::VTX_BOUNDARY_EDGE_ONLY},
+    {"none", Sdc::Options::VTX_BOUNDARY_NONE}};
+constexpr RuleToken<Sdc::Options::FVarLinearInterpolation> kLinear[] = {
+    {"cornersPlus1", Sdc::Options::FVAR_LINEAR_CORNERS_PLUS1},
+    {"none", Sdc::Options::FVAR_LINEAR_NONE},
+    {"cornersOnly", Sdc::Options::FVAR_LINEAR_CORNERS_ONLY},
+    {"cornersPlus2", Sdc::Options::FVAR_LINEAR_CORNERS_PLUS2},
+    {"boundaries", Sdc::Options::FVAR_LINEAR_BOUNDARIES},
+    {"all", Sdc::Options::FVAR_LINEAR_ALL}};
+constexpr RuleToken<Sdc::Options::TriangleSubdivision> kTriangles[] = {
+    {"catmullClark", Sdc::Options::TRI_SUB_CATMARK}, {"smooth", Sdc::Options::TRI_SUB_SMOOTH}};
+
+/// Reads UsdGeomMesh's tokens; unknown ones warn and read as the schema's fallback.
+class RuleReader {
+public:
+    RuleReader(const std::string& primPath, Warnings& warnings)
+        : _primPath(primPath), _warnings(warnings) {}
+
+    /// \param rules the schema's fallback first
+    template <typename Rule, std::size_t kCount>
+    Rule Read(const char* name, const std::string& token,
+              const RuleToken<Rule> (&rules)[kCount]) const {
+        const auto* found = std::find_if(std::begin(rules), std::end(rules),
+                                         [&](const auto& rule) { return token == rule.first; });
+        if (found == std::end(rules)) {
+            _warnings.Add(_primPath, "unknown " + std::string(name) + " \"" + token + "\", " +
+                                         rules[0].first + " is used");
+            found = rules;
         }
+        return found->second;
     }
-    options.SetTriangleSubdivision(tags.triangleSubdivisionRule == "smooth"
-                                       ? Sdc::Options::TRI_SUB_SMOOTH
-                                       : Sdc::Options::TRI_SUB_CATMARK);
+
+private:
+    const std::string& _primPath;
+    Warnings& _warnings;
+};
+
+Sdc::Options MakeOptions(const SubdivTags& tags, const RuleReader& reader) {
+    Sdc::Options options;
+    options.SetVtxBoundaryInterpolation(
+        reader.Read("interpolateBoundary", tags.interpolateBoundary, kBoundaries));
+    options.SetFVarLinearInterpolation(reader.Read("faceVaryingLinearInterpolation",
+                                                   tags.faceVaryingLinearInterpolation, kLinear));
+    options.SetTriangleSubdivision(
+        reader.Read("triangleSubdivisionRule", tags.triangleSubdivisionRule, kTriangles));
     return options;
 }
 
@@ -146,6 +173,7 @@ SubdivCage BuildSubdivCage(const GeometryDescription& mesh, const std::string& p
     if (!AddCorners(mesh, cage)) {
         warnings.Add(primPath, "corners ignored: indices and sharpnesses disagree");
     }
+    cage.options = MakeOptions(*mesh.subdivTags, RuleReader(primPath, warnings));
     return cage;
 }
 
@@ -181,7 +209,7 @@ std::unique_ptr<Far::TopologyRefiner> CreateRefiner(const GeometryDescription& m
     descriptor.numFVarChannels = static_cast<int>(farChannels.size());
     descriptor.fvarChannels = farChannels.data();
     using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
-    Factory::Options options(SchemeOf(mesh.subdivisionScheme), MakeOptions(*mesh.subdivTags));
+    Factory::Options options(SchemeOf(mesh.subdivisionScheme), cage.options);
     options.validateFullTopology = true;
     return std::unique_ptr<Far::TopologyRefiner>(Factory::Create(descriptor, options));
 }

@@ -25,6 +25,7 @@ struct SubdivCage {
     std::vector<float> creaseWeights;
     std::vector<int> cornerPoints;
     std::vector<float> cornerWeights;
+    OpenSubdiv::Sdc::Options options;
 };
 
 /// Value indices of a face-varying channel, one per cage corner.

@@ -533,6 +533,9 @@ LayeredMaterial EvaluateLayered(NetworkEvaluator& network, const MaterialNode& n
         return EvaluateClosureSurface(network, node);
     }
     const Model& model = *FindModel(node.identifier);
+    for (const SurfaceInput& input : model.inputs) {
+        network.WarnOfWidth(node, std::string(input.name), input.numComponents);
+    }
     ModelReader reader(network, node, model.inputs);
     return (reader.*model.read)();
 }

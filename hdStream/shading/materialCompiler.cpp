@@ -494,7 +494,9 @@ CompiledMaterial CompileSurface(const MaterialNetwork& network, const std::strin
         material.displacement = MaterialXDisplacement(evaluator, network, materialPath, warnings);
         return material;
     }
+    evaluator.WarnOfWidth(*surface, "displacement", 1);
     for (std::uint32_t i = 0; i < HDS_NUM_INPUTS; ++i) {
+        evaluator.WarnOfWidth(*surface, kInputs[i].name, kInputs[i].numComponents);
         if (const ShaderValue value = evaluator.Evaluate(*surface, kInputs[i].name)) {
             SetInput(material, i, value, *surface, materialPath, warnings);
         }

@@ -113,7 +113,27 @@ ShaderValue NetworkEvaluator::EvaluateOr(const MaterialNode& node, const std::st
         Warn("input " + input + " of " + node.path + " has a wrong type");
         return MakeConstant(fallback, numComponents);
     }
+    if (value.numComponents == 3 && numComponents == 4 && IsConstant(value)) {
+        const std::array<float, 4>& c = ConstantOf(value);
+        return MakeConstant({c[0], c[1], c[2], fallback[3]}, 4);
+    }
     return value;
+}
+
+void NetworkEvaluator::WarnOfWidth(const MaterialNode& node, const std::string& input,
+                                   std::uint32_t numComponents) {
+    const auto found = node.parameters.find(input);
+    if (found == node.parameters.end() || node.connections.count(input) != 0) {
+        return;
+    }
+    const std::size_t count = Numbers(found->second).size();
+    // Counts that give nothing at all are told where they are read.
+    const bool isRead = count == 1 || (count <= 4 && count >= std::min(numComponents, 3U));
+    if (isRead && count != numComponents) {
+        Warn("input " + input + " of " + node.path + " has " + std::to_string(count) +
+             (count == 1 ? " number" : " numbers") + " in place of " +
+             std::to_string(numComponents));
+    }
 }
 
 const MaterialNode* NetworkEvaluator::FindSource(const MaterialNode& node,
@@ -167,6 +187,9 @@ std::string NetworkEvaluator::Text(const MaterialNode& node, const std::string& 
 ShaderValue NetworkEvaluator::EvaluateTransform2d(const MaterialNode& node) {
     ShaderValue& transform = _transforms[node.path];
     if (!transform) {
+        WarnOfWidth(node, "rotation", 1);
+        WarnOfWidth(node, "scale", 2);
+        WarnOfWidth(node, "translation", 2);
         transform =
             MakeTransform2d({EvaluateOr(node, "in", {}, 2), EvaluateOr(node, "rotation", {}, 1),
                              EvaluateOr(node, "scale", {1.0F, 1.0F, 0.0F, 0.0F}, 2),

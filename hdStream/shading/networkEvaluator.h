@@ -43,9 +43,14 @@ public:
     ShaderValue Evaluate(const MaterialNode& node, const std::string& input);
 
     /// As Evaluate; an input that gives nothing has the fallback, one number spreads over all
-    /// components, and what has too few warns and has the fallback.
+    /// components, and what has too few warns and has the fallback. A constant of 3 has the
+    /// fallback's fourth.
     ShaderValue EvaluateOr(const MaterialNode& node, const std::string& input,
                            const std::array<float, 4>& fallback, std::uint32_t numComponents);
+
+    /// Warns of an input whose authored constant has another count of numbers than the input.
+    void WarnOfWidth(const MaterialNode& node, const std::string& input,
+                     std::uint32_t numComponents);
 
     /// An input's connected node, through nodes that pass it on; null: none.
     const MaterialNode* FindSource(const MaterialNode& node, const std::string& input) const;

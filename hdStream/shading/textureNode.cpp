@@ -146,6 +146,9 @@ ShaderValue NetworkEvaluator::MakeTexture(const MaterialNode& node) {
         return fallback;
     }
     const bool isUdim = IsUdim(file);
+    for (const char* input : {"fallback", "scale", "bias"}) {
+        WarnOfWidth(node, input, 4);
+    }
     // Inside a tile nothing wraps.
     const std::uint32_t wrapS = isUdim ? HDS_WRAP_CLAMP : WrapOf(node, "wrapS", facts[0].wrapS);
     const std::uint32_t wrapT = isUdim ? HDS_WRAP_CLAMP : WrapOf(node, "wrapT", facts[0].wrapT);

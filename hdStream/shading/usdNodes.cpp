@@ -30,6 +30,7 @@ ShaderValue EvaluateReader(NetworkEvaluator& network, const MaterialNode& node,
                      " gives nothing that can be shown");
         return {};
     }
+    network.WarnOfWidth(node, "fallback", numComponents);
     const ShaderValue fallback = network.EvaluateOr(node, "fallback", {}, numComponents);
     const std::string primvar = network.Text(node, "varname");
     if (primvar.empty()) {

@@ -37,6 +37,21 @@ TEST(SubdivHostile, BadTagsAreIgnored) {
     EXPECT_EQ(diced.chunk.triangles.size(), 48U);
 }
 
+TEST(SubdivHostile, UnknownRulesAreNamedAndReadAsTheFallback) {
+    GeometryDescription mesh = MakeCube();
+    mesh.subdivTags.Edit().interpolateBoundary = "edges";
+    mesh.subdivTags.Edit().faceVaryingLinearInterpolation = "corners";
+    mesh.subdivTags.Edit().triangleSubdivisionRule = "loop";
+    const Diced diced = DiceUniform(mesh, 1);
+    EXPECT_EQ(
+        diced.warnings,
+        (std::vector<std::string>{
+            "/World/mesh: unknown faceVaryingLinearInterpolation \"corners\", cornersPlus1 is used",
+            "/World/mesh: unknown interpolateBoundary \"edges\", edgeAndCorner is used",
+            "/World/mesh: unknown triangleSubdivisionRule \"loop\", catmullClark is used"}));
+    EXPECT_EQ(diced.chunk.triangles.size(), 48U);
+}
+
 TEST(SubdivHostile, BadFacesAreDropped) {
     GeometryDescription mesh = MakeCube();
     std::vector<float> points(mesh.points.begin(), mesh.points.end());

@@ -220,6 +220,58 @@ TEST(MaterialCompilerTest, WrongTypesAndValuesWarnAndKeepTheDefault) {
     }
 }
 
+TEST(MaterialCompilerTest, ConstantsOfAnotherWidthAreReadAndNamed) {
+    MaterialNetwork network = Preview();
+    auto& p = Surface(network).parameters;
+    p["diffuseColor"] = 0.25;
+    p["emissiveColor"] = std::vector<float>{0.1F, 0.2F, 0.3F, 0.4F};
+    p["metallic"] = std::vector<float>{0.75F, 0.5F, 0.25F};
+    p["displacement"] = std::vector<float>{0.5F, 0.0F};
+    p["ior"] = 1.25;
+    Surface(network).connections["opacity"] = {"/m/t", "a"};
+    MaterialNode& texture = AddTexture(network, "opaque.png");
+    texture.parameters["bias"] = std::vector<float>{0.0F, 0.0F, 0.0F};
+    texture.parameters["wrapS"] = texture.parameters["wrapT"] = std::string("repeat");
+    Warnings warnings;
+    const CompiledMaterial m = Compile(network, warnings);
+    ExpectConstant(m, HDS_INPUT_DIFFUSE_COLOR, 0.25F, 0.25F, 0.25F);
+    ExpectConstant(m, HDS_INPUT_EMISSIVE_COLOR, 0.1F, 0.2F, 0.3F);
+    EXPECT_FLOAT_EQ(m.constants.constants[HDS_INPUT_METALLIC].x, 0.75F);
+    EXPECT_FLOAT_EQ(m.displacement.constant, 0.5F);
+    EXPECT_FLOAT_EQ(m.constants.constants[HDS_INPUT_OPACITY].x, 1.0F)
+        << "the fourth number of a bias is 0";
+    const std::vector<std::string> expected = {
+        "/m: input bias of /m/t has 3 numbers in place of 4",
+        "/m: input diffuseColor of /m/s has 1 number in place of 3",
+        "/m: input displacement of /m/s has 2 numbers in place of 1",
+        "/m: input emissiveColor of /m/s has 4 numbers in place of 3",
+        "/m: input metallic of /m/s has 3 numbers in place of 1"};
+    std::vector<std::string> lines = warnings.Lines();
+    std::sort(lines.begin(), lines.end());
+    EXPECT_EQ(lines, expected);
+}
+
+TEST(MaterialCompilerTest, ConstantsOfAnotherWidthAreNamedOnLayeredSurfacesAndNodes) {
+    MaterialNetwork network;
+    network.nodes.push_back({"/m/s", "ND_standard_surface_surfaceshader", {}, {}});
+    network.terminals["surface"] = {"/m/s", "surface"};
+    network.nodes[0].parameters["specular_roughness"] = std::vector<float>{0.5F, 0.5F, 0.5F};
+    network.nodes[0].parameters["opacity"] = 0.5;
+    network.nodes[0].connections["base_color"] = {"/m/r", "result"};
+    MaterialNode& reader = AddNode(network, "/m/r", "UsdPrimvarReader_float3");
+    reader.parameters["varname"] = std::string("tint");
+    reader.parameters["fallback"] = 0.5;
+    Warnings warnings;
+    Compile(network, warnings);
+    std::vector<std::string> lines = warnings.Lines();
+    std::sort(lines.begin(), lines.end());
+    const std::vector<std::string> expected = {
+        "/m: input fallback of /m/r has 1 number in place of 3",
+        "/m: input opacity of /m/s has 1 number in place of 3",
+        "/m: input specular_roughness of /m/s has 3 numbers in place of 1"};
+    EXPECT_EQ(lines, expected);
+}
+
 TEST(MaterialCompilerTest, UnknownUpstreamNodesKeepTheAuthoredValue) {
     for (const char* upstream : {"/m/noise", "/m/absent"}) {
         MaterialNetwork network = Preview();
