@@ -130,6 +130,7 @@ PLACE = 'double3 xformOp:translate = (0, 0, 5)\nuniform token[] xformOpOrder = [
     ("float2 clippingRange = (5, 1)", "float2 clippingRange = (5, 1)", "clippingRange is empty;"),
     ("float fStop = 1\nfloat focusDistance = inf", "float fStop = 1\nfloat focusDistance = 1e18", ""),
     ("float fStop = nan\nfloat focusDistance = 3", "", ""),
+    ('token projection = "fisheye"', "", "projection fisheye is unknown; perspective is used"),
 ])
 def test_numbers_of_cameras_become_what_is_said(tmp_path, numbers, meant, expected):
     """The picture is, to the bit, that of the camera that is meant."""

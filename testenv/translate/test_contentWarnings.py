@@ -75,6 +75,10 @@ def WarningsOf(text):
     (LOOK.format(source="</M/T.outputs:xyz>"), "/M/S: input diffuseColor is connected to /M/T.outputs:xyz, which does not exist"),
     (f'def Mesh "M" {{ {TRIANGLE}\nuniform token orientation = "up" }}', "/M: orientation up is unknown; rightHanded is used"),
     ('def ParticleField "A" {}\ndef ParticleField "B" {}', "/A: ParticleField is not supported yet: 2 prims skipped"),
+    ('def Cone "C" { uniform token axis = "x" }', "/C: axis x is unknown; Z is used"),
+    ('def Sphere "S" { token visibility = "hidden" }', "/S: visibility hidden is unknown; inherited is used"),
+    (f'def Mesh "M" (prepend apiSchemas = ["MeshLightAPI"]) {{ {TRIANGLE}\nuniform token light:materialSyncMode = "glow" }}',
+     "/M: light:materialSyncMode glow is unknown; noMaterialResponse is used"),
     ('def NurbsCurves "N" { int[] curveVertexCounts = [2]\npoint3f[] points = [(0, 0, 0), (1, 0, 0)] }',
      "/N: NurbsCurves are drawn as lines between their points: 1 prim"),
     ('def BasisCurves "C" { uniform token basis = "power"\nint[] curveVertexCounts = [4]\n'

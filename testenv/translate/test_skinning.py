@@ -12,7 +12,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, Vt
 from hdstream import _core
 from hdstream.translate.stageTranslator import TranslateStage
 
-from translateCase import FOLDER, Translate
+from translateCase import FOLDER, StageOf, Translate
 
 STAGE = str(FOLDER / "skinning" / "scene.usda")
 ELBOW = np.array([2.0, 0.0, 0.0])
@@ -28,8 +28,8 @@ def Bending():
     return stage
 
 
-def Points(name, time=2.5):
-    session = Translate(Bending(), time)
+def Points(name, time=2.5, stage=None):
+    session = Translate(stage or Bending(), time)
     return np.array(session.Scene().geometry[f"/Arm/{name}"].geometry.points)
 
 
@@ -61,6 +61,120 @@ def test_a_rigid_part_follows_its_joint():
     assert Points("Rigid") == pytest.approx(np.array(expected), abs=2e-6)
 
 
+@pytest.mark.parametrize("time", [2.0, 2.5, 3.0])
+def test_curves_and_points_are_carried(time):
+    moved = np.array([0, 0, 2 * (time - 2)])
+    middle = 0.5 * (np.array([2, 1, 0]) + Bent((2, 1, 0)))
+    assert Points("Hair", time) == pytest.approx(np.array([(0, 0, 0), middle, Bent((4, 1, 0))]) + moved, abs=2e-6)
+    assert Points("Beads", time) == pytest.approx(np.array([Bent((3, 0, 0)), Bent((4, 1, 0))]) + moved, abs=2e-6)
+
+
+def test_curves_and_points_move_while_the_shutter_is_open():
+    """The arm moves by 2 along z in a frame; at its samples and at the ends of the shutter."""
+    session = _core.Session()
+    TranslateStage(Bending(), session, 2.5, (-0.25, 0.25))
+    for name in ("Hair", "Beads"):
+        geometry = session.Scene().geometry[f"/Arm/{name}"].geometry
+        still = np.array(geometry.points, float)
+        assert [time for time, _ in geometry.samples] == [-0.25, 0.25]
+        for time, points in geometry.samples:
+            assert np.asarray(points, float).reshape(-1, 3) == pytest.approx(still + (0, 0, 2 * time), abs=2e-6)
+
+
+CROWD = """def "Lib" {{
+    def {model} "Model" (prepend apiSchemas = ["SkelBindingAPI"]) {{
+        def {root} "Root" (prepend apiSchemas = ["SkelBindingAPI"]) {{
+            {bones}
+            def Mesh "Mesh" (prepend apiSchemas = ["SkelBindingAPI"]) {{
+                int[] faceVertexCounts = [3]
+                int[] faceVertexIndices = [0, 1, 2]
+                point3f[] points = [(2, 0, 0), (4, 0, 0), (4, 1, 0)]
+                uniform token subdivisionScheme = "none"
+                int[] primvars:skel:jointIndices = [1] (interpolation = "constant")
+                float[] primvars:skel:jointWeights = [1] (interpolation = "constant")
+            }}
+        }}
+    }}
+}}
+"""
+BONES = """def Skeleton "Bones" (prepend apiSchemas = ["SkelBindingAPI"]) {
+    uniform token[] joints = ["upper", "upper/lower"]
+    uniform matrix4d[] bindTransforms = [((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1)), ((1,0,0,0),(0,1,0,0),(0,0,1,0),(2,0,0,1))]
+    uniform matrix4d[] restTransforms = [((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1)), ((1,0,0,0),(0,1,0,0),(0,0,1,0),(2,0,0,1))]
+}
+"""
+POSE = """def SkelAnimation "{name}" {{
+    uniform token[] joints = ["upper", "upper/lower"]
+    quatf[] rotations = [(1, 0, 0, 0), ({cos}, 0, 0, {sin})]
+    half3[] scales = [(1, 1, 1), (1, 1, 1)]
+    float3[] translations = [(0, 0, 0), (2, 0, 0)]
+}}
+"""
+REST = np.array([(2, 0, 0), (4, 0, 0), (4, 1, 0)], float)
+
+
+def Turned(degrees):
+    """The triangle of the crowd, which the lower arm carries."""
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    return (REST - ELBOW) @ np.array([(c, s, 0), (-s, c, 0), (0, 0, 1)]) + ELBOW
+
+
+def Poses():
+    angles = {"P90": 90, "P30": 30}
+    return "".join(POSE.format(name=name, cos=np.cos(np.radians(a / 2)), sin=np.sin(np.radians(a / 2))) for name, a in angles.items())
+
+
+@pytest.mark.parametrize("model, root", [("SkelRoot", "Scope"), ("Xform", "SkelRoot")], ids=["instance", "within"])
+def test_instances_have_the_animations_that_are_bound_to_them(model, root):
+    """A crowd: each instance of a model names its own animation. Those of one animation share their geometry."""
+    text = CROWD.format(model=model, root=root, bones="rel skel:skeleton = </Lib/Model/Root/Bones>\n" + BONES) + Poses()
+    for i, pose in enumerate(("P90", "P30", "P90")):
+        text += (f'def "I{i}" (prepend apiSchemas = ["SkelBindingAPI"]; references = </Lib/Model>; instanceable = true) {{\n'
+                 f'rel skel:animationSource = </{pose}>\ndouble3 xformOp:translate = (0, {i}, 0)\n'
+                 'uniform token[] xformOpOrder = ["xformOp:translate"] }\n')
+    scene = Translate(StageOf(text.replace('def "Lib"', 'class "Lib"'))).Scene()
+    assert sorted(scene.geometry) == ["/I0/Root/Mesh", "/I1/Root/Mesh"]
+    for path, degrees, places in (("/I0/Root/Mesh", 90, [0, 2]), ("/I1/Root/Mesh", 30, [1])):
+        prim = scene.geometry[path]
+        assert np.array(prim.geometry.points) == pytest.approx(Turned(degrees), abs=2e-6)
+        transforms = np.asarray(scene.instancers[prim.placement.instancerPath].instanceTransforms).reshape(-1, 4, 4)
+        assert [matrix[3][1] for matrix in transforms] == places
+
+
+def test_instances_below_a_skelroot_are_skinned():
+    """A skeleton carries what it skins wherever the instance lies; the parts of others stay instances."""
+    text = CROWD.format(model="Xform", root="Scope", bones="").replace('def "Lib"', 'class "Lib"') + Poses()
+    parts = "".join(f'def "I{i}" (references = </Lib/Model>; instanceable = true) {{ double3 xformOp:translate = (0, {i}, 0)\n'
+                    'uniform token[] xformOpOrder = ["xformOp:translate"] }\n' for i in (1, 2))
+    parts += "".join(f'def "Prop{i}" (references = </Lib/Prop>; instanceable = true) {{}}\n' for i in (1, 2))
+    text = text.replace('class "Lib" {', 'class "Lib" { def Xform "Prop" { def Sphere "Ball" {} }\n', 1)
+    bones = BONES.replace("{\n", "{\nrel skel:animationSource = </P90>\n", 1)
+    text += f'def SkelRoot "Arm" (prepend apiSchemas = ["SkelBindingAPI"]) {{ rel skel:skeleton = </Arm/Bones>\n{bones}\n{parts} }}\n'
+    scene = Translate(StageOf(text)).Scene()
+    assert sorted(scene.geometry) == ["/Arm/I1/Root/Mesh", "/Arm/I2/Root/Mesh", "/Arm/Prop1/Ball"]
+    for i in (1, 2):
+        prim = scene.geometry[f"/Arm/I{i}/Root/Mesh"]
+        assert np.array(prim.geometry.points) == pytest.approx(Turned(90) - (0, i, 0), abs=2e-6)
+        assert prim.placement.worldFromObject[3][1] == i and not prim.placement.instancerPath
+    assert scene.geometry["/Arm/Prop1/Ball"].placement.instancerPath
+
+
+def test_nurbs_curves_are_carried():
+    """Of order 4 with the knots of one span they are the Bezier curve of their points."""
+    stage = Bending()
+    curves = UsdGeom.NurbsCurves.Define(stage, "/Arm/Nurbs")
+    UsdSkel.BindingAPI.Apply(curves.GetPrim())
+    rest = [(0, 0, 0), (2, 1, 0), (4, 1, 0), (4, 0, 0)]
+    curves.CreatePointsAttr(rest)
+    curves.CreateCurveVertexCountsAttr([4])
+    curves.CreateOrderAttr([4])
+    curves.CreateKnotsAttr([0, 0, 0, 0, 1, 1, 1, 1])
+    binding = UsdSkel.BindingAPI(curves)
+    binding.CreateJointIndicesPrimvar(True, 1).Set([1])
+    binding.CreateJointWeightsPrimvar(True, 1).Set([1.0])
+    assert Points("Nurbs", 2.0, stage) == pytest.approx(np.array([Bent(p) for p in rest]), abs=2e-6)
+
+
 @pytest.mark.parametrize("time", [2.0, 2.25, 3.0])
 def test_blend_shape_weights_vary_with_time(time):
     weight = time - 2
@@ -71,7 +185,7 @@ def test_blend_shape_weights_vary_with_time(time):
 def test_points_are_those_of_usdskel_baking():
     baked = Usd.Stage.Open(Bending().Flatten())  # a layer of its own
     assert UsdSkel.BakeSkinning(baked.Traverse())
-    for name in ("Linear", "DualQuaternion", "Shape"):
+    for name in ("Linear", "DualQuaternion", "Shape", "Hair"):
         for time in (2.0, 3.0):
             expected = np.asarray(baked.GetPrimAtPath(f"/Arm/{name}").GetAttribute("points").Get(time))
             assert Points(name, time) == pytest.approx(expected, abs=1e-5), (name, time)

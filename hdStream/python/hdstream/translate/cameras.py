@@ -42,6 +42,9 @@ def ReadCamera(prim, timeCode, motion=None, warn=lambda prim, text: None):
     """
     usdCamera = UsdGeom.Camera(prim)
     attributes = _ReadAttributes(prim, timeCode)
+    projection = prim.GetAttribute("projection").Get(timeCode)
+    if projection not in (None, "perspective", "orthographic"):
+        warn(prim, f"projection {projection} is unknown; perspective is used")
     exposure = prim.GetAttribute("exposure").Get(timeCode)
     camera = CameraFromGf(usdCamera.GetCamera(timeCode), _core.LinearExposureScale(exposure or 0.0, attributes))
     camera.shutter = ReadShutter(prim, timeCode)

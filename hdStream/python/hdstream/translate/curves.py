@@ -5,8 +5,9 @@ import numpy as np
 from pxr import Vt
 
 from hdstream import _core
-from hdstream.translate import nurbs
-from hdstream.translate.meshes import OrAgain, PointsAgain, ReadArray, ReadPoints
+from hdstream.translate import hermite, nurbs
+from hdstream.translate.meshes import OrAgain, PosePoints, PoseSamples, ReadArray, ReadPoints
+from hdstream.translate.motion import SampleAt
 from hdstream.translate.primvars import FloatRows, INTERPOLATIONS, PrimvarsOf
 
 _DEFAULT_WIDTH = 1.0  # as UsdImaging has it
@@ -15,9 +16,18 @@ _TOKENS = {"type": ("linear", "cubic"), "basis": ("bezier", "bspline", "catmullR
 _FALLBACKS = {"type": "cubic", "basis": "bezier", "wrap": "nonperiodic"}
 
 
-def ReadCurves(prim, schema, names, inherited, timeCode, warn):
-    """The description of UsdGeomCurves; None when there are no points or no curves. Hermite curves are lines between their
-    points, as UsdImaging has them."""
+def ReadCurves(prim, schema, names, inherited, timeCode, motion, warn, skin=None):
+    """The description of UsdGeomCurves, in the pose of a Skin where there is one; None without points or without curves.
+    Curves whose other attributes do not tell their shape are lines between their points, as UsdImaging has them."""
+    if schema == "NurbsCurves" and "order" in names and "knots" in names:
+        return _ReadNurbsCurves(prim, names, inherited, timeCode, motion, warn, skin)
+    hermiteCurves = None
+    if schema == "HermiteCurves" and skin is None:  # which says nothing of tangents
+        hermiteCurves = _ReadHermiteCurves(prim, names, inherited, timeCode, motion, warn)
+    return hermiteCurves or _ReadBasisCurves(prim, schema, names, inherited, timeCode, motion, warn, skin)
+
+
+def _ReadBasisCurves(prim, schema, names, inherited, timeCode, motion, warn, skin):
     points = ReadPoints(prim, names, timeCode)
     counts = ReadArray(prim, "curveVertexCounts", timeCode, np.int32)
     if points is None or counts is None or not points.size or not counts.size:
@@ -34,15 +44,17 @@ def ReadCurves(prim, schema, names, inherited, timeCode, warn):
     curves = _core.GeometryDescription()
     curves.primitives = _core.PrimitiveKind.Curves
     curves.curves = form
-    curves.points = PointsAgain(prim, names, timeCode, points)
+    curves.points = PosePoints(prim, names, timeCode, points, skin)
     curves.faceVertexCounts = OrAgain(prim, "curveVertexCounts", timeCode, counts)
     curves.primvars = _WithWidths(PrimvarsOf(prim, names, inherited, timeCode), prim, names, timeCode,
                                   _DEFAULT_WIDTH)
+    curves.samples = PoseSamples(prim, names, points, motion, warn, ("curveVertexCounts",), skin)
+    curves.widthSamples = motion.PrimvarSamplesOf(prim, "widths", names, curves.primvars)
     return curves
 
 
-def ReadNurbsCurves(prim, names, inherited, timeCode, motion, warn):
-    """UsdGeomNurbsCurves as cubic Bezier curves; None when there is none that can be drawn."""
+def _ReadNurbsCurves(prim, names, inherited, timeCode, motion, warn, skin):
+    """UsdGeomNurbsCurves as cubic Bezier curves; None when there is none that can be drawn. A Skin carries their points."""
     points = ReadPoints(prim, names, timeCode)
     counts = ReadArray(prim, "curveVertexCounts", timeCode, np.int32)
     if points is None or counts is None or not points.size or not counts.size:
@@ -50,29 +62,67 @@ def ReadNurbsCurves(prim, names, inherited, timeCode, motion, warn):
     nurbsCurves = nurbs.Curves(prim, counts.tolist(), len(points), timeCode, warn)
     if not len(nurbsCurves.counts):
         return None
-    curves = _core.GeometryDescription()
-    curves.primitives = _core.PrimitiveKind.Curves
-    form = _core.CurveForm()
-    form.type, form.basis, form.wrap = "cubic", "bezier", "nonperiodic"
-    curves.curves = form
-    curves.points = nurbsCurves.Of(points)
+    curves = _CubicBezier()
+    curves.points = nurbsCurves.Of(points if skin is None else skin.PointsOf(points))
     curves.faceVertexCounts = nurbsCurves.counts
-    curves.samples = [(time, nurbsCurves.Of(array))
-                      for time, array in motion.PointSamplesOf(prim, names, len(points), warn, ("curveVertexCounts",))]
+    curves.samples = [(time, nurbsCurves.Of(array)) for time, array in PoseSamples(
+        prim, names, points, motion, warn, ("curveVertexCounts",), skin)]
     primvars = _WithWidths(PrimvarsOf(prim, names, inherited, timeCode), prim, names, timeCode, _DEFAULT_WIDTH)
     curves.primvars = nurbsCurves.Primvars(primvars, prim, warn)
     return curves
 
 
-def ReadPointCloud(prim, names, inherited, timeCode):
-    """The description of UsdGeomPoints; None when there are no points."""
+def _ReadHermiteCurves(prim, names, inherited, timeCode, motion, warn):
+    """UsdGeomHermiteCurves as cubic Bezier curves; None where there is not a tangent for each of their points."""
+    points = ReadPoints(prim, names, timeCode)
+    tangents = ReadArray(prim, "tangents", timeCode, np.float32)
+    counts = ReadArray(prim, "curveVertexCounts", timeCode, np.int32)
+    if points is None or tangents is None or counts is None or tangents.shape != points.shape:
+        return None
+    shape = hermite.Curves(counts, len(points))
+    if shape.bezierCounts is None:
+        return None
+    curves = _CubicBezier()
+    curves.points = shape.Of(points, tangents)
+    curves.faceVertexCounts = shape.bezierCounts
+    samples = motion.PointSamplesOf(prim, names, len(points), warn, ("curveVertexCounts",))
+    tangentSamples = motion.ArraySamplesOf(prim, "tangents", len(points), warn)
+    curves.samples = [(time, shape.Of(SampleAt(samples, time, points), SampleAt(tangentSamples, time, tangents)))
+                      for time in sorted({time for time, _ in samples + tangentSamples})]
+    primvars = _WithWidths(PrimvarsOf(prim, names, inherited, timeCode), prim, names, timeCode, _DEFAULT_WIDTH)
+    curves.primvars = [_AsVarying(primvar) for primvar in primvars]
+    curves.widthSamples = motion.PrimvarSamplesOf(prim, "widths", names, curves.primvars)
+    return curves
+
+
+def _CubicBezier():
+    curves = _core.GeometryDescription()
+    curves.primitives = _core.PrimitiveKind.Curves
+    form = _core.CurveForm()
+    form.type, form.basis, form.wrap = "cubic", "bezier", "nonperiodic"
+    curves.curves = form
+    return curves
+
+
+def _AsVarying(primvar):
+    """A primvar of Hermite curves, which have no cubic interpolation of values (UsdGeomHermiteCurves)."""
+    if primvar.interpolation != _core.Interpolation.Vertex:
+        return primvar
+    indices = primvar.indices if primvar.indices.size else None
+    return _core.Primvar(primvar.name, _core.Interpolation.Varying, primvar.values, indices, primvar.colorSpace)
+
+
+def ReadPointCloud(prim, names, inherited, timeCode, motion, warn, skin=None):
+    """The description of UsdGeomPoints, in the pose of a Skin where there is one; None when there are no points."""
     positions = ReadPoints(prim, names, timeCode)
     if positions is None or not positions.size:
         return None
     points = _core.GeometryDescription()
     points.primitives = _core.PrimitiveKind.Points
-    points.points = PointsAgain(prim, names, timeCode, positions)
+    points.points = PosePoints(prim, names, timeCode, positions, skin)
     points.primvars = _WithWidths(PrimvarsOf(prim, names, inherited, timeCode), prim, names, timeCode, None)
+    points.samples = PoseSamples(prim, names, positions, motion, warn, (), skin)
+    points.widthSamples = motion.PrimvarSamplesOf(prim, "widths", names, points.primvars)
     return points
 
 

@@ -96,7 +96,7 @@ def InheritedKey(state, boundPaths, isFlat):
         if _IsRow(entry.primvar) and (isFlat or not _core.SaysRayVisibility(entry.primvar.name)) else entry.key
         for entry in state.primvars.values()))
     bindings = boundPaths or tuple(sorted(state.bindings.items()))
-    return state.purpose, state.isPurposeAuthored, primvars, bindings
+    return state.purpose, state.isPurposeAuthored, primvars, bindings, tuple(sorted(state.skelBindings.items()))
 
 
 def _OrientationsAttr(instancer):

@@ -9,7 +9,7 @@ Prims below a point instancer are drawn as its prototypes only; prototypes elsew
 where they are as well, as UsdGeomPointInstancer says ("Processing and Not Processing Prototypes").
 """
 
-from pxr import Usd, UsdGeom
+from pxr import Usd, UsdGeom, UsdSkel
 
 from hdstream import _core
 from hdstream.translate import primvars
@@ -97,6 +97,7 @@ class Instancers:
             state.primvars = self._pass.DropUsual(state.primvars, group.passByInstance)
         state.bindings = group.state.bindings
         state.hasCollections = group.state.hasCollections
+        state.skelRoot = group.firstPrim if group.firstPrim.IsA(UsdSkel.Root) else None
         self._translator.Walk(group.firstPrim.GetFilteredChildren(inner.predicate), state, inner)
         placement = _core.Placement(State().matrix, context.instancerPath, context.instances)
         if inner.isPlacing:

@@ -36,11 +36,15 @@ def IsLight(prim):
     return "LightAPI" in prim.GetAppliedSchemas()
 
 
-def ReadSyncMode(prim):
+def ReadSyncMode(prim, warn):
     """How a mesh light and its material go together."""
     attribute = prim.GetAttribute("light:materialSyncMode")
-    return _core.MaterialSyncModeByText.get(attribute.Get() if attribute else "",
-                                            _core.MaterialSyncMode.NoMaterialResponse)
+    text = (attribute.Get() if attribute else None) or "noMaterialResponse"
+    mode = _core.MaterialSyncModeByText.get(text)
+    if mode is None:
+        warn(prim, f"light:materialSyncMode {text} is unknown; noMaterialResponse is used")
+        return _core.MaterialSyncMode.NoMaterialResponse
+    return mode
 
 
 def ReadLight(prim, typeName, names, timeCode, assets):

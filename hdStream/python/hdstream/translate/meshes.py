@@ -67,29 +67,31 @@ def PointsAgain(prim, names, timeCode, points):
     return Again(prim.GetAttribute("points"), timeCode, points, lambda: ReadPoints(prim, names, timeCode))
 
 
-def ReadMesh(prim, names, inherited, timeCode, motion, warn, skin=None, skinAt=None, skinTimes=()):
+def PosePoints(prim, names, timeCode, points, skin):
+    """What ReadPoints gave, in the pose of a Skin where there is one."""
+    return PointsAgain(prim, names, timeCode, points) if skin is None else skin.PointsOf(points)
+
+
+def PoseSamples(prim, names, points, motion, warn, topology, skin):
+    """(time, points) of what ReadPoints gave, in the poses of a Skin where there is one."""
+    if skin is not None:
+        return skin.SamplesOf(points)
+    return motion.PointSamplesOf(prim, names, len(points), warn, topology)
+
+
+def ReadMesh(prim, names, inherited, timeCode, motion, warn, skin=None):
     """The description of a UsdGeomMesh; None when it has no points or no faces.
 
-    `skin(prim, points)` gives the points of a skinned mesh, None for others; skinAt(time) does so at each of `skinTimes`. Normals are
-    carried from the points at rest to these.
+    `skin`: the Skin of a skinned mesh. Normals are carried from the points at rest to the skinned ones.
     """
     points = ReadPoints(prim, names, timeCode)
-    isSkinned = False
-    if skin is not None and points is not None and points.size:
-        skinned = skin(prim, points)
-        if skinned is not None:
-            isSkinned = True
-            atRest, points = points, np.asarray(skinned)
     counts = ReadArray(prim, "faceVertexCounts", timeCode, np.int32)
     indices = ReadArray(prim, "faceVertexIndices", timeCode, np.int32)
     if points is None or counts is None or indices is None or not points.size or not counts.size:
         return None
     mesh = _core.GeometryDescription()
-    mesh.points = points if isSkinned else PointsAgain(prim, names, timeCode, points)
-    if isSkinned:
-        mesh.samples = motion.SkinnedSamplesOf(prim, atRest, skinTimes, skinAt)
-    else:
-        mesh.samples = motion.PointSamplesOf(prim, names, len(points), warn, ("faceVertexCounts", "faceVertexIndices"))
+    mesh.points = PosePoints(prim, names, timeCode, points, skin)
+    mesh.samples = PoseSamples(prim, names, points, motion, warn, ("faceVertexCounts", "faceVertexIndices"), skin)
     mesh.faceVertexCounts = OrAgain(prim, "faceVertexCounts", timeCode, counts)
     mesh.faceVertexIndices = OrAgain(prim, "faceVertexIndices", timeCode, indices)
     mesh.subdivisionScheme = "catmullClark"  # UsdGeomMesh's fallback
@@ -107,8 +109,8 @@ def ReadMesh(prim, names, inherited, timeCode, motion, warn, skin=None, skinAt=N
         if orientation not in ("leftHanded", "rightHanded"):
             warn(prim, f"orientation {orientation} is unknown; rightHanded is used")
     mesh.primvars = PrimvarsOf(prim, names, inherited, timeCode)
-    if isSkinned:
-        _CarryNormals(mesh, atRest)
+    if skin is not None:
+        _CarryNormals(mesh, points)
     else:
         mesh.normalSamples = motion.PrimvarSamplesOf(prim, "normals", names, mesh.primvars)
     return mesh
@@ -180,7 +182,7 @@ def ReadNurbsPatch(prim, names, inherited, timeCode, motion, warn):
     return mesh
 
 
-def ReadImplicit(prim, typeName, names, inherited, timeCode):
+def ReadImplicit(prim, typeName, names, inherited, timeCode, warn):
     """The description of an implicit gprim: OpenUSD's mesh of it, fitted so that its limit surface is the gprim."""
     baseType = typeName[:-2] if typeName.endswith("_1") else typeName
     shape = _core.ImplicitShape()
@@ -197,6 +199,8 @@ def ReadImplicit(prim, typeName, names, inherited, timeCode):
             setattr(shape, name, value)
     if "axis" in names:
         shape.axis = prim.GetAttribute("axis").Get(timeCode) or "Z"
+        if shape.axis not in ("X", "Y", "Z"):
+            warn(prim, f"axis {shape.axis} is unknown; Z is used")
     mesh = _core.MakeImplicitMesh(shape)
     _core.FitLimitSurface(mesh)
     mesh.primvars = mesh.primvars + PrimvarsOf(prim, names, inherited, timeCode)

@@ -4,6 +4,7 @@
 Times are offsets in frames from the frame, as the core and Hydra have them.
 """
 
+import bisect
 import math
 
 import numpy as np
@@ -120,9 +121,9 @@ class Motion:
         values = [attribute.Get(self.At(time)) for time in (0.0, *self.TimesOf(attribute.GetPrim(), (attribute.GetName(),)))]
         return any(value != values[0] for value in values)
 
-    def SkinnedSamplesOf(self, prim, points, times, skinAt):
-        """The same of a skinned mesh; skinAt(time): a function that skins it then."""
-        return _Samples(times, [skinAt(time)(prim, points) for time in times], len(points)) if self.isOn else []
+    def SkinnedSamplesOf(self, times, arrays, count):
+        """The same of a skinned prim, of its points at `times`."""
+        return _Samples(times, arrays, count) if self.isOn else []
 
     def PrimvarSamplesOf(self, prim, name, names, primvars):
         """(time, values) of the primvar `name` of a gprim, or the attribute; empty where its indices change."""
@@ -144,6 +145,17 @@ class Motion:
             return []
         matrices = [camera.GetCamera(self.At(time)).transform for time in self.times]
         return self.SamplesOf(matrices if any(matrix != matrices[0] for matrix in matrices) else None)
+
+
+def SampleAt(samples, time, still):
+    """The values at a time of (time, array), linear in between; `still` where there are none."""
+    if not samples:
+        return still
+    times = [own for own, _ in samples]
+    after = min(bisect.bisect_left(times, time), len(times) - 1)
+    before = after if times[after] <= time else max(after - 1, 0)
+    share = (time - times[before]) / (times[after] - times[before]) if after > before else 0.0
+    return (1 - share) * np.asarray(samples[before][1], float) + share * np.asarray(samples[after][1], float)
 
 
 def _SamplesOrWarning(prim, times, arrays, count, warn):

@@ -12,13 +12,15 @@ PROTOTYPE_PREDICATE = Usd.TraverseInstanceProxies(
     Usd.PrimIsActive & Usd.PrimIsLoaded & Usd.PrimHasDefiningSpecifier & ~Usd.PrimIsAbstract)
 IDENTITY = Gf.Matrix4d(1.0)
 _STRONGER = "strongerThanDescendants"
+# What instances of one prototype may be animated by, each by its own.
+SKEL_BINDINGS = frozenset(("skel:animationSource", "skel:skeleton"))
 
 
 class State:
     """Inherited values at a prim, relative to the space of its Context."""
 
     __slots__ = ("matrix", "matrices", "visible", "purpose", "isPurposeAuthored", "primvars", "bindings",
-                 "hasCollections", "drawMode", "skelRoot", "ofPass")
+                 "hasCollections", "drawMode", "skelRoot", "skelBindings", "ofPass")
 
     def __init__(self):
         self.matrix = IDENTITY          # context space from prim, row vectors (Gf)
@@ -30,7 +32,8 @@ class State:
         self.bindings = {}              # material purpose -> (target path, strength)
         self.hasCollections = False     # a collection-based material binding applies
         self.drawMode = ""              # UsdGeomModelAPI; empty: default
-        self.skelRoot = None            # the SkelRoot prim around, whose meshes may be skinned
+        self.skelRoot = None            # the SkelRoot prim around, below which prims may be skinned
+        self.skelBindings = {}          # name of a relationship of UsdSkelBindingAPI -> paths of its targets
         self.ofPass = None              # the prim's own Membership, not inherited; None: there is no pass
 
     def Copy(self):
@@ -38,6 +41,11 @@ class State:
         for name in State.__slots__:
             setattr(copy, name, getattr(self, name))
         return copy
+
+    def AddSkelBinding(self, prim, name):
+        """Takes a relationship of UsdSkelBindingAPI that is authored on `prim` over (this state is still private)."""
+        targets = prim.GetRelationship(name).GetTargets() if prim.GetRelationship(name) else []
+        self.skelBindings = {**self.skelBindings, name: tuple(path.pathString for path in targets)}
 
     def AddBindings(self, prim, names):
         """Takes the material bindings authored on `prim` over (this state is still private)."""

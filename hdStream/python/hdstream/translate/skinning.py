@@ -1,18 +1,72 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Points of skinned meshes at a time code: blend shapes, then joints, by UsdSkel itself.
+"""Points of skinned meshes, curves and points at a time code: blend shapes, then joints, by UsdSkel itself.
 
 The order of steps and the spaces are UsdSkelImaging's, so that Hydra's points are the same but for
 rounding. One prim's points are held at a time. Explained in docs/materials.md, "Skinning".
 """
 
 import numpy as np
-from pxr import Gf, Usd, UsdSkel, Vt
+from pxr import Gf, Usd, UsdGeom, UsdSkel, Vt
 
 _PREDICATE = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 
 
-class Skinning:
-    """Skins the meshes of a stage at one time code. `xforms`: UsdGeom.XformCache of that time."""
+class Skins:
+    """Skinning of a stage at a frame, and while the shutter of a Motion is open around it. `xforms`: UsdGeom.XformCache of the
+    frame."""
+
+    def __init__(self, timeCode, xforms, motion, warn):
+        self._motion = motion
+        self._warn = warn
+        self._atFrame = _Skinning(timeCode, xforms, warn)
+        self._byTime = {}  # while the shutter is open
+
+    def Of(self, prim, rootPrim):
+        """The Skin of a prim below a SkelRoot (None: there is none above it); None when nothing skins it."""
+        if rootPrim is None or not self._atFrame.IsSkinned(prim, rootPrim):
+            return None
+        return Skin(self, prim, rootPrim, self._motion)
+
+    def AreBelow(self, prim, rootPrim):
+        """Whether something below a prim is skinned by a skeleton of a SkelRoot above (None: there is none). Where an instance
+        is does not move what is skinned in it."""
+        return rootPrim is not None and self._atFrame.IsAboveSkinned(prim, rootPrim)
+
+    def AtFrame(self):
+        return self._atFrame
+
+    def At(self, time):
+        """Skinning at an offset in frames from the frame."""
+        if time not in self._byTime:
+            timeCode = self._motion.At(time)
+            self._byTime[time] = _Skinning(timeCode, UsdGeom.XformCache(timeCode), self._warn)
+        return self._byTime[time]
+
+
+class Skin:
+    """What skins one prim."""
+
+    def __init__(self, skins, prim, rootPrim, motion):
+        self._skins = skins
+        self._prim = prim
+        self._rootPrim = rootPrim
+        self._motion = motion
+
+    def PointsOf(self, points):
+        """Points at rest [count][3] where the skeleton carries them at the frame."""
+        return np.asarray(self._skins.AtFrame().PointsOf(self._prim, points, self._rootPrim))
+
+    def SamplesOf(self, points):
+        """(time, points) while the shutter is open; empty when they stay."""
+        if not self._motion.isOn:
+            return []
+        times = self._skins.AtFrame().TimesOf(self._prim, self._rootPrim, self._motion)
+        return self._motion.SkinnedSamplesOf(
+            times, [self._skins.At(time).PointsOf(self._prim, points, self._rootPrim) for time in times], len(points))
+
+
+class _Skinning:
+    """Skins the prims of a stage at one time code. `xforms`: UsdGeom.XformCache of that time."""
 
     def __init__(self, timeCode, xforms, warn):
         self._timeCode = timeCode
@@ -20,16 +74,20 @@ class Skinning:
         self._warn = warn
         self._cache = UsdSkel.Cache()
         self._targets = {}  # path of a SkelRoot -> {path of a prim: (skeleton, skinning query)}
+        self._pathsAbove = {}  # path of a SkelRoot -> paths of these prims and of all above them
+
+    def IsSkinned(self, prim, rootPrim):
+        return self._TargetOf(prim, rootPrim) is not None
+
+    def IsAboveSkinned(self, prim, rootPrim):
+        path = rootPrim.GetPath()
+        if path not in self._pathsAbove:
+            self._pathsAbove[path] = {above for target in self._TargetsOf(rootPrim) for above in target.GetPrefixes()}
+        return prim.GetPath() in self._pathsAbove[path]
 
     def PointsOf(self, prim, points, rootPrim):
-        """The skinned points [count][3] of a mesh below a SkelRoot; None when it is not skinned."""
-        path = rootPrim.GetPath()
-        if path not in self._targets:
-            self._targets[path] = self._FindTargets(UsdSkel.Root(rootPrim))
-        target = self._targets[path].get(prim.GetPath())
-        if target is None:
-            return None
-        skeleton, query = target
+        """The skinned points [count][3] of a prim below a SkelRoot that IsSkinned."""
+        skeleton, query = self._TargetOf(prim, rootPrim)
         skelQuery = self._cache.GetSkelQuery(skeleton)
         skinned = Vt.Vec3fArray.FromNumpy(np.array(points, np.float32))
         if query.HasBlendShapes():
@@ -39,14 +97,20 @@ class Skinning:
         return skinned
 
     def TimesOf(self, prim, rootPrim, motion):
-        """When a mesh is to be skinned while the shutter is open: at its ends, and where its animation has samples."""
+        """When a prim is to be skinned while the shutter is open: at its ends, and where its animation has samples."""
+        animation = self._cache.GetSkelQuery(self._TargetOf(prim, rootPrim)[0]).GetAnimQuery()
+        names = ("translations", "rotations", "scales", "blendShapeWeights")
+        return motion.TimesOf(animation.GetPrim() if animation else prim, names)
+
+    def _TargetOf(self, prim, rootPrim):
+        """(skeleton, skinning query) of a prim; None when nothing skins it."""
+        return self._TargetsOf(rootPrim).get(prim.GetPath())
+
+    def _TargetsOf(self, rootPrim):
         path = rootPrim.GetPath()
         if path not in self._targets:
             self._targets[path] = self._FindTargets(UsdSkel.Root(rootPrim))
-        target = self._targets[path].get(prim.GetPath())
-        animation = self._cache.GetSkelQuery(target[0]).GetAnimQuery() if target else None
-        names = ("translations", "rotations", "scales", "blendShapeWeights")
-        return motion.TimesOf(animation.GetPrim() if animation else prim, names)
+        return self._targets[path]
 
     def _FindTargets(self, root):
         self._cache.Populate(root, _PREDICATE)

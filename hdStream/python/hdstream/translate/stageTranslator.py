@@ -5,7 +5,6 @@ Native instances are collected while a context (the world, or the prototypes of 
 walked and turned into instancers after it. Materials are found for all geometry at once at the end.
 """
 
-import functools
 import gc
 
 import numpy as np
@@ -22,9 +21,9 @@ from hdstream.translate.materials import FindBoundMaterials, MaterialReader
 from hdstream.translate.geometryBatch import GeometryBatch
 from hdstream.translate.motion import Motion
 from hdstream.translate.passCollections import PassCollections
-from hdstream.translate.primState import PREDICATE, Context, State
+from hdstream.translate.primState import PREDICATE, SKEL_BINDINGS, Context, State
 from hdstream.translate.reports import Reports
-from hdstream.translate.skinning import Skinning
+from hdstream.translate.skinning import Skins
 
 # Schemas that are drawn by other renderers and skipped here, with a count.
 _SKIPPED_SCHEMAS = ("ParticleField",)
@@ -60,8 +59,7 @@ class StageTranslator:
         self._reports = Reports(session)
         self._assets = AssetResolver()
         self._xforms = UsdGeom.XformCache(self._timeCode)
-        self._skinning = Skinning(self._timeCode, self._xforms, self._reports.Warn)
-        self._skinnings = {}  # by time while the shutter is open
+        self._skins = Skins(self._timeCode, self._xforms, self._motion, self._reports.Warn)
         self._types = {}
         self._paths = set()
         self._links = Links()
@@ -169,7 +167,7 @@ class StageTranslator:
             self._drawModes.Add(prim, names, self._InPass(prim, state, context), context)
             return None
         if info.handler is None:
-            if prim.IsInstance():
+            if prim.IsInstance() and not self._skins.AreBelow(prim, inherited.skelRoot):
                 self._instancers.AddInstance(prim, state, context.OfDrawMode(state.drawMode))
                 return None
             return state
@@ -196,9 +194,12 @@ class StageTranslator:
             if self._motion.isOn:
                 state.matrices = self._motion.MatricesOf(prim, local, resets, inherited.matrix, inherited.matrices)
         if info.isImageable:
-            if "visibility" in names and prim.GetAttribute("visibility").Get(self._timeCode) == "invisible":
+            visibility = prim.GetAttribute("visibility").Get(self._timeCode) if "visibility" in names else None
+            if visibility == "invisible":
                 state = inherited.Copy() if state is inherited else state
                 state.visible = False
+            elif visibility not in (None, "inherited"):
+                self._reports.Warn(prim, f"visibility {visibility} is unknown; inherited is used")
             if "purpose" in names and prim.GetAttribute("purpose").HasAuthoredValue():
                 state = inherited.Copy() if state is inherited else state
                 state.purpose = prim.GetAttribute("purpose").Get()
@@ -226,6 +227,9 @@ class StageTranslator:
         if hasBindings:
             state = inherited.Copy() if state is inherited else state
             state.AddBindings(prim, names)
+        for name in SKEL_BINDINGS.intersection(names):
+            state = inherited.Copy() if state is inherited else state
+            state.AddSkelBinding(prim, name)
         return state
 
     def _MakeHandlers(self):
@@ -284,14 +288,9 @@ class StageTranslator:
         return path, self.PlacementOf(state, context)
 
     def _OnMesh(self, prim, schema, names, state, context):
-        skin, skinTimes = None, ()
-        if state.skelRoot is not None:
-            skin = functools.partial(self._skinning.PointsOf, rootPrim=state.skelRoot)
-            if self._motion.isOn:
-                skinTimes = self._skinning.TimesOf(prim, state.skelRoot, self._motion)
         mesh = self._KeptGeometry(prim, context) or meshes.ReadMesh(
-            prim, names, state.primvars, self._timeCode, self._motion, self._reports.Warn, skin,
-            lambda time: functools.partial(self._SkinningAt(time).PointsOf, rootPrim=state.skelRoot), skinTimes)
+            prim, names, state.primvars, self._timeCode, self._motion, self._reports.Warn,
+            self._skins.Of(prim, state.skelRoot))
         if mesh is None:
             self._WarnOfClips(prim)
             if lights.IsLight(prim):
@@ -305,12 +304,6 @@ class StageTranslator:
         if prim.HasAuthoredMetadata(valueClips.METADATA):
             for text in valueClips.MissingClips(prim):
                 self._reports.Warn(prim, text)
-
-    def _SkinningAt(self, time):
-        if time not in self._skinnings:
-            timeCode = self._motion.At(time)
-            self._skinnings[time] = Skinning(timeCode, UsdGeom.XformCache(timeCode), self._reports.Warn)
-        return self._skinnings[time]
 
     def _OnTetMesh(self, prim, schema, names, state, context):
         return self._AddConverted(meshes.ReadTetMesh, prim, names, state, context)
@@ -328,26 +321,21 @@ class StageTranslator:
 
     def _OnImplicit(self, prim, schema, names, state, context):
         mesh = self._KeptGeometry(prim, context) or meshes.ReadImplicit(
-            prim, schema, names, state.primvars, self._timeCode)
+            prim, schema, names, state.primvars, self._timeCode, self._reports.Warn)
         self._AddMesh(prim, names, mesh, state, context)
         return state
 
     def _OnCurves(self, prim, schema, names, state, context):
-        if schema == "NurbsCurves" and "order" in names and "knots" in names:
-            self._AddSolid(prim, curves.ReadNurbsCurves(prim, names, state.primvars, self._timeCode, self._motion,
-                                                        self._reports.Warn), state, context)
-            return state
-        description = curves.ReadCurves(prim, schema, names, state.primvars, self._timeCode, self._reports.Warn)
-        self._AddPointSamples(prim, names, description)
-        if description is not None and schema != "BasisCurves":
+        description = curves.ReadCurves(prim, schema, names, state.primvars, self._timeCode, self._motion,
+                                        self._reports.Warn, self._skins.Of(prim, state.skelRoot))
+        if description is not None and schema != "BasisCurves" and description.curves.type == "linear":
             self._reports.Count(prim, f"{schema} are drawn as lines between their points: {{count}}")
         self._AddSolid(prim, description, state, context)
         return state
 
     def _OnPoints(self, prim, schema, names, state, context):
-        description = curves.ReadPointCloud(prim, names, state.primvars, self._timeCode)
-        self._AddPointSamples(prim, names, description)
-        self._AddSolid(prim, description, state, context)
+        self._AddSolid(prim, curves.ReadPointCloud(prim, names, state.primvars, self._timeCode, self._motion,
+                                                   self._reports.Warn, self._skins.Of(prim, state.skelRoot)), state, context)
         return state
 
     def _OnSplats(self, prim, schema, names, state, context):
@@ -367,13 +355,6 @@ class StageTranslator:
         self._session.SetVolume(path, volumes.ReadVolume(
             prim, placement, state.purpose, materialPath, self._timeCode, self._assets, self._reports.Warn))
         return state
-
-    def _AddPointSamples(self, prim, names, description):
-        if description is None:
-            return
-        topology = ("curveVertexCounts",) if description.primitives == _core.PrimitiveKind.Curves else ()
-        description.samples = self._motion.PointSamplesOf(prim, names, len(description.points), self._reports.Warn, topology)
-        description.widthSamples = self._motion.PrimvarSamplesOf(prim, "widths", names, description.primvars)
 
     def _AddSolid(self, prim, description, state, context):
         if description is None:
@@ -422,8 +403,8 @@ class StageTranslator:
             geometryPrim.RemoveLight()
             return
         self._WarnOfLight(prim, names)
-        geometryPrim.SetLight(lights.ReadLight(prim, "Mesh", names, self._timeCode, self._assets), lights.ReadSyncMode(prim),
-                          self._links.Read(prim, names))
+        geometryPrim.SetLight(lights.ReadLight(prim, "Mesh", names, self._timeCode, self._assets),
+                              lights.ReadSyncMode(prim, self._reports.Warn), self._links.Read(prim, names))
 
     def _WarnOfLight(self, prim, names):
         for feature in lights.UnsupportedFeatures(prim, names):
