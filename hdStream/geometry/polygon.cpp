@@ -30,10 +30,6 @@ glm::dvec3 NewellNormal(const glm::dvec3* points, std::uint32_t count) {
 
 } // namespace
 
-bool IsDegenerate(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
-    return glm::vec3(glm::cross(b - a, c - a)) == glm::vec3(0.0F);
-}
-
 std::uint32_t PolygonSplitter::Split(const glm::dvec3* points, std::uint32_t count,
                                      glm::uvec3* out) {
     _points = points;

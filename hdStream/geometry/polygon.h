@@ -15,7 +15,14 @@ namespace hds {
 
 /// True when the triangle has no area: its normal is zero once rounded to float.
 /// Points come from floats, so that the differences and nearly all products are exact in double.
-bool IsDegenerate(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
+inline bool IsDegenerate(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+    const glm::dvec3 u = b - a;
+    const glm::dvec3 v = c - a;
+    const auto isZero = [](double component) { return static_cast<float>(component) == 0.0F; };
+    // Of nearly all triangles the first component is enough to tell.
+    return isZero(u.y * v.z - v.y * u.z) && isZero(u.z * v.x - v.z * u.x) &&
+           isZero(u.x * v.y - v.x * u.y);
+}
 
 /// Splits faces; keeps scratch memory between calls. One object per thread.
 class PolygonSplitter {

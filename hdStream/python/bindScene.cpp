@@ -6,6 +6,9 @@
 
 #include <map>
 #include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -308,6 +311,24 @@ void BindCamera(nb::module_& module) {
                "The factor on radiance of `exposure`, in stops, and EXPOSURE_ATTRIBUTES by name.");
 }
 
+/// \param path of USD: those below it begin with it and a slash.
+std::vector<std::string> PathsBelow(const SceneDescription& scene, const std::string& path) {
+    std::vector<std::string> found;
+    const auto add = [&](const auto& prims) {
+        for (auto prim = prims.lower_bound(path);
+             prim != prims.end() && prim->first.compare(0, path.size(), path) == 0; ++prim) {
+            if (prim->first.size() == path.size() || prim->first[path.size()] == '/') {
+                found.push_back(prim->first);
+            }
+        }
+    };
+    add(scene.geometry);
+    add(scene.volumes);
+    add(scene.instancers);
+    add(scene.lights);
+    return found;
+}
+
 } // namespace
 
 void BindScene(nb::module_& module) {
@@ -330,7 +351,26 @@ void BindScene(nb::module_& module) {
                          }
                          return networks;
                      })
-        .def_prop_ro("cameras", [](const SceneDescription& self) { return self.cameras; });
+        .def_prop_ro("cameras", [](const SceneDescription& self) { return self.cameras; })
+        // What copies of a million prims would take long for.
+        .def("PathsBelow", &PathsBelow, "path"_a,
+             "Of geometry, volumes, instancers and lights at a path of USD and below it.")
+        .def_prop_ro(
+            "isEmpty",
+            [](const SceneDescription& self) {
+                return self.geometry.empty() && self.volumes.empty();
+            },
+            "Whether there is nothing to draw.")
+        .def_prop_ro("hasInstancers",
+                     [](const SceneDescription& self) { return !self.instancers.empty(); })
+        .def(
+            "FindGeometry",
+            [](const SceneDescription& self,
+               const std::string& path) -> std::optional<GeometryPrim> {
+                const auto prim = self.geometry.find(path);
+                return prim == self.geometry.end() ? std::nullopt : std::optional(prim->second);
+            },
+            "path"_a, "A copy of the prim of that path; None where there is none.");
 }
 
 } // namespace hds::python

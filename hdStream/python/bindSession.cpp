@@ -11,6 +11,7 @@
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/pair.h>
+#include <nanobind/stl/set.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
@@ -203,6 +204,8 @@ void BindSession(nb::module_& module) {
             },
             "onWarning"_a = nb::none())
         .def("SetGeometry", &Session::SetGeometry, "path"_a, "prim"_a)
+        .def("SetCategories", &Session::SetCategories, "path"_a, "categories"_a,
+             "What geometry that is there is linked to.")
         .def("SetVolume", &Session::SetVolume, "path"_a, "prim"_a)
         .def("SetInstancer", &Session::SetInstancer, "path"_a, "prim"_a)
         .def("SetLight", &Session::SetLight, "path"_a, "prim"_a)

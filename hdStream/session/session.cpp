@@ -349,6 +349,15 @@ void Session::SetGeometry(const std::string& path, GeometryPrim prim) {
     ++_impl->sceneVersion;
 }
 
+void Session::SetCategories(const std::string& path, std::set<std::string> categories) {
+    const auto prim = _impl->description.geometry.find(path);
+    if (prim == _impl->description.geometry.end()) {
+        throw Error(path + ": there is no geometry");
+    }
+    prim->second.categories = std::move(categories);
+    ++_impl->sceneVersion;
+}
+
 void Session::SetVolume(const std::string& path, VolumePrim prim) {
     _impl->description.volumes[path] = std::move(prim);
     ++_impl->sceneVersion;

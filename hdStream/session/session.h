@@ -26,6 +26,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -70,6 +71,9 @@ public:
     // Cheap whatever the prim: what is expensive to prepare is shared through pointers
     // (GeometryPrim).
     void SetGeometry(const std::string& path, GeometryPrim prim);
+    /// What geometry that is there is linked to: front ends may meet lights after it. \throws
+    /// Error.
+    void SetCategories(const std::string& path, std::set<std::string> categories);
     void SetVolume(const std::string& path, VolumePrim prim);
     void SetInstancer(const std::string& path, InstancerPrim prim);
     void SetLight(const std::string& path, LightPrim prim);

@@ -46,6 +46,11 @@ kernel void intersect_resume(HDS_GEOMETRY_ARGS, global uchar* state, uint numSlo
     HdsPaths paths = {state, numSlots};
     HDS_GEOMETRY_VIEW(view);
     HDS_FOR_ITEMS(item, count) {
+#if HDS_WAIT_LISTS
+        if (item + HDS_FETCH_AHEAD < itemsEnd) {
+            trace_fetchClosest(paths, queue[item + HDS_FETCH_AHEAD]);
+        }
+#endif
         trace_resumeClosest(&view, paths, queue[item], waitQueue, readyQueue, counters);
     }
 }

@@ -153,6 +153,11 @@ kernel void shadow_resume(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
     HDS_FOR_ITEMS(item, count) {
+#if HDS_WAIT_LISTS
+        if (item + HDS_FETCH_AHEAD < itemsEnd) {
+            trace_fetchOccluded(paths, queue[item + HDS_FETCH_AHEAD]);
+        }
+#endif
         uint i = queue[item];
         HdsHit candidate;
         const uint found =

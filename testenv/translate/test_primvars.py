@@ -81,3 +81,14 @@ def test_primvars_normals_have_precedence(authored, expected):
     primvars = Translate(stage).Scene().geometry["/M"].geometry.primvars
     assert [(p.name, p.interpolation.name) for p in primvars] == [("normals", expected)]
     assert (primvars[0].values == [0, 0, 1]).all()
+
+
+def test_arrays_without_values_are_no_primvars():
+    session = Translate(StageOf("""
+        def Sphere "S" {
+            color3f[] primvars:displayColor = []
+            texCoord2f[] primvars:st = [] (interpolation = "vertex")
+            float[] primvars:f = []
+            float4[] primvars:four = [(1, 2, 3, 4)] (interpolation = "constant")
+        }"""))
+    assert [primvar.name for primvar in session.Scene().geometry["/S"].geometry.primvars] == ["four"]

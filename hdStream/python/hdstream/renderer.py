@@ -309,8 +309,7 @@ class Renderer:
         shutter = ShutterOf(cameraPrim, timeCode, settings)
         self._translation.Update(timeCode, shutter, renderPassPrimPath or "")
         self._diagnostics.WarnOf(self._session)
-        scene = self._session.Scene()
-        if not scene.geometry and not scene.volumes:
+        if self._session.Scene().isEmpty:
             self._session.Warn(self._name, "the stage has nothing to draw")
         framing = Framing(self._stage, self._session, renderSettings, values.get("imageWidth"),
                           values.get("imageHeight"), crop)

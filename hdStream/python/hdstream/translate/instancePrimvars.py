@@ -170,7 +170,7 @@ class _FixedPath:
     """A context of one path."""
 
     def __init__(self, path):
-        self._path = path
+        self._path = self.instancerPath = path
 
     def ScenePath(self, prim):
         return self._path

@@ -5,6 +5,8 @@ Node graphs, interfaces and pass-through connections are followed by UsdShade it
 (GetValueProducingAttributes), so a node sees either a value or the output of another shader.
 """
 
+import typing
+
 import numpy as np
 from pxr import Sdf, Usd, UsdShade
 
@@ -19,24 +21,38 @@ _CONTEXTS = ("mtlx:", "")
 BINDING_PURPOSE = "full"
 
 
-def FindBoundMaterials(prims, warn):
-    """Paths of the materials bound to `prims`, "" where none is, and the materials by path.
+class BoundMaterial(typing.NamedTuple):
+    """The material that is bound to a prim."""
+
+    path: str = ""  # empty: none is
+    prim: Usd.Prim = None
+    missing: str = ""  # path of a material that is bound, but does not exist
+
+
+def BoundMaterials(prims, warn):
+    """The BoundMaterial of each prim. `warn(prim, text)` gets bindings that cannot be read.
 
     One call for all prims: UsdShade shares its caches between them and uses all cores.
     """
-    materials, relationships = _ComputeBoundMaterials(prims, warn)
-    paths = []
-    primByPath = {}
-    for prim, material, relationship in zip(prims, materials, relationships):
+    if not prims:
+        return []
+    found = []
+    for material, relationship in zip(*_ComputeBoundMaterials(prims, warn)):
         if material:
-            path = material.GetPath().pathString
-            primByPath[path] = material.GetPrim()
-            paths.append(path)
-            continue
-        paths.append("")
-        if relationship and relationship.GetTargets():
-            warn(prim, f"bound material {relationship.GetTargets()[0]} does not exist")
-    return paths, primByPath
+            found.append(BoundMaterial(material.GetPath().pathString, material.GetPrim()))
+        else:
+            targets = relationship.GetTargets() if relationship else ()
+            found.append(BoundMaterial(missing=str(targets[0]) if targets else ""))
+    return found
+
+
+def FindBoundMaterials(prims, warn):
+    """Paths of the materials bound to `prims`, "" where none is, and the materials by path."""
+    bound = BoundMaterials(prims, warn)
+    for prim, material in zip(prims, bound):
+        if material.missing:
+            warn(prim, f"bound material {material.missing} does not exist")
+    return [material.path for material in bound], {material.path: material.prim for material in bound if material.prim}
 
 
 def _ComputeBoundMaterials(prims, warn):

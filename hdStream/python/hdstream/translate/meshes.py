@@ -7,7 +7,7 @@ from pxr import Usd, UsdGeom, Vt
 from hdstream import _core
 from hdstream.translate import nurbs
 from hdstream.translate.primvars import PrimvarsOf
-from hdstream.translate.rereading import Again
+from hdstream.translate.rereading import Again, IsKept
 
 _TAG_ARRAYS = {
     "creaseIndices": np.int32, "creaseLengths": np.int32, "creaseSharpnesses": np.float32,
@@ -32,6 +32,8 @@ def ReadArray(prim, name, timeCode, itemType):
 
 def OrAgain(prim, name, timeCode, values):
     """What ReadArray gave, in a form that the core may read again where it is large."""
+    if IsKept(values.nbytes):  # of a million small arrays no attribute is looked up twice
+        return values
     itemType = values.dtype  # the function below must not keep the values
     return Again(prim.GetAttribute(name), timeCode, values, lambda: ReadArray(prim, name, timeCode, itemType))
 
@@ -50,8 +52,25 @@ def _ReadSubdivTags(prim, names, timeCode):
     return tags
 
 
+def _ReadInts(prim, name, timeCode):
+    """The value as an array of int32 that numpy and the core take: OpenUSD's own, around which numpy's would take time and memory."""
+    value = prim.GetAttribute(name).Get(timeCode)
+    return value if value is None or type(value) is Vt.IntArray else np.ascontiguousarray(value, np.int32)
+
+
+def _IntsAgain(prim, name, timeCode, values):
+    """What _ReadInts gave, in a form that the core may read again where it is large."""
+    return values if IsKept(4 * len(values)) else OrAgain(prim, name, timeCode, np.asarray(values))
+
+
 def ReadPoints(prim, names, timeCode):
     """[count][3]; between samples, where velocities take the points of the sample before."""
+    points = _ReadPointArray(prim, names, timeCode)
+    return None if points is None else np.asarray(points)
+
+
+def _ReadPointArray(prim, names, timeCode):
+    """The same as an array of OpenUSD."""
     points = prim.GetAttribute("points").Get(timeCode)
     if points is not None and not isinstance(points, Vt.Vec3fArray):
         # UsdImaging draws none of these either.
@@ -59,12 +78,14 @@ def ReadPoints(prim, names, timeCode):
     if "velocities" in names and points and Usd.TimeCode(timeCode).IsNumeric():
         moved = UsdGeom.PointBased(prim).ComputePointsAtTime(timeCode, timeCode)
         points = moved if moved and len(moved) == len(points) else points
-    return None if points is None else np.asarray(points)
+    return points
 
 
 def PointsAgain(prim, names, timeCode, points):
     """What ReadPoints gave, in a form that the core may read again where it is large."""
-    return Again(prim.GetAttribute("points"), timeCode, points, lambda: ReadPoints(prim, names, timeCode))
+    if IsKept(12 * len(points)):
+        return points
+    return Again(prim.GetAttribute("points"), timeCode, np.asarray(points), lambda: ReadPoints(prim, names, timeCode))
 
 
 def PosePoints(prim, names, timeCode, points, skin):
@@ -84,16 +105,19 @@ def ReadMesh(prim, names, inherited, timeCode, motion, warn, skin=None):
 
     `skin`: the Skin of a skinned mesh. Normals are carried from the points at rest to the skinned ones.
     """
-    points = ReadPoints(prim, names, timeCode)
-    counts = ReadArray(prim, "faceVertexCounts", timeCode, np.int32)
-    indices = ReadArray(prim, "faceVertexIndices", timeCode, np.int32)
-    if points is None or counts is None or indices is None or not points.size or not counts.size:
+    points = _ReadPointArray(prim, names, timeCode)
+    counts = _ReadInts(prim, "faceVertexCounts", timeCode)
+    indices = _ReadInts(prim, "faceVertexIndices", timeCode)
+    if points is None or counts is None or indices is None or not len(points) or not len(counts):
         return None
+    if skin is not None:
+        points = np.asarray(points)
     mesh = _core.GeometryDescription()
     mesh.points = PosePoints(prim, names, timeCode, points, skin)
-    mesh.samples = PoseSamples(prim, names, points, motion, warn, ("faceVertexCounts", "faceVertexIndices"), skin)
-    mesh.faceVertexCounts = OrAgain(prim, "faceVertexCounts", timeCode, counts)
-    mesh.faceVertexIndices = OrAgain(prim, "faceVertexIndices", timeCode, indices)
+    if skin is not None or motion.isOn:
+        mesh.samples = PoseSamples(prim, names, points, motion, warn, ("faceVertexCounts", "faceVertexIndices"), skin)
+    mesh.faceVertexCounts = _IntsAgain(prim, "faceVertexCounts", timeCode, counts)
+    mesh.faceVertexIndices = _IntsAgain(prim, "faceVertexIndices", timeCode, indices)
     mesh.subdivisionScheme = "catmullClark"  # UsdGeomMesh's fallback
     if "subdivisionScheme" in names:
         mesh.subdivisionScheme = prim.GetAttribute("subdivisionScheme").Get(timeCode) or "none"
@@ -111,7 +135,7 @@ def ReadMesh(prim, names, inherited, timeCode, motion, warn, skin=None):
     mesh.primvars = PrimvarsOf(prim, names, inherited, timeCode)
     if skin is not None:
         _CarryNormals(mesh, points)
-    else:
+    elif motion.isOn:
         mesh.normalSamples = motion.PrimvarSamplesOf(prim, "normals", names, mesh.primvars)
     return mesh
 

@@ -86,8 +86,7 @@ class Motion:
     def PointSamplesOf(self, prim, names, count, warn, topology=()):
         """(time, points) of a PointBased prim; velocities count. `topology`: names of what must not change; where it
         does, velocities alone tell how the points of the frame move."""
-        points = prim.GetAttribute("points")
-        if not self.isOn or not ("velocities" in names or points.ValueMightBeTimeVarying()):
+        if not self.isOn or not ("velocities" in names or prim.GetAttribute("points").ValueMightBeTimeVarying()):
             return []
         hasVelocities = "velocities" in names and self._HasVelocities(prim, count)
         if hasVelocities:
@@ -127,9 +126,11 @@ class Motion:
 
     def PrimvarSamplesOf(self, prim, name, names, primvars):
         """(time, values) of the primvar `name` of a gprim, or the attribute; empty where its indices change."""
+        if not self.isOn:
+            return []
         primvar = next((primvar for primvar in primvars if primvar.name == name), None)
         attributeName = next((text for text in (f"primvars:{name}", name) if text in names), None)
-        if not self.isOn or primvar is None or attributeName is None:
+        if primvar is None or attributeName is None:
             return []
         attribute = prim.GetAttribute(attributeName)
         indices = prim.GetAttribute(attributeName + ":indices")

@@ -15,6 +15,7 @@ from hdstream.translate.rereading import Again
 
 PREFIX = "primvars:"
 _INDICES = ":indices"
+_FLOAT_ROWS = frozenset((Vt.Vec2fArray, Vt.Vec3fArray, Vt.Vec4fArray))
 _KARMA_VISIBILITY = PREFIX + _core.KARMA_VISIBILITY  # a text
 # Read by systems that the renderer does not have; large and of no use to it.
 _SKIPPED = ("primvars:skel:",)
@@ -37,6 +38,8 @@ def FloatRows(value, attribute):
 
     Arrays that hold floats already are passed on without a copy.
     """
+    if type(value) in _FLOAT_ROWS:  # the usual case
+        return np.asarray(value) if value else None
     if value is None or isinstance(value, str):
         return None
     if isinstance(value, (bool, int, float)):

@@ -14,9 +14,14 @@ from hdstream import _core
 SMALLEST = 1 << 16  # bytes; smaller arrays are kept
 
 
+def IsKept(numBytes):
+    """Whether an array of that size stays in memory as it is."""
+    return numBytes < SMALLEST
+
+
 def Again(attribute, timeCode, values, read):
     """`values`, read from an attribute by `read()`; where they are large as an array that the core may read again."""
-    if values is None or values.nbytes < SMALLEST:
+    if values is None or IsKept(values.nbytes):
         return values
     return _core.StageArray(attribute.GetPath().pathString, values, _Reader(attribute, timeCode, read))
 

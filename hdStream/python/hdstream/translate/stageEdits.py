@@ -37,7 +37,6 @@ class StageTranslation:
         self._pass = ""  # path of the render pass; empty: none
         self._isStale = True
         self._changes = {}  # prim path -> names of its properties that changed
-        self._paths = set()  # of geometry and lights in the scene
         self._materialPaths = set()
         self._hasInstancers = False
         self._hasLinks = False  # what a prim's links are, lights elsewhere say
@@ -81,9 +80,8 @@ class StageTranslation:
         self._onBegin()
         translator = self._NewTranslator()
         translator.Translate()
-        self._paths = set(translator.Paths())
         self._materialPaths = translator.materialPaths
-        self._hasInstancers = bool(self._session.Scene().instancers)
+        self._hasInstancers = self._session.Scene().hasInstancers
         self._hasLinks = translator.LinksAreUsed()
         self._isStale = False
         return translator.numPrims
@@ -125,16 +123,14 @@ class StageTranslation:
             translator.TranslateMaterial(material)
             return 1
         kept = {}
-        text = path.pathString
-        isBelow = [found for found in self._paths if found == text or found.startswith(text + "/")]
+        scene = self._session.Scene()
+        isBelow = scene.PathsBelow(path.pathString)
         if all(_IsPlacing(name) for name in names):
-            prims = self._session.Scene().geometry
-            kept = {found: prims[found] for found in isBelow if found in prims}
+            prims = {found: scene.FindGeometry(found) for found in isBelow}
+            kept = {found: geometryPrim for found, geometryPrim in prims.items() if geometryPrim}
         for found in isBelow:
             self._session.Remove(found)
         translator.TranslateBelow(prim, _Ancestors(prim), kept)
-        self._paths.difference_update(isBelow)
-        self._paths.update(translator.Paths())
         self._materialPaths.update(translator.materialPaths)
         return translator.numPrims
 

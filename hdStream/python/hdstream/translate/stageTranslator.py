@@ -61,7 +61,8 @@ class StageTranslator:
         self._xforms = UsdGeom.XformCache(self._timeCode)
         self._skins = Skins(self._timeCode, self._xforms, self._motion, self._reports.Warn)
         self._types = {}
-        self._paths = set()
+        self._numPaths = 0
+        self._placedPaths = set()  # of what instancers place: all other prims have the paths that USD gives them
         self._links = Links()
         self._batch = GeometryBatch(session, self._links, self._reports.Warn)
         self._drawModes = drawModes.DrawModes(self, session, self._timeCode, self._assets, self._reports)
@@ -103,10 +104,6 @@ class StageTranslator:
     def LinksAreUsed(self):
         """Some light leaves something out."""
         return self._links.areUsed
-
-    def Paths(self):
-        """Scene paths of the geometry and lights that were translated."""
-        return self._paths
 
     def _Translate(self, prims, state):
         self.Walk(prims, state, Context())
@@ -268,9 +265,11 @@ class StageTranslator:
     def ReservePath(self, prim, context):
         """The scene path of a prim, which no other prim will get."""
         path = context.ScenePath(prim)
-        if path in self._paths:  # a prototype inside another prototype of the same instancer
-            path = f"{path}{{{len(self._paths)}}}"
-        self._paths.add(path)
+        if context.instancerPath:
+            if path in self._placedPaths:  # a prototype inside another prototype of the same instancer
+                path = f"{path}{{{self._numPaths}}}"
+            self._placedPaths.add(path)
+        self._numPaths += 1
         return path
 
     def PlacementOf(self, state, context):
@@ -296,8 +295,7 @@ class StageTranslator:
             if lights.IsLight(prim):
                 self._reports.Warn(prim, "mesh light has no faces; it lights nothing")
             return state
-        self._AddMesh(prim, names, mesh, state, context)
-        return state
+        return self._AddMesh(prim, names, mesh, state, context, mayBeLight=True)
 
     def _WarnOfClips(self, prim):
         """Names the files of a prim's own value clips that are not there."""
@@ -315,27 +313,25 @@ class StageTranslator:
         """A prim that `read` makes a mesh of."""
         mesh = self._KeptGeometry(prim, context) or read(
             prim, names, state.primvars, self._timeCode, self._motion, self._reports.Warn)
-        if mesh is not None:
-            self._AddMesh(prim, names, mesh, state, context)
-        return state
+        return state if mesh is None else self._AddMesh(prim, names, mesh, state, context)
 
     def _OnImplicit(self, prim, schema, names, state, context):
         mesh = self._KeptGeometry(prim, context) or meshes.ReadImplicit(
             prim, schema, names, state.primvars, self._timeCode, self._reports.Warn)
-        self._AddMesh(prim, names, mesh, state, context)
-        return state
+        return self._AddMesh(prim, names, mesh, state, context)
 
     def _OnCurves(self, prim, schema, names, state, context):
         description = curves.ReadCurves(prim, schema, names, state.primvars, self._timeCode, self._motion,
                                         self._reports.Warn, self._skins.Of(prim, state.skelRoot))
         if description is not None and schema != "BasisCurves" and description.curves.type == "linear":
             self._reports.Count(prim, f"{schema} are drawn as lines between their points: {{count}}")
-        self._AddSolid(prim, description, state, context)
+        self._AddSolid(prim, names, description, state, context)
         return state
 
     def _OnPoints(self, prim, schema, names, state, context):
-        self._AddSolid(prim, curves.ReadPointCloud(prim, names, state.primvars, self._timeCode, self._motion,
-                                                   self._reports.Warn, self._skins.Of(prim, state.skelRoot)), state, context)
+        self._AddSolid(prim, names, curves.ReadPointCloud(prim, names, state.primvars, self._timeCode, self._motion,
+                                                          self._reports.Warn, self._skins.Of(prim, state.skelRoot)),
+                       state, context)
         return state
 
     def _OnSplats(self, prim, schema, names, state, context):
@@ -343,7 +339,7 @@ class StageTranslator:
         if description is not None:
             description.samples = self._motion.ArraySamplesOf(
                 prim, splats.PositionsName(prim, self._timeCode), len(description.points), self._reports.Warn)
-        self._AddSolid(prim, description, state, context)
+        self._AddSolid(prim, names, description, state, context)
         return state
 
     def _OnVolume(self, prim, schema, names, state, context):
@@ -356,25 +352,26 @@ class StageTranslator:
             prim, placement, state.purpose, materialPath, self._timeCode, self._assets, self._reports.Warn))
         return state
 
-    def _AddSolid(self, prim, description, state, context):
+    def _AddSolid(self, prim, names, description, state, context):
         if description is None:
             return
         path, placement = self._Place(prim, state, context)
         geometryPrim = _core.GeometryPrim(description, placement, state.purpose)
         if state.ofPass:
             state.ofPass.Apply(geometryPrim)
-        for splitPath, splitPrim in self._instancers.Split(path, prim, geometryPrim):
-            self._batch.Add(splitPath, prim, splitPrim, [])
+        self._AddToBatch(path, prim, names, geometryPrim, [], state)
 
     def _KeptGeometry(self, prim, context):
         """The geometry of before when it still holds, else None."""
-        kept = self._kept.get(context.ScenePath(prim))
+        kept = self._kept.get(context.ScenePath(prim)) if self._kept else None
         return kept.geometry if kept else None
 
-    def _AddMesh(self, prim, names, mesh, state, context):
+    def _AddMesh(self, prim, names, mesh, state, context, mayBeLight=False):
+        """Adds a mesh; returns the state of what is below it, None where nothing is."""
         subsets = []
         subsetPrims = []
-        for child in prim.GetFilteredChildren(context.predicate):
+        children = prim.GetFilteredChildren(context.predicate)
+        for child in children:
             if child.IsA(UsdGeom.Subset):
                 subset = meshes.ReadSubset(child, self._timeCode)
                 if subset is not None:
@@ -391,12 +388,17 @@ class StageTranslator:
             geometryPrim = _core.GeometryPrim(mesh, placement, state.purpose)
         if "doubleSided" in names or prim.GetTypeName() == "Plane":  # whose fallback is true
             geometryPrim.doubleSided = bool(prim.GetAttribute("doubleSided").Get(self._timeCode))
-        if prim.IsA(UsdGeom.Mesh):
+        if mayBeLight:
             self._ReadMeshLight(prim, names, geometryPrim)
         if state.ofPass:
             state.ofPass.Apply(geometryPrim)
+        self._AddToBatch(path, prim, names, geometryPrim, subsetPrims, state)
+        return state if children else None
+
+    def _AddToBatch(self, path, prim, names, geometryPrim, subsetPrims, state):
+        hasOwn = state.hasCollections or any(name.startswith("material:binding") for name in names)
         for splitPath, splitPrim in self._instancers.Split(path, prim, geometryPrim):
-            self._batch.Add(splitPath, prim, splitPrim, subsetPrims)
+            self._batch.Add(splitPath, prim, splitPrim, subsetPrims, None if hasOwn else state.bindings)
 
     def _ReadMeshLight(self, prim, names, geometryPrim):
         if not lights.IsLight(prim):
