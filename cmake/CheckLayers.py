@@ -15,8 +15,8 @@ RANKS = {
 }
 # Inside kernels/ the same idea: leaves first, program roots last.
 KERNEL_RANKS = {
-    "shared": 0, "math": 1, "sample": 2, "stream": 3, "accel": 4, "texture": 4, "volume": 5, "shading": 5, "light": 5,
-    "film": 6, "integrator": 7,
+    "shared": 0, "math": 1, "sample": 2, "stream": 3, "accel": 4, "texture": 4, "shading": 5, "light": 5,
+    "volume": 6, "film": 6, "integrator": 7,
 }
 # Headers that only some layers may see.
 MONOPOLIES = [

@@ -48,7 +48,7 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
                              const DeviceProperties& properties, bool isStreaming) {
     KernelFeatures features;
     features.cutouts = scene.hasCutouts;
-    features.programs = buffers.HasPrograms();
+    features.programs = buffers.HasPrograms() || scene.hasPatterns;
     features.patterns = scene.hasPatterns;
     features.closures = scene.hasClosures;
     features.lobes = scene.lobes;
@@ -92,6 +92,7 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
     features.volumes = !scene.volumes.volumes.empty();
     features.volumeMotion = scene.volumes.haveMotion;
     features.volumeTerms = !scene.volumes.terms.empty();
+    features.volumePatterns = scene.volumes.havePatterns;
     features.lightPaths = NumLightPathSums(options.aovs.lightPaths.size());
     features.numPools = buffers.NumPoolBuffers() > 1 ? kMaxPoolBuffers : 1;
     features.streaming = isStreaming;

@@ -202,7 +202,8 @@ void BindPlaced(nb::module_& module) {
                                              density,
                                              emissionField,
                                              temperatureField,
-                                             {}};
+                                             {},
+                                             false};
             },
             "absorption"_a, "scattering"_a, "anisotropy"_a, "emission"_a, "blackbody"_a, "kelvin"_a,
             "density"_a, "emissionField"_a, "temperatureField"_a, "In place of a material.")
@@ -218,7 +219,7 @@ void BindPlaced(nb::module_& module) {
                     self.shading = VolumeShading();
                 }
                 self.shading->terms.push_back(
-                    {fields, vector(absorption), vector(scattering), vector(emission)});
+                    {fields, vector(absorption), vector(scattering), vector(emission), {}});
             },
             "fields"_a, "absorption"_a, "scattering"_a, "emission"_a,
             "A product of fields, by name, and what each coefficient has of it, a unit of length "

@@ -96,11 +96,16 @@ public:
         AddHierarchy();
         AddLights();
         AddCatchers();
+        VolumeMaterials ofVolumes = ReadVolumeMaterials(
+            _scene, _options.purposes,
+            [this](const std::string& path) {
+                return IsDrawnPath(path, _options.drawnPaths, _options.hiddenPaths);
+            },
+            &_materials, _warnings);
         _result->instancePrimvars = _instancePrimvars.Take();
         _result->materials = std::move(_materials.materials);
         _result->primMaterials = std::move(_materials.primMaterials);
         _result->programs = std::move(_materials.programs);
-        _result->hasPatterns = HasPatterns(_result->programs);
         _result->hasClosures = HasClosures(_result->programs);
         _result->lobes = _materials.lobes;
         _result->hasMedia = _materials.hasMedia;
@@ -116,7 +121,8 @@ public:
         _result->images = &_cache.images;
         _result->textureLines = std::make_unique<TextureLines>(
             _cache.textures, MakeTextureImages(_result->textureTable, _cache.images));
-        AddVolumes();
+        AddVolumes(std::move(ofVolumes));
+        _result->hasPatterns = HasPatterns(_result->programs) || _result->volumes.havePatterns;
         AddMeshMedia();
         _result->textures = _cache.images.Uses();
         Count();
@@ -388,15 +394,16 @@ private:
     }
 
     /// After the textures, whose numbers those of grids follow.
-    void AddVolumes() {
-        _result->volumes = CommitVolumes(
-            _scene, _options.purposes,
-            [this](const std::string& path) {
-                return IsDrawnPath(path, _options.drawnPaths, _options.hiddenPaths);
-            },
-            _options.shutter, _result->centre,
-            static_cast<std::uint32_t>(_result->textureTable.size()), _cache.grids.get(),
-            _warnings);
+    void AddVolumes(VolumeMaterials materials) {
+        std::vector<std::uint32_t>& programs = _result->programs;
+        _result->volumes =
+            CommitVolumes(_scene, std::move(materials), _options.shutter, _result->centre,
+                          {static_cast<std::uint32_t>(_result->textureTable.size()),
+                           static_cast<std::uint32_t>(programs.size())},
+                          {_cache.grids.get(), &_cache.images}, _warnings);
+        const std::vector<std::uint32_t>& patterns = _result->volumes.programs;
+        programs.insert(programs.end(), patterns.begin(), patterns.end());
+        _result->maxLookups = std::max(_result->maxLookups, _result->volumes.maxLookups);
         _result->lines =
             std::make_unique<SceneLines>(_result->textureLines.get(), &_result->volumes.prepared);
         if (!_result->volumes.volumes.empty()) { // kernels have what volumes need

@@ -17,13 +17,13 @@ constexpr int kMaxCells = 4;
 
 /// What any tile around the voxels [first, last] has at most; of what it has at least tiles with
 /// cells say nothing.
-ValueRange RangeOfTiles(const GridDescription& grid, glm::ivec3 first, glm::ivec3 last) {
+GridRange RangeOfTiles(const GridDescription& grid, glm::ivec3 first, glm::ivec3 last) {
     const shared::HdsGrid& record = grid.record;
     const glm::ivec3 origin(record.origin[0], record.origin[1], record.origin[2]);
     const glm::ivec3 size(record.tiles[0], record.tiles[1], record.tiles[2]);
     const glm::ivec3 begin = glm::max((first - origin) >> HDS_TILE_VOXELS_LOG2, glm::ivec3(0));
     const glm::ivec3 end = glm::min((last - origin) >> HDS_TILE_VOXELS_LOG2, size - 1);
-    ValueRange range;
+    GridRange range;
     for (glm::ivec3 at = begin; at.z <= end.z; ++at.z) {
         for (at.y = begin.y; at.y <= end.y; ++at.y) {
             for (at.x = begin.x; at.x <= end.x; ++at.x) {
@@ -55,7 +55,7 @@ shared::HdsGridCell GridCellAt(const GridDescription& grid, glm::ivec3 voxel) {
                       (std::size_t(cell.z) * HDS_TILE_CELLS + cell.y) * HDS_TILE_CELLS + cell.x];
 }
 
-ValueRange RangeBetween(const GridDescription& grid, glm::dvec3 first, glm::dvec3 last) {
+GridRange RangeBetween(const GridDescription& grid, glm::dvec3 first, glm::dvec3 last) {
     const glm::ivec3 lower(glm::floor(first));
     const glm::ivec3 upper(glm::floor(last));
     const glm::ivec3 begin = lower >> HDS_BRICK_VOXELS_LOG2;
@@ -63,7 +63,7 @@ ValueRange RangeBetween(const GridDescription& grid, glm::dvec3 first, glm::dvec
     if (glm::any(glm::greaterThanEqual(end - begin, glm::ivec3(kMaxCells)))) {
         return RangeOfTiles(grid, lower, upper);
     }
-    ValueRange range{std::numeric_limits<double>::infinity(), 0.0};
+    GridRange range{std::numeric_limits<double>::infinity(), 0.0};
     for (glm::ivec3 at = begin; at.z <= end.z; ++at.z) {
         for (at.y = begin.y; at.y <= end.y; ++at.y) {
             for (at.x = begin.x; at.x <= end.x; ++at.x) {

@@ -13,7 +13,7 @@ namespace hds {
 constexpr double kGridSlack = 1e-3;
 
 /// Between these the interpolation of a grid is.
-struct ValueRange {
+struct GridRange {
     double least = 0.0;
     double greatest = 0.0;
 };
@@ -23,6 +23,6 @@ shared::HdsGridCell GridCellAt(const GridDescription& grid, glm::ivec3 voxel);
 
 /// Between two points, the lesser and the greater along each axis. Where that is much more than a
 /// cell it is what tiles know.
-ValueRange RangeBetween(const GridDescription& grid, glm::dvec3 first, glm::dvec3 last);
+GridRange RangeBetween(const GridDescription& grid, glm::dvec3 first, glm::dvec3 last);
 
 } // namespace hds

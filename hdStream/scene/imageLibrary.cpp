@@ -125,6 +125,18 @@ std::shared_ptr<const HeightImage> ImageLibrary::LoadHeights(const MaterialTextu
     return image;
 }
 
+void ImageLibrary::LoadHeights(DisplacementNetwork* network) {
+    for (DisplacementStep& step : network->steps) {
+        for (DisplacementTile& tile : step.tiles) {
+            for (std::uint32_t channel = 0; channel < 4; ++channel) {
+                if ((tile.channels >> channel & 1U) != 0) {
+                    tile.heights[channel] = LoadHeights(tile.texture, channel);
+                }
+            }
+        }
+    }
+}
+
 std::shared_ptr<const LightImage> ImageLibrary::LoadLightImage(const AssetReference& asset,
                                                                TexturePreparer* preparer) {
     const std::string key = KeyOf(asset) + '\n' + asset.colorSpace;

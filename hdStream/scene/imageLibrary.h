@@ -53,6 +53,8 @@ public:
     /// One channel of an image in linear light; null when it cannot be read (the caller warns).
     std::shared_ptr<const HeightImage> LoadHeights(const MaterialTexture& texture,
                                                    std::uint32_t channel);
+    /// Those of all look-ups of a network.
+    void LoadHeights(DisplacementNetwork* network);
 
     /// What the distribution of a light's image is made of; null when it cannot be read (the caller
     /// warns). Prepares the image as a texture, which stays prepared as long as it is in use.

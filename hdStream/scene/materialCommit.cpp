@@ -93,15 +93,21 @@ MaterialCommit::CompileNetwork(const std::string& path,
                                const std::shared_ptr<const MaterialNetwork>& network) {
     CachedMaterial result;
     result.network = network;
+    result.compiled = CompileMaterial(*network, path, Images(&result.images), _warnings);
+    result.primvars = hds::PrimvarsOf(result.compiled);
+    return result;
+}
+
+ImageQueries MaterialCommit::Images(std::vector<AssetReference>* asked) const {
     ImageQueries queries;
-    queries.probe = [&](const AssetReference& asset) {
-        result.images.push_back(asset);
+    queries.probe = [this, asked](const AssetReference& asset) {
+        if (asked != nullptr) {
+            asked->push_back(asset);
+        }
         return _images.Probe(asset);
     };
     queries.findTiles = ImageLibrary::FindTiles;
-    result.compiled = CompileMaterial(*network, path, queries, _warnings);
-    result.primvars = hds::PrimvarsOf(result.compiled);
-    return result;
+    return queries;
 }
 
 std::uint32_t MaterialCommit::AddRecord(const shared::HdsMaterial& record) {
@@ -175,10 +181,9 @@ std::uint32_t MaterialCommit::AddProgram(const std::vector<std::uint32_t>& words
     return found->second;
 }
 
-/// Index in `textures` of each texture of a material.
-std::vector<std::uint32_t> MaterialCommit::AddTextures(const CompiledMaterial& material) {
+std::vector<std::uint32_t> MaterialCommit::AddTextures(const std::vector<MaterialTexture>& added) {
     std::vector<std::uint32_t> indices;
-    for (const MaterialTexture& texture : material.textures) {
+    for (const MaterialTexture& texture : added) {
         const auto [found, isNew] = _textureByKey.emplace(
             MaterialTextureKey(texture), static_cast<std::uint32_t>(textures.size()));
         if (isNew) {
@@ -213,19 +218,6 @@ bool Displaces(const DisplacementInput& displacement, const std::string& primvar
                         }));
 }
 
-/// Reads the images of a network's look-ups.
-void LoadHeights(DisplacementNetwork* network, ImageLibrary* images) {
-    for (DisplacementStep& step : network->steps) {
-        for (DisplacementTile& tile : step.tiles) {
-            for (std::uint32_t channel = 0; channel < 4; ++channel) {
-                if ((tile.channels >> channel & 1U) != 0) {
-                    tile.heights[channel] = images->LoadHeights(tile.texture, channel);
-                }
-            }
-        }
-    }
-}
-
 } // namespace
 
 void MaterialCommit::GetDisplacements(std::size_t index,
@@ -238,7 +230,7 @@ void MaterialCommit::GetDisplacements(std::size_t index,
             lookup->image = _images.LoadHeights(lookup->texture, lookup->channel);
         }
         if (auto& network = input.network) {
-            LoadHeights(&*network, &_images);
+            _images.LoadHeights(&*network);
         }
     });
 }
@@ -260,7 +252,7 @@ PrimMaterialInfo MaterialCommit::AddPrim(std::size_t index, const std::string& p
         const bool isBlack = syncMode == MaterialSyncMode::NoMaterialResponse;
         const CompiledMaterial& compiled = isBlack ? _black : entry.material->compiled;
         ResolvedMaterial resolved = ResolveMaterial(
-            compiled, AddTextures(compiled), prepared.attributes,
+            compiled, AddTextures(compiled.textures), prepared.attributes,
             hasSplats ? std::vector<AttributeName>() : ofInstances, path, _warnings);
         for (const AttributeName& one : ofInstances) {
             if (Displaces(compiled.displacement, one.name)) {

@@ -82,6 +82,12 @@ public:
     /// Names of the primvars that the materials of a prim may read, by entry.
     std::vector<const std::set<std::string>*> PrimvarsOf(std::size_t index) const;
 
+    /// What networks ask of images. \param asked gets each that is asked for; may be null.
+    ImageQueries Images(std::vector<AssetReference>* asked) const;
+
+    /// Adds textures that programs read. \return the index of each in `textures`.
+    std::vector<std::uint32_t> AddTextures(const std::vector<MaterialTexture>& added);
+
     std::vector<shared::HdsMaterial> materials;
     std::vector<std::uint32_t> primMaterials;
     std::vector<std::uint32_t> programs;   ///< of all materials, one after another
@@ -99,7 +105,6 @@ private:
                             const shared::HdsMeshMedium& medium);
     std::uint32_t AddRecord(const shared::HdsMaterial& record);
     std::uint32_t AddProgram(const std::vector<std::uint32_t>& words);
-    std::vector<std::uint32_t> AddTextures(const CompiledMaterial& material);
     MaterialSyncMode SyncModeOf(const GeometryPrim& prim, const std::string& materialPath) const;
     CachedMaterial CompileNetwork(const std::string& path,
                                   const std::shared_ptr<const MaterialNetwork>& network);

@@ -47,7 +47,7 @@ shared::HdsGridCell MovingCell(const GridDescription& grid, const GridVelocity& 
     }
     shared::HdsGridCell cell = GridCellAt(grid, first);
     const glm::dvec3 begin(first);
-    const ValueRange range =
+    const GridRange range =
         RangeBetween(grid, begin + shift.least - kGridSlack,
                      begin + double(HDS_BRICK_VOXELS) + shift.most + kGridSlack);
     cell.least = 0.0F; // of what moves in from elsewhere nothing is known

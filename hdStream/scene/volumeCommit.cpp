@@ -5,6 +5,7 @@
 #include "hdStream/scene/motion.h"
 #include "hdStream/scene/movingGrid.h"
 #include "hdStream/scene/volumeTerms.h"
+#include "hdStream/shading/programWriter.h"
 #include "kernels/shared/frame.h"
 
 #include <glm/common.hpp>
@@ -15,6 +16,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <set>
 #include <utility>
 
 namespace hds {
@@ -29,10 +31,21 @@ constexpr std::uint32_t kMaxVolumes = 4096;
 constexpr const char* kVelocities[] = {"velocities", "velocity", "vel", "v"};
 /// Voxels that a volume may move while the shutter is open: bounds of cells would say nothing.
 constexpr double kMaxShift = 4096.0;
+/// Lines that eight voxels around a point may lie in.
+constexpr std::uint32_t kLinesAround = 8;
 
 void StoreVector(glm::dvec3 v, float* out) {
     for (int i = 0; i < 3; ++i) {
         out[i] = static_cast<float>(v[i]);
+    }
+}
+
+/// Rows of an affine map.
+void StoreRows(const glm::dmat4& map, float* out) {
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 4; ++column) {
+            out[4 * row + column] = static_cast<float>(map[column][row]);
+        }
     }
 }
 
@@ -72,8 +85,8 @@ struct VolumeGrids {
 /// Collects the tables.
 class VolumeTables {
 public:
-    VolumeTables(glm::dvec3 centre, std::uint32_t numTextures)
-        : _centre(centre), _numTextures(numTextures) {}
+    VolumeTables(glm::dvec3 centre, std::uint32_t numTextures, std::uint32_t firstWord)
+        : _centre(centre), _numTextures(numTextures), _firstWord(firstWord) {}
 
     /// \pre the grids are valid and the volume has a density.
     void Add(const MovingTransform& worldFromObject, const VolumeShading& shading,
@@ -106,12 +119,12 @@ public:
             volume.fields[HDS_FIELD_EMISSION].grid = grids.terms.emission;
         } else if (!grids.emission.empty()) {
             volume.fields[HDS_FIELD_EMISSION] = Field(grids.emission, lattice);
-            Extend(grids.emission[0]->description, lattice, &least, &most);
+            ExtendBox(grids.emission[0]->description, lattice, &least, &most);
             StoreVector(shading.emission, volume.emission);
         }
         if (grids.temperature) {
             volume.fields[HDS_FIELD_TEMPERATURE] = Field({grids.temperature}, lattice);
-            Extend(grids.temperature->description, lattice, &least, &most);
+            ExtendBox(grids.temperature->description, lattice, &least, &most);
             StoreVector(shading.blackbody, volume.blackbody);
         }
         if (!grids.velocity.grids.empty()) {
@@ -141,28 +154,33 @@ public:
     }
 
     /// The tables of a volume's terms. \param velocity of their lattice.
-    PlacedTerms AddTerms(const TermPlan& plan, const GridVelocity& velocity) {
-        const GridDescription& lattice = plan.fields[plan.lattice][0]->description;
+    PlacedTerms AddTerms(const TermPlan& plan, bool turnsVary, const GridVelocity& velocity) {
+        const GridDescription& lattice = plan.Lattice();
         PlacedTerms placed;
-        placed.least = glm::dvec3(lattice.first - 1);
-        placed.most = glm::dvec3(lattice.first + lattice.size);
-        shared::HdsVolumeTerms record{};
-        record.numTerms = static_cast<std::uint32_t>(plan.terms.size());
-        record.numMedium = plan.numMedium;
-        std::copy(plan.terms.begin(), plan.terms.end(), record.terms);
-        std::uint32_t numLines = 0;
-        for (std::size_t i = 0; i < plan.fields.size(); ++i) {
-            record.fields[i] = Field(plan.fields[i], lattice);
-            Extend(plan.fields[i][0]->description, lattice, &placed.least, &placed.most);
-            numLines += static_cast<std::uint32_t>(plan.fields[i].size());
-        }
+        placed.least = plan.least;
+        placed.most = plan.most;
         if (!MayBound(placed.least, placed.most)) {
             return placed;
         }
+        shared::HdsVolumeTerms record{};
+        record.numTerms = static_cast<std::uint32_t>(plan.terms.size());
+        record.numMedium = plan.numMedium;
+        record.flags = turnsVary ? HDS_TERMS_TURN : 0U;
+        result.havePatterns = result.havePatterns || turnsVary;
+        StoreRows(lattice.objectFromIndex, record.objectFromLattice);
+        std::copy(plan.terms.begin(), plan.terms.end(), record.terms);
+        std::uint32_t numLines = 0;
+        for (std::size_t i = 0; i < plan.fields.size(); ++i) {
+            const PlannedField& field = plan.fields[i];
+            record.fields[i] =
+                field.pattern ? Pattern(*field.pattern) : Field(field.grids, lattice);
+            numLines += static_cast<std::uint32_t>(field.grids.size());
+        }
+        numLines += LinesOfPatterns(plan);
         result.linesOfTerms = std::max(result.linesOfTerms, numLines);
         placed.number = static_cast<std::uint32_t>(result.terms.size());
         result.terms.push_back(record);
-        const TermBounds bounds = BoundTerms(plan, placed.least, placed.most);
+        const TermBounds bounds = BoundTerms(plan);
         placed.extinction = AddBounds(
             velocity.grids.empty() ? GridTiles{bounds.extinction.record, bounds.extinction.tiles,
                                                bounds.extinction.cells}
@@ -220,19 +238,36 @@ private:
         }
     }
 
-    /// Makes a box of the lattice hold another grid too.
-    static void Extend(const GridDescription& grid, const GridDescription& lattice,
-                       glm::dvec3* least, glm::dvec3* most) {
-        const glm::dmat4 map = glm::inverse(lattice.objectFromIndex) * grid.objectFromIndex;
-        for (int corner = 0; corner < 8; ++corner) {
-            glm::dvec3 at;
-            for (int i = 0; i < 3; ++i) {
-                at[i] = grid.first[i] + ((corner >> i & 1) != 0 ? grid.size[i] : -1);
-            }
-            const glm::dvec3 there(map * glm::dvec4(at, 1.0));
-            *least = glm::min(*least, there);
-            *most = glm::max(*most, there);
+    /// Adds the program of a pattern.
+    shared::HdsVolumeField Pattern(const PlannedPattern& pattern) {
+        shared::HdsVolumeField field{};
+        field.grid = _firstWord + static_cast<std::uint32_t>(result.programs.size());
+        field.flags = HDS_FIELD_IS_PATTERN;
+        for (const std::uint32_t number : pattern.fields) {
+            field.flags |= 1U << (HDS_FIELD_READS_SHIFT + number);
         }
+        result.programs.insert(result.programs.end(), pattern.program.begin(),
+                               pattern.program.end());
+        result.havePatterns = true;
+        return field;
+    }
+
+    /// Lines of bricks that the patterns of a volume read at a point; counts their look-ups too.
+    std::uint32_t LinesOfPatterns(const TermPlan& plan) {
+        std::set<std::uint32_t> read;
+        std::uint32_t numLookups = 0;
+        for (const PlannedField& field : plan.fields) {
+            if (field.pattern) {
+                read.insert(field.pattern->fields.begin(), field.pattern->fields.end());
+                numLookups += CountLookups(field.pattern->program);
+            }
+        }
+        result.maxLookups = std::max(result.maxLookups, numLookups);
+        std::uint32_t numGrids = 0;
+        for (const std::uint32_t number : read) {
+            numGrids += static_cast<std::uint32_t>(plan.fields[number].grids.size());
+        }
+        return kLinesAround * numGrids;
     }
 
     /// Where the voxels of grids are, which are in one place.
@@ -241,12 +276,7 @@ private:
         const glm::dmat4& place = grids[0]->description.objectFromIndex;
         shared::HdsVolumeField field{};
         field.flags = place == lattice.objectFromIndex ? HDS_FIELD_IS_ALIGNED : 0U;
-        const glm::dmat4 map = glm::inverse(place) * lattice.objectFromIndex;
-        for (int row = 0; row < 3; ++row) {
-            for (int column = 0; column < 4; ++column) {
-                field.indexFromLattice[4 * row + column] = static_cast<float>(map[column][row]);
-            }
-        }
+        StoreRows(glm::inverse(place) * lattice.objectFromIndex, field.indexFromLattice);
         return field;
     }
 
@@ -333,6 +363,7 @@ private:
 
     glm::dvec3 _centre;
     std::uint32_t _numTextures;
+    std::uint32_t _firstWord;                              ///< of programs
     std::map<const PreparedGrid*, std::uint32_t> _numbers; ///< of grids
     std::map<std::pair<const PreparedGrid*, const PreparedGrid*>, std::uint32_t> _movingNumbers;
     std::map<const PreparedGrid*, std::uint32_t> _velocityNumbers;
@@ -391,32 +422,19 @@ private:
     Warnings& _warnings;
 };
 
-VolumeShading ShadingOf(const SceneDescription& scene, const std::string& path,
-                        const VolumePrim& prim, Warnings& warnings) {
-    if (prim.shading) {
-        return *prim.shading;
-    }
-    const auto material = scene.materials.find(prim.materialPath);
-    if (material == scene.materials.end() || material->second->terminals.count("volume") == 0) {
-        return DefaultVolumeShading();
-    }
-    return ReadVolumeShading(*material->second, [&](const std::string& text) {
-        warnings.Add(path, prim.materialPath + ": " + text);
-    });
-}
-
 /// \return false, with a warning, when there is nothing to draw.
 /// \param[out] plan where coefficients are sums of products; else without terms.
-bool FindGrids(const VolumeShading& shading, GridFinder finder, VolumeGrids* grids,
-               TermPlan* plan) {
+bool FindGrids(const VolumeMaterial& material, GridFinder finder, ImageLibrary* images,
+               VolumeGrids* grids, TermPlan* plan) {
+    const VolumeShading& shading = material.shading;
     *plan = PlanTerms(
-        shading, [&](const std::string& name) { return finder.Find(name); },
+        material, [&](const std::string& name) { return finder.Find(name); }, images,
         [&](const std::string& text) { finder.Warn(text); });
     if (!shading.terms.empty() && plan->fields.empty()) {
         return false;
     }
     const auto density =
-        shading.terms.empty() ? finder.Find(shading.density) : plan->fields[plan->lattice];
+        shading.terms.empty() ? finder.Find(shading.density) : plan->fields[plan->lattice].grids;
     if (density.empty()) {
         return false;
     }
@@ -493,41 +511,41 @@ GridVelocity FindVelocity(const Shutter& shutter, double timeCodesPerSecond,
 
 } // namespace
 
-CommittedVolumes CommitVolumes(const SceneDescription& scene,
-                               const std::vector<std::string>& purposes,
-                               const std::function<bool(const std::string&)>& isDrawn,
-                               const Shutter& shutter, glm::dvec3 centre, std::uint32_t numTextures,
-                               GridPreparer* preparer, Warnings& warnings) {
-    VolumeTables tables(centre, numTextures);
+CommittedVolumes CommitVolumes(const SceneDescription& scene, VolumeMaterials materials,
+                               const Shutter& shutter, glm::dvec3 centre,
+                               const VolumeTableStarts& starts, const VolumeSources& sources,
+                               Warnings& warnings) {
+    VolumeTables tables(centre, starts.textures, starts.words);
+    GridPreparer* preparer = sources.grids;
     std::uint32_t number = 0;
     std::uint64_t numLeftOut = 0;
     for (const auto& [path, prim] : scene.volumes) {
         ++number;
-        const bool hasPurpose =
-            std::find(purposes.begin(), purposes.end(), prim.purpose) != purposes.end();
+        const auto material = materials.find(path);
         std::vector<MovingTransform> places;
-        if (hasPurpose && prim.placement.visible && isDrawn(path)) {
+        if (material != materials.end()) {
             ForEachPlacement(scene, prim.placement, shutter,
                              [&](const MovingTransform& place) { places.push_back(place); });
         }
         if (places.empty()) {
             continue;
         }
-        const VolumeShading shading =
-            WithTerms(ShadingOf(scene, path, prim, warnings), {path, prim, preparer, warnings});
+        VolumeShading& shading = material->second.shading;
+        shading = WithTerms(std::move(shading), {path, prim, preparer, warnings});
         if (!IsFinite(shading) || !std::all_of(places.begin(), places.end(), IsPlaceAlways)) {
             warnings.Add(path, "volume with a place or material that makes no sense: left out");
             continue;
         }
         VolumeGrids grids;
         TermPlan plan;
-        if (!FindGrids(shading, {path, prim, preparer, warnings}, &grids, &plan)) {
+        if (!FindGrids(material->second, {path, prim, preparer, warnings}, sources.images, &grids,
+                       &plan)) {
             continue;
         }
         grids.velocity = FindVelocity(shutter, prim.timeCodesPerSecond, grids.density->description,
                                       {path, prim, preparer, warnings});
         if (!shading.terms.empty()) {
-            grids.terms = tables.AddTerms(plan, grids.velocity);
+            grids.terms = tables.AddTerms(plan, shading.turnsVary, grids.velocity);
             if (grids.terms.number == HDS_NONE) {
                 warnings.Add(path, "volume whose fields are too far apart: left out");
                 continue;

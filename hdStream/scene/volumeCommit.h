@@ -6,10 +6,10 @@
 #include "hdStream/base/log.h"
 #include "hdStream/scene/sceneDescription.h"
 #include "hdStream/scene/transforms.h"
+#include "hdStream/scene/volumeMaterial.h"
 #include "hdStream/volume/gridPreparer.h"
 #include "kernels/shared/volume.h"
 
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -26,16 +26,29 @@ struct CommittedVolumes {
     std::vector<AffineRows> motionKeys; ///< of volumes whose transforms move
     bool haveMotion = false;            ///< velocities or transforms
     bool haveVelocities = false;
-    std::uint32_t linesOfTerms = 0; ///< that one collision reads at most for them
+    std::uint32_t linesOfTerms = 0;      ///< that one collision reads at most for them
+    std::vector<std::uint32_t> programs; ///< of patterns, behind those of materials
+    std::uint32_t maxLookups = 0;        ///< of textures at one collision
+    bool havePatterns = false;           ///< or phase functions that vary
 };
 
-/// \param isDrawn of a path. \param shutter closed: nothing moves. \param centre of the scene.
-/// \param numTextures that come before the grids. Volumes that cannot be drawn warn and are left
-/// out.
-CommittedVolumes CommitVolumes(const SceneDescription& scene,
-                               const std::vector<std::string>& purposes,
-                               const std::function<bool(const std::string&)>& isDrawn,
-                               const Shutter& shutter, glm::dvec3 centre, std::uint32_t numTextures,
-                               GridPreparer* preparer, Warnings& warnings);
+/// What comes before the tables of volumes.
+struct VolumeTableStarts {
+    std::uint32_t textures = 0; ///< that come before the grids
+    std::uint32_t words = 0;    ///< of programs
+};
+
+/// Where grids and the images of patterns are read; not null.
+struct VolumeSources {
+    GridPreparer* grids = nullptr;
+    ImageLibrary* images = nullptr;
+};
+
+/// \param materials of the volumes that are drawn. \param shutter closed: nothing moves.
+/// \param centre of the scene. Volumes that cannot be drawn warn and are left out.
+CommittedVolumes CommitVolumes(const SceneDescription& scene, VolumeMaterials materials,
+                               const Shutter& shutter, glm::dvec3 centre,
+                               const VolumeTableStarts& starts, const VolumeSources& sources,
+                               Warnings& warnings);
 
 } // namespace hds

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Displacement that a network computes, as steps that the host evaluates: what an expression
-// (shaderExpression.h) is without its pointers, so that keys of geometry hold it. Explained in
-// docs/geometry.md.
+// (shaderExpression.h) is without its pointers, so that keys of geometry hold it. Patterns of
+// volumes are bounded by the same steps. Explained in docs/geometry.md.
 #pragma once
 
 #include "hdStream/base/fields.h"

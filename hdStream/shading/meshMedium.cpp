@@ -34,7 +34,7 @@ std::optional<shared::HdsMeshMedium> ReadMeshMedium(const MaterialNetwork& netwo
         return std::nullopt;
     }
     const VolumeShading shading = ReadVolumeShading(
-        network, [&](const std::string& text) { warnings.Add(materialPath, text); });
+        network, nullptr, [&](const std::string& text) { warnings.Add(materialPath, text); });
     if (!IsFinite(shading)) {
         warnings.Add(materialPath, "volume that makes no sense: left out");
         return std::nullopt;

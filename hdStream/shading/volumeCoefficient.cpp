@@ -22,14 +22,8 @@ glm::vec3 VolumeCoefficient::AtOne() const {
 }
 
 bool VolumeCoefficient::HasFields() const {
-    return !FirstField().empty();
-}
-
-std::string VolumeCoefficient::FirstField() const {
-    const auto found =
-        std::find_if(_products.begin(), _products.end(),
-                     [](const FieldProduct& product) { return !product.fields.empty(); });
-    return found == _products.end() ? "" : found->fields[0];
+    return std::any_of(_products.begin(), _products.end(),
+                       [](const FieldProduct& product) { return !product.fields.empty(); });
 }
 
 bool VolumeCoefficient::IsMultipleOf(const std::string& name) const {

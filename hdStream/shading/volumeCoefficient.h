@@ -9,7 +9,7 @@
 
 namespace hds {
 
-/// A colour times fields of a volume.
+/// A colour times fields of a volume, and patterns (volumePatterns.h).
 struct FieldProduct {
     std::vector<std::string> fields; ///< names in order; one that is squared is there twice
     glm::vec3 color{0.0F};
@@ -26,10 +26,8 @@ public:
     const std::vector<FieldProduct>& Products() const { return _products; }
     /// Where all fields are 1.
     glm::vec3 AtOne() const;
+    /// Whether it has fields or patterns; else it is constant.
     bool HasFields() const;
-
-    /// The first field of the first product that has one; empty: it is constant.
-    std::string FirstField() const;
     /// \return whether each product has just the field `name`.
     bool IsMultipleOf(const std::string& name) const;
 

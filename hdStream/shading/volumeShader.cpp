@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <variant>
 
 namespace hds {
@@ -16,6 +17,7 @@ namespace hds {
 namespace {
 
 constexpr int kMaxDepth = 32;
+constexpr int kMaxWays = 4096;
 const char* const kDensity = "density";
 
 /// What a distribution node says.
@@ -23,21 +25,16 @@ struct Medium {
     VolumeCoefficient absorption;
     VolumeCoefficient scattering;
     float anisotropy = 0.0F;
+    VolumeCoefficient turned; ///< scattering times anisotropy
+    bool turnsVary = false;   ///< the anisotropy is no constant
 };
 
 VolumeCoefficient Constant(glm::vec3 color) {
     return VolumeCoefficient(color);
 }
 
-/// One that has no field follows the density.
-VolumeCoefficient Following(const VolumeCoefficient& coefficient, const std::string& density) {
-    return coefficient.HasFields() ? coefficient : coefficient * VolumeCoefficient(density);
-}
-
-/// The terms of three coefficients.
-std::vector<VolumeTerm> TermsOf(const VolumeCoefficient& absorption,
-                                const VolumeCoefficient& scattering,
-                                const VolumeCoefficient& emission) {
+/// The terms of coefficients.
+std::vector<VolumeTerm> TermsOf(const Medium& medium, const VolumeCoefficient& emission) {
     std::vector<VolumeTerm> terms;
     const auto add = [&](const VolumeCoefficient& coefficient, glm::vec3 VolumeTerm::*member) {
         for (const FieldProduct& product : coefficient.Products()) {
@@ -50,52 +47,30 @@ std::vector<VolumeTerm> TermsOf(const VolumeCoefficient& absorption,
             (*term).*member = product.color;
         }
     };
-    add(absorption, &VolumeTerm::absorption);
-    add(scattering, &VolumeTerm::scattering);
+    add(medium.absorption, &VolumeTerm::absorption);
+    add(medium.scattering, &VolumeTerm::scattering);
     add(emission, &VolumeTerm::emission);
-    return terms;
-}
-
-/// Says what three coefficients are: in the plain form where that does. \param density name of the
-/// field where none is named.
-void SetCoefficients(const VolumeCoefficient& absorption, const VolumeCoefficient& scattering,
-                     const VolumeCoefficient& emission, const std::string& density,
-                     VolumeShading* shading) {
-    shading->absorption = absorption.AtOne();
-    shading->scattering = scattering.AtOne();
-    shading->emission = emission.AtOne();
-    const std::string first = absorption.FirstField();
-    const std::string second = scattering.FirstField();
-    // Where only one follows a field, and follows just that, the other follows it too.
-    const bool isPlain = (first.empty() || absorption.IsMultipleOf(first)) &&
-                         (second.empty() || scattering.IsMultipleOf(second)) &&
-                         (first.empty() || second.empty() || first == second);
-    shading->density = !isPlain          ? density
-                       : !second.empty() ? second
-                       : !first.empty()  ? first
-                                         : density;
-    shading->emissionField = emission.FirstField();
-    const bool isEmissionPlain =
-        !emission.HasFields() || emission.IsMultipleOf(shading->emissionField);
-    if (!isPlain || !isEmissionPlain) {
-        shading->terms =
-            TermsOf(Following(absorption, shading->density),
-                    Following(scattering, shading->density), Following(emission, shading->density));
-        for (glm::vec3* sum : {&shading->absorption, &shading->scattering, &shading->emission}) {
-            *sum = glm::max(*sum, glm::vec3(0.0F));
-        }
+    if (medium.turnsVary) {
+        add(medium.turned, &VolumeTerm::turned);
     }
+    return terms;
 }
 
 bool StartsWith(const std::string& text, const std::string& start) {
     return text.compare(0, start.size(), start) == 0;
 }
 
+bool IsField(const MaterialNode& node) {
+    return StartsWith(node.identifier, "ND_geompropvalue_") ||
+           StartsWith(node.identifier, "UsdPrimvarReader_");
+}
+
 /// Follows one network.
 class Reader {
 public:
-    Reader(const MaterialNetwork& network, const std::function<void(const std::string&)>& warn)
-        : _network(network), _warn(warn) {}
+    Reader(const MaterialNetwork& network, VolumePatterns* patterns,
+           const std::function<void(const std::string&)>& warn)
+        : _network(network), _patterns(patterns), _warn(warn) {}
 
     VolumeShading Read() {
         const MaterialNode* root = NodeAt(_network.terminals.at("volume").upstreamPath);
@@ -115,12 +90,19 @@ public:
         }
         const Medium medium = MediumOf(Upstream(*root, "vdf"), 0);
         const VolumeCoefficient emission = EmissionOf(Upstream(*root, "edf"), 0);
-        shading.anisotropy = medium.anisotropy;
-        SetCoefficients(medium.absorption, medium.scattering, emission, kDensity, &shading);
+        SetCoefficients(medium, emission, kDensity, &shading);
         return shading;
     }
 
 private:
+    /// Counts the ways through the network: there may be exponentially many, or a cycle.
+    bool MayGoOn() const {
+        if (++_numWays == kMaxWays) {
+            _warn("network with a cycle, or too large: a part of it is left out");
+        }
+        return _numWays < kMaxWays;
+    }
+
     const MaterialNode* NodeAt(const std::string& path) const {
         const auto found =
             std::find_if(_network.nodes.begin(), _network.nodes.end(),
@@ -165,14 +147,140 @@ private:
         return Parameter(node, input, glm::vec3(fallback)).x;
     }
 
+    /// The first field of a coefficient, those that its patterns read included; empty: none.
+    std::string FirstField(const VolumeCoefficient& coefficient) const {
+        for (const FieldProduct& product : coefficient.Products()) {
+            for (const std::string& name : product.fields) {
+                const std::optional<std::size_t> number = PatternNumber(name);
+                if (!number) {
+                    return name;
+                }
+                const std::set<std::string> fields = FieldsOf(_patterns->Values()[*number]);
+                if (!fields.empty()) {
+                    return *fields.begin();
+                }
+            }
+        }
+        return "";
+    }
+
+    /// One that has no field follows the density.
+    VolumeCoefficient Following(const VolumeCoefficient& coefficient,
+                                const std::string& density) const {
+        return FirstField(coefficient).empty() ? coefficient * VolumeCoefficient(density)
+                                               : coefficient;
+    }
+
+    /// Whether the plain form does for a coefficient: a constant, or one times its field.
+    bool IsPlain(const VolumeCoefficient& coefficient) const {
+        return !coefficient.HasFields() || coefficient.IsMultipleOf(FirstField(coefficient));
+    }
+
+    /// Says what coefficients are: in the plain form where that does. \param density name of the
+    /// field where none is named.
+    void SetCoefficients(const Medium& medium, const VolumeCoefficient& emission,
+                         const std::string& density, VolumeShading* shading) const {
+        shading->absorption = medium.absorption.AtOne();
+        shading->scattering = medium.scattering.AtOne();
+        shading->emission = emission.AtOne();
+        shading->anisotropy = medium.anisotropy;
+        const std::string first = FirstField(medium.absorption);
+        const std::string second = FirstField(medium.scattering);
+        // Where only one follows a field, and follows just that, the other follows it too.
+        const bool isPlain = !medium.turnsVary && IsPlain(medium.absorption) &&
+                             IsPlain(medium.scattering) &&
+                             (first.empty() || second.empty() || first == second);
+        shading->density = !isPlain          ? density
+                           : !second.empty() ? second
+                           : !first.empty()  ? first
+                                             : density;
+        shading->emissionField = FirstField(emission);
+        if (isPlain && IsPlain(emission)) {
+            return;
+        }
+        Medium placed = medium;
+        placed.absorption = Following(medium.absorption, shading->density);
+        placed.scattering = Following(medium.scattering, shading->density);
+        if (second.empty()) {
+            placed.turned = medium.turned * VolumeCoefficient(shading->density);
+        }
+        shading->terms = TermsOf(placed, Following(emission, shading->density));
+        shading->turnsVary = medium.turnsVary;
+        for (glm::vec3* sum : {&shading->absorption, &shading->scattering, &shading->emission}) {
+            *sum = glm::max(*sum, glm::vec3(0.0F));
+        }
+    }
+
+    /// Whether a node makes sums and products, constants or fields.
+    bool IsOfTerms(const MaterialNode& node) const {
+        static const char* const kStarts[] = {"ND_multiply_", "ND_add_",     "ND_subtract_",
+                                              "ND_invert_",   "ND_mix_",     "ND_combine3_",
+                                              "ND_constant_", "ND_convert_", "ND_dot_"};
+        if (StartsWith(node.identifier, "ND_divide_")) {
+            const MaterialNode* divisor = Upstream(node, "in2");
+            return divisor == nullptr || StartsWith(divisor->identifier, "ND_constant_");
+        }
+        return IsField(node) ||
+               std::any_of(std::begin(kStarts), std::end(kStarts),
+                           [&](const char* start) { return StartsWith(node.identifier, start); });
+    }
+
+    /// Adds the nodes that feed a node, and itself.
+    void AddSources(const MaterialNode& node, std::set<const MaterialNode*>* sources) const {
+        if (!sources->insert(&node).second) {
+            return;
+        }
+        for (const auto& [input, connection] : node.connections) {
+            if (const MaterialNode* source = NodeAt(connection.upstreamPath)) {
+                AddSources(*source, sources);
+            }
+        }
+    }
+
+    /// Whether what feeds an input is a pattern: it computes more than sums and products, and
+    /// either here or of no field. What else computes is a sum of products of patterns and fields.
+    bool IsPattern(const MaterialNode& source) const {
+        std::set<const MaterialNode*> sources;
+        AddSources(source, &sources);
+        const bool computes =
+            !std::all_of(sources.begin(), sources.end(),
+                         [&](const MaterialNode* one) { return IsOfTerms(*one); });
+        return computes && (!IsOfTerms(source) ||
+                            std::none_of(sources.begin(), sources.end(),
+                                         [](const MaterialNode* one) { return IsField(*one); }));
+    }
+
+    VolumeCoefficient ValueOfPattern(const MaterialNode& node, const std::string& input,
+                                     glm::vec3 fallback) const {
+        const ShaderValue value =
+            _patterns->Evaluate(node, input, {fallback.x, fallback.y, fallback.z, 1.0F});
+        if (IsConstant(value)) {
+            const std::array<float, 4>& constant = ConstantOf(value);
+            return Constant({constant[0], constant[1], constant[2]});
+        }
+        return VolumeCoefficient(PatternName(_patterns->Add(value)));
+    }
+
     /// The value of an input.
     VolumeCoefficient ValueOf(const MaterialNode& node, const std::string& input,
                               glm::vec3 fallback, int depth) const {
         const MaterialNode* source = Upstream(node, input);
-        if (source == nullptr || depth > kMaxDepth) {
+        if (source == nullptr || depth > kMaxDepth || !MayGoOn()) {
             return Constant(Parameter(node, input, fallback));
         }
+        if (_patterns != nullptr && IsPattern(*source)) {
+            return ValueOfPattern(node, input, fallback);
+        }
         return ValueOfNode(*source, fallback, depth + 1);
+    }
+
+    /// Sets how much what scatters turns light.
+    void SetTurns(const MaterialNode& node, const std::string& input, int depth,
+                  Medium* medium) const {
+        const VolumeCoefficient anisotropy = ValueOf(node, input, glm::vec3(0.0F), depth);
+        medium->anisotropy = anisotropy.AtOne().x;
+        medium->turned = medium->scattering * anisotropy;
+        medium->turnsVary = anisotropy.HasFields() && medium->turned.HasFields();
     }
 
     VolumeCoefficient ValueOfNode(const MaterialNode& node, glm::vec3 fallback, int depth) const {
@@ -226,7 +334,7 @@ private:
 
     Medium MediumOf(const MaterialNode* node, int depth) const {
         Medium medium;
-        if (node == nullptr || depth > kMaxDepth) {
+        if (node == nullptr || depth > kMaxDepth || !MayGoOn()) {
             return medium;
         }
         const std::string& id = node->identifier;
@@ -235,7 +343,7 @@ private:
         }
         if (id == "ND_anisotropic_vdf") {
             medium.scattering = ValueOf(*node, "scattering", glm::vec3(0.0F), depth + 1);
-            medium.anisotropy = Number(*node, "anisotropy", 0.0F);
+            SetTurns(*node, "anisotropy", depth + 1, &medium);
         } else if (id == "ND_add_vdf") {
             const Medium a = MediumOf(Upstream(*node, "in1"), depth + 1);
             const Medium b = MediumOf(Upstream(*node, "in2"), depth + 1);
@@ -245,11 +353,14 @@ private:
             const float wb = b.scattering.AtOne().y;
             medium.anisotropy =
                 wa + wb > 0.0F ? (wa * a.anisotropy + wb * b.anisotropy) / (wa + wb) : 0.0F;
+            medium.turned = a.turned + b.turned;
+            medium.turnsVary = a.turnsVary || b.turnsVary;
         } else if (StartsWith(id, "ND_multiply_vdf")) {
             const VolumeCoefficient factor = ValueOf(*node, "in2", glm::vec3(1.0F), depth + 1);
             medium = MediumOf(Upstream(*node, "in1"), depth + 1);
             medium.absorption = medium.absorption * factor;
             medium.scattering = medium.scattering * factor;
+            medium.turned = medium.turned * factor;
         } else if (id != "ND_absorption_vdf") {
             _warn("node " + id + " is not known in volumes");
         }
@@ -257,7 +368,7 @@ private:
     }
 
     VolumeCoefficient EmissionOf(const MaterialNode* node, int depth) const {
-        if (node == nullptr || depth > kMaxDepth) {
+        if (node == nullptr || depth > kMaxDepth || !MayGoOn()) {
             return {};
         }
         if (node->identifier == "ND_uniform_edf") {
@@ -280,12 +391,16 @@ private:
         return field.empty() ? value : value * VolumeCoefficient(field);
     }
 
-    /// Of an extinction, and of what part of it scatters.
-    static void SetMedium(const VolumeCoefficient& extinction, const VolumeCoefficient& albedo,
-                          const VolumeCoefficient& emission, const std::string& density,
-                          VolumeShading* shading) {
-        SetCoefficients(extinction * (Constant(glm::vec3(1.0F)) - albedo), extinction * albedo,
-                        emission, density, shading);
+    /// Of an extinction, and of what part of it scatters. \param anisotropy input of the node.
+    void SetMedium(const MaterialNode& node, const char* anisotropy,
+                   const VolumeCoefficient& extinction, const VolumeCoefficient& albedo,
+                   const VolumeCoefficient& emission, const std::string& density,
+                   VolumeShading* shading) const {
+        Medium medium;
+        medium.absorption = extinction * (Constant(glm::vec3(1.0F)) - albedo);
+        medium.scattering = extinction * albedo;
+        SetTurns(node, anisotropy, 0, &medium);
+        SetCoefficients(medium, emission, density, shading);
     }
 
     /// Constants outside of [0, 1] are no albedo.
@@ -304,7 +419,6 @@ private:
             -glm::log(glm::clamp(transparent, glm::vec3(1e-6F), glm::vec3(1.0F)));
         const std::string channel = Text(node, "density_channel", kDensity);
         const VolumeCoefficient density = ValueOf(node, "density", glm::vec3(1.0F), 0);
-        shading.anisotropy = Number(node, "scatter_anisotropy", 0.0F);
         const std::string mode = Text(node, "emission_mode", "blackbody");
         VolumeCoefficient emission;
         if (mode == "channel" || mode == "density") {
@@ -322,6 +436,7 @@ private:
             shading.temperatureField = Text(node, "temperature_channel", "temperature");
         }
         SetMedium(
+            node, "scatter_anisotropy",
             density / glm::vec3(depth) * Constant(extinction) * VolumeCoefficient(channel),
             Albedo(ValueOf(node, "scatter", glm::vec3(1.0F), 0) *
                    Channelled(node, "scatter_color", glm::vec3(0.5F), "scatter_color_channel")),
@@ -341,8 +456,8 @@ private:
             extinction = Constant(glm::max(extinction.AtOne(), glm::vec3(0.0F)));
         }
         extinction = extinction / glm::vec3(distance) * VolumeCoefficient(channel);
-        shading.anisotropy = Number(node, "anisotropy", 0.0F);
-        SetMedium(extinction, Albedo(ValueOf(node, "diffuseColor", glm::vec3(1.0F), 0)),
+        SetMedium(node, "anisotropy", extinction,
+                  Albedo(ValueOf(node, "diffuseColor", glm::vec3(1.0F), 0)),
                   ValueOf(node, "emitIntensity", glm::vec3(1.0F), 0) *
                       Channelled(node, "emitColor", glm::vec3(0.0F), "emitColorPrimVar"),
                   channel, &shading);
@@ -350,12 +465,14 @@ private:
     }
 
     const MaterialNetwork& _network;
+    VolumePatterns* _patterns; ///< null: there are none
+    mutable int _numWays = 0;
     const std::function<void(const std::string&)>& _warn;
 };
 
 bool IsTermFinite(const VolumeTerm& term) {
-    const glm::vec3 sum =
-        glm::abs(term.absorption) + glm::abs(term.scattering) + glm::abs(term.emission);
+    const glm::vec3 sum = glm::abs(term.absorption) + glm::abs(term.scattering) +
+                          glm::abs(term.emission) + glm::abs(term.turned);
     return std::isfinite(sum.x) && std::isfinite(sum.y) && std::isfinite(sum.z);
 }
 
@@ -380,9 +497,9 @@ bool IsFinite(const VolumeShading& shading) {
            glm::all(glm::greaterThanEqual(shading.blackbody, glm::vec3(0.0F)));
 }
 
-VolumeShading ReadVolumeShading(const MaterialNetwork& network,
+VolumeShading ReadVolumeShading(const MaterialNetwork& network, VolumePatterns* patterns,
                                 const std::function<void(const std::string&)>& warn) {
-    return Reader(network, warn).Read();
+    return Reader(network, patterns, warn).Read();
 }
 
 } // namespace hds

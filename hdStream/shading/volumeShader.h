@@ -4,6 +4,7 @@
 
 #include "hdStream/base/fields.h"
 #include "hdStream/shading/materialNetwork.h"
+#include "hdStream/shading/volumePatterns.h"
 
 #include <glm/vec3.hpp>
 
@@ -15,14 +16,19 @@ namespace hds {
 
 /// A product of fields, and what each coefficient has of it, a unit of length of world space.
 struct VolumeTerm {
-    std::vector<std::string> fields; ///< names; one that is squared is there twice; may be empty
-    glm::vec3 absorption{0.0F};      ///< may be below 0, as the others
+    /// Names of fields and patterns (PatternName); one that is squared is there twice; may be
+    /// empty.
+    std::vector<std::string> fields;
+    glm::vec3 absorption{0.0F}; ///< may be below 0, as the others
     glm::vec3 scattering{0.0F};
     glm::vec3 emission{0.0F};
+    /// Scattering times mean cosine; where VolumeShading::turnsVary.
+    glm::vec3 turned{0.0F};
 
     static constexpr auto Fields() {
         return FieldList(HDS_FIELD(VolumeTerm, fields), HDS_FIELD(VolumeTerm, absorption),
-                         HDS_FIELD(VolumeTerm, scattering), HDS_FIELD(VolumeTerm, emission));
+                         HDS_FIELD(VolumeTerm, scattering), HDS_FIELD(VolumeTerm, emission),
+                         HDS_FIELD(VolumeTerm, turned));
     }
 };
 
@@ -40,6 +46,7 @@ struct VolumeShading {
     /// Where coefficients are more than a colour times a field: their sums. Then absorption,
     /// scattering and emission are what these are where all fields are 1.
     std::vector<VolumeTerm> terms;
+    bool turnsVary = false; ///< the mean cosine is what the terms say, by scattering
 
     static constexpr auto Fields() {
         return FieldList(HDS_FIELD(VolumeShading, absorption), HDS_FIELD(VolumeShading, scattering),
@@ -47,7 +54,7 @@ struct VolumeShading {
                          HDS_FIELD(VolumeShading, blackbody), HDS_FIELD(VolumeShading, kelvin),
                          HDS_FIELD(VolumeShading, density), HDS_FIELD(VolumeShading, emissionField),
                          HDS_FIELD(VolumeShading, temperatureField),
-                         HDS_FIELD(VolumeShading, terms));
+                         HDS_FIELD(VolumeShading, terms), HDS_FIELD(VolumeShading, turnsVary));
     }
 };
 
@@ -58,8 +65,9 @@ VolumeShading DefaultVolumeShading();
 bool IsFinite(const VolumeShading& shading);
 
 /// \pre the network has a terminal "volume". Nodes that are not known count as their inputs'
-/// fallbacks. \param warn gets one line for each problem.
-VolumeShading ReadVolumeShading(const MaterialNetwork& network,
+/// fallbacks. \param patterns gets what is more than sums and products; null: such nodes are not
+/// known. \param warn gets one line for each problem.
+VolumeShading ReadVolumeShading(const MaterialNetwork& network, VolumePatterns* patterns,
                                 const std::function<void(const std::string&)>& warn);
 
 } // namespace hds

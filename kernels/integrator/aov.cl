@@ -202,7 +202,8 @@ void aov_storeHit(constant const HdsFrameParams* frame, const HdsSceneView* scen
 }
 
 #if HDS_FEATURE_VOLUMES
-/* Adds to what is written for slot i what volumes before its first hit are. \param t of that. */
+/* Adds to what is written for slot i what volumes before its first hit are. \param t of that. When
+ * texels are missing nothing is added, and the slot comes again. */
 void aov_addVolumes(constant const HdsFrameParams* frame, const HdsSceneView* scene, HdsPaths paths,
                     uint i, float t, HdsAovOffsets offsets, global float* pixel) {
     if (offsets.albedo == HDS_NONE && offsets.volumeDepth == HDS_NONE) {
@@ -210,8 +211,14 @@ void aov_addVolumes(constant const HdsFrameParams* frame, const HdsSceneView* sc
     }
     const float4 origin = path_load_origin(paths, i);
     const float4 direction = path_load_direction(paths, i);
+    bool isMissing = false;
     const HdsAovVolumes volumes =
-        aovVolume_cross(&scene->volumes, origin.xyz, direction.xyz, origin.w, fmin(t, direction.w));
+        aovVolume_cross(&scene->volumes, &scene->textures, origin.xyz, direction.xyz, origin.w,
+                        fmin(t, direction.w), &isMissing);
+    if (isMissing) {
+        surfaceMaterial_waitForTexels(scene, i);
+        return;
+    }
     if (offsets.albedo != HDS_NONE) {
         const float3 behind = vload3(0, pixel + offsets.albedo);
         vstore3(fma(volumes.left, behind, volumes.albedo), 0, pixel + offsets.albedo);

@@ -210,4 +210,6 @@ HDS_SHARED_END
 #define HDS_SLOT_USER 3u
 /* Not in pages: slots of the prim's HdsInstanceSlots follow from here on. 24 bits hold them all. */
 #define HDS_SLOT_INSTANCE 0x800000u
+/* In programs of volumes: fields of the volume, in the order of its table. */
+#define HDS_SLOT_FIELD 0xc00000u
 #endif

@@ -9,6 +9,10 @@
 #define HDS_FIELD_IS_ALIGNED 1u
 /* Its three grids are red, green and blue; else one is all. */
 #define HDS_FIELD_IS_COLOR 2u
+/* It is no field but a pattern: `grid` is the first word of its program. From the shift on a bit
+ * for each field of its volume's table that the program reads. */
+#define HDS_FIELD_IS_PATTERN 4u
+#define HDS_FIELD_READS_SHIFT 8
 
 /* Fields of a volume, in this order. */
 #define HDS_FIELD_DENSITY 0
@@ -37,20 +41,26 @@ typedef struct {
     float extinction[3];
     float scattering[3];
     float emission[3];
+    float turned[3]; /* scattering times mean cosine; with HDS_TERMS_TURN */
     u32 factors; /* a byte for each of its fields, the first in the lowest: its number, counted from
-                    1; 0: no more */
+                1; 0: no more */
 } HdsVolumeTerm;
-HDS_ASSERT_SIZE(HdsVolumeTerm, 40);
+HDS_ASSERT_SIZE(HdsVolumeTerm, 52);
+
+/* HdsVolumeTerms.flags: the mean cosine of an event is what its terms say, by scattering. */
+#define HDS_TERMS_TURN 1u
 
 /* What light meets in a volume, as a sum. A field that is squared is in the table twice, so that
  * each factor reads a voxel of its own. */
 typedef struct {
     u32 numTerms;
-    u32 numMedium; /* the first of them, which have extinction or scattering */
+    u32 numMedium;               /* the first of them, which have extinction or scattering */
+    u32 flags;                   /* HDS_TERMS_* */
+    float objectFromLattice[12]; /* rows: where patterns are */
     HdsVolumeField fields[HDS_MAX_TERM_FIELDS];
     HdsVolumeTerm terms[HDS_MAX_TERMS];
 } HdsVolumeTerms;
-HDS_ASSERT_SIZE(HdsVolumeTerms, 1096);
+HDS_ASSERT_SIZE(HdsVolumeTerms, 1340);
 
 /* Lattice: the voxel coordinates of the volume's first field. */
 typedef struct {

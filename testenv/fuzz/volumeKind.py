@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fuzzing of OpenVDB files: damaged ones, and whole ones with values, places and motion that are none."""
+"""Fuzzing of OpenVDB files: damaged ones, and whole ones with values, places and motion that are none; materials that compute."""
 
 import pathlib
 
@@ -10,6 +10,20 @@ from fuzzKind import Kind
 _SMALL = ["--imageWidth", 16, "--samples", 2, "--maxDepth", 3, "--time", 5]
 _FIELDS = ("density", "temperature", "motion")
 _ODD = (np.nan, np.inf, -np.inf, -1.0, 1e38, 1e-40, -1e38)
+_LOOK = """def Material "Look"
+{
+    token outputs:volume.connect = </Look/Volume.outputs:out>
+    def Shader "Volume"
+    {
+        uniform token info:id = "arnold:standard_volume"
+        float inputs:density = 4
+        string inputs:emission_mode = "blackbody"
+        float inputs:temperature = 0.3
+        string inputs:temperature_channel = "temperature"
+        token outputs:out
+    }
+}
+"""
 _STAGE = """#usda 1.0
 def Camera "Camera"
 {
@@ -34,26 +48,44 @@ def Volume "Smoke" (prepend apiSchemas = ["MaterialBindingAPI"])
     rel material:binding = </Look>
     FIELDS
 }
-def Material "Look"
-{
-    token outputs:volume.connect = </Look/Volume.outputs:out>
-    def Shader "Volume"
-    {
-        uniform token info:id = "arnold:standard_volume"
-        float inputs:density = 4
-        string inputs:emission_mode = "blackbody"
-        float inputs:temperature = 0.3
-        string inputs:temperature_channel = "temperature"
-        token outputs:out
-    }
-}
-"""
+LOOK
+""".replace("LOOK", _LOOK)
 _FIELD = """def OpenVDBAsset "NAME"
     {
         asset filePath = @./FILE@
         token fieldName = "GRID"
     }
 """
+
+
+# Of one operand and of two.
+_FUNCTIONS = (("sin", "ln", "sqrt", "tan", "exp", "floor", "acos"), ("multiply", "add", "divide", "power", "modulo", "max", "atan2"))
+
+
+def _Computed(rng) -> str:
+    """A material whose coefficients are networks of random functions of fields, positions and noises, cycles included."""
+    shaders = [("N0", "ND_geompropvalue_float", dict(geomprop='"density"')), ("N1", "ND_geompropvalue_float", dict(geomprop='"temperature"')),
+               ("N2", "ND_position_vector3", {}), ("N3", "ND_extract_vector3", {"in": "N2", "index": rng.randrange(4)}),
+               ("N4", "ND_fractal3d_float", dict(octaves=rng.choice([1, 3, 1 << 20]), lacunarity=rng.choice([2.0, 1e30])))]
+    count = rng.randrange(5, 14)
+    while len(shaders) < count:
+        numOperands = rng.randrange(2)
+        operands = {name: rng.choice([f"N{rng.randrange(count if rng.random() < 0.05 else len(shaders))}", rng.uniform(-2, 2), 0.0, 1e30])
+                    for name in (("in",), ("in1", "in2"))[numOperands]}
+        shaders.append((f"N{len(shaders)}", f"ND_{rng.choice(_FUNCTIONS[numOperands])}_float", operands))
+    last = [f"N{rng.randrange(len(shaders))}" for _ in range(4)]
+    shaders += [("Medium", "ND_anisotropic_vdf", dict(zip(("absorption", "scattering", "anisotropy"), last))),
+                ("Glow", "ND_uniform_edf", dict(color=last[3])), ("Volume", "ND_volume", dict(vdf="Medium", edf="Glow"))]
+    lines = ['def Material "Look" {', "    token outputs:mtlx:volume.connect = </Look/Volume.outputs:out>"]
+    for name, identifier, inputs in shaders:
+        lines += [f'    def Shader "{name}" {{', f'        uniform token info:id = "{identifier}"', "        float outputs:out"]
+        for key, value in inputs.items():
+            isPath = isinstance(value, str) and not value.startswith('"')
+            kind = "int" if isinstance(value, int) else "string" if isinstance(value, str) and not isPath else "float"
+            lines.append(f"        float inputs:{key}.connect = </Look/{value}.outputs:out>" if isPath else
+                         f"        {kind} inputs:{key} = {value}")
+        lines.append("    }")
+    return "\n".join([*lines, "}", ""])
 
 
 class Volume(Kind):
@@ -85,4 +117,7 @@ class Volume(Kind):
         fields = "".join(_FIELD.replace("NAME", name).replace("GRID", grid).replace("FILE", file)
                          for name, grid in zip(_FIELDS, grids))
         budget = rng.choice([[], ["--residency", "stream", "--volumeMemory", "16K"]])
-        return self.Record(self.Write("stage.usda", _STAGE.replace("FIELDS", fields)), *_SMALL, *budget)
+        text = _STAGE.replace("FIELDS", fields)
+        if rng.random() < 0.3:
+            text = text.replace(_LOOK, _Computed(rng))
+        return self.Record(self.Write("stage.usda", text), *_SMALL, *budget)

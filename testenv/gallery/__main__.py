@@ -29,6 +29,7 @@ PICTURES = {
     "mountains": ["--samples", "8", "--maxDepth", "4", "--denoise"],
     "creatures": ["--samples", "10", "--maxDepth", "6", "--denoise"],
     "materials": ["--samples", "8", "--maxDepth", "10", "--denoise"],
+    "pawns": ["--samples", "24", "--maxDepth", "12", "--denoise"],
     "city": ["--samples", "10", "--maxDepth", "3", "--denoise"],
     "museum": ["--samples", "8", "--maxDepth", "6", "--denoise", "--textureMemory", "4M"],
     "macro": ["--samples", "6", "--maxDepth", "5", "--denoise"],

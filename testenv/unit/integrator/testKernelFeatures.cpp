@@ -122,6 +122,9 @@ TEST(KernelFeatures, HaveWhatTheyNeed) {
          {"cutouts", "lobes", "media", "motion", "textures", "volumes"}},
         {"volumeTerms", // what is read at a collision
          {"cutouts", "lobes", "media", "textures", "volumes"}},
+        {"volumePatterns", // programs that are run at a collision
+         {"cutouts", "lobes", "media", "patterns", "programs", "textures", "volumeTerms",
+          "volumes"}},
         {"workingSpace", // converts the glow of volumes
          {"cutouts", "lobes", "media", "textures", "volumes"}},
         {"flat", {"simd8"}},                  // is walked as that form walks
