@@ -5,6 +5,8 @@
 #include "hdStream/scene/valueRange.h"
 #include "kernels/shared/programMath.h"
 
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -54,13 +56,24 @@ public:
     const std::vector<AmountPrimvar>& Primvars() const override { return _primvars; }
     bool ReadsPosition() const override { return _readsPosition; }
 
-    double At(const AmountPoint& point) const override {
-        std::array<Value, kMaxDisplacementSteps> values;
-        for (std::size_t i = 0; i < _network.steps.size(); ++i) {
-            values[i] = ValueAt(_network.steps[i], point, values.data());
+    DisplacementSpace Space() const override {
+        if (!_network.isVector) {
+            return DisplacementSpace::Normal;
         }
-        const auto result = static_cast<double>(Operand(_network.result, values.data())[0]);
-        return std::isfinite(result) ? result : 0.0;
+        return _network.coordinates == HDS_NONE ? DisplacementSpace::Object
+                                                : DisplacementSpace::Tangent;
+    }
+    std::size_t Coordinates() const override { return _network.coordinates; }
+
+    double At(const AmountPoint& point) const override {
+        return _network.isVector ? 0.0 : Finite(ResultAt(point)[0]);
+    }
+    glm::dvec3 VectorAt(const AmountPoint& point) const override {
+        if (!_network.isVector) {
+            return glm::dvec3(0.0);
+        }
+        const Value result = ResultAt(point);
+        return {Finite(result[0]), Finite(result[1]), Finite(result[2])};
     }
 
     AmountRange Over(const AmountBox& box) const override {
@@ -68,13 +81,35 @@ public:
         for (const DisplacementStep& step : _network.steps) {
             ranges.push_back(RangeOver(step, box, ranges));
         }
-        const AmountRange range = OperandRange(_network.result, ranges)[0];
+        const ValueRange results = OperandRange(_network.result, ranges);
+        if (_network.isVector) {
+            glm::dvec3 most(0.0);
+            for (glm::length_t k = 0; k < 3; ++k) {
+                const AmountRange& one = results[static_cast<std::size_t>(k)];
+                most[k] = std::max(std::fabs(one.low), std::fabs(one.high));
+            }
+            const double length = glm::length(most);
+            return {-length, length};
+        }
+        const AmountRange range = results[0];
         // What is not finite is 0.
         return std::isfinite(range.low) && std::isfinite(range.high) ? range
                                                                      : HullOf(range, {0.0, 0.0});
     }
 
 private:
+    static double Finite(float value) {
+        return std::isfinite(value) ? static_cast<double>(value) : 0.0;
+    }
+
+    Value ResultAt(const AmountPoint& point) const {
+        std::array<Value, kMaxDisplacementSteps> values;
+        for (std::size_t i = 0; i < _network.steps.size(); ++i) {
+            values[i] = ValueAt(_network.steps[i], point, values.data());
+        }
+        return Operand(_network.result, values.data());
+    }
+
     static Value Operand(const DisplacementOperand& operand, const Value* values) {
         const Value& value = values[operand.step];
         if (operand.channel == HDS_CHANNEL_ALL) {
