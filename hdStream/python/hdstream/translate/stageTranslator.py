@@ -20,7 +20,7 @@ from hdstream.translate.instancers import Instancers
 from hdstream.translate.links import Links
 from hdstream.translate.materials import FindBoundMaterials, MaterialReader
 from hdstream.translate.geometryBatch import GeometryBatch
-from hdstream.translate.motion import Motion
+from hdstream.translate.motion import Motion, ReadBlurScale
 from hdstream.translate.passCollections import PassCollections
 from hdstream.translate.primState import PREDICATE, Context, State
 from hdstream.translate.reports import Reports
@@ -30,6 +30,7 @@ from hdstream.translate.skinning import Skinning
 _SKIPPED_SCHEMAS = ("ParticleField",)
 
 
+_BLUR_SCALE = "motion:blurScale"
 _PURPOSES = frozenset(UsdGeom.Imageable.GetOrderedPurposeTokens())
 
 
@@ -188,13 +189,18 @@ class StageTranslator:
 
     def _StateOf(self, prim, info, names, inherited):
         """The prim's own state: `inherited` itself when it changes nothing."""
+        if self._motion.isOn and _BLUR_SCALE in names:
+            inherited = inherited.Copy()
+            inherited.motion = self._motion.Scaled(ReadBlurScale(prim, self._timeCode, self._reports.Warn))
+            inherited.matrices = inherited.motion.MatricesAlong(inherited.way)
         state = inherited
         if info.isXformable and "xformOpOrder" in names:
             local, resets = self._xforms.GetLocalTransformation(prim)
             state = inherited.Copy()
             state.matrix = local if resets else local * inherited.matrix
             if self._motion.isOn:
-                state.matrices = self._motion.MatricesOf(prim, local, resets, inherited.matrix, inherited.matrices)
+                state.matrices = self.MotionOf(inherited).MatricesOf(prim, local, resets, inherited.matrix, inherited.matrices)
+                state.way = inherited.way + (prim,)
         if info.isImageable:
             if "visibility" in names and prim.GetAttribute("visibility").Get(self._timeCode) == "invisible":
                 state = inherited.Copy() if state is inherited else state
@@ -227,6 +233,10 @@ class StageTranslator:
             state = inherited.Copy() if state is inherited else state
             state.AddBindings(prim, names)
         return state
+
+    def MotionOf(self, state):
+        """What a prim of that state moves by."""
+        return state.motion or self._motion
 
     def _MakeHandlers(self):
         """(schema class, handler) from special to general; prims of no schema here are groups."""
@@ -273,7 +283,7 @@ class StageTranslator:
         """Where a prim of that state is; the context's instancer, if any, places it."""
         placement = _core.Placement(state.matrix, context.instancerPath, context.instances, state.visible)
         if state.matrices is not None:
-            placement.samples = self._motion.SamplesOf(state.matrices)
+            placement.samples = self.MotionOf(state).SamplesOf(state.matrices)
         return placement
 
     def _Place(self, prim, state, context):
@@ -287,10 +297,10 @@ class StageTranslator:
         skin, skinTimes = None, ()
         if state.skelRoot is not None:
             skin = functools.partial(self._skinning.PointsOf, rootPrim=state.skelRoot)
-            if self._motion.isOn:
-                skinTimes = self._skinning.TimesOf(prim, state.skelRoot, self._motion)
+            if self.MotionOf(state).isOn:
+                skinTimes = self._skinning.TimesOf(prim, state.skelRoot, self.MotionOf(state))
         mesh = self._KeptGeometry(prim, context) or meshes.ReadMesh(
-            prim, names, state.primvars, self._timeCode, self._motion, self._reports.Warn, skin,
+            prim, names, state.primvars, self._timeCode, self.MotionOf(state), self._reports.Warn, skin,
             lambda time: functools.partial(self._SkinningAt(time).PointsOf, rootPrim=state.skelRoot), skinTimes)
         if mesh is None:
             self._WarnOfClips(prim)
@@ -321,7 +331,7 @@ class StageTranslator:
     def _AddConverted(self, read, prim, names, state, context):
         """A prim that `read` makes a mesh of."""
         mesh = self._KeptGeometry(prim, context) or read(
-            prim, names, state.primvars, self._timeCode, self._motion, self._reports.Warn)
+            prim, names, state.primvars, self._timeCode, self.MotionOf(state), self._reports.Warn)
         if mesh is not None:
             self._AddMesh(prim, names, mesh, state, context)
         return state
@@ -334,11 +344,11 @@ class StageTranslator:
 
     def _OnCurves(self, prim, schema, names, state, context):
         if schema == "NurbsCurves" and "order" in names and "knots" in names:
-            self._AddSolid(prim, curves.ReadNurbsCurves(prim, names, state.primvars, self._timeCode, self._motion,
+            self._AddSolid(prim, curves.ReadNurbsCurves(prim, names, state.primvars, self._timeCode, self.MotionOf(state),
                                                         self._reports.Warn), state, context)
             return state
         description = curves.ReadCurves(prim, schema, names, state.primvars, self._timeCode, self._reports.Warn)
-        self._AddPointSamples(prim, names, description)
+        self._AddPointSamples(prim, names, description, state)
         if description is not None and schema != "BasisCurves":
             self._reports.Count(prim, f"{schema} are drawn as lines between their points: {{count}}")
         self._AddSolid(prim, description, state, context)
@@ -346,14 +356,14 @@ class StageTranslator:
 
     def _OnPoints(self, prim, schema, names, state, context):
         description = curves.ReadPointCloud(prim, names, state.primvars, self._timeCode)
-        self._AddPointSamples(prim, names, description)
+        self._AddPointSamples(prim, names, description, state)
         self._AddSolid(prim, description, state, context)
         return state
 
     def _OnSplats(self, prim, schema, names, state, context):
         description = splats.ReadSplats(prim, names, state.primvars, self._timeCode)
         if description is not None:
-            description.samples = self._motion.ArraySamplesOf(
+            description.samples = self.MotionOf(state).ArraySamplesOf(
                 prim, splats.PositionsName(prim, self._timeCode), len(description.points), self._reports.Warn)
         self._AddSolid(prim, description, state, context)
         return state
@@ -368,12 +378,13 @@ class StageTranslator:
             prim, placement, state.purpose, materialPath, self._timeCode, self._assets, self._reports.Warn))
         return state
 
-    def _AddPointSamples(self, prim, names, description):
+    def _AddPointSamples(self, prim, names, description, state):
         if description is None:
             return
         topology = ("curveVertexCounts",) if description.primitives == _core.PrimitiveKind.Curves else ()
-        description.samples = self._motion.PointSamplesOf(prim, names, len(description.points), self._reports.Warn, topology)
-        description.widthSamples = self._motion.PrimvarSamplesOf(prim, "widths", names, description.primvars)
+        motion = self.MotionOf(state)
+        description.samples = motion.PointSamplesOf(prim, names, len(description.points), self._reports.Warn, topology)
+        description.widthSamples = motion.PrimvarSamplesOf(prim, "widths", names, description.primvars)
 
     def _AddSolid(self, prim, description, state, context):
         if description is None:
@@ -439,7 +450,7 @@ class StageTranslator:
         if pole is not None:
             placement.worldFromObject = np.array(pole * state.matrix)
             if state.matrices is not None:
-                placement.samples = self._motion.SamplesOf([pole * matrix for matrix in state.matrices])
+                placement.samples = self.MotionOf(state).SamplesOf([pole * matrix for matrix in state.matrices])
         lightPrim = _core.LightPrim(light, placement)
         lightPrim.links = self._links.Read(prim, names)
         for matrix, width, height in lights.ReadPortals(prim, names, self._timeCode, self._reports.Warn):
