@@ -307,7 +307,7 @@ def _VaryingGlass():
     document = surfaceGraphs.NewDocument()
     ramp = document.addNode("ramplr", "Ramp", "float")
     surface = document.addNode("standard_surface", "Surface", "surfaceshader")
-    for node, inputs in ((ramp, dict(valuel=0.1, valuer=0.7)), (surface, dict(base=0.0, transmission=1.0, specular_anisotropy=0.3))):
+    for node, inputs in ((ramp, dict(valuel=0.1, valuer=0.7)), (surface, dict(base=0.0, transmission=1.0))):
         for name, value in inputs.items():
             node.setInputValue(name, value)
     surface.addInput("specular_roughness", "float").setConnectedNode(ramp)
@@ -325,4 +325,4 @@ def test_glass_of_varying_roughness_is_one_surface_in_its_node_graph(tmp_path):
                 for layer in _VaryingGlass()]
     assert not any(picture.warnings for picture in pictures)
     blocks = [picture.rgb.reshape(4, 8, 4, 8, 3).mean((1, 3)) for picture in pictures]
-    assert blocks[1] == pytest.approx(blocks[0], rel=0.02)
+    assert blocks[1] == pytest.approx(blocks[0], rel=2e-3)  # the same paths but for rounding; of a coat others
