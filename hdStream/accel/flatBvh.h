@@ -18,7 +18,7 @@ namespace hds {
 struct FlatSource {
     const shared::HdsBvhNode* topNodes = nullptr;
     const shared::HdsInstance* instances = nullptr;
-    const std::vector<shared::HdsObject>* objects = nullptr; ///< 0: the TLAS; nothing moves
+    const std::vector<shared::HdsObject>* objects = nullptr; ///< 0: the TLAS
     /// The bytes of a chunk's geometry page, which stay where they are.
     std::function<const std::uint8_t*(std::uint32_t chunk)> page;
 };
@@ -45,7 +45,7 @@ struct FlatAmount {
 };
 
 /// Flattens instances of the TLAS, those of objects that are placed least often first. Not
-/// flattened are curves and points, meshes below more than
+/// flattened are curves and points, what moves, meshes below more than
 /// HDS_FLAT_MAX_RECORDS instances, and instances that are sheared so strongly that boxes in world
 /// space could not be padded for it. Uses all cores; the result does not depend on their number.
 /// Memory on the way, beside the result: 80 bytes a triangle.

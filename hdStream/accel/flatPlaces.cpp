@@ -236,12 +236,16 @@ private:
         }
     }
 
-    /// Those of the TLAS that are not flattened, with the boxes that its nodes have.
+    /// Those of the TLAS that are not flattened, with the boxes that its nodes have; of boxes that
+    /// move, what holds them from the opening of the shutter to its closing.
     void AddInstances(const std::vector<bool>& isFlat) {
         const shared::HdsObject& root = _objects[0];
+        const std::uint32_t closeNodes = root.kind >> HDS_OBJECT_CLOSE_SHIFT; // 0: none moves
         std::vector<std::uint32_t> stack = {0};
         while (!stack.empty()) {
-            const shared::HdsBvhNode& node = _source.topNodes[root.nodeBase + stack.back()];
+            const std::uint32_t index = root.nodeBase + stack.back();
+            const shared::HdsBvhNode& node = _source.topNodes[index];
+            const shared::HdsBvhNode& closed = _source.topNodes[index + closeNodes];
             stack.pop_back();
             std::uint32_t child = node.childBase;
             for (int slot = 0; slot < 8; ++slot) {
@@ -251,11 +255,17 @@ private:
                 } else if (meta != 0) {
                     const std::uint32_t item = node.itemBase + (meta & 31U); // one a slot
                     if (!isFlat[item]) {
-                        _places.instances.push_back({root.itemBase + item, BoxOf(node, slot)});
+                        _places.instances.push_back(
+                            {root.itemBase + item,
+                             UnionOf(BoxOf(node, slot), BoxOf(closed, slot))});
                     }
                 }
             }
         }
+    }
+
+    static Bounds UnionOf(const Bounds& a, const Bounds& b) {
+        return {glm::min(a.min, b.min), glm::max(a.max, b.max)};
     }
 
     static Bounds BoxOf(const shared::HdsBvhNode& node, int slot) {

@@ -172,7 +172,7 @@ std::vector<BoundAmount> BindAmounts(const Displacement& displacement,
         if (!amount) {
             continue;
         }
-        bool varies = amount->ReadsPosition();
+        bool varies = amount->ReadsPosition() || amount->Space() != DisplacementSpace::Normal;
         for (const AmountPrimvar& primvar : amount->Primvars()) {
             const std::size_t index = FindPrimvar(primvar, attributes);
             bound.attributes.push_back(index);
@@ -182,6 +182,47 @@ std::vector<BoundAmount> BindAmounts(const Displacement& displacement,
         bound.constant = varies ? 0.0 : amount->At(MissingPoint(*amount));
     }
     return result;
+}
+
+bool HasVectors(const std::vector<BoundAmount>& amounts) {
+    return std::any_of(amounts.begin(), amounts.end(), [](const BoundAmount& bound) {
+        return bound.amount != nullptr && bound.amount->Space() != DisplacementSpace::Normal;
+    });
+}
+
+bool LacksCoordinates(const std::vector<BoundAmount>& amounts) {
+    return std::any_of(amounts.begin(), amounts.end(), [](const BoundAmount& bound) {
+        return bound.amount != nullptr && bound.amount->Space() == DisplacementSpace::Tangent &&
+               bound.attributes[bound.amount->Coordinates()] == BoundAmount::kMissing;
+    });
+}
+
+glm::dvec3 FromTangentSpace(const CoordinateFrame& frame, const glm::dvec3& vector) {
+    const glm::dvec2& u = frame.coordinatesU;
+    const glm::dvec2& v = frame.coordinatesV;
+    const glm::dvec3& normal = frame.normal;
+    const glm::dvec3 up = vector.z * normal;
+    const double determinant = u.x * v.y - u.y * v.x;
+    const double side = determinant < 0.0 ? -1.0 : 1.0; // directions are all that counts
+    const glm::dvec3 alongS = side * (v.y * frame.pointU - u.y * frame.pointV);
+    const glm::dvec3 alongT = side * (u.x * frame.pointV - v.x * frame.pointU);
+    const glm::dvec3 flat = alongS - glm::dot(alongS, normal) * normal;
+    const double length = glm::length(flat);
+    if (determinant == 0.0 || !(length > 1e-12 * glm::length(alongS)) || !std::isfinite(length)) {
+        return up;
+    }
+    const glm::dvec3 tangent = flat / length;
+    const glm::dvec3 across = glm::cross(normal, tangent);
+    const glm::dvec3 bitangent = glm::dot(across, alongT) < 0.0 ? -across : across;
+    return vector.x * tangent + vector.y * bitangent + up;
+}
+
+glm::dvec3 LimitedVector(const DisplacementAmount& amount, const AmountPoint& point,
+                         const AmountRange& range) {
+    const glm::dvec3 vector = amount.VectorAt(point);
+    const double most = std::max(std::fabs(range.low), std::fabs(range.high));
+    const double length = glm::length(vector);
+    return length > most ? vector * (most / length) : vector;
 }
 
 AmountRange RangeOf(const std::vector<BoundAmount>& amounts,
@@ -205,17 +246,29 @@ AmountRange RangeOf(const std::vector<BoundAmount>& amounts,
     return range;
 }
 
-std::vector<float> PointAmounts(const GeometryDescription& mesh, const SharedSpan<float>& points,
-                                const AmountRange& range, const std::vector<std::uint32_t>& entries,
-                                const std::vector<GeometryAttribute>& attributes,
-                                const Displacement& displacement) {
-    const std::vector<BoundAmount> amounts = BindAmounts(displacement, attributes);
+namespace {
+
+/// A face-vertex that an amount moves.
+struct DisplacedCorner {
+    std::size_t face = 0;
+    std::size_t corner = 0;
+    std::size_t begin = 0; ///< of the face's face-vertices
+    std::size_t end = 0;
+    std::size_t point = 0;
+};
+
+/// Goes through the face-vertices of the faces. \param add what a displaced one adds, with its
+/// amount \return how many face-vertices each point has
+template <typename Add>
+std::vector<std::uint32_t> ForEachCorner(const GeometryDescription& mesh,
+                                         const std::vector<std::uint32_t>& entries,
+                                         const std::vector<BoundAmount>& amounts, const Add& add) {
     const std::size_t numPoints = mesh.points.size() / 3;
-    std::vector<double> sums(numPoints);
     std::vector<std::uint32_t> counts(numPoints);
     std::size_t corner = 0;
     for (std::size_t face = 0; face < mesh.faceVertexCounts.size(); ++face) {
         const std::uint32_t entry = entries.empty() ? 0 : entries[face];
+        const std::size_t begin = corner;
         const auto end = corner + std::size_t(std::max(mesh.faceVertexCounts[face], 0));
         for (; corner < end && corner < mesh.faceVertexIndices.size(); ++corner) {
             const std::int32_t point = mesh.faceVertexIndices[corner];
@@ -223,30 +276,116 @@ std::vector<float> PointAmounts(const GeometryDescription& mesh, const SharedSpa
                 continue;
             }
             ++counts[point];
-            if (entry >= amounts.size()) {
-                continue;
+            if (entry < amounts.size()) {
+                add(DisplacedCorner{face, corner, begin, end, std::size_t(point)}, amounts[entry]);
             }
-            const BoundAmount& bound = amounts[entry];
-            if (bound.amount == nullptr) {
-                sums[point] += bound.constant;
-                continue;
-            }
-            AmountPoint at = MissingPoint(*bound.amount);
-            for (std::size_t i = 0; i < bound.attributes.size(); ++i) {
-                if (bound.attributes[i] != BoundAmount::kMissing) {
-                    const GeometryAttribute& attribute = attributes[bound.attributes[i]];
-                    at.primvars[i] = ReadValue(
-                        attribute, ElementOf(attribute, face, corner, std::size_t(point)));
-                }
-            }
-            const auto xyz = 3 * std::size_t(point);
-            at.position = {Finite(points[xyz]), Finite(points[xyz + 1]), Finite(points[xyz + 2])};
-            sums[point] += glm::clamp(bound.amount->At(at), range.low, range.high);
         }
         corner = end;
     }
-    std::vector<float> result(numPoints);
-    for (std::size_t point = 0; point < numPoints; ++point) {
+    return counts;
+}
+
+/// What the amount of a face-vertex is asked with.
+AmountPoint PointOf(const DisplacedCorner& at, const BoundAmount& bound,
+                    const SharedSpan<float>& points,
+                    const std::vector<GeometryAttribute>& attributes) {
+    AmountPoint result = MissingPoint(*bound.amount);
+    for (std::size_t i = 0; i < bound.attributes.size(); ++i) {
+        if (bound.attributes[i] != BoundAmount::kMissing) {
+            const GeometryAttribute& attribute = attributes[bound.attributes[i]];
+            result.primvars[i] =
+                ReadValue(attribute, ElementOf(attribute, at.face, at.corner, at.point));
+        }
+    }
+    const auto xyz = 3 * at.point;
+    result.position = {Finite(points[xyz]), Finite(points[xyz + 1]), Finite(points[xyz + 2])};
+    return result;
+}
+
+/// By the edges of the face at the face-vertex.
+CoordinateFrame FrameOf(const DisplacedCorner& at, const GeometryDescription& mesh,
+                        const SharedSpan<float>& points, const GeometryAttribute& coordinates) {
+    const auto read = [&](std::size_t corner, glm::dvec3* position, glm::dvec2* st) {
+        const std::int32_t index = mesh.faceVertexIndices[corner];
+        const std::size_t point = index < 0 || std::size_t(index) >= mesh.points.size() / 3
+                                      ? at.point
+                                      : std::size_t(index);
+        const float* p = points.data() + 3 * point;
+        *position = {Finite(p[0]), Finite(p[1]), Finite(p[2])};
+        const std::array<double, 4> value =
+            ReadValue(coordinates, ElementOf(coordinates, at.face, corner, point));
+        *st = {value[0], value[1]};
+    };
+    const std::size_t end = std::min(at.end, mesh.faceVertexIndices.size());
+    glm::dvec3 here;
+    glm::dvec2 hereSt;
+    CoordinateFrame frame;
+    read(at.corner, &here, &hereSt);
+    read(at.corner + 1 < end ? at.corner + 1 : at.begin, &frame.pointU, &frame.coordinatesU);
+    read(at.corner > at.begin ? at.corner - 1 : end - 1, &frame.pointV, &frame.coordinatesV);
+    frame.pointU -= here;
+    frame.pointV -= here;
+    frame.coordinatesU -= hereSt;
+    frame.coordinatesV -= hereSt;
+    return frame;
+}
+
+} // namespace
+
+std::vector<glm::dvec3> PointVectors(const GeometryDescription& mesh,
+                                     const SharedSpan<float>& points,
+                                     const GeometryAttribute& normals, const AmountRange& range,
+                                     const std::vector<std::uint32_t>& entries,
+                                     const std::vector<GeometryAttribute>& attributes,
+                                     const Displacement& displacement) {
+    const std::vector<BoundAmount> amounts = BindAmounts(displacement, attributes);
+    if (!HasVectors(amounts)) {
+        return {};
+    }
+    std::vector<glm::dvec3> sums(mesh.points.size() / 3, glm::dvec3(0.0));
+    const auto add = [&](const DisplacedCorner& at, const BoundAmount& bound) {
+        if (bound.amount == nullptr || bound.amount->Space() == DisplacementSpace::Normal) {
+            return;
+        }
+        const glm::dvec3 vector =
+            LimitedVector(*bound.amount, PointOf(at, bound, points, attributes), range);
+        if (bound.amount->Space() == DisplacementSpace::Object) {
+            sums[at.point] += vector;
+            return;
+        }
+        const std::size_t index = bound.attributes[bound.amount->Coordinates()];
+        CoordinateFrame frame;
+        if (index != BoundAmount::kMissing) {
+            frame = FrameOf(at, mesh, points, attributes[index]);
+        }
+        const float* n = ValueOf(normals, at.point);
+        frame.normal = {n[0], n[1], n[2]};
+        sums[at.point] += FromTangentSpace(frame, vector);
+    };
+    const std::vector<std::uint32_t> counts = ForEachCorner(mesh, entries, amounts, add);
+    for (std::size_t point = 0; point < sums.size(); ++point) {
+        sums[point] /= std::max(counts[point], 1U);
+    }
+    return sums;
+}
+
+std::vector<float> PointAmounts(const GeometryDescription& mesh, const SharedSpan<float>& points,
+                                const AmountRange& range, const std::vector<std::uint32_t>& entries,
+                                const std::vector<GeometryAttribute>& attributes,
+                                const Displacement& displacement) {
+    const std::vector<BoundAmount> amounts = BindAmounts(displacement, attributes);
+    std::vector<double> sums(mesh.points.size() / 3);
+    const auto add = [&](const DisplacedCorner& at, const BoundAmount& bound) {
+        if (bound.amount == nullptr) {
+            sums[at.point] += bound.constant;
+        } else if (bound.amount->Space() == DisplacementSpace::Normal) {
+            const AmountPoint point = PointOf(at, bound, points, attributes);
+            sums[at.point] += glm::clamp(bound.amount->At(point), range.low, range.high);
+        }
+    };
+    const std::vector<std::uint32_t> counts = ForEachCorner(mesh, entries, amounts, add);
+    std::vector<float> result(sums.size());
+    for (std::size_t point = 0; point < sums.size(); ++point) {
         result[point] = counts[point] > 0 ? float(sums[point] / counts[point]) : 0.0F;
     }
     return result;

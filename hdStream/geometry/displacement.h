@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far a mesh's surface is moved along its normals, per material entry. Explained in
-// docs/geometry.md.
+// How far a mesh's surface is moved along its normals, or by vectors, per material entry. Explained
+// in docs/geometry.md.
 #pragma once
 
 #include "hdStream/geometry/chunkSource.h"
 
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include <array>
@@ -40,6 +41,13 @@ struct AmountBox {
     AmountPoint high;
 };
 
+/// How an amount moves a point: by a distance along the normal, or by a vector.
+enum class DisplacementSpace {
+    Normal,
+    Tangent, ///< (along dP/ds, on the side of dP/dt, along the normal), all of length 1
+    Object,
+};
+
 /// An amount as a function of primvars of the mesh and of the position. Immutable, thread-safe.
 class DisplacementAmount {
 public:
@@ -47,9 +55,15 @@ public:
 
     virtual const std::vector<AmountPrimvar>& Primvars() const = 0;
     virtual bool ReadsPosition() const { return false; }
-    /// Finite. \param point has the values of all Primvars.
+    virtual DisplacementSpace Space() const { return DisplacementSpace::Normal; }
+    /// Which of the Primvars has the s and t of DisplacementSpace::Tangent.
+    virtual std::size_t Coordinates() const { return 0; }
+    /// Along the normal; 0 of vectors. Finite. \param point has the values of all Primvars.
     virtual double At(const AmountPoint& point) const = 0;
-    /// Range of At over a box; infinite where it cannot be told.
+    /// The vector; 0 of distances. Finite.
+    virtual glm::dvec3 VectorAt(const AmountPoint& /*point*/) const { return glm::dvec3(0.0); }
+    /// Range of At over a box, or from minus the greatest length of vectors to it; infinite where
+    /// it cannot be told.
     virtual AmountRange Over(const AmountBox& box) const = 0;
 };
 
@@ -86,6 +100,42 @@ std::vector<BoundAmount> BindAmounts(const Displacement& displacement,
 AmountRange RangeOf(const std::vector<BoundAmount>& amounts,
                     const std::vector<GeometryAttribute>& attributes,
                     const GeometryDescription& mesh, bool hasOthers);
+
+/// Whether some amount is a vector.
+bool HasVectors(const std::vector<BoundAmount>& amounts);
+
+/// Whether some amount lacks the texture coordinates that its vectors need: they move along the
+/// normal alone.
+bool LacksCoordinates(const std::vector<BoundAmount>& amounts);
+constexpr const char* kNoCoordinates = "vectors that displace it are in the frame of texture "
+                                       "coordinates, which it has none of; what they have along "
+                                       "the normal is used";
+
+/// A surface's derivatives along two directions, with those of its texture coordinates.
+struct CoordinateFrame {
+    glm::dvec3 normal{0.0}; ///< of length 1
+    glm::dvec3 pointU{0.0};
+    glm::dvec3 pointV{0.0};
+    glm::dvec2 coordinatesU{0.0};
+    glm::dvec2 coordinatesV{0.0};
+};
+
+/// A vector in the frame of DisplacementSpace::Tangent, in object space. Where the coordinates span
+/// nothing, only the part along the normal is left.
+glm::dvec3 FromTangentSpace(const CoordinateFrame& frame, const glm::dvec3& vector);
+
+/// The vector of an amount, no longer than the range allows.
+glm::dvec3 LimitedVector(const DisplacementAmount& amount, const AmountPoint& point,
+                         const AmountRange& range);
+
+/// As PointAmounts: by vectors, in object space; empty where there are none. \param normals of the
+/// points of the pose
+std::vector<glm::dvec3> PointVectors(const GeometryDescription& mesh,
+                                     const SharedSpan<float>& points,
+                                     const GeometryAttribute& normals, const AmountRange& range,
+                                     const std::vector<std::uint32_t>& entries,
+                                     const std::vector<GeometryAttribute>& attributes,
+                                     const Displacement& displacement);
 
 /// Amounts for the points of polygons: the mean over the face-vertices at each point, so that what
 /// shares a point stays closed. Points that no face uses get 0.

@@ -337,8 +337,11 @@ private:
     /// How far displacement moves points at most, with the rounding of what is moved.
     void SetReach() {
         const std::size_t numEntries = 1 + _mesh->subsets.size();
-        _range = RangeOf(BindAmounts(_displacement, _values), _values, *_mesh,
-                         _displacement.size() < numEntries);
+        const std::vector<BoundAmount> amounts = BindAmounts(_displacement, _values);
+        _range = RangeOf(amounts, _values, *_mesh, _displacement.size() < numEntries);
+        if (LacksCoordinates(amounts)) {
+            _log.Warn(kNoCoordinates);
+        }
         const glm::vec3 far = glm::max(glm::abs(_bounds.min), glm::abs(_bounds.max));
         const double most = std::max(std::abs(_range.low), std::abs(_range.high));
         constexpr double kRounding = 1.0 / (1U << 20U);
@@ -348,19 +351,22 @@ private:
         _bounds.max += _reach;
     }
 
-    /// Moves the points of a pose along the smooth normals of the mesh as it was. \return smooth
-    /// normals of the moved mesh, where those are the mesh's.
+    /// Moves the points of a pose along the smooth normals of the mesh as it was, and by vectors.
+    /// \return smooth normals of the moved mesh, where those are the mesh's.
     std::optional<GeometryAttribute> Displace(const SharedSpan<float>& points,
                                               std::vector<glm::vec3>* moved) const {
         TriangleMesh whole = Whole(points);
         const GeometryAttribute smooth = ComputeSmoothNormals(whole);
         const std::vector<float> amounts =
             PointAmounts(*_mesh, points, _range, _entries, _values, _displacement);
+        const std::vector<glm::dvec3> vectors =
+            PointVectors(*_mesh, points, smooth, _range, _entries, _values, _displacement);
         for (std::size_t i = 0; i < whole.positions.size(); ++i) {
             const float* n = ValueOf(smooth, i);
-            whole.positions[i] =
-                glm::vec3(glm::dvec3(whole.positions[i]) +
-                          static_cast<double>(amounts[i]) * glm::dvec3(n[0], n[1], n[2]));
+            glm::dvec3 position = glm::dvec3(whole.positions[i]) +
+                                  static_cast<double>(amounts[i]) * glm::dvec3(n[0], n[1], n[2]);
+            position += vectors.empty() ? glm::dvec3(0.0) : vectors[i];
+            whole.positions[i] = glm::vec3(position);
         }
         std::optional<GeometryAttribute> normals;
         if (!_normals.values.empty() || !IsPolygonal(_mesh->subdivisionScheme)) {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/geometry/splatSource.h"
 
-#include "hdStream/geometry/attributePage.h"
-#include "hdStream/geometry/solidContent.h"
+#include "hdStream/geometry/particleSource.h"
 #include "kernels/shared/geometry.h"
 #include "kernels/shared/splat.h"
 
@@ -12,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -31,81 +29,29 @@ const Primvar* FindPrimvar(const GeometryDescription& splats, const char* name) 
     return found == splats.primvars.end() ? nullptr : &*found;
 }
 
-std::string Counted(std::size_t count, const char* what) {
-    return std::to_string(count) + " splats dropped: " + what;
-}
-
-class SplatSource final : public ChunkSource {
+class SplatSource final : public ParticleSource {
 public:
     SplatSource(std::shared_ptr<const GeometryDescription> splats, const std::string& primPath,
                 Warnings& warnings)
-        : _splats(std::move(splats)), _log(primPath, warnings) {
-        const std::size_t count = _splats->points.size() / 3;
-        if (count >= 0xffffffffU) {
-            _log.Warn("splats dropped: more than 2^32 - 2");
+        : ParticleSource(std::move(splats), HDS_PRIMITIVE_SPLATS, "splats", primPath, warnings) {
+        if (!CanNumber()) {
             return;
         }
+        const std::size_t count = Count();
         _orientations = ValuesOf(kSplatOrientations, 4, count);
         _scales = ValuesOf(kSplatScales, 3, count);
         _opacities = ValuesOf(kSplatOpacities, 1, count);
         CollectPrimvars(count);
-        _origin = glm::dvec3(ChooseOrigin(BoundPoints(*_splats)));
-        _numGroups = static_cast<std::uint32_t>(count);
-        MeasureAll();
-        _numVertices = _numTriangles;
-        const std::size_t vertexBytes = (kVertexFloats + 4 * _splats->keys.size()) * sizeof(float);
-        _boundBytes = SolidBytes(_values, 1.0, vertexBytes, NumPoses(), false);
-        _meanBytes = SolidBytes(_values, 1.0, vertexBytes, NumPoses(), true);
-    }
-
-    std::uint32_t GroupTriangles(std::uint32_t group) const override {
-        return HasPoint(*_splats, group) && ShapeOf(group) ? 1 : 0;
-    }
-    Bounds GroupBounds(std::uint32_t group) const override {
-        Bounds bounds;
-        if (GroupTriangles(group) > 0) {
-            for (std::size_t pose = 0; pose < NumPoses(); ++pose) {
-                Extend(group, pose, &bounds);
-            }
-        }
-        return bounds;
-    }
-    ChunkGeometry Gather(const std::uint32_t* groups, std::size_t count) const override {
-        std::call_once(_isRead, [this] {
-            for (const GeometryAttribute& attribute : _values) {
-                WarnNotFinite(attribute, _log.PrimPath(), _log.Sink());
-            }
-        });
-        ChunkGeometry chunk;
-        chunk.primitives = HDS_PRIMITIVE_SPLATS;
-        chunk.attributes = _values;
-        chunk.keys.resize(NumPoses() - 1);
-        for (std::size_t i = 0; i < count; ++i) {
-            const std::uint32_t group = groups[i];
-            if (GroupTriangles(group) == 0) {
-                continue;
-            }
-            chunk.triangles.emplace_back(static_cast<std::uint32_t>(chunk.points.size()), 0U, 0U);
-            chunk.points.push_back(group);
-            chunk.shapes.push_back(*ShapeOf(group));
-            Add(group, 0, &chunk.positions, &chunk.radii, &chunk.primitiveBounds);
-            chunk.primIds.push_back(group);
-            chunk.faces.push_back(group);
-            for (std::size_t pose = 1; pose < NumPoses(); ++pose) {
-                ChunkKey& key = chunk.keys[pose - 1];
-                Add(group, pose, &key.positions, &key.radii, &key.primitiveBounds);
-            }
-        }
-        return chunk;
+        Measure(kVertexFloats, "no scale or orientation, or an opacity below 1/255");
     }
 
 private:
-    std::size_t NumPoses() const { return 1 + _splats->keys.size(); }
+    bool IsSeen(std::uint32_t group) const override { return ShapeOf(group).has_value(); }
 
     /// Values of a primvar of all splats; empty, where there is no such primvar, or too few values,
     /// with a line: the schema's fallback.
     SharedSpan<float> ValuesOf(const char* name, std::uint32_t numComponents, std::size_t count) {
-        const Primvar* primvar = FindPrimvar(*_splats, name);
+        const Primvar* primvar = FindPrimvar(*_particles, name);
         if (primvar == nullptr || primvar->values.empty()) {
             return {};
         }
@@ -122,7 +68,7 @@ private:
 
     /// What pages hold: the coefficients alone.
     void CollectPrimvars(std::size_t count) {
-        const std::optional<std::uint32_t> degree = SplatDegree(*_splats);
+        const std::optional<std::uint32_t> degree = SplatDegree(*_particles);
         if (!degree) {
             _log.Warn(std::string(kSplatDegree) + " is none from 0 to 3: the splats are grey");
             return;
@@ -137,29 +83,6 @@ private:
         if (!harmonics.values.empty()) {
             _attributes.push_back({harmonics.name, harmonics.numComponents});
             _values.push_back(std::move(harmonics));
-        }
-    }
-
-    void MeasureAll() {
-        std::size_t numBad = 0;
-        for (std::uint32_t i = 0; i < _numGroups; ++i) {
-            if (GroupTriangles(i) == 0) {
-                numBad += HasPoint(*_splats, i) ? 0 : 1;
-                continue;
-            }
-            ++_numTriangles;
-            const Bounds bounds = GroupBounds(i);
-            for (int axis = 0; axis < 3; ++axis) {
-                _bounds.min[axis] = std::min(_bounds.min[axis], bounds.min[axis]);
-                _bounds.max[axis] = std::max(_bounds.max[axis], bounds.max[axis]);
-            }
-        }
-        if (numBad > 0) {
-            _log.Warn(Counted(numBad, "not finite or beyond 1e18"));
-        }
-        if (_numTriangles + numBad < _numGroups) {
-            _log.Warn(Counted(_numGroups - numBad - _numTriangles,
-                              "no scale or orientation, or an opacity below 1/255"));
         }
     }
 
@@ -216,10 +139,10 @@ private:
         return glm::sqrt(static_cast<double>(shape.cutoff) * squares);
     }
 
-    void Extend(std::uint32_t group, std::size_t pose, Bounds* bounds) const {
+    void Extend(std::uint32_t group, std::size_t pose, Bounds* bounds) const override {
         // Kernels measure distances in float, in units that differ from axis to axis.
         constexpr double kPart = 1.0 + 1e-4;
-        const glm::dvec3 centre = glm::dvec3(*FindPointAt(*_splats, pose, group)) - _origin;
+        const glm::dvec3 centre = CentreAt(pose, group);
         const glm::dvec3 reach = kPart * ReachOf(*ShapeOf(group));
         for (int axis = 0; axis < 3; ++axis) {
             glm::dvec3 along(0.0);
@@ -231,21 +154,16 @@ private:
             bounds->max[axis] = std::max(bounds->max[axis], ends.max[axis]);
         }
     }
-    void Add(std::uint32_t group, std::size_t pose, std::vector<glm::vec3>* positions,
-             std::vector<float>* opacities, std::vector<Bounds>* bounds) const {
-        positions->push_back(*FindPointAt(*_splats, pose, group) - glm::vec3(_origin));
-        opacities->push_back(OpacityOf(group));
-        bounds->emplace_back();
-        Extend(group, pose, &bounds->back());
+    float ValueAt(std::size_t /*pose*/, std::uint32_t group) const override {
+        return OpacityOf(group);
+    }
+    void AddShape(std::uint32_t group, ChunkGeometry* chunk) const override {
+        chunk->shapes.push_back(*ShapeOf(group));
     }
 
-    std::shared_ptr<const GeometryDescription> _splats;
-    mutable PrimLog _log;
     SharedSpan<float> _orientations; ///< empty: not turned
     SharedSpan<float> _scales;       ///< empty: 1
     SharedSpan<float> _opacities;    ///< empty: 1
-    std::vector<GeometryAttribute> _values;
-    mutable std::once_flag _isRead;
 };
 
 } // namespace

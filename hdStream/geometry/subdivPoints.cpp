@@ -17,6 +17,27 @@ namespace Far = OpenSubdiv::Far;
 /// Half the distance of the points whose difference is a tangent of the displaced surface.
 constexpr double kStep = 1.0 / 256.0;
 
+/// Points of a face whose differences stand for derivatives.
+struct DifferencePoints {
+    FacePoint lowU;
+    FacePoint highU;
+    FacePoint lowV;
+    FacePoint highV;
+};
+
+DifferencePoints PointsAround(FaceShape shape, FacePoint centre) {
+    glm::dvec2 low = glm::max(centre.uv - kStep, 0.0);
+    glm::dvec2 high = glm::min(centre.uv + kStep, 1.0);
+    if (shape == FaceShape::Triangle) {
+        centre.uv = glm::mix(centre.uv, FaceCentre(shape).uv, 4.0 * kStep);
+        low = centre.uv - kStep;
+        high = centre.uv + kStep;
+    }
+    const auto at = [&](double u, double v) { return FacePoint{centre.subFace, {u, v}}; };
+    return {at(low.x, centre.uv.y), at(high.x, centre.uv.y), at(centre.uv.x, low.y),
+            at(centre.uv.x, high.y)};
+}
+
 } // namespace
 
 FaceLocation SubdivPoints::EdgeIn(int face, int edge, double t) const {
@@ -76,6 +97,18 @@ std::array<double, 4> SubdivPoints::PrimvarAt(std::size_t index, const FaceLocat
     return value;
 }
 
+void SubdivPoints::FindPoint(const BoundAmount& bound, const FaceLocation& location) {
+    _point.primvars.clear();
+    for (std::size_t i = 0; i < bound.attributes.size(); ++i) {
+        _point.primvars.push_back(bound.attributes[i] == BoundAmount::kMissing
+                                      ? bound.amount->Primvars()[i].missing
+                                      : PrimvarAt(bound.attributes[i], location));
+    }
+    if (bound.amount->ReadsPosition()) {
+        _point.position = _surfaces.At(location.face).Frame(location.at).point;
+    }
+}
+
 double SubdivPoints::Amount(const FaceLocation& location) {
     const std::uint32_t face = _model.Cage().faces[location.face];
     const std::uint32_t entry = _entries.empty() ? 0 : _entries[face];
@@ -86,44 +119,72 @@ double SubdivPoints::Amount(const FaceLocation& location) {
     if (bound.amount == nullptr) {
         return bound.constant;
     }
-    _point.primvars.clear();
-    for (std::size_t i = 0; i < bound.attributes.size(); ++i) {
-        _point.primvars.push_back(bound.attributes[i] == BoundAmount::kMissing
-                                      ? bound.amount->Primvars()[i].missing
-                                      : PrimvarAt(bound.attributes[i], location));
+    if (bound.amount->Space() != DisplacementSpace::Normal) {
+        return 0.0;
     }
-    if (bound.amount->ReadsPosition()) {
-        _point.position = _surfaces.At(location.face).Frame(location.at).point;
-    }
+    FindPoint(bound, location);
     // Interpolation may leave the range by rounding; boxes rely on it.
     return glm::clamp(bound.amount->At(_point), _displacement.range.low, _displacement.range.high);
 }
 
-/// Displaced along the face's own normal.
+/// Differences of the surface and of coordinates on the face.
+CoordinateFrame SubdivPoints::FrameAt(const FaceLocation& location, std::size_t coordinates) {
+    const DifferencePoints at = PointsAround(_model.Shape(location.face), location.at);
+    const FaceSurface& surface = _surfaces.At(location.face);
+    CoordinateFrame frame;
+    const auto difference = [&](const FacePoint& high, const FacePoint& low, glm::dvec3* point,
+                                glm::dvec2* st) {
+        const std::array<double, 4> above = PrimvarAt(coordinates, {location.face, high});
+        const std::array<double, 4> below = PrimvarAt(coordinates, {location.face, low});
+        *point = surface.Frame(high).point - surface.Frame(low).point;
+        *st = {above[0] - below[0], above[1] - below[1]};
+    };
+    difference(at.highU, at.lowU, &frame.pointU, &frame.coordinatesU);
+    difference(at.highV, at.lowV, &frame.pointV, &frame.coordinatesV);
+    return frame;
+}
+
+/// In object space; 0 where nothing displaces by vectors.
+glm::dvec3 SubdivPoints::Vector(const FaceLocation& location) {
+    const std::uint32_t face = _model.Cage().faces[location.face];
+    const std::uint32_t entry = _entries.empty() ? 0 : _entries[face];
+    if (!_displacement.hasVectors || entry >= _displacement.amounts.size()) {
+        return glm::dvec3(0.0);
+    }
+    const BoundAmount& bound = _displacement.amounts[entry];
+    if (bound.amount == nullptr || bound.amount->Space() == DisplacementSpace::Normal) {
+        return glm::dvec3(0.0);
+    }
+    FindPoint(bound, location);
+    const glm::dvec3 vector = LimitedVector(*bound.amount, _point, _displacement.range);
+    if (bound.amount->Space() == DisplacementSpace::Object) {
+        return vector;
+    }
+    const std::size_t coordinates = bound.attributes[bound.amount->Coordinates()];
+    CoordinateFrame frame;
+    if (coordinates != BoundAmount::kMissing) {
+        frame = FrameAt(location, coordinates);
+    }
+    const FaceSurface& surface = _surfaces.At(location.face);
+    frame.normal = surface.Normal(location.at, surface.Frame(location.at));
+    return FromTangentSpace(frame, vector);
+}
+
+/// Displaced along the face's own normal and by vectors.
 glm::dvec3 SubdivPoints::OwnPosition(const FaceLocation& location) {
     const FaceSurface& surface = _surfaces.At(location.face);
     const SurfaceFrame frame = surface.Frame(location.at);
-    return frame.point + Amount(location) * surface.Normal(location.at, frame);
+    const glm::dvec3 position = frame.point + Amount(location) * surface.Normal(location.at, frame);
+    return _displacement.hasVectors ? position + Vector(location) : position;
 }
 
 /// Of the displaced surface, by differences on the face: the amount may be any function, and
 /// second derivatives of the surface do not exist at extraordinary vertices.
 glm::dvec3 SubdivPoints::DisplacedNormal(const FaceLocation& location) {
-    const FaceShape shape = _model.Shape(location.face);
-    FacePoint centre = location.at;
-    glm::dvec2 low = glm::max(centre.uv - kStep, 0.0);
-    glm::dvec2 high = glm::min(centre.uv + kStep, 1.0);
-    if (shape == FaceShape::Triangle) {
-        centre.uv = glm::mix(centre.uv, FaceCentre(shape).uv, 4.0 * kStep);
-        low = centre.uv - kStep;
-        high = centre.uv + kStep;
-    }
-    const auto at = [&](double u, double v) {
-        return OwnPosition({location.face, {centre.subFace, {u, v}}});
-    };
+    const DifferencePoints at = PointsAround(_model.Shape(location.face), location.at);
     SurfaceFrame frame;
-    frame.tangentU = at(high.x, centre.uv.y) - at(low.x, centre.uv.y);
-    frame.tangentV = at(centre.uv.x, high.y) - at(centre.uv.x, low.y);
+    frame.tangentU = OwnPosition({location.face, at.highU}) - OwnPosition({location.face, at.lowU});
+    frame.tangentV = OwnPosition({location.face, at.highV}) - OwnPosition({location.face, at.lowV});
     const double cross = glm::length(glm::cross(frame.tangentU, frame.tangentV));
     const FaceSurface& surface = _surfaces.At(location.face);
     return cross > 0.0 ? surface.Normal(location.at, frame)
@@ -149,9 +210,13 @@ SurfacePoint SubdivPoints::Shared(const std::vector<FaceLocation>& locations, bo
         return point;
     }
     double amount = 0.0;
+    glm::dvec3 vector(0.0);
     glm::dvec3 sum(0.0);
     for (const FaceLocation& location : locations) {
         amount += Amount(location);
+        if (_displacement.hasVectors) {
+            vector += Vector(location);
+        }
         if (isSharp) {
             const FaceSurface& other = _surfaces.At(location.face);
             sum += other.Normal(location.at, other.Frame(location.at));
@@ -160,6 +225,9 @@ SurfacePoint SubdivPoints::Shared(const std::vector<FaceLocation>& locations, bo
     const double length = glm::length(sum);
     direction = length > 1e-6 ? sum / length : direction;
     point.position += direction * (amount / double(locations.size()));
+    if (_displacement.hasVectors) {
+        point.position += vector / double(locations.size());
+    }
     point.normal = Normal(owner);
     return point;
 }

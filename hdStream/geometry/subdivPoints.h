@@ -17,6 +17,7 @@ struct SubdivDisplacement {
     Displacement owner;               ///< of what `amounts` point to
     std::vector<BoundAmount> amounts; ///< by material entry; empty: not displaced
     AmountRange range;
+    bool hasVectors = false;
     bool IsActive() const { return range.low != 0.0 || range.high != 0.0; }
     /// The same everywhere: normals stay.
     bool IsConstant() const { return range.low == range.high; }
@@ -60,7 +61,11 @@ private:
     FaceLocation EdgeIn(int face, int edge, double t) const;
     FaceLocation VertexIn(int face, int vertex) const;
     SurfacePoint Shared(const std::vector<FaceLocation>& locations, bool isSharp);
+    /// The amount's place in _point.
+    void FindPoint(const BoundAmount& bound, const FaceLocation& location);
     double Amount(const FaceLocation& location);
+    glm::dvec3 Vector(const FaceLocation& location);
+    CoordinateFrame FrameAt(const FaceLocation& location, std::size_t coordinates);
     std::array<double, 4> PrimvarAt(std::size_t attribute, const FaceLocation& location);
     glm::dvec3 Normal(const FaceLocation& location);
     glm::dvec3 OwnPosition(const FaceLocation& location);

@@ -57,7 +57,7 @@ public:
         PrimLog log(primPath, warnings);
         _dice.entries = AssignSubsets(Model().Mesh(), log);
         _isLeftHanded = Model().Mesh().leftHanded;
-        BindDisplacement(displacement);
+        BindDisplacement(displacement, log);
         std::vector<ExactBox> faceBoxes(Model().NumFaces());
         MeasureFaces(options, faceBoxes);
         ChooseOrigin(faceBoxes);
@@ -122,7 +122,7 @@ private:
         return box;
     }
 
-    void BindDisplacement(const Displacement& displacement) {
+    void BindDisplacement(const Displacement& displacement, PrimLog& log) {
         std::vector<GeometryAttribute> attributes;
         for (const SubdivPrimvar& primvar : Model().Primvars()) {
             attributes.push_back(primvar.attribute);
@@ -133,6 +133,10 @@ private:
         }
         _dice.displacement.owner = displacement;
         _dice.displacement.amounts = BindAmounts(displacement, attributes);
+        _dice.displacement.hasVectors = HasVectors(_dice.displacement.amounts);
+        if (LacksCoordinates(_dice.displacement.amounts)) {
+            log.Warn(kNoCoordinates);
+        }
         _dice.displacement.range = RangeOf(_dice.displacement.amounts, attributes, Model().Mesh(),
                                            last >= displacement.size());
     }

@@ -95,7 +95,9 @@ void HdStreamSyncPlacement(HdSceneDelegate* delegate, const SdfPath& id, const S
                            std::string* scenePath) {
     const bool isMoved =
         HdStreamInstancer::UpdatePathOf(delegate->GetRenderIndex(), instancerId, param, placement);
-    if (bits & HdChangeTracker::DirtyTransform) {
+    const bool isBlurDirty =
+        param->Shutter().IsOpen() && HdChangeTracker::IsPrimvarDirty(bits, id, HdTokens->blurScale);
+    if ((bits & HdChangeTracker::DirtyTransform) || isBlurDirty) {
         placement->worldFromObject = HdStreamToGlm(delegate->GetTransform(id));
         placement->samples = HdStreamSampleTransform(delegate, id, param->Shutter());
     }

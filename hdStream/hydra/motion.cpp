@@ -12,6 +12,7 @@
 #include <pxr/imaging/hd/tokens.h>
 
 #include <algorithm>
+#include <cmath>
 
 PXR_NAMESPACE_OPEN_SCOPE
 
@@ -29,6 +30,32 @@ using MatrixSamples = HdTimeSampleArray<GfMatrix4d, kUsualSamples>;
 double TimeCodesPerSecond(HdSceneDelegate* delegate) {
     return HdStreamTimeCodesPerSecond(delegate->GetRenderIndex().GetTerminalSceneIndex());
 }
+
+/// motion:blurScale of a prim: at a time of the shutter it is as at so many times that. Delegates
+/// tell of it where it is authored.
+double BlurScaleOf(HdSceneDelegate* delegate, const SdfPath& id) {
+    const float scale = delegate->Get(id, HdTokens->blurScale).GetWithDefault(1.0F);
+    return std::isfinite(scale) && scale >= 0.0F ? static_cast<double>(scale) : 1.0;
+}
+
+/// The shutter's interval for one prim, and its samples as the core takes them.
+struct PrimShutter {
+    double scale = 1.0;
+    hds::Shutter interval; ///< to be sampled
+
+    PrimShutter(HdSceneDelegate* delegate, const SdfPath& id, const hds::Shutter& shutter)
+        : scale(shutter.IsOpen() ? BlurScaleOf(delegate, id) : 1.0), interval{scale * shutter.open,
+                                                                              scale *
+                                                                                  shutter.close} {}
+
+    template <typename Sample>
+    std::vector<Sample> Told(std::vector<Sample> samples) const {
+        for (Sample& sample : samples) {
+            sample.time /= scale;
+        }
+        return samples;
+    }
+};
 
 /// Commit cuts out what lies in the interval.
 std::vector<hds::TransformSample> SamplesFrom(const MatrixSamples& matrices) {
@@ -98,13 +125,14 @@ std::vector<Sample> RowsOf(const HdStreamMovingValue& value, std::uint32_t numCo
 
 std::vector<hds::TransformSample>
 HdStreamSampleTransform(HdSceneDelegate* delegate, const SdfPath& id, const hds::Shutter& shutter) {
-    if (!shutter.IsOpen()) {
+    const PrimShutter own(delegate, id, shutter);
+    if (!own.interval.IsOpen()) {
         return {};
     }
     MatrixSamples matrices;
-    delegate->SampleTransform(id, static_cast<float>(shutter.open),
-                              static_cast<float>(shutter.close), &matrices);
-    return SamplesFrom(matrices);
+    delegate->SampleTransform(id, static_cast<float>(own.interval.open),
+                              static_cast<float>(own.interval.close), &matrices);
+    return own.Told(SamplesFrom(matrices));
 }
 
 std::vector<hds::TransformSample> HdStreamSampleInstancerTransform(HdSceneDelegate* delegate,
@@ -190,7 +218,9 @@ std::vector<hds::PointSample> HdStreamSamplePoints(HdSceneDelegate* delegate, co
                                                    const TfToken& name, const hds::Shutter& shutter,
                                                    bool* fit) {
     *fit = true;
-    if (!shutter.IsOpen()) {
+    const PrimShutter own(delegate, id, shutter);
+    const hds::Shutter& interval = own.interval;
+    if (!interval.IsOpen()) {
         return {};
     }
     HdExtComputationPrimvarDescriptorVector computed;
@@ -202,33 +232,35 @@ std::vector<hds::PointSample> HdStreamSamplePoints(HdSceneDelegate* delegate, co
     }
     HdStreamMovingValue points;
     if (computed.empty()) {
-        points = HdStreamSamplePrimvar(delegate, id, name, shutter);
+        points = HdStreamSamplePrimvar(delegate, id, name, interval);
         *fit = points.fits;
         if (!points.Moves()) {
-            points = HdStreamMoveByVelocities(delegate, id, delegate->Get(id, name), shutter);
+            points = HdStreamMoveByVelocities(delegate, id, delegate->Get(id, name), interval);
             *fit = *fit || points.Moves();
         }
     } else {
         HdExtComputationUtils::SampledValueStore<kUsualSamples> values;
         HdExtComputationUtils::SampleComputedPrimvarValues(
-            computed, delegate, static_cast<float>(shutter.open), static_cast<float>(shutter.close),
-            kMostComputed, &values);
+            computed, delegate, static_cast<float>(interval.open),
+            static_cast<float>(interval.close), kMostComputed, &values);
         points.samples = values[name];
-        FindTimes(shutter, &points);
+        FindTimes(interval, &points);
     }
-    return RowsOf<hds::PointSample>(points, 3);
+    return own.Told(RowsOf<hds::PointSample>(points, 3));
 }
 
 std::vector<hds::FloatSample> HdStreamSampleWidths(HdSceneDelegate* delegate, const SdfPath& id,
                                                    const hds::Shutter& shutter) {
-    return RowsOf<hds::FloatSample>(HdStreamSamplePrimvar(delegate, id, HdTokens->widths, shutter),
-                                    1);
+    const PrimShutter own(delegate, id, shutter);
+    return own.Told(RowsOf<hds::FloatSample>(
+        HdStreamSamplePrimvar(delegate, id, HdTokens->widths, own.interval), 1));
 }
 
 std::vector<hds::PointSample> HdStreamSampleNormals(HdSceneDelegate* delegate, const SdfPath& id,
                                                     const hds::Shutter& shutter) {
-    return RowsOf<hds::PointSample>(HdStreamSamplePrimvar(delegate, id, HdTokens->normals, shutter),
-                                    3);
+    const PrimShutter own(delegate, id, shutter);
+    return own.Told(RowsOf<hds::PointSample>(
+        HdStreamSamplePrimvar(delegate, id, HdTokens->normals, own.interval), 3));
 }
 
 bool HdStreamEqual(const std::vector<hds::FloatSample>& a, const std::vector<hds::FloatSample>& b) {

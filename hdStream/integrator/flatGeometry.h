@@ -26,8 +26,8 @@ std::uint64_t MaxFlatTriangles(const FlatLimits& limits);
 /// Externally synchronised.
 class FlatGeometry {
 public:
-    /// Builds it, unless it is there. Blocks. \pre all geometry pages of the scene are in the pool,
-    /// and nothing moves. \return whether it is there.
+    /// Builds it, unless it is there. Blocks. \pre all geometry pages of the scene are in the pool.
+    /// \return whether it is there.
     bool Build(const std::shared_ptr<Device>& device, const CommittedScene& scene,
                const PagePool& pool, const FlatLimits& limits);
     /// Frees it; it is of another scene.

@@ -105,9 +105,8 @@ bool MayBeFlat(const CommittedScene& scene, const RenderOptions& options,
     const bool isAsked = options.traversal == TraversalForm::Flat ||
                          (options.traversal == TraversalForm::Auto && !options.interactive);
     // Scenes with catchers are drawn twice, with other instances.
-    return isAsked && ChooseSimd8(options, properties) && !Moves(scene, options) &&
-           !scene.hasInstanceChunks && !scene.hasCatchers &&
-           residency.mode != ResidencyMode::Mapped;
+    return isAsked && ChooseSimd8(options, properties) && !scene.hasInstanceChunks &&
+           !scene.hasCatchers && residency.mode != ResidencyMode::Mapped;
 }
 
 FlatLimits LimitsOfFlat(const CommittedScene& scene, const RenderOptions& options,

@@ -3,6 +3,7 @@
 
 #include "kernels/shared/motionKeys.h"
 
+#include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <glm/matrix.hpp>
@@ -12,6 +13,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstring>
 #include <iterator>
 #include <map>
@@ -87,6 +89,29 @@ glm::dmat3 LinearOf(const AffineRows& rows) {
     return linear;
 }
 
+/// Whether the device may invert all between these keys in few operations.
+bool ArePlain(const AffineRows* keys, std::uint32_t numSegments) {
+    for (std::uint32_t i = 0; i < numSegments; ++i) {
+        const glm::dmat3 from = LinearOf(keys[i]);
+        const glm::dmat3 to = LinearOf(keys[i + 1]);
+        for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+            const glm::dmat3 linear = (1.0 - part) * from + part * to;
+            double product = 1.0;
+            for (int column = 0; column < 3; ++column) {
+                const double length = glm::length(linear[column]);
+                if (!(length * HDS_MOTION_MOST_SIZE >= 1.0 && length <= HDS_MOTION_MOST_SIZE)) {
+                    return false;
+                }
+                product *= length;
+            }
+            if (!(product <= HDS_MOTION_MOST_SHEAR * std::abs(glm::determinant(linear)))) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
 /// The keys of a record become the device's.
 void AppendKeys(const std::vector<glm::dmat4>& keys, shared::HdsInstance* instance,
                 std::vector<AffineRows>* motionKeys) {
@@ -106,6 +131,8 @@ void AppendKeys(const std::vector<glm::dmat4>& keys, shared::HdsInstance* instan
             instance->objectFromParent[HDS_MOTION_INVERSE + i] =
                 static_cast<float>(inverse[i % 3][i / 3]);
         }
+    } else if (ArePlain(motionKeys->data() + first, segments)) {
+        segments |= HDS_MOTION_PLAIN;
     }
     std::memcpy(&instance->objectFromParent[HDS_MOTION_FIRST_KEY], &first, sizeof(first));
     std::memcpy(&instance->objectFromParent[HDS_MOTION_SEGMENTS], &segments, sizeof(segments));

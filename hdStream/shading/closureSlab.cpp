@@ -32,16 +32,6 @@ ShaderValue Zero() {
     return MakeScalar(0.0F);
 }
 
-bool AreSame(const ShaderValue& a, const ShaderValue& b) {
-    if (!a || !b) {
-        return !a && !b;
-    }
-    if (IsConstant(a) && IsConstant(b)) {
-        return ConstantOf(a) == ConstantOf(b);
-    }
-    return a.expression == b.expression && a.channel == b.channel;
-}
-
 bool Has(const LayeredMaterial& layered, std::uint32_t input) {
     return layered.values[input] && !IsAll(layered.values[input], 0.0F);
 }

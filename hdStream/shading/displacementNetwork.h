@@ -94,12 +94,17 @@ struct DisplacementPrimvar {
 struct DisplacementNetwork {
     std::vector<DisplacementPrimvar> primvars;
     std::vector<DisplacementStep> steps;
-    DisplacementOperand result; ///< its first component
+    DisplacementOperand result; ///< its first component, or of vectors three
+    bool isVector = false;
+    /// Of a vector: the primvar whose tangents are x and y, beside the normal, which is z;
+    /// HDS_NONE: the vector is in object space.
+    std::uint32_t coordinates = HDS_NONE;
 
     static constexpr auto Fields() {
         using Network = DisplacementNetwork;
         return FieldList(HDS_FIELD(Network, primvars), HDS_FIELD(Network, steps),
-                         HDS_FIELD(Network, result));
+                         HDS_FIELD(Network, result), HDS_FIELD(Network, isVector),
+                         HDS_FIELD(Network, coordinates));
     }
 };
 

@@ -11,6 +11,7 @@
 #include "hdStream/shading/shaderNodes.h"
 #include "hdStream/shading/surfaceGraphs.h"
 #include "hdStream/shading/valueResolver.h"
+#include "hdStream/shading/vectorDisplacement.h"
 #include "kernels/shared/geometry.h"
 
 #include <glm/common.hpp>
@@ -265,8 +266,9 @@ DisplacementInput MaterialXDisplacement(NetworkEvaluator& evaluator, const Mater
         return {};
     }
     if (node->identifier == "ND_displacement_vector3") {
-        warnings.Add(materialPath, "vector displacement of " + node->path + " is ignored");
-        return {};
+        DisplacementInput vectors;
+        vectors.network = MakeVectorDisplacement(evaluator, *node);
+        return vectors;
     }
     ShaderValue scale = evaluator.EvaluateOr(*node, "scale", {1.0F, 1.0F, 1.0F, 1.0F}, 1);
     ShaderValue amount = evaluator.Evaluate(*node, "displacement");

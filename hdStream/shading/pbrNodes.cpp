@@ -23,9 +23,34 @@ public:
         return ClampTo(Product(value, value), MakeScalar(1e-8F), MakeScalar(1.0F), 1);
     }
 
+    /// Whether it is that function of scalars.
+    static bool IsMath(const ShaderValue& value, std::uint32_t code) {
+        return value && value.expression->kind == ShaderExpression::Kind::Math &&
+               value.channel == HDS_CHANNEL_ALL && value.expression->numComponents == 1 &&
+               value.expression->code == code;
+    }
+    /// Without a clamp to [0, 1], and one below a mix with 1. The square of a roughness is clamped
+    /// anyway, and none is below 0. So roughnesses that differ by it alone are seen to be the same.
+    static ShaderValue Unclamped(const ShaderValue& roughness) {
+        if (IsMath(roughness, HDS_MATH_MIX)) {
+            const std::vector<ShaderValue>& operands = roughness.expression->operands;
+            return IsAll(operands[1], 1.0F)
+                       ? MakeMath(HDS_MATH_MIX, {Unclamped(operands[0]), operands[1], operands[2]},
+                                  1)
+                       : roughness;
+        }
+        if (IsMath(roughness, HDS_MATH_MIN) && IsAll(roughness.expression->operands[1], 1.0F)) {
+            const ShaderValue& inner = roughness.expression->operands[0];
+            if (IsMath(inner, HDS_MATH_MAX) && IsAll(inner.expression->operands[1], 0.0F)) {
+                return inner.expression->operands[0];
+            }
+        }
+        return roughness;
+    }
+
     /// mx_roughness_anisotropy: GGX's alpha along x and y.
     ShaderValue Stretched(const ShaderValue& roughness) {
-        const ShaderValue alpha = Squared(roughness);
+        const ShaderValue alpha = Squared(Unclamped(roughness));
         const ShaderValue anisotropy =
             ClampTo(In("anisotropy", 0.0F), MakeScalar(0.0F), MakeScalar(0.98F), 1);
         const ShaderValue aspect =

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 namespace hds {
@@ -84,6 +85,31 @@ ShaderValue TryAffine(std::uint32_t code, const std::vector<ShaderValue>& operan
     }
 }
 
+using Pair = std::pair<const ShaderExpression*, const ShaderExpression*>;
+
+bool AreAlike(const ShaderValue& a, const ShaderValue& b, std::set<Pair>* known);
+
+/// \param known pairs that need no second look, since nodes may be reached by many ways
+bool AreAlike(const ShaderExpression& a, const ShaderExpression& b, std::set<Pair>* known) {
+    if (&a == &b || !known->insert({&a, &b}).second) {
+        return true;
+    }
+    return a.kind == b.kind && a.constant == b.constant && a.primvar == b.primvar &&
+           a.tiles == b.tiles && a.lookup == b.lookup && a.code == b.code &&
+           a.numComponents == b.numComponents && a.rows == b.rows &&
+           std::equal(a.operands.begin(), a.operands.end(), b.operands.begin(), b.operands.end(),
+                      [&](const ShaderValue& x, const ShaderValue& y) {
+                          return x.numComponents == y.numComponents && AreAlike(x, y, known);
+                      });
+}
+
+bool AreAlike(const ShaderValue& a, const ShaderValue& b, std::set<Pair>* known) {
+    if (!a || !b) {
+        return !a && !b;
+    }
+    return a.channel == b.channel && AreAlike(*a.expression, *b.expression, known);
+}
+
 } // namespace
 
 ShaderValue MakeScalar(float value) {
@@ -97,6 +123,14 @@ bool IsAll(const ShaderValue& value, float constant) {
     const auto count = static_cast<std::ptrdiff_t>(std::max(value.numComponents, 1U));
     const std::array<float, 4>& c = ConstantOf(value);
     return std::all_of(c.begin(), c.begin() + count, [&](float x) { return x == constant; });
+}
+
+bool AreSame(const ShaderValue& a, const ShaderValue& b) {
+    if (IsConstant(a) && IsConstant(b)) {
+        return ConstantOf(a) == ConstantOf(b);
+    }
+    std::set<Pair> known;
+    return AreAlike(a, b, &known);
 }
 
 ShaderValue Spread(const ShaderValue& value) {

@@ -25,6 +25,9 @@ ShaderValue MakeScalar(float value);
 /// Whether all components that count are this constant.
 bool IsAll(const ShaderValue& value, float constant);
 
+/// Whether both are computed alike, though by nodes of their own; empty values are the same.
+bool AreSame(const ShaderValue& a, const ShaderValue& b);
+
 // Arithmetic by components.
 ShaderValue Add(const ShaderValue& a, const ShaderValue& b, std::uint32_t numComponents);
 ShaderValue Subtract(const ShaderValue& a, const ShaderValue& b, std::uint32_t numComponents);

@@ -55,6 +55,34 @@ TEST_F(Prims, RemovedAndAddedAgainHasTheFirstBits) {
     EXPECT_EQ(host.Render(), before);
 }
 
+// At a time of the shutter a prim is as at so many times that: the picture of another shutter.
+TEST_F(Prims, BlurScaleIsAnotherShutter) {
+    SceneData scene = EmptyScene();
+    GprimData cube = MakeCube(0.3F);
+    cube.transformSamples = {{-0.5F, Translation(-1.0, 0.2, 0.0)},
+                             {0.5F, Translation(1.0, 0.0, 0.0)}};
+    cube.transform = Translation(0.0, 0.1, 0.0);
+    scene.gprims[kCube] = cube;
+    const HostOptions options = Quick({HdAovTokens->color}, 8);
+    Host host(scene, options);
+    SetShutter(host, -0.25, 0.25);
+    const Image half = host.Render();
+    SetShutter(host, -0.5, 0.5);
+    const Image whole = host.Render();
+    EXPECT_NE(half, whole);
+    for (const auto& [scale, expected] : {std::pair(0.5F, &half), std::pair(1.0F, &whole),
+                                          std::pair(-1.0F, &whole), std::pair(0.5F, &half)}) {
+        cube.SetPrimvar("blurScale", HdInterpolationConstant, VtValue(scale));
+        host.Scene().SetGprim(kCube, cube, HdChangeTracker::DirtyPrimvar);
+        EXPECT_EQ(host.Render(), *expected) << scale;
+    }
+    cube.SetPrimvar("blurScale", HdInterpolationConstant, VtValue(0.0F));
+    host.Scene().SetGprim(kCube, cube, HdChangeTracker::DirtyPrimvar);
+    const Image still = host.Render();
+    EXPECT_NE(still, half);
+    EXPECT_EQ(still, RenderFresh(host, options));
+}
+
 TEST_F(Prims, RemovedMaterialLeavesItsPrimsDrawn) {
     const HostOptions options = Quick();
     Host host(ThreeMeshes(), options);

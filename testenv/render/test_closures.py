@@ -298,3 +298,31 @@ def test_node_graphs_of_surfaces_look_like_the_built_in_ones(tmp_path, identifie
     assert not graph.warnings
     blocks = [picture.rgb.reshape(4, 8, 4, 8, 3).mean((1, 3)) for picture in (graph, builtIn)]
     assert blocks[0] == pytest.approx(blocks[1], rel=0.02)
+
+
+def _VaryingGlass():
+    """Layers with glass whose roughness is a ramp: by its surface shader, and by that shader's node graph."""
+    pytest.importorskip("MaterialX")
+    from stages import surfaceGraphs
+    document = surfaceGraphs.NewDocument()
+    ramp = document.addNode("ramplr", "Ramp", "float")
+    surface = document.addNode("standard_surface", "Surface", "surfaceshader")
+    for node, inputs in ((ramp, dict(valuel=0.1, valuer=0.7)), (surface, dict(base=0.0, transmission=1.0))):
+        for name, value in inputs.items():
+            node.setInputValue(name, value)
+    surface.addInput("specular_roughness", "float").setConnectedNode(ramp)
+    document.addMaterialNode("Look", surface)
+    builtIn = surfaceGraphs.ReadLayer(document)
+    surfaceGraphs.ReplaceSurfaces(document)
+    assert not document.getNode("Surface") and document.getNode("Ramp")
+    return builtIn, surfaceGraphs.ReadLayer(document)
+
+
+def test_glass_of_varying_roughness_is_one_surface_in_its_node_graph(tmp_path):
+    """Its reflection and its refraction have roughnesses of their own, of which one is clamped."""
+    from stages import surfaceGraphs
+    pictures = [_Picture(tmp_path, lambda stage: surfaceGraphs.CopyMaterial(layer, "Look", stage, "/World/Look"), maxDepth=12)
+                for layer in _VaryingGlass()]
+    assert not any(picture.warnings for picture in pictures)
+    blocks = [picture.rgb.reshape(4, 8, 4, 8, 3).mean((1, 3)) for picture in pictures]
+    assert blocks[1] == pytest.approx(blocks[0], rel=2e-3)  # the same paths but for rounding; of a coat others

@@ -31,7 +31,9 @@ def _Stage(path, shape, displace=None, color=(0.7, 0.4, 0.2), scheme="none"):
     surface, _ = AddNode(stage, "/World/Look/Surface", STANDARD, _T.Token, base=1.0, base_color=color, specular=0.0)
     material.CreateSurfaceOutput("mtlx").ConnectToSource(surface.GetOutput("out"))
     if displace is not None:
-        node, _ = AddNode(stage, "/World/Look/Displacement", "ND_displacement_float", _T.Token, **displace(stage, "/World/Look"))
+        inputs = displace(stage, "/World/Look")
+        identifier = inputs.pop("identifier", "ND_displacement_float")
+        node, _ = AddNode(stage, "/World/Look/Displacement", identifier, _T.Token, **inputs)
         material.CreateDisplacementOutput("mtlx").ConnectToSource(node.GetOutput("out"))
     mesh = author.AddMesh(stage, "/World/Sheet", shape, material=material, doubleSided=True)
     mesh.GetSubdivisionSchemeAttr().Set(scheme)
@@ -160,8 +162,105 @@ def test_images_are_looked_up_on_their_tiles(tmp_path):
     _ExpectHeights(_Stage(tmp_path / "tiles.usda", sheet, Tiles), _Stage(tmp_path / "byHand.usda", _Moved(sheet, heights)))
 
 
-def test_bits_do_not_depend_on_pools(tmp_path):
-    stage = _Stage(tmp_path / "ball.usda", shapes.Sphere(0.4, 12, 24).Moved((0.5, 0.5, 0.0)), _Noise, scheme="catmullClark")
+def _Vectors(space=None):
+    """(0.1 x, 0.05 y, 0.2 x y), times 2."""
+    def Displace(stage, root):
+        position = AddNode(stage, f"{root}/Place", "ND_position_vector3", _T.Vector3f)
+        x, y = (AddNode(stage, f"{root}/{name}", "ND_extract_vector3", _T.Float, index=index, **{"in": position})
+                for index, name in enumerate("XY"))
+        parts = [_Float(stage, root, "Dx", "multiply", in1=x, in2=0.1), _Float(stage, root, "Dy", "multiply", in1=y, in2=0.05),
+                 _Float(stage, root, "Dz", "multiply", in1=_Float(stage, root, "Xy", "multiply", in1=x, in2=y), in2=0.2)]
+        vector = AddNode(stage, f"{root}/Vector", "ND_combine3_vector3", _T.Vector3f, in1=parts[0], in2=parts[1], in3=parts[2])
+        inputs = dict(identifier="ND_displacement_vector3", displacement=vector, scale=2.0)
+        return inputs if space is None else dict(inputs, space=space)
+    return Displace
+
+
+def _VectorsBy(points):
+    x, y = points[:, 0], points[:, 1]
+    return 2.0 * np.stack([0.1 * x, 0.05 * y, 0.2 * x * y], -1)
+
+
+# Texture coordinates of the sheet, and where they and the normal take x, y and z of a vector.
+_FRAMES = {
+    "plain": ([[1, 0], [0, 1]], np.eye(3)),
+    "turned": ([[0, 2], [-1, 0]], [[0, 1, 0], [-1, 0, 0], [0, 0, 1]]),
+    "mirrored": ([[-3, 0], [0, 1]], [[-1, 0, 0], [0, 1, 0], [0, 0, 1]]),
+}
+
+
+def _ExpectVectors(tmp_path, sheet, space, moved, scheme):
+    stage = _Stage(tmp_path / "vectors.usda", sheet, _Vectors(space), scheme=scheme)
+    byHand = _Stage(tmp_path / "byHand.usda", shapes.Shape(sheet.points + moved, sheet.counts, sheet.indices, None, None), scheme=scheme)
+    picture, expected = (_Render(one, subdivision="complexity", refineLevel=0) for one in (stage, byHand))
+    assert picture.warnings == []
+    for layer, tolerance in (("position", 4e-6), ("color", 2e-3)):
+        difference = np.abs(_Inner(picture, layer) - _Inner(expected, layer))
+        assert np.quantile(difference, 0.98) < tolerance, layer
+    assert np.ptp(_Inner(picture, "position")[..., 2]) > 0.2
+
+
+@pytest.mark.parametrize("scheme", ["none", "bilinear"])
+@pytest.mark.parametrize("frame", _FRAMES)
+def test_vectors_are_in_the_frame_of_texture_coordinates(tmp_path, frame, scheme):
+    sheet = _Sheet()
+    rows, columns = _FRAMES[frame]
+    sheet = shapes.Shape(sheet.points, sheet.counts, sheet.indices, None, sheet.points[:, :2] @ np.array(rows, float).T)
+    _ExpectVectors(tmp_path, sheet, None, _VectorsBy(sheet.points) @ np.array(columns, float), scheme)
+
+
+@pytest.mark.parametrize("scheme", ["none", "bilinear"])
+def test_vectors_are_in_object_space_where_that_is_said(tmp_path, scheme):
+    """On a sheet that stands aslant, so that its own frame is another one."""
+    flat = _Sheet()
+    points = flat.points @ np.array([[1, 0, 0.5], [0, 1, 0], [0, 0, 1]], float)
+    sheet = shapes.Shape(points, flat.counts, flat.indices, None, flat.texcoords)
+    _ExpectVectors(tmp_path, sheet, "object", _VectorsBy(points), scheme)
+
+
+def test_vectors_are_looked_up_on_their_tiles(tmp_path):
+    """Three channels of two UDIM tiles, in the frame of coordinates and in object space, which are the same on this sheet."""
+    ramp = np.tile(np.linspace(0, 1, 64), (64, 1))
+    for number, scale in ((1001, 0.1), (1002, 0.2)):
+        imageFile.WriteExr(tmp_path / f"v.{number}.exr", dict(R=scale * ramp, G=-0.5 * scale * ramp, B=0.5 - scale * ramp), half=False)
+    sheet = _Sheet()
+    sheet = shapes.Shape(sheet.points, sheet.counts, sheet.indices, None, sheet.points[:, :2] * [2.0, 1.0])
+
+    def Tiles(space):
+        return lambda stage, root: dict(identifier="ND_displacement_vector3", space=space, displacement=AddNode(
+            stage, f"{root}/Image", "ND_image_vector3", _T.Vector3f, file=Sdf.AssetPath(str(tmp_path / "v.<UDIM>.exr"))))
+    s = sheet.texcoords[:, 0]
+    at = np.where(s < 1, 0.1, 0.2) * np.clip((s % 1) * 64 - 0.5, 0, 63) / 63
+    byHand = shapes.Shape(sheet.points + np.stack([at, -0.5 * at, 0.5 - at], -1), sheet.counts, sheet.indices, None, None)
+    expected = _Inner(_Render(_Stage(tmp_path / "byHand.usda", byHand)), "position")
+    for space in ("tangent", "object"):
+        picture = _Render(_Stage(tmp_path / f"{space}.usda", sheet, Tiles(space)))
+        assert picture.warnings == []
+        difference = np.abs(_Inner(picture, "position") - expected)
+        assert np.quantile(difference, 0.98) < 4e-6 and np.ptp(expected[..., 2]) > 0.15
+
+
+def test_a_space_that_is_unknown_is_said(tmp_path):
+    pictures = [_Render(_Stage(tmp_path / f"{name}.usda", _Sheet(), _Vectors(space))) for name, space in (("odd", "world"), ("none", None))]
+    assert sum('space "world" of /World/Look/Displacement is neither tangent nor object' in line for line in pictures[0].warnings) == 1
+    assert np.array_equal(pictures[0].layers["position"], pictures[1].layers["position"])
+
+
+@pytest.mark.parametrize("scheme", ["none", "catmullClark"])
+def test_vectors_without_coordinates_keep_what_they_have_along_the_normal(tmp_path, scheme):
+    sheet = _Sheet()
+    sheet = shapes.Shape(sheet.points, sheet.counts, sheet.indices, None, None)
+    picture = _Render(_Stage(tmp_path / "vectors.usda", sheet, _Vectors(), scheme=scheme))
+    assert sum("texture coordinates" in line for line in picture.warnings) == 1
+    position = _Inner(picture, "position")
+    assert position[8:-8, 8:-8, 2] == pytest.approx((0.4 * position[..., 0] * position[..., 1])[8:-8, 8:-8], abs=2e-3)
+
+
+@pytest.mark.parametrize("displace", [_Noise, _Vectors(), _Vectors("object")], ids=["noise", "tangent", "object"])
+def test_bits_do_not_depend_on_pools(tmp_path, displace):
+    ball = shapes.Sphere(0.4, 12, 24).Moved((0.5, 0.5, 0.0))
+    ball = shapes.Shape(ball.points, ball.counts, ball.indices, None, ball.points[:, :2])
+    stage = _Stage(tmp_path / "ball.usda", ball, displace, scheme="catmullClark")
     settings = dict(aovs=("color", "position"), samples=4, maxDepth=3, subdivision="complexity", refineLevel=3)
     whole = _Render(stage, residency="resident", **settings)
     assert whole.layers["color"].max() > 0.1

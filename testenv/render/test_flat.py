@@ -7,7 +7,8 @@ pytest.importorskip("hdstream._core")
 
 import hdstream
 import ours
-from stages import motion, streaming
+from pxr import Usd
+from stages import author, motion, shapes, streaming
 from stages.verify import CASES
 
 _AOVS = ("color", "depth", "instanceId", "primId", "elementId")
@@ -69,8 +70,34 @@ def test_budgets_hold(tmp_path):
     assert picture.statistics["wave"]["traversal"] == "simd8"
 
 
-def test_what_moves_is_walked_level_by_level(tmp_path):
-    stage = hdstream.Renderer(motion.Write(tmp_path / "moving.usda", next(iter(motion.SCENES))), onWarning=lambda line: None)
-    settings = dict(camera="/World/Camera", imageWidth=32, imageHeight=24, samples=4, traversal="flat", noCache=True)
-    assert stage.Render(motion.FRAME, **settings).statistics["wave"]["traversal"] == "simd8"
-    assert stage.Render(motion.FRAME, motionBlur="off", **settings).statistics["wave"]["traversal"] == "flat"
+def _AddFloor(path):
+    """A floor that rests below what moves."""
+    stage = Usd.Stage.Open(str(path))
+    author.AddMesh(stage, "/World/Floor", shapes.Sphere(6.0, 24, 48).Moved((0, -7.5, 0)), color=(0.5, 0.6, 0.5))
+    stage.GetRootLayer().Save()
+
+
+def _OfMotion(path, form, **settings):
+    stage = hdstream.Renderer(path, onWarning=lambda line: None)
+    return stage.Render(motion.FRAME, aovs=_AOVS, **dict(dict(
+        camera="/World/Camera", imageWidth=61, imageHeight=47, samples=6, residency="resident", traversal=form, noCache=True), **settings))
+
+
+@pytest.mark.parametrize("name", ["way", "turn", "nested", "polygons", "points", "camera"])
+def test_what_moves_stays_an_instance(name, tmp_path):
+    path = motion.Write(tmp_path / "moving.usda", name)
+    _AddFloor(path)
+    flat, levels, still = (_OfMotion(path, form, **settings) for form, settings in (
+        ("flat", {}), ("simd8", {}), ("flat", dict(motionBlur="off"))))
+    assert [picture.statistics["wave"]["traversal"] for picture in (flat, levels, still)] == ["flat", "simd8", "flat"]
+    for aov in _AOVS:
+        assert flat.aovs[aov].tobytes() == levels.aovs[aov].tobytes(), aov
+    assert still.aovs["color"].tobytes() != flat.aovs["color"].tobytes()
+    triangles = [picture.statistics["geometry"]["flatTriangles"] for picture in (flat, still)]
+    assert 0 < triangles[0] < triangles[1] or name in ("points", "camera") and triangles[0] == triangles[1] > 0
+
+
+def test_where_most_moves_there_is_none(tmp_path):
+    path = motion.Write(tmp_path / "moving.usda", "polygons")
+    forms = [_OfMotion(path, "auto", **settings).statistics["wave"]["traversal"] for settings in ({}, dict(motionBlur="off"))]
+    assert forms == ["simd8", "flat"]

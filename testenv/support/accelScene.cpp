@@ -3,6 +3,7 @@
 
 #include "hdStream/accel/chunkPlan.h"
 #include "hdStream/scene/transforms.h"
+#include "kernels/shared/motionKeys.h"
 #include "testenv/support/meshSource.h"
 
 #include <glm/common.hpp>
@@ -222,9 +223,11 @@ void AccelScene::BuildGroup(std::uint32_t object, const Records& made) {
 void AccelScene::AddKeys(const std::vector<glm::dmat4>& keys, shared::HdsInstance* record) {
     const auto first = static_cast<std::uint32_t>(motionKeys.size());
     const auto numSegments = static_cast<std::uint32_t>(keys.size() - 1);
+    // Both ways to invert are in use.
+    const std::uint32_t segments = numSegments | (numSegments % 2 == 1 ? HDS_MOTION_PLAIN : 0U);
     record->flags |= HDS_INSTANCE_MOVES;
     std::memcpy(&record->objectFromParent[HDS_MOTION_FIRST_KEY], &first, sizeof(first));
-    std::memcpy(&record->objectFromParent[HDS_MOTION_SEGMENTS], &numSegments, sizeof(numSegments));
+    std::memcpy(&record->objectFromParent[HDS_MOTION_SEGMENTS], &segments, sizeof(segments));
     for (const glm::dmat4& key : keys) {
         motionKeys.emplace_back();
         StoreRows(key, motionKeys.back().data());
@@ -272,7 +275,7 @@ DeviceAccelScene::DeviceAccelScene(const std::shared_ptr<Device>& device, const 
         addresses[2 * std::size_t{chunk} + HDS_PAGE_GEOMETRY] = HDS_NOT_RESIDENT;
     }
     _addresses = UploadVector(device, "chunk addresses", addresses);
-    if (upload.missing.empty() && scene.motionKeys.empty() && !scene.pages.empty()) {
+    if (upload.missing.empty() && !scene.pages.empty()) {
         _flat = BuildFlatBvh(FlatSourceOf(scene), upload.flat);
         _flatBuffer = Buffer(device, "flat hierarchy", _flat.buffer.size());
         if (!_flat.buffer.empty()) {
@@ -285,9 +288,6 @@ DeviceAccelScene::DeviceAccelScene(const std::shared_ptr<Device>& device, const 
 }
 
 void DeviceAccelScene::Bind(Kernel* kernel, unsigned first, bool hasMotion, bool isFlat) const {
-    if (isFlat) {
-        kernel->SetBuffer(first + 5 + static_cast<unsigned>(_pools.size()), _flatBuffer);
-    }
     kernel->SetBuffer(first, _topNodes);
     kernel->SetBuffer(first + 1, _instances);
     kernel->SetBuffer(first + 2, _instancesByPath);
@@ -296,8 +296,12 @@ void DeviceAccelScene::Bind(Kernel* kernel, unsigned first, bool hasMotion, bool
     for (unsigned i = 0; i < _pools.size(); ++i) {
         kernel->SetBuffer(first + 5 + i, _pools[i]);
     }
+    unsigned next = first + 5 + static_cast<unsigned>(_pools.size());
     if (hasMotion) {
-        kernel->SetBuffer(first + 5 + static_cast<unsigned>(_pools.size()), _motionKeys);
+        kernel->SetBuffer(next++, _motionKeys);
+    }
+    if (isFlat) {
+        kernel->SetBuffer(next, _flatBuffer);
     }
 }
 

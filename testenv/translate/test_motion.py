@@ -63,6 +63,60 @@ def test_transforms_are_those_of_nine_times():
         np.testing.assert_allclose(matrix, expected, atol=1e-12)
 
 
+_SCALED = """
+    def Xform "R"
+    {{
+        double3 xformOp:translate.timeSamples = {{ 0: (0, 0, 0), 2: (4, 0, 0) }}
+        uniform token[] xformOpOrder = ["xformOp:translate"]
+    def Xform "A" (prepend apiSchemas = ["MotionAPI"])
+    {{
+        float motion:blurScale = {scale}
+        double xformOp:rotateZ.timeSamples = {{ 0: 0, 1: 70, 3: 400 }}
+        uniform token[] xformOpOrder = ["xformOp:rotateZ"]
+        def Mesh "M"
+        {{
+            int[] faceVertexCounts = [3]
+            int[] faceVertexIndices = [0, 1, 2]
+            point3f[] points.timeSamples = {{
+                0: [(0, 0, 0), (1, 0, 0), (0, 1, 0)], 1: [(3, 0, 0), (1, 0, 0), (0, 1, 0)], 2: [(0, 0, 5), (1, 0, 0), (0, 1, 0)]
+            }}
+            double3 xformOp:translate = (1, 2, 3)
+            uniform token[] xformOpOrder = ["xformOp:translate"]
+        }}
+        def Mesh "N" (prepend apiSchemas = ["MotionAPI"])
+        {{
+            float motion:blurScale = 0
+            int[] faceVertexCounts = [3]
+            int[] faceVertexIndices = [0, 1, 2]
+            point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+        }}
+    }}
+    }}
+    """
+
+
+@pytest.mark.parametrize("scale", [0.5, 2.0])
+def test_blur_scale_is_another_shutter(scale):
+    """The samples of a shutter that much as long, at the times of the shutter."""
+    found = SceneAt(StageOf(_SCALED.format(scale=scale)), 1.0, SHUTTER).geometry
+    expected = SceneAt(StageOf(_SCALED.format(scale=1)), 1.0, tuple(scale * end for end in SHUTTER)).geometry
+    for path in ("/R/A/M", "/R/A/N"):
+        for samples, others in ((found[path].placement.samples, expected[path].placement.samples),
+                                (found[path].geometry.samples, expected[path].geometry.samples)):
+            assert len(samples) == len(others) and (samples or path == "/R/A/N")
+            for (time, value), (otherTime, other) in zip(samples, others):
+                assert time == pytest.approx(otherTime / scale, abs=1e-6)
+                np.testing.assert_allclose(value, other, atol=1e-12)
+
+
+@pytest.mark.parametrize("value", ["-1", "inf", "nan"])
+def test_blur_scales_that_are_none_are_told(value):
+    session = _core.Session()
+    TranslateStage(StageOf(_SCALED.format(scale=value)), session, 1.0, SHUTTER)
+    assert sum("motion:blurScale" in line and "/R/A" in line for line in session.Warnings()) == 1
+    assert len(session.Scene().geometry["/R/A/M"].placement.samples) == 9
+
+
 def test_nothing_moves_without_shutter_or_frame():
     stage = Usd.Stage.Open(str(FOLDER / "motion" / "scene.usda"))
     for time, shutter in ((2.0, (0.0, 0.0)), (Usd.TimeCode.Default(), SHUTTER)):

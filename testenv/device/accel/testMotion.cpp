@@ -148,6 +148,52 @@ TEST_F(Motion, BoxesOfInstancesHoldAllPoses) {
     ExpectBitsOfBruteForce(scene);
 }
 
+// What rests is flattened, and what moves stays an instance: moving placements, and groups that
+// move or hold what moves.
+TEST_F(Motion, TheFlatHierarchyWalksWhatMoves) {
+    AccelScene scene;
+    const std::uint32_t sphere = scene.AddMesh(BumpySphere(12), 100);
+    const std::uint32_t box = scene.AddMesh(Box(0.7F));
+    const std::vector<AccelPlacement> members = MovingPlacements({sphere});
+    const std::uint32_t moving = scene.AddGroup({members.begin() + 2, members.begin() + 4});
+    const std::uint32_t resting = scene.AddGroup({members[3], members[7]});
+    scene.SetRoot(MovingPlacements({sphere, box, moving, resting, box}));
+    const DeviceAccelScene onDevice(device, scene);
+    ASSERT_GT(onDevice.Flat().numTriangles, 500U);
+    ASSERT_TRUE(onDevice.Flat().hasInstances);
+    ASSERT_NE(scene.objects[0].kind >> HDS_OBJECT_CLOSE_SHIFT, 0U) << "boxes of the TLAS move";
+    std::vector<ProbeRay> rays;
+    for (const ProbeRay& ray : RaysAt(-1.0F, 1000)) {
+        for (int k = 0; k < 8; ++k) {
+            rays.push_back(ray);
+            rays.back().tMin = std::fmod(ray.tMin + 0.3F * static_cast<float>(k), 1.0F);
+            rays.back().direction[k % 3] += 0.01F * static_cast<float>(k);
+        }
+    }
+    ProgramDefines wide = kMotion;
+    wide["HDS_ITEMS_PER_WORK_ITEM"] = "8";
+    const TraversalProbe levels(
+        device, AccelForm::Simd8,
+        {{"HDS_FEATURE_MOTION", "1"}, {"HDS_FEATURE_INSTANCE_CHUNKS", "0"}});
+    const TraversalProbe flat(device, AccelForm::Flat, wide);
+    const Hits expected = levels.Closest(onDevice, rays);
+    EXPECT_EQ(CountDifferentBits(flat.Closest(onDevice, rays), expected), 0U);
+    EXPECT_EQ(CountDifferentBits(flat.Occluded(onDevice, rays), levels.Occluded(onDevice, rays)),
+              0U);
+    const Hits together = flat.Packets(onDevice, rays);
+    std::size_t numTogether = 0;
+    std::size_t numHits = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        if (together[i].triangle != kApart) {
+            ++numTogether;
+            numHits += IsHit(expected[i]) ? 1 : 0;
+            ASSERT_EQ(std::memcmp(&together[i], &expected[i], sizeof(expected[i])), 0) << i;
+        }
+    }
+    EXPECT_GT(numTogether, rays.size() / 2);
+    EXPECT_GT(numHits, numTogether / 10);
+}
+
 /// A wavy sheet of quads that folds over while the shutter is open.
 std::shared_ptr<GeometryDescription> Sheet() {
     constexpr int kSize = 24;

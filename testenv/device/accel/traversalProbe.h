@@ -103,6 +103,10 @@ kernel void probe_packets(global const float* rays, uint count, global HdsHit* h
             lanes[word][k] = rays[8u * (first + k) + word];
         }
         packet.tMax[k] = ray.tMax;
+#if HDS_FEATURE_MOTION
+        packet.time[k] = ray.time;
+        lanes[3][k] = 0.0f;
+#endif
         packet.best[k] = hit_begin(&ray, after[first + k]);
     }
     packet.origin = real_make3(vload8(0, lanes[0]), vload8(0, lanes[1]), vload8(0, lanes[2]));

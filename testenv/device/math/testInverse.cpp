@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The device's inverse of an affine map against one in double precision: rotated, mirrored,
 // strongly sheared maps, scales of 1e-12 to 1e12.
+#include "kernels/shared/motionKeys.h"
 #include "testenv/support/deviceFixture.h"
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -16,11 +17,11 @@ namespace {
 
 const char* const kSource = R"(
 #include "math/inverse.clh"
-kernel void invert(global const float* maps, global float* inverses, uint count) {
+kernel void invert(global const float* maps, global float* inverses, uint count, uint isPlain) {
     uint i = (uint)get_global_id(0);
     if (i >= count) return;
     HdsTransform map = transform_load(maps + 12 * i);
-    HdsTransform inverse = transform_inverse(&map);
+    HdsTransform inverse = isPlain != 0u ? transform_inversePlain(&map) : transform_inverse(&map);
     vstore4(inverse.row0, 3 * i, inverses);
     vstore4(inverse.row1, 3 * i + 1, inverses);
     vstore4(inverse.row2, 3 * i + 2, inverses);
@@ -55,6 +56,7 @@ struct Exact {
         for (int row = 0; row < 3; ++row) {
             for (int column = 0; column < 3; ++column) {
                 linear[row][column] /= determinant;
+                inverseDeterminant = static_cast<double>(1.0L / determinant);
                 translation[row] -=
                     linear[row][column] *
                     static_cast<long double>(map[static_cast<std::size_t>(4 * column + 3)]);
@@ -64,17 +66,18 @@ struct Exact {
 
     long double linear[3][3] = {};
     long double translation[3] = {};
+    double inverseDeterminant = 0.0;
     double cancellation = 0.0; ///< of the terms of the determinant
 };
 
 class InverseTest : public DeviceFixture {
 protected:
-    std::vector<Rows> Invert(const std::vector<Rows>& maps) {
+    std::vector<Rows> Invert(const std::vector<Rows>& maps, bool isPlain = false) {
         const auto program = Build(kSource);
         const Buffer input = Upload(maps);
         const Buffer output = Allocate(maps.size() * sizeof(Rows));
-        program->GetKernel("invert").Launch(maps.size(), input, output,
-                                            static_cast<std::uint32_t>(maps.size()));
+        program->GetKernel("invert").Launch(
+            maps.size(), input, output, static_cast<std::uint32_t>(maps.size()), isPlain ? 1U : 0U);
         return Download<Rows>(output, maps.size());
     }
 
@@ -146,6 +149,50 @@ TEST_F(InverseTest, IsAccurateForShearsMirrorsAndScales) {
     EXPECT_LT(worstTranslation, 7.0 * kRoundoff);
     EXPECT_GT(worstLinear, 0.5 * kRoundoff) << "the oracle measures something";
     EXPECT_GT(worstCancellation, 1e5) << "single precision alone would not do";
+}
+
+/// How far the map of a point and the inverse of that come off it, over the distance from the map's
+/// origin, in roundoffs: at most the sum over columns of the map times the errors of rows.
+double WayBack(const Rows& map, const Rows& inverse) {
+    const Exact exact(map);
+    double sum = 0.0;
+    for (std::size_t row = 0; row < 3; ++row) {
+        double error = 0.0;
+        double length = 0.0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto one = static_cast<double>(inverse[4 * row + k] - exact.linear[row][k]);
+            error += one * one;
+            length += double{map[4 * k + row]} * double{map[4 * k + row]};
+        }
+        sum += std::sqrt(error * length);
+    }
+    return sum / kRoundoff;
+}
+
+TEST_F(InverseTest, FewOperationsDoForOrdinaryMaps) {
+    std::vector<Rows> maps;
+    std::vector<Rows> sheared;
+    for (const double size : {0x1p-28, 1e-6, 1.0, 1e6, 0x1p28}) {
+        for (int i = 0; i < 20000; ++i) {
+            const Rows map = RandomMap(size, i % 2 == 0 ? 1.5 : 3.0, i % 4 == 0 ? 0.0 : 1.0);
+            double product = 1.0;
+            for (std::size_t k = 0; k < 3; ++k) {
+                product *= std::hypot(double{map[k]}, double{map[4 + k]}, double{map[8 + k]});
+            }
+            const bool isPlain =
+                product * std::abs(Exact(map).inverseDeterminant) <= HDS_MOTION_MOST_SHEAR;
+            (isPlain ? maps : sheared).push_back(map);
+        }
+    }
+    ASSERT_GT(maps.size(), 30000U);
+    ASSERT_GT(sheared.size(), 1000U);
+    double worst = 0.0;
+    const std::vector<Rows> inverses = Invert(maps, true);
+    for (std::size_t i = 0; i < maps.size(); ++i) {
+        worst = std::max(worst, WayBack(maps[i], inverses[i]));
+    }
+    EXPECT_LT(worst, 80.0);
+    EXPECT_GT(worst, 2.0) << "the oracle measures something";
 }
 
 TEST_F(InverseTest, PowersOfTwoAndPermutationsAreExact) {

@@ -3,10 +3,13 @@
 // what happens where amounts differ.
 #include "testenv/unit/geometry/subdivFixtures.h"
 
+#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <random>
 
 namespace hds::test {
 namespace {
@@ -139,6 +142,57 @@ TEST(Displacement, PointAmountsAreMeansOverFaces) {
         PointAmounts(grid, grid.points, {0.0, 4.0}, {0, 1, 0, 1}, {attribute},
                      {nullptr, MakeConstantAmount(4.0)});
     EXPECT_EQ(entries, (std::vector<float>{0, 2, 4, 0, 2, 4, 0, 2, 4}));
+}
+
+/// Any surface P(s, t) = s A + t B, whatever two directions on it the differences are along.
+TEST(Displacement, TangentSpaceIsThatOfTheCoordinates) {
+    std::mt19937 random(3);
+    const auto uniform = [&] { return std::uniform_real_distribution<double>(-2.0, 2.0)(random); };
+    const auto vector = [&] { return glm::dvec3(uniform(), uniform(), uniform()); };
+    int numMirrored = 0;
+    for (int round = 0; round < 2000; ++round) {
+        const glm::dvec3 a = vector();
+        const glm::dvec3 b = vector();
+        const glm::dvec3 amount = vector();
+        CoordinateFrame frame;
+        frame.coordinatesU = {uniform(), uniform()};
+        frame.coordinatesV = {uniform(), uniform()};
+        frame.pointU = frame.coordinatesU.x * a + frame.coordinatesU.y * b;
+        frame.pointV = frame.coordinatesV.x * a + frame.coordinatesV.y * b;
+        const double determinant = frame.coordinatesU.x * frame.coordinatesV.y -
+                                   frame.coordinatesU.y * frame.coordinatesV.x;
+        // A smooth normal is not quite that of the surface, on either side of it.
+        const glm::dvec3 flat = glm::normalize(glm::cross(a, b));
+        frame.normal = glm::normalize((round % 2 == 0 ? 1.0 : -1.0) * flat + 0.1 * vector());
+        const glm::dvec3 tangent = glm::normalize(a - glm::dot(a, frame.normal) * frame.normal);
+        const glm::dvec3 left = b - glm::dot(b, frame.normal) * frame.normal;
+        const glm::dvec3 across = left - glm::dot(left, tangent) * tangent;
+        if (std::fabs(determinant) < 0.01 || glm::length(across) < 0.01) {
+            continue; // where rounding decides
+        }
+        const glm::dvec3 bitangent = glm::normalize(across);
+        numMirrored += glm::dot(glm::cross(tangent, bitangent), frame.normal) < 0.0 ? 1 : 0;
+        const glm::dvec3 expected =
+            amount.x * tangent + amount.y * bitangent + amount.z * frame.normal;
+        const glm::dvec3 found = FromTangentSpace(frame, amount);
+        ASSERT_LT(glm::length(found - expected), 1e-9) << round;
+        ASSERT_NEAR(glm::length(found), glm::length(amount), 1e-9) << "bounds rely on it";
+    }
+    EXPECT_GT(numMirrored, 500);
+}
+
+TEST(Displacement, CoordinatesThatSpanNothingLeaveTheNormal) {
+    CoordinateFrame frame;
+    frame.normal = {0.0, 0.0, 1.0};
+    frame.pointU = {1.0, 0.0, 0.0};
+    frame.pointV = {0.0, 1.0, 0.0};
+    const glm::dvec3 up(0.0, 0.0, 3.0);
+    EXPECT_EQ(FromTangentSpace(frame, {1.0, 2.0, 3.0}), up);
+    frame.coordinatesU = {1.0, 2.0};
+    frame.coordinatesV = {2.0, 4.0};
+    EXPECT_EQ(FromTangentSpace(frame, {1.0, 2.0, 3.0}), up);
+    frame.coordinatesV = {2.0, std::numeric_limits<double>::infinity()};
+    EXPECT_EQ(FromTangentSpace(frame, {1.0, 2.0, 3.0}), up);
 }
 
 } // namespace

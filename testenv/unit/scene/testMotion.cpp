@@ -192,6 +192,7 @@ TEST(Motion, BoxesHoldEveryPose) {
             std::memcpy(&first, &instance.objectFromParent[HDS_MOTION_FIRST_KEY], sizeof(first));
             std::memcpy(&segments, &instance.objectFromParent[HDS_MOTION_SEGMENTS],
                         sizeof(segments));
+            segments &= ~HDS_MOTION_FORMS;
             for (int step = 0; step <= 200; ++step) {
                 const float scaled = static_cast<float>(step) / 200.0F * float(segments);
                 const std::uint32_t i = std::min(static_cast<std::uint32_t>(scaled), segments - 1);
@@ -278,7 +279,7 @@ TEST(Motion, InstancesThatSlideBringTheirInverse) {
         if (turns) {
             continue;
         }
-        EXPECT_EQ(segments & ~HDS_MOTION_SLIDES, 1U);
+        EXPECT_EQ(segments, HDS_MOTION_SLIDES | 1U);
         for (int row = 0; row < 3; ++row) {
             for (int column = 0; column < 3; ++column) {
                 double product = 0.0;
@@ -289,6 +290,40 @@ TEST(Motion, InstancesThatSlideBringTheirInverse) {
                 EXPECT_NEAR(product, row == column ? 1.0 : 0.0, 1e-6);
             }
         }
+    }
+}
+
+// What turns and grows may be inverted in few operations; what becomes sheared or huge not.
+TEST(Motion, OrdinaryMapsAreInvertedInFewOperations) {
+    const glm::dvec3 axis = glm::normalize(glm::dvec3(0.3, 1.0, -0.5));
+    const auto turned = [&](double angle, const glm::dvec3& size) {
+        return glm::scale(glm::rotate(glm::dmat4(1.0), angle, axis), size);
+    };
+    glm::dmat4 sheared(1.0);
+    sheared[1][0] = 9.0;
+    const glm::dmat4 rest = turned(0.2, {1.0, 1.5, 0.4});
+    const std::pair<glm::dmat4, bool> cases[] = {
+        {turned(1.9, {1.0, 1.5, 0.4}), true},   {turned(0.2, {3.0, 0.1, 1.0}), true},
+        {turned(0.9, {1e6, 1e6, 1e6}), true},   {rest * sheared, false},
+        {turned(0.2, {1e11, 1.0, 1.0}), false},
+    };
+    for (const auto& [last, isPlain] : cases) {
+        RandomMotion motion(3);
+        motion.scene.instancers.clear();
+        for (auto& [path, prim] : motion.scene.geometry) {
+            prim.placement.samples = {{kShutter.open, rest}, {kShutter.close, last}};
+            prim.placement.worldFromObject = rest;
+        }
+        Warnings warnings;
+        LightLinks links(motion.scene);
+        const Hierarchy tables =
+            BuildHierarchy(motion.scene, test::DrawnLeaves(motion.scene, {{"/A", motion.leaf}}),
+                           glm::dvec3(0.0), 2, &links, kShutter, warnings);
+        ASSERT_EQ(tables.instances.size(), 1U);
+        std::uint32_t segments = 0;
+        std::memcpy(&segments, &tables.instances[0].objectFromParent[HDS_MOTION_SEGMENTS],
+                    sizeof(segments));
+        EXPECT_EQ(segments & HDS_MOTION_FORMS, isPlain ? HDS_MOTION_PLAIN : 0U) << last[0][0];
     }
 }
 

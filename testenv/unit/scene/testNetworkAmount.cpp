@@ -4,6 +4,7 @@
 #include "hdStream/scene/valueRange.h"
 #include "kernels/shared/programMath.h"
 
+#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -184,6 +185,35 @@ TEST(NetworkAmount, NothingLeavesTheBoundsOfRandomNetworks) {
         }
     }
     EXPECT_GT(numBounded, kNetworks * 3 / 4) << "bounds that are infinite hold everything";
+}
+
+TEST(NetworkAmount, VectorsOfRandomNetworksAreNoLongerThanTheirBounds) {
+    RandomNetworks networks(11);
+    int numBounded = 0;
+    double nearest = 0.0;
+    constexpr int kNetworks = 10000;
+    for (int round = 0; round < kNetworks; ++round) {
+        DisplacementNetwork network = networks.Make();
+        network.isVector = true;
+        network.result.channel = networks.Below(4) == 0 ? 1 : HDS_CHANNEL_ALL;
+        network.coordinates = networks.Below(2) == 0 ? HDS_NONE : 1;
+        const auto amount = MakeNetworkAmount(network);
+        ASSERT_EQ(amount->Space(), network.coordinates == HDS_NONE ? DisplacementSpace::Object
+                                                                   : DisplacementSpace::Tangent);
+        const AmountBox box = networks.Box();
+        const AmountRange range = amount->Over(box);
+        ASSERT_EQ(range.low, -range.high);
+        numBounded += std::isfinite(range.high) ? 1 : 0;
+        for (int i = 0; i < 50; ++i) {
+            const AmountPoint point = networks.PointIn(box);
+            const double length = glm::length(amount->VectorAt(point));
+            ASSERT_LE(length, range.high) << round << " function " << network.steps.back().code;
+            ASSERT_EQ(amount->At(point), 0.0);
+            nearest = range.high > 0.0 ? std::max(nearest, length / range.high) : nearest;
+        }
+    }
+    EXPECT_GT(numBounded, kNetworks * 3 / 4) << "bounds that are infinite hold everything";
+    EXPECT_GT(nearest, 0.999) << "no vector comes near its bound";
 }
 
 /// 3 sin(x) + image of two tiles of a, with a hole between.

@@ -104,6 +104,31 @@ TEST(ProgramMath, WhatChangesNothingIsLeftOut) {
     }
 }
 
+TEST(ProgramMath, WhatIsComputedAlikeIsTheSame) {
+    const auto make = [](std::uint32_t code, float factor, std::uint32_t channel) {
+        const ShaderValue st = Coordinates();
+        const ShaderValue x = SelectChannel(st, channel);
+        return MakeMath(code, {MakeMath(HDS_MATH_MULTIPLY, {x, MakeScalar(factor)}, 1), x}, 1);
+    };
+    const ShaderValue value = make(HDS_MATH_MAX, 2.0F, 0);
+    EXPECT_TRUE(AreSame(value, make(HDS_MATH_MAX, 2.0F, 0)));
+    EXPECT_FALSE(AreSame(value, make(HDS_MATH_MIN, 2.0F, 0)));
+    EXPECT_FALSE(AreSame(value, make(HDS_MATH_MAX, 2.5F, 0)));
+    EXPECT_FALSE(AreSame(value, make(HDS_MATH_MAX, 2.0F, 1)));
+    EXPECT_FALSE(AreSame(value, MakeScalar(2.0F)));
+    EXPECT_FALSE(AreSame(value, {}));
+    EXPECT_TRUE(AreSame({}, {}));
+    // Each step doubles the ways to the first.
+    const auto doubled = [&](ShaderValue sum) {
+        for (int i = 0; i < 60; ++i) {
+            sum = MakeMath(HDS_MATH_ADD, {sum, sum}, 1);
+        }
+        return sum;
+    };
+    EXPECT_TRUE(AreSame(doubled(value), doubled(make(HDS_MATH_MAX, 2.0F, 0))));
+    EXPECT_FALSE(AreSame(doubled(value), doubled(make(HDS_MATH_MAX, 2.0F, 1))));
+}
+
 TEST(ProgramMath, ScaledCoordinatesStayCoordinates) {
     const ShaderValue factor = MakeConstant({4.0F, 2.0F, 0.0F, 0.0F}, 2);
     const ShaderValue offset = MakeConstant({0.5F, -1.0F, 0.0F, 0.0F}, 2);

@@ -16,6 +16,7 @@ from hdstream.translate import primvars
 from hdstream.translate.instanceArrays import InheritedKey, InstanceGroup, PointInstances
 from hdstream.translate.instancePrimvars import InstanceLevel, InstanceLevels, ReadInstancePrimvars
 from hdstream.translate.materials import FindBoundMaterials
+from hdstream.translate.motion import ReadBlurScale
 from hdstream.translate.primState import PREDICATE, PROTOTYPE_PREDICATE, Context, State
 
 
@@ -27,7 +28,7 @@ class Instancers:
         self._stage = stage
         self._session = session
         self._timeCode = timeCode
-        self._motion = motion
+        self._motion = motion         # of what has no motion:blurScale
         self._links = links
         self._pass = passCollections  # None: there is no pass
         self._reports = reports
@@ -49,7 +50,7 @@ class Instancers:
         passByInstance = frozenset()
         if self._pass and isFlat:
             state, passKey, passByInstance = self._pass.ByInstance(state, passKey, context)
-        key = (prim.GetPrototype().GetPath(), InheritedKey(state, boundPaths, isFlat), passKey)
+        key = (prim.GetPrototype().GetPath(), InheritedKey(state, boundPaths, isFlat), passKey, state.motion)
         group = context.instanceGroups.get(key)
         if group is None:
             group = context.instanceGroups[key] = InstanceGroup(prim, state)
@@ -98,10 +99,11 @@ class Instancers:
         state.bindings = group.state.bindings
         state.hasCollections = group.state.hasCollections
         state.skelRoot = group.firstPrim if group.firstPrim.IsA(UsdSkel.Root) else None
+        state.motion = group.state.motion
         self._translator.Walk(group.firstPrim.GetFilteredChildren(inner.predicate), state, inner)
         placement = _core.Placement(State().matrix, context.instancerPath, context.instances)
         if inner.isPlacing:
-            self._AddInstancer(path, placement, group.Transforms(), group.Samples(self._motion), context)
+            self._AddInstancer(path, placement, group.Transforms(), group.Samples(self._translator.MotionOf(group.state)), context)
 
     def _AddInstancer(self, path, placement, transforms, samples, context):
         instancer = _core.InstancerPrim(placement)
@@ -136,7 +138,7 @@ class Instancers:
                 isPlacing = True
         if isPlacing:
             placement = self._translator.PlacementOf(state, context)
-            samples = [] if arrays.isAtRest else self._motion.PointInstanceSamplesOf(
+            samples = [] if arrays.isAtRest else self._translator.MotionOf(state).PointInstanceSamplesOf(
                 UsdGeom.PointInstancer(prim), arrays.numInstances)
             self._AddInstancer(path, placement, arrays.transforms, samples, context)
         return None
@@ -165,6 +167,8 @@ class Instancers:
             state.purpose = instancerState.purpose
             state.isPurposeAuthored = instancerState.isPurposeAuthored
         state.primvars = primvars.InheritableAbove(root, self._timeCode, self._differentBelow)
+        if self._motion.isOn and parent:
+            state.motion = self._motion.Scaled(ReadBlurScale(root.GetParent(), self._timeCode, self._reports.Warn))
         ancestor = root.GetParent()
         chain = []
         while ancestor and not ancestor.IsPseudoRoot():

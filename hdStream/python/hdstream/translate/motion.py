@@ -18,6 +18,15 @@ _NUM_STEPS = 8
 _NUM_CURVED_STEPS = 16
 
 
+def ReadBlurScale(prim, timeCode, warn):
+    """The motion:blurScale that holds for a prim, its own or inherited."""
+    scale = UsdGeom.MotionAPI(prim).ComputeMotionBlurScale(timeCode)
+    if not (math.isfinite(scale) and scale >= 0.0):
+        warn(prim, f"motion:blurScale is {scale}, and no finite number of at least 0; 1 is used")
+        return 1.0
+    return float(scale)
+
+
 def ReadShutter(prim, timeCode):
     """(open, close) of a UsdGeomCamera prim, in frames from the frame; what is no finite number counts as 0."""
     values = [prim.GetAttribute(name).Get(timeCode) for name in ("shutter:open", "shutter:close")]
@@ -25,17 +34,34 @@ def ReadShutter(prim, timeCode):
 
 
 class Motion:
-    """Samples around one frame. Without an open shutter, or at no frame at all, nothing moves."""
+    """Samples around one frame. Without an open shutter, or at no frame at all, nothing moves.
 
-    def __init__(self, timeCode, shutter=(0.0, 0.0)):
+    `scale` is a prim's motion:blurScale: at a time of the shutter the prim is as at `scale` times that, so samples are of an
+    interval that much as long, and the core gets them at the shutter's times.
+    """
+
+    def __init__(self, timeCode, shutter=(0.0, 0.0), scale=1.0):
         timeCode = Usd.TimeCode(timeCode)
-        self.isOn = timeCode.IsNumeric() and shutter[1] > shutter[0]
+        self.isOn = timeCode.IsNumeric() and shutter[1] > shutter[0] and scale > 0.0
         if not self.isOn:
             return
         self.timeCode = timeCode
-        self.ends = shutter
-        self.times = [float(time) for time in np.linspace(*shutter, _NUM_STEPS + 1)]
+        self.ends = tuple(scale * end for end in shutter)
+        self.times = [float(time) for time in np.linspace(*self.ends, _NUM_STEPS + 1)]
         self._xforms = [UsdGeom.XformCache(self.At(time)) for time in self.times]
+        self._shutter, self._scale, self._scaled = shutter, scale, {}
+
+    def Scaled(self, scale):
+        """The Motion of prims with a blurScale. Of one whose own is 1, and that is on."""
+        if scale == 1.0:
+            return self
+        if scale not in self._scaled:
+            self._scaled[scale] = Motion(self.timeCode, self._shutter, scale)
+        return self._scaled[scale]
+
+    def _Told(self, times):
+        """Times of samples as the core takes them."""
+        return [time / self._scale for time in times]
 
     def At(self, time):
         return Usd.TimeCode(self.timeCode.GetValue() + time)
@@ -63,13 +89,23 @@ class Motion:
             own = [matrix * above for matrix, above in zip(own, inherited)]
         return own if any(matrix != own[0] for matrix in own) else None
 
+    def MatricesAlong(self, way):
+        """The same of the last of nested prims with transforms, the outermost first."""
+        matrix, matrices = Gf.Matrix4d(1.0), None
+        for prim in way if self.isOn else ():
+            xformable = UsdGeom.Xformable(prim)
+            local, resets = xformable.GetLocalTransformation(self.timeCode), xformable.GetResetXformStack()
+            matrices = self.MatricesOf(prim, local, resets, matrix, matrices)
+            matrix = local if resets else local * matrix
+        return matrices
+
     def SamplesOf(self, matrices):
         """(time, array) of matrices at `times`, as the core takes them."""
-        return [] if matrices is None else [(time, np.array(matrix)) for time, matrix in zip(self.times, matrices)]
+        return [] if matrices is None else [(time, np.array(matrix)) for time, matrix in zip(self._Told(self.times), matrices)]
 
     def InstanceSamplesOf(self, matrices):
         """(time, arrays) of lists of matrices at `times`, one for each instance."""
-        return [(time, np.asarray(Vt.Matrix4dArray([own[i] for own in matrices]))) for i, time in enumerate(self.times)]
+        return [(time, np.asarray(Vt.Matrix4dArray([own[i] for own in matrices]))) for i, time in enumerate(self._Told(self.times))]
 
     def PointInstanceSamplesOf(self, instancer, count):
         """(time, arrays) of a UsdGeomPointInstancer; velocities count."""
@@ -81,7 +117,7 @@ class Motion:
         arrays = instancer.ComputeInstanceTransformsAtTimes(
             [self.At(time) for time in times], self.timeCode, UsdGeom.PointInstancer.ExcludeProtoXform,
             UsdGeom.PointInstancer.IgnoreMask)
-        return _Samples(times, [np.asarray(array) for array in arrays], count)
+        return _Samples(self._Told(times), [np.asarray(array) for array in arrays], count)
 
     def PointSamplesOf(self, prim, names, count, warn, topology=()):
         """(time, points) of a PointBased prim; velocities count. `topology`: names of what must not change; where it
@@ -97,7 +133,7 @@ class Motion:
                 warn(prim, "its topology changes while the shutter is open: drawn without motion blur")
                 return []
         arrays = UsdGeom.PointBased(prim).ComputePointsAtTimes([self.At(time) for time in times], self.timeCode)
-        return _SamplesOrWarning(prim, times, arrays, count, warn)
+        return _SamplesOrWarning(prim, self._Told(times), arrays, count, warn)
 
     def ArraySamplesOf(self, prim, name, count, warn):
         """(time, values) of an attribute with the places of `count` points."""
@@ -105,7 +141,7 @@ class Motion:
         if not self.isOn or not attribute or not attribute.ValueMightBeTimeVarying():
             return []
         times = self.TimesOf(prim, (name,))
-        return _SamplesOrWarning(prim, times, [attribute.Get(self.At(time)) for time in times], count, warn)
+        return _SamplesOrWarning(prim, self._Told(times), [attribute.Get(self.At(time)) for time in times], count, warn)
 
     def _HasVelocities(self, prim, count):
         """Whether UsdGeom moves the points by them: they have a sample where the points have that before the frame."""
@@ -122,7 +158,7 @@ class Motion:
 
     def SkinnedSamplesOf(self, times, arrays, count):
         """The same of a skinned prim, of its points at `times`."""
-        return _Samples(times, arrays, count) if self.isOn else []
+        return _Samples(self._Told(times), arrays, count) if self.isOn else []
 
     def PrimvarSamplesOf(self, prim, name, names, primvars):
         """(time, values) of the primvar `name` of a gprim, or the attribute; empty where its indices change."""
@@ -138,7 +174,7 @@ class Motion:
             return []
         times = self.TimesOf(prim, (attributeName,))
         arrays = [FloatRows(attribute.Get(self.At(time)), attribute) for time in times]
-        return _Samples(times, arrays, primvar.values.size // primvar.numComponents)
+        return _Samples(self._Told(times), arrays, primvar.values.size // primvar.numComponents)
 
     def CameraSamplesOf(self, camera):
         """(time, array) of a UsdGeomCamera's pose."""

@@ -20,11 +20,13 @@ class State:
     """Inherited values at a prim, relative to the space of its Context."""
 
     __slots__ = ("matrix", "matrices", "visible", "purpose", "isPurposeAuthored", "primvars", "bindings",
-                 "hasCollections", "drawMode", "skelRoot", "skelBindings", "ofPass")
+                 "hasCollections", "drawMode", "skelRoot", "skelBindings", "ofPass", "motion", "way")
 
     def __init__(self):
         self.matrix = IDENTITY          # context space from prim, row vectors (Gf)
         self.matrices = None            # the same at the times of the Motion; None: at rest
+        self.motion = None              # a Motion with another motion:blurScale; None: the stage's
+        self.way = ()                   # prims with transforms that `matrix` is composed of, where the shutter is open
         self.visible = True
         self.purpose = "default"
         self.isPurposeAuthored = False  # only an authored purpose is inherited

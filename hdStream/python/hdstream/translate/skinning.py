@@ -21,11 +21,12 @@ class Skins:
         self._atFrame = _Skinning(timeCode, xforms, warn)
         self._byTime = {}  # while the shutter is open
 
-    def Of(self, prim, rootPrim):
-        """The Skin of a prim below a SkelRoot (None: there is none above it); None when nothing skins it."""
+    def Of(self, prim, rootPrim, motion):
+        """The Skin of a prim that moves by a Motion, below a SkelRoot (None: there is none above it); None when nothing skins
+        it."""
         if rootPrim is None or not self._atFrame.IsSkinned(prim, rootPrim):
             return None
-        return Skin(self, prim, rootPrim, self._motion)
+        return Skin(self, prim, rootPrim, motion)
 
     def AreBelow(self, prim, rootPrim):
         """Whether something below a prim is skinned by a skeleton of a SkelRoot above (None: there is none). Where an instance

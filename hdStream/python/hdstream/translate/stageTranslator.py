@@ -19,7 +19,7 @@ from hdstream.translate.instancers import Instancers
 from hdstream.translate.links import Links
 from hdstream.translate.materials import FindBoundMaterials, MaterialReader
 from hdstream.translate.geometryBatch import GeometryBatch
-from hdstream.translate.motion import Motion
+from hdstream.translate.motion import Motion, ReadBlurScale
 from hdstream.translate.passCollections import PassCollections
 from hdstream.translate.primState import PREDICATE, SKEL_BINDINGS, Context, State
 from hdstream.translate.reports import Reports
@@ -29,6 +29,7 @@ from hdstream.translate.skinning import Skins
 _SKIPPED_SCHEMAS = ("ParticleField",)
 
 
+_BLUR_SCALE = "motion:blurScale"
 _PURPOSES = frozenset(UsdGeom.Imageable.GetOrderedPurposeTokens())
 
 
@@ -183,13 +184,18 @@ class StageTranslator:
 
     def _StateOf(self, prim, info, names, inherited):
         """The prim's own state: `inherited` itself when it changes nothing."""
+        if self._motion.isOn and _BLUR_SCALE in names:
+            inherited = inherited.Copy()
+            inherited.motion = self._motion.Scaled(ReadBlurScale(prim, self._timeCode, self._reports.Warn))
+            inherited.matrices = inherited.motion.MatricesAlong(inherited.way)
         state = inherited
         if info.isXformable and "xformOpOrder" in names:
             local, resets = self._xforms.GetLocalTransformation(prim)
             state = inherited.Copy()
             state.matrix = local if resets else local * inherited.matrix
             if self._motion.isOn:
-                state.matrices = self._motion.MatricesOf(prim, local, resets, inherited.matrix, inherited.matrices)
+                state.matrices = self.MotionOf(inherited).MatricesOf(prim, local, resets, inherited.matrix, inherited.matrices)
+                state.way = inherited.way + (prim,)
         if info.isImageable:
             visibility = prim.GetAttribute("visibility").Get(self._timeCode) if "visibility" in names else None
             if visibility == "invisible":
@@ -228,6 +234,10 @@ class StageTranslator:
             state = inherited.Copy() if state is inherited else state
             state.AddSkelBinding(prim, name)
         return state
+
+    def MotionOf(self, state):
+        """What a prim of that state moves by."""
+        return state.motion or self._motion
 
     def _MakeHandlers(self):
         """(schema class, handler) from special to general; prims of no schema here are groups."""
@@ -276,7 +286,7 @@ class StageTranslator:
         """Where a prim of that state is; the context's instancer, if any, places it."""
         placement = _core.Placement(state.matrix, context.instancerPath, context.instances, state.visible)
         if state.matrices is not None:
-            placement.samples = self._motion.SamplesOf(state.matrices)
+            placement.samples = self.MotionOf(state).SamplesOf(state.matrices)
         return placement
 
     def _Place(self, prim, state, context):
@@ -288,8 +298,7 @@ class StageTranslator:
 
     def _OnMesh(self, prim, schema, names, state, context):
         mesh = self._KeptGeometry(prim, context) or meshes.ReadMesh(
-            prim, names, state.primvars, self._timeCode, self._motion, self._reports.Warn,
-            self._skins.Of(prim, state.skelRoot))
+            prim, names, state.primvars, self._timeCode, self.MotionOf(state), self._reports.Warn, self._SkinOf(prim, state))
         if mesh is None:
             self._WarnOfClips(prim)
             if lights.IsLight(prim):
@@ -312,7 +321,7 @@ class StageTranslator:
     def _AddConverted(self, read, prim, names, state, context):
         """A prim that `read` makes a mesh of."""
         mesh = self._KeptGeometry(prim, context) or read(
-            prim, names, state.primvars, self._timeCode, self._motion, self._reports.Warn)
+            prim, names, state.primvars, self._timeCode, self.MotionOf(state), self._reports.Warn)
         return state if mesh is None else self._AddMesh(prim, names, mesh, state, context)
 
     def _OnImplicit(self, prim, schema, names, state, context):
@@ -321,23 +330,22 @@ class StageTranslator:
         return self._AddMesh(prim, names, mesh, state, context)
 
     def _OnCurves(self, prim, schema, names, state, context):
-        description = curves.ReadCurves(prim, schema, names, state.primvars, self._timeCode, self._motion,
-                                        self._reports.Warn, self._skins.Of(prim, state.skelRoot))
+        description = curves.ReadCurves(prim, schema, names, state.primvars, self._timeCode, self.MotionOf(state),
+                                        self._reports.Warn, self._SkinOf(prim, state))
         if description is not None and schema != "BasisCurves" and description.curves.type == "linear":
             self._reports.Count(prim, f"{schema} are drawn as lines between their points: {{count}}")
         self._AddSolid(prim, names, description, state, context)
         return state
 
     def _OnPoints(self, prim, schema, names, state, context):
-        self._AddSolid(prim, names, curves.ReadPointCloud(prim, names, state.primvars, self._timeCode, self._motion,
-                                                          self._reports.Warn, self._skins.Of(prim, state.skelRoot)),
-                       state, context)
+        self._AddSolid(prim, names, curves.ReadPointCloud(prim, names, state.primvars, self._timeCode, self.MotionOf(state),
+                                                          self._reports.Warn, self._SkinOf(prim, state)), state, context)
         return state
 
     def _OnSplats(self, prim, schema, names, state, context):
         description = splats.ReadSplats(prim, names, state.primvars, self._timeCode)
         if description is not None:
-            description.samples = self._motion.ArraySamplesOf(
+            description.samples = self.MotionOf(state).ArraySamplesOf(
                 prim, splats.PositionsName(prim, self._timeCode), len(description.points), self._reports.Warn)
         self._AddSolid(prim, names, description, state, context)
         return state
@@ -351,6 +359,9 @@ class StageTranslator:
         self._session.SetVolume(path, volumes.ReadVolume(
             prim, placement, state.purpose, materialPath, self._timeCode, self._assets, self._reports.Warn))
         return state
+
+    def _SkinOf(self, prim, state):
+        return self._skins.Of(prim, state.skelRoot, self.MotionOf(state))
 
     def _AddSolid(self, prim, names, description, state, context):
         if description is None:
@@ -422,7 +433,7 @@ class StageTranslator:
         if pole is not None:
             placement.worldFromObject = np.array(pole * state.matrix)
             if state.matrices is not None:
-                placement.samples = self._motion.SamplesOf([pole * matrix for matrix in state.matrices])
+                placement.samples = self.MotionOf(state).SamplesOf([pole * matrix for matrix in state.matrices])
         lightPrim = _core.LightPrim(light, placement)
         lightPrim.links = self._links.Read(prim, names)
         for matrix, width, height in lights.ReadPortals(prim, names, self._timeCode, self._reports.Warn):
