@@ -49,9 +49,9 @@ SceneData WithLight(const TfToken& type, const std::map<TfToken, VtValue>& param
     return scene;
 }
 
-/// A floor with a material of one node of MaterialX behind the surface's input.
+/// A floor with a material of one node of MaterialX behind an input of the surface.
 SceneData WithMaterial(const std::map<TfToken, VtValue>& surface,
-                       const std::map<TfToken, VtValue>& image) {
+                       const std::map<TfToken, VtValue>& image, const char* input = "base_color") {
     SceneData scene = EmptyScene();
     HdMaterialNode texture;
     texture.path = SdfPath("/Image");
@@ -64,7 +64,7 @@ SceneData WithMaterial(const std::map<TfToken, VtValue>& surface,
     HdMaterialNetworkMap map;
     HdMaterialNetwork& network = map.map[HdMaterialTerminalTokens->surface];
     network.nodes = {texture, node};
-    network.relationships = {{texture.path, TfToken("out"), node.path, TfToken("base_color")}};
+    network.relationships = {{texture.path, TfToken("out"), node.path, TfToken(input)}};
     map.terminals.push_back(node.path);
     scene.materials[SdfPath("/look")] = map;
     scene.gprims[SdfPath("/floor")] = MakeGrid(2.0F, 2.0F);
@@ -119,6 +119,54 @@ TEST_F(Exporter, CoatsDoNotDarkenUnlessANodeSaysSo) {
     const SceneData authored = WithMaterial(
         {{TfToken("coat_weight"), VtValue(1.0F)}, {TfToken("coat_darkening"), VtValue(0.5F)}}, {});
     EXPECT_EQ(Number(DumpOf(authored, kBlender), "  coat_darkening"), 0.5);
+}
+
+TEST_F(Exporter, ColoursOfGlassAreThoseOfTheWayInAndOut) {
+    const auto line = [](const std::string& dump, const std::string& text) {
+        return dump.find("\n    transmission_color: " + text) != std::string::npos;
+    };
+    const GfVec3f color(0.5625F, 0.25F, 0.0625F);
+    const SceneData plain = WithMaterial({{TfToken("transmission_color"), VtValue(color)}}, {});
+    EXPECT_TRUE(line(DumpOf(plain, ""), "[3] 0.5625 0.25 0.0625")) << DumpOf(plain, "");
+    EXPECT_TRUE(line(DumpOf(plain, kBlender), "[3] 0.75 0.5 0.25")) << DumpOf(plain, kBlender);
+    const SceneData connected = WithMaterial({}, {}, "transmission_color");
+    EXPECT_TRUE(line(DumpOf(connected, ""), "<- /Image.out")) << DumpOf(connected, "");
+    const std::string dump = DumpOf(connected, kBlender);
+    EXPECT_TRUE(line(dump, "<- /Surface_transmission_color")) << dump;
+    EXPECT_NE(dump.find("ND_power_color3FA"), std::string::npos) << dump;
+    EXPECT_NE(dump.find("in1: <- /Image.out"), std::string::npos) << dump;
+}
+
+/// Smooth glass of index 1.5 below a white sky, seen along the normals of both its faces: a ray is
+/// reflected (R), or goes in, and out after any number of reflections: R + (1 - R)^2 c / (1 - R).
+TEST_F(Exporter, ASlabOfGlassDimsAsPrincipledDoes) {
+    const GfVec3f color(0.36F, 0.25F, 0.04F);
+    SceneData scene = WithMaterial({{TfToken("transmission_weight"), VtValue(1.0F)},
+                                    {TfToken("specular_roughness"), VtValue(0.0F)},
+                                    {TfToken("specular_ior"), VtValue(1.5F)},
+                                    {TfToken("transmission_color"), VtValue(color)}},
+                                   {});
+    scene.gprims.clear();
+    scene.gprims[SdfPath("/slab")] = MakeCube(1.0F);
+    scene.gprims[SdfPath("/slab")].material = SdfPath("/look");
+    scene.cameras[SdfPath("/camera")] = MakeOrthographicCamera(GfVec3d(0.0, 0.0, 5.0), 0.5);
+    HostOptions options = Quick({HdAovTokens->color}, 256);
+    options.settings[TfToken("maxDepth")] = VtValue(8);
+    for (const std::string& exporter : {std::string(), std::string(kBlender)}) {
+        options.settings[TfToken("hostExporter")] = VtValue(exporter);
+        Host host(scene, options);
+        host.RenderUntilConverged();
+        const Image image = host.Read();
+        for (int channel = 0; channel < 3; ++channel) {
+            double mean = 0.0;
+            for (int i = 0; i < image.width * image.height; ++i) {
+                mean += image.Float(i % image.width, i / image.width, channel);
+            }
+            mean /= image.width * image.height;
+            const double once = exporter.empty() ? color[channel] : std::sqrt(color[channel]);
+            EXPECT_NEAR(mean, 0.04 + 0.96 * once * once, 2e-3) << exporter << " " << channel;
+        }
+    }
 }
 
 TEST_F(Exporter, ImagesThatBlenderWroteAsLinearOnesAreNotDecodedAgain) {
