@@ -3,10 +3,13 @@
 // it is Blender (render setting hostExporter), and nowhere else.
 #include "hydraTest.h"
 
+#include <pxr/base/tf/diagnosticMgr.h>
+#include <pxr/base/tf/error.h>
 #include <pxr/imaging/hd/light.h>
 #include <pxr/usd/sdf/assetPath.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -185,6 +188,33 @@ TEST_F(Exporter, ImagesThatBlenderWroteAsLinearOnesAreNotDecodedAgain) {
     EXPECT_TRUE(decodes(cache + ".exr", "srgb_texture", "")) << "another host's";
     EXPECT_TRUE(decodes("/tmp/wood.exr", "srgb_texture", kBlender)) << "the user's own file";
 }
+
+#if PXR_VERSION >= 2502
+/// Counts the errors that a host would print.
+class ErrorCounter : public TfDiagnosticMgr::Delegate {
+public:
+    ErrorCounter() { TfDiagnosticMgr::GetInstance().AddDelegate(this); }
+    ~ErrorCounter() override { TfDiagnosticMgr::GetInstance().RemoveDelegate(this); }
+    void IssueError(const TfError&) override { ++count; }
+    void IssueFatalError(const TfCallContext&, const std::string&) override {}
+    void IssueStatus(const TfStatus&) override {}
+    void IssueWarning(const TfWarning&) override {}
+
+    std::atomic<int> count{0};
+};
+
+TEST_F(Exporter, ConfigurationsOfMaterialXAreNoErrors) {
+    SceneData scene = WithMaterial({}, {});
+    const VtDictionary version{{"version", VtValue(std::string("1.39"))}};
+    const ErrorCounter errors;
+    DumpOf(scene, kBlender);
+    EXPECT_EQ(errors.count, 0);
+    scene.materials[SdfPath("/look")].config["mtlx"] = VtValue(version);
+    const std::string dump = DumpOf(scene, kBlender);
+    EXPECT_EQ(errors.count, 0);
+    EXPECT_NE(dump.find("ND_open_pbr_surface_surfaceshader"), std::string::npos) << dump;
+}
+#endif
 
 } // namespace
 
