@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/hydra/assets.h"
 
+#include "hdStream/hydra/udimSets.h"
+
 #include <pxr/usd/ar/asset.h>
 #include <pxr/usd/ar/packageUtils.h>
 #include <pxr/usd/ar/resolvedPath.h>
@@ -15,8 +17,14 @@ hds::AssetReference HdStreamAssetReference(const SdfAssetPath& asset) {
     hds::AssetReference reference;
     reference.authoredPath = asset.GetAssetPath();
     const std::string& resolved = asset.GetResolvedPath();
-    if (!ArIsPackageRelativePath(resolved) || resolved.find("<UDIM>") != std::string::npos) {
-        reference.file = resolved; // of a UDIM set the core looks which tiles there are
+    const bool isSet = HdStreamIsUdimSet(resolved.empty() ? reference.authoredPath : resolved);
+    if (isSet) { // of which the core looks what tiles there are
+        reference.file =
+            resolved.empty() ? HdStreamResolveUdimSet(reference.authoredPath) : resolved;
+        return reference;
+    }
+    if (!ArIsPackageRelativePath(resolved)) {
+        reference.file = resolved;
         return reference;
     }
     const std::shared_ptr<ArAsset> opened = ArGetResolver().OpenAsset(ArResolvedPath(resolved));

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <variant>
+#include <vector>
 
 PXR_NAMESPACE_OPEN_SCOPE
 
@@ -55,6 +57,29 @@ bool IsOfBlendersCache(const hds::AssetReference& asset) {
            (EndsWith(path, ".exr") || EndsWith(path, ".hdr"));
 }
 
+/// A colour of glass that is meant of the way in and out becomes its root, which dims light at each
+/// surface.
+void TintEachWay(const std::string& input, hds::MaterialNode* node,
+                 std::vector<hds::MaterialNode>* added) {
+    const auto parameter = node->parameters.find(input);
+    if (parameter != node->parameters.end()) {
+        if (auto* color = std::get_if<std::vector<float>>(&parameter->second)) {
+            std::transform(color->begin(), color->end(), color->begin(),
+                           [](float c) { return std::sqrt(std::clamp(c, 0.0F, 1.0F)); });
+        }
+    }
+    const auto connection = node->connections.find(input);
+    if (connection != node->connections.end()) {
+        hds::MaterialNode root;
+        root.path = node->path + "_" + input + "Root";
+        root.identifier = "ND_power_color3FA";
+        root.parameters["in2"] = 0.5;
+        root.connections["in1"] = connection->second;
+        connection->second = {root.path, "out"};
+        added->push_back(std::move(root));
+    }
+}
+
 } // namespace
 
 HdStreamExporter HdStreamFindExporter(const std::string& name) {
@@ -76,10 +101,13 @@ void HdStreamFixMaterial(HdStreamExporter exporter, hds::MaterialNetwork* networ
     if (exporter != HdStreamExporter::Blender) {
         return;
     }
+    std::vector<hds::MaterialNode> added;
     for (hds::MaterialNode& node : network->nodes) {
-        if (node.identifier == "ND_open_pbr_surface_surfaceshader" &&
-            node.connections.count("coat_darkening") == 0) {
-            node.parameters.try_emplace("coat_darkening", 0.0);
+        if (node.identifier == "ND_open_pbr_surface_surfaceshader") {
+            if (node.connections.count("coat_darkening") == 0) {
+                node.parameters.try_emplace("coat_darkening", 0.0);
+            }
+            TintEachWay("transmission_color", &node, &added);
         }
         const auto file = node.parameters.find("file");
         const auto space = node.parameters.find("colorSpace:file");
@@ -91,6 +119,7 @@ void HdStreamFixMaterial(HdStreamExporter exporter, hds::MaterialNetwork* networ
             space->second = std::string("lin_rec709");
         }
     }
+    network->nodes.insert(network->nodes.end(), added.begin(), added.end());
 }
 
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -106,8 +106,20 @@ void SceneBuffers::LoadMissing() {
     }
 }
 
+/// Whether the pool is as an update for the scene would leave it.
+bool SceneBuffers::ServesPages(const CommittedScene& scene, const ResidencyPlan& plan,
+                               const ResidencyOptions& residency) const {
+    return _pool && _pages == scene.pages && plan.pool == _poolKind &&
+           (plan.pool != PoolKind::Streaming ||
+            (_residency == residency && _budgetBytes == plan.budgetBytes));
+}
+
 bool SceneBuffers::UpdatePages(const CommittedScene& scene, const ResidencyOptions& residency) {
     const ResidencyPlan plan = Plan(scene, residency);
+    if (ServesPages(scene, plan, residency)) {
+        return true;
+    }
+    _pages = nullptr;
     const bool streams = plan.pool == PoolKind::Streaming;
     const bool wasFullyResident = std::exchange(_isFullyResident, false) && streams;
     _isScattered = false;
@@ -122,6 +134,8 @@ bool SceneBuffers::UpdatePages(const CommittedScene& scene, const ResidencyOptio
             LoadMissing();
         }
     }
+    _pages = scene.pages;
+    _budgetBytes = plan.budgetBytes;
     return true;
 }
 

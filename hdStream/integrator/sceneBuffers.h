@@ -122,6 +122,8 @@ private:
 
     void MakePool(PoolKind kind, const ResidencyOptions& residency);
     bool UpdatePages(const CommittedScene& scene, const ResidencyOptions& residency);
+    bool ServesPages(const CommittedScene& scene, const ResidencyPlan& plan,
+                     const ResidencyOptions& residency) const;
     template <typename T>
     void Upload(Table table, const std::vector<T>& values);
     /// Of tables that grow with the scene: CPU devices read large ones where they are.
@@ -132,10 +134,12 @@ private:
     std::shared_ptr<Device> _device;
     std::unique_ptr<PagePool> _pool; ///< of geometry, from the first Update on
     PoolKind _poolKind = PoolKind::Resident;
-    StreamingPool* _streaming = nullptr; ///< _pool, if that is made for streaming
-    ResidencyOptions _residency;         ///< what _pool was made with
-    bool _isFullyResident = false;       ///< _streaming holds all pages for good
-    bool _isScattered = false;           ///< it has no room for all, until the next Update
+    StreamingPool* _streaming = nullptr;         ///< _pool, if that is made for streaming
+    ResidencyOptions _residency;                 ///< what _pool was made with
+    std::shared_ptr<const GeometryPages> _pages; ///< that _pool serves
+    std::uint64_t _budgetBytes = 0;              ///< with so many bytes
+    bool _isFullyResident = false;               ///< _streaming holds all pages for good
+    bool _isScattered = false;                   ///< it has no room for all, until the next Update
     std::array<Buffer, NumTables> _tables;
     std::array<bool, NumTables> _isInPlace{};  ///< in the memory of the scene
     std::shared_ptr<const LightTable> _lights; ///< what the light tables hold

@@ -32,6 +32,8 @@
 
 namespace hds {
 
+class PrimCommit;
+
 /// How subdivision surfaces are drawn (docs/geometry.md).
 enum class Subdivision {
     Adaptive,   ///< the limit surface, as fine as its size on the dicing camera's image asks for
@@ -96,6 +98,11 @@ struct CommitCache {
     std::shared_ptr<GridPreparer> grids; ///< never null
     PageKey lightKey;                    ///< all that `lights` is made of
     std::shared_ptr<const LightTable> lights;
+    /// Counts edits of the scene that do not leave prims as they are (scene/primEdits.h); 0: who
+    /// commits does not count them, and nothing of prims is kept.
+    std::uint64_t contentVersion = 0;
+    std::shared_ptr<PrimCommit> prims; ///< of the last commit that made any, where they may stay
+    std::uint64_t primsVersion = 0;    ///< contentVersion of then
 };
 
 /// Counts for the statistics and `hdstream info`.
@@ -118,24 +125,31 @@ struct SceneCounts {
     std::uint64_t volumeTableBytes = 0;
 };
 
-/// Host images of the device tables. Immutable but for pages that are prepared. The cache must
-/// outlive it.
-struct CommittedScene {
-    glm::dvec3 centre{0.0}; ///< world position of the device's origin
-    HugeVector<shared::HdsBvhNode> topNodes;
-    HugeVector<shared::HdsInstance> instances;
-    HugeVector<shared::HdsInstance> catchersAlone; ///< `instances` with all others unseen
-    HugeVector<std::uint32_t> instancesByPath;
-    std::vector<AffineRows> motionKeys;     ///< of instances
-    std::vector<shared::HdsObject> objects; ///< 0: the TLAS
+/// The host images that do not depend on where prims are.
+struct CommittedPrims {
+    HugeVector<shared::HdsBvhNode> topNodes; ///< of a scene those of its groups come behind
+    std::vector<shared::HdsObject> objects;  ///< 0: the TLAS
     std::vector<shared::HdsPrim> prims;
     /// User primvars of each prim, in the order of their slots; owned by the cache, valid until the
     /// next commit.
     std::vector<const std::vector<AttributeName>*> primAttributes;
     InstancePrimvars instancePrimvars;
-    std::vector<std::uint32_t> primMaterials;
     std::vector<std::string> primPaths;      ///< of `prims`; with CommitOptions::keepsNames
     std::vector<std::string> entryMaterials; ///< of `primMaterials` the materials' paths, likewise
+    /// Prepared when they are needed; in the cache's memory. Scenes whose prims differ in their
+    /// places alone may share them.
+    std::shared_ptr<GeometryPages> pages;
+};
+
+/// Host images of the device tables. Immutable but for pages that are prepared. The cache must
+/// outlive it.
+struct CommittedScene : CommittedPrims {
+    glm::dvec3 centre{0.0}; ///< world position of the device's origin
+    HugeVector<shared::HdsInstance> instances;
+    HugeVector<shared::HdsInstance> catchersAlone; ///< `instances` with all others unseen
+    HugeVector<std::uint32_t> instancesByPath;
+    std::vector<AffineRows> motionKeys; ///< of instances
+    std::vector<std::uint32_t> primMaterials;
     std::vector<shared::HdsMaterial> materials;
     std::vector<std::uint32_t> programs;        ///< of the materials (kernels/shared/program.h)
     std::vector<MaterialTexture> textureTable;  ///< of lights, then what programs look up
@@ -146,7 +160,6 @@ struct CommittedScene {
     MediaBounds mediaBounds;                      ///< of these meshes
     std::unique_ptr<SceneLines> lines;            ///< of textures, then of the grids of volumes
     ImageLibrary* images = nullptr;               ///< the cache's
-    std::unique_ptr<GeometryPages> pages; ///< prepared when they are needed; in the cache's memory
     std::shared_ptr<const LightTable> lights;
     std::vector<std::uint32_t> lightByEntry; ///< HDS_MESH_LIGHT of emissive material entries
     std::vector<TextureUse> textures;        ///< images of materials and lights

@@ -11,6 +11,8 @@
 #include "hdStream/persist/pageStore.h"
 #include "hdStream/scene/cameraNumbers.h"
 #include "hdStream/scene/dump.h"
+#include "hdStream/scene/primCommit.h"
+#include "hdStream/scene/primEdits.h"
 #include "hdStream/scene/sceneSizes.h"
 #include "hdStream/scene/transforms.h"
 #include "hdStream/session/denoising.h"
@@ -22,6 +24,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -139,6 +142,7 @@ struct Session::Impl {
     /// What of a scene is kept in the folder of ReadyDevice.
     void ReadyCaches(const Settings& settings) {
         if (!std::exchange(hasCaches, true)) {
+            cache.prims.reset();
             cache.pages.Clear();
             const auto pageStore =
                 noCache ? nullptr
@@ -177,6 +181,21 @@ struct Session::Impl {
         }
     }
 
+    /// Before a prim of a path comes into the place of what is there.
+    template <typename Prim>
+    void CountEdit(const std::map<std::string, Prim>& prims, const std::string& path,
+                   const Prim& after) {
+        const auto before = prims.find(path);
+        ++sceneVersion;
+        contentVersion += before != prims.end() && LeavesPrims(before->second, after) ? 0 : 1;
+    }
+
+    /// Any other edit.
+    void CountEdit() {
+        ++sceneVersion;
+        ++contentVersion;
+    }
+
     /// Everything in device memory.
     void Discard() {
         tracer.reset();
@@ -207,6 +226,7 @@ struct Session::Impl {
         const CommitKey key{sceneVersion, commitOptions, residency};
         committed.reset();
         ShareHostMemory(settings);
+        cache.contentVersion = settings.interactive ? contentVersion : 0;
         auto next = CommitScene(description, commitOptions, &cache, warnings, isCancelled);
         if (!next) {
             return false;
@@ -319,8 +339,9 @@ struct Session::Impl {
 
     hds::Warnings warnings;
     SceneDescription description;
-    SceneSizes sizes;               ///< of `description`
-    std::uint64_t sceneVersion = 1; ///< counts edits
+    SceneSizes sizes;                 ///< of `description`
+    std::uint64_t sceneVersion = 1;   ///< counts edits
+    std::uint64_t contentVersion = 1; ///< counts those that do not leave prims (LeavesPrims)
     std::unique_ptr<Store> store;
     std::shared_ptr<Device> device; ///< its compilers write to the store
     std::string deviceName;         ///< what `device` was asked for by
@@ -345,8 +366,8 @@ Session::Session(WarningSink onWarning) : _impl(std::make_unique<Impl>(std::move
 Session::~Session() = default;
 
 void Session::SetGeometry(const std::string& path, GeometryPrim prim) {
+    _impl->CountEdit(_impl->description.geometry, path, prim);
     _impl->sizes.Set(&_impl->description.geometry, path, std::move(prim));
-    ++_impl->sceneVersion;
 }
 
 void Session::SetCategories(const std::string& path, std::set<std::string> categories) {
@@ -360,22 +381,22 @@ void Session::SetCategories(const std::string& path, std::set<std::string> categ
 
 void Session::SetVolume(const std::string& path, VolumePrim prim) {
     _impl->description.volumes[path] = std::move(prim);
-    ++_impl->sceneVersion;
+    _impl->CountEdit();
 }
 
 void Session::SetInstancer(const std::string& path, InstancerPrim prim) {
+    _impl->CountEdit(_impl->description.instancers, path, prim);
     _impl->sizes.Set(&_impl->description.instancers, path, std::move(prim));
-    ++_impl->sceneVersion;
 }
 
 void Session::SetLight(const std::string& path, LightPrim prim) {
+    _impl->CountEdit(_impl->description.lights, path, prim);
     _impl->description.lights[path] = std::move(prim);
-    ++_impl->sceneVersion;
 }
 
 void Session::SetMaterial(const std::string& path, std::shared_ptr<const MaterialNetwork> network) {
     _impl->description.materials[path] = std::move(network);
-    ++_impl->sceneVersion;
+    _impl->CountEdit();
 }
 
 void Session::SetCamera(const std::string& path, CameraPrim prim) {
@@ -390,14 +411,14 @@ void Session::Remove(const std::string& path) {
     scene.materials.erase(path);
     scene.cameras.erase(path);
     scene.volumes.erase(path);
-    ++_impl->sceneVersion;
+    _impl->CountEdit();
 }
 
 void Session::Clear() {
     _impl->description = {};
     _impl->sizes = {};
     _impl->warnings.Clear();
-    ++_impl->sceneVersion;
+    _impl->CountEdit();
     Redice();
 }
 
@@ -519,7 +540,7 @@ void Session::FlushTextures() {
     _impl->cache.materials.clear();
     _impl->cache.lightKey = {};
     _impl->cache.lights.reset();
-    ++_impl->sceneVersion;
+    _impl->CountEdit();
 }
 
 std::string Session::Statistics() const {

@@ -3,10 +3,13 @@
 // it is Blender (render setting hostExporter), and nowhere else.
 #include "hydraTest.h"
 
+#include <pxr/base/tf/diagnosticMgr.h>
+#include <pxr/base/tf/error.h>
 #include <pxr/imaging/hd/light.h>
 #include <pxr/usd/sdf/assetPath.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -49,9 +52,9 @@ SceneData WithLight(const TfToken& type, const std::map<TfToken, VtValue>& param
     return scene;
 }
 
-/// A floor with a material of one node of MaterialX behind the surface's input.
+/// A floor with a material of one node of MaterialX behind an input of the surface.
 SceneData WithMaterial(const std::map<TfToken, VtValue>& surface,
-                       const std::map<TfToken, VtValue>& image) {
+                       const std::map<TfToken, VtValue>& image, const char* input = "base_color") {
     SceneData scene = EmptyScene();
     HdMaterialNode texture;
     texture.path = SdfPath("/Image");
@@ -64,7 +67,7 @@ SceneData WithMaterial(const std::map<TfToken, VtValue>& surface,
     HdMaterialNetworkMap map;
     HdMaterialNetwork& network = map.map[HdMaterialTerminalTokens->surface];
     network.nodes = {texture, node};
-    network.relationships = {{texture.path, TfToken("out"), node.path, TfToken("base_color")}};
+    network.relationships = {{texture.path, TfToken("out"), node.path, TfToken(input)}};
     map.terminals.push_back(node.path);
     scene.materials[SdfPath("/look")] = map;
     scene.gprims[SdfPath("/floor")] = MakeGrid(2.0F, 2.0F);
@@ -121,6 +124,54 @@ TEST_F(Exporter, CoatsDoNotDarkenUnlessANodeSaysSo) {
     EXPECT_EQ(Number(DumpOf(authored, kBlender), "  coat_darkening"), 0.5);
 }
 
+TEST_F(Exporter, ColoursOfGlassAreThoseOfTheWayInAndOut) {
+    const auto line = [](const std::string& dump, const std::string& text) {
+        return dump.find("\n    transmission_color: " + text) != std::string::npos;
+    };
+    const GfVec3f color(0.5625F, 0.25F, 0.0625F);
+    const SceneData plain = WithMaterial({{TfToken("transmission_color"), VtValue(color)}}, {});
+    EXPECT_TRUE(line(DumpOf(plain, ""), "[3] 0.5625 0.25 0.0625")) << DumpOf(plain, "");
+    EXPECT_TRUE(line(DumpOf(plain, kBlender), "[3] 0.75 0.5 0.25")) << DumpOf(plain, kBlender);
+    const SceneData connected = WithMaterial({}, {}, "transmission_color");
+    EXPECT_TRUE(line(DumpOf(connected, ""), "<- /Image.out")) << DumpOf(connected, "");
+    const std::string dump = DumpOf(connected, kBlender);
+    EXPECT_TRUE(line(dump, "<- /Surface_transmission_color")) << dump;
+    EXPECT_NE(dump.find("ND_power_color3FA"), std::string::npos) << dump;
+    EXPECT_NE(dump.find("in1: <- /Image.out"), std::string::npos) << dump;
+}
+
+/// Smooth glass of index 1.5 below a white sky, seen along the normals of both its faces: a ray is
+/// reflected (R), or goes in, and out after any number of reflections: R + (1 - R)^2 c / (1 - R).
+TEST_F(Exporter, ASlabOfGlassDimsAsPrincipledDoes) {
+    const GfVec3f color(0.36F, 0.25F, 0.04F);
+    SceneData scene = WithMaterial({{TfToken("transmission_weight"), VtValue(1.0F)},
+                                    {TfToken("specular_roughness"), VtValue(0.0F)},
+                                    {TfToken("specular_ior"), VtValue(1.5F)},
+                                    {TfToken("transmission_color"), VtValue(color)}},
+                                   {});
+    scene.gprims.clear();
+    scene.gprims[SdfPath("/slab")] = MakeCube(1.0F);
+    scene.gprims[SdfPath("/slab")].material = SdfPath("/look");
+    scene.cameras[SdfPath("/camera")] = MakeOrthographicCamera(GfVec3d(0.0, 0.0, 5.0), 0.5);
+    HostOptions options = Quick({HdAovTokens->color}, 256);
+    options.settings[TfToken("maxDepth")] = VtValue(8);
+    for (const std::string& exporter : {std::string(), std::string(kBlender)}) {
+        options.settings[TfToken("hostExporter")] = VtValue(exporter);
+        Host host(scene, options);
+        host.RenderUntilConverged();
+        const Image image = host.Read();
+        for (int channel = 0; channel < 3; ++channel) {
+            double mean = 0.0;
+            for (int i = 0; i < image.width * image.height; ++i) {
+                mean += image.Float(i % image.width, i / image.width, channel);
+            }
+            mean /= image.width * image.height;
+            const double once = exporter.empty() ? color[channel] : std::sqrt(color[channel]);
+            EXPECT_NEAR(mean, 0.04 + 0.96 * once * once, 2e-3) << exporter << " " << channel;
+        }
+    }
+}
+
 TEST_F(Exporter, ImagesThatBlenderWroteAsLinearOnesAreNotDecodedAgain) {
     const auto decodes = [](const std::string& file, const char* space, const char* exporter) {
         const SceneData scene =
@@ -137,6 +188,33 @@ TEST_F(Exporter, ImagesThatBlenderWroteAsLinearOnesAreNotDecodedAgain) {
     EXPECT_TRUE(decodes(cache + ".exr", "srgb_texture", "")) << "another host's";
     EXPECT_TRUE(decodes("/tmp/wood.exr", "srgb_texture", kBlender)) << "the user's own file";
 }
+
+#if PXR_VERSION >= 2502
+/// Counts the errors that a host would print.
+class ErrorCounter : public TfDiagnosticMgr::Delegate {
+public:
+    ErrorCounter() { TfDiagnosticMgr::GetInstance().AddDelegate(this); }
+    ~ErrorCounter() override { TfDiagnosticMgr::GetInstance().RemoveDelegate(this); }
+    void IssueError(const TfError&) override { ++count; }
+    void IssueFatalError(const TfCallContext&, const std::string&) override {}
+    void IssueStatus(const TfStatus&) override {}
+    void IssueWarning(const TfWarning&) override {}
+
+    std::atomic<int> count{0};
+};
+
+TEST_F(Exporter, ConfigurationsOfMaterialXAreNoErrors) {
+    SceneData scene = WithMaterial({}, {});
+    const VtDictionary version{{"version", VtValue(std::string("1.39"))}};
+    const ErrorCounter errors;
+    DumpOf(scene, kBlender);
+    EXPECT_EQ(errors.count, 0);
+    scene.materials[SdfPath("/look")].config["mtlx"] = VtValue(version);
+    const std::string dump = DumpOf(scene, kBlender);
+    EXPECT_EQ(errors.count, 0);
+    EXPECT_NE(dump.find("ND_open_pbr_surface_surfaceshader"), std::string::npos) << dump;
+}
+#endif
 
 } // namespace
 

@@ -13,7 +13,7 @@ from pxr import Sdf, UsdShade, UsdUtils
 
 import instancePrimvarStages
 from brokenStages import BROKEN
-from frontEnds import MODES, PICTURE, CheckDifferences, CompareFrontEnds, ComparePictures, FrontEnds, ReadColor
+from frontEnds import MODES, CheckDifferences, CompareFrontEnds, ComparePictures, FrontEnds, ReadColor
 from openUsd import RunProgram
 from stages import author, shapes
 from stages.imageFile import WritePng
@@ -78,12 +78,15 @@ def test_translated_scene_is_that_of_hdstream_record(case, frontEnds, isStream, 
     CheckDifferences(differences, frontEnds.openUsd.version, frontEnds.mode, f"translate/{case}")
 
 
-def test_textures_inside_of_packages(frontEnds, isStream, tmp_path):
-    """Tiles of a UDIM set, and an image with a name that is not ASCII, in a usdz."""
+@pytest.mark.parametrize("isPackage", [True, False], ids=["usdz", "folder"])
+def test_textures_are_relative_to_what_authors_them(isPackage, frontEnds, isStream, tmp_path):
+    """Tiles of a UDIM set, and an image with a name that is not ASCII, in a usdz or in the folder of a layer further in."""
     shade = {"t.1001.png": 250, "t.1002.png": 120, "Grün.png": 60}
+    folder = tmp_path / "further in"
+    folder.mkdir()
     for name, value in shade.items():
-        WritePng(tmp_path / name, np.full((4, 4, 3), value, np.uint8))
-    stage = author.NewStage(tmp_path / "plates.usda")
+        WritePng(folder / name, np.full((4, 4, 3), value, np.uint8))
+    stage = author.NewStage(folder / "plates.usda")
     for i, (file, width) in enumerate({"./t.<UDIM>.png": 2.0, "./Grün.png": 1.0}.items()):
         plane = shapes.Plane(2.0, 1.0)
         plane = shapes.Shape(plane.points, plane.counts, plane.indices, plane.normals, plane.texcoords * (width, 1.0))
@@ -103,17 +106,17 @@ def test_textures_inside_of_packages(frontEnds, isStream, tmp_path):
     author.AddCamera(stage, eye=(0, 4, 0.6), target=(0, 0, 0.6), up=(0, 0, -1))
     author.AddLight(stage, "/World/Light", "Distant", intensity=0.0)
     stage.GetRootLayer().Save()
-    assert UsdUtils.CreateNewUsdzPackage(str(tmp_path / "plates.usda"), str(tmp_path / "plates.usdz"))
-    for name in shade:
-        (tmp_path / name).unlink()
-    wrapper = WriteWrapper(tmp_path / "plates.usdz", tmp_path / "wrapper.usda", WIDTH, mode=frontEnds.mode, **SETTINGS)
+    plates = folder / "plates.usda"
+    if isPackage:
+        plates = tmp_path / "plates.usdz"
+        assert UsdUtils.CreateNewUsdzPackage(str(folder / "plates.usda"), str(plates))
+        for name in shade:
+            (folder / name).unlink()
+    wrapper = WriteWrapper(plates, tmp_path / "wrapper.usda", WIDTH, mode=frontEnds.mode, **SETTINGS)
     differences, output = CompareFrontEnds(frontEnds, wrapper, tmp_path, hasDump=False)
     if isStream:
         levels = set(np.round(ReadColor(tmp_path / "hydra.exr")[..., 0] * 255).ravel().tolist())
-        if frontEnds.mode == "sceneIndex":  # patterns of UDIM sets come without the folder or package they are relative to
-            assert differences in ([], [PICTURE]) and 60 in levels, output
-        else:
-            assert not differences and {60, 120, 250} <= levels, output
+        assert not differences and {60, 120, 250} <= levels, output
 
 
 def test_the_gpu_path_of_usdrecord_gives_the_same_bits(frontEnds, windowed, isStream, tmp_path):

@@ -6,10 +6,12 @@
 #include "hdStream/scene/commit.h"
 #include "hdStream/scene/dump.h"
 #include "hdStream/scene/geometryKey.h"
+#include "hdStream/scene/primEdits.h"
 #include "hdStream/texture/lineSlots.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -351,6 +353,45 @@ TEST(Fields, EachOfALightIsInTheTablesKey) {
         filters = one.value;
         EXPECT_NE(keyOf(prim.light, prim.portals), key) << one.path;
     }
+}
+
+// Edits that leave what commits make of prims.
+
+/// Whether a path is that of a member which begins with one of these.
+bool BeginsWithAny(const std::string& path, const std::vector<std::string>& members) {
+    return std::any_of(members.begin(), members.end(), [&path](const std::string& member) {
+        return path.compare(0, member.size(), member) == 0;
+    });
+}
+
+template <typename Prim>
+void ExpectLeftBy(const Prim& before, const std::vector<std::string>& members,
+                  const std::vector<std::string>& butNot = {}) {
+    EXPECT_TRUE(LeavesPrims(before, before));
+    std::size_t numLeft = 0;
+    for (const auto& one : VariationsOf(before)) {
+        const bool isLeft = BeginsWithAny(one.path, members) && !BeginsWithAny(one.path, butNot);
+        EXPECT_EQ(LeavesPrims(before, one.value), isLeft) << one.path;
+        numLeft += isLeft ? 1 : 0;
+    }
+    EXPECT_GT(numLeft, members.size()) << "their own members, too";
+}
+
+TEST(Fields, PlacesOfPrimsAndMostOfLightsLeavePrims) {
+    const std::vector<std::string> places = {".placement.worldFromObject", ".placement.samples",
+                                             ".placement.visible"};
+    ExpectLeftBy(FullMeshPrim(), places);
+    InstancerPrim instancer{Placed(), {}, {{0.0, {}}}, {}};
+    instancer.primvars = FullMesh(PrimitiveKind::Faces).primvars;
+    instancer.instanceTransforms.translations = std::vector<float>(6);
+    ExpectLeftBy(instancer, {places[0], places[1], places[2], ".instanceTransforms", ".samples"},
+                 {".instanceTransforms.matrices"}); // which count in place of the translations
+    InstancerPrim more = instancer;
+    more.instanceTransforms.translations = std::vector<float>(9);
+    EXPECT_FALSE(LeavesPrims(instancer, more)) << "one instance more";
+    ExpectLeftBy(LightPrim{Placed(), FullLight(LightType::Dome), {}, {{}}, {{}}},
+                 {places[0], places[1], ".light."},
+                 {".light.type", ".light.textureFile", ".light.shadow", ".light.colorSpace"});
 }
 
 // The dump.

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// The part of a commit that does not depend on where prims are: materials, planned geometry, the
+// records of prims, the leaves of the hierarchy. Where edits only move, hide or show prims, the
+// next commit keeps it. Explained in docs/session.md.
+#pragma once
+
+#include "hdStream/scene/commit.h"
+#include "hdStream/scene/hierarchy.h"
+#include "hdStream/scene/lightLinks.h"
+#include "hdStream/scene/materialCommit.h"
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace hds {
+
+/// Externally synchronised. The scene, the cache and the warnings must outlive it.
+class PrimCommit {
+public:
+    PrimCommit(const SceneDescription& scene, CommitOptions options, CommitCache* cache,
+               Warnings& warnings);
+
+    /// Makes it all, once. \return false when `isCancelled` said so.
+    bool Run(const CancelCallback& isCancelled);
+
+    /// Whether edits of places leave it as it is. \pre Run has returned true.
+    bool OutlivesPlaces() const;
+
+    /// Whether Run would make the same of the scene as it is now, but for tables that nobody
+    /// reads. \pre OutlivesPlaces; since Run only places have changed.
+    bool IsStillTrue() const;
+
+    const CommitOptions& Options() const { return _options; }
+
+    /// The leaves of the prims that are visible now, in the order of paths.
+    std::vector<DrawnLeaf> VisibleLeaves() const;
+
+    /// All leaves, moved out: nothing asks for them again.
+    std::vector<DrawnLeaf> TakeLeaves() { return std::move(_leaves); }
+
+    /// Adds what the prims that are visible now say of the whole scene.
+    void Describe(CommittedScene* scene) const;
+
+    CommittedPrims prims;
+    MaterialCommit materials;
+    std::vector<PrimMaterialInfo> primInfos; ///< by the index of the prim
+    LightLinks links;
+
+private:
+    using GeometryEntry = GeometryStore::Entry;
+
+    /// A prim that was visible, with what it says of the whole scene.
+    struct DrawnPrim {
+        const GeometryEntry* entry = nullptr;
+        std::uint64_t numPrimitives = 0;
+        bool hasChunks = false;
+        bool mayPass = false; ///< rays may pass its surface
+        bool isGlass = false; ///< PrimMaterialInfo::isGlass
+        bool deforms = false; ///< while the shutter is open
+    };
+
+    std::vector<const GeometryEntry*> FindDrawn();
+    std::vector<GeometryStore::Drawn> InputsOf(const std::vector<const GeometryEntry*>& drawn);
+    void ReadPrimvars(std::size_t index, const GeometryDescription& geometry,
+                      std::vector<std::string>* read) const;
+    void AddObjects(std::size_t numDrawn);
+    void AddObject(const PlannedGeometry& prepared);
+    void AddPrim(std::uint32_t index);
+    void AddLeaves(const GeometryEntry& entry, const LeafObject& leaf);
+    bool AreViewsAsBefore() const;
+    bool AreTablesOfTheVisible() const;
+
+    const SceneDescription& _scene;
+    CommitOptions _options;
+    CommitCache& _cache;
+    Warnings& _warnings;
+    InstancePrimvarCollector _instancePrimvars;
+    std::vector<DrawnPrim> _drawn;             ///< in the order of paths
+    std::vector<const GeometryEntry*> _hidden; ///< would be drawn if they were visible
+    std::vector<std::uint32_t> _objectOfDrawn; ///< in the order of paths
+    std::vector<DrawnLeaf> _leaves;            ///< in the order of paths
+    std::map<std::string, DicingView> _views;  ///< of subdivided meshes
+};
+
+} // namespace hds

@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: Apache-2.0
+// Commits that keep what earlier ones have made of prims, against first commits of the same scene.
+#include "hdStream/scene/primCommit.h"
+#include "hdStream/scene/primEdits.h"
+#include "testenv/support/sessionScene.h"
+
+#include <glm/gtc/matrix_transform.hpp>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <functional>
+
+namespace hds {
+namespace {
+
+using test::Move;
+
+template <typename Values>
+std::string BytesOf(const Values& values) {
+    return {reinterpret_cast<const char*>(values.data()),
+            values.size() * sizeof(typename Values::value_type)};
+}
+
+/// Placed meshes of two materials, one that emits, instances, and two lights.
+SceneDescription MakeScene() {
+    SceneDescription scene;
+    int primId = 0;
+    const auto add = [&](const char* path, const char* material, double x) {
+        GeometryPrim prim;
+        prim.geometry = test::MakeGrid(3, 0.2F);
+        prim.materialPath = material;
+        prim.placement.worldFromObject = Move(x, 0.0, 0.0);
+        prim.primId = ++primId;
+        scene.geometry[path] = prim;
+    };
+    scene.materials["/red"] = test::MakeMaterial(0.8F, 0.1F, 0.1F);
+    scene.materials["/blue"] = test::MakeMaterial(0.1F, 0.1F, 0.8F);
+    scene.materials["/glow"] = test::MakeMaterial(0.1F, 0.1F, 0.1F, 4.0F);
+    add("/a", "/red", -2.0);
+    add("/b", "/red", 0.0);
+    add("/c", "/blue", 2.0);
+    add("/lamp", "/glow", 4.0);
+    add("/none", "/red", 6.0);
+    scene.geometry["/none"].placement.visible = false;
+    InstancerPrim many;
+    many.instanceTransforms.translations = std::vector<float>{0, 1, 0, 0, 2, 0, 0, 3, 0};
+    scene.instancers["/many"] = many;
+    add("/many/leaf", "/red", 0.0);
+    scene.geometry["/many/leaf"].placement.instancerPath = "/many";
+    scene.geometry["/many/leaf"].placement.instances = std::vector<std::int32_t>{0, 2};
+    LightPrim sun;
+    sun.light.type = LightType::Distant;
+    scene.lights["/sun"] = sun;
+    return scene;
+}
+
+class PrimCommitTest : public ::testing::Test {
+protected:
+    void SetUp() override {
+        options.purposes = {"default"};
+        options.subdivision = Subdivision::Cage;
+        cache.contentVersion = 1;
+        Commit();
+    }
+
+    std::unique_ptr<CommittedScene> Commit() {
+        auto result = CommitScene(scene, options, &cache, warnings);
+        EXPECT_NE(result, nullptr);
+        return result;
+    }
+
+    /// Commits the scene as it is now, by the cache and as the first of another one.
+    /// \return whether the prims of before were kept.
+    bool CommitBoth() {
+        const std::shared_ptr<PrimCommit> before = cache.prims; // lives on: no other has its place
+        kept = Commit();
+        first = CommitScene(scene, options, &other, warnings);
+        return before != nullptr && cache.prims == before;
+    }
+
+    /// All that reaches the device, but for pages.
+    void ExpectSameTables() const {
+        EXPECT_EQ(BytesOf(kept->topNodes), BytesOf(first->topNodes));
+        EXPECT_EQ(BytesOf(kept->objects), BytesOf(first->objects));
+        EXPECT_EQ(BytesOf(kept->prims), BytesOf(first->prims));
+        EXPECT_EQ(BytesOf(kept->primMaterials), BytesOf(first->primMaterials));
+        EXPECT_EQ(BytesOf(kept->materials), BytesOf(first->materials));
+        EXPECT_EQ(BytesOf(kept->programs), BytesOf(first->programs));
+        EXPECT_EQ(BytesOf(kept->instances), BytesOf(first->instances));
+        EXPECT_EQ(BytesOf(kept->instancesByPath), BytesOf(first->instancesByPath));
+        EXPECT_EQ(BytesOf(kept->motionKeys), BytesOf(first->motionKeys));
+        EXPECT_EQ(BytesOf(kept->lightByEntry), BytesOf(first->lightByEntry));
+        EXPECT_EQ(BytesOf(kept->lights->lights), BytesOf(first->lights->lights));
+        EXPECT_EQ(BytesOf(kept->lights->nodes), BytesOf(first->lights->nodes));
+        ExpectSameDescription();
+    }
+
+    /// What is said of the whole scene.
+    void ExpectSameDescription() const {
+        EXPECT_EQ(kept->centre, first->centre);
+        EXPECT_EQ(kept->hasCutouts, first->hasCutouts);
+        EXPECT_EQ(kept->hasMotion, first->hasMotion);
+        EXPECT_EQ(kept->hasCatchers, first->hasCatchers);
+        EXPECT_EQ(kept->hasRayVisibility, first->hasRayVisibility);
+        EXPECT_EQ(kept->hasCurves, first->hasCurves);
+        EXPECT_EQ(kept->lobes, first->lobes);
+        EXPECT_EQ(kept->counts.meshes, first->counts.meshes);
+        EXPECT_EQ(kept->counts.instances, first->counts.instances);
+        EXPECT_EQ(kept->counts.triangles, first->counts.triangles);
+        EXPECT_EQ(kept->counts.emissiveTriangles, first->counts.emissiveTriangles);
+        EXPECT_EQ(kept->lights->lights.size(), first->lights->lights.size());
+    }
+
+    Warnings warnings;
+    SceneDescription scene = MakeScene();
+    CommitOptions options;
+    CommitCache cache{warnings};
+    CommitCache other{warnings};
+    std::unique_ptr<CommittedScene> kept;  ///< by the cache
+    std::unique_ptr<CommittedScene> first; ///< by one that counts no edits
+};
+
+TEST_F(PrimCommitTest, PlacesAndLightsLeaveIt) {
+    const std::vector<std::function<void()>> edits = {
+        [] {},
+        [&] { scene.geometry["/a"].placement.worldFromObject = Move(-2.0, 3.0, 1.0); },
+        [&] { scene.geometry["/lamp"].placement.worldFromObject = Move(1.0, 3.0, 1.0); },
+        [&] { scene.geometry["/b"].placement.worldFromObject = glm::dmat4(0.0); }, // singular
+        [&] { scene.geometry["/b"].placement.worldFromObject = Move(1e6, 0.0, 0.0); },
+        [&] { scene.instancers["/many"].placement.worldFromObject = Move(0.0, 0.0, 2.0); },
+        [&] {
+            scene.instancers["/many"].instanceTransforms.translations =
+                std::vector<float>{0, 5, 0, 0, 6, 0, 0, 7, 0};
+        },
+        [&] { scene.instancers["/many"].placement.visible = false; },
+        [&] { scene.instancers["/many"].placement.visible = true; },
+        [&] { scene.lights["/sun"].light.intensity = 9.0F; },
+        [&] { scene.lights["/sun"].placement.worldFromObject = Move(1.0, 2.0, 3.0); },
+    };
+    for (std::size_t i = 0; i < edits.size(); ++i) {
+        edits[i]();
+        EXPECT_TRUE(CommitBoth()) << i;
+        ExpectSameTables();
+        EXPECT_EQ(kept->pages, Commit()->pages) << i;
+    }
+}
+
+TEST_F(PrimCommitTest, MovingInstancersLeaveIt) {
+    options.shutter = {0.0, 1.0};
+    CommitBoth();
+    InstancerPrim& many = scene.instancers["/many"];
+    many.placement.samples = {{0.0, glm::dmat4(1.0)}, {1.0, Move(0.0, 1.0, 0.0)}};
+    EXPECT_TRUE(CommitBoth());
+    EXPECT_TRUE(kept->hasMotion);
+    ExpectSameTables();
+}
+
+TEST_F(PrimCommitTest, WhatIsHiddenAndShownAgainHasTheSamePages) {
+    Placement& placement = scene.geometry["/b"].placement;
+    const auto pages = Commit()->pages;
+    placement.visible = false;
+    EXPECT_TRUE(CommitBoth());
+    ExpectSameDescription();
+    EXPECT_EQ(kept->instances.size(), first->instances.size());
+    EXPECT_EQ(kept->pages, pages);
+    placement.worldFromObject = Move(0.0, 2.0, 0.0);
+    EXPECT_TRUE(CommitBoth());
+    ExpectSameDescription();
+    placement.visible = true;
+    EXPECT_TRUE(CommitBoth());
+    EXPECT_EQ(kept->pages, pages);
+    ExpectSameTables();
+}
+
+TEST_F(PrimCommitTest, ALampThatIsHiddenIsNoLight) {
+    const std::uint64_t emissive = Commit()->counts.emissiveTriangles;
+    EXPECT_GT(emissive, 0U);
+    GeometryPrim second = scene.geometry["/lamp"]; // of the same material
+    second.placement.worldFromObject = Move(0.0, 7.0, 0.0);
+    second.primId = 20;
+    scene.geometry["/lamp2"] = second;
+    ++cache.contentVersion;
+    EXPECT_FALSE(CommitBoth());
+    scene.geometry["/lamp"].placement.visible = false;
+    EXPECT_TRUE(CommitBoth());
+    EXPECT_EQ(kept->counts.emissiveTriangles, emissive);
+    ExpectSameDescription();
+}
+
+TEST_F(PrimCommitTest, WhatHiddenPrimsAloneSayIsNotSaid) {
+    auto catcher = std::make_shared<GeometryDescription>(*scene.geometry["/b"].geometry);
+    catcher->primvars = {
+        {"hdstream:shadowCatcher", Interpolation::Constant, 1, std::vector<float>{1.0F}, {}}};
+    scene.geometry["/b"].geometry = catcher;
+    scene.geometry["/b"].cullStyle = CullStyle::Back; // rays may pass
+    ++cache.contentVersion;
+    EXPECT_FALSE(CommitBoth());
+    EXPECT_TRUE(kept->hasCatchers && kept->hasCutouts);
+    scene.geometry["/b"].placement.visible = false;
+    EXPECT_TRUE(CommitBoth());
+    EXPECT_FALSE(kept->hasCatchers || kept->hasCutouts);
+    ExpectSameDescription();
+}
+
+/// What makes the prims anew; each is undone before the next.
+TEST_F(PrimCommitTest, IsMadeAnewWhereItWouldNotBeTheSame) {
+    struct Case {
+        const char* name;
+        std::function<void()> edit;
+    };
+    const auto setVisible = [&](const char* path, bool isVisible) {
+        scene.geometry[path].placement.visible = isVisible;
+    };
+    const std::vector<Case> cases = {
+        {"another edit", [&] { ++cache.contentVersion; }},
+        {"another option", [&] { options.cullStyle = CullStyle::Back; }},
+        {"what was never visible", [&] { setVisible("/none", true); }},
+        {"the last prim of a material", [&] { setVisible("/c", false); }},
+        {"numbers by order",
+         [&] {
+             scene.geometry["/a"].primId = -1;
+             ++cache.contentVersion;
+             Commit();
+             setVisible("/b", false);
+         }},
+        {"names", // of a Cryptomatte
+         [&] {
+             options.keepsNames = true;
+             Commit();
+             setVisible("/b", false);
+         }},
+    };
+    for (const Case& one : cases) {
+        scene = MakeScene();
+        options = CommitOptions();
+        options.purposes = {"default"};
+        ++cache.contentVersion;
+        Commit();
+        EXPECT_TRUE(CommitBoth()) << one.name;
+        one.edit();
+        EXPECT_FALSE(CommitBoth()) << one.name;
+        ExpectSameDescription();
+        EXPECT_EQ(BytesOf(kept->prims), BytesOf(first->prims)) << one.name;
+    }
+}
+
+TEST_F(PrimCommitTest, SubdividedMeshesThatComeNearerAreFiner) {
+    auto ball = std::make_shared<GeometryDescription>(*scene.geometry["/b"].geometry);
+    ball->subdivisionScheme = "catmullClark";
+    scene.geometry["/b"].geometry = ball;
+    options.subdivision = Subdivision::Adaptive;
+    DicingCamera& camera = options.dicingCamera.emplace();
+    camera.worldFromCamera = Move(0.0, 0.0, 30.0);
+    camera.imageSize = glm::dvec2(64.0);
+    ++cache.contentVersion;
+    CommitBoth();
+    scene.geometry["/a"].placement.worldFromObject = Move(0.0, 0.0, 25.0); // has no scheme
+    EXPECT_TRUE(CommitBoth());
+    ExpectSameTables();
+    const std::uint64_t before = kept->counts.triangles;
+    scene.geometry["/b"].placement.worldFromObject = Move(0.0, 0.0, 27.0);
+    EXPECT_FALSE(CommitBoth());
+    EXPECT_GT(kept->counts.triangles, before);
+    ExpectSameTables();
+}
+
+TEST_F(PrimCommitTest, LinksAreNumberedAnew) {
+    scene.lights["/sun"].links.lightLink = "lit";
+    scene.geometry["/a"].categories = {"lit"};
+    ++cache.contentVersion;
+    CommitBoth();
+    EXPECT_EQ(cache.prims, nullptr);
+    scene.geometry["/a"].placement.worldFromObject = Move(0.0, 0.0, 2.0);
+    EXPECT_FALSE(CommitBoth());
+    ExpectSameTables();
+}
+
+TEST_F(PrimCommitTest, IsNotKeptWhereNobodyCountsEdits) {
+    cache.contentVersion = 0;
+    EXPECT_FALSE(CommitBoth());
+    EXPECT_EQ(cache.prims, nullptr);
+    EXPECT_FALSE(CommitBoth());
+}
+
+TEST_F(PrimCommitTest, ACommitThatWasCancelledLeavesNothingHalfMade) {
+    ++cache.contentVersion;
+    EXPECT_EQ(CommitScene(scene, options, &cache, warnings, [] { return true; }), nullptr);
+    EXPECT_FALSE(CommitBoth());
+    ExpectSameTables();
+    scene.geometry["/a"].placement.worldFromObject = Move(0.0, 3.0, 1.0);
+    EXPECT_EQ(CommitScene(scene, options, &cache, warnings, [] { return true; }), nullptr);
+    EXPECT_TRUE(CommitBoth());
+    ExpectSameTables();
+}
+
+} // namespace
+} // namespace hds
