@@ -32,6 +32,8 @@ struct BvhOptions {
     float restingArea = 2.0F;
     /// Not null: the items of a leaf are of one unit, and are tested together at the cost of one.
     const std::uint32_t* unitOfItem = nullptr;
+    /// Beside unitOfItem: how many of maxLeafItems each item is.
+    const std::uint8_t* sizeOfItem = nullptr;
 };
 
 /// Builds with the surface area heuristic (binned; Wald 2007) and collapses to 8-wide optimally

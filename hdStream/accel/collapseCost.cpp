@@ -89,8 +89,14 @@ bool CollapsePlan::MayBeLeaf(const BinarySubtree& tree) const {
     }
     const BoxRef* refs = _binary.refs + tree.begin;
     const std::uint32_t unit = _options.unitOfItem[refs[0].item];
-    return std::all_of(refs, refs + tree.count,
-                       [&](const BoxRef& ref) { return _options.unitOfItem[ref.item] == unit; });
+    std::uint32_t size = 0;
+    for (const BoxRef* ref = refs; ref != refs + tree.count; ++ref) {
+        if (_options.unitOfItem[ref->item] != unit) {
+            return false;
+        }
+        size += _options.sizeOfItem[ref->item];
+    }
+    return size <= _options.maxLeafItems;
 }
 
 CollapsePlan::Split CollapsePlan::SplitOf(const BinarySubtree& tree) const {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/accel/flatPlaces.h"
 
-#include "kernels/shared/bvhNode.h"
+#include "hdStream/accel/leafSlots.h"
 
 #include <glm/common.hpp>
 #include <glm/matrix.hpp>
@@ -241,27 +241,15 @@ private:
     void AddInstances(const std::vector<bool>& isFlat) {
         const shared::HdsObject& root = _objects[0];
         const std::uint32_t closeNodes = root.kind >> HDS_OBJECT_CLOSE_SHIFT; // 0: none moves
-        std::vector<std::uint32_t> stack = {0};
-        while (!stack.empty()) {
-            const std::uint32_t index = root.nodeBase + stack.back();
-            const shared::HdsBvhNode& node = _source.topNodes[index];
-            const shared::HdsBvhNode& closed = _source.topNodes[index + closeNodes];
-            stack.pop_back();
-            std::uint32_t child = node.childBase;
-            for (int slot = 0; slot < 8; ++slot) {
-                const std::uint32_t meta = node.meta[slot / 4] >> (8 * (slot % 4)) & 0xffU;
-                if ((node.exponentsImask >> (24 + slot) & 1U) != 0) {
-                    stack.push_back(child++);
-                } else if (meta != 0) {
-                    const std::uint32_t item = node.itemBase + (meta & 31U); // one a slot
-                    if (!isFlat[item]) {
-                        _places.instances.push_back(
-                            {root.itemBase + item,
-                             UnionOf(BoxOf(node, slot), BoxOf(closed, slot))});
-                    }
-                }
+        ForEachLeafSlot(_source.topNodes + root.nodeBase, [&](const shared::HdsBvhNode& node,
+                                                              int slot, std::uint32_t item,
+                                                              std::uint32_t /*one*/) {
+            if (!isFlat[item]) {
+                const shared::HdsBvhNode& closed = *(&node + closeNodes);
+                _places.instances.push_back(
+                    {root.itemBase + item, UnionOf(BoxOf(node, slot), BoxOf(closed, slot))});
             }
-        }
+        });
     }
 
     static Bounds UnionOf(const Bounds& a, const Bounds& b) {

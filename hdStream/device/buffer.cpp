@@ -261,4 +261,27 @@ void Buffer::Fill(std::uint32_t pattern, std::uint64_t bytes, std::uint64_t offs
     _device->_isIdle = false;
 }
 
+BufferView::BufferView(const Buffer& buffer) : _buffer(buffer) {
+    if (_buffer._shared != nullptr) {
+        _buffer._device->Finish();
+        _data = _buffer._shared;
+        return;
+    }
+    cl_int code = CL_SUCCESS;
+    _data = static_cast<const std::uint8_t*>(clEnqueueMapBuffer(
+        _buffer._device->GetHandles().queue, static_cast<cl_mem>(_buffer._memory), CL_TRUE,
+        CL_MAP_READ, 0, _buffer._bytes, 0, nullptr, nullptr, &code));
+    CheckOpenCl(code, "mapping " + _buffer._label);
+}
+
+BufferView::~BufferView() {
+    if (_buffer._shared == nullptr) {
+        // Nothing was written, so that it does not matter when, or whether, it fails.
+        clEnqueueUnmapMemObject(_buffer._device->GetHandles().queue,
+                                static_cast<cl_mem>(_buffer._memory),
+                                const_cast<std::uint8_t*>(_data), 0, nullptr, nullptr);
+        _buffer._device->_isIdle = false;
+    }
+}
+
 } // namespace hds

@@ -74,6 +74,7 @@ public:
 
 private:
     friend class Buffer;
+    friend class BufferView;
     friend class Kernel;
     Device();
     static std::shared_ptr<Device> Open(const struct FoundDevice& chosen);
@@ -139,6 +140,7 @@ public:
     void* Memory() const { return _memory; } ///< cl_mem
 
 private:
+    friend class BufferView;
     void Create(std::uint64_t flags, void* hostMemory);
     void CreateInHugePages(std::uint64_t flags, void* pages);
     void CreateShared(std::uint64_t flags);
@@ -150,6 +152,23 @@ private:
     bool _isCounted = true;
     void* _memory = nullptr;
     std::uint8_t* _shared = nullptr; ///< its bytes, where the host reaches them; may be null
+};
+
+/// The bytes of a buffer for the host to read while this lives, without a copy where the device's
+/// memory is the host's. Kernels may read the buffer meanwhile; nobody writes to it.
+class BufferView {
+public:
+    /// Blocks. \throws Error. \param buffer must outlive this.
+    explicit BufferView(const Buffer& buffer);
+    ~BufferView();
+    BufferView(const BufferView&) = delete;
+    BufferView& operator=(const BufferView&) = delete;
+
+    const std::uint8_t* Data() const { return _data; }
+
+private:
+    const Buffer& _buffer;
+    const std::uint8_t* _data = nullptr;
 };
 
 /// A buffer that holds a vector's contents; an empty vector gives a valid tiny buffer.

@@ -4,6 +4,7 @@
 #include "hdStream/base/timer.h"
 
 #include <algorithm>
+#include <deque>
 #include <limits>
 
 namespace hds {
@@ -11,37 +12,31 @@ namespace hds {
 namespace {
 
 /// Camera rays a triangle from which building pays: docs/accel.md, "The flat hierarchy".
-constexpr std::uint64_t kRaysATriangle = 4;
+constexpr std::uint64_t kRaysATriangle = 3;
 /// Numbers of items have 32 bits.
 constexpr std::uint64_t kMaxTriangles = 1U << 29U;
 
-/// Copies of all geometry pages, and where each chunk's begins.
-struct PageCopies {
-    std::vector<std::uint64_t> bytes; ///< aligned
-    std::vector<std::uint64_t> first; ///< [numChunks] in units of 8 bytes
-
-    PageCopies(const CommittedScene& scene, const PagePool& pool) {
-        const std::uint32_t numChunks = scene.pages->NumChunks();
-        std::vector<std::uint32_t> addresses(scene.pages->NumPages());
-        if (addresses.empty()) {
-            return;
-        }
-        pool.Addresses().Read(addresses.data(), addresses.size() * sizeof(addresses[0]));
-        std::uint64_t total = 0;
-        for (std::uint32_t chunk = 0; chunk < numChunks; ++chunk) {
-            first.push_back(total);
-            total += scene.pages->PageBytes(2 * chunk + HDS_PAGE_GEOMETRY) / sizeof(bytes[0]);
-        }
-        bytes.resize(total);
-        for (std::uint32_t chunk = 0; chunk < numChunks; ++chunk) {
-            const std::uint32_t page = 2 * chunk + HDS_PAGE_GEOMETRY;
-            const std::uint32_t address = addresses[page];
-            const std::uint32_t unit = address & ((1U << HDS_POOL_BUFFER_SHIFT) - 1U);
-            pool.PoolBuffer(address >> HDS_POOL_BUFFER_SHIFT)
-                .Read(&bytes[first[chunk]], scene.pages->PageBytes(page),
-                      std::uint64_t{unit} * HDS_POOL_UNIT_BYTES);
+/// Where the host finds the geometry pages of a pool.
+class PageViews {
+public:
+    PageViews(const CommittedScene& scene, const PagePool& pool)
+        : _addresses(scene.pages->NumPages()) {
+        pool.Addresses().Read(_addresses.data(), _addresses.size() * sizeof(_addresses[0]));
+        for (std::uint32_t i = 0; i < pool.NumBuffers(); ++i) {
+            _buffers.emplace_back(pool.PoolBuffer(i));
         }
     }
+
+    const std::uint8_t* Page(std::uint32_t chunk) const {
+        const std::uint32_t address = _addresses[2 * chunk + HDS_PAGE_GEOMETRY];
+        const std::uint32_t unit = address & ((1U << HDS_POOL_BUFFER_SHIFT) - 1U);
+        return _buffers[address >> HDS_POOL_BUFFER_SHIFT].Data() +
+               std::uint64_t{unit} * HDS_POOL_UNIT_BYTES;
+    }
+
+private:
+    std::vector<std::uint32_t> _addresses;
+    std::deque<BufferView> _buffers;
 };
 
 } // namespace
@@ -63,14 +58,12 @@ bool FlatGeometry::Build(const std::shared_ptr<Device>& device, const CommittedS
         return IsThere();
     }
     const Timer timer;
-    const PageCopies copies(scene, pool);
+    const PageViews pages(scene, pool);
     FlatSource source;
     source.topNodes = scene.topNodes.data();
     source.instances = scene.instances.data();
     source.objects = &scene.objects;
-    source.page = [&](std::uint32_t chunk) {
-        return reinterpret_cast<const std::uint8_t*>(&copies.bytes[copies.first[chunk]]);
-    };
+    source.page = [&](std::uint32_t chunk) { return pages.Page(chunk); };
     _flat = BuildFlatBvh(source, amount);
     if (!IsThere()) {
         _flat = {}; // of instances alone it would be no better than the TLAS

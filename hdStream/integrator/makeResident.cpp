@@ -13,7 +13,7 @@ constexpr double kSavedPart = 0.05;
 /// The same with the flat hierarchy (docs/accel.md, "The flat hierarchy"), and the seconds that two
 /// cores take to build it.
 constexpr double kSavedPartOfFlat = 0.2;
-constexpr double kSecondsPerFlatTriangle = 0.5e-6;
+constexpr double kSecondsPerFlatTriangle = 0.3e-6;
 /// Of pages, while none has been prepared: two cores build so many.
 constexpr double kSecondsPerByte = 1.0 / 100e6;
 

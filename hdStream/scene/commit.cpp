@@ -57,13 +57,12 @@ private:
 
     /// Those of volumes first: they add textures.
     void AddMaterials() {
-        _volumeMaterials =
-            ReadVolumeMaterials(_scene, _options.purposes,
-                                [this](const std::string& path) {
-                                    return IsDrawnPath(path, _options.drawnPaths,
-                                                       _options.hiddenPaths);
-                                },
-                                &_materials, _warnings);
+        _volumeMaterials = ReadVolumeMaterials(
+            _scene, _options.purposes,
+            [this](const std::string& path) {
+                return IsDrawnPath(path, _options.drawnPaths, _options.hiddenPaths);
+            },
+            &_materials, _warnings);
         _result->materials = Handed(&_materials.materials);
         _result->primMaterials = Handed(&_materials.primMaterials);
         _result->programs = Handed(&_materials.programs);

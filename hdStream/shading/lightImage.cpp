@@ -21,6 +21,8 @@ constexpr std::uint64_t kMaxCells = 1ULL << 21U;
 constexpr std::uint32_t kMaxCellsInARow = 8192;
 /// Of a cumulative distribution: four times what floats below 1 tell apart, so that cells keep it.
 constexpr double kLeastShare = 1.0 / (1U << 22U);
+/// Of the mean luminance of a dome's image: what light samples leave to BSDF samples.
+constexpr double kLeftToBsdfSamples = 0.5;
 
 double Luminance(const float* rgb) {
     return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
@@ -72,7 +74,19 @@ double WriteCdf(const std::vector<double>& weights, float* cdf) {
     return sum;
 }
 
-/// \param valuesOfRow the mean luminance of a row's cells. \param areaOfRow of each of them; the
+/// The mean of all cells; parameters are those of BuildTable.
+template <typename ValuesOfRow, typename AreaOfRow>
+double MeanOfCells(std::uint32_t numRows, double area, const ValuesOfRow& valuesOfRow,
+                   const AreaOfRow& areaOfRow) {
+    std::vector<double> rows(numRows);
+    tbb::parallel_for(std::uint32_t(0), numRows, [&](std::uint32_t y) {
+        const std::vector<double> values = valuesOfRow(y);
+        rows[y] = std::accumulate(values.begin(), values.end(), 0.0) * areaOfRow(y);
+    });
+    return std::accumulate(rows.begin(), rows.end(), 0.0) / area;
+}
+
+/// \param valuesOfRow weights of a row's cells by area. \param areaOfRow of each of them; the
 /// areas of all cells have the sum `area`.
 template <typename ValuesOfRow, typename AreaOfRow>
 LightImageTable BuildTable(std::uint32_t width, std::uint32_t numRows, double area,
@@ -134,7 +148,7 @@ std::uint32_t FindTableMip(std::uint32_t width, std::uint32_t height) {
     return mip;
 }
 
-LightImageTable BuildLatLongTable(const LightImage& image) {
+LightImageTable BuildLatLongTable(const LightImage& image, bool isAlone) {
     const std::size_t width = image.width;
     const std::size_t height = image.height;
     const std::vector<double> texels = LuminanceOf(image);
@@ -155,8 +169,18 @@ LightImageTable BuildLatLongTable(const LightImage& image) {
         return 4.0 * kPi / double(width) * std::sin((begin + end) * step) *
                std::sin((end - begin) * step);
     };
-    LightImageTable table =
-        BuildTable(image.width, image.height + 1, 4.0 * kPi, valuesOfRow, areaOfRow);
+    const std::uint32_t numRows = image.height + 1;
+    const double mean = MeanOfCells(numRows, 4.0 * kPi, valuesOfRow, areaOfRow);
+    const double left = isAlone ? 0.0 : kLeftToBsdfSamples * mean;
+    const auto weightsOfRow = [&](std::size_t y) {
+        std::vector<double> values = valuesOfRow(y);
+        for (double& value : values) {
+            value = std::max(value - left, 0.0);
+        }
+        return values;
+    };
+    LightImageTable table = BuildTable(image.width, numRows, 4.0 * kPi, weightsOfRow, areaOfRow);
+    table.meanLuminance = mean;
     AppendTexels(image, &table.cdf);
     return table;
 }

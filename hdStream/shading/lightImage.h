@@ -42,7 +42,12 @@ struct LightImageTable {
 /// For a dome's latitude-longitude image, by solid angle. Cells lie between the centres of texels
 /// (kernels/light/dome.clh), so there is a row more than the image has. Cost: O(pixels), on all
 /// cores; the result does not depend on their number. A black image gives a uniform distribution.
-LightImageTable BuildLatLongTable(const LightImage& image);
+/// Where BSDF samples find the light too, they are left what is everywhere: a cell's share is by
+/// what it has beyond half of the mean luminance (after Karlik, Sik, Vevoda, Skrivan, Krivanek
+/// 2019, "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling",
+/// equation 16, which takes the whole mean off). docs/lights.md has what that saves.
+/// \param isAlone only light samples find the light (HDS_LIGHT_SAMPLED).
+LightImageTable BuildLatLongTable(const LightImage& image, bool isAlone);
 
 /// The same for an image on a flat light, by area. Its cells are the texels.
 LightImageTable BuildFlatTable(const LightImage& image);

@@ -36,6 +36,11 @@ constexpr double kMaxStrength = 1e28;
 /// its estimate must not become 0.
 constexpr float kMovingFlatness = 0.99F;
 
+bool IsShadowPlain(const LightShadow& shadow) {
+    return shadow.enable && shadow.distance < 0.0F &&
+           shadow.color == std::array<float, 3>{0.0F, 0.0F, 0.0F};
+}
+
 bool IsUsable(const glm::dvec3& radiance) {
     return glm::all(glm::lessThanEqual(radiance, glm::dvec3(kMaxRadiance))); // false for NaN
 }
@@ -75,6 +80,12 @@ private:
     std::uint32_t GroupOf(const PlacedLight& placed);
     bool Radiance(const PlacedLight& placed, const shared::HdsLight& light, glm::dvec3* radiance);
     bool AddImage(const PlacedLight& placed, shared::HdsLight* light, double* meanLuminance);
+    std::uint32_t LinkOf(std::uint32_t category) const {
+        return category == HDS_NONE ? HDS_NONE : _linkBases[category];
+    }
+    bool IsSampledAlone(const PlacedLight& placed) const {
+        return !IsShadowPlain(placed.light.shadow) || LinkOf(placed.shadowLink) != HDS_NONE;
+    }
     void AddLinks();
     void AddShaping(const PlacedLight& placed, shared::HdsLight* light, double* power);
     void AddControls(const PlacedLight& placed, shared::HdsLight* light, double* power);
@@ -201,21 +212,15 @@ void Builder::AppendControls(const shared::HdsLightControls& controls, shared::H
 /// \param[in,out] power grows by the peak of the filters
 void Builder::AddControls(const PlacedLight& placed, shared::HdsLight* light, double* power) {
     const LightDescription& description = placed.light;
-    const LightShadow& shadow = description.shadow;
-    const auto linkOf = [&](std::uint32_t category) {
-        return category == HDS_NONE ? HDS_NONE : _linkBases[category];
-    };
-    light->lightLink = linkOf(placed.lightLink);
-    light->shadowLink = linkOf(placed.shadowLink);
-    const bool isShadowPlain = shadow.enable && shadow.distance < 0.0F &&
-                               shadow.color == std::array<float, 3>{0.0F, 0.0F, 0.0F};
-    if (!isShadowPlain || light->shadowLink != HDS_NONE) {
+    light->lightLink = LinkOf(placed.lightLink);
+    light->shadowLink = LinkOf(placed.shadowLink);
+    if (IsSampledAlone(placed)) {
         light->flags |= HDS_LIGHT_SAMPLED;
     }
     shared::HdsLightControls controls = LightControls(description);
     AddFilters(placed, &controls, power);
-    if (!isShadowPlain || description.diffuse != 1.0F || description.specular != 1.0F ||
-        !placed.keys.empty() || controls.numFilters > 0) {
+    if (!IsShadowPlain(description.shadow) || description.diffuse != 1.0F ||
+        description.specular != 1.0F || !placed.keys.empty() || controls.numFilters > 0) {
         AddKeys(placed.keys, &controls);
         AppendControls(controls, light);
     }
@@ -304,7 +309,8 @@ bool Builder::AddImage(const PlacedLight& placed, shared::HdsLight* light, doubl
         return false;
     }
     const LightImage& image = *texture.image;
-    const LightImageTable distribution = isDome ? BuildLatLongTable(image) : BuildFlatTable(image);
+    const LightImageTable distribution =
+        isDome ? BuildLatLongTable(image, IsSampledAlone(placed)) : BuildFlatTable(image);
     light->flags |= HDS_LIGHT_TEXTURED;
     light->dataBase = texture.index;
     light->dataSize[0] = distribution.width;

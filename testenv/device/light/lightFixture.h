@@ -113,7 +113,10 @@ kernel void intersectAll(LIGHT_ARGS, uint light, global const float* points,
     }
     out[3 * i + 2] = isHit ? radianceOf(&view, &textures, light, p, d, t).x : 0.0f;
 }
-/* Irradiance by light sampling, and by cosine-weighted directions that look for lights. */
+/* The power heuristic. */
+float misOf(float pdf, float other) { return pdf * pdf / (pdf * pdf + other * other); }
+/* Irradiance by light sampling, by cosine-weighted directions that look for lights, and by both of
+ * them together. */
 kernel void irradiances(LIGHT_ARGS, global const float* points,
                         global const float* normals, uint perItem, uint itemsPerPoint,
                         global float* out, uint count) {
@@ -127,6 +130,7 @@ kernel void irradiances(LIGHT_ARGS, global const float* points,
     const HdsLitPoint lit = {p, n, 0u};
     float direct = 0.0f;
     float gathered = 0.0f;
+    float together = 0.0f;
     for (uint k = 0; k < perItem; ++k) {
         HdsSampler sampler = sampler_init(point, 0u, (i % itemsPerPoint) * perItem + k, 9u);
         HdsLightSample s;
@@ -134,18 +138,27 @@ kernel void irradiances(LIGHT_ARGS, global const float* points,
             float3 radiance = light_hasImage(view.lights + s.light)
                                   ? radianceOf(&view, &textures, s.light, p, s.direction, s.distance)
                                   : s.radiance;
-            direct += radiance.x * fmax(vec_dot(s.direction, n), 0.0f) / s.pdf;
+            float cosine = fmax(vec_dot(s.direction, n), 0.0f);
+            float value = radiance.x * cosine / s.pdf;
+            direct += value;
+            together += s.isAlone != 0u ? value : value * misOf(s.pdf, cosine / HDS_PI);
         }
         float3 d = frame_toWorld(&frame, warp_cosineHemisphere(sampler_get2(sampler, 2u)));
         for (uint light = 0u; light < view.numLights; ++light) {
             float t;
             if (light_intersect(&view, light, p, d, INFINITY, 0.0f, &t)) {
-                gathered += HDS_PI * radianceOf(&view, &textures, light, p, d, t).x;
+                float value = HDS_PI * radianceOf(&view, &textures, light, p, d, t).x;
+                gathered += value;
+                const HdsImagePlace place = light_imagePlace(&view, light, p, d, t, 0.0f);
+                bool isAlone = (view.lights[light].flags & HDS_LIGHT_SAMPLED) != 0u;
+                float pdf = light_pdf(&view, light, &lit, d, t, &place);
+                together += isAlone ? 0.0f : value * misOf(vec_dot(d, n) / HDS_PI, pdf);
             }
         }
     }
-    out[2 * i] = direct / (float)perItem;
-    out[2 * i + 1] = gathered / (float)perItem;
+    out[3 * i] = direct / (float)perItem;
+    out[3 * i + 1] = gathered / (float)perItem;
+    out[3 * i + 2] = together / (float)perItem;
 }
 /* For each ray: lights that it meets, by trying all and by a walk; and the sums of their indices. */
 kernel void meetings(HDS_LIGHT_PARAMETERS, global const float* points,
@@ -262,8 +275,8 @@ protected:
         return Download<float>(out, count * 3);
     }
 
-    /// {by light sampling, by gathering} for each point.
-    std::vector<std::array<double, 2>> Irradiance(const std::vector<float>& points,
+    /// {by light sampling, by gathering, by both together} for each point.
+    std::vector<std::array<double, 3>> Irradiance(const std::vector<float>& points,
                                                   const std::vector<float>& normals,
                                                   std::uint32_t samplesPerPoint) {
         constexpr std::uint32_t kItemsPerPoint = 64;
@@ -271,16 +284,15 @@ protected:
         const std::size_t items = count * kItemsPerPoint;
         const Buffer pointBuffer = Upload(points);
         const Buffer normalBuffer = Upload(normals);
-        const Buffer out = Allocate(items * 2 * sizeof(float));
+        const Buffer out = Allocate(items * 3 * sizeof(float));
         _program->GetKernel("irradiances")
             .Launch(items, _lights, _nodes, _triangles, _cdf, _numLights,
                     HDS_TEST_TEXTURE_ARGS(_records, _lines), pointBuffer, normalBuffer,
                     samplesPerPoint / kItemsPerPoint, kItemsPerPoint, out, std::uint32_t(items));
-        const std::vector<float> values = Download<float>(out, items * 2);
-        std::vector<std::array<double, 2>> sums(count, {0.0, 0.0});
-        for (std::size_t i = 0; i < items; ++i) {
-            sums[i / kItemsPerPoint][0] += double(values[2 * i]) / kItemsPerPoint;
-            sums[i / kItemsPerPoint][1] += double(values[2 * i + 1]) / kItemsPerPoint;
+        const std::vector<float> values = Download<float>(out, items * 3);
+        std::vector<std::array<double, 3>> sums(count, {0.0, 0.0, 0.0});
+        for (std::size_t i = 0; i < 3 * items; ++i) {
+            sums[i / 3 / kItemsPerPoint][i % 3] += double(values[i]) / kItemsPerPoint;
         }
         return sums;
     }

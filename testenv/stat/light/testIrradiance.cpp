@@ -14,21 +14,59 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kTolerance = 0.005; // of the requirement
 constexpr std::uint32_t kSamples = 1 << 18;
 
+/// Radiance 1 + y.
+LightImage GradientImage() {
+    LightImage image;
+    image.width = 128;
+    image.height = 64;
+    for (std::uint32_t y = 0; y < image.height; ++y) {
+        const float value = float(1.0 + std::cos(kPi * (y + 0.5) / image.height));
+        image.rgb.insert(image.rgb.end(), std::size_t(image.width) * 3, value);
+    }
+    return image;
+}
+
 class IrradianceTest : public LightFixture {
 protected:
     void Expect(const std::string& name, const glm::dvec3& point, const glm::dvec3& normal,
                 double expected, bool canGather = true) {
-        std::vector<float> points;
-        std::vector<float> normals;
-        Append(points, point);
-        Append(normals, glm::normalize(normal));
-        const std::array<double, 2> value = Irradiance(points, normals, kSamples)[0];
+        const std::array<double, 3> value = IrradianceAt(point, normal);
         EXPECT_NEAR(value[0], expected, kTolerance * expected) << name << ", by light sampling";
         // Cosine-weighted rays find a light of irradiance E with probability E / (pi L): where that
         // is rare, 1 / sqrt(hits) of stratified rays is above the tolerance.
         if (canGather && expected > 0.02) {
             EXPECT_NEAR(value[1], expected, kTolerance * expected) << name << ", by gathering";
+            EXPECT_NEAR(value[2], expected, kTolerance * expected) << name << ", by both";
         }
+    }
+
+    /// Light samples of such a light leave to others what they find as well.
+    void ExpectTogether(const std::string& name, const glm::dvec3& point, const glm::dvec3& normal,
+                        double expected) {
+        const std::array<double, 3> value = IrradianceAt(point, normal);
+        EXPECT_NEAR(value[1], expected, kTolerance * expected) << name << ", by gathering";
+        EXPECT_NEAR(value[2], expected, kTolerance * expected) << name << ", by both";
+    }
+
+    /// Of a dome with GradientImage: as it is, and where light samples alone find it.
+    void ExpectOfGradient(const std::string& name, PlacedLight dome, const glm::dvec3& n) {
+        const glm::dvec3 normal = glm::normalize(n);
+        const glm::dvec3 up(dome.worldFromLight[1]);
+        const double expected = kPi + 2.0 * kPi / 3.0 * glm::dot(normal, up);
+        SetLights({dome}, GradientImage());
+        ExpectTogether(name, {0, 0, 0}, normal, expected);
+        dome.light.shadow.color = {0.5F, 0.5F, 0.5F};
+        SetLights({dome}, GradientImage());
+        Expect(name + ", alone", {0, 0, 0}, normal, expected);
+    }
+
+private:
+    std::array<double, 3> IrradianceAt(const glm::dvec3& point, const glm::dvec3& normal) {
+        std::vector<float> points;
+        std::vector<float> normals;
+        Append(points, point);
+        Append(normals, glm::normalize(normal));
+        return Irradiance(points, normals, kSamples)[0];
     }
 };
 
@@ -274,28 +312,13 @@ TEST_F(IrradianceTest, UniformDome) {
     Expect("dome", {1, 2, 3}, {0.3, -0.5, 0.8}, kPi);
 }
 
-/// Radiance 1 + y.
-LightImage GradientImage() {
-    LightImage image;
-    image.width = 128;
-    image.height = 64;
-    for (std::uint32_t y = 0; y < image.height; ++y) {
-        const float value = float(1.0 + std::cos(kPi * (y + 0.5) / image.height));
-        image.rgb.insert(image.rgb.end(), std::size_t(image.width) * 3, value);
-    }
-    return image;
-}
-
 /// An image of radiance 1 + y (the light's up axis): irradiance pi + 2 pi / 3 n.y.
 TEST_F(IrradianceTest, GradientDome) {
     PlacedLight light = MakeLight(LightType::Dome);
     light.light.textureFile.authoredPath = "dome.exr";
     light.worldFromLight = glm::rotate(glm::dmat4(1.0), 1.1, {1.0, 0.4, 0.3});
-    SetLights({light}, GradientImage());
-    const glm::dvec3 up(light.worldFromLight[1]);
     for (const glm::dvec3& n : {glm::dvec3(0, 1, 0), glm::dvec3(0.6, -0.2, 0.4)}) {
-        const glm::dvec3 normal = glm::normalize(n);
-        Expect("gradient dome", {0, 0, 0}, normal, kPi + 2.0 * kPi / 3.0 * glm::dot(normal, up));
+        ExpectOfGradient("gradient dome", light, n);
     }
 }
 
@@ -326,8 +349,7 @@ TEST_F(IrradianceTest, DomeWithPortals) {
     Expect("a dome that is only sampled", {0, 0, 0}, normal, kPi);
     dome.light.shadow.color = {0.0F, 0.0F, 0.0F};
     dome.light.textureFile.authoredPath = "dome.exr";
-    SetLights({dome}, GradientImage());
-    Expect("a dome with an image", {0, 0, 0}, normal, kPi + 2.0 * kPi / 3.0 * normal.y);
+    ExpectOfGradient("a dome with an image", dome, normal);
 }
 
 /// Portals choose among the cells of an image that they show: around the pole, over the seam of its
@@ -350,13 +372,10 @@ TEST_F(IrradianceTest, DomeWithAnImageAndPortals) {
     PlacedLight dome = MakeLight(LightType::Dome);
     dome.light.textureFile.authoredPath = "dome.exr";
     dome.worldFromLight = glm::rotate(glm::dmat4(1.0), 0.8, glm::dvec3(1.0, 0.3, 0.2));
-    const glm::dvec3 up(dome.worldFromLight[1]);
     for (const auto& [name, portals] : cases) {
         dome.portals = portals;
-        SetLights({dome}, GradientImage());
         for (const glm::dvec3& n : {glm::dvec3(0, 1, 0), glm::dvec3(0.1, -0.5, -1.0)}) {
-            const glm::dvec3 normal = glm::normalize(n);
-            Expect(name, {0, 0, 0}, normal, kPi + 2.0 * kPi / 3.0 * glm::dot(normal, up));
+            ExpectOfGradient(name, dome, n);
         }
     }
 }
