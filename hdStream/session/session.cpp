@@ -376,7 +376,7 @@ void Session::SetCategories(const std::string& path, std::set<std::string> categ
         throw Error(path + ": there is no geometry");
     }
     prim->second.categories = std::move(categories);
-    ++_impl->sceneVersion;
+    _impl->CountEdit();
 }
 
 void Session::SetVolume(const std::string& path, VolumePrim prim) {

@@ -148,7 +148,7 @@ std::uint32_t FindTableMip(std::uint32_t width, std::uint32_t height) {
     return mip;
 }
 
-LightImageTable BuildLatLongTable(const LightImage& image, bool isAlone) {
+LightImageTable BuildLatLongTable(const LightImage& image, bool leavesMean) {
     const std::size_t width = image.width;
     const std::size_t height = image.height;
     const std::vector<double> texels = LuminanceOf(image);
@@ -171,7 +171,7 @@ LightImageTable BuildLatLongTable(const LightImage& image, bool isAlone) {
     };
     const std::uint32_t numRows = image.height + 1;
     const double mean = MeanOfCells(numRows, 4.0 * kPi, valuesOfRow, areaOfRow);
-    const double left = isAlone ? 0.0 : kLeftToBsdfSamples * mean;
+    const double left = leavesMean ? kLeftToBsdfSamples * mean : 0.0;
     const auto weightsOfRow = [&](std::size_t y) {
         std::vector<double> values = valuesOfRow(y);
         for (double& value : values) {

@@ -46,8 +46,9 @@ struct LightImageTable {
 /// what it has beyond half of the mean luminance (after Karlik, Sik, Vevoda, Skrivan, Krivanek
 /// 2019, "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling",
 /// equation 16, which takes the whole mean off). docs/lights.md has what that saves.
-/// \param isAlone only light samples find the light (HDS_LIGHT_SAMPLED).
-LightImageTable BuildLatLongTable(const LightImage& image, bool isAlone);
+/// \param leavesMean that is so. Not where only light samples find the light (HDS_LIGHT_SAMPLED),
+/// and not of domes with portals, through which BSDF samples seldom come.
+LightImageTable BuildLatLongTable(const LightImage& image, bool leavesMean);
 
 /// The same for an image on a flat light, by area. Its cells are the texels.
 LightImageTable BuildFlatTable(const LightImage& image);

@@ -309,8 +309,9 @@ bool Builder::AddImage(const PlacedLight& placed, shared::HdsLight* light, doubl
         return false;
     }
     const LightImage& image = *texture.image;
+    const bool leavesMean = !IsSampledAlone(placed) && placed.portals.empty();
     const LightImageTable distribution =
-        isDome ? BuildLatLongTable(image, IsSampledAlone(placed)) : BuildFlatTable(image);
+        isDome ? BuildLatLongTable(image, leavesMean) : BuildFlatTable(image);
     light->flags |= HDS_LIGHT_TEXTURED;
     light->dataBase = texture.index;
     light->dataSize[0] = distribution.width;

@@ -303,6 +303,20 @@ def test_guides_know_what_is_computed(tmp_path):
         np.testing.assert_allclose(layers["albedo"], np.broadcast_to(expected, layers["albedo"].shape), rtol=0.05)
 
 
+def test_guides_do_not_wait_for_more_than_the_pool_holds(tmp_path):
+    """A ray's guides read an image in each cell of a grid; in the smallest pool they are those of resident texels."""
+    image = np.random.default_rng(3).integers(0, 256, (1024, 1024, 3)).astype(np.uint8)
+    imageFile.WritePng(tmp_path / "large.png", image)
+    along = ("combine2_vector2", dict(in1=_Axis(2), in2=_Axis(0)))
+    lookUp = ("image_color3", dict(file=Sdf.AssetPath("./large.png"), texcoord=along))
+    look = dict(scattering=("multiply_color3FA", dict(in1=lookUp, in2=2.0)), absorption=(1.0, 0.5, 0.2))
+    grids = dict(density=volumeCase.Grid(volumeCase.Cloud(160)))
+    layers = [_Render(tmp_path / "s.usda", look, grids, size=8, aovs=("color", "albedo"), samples=1, **settings)[0]["albedo"]
+              for settings in (dict(residency="resident"), dict(residency="stream", textureMemory="7K"))]
+    assert layers[0].max() > 0.1
+    np.testing.assert_array_equal(layers[1], layers[0])
+
+
 def _Busy(folder):
     """Patterns of all kinds in one material: noises, images, fields of other voxels, an asymmetry and a glow."""
     image = np.random.default_rng(1).integers(0, 256, (64, 64, 3)).astype(np.uint8)

@@ -35,6 +35,9 @@ kernel void run(HDS_TEXTURE_ARGS, global const uint* program, global const uint*
     point.textures = &view;
     point.footprint = (float4)(vload2(3 * i + 1, in), vload2(3 * i + 2, in));
     point.mipBias = 0.0f;
+#if HDS_FEATURE_VOLUME_PATTERNS
+    point.isCoarse = false;
+#endif
     point.choice = (HdsTexelChoice){(float)(i % 16u) / 16.0f, numTexels};
     point.isMissing = false;
     point.tangents = (float4)(0.0f);

@@ -20,8 +20,8 @@ LightImage Constant(std::uint32_t width, std::uint32_t height, float value) {
 }
 
 TEST(LightImageTableTest, AConstantImageIsUniformOverTheSphere) {
-    for (const bool isAlone : {true, false}) {
-        const LightImageTable table = BuildLatLongTable(Constant(8, 4, 3.0F), isAlone);
+    for (const bool leavesMean : {true, false}) {
+        const LightImageTable table = BuildLatLongTable(Constant(8, 4, 3.0F), leavesMean);
         EXPECT_NEAR(table.meanLuminance, 3.0, 1e-6);
         EXPECT_EQ(table.width, 8U);
         ASSERT_EQ(table.numRows, 5U);
@@ -36,13 +36,13 @@ TEST(LightImageTableTest, AConstantImageIsUniformOverTheSphere) {
     }
 }
 
-/// Rows of luminance 1 and 9 have the mean 5, of which half is left to BSDF samples. A light that
-/// they do not find is sampled in proportion.
+/// Rows of luminance 1 and 9 have the mean 5, of which half is left to BSDF samples. Other
+/// lights are sampled in proportion.
 TEST(LightImageTableTest, HalfOfTheMeanIsLeftToBsdfSamples) {
     LightImage image = Constant(8, 4, 1.0F);
     std::fill(image.rgb.begin() + 2 * 8 * 3, image.rgb.end(), 9.0F);
-    for (const bool isAlone : {true, false}) {
-        const LightImageTable table = BuildLatLongTable(image, isAlone);
+    for (const bool leavesMean : {true, false}) {
+        const LightImageTable table = BuildLatLongTable(image, leavesMean);
         EXPECT_NEAR(table.meanLuminance, 5.0, 1e-6) << "estimates count all of it";
         const auto weight = [&](std::size_t y) { // by solid angle
             const double begin = std::clamp((double(y) - 0.5) / 4.0, 0.0, 1.0);
@@ -50,8 +50,8 @@ TEST(LightImageTableTest, HalfOfTheMeanIsLeftToBsdfSamples) {
             return double(table.cdf[y + 1] - table.cdf[y]) /
                    (std::cos(kPi * begin) - std::cos(kPi * end));
         };
-        EXPECT_NEAR(weight(2) / weight(4), isAlone ? 5.0 / 9.0 : 2.5 / 6.5, 1e-4);
-        EXPECT_NEAR(weight(1) / weight(4), isAlone ? 1.0 / 9.0 : 0.0, 1e-4);
+        EXPECT_NEAR(weight(2) / weight(4), leavesMean ? 2.5 / 6.5 : 5.0 / 9.0, 1e-4);
+        EXPECT_NEAR(weight(1) / weight(4), leavesMean ? 0.0 : 1.0 / 9.0, 1e-4);
         EXPECT_GT(weight(0), 0.0);
     }
 }
@@ -61,7 +61,7 @@ TEST(LightImageTableTest, ABrightTexelSharesTheCellsAroundIt) {
     for (int c = 0; c < 3; ++c) {
         image.rgb[(4 * 16 + 0) * 3 + std::size_t(c)] = 1.0F; // at the seam, row 4
     }
-    const LightImageTable table = BuildLatLongTable(image, true);
+    const LightImageTable table = BuildLatLongTable(image, false);
     const auto weight = [&](std::size_t x, std::size_t y) {
         const float* row = &table.cdf[10 + y * 17];
         return double(table.cdf[y + 1] - table.cdf[y]) * (row[x + 1] - row[x]) /
@@ -83,7 +83,7 @@ TEST(LightImageTableTest, TexelsKeepSixteenBits) {
     const float colors[3][3] = {{1e5F, 3.0F, 0.123F}, {1e-30F, 3e-31F, 0.0F}, {0.0F, 0.0F, 0.0F}};
     std::memcpy(image.rgb.data(), colors, sizeof(colors));
     image.rgb[3 * 5] = 65535.99F; // rounds up to the next power of two
-    const LightImageTable table = BuildLatLongTable(image, true);
+    const LightImageTable table = BuildLatLongTable(image, false);
     ASSERT_EQ(table.cdf.size(), 4U + 3U * 4U + 6U * 2U);
     for (std::size_t i = 0; i < 6; ++i) {
         std::uint32_t words[2];
@@ -104,7 +104,7 @@ TEST(LightImageTableTest, SumsOfCellsAreExact) {
     LightImage image = Constant(16, 8, 0.0F);
     image.rgb[(2 * 16 + 5) * 3 + 1] = 1e9F;
     image.rgb[(6 * 16 + 9) * 3 + 1] = 100.0F;
-    const LightImageTable table = BuildLatLongTable(image, true);
+    const LightImageTable table = BuildLatLongTable(image, false);
     const std::vector<std::uint32_t> sums = SumCells(table.cdf.data(), 16, 9);
     ASSERT_EQ(sums.size(), 10U * 17U);
     const auto box = [&](std::size_t x0, std::size_t y0, std::size_t x1, std::size_t y1) {
@@ -139,7 +139,7 @@ TEST(LightImageTableTest, AFlatImageCountsAreaAndEndsAtItsEdges) {
 }
 
 TEST(LightImageTableTest, ABlackImageIsNotAnError) {
-    const LightImageTable table = BuildLatLongTable(Constant(4, 2, 0.0F), false);
+    const LightImageTable table = BuildLatLongTable(Constant(4, 2, 0.0F), true);
     EXPECT_EQ(table.meanLuminance, 0.0);
     EXPECT_FLOAT_EQ(table.cdf[1], 1.0F / 3.0F);
     EXPECT_FLOAT_EQ(table.cdf[3], 1.0F);
@@ -152,7 +152,7 @@ TEST(LightImageTableTest, NoCellIsWithoutAShare) {
     for (std::size_t c = 0; c < 3; ++c) {
         image.rgb[std::size_t{3} * kWidth + c] = 1e10F; // first in the middle row
     }
-    for (const LightImageTable& table : {BuildLatLongTable(image, false), BuildFlatTable(image)}) {
+    for (const LightImageTable& table : {BuildLatLongTable(image, true), BuildFlatTable(image)}) {
         for (std::uint32_t y = 0; y < table.numRows; ++y) {
             ASSERT_GT(table.cdf[y + 1], table.cdf[y]) << y;
             const float* row = &table.cdf[table.numRows + 1 + y * (kWidth + 1)];

@@ -29,6 +29,7 @@ from hdstream.translate.skinning import Skins
 _SKIPPED_SCHEMAS = ("ParticleField",)
 
 
+_BINDING = "material:binding"
 _BLUR_SCALE = "motion:blurScale"
 _PURPOSES = frozenset(UsdGeom.Imageable.GetOrderedPurposeTokens())
 
@@ -44,7 +45,7 @@ class _TypeInfo:
         self.isImageable = prim.IsA(UsdGeom.Imageable) or schema == splats.TYPE
         self.isXformable = prim.IsA(UsdGeom.Xformable) or schema == splats.TYPE
         self.isSkelRoot = prim.IsA(UsdSkel.Root)
-        self.isLeaf = isLeaf  # a gprim: nothing of use below it inherits primvars or bindings
+        self.isLeaf = isLeaf  # a gprim: nothing of use below it inherits primvars
 
 
 class StageTranslator:
@@ -171,7 +172,11 @@ class StageTranslator:
             return state
         own = self._InPass(prim, state, context)
         below = info.handler(prim, info.schema, names, own, context)
-        return state if below is own else below
+        below = state if below is own else below
+        if info.isLeaf and below is not None and any(name.startswith(_BINDING) for name in names):
+            below = below.Copy()
+            below.AddBindings(prim, names)
+        return below
 
     def _InPass(self, prim, state, context):
         """A prim's state with what the pass does to it, which those below do not inherit."""
@@ -220,7 +225,7 @@ class StageTranslator:
         for name in names:
             if name.startswith("primvars:"):
                 hasPrimvars = True
-            elif name.startswith("material:binding"):
+            elif name.startswith(_BINDING):
                 hasBindings = True
         if hasPrimvars:
             result = primvars.InheritFrom(prim, names, inherited.primvars, self._timeCode)
@@ -407,7 +412,7 @@ class StageTranslator:
         return state if children else None
 
     def _AddToBatch(self, path, prim, names, geometryPrim, subsetPrims, state):
-        hasOwn = state.hasCollections or any(name.startswith("material:binding") for name in names)
+        hasOwn = state.hasCollections or any(name.startswith(_BINDING) for name in names)
         for splitPath, splitPrim in self._instancers.Split(path, prim, geometryPrim):
             self._batch.Add(splitPath, prim, splitPrim, subsetPrims, None if hasOwn else state.bindings)
 
