@@ -116,10 +116,10 @@ def test_little_is_resident_from_the_start(tmp_path):
 
 
 def test_what_rays_pay_for_is_resident_from_the_start(Field):
-    """Four camera rays a triangle, or a flat hierarchy that is asked for; not where the number of rays is unknown or somebody edits."""
+    """Three camera rays a triangle, or a flat hierarchy that is asked for; not where the number of rays is unknown or somebody edits."""
     triangles = Field.statistics["geometry"]["triangles"]
     size = dict(imageWidth=400, imageHeight=300)
-    enough = -(-4 * triangles // (400 * 300))
+    enough = -(-3 * triangles // (400 * 300))
     for settings, isResident in ((dict(size, samples=enough), True), (dict(size, samples=enough - 1), False),
                                  (dict(size, samples=enough, timeLimit=1000.0), False), (dict(size, samples=enough, interactive=True), False),
                                  (dict(size, samples=enough, residency="stream"), False), (dict(size, samples=enough, traversal="simd8"), False),
