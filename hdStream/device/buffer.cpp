@@ -276,11 +276,11 @@ BufferView::BufferView(const Buffer& buffer) : _buffer(buffer) {
 
 BufferView::~BufferView() {
     if (_buffer._shared == nullptr) {
-        // Nothing was written, so that it does not matter when, or whether, it fails.
-        clEnqueueUnmapMemObject(_buffer._device->GetHandles().queue,
-                                static_cast<cl_mem>(_buffer._memory),
+        // Nothing was written, so that it does not matter whether it fails.
+        cl_command_queue queue = _buffer._device->GetHandles().queue;
+        clEnqueueUnmapMemObject(queue, static_cast<cl_mem>(_buffer._memory),
                                 const_cast<std::uint8_t*>(_data), 0, nullptr, nullptr);
-        _buffer._device->_isIdle = false;
+        clFinish(queue);
     }
 }
 
