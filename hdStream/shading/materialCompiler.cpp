@@ -508,7 +508,9 @@ CompiledMaterial CompileSurface(const MaterialNetwork& network, const std::strin
         material.constants.flags |= HDS_MATERIAL_SPECULAR_WORKFLOW;
     }
     const std::string mode = evaluator.Text(*surface, "opacityMode");
-    if (mode == "presence") {
+    const ShaderValue number = // in MaterialX's definition
+        mode.empty() ? evaluator.Evaluate(*surface, "opacityMode") : ShaderValue();
+    if (mode == "presence" || (IsConstant(number) && ConstantOf(number)[0] == 1.0F)) {
         material.constants.flags |= HDS_MATERIAL_PRESENCE;
     } else if (!mode.empty() && mode != "transparent") {
         warnings.Add(materialPath, "opacityMode is " + mode + "; transparent is used");

@@ -65,8 +65,8 @@ public:
 
     /// Of MaterialX's nodes that look images up: the channels that the node has.
     ShaderValue EvaluateImage(const MaterialNode& node, const ImageRequest& request);
-    /// Of those: the coordinates that are connected, or the prim's first.
-    ShaderValue ImageCoordinates(const MaterialNode& node);
+    /// Of those: the coordinates that an input has, or the prim's first.
+    ShaderValue ImageCoordinates(const MaterialNode& node, const std::string& input = "texcoord");
     /// An output of a UsdUVTexture.
     ShaderValue EvaluateTexture(const MaterialNode& node, const std::string& output);
     ShaderValue EvaluateTransform2d(const MaterialNode& node);

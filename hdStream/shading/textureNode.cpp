@@ -29,6 +29,11 @@ AssetReference FileOf(const MaterialNode& node, const std::string& input = "file
     return file;
 }
 
+/// Whether a node has one of MaterialX's definitions, which differ from USD's own of that name.
+bool IsMaterialX(const MaterialNode& node) {
+    return node.identifier.compare(0, 3, "ND_") == 0;
+}
+
 bool IsUdim(const AssetReference& file) {
     return file.file.find(kUdim) != std::string::npos ||
            (file.file.empty() && file.authoredPath.find(kUdim) != std::string::npos);
@@ -62,9 +67,9 @@ std::uint32_t NetworkEvaluator::AddTexture(const MaterialNode& node, const Asset
     if (space.empty() || space == "auto") {
         space = Text(node, "colorSpace:" + input);
     }
-    if (node.identifier.compare(0, 3, "ND_") == 0 && node.identifier.find("Usd") == 3) {
-        space = space.empty() ? "auto" : space;
-    } else if (node.identifier.compare(0, 3, "ND_") == 0) {
+    if (IsMaterialX(node) && node.identifier.find("Usd") == 3) {
+        space = space.empty() || space == "auto" ? "auto" : MaterialXColorSpace(space);
+    } else if (IsMaterialX(node)) {
         space = IsColorImage(node.identifier) ? MaterialXColorSpace(space) : "raw";
     }
     if (space.empty()) {
@@ -112,14 +117,18 @@ std::vector<std::uint32_t> NetworkEvaluator::FindTiles(const MaterialNode& node,
     return tiles;
 }
 
-/// HDS_WRAP_* of wrapS or wrapT. Their default is useMetadata, whose default is black.
+/// HDS_WRAP_* of wrapS or wrapT. Their default is useMetadata, whose default is black; that of
+/// MaterialX's definition is periodic.
 std::uint32_t NetworkEvaluator::WrapOf(const MaterialNode& node, const std::string& input,
                                        const std::optional<std::uint32_t>& ofFile) {
     static const std::map<std::string, std::uint32_t> kModes = {{"black", HDS_WRAP_BLACK},
                                                                 {"clamp", HDS_WRAP_CLAMP},
                                                                 {"repeat", HDS_WRAP_REPEAT},
                                                                 {"mirror", HDS_WRAP_MIRROR}};
-    const std::string mode = Text(node, input);
+    if (IsMaterialX(node) && Text(node, input).empty()) {
+        return HDS_WRAP_REPEAT;
+    }
+    const std::string mode = Text(node, input) == "periodic" ? "repeat" : Text(node, input);
     const auto found = kModes.find(mode);
     if (found != kModes.end()) {
         return found->second;
@@ -153,9 +162,9 @@ ShaderValue NetworkEvaluator::MakeTexture(const MaterialNode& node) {
     const std::uint32_t wrapS = isUdim ? HDS_WRAP_CLAMP : WrapOf(node, "wrapS", facts[0].wrapS);
     const std::uint32_t wrapT = isUdim ? HDS_WRAP_CLAMP : WrapOf(node, "wrapT", facts[0].wrapT);
     expression->lookup = HDS_LOOKUP_WRAPS(wrapS, wrapT) | (isUdim ? HDS_LOOKUP_UDIM : 0U);
-    expression->operands = {EvaluateOr(node, "st", {}, 2), fallback,
-                            EvaluateOr(node, "scale", {1.0F, 1.0F, 1.0F, 1.0F}, 4),
-                            EvaluateOr(node, "bias", {}, 4)};
+    expression->operands = {
+        IsMaterialX(node) ? ImageCoordinates(node, "st") : EvaluateOr(node, "st", {}, 2), fallback,
+        EvaluateOr(node, "scale", {1.0F, 1.0F, 1.0F, 1.0F}, 4), EvaluateOr(node, "bias", {}, 4)};
     // Black borders and holes are not opaque whatever the image is.
     _hasAlpha[node.path] =
         isUdim || wrapS == HDS_WRAP_BLACK || wrapT == HDS_WRAP_BLACK ||
@@ -195,8 +204,8 @@ ShaderValue NetworkEvaluator::EvaluateTexture(const MaterialNode& node, const st
     return {value.expression, value.channel, output == "rgb" ? 3U : 4U};
 }
 
-ShaderValue NetworkEvaluator::ImageCoordinates(const MaterialNode& node) {
-    const ShaderValue authored = Evaluate(node, "texcoord");
+ShaderValue NetworkEvaluator::ImageCoordinates(const MaterialNode& node, const std::string& input) {
+    const ShaderValue authored = Evaluate(node, input);
     if (authored && authored.numComponents >= 2) {
         return authored;
     }

@@ -11,11 +11,13 @@ namespace {
 
 constexpr std::string_view kReader = "UsdPrimvarReader";
 
-/// Components of a primvar reader's result by the suffix of its id; 0: no number, or too many.
+/// Components of a primvar reader's result by the suffix of its id, which names a type of USD or
+/// one of MaterialX; 0: no number, or too many.
 std::uint32_t ReaderComponents(const std::string& suffix) {
     static const std::map<std::string, std::uint32_t> kComponents = {
-        {"float", 1},  {"int", 1},    {"float2", 2}, {"float3", 3},
-        {"float4", 4}, {"normal", 3}, {"point", 3},  {"vector", 3}};
+        {"float", 1},   {"int", 1},     {"float2", 2}, {"float3", 3},  {"float4", 4},
+        {"normal", 3},  {"point", 3},   {"vector", 3}, {"integer", 1}, {"boolean", 1},
+        {"vector2", 2}, {"vector3", 3}, {"vector4", 4}};
     const auto found = kComponents.find(suffix);
     return found == kComponents.end() ? 0 : found->second;
 }

@@ -212,12 +212,14 @@ def test_opacityMode(tmp_path):
     """presence: so much of the surface is there, reflection included; transparent: reflection stays."""
     found = {}
     for name, opacity, mode in [("opaque", 1.0, None), ("presence", 0.5, "presence"), ("absent", 0.0, "presence"),
-                                ("transparent", 0.0, "transparent")]:
+                                ("transparent", 0.0, "transparent"), ("materialX1", 0.5, 1), ("materialX0", 0.0, 0)]:
         stage = author.NewStage(str(tmp_path / f"{name}.usda"))
         material = author.AddMaterial(stage, "/World/Look", diffuseColor=(0.2, 0.1, 0.0), ior=2.0, opacity=opacity)
-        if mode:
+        if mode is not None:
             shader = UsdShade.Shader.Get(stage, "/World/Look/Surface")
-            shader.CreateInput("opacityMode", Sdf.ValueTypeNames.Token).Set(mode)
+            isNumber = isinstance(mode, int)  # as in MaterialX's definition
+            shader.CreateInput("opacityMode", Sdf.ValueTypeNames.Int if isNumber else Sdf.ValueTypeNames.Token).Set(mode)
+            shader.GetIdAttr().Set("ND_UsdPreviewSurface_surfaceshader" if isNumber else "UsdPreviewSurface")
         author.AddMesh(stage, "/World/Plate", shapes.Plane(4, 4), material=material, rotate=(90, 0, 0))
         author.AddLight(stage, "/World/Light", "Distant", dict(rotate=(-20, 0, 0)), angle=10.0, intensity=3.0)
         author.AddCamera(stage, eye=(0, 0, 9), width=20.0, aspect=1.0, orthographic=True)
@@ -225,3 +227,5 @@ def test_opacityMode(tmp_path):
         found[name] = ours.Render(stage.GetRootLayer().realPath, 8, 8, samples=256).rgb.mean((0, 1))
     assert found["presence"] == pytest.approx(0.5 * found["opaque"], rel=0.02)
     assert not found["absent"].any() and found["transparent"].all()
+    np.testing.assert_array_equal(found["materialX1"], found["presence"])
+    np.testing.assert_array_equal(found["materialX0"], found["transparent"])

@@ -199,12 +199,13 @@ def _AddColorSpaceRules() -> None:
 # --- UsdPrimvarReader --------------------------------------------------------------------------------
 
 
-def _Read(name, expected, kind, valueType, primvar=None, value=None, fallback=None) -> None:
-    """A rule of one reader, of the primvar "data" or of what `primvar` names."""
+def _Read(name, expected, kind, valueType, primvar=None, value=None, fallback=None, prefix="") -> None:
+    """A rule of one reader, of the primvar "data" or of what `primvar` names; `prefix` begins its id."""
     def Build(card):
         if value is not None:
             author.AddPrimvar(card.mesh, "data", valueType.arrayType, "constant", [value])
         reader = AddReader(card.material, "R", kind, "data" if primvar is None else primvar)
+        reader.GetIdAttr().Set(prefix + reader.GetIdAttr().Get())
         if fallback is not None:
             reader.CreateInput("fallback", valueType).Set(fallback)
         reader.CreateOutput("result", valueType)
@@ -281,7 +282,48 @@ def _AddTransformRules() -> None:
     _Transform("transform_order", (2, 1), st=(0.125, 0.0625), scale=(3, 2), rotation=90.0, translation=(0.75, 0.25))
 
 
-for _add in (_AddFileRules, _AddWrapRules, _AddValueRules, _AddColorSpaceRules, _AddReaderRules, _AddTransformRules):
+# --- MaterialX's definitions of these nodes ----------------------------------------------------------
+
+
+def _AddMaterialXRules() -> None:
+    """What differs in the library's usd_preview_surface.mtlx: names of types and of one wrap mode, and defaults."""
+    def Texture(name, texel, st=None, space="", reader=False, expected=None, **inputs):
+        def Build(card):
+            texture = AddTexture(card.material, "T", **{"file": "./ramp.png", "wrapS": None, "wrapT": None, **inputs})
+            texture.GetIdAttr().Set("ND_UsdUVTexture_23")
+            texture.GetInput("st").ClearSources()
+            if space:
+                texture.GetInput("file").GetAttr().SetColorSpace(space)
+            if reader:
+                source = AddReader(card.material, "R", "vector2", "uv")
+                source.GetIdAttr().Set("ND_UsdPrimvarReader_vector2")
+                texture.GetInput("st").ConnectToSource(source.CreateOutput("out", _T.Float2))
+                author.AddPrimvar(card.mesh, "uv", _T.TexCoord2fArray, "constant", [Gf.Vec2f(*_At(*texel))])
+            Connect(card.material, "emissiveColor", texture, "rgb")
+
+        _RULES[f"materialX_{name}"] = Rule(_Ramp(*texel) if expected is None else expected, Build, st)
+
+    Texture("stDefault", (2, 1), st=_At(2, 1))
+    Texture("readerOfSt", (1, 2), st=_At(0, 0), reader=True)
+    Texture("wrapDefault", (2, 1), st=_At(-2, 5))
+    Texture("wrapPeriodic", (2, 2), st=_At(-2, 5), wrapS="periodic", wrapT="mirror")
+    Texture("wrapClamp", (0, 1), st=_At(-2, 5), wrapS="clamp", wrapT="periodic")
+    unit = _RGBA[:3] / 255
+    Texture("srgb", None, st=_At(1, 1), space="srgb_texture", file="./gray.png", expected=np.full(3, FromSrgb(unit[0])))
+    Texture("linear", None, st=_At(1, 1), space="lin_rec709", file="./rgb.png", expected=unit)
+
+    triple = Gf.Vec3f(0.5, 0.25, 2.0)
+    types = {"float": (_T.Float, 0.625, 0.375), "integer": (_T.Int, 3, 2), "boolean": (_T.Bool, True, False),
+             "vector3": (_T.Float3, triple, Gf.Vec3f(0.125, 0.375, 0.625)),
+             "vector4": (_T.Float4, Gf.Vec4f(0.5, 0.25, 2.0, 0.75), Gf.Vec4f(0.125, 0.375, 0.625, 1.0))}
+    for kind, (valueType, value, fallback) in types.items():
+        rgb = lambda v: tuple(v)[:3] if hasattr(v, "__len__") else float(v)
+        _Read(f"materialX_{kind}", rgb(value), kind, valueType, value=value, fallback=fallback, prefix="ND_")
+        _Read(f"materialX_{kind}Fallback", rgb(fallback), kind, valueType, fallback=fallback, prefix="ND_")
+
+
+for _add in (_AddFileRules, _AddWrapRules, _AddValueRules, _AddColorSpaceRules, _AddReaderRules, _AddTransformRules,
+             _AddMaterialXRules):
     _add()
 
 
