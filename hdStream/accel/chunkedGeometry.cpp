@@ -61,6 +61,7 @@ public:
 
     template <typename T>
     void Get(T* value) {
+        static_assert(!std::is_same_v<T, bool>, "not every byte is one");
         Copy(value, sizeof(T));
     }
     template <typename T>
@@ -101,7 +102,7 @@ private:
 std::vector<std::uint8_t> SerializeSummary(const GeometrySummary& summary) {
     Writer writer;
     writer.Add(summary.origin);
-    writer.Add(summary.isLeftHanded);
+    writer.Add(std::uint8_t{summary.isLeftHanded});
     writer.Add(summary.numTriangles);
     writer.Add(summary.boundBytes);
     writer.Add(std::uint64_t{summary.attributes.size()});
@@ -118,7 +119,9 @@ std::optional<GeometrySummary> ParseSummary(const std::vector<std::uint8_t>& byt
     Reader reader(bytes);
     GeometrySummary summary;
     reader.Get(&summary.origin);
-    reader.Get(&summary.isLeftHanded);
+    std::uint8_t isLeftHanded = 0;
+    reader.Get(&isLeftHanded);
+    summary.isLeftHanded = isLeftHanded == 1;
     reader.Get(&summary.numTriangles);
     reader.Get(&summary.boundBytes);
     summary.attributes.resize(reader.GetCount(sizeof(std::uint64_t)));
@@ -128,7 +131,7 @@ std::optional<GeometrySummary> ParseSummary(const std::vector<std::uint8_t>& byt
     }
     reader.GetArray(&summary.chunkBounds);
     reader.GetArray(&summary.numInChunk);
-    if (!reader.IsAtEnd() || summary.numInChunk.size() != summary.NumChunks()) {
+    if (!reader.IsAtEnd() || isLeftHanded > 1 || summary.numInChunk.size() != summary.NumChunks()) {
         return std::nullopt;
     }
     return summary;

@@ -7,7 +7,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <chrono>
 #include <mutex>
+#include <thread>
 #include <tuple>
 #include <utility>
 
@@ -63,6 +65,8 @@ struct FoundDevice {
 };
 
 namespace {
+
+constexpr const char* kPocl = "Portable Computing Language"; ///< the platform's name
 
 std::string DeviceString(cl_device_id device, cl_device_info key) {
     std::size_t bytes = 0;
@@ -131,7 +135,7 @@ std::vector<FoundDevice> FindDevices() {
                 properties.isCpu &&
                 (DeviceValue<cl_device_svm_capabilities>(device, CL_DEVICE_SVM_CAPABILITIES) &
                  CL_DEVICE_SVM_FINE_GRAIN_BUFFER) != 0;
-            properties.hasSlowBinaries = properties.platform == "Portable Computing Language";
+            properties.hasSlowBinaries = properties.platform == kPocl;
             found.push_back({platform, device, properties});
         }
     }
@@ -167,6 +171,24 @@ FoundDevice ChooseDevice(const std::vector<FoundDevice>& found, const std::strin
     return *match;
 }
 
+/// Waits until nobody holds a context but who asks. PoCL's threads let go of a queue, and with it
+/// of the context, after they have woken who waits for its commands. Who lets go last frees what
+/// LLVM has made; on such a thread that would go on while the process ends, and LLVM's globals with
+/// it. Nobody else should hold one; if somebody does, the time is limited.
+void AwaitLastUser(cl_context context) {
+    constexpr auto kPatience = std::chrono::seconds(1);
+    const auto start = std::chrono::steady_clock::now();
+    const auto isHeld = [context] {
+        cl_uint count = 0;
+        const cl_int code =
+            clGetContextInfo(context, CL_CONTEXT_REFERENCE_COUNT, sizeof(count), &count, nullptr);
+        return code == CL_SUCCESS && count > 1;
+    };
+    while (isHeld() && std::chrono::steady_clock::now() - start < kPatience) {
+        std::this_thread::sleep_for(std::chrono::microseconds(50));
+    }
+}
+
 } // namespace
 
 std::vector<DeviceProperties> ListDeviceProperties() {
@@ -181,9 +203,13 @@ Device::Device() : _handles(std::make_unique<Handles>()) {}
 
 Device::~Device() {
     if (_handles->queue != nullptr) {
+        clFinish(_handles->queue); // what an error has left behind still runs
         clReleaseCommandQueue(_handles->queue);
     }
     if (_handles->context != nullptr) {
+        if (_properties.platform == kPocl) {
+            AwaitLastUser(_handles->context);
+        }
         clReleaseContext(_handles->context);
     }
 }

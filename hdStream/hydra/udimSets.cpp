@@ -4,15 +4,12 @@
 #include <pxr/usd/ar/resolvedPath.h>
 #include <pxr/usd/ar/resolver.h>
 #include <pxr/usd/sdf/assetPath.h>
-#include <pxr/usd/sdf/layer.h>
 #include <pxr/usd/sdf/layerUtils.h>
 #include <pxr/usd/sdf/schema.h>
+#include <pxr/usd/sdf/types.h>
 
 #include <algorithm>
-#include <map>
-#include <mutex>
-#include <set>
-#include <vector>
+#include <iterator>
 
 PXR_NAMESPACE_OPEN_SCOPE
 
@@ -22,55 +19,23 @@ constexpr const char* kToken = "<UDIM>";
 constexpr int kFirstTile = 1001;
 constexpr int kLastTile = 1100;
 
-/// The sets that each loaded layer authors. Locked by whoever uses it.
-class AuthoredSets {
-public:
-    /// Layers that author a set, in the order of their identifiers.
-    std::vector<SdfLayerHandle> Find(const std::string& authored) {
-        std::vector<SdfLayerHandle> found = FindKnown(authored);
-        if (found.empty()) { // layers that came or were edited since
-            Read();
-            found = FindKnown(authored);
+/// The sets that a layer authors as values of attributes. Values of other types stay unread: arrays
+/// are what makes files large.
+std::set<std::string> SetsOf(const SdfLayerHandle& layer) {
+    const TfToken assetType = SdfValueTypeNames->Asset.GetAsToken();
+    std::set<std::string> sets;
+    layer->Traverse(SdfPath::AbsoluteRootPath(), [&](const SdfPath& path) {
+        VtValue type;
+        VtValue value;
+        if (path.IsPropertyPath() && layer->HasField(path, SdfFieldKeys->TypeName, &type) &&
+            type == assetType && layer->HasField(path, SdfFieldKeys->Default, &value) &&
+            value.IsHolding<SdfAssetPath>() &&
+            HdStreamIsUdimSet(value.UncheckedGet<SdfAssetPath>().GetAssetPath())) {
+            sets.insert(value.UncheckedGet<SdfAssetPath>().GetAssetPath());
         }
-        return found;
-    }
-
-private:
-    std::vector<SdfLayerHandle> FindKnown(const std::string& authored) const {
-        std::vector<SdfLayerHandle> found;
-        for (const auto& [identifier, sets] : _setsOf) {
-            if (sets.count(authored) != 0) {
-                if (const SdfLayerHandle layer = SdfLayer::Find(identifier)) {
-                    found.push_back(layer);
-                }
-            }
-        }
-        return found;
-    }
-
-    void Read() {
-        _setsOf.clear();
-        for (const SdfLayerHandle& layer : SdfLayer::GetLoadedLayers()) {
-            if (!layer) {
-                continue;
-            }
-            std::set<std::string> sets;
-            layer->Traverse(SdfPath::AbsoluteRootPath(), [&](const SdfPath& path) {
-                VtValue value;
-                if (path.IsPropertyPath() && layer->HasField(path, SdfFieldKeys->Default, &value) &&
-                    value.IsHolding<SdfAssetPath>() &&
-                    HdStreamIsUdimSet(value.UncheckedGet<SdfAssetPath>().GetAssetPath())) {
-                    sets.insert(value.UncheckedGet<SdfAssetPath>().GetAssetPath());
-                }
-            });
-            if (!sets.empty()) {
-                _setsOf[layer->GetIdentifier()] = std::move(sets);
-            }
-        }
-    }
-
-    std::map<std::string, std::set<std::string>> _setsOf; ///< by the layer's identifier
-};
+    });
+    return sets;
+}
 
 /// The resolved path of the first tile that there is, with the token in the place of its number.
 std::string ResolveFrom(const SdfLayerHandle& layer, const std::string& authored) {
@@ -96,16 +61,74 @@ bool HdStreamIsUdimSet(const std::string& path) {
 }
 
 std::string HdStreamResolveUdimSet(const std::string& authored) {
-    static std::mutex mutex;
-    static AuthoredSets sets;
-    const std::lock_guard<std::mutex> lock(mutex);
-    for (const SdfLayerHandle& layer : sets.Find(authored)) {
+    static auto& sets = *new HdStreamUdimSets; // notices may come as long as the process lives
+    return sets.Resolve(authored);
+}
+
+HdStreamUdimSets::HdStreamUdimSets()
+    : _key(TfNotice::Register(TfCreateWeakPtr(this), &HdStreamUdimSets::_OnEdit)) {}
+
+HdStreamUdimSets::~HdStreamUdimSets() {
+    TfNotice::Revoke(_key);
+}
+
+std::string HdStreamUdimSets::Resolve(const std::string& authored) {
+    for (const SdfLayerHandle& layer : _Find(authored)) { // resolvers may wait for whoever edits
         std::string resolved = ResolveFrom(layer, authored);
         if (!resolved.empty()) {
             return resolved;
         }
     }
     return {};
+}
+
+std::size_t HdStreamUdimSets::NumRead() const {
+    const std::lock_guard<std::mutex> lock(_mutex);
+    return _numRead;
+}
+
+void HdStreamUdimSets::_OnEdit(const SdfNotice::LayersDidChange& notice) {
+    const std::lock_guard<std::mutex> lock(_mutex);
+    for (const SdfLayerHandle& layer : notice.GetLayers()) {
+        _setsOf.erase(layer);
+    }
+}
+
+/// In the order of the layers' identifiers.
+std::vector<SdfLayerHandle> HdStreamUdimSets::_Find(const std::string& authored) {
+    const std::lock_guard<std::mutex> lock(_mutex);
+    std::vector<SdfLayerHandle> found = _FindKnown(authored);
+    if (found.empty()) { // in layers that came or were edited since
+        _Read();
+        found = _FindKnown(authored);
+    }
+    return found;
+}
+
+/// \pre the mutex is held, as in what follows.
+std::vector<SdfLayerHandle> HdStreamUdimSets::_FindKnown(const std::string& authored) const {
+    std::vector<SdfLayerHandle> found;
+    for (const auto& [layer, sets] : _setsOf) {
+        if (layer && sets.count(authored) != 0) {
+            found.push_back(layer);
+        }
+    }
+    std::sort(found.begin(), found.end(), [](const SdfLayerHandle& a, const SdfLayerHandle& b) {
+        return a->GetIdentifier() < b->GetIdentifier();
+    });
+    return found;
+}
+
+void HdStreamUdimSets::_Read() {
+    for (auto known = _setsOf.begin(); known != _setsOf.end();) {
+        known = known->first ? std::next(known) : _setsOf.erase(known);
+    }
+    for (const SdfLayerHandle& layer : SdfLayer::GetLoadedLayers()) {
+        if (layer && _setsOf.count(layer) == 0) {
+            _setsOf[layer] = SetsOf(layer);
+            ++_numRead;
+        }
+    }
 }
 
 PXR_NAMESPACE_CLOSE_SCOPE

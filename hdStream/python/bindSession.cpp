@@ -28,6 +28,16 @@ namespace {
 
 using ReleaseGil = nb::call_guard<nb::gil_scoped_release>;
 
+/// Ends without the GIL: threads that it waits for may be about to warn.
+class PythonSession final : public Session {
+public:
+    using Session::Session;
+    ~PythonSession() {
+        const nb::gil_scoped_release released;
+        Close();
+    }
+};
+
 Session::WarningSink WarningSinkFromPython(nb::object onWarning) {
     if (onWarning.is_none()) {
         return {};
@@ -196,13 +206,7 @@ void BindSession(nb::module_& module) {
     BindSettingsTable(module);
     BindDevices(module);
     module.def("DigestWarnings", &DigestWarnings, "lines"_a, "One line a kind, with three names.");
-    nb::class_<Session>(module, "Session", "A scene, its device and its film.")
-        .def(
-            "__init__",
-            [](Session* self, nb::object onWarning) {
-                new (self) Session(WarningSinkFromPython(std::move(onWarning)));
-            },
-            "onWarning"_a = nb::none())
+    nb::class_<Session>(module, "SessionCalls", "What a Session does.")
         .def("SetGeometry", &Session::SetGeometry, "path"_a, "prim"_a)
         .def("SetCategories", &Session::SetCategories, "path"_a, "categories"_a,
              "What geometry that is there is linked to.")
@@ -235,6 +239,13 @@ void BindSession(nb::module_& module) {
         .def("Statistics", &Session::Statistics, ReleaseGil())
         .def("SetFrontEndTimes", &Session::SetFrontEndTimes, "loadSeconds"_a, "translateSeconds"_a,
              "sinceStartSeconds"_a);
+    nb::class_<PythonSession, Session>(module, "Session", "A scene, its device and its film.")
+        .def(
+            "__init__",
+            [](PythonSession* self, nb::object onWarning) {
+                new (self) PythonSession(WarningSinkFromPython(std::move(onWarning)));
+            },
+            "onWarning"_a = nb::none());
 }
 
 } // namespace hds::python

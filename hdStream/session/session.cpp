@@ -365,6 +365,10 @@ Session::Session(WarningSink onWarning) : _impl(std::make_unique<Impl>(std::move
 
 Session::~Session() = default;
 
+void Session::Close() {
+    _impl.reset();
+}
+
 void Session::SetGeometry(const std::string& path, GeometryPrim prim) {
     _impl->CountEdit(_impl->description.geometry, path, prim);
     _impl->sizes.Set(&_impl->description.geometry, path, std::move(prim));

@@ -67,6 +67,10 @@ public:
     Session(const Session&) = delete;
     Session& operator=(const Session&) = delete;
 
+    /// Ends all that it has, as the destructor does: nothing else may be called afterwards. Blocks:
+    /// threads that still warn are waited for.
+    void Close();
+
     // --- Scene edits: each replaces the prim of that path, or removes it. -----------------------
     // Cheap whatever the prim: what is expensive to prepare is shared through pointers
     // (GeometryPrim).

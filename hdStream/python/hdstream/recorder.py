@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Frames of one stage rendered and written by this process, with a progress bar and Ctrl-C."""
 
+import contextlib
 import sys
 import threading
 
@@ -79,7 +80,8 @@ class Recorder:
                 isDone.set()
 
         self._interruption.hasWork = True
-        threading.Thread(target=Work, name="render", daemon=True).start()
+        thread = threading.Thread(target=Work, name="render", daemon=True)
+        thread.start()
         # Not Thread.join: when it is interrupted, Python 3.11 takes the thread for finished.
         while not isDone.is_set():
             try:
@@ -91,6 +93,8 @@ class Recorder:
                 self._writer.renderer.Cancel()
                 self._progress.Clear()
                 print("hdstream record: interrupted; writing what is rendered so far", file=sys.stderr)
+        with contextlib.suppress(KeyboardInterrupt):  # kept by the interruption
+            thread.join()  # it has nothing left to do, and must not do that while the process ends
         self._progress.Clear()
         if errors and isStopping.is_set():
             # The compiler in the device's driver removes its files at SIGINT, and fails for want of them.

@@ -156,6 +156,9 @@ TEST(GeometryCommit, BytesThatAreNoSummaryGiveNone) {
         std::fill_n(wrong.begin() + std::ptrdiff_t(i), 8, std::uint8_t{0xff});
         ParseSummary(wrong); // whatever it gives, it reads nothing beyond the end
     }
+    std::vector<std::uint8_t> odd = bytes;
+    odd[sizeof(summary.origin)] = 2; // isLeftHanded
+    EXPECT_FALSE(ParseSummary(odd));
 }
 
 TEST(GeometryCommit, SurfacesAreDicedAsAsked) {
