@@ -66,16 +66,20 @@ public:
 
     /// Appends the chunks of `groups`, which lie in `bounds` and have `numTriangles`.
     void Plan(std::vector<std::uint32_t> groups, const Bounds& bounds, std::uint64_t numTriangles) {
-        const PrimitiveGroupGrid grid(_source, std::move(groups), bounds,
-                                      kCellsPerChunk * (numTriangles / _maxTriangles + 1));
-        if (grid.Cells().size() == 1) {
-            CutByOrder(grid.Groups()); // all centres are at about one place
-            return;
-        }
-        Cells cells = grid.Cells();
+        Cells cells;
         std::vector<std::size_t> ends;
-        CutCells(cells, 0, cells.size(), grid.CellSize(), &ends);
-        const std::vector<std::uint32_t> ordered = grid.OrderGroups(cells);
+        std::vector<std::uint32_t> ordered;
+        {
+            const PrimitiveGroupGrid grid(_source, std::move(groups), bounds,
+                                          kCellsPerChunk * (numTriangles / _maxTriangles + 1));
+            if (grid.Cells().size() == 1) {
+                CutByOrder(grid.Groups()); // all centres are at about one place
+                return;
+            }
+            cells = grid.Cells();
+            CutCells(cells, 0, cells.size(), grid.CellSize(), &ends);
+            ordered = grid.OrderGroups(cells);
+        } // the grid takes as much as the chunks that are made now
         std::size_t group = 0;
         std::size_t cell = 0;
         for (const std::size_t end : ends) {
