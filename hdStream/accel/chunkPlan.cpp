@@ -5,6 +5,7 @@
 #include "hdStream/base/error.h"
 
 #include <glm/common.hpp>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -66,40 +67,89 @@ public:
 
     /// Appends the chunks of `groups`, which lie in `bounds` and have `numTriangles`.
     void Plan(std::vector<std::uint32_t> groups, const Bounds& bounds, std::uint64_t numTriangles) {
-        const PrimitiveGroupGrid grid(_source, std::move(groups), bounds,
-                                      kCellsPerChunk * (numTriangles / _maxTriangles + 1));
-        if (grid.Cells().size() == 1) {
-            CutByOrder(grid.Groups()); // all centres are at about one place
-            return;
-        }
-        Cells cells = grid.Cells();
+        Cells cells;
         std::vector<std::size_t> ends;
-        CutCells(cells, 0, cells.size(), grid.CellSize(), &ends);
-        const std::vector<std::uint32_t> ordered = grid.OrderGroups(cells);
+        std::vector<std::uint32_t> ordered;
+        {
+            const PrimitiveGroupGrid grid(_source, std::move(groups), bounds,
+                                          kCellsPerChunk * (numTriangles / _maxTriangles + 1));
+            if (grid.Cells().size() == 1) {
+                CutByOrder(grid.Groups()); // all centres are at about one place
+                return;
+            }
+            cells = grid.Cells();
+            CutCells(cells, 0, cells.size(), grid.CellSize(), &ends);
+            ordered = grid.OrderGroups(cells);
+        } // the grid takes as much as the chunks that are made now
+        std::vector<Part> parts;
+        parts.reserve(ends.size());
         std::size_t group = 0;
         std::size_t cell = 0;
         for (const std::size_t end : ends) {
-            const std::size_t first = group;
-            Bounds box;
-            std::uint64_t weight = 0;
+            Part part;
+            part.groups = ordered.data() + group;
             const bool isOneCell = end - cell == 1;
             for (; cell < end; ++cell) {
-                group += cells[cell].numGroups;
-                weight += cells[cell].numTriangles;
-                box.min = glm::min(box.min, cells[cell].bounds.min);
-                box.max = glm::max(box.max, cells[cell].bounds.max);
+                part.numGroups += cells[cell].numGroups;
+                part.numTriangles += cells[cell].numTriangles;
+                part.bounds.min = glm::min(part.bounds.min, cells[cell].bounds.min);
+                part.bounds.max = glm::max(part.bounds.max, cells[cell].bounds.max);
             }
-            if (isOneCell && weight > _maxTriangles && group - first > 1) {
-                Plan({ordered.begin() + static_cast<std::ptrdiff_t>(first),
-                      ordered.begin() + static_cast<std::ptrdiff_t>(group)},
-                     box, weight);
-            } else {
-                AddChunk(ordered.data() + first, group - first, box, weight);
+            part.isTooLarge = isOneCell && part.numTriangles > _maxTriangles && part.numGroups > 1;
+            group += part.numGroups;
+            parts.push_back(part);
+        }
+        AddParts(parts);
+    }
+
+private:
+    /// Groups that lie in some cells.
+    struct Part {
+        const std::uint32_t* groups = nullptr;
+        std::size_t numGroups = 0;
+        Bounds bounds;
+        std::uint64_t numTriangles = 0;
+        bool isTooLarge = false; ///< for a chunk: a cell that is planned by itself
+    };
+
+    /// Appends chunks of parts, so many parts at a time: plans of large ones are made side by side.
+    void AddParts(const std::vector<Part>& parts) {
+        constexpr std::size_t kAtOnce = 256;
+        std::vector<ChunkPlan> plans(std::min(parts.size(), kAtOnce));
+        for (std::size_t begin = 0; begin < parts.size(); begin += kAtOnce) {
+            const std::size_t end = std::min(begin + kAtOnce, parts.size());
+            tbb::parallel_for(begin, end, [&](std::size_t i) {
+                const Part& part = parts[i];
+                if (part.isTooLarge) {
+                    ChunkPlan& plan = plans[i - begin];
+                    plan = {};
+                    Planner(_source, _maxTriangles, &plan)
+                        .Plan({part.groups, part.groups + part.numGroups}, part.bounds,
+                              part.numTriangles);
+                }
+            });
+            for (std::size_t i = begin; i < end; ++i) {
+                const Part& part = parts[i];
+                if (part.isTooLarge) {
+                    Append(plans[i - begin]);
+                } else {
+                    AddChunk(part.groups, part.numGroups, part.bounds, part.numTriangles);
+                }
             }
         }
     }
 
-private:
+    /// The chunks of another plan come next. \pre it has no end of its last one yet.
+    void Append(const ChunkPlan& plan) {
+        const auto first = static_cast<std::uint32_t>(_plan.groups.size());
+        for (const std::uint32_t begin : plan.begin) {
+            _plan.begin.push_back(first + begin);
+        }
+        _plan.groups.insert(_plan.groups.end(), plan.groups.begin(), plan.groups.end());
+        _plan.bounds.insert(_plan.bounds.end(), plan.bounds.begin(), plan.bounds.end());
+        _plan.counts.insert(_plan.counts.end(), plan.counts.begin(), plan.counts.end());
+    }
+
     void AddChunk(const std::uint32_t* groups, std::size_t count, const Bounds& bounds,
                   std::uint64_t numTriangles) {
         _plan.begin.push_back(static_cast<std::uint32_t>(_plan.groups.size()));

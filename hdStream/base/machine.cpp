@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/base/machine.h"
 
+#include <cstdlib> // defines __GLIBC__
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 #include <unistd.h>
 
 namespace hds {
@@ -12,6 +16,12 @@ std::uint64_t MachineMemoryBytes() {
     return pages > 0 && pageBytes > 0
                ? static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(pageBytes)
                : kUnknown;
+}
+
+void ReturnFreeMemory() {
+#ifdef __GLIBC__
+    malloc_trim(0);
+#endif
 }
 
 } // namespace hds

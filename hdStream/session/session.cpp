@@ -38,6 +38,9 @@ constexpr std::size_t kMaxWarnings = 1000;
 /// Images whose lines are made one by one may take this part of the host's bytes beside them.
 constexpr std::uint64_t kKeptImagesDivisor = 8;
 
+/// Around the commit of a scene that takes as much, what is free in small pieces is given back.
+constexpr std::uint64_t kLargeScene = std::uint64_t{64} << 20U;
+
 /// Bytes of host memory that may be taken.
 std::uint64_t HostBytes(const Settings& settings) {
     constexpr std::uint64_t kDivisor = 4;
@@ -212,6 +215,13 @@ struct Session::Impl {
         cache.geometry.Sources().SetLimit(shares.sources);
     }
 
+    /// Of many prims front ends and planning leave as much behind as the scene takes.
+    void ReturnFreeMemoryOfLargeScene() const {
+        if (statistics.sceneBytes >= kLargeScene) {
+            ReturnFreeMemory();
+        }
+    }
+
     /// The scene in device memory. \return false when it was cancelled.
     bool Commit(const Settings& settings, const RenderOptions& options,
                 const CancelCallback& isCancelled) {
@@ -226,12 +236,14 @@ struct Session::Impl {
         const CommitKey key{sceneVersion, commitOptions, residency};
         committed.reset();
         ShareHostMemory(settings);
+        ReturnFreeMemoryOfLargeScene();
         cache.contentVersion = settings.interactive ? contentVersion : 0;
         auto next = CommitScene(description, commitOptions, &cache, warnings, isCancelled);
         if (!next) {
             return false;
         }
         ShareHostMemory(settings);
+        ReturnFreeMemoryOfLargeScene();
         ReadyTracer();
         residency.preparesAll = residency.preparesAll ||
                                 RaysPayForAllPages(*next, options, residency, device->Properties());

@@ -34,6 +34,8 @@ class Recorder:
             return True
         self._interruption.Check()
         self._NoteFraming()
+        if frame is self.frames[-1]:
+            self._writer.renderer.ReleaseStage()
         image = self._Render(frame)
         isWritten = self._writer.Finish(frame, image)
         self._warn.Flush()

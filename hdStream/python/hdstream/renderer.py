@@ -17,16 +17,18 @@ from pxr import Usd
 from hdstream import _core
 from hdstream.denoiser import FindDenoiser
 from hdstream.diagnostics import Diagnostics
-from hdstream.errors import EXIT_USAGE, CommandError
+from hdstream.errors import EXIT_USAGE, CommandError, UsageError
 from hdstream.framing import FREE_CAMERA_PATH, FindCamera
 from hdstream.frameSetup import Framing, FrameTime, MakeMetadata, MakeSettings, ShutterOf
 from hdstream.processTime import SecondsSinceStart
 from hdstream.materialXFiles import UnreadFiles
 from hdstream.renderSettings import ReadRenderSettings, SettingsPathOf
 from hdstream.stage import OpenStage
+from hdstream.translate import rereading
 from hdstream.translate.stageEdits import StageTranslation
 
 Progress = _core.Progress
+LARGE_STAGE = 10_000  # prims; opening a part of a smaller one takes more time than its memory is worth
 
 
 class RenderWarning(UserWarning):
@@ -70,6 +72,9 @@ class Renderer:
         start = time.perf_counter()
         self._stage: Usd.Stage
         unread: List[Tuple[str, str]] = []
+        self._isStageOwn = not isinstance(stage, Usd.Stage)
+        self._isStageReleased = False
+        self._numPrims = 0  # visited
         if isinstance(stage, Usd.Stage):
             self._stage, self._name = stage, stage.GetRootLayer().identifier
             unread = [(file, "is not read in a stage that the caller opened, whose layers that would edit; give hdstream.Renderer "
@@ -86,7 +91,7 @@ class Renderer:
 
     @property
     def stage(self) -> Usd.Stage:
-        """The stage; edits of it are in the next render."""
+        """The stage; edits of it are in the next render. After `ReleaseStage` what is left of it."""
         return self._stage
 
     @property
@@ -300,14 +305,33 @@ class Renderer:
         """Adds a warning of the caller, for the statistics too."""
         self._session.Warn(subject, text)
 
+    def ReleaseStage(self) -> None:
+        """Lets a large stage go once the last frame is prepared: what OpenUSD has of prims, and files of which nothing is read
+        while the frame is rendered. After it nothing else can be prepared, whatever the stage.
+
+        Raises
+        ------
+        hdstream.UsageError
+            Nothing is prepared, or the stage is the caller's.
+        """
+        self._Prepared()
+        if not self._isStageOwn:
+            raise _core.UsageError("ReleaseStage: the stage was opened by the caller, who may let it go")
+        if not self._isStageReleased and self._numPrims >= LARGE_STAGE:
+            self._stage = rereading.MoveToPart(self._stage, self._translation.Release())
+            self._diagnostics.Take()  # was said when the stage was opened
+        self._isStageReleased = True
+
     def _MakeFrame(self, timeCode, values, renderSettingsPrimPath, renderProductPrimPath, renderPassPrimPath, crop):
+        if self._isStageReleased:
+            raise UsageError("the stage has been released: nothing else can be prepared of it")
         start = time.perf_counter()
         settingsPath = SettingsPathOf(self._stage, renderSettingsPrimPath, renderPassPrimPath, self._session)
         renderSettings = ReadRenderSettings(self._stage, settingsPath, self._session, renderProductPrimPath)
         cameraPrim = FindCamera(self._stage, values.get("camera"), renderSettings.camera)
         settings = MakeSettings(values, renderSettings, self._session.Warn)
         shutter = ShutterOf(cameraPrim, timeCode, settings)
-        self._translation.Update(timeCode, shutter, renderPassPrimPath or "")
+        self._numPrims += self._translation.Update(timeCode, shutter, renderPassPrimPath or "")
         self._diagnostics.WarnOf(self._session)
         if self._session.Scene().isEmpty:
             self._session.Warn(self._name, "the stage has nothing to draw")
@@ -449,8 +473,13 @@ class Image:
 
 def Render(stage: Union[Usd.Stage, str, "os.PathLike[str]"], timeCode: Union[float, Usd.TimeCode, None] = None,
            onProgress: Optional[Callable[[_core.Progress], Any]] = None, **settings: Any) -> Image:
-    """Renders a stage once: `Renderer(stage).Render(timeCode, onProgress, **settings)`."""
-    return Renderer(stage).Render(timeCode, onProgress, **settings)
+    """Renders a stage once: `Renderer(stage).Render(timeCode, onProgress, **settings)`. A stage that it opens itself is let go
+    before it renders (`Renderer.ReleaseStage`)."""
+    renderer = Renderer(stage)
+    renderer.Prepare(timeCode, **settings)
+    if not isinstance(stage, Usd.Stage):
+        renderer.ReleaseStage()
+    return renderer.RenderPrepared(onProgress)
 
 
 def _Raising(function, *arguments):

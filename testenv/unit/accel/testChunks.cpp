@@ -9,6 +9,7 @@
 #include "testenv/support/traversalMeshes.h"
 #include "testenv/unit/accel/bvhCheck.h"
 
+#include <glm/common.hpp>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -89,6 +90,49 @@ TEST(ChunkPlan, DoesNotDependOnTheThreadCount) {
     const ChunkPlan four = plan(4);
     EXPECT_EQ(one.groups, four.groups);
     EXPECT_EQ(one.begin, four.begin);
+}
+
+// Cells of the grid that hold more than a chunk are planned by themselves, side by side: their
+// chunks are whole and in order.
+TEST(ChunkPlan, CutsCellsThatHoldMoreThanAChunk) {
+    TriangleMesh mesh;
+    for (std::uint32_t cluster = 0; cluster < 1000; ++cluster) {
+        for (std::uint32_t i = 0; i < 40; ++i) {
+            const float x = 100.0F * static_cast<float>(cluster) + static_cast<float>(i);
+            const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+            mesh.positions.insert(mesh.positions.end(),
+                                  {{x, 0, 0}, {x + 1, 0, 0}, {x, 1, static_cast<float>(i % 3)}});
+            mesh.triangles.push_back({first, first + 1, first + 2});
+        }
+    }
+    const auto source = SourceOf(mesh);
+    const auto planBy = [&](std::size_t threads) {
+        const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+        return PlanChunks(*source, 8);
+    };
+    const ChunkPlan plan = planBy(1);
+    const ChunkPlan other = planBy(4);
+    EXPECT_EQ(plan.groups, other.groups);
+    EXPECT_EQ(plan.begin, other.begin);
+    ASSERT_EQ(std::set<std::uint32_t>(plan.groups.begin(), plan.groups.end()).size(),
+              mesh.triangles.size());
+    ASSERT_EQ(plan.groups.size(), mesh.triangles.size());
+    ASSERT_EQ(plan.begin.size(), plan.NumChunks() + 1);
+    ASSERT_EQ(plan.counts.size(), plan.NumChunks());
+    EXPECT_EQ(plan.begin.front(), 0U);
+    EXPECT_EQ(plan.begin.back(), mesh.triangles.size());
+    for (std::size_t i = 0; i < plan.NumChunks(); ++i) {
+        ASSERT_LT(plan.begin[i], plan.begin[i + 1]);
+        ASSERT_EQ(plan.counts[i], plan.begin[i + 1] - plan.begin[i]);
+        ASSERT_LE(plan.counts[i], 8U);
+        Bounds box;
+        for (std::uint32_t k = plan.begin[i]; k < plan.begin[i + 1]; ++k) {
+            const Bounds group = source->GroupBounds(plan.groups[k]);
+            box = {glm::min(box.min, group.min), glm::max(box.max, group.max)};
+        }
+        ASSERT_EQ(plan.bounds[i].min, box.min) << i;
+        ASSERT_EQ(plan.bounds[i].max, box.max) << i;
+    }
 }
 
 ChunkGeometry WholeMesh(const TriangleMesh& mesh) {

@@ -35,7 +35,7 @@ def OrAgain(prim, name, timeCode, values):
     if IsKept(values.nbytes):  # of a million small arrays no attribute is looked up twice
         return values
     itemType = values.dtype  # the function below must not keep the values
-    return Again(prim.GetAttribute(name), timeCode, values, lambda: ReadArray(prim, name, timeCode, itemType))
+    return Again(prim.GetAttribute(name), timeCode, values, lambda own: ReadArray(own.GetPrim(), name, timeCode, itemType))
 
 
 def _ReadSubdivTags(prim, names, timeCode):
@@ -85,7 +85,7 @@ def PointsAgain(prim, names, timeCode, points):
     """What ReadPoints gave, in a form that the core may read again where it is large."""
     if IsKept(12 * len(points)):
         return points
-    return Again(prim.GetAttribute("points"), timeCode, np.asarray(points), lambda: ReadPoints(prim, names, timeCode))
+    return Again(prim.GetAttribute("points"), timeCode, np.asarray(points), lambda own: ReadPoints(own.GetPrim(), names, timeCode))
 
 
 def PosePoints(prim, names, timeCode, points, skin):

@@ -100,7 +100,7 @@ def _InterpolationOf(attribute, fallback):
 
 def _RowsAgain(attribute, timeCode, rows):
     """What FloatRows gave, in a form that the core may read again where it is large."""
-    return Again(attribute, timeCode, rows, lambda: FloatRows(attribute.Get(timeCode), attribute))
+    return Again(attribute, timeCode, rows, lambda own: FloatRows(own.Get(timeCode), own))
 
 
 def _IndicesAgain(attribute, timeCode):
@@ -108,7 +108,7 @@ def _IndicesAgain(attribute, timeCode):
     indices = attribute.Get(timeCode)
     if not isinstance(indices, Vt.IntArray):
         return indices
-    return Again(attribute, timeCode, np.asarray(indices), lambda: np.asarray(attribute.Get(timeCode)))
+    return Again(attribute, timeCode, np.asarray(indices), lambda own: np.asarray(own.Get(timeCode)))
 
 
 def InheritFrom(prim, names, inherited, timeCode):

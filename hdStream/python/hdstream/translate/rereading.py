@@ -6,12 +6,15 @@ deleted, or replaced by another of its name, stays mapped as it was; one that wa
 """
 
 import os
+import weakref
 
 from pxr import Usd
 
 from hdstream import _core
 
 SMALLEST = 1 << 16  # bytes; smaller arrays are kept
+
+_readers = weakref.WeakSet()  # of all stages
 
 
 def IsKept(numBytes):
@@ -20,16 +23,33 @@ def IsKept(numBytes):
 
 
 def Again(attribute, timeCode, values, read):
-    """`values`, read from an attribute by `read()`; where they are large as an array that the core may read again."""
+    """`values`, read by `read(attribute)`, which keeps nothing of the stage; where they are large as an array that the core may
+    read again."""
     if values is None or IsKept(values.nbytes):
         return values
     return _core.StageArray(attribute.GetPath().pathString, values, _Reader(attribute, timeCode, read))
 
 
+def MoveToPart(stage, mappedPaths):
+    """Arrays of `stage` are read again from another stage, which is returned: of the same layers, with only the prims that have
+    such arrays, and those at `mappedPaths`. What is not in it goes with the last user of `stage`. Call it while nothing is
+    rendered.
+
+    `mappedPaths`: of prims whose arrays the core keeps as they are mapped. OpenUSD makes copies of those when it closes a file.
+
+    `stage` is as OpenStage gave it: nothing of it is muted or unloaded."""
+    readers = [reader for reader in _readers if reader.IsOf(stage)]
+    mask = Usd.StagePopulationMask([*mappedPaths, *(reader.PrimPath() for reader in readers)])
+    part = Usd.Stage.OpenMasked(stage.GetRootLayer(), stage.GetSessionLayer(), stage.GetPathResolverContext(), mask)
+    for reader in readers:
+        reader.MoveTo(part)
+    return part
+
+
 class _Reader:
     """Reads an array again. Keeps the stage open."""
 
-    __slots__ = ("_stage", "_attribute", "_read", "_files")
+    __slots__ = ("_stage", "_attribute", "_read", "_files", "__weakref__")
 
     @property
     def files(self):
@@ -42,6 +62,19 @@ class _Reader:
         specs = attribute.GetPropertyStack(Usd.TimeCode(timeCode))
         paths = {spec.layer.realPath.split("[")[0] for spec in specs}  # of packages the package
         self._files = [(path, _IdentityOf(path)) for path in sorted(paths) if path]
+        _readers.add(self)
+
+    def IsOf(self, stage):
+        return self._stage == stage
+
+    def PrimPath(self):
+        return self._attribute.GetPrimPath()
+
+    def MoveTo(self, stage):
+        """Reads from the attribute of the same path there, if there is one."""
+        attribute = stage.GetAttributeAtPath(self._attribute.GetPath())
+        if attribute:
+            self._stage, self._attribute = stage, attribute
 
     def __call__(self):
         if not self._attribute:
@@ -50,7 +83,7 @@ class _Reader:
             now = _IdentityOf(path)
             if now and identity and now[0] == identity[0] and now != identity:
                 raise RuntimeError(f"{path} has been written into")
-        values = self._read()
+        values = self._read(self._attribute)
         if values is None:
             raise RuntimeError("it has no value")
         return values

@@ -57,4 +57,4 @@ def _Read(prim, name, timeCode):
 
 
 def _ReadAgain(prim, name, timeCode, values):
-    return Again(prim.GetAttribute(name), timeCode, values, lambda: _Read(prim, name, timeCode))
+    return Again(prim.GetAttribute(name), timeCode, values, lambda own: _Read(own.GetPrim(), name, timeCode))

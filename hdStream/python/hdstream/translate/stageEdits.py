@@ -38,6 +38,7 @@ class StageTranslation:
         self._isStale = True
         self._changes = {}  # prim path -> names of its properties that changed
         self._materialPaths = set()
+        self._mappedPaths = []
         self._hasInstancers = False
         self._hasLinks = False  # what a prim's links are, lights elsewhere say
         # Tf keeps what it calls, which would keep the stage and its layers for ever.
@@ -54,6 +55,13 @@ class StageTranslation:
         if isWhole or not self._AreSafe(changes):
             return self._TranslateAll()
         return sum(self._TranslateBelow(path, names) for path, names in changes.items())
+
+    def Release(self):
+        """Keeps nothing of the stage. Nothing can be brought up to date after it. Returns the paths of prims whose arrays the core
+        keeps as they are mapped."""
+        self._listener.Revoke()
+        self._stage = self._listener = None
+        return self._mappedPaths
 
     def _OnChanged(self, notice):
         for path in notice.GetResyncedPaths():
@@ -81,6 +89,7 @@ class StageTranslation:
         translator = self._NewTranslator()
         translator.Translate()
         self._materialPaths = translator.materialPaths
+        self._mappedPaths = translator.mappedPaths
         self._hasInstancers = self._session.Scene().hasInstancers
         self._hasLinks = translator.LinksAreUsed()
         self._isStale = False

@@ -73,6 +73,7 @@ class StageTranslator:
         self._volumeMaterials = {}  # path -> prim
         self._kept = {}  # scene path -> GeometryPrim of before, whose geometry is as it was
         self.materialPaths = set()  # of the materials that were translated
+        self.mappedPaths = []  # of prims whose large arrays the core keeps as they are
         self.numPrims = 0  # prims visited, instance proxies of first instances included
         self._handlers = self._MakeHandlers()
 
