@@ -49,7 +49,7 @@ KernelFeatures SceneFeatures(const CommittedScene& scene, const RenderOptions& o
     KernelFeatures features;
     features.cutouts = scene.hasCutouts;
     features.programs = buffers.HasPrograms() || scene.hasPatterns;
-    features.patterns = scene.hasPatterns;
+    features.patterns = scene.hasPatterns || scene.hasClosures; // a factor alone computes nothing
     features.closures = scene.hasClosures;
     features.lobes = scene.lobes;
     features.textures = buffers.HasTextures();

@@ -42,7 +42,7 @@ void TexelLoop::Finish(std::uint32_t numItems, const Relaunch& relaunch) {
     std::uint32_t launches = 1;
     while (!waiters.IsEmpty()) {
         const std::uint64_t generation = pool->Generation();
-        waiters.Continue(pool->ProcessRequests());
+        waiters.Continue(pool->ProcessRequests(waiters.NumItems()));
         if (pool->Generation() != generation) {
             _kernels->Bind(*_buffers);
         }
@@ -55,6 +55,7 @@ void TexelLoop::Finish(std::uint32_t numItems, const Relaunch& relaunch) {
         waiters.Return(pool->TakeWaiting());
     }
     pool->SetAcceptsCoarserMips(false);
+    pool->ExpectAnyItems();
 }
 
 double TexelLoop::Seconds() const {

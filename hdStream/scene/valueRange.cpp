@@ -344,6 +344,8 @@ ValueRange OfSpecial(std::uint32_t code, const std::vector<ValueRange>& a) {
     case HDS_MATH_WORLEY2_CELL:
     case HDS_MATH_WORLEY3_CELL:
         return three(unit);
+    case HDS_MATH_FLAKE:
+        return Spread(unit);
     default: // HDS_MATH_HEXTILE: coordinates of tiles, which look-ups do not mind; their weights
         return {kAny, kAny, unit, kAny};
     }

@@ -5,6 +5,7 @@
 #include "hdStream/shading/closureSlab.h"
 #include "hdStream/shading/shaderMath.h"
 #include "hdStream/shading/shaderNodes.h"
+#include "hdStream/shading/surfaceGraphs.h"
 
 #include <algorithm>
 #include <array>
@@ -546,6 +547,8 @@ std::vector<std::string> ClosureIds() {
                    [](const BsdfType& one) { return std::string(one.id); });
     std::transform(std::begin(kEdfs), std::end(kEdfs), std::back_inserter(ids),
                    [](const EdfType& one) { return std::string(one.id); });
+    const std::vector<std::string> graphs = ClosureGraphIds();
+    ids.insert(ids.end(), graphs.begin(), graphs.end());
     std::sort(ids.begin(), ids.end());
     return ids;
 }

@@ -474,7 +474,8 @@ ShaderValue EvaluateNormal(NetworkEvaluator& network, const MaterialNode& node,
     const MaterialNode* source = network.FindSource(node, input);
     const std::string id = source == nullptr ? std::string() : source->identifier;
     const auto isOne = [&](const char* name) { return id.rfind(name, 0) == 0; };
-    if (isOne("ND_normalmap") || isOne("ND_bump_") || isOne("ND_gltf_normalmap")) {
+    if (isOne("ND_normalmap") || isOne("ND_bump_") || isOne("ND_gltf_normalmap") ||
+        isOne("ND_hextilednormalmap") || isOne("ND_flake")) {
         return network.Evaluate(node, input);
     }
     if (!IsSurfaces(network, node, input)) {

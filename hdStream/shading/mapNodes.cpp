@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // MaterialX's nodes that look images up elsewhere than at coordinates: by a direction, and on tiles
-// at random. Definitions: MaterialX 1.39, stdlib_ng.mtlx and the text of hextiledimage. The table
-// of what there is: docs/materials.md.
+// at random. Definitions: MaterialX 1.39, stdlib_ng.mtlx and the text of hextiledimage and
+// hextilednormalmap. The table of what there is: docs/materials.md.
 #include "hdStream/shading/patternNode.h"
 
 namespace hds {
@@ -74,8 +74,14 @@ public:
         return shares(MakeMath(HDS_MATH_SELECT, {isLow, low, high}, 3));
     }
 
-    ShaderValue Hextiled() {
-        constexpr std::array<float, 4> kLuminance{0.2722287F, 0.6740818F, 0.0536895F, 0.0F};
+    /// The image at one of the three tiles around a point.
+    struct Hextile {
+        ShaderValue color;
+        ShaderValue share;
+        ShaderValue angle;
+    };
+    std::array<Hextile, 3> Hextiles(std::uint32_t numComponents,
+                                    const std::array<float, 4>& fallback) {
         const ShaderValue zero = MakeScalar(0.0F);
         const ShaderValue one = MakeScalar(1.0F);
         const ShaderValue st = MakeMath(
@@ -88,48 +94,95 @@ public:
         const auto [offset, offsets] =
             Range("offsetrange", {0.0F, 1.0F, 0.0F, 0.0F}, "offset", 1.0F);
         const ShaderValue spread = CombineChannels(turn, turns, scale, scales, 4);
-        const ShaderValue contrast = In("falloffcontrast", 0.5F);
-        const ShaderValue lumaCoeffs = Vector("lumacoeffs", kLuminance, 3);
-        ShaderValue colors[3];
-        ShaderValue shares[3];
-        ShaderValue lights[3];
+        std::array<Hextile, 3> tiles;
         for (std::uint32_t k = 0; k < 3; ++k) {
             const ShaderValue move =
                 CombineChannels(offset, offsets, MakeScalar(static_cast<float>(k)), zero, 4);
             const ShaderValue tile = MakeMath(HDS_MATH_HEXTILE, {st, spread, move}, 4);
-            shares[k] = Scalar(HDS_MATH_POWER, ChannelOf(tile, 2), MakeScalar(7.0F));
             ShaderValue place = tile;
             place.numComponents = 2;
-            ImageRequest request{place, _n};
+            ImageRequest request{place, numComponents, "file", fallback};
             request.number = k;
             request.isPeriodic = true;
-            colors[k] = _network.EvaluateImage(_node, request);
-            lights[k] = Product(
-                shares[k],
-                MakeMath(HDS_MATH_MIX, {one, DotProduct(colors[k], lumaCoeffs, 3), contrast}, 1));
+            tiles[k] = {_network.EvaluateImage(_node, request),
+                        Scalar(HDS_MATH_POWER, ChannelOf(tile, 2), MakeScalar(7.0F)),
+                        ChannelOf(tile, 3)};
+        }
+        return tiles;
+    }
+    ShaderValue Hextiled() {
+        constexpr std::array<float, 4> kLuminance{0.2722287F, 0.6740818F, 0.0536895F, 0.0F};
+        const ShaderValue zero = MakeScalar(0.0F);
+        const ShaderValue one = MakeScalar(1.0F);
+        const std::array<Hextile, 3> tiles = Hextiles(_n, {});
+        const ShaderValue contrast = In("falloffcontrast", 0.5F);
+        const ShaderValue lumaCoeffs = Vector("lumacoeffs", kLuminance, 3);
+        ShaderValue lights[3];
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            lights[k] =
+                Product(tiles[k].share,
+                        MakeMath(HDS_MATH_MIX,
+                                 {one, DotProduct(tiles[k].color, lumaCoeffs, 3), contrast}, 1));
         }
         const ShaderValue falloff = In("falloff", 0.5F);
         const ShaderValue weights =
             Blend(CombineChannels(lights[0], lights[1], lights[2], zero, 3), falloff);
         const auto blended = [&](const ShaderValue& by) {
-            ShaderValue sum = Multiply(colors[0], ChannelOf(by, 0));
-            sum = Add(sum, Multiply(colors[1], ChannelOf(by, 1)));
-            return Add(sum, Multiply(colors[2], ChannelOf(by, 2)));
+            ShaderValue sum = Multiply(tiles[0].color, ChannelOf(by, 0));
+            sum = Add(sum, Multiply(tiles[1].color, ChannelOf(by, 1)));
+            return Add(sum, Multiply(tiles[2].color, ChannelOf(by, 2)));
         };
         const ShaderValue color = blended(weights);
         if (_n != 4) {
             return color;
         }
-        const ShaderValue alpha =
-            blended(Blend(CombineChannels(shares[0], shares[1], shares[2], zero, 3), falloff));
+        const ShaderValue alpha = blended(Blend(SharesOf(tiles), falloff));
         return CombineChannels(ChannelOf(color, 0), ChannelOf(color, 1), ChannelOf(color, 2),
                                ChannelOf(alpha, 3), 4);
+    }
+    static ShaderValue SharesOf(const std::array<Hextile, 3>& tiles) {
+        return CombineChannels(tiles[0].share, tiles[1].share, tiles[2].share, MakeScalar(0.0F), 3);
+    }
+
+    /// In tangent space, as normalmap. Slopes of the three tiles, each turned as its tile is, are
+    /// added by their weights.
+    ShaderValue HextiledNormal() {
+        const std::array<Hextile, 3> tiles = Hextiles(3, {0.5F, 0.5F, 1.0F, 0.0F});
+        const ShaderValue weights = Blend(SharesOf(tiles), In("falloff", 0.5F));
+        const ShaderValue strength = In("strength", 1.0F);
+        const ShaderValue one = MakeScalar(1.0F);
+        const ShaderValue zero = MakeScalar(0.0F);
+        const ShaderValue up =
+            MakeMath(HDS_MATH_MIX, {one, MakeScalar(-1.0F), In("flip_g", 0.0F)}, 1);
+        const auto part = [&](const Hextile& tile, std::uint32_t channel) {
+            return Scalar(HDS_MATH_SUBTRACT,
+                          Product(ChannelOf(tile.color, channel), MakeScalar(2.0F)), one);
+        };
+        ShaderValue slopes[2] = {zero, zero};
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const ShaderValue x = part(tiles[k], 0);
+            const ShaderValue y = Product(part(tiles[k], 1), up);
+            const ShaderValue height = Scalar(
+                HDS_MATH_MAX, MakeMath(HDS_MATH_ABS, {part(tiles[k], 2)}, 1), MakeScalar(1e-6F));
+            const ShaderValue weight =
+                Scalar(HDS_MATH_DIVIDE, Product(ChannelOf(weights, k), strength), height);
+            const ShaderValue sine = MakeMath(HDS_MATH_SIN, {tiles[k].angle}, 1);
+            const ShaderValue cosine = MakeMath(HDS_MATH_COS, {tiles[k].angle}, 1);
+            const ShaderValue alongS =
+                Scalar(HDS_MATH_SUBTRACT, Product(x, cosine), Product(y, sine));
+            const ShaderValue alongT = Sum(Product(x, sine), Product(y, cosine));
+            slopes[0] = Sum(slopes[0], Product(weight, alongS));
+            slopes[1] = Sum(slopes[1], Product(weight, alongT));
+        }
+        return MakeMath(HDS_MATH_NORMALIZE, {CombineChannels(slopes[0], slopes[1], one, zero, 3)},
+                        3);
     }
 };
 
 constexpr PatternType kTypes[] = {
     {"latlongimage", kPattern<&MapNode::LatLong>},
     {"hextiledimage", kPattern<&MapNode::Hextiled>},
+    {"hextilednormalmap", kPattern<&MapNode::HextiledNormal>},
 };
 
 } // namespace

@@ -396,7 +396,7 @@ void PlaceValue(std::uint32_t input, const ShaderValue& value, const SlotCallbac
     }
     program.push_back({input, value});
     record.programInputs |= isInRecord ? 1U << input : 0U;
-    if (input == HDS_INPUT_NORMAL && HasLookup(value)) {
+    if (input == HDS_INPUT_NORMAL && HasFrame(value)) {
         record.flags |= HDS_MATERIAL_TANGENTS;
     }
 }
@@ -526,7 +526,7 @@ CompiledMaterial CompileSurface(const MaterialNetwork& network, const std::strin
 
 CompiledMaterial CompileMaterial(const MaterialNetwork& authored, const std::string& materialPath,
                                  const ImageQueries& images, Warnings& warnings) {
-    const MaterialNetwork network = ExpandSurfaceGraphs(authored);
+    const MaterialNetwork network = ExpandGraphs(authored);
     const auto medium = ReadMeshMedium(network, materialPath, warnings);
     const bool isBoundary =
         network.terminals.count("volume") > 0 && network.terminals.count("surface") == 0;
@@ -555,11 +555,12 @@ ResolvedMaterial ResolveMaterial(const CompiledMaterial& material,
     }
     if (!inputs.empty()) {
         std::uint32_t tangentSlot = HDS_NONE;
-        const bool hasSlope =
+        const bool needsFrame =
             std::any_of(inputs.begin(), inputs.end(), [](const ProgramInput& one) {
-                return one.input == HDS_INPUT_NORMAL && HasSlope(one.value);
+                return one.input == HDS_INPUT_NORMAL &&
+                       (HasSlope(one.value) || !HasFrame(one.value));
             });
-        if (hasSlope || (result.record.lobes & HDS_LOBE_ANISOTROPY) != 0 ||
+        if (needsFrame || (result.record.lobes & HDS_LOBE_ANISOTROPY) != 0 ||
             (result.record.flags & HDS_MATERIAL_HAIR) != 0) {
             // Coordinates that are the same all over a prim have no tangents.
             const std::vector<AttributeName> none;

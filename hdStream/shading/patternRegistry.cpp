@@ -16,8 +16,9 @@ using TypeByIdName = std::map<std::string_view, const PatternType*>;
 const TypeByIdName& Types() {
     static const TypeByIdName kTypes = [] {
         TypeByIdName types;
-        for (const PatternTable& table : {StandardNodes(), LibraryNodes(), ColorNodes(), MapNodes(),
-                                          MatrixNodes(), PbrNodes(), ShapeNodes(), UsdNodes()}) {
+        for (const PatternTable& table :
+             {StandardNodes(), LibraryNodes(), ColorNodes(), FlakeNodes(), MapNodes(),
+              MatrixNodes(), PbrNodes(), ShapeNodes(), UsdNodes()}) {
             for (const PatternType& type : table) {
                 const std::string_view idName = type.idName.empty() ? type.name : type.idName;
                 HDS_VERIFY(types.emplace(idName, &type).second, "two nodes of one name");

@@ -42,6 +42,7 @@ private:
 PatternTable StandardNodes(); ///< patternNodes.cpp
 PatternTable LibraryNodes();
 PatternTable ColorNodes();
+PatternTable FlakeNodes();
 PatternTable MapNodes();
 PatternTable MatrixNodes();
 PatternTable PbrNodes();

@@ -24,6 +24,15 @@ bool IsInMask(std::uint32_t input) {
     return input == HDS_INPUT_OPACITY || input == HDS_INPUT_OPACITY_THRESHOLD;
 }
 
+/// Whether coordinates have derivatives; where they have none images are looked up as points.
+bool HasDerivatives(const ShaderValue& coordinates) {
+    const ShaderExpression& expression = *coordinates.expression;
+    return coordinates.channel == HDS_CHANNEL_ALL &&
+           (expression.kind == Kind::Primvar ||
+            ((expression.kind == Kind::Transform2d || expression.kind == Kind::Affine) &&
+             HasDerivatives(expression.operands[0])));
+}
+
 /// Uses of each function and look-up, as operands or as inputs.
 using UseCounts = std::map<const ShaderExpression*, std::uint32_t>;
 
@@ -184,7 +193,7 @@ private:
 
     void PushMath(const ShaderExpression& expression, bool hasTangents) {
         for (const ShaderValue& operand : expression.operands) {
-            const bool isFirst = hasTangents && HasLookup(operand);
+            const bool isFirst = hasTangents && HasFrame(operand);
             Push(operand, isFirst);
             hasTangents = hasTangents && !isFirst;
         }
@@ -201,9 +210,11 @@ private:
                           [&](const ShaderValue& value) { Push(value); });
         }
         const bool isAgain = PushLookupCoordinates(expression.operands[0]);
-        Emit(HDS_OP(HDS_OP_TEXTURE, expression.lookup | (isConstant ? 0U : HDS_LOOKUP_POPS) |
-                                        (hasTangents ? HDS_LOOKUP_TANGENTS : 0U) |
-                                        (isAgain ? HDS_LOOKUP_AGAIN : 0U)));
+        Emit(HDS_OP(
+            HDS_OP_TEXTURE,
+            expression.lookup | (isConstant ? 0U : HDS_LOOKUP_POPS) |
+                (hasTangents && HasDerivatives(expression.operands[0]) ? HDS_LOOKUP_TANGENTS : 0U) |
+                (isAgain ? HDS_LOOKUP_AGAIN : 0U)));
         Emit(static_cast<std::uint32_t>(expression.tiles.size()));
         for (const std::uint32_t tile : expression.tiles) {
             Emit(tile == HDS_NONE ? HDS_NONE : _textures[tile]);
@@ -327,13 +338,13 @@ bool HasKind(const ShaderValue& value, Kind kind, Searched* searched) {
                         [&](const ShaderValue& one) { return HasKind(one, kind, searched); }));
 }
 
-bool HasLookup(const ShaderValue& value, Searched* searched) {
+bool HasFrame(const ShaderValue& value, Searched* searched) {
     const ShaderExpression& expression = *value.expression;
     return searched->insert(&expression).second &&
-           (expression.kind == Kind::Texture ||
+           ((expression.kind == Kind::Texture && HasDerivatives(expression.operands[0])) ||
             (expression.kind == Kind::Math &&
              std::any_of(expression.operands.begin(), expression.operands.end(),
-                         [&](const ShaderValue& one) { return HasLookup(one, searched); })));
+                         [&](const ShaderValue& one) { return HasFrame(one, searched); })));
 }
 
 } // namespace
@@ -343,9 +354,9 @@ bool HasSlope(const ShaderValue& value) {
     return HasKind(value, Kind::Shifted, &searched);
 }
 
-bool HasLookup(const ShaderValue& value) {
+bool HasFrame(const ShaderValue& value) {
     Searched searched;
-    return HasLookup(value, &searched);
+    return HasFrame(value, &searched);
 }
 
 std::vector<std::uint32_t> WriteProgram(const std::vector<ProgramInput>& inputs,

@@ -47,8 +47,9 @@ bool NeedsFilteredTexels(const std::vector<std::uint32_t>& program);
 /// Whether an expression is evaluated beside the place that was hit (Kind::Shifted).
 bool HasSlope(const ShaderValue& value);
 
-/// Whether an image is looked up somewhere in an expression, its coordinates left out.
-bool HasLookup(const ShaderValue& value);
+/// Whether an image is looked up somewhere in an expression at coordinates that have derivatives:
+/// tangent space is that of the first such coordinates.
+bool HasFrame(const ShaderValue& value);
 
 /// Look-ups of textures in a program.
 std::uint32_t CountLookups(const std::vector<std::uint32_t>& program);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/shading/surfaceGraphs.h"
 
+#include "hdStream/shading/graphRows.h"
+#include "hdStream/shading/lamaGraphs.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -8,43 +11,11 @@ namespace hds {
 
 namespace {
 
-/// What feeds an input of a graph's node: an input of the surface, a node of the graph, a number or
-/// a text.
-struct Source {
-    enum class Kind { Interface, Node, Numbers, Text };
-    Kind kind = Kind::Numbers;
-    std::string name; ///< or the text
-    std::vector<float> numbers;
-};
-
-Source From(const char* input) {
-    return {Source::Kind::Interface, input, {}};
-}
-Source Of(const char* node) {
-    return {Source::Kind::Node, node, {}};
-}
-Source Is(std::vector<float> numbers) {
-    return {Source::Kind::Numbers, "", std::move(numbers)};
-}
-Source Named(const char* text) {
-    return {Source::Kind::Text, text, {}};
-}
-
-struct GraphNode {
-    std::string name;       ///< "": the surface
-    std::string identifier; ///< without "ND_"
-    std::map<std::string, Source> inputs;
-};
-
-struct SurfaceGraph {
-    std::string identifier;
-    std::map<std::string, std::vector<float>> defaults; ///< of the surface's inputs
-    std::vector<GraphNode> nodes;
-};
+using namespace graphRows;
 
 /// Burley's model of 2012: what is diffuse or scatters below the surface under sheen, beside glass;
 /// a reflection over that, beside metal, under a coat.
-SurfaceGraph DisneyPrincipled() {
+NodeGraph DisneyPrincipled() {
     const std::vector<float> white = {1.0F, 1.0F, 1.0F};
     return {
         "ND_disney_principled",
@@ -118,59 +89,67 @@ SurfaceGraph DisneyPrincipled() {
         }};
 }
 
-const std::vector<SurfaceGraph>& Graphs() {
-    static const std::vector<SurfaceGraph> kGraphs = {DisneyPrincipled()};
+const std::vector<NodeGraph>& Graphs() {
+    static const std::vector<NodeGraph> kGraphs = [] {
+        std::vector<NodeGraph> graphs = LamaGraphs();
+        graphs.push_back(DisneyPrincipled());
+        return graphs;
+    }();
     return kGraphs;
 }
 
-const SurfaceGraph* FindGraph(const std::string& identifier) {
-    const auto found = std::find_if(Graphs().begin(), Graphs().end(), [&](const SurfaceGraph& one) {
+/// Whether it stands for a surface, and not for a closure.
+bool IsSurface(const NodeGraph& graph) {
+    return graph.nodes.back().identifier == "surface";
+}
+
+const NodeGraph* FindGraph(const std::string& identifier) {
+    const auto found = std::find_if(Graphs().begin(), Graphs().end(), [&](const NodeGraph& one) {
         return one.identifier == identifier;
     });
     return found == Graphs().end() ? nullptr : &*found;
 }
 
-std::string PathOf(const MaterialNode& surface, const std::string& name) {
-    return name.empty() ? surface.path : surface.path + "/" + name;
+std::string PathOf(const MaterialNode& shader, const std::string& name) {
+    return name.empty() ? shader.path : shader.path + "/" + name;
 }
 
-/// An input of the surface as an input of a node of its graph.
-void PassOn(const SurfaceGraph& graph, const MaterialNode& surface, const std::string& from,
+/// An input of the shader as an input of a node of its graph.
+void PassOn(const NodeGraph& graph, const MaterialNode& shader, const std::string& from,
             const std::string& input, MaterialNode* node) {
-    if (const auto connection = surface.connections.find(from);
-        connection != surface.connections.end()) {
+    if (const auto connection = shader.connections.find(from);
+        connection != shader.connections.end()) {
         node->connections[input] = connection->second;
     }
-    const auto parameter = surface.parameters.find(from);
+    const auto parameter = shader.parameters.find(from);
     const auto fallback = graph.defaults.find(from);
-    if (parameter != surface.parameters.end()) {
+    if (parameter != shader.parameters.end()) {
         node->parameters[input] = parameter->second;
     } else if (fallback != graph.defaults.end()) {
         node->parameters[input] = fallback->second;
     }
-    const auto space = surface.parameters.find("colorSpace:" + from);
-    if (space != surface.parameters.end()) {
+    const auto space = shader.parameters.find("colorSpace:" + from);
+    if (space != shader.parameters.end()) {
         node->parameters["colorSpace:" + input] = space->second;
     }
 }
 
-MaterialNode MakeNode(const SurfaceGraph& graph, const MaterialNode& surface,
-                      const GraphNode& row) {
+MaterialNode MakeNode(const NodeGraph& graph, const MaterialNode& shader, const GraphNode& row) {
     MaterialNode node;
-    node.path = PathOf(surface, row.name);
+    node.path = PathOf(shader, row.name);
     node.identifier = "ND_" + row.identifier;
     for (const auto& [input, source] : row.inputs) {
         switch (source.kind) {
-        case Source::Kind::Interface:
-            PassOn(graph, surface, source.name, input, &node);
+        case GraphSource::Kind::Interface:
+            PassOn(graph, shader, source.name, input, &node);
             break;
-        case Source::Kind::Node:
-            node.connections[input] = {PathOf(surface, source.name), "out"};
+        case GraphSource::Kind::Node:
+            node.connections[input] = {PathOf(shader, source.name), source.output};
             break;
-        case Source::Kind::Numbers:
+        case GraphSource::Kind::Numbers:
             node.parameters[input] = source.numbers;
             break;
-        case Source::Kind::Text:
+        case GraphSource::Kind::Text:
             node.parameters[input] = source.name;
             break;
         }
@@ -181,22 +160,33 @@ MaterialNode MakeNode(const SurfaceGraph& graph, const MaterialNode& surface,
 } // namespace
 
 bool HasSurfaceGraph(const std::string& identifier) {
-    return FindGraph(identifier) != nullptr;
+    const NodeGraph* graph = FindGraph(identifier);
+    return graph != nullptr && IsSurface(*graph);
 }
 
-MaterialNetwork ExpandSurfaceGraphs(const MaterialNetwork& network) {
+std::vector<std::string> ClosureGraphIds() {
+    std::vector<std::string> ids;
+    for (const NodeGraph& graph : Graphs()) {
+        if (!IsSurface(graph)) {
+            ids.push_back(graph.identifier);
+        }
+    }
+    return ids;
+}
+
+MaterialNetwork ExpandGraphs(const MaterialNetwork& network) {
     MaterialNetwork result = network;
-    for (const MaterialNode& surface : network.nodes) {
-        const SurfaceGraph* graph = FindGraph(surface.identifier);
+    for (const MaterialNode& shader : network.nodes) {
+        const NodeGraph* graph = FindGraph(shader.identifier);
         if (graph == nullptr) {
             continue;
         }
         for (const GraphNode& row : graph->nodes) {
-            MaterialNode node = MakeNode(*graph, surface, row);
+            MaterialNode node = MakeNode(*graph, shader, row);
             if (row.name.empty()) {
                 const auto self =
                     std::find_if(result.nodes.begin(), result.nodes.end(),
-                                 [&](const MaterialNode& one) { return one.path == surface.path; });
+                                 [&](const MaterialNode& one) { return one.path == shader.path; });
                 *self = std::move(node);
             } else {
                 result.nodes.push_back(std::move(node));

@@ -15,6 +15,9 @@ namespace {
 constexpr std::uint32_t kOverflow = 64;
 constexpr std::uint32_t kOverflowDivisor = 16;
 constexpr std::uint32_t kPinnedDivisor = 4;
+/// Times that a line counts as older which only those have read that it was loaded for: many of
+/// these are not read again before they leave.
+constexpr std::uint32_t kAgeOfFirstUse = 4;
 
 } // namespace
 
@@ -74,15 +77,19 @@ std::uint32_t LineSlots::FindEmpty(std::uint32_t begin, std::uint32_t end) const
                                          : static_cast<std::uint32_t>(found - _lines.begin());
 }
 
-/// The slot of [begin, end) that was used least recently, or HDS_NONE when all are in use. Ages
-/// count back from `epoch`, which may have begun anew.
+/// The slot of [begin, end) that was used least recently, or HDS_NONE when all are in use; one that
+/// was not used again since it was placed counts as older. Ages count back from `epoch`, which may
+/// have begun anew.
 std::uint32_t LineSlots::FindOldest(std::uint32_t begin, std::uint32_t end, std::uint32_t epoch,
-                                    const std::vector<std::uint32_t>& stamps) const {
+                                    const std::uint32_t* stamps) const {
     std::uint32_t oldest = HDS_NONE;
-    std::uint32_t oldestAge = 0;
+    std::uint64_t oldestAge = 0;
     for (std::uint32_t slot = begin; slot < end; ++slot) {
-        const std::uint32_t age =
-            std::min(epoch - stamps[_firstSlot + slot], epoch - _placedIn[slot]);
+        const std::uint32_t stamp = stamps[_firstSlot + slot];
+        const std::uint32_t sinceUse = std::min(epoch - stamp, epoch - _placedIn[slot]);
+        // Who has asked for a line reads it in the epoch after that in which it was placed.
+        const bool wasUsedAgain = stamp - _placedIn[slot] - 2 < epoch - _placedIn[slot];
+        const std::uint64_t age = std::uint64_t{sinceUse} * (wasUsedAgain ? 1 : kAgeOfFirstUse);
         if (age > oldestAge) {
             oldest = slot;
             oldestAge = age;
@@ -95,7 +102,7 @@ LineSlots::Placement LineSlots::Place(std::uint32_t line, std::uint32_t epoch,
                                       const ReadStamps& readStamps) {
     Placement placement{TakeEmptyOfSets(), HDS_NONE, false};
     if (placement.slot == HDS_NONE) {
-        const std::vector<std::uint32_t>& stamps = readStamps();
+        const std::uint32_t* stamps = readStamps();
         const std::uint32_t begin = _plan.numOverflow + line % _plan.numSets * SlotPlan::kWays;
         placement.slot = FindOldest(begin, begin + SlotPlan::kWays, epoch, stamps);
         if (placement.slot == HDS_NONE) {

@@ -41,7 +41,7 @@ SlotPlan MakeSlotPlan(std::uint32_t numSlots, std::uint32_t linesPerItem, std::u
 class LineSlots {
 public:
     /// Stamps of all slots as kernels have left them; called when a line has to leave.
-    using ReadStamps = std::function<const std::vector<std::uint32_t>&()>;
+    using ReadStamps = std::function<const std::uint32_t*()>;
 
     /// A slot for a line, and the line that left it.
     struct Placement {
@@ -55,7 +55,8 @@ public:
 
     /// Finds a slot: an empty one of the sets, the first ones first, so that what is used together
     /// lies together; when all are in use, the one of the line's set that was used least recently,
-    /// else one of the overflow. Lines that were used or placed in `epoch` stay.
+    /// where one that was used for its first readers alone counts as older, else one of the
+    /// overflow. Lines that were used or placed in `epoch` stay.
     Placement Place(std::uint32_t line, std::uint32_t epoch, const ReadStamps& readStamps);
     /// A pinned slot, or HDS_NONE when there is none left. What is in it only leaves by Free.
     std::uint32_t PlacePinned(std::uint32_t line);
@@ -79,7 +80,7 @@ private:
     void CountPlaced();
     std::uint32_t FindEmpty(std::uint32_t begin, std::uint32_t end) const;
     std::uint32_t FindOldest(std::uint32_t begin, std::uint32_t end, std::uint32_t epoch,
-                             const std::vector<std::uint32_t>& stamps) const;
+                             const std::uint32_t* stamps) const;
 
     SlotPlan _plan;
     std::uint32_t _firstSlot;

@@ -24,6 +24,7 @@ public:
     TexelWaiters(std::uint32_t numLaunched, std::vector<std::uint32_t> waiting);
 
     bool IsEmpty() const { return _items.empty(); }
+    std::uint32_t NumItems() const { return static_cast<std::uint32_t>(_items.size()); }
     /// Decides how many go next. \throws Error when the pool cannot hold what one item needs.
     void Continue(const TexturePool::Outcome& outcome);
     /// The items to launch.

@@ -117,6 +117,7 @@ void TexturePool::Update(LineProvider* provider, std::uint64_t budgetBytes,
                          std::uint32_t linesPerItem, GridBudget grids) {
     _provider = provider;
     const PoolPlan plan = Plan(budgetBytes, linesPerItem, grids);
+    _linesPerItem = linesPerItem + grids.linesPerItem;
     const std::vector<LineRange> gone = _textures.Update(*provider);
     if (_textures.NumLines() > 2 * std::uint64_t{_textures.NumLiveLines()} + kGoneLines) {
         _textures = {}; // numbers begin anew
@@ -145,7 +146,8 @@ void TexturePool::MakePool(const PoolPlan& plan) {
         _statistics.evictions += part.NumUsed();
         _statistics.grids.evictions += &part == _gridSlots.get() ? part.NumUsed() : 0;
     });
-    _slots = nullptr; // until all is there: memory may run out
+    _stampView.reset(); // a round that failed has left it
+    _slots = nullptr;   // until all is there: memory may run out
     _gridSlots = nullptr;
     _sharedSlots.clear();
     _table.Clear();
@@ -221,6 +223,7 @@ void TexturePool::MakeRequests() {
     _requests.Write(header.data(), sizeof(header));
     _requests.Fill(HDS_NONE, setSize * kWord, setBegin * kWord);
     _setBegin = setBegin;
+    _maxSetSize = setSize;
     _setSize = setSize;
 }
 
@@ -242,6 +245,17 @@ void TexturePool::ReserveItems(std::uint32_t numItems) {
         ++_generation;
     }
     _waiting.Fill(0, kWord);
+    ExpectAnyItems(); // a render that failed has left it
+}
+
+/// How much of the set kernels use. \pre it does not shrink, or nothing is asked for. What is asked
+/// for when it grows may be listed once more.
+void TexturePool::SetSetSize(std::uint32_t numWords) {
+    if (numWords != _setSize) {
+        _setSize = numWords;
+        const std::uint32_t mask = numWords - 1;
+        _requests.Write(&mask, kWord, HDS_TEXELS_SET_MASK * kWord);
+    }
 }
 
 std::vector<std::uint32_t> TexturePool::TakeWaiting() {
@@ -292,14 +306,18 @@ std::vector<std::uint32_t> TexturePool::TakeRequests() {
         _requests.Fill(0, kWord, HDS_TEXELS_NUM_REQUESTS * kWord);
     }
     std::sort(requests.begin(), requests.end());
+    requests.erase(std::unique(requests.begin(), requests.end()), requests.end());
     return requests;
 }
 
-TexturePool::Outcome TexturePool::ProcessRequests() {
+TexturePool::Outcome TexturePool::ProcessRequests(std::uint32_t numItems) {
     const Timer timer;
     const double before = _statistics.openSeconds + _statistics.readSeconds;
     Outcome outcome;
     const std::vector<std::uint32_t> requests = TakeRequests();
+    // Half empty, as the largest one.
+    const std::uint64_t words = 2 * std::uint64_t{numItems} * _linesPerItem;
+    SetSetSize(words < _maxSetSize ? PowerOfTwo(static_cast<std::uint32_t>(words)) : _maxSetSize);
     const auto firstTexture =
         std::lower_bound(requests.begin(), requests.end(), HDS_REQUEST_TEXTURE);
     std::vector<std::uint32_t> textures;
@@ -312,8 +330,9 @@ TexturePool::Outcome TexturePool::ProcessRequests() {
                    [](std::uint32_t line) {
                        return Load{line, false};
                    });
-    _hasStamps = false;
+    _stampView.reset(); // of a round that failed
     LoadAll(loads, &outcome);
+    _stampView.reset();
     _epoch = std::max(1U, _epoch + 1);
     const std::uint32_t epoch = Epoch();
     _requests.Write(&epoch, kWord, HDS_TEXELS_EPOCH * kWord);
@@ -413,8 +432,8 @@ std::uint32_t TexturePool::PlaceLine(const Load& load, bool isOfGrid, const std:
             return slot;
         }
     }
-    const LineSlots::Placement placement = part->Place(
-        load.line, _epoch, [this]() -> const std::vector<std::uint32_t>& { return ReadStamps(); });
+    const LineSlots::Placement placement =
+        part->Place(load.line, _epoch, [this] { return ReadStamps(); });
     _statistics.setConflicts += placement.isConflict ? 1 : 0;
     if (placement.slot != HDS_NONE && placement.evicted != HDS_NONE) {
         _table.Set(placement.evicted, HDS_NONE);
@@ -425,14 +444,14 @@ std::uint32_t TexturePool::PlaceLine(const Load& load, bool isOfGrid, const std:
     return placement.slot;
 }
 
-const std::vector<std::uint32_t>& TexturePool::ReadStamps() {
+/// In place where the device's memory is the host's: most rounds load few lines, and a large pool
+/// has millions of stamps.
+const std::uint32_t* TexturePool::ReadStamps() {
     HDS_VERIFY(_plan.keepsStamps, "a line has to leave a texture pool that has room for all");
-    if (!_hasStamps) {
-        _stampValues.resize(NumSlots());
-        _stamps.Read(_stampValues.data(), _stampValues.size() * kWord);
-        _hasStamps = true;
+    if (!_stampView) {
+        _stampView.emplace(_stamps);
     }
-    return _stampValues;
+    return reinterpret_cast<const std::uint32_t*>(_stampView->Data());
 }
 
 /// Sends staged lines [0, copies.size()) to their slots.

@@ -13,6 +13,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -41,6 +42,7 @@ public:
     };
 
     static constexpr std::uint32_t kRequestCapacity = 1U << 16U;
+    static constexpr std::uint32_t kAnyItems = ~0U;
 
     /// An empty pool. \param store keeps compiled kernels, may be null. \param requestCapacity most
     /// requests answered at a time; more come again.
@@ -68,8 +70,12 @@ public:
     /// Whether the launches to come take coarser mips for lines that are missing: only items of
     /// whose texture nothing is loaded yet wait.
     void SetAcceptsCoarserMips(bool accepts);
-    /// Opens textures and loads lines that were asked for. Blocks.
-    Outcome ProcessRequests();
+    /// Opens textures and loads lines that were asked for. Blocks. \param numItems most items of
+    /// the launches up to the next call, or to ExpectAnyItems: what few can ask for is soon
+    /// cleared.
+    Outcome ProcessRequests(std::uint32_t numItems = kAnyItems);
+    /// Launches to come may be of any number of items.
+    void ExpectAnyItems() { SetSetSize(_maxSetSize); }
     /// Adds what kernels have counted to the statistics. Blocks.
     void CollectCounts();
 
@@ -123,6 +129,7 @@ private:
     void ForEachPart(const std::function<void(const LineSlots&)>& action) const;
     void RemoveLines(const std::vector<LineRange>& ranges);
     void MakeRequests();
+    void SetSetSize(std::uint32_t numWords);
     std::uint32_t TakeCounts();
     std::vector<std::uint32_t> TakeRequests();
     void OpenAll(const std::vector<std::uint32_t>& textures, std::vector<Load>* loads);
@@ -133,7 +140,7 @@ private:
     void CopyStaged(std::vector<shared::HdsLineCopy> copies);
     void PublishTable();
     void ReadyKernels();
-    const std::vector<std::uint32_t>& ReadStamps();
+    const std::uint32_t* ReadStamps();
     /// As kernels see it.
     std::uint32_t Epoch() const { return _plan.keepsStamps ? _epoch : 0; }
 
@@ -161,12 +168,13 @@ private:
     Buffer _copies;
     Buffer _updates;
     std::vector<std::uint8_t> _stagedBytes;
-    std::vector<std::uint32_t> _stampValues;
-    bool _hasStamps = false; ///< they are read, in this round
+    std::optional<BufferView> _stampView; ///< in a round where lines have to leave
     bool _acceptsCoarserMips = false;
     std::uint32_t _setBegin = 0;
-    std::uint32_t _setSize = 0;
-    std::uint32_t _epoch = 1; ///< counts rounds of requests
+    std::uint32_t _maxSetSize = 0;
+    std::uint32_t _setSize = 0;      ///< words that kernels use; all beyond are clear
+    std::uint32_t _linesPerItem = 0; ///< of all kinds
+    std::uint32_t _epoch = 1;        ///< counts rounds of requests
     std::uint64_t _generation = 0;
     TextureStatistics _statistics;
 };

@@ -5,6 +5,7 @@
  * shared/programNoise.h. Explained in docs/materials.md. */
 #ifndef HDS_SHARED_PROGRAM_MATH_H
 #define HDS_SHARED_PROGRAM_MATH_H
+#include "shared/programFlakes.h"
 #include "shared/programNoise.h"
 #include "shared/programTiles.h"
 #ifndef __OPENCL_VERSION__
@@ -66,6 +67,7 @@
 #define HDS_MATH_WORLEY2_CELL 66u
 #define HDS_MATH_WORLEY3_CELL 67u
 #define HDS_MATH_HEXTILE 68u /* as math_hextile */
+#define HDS_MATH_FLAKE 69u   /* position in cells, coverage: as math_flake */
 
 HDS_SHARED_BEGIN
 #ifndef __OPENCL_VERSION__
@@ -240,6 +242,8 @@ HDS_FUNCTION float4 math_special(u32 function, const float4* a) {
                           math_fractal(a[0], a[1].x, a[2].x, a[3].x, 16u, false), 0.0f);
     case HDS_MATH_HEXTILE:
         return math_hextile(a[0], a[1], a[2]);
+    case HDS_MATH_FLAKE:
+        return math_flake(a[0], a[1].x);
     default: /* HDS_MATH_WORLEY... */
         return math_worley(a[0], a[1].x,
                            function == HDS_MATH_WORLEY3 || function == HDS_MATH_WORLEY3_CELL,

@@ -40,9 +40,9 @@ HDS_FUNCTION u32 math_hash(i32 x, i32 y, i32 z, u32 count) {
     return math_hashEnd(start + (u32)x, start + (u32)y, count > 2u ? start + (u32)z : start);
 }
 
-/* lookup3 of four integers. */
-HDS_FUNCTION u32 math_hash4(i32 x, i32 y, i32 z, i32 w) {
-    const u32 start = 0xdeadbeefu + (4u << 2) + 13u;
+/* lookup3 of four or five integers. */
+HDS_FUNCTION u32 math_hashLong(i32 x, i32 y, i32 z, i32 w, i32 last, u32 count) {
+    const u32 start = 0xdeadbeefu + (count << 2) + 13u;
     u32 a = start + (u32)x;
     u32 b = start + (u32)y;
     u32 c = start + (u32)z;
@@ -58,7 +58,13 @@ HDS_FUNCTION u32 math_hash4(i32 x, i32 y, i32 z, i32 w) {
     a += c;
     c = (c - b) ^ math_rotate(b, 4u);
     b += a;
-    return math_hashEnd(a + (u32)w, b, c);
+    return math_hashEnd(a + (u32)w, b + (u32)last, c);
+}
+HDS_FUNCTION u32 math_hash4(i32 x, i32 y, i32 z, i32 w) {
+    return math_hashLong(x, y, z, w, 0, 4u);
+}
+HDS_FUNCTION u32 math_hash5(i32 x, i32 y, i32 z, i32 w, i32 last) {
+    return math_hashLong(x, y, z, w, last, 5u);
 }
 
 HDS_FUNCTION f32 math_unit(u32 hash) {

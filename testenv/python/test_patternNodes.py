@@ -30,7 +30,7 @@ def test_ids_are_known_by_the_names_of_their_nodes():
     materialX.loadLibraries(materialX.getDefaultDataLibraryFolders(), materialX.getDefaultDataSearchPath(), library)
     names = set(_core.PatternNames())
     closures = set(_core.ClosureIds())
-    definitions = [d for d in library.getNodeDefs() if "shader" not in d.getType()]
+    definitions = [d for d in library.getNodeDefs() if "shader" not in d.getType() and d.getType() != "material"]
     wrong = [d.getName() for d in definitions if _core.IsKnownShader(d.getName()) != (d.getNodeString() in names or d.getName() in closures)]
     assert len(definitions) > 500 and not wrong
     # Of other versions of MaterialX than the package's; files have them.

@@ -13,6 +13,7 @@ pytest.importorskip("hdstream._core")
 pytest.importorskip("MaterialX")
 
 from cardStrip import Strip
+from flakes import Flake
 from nodeGraphs import Value
 from stages import author, imageFile
 from stages.materialX import STANDARD, AddNode
@@ -47,8 +48,8 @@ def _Image(inputs):
     return np.array([*(inputs["texcoord"] % 1), share])
 
 
-def _Hextiled(inputs, st=_ST):
-    """By Mikkelsen 2022 and the text of MaterialX's hextiledimage, with matrices."""
+def _HextileTiles(inputs, st=_ST):
+    """By Mikkelsen 2022 and the text of MaterialX's hextiledimage, with matrices: (angle, place) and weight of each tile."""
     size = 2 * np.sqrt(3)
     toGrid = np.array([[1, -0.57735027], [0, 1.15470054]])
     grid = toGrid @ (np.asarray(st) * inputs["tiling"] * size)
@@ -57,8 +58,8 @@ def _Hextiled(inputs, st=_ST):
         tiles = [((0, 0), 1 - x - y), ((0, 1), y), ((1, 0), x)]
     else:
         tiles = [((1, 1), x + y - 1), ((1, 0), 1 - y), ((0, 1), 1 - x)]
-    colors, weights, lights = [], [], []
-    for offset, weight in tiles:
+    places = []
+    for offset, _ in tiles:
         cell = np.floor(grid) + offset
         center = np.linalg.inv(toGrid) @ (cell / size)
         p = np.modf((cell + 0.12345)[[0, 1, 0]] * (0.1031, 0.1030, 0.0973))[0] % 1
@@ -69,13 +70,23 @@ def _Hextiled(inputs, st=_ST):
         move = inputs["offsetrange"][0] + np.ptp(inputs["offsetrange"]) * random * inputs["offset"]
         turned = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
         place = turned @ (np.asarray(st) * inputs["tiling"] - center) / scale + center + move
-        colors.append(_Image(dict(file=inputs["file"], texcoord=place)))
-        lights.append(1 - inputs["falloffcontrast"] + inputs["falloffcontrast"] * (colors[-1] @ inputs["lumacoeffs"]))
-        weights.append(lights[-1] * weight ** 7)
-    weights = np.array(weights) / np.sum(weights)
-    a = (1 / inputs["falloff"] - 2) * (1 - 2 * weights)
+        places.append((angle, place))
+    return places, [weight for _, weight in tiles]
+
+
+def _Gained(weights, falloff):
+    """Of the sum 1, by Schlick's gain."""
+    weights = weights / weights.sum()
+    a = (1 / falloff - 2) * (1 - 2 * weights)
     weights = np.where(weights < 0.5, weights / (a + 1), (a - weights) / (a - 1))
-    return weights / weights.sum() @ np.array(colors)
+    return weights / weights.sum()
+
+
+def _Hextiled(inputs):
+    tiles, weights = _HextileTiles(inputs)
+    colors = np.array([_Image(dict(file=inputs["file"], texcoord=place)) for _, place in tiles])
+    lights = 1 - inputs["falloffcontrast"] + inputs["falloffcontrast"] * (colors @ inputs["lumacoeffs"])
+    return _Gained(lights * np.array(weights) ** 7, inputs["falloff"]) @ colors
 
 
 def _Tiles(**inputs):
@@ -84,6 +95,38 @@ def _Tiles(**inputs):
     given.update(inputs)
     return _Hextiled({name: value if isinstance(value, str) else np.asarray(value) for name, value in given.items()}), \
         "hextiledimage", "color3", given
+
+
+def _HextiledNormal(inputs, st=_ST):
+    """By the text of MaterialX's hextilednormalmap, with a normal along z; in tangent space."""
+    tiles, weights = _HextileTiles(inputs, st)
+    weights = _Gained(np.array([weight**7 for weight in weights]), inputs["falloff"])
+    slope = np.zeros(2)
+    for (angle, place), weight in zip(tiles, weights):
+        normal = 2 * _Image(dict(file=inputs["file"], texcoord=place)) - 1
+        normal[1] *= -1 if inputs["flip_g"] else 1
+        turned = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]) @ normal[:2]
+        slope += weight * inputs["strength"] * turned / abs(normal[2])
+    result = np.array([*slope, 1.0])
+    return result / np.linalg.norm(result)
+
+
+def _TiledNormal(**inputs):
+    given = dict(file="z.exr", tiling=(1.3, 0.9), rotation=0.2, rotationrange=(0.0, 360.0), scale=0.5, scalerange=(0.5, 2.0), offset=1.0,
+                 offsetrange=(0.0, 1.0), falloff=0.5, strength=0.5, flip_g=False)
+    given.update(inputs)
+    return _HextiledNormal({name: value if isinstance(value, str) else np.asarray(value) for name, value in given.items()}), \
+        "hextilednormalmap", "vector3", given
+
+
+_FLAKES = dict(size=0.35, roughness=0.6, coverage=0.8)
+
+
+def _Flakes(output):
+    """Of flake3d, at places with a flake and without."""
+    for number, place in enumerate(np.random.default_rng(4).uniform(-3, 3, (12, 3)).astype(np.float32)):
+        place = tuple(map(float, place))
+        yield f"flake3d_{output}_{number}", (Flake(place, **_FLAKES)[output], "flake3d", "", dict(position=place, output=output, **_FLAKES))
 
 
 def _Graph(category, types, **inputs):
@@ -237,6 +280,12 @@ _CASES = {
     "latlongimage_behind": _Graph("latlongimage", "", file="z.exr", viewdir=(0.48, -0.6, -0.64)),
     "hextiledimage": _Tiles(),
     "hextiledimage_gain": _Tiles(falloff=0.3, falloffcontrast=0.8),
+    "hextilednormalmap": _TiledNormal(),
+    "hextilednormalmap_gain": _TiledNormal(falloff=0.3, strength=1.5, flip_g=True),
+    **dict(_Flakes("presence")), **dict(_Flakes("rand")), **dict(_Flakes("flakenormal")),
+    "flake3d_id": (Flake((0.3, 0.2, 0.1), **_FLAKES)["id"] / 16777215, "divide", "float", dict(
+        in1=("flake3d", "", dict(position=(0.3, 0.2, 0.1), output="id", **_FLAKES)), in2=16777215.0)),
+    "flake2d": (Flake((*_ST, 0.0), **_FLAKES)["rand"], "flake2d", "", dict(output="rand", **_FLAKES)),
     **{f"logical_{name}{a}{b}": (float(value), "convert", "boolean_float",
                                  {"in": (f"logical_{name}", "", dict(in1=bool(a), in2=bool(b)))})
        for a, b in ((0, 0), (0, 1), (1, 1)) for name, value in (("and", a and b), ("or", a or b), ("xor", a != b))},
@@ -268,6 +317,8 @@ _VARYING = {
     "tangent_object": ((1, 0, 0), "tangent", "vector3", {}),
     "bitangent": ((0, 1, 0), "bitangent", "vector3", dict(space="world")),
     "bitangent_object": ((0, 0, 1), "absval", "vector3", dict(**{"in": ("bitangent", "vector3", {})})),
+    "flake3d": (Flake((1.3, 2.2, 0.7), **_FLAKES)["rand"], "flake3d", "", dict(output="rand", **_FLAKES, position=(
+        "add", "vector3", dict(in1=("multiply", "vector3FA", dict(in1=("position", "vector3", {}), in2=1e-4)), in2=(1.3, 2.2, 0.7))))),
     "heighttonormal": (_Encoded(-0.5, -0.25), "heighttonormal", "vector3", dict(**{"in": _H})),
     "heighttonormal_scale": (_Encoded(-1, -0.5), "heighttonormal", "vector3", dict(scale=2.0, **{"in": _H})),
     "heighttonormal_position": (_Encoded(-0.5, 0), "heighttonormal", "vector3", dict(**{"in": _ALONG_X})),
@@ -293,7 +344,11 @@ def _Node(stage, path, folder, category, types, inputs):
         elif isinstance(value, str) and value.endswith(".exr"):
             value = Sdf.AssetPath(str(folder / value))
         values[name] = value
+    output = values.pop("output", None)
     node, out = AddNode(stage, path, f"ND_{category}_{types}" if types else f"ND_{category}", _Output(category, types), **values)
+    if output is not None:
+        node.CreateOutput(output, _T.Vector3f if output == "flakenormal" else _T.Float)
+        return node, output
     if category == "gltf_anisotropy_image":
         node.CreateOutput("anisotropy_strength_out", _T.Float)
         return node, "anisotropy_strength_out"
@@ -321,6 +376,8 @@ _BUMPS = {
     "bump": ((-0.5, -0.25, 1), ("bump", "vector3", dict(height=_H))),
     "bump_scale": ((-0.15, -0.075, 1), ("bump", "vector3", dict(height=_H, scale=0.3))),
     "heighttonormal": ((-0.5, -0.25, 1), ("normalmap", "", dict(**{"in": ("heighttonormal", "vector3", dict(**{"in": _H}))}))),
+    "flakes": (Flake((1.3, 2.2, 0.7), **_FLAKES)["flakenormal"], ("flake3d", "", dict(position=(1.3, 2.2, 0.7), output="flakenormal", **_FLAKES))),
+    "hextilednormalmap": (_TiledNormal()[0], ("hextilednormalmap", "vector3", dict(_TiledNormal()[3], texcoord=_ST))),
     "bump_image": ((-0.5, 0, 1), ("bump", "vector3", dict(height=_VARYING["heighttonormal_image"][3]["in"]))),
 }
 

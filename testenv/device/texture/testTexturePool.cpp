@@ -133,7 +133,7 @@ protected:
         TexelWaiters waiters(numItems, Launch(pool, items));
         numRequestRounds = 0;
         while (!waiters.IsEmpty()) {
-            waiters.Continue(pool->ProcessRequests());
+            waiters.Continue(pool->ProcessRequests(waiters.NumItems()));
             ++numRequestRounds;
             pool->SetAcceptsCoarserMips(iterations > 0 && numRequestRounds >= iterations);
             waiters.Return(Launch(pool, waiters.Take()));
@@ -143,6 +143,7 @@ protected:
             }
         }
         pool->SetAcceptsCoarserMips(false);
+        pool->ExpectAnyItems();
         pool->CollectCounts();
         return Download<std::uint32_t>(resultBuffer, list.size());
     }
@@ -315,6 +316,7 @@ TEST_F(TexturePoolTest, CountsEveryTap) {
     const TextureStatistics cold = pool.Statistics();
     EXPECT_GT(cold.misses, 0U);
     EXPECT_LT(cold.misses, cold.lookups);
+    EXPECT_EQ(cold.droppedRequests, 0U) << "also where few items are left, and the set is small";
     Read(&pool, list, 4);
     // The probe looks twice: to see whether all is there, and to read.
     EXPECT_EQ(pool.Statistics().lookups - cold.lookups, 2 * list.size());
@@ -341,6 +343,29 @@ TEST_F(TexturePoolTest, AcceptedTexelsComeFromTheNearestCoarserMip) {
     EXPECT_EQ(pool.ProcessRequests().numLoaded, 1U);
     EXPECT_TRUE(Launch(&pool, {0}).empty());
     EXPECT_EQ(Download<std::uint32_t>(resultBuffer, 1)[0], Expected(textures, fine));
+}
+
+TEST_F(TexturePoolTest, WhatFewAndManyHaveAskedForIsLoadedOnce) {
+    FakeTextures textures({{40, 256, 256}});
+    TexturePool pool(device);
+    pool.Update(&textures, 1U << 20U, 8);
+    const Tap fine{0, 0, 83, 55};
+    Read(&pool, {{0, 2, 20, 13}}, 1);
+    numTaps = 1;
+    tapBuffer = Upload(std::vector<Tap>{fine});
+    pool.SetAcceptsCoarserMips(true); // they ask, and do not wait
+    EXPECT_EQ(pool.ProcessRequests(1).numLoaded, 0U);
+    EXPECT_TRUE(Launch(&pool, {0}).empty());
+    pool.ExpectAnyItems();
+    EXPECT_TRUE(Launch(&pool, {0}).empty()); // its place in the set is another one now
+    EXPECT_EQ(pool.ProcessRequests(1).numLoaded, 1U);
+    pool.SetAcceptsCoarserMips(false);
+    EXPECT_TRUE(Launch(&pool, {0}).empty());
+    EXPECT_EQ(Download<std::uint32_t>(resultBuffer, 1)[0], Expected(textures, fine));
+    // Nothing is left in either set that would keep the same lines from being asked for again.
+    const std::vector<Tap> list = RandomTaps(textures, 2000, 8);
+    pool.Update(&textures, 16 * HDS_LINE_BYTES, 8);
+    ExpectExact(textures, list, Read(&pool, list, 1));
 }
 
 TEST_F(TexturePoolTest, InteractiveRendersEndAfterTheirIterations) {

@@ -33,8 +33,7 @@ TEST(SlotPlan, EnoughSlotsHoldConsecutiveLinesWithoutConflict) {
         const std::uint64_t numSlots = EnoughSlots(maxLines, 16, 128);
         LineSlots slots(MakeSlotPlan(static_cast<std::uint32_t>(numSlots), 16, 128));
         for (std::uint32_t line = 0; line < maxLines; ++line) {
-            const auto placement =
-                slots.Place(line, 1, []() -> const std::vector<std::uint32_t>& { throw 1; });
+            const auto placement = slots.Place(line, 1, []() -> const std::uint32_t* { throw 1; });
             ASSERT_NE(placement.slot, HDS_NONE);
             ASSERT_EQ(placement.evicted, HDS_NONE);
         }
@@ -45,9 +44,7 @@ TEST(LineSlots, MostUsedIsAHighWaterMark) {
     LineSlots slots(SlotPlan{2, 1, 1});
     std::vector<std::uint32_t> stamps(11, 0);
     const auto place = [&](std::uint32_t line, std::uint32_t epoch) {
-        return slots
-            .Place(line, epoch, [&]() -> const std::vector<std::uint32_t>& { return stamps; })
-            .slot;
+        return slots.Place(line, epoch, [&] { return stamps.data(); }).slot;
     };
     EXPECT_EQ(slots.MostUsed(), 0U);
     const std::uint32_t first = place(1, 1);
@@ -73,8 +70,7 @@ TEST(LineSlots, ThoseOfASecondPartCountOnFromTheFirst) {
     std::vector<std::uint32_t> stamps(kFirst + 11, 1);
     stamps[kFirst + 5] = 0; // used least recently
     const auto place = [&](std::uint32_t line, std::uint32_t epoch) {
-        return slots.Place(line, epoch,
-                           [&]() -> const std::vector<std::uint32_t>& { return stamps; });
+        return slots.Place(line, epoch, [&] { return stamps.data(); });
     };
     std::set<std::uint32_t> used = {slots.PlacePinned(50)};
     for (std::uint32_t line = 0; line < 8; ++line) {
@@ -96,8 +92,7 @@ TEST(LineSlots, ThoseOfASecondPartCountOnFromTheFirst) {
 TEST(LineSlots, LinesLieTogetherInTheOrderInWhichTheyCame) {
     LineSlots slots(SlotPlan{2, 5, 1});
     const auto place = [&](std::uint32_t line) {
-        const auto placement =
-            slots.Place(line, 1, []() -> const std::vector<std::uint32_t>& { throw 1; });
+        const auto placement = slots.Place(line, 1, []() -> const std::uint32_t* { throw 1; });
         EXPECT_EQ(placement.evicted, HDS_NONE);
         return placement.slot;
     };
@@ -113,8 +108,7 @@ TEST(LineSlots, LinesLieTogetherInTheOrderInWhichTheyCame) {
 class OneSet : public ::testing::Test {
 protected:
     LineSlots::Placement Place(std::uint32_t line, std::uint32_t epoch) {
-        return slots.Place(line, epoch,
-                           [this]() -> const std::vector<std::uint32_t>& { return stamps; });
+        return slots.Place(line, epoch, [this] { return stamps.data(); });
     }
 
     LineSlots slots{SlotPlan{2, 1, 1}}; ///< 2 of overflow, 8 ways, 1 pinned
@@ -158,6 +152,21 @@ TEST_F(OneSet, WhatIsInUseStaysAndOthersGoToTheOverflow) {
     EXPECT_EQ(Place(10, 5).slot, 4U);
     EXPECT_EQ(Place(11, 5).slot, HDS_NONE) << "what was placed just now stays as well";
     EXPECT_NE(Place(11, 6).slot, HDS_NONE) << "but not in the next epoch";
+}
+
+TEST_F(OneSet, WhatWasUsedAgainStaysLonger) {
+    for (std::uint32_t line = 0; line < 8; ++line) {
+        Place(line, 100);
+    }
+    for (std::uint32_t slot = 2; slot < 10; ++slot) {
+        stamps[slot] = 102; // used again, just after those that each was loaded for
+    }
+    stamps[6] = 101; // by those alone
+    EXPECT_EQ(Place(20, 150).evicted, 4U) << "not used for 49 epochs, which count four times";
+    stamps[6] = 151;
+    EXPECT_EQ(Place(21, 200).evicted, 20U) << "before what was not used for 98 epochs";
+    stamps[6] = 201;
+    EXPECT_NE(Place(22, 205).slot, 6U) << "what has come just now stays";
 }
 
 TEST_F(OneSet, EpochsMayBeginAnew) {

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// LamA, Industrial Light & Magic's layered materials, as graphs of MaterialX's closures. Part of
+// the material compiler. Explained in docs/materials.md, "Closures put together by hand".
+#pragma once
+
+#include "hdStream/shading/graphRows.h"
+
+#include <vector>
+
+namespace hds {
+
+/// All closures of LamA, and its surface. Source: MaterialX 1.39, bxdf/lama; of the directions of
+/// anisotropies nothing is read, as of those of the closures that they are made of.
+std::vector<NodeGraph> LamaGraphs();
+
+} // namespace hds
