@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A stage that is let go once its last frame is prepared: the bits of one that stays, and files of which nothing is read are closed.
+"""A stage that is let go once its last frame is prepared: the bits of one that stays, and files of which nothing is read close.
 
 The oracle is the picture of a renderer that keeps its stage. Little host memory makes each page of arrays that are read again,
 from what is left of the stage.
