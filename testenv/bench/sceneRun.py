@@ -17,10 +17,10 @@ REFERENCE_SEED = 7777  # no sample of the reference is one of what is compared w
 class Scene:
     """A stage in a session. `settings`: of all renders, by their names in hdstream's Settings."""
 
-    def __init__(self, path, camera: str, **settings):
+    def __init__(self, path, camera: str, timeCode=Usd.TimeCode.Default(), shutter=(0.0, 0.0), **settings):
         self.session = _core.Session()
         self.settings = dict(camera=camera, **settings)
-        TranslateStage(Usd.Stage.Open(str(path)), self.session, Usd.TimeCode.Default())
+        TranslateStage(Usd.Stage.Open(str(path)), self.session, timeCode, shutter)
 
     def Render(self, samples: int, **settings):
         """(color [height][width][3] floats, statistics)."""

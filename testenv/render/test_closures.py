@@ -10,7 +10,7 @@ pytest.importorskip("hdstream._core")
 import ours
 from pxr import Sdf, UsdShade
 from stages import author, shapes
-from stages.materialX import OPEN_PBR, STANDARD, AddNode, AddSurface
+from stages.materialX import OPEN_PBR, STANDARD, AddNode, AddSurface, Ball
 
 GLTF = "ND_gltf_pbr_surfaceshader"
 DISNEY = "ND_disney_principled"
@@ -321,7 +321,8 @@ def _VaryingGlass():
 def test_glass_of_varying_roughness_is_one_surface_in_its_node_graph(tmp_path):
     """Its reflection and its refraction have roughnesses of their own, of which one is clamped."""
     from stages import surfaceGraphs
-    pictures = [_Picture(tmp_path, lambda stage: surfaceGraphs.CopyMaterial(layer, "Look", stage, "/World/Look"), maxDepth=12)
+    ball = Ball(1.0)  # it has coordinates, over which the roughness varies
+    pictures = [_Picture(tmp_path, lambda stage: surfaceGraphs.CopyMaterial(layer, "Look", stage, "/World/Look"), maxDepth=12, shape=ball)
                 for layer in _VaryingGlass()]
     assert not any(picture.warnings for picture in pictures)
     blocks = [picture.rgb.reshape(4, 8, 4, 8, 3).mean((1, 3)) for picture in pictures]
