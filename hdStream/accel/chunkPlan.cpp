@@ -6,6 +6,7 @@
 
 #include <glm/common.hpp>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
@@ -123,9 +124,12 @@ private:
                 if (part.isTooLarge) {
                     ChunkPlan& plan = plans[i - begin];
                     plan = {};
-                    Planner(_source, _maxTriangles, &plan)
-                        .Plan({part.groups, part.groups + part.numGroups}, part.bounds,
-                              part.numTriangles);
+                    // A thread that waits inside takes no other part meanwhile: each has a grid.
+                    tbb::this_task_arena::isolate([&] {
+                        Planner(_source, _maxTriangles, &plan)
+                            .Plan({part.groups, part.groups + part.numGroups}, part.bounds,
+                                  part.numTriangles);
+                    });
                 }
             });
             for (std::size_t i = begin; i < end; ++i) {

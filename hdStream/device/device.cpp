@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cctype>
 #include <chrono>
-#include <mutex>
 #include <thread>
 #include <tuple>
 #include <utility>
@@ -99,11 +98,7 @@ std::string PlatformName(cl_platform_id platform) {
 }
 
 std::vector<FoundDevice> FindDevices() {
-    static std::once_flag once;
-    std::call_once(once, [] {
-        EnsurePoclCache();
-        ShareWorkGroupSizes();
-    });
+    ReadyPoclEnvironment();
     std::vector<FoundDevice> found;
     cl_uint numPlatforms = 0;
     if (clGetPlatformIDs(0, nullptr, &numPlatforms) != CL_SUCCESS) {

@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <mutex>
 #include <string>
 
 namespace hds {
@@ -49,6 +50,19 @@ void EnsurePoclCache() {
 
 void ShareWorkGroupSizes() {
     ::setenv("POCL_WORK_GROUP_SPECIALIZATION", "0", 0);
+}
+
+void SetHwlocPlugins() {
+    ::setenv("HWLOC_PLUGINS_PATH", "/dev/null", 0);
+}
+
+void ReadyPoclEnvironment() {
+    static std::once_flag once;
+    std::call_once(once, [] {
+        EnsurePoclCache();
+        ShareWorkGroupSizes();
+        SetHwlocPlugins();
+    });
 }
 
 } // namespace hds

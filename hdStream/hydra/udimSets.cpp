@@ -97,12 +97,8 @@ void HdStreamUdimSets::_OnEdit(const SdfNotice::LayersDidChange& notice) {
 /// In the order of the layers' identifiers.
 std::vector<SdfLayerHandle> HdStreamUdimSets::_Find(const std::string& authored) {
     const std::lock_guard<std::mutex> lock(_mutex);
-    std::vector<SdfLayerHandle> found = _FindKnown(authored);
-    if (found.empty()) { // in layers that came or were edited since
-        _Read();
-        found = _FindKnown(authored);
-    }
-    return found;
+    _Read(); // what came or was edited since
+    return _FindKnown(authored);
 }
 
 /// \pre the mutex is held, as in what follows.

@@ -28,13 +28,13 @@ namespace {
 
 using ReleaseGil = nb::call_guard<nb::gil_scoped_release>;
 
-/// Ends without the GIL: threads that it waits for may be about to warn.
+/// Waits without the GIL: the threads may be about to warn. All else goes with it.
 class PythonSession final : public Session {
 public:
     using Session::Session;
     ~PythonSession() {
         const nb::gil_scoped_release released;
-        Close();
+        EndThreads();
     }
 };
 

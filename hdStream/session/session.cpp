@@ -3,6 +3,7 @@
 
 #include "hdStream/base/machine.h"
 #include "hdStream/device/kernelCompilers.h"
+#include "hdStream/device/poclCache.h"
 #include "hdStream/integrator/dicingCamera.h"
 #include "hdStream/integrator/generalKernels.h"
 #include "hdStream/integrator/pathTracer.h"
@@ -215,11 +216,11 @@ struct Session::Impl {
         cache.geometry.Sources().SetLimit(shares.sources);
     }
 
-    /// Of many prims front ends and planning leave as much behind as the scene takes.
-    void ReturnFreeMemoryOfLargeScene() const {
-        if (statistics.sceneBytes >= kLargeScene) {
-            ReturnFreeMemory();
-        }
+    /// Whether the scene is much larger than when this was asked last. Of many prims front ends and
+    /// planning leave as much free memory behind as the scene takes; edits leave little.
+    bool HasGrownMuch() {
+        const std::uint64_t before = std::exchange(askedBytes, statistics.sceneBytes);
+        return statistics.sceneBytes >= before + kLargeScene;
     }
 
     /// The scene in device memory. \return false when it was cancelled.
@@ -236,14 +237,19 @@ struct Session::Impl {
         const CommitKey key{sceneVersion, commitOptions, residency};
         committed.reset();
         ShareHostMemory(settings);
-        ReturnFreeMemoryOfLargeScene();
+        const bool isMuchNew = HasGrownMuch();
+        if (isMuchNew) {
+            ReturnFreeMemory();
+        }
         cache.contentVersion = settings.interactive ? contentVersion : 0;
         auto next = CommitScene(description, commitOptions, &cache, warnings, isCancelled);
         if (!next) {
             return false;
         }
         ShareHostMemory(settings);
-        ReturnFreeMemoryOfLargeScene();
+        if (isMuchNew) {
+            ReturnFreeMemory();
+        }
         ReadyTracer();
         residency.preparesAll = residency.preparesAll ||
                                 RaysPayForAllPages(*next, options, residency, device->Properties());
@@ -370,15 +376,19 @@ struct Session::Impl {
     std::unique_ptr<Denoiser> denoiser;
     std::vector<std::string> denoisedAovs; ///< of the present render; empty: it is not denoised
     StatisticsInput statistics;
+    std::uint64_t askedBytes = 0; ///< of the scene, when HasGrownMuch was asked last
     double sinceStartSeconds = 0.0;
 };
 
-Session::Session(WarningSink onWarning) : _impl(std::make_unique<Impl>(std::move(onWarning))) {}
+Session::Session(WarningSink onWarning) : _impl(std::make_unique<Impl>(std::move(onWarning))) {
+    ReadyPoclEnvironment();
+}
 
 Session::~Session() = default;
 
-void Session::Close() {
-    _impl.reset();
+void Session::EndThreads() {
+    _impl->tracer.reset();
+    _impl->device.reset(); // its compilers warn
 }
 
 void Session::SetGeometry(const std::string& path, GeometryPrim prim) {

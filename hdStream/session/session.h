@@ -61,15 +61,16 @@ class Session {
 public:
     using WarningSink = std::function<void(const std::string& line)>;
 
-    /// Does not touch a device yet: describing, dumping and inspecting a scene needs none.
+    /// Does not touch a device yet: describing, dumping and inspecting a scene needs none. Sets
+    /// what PoCL reads of the environment: make the first one while no other thread reads that.
     explicit Session(WarningSink onWarning = {});
     ~Session();
     Session(const Session&) = delete;
     Session& operator=(const Session&) = delete;
 
-    /// Ends all that it has, as the destructor does: nothing else may be called afterwards. Blocks:
-    /// threads that still warn are waited for.
-    void Close();
+    /// Ends what has threads that may still warn, and waits for them; only the destructor may be
+    /// called afterwards.
+    void EndThreads();
 
     // --- Scene edits: each replaces the prim of that path, or removes it. -----------------------
     // Cheap whatever the prim: what is expensive to prepare is shared through pointers

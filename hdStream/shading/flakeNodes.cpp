@@ -49,9 +49,9 @@ private:
         const ShaderValue zero = MakeScalar(0.0F);
         const ShaderValue roughness = In("roughness", 0.1F);
         const ShaderValue height = ChannelOf(flake, 1);
-        const ShaderValue slope =
-            Scalar(HDS_MATH_DIVIDE, Product(Product(roughness, roughness), Root(height)),
-                   Root(Scalar(HDS_MATH_SUBTRACT, one, height)));
+        const ShaderValue slope = Scalar(
+            HDS_MATH_DIVIDE, Product(Product(roughness, roughness), Root(height)),
+            Root(Scalar(HDS_MATH_MAX, Scalar(HDS_MATH_SUBTRACT, one, height), MakeScalar(1e-7F))));
         const ShaderValue phi = Product(ChannelOf(flake, 0), MakeScalar(6.28318531F));
         const ShaderValue normal = MakeMath(
             HDS_MATH_NORMALIZE,

@@ -245,7 +245,8 @@ void TexturePool::ReserveItems(std::uint32_t numItems) {
         ++_generation;
     }
     _waiting.Fill(0, kWord);
-    ExpectAnyItems(); // a render that failed has left it
+    ExpectAnyItems();   // a render that failed has left it
+    _stampView.reset(); // and this
 }
 
 /// How much of the set kernels use. \pre it does not shrink, or nothing is asked for. What is asked
@@ -330,7 +331,6 @@ TexturePool::Outcome TexturePool::ProcessRequests(std::uint32_t numItems) {
                    [](std::uint32_t line) {
                        return Load{line, false};
                    });
-    _stampView.reset(); // of a round that failed
     LoadAll(loads, &outcome);
     _stampView.reset();
     _epoch = std::max(1U, _epoch + 1);

@@ -81,6 +81,17 @@ TEST_F(UdimSets, OfALayerThatIsEditedOrComesLaterAreFound) {
     EXPECT_EQ(sets.Resolve("./later.<UDIM>.png"), ofLater);
 }
 
+TEST_F(UdimSets, StayThoseOfTheFirstLayerWhenItIsEdited) {
+    const SdfLayerRefPtr first = MakeLayer("a", "./t.<UDIM>.png");
+    const SdfLayerRefPtr second = MakeLayer("b", "./t.<UDIM>.png");
+    const std::string path = MakeTile("a", "t.1001.png", "t.<UDIM>.png");
+    MakeTile("b", "t.1001.png", "");
+    HdStreamUdimSets sets;
+    EXPECT_EQ(sets.Resolve("./t.<UDIM>.png"), path);
+    SdfPrimSpec::New(first, "Unlike", SdfSpecifierDef);
+    EXPECT_EQ(sets.Resolve("./t.<UDIM>.png"), path);
+}
+
 TEST_F(UdimSets, ThatAreMissingReadNoLayerTwice) {
     const SdfLayerRefPtr one = MakeLayer("a", "./a.<UDIM>.png");
     const SdfLayerRefPtr two = MakeLayer("b", "./b.<UDIM>.png");

@@ -8,6 +8,7 @@ from what is left of the stage.
 import gc
 import subprocess
 import sys
+import threading
 
 import numpy as np
 import pytest
@@ -230,6 +231,7 @@ def test_the_command_lets_it_go_with_the_last_frame(tmp_path):
     stage.GetRootLayer().Save()
     script = f"""
 import sys
+import threading
 from hdstream import cli, renderer
 from hdstream.renderer import Renderer
 
@@ -254,3 +256,31 @@ sys.exit(cli.Main(sys.argv[1:]))
         image.Write(tmp_path / "python.exr")
         compared = _core.CompareImages(str(tmp_path / "python.exr"), str(tmp_path / f"out.0{time}.exr"))
         assert not compared.error and all(layer.numDifferingPixels == 0 for layer in compared.layers)
+
+
+def test_other_threads_may_translate_meanwhile(tmp_path):
+    """Readers of other stages come while those of the stage are looked for."""
+    stage = author.NewStage(str(tmp_path / "a.usda"))
+    points = author.AddMesh(stage, "/World/Ball", shapes.Sphere(1, 40, 40)).GetPointsAttr()
+    values = np.array(points.Get())
+    Read = lambda attribute: np.array(attribute.Get())
+    kept = [rereading.Again(points, Usd.TimeCode.Default(), values, Read) for _ in range(2000)]
+    isOver = threading.Event()
+
+    def Translate():
+        while not isOver.is_set():
+            kept.append(rereading.Again(points, Usd.TimeCode.Default(), values, Read))
+
+    other = Usd.Stage.CreateInMemory()
+    interval = sys.getswitchinterval()
+    thread = threading.Thread(target=Translate)
+    sys.setswitchinterval(1e-6)
+    thread.start()
+    try:
+        for _ in range(30):
+            rereading.MoveToPart(other, [])
+    finally:
+        isOver.set()
+        thread.join()
+        sys.setswitchinterval(interval)
+    assert len(kept) > 2000

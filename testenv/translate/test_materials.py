@@ -239,7 +239,7 @@ def test_udim_pattern_is_resolved(tmp_path):
 
 
 @pytest.mark.parametrize("surface, drawn, warns", [
-    ("ND_standard_surface_surfaceshader", "Mtlx", False), ("ND_lama_surface", "Preview", True), ("", "Preview", True)])
+    ("ND_standard_surface_surfaceshader", "Mtlx", False), ("ND_lama_surface", "Mtlx", False), ("ND_ours_surfaceshader", "Preview", True), ("", "Preview", True)])
 def test_a_surface_that_is_drawn_is_preferred_to_one_that_is_not(surface, drawn, warns):
     text = f"""def Material "M" {{
         token outputs:mtlx:surface.connect = </M/Mtlx.outputs:out>

@@ -29,6 +29,7 @@ def Main(arguments=None):
     """Runs a command; returns the exit code. Never shows a traceback for a user's error."""
     arguments = sys.argv[1:] if arguments is None else list(arguments)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # numpy's other threads would spin beside the render, with nothing to do
+    os.environ.setdefault("OPENBLAS_MAIN_FREE", "1")  # numpy would set it beside the thread that opens the device and reads others
     with Interruption():  # the core is loaded for its settings
         args = _MakeParser("record" in arguments[:1]).parse_args(arguments)
     try:

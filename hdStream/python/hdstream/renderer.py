@@ -175,6 +175,8 @@ class Renderer:
                 raise TypeError(f"there is no setting '{name}' (docs/settings.md lists all)")
         if timeCode is None:
             timeCode = self._stage.GetStartTimeCode()
+        if self._isStageReleased:
+            raise UsageError("the stage has been released: nothing else can be prepared of it")
         self._frame = None  # what went wrong leaves nothing to render
         self._frame = _Raising(self._MakeFrame, Usd.TimeCode(timeCode), settings, renderSettingsPrimPath, renderProductPrimPath,
                                renderPassPrimPath, crop)
@@ -323,15 +325,13 @@ class Renderer:
         self._isStageReleased = True
 
     def _MakeFrame(self, timeCode, values, renderSettingsPrimPath, renderProductPrimPath, renderPassPrimPath, crop):
-        if self._isStageReleased:
-            raise UsageError("the stage has been released: nothing else can be prepared of it")
         start = time.perf_counter()
         settingsPath = SettingsPathOf(self._stage, renderSettingsPrimPath, renderPassPrimPath, self._session)
         renderSettings = ReadRenderSettings(self._stage, settingsPath, self._session, renderProductPrimPath)
         cameraPrim = FindCamera(self._stage, values.get("camera"), renderSettings.camera)
         settings = MakeSettings(values, renderSettings, self._session.Warn)
         shutter = ShutterOf(cameraPrim, timeCode, settings)
-        self._numPrims += self._translation.Update(timeCode, shutter, renderPassPrimPath or "")
+        self._numPrims = max(self._numPrims, self._translation.Update(timeCode, shutter, renderPassPrimPath or ""))
         self._diagnostics.WarnOf(self._session)
         if self._session.Scene().isEmpty:
             self._session.Warn(self._name, "the stage has nothing to draw")

@@ -6,6 +6,7 @@ deleted, or replaced by another of its name, stays mapped as it was; one that wa
 """
 
 import os
+import threading
 import weakref
 
 from pxr import Usd
@@ -15,6 +16,7 @@ from hdstream import _core
 SMALLEST = 1 << 16  # bytes; smaller arrays are kept
 
 _readers = weakref.WeakSet()  # of all stages
+_readersLock = threading.Lock()  # one may come while another thread walks them
 
 
 def IsKept(numBytes):
@@ -38,7 +40,8 @@ def MoveToPart(stage, mappedPaths):
     `mappedPaths`: of prims whose arrays the core keeps as they are mapped. OpenUSD makes copies of those when it closes a file.
 
     `stage` is as OpenStage gave it: nothing of it is muted or unloaded."""
-    readers = [reader for reader in _readers if reader.IsOf(stage)]
+    with _readersLock:
+        readers = [reader for reader in _readers if reader.IsOf(stage)]
     mask = Usd.StagePopulationMask([*mappedPaths, *(reader.PrimPath() for reader in readers)])
     part = Usd.Stage.OpenMasked(stage.GetRootLayer(), stage.GetSessionLayer(), stage.GetPathResolverContext(), mask)
     for reader in readers:
@@ -62,7 +65,8 @@ class _Reader:
         specs = attribute.GetPropertyStack(Usd.TimeCode(timeCode))
         paths = {spec.layer.realPath.split("[")[0] for spec in specs}  # of packages the package
         self._files = [(path, _IdentityOf(path)) for path in sorted(paths) if path]
-        _readers.add(self)
+        with _readersLock:
+            _readers.add(self)
 
     def IsOf(self, stage):
         return self._stage == stage
