@@ -17,7 +17,7 @@ from pxr import Usd
 from hdstream import _core
 from hdstream.denoiser import FindDenoiser
 from hdstream.diagnostics import Diagnostics
-from hdstream.errors import EXIT_USAGE, CommandError, UsageError
+from hdstream.errors import EXIT_USAGE, CommandError
 from hdstream.framing import FREE_CAMERA_PATH, FindCamera
 from hdstream.frameSetup import Framing, FrameTime, MakeMetadata, MakeSettings, ShutterOf
 from hdstream.processTime import SecondsSinceStart
@@ -176,7 +176,7 @@ class Renderer:
         if timeCode is None:
             timeCode = self._stage.GetStartTimeCode()
         if self._isStageReleased:
-            raise UsageError("the stage has been released: nothing else can be prepared of it")
+            raise _core.UsageError("the stage has been released: nothing else can be prepared of it")
         self._frame = None  # what went wrong leaves nothing to render
         self._frame = _Raising(self._MakeFrame, Usd.TimeCode(timeCode), settings, renderSettingsPrimPath, renderProductPrimPath,
                                renderPassPrimPath, crop)
