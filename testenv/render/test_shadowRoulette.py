@@ -14,7 +14,7 @@ from stages import author, shapes
 _SIZE, _SAMPLES = 64, 128
 
 
-@pytest.mark.parametrize("angle, share", [(40, 0.75), (60, 0.2), (80, 0.1)])
+@pytest.mark.parametrize("angle, share", [(40, 0.85), (60, 0.35), (80, 0.4)])
 def test_the_tail_of_a_highlight_is_that_of_the_formula(angle, share, tmp_path):
     path = f"{tmp_path}/a.usda"
     metal = dict(diffuseColor=(0.9, 0.6, 0.3), metallic=1.0, roughness=0.1)
