@@ -21,7 +21,8 @@ def test_the_notebook_is_the_page(notebook):
     assert notebook["nbformat"] == 4
 
 
-def test_cells_run_and_print_what_the_notebook_shows(notebook):
+def test_cells_run_and_print_what_the_notebook_shows(notebook, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # cells write files
     namespace = {}
     numPictures = 0
     for cell in notebook["cells"]:

@@ -244,9 +244,9 @@ def test_bits_do_not_depend_on_pools_and_waves(tmp_path):
 
 
 def test_what_is_not_supported_is_said(tmp_path):
-    surface = _Surface(lambda c: c.Mix(c.Diffuse(), c("lama_diffuse"), 0.5), lambda c: c("conical_edf", color=BLUE))
+    surface = _Surface(lambda c: c.Mix(c.Diffuse(), c("ours_bsdf"), 0.5), lambda c: c("conical_edf", color=BLUE))
     warnings = " ".join(_Picture(tmp_path, surface, samples=1, size=8).warnings)
-    assert "ND_lama_diffuse" in warnings and "emits alike in all directions" in warnings
+    assert "ND_ours_bsdf" in warnings and "emits alike in all directions" in warnings
 
 
 GRAPHS = {

@@ -163,6 +163,6 @@ def test_no_node_warns(strip):
 
 def test_unknown_nodes_warn_once_with_their_name(tmp_path):
     strip = Strip(tmp_path / "unknown.usda")
-    strip.Add("unknown", _Build((0, "flake2d", "float", {}), False), st=_ST)
-    warnings = [w for w in strip.Render().picture.warnings if "flake2d" in w]
+    strip.Add("unknown", _Build((0, "ours2d", "float", {}), False), st=_ST)
+    warnings = [w for w in strip.Render().picture.warnings if "ours2d" in w]
     assert len(warnings) == 1 and "/World/M0/Node" in warnings[0]

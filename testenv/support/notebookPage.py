@@ -13,6 +13,7 @@ import io
 import json
 import pathlib
 import re
+import tempfile
 
 DOCS = pathlib.Path(__file__).resolve().parents[2] / "docs"
 PAGE = DOCS / "python.md"
@@ -67,4 +68,6 @@ def _OutputsOf(printed, value, number):
 
 
 if __name__ == "__main__":
-    NOTEBOOK.write_text(json.dumps(MakeNotebook(PAGE.read_text(encoding="utf-8")), indent=1) + "\n", encoding="utf-8")
+    with tempfile.TemporaryDirectory() as scratch, contextlib.chdir(scratch):  # cells write files
+        page = MakeNotebook(PAGE.read_text(encoding="utf-8"))
+    NOTEBOOK.write_text(json.dumps(page, indent=1) + "\n", encoding="utf-8")
