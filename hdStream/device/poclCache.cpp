@@ -33,8 +33,10 @@ bool CanWrite(const fs::path& folder) {
     return !error && ::access(folder.c_str(), W_OK | X_OK) == 0;
 }
 
-} // namespace
-
+/// Work-around: PoCL (3.1 to 6) reports no device, or aborts, when it cannot create its own kernel
+/// cache, as with a read-only home folder in a container or on a farm. Points POCL_CACHE_DIR to a
+/// folder of ours in the temporary directory when it is not set and the folder PoCL would take
+/// cannot be written. Can go when testenv/cli's test of a read-only home passes without it.
 void EnsurePoclCache() {
     const fs::path folder = DefaultPoclFolder();
     if (IsSet("POCL_CACHE_DIR") || folder.empty() || CanWrite(folder)) {
@@ -48,13 +50,20 @@ void EnsurePoclCache() {
     }
 }
 
+/// PoCL compiles a kernel for work-groups of any size when it hands out a binary, and once more for
+/// each size, and for large and small ranges, when it is launched. From here on it launches what is
+/// in the binary. The bits are the same, and so is the time of our kernels (docs/device.md).
 void ShareWorkGroupSizes() {
     ::setenv("POCL_WORK_GROUP_SPECIALIZATION", "0", 0);
 }
 
+/// PoCL sets the variable by which hwloc loads no plug-ins whenever it looks for devices. From here
+/// on it is there already.
 void SetHwlocPlugins() {
     ::setenv("HWLOC_PLUGINS_PATH", "/dev/null", 0);
 }
+
+} // namespace
 
 void ReadyPoclEnvironment() {
     static std::once_flag once;

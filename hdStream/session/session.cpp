@@ -216,10 +216,11 @@ struct Session::Impl {
         cache.geometry.Sources().SetLimit(shares.sources);
     }
 
-    /// Whether the scene is much larger than when this was asked last. Of many prims front ends and
-    /// planning leave as much free memory behind as the scene takes; edits leave little.
-    bool HasGrownMuch() {
-        const std::uint64_t before = std::exchange(askedBytes, statistics.sceneBytes);
+    /// Notes the scene's size. \return whether it is much larger than that noted before. Of many
+    /// prims front ends and planning leave as much free memory behind as the scene takes; edits
+    /// leave little.
+    bool NoteGrowth() {
+        const std::uint64_t before = std::exchange(notedBytes, statistics.sceneBytes);
         return statistics.sceneBytes >= before + kLargeScene;
     }
 
@@ -237,7 +238,7 @@ struct Session::Impl {
         const CommitKey key{sceneVersion, commitOptions, residency};
         committed.reset();
         ShareHostMemory(settings);
-        const bool isMuchNew = HasGrownMuch();
+        const bool isMuchNew = NoteGrowth();
         if (isMuchNew) {
             ReturnFreeMemory();
         }
@@ -376,7 +377,7 @@ struct Session::Impl {
     std::unique_ptr<Denoiser> denoiser;
     std::vector<std::string> denoisedAovs; ///< of the present render; empty: it is not denoised
     StatisticsInput statistics;
-    std::uint64_t askedBytes = 0; ///< of the scene, when HasGrownMuch was asked last
+    std::uint64_t notedBytes = 0; ///< of the scene, as NoteGrowth has noted it
     double sinceStartSeconds = 0.0;
 };
 
