@@ -272,7 +272,7 @@ private:
         place(_nodes.size() * sizeof(_nodes[0]));
         header.leaves = place(_leaves.size() * sizeof(shared::HdsFlatLeaf));
         header.places = place(_places.places.size() * sizeof(_places.places[0]));
-        header.records = place(_places.records.size() * sizeof(_places.records[0]));
+        header.transforms = place(_places.transforms.size() * sizeof(_places.transforms[0]));
         flat->buffer.resize(bytes);
         std::uint8_t* data = flat->buffer.data();
         std::memcpy(data, &header, sizeof(header));
@@ -282,8 +282,8 @@ private:
         };
         std::memcpy(part(header.places), _places.places.data(),
                     _places.places.size() * sizeof(_places.places[0]));
-        std::memcpy(part(header.records), _places.records.data(),
-                    _places.records.size() * sizeof(_places.records[0]));
+        std::memcpy(part(header.transforms), _places.transforms.data(),
+                    _places.transforms.size() * sizeof(_places.transforms[0]));
         std::uint8_t* leaves = part(header.leaves);
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, _leaves.size(), kGrain),
                           [&](const auto& range) {

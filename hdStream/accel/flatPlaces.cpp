@@ -50,6 +50,16 @@ glm::dmat4 MatrixOf(const shared::HdsInstance& instance) {
     return matrix;
 }
 
+shared::HdsFlatTransform ColumnsOf(const shared::HdsInstance& instance) {
+    shared::HdsFlatTransform transform{};
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 4; ++column) {
+            transform.columns[column][row] = instance.objectFromParent[4 * row + column];
+        }
+    }
+    return transform;
+}
+
 glm::dmat3 Abs(const glm::dmat3& matrix) {
     return {glm::abs(matrix[0]), glm::abs(matrix[1]), glm::abs(matrix[2])};
 }
@@ -117,7 +127,7 @@ public:
             _places = {};
             return;
         }
-        NumberSpaces();
+        AddTransforms();
         AddInstances(isFlat);
     }
 
@@ -158,13 +168,11 @@ private:
     /// Adds the places below a record of the TLAS. \return false, and none, when one cannot be.
     bool AddPlaces(std::uint32_t record) {
         const std::size_t numPlaces = _places.places.size();
-        const std::size_t numRecords = _places.records.size();
         if (Descend(record, Way())) {
             return true;
         }
         _places.places.resize(numPlaces);
         _places.placements.resize(numPlaces);
-        _places.records.resize(numRecords);
         return false;
     }
 
@@ -211,28 +219,31 @@ private:
         place.seen = way.seen;
         place.pathIndex[0] = static_cast<std::uint32_t>(way.path);
         place.pathIndex[1] = static_cast<std::uint32_t>(way.path >> 32U);
-        place.firstRecord = static_cast<std::uint32_t>(_places.records.size());
-        place.numRecords = way.count;
-        _places.records.insert(_places.records.end(), way.records.begin(),
-                               way.records.begin() + way.count);
+        placement.records = way.records;
+        placement.numRecords = way.count;
         _places.places.push_back(place);
         _places.placements.push_back(placement);
         return true;
     }
 
-    /// Places with equal transforms on the way get equal numbers.
-    void NumberSpaces() {
+    /// Places with equal transforms on the way share them.
+    void AddTransforms() {
         using Rows = std::array<std::uint32_t, 12>;
         std::map<std::vector<Rows>, std::uint32_t> known;
-        for (shared::HdsFlatPlace& place : _places.places) {
-            std::vector<Rows> way(place.numRecords);
-            for (std::uint32_t i = 0; i < place.numRecords; ++i) {
-                const std::uint32_t record = _places.records[place.firstRecord + i];
-                std::memcpy(way[i].data(), _source.instances[record].objectFromParent,
-                            sizeof(Rows));
+        for (std::size_t index = 0; index < _places.places.size(); ++index) {
+            const FlatPlacement& placement = _places.placements[index];
+            std::vector<Rows> way(placement.numRecords);
+            for (std::uint32_t i = 0; i < placement.numRecords; ++i) {
+                const shared::HdsInstance& instance = _source.instances[placement.records[i]];
+                std::memcpy(way[i].data(), instance.objectFromParent, sizeof(Rows));
             }
-            const auto next = static_cast<std::uint32_t>(known.size());
-            place.space = known.emplace(std::move(way), next).first->second;
+            const auto next = static_cast<std::uint32_t>(_places.transforms.size());
+            const auto [found, isNew] = known.emplace(std::move(way), next);
+            for (std::uint32_t i = 0; isNew && i < placement.numRecords; ++i) {
+                _places.transforms.push_back(ColumnsOf(_source.instances[placement.records[i]]));
+            }
+            _places.places[index].firstTransform = found->second;
+            _places.places[index].numTransforms = placement.numRecords;
         }
     }
 

@@ -8,6 +8,8 @@
 
 #include <glm/mat4x4.hpp>
 
+#include <array>
+#include <cstdint>
 #include <vector>
 
 namespace hds {
@@ -17,6 +19,9 @@ struct FlatPlacement {
     std::uint32_t object = 0;
     glm::dmat4 worldFromObject{1.0};
     bool isInPlace = false; ///< worldFromObject is the identity
+    /// On the way, from the TLAS inwards.
+    std::array<std::uint32_t, HDS_FLAT_MAX_RECORDS> records{};
+    std::uint32_t numRecords = 0;
     /// Boxes are widened by 2^this of their largest coordinate (docs/accel.md, "Padding").
     int marginExponent = 0;
 };
@@ -31,7 +36,7 @@ struct FlatInstance {
 struct FlatPlaces {
     std::vector<shared::HdsFlatPlace> places;
     std::vector<FlatPlacement> placements; ///< [places.size()]
-    std::vector<std::uint32_t> records;    ///< on the way to each place
+    std::vector<shared::HdsFlatTransform> transforms;
     std::vector<FlatInstance> instances;
 };
 

@@ -2,7 +2,7 @@
  * The flat hierarchy: one BVH in world space over the triangles of placed meshes, with boxes of
  * floats and leaves that hold vertices. It takes the place of TLAS, groups, top trees and the BVHs
  * of chunks where everything is resident, and finds the same hits. All of it lies in one buffer:
- * the header, nodes, leaves, places and their records. Explained in docs/accel.md. */
+ * the header, nodes, leaves, places and their transforms. Explained in docs/accel.md. */
 #ifndef HDS_SHARED_FLAT_BVH_H
 #define HDS_SHARED_FLAT_BVH_H
 #include "shared/compat.h"
@@ -26,9 +26,9 @@
 HDS_SHARED_BEGIN
 /* Begins the buffer; nodes follow, root first. */
 typedef struct {
-    u32 leaves;  /* offset of HdsFlatLeaf[] */
-    u32 places;  /* offset of HdsFlatPlace[] */
-    u32 records; /* offset of u32[]: records in instances, of each place from the TLAS inwards */
+    u32 leaves;     /* offset of HdsFlatLeaf[] */
+    u32 places;     /* offset of HdsFlatPlace[] */
+    u32 transforms; /* offset of HdsFlatTransform[] */
     u32 unused[13];
 } HdsFlatHeader;
 HDS_ASSERT_SIZE(HdsFlatHeader, 64);
@@ -55,15 +55,21 @@ typedef struct {
 } HdsFlatLeaf;
 HDS_ASSERT_SIZE(HdsFlatLeaf, 192);
 
+/* Object from parent, as of HdsInstance; by columns, so that a ray is transformed in lanes. */
+typedef struct {
+    f32 columns[4][4]; /* the last one is the translation; the last component of each is 0 */
+} HdsFlatTransform;
+HDS_ASSERT_SIZE(HdsFlatTransform, 64);
+
 /* A placement of a mesh, through all levels. */
 typedef struct {
-    u32 instance;     /* leaf record in instances */
-    u32 flags;        /* its flags */
-    u32 seen;         /* flags that all records on the way have */
-    u32 space;        /* places with equal transforms on the way have equal numbers */
+    u32 instance;       /* leaf record in instances */
+    u32 flags;          /* its flags */
+    u32 seen;           /* flags that all records on the way have */
+    u32 firstTransform; /* on the way, from the TLAS inwards; places with equal ones share them */
+    u32 numTransforms;
     u32 pathIndex[2]; /* low, high */
-    u32 firstRecord;  /* in records */
-    u32 numRecords;
+    u32 unused;
 } HdsFlatPlace;
 HDS_ASSERT_SIZE(HdsFlatPlace, 32);
 HDS_SHARED_END

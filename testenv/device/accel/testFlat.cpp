@@ -2,6 +2,7 @@
 // The flat hierarchy finds the hits of the other forms, to the bit, whatever it flattens.
 #include "testenv/device/accel/mixedScene.h"
 
+#include <algorithm>
 #include <array>
 
 namespace hds::test {
@@ -152,6 +153,27 @@ TEST_F(FlatBvhTest, TakesRaysThatAreNone) {
         }
     }
     ExpectSameHits(mixed.scene, rays);
+}
+
+// With the shortest the distance of planes, in lengths of the direction, is no float.
+TEST_F(FlatBvhTest, TakesDirectionsOfAnyLength) {
+    const MixedScene mixed(false, true);
+    const DeviceAccelScene scene(device, mixed.scene);
+    const TraversalProbe flat(device, AccelForm::Flat);
+    const TraversalProbe scalar(device, AccelForm::Scalar);
+    for (const float length : {1e-29F, 1e-20F, 1e20F}) {
+        std::vector<ProbeRay> rays = MixedRays(1000);
+        for (ProbeRay& ray : rays) {
+            for (float& component : ray.direction) {
+                component *= length;
+            }
+            ray.tMin = 0.0F;
+            ray.tMax = INFINITY;
+        }
+        const Hits expected = scalar.BruteForce(scene, rays);
+        EXPECT_GT(std::count_if(expected.begin(), expected.end(), IsHit), 100) << length;
+        EXPECT_EQ(CountDifferentBits(flat.Closest(scene, rays), expected), 0U) << length;
+    }
 }
 
 TEST_F(FlatBvhTest, TakesScenesOfNothing) {
