@@ -169,17 +169,18 @@ FoundDevice ChooseDevice(const std::vector<FoundDevice>& found, const std::strin
 /// Waits until nobody holds a context but who asks. PoCL's threads let go of a queue, and with it
 /// of the context, after they have woken who waits for its commands. Who lets go last frees what
 /// LLVM has made; on such a thread that would go on while the process ends, and LLVM's globals with
-/// it. Nobody else should hold one; if somebody does, the time is limited.
+/// it. Nobody else should hold one; if somebody does, looks are numbered. Seconds would not do:
+/// where other processes take the machine, or this one is stopped, they pass while no thread gets
+/// on.
 void AwaitLastUser(cl_context context) {
-    constexpr auto kPatience = std::chrono::seconds(1);
-    const auto start = std::chrono::steady_clock::now();
+    constexpr int kMaxLooks = 30'000; // three seconds or so where nothing else runs
     const auto isHeld = [context] {
         cl_uint count = 0;
         const cl_int code =
             clGetContextInfo(context, CL_CONTEXT_REFERENCE_COUNT, sizeof(count), &count, nullptr);
         return code == CL_SUCCESS && count > 1;
     };
-    while (isHeld() && std::chrono::steady_clock::now() - start < kPatience) {
+    for (int look = 0; look < kMaxLooks && isHeld(); ++look) {
         std::this_thread::sleep_for(std::chrono::microseconds(50));
     }
 }

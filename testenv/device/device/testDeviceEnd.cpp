@@ -52,5 +52,18 @@ TEST_F(DeviceEnd, WaitsForThreadsOfTheDriverThatStillHoldIt) {
     starter.join();
 }
 
+// A reference that is never given back must not keep a process from its end.
+TEST_F(DeviceEnd, EndsAllTheSameWhereSomebodyElseHoldsIt) {
+    std::shared_ptr<Device> own = Device::Create(device->Properties());
+    cl_context context = own->GetHandles().context;
+    ASSERT_EQ(clRetainContext(context), CL_SUCCESS);
+    own.reset();
+    cl_uint count = 0;
+    EXPECT_EQ(clGetContextInfo(context, CL_CONTEXT_REFERENCE_COUNT, sizeof(count), &count, nullptr),
+              CL_SUCCESS);
+    EXPECT_EQ(count, 1U);
+    clReleaseContext(context);
+}
+
 } // namespace
 } // namespace hds::test
