@@ -69,6 +69,10 @@ public:
         _chunks.push_back(std::move(chunk));
         _shouldStay.push_back(false);
     }
+    /// Puts a chunk in the place of another one.
+    void ReplaceChunk(std::uint32_t index, std::shared_ptr<ChunkPages> chunk) {
+        _chunks[index] = std::move(chunk);
+    }
     /// Chunks of instances come before all others (PageProvider::NumOuterPages).
     void AddInstanceChunks(const std::vector<std::shared_ptr<ChunkPages>>& chunks) {
         _chunks.insert(_chunks.begin(), chunks.begin(), chunks.end());

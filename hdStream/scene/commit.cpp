@@ -294,6 +294,14 @@ std::unique_ptr<CommittedScene> CommitScene(const SceneDescription& scene,
                                             Warnings& warnings, const CancelCallback& isCancelled) {
     const auto start = std::chrono::steady_clock::now();
     std::shared_ptr<PrimCommit> prims = FindKeptPrims(options, *cache);
+    if (prims && !cache->reshaped.empty()) {
+        const PrimCommit::Reshaped reshaped = prims->Reshape(cache->reshaped, isCancelled);
+        if (reshaped == PrimCommit::Reshaped::Cancelled) {
+            return nullptr;
+        }
+        prims = reshaped == PrimCommit::Reshaped::Done ? prims : nullptr;
+    }
+    cache->reshaped.clear();
     const SceneDescription* inWorkingSpace = &scene;
     if (!prims) {
         cache->prims.reset(); // frees first

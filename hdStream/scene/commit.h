@@ -28,6 +28,8 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
+#include <string>
 #include <vector>
 
 namespace hds {
@@ -103,6 +105,8 @@ struct CommitCache {
     std::uint64_t contentVersion = 0;
     std::shared_ptr<PrimCommit> prims; ///< of the last commit that made any, where they may stay
     std::uint64_t primsVersion = 0;    ///< contentVersion of then
+    /// Prims of which edits since then have left all but the shape; who counts edits adds them.
+    std::set<std::string> reshaped;
 };
 
 /// Counts for the statistics and `hdstream info`.

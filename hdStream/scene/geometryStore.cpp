@@ -33,6 +33,7 @@ bool GeometryStore::Prepare(const SceneDescription& scene, const std::vector<Dra
     ForgetOthers(scene);
     // All of this is in the order of paths: nothing is looked up by name.
     std::vector<Missing> missing;
+    std::vector<Drawn> toPlan;
     _drawn.assign(drawn.size(), nullptr);
     auto item = _items.begin();
     for (std::size_t i = 0; i < drawn.size(); ++i) {
@@ -47,31 +48,48 @@ bool GeometryStore::Prepare(const SceneDescription& scene, const std::vector<Dra
             _drawn[i] = item->second.prepared.get();
         } else {
             missing.push_back({i, item});
+            toPlan.push_back(drawn[i]);
         }
     }
-    std::vector<std::shared_ptr<const PlannedGeometry>> prepared(missing.size());
+    const auto prepared = Plan(toPlan, warnings, isCancelled);
+    bool isWhole = true;
+    for (std::size_t i = 0; i < missing.size(); ++i) {
+        if (prepared[i]) {
+            ++_numPrepared;
+            _drawn[missing[i].index] = prepared[i].get();
+            Put(missing[i].place, toPlan[i], prepared[i]);
+        } else {
+            isWhole = false;
+        }
+    }
+    return isWhole;
+}
+
+std::vector<std::shared_ptr<const PlannedGeometry>>
+GeometryStore::Plan(const std::vector<Drawn>& prims, Warnings& warnings,
+                    const CancelCallback& isCancelled) const {
+    std::vector<std::shared_ptr<const PlannedGeometry>> planned(prims.size());
     std::atomic<bool> isStopped{false};
     const std::thread::id caller = std::this_thread::get_id();
     tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, missing.size(), kGrain),
+        tbb::blocked_range<std::size_t>(0, prims.size(), kGrain),
         [&](const tbb::blocked_range<std::size_t>& range) {
             if (std::this_thread::get_id() == caller && isCancelled && isCancelled()) {
                 isStopped = true;
             }
             for (std::size_t i = range.begin(); i < range.end() && !isStopped; ++i) {
-                prepared[i] = std::make_shared<const PlannedGeometry>(
-                    PlanGeometry(*drawn[missing[i].index].first, drawn[missing[i].index].second,
-                                 _pageStore, warnings, _sources));
+                planned[i] = std::make_shared<const PlannedGeometry>(
+                    PlanGeometry(*prims[i].first, prims[i].second, _pageStore, warnings, _sources));
             }
         });
-    for (std::size_t i = 0; i < missing.size(); ++i) {
-        if (prepared[i]) {
-            ++_numPrepared;
-            _drawn[missing[i].index] = prepared[i].get();
-            Put(missing[i].place, drawn[missing[i].index], prepared[i]);
-        }
-    }
-    return !isStopped;
+    return planned;
+}
+
+void GeometryStore::Replace(std::size_t index, const Drawn& drawn,
+                            std::shared_ptr<const PlannedGeometry> prepared) {
+    ++_numPrepared;
+    _drawn[index] = prepared.get();
+    Put(_items.find(*drawn.first), drawn, std::move(prepared));
 }
 
 /// \param place where the item is, or would come before.

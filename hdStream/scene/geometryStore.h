@@ -55,6 +55,22 @@ public:
     bool Prepare(const SceneDescription& scene, const std::vector<Drawn>& drawn, Warnings& warnings,
                  const CancelCallback& isCancelled);
 
+    /// Plans the geometry of prims, on all cores, and keeps none of it. \return one for each of
+    /// `prims`; where it was cancelled some are null.
+    std::vector<std::shared_ptr<const PlannedGeometry>>
+    Plan(const std::vector<Drawn>& prims, Warnings& warnings,
+         const CancelCallback& isCancelled) const;
+
+    /// Puts geometry in the place of that of drawn[index] of the last Prepare.
+    /// \param drawn of the same path; what `prepared` is made of.
+    void Replace(std::size_t index, const Drawn& drawn,
+                 std::shared_ptr<const PlannedGeometry> prepared);
+
+    /// What the geometry of a path is made of. Precondition: it was among `drawn`.
+    const std::shared_ptr<const GeometryInputs>& InputsOf(const std::string& path) const {
+        return _items.at(path).inputs;
+    }
+
     /// Of drawn[index] of the last Prepare, which was not cancelled.
     const PlannedGeometry& OfDrawn(std::size_t index) const { return *_drawn[index]; }
 

@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <set>
 #include <utility>
 
 namespace hds {
@@ -335,6 +334,90 @@ bool PrimCommit::AreViewsAsBefore() const {
         const auto before = _views.find(view.first);
         return before != _views.end() && before->second == view.second;
     });
+}
+
+/// Whether geometry can be put in the place of other geometry without a change of other tables.
+bool IsAlike(const PlannedGeometry& a, const PlannedGeometry& b) {
+    return a.chunks.size() == b.chunks.size() && a.topNodes.size() == b.topNodes.size() &&
+           a.leftHanded == b.leftHanded && a.origin == b.origin &&
+           std::equal(a.attributes.begin(), a.attributes.end(), b.attributes.begin(),
+                      b.attributes.end(), [](const AttributeName& one, const AttributeName& other) {
+                          return one.name == other.name && one.numComponents == other.numComponents;
+                      });
+}
+
+/// Where the prims at `paths` are in `_drawn`; nothing: other tables depend on the shape of some.
+std::optional<std::vector<std::size_t>>
+PrimCommit::FindReshaped(const std::set<std::string>& paths) const {
+    std::vector<std::size_t> indices;
+    for (const std::string& path : paths) {
+        const auto drawn = std::lower_bound(_drawn.begin(), _drawn.end(), path,
+                                            [](const DrawnPrim& one, const std::string& wanted) {
+                                                return one.entry->first < wanted;
+                                            });
+        const bool isThere = drawn != _drawn.end() && drawn->entry->first == path;
+        if (!isThere || !IsVisible(*drawn->entry) || !drawn->hasChunks || drawn->deforms ||
+            drawn->entry->second.geometry->primitives == PrimitiveKind::Splats) {
+            return std::nullopt;
+        }
+        indices.push_back(static_cast<std::size_t>(drawn - _drawn.begin()));
+    }
+    return indices;
+}
+
+PrimCommit::Reshaped PrimCommit::Reshape(const std::set<std::string>& paths,
+                                         const CancelCallback& isCancelled) {
+    const auto indices = FindReshaped(paths);
+    if (!indices || !materials.meshMedia.empty()) { // which are looked at for holes
+        return Reshaped::Otherwise;
+    }
+    std::vector<GeometryStore::Drawn> inputs;
+    for (const std::size_t index : *indices) {
+        const GeometryEntry& entry = *_drawn[index].entry;
+        auto input = std::make_shared<GeometryInputs>(*_cache.geometry.InputsOf(entry.first));
+        input->geometry = entry.second.geometry;
+        inputs.emplace_back(&entry.first, std::move(input));
+    }
+    const auto planned = _cache.geometry.Plan(inputs, _warnings, isCancelled);
+    if (std::find(planned.begin(), planned.end(), nullptr) != planned.end()) {
+        return Reshaped::Cancelled;
+    }
+    bool areAlike = true;
+    for (std::size_t i = 0; i < planned.size(); ++i) {
+        const std::size_t index = (*indices)[i];
+        areAlike = areAlike && IsAlike(_cache.geometry.OfDrawn(index), *planned[i]);
+        _cache.geometry.Replace(index, inputs[i], planned[i]); // nothing is planned twice
+    }
+    if (!areAlike) {
+        return Reshaped::Otherwise;
+    }
+    auto pages = std::make_shared<GeometryPages>(*prims.pages); // other scenes keep theirs
+    for (const std::size_t index : *indices) {
+        TakeShape(index, pages.get());
+    }
+    prims.pages = std::move(pages);
+    return Reshaped::Done;
+}
+
+/// What the geometry of a prim says of its shape goes where that of before was.
+void PrimCommit::TakeShape(std::size_t index, GeometryPages* pages) {
+    const PlannedGeometry& prepared = _cache.geometry.OfDrawn(index);
+    const shared::HdsObject& object = prims.objects[_objectOfDrawn[index]];
+    std::copy(prepared.topNodes.begin(), prepared.topNodes.end(),
+              prims.topNodes.begin() + object.nodeBase);
+    for (std::uint32_t i = 0; i < object.numItems; ++i) {
+        pages->ReplaceChunk(object.itemBase + i, prepared.chunks[i]);
+    }
+    prims.primAttributes[index] = &prepared.attributes;
+    DrawnPrim& drawn = _drawn[index];
+    drawn.numPrimitives = prepared.numTriangles;
+    const std::string& path = drawn.entry->first;
+    auto leaf = std::lower_bound(
+        _leaves.begin(), _leaves.end(), path,
+        [](const DrawnLeaf& one, const std::string& wanted) { return one.Path() < wanted; });
+    for (; leaf != _leaves.end() && leaf->entry == drawn.entry; ++leaf) {
+        leaf->object.bounds = prepared.bounds;
+    }
 }
 
 std::vector<DrawnLeaf> PrimCommit::VisibleLeaves() const {

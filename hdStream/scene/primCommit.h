@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The part of a commit that does not depend on where prims are: materials, planned geometry, the
 // records of prims, the leaves of the hierarchy. Where edits only move, hide or show prims, the
-// next commit keeps it. Explained in docs/session.md.
+// next commit keeps it; where they change the shape of some as well, all but theirs. Explained in
+// docs/session.md.
 #pragma once
 
 #include "hdStream/scene/commit.h"
@@ -10,6 +11,8 @@
 #include "hdStream/scene/materialCommit.h"
 
 #include <map>
+#include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,6 +34,14 @@ public:
     /// Whether Run would make the same of the scene as it is now, but for tables that nobody
     /// reads. \pre OutlivesPlaces; since Run only places have changed.
     bool IsStillTrue() const;
+
+    enum class Reshaped { Done, Cancelled, Otherwise };
+
+    /// Makes anew what depends on the shape of some prims.
+    /// \pre IsStillTrue but for the shapes of the prims at `paths` (LeavesAllButShape).
+    /// \return Cancelled: all is as before; Otherwise: Run would make other tables, and this is of
+    /// no use any more.
+    Reshaped Reshape(const std::set<std::string>& paths, const CancelCallback& isCancelled);
 
     const CommitOptions& Options() const { return _options; }
 
@@ -69,6 +80,8 @@ private:
     void AddObject(const PlannedGeometry& prepared);
     void AddPrim(std::uint32_t index);
     void AddLeaves(const GeometryEntry& entry, const LeafObject& leaf);
+    std::optional<std::vector<std::size_t>> FindReshaped(const std::set<std::string>& paths) const;
+    void TakeShape(std::size_t index, GeometryPages* pages);
     bool AreViewsAsBefore() const;
     bool AreTablesOfTheVisible() const;
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/primEdits.h"
 
+#include <algorithm>
+
 namespace hds {
 
 namespace {
@@ -22,12 +24,41 @@ bool DifferInPlaceAlone(const Placement& a, const Placement& b) {
     });
 }
 
+bool DifferInValuesAlone(const Primvar& a, const Primvar& b) {
+    const bool varies =
+        a.interpolation != Interpolation::Constant && a.interpolation != Interpolation::Instance;
+    return a.values.size() == b.values.size() && AreEqualBut(a, b, [varies](const auto& field) {
+               return varies && field.Is(&Primvar::values);
+           });
+}
+
+bool DifferInShapeAlone(const GeometryDescription& a, const GeometryDescription& b) {
+    return a.points.size() == b.points.size() &&
+           std::equal(a.primvars.begin(), a.primvars.end(), b.primvars.begin(), b.primvars.end(),
+                      DifferInValuesAlone) &&
+           AreEqualBut(a, b, [](const auto& field) {
+               return field.Is(&GeometryDescription::points) ||
+                      field.Is(&GeometryDescription::primvars);
+           });
+}
+
 } // namespace
 
 bool LeavesPrims(const GeometryPrim& before, const GeometryPrim& after) {
     return DifferInPlaceAlone(before.placement, after.placement) &&
            AreEqualBut(before, after,
                        [](const auto& field) { return field.Is(&GeometryPrim::placement); });
+}
+
+bool LeavesAllButShape(const GeometryPrim& before, const GeometryPrim& after) {
+    return DifferInPlaceAlone(before.placement, after.placement) && before.geometry &&
+           after.geometry &&
+           AreEqualBut(before, after,
+                       [](const auto& field) {
+                           return field.Is(&GeometryPrim::placement) ||
+                                  field.Is(&GeometryPrim::geometry);
+                       }) &&
+           DifferInShapeAlone(*before.geometry, *after.geometry);
 }
 
 bool LeavesPrims(const InstancerPrim& before, const InstancerPrim& after) {

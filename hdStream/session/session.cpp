@@ -13,10 +13,10 @@
 #include "hdStream/scene/cameraNumbers.h"
 #include "hdStream/scene/dump.h"
 #include "hdStream/scene/primCommit.h"
-#include "hdStream/scene/primEdits.h"
 #include "hdStream/scene/sceneSizes.h"
 #include "hdStream/scene/transforms.h"
 #include "hdStream/session/denoising.h"
+#include "hdStream/session/editCounts.h"
 #include "hdStream/session/frontEndArrays.h"
 #include "hdStream/session/hostShares.h"
 #include "hdStream/session/settingsCheck.h"
@@ -185,21 +185,6 @@ struct Session::Impl {
         }
     }
 
-    /// Before a prim of a path comes into the place of what is there.
-    template <typename Prim>
-    void CountEdit(const std::map<std::string, Prim>& prims, const std::string& path,
-                   const Prim& after) {
-        const auto before = prims.find(path);
-        ++sceneVersion;
-        contentVersion += before != prims.end() && LeavesPrims(before->second, after) ? 0 : 1;
-    }
-
-    /// Any other edit.
-    void CountEdit() {
-        ++sceneVersion;
-        ++contentVersion;
-    }
-
     /// Everything in device memory.
     void Discard() {
         tracer.reset();
@@ -231,18 +216,18 @@ struct Session::Impl {
         commitOptions.dicingCamera = dicingCamera;
         commitOptions.shutter = options.shutter;
         ResidencyOptions residency = MakeResidencyOptions(settings);
-        if (tracer && committed && committed->sceneVersion == sceneVersion &&
+        if (tracer && committed && committed->sceneVersion == edits.Scene() &&
             committed->options == commitOptions && committed->residency == residency) {
             return true;
         }
-        const CommitKey key{sceneVersion, commitOptions, residency};
+        const CommitKey key{edits.Scene(), commitOptions, residency};
         committed.reset();
         ShareHostMemory(settings);
         const bool isMuchNew = NoteGrowth();
         if (isMuchNew) {
             ReturnFreeMemory();
         }
-        cache.contentVersion = settings.interactive ? contentVersion : 0;
+        cache.contentVersion = settings.interactive ? edits.Content() : 0;
         auto next = CommitScene(description, commitOptions, &cache, warnings, isCancelled);
         if (!next) {
             return false;
@@ -358,9 +343,7 @@ struct Session::Impl {
 
     hds::Warnings warnings;
     SceneDescription description;
-    SceneSizes sizes;                 ///< of `description`
-    std::uint64_t sceneVersion = 1;   ///< counts edits
-    std::uint64_t contentVersion = 1; ///< counts those that do not leave prims (LeavesPrims)
+    SceneSizes sizes; ///< of `description`
     std::unique_ptr<Store> store;
     std::shared_ptr<Device> device; ///< its compilers write to the store
     std::string deviceName;         ///< what `device` was asked for by
@@ -368,6 +351,7 @@ struct Session::Impl {
     bool noCache = false;
     bool hasCaches = false; ///< `cache` is of that folder
     CommitCache cache;
+    EditCounts edits{&cache};                 ///< of `description`
     std::optional<DicingCamera> dicingCamera; ///< of the first render of the scene
     std::unique_ptr<CommittedScene> scene;
     std::optional<CommitKey> committed; ///< what `scene` and the tracer's device tables hold
@@ -393,7 +377,7 @@ void Session::EndThreads() {
 }
 
 void Session::SetGeometry(const std::string& path, GeometryPrim prim) {
-    _impl->CountEdit(_impl->description.geometry, path, prim);
+    _impl->edits.Count(_impl->description.geometry, path, prim);
     _impl->sizes.Set(&_impl->description.geometry, path, std::move(prim));
 }
 
@@ -403,27 +387,27 @@ void Session::SetCategories(const std::string& path, std::set<std::string> categ
         throw Error(path + ": there is no geometry");
     }
     prim->second.categories = std::move(categories);
-    _impl->CountEdit();
+    _impl->edits.Count();
 }
 
 void Session::SetVolume(const std::string& path, VolumePrim prim) {
     _impl->description.volumes[path] = std::move(prim);
-    _impl->CountEdit();
+    _impl->edits.Count();
 }
 
 void Session::SetInstancer(const std::string& path, InstancerPrim prim) {
-    _impl->CountEdit(_impl->description.instancers, path, prim);
+    _impl->edits.Count(_impl->description.instancers, path, prim);
     _impl->sizes.Set(&_impl->description.instancers, path, std::move(prim));
 }
 
 void Session::SetLight(const std::string& path, LightPrim prim) {
-    _impl->CountEdit(_impl->description.lights, path, prim);
+    _impl->edits.Count(_impl->description.lights, path, prim);
     _impl->description.lights[path] = std::move(prim);
 }
 
 void Session::SetMaterial(const std::string& path, std::shared_ptr<const MaterialNetwork> network) {
     _impl->description.materials[path] = std::move(network);
-    _impl->CountEdit();
+    _impl->edits.Count();
 }
 
 void Session::SetCamera(const std::string& path, CameraPrim prim) {
@@ -438,14 +422,14 @@ void Session::Remove(const std::string& path) {
     scene.materials.erase(path);
     scene.cameras.erase(path);
     scene.volumes.erase(path);
-    _impl->CountEdit();
+    _impl->edits.Count();
 }
 
 void Session::Clear() {
     _impl->description = {};
     _impl->sizes = {};
     _impl->warnings.Clear();
-    _impl->CountEdit();
+    _impl->edits.Count();
     Redice();
 }
 
@@ -567,7 +551,7 @@ void Session::FlushTextures() {
     _impl->cache.materials.clear();
     _impl->cache.lightKey = {};
     _impl->cache.lights.reset();
-    _impl->CountEdit();
+    _impl->edits.Count();
 }
 
 std::string Session::Statistics() const {

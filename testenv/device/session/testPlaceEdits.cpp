@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Interactive sessions keep what commits make of prims while edits only move, hide or show them:
-// the bits are those of a fresh session that keeps nothing.
+// Interactive sessions keep what commits make of prims while edits only move, hide, show or reshape
+// them: the bits are those of a fresh session that keeps nothing.
 #include "testenv/support/deviceFixture.h"
 #include "testenv/support/sessionScene.h"
 
@@ -17,6 +17,14 @@ Edit OfMesh(const char* path, const std::function<void(Placement*)>& change) {
     return [path, change](Session& session) {
         GeometryPrim prim = session.Scene().geometry.at(path);
         change(&prim.placement);
+        session.SetGeometry(path, prim);
+    };
+}
+
+Edit Reshape(const char* path, int size, float bump) {
+    return [=](Session& session) {
+        GeometryPrim prim = session.Scene().geometry.at(path);
+        prim.geometry = MakeGrid(size, bump);
         session.SetGeometry(path, prim);
     };
 }
@@ -71,6 +79,15 @@ std::vector<Edit> MakeEdits() {
         },
         [](Session& s) { s.SetMaterial("/red", MakeMaterial(0.1F, 0.7F, 0.2F)); },
         OfMesh("/otherWall", [](Placement* p) { p->worldFromObject = Move(-2.0, 0.9, 1.0); }),
+        Reshape("/ball", 12, 0.2F),
+        Reshape("/ball", 12, 0.1F), // as many points as before
+        Reshape("/lamp", 12, 0.3F),
+        [](Session& s) {
+            OfMesh("/ball", [](Placement* p) { p->worldFromObject = Move(0.2, 0.9, 1.2); })(s);
+            Reshape("/ball", 12, 0.6F)(s);
+            Hide("/otherWall", true)(s);
+        },
+        OfMesh("/ball", [](Placement* p) { p->worldFromObject = Move(0.4, 0.9, 1.2); }),
     };
 }
 
@@ -120,6 +137,19 @@ TEST_F(PlaceEdits, OfStreamedGeometryHaveTheBitsOfAFreshSession) {
     settings.chunkBytes = 4096;
     settings.geometryMemory = "48K"; // less than all: pages come and go
     ExpectTheBitsOfFreshSessions(settings);
+}
+
+TEST_F(PlaceEdits, AShapeIsAllThatIsLoaded) {
+    Session session;
+    Fill(&session);
+    Reshape("/ball", 12, 0.4F)(session);
+    RenderOf(&session, Interactive());
+    for (const float bump : {0.1F, 0.5F}) {
+        Reshape("/ball", 12, bump)(session);
+        RenderOf(&session, Interactive());
+        const auto geometry = nlohmann::json::parse(session.Statistics())["geometry"];
+        EXPECT_EQ(geometry["uploads"], 2) << "both pages of a chunk";
+    }
 }
 
 TEST_F(PlaceEdits, PagesStayWhereTheyAre) {

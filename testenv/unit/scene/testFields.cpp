@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -375,6 +376,44 @@ void ExpectLeftBy(const Prim& before, const std::vector<std::string>& members,
         numLeft += isLeft ? 1 : 0;
     }
     EXPECT_GT(numLeft, members.size()) << "their own members, too";
+}
+
+TEST(Fields, ValuesOfPointsAndVaryingPrimvarsLeaveAllButTheShape) {
+    const GeometryPrim before = FullMeshPrim();
+    for (const auto& one : VariationsOf(before)) { // arrays become longer
+        EXPECT_EQ(LeavesAllButShape(before, one.value), LeavesPrims(before, one.value)) << one.path;
+    }
+    const auto with = [&before](const std::function<void(GeometryDescription*)>& change) {
+        auto geometry = std::make_shared<GeometryDescription>(*before.geometry);
+        geometry->primvars = {{"st", Interpolation::Vertex, 1, std::vector<float>{1, 2}, {}},
+                              {"k", Interpolation::Constant, 1, std::vector<float>{3}, {}}};
+        change(geometry.get());
+        GeometryPrim prim = before;
+        prim.geometry = std::move(geometry);
+        return prim;
+    };
+    const GeometryPrim same = with([](GeometryDescription*) {});
+    const auto isLeft = [&](const std::function<void(GeometryDescription*)>& change) {
+        const GeometryPrim after = with(change);
+        EXPECT_FALSE(LeavesPrims(same, after));
+        return LeavesAllButShape(same, after);
+    };
+    EXPECT_TRUE(isLeft([](GeometryDescription* one) {
+        one->points = std::vector<float>(one->points.size(), 9.0F);
+    }));
+    EXPECT_TRUE(isLeft([](GeometryDescription* one) {
+        one->primvars[0].values = std::vector<float>{5, 6};
+    }));
+    EXPECT_FALSE(isLeft([](GeometryDescription* one) {
+        one->primvars[0].values = std::vector<float>{5, 6, 7};
+    }));
+    EXPECT_FALSE(isLeft([](GeometryDescription* one) { // flags are such primvars
+        one->primvars[1].values = std::vector<float>{4};
+    }));
+    EXPECT_FALSE(isLeft([](GeometryDescription* one) {
+        one->primvars[0].indices = std::vector<std::int32_t>{1, 0};
+    }));
+    EXPECT_FALSE(LeavesAllButShape(GeometryPrim(), same)) << "there was nothing";
 }
 
 TEST(Fields, PlacesOfPrimsAndMostOfLightsLeavePrims) {

@@ -7,6 +7,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 #include <functional>
 
@@ -143,6 +144,119 @@ TEST_F(PrimCommitTest, PlacesAndLightsLeaveIt) {
         ExpectSameTables();
         EXPECT_EQ(kept->pages, Commit()->pages) << i;
     }
+}
+
+std::shared_ptr<GeometryDescription> Copy(const GeometryPrim& prim) {
+    return std::make_shared<GeometryDescription>(*prim.geometry);
+}
+
+TEST_F(PrimCommitTest, ShapesLeaveAllOthers) {
+    const auto reshape = [&](const char* path, int size, float bump) {
+        scene.geometry[path].geometry = test::MakeGrid(size, bump);
+        cache.reshaped.insert(path);
+    };
+    const std::vector<std::function<void()>> edits = {
+        [&] { reshape("/a", 3, 0.7F); },
+        [&] { reshape("/lamp", 3, 0.5F); },
+        [&] { reshape("/many/leaf", 3, 0.4F); },
+        [&] {
+            reshape("/b", 3, -0.3F);
+            reshape("/c", 3, 0.9F);
+            scene.geometry["/c"].placement.worldFromObject = Move(2.0, 1.0, 0.0);
+        },
+    };
+    for (std::size_t i = 0; i < edits.size(); ++i) {
+        const auto pages = Commit()->pages;
+        edits[i]();
+        EXPECT_TRUE(CommitBoth()) << i;
+        ExpectSameTables();
+        EXPECT_TRUE(cache.reshaped.empty());
+        EXPECT_NE(kept->pages, pages) << i;
+        std::size_t numOthers = 0;
+        for (std::uint32_t page = 0; page < pages->NumPages(); ++page) {
+            numOthers += kept->pages->PageId(page) != pages->PageId(page) ? 1 : 0;
+        }
+        EXPECT_EQ(numOthers, ChunkPages::kNumPages * (i == 3 ? 2 : 1)) << i;
+    }
+}
+
+TEST_F(PrimCommitTest, ShapesOfSeveralChunksLeaveAllOthers) {
+    scene.geometry["/a"].geometry = test::MakeGrid(40, 0.2F);
+    options.chunkBytes = 4096;
+    ++cache.contentVersion;
+    CommitBoth();
+    EXPECT_GT(kept->counts.chunks, scene.geometry.size());
+    const auto lifted = Copy(scene.geometry["/a"]);
+    std::vector<float> points(lifted->points.begin(), lifted->points.end());
+    for (std::size_t i = 1; i < points.size(); i += 3) {
+        points[i] += 0.5F;
+    }
+    lifted->points = std::move(points);
+    scene.geometry["/a"].geometry = lifted;
+    cache.reshaped = {"/a"};
+    EXPECT_TRUE(CommitBoth()); // it is cut into as many chunks
+    ExpectSameTables();
+}
+
+/// A shape on which other tables depend; each is undone before the next.
+TEST_F(PrimCommitTest, ShapesThatOthersDependOnMakeItAnew) {
+    struct Case {
+        const char* name;
+        std::function<void(GeometryPrim*)> prepare;
+        std::function<void(GeometryPrim*)> edit;
+    };
+    const auto bend = [](GeometryPrim* prim) { prim->geometry = test::MakeGrid(3, 0.6F); };
+    const auto nothing = [](GeometryPrim*) {};
+    const std::vector<Case> cases = {
+        {"other chunks", nothing,
+         [](GeometryPrim* prim) { prim->geometry = test::MakeGrid(40, 0.6F); }},
+        {"nothing is left", nothing,
+         [](GeometryPrim* prim) {
+             const auto flat = Copy(*prim);
+             flat->points = std::vector<float>(flat->points.size(), std::nanf(""));
+             prim->geometry = flat;
+         }},
+        {"hidden", [](GeometryPrim* prim) { prim->placement.visible = false; }, bend},
+        {"hidden now", nothing,
+         [&](GeometryPrim* prim) {
+             prim->placement.visible = false;
+             bend(prim);
+         }},
+        {"far away", nothing,
+         [](GeometryPrim* prim) { // positions are relative to another point
+             const auto far = Copy(*prim);
+             std::vector<float> points(far->points.begin(), far->points.end());
+             for (float& value : points) {
+                 value += 1e5F;
+             }
+             far->points = std::move(points);
+             prim->geometry = far;
+         }},
+    };
+    for (const Case& one : cases) {
+        scene = MakeScene();
+        options = CommitOptions();
+        options.purposes = {"default"};
+        options.chunkBytes = 4096;
+        ++cache.contentVersion;
+        one.prepare(&scene.geometry["/b"]);
+        Commit();
+        EXPECT_TRUE(CommitBoth()) << one.name;
+        one.edit(&scene.geometry["/b"]);
+        cache.reshaped = {"/b"};
+        EXPECT_FALSE(CommitBoth()) << one.name;
+        ExpectSameTables();
+        EXPECT_TRUE(cache.reshaped.empty());
+    }
+}
+
+TEST_F(PrimCommitTest, AShapeThatIsCancelledComesLater) {
+    scene.geometry["/a"].geometry = test::MakeGrid(3, 0.7F);
+    cache.reshaped = {"/a"};
+    EXPECT_EQ(CommitScene(scene, options, &cache, warnings, [] { return true; }), nullptr);
+    EXPECT_EQ(cache.reshaped.size(), 1U);
+    EXPECT_TRUE(CommitBoth());
+    ExpectSameTables();
 }
 
 TEST_F(PrimCommitTest, MovingInstancersLeaveIt) {
