@@ -178,19 +178,30 @@ def test_arrays_of_instancers_stay_mapped(tmp_path):
     path = tmp_path / "stage.usda"
     stage = author.NewStage(str(path))
     stage.DefinePrim("/World/Part").GetReferences().AddReference("./part.usdc")
+    author.AddMesh(stage, "/World/Large", shapes.Sphere(1.0, 40, 40))
     author.AddLight(stage, "/World/Dome", "Dome", intensity=1.0)
     author.AddCamera(stage, "/World/Camera", eye=(0, 2, 90), target=(0, 0, 0))
     stage.GetRootLayer().Save()
     del part, instancer, stage
     gc.collect()
     assert _OpenFiles(tmp_path) == set()
+    others = _core.ArrayCounts()["bytes"]
     renderer = hdstream.Renderer(path)
     renderer.Prepare(**_OPTIONS)
     before = _AnonymousBytes()
     renderer.ReleaseStage()
     assert _AnonymousBytes() < before + places.nbytes // 4
-    assert not list(renderer.stage.Traverse()), "the file is all that is needed"
+    assert [prim.GetName() for prim in renderer.stage.Traverse()] == ["World", "Large"], "of the instancer a file is enough"
+    left = []
+
+    class Layer:
+        def __del__(self):
+            left.append(_core.ArrayCounts()["bytes"])
+
+    renderer._prepared._mappedLayers.append(Layer())
+    assert _core.ArrayCounts()["bytes"] > others
     del renderer
+    assert left == [others], "when layers close, the scene and its arrays are gone"
     assert _OpenFiles(tmp_path) == set()
 
 

@@ -37,7 +37,7 @@ class PreparedStage:
     """
 
     def __init__(self, stage, mask, session):
-        self._session = session
+        self._session = session  # the first of what is here: it goes before the layers whose arrays it has
         self._diagnostics = Diagnostics()
         start = time.perf_counter()
         self._isOwn = not isinstance(stage, Usd.Stage)
@@ -74,6 +74,7 @@ class PreparedStage:
             raise _core.UsageError("ReleaseStage: the stage was opened by the caller, who may let it go")
         if not self._isReleased and self._numPrims >= LARGE_STAGE:
             self._mappedLayers = self._translation.Release()
+            self._translation = None  # it would keep the session longer than the layers
             self.stage = rereading.MoveToPart(self.stage)
             self._diagnostics.Take()  # was said when the stage was opened
         self._isReleased = True
