@@ -337,12 +337,8 @@ bool GroupRecords::IsWorldInstance(std::uint32_t record) const {
 }
 
 Bounds GroupRecords::BoxOf(std::uint32_t record) const {
-    const std::optional<std::uint32_t> single = SingleOf(record);
-    if (single && !_keptBoxes.empty()) {
-        return _keptBoxes[*single];
-    }
     const Found found = Find(record);
-    return BoxesOf(found.groupFromObject, *found.leaf).open;
+    return TransformBounds(DeviceTransform(found), found.leaf->bounds);
 }
 
 std::vector<std::uint32_t> GroupRecords::Singles() const {
@@ -360,10 +356,9 @@ std::vector<std::uint32_t> GroupRecords::Singles() const {
 void GroupRecords::Keep() {
     const std::vector<std::uint32_t> singles = Singles();
     std::vector<shared::HdsInstance> records(singles.size());
-    Write(singles, records.data(), nullptr);
     std::vector<Bounds> boxes(singles.size());
-    tbb::parallel_for(std::size_t{0}, singles.size(),
-                      [&](std::size_t i) { boxes[i] = BoxOf(singles[i]); });
+    WriteWithBoxes(singles.data(), static_cast<std::uint32_t>(singles.size()), records.data(),
+                   boxes.data());
     _keptSingles = std::move(records);
     _keptBoxes = std::move(boxes);
     std::map<const InstancerPrim*, const InstancerPrim*> keptOf;
@@ -418,29 +413,47 @@ std::vector<GroupRecords::World> GroupRecords::WorldRecords() const {
     return worlds;
 }
 
+glm::dmat4 GroupRecords::DeviceTransform(const Found& found) {
+    return GroupFromDevice(found.groupFromObject.AtFrame(), *found.leaf);
+}
+
+shared::HdsInstance GroupRecords::RecordOf(const Found& found, const glm::dmat4& transform) {
+    shared::HdsInstance instance{};
+    const AffineRows inverse = RowsFromMatrix(glm::inverse(transform));
+    std::copy(inverse.begin(), inverse.end(), instance.objectFromParent);
+    instance.object = found.leaf->object;
+    instance.flags =
+        found.flags | (IsIdentity(instance.objectFromParent) ? HDS_INSTANCE_IN_PLACE : 0U);
+    instance.pathOffset[0] = static_cast<std::uint32_t>(found.pathOffset);
+    instance.pathOffset[1] = static_cast<std::uint32_t>(found.pathOffset >> 32U);
+    instance.prim = found.leaf->prim;
+    instance.lightBase = HDS_NONE;
+    instance.instanceCount = found.count;
+    instance.instanceRank = found.rank;
+    return instance;
+}
+
+void GroupRecords::WriteWithBoxes(const std::uint32_t* records, std::uint32_t count,
+                                  shared::HdsInstance* places, Bounds* boxes) const {
+    tbb::parallel_for(std::uint32_t{0}, count, [&](std::uint32_t i) {
+        const std::optional<std::uint32_t> single = SingleOf(records[i]);
+        if (single && !_keptSingles.empty()) {
+            places[i] = _keptSingles[*single];
+            boxes[i] = _keptBoxes[*single];
+            return;
+        }
+        const Found found = Find(records[i]);
+        const glm::dmat4 transform = DeviceTransform(found);
+        places[i] = RecordOf(found, transform);
+        boxes[i] = TransformBounds(transform, found.leaf->bounds);
+    });
+}
+
 void GroupRecords::Write(const std::vector<std::uint32_t>& order, shared::HdsInstance* places,
                          std::vector<AffineRows>* motionKeys) const {
     const auto write = [&](std::uint32_t place, std::vector<glm::dmat4>* keys) {
-        const std::optional<std::uint32_t> single = SingleOf(order[place]);
-        if (single && !_keptSingles.empty()) {
-            places[place] = _keptSingles[*single];
-            return;
-        }
         const Found found = Find(order[place]);
-        const glm::dmat4 transform = GroupFromDevice(found.groupFromObject.AtFrame(), *found.leaf);
-        shared::HdsInstance instance{};
-        const AffineRows inverse = RowsFromMatrix(glm::inverse(transform));
-        std::copy(inverse.begin(), inverse.end(), instance.objectFromParent);
-        instance.object = found.leaf->object;
-        instance.flags =
-            found.flags | (IsIdentity(instance.objectFromParent) ? HDS_INSTANCE_IN_PLACE : 0U);
-        instance.pathOffset[0] = static_cast<std::uint32_t>(found.pathOffset);
-        instance.pathOffset[1] = static_cast<std::uint32_t>(found.pathOffset >> 32U);
-        instance.prim = found.leaf->prim;
-        instance.lightBase = HDS_NONE;
-        instance.instanceCount = found.count;
-        instance.instanceRank = found.rank;
-        places[place] = instance;
+        places[place] = RecordOf(found, DeviceTransform(found));
         if (keys != nullptr) {
             *keys = KeysFromDevice(found.groupFromObject, *found.leaf);
         }

@@ -101,7 +101,7 @@ public:
     std::vector<std::uint32_t> Singles() const;
     /// Whether something else names the record by its place (PlacedRecord::worldInstance).
     bool IsWorldInstance(std::uint32_t record) const;
-    /// The box of a record at rest, computed again.
+    /// The box of a record at rest, computed again. Not after Keep.
     Bounds BoxOf(std::uint32_t record) const;
 
     /// Boxes of the records at rest or when the shutter opens; and, when Moves(), as it closes.
@@ -117,13 +117,18 @@ public:
     std::vector<World> WorldRecords() const;
 
     /// Writes records in the order of their places. \param order of each place its record, perhaps
-    /// of some only. \param motionKeys those of records that move are appended; may be null where
-    /// none does.
+    /// of some only. Not after Keep. \param motionKeys those of records that move are appended; may
+    /// be null where none does.
     void Write(const std::vector<std::uint32_t>& order, shared::HdsInstance* places,
                std::vector<AffineRows>* motionKeys) const;
 
-    /// Makes the object independent of the scene: box and record of each can be had for as long as
-    /// one likes. Of singles they are kept as they are. \pre !Moves().
+    /// Records and their boxes, in the order given. What an instance is made of lies far apart, and
+    /// is looked up once for both. \param[out] places, boxes [count] \pre !Moves().
+    void WriteWithBoxes(const std::uint32_t* records, std::uint32_t count,
+                        shared::HdsInstance* places, Bounds* boxes) const;
+
+    /// Makes the object independent of the scene: records and boxes can be had (WriteWithBoxes) for
+    /// as long as one likes. Of singles they are kept as they are. \pre !Moves().
     void Keep();
 
 private:
@@ -149,6 +154,10 @@ private:
     /// Where a record is among the singles; nothing: it is in a run.
     std::optional<std::uint32_t> SingleOf(std::uint32_t record) const;
     Found Find(std::uint32_t record) const;
+    /// Its GroupFromDevice at the frame.
+    static glm::dmat4 DeviceTransform(const Found& found);
+    /// What the device has of a record. \param transform its DeviceTransform
+    static shared::HdsInstance RecordOf(const Found& found, const glm::dmat4& transform);
     MovingTransform TransformOf(const InstanceRun& run, std::int32_t instance) const;
     bool MayMove(const InstanceRun& run) const;
     void ComputeBoxes();

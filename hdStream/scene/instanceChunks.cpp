@@ -92,28 +92,26 @@ ChunkBytes InstanceChunks::Make(std::uint32_t chunk) const {
     const std::uint32_t* first = _plan.groups.data() + _plan.begin[chunk];
     const std::uint32_t count = _plan.begin[chunk + 1] - _plan.begin[chunk];
     std::vector<Bounds> boxes(count);
-    tbb::parallel_for(std::uint32_t{0}, count,
-                      [&](std::uint32_t i) { boxes[i] = _records.BoxOf(first[i]); });
+    std::vector<shared::HdsInstance> records(count);
+    _records.WriteWithBoxes(first, count, records.data(), boxes.data());
     BvhOptions options;
     options.maxLeafItems = 1;
-    Bvh tree = BuildBvh(std::move(boxes), options);
-    for (std::uint32_t& item : tree.order) {
-        item = first[item];
-    }
+    const Bvh tree = BuildBvh(std::move(boxes), options);
     const std::size_t nodeBytes = tree.nodes.size() * sizeof(shared::HdsBvhNode);
     shared::HdsPageHeader header{};
     header.triangles =
         static_cast<std::uint32_t>((sizeof(header) + nodeBytes) / HDS_POOL_UNIT_BYTES);
     header.numTriangles = count | HDS_PRIMITIVE_INSTANCES << HDS_PRIMITIVE_SHIFT;
-    std::vector<shared::HdsInstance> records(count);
-    _records.Write(tree.order, records.data(), nullptr);
     ChunkBytes pages;
     std::vector<std::uint8_t>& page = pages[HDS_PAGE_GEOMETRY];
     page.resize(sizeof(header) + nodeBytes + count * sizeof(shared::HdsInstance));
     std::memcpy(page.data(), &header, sizeof(header));
     std::memcpy(page.data() + sizeof(header), tree.nodes.data(), nodeBytes);
-    std::memcpy(page.data() + sizeof(header) + nodeBytes, records.data(),
-                count * sizeof(shared::HdsInstance));
+    std::uint8_t* place = page.data() + sizeof(header) + nodeBytes;
+    for (const std::uint32_t item : tree.order) {
+        std::memcpy(place, &records[item], sizeof(shared::HdsInstance));
+        place += sizeof(shared::HdsInstance);
+    }
     return pages;
 }
 

@@ -62,14 +62,18 @@ def FinishRecord(process, folder, name, seconds=RECORD_SECONDS):
 
 class FullDisk:
     """onProgress of a render: once the first samples are there, files cannot grow beyond the cache's segments and `room`. Kernels
-    are compiled by then: PoCL needs files for that. `with` ends it."""
+    are compiled by then: PoCL needs files for that. `isEarly`: as soon as there are segments, while prims are planned, for
+    renders whose kernels the process has. `with` ends it."""
 
-    def __init__(self, cache, room):
-        self._cache, self._room, self.limit = cache, room, None
+    def __init__(self, cache, room, isEarly=False):
+        self._cache, self._room, self._isEarly = cache, room, isEarly
+        self.limit = self.fraction = None  # of the files' sizes; of the work, when it was set
         self._old = resource.getrlimit(resource.RLIMIT_FSIZE)
 
     def __call__(self, progress):
-        if progress.fraction > 0 and self.limit is None:
+        isReached = progress.fraction > 0 or (self._isEarly and Segments(self._cache))
+        if isReached and self.limit is None:
+            self.fraction = progress.fraction
             self.limit = max(path.stat().st_size for path in Segments(self._cache)) + self._room
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # LLVM has taken it; writes shall fail instead
             resource.setrlimit(resource.RLIMIT_FSIZE, (self.limit, self._old[1]))

@@ -77,16 +77,16 @@ def test_islands_by_one_more_level_of_instancing(Island, tmp_path):
 
 
 def test_a_cache_cold_and_warm(Island, tmp_path):
-    cache = ColdCache(tmp_path / "cache")
-    numBuilt = []
-    for _ in range(2):
-        case = Island.Fresh()
-        layers, statistics = case.Render(residency="stream", geometryMemory="15%", prepare="eager", cacheDirectory=cache, hostMemory=_HOST,
-                                         **_CHUNKS)
-        case.AssertBits(layers)
-        numBuilt.append(statistics["geometry"]["chunksBuilt"])
-        assert statistics["memory"]["arrays"] > 0
-    assert numBuilt[0] > 0 and numBuilt[1] == 0
+    """A cold cache for each eviction, of which all pools then find all pages."""
+    for eviction in ("lru", "flush"):
+        cache = ColdCache(tmp_path / f"cache-{eviction}")
+        for number, pool in enumerate(("15%", *_POOLS)):
+            case = Island.Fresh()
+            layers, statistics = case.Render(residency="stream", geometryMemory=pool, geometryEviction=eviction, prepare="eager",
+                                             cacheDirectory=cache, hostMemory=_HOST, **_CHUNKS)
+            case.AssertBits(layers)
+            assert (statistics["geometry"]["chunksBuilt"] > 0) == (number == 0)
+            assert statistics["memory"]["arrays"] > 0
 
 
 # --- Processes ----------------------------------------------------------------------------------------------------------
@@ -117,7 +117,14 @@ def _PageBytes(cache):
     return total
 
 
-# When a run is killed: by what is in the cache, which it fills with summaries, then with pages while it renders.
+def _Maps(process, path):
+    with contextlib.suppress(OSError):
+        return path in pathlib.Path(f"/proc/{process}/maps").read_text()
+    return False
+
+
+# When a run is killed: by what it has mapped, and by what is in the cache, which it fills with summaries, then with pages
+# while it renders.
 _PHASES = {
     "before the first summary": lambda cache: any(pathlib.Path(cache).glob("pages-*")),
     "among summaries": lambda cache: _PageBytes(cache) > 0,
@@ -126,15 +133,20 @@ _PHASES = {
 }
 
 
+def _Await(process, phase, isReached):
+    """Returns when a phase of a run has come, or the run is done."""
+    end = time.monotonic() + _SECONDS
+    while process.poll() is None and not isReached():
+        assert time.monotonic() < end, f"{phase}: not reached"
+        time.sleep(0.0005)
+
+
 def test_killed_in_every_phase_of_preparation(Island, Recorded, tmp_path):
     """Each run finds what those before it left; the last one has all of it and nothing that is wrong."""
     cache = ColdCache(tmp_path / "cache")
-    for index, (phase, isReached) in enumerate(_PHASES.items()):
+    for index, (phase, isReached) in enumerate({"while the stage is read": None, **_PHASES}.items()):
         process = _Start(Island, cache, tmp_path, f"killed{index}")
-        end = time.monotonic() + _SECONDS
-        while process.poll() is None and not isReached(cache):
-            assert time.monotonic() < end, f"{phase}: not reached"
-            time.sleep(0.0005)
+        _Await(process, phase, lambda: isReached(cache) if isReached else _Maps(process.pid, "Scattered"))
         process.send_signal(signal.SIGKILL)
         process.communicate(timeout=_SECONDS)
         assert process.returncode == -signal.SIGKILL, f"{phase}: the run was done before"
@@ -144,35 +156,39 @@ def test_killed_in_every_phase_of_preparation(Island, Recorded, tmp_path):
     assert picture == Recorded and geometry["chunksBuilt"] == 0
 
 
-def test_two_processes_share_a_cold_cache(Island, Recorded, tmp_path):
+def test_two_processes_share_a_cache(Island, Recorded, tmp_path):
+    """Both at once, with other evictions and pools: of a cold cache, then of one that is warm."""
     cache = ColdCache(tmp_path / "cache")
-    processes = {name: _Start(Island, cache, tmp_path, name, *_EAGER) for name in "ab"}
-    for name, process in processes.items():
-        assert _Finish(process, tmp_path, name)[0] == Recorded
-    picture, geometry = _Finish(_Start(Island, cache, tmp_path, "c", *_EAGER), tmp_path, "c")
-    assert picture == Recorded and geometry["chunksBuilt"] == 0
+    ways = {"a": (), "b": ("--geometryEviction", "flush", "--geometryMemory", _ROOMY_POOL)}
+    for temperature in ("cold", "warm"):
+        processes = {name: _Start(Island, cache, tmp_path, name, *_EAGER, *way) for name, way in ways.items()}
+        for name, process in processes.items():
+            picture, geometry = _Finish(process, tmp_path, name)
+            assert picture == Recorded, (temperature, name)
+            assert temperature == "cold" or geometry["chunksBuilt"] == 0
 
 
-def test_the_cache_is_deleted_while_it_renders(Island, Recorded, tmp_path):
+@pytest.mark.parametrize("phase", ["among summaries", "at the first pages"])
+def test_the_cache_is_deleted_while_it_renders(Island, Recorded, tmp_path, phase):
     cache = pathlib.Path(ColdCache(tmp_path / "cache"))
     process = _Start(Island, cache, tmp_path, "deleted", "--hostMemory", "1G")  # else pages are made again and again
-    end = time.monotonic() + _SECONDS
-    while process.poll() is None and not _PHASES["at the first pages"](cache):
-        assert time.monotonic() < end
-        time.sleep(0.0005)
+    _Await(process, phase, lambda: _PHASES[phase](cache))
     assert process.poll() is None, "the run was done before"
     while cache.exists():
         shutil.rmtree(cache, ignore_errors=True)
     assert _Finish(process, tmp_path, "deleted")[0] == Recorded
 
 
-def test_the_disk_runs_full(Island, Recorded, tmp_path):
+@pytest.mark.parametrize("isEarly", [True, False], ids=["among summaries", "among pages"])
+def test_the_disk_runs_full(Island, Recorded, tmp_path, isEarly):
     """One warning and the same bits; the next run uses what is in the cache, and all of it is right."""
+    settings = dict(residency="stream", geometryMemory=_ROOMY_POOL, hostMemory=_HOST, waveSize=64, **_CHUNKS)
+    Island.Fresh().Render(**settings)  # compiles kernels
     cache, case = ColdCache(tmp_path / "cache"), Island.Fresh()
-    with FullDisk(cache, _BLOCK_BYTES) as disk:
-        layers, statistics = case.Render(disk, residency="stream", geometryMemory=_ROOMY_POOL, hostMemory=_HOST, waveSize=64,
-                                         cacheDirectory=cache, **_CHUNKS)
+    with FullDisk(cache, 0 if isEarly else _BLOCK_BYTES, isEarly) as disk:
+        layers, statistics = case.Render(disk, cacheDirectory=cache, **settings)
     case.AssertBits(layers)
+    assert (disk.fraction == 0) == isEarly
     assert disk.limit and _PageBytes(cache) <= disk.limit * len(Segments(cache))
     assert len([line for line in case.session.Warnings() if "no more pages are kept" in line]) == 1, case.session.Warnings()
     picture, geometry = _Finish(_Start(Island, cache, tmp_path, "after"), tmp_path, "after")

@@ -18,7 +18,7 @@ pytest.importorskip("hdstream._core")
 from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
 import hdstream
-from hdstream import _core, renderer as rendererModule
+from hdstream import _core, preparedStage
 from hdstream.translate import rereading
 from stages import author, island, shapes, streaming
 
@@ -33,7 +33,7 @@ _OF_ISLAND = dict(_OPTIONS, geometryMemory="40M", hostMemory=1 << 24, instanceCh
 @pytest.fixture(autouse=True)
 def smallIsLarge(monkeypatch):
     monkeypatch.setattr(rereading, "SMALLEST", _SMALLEST)
-    monkeypatch.setattr(rendererModule, "LARGE_STAGE", 1)
+    monkeypatch.setattr(preparedStage, "LARGE_STAGE", 1)
 
 
 def _WriteNative(path):
@@ -88,9 +88,33 @@ def _WriteCurves(path):
     stage.GetRootLayer().Save()
 
 
+def _WriteIslands(path):
+    """Islands by one more level of instancing: an instancer of few instances has all the rest below it."""
+    one = path.with_name("one.usdc")
+    island.WriteIsland(one, 0.0003)
+    island.WriteArchipelago(path, one, 4, 0.0003)
+
+
+def _WriteInherited(path):
+    """An ancestor of everything has a constant primvar with many indices."""
+    stage = author.NewStage(str(path))
+    palette = UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/World")).CreatePrimvar(
+        "palette", Sdf.ValueTypeNames.Color3fArray, "constant")
+    palette.Set([(0.7, 0.4, 0.2), (0.2, 0.4, 0.7)])
+    palette.SetIndices(Vt.IntArray.FromNumpy(np.arange(2000, dtype=np.int32) % 2))
+    author.AddMesh(stage, "/World/Large", shapes.Sphere(1.0, 40, 40))
+    for i in range(20):
+        author.AddMesh(stage, f"/World/Small{i}", shapes.Sphere(0.2, 6, 6), translate=(0.4 * i - 4, 1.3, 0))
+    author.AddLight(stage, "/World/Dome", "Dome", intensity=1.0)
+    author.AddCamera(stage, "/World/Camera", eye=(0, 2, 6), target=(0, 0.3, 0))
+    stage.GetRootLayer().Save()
+
+
 _WRITERS = {
     "overlap": lambda path: streaming.WriteOverlap(str(path), meshes=6, rings=20),
     "island": lambda path: island.WriteIsland(path, 0.0003),
+    "islands": _WriteIslands,
+    "inherited": _WriteInherited,
     "native instances": _WriteNative,
     "curves": _WriteCurves,
 }
@@ -100,7 +124,7 @@ _WRITERS = {
 def test_the_bits_are_those_of_a_stage_that_stays(name, tmp_path):
     path = tmp_path / "stage.usdc"
     _WRITERS[name](path)
-    options = _OF_ISLAND if name == "island" else _OPTIONS
+    options = _OF_ISLAND if name.startswith("island") else _OPTIONS
     kept = hdstream.Renderer(path).Render(**options)
     renderer = hdstream.Renderer(path)
     renderer.Prepare(**options)
@@ -120,9 +144,10 @@ def _OpenFiles(folder):
     return {file.rpartition("/")[2] for file in files if file.startswith(str(folder))}
 
 
-def test_files_of_which_nothing_is_read_again_are_closed(tmp_path):
+@pytest.mark.parametrize("name", ["island", "islands"])
+def test_files_of_which_nothing_is_read_again_are_closed(name, tmp_path):
     path = tmp_path / "stage.usdc"
-    island.WriteIsland(path, 0.0003)
+    _WRITERS[name](path)
     renderer = hdstream.Renderer(path)
     renderer.Prepare(**_OF_ISLAND)
     every = _OpenFiles(tmp_path)
@@ -153,17 +178,93 @@ def test_arrays_of_instancers_stay_mapped(tmp_path):
     path = tmp_path / "stage.usda"
     stage = author.NewStage(str(path))
     stage.DefinePrim("/World/Part").GetReferences().AddReference("./part.usdc")
+    author.AddMesh(stage, "/World/Large", shapes.Sphere(1.0, 40, 40))
     author.AddLight(stage, "/World/Dome", "Dome", intensity=1.0)
     author.AddCamera(stage, "/World/Camera", eye=(0, 2, 90), target=(0, 0, 0))
     stage.GetRootLayer().Save()
     del part, instancer, stage
     gc.collect()
     assert _OpenFiles(tmp_path) == set()
+    others = _core.ArrayCounts()["bytes"]
     renderer = hdstream.Renderer(path)
     renderer.Prepare(**_OPTIONS)
     before = _AnonymousBytes()
     renderer.ReleaseStage()
     assert _AnonymousBytes() < before + places.nbytes // 4
+    assert [prim.GetName() for prim in renderer.stage.Traverse()] == ["World", "Large"], "of the instancer a file is enough"
+    left = []
+
+    class Layer:
+        def __del__(self):
+            left.append(_core.ArrayCounts()["bytes"])
+
+    renderer._prepared._mappedLayers.append(Layer())
+    assert _core.ArrayCounts()["bytes"] > others
+    del renderer
+    assert left == [others], "when layers close, the scene and its arrays are gone"
+    assert _OpenFiles(tmp_path) == set()
+
+
+def test_an_ancestor_of_which_a_primvar_is_large_keeps_no_prims(tmp_path):
+    path = tmp_path / "stage.usdc"
+    _WriteInherited(path)
+    renderer = hdstream.Renderer(path)
+    renderer.Prepare(**_OPTIONS)
+    renderer.ReleaseStage()
+    assert [prim.GetName() for prim in renderer.stage.Traverse()] == ["World", "Large"]
+
+
+def _WriteLayered(path):
+    """A ball that grows, whose points a stronger layer has otherwise, and which has another one below it in a payload."""
+    ball = shapes.Sphere(1.0, 40, 40)
+    payload = Usd.Stage.CreateNew(str(path.with_name("payload.usda")))
+    payload.SetDefaultPrim(author.AddMesh(payload, "/More", shapes.Sphere(0.5, 40, 40), translate=(2, 0, 0)).GetPrim())
+    payload.GetRootLayer().Save()
+    layers = []
+    for name, size in (("base", 0.6), ("over", 0.4)):
+        stage = author.NewStage(str(path.with_name(f"{name}.usda")))
+        mesh = author.AddMesh(stage, "/World/Ball", ball)
+        for time in (1, 2):
+            mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(np.float32(size * time) * ball.points.astype(np.float32)), time)
+        if name == "base":
+            stage.DefinePrim("/World/Ball/More").GetPayloads().AddPayload("./payload.usda")
+            author.AddLight(stage, "/World/Dome", "Dome", intensity=1.0)
+            author.AddCamera(stage, "/World/Camera", eye=(0, 2, 6), target=(0, 0.3, 0))
+        stage.GetRootLayer().Save()
+    root = Sdf.Layer.CreateNew(str(path))
+    root.subLayerPaths = ["./over.usda", "./base.usda"]
+    root.Save()
+
+
+_CHANGES = {
+    "muted": lambda stage, folder: stage.MuteLayer(str(folder / "over.usda")),
+    "unloaded": lambda stage, folder: stage.Unload("/World/Ball/More"),
+    "held": lambda stage, folder: stage.SetInterpolationType(Usd.InterpolationTypeHeld),
+}
+
+
+@pytest.mark.parametrize("name", list(_CHANGES))
+def test_what_was_said_of_the_stage_holds_for_what_is_left(name, tmp_path):
+    """Muted layers, payloads that are not loaded, samples that are held."""
+    path = tmp_path / "stage.usda"
+    _WriteLayered(path)
+    whole = hdstream.Renderer(path).Render(1.5, **_OPTIONS)
+
+    def Changed():
+        renderer = hdstream.Renderer(path)
+        _CHANGES[name](renderer.stage, tmp_path)
+        renderer.Prepare(1.5, **_OPTIONS)
+        return renderer
+
+    expected = Changed().RenderPrepared()
+    assert expected.aovs["color"].tobytes() != whole.aovs["color"].tobytes()
+    renderer = Changed()
+    renderer.ReleaseStage()
+    image = renderer.RenderPrepared()
+    assert name == "unloaded" or image.statistics["memory"]["arraysReadAgain"] > 0
+    for aov, pixels in expected.aovs.items():
+        assert image.aovs[aov].tobytes() == pixels.tobytes(), aov
+    assert ("payload.usda" in _OpenFiles(tmp_path)) == (name != "unloaded")
 
 
 def _AnonymousBytes():
@@ -201,7 +302,7 @@ def test_the_function_for_one_picture_lets_its_own_stage_go(tmp_path):
 
 @pytest.mark.parametrize("large", [1, 1 << 30])
 def test_nothing_else_can_be_prepared(monkeypatch, tmp_path, large):
-    monkeypatch.setattr(rendererModule, "LARGE_STAGE", large)
+    monkeypatch.setattr(preparedStage, "LARGE_STAGE", large)
     path = tmp_path / "stage.usda"
     streaming.WriteOverlap(str(path), meshes=2, rings=8)
     renderer = hdstream.Renderer(path)
@@ -232,10 +333,10 @@ def test_the_command_lets_it_go_with_the_last_frame(tmp_path):
     script = f"""
 import sys
 import threading
-from hdstream import cli, renderer
+from hdstream import cli, preparedStage
 from hdstream.renderer import Renderer
 
-renderer.LARGE_STAGE = 1
+preparedStage.LARGE_STAGE = 1
 release = Renderer.ReleaseStage
 
 def Said(self):
@@ -278,7 +379,7 @@ def test_other_threads_may_translate_meanwhile(tmp_path):
     thread.start()
     try:
         for _ in range(30):
-            rereading.MoveToPart(other, [])
+            rereading.MoveToPart(other)
     finally:
         isOver.set()
         thread.join()

@@ -7,7 +7,6 @@ import json
 import os
 import tempfile
 import threading
-import time
 import warnings
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
@@ -16,19 +15,12 @@ from pxr import Usd
 
 from hdstream import _core
 from hdstream.denoiser import FindDenoiser
-from hdstream.diagnostics import Diagnostics
-from hdstream.errors import EXIT_USAGE, CommandError
-from hdstream.framing import FREE_CAMERA_PATH, FindCamera
-from hdstream.frameSetup import Framing, FrameTime, MakeMetadata, MakeSettings, ShutterOf
+from hdstream.framing import FREE_CAMERA_PATH
+from hdstream.frameSetup import MakeMetadata
+from hdstream.preparedStage import Frame, PreparedStage
 from hdstream.processTime import SecondsSinceStart
-from hdstream.materialXFiles import UnreadFiles
-from hdstream.renderSettings import ReadRenderSettings, SettingsPathOf
-from hdstream.stage import OpenStage
-from hdstream.translate import rereading
-from hdstream.translate.stageEdits import StageTranslation
 
 Progress = _core.Progress
-LARGE_STAGE = 10_000  # prims; opening a part of a smaller one takes more time than its memory is worth
 
 
 class RenderWarning(UserWarning):
@@ -67,32 +59,13 @@ class Renderer:
         FindDenoiser()
         # Not a method: a cycle through the session would be kept for ever.
         self._session = _session or _core.Session(onWarning or _WarnOnce())
-        self._diagnostics = Diagnostics()
         self._isCancelled = threading.Event()
-        start = time.perf_counter()
-        self._stage: Usd.Stage
-        unread: List[Tuple[str, str]] = []
-        self._isStageOwn = not isinstance(stage, Usd.Stage)
-        self._isStageReleased = False
-        self._numPrims = 0  # visited
-        if isinstance(stage, Usd.Stage):
-            self._stage, self._name = stage, stage.GetRootLayer().identifier
-            unread = [(file, "is not read in a stage that the caller opened, whose layers that would edit; give hdstream.Renderer "
-                       "the stage's path, and edit its `stage`") for file in UnreadFiles(stage)]
-        else:
-            self._name = os.fspath(stage)
-            self._stage = _Raising(OpenStage, self._name, mask)
-        self._loadSeconds = time.perf_counter() - start
-        warn, found = self._session.Warn, self._diagnostics.Take() + unread
-        # Of opening the stage; the statistics of each frame have it. No method: the stage goes with its renderer.
-        self._translation = StageTranslation(self._stage, self._session,
-                                             lambda: [warn(subject, text) for subject, text in found])
-        self._frame: Optional[_Frame] = None
+        self._prepared = PreparedStage(stage, mask, self._session)
 
     @property
     def stage(self) -> Usd.Stage:
         """The stage; edits of it are in the next render. After `ReleaseStage` what is left of it."""
-        return self._stage
+        return self._prepared.stage
 
     @property
     def warnings(self) -> List[str]:
@@ -173,13 +146,7 @@ class Renderer:
         for name in settings:
             if name not in known:
                 raise TypeError(f"there is no setting '{name}' (docs/settings.md lists all)")
-        if timeCode is None:
-            timeCode = self._stage.GetStartTimeCode()
-        if self._isStageReleased:
-            raise _core.UsageError("the stage has been released: nothing else can be prepared of it")
-        self._frame = None  # what went wrong leaves nothing to render
-        self._frame = _Raising(self._MakeFrame, Usd.TimeCode(timeCode), settings, renderSettingsPrimPath, renderProductPrimPath,
-                               renderPassPrimPath, crop)
+        self._prepared.Prepare(timeCode, settings, renderSettingsPrimPath, renderProductPrimPath, renderPassPrimPath, crop)
 
     def RenderPrepared(self, onProgress: Optional[Callable[[_core.Progress], Any]] = None,
                        start: Sequence[_core.FilmSums] = ()) -> "Image":
@@ -222,8 +189,8 @@ class Renderer:
         layers = self._session.Layers() if samples > 0 else []
         # Asked for last: finding first hits takes time and rays, and may warn.
         statistics = json.loads(self._session.Statistics()) if hasImage else {}
-        deep = self._session.Deep() if samples > 0 and self._Prepared().settings.deep else None
-        return Image(layers, self._Prepared(), isComplete, samples, statistics, deep)
+        deep = self._session.Deep() if samples > 0 and self._Frame().settings.deep else None
+        return Image(layers, self._Frame(), isComplete, samples, statistics, deep)
 
     def RenderSums(self, onProgress: Optional[Callable[[_core.Progress], Any]] = None,
                    start: Sequence[_core.FilmSums] = ()) -> Optional[_core.FilmSums]:
@@ -238,17 +205,18 @@ class Renderer:
         for name, pixels in aovs.items():
             layers.append(_core.ImageLayer(name, _core.ChannelsOf(name), np.ascontiguousarray(pixels)))
             layers[-1].header = dict((headers or {}).get(name, {}))
-        return Image(layers, self._Prepared(), True, samples, dict(statistics))
+        return Image(layers, self._Frame(), True, samples, dict(statistics))
 
-    def _Prepared(self):
-        if self._frame is None:
+    def _Frame(self):
+        frame = self._prepared.frame
+        if frame is None:
             raise _core.UsageError("nothing is prepared")
-        return self._frame
+        return frame
 
     def _RenderFilm(self, onProgress, start):
         """True when it was not cancelled."""
-        frame = self._Prepared()
-        self._session.SetFrontEndTimes(self._loadSeconds, frame.translateSeconds, SecondsSinceStart())
+        frame = self._Frame()
+        self._session.SetFrontEndTimes(self._prepared.loadSeconds, frame.translateSeconds, SecondsSinceStart())
 
         def OnProgress(progress):
             return not self._isCancelled.is_set() and (onProgress is None or onProgress(progress) is not False)
@@ -280,7 +248,7 @@ class Renderer:
     @property
     def settings(self) -> Dict[str, Any]:
         """All settings of the prepared frame by name, completed from the camera and the render settings prim."""
-        settings = self._Prepared().settings
+        settings = self._Frame().settings
         values = {info.name: _core.GetSetting(settings, info.name) for info in _core.SettingTable()}
         return {**values, "displayWindow": list(settings.displayWindow), "dataWindowMin": list(settings.dataWindowMin)}
 
@@ -316,40 +284,8 @@ class Renderer:
         hdstream.UsageError
             Nothing is prepared, or the stage is the caller's.
         """
-        self._Prepared()
-        if not self._isStageOwn:
-            raise _core.UsageError("ReleaseStage: the stage was opened by the caller, who may let it go")
-        if not self._isStageReleased and self._numPrims >= LARGE_STAGE:
-            self._stage = rereading.MoveToPart(self._stage, self._translation.Release())
-            self._diagnostics.Take()  # was said when the stage was opened
-        self._isStageReleased = True
-
-    def _MakeFrame(self, timeCode, values, renderSettingsPrimPath, renderProductPrimPath, renderPassPrimPath, crop):
-        start = time.perf_counter()
-        settingsPath = SettingsPathOf(self._stage, renderSettingsPrimPath, renderPassPrimPath, self._session)
-        renderSettings = ReadRenderSettings(self._stage, settingsPath, self._session, renderProductPrimPath)
-        cameraPrim = FindCamera(self._stage, values.get("camera"), renderSettings.camera)
-        settings = MakeSettings(values, renderSettings, self._session.Warn)
-        shutter = ShutterOf(cameraPrim, timeCode, settings)
-        self._numPrims = max(self._numPrims, self._translation.Update(timeCode, shutter, renderPassPrimPath or ""))
-        self._diagnostics.WarnOf(self._session)
-        if self._session.Scene().isEmpty:
-            self._session.Warn(self._name, "the stage has nothing to draw")
-        framing = Framing(self._stage, self._session, renderSettings, values.get("imageWidth"),
-                          values.get("imageHeight"), crop)
-        camera = framing.SetCamera(cameraPrim, timeCode, shutter, settings)
-        self._session.Redice()  # surfaces are diced as for a fresh renderer, wherever the camera was before
-        return _Frame(settings, camera, FrameTime.Of(self._stage, timeCode), time.perf_counter() - start)
-
-
-class _Frame:
-    """What is to be rendered."""
-
-    def __init__(self, settings, camera, frameTime, translateSeconds):
-        self.settings = settings
-        self.camera = camera
-        self.frameTime = frameTime
-        self.translateSeconds = translateSeconds
+        self._Frame()
+        self._prepared.Release()
 
 
 class Image:
@@ -377,7 +313,7 @@ class Image:
         As `--stats` writes it; seconds, bytes, counts (docs/command-line.md).
     """
 
-    def __init__(self, layers: Sequence[_core.ImageLayer], frame: _Frame, isComplete: bool, samples: int,
+    def __init__(self, layers: Sequence[_core.ImageLayer], frame: Frame, isComplete: bool, samples: int,
                  statistics: Dict[str, Any], deep: Optional[_core.DeepImage] = None) -> None:
         self.deep = deep
         self.isComplete = isComplete
@@ -480,15 +416,6 @@ def Render(stage: Union[Usd.Stage, str, "os.PathLike[str]"], timeCode: Union[flo
     if not isinstance(stage, Usd.Stage):
         renderer.ReleaseStage()
     return renderer.RenderPrepared(onProgress)
-
-
-def _Raising(function, *arguments):
-    """Errors of the front end as the core's classes, which are the ones of the package."""
-    try:
-        return function(*arguments)
-    except CommandError as error:
-        kind = _core.UsageError if error.exitCode == EXIT_USAGE else _core.Error
-        raise kind(str(error)) from None
 
 
 class _WarnOnce:

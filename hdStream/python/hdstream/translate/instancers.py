@@ -137,7 +137,7 @@ class Instancers:
             if len(instances) and self._WalkPrototype(prim, path, prototypePath, instances, state, context):
                 isPlacing = True
         if isPlacing:
-            self._translator.mappedPaths.append(prim.GetPath())
+            self._translator.mappedLayers.AddOf(prim)
             placement = self._translator.PlacementOf(state, context)
             samples = [] if arrays.isAtRest else self._translator.MotionOf(state).PointInstanceSamplesOf(
                 UsdGeom.PointInstancer(prim), arrays.numInstances)

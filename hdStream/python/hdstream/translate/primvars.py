@@ -80,11 +80,13 @@ def ReadPrimvar(prim, name, names, timeCode):
     interpolation = _InterpolationOf(attribute, "constant")
     if rows is None or interpolation is None:
         return None
+    # Constant ones are looked at in many places, and a prim of which one is read again stays with all that inherits it.
+    isKept = interpolation == _core.Interpolation.Constant
     indices = None
     if name + _INDICES in names:
-        indices = _IndicesAgain(prim.GetAttribute(name + _INDICES), timeCode)
+        indices = _Indices(prim.GetAttribute(name + _INDICES), timeCode, isKept)
     space = ColorSpaceOfColor(attribute) if rows.ndim == 2 and rows.shape[1] >= 3 else ""
-    if interpolation != _core.Interpolation.Constant:  # these are looked at in many places
+    if not isKept:
         rows = _RowsAgain(attribute, timeCode, rows)
     return _core.Primvar(name[len(PREFIX):], interpolation, rows, indices, space)
 
@@ -103,10 +105,10 @@ def _RowsAgain(attribute, timeCode, rows):
     return Again(attribute, timeCode, rows, lambda own: FloatRows(own.Get(timeCode), own))
 
 
-def _IndicesAgain(attribute, timeCode):
-    """The same of indices, which are read here."""
+def _Indices(attribute, timeCode, isKept):
+    """Indices as they are, or in such a form too."""
     indices = attribute.Get(timeCode)
-    if not isinstance(indices, Vt.IntArray):
+    if isKept or not isinstance(indices, Vt.IntArray):
         return indices
     return Again(attribute, timeCode, np.asarray(indices), lambda own: np.asarray(own.Get(timeCode)))
 

@@ -9,7 +9,7 @@ import os
 import threading
 import weakref
 
-from pxr import Usd
+from pxr import Sdf, Usd
 
 from hdstream import _core
 
@@ -32,21 +32,37 @@ def Again(attribute, timeCode, values, read):
     return _core.StageArray(attribute.GetPath().pathString, values, _Reader(attribute, timeCode, read))
 
 
-def MoveToPart(stage, mappedPaths):
-    """Arrays of `stage` are read again from another stage, which is returned: of the same layers, with only the prims that have
-    such arrays, and those at `mappedPaths`. What is not in it goes with the last user of `stage`. Call it while nothing is
-    rendered.
-
-    `mappedPaths`: of prims whose arrays the core keeps as they are mapped. OpenUSD makes copies of those when it closes a file.
-
-    `stage` is as OpenStage gave it: nothing of it is muted or unloaded."""
+def MoveToPart(stage):
+    """Arrays of `stage` are read again from another stage, which is returned: of the same layers, of which the same are muted,
+    with only the prims that have such arrays, and what is below these. What is not in it goes with the last user of `stage`.
+    Call it while nothing is rendered."""
     with _readersLock:
         readers = [reader for reader in _readers if reader.IsOf(stage)]
-    mask = Usd.StagePopulationMask([*mappedPaths, *(reader.PrimPath() for reader in readers)])
+    mask = Usd.StagePopulationMask([reader.PrimPath() for reader in readers])
     part = Usd.Stage.OpenMasked(stage.GetRootLayer(), stage.GetSessionLayer(), stage.GetPathResolverContext(), mask)
+    if stage.GetMutedLayers():
+        part.MuteAndUnmuteLayers(stage.GetMutedLayers(), [])
+    if stage.GetLoadRules() != part.GetLoadRules():
+        part.SetLoadRules(stage.GetLoadRules())
+    part.SetInterpolationType(stage.GetInterpolationType())
     for reader in readers:
         reader.MoveTo(part)
     return part
+
+
+class MappedLayers:
+    """Layers that hold arrays which the core keeps as they are mapped. OpenUSD makes copies of those when it closes a file."""
+
+    def __init__(self):
+        self._identifiers = set()
+
+    def AddOf(self, prim):
+        """Those that say something of a prim."""
+        self._identifiers.update(spec.layer.identifier for spec in prim.GetPrimStack())
+
+    def Held(self):
+        """The layers, which stay open as long as what is returned. Call it while the stage is there."""
+        return [Sdf.Layer.FindOrOpen(identifier) for identifier in sorted(self._identifiers)]
 
 
 class _Reader:

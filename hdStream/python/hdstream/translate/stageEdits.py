@@ -11,6 +11,7 @@ import weakref
 
 from pxr import Tf, Usd, UsdGeom, UsdShade
 
+from hdstream.translate import rereading
 from hdstream.translate.lights import LIGHT_TYPES
 from hdstream.translate.meshes import IMPLICIT_TYPES
 from hdstream.translate.primState import PREDICATE
@@ -38,7 +39,7 @@ class StageTranslation:
         self._isStale = True
         self._changes = {}  # prim path -> names of its properties that changed
         self._materialPaths = set()
-        self._mappedPaths = []
+        self._mappedLayers = rereading.MappedLayers()
         self._hasInstancers = False
         self._hasLinks = False  # what a prim's links are, lights elsewhere say
         # Tf keeps what it calls, which would keep the stage and its layers for ever.
@@ -57,11 +58,11 @@ class StageTranslation:
         return sum(self._TranslateBelow(path, names) for path, names in changes.items())
 
     def Release(self):
-        """Keeps nothing of the stage. Nothing can be brought up to date after it. Returns the paths of prims whose arrays the core
-        keeps as they are mapped."""
+        """Keeps nothing of the stage. Nothing can be brought up to date after it. Returns layers to be kept: OpenUSD makes copies of
+        mapped arrays when it closes their file, and of these the core keeps arrays as they are mapped."""
         self._listener.Revoke()
         self._stage = self._listener = None
-        return self._mappedPaths
+        return self._mappedLayers.Held()
 
     def _OnChanged(self, notice):
         for path in notice.GetResyncedPaths():
@@ -89,7 +90,7 @@ class StageTranslation:
         translator = self._NewTranslator()
         translator.Translate()
         self._materialPaths = translator.materialPaths
-        self._mappedPaths = translator.mappedPaths
+        self._mappedLayers = translator.mappedLayers
         self._hasInstancers = self._session.Scene().hasInstancers
         self._hasLinks = translator.LinksAreUsed()
         self._isStale = False

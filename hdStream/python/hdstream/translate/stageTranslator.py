@@ -12,8 +12,8 @@ from pxr import Tf, Usd, UsdGeom, UsdSkel
 
 from hdstream import _core
 from hdstream.diagnostics import MessagesOf
-from hdstream.translate import (cameras, colorSpaces, curves, drawModes, lights, meshes, primvars, splats, valueClips,
-                                volumes)
+from hdstream.translate import (cameras, colorSpaces, curves, drawModes, lights, meshes, primvars, rereading, splats,
+                                valueClips, volumes)
 from hdstream.translate.assets import AssetResolver
 from hdstream.translate.instancers import Instancers
 from hdstream.translate.links import Links
@@ -73,7 +73,7 @@ class StageTranslator:
         self._volumeMaterials = {}  # path -> prim
         self._kept = {}  # scene path -> GeometryPrim of before, whose geometry is as it was
         self.materialPaths = set()  # of the materials that were translated
-        self.mappedPaths = []  # of prims whose large arrays the core keeps as they are
+        self.mappedLayers = rereading.MappedLayers()
         self.numPrims = 0  # prims visited, instance proxies of first instances included
         self._handlers = self._MakeHandlers()
 
