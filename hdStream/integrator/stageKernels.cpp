@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/integrator/stageKernels.h"
 
+#include "hdStream/integrator/shadowLaunches.h"
+
 #include <algorithm>
 #include <string>
 
@@ -150,7 +152,7 @@ StageKernels::StageKernels(const std::shared_ptr<Device>& device, Store* store,
     if (features.firstHits) {
         aov = aovProgram->GetKernel("aov_firstHit");
     }
-    if (features.cutouts) {
+    if (features.cutouts && !PassesShadowsAtOnce(features)) {
         shadowPass = shadowProgram->GetKernel("shadow_pass");
     }
     if (features.HasLists()) {
@@ -189,7 +191,7 @@ void StageKernels::Bind(const SceneBuffers& scene) {
     if (_features.occlusion) {
         bindScene(&occlusion);
     }
-    if (_features.cutouts) {
+    if (_features.cutouts && !PassesShadowsAtOnce(_features)) {
         bindScene(&shadowPass);
     }
     if (_features.streaming) {

@@ -3,6 +3,7 @@
 
 #include "hdStream/base/timer.h"
 #include "hdStream/integrator/reportLaunches.h"
+#include "hdStream/integrator/shadowLaunches.h"
 
 #include <algorithm>
 #include <array>
@@ -203,6 +204,10 @@ void WaveTracer::TraceNextBatch(std::uint32_t active, std::uint32_t numShadows) 
 /// \param numShadows 0: there cannot be any. \param shadowQueue for those that go on; candidates
 /// are in the one after it.
 void WaveTracer::PassCandidates(std::uint32_t numShadows, std::uint32_t shadowQueue) {
+    if (PassesShadowsAtOnce(_kernels->Features())) {
+        _statistics->shadowRays += numShadows > 0 ? _queues.ReadCounters()[HDS_COUNTER_SHADOW] : 0;
+        return;
+    }
     while (_hasCutouts && numShadows > 0) {
         const std::uint32_t numCandidates = _queues.ReadCounters()[HDS_COUNTER_SHADOW];
         if (numCandidates == 0) {

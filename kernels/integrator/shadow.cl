@@ -7,6 +7,7 @@
 #include "integrator/lightPaths.clh"
 #include "integrator/sceneArgs.clh"
 #include "integrator/trace.clh"
+#include "shared/launchConditions.h"
 /* Drivers compile all functions of a program, also those that no kernel calls. */
 #if HDS_FEATURE_CUTOUT
 #include "integrator/passThrough.clh"
@@ -88,18 +89,17 @@ void shadow_end(HdsPaths paths, uint i, global uint* readyQueue, volatile global
 #endif
 }
 
-/* A ray that nothing opaque blocks arrives, or has a candidate. One that passes its light, which
- * happens at edges by rounding, brings nothing. */
-void shadow_arrive(const HdsSceneView* scene, HdsPaths paths, uint i, const HdsHit* candidate,
-                   global uint* candidateQueue, global uint* readyQueue,
-                   volatile global uint* counters) {
+/* A ray that nothing opaque blocks arrives, or has a candidate, which is kept. One that passes its
+ * light, which happens at edges by rounding, brings nothing. \return whether it has one. */
+bool shadow_arrive(const HdsSceneView* scene, HdsPaths paths, uint i, const HdsHit* candidate,
+                   global uint* readyQueue, volatile global uint* counters) {
 #if HDS_FEATURE_CUTOUT
     bool passes = candidate->chunk != HDS_NONE;
 #if HDS_FEATURE_MEDIA_STACK
     const float bound = as_float(path_load_shadowMediaHigh(paths, i).w);
     if (!passes && bound > 0.0f && bound < path_load_shadowOrigin(paths, i).w) {
         shadow_end(paths, i, readyQueue, counters); /* it ends in the medium that it begins in */
-        return;
+        return false;
     }
 #endif
 #if HDS_FEATURE_VOLUMES
@@ -107,70 +107,32 @@ void shadow_arrive(const HdsSceneView* scene, HdsPaths paths, uint i, const HdsH
 #endif
     if (passes) {
         path_storeCandidate(paths, i, candidate);
-        queue_append(candidateQueue, &counters[HDS_COUNTER_SHADOW], i);
-        return;
+        return true;
     }
 #endif
     if (!shadow_needsLight(scene, paths, i)) {
         shadow_addRadiance(scene, paths, i);
     }
     shadow_end(paths, i, readyQueue, counters);
+    return false;
 }
 
-/* Global size: count items, HDS_ITEMS_PER_WORK_ITEM for each work-item. Appends candidates (only
- * with cut-outs) and, while geometry streams, rays that wait for a chunk and slots that are ready.
- */
-kernel void shadow_cast(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
-                        global const uint* restrict queue, uint count,
-                        global uint* restrict waitQueue, global uint* restrict candidateQueue,
-                        global uint* restrict readyQueue, volatile global uint* counters) {
-    HdsPaths paths = {state, numSlots};
-    HDS_SCENE_VIEW(scene);
-    HDS_FOR_ITEMS(item, count) {
-        uint i = queue[item];
-        HdsHit candidate;
-        const uint found =
-            trace_occluded(&scene.geometry, paths, i, waitQueue, counters, &candidate);
-        if (found == HDS_RAY_DECIDED) {
-            shadow_arrive(&scene, paths, i, &candidate, candidateQueue, readyQueue, counters);
-        }
-        if (found == HDS_RAY_BLOCKED) {
-            shadow_addBlocked(&scene, paths, i, (float3)(1.0f), 0.0f);
+/* Ends a shadow ray of which it is known whether something opaque blocks it. \param found
+ * HDS_RAY_*. \return whether it has a candidate. */
+bool shadow_decide(const HdsSceneView* scene, HdsPaths paths, uint i, uint found,
+                   const HdsHit* candidate, global uint* readyQueue,
+                   volatile global uint* counters) {
+    if (found == HDS_RAY_DECIDED) {
+        return shadow_arrive(scene, paths, i, candidate, readyQueue, counters);
+    }
+    if (found == HDS_RAY_BLOCKED) {
+        shadow_addBlocked(scene, paths, i, (float3)(1.0f), 0.0f);
 #if HDS_FEATURE_CUTOUT
-            shadow_end(paths, i, readyQueue, counters);
+        shadow_end(paths, i, readyQueue, counters);
 #endif
-        }
     }
+    return false;
 }
-
-#if HDS_FEATURE_STREAMING
-/* Global size: count items, HDS_ITEMS_PER_WORK_ITEM for each work-item. Goes on with shadow rays
- * that have waited. Appends as shadow_cast. */
-kernel void shadow_resume(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
-                          global const uint* restrict queue, uint count,
-                          global uint* restrict waitQueue, global uint* restrict candidateQueue,
-                          global uint* restrict readyQueue, volatile global uint* counters) {
-    HdsPaths paths = {state, numSlots};
-    HDS_SCENE_VIEW(scene);
-    HDS_FOR_ITEMS(item, count) {
-#if HDS_WAIT_LISTS
-        if (item + HDS_FETCH_AHEAD < itemsEnd) {
-            trace_fetchOccluded(paths, queue[item + HDS_FETCH_AHEAD]);
-        }
-#endif
-        uint i = queue[item];
-        HdsHit candidate;
-        const uint found =
-            trace_resumeOccluded(&scene.geometry, paths, i, waitQueue, counters, &candidate);
-        if (found == HDS_RAY_BLOCKED) {
-            shadow_addBlocked(&scene, paths, i, (float3)(1.0f), 0.0f);
-            shadow_end(paths, i, readyQueue, counters);
-        } else if (found == HDS_RAY_DECIDED) {
-            shadow_arrive(&scene, paths, i, &candidate, candidateQueue, readyQueue, counters);
-        }
-    }
-}
-#endif
 
 #if HDS_FEATURE_CUTOUT
 #if HDS_FEATURE_GLASS_SHADOWS
@@ -299,22 +261,21 @@ void shadow_passVolumes(const HdsSceneView* scene, HdsPaths paths, uint i, globa
 }
 #endif
 
-/* Dims the shadow ray of slot i by its candidate, and appends what shadow_pass does. */
-void shadow_passCandidate(const HdsSceneView* scene, HdsPaths paths, uint i, global uint* waitQueue,
-                          global uint* queue, global uint* readyQueue,
-                          volatile global uint* counters) {
+/* Dims the shadow ray of slot i by its candidate. \return whether it goes on behind that. */
+bool shadow_passCandidate(const HdsSceneView* scene, HdsPaths paths, uint i, global uint* waitQueue,
+                          global uint* readyQueue, volatile global uint* counters) {
     HdsHit hit = path_loadCandidate(paths, i);
 #if HDS_FEATURE_VOLUMES
     if (hit.chunk == HDS_NONE) {
         shadow_passVolumes(scene, paths, i, readyQueue, counters);
-        return;
+        return false;
     }
 #endif
     if (surfaceHit_waits(scene, &hit, waitQueue, counters, HDS_COUNTER_WAITING_CANDIDATES, i)) {
 #if HDS_WAIT_LISTS
         path_storeWaits(paths, i, path_loadWaits(paths, i) | HDS_PATH_SHADOW_WAITS);
 #endif
-        return;
+        return false;
     }
     float4 direction = path_load_shadowDirection(paths, i);
     HdsSurfaceHit surface;
@@ -332,13 +293,13 @@ void shadow_passCandidate(const HdsSceneView* scene, HdsPaths paths, uint i, glo
         } else {
             surfaceMaterial_waitForTexels(scene, i);
         }
-        return;
+        return false;
     }
 #endif
     float3 share;
     if (!shadow_share(scene, paths, i, &surface, -direction.xyz, hit.t, &share)) {
         surfaceMaterial_waitForTexels(scene, i);
-        return;
+        return false;
     }
     shadow_addBlocked(scene, paths, i, (float3)(1.0f) - share, hit.t);
     float3 left = radiance.xyz * share;
@@ -347,20 +308,78 @@ void shadow_passCandidate(const HdsSceneView* scene, HdsPaths paths, uint i, glo
 #endif
     if (!(vec_maxComponent(left) > 0.0f)) {
         shadow_end(paths, i, readyQueue, counters);
-        return;
+        return false;
     }
     direction.w += 1.0f;
     if (direction.w >= (float)HDS_MAX_PASSES) {
         atomic_inc(&counters[HDS_COUNTER_PASSES]);
         shadow_end(paths, i, readyQueue, counters);
-        return;
+        return false;
     }
     path_store_shadowRadiance(paths, i, (float4)(left, radiance.w));
     path_store_shadowDirection(paths, i, direction);
     path_store_shadowAfter(paths, i, passThrough_key(&hit, &surface));
-    queue_append(queue, &counters[HDS_COUNTER_SHADOW], i);
+    return true;
+}
+#endif
+
+/* Global size: count items, HDS_ITEMS_PER_WORK_ITEM for each work-item. Appends candidates (only
+ * with cut-outs) and, while geometry streams, rays that wait for a chunk and slots that are ready.
+ * Where candidates are passed at once it counts the rays that go on behind them. */
+kernel void shadow_cast(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
+                        global const uint* restrict queue, uint count,
+                        global uint* restrict waitQueue, global uint* restrict candidateQueue,
+                        global uint* restrict readyQueue, volatile global uint* counters) {
+    HdsPaths paths = {state, numSlots};
+    HDS_SCENE_VIEW(scene);
+    HDS_FOR_ITEMS(item, count) {
+        uint i = queue[item];
+        HdsHit candidate;
+#if HDS_PASSES_SHADOWS_AT_ONCE
+        while (shadow_decide(
+                   &scene, paths, i,
+                   trace_occluded(&scene.geometry, paths, i, waitQueue, counters, &candidate),
+                   &candidate, readyQueue, counters) &&
+               shadow_passCandidate(&scene, paths, i, waitQueue, readyQueue, counters)) {
+            atomic_inc(&counters[HDS_COUNTER_SHADOW]);
+        }
+#else
+        const uint found =
+            trace_occluded(&scene.geometry, paths, i, waitQueue, counters, &candidate);
+        if (shadow_decide(&scene, paths, i, found, &candidate, readyQueue, counters)) {
+            queue_append(candidateQueue, &counters[HDS_COUNTER_SHADOW], i);
+        }
+#endif
+    }
 }
 
+#if HDS_FEATURE_STREAMING
+/* Global size: count items, HDS_ITEMS_PER_WORK_ITEM for each work-item. Goes on with shadow rays
+ * that have waited. Appends as shadow_cast. */
+kernel void shadow_resume(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
+                          global const uint* restrict queue, uint count,
+                          global uint* restrict waitQueue, global uint* restrict candidateQueue,
+                          global uint* restrict readyQueue, volatile global uint* counters) {
+    HdsPaths paths = {state, numSlots};
+    HDS_SCENE_VIEW(scene);
+    HDS_FOR_ITEMS(item, count) {
+#if HDS_WAIT_LISTS
+        if (item + HDS_FETCH_AHEAD < itemsEnd) {
+            trace_fetchOccluded(paths, queue[item + HDS_FETCH_AHEAD]);
+        }
+#endif
+        uint i = queue[item];
+        HdsHit candidate;
+        const uint found =
+            trace_resumeOccluded(&scene.geometry, paths, i, waitQueue, counters, &candidate);
+        if (shadow_decide(&scene, paths, i, found, &candidate, readyQueue, counters)) {
+            queue_append(candidateQueue, &counters[HDS_COUNTER_SHADOW], i);
+        }
+    }
+}
+#endif
+
+#if HDS_FEATURE_CUTOUT && !HDS_PASSES_SHADOWS_AT_ONCE
 /* Global size: count items, HDS_ITEMS_PER_WORK_ITEM for each work-item. Appends rays of which
  * something is left and, while geometry streams, candidates that wait for their pages and slots
  * that are ready. */
@@ -371,8 +390,10 @@ kernel void shadow_pass(HDS_SCENE_ARGS, global uchar* state, uint numSlots,
     HdsPaths paths = {state, numSlots};
     HDS_SCENE_VIEW(scene);
     HDS_FOR_ITEMS(item, count) {
-        shadow_passCandidate(&scene, paths, candidateQueue[item], waitQueue, queue, readyQueue,
-                             counters);
+        const uint i = candidateQueue[item];
+        if (shadow_passCandidate(&scene, paths, i, waitQueue, readyQueue, counters)) {
+            queue_append(queue, &counters[HDS_COUNTER_SHADOW], i);
+        }
     }
 }
 #endif

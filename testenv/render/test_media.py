@@ -2,7 +2,7 @@
 """Media and subsurface scattering in pictures, against closed forms: furnaces, half-spaces, Beer's law, the power of a light.
 
 A medium that absorbs nothing is invisible in a furnace. A half-space that scatters alike in all directions and has no reflecting
-boundary is Chandrasekhar's (Radiative Transfer, 1960): its albedo for light along its normal is 1 - H(1) sqrt(1 - a), by his H.
+boundary is Chandrasekhar's (Radiative Transfer, 1960): its albedo for light at the cosine mu is 1 - H(mu) sqrt(1 - a), by his H.
 """
 
 import functools
@@ -34,20 +34,20 @@ def _Below(color, radius, **others) -> dict:
                 subsurface_radius=tuple(np.broadcast_to(radius, 3)), **others)
 
 
-def _Stage(path, shape, surface, identifier=STANDARD, light=("Dome", {}), width=1.0):
+def _Stage(path, shape, surface, identifier=STANDARD, light=("Dome", {}), width=1.0, eye=(0, 0, 10)):
     stage = author.NewStage(str(path))
     material = AddSurface(stage, "/World/Look", identifier, **surface)
     author.AddMesh(stage, "/World/Shape", shape, material=material, doubleSided=True,
                    rotate=(90, 0, 0) if len(shape.points) == 4 else (0, 0, 0))
     if light is not None:
         author.AddLight(stage, "/World/Light", light[0], **light[1])
-    author.AddCamera(stage, eye=(0, 0, 10), width=10.0 * width, aspect=1.0, orthographic=True)
+    author.AddCamera(stage, eye=eye, width=10.0 * width, aspect=1.0, orthographic=True)
     stage.GetRootLayer().Save()
     return stage.GetRootLayer().realPath
 
 
 def _Mean(tmp_path, shape, surface, samples=256, maxDepth=24, **stage):
-    """Mean colour [3] of a picture of a shape with a surface, seen along -z."""
+    """Mean colour [3] of a picture of a shape with a surface, seen along -z, or from an `eye`."""
     path = _Stage(tmp_path / "stage.usda", shape, surface, **stage)
     return ours.Render(path, 16, 16, samples=samples, maxDepth=maxDepth, russianRoulette=True).rgb.reshape(-1, 3).mean(0)
 
@@ -80,6 +80,18 @@ def test_a_half_space_has_chandrasekhars_albedo(tmp_path, albedo, expected):
     assert 1 - _H(1.0, albedo) * np.sqrt(1 - albedo) == pytest.approx(expected, abs=1e-4)
     color = _Mean(tmp_path, shapes.Plane(100, 100), _Medium(1.0, albedo), samples=1024)
     assert color == pytest.approx(np.full(3, expected), rel=0.005)
+
+
+def test_a_half_space_has_chandrasekhars_spherical_albedo(tmp_path):
+    # What it gives back of light from all sides: the mean over directions by their cosines. Gauss's rule of four nodes.
+    albedos, expected = (0.5, 0.9, 0.99), np.array([0.14654, 0.47802, 0.79456])
+    nodes, weights = np.polynomial.legendre.leggauss(4)
+    cosines, weights = (nodes + 1) / 2, weights * (nodes + 1) / 2
+    exact = [sum(w * (1 - _H(mu, a) * np.sqrt(1 - a)) for mu, w in zip(cosines, weights)) for a in albedos]
+    assert exact == pytest.approx(expected, rel=5e-4)
+    seen = [_Mean(tmp_path, shapes.Plane(100, 100), _Medium(1.0, albedos), samples=2048,
+                  eye=(10 * np.sqrt(1 - mu * mu), 0, 10 * mu)) for mu in cosines]
+    assert weights @ np.array(seen) == pytest.approx(expected, rel=0.005)
 
 
 def test_channels_have_the_albedos_they_have_alone(tmp_path):

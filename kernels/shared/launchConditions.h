@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * How rays are launched, where several features decide it. Evaluated as the conditions of
+ * shared/pathConditions.h are. */
+#ifndef HDS_SHARED_LAUNCH_CONDITIONS_H
+#define HDS_SHARED_LAUNCH_CONDITIONS_H
+
+/* A shadow ray passes all that lets it through in one launch: nothing on its way can be missing,
+ * and where bodies are media most shadow rays have boundaries to pass. */
+#define HDS_PASSES_SHADOWS_AT_ONCE \
+    (HDS_FEATURE_MEDIA_STACK && !HDS_FEATURE_STREAMING && !HDS_FEATURE_TEXTURE_STREAMING)
+
+#endif
