@@ -8,12 +8,14 @@
 #include <pxr/base/gf/vec3f.h>
 #include <pxr/imaging/hd/collectionsSchema.h>
 #include <pxr/imaging/hd/light.h>
+#include <pxr/imaging/hd/material.h>
 #include <pxr/imaging/hd/renderIndex.h>
 #include <pxr/imaging/hd/tokens.h>
 #include <pxr/usd/sdf/assetPath.h>
 #include <pxr/usd/sdf/pathExpression.h>
 
 #include <array>
+#include <map>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -63,7 +65,41 @@ void ReadFields(const Reader& reader, const std::string& prefix, Struct* result)
     });
 }
 
-void ReadTexture(const Reader& reader, hds::LightDescription* light) {
+/// The colour spaces that inputs of a light say by metadata: UsdImaging has them as parameters of
+/// the light's network, as of a material's.
+class InputSpaces {
+public:
+    InputSpaces(HdSceneDelegate* delegate, const SdfPath& id)
+        : _resource(delegate->GetMaterialResource(id)) {
+        if (_resource.IsHolding<HdMaterialNetworkMap>()) {
+            const auto& networks = _resource.UncheckedGet<HdMaterialNetworkMap>().map;
+            const auto found = networks.find(HdMaterialTerminalTokens->light);
+            if (found != networks.end() && !found->second.nodes.empty()) {
+                _parameters = &found->second.nodes.back().parameters; // the light itself
+            }
+        }
+    }
+
+    /// Empty: none is said.
+    std::string Of(const TfToken& input) const {
+        const TfToken name("colorSpace:" + input.GetString());
+        const auto found = _parameters ? _parameters->find(name) : Parameters::const_iterator();
+        if (!_parameters || found == _parameters->end()) {
+            return {};
+        }
+        const VtValue& space = found->second;
+        return space.IsHolding<TfToken>() ? space.UncheckedGet<TfToken>().GetString()
+                                          : space.GetWithDefault(std::string());
+    }
+
+private:
+    using Parameters = std::map<TfToken, VtValue>;
+
+    VtValue _resource;
+    const Parameters* _parameters = nullptr;
+};
+
+void ReadTexture(const Reader& reader, const InputSpaces& spaces, hds::LightDescription* light) {
     TfToken format(light->textureFormat);
     reader.Read(HdLightTokens->textureFormat, &format);
     light->textureFormat = format.GetString();
@@ -71,6 +107,7 @@ void ReadTexture(const Reader& reader, hds::LightDescription* light) {
     reader.Read(HdLightTokens->textureFile, &file);
     if (!file.GetAssetPath().empty()) {
         light->textureFile = HdStreamAssetReference(file);
+        light->textureFile.colorSpace = spaces.Of(HdLightTokens->textureFile);
     }
 }
 
@@ -193,7 +230,9 @@ hds::LightDescription HdStreamReadLight(HdSceneDelegate* delegate, const SdfPath
     light.visibleToCamera = true; // no input of the light says it, but a render pass may
     reader.Read(kHdStreamLightSeenByCamera, &light.visibleToCamera);
     light.group = ReadGroup(reader);
-    ReadTexture(reader, &light);
+    const InputSpaces spaces(delegate, id);
+    light.colorSpace = spaces.Of(HdLightTokens->color);
+    ReadTexture(reader, spaces, &light);
     light.shaping = ReadShaping(reader);
     ReadFields(reader, "shadow:", &light.shadow);
     return light;

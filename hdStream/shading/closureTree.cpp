@@ -5,6 +5,7 @@
 #include "hdStream/shading/closureSlab.h"
 #include "hdStream/shading/shaderMath.h"
 #include "hdStream/shading/shaderNodes.h"
+#include "hdStream/shading/surfaceFrame.h"
 #include "hdStream/shading/surfaceGraphs.h"
 
 #include <algorithm>
@@ -251,9 +252,11 @@ private:
             const ShaderValue mean =
                 MakeMath(HDS_MATH_MAX, {root(Multiply(x, y, 1)), MakeScalar(1e-6F)}, 1);
             slab.layered.values[HDS_INPUT_ROUGHNESS] = root(mean);
-            slab.layered.values[HDS_INPUT_STRETCH] = MakeMath(
-                HDS_MATH_COMBINE,
-                {Divide(x, mean, 1), Divide(y, mean, 1), MakeScalar(0.0F), MakeScalar(0.0F)}, 4);
+            slab.layered.values[HDS_INPUT_STRETCH] =
+                MakeMath(HDS_MATH_COMBINE,
+                         {Divide(x, mean, 1), Divide(y, mean, 1),
+                          EvaluateTangent(_network, node, "tangent"), MakeScalar(0.0F)},
+                         4);
         }
         slab.layered.values[HDS_INPUT_NORMAL] = EvaluateNormal(_network, node, "normal");
         return slab;

@@ -48,6 +48,17 @@ Rows AnisotropicAlpha() {
            AlphaOf(Of("across"));
 }
 
+/// "tangent", the direction of an anisotropy, turned about the normal.
+Rows Turned(const char* direction, const char* rotation) {
+    return {
+        {"axis", "normal_vector3", {{"space", Named("world")}}},
+        {"degrees", "multiply_float", {{"in1", From(rotation)}, {"in2", Is({-360.0F})}}},
+        {"tangent",
+         "rotate3d_vector3",
+         {{"in", From(direction)}, {"amount", Of("degrees")}, {"axis", Of("axis")}}},
+    };
+}
+
 /// "interior", what absorbs and scatters in a body.
 Rows Interior() {
     return {
@@ -142,6 +153,7 @@ GraphNode DielectricPart(const char* name, const char* tint, const char* mode) {
              {"ior", Of("ior")},
              {"roughness", Of("alpha")},
              {"normal", From("normal")},
+             {"tangent", Of("tangent")},
              {"scatter_mode", Named(mode)}}};
 }
 
@@ -154,8 +166,9 @@ NodeGraph Dielectric() {
                       {"IOR", {1.5F}},
                       {"reflectivity", {0.04F}},
                       {"roughness", {0.1F}},
-                      {"anisotropy", {0.0F}}}),
-        AnisotropicAlpha() + Interior() +
+                      {"anisotropy", {0.0F}},
+                      {"rotation", {0.0F}}}),
+        AnisotropicAlpha() + Turned("direction", "rotation") + Interior() +
             Rows{{"reflectivity", "convert_float_color3", {{"in", From("reflectivity")}}},
                  {"artistic",
                   "artistic_ior",
@@ -183,8 +196,9 @@ NodeGraph Conductor() {
              {"reflectivity", {0.9450F, 0.7772F, 0.3737F}},
              {"edgeColor", {0.7137F, 0.7373F, 0.4550F}},
              {"roughness", {0.1F}},
-             {"anisotropy", {0.0F}}},
-            AnisotropicAlpha() +
+             {"anisotropy", {0.0F}},
+             {"anisotropyRotation", {0.0F}}},
+            AnisotropicAlpha() + Turned("anisotropyDirection", "anisotropyRotation") +
                 Rows{{"artistic",
                       "artistic_ior",
                       {{"reflectivity", From("reflectivity")}, {"edge_color", From("edgeColor")}}},
@@ -205,7 +219,8 @@ NodeGraph Conductor() {
                       {{"ior", Of("ior")},
                        {"extinction", Of("extinction")},
                        {"roughness", Of("alpha")},
-                       {"normal", From("normal")}}},
+                       {"normal", From("normal")},
+                       {"tangent", Of("tangent")}}},
                      {"", "multiply_bsdfC", {{"in1", Of("metal")}, {"in2", From("tint")}}}}};
 }
 
@@ -217,6 +232,7 @@ GraphNode SchlickPart(const char* name, const char* mode) {
              {"exponent", Of("exponent")},
              {"roughness", Of("alpha")},
              {"normal", From("normal")},
+             {"tangent", Of("tangent")},
              {"scatter_mode", Named(mode)}}};
 }
 
@@ -231,14 +247,16 @@ NodeGraph GeneralizedSchlick() {
                       {"reflectivity90", White()},
                       {"reflectivityProfile", {0.2F}},
                       {"roughness", {0.1F}},
-                      {"anisotropy", {-1.0F}}}),
+                      {"anisotropy", {-1.0F}},
+                      {"anisotropyRotation", {0.0F}}}),
         Rows{{"across",
               "ifgreater_float",
               {{"value1", From("anisotropy")},
                {"value2", Is({0.0F})},
                {"in1", From("anisotropy")},
                {"in2", From("roughness")}}}} +
-            AlphaOf(Of("across")) + Interior() +
+            AlphaOf(Of("across")) + Turned("anisotropyDirection", "anisotropyRotation") +
+            Interior() +
             Rows{{"iorColor", "convert_vector3_color3", {{"in", From("IOR")}}},
                  {"up", "add_color3FA", {{"in1", Of("iorColor")}, {"in2", Is({1.0F})}}},
                  {"down", "subtract_color3FA", {{"in1", Of("iorColor")}, {"in2", Is({1.0F})}}},
@@ -268,22 +286,25 @@ NodeGraph Iridescence() {
     return {"ND_lama_iridescence",
             {{"roughness", {0.01F}},
              {"anisotropy", {0.0F}},
+             {"anisotropyRotation", {0.0F}},
              {"relativeFilmThickness", {0.5F}},
              {"minFilmThickness", {400.0F}},
              {"maxFilmThickness", {800.0F}},
              {"filmIOR", {1.3F}}},
-            AnisotropicAlpha() + Rows{{"thickness",
-                                       "mix_float",
-                                       {{"fg", From("maxFilmThickness")},
-                                        {"bg", From("minFilmThickness")},
-                                        {"mix", From("relativeFilmThickness")}}},
-                                      {"",
-                                       "dielectric_bsdf",
-                                       {{"roughness", Of("alpha")},
-                                        {"ior", Is({1.0F})},
-                                        {"thinfilm_thickness", Of("thickness")},
-                                        {"thinfilm_ior", From("filmIOR")},
-                                        {"scatter_mode", Named("RT")}}}}};
+            AnisotropicAlpha() + Turned("anisotropyDirection", "anisotropyRotation") +
+                Rows{{"thickness",
+                      "mix_float",
+                      {{"fg", From("maxFilmThickness")},
+                       {"bg", From("minFilmThickness")},
+                       {"mix", From("relativeFilmThickness")}}},
+                     {"",
+                      "dielectric_bsdf",
+                      {{"roughness", Of("alpha")},
+                       {"ior", Is({1.0F})},
+                       {"thinfilm_thickness", Of("thickness")},
+                       {"thinfilm_ior", From("filmIOR")},
+                       {"tangent", Of("tangent")},
+                       {"scatter_mode", Named("RT")}}}}};
 }
 
 NodeGraph Emission() {

@@ -9,8 +9,7 @@
 
 namespace hds {
 
-/// All closures of LamA, and its surface. Source: MaterialX 1.39, bxdf/lama; of the directions of
-/// anisotropies nothing is read, as of those of the closures that they are made of.
+/// All closures of LamA, and its surface. Source: MaterialX 1.39, bxdf/lama.
 std::vector<NodeGraph> LamaGraphs();
 
 } // namespace hds

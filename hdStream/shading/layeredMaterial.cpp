@@ -7,6 +7,7 @@
 #include "hdStream/shading/closureTree.h"
 #include "hdStream/shading/shaderMath.h"
 #include "hdStream/shading/shaderNodes.h"
+#include "hdStream/shading/surfaceFrame.h"
 #include "hdStream/shading/surfaceInputs.h"
 
 #include <algorithm>
@@ -32,13 +33,6 @@ private:
     const SurfaceInput* _begin;
     const SurfaceInput* _end;
 };
-
-constexpr const char* kSurfacesFrame = "is not supported; that of the surface is used";
-
-void WarnOf(NetworkEvaluator& network, const MaterialNode& node, const std::string& input,
-            const std::string& what) {
-    network.Warn(input + " of " + node.path + ": " + what);
-}
 
 /// Reads one surface shader.
 class ModelReader {
@@ -91,7 +85,6 @@ public:
         Ignore("transmission_dispersion", {"transmission"});
         Ignore("coat_anisotropy", {"coat"});
         IgnoreFrame("coat_normal", "normal", {"coat"});
-        IgnoreFrame("tangent", "tangent", {"specular_anisotropy"});
         return Take();
     }
 
@@ -146,7 +139,6 @@ public:
         Ignore("transmission_dispersion_scale", {"transmission_weight"});
         Ignore("coat_roughness_anisotropy", {"coat_weight"});
         IgnoreFrame("geometry_coat_normal", "geometry_normal", {"coat_weight"});
-        IgnoreFrame("geometry_tangent", "geometry_tangent", {"specular_roughness_anisotropy"});
         IgnoreFrame("geometry_coat_tangent", "geometry_tangent",
                     {"coat_weight", "coat_roughness_anisotropy"});
         return Take();
@@ -187,10 +179,9 @@ public:
         }
         SetNormal("normal");
         SetFilm(Read("iridescence"), Read("iridescence_thickness"), Read("iridescence_ior"));
-        Ignore("anisotropy_strength");
+        SetGltfStretch();
         Ignore("dispersion", {"transmission"});
         IgnoreFrame("clearcoat_normal", "normal", {"clearcoat"});
-        IgnoreFrame("tangent", "tangent", {"anisotropy_strength"});
         return Take();
     }
 
@@ -258,7 +249,8 @@ private:
         }
         const ShaderValue limited = MakeMath(HDS_MATH_MIN, {anisotropy, MakeScalar(0.98F)}, 1);
         const ShaderValue aspect = MakeMath(HDS_MATH_SQRT, {OneMinus(limited, 1)}, 1);
-        SetStretch(Divide(MakeScalar(1.0F), aspect, 1), aspect, Read("specular_rotation"));
+        SetStretch(Divide(MakeScalar(1.0F), aspect, 1), aspect,
+                   Add(TurnsOf("tangent"), Read("specular_rotation"), 1));
     }
 
     void SetOpenPbrStretch() {
@@ -270,8 +262,25 @@ private:
         const ShaderValue along = MakeMath(
             HDS_MATH_SQRT,
             {Divide(MakeScalar(2.0F), Add(Multiply(left, left, 1), MakeScalar(1.0F), 1), 1)}, 1);
-        SetStretch(along, Multiply(left, along, 1), MakeScalar(0.0F));
+        SetStretch(along, Multiply(left, along, 1), TurnsOf("geometry_tangent"));
     }
+
+    /// The square of the strength brings GGX's alpha along x to 1.
+    void SetGltfStretch() {
+        const ShaderValue strength = Read("anisotropy_strength");
+        if (IsAll(strength, 0.0F)) {
+            return;
+        }
+        const ShaderValue roughness = Read("roughness");
+        const ShaderValue alpha =
+            MakeMath(HDS_MATH_MAX, {Multiply(roughness, roughness, 1), MakeScalar(1e-6F)}, 1);
+        const ShaderValue along = Mix(alpha, MakeScalar(1.0F), Multiply(strength, strength, 1), 1);
+        const ShaderValue turns =
+            Multiply(Read("anisotropy_rotation"), MakeScalar(0.15915494309F), 1);
+        SetStretch(Divide(along, alpha, 1), MakeScalar(1.0F), Add(TurnsOf("tangent"), turns, 1));
+    }
+
+    ShaderValue TurnsOf(const char* tangent) { return EvaluateTangent(_network, _node, tangent); }
 
     void SetStretch(const ShaderValue& along, const ShaderValue& across, const ShaderValue& turns) {
         Set(HDS_INPUT_STRETCH,
@@ -455,34 +464,6 @@ const Model* FindModel(std::string_view identifier) {
 }
 
 } // namespace
-
-bool IsSurfaces(const NetworkEvaluator& network, const MaterialNode& node,
-                const std::string& input) {
-    if (node.connections.count(input) == 0) {
-        return true;
-    }
-    const MaterialNode* source = network.FindSource(node, input);
-    while (source != nullptr && source->identifier == "ND_normalize_vector3") {
-        source = network.FindSource(*source, "in");
-    }
-    return source != nullptr && (source->identifier == "ND_normal_vector3" ||
-                                 source->identifier == "ND_tangent_vector3");
-}
-
-ShaderValue EvaluateNormal(NetworkEvaluator& network, const MaterialNode& node,
-                           const std::string& input) {
-    const MaterialNode* source = network.FindSource(node, input);
-    const std::string id = source == nullptr ? std::string() : source->identifier;
-    const auto isOne = [&](const char* name) { return id.rfind(name, 0) == 0; };
-    if (isOne("ND_normalmap") || isOne("ND_bump_") || isOne("ND_gltf_normalmap") ||
-        isOne("ND_hextilednormalmap") || isOne("ND_flake")) {
-        return network.Evaluate(node, input);
-    }
-    if (!IsSurfaces(network, node, input)) {
-        WarnOf(network, node, input, kSurfacesFrame);
-    }
-    return {};
-}
 
 void SetConductor(const ShaderValue& color, const ShaderValue& edge, LayeredMaterial* material) {
     material->values[HDS_INPUT_METAL_COLOR] = color;

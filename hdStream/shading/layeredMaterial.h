@@ -19,16 +19,6 @@ struct LayeredMaterial {
     std::uint32_t lobes = 0; ///< HDS_LOBE_*; before FinishLayered HDS_LOBE_CONDUCTOR alone
 };
 
-/// Whether a normal or tangent is not connected, or connected to the surface's own, as exporters do
-/// that connect all.
-bool IsSurfaces(const NetworkEvaluator& network, const MaterialNode& node,
-                const std::string& input);
-
-/// Normal maps and bumps count, which are in tangent space; of others, which warn, and of none it
-/// is empty: the surface's own.
-ShaderValue EvaluateNormal(NetworkEvaluator& network, const MaterialNode& node,
-                           const std::string& input);
-
 /// Makes the metal a conductor, with Fresnel's equations. \param color reflectance at normal
 /// incidence. \param edge Gulbrandsen's tint of its edge (Gulbrandsen 2014)
 void SetConductor(const ShaderValue& color, const ShaderValue& edge, LayeredMaterial* material);

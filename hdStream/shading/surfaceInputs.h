@@ -112,6 +112,7 @@ constexpr SurfaceInput kGltfInputs[] = {
     {"attenuation_distance", 1, 0.0F},
     {"attenuation_color", 3, 1.0F},
     {"anisotropy_strength", 1, 0.0F},
+    {"anisotropy_rotation", 1, 0.0F},
     {"dispersion", 1, 0.0F},
 };
 

@@ -2,7 +2,10 @@
 // The colour buffer: premultiplied alpha, the clear colour, formats.
 #include "hydraTest.h"
 
+#include <pxr/imaging/hd/material.h>
+
 #include <algorithm>
+#include <cmath>
 
 namespace hydraHost {
 
@@ -143,6 +146,37 @@ TEST_F(Color, LambertUnderAUniformDomeIsItsAlbedo) {
     EXPECT_NEAR(sum[0], 0.25, 0.02);
     EXPECT_NEAR(sum[1], 0.5, 0.04);
     EXPECT_NEAR(sum[2], 0.75, 0.06);
+}
+
+/// What the camera sees of a dome alone, whose colour's metadata name that space.
+GfVec3f SeenOfDome(const GfVec3f& color, const char* space) {
+    SceneData scene = EmptyScene();
+    LightData dome = MakeDome(color);
+    if (space != nullptr) {
+        HdMaterialNode node;
+        node.path = SdfPath("/dome");
+        node.identifier = TfToken("DomeLight");
+        node.parameters[TfToken("colorSpace:color")] = VtValue(TfToken(space));
+        HdMaterialNetworkMap network;
+        network.map[HdMaterialTerminalTokens->light].nodes = {node};
+        dome.resource = VtValue(network);
+    }
+    scene.lights[SdfPath("/dome")] = dome;
+    AovRequest request{HdAovTokens->color};
+    request.format = HdFormatFloat32Vec4;
+    const Image image = Host(scene, Quick({request})).Render();
+    return {image.Float(5, 5, 0), image.Float(5, 5, 1), image.Float(5, 5, 2)};
+}
+
+// Metadata of lights' inputs arrive as those of materials' do, as parameters of a network.
+TEST_F(Color, LightsAreInTheSpaceThatTheirColourNames) {
+    const GfVec3f color(0.2F, 0.5F, 0.9F);
+    EXPECT_EQ(SeenOfDome(color, nullptr), color);
+    EXPECT_EQ(SeenOfDome(color, "lin_rec709"), color);
+    const GfVec3f decoded = SeenOfDome(color, "srgb_texture");
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_NEAR(decoded[i], std::pow((color[i] + 0.055F) / 1.055F, 2.4F), 1e-4F);
+    }
 }
 
 } // namespace

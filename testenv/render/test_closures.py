@@ -267,7 +267,8 @@ GRAPHS = {
     DISNEY: [dict(baseColor=RED, roughness=0.4, specularTint=0.5), dict(baseColor=GOLD, metallic=0.5, roughness=0.4, anisotropic=0.3),
              dict(baseColor=RED, clearcoat=1.0, clearcoatGloss=0.8, sheen=0.5), dict(baseColor=RED, specTrans=0.5, ior=1.3),
              dict(baseColor=RED, subsurface=0.5, subsurfaceDistance=(0.2, 0.1, 0.05), specular=1.0)],
-    GLTF: [dict(base_color=RED, metallic=0.0, roughness=0.4), dict(base_color=GOLD, metallic=0.5, roughness=0.4)],
+    GLTF: [dict(base_color=RED, metallic=0.0, roughness=0.4), dict(base_color=GOLD, metallic=0.5, roughness=0.4),
+           dict(base_color=GOLD, metallic=0.5, roughness=0.4, anisotropy_strength=0.7)],
 }
 
 
