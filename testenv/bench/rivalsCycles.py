@@ -47,6 +47,8 @@ def BuildImported(path: str, camera: dict, lights: list, job: dict):
     bpy.ops.wm.usd_import(filepath=path, import_cameras=False, import_lights=False, import_subdiv=True, import_usd_preview=True,
                           import_guide=False, import_proxy=False, import_render=True, apply_unit_conversion_scale=False,
                           create_world_material=False, set_frame_range=False)
+    for look in bpy.data.materials:
+        look.cycles.use_bump_map_correction = False  # as in looks of ours: it takes light away where a normal map meets grazing light
     for item in target.objects:
         if item.type == "MESH" and not any(item.data.materials):
             item.data.materials.clear()

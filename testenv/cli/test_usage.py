@@ -10,7 +10,7 @@ from cliCase import SMALL, AssertFails, Run, RunHere, WriteStage
 
 
 @pytest.mark.parametrize("arguments, part", [
-    ([], "COMMAND"),
+    ([], "no COMMAND: record renders a stage"),
     (["paint"], "paint"),
     (["record"], "STAGE"),
     (["record", "a.usda", "b.exr", "--imageWidth", "0"], "0 is not in 1..32768"),
@@ -38,7 +38,9 @@ from cliCase import SMALL, AssertFails, Run, RunHere, WriteStage
     (["record", "a.usda", "b.exr", "--aovs", "lpe:CD{2,1}L"], "'CD{2,1}L', column 7: the second count is below the first"),
     (["record", "a.usda", "b.exr", "--aovs", "lightGroup:"], "lightGroup:"),
     (["record", "a.usda", "b.exr", "--frames", "1", "--defaultTime"], "--defaultTime"),
-    (["record", "a.usda", "b.exr", "--cam", "x"], "--cam"),
+    (["record", "a.usda", "b.exr", "--cam", "x"], "hdstream record: unrecognized arguments: --cam x; did you mean --camera?"),
+    (["record", "a.usda", "b.exr", "--width", "64", "--sample=8"], "--width 64 --sample=8; did you mean --imageWidth, --samples?"),
+    (["info", "a.usda", "--jso", "b"], "hdstream info: unrecognized arguments: --jso b; did you mean --json?"),
     (["record", "a.usda", "b.gif"], "b.gif"),
     (["record", "a.usda", "noExtension"], "noExtension"),
     (["compare", "a.exr"], "B"),
@@ -47,6 +49,13 @@ from cliCase import SMALL, AssertFails, Run, RunHere, WriteStage
 ])
 def test_wrong_usage_is_exit_code_2(arguments, part):
     AssertFails(RunHere(*arguments), 2, part)
+
+
+@pytest.mark.parametrize("word", ["--zzz", "c.exr", "width"])
+def test_what_comes_close_to_no_option_is_no_guess(word):
+    result = RunHere("record", "a.usda", "b.exr", word)
+    AssertFails(result, 2, f"hdstream record: unrecognized arguments: {word}")
+    assert result.errors[0].endswith(word), result.text
 
 
 @pytest.mark.parametrize("arguments, part", [

@@ -6,6 +6,7 @@ which is loaded for that command only.
 """
 
 import argparse
+import difflib
 import os
 import sys
 
@@ -19,10 +20,23 @@ _LEVELS = tuple("012345678")
 
 
 class _Parser(argparse.ArgumentParser):
-    """Errors as one line, exit code 2."""
+    """Errors as one line, exit code 2. Arguments that are not known are an error of the command that they are given to."""
 
     def error(self, message):
         self.exit(EXIT_USAGE, f"{self.prog}: {OneLine(message)}\n")
+
+    def parse_known_args(self, args=None, namespace=None):
+        known, unknown = super().parse_known_args(args, namespace)
+        if unknown:
+            self.error("unrecognized arguments: " + " ".join(unknown) + self._Meant(unknown))
+        return known, unknown
+
+    def _Meant(self, words):
+        """What to say of the options that come closest to those among the words, if any do."""
+        names = {name.lower(): name for name in self._option_string_actions if name.startswith("--")}
+        closest = [difflib.get_close_matches(word.split("=")[0].lower(), names, 1) for word in words if word.startswith("--")]
+        meant = dict.fromkeys(names[one] for ones in closest for one in ones)
+        return f"; did you mean {', '.join(meant)}?" if meant else ""
 
 
 def Main(arguments=None):
@@ -31,7 +45,10 @@ def Main(arguments=None):
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # numpy's other threads would spin beside the render, with nothing to do
     os.environ.setdefault("OPENBLAS_MAIN_FREE", "1")  # numpy would set it beside the thread that opens the device and reads others
     with Interruption():  # the core is loaded for its settings
-        args = _MakeParser("record" in arguments[:1]).parse_args(arguments)
+        parser = _MakeParser("record" in arguments[:1])
+        args = parser.parse_args(arguments)
+    if not args.name:
+        parser.error("no COMMAND: record renders a stage; hdstream --help lists all")
     try:
         return args.command(args) or EXIT_OK
     except CommandError as error:
@@ -73,7 +90,7 @@ def _MakeParser(hasRecord):
     parser = _Parser(prog="hdstream", description="Path-traces USD stages on OpenCL devices.",
                      allow_abbrev=False)
     parser.add_argument("--version", action="version", version=_Version())
-    commands = parser.add_subparsers(dest="name", required=True, metavar="COMMAND",
+    commands = parser.add_subparsers(dest="name", metavar="COMMAND",
                                      parser_class=_Parser)
     record = _AddCommand(commands, "record", "render a stage to image files")
     if hasRecord:

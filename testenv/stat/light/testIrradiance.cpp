@@ -247,6 +247,24 @@ TEST_F(IrradianceTest, Rect) {
     }
 }
 
+/// A strip of light below the bound of sampling by solid angle, along either side, seen from below
+/// its middle, from beside its end and from far along it.
+TEST_F(IrradianceTest, LongThinRect) {
+    for (const bool isUpright : {false, true}) {
+        PlacedLight light = MakeLight(LightType::Rect);
+        light.light.width = isUpright ? 0.004F : 12.0F;
+        light.light.height = isUpright ? 12.0F : 0.004F;
+        SetLights({light});
+        const std::vector<glm::dvec3> corners = RectCorners(light);
+        for (const glm::dvec3& p : {glm::dvec3(0.5, 0.3, -1.5), glm::dvec3(6.2, -0.2, -0.3),
+                                    glm::dvec3(20.0, 1.0, -2.0)}) {
+            const glm::dvec3 point = isUpright ? glm::dvec3(p.y, p.x, p.z) : p;
+            const glm::dvec3 towards = PlaneNormal(corners, point);
+            Expect("strip", point, towards, PolygonIrradiance(corners, point, towards));
+        }
+    }
+}
+
 TEST_F(IrradianceTest, MeshLight) {
     // The same square as two triangles, on both sides.
     EmissiveMesh mesh;

@@ -136,6 +136,72 @@ TEST_F(LightChiSquareTest, Sphere) {
     }
 }
 
+/// Solid angle of a rect about the middle of the xy plane, from q. Source: the formula for a
+/// rectangle with a corner below the eye, atan(x y / (z sqrt(x^2 + y^2 + z^2))), four times.
+double RectSolidAngle(double width, double height, const glm::dvec3& q) {
+    double sum = 0.0;
+    for (const int i : {-1, 1}) {
+        for (const int j : {-1, 1}) {
+            const double x = i * 0.5 * width - q.x;
+            const double y = j * 0.5 * height - q.y;
+            sum += i * j * std::atan2(x * y, std::abs(q.z) * std::sqrt(x * x + y * y + q.z * q.z));
+        }
+    }
+    return sum;
+}
+
+/// Strips of light that subtend little: by their density, and each sample brings nearly the same.
+TEST_F(LightChiSquareTest, LongThinRects) {
+    unsigned seed = 450;
+    const glm::dmat4 m = Rotation();
+    const glm::dmat4 inverse = glm::inverse(m);
+    for (const bool isUpright : {false, true}) {
+        for (const glm::dvec3& along : {glm::dvec3(0.0, 0.3, -1.5), glm::dvec3(5.0, 0.1, -1.0),
+                                        glm::dvec3(-9.0, 0.5, -0.3), glm::dvec3(7.0, -2.0, -3.0)}) {
+            const double width = isUpright ? 0.004 : 12.0;
+            const double height = isUpright ? 12.0 : 0.004;
+            const glm::dvec3 q = isUpright ? glm::dvec3(along.y, along.x, along.z) : along;
+            const glm::dvec3 point(m * glm::dvec4(q, 1.0));
+            PlacedLight rect = MakeLight(LightType::Rect);
+            rect.light.width = float(width);
+            rect.light.height = float(height);
+            rect.worldFromLight = m;
+            SetLights({rect});
+            const double area = double(rect.light.width) * rect.light.height;
+            const LightDomain domain = SurfaceDomain(
+                point,
+                [=](const Square& s) {
+                    return glm::dvec3(
+                        m * glm::dvec4(width * (s[0] - 0.5), height * (s[1] - 0.5), 0.0, 1.0));
+                },
+                [=](const Square&) { return -area * glm::dvec3(m[2]); },
+                [=](const glm::dvec3& hit) {
+                    const glm::dvec4 p = inverse * glm::dvec4(hit, 1.0);
+                    // Float positions may lie outside by a rounding, which is more of the short
+                    // side.
+                    const auto inside = [](double v) {
+                        return v > -0.01 && v < 1.01 ? std::clamp(v, 0.0, 1.0 - 1e-9) : v;
+                    };
+                    return Square{inside(p.x / width + 0.5), inside(p.y / height + 0.5)};
+                });
+            Check("strip", point, glm::dvec3(0.0), domain, seed++);
+            std::vector<float> points;
+            std::vector<float> normals;
+            for (int i = 0; i < 1000; ++i) {
+                Append(points, point);
+                Append(normals, glm::dvec3(0.0));
+            }
+            const double solidAngle = RectSolidAngle(width, height, q);
+            ASSERT_LT(solidAngle, 0.01); // HDS_SPHERICAL_RECT_MIN
+            for (const LightSampleResult& r :
+                 Sample(points, normals, RandomSquares(2000, seed++))) {
+                ASSERT_TRUE(r.isValid);
+                ASSERT_NEAR(1.0 / r.pdf, solidAngle, 0.02 * solidAngle);
+            }
+        }
+    }
+}
+
 TEST_F(LightChiSquareTest, RectAndDisk) {
     unsigned seed = 400;
     for (const bool isSheared : {false, true}) {
