@@ -276,7 +276,7 @@ private:
             MakeMath(HDS_MATH_MAX, {Multiply(roughness, roughness, 1), MakeScalar(1e-6F)}, 1);
         const ShaderValue along = Mix(alpha, MakeScalar(1.0F), Multiply(strength, strength, 1), 1);
         const ShaderValue turns =
-            Multiply(Read("anisotropy_rotation"), MakeScalar(0.15915494309F), 1);
+            Multiply(Read("anisotropy_rotation"), MakeScalar(kTurnsOfRadian), 1);
         SetStretch(Divide(along, alpha, 1), MakeScalar(1.0F), Add(TurnsOf("tangent"), turns, 1));
     }
 

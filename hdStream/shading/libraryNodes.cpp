@@ -238,14 +238,10 @@ public:
     ShaderValue Tangent() {
         const ShaderValue index = In("index", 0.0F);
         const int number = IsConstant(index) ? static_cast<int>(ConstantOf(index)[0]) : 0;
-        ShaderValue result = Geometry(Kind::Tangent);
-        auto expression = std::make_shared<ShaderExpression>(*result.expression);
-        expression->code |= kDirection;
-        expression->operands = {
-            number == 0 ? Coordinates()
-                        : MakePrimvar("st" + std::to_string(number), MakeConstant({}, 2), 2)};
-        result.expression = std::move(expression);
-        return result;
+        return MakeGeometry(
+            Kind::Tangent, Space() | kDirection,
+            {number == 0 ? Coordinates()
+                         : MakePrimvar("st" + std::to_string(number), MakeConstant({}, 2), 2)});
     }
     static ShaderValue View() {
         auto expression = std::make_shared<ShaderExpression>();

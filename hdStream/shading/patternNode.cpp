@@ -63,6 +63,15 @@ ShaderValue MakePrimvar(const std::string& name, const ShaderValue& fallback,
     return {std::move(expression), HDS_CHANNEL_ALL, numComponents};
 }
 
+ShaderValue MakeGeometry(ShaderExpression::Kind kind, std::uint32_t code,
+                         std::vector<ShaderValue> operands) {
+    auto expression = std::make_shared<ShaderExpression>();
+    expression->kind = kind;
+    expression->code = code;
+    expression->operands = std::move(operands);
+    return {std::move(expression), HDS_CHANNEL_ALL, 3};
+}
+
 ShaderValue PatternNode::In(const std::string& input, float fallback) {
     return Spread(_network.EvaluateOr(_node, input, {fallback, fallback, fallback, fallback}, 1));
 }
@@ -80,12 +89,12 @@ ShaderValue PatternNode::Coordinates() {
     return _network.ImageCoordinates(_node);
 }
 
+std::uint32_t PatternNode::Space() {
+    return _network.Text(_node, "space") == "world" ? HDS_SPACE_WORLD : HDS_SPACE_OBJECT;
+}
+
 ShaderValue PatternNode::Geometry(ShaderExpression::Kind kind) {
-    auto expression = std::make_shared<ShaderExpression>();
-    expression->kind = kind;
-    expression->code =
-        _network.Text(_node, "space") == "world" ? HDS_SPACE_WORLD : HDS_SPACE_OBJECT;
-    return {std::move(expression), HDS_CHANNEL_ALL, 3};
+    return MakeGeometry(kind, Space());
 }
 
 ShaderValue PatternNode::GeometryInput(const char* input, ShaderExpression::Kind kind) {

@@ -31,6 +31,10 @@ ShaderValue Rotate2d(const ShaderValue& in, const ShaderValue& degrees);
 ShaderValue MakePrimvar(const std::string& name, const ShaderValue& fallback,
                         std::uint32_t numComponents);
 
+/// Geometry of the point: `code` and `operands` as the kind has them.
+ShaderValue MakeGeometry(ShaderExpression::Kind kind, std::uint32_t code,
+                         std::vector<ShaderValue> operands = {});
+
 /// One node of a network: its id, its inputs, and the output that is asked for.
 class PatternNode {
 public:
@@ -47,6 +51,8 @@ protected:
     ShaderValue Math(std::uint32_t code, std::vector<ShaderValue> operands) const;
 
     ShaderValue Coordinates();
+    /// HDS_SPACE_* of the node's `space`.
+    std::uint32_t Space();
     /// Expression::Kind of geometry in the node's `space`.
     ShaderValue Geometry(ShaderExpression::Kind kind);
     /// An input that is connected, else the position or the normal in object space.

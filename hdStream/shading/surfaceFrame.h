@@ -12,6 +12,9 @@ namespace hds {
 /// Of a frame that counts for nothing: what is told of its input.
 constexpr const char* kSurfacesFrame = "is not supported; that of the surface is used";
 
+/// A radian in turns.
+constexpr float kTurnsOfRadian = 0.15915494309F;
+
 /// Warns of an input of a node.
 void WarnOf(NetworkEvaluator& network, const MaterialNode& node, const std::string& input,
             const std::string& what);
@@ -27,8 +30,8 @@ ShaderValue EvaluateNormal(NetworkEvaluator& network, const MaterialNode& node,
                            const std::string& input);
 
 /// Where a tangent in world space lies, which is any network: a scalar, in turns about the normal
-/// from dP/ds of the first coordinates, counter-clockwise where the normal faces the viewer. 0 of
-/// none, and of the surface's own.
+/// from dP/ds of the first coordinates, counter-clockwise as seen from where the normal points. 0
+/// of none, and of the surface's own.
 ShaderValue EvaluateTangent(NetworkEvaluator& network, const MaterialNode& node,
                             const std::string& input);
 

@@ -5,6 +5,7 @@ The ball's tangents are along s, so its bitangents are along t. A roughness that
 the other roughness stretched along the other, which needs no tangent.
 """
 
+import dataclasses
 import functools
 
 import numpy as np
@@ -12,7 +13,7 @@ import pytest
 
 pytest.importorskip("hdstream._core")
 
-from pxr import Sdf, UsdShade
+from pxr import Gf, Sdf, UsdShade
 from stages.materialX import OPEN_PBR, STANDARD, AddNode, AddSurface, Ball
 from test_closures import EDGE, GOLD, Closures, _Picture
 
@@ -48,8 +49,8 @@ def _Metal(roughness, tangent=None, kind="generalized_schlick_bsdf"):
     return Add
 
 
-def _Render(tmp_path, add):
-    picture = _Picture(tmp_path, add, lights=SUN, samples=4, shape=Ball(1.0), maxDepth=0)
+def _Render(tmp_path, add, shape=None):
+    picture = _Picture(tmp_path, add, lights=SUN, samples=4, shape=shape or Ball(1.0), maxDepth=0)
     assert not picture.warnings, picture.warnings
     return picture.rgb.astype(np.float64)
 
@@ -91,6 +92,28 @@ def test_every_angle_is_that_of_the_vector(tmp_path):
     for degrees in (35.0, -35.0):
         assert _Error(pictures[degrees, True], pictures[degrees, False]) < 2e-3
     assert _Error(pictures[35.0, True], pictures[-35.0, True]) > 0.05
+
+
+def _InsideOut(shape, normals):
+    """The same points and coordinates, of which the backs are seen; dP/ds and dP/dt are the same."""
+    quads = shape.indices.reshape(-1, 4)[:, [0, 3, 2, 1]]  # the same triangles
+    return dataclasses.replace(shape, indices=quads.ravel(), normals=normals)
+
+
+@pytest.mark.parametrize("isSmooth", [True, False])
+def test_backs_have_the_tangents_of_fronts(tmp_path, isSmooth):
+    """A direction in the world, and one that is turned by a normal that is the other one: 35 degrees are -35."""
+    ball = Ball(1.0)
+    front = ball if isSmooth else dataclasses.replace(ball, normals=None)
+    # With smooth normals of either side: they are the ones to turn about.
+    backs = {-35.0: _InsideOut(ball, -ball.normals), 35.0: _InsideOut(ball, ball.normals)} if isSmooth else {-35.0: _InsideOut(ball, None)}
+    fixed = _Metal((ALONG, ACROSS), lambda stage: Gf.Vec3f(0.6, 0.5, 0.3))
+    turned, other = (_Metal((ALONG, ACROSS), lambda stage, degrees=degrees: _Turned(stage, degrees)) for degrees in (35.0, -35.0))
+    ofFront = [_Render(tmp_path, add, front) for add in (fixed, turned)]
+    assert _Error(ofFront[1], _Render(tmp_path, other, front)) > 0.05
+    for degrees, back in backs.items():
+        assert _Error(_Render(tmp_path, fixed, back), ofFront[0]) < 2e-3
+        assert _Error(_Render(tmp_path, turned if degrees > 0 else other, back), ofFront[1]) < 2e-3
 
 
 @pytest.mark.parametrize("identifier, inputs, tangent, turned", [

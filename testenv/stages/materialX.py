@@ -2,7 +2,7 @@
 """MaterialX networks as UsdShade prims, and a stage with a row of balls for each lobe and for patterns."""
 
 import numpy as np
-from pxr import Sdf, UsdShade
+from pxr import Gf, Sdf, UsdShade
 
 from . import author, shapes
 
@@ -24,6 +24,8 @@ def _Author(shader, name: str, value) -> None:
         shader.CreateInput(name, _TYPES.String).Set(value)
     elif isinstance(value, Sdf.AssetPath):
         shader.CreateInput(name, _TYPES.Asset).Set(value)
+    elif isinstance(value, Gf.Vec3f):
+        shader.CreateInput(name, _TYPES.Vector3f).Set(value)
     elif isinstance(value, tuple):
         kind = {2: _TYPES.Float2, 3: _TYPES.Color3f, 4: _TYPES.Color4f}[len(value)]
         shader.CreateInput(name, kind).Set(tuple(map(float, value)))
