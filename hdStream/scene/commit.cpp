@@ -208,6 +208,7 @@ private:
         _result->meshMedia = Handed(&_materials.meshMedia);
         if (!_result->meshMedia.empty()) { // kernels have what they need
             _result->hasMedia = true;
+            _result->hasCutouts = true;
             _result->lobes |= HDS_LOBE_BASE | HDS_LOBE_TRANSLUCENCY;
         }
     }

@@ -73,6 +73,16 @@ void CountPrim(const GeometryDescription& geometry, std::uint64_t numPrimitives,
     scene->hasCurves = true;
 }
 
+/// Whether geometry can be put in the place of other geometry without a change of other tables.
+bool IsAlike(const PlannedGeometry& a, const PlannedGeometry& b) {
+    return a.chunks.size() == b.chunks.size() && a.topNodes.size() == b.topNodes.size() &&
+           a.leftHanded == b.leftHanded && a.origin == b.origin &&
+           std::equal(a.attributes.begin(), a.attributes.end(), b.attributes.begin(),
+                      b.attributes.end(), [](const AttributeName& one, const AttributeName& other) {
+                          return one.name == other.name && one.numComponents == other.numComponents;
+                      });
+}
+
 } // namespace
 
 PrimCommit::PrimCommit(const SceneDescription& scene, CommitOptions options, CommitCache* cache,
@@ -334,16 +344,6 @@ bool PrimCommit::AreViewsAsBefore() const {
         const auto before = _views.find(view.first);
         return before != _views.end() && before->second == view.second;
     });
-}
-
-/// Whether geometry can be put in the place of other geometry without a change of other tables.
-bool IsAlike(const PlannedGeometry& a, const PlannedGeometry& b) {
-    return a.chunks.size() == b.chunks.size() && a.topNodes.size() == b.topNodes.size() &&
-           a.leftHanded == b.leftHanded && a.origin == b.origin &&
-           std::equal(a.attributes.begin(), a.attributes.end(), b.attributes.begin(),
-                      b.attributes.end(), [](const AttributeName& one, const AttributeName& other) {
-                          return one.name == other.name && one.numComponents == other.numComponents;
-                      });
 }
 
 /// Where the prims at `paths` are in `_drawn`; nothing: other tables depend on the shape of some.

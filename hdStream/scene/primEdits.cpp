@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hdStream/scene/primEdits.h"
 
+#include "hdStream/base/error.h"
+
 #include <algorithm>
 
 namespace hds {
@@ -50,7 +52,7 @@ bool LeavesPrims(const GeometryPrim& before, const GeometryPrim& after) {
                        [](const auto& field) { return field.Is(&GeometryPrim::placement); });
 }
 
-bool LeavesAllButShape(const GeometryPrim& before, const GeometryPrim& after) {
+bool LeavesAllButShape(const GeometryPrim& before, const GeometryPrim& after) try {
     return DifferInPlaceAlone(before.placement, after.placement) && before.geometry &&
            after.geometry &&
            AreEqualBut(before, after,
@@ -59,6 +61,8 @@ bool LeavesAllButShape(const GeometryPrim& before, const GeometryPrim& after) {
                                   field.Is(&GeometryPrim::geometry);
                        }) &&
            DifferInShapeAlone(*before.geometry, *after.geometry);
+} catch (const Error&) { // of an array that has changed where it is read again
+    return false;
 }
 
 bool LeavesPrims(const InstancerPrim& before, const InstancerPrim& after) {

@@ -60,6 +60,22 @@ std::shared_ptr<const MaterialNetwork> MakeMaterial(float red, float green, floa
     return network;
 }
 
+std::shared_ptr<const GeometryDescription> MakeGridOfAmounts(int size, float bump,
+                                                             std::uint32_t numComponents) {
+    auto grid = std::make_shared<GeometryDescription>(*MakeGrid(size, bump));
+    const std::vector<float> values(grid->points.size() / 3 * numComponents, 0.4F + bump);
+    grid->primvars = {{"amount", Interpolation::Vertex, numComponents, values, {}}};
+    return grid;
+}
+
+std::shared_ptr<const MaterialNetwork> MakeAmountReader() {
+    auto network = std::make_shared<MaterialNetwork>(*MakeMaterial(0.5F, 0.5F, 0.5F));
+    network->nodes[0].connections["diffuseColor"] = {"/reader", "result"};
+    network->nodes.push_back({"/reader", "UsdPrimvarReader_float", {}, {}});
+    network->nodes.back().parameters["varname"] = std::string("amount");
+    return network;
+}
+
 glm::dmat4 Move(double x, double y, double z) {
     return glm::translate(glm::dmat4(1.0), glm::dvec3(x, y, z));
 }

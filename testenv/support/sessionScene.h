@@ -16,6 +16,13 @@ std::shared_ptr<const GeometryDescription> MakeQuad();
 std::shared_ptr<const MaterialNetwork> MakeMaterial(float red, float green, float blue,
                                                     float emission = 0.0F);
 
+/// A grid with the primvar "amount" of so many numbers a point, which are other ones of each bump.
+std::shared_ptr<const GeometryDescription> MakeGridOfAmounts(int size, float bump,
+                                                             std::uint32_t numComponents);
+
+/// A UsdPreviewSurface that is as bright as the primvar "amount" of its prim says.
+std::shared_ptr<const MaterialNetwork> MakeAmountReader();
+
 /// A transform that moves by (x, y, z).
 glm::dmat4 Move(double x, double y, double z);
 

@@ -88,6 +88,20 @@ std::vector<Edit> MakeEdits() {
             Hide("/otherWall", true)(s);
         },
         OfMesh("/ball", [](Placement* p) { p->worldFromObject = Move(0.4, 0.9, 1.2); }),
+        [](Session& s) {
+            s.SetMaterial("/reads", MakeAmountReader());
+            GeometryPrim prim = s.Scene().geometry.at("/ball");
+            prim.geometry = MakeGridOfAmounts(12, 0.1F, 1);
+            prim.materialPath = "/reads";
+            s.SetGeometry("/ball", prim);
+        },
+        [](Session& s) { // values that the material reads, of the same points
+            GeometryPrim prim = s.Scene().geometry.at("/ball");
+            const auto bright = std::make_shared<GeometryDescription>(*prim.geometry);
+            bright->primvars = MakeGridOfAmounts(12, 0.5F, 1)->primvars;
+            prim.geometry = bright;
+            s.SetGeometry("/ball", prim);
+        },
     };
 }
 

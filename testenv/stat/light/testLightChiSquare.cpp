@@ -151,10 +151,43 @@ double RectSolidAngle(double width, double height, const glm::dvec3& q) {
 }
 
 /// Strips of light that subtend little: by their density, and each sample brings nearly the same.
+/// A rect about the middle of m's xy plane, as seen from a point.
+LightDomain RectDomain(const glm::dmat4& m, double width, double height, const glm::dvec3& point) {
+    const glm::dmat4 inverse = glm::inverse(m);
+    return SurfaceDomain(
+        point,
+        [=](const Square& s) {
+            return glm::dvec3(m *
+                              glm::dvec4(width * (s[0] - 0.5), height * (s[1] - 0.5), 0.0, 1.0));
+        },
+        [=](const Square&) { return -width * height * glm::dvec3(m[2]); },
+        [=](const glm::dvec3& hit) {
+            const glm::dvec4 p = inverse * glm::dvec4(hit, 1.0);
+            // Float positions may lie outside by a rounding, which is more of the short side.
+            const auto inside = [](double v) {
+                return v > -0.01 && v < 1.01 ? std::clamp(v, 0.0, 1.0 - 1e-9) : v;
+            };
+            return Square{inside(p.x / width + 0.5), inside(p.y / height + 0.5)};
+        });
+}
+
+/// Sampled along a side, too, where the solid angle is not even.
+TEST_F(LightChiSquareTest, SquareRectsAtAGrazingAngle) {
+    const glm::dmat4 m = Rotation();
+    const glm::dvec3 q(1.5, 0.0, -0.01);
+    ASSERT_LT(RectSolidAngle(1.0, 1.0, q), 0.01); // HDS_SPHERICAL_RECT_MIN
+    PlacedLight rect = MakeLight(LightType::Rect);
+    rect.light.width = 1.0F;
+    rect.light.height = 1.0F;
+    rect.worldFromLight = m;
+    SetLights({rect});
+    const glm::dvec3 point(m * glm::dvec4(q, 1.0));
+    Check("square", point, glm::dvec3(0.0), RectDomain(m, 1.0, 1.0, point), 480);
+}
+
 TEST_F(LightChiSquareTest, LongThinRects) {
     unsigned seed = 450;
     const glm::dmat4 m = Rotation();
-    const glm::dmat4 inverse = glm::inverse(m);
     for (const bool isUpright : {false, true}) {
         for (const glm::dvec3& along : {glm::dvec3(0.0, 0.3, -1.5), glm::dvec3(5.0, 0.1, -1.0),
                                         glm::dvec3(-9.0, 0.5, -0.3), glm::dvec3(7.0, -2.0, -3.0)}) {
@@ -167,24 +200,7 @@ TEST_F(LightChiSquareTest, LongThinRects) {
             rect.light.height = float(height);
             rect.worldFromLight = m;
             SetLights({rect});
-            const double area = double(rect.light.width) * rect.light.height;
-            const LightDomain domain = SurfaceDomain(
-                point,
-                [=](const Square& s) {
-                    return glm::dvec3(
-                        m * glm::dvec4(width * (s[0] - 0.5), height * (s[1] - 0.5), 0.0, 1.0));
-                },
-                [=](const Square&) { return -area * glm::dvec3(m[2]); },
-                [=](const glm::dvec3& hit) {
-                    const glm::dvec4 p = inverse * glm::dvec4(hit, 1.0);
-                    // Float positions may lie outside by a rounding, which is more of the short
-                    // side.
-                    const auto inside = [](double v) {
-                        return v > -0.01 && v < 1.01 ? std::clamp(v, 0.0, 1.0 - 1e-9) : v;
-                    };
-                    return Square{inside(p.x / width + 0.5), inside(p.y / height + 0.5)};
-                });
-            Check("strip", point, glm::dvec3(0.0), domain, seed++);
+            Check("strip", point, glm::dvec3(0.0), RectDomain(m, width, height, point), seed++);
             std::vector<float> points;
             std::vector<float> normals;
             for (int i = 0; i < 1000; ++i) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Commits that keep what earlier ones have made of prims, against first commits of the same scene.
+#include "hdStream/base/error.h"
 #include "hdStream/scene/primCommit.h"
 #include "hdStream/scene/primEdits.h"
 #include "testenv/support/sessionScene.h"
@@ -198,6 +199,31 @@ TEST_F(PrimCommitTest, ShapesOfSeveralChunksLeaveAllOthers) {
     ExpectSameTables();
 }
 
+/// A surface and a medium that fills meshes.
+std::shared_ptr<const MaterialNetwork> MakeMist() {
+    auto network = std::make_shared<MaterialNetwork>(*test::MakeMaterial(0.5F, 0.5F, 0.5F));
+    network->nodes.push_back({"/vdf", "ND_absorption_vdf", {}, {}});
+    network->nodes.back().parameters["absorption"] = std::vector<float>{1, 2, 3};
+    network->nodes.push_back({"/volume", "ND_volume", {}, {}});
+    network->nodes.back().connections["vdf"] = {"/vdf", "out"};
+    network->terminals["volume"] = {"/volume", "out"};
+    return network;
+}
+
+TEST_F(PrimCommitTest, ValuesOfPrimvarsThatAreReadLeaveAllOthers) {
+    scene.materials["/reads"] = test::MakeAmountReader();
+    scene.geometry["/b"].materialPath = "/reads";
+    scene.geometry["/b"].geometry = test::MakeGridOfAmounts(3, 0.2F, 1);
+    ++cache.contentVersion;
+    CommitBoth();
+    const auto pages = kept->pages;
+    scene.geometry["/b"].geometry = test::MakeGridOfAmounts(3, 0.3F, 1);
+    cache.reshaped = {"/b"};
+    EXPECT_TRUE(CommitBoth());
+    ExpectSameTables();
+    EXPECT_NE(kept->pages, pages);
+}
+
 /// A shape on which other tables depend; each is undone before the next.
 TEST_F(PrimCommitTest, ShapesThatOthersDependOnMakeItAnew) {
     struct Case {
@@ -232,6 +258,43 @@ TEST_F(PrimCommitTest, ShapesThatOthersDependOnMakeItAnew) {
              far->points = std::move(points);
              prim->geometry = far;
          }},
+        {"another attribute",
+         [this](GeometryPrim* prim) {
+             scene.materials["/reads"] = test::MakeAmountReader();
+             prim->materialPath = "/reads";
+             prim->geometry = test::MakeGridOfAmounts(3, 0.2F, 1);
+         },
+         [](GeometryPrim* prim) { prim->geometry = test::MakeGridOfAmounts(3, 0.2F, 3); }},
+        {"deforms",
+         [this](GeometryPrim* prim) {
+             options.shutter = {0.0, 1.0};
+             const auto moving = Copy(*prim);
+             moving->samples = {{0.0, moving->points}, {1.0, test::MakeGrid(3, 0.4F)->points}};
+             prim->geometry = moving;
+         },
+         [](GeometryPrim* prim) {
+             const auto moving = Copy(*prim);
+             moving->points = test::MakeGrid(3, 0.3F)->points;
+             prim->geometry = moving;
+         }},
+        {"splats",
+         [](GeometryPrim* prim) {
+             const auto splats = Copy(*prim);
+             splats->primitives = PrimitiveKind::Splats;
+             splats->faceVertexCounts = splats->faceVertexIndices = {};
+             prim->geometry = splats;
+         },
+         [](GeometryPrim* prim) {
+             const auto splats = Copy(*prim);
+             splats->points = test::MakeGrid(3, 0.3F)->points;
+             prim->geometry = splats;
+         }},
+        {"a medium",
+         [this](GeometryPrim* prim) {
+             scene.materials["/mist"] = MakeMist();
+             prim->materialPath = "/mist";
+         },
+         bend},
     };
     for (const Case& one : cases) {
         scene = MakeScene();
@@ -248,6 +311,50 @@ TEST_F(PrimCommitTest, ShapesThatOthersDependOnMakeItAnew) {
         ExpectSameTables();
         EXPECT_TRUE(cache.reshaped.empty());
     }
+}
+
+/// Arrays that were written into, say: a commit tells of them.
+TEST_F(PrimCommitTest, ShapesThatCannotBeReadAgainAreOthers) {
+    const GeometryPrim& after = scene.geometry["/a"];
+    const SharedSpan<std::int32_t>& indices = after.geometry->faceVertexIndices;
+    const auto isLeft = [&](const ArraySource::Reader& read) {
+        const auto away = Copy(after);
+        away->points = std::vector<float>(away->points.size(), 0.5F);
+        away->faceVertexIndices = SharedSpan<std::int32_t>(
+            std::make_shared<const ArraySource>("/a.faceVertexIndices", read(), read, 0));
+        away->faceVertexIndices.Source()->Drop();
+        GeometryPrim before = after;
+        before.geometry = away;
+        return LeavesAllButShape(before, after);
+    };
+    bool isGone = false;
+    const ArraySource::Reader read = [&]() -> ArrayBytes {
+        if (isGone) {
+            throw Error("has been written into");
+        }
+        auto values =
+            std::make_shared<const std::vector<std::int32_t>>(indices.begin(), indices.end());
+        return {values, values->data(), values->size() * sizeof(std::int32_t)};
+    };
+    EXPECT_TRUE(isLeft(read));
+    int numReads = 0;
+    EXPECT_FALSE(isLeft([&] {
+        isGone = numReads++ > 0;
+        return read();
+    }));
+}
+
+TEST_F(PrimCommitTest, KernelsHaveWhatMediaOfMeshesWithoutFacesNeed) {
+    scene.materials["/mist"] = MakeMist();
+    GeometryPrim& prim = scene.geometry["/b"];
+    prim.materialPath = "/mist";
+    const auto nothing = Copy(prim);
+    nothing->points = std::vector<float>(nothing->points.size(), std::nanf(""));
+    prim.geometry = nothing;
+    ++cache.contentVersion;
+    CommitBoth();
+    EXPECT_TRUE(kept->hasMedia && kept->hasCutouts);
+    ExpectSameDescription();
 }
 
 TEST_F(PrimCommitTest, AShapeThatIsCancelledComesLater) {
