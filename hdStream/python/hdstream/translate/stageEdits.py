@@ -30,9 +30,9 @@ class StageTranslation:
 
     def __init__(self, stage, session, onBegin):
         """onBegin() is called when the session was cleared."""
+        self._session = session  # it goes before the layers whose arrays it has, as in PreparedStage
+        self._onBegin = onBegin  # has the session, too
         self._stage = stage
-        self._session = session
-        self._onBegin = onBegin
         self._timeCode = None
         self._shutter = (0.0, 0.0)
         self._pass = ""  # path of the render pass; empty: none
